@@ -1,0 +1,481 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/run/batch.hpp"
+
+#include <fmt/format.h>
+
+#include <Kokkos_Core.hpp>
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "host/errors.hpp"
+#include "kernels/march.hpp"
+#include "kernels/schemes/backward_euler.hpp"
+
+namespace ra2d {
+namespace {
+
+using Space = Kokkos::DefaultExecutionSpace;
+constexpr int width = LanesOf<Space>::width;
+constexpr int capacity = 256;  // modal lanes
+
+/// One block of device memory with a host copy; pieces are handed out before it is made.
+class Arena {
+ public:
+  /// Room for `count` values of T; returns its offset in bytes.
+  template <class T>
+  std::size_t reserve(std::size_t count) {
+    const std::size_t offset = (bytes_ + 63) / 64 * 64;
+    bytes_ = offset + count * sizeof(T);
+    return offset;
+  }
+  void allocate() {
+    // one cache line more, so that the pieces can start on one
+    device_ = Kokkos::View<char*, Space>("ra2d::arena", bytes_ + 64);
+    host_ = Kokkos::create_mirror_view(device_);
+    shift_ = (64 - reinterpret_cast<std::uintptr_t>(device_.data()) % 64) % 64;
+  }
+  template <class T>
+  T* device(std::size_t offset) const {
+    return reinterpret_cast<T*>(device_.data() + shift_ + offset);
+  }
+  template <class T>
+  T* host(std::size_t offset) const {
+    return reinterpret_cast<T*>(host_.data() + shift_ + offset);
+  }
+  void upload() { Kokkos::deep_copy(device_, host_); }
+  /// Brings part of the device's copy back.
+  void fetch(std::size_t offset, std::size_t bytes) const {
+    const auto range = std::make_pair(shift_ + offset, shift_ + offset + bytes);
+    Kokkos::deep_copy(Kokkos::subview(host_, range), Kokkos::subview(device_, range));
+  }
+
+ private:
+  std::size_t bytes_ = 0, shift_ = 0;
+  Kokkos::View<char*, Space> device_;
+  typename Kokkos::View<char*, Space>::host_mirror_type host_;
+};
+
+/// Terms of the displacement series, in fours, and the patch width that goes with them.
+struct Series {
+  int quads = 2;
+  int patch_nodes = 1;
+};
+
+/// |psi^(terms)| radius^terms / terms! stays below half an ulp of psi's bound for beta radius up to this.
+double series_range(int quads) {
+  const int terms = 4 * quads;
+  return std::exp((std::lgamma(terms + 1.0) + std::log(0x1p-53)) / terms);
+}
+
+double highest_beta(const Beam& beam) {
+  double beta = 0;
+  for (const ModeShape& mode : beam.modes) beta = std::max(beta, mode.beta);
+  return beta;
+}
+
+Series choose_series(const Model& model) {
+  const double beta_chi = highest_beta(model.resonator) * model.scene.spacing;
+  const double widest = static_cast<double>(model.resonator_height.size());
+  for (const int quads : {2}) {
+    // radius = (patch_nodes + width)/2 in chi
+    const double nodes =
+        beta_chi > 0 ? std::min(widest, 2.0 * series_range(quads) / beta_chi - width) : widest;
+    if (nodes >= 1.0) return {quads, static_cast<int>(nodes)};
+  }
+  throw RequestError(fmt::format(
+      "scene.spacing = {} m: the resonator's highest mode has only {:.1f} nodes to a wavelength, {:.0f} are "
+      "needed here. Refine scene.spacing or keep fewer modes (resonator.max_frequency)",
+      model.scene.spacing, 2 * M_PI / beta_chi, 2 * M_PI * (width + 1) / (2.0 * series_range(6))));
+}
+
+/// What the kernel is compiled for.
+struct Shape {
+  int packs, quads;
+  bool operator==(const Shape&) const = default;
+};
+
+template <int... K>
+struct PackList {};
+#if defined(KOKKOS_ENABLE_CUDA)
+using Packs = PackList<1, 2, 4, 8>;
+#else
+using Packs = std::conditional_t<width == 8, PackList<3>,
+                                 PackList<1, 2, 3, 4, 6, 8, 16, 32, 64, 128, 256>>;
+#endif
+
+template <int... K>
+int round_packs(int needed, PackList<K...>) {
+  int packs = 0;
+  (void)((K >= needed && (packs = K)) || ...);
+  return packs;
+}
+
+template <int K, int Q>
+void launch(const Kokkos::View<SceneTables*, Space>& tables,
+            const Kokkos::View<SceneState*, Space>& states, std::int64_t target) {
+  const March<Space, BackwardEuler, K, Q> march{tables, states, target};
+  march.launch(Space{});
+}
+
+template <int... K>
+void launch(const Shape& shape, const Kokkos::View<SceneTables*, Space>& tables,
+            const Kokkos::View<SceneState*, Space>& states, std::int64_t target, PackList<K...>) {
+  (void)((K == shape.packs && (launch<K, 2>(tables, states, target),
+                               true)) ||
+         ...);
+}
+
+/// A scene's place in the arena.
+struct Layout {
+  int lanes, groups, patches, run_capacity;
+  Series series;
+  std::size_t mode_tables, patch, shapes, unit, height1, height2, block_max, moving;
+  std::size_t modal_state, samples, runs, new_runs, open, shocks, near, watch, touched, bits, force,
+      amplitudes;
+  int height2_size, blocks;
+  int sample_capacity, shock_capacity, row;
+};
+
+enum ModeTable { c0, c1, c2, load, mass, omega, damping, pull, push, reach, slope, curve, quartic, mode_tables };
+enum ModalArray { u, v, start, square, square_part, near_u, modal_arrays };
+
+}  // namespace
+
+int most_modes() { return capacity; }
+std::string backend_name() { return Space::name(); }
+int backend_threads() { return Space().concurrency(); }
+
+struct Batch::Impl {
+  std::vector<Model> models;
+  std::vector<Layout> layouts;
+  Shape shape{0, 0};
+  Arena arena;
+  Kokkos::View<SceneTables*, Space> tables;
+  Kokkos::View<SceneState*, Space> states;
+
+  Layout lay_out(const Model& model, const Series& series, const BatchOptions& options) {
+    Layout l{};
+    const int modes1 = static_cast<int>(model.slider.modes.size());
+    l.series = series;
+    l.lanes = shape.packs * width;
+    l.groups = (model.nodes() + width - 1) / width;
+    const int reach2 = static_cast<int>(model.resonator_height.size()) + l.groups * width + 2 * width;
+    l.patches = reach2 / series.patch_nodes + 1;
+    l.height2_size = reach2;
+    l.blocks = reach2 / width;
+    // runs of neighbouring nodes: at the most every other node
+    l.run_capacity = model.nodes() / 2 + 2;
+    l.sample_capacity = static_cast<int>(
+        std::min<std::int64_t>(options.samples_at_once, model.samples));
+    l.shock_capacity = options.shocks_at_once + l.run_capacity;
+    l.row = 2 * l.lanes + sample::columns;
+
+    l.mode_tables = arena.reserve<double>(ra2d::mode_tables * l.lanes);
+    l.patch = arena.reserve<double>(static_cast<std::size_t>(l.patches) * 4 * l.lanes);
+    l.shapes = arena.reserve<double>(static_cast<std::size_t>(modes1) * l.groups * width);
+    l.unit = arena.reserve<double>(static_cast<std::size_t>(modes1) * l.lanes);
+    l.height1 = arena.reserve<double>(l.groups * width);
+    l.height2 = arena.reserve<double>(l.height2_size);
+    l.block_max = arena.reserve<double>(l.blocks);
+    l.moving = arena.reserve<MovingForceTable>(model.scene.resonator.moving_forces.size());
+    l.modal_state = arena.reserve<double>(modal_arrays * l.lanes);
+    l.samples = arena.reserve<double>(static_cast<std::size_t>(l.sample_capacity) * l.row);
+    l.runs = arena.reserve<ContactRun>(l.run_capacity);
+    l.new_runs = arena.reserve<ContactRun>(l.run_capacity);
+    l.open = arena.reserve<OpenShock>(2 * l.run_capacity);
+    l.shocks = arena.reserve<ShockRow>(l.shock_capacity);
+    l.near = arena.reserve<int>(l.groups);
+    l.watch = arena.reserve<int>(l.groups);
+    l.touched = arena.reserve<int>(l.groups);
+    l.bits = arena.reserve<std::uint32_t>(l.groups);
+    l.force = arena.reserve<double>(l.groups * width);
+    l.amplitudes = arena.reserve<double>(2 * l.lanes);
+    return l;
+  }
+
+  SceneTables fill_tables(const Model& model, const Layout& l);
+  SceneState fill_state(const Model& model, const ModalStart& start, const Layout& l);
+};
+
+SceneTables Batch::Impl::fill_tables(const Model& model, const Layout& l) {
+  const Scene& scene = model.scene;
+  const int modes2 = static_cast<int>(model.resonator.modes.size());
+  const int modes1 = static_cast<int>(model.slider.modes.size());
+  const double chi = scene.spacing, tau = scene.step;
+  const double radius = 0.5 * (l.series.patch_nodes + width) * chi;
+
+  SceneTables t;
+  t.resonator_modes = modes2;
+  t.slider_modes = modes1;
+  t.nodes = model.nodes();
+  t.groups = l.groups;
+  t.patches = l.patches;
+  t.patch_nodes = l.series.patch_nodes;
+  t.moving_forces = static_cast<int>(scene.resonator.moving_forces.size());
+  t.look = scene.nodes == Nodes::all ? Look::all : Look::candidates;
+  t.position = model.position;
+  t.advance = model.advance;
+  t.spacing = chi;
+  t.step = tau;
+  t.inverse_radius = chi / radius;
+  t.resonator_length = scene.resonator.length;
+  t.node_stiffness = model.node_stiffness;
+  t.total_steps = model.steps;
+  t.steps_per_sample = model.steps_per_sample;
+  t.samples = model.samples;
+
+  // modes
+  double* m = arena.host<double>(l.mode_tables);
+  const auto table = [&](int which) { return m + which * l.lanes; };
+  double push_of_forces = 0;
+  for (const MovingForce& f : scene.resonator.moving_forces) push_of_forces += std::abs(f.force);
+  const auto fill_mode = [&](int lane, const Beam& beam, std::size_t k, bool moves) {
+    const ModeShape& mode = beam.modes[k];
+    double c[BackwardEuler::coefficients];
+    BackwardEuler::prepare(mode.omega, beam.zeta, beam.mass_per_length, tau, c);
+    table(c0)[lane] = c[0];
+    table(c1)[lane] = c[1];
+    table(c2)[lane] = c[2];
+    table(load)[lane] = beam.load[k];
+    table(mass)[lane] = beam.mass_per_length;
+    table(omega)[lane] = mode.omega;
+    table(damping)[lane] = 2.0 * beam.zeta * mode.omega * beam.mass_per_length * tau;
+    table(pull)[lane] = BackwardEuler::pull(mode.omega, beam.zeta);
+    const double wave = std::hypot(mode.sine, mode.cosine) + std::abs(mode.left) + std::abs(mode.right);
+    const double rigid = std::max(std::abs(mode.constant),
+                                  std::abs(mode.constant + mode.slope * beam.length));
+    table(reach)[lane] = wave + rigid;
+    table(push)[lane] =
+        (std::abs(beam.load[k]) + (moves ? push_of_forces * (wave + rigid) : 0.0)) / beam.mass_per_length;
+    t.compliance += (wave + rigid) * (wave + rigid) / beam.mass_per_length;
+    if (moves) {
+      table(slope)[lane] = mode.beta * wave + std::abs(mode.slope);
+      table(curve)[lane] = mode.beta * mode.beta * wave;
+      table(quartic)[lane] = std::pow(mode.beta * radius, 4);
+    }
+  };
+  for (int k = 0; k < modes2; ++k) fill_mode(k, model.resonator, k, true);
+  for (int k = 0; k < modes1; ++k) fill_mode(modes2 + k, model.slider, k, false);
+
+  // displacement series of the resonator's modes
+  double* rows = arena.host<double>(l.patch);
+  for (int p = 0; p < l.patches; ++p) {
+    const double centre = (p + 0.5) * l.series.patch_nodes * chi;
+    for (int k = 0; k < modes2; ++k) {
+      double d[4];
+      evaluate(model.resonator.modes[k], model.resonator.length, centre, 4, d);
+      for (int j = 0; j < 4; ++j)
+        rows[(static_cast<std::size_t>(p) * 4 + j) * l.lanes + k] =
+            d[j] * std::pow(radius, j) / std::tgamma(j + 1.0);
+    }
+  }
+  // the slider's modes at its nodes
+  double* shapes = arena.host<double>(l.shapes);
+  double* unit = arena.host<double>(l.unit);
+  for (int k = 0; k < modes1; ++k) {
+    unit[static_cast<std::size_t>(k) * l.lanes + modes2 + k] = 1.0;
+    for (int n = 0; n < model.nodes(); ++n)
+      evaluate(model.slider.modes[k], model.slider.length, n * chi, 1,
+               shapes + static_cast<std::size_t>(k) * l.groups * width + n);
+  }
+
+  // faces
+  double* h1 = arena.host<double>(l.height1);
+  double scale = 0;
+  for (int n = 0; n < l.groups * width; ++n) {
+    const bool real = n < model.nodes();
+    h1[n] = real ? model.slider_height[n] - model.delta : -1e30;
+    if (real) scale = std::max(scale, std::abs(h1[n]));
+  }
+  double* h2 = arena.host<double>(l.height2);
+  double scale2 = 0;
+  for (int n = 0; n < l.height2_size; ++n) {
+    h2[n] = model.resonator_height[std::min<std::size_t>(n, model.resonator_height.size() - 1)];
+    scale2 = std::max(scale2, std::abs(h2[n]));
+  }
+  scale += scale2;
+  double* block_max = arena.host<double>(l.block_max);
+  for (int b = 0; b < l.blocks; ++b)
+    block_max[b] = *std::max_element(h2 + b * width, h2 + (b + 1) * width);
+  t.slack = 16 * 0x1p-52 * scale;
+  scale += 1e-6 * chi;
+  t.least_reach = 1e-4 * scale;
+  t.least_leeway = 1e-8 * scale;
+  t.least_energy = 1e-30;
+
+  auto* moving = arena.host<MovingForceTable>(l.moving);
+  for (int i = 0; i < t.moving_forces; ++i) {
+    const MovingForce& f = scene.resonator.moving_forces[i];
+    moving[i] = {f.force, f.start, f.speed * tau};
+  }
+
+  const double* dm = arena.device<double>(l.mode_tables);
+  const auto on_device = [&](int which) { return dm + which * l.lanes; };
+  t.c0 = on_device(c0), t.c1 = on_device(c1), t.c2 = on_device(c2);
+  t.load = on_device(load), t.mass = on_device(mass), t.omega = on_device(omega);
+  t.damping = on_device(damping), t.pull = on_device(pull), t.push = on_device(push);
+  t.reach = on_device(reach), t.reach_slope = on_device(slope), t.reach_curve = on_device(curve);
+  t.quartic = on_device(quartic);
+  t.patch = arena.device<double>(l.patch);
+  t.slider_shape = arena.device<double>(l.shapes);
+  t.unit = arena.device<double>(l.unit);
+  t.height1 = arena.device<double>(l.height1);
+  t.height2 = arena.device<double>(l.height2);
+  t.block_max2 = arena.device<double>(l.block_max);
+  t.moving_force = arena.device<MovingForceTable>(l.moving);
+  return t;
+}
+
+SceneState Batch::Impl::fill_state(const Model& model, const ModalStart& begin, const Layout& l) {
+  const std::size_t modes2 = model.resonator.modes.size();
+  double* host = arena.host<double>(l.modal_state);
+  const auto copy = [&](const std::vector<double>& from, int array, std::size_t lane) {
+    std::copy(from.begin(), from.end(), host + array * l.lanes + lane);
+  };
+  for (const int array : {static_cast<int>(ra2d::u), static_cast<int>(ra2d::start)}) {
+    copy(begin.resonator_u, array, 0);
+    copy(begin.slider_u, array, modes2);
+  }
+  copy(begin.resonator_v, ra2d::v, 0);
+  copy(begin.slider_v, ra2d::v, modes2);
+
+  double* modal = arena.device<double>(l.modal_state);
+  SceneState s;
+  s.u = modal + ra2d::u * l.lanes;
+  s.v = modal + ra2d::v * l.lanes;
+  s.start = modal + ra2d::start * l.lanes;
+  s.square = modal + ra2d::square * l.lanes;
+  s.square_part = modal + ra2d::square_part * l.lanes;
+  s.near_u = modal + ra2d::near_u * l.lanes;
+  s.energy_start = begin.energy;
+  s.sample_rows = arena.device<double>(l.samples);
+  s.sample_capacity = l.sample_capacity;
+  s.runs = arena.device<ContactRun>(l.runs);
+  s.new_runs = arena.device<ContactRun>(l.new_runs);
+  s.open = arena.device<OpenShock>(l.open);
+  s.run_capacity = l.run_capacity;
+  s.shock_rows = arena.device<ShockRow>(l.shocks);
+  s.shock_capacity = l.shock_capacity;
+  s.near = arena.device<int>(l.near);
+  s.watch = arena.device<int>(l.watch);
+  s.touched = arena.device<int>(l.touched);
+  s.touched_bits = arena.device<std::uint32_t>(l.bits);
+  s.touched_force = arena.device<double>(l.force);
+  s.lanes = arena.device<double>(l.amplitudes);
+  return s;
+}
+
+Batch::Batch(const std::vector<Model>& models, const std::vector<ModalStart>& starts,
+             const BatchOptions& options)
+    : impl_{std::make_unique<Impl>()} {
+  Impl& b = *impl_;
+  b.models = models;
+  std::vector<Series> series;
+  int quads = 0, packs = options.least_packs;
+  for (const Model& model : models) {
+    const int modes = static_cast<int>(model.resonator.modes.size() + model.slider.modes.size());
+    if (modes > capacity)
+      throw RequestError(fmt::format("{} modes in both bodies together, at the most {} can be marched: lower "
+                                     "max_frequency or modes",
+                                     modes, capacity));
+    packs = std::max(packs, std::max(1, (modes + width - 1) / width));
+    series.push_back(choose_series(model));
+    if (quads != 0 && series.back().quads != quads)
+      throw RequestError("these scenes do not go into one batch: some need a longer displacement series");
+    quads = series.back().quads;
+  }
+  b.shape = {round_packs(packs, Packs{}), quads};
+  for (std::size_t i = 0; i < models.size(); ++i)
+    b.layouts.push_back(b.lay_out(models[i], series[i], options));
+  b.arena.allocate();
+  b.tables = Kokkos::View<SceneTables*, Space>("ra2d::tables", models.size());
+  b.states = Kokkos::View<SceneState*, Space>("ra2d::states", models.size());
+  const auto tables_host = Kokkos::create_mirror_view(b.tables);
+  const auto states_host = Kokkos::create_mirror_view(b.states);
+  for (std::size_t i = 0; i < models.size(); ++i) {
+    tables_host(i) = b.fill_tables(models[i], b.layouts[i]);
+    states_host(i) = b.fill_state(models[i], starts[i], b.layouts[i]);
+  }
+  b.arena.upload();
+  Kokkos::deep_copy(b.tables, tables_host);
+  Kokkos::deep_copy(b.states, states_host);
+}
+
+Batch::~Batch() = default;
+Batch::Batch(Batch&&) noexcept = default;
+
+void Batch::march(std::int64_t target) {
+  launch(impl_->shape, impl_->tables, impl_->states, target, Packs{});
+  Space{}.fence();
+}
+
+Drained Batch::drain(int scene) {
+  Impl& b = *impl_;
+  const Layout& l = b.layouts[scene];
+  const auto place = Kokkos::subview(b.states, scene);
+  SceneState s;
+  const Kokkos::View<SceneState, Kokkos::HostSpace, Kokkos::MemoryUnmanaged> copy(&s);
+  Kokkos::deep_copy(copy, place);
+  Drained out;
+  out.lanes = l.lanes;
+  out.samples = s.sample_count;
+  const std::size_t row = l.row;
+  // a row that still misses its share of the next step stays
+  const std::size_t rows = s.sample_count + (s.sample_pending ? 1 : 0);
+  b.arena.fetch(l.samples, rows * row * sizeof(double));
+  double* samples = b.arena.host<double>(l.samples);
+  out.sample_rows.assign(samples, samples + s.sample_count * row);
+  b.arena.fetch(l.shocks, s.shock_count * sizeof(ShockRow));
+  const auto* shocks = b.arena.host<ShockRow>(l.shocks);
+  out.shocks.assign(shocks, shocks + s.shock_count);
+  if (s.sample_pending && s.sample_count > 0) {
+    const Kokkos::View<double*, Space, Kokkos::MemoryUnmanaged> first(
+        b.arena.device<double>(l.samples), row),
+        last(b.arena.device<double>(l.samples) + s.sample_count * row, row);
+    Kokkos::deep_copy(first, last);
+  }
+  s.sample_count = s.shock_count = 0;
+  Kokkos::deep_copy(place, copy);
+  return out;
+}
+
+Snapshot Batch::snapshot(int scene) const {
+  const Impl& b = *impl_;
+  const Layout& l = b.layouts[scene];
+  const Model& model = b.models[scene];
+  SceneState s;
+  const Kokkos::View<SceneState, Kokkos::HostSpace, Kokkos::MemoryUnmanaged> copy(&s);
+  Kokkos::deep_copy(copy, Kokkos::subview(b.states, scene));
+  b.arena.fetch(l.modal_state, modal_arrays * l.lanes * sizeof(double));
+  b.arena.fetch(l.open, s.open_count * sizeof(OpenShock));
+  const double* modal = b.arena.host<double>(l.modal_state);
+  const std::size_t modes2 = model.resonator.modes.size(), modes1 = model.slider.modes.size();
+  const auto take = [&](int array, std::size_t lane, std::size_t count) {
+    const double* from = modal + array * l.lanes + lane;
+    return std::vector<double>(from, from + count);
+  };
+  Snapshot out;
+  out.status = s.status;
+  out.step = s.step;
+  out.resonator_u = take(ra2d::u, 0, modes2);
+  out.resonator_v = take(ra2d::v, 0, modes2);
+  out.slider_u = take(ra2d::u, modes2, modes1);
+  out.slider_v = take(ra2d::v, modes2, modes1);
+  out.resonator_square = take(ra2d::square, 0, modes2);
+  const std::vector<double> part = take(ra2d::square_part, 0, modes2);
+  for (std::size_t k = 0; k < modes2; ++k) out.resonator_square[k] += part[k];
+  out.contact_steps = s.contact_steps;
+  out.most_nodes = s.most_nodes;
+  out.evaluated = s.evaluated;
+  out.shocks_begun = s.shocks_begun;
+  out.energy = s.energy;
+  out.energy_limit = s.energy_limit;
+  out.sliding_work = s.sliding_work + s.sliding_part;
+  out.force_work = s.force_work + s.force_part;
+  const auto* open = b.arena.host<OpenShock>(l.open);
+  out.open_shocks.assign(open, open + s.open_count);
+  return out;
+}
+
+}  // namespace ra2d

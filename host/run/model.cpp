@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/run/model.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/surface/surface.hpp"
+
+namespace ra2d {
+
+Model make_model(const Scene& scene) {
+  Model m;
+  m.scene = scene;
+  m.resonator = make_beam(scene.resonator);
+  m.slider = make_beam(scene.slider);
+  m.resonator_height =
+      make_surface(scene.resonator.surface, scene.resonator.length, scene.spacing, scene.file);
+  m.slider_height = make_surface(scene.slider.surface, scene.slider.length, scene.spacing, scene.file);
+  m.node_stiffness =
+      scene.stiffness * scene.spacing * std::min(scene.resonator.width, scene.slider.width);
+  m.position = scene.start / scene.spacing;
+  m.advance = scene.speed * scene.step / scene.spacing;
+  m.steps = std::llround(scene.duration / scene.step);
+  m.steps_per_sample = 1.0 / (scene.rate * scene.step);
+  const double whole = std::round(m.steps_per_sample);
+  if (std::abs(m.steps_per_sample - whole) < 1e-12 * whole) m.steps_per_sample = whole;
+  m.samples =
+      1 + static_cast<std::int64_t>(static_cast<double>(m.steps) / m.steps_per_sample + 1e-9);
+
+  if (scene.gap) {
+    m.delta = *scene.gap;
+  } else {
+    // the smallest distance without overlap at t = 0
+    const std::vector<double> overlap = overlaps(m, {}, {});
+    m.delta = *std::max_element(overlap.begin(), overlap.end());
+  }
+  return m;
+}
+
+std::vector<double> overlaps(const Model& m, const std::vector<double>& resonator_u,
+                             const std::vector<double>& slider_u) {
+  const double chi = m.scene.spacing;
+  const int base = static_cast<int>(m.position);
+  const double theta = m.position - base;
+  std::vector<double> overlap(m.slider_height.size());
+  for (int n = 0; n < m.nodes(); ++n) {
+    const std::size_t left = std::min<std::size_t>(base + n, m.resonator_height.size() - 1);
+    const std::size_t right = std::min<std::size_t>(left + 1, m.resonator_height.size() - 1);
+    double sum = m.slider_height[n] - m.delta + m.resonator_height[left] +
+                 theta * (m.resonator_height[right] - m.resonator_height[left]);
+    double psi = 0;
+    for (std::size_t k = 0; k < resonator_u.size(); ++k) {
+      if (resonator_u[k] == 0.0) continue;
+      evaluate(m.resonator.modes[k], m.resonator.length, (m.position + n) * chi, 1, &psi);
+      sum += resonator_u[k] * psi;
+    }
+    for (std::size_t k = 0; k < slider_u.size(); ++k) {
+      if (slider_u[k] == 0.0) continue;
+      evaluate(m.slider.modes[k], m.slider.length, n * chi, 1, &psi);
+      sum += slider_u[k] * psi;
+    }
+    overlap[n] = sum;
+  }
+  return overlap;
+}
+
+}  // namespace ra2d

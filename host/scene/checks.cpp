@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/scene/checks.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "host/scene/text.hpp"
+
+namespace ra2d {
+namespace {
+
+constexpr double most_steps = 9e15;  // a step number stays exact in a double
+constexpr double most_nodes = 5e7;
+constexpr double most_modes = 1e6;
+constexpr double least_per_wave = 4;  // spacings in rsm or a correlation length
+constexpr double rounding = 1e-9;     // of a spacing, as for the number of nodes
+
+/// A positive bound, rounded down to six digits so that it can be copied into the scene.
+std::string at_most(double bound) {
+  const double unit = std::pow(10.0, std::floor(std::log10(bound)) - 5);
+  // 1.7999999999999998 is 1.8: less is added than `rounding` forgives
+  return fmt::format("{:.6g}", std::floor(bound / unit + 1e-5) * unit);
+}
+
+void check_times(const Scene& s, Document& document) {
+  const double steps = s.duration / s.step;
+  if (steps > most_steps)
+    document.fault("time.step",
+                   fmt::format("{} s makes {:.3g} steps of {} s: expected at most {:g} "
+                               "steps (a longer step or a shorter duration)",
+                               s.step, steps, s.duration, most_steps));
+  if (s.step > s.duration)
+    document.fault("time.step", fmt::format("{} s is longer than the run: expected at most "
+                                            "scene.duration, {} s",
+                                            s.step, s.duration));
+  if (s.rate * s.step > 1 + rounding)
+    document.fault(
+        "output.rate",
+        fmt::format("{} Hz asks for more than one sample a step: expected at most {} Hz, "
+                    "1/time.step (lower the rate or the step)",
+                    s.rate, at_most(1 / s.step)));
+}
+
+void check_nodes(const Scene& s, const std::string& name, const BodySpec& body,
+                 Document& document) {
+  const double nodes = body.length / s.spacing;
+  if (nodes < 1 - rounding)
+    document.fault("scene.spacing",
+                   fmt::format("{} m is larger than the {}, {} m: expected at least "
+                               "2 nodes on each body (refine the spacing)",
+                               s.spacing, name, body.length));
+  if (nodes > most_nodes)
+    document.fault("scene.spacing",
+                   fmt::format("{} m puts {:.3g} nodes on the {}: expected at most "
+                               "{:g} (a wider spacing)",
+                               s.spacing, nodes, name, most_nodes));
+}
+
+/// Where the slider stands, from the first moment to the last.
+void check_path(const Scene& s, Document& document) {
+  if (s.slider.length > s.resonator.length) {
+    document.fault("slider.length",
+                   fmt::format("{} m is longer than the resonator: expected at most "
+                               "resonator.length, {} m",
+                               s.slider.length, s.resonator.length));
+    return;
+  }
+  if (s.start < 0)
+    document.fault("scene.start", fmt::format("the slider overhangs the resonator's left end by "
+                                              "{:.6g} m: expected start >= 0",
+                                              -s.start));
+  const double room = s.resonator.length - s.slider.length;
+  const double travel = s.speed * s.duration;
+  const double excess = s.start + travel - room;
+  if (!(excess > rounding * s.resonator.length)) return;
+  std::vector<std::string> cures;
+  const auto cure = [&](const char* key, double bound, const char* unit) {
+    if (bound > 0) cures.push_back(fmt::format("{} <= {} {}", key, at_most(bound), unit));
+  };
+  if (travel > 0) {
+    cure("duration", (room - s.start) / s.speed, "s");
+    cure("speed", (room - s.start) / s.duration, "m/s");
+  }
+  cure("start", room - travel, "m");
+  if (cures.empty()) cures.emplace_back("start = 0 with speed = 0");  // no room to spare
+  document.fault(
+      "scene.start",
+      fmt::format("the slider leaves the resonator's right end by {:.6g} m during the run: "
+                  "expected start + slider.length + speed * duration <= "
+                  "resonator.length, {} m ({} would fit)",
+                  excess, s.resonator.length, any_of(cures, "")));
+}
+
+void check_modes(const std::string& name, const BodySpec& body, Document& document) {
+  if (body.support == Support::rigid || !body.max_frequency) return;
+  // the bending modes of a pinned beam, those of a free one lie close by: f_k = k^2 f_1
+  const double first = std::numbers::pi / 2 * body.thickness / (body.length * body.length) *
+                       std::sqrt(body.young / (12 * body.density));
+  const double modes = std::sqrt(*body.max_frequency / first);
+  if (modes > most_modes)
+    document.fault(
+        name + ".max_frequency",
+        fmt::format("{} Hz keeps {:.3g} modes: expected at most {:g} (a lower frequency)",
+                    *body.max_frequency, modes, most_modes));
+}
+
+void check_surface(const Scene& s, const std::string& name, const BodySpec& body,
+                   Document& document) {
+  const SurfaceSpec& surface = body.surface;
+  const auto resolved = [&](const char* key, const std::optional<double>& wave) {
+    if (wave && *wave < least_per_wave * s.spacing * (1 - rounding))
+      document.fault(
+          fmt::format("{}.surface.{}", name, key),
+          fmt::format("{} m is not resolved by the spacing, {} m: expected at least {} "
+                      "spacings (scene.spacing <= {} m, or a longer {})",
+                      *wave, s.spacing, least_per_wave, at_most(*wave / least_per_wave), key));
+  };
+  if (surface.kind == SurfaceKind::gaussian) {
+    resolved("rsm", surface.rsm);
+    resolved("correlation_length", surface.correlation_length);
+  }
+  if (surface.kind != SurfaceKind::peaks) return;
+  for (std::size_t i = 0; i < surface.peaks.size(); ++i) {
+    const Peak& peak = surface.peaks[i];
+    if (peak.at + peak.half_width < 0 || peak.at - peak.half_width > body.length)
+      document.fault(
+          fmt::format("{}.surface.peaks[{}].at", name, i),
+          fmt::format("the peak at {} m lies off the body: expected a place from 0 to {} m",
+                      peak.at, body.length));
+  }
+}
+
+void check_loads(const Scene& s, Document& document) {
+  const bool loaded = s.slider.load_is_weight || s.slider.load != 0;
+  if (s.slider.support == Support::rigid && loaded && !std::isnan(s.slider.load))
+    document.fault("slider.load",
+                   "a rigid slider has no mode to take a load: expected 0 (drop the key, or take "
+                   "support = \"free\")");
+  if (s.initial != Initial::statics) return;
+  if (s.resonator.support == Support::free)
+    document.fault("scene.initial",
+                   "\"static\" with a free resonator: nothing holds it, there is no equilibrium: "
+                   "expected \"rest\" (or resonator.support = \"pinned\")");
+  if (s.slider.support == Support::free && !s.slider.load_is_weight && s.slider.load <= 0)
+    document.fault(
+        "scene.initial",
+        "\"static\" with a free slider that no load holds down, there is no equilibrium: "
+        "expected \"rest\" (or slider.load = \"weight\")");
+}
+
+}  // namespace
+
+void check(const Scene& scene, Document& document) {
+  check_times(scene, document);
+  check_path(scene, document);
+  for (const auto& [name, body] :
+       {std::pair{"resonator", &scene.resonator}, std::pair{"slider", &scene.slider}}) {
+    check_nodes(scene, name, *body, document);
+    check_modes(name, *body, document);
+    check_surface(scene, name, *body, document);
+  }
+  check_loads(scene, document);
+  for (std::size_t i = 0; i < scene.probes.size(); ++i) {
+    if (scene.probes[i] < 0 || scene.probes[i] > scene.resonator.length)
+      document.fault(fmt::format("output.probes[{}]", i),
+                     fmt::format("{} m is off the resonator: expected a place from 0 to {} m",
+                                 scene.probes[i], scene.resonator.length));
+  }
+}
+
+}  // namespace ra2d

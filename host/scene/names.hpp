@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/scene/scene.hpp"
+
+/// The words of a scene: what each choice is called in TOML.
+namespace ra2d {
+
+template <class E>
+struct Choices {
+  std::vector<std::pair<std::string, E>> now;
+  std::vector<std::string> later;  // promised, not in this version
+
+  const std::string& name(E value) const {
+    for (const auto& [word, candidate] : now)
+      if (candidate == value) return word;
+    return now.front().first;  // not reached: every value has its word
+  }
+};
+
+inline const Choices<Support> supports{
+    {{"pinned", Support::pinned}, {"free", Support::free}, {"rigid", Support::rigid}}, {}};
+inline const Choices<SurfaceKind> surface_kinds{{{"gaussian", SurfaceKind::gaussian},
+                                                 {"file", SurfaceKind::file},
+                                                 {"peaks", SurfaceKind::peaks},
+                                                 {"flat", SurfaceKind::flat}},
+                                                {}};
+inline const Choices<Initial> initial_states{
+    {{"rest", Initial::rest}, {"static", Initial::statics}}, {}};
+inline const Choices<ContactLaw> contact_laws{{{"penalty", ContactLaw::penalty}}, {"multiplier"}};
+inline const Choices<SchemeKind> schemes{
+    {{"backward-euler", SchemeKind::backward_euler}},
+    {"explicit-euler", "midpoint", "heun", "rk4", "rk8", "exact", "adaptive"}};
+inline const Choices<Nodes> node_choices{{{"candidates", Nodes::candidates}, {"all", Nodes::all}},
+                                         {}};
+
+}  // namespace ra2d

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/scene/names.hpp"
+
+/// Reads a TOML text key by key, and collects every fault on the way.
+namespace ra2d {
+
+/// The finite numbers that a key takes, and how a message calls them.
+struct Range {
+  double low, high;  // low <= x < high
+  bool low_itself;   // false: low < x
+  const char* words;
+};
+inline constexpr double infinite = std::numeric_limits<double>::infinity();
+inline constexpr Range any_number{-infinite, infinite, false, "a number"};
+inline constexpr Range positive{0, infinite, false, "a number > 0"};
+inline constexpr Range not_negative{0, infinite, true, "a number >= 0"};
+inline constexpr Range ratio{0, 1, true, "a number in [0, 1)"};
+
+enum class Need { required, optional };
+
+class Document;
+
+/// One table of the document. Each key is asked for once, by the call that reads it; what nobody
+/// asked for is unknown. A value at fault reads as NaN, so that comparisons with it find no further
+/// fault.
+class Reader {
+ public:
+  Reader(Document& document, std::size_t index) : document_{&document}, index_{index} {}
+
+  bool stands() const;  // the table is there
+  bool has(const std::string& key) const;
+
+  std::optional<double> number(const std::string& key, const Range& range, const std::string& unit,
+                               Need need = Need::required, const std::string& or_word = {});
+  /// Whether the key is this word (a number else: ask `number` too).
+  bool says(const std::string& key, const std::string& word) const;
+  std::optional<std::int64_t> integer(const std::string& key, std::int64_t low, std::int64_t high,
+                                      Need need);
+  std::optional<std::string> text(const std::string& key, const std::string& what, Need need);
+  std::vector<double> numbers(const std::string& key, const std::string& unit);
+  std::optional<Reader> table(const std::string& key);
+  std::vector<Reader> tables(const std::string& key, Need need);
+
+  template <class E>
+  std::optional<E> choice(const std::string& key, const Choices<E>& choices, Need need) {
+    std::vector<std::string> now;
+    for (const auto& named : choices.now) now.push_back(named.first);
+    const auto chosen = word(key, now, choices.later, need);
+    for (const auto& [name, value] : choices.now)
+      if (chosen == name) return value;
+    return std::nullopt;
+  }
+
+  /// Two keys for one thing: exactly one of them must stand.
+  void one_of(const std::string& first, const std::string& second);
+
+ private:
+  std::optional<std::string> word(const std::string& key, const std::vector<std::string>& now,
+                                  const std::vector<std::string>& later, Need need);
+  Document* document_;
+  std::size_t index_;
+};
+
+/// A TOML text with overrides applied, and the faults found in it so far.
+class Document {
+ public:
+  /// Throws RequestError for what is not TOML at all.
+  Document(const std::string& text, const std::filesystem::path& file,
+           const std::vector<std::string>& overrides);
+  ~Document();
+  Document(const Document&) = delete;
+  Document& operator=(const Document&) = delete;
+
+  Reader section(const std::string& name);
+
+  /// A fault at "section.key", or at what is there of that path: a missing key's section.
+  void fault(const std::string& path, const std::string& what);
+
+  /// Ends the reading: finds the keys that nobody asked for, and throws all faults as one
+  /// RequestError. `hints` says for some unknown "section.key" why it is none.
+  void finish(const std::map<std::string, std::string>& hints);
+
+ private:
+  friend class Reader;
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace ra2d

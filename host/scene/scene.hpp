@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+/// A scene: what the user asked for, complete and checked. All in SI units.
+namespace ra2d {
+
+enum class Support { pinned, free, rigid };
+enum class SurfaceKind { flat, peaks, file, gaussian };
+enum class Initial { rest, statics };  // "rest", "static"
+enum class ContactLaw { penalty };
+enum class SchemeKind { backward_euler };
+enum class Nodes { all, candidates };
+
+/// One raised cosine: height/2 (1 + cos(pi (x - at)/half_width)) within |x - at| <= half_width.
+struct Peak {
+  double at = 0;          // m, along the beam
+  double height = 0;      // m
+  double half_width = 0;  // m
+};
+
+/// A rough face, its heights positive towards the opposite body.
+struct SurfaceSpec {
+  SurfaceKind kind = SurfaceKind::flat;
+  std::vector<Peak> peaks;                   // peaks
+  std::filesystem::path path;                // file: as written, relative to the scene's folder
+  double rq = 0;                             // gaussian: m, root mean square height
+  std::optional<double> rsm;                 // gaussian: m, mean spacing of the profile elements ...
+  std::optional<double> correlation_length;  // ... or m, the distance at which the correlation is 1/e
+  std::uint64_t seed = 0;                    // gaussian
+};
+
+/// A constant force that travels along the resonator, positive upwards.
+struct MovingForce {
+  double force = 0;  // N
+  double speed = 0;  // m/s
+  double start = 0;  // m, where it stands at t = 0
+};
+
+struct BodySpec {
+  Support support = Support::pinned;
+  double length = 0;     // m
+  double thickness = 0;  // m
+  double width = 0;      // m
+  double young = 0;      // Pa
+  double density = 0;    // kg/m^3
+  double damping = 0;    // modal damping ratio zeta
+  std::optional<double> max_frequency;      // Hz, keep the elastic modes up to here ...
+  std::optional<int> modes;                 // ... or this many elastic modes
+  SurfaceSpec surface;
+  bool load_is_weight = false;              // slider: load = "weight"
+  double load = 0;                          // slider: N towards the resonator, when not its weight
+  std::vector<MovingForce> moving_forces;   // resonator
+};
+
+struct Scene {
+  std::filesystem::path file;  // where it was read from; its folder anchors relative paths
+
+  std::string name;
+  double duration = 0;        // s
+  double speed = 0;           // m/s, V >= 0
+  double start = 0;           // m, the slider's left end on the resonator at t = 0
+  std::optional<double> gap;  // m, delta between the mean lines; none: "touching"
+  double spacing = 0;         // m, chi
+  Initial initial = Initial::rest;
+
+  BodySpec resonator, slider;
+
+  ContactLaw law = ContactLaw::penalty;
+  double stiffness = 0;  // Pa/m, kappa
+
+  SchemeKind scheme = SchemeKind::backward_euler;
+  double step = 0;  // s, tau
+  std::optional<double> tolerance;  // stands for the adaptive scheme; not used by the others
+  Nodes nodes = Nodes::candidates;
+
+  double rate = 0;             // Hz, samples at t_j = j / rate
+  std::vector<double> probes;  // m, on the resonator
+};
+
+/// Reads and checks a scene (contract: "Scene"). `overrides` are "section.key=value" texts of --set.
+/// Throws RequestError that names every fault at once, FileError when the file cannot be read.
+Scene read_scene(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
+
+/// The same from a text; `file` is used in messages and to resolve relative paths.
+Scene parse_scene(const std::string& text, const std::filesystem::path& file,
+                  const std::vector<std::string>& overrides = {});
+
+/// The scene as TOML, complete (defaults included): reading it again gives the same scene.
+/// Keys that the scene's choices do not use carry a comment "# not used: why".
+std::string echo(const Scene& scene);
+
+}  // namespace ra2d

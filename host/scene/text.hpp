@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+/// Small pieces of text that the reader and the echo of scenes share.
+namespace ra2d {
+
+/// A TOML basic string, quoted and escaped.
+std::string toml_string(std::string_view text);
+
+/// A TOML float: the shortest text that reads back as the same double.
+std::string toml_number(double value);
+
+/// `text`, or its beginning with "..." when it is too long for a message.
+std::string shortened(std::string_view text);
+
+/// "a, b or c", each between `quote`s.
+std::string any_of(const std::vector<std::string>& words, std::string_view quote);
+
+/// The candidate that a mistyped word most likely meant (few insertions, deletions, substitutions
+/// and swaps of neighbours away), if one is near enough.
+std::optional<std::string> nearest(std::string_view word,
+                                   const std::vector<std::string>& candidates);
+
+}  // namespace ra2d

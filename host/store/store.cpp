@@ -1,0 +1,617 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/store/store.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <mutex>
+#include <string_view>
+#include <utility>
+#include <variant>
+
+#include "host/errors.hpp"
+#include "host/store/hdf5.hpp"
+
+#ifndef RA2D_VERSION
+#define RA2D_VERSION "unknown"
+#endif
+#ifndef RA2D_COMMIT
+#define RA2D_COMMIT "unknown"
+#endif
+
+namespace ra2d {
+namespace {
+
+namespace fs = std::filesystem;
+using h5::check;
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr std::size_t rows_at_once = 8192;          // 64 KiB of one column: a chunk, a shock window
+constexpr std::size_t bytes_at_once = 4096 * 1024;  // buffered, and written between two flushes
+constexpr std::size_t chunk_bytes = 128 * 1024;
+
+// Where the numbers of a dataset come from, which also says when they are written.
+using Fixed = std::vector<double> (*)(const ResultHeader&);  // at the start
+using Sampled = std::vector<double> SampleBlock::*;          // block by block
+using PerShock = double Shock::*;                            // one row a shock
+using Final = double ResultSummary::*;                       // at the end, scalar
+
+struct Entry {
+  const char *path, *units, *long_name;
+  const char *rows, *columns;  // the scales of its axes; a scale is its own; "" where there is none
+  std::variant<Fixed, Sampled, PerShock, Final> source;
+};
+
+std::vector<double> node_positions(std::size_t nodes, double spacing) {
+  std::vector<double> x(nodes);
+  for (std::size_t n = 0; n < nodes; ++n) x[n] = double(n) * spacing;
+  return x;
+}
+
+constexpr const char* groups[] = {"resonator",      "slider",           "contact", "probes",
+                                  "energy",         "shocks",           "level",   "surface",
+                                  "surface/slider", "surface/resonator"};
+
+// Everything the file holds (contract: "Output"), in the order readers list it. Scales come before
+// the datasets that use them.
+// clang-format off
+const Entry entries[] = {
+    {"time", "s", "time", "time", "", &SampleBlock::time},
+    {"resonator/frequency", "Hz", "natural frequencies of the resonator", "resonator/frequency", "",
+     [](const ResultHeader& h) { return h.resonator_frequency; }},
+    {"resonator/displacement", "m1.5", "modal displacements of the resonator", "time", "resonator/frequency", &SampleBlock::resonator_displacement},
+    {"resonator/velocity", "m1.5 s-1", "modal velocities of the resonator", "time", "resonator/frequency", &SampleBlock::resonator_velocity},
+    {"slider/frequency", "Hz", "natural frequencies of the slider", "slider/frequency", "",
+     [](const ResultHeader& h) { return h.slider_frequency; }},
+    {"slider/displacement", "m1.5", "modal displacements of the slider", "time", "slider/frequency", &SampleBlock::slider_displacement},
+    {"slider/velocity", "m1.5 s-1", "modal velocities of the slider", "time", "slider/frequency", &SampleBlock::slider_velocity},
+    {"contact/force", "N", "total normal contact force", "time", "", &SampleBlock::force},
+    {"contact/nodes", "1", "number of nodes in contact", "time", "", &SampleBlock::nodes},
+    {"probes/position", "m", "positions of the probes on the resonator", "probes/position", "",
+     [](const ResultHeader& h) { return h.probe_position; }},
+    {"probes/displacement", "m", "displacements of the resonator at the probes", "time", "probes/position", &SampleBlock::probe_displacement},
+    {"probes/velocity", "m s-1", "velocities of the resonator at the probes", "time", "probes/position", &SampleBlock::probe_velocity},
+    {"energy/kinetic", "J", "kinetic energy", "time", "", &SampleBlock::kinetic},
+    {"energy/elastic", "J", "elastic energy", "time", "", &SampleBlock::elastic},
+    {"energy/contact", "J", "energy stored in the contact", "time", "", &SampleBlock::contact},
+    {"energy/damping_loss", "J", "energy lost to damping since t = 0", "time", "", &SampleBlock::damping_loss},
+    {"energy/sliding_work", "J", "work done by the imposed sliding since t = 0", "time", "", &SampleBlock::sliding_work},
+    {"energy/load_work", "J", "work done by the loads since t = 0", "time", "", &SampleBlock::load_work},
+    {"shocks/start", "s", "starts of the shocks", "shocks/start", "", &Shock::start},
+    {"shocks/duration", "s", "durations of the shocks", "shocks/start", "", &Shock::duration},
+    {"shocks/peak_force", "N", "peak forces of the shocks", "shocks/start", "", &Shock::peak_force},
+    {"shocks/impulse", "N s", "impulses of the shocks", "shocks/start", "", &Shock::impulse},
+    {"shocks/position", "m", "positions of the shocks on the resonator, weighted by force", "shocks/start", "", &Shock::position},
+    {"level/v_rms", "m s-1", "root mean square velocity over the resonator's nodes and the run", "", "", &ResultSummary::v_rms},
+    {"level/lv", "dB", "vibration velocity level re 1e-9 m s-1 over the run", "", "", &ResultSummary::lv},
+    {"surface/slider/position", "m", "positions of the slider's nodes from its left end", "surface/slider/position", "",
+     [](const ResultHeader& h) { return node_positions(h.slider_height.size(), h.spacing); }},
+    {"surface/slider/height", "m", "heights of the slider's profile", "surface/slider/position", "",
+     [](const ResultHeader& h) { return h.slider_height; }},
+    {"surface/resonator/position", "m", "positions of the resonator's nodes from its left end", "surface/resonator/position", "",
+     [](const ResultHeader& h) { return node_positions(h.resonator_height.size(), h.spacing); }},
+    {"surface/resonator/height", "m", "heights of the resonator's profile", "surface/resonator/position", "",
+     [](const ResultHeader& h) { return h.resonator_height; }},
+};
+// clang-format on
+
+template <class Source>
+const Source* source_of(const Entry& entry) {
+  return std::get_if<Source>(&entry.source);
+}
+
+// HDF5 need not be built thread safe, and a program may write several files at once.
+std::mutex& library_mutex() {
+  static std::mutex mutex;
+  return mutex;
+}
+
+// ---- small pieces of HDF5 --------------------------------------------------------------------
+
+h5::Properties file_access() {
+  h5::Properties access{check(H5Pcreate(H5P_FILE_ACCESS))};
+  check(H5Pset_fapl_sec2(access));
+#if H5_VERSION_GE(1, 12, 1) || (H5_VERSION_GE(1, 10, 7) && H5_VERSION_LE(1, 10, 99))
+  // The temporary name is ours alone, and locks fail on many network disks.
+  check(H5Pset_file_locking(access, false, true));
+#endif
+  return access;
+}
+
+h5::Properties ordered(hid_t kind) {
+  h5::Properties properties{check(H5Pcreate(kind))};
+  constexpr unsigned order = H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED;
+  if (kind != H5P_DATASET_CREATE) check(H5Pset_link_creation_order(properties, order));
+  check(H5Pset_attr_creation_order(properties, order));
+  return properties;
+}
+
+void set_attribute(hid_t object, const char* name, hid_t type, const void* value) {
+  const h5::Space scalar{check(H5Screate(H5S_SCALAR))};
+  const h5::Attribute attribute{
+      check(H5Acreate2(object, name, type, scalar, H5P_DEFAULT, H5P_DEFAULT))};
+  check(H5Awrite(attribute, type, value));
+}
+void set_attribute(hid_t object, const char* name, const std::string& value) {
+  const h5::Type text{check(H5Tcopy(H5T_C_S1))};
+  check(H5Tset_size(text, H5T_VARIABLE));  // of any length: a fixed one ends at 64 KiB
+  check(H5Tset_cset(text, H5T_CSET_UTF8));
+  const char* characters = value.c_str();
+  set_attribute(object, name, text, &characters);
+}
+void set_attribute(hid_t object, const char* name, double value) {
+  set_attribute(object, name, H5T_NATIVE_DOUBLE, &value);
+}
+void set_attribute(hid_t object, const char* name, std::int64_t value) {
+  set_attribute(object, name, H5T_NATIVE_INT64, &value);
+}
+
+/// A dataset whose first axis grows, seen as rows of `width` numbers.
+struct Table {
+  const Entry* entry = nullptr;
+  h5::Dataset dataset;
+  hsize_t width = 1;
+
+  bool has_columns() const { return *entry->columns != '\0'; }
+
+  void resize(hsize_t rows) const {
+    const hsize_t extent[] = {rows, width};
+    check(H5Dset_extent(dataset, extent));
+  }
+  void write(hsize_t first, hsize_t rows, const double* data) const {
+    if (rows * width == 0) return;
+    const auto [memory, file] = select(first, rows);
+    check(H5Dwrite(dataset, H5T_NATIVE_DOUBLE, memory, file, H5P_DEFAULT, data));
+  }
+  void read(hsize_t first, hsize_t rows, double* data) const {
+    if (rows * width == 0) return;
+    const auto [memory, file] = select(first, rows);
+    check(H5Dread(dataset, H5T_NATIVE_DOUBLE, memory, file, H5P_DEFAULT, data));
+  }
+
+ private:
+  std::pair<h5::Space, h5::Space> select(hsize_t first, hsize_t rows) const {
+    const hsize_t start[] = {first, 0}, count[] = {rows, width};
+    h5::Space memory{check(H5Screate_simple(has_columns() ? 2 : 1, count, nullptr))};
+    h5::Space file{check(H5Dget_space(dataset))};
+    check(H5Sselect_hyperslab(file, H5S_SELECT_SET, start, nullptr, count, nullptr));
+    return {std::move(memory), std::move(file)};
+  }
+};
+
+std::string cure(int error) {
+  switch (error) {
+    case ENOSPC:
+    case EDQUOT:
+      return "Free some space, write to another disk with -o, or lower output.rate";
+    case EFBIG:
+      return "Raise the limit on file sizes (ulimit -f), or lower output.rate";
+    case EACCES:
+    case EPERM:
+    case EROFS:
+      return "Choose a folder that you may write to with -o";
+    case ENOENT:
+    case ENOTDIR:
+      return "Create the folder first, or choose another with -o";
+    case ENAMETOOLONG:
+      return "Choose a shorter name with -o";
+    default:
+      return "Check that disk, or write to another with -o";
+  }
+}
+
+}  // namespace
+
+// ---- the file --------------------------------------------------------------------------------
+
+struct ResultFile::Impl {
+  Impl(const fs::path& path, const ResultHeader& header);
+  ~Impl();
+
+  void append(const SampleBlock& block);
+  void append(const std::vector<Shock>& shocks);
+  void close(const ResultSummary& summary);
+
+ private:
+  template <class Body>
+  void guarded(Body body);
+  void require_open() const;
+  void reserve_name();
+  void create(const ResultHeader& header);
+  h5::Dataset create_dataset(const Entry& entry, hsize_t rows, hsize_t columns);
+  void write_samples();
+  void write_shocks();
+  void compact_shocks();
+  void reserve(std::size_t bytes);
+  void flush();
+  void verify() const;
+  void publish();
+  void discard() noexcept;
+
+  fs::path final_, partial_;
+  std::string doing_;    // what an error interrupts
+  int descriptor_ = -1;  // our own on partial_, for fsync; HDF5 has another
+  h5::File file_;
+  std::vector<Table> samples_, shocks_;
+  std::vector<std::vector<double>> buffers_;  // of samples_, row-major
+  std::size_t buffer_rows_ = 0, buffered_ = 0;
+  std::vector<Shock> pending_;
+  hsize_t sample_rows_ = 0, shock_rows_ = 0;
+  double last_time_ = nan;
+};
+
+/// Runs one public method: whatever goes wrong, nothing is left on the disk.
+template <class Body>
+void ResultFile::Impl::guarded(Body body) {
+  const std::lock_guard lock{library_mutex()};
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // its stack goes into our own message
+  try {
+    body();
+  } catch (const h5::Failure& failure) {
+    discard();
+    throw FileError(fmt::format("cannot {} '{}': {}. {}. No partial file was left.", doing_,
+                                final_.string(), failure.reason, cure(failure.error)));
+  } catch (...) {
+    discard();
+    throw;
+  }
+}
+
+void ResultFile::Impl::require_open() const {
+  if (!file_.is_open())
+    throw FileError(fmt::format("cannot write to '{}': it is finished, or an earlier write failed.",
+                                final_.string()));
+}
+
+ResultFile::Impl::Impl(const fs::path& path, const ResultHeader& header)
+    : final_{path}, doing_{"create"} {
+  // A file that a failed flush has spoilt must not crash the program's exit.
+  [[maybe_unused]] static const herr_t once = H5dont_atexit();
+  guarded([&] {
+    reserve_name();
+    create(header);
+    flush();
+  });
+}
+
+ResultFile::Impl::~Impl() {
+  const std::lock_guard lock{library_mutex()};
+  discard();
+}
+
+/// Makes the temporary file, so that a wrong name or folder is known before the first step.
+void ResultFile::Impl::reserve_name() {
+  std::error_code unknown;
+  const fs::file_status status = fs::status(final_, unknown);
+  if (final_.filename().empty() || (fs::exists(status) && !fs::is_regular_file(status)))
+    throw FileError(fmt::format(
+        "cannot write a result file to '{}': this is a folder or a device. Name a file with -o.",
+        final_.string()));
+  // A killed process may have left its own, and process numbers come back: hence the second number.
+  for (int attempt = 0; descriptor_ < 0; ++attempt) {
+    const std::string name = final_.filename().string();
+    partial_ = final_;
+    partial_.replace_filename(attempt == 0
+                                  ? fmt::format(".{}.partial-{}", name, getpid())
+                                  : fmt::format(".{}.partial-{}-{}", name, getpid(), attempt));
+    descriptor_ = open(partial_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (descriptor_ < 0 && errno != EEXIST) throw h5::system_failure(errno);
+  }
+}
+
+void ResultFile::Impl::create(const ResultHeader& header) {
+  const h5::Properties creation = ordered(H5P_FILE_CREATE), access = file_access();
+  file_ = h5::File{check(H5Fcreate(partial_.c_str(), H5F_ACC_TRUNC, creation, access))};
+  reserve(header.scene.size() +
+          2 * sizeof(double) * (header.resonator_height.size() + header.slider_height.size()));
+
+  set_attribute(file_, "creator", "ra2d");
+  set_attribute(file_, "version", RA2D_VERSION);
+  set_attribute(file_, "commit", RA2D_COMMIT);
+  set_attribute(file_, "scene", header.scene);
+  set_attribute(file_, "backend", header.backend);
+  set_attribute(file_, "threads", std::int64_t{header.threads});
+  set_attribute(file_, "started", header.started);
+
+  const h5::Properties group_creation = ordered(H5P_GROUP_CREATE);
+  for (const char* path : groups)
+    h5::Group{check(H5Gcreate2(file_, path, H5P_DEFAULT, group_creation, H5P_DEFAULT))};
+
+  std::size_t row_bytes = 0;
+  for (const Entry& entry : entries) {
+    hsize_t columns = 1;
+    for (const Entry& scale : entries)
+      if (scale.path == std::string_view{entry.columns})
+        columns = (*source_of<Fixed>(scale))(header).size();
+    if (const Fixed* fixed = source_of<Fixed>(entry)) {
+      const std::vector<double> data = (*fixed)(header);
+      const h5::Dataset dataset = create_dataset(entry, data.size(), 1);
+      if (!data.empty())
+        check(H5Dwrite(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, data.data()));
+    } else if (source_of<Sampled>(entry)) {
+      samples_.push_back({&entry, create_dataset(entry, 0, columns), columns});
+      row_bytes += columns * sizeof(double);
+    } else if (source_of<PerShock>(entry)) {
+      shocks_.push_back({&entry, create_dataset(entry, 0, 1), 1});
+    } else {
+      create_dataset(entry, 1, 1);
+    }
+  }
+  buffers_.resize(samples_.size());
+  buffer_rows_ =
+      std::clamp<std::size_t>(std::bit_floor(bytes_at_once / row_bytes), 1, rows_at_once);
+}
+
+h5::Dataset ResultFile::Impl::create_dataset(const Entry& entry, hsize_t rows, hsize_t columns) {
+  const h5::Properties creation = ordered(H5P_DATASET_CREATE);
+  check(H5Pset_fill_value(creation, H5T_NATIVE_DOUBLE, &nan));
+
+  const bool has_columns = *entry.columns != '\0';
+  h5::Space space;
+  if (source_of<Final>(entry)) {
+    space = h5::Space{check(H5Screate(H5S_SCALAR))};
+  } else if (source_of<Fixed>(entry)) {
+    space = h5::Space{check(H5Screate_simple(1, &rows, nullptr))};
+  } else {
+    // HDF5 wants chunks of at least one number and no larger than the axis may grow: an axis
+    // without modes may therefore grow to one.
+    const hsize_t width = std::max<hsize_t>(columns, 1);
+    const hsize_t chunk[] = {
+        std::clamp<hsize_t>(std::bit_floor(chunk_bytes / (width * sizeof(double))), 1,
+                            rows_at_once),
+        width};
+    const hsize_t now[] = {rows, columns}, later[] = {H5S_UNLIMITED, width};
+    space = h5::Space{check(H5Screate_simple(has_columns ? 2 : 1, now, later))};
+    check(H5Pset_chunk(creation, has_columns ? 2 : 1, chunk));
+  }
+  h5::Dataset dataset{check(
+      H5Dcreate2(file_, entry.path, H5T_NATIVE_DOUBLE, space, H5P_DEFAULT, creation, H5P_DEFAULT))};
+  set_attribute(dataset, "units", entry.units);
+  set_attribute(dataset, "long_name", entry.long_name);
+
+  unsigned axis = 0;
+  for (const std::string_view scale : {entry.rows, entry.columns}) {
+    if (scale == entry.path) {
+      const auto name = scale.substr(scale.rfind('/') + 1);  // npos + 1 = 0: the whole
+      check(H5DSset_scale(dataset, name.data()));
+    } else if (!scale.empty()) {
+      const h5::Dataset coordinate{check(H5Dopen2(file_, scale.data(), H5P_DEFAULT))};
+      check(H5DSattach_scale(dataset, coordinate, axis++));
+    }
+  }
+  return dataset;
+}
+
+void ResultFile::Impl::append(const SampleBlock& block) {
+  require_open();
+  const std::size_t rows = block.time.size();
+  for (const Table& table : samples_)
+    if ((block.*std::get<Sampled>(table.entry->source)).size() != rows * table.width)
+      throw std::logic_error(fmt::format("SampleBlock: {} is not {} rows of {}", table.entry->path,
+                                         rows, table.width));
+  for (std::size_t done = 0; done < rows;) {
+    const std::size_t count = std::min(rows - done, buffer_rows_ - buffered_);
+    for (std::size_t k = 0; k < samples_.size(); ++k) {
+      const std::size_t width = samples_[k].width;
+      const double* data = (block.*std::get<Sampled>(samples_[k].entry->source)).data();
+      buffers_[k].insert(buffers_[k].end(), data + done * width, data + (done + count) * width);
+    }
+    done += count;
+    buffered_ += count;
+    if (buffered_ == buffer_rows_) guarded([&] { write_samples(); });
+  }
+}
+
+void ResultFile::Impl::write_samples() {
+  if (buffered_ == 0) return;
+  doing_ = fmt::format("write the samples from t = {} s on to", buffers_.front().front());
+  last_time_ = buffers_.front().back();  // time is the first entry
+  std::size_t bytes = 0;
+  for (const auto& buffer : buffers_) bytes += buffer.size() * sizeof(double);
+  reserve(bytes);
+  for (std::size_t k = 0; k < samples_.size(); ++k) {
+    samples_[k].resize(sample_rows_ + buffered_);
+    samples_[k].write(sample_rows_, buffered_, buffers_[k].data());
+    buffers_[k].clear();
+  }
+  sample_rows_ += buffered_;
+  buffered_ = 0;
+  flush();
+}
+
+void ResultFile::Impl::append(const std::vector<Shock>& shocks) {
+  require_open();
+  for (const Shock& shock : shocks) {
+    if (shock.serial < 0) throw std::logic_error("Shock: the serial is negative");
+    pending_.push_back(shock);
+    if (pending_.size() == rows_at_once) guarded([&] { write_shocks(); });
+  }
+}
+
+/// Writes the pending shocks window by window: what a window holds already is read, the new rows
+/// are put in, and it goes back in one piece, which is far quicker than a selection of single rows.
+void ResultFile::Impl::write_shocks() {
+  if (pending_.empty()) return;
+  std::stable_sort(pending_.begin(), pending_.end(),
+                   [](const Shock& a, const Shock& b) { return a.serial < b.serial; });
+  doing_ = fmt::format("write the shocks from t = {} s on to", pending_.front().start);
+  const hsize_t rows = std::max<hsize_t>(shock_rows_, pending_.back().serial + 1);
+  reserve(((rows - shock_rows_) * shocks_.size()) * sizeof(double));
+  shock_rows_ = rows;
+  for (const Table& table : shocks_) table.resize(shock_rows_);
+
+  std::vector<double> window;
+  for (auto begin = pending_.begin(); begin != pending_.end();) {
+    const long first = begin->serial;
+    const long limit = (first / long(rows_at_once) + 1) * long(rows_at_once);  // a chunk's end
+    const auto end = std::find_if(begin, pending_.end(),
+                                  [&](const Shock& shock) { return shock.serial >= limit; });
+    window.resize((end - 1)->serial - first + 1);
+    for (const Table& table : shocks_) {
+      table.read(first, window.size(), window.data());
+      for (auto shock = begin; shock != end; ++shock)
+        window[shock->serial - first] = (*shock).*std::get<PerShock>(table.entry->source);
+      table.write(first, window.size(), window.data());
+    }
+    begin = end;
+  }
+  pending_.clear();
+  flush();
+}
+
+/// Closes the holes that merged shocks left, in place and window by window.
+void ResultFile::Impl::compact_shocks() {
+  doing_ = "order the shocks of";
+  hsize_t kept = 0;
+  std::vector<double> start, window;
+  for (hsize_t first = 0; first < shock_rows_; first += rows_at_once) {
+    const hsize_t count = std::min<hsize_t>(rows_at_once, shock_rows_ - first);
+    start.resize(count);
+    window.resize(count);
+    shocks_.front().read(first, count, start.data());  // start is the first entry
+    const hsize_t full =
+        std::count_if(start.begin(), start.end(), [](double value) { return !std::isnan(value); });
+    if (kept != first || full != count) {
+      for (const Table& table : shocks_) {
+        table.read(first, count, window.data());
+        hsize_t k = 0;
+        for (hsize_t n = 0; n < count; ++n)
+          if (!std::isnan(start[n])) window[k++] = window[n];
+        table.write(kept, full, window.data());
+      }
+    }
+    kept += full;
+  }
+  if (kept != shock_rows_)
+    for (const Table& table : shocks_) table.resize(kept);
+  shock_rows_ = kept;
+}
+
+/// Sets space aside for `bytes` more, so that a full disk is known before HDF5 is: a flush that
+/// fails half way spoils its file handle for good (1.10.8). File systems without this are taken as
+/// they come: there, flush() fails.
+void ResultFile::Impl::reserve(std::size_t bytes) {
+  hsize_t end = 0;
+  check(H5Fget_filesize(file_, &end));
+  const std::size_t slack = bytes / 8 + bytes_at_once;  // the tables' last chunks, the indices
+  if (fallocate(descriptor_, FALLOC_FL_KEEP_SIZE, off_t(end), off_t(bytes + slack)) != 0 &&
+      (errno == ENOSPC || errno == EDQUOT || errno == EFBIG))
+    throw h5::system_failure(errno);
+}
+
+/// Brings everything to the system, the one call that says whether the writes before it succeeded.
+void ResultFile::Impl::flush() { check(H5Fflush(file_, H5F_SCOPE_LOCAL)); }
+
+void ResultFile::Impl::close(const ResultSummary& summary) {
+  require_open();
+  guarded([&] {
+    write_samples();
+    write_shocks();
+    compact_shocks();
+
+    doing_ = "finish";
+    reserve(0);
+    for (const Entry& entry : entries)
+      if (const Final* value = source_of<Final>(entry)) {
+        const h5::Dataset scalar{check(H5Dopen2(file_, entry.path, H5P_DEFAULT))};
+        check(
+            H5Dwrite(scalar, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, &(summary.**value)));
+      }
+    set_attribute(file_, "wall_seconds", summary.wall_seconds);
+    set_attribute(file_, "steps", std::int64_t{summary.steps});
+    set_attribute(file_, "complete", std::int64_t{summary.complete});
+    set_attribute(file_, "ended", summary.ended);
+    flush();
+    for (auto* tables : {&samples_, &shocks_})
+      for (Table& table : *tables) check(table.dataset.close());
+    check(file_.close());
+    verify();
+    publish();
+  });
+}
+
+/// Opens the closed file as a reader would: every table must be as long as what was written.
+void ResultFile::Impl::verify() const {
+  const auto require = [](bool right) {
+    if (!right) throw h5::Failure{"what was written does not read back", EIO};
+  };
+  const h5::Properties access = file_access();
+  h5::File file{check(H5Fopen(partial_.c_str(), H5F_ACC_RDONLY, access))};
+  for (const auto* tables : {&samples_, &shocks_})
+    for (const Table& table : *tables) {
+      const h5::Dataset dataset{check(H5Dopen2(file, table.entry->path, H5P_DEFAULT))};
+      const h5::Space space{check(H5Dget_space(dataset))};
+      hsize_t extent[2] = {0, table.width};
+      require(H5Sget_simple_extent_ndims(space) == (table.has_columns() ? 2 : 1));
+      check(H5Sget_simple_extent_dims(space, extent, nullptr));
+      require(extent[0] == (tables == &samples_ ? sample_rows_ : shock_rows_) &&
+              extent[1] == table.width);
+    }
+  if (sample_rows_ > 0) {
+    double last = nan;
+    Table{samples_.front().entry,
+          h5::Dataset{check(H5Dopen2(file, samples_.front().entry->path, H5P_DEFAULT))}, 1}
+        .read(sample_rows_ - 1, 1, &last);
+    require(last == last_time_);
+  }
+  check(file.close());
+}
+
+/// Gives the finished file its name.
+void ResultFile::Impl::publish() {
+  struct stat status;
+  // The same size again gives back what reserve() took too much.
+  if (fstat(descriptor_, &status) != 0 || ftruncate(descriptor_, status.st_size) != 0 ||
+      fsync(descriptor_) != 0)
+    throw h5::system_failure(errno);
+  if (rename(partial_.c_str(), final_.c_str()) != 0) throw h5::system_failure(errno);
+  partial_.clear();
+  ::close(std::exchange(descriptor_, -1));
+
+  // The name itself, too, should outlive a power cut. Some network disks cannot promise that; the
+  // file is whole all the same.
+  const fs::path folder = final_.has_parent_path() ? final_.parent_path() : fs::path{"."};
+  if (const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+      descriptor >= 0) {
+    fsync(descriptor);
+    ::close(descriptor);
+  }
+}
+
+/// Takes everything back. HDF5 cannot drop what it has not written yet, so its descriptor is first
+/// turned to nameless memory: a few MB at most, gone with the close; the disk is free at once.
+void ResultFile::Impl::discard() noexcept {
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  void* handle = nullptr;
+  if (file_.is_open() && H5Fget_vfd_handle(file_, H5P_DEFAULT, &handle) >= 0 && handle) {
+    if (const int memory = memfd_create("ra2d", MFD_CLOEXEC); memory >= 0) {
+      dup2(memory, *static_cast<int*>(handle));
+      ::close(memory);
+    }
+  }
+  samples_.clear();
+  shocks_.clear();
+  file_.close();
+  if (!partial_.empty() && descriptor_ >= 0) unlink(partial_.c_str());
+  if (descriptor_ >= 0) ::close(std::exchange(descriptor_, -1));
+  partial_.clear();
+}
+
+// ---- the public face -------------------------------------------------------------------------
+
+ResultFile::ResultFile(const fs::path& path, const ResultHeader& header)
+    : impl_{std::make_unique<Impl>(path, header)} {}
+ResultFile::~ResultFile() = default;
+void ResultFile::append(const SampleBlock& block) { impl_->append(block); }
+void ResultFile::append(const std::vector<Shock>& shocks) { impl_->append(shocks); }
+void ResultFile::close(const ResultSummary& summary) { impl_->close(summary); }
+
+}  // namespace ra2d

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <Kokkos_Core.hpp>
+
+#include "kernels/displacement.hpp"
+#include "kernels/lanes.hpp"
+#include "kernels/model.hpp"
+
+/// Contact detection: the gap at the slider's nodes (paper, equation 10; model page, "Nodes and gap"),
+///   g_n = delta - h_1(s_n) - u_1(t, s_n) - h_2(x_n) - u_2(t, x_n),   contact: g_n <= 0.
+/// The kernels work with the overlap -g_n.
+namespace ra2d {
+
+/// Where the slider stands at a step, in chi.
+struct Place {
+  double position;  // of slider node 0 on the resonator
+  int base;         // whole nodes
+  double theta;     // the rest: every slider node stands theta behind resonator node base + n
+  int half;         // halves of a node: a window, within which no node and no group centre passes anything
+
+  KOKKOS_FORCEINLINE_FUNCTION Place(const SceneTables& t, std::int64_t step) {
+    position = Kokkos::fma(static_cast<double>(step), t.advance, t.position);
+    base = static_cast<int>(position);
+    theta = position - base;
+    half = 2 * base + (theta >= 0.5 ? 1 : 0);
+  }
+};
+
+/// A group of slider nodes on its patch of the resonator: a pure function of the group and the window, so
+/// that whoever evaluates a node, for whatever reason, evaluates the same arithmetic.
+template <class Lanes>
+struct GroupPlace {
+  int patch;
+  double eta;  // of the group's first node
+
+  KOKKOS_FORCEINLINE_FUNCTION GroupPlace(const SceneTables& t, const Place& place, int group) {
+    const int centre_halves = place.half + 2 * group * Lanes::width + Lanes::width - 1;
+    patch = centre_halves / (2 * t.patch_nodes);
+    eta = (place.position + (group * Lanes::width - (patch + 0.5) * t.patch_nodes)) * t.inverse_radius;
+  }
+};
+
+/// The rough faces alone: h_1 - delta + h_2 at the nodes of a group, and the resonator's rise to its next node.
+template <class Lanes>
+struct StaticOverlap {
+  using Real = typename Lanes::Real;
+  Real height, rise;
+
+  KOKKOS_FORCEINLINE_FUNCTION StaticOverlap(const Lanes& lanes, const SceneTables& t, const Place& place,
+                                            int group) {
+    const double* h2 = t.height2 + place.base + group * Lanes::width;
+    const Real left = lanes.load(h2);
+    rise = lanes.load(h2 + 1) - left;
+    height = lanes.load(t.height1 + group * Lanes::width) + multiply_add(place.theta, rise, left);
+  }
+};
+
+/// u_1 (or its rate) at the nodes of a group; `amplitude` holds all modes' amplitudes one by one.
+template <class Lanes>
+KOKKOS_FORCEINLINE_FUNCTION typename Lanes::Real add_slider_displacement(
+    const Lanes& lanes, const SceneTables& t, const double* amplitude, int group,
+    typename Lanes::Real value) {
+  const int stride = t.groups * Lanes::width;
+  for (int k = 0; k < t.slider_modes; ++k)
+    value = multiply_add(amplitude[t.resonator_modes + k],
+                         lanes.load(t.slider_shape + k * stride + group * Lanes::width), value);
+  return value;
+}
+
+}  // namespace ra2d

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <Kokkos_Core.hpp>
+#include <Kokkos_SIMD.hpp>
+#include <cstdint>
+
+/// Lanes: how the one team that marches a scene spreads its modes and nodes.
+///
+/// The formulas are written once, for a pack `Real` that holds one value a lane. On a CPU a pack is a
+/// SIMD register of one thread; on a GPU it is one double in each thread of a warp. A sum over lanes adds
+/// in one fixed tree, so a result does not depend on threads, batch or launch.
+namespace ra2d {
+
+/// Lanes of a CPU thread: the SIMD register of the instruction set that Kokkos was built for.
+struct HostLanes {
+  using Real = Kokkos::Experimental::simd<double>;
+  using Mask = typename Real::mask_type;
+  static constexpr int width = static_cast<int>(Real::size());
+
+  template <class Member>
+  explicit HostLanes(const Member&) {}
+
+  static Real load(const double* p) {
+    return Kokkos::Experimental::simd_unchecked_load<Real>(p,
+                                                           Kokkos::Experimental::simd_flag_default);
+  }
+  static void store(double* p, const Real& x) {
+    Kokkos::Experimental::simd_unchecked_store(x, p, Kokkos::Experimental::simd_flag_default);
+  }
+  /// 0, 1, ..., width - 1
+  static Real index() {
+    return Real([](std::size_t lane) { return static_cast<double>(lane); });
+  }
+  static double sum(const Real& x) {
+#if defined(__AVX512F__) && defined(KOKKOS_ARCH_AVX512XEON)
+    return _mm512_reduce_add_pd(static_cast<__m512d>(x));
+#else
+    double part[width];
+    store(part, x);
+    for (int half = width / 2; half > 0; half /= 2)
+      for (int lane = 0; lane < half; ++lane) part[lane] += part[lane + half];
+    return part[0];
+#endif
+  }
+  static double min(const Real& x) {
+    double part[width];
+    store(part, x);
+    double least = part[0];
+    for (int lane = 1; lane < width; ++lane) least = part[lane] < least ? part[lane] : least;
+    return least;
+  }
+  static double max(const Real& x) { return -min(-x); }
+  /// One bit for each lane whose x is at least `level`.
+  static std::uint32_t at_least(const Real& x, double level) {
+    // written with <=: in Kokkos 5.0 the AVX-512 operators >= and > compare the wrong way round
+    const Mask mask = Real(level) <= x;
+#if defined(__AVX512F__) && defined(KOKKOS_ARCH_AVX512XEON)
+    return static_cast<std::uint32_t>(static_cast<__mmask8>(mask));
+#else
+    std::uint32_t word = 0;
+    for (int lane = 0; lane < width; ++lane)
+      if (mask[lane]) word |= 1u << lane;
+    return word;
+#endif
+  }
+  static constexpr bool leader() { return true; }
+  static void sync() {}
+};
+
+#if defined(KOKKOS_ENABLE_CUDA)
+/// Lanes of a GPU team: the threads of one warp. Every lane computes the same scalars and takes the same
+/// branches; only the leader writes what is shared.
+template <class Member>
+struct WarpLanes {
+  using Real = double;
+  static constexpr int width = 32;
+
+  const Member& team;
+  int lane = 0;
+
+  KOKKOS_FUNCTION explicit WarpLanes(const Member& member) : team{member} {
+    Kokkos::parallel_for(Kokkos::ThreadVectorRange(team, width), [&](int own) { lane = own; });
+  }
+  KOKKOS_FUNCTION Real load(const double* p) const { return p[lane]; }
+  KOKKOS_FUNCTION void store(double* p, Real x) const { p[lane] = x; }
+  KOKKOS_FUNCTION Real index() const { return lane; }
+  KOKKOS_FUNCTION double sum(Real x) const {
+    double total = 0;
+    Kokkos::parallel_reduce(
+        Kokkos::ThreadVectorRange(team, width), [&](int, double& part) { part += x; }, total);
+    return total;
+  }
+  KOKKOS_FUNCTION double min(Real x) const {
+    double least = 0;
+    Kokkos::parallel_reduce(
+        Kokkos::ThreadVectorRange(team, width),
+        [&](int, double& part) { part = x < part ? x : part; }, Kokkos::Min<double>(least));
+    return least;
+  }
+  KOKKOS_FUNCTION double max(Real x) const { return -min(-x); }
+  KOKKOS_FUNCTION std::uint32_t at_least(Real x, double level) const {
+    std::uint32_t word = 0;
+    Kokkos::parallel_reduce(
+        Kokkos::ThreadVectorRange(team, width),
+        [&](int own, std::uint32_t& part) { part |= level <= x ? 1u << own : 0u; },
+        Kokkos::BOr<std::uint32_t>(word));
+    return word;
+  }
+  KOKKOS_FUNCTION bool leader() const { return lane == 0; }
+  KOKKOS_FUNCTION void sync() const { team.team_barrier(); }
+};
+#endif
+
+template <class Space>
+struct LanesOf {
+  template <class Member>
+  using type = HostLanes;
+  static constexpr int width = HostLanes::width;
+  static constexpr int vector_length = 1;
+};
+#if defined(KOKKOS_ENABLE_CUDA)
+template <>
+struct LanesOf<Kokkos::Cuda> {
+  template <class Member>
+  using type = WarpLanes<Member>;
+  static constexpr int width = 32;
+  static constexpr int vector_length = 32;
+};
+#endif
+
+/// a b + c with one rounding, for packs and scalars alike.
+template <class Real>
+KOKKOS_FORCEINLINE_FUNCTION Real multiply_add(const Real& a, const Real& b, const Real& c) {
+  return Kokkos::fma(a, b, c);
+}
+template <class Real>
+  requires(!std::is_same_v<Real, double>)
+KOKKOS_FORCEINLINE_FUNCTION Real multiply_add(double a, const Real& b, const Real& c) {
+  return Kokkos::fma(Real(a), b, c);
+}
+
+}  // namespace ra2d

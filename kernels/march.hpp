@@ -1,0 +1,711 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <Kokkos_Core.hpp>
+#include <cstdint>
+
+#include "kernels/contact/penalty.hpp"
+#include "kernels/displacement.hpp"
+#include "kernels/gap.hpp"
+#include "kernels/lanes.hpp"
+#include "kernels/modal_state.hpp"
+#include "kernels/model.hpp"
+#include "kernels/record.hpp"
+
+/// The time loop: one team marches one scene through many steps inside one launch.
+///
+/// Every step is the paper's: contact detection, contact force, time integration. What differs between
+/// `Look::all` and `Look::candidates` is only which nodes are looked at, and the latter leaves out a node
+/// when, and only when, it provably cannot touch:
+///
+/// * Look (look_ahead). At a reference state the overlap o of a node and its rate along the straight line
+///   U + t V are known. In free flight the modes leave that line by at most A t^2/2 with
+///     A = sum_k max|psi_k| ((1 + 2 zeta) omega_k E_k + |load_k|/m_k),   E_k^2 = V_k^2 + omega_k^2 U_k^2,
+///   since E_k grows by the load alone; the node's own motion over the bent beam adds the curvature
+///   B = 2 V sum max|psi_k'| |V_k| + V^2 sum max|psi_k''| |U_k|. So no node touches before the smallest root
+///   of o + rate t + (A + B) t^2/2 = 0. Until then the march flies: it advances the modes and nothing else.
+/// * Watch. When that is too short, the nodes that could touch within the next `watch_steps`, if the modes
+///   stay within rho of their line, are evaluated at every step; each step checks that the modes did stay
+///   (sum_k max|psi_k| |U_k - line_k| <= rho), whatever forces acted, and looks again when they did not.
+/// * Near. Both draw from a list of groups that can touch while sum_k max|psi_k| |U_k - U_k^near| <= reach
+///   and no node passes another. It is rebuilt by a pass over block maxima.
+///
+/// The arithmetic of a step does not depend on any of this, nor on where a launch ends: the results of all
+/// nodes and candidates, of one launch or many, are equal bit for bit.
+namespace ra2d {
+
+/// Steps for which the watch list is made, if nothing ends it earlier.
+inline constexpr int watch_steps = 256;
+/// A flight shorter than this costs more in looking than in evaluating the contact.
+inline constexpr int shortest_flight = 24;
+/// Longest stretch that a look covers, and steps between two looks at the energy.
+inline constexpr int longest_flight = 4096;
+/// Energy may exceed what was put in by this factor before the run counts as unstable. The contact energy
+/// of a scheme near its limit swings by a factor of a few; beyond the limit it grows without bound.
+inline constexpr double energy_factor = 10.0;
+
+/// What the contact did at one state.
+struct ContactTotals {
+  double force = 0;   // N
+  double energy = 0;  // J, of the penalty springs
+  double work = 0;    // J, that the imposed motion does over one step
+  int touched = 0;    // groups in contact, listed in the state's work space
+};
+
+template <class Lanes, class Scheme, int K, int Q>
+class Marcher {
+  using Real = typename Lanes::Real;
+  static constexpr int width = Lanes::width;
+  static constexpr int terms = 4 * Q;
+
+ public:
+  KOKKOS_FUNCTION Marcher(const Lanes& lanes, const SceneTables& tables, SceneState& state)
+      : lanes_{lanes}, t_{tables}, s_{state}, penalty_{tables.node_stiffness} {
+    for (int p = 0; p < K; ++p) {
+      u_[p] = load(s_.u, p);
+      v_[p] = load(s_.v, p);
+      square_[p] = load(s_.square_part, p);
+      quartic_[p] = load(t_.quartic, p);
+      load_[p] = load(t_.load, p);
+    }
+    step_ = s_.step;
+  }
+
+  /// Marches until step `target`, the end of the scene, a full buffer or a failure, whichever is first.
+  KOKKOS_FUNCTION void run(std::int64_t target) {
+    const std::int64_t stop = target < t_.total_steps ? target : t_.total_steps;
+    while (s_.status == Status::running) {
+      if (!take_sample()) break;
+      if (step_ % longest_flight == 0 || step_ == t_.total_steps) watch_energy();
+      if (s_.status != Status::running || step_ >= stop || !has_room_for_shocks(s_)) break;
+      const std::int64_t next = next_event(stop);
+      if (t_.look == Look::all)
+        march_all(next);
+      else
+        march_candidates(next);
+    }
+    if (s_.status == Status::running && step_ == t_.total_steps && !s_.sample_pending &&
+        s_.next_sample >= t_.samples && lanes_.leader())
+      s_.status = Status::done;
+    save();
+  }
+
+ private:
+  const Lanes& lanes_;
+  const SceneTables& t_;
+  SceneState& s_;
+  Penalty penalty_;
+  std::int64_t step_;
+  Real u_[K], v_[K], square_[K], quartic_[K], load_[K];
+
+  // the near list
+  int near_count_ = 0, near_half_ = -1;
+  double near_reach_ = -1.0;
+  double last_force_ = 0.0;  // of the latest step with contact: guesses how long a watch will hold
+
+  KOKKOS_FORCEINLINE_FUNCTION Real load(const double* lanes, int pack) const {
+    return lanes_.load(lanes + pack * width);
+  }
+  KOKKOS_FORCEINLINE_FUNCTION const double* rows(int patch) const {
+    return t_.patch + static_cast<std::int64_t>(patch) * 4 * K * width;
+  }
+  /// sum over the modes of weight_k |x_k|
+  KOKKOS_FORCEINLINE_FUNCTION double bound(const double* weight, const Real* x) const {
+    Real part = load(weight, 0) * Kokkos::abs(x[0]);
+    for (int p = 1; p < K; ++p) part = multiply_add(load(weight, p), Kokkos::abs(x[p]), part);
+    return lanes_.sum(part);
+  }
+
+  KOKKOS_FUNCTION void save() {
+    lanes_.sync();
+    for (int p = 0; p < K; ++p) {
+      lanes_.store(s_.u + p * width, u_[p]);
+      lanes_.store(s_.v + p * width, v_[p]);
+      lanes_.store(s_.square_part + p * width, square_[p]);
+    }
+    if (lanes_.leader()) s_.step = step_;
+  }
+
+  // ---- when things happen --------------------------------------------------------------------------
+
+  /// Sample j stands at step j steps_per_sample: between two steps it is interpolated linearly.
+  KOKKOS_FUNCTION void sample_place(std::int64_t sample, std::int64_t& step, double& share) const {
+    const double place = static_cast<double>(sample) * t_.steps_per_sample;
+    step = static_cast<std::int64_t>(place);
+    share = place - static_cast<double>(step);
+    const double tiny = 1e-9 + 4e-16 * place;
+    if (share < tiny) share = 0.0;
+    if (share > 1.0 - tiny) {
+      share = 0.0;
+      ++step;
+    }
+  }
+
+  KOKKOS_FUNCTION std::int64_t next_event(std::int64_t stop) const {
+    std::int64_t next = (step_ / longest_flight + 1) * longest_flight;
+    if (stop < next) next = stop;
+    if (s_.sample_pending) return step_ + 1;
+    if (s_.next_sample < t_.samples) {
+      std::int64_t at;
+      double share;
+      sample_place(s_.next_sample, at, share);
+      if (at < next) next = at;
+    }
+    return next > step_ ? next : step_ + 1;
+  }
+
+  /// Writes what is due at this step. False when the buffer is full.
+  KOKKOS_FUNCTION bool take_sample() {
+    std::int64_t at;
+    double share;
+    if (s_.sample_pending) {
+      sample_place(s_.next_sample, at, share);
+      if (at + 1 != step_) return true;
+      write_sample(share, true);
+      if (lanes_.leader()) {
+        s_.sample_pending = false;
+        ++s_.sample_count;
+        ++s_.next_sample;
+      }
+      lanes_.sync();
+    }
+    if (s_.next_sample >= t_.samples) return true;
+    sample_place(s_.next_sample, at, share);
+    if (at != step_) return true;
+    if (s_.sample_count == s_.sample_capacity) return false;
+    write_sample(1.0 - share, false);
+    if (lanes_.leader()) {
+      if (share > 0.0) {
+        s_.sample_pending = true;
+      } else {
+        ++s_.sample_count;
+        ++s_.next_sample;
+      }
+    }
+    lanes_.sync();
+    return true;
+  }
+
+  KOKKOS_FUNCTION void write_sample(double weight, bool add) {
+    if (!add) close_parts();
+    Real force[K];
+    for (int p = 0; p < K; ++p) force[p] = Real(0.0);
+    const ContactTotals contact = contact_now(force);
+    double* row = s_.sample_rows +
+                  static_cast<std::int64_t>(s_.sample_count) * (2 * K * width + sample::columns);
+    const auto put = [&](double* place, const Real& x) {
+      lanes_.store(place, add ? multiply_add(weight, x, lanes_.load(place)) : Real(weight) * x);
+    };
+    Real loss(0.0);
+    for (int p = 0; p < K; ++p) {
+      put(row + p * width, u_[p]);
+      put(row + (K + p) * width, v_[p]);
+      loss = multiply_add(load(t_.damping, p), load(s_.square, p) + square_[p], loss);
+    }
+    const double damping_loss = lanes_.sum(loss);
+    if (!lanes_.leader()) return;
+    int nodes = 0;
+    for (int e = 0; e < contact.touched; ++e) nodes += Kokkos::popcount(s_.touched_bits[e]);
+    double* c = row + 2 * K * width;
+    const double values[sample::columns] = {
+        contact.force,  add ? 0.0 : nodes / weight, contact.energy,
+        damping_loss,   s_.sliding_work + s_.sliding_part, s_.force_work + s_.force_part};
+    for (int i = 0; i < sample::columns; ++i) c[i] = weight * values[i] + (add ? c[i] : 0.0);
+  }
+
+  /// Sums are kept in two parts, so that 1e8 small terms are not added to one large number.
+  KOKKOS_FUNCTION void close_parts() {
+    for (int p = 0; p < K; ++p) {
+      lanes_.store(s_.square + p * width, load(s_.square, p) + square_[p]);
+      square_[p] = Real(0.0);
+    }
+    if (lanes_.leader()) {
+      s_.sliding_work += s_.sliding_part;
+      s_.force_work += s_.force_part;
+      s_.sliding_part = s_.force_part = 0.0;
+    }
+    lanes_.sync();
+  }
+
+  /// Kinetic + elastic energy against what was put in. Ends the scene when it is not finite or has grown
+  /// without work to pay for it.
+  KOKKOS_FUNCTION void watch_energy() {
+    Real part(0.0), load_work(0.0);
+    for (int p = 0; p < K; ++p) {
+      const Real stretch = load(t_.omega, p) * u_[p];
+      part = multiply_add(load(t_.mass, p), multiply_add(v_[p], v_[p], stretch * stretch), part);
+      load_work = multiply_add(load_[p], u_[p] - load(s_.start, p), load_work);
+    }
+    const double energy = 0.5 * lanes_.sum(part);
+    const double loads = Kokkos::abs(lanes_.sum(load_work));
+    const double limit =
+        energy_factor * (s_.energy_start + loads + Kokkos::abs(s_.force_work + s_.force_part) +
+                         Kokkos::abs(s_.sliding_work + s_.sliding_part));
+    if (lanes_.leader()) {
+      s_.energy = energy;
+      s_.energy_limit = limit;
+      if (!(energy <= 1e300))
+        s_.status = Status::not_finite;
+      else if (energy > limit && energy > t_.least_energy)
+        s_.status = Status::unstable;
+    }
+    lanes_.sync();
+  }
+
+  // ---- the step ------------------------------------------------------------------------------------
+
+  /// Modal forces that do not depend on the state: the load, and the forces that travel.
+  KOKKOS_FORCEINLINE_FUNCTION void outer_force(std::int64_t step, Real* force, Real* moving) const {
+    for (int p = 0; p < K; ++p) force[p] = load_[p];
+    if (t_.moving_forces == 0) return;
+    for (int p = 0; p < K; ++p) moving[p] = Real(0.0);
+    for (int i = 0; i < t_.moving_forces; ++i) {
+      const MovingForceTable& f = t_.moving_force[i];
+      const double x = Kokkos::fma(static_cast<double>(step), f.advance, f.position);
+      if (x < 0.0 || x > t_.resonator_length) continue;
+      Real shape[K];
+      mode_shapes<Lanes, K, Q>(lanes_, t_, quartic_, x / t_.spacing, shape);
+      for (int p = 0; p < K; ++p) moving[p] = multiply_add(f.force, shape[p], moving[p]);
+    }
+    for (int p = 0; p < K; ++p) force[p] = force[p] + moving[p];
+  }
+
+  /// Contact detection and contact force at a state, over `count` groups (`list` in ascending order, or all
+  /// of them for null). Adds the modal contact force to `force`; lists the touched groups.
+  KOKKOS_FORCEINLINE_FUNCTION ContactTotals contact(const Place& place, const Real* u, const int* list,
+                                                    int count, Real* force) const {
+    ContactTotals totals;
+    for (int p = 0; p < K; ++p) lanes_.store(s_.lanes + p * width, u[p]);
+    lanes_.sync();
+    const ModalPowers<Lanes, K, Q> modal(u, quartic_);
+    const Real lane_eta = Real(t_.inverse_radius) * lanes_.index();
+    Real moments[terms];
+    double q[terms];
+    int patch = -1;
+    bool pending = false;
+    const auto finish_patch = [&] {
+      if (!pending) return;
+      double moment[terms];
+      for (int j = 0; j < terms; ++j) moment[j] = lanes_.sum(moments[j]);
+      project<Lanes, K, Q>(lanes_, rows(patch), quartic_, moment, force);
+      totals.force += moment[0];
+      double slope = 0.0;
+      for (int j = 1; j < terms; ++j) slope = Kokkos::fma(j * q[j], moment[j - 1], slope);
+      totals.work = Kokkos::fma(t_.advance * t_.inverse_radius, slope, totals.work);
+      pending = false;
+    };
+    for (int e = 0; e < count; ++e) {
+      const int group = list ? list[e] : e;
+      const GroupPlace<Lanes> at(t_, place, group);
+      if (at.patch != patch) {
+        finish_patch();
+        patch = at.patch;
+        series_coefficients<Lanes, K, Q>(lanes_, rows(patch), modal, q);
+        for (int j = 0; j < terms; ++j) moments[j] = Real(0.0);
+      }
+      const StaticOverlap<Lanes> faces(lanes_, t_, place, group);
+      const Real eta = lane_eta + Real(at.eta);
+      const Real overlap =
+          add_slider_displacement(lanes_, t_, s_.lanes, group, faces.height) + series_value<Q>(q, eta);
+      const std::uint32_t bits = lanes_.at_least(overlap, 0.0);
+      if (bits == 0) continue;
+
+      const Real f = penalty_.force(overlap);
+      Real power = f;
+      for (int j = 0; j < terms; ++j) {
+        moments[j] = moments[j] + power;
+        power = power * eta;
+      }
+      const int stride = t_.groups * width;
+      for (int k = 0; k < t_.slider_modes; ++k) {
+        const double moment = lanes_.sum(f * lanes_.load(t_.slider_shape + k * stride + group * width));
+        for (int p = 0; p < K; ++p)
+          force[p] = multiply_add(-moment, lanes_.load(t_.unit + (k * K + p) * width), force[p]);
+      }
+      totals.work = Kokkos::fma(t_.advance, lanes_.sum(f * faces.rise), totals.work);
+      lanes_.store(s_.touched_force + totals.touched * width, f);
+      if (lanes_.leader()) {
+        s_.touched[totals.touched] = group;
+        s_.touched_bits[totals.touched] = bits;
+      }
+      ++totals.touched;
+      pending = true;
+    }
+    finish_patch();
+    lanes_.sync();
+    return totals;
+  }
+
+  /// The contact at the present state, whatever is being looked at. For samples: adds the energy.
+  KOKKOS_FUNCTION ContactTotals contact_now(Real* force) {
+    const Place place(t_, step_);
+    ContactTotals totals;
+    if (t_.look == Look::all) {
+      totals = contact(place, u_, nullptr, t_.groups, force);
+    } else {
+      if (!near_holds(place, 0.0)) find_near(place);
+      totals = contact(place, u_, s_.near, near_count_, force);
+    }
+    if (t_.node_stiffness > 0.0)
+      for (int e = 0; e < totals.touched; ++e) {
+        const Real f = lanes_.load(s_.touched_force + e * width);
+        totals.energy += lanes_.sum(f * f) * (0.5 / t_.node_stiffness);
+      }
+    return totals;
+  }
+
+  /// What a step adds to the record.
+  KOKKOS_FORCEINLINE_FUNCTION void record(const ContactTotals& totals, const Place& place,
+                                          std::int64_t step) {
+    if (totals.touched > 0) last_force_ = totals.force;
+    if (!lanes_.leader()) return;
+    if (totals.touched > 0) {
+      s_.sliding_part += totals.work;
+      ++s_.contact_steps;
+      const int nodes = track_shocks(s_, step, place.position, width, totals.touched);
+      if (nodes > s_.most_nodes) s_.most_nodes = nodes;
+    } else if (s_.open_count > 0) {
+      end_shocks(s_, step);
+    }
+  }
+
+  /// One step of all the modes under the modal forces `force`.
+  KOKKOS_FORCEINLINE_FUNCTION void advance(Real* u, Real* v, Real* square, const Real* force,
+                                           const Real* c0, const Real* c1, const Real* c2) const {
+    const Real tau(t_.step);
+    for (int p = 0; p < K; ++p) {
+      Scheme::advance(u[p], v[p], c0[p], c1[p], c2[p] * force[p], tau);
+      square[p] = multiply_add(v[p], v[p], square[p]);
+    }
+  }
+
+  KOKKOS_FORCEINLINE_FUNCTION void moving_force_work(const Real* moving, const Real* v) {
+    if (t_.moving_forces == 0) return;
+    Real power(0.0);
+    for (int p = 0; p < K; ++p) power = multiply_add(moving[p], v[p], power);
+    const double work = t_.step * lanes_.sum(power);
+    if (lanes_.leader()) s_.force_part += work;
+  }
+
+  /// One step with contact over the given groups.
+  KOKKOS_FORCEINLINE_FUNCTION void contact_step(Real* u, Real* v, Real* square, const Real* c0,
+                                                const Real* c1, const Real* c2, const int* list,
+                                                int count) {
+    const Place place(t_, step_);
+    Real force[K], moving[K];
+    outer_force(step_, force, moving);
+    const ContactTotals totals = contact(place, u, list, count, force);
+    record(totals, place, step_);
+    lanes_.sync();
+    advance(u, v, square, force, c0, c1, c2);
+    moving_force_work(moving, v);
+    ++step_;
+  }
+
+  // ---- every node at every step --------------------------------------------------------------------
+
+  KOKKOS_FUNCTION void march_all(std::int64_t next) {
+    Real c0[K], c1[K], c2[K];
+    load_scheme(c0, c1, c2);
+    const std::int64_t first = step_;
+    while (step_ < next && has_room_for_shocks(s_))
+      contact_step(u_, v_, square_, c0, c1, c2, nullptr, t_.groups);
+    if (lanes_.leader()) s_.evaluated += (step_ - first) * t_.nodes;
+    lanes_.sync();
+  }
+
+  KOKKOS_FORCEINLINE_FUNCTION void load_scheme(Real* c0, Real* c1, Real* c2) const {
+    for (int p = 0; p < K; ++p) {
+      c0[p] = load(t_.c0, p);
+      c1[p] = load(t_.c1, p);
+      c2[p] = load(t_.c2, p);
+    }
+  }
+
+  // ---- only what can touch -------------------------------------------------------------------------
+
+  KOKKOS_FUNCTION void march_candidates(std::int64_t next) {
+    while (step_ < next && has_room_for_shocks(s_)) {
+      const Plan plan = look_ahead(next);
+      if (plan.flight)
+        fly(plan.steps);
+      else
+        watch(plan);
+    }
+  }
+
+  struct Plan {
+    bool flight;
+    int steps;        // to fly, or to watch at the most
+    int count;        // groups to watch
+    double leeway;    // rho
+  };
+
+  /// Bounds on what the modes can do within a time.
+  struct Bounds {
+    double rounding;      // of a displacement
+    double speed;         // sum max|psi| |V|
+    double acceleration;  // A of the header
+    double curvature;     // A + B of the header
+  };
+
+  KOKKOS_FUNCTION Bounds bounds(double time) const {
+    Real energy[K], acceleration[K], rate[K], displacement[K];
+    for (int p = 0; p < K; ++p) {
+      const Real omega = load(t_.omega, p), push = load(t_.push, p);
+      const Real stretch = omega * u_[p];
+      energy[p] = Kokkos::sqrt(multiply_add(v_[p], v_[p], stretch * stretch));
+      acceleration[p] = multiply_add(load(t_.pull, p), multiply_add(time, push, energy[p]), push);
+      rate[p] = multiply_add(time, acceleration[p], Kokkos::abs(v_[p]));
+      displacement[p] = multiply_add(time, rate[p], Kokkos::abs(u_[p]));
+    }
+    Bounds b;
+    b.rounding = 1e-13 * bound(t_.reach, displacement);
+    b.speed = bound(t_.reach, v_);
+    b.acceleration = bound(t_.reach, acceleration);
+    const double speed = t_.advance * t_.spacing / t_.step;
+    b.curvature = b.acceleration + 2.0 * speed * bound(t_.reach_slope, rate) +
+                  speed * speed * bound(t_.reach_curve, displacement);
+    return b;
+  }
+
+  /// Distance that the near list's reference has been left behind by.
+  KOKKOS_FORCEINLINE_FUNCTION double moved() const {
+    Real away[K];
+    for (int p = 0; p < K; ++p) away[p] = u_[p] - load(s_.near_u, p);
+    return bound(t_.reach, away);
+  }
+
+  KOKKOS_FUNCTION bool near_holds(const Place& place, double travel) const {
+    return place.half == near_half_ && moved() + travel <= near_reach_;
+  }
+
+  /// Steps until a node or a group's centre passes another, at the most `longest`.
+  KOKKOS_FUNCTION int steps_in_window(const Place& place, int longest) const {
+    if (t_.advance == 0.0) return longest;
+    // one step short of the crossing that theory gives, against rounding; at least this very step
+    const double steps = (0.5 * (place.half + 1) - place.position) / t_.advance - 1.0;
+    return steps > longest ? longest : steps < 1.0 ? 1 : static_cast<int>(steps);
+  }
+
+  /// Finds the groups that can touch while the modes stay within a reach of where they are now and no node
+  /// passes another. The reach is what they can be expected to travel until then.
+  KOKKOS_FUNCTION void find_near(const Place& place) {
+    const int steps = steps_in_window(place, longest_flight);
+    const double time = steps * t_.step;
+    const Bounds b = bounds(time);
+    near_half_ = place.half;
+    near_reach_ = 2.0 * (b.speed * time + 0.5 * b.curvature * time * time) + t_.least_reach;
+    if (!(near_reach_ < 1e300)) near_reach_ = 1e300;  // not a number, too: then everything is near
+    for (int p = 0; p < K; ++p) {
+      lanes_.store(s_.near_u + p * width, u_[p]);
+      lanes_.store(s_.lanes + p * width, u_[p]);
+    }
+    lanes_.sync();
+    const double to_end = 0.5 * (place.half + 1) - place.position;  // chi
+    const double slope = bound(t_.reach_slope, u_);
+    const double radius = t_.spacing / t_.inverse_radius;
+    const double level = -(near_reach_ + t_.slack + b.rounding + to_end * t_.spacing * slope);
+    const ModalPowers<Lanes, K, Q> modal(u_, quartic_);
+    const Real lane_eta = Real(t_.inverse_radius) * lanes_.index();
+    double q[terms];
+    int patch = -1, count = 0;
+    bool have_series = false;
+    std::int64_t evaluated = 0;
+    double highest = 0.0;  // bound on u_2 over the patch
+    for (int group = 0; group < t_.groups; ++group) {
+      const GroupPlace<Lanes> at(t_, place, group);
+      if (at.patch != patch) {
+        patch = at.patch;
+        have_series = false;
+        Real centre = load(rows(patch), 0) * u_[0];
+        for (int p = 1; p < K; ++p) centre = multiply_add(load(rows(patch), p), u_[p], centre);
+        highest = lanes_.sum(centre) + radius * slope;
+      }
+      // the highest of the two blocks that the group's nodes and their neighbours lie in
+      const int block = (place.base + group * width) / width;
+      const double left = t_.block_max2[block], right = t_.block_max2[block + 1];
+      const Real top =
+          add_slider_displacement(lanes_, t_, s_.lanes, group,
+                                  lanes_.load(t_.height1 + group * width)) +
+          Real(highest + (left > right ? left : right));
+      if (lanes_.at_least(top, level) == 0) continue;
+      if (!have_series) series_coefficients<Lanes, K, Q>(lanes_, rows(patch), modal, q);
+      have_series = true;
+      const StaticOverlap<Lanes> faces(lanes_, t_, place, group);
+      const Real now = add_slider_displacement(lanes_, t_, s_.lanes, group, faces.height) +
+                       series_value<Q>(q, lane_eta + Real(at.eta));
+      const Real most = now + Kokkos::max(Real(to_end) * faces.rise, Real(0.0));
+      evaluated += width;
+      if (lanes_.at_least(most, level) == 0) continue;
+      if (lanes_.leader()) s_.near[count] = group;
+      ++count;
+    }
+    near_count_ = count;
+    if (lanes_.leader()) s_.evaluated += evaluated;
+    lanes_.sync();
+  }
+
+  /// Decides how to go on from the present state, for no longer than until step `next`.
+  KOKKOS_FUNCTION Plan look_ahead(std::int64_t next) {
+    const Place place(t_, step_);
+    int longest = steps_in_window(place, longest_flight);
+    if (next - step_ < longest) longest = static_cast<int>(next - step_);
+    const double tau = t_.step;
+    const Bounds b = bounds(longest * tau);
+
+    // the near list must hold for all the states that this look speaks of
+    const int watched = longest < watch_steps ? longest : watch_steps;
+    const double watch_time = watched * tau;
+    const double leeway =
+        watch_time * watch_time * (b.curvature + 2.0 * t_.compliance * last_force_) + t_.least_leeway;
+    const double watch_travel = b.speed * watch_time + leeway;
+    if (!near_holds(place, watch_travel)) find_near(place);
+    const double room = near_reach_ - moved();
+    if (room < watch_travel) return {false, 1, near_count_, leeway};  // wild: one step, then look again
+
+    if (near_count_ > 0) {
+      for (int p = 0; p < K; ++p) lanes_.store(s_.lanes + p * width, u_[p]);
+      for (int p = 0; p < K; ++p) lanes_.store(s_.lanes + (K + p) * width, v_[p]);
+      lanes_.sync();
+    }
+    const ModalPowers<Lanes, K, Q> modal(u_, quartic_), modal_rate(v_, quartic_);
+    const Real lane_eta = Real(t_.inverse_radius) * lanes_.index();
+    const double half_curve = 0.5 * b.curvature * tau * tau;
+    // A node is left out of the watch when it stays open along the line, with leeway and its own motion.
+    const double slack = t_.slack + b.rounding;
+    const double level = -(leeway + half_curve * watched * watched + slack);
+    double q[terms], rate_q[terms];
+    Real soonest(static_cast<double>(longest));
+    int patch = -1, count = 0;
+    for (int e = 0; e < near_count_; ++e) {
+      const int group = s_.near[e];
+      const GroupPlace<Lanes> at(t_, place, group);
+      if (at.patch != patch) {
+        patch = at.patch;
+        series_coefficients<Lanes, K, Q>(lanes_, rows(patch), modal, q);
+        series_coefficients<Lanes, K, Q>(lanes_, rows(patch), modal_rate, rate_q);
+      }
+      const StaticOverlap<Lanes> faces(lanes_, t_, place, group);
+      const Real eta = lane_eta + Real(at.eta);
+      const Real overlap =
+          add_slider_displacement(lanes_, t_, s_.lanes, group, faces.height) + series_value<Q>(q, eta);
+      // closing per step: the modes, and the node's way over the resonator's face
+      const Real modes = add_slider_displacement(lanes_, t_, s_.lanes + K * width, group,
+                                                 series_value<Q>(rate_q, eta));
+      const Real way = faces.rise + Real(t_.inverse_radius) * series_slope<Q>(q, eta);
+      const Real closing = multiply_add(tau, modes, Real(t_.advance) * way);
+      const Real most =
+          multiply_add(static_cast<double>(watched), Kokkos::max(closing, Real(0.0)), overlap);
+      if (lanes_.at_least(most, level) != 0) {
+        if (lanes_.leader()) s_.watch[count] = group;
+        ++count;
+      }
+      // the root of open = i closing + i (i + 1) half_curve
+      const Real open = Kokkos::max(-overlap - Real(slack), Real(0.0));
+      const Real linear = closing + Real(half_curve);
+      const Real root =
+          Kokkos::sqrt(multiply_add(linear, linear, Real(4.0 * half_curve) * open)) + linear;
+      soonest = Kokkos::min(soonest, Real(2.0) * open / (root + Real(1e-300)));
+    }
+    if (lanes_.leader()) s_.evaluated += static_cast<std::int64_t>(near_count_) * width;
+    lanes_.sync();
+    double flight = near_count_ > 0 ? lanes_.min(soonest) : longest;
+    // ... and no further than the near list reaches
+    const double linear = b.speed * tau + half_curve;
+    const double reach = 2.0 * room / (Kokkos::sqrt(linear * linear + 4.0 * half_curve * room) + linear + 1e-300);
+    if (reach < flight) flight = reach;
+    if (flight >= shortest_flight || count == 0 || flight >= longest) {
+      int steps = flight >= longest ? longest : static_cast<int>(flight);
+      if (count == 0 && steps < watched) steps = watched;  // nothing to watch: the same as flying
+      return {true, steps < 1 ? 1 : steps, 0, 0.0};
+    }
+    return {false, watched, count, leeway};
+  }
+
+  /// Steps that provably have no contact.
+  KOKKOS_FUNCTION void fly(int steps) {
+    Real c0[K], c1[K], c2[K], u[K], v[K], square[K], force[K];
+    load_scheme(c0, c1, c2);
+    for (int p = 0; p < K; ++p) {
+      u[p] = u_[p];
+      v[p] = v_[p];
+      square[p] = square_[p];
+      force[p] = load_[p];
+    }
+    if (lanes_.leader() && s_.open_count > 0) end_shocks(s_, step_);
+    if (t_.moving_forces == 0) {
+      for (int i = 0; i < steps; ++i) advance(u, v, square, force, c0, c1, c2);
+    } else {
+      Real moving[K];
+      for (int i = 0; i < steps; ++i) {
+        outer_force(step_ + i, force, moving);
+        advance(u, v, square, force, c0, c1, c2);
+        moving_force_work(moving, v);
+      }
+    }
+    for (int p = 0; p < K; ++p) {
+      u_[p] = u[p];
+      v_[p] = v[p];
+      square_[p] = square[p];
+    }
+    step_ += steps;
+    lanes_.sync();
+  }
+
+  /// Steps with the watched groups evaluated, as long as the modes keep to their line.
+  KOKKOS_FUNCTION void watch(const Plan& plan) {
+    Real c0[K], c1[K], c2[K], u[K], v[K], square[K], line[K], pace[K], reach[K];
+    load_scheme(c0, c1, c2);
+    for (int p = 0; p < K; ++p) {
+      u[p] = line[p] = u_[p];
+      v[p] = v_[p];
+      pace[p] = Real(t_.step) * v_[p];
+      square[p] = square_[p];
+      reach[p] = load(t_.reach, p);
+    }
+    const int* list = plan.count == near_count_ ? s_.near : s_.watch;
+    int done = 0;
+    bool kept = true;
+    while (done < plan.steps && kept && has_room_for_shocks(s_)) {
+      contact_step(u, v, square, c0, c1, c2, list, plan.count);
+      ++done;
+      Real away(0.0);
+      for (int p = 0; p < K; ++p) {
+        line[p] = line[p] + pace[p];
+        away = multiply_add(reach[p], Kokkos::abs(u[p] - line[p]), away);
+      }
+      kept = lanes_.sum(away) <= plan.leeway;
+    }
+    for (int p = 0; p < K; ++p) {
+      u_[p] = u[p];
+      v_[p] = v[p];
+      square_[p] = square[p];
+    }
+    if (lanes_.leader()) s_.evaluated += static_cast<std::int64_t>(done) * plan.count * width;
+    lanes_.sync();
+  }
+};
+
+/// The launch: every scene of a batch, one team each, until step `target`.
+template <class Space, class Scheme, int K, int Q>
+struct March {
+  using Policy = Kokkos::TeamPolicy<Space>;
+  using Member = typename Policy::member_type;
+  using Lanes = typename LanesOf<Space>::template type<Member>;
+
+  Kokkos::View<const SceneTables*, Space> tables;
+  Kokkos::View<SceneState*, Space> states;
+  std::int64_t target;
+
+  KOKKOS_FUNCTION void operator()(const Member& member) const {
+    const int scene = member.league_rank();
+    const Lanes lanes(member);
+    Marcher<Lanes, Scheme, K, Q>(lanes, tables(scene), states(scene)).run(target);
+  }
+  void launch(const Space& space) const {
+    Kokkos::parallel_for("ra2d::march",
+                         Policy(space, tables.extent_int(0), 1, LanesOf<Space>::vector_length), *this);
+  }
+};
+
+}  // namespace ra2d

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <Kokkos_Core.hpp>
+#include <cstdint>
+
+/// What changes while a scene is marched, and what it hands out. Plain data, pointers as in SceneTables.
+/// Everything that the result depends on is here, so a launch may end after any step.
+namespace ra2d {
+
+enum class Status : int { running, done, unstable, not_finite };
+
+/// A run of neighbouring slider nodes in contact.
+struct ContactRun {
+  int first, last;  // nodes
+  int shock;        // index of the open shock that it belongs to
+  double force;     // N
+  double moment;    // N, sum of f_n n
+};
+
+/// A shock that has begun and not ended.
+struct OpenShock {
+  std::int64_t serial;      // number in order of start
+  std::int64_t start, last; // first and latest step in contact
+  double force;             // N, at the latest step
+  double peak;              // N
+  double impulse;           // N steps
+  double moment;            // N steps chi, sum of f_n x_n/chi
+};
+
+/// A shock that has ended.
+struct ShockRow {
+  std::int64_t serial, start, last;
+  double peak, impulse, moment;
+};
+
+/// Columns of a sample behind its modal displacements and velocities.
+namespace sample {
+enum Column : int { force, nodes, contact_energy, damping_loss, sliding_work, force_work, columns };
+}
+
+struct SceneState {
+  Status status = Status::running;
+  std::int64_t step = 0;
+
+  // modes, one lane each
+  double* u = nullptr;         // m^(3/2)
+  double* v = nullptr;         // m^(3/2)/s
+  double* start = nullptr;     // u at t = 0
+  double* square = nullptr;    // sum of V^2 over the steps up to the last sample
+  double* square_part = nullptr;  // ... and since then
+
+  // sums over the steps, in the same two parts
+  double sliding_work = 0, sliding_part = 0;  // J
+  double force_work = 0, force_part = 0;      // J, of the moving forces
+  std::int64_t contact_steps = 0;             // steps with any node in contact
+  std::int64_t most_nodes = 0;                // largest number of nodes in contact at once
+  std::int64_t evaluated = 0;                 // nodes whose gap was evaluated (a measure of cost)
+
+  // energy at t = 0, and what the watch over it found
+  double energy_start = 0;    // J, kinetic + elastic + contact
+  double energy = 0;          // J, kinetic + elastic at the last look, or when it stopped
+  double energy_limit = 0;    // J, what it was not allowed to pass
+
+  // samples handed out: rows of 2 lanes + sample::columns
+  double* sample_rows = nullptr;
+  int sample_capacity = 0, sample_count = 0;
+  std::int64_t next_sample = 0;
+  bool sample_pending = false;  // the last row still misses its share of the next step
+
+  // shocks
+  ContactRun* runs = nullptr;      // of the step runs_step
+  ContactRun* new_runs = nullptr;  // work space
+  OpenShock* open = nullptr;
+  int run_capacity = 0, run_count = 0, open_count = 0;
+  std::int64_t runs_step = -2;
+  std::int64_t shocks_begun = 0;
+  ShockRow* shock_rows = nullptr;
+  int shock_capacity = 0, shock_count = 0;
+
+  // work space
+  int* near = nullptr;     // groups that can touch while the near list holds
+  int* watch = nullptr;    // groups evaluated at each step
+  double* near_u = nullptr;  // modal displacements at which the near list was made
+  int* touched = nullptr;        // groups that touch at this step
+  std::uint32_t* touched_bits = nullptr;
+  double* touched_force = nullptr;  // (touched group, lane)
+  double* lanes = nullptr;       // modal displacements (and rates) of this step, to be read one by one
+};
+
+}  // namespace ra2d

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <Kokkos_Core.hpp>
+#include <cstdint>
+
+/// The tables of one scene, as the march reads them. Plain data: the pointers point to where the kernels
+/// run. Built and checked on the host (host/run/model.hpp); nothing is checked here again.
+///
+/// Modes. Both bodies' modes stand in one list, one lane each: the resonator's, then the slider's; the rest
+/// of the last pack is zero. Signs are those of the model page, which treats both bodies alike: every
+/// mode closes the gap by U_k psi_k at a node, and a contact force f drives it with -f psi_k.
+///
+/// Nodes. Slider node n stands at resonator position pos(m) + n in units of chi, pos(m) = position +
+/// m advance at step m. Nodes are taken in groups, one a lane.
+///
+/// Patches. Under the slider the resonator's displacement is smooth: its shortest wavelength spans hundreds
+/// of nodes. On patches fixed to the resonator it is a polynomial of 4 Q terms in
+/// eta = (x - centre)/radius, |eta| <= 1, whose coefficients are sums over the modes:
+///   u_2 = sum_j q_j eta^j,  q_j = sum_k U_k radius^j psi_k^(j)(centre) / j!.
+/// The radius is chosen so that the first term left out is below the roundings. All modes here satisfy
+/// psi'''' = beta^4 psi, so four derivatives are stored and the others follow with (beta radius)^4.
+namespace ra2d {
+
+/// Whether contact is looked for at every node or where the guarantee says that it could be.
+enum class Look : int { all, candidates };
+
+struct MovingForceTable {
+  double force;     // N
+  double position;  // m, at t = 0
+  double advance;   // m per step
+};
+
+struct SceneTables {
+  // what there is
+  int resonator_modes = 0, slider_modes = 0;
+  int nodes = 0, groups = 0;    // slider nodes; groups of one a lane
+  int patches = 0, patch_nodes = 0;  // patches; their width in nodes (radius = half of it + half a group)
+  int moving_forces = 0;
+  Look look = Look::candidates;
+
+  // motion
+  double position = 0;  // of slider node 0 on the resonator at t = 0, in chi
+  double advance = 0;   // per step, in chi
+  double spacing = 0;   // m, chi
+  double step = 0;      // s, tau
+  double inverse_radius = 0;  // chi / radius
+  double resonator_length = 0;  // m
+
+  // contact
+  double node_stiffness = 0;  // N/m, kappa chi w
+  double slack = 0;           // m, bound on the rounding of the rough faces' part of a gap
+  double compliance = 0;      // 1/kg, bound on sum psi^2/m over both bodies at any place
+
+  // how the guarantee is used: these set the cost, never the answer
+  double least_reach = 0;   // m, of a near list
+  double least_leeway = 0;  // m, of a watch
+  double least_energy = 0;  // J, below which energy is not watched
+
+  // modes, one lane each (padded with zeros)
+  const double* c0 = nullptr;  // scheme coefficients
+  const double* c1 = nullptr;
+  const double* c2 = nullptr;
+  const double* load = nullptr;         // N m^(-1/2), constant modal load
+  const double* mass = nullptr;         // kg/m
+  const double* omega = nullptr;        // rad/s
+  const double* damping = nullptr;      // 2 zeta omega m tau: damping loss of a step over V^2
+  const double* pull = nullptr;         // 1/s, the scheme's bound on |V'| over the modal energy norm
+  const double* push = nullptr;         // m^(3/2)/s^2, bound on the outer modal forces over the mass
+  const double* reach = nullptr;        // max |psi|
+  const double* reach_slope = nullptr;  // max |psi'|, resonator only: its nodes move
+  const double* reach_curve = nullptr;  // max |psi''|, resonator only
+  const double* quartic = nullptr;      // (beta radius)^4
+  const double* patch = nullptr;        // (patch, 4, lane): radius^j psi^(j)(centre) / j!
+  const double* slider_shape = nullptr; // (slider mode, group, lane): psi at the slider's nodes
+  const double* unit = nullptr;         // (slider mode, lane): 1 at that mode's own lane
+
+  // surfaces, m
+  const double* height1 = nullptr;     // (group, lane): h_1 - delta; far below for the padding
+  const double* height2 = nullptr;     // resonator node, padded beyond its end
+  const double* block_max2 = nullptr;  // max of height2 over blocks of one group's width
+
+  const MovingForceTable* moving_force = nullptr;
+
+  // when to write
+  std::int64_t total_steps = 0;
+  double steps_per_sample = 0;
+  std::int64_t samples = 0;
+};
+
+}  // namespace ra2d

@@ -1,0 +1,121 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Checks a result file as its users open it: with h5py, netCDF4 and xarray, defaults only.
+
+    check_result.py OUT.h5
+
+Names, axes, units, long names, coordinates and shapes must be those of the README's output table.
+Times carry the unit "s": xarray makes time differences of "seconds", but leaves "s" as numbers.
+A group opened by itself has the axis `time` without its values, which stand in the root:
+
+    xarray.merge([xarray.open_dataset(f), xarray.open_dataset(f, group="contact")])
+"""
+import sys
+
+import h5py
+import netCDF4
+import numpy as np
+import xarray
+
+TIME, SHOCK = ("time",), ("start",)
+MODES, PROBES, NODES = ("time", "frequency"), ("time", "position"), ("position",)
+DATASETS = {  # group: {name: (units, axes)}
+    "": {"time": ("s", TIME)},
+    "resonator": {"frequency": ("Hz", ("frequency",)), "displacement": ("m1.5", MODES), "velocity": ("m1.5 s-1", MODES)},
+    "slider": {"frequency": ("Hz", ("frequency",)), "displacement": ("m1.5", MODES), "velocity": ("m1.5 s-1", MODES)},
+    "contact": {"force": ("N", TIME), "nodes": ("1", TIME)},
+    "probes": {"position": ("m", NODES), "displacement": ("m", PROBES), "velocity": ("m s-1", PROBES)},
+    "energy": {name: ("J", TIME) for name in ("kinetic", "elastic", "contact", "damping_loss", "sliding_work", "load_work")},
+    "shocks": {"start": ("s", SHOCK), "duration": ("s", SHOCK), "peak_force": ("N", SHOCK), "impulse": ("N s", SHOCK), "position": ("m", SHOCK)},
+    "level": {"v_rms": ("m s-1", ()), "lv": ("dB", ())},
+    "surface/slider": {"position": ("m", NODES), "height": ("m", NODES)},
+    "surface/resonator": {"position": ("m", NODES), "height": ("m", NODES)},
+}
+ATTRIBUTES = {"creator": str, "version": str, "commit": str, "scene": str, "backend": str, "threads": np.integer,
+              "started": str, "wall_seconds": np.floating, "steps": np.integer, "complete": np.integer, "ended": str}
+
+
+def expect(right, *what):
+    if not right:
+        sys.exit("check_result: " + " ".join(str(w) for w in what))
+
+
+def same(a, b):
+    return np.array_equal(np.asarray(a), np.asarray(b), equal_nan=True)
+
+
+def check_attributes(reader, attributes):
+    expect(list(attributes) == list(ATTRIBUTES), reader, "root attributes", list(attributes))
+    for name, kind in ATTRIBUTES.items():
+        expect(isinstance(attributes[name], kind), reader, name, "is", type(attributes[name]))
+    expect(attributes["creator"] == "ra2d", reader, "creator")
+    expect(attributes["complete"] in (0, 1), reader, "complete")
+
+
+def check_variable(reader, path, variable, units, axes, shape, attributes):
+    expect(attributes["units"] == units, reader, path, "units", attributes["units"])
+    expect(isinstance(attributes["long_name"], str) and attributes["long_name"], reader, path, "long_name")
+    expect(tuple(axes) == tuple(variable), reader, path, "axes", tuple(variable), "not", axes)
+    expect(len(shape) == len(axes), reader, path, "shape", shape)
+
+
+def check(path):
+    with h5py.File(path, "r") as file:
+        check_attributes("h5py", file.attrs)
+        listed = []
+        file.visititems(lambda name, item: listed.append(name) if isinstance(item, h5py.Dataset) else None)
+        names = [f"{group}/{name}".lstrip("/") for group, members in DATASETS.items() for name in members]
+        expect(sorted(listed) == sorted(names), "h5py lists", listed)
+        values = {name: file[name][()] for name in names}
+        for group, members in DATASETS.items():
+            for name, (units, axes) in members.items():
+                full = f"{group}/{name}".lstrip("/")
+                data = file[full]
+                expect(data.dtype == np.float64, full, data.dtype)
+                if h5py.h5ds.is_scale(data.id):
+                    own = (data.attrs["NAME"].decode(),)
+                else:
+                    own = tuple(axis.keys()[0] for axis in data.dims)
+                    for axis, length in zip(data.dims, data.shape):
+                        expect(axis[0].shape == (length,), full, "and its scale differ in length")
+                check_variable("h5py", full, own, units, axes, data.shape, data.attrs)
+
+    with netCDF4.Dataset(path) as root:
+        check_attributes("netCDF4", {name: root.getncattr(name) for name in root.ncattrs()})
+        for group, members in DATASETS.items():
+            here = root[group] if group else root
+            expect(list(here.variables) == list(members), "netCDF4 lists", list(here.variables), "in", group)
+            for name, (units, axes) in members.items():
+                variable = here.variables[name]
+                check_variable("netCDF4", f"{group}/{name}", variable.dimensions, units, axes, variable.shape,
+                               {key: variable.getncattr(key) for key in variable.ncattrs()})
+                expect(same(np.ma.filled(variable[...], np.nan), values[f"{group}/{name}".lstrip("/")]), "netCDF4 reads other values in", group, name)
+
+    with xarray.open_dataset(path) as root:
+        check_attributes("xarray", root.attrs)
+        for group, members in DATASETS.items():
+            with xarray.open_dataset(path, group=group or None) as here:
+                expect(set(here.variables) == set(members), "xarray lists", list(here.variables), "in", group)
+                for name, (units, axes) in members.items():
+                    variable = here[name]
+                    full = f"{group}/{name}".lstrip("/")
+                    check_variable("xarray", full, variable.dims, units, axes, variable.shape, variable.attrs)
+                    expect(variable.dtype == np.float64, "xarray decodes", full, "to", variable.dtype)
+                    expect(same(variable.values, values[full]), "xarray reads other values in", full)
+                    for axis in axes:
+                        expect(axis == "time" or axis in here.coords, "xarray:", full, "has no values along", axis)
+                expect("time" in xarray.merge([root, here]).coords, "xarray: no time beside", group)
+
+    for ascending in ("time", "shocks/start"):
+        expect((np.diff(values[ascending]) >= 0).all(), ascending, "is not in order")
+    for name in ("shocks/start", "contact/force", "energy/kinetic"):
+        expect(np.isfinite(values[name]).all(), name, "has gaps")
+    return values
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 2:
+        sys.exit(__doc__)
+    v = check(sys.argv[1])
+    print(f"{sys.argv[1]}: OK in h5py, netCDF4 and xarray: {v['time'].size} samples, {v['resonator/frequency'].size} + "
+          f"{v['slider/frequency'].size} modes, {v['probes/position'].size} probes, {v['shocks/start'].size} shocks")

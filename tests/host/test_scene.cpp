@@ -1,0 +1,828 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/scene/scene.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "host/errors.hpp"
+
+namespace ra2d {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+using testing::StartsWith;
+
+/// A small valid scene; the tests below count on its lines.
+constexpr auto minimal = R"([scene]
+duration = 0.1
+speed = 0.5
+start = 0.1
+spacing = 1e-4
+[resonator]
+support = "pinned"
+length = 0.3
+thickness = 0.002
+width = 0.2
+young = 210e9
+density = 7800
+damping = 0.02
+modes = 19
+surface = { kind = "gaussian", rq = 8e-6, rsm = 1.5e-3, seed = 2 }
+[slider]
+support = "free"
+length = 0.02
+thickness = 0.02
+width = 0.02
+young = 210e9
+density = 7800
+damping = 0.02
+max_frequency = 20e3
+[contact]
+stiffness = 1e15
+[time]
+step = 1e-6
+)";
+
+/// One change of a text: `from`, at its first place, becomes `to`; a `from` of nothing appends.
+struct Change {
+  std::string from, to;
+};
+
+std::string with(std::string text, const Change& change) {
+  if (change.from.empty()) return text.append(change.to);
+  const auto at = text.find(change.from);
+  EXPECT_NE(at, std::string::npos) << "not in the text: " << change.from;
+  return at == std::string::npos ? text : text.replace(at, change.from.size(), change.to);
+}
+
+/// The minimal scene with changes.
+std::string scene_text(const std::vector<Change>& changes) {
+  std::string text = minimal;
+  for (const Change& change : changes) text = with(text, change);
+  return text;
+}
+
+Scene parse(const std::string& text, const std::vector<std::string>& overrides = {}) {
+  return parse_scene(text, "s.toml", overrides);
+}
+
+std::string refusal(const std::string& text, const std::vector<std::string>& overrides = {}) {
+  try {
+    parse(text, overrides);
+  } catch (const RequestError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+void expect_same(const SurfaceSpec& a, const SurfaceSpec& b) {
+  EXPECT_EQ(a.kind, b.kind);
+  ASSERT_EQ(a.peaks.size(), b.peaks.size());
+  for (std::size_t i = 0; i < a.peaks.size(); ++i) {
+    EXPECT_EQ(a.peaks[i].at, b.peaks[i].at);
+    EXPECT_EQ(a.peaks[i].height, b.peaks[i].height);
+    EXPECT_EQ(a.peaks[i].half_width, b.peaks[i].half_width);
+  }
+  EXPECT_EQ(a.path, b.path);
+  EXPECT_EQ(a.rq, b.rq);
+  EXPECT_EQ(a.rsm, b.rsm);
+  EXPECT_EQ(a.correlation_length, b.correlation_length);
+  EXPECT_EQ(a.seed, b.seed);
+}
+
+void expect_same(const BodySpec& a, const BodySpec& b) {
+  EXPECT_EQ(a.support, b.support);
+  EXPECT_EQ(a.length, b.length);
+  EXPECT_EQ(a.thickness, b.thickness);
+  EXPECT_EQ(a.width, b.width);
+  EXPECT_EQ(a.young, b.young);
+  EXPECT_EQ(a.density, b.density);
+  EXPECT_EQ(a.damping, b.damping);
+  EXPECT_EQ(a.max_frequency, b.max_frequency);
+  EXPECT_EQ(a.modes, b.modes);
+  expect_same(a.surface, b.surface);
+  EXPECT_EQ(a.load_is_weight, b.load_is_weight);
+  EXPECT_EQ(a.load, b.load);
+  ASSERT_EQ(a.moving_forces.size(), b.moving_forces.size());
+  for (std::size_t i = 0; i < a.moving_forces.size(); ++i) {
+    EXPECT_EQ(a.moving_forces[i].force, b.moving_forces[i].force);
+    EXPECT_EQ(a.moving_forces[i].speed, b.moving_forces[i].speed);
+    EXPECT_EQ(a.moving_forces[i].start, b.moving_forces[i].start);
+  }
+}
+
+void expect_same(const Scene& a, const Scene& b) {
+  EXPECT_EQ(a.file, b.file);
+  EXPECT_EQ(a.name, b.name);
+  EXPECT_EQ(a.duration, b.duration);
+  EXPECT_EQ(a.speed, b.speed);
+  EXPECT_EQ(a.start, b.start);
+  EXPECT_EQ(a.gap, b.gap);
+  EXPECT_EQ(a.spacing, b.spacing);
+  EXPECT_EQ(a.initial, b.initial);
+  expect_same(a.resonator, b.resonator);
+  expect_same(a.slider, b.slider);
+  EXPECT_EQ(a.law, b.law);
+  EXPECT_EQ(a.stiffness, b.stiffness);
+  EXPECT_EQ(a.scheme, b.scheme);
+  EXPECT_EQ(a.step, b.step);
+  EXPECT_EQ(a.tolerance, b.tolerance);
+  EXPECT_EQ(a.nodes, b.nodes);
+  EXPECT_EQ(a.rate, b.rate);
+  EXPECT_EQ(a.probes, b.probes);
+}
+
+/// Reading the echo gives the scene again, and the echo is its own echo.
+void expect_round_trip(const Scene& scene) {
+  const std::string text = echo(scene);
+  SCOPED_TRACE(text);
+  const Scene again = parse_scene(text, scene.file);
+  expect_same(again, scene);
+  EXPECT_EQ(echo(again), text);
+}
+
+TEST(Scene, MinimalOneReadsWithDefaults) {
+  const Scene s = parse(minimal);
+  EXPECT_EQ(s.file, "s.toml");
+  EXPECT_EQ(s.name, "");
+  EXPECT_EQ(s.gap, std::nullopt);
+  EXPECT_EQ(s.initial, Initial::rest);
+  EXPECT_EQ(s.slider.surface.kind, SurfaceKind::flat);
+  EXPECT_FALSE(s.slider.load_is_weight);
+  EXPECT_EQ(s.slider.load, 0);
+  EXPECT_THAT(s.resonator.moving_forces, IsEmpty());
+  EXPECT_EQ(s.law, ContactLaw::penalty);
+  EXPECT_EQ(s.scheme, SchemeKind::backward_euler);
+  EXPECT_EQ(s.tolerance, std::nullopt);
+  EXPECT_EQ(s.nodes, Nodes::candidates);
+  EXPECT_EQ(s.rate, 100e3);
+  EXPECT_THAT(s.probes, IsEmpty());
+}
+
+TEST(Scene, ValuesArriveWhereTheyBelong) {
+  const Scene s = parse(scene_text({
+      {"duration = 0.1",
+       "name = \"a \\\"b\\\"\"\ngap = 2e-5\ninitial = \"static\"\nduration = 0.1"},
+      {"max_frequency = 20e3",
+       "modes = 0\nload = \"weight\"\nsurface.kind = \"peaks\"\nsurface.peaks = [{ at = 0.01, "
+       "height = "
+       "-1e-5, half_width = 2e-4 }]"},
+      {"stiffness", "law = \"penalty\"\nstiffness"},
+      {"step", "scheme = \"backward-euler\"\nnodes = \"all\"\ntolerance = 1e-8\nstep"},
+      {"",
+       "[output]\nrate = 50_000\nprobes = [0, 0.15, 0.3]\n[[resonator.moving_force]]\nforce = 10\n"
+       "speed = 20\nstart = -1\n"},
+  }));
+  EXPECT_EQ(s.name, "a \"b\"");
+  EXPECT_EQ(s.gap, 2e-5);
+  EXPECT_EQ(s.initial, Initial::statics);
+  EXPECT_EQ(s.duration, 0.1);
+  EXPECT_EQ(s.speed, 0.5);
+  EXPECT_EQ(s.start, 0.1);
+  EXPECT_EQ(s.spacing, 1e-4);
+  EXPECT_EQ(s.resonator.support, Support::pinned);
+  EXPECT_EQ(s.resonator.length, 0.3);
+  EXPECT_EQ(s.resonator.thickness, 0.002);
+  EXPECT_EQ(s.resonator.width, 0.2);
+  EXPECT_EQ(s.resonator.young, 210e9);
+  EXPECT_EQ(s.resonator.density, 7800);
+  EXPECT_EQ(s.resonator.damping, 0.02);
+  EXPECT_EQ(s.resonator.modes, 19);
+  EXPECT_EQ(s.resonator.max_frequency, std::nullopt);
+  EXPECT_EQ(s.resonator.surface.kind, SurfaceKind::gaussian);
+  EXPECT_EQ(s.resonator.surface.rq, 8e-6);
+  EXPECT_EQ(s.resonator.surface.rsm, 1.5e-3);
+  EXPECT_EQ(s.resonator.surface.correlation_length, std::nullopt);
+  EXPECT_EQ(s.resonator.surface.seed, 2);
+  ASSERT_EQ(s.resonator.moving_forces.size(), 1);
+  EXPECT_EQ(s.resonator.moving_forces[0].force, 10);
+  EXPECT_EQ(s.resonator.moving_forces[0].speed, 20);
+  EXPECT_EQ(s.resonator.moving_forces[0].start, -1);
+  EXPECT_EQ(s.slider.support, Support::free);
+  EXPECT_EQ(s.slider.modes, 0);
+  EXPECT_TRUE(s.slider.load_is_weight);
+  ASSERT_EQ(s.slider.surface.peaks.size(), 1);
+  EXPECT_EQ(s.slider.surface.peaks[0].at, 0.01);
+  EXPECT_EQ(s.slider.surface.peaks[0].height, -1e-5);
+  EXPECT_EQ(s.slider.surface.peaks[0].half_width, 2e-4);
+  EXPECT_EQ(s.stiffness, 1e15);
+  EXPECT_EQ(s.step, 1e-6);
+  EXPECT_EQ(s.tolerance, 1e-8);
+  EXPECT_EQ(s.nodes, Nodes::all);
+  EXPECT_EQ(s.rate, 50e3);
+  EXPECT_THAT(s.probes, ElementsAre(0, 0.15, 0.3));
+}
+
+/// One fault each: a changed scene, and what its only message must say.
+struct Refused {
+  std::string name;
+  std::vector<Change> changes;
+  std::vector<std::string> says;
+};
+
+void PrintTo(const Refused& refused, std::ostream* out) { *out << refused.name; }
+
+class SceneRefuses : public testing::TestWithParam<Refused> {};
+
+TEST_P(SceneRefuses, WithOneMessage) {
+  const std::string message = refusal(scene_text(GetParam().changes));
+  EXPECT_THAT(message, StartsWith("s.toml: 1 fault\n"));
+  for (const std::string& part : GetParam().says) EXPECT_THAT(message, HasSubstr(part));
+}
+
+std::string peaks(const std::string& list) {
+  return "surface = { kind = \"peaks\", peaks = [" + list + "] }";
+}
+
+const std::string gaussian = "surface = { kind = \"gaussian\", rq = 8e-6, rsm = 1.5e-3, seed = 2 }";
+const Change rigid_slider{"support = \"free\"", "support = \"rigid\""};
+const Change static_start{"start", "initial = \"static\"\nstart"};
+const Change free_resonator{"\"pinned\"", "\"free\""};
+
+const std::vector<Refused> refused{
+    // not TOML
+    {"Syntax", {{"speed = 0.5", "speed = = 0.5"}}, {"s.toml:3:", "not TOML"}},
+    {"BadHeader", {{"[scene]", "[[[scene]]]"}}, {"s.toml:1:", "not TOML"}},
+    {"KeyTwice", {{"speed = 0.5", "speed = 1\nspeed = 1"}}, {"s.toml:4:", "not TOML"}},
+    // unknown
+    {"KeyNear",
+     {{"rsm =", "rms ="}, {"seed = 2", "seed = 2, rsm = 1e-3"}},
+     {"\ns.toml:15: resonator.surface.rms: unknown key (did you mean `rsm`?)"}},
+    {"KeyFar",
+     {{"step", "colour = 3\nstep"}},
+     {"\ns.toml:28: time.colour: unknown key: expected `scheme`, `step`, `tolerance` or `nodes`"}},
+    {"KeyOfAnotherSection",
+     {{"step", "rate = 3\nstep"}},
+     {"\ns.toml:28: time.rate: unknown key (did you mean `output.rate`?)"}},
+    {"KeyOutsideSections",
+     {{"[scene]", "duration = 3\n[scene]"}},
+     {"\ns.toml:1: duration: unknown key (did you mean `scene.duration`?)"}},
+    {"KeyOfPeak",
+     {{gaussian, peaks("{ at = 0.1, height = 1e-6, halfwidth = 1, half_width = 1e-3 }")}},
+     {"s.toml:15: resonator.surface.peaks[0].halfwidth: unknown key (did you mean `half_width`?)"}},
+    {"QuotedKey", {{"step", "\"a\\nb\" = 3\nstep"}}, {"s.toml:28: time.\"a\\nb\": unknown key"}},
+    {"Section",
+     {{"", "[outptu]\nrate = 3\n"}},
+     {"\ns.toml:29: outptu: unknown section (did you mean `output`?)"}},
+    {"SectionFar",
+     {{"", "[weather]\n"}},
+     {"s.toml:29: weather: unknown section: expected `scene`, `resonator`, `slider`, `contact`, "
+      "`time` or `output`"}},
+    {"ResonatorLoad",
+     {{"modes = 19", "modes = 19\nload = 3"}},
+     {"s.toml:15: resonator.load: unknown key", "only the slider", "moving_force"}},
+    {"SliderMovingForce",
+     {{"", "[[slider.moving_force]]\nforce = 1\nspeed = 1\nstart = 1\n"}},
+     {"s.toml:29: slider.moving_force: unknown key", "only the resonator"}},
+    // missing
+    {"MissingKey",
+     {{"duration = 0.1\n", ""}},
+     {"\ns.toml:1: scene.duration: missing: expected a number > 0 (s)"}},
+    {"MissingMaterial", {{"young = 210e9\n", ""}}, {"s.toml:6: resonator.young: missing", "Pa"}},
+    {"MissingSupport",
+     {{"support = \"pinned\"\n", ""}},
+     {"s.toml:6: resonator.support: missing: expected \"pinned\", \"free\" or \"rigid\""}},
+    {"MissingStiffness", {{"stiffness = 1e15\n", ""}}, {"s.toml:25: contact.stiffness: missing"}},
+    {"MissingSection",
+     {{"[time]\nstep = 1e-6\n", ""}},
+     {"\ns.toml:1: time: missing section: expected [time] with step"}},
+    {"MissingRq", {{"rq = 8e-6, ", ""}}, {"s.toml:15: resonator.surface.rq: missing"}},
+    {"MissingSeed", {{", seed = 2", ""}}, {"s.toml:15: resonator.surface.seed: missing"}},
+    {"MissingKind",
+     {{"kind = \"gaussian\", ", ""}},
+     {"s.toml:15: resonator.surface.kind: missing"}},
+    {"MissingPath",
+     {{gaussian, "surface = { kind = \"file\" }"}},
+     {"s.toml:15: resonator.surface.path: missing"}},
+    {"MissingPeaks",
+     {{gaussian, "surface = { kind = \"peaks\" }"}},
+     {"s.toml:15: resonator.surface.peaks: missing: expected an array of tables"}},
+    {"MissingPeakHeight",
+     {{gaussian, peaks("{ at = 0.1, half_width = 1e-3 }")}},
+     {"s.toml:15: resonator.surface.peaks[0].height: missing"}},
+    {"MissingForce",
+     {{"", "[[resonator.moving_force]]\nspeed = 1\nstart = 0\n"}},
+     {"s.toml:29: resonator.moving_force[0].force: missing: expected a number (N)"}},
+    // types
+    {"TextForNumber",
+     {{"speed = 0.5", "speed = \"0.5\""}},
+     {"s.toml:3: scene.speed: \"0.5\" is not allowed: expected a number >= 0 (m/s)"}},
+    {"TruthForNumber", {{"speed = 0.5", "speed = true"}}, {"s.toml:3: scene.speed: true is not"}},
+    {"FloatForInteger",
+     {{"modes = 19", "modes = 19.0"}},
+     {"s.toml:14: resonator.modes: 19.0 is not allowed: expected an integer from 0 to 1000000"}},
+    {"NumberForText",
+     {{"duration", "name = 3\nduration"}},
+     {"s.toml:2: scene.name: 3 is not allowed: expected a text"}},
+    {"NumberForChoice",
+     {{"step", "scheme = 3\nstep"}},
+     {"s.toml:28: time.scheme: 3 is not allowed: expected \"backward-euler\""}},
+    {"NumberForTable",
+     {{gaussian, "surface = 3"}},
+     {"s.toml:15: resonator.surface: 3 is not allowed: expected a table"}},
+    {"TableForTables",
+     {{"", "[resonator.moving_force]\nforce = 1\n"}},
+     {"s.toml:29: resonator.moving_force: a table is not allowed: expected an array of tables"}},
+    {"NumberForSection",
+     {{"[scene]", "output = 3\n[scene]"}},
+     {"s.toml:1: output: 3 is not allowed: expected a table"}},
+    {"NumberForProbes",
+     {{"", "[output]\nprobes = 0.1\n"}},
+     {"s.toml:30: output.probes: 0.1 is not allowed: expected an array of numbers (m)"}},
+    {"TextForProbe",
+     {{"", "[output]\nprobes = [\n  0.1,\n  \"middle\",\n]\n"}},
+     {"s.toml:32: output.probes[1]: \"middle\" is not allowed: expected a number (m)"}},
+    {"DateForNumber",
+     {{"speed = 0.5", "speed = 1979-05-27"}},
+     {"s.toml:3: scene.speed: a date or time is not allowed"}},
+    {"WordForGap",
+     {{"start", "gap = \"wide\"\nstart"}},
+     {"s.toml:4: scene.gap: \"wide\" is not allowed: expected a number (m) or \"touching\""}},
+    {"WordForLoad",
+     {{"[slider]", "[slider]\nload = \"heavy\""}},
+     {"s.toml:17: slider.load: \"heavy\" is not allowed: expected a number (N) or \"weight\""}},
+    {"TypeOfUnusedKey", {{"step", "tolerance = \"small\"\nstep"}}, {"s.toml:28: time.tolerance"}},
+    // values
+    {"NegativeLength",
+     {{"length = 0.3", "length = -0.3"}},
+     {"s.toml:8: resonator.length: -0.3 is not allowed: expected a number > 0 (m)"}},
+    {"ZeroStep", {{"step = 1e-6", "step = 0"}}, {"s.toml:28: time.step: 0 is not allowed"}},
+    {"ZeroDuration", {{"duration = 0.1", "duration = 0.0"}}, {"s.toml:2: scene.duration: 0.0 is"}},
+    {"NegativeSpeed", {{"speed = 0.5", "speed = -0.5"}}, {"s.toml:3: scene.speed: -0.5 is not"}},
+    {"NotFinite", {{"start = 0.1", "start = nan"}}, {"s.toml:4: scene.start: nan is not allowed"}},
+    {"Infinite",
+     {{"stiffness = 1e15", "stiffness = inf"}},
+     {"s.toml:26: contact.stiffness: inf is"}},
+    {"InfiniteGap", {{"start", "gap = inf\nstart"}}, {"s.toml:4: scene.gap: inf is not allowed"}},
+    {"Damping",
+     {{"damping = 0.02", "damping = 1"}},
+     {"s.toml:13: resonator.damping: 1 is not allowed: expected a number in [0, 1)"}},
+    {"NegativeModes", {{"modes = 19", "modes = -1"}}, {"s.toml:14: resonator.modes: -1 is not"}},
+    {"NegativeSeed",
+     {{"seed = 2", "seed = -2"}},
+     {"s.toml:15: resonator.surface.seed: -2 is not allowed: expected an integer >= 0"}},
+    {"ZeroRq", {{"rq = 8e-6", "rq = 0"}}, {"s.toml:15: resonator.surface.rq: 0 is not allowed"}},
+    {"ZeroHalfWidth",
+     {{gaussian, peaks("{ at = 0.1, height = 1e-6, half_width = 0 }")}},
+     {"s.toml:15: resonator.surface.peaks[0].half_width: 0 is not allowed"}},
+    {"EmptyPath",
+     {{gaussian, "surface = { kind = \"file\", path = \"\" }"}},
+     {"s.toml:15: resonator.surface.path: empty: expected the path of a profile"}},
+    {"NegativeForceSpeed",
+     {{"", "[[resonator.moving_force]]\nforce = 1\nspeed = -1\nstart = 0\n"}},
+     {"s.toml:31: resonator.moving_force[0].speed: -1 is not allowed: expected a number >= 0"}},
+    {"ValueOfUnusedKey", {{"step", "tolerance = -1\nstep"}}, {"s.toml:28: time.tolerance: -1 is"}},
+    // choices
+    {"Support",
+     {{"\"pinned\"", "\"pined\""}},
+     {"s.toml:7: resonator.support: \"pined\" is unknown: expected \"pinned\", \"free\" or "
+      "\"rigid\" "
+      "(did you mean \"pinned\"?)"}},
+    {"Kind",
+     {{"\"gaussian\"", "\"fractal\""}},
+     {"s.toml:15: resonator.surface.kind: \"fractal\" is unknown: expected \"gaussian\", \"file\", "
+      "\"peaks\" or \"flat\""}},
+    {"Initial", {{"start", "initial = \"dynamic\"\nstart"}}, {"expected \"rest\" or \"static\""}},
+    {"Nodes", {{"step", "nodes = \"candidate\"\nstep"}}, {"(did you mean \"candidates\"?)"}},
+    {"UnknownScheme",
+     {{"step", "scheme = \"backward_euler\"\nstep"}},
+     {"s.toml:28: time.scheme: \"backward_euler\" is unknown: expected \"backward-euler\" (did you "
+      "mean \"backward-euler\"?)"}},
+    {"UnknownLaterScheme",
+     {{"step", "scheme = \"rk44\"\nstep"}},
+     {"(did you mean \"rk4\"? not available yet)"}},
+    {"UnknownLaw",
+     {{"stiffness", "law = \"penalties\"\nstiffness"}},
+     {"did you mean \"penalty\"?"}},
+    {"LaterLaw",
+     {{"stiffness", "law = \"multiplier\"\nstiffness"}},
+     {"s.toml:26: contact.law: \"multiplier\" is not available yet: expected \"penalty\""}},
+    // combinations
+    {"BothModeKeys",
+     {{"modes = 19", "modes = 19\nmax_frequency = 1"}},
+     {"s.toml:14: resonator.modes: stands beside `max_frequency`: expected one of the two (drop "
+      "one)"}},
+    {"NoModeKey",
+     {{"modes = 19\n", ""}},
+     {"s.toml:6: ", "missing: expected `max_frequency` or `modes`"}},
+    {"BothWaveKeys",
+     {{"rsm", "correlation_length = 1e-3, rsm"}},
+     {"s.toml:15: resonator.surface.correlation_length: stands beside `rsm`"}},
+    {"NoWaveKey",
+     {{"rsm = 1.5e-3, ", ""}},
+     {"s.toml:15: resonator.surface.rsm: missing: expected `rsm` or `correlation_length`"}},
+    {"LeavesOnTheRight",
+     {{"duration = 0.1", "duration = 0.5"}},
+     {"s.toml:4: scene.start: the slider leaves the resonator's right end by 0.07 m",
+      "start + slider.length + speed * duration <= resonator.length, 0.3 m (duration <= 0.36 s, "
+      "speed <= 0.36 m/s or start <= 0.03 m would fit)"}},
+    {"StartsOffTheRight",
+     {{"start = 0.1", "start = 0.29"}},
+     {"by 0.06 m", "(start <= 0.23 m would fit)"}},
+    {"NoRoomToSlide",
+     {{"length = 0.02", "length = 0.3"}, {"start = 0.1", "start = 0"}},
+     {"by 0.05 m", "(start = 0 with speed = 0 would fit)"}},
+    {"LeavesOnTheLeft",
+     {{"start = 0.1", "start = -0.01"}},
+     {"s.toml:4: scene.start: the slider overhangs the resonator's left end by 0.01 m"}},
+    {"SliderTooLong",
+     {{"length = 0.02", "length = 0.4"}},
+     {"s.toml:18: slider.length: 0.4 m is longer than the resonator: expected at most"}},
+    {"SpacingTooWide",
+     {{"spacing = 1e-4", "spacing = 0.03"}, {gaussian, ""}},
+     {"s.toml:5: scene.spacing: 0.03 m is larger than the slider, 0.02 m", "2 nodes"}},
+    {"SpacingTooFine",
+     {{"spacing = 1e-4", "spacing = 1e-9"}},
+     {"s.toml:5: scene.spacing: 1e-09 m puts 3e+08 nodes on the resonator: expected at most "
+      "5e+07"}},
+    {"Unresolved",
+     {{"rsm = 1.5e-3", "rsm = 3.9e-4"}},
+     {"s.toml:15: resonator.surface.rsm: 0.00039 m is not resolved by the spacing, 0.0001 m: "
+      "expected "
+      "at least 4 spacings (scene.spacing <= 9.75e-05 m, or a longer rsm)"}},
+    {"UnresolvedCorrelation",
+     {{"rsm = 1.5e-3", "correlation_length = 1e-4"}},
+     {"s.toml:15: resonator.surface.correlation_length: 0.0001 m is not resolved"}},
+    {"PeakOffTheBody",
+     {{gaussian, peaks("{ at = 0.4, height = 1e-6, half_width = 1e-3 }")}},
+     {"s.toml:15: resonator.surface.peaks[0].at: the peak at 0.4 m lies off the body"}},
+    {"ProbeOff",
+     {{"", "[output]\nprobes = [0.1, 0.31]\n"}},
+     {"s.toml:30: output.probes[1]: 0.31 m is off the resonator: expected a place from 0 to 0.3 "
+      "m"}},
+    {"RigidLoad",
+     {rigid_slider, {"[slider]", "[slider]\nload = \"weight\""}},
+     {"s.toml:17: slider.load: a rigid slider has no mode to take a load"}},
+    {"StaticFreeResonator",
+     {free_resonator, static_start, {"[slider]", "[slider]\nload = 1"}},
+     {"s.toml:4: scene.initial: \"static\" with a free resonator", "expected \"rest\""}},
+    {"StaticUnloaded",
+     {static_start},
+     {"s.toml:4: scene.initial: \"static\" with a free slider that no load holds down",
+      "slider.load = \"weight\""}},
+    {"StaticPulledUp", {static_start, {"[slider]", "[slider]\nload = -1"}}, {"no load holds down"}},
+    {"Rate",
+     {{"", "[output]\nrate = 2e6\n"}},
+     {"s.toml:30: output.rate: 2000000 Hz asks for more than one sample a step: expected at most "
+      "1e+06 "
+      "Hz"}},
+    {"DefaultRate", {{"step = 1e-6", "step = 1e-4"}}, {"output.rate: 100000 Hz asks for more"}},
+    {"TooManySteps",
+     {{"step = 1e-6", "step = 1e-17"}},
+     {"s.toml:28: time.step: 1e-17 s makes 1e+16 steps"}},
+    {"StepTooLong",
+     {{"step = 1e-6", "step = 1.0"}, {"", "[output]\nrate = 1\n"}},
+     {"s.toml:28: time.step: 1 s is longer than the run"}},
+    {"TooManyModes",
+     {{"max_frequency = 20e3", "max_frequency = 1e30"}},
+     {"s.toml:24: slider.max_frequency: 1e+30 Hz keeps", "modes: expected at most 1e+06"}},
+};
+
+INSTANTIATE_TEST_SUITE_P(Each, SceneRefuses, testing::ValuesIn(refused),
+                         [](const auto& info) { return info.param.name; });
+
+TEST(Scene, LaterSchemesAreRefusedByName) {
+  for (const std::string scheme :
+       {"explicit-euler", "midpoint", "heun", "rk4", "rk8", "exact", "adaptive"}) {
+    EXPECT_EQ(refusal(scene_text({{"step", "scheme = \"" + scheme + "\"\nstep"}})),
+              "s.toml: 1 fault\ns.toml:28: time.scheme: \"" + scheme +
+                  "\" is not available yet: expected \"backward-euler\"");
+  }
+}
+
+TEST(Scene, NamesEveryFaultAtOnceInOrderOfLines) {
+  const std::string message = refusal(scene_text({{"speed = 0.5", "sped = 0.5"},
+                                                  {"\"pinned\"", "\"pinnd\""},
+                                                  {"young = 210e9", "young = -1"},
+                                                  {"stiffness = 1e15", "stiffness = \"stiff\""},
+                                                  {"", "[output]\nprobes = [1, 2]\n"}}),
+                                      {"time.step=0", "nonsense"});
+  EXPECT_THAT(message, StartsWith("s.toml: 9 faults\n--set "));
+  std::vector<std::size_t> places;
+  for (const char* part :
+       {"--set nonsense: not an override: expected section.key=value",
+        "--set time.step=0: time.step: 0 is not allowed", "s.toml:1: scene.speed: missing",
+        "s.toml:3: scene.sped: unknown key (did you mean `speed`?)", "s.toml:7: resonator.support",
+        "s.toml:11: resonator.young", "s.toml:26: contact.stiffness", "s.toml:30: output.probes[0]",
+        "s.toml:30: output.probes[1]"}) {
+    places.push_back(message.find(part));
+    EXPECT_NE(places.back(), std::string::npos) << part << "\nnot in\n" << message;
+  }
+  EXPECT_TRUE(std::is_sorted(places.begin(), places.end())) << message;
+  EXPECT_EQ(std::count(message.begin(), message.end(), '\n'), 9);
+}
+
+TEST(Scene, EmptyTextNamesTheSections) {
+  const std::string message = refusal("");
+  EXPECT_THAT(message, StartsWith("s.toml: 5 faults\n"));
+  EXPECT_THAT(message,
+              HasSubstr("s.toml:1: slider: missing section: expected [slider] with support, "
+                        "length, thickness, width, young, density, damping, "
+                        "max_frequency or modes"));
+}
+
+TEST(Scene, WhatWouldFitFits) {
+  const Change longer{"duration = 0.1", "duration = 0.7"};
+  EXPECT_THAT(refusal(scene_text({longer})),
+              HasSubstr("duration <= 0.36 s or speed <= 0.257142 m/s would fit"));
+  EXPECT_EQ(refusal(scene_text({longer}), {"scene.speed=0.257142"}), "accepted");
+  EXPECT_EQ(refusal(scene_text({longer}), {"scene.duration=0.36"}), "accepted");
+}
+
+TEST(Scene, EndsAreInside) {
+  // 0.28 + 0.02 > 0.3 in doubles
+  EXPECT_EQ(refusal(minimal, {"scene.start=0.28", "scene.speed=0"}), "accepted");
+  EXPECT_EQ(refusal(minimal, {"scene.start=0", "output.probes=[0, 0.3]"}), "accepted");
+  EXPECT_EQ(refusal(minimal, {"output.rate=1e6"}), "accepted");
+  EXPECT_EQ(refusal(minimal, {"resonator.surface.rsm=4e-4"}), "accepted");
+}
+
+TEST(Scene, FreeBodiesAndBodiesThatDoNotBend) {
+  EXPECT_EQ(refusal(scene_text({free_resonator})), "accepted");
+  EXPECT_EQ(refusal(scene_text({{"modes = 19", "modes = 0"}})), "accepted");
+  EXPECT_EQ(refusal(scene_text({static_start, {"[slider]", "[slider]\nload = 0.1"}})), "accepted");
+}
+
+TEST(Scene, RigidBodyNeedsNoMaterial) {
+  const Scene s = parse(scene_text({{R"(thickness = 0.02
+width = 0.02
+young = 210e9
+density = 7800
+damping = 0.02
+max_frequency = 20e3)",
+                                     "width = 0.02"},
+                                    rigid_slider}));
+  EXPECT_EQ(s.slider.support, Support::rigid);
+  EXPECT_THAT(echo(s), Not(HasSubstr("young = 0")));
+  expect_round_trip(s);
+  EXPECT_THAT(refusal(scene_text({rigid_slider, {"width = 0.02\n", ""}})),
+              HasSubstr("s.toml:16: slider.width: missing"));
+}
+
+TEST(SceneOverrides, ReplaceAndAdd) {
+  const Scene s =
+      parse(minimal, {"scene.speed=0.25", "resonator.surface.rq=4e-6", "time.scheme=backward-euler",
+                      " scene.name = two words ", "slider.load=weight", "output.probes=[0.1]",
+                      "scene.gap=touching", "slider.surface={ kind = \"flat\" }",
+                      "scene.speed=0.125", "scene.initial=\"rest\"",
+                      "resonator.moving_force=[{ force = 1, speed = 2, start = 3 }]"});
+  EXPECT_EQ(s.speed, 0.125);  // the later one
+  EXPECT_EQ(s.resonator.surface.rq, 4e-6);
+  EXPECT_EQ(s.resonator.surface.rsm, 1.5e-3);
+  EXPECT_EQ(s.name, "two words");
+  EXPECT_TRUE(s.slider.load_is_weight);
+  EXPECT_THAT(s.probes, ElementsAre(0.1));
+  ASSERT_EQ(s.resonator.moving_forces.size(), 1);
+  EXPECT_EQ(s.resonator.moving_forces[0].speed, 2);
+}
+
+TEST(SceneOverrides, MakeTheSectionsTheyNeed) {
+  const Scene s = parse(scene_text({{"[time]\nstep = 1e-6\n", ""}}),
+                        {"time.step=1e-7", "slider.surface.kind=peaks", "slider.surface.peaks=[]"});
+  EXPECT_EQ(s.step, 1e-7);
+  EXPECT_EQ(s.slider.surface.kind, SurfaceKind::peaks);
+}
+
+TEST(SceneOverrides, OfAKindLeaveTheOtherKeys) {
+  const Scene s = parse(minimal, {"resonator.surface.kind=flat"});
+  EXPECT_EQ(s.resonator.surface.kind, SurfaceKind::flat);
+  EXPECT_THAT(echo(s),
+              HasSubstr("surface = { kind = \"flat\", rq = 8e-06, rsm = 0.0015, seed = 2 }  # "
+                        "not used: rq, rsm, seed, the kind is \"flat\"\n"));
+  expect_round_trip(s);
+}
+
+TEST(SceneOverrides, FaultsAreLocatedByTheirText) {
+  const std::vector<std::pair<std::string, std::string>> cases{
+      {"resonator.surfce=3", "resonator.surfce: unknown key (did you mean `surface`?)"},
+      {"resonatr.length=3", "resonatr: unknown section (did you mean `resonator`?)"},
+      {"duration=3", "duration: unknown key (did you mean `scene.duration`?)"},
+      {"scene.duration=long", "scene.duration: \"long\" is not allowed: expected a number > 0 (s)"},
+      {"resonator.surface.kind=gausian",
+       "resonator.surface.kind: \"gausian\" is unknown: expected \"gaussian\", \"file\", \"peaks\" "
+       "or "
+       "\"flat\" (did you mean \"gaussian\"?)"},
+      {"time.scheme=rk4", "time.scheme: \"rk4\" is not available yet: expected \"backward-euler\""},
+      {"scene.speed=1 2", "scene.speed: \"1 2\" is not allowed: expected a number >= 0 (m/s)"},
+      {"scene.start.x=1",
+       "scene.start: 0.1 is no table, it has no `x`: expected scene.start=value, to set it as a "
+       "whole"},
+      {"output.probes=[0.4]",
+       "output.probes[0]: 0.4 m is off the resonator: expected a place from 0 to 0.3 m"},
+      {"time.step", "not an override: expected section.key=value"},
+      {"=3", "not an override: expected section.key=value"},
+      {"time..step=3", "not an override: expected section.key=value"},
+      {"a b.c=3", "not an override: expected section.key=value"},
+  };
+  for (const auto& [text, fault] : cases) {
+    std::string expected = "s.toml: 1 fault\n--set ";
+    expected.append(text).append(": ").append(fault);
+    EXPECT_EQ(refusal(minimal, {text}), expected);
+  }
+}
+
+TEST(SceneOverrides, OfAValueWithLineEndsSetOneKey) {
+  const Scene s = parse(minimal, {"scene.name=\"a\"\nstart = 0.2", "output.probes=[\n0.1,\n0.2]"});
+  EXPECT_EQ(s.name, "\"a\"\nstart = 0.2");
+  EXPECT_EQ(s.start, 0.1);
+  EXPECT_THAT(s.probes, ElementsAre(0.1, 0.2));
+  expect_round_trip(s);
+}
+
+TEST(SceneOverrides, AreReadBesideASyntaxError) {
+  const std::string message = refusal("[scene\n", {"nonsense"});
+  EXPECT_THAT(message, StartsWith("s.toml: 2 faults\n--set nonsense: not an override"));
+  EXPECT_THAT(message, HasSubstr("\ns.toml:1:"));
+}
+
+TEST(SceneEcho, IsCompleteAndCanonical) {
+  EXPECT_EQ(echo(parse(minimal)), R"([scene]
+name = ""
+duration = 0.1
+speed = 0.5
+start = 0.1
+gap = "touching"
+spacing = 0.0001
+initial = "rest"
+
+[resonator]
+support = "pinned"
+length = 0.3
+thickness = 0.002
+width = 0.2
+young = 21e10
+density = 7800.0
+damping = 0.02
+modes = 19
+surface = { kind = "gaussian", rq = 8e-06, rsm = 0.0015, seed = 2 }
+
+[slider]
+support = "free"
+length = 0.02
+thickness = 0.02
+width = 0.02
+young = 21e10
+density = 7800.0
+damping = 0.02
+max_frequency = 20000.0
+surface = { kind = "flat" }
+load = 0.0
+
+[contact]
+law = "penalty"
+stiffness = 1e15
+
+[time]
+scheme = "backward-euler"
+step = 1e-06
+nodes = "candidates"
+
+[output]
+rate = 100000.0
+probes = []
+)");
+}
+
+TEST(SceneEcho, ReadsBackAsTheSameScene) {
+  expect_round_trip(parse(minimal));
+  expect_round_trip(
+      parse(minimal,
+            {"scene.name=\"q\\\" b\\\\ \\t \\n \\u0001 \\u007f µ\"", "scene.gap=-1e-6",
+             "resonator.surface.seed=9223372036854775807", "slider.load=weight",
+             "slider.surface={ kind = \"file\", path = \"a \\\"b\\\"/c.csv\" }", "time.nodes=all",
+             "time.tolerance=1e-8", "output.probes=[0, 0.1, 0.3]", "scene.initial=static"}));
+  expect_round_trip(parse(
+      minimal, {"resonator.surface={ kind = \"gaussian\", rq = 1e-6, correlation_length = 2e-3, "
+                "seed = 0 }",
+                "slider.surface={ kind = \"peaks\", peaks = [{ at = 0, height = 1e-5, half_width "
+                "= 1e-4 }, { at = 0.01, height = -1e-5, half_width = 1 }] }",
+                "resonator.moving_force=[{ force = -10, speed = 0, start = 0 }, { force = 1e300, "
+                "speed = 2, start = -3 }]"}));
+}
+
+TEST(SceneEcho, KeepsEveryBitOfANumber) {
+  for (const double value : {0.1, 1.0 / 3, 1e-300, 5e-324, 1.7976931348623157e308, 123456789.0, 2e6,
+                             1e22, 9007199254740993.0, std::nextafter(0.3, 1), -0.0}) {
+    Scene s = parse(minimal);
+    s.gap = value;
+    const Scene again = parse(echo(s));
+    EXPECT_EQ(again.gap, value);
+    EXPECT_EQ(std::signbit(*again.gap), std::signbit(value));
+  }
+}
+
+TEST(SceneEcho, SaysWhatIsNotUsed) {
+  const Scene s = parse(scene_text({rigid_slider,
+                                    {"max_frequency = 20e3", "max_frequency = 20e3\nmodes = 3"},
+                                    {"step", "tolerance = 1e-8\nstep"}}));
+  const std::string text = echo(s);
+  for (const char* line :
+       {"\nthickness = 0.02  # not used: the body is rigid\n",
+        "\nyoung = 21e10  # not used: the body is",
+        "\ndensity = 7800.0  # not used: the body is rigid\n",
+        "\ndamping = 0.02  # not used: the body", "\nmax_frequency = 20000.0  # not used: the body",
+        "\nmodes = 3  # not used: the body is rigid\n",
+        "\nload = 0.0  # not used: the body is rigid\n",
+        "\ntolerance = 1e-08  # not used: backward-euler takes fixed steps\n",
+        "\nthickness = 0.002\n", "\nwidth = 0.02\n"})
+    EXPECT_THAT(text, HasSubstr(line));
+  expect_round_trip(s);
+}
+
+TEST(SceneEcho, SaysThatARigidResonatorTakesNoForce) {
+  const Scene s = parse(minimal, {"resonator.support=rigid",
+                                  "resonator.moving_force=[{ force = 1, speed = 2, start = 3 }]"});
+  EXPECT_THAT(echo(s), HasSubstr("[[resonator.moving_force]]  # not used: the body is rigid\n"));
+  expect_round_trip(s);
+}
+
+TEST(SceneEcho, MarksNothingThatIsUsed) {
+  EXPECT_THAT(echo(parse(minimal)), Not(HasSubstr("not used")));
+}
+
+class SceneFile : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string pattern = (std::filesystem::temp_directory_path() / "ra2d-scene-XXXXXX").string();
+    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
+    folder_ = pattern;
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+  std::filesystem::path write(const std::string& text) const {
+    auto file = folder_ / "s.toml";
+    std::ofstream(file) << text;
+    return file;
+  }
+  std::filesystem::path folder_;
+};
+
+TEST_F(SceneFile, IsReadWithOverrides) {
+  const auto file = write(minimal);
+  const Scene s = read_scene(file, {"scene.speed=0.25"});
+  EXPECT_EQ(s.file, file);
+  EXPECT_EQ(s.speed, 0.25);
+}
+
+TEST_F(SceneFile, FaultsNameIt) {
+  const auto file = write(scene_text({{"speed = 0.5", "speed = -1"}}));
+  try {
+    read_scene(file);
+    FAIL() << "accepted";
+  } catch (const RequestError& error) {
+    EXPECT_THAT(error.what(),
+                StartsWith(file.string() + ": 1 fault\n" + file.string() + ":3: scene.speed"));
+  }
+}
+
+TEST_F(SceneFile, ThatCannotBeReadIsAFileError) {
+  EXPECT_THROW(read_scene(folder_ / "none.toml"), FileError);
+  EXPECT_THROW(read_scene(folder_), FileError);
+}
+
+TEST_F(SceneFile, ThatIsHugeIsRefused) {
+  EXPECT_THAT(refusal(std::string((16u << 20) + 1, '#')), HasSubstr("more than 16 MiB"));
+}
+
+TEST_F(SceneFile, OfTheScenesFolderAreAllFine) {
+  int count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(RA2D_SOURCE_DIR "/scenes")) {
+    if (entry.path().extension() != ".toml") continue;
+    SCOPED_TRACE(entry.path().filename());
+    expect_round_trip(read_scene(entry.path()));
+    ++count;
+  }
+  EXPECT_GE(count, 5);
+}
+
+TEST_F(SceneFile, OfThePaperHasItsNumbers) {
+  const Scene s = read_scene(RA2D_SOURCE_DIR "/scenes/dang2012.toml");
+  EXPECT_EQ(s.duration, 1);
+  EXPECT_EQ(s.spacing, 8e-6);
+  EXPECT_EQ(s.step, 1e-8);
+  EXPECT_EQ(s.resonator.length, 0.3);
+  EXPECT_EQ(s.resonator.width, 0.2);
+  EXPECT_EQ(s.resonator.thickness, 0.002);
+  EXPECT_EQ(s.slider.length, 0.02);
+  for (const BodySpec* body : {&s.resonator, &s.slider}) {
+    EXPECT_EQ(body->young, 210e9);
+    EXPECT_EQ(body->density, 7800);
+    EXPECT_EQ(body->damping, 0.02);
+    EXPECT_EQ(body->max_frequency, 20e3);
+    EXPECT_EQ(body->surface.rq, 8e-6);
+    EXPECT_EQ(body->surface.rsm, 1.55e-3);
+  }
+}
+
+}  // namespace
+}  // namespace ra2d

@@ -1,0 +1,461 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <hdf5.h>
+#include <sched.h>
+#include <sys/mount.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <limits>
+#include <thread>
+#include <utility>
+
+#include "host/errors.hpp"
+#include "host/store/store.hpp"
+
+#ifndef RA2D_SOURCE_DIR
+#define RA2D_SOURCE_DIR "."
+#endif
+#ifndef RA2D_PYTHON
+#define RA2D_PYTHON "/usr/bin/python3"
+#endif
+
+// HDF5 loses a little memory when a flush fails; nothing of ours can give it back.
+extern "C" const char* __lsan_default_suppressions();
+extern "C" const char* __lsan_default_suppressions() { return "leak:libhdf5"; }
+
+namespace ra2d {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+/// A folder of its own for each test.
+class Store : public testing::Test {
+ protected:
+  Store() {
+    std::string name = (fs::temp_directory_path() / "ra2d_store_XXXXXX").string();
+    folder_ = mkdtemp(name.data());
+    path_ = folder_ / "out.h5";
+  }
+  ~Store() override { fs::remove_all(folder_); }
+
+  std::vector<std::string> files() const {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::directory_iterator(folder_))
+      names.push_back(entry.path().filename());
+    return names;
+  }
+
+  fs::path folder_, path_;
+};
+
+ResultHeader header(std::size_t resonator, std::size_t slider, std::size_t probes) {
+  ResultHeader h;
+  h.scene = "[scene]\nname = \"k\u00e4se\"\n";
+  h.backend = "Serial";
+  h.started = "2026-01-02T03:04:05Z";
+  h.spacing = 8e-6;
+  for (std::size_t k = 0; k < resonator; ++k) h.resonator_frequency.push_back(100.0 * double(k));
+  for (std::size_t k = 0; k < slider; ++k) h.slider_frequency.push_back(900.0 * double(k));
+  for (std::size_t k = 0; k < probes; ++k) h.probe_position.push_back(0.1 * double(k + 1));
+  h.resonator_height = {1e-6, -2e-6, 3e-6, 0};
+  h.slider_height = {-1e-6, 4e-6};
+  return h;
+}
+
+/// Samples first, first + 1, ...: every number tells its sample, its quantity and its column.
+double value(std::size_t sample, int quantity, std::size_t column) {
+  return double(sample) * 1e3 + quantity * 10 + double(column);
+}
+SampleBlock block(const ResultHeader& h, std::size_t first, std::size_t rows) {
+  SampleBlock b;
+  int quantity = 0;
+  const auto fill = [&](std::vector<double>& data, std::size_t width) {
+    for (std::size_t j = first; j < first + rows; ++j)
+      for (std::size_t k = 0; k < width; ++k) data.push_back(value(j, quantity, k));
+    ++quantity;
+  };
+  const std::size_t resonator = h.resonator_frequency.size(), slider = h.slider_frequency.size();
+  fill(b.time, 1);
+  fill(b.resonator_displacement, resonator);
+  fill(b.resonator_velocity, resonator);
+  fill(b.slider_displacement, slider);
+  fill(b.slider_velocity, slider);
+  for (auto* data : {&b.force, &b.nodes}) fill(*data, 1);
+  for (auto* data : {&b.probe_displacement, &b.probe_velocity})
+    fill(*data, h.probe_position.size());
+  for (auto* data :
+       {&b.kinetic, &b.elastic, &b.contact, &b.damping_loss, &b.sliding_work, &b.load_work})
+    fill(*data, 1);
+  return b;
+}
+
+Shock shock(long serial) {
+  return {serial, serial * 1.0, serial * 5.0, serial * 2.0, serial * 3.0, serial * 4.0};
+}
+
+ResultSummary summary() {
+  ResultSummary s;
+  s.v_rms = 1e-3;
+  s.lv = 120;
+  s.wall_seconds = 2.5;
+  s.steps = 1'000'000'000'000;
+  s.ended = "complete";
+  return s;
+}
+
+std::vector<double> read(const fs::path& path, const char* name) {
+  const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  const hid_t dataset = H5Dopen2(file, name, H5P_DEFAULT), space = H5Dget_space(dataset);
+  std::vector<double> data(H5Sget_simple_extent_npoints(space));
+  EXPECT_GE(H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, data.data()), 0);
+  H5Sclose(space);
+  H5Dclose(dataset);
+  H5Fclose(file);
+  return data;
+}
+
+/// Opens the file with h5py, netCDF4 and xarray, where these are installed.
+void check_in_python(const fs::path& path) {
+  static const bool have_readers =
+      std::system(RA2D_PYTHON " -c 'import h5py, netCDF4, xarray' 2>/dev/null") == 0;
+  if (!have_readers) return;
+  const std::string command = fmt::format("{} '{}/tests/host/check_result.py' '{}'", RA2D_PYTHON,
+                                          RA2D_SOURCE_DIR, path.string());
+  EXPECT_EQ(std::system(command.c_str()), 0) << command;
+}
+
+std::string message_of(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const FileError& error) {
+    return error.what();
+  }
+  return "no FileError";
+}
+
+/// Runs `body` in a child process, which leaves by exit() as the program does; its wait status.
+int in_child(const std::function<int()>& body) {
+  fflush(nullptr);
+  const pid_t child = fork();
+  if (child == 0) exit(body());
+  int status = -1;
+  waitpid(child, &status, 0);
+  return status;
+}
+
+// ---- content -----------------------------------------------------------------------------------
+
+TEST_F(Store, ReadsBackWhatWasWritten) {
+  const ResultHeader h = header(3, 2, 2);
+  ResultFile file(path_, h);
+  std::size_t rows = 0;
+  for (std::size_t count : {1, 0, 7, 10'000, 3, 20'000}) {  // within, across and beyond the buffer
+    file.append(block(h, rows, count));
+    rows += count;
+  }
+  file.append({shock(0), shock(1)});
+  file.close(summary());
+  EXPECT_THAT(files(), ElementsAre("out.h5"));
+
+  const SampleBlock all = block(h, 0, rows);
+  EXPECT_EQ(read(path_, "/time"), all.time);
+  EXPECT_EQ(read(path_, "/resonator/displacement"), all.resonator_displacement);
+  EXPECT_EQ(read(path_, "/resonator/velocity"), all.resonator_velocity);
+  EXPECT_EQ(read(path_, "/slider/displacement"), all.slider_displacement);
+  EXPECT_EQ(read(path_, "/slider/velocity"), all.slider_velocity);
+  EXPECT_EQ(read(path_, "/contact/force"), all.force);
+  EXPECT_EQ(read(path_, "/contact/nodes"), all.nodes);
+  EXPECT_EQ(read(path_, "/probes/displacement"), all.probe_displacement);
+  EXPECT_EQ(read(path_, "/probes/velocity"), all.probe_velocity);
+  EXPECT_EQ(read(path_, "/energy/kinetic"), all.kinetic);
+  EXPECT_EQ(read(path_, "/energy/elastic"), all.elastic);
+  EXPECT_EQ(read(path_, "/energy/contact"), all.contact);
+  EXPECT_EQ(read(path_, "/energy/damping_loss"), all.damping_loss);
+  EXPECT_EQ(read(path_, "/energy/sliding_work"), all.sliding_work);
+  EXPECT_EQ(read(path_, "/energy/load_work"), all.load_work);
+  EXPECT_EQ(read(path_, "/resonator/frequency"), h.resonator_frequency);
+  EXPECT_EQ(read(path_, "/slider/frequency"), h.slider_frequency);
+  EXPECT_EQ(read(path_, "/probes/position"), h.probe_position);
+  EXPECT_EQ(read(path_, "/surface/resonator/height"), h.resonator_height);
+  EXPECT_EQ(read(path_, "/surface/slider/height"), h.slider_height);
+  EXPECT_THAT(read(path_, "/surface/slider/position"), ElementsAre(0, 8e-6));
+  EXPECT_THAT(read(path_, "/level/v_rms"), ElementsAre(1e-3));
+  EXPECT_THAT(read(path_, "/level/lv"), ElementsAre(120));
+  EXPECT_THAT(read(path_, "/shocks/peak_force"), ElementsAre(0, 2));
+  check_in_python(path_);
+}
+
+TEST_F(Store, OpensWithoutModesProbesShocksAndSamples) {
+  const ResultHeader rigid = header(0, 0, 0);
+  {
+    ResultFile file(path_, rigid);
+    file.append(block(rigid, 0, 5));
+    file.close(summary());
+  }
+  EXPECT_EQ(read(path_, "/time").size(), 5u);
+  EXPECT_THAT(read(path_, "/resonator/displacement"), IsEmpty());
+  check_in_python(path_);
+
+  ResultSummary cut = summary();
+  cut.complete = false;
+  cut.ended = "interrupted";
+  cut.lv = std::numeric_limits<double>::quiet_NaN();
+  ResultFile(path_, rigid).close(cut);
+  EXPECT_THAT(read(path_, "/time"), IsEmpty());
+  check_in_python(path_);
+}
+
+TEST_F(Store, LongSceneAndEmptyStringsAreKept) {
+  ResultHeader h = header(1, 1, 1);
+  h.scene = std::string(300'000, '#');
+  h.backend = "";
+  ResultFile(path_, h).close(summary());
+  check_in_python(path_);
+}
+
+TEST_F(Store, TakesManySmallBlocks) {
+  const ResultHeader h = header(2, 1, 1);
+  ResultFile file(path_, h);
+  for (std::size_t j = 0; j < 50'000; ++j) file.append(block(h, j, 1));
+  file.close(summary());
+  EXPECT_EQ(read(path_, "/resonator/velocity"), block(h, 0, 50'000).resonator_velocity);
+}
+
+TEST_F(Store, RefusesABlockOfTheWrongShape) {
+  const ResultHeader h = header(2, 1, 1);
+  ResultFile file(path_, h);
+  SampleBlock b = block(h, 0, 3);
+  b.force.pop_back();
+  EXPECT_THROW(file.append(b), std::logic_error);
+}
+
+// ---- shocks ------------------------------------------------------------------------------------
+
+TEST_F(Store, ShocksInAnyOrderStandInOrderOfStartWithoutHoles) {
+  ResultFile file(path_, header(1, 1, 0));
+  file.append({shock(5), shock(2)});
+  file.append(std::vector<Shock>{});
+  file.append({shock(9), shock(0)});
+  file.close(summary());
+  EXPECT_THAT(read(path_, "/shocks/start"), ElementsAre(0, 2, 5, 9));
+  EXPECT_THAT(read(path_, "/shocks/duration"), ElementsAre(0, 10, 25, 45));
+  EXPECT_THAT(read(path_, "/shocks/peak_force"), ElementsAre(0, 4, 10, 18));
+  EXPECT_THAT(read(path_, "/shocks/impulse"), ElementsAre(0, 6, 15, 27));
+  EXPECT_THAT(read(path_, "/shocks/position"), ElementsAre(0, 8, 20, 36));
+  check_in_python(path_);
+}
+
+TEST_F(Store, TheLastWordOnAShockCounts) {
+  ResultFile file(path_, header(1, 1, 0));
+  Shock longer = shock(1);
+  longer.impulse = 77;
+  file.append({shock(1), longer});
+  file.close(summary());
+  EXPECT_THAT(read(path_, "/shocks/impulse"), ElementsAre(77));
+}
+
+TEST_F(Store, ManyShocksFarOutOfOrder) {
+  constexpr long count = 60'000, stride = 7'919;  // coprime: every serial once
+  ResultFile file(path_, header(1, 1, 0));
+  std::vector<double> expected;
+  std::vector<Shock> batch;
+  for (long k = 0; k < count; ++k) {
+    const long serial = k * stride % count;
+    if (serial % 3 != 1 && serial / 10'000 != 4) batch.push_back(shock(serial));
+    if (batch.size() == 100) file.append(std::exchange(batch, {}));
+    if (k % 3 != 1 && k / 10'000 != 4) expected.push_back(shock(k).impulse);
+  }
+  file.append(batch);
+  file.close(summary());
+  EXPECT_EQ(read(path_, "/shocks/impulse"), expected);
+}
+
+// ---- what goes wrong ---------------------------------------------------------------------------
+
+TEST_F(Store, DestroyedWithoutCloseLeavesNothing) {
+  const ResultHeader h = header(20, 5, 1);
+  {
+    ResultFile file(path_, h);
+    EXPECT_THAT(files(), ElementsAre(testing::StartsWith(".out.h5.partial-")));
+    file.append(block(h, 0, 20'000));
+    file.append({shock(3)});
+  }
+  EXPECT_THAT(files(), IsEmpty());
+  EXPECT_EQ(H5Fget_obj_count(hid_t(H5F_OBJ_ALL), H5F_OBJ_ALL), 0);
+}
+
+TEST_F(Store, AnOlderFileStaysUntilTheNewOneIsWhole) {
+  std::ofstream(path_) << "older";
+  const auto content = [&] {
+    std::ifstream file(path_);
+    return std::string(std::istreambuf_iterator<char>(file), {});
+  };
+  { ResultFile abandoned(path_, header(1, 1, 1)); }
+  EXPECT_EQ(content(), "older");
+  ResultFile file(path_, header(1, 1, 1));
+  EXPECT_EQ(content(), "older");
+  file.close(summary());
+  EXPECT_THAT(files(), ElementsAre("out.h5"));
+  EXPECT_THAT(read(path_, "/time"), IsEmpty());
+}
+
+TEST_F(Store, NamesTheMissingFolderAtOnce) {
+  const fs::path path = folder_ / "missing" / "out.h5";
+  const std::string message = message_of([&] { ResultFile(path, header(1, 1, 1)); });
+  EXPECT_THAT(message, HasSubstr(path.string()));
+  EXPECT_THAT(message, HasSubstr("No such file or directory"));
+  EXPECT_THAT(message, HasSubstr("Create the folder"));
+}
+
+TEST_F(Store, NeverReplacesAFolderOrADevice) {
+  for (const fs::path& path : {folder_, folder_ / "", fs::path{"/dev/null"}, fs::path{}})
+    EXPECT_THAT(message_of([&] { ResultFile(path, header(1, 1, 1)); }),
+                HasSubstr("folder or a device"));
+  EXPECT_THAT(files(), IsEmpty());
+}
+
+TEST_F(Store, WritesAgainstAFinishedFileAreRefused) {
+  const ResultHeader h = header(1, 1, 1);
+  ResultFile file(path_, h);
+  file.close(summary());
+  EXPECT_THROW(file.append(block(h, 0, 1)), FileError);
+  EXPECT_THROW(file.append({shock(0)}), FileError);
+  EXPECT_THROW(file.close(summary()), FileError);
+  EXPECT_THAT(files(), ElementsAre("out.h5"));
+}
+
+TEST_F(Store, AFileThatDoesNotReadBackIsNotPublished) {
+  ResultFile file(path_, header(1, 1, 1));
+  for (const auto& entry : fs::directory_iterator(folder_)) fs::remove(entry);
+  EXPECT_THAT(message_of([&] { file.close(summary()); }), HasSubstr("cannot finish"));
+  EXPECT_THAT(files(), IsEmpty());
+}
+
+TEST_F(Store, KilledWhileWritingLeavesNothingUnderTheFinalName) {
+  const pid_t child = fork();
+  if (child == 0) {
+    const ResultHeader h = header(20, 5, 1);
+    ResultFile file(path_, h);
+    for (std::size_t j = 0;; j += 1000) file.append(block(h, j, 1000));
+  }
+  const auto written = [&] {
+    for (const auto& entry : fs::directory_iterator(folder_)) return entry.file_size();
+    return std::uintmax_t{0};
+  };
+  for (int wait = 0; wait < 3000 && written() < 4'000'000; ++wait)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  kill(child, SIGKILL);
+  waitpid(child, nullptr, 0);
+  EXPECT_GE(written(), 4'000'000u);
+  EXPECT_FALSE(fs::exists(path_));
+}
+
+/// Whether this process holds files open in `folder`, or what was taken back from there.
+bool holds_files(const fs::path& folder) {
+  for (const auto& link : fs::directory_iterator("/proc/self/fd")) {
+    std::error_code gone;
+    const std::string target = fs::read_symlink(link, gone).string();
+    if (target.starts_with(folder.string()) || target.starts_with("/memfd:ra2d")) return true;
+  }
+  return false;
+}
+
+/// Writes 50 MB and a few shocks; what was thrown.
+std::string write_much(const fs::path& path) {
+  return message_of([&] {
+    const ResultHeader h = header(20, 5, 1);
+    ResultFile file(path, h);
+    for (std::size_t j = 0; j < 100'000; j += 1000) {
+      file.append(block(h, j, 1000));
+      file.append({shock(long(j))});
+    }
+    file.close(summary());
+  });
+}
+
+/// No file may grow beyond `bytes`, in this process from now on.
+void limit_file_size(rlim_t bytes) {
+  std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit limit{bytes, bytes};
+  setrlimit(RLIMIT_FSIZE, &limit);
+}
+
+TEST_F(Store, FailedWritesAreReportedAndLeaveNothing) {
+  for (rlim_t bytes : {0, 1'000, 20'000, 100'000, 1'000'000, 3'000'000, 10'000'000, 20'000'001}) {
+    const int status = in_child([&] {
+      limit_file_size(bytes);
+      for (int run = 0; run < 3; ++run) {  // a study goes on with its next run
+        EXPECT_THAT(write_much(path_), AllOf(HasSubstr("File too large"), HasSubstr("ulimit -f")));
+        EXPECT_THAT(files(), IsEmpty());
+        EXPECT_FALSE(holds_files(folder_));
+      }
+      return HasFailure();
+    });
+    ASSERT_EQ(status, 0) << bytes << " bytes";
+  }
+}
+
+TEST_F(Store, FailuresJustBeforeTheEndAreReported) {
+  const auto write = [&] {
+    const ResultHeader h = header(4, 2, 1);
+    ResultFile file(path_, h);
+    file.append(block(h, 0, 10'000));
+    file.append({shock(1), shock(4)});
+    file.close(summary());
+  };
+  write();
+  const rlim_t whole = fs::file_size(path_);
+  fs::remove(path_);
+  for (rlim_t missing : {1, 8, 500, 2000, 5000, 66'000, 300'000}) {
+    const int status = in_child([&] {
+      limit_file_size(whole - missing);
+      EXPECT_THAT(message_of(write), HasSubstr("File too large"));
+      EXPECT_THAT(files(), IsEmpty());
+      return HasFailure();
+    });
+    ASSERT_EQ(status, 0) << missing << " bytes missing";
+  }
+}
+
+TEST_F(Store, AFullDiskIsReportedAndLeavesNothing) {
+  constexpr int cannot_mount = 77;
+  for (const char* size : {"size=16k", "size=1m", "size=3m", "size=20m"}) {
+    const int status = in_child([&] {
+      // A disk that only this child sees, and that goes with it.
+      if (unshare(CLONE_NEWNS) != 0 || mount("", "/", "", MS_REC | MS_PRIVATE, "") != 0 ||
+          mount("tmpfs", folder_.c_str(), "tmpfs", 0, size) != 0)
+        return cannot_mount;
+      for (int run = 0; run < 3; ++run) {
+        EXPECT_THAT(write_much(path_),
+                    AllOf(HasSubstr("No space left on device"), HasSubstr("Free some space")));
+        EXPECT_THAT(files(), IsEmpty());
+        EXPECT_EQ(H5Fget_obj_count(hid_t(H5F_OBJ_ALL), H5F_OBJ_ALL), 0);
+        EXPECT_FALSE(holds_files(folder_));
+        const fs::space_info space = fs::space(folder_);
+        EXPECT_EQ(space.free, space.capacity);
+      }
+      return int(HasFailure());
+    });
+    if (WIFEXITED(status) && WEXITSTATUS(status) == cannot_mount)
+      GTEST_SKIP() << "this user may not mount a small disk";
+    ASSERT_EQ(status, 0) << size;
+  }
+}
+
+}  // namespace
+}  // namespace ra2d

@@ -1,0 +1,428 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <limits>
+#include <numbers>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "host/errors.hpp"
+#include "host/surface/gaussian.hpp"
+#include "host/surface/portable.hpp"
+#include "host/surface/surface.hpp"
+
+namespace {
+
+using namespace ra2d;
+using testing::HasSubstr;
+using testing::Not;
+
+constexpr double eps = std::numeric_limits<double>::epsilon();
+constexpr double pi = std::numbers::pi;
+
+SurfaceSpec gaussian(double rq, double correlation_length, std::uint64_t seed) {
+  SurfaceSpec spec;
+  spec.kind = SurfaceKind::gaussian;
+  spec.rq = rq;
+  spec.correlation_length = correlation_length;
+  spec.seed = seed;
+  return spec;
+}
+
+std::vector<double> make(const SurfaceSpec& spec, double length, double spacing) {
+  return make_surface(spec, length, spacing, "scene.toml");
+}
+
+/// FNV-1a of the bytes of the heights, lowest byte first.
+std::uint64_t hash(const std::vector<double>& heights) {
+  std::uint64_t h = 0xcbf29ce484222325;
+  for (const double height : heights) {
+    std::uint64_t bits = 0;
+    std::memcpy(&bits, &height, sizeof bits);
+    for (int i = 0; i < 8; ++i) h = (h ^ (bits >> 8 * i & 0xff)) * 0x100000001b3;
+  }
+  return h;
+}
+
+double mean_product(const std::vector<double>& a, const std::vector<double>& b, std::size_t lag) {
+  long double sum = 0;
+  for (std::size_t n = 0; n + lag < a.size(); ++n) sum += a[n] * b[n + lag];
+  return static_cast<double>(sum / static_cast<long double>(a.size() - lag));
+}
+
+double ulp(double value) {
+  return std::abs(value) - std::nextafter(std::abs(value), 0.0);  // the smaller neighbour's
+}
+
+// ---- node_count
+
+TEST(NodeCount, CountsTheNodesUpToTheEnd) {
+  EXPECT_EQ(node_count(0.3, 8e-6), 37501);  // 0.3/8e-6 rounds to just below 37500
+  EXPECT_EQ(node_count(0.02, 8e-6), 2501);
+  EXPECT_EQ(node_count(1.0, 0.3), 4);
+  EXPECT_EQ(node_count(1.0, 2.0), 1);
+  EXPECT_EQ(node_count(10 * (1 - 0.9e-10), 1.0), 11);
+  EXPECT_EQ(node_count(10 * (1 - 1.1e-10), 1.0), 10);
+}
+
+TEST(NodeCount, RefusesMoreNodesThanItCanCount) {
+  EXPECT_THROW(node_count(1.0, 1e-12), RequestError);
+  EXPECT_THROW(node_count(1.0, 0.0), RequestError);
+}
+
+// ---- portable functions
+
+TEST(Portable, CompiledWithoutContraction) {
+  // 1 + 2^-29 + 2^-60 rounds to 1 + 2^-29: a fused multiply-add would leave 2^-60.
+  volatile double x = 1 + 0x1p-30;
+  const double a = x, product = x * x;
+  EXPECT_EQ(a * a - product, 0) << "compile with -ffp-contract=off";
+}
+
+TEST(Portable, ExpIsWithinOneUlp) {
+  std::mt19937_64 random(1);
+  for (int i = 0; i < 1'000'000; ++i) {
+    const double x = -700 + 1400 * 0x1p-64 * static_cast<double>(random());
+    for (const double argument : {x, x / 16, x / 1024}) {
+      const auto exact = std::exp(static_cast<long double>(argument));
+      // The correctly rounded value is half an ulp off at most.
+      EXPECT_NEAR(portable::exp(argument), static_cast<double>(exact),
+                  ulp(static_cast<double>(exact)));
+    }
+  }
+  EXPECT_EQ(portable::exp(0), 1);
+}
+
+TEST(Portable, LogIsWithinOneUlp) {
+  std::mt19937_64 random(2);
+  for (int i = 0; i < 1'000'000; ++i) {
+    const double x = 0x1p-64 * static_cast<double>(random());  // (0, 1), and both sides of 1
+    for (const double argument : {x, 1 - x / 64, 1 + x, std::ldexp(x, i % 2000 - 1000)}) {
+      if (!(argument > 0)) continue;
+      const auto exact = std::log(static_cast<long double>(argument));
+      EXPECT_NEAR(portable::log(argument), static_cast<double>(exact),
+                  ulp(static_cast<double>(exact)))
+          << argument;
+    }
+  }
+  EXPECT_EQ(portable::log(1), 0);
+}
+
+// ---- gaussian
+
+TEST(WhiteNoise, IsStandardNormal) {
+  // Kolmogorov-Smirnov: sup |F_n - F| sqrt(n) exceeds 1.95 once in a thousand seeds.
+  const int n = 1'000'000;
+  std::vector<double> noise;
+  noise.reserve(n);
+  for (int i = 0; i < n; ++i) noise.push_back(white_noise(3, i - n / 2));
+  std::sort(noise.begin(), noise.end());
+  double worst = 0;
+  for (int i = 0; i < n; ++i) {
+    const double f = std::erfc(-noise[i] / std::sqrt(2)) / 2;
+    worst = std::max({worst, std::abs(f - i * 1.0 / n), std::abs(f - (i + 1.0) / n)});
+  }
+  EXPECT_LT(worst * std::sqrt(n), 1.95);
+  EXPECT_EQ(std::unique(noise.begin(), noise.end()), noise.end());
+}
+
+TEST(Gaussian, ASeedGivesTheSameBitsEverywhere) {
+  // Regression: stored on x86-64 from the first version of this generator. They must never change,
+  // on any platform, compiler or optimisation level: results name their surfaces by the seed.
+  EXPECT_EQ(white_noise(1, 0), -0x1.9bd3bf48bade4p-3);
+  EXPECT_EQ(white_noise(1, -1), -0x1.19d1d2410220ep+0);
+  EXPECT_EQ(white_noise(0xfedcba9876543210, 1234567890123), 0x1.45ab8e97816dbp+0);
+  SurfaceSpec spec = gaussian(8e-6, 0, 2);
+  spec.correlation_length.reset();
+  spec.rsm = 1.55e-3;
+  const auto heights = make(spec, 0.3, 8e-6);
+  ASSERT_EQ(heights.size(), 37501);
+  EXPECT_EQ(heights[0], 0x1.88e2c28f6bb76p-17);
+  EXPECT_EQ(heights[12345], -0x1.b90ac84696eb6p-20);
+  EXPECT_EQ(heights[37500], 0x1.adfd8b97bf708p-18);
+  EXPECT_EQ(hash(heights), 0xd7b7630f13c71fdd) << std::hex << hash(heights);
+}
+
+TEST(Gaussian, RqIsTheOneAskedForAndTheMeanIsZero) {
+  for (const double length : {0.3, 0.02, 0.0021, 1.6e-5}) {
+    const auto heights = make(gaussian(8e-6, 3.5e-4, 5), length, 8e-6);
+    // Three roundings of the factor and one of each height; the sums are compensated.
+    EXPECT_NEAR(std::sqrt(mean_product(heights, heights, 0)), 8e-6, 4 * eps * 8e-6);
+    long double sum = 0;
+    for (const double h : heights) sum += h;
+    EXPECT_NEAR(static_cast<double>(sum) / static_cast<double>(heights.size()), 0, eps * 8e-6 * 4);
+  }
+}
+
+TEST(Gaussian, HeightsScaleExactlyWithPowersOfTwo) {
+  const auto one = make(gaussian(1e-6, 3.5e-4, 5), 0.02, 8e-6);
+  const auto eight = make(gaussian(8 * 1e-6, 3.5e-4, 5), 0.02, 8e-6);
+  const auto none = make(gaussian(0, 3.5e-4, 5), 0.02, 8e-6);
+  for (std::size_t n = 0; n < one.size(); ++n) {
+    ASSERT_EQ(eight[n], 8 * one[n]);
+    ASSERT_EQ(none[n], 0);
+  }
+}
+
+TEST(Gaussian, LengthActsThroughTheNormalisationAlone) {
+  const auto shorter = make(gaussian(1e-6, 1e-4, 5), 0.004, 8e-6);
+  const auto longer = make(gaussian(1e-6, 1e-4, 5), 0.02, 8e-6);
+  const double factor = (longer[400] - longer[0]) / (shorter[400] - shorter[0]);
+  for (std::size_t n = 0; n < shorter.size();
+       ++n)  // roundings of heights up to 4 Rq, and of factor
+    EXPECT_NEAR(longer[n] - longer[0], factor * (shorter[n] - shorter[0]), 64 * eps * 1e-6);
+}
+
+/// A long profile and its statistics: l is 20 nodes, the profile 20 000 l.
+struct LongProfile : testing::Test {
+  static constexpr int nodes = 400'000;
+  static constexpr double ratio = 20;  // l/chi
+  static const std::vector<double>& heights(std::uint64_t seed) {
+    static const std::vector<double> one = gaussian_heights(1, ratio, 1, nodes, 1);
+    static const std::vector<double> two = gaussian_heights(1, ratio, 2, nodes, 1);
+    return seed == 1 ? one : two;
+  }
+  /// Number of independent samples for a mean of the power p of the correlation: the nodes over
+  /// the sum of exp(-p (i chi/l)^2).
+  static double independent(double p) { return nodes / (ratio * std::sqrt(pi / p)); }
+};
+
+TEST_F(LongProfile, AutocorrelationIsTheFormula) {
+  // Variance of an estimate of C (Bartlett): sum of C(i)^2 + C(i + lag) C(i - lag), over the nodes:
+  // at most 2 over the samples independent for the square of C. Four standard errors.
+  const double bound = 4 * std::sqrt(2 / independent(2));
+  for (const int lag : {1, 5, 10, 20, 30, 40, 60, 100, 500})
+    EXPECT_NEAR(mean_product(heights(1), heights(1), lag), std::exp(-std::pow(lag / ratio, 2)),
+                bound)
+        << "lag " << lag;
+}
+
+TEST_F(LongProfile, SeedsAreUncorrelated) {
+  // Variance of the estimate: sum of C(i)^2 over the nodes. Four standard errors.
+  for (const int lag : {0, 1, 20, 1000})
+    EXPECT_NEAR(mean_product(heights(1), heights(2), lag), 0, 4 / std::sqrt(independent(2)));
+}
+
+TEST_F(LongProfile, HeightsAreNormal) {
+  double third = 0, fourth = 0;
+  for (const double h : heights(1)) third += h * h * h, fourth += h * h * h * h;
+  // Variances 6 and 24 over the samples independent for the third and fourth power of C.
+  EXPECT_NEAR(third / nodes, 0, 4 * std::sqrt(6 / independent(3)));
+  EXPECT_NEAR(fourth / nodes, 3, 4 * std::sqrt(24 / independent(4)));
+}
+
+TEST_F(LongProfile, MeanSpacingIsRsm) {
+  // Up-crossings of the mean line, block by block; the blocks' scatter gives the standard error.
+  const double rsm = std::sqrt(2.0) * pi * ratio;
+  constexpr int blocks = 100, block = nodes / blocks;
+  double sum = 0, squares = 0;
+  for (int b = 0; b < blocks; ++b) {
+    int crossings = 0;
+    for (int n = b * block; n < (b + 1) * block && n + 1 < nodes; ++n)
+      crossings += heights(1)[n] < 0 && heights(1)[n + 1] >= 0;
+    sum += crossings;
+    squares += crossings * crossings;
+  }
+  const double mean = sum / blocks;
+  const double error = std::sqrt((squares / blocks - mean * mean) / (blocks - 1));
+  // Between two nodes with correlation r, an up-crossing is seen with probability acos(r)/(2 pi).
+  const double seen = std::acos(std::exp(-1 / (ratio * ratio))) / (2 * pi);
+  EXPECT_NEAR(seen * rsm, 1, 0.001);  // nodes are close enough: chi/RSm of the crossings, nearly
+  EXPECT_NEAR(mean, block * seen, 3 * error);
+}
+
+TEST(Gaussian, RsmSetsTheCorrelationLength) {
+  SurfaceSpec by_rsm = gaussian(1e-6, 0, 4);
+  by_rsm.correlation_length.reset();
+  by_rsm.rsm = 1.55e-3;
+  const double l = 1.55e-3 / (std::sqrt(2.0) * pi);
+  EXPECT_EQ(make(by_rsm, 0.02, 8e-6), make(gaussian(1e-6, l, 4), 0.02, 8e-6));
+}
+
+TEST(Gaussian, FarBelowTheSpacingItIsWhiteNoise) {
+  const auto heights = make(gaussian(1, 1e-3, 6), 10, 1);
+  const double factor = (heights[1] - heights[0]) / (white_noise(6, 1) - white_noise(6, 0));
+  for (std::size_t n = 0; n < heights.size(); ++n)
+    EXPECT_NEAR(heights[n] - heights[0],
+                factor * (white_noise(6, static_cast<int>(n)) - white_noise(6, 0)), 64 * eps);
+}
+
+TEST(Gaussian, RefusesWhatHasNoMeaning) {
+  EXPECT_THROW(make(gaussian(1e-6, 0, 1), 0.02, 8e-6), RequestError);
+  EXPECT_THROW(make(gaussian(1e-6, 1, 1), 0.02, 8e-6), RequestError);     // l far beyond the beam
+  EXPECT_THROW(make(gaussian(1e-6, 1e-4, 1), 5e-6, 8e-6), RequestError);  // one node
+}
+
+// ---- flat and peaks
+
+TEST(Surface, FlatIsZero) { EXPECT_EQ(make({}, 1.0, 0.25), std::vector<double>(5, 0.0)); }
+
+TEST(Surface, PeaksAreRaisedCosines) {
+  SurfaceSpec spec;
+  spec.kind = SurfaceKind::peaks;
+  spec.peaks = {{.at = 1, .height = 8, .half_width = 0.5},
+                {.at = 1.5, .height = 4, .half_width = 1}};
+  const auto heights = make(spec, 3, 0.25);
+  // A raised cosine at a quarter, half and three quarters of the way up its flank.
+  const double quarter = 2 * (1 - std::sqrt(0.5)), rest = 2 * (1 + std::sqrt(0.5));
+  const std::vector<double> expected = {0,    0, 0,       4 + quarter, 8 + 2, 4 + rest, 4,
+                                        rest, 2, quarter, 0,           0,     0};
+  ASSERT_EQ(heights.size(), expected.size());
+  for (std::size_t n = 0; n < heights.size(); ++n)
+    EXPECT_NEAR(heights[n], expected[n], 8 * eps * 8) << "node " << n;
+}
+
+// ---- file
+
+struct ProfileFile : testing::Test {
+  // A folder a test: tests may run at the same time.
+  const std::filesystem::path folder =
+      std::filesystem::path(testing::TempDir()) /
+      (std::string("ra2d_profile_") +
+       testing::UnitTest::GetInstance()->current_test_info()->name());
+  void SetUp() override { std::filesystem::create_directories(folder); }
+  void TearDown() override { std::filesystem::remove_all(folder); }
+
+  std::vector<double> read(const std::string& text, double length = 3, double spacing = 1) const {
+    std::ofstream(folder / "profile.csv", std::ios::binary) << text;
+    return read_existing("profile.csv", length, spacing);
+  }
+  std::vector<double> read_existing(const std::filesystem::path& path, double length = 3,
+                                    double spacing = 1) const {
+    SurfaceSpec spec;
+    spec.kind = SurfaceKind::file;
+    spec.path = path;
+    return make_surface(spec, length, spacing, folder / "scene.toml");
+  }
+  std::string fault(const std::string& text, double length = 3, double spacing = 1) const {
+    try {
+      read(text, length, spacing);
+    } catch (const RequestError& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+};
+
+TEST_F(ProfileFile, ReadsEveryFormOfTwoColumns) {
+  const std::vector<double> expected = {-1.5, -0.5, 0.5, 1.5};
+  EXPECT_EQ(read("0 1\n1 2\n2 3\n3 4\n"), expected);
+  EXPECT_EQ(read("0,1\n1,2\n2,3\n3,4"), expected);
+  EXPECT_EQ(read("x, z\r\n0, 1\r\n1 ,2\r\n2\t,\t3\r\n  3\t4  \r\n"), expected);
+  EXPECT_EQ(read("# a comment\n\n  \nx [m] z [m]\n+0 +1 # unit\n1e0 +.2e+1\n2. 3\n3.0E0 4\n"),
+            expected);
+  EXPECT_EQ(read("\xef\xbb\xbf"
+                 "0 1\n1 2\n2 3\n3 4\n"),
+            expected);
+  EXPECT_EQ(read("5 1\n6 2\n7 3\n8 4\n9 1e9\n"), expected);  // its first point is the beam's end
+}
+
+TEST_F(ProfileFile, CopiesHeightsOfTheSameSpacingExactly) {
+  std::string text;
+  std::vector<double> z;
+  for (int n = 0; n <= 1000; ++n) {
+    z.push_back(n == 1000 ? 0 : (n % 2 == 0 ? 1 : -1) * (1 + n / 2));  // in pairs: mean 0
+    text += std::to_string(n * 8) + "e-6 " + std::to_string(z.back()) + "\n";
+  }
+  const auto heights = read(text, 8e-3, 8e-6);
+  ASSERT_EQ(heights.size(), z.size());
+  for (std::size_t n = 0; n < z.size(); ++n) EXPECT_EQ(heights[n], z[n]) << n;
+}
+
+TEST_F(ProfileFile, InterpolatesLinearlyBetweenPoints) {
+  // z at 0, 0.5, ... 3 of points (0, 0), (1, 4), (2, 0), (3, 4): 0 2 4 2 0 2 4, mean 2.
+  const std::vector<double> finer = {-2, 0, 2, 0, -2, 0, 2};
+  EXPECT_EQ(read("0 0\n1 4\n2 0\n3 4\n", 3, 0.5), finer);
+  // and at 0, 1.5, 3: 0 2 4.
+  EXPECT_EQ(read("0 0\n1 4\n2 0\n3 4\n", 3, 1.5), (std::vector<double>{-2, 0, 2}));
+}
+
+TEST_F(ProfileFile, AllowsTheRoundingOfPrintedDigits) {
+  // Steps of 1/7 mm with 6 decimals of a metre, or with 6 significant digits.
+  std::string decimals, digits;
+  char line[64];
+  for (int n = 0; n <= 700; ++n) {
+    std::snprintf(line, sizeof line, "%.6f %d\n", n * 1e-3 / 7, n % 2);
+    decimals += line;
+    std::snprintf(line, sizeof line, "%g %d\n", n * 1e-3 / 7, n % 2);
+    digits += line;
+  }
+  EXPECT_EQ(read(decimals, 0.1, 1e-3 / 7).size(), 701);
+  EXPECT_EQ(read(digits, 0.1, 1e-3 / 7), read(decimals, 0.1, 1e-3 / 7));
+}
+
+TEST_F(ProfileFile, AbsolutePathsStandAndRelativeOnesStartAtTheScene) {
+  std::ofstream(folder / "two.txt") << "0 1\n3 1\n";
+  EXPECT_EQ(read_existing("two.txt").size(), 4);
+  EXPECT_EQ(read_existing(folder / "two.txt").size(), 4);
+}
+
+TEST_F(ProfileFile, NamesWhatCannotBeRead) {
+  for (const char* path : {"missing.csv", "."}) {
+    try {
+      read_existing(path);
+      ADD_FAILURE() << path;
+    } catch (const FileError& error) {
+      EXPECT_THAT(error.what(), HasSubstr((folder / path).string()));
+    }
+  }
+}
+
+TEST_F(ProfileFile, RefusesAFileOfMoreThanAGibibyte) {
+  std::ofstream(folder / "large.csv") << "0 1\n";
+  std::filesystem::resize_file(folder / "large.csv", (1u << 30) + 1);  // sparse
+  try {
+    read_existing("large.csv");
+    ADD_FAILURE();
+  } catch (const RequestError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("1 GiB"));
+  }
+}
+
+TEST_F(ProfileFile, SaysWhichLineIsWrongAndWhy) {
+  EXPECT_THAT(fault("0 1\n1 two\n2 3\n3 4\n"), HasSubstr("profile.csv:2: \"two\" is not a number"));
+  EXPECT_THAT(fault("0 1\n1 2\n\n2 0x3\n3 4\n"), HasSubstr(":4: \"0x3\" is not a number"));
+  EXPECT_THAT(fault("0;1\n1;2\n2;3\n"), HasSubstr(":2: 1 columns, expected 2"));
+  EXPECT_THAT(fault("0 1\n1 +-2\n2 3\n3 4\n"), HasSubstr(":2: \"+-2\" is not a number"));
+  EXPECT_THAT(fault("0 1\n1 nan\n2 3\n3 4\n"), HasSubstr(":2: \"nan\" is not a finite number"));
+  EXPECT_THAT(fault("0 1\n1 1e999\n2 3\n3 4\n"), HasSubstr(":2: \"1e999\" is not a finite number"));
+  EXPECT_THAT(fault("0 1\n1 2 3\n2 3\n3 4\n"), HasSubstr(":2: 3 columns, expected 2"));
+  EXPECT_THAT(fault("0 1\n1,2,\n2 3\n3 4\n"), HasSubstr(":2: 3 columns, expected 2"));
+  EXPECT_THAT(fault("0 1\n1,,2\n2 3\n3 4\n"), HasSubstr(":2: 3 columns, expected 2"));
+  EXPECT_THAT(fault("0 1\n1 2\n1 3\n2 4\n"), HasSubstr(":3: x = 1 m does not increase"));
+  EXPECT_THAT(fault("0 1\n1 2\n3 3\n4 4\n"),
+              HasSubstr(":3: x steps by 2 m, expected an even spacing of 1 m"));
+  EXPECT_THAT(fault("0 1\n1e-3 2\n2.1e-3 3\n3.2e-3 4\n4.3e-3 1\n"),
+              HasSubstr(":2: x steps by 0.001 m, expected an even spacing of 0.0011 m"));
+  EXPECT_THAT(fault("0.0000000 1\n1.0000000 2\n2.0000021 3\n3.0000021 4\n"), HasSubstr(":3: "));
+  EXPECT_THAT(fault("x z\n1 2\n"), HasSubstr("1 points, expected at least 2"));
+  EXPECT_THAT(fault(""), HasSubstr("0 points, expected at least 2"));
+  EXPECT_THAT(fault("0 1\n1 2\n2 3\n"), HasSubstr("the profile is 2 m long and the beam 3 m"));
+}
+
+TEST_F(ProfileFile, AcceptsSpacingsWithinTheTolerance) {
+  EXPECT_EQ(fault("0.0000000 1\n1.0000000 2\n2.0000009 3\n3.0000000 4\n"), "no error");
+}
+
+TEST_F(ProfileFile, NamesTheFirstTenFaultsInOrder) {
+  std::string text = "0 1\n1 2\n1 2\n3 bad\n";
+  for (int i = 0; i < 20; ++i) text += "oops 1\n";
+  const std::string message = fault(text);
+  EXPECT_EQ(std::count(message.begin(), message.end(), '\n'), 10) << message;
+  EXPECT_LT(message.find(":3: x = 1 m does not increase"), message.find(":4: \"bad\""));
+  EXPECT_THAT(message, HasSubstr(":11: \"oops\""));
+  EXPECT_THAT(message, Not(HasSubstr(":12:")));
+  EXPECT_THAT(message, HasSubstr("more faults"));
+}
+
+TEST_F(ProfileFile, ShowsNoRawBytes) {
+  EXPECT_THAT(fault("0 1\n1 \x1b[2J\n2 3\n3 4\n"), HasSubstr("\"?[2J\" is not a number"));
+}
+
+}  // namespace
