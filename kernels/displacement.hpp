@@ -5,8 +5,7 @@
 #include "kernels/lanes.hpp"
 #include "kernels/model.hpp"
 
-/// The resonator's displacement on a patch, as a polynomial of 4 Q terms (kernels/model.hpp, "Patches"),
-/// and its transpose, the projection of nodal forces on the modes.
+/// The resonator's displacement on a patch, as a polynomial of 4 Q terms (kernels/model.hpp, "Patches").
 namespace ra2d {
 
 /// j! / (j + 4 s)!: term 4 s + j of the series over the stored derivative j.
@@ -66,47 +65,31 @@ KOKKOS_FORCEINLINE_FUNCTION void series_coefficients(const Lanes& lanes, const d
   }
 }
 
-/// F_k -= sum_j radius^j psi_k^(j)(centre)/j! moment_j, with moment_j = sum_n f_n eta_n^j: the modal force
-/// of all the nodes of a patch (paper, the line under equation 6).
+/// The polynomials of all modes about a place of the resonator: shape[m][p] is the m-th derivative over m!,
+/// per chi^m, of pack p of the modes, m = 0 .. 3. `position` in chi; `patch` one whose series holds there.
 template <class Lanes, int K, int Q>
-KOKKOS_FORCEINLINE_FUNCTION void project(const Lanes& lanes, const double* rows,
-                                         const typename Lanes::Real* quartic, const double* moment,
-                                         typename Lanes::Real* force) {
+KOKKOS_INLINE_FUNCTION void expand_modes(const Lanes& lanes, const SceneTables& t, int patch,
+                                         double position, typename Lanes::Real (&shape)[4][K]) {
   using Real = typename Lanes::Real;
-  for (int p = 0; p < K; ++p) {
-    Real pair[2] = {Real(0.0), Real(0.0)};
-    for (int j = 0; j < 4; ++j) {
-      Real weight(series_factor(Q - 1, j) * moment[4 * (Q - 1) + j]);
-      for (int s = Q - 2; s >= 0; --s)
-        weight = multiply_add(quartic[p], weight, Real(series_factor(s, j) * moment[4 * s + j]));
-      pair[j % 2] = multiply_add(lanes.load(rows + (j * K + p) * Lanes::width), weight, pair[j % 2]);
-    }
-    force[p] = force[p] - (pair[0] + pair[1]);
-  }
-}
-
-/// psi_k at a place of the resonator, `position` in chi: one pack of modes at a time.
-template <class Lanes, int K, int Q>
-KOKKOS_FORCEINLINE_FUNCTION void mode_shapes(const Lanes& lanes, const SceneTables& t,
-                                             const typename Lanes::Real* quartic, double position,
-                                             typename Lanes::Real* shape) {
-  using Real = typename Lanes::Real;
-  int patch = static_cast<int>(position) / t.patch_nodes;
-  patch = patch < t.patches ? patch : t.patches - 1;
-  const double eta = (position - (patch + 0.5) * t.patch_nodes) * t.inverse_radius;
-  const double eta4 = (eta * eta) * (eta * eta);
+  constexpr int terms = 4 * Q;
+  const Real eta((position - (patch + 0.5) * t.patch_nodes) * t.inverse_radius);
   const double* rows = t.patch + static_cast<std::int64_t>(patch) * 4 * K * Lanes::width;
   for (int p = 0; p < K; ++p) {
-    Real value(0.0);
-    double power = 1.0;
+    const Real quartic = lanes.load(t.quartic + p * Lanes::width);
+    Real c[terms];
     for (int j = 0; j < 4; ++j) {
-      Real weight(series_factor(Q - 1, j));
-      for (int s = Q - 2; s >= 0; --s)
-        weight = multiply_add(quartic[p] * Real(eta4), weight, Real(series_factor(s, j)));
-      value = multiply_add(lanes.load(rows + (j * K + p) * Lanes::width) * Real(power), weight, value);
-      power *= eta;
+      Real row = lanes.load(rows + (j * K + p) * Lanes::width);
+      for (int s = 0; s < Q; ++s) {
+        c[4 * s + j] = Real(series_factor(s, j)) * row;
+        row = row * quartic;
+      }
     }
-    shape[p] = value;
+    double unit = 1.0;
+    for (int m = 0; m < 4; ++m) {  // repeated synthetic division by (eta' - eta)
+      for (int j = terms - 2; j >= m; --j) c[j] = multiply_add(eta, c[j + 1], c[j]);
+      shape[m][p] = Real(unit) * c[m];
+      unit *= t.inverse_radius;
+    }
   }
 }
 

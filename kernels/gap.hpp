@@ -16,26 +16,31 @@ struct Place {
   double position;  // of slider node 0 on the resonator
   int base;         // whole nodes
   double theta;     // the rest: every slider node stands theta behind resonator node base + n
-  int half;         // halves of a node: a window, within which no node and no group centre passes anything
+  int part;         // of the node's width, in t.windows parts
+  double offset;    // from the middle of that part
 
   KOKKOS_FORCEINLINE_FUNCTION Place(const SceneTables& t, std::int64_t step) {
     position = Kokkos::fma(static_cast<double>(step), t.advance, t.position);
     base = static_cast<int>(position);
     theta = position - base;
-    half = 2 * base + (theta >= 0.5 ? 1 : 0);
+    part = static_cast<int>(theta * t.windows);
+    offset = theta - (part + 0.5) * t.window_width;
+  }
+  /// A window: a stretch of the way within which no node passes another and the modes' shapes at a node
+  /// are cubic polynomials of the offset.
+  KOKKOS_FORCEINLINE_FUNCTION bool same_window(int other_base, int other_part) const {
+    return base == other_base && part == other_part;
   }
 };
 
-/// A group of slider nodes on its patch of the resonator: a pure function of the group and the window, so
-/// that whoever evaluates a node, for whatever reason, evaluates the same arithmetic.
+/// The patch on which a group of slider nodes is evaluated, and eta of the group's first node.
 template <class Lanes>
 struct GroupPlace {
   int patch;
-  double eta;  // of the group's first node
+  double eta;
 
   KOKKOS_FORCEINLINE_FUNCTION GroupPlace(const SceneTables& t, const Place& place, int group) {
-    const int centre_halves = place.half + 2 * group * Lanes::width + Lanes::width - 1;
-    patch = centre_halves / (2 * t.patch_nodes);
+    patch = (place.base + group * Lanes::width + Lanes::width / 2) / t.patch_nodes;
     eta = (place.position + (group * Lanes::width - (patch + 0.5) * t.patch_nodes)) * t.inverse_radius;
   }
 };
@@ -65,6 +70,30 @@ KOKKOS_FORCEINLINE_FUNCTION typename Lanes::Real add_slider_displacement(
     value = multiply_add(amplitude[t.resonator_modes + k],
                          lanes.load(t.slider_shape + k * stride + group * Lanes::width), value);
   return value;
+}
+
+/// One slider node over one window: what its overlap and its modal force are made of.
+/// Overlap -g = face + theta rise + sum_k U_k phi_k(offset), with phi_k cubic in the offset; phi holds both
+/// bodies' modes, so the modal force of a nodal force f is -f phi_k (paper, the line under equation 6).
+/// A pure function of node and window: whoever evaluates a node, for whatever reason, gets the same bits.
+template <class Lanes, int K, int Q>
+KOKKOS_INLINE_FUNCTION void expand_node(const Lanes& lanes, const SceneTables& t, const Place& place,
+                                        int node, double* shape, double* face) {
+  using Real = typename Lanes::Real;
+  const int at = place.base + node;
+  Real c[4][K];
+  expand_modes<Lanes, K, Q>(lanes, t, at / t.patch_nodes, at + (place.part + 0.5) * t.window_width, c);
+  const int stride = t.groups * Lanes::width;
+  for (int k = 0; k < t.slider_modes; ++k)
+    for (int p = 0; p < K; ++p)
+      c[0][p] = multiply_add(t.slider_shape[k * stride + node],
+                             lanes.load(t.unit + (k * K + p) * Lanes::width), c[0][p]);
+  for (int m = 0; m < 4; ++m)
+    for (int p = 0; p < K; ++p) lanes.store(shape + (m * K + p) * Lanes::width, c[m][p]);
+  if (lanes.leader()) {
+    face[0] = t.height1[node] + t.height2[at];
+    face[1] = t.height2[at + 1] - t.height2[at];
+  }
 }
 
 }  // namespace ra2d

@@ -26,8 +26,8 @@
 /// * Watch. When that is too short, the nodes that could touch within the next `watch_steps`, if the modes
 ///   stay within rho of their line, are evaluated at every step; each step checks that the modes did stay
 ///   (sum_k max|psi_k| |U_k - line_k| <= rho), whatever forces acted, and looks again when they did not.
-/// * Near. Both draw from a list of groups that can touch while sum_k max|psi_k| |U_k - U_k^near| <= reach
-///   and no node passes another. It is rebuilt by a pass over block maxima.
+/// * Near. Both draw from a list of groups of nodes that can touch while no node passes another and
+///   sum_k max|psi_k| |U_k - U_k^near| <= reach. It is rebuilt by a pass over block maxima.
 ///
 /// The arithmetic of a step does not depend on any of this, nor on where a launch ends: the results of all
 /// nodes and candidates, of one launch or many, are equal bit for bit.
@@ -43,12 +43,14 @@ inline constexpr int longest_flight = 4096;
 /// of a scheme near its limit swings by a factor of a few; beyond the limit it grows without bound.
 inline constexpr double energy_factor = 10.0;
 
+/// Bound on the rounding of a displacement, over sum max|psi_k| |U_k|: a sum over the modes of a polynomial.
+inline constexpr double rounding = 256 * 0x1p-52;
+
 /// What the contact did at one state.
 struct ContactTotals {
   double force = 0;   // N
-  double energy = 0;  // J, of the penalty springs
   double work = 0;    // J, that the imposed motion does over one step
-  int touched = 0;    // groups in contact, listed in the state's work space
+  int touched = 0;    // nodes in contact, listed in the state's work space
 };
 
 template <class Lanes, class Scheme, int K, int Q>
@@ -98,8 +100,10 @@ class Marcher {
   Real u_[K], v_[K], square_[K], quartic_[K], load_[K];
 
   // the near list
-  int near_count_ = 0, near_half_ = -1;
+  int near_count_ = 0, near_base_ = -1;
   double near_reach_ = -1.0;
+  // the expanded nodes
+  int slot_count_ = 0, slot_base_ = -1, slot_part_ = -1;
   double last_force_ = 0.0;  // of the latest step with contact: guesses how long a watch will hold
 
   KOKKOS_FORCEINLINE_FUNCTION Real load(const double* lanes, int pack) const {
@@ -116,7 +120,7 @@ class Marcher {
   }
 
   KOKKOS_FUNCTION void save() {
-    lanes_.sync();
+    forget_nodes();
     for (int p = 0; p < K; ++p) {
       lanes_.store(s_.u + p * width, u_[p]);
       lanes_.store(s_.v + p * width, v_[p]);
@@ -187,13 +191,15 @@ class Marcher {
 
   KOKKOS_FUNCTION void write_sample(double weight, bool add) {
     if (!add) close_parts();
+    const Place place(t_, step_);
+    const int count = find_touching(place);
     Real force[K];
     for (int p = 0; p < K; ++p) force[p] = Real(0.0);
-    const ContactTotals contact = contact_now(force);
+    const ContactTotals contact = contact_at(place, u_, s_.watch, count, force);
     double* row = s_.sample_rows +
                   static_cast<std::int64_t>(s_.sample_count) * (2 * K * width + sample::columns);
-    const auto put = [&](double* place, const Real& x) {
-      lanes_.store(place, add ? multiply_add(weight, x, lanes_.load(place)) : Real(weight) * x);
+    const auto put = [&](double* to, const Real& x) {
+      lanes_.store(to, add ? multiply_add(weight, x, lanes_.load(to)) : Real(weight) * x);
     };
     Real loss(0.0);
     for (int p = 0; p < K; ++p) {
@@ -203,13 +209,20 @@ class Marcher {
     }
     const double damping_loss = lanes_.sum(loss);
     if (!lanes_.leader()) return;
-    int nodes = 0;
-    for (int e = 0; e < contact.touched; ++e) nodes += Kokkos::popcount(s_.touched_bits[e]);
-    double* c = row + 2 * K * width;
-    const double values[sample::columns] = {
-        contact.force,  add ? 0.0 : nodes / weight, contact.energy,
-        damping_loss,   s_.sliding_work + s_.sliding_part, s_.force_work + s_.force_part};
-    for (int i = 0; i < sample::columns; ++i) c[i] = weight * values[i] + (add ? c[i] : 0.0);
+    double energy = 0.0;
+    for (int e = 0; e < contact.touched; ++e) energy += s_.touched_force[e] * s_.touched_force[e];
+    if (energy > 0.0) energy *= 0.5 / t_.node_stiffness;
+    // the number of nodes is not interpolated: it is that of the step before the sample
+    const double nodes = add ? 0.0 : contact.touched / weight;
+    const double values[sample::columns] = {contact.force,
+                                            nodes,
+                                            energy,
+                                            damping_loss,
+                                            s_.sliding_work + s_.sliding_part,
+                                            s_.force_work + s_.force_part};
+    double* column = row + 2 * K * width;
+    for (int i = 0; i < sample::columns; ++i)
+      column[i] = weight * values[i] + (add ? column[i] : 0.0);
   }
 
   /// Sums are kept in two parts, so that 1e8 small terms are not added to one large number.
@@ -262,95 +275,130 @@ class Marcher {
       const MovingForceTable& f = t_.moving_force[i];
       const double x = Kokkos::fma(static_cast<double>(step), f.advance, f.position);
       if (x < 0.0 || x > t_.resonator_length) continue;
-      Real shape[K];
-      mode_shapes<Lanes, K, Q>(lanes_, t_, quartic_, x / t_.spacing, shape);
-      for (int p = 0; p < K; ++p) moving[p] = multiply_add(f.force, shape[p], moving[p]);
+      Real shape[4][K];
+      const double position = x / t_.spacing;
+      expand_modes<Lanes, K, Q>(lanes_, t_, static_cast<int>(position) / t_.patch_nodes, position, shape);
+      for (int p = 0; p < K; ++p) moving[p] = multiply_add(f.force, shape[0][p], moving[p]);
     }
     for (int p = 0; p < K; ++p) force[p] = force[p] + moving[p];
   }
 
-  /// Contact detection and contact force at a state, over `count` groups (`list` in ascending order, or all
-  /// of them for null). Adds the modal contact force to `force`; lists the touched groups.
-  KOKKOS_FORCEINLINE_FUNCTION ContactTotals contact(const Place& place, const Real* u, const int* list,
-                                                    int count, Real* force) const {
-    ContactTotals totals;
-    for (int p = 0; p < K; ++p) lanes_.store(s_.lanes + p * width, u[p]);
+  /// Forgets the expanded nodes.
+  KOKKOS_FUNCTION void forget_nodes() {
     lanes_.sync();
-    const ModalPowers<Lanes, K, Q> modal(u, quartic_);
-    const Real lane_eta = Real(t_.inverse_radius) * lanes_.index();
-    Real moments[terms];
-    double q[terms];
-    int patch = -1;
-    bool pending = false;
-    const auto finish_patch = [&] {
-      if (!pending) return;
-      double moment[terms];
-      for (int j = 0; j < terms; ++j) moment[j] = lanes_.sum(moments[j]);
-      project<Lanes, K, Q>(lanes_, rows(patch), quartic_, moment, force);
-      totals.force += moment[0];
-      double slope = 0.0;
-      for (int j = 1; j < terms; ++j) slope = Kokkos::fma(j * q[j], moment[j - 1], slope);
-      totals.work = Kokkos::fma(t_.advance * t_.inverse_radius, slope, totals.work);
-      pending = false;
-    };
-    for (int e = 0; e < count; ++e) {
-      const int group = list ? list[e] : e;
-      const GroupPlace<Lanes> at(t_, place, group);
-      if (at.patch != patch) {
-        finish_patch();
-        patch = at.patch;
-        series_coefficients<Lanes, K, Q>(lanes_, rows(patch), modal, q);
-        for (int j = 0; j < terms; ++j) moments[j] = Real(0.0);
-      }
-      const StaticOverlap<Lanes> faces(lanes_, t_, place, group);
-      const Real eta = lane_eta + Real(at.eta);
-      const Real overlap =
-          add_slider_displacement(lanes_, t_, s_.lanes, group, faces.height) + series_value<Q>(q, eta);
-      const std::uint32_t bits = lanes_.at_least(overlap, 0.0);
-      if (bits == 0) continue;
+    if (lanes_.leader())
+      for (int i = 0; i < slot_count_; ++i) s_.slot_of[s_.slot_node[i]] = -1;
+    slot_count_ = 0;
+    slot_base_ = -1;
+    lanes_.sync();
+  }
 
-      const Real f = penalty_.force(overlap);
-      Real power = f;
-      for (int j = 0; j < terms; ++j) {
-        moments[j] = moments[j] + power;
-        power = power * eta;
-      }
-      const int stride = t_.groups * width;
-      for (int k = 0; k < t_.slider_modes; ++k) {
-        const double moment = lanes_.sum(f * lanes_.load(t_.slider_shape + k * stride + group * width));
-        for (int p = 0; p < K; ++p)
-          force[p] = multiply_add(-moment, lanes_.load(t_.unit + (k * K + p) * width), force[p]);
-      }
-      totals.work = Kokkos::fma(t_.advance, lanes_.sum(f * faces.rise), totals.work);
-      lanes_.store(s_.touched_force + totals.touched * width, f);
+  /// The slot of a node that has none in this window yet.
+  KOKKOS_FUNCTION int expand(const Place& place, int node) {
+    const int slot = slot_count_ < s_.slot_capacity ? slot_count_ : s_.slot_capacity;
+    lanes_.sync();
+    expand_node<Lanes, K, Q>(lanes_, t_, place, node, s_.slot_shape + slot * 4 * K * width,
+                             s_.slot_face + 2 * slot);
+    if (slot < s_.slot_capacity) {
       if (lanes_.leader()) {
-        s_.touched[totals.touched] = group;
-        s_.touched_bits[totals.touched] = bits;
+        s_.slot_of[node] = slot;
+        s_.slot_node[slot] = node;
+      }
+      ++slot_count_;
+    }
+    lanes_.sync();
+    return slot;
+  }
+
+  /// Contact detection and contact force at a state: adds the modal contact force of the listed nodes
+  /// (in ascending order) to `force`, and lists those that touch.
+  KOKKOS_FORCEINLINE_FUNCTION ContactTotals contact_at(const Place& place, const Real* u,
+                                                       const int* nodes, int count, Real* force) {
+    if (!place.same_window(slot_base_, slot_part_)) {
+      forget_nodes();
+      slot_base_ = place.base;
+      slot_part_ = place.part;
+    }
+    ContactTotals totals;
+    Real bend[K];  // sum_n f_n dphi/dx: the slope that the bent beam adds to the faces'
+    for (int p = 0; p < K; ++p) bend[p] = Real(0.0);
+    double climb = 0.0;
+    const Real offset(place.offset);
+    for (int e = 0; e < count; ++e) {
+      const int node = nodes[e];
+      int slot = s_.slot_of[node];
+      if (slot < 0) slot = expand(place, node);
+      const double* c = s_.slot_shape + slot * 4 * K * width;
+      Real phi[K], slope[K];
+      for (int p = 0; p < K; ++p) {
+        const Real c3 = load(c, 3 * K + p);
+        const Real c2 = multiply_add(c3, offset, load(c, 2 * K + p));
+        const Real c1 = multiply_add(c2, offset, load(c, K + p));
+        phi[p] = multiply_add(c1, offset, load(c, p));
+        slope[p] = multiply_add(multiply_add(c3, offset, c2), offset, c1);
+      }
+      Real product = phi[0] * u[0];
+      for (int p = 1; p < K; ++p) product = multiply_add(phi[p], u[p], product);
+      const double rise = s_.slot_face[2 * slot + 1];
+      const double overlap = Kokkos::fma(place.theta, rise, s_.slot_face[2 * slot]) + lanes_.sum(product);
+      if (!(overlap >= 0.0)) continue;
+
+      const double f = penalty_.force(overlap);
+      for (int p = 0; p < K; ++p) {
+        force[p] = multiply_add(-f, phi[p], force[p]);
+        bend[p] = multiply_add(f, slope[p], bend[p]);
+      }
+      climb = Kokkos::fma(f, rise, climb);
+      totals.force += f;
+      if (lanes_.leader()) {
+        s_.touched[totals.touched] = node;
+        s_.touched_force[totals.touched] = f;
       }
       ++totals.touched;
-      pending = true;
     }
-    finish_patch();
-    lanes_.sync();
+    if (totals.touched > 0) {
+      Real product = bend[0] * u[0];
+      for (int p = 1; p < K; ++p) product = multiply_add(bend[p], u[p], product);
+      totals.work = t_.advance * (climb + lanes_.sum(product));
+      lanes_.sync();
+    }
     return totals;
   }
 
-  /// The contact at the present state, whatever is being looked at. For samples: adds the energy.
-  KOKKOS_FUNCTION ContactTotals contact_now(Real* force) {
-    const Place place(t_, step_);
-    ContactTotals totals;
-    if (t_.look == Look::all) {
-      totals = contact(place, u_, nullptr, t_.groups, force);
-    } else {
-      if (!near_holds(place, 0.0)) find_near(place);
-      totals = contact(place, u_, s_.near, near_count_, force);
-    }
-    if (t_.node_stiffness > 0.0)
-      for (int e = 0; e < totals.touched; ++e) {
-        const Real f = lanes_.load(s_.touched_force + e * width);
-        totals.energy += lanes_.sum(f * f) * (0.5 / t_.node_stiffness);
+  /// Lists in `watch` every node that touches at the present state, and perhaps a few that miss by a
+  /// rounding. Looks at all the nodes or at those near, as the scene asks.
+  KOKKOS_FUNCTION int find_touching(const Place& place) {
+    const bool all = t_.look == Look::all;
+    if (!all && !near_holds(place, 0.0)) find_near(place);
+    for (int p = 0; p < K; ++p) lanes_.store(s_.lanes + p * width, u_[p]);
+    lanes_.sync();
+    const double level = -(t_.slack + rounding * bound(t_.reach, u_));
+    const ModalPowers<Lanes, K, Q> modal(u_, quartic_);
+    const Real lane_eta = Real(t_.inverse_radius) * lanes_.index();
+    double q[terms];
+    int patch = -1, count = 0;
+    const int groups = all ? t_.groups : near_count_;
+    for (int e = 0; e < groups; ++e) {
+      const int group = all ? e : s_.near[e];
+      const GroupPlace<Lanes> at(t_, place, group);
+      if (at.patch != patch) {
+        patch = at.patch;
+        series_coefficients<Lanes, K, Q>(lanes_, rows(patch), modal, q);
       }
-    return totals;
+      const StaticOverlap<Lanes> faces(lanes_, t_, place, group);
+      const Real overlap = add_slider_displacement(lanes_, t_, s_.lanes, group, faces.height) +
+                           series_value<Q>(q, lane_eta + Real(at.eta));
+      list_nodes(group, lanes_.at_least(overlap, level), count);
+    }
+    lanes_.sync();
+    return count;
+  }
+
+  KOKKOS_FORCEINLINE_FUNCTION void list_nodes(int group, std::uint32_t bits, int& count) {
+    for (; bits != 0; bits &= bits - 1) {
+      if (lanes_.leader()) s_.watch[count] = group * width + Kokkos::countr_zero(bits);
+      ++count;
+    }
   }
 
   /// What a step adds to the record.
@@ -361,8 +409,8 @@ class Marcher {
     if (totals.touched > 0) {
       s_.sliding_part += totals.work;
       ++s_.contact_steps;
-      const int nodes = track_shocks(s_, step, place.position, width, totals.touched);
-      if (nodes > s_.most_nodes) s_.most_nodes = nodes;
+      if (totals.touched > s_.most_nodes) s_.most_nodes = totals.touched;
+      track_shocks(s_, step, place.position, totals.touched);
     } else if (s_.open_count > 0) {
       end_shocks(s_, step);
     }
@@ -386,14 +434,13 @@ class Marcher {
     if (lanes_.leader()) s_.force_part += work;
   }
 
-  /// One step with contact over the given groups.
+  /// One step with contact at the given nodes.
   KOKKOS_FORCEINLINE_FUNCTION void contact_step(Real* u, Real* v, Real* square, const Real* c0,
-                                                const Real* c1, const Real* c2, const int* list,
-                                                int count) {
-    const Place place(t_, step_);
+                                                const Real* c1, const Real* c2, const Place& place,
+                                                const int* nodes, int count) {
     Real force[K], moving[K];
     outer_force(step_, force, moving);
-    const ContactTotals totals = contact(place, u, list, count, force);
+    const ContactTotals totals = contact_at(place, u, nodes, count, force);
     record(totals, place, step_);
     lanes_.sync();
     advance(u, v, square, force, c0, c1, c2);
@@ -407,8 +454,11 @@ class Marcher {
     Real c0[K], c1[K], c2[K];
     load_scheme(c0, c1, c2);
     const std::int64_t first = step_;
-    while (step_ < next && has_room_for_shocks(s_))
-      contact_step(u_, v_, square_, c0, c1, c2, nullptr, t_.groups);
+    while (step_ < next && has_room_for_shocks(s_)) {
+      const Place place(t_, step_);
+      const int count = find_touching(place);
+      contact_step(u_, v_, square_, c0, c1, c2, place, s_.watch, count);
+    }
     if (lanes_.leader()) s_.evaluated += (step_ - first) * t_.nodes;
     lanes_.sync();
   }
@@ -436,7 +486,7 @@ class Marcher {
   struct Plan {
     bool flight;
     int steps;        // to fly, or to watch at the most
-    int count;        // groups to watch
+    int count;        // nodes to watch
     double leeway;    // rho
   };
 
@@ -459,7 +509,7 @@ class Marcher {
       displacement[p] = multiply_add(time, rate[p], Kokkos::abs(u_[p]));
     }
     Bounds b;
-    b.rounding = 1e-13 * bound(t_.reach, displacement);
+    b.rounding = rounding * bound(t_.reach, displacement);
     b.speed = bound(t_.reach, v_);
     b.acceleration = bound(t_.reach, acceleration);
     const double speed = t_.advance * t_.spacing / t_.step;
@@ -476,14 +526,14 @@ class Marcher {
   }
 
   KOKKOS_FUNCTION bool near_holds(const Place& place, double travel) const {
-    return place.half == near_half_ && moved() + travel <= near_reach_;
+    return place.base == near_base_ && moved() + travel <= near_reach_;
   }
 
-  /// Steps until a node or a group's centre passes another, at the most `longest`.
+  /// Steps until a node passes another, at the most `longest`.
   KOKKOS_FUNCTION int steps_in_window(const Place& place, int longest) const {
     if (t_.advance == 0.0) return longest;
     // one step short of the crossing that theory gives, against rounding; at least this very step
-    const double steps = (0.5 * (place.half + 1) - place.position) / t_.advance - 1.0;
+    const double steps = (place.base + 1 - place.position) / t_.advance - 1.0;
     return steps > longest ? longest : steps < 1.0 ? 1 : static_cast<int>(steps);
   }
 
@@ -493,7 +543,7 @@ class Marcher {
     const int steps = steps_in_window(place, longest_flight);
     const double time = steps * t_.step;
     const Bounds b = bounds(time);
-    near_half_ = place.half;
+    near_base_ = place.base;
     near_reach_ = 2.0 * (b.speed * time + 0.5 * b.curvature * time * time) + t_.least_reach;
     if (!(near_reach_ < 1e300)) near_reach_ = 1e300;  // not a number, too: then everything is near
     for (int p = 0; p < K; ++p) {
@@ -501,7 +551,7 @@ class Marcher {
       lanes_.store(s_.lanes + p * width, u_[p]);
     }
     lanes_.sync();
-    const double to_end = 0.5 * (place.half + 1) - place.position;  // chi
+    const double to_end = place.base + 1 - place.position;  // chi
     const double slope = bound(t_.reach_slope, u_);
     const double radius = t_.spacing / t_.inverse_radius;
     const double level = -(near_reach_ + t_.slack + b.rounding + to_end * t_.spacing * slope);
@@ -561,7 +611,7 @@ class Marcher {
     const double watch_travel = b.speed * watch_time + leeway;
     if (!near_holds(place, watch_travel)) find_near(place);
     const double room = near_reach_ - moved();
-    if (room < watch_travel) return {false, 1, near_count_, leeway};  // wild: one step, then look again
+    if (room < watch_travel) return {false, 1, find_touching(place), leeway};  // wild: step by step
 
     if (near_count_ > 0) {
       for (int p = 0; p < K; ++p) lanes_.store(s_.lanes + p * width, u_[p]);
@@ -596,10 +646,7 @@ class Marcher {
       const Real closing = multiply_add(tau, modes, Real(t_.advance) * way);
       const Real most =
           multiply_add(static_cast<double>(watched), Kokkos::max(closing, Real(0.0)), overlap);
-      if (lanes_.at_least(most, level) != 0) {
-        if (lanes_.leader()) s_.watch[count] = group;
-        ++count;
-      }
+      list_nodes(group, lanes_.at_least(most, level), count);
       // the root of open = i closing + i (i + 1) half_curve
       const Real open = Kokkos::max(-overlap - Real(slack), Real(0.0));
       const Real linear = closing + Real(half_curve);
@@ -663,11 +710,10 @@ class Marcher {
       square[p] = square_[p];
       reach[p] = load(t_.reach, p);
     }
-    const int* list = plan.count == near_count_ ? s_.near : s_.watch;
     int done = 0;
     bool kept = true;
     while (done < plan.steps && kept && has_room_for_shocks(s_)) {
-      contact_step(u, v, square, c0, c1, c2, list, plan.count);
+      contact_step(u, v, square, c0, c1, c2, Place(t_, step_), s_.watch, plan.count);
       ++done;
       Real away(0.0);
       for (int p = 0; p < K; ++p) {
@@ -681,7 +727,7 @@ class Marcher {
       v_[p] = v[p];
       square_[p] = square[p];
     }
-    if (lanes_.leader()) s_.evaluated += static_cast<std::int64_t>(done) * plan.count * width;
+    if (lanes_.leader()) s_.evaluated += static_cast<std::int64_t>(done) * plan.count;
     lanes_.sync();
   }
 };

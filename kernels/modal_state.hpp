@@ -69,7 +69,7 @@ struct SceneState {
 
   // shocks
   ContactRun* runs = nullptr;      // of the step runs_step
-  ContactRun* new_runs = nullptr;  // work space
+  ContactRun* new_runs = nullptr;  // room for the next ones
   OpenShock* open = nullptr;
   int run_capacity = 0, run_count = 0, open_count = 0;
   std::int64_t runs_step = -2;
@@ -78,13 +78,18 @@ struct SceneState {
   int shock_capacity = 0, shock_count = 0;
 
   // work space
-  int* near = nullptr;     // groups that can touch while the near list holds
-  int* watch = nullptr;    // groups evaluated at each step
+  int* near = nullptr;       // groups that can touch while the near list holds
   double* near_u = nullptr;  // modal displacements at which the near list was made
-  int* touched = nullptr;        // groups that touch at this step
-  std::uint32_t* touched_bits = nullptr;
-  double* touched_force = nullptr;  // (touched group, lane)
-  double* lanes = nullptr;       // modal displacements (and rates) of this step, to be read one by one
+  double* lanes = nullptr;   // modal displacements and rates, to be read one by one
+  int* watch = nullptr;      // nodes evaluated at each step
+  int* touched = nullptr;    // nodes that touch at this step ...
+  double* touched_force = nullptr;  // ... and their forces, N
+  // expanded nodes of the present window: slots of (4, lane) and of two face values
+  int* slot_of = nullptr;    // per node, -1: none
+  int* slot_node = nullptr;  // per slot
+  double* slot_shape = nullptr;
+  double* slot_face = nullptr;
+  int slot_capacity = 0;     // one more slot follows, for a node that finds no room
 };
 
 }  // namespace ra2d

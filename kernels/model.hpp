@@ -11,7 +11,7 @@
 /// mode closes the gap by U_k psi_k at a node, and a contact force f drives it with -f psi_k.
 ///
 /// Nodes. Slider node n stands at resonator position pos(m) + n in units of chi, pos(m) = position +
-/// m advance at step m. Nodes are taken in groups, one a lane.
+/// m advance at step m. To find which nodes can touch, they are taken in groups, one a lane.
 ///
 /// Patches. Under the slider the resonator's displacement is smooth: its shortest wavelength spans hundreds
 /// of nodes. On patches fixed to the resonator it is a polynomial of 4 Q terms in
@@ -19,6 +19,10 @@
 ///   u_2 = sum_j q_j eta^j,  q_j = sum_k U_k radius^j psi_k^(j)(centre) / j!.
 /// The radius is chosen so that the first term left out is below the roundings. All modes here satisfy
 /// psi'''' = beta^4 psi, so four derivatives are stored and the others follow with (beta radius)^4.
+///
+/// Windows. Over a fraction of chi (1/windows) a mode's shape at a moving node is a cubic of its offset, again
+/// to below the roundings. A node that touches or soon could is expanded so once a window; its overlap and
+/// the modal force of its contact force are then one product over the modes each.
 namespace ra2d {
 
 /// Whether contact is looked for at every node or where the guarantee says that it could be.
@@ -34,7 +38,8 @@ struct SceneTables {
   // what there is
   int resonator_modes = 0, slider_modes = 0;
   int nodes = 0, groups = 0;    // slider nodes; groups of one a lane
-  int patches = 0, patch_nodes = 0;  // patches; their width in nodes (radius = half of it + half a group)
+  int patches = 0, patch_nodes = 0;  // patches; their width in nodes (radius = half of it + half a group + 1)
+  int windows = 1;                   // parts of a node's width
   int moving_forces = 0;
   Look look = Look::candidates;
 
@@ -44,6 +49,7 @@ struct SceneTables {
   double spacing = 0;   // m, chi
   double step = 0;      // s, tau
   double inverse_radius = 0;  // chi / radius
+  double window_width = 1;    // chi, 1/windows
   double resonator_length = 0;  // m
 
   // contact

@@ -57,27 +57,20 @@ KOKKOS_INLINE_FUNCTION int merge_shocks(SceneState& s, int a, int b, int new_run
   return keep == moved ? drop : keep;
 }
 
-/// Takes in the contact of one step: `count` touched groups in ascending order, with one bit and one force a
-/// lane; `position` of slider node 0 on the resonator, in chi. Returns the number of nodes in contact.
-KOKKOS_INLINE_FUNCTION int track_shocks(SceneState& s, std::int64_t step, double position, int width,
-                                        int count) {
+/// Takes in the contact of one step: the `count` touched nodes in ascending order; `position` of slider
+/// node 0 on the resonator, in chi.
+KOKKOS_INLINE_FUNCTION void track_shocks(SceneState& s, std::int64_t step, double position, int count) {
   // the runs of neighbouring nodes at this step
-  int runs = 0, nodes = 0;
+  int runs = 0;
   for (int e = 0; e < count; ++e) {
-    const double* f = s.touched_force + e * width;
-    for (std::uint32_t bits = s.touched_bits[e]; bits != 0; bits &= bits - 1) {
-      std::uint32_t low = bits & (~bits + 1u);
-      int lane = 0;
-      while ((low >>= 1) != 0) ++lane;
-      const int node = s.touched[e] * width + lane;
-      if (runs == 0 || s.new_runs[runs - 1].last != node - 1)
-        s.new_runs[runs++] = {node, node, -1, 0.0, 0.0};
-      ContactRun& run = s.new_runs[runs - 1];
-      run.last = node;
-      run.force += f[lane];
-      run.moment += f[lane] * node;
-      ++nodes;
-    }
+    const int node = s.touched[e];
+    const double force = s.touched_force[e];
+    if (runs == 0 || s.new_runs[runs - 1].last != node - 1)
+      s.new_runs[runs++] = {node, node, -1, 0.0, 0.0};
+    ContactRun& run = s.new_runs[runs - 1];
+    run.last = node;
+    run.force += force;
+    run.moment += force * node;
   }
   // each continues what touched next to it one step ago, or begins a shock
   if (s.runs_step != step - 1) s.run_count = 0;
@@ -107,7 +100,6 @@ KOKKOS_INLINE_FUNCTION int track_shocks(SceneState& s, std::int64_t step, double
   s.run_count = runs;
   s.runs_step = step;
   end_shocks(s, step);
-  return nodes;
 }
 
 }  // namespace ra2d

@@ -18,6 +18,8 @@ namespace {
 using Space = Kokkos::DefaultExecutionSpace;
 constexpr int width = LanesOf<Space>::width;
 constexpr int capacity = 256;  // modal lanes
+/// Nodes that are kept expanded at once; more than these can touch, each is then expanded anew at every step.
+constexpr int most_slots = 512;
 
 /// One block of device memory with a host copy; pieces are handed out before it is made.
 class Arena {
@@ -78,15 +80,15 @@ Series choose_series(const Model& model) {
   const double beta_chi = highest_beta(model.resonator) * model.scene.spacing;
   const double widest = static_cast<double>(model.resonator_height.size());
   for (const int quads : {2}) {
-    // radius = (patch_nodes + width)/2 in chi
+    // radius = (patch_nodes + width)/2 + 1 in chi
     const double nodes =
-        beta_chi > 0 ? std::min(widest, 2.0 * series_range(quads) / beta_chi - width) : widest;
+        beta_chi > 0 ? std::min(widest, 2.0 * series_range(quads) / beta_chi - width - 2) : widest;
     if (nodes >= 1.0) return {quads, static_cast<int>(nodes)};
   }
   throw RequestError(fmt::format(
       "scene.spacing = {} m: the resonator's highest mode has only {:.1f} nodes to a wavelength, {:.0f} are "
       "needed here. Refine scene.spacing or keep fewer modes (resonator.max_frequency)",
-      model.scene.spacing, 2 * M_PI / beta_chi, 2 * M_PI * (width + 1) / (2.0 * series_range(6))));
+      model.scene.spacing, 2 * M_PI / beta_chi, 2 * M_PI * (width + 3) / (2.0 * series_range(6))));
 }
 
 /// What the kernel is compiled for.
@@ -131,8 +133,9 @@ struct Layout {
   int lanes, groups, patches, run_capacity;
   Series series;
   std::size_t mode_tables, patch, shapes, unit, height1, height2, block_max, moving;
-  std::size_t modal_state, samples, runs, new_runs, open, shocks, near, watch, touched, bits, force,
-      amplitudes;
+  std::size_t modal_state, samples, runs, new_runs, open, shocks, near, watch, touched, force, amplitudes,
+      slot_of, slot_node, slot_shape, slot_face;
+  int slots;
   int height2_size, blocks;
   int sample_capacity, shock_capacity, row;
 };
@@ -186,10 +189,14 @@ struct Batch::Impl {
     l.open = arena.reserve<OpenShock>(2 * l.run_capacity);
     l.shocks = arena.reserve<ShockRow>(l.shock_capacity);
     l.near = arena.reserve<int>(l.groups);
-    l.watch = arena.reserve<int>(l.groups);
-    l.touched = arena.reserve<int>(l.groups);
-    l.bits = arena.reserve<std::uint32_t>(l.groups);
+    l.watch = arena.reserve<int>(l.groups * width);
+    l.touched = arena.reserve<int>(l.groups * width);
     l.force = arena.reserve<double>(l.groups * width);
+    l.slots = std::min(model.nodes(), most_slots);
+    l.slot_of = arena.reserve<int>(l.groups * width);
+    l.slot_node = arena.reserve<int>(l.slots);
+    l.slot_shape = arena.reserve<double>(static_cast<std::size_t>(l.slots + 1) * 4 * l.lanes);
+    l.slot_face = arena.reserve<double>(2 * (l.slots + 1));
     l.amplitudes = arena.reserve<double>(2 * l.lanes);
     return l;
   }
@@ -203,7 +210,7 @@ SceneTables Batch::Impl::fill_tables(const Model& model, const Layout& l) {
   const int modes2 = static_cast<int>(model.resonator.modes.size());
   const int modes1 = static_cast<int>(model.slider.modes.size());
   const double chi = scene.spacing, tau = scene.step;
-  const double radius = 0.5 * (l.series.patch_nodes + width) * chi;
+  const double radius = (0.5 * (l.series.patch_nodes + width) + 1.0) * chi;
 
   SceneTables t;
   t.resonator_modes = modes2;
@@ -219,6 +226,10 @@ SceneTables Batch::Impl::fill_tables(const Model& model, const Layout& l) {
   t.spacing = chi;
   t.step = tau;
   t.inverse_radius = chi / radius;
+  // cubic over a window: beta^4 (width/2)^4 / 4! below two ulp
+  t.windows = static_cast<int>(
+      std::ceil(std::max(1.0, 0.5 * highest_beta(model.resonator) * chi / std::pow(24 * 0x1p-51, 0.25))));
+  t.window_width = 1.0 / t.windows;
   t.resonator_length = scene.resonator.length;
   t.node_stiffness = model.node_stiffness;
   t.total_steps = model.steps;
@@ -360,9 +371,14 @@ SceneState Batch::Impl::fill_state(const Model& model, const ModalStart& begin, 
   s.near = arena.device<int>(l.near);
   s.watch = arena.device<int>(l.watch);
   s.touched = arena.device<int>(l.touched);
-  s.touched_bits = arena.device<std::uint32_t>(l.bits);
   s.touched_force = arena.device<double>(l.force);
   s.lanes = arena.device<double>(l.amplitudes);
+  std::fill_n(arena.host<int>(l.slot_of), l.groups * width, -1);
+  s.slot_of = arena.device<int>(l.slot_of);
+  s.slot_node = arena.device<int>(l.slot_node);
+  s.slot_shape = arena.device<double>(l.slot_shape);
+  s.slot_face = arena.device<double>(l.slot_face);
+  s.slot_capacity = l.slots;
   return s;
 }
 
