@@ -26,10 +26,16 @@ struct Place {
     part = static_cast<int>(theta * t.windows);
     offset = theta - (part + 0.5) * t.window_width;
   }
-  /// A window: a stretch of the way within which no node passes another and the modes' shapes at a node
-  /// are cubic polynomials of the offset.
-  KOKKOS_FORCEINLINE_FUNCTION bool same_window(int other_base, int other_part) const {
-    return base == other_base && part == other_part;
+  /// The number of the window: a stretch of the way within which no node passes another and the modes' shapes
+  /// at a node are cubic polynomials of the offset.
+  KOKKOS_FORCEINLINE_FUNCTION std::int64_t window(const SceneTables& t) const {
+    return static_cast<std::int64_t>(base) * t.windows + part;
+  }
+  /// On to another step of the same window.
+  KOKKOS_FORCEINLINE_FUNCTION void move_to(const SceneTables& t, std::int64_t step) {
+    position = Kokkos::fma(static_cast<double>(step), t.advance, t.position);
+    theta = position - base;
+    offset = theta - (part + 0.5) * t.window_width;
   }
 };
 

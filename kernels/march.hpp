@@ -23,9 +23,11 @@
 ///   since E_k grows by the load alone; the node's own motion over the bent beam adds the curvature
 ///   B = 2 V sum max|psi_k'| |V_k| + V^2 sum max|psi_k''| |U_k|. So no node touches before the smallest root
 ///   of o + rate t + (A + B) t^2/2 = 0. Until then the march flies: it advances the modes and nothing else.
-/// * Watch. When that is too short, the nodes that could touch within the next `watch_steps`, if the modes
-///   stay within rho of their line, are evaluated at every step; each step checks that the modes did stay
-///   (sum_k max|psi_k| |U_k - line_k| <= rho), whatever forces acted, and looks again when they did not.
+/// * Watch. When that is too short, the nodes that could touch within N steps, if the modes stay within a
+///   leeway rho of their line, are evaluated at every step. While they stay, the contact force is at most
+///   f = kappa chi w sum_n max(0, overlap_n on the line + rho), so they leave the line by at most
+///   (A + sum_k max|psi_k|^2/m_k (1 + (1 + 2 zeta) omega_k t) f) t^2/2: N is the last step at which this is
+///   still within rho.
 /// * Near. Both draw from a list of groups of nodes that can touch while no node passes another and
 ///   sum_k max|psi_k| |U_k - U_k^near| <= reach. It is rebuilt by a pass over block maxima.
 ///
@@ -102,8 +104,7 @@ class Marcher {
   // the near list
   int near_count_ = 0, near_base_ = -1;
   double near_reach_ = -1.0;
-  // the expanded nodes
-  int slot_count_ = 0, slot_base_ = -1, slot_part_ = -1;
+
   double last_force_ = 0.0;  // of the latest step with contact: guesses how long a watch will hold
 
   KOKKOS_FORCEINLINE_FUNCTION Real load(const double* lanes, int pack) const {
@@ -120,7 +121,7 @@ class Marcher {
   }
 
   KOKKOS_FUNCTION void save() {
-    forget_nodes();
+    lanes_.sync();
     for (int p = 0; p < K; ++p) {
       lanes_.store(s_.u + p * width, u_[p]);
       lanes_.store(s_.v + p * width, v_[p]);
@@ -195,6 +196,7 @@ class Marcher {
     const int count = find_touching(place);
     Real force[K];
     for (int p = 0; p < K; ++p) force[p] = Real(0.0);
+    expand_nodes(place, s_.watch, count);
     const ContactTotals contact = contact_at(place, u_, s_.watch, count, force);
     double* row = s_.sample_rows +
                   static_cast<std::int64_t>(s_.sample_count) * (2 * K * width + sample::columns);
@@ -283,42 +285,28 @@ class Marcher {
     for (int p = 0; p < K; ++p) force[p] = force[p] + moving[p];
   }
 
-  /// Forgets the expanded nodes.
-  KOKKOS_FUNCTION void forget_nodes() {
-    lanes_.sync();
-    if (lanes_.leader())
-      for (int i = 0; i < slot_count_; ++i) s_.slot_of[s_.slot_node[i]] = -1;
-    slot_count_ = 0;
-    slot_base_ = -1;
-    lanes_.sync();
-  }
-
-  /// The slot of a node that has none in this window yet.
-  KOKKOS_FUNCTION int expand(const Place& place, int node) {
-    const int slot = slot_count_ < s_.slot_capacity ? slot_count_ : s_.slot_capacity;
-    lanes_.sync();
-    expand_node<Lanes, K, Q>(lanes_, t_, place, node, s_.slot_shape + slot * 4 * K * width,
-                             s_.slot_face + 2 * slot);
-    if (slot < s_.slot_capacity) {
-      if (lanes_.leader()) {
-        s_.slot_of[node] = slot;
-        s_.slot_node[slot] = node;
-      }
-      ++slot_count_;
+  /// Expands the listed nodes that are not expanded for this window yet.
+  KOKKOS_FUNCTION void expand_nodes(const Place& place, const int* nodes, int count) {
+    const std::int64_t window = place.window(t_);
+    for (int e = 0; e < count; ++e) {
+      const int node = nodes[e];
+      if (s_.node_window[node] == window) continue;
+      lanes_.sync();
+      expand_node<Lanes, K, Q>(lanes_, t_, place, node, s_.node_shape + node_offset(node),
+                               s_.node_face + 2 * node);
+      if (lanes_.leader()) s_.node_window[node] = window;
+      lanes_.sync();
     }
-    lanes_.sync();
-    return slot;
+  }
+  KOKKOS_FORCEINLINE_FUNCTION static std::int64_t node_offset(int node) {
+    return static_cast<std::int64_t>(node) * (4 * K * width);
   }
 
   /// Contact detection and contact force at a state: adds the modal contact force of the listed nodes
-  /// (in ascending order) to `force`, and lists those that touch.
+  /// (in ascending order, expanded for this window) to `force`, and lists those that touch.
   KOKKOS_FORCEINLINE_FUNCTION ContactTotals contact_at(const Place& place, const Real* u,
-                                                       const int* nodes, int count, Real* force) {
-    if (!place.same_window(slot_base_, slot_part_)) {
-      forget_nodes();
-      slot_base_ = place.base;
-      slot_part_ = place.part;
-    }
+                                                       const int* nodes, int count,
+                                                       Real* force) const {
     ContactTotals totals;
     Real bend[K];  // sum_n f_n dphi/dx: the slope that the bent beam adds to the faces'
     for (int p = 0; p < K; ++p) bend[p] = Real(0.0);
@@ -326,9 +314,7 @@ class Marcher {
     const Real offset(place.offset);
     for (int e = 0; e < count; ++e) {
       const int node = nodes[e];
-      int slot = s_.slot_of[node];
-      if (slot < 0) slot = expand(place, node);
-      const double* c = s_.slot_shape + slot * 4 * K * width;
+      const double* c = s_.node_shape + node_offset(node);
       Real phi[K], slope[K];
       for (int p = 0; p < K; ++p) {
         const Real c3 = load(c, 3 * K + p);
@@ -339,8 +325,8 @@ class Marcher {
       }
       Real product = phi[0] * u[0];
       for (int p = 1; p < K; ++p) product = multiply_add(phi[p], u[p], product);
-      const double rise = s_.slot_face[2 * slot + 1];
-      const double overlap = Kokkos::fma(place.theta, rise, s_.slot_face[2 * slot]) + lanes_.sum(product);
+      const double rise = s_.node_face[2 * node + 1];
+      const double overlap = Kokkos::fma(place.theta, rise, s_.node_face[2 * node]) + lanes_.sum(product);
       if (!(overlap >= 0.0)) continue;
 
       const double f = penalty_.force(overlap);
@@ -410,7 +396,8 @@ class Marcher {
       s_.sliding_part += totals.work;
       ++s_.contact_steps;
       if (totals.touched > s_.most_nodes) s_.most_nodes = totals.touched;
-      track_shocks(s_, step, place.position, totals.touched);
+      if (!continue_shocks(s_, step, place.position, totals.touched))
+        track_shocks(s_, step, place.position, totals.touched);
     } else if (s_.open_count > 0) {
       end_shocks(s_, step);
     }
@@ -434,7 +421,7 @@ class Marcher {
     if (lanes_.leader()) s_.force_part += work;
   }
 
-  /// One step with contact at the given nodes.
+  /// One step with contact at the given nodes, expanded for this window.
   KOKKOS_FORCEINLINE_FUNCTION void contact_step(Real* u, Real* v, Real* square, const Real* c0,
                                                 const Real* c1, const Real* c2, const Place& place,
                                                 const int* nodes, int count) {
@@ -457,6 +444,7 @@ class Marcher {
     while (step_ < next && has_room_for_shocks(s_)) {
       const Place place(t_, step_);
       const int count = find_touching(place);
+      expand_nodes(place, s_.watch, count);
       contact_step(u_, v_, square_, c0, c1, c2, place, s_.watch, count);
     }
     if (lanes_.leader()) s_.evaluated += (step_ - first) * t_.nodes;
@@ -487,7 +475,6 @@ class Marcher {
     bool flight;
     int steps;        // to fly, or to watch at the most
     int count;        // nodes to watch
-    double leeway;    // rho
   };
 
   /// Bounds on what the modes can do within a time.
@@ -495,11 +482,12 @@ class Marcher {
     double rounding;      // of a displacement
     double speed;         // sum max|psi| |V|
     double acceleration;  // A of the header
-    double curvature;     // A + B of the header
+    double curvature;     // A + B
+    double yield;         // 1/kg, acceleration that a newton of contact force can add, as in the header
   };
 
   KOKKOS_FUNCTION Bounds bounds(double time) const {
-    Real energy[K], acceleration[K], rate[K], displacement[K];
+    Real energy[K], acceleration[K], rate[K], displacement[K], yield[K];
     for (int p = 0; p < K; ++p) {
       const Real omega = load(t_.omega, p), push = load(t_.push, p);
       const Real stretch = omega * u_[p];
@@ -507,6 +495,7 @@ class Marcher {
       acceleration[p] = multiply_add(load(t_.pull, p), multiply_add(time, push, energy[p]), push);
       rate[p] = multiply_add(time, acceleration[p], Kokkos::abs(v_[p]));
       displacement[p] = multiply_add(time, rate[p], Kokkos::abs(u_[p]));
+      yield[p] = load(t_.yield, p) * multiply_add(time, load(t_.pull, p), Real(1.0));
     }
     Bounds b;
     b.rounding = rounding * bound(t_.reach, displacement);
@@ -515,6 +504,7 @@ class Marcher {
     const double speed = t_.advance * t_.spacing / t_.step;
     b.curvature = b.acceleration + 2.0 * speed * bound(t_.reach_slope, rate) +
                   speed * speed * bound(t_.reach_curve, displacement);
+    b.yield = bound(t_.reach, yield);
     return b;
   }
 
@@ -529,18 +519,18 @@ class Marcher {
     return place.base == near_base_ && moved() + travel <= near_reach_;
   }
 
-  /// Steps until a node passes another, at the most `longest`.
-  KOKKOS_FUNCTION int steps_in_window(const Place& place, int longest) const {
+  /// Steps until the slider's nodes stand `edge` behind the resonator's, at the most `longest`.
+  KOKKOS_FUNCTION int steps_to(double edge, const Place& place, int longest) const {
     if (t_.advance == 0.0) return longest;
     // one step short of the crossing that theory gives, against rounding; at least this very step
-    const double steps = (place.base + 1 - place.position) / t_.advance - 1.0;
+    const double steps = (edge - place.theta) / t_.advance - 1.0;
     return steps > longest ? longest : steps < 1.0 ? 1 : static_cast<int>(steps);
   }
 
   /// Finds the groups that can touch while the modes stay within a reach of where they are now and no node
   /// passes another. The reach is what they can be expected to travel until then.
   KOKKOS_FUNCTION void find_near(const Place& place) {
-    const int steps = steps_in_window(place, longest_flight);
+    const int steps = steps_to(1.0, place, longest_flight);
     const double time = steps * t_.step;
     const Bounds b = bounds(time);
     near_base_ = place.base;
@@ -598,20 +588,21 @@ class Marcher {
   /// Decides how to go on from the present state, for no longer than until step `next`.
   KOKKOS_FUNCTION Plan look_ahead(std::int64_t next) {
     const Place place(t_, step_);
-    int longest = steps_in_window(place, longest_flight);
+    int longest = steps_to(1.0, place, longest_flight);
     if (next - step_ < longest) longest = static_cast<int>(next - step_);
     const double tau = t_.step;
     const Bounds b = bounds(longest * tau);
 
     // the near list must hold for all the states that this look speaks of
-    const int watched = longest < watch_steps ? longest : watch_steps;
+    int watched = steps_to((place.part + 1) * t_.window_width, place, watch_steps);
+    if (longest < watched) watched = longest;
     const double watch_time = watched * tau;
-    const double leeway =
-        watch_time * watch_time * (b.curvature + 2.0 * t_.compliance * last_force_) + t_.least_leeway;
+    const double leeway = watch_time * watch_time * (0.75 * b.acceleration + b.yield * last_force_) +
+                          t_.least_leeway;
     const double watch_travel = b.speed * watch_time + leeway;
     if (!near_holds(place, watch_travel)) find_near(place);
     const double room = near_reach_ - moved();
-    if (room < watch_travel) return {false, 1, find_touching(place), leeway};  // wild: step by step
+    if (room < watch_travel) return {false, 1, find_touching(place)};  // wild: step by step
 
     if (near_count_ > 0) {
       for (int p = 0; p < K; ++p) lanes_.store(s_.lanes + p * width, u_[p]);
@@ -625,7 +616,7 @@ class Marcher {
     const double slack = t_.slack + b.rounding;
     const double level = -(leeway + half_curve * watched * watched + slack);
     double q[terms], rate_q[terms];
-    Real soonest(static_cast<double>(longest));
+    Real soonest(static_cast<double>(longest)), pressed(0.0);
     int patch = -1, count = 0;
     for (int e = 0; e < near_count_; ++e) {
       const int group = s_.near[e];
@@ -647,6 +638,7 @@ class Marcher {
       const Real most =
           multiply_add(static_cast<double>(watched), Kokkos::max(closing, Real(0.0)), overlap);
       list_nodes(group, lanes_.at_least(most, level), count);
+      pressed = pressed + Kokkos::max(most - Real(level), Real(0.0));
       // the root of open = i closing + i (i + 1) half_curve
       const Real open = Kokkos::max(-overlap - Real(slack), Real(0.0));
       const Real linear = closing + Real(half_curve);
@@ -664,9 +656,13 @@ class Marcher {
     if (flight >= shortest_flight || count == 0 || flight >= longest) {
       int steps = flight >= longest ? longest : static_cast<int>(flight);
       if (count == 0 && steps < watched) steps = watched;  // nothing to watch: the same as flying
-      return {true, steps < 1 ? 1 : steps, 0, 0.0};
+      return {true, steps < 1 ? 1 : steps, 0};
     }
-    return {false, watched, count, leeway};
+    // the first step may always be watched: the line begins there
+    const double strongest = t_.node_stiffness * lanes_.sum(pressed);
+    const double pull = b.acceleration + b.yield * strongest;
+    const double held = Kokkos::sqrt(2.0 * leeway / (pull + 1e-300)) / tau - 1.0;
+    return {false, held >= watched ? watched : held < 1.0 ? 1 : static_cast<int>(held), count};
   }
 
   /// Steps that provably have no contact.
@@ -699,28 +695,22 @@ class Marcher {
     lanes_.sync();
   }
 
-  /// Steps with the watched groups evaluated, as long as the modes keep to their line.
+  /// Steps with the watched nodes evaluated.
   KOKKOS_FUNCTION void watch(const Plan& plan) {
-    Real c0[K], c1[K], c2[K], u[K], v[K], square[K], line[K], pace[K], reach[K];
+    Real c0[K], c1[K], c2[K], u[K], v[K], square[K];
     load_scheme(c0, c1, c2);
     for (int p = 0; p < K; ++p) {
-      u[p] = line[p] = u_[p];
+      u[p] = u_[p];
       v[p] = v_[p];
-      pace[p] = Real(t_.step) * v_[p];
       square[p] = square_[p];
-      reach[p] = load(t_.reach, p);
     }
+    Place place(t_, step_);
+    expand_nodes(place, s_.watch, plan.count);
     int done = 0;
-    bool kept = true;
-    while (done < plan.steps && kept && has_room_for_shocks(s_)) {
-      contact_step(u, v, square, c0, c1, c2, Place(t_, step_), s_.watch, plan.count);
+    while (done < plan.steps && has_room_for_shocks(s_)) {
+      place.move_to(t_, step_);
+      contact_step(u, v, square, c0, c1, c2, place, s_.watch, plan.count);
       ++done;
-      Real away(0.0);
-      for (int p = 0; p < K; ++p) {
-        line[p] = line[p] + pace[p];
-        away = multiply_add(reach[p], Kokkos::abs(u[p] - line[p]), away);
-      }
-      kept = lanes_.sum(away) <= plan.leeway;
     }
     for (int p = 0; p < K; ++p) {
       u_[p] = u[p];

@@ -84,12 +84,10 @@ struct SceneState {
   int* watch = nullptr;      // nodes evaluated at each step
   int* touched = nullptr;    // nodes that touch at this step ...
   double* touched_force = nullptr;  // ... and their forces, N
-  // expanded nodes of the present window: slots of (4, lane) and of two face values
-  int* slot_of = nullptr;    // per node, -1: none
-  int* slot_node = nullptr;  // per slot
-  double* slot_shape = nullptr;
-  double* slot_face = nullptr;
-  int slot_capacity = 0;     // one more slot follows, for a node that finds no room
+  // expanded nodes: shape (node, 4, lane), faces (node, 2), and the window that they hold for
+  double* node_shape = nullptr;
+  double* node_face = nullptr;
+  std::int64_t* node_window = nullptr;
 };
 
 }  // namespace ra2d

@@ -55,7 +55,6 @@ struct SceneTables {
   // contact
   double node_stiffness = 0;  // N/m, kappa chi w
   double slack = 0;           // m, bound on the rounding of the rough faces' part of a gap
-  double compliance = 0;      // 1/kg, bound on sum psi^2/m over both bodies at any place
 
   // how the guarantee is used: these set the cost, never the answer
   double least_reach = 0;   // m, of a near list
@@ -72,6 +71,7 @@ struct SceneTables {
   const double* damping = nullptr;      // 2 zeta omega m tau: damping loss of a step over V^2
   const double* pull = nullptr;         // 1/s, the scheme's bound on |V'| over the modal energy norm
   const double* push = nullptr;         // m^(3/2)/s^2, bound on the outer modal forces over the mass
+  const double* yield = nullptr;        // m^(-1/2)/kg, max |psi| / m: acceleration over a contact force
   const double* reach = nullptr;        // max |psi|
   const double* reach_slope = nullptr;  // max |psi'|, resonator only: its nodes move
   const double* reach_curve = nullptr;  // max |psi''|, resonator only

@@ -102,4 +102,42 @@ KOKKOS_INLINE_FUNCTION void track_shocks(SceneState& s, std::int64_t step, doubl
   end_shocks(s, step);
 }
 
+/// The usual case of track_shocks: every run of neighbouring nodes continues one run of the step before, as
+/// the only one, and every open shock is one run. False, with nothing changed, when it is not so.
+KOKKOS_FORCEINLINE_FUNCTION bool continue_shocks(SceneState& s, std::int64_t step, double position,
+                                                 int count) {
+  if (s.runs_step != step - 1 || s.open_count != s.run_count) return false;
+  int run = 0, e = 0;
+  for (; e < count && run < s.run_count; ++run) {
+    const int first = s.touched[e];
+    int last = first;
+    double force = s.touched_force[e], moment = force * first;
+    while (++e < count && s.touched[e] == last + 1) {
+      ++last;
+      force += s.touched_force[e];
+      moment += s.touched_force[e] * last;
+    }
+    const ContactRun& before = s.runs[run];
+    if (first > before.last + 1 || last < before.first - 1) return false;
+    if (run > 0 && first <= s.runs[run - 1].last + 1) return false;
+    if (run + 1 < s.run_count && last >= s.runs[run + 1].first - 1) return false;
+    s.new_runs[run] = {first, last, before.shock, force, moment};
+  }
+  if (e < count || run < s.run_count) return false;
+  for (run = 0; run < s.run_count; ++run) {
+    const ContactRun& now = s.new_runs[run];
+    OpenShock& open = s.open[now.shock];
+    open.force = now.force;
+    open.last = step;
+    open.peak = now.force > open.peak ? now.force : open.peak;
+    open.impulse += now.force;
+    open.moment += now.moment + now.force * position;
+  }
+  ContactRun* const old = s.runs;
+  s.runs = s.new_runs;
+  s.new_runs = old;
+  s.runs_step = step;
+  return true;
+}
+
 }  // namespace ra2d

@@ -18,8 +18,6 @@ namespace {
 using Space = Kokkos::DefaultExecutionSpace;
 constexpr int width = LanesOf<Space>::width;
 constexpr int capacity = 256;  // modal lanes
-/// Nodes that are kept expanded at once; more than these can touch, each is then expanded anew at every step.
-constexpr int most_slots = 512;
 
 /// One block of device memory with a host copy; pieces are handed out before it is made.
 class Arena {
@@ -134,13 +132,12 @@ struct Layout {
   Series series;
   std::size_t mode_tables, patch, shapes, unit, height1, height2, block_max, moving;
   std::size_t modal_state, samples, runs, new_runs, open, shocks, near, watch, touched, force, amplitudes,
-      slot_of, slot_node, slot_shape, slot_face;
-  int slots;
+      node_shape, node_face, node_window;
   int height2_size, blocks;
   int sample_capacity, shock_capacity, row;
 };
 
-enum ModeTable { c0, c1, c2, load, mass, omega, damping, pull, push, reach, slope, curve, quartic, mode_tables };
+enum ModeTable { c0, c1, c2, load, mass, omega, damping, pull, push, yield, reach, slope, curve, quartic, mode_tables };
 enum ModalArray { u, v, start, square, square_part, near_u, modal_arrays };
 
 }  // namespace
@@ -192,11 +189,9 @@ struct Batch::Impl {
     l.watch = arena.reserve<int>(l.groups * width);
     l.touched = arena.reserve<int>(l.groups * width);
     l.force = arena.reserve<double>(l.groups * width);
-    l.slots = std::min(model.nodes(), most_slots);
-    l.slot_of = arena.reserve<int>(l.groups * width);
-    l.slot_node = arena.reserve<int>(l.slots);
-    l.slot_shape = arena.reserve<double>(static_cast<std::size_t>(l.slots + 1) * 4 * l.lanes);
-    l.slot_face = arena.reserve<double>(2 * (l.slots + 1));
+    l.node_shape = arena.reserve<double>(static_cast<std::size_t>(model.nodes()) * 4 * l.lanes);
+    l.node_face = arena.reserve<double>(2 * model.nodes());
+    l.node_window = arena.reserve<std::int64_t>(model.nodes());
     l.amplitudes = arena.reserve<double>(2 * l.lanes);
     return l;
   }
@@ -259,7 +254,7 @@ SceneTables Batch::Impl::fill_tables(const Model& model, const Layout& l) {
     table(reach)[lane] = wave + rigid;
     table(push)[lane] =
         (std::abs(beam.load[k]) + (moves ? push_of_forces * (wave + rigid) : 0.0)) / beam.mass_per_length;
-    t.compliance += (wave + rigid) * (wave + rigid) / beam.mass_per_length;
+    table(yield)[lane] = (wave + rigid) / beam.mass_per_length;
     if (moves) {
       table(slope)[lane] = mode.beta * wave + std::abs(mode.slope);
       table(curve)[lane] = mode.beta * mode.beta * wave;
@@ -326,6 +321,7 @@ SceneTables Batch::Impl::fill_tables(const Model& model, const Layout& l) {
   t.c0 = on_device(c0), t.c1 = on_device(c1), t.c2 = on_device(c2);
   t.load = on_device(load), t.mass = on_device(mass), t.omega = on_device(omega);
   t.damping = on_device(damping), t.pull = on_device(pull), t.push = on_device(push);
+  t.yield = on_device(yield);
   t.reach = on_device(reach), t.reach_slope = on_device(slope), t.reach_curve = on_device(curve);
   t.quartic = on_device(quartic);
   t.patch = arena.device<double>(l.patch);
@@ -373,12 +369,10 @@ SceneState Batch::Impl::fill_state(const Model& model, const ModalStart& begin, 
   s.touched = arena.device<int>(l.touched);
   s.touched_force = arena.device<double>(l.force);
   s.lanes = arena.device<double>(l.amplitudes);
-  std::fill_n(arena.host<int>(l.slot_of), l.groups * width, -1);
-  s.slot_of = arena.device<int>(l.slot_of);
-  s.slot_node = arena.device<int>(l.slot_node);
-  s.slot_shape = arena.device<double>(l.slot_shape);
-  s.slot_face = arena.device<double>(l.slot_face);
-  s.slot_capacity = l.slots;
+  s.node_shape = arena.device<double>(l.node_shape);
+  s.node_face = arena.device<double>(l.node_face);
+  s.node_window = arena.device<std::int64_t>(l.node_window);
+  std::fill_n(arena.host<std::int64_t>(l.node_window), model.nodes(), -1);
   return s;
 }
 
