@@ -9,13 +9,12 @@
 #include <cstring>
 
 #include "host/errors.hpp"
-#include "kernels/march.hpp"
+#include "host/run/launch.hpp"
 #include "kernels/schemes/backward_euler.hpp"
 
 namespace ra2d {
 namespace {
 
-using Space = Kokkos::DefaultExecutionSpace;
 constexpr int width = LanesOf<Space>::width;
 constexpr int capacity = 256;  // modal lanes
 
@@ -58,7 +57,7 @@ class Arena {
 
 /// Terms of the displacement series, in fours, and the patch width that goes with them.
 struct Series {
-  int quads = 2;
+  int quads = short_series;
   int patch_nodes = 1;
 };
 
@@ -77,7 +76,7 @@ double highest_beta(const Beam& beam) {
 Series choose_series(const Model& model) {
   const double beta_chi = highest_beta(model.resonator) * model.scene.spacing;
   const double widest = static_cast<double>(model.resonator_height.size());
-  for (const int quads : {2}) {
+  for (const int quads : {short_series, long_series}) {
     // radius = (patch_nodes + width)/2 + 1 in chi
     const double nodes =
         beta_chi > 0 ? std::min(widest, 2.0 * series_range(quads) / beta_chi - width - 2) : widest;
@@ -86,44 +85,7 @@ Series choose_series(const Model& model) {
   throw RequestError(fmt::format(
       "scene.spacing = {} m: the resonator's highest mode has only {:.1f} nodes to a wavelength, {:.0f} are "
       "needed here. Refine scene.spacing or keep fewer modes (resonator.max_frequency)",
-      model.scene.spacing, 2 * M_PI / beta_chi, 2 * M_PI * (width + 3) / (2.0 * series_range(6))));
-}
-
-/// What the kernel is compiled for.
-struct Shape {
-  int packs, quads;
-  bool operator==(const Shape&) const = default;
-};
-
-template <int... K>
-struct PackList {};
-#if defined(KOKKOS_ENABLE_CUDA)
-using Packs = PackList<1, 2, 4, 8>;
-#else
-using Packs = std::conditional_t<width == 8, PackList<3>,
-                                 PackList<1, 2, 3, 4, 6, 8, 16, 32, 64, 128, 256>>;
-#endif
-
-template <int... K>
-int round_packs(int needed, PackList<K...>) {
-  int packs = 0;
-  (void)((K >= needed && (packs = K)) || ...);
-  return packs;
-}
-
-template <int K, int Q>
-void launch(const Kokkos::View<SceneTables*, Space>& tables,
-            const Kokkos::View<SceneState*, Space>& states, std::int64_t target) {
-  const March<Space, BackwardEuler, K, Q> march{tables, states, target};
-  march.launch(Space{});
-}
-
-template <int... K>
-void launch(const Shape& shape, const Kokkos::View<SceneTables*, Space>& tables,
-            const Kokkos::View<SceneState*, Space>& states, std::int64_t target, PackList<K...>) {
-  (void)((K == shape.packs && (launch<K, 2>(tables, states, target),
-                               true)) ||
-         ...);
+      model.scene.spacing, 2 * M_PI / beta_chi, 2 * M_PI * (width + 3) / (2.0 * series_range(long_series))));
 }
 
 /// A scene's place in the arena.
@@ -141,6 +103,14 @@ enum ModeTable { c0, c1, c2, load, mass, omega, damping, pull, push, yield, reac
 enum ModalArray { u, v, start, square, square_part, near_u, modal_arrays };
 
 }  // namespace
+
+Backend::Backend(int threads) {
+  Kokkos::InitializationSettings settings;
+  settings.set_disable_warnings(true);  // about thread binding: one scene runs on one thread
+  if (threads > 0) settings.set_num_threads(threads);
+  Kokkos::initialize(settings);
+}
+Backend::~Backend() { Kokkos::finalize(); }
 
 int most_modes() { return capacity; }
 std::string backend_name() { return Space::name(); }
@@ -395,7 +365,7 @@ Batch::Batch(const std::vector<Model>& models, const std::vector<ModalStart>& st
       throw RequestError("these scenes do not go into one batch: some need a longer displacement series");
     quads = series.back().quads;
   }
-  b.shape = {round_packs(packs, Packs{}), quads};
+  b.shape = compiled_shape({packs, quads});
   for (std::size_t i = 0; i < models.size(); ++i)
     b.layouts.push_back(b.lay_out(models[i], series[i], options));
   b.arena.allocate();
@@ -416,7 +386,7 @@ Batch::~Batch() = default;
 Batch::Batch(Batch&&) noexcept = default;
 
 void Batch::march(std::int64_t target) {
-  launch(impl_->shape, impl_->tables, impl_->states, target, Packs{});
+  launch_march(impl_->shape, impl_->tables, impl_->states, target);
   Space{}.fence();
 }
 

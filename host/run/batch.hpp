@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "host/run/model.hpp"
@@ -9,6 +10,16 @@
 
 /// Scenes on the device: tables, states, launches. The only part of host/ that knows Kokkos.
 namespace ra2d {
+
+/// Starts Kokkos, once in a program and for as long as anything here is used. `threads` = 0 leaves their number
+/// to the machine.
+class Backend {
+ public:
+  explicit Backend(int threads = 0);
+  ~Backend();
+  Backend(const Backend&) = delete;
+  Backend& operator=(const Backend&) = delete;
+};
 
 /// Modes of both bodies together that a march takes at the most.
 int most_modes();

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include "host/run/launch.hpp"
+#include "kernels/march.hpp"
+#include "kernels/schemes/backward_euler.hpp"
+
+namespace ra2d {
+
+template <int K, int Q>
+void march(const TablesView& tables, const StatesView& states, std::int64_t target) {
+  March<Space, BackwardEuler, K, Q>{tables, states, target}.launch(Space{});
+}
+
+}  // namespace ra2d

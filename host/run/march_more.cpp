@@ -1,0 +1,10 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The march for more packs of modes.
+#include "host/run/march_instance.hpp"
+
+namespace ra2d {
+
+template void march<ShortPacks::at(3), short_series>(const TablesView&, const StatesView&, std::int64_t);
+template void march<ShortPacks::at(4), short_series>(const TablesView&, const StatesView&, std::int64_t);
+
+}  // namespace ra2d

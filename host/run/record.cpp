@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/run/record.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace ra2d {
+namespace {
+
+/// Kinetic and elastic energy of one body's modes [J].
+void add_energy(const Beam& beam, const double* u, const double* v, double& kinetic, double& elastic) {
+  for (std::size_t k = 0; k < beam.modes.size(); ++k) {
+    const double stretch = beam.modes[k].omega * u[k];
+    kinetic += 0.5 * beam.mass_per_length * v[k] * v[k];
+    elastic += 0.5 * beam.mass_per_length * stretch * stretch;
+  }
+}
+
+double load_work(const Beam& beam, const double* u, const std::vector<double>& start) {
+  double work = 0;
+  for (std::size_t k = 0; k < beam.modes.size(); ++k) work += beam.load[k] * (u[k] - start[k]);
+  return work;
+}
+
+/// Modal shapes at the probes, (probe, mode).
+std::vector<double> probe_shapes(const Model& model) {
+  std::vector<double> shapes;
+  for (const double x : model.scene.probes)
+    for (const ModeShape& mode : model.resonator.modes) {
+      double psi = 0;
+      evaluate(mode, model.resonator.length, x, 1, &psi);
+      shapes.push_back(psi);
+    }
+  return shapes;
+}
+
+Shock make_shock(const Model& model, std::int64_t serial, std::int64_t start, std::int64_t last,
+                 double peak, double impulse, double moment) {
+  const double tau = model.scene.step, chi = model.scene.spacing;
+  Shock shock;
+  shock.serial = serial;
+  shock.start = static_cast<double>(start) * tau;
+  shock.duration = static_cast<double>(last - start + 1) * tau;
+  shock.peak_force = peak;
+  shock.impulse = impulse * tau;
+  // a contact that only touched has no force to weight with
+  shock.position = impulse > 0 ? moment / impulse * chi : std::numeric_limits<double>::quiet_NaN();
+  return shock;
+}
+
+}  // namespace
+
+SampleBlock make_samples(const Model& model, const ModalStart& start, const Drained& drained,
+                         std::int64_t first) {
+  const std::size_t modes2 = model.resonator.modes.size(), modes1 = model.slider.modes.size();
+  const std::size_t lanes = drained.lanes, row_size = 2 * lanes + sample::columns;
+  const std::vector<double> shapes = probe_shapes(model);
+  SampleBlock block;
+  for (int i = 0; i < drained.samples; ++i) {
+    const double* u = drained.sample_rows.data() + i * row_size;
+    const double* v = u + lanes;
+    const double* columns = v + lanes;
+    block.time.push_back(static_cast<double>(first + i) / model.scene.rate);
+    block.resonator_displacement.insert(block.resonator_displacement.end(), u, u + modes2);
+    block.resonator_velocity.insert(block.resonator_velocity.end(), v, v + modes2);
+    block.slider_displacement.insert(block.slider_displacement.end(), u + modes2, u + modes2 + modes1);
+    block.slider_velocity.insert(block.slider_velocity.end(), v + modes2, v + modes2 + modes1);
+    block.force.push_back(columns[sample::force]);
+    block.nodes.push_back(std::round(columns[sample::nodes]));
+    for (std::size_t p = 0; p < model.scene.probes.size(); ++p) {
+      double displacement = 0, velocity = 0;
+      for (std::size_t k = 0; k < modes2; ++k) {
+        displacement += u[k] * shapes[p * modes2 + k];
+        velocity += v[k] * shapes[p * modes2 + k];
+      }
+      block.probe_displacement.push_back(displacement);
+      block.probe_velocity.push_back(velocity);
+    }
+    double kinetic = 0, elastic = 0;
+    add_energy(model.resonator, u, v, kinetic, elastic);
+    add_energy(model.slider, u + modes2, v + modes2, kinetic, elastic);
+    block.kinetic.push_back(kinetic);
+    block.elastic.push_back(elastic);
+    block.contact.push_back(columns[sample::contact_energy]);
+    block.damping_loss.push_back(columns[sample::damping_loss]);
+    block.sliding_work.push_back(columns[sample::sliding_work]);
+    block.load_work.push_back(columns[sample::force_work] +
+                              load_work(model.resonator, u, start.resonator_u) +
+                              load_work(model.slider, u + modes2, start.slider_u));
+  }
+  return block;
+}
+
+std::vector<Shock> make_shocks(const Model& model, const std::vector<ShockRow>& rows) {
+  std::vector<Shock> shocks;
+  for (const ShockRow& r : rows)
+    shocks.push_back(make_shock(model, r.serial, r.start, r.last, r.peak, r.impulse, r.moment));
+  return shocks;
+}
+
+std::vector<Shock> make_shocks(const Model& model, const std::vector<OpenShock>& open) {
+  std::vector<Shock> shocks;
+  for (const OpenShock& r : open)
+    shocks.push_back(make_shock(model, r.serial, r.start, r.last, r.peak, r.impulse, r.moment));
+  return shocks;
+}
+
+double v_rms(const Model& model, const Snapshot& snapshot) {
+  if (snapshot.step == 0) return 0.0;
+  const int nodes = static_cast<int>(model.resonator_height.size());
+  double sum = 0;
+  for (std::size_t k = 0; k < model.resonator.modes.size(); ++k) {
+    double square = 0;
+    for (int n = 0; n < nodes; ++n) {
+      double psi = 0;
+      evaluate(model.resonator.modes[k], model.resonator.length, n * model.scene.spacing, 1, &psi);
+      square += psi * psi;
+    }
+    sum += square / nodes * snapshot.resonator_square[k];
+  }
+  return std::sqrt(sum / static_cast<double>(snapshot.step));
+}
+
+double level(double v_rms) {
+  return v_rms > 0 ? 20.0 * std::log10(v_rms / 1e-9) : std::numeric_limits<double>::quiet_NaN();
+}
+
+void EnergyAccount::add(const SampleBlock& b) {
+  for (std::size_t i = 0; i < b.time.size(); ++i) {
+    const double stored = b.kinetic[i] + b.elastic[i] + b.contact[i];
+    if (!begun_) start_ = stored;
+    begun_ = true;
+    balance_.residual = stored + b.damping_loss[i] - b.sliding_work[i] - b.load_work[i] - start_;
+    balance_.turnover = std::max({balance_.turnover, stored, b.damping_loss[i],
+                                  std::abs(b.sliding_work[i]), std::abs(b.load_work[i])});
+  }
+}
+
+}  // namespace ra2d

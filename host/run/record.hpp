@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "host/run/batch.hpp"
+#include "host/run/model.hpp"
+#include "host/store/store.hpp"
+
+/// From what the march hands out to what a file holds.
+namespace ra2d {
+
+/// The samples that were drained, the first of them being sample `first` of the run.
+SampleBlock make_samples(const Model& model, const ModalStart& start, const Drained& drained,
+                         std::int64_t first);
+
+/// Shocks in SI units.
+std::vector<Shock> make_shocks(const Model& model, const std::vector<ShockRow>& rows);
+
+/// The shocks that are still going on: as long as they have lasted.
+std::vector<Shock> make_shocks(const Model& model, const std::vector<OpenShock>& open);
+
+/// Root mean square velocity of the resonator [m/s]: over its nodes, and over all the steps made.
+/// The mean over nodes is taken mode by mode; cross terms between modes vanish for pinned modes on a whole
+/// number of spacings, and are of the order of spacing/length otherwise.
+double v_rms(const Model& model, const Snapshot& snapshot);
+
+/// 20 log10(v_rms / 1e-9 m/s), NaN for v_rms = 0 (paper, equation 12).
+double level(double v_rms);
+
+/// How well the energy closes between the first sample of a run and one of its samples.
+struct EnergyBalance {
+  double residual = 0;  // J: kinetic + elastic + contact + damping loss - sliding work - load work - start
+  double turnover = 0;  // J: what it is measured against: the energy that went through
+  double relative() const { return turnover > 0 ? residual / turnover : 0.0; }
+};
+
+/// Follows the energy through a run, block after block.
+class EnergyAccount {
+ public:
+  void add(const SampleBlock& block);
+  EnergyBalance balance() const { return balance_; }
+
+ private:
+  bool begun_ = false;
+  double start_ = 0;
+  EnergyBalance balance_;
+};
+
+}  // namespace ra2d
