@@ -1,1 +1,78 @@
-int main() { return 0; }
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <exception>
+#include <new>
+#include <string_view>
+
+#include "host/commands/commands.hpp"
+#include "host/errors.hpp"
+
+namespace {
+
+/// Commands of the contract that are not built yet: refused by name.
+constexpr std::array<std::string_view, 5> coming{"surface", "analyze", "study", "chart", "plot"};
+
+void add_common(CLI::App& command, ra2d::CommonOptions& common) {
+  command.add_option("SCENE", common.scene, "scene file (TOML)")->required();
+  command
+      .add_option("--set", common.overrides,
+                  "overrides one value of the scene, e.g. --set contact.stiffness=1e14; repeatable")
+      ->type_name("SECTION.KEY=VALUE")
+      ->take_all()
+      ->expected(1);
+  command.add_option("--threads", common.threads, "threads; a single scene keeps one of them busy")
+      ->check(CLI::Range(1, 4096))
+      ->capture_default_str();
+  command.add_flag("--quiet", common.quiet, "print nothing but what was asked for and errors");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  using namespace ra2d;
+  CLI::App app{
+      "ra2d: friction noise of rough surfaces. Two beams slide past each other, their asperities collide, "
+      "each collision rings the beams' modes.",
+      "ra2d"};
+  app.set_version_flag("--version", std::string("ra2d ") + RA2D_VERSION + " (" + RA2D_COMMIT + ")");
+  app.require_subcommand(1);
+  app.footer(
+      "Exit status: 0 done; 2 the request is wrong; 3 the simulation failed; 4 a file could not be read or "
+      "written; 130 interrupted.");
+
+  CommonOptions common;
+  std::filesystem::path output;
+  CLI::App* run = app.add_subcommand("run", "simulates a scene and writes one HDF5 file");
+  add_common(*run, common);
+  run->add_option("-o,--output", output, "result file [SCENE's name with .h5, in the current folder]")
+      ->type_name("OUT.h5");
+  CLI::App* plan = app.add_subcommand("plan", "says what would be modelled, and why; runs nothing");
+  add_common(*plan, common);
+
+  try {
+    if (argc > 1 && std::find(coming.begin(), coming.end(), argv[1]) != coming.end()) {
+      fmt::print(stderr, "ra2d: the command '{}' is not available yet; there are 'run' and 'plan'\n", argv[1]);
+      return wrong_request;
+    }
+    app.parse(argc, argv);
+    return run->parsed() ? run_command(common, output) : plan_command(common);
+  } catch (const CLI::ParseError& request) {
+    return app.exit(request) == 0 ? done : wrong_request;
+  } catch (const RequestError& fault) {
+    fmt::print(stderr, "ra2d: {}\n", fault.what());
+    return wrong_request;
+  } catch (const FileError& fault) {
+    fmt::print(stderr, "ra2d: {}\n", fault.what());
+    return wrong_file;
+  } catch (const std::bad_alloc&) {
+    fmt::print(stderr, "ra2d: out of memory: fewer nodes or modes are needed (see 'ra2d plan')\n");
+    return failed;
+  } catch (const std::exception& fault) {
+    fmt::print(stderr, "ra2d: {}\n", fault.what());
+    return failed;
+  }
+}

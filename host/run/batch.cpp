@@ -42,6 +42,7 @@ class Arena {
   T* host(std::size_t offset) const {
     return reinterpret_cast<T*>(host_.data() + shift_ + offset);
   }
+  std::size_t bytes() const { return bytes_; }
   void upload() { Kokkos::deep_copy(device_, host_); }
   /// Brings part of the device's copy back.
   void fetch(std::size_t offset, std::size_t bytes) const {
@@ -389,6 +390,8 @@ void Batch::march(std::int64_t target) {
   launch_march(impl_->shape, impl_->tables, impl_->states, target);
   Space{}.fence();
 }
+
+std::size_t Batch::bytes() const { return impl_->arena.bytes(); }
 
 Drained Batch::drain(int scene) {
   Impl& b = *impl_;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -67,6 +68,8 @@ class Batch {
   /// Hands out and empties a scene's buffers.
   Drained drain(int scene);
   Snapshot snapshot(int scene) const;
+  /// Memory on the device.
+  std::size_t bytes() const;
 
  private:
   struct Impl;

@@ -4,18 +4,31 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/errors.hpp"
 #include "host/surface/surface.hpp"
 
 namespace ra2d {
+namespace {
+
+std::vector<double> surface_of(const std::string& body, const BodySpec& spec, const Scene& scene) {
+  try {
+    return make_surface(spec.surface, spec.length, scene.spacing, scene.file);
+  } catch (const RequestError& fault) {
+    throw RequestError(body + ".surface: " + fault.what());
+  } catch (const FileError& fault) {
+    throw FileError(body + ".surface: " + fault.what());
+  }
+}
+
+}  // namespace
 
 Model make_model(const Scene& scene) {
   Model m;
   m.scene = scene;
   m.resonator = make_beam(scene.resonator);
   m.slider = make_beam(scene.slider);
-  m.resonator_height =
-      make_surface(scene.resonator.surface, scene.resonator.length, scene.spacing, scene.file);
-  m.slider_height = make_surface(scene.slider.surface, scene.slider.length, scene.spacing, scene.file);
+  m.resonator_height = surface_of("resonator", scene.resonator, scene);
+  m.slider_height = surface_of("slider", scene.slider, scene);
   m.node_stiffness =
       scene.stiffness * scene.spacing * std::min(scene.resonator.width, scene.slider.width);
   m.position = scene.start / scene.spacing;

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+/// The subcommands of the program, one file each. They return the exit status (contract: "Commands").
+namespace ra2d {
+
+enum ExitStatus : int { done = 0, wrong_request = 2, failed = 3, wrong_file = 4, interrupted = 130 };
+
+struct CommonOptions {
+  std::filesystem::path scene;
+  std::vector<std::string> overrides;
+  int threads = 1;
+  bool quiet = false;
+};
+
+/// `ra2d run SCENE [-o OUT.h5]`
+int run_command(const CommonOptions& common, std::filesystem::path output);
+
+/// `ra2d plan SCENE`
+int plan_command(const CommonOptions& common);
+
+}  // namespace ra2d

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cmath>
+#include <csignal>
+#include <algorithm>
+#include <cstdio>
+
+#include "host/commands/commands.hpp"
+#include "host/run/run.hpp"
+
+namespace ra2d {
+namespace {
+
+std::atomic<bool> interrupt_asked{false};
+static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may set it");
+
+/// The first signal asks for a clean end, the second has its usual effect.
+void on_signal(int signal) {
+  interrupt_asked = true;
+  std::signal(signal, SIG_DFL);
+}
+
+std::string clock_text(double seconds) {
+  if (!(seconds < 360000)) return "long";
+  const int s = static_cast<int>(std::ceil(seconds));
+  return s < 3600 ? fmt::format("{}:{:02}", s / 60, s % 60)
+                  : fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60);
+}
+
+void show(const Progress& p) {
+  fmt::print(stderr, "\r{:5.1f} %  {:.4f} of {:g} s   {:.3g} million steps/s   {} left \033[K",
+             100 * p.time / p.duration, p.time, p.duration, p.steps_per_second * 1e-6, clock_text(p.left));
+  std::fflush(stderr);
+}
+
+void print_line(const char* what, const std::string& value) { fmt::print("  {:<17}{}\n", what, value); }
+
+void print_report(const Scene& scene, const RunReport& r, const std::filesystem::path& output) {
+  fmt::print("{}: {:g} s of sliding at {:g} m/s, {} steps of {:g} s\n",
+             scene.name.empty() ? scene.file.filename().string() : scene.name, r.time, scene.speed, r.steps,
+             scene.step);
+  print_line("level Lv", std::isnan(r.lv)
+                             ? std::string("none: the resonator did not move")
+                             : fmt::format("{:.2f} dB re 1 nm/s (v_rms {:.3e} m/s)", r.lv, r.v_rms));
+  print_line("shocks", fmt::format("{:.0f} a second", r.shocks));
+  if (r.shocks > 0) {
+    print_line("  duration", fmt::format("median {:.3g} us, 90 % up to {:.3g} us", r.duration_median * 1e6,
+                                         r.duration_90 * 1e6));
+    print_line("  peak force",
+               fmt::format("median {:.3g} N, 90 % up to {:.3g} N", r.force_median, r.force_90));
+  }
+  print_line("in contact", fmt::format("{:.2f} % of the time", 100 * r.contact_share));
+  print_line("nodes evaluated", fmt::format("{:.2f} a step, on average", r.evaluated));
+  print_line("energy", r.energy.turnover > 0
+                           ? fmt::format("closes to {:.1e} of what went through ({:.2e} of {:.2e} J)",
+                                         std::abs(r.energy.relative()), r.energy.residual, r.energy.turnover)
+                           : std::string("none went through"));
+  print_line("cost", fmt::format("{:.1f} ns a step; {:.2f} s in all",
+                                 r.march_seconds * 1e9 / static_cast<double>(std::max<std::int64_t>(1, r.steps)),
+                                 r.wall_seconds));
+  print_line("file", output.string());
+}
+
+}  // namespace
+
+int run_command(const CommonOptions& common, std::filesystem::path output) {
+  const Scene scene = read_scene(common.scene, common.overrides);
+  if (output.empty()) output = common.scene.stem().string() + ".h5";
+
+  RunOptions options;
+  options.output = output;
+  options.interrupted = &interrupt_asked;
+  const bool terminal = isatty(STDERR_FILENO) != 0;
+  if (terminal && !common.quiet) options.progress = show;
+  std::signal(SIGINT, on_signal);
+  std::signal(SIGTERM, on_signal);
+
+  const Backend backend(common.threads);
+  const RunReport report = run(scene, options);
+  if (options.progress) fmt::print(stderr, "\r\033[K");
+  if (!common.quiet) print_report(scene, report, output);
+  if (report.ending == Ending::failed) {
+    fmt::print(stderr, "ra2d: {}: {}. What was computed until then is in {}, marked as cut short\n",
+               common.scene.string(), report.failure, output.string());
+    return failed;
+  }
+  if (report.ending == Ending::interrupted) {
+    fmt::print(stderr, "ra2d: interrupted at t = {:g} s: the results so far are in {}, marked as cut short\n",
+               report.time, output.string());
+    return interrupted;
+  }
+  return done;
+}
+
+}  // namespace ra2d

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/run/run.hpp"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <ctime>
+
+#include "host/plan/plan.hpp"
+#include "host/run/statistics.hpp"
+#include "host/store/store.hpp"
+
+namespace ra2d {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+ResultHeader make_header(const Model& model) {
+  ResultHeader header;
+  header.scene = echo(model.scene);
+  header.backend = backend_name();
+  header.threads = backend_threads();
+  header.started = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
+  for (const ModeShape& mode : model.resonator.modes)
+    header.resonator_frequency.push_back(mode.omega / (2 * M_PI));
+  for (const ModeShape& mode : model.slider.modes)
+    header.slider_frequency.push_back(mode.omega / (2 * M_PI));
+  header.probe_position = model.scene.probes;
+  header.resonator_height = model.resonator_height;
+  header.slider_height = model.slider_height;
+  header.spacing = model.scene.spacing;
+  return header;
+}
+
+std::string describe_failure(const Model& model, const Snapshot& end) {
+  const double time = static_cast<double>(end.step) * model.scene.step;
+  std::string text =
+      end.status == Status::not_finite
+          ? fmt::format("not finite: at t = {:.6g} s (step {}) the state is no longer a number", time, end.step)
+          : fmt::format("unstable: by t = {:.6g} s (step {}) the energy had grown to {:.3g} J, over {:.3g} J, ten "
+                        "times all that sliding and loads had put in",
+                        time, end.step, end.energy, end.energy_limit);
+  const int nodes = static_cast<int>(std::max<std::int64_t>(1, end.most_nodes));
+  const double limit = contact_step_limit(model, nodes);
+  text += fmt::format(
+      ". Limit: backward Euler takes the contact spring explicitly; with {} node{} in contact, the most at once, "
+      "time.step must stay below {:.3g} s, and it is {:g} s. ",
+      nodes, nodes == 1 ? "" : "s", limit, model.scene.step);
+  if (model.scene.step >= limit)
+    text += fmt::format("Use time.step = {:.1g} or a lower contact.stiffness", 0.5 * limit);
+  else
+    text += "The step is within it: check the scene for values far from what they should be";
+  return text;
+}
+
+/// Steps to a launch: about a fifth of a second, so that progress and interrupts are prompt.
+class LaunchLength {
+ public:
+  std::int64_t steps() const { return steps_; }
+  void took(std::int64_t steps, double seconds) {
+    if (steps <= 0) return;
+    const double wanted = 0.2 * static_cast<double>(steps) / std::max(seconds, 1e-6);
+    steps_ = static_cast<std::int64_t>(
+        std::clamp(wanted, 0.25 * static_cast<double>(steps_), 4.0 * static_cast<double>(steps_)));
+    steps_ = std::max<std::int64_t>(steps_, 1);
+  }
+
+ private:
+  std::int64_t steps_ = 10000;
+};
+
+}  // namespace
+
+RunReport run(const Scene& scene, const RunOptions& options) {
+  const Clock::time_point begun = Clock::now();
+  const Model model = make_model(scene);
+  const ModalStart start = make_start(model);
+  Batch batch({model}, {start});
+  ResultFile file(options.output, make_header(model));
+
+  RunReport report;
+  EnergyAccount energy;
+  LogHistogram durations, forces;
+  std::int64_t samples = 0;
+  LaunchLength launch;
+  Snapshot now = batch.snapshot(0);
+  const auto keep = [&](const std::vector<Shock>& shocks) {
+    for (const Shock& shock : shocks) {
+      durations.add(shock.duration);
+      forces.add(shock.peak_force);
+    }
+    file.append(shocks);
+  };
+  Clock::time_point shown = Clock::now();
+  const Clock::time_point marching = shown;
+  while (now.status == Status::running) {
+    if (options.interrupted && *options.interrupted) {
+      report.ending = Ending::interrupted;
+      break;
+    }
+    const Clock::time_point launched = Clock::now();
+    batch.march(now.step + launch.steps());
+    const double took = seconds_since(launched);
+    report.march_seconds += took;
+    const Drained drained = batch.drain(0);
+    const std::int64_t before = now.step;
+    now = batch.snapshot(0);
+    launch.took(now.step - before, took);
+
+    const SampleBlock block = make_samples(model, start, drained, samples);
+    samples += drained.samples;
+    energy.add(block);
+    file.append(block);
+    keep(make_shocks(model, drained.shocks));
+
+    if (options.progress && seconds_since(shown) > 0.2) {
+      shown = Clock::now();
+      Progress progress;
+      progress.time = static_cast<double>(now.step) * scene.step;
+      progress.duration = scene.duration;
+      progress.wall = seconds_since(marching);
+      progress.steps_per_second = static_cast<double>(now.step) / progress.wall;
+      progress.left = static_cast<double>(model.steps - now.step) / progress.steps_per_second;
+      options.progress(progress);
+    }
+  }
+  keep(make_shocks(model, now.open_shocks));
+  if (now.status == Status::unstable || now.status == Status::not_finite) {
+    report.ending = Ending::failed;
+    report.failure = describe_failure(model, now);
+  }
+
+  const double steps = static_cast<double>(std::max<std::int64_t>(1, now.step));
+  report.steps = now.step;
+  report.time = static_cast<double>(now.step) * scene.step;
+  report.v_rms = v_rms(model, now);
+  report.lv = level(report.v_rms);
+  report.shocks = now.step > 0 ? static_cast<double>(durations.total()) / report.time : 0.0;
+  report.duration_median = durations.quantile(0.5);
+  report.duration_90 = durations.quantile(0.9);
+  report.force_median = forces.quantile(0.5);
+  report.force_90 = forces.quantile(0.9);
+  report.contact_share = static_cast<double>(now.contact_steps) / steps;
+  report.evaluated = static_cast<double>(now.evaluated) / steps;
+  report.energy = energy.balance();
+  report.wall_seconds = seconds_since(begun);
+
+  ResultSummary summary;
+  summary.v_rms = report.v_rms;
+  summary.lv = report.lv;
+  summary.wall_seconds = report.wall_seconds;
+  summary.steps = static_cast<long>(report.steps);
+  summary.complete = report.ending == Ending::complete;
+  summary.ended = report.ending == Ending::complete      ? "complete"
+                  : report.ending == Ending::interrupted ? "interrupted"
+                                                         : report.failure;
+  file.close(summary);
+  report.wall_seconds = seconds_since(begun);
+  return report;
+}
+
+}  // namespace ra2d
