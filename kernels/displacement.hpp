@@ -65,6 +65,28 @@ KOKKOS_FORCEINLINE_FUNCTION void series_coefficients(const Lanes& lanes, const d
   }
 }
 
+/// psi_k at a place of the resonator, for all packs of modes. `position` in chi, on the beam.
+template <class Lanes, int K, int Q>
+KOKKOS_INLINE_FUNCTION void mode_values(const Lanes& lanes, const SceneTables& t, double position,
+                                        typename Lanes::Real (&value)[K]) {
+  using Real = typename Lanes::Real;
+  const int patch = static_cast<int>(position) / t.patch_nodes;
+  const double eta = (position - (patch + 0.5) * t.patch_nodes) * t.inverse_radius;
+  const Real eta4((eta * eta) * (eta * eta));
+  const double* rows = t.patch + static_cast<std::int64_t>(patch) * 4 * K * Lanes::width;
+  for (int p = 0; p < K; ++p) {
+    const Real ratio = lanes.load(t.quartic + p * Lanes::width) * eta4;
+    double power = 1.0;
+    value[p] = Real(0.0);
+    for (int j = 0; j < 4; ++j) {
+      Real tail(series_factor(Q - 1, j));
+      for (int s = Q - 2; s >= 0; --s) tail = multiply_add(ratio, tail, Real(series_factor(s, j)));
+      value[p] = multiply_add(Real(power) * lanes.load(rows + (j * K + p) * Lanes::width), tail, value[p]);
+      power *= eta;
+    }
+  }
+}
+
 /// The polynomials of all modes about a place of the resonator: shape[m][p] is the m-th derivative over m!,
 /// per chi^m, of pack p of the modes, m = 0 .. 3. `position` in chi; `patch` one whose series holds there.
 template <class Lanes, int K, int Q>

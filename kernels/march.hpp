@@ -48,18 +48,19 @@ inline constexpr double energy_factor = 10.0;
 /// Bound on the rounding of a displacement, over sum max|psi_k| |U_k|: a sum over the modes of a polynomial.
 inline constexpr double rounding = 256 * 0x1p-52;
 
-/// What the contact did at one state.
-struct ContactTotals {
-  double force = 0;   // N
-  double work = 0;    // J, that the imposed motion does over one step
-  int touched = 0;    // nodes in contact, listed in the state's work space
-};
-
 template <class Lanes, class Scheme, int K, int Q>
 class Marcher {
   using Real = typename Lanes::Real;
   static constexpr int width = Lanes::width;
   static constexpr int terms = 4 * Q;
+
+  /// What the contact did at one state.
+  struct ContactTotals {
+    double force = 0;  // N
+    double climb = 0;  // N m: forces times the rise of the resonator's face over one spacing
+    Real bend{0.0};    // N m: the same for its bent line, still to be summed over the lanes
+    int touched = 0;   // nodes in contact, listed in the state's work space
+  };
 
  public:
   KOKKOS_FUNCTION Marcher(const Lanes& lanes, const SceneTables& tables, SceneState& state)
@@ -71,6 +72,7 @@ class Marcher {
       quartic_[p] = load(t_.quartic, p);
       load_[p] = load(t_.load, p);
     }
+    bend_ = load(s_.bend_part, 0);
     step_ = s_.step;
   }
 
@@ -99,7 +101,7 @@ class Marcher {
   SceneState& s_;
   Penalty penalty_;
   std::int64_t step_;
-  Real u_[K], v_[K], square_[K], quartic_[K], load_[K];
+  Real u_[K], v_[K], square_[K], bend_, quartic_[K], load_[K];
 
   // the near list
   int near_count_ = 0, near_base_ = -1;
@@ -127,6 +129,7 @@ class Marcher {
       lanes_.store(s_.v + p * width, v_[p]);
       lanes_.store(s_.square_part + p * width, square_[p]);
     }
+    lanes_.store(s_.bend_part, bend_);
     if (lanes_.leader()) s_.step = step_;
   }
 
@@ -210,6 +213,7 @@ class Marcher {
       loss = multiply_add(load(t_.damping, p), load(s_.square, p) + square_[p], loss);
     }
     const double damping_loss = lanes_.sum(loss);
+    const double sliding_work = s_.sliding_work + sliding_part();
     if (!lanes_.leader()) return;
     double energy = 0.0;
     for (int e = 0; e < contact.touched; ++e) energy += s_.touched_force[e] * s_.touched_force[e];
@@ -220,7 +224,7 @@ class Marcher {
                                             nodes,
                                             energy,
                                             damping_loss,
-                                            s_.sliding_work + s_.sliding_part,
+                                            sliding_work,
                                             s_.force_work + s_.force_part};
     double* column = row + 2 * K * width;
     for (int i = 0; i < sample::columns; ++i)
@@ -233,12 +237,19 @@ class Marcher {
       lanes_.store(s_.square + p * width, load(s_.square, p) + square_[p]);
       square_[p] = Real(0.0);
     }
+    const double part = sliding_part();
+    bend_ = Real(0.0);
     if (lanes_.leader()) {
-      s_.sliding_work += s_.sliding_part;
+      s_.sliding_work += part;
       s_.force_work += s_.force_part;
-      s_.sliding_part = s_.force_part = 0.0;
+      s_.climb_part = s_.force_part = 0.0;
     }
     lanes_.sync();
+  }
+
+  /// Work of the imposed motion since the last sample: sum_n f_n V tau (dh_2/dx + du_2/dx).
+  KOKKOS_FUNCTION double sliding_part() const {
+    return t_.advance * (s_.climb_part + lanes_.sum(bend_));
   }
 
   /// Kinetic + elastic energy against what was put in. Ends the scene when it is not finite or has grown
@@ -254,7 +265,7 @@ class Marcher {
     const double loads = Kokkos::abs(lanes_.sum(load_work));
     const double limit =
         energy_factor * (s_.energy_start + loads + Kokkos::abs(s_.force_work + s_.force_part) +
-                         Kokkos::abs(s_.sliding_work + s_.sliding_part));
+                         Kokkos::abs(s_.sliding_work + sliding_part()));
     if (lanes_.leader()) {
       s_.energy = energy;
       s_.energy_limit = limit;
@@ -277,10 +288,9 @@ class Marcher {
       const MovingForceTable& f = t_.moving_force[i];
       const double x = Kokkos::fma(static_cast<double>(step), f.advance, f.position);
       if (x < 0.0 || x > t_.resonator_length) continue;
-      Real shape[4][K];
-      const double position = x / t_.spacing;
-      expand_modes<Lanes, K, Q>(lanes_, t_, static_cast<int>(position) / t_.patch_nodes, position, shape);
-      for (int p = 0; p < K; ++p) moving[p] = multiply_add(f.force, shape[0][p], moving[p]);
+      Real psi[K];
+      mode_values<Lanes, K, Q>(lanes_, t_, x / t_.spacing, psi);
+      for (int p = 0; p < K; ++p) moving[p] = multiply_add(f.force, psi[p], moving[p]);
     }
     for (int p = 0; p < K; ++p) force[p] = force[p] + moving[p];
   }
@@ -310,7 +320,6 @@ class Marcher {
     ContactTotals totals;
     Real bend[K];  // sum_n f_n dphi/dx: the slope that the bent beam adds to the faces'
     for (int p = 0; p < K; ++p) bend[p] = Real(0.0);
-    double climb = 0.0;
     const Real offset(place.offset);
     for (int e = 0; e < count; ++e) {
       const int node = nodes[e];
@@ -334,7 +343,7 @@ class Marcher {
         force[p] = multiply_add(-f, phi[p], force[p]);
         bend[p] = multiply_add(f, slope[p], bend[p]);
       }
-      climb = Kokkos::fma(f, rise, climb);
+      totals.climb = Kokkos::fma(f, rise, totals.climb);
       totals.force += f;
       if (lanes_.leader()) {
         s_.touched[totals.touched] = node;
@@ -343,9 +352,7 @@ class Marcher {
       ++totals.touched;
     }
     if (totals.touched > 0) {
-      Real product = bend[0] * u[0];
-      for (int p = 1; p < K; ++p) product = multiply_add(bend[p], u[p], product);
-      totals.work = t_.advance * (climb + lanes_.sum(product));
+      for (int p = 0; p < K; ++p) totals.bend = multiply_add(bend[p], u[p], totals.bend);
       lanes_.sync();
     }
     return totals;
@@ -393,7 +400,7 @@ class Marcher {
     if (totals.touched > 0) last_force_ = totals.force;
     if (!lanes_.leader()) return;
     if (totals.touched > 0) {
-      s_.sliding_part += totals.work;
+      s_.climb_part += totals.climb;
       ++s_.contact_steps;
       if (totals.touched > s_.most_nodes) s_.most_nodes = totals.touched;
       if (!continue_shocks(s_, step, place.position, totals.touched))
@@ -422,13 +429,14 @@ class Marcher {
   }
 
   /// One step with contact at the given nodes, expanded for this window.
-  KOKKOS_FORCEINLINE_FUNCTION void contact_step(Real* u, Real* v, Real* square, const Real* c0,
-                                                const Real* c1, const Real* c2, const Place& place,
-                                                const int* nodes, int count) {
+  KOKKOS_FORCEINLINE_FUNCTION void contact_step(Real* u, Real* v, Real* square, Real& bend,
+                                                const Real* c0, const Real* c1, const Real* c2,
+                                                const Place& place, const int* nodes, int count) {
     Real force[K], moving[K];
     outer_force(step_, force, moving);
     const ContactTotals totals = contact_at(place, u, nodes, count, force);
     record(totals, place, step_);
+    bend = bend + totals.bend;
     lanes_.sync();
     advance(u, v, square, force, c0, c1, c2);
     moving_force_work(moving, v);
@@ -445,7 +453,7 @@ class Marcher {
       const Place place(t_, step_);
       const int count = find_touching(place);
       expand_nodes(place, s_.watch, count);
-      contact_step(u_, v_, square_, c0, c1, c2, place, s_.watch, count);
+      contact_step(u_, v_, square_, bend_, c0, c1, c2, place, s_.watch, count);
     }
     if (lanes_.leader()) s_.evaluated += (step_ - first) * t_.nodes;
     lanes_.sync();
@@ -704,12 +712,13 @@ class Marcher {
       v[p] = v_[p];
       square[p] = square_[p];
     }
+    Real bend = bend_;
     Place place(t_, step_);
     expand_nodes(place, s_.watch, plan.count);
     int done = 0;
     while (done < plan.steps && has_room_for_shocks(s_)) {
       place.move_to(t_, step_);
-      contact_step(u, v, square, c0, c1, c2, place, s_.watch, plan.count);
+      contact_step(u, v, square, bend, c0, c1, c2, place, s_.watch, plan.count);
       ++done;
     }
     for (int p = 0; p < K; ++p) {
@@ -717,6 +726,7 @@ class Marcher {
       v_[p] = v[p];
       square_[p] = square[p];
     }
+    bend_ = bend;
     if (lanes_.leader()) s_.evaluated += static_cast<std::int64_t>(done) * plan.count;
     lanes_.sync();
   }

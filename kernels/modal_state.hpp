@@ -50,7 +50,9 @@ struct SceneState {
   double* square_part = nullptr;  // ... and since then
 
   // sums over the steps, in the same two parts
-  double sliding_work = 0, sliding_part = 0;  // J
+  double sliding_work = 0;                    // J
+  double climb_part = 0;                      // N m: see ContactTotals
+  double* bend_part = nullptr;                // N m, one lane each
   double force_work = 0, force_part = 0;      // J, of the moving forces
   std::int64_t contact_steps = 0;             // steps with any node in contact
   std::int64_t most_nodes = 0;                // largest number of nodes in contact at once

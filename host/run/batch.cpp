@@ -101,7 +101,7 @@ struct Layout {
 };
 
 enum ModeTable { c0, c1, c2, load, mass, omega, damping, pull, push, yield, reach, slope, curve, quartic, mode_tables };
-enum ModalArray { u, v, start, square, square_part, near_u, modal_arrays };
+enum ModalArray { u, v, start, square, square_part, near_u, bend_part, modal_arrays };
 
 }  // namespace
 
@@ -325,6 +325,7 @@ SceneState Batch::Impl::fill_state(const Model& model, const ModalStart& begin, 
   s.start = modal + ra2d::start * l.lanes;
   s.square = modal + ra2d::square * l.lanes;
   s.square_part = modal + ra2d::square_part * l.lanes;
+  s.bend_part = modal + ra2d::bend_part * l.lanes;
   s.near_u = modal + ra2d::near_u * l.lanes;
   s.energy_start = begin.energy;
   s.sample_rows = arena.device<double>(l.samples);
@@ -454,7 +455,9 @@ Snapshot Batch::snapshot(int scene) const {
   out.shocks_begun = s.shocks_begun;
   out.energy = s.energy;
   out.energy_limit = s.energy_limit;
-  out.sliding_work = s.sliding_work + s.sliding_part;
+  double bend = 0;
+  for (const double part : take(ra2d::bend_part, 0, width)) bend += part;
+  out.sliding_work = s.sliding_work + model.advance * (s.climb_part + bend);
   out.force_work = s.force_work + s.force_part;
   const auto* open = b.arena.host<OpenShock>(l.open);
   out.open_shocks.assign(open, open + s.open_count);

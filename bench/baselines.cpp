@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "bench/baselines.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "kernels/schemes/backward_euler.hpp"
+
+namespace ra2d::bench {
+
+BaselineModes::BaselineModes(const Beam& beam, const std::vector<double>& u0,
+                             const std::vector<double>& v0, double tau)
+    : u{u0}, v{v0}, square(beam.modes.size()), load{beam.load} {
+  u.resize(beam.modes.size());
+  v.resize(beam.modes.size());
+  load.resize(beam.modes.size());
+  for (const ModeShape& mode : beam.modes) {
+    double c[BackwardEuler::coefficients];
+    BackwardEuler::prepare(mode.omega, beam.zeta, beam.mass_per_length, tau, c);
+    c0.push_back(c[0]);
+    c1.push_back(c[1]);
+    c2.push_back(c[2]);
+  }
+}
+
+void BaselineModes::advance(const double* force, double tau) {
+  for (std::size_t k = 0; k < u.size(); ++k) {
+    v[k] = c0[k] * v[k] + c1[k] * u[k] + c2[k] * force[k];
+    u[k] += tau * v[k];
+    square[k] += v[k] * v[k];
+  }
+}
+
+Plain::Plain(const Model& model, const ModalStart& start)
+    : resonator{model.resonator, start.resonator_u, start.resonator_v, model.scene.step},
+      slider{model.slider, start.slider_u, start.slider_v, model.scene.step},
+      tau_{model.scene.step},
+      spacing_{model.scene.spacing},
+      position_{model.position},
+      advance_{model.advance},
+      delta_{model.delta},
+      stiffness_{model.node_stiffness},
+      amplitude_{std::sqrt(2.0 / model.resonator.length)},
+      height1_{model.slider_height},
+      height2_{model.resonator_height},
+      force1_(model.slider.modes.size()),
+      force2_(model.resonator.modes.size()) {
+  if (model.scene.resonator.support != Support::pinned)
+    throw std::invalid_argument("the baselines are for pinned resonators");
+  for (const ModeShape& mode : model.resonator.modes) wave_.push_back(mode.beta);
+  for (const ModeShape& mode : model.slider.modes)
+    for (int n = 0; n < model.nodes(); ++n) {
+      double psi;
+      evaluate(mode, model.slider.length, n * spacing_, 1, &psi);
+      shapes1_.push_back(psi);
+    }
+}
+
+void Plain::march(std::int64_t steps) {
+  const int nodes = static_cast<int>(height1_.size());
+  const int modes1 = static_cast<int>(force1_.size()), modes2 = static_cast<int>(force2_.size());
+  for (std::int64_t end = step + steps; step < end; ++step) {
+    const double position = position_ + static_cast<double>(step) * advance_;
+    const int base = static_cast<int>(position);
+    const double theta = position - base;
+    force1_ = slider.load;
+    force2_ = resonator.load;
+    bool touches = false;
+    for (int n = 0; n < nodes; ++n) {
+      const double x = (position + n) * spacing_;
+      double overlap = height1_[n] - delta_ + (1.0 - theta) * height2_[base + n] +
+                       theta * height2_[base + n + 1];
+      for (int k = 0; k < modes2; ++k)
+        overlap += resonator.u[k] * amplitude_ * std::sin(wave_[k] * x);
+      for (int k = 0; k < modes1; ++k) overlap += slider.u[k] * shapes1_[k * nodes + n];
+      if (overlap < 0.0) continue;
+      touches = true;
+      const double f = stiffness_ * overlap;
+      for (int k = 0; k < modes2; ++k) force2_[k] -= f * amplitude_ * std::sin(wave_[k] * x);
+      for (int k = 0; k < modes1; ++k) force1_[k] -= f * shapes1_[k * nodes + n];
+    }
+    contact_steps += touches;
+    resonator.advance(force2_.data(), tau_);
+    slider.advance(force1_.data(), tau_);
+  }
+}
+
+Tables::Tables(const Model& model, const ModalStart& start)
+    : resonator{model.resonator, start.resonator_u, start.resonator_v, model.scene.step},
+      slider{model.slider, start.slider_u, start.slider_v, model.scene.step},
+      tau_{model.scene.step},
+      position_{model.position},
+      advance_{model.advance},
+      stiffness_{model.node_stiffness} {
+  const auto tabulate = [&](const Beam& beam, std::size_t nodes) {
+    Eigen::MatrixXd shapes(nodes, beam.modes.size());
+    for (Eigen::Index k = 0; k < shapes.cols(); ++k)
+      for (Eigen::Index n = 0; n < shapes.rows(); ++n)
+        evaluate(beam.modes[k], beam.length, static_cast<double>(n) * model.scene.spacing, 1,
+                 &shapes(n, k));
+    return shapes;
+  };
+  shapes1_ = tabulate(model.slider, model.slider_height.size());
+  shapes2_ = tabulate(model.resonator, model.resonator_height.size());
+  height1_ =
+      Eigen::VectorXd::Map(model.slider_height.data(), model.nodes()).array() - model.delta;
+  height2_ = Eigen::VectorXd::Map(model.resonator_height.data(),
+                                  static_cast<Eigen::Index>(model.resonator_height.size()));
+  lower_.resize(model.nodes() + 1);
+  overlap_.resize(model.nodes());
+}
+
+void Tables::march(std::int64_t steps) {
+  const Eigen::Index nodes = overlap_.size();
+  const auto vector = [](auto& values) {
+    return Eigen::VectorXd::Map(values.data(), static_cast<Eigen::Index>(values.size()));
+  };
+  const auto u1 = vector(slider.u), u2 = vector(resonator.u);
+  for (std::int64_t end = step + steps; step < end; ++step) {
+    const double position = position_ + static_cast<double>(step) * advance_;
+    const auto base = static_cast<Eigen::Index>(position);
+    const double theta = position - static_cast<double>(base);
+    const auto shapes2 = shapes2_.middleRows(base, nodes + 1);
+    lower_ = height2_.segment(base, nodes + 1);
+    lower_.noalias() += shapes2 * u2;
+    overlap_ = height1_ + (1.0 - theta) * lower_.head(nodes) + theta * lower_.tail(nodes);
+    if (u1.size() > 0) overlap_.noalias() += shapes1_ * u1;
+    force1_ = vector(slider.load);
+    force2_ = vector(resonator.load);
+    if (overlap_.maxCoeff() >= 0.0) {
+      ++contact_steps;
+      for (Eigen::Index n = 0; n < nodes; ++n) {
+        if (overlap_[n] < 0.0) continue;
+        const double f = stiffness_ * overlap_[n];
+        force2_ -= f * (1.0 - theta) * shapes2.row(n) + f * theta * shapes2.row(n + 1);
+        force1_ -= f * shapes1_.row(n);
+      }
+    }
+    resonator.advance(force2_.data(), tau_);
+    slider.advance(force1_.data(), tau_);
+  }
+}
+
+}  // namespace ra2d::bench

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "host/run/batch.hpp"
+#include "host/run/model.hpp"
+
+/// The scenes that are timed, each brought to where its timing starts.
+namespace ra2d::bench {
+
+/// Both readings of the paper: scenes/dang2012.toml and scenes/dang2012-pinned.toml.
+enum class Paper { free_slider, pinned_slider };
+
+/// A scene and the state that a march of it starts from.
+struct Prepared {
+  Model model;
+  ModalStart start;
+};
+
+/// The scene at t = 0. `variant` > 0 stands for the same scene with other surfaces.
+Prepared at_start(Paper paper, int variant = 0);
+
+/// Variants 0 to count - 1 after about 20 ms, when the start is forgotten. Marched once in a program.
+std::vector<Prepared> settled(Paper paper, int count);
+
+/// The scene taken over from a march of it: its step 0 is where the march stands.
+Prepared taken_over(const Prepared& from, const Snapshot& now);
+
+/// The scene at the start of the first stretch of so many steps in which something touches.
+Prepared before_contact(const Prepared& from, std::int64_t stretch);
+
+/// Nothing can touch: a slider a metre away, the resonator ringing in all its modes.
+Prepared in_flight();
+
+/// Contact at every step: the free slider does not slide, and rocks so little that no node lifts off.
+Prepared in_contact();
+
+/// The same scene with its gap looked at in another way.
+Prepared looking_at(Prepared scene, Nodes nodes);
+
+Batch make_batch(const std::vector<Prepared>& scenes);
+
+/// Marches to a step however many launches that takes, and drops what was recorded.
+void march_on(Batch& batch, int scenes, std::int64_t target);
+
+}  // namespace ra2d::bench

@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "kernels/lanes.hpp"
+#include "kernels/schemes/backward_euler.hpp"
+
+namespace {
+
+using namespace ra2d;
+
+constexpr double eps = std::numeric_limits<double>::epsilon();
+
+struct Mode {
+  double omega, zeta, mass;
+};
+struct State {
+  double u, v;
+};
+
+State step(const Mode& mode, double tau, State y, double force) {
+  double c[BackwardEuler::coefficients];
+  BackwardEuler::prepare(mode.omega, mode.zeta, mode.mass, tau, c);
+  BackwardEuler::advance(y.u, y.v, c[0], c[1], c[2] * force, tau);
+  return y;
+}
+
+/// omega tau from 1e-4 to 1e2, damping from none to beyond critical.
+struct RandomModes {
+  std::mt19937_64 random{7};
+  double uniform(double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  }
+  double tau() { return std::pow(10.0, uniform(-7, -4)); }
+  Mode mode(double tau) {
+    const double zeta = uniform(0, 1) < 0.3 ? 0.0 : std::pow(10.0, uniform(-3, 0.3));
+    return {std::pow(10.0, uniform(-4, 2)) / tau, zeta, uniform(0.1, 10)};
+  }
+};
+
+TEST(BackwardEuler, RigidModeDriftsAndIsPushed) {
+  // tau = 1/8, m = 2: V1 = 3 + 1/8 * 16/2 = 4, U1 = 5 + 4/8.
+  const State y = step({0, 0, 2}, 0.125, {5, 3}, 16);
+  EXPECT_EQ(y.v, 4);
+  EXPECT_EQ(y.u, 5.5);
+}
+
+TEST(BackwardEuler, EachTermAlone) {
+  // omega tau = 1, zeta = 1/2: s = 1 + 1 + 1 = 3, tau = 1/4, m = 2.
+  const Mode mode{4, 0.5, 2};
+  EXPECT_DOUBLE_EQ(step(mode, 0.25, {0, 3}, 0).v, 1);       // V0/s
+  EXPECT_DOUBLE_EQ(step(mode, 0.25, {0, 3}, 0).u, 0.25);    // tau V1
+  EXPECT_DOUBLE_EQ(step(mode, 0.25, {0.75, 0}, 0).v, -1);   // -tau omega^2 U0/s = -4 U0/3
+  EXPECT_DOUBLE_EQ(step(mode, 0.25, {0.75, 0}, 0).u, 0.5);  // U0 + tau V1
+  EXPECT_DOUBLE_EQ(step(mode, 0.25, {0, 0}, 24).v, 1);      // tau F0/(m s)
+}
+
+TEST(BackwardEuler, OneStepSolvesTheImplicitSystem) {
+  // Roundings: s has 4 in front of its inverse, c1 four more, F0's way through c2 four; then two sums.
+  RandomModes draw;
+  for (int trial = 0; trial < 10000; ++trial) {
+    const double tau = draw.tau();
+    const Mode mode = draw.mode(tau);
+    const State y{draw.uniform(-1, 1), mode.omega * draw.uniform(-1, 1)};
+    const double force = mode.mass * mode.omega * mode.omega * draw.uniform(-1, 1);
+
+    using Matrix = Eigen::Matrix<long double, 2, 2>;
+    using Vector = Eigen::Matrix<long double, 2, 1>;
+    const long double w = mode.omega, t = tau;
+    Matrix left;  // U1 - tau V1 = U0,   tau omega^2 U1 + (1 + 2 zeta omega tau) V1 = V0 + tau F0/m
+    left << 1, -t, t * w * w, 1 + 2 * mode.zeta * w * t;
+    const Vector exact = left.inverse() * Vector(y.u, y.v + t * force / mode.mass);
+
+    const State now = step(mode, tau, y, force);
+    const double s = 1 + 2 * mode.zeta * mode.omega * tau + std::pow(mode.omega * tau, 2);
+    const double terms =
+        (std::abs(y.v) + tau * mode.omega * mode.omega * std::abs(y.u) +
+         tau * std::abs(force) / mode.mass) /
+        s;
+    ASSERT_NEAR(now.v, static_cast<double>(exact[1]), 6 * eps * terms);
+    ASSERT_NEAR(now.u, static_cast<double>(exact[0]), eps * (std::abs(y.u) + 7 * tau * terms));
+  }
+}
+
+TEST(BackwardEuler, UndampedEnergyShrinksByTheExactFactor) {
+  // U1 = U0 + tau V1 with V1 = (V0 - tau omega^2 U0)/s is U1 = (U0 + tau V0)/s, s = 1 + (omega tau)^2:
+  //   V1^2 + omega^2 U1^2 = (V0^2 + omega^2 U0^2)(1 + omega^2 tau^2)/s^2 = (V0^2 + omega^2 U0^2)/s.
+  // Roundings are counted on the energy norm: U1's own and, through V1 = small difference, those of V1.
+  RandomModes draw;
+  for (int trial = 0; trial < 10000; ++trial) {
+    const double tau = draw.tau();
+    Mode mode = draw.mode(tau);
+    mode.zeta = 0;
+    const State y{draw.uniform(-1, 1), mode.omega * draw.uniform(-1, 1)};
+    const State now = step(mode, tau, y, 0);
+    const auto energy = [&](State x) { return x.v * x.v + std::pow(mode.omega * x.u, 2); };
+    const double wt = mode.omega * tau, s = 1 + wt * wt;
+    // U1 is s times smaller than the U0 and tau V1 it is the difference of
+    const double lost = 8 * eps * std::max(1.0, wt) * (1 + wt);
+    ASSERT_NEAR(energy(now) / energy(y) * s, 1, 4 * lost) << "omega tau = " << wt;
+  }
+}
+
+TEST(BackwardEuler, DampedEnergyNeverGrows) {
+  RandomModes draw;
+  for (int trial = 0; trial < 10000; ++trial) {
+    const double tau = draw.tau();
+    const Mode mode = draw.mode(tau);
+    const State y{draw.uniform(-1, 1), mode.omega * draw.uniform(-1, 1)};
+    const State now = step(mode, tau, y, 0);
+    const double before = std::hypot(y.v, mode.omega * y.u);
+    const double after = std::hypot(now.v, mode.omega * now.u);
+    ASSERT_LE(after, before * (1 + 16 * eps));  // roundings of a step
+  }
+}
+
+TEST(BackwardEuler, PullBoundsTheAcceleration) {
+  RandomModes draw;
+  double tightest = 0;
+  for (int trial = 0; trial < 100000; ++trial) {
+    const double tau = draw.tau();
+    const Mode mode = draw.mode(tau);
+    const double phase = draw.uniform(0, 6.3);
+    const State y{std::cos(phase), mode.omega * std::sin(phase)};
+    const double acceleration = std::abs(step(mode, tau, y, 0).v - y.v) / tau;
+    const double bound =
+        BackwardEuler::pull(mode.omega, mode.zeta) * std::hypot(y.v, mode.omega * y.u);
+    const double rounding = 8 * eps * (std::abs(y.v) + mode.omega) / tau;  // of V1 and V1 - V0
+    ASSERT_LE(acceleration, bound + rounding);
+    tightest = std::max(tightest, (acceleration - rounding) / bound);
+  }
+  // A bound that is far from what happens would cost every flight its length.
+  EXPECT_GE(tightest, 0.95);
+}
+
+TEST(BackwardEuler, PacksStepAsScalarsDo) {
+  constexpr int width = HostLanes::width;
+  RandomModes draw;
+  const double tau = 1e-6;
+  std::array<double, width> u, v, c0, c1, kick, u1, v1;
+  for (int lane = 0; lane < width; ++lane) {
+    const Mode mode = draw.mode(tau);
+    double c[BackwardEuler::coefficients];
+    BackwardEuler::prepare(mode.omega, mode.zeta, mode.mass, tau, c);
+    c0[lane] = c[0], c1[lane] = c[1], kick[lane] = c[2] * draw.uniform(-1, 1);
+    u1[lane] = u[lane] = draw.uniform(-1, 1), v1[lane] = v[lane] = draw.uniform(-1, 1);
+    BackwardEuler::advance(u1[lane], v1[lane], c0[lane], c1[lane], kick[lane], tau);
+  }
+  auto pu = HostLanes::load(u.data()), pv = HostLanes::load(v.data());
+  BackwardEuler::advance(pu, pv, HostLanes::load(c0.data()), HostLanes::load(c1.data()),
+                         HostLanes::load(kick.data()), HostLanes::Real(tau));
+  HostLanes::store(u.data(), pu);
+  HostLanes::store(v.data(), pv);
+  EXPECT_EQ(u, u1);
+  EXPECT_EQ(v, v1);
+}
+
+/// The step of all modes with one node in contact, as a matrix of (U, V).
+Eigen::MatrixXd contact_step(const std::vector<Mode>& modes, const Eigen::VectorXd& phi,
+                             double spring, double tau) {
+  const Eigen::Index n = phi.size();
+  Eigen::MatrixXd map(2 * n, 2 * n);
+  for (Eigen::Index column = 0; column < 2 * n; ++column) {
+    const Eigen::VectorXd y = Eigen::VectorXd::Unit(2 * n, column);
+    const double force = -spring * phi.dot(y.head(n));
+    for (Eigen::Index k = 0; k < n; ++k) {
+      const State now = step(modes[k], tau, {y[k], y[n + k]}, force * phi[k]);
+      map(k, column) = now.u;
+      map(n + k, column) = now.v;
+    }
+  }
+  return map;
+}
+
+TEST(BackwardEuler, ContactIsStableUpToTheSpringThatTheHeaderNames) {
+  // sum_j k phi_j^2 tau^2/(m_j (4 + 4 zeta_j omega_j tau + (omega_j tau)^2)) = 1 at the limit.
+  RandomModes draw;
+  constexpr double tau = 1;
+  for (int trial = 0; trial < 200; ++trial) {
+    const int n = 1 + trial % 4;
+    std::vector<Mode> modes;
+    Eigen::VectorXd phi(n);
+    double sum = 0;
+    for (int k = 0; k < n; ++k) {
+      modes.push_back({draw.uniform(0.01, 1), draw.uniform(0.001, 0.5), draw.uniform(0.5, 2)});
+      phi[k] = draw.uniform(0.5, 2);
+      const double wt = modes[k].omega * tau;
+      sum += phi[k] * phi[k] * tau * tau /
+             (modes[k].mass * (4 + 4 * modes[k].zeta * wt + wt * wt));
+    }
+    const double limit = 1 / sum;
+    const auto radius = [&](double spring) {
+      return contact_step(modes, phi, spring, tau).eigenvalues().cwiseAbs().maxCoeff();
+    };
+    // U1 = -U0: an eigenvalue of -1, to the accuracy of a 2 n matrix with entries up to ~10
+    const Eigen::MatrixXd map = contact_step(modes, phi, limit, tau);
+    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(map + Eigen::MatrixXd::Identity(2 * n, 2 * n));
+    EXPECT_LE(svd.singularValues().minCoeff(), 64 * n * eps * map.norm());
+    EXPECT_LT(radius(0.999 * limit), 1);
+    EXPECT_GT(radius(1.001 * limit), 1);
+  }
+}
+
+}  // namespace
