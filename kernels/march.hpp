@@ -48,11 +48,10 @@ inline constexpr double energy_factor = 10.0;
 /// Bound on the rounding of a displacement, over sum max|psi_k| |U_k|: a sum over the modes of a polynomial.
 inline constexpr double rounding = 256 * 0x1p-52;
 
-template <class Lanes, class Scheme, int K, int Q>
+template <class Lanes, class Scheme, int K>
 class Marcher {
   using Real = typename Lanes::Real;
   static constexpr int width = Lanes::width;
-  static constexpr int terms = 4 * Q;
 
   /// What the contact did at one state.
   struct ContactTotals {
@@ -69,7 +68,6 @@ class Marcher {
       u_[p] = load(s_.u, p);
       v_[p] = load(s_.v, p);
       square_[p] = load(s_.square_part, p);
-      quartic_[p] = load(t_.quartic, p);
       load_[p] = load(t_.load, p);
     }
     bend_ = load(s_.bend_part, 0);
@@ -101,7 +99,7 @@ class Marcher {
   SceneState& s_;
   Penalty penalty_;
   std::int64_t step_;
-  Real u_[K], v_[K], square_[K], bend_, quartic_[K], load_[K];
+  Real u_[K], v_[K], square_[K], bend_, load_[K];
 
   // the near list
   int near_count_ = 0, near_base_ = -1;
@@ -289,7 +287,7 @@ class Marcher {
       const double x = Kokkos::fma(static_cast<double>(step), f.advance, f.position);
       if (x < 0.0 || x > t_.resonator_length) continue;
       Real psi[K];
-      mode_values<Lanes, K, Q>(lanes_, t_, x / t_.spacing, psi);
+      mode_values<Lanes, K>(lanes_, t_, x / t_.spacing, psi);
       for (int p = 0; p < K; ++p) moving[p] = multiply_add(f.force, psi[p], moving[p]);
     }
     for (int p = 0; p < K; ++p) force[p] = force[p] + moving[p];
@@ -302,7 +300,7 @@ class Marcher {
       const int node = nodes[e];
       if (s_.node_window[node] == window) continue;
       lanes_.sync();
-      expand_node<Lanes, K, Q>(lanes_, t_, place, node, s_.node_shape + node_offset(node),
+      expand_node<Lanes, K>(lanes_, t_, place, node, s_.node_shape + node_offset(node),
                                s_.node_face + 2 * node);
       if (lanes_.leader()) s_.node_window[node] = window;
       lanes_.sync();
@@ -365,10 +363,9 @@ class Marcher {
     if (!all && !near_holds(place, 0.0)) find_near(place);
     for (int p = 0; p < K; ++p) lanes_.store(s_.lanes + p * width, u_[p]);
     lanes_.sync();
-    const double level = -(t_.slack + rounding * bound(t_.reach, u_));
-    const ModalPowers<Lanes, K, Q> modal(u_, quartic_);
+    const double level = -(t_.slack + rounding * bound(t_.reach, u_) + bound(t_.tail, u_));
     const Real lane_eta = Real(t_.inverse_radius) * lanes_.index();
-    double q[terms];
+    double q[4];
     int patch = -1, count = 0;
     const int groups = all ? t_.groups : near_count_;
     for (int e = 0; e < groups; ++e) {
@@ -376,11 +373,11 @@ class Marcher {
       const GroupPlace<Lanes> at(t_, place, group);
       if (at.patch != patch) {
         patch = at.patch;
-        series_coefficients<Lanes, K, Q>(lanes_, rows(patch), modal, q);
+        series_coefficients<Lanes, K>(lanes_, rows(patch), u_, q);
       }
       const StaticOverlap<Lanes> faces(lanes_, t_, place, group);
       const Real overlap = add_slider_displacement(lanes_, t_, s_.lanes, group, faces.height) +
-                           series_value<Q>(q, lane_eta + Real(at.eta));
+                           cubic(q, lane_eta + Real(at.eta));
       list_nodes(group, lanes_.at_least(overlap, level), count);
     }
     lanes_.sync();
@@ -552,10 +549,10 @@ class Marcher {
     const double to_end = place.base + 1 - place.position;  // chi
     const double slope = bound(t_.reach_slope, u_);
     const double radius = t_.spacing / t_.inverse_radius;
-    const double level = -(near_reach_ + t_.slack + b.rounding + to_end * t_.spacing * slope);
-    const ModalPowers<Lanes, K, Q> modal(u_, quartic_);
+    const double level =
+        -(near_reach_ + t_.slack + b.rounding + bound(t_.tail, u_) + to_end * t_.spacing * slope);
     const Real lane_eta = Real(t_.inverse_radius) * lanes_.index();
-    double q[terms];
+    double q[4];
     int patch = -1, count = 0;
     bool have_series = false;
     std::int64_t evaluated = 0;
@@ -577,11 +574,11 @@ class Marcher {
                                   lanes_.load(t_.height1 + group * width)) +
           Real(highest + (left > right ? left : right));
       if (lanes_.at_least(top, level) == 0) continue;
-      if (!have_series) series_coefficients<Lanes, K, Q>(lanes_, rows(patch), modal, q);
+      if (!have_series) series_coefficients<Lanes, K>(lanes_, rows(patch), u_, q);
       have_series = true;
       const StaticOverlap<Lanes> faces(lanes_, t_, place, group);
       const Real now = add_slider_displacement(lanes_, t_, s_.lanes, group, faces.height) +
-                       series_value<Q>(q, lane_eta + Real(at.eta));
+                       cubic(q, lane_eta + Real(at.eta));
       const Real most = now + Kokkos::max(Real(to_end) * faces.rise, Real(0.0));
       evaluated += width;
       if (lanes_.at_least(most, level) == 0) continue;
@@ -617,13 +614,14 @@ class Marcher {
       for (int p = 0; p < K; ++p) lanes_.store(s_.lanes + (K + p) * width, v_[p]);
       lanes_.sync();
     }
-    const ModalPowers<Lanes, K, Q> modal(u_, quartic_), modal_rate(v_, quartic_);
     const Real lane_eta = Real(t_.inverse_radius) * lanes_.index();
     const double half_curve = 0.5 * b.curvature * tau * tau;
     // A node is left out of the watch when it stays open along the line, with leeway and its own motion.
-    const double slack = t_.slack + b.rounding;
+    const double slack = t_.slack + b.rounding + bound(t_.tail, u_);
+    // what the cubics leave out of the closing per step
+    const double closing_slack = tau * bound(t_.tail, v_) + t_.advance * t_.spacing * bound(t_.tail_slope, u_);
     const double level = -(leeway + half_curve * watched * watched + slack);
-    double q[terms], rate_q[terms];
+    double q[4], rate_q[4];
     Real soonest(static_cast<double>(longest)), pressed(0.0);
     int patch = -1, count = 0;
     for (int e = 0; e < near_count_; ++e) {
@@ -631,18 +629,19 @@ class Marcher {
       const GroupPlace<Lanes> at(t_, place, group);
       if (at.patch != patch) {
         patch = at.patch;
-        series_coefficients<Lanes, K, Q>(lanes_, rows(patch), modal, q);
-        series_coefficients<Lanes, K, Q>(lanes_, rows(patch), modal_rate, rate_q);
+        series_coefficients<Lanes, K>(lanes_, rows(patch), u_, q);
+        series_coefficients<Lanes, K>(lanes_, rows(patch), v_, rate_q);
       }
       const StaticOverlap<Lanes> faces(lanes_, t_, place, group);
       const Real eta = lane_eta + Real(at.eta);
       const Real overlap =
-          add_slider_displacement(lanes_, t_, s_.lanes, group, faces.height) + series_value<Q>(q, eta);
+          add_slider_displacement(lanes_, t_, s_.lanes, group, faces.height) + cubic(q, eta);
       // closing per step: the modes, and the node's way over the resonator's face
       const Real modes = add_slider_displacement(lanes_, t_, s_.lanes + K * width, group,
-                                                 series_value<Q>(rate_q, eta));
-      const Real way = faces.rise + Real(t_.inverse_radius) * series_slope<Q>(q, eta);
-      const Real closing = multiply_add(tau, modes, Real(t_.advance) * way);
+                                                 cubic(rate_q, eta));
+      const Real way = faces.rise + Real(t_.inverse_radius) * cubic_slope(q, eta);
+      const Real closing =
+          multiply_add(tau, modes, multiply_add(t_.advance, way, Real(closing_slack)));
       const Real most =
           multiply_add(static_cast<double>(watched), Kokkos::max(closing, Real(0.0)), overlap);
       list_nodes(group, lanes_.at_least(most, level), count);
@@ -733,7 +732,7 @@ class Marcher {
 };
 
 /// The launch: every scene of a batch, one team each, until step `target`.
-template <class Space, class Scheme, int K, int Q>
+template <class Space, class Scheme, int K>
 struct March {
   using Policy = Kokkos::TeamPolicy<Space>;
   using Member = typename Policy::member_type;
@@ -746,7 +745,7 @@ struct March {
   KOKKOS_FUNCTION void operator()(const Member& member) const {
     const int scene = member.league_rank();
     const Lanes lanes(member);
-    Marcher<Lanes, Scheme, K, Q>(lanes, tables(scene), states(scene)).run(target);
+    Marcher<Lanes, Scheme, K>(lanes, tables(scene), states(scene)).run(target);
   }
   void launch(const Space& space) const {
     Kokkos::parallel_for("ra2d::march",

@@ -14,11 +14,12 @@
 /// m advance at step m. To find which nodes can touch, they are taken in groups, one a lane.
 ///
 /// Patches. Under the slider the resonator's displacement is smooth: its shortest wavelength spans hundreds
-/// of nodes. On patches fixed to the resonator it is a polynomial of 4 Q terms in
-/// eta = (x - centre)/radius, |eta| <= 1, whose coefficients are sums over the modes:
+/// of nodes. On patches fixed to the resonator it is a power series in eta = (x - centre)/radius, |eta| <= 1,
+/// whose coefficients are sums over the modes:
 ///   u_2 = sum_j q_j eta^j,  q_j = sum_k U_k radius^j psi_k^(j)(centre) / j!.
-/// The radius is chosen so that the first term left out is below the roundings. All modes here satisfy
-/// psi'''' = beta^4 psi, so four derivatives are stored and the others follow with (beta radius)^4.
+/// Four terms, with a bound on the rest, tell which nodes can touch. A node that can is then evaluated to below
+/// the roundings with `terms` terms: all modes here satisfy psi'''' = beta^4 psi, so four derivatives are
+/// stored and the others follow with (beta radius)^4.
 ///
 /// Windows. Over a fraction of chi (1/windows) a mode's shape at a moving node is a cubic of its offset, again
 /// to below the roundings. A node that touches or soon could is expanded so once a window; its overlap and
@@ -27,6 +28,9 @@ namespace ra2d {
 
 /// Whether contact is looked for at every node or where the guarantee says that it could be.
 enum class Look : int { all, candidates };
+
+/// Longest series of a patch that a scene may need (host/run/batch.cpp chooses).
+inline constexpr int most_terms = 24;
 
 struct MovingForceTable {
   double force;     // N
@@ -40,6 +44,7 @@ struct SceneTables {
   int nodes = 0, groups = 0;    // slider nodes; groups of one a lane
   int patches = 0, patch_nodes = 0;  // patches; their width in nodes (radius = half of it + half a group + 1)
   int windows = 1;                   // parts of a node's width
+  int terms = 4;                     // of the full series, a multiple of 4
   int moving_forces = 0;
   Look look = Look::candidates;
 
@@ -75,8 +80,10 @@ struct SceneTables {
   const double* reach = nullptr;        // max |psi|
   const double* reach_slope = nullptr;  // max |psi'|, resonator only: its nodes move
   const double* reach_curve = nullptr;  // max |psi''|, resonator only
+  const double* tail = nullptr;         // bound on what a cubic over a patch leaves out, over |U|
+  const double* tail_slope = nullptr;   // 1/m, the same for its slope
   const double* quartic = nullptr;      // (beta radius)^4
-  const double* patch = nullptr;        // (patch, 4, lane): radius^j psi^(j)(centre) / j!
+  const double* patch = nullptr;        // (patch, 4, lane): radius^j psi^(j)(centre)
   const double* slider_shape = nullptr; // (slider mode, group, lane): psi at the slider's nodes
   const double* unit = nullptr;         // (slider mode, lane): 1 at that mode's own lane
 

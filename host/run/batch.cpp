@@ -56,17 +56,11 @@ class Arena {
   typename Kokkos::View<char*, Space>::host_mirror_type host_;
 };
 
-/// Terms of the displacement series, in fours, and the patch width that goes with them.
+/// The displacement series of a scene's resonator.
 struct Series {
-  int quads = short_series;
+  int terms = 4;
   int patch_nodes = 1;
 };
-
-/// |psi^(terms)| radius^terms / terms! stays below half an ulp of psi's bound for beta radius up to this.
-double series_range(int quads) {
-  const int terms = 4 * quads;
-  return std::exp((std::lgamma(terms + 1.0) + std::log(0x1p-53)) / terms);
-}
 
 double highest_beta(const Beam& beam) {
   double beta = 0;
@@ -74,19 +68,27 @@ double highest_beta(const Beam& beam) {
   return beta;
 }
 
+/// Patches as wide as beta radius = 1/4 allows (four terms then leave out 2e-4 of the highest mode and far less
+/// of the others), or of a single node when the nodes are that coarse; and terms until what is left out,
+/// (beta radius)^terms / terms!, is below half an ulp.
 Series choose_series(const Model& model) {
   const double beta_chi = highest_beta(model.resonator) * model.scene.spacing;
   const double widest = static_cast<double>(model.resonator_height.size());
-  for (const int quads : {short_series, long_series}) {
-    // radius = (patch_nodes + width)/2 + 1 in chi
-    const double nodes =
-        beta_chi > 0 ? std::min(widest, 2.0 * series_range(quads) / beta_chi - width - 2) : widest;
-    if (nodes >= 1.0) return {quads, static_cast<int>(nodes)};
-  }
-  throw RequestError(fmt::format(
-      "scene.spacing = {} m: the resonator's highest mode has only {:.1f} nodes to a wavelength, {:.0f} are "
-      "needed here. Refine scene.spacing or keep fewer modes (resonator.max_frequency)",
-      model.scene.spacing, 2 * M_PI / beta_chi, 2 * M_PI * (width + 3) / (2.0 * series_range(long_series))));
+  // radius = (patch_nodes + width)/2 + 1 in chi
+  const double nodes = beta_chi > 0 ? std::min(widest, 0.5 / beta_chi - width - 2) : widest;
+  Series series;
+  series.patch_nodes = std::max(1, static_cast<int>(nodes));
+  const double range = beta_chi * (0.5 * (series.patch_nodes + width) + 1.0);
+  const auto left_out = [&] {
+    return std::exp(series.terms * std::log(range) - std::lgamma(series.terms + 1.0));
+  };
+  while (range > 0 && series.terms <= most_terms && left_out() > 0x1p-53) series.terms += 4;
+  if (series.terms > most_terms)
+    throw RequestError(fmt::format(
+        "scene.spacing = {} m: the resonator's highest mode has only {:.1f} nodes to a wavelength, {:.0f} are "
+        "needed here. Refine scene.spacing or keep fewer modes (resonator.max_frequency)",
+        model.scene.spacing, 2 * M_PI / beta_chi, std::ceil(2 * M_PI * (0.5 * (1 + width) + 1.0) / 2.1)));
+  return series;
 }
 
 /// A scene's place in the arena.
@@ -100,7 +102,8 @@ struct Layout {
   int sample_capacity, shock_capacity, row;
 };
 
-enum ModeTable { c0, c1, c2, load, mass, omega, damping, pull, push, yield, reach, slope, curve, quartic, mode_tables };
+enum ModeTable { c0, c1, c2, load, mass, omega, damping, pull, push, yield, reach, slope, curve, tail, tail_slope, quartic,
+                 mode_tables };
 enum ModalArray { u, v, start, square, square_part, near_u, bend_part, modal_arrays };
 
 }  // namespace
@@ -120,7 +123,7 @@ int backend_threads() { return Space().concurrency(); }
 struct Batch::Impl {
   std::vector<Model> models;
   std::vector<Layout> layouts;
-  Shape shape{0, 0};
+  int packs = 0;
   Arena arena;
   Kokkos::View<SceneTables*, Space> tables;
   Kokkos::View<SceneState*, Space> states;
@@ -129,7 +132,7 @@ struct Batch::Impl {
     Layout l{};
     const int modes1 = static_cast<int>(model.slider.modes.size());
     l.series = series;
-    l.lanes = shape.packs * width;
+    l.lanes = packs * width;
     l.groups = (model.nodes() + width - 1) / width;
     const int reach2 = static_cast<int>(model.resonator_height.size()) + l.groups * width + 2 * width;
     l.patches = reach2 / series.patch_nodes + 1;
@@ -185,6 +188,7 @@ SceneTables Batch::Impl::fill_tables(const Model& model, const Layout& l) {
   t.groups = l.groups;
   t.patches = l.patches;
   t.patch_nodes = l.series.patch_nodes;
+  t.terms = l.series.terms;
   t.moving_forces = static_cast<int>(scene.resonator.moving_forces.size());
   t.look = scene.nodes == Nodes::all ? Look::all : Look::candidates;
   t.position = model.position;
@@ -229,6 +233,8 @@ SceneTables Batch::Impl::fill_tables(const Model& model, const Layout& l) {
     if (moves) {
       table(slope)[lane] = mode.beta * wave + std::abs(mode.slope);
       table(curve)[lane] = mode.beta * mode.beta * wave;
+      table(tail)[lane] = wave * std::pow(mode.beta * radius, 4) / 24;
+      table(tail_slope)[lane] = wave * mode.beta * std::pow(mode.beta * radius, 3) / 6;
       table(quartic)[lane] = std::pow(mode.beta * radius, 4);
     }
   };
@@ -244,7 +250,7 @@ SceneTables Batch::Impl::fill_tables(const Model& model, const Layout& l) {
       evaluate(model.resonator.modes[k], model.resonator.length, centre, 4, d);
       for (int j = 0; j < 4; ++j)
         rows[(static_cast<std::size_t>(p) * 4 + j) * l.lanes + k] =
-            d[j] * std::pow(radius, j) / std::tgamma(j + 1.0);
+            d[j] * std::pow(radius, j);
     }
   }
   // the slider's modes at its nodes
@@ -294,6 +300,7 @@ SceneTables Batch::Impl::fill_tables(const Model& model, const Layout& l) {
   t.damping = on_device(damping), t.pull = on_device(pull), t.push = on_device(push);
   t.yield = on_device(yield);
   t.reach = on_device(reach), t.reach_slope = on_device(slope), t.reach_curve = on_device(curve);
+  t.tail = on_device(tail), t.tail_slope = on_device(tail_slope);
   t.quartic = on_device(quartic);
   t.patch = arena.device<double>(l.patch);
   t.slider_shape = arena.device<double>(l.shapes);
@@ -354,7 +361,7 @@ Batch::Batch(const std::vector<Model>& models, const std::vector<ModalStart>& st
   Impl& b = *impl_;
   b.models = models;
   std::vector<Series> series;
-  int quads = 0, packs = options.least_packs;
+  int packs = options.least_packs;
   for (const Model& model : models) {
     const int modes = static_cast<int>(model.resonator.modes.size() + model.slider.modes.size());
     if (modes > capacity)
@@ -363,11 +370,8 @@ Batch::Batch(const std::vector<Model>& models, const std::vector<ModalStart>& st
                                      modes, capacity));
     packs = std::max(packs, std::max(1, (modes + width - 1) / width));
     series.push_back(choose_series(model));
-    if (quads != 0 && series.back().quads != quads)
-      throw RequestError("these scenes do not go into one batch: some need a longer displacement series");
-    quads = series.back().quads;
   }
-  b.shape = compiled_shape({packs, quads});
+  b.packs = compiled_packs(packs);
   for (std::size_t i = 0; i < models.size(); ++i)
     b.layouts.push_back(b.lay_out(models[i], series[i], options));
   b.arena.allocate();
@@ -388,7 +392,7 @@ Batch::~Batch() = default;
 Batch::Batch(Batch&&) noexcept = default;
 
 void Batch::march(std::int64_t target) {
-  launch_march(impl_->shape, impl_->tables, impl_->states, target);
+  launch_march(impl_->packs, impl_->tables, impl_->states, target);
   Space{}.fence();
 }
 

@@ -4,25 +4,18 @@
 namespace ra2d {
 namespace {
 
-template <int Q, int... K>
+template <int... K>
 void launch(int packs, const TablesView& tables, const StatesView& states, std::int64_t target,
             PackList<K...>) {
-  (void)((K == packs && (march<K, Q>(tables, states, target), true)) || ...);
+  (void)((K == packs && (march<K>(tables, states, target), true)) || ...);
 }
 
 }  // namespace
 
-Shape compiled_shape(const Shape& needed) {
-  if (needed.quads == short_series) return {ShortPacks::smallest(needed.packs), short_series};
-  return {LongPacks::smallest(needed.packs), long_series};
-}
+int compiled_packs(int needed) { return Packs::smallest(needed); }
 
-void launch_march(const Shape& shape, const TablesView& tables, const StatesView& states,
-                  std::int64_t target) {
-  if (shape.quads == short_series)
-    launch<short_series>(shape.packs, tables, states, target, ShortPacks{});
-  else
-    launch<long_series>(shape.packs, tables, states, target, LongPacks{});
+void launch_march(int packs, const TablesView& tables, const StatesView& states, std::int64_t target) {
+  launch(packs, tables, states, target, Packs{});
 }
 
 }  // namespace ra2d

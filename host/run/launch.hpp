@@ -9,30 +9,22 @@
 #include "kernels/modal_state.hpp"
 #include "kernels/model.hpp"
 
-/// The march is compiled for a few numbers of mode packs and for two lengths of the displacement series; a
-/// scene takes the smallest that holds it. Padding does not change a bit of the answer.
+/// The march is compiled for a few numbers of mode packs; a scene takes the smallest that holds it. Padding
+/// does not change a bit of the answer.
 namespace ra2d {
 
 using Space = Kokkos::DefaultExecutionSpace;
 using TablesView = Kokkos::View<SceneTables*, Space>;
 using StatesView = Kokkos::View<SceneState*, Space>;
 
-/// Fours of terms in the displacement series: the usual length, and one for scenes with few nodes to a wave.
-inline constexpr int short_series = 2, long_series = 6;
-
-struct Shape {
-  int packs = 0, quads = 0;
-};
-
-/// The smallest compiled shape that holds this one.
-Shape compiled_shape(const Shape& needed);
+/// The smallest compiled number of packs that holds this one.
+int compiled_packs(int needed);
 
 /// One launch over a batch: every running scene goes on to step `target`.
-void launch_march(const Shape& shape, const TablesView& tables, const StatesView& states,
-                  std::int64_t target);
+void launch_march(int packs, const TablesView& tables, const StatesView& states, std::int64_t target);
 
 /// One compiled march; each is compiled in one of the files march_*.cpp.
-template <int K, int Q>
+template <int K>
 void march(const TablesView& tables, const StatesView& states, std::int64_t target);
 
 template <int... K>
@@ -45,14 +37,8 @@ struct PackList {
   }
 };
 // up to 256 modes with any width of the lanes
-#if defined(KOKKOS_ENABLE_CUDA)
-using ShortPacks = PackList<1, 2, 3, 4, 6, 8>;
-using LongPacks = PackList<1, 8>;
-#else
-using ShortPacks = std::conditional_t<LanesOf<Space>::width == 8, PackList<1, 2, 3, 4, 8, 32>,
-                                      PackList<2, 4, 6, 8, 16, 256 / LanesOf<Space>::width>>;
-using LongPacks = std::conditional_t<LanesOf<Space>::width == 8, PackList<3, 32>,
-                                     PackList<6, 256 / LanesOf<Space>::width>>;
-#endif
+using Packs = std::conditional_t<LanesOf<Space>::width == 32, PackList<1, 2, 3, 4, 6, 8>,
+              std::conditional_t<LanesOf<Space>::width == 8, PackList<1, 2, 3, 4, 8, 32>,
+                                 PackList<2, 4, 6, 8, 16, 256 / LanesOf<Space>::width>>>;
 
 }  // namespace ra2d

@@ -4,8 +4,8 @@
 
 namespace ra2d {
 
-template void march<ShortPacks::at(0), short_series>(const TablesView&, const StatesView&, std::int64_t);
-template void march<ShortPacks::at(1), short_series>(const TablesView&, const StatesView&, std::int64_t);
-template void march<ShortPacks::at(2), short_series>(const TablesView&, const StatesView&, std::int64_t);
+template void march<Packs::at(0)>(const TablesView&, const StatesView&, std::int64_t);
+template void march<Packs::at(1)>(const TablesView&, const StatesView&, std::int64_t);
+template void march<Packs::at(2)>(const TablesView&, const StatesView&, std::int64_t);
 
 }  // namespace ra2d

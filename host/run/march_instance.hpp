@@ -6,9 +6,9 @@
 
 namespace ra2d {
 
-template <int K, int Q>
+template <int K>
 void march(const TablesView& tables, const StatesView& states, std::int64_t target) {
-  March<Space, BackwardEuler, K, Q>{tables, states, target}.launch(Space{});
+  March<Space, BackwardEuler, K>{tables, states, target}.launch(Space{});
 }
 
 }  // namespace ra2d

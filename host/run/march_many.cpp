@@ -4,6 +4,6 @@
 
 namespace ra2d {
 
-template void march<ShortPacks::at(5), short_series>(const TablesView&, const StatesView&, std::int64_t);
+template void march<Packs::at(5)>(const TablesView&, const StatesView&, std::int64_t);
 
 }  // namespace ra2d

@@ -4,7 +4,7 @@
 
 namespace ra2d {
 
-template void march<ShortPacks::at(3), short_series>(const TablesView&, const StatesView&, std::int64_t);
-template void march<ShortPacks::at(4), short_series>(const TablesView&, const StatesView&, std::int64_t);
+template void march<Packs::at(3)>(const TablesView&, const StatesView&, std::int64_t);
+template void march<Packs::at(4)>(const TablesView&, const StatesView&, std::int64_t);
 
 }  // namespace ra2d

@@ -62,7 +62,8 @@ TEST(BackwardEuler, EachTermAlone) {
 }
 
 TEST(BackwardEuler, OneStepSolvesTheImplicitSystem) {
-  // Roundings: s has 4 in front of its inverse, c1 four more, F0's way through c2 four; then two sums.
+  // Roundings: s has 4 in front of its inverse, c1 four more, F0's way through c2 four; then two
+  // sums.
   RandomModes draw;
   for (int trial = 0; trial < 10000; ++trial) {
     const double tau = draw.tau();
@@ -79,19 +80,20 @@ TEST(BackwardEuler, OneStepSolvesTheImplicitSystem) {
 
     const State now = step(mode, tau, y, force);
     const double s = 1 + 2 * mode.zeta * mode.omega * tau + std::pow(mode.omega * tau, 2);
-    const double terms =
-        (std::abs(y.v) + tau * mode.omega * mode.omega * std::abs(y.u) +
-         tau * std::abs(force) / mode.mass) /
-        s;
+    const double terms = (std::abs(y.v) + tau * mode.omega * mode.omega * std::abs(y.u) +
+                          tau * std::abs(force) / mode.mass) /
+                         s;
     ASSERT_NEAR(now.v, static_cast<double>(exact[1]), 6 * eps * terms);
     ASSERT_NEAR(now.u, static_cast<double>(exact[0]), eps * (std::abs(y.u) + 7 * tau * terms));
   }
 }
 
 TEST(BackwardEuler, UndampedEnergyShrinksByTheExactFactor) {
-  // U1 = U0 + tau V1 with V1 = (V0 - tau omega^2 U0)/s is U1 = (U0 + tau V0)/s, s = 1 + (omega tau)^2:
+  // U1 = U0 + tau V1 with V1 = (V0 - tau omega^2 U0)/s is U1 = (U0 + tau V0)/s, s = 1 + (omega
+  // tau)^2:
   //   V1^2 + omega^2 U1^2 = (V0^2 + omega^2 U0^2)(1 + omega^2 tau^2)/s^2 = (V0^2 + omega^2 U0^2)/s.
-  // Roundings are counted on the energy norm: U1's own and, through V1 = small difference, those of V1.
+  // Roundings are counted on the energy norm: U1's own and, through V1 = small difference, those of
+  // V1.
   RandomModes draw;
   for (int trial = 0; trial < 10000; ++trial) {
     const double tau = draw.tau();
@@ -191,8 +193,7 @@ TEST(BackwardEuler, ContactIsStableUpToTheSpringThatTheHeaderNames) {
       modes.push_back({draw.uniform(0.01, 1), draw.uniform(0.001, 0.5), draw.uniform(0.5, 2)});
       phi[k] = draw.uniform(0.5, 2);
       const double wt = modes[k].omega * tau;
-      sum += phi[k] * phi[k] * tau * tau /
-             (modes[k].mass * (4 + 4 * modes[k].zeta * wt + wt * wt));
+      sum += phi[k] * phi[k] * tau * tau / (modes[k].mass * (4 + 4 * modes[k].zeta * wt + wt * wt));
     }
     const double limit = 1 / sum;
     const auto radius = [&](double spring) {

@@ -134,8 +134,8 @@ class Tracker {
 
 // ---- brute force ------------------------------------------------------------------------------
 
-/// Flood fill over (step, node) up to a step: neighbours stand next to each other at the same step, or no
-/// further than one node apart at the next. 0 where there is no contact.
+/// Flood fill over (step, node) up to a step: neighbours stand next to each other at the same step,
+/// or no further than one node apart at the next. 0 where there is no contact.
 std::vector<int> flood(const Pattern& pattern, int until) {
   std::vector<int> label(pattern.force.size(), 0);
   int labels = 0;
@@ -218,7 +218,8 @@ std::vector<ShockRow> expected_shocks(const Pattern& pattern) {
   return out;
 }
 
-/// Whether the runs of a step pair off with those of the step before, in order, with no other neighbour.
+/// Whether the runs of a step pair off with those of the step before, in order, with no other
+/// neighbour.
 bool pairs_off(const Pattern& pattern, int step) {
   const auto before = runs_at(pattern, step - 1), now = runs_at(pattern, step);
   if (before.size() != now.size()) return false;
@@ -253,9 +254,8 @@ std::string picture(const Pattern& pattern) {
   std::string text;
   for (int step = 0; step < pattern.steps; ++step) {
     for (int node = 0; node < pattern.nodes; ++node)
-      text += pattern.touches(step, node)
-                  ? std::to_string(static_cast<int>(pattern.at(step, node)))
-                  : ".";
+      text += pattern.touches(step, node) ? std::to_string(static_cast<int>(pattern.at(step, node)))
+                                          : ".";
     text += '\n';
   }
   return text;
@@ -395,10 +395,9 @@ TEST_P(RandomShocks, AreTheConnectedPiecesOfContact) {
     ASSERT_EQ(tracker.rows_by_serial(), expected) << picture(pattern);
     EXPECT_EQ(tracker.s.open_count, 0);
     const std::vector<ShockRow> rows = tracker.rows();
-    EXPECT_TRUE(
-        std::is_sorted(rows.begin(), rows.end(),
-                       [](const ShockRow& a, const ShockRow& b) { return a.last < b.last; }))
-        << "in order of their end";
+    EXPECT_TRUE(std::is_sorted(rows.begin(), rows.end(), [](const ShockRow& a, const ShockRow& b) {
+      return a.last < b.last;
+    })) << "in order of their end";
     shocks += static_cast<int>(expected.size());
     merged += static_cast<int>(tracker.s.shocks_begun) - static_cast<int>(expected.size());
   }
@@ -440,8 +439,8 @@ TEST_P(RandomShocks, ContinuingAgreesWithTracking) {
       const bool usual = pairs_off(pattern, step) && !runs_at(pattern, step).empty() &&
                          other.s.open_count == other.s.run_count;
       one.take(pattern, step, false);
-      ASSERT_EQ(other.take(pattern, step, true), usual)
-          << "step " << step << '\n' << picture(pattern);
+      ASSERT_EQ(other.take(pattern, step, true), usual) << "step " << step << '\n'
+                                                        << picture(pattern);
       continued += usual;
       contact += !runs_at(pattern, step).empty();
       ASSERT_EQ(one.open_shocks(), other.open_shocks()) << "step " << step << '\n'

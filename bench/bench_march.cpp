@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a step costs, on the paper's scenes, against two baselines (bench/baselines.hpp):
+//
+//   bench_march --benchmark_repetitions=10 --benchmark_enable_random_interleaving=true
+//
+// (add --benchmark_filter=-/small$ to leave out the smallest cases, which are there for CTest, and
+// --benchmark_out=FILE --benchmark_out_format=json to keep the numbers.) A table of medians and ratios stands
+// at the end. Before anything is timed, the baselines are checked against the march; a state that differs by
+// more than its bound ends the program with status 1.
+//
+// Cases:
+//   free/...      scenes/dang2012.toml         slider free under its weight: 1 step in .. with contact
+//   pinned/...    scenes/dang2012-pinned.toml  slider held
+//     plain, tables      the baselines, on one thread
+//     all, candidates    the march, one scene on one thread
+//     batch/N            N scenes with different surfaces on all threads, candidates; time per step is that of
+//                        one scene-step, wall clock
+//   step/flight, step/contact   the march where nothing, and where always the same nodes touch
+//   chain/flight, chain/contact the dependency chain of such a step alone (bench/chain.hpp)
+//
+// Every case but step/ and chain/ starts where the march stands after 20 ms, and makes the same steps at every
+// repetition.
+#include <benchmark/benchmark.h>
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <exception>
+#include <functional>
+
+#include "bench/baselines.hpp"
+#include "bench/chain.hpp"
+#include "bench/report.hpp"
+#include "bench/scenes.hpp"
+#include "host/run/launch.hpp"
+
+namespace ra2d::bench {
+namespace {
+
+const char* name(Paper paper) { return paper == Paper::free_slider ? "free" : "pinned"; }
+
+/// How much a case does: stretches of so many steps of each scene, each timed on its own.
+struct Work {
+  std::int64_t steps;
+  int stretches;
+};
+
+template <class Advance>
+double seconds_of(const Advance& advance) {
+  const auto begin = std::chrono::steady_clock::now();
+  advance();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+/// Times stretch after stretch; `between` runs untimed after each of them.
+template <class Advance, class Between>
+void time_stretches(benchmark::State& state, double steps, const Advance& advance,
+                    const Between& between) {
+  double total = 0, stretches = 0;
+  for (auto _ : state) {
+    const double seconds = seconds_of(advance);
+    state.SetIterationTime(seconds);
+    total += seconds;
+    ++stretches;
+    between();
+  }
+  state.counters["ns_per_step"] = 1e9 * total / (steps * stretches);
+}
+
+template <class Baseline>
+void time_baseline(benchmark::State& state, Paper paper, Work work) {
+  const Prepared scene = settled(paper, 1)[0];
+  Baseline baseline(scene.model, scene.start);
+  time_stretches(
+      state, static_cast<double>(work.steps), [&] { baseline.march(work.steps); }, [] {});
+  state.counters["contact"] =
+      static_cast<double>(baseline.contact_steps) / static_cast<double>(baseline.step);
+}
+
+/// Scenes marched side by side; the time per step is that of a scene-step.
+void time_march(benchmark::State& state, const std::vector<Prepared>& scenes, Work work) {
+  const int count = static_cast<int>(scenes.size());
+  Batch batch = make_batch(scenes);
+  std::int64_t target = 0;
+  const double scene_steps = static_cast<double>(work.steps) * count;
+  double total = 0, stretches = 0;
+  std::string fault;
+  time_stretches(
+      state, scene_steps,
+      [&] { total += seconds_of([&] { batch.march(target += work.steps); }); },
+      [&] {
+        ++stretches;
+        for (int i = 0; i < count; ++i) {
+          batch.drain(i);
+          if (batch.snapshot(i).step != target) fault = "a launch ended before its time";
+        }
+      });
+  if (!fault.empty()) state.SkipWithError(fault.c_str());
+  double contact = 0, evaluated = 0;
+  for (int i = 0; i < count; ++i) {
+    const Snapshot now = batch.snapshot(i);
+    contact += static_cast<double>(now.contact_steps);
+    evaluated += static_cast<double>(now.evaluated);
+  }
+  state.counters["contact"] = contact / (scene_steps * stretches);
+  state.counters["nodes_per_step"] = evaluated / (scene_steps * stretches);
+  state.counters["scene_steps_per_second"] = scene_steps * stretches / total;
+}
+
+void time_chain(benchmark::State& state, double (*chain)(std::int64_t), int operations,
+                std::int64_t steps) {
+  time_stretches(
+      state, static_cast<double>(steps), [&] { benchmark::DoNotOptimize(chain(steps)); }, [] {});
+  state.counters["chain_operations"] = operations;
+}
+
+void add(const std::string& case_name, int stretches, std::function<void(benchmark::State&)> run) {
+  benchmark::RegisterBenchmark(case_name.c_str(),
+                               [run = std::move(run)](benchmark::State& state) {
+                                 try {
+                                   run(state);
+                                 } catch (const std::exception& error) {
+                                   state.SkipWithError(error.what());
+                                 }
+                               })
+      ->UseManualTime()
+      ->Iterations(stretches)  // the same steps in every repetition
+      ->Unit(benchmark::kMillisecond);
+}
+
+void add_cases() {
+  // full size and small
+  for (const bool small : {false, true}) {
+    const std::string size = small ? "/small" : "";
+    const auto sized = [small](Work work, Work least) { return small ? least : work; };
+    for (const Paper paper : {Paper::free_slider, Paper::pinned_slider}) {
+      const std::string scene = name(paper);
+      const auto baseline = [&](const char* which, auto run, Work work) {
+        add(scene + "/" + which + size, work.stretches, [=](auto& state) { run(state, paper, work); });
+      };
+      baseline("plain", time_baseline<Plain>, sized({100, 4}, {20, 1}));
+      baseline("tables", time_baseline<Tables>, sized({4000, 4}, {500, 1}));
+      const auto march = [&](const char* which, Nodes nodes, Work work) {
+        add(scene + "/" + which + size, work.stretches, [=](auto& state) {
+          time_march(state, {looking_at(settled(paper, 1)[0], nodes)}, work);
+        });
+      };
+      march("all", Nodes::all, sized({2000, 20}, {500, 1}));
+      march("candidates", Nodes::candidates, sized({1'000'000, 4}, {20'000, 1}));
+    }
+    if (small) {
+      add("free/batch/2/small", 1, [](auto& state) {
+        time_march(state, {at_start(Paper::free_slider, 0), at_start(Paper::free_slider, 1)}, {20'000, 1});
+      });
+    } else {
+      for (const int scenes : {2, 8, 64})
+        add(fmt::format("free/batch/{}", scenes), 1, [=](auto& state) {
+          const Work work{8'000'000 / scenes, 1};
+          time_march(state, settled(Paper::free_slider, scenes), work);
+        });
+    }
+    const Work bare = sized({1'000'000, 4}, {10'000, 1});
+    add("step/flight" + size, bare.stretches,
+        [=](auto& state) { time_march(state, {in_flight()}, bare); });
+    add("step/contact" + size, bare.stretches,
+        [=](auto& state) { time_march(state, {in_contact()}, bare); });
+    add("chain/flight" + size, bare.stretches, [=](auto& state) {
+      time_chain(state, flight_chain, flight_chain_operations(), bare.steps);
+    });
+    add("chain/contact" + size, bare.stretches, [=](auto& state) {
+      time_chain(state, contact_chain, contact_chain_operations(), bare.steps);
+    });
+  }
+}
+
+// ---- the check -------------------------------------------------------------------------------------
+
+/// Largest difference of the modal states, displacements and velocities each over the largest of their kind.
+double difference(const Snapshot& march, const BaselineModes& resonator,
+                  const BaselineModes& slider) {
+  const auto kind = [](const std::vector<double>& a1, const std::vector<double>& b1,
+                       const std::vector<double>& a2, const std::vector<double>& b2) {
+    double apart = 0, largest = 0;
+    const auto compare = [&](const std::vector<double>& a, const std::vector<double>& b) {
+      for (std::size_t k = 0; k < a.size(); ++k) {
+        apart = std::max(apart, std::abs(a[k] - b[k]));
+        largest = std::max(largest, std::abs(a[k]));
+      }
+    };
+    compare(a1, b1);
+    compare(a2, b2);
+    return apart / largest;
+  };
+  return std::max(kind(march.resonator_u, resonator.u, march.slider_u, slider.u),
+                  kind(march.resonator_v, resonator.v, march.slider_v, slider.v));
+}
+
+/// Both baselines against the march over a stretch with contact.
+bool baselines_agree() {
+  constexpr std::int64_t stretch = 300;
+  bool agree = true;
+  for (const Paper paper : {Paper::free_slider, Paper::pinned_slider}) {
+    const Prepared scene = before_contact(settled(paper, 1)[0], stretch);
+    Batch batch = make_batch({scene});
+    march_on(batch, 1, 2 * stretch);
+    const Snapshot march = batch.snapshot(0);
+    const auto check = [&](const char* which, auto baseline, double bound) {
+      baseline.march(2 * stretch);
+      const double apart = difference(march, baseline.resonator, baseline.slider);
+      const bool good = apart <= bound && baseline.contact_steps == march.contact_steps;
+      fmt::print(stderr,
+                 "{}/{}: {} steps, {} of them with contact ({} in the march), relative difference "
+                 "{:.1e}, at the most {:.1e}{}\n",
+                 name(paper), which, 2 * stretch, baseline.contact_steps, march.contact_steps,
+                 apart, bound, good ? "" : ": WRONG");
+      agree = agree && good;
+    };
+    // roundings of both, and what the contact makes of them
+    check("plain", Plain(scene.model, scene.start), 1e-10);
+    // psi interpolated linearly: (beta chi)^2 / 8 of the highest mode
+    const double turn = scene.model.resonator.modes.back().beta * scene.model.scene.spacing;
+    check("tables", Tables(scene.model, scene.start), turn * turn / 8);
+  }
+  return agree;
+}
+
+const char* compiler() {
+#if defined(__clang__)
+  return "Clang " __clang_version__;
+#elif defined(__GNUC__)
+  return "GCC " __VERSION__;
+#else
+  return "unknown";
+#endif
+}
+
+}  // namespace
+}  // namespace ra2d::bench
+
+int main(int argc, char** argv) {
+  using namespace ra2d;
+  const Backend backend;
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
+  benchmark::AddCustomContext("ra2d", RA2D_VERSION " (" RA2D_COMMIT ")");
+  benchmark::AddCustomContext("backend", backend_name());
+  benchmark::AddCustomContext("threads", std::to_string(backend_threads()));
+  benchmark::AddCustomContext("lanes", std::to_string(LanesOf<Space>::width));
+  benchmark::AddCustomContext("compiler", bench::compiler());
+  try {
+    if (!bench::baselines_agree()) return 1;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return 1;
+  }
+  bench::add_cases();
+  bench::RatioReporter reporter;
+  benchmark::RunSpecifiedBenchmarks(&reporter);
+  fmt::print(stderr, "{}", reporter.table());
+  return reporter.failed() ? 1 : 0;
+}

@@ -1,0 +1,383 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "host/run/batch.hpp"
+#include "host/run/record.hpp"
+#include "kernels/gap.hpp"
+#include "kernels/lanes.hpp"
+#include "tests/simulate.hpp"
+
+namespace {
+
+using namespace ra2d;
+
+constexpr int width = HostLanes::width;
+using Real = HostLanes::Real;
+
+struct NoTeam {};
+const HostLanes lanes{NoTeam{}};
+
+SceneTables moving(double position, double advance, int windows = 1) {
+  SceneTables t;
+  t.position = position;
+  t.advance = advance;
+  t.windows = windows;
+  t.window_width = 1.0 / windows;
+  return t;
+}
+
+// ---- Place ------------------------------------------------------------------------------------
+
+TEST(Place, BetweenTwoNodes) {
+  const SceneTables t = moving(10.25, 0.125, 4);
+  const Place start(t, 0);
+  EXPECT_EQ(start.position, 10.25);
+  EXPECT_EQ(start.base, 10);
+  EXPECT_EQ(start.theta, 0.25);
+  EXPECT_EQ(start.part, 1);
+  EXPECT_EQ(start.offset, 0.25 - 0.375);
+  EXPECT_EQ(start.window(t), 41);
+  const Place later(t, 5);
+  EXPECT_EQ(later.position, 10.875);
+  EXPECT_EQ(later.part, 3);
+  EXPECT_EQ(later.offset, 0);
+  EXPECT_EQ(later.window(t), 43);
+}
+
+TEST(Place, OnANode) {
+  const SceneTables t = moving(7, 0.25, 2);
+  for (const std::int64_t step : {0, 4, 8}) {
+    const Place place(t, step);
+    EXPECT_EQ(place.base, 7 + step / 4);
+    EXPECT_EQ(place.theta, 0);
+    EXPECT_EQ(place.part, 0);
+    EXPECT_EQ(place.offset, -0.25);
+    EXPECT_EQ(place.window(t), 2 * place.base);
+  }
+}
+
+TEST(Place, JustBeforeAndAfterACrossing) {
+  // Whatever the number of windows: the last one ends where the next node's first begins.
+  for (int windows = 1; windows <= 100; ++windows)
+    for (const double node : {1.0, 2.0, 11.0, 15000.0}) {
+      const SceneTables before = moving(std::nextafter(node, 0), 0, windows);
+      const SceneTables after = moving(std::nextafter(node, 1e9), 0, windows);
+      const Place left(before, 0), on(moving(node, 0, windows), 0), right(after, 0);
+      ASSERT_EQ(left.base, node - 1);
+      ASSERT_LT(left.theta, 1);
+      ASSERT_EQ(left.part, windows - 1);
+      ASSERT_EQ(left.window(before), node * windows - 1);
+      ASSERT_EQ(on.window(before), node * windows);
+      ASSERT_EQ(right.base, node);
+      ASSERT_GT(right.theta, 0);
+      ASSERT_EQ(right.window(after), node * windows);
+    }
+}
+
+TEST(Place, WindowsFollowOneAnotherAndHoldTheirOffsets) {
+  for (const int windows : {1, 2, 3, 7, 10}) {
+    const SceneTables t = moving(3.7, 0.0123, windows);
+    std::int64_t last = Place(t, 0).window(t);
+    for (std::int64_t step = 1; step < 2000; ++step) {
+      const Place place(t, step);
+      const std::int64_t window = place.window(t);
+      ASSERT_TRUE(window == last || window == last + 1);
+      // roundings of theta windows and of the offset itself
+      ASSERT_LE(std::abs(place.offset), 0.5 * t.window_width * (1 + 0x1p-50));
+      last = window;
+    }
+    EXPECT_EQ(last, std::floor((3.7 + 1999 * 0.0123) * windows));
+  }
+}
+
+TEST(Place, MovingOnIsTheSameAsStandingThere) {
+  // To the last bit: results must not depend on where a watch began.
+  const SceneTables t = moving(3.7, 0.00123, 5);
+  for (std::int64_t step = 0; step < 3000; ++step) {
+    const Place here(t, step);
+    for (std::int64_t next = step; next < step + 200; next += 13) {
+      const Place there(t, next);
+      if (there.window(t) != here.window(t)) break;
+      Place moved = here;
+      moved.move_to(t, next);
+      ASSERT_EQ(moved.position, there.position);
+      ASSERT_EQ(moved.theta, there.theta);
+      ASSERT_EQ(moved.offset, there.offset);
+      ASSERT_EQ(moved.window(t), there.window(t));
+    }
+  }
+}
+
+TEST(Place, ManyStepsAreRoundedOnce) {
+  // A product and a sum, one rounding: half an ulp, whatever the number of steps.
+  const SceneTables t = moving(1234.567, 1.0 / 3e5);
+  for (const std::int64_t step : {1LL, 99'999'999LL, 1'234'567'891LL}) {
+    const long double exact = static_cast<long double>(step) * t.advance + t.position;
+    const Place place(t, step);
+    EXPECT_LE(std::abs(place.position - exact),
+              0.5000001L * (std::nextafter(place.position, 1e9) - place.position));
+  }
+}
+
+// ---- GroupPlace -------------------------------------------------------------------------------
+
+struct Wide {
+  static constexpr int width = 32;
+};
+
+template <class Lanes>
+void every_node_lies_on_its_patch() {
+  for (int patch_nodes = 1; patch_nodes <= 70; ++patch_nodes) {
+    SceneTables t;
+    t.patch_nodes = patch_nodes;
+    const double radius = 0.5 * (patch_nodes + Lanes::width) + 1;
+    t.inverse_radius = 1 / radius;
+    for (int base = 0; base < 3 * patch_nodes; ++base)
+      for (const double theta : {0.0, 0.5, 1 - 0x1p-40})
+        for (int group = 0; group < 4; ++group) {
+          t.position = base + theta;
+          const GroupPlace<Lanes> at(t, Place(t, 0), group);
+          ASSERT_GE(at.patch, 0);
+          const double first = base + theta + group * Lanes::width - (at.patch + 0.5) * patch_nodes;
+          ASSERT_NEAR(at.eta * radius, first, 4 * 0x1p-52 * radius);  // four roundings
+          // the group's first and last node, and the resonator's next node behind the last
+          ASSERT_GE(at.eta, -1);
+          ASSERT_LE(at.eta + Lanes::width * t.inverse_radius, 1 + 0x1p-50);
+        }
+  }
+}
+
+TEST(GroupPlace, EveryNodeLiesOnItsPatch) {
+  every_node_lies_on_its_patch<HostLanes>();
+  every_node_lies_on_its_patch<Wide>();
+}
+
+TEST(GroupPlace, PatchUnderTheGroupsMiddle) {
+  SceneTables t;
+  t.patch_nodes = 10;
+  t.inverse_radius = 0.125;
+  t.position = 20 - width / 2;  // the middle stands on node 20: the first of patch 2
+  const GroupPlace<HostLanes> at(t, Place(t, 0), 0);
+  EXPECT_EQ(at.patch, 2);
+  EXPECT_EQ(at.eta, (t.position - 25) / 8);
+  t.position = 19 - width / 2;
+  EXPECT_EQ(GroupPlace<HostLanes>(t, Place(t, 0), 0).patch, 1);
+}
+
+// ---- the faces --------------------------------------------------------------------------------
+
+/// Two groups of slider nodes over a resonator with heights that are whole numbers: all sums are
+/// exact.
+struct Faces {
+  std::vector<double> height1, height2;
+  SceneTables t;
+
+  Faces() {
+    t.groups = 2;
+    for (int n = 0; n < 2 * width; ++n) height1.push_back(-100 - n);
+    for (int n = 0; n < 4 * width; ++n) height2.push_back(n * n);
+    t.height1 = height1.data();
+    t.height2 = height2.data();
+  }
+};
+
+TEST(StaticOverlap, TakesTheResonatorBetweenItsNodes) {
+  Faces faces;
+  for (const double theta : {0.0, 0.25, 0.75})
+    for (int group = 0; group < 2; ++group) {
+      faces.t.position = 3 + theta;
+      const StaticOverlap<HostLanes> overlap(lanes, faces.t, Place(faces.t, 0), group);
+      std::array<double, width> height, rise;
+      lanes.store(height.data(), overlap.height);
+      lanes.store(rise.data(), overlap.rise);
+      for (int lane = 0; lane < width; ++lane) {
+        const int n = group * width + lane, at = 3 + n;
+        EXPECT_EQ(rise[lane], 2 * at + 1);
+        EXPECT_EQ(height[lane], -100 - n + at * at + theta * (2 * at + 1));
+      }
+    }
+}
+
+TEST(SliderDisplacement, AddsModeByMode) {
+  SceneTables t;
+  t.groups = 2;
+  t.resonator_modes = 1;
+  t.slider_modes = 2;
+  std::vector<double> shape;
+  for (int k = 0; k < 2; ++k)
+    for (int n = 0; n < 2 * width; ++n) shape.push_back(k == 0 ? 1 : n);
+  t.slider_shape = shape.data();
+  const double amplitude[] = {1e6, 0.5, 0.25};  // the resonator's stands first and is not its own
+  for (int group = 0; group < 2; ++group) {
+    std::array<double, width> out;
+    lanes.store(out.data(), add_slider_displacement(lanes, t, amplitude, group, Real(4.0)));
+    for (int lane = 0; lane < width; ++lane)
+      EXPECT_EQ(out[lane], 4.5 + 0.25 * (group * width + lane));
+  }
+}
+
+// ---- one node over one window -----------------------------------------------------------------
+
+TEST(ExpandNode, CubicAboutTheWindowsMiddle) {
+  // One resonator mode that is the cubic y^3 + 2 y^2 - 3 y + 5 of y = (x - centre of patch 1)/chi,
+  // and one slider mode: every number is dyadic, so the expansion is exact.
+  constexpr int patch_nodes = 14 - width, radius = 8;  // (patch_nodes + width)/2 + 1
+  SceneTables t = moving(patch_nodes + 1.25, 0, 2);
+  t.patch_nodes = patch_nodes;
+  t.inverse_radius = 1.0 / radius;
+  t.resonator_modes = t.slider_modes = t.groups = 1;
+  std::vector<double> quartic(width, 0.0), patch(2 * 4 * width, 0.0), unit(width, 0.0);
+  std::vector<double> slider_shape(width), height1(width), height2(patch_nodes + width + 4);
+  const double cubic[] = {5, -3, 2, 1};
+  for (int j = 0; j < 4; ++j) patch[(4 + j) * width] = cubic[j] * std::pow(radius, j);
+  unit[1] = 1;
+  for (int n = 0; n < width; ++n) slider_shape[n] = 0.5 * n, height1[n] = -10 - n;
+  for (std::size_t n = 0; n < height2.size(); ++n) height2[n] = static_cast<double>(n * n);
+  t.quartic = quartic.data(), t.patch = patch.data(), t.unit = unit.data();
+  t.slider_shape = slider_shape.data(), t.height1 = height1.data(), t.height2 = height2.data();
+
+  const Place place(t, 0);
+  ASSERT_EQ(place.part, 0);
+  for (int node = 0; node < 2; ++node) {
+    const int at = patch_nodes + 1 + node;
+    ASSERT_EQ(at / patch_nodes, 1) << "the test means patch 1";
+    std::array<double, 4 * width> shape;
+    double face[2];
+    expand_node<HostLanes, 1, 1>(lanes, t, place, node, shape.data(), face);
+    const double y = at + 0.25 - 1.5 * patch_nodes;  // the middle of the first half chi
+    EXPECT_EQ(shape[0], y * y * y + 2 * y * y - 3 * y + 5);
+    EXPECT_EQ(shape[width], 3 * y * y + 4 * y - 3);
+    EXPECT_EQ(shape[2 * width], 3 * y + 2);
+    EXPECT_EQ(shape[3 * width], 1);
+    EXPECT_EQ(shape[1], 0.5 * node);  // the slider's: its nodes do not move on it
+    for (int m = 1; m < 4; ++m) EXPECT_EQ(shape[m * width + 1], 0);
+    for (int lane = 2; lane < width; ++lane)
+      for (int m = 0; m < 4; ++m) EXPECT_EQ(shape[m * width + lane], 0);
+    EXPECT_EQ(face[0], -10 - node + at * at);
+    EXPECT_EQ(face[1], 2 * at + 1);
+  }
+}
+
+// ---- edges, through the march -----------------------------------------------------------------
+
+/// Two steel strips at rest, a millimetre between their nodes. Heights in whole 2^-20 m are exact.
+constexpr double unit_height = 0x1p-20;
+
+Scene strips(Nodes nodes) {
+  Scene s;
+  s.spacing = 0x1p-10;
+  s.step = 1e-9;
+  s.duration = 20e-9;
+  s.rate = 1e9;
+  s.start = 16 * s.spacing;
+  s.gap = 0;
+  s.stiffness = 1e12;
+  s.nodes = nodes;
+  s.resonator.support = Support::free;
+  s.resonator.length = 256 * s.spacing;
+  s.resonator.thickness = 0.002;
+  s.resonator.width = 0.02;
+  s.resonator.young = 210e9;
+  s.resonator.density = 7800;
+  s.resonator.modes = 3;
+  s.slider = s.resonator;
+  s.slider.support = Support::rigid;
+  s.slider.length = 20 * s.spacing;
+  return s;
+}
+
+class Edges : public testing::TestWithParam<Nodes> {};
+INSTANTIATE_TEST_SUITE_P(Gap, Edges, testing::Values(Nodes::all, Nodes::candidates),
+                         [](const auto& info) {
+                           return info.param == Nodes::all ? "AllNodes" : "Candidates";
+                         });
+
+TEST_P(Edges, OpenGapIsNoContact) {
+  Scene s = strips(GetParam());
+  s.gap = std::numeric_limits<double>::denorm_min();
+  const test::Recording run = test::simulate(s);
+  EXPECT_EQ(run.end.contact_steps, 0);
+  EXPECT_EQ(run.end.most_nodes, 0);
+  EXPECT_EQ(run.end.shocks_begun, 0);
+}
+
+TEST_P(Edges, TouchingAtExactlyZeroIsContactWithoutForce) {
+  const test::Recording run = test::simulate(strips(GetParam()));
+  EXPECT_EQ(run.end.contact_steps, 20);
+  EXPECT_EQ(run.end.most_nodes, 21) << "all nodes";
+  ASSERT_EQ(run.end.open_shocks.size(), 1);
+  EXPECT_EQ(run.end.open_shocks[0].peak, 0);
+  EXPECT_EQ(run.end.open_shocks[0].start, 0);
+  EXPECT_EQ(run.end.energy, 0);
+  for (const double nodes : run.samples.nodes) EXPECT_EQ(nodes, 21);
+  for (const double force : run.samples.force) EXPECT_EQ(force, 0);
+}
+
+/// The first sample's force and number of nodes; the shock's place in chi after one step.
+struct FirstContact {
+  double force, nodes, place, stiffness;
+};
+FirstContact first_contact(Scene s) {
+  s.duration = s.step;
+  const test::Recording run = test::simulate(s);
+  EXPECT_EQ(run.end.open_shocks.size(), 1);
+  const OpenShock shock = run.end.open_shocks.empty() ? OpenShock{} : run.end.open_shocks[0];
+  return {run.samples.force.at(0), run.samples.nodes.at(0), shock.moment / shock.impulse,
+          run.model.node_stiffness};
+}
+
+TEST_P(Edges, OneNode) {
+  Scene s = strips(GetParam());
+  s.slider.surface = {.kind = SurfaceKind::peaks,
+                      .peaks = {{7 * s.spacing, 3 * unit_height, 0.5 * s.spacing}}};
+  s.gap = unit_height;
+  const FirstContact contact = first_contact(s);
+  EXPECT_EQ(contact.nodes, 1);
+  EXPECT_EQ(contact.force, contact.stiffness * 2 * unit_height);
+  EXPECT_EQ(contact.place, 16 + 7);
+}
+
+TEST_P(Edges, FirstNodeOfBoth) {
+  Scene s = strips(GetParam());
+  s.start = 0;
+  s.slider.surface = {.kind = SurfaceKind::peaks, .peaks = {{0, 3 * unit_height, 0.5 * s.spacing}}};
+  s.gap = unit_height;
+  const FirstContact contact = first_contact(s);
+  EXPECT_EQ(contact.nodes, 1);
+  EXPECT_EQ(contact.force, contact.stiffness * 2 * unit_height);
+  EXPECT_EQ(contact.place, 0);
+}
+
+TEST_P(Edges, LastNodeOfTheResonator) {
+  // The slider's last node over the resonator's: behind it there is no next node to interpolate to.
+  Scene s = strips(GetParam());
+  s.start = s.resonator.length - s.slider.length;
+  s.resonator.surface = {.kind = SurfaceKind::peaks,
+                         .peaks = {{s.resonator.length, 3 * unit_height, 0.5 * s.spacing}}};
+  s.gap = unit_height;
+  const FirstContact contact = first_contact(s);
+  EXPECT_EQ(contact.nodes, 1);
+  EXPECT_EQ(contact.force, contact.stiffness * 2 * unit_height);
+  EXPECT_EQ(contact.place, 256);
+}
+
+TEST_P(Edges, BetweenTwoNodesOfTheResonator) {
+  // A peak of the resonator a quarter of chi behind the slider's node: a quarter of it is lost.
+  Scene s = strips(GetParam());
+  s.start = 16.25 * s.spacing;
+  s.resonator.surface = {.kind = SurfaceKind::peaks,
+                         .peaks = {{20 * s.spacing, 8 * unit_height, 0.5 * s.spacing}}};
+  s.gap = 4 * unit_height;
+  const FirstContact contact = first_contact(s);
+  EXPECT_EQ(contact.nodes, 1);
+  EXPECT_EQ(contact.force, contact.stiffness * 2 * unit_height);
+  EXPECT_EQ(contact.place, 20.25);
+}
+
+}  // namespace
