@@ -6,10 +6,10 @@
 
 #include "host/run/model.hpp"
 
-/// What the march is measured against: the paper's method as one would write it first, and the best that a
-/// simple program does. Every node at every step, penalty contact, backward Euler; of the results they keep
-/// the state, the sum of V^2 and the number of steps in contact, which is less than the march records.
-/// For pinned resonators, as in the paper.
+/// What the march is measured against: the paper's method as one would write it first, and the best
+/// that a simple program does. Every node at every step, penalty contact, backward Euler; of the
+/// results they keep the state, the sum of V^2 and the number of steps in contact, which is less
+/// than the march records. For pinned resonators, as in the paper.
 namespace ra2d::bench {
 
 /// The modes of one body and their step (kernels/schemes/backward_euler.hpp).
@@ -23,7 +23,8 @@ struct BaselineModes {
   void advance(const double* force, double tau);
 };
 
-/// psi is written where it stands: a sine for each node and mode, then again for the force where they touch.
+/// psi is written where it stands: a sine for each node and mode, then again for the force where
+/// they touch.
 class Plain {
  public:
   Plain(const Model& model, const ModalStart& start);
@@ -34,17 +35,17 @@ class Plain {
 
  private:
   double tau_, spacing_, position_, advance_, delta_, stiffness_;
-  double amplitude_;                  // sqrt(2/L)
-  std::vector<double> wave_;          // 1/m, beta_k
-  std::vector<double> shapes1_;       // (slider mode, node): these nodes do not move
+  double amplitude_;             // sqrt(2/L)
+  std::vector<double> wave_;     // 1/m, beta_k
+  std::vector<double> shapes1_;  // (slider mode, node): these nodes do not move
   std::vector<double> height1_, height2_;
   std::vector<double> force1_, force2_;
 };
 
-/// psi is tabulated at the resonator's nodes. Surface and displacement of the resonator are interpolated
-/// together between them, linearly: the displacement is one matrix times vector. A nodal force goes to the two
-/// nodes next to it, which makes the modal force the transposed product; it has few entries, and only those are
-/// multiplied.
+/// psi is tabulated at the resonator's nodes. Surface and displacement of the resonator are
+/// interpolated together between them, linearly: the displacement is one matrix times vector. A
+/// nodal force goes to the two nodes next to it, which makes the modal force the transposed
+/// product; it has few entries, and only those are multiplied.
 class Tables {
  public:
   Tables(const Model& model, const ModalStart& start);
@@ -55,10 +56,11 @@ class Tables {
 
  private:
   double tau_, position_, advance_, stiffness_;
-  Eigen::MatrixXd shapes1_;           // slider node, mode
-  Eigen::MatrixXd shapes2_;           // resonator node, mode
-  Eigen::VectorXd height1_, height2_; // h_1 - delta; h_2
-  Eigen::VectorXd lower_, overlap_;   // work space
+  Eigen::MatrixXd shapes1_;            // slider node, mode
+  Eigen::MatrixXd shapes2_;            // resonator node, mode
+  Eigen::VectorXd height1_, height2_;  // h_1 - delta; h_2
+  Eigen::VectorXd lower_, overlap_;    // work space
+  std::vector<Eigen::Index> touching_;
   Eigen::VectorXd force1_, force2_;
 };
 

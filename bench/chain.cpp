@@ -41,8 +41,11 @@ struct Packs {
 // U -> c1 U + kick -> V -> U: the packs wait for themselves alone.
 int flight_chain_operations() { return 3; }
 
-// U -> one product or fma a pack -> the sum over lanes, a shuffle and an addition for each halving ->
-// + faces -> max -> times stiffness -> broadcast -> into the modal force -> times c2 -> + c1 U -> V -> U
+// U -> one product or fma a pack -> the sum over lanes, a shuffle and an addition for each halving
+// ->
+// + faces -> times stiffness -> sign -> broadcast -> into the modal force -> times c2 -> + c1 U ->
+// V -> U. Whether the node touches is a branch, here as in the march, and a branch that is foreseen
+// waits for nothing.
 int contact_chain_operations() {
   int halvings = 0;
   for (int lanes = Lanes::width; lanes > 1; lanes /= 2) ++halvings;
@@ -67,11 +70,13 @@ double contact_chain(std::int64_t steps) {
   for (std::int64_t i = 0; i < steps; ++i) {
     Real product = phi[0] * modes.u[0];
     for (int p = 1; p < packs; ++p) product = multiply_add(phi[p], modes.u[p], product);
-    const double f = penalty.force(faces + Lanes::sum(product));
+    const double overlap = faces + Lanes::sum(product);
+    if (!(overlap >= 0.0)) continue;
+    const double f = penalty.force(overlap);
     for (int p = 0; p < packs; ++p) {
       const Real force = multiply_add(-f, phi[p], Real(1e-3));
-      BackwardEuler::advance(modes.u[p], modes.v[p], modes.c0[p], modes.c1[p],
-                             modes.c2[p] * force, Real(tau));
+      BackwardEuler::advance(modes.u[p], modes.v[p], modes.c0[p], modes.c1[p], modes.c2[p] * force,
+                             Real(tau));
     }
   }
   return modes.sum();

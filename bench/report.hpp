@@ -10,7 +10,8 @@
 
 namespace ra2d::bench {
 
-/// Prints like the console reporter, and keeps the time per step of every case for a table of ratios.
+/// Prints like the console reporter, and keeps the time per step of every case for a table of
+/// ratios.
 class RatioReporter : public benchmark::ConsoleReporter {
  public:
   RatioReporter() : ConsoleReporter(OO_Tabular) {}
@@ -18,14 +19,14 @@ class RatioReporter : public benchmark::ConsoleReporter {
   void ReportRuns(const std::vector<Run>& runs) override {
     for (const Run& run : runs) {
       failed_ = failed_ || run.error_occurred;
-      const auto counter = run.counters.find("ns_per_step");
-      if (counter == run.counters.end() || run.error_occurred) continue;
-      // when only aggregates are asked for, their median stands for the repetitions
-      const std::string name = run.run_name.function_name + run.run_name.args;
-      if (run.run_type == Run::RT_Iteration)
-        samples_[name].push_back(counter->second);
-      else if (run.aggregate_name == "median")
-        medians_[name] = counter->second;
+      const auto wall = run.counters.find("ns_per_step");
+      const auto processor = run.counters.find("cpu_ns_per_step");
+      if (run.run_type != Run::RT_Iteration || run.error_occurred || wall == run.counters.end() ||
+          processor == run.counters.end())
+        continue;
+      Case& one = cases_[run.run_name.function_name];
+      one.wall.push_back(wall->second);
+      one.processor.push_back(processor->second);
     }
     ConsoleReporter::ReportRuns(runs);
   }
@@ -33,32 +34,39 @@ class RatioReporter : public benchmark::ConsoleReporter {
   /// Whether any case gave up.
   bool failed() const { return failed_; }
 
-  /// Medians over the repetitions, and each against the baselines on the same scene.
-  std::string table() {
-    for (auto& [name, values] : samples_) {
-      std::sort(values.begin(), values.end());
-      medians_[name] = 0.5 * (values[(values.size() - 1) / 2] + values[values.size() / 2]);
-    }
-    if (medians_.empty()) return {};
-    std::string out = fmt::format("\n{:<28}{:>12}{:>14}{:>14}\n", "median over repetitions",
-                                  "ns/step", "plain /this", "tables /this");
-    for (const auto& [name, ns] : medians_) {
+  /// Time per step: medians over the repetitions, and those of the baselines on the same scene over
+  /// them.
+  std::string table() const {
+    if (cases_.empty()) return {};
+    std::string out = fmt::format("\n{:<24}{:>14}{:>14}{:>14}{:>14}{:>14}\n", "ns per step",
+                                  "median", "least", "processor", "plain /this", "tables /this");
+    for (const auto& [name, one] : cases_) {
+      const double wall = median(one.wall);
       const std::string scene = name.substr(0, name.find('/'));
       const std::string size = name.ends_with("/small") ? "/small" : "";
-      const auto ratio = [&, ns = ns](const std::string& baseline) {
-        const auto found = medians_.find(scene + "/" + baseline + size);
-        return found == medians_.end() ? std::string("-")
-                                       : fmt::format("{:.4g}", found->second / ns);
+      const auto ratio = [&](const std::string& baseline) {
+        const auto found = cases_.find(scene + "/" + baseline + size);
+        return found == cases_.end() ? std::string("-")
+                                     : fmt::format("{:.2f}", median(found->second.wall) / wall);
       };
-      out += fmt::format("{:<28}{:>12.4g}{:>14}{:>14}\n", name, ns, ratio("plain"), ratio("tables"));
+      out += fmt::format("{:<24}{:>14.2f}{:>14.2f}{:>14.2f}{:>14}{:>14}\n", name, wall,
+                         *std::min_element(one.wall.begin(), one.wall.end()), median(one.processor),
+                         ratio("plain"), ratio("tables"));
     }
     return out;
   }
 
  private:
+  struct Case {
+    std::vector<double> wall, processor;  // ns per step, one a repetition
+  };
+  static double median(std::vector<double> values) {
+    std::sort(values.begin(), values.end());
+    return 0.5 * (values[(values.size() - 1) / 2] + values[values.size() / 2]);
+  }
+
   bool failed_ = false;
-  std::map<std::string, std::vector<double>> samples_;
-  std::map<std::string, double> medians_;
+  std::map<std::string, Case> cases_;
 };
 
 }  // namespace ra2d::bench

@@ -21,7 +21,8 @@ struct Prepared {
 /// The scene at t = 0. `variant` > 0 stands for the same scene with other surfaces.
 Prepared at_start(Paper paper, int variant = 0);
 
-/// Variants 0 to count - 1 after about 20 ms, when the start is forgotten. Marched once in a program.
+/// Variants 0 to count - 1 after about 20 ms, when the start is forgotten. Marched once in a
+/// program.
 std::vector<Prepared> settled(Paper paper, int count);
 
 /// The scene taken over from a march of it: its step 0 is where the march stands.
@@ -33,7 +34,8 @@ Prepared before_contact(const Prepared& from, std::int64_t stretch);
 /// Nothing can touch: a slider a metre away, the resonator ringing in all its modes.
 Prepared in_flight();
 
-/// Contact at every step: the free slider does not slide, and rocks so little that no node lifts off.
+/// Contact at every step: the free slider does not slide, and rocks so little that no node lifts
+/// off.
 Prepared in_contact();
 
 /// The same scene with its gap looked at in another way.

@@ -32,7 +32,8 @@ KOKKOS_FORCEINLINE_FUNCTION Real cubic_slope(const double* q, const Real& eta) {
 /// psi_k^(j)(centre)/j!. What they leave out is below sum_k |U_k| reach_tail_k.
 template <class Lanes, int K>
 KOKKOS_FORCEINLINE_FUNCTION void series_coefficients(const Lanes& lanes, const double* rows,
-                                                     const typename Lanes::Real* amplitude, double* q) {
+                                                     const typename Lanes::Real* amplitude,
+                                                     double* q) {
   using Real = typename Lanes::Real;
   for (int j = 0; j < 4; ++j) {
     Real part = lanes.load(rows + j * K * Lanes::width) * amplitude[0];
@@ -42,11 +43,12 @@ KOKKOS_FORCEINLINE_FUNCTION void series_coefficients(const Lanes& lanes, const d
   }
 }
 
-/// The whole series of pack p of the modes, to below the roundings: c_j = radius^j psi^(j)(centre)/j! for
-/// j = 0 ... t.terms - 1. Four derivatives are stored, psi'''' = beta^4 psi gives the others.
+/// The whole series of pack p of the modes, to below the roundings: c_j = radius^j
+/// psi^(j)(centre)/j! for j = 0 ... t.terms - 1. Four derivatives are stored, psi'''' = beta^4 psi
+/// gives the others.
 template <class Lanes, int K>
-KOKKOS_INLINE_FUNCTION void full_series(const Lanes& lanes, const SceneTables& t, const double* rows,
-                                        int p, typename Lanes::Real* c) {
+KOKKOS_INLINE_FUNCTION void full_series(const Lanes& lanes, const SceneTables& t,
+                                        const double* rows, int p, typename Lanes::Real* c) {
   using Real = typename Lanes::Real;
   const Real quartic = lanes.load(t.quartic + p * Lanes::width);
   for (int j = 0; j < 4; ++j) {
@@ -72,8 +74,8 @@ KOKKOS_INLINE_FUNCTION void mode_values(const Lanes& lanes, const SceneTables& t
   }
 }
 
-/// The cubics of all modes about a place of the resonator: shape[m][p] is the m-th derivative over m!, per
-/// chi^m, of pack p of the modes. `position` in chi; `patch` one whose series holds there.
+/// The cubics of all modes about a place of the resonator: shape[m][p] is the m-th derivative over
+/// m!, per chi^m, of pack p of the modes. `position` in chi; `patch` one whose series holds there.
 template <class Lanes, int K>
 KOKKOS_INLINE_FUNCTION void expand_modes(const Lanes& lanes, const SceneTables& t, int patch,
                                          double position, typename Lanes::Real (&shape)[4][K]) {

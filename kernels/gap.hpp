@@ -6,7 +6,8 @@
 #include "kernels/lanes.hpp"
 #include "kernels/model.hpp"
 
-/// Contact detection: the gap at the slider's nodes (paper, equation 10; model page, "Nodes and gap"),
+/// Contact detection: the gap at the slider's nodes (paper, equation 10; model page, "Nodes and
+/// gap"),
 ///   g_n = delta - h_1(s_n) - u_1(t, s_n) - h_2(x_n) - u_2(t, x_n),   contact: g_n <= 0.
 /// The kernels work with the overlap -g_n.
 namespace ra2d {
@@ -26,8 +27,8 @@ struct Place {
     part = static_cast<int>(theta * t.windows);
     offset = theta - (part + 0.5) * t.window_width;
   }
-  /// The number of the window: a stretch of the way within which no node passes another and the modes' shapes
-  /// at a node are cubic polynomials of the offset.
+  /// The number of the window: a stretch of the way within which no node passes another and the
+  /// modes' shapes at a node are cubic polynomials of the offset.
   KOKKOS_FORCEINLINE_FUNCTION std::int64_t window(const SceneTables& t) const {
     return static_cast<std::int64_t>(base) * t.windows + part;
   }
@@ -47,18 +48,20 @@ struct GroupPlace {
 
   KOKKOS_FORCEINLINE_FUNCTION GroupPlace(const SceneTables& t, const Place& place, int group) {
     patch = (place.base + group * Lanes::width + Lanes::width / 2) / t.patch_nodes;
-    eta = (place.position + (group * Lanes::width - (patch + 0.5) * t.patch_nodes)) * t.inverse_radius;
+    eta = (place.position + (group * Lanes::width - (patch + 0.5) * t.patch_nodes)) *
+          t.inverse_radius;
   }
 };
 
-/// The rough faces alone: h_1 - delta + h_2 at the nodes of a group, and the resonator's rise to its next node.
+/// The rough faces alone: h_1 - delta + h_2 at the nodes of a group, and the resonator's rise to
+/// its next node.
 template <class Lanes>
 struct StaticOverlap {
   using Real = typename Lanes::Real;
   Real height, rise;
 
-  KOKKOS_FORCEINLINE_FUNCTION StaticOverlap(const Lanes& lanes, const SceneTables& t, const Place& place,
-                                            int group) {
+  KOKKOS_FORCEINLINE_FUNCTION StaticOverlap(const Lanes& lanes, const SceneTables& t,
+                                            const Place& place, int group) {
     const double* h2 = t.height2 + place.base + group * Lanes::width;
     const Real left = lanes.load(h2);
     rise = lanes.load(h2 + 1) - left;
@@ -79,12 +82,13 @@ KOKKOS_FORCEINLINE_FUNCTION typename Lanes::Real add_slider_displacement(
 }
 
 /// One slider node over one window: what its overlap and its modal force are made of.
-/// Overlap -g = face + theta rise + sum_k U_k phi_k(offset), with phi_k cubic in the offset; phi holds both
-/// bodies' modes, so the modal force of a nodal force f is -f phi_k (paper, the line under equation 6).
-/// A pure function of node and window: whoever evaluates a node, for whatever reason, gets the same bits.
+/// Overlap -g = face + theta rise + sum_k U_k phi_k(offset), with phi_k cubic in the offset; phi
+/// holds both bodies' modes, so the modal force of a nodal force f is -f phi_k (paper, the line
+/// under equation 6). A pure function of node and window: whoever evaluates a node, for whatever
+/// reason, gets the same bits.
 template <class Lanes, int K>
-KOKKOS_INLINE_FUNCTION void expand_node(const Lanes& lanes, const SceneTables& t, const Place& place,
-                                        int node, double* shape, double* face) {
+KOKKOS_INLINE_FUNCTION void expand_node(const Lanes& lanes, const SceneTables& t,
+                                        const Place& place, int node, double* shape, double* face) {
   using Real = typename Lanes::Real;
   const int at = place.base + node;
   Real c[4][K];

@@ -6,9 +6,9 @@
 
 /// Lanes: how the one team that marches a scene spreads its modes and nodes.
 ///
-/// The formulas are written once, for a pack `Real` that holds one value a lane. On a CPU a pack is a
-/// SIMD register of one thread; on a GPU it is one double in each thread of a warp. A sum over lanes adds
-/// in one fixed tree, so a result does not depend on threads, batch or launch.
+/// The formulas are written once, for a pack `Real` that holds one value a lane. On a CPU a pack is
+/// a SIMD register of one thread; on a GPU it is one double in each thread of a warp. A sum over
+/// lanes adds in one fixed tree, so a result does not depend on threads, batch or launch.
 namespace ra2d {
 
 /// Lanes of a CPU thread: the SIMD register of the instruction set that Kokkos was built for.
@@ -68,8 +68,8 @@ struct HostLanes {
 };
 
 #if defined(KOKKOS_ENABLE_CUDA)
-/// Lanes of a GPU team: the threads of one warp. Every lane computes the same scalars and takes the same
-/// branches; only the leader writes what is shared.
+/// Lanes of a GPU team: the threads of one warp. Every lane computes the same scalars and takes the
+/// same branches; only the leader writes what is shared.
 template <class Member>
 struct WarpLanes {
   using Real = double;
@@ -134,8 +134,8 @@ KOKKOS_FORCEINLINE_FUNCTION Real multiply_add(const Real& a, const Real& b, cons
   return Kokkos::fma(a, b, c);
 }
 template <class Real>
-  requires(!std::is_same_v<Real, double>)
-KOKKOS_FORCEINLINE_FUNCTION Real multiply_add(double a, const Real& b, const Real& c) {
+requires(!std::is_same_v<Real, double>) KOKKOS_FORCEINLINE_FUNCTION Real
+    multiply_add(double a, const Real& b, const Real& c) {
   return Kokkos::fma(Real(a), b, c);
 }
 

@@ -13,26 +13,30 @@
 
 /// The time loop: one team marches one scene through many steps inside one launch.
 ///
-/// Every step is the paper's: contact detection, contact force, time integration. What differs between
-/// `Look::all` and `Look::candidates` is only which nodes are looked at, and the latter leaves out a node
-/// when, and only when, it provably cannot touch:
+/// Every step is the paper's: contact detection, contact force, time integration. What differs
+/// between `Look::all` and `Look::candidates` is only which nodes are looked at, and the latter
+/// leaves out a node when, and only when, it provably cannot touch:
 ///
-/// * Look (look_ahead). At a reference state the overlap o of a node and its rate along the straight line
+/// * Look (look_ahead). At a reference state the overlap o of a node and its rate along the
+/// straight line
 ///   U + t V are known. In free flight the modes leave that line by at most A t^2/2 with
-///     A = sum_k max|psi_k| ((1 + 2 zeta) omega_k E_k + |load_k|/m_k),   E_k^2 = V_k^2 + omega_k^2 U_k^2,
+///     A = sum_k max|psi_k| ((1 + 2 zeta) omega_k E_k + |load_k|/m_k),   E_k^2 = V_k^2 + omega_k^2
+///     U_k^2,
 ///   since E_k grows by the load alone; the node's own motion over the bent beam adds the curvature
-///   B = 2 V sum max|psi_k'| |V_k| + V^2 sum max|psi_k''| |U_k|. So no node touches before the smallest root
-///   of o + rate t + (A + B) t^2/2 = 0. Until then the march flies: it advances the modes and nothing else.
-/// * Watch. When that is too short, the nodes that could touch within N steps, if the modes stay within a
-///   leeway rho of their line, are evaluated at every step. While they stay, the contact force is at most
-///   f = kappa chi w sum_n max(0, overlap_n on the line + rho), so they leave the line by at most
-///   (A + sum_k max|psi_k|^2/m_k (1 + (1 + 2 zeta) omega_k t) f) t^2/2: N is the last step at which this is
-///   still within rho.
+///   B = 2 V sum max|psi_k'| |V_k| + V^2 sum max|psi_k''| |U_k|. So no node touches before the
+///   smallest root of o + rate t + (A + B) t^2/2 = 0. Until then the march flies: it advances the
+///   modes and nothing else.
+/// * Watch. When that is too short, the nodes that could touch within N steps, if the modes stay
+/// within a
+///   leeway rho of their line, are evaluated at every step. While they stay, the contact force is
+///   at most f = kappa chi w sum_n max(0, overlap_n on the line + rho), so they leave the line by
+///   at most (A + sum_k max|psi_k|^2/m_k (1 + (1 + 2 zeta) omega_k t) f) t^2/2: N is the last step
+///   at which this is still within rho.
 /// * Near. Both draw from a list of groups of nodes that can touch while no node passes another and
 ///   sum_k max|psi_k| |U_k - U_k^near| <= reach. It is rebuilt by a pass over block maxima.
 ///
-/// The arithmetic of a step does not depend on any of this, nor on where a launch ends: the results of all
-/// nodes and candidates, of one launch or many, are equal bit for bit.
+/// The arithmetic of a step does not depend on any of this, nor on where a launch ends: the results
+/// of all nodes and candidates, of one launch or many, are equal bit for bit.
 namespace ra2d {
 
 /// Steps for which the watch list is made, if nothing ends it earlier.
@@ -41,11 +45,13 @@ inline constexpr int watch_steps = 256;
 inline constexpr int shortest_flight = 24;
 /// Longest stretch that a look covers, and steps between two looks at the energy.
 inline constexpr int longest_flight = 4096;
-/// Energy may exceed what was put in by this factor before the run counts as unstable. The contact energy
-/// of a scheme near its limit swings by a factor of a few; beyond the limit it grows without bound.
+/// Energy may exceed what was put in by this factor before the run counts as unstable. The contact
+/// energy of a scheme near its limit swings by a factor of a few; beyond the limit it grows without
+/// bound.
 inline constexpr double energy_factor = 10.0;
 
-/// Bound on the rounding of a displacement, over sum max|psi_k| |U_k|: a sum over the modes of a polynomial.
+/// Bound on the rounding of a displacement, over sum max|psi_k| |U_k|: a sum over the modes of a
+/// polynomial.
 inline constexpr double rounding = 256 * 0x1p-52;
 
 template <class Lanes, class Scheme, int K>
@@ -74,7 +80,8 @@ class Marcher {
     step_ = s_.step;
   }
 
-  /// Marches until step `target`, the end of the scene, a full buffer or a failure, whichever is first.
+  /// Marches until step `target`, the end of the scene, a full buffer or a failure, whichever is
+  /// first.
   KOKKOS_FUNCTION void run(std::int64_t target) {
     const std::int64_t stop = target < t_.total_steps ? target : t_.total_steps;
     while (s_.status == Status::running) {
@@ -131,7 +138,8 @@ class Marcher {
     if (lanes_.leader()) s_.step = step_;
   }
 
-  // ---- when things happen --------------------------------------------------------------------------
+  // ---- when things happen
+  // --------------------------------------------------------------------------
 
   /// Sample j stands at step j steps_per_sample: between two steps it is interpolated linearly.
   KOKKOS_FUNCTION void sample_place(std::int64_t sample, std::int64_t& step, double& share) const {
@@ -179,6 +187,7 @@ class Marcher {
     if (at != step_) return true;
     if (s_.sample_count == s_.sample_capacity) return false;
     write_sample(1.0 - share, false);
+    watch_energy();
     if (lanes_.leader()) {
       if (share > 0.0) {
         s_.sample_pending = true;
@@ -218,12 +227,8 @@ class Marcher {
     if (energy > 0.0) energy *= 0.5 / t_.node_stiffness;
     // the number of nodes is not interpolated: it is that of the step before the sample
     const double nodes = add ? 0.0 : contact.touched / weight;
-    const double values[sample::columns] = {contact.force,
-                                            nodes,
-                                            energy,
-                                            damping_loss,
-                                            sliding_work,
-                                            s_.force_work + s_.force_part};
+    const double values[sample::columns] = {
+        contact.force, nodes, energy, damping_loss, sliding_work, s_.force_work + s_.force_part};
     double* column = row + 2 * K * width;
     for (int i = 0; i < sample::columns; ++i)
       column[i] = weight * values[i] + (add ? column[i] : 0.0);
@@ -250,8 +255,8 @@ class Marcher {
     return t_.advance * (s_.climb_part + lanes_.sum(bend_));
   }
 
-  /// Kinetic + elastic energy against what was put in. Ends the scene when it is not finite or has grown
-  /// without work to pay for it.
+  /// Kinetic + elastic energy against what was put in. Ends the scene when it is not finite or has
+  /// grown without work to pay for it.
   KOKKOS_FUNCTION void watch_energy() {
     Real part(0.0), load_work(0.0);
     for (int p = 0; p < K; ++p) {
@@ -260,10 +265,10 @@ class Marcher {
       load_work = multiply_add(load_[p], u_[p] - load(s_.start, p), load_work);
     }
     const double energy = 0.5 * lanes_.sum(part);
-    const double loads = Kokkos::abs(lanes_.sum(load_work));
-    const double limit =
-        energy_factor * (s_.energy_start + loads + Kokkos::abs(s_.force_work + s_.force_part) +
-                         Kokkos::abs(s_.sliding_work + sliding_part()));
+    const auto paid = [](double work) { return work > 0.0 ? work : 0.0; };
+    const double limit = energy_factor * (s_.energy_start + paid(lanes_.sum(load_work)) +
+                                          paid(s_.force_work + s_.force_part) +
+                                          paid(s_.sliding_work + sliding_part()));
     if (lanes_.leader()) {
       s_.energy = energy;
       s_.energy_limit = limit;
@@ -275,7 +280,8 @@ class Marcher {
     lanes_.sync();
   }
 
-  // ---- the step ------------------------------------------------------------------------------------
+  // ---- the step
+  // ------------------------------------------------------------------------------------
 
   /// Modal forces that do not depend on the state: the load, and the forces that travel.
   KOKKOS_FORCEINLINE_FUNCTION void outer_force(std::int64_t step, Real* force, Real* moving) const {
@@ -301,7 +307,7 @@ class Marcher {
       if (s_.node_window[node] == window) continue;
       lanes_.sync();
       expand_node<Lanes, K>(lanes_, t_, place, node, s_.node_shape + node_offset(node),
-                               s_.node_face + 2 * node);
+                            s_.node_face + 2 * node);
       if (lanes_.leader()) s_.node_window[node] = window;
       lanes_.sync();
     }
@@ -310,8 +316,8 @@ class Marcher {
     return static_cast<std::int64_t>(node) * (4 * K * width);
   }
 
-  /// Contact detection and contact force at a state: adds the modal contact force of the listed nodes
-  /// (in ascending order, expanded for this window) to `force`, and lists those that touch.
+  /// Contact detection and contact force at a state: adds the modal contact force of the listed
+  /// nodes (in ascending order, expanded for this window) to `force`, and lists those that touch.
   KOKKOS_FORCEINLINE_FUNCTION ContactTotals contact_at(const Place& place, const Real* u,
                                                        const int* nodes, int count,
                                                        Real* force) const {
@@ -333,7 +339,8 @@ class Marcher {
       Real product = phi[0] * u[0];
       for (int p = 1; p < K; ++p) product = multiply_add(phi[p], u[p], product);
       const double rise = s_.node_face[2 * node + 1];
-      const double overlap = Kokkos::fma(place.theta, rise, s_.node_face[2 * node]) + lanes_.sum(product);
+      const double overlap =
+          Kokkos::fma(place.theta, rise, s_.node_face[2 * node]) + lanes_.sum(product);
       if (!(overlap >= 0.0)) continue;
 
       const double f = penalty_.force(overlap);
@@ -356,8 +363,8 @@ class Marcher {
     return totals;
   }
 
-  /// Lists in `watch` every node that touches at the present state, and perhaps a few that miss by a
-  /// rounding. Looks at all the nodes or at those near, as the scene asks.
+  /// Lists in `watch` every node that touches at the present state, and perhaps a few that miss by
+  /// a rounding. Looks at all the nodes or at those near, as the scene asks.
   KOKKOS_FUNCTION int find_touching(const Place& place) {
     const bool all = t_.look == Look::all;
     if (!all && !near_holds(place, 0.0)) find_near(place);
@@ -440,7 +447,8 @@ class Marcher {
     ++step_;
   }
 
-  // ---- every node at every step --------------------------------------------------------------------
+  // ---- every node at every step
+  // --------------------------------------------------------------------
 
   KOKKOS_FUNCTION void march_all(std::int64_t next) {
     Real c0[K], c1[K], c2[K];
@@ -464,7 +472,8 @@ class Marcher {
     }
   }
 
-  // ---- only what can touch -------------------------------------------------------------------------
+  // ---- only what can touch
+  // -------------------------------------------------------------------------
 
   KOKKOS_FUNCTION void march_candidates(std::int64_t next) {
     while (step_ < next && has_room_for_shocks(s_)) {
@@ -478,8 +487,8 @@ class Marcher {
 
   struct Plan {
     bool flight;
-    int steps;        // to fly, or to watch at the most
-    int count;        // nodes to watch
+    int steps;  // to fly, or to watch at the most
+    int count;  // nodes to watch
   };
 
   /// Bounds on what the modes can do within a time.
@@ -488,7 +497,7 @@ class Marcher {
     double speed;         // sum max|psi| |V|
     double acceleration;  // A of the header
     double curvature;     // A + B
-    double yield;         // 1/kg, acceleration that a newton of contact force can add, as in the header
+    double yield;  // 1/kg, acceleration that a newton of contact force can add, as in the header
   };
 
   KOKKOS_FUNCTION Bounds bounds(double time) const {
@@ -532,8 +541,8 @@ class Marcher {
     return steps > longest ? longest : steps < 1.0 ? 1 : static_cast<int>(steps);
   }
 
-  /// Finds the groups that can touch while the modes stay within a reach of where they are now and no node
-  /// passes another. The reach is what they can be expected to travel until then.
+  /// Finds the groups that can touch while the modes stay within a reach of where they are now and
+  /// no node passes another. The reach is what they can be expected to travel until then.
   KOKKOS_FUNCTION void find_near(const Place& place) {
     const int steps = steps_to(1.0, place, longest_flight);
     const double time = steps * t_.step;
@@ -569,10 +578,9 @@ class Marcher {
       // the highest of the two blocks that the group's nodes and their neighbours lie in
       const int block = (place.base + group * width) / width;
       const double left = t_.block_max2[block], right = t_.block_max2[block + 1];
-      const Real top =
-          add_slider_displacement(lanes_, t_, s_.lanes, group,
-                                  lanes_.load(t_.height1 + group * width)) +
-          Real(highest + (left > right ? left : right));
+      const Real top = add_slider_displacement(lanes_, t_, s_.lanes, group,
+                                               lanes_.load(t_.height1 + group * width)) +
+                       Real(highest + (left > right ? left : right));
       if (lanes_.at_least(top, level) == 0) continue;
       if (!have_series) series_coefficients<Lanes, K>(lanes_, rows(patch), u_, q);
       have_series = true;
@@ -602,8 +610,8 @@ class Marcher {
     int watched = steps_to((place.part + 1) * t_.window_width, place, watch_steps);
     if (longest < watched) watched = longest;
     const double watch_time = watched * tau;
-    const double leeway = watch_time * watch_time * (0.75 * b.acceleration + b.yield * last_force_) +
-                          t_.least_leeway;
+    const double leeway =
+        watch_time * watch_time * (0.75 * b.acceleration + b.yield * last_force_) + t_.least_leeway;
     const double watch_travel = b.speed * watch_time + leeway;
     if (!near_holds(place, watch_travel)) find_near(place);
     const double room = near_reach_ - moved();
@@ -616,10 +624,12 @@ class Marcher {
     }
     const Real lane_eta = Real(t_.inverse_radius) * lanes_.index();
     const double half_curve = 0.5 * b.curvature * tau * tau;
-    // A node is left out of the watch when it stays open along the line, with leeway and its own motion.
+    // A node is left out of the watch when it stays open along the line, with leeway and its own
+    // motion.
     const double slack = t_.slack + b.rounding + bound(t_.tail, u_);
     // what the cubics leave out of the closing per step
-    const double closing_slack = tau * bound(t_.tail, v_) + t_.advance * t_.spacing * bound(t_.tail_slope, u_);
+    const double closing_slack =
+        tau * bound(t_.tail, v_) + t_.advance * t_.spacing * bound(t_.tail_slope, u_);
     const double level = -(leeway + half_curve * watched * watched + slack);
     double q[4], rate_q[4];
     Real soonest(static_cast<double>(longest)), pressed(0.0);
@@ -637,8 +647,8 @@ class Marcher {
       const Real overlap =
           add_slider_displacement(lanes_, t_, s_.lanes, group, faces.height) + cubic(q, eta);
       // closing per step: the modes, and the node's way over the resonator's face
-      const Real modes = add_slider_displacement(lanes_, t_, s_.lanes + K * width, group,
-                                                 cubic(rate_q, eta));
+      const Real modes =
+          add_slider_displacement(lanes_, t_, s_.lanes + K * width, group, cubic(rate_q, eta));
       const Real way = faces.rise + Real(t_.inverse_radius) * cubic_slope(q, eta);
       const Real closing =
           multiply_add(tau, modes, multiply_add(t_.advance, way, Real(closing_slack)));
@@ -658,7 +668,8 @@ class Marcher {
     double flight = near_count_ > 0 ? lanes_.min(soonest) : longest;
     // ... and no further than the near list reaches
     const double linear = b.speed * tau + half_curve;
-    const double reach = 2.0 * room / (Kokkos::sqrt(linear * linear + 4.0 * half_curve * room) + linear + 1e-300);
+    const double reach =
+        2.0 * room / (Kokkos::sqrt(linear * linear + 4.0 * half_curve * room) + linear + 1e-300);
     if (reach < flight) flight = reach;
     if (flight >= shortest_flight || count == 0 || flight >= longest) {
       int steps = flight >= longest ? longest : static_cast<int>(flight);
@@ -749,7 +760,8 @@ struct March {
   }
   void launch(const Space& space) const {
     Kokkos::parallel_for("ra2d::march",
-                         Policy(space, tables.extent_int(0), 1, LanesOf<Space>::vector_length), *this);
+                         Policy(space, tables.extent_int(0), 1, LanesOf<Space>::vector_length),
+                         *this);
   }
 };
 

@@ -3,8 +3,8 @@
 #include <Kokkos_Core.hpp>
 #include <cstdint>
 
-/// What changes while a scene is marched, and what it hands out. Plain data, pointers as in SceneTables.
-/// Everything that the result depends on is here, so a launch may end after any step.
+/// What changes while a scene is marched, and what it hands out. Plain data, pointers as in
+/// SceneTables. Everything that the result depends on is here, so a launch may end after any step.
 namespace ra2d {
 
 enum class Status : int { running, done, unstable, not_finite };
@@ -19,12 +19,12 @@ struct ContactRun {
 
 /// A shock that has begun and not ended.
 struct OpenShock {
-  std::int64_t serial;      // number in order of start
-  std::int64_t start, last; // first and latest step in contact
-  double force;             // N, at the latest step
-  double peak;              // N
-  double impulse;           // N steps
-  double moment;            // N steps chi, sum of f_n x_n/chi
+  std::int64_t serial;       // number in order of start
+  std::int64_t start, last;  // first and latest step in contact
+  double force;              // N, at the latest step
+  double peak;               // N
+  double impulse;            // N steps
+  double moment;             // N steps chi, sum of f_n x_n/chi
 };
 
 /// A shock that has ended.
@@ -43,25 +43,25 @@ struct SceneState {
   std::int64_t step = 0;
 
   // modes, one lane each
-  double* u = nullptr;         // m^(3/2)
-  double* v = nullptr;         // m^(3/2)/s
-  double* start = nullptr;     // u at t = 0
-  double* square = nullptr;    // sum of V^2 over the steps up to the last sample
+  double* u = nullptr;            // m^(3/2)
+  double* v = nullptr;            // m^(3/2)/s
+  double* start = nullptr;        // u at t = 0
+  double* square = nullptr;       // sum of V^2 over the steps up to the last sample
   double* square_part = nullptr;  // ... and since then
 
   // sums over the steps, in the same two parts
-  double sliding_work = 0;                    // J
-  double climb_part = 0;                      // N m: see ContactTotals
-  double* bend_part = nullptr;                // N m, one lane each
-  double force_work = 0, force_part = 0;      // J, of the moving forces
-  std::int64_t contact_steps = 0;             // steps with any node in contact
-  std::int64_t most_nodes = 0;                // largest number of nodes in contact at once
-  std::int64_t evaluated = 0;                 // nodes whose gap was evaluated (a measure of cost)
+  double sliding_work = 0;                // J
+  double climb_part = 0;                  // N m: see ContactTotals
+  double* bend_part = nullptr;            // N m, one lane each
+  double force_work = 0, force_part = 0;  // J, of the moving forces
+  std::int64_t contact_steps = 0;         // steps with any node in contact
+  std::int64_t most_nodes = 0;            // largest number of nodes in contact at once
+  std::int64_t evaluated = 0;             // nodes whose gap was evaluated (a measure of cost)
 
   // energy at t = 0, and what the watch over it found
-  double energy_start = 0;    // J, kinetic + elastic + contact
-  double energy = 0;          // J, kinetic + elastic at the last look, or when it stopped
-  double energy_limit = 0;    // J, what it was not allowed to pass
+  double energy_start = 0;  // J, kinetic + elastic + contact
+  double energy = 0;        // J, kinetic + elastic at the last look, or when it stopped
+  double energy_limit = 0;  // J, what it was not allowed to pass
 
   // samples handed out: rows of 2 lanes + sample::columns
   double* sample_rows = nullptr;
@@ -80,11 +80,11 @@ struct SceneState {
   int shock_capacity = 0, shock_count = 0;
 
   // work space
-  int* near = nullptr;       // groups that can touch while the near list holds
-  double* near_u = nullptr;  // modal displacements at which the near list was made
-  double* lanes = nullptr;   // modal displacements and rates, to be read one by one
-  int* watch = nullptr;      // nodes evaluated at each step
-  int* touched = nullptr;    // nodes that touch at this step ...
+  int* near = nullptr;              // groups that can touch while the near list holds
+  double* near_u = nullptr;         // modal displacements at which the near list was made
+  double* lanes = nullptr;          // modal displacements and rates, to be read one by one
+  int* watch = nullptr;             // nodes evaluated at each step
+  int* touched = nullptr;           // nodes that touch at this step ...
   double* touched_force = nullptr;  // ... and their forces, N
   // expanded nodes: shape (node, 4, lane), faces (node, 2), and the window that they hold for
   double* node_shape = nullptr;

@@ -3,27 +3,29 @@
 #include <Kokkos_Core.hpp>
 #include <cstdint>
 
-/// The tables of one scene, as the march reads them. Plain data: the pointers point to where the kernels
-/// run. Built and checked on the host (host/run/model.hpp); nothing is checked here again.
+/// The tables of one scene, as the march reads them. Plain data: the pointers point to where the
+/// kernels run. Built and checked on the host (host/run/model.hpp); nothing is checked here again.
 ///
-/// Modes. Both bodies' modes stand in one list, one lane each: the resonator's, then the slider's; the rest
-/// of the last pack is zero. Signs are those of the model page, which treats both bodies alike: every
-/// mode closes the gap by U_k psi_k at a node, and a contact force f drives it with -f psi_k.
+/// Modes. Both bodies' modes stand in one list, one lane each: the resonator's, then the slider's;
+/// the rest of the last pack is zero. Signs are those of the model page, which treats both bodies
+/// alike: every mode closes the gap by U_k psi_k at a node, and a contact force f drives it with -f
+/// psi_k.
 ///
-/// Nodes. Slider node n stands at resonator position pos(m) + n in units of chi, pos(m) = position +
-/// m advance at step m. To find which nodes can touch, they are taken in groups, one a lane.
+/// Nodes. Slider node n stands at resonator position pos(m) + n in units of chi, pos(m) = position
+/// + m advance at step m. To find which nodes can touch, they are taken in groups, one a lane.
 ///
-/// Patches. Under the slider the resonator's displacement is smooth: its shortest wavelength spans hundreds
-/// of nodes. On patches fixed to the resonator it is a power series in eta = (x - centre)/radius, |eta| <= 1,
-/// whose coefficients are sums over the modes:
+/// Patches. Under the slider the resonator's displacement is smooth: its shortest wavelength spans
+/// hundreds of nodes. On patches fixed to the resonator it is a power series in eta = (x -
+/// centre)/radius, |eta| <= 1, whose coefficients are sums over the modes:
 ///   u_2 = sum_j q_j eta^j,  q_j = sum_k U_k radius^j psi_k^(j)(centre) / j!.
-/// Four terms, with a bound on the rest, tell which nodes can touch. A node that can is then evaluated to below
-/// the roundings with `terms` terms: all modes here satisfy psi'''' = beta^4 psi, so four derivatives are
-/// stored and the others follow with (beta radius)^4.
+/// Four terms, with a bound on the rest, tell which nodes can touch. A node that can is then
+/// evaluated to below the roundings with `terms` terms: all modes here satisfy psi'''' = beta^4
+/// psi, so four derivatives are stored and the others follow with (beta radius)^4.
 ///
-/// Windows. Over a fraction of chi (1/windows) a mode's shape at a moving node is a cubic of its offset, again
-/// to below the roundings. A node that touches or soon could is expanded so once a window; its overlap and
-/// the modal force of its contact force are then one product over the modes each.
+/// Windows. Over a fraction of chi (1/windows) a mode's shape at a moving node is a cubic of its
+/// offset, again to below the roundings. A node that touches or soon could is expanded so once a
+/// window; its overlap and the modal force of its contact force are then one product over the modes
+/// each.
 namespace ra2d {
 
 /// Whether contact is looked for at every node or where the guarantee says that it could be.
@@ -41,20 +43,21 @@ struct MovingForceTable {
 struct SceneTables {
   // what there is
   int resonator_modes = 0, slider_modes = 0;
-  int nodes = 0, groups = 0;    // slider nodes; groups of one a lane
-  int patches = 0, patch_nodes = 0;  // patches; their width in nodes (radius = half of it + half a group + 1)
-  int windows = 1;                   // parts of a node's width
-  int terms = 4;                     // of the full series, a multiple of 4
+  int nodes = 0, groups = 0;  // slider nodes; groups of one a lane
+  int patches = 0,
+      patch_nodes = 0;  // patches; their width in nodes (radius = half of it + half a group + 1)
+  int windows = 1;      // parts of a node's width
+  int terms = 4;        // of the full series, a multiple of 4
   int moving_forces = 0;
   Look look = Look::candidates;
 
   // motion
-  double position = 0;  // of slider node 0 on the resonator at t = 0, in chi
-  double advance = 0;   // per step, in chi
-  double spacing = 0;   // m, chi
-  double step = 0;      // s, tau
-  double inverse_radius = 0;  // chi / radius
-  double window_width = 1;    // chi, 1/windows
+  double position = 0;          // of slider node 0 on the resonator at t = 0, in chi
+  double advance = 0;           // per step, in chi
+  double spacing = 0;           // m, chi
+  double step = 0;              // s, tau
+  double inverse_radius = 0;    // chi / radius
+  double window_width = 1;      // chi, 1/windows
   double resonator_length = 0;  // m
 
   // contact
@@ -70,22 +73,22 @@ struct SceneTables {
   const double* c0 = nullptr;  // scheme coefficients
   const double* c1 = nullptr;
   const double* c2 = nullptr;
-  const double* load = nullptr;         // N m^(-1/2), constant modal load
-  const double* mass = nullptr;         // kg/m
-  const double* omega = nullptr;        // rad/s
-  const double* damping = nullptr;      // 2 zeta omega m tau: damping loss of a step over V^2
-  const double* pull = nullptr;         // 1/s, the scheme's bound on |V'| over the modal energy norm
-  const double* push = nullptr;         // m^(3/2)/s^2, bound on the outer modal forces over the mass
-  const double* yield = nullptr;        // m^(-1/2)/kg, max |psi| / m: acceleration over a contact force
-  const double* reach = nullptr;        // max |psi|
-  const double* reach_slope = nullptr;  // max |psi'|, resonator only: its nodes move
-  const double* reach_curve = nullptr;  // max |psi''|, resonator only
-  const double* tail = nullptr;         // bound on what a cubic over a patch leaves out, over |U|
-  const double* tail_slope = nullptr;   // 1/m, the same for its slope
-  const double* quartic = nullptr;      // (beta radius)^4
-  const double* patch = nullptr;        // (patch, 4, lane): radius^j psi^(j)(centre)
-  const double* slider_shape = nullptr; // (slider mode, group, lane): psi at the slider's nodes
-  const double* unit = nullptr;         // (slider mode, lane): 1 at that mode's own lane
+  const double* load = nullptr;     // N m^(-1/2), constant modal load
+  const double* mass = nullptr;     // kg/m
+  const double* omega = nullptr;    // rad/s
+  const double* damping = nullptr;  // 2 zeta omega m tau: damping loss of a step over V^2
+  const double* pull = nullptr;     // 1/s, the scheme's bound on |V'| over the modal energy norm
+  const double* push = nullptr;     // m^(3/2)/s^2, bound on the outer modal forces over the mass
+  const double* yield = nullptr;    // m^(-1/2)/kg, max |psi| / m: acceleration over a contact force
+  const double* reach = nullptr;    // max |psi|
+  const double* reach_slope = nullptr;   // max |psi'|, resonator only: its nodes move
+  const double* reach_curve = nullptr;   // max |psi''|, resonator only
+  const double* tail = nullptr;          // bound on what a cubic over a patch leaves out, over |U|
+  const double* tail_slope = nullptr;    // 1/m, the same for its slope
+  const double* quartic = nullptr;       // (beta radius)^4
+  const double* patch = nullptr;         // (patch, 4, lane): radius^j psi^(j)(centre)
+  const double* slider_shape = nullptr;  // (slider mode, group, lane): psi at the slider's nodes
+  const double* unit = nullptr;          // (slider mode, lane): 1 at that mode's own lane
 
   // surfaces, m
   const double* height1 = nullptr;     // (group, lane): h_1 - delta; far below for the padding

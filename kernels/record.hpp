@@ -5,8 +5,9 @@
 
 #include "kernels/modal_state.hpp"
 
-/// Shocks: connected pieces of contact in space and time. A slider node in contact belongs to the same shock
-/// as its neighbours, at this step and at the one before. These functions run on one lane.
+/// Shocks: connected pieces of contact in space and time. A slider node in contact belongs to the
+/// same shock as its neighbours, at this step and at the one before. These functions run on one
+/// lane.
 namespace ra2d {
 
 /// Room left in the buffer of ended shocks for whatever a single step can end.
@@ -19,7 +20,8 @@ KOKKOS_INLINE_FUNCTION void hand_out(SceneState& s, const OpenShock& shock) {
                                    shock.peak,   shock.impulse, shock.moment};
 }
 
-/// Hands out the open shocks that had no contact at `step`; every other one keeps its place in the runs.
+/// Hands out the open shocks that had no contact at `step`; every other one keeps its place in the
+/// runs.
 KOKKOS_INLINE_FUNCTION void end_shocks(SceneState& s, std::int64_t step) {
   for (int i = s.open_count - 1; i >= 0; --i) {
     if (s.open[i].last == step) continue;
@@ -32,8 +34,8 @@ KOKKOS_INLINE_FUNCTION void end_shocks(SceneState& s, std::int64_t step) {
   }
 }
 
-/// The two shocks turned out to be one: the older takes over, the younger's serial stays unused. Its peak is
-/// the larger of the two until they met.
+/// The two shocks turned out to be one: the older takes over, the younger's serial stays unused.
+/// Its peak is the larger of the two until they met.
 KOKKOS_INLINE_FUNCTION int merge_shocks(SceneState& s, int a, int b, int new_runs) {
   if (a == b) return a;
   const int keep = s.open[a].serial < s.open[b].serial ? a : b, drop = a + b - keep;
@@ -57,9 +59,10 @@ KOKKOS_INLINE_FUNCTION int merge_shocks(SceneState& s, int a, int b, int new_run
   return keep == moved ? drop : keep;
 }
 
-/// Takes in the contact of one step: the `count` touched nodes in ascending order; `position` of slider
-/// node 0 on the resonator, in chi.
-KOKKOS_INLINE_FUNCTION void track_shocks(SceneState& s, std::int64_t step, double position, int count) {
+/// Takes in the contact of one step: the `count` touched nodes in ascending order; `position` of
+/// slider node 0 on the resonator, in chi.
+KOKKOS_INLINE_FUNCTION void track_shocks(SceneState& s, std::int64_t step, double position,
+                                         int count) {
   // the runs of neighbouring nodes at this step
   int runs = 0;
   for (int e = 0; e < count; ++e) {
@@ -93,7 +96,8 @@ KOKKOS_INLINE_FUNCTION void track_shocks(SceneState& s, std::int64_t step, doubl
     open.moment += run.moment + run.force * position;
   }
   for (int i = 0; i < s.open_count; ++i)
-    if (s.open[i].last == step && s.open[i].force > s.open[i].peak) s.open[i].peak = s.open[i].force;
+    if (s.open[i].last == step && s.open[i].force > s.open[i].peak)
+      s.open[i].peak = s.open[i].force;
   ContactRun* const old = s.runs;
   s.runs = s.new_runs;
   s.new_runs = old;
@@ -102,8 +106,9 @@ KOKKOS_INLINE_FUNCTION void track_shocks(SceneState& s, std::int64_t step, doubl
   end_shocks(s, step);
 }
 
-/// The usual case of track_shocks: every run of neighbouring nodes continues one run of the step before, as
-/// the only one, and every open shock is one run. False, with nothing changed, when it is not so.
+/// The usual case of track_shocks: every run of neighbouring nodes continues one run of the step
+/// before, as the only one, and every open shock is one run. False, with nothing changed, when it
+/// is not so.
 KOKKOS_FORCEINLINE_FUNCTION bool continue_shocks(SceneState& s, std::int64_t step, double position,
                                                  int count) {
   if (s.runs_step != step - 1 || s.open_count != s.run_count) return false;

@@ -26,7 +26,8 @@ struct Launches {
 };
 
 /// Scenes marched side by side. They must fit into one batch.
-inline std::vector<Recording> simulate(const std::vector<Scene>& scenes, const Launches& launches = {}) {
+inline std::vector<Recording> simulate(const std::vector<Scene>& scenes,
+                                       const Launches& launches = {}) {
   std::vector<Recording> out(scenes.size());
   std::vector<Model> models;
   std::vector<ModalStart> starts;
@@ -38,8 +39,9 @@ inline std::vector<Recording> simulate(const std::vector<Scene>& scenes, const L
   std::vector<EnergyAccount> accounts(scenes.size());
   std::vector<std::int64_t> samples(scenes.size(), 0);
   for (std::int64_t target = 0;;) {
-    target = launches.steps > std::numeric_limits<std::int64_t>::max() - target ? launches.steps
-                                                                                : target + launches.steps;
+    target = launches.steps > std::numeric_limits<std::int64_t>::max() - target
+                 ? launches.steps
+                 : target + launches.steps;
     batch.march(target);
     bool running = false;
     for (std::size_t i = 0; i < scenes.size(); ++i) {
@@ -47,7 +49,9 @@ inline std::vector<Recording> simulate(const std::vector<Scene>& scenes, const L
       const SampleBlock block = make_samples(models[i], starts[i], drained, samples[i]);
       samples[i] += drained.samples;
       accounts[i].add(block);
-      const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+      const auto append = [](auto& to, const auto& from) {
+        to.insert(to.end(), from.begin(), from.end());
+      };
       SampleBlock& all = out[i].samples;
       append(all.time, block.time);
       append(all.resonator_displacement, block.resonator_displacement);

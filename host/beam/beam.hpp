@@ -20,21 +20,21 @@ struct ModeShape {
 };
 
 struct Beam {
-  double length = 0;            // m
-  double mass_per_length = 0;   // kg/m, m = rho a b
-  double stiffness = 0;         // N m^2, D = E b a^3 / 12
-  double zeta = 0;              // modal damping ratio
-  std::vector<ModeShape> modes; // rigid modes first, then elastic ones by frequency
-  std::vector<double> load;     // N m^(-1/2), modal load of the body's evenly spread load W
-  double load_force = 0;        // N, W
+  double length = 0;             // m
+  double mass_per_length = 0;    // kg/m, m = rho a b
+  double stiffness = 0;          // N m^2, D = E b a^3 / 12
+  double zeta = 0;               // modal damping ratio
+  std::vector<ModeShape> modes;  // rigid modes first, then elastic ones by frequency
+  std::vector<double> load;      // N m^(-1/2), modal load of the body's evenly spread load W
+  double load_force = 0;         // N, W
 };
 
 /// psi and its first `derivatives` - 1 derivatives at x [m]: out[j] = d^j psi / dx^j.
 void evaluate(const ModeShape& mode, double length, double x, int derivatives, double* out);
 
 /// The beam of one body: its modes (Support; max_frequency or modes), and its modal load.
-/// The elastic modes of a free beam solve cosh(beta L) cos(beta L) = 1, to full precision for any number.
-/// Standard gravity 9.80665 m/s^2 for load = "weight".
+/// The elastic modes of a free beam solve cosh(beta L) cos(beta L) = 1, to full precision for any
+/// number. Standard gravity 9.80665 m/s^2 for load = "weight".
 Beam make_beam(const BodySpec& body);
 
 /// Frequency in Hz of elastic mode k = 0, 1, ... of a body, whether it is kept or not.

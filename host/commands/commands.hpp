@@ -4,10 +4,17 @@
 #include <string>
 #include <vector>
 
-/// The subcommands of the program, one file each. They return the exit status (contract: "Commands").
+/// The subcommands of the program, one file each. They return the exit status (contract:
+/// "Commands").
 namespace ra2d {
 
-enum ExitStatus : int { done = 0, wrong_request = 2, failed = 3, wrong_file = 4, interrupted = 130 };
+enum ExitStatus : int {
+  done = 0,
+  wrong_request = 2,
+  failed = 3,
+  wrong_file = 4,
+  interrupted = 130
+};
 
 struct CommonOptions {
   std::filesystem::path scene;

@@ -35,27 +35,32 @@ void add_common(CLI::App& command, ra2d::CommonOptions& common) {
 int main(int argc, char** argv) {
   using namespace ra2d;
   CLI::App app{
-      "ra2d: friction noise of rough surfaces. Two beams slide past each other, their asperities collide, "
+      "ra2d: friction noise of rough surfaces. Two beams slide past each other, their asperities "
+      "collide, "
       "each collision rings the beams' modes.",
       "ra2d"};
   app.set_version_flag("--version", std::string("ra2d ") + RA2D_VERSION + " (" + RA2D_COMMIT + ")");
   app.require_subcommand(1);
   app.footer(
-      "Exit status: 0 done; 2 the request is wrong; 3 the simulation failed; 4 a file could not be read or "
+      "Exit status: 0 done; 2 the request is wrong; 3 the simulation failed; 4 a file could not be "
+      "read or "
       "written; 130 interrupted.");
 
   CommonOptions common;
   std::filesystem::path output;
   CLI::App* run = app.add_subcommand("run", "simulates a scene and writes one HDF5 file");
   add_common(*run, common);
-  run->add_option("-o,--output", output, "result file [SCENE's name with .h5, in the current folder]")
+  run->add_option("-o,--output", output,
+                  "result file [SCENE's name with .h5, in the current folder]")
       ->type_name("OUT.h5");
   CLI::App* plan = app.add_subcommand("plan", "says what would be modelled, and why; runs nothing");
   add_common(*plan, common);
 
   try {
     if (argc > 1 && std::find(coming.begin(), coming.end(), argv[1]) != coming.end()) {
-      fmt::print(stderr, "ra2d: the command '{}' is not available yet; there are 'run' and 'plan'\n", argv[1]);
+      fmt::print(stderr,
+                 "ra2d: the command '{}' is not available yet; there are 'run' and 'plan'\n",
+                 argv[1]);
       return wrong_request;
     }
     app.parse(argc, argv);

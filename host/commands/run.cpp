@@ -2,10 +2,10 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <csignal>
-#include <algorithm>
 #include <cstdio>
 
 #include "host/commands/commands.hpp"
@@ -32,34 +32,39 @@ std::string clock_text(double seconds) {
 
 void show(const Progress& p) {
   fmt::print(stderr, "\r{:5.1f} %  {:.4f} of {:g} s   {:.3g} million steps/s   {} left \033[K",
-             100 * p.time / p.duration, p.time, p.duration, p.steps_per_second * 1e-6, clock_text(p.left));
+             100 * p.time / p.duration, p.time, p.duration, p.steps_per_second * 1e-6,
+             clock_text(p.left));
   std::fflush(stderr);
 }
 
-void print_line(const char* what, const std::string& value) { fmt::print("  {:<17}{}\n", what, value); }
+void print_line(const char* what, const std::string& value) {
+  fmt::print("  {:<17}{}\n", what, value);
+}
 
 void print_report(const Scene& scene, const RunReport& r, const std::filesystem::path& output) {
   fmt::print("{}: {:g} s of sliding at {:g} m/s, {} steps of {:g} s\n",
-             scene.name.empty() ? scene.file.filename().string() : scene.name, r.time, scene.speed, r.steps,
-             scene.step);
-  print_line("level Lv", std::isnan(r.lv)
-                             ? std::string("none: the resonator did not move")
-                             : fmt::format("{:.2f} dB re 1 nm/s (v_rms {:.3e} m/s)", r.lv, r.v_rms));
+             scene.name.empty() ? scene.file.filename().string() : scene.name, r.time, scene.speed,
+             r.steps, scene.step);
+  print_line("level Lv", std::isnan(r.lv) ? std::string("none: the resonator did not move")
+                                          : fmt::format("{:.2f} dB re 1 nm/s (v_rms {:.3e} m/s)",
+                                                        r.lv, r.v_rms));
   print_line("shocks", fmt::format("{:.0f} a second", r.shocks));
   if (r.shocks > 0) {
-    print_line("  duration", fmt::format("median {:.3g} us, 90 % up to {:.3g} us", r.duration_median * 1e6,
-                                         r.duration_90 * 1e6));
+    print_line("  duration", fmt::format("median {:.3g} us, 90 % up to {:.3g} us",
+                                         r.duration_median * 1e6, r.duration_90 * 1e6));
     print_line("  peak force",
                fmt::format("median {:.3g} N, 90 % up to {:.3g} N", r.force_median, r.force_90));
   }
   print_line("in contact", fmt::format("{:.2f} % of the time", 100 * r.contact_share));
   print_line("nodes evaluated", fmt::format("{:.2f} a step, on average", r.evaluated));
-  print_line("energy", r.energy.turnover > 0
-                           ? fmt::format("closes to {:.1e} of what went through ({:.2e} of {:.2e} J)",
-                                         std::abs(r.energy.relative()), r.energy.residual, r.energy.turnover)
-                           : std::string("none went through"));
+  print_line("energy",
+             r.energy.turnover > 0
+                 ? fmt::format("closes to {:.1e} of what went through ({:.2e} of {:.2e} J)",
+                               std::abs(r.energy.relative()), r.energy.residual, r.energy.turnover)
+                 : std::string("none went through"));
   print_line("cost", fmt::format("{:.1f} ns a step; {:.2f} s in all",
-                                 r.march_seconds * 1e9 / static_cast<double>(std::max<std::int64_t>(1, r.steps)),
+                                 r.march_seconds * 1e9 /
+                                     static_cast<double>(std::max<std::int64_t>(1, r.steps)),
                                  r.wall_seconds));
   print_line("file", output.string());
 }
@@ -88,8 +93,10 @@ int run_command(const CommonOptions& common, std::filesystem::path output) {
     return failed;
   }
   if (report.ending == Ending::interrupted) {
-    fmt::print(stderr, "ra2d: interrupted at t = {:g} s: the results so far are in {}, marked as cut short\n",
-               report.time, output.string());
+    fmt::print(
+        stderr,
+        "ra2d: interrupted at t = {:g} s: the results so far are in {}, marked as cut short\n",
+        report.time, output.string());
     return interrupted;
   }
   return done;

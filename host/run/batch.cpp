@@ -68,9 +68,9 @@ double highest_beta(const Beam& beam) {
   return beta;
 }
 
-/// Patches as wide as beta radius = 1/4 allows (four terms then leave out 2e-4 of the highest mode and far less
-/// of the others), or of a single node when the nodes are that coarse; and terms until what is left out,
-/// (beta radius)^terms / terms!, is below half an ulp.
+/// Patches as wide as beta radius = 1/4 allows (four terms then leave out 2e-4 of the highest mode
+/// and far less of the others), or of a single node when the nodes are that coarse; and terms until
+/// what is left out, (beta radius)^terms / terms!, is below half an ulp.
 Series choose_series(const Model& model) {
   const double beta_chi = highest_beta(model.resonator) * model.scene.spacing;
   const double widest = static_cast<double>(model.resonator_height.size());
@@ -85,9 +85,11 @@ Series choose_series(const Model& model) {
   while (range > 0 && series.terms <= most_terms && left_out() > 0x1p-53) series.terms += 4;
   if (series.terms > most_terms)
     throw RequestError(fmt::format(
-        "scene.spacing = {} m: the resonator's highest mode has only {:.1f} nodes to a wavelength, {:.0f} are "
+        "scene.spacing = {} m: the resonator's highest mode has only {:.1f} nodes to a wavelength, "
+        "{:.0f} are "
         "needed here. Refine scene.spacing or keep fewer modes (resonator.max_frequency)",
-        model.scene.spacing, 2 * M_PI / beta_chi, std::ceil(2 * M_PI * (0.5 * (1 + width) + 1.0) / 2.1)));
+        model.scene.spacing, 2 * M_PI / beta_chi,
+        std::ceil(2 * M_PI * (0.5 * (1 + width) + 1.0) / 2.1)));
   return series;
 }
 
@@ -96,14 +98,31 @@ struct Layout {
   int lanes, groups, patches, run_capacity;
   Series series;
   std::size_t mode_tables, patch, shapes, unit, height1, height2, block_max, moving;
-  std::size_t modal_state, samples, runs, new_runs, open, shocks, near, watch, touched, force, amplitudes,
-      node_shape, node_face, node_window;
+  std::size_t modal_state, samples, runs, new_runs, open, shocks, near, watch, touched, force,
+      amplitudes, node_shape, node_face, node_window;
   int height2_size, blocks;
   int sample_capacity, shock_capacity, row;
 };
 
-enum ModeTable { c0, c1, c2, load, mass, omega, damping, pull, push, yield, reach, slope, curve, tail, tail_slope, quartic,
-                 mode_tables };
+enum ModeTable {
+  c0,
+  c1,
+  c2,
+  load,
+  mass,
+  omega,
+  damping,
+  pull,
+  push,
+  yield,
+  reach,
+  slope,
+  curve,
+  tail,
+  tail_slope,
+  quartic,
+  mode_tables
+};
 enum ModalArray { u, v, start, square, square_part, near_u, bend_part, modal_arrays };
 
 }  // namespace
@@ -134,14 +153,15 @@ struct Batch::Impl {
     l.series = series;
     l.lanes = packs * width;
     l.groups = (model.nodes() + width - 1) / width;
-    const int reach2 = static_cast<int>(model.resonator_height.size()) + l.groups * width + 2 * width;
+    const int reach2 =
+        static_cast<int>(model.resonator_height.size()) + l.groups * width + 2 * width;
     l.patches = reach2 / series.patch_nodes + 1;
     l.height2_size = reach2;
     l.blocks = reach2 / width;
     // runs of neighbouring nodes: at the most every other node
     l.run_capacity = model.nodes() / 2 + 2;
-    l.sample_capacity = static_cast<int>(
-        std::min<std::int64_t>(options.samples_at_once, model.samples));
+    l.sample_capacity =
+        static_cast<int>(std::min<std::int64_t>(options.samples_at_once, model.samples));
     l.shock_capacity = options.shocks_at_once + l.run_capacity;
     l.row = 2 * l.lanes + sample::columns;
 
@@ -197,8 +217,8 @@ SceneTables Batch::Impl::fill_tables(const Model& model, const Layout& l) {
   t.step = tau;
   t.inverse_radius = chi / radius;
   // cubic over a window: beta^4 (width/2)^4 / 4! below two ulp
-  t.windows = static_cast<int>(
-      std::ceil(std::max(1.0, 0.5 * highest_beta(model.resonator) * chi / std::pow(24 * 0x1p-51, 0.25))));
+  t.windows = static_cast<int>(std::ceil(
+      std::max(1.0, 0.5 * highest_beta(model.resonator) * chi / std::pow(24 * 0x1p-51, 0.25))));
   t.window_width = 1.0 / t.windows;
   t.resonator_length = scene.resonator.length;
   t.node_stiffness = model.node_stiffness;
@@ -223,12 +243,13 @@ SceneTables Batch::Impl::fill_tables(const Model& model, const Layout& l) {
     table(omega)[lane] = mode.omega;
     table(damping)[lane] = 2.0 * beam.zeta * mode.omega * beam.mass_per_length * tau;
     table(pull)[lane] = BackwardEuler::pull(mode.omega, beam.zeta);
-    const double wave = std::hypot(mode.sine, mode.cosine) + std::abs(mode.left) + std::abs(mode.right);
-    const double rigid = std::max(std::abs(mode.constant),
-                                  std::abs(mode.constant + mode.slope * beam.length));
+    const double wave =
+        std::hypot(mode.sine, mode.cosine) + std::abs(mode.left) + std::abs(mode.right);
+    const double rigid =
+        std::max(std::abs(mode.constant), std::abs(mode.constant + mode.slope * beam.length));
     table(reach)[lane] = wave + rigid;
-    table(push)[lane] =
-        (std::abs(beam.load[k]) + (moves ? push_of_forces * (wave + rigid) : 0.0)) / beam.mass_per_length;
+    table(push)[lane] = (std::abs(beam.load[k]) + (moves ? push_of_forces * (wave + rigid) : 0.0)) /
+                        beam.mass_per_length;
     table(yield)[lane] = (wave + rigid) / beam.mass_per_length;
     if (moves) {
       table(slope)[lane] = mode.beta * wave + std::abs(mode.slope);
@@ -249,8 +270,7 @@ SceneTables Batch::Impl::fill_tables(const Model& model, const Layout& l) {
       double d[4];
       evaluate(model.resonator.modes[k], model.resonator.length, centre, 4, d);
       for (int j = 0; j < 4; ++j)
-        rows[(static_cast<std::size_t>(p) * 4 + j) * l.lanes + k] =
-            d[j] * std::pow(radius, j);
+        rows[(static_cast<std::size_t>(p) * 4 + j) * l.lanes + k] = d[j] * std::pow(radius, j);
     }
   }
   // the slider's modes at its nodes
@@ -365,9 +385,10 @@ Batch::Batch(const std::vector<Model>& models, const std::vector<ModalStart>& st
   for (const Model& model : models) {
     const int modes = static_cast<int>(model.resonator.modes.size() + model.slider.modes.size());
     if (modes > capacity)
-      throw RequestError(fmt::format("{} modes in both bodies together, at the most {} can be marched: lower "
-                                     "max_frequency or modes",
-                                     modes, capacity));
+      throw RequestError(
+          fmt::format("{} modes in both bodies together, at the most {} can be marched: lower "
+                      "max_frequency or modes",
+                      modes, capacity));
     packs = std::max(packs, std::max(1, (modes + width - 1) / width));
     series.push_back(choose_series(model));
   }

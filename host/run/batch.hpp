@@ -12,8 +12,8 @@
 /// Scenes on the device: tables, states, launches. The only part of host/ that knows Kokkos.
 namespace ra2d {
 
-/// Starts Kokkos, once in a program and for as long as anything here is used. `threads` = 0 leaves their number
-/// to the machine.
+/// Starts Kokkos, once in a program and for as long as anything here is used. `threads` = 0 leaves
+/// their number to the machine.
 class Backend {
  public:
   explicit Backend(int threads = 0);
@@ -31,10 +31,10 @@ int backend_threads();
 
 /// What a scene handed out since the last time it was asked.
 struct Drained {
-  int lanes = 0;                     // modal lanes of a sample row
+  int lanes = 0;  // modal lanes of a sample row
   int samples = 0;
-  std::vector<double> sample_rows;   // (sample, 2 lanes + sample::columns): U, V, columns
-  std::vector<ShockRow> shocks;      // in order of their end
+  std::vector<double> sample_rows;  // (sample, 2 lanes + sample::columns): U, V, columns
+  std::vector<ShockRow> shocks;     // in order of their end
 };
 
 /// The present state of a scene.

@@ -10,9 +10,9 @@
 
 /// Static equilibrium under load and contact: the minimum of the convex potential
 ///   sum_k m omega_k^2 U_k^2 / 2 - load_k U_k  +  sum_n kappa chi w max(0, -g_n)^2 / 2,
-/// by Newton's method on its piecewise quadratic form. The contact springs are stiffened from soft to the
-/// asked value, each stage starting from the one before: a slider first settles as a whole, then onto its
-/// two or three highest asperities.
+/// by Newton's method on its piecewise quadratic form. The contact springs are stiffened from soft
+/// to the asked value, each stage starting from the one before: a slider first settles as a whole,
+/// then onto its two or three highest asperities.
 namespace ra2d {
 namespace {
 
@@ -33,7 +33,8 @@ class Potential {
     for (int n = 0; n < model.nodes(); ++n) {
       int column = 0;
       for (const ModeShape& mode : model.resonator.modes)
-        evaluate(mode, model.resonator.length, (model.position + n) * chi, 1, &shapes_(n, column++));
+        evaluate(mode, model.resonator.length, (model.position + n) * chi, 1,
+                 &shapes_(n, column++));
       for (const ModeShape& mode : model.slider.modes)
         evaluate(mode, model.slider.length, n * chi, 1, &shapes_(n, column++));
     }
@@ -51,8 +52,8 @@ class Potential {
   }
 
   /// Negative gradient, Hessian and the size of the terms that the gradient is made of.
-  void expand(const Eigen::VectorXd& u, double spring, Eigen::VectorXd& force, Eigen::MatrixXd& hessian,
-              double& scale) const {
+  void expand(const Eigen::VectorXd& u, double spring, Eigen::VectorXd& force,
+              Eigen::MatrixXd& hessian, double& scale) const {
     force.resize(modes());
     hessian = Eigen::MatrixXd::Zero(modes(), modes());
     scale = 0;
@@ -80,7 +81,8 @@ class Potential {
       if (force.norm() <= 1e-13 * scale || scale == 0) return true;
       bool lower = false;
       for (int attempt = 0; attempt < 60 && !lower; ++attempt) {
-        // the shift keeps directions that nothing holds (a slider on one asperity may still tilt) finite
+        // the shift keeps directions that nothing holds (a slider on one asperity may still tilt)
+        // finite
         Eigen::MatrixXd damped = hessian;
         damped.diagonal().array() += shift * (hessian.diagonal().maxCoeff() + 1e-300);
         const Eigen::VectorXd step = damped.ldlt().solve(force);
@@ -120,10 +122,11 @@ ModalStart make_start(const Model& model) {
       settled = potential.minimise(u, soft * model.node_stiffness);
     settled = settled && potential.minimise(u, model.node_stiffness);
     if (!settled)
-      throw RequestError(fmt::format(
-          "{}: scene.initial = \"static\": no static equilibrium was found under this load and contact. Start "
-          "from \"rest\", or lower contact.stiffness",
-          model.scene.file.string()));
+      throw RequestError(
+          fmt::format("{}: scene.initial = \"static\": no static equilibrium was found under this "
+                      "load and contact. Start "
+                      "from \"rest\", or lower contact.stiffness",
+                      model.scene.file.string()));
   }
   ModalStart start;
   start.resonator_u.assign(u.data(), u.data() + modes2);
@@ -138,7 +141,8 @@ ModalStart make_start(const Model& model) {
     }
     return sum;
   };
-  start.energy = elastic(model.resonator, start.resonator_u) + elastic(model.slider, start.slider_u);
+  start.energy =
+      elastic(model.resonator, start.resonator_u) + elastic(model.slider, start.slider_u);
   for (const double overlap : overlaps(model, start.resonator_u, start.slider_u)) {
     if (overlap < 0) continue;
     ++start.nodes_in_contact;

@@ -14,7 +14,8 @@ void launch(int packs, const TablesView& tables, const StatesView& states, std::
 
 int compiled_packs(int needed) { return Packs::smallest(needed); }
 
-void launch_march(int packs, const TablesView& tables, const StatesView& states, std::int64_t target) {
+void launch_march(int packs, const TablesView& tables, const StatesView& states,
+                  std::int64_t target) {
   launch(packs, tables, states, target, Packs{});
 }
 

@@ -9,8 +9,8 @@
 #include "kernels/modal_state.hpp"
 #include "kernels/model.hpp"
 
-/// The march is compiled for a few numbers of mode packs; a scene takes the smallest that holds it. Padding
-/// does not change a bit of the answer.
+/// The march is compiled for a few numbers of mode packs; a scene takes the smallest that holds it.
+/// Padding does not change a bit of the answer.
 namespace ra2d {
 
 using Space = Kokkos::DefaultExecutionSpace;
@@ -21,7 +21,8 @@ using StatesView = Kokkos::View<SceneState*, Space>;
 int compiled_packs(int needed);
 
 /// One launch over a batch: every running scene goes on to step `target`.
-void launch_march(int packs, const TablesView& tables, const StatesView& states, std::int64_t target);
+void launch_march(int packs, const TablesView& tables, const StatesView& states,
+                  std::int64_t target);
 
 /// One compiled march; each is compiled in one of the files march_*.cpp.
 template <int K>
@@ -37,8 +38,9 @@ struct PackList {
   }
 };
 // up to 256 modes with any width of the lanes
-using Packs = std::conditional_t<LanesOf<Space>::width == 32, PackList<1, 2, 3, 4, 6, 8>,
-              std::conditional_t<LanesOf<Space>::width == 8, PackList<1, 2, 3, 4, 8, 32>,
-                                 PackList<2, 4, 6, 8, 16, 256 / LanesOf<Space>::width>>>;
+using Packs =
+    std::conditional_t<LanesOf<Space>::width == 32, PackList<1, 2, 3, 4, 6, 8>,
+                       std::conditional_t<LanesOf<Space>::width == 8, PackList<1, 2, 3, 4, 8, 32>,
+                                          PackList<2, 4, 6, 8, 16, 256 / LanesOf<Space>::width>>>;
 
 }  // namespace ra2d

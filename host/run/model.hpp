@@ -7,40 +7,44 @@
 #include "host/beam/beam.hpp"
 #include "host/scene/scene.hpp"
 
-/// A scene made ready to march: beams, faces, and where everything starts. Host data, for any number of lanes.
+/// A scene made ready to march: beams, faces, and where everything starts. Host data, for any
+/// number of lanes.
 namespace ra2d {
 
 struct Model {
   Scene scene;
   Beam resonator, slider;
   std::vector<double> resonator_height, slider_height;  // m, at the nodes
-  double delta = 0;            // m, imposed distance of the mean lines
-  double node_stiffness = 0;   // N/m, kappa chi w
-  double position = 0;         // of slider node 0 at t = 0, in chi
-  double advance = 0;          // per step, in chi
-  std::int64_t steps = 0;      // of the whole run
+  double delta = 0;                                     // m, imposed distance of the mean lines
+  double node_stiffness = 0;                            // N/m, kappa chi w
+  double position = 0;                                  // of slider node 0 at t = 0, in chi
+  double advance = 0;                                   // per step, in chi
+  std::int64_t steps = 0;                               // of the whole run
   double steps_per_sample = 0;
   std::int64_t samples = 0;
 
   int nodes() const { return static_cast<int>(slider_height.size()); }
 };
 
-/// Builds beams and surfaces and places the slider. Throws RequestError where they do not fit together.
+/// Builds beams and surfaces and places the slider. Throws RequestError where they do not fit
+/// together.
 Model make_model(const Scene& scene);
 
-/// Modal displacements and rates of both bodies at one instant, and the energy of the contact springs.
+/// Modal displacements and rates of both bodies at one instant, and the energy of the contact
+/// springs.
 struct ModalStart {
   std::vector<double> resonator_u, resonator_v, slider_u, slider_v;
-  double energy = 0;          // J, kinetic + elastic + contact
+  double energy = 0;  // J, kinetic + elastic + contact
   int nodes_in_contact = 0;
-  double contact_force = 0;   // N
+  double contact_force = 0;  // N
 };
 
 /// Where the scene starts: at rest, or in static equilibrium under load and contact
 /// (scene.initial). Throws RequestError when no equilibrium can be found.
 ModalStart make_start(const Model& model);
 
-/// Overlap -g_n [m] of every slider node at t = 0 for given modal displacements, by direct evaluation.
+/// Overlap -g_n [m] of every slider node at t = 0 for given modal displacements, by direct
+/// evaluation.
 std::vector<double> overlaps(const Model& model, const std::vector<double>& resonator_u,
                              const std::vector<double>& slider_u);
 

@@ -9,7 +9,8 @@ namespace ra2d {
 namespace {
 
 /// Kinetic and elastic energy of one body's modes [J].
-void add_energy(const Beam& beam, const double* u, const double* v, double& kinetic, double& elastic) {
+void add_energy(const Beam& beam, const double* u, const double* v, double& kinetic,
+                double& elastic) {
   for (std::size_t k = 0; k < beam.modes.size(); ++k) {
     const double stretch = beam.modes[k].omega * u[k];
     kinetic += 0.5 * beam.mass_per_length * v[k] * v[k];
@@ -64,7 +65,8 @@ SampleBlock make_samples(const Model& model, const ModalStart& start, const Drai
     block.time.push_back(static_cast<double>(first + i) / model.scene.rate);
     block.resonator_displacement.insert(block.resonator_displacement.end(), u, u + modes2);
     block.resonator_velocity.insert(block.resonator_velocity.end(), v, v + modes2);
-    block.slider_displacement.insert(block.slider_displacement.end(), u + modes2, u + modes2 + modes1);
+    block.slider_displacement.insert(block.slider_displacement.end(), u + modes2,
+                                     u + modes2 + modes1);
     block.slider_velocity.insert(block.slider_velocity.end(), v + modes2, v + modes2 + modes1);
     block.force.push_back(columns[sample::force]);
     block.nodes.push_back(std::round(columns[sample::nodes]));

@@ -21,8 +21,8 @@ std::vector<Shock> make_shocks(const Model& model, const std::vector<ShockRow>& 
 std::vector<Shock> make_shocks(const Model& model, const std::vector<OpenShock>& open);
 
 /// Root mean square velocity of the resonator [m/s]: over its nodes, and over all the steps made.
-/// The mean over nodes is taken mode by mode; cross terms between modes vanish for pinned modes on a whole
-/// number of spacings, and are of the order of spacing/length otherwise.
+/// The mean over nodes is taken mode by mode; cross terms between modes vanish for pinned modes on
+/// a whole number of spacings, and are of the order of spacing/length otherwise.
 double v_rms(const Model& model, const Snapshot& snapshot);
 
 /// 20 log10(v_rms / 1e-9 m/s), NaN for v_rms = 0 (paper, equation 12).
@@ -30,7 +30,8 @@ double level(double v_rms);
 
 /// How well the energy closes between the first sample of a run and one of its samples.
 struct EnergyBalance {
-  double residual = 0;  // J: kinetic + elastic + contact + damping loss - sliding work - load work - start
+  double residual =
+      0;  // J: kinetic + elastic + contact + damping loss - sliding work - load work - start
   double turnover = 0;  // J: what it is measured against: the energy that went through
   double relative() const { return turnover > 0 ? residual / turnover : 0.0; }
 };

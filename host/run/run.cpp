@@ -42,14 +42,18 @@ std::string describe_failure(const Model& model, const Snapshot& end) {
   const double time = static_cast<double>(end.step) * model.scene.step;
   std::string text =
       end.status == Status::not_finite
-          ? fmt::format("not finite: at t = {:.6g} s (step {}) the state is no longer a number", time, end.step)
-          : fmt::format("unstable: by t = {:.6g} s (step {}) the energy had grown to {:.3g} J, over {:.3g} J, ten "
-                        "times all that sliding and loads had put in",
-                        time, end.step, end.energy, end.energy_limit);
+          ? fmt::format("not finite: at t = {:.6g} s (step {}) the state is no longer a number",
+                        time, end.step)
+          : fmt::format(
+                "unstable: by t = {:.6g} s (step {}) the energy had grown to {:.3g} J, over {:.3g} "
+                "J, ten "
+                "times all that sliding and loads had put in",
+                time, end.step, end.energy, end.energy_limit);
   const int nodes = static_cast<int>(std::max<std::int64_t>(1, end.most_nodes));
   const double limit = contact_step_limit(model, nodes);
   text += fmt::format(
-      ". Limit: backward Euler takes the contact spring explicitly; with {} node{} in contact, the most at once, "
+      ". Limit: backward Euler takes the contact spring explicitly; with {} node{} in contact, the "
+      "most at once, "
       "time.step must stay below {:.3g} s, and it is {:g} s. ",
       nodes, nodes == 1 ? "" : "s", limit, model.scene.step);
   if (model.scene.step >= limit)

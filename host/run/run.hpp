@@ -18,12 +18,12 @@ struct Progress {
   double duration = 0;  // s to simulate
   double wall = 0;      // s since the first step
   double steps_per_second = 0;
-  double left = 0;      // s of wall time, expected
+  double left = 0;  // s of wall time, expected
 };
 
 struct RunOptions {
   std::filesystem::path output;
-  std::function<void(const Progress&)> progress;  // called a few times a second
+  std::function<void(const Progress&)> progress;   // called a few times a second
   const std::atomic<bool>* interrupted = nullptr;  // ends the run at the next launch
 };
 
@@ -31,22 +31,22 @@ enum class Ending { complete, interrupted, failed };
 
 struct RunReport {
   Ending ending = Ending::complete;
-  std::string failure;      // what, when, which limit, which cure; empty unless it failed
-  double time = 0;          // s simulated
+  std::string failure;  // what, when, which limit, which cure; empty unless it failed
+  double time = 0;      // s simulated
   std::int64_t steps = 0;
   double v_rms = 0, lv = 0;
-  double shocks = 0;        // per simulated second
+  double shocks = 0;                            // per simulated second
   double duration_median = 0, duration_90 = 0;  // s
   double force_median = 0, force_90 = 0;        // N, of the peak force
-  double contact_share = 0; // of the steps
-  double evaluated = 0;     // nodes a step
+  double contact_share = 0;                     // of the steps
+  double evaluated = 0;                         // nodes a step
   EnergyBalance energy;
-  double march_seconds = 0; // in the kernels
+  double march_seconds = 0;  // in the kernels
   double wall_seconds = 0;
 };
 
-/// Runs a scene to its end, an interrupt or a failure, and writes the result file in every case (marked when
-/// it was cut short). Throws RequestError and FileError.
+/// Runs a scene to its end, an interrupt or a failure, and writes the result file in every case
+/// (marked when it was cut short). Throws RequestError and FileError.
 RunReport run(const Scene& scene, const RunOptions& options);
 
 }  // namespace ra2d

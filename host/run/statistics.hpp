@@ -8,13 +8,15 @@
 
 namespace ra2d {
 
-/// Quantiles of any number of positive values in bounded memory: counts in bins of equal ratio, so a quantile
-/// is right to within `resolution`, relative. Values outside 1e-15 ... 1e15 are counted at the nearer end.
+/// Quantiles of any number of positive values in bounded memory: counts in bins of equal ratio, so
+/// a quantile is right to within `resolution`, relative. Values outside 1e-15 ... 1e15 are counted
+/// at the nearer end.
 class LogHistogram {
  public:
   static constexpr double resolution = 1e-3;
 
-  LogHistogram() : counts_(1 + static_cast<std::size_t>(std::log(highest / lowest) / (2 * resolution))) {}
+  LogHistogram()
+      : counts_(1 + static_cast<std::size_t>(std::log(highest / lowest) / (2 * resolution))) {}
 
   void add(double value) {
     const double place = value > lowest ? std::log(value / lowest) / (2 * resolution) : 0.0;
@@ -26,7 +28,8 @@ class LogHistogram {
   /// The value that a share of all values does not exceed; NaN without values.
   double quantile(double share) const {
     if (total_ == 0) return std::numeric_limits<double>::quiet_NaN();
-    const auto rank = std::max<std::int64_t>(1, std::llround(std::ceil(share * static_cast<double>(total_))));
+    const auto rank =
+        std::max<std::int64_t>(1, std::llround(std::ceil(share * static_cast<double>(total_))));
     std::int64_t seen = 0;
     std::size_t bin = 0;
     while (bin + 1 < counts_.size() && (seen += counts_[bin]) < rank) ++bin;

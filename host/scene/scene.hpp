@@ -26,12 +26,13 @@ struct Peak {
 /// A rough face, its heights positive towards the opposite body.
 struct SurfaceSpec {
   SurfaceKind kind = SurfaceKind::flat;
-  std::vector<Peak> peaks;                   // peaks
-  std::filesystem::path path;                // file: as written, relative to the scene's folder
-  double rq = 0;                             // gaussian: m, root mean square height
-  std::optional<double> rsm;                 // gaussian: m, mean spacing of the profile elements ...
-  std::optional<double> correlation_length;  // ... or m, the distance at which the correlation is 1/e
-  std::uint64_t seed = 0;                    // gaussian
+  std::vector<Peak> peaks;     // peaks
+  std::filesystem::path path;  // file: as written, relative to the scene's folder
+  double rq = 0;               // gaussian: m, root mean square height
+  std::optional<double> rsm;   // gaussian: m, mean spacing of the profile elements ...
+  std::optional<double>
+      correlation_length;  // ... or m, the distance at which the correlation is 1/e
+  std::uint64_t seed = 0;  // gaussian
 };
 
 /// A constant force that travels along the resonator, positive upwards.
@@ -43,18 +44,18 @@ struct MovingForce {
 
 struct BodySpec {
   Support support = Support::pinned;
-  double length = 0;     // m
-  double thickness = 0;  // m
-  double width = 0;      // m
-  double young = 0;      // Pa
-  double density = 0;    // kg/m^3
-  double damping = 0;    // modal damping ratio zeta
-  std::optional<double> max_frequency;      // Hz, keep the elastic modes up to here ...
-  std::optional<int> modes;                 // ... or this many elastic modes
+  double length = 0;                    // m
+  double thickness = 0;                 // m
+  double width = 0;                     // m
+  double young = 0;                     // Pa
+  double density = 0;                   // kg/m^3
+  double damping = 0;                   // modal damping ratio zeta
+  std::optional<double> max_frequency;  // Hz, keep the elastic modes up to here ...
+  std::optional<int> modes;             // ... or this many elastic modes
   SurfaceSpec surface;
-  bool load_is_weight = false;              // slider: load = "weight"
-  double load = 0;                          // slider: N towards the resonator, when not its weight
-  std::vector<MovingForce> moving_forces;   // resonator
+  bool load_is_weight = false;             // slider: load = "weight"
+  double load = 0;                         // slider: N towards the resonator, when not its weight
+  std::vector<MovingForce> moving_forces;  // resonator
 };
 
 struct Scene {
@@ -74,7 +75,7 @@ struct Scene {
   double stiffness = 0;  // Pa/m, kappa
 
   SchemeKind scheme = SchemeKind::backward_euler;
-  double step = 0;  // s, tau
+  double step = 0;                  // s, tau
   std::optional<double> tolerance;  // stands for the adaptive scheme; not used by the others
   Nodes nodes = Nodes::candidates;
 
@@ -82,8 +83,9 @@ struct Scene {
   std::vector<double> probes;  // m, on the resonator
 };
 
-/// Reads and checks a scene (contract: "Scene"). `overrides` are "section.key=value" texts of --set.
-/// Throws RequestError that names every fault at once, FileError when the file cannot be read.
+/// Reads and checks a scene (contract: "Scene"). `overrides` are "section.key=value" texts of
+/// --set. Throws RequestError that names every fault at once, FileError when the file cannot be
+/// read.
 Scene read_scene(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
 
 /// The same from a text; `file` is used in messages and to resolve relative paths.

@@ -10,10 +10,10 @@ namespace ra2d {
 
 /// What is known before the first step.
 struct ResultHeader {
-  std::string scene;           // TOML text of the scene
-  std::string backend;         // e.g. "OpenMP"
+  std::string scene;    // TOML text of the scene
+  std::string backend;  // e.g. "OpenMP"
   int threads = 1;
-  std::string started;         // ISO 8601, UTC
+  std::string started;                                        // ISO 8601, UTC
   std::vector<double> resonator_frequency, slider_frequency;  // Hz; either may be empty
   std::vector<double> probe_position;                         // m; may be empty
   std::vector<double> resonator_height, slider_height;        // m, the profiles used
@@ -32,27 +32,28 @@ struct SampleBlock {
 
 /// One shock: a connected piece of contact in space and time.
 struct Shock {
-  long serial = 0;       // number of the shock in order of start, from 0; merged shocks leave holes
-  double start = 0;      // s
-  double duration = 0;   // s
-  double peak_force = 0; // N
-  double impulse = 0;    // N s
-  double position = 0;   // m on the resonator, mean weighted by force
+  long serial = 0;      // number of the shock in order of start, from 0; merged shocks leave holes
+  double start = 0;     // s
+  double duration = 0;  // s
+  double peak_force = 0;  // N
+  double impulse = 0;     // N s
+  double position = 0;    // m on the resonator, mean weighted by force
 };
 
 /// What is known after the last step.
 struct ResultSummary {
-  double v_rms = 0;          // m/s
-  double lv = 0;             // dB re 1e-9 m/s; NaN when nothing moved
+  double v_rms = 0;  // m/s
+  double lv = 0;     // dB re 1e-9 m/s; NaN when nothing moved
   double wall_seconds = 0;
   long steps = 0;
-  bool complete = true;      // false: cut short
-  std::string ended;         // "complete", "interrupted", "unstable: ..."
+  bool complete = true;  // false: cut short
+  std::string ended;     // "complete", "interrupted", "unstable: ..."
 };
 
 /// Writes one HDF5 file. Until close() it stands under a temporary name beside the final one, so a
-/// killed run leaves nothing under the final name; close() renames it. Destroyed without close(), it
-/// removes what it wrote. Every method throws FileError (disk full included) and then nothing is left.
+/// killed run leaves nothing under the final name; close() renames it. Destroyed without close(),
+/// it removes what it wrote. Every method throws FileError (disk full included) and then nothing is
+/// left.
 class ResultFile {
  public:
   ResultFile(const std::filesystem::path& path, const ResultHeader& header);

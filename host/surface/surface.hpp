@@ -13,8 +13,8 @@ namespace ra2d {
 int node_count(double length, double spacing);
 
 /// Heights [m] at the nodes n chi of a beam of this length, positive towards the opposite body.
-/// `scene_file` anchors a relative path. Throws RequestError for a profile that cannot be used (with the
-/// file and the line), FileError when it cannot be read.
+/// `scene_file` anchors a relative path. Throws RequestError for a profile that cannot be used
+/// (with the file and the line), FileError when it cannot be read.
 std::vector<double> make_surface(const SurfaceSpec& spec, double length, double spacing,
                                  const std::filesystem::path& scene_file);
 

@@ -5,8 +5,8 @@
 
 namespace ra2d {
 
-/// Penalty contact (paper, section 3): f = kappa chi w max(0, -g), the force [N] that pushes the bodies
-/// apart at a node. Conservative: the energy of the spring is kappa chi w g^2 / 2.
+/// Penalty contact (paper, section 3): f = kappa chi w max(0, -g), the force [N] that pushes the
+/// bodies apart at a node. Conservative: the energy of the spring is kappa chi w g^2 / 2.
 struct Penalty {
   double stiffness;  // kappa chi w, N/m
 

@@ -14,17 +14,18 @@ namespace ra2d {
 ///
 ///   V1 = (V0 - tau omega^2 U0 + tau F0/m) / s.
 ///
-/// Order 1. Without contact it is stable for every step: energy m (V^2 + omega^2 U^2) / 2 never grows,
-/// an undamped mode loses the share 1 - 1/s of it at each step (numerical damping omega tau / 2).
+/// Order 1. Without contact it is stable for every step: energy m (V^2 + omega^2 U^2) / 2 never
+/// grows, an undamped mode loses the share 1 - 1/s of it at each step (numerical damping omega tau
+/// / 2).
 ///
-/// The penalty spring, explicit, brings a limit of its own. With F = -sum_n k_n phi_n (phi_n . U) a period
-/// of two steps (U1 = -U0, V1 = -V0) is the first to grow; for one node it does so when
+/// The penalty spring, explicit, brings a limit of its own. With F = -sum_n k_n phi_n (phi_n . U) a
+/// period of two steps (U1 = -U0, V1 = -V0) is the first to grow; for one node it does so when
 ///
 ///   sum_j k phi_j^2 tau^2 / (m_j (4 + 4 zeta_j omega_j tau + (omega_j tau)^2)) = 1,
 ///
-/// which is omega_c tau = 2 with omega_c^2 = k sum_j phi_j^2/m_j while all omega_j tau are small. Below it
-/// the pair (U, V) is advanced like symplectic Euler: the contact energy swings by O(omega_c tau) within a
-/// shock and comes back to first order in tau.
+/// which is omega_c tau = 2 with omega_c^2 = k sum_j phi_j^2/m_j while all omega_j tau are small.
+/// Below it the pair (U, V) is advanced like symplectic Euler: the contact energy swings by
+/// O(omega_c tau) within a shock and comes back to first order in tau.
 struct BackwardEuler {
   static constexpr int order = 1;
   static constexpr int coefficients = 3;
@@ -37,7 +38,8 @@ struct BackwardEuler {
     c[2] = tau / (mass * s);
   }
 
-  /// Bound on a free mode's |V1 - V0|/tau over its energy norm sqrt(V^2 + omega^2 U^2), which never grows.
+  /// Bound on a free mode's |V1 - V0|/tau over its energy norm sqrt(V^2 + omega^2 U^2), which never
+  /// grows.
   static double pull(double omega, double zeta) { return (1.0 + 2.0 * zeta) * omega; }
 
   /// One step. `kick` is c[2] F0.

@@ -234,8 +234,9 @@ TEST(ExpandNode, CubicAboutTheWindowsMiddle) {
   t.resonator_modes = t.slider_modes = t.groups = 1;
   std::vector<double> quartic(width, 0.0), patch(2 * 4 * width, 0.0), unit(width, 0.0);
   std::vector<double> slider_shape(width), height1(width), height2(patch_nodes + width + 4);
-  const double cubic[] = {5, -3, 2, 1};
-  for (int j = 0; j < 4; ++j) patch[(4 + j) * width] = cubic[j] * std::pow(radius, j);
+  const double cubic[] = {5, -3, 2, 1}, factorial[] = {1, 1, 2, 6};
+  for (int j = 0; j < 4; ++j)
+    patch[(4 + j) * width] = factorial[j] * cubic[j] * std::pow(radius, j);
   unit[1] = 1;
   for (int n = 0; n < width; ++n) slider_shape[n] = 0.5 * n, height1[n] = -10 - n;
   for (std::size_t n = 0; n < height2.size(); ++n) height2[n] = static_cast<double>(n * n);
@@ -249,7 +250,7 @@ TEST(ExpandNode, CubicAboutTheWindowsMiddle) {
     ASSERT_EQ(at / patch_nodes, 1) << "the test means patch 1";
     std::array<double, 4 * width> shape;
     double face[2];
-    expand_node<HostLanes, 1, 1>(lanes, t, place, node, shape.data(), face);
+    expand_node<HostLanes, 1>(lanes, t, place, node, shape.data(), face);
     const double y = at + 0.25 - 1.5 * patch_nodes;  // the middle of the first half chi
     EXPECT_EQ(shape[0], y * y * y + 2 * y * y - 3 * y + 5);
     EXPECT_EQ(shape[width], 3 * y * y + 4 * y - 3);

@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The program as its users meet it: what it prints, what it writes, how it ends.
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <thread>
+
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+std::string read(const fs::path& file) {
+  std::ifstream in(file);
+  std::stringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+/// A child process with its output in files.
+class Child {
+ public:
+  Child(const fs::path& folder, std::vector<std::string> words) : folder_{folder} {
+    pid_ = fork();
+    if (pid_ != 0) return;
+    std::vector<char*> argv;
+    for (std::string& word : words) argv.push_back(word.data());
+    argv.push_back(nullptr);
+    if (chdir(folder.c_str()) != 0) _exit(125);
+    dup2(open((folder / "stdout").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), 1);
+    dup2(open((folder / "stderr").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), 2);
+    execvp(argv[0], argv.data());
+    _exit(126);
+  }
+  /// Exit status, or 1000 + the signal that ended it.
+  int wait() {
+    int status = 0;
+    waitpid(pid_, &status, 0);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status);
+  }
+  void send(int signal) const { kill(pid_, signal); }
+  std::string out() const { return read(folder_ / "stdout"); }
+  std::string err() const { return read(folder_ / "stderr"); }
+
+ private:
+  fs::path folder_;
+  pid_t pid_ = -1;
+};
+
+class Program : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = (fs::temp_directory_path() / "ra2d_program_XXXXXX").string();
+    ASSERT_NE(mkdtemp(name.data()), nullptr);
+    folder_ = name;
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  Child start(std::vector<std::string> words) const {
+    words.insert(words.begin(), RA2D_PROGRAM);
+    return {folder_, words};
+  }
+  int run(std::vector<std::string> words) {
+    Child child = start(std::move(words));
+    const int status = child.wait();
+    out_ = child.out();
+    err_ = child.err();
+    return status;
+  }
+  int python(std::vector<std::string> words) {
+    words[0] = std::string(RA2D_SOURCE_DIR) + "/tests/host/" + words[0];
+    words.insert(words.begin(), RA2D_PYTHON);
+    Child child(folder_, words);
+    const int status = child.wait();
+    out_ = child.out();
+    err_ = child.err();
+    return status;
+  }
+  static std::string scene(const std::string& name) {
+    return std::string(RA2D_SOURCE_DIR) + "/scenes/" + name + ".toml";
+  }
+  fs::path folder_;
+  std::string out_, err_;
+};
+
+TEST_F(Program, HelpAndVersionSucceed) {
+  EXPECT_EQ(run({"--help"}), 0);
+  EXPECT_THAT(out_, AllOf(HasSubstr("run"), HasSubstr("plan"), HasSubstr("Exit status")));
+  EXPECT_EQ(run({"run", "--help"}), 0);
+  EXPECT_THAT(out_, AllOf(HasSubstr("--set"), HasSubstr("--threads"), HasSubstr("--quiet"),
+                          HasSubstr("--output")));
+  EXPECT_EQ(run({"--version"}), 0);
+  EXPECT_THAT(out_, HasSubstr("ra2d 0."));
+}
+
+TEST_F(Program, WrongRequestsEndWithTwoAndSayWhy) {
+  EXPECT_EQ(run({}), 2);
+  EXPECT_EQ(run({"run"}), 2);
+  EXPECT_THAT(err_, HasSubstr("SCENE"));
+  EXPECT_EQ(run({"rnu", scene("peaks")}), 2);
+  EXPECT_EQ(run({"run", scene("peaks"), "--treads", "2"}), 2);
+  EXPECT_EQ(run({"study", "x.toml"}), 2);
+  EXPECT_THAT(err_, HasSubstr("'study' is not available yet"));
+  EXPECT_EQ(run({"run", scene("peaks"), "--set", "scene.sped=1", "--set", "time.step=-1"}), 2);
+  EXPECT_THAT(err_, AllOf(HasSubstr("2 faults"), HasSubstr("scene.sped"), HasSubstr("`speed`"),
+                          HasSubstr("time.step")));
+  EXPECT_FALSE(fs::exists(folder_ / "peaks.h5"));
+}
+
+TEST_F(Program, WhatComesLaterIsRefusedByName) {
+  EXPECT_EQ(run({"run", scene("peaks"), "--set", "time.scheme=rk4"}), 2);
+  EXPECT_THAT(err_, AllOf(HasSubstr("rk4"), HasSubstr("not available yet")));
+  EXPECT_EQ(run({"run", scene("peaks"), "--set", "contact.law=multiplier"}), 2);
+  EXPECT_THAT(err_, AllOf(HasSubstr("multiplier"), HasSubstr("not available yet")));
+}
+
+TEST_F(Program, FilesThatCannotBeReadOrWrittenEndWithFour) {
+  EXPECT_EQ(run({"run", "nowhere.toml"}), 4);
+  EXPECT_THAT(err_, HasSubstr("nowhere.toml"));
+  EXPECT_EQ(run({"run", scene("peaks"), "-o", "no/such/folder/out.h5"}), 4);
+  EXPECT_THAT(err_, HasSubstr("no/such/folder"));
+  EXPECT_EQ(run({"run", scene("peaks"), "--set",
+                 "resonator.surface={ kind = \"file\", path = \"missing.csv\" }"}),
+            4);
+  EXPECT_THAT(err_, AllOf(HasSubstr("resonator.surface"), HasSubstr("missing.csv")));
+}
+
+TEST_F(Program, AProfileThatIsTooShortNamesTheBody) {
+  std::ofstream(folder_ / "short.csv") << "x,z\n0,0\n1e-3,1e-6\n2e-3,0\n";
+  EXPECT_EQ(run({"run", scene("peaks"), "--set",
+                 fmt::format("slider.surface={{ kind = \"file\", path = \"{}\" }}",
+                             (folder_ / "short.csv").string())}),
+            2);
+  EXPECT_THAT(err_, AllOf(HasSubstr("slider.surface"), HasSubstr("short.csv")));
+}
+
+TEST_F(Program, ARunPrintsWhatItFoundAndWritesAFileThatOpensEverywhere) {
+  ASSERT_EQ(run({"run", scene("peaks")}), 0) << err_;
+  EXPECT_THAT(out_, AllOf(HasSubstr("level Lv"), HasSubstr("dB"), HasSubstr("shocks"),
+                          HasSubstr("duration"), HasSubstr("peak force"), HasSubstr("in contact"),
+                          HasSubstr("nodes evaluated"), HasSubstr("energy"), HasSubstr("ns a step"),
+                          HasSubstr("peaks.h5")));
+  EXPECT_EQ(err_, "") << "progress goes to a terminal only";
+  ASSERT_TRUE(fs::exists(folder_ / "peaks.h5"));
+  EXPECT_EQ(python({"check_result.py", "peaks.h5"}), 0) << out_ << err_;
+}
+
+TEST_F(Program, TheEchoInTheFileRunsAgainToTheSameResult) {
+  ASSERT_EQ(run({"run", scene("drop"), "--quiet", "--set", "contact.stiffness=5e14", "-o", "a.h5"}),
+            0)
+      << err_;
+  EXPECT_EQ(out_, "");
+  std::ofstream(folder_ / "get.py")
+      << "import h5py\nopen('again.toml','w').write(h5py.File('a.h5').attrs['scene'])\n";
+  Child get(folder_, {RA2D_PYTHON, "get.py"});
+  ASSERT_EQ(get.wait(), 0) << get.err();
+  EXPECT_THAT(read(folder_ / "again.toml"), HasSubstr("stiffness = 5e14"));
+  ASSERT_EQ(run({"run", "again.toml", "-o", "b.h5"}), 0) << err_;
+  EXPECT_EQ(python({"same_result.py", "a.h5", "b.h5"}), 0) << out_ << err_;
+}
+
+TEST_F(Program, TheResultDoesNotDependOnThreadsOrOnWhatIsLookedAt) {
+  const std::vector<std::string> common{"run", scene("dang2012"), "--set", "scene.duration=0.001"};
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), common.begin(), common.end());
+    return run(more);
+  };
+  ASSERT_EQ(with({"--threads", "1", "-o", "one.h5"}), 0) << err_;
+  ASSERT_EQ(with({"--threads", "2", "-o", "two.h5"}), 0) << err_;
+  EXPECT_EQ(python({"same_result.py", "one.h5", "two.h5"}), 0) << out_ << err_;
+  ASSERT_EQ(with({"--set", "time.nodes=all", "-o", "all.h5"}), 0) << err_;
+  EXPECT_EQ(python({"same_result.py", "one.h5", "all.h5"}), 0) << out_ << err_;
+}
+
+TEST_F(Program, PlanRunsNothingAndSaysWhatWouldBeModelled) {
+  ASSERT_EQ(run({"plan", scene("dang2012")}), 0) << err_;
+  EXPECT_THAT(out_, AllOf(HasSubstr("19 modes"), HasSubstr("2501"), HasSubstr("100000000 steps"),
+                          HasSubstr("stability"), HasSubstr("memory"), HasSubstr("rsm = 0.00155")));
+  EXPECT_FALSE(fs::exists(folder_ / "dang2012.h5"));
+  ASSERT_EQ(run({"plan", scene("dang2012"), "--set", "time.tolerance=1e-6", "--set",
+                 "time.step=1e-4", "--set", "output.rate=1e3"}),
+            0)
+      << err_;
+  EXPECT_THAT(out_, AllOf(HasSubstr("not used"), HasSubstr("will stop as unstable")));
+}
+
+TEST_F(Program, ASignalEndsTheRunCleanlyWithWhatThereIs) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    Child child = start(
+        {"run", scene("dang2012"), "--set", "scene.duration=0.9", "--set", "time.step=2e-10"});
+    std::this_thread::sleep_for(std::chrono::milliseconds(1500));
+    child.send(signal);
+    EXPECT_EQ(child.wait(), 130) << child.err();
+    EXPECT_THAT(child.err(), HasSubstr("interrupted at t ="));
+    ASSERT_TRUE(fs::exists(folder_ / "dang2012.h5"));
+    EXPECT_EQ(python({"check_result.py", "dang2012.h5"}), 0) << out_ << err_;
+    std::ofstream(folder_ / "cut.py")
+        << "import h5py\nf = h5py.File('dang2012.h5')\n"
+           "assert f.attrs['complete'] == 0 and f.attrs['ended'] == 'interrupted'\n"
+           "assert f.attrs['steps'] > 0\n";
+    Child cut(folder_, {RA2D_PYTHON, "cut.py"});
+    EXPECT_EQ(cut.wait(), 0) << cut.err();
+    fs::remove(folder_ / "dang2012.h5");
+  }
+}
+
+TEST_F(Program, AKilledRunLeavesNothingUnderTheFinalName) {
+  Child child = start({"run", scene("dang2012"), "--set", "time.step=2e-10"});
+  std::this_thread::sleep_for(std::chrono::milliseconds(1000));
+  child.send(SIGKILL);
+  EXPECT_EQ(child.wait(), 1000 + SIGKILL);
+  EXPECT_FALSE(fs::exists(folder_ / "dang2012.h5"));
+}
+
+TEST_F(Program, AnUnstableRunEndsWithThreeAndSaysWhichStepWouldHold) {
+  EXPECT_EQ(run({"run", scene("drop"), "--set", "time.step=1e-4", "--set", "output.rate=1e3"}), 3);
+  EXPECT_THAT(err_, AllOf(HasSubstr("unstable"), HasSubstr("t ="), HasSubstr("contact spring"),
+                          HasSubstr("time.step must stay below"), HasSubstr("Use time.step =")));
+  EXPECT_EQ(python({"check_result.py", "drop.h5"}), 0) << out_ << err_;
+  // the step that it names does hold
+  const std::size_t at = err_.find("Use time.step = ") + 16;
+  const std::string step = err_.substr(at, err_.find(' ', at) - at);
+  EXPECT_EQ(run({"run", scene("drop"), "--set", "time.step=" + step, "--set", "output.rate=1e3"}),
+            0)
+      << err_;
+}
+
+}  // namespace
