@@ -9,6 +9,7 @@
 #include <cstdio>
 
 #include "host/commands/commands.hpp"
+#include "host/format.hpp"
 #include "host/run/run.hpp"
 
 namespace ra2d {

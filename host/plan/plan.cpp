@@ -8,6 +8,8 @@
 #include <functional>
 #include <limits>
 
+#include "host/format.hpp"
+
 namespace ra2d {
 namespace {
 
@@ -59,19 +61,6 @@ BodyPlan plan_body(const Beam& beam, const BodySpec& spec, int nodes, double spa
   plan.wavelength_nodes = beta > 0 ? 2 * M_PI / beta / spacing : 0.0;
   plan.numerical_damping = M_PI * plan.highest * tau;
   return plan;
-}
-
-std::string seconds_text(double s) {
-  if (s < 1e-3) return fmt::format("{:.3g} us", s * 1e6);
-  if (s < 1) return fmt::format("{:.3g} ms", s * 1e3);
-  if (s < 120) return fmt::format("{:.3g} s", s);
-  if (s < 7200) return fmt::format("{:.3g} min", s / 60);
-  return fmt::format("{:.3g} h", s / 3600);
-}
-
-std::string bytes_text(std::size_t bytes) {
-  return bytes < 1000000 ? fmt::format("{:.3g} kB", bytes / 1e3)
-                         : fmt::format("{:.3g} MB", bytes / 1e6);
 }
 
 std::string support_text(Support support) {

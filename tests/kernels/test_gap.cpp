@@ -293,6 +293,13 @@ Scene strips(Nodes nodes) {
   return s;
 }
 
+SurfaceSpec one_peak(double at, double height, double half_width) {
+  SurfaceSpec surface;
+  surface.kind = SurfaceKind::peaks;
+  surface.peaks = {{at, height, half_width}};
+  return surface;
+}
+
 class Edges : public testing::TestWithParam<Nodes> {};
 INSTANTIATE_TEST_SUITE_P(Gap, Edges, testing::Values(Nodes::all, Nodes::candidates),
                          [](const auto& info) {
@@ -335,8 +342,7 @@ FirstContact first_contact(Scene s) {
 
 TEST_P(Edges, OneNode) {
   Scene s = strips(GetParam());
-  s.slider.surface = {.kind = SurfaceKind::peaks,
-                      .peaks = {{7 * s.spacing, 3 * unit_height, 0.5 * s.spacing}}};
+  s.slider.surface = one_peak(7 * s.spacing, 3 * unit_height, 0.5 * s.spacing);
   s.gap = unit_height;
   const FirstContact contact = first_contact(s);
   EXPECT_EQ(contact.nodes, 1);
@@ -347,7 +353,7 @@ TEST_P(Edges, OneNode) {
 TEST_P(Edges, FirstNodeOfBoth) {
   Scene s = strips(GetParam());
   s.start = 0;
-  s.slider.surface = {.kind = SurfaceKind::peaks, .peaks = {{0, 3 * unit_height, 0.5 * s.spacing}}};
+  s.slider.surface = one_peak(0, 3 * unit_height, 0.5 * s.spacing);
   s.gap = unit_height;
   const FirstContact contact = first_contact(s);
   EXPECT_EQ(contact.nodes, 1);
@@ -359,8 +365,7 @@ TEST_P(Edges, LastNodeOfTheResonator) {
   // The slider's last node over the resonator's: behind it there is no next node to interpolate to.
   Scene s = strips(GetParam());
   s.start = s.resonator.length - s.slider.length;
-  s.resonator.surface = {.kind = SurfaceKind::peaks,
-                         .peaks = {{s.resonator.length, 3 * unit_height, 0.5 * s.spacing}}};
+  s.resonator.surface = one_peak(s.resonator.length, 3 * unit_height, 0.5 * s.spacing);
   s.gap = unit_height;
   const FirstContact contact = first_contact(s);
   EXPECT_EQ(contact.nodes, 1);
@@ -372,8 +377,7 @@ TEST_P(Edges, BetweenTwoNodesOfTheResonator) {
   // A peak of the resonator a quarter of chi behind the slider's node: a quarter of it is lost.
   Scene s = strips(GetParam());
   s.start = 16.25 * s.spacing;
-  s.resonator.surface = {.kind = SurfaceKind::peaks,
-                         .peaks = {{20 * s.spacing, 8 * unit_height, 0.5 * s.spacing}}};
+  s.resonator.surface = one_peak(20 * s.spacing, 8 * unit_height, 0.5 * s.spacing);
   s.gap = 4 * unit_height;
   const FirstContact contact = first_contact(s);
   EXPECT_EQ(contact.nodes, 1);

@@ -1,0 +1,302 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "host/errors.hpp"
+#include "tests/simulate.hpp"
+
+/// scene.initial = "static": the start is an equilibrium under load and contact, and stays one.
+namespace ra2d::test {
+namespace {
+
+constexpr double ulp = std::numeric_limits<double>::epsilon();
+
+Scene resting_block() {
+  Scene s;
+  s.duration = 2e-3;
+  s.speed = 0;
+  s.start = 0.021;
+  s.spacing = 4e-5;
+  s.step = 1e-7;
+  s.rate = 1e5;
+  s.initial = Initial::statics;
+  s.resonator.length = 0.06;
+  s.resonator.thickness = 1e-3;
+  s.resonator.width = 0.02;
+  s.resonator.young = 210e9;
+  s.resonator.density = 7800;
+  s.resonator.damping = 0.02;
+  s.resonator.modes = 8;
+  s.slider = s.resonator;
+  s.slider.support = Support::free;
+  s.slider.length = 0.012;
+  s.slider.thickness = 0.012;
+  s.slider.modes = 0;
+  s.slider.load_is_weight = true;
+  s.stiffness = 1e14;
+  return s;
+}
+
+SurfaceSpec gaussian(double rq, double rsm, std::uint64_t seed) {
+  SurfaceSpec surface;
+  surface.kind = SurfaceKind::gaussian;
+  surface.rq = rq;
+  surface.rsm = rsm;
+  surface.seed = seed;
+  return surface;
+}
+
+/// Forces at rest, found here from scratch.
+struct Balance {
+  double worst = 0;     // N m^(-1/2), largest residual of a mode's equation
+  double rounding = 0;  // N m^(-1/2), what the roundings of the gaps make of it
+  double force = 0;     // N, of contact
+  double moment = 0;    // N m, of the contact forces about the slider's middle
+  int nodes = 0;
+};
+
+Balance balance(const Model& m, const ModalStart& start) {
+  const double chi = m.scene.spacing;
+  Balance b;
+  std::vector<double> residual2, residual1;
+  double size = 0, heights = std::abs(m.delta), psi_sum = 0;
+  const auto elastic = [&](const Beam& beam, const std::vector<double>& u,
+                           std::vector<double>& residual) {
+    for (std::size_t k = 0; k < u.size(); ++k) {
+      const double pull = beam.mass_per_length * beam.modes[k].omega * beam.modes[k].omega * u[k];
+      residual.push_back(beam.load[k] - pull);
+      size += std::abs(beam.load[k]) + std::abs(pull);
+      heights += std::abs(u[k]) * beam.modes[k].largest;
+    }
+  };
+  elastic(m.resonator, start.resonator_u, residual2);
+  elastic(m.slider, start.slider_u, residual1);
+  for (const double h : m.slider_height) heights = std::max(heights, std::abs(h));
+  const std::vector<double> over = overlaps(m, start.resonator_u, start.slider_u);
+  for (int n = 0; n < m.nodes(); ++n) {
+    if (over[n] <= 0) continue;
+    const double f = m.node_stiffness * over[n];
+    ++b.nodes;
+    b.force += f;
+    b.moment += f * (n * chi - m.scene.slider.length / 2);
+    double psi = 0;
+    const auto push = [&](const Beam& beam, double x, std::vector<double>& residual) {
+      for (std::size_t k = 0; k < residual.size(); ++k) {
+        evaluate(beam.modes[k], beam.length, x, 1, &psi);
+        residual[k] -= f * psi;
+        psi_sum += std::abs(psi);
+      }
+    };
+    push(m.resonator, m.scene.start + n * chi, residual2);
+    push(m.slider, n * chi, residual1);
+  }
+  for (const auto* residual : {&residual2, &residual1})
+    for (const double r : *residual) b.worst = std::max(b.worst, std::abs(r));
+  // every gap in contact is right to 8 roundings of what it is the difference of, every sum to 64
+  // of its terms
+  b.rounding = 8 * ulp * heights * m.node_stiffness * psi_sum + 64 * ulp * size;
+  return b;
+}
+
+void expect_balanced(const Model& model, const ModalStart& start) {
+  const Balance b = balance(model, start);
+  ASSERT_GT(b.nodes, 0);
+  EXPECT_EQ(start.nodes_in_contact, b.nodes);
+  EXPECT_NEAR(start.contact_force, b.force, 1e-12 * b.force);
+  // Newton's method ends when the potential no longer feels a step: what is left of a residual is
+  // then within 1e-9 of the forces, or their roundings.
+  EXPECT_LT(b.worst, b.rounding + 1e-9 * b.force * model.resonator.modes[0].largest);
+  if (model.scene.slider.support != Support::free) return;
+  const double weight = model.slider.load_force, length = model.slider.length;
+  // the rigid modes' residuals are force and moment, but for their norms
+  const double bound = b.rounding * std::sqrt(length) + 1e-9 * weight;
+  EXPECT_LT(bound, 1e-6 * weight) << "the roundings leave nothing to test";
+  EXPECT_NEAR(b.force, weight, bound);
+  EXPECT_NEAR(b.moment, 0, bound * length);
+}
+
+TEST(Equilibrium, FreeSliderCarriesItsWeightOnRoughFaces) {
+  for (std::uint64_t seed = 1; seed <= 12; ++seed)
+    for (const double stiffness : {1e11, 1e13, 1e15}) {
+      SCOPED_TRACE(testing::Message() << "seed " << seed << ", kappa " << stiffness);
+      Scene s = resting_block();
+      s.stiffness = stiffness;
+      s.resonator.surface = gaussian(5e-6, 1e-3, 2 * seed);
+      s.slider.surface = gaussian(5e-6, 1e-3, 2 * seed + 1);
+      const Model model = make_model(s);
+      const ModalStart start = make_start(model);
+      expect_balanced(model, start);
+      if (stiffness == 1e13) {
+        EXPECT_NEAR(start.contact_force, model.slider.load_force, 1e-9 * model.slider.load_force);
+      }
+    }
+}
+
+TEST(Equilibrium, BendingSlidersOfAnySupportSettle) {
+  for (std::uint64_t seed = 1; seed <= 6; ++seed)
+    for (const Support support : {Support::free, Support::pinned, Support::rigid}) {
+      SCOPED_TRACE(testing::Message()
+                   << "seed " << seed << ", support " << static_cast<int>(support));
+      Scene s = resting_block();
+      s.slider.support = support;
+      s.slider.thickness = 5e-4;
+      s.slider.modes = support == Support::rigid ? 0 : 4;
+      s.slider.load_is_weight = false;
+      s.slider.load = support == Support::rigid ? 0 : 3;
+      s.gap = 4e-6;
+      s.resonator.surface = gaussian(2e-6, 4e-4, 100 + 2 * seed);
+      s.slider.surface = gaussian(2e-6, 4e-4, 101 + 2 * seed);
+      const Model model = make_model(s);
+      expect_balanced(model, make_start(model));
+    }
+}
+
+TEST(Equilibrium, SmallScenesThatWereHardToSettle) {
+  // A block on the plate's end, over all but rigid and over soft contact; an equilibrium always
+  // exists, the weight acting between the block's ends.
+  for (const double kappa_chi_w : {1e4, 1e5, 1e7, 1e9})
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+      SCOPED_TRACE(testing::Message() << kappa_chi_w << " N/m, seed " << seed);
+      Scene s = resting_block();
+      s.spacing = 5e-5;
+      s.resonator.length = 0.0155;
+      s.resonator.thickness = 7.6e-4;
+      s.resonator.modes = 1;
+      s.resonator.surface = gaussian(3e-7, 1e-3, seed);
+      s.slider.length = 0.0015;
+      s.slider.thickness = 2e-4;
+      s.slider.width = 0.01;
+      s.slider.modes = 2;
+      s.slider.load_is_weight = false;
+      s.slider.load = 0.1;
+      s.slider.surface.kind = SurfaceKind::peaks;
+      s.slider.surface.peaks = {
+          {.at = 2e-4 * static_cast<double>(seed), .height = 3e-7, .half_width = 2e-4}};
+      s.start = 0.01389;
+      s.stiffness = kappa_chi_w / s.spacing / s.slider.width;
+      const Model model = make_model(s);
+      try {
+        expect_balanced(model, make_start(model));
+      } catch (const RequestError& e) {
+        ADD_FAILURE() << e.what();
+      }
+    }
+}
+
+TEST(Equilibrium, PinnedSliderDeflectsAsABeamUnderEvenLoad) {
+  Scene s = resting_block();
+  s.gap = 1;  // m: nothing to lean on
+  s.slider.support = Support::pinned;
+  s.slider.thickness = 1e-3;
+  s.slider.load_is_weight = false;
+  s.slider.load = 7;
+  const double inertia = s.slider.width * std::pow(s.slider.thickness, 3) / 12;
+  const double scale = s.slider.load * std::pow(s.slider.length, 3) / (s.slider.young * inertia);
+  for (const int modes : {1, 2, 5, 60}) {
+    SCOPED_TRACE(modes);
+    s.slider.modes = modes;
+    const Model model = make_model(s);
+    const ModalStart start = make_start(model);
+    EXPECT_EQ(start.nodes_in_contact, 0);
+    double middle = 0, psi = 0, series = 0;
+    for (std::size_t k = 0; k < start.slider_u.size(); ++k) {
+      evaluate(model.slider.modes[k], s.slider.length, s.slider.length / 2, 1, &psi);
+      middle += start.slider_u[k] * psi;
+    }
+    for (int n = 1; n <= modes; n += 2)
+      series += (n % 4 == 1 ? 4 : -4) / std::pow(std::numbers::pi * n, 5) * scale;
+    EXPECT_NEAR(middle, series, 64 * ulp * series);
+    // what a series of alternating, falling terms leaves out is below the first one left out
+    const int next = modes % 2 == 0 ? modes + 1 : modes + 2;
+    EXPECT_NEAR(middle, 5.0 / 384 * scale,
+                4 * scale / std::pow(std::numbers::pi * next, 5) + 64 * ulp * scale);
+  }
+}
+
+TEST(Equilibrium, PlateUnderOneContactDeflectsAsABeamUnderAPointForce) {
+  Scene s = resting_block();
+  s.start = 0.024;  // the block's middle over the plate's
+  s.resonator.modes = 101;
+  s.slider.surface.kind = SurfaceKind::peaks;
+  // two peaks beside the middle, so that it stands
+  s.slider.surface.peaks = {{.at = 0.006 - 4e-5, .height = 1e-5, .half_width = 3e-5},
+                            {.at = 0.006 + 4e-5, .height = 1e-5, .half_width = 3e-5}};
+  const Model model = make_model(s);
+  const ModalStart start = make_start(model);
+  expect_balanced(model, start);
+  EXPECT_EQ(start.nodes_in_contact, 2);
+  double middle = 0, psi = 0;
+  for (std::size_t k = 0; k < start.resonator_u.size(); ++k) {
+    evaluate(model.resonator.modes[k], s.resonator.length, s.resonator.length / 2, 1, &psi);
+    middle += start.resonator_u[k] * psi;
+  }
+  const double inertia = s.resonator.width * std::pow(s.resonator.thickness, 3) / 12;
+  const double expected = -model.slider.load_force * std::pow(s.resonator.length, 3) /
+                          (48 * s.resonator.young * inertia);
+  // the forces stand d = 4e-5 m off the middle: w = P L^3/48EI (1 - 6 (d/L)^2 + ...); 101 modes
+  // leave out 2/pi^4 sum 1/n^4 < 1/(3 pi^4 100^3) of P L^3/EI
+  EXPECT_NEAR(middle / expected, 1,
+              7 * std::pow(4e-5 / 0.06, 2) + 48 / (3 * std::pow(std::numbers::pi, 4) * 1e6));
+}
+
+TEST(Equilibrium, NothingMovesWhenNothingSlides) {
+  for (const Support support : {Support::free, Support::pinned})
+    for (const double stiffness : {1e12, 1e14}) {
+      SCOPED_TRACE(testing::Message()
+                   << "support " << static_cast<int>(support) << ", kappa " << stiffness);
+      Scene s = resting_block();
+      s.stiffness = stiffness;
+      s.slider.support = support;
+      s.slider.thickness = support == Support::free ? 0.012 : 5e-4;
+      s.slider.modes = 2;
+      s.gap = 8e-6;
+      s.resonator.surface = gaussian(3e-6, 1e-3, 31);
+      s.slider.surface = gaussian(3e-6, 1e-3, 32);
+      const Recording run = simulate(s);
+      ASSERT_EQ(run.end.status, Status::done);
+      ASSERT_GT(run.start.nodes_in_contact, 0);
+      EXPECT_EQ(run.end.contact_steps, run.end.step);
+      // Each step's gaps are rounded anew; the force that this leaves accelerates the modes. At
+      // worst it adds up over the whole run without anything to bring them back.
+      const Balance b = balance(run.model, run.start);
+      const double light =
+          std::min(run.model.resonator.mass_per_length, run.model.slider.mass_per_length);
+      const double time = s.duration;
+      const double drift = 0.5 * b.rounding / light * time * time;
+      const auto expect_still = [&](const std::vector<double>& u0, const std::vector<double>& u,
+                                    const std::vector<double>& v) {
+        for (std::size_t k = 0; k < u.size(); ++k) {
+          EXPECT_NEAR(u[k], u0[k], drift);
+          EXPECT_NEAR(v[k], 0, b.rounding / light * time);
+        }
+      };
+      expect_still(run.start.resonator_u, run.end.resonator_u, run.end.resonator_v);
+      expect_still(run.start.slider_u, run.end.slider_u, run.end.slider_v);
+      // ... and that is nothing beside the deflection
+      EXPECT_LT(drift, 1e-3 * std::abs(run.start.resonator_u[0]));
+      EXPECT_LT(run.end.energy - run.start.energy, 1e-9 * run.start.energy);
+      // the contact force is still the same
+      EXPECT_NEAR(run.samples.force.back(), run.start.contact_force,
+                  1e-6 * run.start.contact_force);
+    }
+}
+
+TEST(Equilibrium, WithoutLoadOrOverlapNothingIsDeformed) {
+  Scene s = resting_block();
+  s.slider.support = Support::rigid;
+  s.slider.load_is_weight = false;
+  s.gap = 1e-6;
+  const ModalStart start = make_start(make_model(s));
+  for (const double u : start.resonator_u) EXPECT_EQ(u, 0.0);
+  EXPECT_EQ(start.energy, 0.0);
+  EXPECT_EQ(start.nodes_in_contact, 0);
+}
+
+}  // namespace
+}  // namespace ra2d::test

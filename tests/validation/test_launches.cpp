@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <initializer_list>
+#include <limits>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "tests/simulate.hpp"
+
+/// The answer of a scene does not depend on where a run is cut into launches, on the buffers, on
+/// padding, or on the scenes beside it: bit for bit.
+namespace ra2d::test {
+namespace {
+
+Scene rough_scene(Support slider) {
+  Scene s;
+  s.duration = 6e-4;
+  s.speed = 1.0;
+  s.start = 0.02;
+  s.spacing = 4e-5;
+  s.step = 1e-7;
+  s.rate = 1e6;
+  s.resonator.length = 0.06;
+  s.resonator.thickness = 1e-3;
+  s.resonator.width = 0.02;
+  s.resonator.young = 210e9;
+  s.resonator.density = 7800;
+  s.resonator.damping = 0.02;
+  s.resonator.modes = 7;
+  s.resonator.surface.kind = SurfaceKind::gaussian;
+  s.resonator.surface.rq = 1e-6;
+  s.resonator.surface.rsm = 3e-4;
+  s.resonator.surface.seed = 4;
+  s.slider = s.resonator;
+  s.slider.support = slider;
+  s.slider.length = 0.004;
+  s.slider.surface.seed = 3;
+  s.slider.modes = slider == Support::rigid ? 0 : 2;
+  if (slider == Support::free)
+    s.slider.load = 20;
+  else
+    s.gap = 2e-6;  // the asperities meet
+  s.stiffness = 1e14;
+  return s;
+}
+
+using Bits = std::vector<std::uint64_t>;
+
+void put(Bits& to, const std::vector<double>& values) {
+  for (const double x : values) to.push_back(std::bit_cast<std::uint64_t>(x));
+}
+
+/// All that a run records, as one list.
+Bits bits(const Recording& r) {
+  Bits out;
+  const SampleBlock& s = r.samples;
+  for (const auto* column :
+       {&s.time, &s.resonator_displacement, &s.resonator_velocity, &s.slider_displacement,
+        &s.slider_velocity, &s.force, &s.nodes, &s.kinetic, &s.elastic, &s.contact, &s.damping_loss,
+        &s.sliding_work, &s.load_work})
+    put(out, *column);
+  for (const ShockRow& shock : r.shocks) {
+    for (const std::int64_t i : {shock.serial, shock.start, shock.last})
+      out.push_back(static_cast<std::uint64_t>(i));
+    put(out, {shock.peak, shock.impulse, shock.moment});
+  }
+  for (const OpenShock& shock : r.end.open_shocks) {
+    for (const std::int64_t i : {shock.serial, shock.start, shock.last})
+      out.push_back(static_cast<std::uint64_t>(i));
+    put(out, {shock.force, shock.peak, shock.impulse, shock.moment});
+  }
+  const Snapshot& e = r.end;
+  for (const auto* column :
+       {&e.resonator_u, &e.resonator_v, &e.slider_u, &e.slider_v, &e.resonator_square})
+    put(out, *column);
+  put(out, {e.sliding_work, e.force_work, e.energy, e.energy_limit});
+  for (const std::int64_t i :
+       {static_cast<std::int64_t>(e.status), e.step, e.contact_steps, e.most_nodes, e.shocks_begun})
+    out.push_back(static_cast<std::uint64_t>(i));
+  return out;
+}
+
+/// Sliders of all supports, over all nodes and candidates.
+std::vector<Scene> kinds() {
+  std::vector<Scene> scenes;
+  for (const Support support : {Support::free, Support::pinned, Support::rigid})
+    for (const Nodes nodes : {Nodes::candidates, Nodes::all}) {
+      scenes.push_back(rough_scene(support));
+      scenes.back().nodes = nodes;
+    }
+  scenes[0].resonator.moving_forces = {{.force = 3, .speed = 40, .start = 0.01}};
+  scenes[2].rate = 1e7 / 3.7;  // not a whole number of steps
+  return scenes;
+}
+
+TEST(Launches, AnyLengthGivesTheSameBits) {
+  std::vector<Scene> scenes = kinds();
+  for (Scene& scene : scenes) {
+    const auto compare = [&](std::initializer_list<std::int64_t> lengths) {
+      const Recording whole = simulate(scene);
+      ASSERT_EQ(whole.end.status, Status::done);
+      EXPECT_GT(whole.end.contact_steps, 0);
+      const Bits expected = bits(whole);
+      for (const std::int64_t steps : lengths)
+        EXPECT_TRUE(bits(simulate(scene, {.steps = steps, .batch = {}})) == expected)
+            << steps << " steps";
+    };
+    compare({97, 1000, 6000});
+    scene.duration /= 5;
+    compare({1, 7});
+  }
+}
+
+TEST(Launches, RandomLengthsGiveTheSameBits) {
+  for (const Scene& scene : kinds()) {
+    const Model model = make_model(scene);
+    const ModalStart start = make_start(model);
+    std::vector<double> rows[2];
+    Bits shocks[2], state[2];
+    for (const int random : {0, 1}) {
+      std::mt19937 dice(17);
+      Batch batch({model}, {start});
+      std::int64_t target = 0;
+      do {
+        target += random ? 1 + dice() % 300 : model.steps + 1;
+        batch.march(target);
+        // one in three buffers stays where it is until later
+        if (random && dice() % 3 == 0) continue;
+        const Drained drained = batch.drain(0);
+        rows[random].insert(rows[random].end(), drained.sample_rows.begin(),
+                            drained.sample_rows.end());
+        for (const ShockRow& s : drained.shocks) put(shocks[random], {s.peak, s.impulse, s.moment});
+      } while (batch.snapshot(0).status == Status::running);
+      const Drained drained = batch.drain(0);
+      rows[random].insert(rows[random].end(), drained.sample_rows.begin(),
+                          drained.sample_rows.end());
+      for (const ShockRow& s : drained.shocks) put(shocks[random], {s.peak, s.impulse, s.moment});
+      put(state[random], batch.snapshot(0).resonator_u);
+    }
+    Bits samples[2];
+    for (const int i : {0, 1}) put(samples[i], rows[i]);
+    EXPECT_TRUE(samples[0] == samples[1]);
+    EXPECT_TRUE(shocks[0] == shocks[1]);
+    EXPECT_EQ(state[0], state[1]);
+  }
+}
+
+TEST(Launches, SmallBuffersGiveTheSameBits) {
+  for (const Scene& scene : kinds()) {
+    const Bits expected = bits(simulate(scene));
+    for (const int samples : {1, 2, 17})
+      for (const int shocks : {1, 5}) {
+        const BatchOptions options{.samples_at_once = samples, .shocks_at_once = shocks};
+        EXPECT_TRUE(bits(simulate(scene, {.steps = 1'000'000, .batch = options})) == expected)
+            << samples << " samples, " << shocks << " shocks";
+      }
+  }
+}
+
+TEST(Launches, AFullBufferHoldsTheMarchUp) {
+  // ... and loses nothing while nobody empties it
+  Scene scene = rough_scene(Support::free);
+  const Model model = make_model(scene);
+  Batch batch({model}, {make_start(model)}, {.samples_at_once = 10});
+  for (int i = 0; i < 3; ++i) {
+    batch.march(model.steps);
+    EXPECT_EQ(batch.snapshot(0).step, 100);  // sample 10 is due here and finds no room
+    EXPECT_EQ(batch.snapshot(0).status, Status::running);
+  }
+  EXPECT_EQ(batch.drain(0).samples, 10);
+  batch.march(model.steps);
+  EXPECT_EQ(batch.snapshot(0).step, 200);
+}
+
+TEST(Launches, PaddingGivesTheSameBits) {
+  for (const Scene& scene : kinds()) {
+    const Bits expected = bits(simulate(scene));
+    for (const int packs : {2, 3, 4, 6, 8})
+      EXPECT_TRUE(bits(simulate(scene, {.batch = {.least_packs = packs}})) == expected)
+          << packs << " packs";
+  }
+}
+
+TEST(Launches, OtherScenesBesideItChangeNothing) {
+  std::vector<Scene> scenes = kinds();
+  scenes[1].duration /= 3;         // ends early
+  scenes[3].resonator.modes = 20;  // pads the others
+  scenes[4].slider.length = 0.02;
+  scenes[5].spacing = 1e-5;
+  scenes[5].duration = 1e-4;
+  const std::vector<Recording> together = simulate(scenes);
+  for (std::size_t i = 0; i < scenes.size(); ++i)
+    EXPECT_TRUE(bits(simulate(scenes[i])) == bits(together[i])) << "scene " << i;
+  const std::vector<Recording> in_pieces = simulate(scenes, {.steps = 777, .batch = {}});
+  for (std::size_t i = 0; i < scenes.size(); ++i)
+    EXPECT_TRUE(bits(in_pieces[i]) == bits(together[i])) << "scene " << i;
+}
+
+TEST(Launches, SamplesBetweenTwoStepsAreInterpolatedLinearly) {
+  Scene scene = rough_scene(Support::free);
+  scene.duration = 2e-4;
+  scene.rate = 1e7;
+  const Recording every = simulate(scene);
+  const SampleBlock& e = every.samples;
+  ASSERT_EQ(e.time.size(), 2001u);
+  constexpr double ulp = std::numeric_limits<double>::epsilon();
+  for (const double steps : {1.1, 3.7, 7.0, 12.5, 100.0 / 3}) {
+    SCOPED_TRACE(std::to_string(steps) + " steps a sample");
+    scene.rate = 1e7 / steps;
+    const Recording some = simulate(scene);
+    const SampleBlock& s = some.samples;
+    ASSERT_EQ(s.time.size(), static_cast<std::size_t>(2000 / steps + 1e-9) + 1);
+    const auto expect_between = [&](const std::vector<double>& fine,
+                                    const std::vector<double>& coarse, double roundings,
+                                    const std::string& what) {
+      const std::size_t columns = fine.size() / e.time.size();
+      ASSERT_EQ(coarse.size(), columns * s.time.size()) << what;
+      for (std::size_t j = 0; j < s.time.size(); ++j) {
+        const double place = static_cast<double>(j) * steps;
+        const auto left = std::min(static_cast<std::size_t>(place + 1e-9), e.time.size() - 2);
+        const double share = place - static_cast<double>(left);
+        for (std::size_t k = 0; k < columns; ++k) {
+          const double a = fine[left * columns + k], b = fine[(left + 1) * columns + k];
+          // the share itself is rounded at up to 2000 steps
+          EXPECT_NEAR(coarse[j * columns + k], (1 - share) * a + share * b,
+                      roundings * ulp * (std::abs(a) + std::abs(b)) + 4000 * ulp * std::abs(b - a))
+              << what << ", sample " << j;
+        }
+      }
+    };
+    expect_between(e.resonator_displacement, s.resonator_displacement, 4, "resonator displacement");
+    expect_between(e.resonator_velocity, s.resonator_velocity, 4, "resonator velocity");
+    expect_between(e.slider_displacement, s.slider_displacement, 4, "slider displacement");
+    expect_between(e.slider_velocity, s.slider_velocity, 4, "slider velocity");
+    expect_between(e.force, s.force, 4, "force");
+    expect_between(e.contact, s.contact, 8, "contact energy");
+    // sums over up to 2000 steps, closed at other places
+    expect_between(e.damping_loss, s.damping_loss, 2000, "damping loss");
+    for (std::size_t j = 0; j < s.time.size(); ++j)  // nodes are counted, not interpolated
+      EXPECT_EQ(s.nodes[j],
+                e.nodes[static_cast<std::size_t>(static_cast<double>(j) * steps + 1e-9)]);
+    EXPECT_EQ(some.end.resonator_u, every.end.resonator_u);
+  }
+}
+
+}  // namespace
+}  // namespace ra2d::test
