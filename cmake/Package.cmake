@@ -1,18 +1,23 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Install and export: `find_package(ra2d)` gives ra2d::kernels (headers) and ra2d::host (library).
+# A Kokkos that was built here installs itself, and its own package, into the same prefix.
 include(CMakePackageConfigHelpers)
-install(TARGETS ra2d_kernels ra2d_host EXPORT ra2d_targets)
+set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/ra2d)
+
+install(TARGETS ra2d_base ra2d_kernels ra2d_host EXPORT ra2dTargets)
 install(TARGETS ra2d)
+install(EXPORT ra2dTargets NAMESPACE ra2d:: DESTINATION ${package_dir})
 foreach(part kernels host)
+  # but for those that need toml++ or HDF5, which nobody else has to have
   install(DIRECTORY ${part} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/ra2d
-          FILES_MATCHING PATTERN "*.hpp")
+          FILES_MATCHING PATTERN "*.hpp" PATTERN "scene/toml.hpp" EXCLUDE PATTERN "store/hdf5.hpp" EXCLUDE)
 endforeach()
 install(DIRECTORY scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/ra2d)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
-install(EXPORT ra2d_targets NAMESPACE ra2d:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/ra2d)
+
 configure_package_config_file(cmake/ra2dConfig.cmake.in ${PROJECT_BINARY_DIR}/ra2dConfig.cmake
-                              INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/ra2d)
+                              INSTALL_DESTINATION ${package_dir})
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/ra2dConfigVersion.cmake
                                  COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/ra2dConfig.cmake ${PROJECT_BINARY_DIR}/ra2dConfigVersion.cmake
-        DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/ra2d)
+        DESTINATION ${package_dir})

@@ -4,6 +4,11 @@
 #include <Kokkos_SIMD.hpp>
 #include <cstdint>
 
+// under nvcc Kokkos' packs hold one value
+#if defined(__AVX512F__) && defined(KOKKOS_ARCH_AVX512XEON) && !defined(__CUDACC__)
+#define RA2D_AVX512
+#endif
+
 /// Lanes: how the one team that marches a scene spreads its modes and nodes.
 ///
 /// The formulas are written once, for a pack `Real` that holds one value a lane. On a CPU a pack is
@@ -32,7 +37,7 @@ struct HostLanes {
     return Real([](std::size_t lane) { return static_cast<double>(lane); });
   }
   static double sum(const Real& x) {
-#if defined(__AVX512F__) && defined(KOKKOS_ARCH_AVX512XEON)
+#if defined(RA2D_AVX512)
     return _mm512_reduce_add_pd(static_cast<__m512d>(x));
 #else
     double part[width];
@@ -54,7 +59,7 @@ struct HostLanes {
   static std::uint32_t at_least(const Real& x, double level) {
     // written with <=: in Kokkos 5.0 the AVX-512 operators >= and > compare the wrong way round
     const Mask mask = Real(level) <= x;
-#if defined(__AVX512F__) && defined(KOKKOS_ARCH_AVX512XEON)
+#if defined(RA2D_AVX512)
     return static_cast<std::uint32_t>(static_cast<__mmask8>(mask));
 #else
     std::uint32_t word = 0;

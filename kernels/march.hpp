@@ -51,8 +51,8 @@ inline constexpr int longest_flight = 4096;
 inline constexpr double energy_factor = 10.0;
 
 /// Bound on the rounding of a displacement, over sum max|psi_k| |U_k|: a sum over the modes of a
-/// polynomial.
-inline constexpr double rounding = 256 * 0x1p-52;
+/// polynomial, and one rounding of U_k for every step that is looked ahead.
+KOKKOS_INLINE_FUNCTION double rounding(int steps) { return (256 + steps) * 0x1p-52; }
 
 template <class Lanes, class Scheme, int K>
 class Marcher {
@@ -267,8 +267,7 @@ class Marcher {
     const double energy = 0.5 * lanes_.sum(part);
     const auto paid = [](double work) { return work > 0.0 ? work : 0.0; };
     const double limit = energy_factor * (s_.energy_start + paid(lanes_.sum(load_work)) +
-                                          paid(s_.force_work + s_.force_part) +
-                                          paid(s_.sliding_work + sliding_part()));
+                                          paid(s_.force_work + s_.force_part) + s_.gross_work);
     if (lanes_.leader()) {
       s_.energy = energy;
       s_.energy_limit = limit;
@@ -370,7 +369,7 @@ class Marcher {
     if (!all && !near_holds(place, 0.0)) find_near(place);
     for (int p = 0; p < K; ++p) lanes_.store(s_.lanes + p * width, u_[p]);
     lanes_.sync();
-    const double level = -(t_.slack + rounding * bound(t_.reach, u_) + bound(t_.tail, u_));
+    const double level = -(t_.slack + rounding(0) * bound(t_.reach, u_) + bound(t_.tail, u_));
     const Real lane_eta = Real(t_.inverse_radius) * lanes_.index();
     double q[4];
     int patch = -1, count = 0;
@@ -405,6 +404,7 @@ class Marcher {
     if (!lanes_.leader()) return;
     if (totals.touched > 0) {
       s_.climb_part += totals.climb;
+      s_.gross_work += t_.advance * Kokkos::abs(totals.climb);
       ++s_.contact_steps;
       if (totals.touched > s_.most_nodes) s_.most_nodes = totals.touched;
       if (!continue_shocks(s_, step, place.position, totals.touched))
@@ -491,7 +491,7 @@ class Marcher {
     int count;  // nodes to watch
   };
 
-  /// Bounds on what the modes can do within a time.
+  /// Bounds on what the modes can do within a number of steps.
   struct Bounds {
     double rounding;      // of a displacement
     double speed;         // sum max|psi| |V|
@@ -500,7 +500,8 @@ class Marcher {
     double yield;  // 1/kg, acceleration that a newton of contact force can add, as in the header
   };
 
-  KOKKOS_FUNCTION Bounds bounds(double time) const {
+  KOKKOS_FUNCTION Bounds bounds(int steps) const {
+    const double time = steps * t_.step;
     Real energy[K], acceleration[K], rate[K], displacement[K], yield[K];
     for (int p = 0; p < K; ++p) {
       const Real omega = load(t_.omega, p), push = load(t_.push, p);
@@ -512,7 +513,7 @@ class Marcher {
       yield[p] = load(t_.yield, p) * multiply_add(time, load(t_.pull, p), Real(1.0));
     }
     Bounds b;
-    b.rounding = rounding * bound(t_.reach, displacement);
+    b.rounding = rounding(steps) * bound(t_.reach, displacement);
     b.speed = bound(t_.reach, v_);
     b.acceleration = bound(t_.reach, acceleration);
     const double speed = t_.advance * t_.spacing / t_.step;
@@ -533,11 +534,17 @@ class Marcher {
     return place.base == near_base_ && moved() + travel <= near_reach_;
   }
 
+  /// Roundings of two positions, in chi: below one of these the slider moves in stairs, not along a
+  /// line.
+  KOKKOS_FORCEINLINE_FUNCTION static double position_rounding(const Place& place) {
+    return 2 * 0x1p-52 * (place.position + 1.0);
+  }
+
   /// Steps until the slider's nodes stand `edge` behind the resonator's, at the most `longest`.
   KOKKOS_FUNCTION int steps_to(double edge, const Place& place, int longest) const {
     if (t_.advance == 0.0) return longest;
-    // one step short of the crossing that theory gives, against rounding; at least this very step
-    const double steps = (edge - place.theta) / t_.advance - 1.0;
+    // short of the crossing by a step and by the roundings of the position; at least this very step
+    const double steps = (edge - place.theta - position_rounding(place)) / t_.advance - 1.0;
     return steps > longest ? longest : steps < 1.0 ? 1 : static_cast<int>(steps);
   }
 
@@ -546,7 +553,7 @@ class Marcher {
   KOKKOS_FUNCTION void find_near(const Place& place) {
     const int steps = steps_to(1.0, place, longest_flight);
     const double time = steps * t_.step;
-    const Bounds b = bounds(time);
+    const Bounds b = bounds(steps);
     near_base_ = place.base;
     near_reach_ = 2.0 * (b.speed * time + 0.5 * b.curvature * time * time) + t_.least_reach;
     if (!(near_reach_ < 1e300)) near_reach_ = 1e300;  // not a number, too: then everything is near
@@ -558,8 +565,8 @@ class Marcher {
     const double to_end = place.base + 1 - place.position;  // chi
     const double slope = bound(t_.reach_slope, u_);
     const double radius = t_.spacing / t_.inverse_radius;
-    const double level =
-        -(near_reach_ + t_.slack + b.rounding + bound(t_.tail, u_) + to_end * t_.spacing * slope);
+    const double level = -(near_reach_ + t_.slack + b.rounding + bound(t_.tail, u_) +
+                           to_end * t_.spacing * slope + position_rounding(place) * t_.steepest);
     const Real lane_eta = Real(t_.inverse_radius) * lanes_.index();
     double q[4];
     int patch = -1, count = 0;
@@ -604,7 +611,7 @@ class Marcher {
     int longest = steps_to(1.0, place, longest_flight);
     if (next - step_ < longest) longest = static_cast<int>(next - step_);
     const double tau = t_.step;
-    const Bounds b = bounds(longest * tau);
+    const Bounds b = bounds(longest);
 
     // the near list must hold for all the states that this look speaks of
     int watched = steps_to((place.part + 1) * t_.window_width, place, watch_steps);
@@ -626,7 +633,8 @@ class Marcher {
     const double half_curve = 0.5 * b.curvature * tau * tau;
     // A node is left out of the watch when it stays open along the line, with leeway and its own
     // motion.
-    const double slack = t_.slack + b.rounding + bound(t_.tail, u_);
+    const double slack =
+        t_.slack + b.rounding + bound(t_.tail, u_) + position_rounding(place) * t_.steepest;
     // what the cubics leave out of the closing per step
     const double closing_slack =
         tau * bound(t_.tail, v_) + t_.advance * t_.spacing * bound(t_.tail_slope, u_);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-#include <Kokkos_Core.hpp>
 #include <cstdint>
 
 /// What changes while a scene is marched, and what it hands out. Plain data, pointers as in
@@ -51,6 +50,7 @@ struct SceneState {
 
   // sums over the steps, in the same two parts
   double sliding_work = 0;                // J
+  double gross_work = 0;                      // J, sum of |forces times the faces' rise|
   double climb_part = 0;                  // N m: see ContactTotals
   double* bend_part = nullptr;            // N m, one lane each
   double force_work = 0, force_part = 0;  // J, of the moving forces

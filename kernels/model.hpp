@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-#include <Kokkos_Core.hpp>
 #include <cstdint>
 
 /// The tables of one scene, as the march reads them. Plain data: the pointers point to where the
@@ -63,6 +62,7 @@ struct SceneTables {
   // contact
   double node_stiffness = 0;  // N/m, kappa chi w
   double slack = 0;           // m, bound on the rounding of the rough faces' part of a gap
+  double steepest = 0;        // m, largest rise of the resonator's face over one spacing
 
   // how the guarantee is used: these set the cost, never the answer
   double least_reach = 0;   // m, of a near list

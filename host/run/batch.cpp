@@ -252,10 +252,13 @@ SceneTables Batch::Impl::fill_tables(const Model& model, const Layout& l) {
                         beam.mass_per_length;
     table(yield)[lane] = (wave + rigid) / beam.mass_per_length;
     if (moves) {
-      table(slope)[lane] = mode.beta * wave + std::abs(mode.slope);
-      table(curve)[lane] = mode.beta * mode.beta * wave;
-      table(tail)[lane] = wave * std::pow(mode.beta * radius, 4) / 24;
-      table(tail_slope)[lane] = wave * mode.beta * std::pow(mode.beta * radius, 3) / 6;
+      // a patch may reach beyond the end of the beam, where the exponential of a free beam grows on
+      const double out = std::hypot(mode.sine, mode.cosine) + std::abs(mode.left) +
+                         std::abs(mode.right) * std::exp(2 * mode.beta * radius);
+      table(slope)[lane] = mode.beta * out + std::abs(mode.slope);
+      table(curve)[lane] = mode.beta * mode.beta * out;
+      table(tail)[lane] = out * std::pow(mode.beta * radius, 4) / 24;
+      table(tail_slope)[lane] = out * mode.beta * std::pow(mode.beta * radius, 3) / 6;
       table(quartic)[lane] = std::pow(mode.beta * radius, 4);
     }
   };
@@ -302,6 +305,8 @@ SceneTables Batch::Impl::fill_tables(const Model& model, const Layout& l) {
   for (int b = 0; b < l.blocks; ++b)
     block_max[b] = *std::max_element(h2 + b * width, h2 + (b + 1) * width);
   t.slack = 16 * 0x1p-52 * scale;
+  for (int n = 0; n + 1 < l.height2_size; ++n)
+    t.steepest = std::max(t.steepest, std::abs(h2[n + 1] - h2[n]));
   scale += 1e-6 * chi;
   t.least_reach = 1e-4 * scale;
   t.least_leeway = 1e-8 * scale;

@@ -4,6 +4,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "host/errors.hpp"
 #include "host/run/model.hpp"
@@ -45,12 +46,6 @@ class Potential {
   int modes() const { return static_cast<int>(stiffness_.size()); }
   Eigen::VectorXd overlap(const Eigen::VectorXd& u) const { return faces_ + shapes_ * u; }
 
-  double value(const Eigen::VectorXd& u, double spring) const {
-    double sum = 0;
-    for (int k = 0; k < modes(); ++k) sum += 0.5 * stiffness_[k] * u[k] * u[k] - load_[k] * u[k];
-    return sum + 0.5 * spring * overlap(u).cwiseMax(0.0).squaredNorm();
-  }
-
   /// Negative gradient, Hessian and the size of the terms that the gradient is made of.
   void expand(const Eigen::VectorXd& u, double spring, Eigen::VectorXd& force,
               Eigen::MatrixXd& hessian, double& scale) const {
@@ -71,36 +66,56 @@ class Potential {
     }
   }
 
+  /// The length along `step` at which the potential is least, from the sign of its slope: that,
+  /// unlike its value, is known to the last digits. The slope never falls, since the potential is
+  /// convex.
+  double best_length(const Eigen::VectorXd& u, const Eigen::VectorXd& step, double spring) const {
+    const Eigen::VectorXd over = overlap(u), change = shapes_ * step;
+    const auto slope = [&](double length) {
+      double sum = 0;
+      for (int k = 0; k < modes(); ++k)
+        sum += (stiffness_[k] * (u[k] + length * step[k]) - load_[k]) * step[k];
+      return sum + spring * (over + length * change).cwiseMax(0.0).dot(change);
+    };
+    double low = 0.0, high = 1.0;
+    while (slope(high) < 0 && high < 1e6) {
+      low = high;
+      high *= 2;
+    }
+    if (low == 0.0 && slope(1.0) <= 1e-12 * std::abs(slope(0.0))) return 1.0;
+    for (int halving = 0; halving < 60; ++halving) {
+      const double middle = 0.5 * (low + high);
+      (slope(middle) < 0 ? low : high) = middle;
+    }
+    return 0.5 * (low + high);
+  }
+
   /// Minimises from `u`; false when it does not settle.
   bool minimise(Eigen::VectorXd& u, double spring) const {
-    Eigen::VectorXd force;
+    Eigen::VectorXd force, best_u = u;
     Eigen::MatrixXd hessian;
-    double scale = 0, shift = 1e-12, now = value(u, spring);
-    for (int round = 0; round < 500; ++round) {
+    double best =
+        std::numeric_limits<double>::infinity();  // residual over the forces it is made of
+    int stalled = 0;
+    for (int round = 0; round < 1000 && stalled < 30; ++round) {
+      double scale = 0;
       expand(u, spring, force, hessian, scale);
-      if (force.norm() <= 1e-13 * scale || scale == 0) return true;
-      bool lower = false;
-      for (int attempt = 0; attempt < 60 && !lower; ++attempt) {
-        // the shift keeps directions that nothing holds (a slider on one asperity may still tilt)
-        // finite
-        Eigen::MatrixXd damped = hessian;
-        damped.diagonal().array() += shift * (hessian.diagonal().maxCoeff() + 1e-300);
-        const Eigen::VectorXd step = damped.ldlt().solve(force);
-        const double next = value(u + step, spring);
-        if (next < now || step.norm() <= 1e-15 * u.norm()) {
-          u += step;
-          lower = true;
-          // below the roundings of the potential there is nothing left to gain
-          if (now - next <= 1e-16 * std::abs(now) && force.norm() <= 1e-9 * scale) return true;
-          now = next;
-          shift = std::max(shift / 30, 1e-15);
-        } else {
-          shift *= 10;
-        }
+      const double residual = scale > 0 ? force.lpNorm<Eigen::Infinity>() / scale : 0.0;
+      ++stalled;
+      if (residual < best) {
+        if (residual < 0.5 * best) stalled = 0;
+        best = residual;
+        best_u = u;
       }
-      if (!lower) return force.norm() <= 1e-7 * scale;
+      if (best <= 1e-16) break;
+      // the shift keeps directions finite that nothing holds: a slider on one asperity may still
+      // tilt
+      hessian.diagonal().array() += 1e-14 * hessian.diagonal().maxCoeff() + 1e-300;
+      const Eigen::VectorXd step = hessian.ldlt().solve(force);
+      u += best_length(u, step, spring) * step;
     }
-    return false;
+    u = best_u;
+    return best <= 1e-10;
   }
 
  private:

@@ -33,7 +33,7 @@ struct PackList {
   static constexpr int at(int i) { return std::array{K...}[i]; }
   static int smallest(int needed) {
     int packs = 0;
-    (void)((K >= needed && (packs = K)) || ...);
+    (void)((K >= needed && (packs = K, true)) || ...);
     return packs;
   }
 };

@@ -138,11 +138,10 @@ TEST(EnergyOrder, MovingForceWithoutContact) {
 }
 
 TEST(Energy, ALongChaoticRunKeepsClosing) {
-  // Backward Euler takes omega tau/2 of a mode's energy a radian by itself, where damping takes
-  // zeta (twice each, over the square). So what the numbers lose is below omega tau/(2 zeta) of the
-  // damping loss for the highest mode, and far less for the others. The explicit contact spring
-  // gives or takes omega_c tau of a shock's energy with either sign, and those average out: the
-  // bound is that of the modes.
+  // Backward Euler damps a mode by omega tau/2 on top of zeta, and its loss is what is missing:
+  // below omega tau/(2 zeta) of the damping loss for the highest mode, and far less for the others.
+  // The explicit contact spring gives or takes omega_c tau of a shock's energy with either sign,
+  // which averages out.
   Scene s = smooth_scene(0.02);
   s.duration = 0.03;
   s.speed = 0.5;

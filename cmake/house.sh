@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# What run.sh, test.sh and .ci/run share. They are bash; this file is sourced by them, with `root` set.
+
+say() { echo "ra2d: $*" >&2; }
+fail() { say "$*"; exit 1; }
+
+# need PURPOSE...: installs the packages of cmake/packages.txt that serve one of these and are missing.
+need() {
+  local purpose package missing=() wanted=()
+  while read -r purpose package; do
+    [[ " $* " == *" $purpose "* ]] && wanted+=("$package")
+  done < "$root/cmake/packages.txt"
+  if ! command -v apt-get > /dev/null || ! command -v dpkg-query > /dev/null; then
+    [[ -d $root/build/release ]] && return  # it has been configured before
+    say "there is no apt here to install with. Needed, by their names in Debian: ${wanted[*]}"
+    command -v cmake > /dev/null && command -v ninja > /dev/null || fail "cmake and ninja were not found"
+    return
+  fi
+  mapfile -t missing < <(comm -23 <(printf '%s\n' "${wanted[@]}" | sort) \
+    <(dpkg-query -W -f '${db:Status-Abbrev}${Package}\n' "${wanted[@]}" 2> /dev/null | sed -n 's/^ii //p' | sort))
+  [[ ${#missing[@]} == 0 ]] && return
+  local as=()
+  if [[ $(id -u) != 0 ]]; then
+    command -v sudo > /dev/null ||
+      fail "these packages are missing, and only root can install them: ${missing[*]}"
+    as=(sudo)
+  fi
+  say "installing ${missing[*]}"
+  local log
+  log=$(mktemp)
+  local apt=("${as[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -qq -o DPkg::Lock::Timeout=300)
+  # the package lists on a machine may be older than its mirror, or absent
+  if ! "${apt[@]}" update > "$log" 2>&1 ||
+    ! "${apt[@]}" install -y --no-install-recommends "${missing[@]}" >> "$log" 2>&1; then
+    cat "$log" >&2
+    rm -f "$log"
+    fail "these packages could not be installed: ${missing[*]}"
+  fi
+  rm -f "$log"
+}
+
+# quietly NAME COMMAND...: runs it with its output in build/NAME.log, which is shown only when it fails. After
+# a moment it says what it is at, on a terminal with the step that it has reached.
+quietly() {
+  local name=$1 log="$root/build/$1.log" watch status=0 begun=$SECONDS
+  shift
+  mkdir -p "$root/build"
+  : > "$log"
+  follow "$name" "$log" &
+  watch=$!
+  # one at a time: several runs may be started together
+  flock "$root/build/lock" "$@" > "$log" 2>&1 < /dev/null || status=$?
+  kill $watch 2> /dev/null || true
+  wait $watch 2> /dev/null || true
+  [[ -t 2 ]] && printf '\r\033[K' >&2
+  if [[ $status != 0 ]]; then
+    cat "$log" >&2
+    fail "$name failed"
+  fi
+  [[ $((SECONDS - begun)) -le 1 ]] || say "$name: $((SECONDS - begun)) s"
+}
+follow() {
+  sleep 1 > /dev/null 2>&1
+  [[ -t 2 ]] || { say "$1 ..."; return; }
+  while kill -0 $$ 2> /dev/null && printf '\r\033[Kra2d: %s %s' "$1" "$(tail -n 1 "$2" | cut -c 1-60)" >&2; do
+    sleep 0.5 > /dev/null 2>&1
+  done
+}
