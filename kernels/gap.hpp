@@ -81,29 +81,4 @@ KOKKOS_FORCEINLINE_FUNCTION typename Lanes::Real add_slider_displacement(
   return value;
 }
 
-/// One slider node over one window: what its overlap and its modal force are made of.
-/// Overlap -g = face + theta rise + sum_k U_k phi_k(offset), with phi_k cubic in the offset; phi
-/// holds both bodies' modes, so the modal force of a nodal force f is -f phi_k (paper, the line
-/// under equation 6). A pure function of node and window: whoever evaluates a node, for whatever
-/// reason, gets the same bits.
-template <class Lanes, int K>
-KOKKOS_INLINE_FUNCTION void expand_node(const Lanes& lanes, const SceneTables& t,
-                                        const Place& place, int node, double* shape, double* face) {
-  using Real = typename Lanes::Real;
-  const int at = place.base + node;
-  Real c[4][K];
-  expand_modes<Lanes, K>(lanes, t, at / t.patch_nodes, at + (place.part + 0.5) * t.window_width, c);
-  const int stride = t.groups * Lanes::width;
-  for (int k = 0; k < t.slider_modes; ++k)
-    for (int p = 0; p < K; ++p)
-      c[0][p] = multiply_add(t.slider_shape[k * stride + node],
-                             lanes.load(t.unit + (k * K + p) * Lanes::width), c[0][p]);
-  for (int m = 0; m < 4; ++m)
-    for (int p = 0; p < K; ++p) lanes.store(shape + (m * K + p) * Lanes::width, c[m][p]);
-  if (lanes.leader()) {
-    face[0] = t.height1[node] + t.height2[at];
-    face[1] = t.height2[at + 1] - t.height2[at];
-  }
-}
-
 }  // namespace ra2d

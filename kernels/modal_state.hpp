@@ -50,7 +50,7 @@ struct SceneState {
 
   // sums over the steps, in the same two parts
   double sliding_work = 0;                // J
-  double gross_work = 0;                      // J, sum of |forces times the faces' rise|
+  double gross_climb = 0;                 // N m: sum of |climb|
   double climb_part = 0;                  // N m: see ContactTotals
   double* bend_part = nullptr;            // N m, one lane each
   double force_work = 0, force_part = 0;  // J, of the moving forces

@@ -9,6 +9,7 @@
 
 #include "host/run/batch.hpp"
 #include "host/run/record.hpp"
+#include "kernels/contact/node_contact.hpp"
 #include "kernels/gap.hpp"
 #include "kernels/lanes.hpp"
 #include "tests/simulate.hpp"

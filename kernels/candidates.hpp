@@ -1,0 +1,324 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <Kokkos_Core.hpp>
+#include <cstdint>
+
+#include "kernels/displacement.hpp"
+#include "kernels/gap.hpp"
+#include "kernels/lanes.hpp"
+#include "kernels/modal_state.hpp"
+#include "kernels/model.hpp"
+
+/// Which nodes can touch, and for how long none can: a node is left out when, and only when, it
+/// provably cannot touch.
+///
+/// Look (look_ahead): at a reference state the overlap o of a node and its rate along the straight
+/// line U + t V are known. In free flight the modes leave that line by at most A t^2/2 with
+///
+///   A = sum_k max|psi_k| ((1 + 2 zeta) omega_k E_k + |load_k|/m_k),
+///   E_k^2 = V_k^2 + omega_k^2 U_k^2,
+///
+/// since E_k grows by the load alone; the node's own way over the bent beam adds the curvature
+/// B = 2 V sum_k max|psi_k'| |V_k| + V^2 sum_k max|psi_k''| |U_k|. So no node touches before the
+/// smallest root of o + rate t + (A + B) t^2/2 = 0. Until then the march flies: it advances the
+/// modes, nothing else.
+///
+/// Watch: when that is too short, the nodes that could touch within N steps, if the modes stay
+/// within a leeway rho of their line, are evaluated at every step. While they stay, the contact
+/// force is at most f = kappa chi w sum_n max(0, overlap_n on the line + rho), so they leave the
+/// line by at most (A + f sum_k max|psi_k|^2/m_k (1 + (1 + 2 zeta) omega_k t)) t^2/2: N is the last
+/// step at which this is still within rho.
+///
+/// Near: both draw from a list of groups of nodes that can touch while no node passes another and
+/// sum_k max|psi_k| |U_k - U_k^near| <= reach. It is rebuilt by a pass over block maxima.
+///
+/// To every comparison belongs a slack for the roundings: of the faces, of the position, of sums
+/// over the modes and of the steps looked ahead.
+namespace ra2d {
+
+/// Steps for which the watch list is made, if nothing ends it earlier.
+inline constexpr int watch_steps = 256;
+/// A flight shorter than this costs more in looking than in evaluating the contact.
+inline constexpr int shortest_flight = 24;
+/// Longest stretch that a look covers, and steps between two looks at the energy.
+inline constexpr int longest_flight = 4096;
+/// Bound on the rounding of a displacement, over sum max|psi_k| |U_k|: a sum over the modes of a
+/// polynomial, and one rounding of U_k for every step that is looked ahead.
+KOKKOS_INLINE_FUNCTION double rounding(int steps) { return (256 + steps) * 0x1p-52; }
+
+/// How to go on.
+struct Outlook {
+  bool flight;
+  int steps;  // to fly, or to watch at the most
+  int count;  // nodes to watch, listed in the state's `watch`
+};
+
+template <class Lanes, int K>
+class Candidates {
+  using Real = typename Lanes::Real;
+  static constexpr int width = Lanes::width;
+
+ public:
+  KOKKOS_FUNCTION Candidates(const Lanes& lanes, const SceneTables& tables, SceneState& state)
+      : lanes_{lanes}, t_{tables}, s_{state} {}
+
+  /// Decides how to go on from the state at `step`, for no longer than until step `next`.
+  /// `last_force`, of the latest contact, guesses how long a watch will hold.
+  KOKKOS_FUNCTION Outlook look_ahead(const Real* u, const Real* v, std::int64_t step,
+                                     std::int64_t next, double last_force) {
+    const Place place(t_, step);
+    int longest = steps_to(1.0, place, longest_flight);
+    if (next - step < longest) longest = static_cast<int>(next - step);
+    const double tau = t_.step;
+    const Bounds b = bounds(u, v, longest);
+
+    // the near list must hold for all the states that this look speaks of
+    int watched = steps_to((place.part + 1) * t_.window_width, place, watch_steps);
+    if (longest < watched) watched = longest;
+    const double watch_time = watched * tau;
+    const double leeway =
+        watch_time * watch_time * (0.75 * b.acceleration + b.yield * last_force) + t_.least_leeway;
+    const double watch_travel = b.speed * watch_time + leeway;
+    if (!near_holds(u, place, watch_travel)) find_near(u, v, place);
+    const double room = near_reach_ - moved(u);
+    if (room < watch_travel) return {false, 1, find_touching(u, v, place)};  // wild: step by step
+
+    if (near_count_ > 0) {
+      for (int p = 0; p < K; ++p) lanes_.store(s_.lanes + p * width, u[p]);
+      for (int p = 0; p < K; ++p) lanes_.store(s_.lanes + (K + p) * width, v[p]);
+      lanes_.sync();
+    }
+    const Real lane_eta = Real(t_.inverse_radius) * lanes_.index();
+    const double half_curve = 0.5 * b.curvature * tau * tau;
+    // A node is left out of the watch when it stays open along the line, with leeway and its own
+    // motion.
+    const double slack =
+        t_.slack + b.rounding + bound(t_.tail, u) + position_rounding(place) * t_.steepest;
+    // what the cubics leave out of the closing per step
+    const double closing_slack =
+        tau * bound(t_.tail, v) + t_.advance * t_.spacing * bound(t_.tail_slope, u);
+    const double level = -(leeway + half_curve * watched * watched + slack);
+    double q[4], rate_q[4];
+    Real soonest(static_cast<double>(longest)), pressed(0.0);
+    int patch = -1, count = 0;
+    for (int e = 0; e < near_count_; ++e) {
+      const int group = s_.near[e];
+      const GroupPlace<Lanes> at(t_, place, group);
+      if (at.patch != patch) {
+        patch = at.patch;
+        series_coefficients<Lanes, K>(lanes_, rows(patch), u, q);
+        series_coefficients<Lanes, K>(lanes_, rows(patch), v, rate_q);
+      }
+      const StaticOverlap<Lanes> faces(lanes_, t_, place, group);
+      const Real eta = lane_eta + Real(at.eta);
+      const Real overlap =
+          add_slider_displacement(lanes_, t_, s_.lanes, group, faces.height) + cubic(q, eta);
+      // closing per step: the modes, and the node's way over the resonator's face
+      const Real modes =
+          add_slider_displacement(lanes_, t_, s_.lanes + K * width, group, cubic(rate_q, eta));
+      const Real way = faces.rise + Real(t_.inverse_radius) * cubic_slope(q, eta);
+      const Real closing =
+          multiply_add(tau, modes, multiply_add(t_.advance, way, Real(closing_slack)));
+      const Real most =
+          multiply_add(static_cast<double>(watched), Kokkos::max(closing, Real(0.0)), overlap);
+      list_nodes(group, lanes_.at_least(most, level), count);
+      pressed = pressed + Kokkos::max(most - Real(level), Real(0.0));
+      // the root of open = i closing + i (i + 1) half_curve
+      const Real open = Kokkos::max(-overlap - Real(slack), Real(0.0));
+      const Real linear = closing + Real(half_curve);
+      const Real root =
+          Kokkos::sqrt(multiply_add(linear, linear, Real(4.0 * half_curve) * open)) + linear;
+      soonest = Kokkos::min(soonest, Real(2.0) * open / (root + Real(1e-300)));
+    }
+    if (lanes_.leader()) s_.evaluated += static_cast<std::int64_t>(near_count_) * width;
+    lanes_.sync();
+    double flight = near_count_ > 0 ? lanes_.min(soonest) : longest;
+    // ... and no further than the near list reaches
+    const double linear = b.speed * tau + half_curve;
+    const double reach =
+        2.0 * room / (Kokkos::sqrt(linear * linear + 4.0 * half_curve * room) + linear + 1e-300);
+    if (reach < flight) flight = reach;
+    if (!(flight >= 0.0)) flight = 0.0;  // the state is not a number
+    if (flight >= shortest_flight || count == 0 || flight >= longest) {
+      int steps = flight >= longest ? longest : static_cast<int>(flight);
+      if (count == 0 && steps < watched) steps = watched;  // nothing to watch: the same as flying
+      return {true, steps < 1 ? 1 : steps, 0};
+    }
+    // the first step may always be watched: the line begins there
+    const double strongest = t_.node_stiffness * lanes_.sum(pressed);
+    const double pull = b.acceleration + b.yield * strongest;
+    const double held = Kokkos::sqrt(2.0 * leeway / (pull + 1e-300)) / tau - 1.0;
+    return {false, held >= watched ? watched : !(held >= 1.0) ? 1 : static_cast<int>(held), count};
+  }
+
+  /// Lists in `watch` every node that touches at the present state, and perhaps a few that miss by
+  /// a rounding. Looks at all the nodes or at those near, as the scene asks.
+  KOKKOS_FUNCTION int find_touching(const Real* u, const Real* v, const Place& place) {
+    const bool all = t_.look == Look::all;
+    if (!all && !near_holds(u, place, 0.0)) find_near(u, v, place);
+    for (int p = 0; p < K; ++p) lanes_.store(s_.lanes + p * width, u[p]);
+    lanes_.sync();
+    const double level = -(t_.slack + rounding(0) * bound(t_.reach, u) + bound(t_.tail, u));
+    const Real lane_eta = Real(t_.inverse_radius) * lanes_.index();
+    double q[4];
+    int patch = -1, count = 0;
+    const int groups = all ? t_.groups : near_count_;
+    for (int e = 0; e < groups; ++e) {
+      const int group = all ? e : s_.near[e];
+      const GroupPlace<Lanes> at(t_, place, group);
+      if (at.patch != patch) {
+        patch = at.patch;
+        series_coefficients<Lanes, K>(lanes_, rows(patch), u, q);
+      }
+      const StaticOverlap<Lanes> faces(lanes_, t_, place, group);
+      const Real overlap = add_slider_displacement(lanes_, t_, s_.lanes, group, faces.height) +
+                           cubic(q, lane_eta + Real(at.eta));
+      list_nodes(group, lanes_.at_least(overlap, level), count);
+    }
+    lanes_.sync();
+    return count;
+  }
+
+ private:
+  const Lanes& lanes_;
+  const SceneTables& t_;
+  SceneState& s_;
+  // the near list
+  int near_count_ = 0, near_base_ = -1;
+  double near_reach_ = -1.0;
+
+  KOKKOS_FORCEINLINE_FUNCTION Real load(const double* lanes, int pack) const {
+    return lanes_.load(lanes + pack * width);
+  }
+  KOKKOS_FORCEINLINE_FUNCTION const double* rows(int patch) const {
+    return t_.patch + static_cast<std::int64_t>(patch) * 4 * K * width;
+  }
+  /// sum over the modes of weight_k |x_k|
+  KOKKOS_FORCEINLINE_FUNCTION double bound(const double* weight, const Real* x) const {
+    Real part = load(weight, 0) * Kokkos::abs(x[0]);
+    for (int p = 1; p < K; ++p) part = multiply_add(load(weight, p), Kokkos::abs(x[p]), part);
+    return lanes_.sum(part);
+  }
+  KOKKOS_FORCEINLINE_FUNCTION void list_nodes(int group, std::uint32_t bits, int& count) {
+    for (; bits != 0; bits &= bits - 1) {
+      if (lanes_.leader()) s_.watch[count] = group * width + Kokkos::countr_zero(bits);
+      ++count;
+    }
+  }
+
+  /// Bounds on what the modes can do within a number of steps.
+  struct Bounds {
+    double rounding;      // of a displacement
+    double speed;         // sum max|psi| |V|
+    double acceleration;  // A of the header
+    double curvature;     // A + B
+    double yield;  // 1/kg, acceleration that a newton of contact force can add, as in the header
+  };
+
+  KOKKOS_FUNCTION Bounds bounds(const Real* u, const Real* v, int steps) const {
+    const double time = steps * t_.step;
+    Real energy[K], acceleration[K], rate[K], displacement[K], yield[K];
+    for (int p = 0; p < K; ++p) {
+      const Real omega = load(t_.omega, p), push = load(t_.push, p);
+      const Real stretch = omega * u[p];
+      energy[p] = Kokkos::sqrt(multiply_add(v[p], v[p], stretch * stretch));
+      acceleration[p] = multiply_add(load(t_.pull, p), multiply_add(time, push, energy[p]), push);
+      rate[p] = multiply_add(time, acceleration[p], Kokkos::abs(v[p]));
+      displacement[p] = multiply_add(time, rate[p], Kokkos::abs(u[p]));
+      yield[p] = load(t_.yield, p) * multiply_add(time, load(t_.pull, p), Real(1.0));
+    }
+    Bounds b;
+    b.rounding = rounding(steps) * bound(t_.reach, displacement);
+    b.speed = bound(t_.reach, v);
+    b.acceleration = bound(t_.reach, acceleration);
+    const double speed = t_.advance * t_.spacing / t_.step;
+    b.curvature = b.acceleration + 2.0 * speed * bound(t_.reach_slope, rate) +
+                  speed * speed * bound(t_.reach_curve, displacement);
+    b.yield = bound(t_.reach, yield);
+    return b;
+  }
+
+  /// Distance that the near list's reference has been left behind by.
+  KOKKOS_FORCEINLINE_FUNCTION double moved(const Real* u) const {
+    Real away[K];
+    for (int p = 0; p < K; ++p) away[p] = u[p] - load(s_.near_u, p);
+    return bound(t_.reach, away);
+  }
+
+  KOKKOS_FUNCTION bool near_holds(const Real* u, const Place& place, double travel) const {
+    return place.base == near_base_ && moved(u) + travel <= near_reach_;
+  }
+
+  /// Roundings of two positions, in chi: below one of these the slider moves in stairs, not along a
+  /// line.
+  KOKKOS_FORCEINLINE_FUNCTION static double position_rounding(const Place& place) {
+    return 2 * 0x1p-52 * (place.position + 1.0);
+  }
+
+  /// Steps until the slider's nodes stand `edge` behind the resonator's, at the most `longest`.
+  KOKKOS_FUNCTION int steps_to(double edge, const Place& place, int longest) const {
+    if (t_.advance == 0.0) return longest;
+    // short of the crossing by a step and by the roundings of the position; at least this very step
+    const double steps = (edge - place.theta - position_rounding(place)) / t_.advance - 1.0;
+    return steps > longest ? longest : steps < 1.0 ? 1 : static_cast<int>(steps);
+  }
+
+  /// Finds the groups that can touch while the modes stay within a reach of where they are now and
+  /// no node passes another. The reach is what they can be expected to travel until then.
+  KOKKOS_FUNCTION void find_near(const Real* u, const Real* v, const Place& place) {
+    const int steps = steps_to(1.0, place, longest_flight);
+    const double time = steps * t_.step;
+    const Bounds b = bounds(u, v, steps);
+    near_base_ = place.base;
+    near_reach_ = 2.0 * (b.speed * time + 0.5 * b.curvature * time * time) + t_.least_reach;
+    if (!(near_reach_ < 1e300)) near_reach_ = 1e300;  // not a number, too: then everything is near
+    for (int p = 0; p < K; ++p) {
+      lanes_.store(s_.near_u + p * width, u[p]);
+      lanes_.store(s_.lanes + p * width, u[p]);
+    }
+    lanes_.sync();
+    const double to_end = place.base + 1 - place.position;  // chi
+    const double slope = bound(t_.reach_slope, u);
+    const double radius = t_.spacing / t_.inverse_radius;
+    const double level = -(near_reach_ + t_.slack + b.rounding + bound(t_.tail, u) +
+                           to_end * t_.spacing * slope + position_rounding(place) * t_.steepest);
+    const Real lane_eta = Real(t_.inverse_radius) * lanes_.index();
+    double q[4];
+    int patch = -1, count = 0;
+    bool have_series = false;
+    std::int64_t evaluated = 0;
+    double highest = 0.0;  // bound on u_2 over the patch
+    for (int group = 0; group < t_.groups; ++group) {
+      const GroupPlace<Lanes> at(t_, place, group);
+      if (at.patch != patch) {
+        patch = at.patch;
+        have_series = false;
+        Real centre = load(rows(patch), 0) * u[0];
+        for (int p = 1; p < K; ++p) centre = multiply_add(load(rows(patch), p), u[p], centre);
+        highest = lanes_.sum(centre) + radius * slope;
+      }
+      // the highest of the two blocks that the group's nodes and their neighbours lie in
+      const int block = (place.base + group * width) / width;
+      const double left = t_.block_max2[block], right = t_.block_max2[block + 1];
+      const Real top = add_slider_displacement(lanes_, t_, s_.lanes, group,
+                                               lanes_.load(t_.height1 + group * width)) +
+                       Real(highest + (left > right ? left : right));
+      if (lanes_.at_least(top, level) == 0) continue;
+      if (!have_series) series_coefficients<Lanes, K>(lanes_, rows(patch), u, q);
+      have_series = true;
+      const StaticOverlap<Lanes> faces(lanes_, t_, place, group);
+      const Real now = add_slider_displacement(lanes_, t_, s_.lanes, group, faces.height) +
+                       cubic(q, lane_eta + Real(at.eta));
+      const Real most = now + Kokkos::max(Real(to_end) * faces.rise, Real(0.0));
+      evaluated += width;
+      if (lanes_.at_least(most, level) == 0) continue;
+      if (lanes_.leader()) s_.near[count] = group;
+      ++count;
+    }
+    near_count_ = count;
+    if (lanes_.leader()) s_.evaluated += evaluated;
+    lanes_.sync();
+  }
+};
+
+}  // namespace ra2d

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <Kokkos_Core.hpp>
+#include <cstdint>
+
+#include "kernels/contact/penalty.hpp"
+#include "kernels/displacement.hpp"
+#include "kernels/gap.hpp"
+#include "kernels/lanes.hpp"
+#include "kernels/modal_state.hpp"
+#include "kernels/model.hpp"
+
+namespace ra2d {
+
+/// What the contact did at one state.
+template <class Real>
+struct ContactTotals {
+  double force = 0;  // N
+  double climb = 0;  // N m: forces times the rise of the resonator's face over one spacing
+  Real bend{0.0};    // N m: the same for its bent line, still to be summed over the lanes
+  int touched = 0;   // nodes in contact, listed in the state's work space
+};
+
+/// One slider node over one window: what its overlap and its modal force are made of.
+/// Overlap -g = face + theta rise + sum_k U_k phi_k(offset), with phi_k cubic in the offset; phi
+/// holds both bodies' modes, so the modal force of a nodal force f is -f phi_k (paper, the line
+/// under equation 6). A pure function of node and window: whoever evaluates a node, for whatever
+/// reason, gets the same bits.
+template <class Lanes, int K>
+KOKKOS_INLINE_FUNCTION void expand_node(const Lanes& lanes, const SceneTables& t,
+                                        const Place& place, int node, double* shape, double* face) {
+  using Real = typename Lanes::Real;
+  const int at = place.base + node;
+  Real c[4][K];
+  expand_modes<Lanes, K>(lanes, t, at / t.patch_nodes, at + (place.part + 0.5) * t.window_width, c);
+  const int stride = t.groups * Lanes::width;
+  for (int k = 0; k < t.slider_modes; ++k)
+    for (int p = 0; p < K; ++p)
+      c[0][p] = multiply_add(t.slider_shape[k * stride + node],
+                             lanes.load(t.unit + (k * K + p) * Lanes::width), c[0][p]);
+  for (int m = 0; m < 4; ++m)
+    for (int p = 0; p < K; ++p) lanes.store(shape + (m * K + p) * Lanes::width, c[m][p]);
+  if (lanes.leader()) {
+    face[0] = t.height1[node] + t.height2[at];
+    face[1] = t.height2[at + 1] - t.height2[at];
+  }
+}
+
+/// Contact detection and contact force at single nodes, each one product over the modes.
+template <class Lanes, int K>
+class NodeContact {
+  using Real = typename Lanes::Real;
+  static constexpr int width = Lanes::width;
+
+ public:
+  KOKKOS_FUNCTION NodeContact(const Lanes& lanes, const SceneTables& tables, SceneState& state)
+      : lanes_{lanes}, t_{tables}, s_{state}, penalty_{tables.node_stiffness} {}
+
+  /// Expands the listed nodes that are not expanded for this window yet.
+  KOKKOS_FUNCTION void expand(const Place& place, const int* nodes, int count) {
+    const std::int64_t window = place.window(t_);
+    for (int e = 0; e < count; ++e) {
+      const int node = nodes[e];
+      if (s_.node_window[node] == window) continue;
+      lanes_.sync();
+      expand_node<Lanes, K>(lanes_, t_, place, node, s_.node_shape + node_offset(node),
+                            s_.node_face + 2 * node);
+      if (lanes_.leader()) s_.node_window[node] = window;
+      lanes_.sync();
+    }
+  }
+  /// Contact detection and contact force at a state: adds the modal contact force of the listed
+  /// nodes (in ascending order, expanded for this window) to `force`, and lists those that touch.
+  KOKKOS_FORCEINLINE_FUNCTION ContactTotals<Real> operator()(const Place& place, const Real* u,
+                                                             const int* nodes, int count,
+                                                             Real* force) const {
+    ContactTotals<Real> totals;
+    Real bend[K];  // sum_n f_n dphi/dx: the slope that the bent beam adds to the faces'
+    for (int p = 0; p < K; ++p) bend[p] = Real(0.0);
+    const Real offset(place.offset);
+    for (int e = 0; e < count; ++e) {
+      const int node = nodes[e];
+      const double* c = s_.node_shape + node_offset(node);
+      Real phi[K], slope[K];
+      for (int p = 0; p < K; ++p) {
+        const Real c3 = lanes_.load(c + width * (3 * K + p));
+        const Real c2 = multiply_add(c3, offset, lanes_.load(c + width * (2 * K + p)));
+        const Real c1 = multiply_add(c2, offset, lanes_.load(c + width * (K + p)));
+        phi[p] = multiply_add(c1, offset, lanes_.load(c + width * p));
+        slope[p] = multiply_add(multiply_add(c3, offset, c2), offset, c1);
+      }
+      Real product = phi[0] * u[0];
+      for (int p = 1; p < K; ++p) product = multiply_add(phi[p], u[p], product);
+      const double rise = s_.node_face[2 * node + 1];
+      const double overlap =
+          Kokkos::fma(place.theta, rise, s_.node_face[2 * node]) + lanes_.sum(product);
+      if (!(overlap >= 0.0)) continue;
+
+      const double f = penalty_.force(overlap);
+      for (int p = 0; p < K; ++p) {
+        force[p] = multiply_add(-f, phi[p], force[p]);
+        bend[p] = multiply_add(f, slope[p], bend[p]);
+      }
+      totals.climb = Kokkos::fma(f, rise, totals.climb);
+      totals.force += f;
+      if (lanes_.leader()) {
+        s_.touched[totals.touched] = node;
+        s_.touched_force[totals.touched] = f;
+      }
+      ++totals.touched;
+    }
+    if (totals.touched > 0) {
+      for (int p = 0; p < K; ++p) totals.bend = multiply_add(bend[p], u[p], totals.bend);
+      lanes_.sync();
+    }
+    return totals;
+  }
+
+ private:
+  KOKKOS_FORCEINLINE_FUNCTION static std::int64_t node_offset(int node) {
+    return static_cast<std::int64_t>(node) * (4 * K * width);
+  }
+
+  const Lanes& lanes_;
+  const SceneTables& t_;
+  SceneState& s_;
+  Penalty penalty_;
+};
+
+}  // namespace ra2d
