@@ -223,51 +223,6 @@ TEST(SliderDisplacement, AddsModeByMode) {
   }
 }
 
-// ---- one node over one window -----------------------------------------------------------------
-
-TEST(ExpandNode, CubicAboutTheWindowsMiddle) {
-  // One resonator mode that is the cubic y^3 + 2 y^2 - 3 y + 5 of y = (x - centre of patch 1)/chi,
-  // and one slider mode: every number is dyadic, so the expansion is exact.
-  constexpr int K = (2 + width - 1) / width, stride = K * width;
-  constexpr int patch_nodes = 14 - width, radius = 8;  // (patch_nodes + width)/2 + 1
-  SceneTables t = moving(patch_nodes + 1.25, 0, 2);
-  t.patch_nodes = patch_nodes;
-  t.inverse_radius = 1.0 / radius;
-  t.resonator_modes = t.slider_modes = 1;
-  t.groups = K;
-  std::vector<double> quartic(stride, 0.0), patch(2 * 4 * stride, 0.0), unit(stride, 0.0);
-  std::vector<double> slider_shape(stride), height1(stride), height2(patch_nodes + 4);
-  const double cubic[] = {5, -3, 2, 1}, factorial[] = {1, 1, 2, 6};
-  for (int j = 0; j < 4; ++j)
-    patch[(4 + j) * stride] = factorial[j] * cubic[j] * std::pow(radius, j);
-  unit[1] = 1;
-  for (int n = 0; n < stride; ++n) slider_shape[n] = 0.5 * n, height1[n] = -10 - n;
-  for (std::size_t n = 0; n < height2.size(); ++n) height2[n] = static_cast<double>(n * n);
-  t.quartic = quartic.data(), t.patch = patch.data(), t.unit = unit.data();
-  t.slider_shape = slider_shape.data(), t.height1 = height1.data(), t.height2 = height2.data();
-
-  const Place place(t, 0);
-  ASSERT_EQ(place.part, 0);
-  for (int node = 0; node < 2; ++node) {
-    const int at = patch_nodes + 1 + node;
-    ASSERT_EQ(at / patch_nodes, 1) << "the test means patch 1";
-    std::array<double, 4 * stride> shape;
-    double face[2];
-    expand_node<HostLanes, K>(lanes, t, place, node, shape.data(), face);
-    const double y = at + 0.25 - 1.5 * patch_nodes;  // the middle of the first half chi
-    EXPECT_EQ(shape[0], y * y * y + 2 * y * y - 3 * y + 5);
-    EXPECT_EQ(shape[stride], 3 * y * y + 4 * y - 3);
-    EXPECT_EQ(shape[2 * stride], 3 * y + 2);
-    EXPECT_EQ(shape[3 * stride], 1);
-    EXPECT_EQ(shape[1], 0.5 * node);  // the slider's: its nodes do not move on it
-    for (int m = 1; m < 4; ++m) EXPECT_EQ(shape[m * stride + 1], 0);
-    for (int lane = 2; lane < stride; ++lane)
-      for (int m = 0; m < 4; ++m) EXPECT_EQ(shape[m * stride + lane], 0);
-    EXPECT_EQ(face[0], -10 - node + at * at);
-    EXPECT_EQ(face[1], 2 * at + 1);
-  }
-}
-
 // ---- edges, through the march -----------------------------------------------------------------
 
 /// Two steel strips at rest, a millimetre between their nodes. Heights in whole 2^-20 m are exact.
