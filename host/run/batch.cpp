@@ -140,6 +140,8 @@ std::string backend_name() { return Space::name(); }
 int backend_threads() { return Space().concurrency(); }
 
 struct Batch::Impl {
+  using HostState = Kokkos::View<SceneState, Kokkos::HostSpace, Kokkos::MemoryUnmanaged>;
+
   std::vector<Model> models;
   std::vector<Layout> layouts;
   int packs = 0;
@@ -188,6 +190,15 @@ struct Batch::Impl {
     l.node_window = arena.reserve<std::int64_t>(model.nodes());
     l.amplitudes = arena.reserve<double>(2 * l.lanes);
     return l;
+  }
+
+  SceneState fetch_state(int scene) const {
+    SceneState state;
+    Kokkos::deep_copy(HostState(&state), Kokkos::subview(states, scene));
+    return state;
+  }
+  void put_state(int scene, SceneState state) const {
+    Kokkos::deep_copy(Kokkos::subview(states, scene), HostState(&state));
   }
 
   SceneTables fill_tables(const Model& model, const Layout& l);
@@ -427,10 +438,7 @@ std::size_t Batch::bytes() const { return impl_->arena.bytes(); }
 Drained Batch::drain(int scene) {
   Impl& b = *impl_;
   const Layout& l = b.layouts[scene];
-  const auto place = Kokkos::subview(b.states, scene);
-  SceneState s;
-  const Kokkos::View<SceneState, Kokkos::HostSpace, Kokkos::MemoryUnmanaged> copy(&s);
-  Kokkos::deep_copy(copy, place);
+  SceneState s = b.fetch_state(scene);
   Drained out;
   out.lanes = l.lanes;
   out.samples = s.sample_count;
@@ -450,7 +458,7 @@ Drained Batch::drain(int scene) {
     Kokkos::deep_copy(first, last);
   }
   s.sample_count = s.shock_count = 0;
-  Kokkos::deep_copy(place, copy);
+  b.put_state(scene, s);
   return out;
 }
 
@@ -458,9 +466,7 @@ Snapshot Batch::snapshot(int scene) const {
   const Impl& b = *impl_;
   const Layout& l = b.layouts[scene];
   const Model& model = b.models[scene];
-  SceneState s;
-  const Kokkos::View<SceneState, Kokkos::HostSpace, Kokkos::MemoryUnmanaged> copy(&s);
-  Kokkos::deep_copy(copy, Kokkos::subview(b.states, scene));
+  const SceneState s = b.fetch_state(scene);
   b.arena.fetch(l.modal_state, modal_arrays * l.lanes * sizeof(double));
   b.arena.fetch(l.open, s.open_count * sizeof(OpenShock));
   const double* modal = b.arena.host<double>(l.modal_state);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/scenes.hpp"
 #include "tests/simulate.hpp"
 
 /// The energy closes: kinetic + elastic + contact + damping loss = start + sliding work + load
@@ -15,43 +16,16 @@ namespace {
 
 /// A plate with a few modes under a smooth rigid slider.
 Scene smooth_scene(double damping) {
-  Scene s;
+  Scene s = plate_scene(4, 0.004, 0.004, damping);
   s.duration = 4e-4;
-  s.speed = 0;
   s.start = 0.028;
-  s.spacing = 4e-5;
-  s.step = 1e-7;
   s.rate = 5e4;
-  s.resonator.length = 0.06;
-  s.resonator.thickness = 1e-3;
-  s.resonator.width = 0.02;
-  s.resonator.young = 210e9;
-  s.resonator.density = 7800;
-  s.resonator.damping = damping;
-  s.resonator.modes = 4;
-  s.slider = s.resonator;
-  s.slider.support = Support::rigid;
-  s.slider.length = 0.004;
-  s.slider.thickness = 0.004;
-  s.slider.modes = 0;
   s.stiffness = 1e12;
   return s;
 }
 
-SurfaceSpec gaussian(double rq, double rsm, std::uint64_t seed) {
-  SurfaceSpec surface;
-  surface.kind = SurfaceKind::gaussian;
-  surface.rq = rq;
-  surface.rsm = rsm;
-  surface.seed = seed;
-  return surface;
-}
-
 SurfaceSpec one_peak(double at, double half_width) {
-  SurfaceSpec surface;
-  surface.kind = SurfaceKind::peaks;
-  surface.peaks = {{.at = at, .height = 1e-5, .half_width = half_width}};
-  return surface;
+  return peaks({{.at = at, .height = 1e-5, .half_width = half_width}});
 }
 
 /// Halves the step four times; the residual halves each time, to 15 % of an order.

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host/errors.hpp"
+#include "tests/scenes.hpp"
 #include "tests/simulate.hpp"
 
 /// scene.initial = "static": the start is an equilibrium under load and contact, and stays one.
@@ -18,38 +19,14 @@ namespace {
 constexpr double ulp = std::numeric_limits<double>::epsilon();
 
 Scene resting_block() {
-  Scene s;
-  s.duration = 2e-3;
-  s.speed = 0;
+  Scene s = plate_scene(8, 0.012, 0.012);
   s.start = 0.021;
-  s.spacing = 4e-5;
-  s.step = 1e-7;
   s.rate = 1e5;
   s.initial = Initial::statics;
-  s.resonator.length = 0.06;
-  s.resonator.thickness = 1e-3;
-  s.resonator.width = 0.02;
-  s.resonator.young = 210e9;
-  s.resonator.density = 7800;
-  s.resonator.damping = 0.02;
-  s.resonator.modes = 8;
-  s.slider = s.resonator;
   s.slider.support = Support::free;
-  s.slider.length = 0.012;
-  s.slider.thickness = 0.012;
-  s.slider.modes = 0;
   s.slider.load_is_weight = true;
   s.stiffness = 1e14;
   return s;
-}
-
-SurfaceSpec gaussian(double rq, double rsm, std::uint64_t seed) {
-  SurfaceSpec surface;
-  surface.kind = SurfaceKind::gaussian;
-  surface.rq = rq;
-  surface.rsm = rsm;
-  surface.seed = seed;
-  return surface;
 }
 
 /// Forces at rest, found here from scratch.
@@ -175,9 +152,8 @@ TEST(Equilibrium, SmallScenesThatWereHardToSettle) {
       s.slider.modes = 2;
       s.slider.load_is_weight = false;
       s.slider.load = 0.1;
-      s.slider.surface.kind = SurfaceKind::peaks;
-      s.slider.surface.peaks = {
-          {.at = 2e-4 * static_cast<double>(seed), .height = 3e-7, .half_width = 2e-4}};
+      s.slider.surface =
+          peaks({{.at = 2e-4 * static_cast<double>(seed), .height = 3e-7, .half_width = 2e-4}});
       s.start = 0.01389;
       s.stiffness = kappa_chi_w / s.spacing / s.slider.width;
       const Model model = make_model(s);
@@ -223,10 +199,9 @@ TEST(Equilibrium, PlateUnderOneContactDeflectsAsABeamUnderAPointForce) {
   Scene s = resting_block();
   s.start = 0.024;  // the block's middle over the plate's
   s.resonator.modes = 101;
-  s.slider.surface.kind = SurfaceKind::peaks;
   // two peaks beside the middle, so that it stands
-  s.slider.surface.peaks = {{.at = 0.006 - 4e-5, .height = 1e-5, .half_width = 3e-5},
-                            {.at = 0.006 + 4e-5, .height = 1e-5, .half_width = 3e-5}};
+  s.slider.surface = peaks({{.at = 0.006 - 4e-5, .height = 1e-5, .half_width = 3e-5},
+                            {.at = 0.006 + 4e-5, .height = 1e-5, .half_width = 3e-5}});
   const Model model = make_model(s);
   const ModalStart start = make_start(model);
   expect_balanced(model, start);

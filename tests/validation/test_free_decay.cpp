@@ -12,6 +12,7 @@
 
 #include "host/run/batch.hpp"
 #include "host/run/record.hpp"
+#include "tests/scenes.hpp"
 
 /// Bodies that vibrate and touch nothing: every mode is a damped oscillator, known exactly, and so
 /// is what backward Euler makes of it.
@@ -24,22 +25,9 @@ constexpr double pi = std::numbers::pi;
 
 /// A steel strip 300 mm long and a short one a metre above it.
 Scene far_apart() {
-  Scene s;
-  s.spacing = 1e-3;
+  Scene s = test::strip_scene(1, 0.02, 0.1, 0.1);
   s.gap = 1.0;
-  s.start = 0.1;
   s.stiffness = 1e14;
-  s.resonator.support = Support::pinned;
-  s.resonator.length = 0.3;
-  s.resonator.thickness = 0.002;
-  s.resonator.width = 0.2;
-  s.resonator.young = 210e9;
-  s.resonator.density = 7800;
-  s.resonator.damping = 0.02;
-  s.resonator.modes = 1;
-  s.slider = s.resonator;
-  s.slider.support = Support::rigid;
-  s.slider.length = 0.1;
   s.slider.damping = 0.01;
   return s;
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <initializer_list>
@@ -10,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/compare.hpp"
+#include "tests/scenes.hpp"
 #include "tests/simulate.hpp"
 
 /// The answer of a scene does not depend on where a run is cut into launches, on the buffers, on
@@ -18,28 +19,12 @@ namespace ra2d::test {
 namespace {
 
 Scene rough_scene(Support slider) {
-  Scene s;
+  Scene s = plate_scene(7, 0.004, 1e-3);
   s.duration = 6e-4;
   s.speed = 1.0;
-  s.start = 0.02;
-  s.spacing = 4e-5;
-  s.step = 1e-7;
-  s.rate = 1e6;
-  s.resonator.length = 0.06;
-  s.resonator.thickness = 1e-3;
-  s.resonator.width = 0.02;
-  s.resonator.young = 210e9;
-  s.resonator.density = 7800;
-  s.resonator.damping = 0.02;
-  s.resonator.modes = 7;
-  s.resonator.surface.kind = SurfaceKind::gaussian;
-  s.resonator.surface.rq = 1e-6;
-  s.resonator.surface.rsm = 3e-4;
-  s.resonator.surface.seed = 4;
-  s.slider = s.resonator;
+  s.resonator.surface = gaussian(1e-6, 3e-4, 4);
   s.slider.support = slider;
-  s.slider.length = 0.004;
-  s.slider.surface.seed = 3;
+  s.slider.surface = gaussian(1e-6, 3e-4, 3);
   s.slider.modes = slider == Support::rigid ? 0 : 2;
   if (slider == Support::free)
     s.slider.load = 20;
@@ -47,12 +32,6 @@ Scene rough_scene(Support slider) {
     s.gap = 2e-6;  // the asperities meet
   s.stiffness = 1e14;
   return s;
-}
-
-using Bits = std::vector<std::uint64_t>;
-
-void put(Bits& to, const std::vector<double>& values) {
-  for (const double x : values) to.push_back(std::bit_cast<std::uint64_t>(x));
 }
 
 /// All that a run records, as one list.
@@ -64,16 +43,9 @@ Bits bits(const Recording& r) {
         &s.slider_velocity, &s.force, &s.nodes, &s.kinetic, &s.elastic, &s.contact, &s.damping_loss,
         &s.sliding_work, &s.load_work})
     put(out, *column);
-  for (const ShockRow& shock : r.shocks) {
-    for (const std::int64_t i : {shock.serial, shock.start, shock.last})
-      out.push_back(static_cast<std::uint64_t>(i));
-    put(out, {shock.peak, shock.impulse, shock.moment});
-  }
-  for (const OpenShock& shock : r.end.open_shocks) {
-    for (const std::int64_t i : {shock.serial, shock.start, shock.last})
-      out.push_back(static_cast<std::uint64_t>(i));
-    put(out, {shock.force, shock.peak, shock.impulse, shock.moment});
-  }
+  put_shocks(out, r.shocks);
+  put_shocks(out, r.end.open_shocks);
+  for (const OpenShock& shock : r.end.open_shocks) put(out, {shock.force});
   const Snapshot& e = r.end;
   for (const auto* column :
        {&e.resonator_u, &e.resonator_v, &e.slider_u, &e.slider_v, &e.resonator_square})

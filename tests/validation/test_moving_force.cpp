@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host/run/record.hpp"
+#include "tests/scenes.hpp"
 #include "tests/simulate.hpp"
 
 /// A constant force that crosses a pinned beam without damping (Fryba, Vibration of Solids and
@@ -26,23 +27,10 @@ constexpr double force = 10;  // N
 
 /// The two bodies never touch: the beam bends by less than the millimetre between them.
 Scene crossing(double speed) {
-  Scene s;
-  s.spacing = 1e-3;
+  Scene s = test::strip_scene(modes, 0, 0.14, 0.02);
   s.gap = 1e-3;
-  s.start = 0.14;
   s.stiffness = 1e15;
-  s.resonator.support = Support::pinned;
-  s.resonator.length = 0.3;
-  s.resonator.thickness = 0.002;
-  s.resonator.width = 0.2;
-  s.resonator.young = 210e9;
-  s.resonator.density = 7800;
-  s.resonator.modes = modes;
   s.resonator.moving_forces = {{force, speed, 0.0}};
-  s.slider = s.resonator;
-  s.slider.moving_forces.clear();
-  s.slider.support = Support::rigid;
-  s.slider.length = 0.02;
   s.probes = {0.5 * s.resonator.length};
   return s;
 }

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <string>
 #include <vector>
 
+#include "tests/compare.hpp"
+#include "tests/scenes.hpp"
 #include "tests/simulate.hpp"
 
 /// Penalty contact is positively homogeneous: with a held slider, heights and gap times s give
@@ -16,30 +17,14 @@ namespace ra2d::test {
 namespace {
 
 Scene held_slider(Support support) {
-  Scene s;
-  s.duration = 2e-3;
+  Scene s = plate_scene(10, 0.006, 1e-3);
   s.speed = 0.5;
-  s.start = 0.02;
   s.gap = 2e-6;
-  s.spacing = 4e-5;
-  s.step = 1e-7;
   s.rate = 3e5;
-  s.resonator.length = 0.06;
-  s.resonator.thickness = 1e-3;
-  s.resonator.width = 0.02;
-  s.resonator.young = 210e9;
-  s.resonator.density = 7800;
-  s.resonator.damping = 0.02;
-  s.resonator.modes = 10;
-  s.resonator.surface.kind = SurfaceKind::gaussian;
-  s.resonator.surface.rq = 1e-6;
-  s.resonator.surface.rsm = 4e-4;
-  s.resonator.surface.seed = 2;
-  s.slider = s.resonator;
+  s.resonator.surface = gaussian(1e-6, 4e-4, 2);
   s.slider.support = support;
-  s.slider.length = 0.006;
   s.slider.modes = support == Support::rigid ? 0 : 2;
-  s.slider.surface.seed = 1;
+  s.slider.surface = gaussian(1e-6, 4e-4, 1);
   s.stiffness = 1e13;
   return s;
 }
@@ -58,8 +43,7 @@ void expect_times(const std::vector<double>& small, const std::vector<double>& l
   ASSERT_EQ(small.size(), large.size()) << what;
   std::size_t different = 0;
   for (std::size_t i = 0; i < small.size(); ++i)
-    different +=
-        std::bit_cast<std::uint64_t>(small[i] * factor) != std::bit_cast<std::uint64_t>(large[i]);
+    different += bits(small[i] * factor) != bits(large[i]);
   EXPECT_EQ(different, 0u) << what << ", of " << small.size();
 }
 
@@ -115,12 +99,8 @@ TEST(Scaling, HeightsAndGapByAPowerOfTwoScaleEverythingToTheLastBit) {
 TEST(Scaling, PeaksAndAMovingForceToo) {
   Scene scene = held_slider(Support::rigid);
   scene.gap = 1.9e-5;
-  for (BodySpec* body : {&scene.resonator, &scene.slider}) {
-    body->surface = {};
-    body->surface.kind = SurfaceKind::peaks;
-  }
-  scene.resonator.surface.peaks = {{.at = 0.0234, .height = 1e-5, .half_width = 2e-4}};
-  scene.slider.surface.peaks = {{.at = 0.003, .height = 1e-5, .half_width = 2e-4}};
+  scene.resonator.surface = peaks({{.at = 0.0234, .height = 1e-5, .half_width = 2e-4}});
+  scene.slider.surface = peaks({{.at = 0.003, .height = 1e-5, .half_width = 2e-4}});
   scene.resonator.moving_forces = {{.force = 0.25, .speed = 20, .start = 0.0}};
   Scene twice = scaled(scene, 2);
   twice.resonator.moving_forces[0].force *= 2;

@@ -11,6 +11,7 @@
 
 #include "host/run/batch.hpp"
 #include "host/run/record.hpp"
+#include "tests/scenes.hpp"
 
 /// One node that strikes a beam. The motion is linear while the gap is open and, about another
 /// equilibrium, while it is closed: pieces of closed form, joined where the gap changes sign.
@@ -38,24 +39,10 @@ constexpr int peak_node = 10;
 /// A pinned strip and, above it, a rigid body that stands still with one node lower than all
 /// others.
 Scene one_node(int modes, double start, Nodes nodes = Nodes::candidates) {
-  Scene s;
-  s.spacing = 1e-3;
-  s.start = start;
+  Scene s = test::strip_scene(modes, 0.01, start, 0.02);
   s.nodes = nodes;
-  s.resonator.support = Support::pinned;
-  s.resonator.length = 0.3;
-  s.resonator.thickness = 0.002;
-  s.resonator.width = 0.2;
-  s.resonator.young = 210e9;
-  s.resonator.density = 7800;
-  s.resonator.damping = 0.01;
-  s.resonator.modes = modes;
-  s.slider = s.resonator;
-  s.slider.support = Support::rigid;
-  s.slider.length = 0.02;
   s.slider.width = 0.02;
-  s.slider.surface.kind = SurfaceKind::peaks;
-  s.slider.surface.peaks = {{peak_node * s.spacing, 40e-6, 0.5 * s.spacing}};
+  s.slider.surface = test::peaks({{peak_node * s.spacing, 40e-6, 0.5 * s.spacing}});
   s.gap = 40e-6 + open_gap;
   return s;
 }

@@ -2,12 +2,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <string>
 #include <vector>
 
 #include "host/scene/scene.hpp"
+#include "tests/scenes.hpp"
 #include "tests/simulate.hpp"
 
 /// A step beyond the limit that the explicit contact spring sets is noticed, and nothing else is.
@@ -16,28 +16,14 @@ namespace {
 
 /// A plate, pressed by an imposed overlap on one node of a rigid slider's peak.
 Scene pressed_plate() {
-  Scene s;
+  Scene s = plate_scene(6, 0.004, 1e-3);
   s.duration = 2e-2;
-  s.speed = 0;
   s.start = 0.021;
   s.gap = 5e-6;  // of 10 um: 5 um of overlap
-  s.spacing = 4e-5;
   s.step = 1e-6;
   s.rate = 1e4;
   s.initial = Initial::statics;
-  s.resonator.length = 0.06;
-  s.resonator.thickness = 1e-3;
-  s.resonator.width = 0.02;
-  s.resonator.young = 210e9;
-  s.resonator.density = 7800;
-  s.resonator.damping = 0.02;
-  s.resonator.modes = 6;
-  s.slider = s.resonator;
-  s.slider.support = Support::rigid;
-  s.slider.modes = 0;
-  s.slider.length = 0.004;
-  s.slider.surface.kind = SurfaceKind::peaks;
-  s.slider.surface.peaks = {{.at = 0.002, .height = 1e-5, .half_width = 3e-5}};
+  s.slider.surface = peaks({{.at = 0.002, .height = 1e-5, .half_width = 3e-5}});
   return s;
 }
 
@@ -134,8 +120,8 @@ TEST(Unstable, NoticedWithAFreeSlider) {
   s.slider.load_is_weight = true;
   s.slider.thickness = 0.004;
   s.gap.reset();
-  s.slider.surface.peaks = {{.at = 0.001, .height = 1e-5, .half_width = 3e-5},
-                            {.at = 0.003, .height = 1e-5, .half_width = 3e-5}};
+  s.slider.surface = peaks({{.at = 0.001, .height = 1e-5, .half_width = 3e-5},
+                            {.at = 0.003, .height = 1e-5, .half_width = 3e-5}});
   const Snapshot end = run_stiffened(s, 10, 25);
   EXPECT_TRUE(end.status == Status::unstable || end.status == Status::not_finite);
   EXPECT_LE(end.step, 4 * look);
@@ -224,13 +210,8 @@ TEST(Stable, NoFalseAlarmForAnyDamping) {
       s.speed = 0.4;
       s.duration = 0.02;
       s.gap = 3e-6;
-      for (BodySpec* body : {&s.resonator, &s.slider}) {
-        body->surface = {};
-        body->surface.kind = SurfaceKind::gaussian;
-        body->surface.rq = 1.5e-6;
-        body->surface.rsm = 4e-4;
-        body->surface.seed = body == &s.slider ? 5 : 6;
-      }
+      s.resonator.surface = gaussian(1.5e-6, 4e-4, 6);
+      s.slider.surface = gaussian(1.5e-6, 4e-4, 5);
       if (free) {
         s.slider.support = Support::free;
         s.slider.load = 2;
@@ -262,9 +243,8 @@ TEST(Stable, NoFalseAlarmWhenAPeakIsLiftedAndLetDownAgain) {
     s.gap = 1.95e-5;
     s.stiffness = 2e12;
     s.resonator.modes = 5;
-    s.resonator.surface.kind = SurfaceKind::peaks;
-    s.resonator.surface.peaks = {{.at = 0.029, .height = 1e-5, .half_width = 3e-4}};
-    s.slider.surface.peaks = {{.at = 3e-3, .height = 1e-5, .half_width = 3e-4}};
+    s.resonator.surface = peaks({{.at = 0.029, .height = 1e-5, .half_width = 3e-4}});
+    s.slider.surface = peaks({{.at = 3e-3, .height = 1e-5, .half_width = 3e-4}});
     const Recording run = simulate(s);
     EXPECT_EQ(run.end.status, Status::done) << "energy " << run.end.energy << " J, limit "
                                             << run.end.energy_limit << " J, step " << run.end.step;
