@@ -88,6 +88,18 @@ class Program : public testing::Test {
     err_ = child.err();
     return status;
   }
+  /// Waits until the run has its file open under the temporary name, and then some.
+  void wait_until_it_marches() const {
+    for (int tenths = 0; tenths < 600; ++tenths) {
+      for (const auto& entry : fs::directory_iterator(folder_))
+        if (entry.path().string().find(".h5.partial") != std::string::npos) {
+          std::this_thread::sleep_for(std::chrono::seconds(1));
+          return;
+        }
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    }
+    FAIL() << "no run began";
+  }
   static std::string scene(const std::string& name) {
     return std::string(RA2D_SOURCE_DIR) + "/scenes/" + name + ".toml";
   }
@@ -200,7 +212,7 @@ TEST_F(Program, ASignalEndsTheRunCleanlyWithWhatThereIs) {
   for (const int signal : {SIGINT, SIGTERM}) {
     Child child = start(
         {"run", scene("dang2012"), "--set", "scene.duration=0.9", "--set", "time.step=2e-10"});
-    std::this_thread::sleep_for(std::chrono::milliseconds(1500));
+    wait_until_it_marches();
     child.send(signal);
     EXPECT_EQ(child.wait(), 130) << child.err();
     EXPECT_THAT(child.err(), HasSubstr("interrupted at t ="));
@@ -218,7 +230,7 @@ TEST_F(Program, ASignalEndsTheRunCleanlyWithWhatThereIs) {
 
 TEST_F(Program, AKilledRunLeavesNothingUnderTheFinalName) {
   Child child = start({"run", scene("dang2012"), "--set", "time.step=2e-10"});
-  std::this_thread::sleep_for(std::chrono::milliseconds(1000));
+  wait_until_it_marches();
   child.send(SIGKILL);
   EXPECT_EQ(child.wait(), 1000 + SIGKILL);
   EXPECT_FALSE(fs::exists(folder_ / "dang2012.h5"));
