@@ -30,9 +30,8 @@ void add_common(CLI::App& command, ra2d::CommonOptions& common) {
   command.add_flag("--quiet", common.quiet, "print nothing but what was asked for and errors");
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+/// Reads the command line and runs what it asks for.
+int dispatch(int argc, char** argv) {
   using namespace ra2d;
   CLI::App app{
       "ra2d: friction noise of rough surfaces. Two beams slide past each other, their asperities "
@@ -56,17 +55,25 @@ int main(int argc, char** argv) {
   CLI::App* plan = app.add_subcommand("plan", "says what would be modelled, and why; runs nothing");
   add_common(*plan, common);
 
+  if (argc > 1 && std::find(coming.begin(), coming.end(), argv[1]) != coming.end()) {
+    fmt::print(stderr, "ra2d: the command '{}' is not available yet; there are 'run' and 'plan'\n",
+               argv[1]);
+    return wrong_request;
+  }
   try {
-    if (argc > 1 && std::find(coming.begin(), coming.end(), argv[1]) != coming.end()) {
-      fmt::print(stderr,
-                 "ra2d: the command '{}' is not available yet; there are 'run' and 'plan'\n",
-                 argv[1]);
-      return wrong_request;
-    }
     app.parse(argc, argv);
-    return run->parsed() ? run_command(common, output) : plan_command(common);
   } catch (const CLI::ParseError& request) {
     return app.exit(request) == 0 ? done : wrong_request;
+  }
+  return run->parsed() ? run_command(common, output) : plan_command(common);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  using namespace ra2d;
+  try {
+    return dispatch(argc, argv);
   } catch (const RequestError& fault) {
     fmt::print(stderr, "ra2d: {}\n", fault.what());
     return wrong_request;
