@@ -36,18 +36,25 @@ std::vector<double> probe_shapes(const Model& model) {
   return shapes;
 }
 
-Shock make_shock(const Model& model, std::int64_t serial, std::int64_t start, std::int64_t last,
-                 double peak, double impulse, double moment) {
+/// Of ended shocks, or of open ones as if they ended now.
+template <class Row>
+std::vector<Shock> convert_shocks(const Model& model, const std::vector<Row>& rows) {
   const double tau = model.scene.step, chi = model.scene.spacing;
-  Shock shock;
-  shock.serial = serial;
-  shock.start = static_cast<double>(start) * tau;
-  shock.duration = static_cast<double>(last - start + 1) * tau;
-  shock.peak_force = peak;
-  shock.impulse = impulse * tau;
-  // a contact that only touched has no force to weight with
-  shock.position = impulse > 0 ? moment / impulse * chi : std::numeric_limits<double>::quiet_NaN();
-  return shock;
+  std::vector<Shock> shocks;
+  shocks.reserve(rows.size());
+  for (const Row& row : rows) {
+    Shock shock;
+    shock.serial = row.serial;
+    shock.start = static_cast<double>(row.start) * tau;
+    shock.duration = static_cast<double>(row.last - row.start + 1) * tau;
+    shock.peak_force = row.peak;
+    shock.impulse = row.impulse * tau;
+    // a contact that only touched has no force to weight with
+    shock.position =
+        row.impulse > 0 ? row.moment / row.impulse * chi : std::numeric_limits<double>::quiet_NaN();
+    shocks.push_back(shock);
+  }
+  return shocks;
 }
 
 }  // namespace
@@ -95,17 +102,10 @@ SampleBlock make_samples(const Model& model, const ModalStart& start, const Drai
 }
 
 std::vector<Shock> make_shocks(const Model& model, const std::vector<ShockRow>& rows) {
-  std::vector<Shock> shocks;
-  for (const ShockRow& r : rows)
-    shocks.push_back(make_shock(model, r.serial, r.start, r.last, r.peak, r.impulse, r.moment));
-  return shocks;
+  return convert_shocks(model, rows);
 }
-
 std::vector<Shock> make_shocks(const Model& model, const std::vector<OpenShock>& open) {
-  std::vector<Shock> shocks;
-  for (const OpenShock& r : open)
-    shocks.push_back(make_shock(model, r.serial, r.start, r.last, r.peak, r.impulse, r.moment));
-  return shocks;
+  return convert_shocks(model, open);
 }
 
 double v_rms(const Model& model, const Snapshot& snapshot) {
