@@ -14,8 +14,7 @@ namespace ra2d {
 namespace {
 
 /// Wall time of a step on one core of a server processor of 2023, in ns: in free flight, and in
-/// contact at a few nodes (bench/bench_march.cpp). Every node at every step costs about 1 ns a
-/// node.
+/// contact at a few nodes (bench/bench_march.cpp). Every node at every step costs 0.7 ns a node.
 constexpr double flight_ns = 5.0, contact_ns = 50.0, node_ns = 0.7;
 
 /// Largest value over the length of a beam of sum_k weight(k) psi_k^2.
