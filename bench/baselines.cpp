@@ -16,11 +16,11 @@ BaselineModes::BaselineModes(const Beam& beam, const std::vector<double>& u0,
   v.resize(beam.modes.size());
   load.resize(beam.modes.size());
   for (const ModeShape& mode : beam.modes) {
-    double c[BackwardEuler::coefficients];
-    BackwardEuler::prepare(mode.omega, beam.zeta, beam.mass_per_length, tau, c);
-    c0.push_back(c[0]);
-    c1.push_back(c[1]);
-    c2.push_back(c[2]);
+    const ModeStep step =
+        BackwardEuler::prepare({mode.omega, beam.zeta, beam.mass_per_length}, tau);
+    c0.push_back(step.v_v);
+    c1.push_back(step.v_u);
+    c2.push_back(step.v_f[0]);
   }
 }
 

@@ -5,6 +5,7 @@
 
 #include "kernels/contact/penalty.hpp"
 #include "kernels/lanes.hpp"
+#include "kernels/schemes/advance.hpp"
 #include "kernels/schemes/backward_euler.hpp"
 
 namespace ra2d::bench {
@@ -20,13 +21,12 @@ struct Packs {
 
   Packs() {
     for (int p = 0; p < packs; ++p) {
-      double c[BackwardEuler::coefficients];
-      BackwardEuler::prepare(1000.0 * (p + 1), 1e-6, 1.0, tau, c);
+      const ModeStep step = BackwardEuler::prepare({1000.0 * (p + 1), 1e-6, 1.0}, tau);
       u[p] = Real(1.0);
       v[p] = Real(0.0);
-      c0[p] = Real(c[0]);
-      c1[p] = Real(c[1]);
-      c2[p] = Real(c[2]);
+      c0[p] = Real(step.v_v);
+      c1[p] = Real(step.v_u);
+      c2[p] = Real(step.v_f[0]);
     }
   }
   double sum() const {
@@ -57,7 +57,7 @@ double flight_chain(std::int64_t steps) {
   Real u = modes.u[0], v = modes.v[0];
   const Real kick = Real(1e-3) * modes.c2[0];
   for (std::int64_t i = 0; i < steps; ++i)
-    BackwardEuler::advance(u, v, modes.c0[0], modes.c1[0], kick, Real(tau));
+    advance_semi_implicit(u, v, modes.c0[0], modes.c1[0], kick, Real(tau));
   return Lanes::sum(u);
 }
 
@@ -75,8 +75,8 @@ double contact_chain(std::int64_t steps) {
     const double f = penalty.force(overlap);
     for (int p = 0; p < packs; ++p) {
       const Real force = multiply_add(-f, phi[p], Real(1e-3));
-      BackwardEuler::advance(modes.u[p], modes.v[p], modes.c0[p], modes.c1[p], modes.c2[p] * force,
-                             Real(tau));
+      advance_semi_implicit(modes.u[p], modes.v[p], modes.c0[p], modes.c1[p], modes.c2[p] * force,
+                            Real(tau));
     }
   }
   return modes.sum();

@@ -46,11 +46,14 @@ inline constexpr int longest_flight = 4096;
 /// polynomial, and one rounding of U_k for every step that is looked ahead.
 KOKKOS_INLINE_FUNCTION double rounding(int steps) { return (256 + steps) * 0x1p-52; }
 
-/// How to go on.
+/// How to go on: fly, watch, or (when neither can be promised) look at every state anew.
 struct Outlook {
-  bool flight;
+  enum Kind { fly, watch, look } kind;
   int steps;  // to fly, or to watch at the most
   int count;  // nodes to watch, listed in the state's `watch`
+  /// While the nodes are watched, step n is covered by the list as long as line n (n + 1) + kick
+  /// sum_{j<n} (n - j) f_j <= 1, f_j the contact force [N] of step j.
+  double line = 0, kick = 0;
 };
 
 template <class Lanes, int K>
@@ -67,7 +70,11 @@ class Candidates {
   KOKKOS_FUNCTION Outlook look_ahead(const Real* u, const Real* v, std::int64_t step,
                                      std::int64_t next, double last_force) {
     const Place place(t_, step);
-    int longest = steps_to(1.0, place, longest_flight);
+    int longest = steps_to(1.0, place, t_.longest_look);
+    if (longest < 1) {  // a node passes another within this step
+      if (looks_ahead()) return {Outlook::look, 1, 0};
+      longest = 1;
+    }
     if (next - step < longest) longest = static_cast<int>(next - step);
     const double tau = t_.step;
     const Bounds b = bounds(u, v, longest);
@@ -75,13 +82,15 @@ class Candidates {
     // the near list must hold for all the states that this look speaks of
     int watched = steps_to((place.part + 1) * t_.window_width, place, watch_steps);
     if (longest < watched) watched = longest;
+    const bool short_of_window = watched < 1;
+    if (short_of_window) watched = 1;
     const double watch_time = watched * tau;
-    const double leeway =
-        watch_time * watch_time * (0.75 * b.acceleration + b.yield * last_force) + t_.least_leeway;
+    const double leeway = watch_time * watch_time * (0.75 * b.acceleration + b.yield * last_force) +
+                          0.5 * watch_time * tau * b.acceleration + t_.least_leeway;
     const double watch_travel = b.speed * watch_time + leeway;
     if (!near_holds(u, place, watch_travel)) find_near(u, v, place);
     const double room = near_reach_ - moved(u);
-    if (room < watch_travel) return {false, 1, find_touching(u, v, place)};  // wild: step by step
+    if (room < watch_travel) return {Outlook::look, 1, 0};  // wild: step by step
 
     if (near_count_ > 0) {
       for (int p = 0; p < K; ++p) lanes_.store(s_.lanes + p * width, u[p]);
@@ -92,11 +101,12 @@ class Candidates {
     const double half_curve = 0.5 * b.curvature * tau * tau;
     // A node is left out of the watch when it stays open along the line, with leeway and its own
     // motion.
-    const double slack =
-        t_.slack + b.rounding + bound(t_.tail, u) + position_rounding(place) * t_.steepest;
+    const double slack = t_.slack + b.rounding + bound(t_.tail, u) +
+                         position_rounding(place) * t_.steepest + 2.0 * half_curve;
     // what the cubics leave out of the closing per step
-    const double closing_slack =
-        tau * bound(t_.tail, v) + t_.advance * t_.spacing * bound(t_.tail_slope, u);
+    const double closing_slack = tau * bound(t_.tail, v) +
+                                 t_.advance * t_.spacing * bound(t_.tail_slope, u) +
+                                 2.0 * half_curve;
     const double level = -(leeway + half_curve * watched * watched + slack);
     double q[4], rate_q[4];
     Real soonest(static_cast<double>(longest)), pressed(0.0);
@@ -142,13 +152,29 @@ class Candidates {
     if (flight >= shortest_flight || count == 0 || flight >= longest) {
       int steps = flight >= longest ? longest : static_cast<int>(flight);
       if (count == 0 && steps < watched) steps = watched;  // nothing to watch: the same as flying
-      return {true, steps < 1 ? 1 : steps, 0};
+      if (steps < 1 && looks_ahead()) return {Outlook::look, 1, 0};
+      return {Outlook::fly, steps < 1 ? 1 : steps, 0};
     }
-    // the first step may always be watched: the line begins there
-    const double strongest = t_.node_stiffness * lanes_.sum(pressed);
-    const double pull = b.acceleration + b.yield * strongest;
+    double pull = b.acceleration;
+    Outlook outlook{Outlook::watch, watched, count};
+    if (t_.form == Form::held) {  // no bound on the force: the march looks at what has come of it
+      outlook.line = 0.5 * b.acceleration * tau * tau / leeway;
+      outlook.kick = b.yield * tau * tau / leeway;
+    } else {
+      pull += b.yield * t_.node_stiffness * lanes_.sum(pressed);
+    }
     const double held = Kokkos::sqrt(2.0 * leeway / (pull + 1e-300)) / tau - 1.0;
-    return {false, held >= watched ? watched : !(held >= 1.0) ? 1 : static_cast<int>(held), count};
+    if (!(held >= watched)) outlook.steps = !(held >= 1.0) ? 0 : static_cast<int>(held);
+    if (outlook.steps < 1 || short_of_window) {
+      if (looks_ahead()) return {Outlook::look, 1, 0};
+      outlook.steps = 1;  // the first step may always be watched: the line begins there
+    }
+    return outlook;
+  }
+
+  /// Whether contact is looked for at other states than that at which a step begins.
+  KOKKOS_FORCEINLINE_FUNCTION bool looks_ahead() const {
+    return t_.stages > 1 || t_.form == Form::held;
   }
 
   /// Lists in `watch` every node that touches at the present state, and perhaps a few that miss by
@@ -255,18 +281,19 @@ class Candidates {
     return 2 * 0x1p-52 * (place.position + 1.0);
   }
 
-  /// Steps until the slider's nodes stand `edge` behind the resonator's, at the most `longest`.
+  /// Steps until the slider's nodes stand `edge` behind the resonator's, at the most `longest`; less
+  /// than one when they get there within this step.
   KOKKOS_FUNCTION int steps_to(double edge, const Place& place, int longest) const {
     if (t_.advance == 0.0) return longest;
-    // short of the crossing by a step and by the roundings of the position; at least this very step
+    // short of the crossing by a step and by the roundings of the position
     const double steps = (edge - place.theta - position_rounding(place)) / t_.advance - 1.0;
-    return steps > longest ? longest : steps < 1.0 ? 1 : static_cast<int>(steps);
+    return steps > longest ? longest : steps < 1.0 ? 0 : static_cast<int>(steps);
   }
 
   /// Finds the groups that can touch while the modes stay within a reach of where they are now and
   /// no node passes another. The reach is what they can be expected to travel until then.
   KOKKOS_FUNCTION void find_near(const Real* u, const Real* v, const Place& place) {
-    const int steps = steps_to(1.0, place, longest_flight);
+    const int left = steps_to(1.0, place, t_.longest_look), steps = left < 1 ? 1 : left;
     const double time = steps * t_.step;
     const Bounds b = bounds(u, v, steps);
     near_base_ = place.base;

@@ -20,8 +20,9 @@ struct Place {
   int part;         // of the node's width, in t.windows parts
   double offset;    // from the middle of that part
 
-  KOKKOS_FORCEINLINE_FUNCTION Place(const SceneTables& t, std::int64_t step) {
-    position = Kokkos::fma(static_cast<double>(step), t.advance, t.position);
+  /// At a step, or at a share `behind` of the step after it.
+  KOKKOS_FORCEINLINE_FUNCTION Place(const SceneTables& t, std::int64_t step, double behind = 0.0) {
+    position = Kokkos::fma(static_cast<double>(step) + behind, t.advance, t.position);
     base = static_cast<int>(position);
     theta = position - base;
     part = static_cast<int>(theta * t.windows);
@@ -33,8 +34,9 @@ struct Place {
     return static_cast<std::int64_t>(base) * t.windows + part;
   }
   /// On to another step of the same window.
-  KOKKOS_FORCEINLINE_FUNCTION void move_to(const SceneTables& t, std::int64_t step) {
-    position = Kokkos::fma(static_cast<double>(step), t.advance, t.position);
+  KOKKOS_FORCEINLINE_FUNCTION void move_to(const SceneTables& t, std::int64_t step,
+                                           double behind = 0.0) {
+    position = Kokkos::fma(static_cast<double>(step) + behind, t.advance, t.position);
     theta = position - base;
     offset = theta - (part + 0.5) * t.window_width;
   }

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "kernels/candidates.hpp"
+#include "kernels/contact/complementarity.hpp"
 #include "kernels/contact/node_contact.hpp"
 #include "kernels/displacement.hpp"
 #include "kernels/gap.hpp"
@@ -11,11 +12,13 @@
 #include "kernels/modal_state.hpp"
 #include "kernels/model.hpp"
 #include "kernels/record.hpp"
+#include "kernels/schemes/advance.hpp"
 
 /// The time loop: one team marches one scene through many steps inside one launch.
 ///
-/// Every step is the paper's: contact detection, contact force, time integration. What differs
-/// between `Look::all` and `Look::candidates` is only which nodes are looked at
+/// Every step is the paper's: contact detection, contact force, time integration. Which scheme
+/// integrates stands in the scene's tables (kernels/schemes/mode_step.hpp); the march knows three
+/// forms of a step (Form, kernels/model.hpp). What differs between `Look::all` and `Look::candidates` is only which nodes are looked at
 /// (kernels/candidates.hpp). The arithmetic of a step does not depend on that, nor on where a
 /// launch ends: the results of all nodes and candidates, of one launch or many, are equal bit for
 /// bit.
@@ -26,7 +29,7 @@ namespace ra2d {
 /// bound.
 inline constexpr double energy_factor = 10.0;
 
-template <class Lanes, class Scheme, int K>
+template <class Lanes, Form form, int K>
 class Marcher {
   using Real = typename Lanes::Real;
   static constexpr int width = Lanes::width;
@@ -37,7 +40,8 @@ class Marcher {
         t_{tables},
         s_{state},
         contact_{lanes, tables, state},
-        candidates_{lanes, tables, state} {
+        candidates_{lanes, tables, state},
+        held_{lanes, tables, state, contact_} {
     for (int p = 0; p < K; ++p) {
       u_[p] = load(s_.u, p);
       v_[p] = load(s_.v, p);
@@ -46,6 +50,7 @@ class Marcher {
     }
     bend_ = load(s_.bend_part, 0);
     step_ = s_.step;
+    begin();
   }
 
   /// Marches until step `target`, the end of the scene, a full buffer or a failure, whichever is
@@ -74,6 +79,7 @@ class Marcher {
   SceneState& s_;
   NodeContact<Lanes, K> contact_;
   Candidates<Lanes, K> candidates_;
+  Complementarity<Lanes, K> held_;
   std::int64_t step_;
   Real u_[K], v_[K], square_[K], bend_, load_[K];
 
@@ -157,12 +163,8 @@ class Marcher {
 
   KOKKOS_FUNCTION void write_sample(double weight, bool add) {
     if (!add) close_parts();
-    const Place place(t_, step_);
-    const int count = candidates_.find_touching(u_, v_, place);
-    Real force[K];
-    for (int p = 0; p < K; ++p) force[p] = Real(0.0);
-    contact_.expand(place, s_.watch, count);
-    const ContactTotals<Real> contact = contact_(place, u_, s_.watch, count, force);
+    Real v[K];
+    const SampledContact contact = contact_now(v);
     double* row = s_.sample_rows +
                   static_cast<std::int64_t>(s_.sample_count) * (2 * K * width + sample::columns);
     const auto put = [&](double* to, const Real& x) {
@@ -171,22 +173,80 @@ class Marcher {
     Real loss(0.0);
     for (int p = 0; p < K; ++p) {
       put(row + p * width, u_[p]);
-      put(row + (K + p) * width, v_[p]);
-      loss = multiply_add(load(t_.damping, p), load(s_.square, p) + square_[p], loss);
+      put(row + (K + p) * width, v[p]);
+      const Real before = load(s_.start_v, p);
+      const Real ends = Real(t_.loss_ends) * (v_[p] * v_[p] - before * before);
+      loss = multiply_add(load(t_.damping, p), load(s_.square, p) + square_[p] - ends, loss);
     }
     const double damping_loss = lanes_.sum(loss);
     const double sliding_work = s_.sliding_work + sliding_part();
     if (!lanes_.leader()) return;
-    double energy = 0.0;
-    for (int e = 0; e < contact.touched; ++e) energy += s_.touched_force[e] * s_.touched_force[e];
-    if (energy > 0.0) energy *= 0.5 / t_.node_stiffness;
     // the number of nodes is not interpolated: it is that of the step before the sample
-    const double nodes = add ? 0.0 : contact.touched / weight;
-    const double values[sample::columns] = {
-        contact.force, nodes, energy, damping_loss, sliding_work, s_.force_work + s_.force_part};
+    const double nodes = add ? 0.0 : contact.nodes / weight;
+    const double values[sample::columns] = {contact.force,  nodes,
+                                            contact.energy, damping_loss,
+                                            sliding_work,   s_.force_work + s_.force_part};
     double* column = row + 2 * K * width;
     for (int i = 0; i < sample::columns; ++i)
       column[i] = weight * values[i] + (add ? column[i] : 0.0);
+  }
+
+  struct SampledContact {
+    double force, energy;
+    int nodes;
+  };
+
+  /// The contact at the present state, and the velocity at its time: of a scheme whose velocity lags
+  /// behind, the mean of this step's and the next's.
+  KOKKOS_FUNCTION SampledContact contact_now(Real* v) {
+    for (int p = 0; p < K; ++p) v[p] = v_[p];
+    if constexpr (form == Form::held) {
+      if (s_.held_step != step_) return {0.0, 0.0, 0};
+      return {s_.held_force, s_.held_energy, s_.held_nodes};
+    } else {
+      const Place place(t_, step_);
+      const int count = candidates_.find_touching(u_, v_, place);
+      Real force[K], moving[K];
+      outer_force(step_, 0.0, force, moving);
+      contact_.expand(place, s_.watch, count);
+      const ContactTotals<Real> totals = contact_(place, u_, s_.watch, count, force);
+      double energy = 0.0;
+      for (int e = 0; e < totals.touched; ++e) energy += s_.touched_force[e] * s_.touched_force[e];
+      if (t_.velocity_lag > 0.0) lead(v, force);
+      return {totals.force, 0.5 * t_.compliance * energy, totals.touched};
+    }
+  }
+
+  /// Takes v from where it lags to the present, over a share of the step under `force`.
+  KOKKOS_FUNCTION void lead(Real* v, const Real* force) const {
+    for (int p = 0; p < K; ++p) {
+      const Real pushed = multiply_add(end(end_v_u, p), u_[p], end(end_forces + 1, p) * force[p]);
+      const Real next = multiply_add(end(end_v_v, p), v[p], pushed);
+      v[p] = multiply_add(t_.velocity_lag, next - v[p], v[p]);
+    }
+  }
+
+  /// Once a scene: takes the velocity of t = 0 to where the scheme has it, so that `lead` brings it
+  /// back.
+  KOKKOS_FUNCTION void begin() {
+    if (s_.begun) return;
+    if (t_.velocity_lag > 0.0) {
+      Real force[K], moving[K];
+      const Place place(t_, step_);
+      outer_force(step_, 0.0, force, moving);
+      const int count = candidates_.find_touching(u_, v_, place);
+      contact_.expand(place, s_.watch, count);
+      contact_(place, u_, s_.watch, count, force);
+      const double lag = t_.velocity_lag;
+      for (int p = 0; p < K; ++p) {
+        const Real pushed = multiply_add(end(end_v_u, p), u_[p], end(end_forces + 1, p) * force[p]);
+        v_[p] = (v_[p] - Real(lag) * pushed) /
+                multiply_add(lag, end(end_v_v, p) - Real(1.0), Real(1.0));
+      }
+    }
+    lanes_.sync();
+    if (lanes_.leader()) s_.begun = true;
+    lanes_.sync();
   }
 
   /// Sums are kept in two parts, so that 1e8 small terms are not added to one large number.
@@ -237,20 +297,29 @@ class Marcher {
 
   // ---- the step
 
-  /// Modal forces that do not depend on the state: the load, and the forces that travel.
-  KOKKOS_FORCEINLINE_FUNCTION void outer_force(std::int64_t step, Real* force, Real* moving) const {
+  KOKKOS_FORCEINLINE_FUNCTION Real end(int row, int p) const {
+    return lanes_.load(t_.end + (row * K + p) * width);
+  }
+
+  /// Modal forces that do not depend on the state: the load, and the forces that travel, at a share
+  /// `behind` of the step after `step`.
+  KOKKOS_FORCEINLINE_FUNCTION void outer_force(std::int64_t step, double behind, Real* force,
+                                               Real* moving) const {
     for (int p = 0; p < K; ++p) force[p] = load_[p];
     if (t_.moving_forces == 0) return;
+    moving_force(step, behind, moving);
+    for (int p = 0; p < K; ++p) force[p] = force[p] + moving[p];
+  }
+  KOKKOS_FUNCTION void moving_force(std::int64_t step, double behind, Real* moving) const {
     for (int p = 0; p < K; ++p) moving[p] = Real(0.0);
     for (int i = 0; i < t_.moving_forces; ++i) {
       const MovingForceTable& f = t_.moving_force[i];
-      const double x = Kokkos::fma(static_cast<double>(step), f.advance, f.position);
+      const double x = Kokkos::fma(static_cast<double>(step) + behind, f.advance, f.position);
       if (x < 0.0 || x > t_.resonator_length) continue;
       Real psi[K];
       mode_values<Lanes, K>(lanes_, t_, x / t_.spacing, psi);
       for (int p = 0; p < K; ++p) moving[p] = multiply_add(f.force, psi[p], moving[p]);
     }
-    for (int p = 0; p < K; ++p) force[p] = force[p] + moving[p];
   }
 
   /// What a step adds to the record.
@@ -270,14 +339,72 @@ class Marcher {
     }
   }
 
-  /// One step of all the modes under the modal forces `force`.
+  /// What the free step needs of every mode; the rest is read where it is needed.
+  struct Weights {
+    Real v_u[K], v_v[K], v_f[K];                // Form::semi_implicit
+    Real u_u[K], u_v[K], u_load[K], v_load[K];  // the others, and the first two
+  };
+  KOKKOS_FORCEINLINE_FUNCTION Weights load_weights() const {
+    Weights w;
+    for (int p = 0; p < K; ++p) {
+      w.v_u[p] = end(end_v_u, p);
+      w.v_v[p] = end(end_v_v, p);
+      if constexpr (form == Form::semi_implicit) {
+        w.v_f[p] = end(end_forces + 1, p);
+      } else {
+        w.u_u[p] = end(end_u_u, p);
+        w.u_v[p] = end(end_u_v, p);
+        w.u_load[p] = end(end_u_load, p);
+        w.v_load[p] = end(end_v_load, p);
+      }
+    }
+    return w;
+  }
+
+  /// Form::semi_implicit: one step of all the modes under the modal forces `force`.
   KOKKOS_FORCEINLINE_FUNCTION void advance(Real* u, Real* v, Real* square, const Real* force,
-                                           const Real* c0, const Real* c1, const Real* c2) const {
+                                           const Weights& w) const {
     const Real tau(t_.step);
     for (int p = 0; p < K; ++p) {
-      Scheme::advance(u[p], v[p], c0[p], c1[p], c2[p] * force[p], tau);
+      advance_semi_implicit(u[p], v[p], w.v_v[p], w.v_u[p], w.v_f[p] * force[p], tau);
       square[p] = multiply_add(v[p], v[p], square[p]);
     }
+  }
+
+  /// The other forms: one step under the load and the stages' modal forces; bit j of `acting` tells
+  /// whether there is one at stage j.
+  KOKKOS_FORCEINLINE_FUNCTION void advance(Real* u, Real* v, const Weights& w, unsigned acting,
+                                           const Real (*force)[K]) const {
+    for (int p = 0; p < K; ++p) {
+      Real du = multiply_add(w.u_u[p], u[p], multiply_add(w.u_v[p], v[p], w.u_load[p]));
+      Real v1 = multiply_add(w.v_u[p], u[p], multiply_add(w.v_v[p], v[p], w.v_load[p]));
+      for (unsigned rest = acting; rest != 0; rest &= rest - 1) {
+        const int j = Kokkos::countr_zero(rest);
+        du = multiply_add(end(end_forces + 2 * j, p), force[j][p], du);
+        v1 = multiply_add(end(end_forces + 2 * j + 1, p), force[j][p], v1);
+      }
+      u[p] = u[p] + du;
+      v[p] = v1;
+    }
+  }
+
+  /// The displacement that stage i >= 1 sees.
+  KOKKOS_FORCEINLINE_FUNCTION void stage_displacement(int i, const Real* u, const Real* v,
+                                                      unsigned acting, const Real (*force)[K],
+                                                      Real* at) const {
+    const double* rows = t_.stage + stage_row(i) * (K * width);
+    for (int p = 0; p < K; ++p) {
+      Real du = multiply_add(load(rows, p), u[p],
+                             multiply_add(load(rows, K + p), v[p], load(rows, 2 * K + p)));
+      for (unsigned rest = acting; rest != 0; rest &= rest - 1)
+        du = multiply_add(load(rows, (3 + Kokkos::countr_zero(rest)) * K + p),
+                          force[Kokkos::countr_zero(rest)][p], du);
+      at[p] = u[p] + du;
+    }
+  }
+
+  KOKKOS_FORCEINLINE_FUNCTION void add_squares(Real* square, const Real* v) const {
+    for (int p = 0; p < K; ++p) square[p] = multiply_add(v[p], v[p], square[p]);
   }
 
   KOKKOS_FORCEINLINE_FUNCTION void moving_force_work(const Real* moving, const Real* v) {
@@ -288,118 +415,272 @@ class Marcher {
     if (lanes_.leader()) s_.force_part += work;
   }
 
-  /// One step with contact at the given nodes, expanded for this window.
-  KOKKOS_FORCEINLINE_FUNCTION void contact_step(Real* u, Real* v, Real* square, Real& bend,
-                                                const Real* c0, const Real* c1, const Real* c2,
-                                                const Place& place, const int* nodes, int count) {
-    Real force[K], moving[K];
-    outer_force(step_, force, moving);
-    const ContactTotals<Real> totals = contact_(place, u, nodes, count, force);
-    record(totals, place, step_);
-    bend = bend + totals.bend;
-    lanes_.sync();
-    advance(u, v, square, force, c0, c1, c2);
-    moving_force_work(moving, v);
+  /// The state that a stretch of steps works on.
+  struct Working {
+    Real u[K], v[K], square[K], bend;
+  };
+  KOKKOS_FORCEINLINE_FUNCTION Working take() const {
+    Working y;
+    for (int p = 0; p < K; ++p) {
+      y.u[p] = u_[p];
+      y.v[p] = v_[p];
+      y.square[p] = square_[p];
+    }
+    y.bend = bend_;
+    return y;
+  }
+  KOKKOS_FORCEINLINE_FUNCTION void put_back(const Working& y) {
+    for (int p = 0; p < K; ++p) {
+      u_[p] = y.u[p];
+      v_[p] = y.v[p];
+      square_[p] = y.square[p];
+    }
+    bend_ = y.bend;
+  }
+
+  /// Where a stretch of steps finds the nodes that could touch: on a list that holds for all of it
+  /// ...
+  struct Listed {
+    int count;
+    KOKKOS_FORCEINLINE_FUNCTION int operator()(const Real*, const Real*, const Place&) const {
+      return count;
+    }
+    KOKKOS_FORCEINLINE_FUNCTION void move(const SceneTables& t, Place& place, std::int64_t step,
+                                          double behind) const {
+      place.move_to(t, step, behind);
+    }
+  };
+  /// ... or by looking, at every state.
+  struct Looked {
+    Marcher& m;
+    KOKKOS_FUNCTION int operator()(const Real* u, const Real* v, const Place& place) const {
+      const int count = m.candidates_.find_touching(u, v, place);
+      m.contact_.expand(place, m.s_.watch, count);
+      return count;
+    }
+    KOKKOS_FUNCTION void move(const SceneTables& t, Place& place, std::int64_t step,
+                              double behind) const {
+      place = Place(t, step, behind);
+    }
+  };
+
+  /// One step with contact at the nodes that `nodes` lists. False, with nothing done, when a list
+  /// would not cover it (`outlook`, Form::held alone).
+  template <class Nodes>
+  KOKKOS_FORCEINLINE_FUNCTION bool contact_step(Working& y, const Weights& w, Place& place,
+                                                const Nodes& nodes, const Outlook* outlook,
+                                                double& pushed, double& pushes, int done) {
+    if constexpr (form == Form::semi_implicit) {
+      (void)outlook, (void)pushed, (void)pushes, (void)done;
+      Real force[K], moving[K];
+      outer_force(step_, 0.0, force, moving);
+      const int count = nodes(y.u, y.v, place);
+      const ContactTotals<Real> totals = contact_(place, y.u, s_.watch, count, force);
+      record(totals, place, step_);
+      y.bend = y.bend + totals.bend;
+      lanes_.sync();
+      advance(y.u, y.v, y.square, force, w);
+      moving_force_work(moving, y.v);
+    } else if constexpr (form == Form::staged) {
+      (void)outlook, (void)pushed, (void)pushes, (void)done;
+      staged_step(y, w, place, nodes);
+    } else {
+      if (!held_step(y, w, place, nodes, outlook, pushed, pushes, done)) return false;
+    }
     ++step_;
+    return true;
+  }
+
+  template <class Nodes>
+  KOKKOS_FUNCTION void staged_step(Working& y, const Weights& w, Place& place, const Nodes& nodes) {
+    Real force[most_stages][K];
+    unsigned acting = 0;
+    for (int i = 0; i < t_.stages; ++i) {
+      Real at[K];
+      if (i == 0) {
+        for (int p = 0; p < K; ++p) at[p] = y.u[p];
+      } else {
+        stage_displacement(i, y.u, y.v, acting, force, at);
+        nodes.move(t_, place, step_, t_.place[i]);
+      }
+      if (t_.moving_forces > 0) {
+        moving_force(step_, t_.place[i], force[i]);
+        if (i == 0) moving_force_work(force[0], y.v);
+        acting |= 1u << i;
+      } else {
+        for (int p = 0; p < K; ++p) force[i][p] = Real(0.0);
+      }
+      const int count = nodes(at, y.v, place);
+      const ContactTotals<Real> totals = contact_(place, at, s_.watch, count, force[i]);
+      if (totals.touched > 0) acting |= 1u << i;
+      if (i == 0) {  // the record is that of the state at the step
+        record(totals, place, step_);
+        y.bend = y.bend + totals.bend;
+      }
+      lanes_.sync();
+    }
+    advance(y.u, y.v, w, acting, force);
+    add_squares(y.square, y.v);
+  }
+
+  /// Contact forces that hold over the step and are found with its end.
+  template <class Nodes>
+  KOKKOS_FUNCTION bool held_step(Working& y, const Weights& w, Place& place, const Nodes& nodes,
+                                 const Outlook* outlook, double& pushed, double& pushes, int done) {
+    Real u[K], v[K];
+    for (int p = 0; p < K; ++p) {
+      u[p] = y.u[p];
+      v[p] = y.v[p];
+    }
+    free_step(u, v, w, step_, true);
+    nodes.move(t_, place, step_ + 1, 0.0);
+    ContactTotals<Real> totals;
+    double most = 0.0;
+    const auto list = [&](const Real* at) { return nodes(at, v, place); };
+    const Held found = held_(place, u, v, list, totals, most);
+    if (outlook != nullptr) {
+      // did all that was looked at stay where the list holds?
+      pushed += most;
+      pushes += pushed;
+      const double n = done + 1.0;
+      if (found != Held::solved || !(outlook->line * n * (n + 1.0) + outlook->kick * pushes <= 1.0))
+        return false;
+      pushes += (totals.force - most);
+      pushed += (totals.force - most);
+    } else if (found != Held::solved) {
+      if (lanes_.leader()) s_.status = found == Held::blocked ? Status::blocked : Status::crowded;
+      lanes_.sync();
+      return false;
+    }
+    if (t_.moving_forces > 0) {
+      Real moving[K];
+      moving_force(step_, 0.0, moving);
+      moving_force_work(moving, t_.loss_ends > 0.0 ? y.v : v);
+    }
+    record(totals, place, step_ + 1);
+    if (lanes_.leader() && totals.touched > 0) {
+      double energy = 0.0;
+      for (int e = 0; e < totals.touched; ++e) energy += s_.touched_force[e] * s_.touched_force[e];
+      s_.held_step = step_ + 1;
+      s_.held_force = totals.force;
+      s_.held_energy = 0.5 * t_.compliance * energy;
+      s_.held_nodes = totals.touched;
+    }
+    y.bend = y.bend + totals.bend;
+    lanes_.sync();
+    for (int p = 0; p < K; ++p) {
+      y.u[p] = u[p];
+      y.v[p] = v[p];
+    }
+    add_squares(y.square, y.v);
+    return true;
+  }
+
+  /// A step that no contact takes part in.
+  KOKKOS_FUNCTION void free_step(Real* u, Real* v, const Weights& w, std::int64_t step,
+                                 bool work_later) {
+    unsigned acting = 0;
+    Real force[most_stages][K];
+    if (t_.moving_forces > 0) {
+      for (int i = 0; i < t_.stages; ++i) moving_force(step, t_.place[i], force[i]);
+      acting = (1u << t_.stages) - 1;
+      if (!work_later && t_.loss_ends > 0.0) moving_force_work(force[0], v);
+    }
+    advance(u, v, w, acting, force);
+    if (t_.moving_forces > 0 && !work_later && !(t_.loss_ends > 0.0))
+      moving_force_work(force[0], v);
   }
 
   // ---- every node at every step
 
   KOKKOS_FUNCTION void march_all(std::int64_t next) {
-    Real c0[K], c1[K], c2[K];
-    load_scheme(c0, c1, c2);
     const std::int64_t first = step_;
-    while (step_ < next && has_room_for_shocks(s_)) {
-      const Place place(t_, step_);
-      const int count = candidates_.find_touching(u_, v_, place);
-      contact_.expand(place, s_.watch, count);
-      contact_step(u_, v_, square_, bend_, c0, c1, c2, place, s_.watch, count);
-    }
+    look(static_cast<int>(next - step_));
     if (lanes_.leader()) s_.evaluated += (step_ - first) * t_.nodes;
     lanes_.sync();
   }
 
-  KOKKOS_FORCEINLINE_FUNCTION void load_scheme(Real* c0, Real* c1, Real* c2) const {
-    for (int p = 0; p < K; ++p) {
-      c0[p] = load(t_.c0, p);
-      c1[p] = load(t_.c1, p);
-      c2[p] = load(t_.c2, p);
+  /// Steps that look at every state anew.
+  KOKKOS_FUNCTION void look(int steps) {
+    const Weights w = load_weights();
+    Working y = take();
+    double pushed = 0.0, pushes = 0.0;
+    for (int i = 0; i < steps && has_room_for_shocks(s_); ++i) {
+      Place place(t_, step_);
+      if (!contact_step(y, w, place, Looked{*this}, nullptr, pushed, pushes, 0)) break;
     }
+    put_back(y);
   }
 
   // ---- only what can touch
 
   KOKKOS_FUNCTION void march_candidates(std::int64_t next) {
-    while (step_ < next && has_room_for_shocks(s_)) {
+    while (step_ < next && has_room_for_shocks(s_) && s_.status == Status::running) {
       const Outlook plan = candidates_.look_ahead(u_, v_, step_, next, last_force_);
-      if (plan.flight)
+      if (plan.kind == Outlook::fly)
         fly(plan.steps);
-      else
-        watch(plan);
+      else if (plan.kind == Outlook::look || !watch(plan))
+        look(1);
     }
   }
 
   /// Steps that provably have no contact.
   KOKKOS_FUNCTION void fly(int steps) {
-    Real c0[K], c1[K], c2[K], u[K], v[K], square[K], force[K];
-    load_scheme(c0, c1, c2);
-    for (int p = 0; p < K; ++p) {
-      u[p] = u_[p];
-      v[p] = v_[p];
-      square[p] = square_[p];
-      force[p] = load_[p];
-    }
-    if (lanes_.leader() && s_.open_count > 0) end_shocks(s_, step_);
-    if (t_.moving_forces == 0) {
-      for (int i = 0; i < steps; ++i) advance(u, v, square, force, c0, c1, c2);
-    } else {
-      Real moving[K];
+    const Weights w = load_weights();
+    Working y = take();
+    // contact is recorded at the beginning of a step, or (Form::held) at its end
+    if (lanes_.leader() && s_.open_count > 0)
+      end_shocks(s_, form == Form::held ? step_ + 1 : step_);
+    if constexpr (form == Form::semi_implicit) {
+      Real force[K], moving[K];
+      for (int p = 0; p < K; ++p) force[p] = load_[p];
+      if (t_.moving_forces == 0) {
+        for (int i = 0; i < steps; ++i) advance(y.u, y.v, y.square, force, w);
+      } else {
+        for (int i = 0; i < steps; ++i) {
+          outer_force(step_ + i, 0.0, force, moving);
+          advance(y.u, y.v, y.square, force, w);
+          moving_force_work(moving, y.v);
+        }
+      }
+    } else if (t_.moving_forces == 0) {
       for (int i = 0; i < steps; ++i) {
-        outer_force(step_ + i, force, moving);
-        advance(u, v, square, force, c0, c1, c2);
-        moving_force_work(moving, v);
+        advance(y.u, y.v, w, 0u, nullptr);
+        add_squares(y.square, y.v);
+      }
+    } else {
+      for (int i = 0; i < steps; ++i) {
+        free_step(y.u, y.v, w, step_ + i, false);
+        add_squares(y.square, y.v);
       }
     }
-    for (int p = 0; p < K; ++p) {
-      u_[p] = u[p];
-      v_[p] = v[p];
-      square_[p] = square[p];
-    }
+    put_back(y);
     step_ += steps;
     lanes_.sync();
   }
 
-  /// Steps with the watched nodes evaluated.
-  KOKKOS_FUNCTION void watch(const Outlook& plan) {
-    Real c0[K], c1[K], c2[K], u[K], v[K], square[K];
-    load_scheme(c0, c1, c2);
-    for (int p = 0; p < K; ++p) {
-      u[p] = u_[p];
-      v[p] = v_[p];
-      square[p] = square_[p];
-    }
-    Real bend = bend_;
+  /// Steps with the watched nodes evaluated. False when not even one was covered by the list.
+  KOKKOS_FUNCTION bool watch(const Outlook& plan) {
+    const Weights w = load_weights();
+    Working y = take();
     Place place(t_, step_);
     contact_.expand(place, s_.watch, plan.count);
     int done = 0;
+    double pushed = 0.0, pushes = 0.0;
     while (done < plan.steps && has_room_for_shocks(s_)) {
       place.move_to(t_, step_);
-      contact_step(u, v, square, bend, c0, c1, c2, place, s_.watch, plan.count);
+      if (!contact_step(y, w, place, Listed{plan.count}, &plan, pushed, pushes, done)) break;
       ++done;
     }
-    for (int p = 0; p < K; ++p) {
-      u_[p] = u[p];
-      v_[p] = v[p];
-      square_[p] = square[p];
-    }
-    bend_ = bend;
-    if (lanes_.leader()) s_.evaluated += static_cast<std::int64_t>(done) * plan.count;
+    put_back(y);
+    if (lanes_.leader()) s_.evaluated += static_cast<std::int64_t>(done) * plan.count * t_.stages;
     lanes_.sync();
+    return done > 0;
   }
 };
 
-/// The launch: every scene of a batch, one team each, until step `target`.
-template <class Space, class Scheme, int K>
+/// The launch: the scenes of one form in a batch, one team each, until step `target`.
+template <class Space, Form form, int K>
 struct March {
   using Policy = Kokkos::TeamPolicy<Space>;
   using Member = typename Policy::member_type;
@@ -407,16 +688,17 @@ struct March {
 
   Kokkos::View<const SceneTables*, Space> tables;
   Kokkos::View<SceneState*, Space> states;
+  Kokkos::View<const int*, Space> scenes;
   std::int64_t target;
 
   KOKKOS_FUNCTION void operator()(const Member& member) const {
-    const int scene = member.league_rank();
+    const int scene = scenes(member.league_rank());
     const Lanes lanes(member);
-    Marcher<Lanes, Scheme, K>(lanes, tables(scene), states(scene)).run(target);
+    Marcher<Lanes, form, K>(lanes, tables(scene), states(scene)).run(target);
   }
   void launch(const Space& space) const {
     Kokkos::parallel_for("ra2d::march",
-                         Policy(space, tables.extent_int(0), 1, LanesOf<Space>::vector_length),
+                         Policy(space, scenes.extent_int(0), 1, LanesOf<Space>::vector_length),
                          *this);
   }
 };

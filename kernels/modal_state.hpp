@@ -6,7 +6,14 @@
 /// SceneTables. Everything that the result depends on is here, so a launch may end after any step.
 namespace ra2d {
 
-enum class Status : int { running, done, unstable, not_finite };
+enum class Status : int {
+  running,
+  done,
+  unstable,
+  not_finite,
+  blocked,  // Form::held: no motion of the modes keeps the bodies apart
+  crowded   // Form::held: more nodes carry force than there is room for
+};
 
 /// A run of neighbouring slider nodes in contact.
 struct ContactRun {
@@ -45,6 +52,8 @@ struct SceneState {
   double* u = nullptr;            // m^(3/2)
   double* v = nullptr;            // m^(3/2)/s
   double* start = nullptr;        // u at t = 0
+  double* start_v = nullptr;      // v at t = 0
+  bool begun = false;             // v has been brought to where the scheme has it
   double* square = nullptr;       // sum of V^2 over the steps up to the last sample
   double* square_part = nullptr;  // ... and since then
 
@@ -90,6 +99,21 @@ struct SceneState {
   double* node_shape = nullptr;
   double* node_face = nullptr;
   std::int64_t* node_window = nullptr;
+
+  // Form::held: the contact at the end of the latest step with any ...
+  std::int64_t held_step = -1;
+  double held_force = 0;   // N
+  double held_energy = 0;  // J
+  int held_nodes = 0;
+  // ... and the work space of its solver: the nodes that carry force, in the order in which they
+  // came
+  int pressed_capacity = 0;
+  int* pressed = nullptr;
+  int* pressed_place = nullptr;     // for each node its place among them, or -1
+  double* pressed_force = nullptr;  // N
+  double* factor = nullptr;         // Cholesky factor, (row, column) with pressed_capacity columns
+  double* across = nullptr;         // m/N, of the next node with each of them
+  double* share = nullptr;          // what each gives up for a newton on the next
 };
 
 }  // namespace ra2d

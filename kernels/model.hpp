@@ -2,6 +2,8 @@
 #pragma once
 #include <cstdint>
 
+#include "kernels/schemes/mode_step.hpp"
+
 /// The tables of one scene, as the march reads them. Plain data: the pointers point to where the
 /// kernels run. Built and checked on the host (host/run/model.hpp); nothing is checked here again.
 ///
@@ -30,6 +32,14 @@ namespace ra2d {
 /// Whether contact is looked for at every node or where the guarantee says that it could be.
 enum class Look : int { all, candidates };
 
+/// What a step is made of; a scene has one of these (kernels/march.hpp).
+enum class Form : int {
+  semi_implicit,  // U1 = U0 + tau V1 with the contact force of the old time
+  staged,         // the contact force at each stage of the scheme
+  held            // one contact force a step, found together with its end
+};
+inline constexpr int forms = 3;
+
 /// Longest series of a patch that a scene may need (host/run/batch.cpp chooses).
 inline constexpr int most_terms = 24;
 
@@ -38,6 +48,13 @@ struct MovingForceTable {
   double position;  // m, at t = 0
   double advance;   // m per step
 };
+
+/// Rows of SceneTables::end. The outer force that stays the same, the load, is multiplied in.
+enum EndRow : int { end_u_u, end_u_v, end_u_load, end_v_u, end_v_v, end_v_load, end_forces };
+inline constexpr int end_rows(int stages) { return end_forces + 2 * stages; }  // u_f, v_f of each
+/// First row of stage i >= 1 in SceneTables::stage: stage_u, stage_v, load, then stage_f[j] for j <
+/// i.
+inline constexpr int stage_row(int i) { return 3 * (i - 1) + i * (i - 1) / 2; }
 
 struct SceneTables {
   // what there is
@@ -49,6 +66,7 @@ struct SceneTables {
   int terms = 4;        // of the full series, a multiple of 4
   int moving_forces = 0;
   Look look = Look::candidates;
+  Form form = Form::semi_implicit;
 
   // motion
   double position = 0;          // of slider node 0 on the resonator at t = 0, in chi
@@ -61,6 +79,8 @@ struct SceneTables {
 
   // contact
   double node_stiffness = 0;  // N/m, kappa chi w
+  double compliance = 0;      // m/N, 1/(kappa chi w); 0 under multipliers
+  double touch = 0;           // m, overlap that counts as none under Form::held: roundings
   double slack = 0;           // m, bound on the rounding of the rough faces' part of a gap
   double steepest = 0;        // m, largest rise of the resonator's face over one spacing
 
@@ -69,17 +89,25 @@ struct SceneTables {
   double least_leeway = 0;  // m, of a watch
   double least_energy = 0;  // J, below which energy is not watched
 
+  // the scheme (kernels/schemes/mode_step.hpp)
+  int stages = 1;
+  double place[most_stages] = {};  // of the stages, in steps
+  double velocity_lag = 0;         // steps
+  double loss_ends = 0;            // weight of the damping loss at both ends of a stretch of steps
+  int longest_look = 1;            // steps over which the bounds on the modes hold
+
   // modes, one lane each (padded with zeros)
-  const double* c0 = nullptr;  // scheme coefficients
-  const double* c1 = nullptr;
-  const double* c2 = nullptr;
+  const double* stage = nullptr;   // rows of lanes, see stage_row
+  const double* end = nullptr;     // rows of lanes, see EndRow
+  const double* held_u = nullptr;  // U1 and V1 of a force that is held over the step
+  const double* held_v = nullptr;
   const double* load = nullptr;     // N m^(-1/2), constant modal load
   const double* mass = nullptr;     // kg/m
   const double* omega = nullptr;    // rad/s
   const double* damping = nullptr;  // 2 zeta omega m tau: damping loss of a step over V^2
   const double* pull = nullptr;     // 1/s, the scheme's bound on |V'| over the modal energy norm
-  const double* push = nullptr;     // m^(3/2)/s^2, bound on the outer modal forces over the mass
-  const double* yield = nullptr;    // m^(-1/2)/kg, max |psi| / m: acceleration over a contact force
+  const double* push = nullptr;     // m^(3/2)/s^2, bound on what the outer modal forces add to V'
+  const double* yield = nullptr;    // m^(-1/2)/kg, the same for a newton of contact force
   const double* reach = nullptr;    // max |psi|
   const double* reach_slope = nullptr;   // max |psi'|, resonator only: its nodes move
   const double* reach_curve = nullptr;   // max |psi''|, resonator only

@@ -5,12 +5,15 @@
 
 #include <Kokkos_Core.hpp>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 
 #include "host/errors.hpp"
+#include "host/plan/schemes.hpp"
 #include "host/run/launch.hpp"
-#include "kernels/schemes/backward_euler.hpp"
+#include "host/run/step_bounds.hpp"
+#include "kernels/candidates.hpp"
 
 namespace ra2d {
 namespace {
@@ -62,6 +65,20 @@ struct Series {
   int patch_nodes = 1;
 };
 
+Form form_of(const Scene& scene) {
+  return holds_forces(scene)              ? Form::held
+         : is_semi_implicit(scene.scheme) ? Form::semi_implicit
+                                          : Form::staged;
+}
+
+/// Nodes that can carry force at once under Form::held: no more than there are modes under
+/// multipliers; with the springs' compliance any number, of which this many are provided for.
+int pressed_capacity(const Model& model) {
+  constexpr int sprung = 512;
+  const int modes = static_cast<int>(model.resonator.modes.size() + model.slider.modes.size());
+  return std::min(model.nodes(), model.scene.law == ContactLaw::multiplier ? modes : sprung);
+}
+
 double highest_beta(const Beam& beam) {
   double beta = 0;
   for (const ModeShape& mode : beam.modes) beta = std::max(beta, mode.beta);
@@ -97,17 +114,18 @@ Series choose_series(const Model& model) {
 struct Layout {
   int lanes, groups, patches, run_capacity;
   Series series;
-  std::size_t mode_tables, patch, shapes, unit, height1, height2, block_max, moving;
+  int stage_rows, end_rows, pressed_capacity;
+  std::size_t mode_tables, stage, end, patch, shapes, unit, height1, height2, block_max, moving;
   std::size_t modal_state, samples, runs, new_runs, open, shocks, near, watch, touched, force,
-      amplitudes, node_shape, node_face, node_window;
+      amplitudes, node_shape, node_face, node_window, pressed, pressed_place, pressed_force, factor,
+      across, share;
   int height2_size, blocks;
   int sample_capacity, shock_capacity, row;
 };
 
 enum ModeTable {
-  c0,
-  c1,
-  c2,
+  held_u,
+  held_v,
   load,
   mass,
   omega,
@@ -123,7 +141,26 @@ enum ModeTable {
   quartic,
   mode_tables
 };
-enum ModalArray { u, v, start, square, square_part, near_u, bend_part, modal_arrays };
+enum ModalArray { u, v, start, start_v, square, square_part, near_u, bend_part, modal_arrays };
+
+/// Steps over which bounds on the modes are worth anything: what a scheme beyond its limit makes of
+/// them in more is out of all proportion.
+int longest_look(const Model& model) {
+  const SchemeTable& scheme = scheme_table(model.scene.scheme);
+  const double tau = model.scene.step;
+  const auto grows = [&](int steps) {
+    for (const Beam* beam : {&model.resonator, &model.slider})
+      for (const ModeShape& shape : beam->modes) {
+        const Mode mode{shape.omega, beam->zeta, beam->mass_per_length};
+        if (bound_step(mode, scheme.prepare(mode, tau), scheme.place, tau, steps).growth > 2.0)
+          return true;
+      }
+    return false;
+  };
+  int steps = longest_flight;
+  while (steps > 16 && grows(steps)) steps /= 2;
+  return steps;
+}
 
 }  // namespace
 
@@ -148,6 +185,7 @@ struct Batch::Impl {
   Arena arena;
   Kokkos::View<SceneTables*, Space> tables;
   Kokkos::View<SceneState*, Space> states;
+  std::array<ScenesView, forms> scenes;  // of each form
 
   Layout lay_out(const Model& model, const Series& series, const BatchOptions& options) {
     Layout l{};
@@ -167,7 +205,15 @@ struct Batch::Impl {
     l.shock_capacity = options.shocks_at_once + l.run_capacity;
     l.row = 2 * l.lanes + sample::columns;
 
+    const int stages = scheme_table(model.scene.scheme).stages;
+    l.stage_rows = stage_row(stages);
+    l.end_rows = ra2d::end_rows(stages);
+    const bool held = form_of(model.scene) == Form::held;
+    l.pressed_capacity = held ? pressed_capacity(model) : 0;
+
     l.mode_tables = arena.reserve<double>(ra2d::mode_tables * l.lanes);
+    l.stage = arena.reserve<double>(static_cast<std::size_t>(l.stage_rows) * l.lanes);
+    l.end = arena.reserve<double>(static_cast<std::size_t>(l.end_rows) * l.lanes);
     l.patch = arena.reserve<double>(static_cast<std::size_t>(l.patches) * 4 * l.lanes);
     l.shapes = arena.reserve<double>(static_cast<std::size_t>(modes1) * l.groups * width);
     l.unit = arena.reserve<double>(static_cast<std::size_t>(modes1) * l.lanes);
@@ -189,6 +235,13 @@ struct Batch::Impl {
     l.node_face = arena.reserve<double>(2 * model.nodes());
     l.node_window = arena.reserve<std::int64_t>(model.nodes());
     l.amplitudes = arena.reserve<double>(2 * l.lanes);
+    const auto room = static_cast<std::size_t>(l.pressed_capacity);
+    l.pressed = arena.reserve<int>(room);
+    l.pressed_place = arena.reserve<int>(held ? model.nodes() : 0);
+    l.pressed_force = arena.reserve<double>(room);
+    l.factor = arena.reserve<double>((room + 1) * room);
+    l.across = arena.reserve<double>(room);
+    l.share = arena.reserve<double>(room);
     return l;
   }
 
@@ -222,6 +275,7 @@ SceneTables Batch::Impl::fill_tables(const Model& model, const Layout& l) {
   t.terms = l.series.terms;
   t.moving_forces = static_cast<int>(scene.resonator.moving_forces.size());
   t.look = scene.nodes == Nodes::all ? Look::all : Look::candidates;
+  t.form = form_of(scene);
   t.position = model.position;
   t.advance = model.advance;
   t.spacing = chi;
@@ -233,35 +287,66 @@ SceneTables Batch::Impl::fill_tables(const Model& model, const Layout& l) {
   t.window_width = 1.0 / t.windows;
   t.resonator_length = scene.resonator.length;
   t.node_stiffness = model.node_stiffness;
+  t.compliance = scene.law == ContactLaw::multiplier ? 0.0 : 1.0 / model.node_stiffness;
   t.total_steps = model.steps;
   t.steps_per_sample = model.steps_per_sample;
   t.samples = model.samples;
 
+  const SchemeTable& scheme = scheme_table(scene.scheme);
+  t.stages = scheme.stages;
+  std::copy_n(scheme.place, scheme.stages, t.place);
+  // a force that is found with the end of a step has no value at its middle
+  t.velocity_lag = t.form == Form::held ? 0.0 : scheme.velocity_lag;
+  t.loss_ends = is_semi_implicit(scene.scheme) ? 0.0 : 0.5;
+  t.longest_look = longest_look(model);
+
   // modes
   double* m = arena.host<double>(l.mode_tables);
+  double* stages = arena.host<double>(l.stage);
+  double* ends = arena.host<double>(l.end);
   const auto table = [&](int which) { return m + which * l.lanes; };
   double push_of_forces = 0;
   for (const MovingForce& f : scene.resonator.moving_forces) push_of_forces += std::abs(f.force);
   const auto fill_mode = [&](int lane, const Beam& beam, std::size_t k, bool moves) {
     const ModeShape& mode = beam.modes[k];
-    double c[BackwardEuler::coefficients];
-    BackwardEuler::prepare(mode.omega, beam.zeta, beam.mass_per_length, tau, c);
-    table(c0)[lane] = c[0];
-    table(c1)[lane] = c[1];
-    table(c2)[lane] = c[2];
+    const Mode oscillator{mode.omega, beam.zeta, beam.mass_per_length};
+    const ModeStep step = scheme.prepare(oscillator, tau);
+    const StepBounds bounds = bound_step(oscillator, step, t.place, tau, t.longest_look);
+    for (int i = 1; i < t.stages; ++i) {
+      const auto row = [&](int r) -> double& {
+        return stages[(stage_row(i) + r) * l.lanes + lane];
+      };
+      row(0) = step.stage_u[i];
+      row(1) = step.stage_v[i];
+      row(2) = step.held_stage(i) * beam.load[k];
+      for (int j = 0; j < i; ++j) row(3 + j) = step.stage_f[i][j];
+    }
+    const auto end = [&](int r) -> double& { return ends[r * l.lanes + lane]; };
+    end(end_u_u) = step.u_u;
+    end(end_u_v) = step.u_v;
+    end(end_u_load) = step.held_u() * beam.load[k];
+    end(end_v_u) = step.v_u;
+    end(end_v_v) = step.v_v;
+    end(end_v_load) = step.held_v() * beam.load[k];
+    for (int j = 0; j < t.stages; ++j) {
+      end(end_forces + 2 * j) = step.u_f[j];
+      end(end_forces + 2 * j + 1) = step.v_f[j];
+    }
+    table(held_u)[lane] = step.held_u();
+    table(held_v)[lane] = step.held_v();
     table(load)[lane] = beam.load[k];
     table(mass)[lane] = beam.mass_per_length;
     table(omega)[lane] = mode.omega;
     table(damping)[lane] = 2.0 * beam.zeta * mode.omega * beam.mass_per_length * tau;
-    table(pull)[lane] = BackwardEuler::pull(mode.omega, beam.zeta);
+    table(pull)[lane] = bounds.pull;
     const double wave =
         std::hypot(mode.sine, mode.cosine) + std::abs(mode.left) + std::abs(mode.right);
     const double rigid =
         std::max(std::abs(mode.constant), std::abs(mode.constant + mode.slope * beam.length));
     table(reach)[lane] = wave + rigid;
-    table(push)[lane] = (std::abs(beam.load[k]) + (moves ? push_of_forces * (wave + rigid) : 0.0)) /
-                        beam.mass_per_length;
-    table(yield)[lane] = (wave + rigid) / beam.mass_per_length;
+    table(push)[lane] =
+        (std::abs(beam.load[k]) + (moves ? push_of_forces * (wave + rigid) : 0.0)) * bounds.force;
+    table(yield)[lane] = (wave + rigid) * bounds.force;
     if (moves) {
       // a patch may reach beyond the end of the beam, where the exponential of a free beam grows on
       const double out = std::hypot(mode.sine, mode.cosine) + std::abs(mode.left) +
@@ -316,6 +401,7 @@ SceneTables Batch::Impl::fill_tables(const Model& model, const Layout& l) {
   for (int b = 0; b < l.blocks; ++b)
     block_max[b] = *std::max_element(h2 + b * width, h2 + (b + 1) * width);
   t.slack = 16 * 0x1p-52 * scale;
+  t.touch = t.slack;
   for (int n = 0; n + 1 < l.height2_size; ++n)
     t.steepest = std::max(t.steepest, std::abs(h2[n + 1] - h2[n]));
   scale += 1e-6 * chi;
@@ -331,7 +417,8 @@ SceneTables Batch::Impl::fill_tables(const Model& model, const Layout& l) {
 
   const double* dm = arena.device<double>(l.mode_tables);
   const auto on_device = [&](int which) { return dm + which * l.lanes; };
-  t.c0 = on_device(c0), t.c1 = on_device(c1), t.c2 = on_device(c2);
+  t.stage = arena.device<double>(l.stage), t.end = arena.device<double>(l.end);
+  t.held_u = on_device(held_u), t.held_v = on_device(held_v);
   t.load = on_device(load), t.mass = on_device(mass), t.omega = on_device(omega);
   t.damping = on_device(damping), t.pull = on_device(pull), t.push = on_device(push);
   t.yield = on_device(yield);
@@ -358,14 +445,17 @@ SceneState Batch::Impl::fill_state(const Model& model, const ModalStart& begin, 
     copy(begin.resonator_u, array, 0);
     copy(begin.slider_u, array, modes2);
   }
-  copy(begin.resonator_v, ra2d::v, 0);
-  copy(begin.slider_v, ra2d::v, modes2);
+  for (const int array : {static_cast<int>(ra2d::v), static_cast<int>(ra2d::start_v)}) {
+    copy(begin.resonator_v, array, 0);
+    copy(begin.slider_v, array, modes2);
+  }
 
   double* modal = arena.device<double>(l.modal_state);
   SceneState s;
   s.u = modal + ra2d::u * l.lanes;
   s.v = modal + ra2d::v * l.lanes;
   s.start = modal + ra2d::start * l.lanes;
+  s.start_v = modal + ra2d::start_v * l.lanes;
   s.square = modal + ra2d::square * l.lanes;
   s.square_part = modal + ra2d::square_part * l.lanes;
   s.bend_part = modal + ra2d::bend_part * l.lanes;
@@ -388,6 +478,20 @@ SceneState Batch::Impl::fill_state(const Model& model, const ModalStart& begin, 
   s.node_face = arena.device<double>(l.node_face);
   s.node_window = arena.device<std::int64_t>(l.node_window);
   std::fill_n(arena.host<std::int64_t>(l.node_window), model.nodes(), -1);
+  if (form_of(model.scene) == Form::held) {
+    s.held_step = 0;
+    s.held_force = begin.contact_force;
+    s.held_energy = begin.contact_energy;
+    s.held_nodes = begin.nodes_in_contact;
+    std::fill_n(arena.host<int>(l.pressed_place), model.nodes(), -1);
+  }
+  s.pressed_capacity = l.pressed_capacity;
+  s.pressed = arena.device<int>(l.pressed);
+  s.pressed_place = arena.device<int>(l.pressed_place);
+  s.pressed_force = arena.device<double>(l.pressed_force);
+  s.factor = arena.device<double>(l.factor);
+  s.across = arena.device<double>(l.across);
+  s.share = arena.device<double>(l.share);
   return s;
 }
 
@@ -420,6 +524,15 @@ Batch::Batch(const std::vector<Model>& models, const std::vector<ModalStart>& st
     tables_host(i) = b.fill_tables(models[i], b.layouts[i]);
     states_host(i) = b.fill_state(models[i], starts[i], b.layouts[i]);
   }
+  for (int form = 0; form < forms; ++form) {
+    std::vector<int> list;
+    for (std::size_t i = 0; i < models.size(); ++i)
+      if (tables_host(i).form == static_cast<Form>(form)) list.push_back(static_cast<int>(i));
+    b.scenes[form] = ScenesView("ra2d::scenes", list.size());
+    const auto list_host = Kokkos::create_mirror_view(b.scenes[form]);
+    std::copy(list.begin(), list.end(), list_host.data());
+    Kokkos::deep_copy(b.scenes[form], list_host);
+  }
   b.arena.upload();
   Kokkos::deep_copy(b.tables, tables_host);
   Kokkos::deep_copy(b.states, states_host);
@@ -429,7 +542,10 @@ Batch::~Batch() = default;
 Batch::Batch(Batch&&) noexcept = default;
 
 void Batch::march(std::int64_t target) {
-  launch_march(impl_->packs, impl_->tables, impl_->states, target);
+  for (int form = 0; form < forms; ++form)
+    if (impl_->scenes[form].extent(0) > 0)
+      launch_march(static_cast<Form>(form), impl_->packs, impl_->tables, impl_->states,
+                   impl_->scenes[form], target);
   Space{}.fence();
 }
 

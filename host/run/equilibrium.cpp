@@ -162,8 +162,9 @@ ModalStart make_start(const Model& model) {
     if (overlap < 0) continue;
     ++start.nodes_in_contact;
     start.contact_force += model.node_stiffness * overlap;
-    start.energy += 0.5 * model.node_stiffness * overlap * overlap;
+    start.contact_energy += 0.5 * model.node_stiffness * overlap * overlap;
   }
+  start.energy += start.contact_energy;
   return start;
 }
 

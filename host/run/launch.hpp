@@ -16,17 +16,19 @@ namespace ra2d {
 using Space = Kokkos::DefaultExecutionSpace;
 using TablesView = Kokkos::View<SceneTables*, Space>;
 using StatesView = Kokkos::View<SceneState*, Space>;
+using ScenesView = Kokkos::View<int*, Space>;
 
-/// The smallest compiled number of packs that holds this one.
+/// The smallest compiled number of packs that holds this one, in every form.
 int compiled_packs(int needed);
 
-/// One launch over a batch: every running scene goes on to step `target`.
-void launch_march(int packs, const TablesView& tables, const StatesView& states,
-                  std::int64_t target);
+/// One launch: every running scene of those listed, all of one form, goes on to step `target`.
+void launch_march(Form form, int packs, const TablesView& tables, const StatesView& states,
+                  const ScenesView& scenes, std::int64_t target);
 
 /// One compiled march; each is compiled in one of the files march_*.cpp.
-template <int K>
-void march(const TablesView& tables, const StatesView& states, std::int64_t target);
+template <Form form, int K>
+void march(const TablesView& tables, const StatesView& states, const ScenesView& scenes,
+           std::int64_t target);
 
 template <int... K>
 struct PackList {
@@ -39,8 +41,8 @@ struct PackList {
 };
 // up to 256 modes with any width of the lanes
 using Packs =
-    std::conditional_t<LanesOf<Space>::width == 32, PackList<1, 2, 3, 4, 6, 8>,
-                       std::conditional_t<LanesOf<Space>::width == 8, PackList<1, 2, 3, 4, 8, 32>,
-                                          PackList<2, 4, 6, 8, 16, 256 / LanesOf<Space>::width>>>;
+    std::conditional_t<LanesOf<Space>::width == 32, PackList<1, 2, 4, 8>,
+                       std::conditional_t<LanesOf<Space>::width == 8, PackList<1, 3, 8, 32>,
+                                          PackList<2, 6, 16, 256 / LanesOf<Space>::width>>>;
 
 }  // namespace ra2d

@@ -2,13 +2,18 @@
 #pragma once
 #include "host/run/launch.hpp"
 #include "kernels/march.hpp"
-#include "kernels/schemes/backward_euler.hpp"
 
 namespace ra2d {
 
-template <int K>
-void march(const TablesView& tables, const StatesView& states, std::int64_t target) {
-  March<Space, BackwardEuler, K>{tables, states, target}.launch(Space{});
+template <Form form, int K>
+void march(const TablesView& tables, const StatesView& states, const ScenesView& scenes,
+           std::int64_t target) {
+  March<Space, form, K>{tables, states, scenes, target}.launch(Space{});
 }
+
+/// Compiles the march of one form for the i-th number of packs.
+#define RA2D_MARCH(form, i)                                                                        \
+  template void march<form, Packs::at(i)>(const TablesView&, const StatesView&, const ScenesView&, \
+                                          std::int64_t)
 
 }  // namespace ra2d

@@ -30,10 +30,18 @@ inline const Choices<SurfaceKind> surface_kinds{{{"gaussian", SurfaceKind::gauss
                                                 {}};
 inline const Choices<Initial> initial_states{
     {{"rest", Initial::rest}, {"static", Initial::statics}}, {}};
-inline const Choices<ContactLaw> contact_laws{{{"penalty", ContactLaw::penalty}}, {"multiplier"}};
-inline const Choices<SchemeKind> schemes{
-    {{"backward-euler", SchemeKind::backward_euler}},
-    {"explicit-euler", "midpoint", "heun", "rk4", "rk8", "exact", "adaptive"}};
+inline const Choices<ContactLaw> contact_laws{
+    {{"penalty", ContactLaw::penalty}, {"multiplier", ContactLaw::multiplier}}, {}};
+inline const Choices<SchemeKind> schemes{{{"explicit-euler", SchemeKind::explicit_euler},
+                                          {"midpoint", SchemeKind::midpoint},
+                                          {"backward-euler", SchemeKind::backward_euler},
+                                          {"heun", SchemeKind::heun},
+                                          {"rk4", SchemeKind::rk4},
+                                          {"rk8", SchemeKind::rk8},
+                                          {"exact", SchemeKind::exact}},
+                                         {"adaptive"}};
+inline const Choices<ForceTime> force_times{
+    {{"old", ForceTime::old_time}, {"new", ForceTime::new_time}}, {}};
 inline const Choices<Nodes> node_choices{{{"candidates", Nodes::candidates}, {"all", Nodes::all}},
                                          {}};
 

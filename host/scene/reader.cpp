@@ -335,6 +335,16 @@ std::optional<std::string> Reader::word(const std::string& key, const std::vecto
   return std::nullopt;
 }
 
+std::optional<bool> Reader::boolean(const std::string& key) {
+  auto& parts = *document_->parts_;
+  const std::string expected = "true or false";
+  const toml::node* node = parts.take(index_, key, Need::optional, expected);
+  if (node == nullptr) return std::nullopt;
+  if (const auto* truth = node->as_boolean()) return truth->get();
+  parts.wrong(*node, join(parts.seen[index_].path, key), expected);
+  return std::nullopt;
+}
+
 std::vector<double> Reader::numbers(const std::string& key, const std::string& unit) {
   auto& parts = *document_->parts_;
   const std::string expected = of("an array of numbers", unit);

@@ -47,6 +47,7 @@ class Reader {
   std::optional<std::int64_t> integer(const std::string& key, std::int64_t low, std::int64_t high,
                                       Need need);
   std::optional<std::string> text(const std::string& key, const std::string& what, Need need);
+  std::optional<bool> boolean(const std::string& key);
   std::vector<double> numbers(const std::string& key, const std::string& unit);
   std::optional<Reader> table(const std::string& key);
   std::vector<Reader> tables(const std::string& key, Need need);

@@ -97,9 +97,12 @@ Scene read(Document& document, const std::filesystem::path& file) {
 
   in = document.section("time");
   scene.scheme = in.choice("scheme", schemes, Need::optional).value_or(SchemeKind::backward_euler);
+  scene.force_time =
+      in.choice("contact_force", force_times, Need::optional).value_or(ForceTime::old_time);
   scene.step = *in.number("step", positive, "s");
   scene.tolerance = in.number("tolerance", positive, "", Need::optional);
   scene.nodes = in.choice("nodes", node_choices, Need::optional).value_or(Nodes::candidates);
+  scene.force = in.boolean("force").value_or(false);
 
   in = document.section("output");
   scene.rate = in.number("rate", positive, "Hz", Need::optional).value_or(100e3);

@@ -12,8 +12,10 @@ namespace ra2d {
 enum class Support { pinned, free, rigid };
 enum class SurfaceKind { flat, peaks, file, gaussian };
 enum class Initial { rest, statics };  // "rest", "static"
-enum class ContactLaw { penalty };
-enum class SchemeKind { backward_euler };
+enum class ContactLaw { penalty, multiplier };
+enum class SchemeKind { explicit_euler, midpoint, backward_euler, heun, rk4, rk8, exact };
+/// When backward Euler takes the penalty force.
+enum class ForceTime { old_time, new_time };
 enum class Nodes { all, candidates };
 
 /// One raised cosine: height/2 (1 + cos(pi (x - at)/half_width)) within |x - at| <= half_width.
@@ -75,9 +77,11 @@ struct Scene {
   double stiffness = 0;  // Pa/m, kappa
 
   SchemeKind scheme = SchemeKind::backward_euler;
+  ForceTime force_time = ForceTime::old_time;
   double step = 0;                  // s, tau
   std::optional<double> tolerance;  // stands for the adaptive scheme; not used by the others
   Nodes nodes = Nodes::candidates;
+  bool force = false;  // run beyond the limit of stability, too
 
   double rate = 0;             // Hz, samples at t_j = j / rate
   std::vector<double> probes;  // m, on the resonator

@@ -46,7 +46,7 @@ KOKKOS_INLINE_FUNCTION void expand_node(const Lanes& lanes, const SceneTables& t
   }
 }
 
-/// Contact detection and contact force at single nodes, each one product over the modes.
+/// Contact detection and penalty contact force at single nodes, each one product over the modes.
 template <class Lanes, int K>
 class NodeContact {
   using Real = typename Lanes::Real;
@@ -69,6 +69,28 @@ class NodeContact {
       lanes_.sync();
     }
   }
+  /// psi of both bodies at an expanded node, and its change over a spacing of the slider's way.
+  KOKKOS_FORCEINLINE_FUNCTION void shapes(int node, double offset, Real* phi, Real* slope) const {
+    const double* c = s_.node_shape + node_offset(node);
+    const Real x(offset);
+    for (int p = 0; p < K; ++p) {
+      const Real c3 = lanes_.load(c + width * (3 * K + p));
+      const Real c2 = multiply_add(c3, x, lanes_.load(c + width * (2 * K + p)));
+      const Real c1 = multiply_add(c2, x, lanes_.load(c + width * (K + p)));
+      phi[p] = multiply_add(c1, x, lanes_.load(c + width * p));
+      slope[p] = multiply_add(multiply_add(c3, x, c2), x, c1);
+    }
+  }
+  /// Overlap -g of an expanded node whose shapes are phi [m].
+  KOKKOS_FORCEINLINE_FUNCTION double overlap(int node, double theta, const Real* phi,
+                                             const Real* u) const {
+    Real product = phi[0] * u[0];
+    for (int p = 1; p < K; ++p) product = multiply_add(phi[p], u[p], product);
+    return Kokkos::fma(theta, rise(node), s_.node_face[2 * node]) + lanes_.sum(product);
+  }
+  /// Rise of the resonator's face to its next node [m].
+  KOKKOS_FORCEINLINE_FUNCTION double rise(int node) const { return s_.node_face[2 * node + 1]; }
+
   /// Contact detection and contact force at a state: adds the modal contact force of the listed
   /// nodes (in ascending order, expanded for this window) to `force`, and lists those that touch.
   KOKKOS_FORCEINLINE_FUNCTION ContactTotals<Real> operator()(const Place& place, const Real* u,
@@ -77,31 +99,19 @@ class NodeContact {
     ContactTotals<Real> totals;
     Real bend[K];  // sum_n f_n dphi/dx: the slope that the bent beam adds to the faces'
     for (int p = 0; p < K; ++p) bend[p] = Real(0.0);
-    const Real offset(place.offset);
     for (int e = 0; e < count; ++e) {
       const int node = nodes[e];
-      const double* c = s_.node_shape + node_offset(node);
       Real phi[K], slope[K];
-      for (int p = 0; p < K; ++p) {
-        const Real c3 = lanes_.load(c + width * (3 * K + p));
-        const Real c2 = multiply_add(c3, offset, lanes_.load(c + width * (2 * K + p)));
-        const Real c1 = multiply_add(c2, offset, lanes_.load(c + width * (K + p)));
-        phi[p] = multiply_add(c1, offset, lanes_.load(c + width * p));
-        slope[p] = multiply_add(multiply_add(c3, offset, c2), offset, c1);
-      }
-      Real product = phi[0] * u[0];
-      for (int p = 1; p < K; ++p) product = multiply_add(phi[p], u[p], product);
-      const double rise = s_.node_face[2 * node + 1];
-      const double overlap =
-          Kokkos::fma(place.theta, rise, s_.node_face[2 * node]) + lanes_.sum(product);
-      if (!(overlap >= 0.0)) continue;
+      shapes(node, place.offset, phi, slope);
+      const double over = overlap(node, place.theta, phi, u);
+      if (!(over >= 0.0)) continue;
 
-      const double f = penalty_.force(overlap);
+      const double f = penalty_.force(over);
       for (int p = 0; p < K; ++p) {
         force[p] = multiply_add(-f, phi[p], force[p]);
         bend[p] = multiply_add(f, slope[p], bend[p]);
       }
-      totals.climb = Kokkos::fma(f, rise, totals.climb);
+      totals.climb = Kokkos::fma(f, rise(node), totals.climb);
       totals.force += f;
       if (lanes_.leader()) {
         s_.touched[totals.touched] = node;

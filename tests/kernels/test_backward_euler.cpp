@@ -3,12 +3,13 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <random>
 
+#include "host/run/step_bounds.hpp"
 #include "kernels/lanes.hpp"
+#include "kernels/schemes/advance.hpp"
 #include "kernels/schemes/backward_euler.hpp"
 
 namespace {
@@ -17,17 +18,13 @@ using namespace ra2d;
 
 constexpr double eps = std::numeric_limits<double>::epsilon();
 
-struct Mode {
-  double omega, zeta, mass;
-};
 struct State {
   double u, v;
 };
 
 State step(const Mode& mode, double tau, State y, double force) {
-  double c[BackwardEuler::coefficients];
-  BackwardEuler::prepare(mode.omega, mode.zeta, mode.mass, tau, c);
-  BackwardEuler::advance(y.u, y.v, c[0], c[1], c[2] * force, tau);
+  const ModeStep c = BackwardEuler::prepare(mode, tau);
+  advance_semi_implicit(y.u, y.v, c.v_v, c.v_u, c.v_f[0] * force, tau);
   return y;
 }
 
@@ -131,36 +128,15 @@ TEST(BackwardEuler, PullBoundsTheAcceleration) {
     const double phase = draw.uniform(0, 6.3);
     const State y{std::cos(phase), mode.omega * std::sin(phase)};
     const double acceleration = std::abs(step(mode, tau, y, 0).v - y.v) / tau;
-    const double bound =
-        BackwardEuler::pull(mode.omega, mode.zeta) * std::hypot(y.v, mode.omega * y.u);
+    const ModeStep c = BackwardEuler::prepare(mode, tau);
+    const double bound = bound_step(mode, c, BackwardEuler::place, tau, 4096).pull *
+                         std::hypot(y.v, mode.omega * y.u);
     const double rounding = 8 * eps * (std::abs(y.v) + mode.omega) / tau;  // of V1 and V1 - V0
     ASSERT_LE(acceleration, bound + rounding);
     tightest = std::max(tightest, (acceleration - rounding) / bound);
   }
   // A bound that is far from what happens would cost every flight its length.
   EXPECT_GE(tightest, 0.95);
-}
-
-TEST(BackwardEuler, PacksStepAsScalarsDo) {
-  constexpr int width = HostLanes::width;
-  RandomModes draw;
-  const double tau = 1e-6;
-  std::array<double, width> u, v, c0, c1, kick, u1, v1;
-  for (int lane = 0; lane < width; ++lane) {
-    const Mode mode = draw.mode(tau);
-    double c[BackwardEuler::coefficients];
-    BackwardEuler::prepare(mode.omega, mode.zeta, mode.mass, tau, c);
-    c0[lane] = c[0], c1[lane] = c[1], kick[lane] = c[2] * draw.uniform(-1, 1);
-    u1[lane] = u[lane] = draw.uniform(-1, 1), v1[lane] = v[lane] = draw.uniform(-1, 1);
-    BackwardEuler::advance(u1[lane], v1[lane], c0[lane], c1[lane], kick[lane], tau);
-  }
-  auto pu = HostLanes::load(u.data()), pv = HostLanes::load(v.data());
-  BackwardEuler::advance(pu, pv, HostLanes::load(c0.data()), HostLanes::load(c1.data()),
-                         HostLanes::load(kick.data()), HostLanes::Real(tau));
-  HostLanes::store(u.data(), pu);
-  HostLanes::store(v.data(), pv);
-  EXPECT_EQ(u, u1);
-  EXPECT_EQ(v, v1);
 }
 
 /// The step of all modes with one node in contact, as a matrix of (U, V).

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/plan/schemes.hpp"
+
+#include "kernels/schemes/backward_euler.hpp"
+#include "kernels/schemes/exact.hpp"
+#include "kernels/schemes/explicit_euler.hpp"
+#include "kernels/schemes/heun.hpp"
+#include "kernels/schemes/midpoint.hpp"
+#include "kernels/schemes/rk4.hpp"
+#include "kernels/schemes/rk8.hpp"
+
+namespace ra2d {
+namespace {
+
+template <class Scheme>
+const SchemeTable& table_of() {
+  static const SchemeTable table{Scheme::order, Scheme::stages, Scheme::place, Scheme::velocity_lag,
+                                 Scheme::prepare};
+  return table;
+}
+
+}  // namespace
+
+const SchemeTable& scheme_table(SchemeKind scheme) {
+  switch (scheme) {
+    case SchemeKind::explicit_euler:
+      return table_of<ExplicitEuler>();
+    case SchemeKind::midpoint:
+      return table_of<Midpoint>();
+    case SchemeKind::heun:
+      return table_of<Heun>();
+    case SchemeKind::rk4:
+      return table_of<Rk4>();
+    case SchemeKind::rk8:
+      return table_of<Rk8>();
+    case SchemeKind::exact:
+      return table_of<Exact>();
+    case SchemeKind::backward_euler:
+      break;
+  }
+  return table_of<BackwardEuler>();
+}
+
+bool is_semi_implicit(SchemeKind scheme) {
+  return scheme == SchemeKind::backward_euler || scheme == SchemeKind::midpoint;
+}
+
+bool takes_multipliers(SchemeKind scheme) { return scheme != SchemeKind::explicit_euler; }
+
+bool holds_forces(const Scene& scene) {
+  return scene.law == ContactLaw::multiplier ||
+         (scene.scheme == SchemeKind::backward_euler && scene.force_time == ForceTime::new_time);
+}
+
+}  // namespace ra2d

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include "host/scene/scene.hpp"
+#include "kernels/schemes/mode_step.hpp"
+
+/// The schemes by the names that a scene gives them.
+namespace ra2d {
+
+/// What kernels/schemes/ says of one, to be chosen at run time.
+struct SchemeTable {
+  int order, stages;
+  const double* place;  // (stages)
+  double velocity_lag;
+  ModeStep (*prepare)(const Mode&, double tau);
+};
+
+const SchemeTable& scheme_table(SchemeKind scheme);
+
+/// Whether U1 = U0 + tau V1 with the force of the old time: the shortest form of a step.
+bool is_semi_implicit(SchemeKind scheme);
+
+/// Whether multipliers can keep the end of a step free of penetration: not where the force of a step
+/// does not move it (kernels/schemes/explicit_euler.hpp).
+bool takes_multipliers(SchemeKind scheme);
+
+/// Whether the scene's contact forces are found together with the end of the step
+/// (kernels/contact/complementarity.hpp).
+bool holds_forces(const Scene& scene);
+
+}  // namespace ra2d

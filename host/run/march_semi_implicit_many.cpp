@@ -1,0 +1,10 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The march, backward Euler and midpoint with the penalty force of the old time: many packs of modes.
+#include "host/run/march_instance.hpp"
+
+namespace ra2d {
+
+RA2D_MARCH(Form::semi_implicit, 2);
+RA2D_MARCH(Form::semi_implicit, 3);
+
+}  // namespace ra2d

@@ -1,0 +1,347 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <Kokkos_Core.hpp>
+#include <cstdint>
+
+#include "kernels/candidates.hpp"
+#include "kernels/contact/node_contact.hpp"
+#include "kernels/gap.hpp"
+#include "kernels/lanes.hpp"
+#include "kernels/modal_state.hpp"
+#include "kernels/model.hpp"
+
+namespace ra2d {
+
+/// Contact forces that are found together with the end of the step: Lagrange multipliers (paper,
+/// section 3, equation 11), and the penalty spring at the new time.
+///
+/// A step without contact ends at U*. Contact forces f_n that are held over the step add -b_k sum_n
+/// f_n phi_nk to mode k, b_k = U1 of a unit force (SceneTables::held_u). With the overlap o_n = -g_n
+/// at the end of the step, o* without contact, and W_nm = sum_k b_k phi_nk phi_mk:
+///
+///   0 <= f_n,   o_n = o*_n - sum_m W_nm f_m <= compliance f_n,   and f_n > 0 only where both agree.
+///
+/// With compliance 0 these are Signorini's conditions at the end of the step: no penetration, no
+/// adhesion, force only where the bodies touch. With compliance 1/(kappa chi w) it is the penalty
+/// law, f = kappa chi w max(0, o), of the new time; so penalty with growing kappa is the multiplier.
+///
+/// W is positive semidefinite and of the rank of the modes at the most: of more nodes than modes,
+/// or of modes that do not tell two nodes apart, the f_n are not unique, but U1 is. It is the state
+/// without penetration that is nearest to U* in the metric 1/b, and the dual active set method of
+/// Goldfarb and Idnani (Math. Programming 27, 1983) goes there in steps that are all unique: take the
+/// node that penetrates most; raise its force until it is clear; where that would turn another
+/// node's force negative, that node is let go first, and where the new node depends on those that
+/// carry force already (the Cholesky factor's next pivot vanishes), it takes one's place. At the most
+/// as many nodes as modes carry force. Nodes that touch without force never come in.
+///
+/// Every node taken in moves U1 further from U*, so no set of nodes can come twice and the method
+/// ends; roundings are kept from turning it in circles by a bound of `rounds` on the work, which is
+/// several times what is ever seen. When no motion of the modes keeps the bodies apart (a rigid
+/// slider pressed onto few modes from both sides of a vibration node), the method finds that, too.
+///
+/// What is left: overlaps of the order of the roundings of a gap (SceneTables::touch).
+///
+/// An impact of a mass. Coming from a distance theta tau |V| (0 <= theta < 1), without force for the
+/// rest of the step it would penetrate. Backward Euler and midpoint (U1 = U0 + tau V1) leave it on
+/// the face and stop it in the next step: nothing comes back. The one-step schemes that hold the
+/// force (exact, Heun, RK4, RK8: U1 of a force is tau/2 times V1 of it) leave with V1 = -(1 - 2
+/// theta) V: the share (1 - 2 theta)^2 of the energy, anything from 0 to 1, on average a third, and
+/// no limit for tau -> 0. No scheme gains energy.
+enum class Held { solved, blocked, crowded };
+
+template <class Lanes, int K>
+class Complementarity {
+  using Real = typename Lanes::Real;
+
+ public:
+  KOKKOS_FUNCTION Complementarity(const Lanes& lanes, const SceneTables& tables, SceneState& state,
+                                  const NodeContact<Lanes, K>& contact)
+      : lanes_{lanes}, t_{tables}, s_{state}, contact_{contact} {}
+
+  /// Relative size of a pivot at which a node counts as depending on those that carry force.
+  static constexpr double dependent = 1e-13;
+
+  /// Finds the contact forces of a step: corrects its end (u, v), lists in the state's work space
+  /// the nodes that carry force, in ascending order. `list(u)` gives the number of nodes to look at,
+  /// listed in the state's `watch` and expanded: all that overlap at u must be among them. `most`
+  /// is the largest total force [N] on the way.
+  template <class List>
+  KOKKOS_FUNCTION Held operator()(const Place& place, Real* u, Real* v, const List& list,
+                                  ContactTotals<Real>& totals, double& most) {
+    Real now[K];
+    for (int p = 0; p < K; ++p) now[p] = u[p];
+    count_ = 0;
+    most = 0.0;
+    Held result = Held::solved;
+    const int rounds = 64 + 8 * t_.nodes;
+    double wide = 0.0;
+    for (int round = 0;; ++round) {
+      const int nodes = list(now);
+      double over = t_.touch + wide;
+      const int worst = most_overlapping(place, now, nodes, over);
+      if (worst < 0) break;
+      result = round < rounds ? press(place, worst, over) : Held::blocked;
+      if (result != Held::solved) break;
+      if (count_ > 1) settle(place, u);
+      end_of(place, u, now);
+      const double sum = total();
+      if (sum > most) most = sum;
+      // roundings of the modes' sums are rarely met, and could otherwise turn in circles
+      if (round == 4) wide = rounding_of(now);
+    }
+    if (result == Held::solved && count_ > 0) finish(place, u, v, totals);
+    for (int j = 0; j < count_; ++j)
+      if (lanes_.leader()) s_.pressed_place[s_.pressed[j]] = -1;
+    lanes_.sync();
+    return result;
+  }
+
+ private:
+  const Lanes& lanes_;
+  const SceneTables& t_;
+  SceneState& s_;
+  const NodeContact<Lanes, K>& contact_;
+  int count_ = 0;  // nodes that carry force
+
+  KOKKOS_FORCEINLINE_FUNCTION Real held_u(int p) const {
+    return lanes_.load(t_.held_u + p * Lanes::width);
+  }
+  KOKKOS_FORCEINLINE_FUNCTION double& factor(int row, int column) const {
+    return s_.factor[static_cast<std::int64_t>(row) * s_.pressed_capacity + column];
+  }
+
+  /// Bound on the rounding of an overlap's sum over the modes [m].
+  KOKKOS_FUNCTION double rounding_of(const Real* u) const {
+    Real part = lanes_.load(t_.reach) * Kokkos::abs(u[0]);
+    for (int p = 1; p < K; ++p)
+      part = multiply_add(lanes_.load(t_.reach + p * Lanes::width), Kokkos::abs(u[p]), part);
+    return rounding(0) * lanes_.sum(part);
+  }
+
+  /// The node that overlaps most, by more than `over`, among those without force; or -1.
+  KOKKOS_FUNCTION int most_overlapping(const Place& place, const Real* u, int nodes,
+                                       double& over) const {
+    int worst = -1;
+    for (int e = 0; e < nodes; ++e) {
+      const int node = s_.watch[e];
+      if (s_.pressed_place[node] >= 0) continue;
+      Real phi[K], slope[K];
+      contact_.shapes(node, place.offset, phi, slope);
+      const double overlap = contact_.overlap(node, place.theta, phi, u);
+      if (!(overlap > over)) continue;
+      over = overlap;
+      worst = node;
+    }
+    return worst;
+  }
+
+  /// W_nm plus, for a node with itself, the compliance.
+  KOKKOS_FUNCTION double yielding(const Real* weighted, const Real* phi) const {
+    Real part = weighted[0] * phi[0];
+    for (int p = 1; p < K; ++p) part = multiply_add(weighted[p], phi[p], part);
+    return lanes_.sum(part);
+  }
+
+  /// Raises the force on `node` until its overlap `over` is gone, lets go what would have to pull.
+  KOKKOS_FUNCTION Held press(const Place& place, int node, double over) {
+    Real weighted[K], slope[K], phi[K];
+    contact_.shapes(node, place.offset, phi, slope);
+    for (int p = 0; p < K; ++p) weighted[p] = held_u(p) * phi[p];
+    const double own = yielding(weighted, phi) + t_.compliance;
+    for (int j = 0; j < count_; ++j) {
+      contact_.shapes(s_.pressed[j], place.offset, phi, slope);
+      const double w = yielding(weighted, phi);
+      if (lanes_.leader()) s_.across[j] = w;
+    }
+    lanes_.sync();
+    constexpr double never = 1e300;
+    double force = 0.0;
+    for (;;) {
+      // the pivot that the node would bring, and what the others give up for a newton on it
+      double pivot = own;
+      for (int i = 0; i < count_; ++i) {
+        double y = s_.across[i];
+        for (int j = 0; j < i; ++j) y -= factor(i, j) * s_.share[j];
+        y /= factor(i, i);
+        lanes_.sync();
+        if (lanes_.leader()) s_.share[i] = y;
+        lanes_.sync();
+        pivot -= y * y;
+      }
+      const bool full = count_ == s_.pressed_capacity;
+      const bool depends = !(pivot > dependent * own) || (full && t_.compliance == 0.0);
+      const double clear = depends ? never : over / pivot;
+      if (count_ > 0) {
+        lanes_.sync();
+        if (lanes_.leader()) {
+          for (int j = 0; j < count_; ++j) factor(count_, j) = s_.share[j];  // its row, if it comes
+          for (int i = count_ - 1; i >= 0; --i) {
+            double r = s_.share[i];
+            for (int j = i + 1; j < count_; ++j) r -= factor(j, i) * s_.share[j];
+            s_.share[i] = r / factor(i, i);
+          }
+        }
+        lanes_.sync();
+      }
+      double most = never;
+      int first = -1;
+      for (int j = 0; j < count_; ++j) {
+        if (!(s_.share[j] > 0.0)) continue;
+        const double until = s_.pressed_force[j] / s_.share[j];
+        if (!(until < most)) continue;
+        most = until;
+        first = j;
+      }
+      if (depends && first < 0) return Held::blocked;
+      const double more = clear < most ? clear : most;
+      lanes_.sync();
+      if (lanes_.leader())
+        for (int j = 0; j < count_; ++j) {
+          const double left = s_.pressed_force[j] - more * s_.share[j];
+          s_.pressed_force[j] = left > 0.0 ? left : 0.0;
+        }
+      lanes_.sync();
+      force += more;
+      if (clear <= most) {
+        if (full) return Held::crowded;
+        if (lanes_.leader()) {
+          s_.pressed[count_] = node;
+          s_.pressed_force[count_] = force;
+          s_.pressed_place[node] = count_;
+          factor(count_, count_) = Kokkos::sqrt(pivot);
+        }
+        ++count_;
+        lanes_.sync();
+        return Held::solved;
+      }
+      if (!depends) over -= more * pivot;
+      let_go(place, first);
+    }
+  }
+
+  /// Takes a node out, and factors what is left anew from there on.
+  KOKKOS_FUNCTION void let_go(const Place& place, int out) {
+    lanes_.sync();
+    if (lanes_.leader()) {
+      s_.pressed_place[s_.pressed[out]] = -1;
+      for (int j = out; j + 1 < count_; ++j) {
+        s_.pressed[j] = s_.pressed[j + 1];
+        s_.pressed_force[j] = s_.pressed_force[j + 1];
+        s_.pressed_place[s_.pressed[j]] = j;
+        s_.across[j] = s_.across[j + 1];
+      }
+    }
+    --count_;
+    lanes_.sync();
+    Real phi[K], slope[K], weighted[K];
+    for (int i = out; i < count_; ++i) {
+      contact_.shapes(s_.pressed[i], place.offset, weighted, slope);
+      for (int p = 0; p < K; ++p) weighted[p] = held_u(p) * weighted[p];
+      for (int j = 0; j <= i; ++j) {
+        contact_.shapes(s_.pressed[j], place.offset, phi, slope);
+        double w = yielding(weighted, phi);
+        if (j == i) w += t_.compliance;
+        for (int l = 0; l < j; ++l) w -= factor(i, l) * factor(j, l);
+        w = j == i ? Kokkos::sqrt(w > 0.0 ? w : 0.0) : w / factor(j, j);
+        lanes_.sync();
+        if (lanes_.leader()) factor(i, j) = w;
+        lanes_.sync();
+      }
+    }
+  }
+
+  /// Takes out of the forces what roundings have left in them: solves for what the overlaps at the
+  /// end of the step still miss.
+  KOKKOS_FUNCTION void settle(const Place& place, const Real* free) {
+    for (int pass = 0; pass < 3; ++pass) {
+      Real now[K], phi[K], slope[K];
+      end_of(place, free, now);
+      double worst = 0.0;
+      for (int j = 0; j < count_; ++j) {
+        contact_.shapes(s_.pressed[j], place.offset, phi, slope);
+        const double missing = contact_.overlap(s_.pressed[j], place.theta, phi, now) -
+                               t_.compliance * s_.pressed_force[j];
+        if (lanes_.leader()) s_.share[j] = missing;
+        const double size = missing < 0.0 ? -missing : missing;
+        if (size > worst) worst = size;
+      }
+      lanes_.sync();
+      if (!(worst > t_.touch)) return;
+      if (lanes_.leader()) {
+        for (int i = 0; i < count_; ++i) {
+          double y = s_.share[i];
+          for (int j = 0; j < i; ++j) y -= factor(i, j) * s_.share[j];
+          s_.share[i] = y / factor(i, i);
+        }
+        for (int i = count_ - 1; i >= 0; --i) {
+          double r = s_.share[i];
+          for (int j = i + 1; j < count_; ++j) r -= factor(j, i) * s_.share[j];
+          s_.share[i] = r / factor(i, i);
+        }
+        for (int j = 0; j < count_; ++j) {
+          const double corrected = s_.pressed_force[j] + s_.share[j];
+          s_.pressed_force[j] = corrected > 0.0 ? corrected : 0.0;
+        }
+      }
+      lanes_.sync();
+    }
+  }
+
+  /// Displacement at the end of the step under the present forces.
+  KOKKOS_FUNCTION void end_of(const Place& place, const Real* free, Real* u) const {
+    Real push[K], phi[K], slope[K];
+    for (int p = 0; p < K; ++p) push[p] = Real(0.0);
+    for (int j = 0; j < count_; ++j) {
+      contact_.shapes(s_.pressed[j], place.offset, phi, slope);
+      const Real f(s_.pressed_force[j]);
+      for (int p = 0; p < K; ++p) push[p] = multiply_add(f, phi[p], push[p]);
+    }
+    for (int p = 0; p < K; ++p) u[p] = multiply_add(-held_u(p), push[p], free[p]);
+  }
+
+  KOKKOS_FUNCTION double total() const {
+    double sum = 0.0;
+    for (int j = 0; j < count_; ++j) sum += s_.pressed_force[j];
+    return sum;
+  }
+
+  /// The end of the step, and the record of the nodes that carry force.
+  KOKKOS_FUNCTION void finish(const Place& place, Real* u, Real* v, ContactTotals<Real>& totals) {
+    lanes_.sync();
+    if (lanes_.leader()) {
+      int touched = 0;
+      for (int j = 0; j < count_; ++j) {  // in ascending order
+        if (!(s_.pressed_force[j] > 0.0)) continue;
+        int at = touched++;
+        for (; at > 0 && s_.touched[at - 1] > s_.pressed[j]; --at) {
+          s_.touched[at] = s_.touched[at - 1];
+          s_.touched_force[at] = s_.touched_force[at - 1];
+        }
+        s_.touched[at] = s_.pressed[j];
+        s_.touched_force[at] = s_.pressed_force[j];
+      }
+    }
+    lanes_.sync();
+    Real push[K], bend[K], phi[K], slope[K];
+    for (int p = 0; p < K; ++p) push[p] = bend[p] = Real(0.0);
+    for (int j = 0; j < count_; ++j) totals.touched += s_.pressed_force[j] > 0.0 ? 1 : 0;
+    for (int e = 0; e < totals.touched; ++e) {
+      const int node = s_.touched[e];
+      const double f = s_.touched_force[e];
+      contact_.shapes(node, place.offset, phi, slope);
+      for (int p = 0; p < K; ++p) {
+        push[p] = multiply_add(f, phi[p], push[p]);
+        bend[p] = multiply_add(f, slope[p], bend[p]);
+      }
+      totals.climb = Kokkos::fma(f, contact_.rise(node), totals.climb);
+      totals.force += f;
+    }
+    for (int p = 0; p < K; ++p) {
+      u[p] = multiply_add(-held_u(p), push[p], u[p]);
+      v[p] = multiply_add(-lanes_.load(t_.held_v + p * Lanes::width), push[p], v[p]);
+    }
+    for (int p = 0; p < K; ++p) totals.bend = multiply_add(bend[p], u[p], totals.bend);
+  }
+};
+
+}  // namespace ra2d
