@@ -537,7 +537,7 @@ class Marcher {
     ContactTotals<Real> totals;
     double most = 0.0;
     const auto list = [&](const Real* at) { return nodes(at, v, place); };
-    const Held found = held_(place, u, v, list, totals, most);
+    const Held found = held_(place, step_ + 1, u, v, list, totals, most);
     if (outlook != nullptr) {
       // did all that was looked at stay where the list holds?
       pushed += most;
@@ -565,6 +565,7 @@ class Marcher {
       s_.held_force = totals.force;
       s_.held_energy = 0.5 * t_.compliance * energy;
       s_.held_nodes = totals.touched;
+      for (int e = 0; e < 2 && e < totals.touched; ++e) s_.held_pair[e] = s_.touched[e];
     }
     y.bend = y.bend + totals.bend;
     lanes_.sync();

@@ -205,7 +205,9 @@ ModalStart make_start(const Model& model) {
   start.energy =
       elastic(model.resonator, start.resonator_u) + elastic(model.slider, start.slider_u);
   if (multipliers) {
-    for (const double force : forces) start.nodes_in_contact += force > 0;
+    for (int n = 0; n < forces.size(); ++n)
+      if (forces[n] > 0) start.loaded_nodes.push_back(n);
+    start.nodes_in_contact = static_cast<int>(start.loaded_nodes.size());
     start.contact_force = forces.sum();
     return start;
   }
