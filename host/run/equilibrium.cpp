@@ -211,8 +211,11 @@ ModalStart make_start(const Model& model) {
     start.contact_force = forces.sum();
     return start;
   }
-  for (const double overlap : overlaps(model, start.resonator_u, start.slider_u)) {
+  const std::vector<double> over = overlaps(model, start.resonator_u, start.slider_u);
+  for (int n = 0; n < model.nodes(); ++n) {
+    const double overlap = over[n];
     if (overlap < 0) continue;
+    start.loaded_nodes.push_back(n);
     ++start.nodes_in_contact;
     start.contact_force += model.node_stiffness * overlap;
     start.contact_energy += 0.5 * model.node_stiffness * overlap * overlap;

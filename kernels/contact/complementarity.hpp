@@ -43,7 +43,8 @@ namespace ra2d {
 /// taken when their forces are positive and nothing else overlaps, which are all the conditions there
 /// are.
 ///
-/// What is left: overlaps of the order of the roundings of a gap (SceneTables::touch).
+/// What is left: overlaps of the order of the roundings of a gap (SceneTables::touch) and, where that
+/// is not to be had, of the modes' sums.
 ///
 /// An impact of a mass. Coming from a distance theta tau |V| (0 <= theta < 1), without force for the
 /// rest of the step it would penetrate. Backward Euler and midpoint (U1 = U0 + tau V1) leave it on
@@ -89,7 +90,7 @@ class Complementarity {
       force -= share * other_force;
       if (!(other_force > 0.0)) return false;
     }
-    if (!(force > 0.0)) return false;
+    if (!(force > 0.0 && force < never)) return false;
     Real push[K], now[K];
     for (int p = 0; p < K; ++p) {
       push[p] = Real(force) * phi[p];
@@ -128,6 +129,8 @@ class Complementarity {
     return true;
   }
 
+  /// More than any force or way.
+  static constexpr double never = 1e300;
   /// Relative size of a pivot at which a node counts as depending on those that carry force.
   static constexpr double dependent = 1e-13;
 
@@ -149,7 +152,8 @@ class Complementarity {
   const SceneTables& t_;
   SceneState& s_;
   const NodeContact<Lanes, K>& contact_;
-  int count_ = 0;  // nodes that carry force
+  int count_ = 0;        // nodes that carry force
+  bool let_go_ = false;  // some no longer do since the forces were settled
 
   /// The careful way, from no force on.
   template <class List>
@@ -158,6 +162,7 @@ class Complementarity {
     Real now[K];
     for (int p = 0; p < K; ++p) now[p] = u[p];
     count_ = 0;
+    let_go_ = false;
     Held result = Held::solved;
     const int rounds = 64 + 8 * t_.nodes;
     double wide = 0.0;
@@ -168,12 +173,13 @@ class Complementarity {
       if (worst < 0) break;
       result = round < rounds ? press(place, worst, over) : Held::blocked;
       if (result != Held::solved) break;
-      if (count_ > 1) settle(place, u);
+      if (count_ > 1 || let_go_) settle(place, u);
+      let_go_ = false;
       end_of(place, u, now);
       const double sum = total();
       if (sum > most) most = sum;
       // roundings of the modes' sums are rarely met, and could otherwise turn in circles
-      if (round == 4) wide = rounding_of(now);
+      if (round == 4) wide = rounding_of(now, u);
     }
     if (result == Held::solved && count_ > 0) finish(place, u, v, totals);
     for (int j = 0; j < count_; ++j)
@@ -189,11 +195,13 @@ class Complementarity {
     return s_.factor[static_cast<std::int64_t>(row) * s_.pressed_capacity + column];
   }
 
-  /// Bound on the rounding of an overlap's sum over the modes [m].
-  KOKKOS_FUNCTION double rounding_of(const Real* u) const {
-    Real part = lanes_.load(t_.reach) * Kokkos::abs(u[0]);
-    for (int p = 1; p < K; ++p)
-      part = multiply_add(lanes_.load(t_.reach + p * Lanes::width), Kokkos::abs(u[p]), part);
+  /// Bound on the rounding of an overlap's sum over the modes [m], and of the displacement `u` itself:
+  /// of what the forces make of `free`, roundings of the larger of the two are left.
+  KOKKOS_FUNCTION double rounding_of(const Real* u, const Real* free) const {
+    Real part(0.0);
+    for (int p = 0; p < K; ++p)
+      part = multiply_add(lanes_.load(t_.reach + p * Lanes::width),
+                          Kokkos::abs(u[p]) + Kokkos::abs(free[p]), part);
     return rounding(0) * lanes_.sum(part);
   }
 
@@ -233,7 +241,6 @@ class Complementarity {
       if (lanes_.leader()) s_.across[j] = w;
     }
     lanes_.sync();
-    constexpr double never = 1e300;
     double force = 0.0;
     for (;;) {
       // the pivot that the node would bring, and what the others give up for a newton on it
@@ -271,7 +278,7 @@ class Complementarity {
         most = until;
         first = j;
       }
-      if (depends && first < 0) return Held::blocked;
+      if (first < 0 && !(clear < never)) return Held::blocked;
       const double more = clear < most ? clear : most;
       lanes_.sync();
       if (lanes_.leader())
@@ -300,6 +307,7 @@ class Complementarity {
 
   /// Takes a node out, and factors what is left anew from there on.
   KOKKOS_FUNCTION void let_go(const Place& place, int out) {
+    let_go_ = true;
     lanes_.sync();
     if (lanes_.leader()) {
       s_.pressed_place[s_.pressed[out]] = -1;
@@ -330,9 +338,11 @@ class Complementarity {
   }
 
   /// Takes out of the forces what roundings have left in them: solves for what the overlaps at the
-  /// end of the step still miss.
+  /// end of the step still miss. A node whose force that would turn negative is let go: with its
+  /// force merely cut off at zero, nodes that depend on it all but for roundings would keep what it
+  /// was to take from them.
   KOKKOS_FUNCTION void settle(const Place& place, const Real* free) {
-    for (int pass = 0; pass < 3; ++pass) {
+    for (int pass = 0; pass < 3;) {
       Real now[K], phi[K];
       end_of(place, free, now);
       double worst = 0.0;
@@ -357,12 +367,28 @@ class Complementarity {
           for (int j = i + 1; j < count_; ++j) r -= factor(j, i) * s_.share[j];
           s_.share[i] = r / factor(i, i);
         }
-        for (int j = 0; j < count_; ++j) {
-          const double corrected = s_.pressed_force[j] + s_.share[j];
-          s_.pressed_force[j] = corrected > 0.0 ? corrected : 0.0;
-        }
       }
       lanes_.sync();
+      double way = 1.0;
+      int first = -1;
+      for (int j = 0; j < count_; ++j) {
+        if (!(s_.pressed_force[j] + s_.share[j] < 0.0)) continue;
+        const double until = -s_.pressed_force[j] / s_.share[j];
+        if (first >= 0 && !(until < way)) continue;
+        way = until;
+        first = j;
+      }
+      lanes_.sync();
+      if (lanes_.leader())
+        for (int j = 0; j < count_; ++j) {
+          const double corrected = s_.pressed_force[j] + way * s_.share[j];
+          s_.pressed_force[j] = corrected > 0.0 ? corrected : 0.0;
+        }
+      lanes_.sync();
+      if (first < 0)
+        ++pass;
+      else
+        let_go(place, first);
     }
   }
 
