@@ -83,7 +83,7 @@ class Marcher {
   std::int64_t step_;
   Real u_[K], v_[K], square_[K], bend_, load_[K];
 
-  double last_force_ = 0.0;  // of the latest step with contact: guesses how long a watch will hold
+  double last_force_ = 0.0;  // of the latest steps with contact: guesses how long a watch will hold
 
   KOKKOS_FORCEINLINE_FUNCTION Real load(const double* lanes, int pack) const {
     return lanes_.load(lanes + pack * width);
@@ -325,7 +325,10 @@ class Marcher {
   /// What a step adds to the record.
   KOKKOS_FORCEINLINE_FUNCTION void record(const ContactTotals<Real>& totals, const Place& place,
                                           std::int64_t step) {
-    if (totals.touched > 0) last_force_ = totals.force;
+    if constexpr (form == Form::held)  // an impact's whole impulse may fall into one step
+      last_force_ += 0.125 * (totals.force - last_force_);
+    else if (totals.touched > 0)
+      last_force_ = totals.force;
     if (!lanes_.leader()) return;
     if (totals.touched > 0) {
       s_.climb_part += totals.climb;
