@@ -68,8 +68,7 @@ Prepared taken_over(const Prepared& from, const Snapshot& now) {
   out.start.resonator_u = now.resonator_u;
   out.start.resonator_v = now.resonator_v;
   out.start.slider_u = now.slider_u;
-  out.start.nodes_in_contact = 0;  // multipliers are found anew
-  out.start.loaded_nodes.clear();
+  out.start.loaded_nodes.clear();  // multipliers are found anew
   out.start.slider_v = now.slider_v;
   // what the watch over the energy goes by; the contact's share is small against its allowance
   out.start.energy = modal_energy(from.model.resonator, now.resonator_u, now.resonator_v) +
