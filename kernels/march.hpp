@@ -18,10 +18,16 @@
 ///
 /// Every step is the paper's: contact detection, contact force, time integration. Which scheme
 /// integrates stands in the scene's tables (kernels/schemes/mode_step.hpp); the march knows three
-/// forms of a step (Form, kernels/model.hpp). What differs between `Look::all` and `Look::candidates` is only which nodes are looked at
+/// forms of a step (Form, kernels/model.hpp).
+///
+/// What differs between `Look::all` and `Look::candidates` is only which nodes are looked at
 /// (kernels/candidates.hpp). The arithmetic of a step does not depend on that, nor on where a
 /// launch ends: the results of all nodes and candidates, of one launch or many, are equal bit for
 /// bit.
+///
+/// The record is that of the state at each step, whatever the scheme does within it: shocks and the
+/// work of the imposed motion are summed from the contact forces there (under Form::held from the
+/// force over the step that ends there), level and damping loss from the velocities.
 namespace ra2d {
 
 /// Energy may exceed what was put in by this factor before the run counts as unstable. The contact
