@@ -344,6 +344,10 @@ JoinedModes most_yielding(const Model& model) {
   return joined;
 }
 
+double contact_frequency(const Model& model, const JoinedModes& place) {
+  return std::sqrt(model.node_stiffness * mass_sum(place));
+}
+
 StepLimits step_limits(const Model& model, SchemeChoice choice) {
   return step_limits(model, choice, most_yielding(model));
 }

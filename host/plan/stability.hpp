@@ -48,6 +48,10 @@ double contact_limit(SchemeChoice choice, const JoinedModes& joined, double stif
 /// The modes of both bodies where they yield most to a contact force.
 JoinedModes most_yielding(const Model& model);
 
+/// Angular frequency [rad/s] of the contact spring of one node against the bodies' inertia there,
+/// omega_c^2 = kappa chi w sum psi^2/m.
+double contact_frequency(const Model& model, const JoinedModes& place);
+
 /// What a scheme's step may be in a scene, and what binds it.
 struct StepLimits {
   double modes = 0;              // s, of the free modes
