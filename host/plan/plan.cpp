@@ -41,7 +41,7 @@ std::string error_text(const Scene& scene, const StepError& error, double zeta) 
   const auto shift = [](double value) {
     return std::abs(value) < 1e-9 ? "under 1e-9" : fmt::format("{:+.1e}", value);
   };
-  return fmt::format("the step shifts the highest's damping ratio, {:g}, by {}, its period by {}",
+  return fmt::format("the step shifts that one's damping ratio, {:g}, by {}, its period by {}",
                      zeta, shift(error.damping), shift(error.period));
 }
 
@@ -55,9 +55,10 @@ std::string body_text(const char* name, const Scene& scene, const BodySpec& spec
   if (plan.elastic_modes > 0)
     text += fmt::format(", the highest at {:.0f} Hz ({:.0f} nodes to its wave)", plan.highest,
                         plan.wavelength_nodes);
-  text += fmt::format("\n           the next would be at {:.0f} Hz\n", plan.next);
+  text += '\n';
   if (plan.elastic_modes > 0)
     text += fmt::format("           {}\n", error_text(scene, plan.error, spec.damping));
+  text += fmt::format("           the next mode would be at {:.0f} Hz\n", plan.next);
   return text;
 }
 
@@ -94,14 +95,12 @@ std::string stability_text(const Scene& scene, const Plan& plan) {
   line("  scheme", "free modes", "one node", fmt::format("{} nodes", plan.own.limits.many),
        "holds up to");
   for (const auto& [choice, limits] : plan.schemes) {
-    const bool own =
-        choice.scheme == plan.own.choice.scheme && choice.force_time == plan.own.choice.force_time;
     std::string modes = limit_text(limits.modes), holds = limit_text(limits.holds());
     if (limits.binding_frequency > 0)
       modes += fmt::format(" ({:.0f} Hz)", limits.binding_frequency);
     if (!std::isinf(limits.holds()))
       holds += limits.modes <= limits.contact_one ? ", modes" : ", contact";
-    line(fmt::format("{} {}", own ? '>' : ' ', table_name(choice)), modes,
+    line(fmt::format("{} {}", choice == plan.own.choice ? '>' : ' ', table_name(choice)), modes,
          limit_text(limits.contact_one), limit_text(limits.contact_many), holds);
   }
   return text;
@@ -170,8 +169,7 @@ Plan make_plan(const Model& model, std::size_t memory) {
       const bool differs = spring && scheme == SchemeKind::backward_euler;
       if (time == ForceTime::new_time && !differs) continue;
       plan.schemes.push_back({choice, step_limits(model, choice, place)});
-      if (scheme == choice_of(scene).scheme && time == choice_of(scene).force_time)
-        plan.own = plan.schemes.back();
+      if (choice == choice_of(scene)) plan.own = plan.schemes.back();
     }
   }
   const double omega_c = spring ? contact_frequency(model, place) : 0.0;

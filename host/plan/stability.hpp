@@ -12,14 +12,15 @@ namespace ra2d {
 struct SchemeChoice {
   SchemeKind scheme = SchemeKind::backward_euler;
   ForceTime force_time = ForceTime::old_time;
+  bool operator==(const SchemeChoice&) const = default;
 };
 
 /// Largest factor by which a step multiplies a free mode's amplitude, the spectral radius of its
 /// step; x = omega tau.
 double amplification(SchemeKind scheme, double zeta, double x);
 
-/// The x = omega tau up to which a free mode of damping ratio zeta stays bounded: 0 when it grows at
-/// every step, infinity when at none.
+/// The x = omega tau up to which a free mode of damping ratio zeta stays bounded: 0 when it grows
+/// at every step, infinity when at none.
 double mode_limit(SchemeKind scheme, double zeta);
 
 /// Modes that a contact spring joins at one place: mode k with the square of its shape there.

@@ -47,8 +47,8 @@ struct RunReport {
 };
 
 /// Runs a scene to its end, an interrupt or a failure, and writes the result file in every case
-/// (marked when it was cut short). Throws RequestError, also for a step beyond the limits of stability
-/// that the scene does not force, and FileError.
+/// (marked when it was cut short). Throws RequestError, also for a step beyond the limits of
+/// stability that the scene does not force, and FileError.
 RunReport run(const Scene& scene, const RunOptions& options);
 
 }  // namespace ra2d
