@@ -87,8 +87,8 @@ std::string stability_text(const Scene& scene, const Plan& plan) {
                          : "; there is no contact spring");
   const auto line = [&](const std::string& name, const std::string& modes, const std::string& one,
                         const std::string& many, const std::string& holds) {
-    text += fmt::format("           {:<28}{:<21}", name, modes);
-    if (spring) text += fmt::format("{:<11}{:<12}{}", one, many, holds);
+    text += fmt::format("           {:<28}{:<20}", name, modes);
+    if (spring) text += fmt::format("{:<12}{:<12}{}", one, many, holds);
     text.erase(text.find_last_not_of(' ') + 1);
     text += '\n';
   };
@@ -97,9 +97,8 @@ std::string stability_text(const Scene& scene, const Plan& plan) {
   for (const auto& [choice, limits] : plan.schemes) {
     std::string modes = limit_text(limits.modes), holds = limit_text(limits.holds());
     if (limits.binding_frequency > 0)
-      modes += fmt::format(" ({:.0f} Hz)", limits.binding_frequency);
-    if (!std::isinf(limits.holds()))
-      holds += limits.modes <= limits.contact_one ? ", modes" : ", contact";
+      modes += fmt::format(" ({:.4g} kHz)", limits.binding_frequency * 1e-3);
+    if (!std::isinf(limits.holds())) holds += limits.modes_bind() ? ", modes" : ", contact";
     line(fmt::format("{} {}", choice == plan.own.choice ? '>' : ' ', table_name(choice)), modes,
          limit_text(limits.contact_one), limit_text(limits.contact_many), holds);
   }
@@ -126,7 +125,7 @@ std::string beyond_limit(const Model& model, const StepLimits& limits) {
   const Scene& scene = model.scene;
   if (!(scene.step > limits.holds())) return {};
   const SchemeChoice choice = choice_of(scene);
-  const bool modes = limits.modes <= limits.contact_one;
+  const bool modes = limits.modes_bind();
   const std::string what = modes ? fmt::format("a free mode at {:.0f} Hz", limits.binding_frequency)
                                  : "a node in contact";
   std::string text =

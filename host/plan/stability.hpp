@@ -62,6 +62,8 @@ struct StepLimits {
   int many = 16;
   /// The largest step that holds: of the free modes and, under penalty, of one node in contact.
   double holds() const { return modes < contact_one ? modes : contact_one; }
+  /// Whether the free modes set it: the spring takes away less than a per cent.
+  bool modes_bind() const { return modes <= 1.01 * contact_one; }
 };
 
 /// Under multipliers there is no contact spring: contact_one and contact_many are infinite.

@@ -53,7 +53,7 @@ std::string describe_limit(const Model& model, int nodes) {
         ". Limit: none, {} holds at every step: check the scene for values far from "
         "what they should be",
         scheme_text(scene, choice));
-  const std::string what = limits.modes <= limits.contact_one
+  const std::string what = limits.modes_bind()
                                ? fmt::format("free mode at {:.0f} Hz", limits.binding_frequency)
                                : fmt::format("contact spring of {} node{}, the most at once", nodes,
                                              nodes == 1 ? "" : "s");
