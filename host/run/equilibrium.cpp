@@ -207,18 +207,15 @@ ModalStart make_start(const Model& model) {
   if (multipliers) {
     for (int n = 0; n < forces.size(); ++n)
       if (forces[n] > 0) start.loaded_nodes.push_back(n);
-    start.nodes_in_contact = static_cast<int>(start.loaded_nodes.size());
     start.contact_force = forces.sum();
     return start;
   }
-  const std::vector<double> over = overlaps(model, start.resonator_u, start.slider_u);
+  const std::vector<double> overlap = overlaps(model, start.resonator_u, start.slider_u);
   for (int n = 0; n < model.nodes(); ++n) {
-    const double overlap = over[n];
-    if (overlap < 0) continue;
+    if (overlap[n] < 0) continue;
     start.loaded_nodes.push_back(n);
-    ++start.nodes_in_contact;
-    start.contact_force += model.node_stiffness * overlap;
-    start.contact_energy += 0.5 * model.node_stiffness * overlap * overlap;
+    start.contact_force += model.node_stiffness * overlap[n];
+    start.contact_energy += 0.5 * model.node_stiffness * overlap[n] * overlap[n];
   }
   start.energy += start.contact_energy;
   return start;
