@@ -231,6 +231,9 @@ class Candidates {
     return lanes_.sum(part);
   }
   KOKKOS_FORCEINLINE_FUNCTION void list_nodes(int group, std::uint32_t bits, int& count) {
+    // the last group's padding is far below, but what runs wild may reach even there
+    const int real = t_.nodes - group * width;
+    if (real < width) bits &= (1u << real) - 1u;
     for (; bits != 0; bits &= bits - 1) {
       if (lanes_.leader()) s_.watch[count] = group * width + Kokkos::countr_zero(bits);
       ++count;
