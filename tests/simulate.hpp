@@ -7,6 +7,7 @@
 
 #include "host/run/batch.hpp"
 #include "host/run/record.hpp"
+#include "tests/compare.hpp"
 
 /// A whole run in memory, for tests: from a scene to everything that it records.
 namespace ra2d::test {
@@ -84,6 +85,29 @@ inline std::vector<Recording> simulate(const std::vector<Scene>& scenes,
 
 inline Recording simulate(const Scene& scene, const Launches& launches = {}) {
   return simulate(std::vector<Scene>{scene}, launches)[0];
+}
+
+/// All that a run records, as one list.
+inline Bits bits(const Recording& r) {
+  Bits out;
+  const SampleBlock& s = r.samples;
+  for (const auto* column :
+       {&s.time, &s.resonator_displacement, &s.resonator_velocity, &s.slider_displacement,
+        &s.slider_velocity, &s.force, &s.nodes, &s.kinetic, &s.elastic, &s.contact, &s.damping_loss,
+        &s.sliding_work, &s.load_work})
+    put(out, *column);
+  put_shocks(out, r.shocks);
+  put_shocks(out, r.end.open_shocks);
+  for (const OpenShock& shock : r.end.open_shocks) put(out, {shock.force});
+  const Snapshot& e = r.end;
+  for (const auto* column :
+       {&e.resonator_u, &e.resonator_v, &e.slider_u, &e.slider_v, &e.resonator_square})
+    put(out, *column);
+  put(out, {e.sliding_work, e.force_work, e.energy, e.energy_limit});
+  for (const std::int64_t i :
+       {static_cast<std::int64_t>(e.status), e.step, e.contact_steps, e.most_nodes, e.shocks_begun})
+    out.push_back(static_cast<std::uint64_t>(i));
+  return out;
 }
 
 }  // namespace ra2d::test

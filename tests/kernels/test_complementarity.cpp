@@ -8,18 +8,19 @@
 #include <cstdint>
 #include <limits>
 #include <numeric>
-#include <random>
 #include <string>
 #include <vector>
 
 #include "kernels/contact/complementarity.hpp"
 #include "kernels/lanes.hpp"
+#include "tests/dice.hpp"
 
 /// The contact forces of one step, on nodes and modes made up here, against an exhaustive search
 /// and against the conditions that they must meet.
 namespace {
 
 using namespace ra2d;
+using test::Dice;
 using Matrix = Eigen::MatrixXd;
 using Vector = Eigen::VectorXd;
 using LongMatrix = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
@@ -361,25 +362,6 @@ class Exhaustive {
 };
 
 // ---- random problems --------------------------------------------------------------------------
-
-class Dice {
- public:
-  explicit Dice(std::uint64_t seed) : engine_{seed} {}
-  double uniform(double low, double high) {
-    return low + (high - low) * static_cast<double>(engine_() >> 11) * 0x1p-53;
-  }
-  int pick(int count) { return static_cast<int>(engine_() % static_cast<std::uint64_t>(count)); }
-  bool one_in(int count) { return pick(count) == 0; }
-  std::vector<int> order(int count) {
-    std::vector<int> out(count);
-    std::iota(out.begin(), out.end(), 0);
-    for (int i = count - 1; i > 0; --i) std::swap(out[i], out[pick(i + 1)]);
-    return out;
-  }
-
- private:
-  std::mt19937_64 engine_;
-};
 
 enum class Shapes { random, positive, mesh, fine_mesh, rigid };
 

@@ -34,29 +34,6 @@ Scene rough_scene(Support slider) {
   return s;
 }
 
-/// All that a run records, as one list.
-Bits bits(const Recording& r) {
-  Bits out;
-  const SampleBlock& s = r.samples;
-  for (const auto* column :
-       {&s.time, &s.resonator_displacement, &s.resonator_velocity, &s.slider_displacement,
-        &s.slider_velocity, &s.force, &s.nodes, &s.kinetic, &s.elastic, &s.contact, &s.damping_loss,
-        &s.sliding_work, &s.load_work})
-    put(out, *column);
-  put_shocks(out, r.shocks);
-  put_shocks(out, r.end.open_shocks);
-  for (const OpenShock& shock : r.end.open_shocks) put(out, {shock.force});
-  const Snapshot& e = r.end;
-  for (const auto* column :
-       {&e.resonator_u, &e.resonator_v, &e.slider_u, &e.slider_v, &e.resonator_square})
-    put(out, *column);
-  put(out, {e.sliding_work, e.force_work, e.energy, e.energy_limit});
-  for (const std::int64_t i :
-       {static_cast<std::int64_t>(e.status), e.step, e.contact_steps, e.most_nodes, e.shocks_begun})
-    out.push_back(static_cast<std::uint64_t>(i));
-  return out;
-}
-
 /// Sliders of all supports, over all nodes and candidates.
 std::vector<Scene> kinds() {
   std::vector<Scene> scenes;
