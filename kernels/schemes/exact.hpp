@@ -66,15 +66,15 @@ struct Exact {
       }
       return;
     }
-    const double e = std::exp(-zeta * x);
     if (zeta < 1.0) {
-      const double w = std::sqrt(1.0 - zeta * zeta);
+      const double w = std::sqrt(1.0 - zeta * zeta), e = std::exp(-zeta * x);
       p = e * std::sin(w * x) / w;
       q = 1.0 - e * std::cos(w * x) - zeta * p;
     } else {
       const double w = std::sqrt(zeta * zeta - 1.0);
-      p = w > 0 ? e * std::sinh(w * x) / w : e * x;
-      q = 1.0 - e * std::cosh(w * x) - zeta * p;
+      const double slow = std::exp((w - zeta) * x), fast = std::exp(-(w + zeta) * x);
+      p = w > 0 ? 0.5 * (slow - fast) / w : slow * x;
+      q = 1.0 - 0.5 * (slow + fast) - zeta * p;
     }
   }
 };
