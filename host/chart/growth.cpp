@@ -12,7 +12,8 @@
 namespace ra2d {
 namespace {
 
-constexpr double spring_ratio = 1000;  // of the contact spring's stiffness to the mode's
+constexpr double spring_ratio = 1000;          // of the contact spring's stiffness to the mode's
+constexpr double well_above_roundings = 1e-3;  // of the motion at the start
 constexpr double peak_height = 1e-4, pressed = 1e-5, far_away = 1.0;  // m
 
 /// A steel plate with one mode under a rigid slider whose one peak stands over the middle of it,
@@ -126,12 +127,13 @@ std::vector<double> measure_growth(const std::vector<Trial>& trials, int steps) 
   for (std::int64_t step = 1; step <= steps; step *= 2) {
     batch.march(step);
     for (std::size_t i = 0; i < count; ++i) {
-      Matrix now;
       if (!going[i]) continue;
-      going[i] = look(i, step, now) || step == 1;
+      Matrix now;
+      going[i] = look(i, step, now);
       const Matrix taken = now * begin[i].inverse();
-      if (going[i]) growth[i] = std::log(spectral_radius(taken)) / static_cast<double>(step);
-      going[i] = going[i] && taken.norm() > 1e-3;
+      going[i] = going[i] && taken.norm() > well_above_roundings;
+      if (going[i] || step == 1)
+        growth[i] = std::log(spectral_radius(taken)) / static_cast<double>(step);
     }
   }
   return growth;

@@ -87,6 +87,10 @@ int dispatch(int argc, char** argv) {
                  words);
       return wrong_request;
     }
+  if (command == "chart" && argc > 2 && argv[2][0] != '-' && kind != "chart stability") {
+    fmt::print(stderr, "ra2d: there is no chart '{}'; there is 'stability'\n", argv[2]);
+    return wrong_request;
+  }
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& request) {
