@@ -39,9 +39,9 @@ std::complex<double> mode_increment(SchemeKind scheme, double zeta, double x) {
   return half_trace + std::copysign(std::sqrt(square), 1 + half_trace);
 }
 
-/// |R|^2 - 1 = sum_k p_k x^k at z = x (-zeta + i sqrt(1 - zeta^2)), zeta <= 1: with the coefficients
-/// alpha of R and cos(theta) = -zeta, p_k = sum_{j + l = k} alpha_j alpha_l cos((j - l) theta). Up to
-/// the order of the scheme it is |exp(z)|^2's, exactly.
+/// The p_k of |R|^2 - 1 = sum_k p_k x^k at z = x (-zeta + i sqrt(1 - zeta^2)), zeta <= 1: with the
+/// coefficients alpha of R and cos(theta) = -zeta, p_k = sum_{j + l = k} alpha_j alpha_l cos((j - l)
+/// theta). Up to the order of the scheme they are those of |exp(z)|^2, exactly.
 std::vector<double> growth_polynomial(const SchemeTable& table, double zeta) {
   const std::vector<double>& alpha = table.polynomial;
   const int degree = static_cast<int>(alpha.size()) - 1;
@@ -92,8 +92,8 @@ bool takes_new_force(SchemeChoice choice) {
   return choice.scheme == SchemeKind::backward_euler && choice.force_time == ForceTime::new_time;
 }
 
-/// The step of the joined modes less the identity, on (sigma U, V). Column by column: the answers to
-/// a one in each.
+/// The step of the joined modes less the identity, on (sigma U, V). Its columns are the answers to a
+/// one in each.
 Eigen::MatrixXd joined_increment(SchemeChoice choice, const JoinedModes& joined, double stiffness,
                                  double tau) {
   const int n = static_cast<int>(joined.modes.size());
@@ -153,8 +153,8 @@ double log_amplification(SchemeChoice choice, const JoinedModes& joined, double 
 }
 
 /// Eigenvalues of the joined modes with the spring, m_j (U_j'' + 2 zeta_j omega_j U_j' + omega_j^2
-/// U_j) + k psi_j sum_l psi_l U_l = 0. In the eigenbasis of the undamped motion the matrix is nearly
-/// normal and slow motions keep their digits beside the stiffest.
+/// U_j) + k psi_j sum_l psi_l U_l = 0. In the eigenbasis of the undamped motion the matrix is
+/// nearly normal and slow motions keep their digits beside the stiffest.
 std::vector<std::complex<double>> joined_eigenvalues(const JoinedModes& joined, double stiffness) {
   const int n = static_cast<int>(joined.modes.size());
   Eigen::MatrixXd square = Eigen::MatrixXd::Zero(n, n);
@@ -191,7 +191,7 @@ std::vector<std::complex<double>> joined_eigenvalues(const JoinedModes& joined, 
 double held_force_limit(const JoinedModes& joined, double stiffness) {
   const auto damped = [](const Mode& mode) { return mode.zeta * mode.omega > 0; };
   if (std::none_of(joined.modes.begin(), joined.modes.end(), damped)) return 0.0;
-  // roundings of the eigenvalues of a matrix of this size; the growth at 1e-5/omega_c is 50 times it
+  // roundings of a matrix of this size; up to 50 modes the growth at 1e-5/omega_c is 25 times it
   const double tolerance =
       1e-12 * std::max<double>(1.0, static_cast<double>(joined.modes.size()) / 50);
   const auto holds = [&](double tau) {
@@ -342,6 +342,10 @@ JoinedModes most_yielding(const Model& model) {
     joined.square.push_back(drifting_square);
   }
   return joined;
+}
+
+double contact_frequency(const Model& model, const JoinedModes& place) {
+  return std::sqrt(model.node_stiffness * mass_sum(place));
 }
 
 StepLimits step_limits(const Model& model, SchemeChoice choice) {

@@ -12,14 +12,15 @@ namespace ra2d {
 struct SchemeChoice {
   SchemeKind scheme = SchemeKind::backward_euler;
   ForceTime force_time = ForceTime::old_time;
+  bool operator==(const SchemeChoice&) const = default;
 };
 
 /// Largest factor by which a step multiplies a free mode's amplitude, the spectral radius of its
 /// step; x = omega tau.
 double amplification(SchemeKind scheme, double zeta, double x);
 
-/// The x = omega tau up to which a free mode of damping ratio zeta stays bounded: 0 when it grows at
-/// every step, infinity when at none.
+/// The x = omega tau up to which a free mode of damping ratio zeta stays bounded: 0 when it grows
+/// at every step, infinity when at none.
 double mode_limit(SchemeKind scheme, double zeta);
 
 /// Modes that a contact spring joins at one place: mode k with the square of its shape there.
@@ -48,6 +49,10 @@ double contact_limit(SchemeChoice choice, const JoinedModes& joined, double stif
 /// The modes of both bodies where they yield most to a contact force.
 JoinedModes most_yielding(const Model& model);
 
+/// Angular frequency [rad/s] of the contact spring of one node against the bodies' inertia there,
+/// omega_c^2 = kappa chi w sum psi^2/m.
+double contact_frequency(const Model& model, const JoinedModes& place);
+
 /// What a scheme's step may be in a scene, and what binds it.
 struct StepLimits {
   double modes = 0;              // s, of the free modes
@@ -57,6 +62,8 @@ struct StepLimits {
   int many = 16;
   /// The largest step that holds: of the free modes and, under penalty, of one node in contact.
   double holds() const { return modes < contact_one ? modes : contact_one; }
+  /// Whether the free modes set it: the spring takes away less than a per cent.
+  bool modes_bind() const { return modes <= 1.01 * contact_one; }
 };
 
 /// Under multipliers there is no contact spring: contact_one and contact_many are infinite.

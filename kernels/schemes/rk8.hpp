@@ -19,8 +19,8 @@ namespace ra2d {
 /// stable for x <= 3.0018. With damping the limit is 3.09 at zeta = 0.02, 3.19 at 0.2, 3.22 at 0.7,
 /// 3.72 on the real axis (zeta = 1), and nowhere below 2.99.
 ///
-/// The penalty spring adds omega_c^2 = k sum phi^2/m to the stiffest modes': omega_c tau <= 3.0018. A
-/// shock's onset and release are kinks of the force: across an impact it is of order two like the
+/// The penalty spring adds omega_c^2 = k sum phi^2/m to the stiffest modes': omega_c tau <= 3.0018.
+/// A shock's onset and release are kinks of the force: across an impact it is of order two like the
 /// others.
 ///
 /// Multipliers: as for Heun.

@@ -234,7 +234,7 @@ Scene plate_and_slider() {
   s.slider.support = Support::free;
   s.slider.modes = 2;
   s.slider.damping = 0.01;
-  s.stiffness = 1e13;
+  s.stiffness = 1e15;
   return s;
 }
 
@@ -274,6 +274,7 @@ TEST(StepLimits, TakeTheStiffestModeAndTheSpring) {
   EXPECT_LT(limits.contact_many, limits.contact_one);
   EXPECT_LT(limits.contact_one, limits.modes);
   EXPECT_EQ(limits.holds(), limits.contact_one);
+  EXPECT_FALSE(limits.modes_bind());
   EXPECT_EQ(limits.contact_many,
             contact_limit(midpoint, most_yielding(model), 16 * model.node_stiffness));
 
@@ -287,6 +288,7 @@ TEST(StepLimits, TakeTheStiffestModeAndTheSpring) {
   EXPECT_EQ(limits.contact_one, infinity);
   EXPECT_EQ(limits.contact_many, infinity);
   EXPECT_EQ(limits.holds(), 2 / fastest);
+  EXPECT_TRUE(limits.modes_bind());
   EXPECT_EQ(step_limits(model, {SchemeKind::exact, ForceTime::old_time}).holds(), infinity);
 }
 
