@@ -230,7 +230,11 @@ class Candidates {
     for (int p = 1; p < K; ++p) part = multiply_add(load(weight, p), Kokkos::abs(x[p]), part);
     return lanes_.sum(part);
   }
+  /// The last group is filled up with nodes that do not exist: low as they are, a motion that has run
+  /// away, or is no longer a number, would reach them.
   KOKKOS_FORCEINLINE_FUNCTION void list_nodes(int group, std::uint32_t bits, int& count) {
+    const int left = t_.nodes - group * width;
+    if (left < width) bits &= (1u << left) - 1u;
     for (; bits != 0; bits &= bits - 1) {
       if (lanes_.leader()) s_.watch[count] = group * width + Kokkos::countr_zero(bits);
       ++count;
