@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <string>
 #include <vector>
@@ -33,6 +34,13 @@ class RatioReporter : public benchmark::ConsoleReporter {
 
   /// Whether any case gave up.
   bool failed() const { return failed_; }
+
+  /// Median time per step of a case [ns], NaN without it.
+  double median_of(const std::string& name) const {
+    const auto found = cases_.find(name);
+    return found == cases_.end() ? std::numeric_limits<double>::quiet_NaN()
+                                 : median(found->second.wall);
+  }
 
   /// Time per step: medians over the repetitions, and those of the baselines on the same scene over
   /// them.

@@ -6,16 +6,21 @@
 #include <filesystem>
 #include <map>
 #include <stdexcept>
+#include <utility>
 
 namespace ra2d::bench {
 namespace {
 
 constexpr std::int64_t settling_steps = 2'000'000;  // 20 ms at 10 ns
 
-Scene read(Paper paper) {
+Scene read(Paper paper, Method method) {
   const std::filesystem::path folder = std::filesystem::path(RA2D_SOURCE_DIR) / "scenes";
-  return read_scene(folder /
-                    (paper == Paper::free_slider ? "dang2012.toml" : "dang2012-pinned.toml"));
+  Scene scene =
+      read_scene(folder / (paper == Paper::free_slider ? "dang2012.toml" : "dang2012-pinned.toml"));
+  scene.scheme = method.scheme;
+  scene.force_time = method.force_time;
+  scene.law = method.law;
+  return scene;
 }
 
 double modal_energy(const Beam& beam, const std::vector<double>& u, const std::vector<double>& v) {
@@ -33,19 +38,19 @@ Prepared start_of(const Scene& scene) {
 
 }  // namespace
 
-Prepared at_start(Paper paper, int variant) {
-  Scene scene = read(paper);
+Prepared at_start(Paper paper, int variant, Method method) {
+  Scene scene = read(paper, method);
   scene.resonator.surface.seed += 2 * variant;  // stays clear of the slider's seeds
   scene.slider.surface.seed += 2 * variant;
   return start_of(scene);
 }
 
-std::vector<Prepared> settled(Paper paper, int count) {
-  static std::map<Paper, std::vector<Prepared>> known;
-  std::vector<Prepared>& scenes = known[paper];
+std::vector<Prepared> settled(Paper paper, int count, Method method) {
+  static std::map<std::pair<Paper, Method>, std::vector<Prepared>> known;
+  std::vector<Prepared>& scenes = known[{paper, method}];
   std::vector<Prepared> missing;
   for (int i = static_cast<int>(scenes.size()); i < count; ++i)
-    missing.push_back(at_start(paper, i));
+    missing.push_back(at_start(paper, i, method));
   if (!missing.empty()) {
     Batch batch = make_batch(missing);
     march_on(batch, static_cast<int>(missing.size()), settling_steps);
@@ -63,6 +68,7 @@ Prepared taken_over(const Prepared& from, const Snapshot& now) {
   out.start.resonator_u = now.resonator_u;
   out.start.resonator_v = now.resonator_v;
   out.start.slider_u = now.slider_u;
+  out.start.loaded_nodes.clear();  // multipliers are found anew
   out.start.slider_v = now.slider_v;
   // what the watch over the energy goes by; the contact's share is small against its allowance
   out.start.energy = modal_energy(from.model.resonator, now.resonator_u, now.resonator_v) +
@@ -82,8 +88,9 @@ Prepared before_contact(const Prepared& from, std::int64_t stretch) {
   throw std::runtime_error("benchmark scene: nothing ever touches");
 }
 
-Prepared in_flight() {
-  Scene scene = read(Paper::pinned_slider);
+Prepared in_flight(Method method) {
+  Scene scene = read(Paper::pinned_slider, method);
+  scene.initial = Initial::rest;
   scene.gap = 1.0;
   scene.rate = 1000.0;  // so that hardly anything but flying is timed
   Prepared out = start_of(scene);
@@ -93,8 +100,8 @@ Prepared in_flight() {
   return out;
 }
 
-Prepared in_contact() {
-  Scene scene = read(Paper::free_slider);
+Prepared in_contact(Method method) {
+  Scene scene = read(Paper::free_slider, method);
   scene.speed = 0.0;
   scene.rate = 1000.0;
   Prepared out = start_of(scene);

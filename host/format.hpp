@@ -9,6 +9,7 @@ namespace ra2d {
 
 /// A time [s] for people, in the unit that suits it.
 inline std::string seconds_text(double s) {
+  if (s < 0.9995e-6) return fmt::format("{:.3g} ns", s * 1e9);
   if (s < 1e-3) return fmt::format("{:.3g} us", s * 1e6);
   if (s < 1) return fmt::format("{:.3g} ms", s * 1e3);
   if (s < 120) return fmt::format("{:.3g} s", s);

@@ -15,10 +15,12 @@
 /// Look (look_ahead): at a reference state the overlap o of a node and its rate along the straight
 /// line U + t V are known. In free flight the modes leave that line by at most A t^2/2 with
 ///
-///   A = sum_k max|psi_k| ((1 + 2 zeta) omega_k E_k + |load_k|/m_k),
-///   E_k^2 = V_k^2 + omega_k^2 U_k^2,
+///   A = sum_k max|psi_k| (pull_k (E_k + t push_k) + push_k),   E_k^2 = V_k^2 + omega_k^2 U_k^2,
 ///
-/// since E_k grows by the load alone; the node's own way over the bent beam adds the curvature
+/// where the scheme's step gives pull_k, for backward Euler (1 + 2 zeta) omega_k at the most, and the
+/// outer forces with it push_k (host/run/step_bounds.hpp: the bound holds for a number of steps, at
+/// all their stages, of stable and unstable schemes); the node's own way over the bent beam adds the
+/// curvature
 /// B = 2 V sum_k max|psi_k'| |V_k| + V^2 sum_k max|psi_k''| |U_k|. So no node touches before the
 /// smallest root of o + rate t + (A + B) t^2/2 = 0. Until then the march flies: it advances the
 /// modes, nothing else.
@@ -26,8 +28,11 @@
 /// Watch: when that is too short, the nodes that could touch within N steps, if the modes stay
 /// within a leeway rho of their line, are evaluated at every step. While they stay, the contact
 /// force is at most f = kappa chi w sum_n max(0, overlap_n on the line + rho), so they leave the
-/// line by at most (A + f sum_k max|psi_k|^2/m_k (1 + (1 + 2 zeta) omega_k t)) t^2/2: N is the last
-/// step at which this is still within rho.
+/// line by at most (A + f sum_k max|psi_k| yield_k (1 + pull_k t)) t^2/2, yield_k = max|psi_k|/m_k
+/// times the step's own factor: N is the last step at which this is still within rho. Forces that
+/// are found with the end of the step (Form::held) have no such bound: there the march sums up what
+/// they have done, and does a step again with every node that could touch when the list would not
+/// have covered it.
 ///
 /// Near: both draw from a list of groups of nodes that can touch while no node passes another and
 /// sum_k max|psi_k| |U_k - U_k^near| <= reach. It is rebuilt by a pass over block maxima.

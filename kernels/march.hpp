@@ -18,10 +18,16 @@
 ///
 /// Every step is the paper's: contact detection, contact force, time integration. Which scheme
 /// integrates stands in the scene's tables (kernels/schemes/mode_step.hpp); the march knows three
-/// forms of a step (Form, kernels/model.hpp). What differs between `Look::all` and `Look::candidates` is only which nodes are looked at
+/// forms of a step (Form, kernels/model.hpp).
+///
+/// What differs between `Look::all` and `Look::candidates` is only which nodes are looked at
 /// (kernels/candidates.hpp). The arithmetic of a step does not depend on that, nor on where a
 /// launch ends: the results of all nodes and candidates, of one launch or many, are equal bit for
 /// bit.
+///
+/// The record is that of the state at each step, whatever the scheme does within it: shocks and the
+/// work of the imposed motion are summed from the contact forces there (under Form::held from the
+/// force over the step that ends there), level and damping loss from the velocities.
 namespace ra2d {
 
 /// Energy may exceed what was put in by this factor before the run counts as unstable. The contact
@@ -83,7 +89,7 @@ class Marcher {
   std::int64_t step_;
   Real u_[K], v_[K], square_[K], bend_, load_[K];
 
-  double last_force_ = 0.0;  // of the latest step with contact: guesses how long a watch will hold
+  double last_force_ = 0.0;  // of the latest steps with contact: guesses how long a watch will hold
 
   KOKKOS_FORCEINLINE_FUNCTION Real load(const double* lanes, int pack) const {
     return lanes_.load(lanes + pack * width);
@@ -325,7 +331,10 @@ class Marcher {
   /// What a step adds to the record.
   KOKKOS_FORCEINLINE_FUNCTION void record(const ContactTotals<Real>& totals, const Place& place,
                                           std::int64_t step) {
-    if (totals.touched > 0) last_force_ = totals.force;
+    if constexpr (form == Form::held)  // an impact's whole impulse may fall into one step
+      last_force_ += 0.125 * (totals.force - last_force_);
+    else if (totals.touched > 0)
+      last_force_ = totals.force;
     if (!lanes_.leader()) return;
     if (totals.touched > 0) {
       s_.climb_part += totals.climb;
@@ -537,7 +546,7 @@ class Marcher {
     ContactTotals<Real> totals;
     double most = 0.0;
     const auto list = [&](const Real* at) { return nodes(at, v, place); };
-    const Held found = held_(place, u, v, list, totals, most);
+    const Held found = held_(place, step_ + 1, u, v, list, totals, most);
     if (outlook != nullptr) {
       // did all that was looked at stay where the list holds?
       pushed += most;
@@ -565,6 +574,7 @@ class Marcher {
       s_.held_force = totals.force;
       s_.held_energy = 0.5 * t_.compliance * energy;
       s_.held_nodes = totals.touched;
+      for (int e = 0; e < 2 && e < totals.touched; ++e) s_.held_pair[e] = s_.touched[e];
     }
     y.bend = y.bend + totals.bend;
     lanes_.sync();

@@ -105,6 +105,7 @@ struct SceneState {
   double held_force = 0;   // N
   double held_energy = 0;  // J
   int held_nodes = 0;
+  int held_pair[2] = {};  // the first two of them
   // ... and the work space of its solver: the nodes that carry force, in the order in which they
   // came
   int pressed_capacity = 0;

@@ -56,6 +56,7 @@ void print_report(const Scene& scene, const RunReport& r, const std::filesystem:
     print_line("  peak force",
                fmt::format("median {:.3g} N, 90 % up to {:.3g} N", r.force_median, r.force_90));
   }
+  if (!r.beyond_limit.empty()) print_line("beyond limit", r.beyond_limit);
   print_line("in contact", fmt::format("{:.2f} % of the time", 100 * r.contact_share));
   print_line("nodes evaluated", fmt::format("{:.2f} a step, on average", r.evaluated));
   print_line("energy",

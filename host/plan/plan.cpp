@@ -5,49 +5,21 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
-#include <limits>
 
 #include "host/format.hpp"
+#include "host/plan/schemes.hpp"
+#include "host/scene/names.hpp"
 
 namespace ra2d {
 namespace {
 
-/// Wall time of a step on one core of a server processor of 2023, in ns: in free flight, and in
-/// contact at a few nodes (bench/bench_march.cpp). Every node at every step costs 0.7 ns a node.
-constexpr double flight_ns = 5.0, contact_ns = 50.0, node_ns = 0.7;
+/// Wall time of a step on one core of a server processor of 2023, in ns (bench/bench_march.cpp): in
+/// free flight; in contact at a few nodes, by the form of the step, the staged ones a stage; and
+/// where every node is looked at, a node and a look.
+constexpr double flight_ns = 5.0, contact_ns = 50.0, stage_ns = 100.0, held_ns = 400.0,
+                 node_ns = 0.7;
 
-/// Largest value over the length of a beam of sum_k weight(k) psi_k^2.
-double largest(const Beam& beam, const std::function<double(const ModeShape&)>& weight) {
-  if (beam.modes.empty()) return 0.0;
-  const int places =
-      40 * static_cast<int>(beam.modes.size()) + 1;  // tens to a wavelength, and both ends
-  double most = 0.0;
-  for (int i = 0; i < places; ++i) {
-    double sum = 0.0;
-    for (const ModeShape& mode : beam.modes) {
-      double psi = 0.0;
-      evaluate(mode, beam.length, beam.length * i / (places - 1), 1, &psi);
-      sum += weight(mode) * psi * psi;
-    }
-    most = std::max(most, sum);
-  }
-  return most;
-}
-
-/// The left side of backward Euler's condition for one node of stiffness 1 N/m: stable while it is
-/// below 1/stiffness.
-double yielding(const Model& model, double tau) {
-  const auto part = [&](const Beam& beam) {
-    return largest(beam, [&](const ModeShape& mode) {
-      const double turn = mode.omega * tau;
-      return tau * tau / (beam.mass_per_length * (4.0 + 4.0 * beam.zeta * turn + turn * turn));
-    });
-  };
-  return part(model.resonator) + part(model.slider);
-}
-
-BodyPlan plan_body(const Beam& beam, const BodySpec& spec, int nodes, double spacing, double tau) {
+BodyPlan plan_body(const Beam& beam, const BodySpec& spec, int nodes, const Scene& scene) {
   BodyPlan plan;
   plan.nodes = nodes;
   double beta = 0;
@@ -57,17 +29,25 @@ BodyPlan plan_body(const Beam& beam, const BodySpec& spec, int nodes, double spa
     beta = std::max(beta, mode.beta);
   }
   plan.next = spec.support == Support::rigid ? 0.0 : elastic_frequency(spec, plan.elastic_modes);
-  plan.wavelength_nodes = beta > 0 ? 2 * M_PI / beta / spacing : 0.0;
-  plan.numerical_damping = M_PI * plan.highest * tau;
+  plan.wavelength_nodes = beta > 0 ? 2 * M_PI / beta / scene.spacing : 0.0;
+  if (plan.highest > 0)
+    plan.error = step_error(scene.scheme, beam.zeta, 2 * M_PI * plan.highest * scene.step);
   return plan;
 }
 
-std::string support_text(Support support) {
-  return support == Support::pinned ? "pinned" : support == Support::free ? "free" : "rigid";
+/// What the step makes of a body's highest mode.
+std::string error_text(const Scene& scene, const StepError& error, double zeta) {
+  if (scene.scheme == SchemeKind::exact) return "the step is exact for free modes";
+  const auto shift = [](double value) {
+    return std::abs(value) < 1e-9 ? "under 1e-9" : fmt::format("{:+.1e}", value);
+  };
+  return fmt::format("the step shifts that one's damping ratio, {:g}, by {}, its period by {}",
+                     zeta, shift(error.damping), shift(error.period));
 }
 
-std::string body_text(const char* name, const BodySpec& spec, const BodyPlan& plan, double zeta) {
-  std::string text = fmt::format("{:<11}{}, {:g} x {:g} mm", name, support_text(spec.support),
+std::string body_text(const char* name, const Scene& scene, const BodySpec& spec,
+                      const BodyPlan& plan) {
+  std::string text = fmt::format("{:<11}{}, {:g} x {:g} mm", name, supports.name(spec.support),
                                  spec.length * 1e3, spec.thickness * 1e3);
   if (spec.support == Support::rigid) return text + ": follows its path, no mode\n";
   text += fmt::format(": {} modes", plan.rigid_modes + plan.elastic_modes);
@@ -75,57 +55,138 @@ std::string body_text(const char* name, const BodySpec& spec, const BodyPlan& pl
   if (plan.elastic_modes > 0)
     text += fmt::format(", the highest at {:.0f} Hz ({:.0f} nodes to its wave)", plan.highest,
                         plan.wavelength_nodes);
-  text += fmt::format("; the next would be at {:.0f} Hz\n", plan.next);
+  text += '\n';
   if (plan.elastic_modes > 0)
-    text += fmt::format(
-        "           the step damps its highest mode by {:.2g} (numerical), the material by "
-        "{:.2g}\n",
-        plan.numerical_damping, zeta);
+    text += fmt::format("           {}\n", error_text(scene, plan.error, spec.damping));
+  text += fmt::format("           the next mode would be at {:.0f} Hz\n", plan.next);
+  return text;
+}
+
+/// A step [s] as the table and the messages give it: what holds, or how much of it.
+std::string limit_text(double limit) {
+  return std::isinf(limit) ? "every step" : limit == 0 ? "no step" : seconds_text(limit);
+}
+
+/// Three digits, rounded down: what is copied into a scene still holds.
+std::string rounded_down(double value) {
+  const double unit = std::pow(10.0, std::floor(std::log10(value)) - 2);
+  return fmt::format("{:.3g}", std::floor(value / unit) * unit);
+}
+
+std::string table_name(SchemeChoice choice) {
+  return fmt::format("{}{}", schemes.name(choice.scheme),
+                     choice.force_time == ForceTime::new_time ? ", new force" : "");
+}
+
+/// A line a scheme: the largest steps that hold.
+std::string stability_text(const Scene& scene, const Plan& plan) {
+  const bool spring = scene.law == ContactLaw::penalty;
+  std::string text =
+      fmt::format("stability  the largest steps that hold{}:\n",
+                  spring ? ", the contact spring closed at the place that yields most"
+                         : "; there is no contact spring");
+  const auto line = [&](const std::string& name, const std::string& modes, const std::string& one,
+                        const std::string& many, const std::string& holds) {
+    text += fmt::format("           {:<28}{:<20}", name, modes);
+    if (spring) text += fmt::format("{:<12}{:<12}{}", one, many, holds);
+    text.erase(text.find_last_not_of(' ') + 1);
+    text += '\n';
+  };
+  line("  scheme", "free modes", "one node", fmt::format("{} nodes", plan.own.limits.many),
+       "holds up to");
+  for (const auto& [choice, limits] : plan.schemes) {
+    std::string modes = limit_text(limits.modes), holds = limit_text(limits.holds());
+    if (limits.binding_frequency > 0)
+      modes += fmt::format(" ({:.4g} kHz)", limits.binding_frequency * 1e-3);
+    if (!std::isinf(limits.holds())) holds += limits.modes_bind() ? ", modes" : ", contact";
+    line(fmt::format("{} {}", choice == plan.own.choice ? '>' : ' ', table_name(choice)), modes,
+         limit_text(limits.contact_one), limit_text(limits.contact_many), holds);
+  }
   return text;
 }
 
 }  // namespace
 
-double contact_step_limit(const Model& model, int nodes) {
-  const double target = 1.0 / (model.node_stiffness * nodes);
-  double low = 1e-15, high = 1e3;
-  if (yielding(model, high) < target) return std::numeric_limits<double>::infinity();
-  if (yielding(model, low) > target) return 0.0;
-  while (high / low > 1.0 + 1e-6) {
-    const double middle = std::sqrt(low * high);
-    (yielding(model, middle) < target ? low : high) = middle;
-  }
-  return low;
+std::string scheme_text(const Scene& scene, SchemeChoice choice) {
+  std::string text = schemes.name(choice.scheme);
+  if (scene.law == ContactLaw::penalty && choice.scheme == SchemeKind::backward_euler)
+    text +=
+        fmt::format(" with the contact force of the {} time", force_times.name(choice.force_time));
+  return text;
 }
 
-double contact_frequency(const Model& model) {
-  const auto part = [](const Beam& beam) {
-    return largest(beam, [&](const ModeShape&) { return 1.0 / beam.mass_per_length; });
-  };
-  return std::sqrt(model.node_stiffness * (part(model.resonator) + part(model.slider)));
+SchemeChoice choice_of(const Scene& scene) {
+  // the others take the force in one way only
+  const bool asked = scene.scheme == SchemeKind::backward_euler && scene.law == ContactLaw::penalty;
+  return {scene.scheme, asked ? scene.force_time : ForceTime::old_time};
+}
+
+std::string beyond_limit(const Model& model, const StepLimits& limits) {
+  const Scene& scene = model.scene;
+  if (!(scene.step > limits.holds())) return {};
+  const SchemeChoice choice = choice_of(scene);
+  const bool modes = limits.modes_bind();
+  const std::string what = modes ? fmt::format("a free mode at {:.0f} Hz", limits.binding_frequency)
+                                 : "a node in contact";
+  std::string text =
+      limits.holds() == 0
+          ? fmt::format("at no step does {} hold {}", scheme_text(scene, choice), what)
+          : fmt::format("{} holds {} up to {} s, and time.step is {:g} s",
+                        scheme_text(scene, choice), what, rounded_down(limits.holds()), scene.step);
+  const double growth = modes ? mode_growth(model, choice.scheme, scene.step)
+                              : contact_growth(model, choice, most_yielding(model), scene.step);
+  if (growth > 0)
+    text += fmt::format("; at {:g} s {} grows e-fold in {}", scene.step,
+                        modes ? "it" : "such a contact, while closed,", seconds_text(1 / growth));
+  return text;
+}
+
+std::string step_cure(const Scene& scene, double holds) {
+  std::vector<std::string> keys;
+  if (scene.scheme != SchemeKind::backward_euler)
+    keys.emplace_back("time.scheme = \"backward-euler\"");
+  if (scene.law == ContactLaw::penalty) keys.emplace_back("time.contact_force = \"new\"");
+  return fmt::format(
+      "Take {}{} (holds at every step)",
+      holds > 0 ? fmt::format("time.step = {} or less, or ", rounded_down(holds)) : std::string{},
+      fmt::join(keys, " with "));
 }
 
 Plan make_plan(const Model& model, std::size_t memory) {
   const Scene& scene = model.scene;
   Plan plan;
-  plan.resonator =
-      plan_body(model.resonator, scene.resonator, static_cast<int>(model.resonator_height.size()),
-                scene.spacing, scene.step);
-  plan.slider = plan_body(model.slider, scene.slider, model.nodes(), scene.spacing, scene.step);
+  plan.resonator = plan_body(model.resonator, scene.resonator,
+                             static_cast<int>(model.resonator_height.size()), scene);
+  plan.slider = plan_body(model.slider, scene.slider, model.nodes(), scene);
   plan.delta = model.delta;
-  plan.limit_one = contact_step_limit(model, 1);
-  plan.limit_many = contact_step_limit(model, plan.many);
-  const double omega_c = contact_frequency(model);
+  const JoinedModes place = most_yielding(model);
+  const bool spring = scene.law == ContactLaw::penalty;
+  for (const auto& [name, scheme] : schemes.now) {
+    if (!spring && !takes_multipliers(scheme)) continue;
+    for (const ForceTime time : {ForceTime::old_time, ForceTime::new_time}) {
+      const SchemeChoice choice{scheme, time};
+      const bool differs = spring && scheme == SchemeKind::backward_euler;
+      if (time == ForceTime::new_time && !differs) continue;
+      plan.schemes.push_back({choice, step_limits(model, choice, place)});
+      if (choice == choice_of(scene)) plan.own = plan.schemes.back();
+    }
+  }
+  const double omega_c = spring ? contact_frequency(model, place) : 0.0;
   plan.contact_period = omega_c > 0 ? M_PI / omega_c : 0.0;
   plan.steps_per_node = model.advance > 0 ? 1.0 / model.advance : 0.0;
   plan.steps = model.steps;
   plan.samples = model.samples;
-  const double steps = static_cast<double>(model.steps);
+  const double seconds = 1e-9 * static_cast<double>(model.steps);
+  const bool held = holds_forces(scene);
+  const int stages = scheme_table(scene.scheme).stages;
   if (scene.nodes == Nodes::all) {
-    plan.seconds_low = plan.seconds_high = steps * node_ns * model.nodes() * 1e-9;
+    const int looks = held ? 2 : stages;  // without and with the contact's force
+    plan.seconds_low = plan.seconds_high = seconds * looks * node_ns * model.nodes();
   } else {
-    plan.seconds_low = steps * flight_ns * 1e-9;
-    plan.seconds_high = steps * contact_ns * 1e-9;
+    plan.seconds_low = seconds * flight_ns;
+    plan.seconds_high = seconds * (held                             ? held_ns
+                                   : is_semi_implicit(scene.scheme) ? contact_ns
+                                                                    : stages * stage_ns);
   }
   plan.memory = memory;
   const std::size_t columns = 1 + 2 * (model.resonator.modes.size() + model.slider.modes.size()) +
@@ -142,16 +203,16 @@ Plan make_plan(const Model& model, std::size_t memory) {
         model.slider.load_force, plan.slider.next, scene.slider.max_frequency.value_or(0.0)));
   if (model.resonator.modes.empty())
     plan.notes.push_back("the resonator keeps no mode: nothing vibrates and there is no level");
-  if (scene.step > plan.limit_one)
+  const StepLimits& limits = plan.own.limits;
+  if (const std::string beyond = beyond_limit(model, limits); !beyond.empty())
     plan.notes.push_back(
-        fmt::format("time.step = {:g} s is beyond what the contact spring of a single node allows, "
-                    "{:.3g} s: the "
-                    "run will stop as unstable",
-                    scene.step, plan.limit_one));
-  else if (scene.step > plan.limit_many)
+        scene.force ? fmt::format("{}; 'ra2d run' takes it, for time.force = true", beyond)
+                    : fmt::format("{}; 'ra2d run' refuses it, unless time.force = true. {}", beyond,
+                                  step_cure(scene, limits.holds())));
+  else if (scene.step > limits.contact_many)
     plan.notes.push_back(
         fmt::format("time.step = {:g} s holds for a node in contact, not for {} at once ({:.3g} s)",
-                    scene.step, plan.many, plan.limit_many));
+                    scene.step, limits.many, limits.contact_many));
   if (plan.contact_period > 0 && scene.step > plan.contact_period / 20)
     plan.notes.push_back(fmt::format("a shock lasts about {}, {:.1f} steps: too few to follow it",
                                      seconds_text(plan.contact_period),
@@ -162,23 +223,22 @@ Plan make_plan(const Model& model, std::size_t memory) {
 std::string describe(const Model& model, const Plan& plan) {
   const Scene& scene = model.scene;
   std::string text;
-  text += body_text("resonator", scene.resonator, plan.resonator, scene.resonator.damping);
-  text += body_text("slider", scene.slider, plan.slider, scene.slider.damping);
+  text += body_text("resonator", scene, scene.resonator, plan.resonator);
+  text += body_text("slider", scene, scene.slider, plan.slider);
   text += fmt::format(
       "nodes      {} of the slider over {} of the resonator, {:g} um apart; delta = {:.6g} um\n",
       plan.slider.nodes, plan.resonator.nodes, scene.spacing * 1e6, plan.delta * 1e6);
-  text +=
-      fmt::format("contact    penalty, {:.3g} N/m a node: a shock of one node lasts {} or longer\n",
-                  model.node_stiffness, seconds_text(plan.contact_period));
-  text += fmt::format("scheme     backward Euler, force at the old time: {} steps of {}",
+  if (scene.law == ContactLaw::penalty)
+    text += fmt::format(
+        "contact    penalty, {:.3g} N/m a node: a shock of one node lasts {} or longer\n",
+        model.node_stiffness, seconds_text(plan.contact_period));
+  else
+    text += "contact    multiplier: each step ends without penetration; no spring\n";
+  text += fmt::format("scheme     {}: {} steps of {}", scheme_text(scene, plan.own.choice),
                       plan.steps, seconds_text(scene.step));
   if (plan.steps_per_node > 0) text += fmt::format(", {:.4g} to a node", plan.steps_per_node);
-  text += "\n";
-  text += "stability  the modes alone hold at every step; the contact spring binds: ";
-  text += std::isinf(plan.limit_one)
-              ? std::string("it holds at every step too\n")
-              : fmt::format("up to {} for one node, {} for {} at one place\n",
-                            seconds_text(plan.limit_one), seconds_text(plan.limit_many), plan.many);
+  text += '\n';
+  text += stability_text(scene, plan);
   text += fmt::format("looked at  {}\n",
                       scene.nodes == Nodes::all
                           ? "every node at every step"

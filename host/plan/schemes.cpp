@@ -12,10 +12,31 @@
 namespace ra2d {
 namespace {
 
+/// R(z) = 1 + sum_j z^j b . A^(j-1) 1.
+template <class Scheme>
+std::vector<double> polynomial_of() {
+  if constexpr (!requires { Scheme::a(0, 0); }) {
+    return {};
+  } else {
+    std::vector<double> power(Scheme::stages, 1.0), coefficients{1.0};  // power = A^(j-1) 1
+    for (int j = 1; j <= Scheme::stages; ++j) {
+      double sum = 0;
+      for (int i = 0; i < Scheme::stages; ++i) sum += Scheme::b(i) * power[i];
+      coefficients.push_back(sum);
+      for (int i = Scheme::stages - 1; i >= 0; --i) {  // explicit: row i needs the rows above
+        double next = 0;
+        for (int l = 0; l < i; ++l) next += Scheme::a(i, l) * power[l];
+        power[i] = next;
+      }
+    }
+    return coefficients;
+  }
+}
+
 template <class Scheme>
 const SchemeTable& table_of() {
-  static const SchemeTable table{Scheme::order, Scheme::stages, Scheme::place, Scheme::velocity_lag,
-                                 Scheme::prepare};
+  static const SchemeTable table{Scheme::order,        Scheme::stages,  Scheme::place,
+                                 Scheme::velocity_lag, Scheme::prepare, polynomial_of<Scheme>()};
   return table;
 }
 

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <vector>
+
 #include "host/scene/scene.hpp"
 #include "kernels/schemes/mode_step.hpp"
 
@@ -12,6 +14,9 @@ struct SchemeTable {
   const double* place;  // (stages)
   double velocity_lag;
   ModeStep (*prepare)(const Mode&, double tau);
+  /// Coefficients of the stability polynomial R(z), y1 = R(tau lambda) y0 for y' = lambda y, from
+  /// the constant on: Runge-Kutta schemes; empty for the others.
+  std::vector<double> polynomial;
 };
 
 const SchemeTable& scheme_table(SchemeKind scheme);

@@ -12,14 +12,15 @@ namespace ra2d {
 struct SchemeChoice {
   SchemeKind scheme = SchemeKind::backward_euler;
   ForceTime force_time = ForceTime::old_time;
+  bool operator==(const SchemeChoice&) const = default;
 };
 
 /// Largest factor by which a step multiplies a free mode's amplitude, the spectral radius of its
 /// step; x = omega tau.
 double amplification(SchemeKind scheme, double zeta, double x);
 
-/// The x = omega tau up to which a free mode of damping ratio zeta stays bounded: 0 when it grows at
-/// every step, infinity when at none.
+/// The x = omega tau up to which a free mode of damping ratio zeta stays bounded: 0 when it grows
+/// at every step, infinity when at none.
 double mode_limit(SchemeKind scheme, double zeta);
 
 /// Modes that a contact spring joins at one place: mode k with the square of its shape there.
@@ -30,27 +31,50 @@ struct JoinedModes {
   std::vector<double> square;  // psi_k^2 at the place, 1/m
 };
 
+/// What a step does to a free mode beside what the mode does by itself.
+struct StepError {
+  double damping = 0;  // damping ratio that the step adds to zeta; negative: it feeds the mode
+  double period = 0;   // relative change of its period; 0 where the step lets it swing no more
+};
+StepError step_error(SchemeKind scheme, double zeta, double x);
+
 /// Largest factor by which a step multiplies a motion of the joined modes while a contact spring of
 /// `stiffness` [N/m] stays closed.
 double amplification(SchemeChoice choice, const JoinedModes& joined, double stiffness, double tau);
 
-/// The largest step [s] up to which such motion stays bounded: 0 and infinity as above.
+/// The largest step [s] up to which such motion stays bounded: 0 and infinity as above. For `exact`
+/// it is found by search and 0 stands for any below 1e-5/omega_c, omega_c^2 = k sum psi^2/m.
 double contact_limit(SchemeChoice choice, const JoinedModes& joined, double stiffness);
 
 /// The modes of both bodies where they yield most to a contact force.
 JoinedModes most_yielding(const Model& model);
 
+/// Angular frequency [rad/s] of the contact spring of one node against the bodies' inertia there,
+/// omega_c^2 = kappa chi w sum psi^2/m.
+double contact_frequency(const Model& model, const JoinedModes& place);
+
 /// What a scheme's step may be in a scene, and what binds it.
 struct StepLimits {
-  double modes = 0;                          // s, of the free modes
-  double binding_frequency = 0;              // Hz, of the mode that sets it
-  double contact_one = 0, contact_many = 0;  // s, one and `many` nodes closed at one place (penalty)
+  double modes = 0;              // s, of the free modes
+  double binding_frequency = 0;  // Hz, of the mode that sets it
+  double contact_one = 0,
+         contact_many = 0;  // s, one and `many` nodes closed at one place (penalty)
   int many = 16;
   /// The largest step that holds: of the free modes and, under penalty, of one node in contact.
   double holds() const { return modes < contact_one ? modes : contact_one; }
+  /// Whether the free modes set it: the spring takes away less than a per cent.
+  bool modes_bind() const { return modes <= 1.01 * contact_one; }
 };
 
 /// Under multipliers there is no contact spring: contact_one and contact_many are infinite.
 StepLimits step_limits(const Model& model, SchemeChoice choice);
+/// The same with most_yielding(model) at hand.
+StepLimits step_limits(const Model& model, SchemeChoice choice, const JoinedModes& place);
+
+/// Fastest growth [1/s] of a motion's amplitude under steps of tau, of the free modes or with one
+/// node closed at that place; what decays most slowly where nothing grows.
+double mode_growth(const Model& model, SchemeKind scheme, double tau);
+double contact_growth(const Model& model, SchemeChoice choice, const JoinedModes& place,
+                      double tau);
 
 }  // namespace ra2d

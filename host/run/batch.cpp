@@ -486,7 +486,9 @@ SceneState Batch::Impl::fill_state(const Model& model, const ModalStart& begin, 
     s.held_step = 0;
     s.held_force = begin.contact_force;
     s.held_energy = begin.contact_energy;
-    s.held_nodes = begin.nodes_in_contact;
+    s.held_nodes = static_cast<int>(begin.loaded_nodes.size());
+    for (std::size_t e = 0; e < 2 && e < begin.loaded_nodes.size(); ++e)
+      s.held_pair[e] = begin.loaded_nodes[e];
     std::fill_n(arena.host<int>(l.pressed_place), model.nodes(), -1);
   }
   s.pressed_capacity = l.pressed_capacity;

@@ -14,6 +14,11 @@
 /// by Newton's method on its piecewise quadratic form. The contact springs are stiffened from soft
 /// to the asked value, each stage starting from the one before: a slider first settles as a whole,
 /// then onto its two or three highest asperities.
+///
+/// Under multipliers the springs serve the search alone. Each is given the force f_n that it carried
+/// as a preload, so that it carries it with less overlap in the next round (the augmented Lagrangian
+/// method): what is left of the overlap falls by the ratio of the bodies' stiffness to the spring's
+/// each time, until it is lost in roundings.
 namespace ra2d {
 namespace {
 
@@ -41,6 +46,26 @@ class Potential {
     }
     const std::vector<double> faces = overlaps(model, {}, {});
     faces_ = Eigen::Map<const Eigen::VectorXd>(faces.data(), model.nodes());
+    preload_ = Eigen::VectorXd::Zero(model.nodes());
+  }
+
+  /// Stiffness of a spring that the modes yield to by far more than it gives [N/m].
+  double stiff() const {
+    Eigen::VectorXd yielding = Eigen::VectorXd::Zero(faces_.size());
+    for (int k = 0; k < modes(); ++k)
+      if (stiffness_[k] > 0) yielding += shapes_.col(k).cwiseAbs2() / stiffness_[k];
+    const double most = yielding.maxCoeff();
+    return most > 0 ? 100 / most : 1e6;  // on rigid modes alone every spring settles at once
+  }
+  /// Contact forces of springs at a state [N].
+  Eigen::VectorXd forces(const Eigen::VectorXd& u, double spring) const {
+    return (spring * overlap(u) + preload_).cwiseMax(0.0);
+  }
+  void preload(const Eigen::VectorXd& forces) { preload_ = forces; }
+  /// Overlap that roundings alone may leave [m].
+  double roundings(const Eigen::VectorXd& u) const {
+    return 16 * std::numeric_limits<double>::epsilon() *
+           (faces_.cwiseAbs().maxCoeff() + (shapes_.cwiseAbs() * u.cwiseAbs()).maxCoeff());
   }
 
   int modes() const { return static_cast<int>(stiffness_.size()); }
@@ -57,7 +82,7 @@ class Potential {
       hessian(k, k) = stiffness_[k];
       scale += std::abs(load_[k]) + std::abs(stiffness_[k] * u[k]);
     }
-    const Eigen::VectorXd over = overlap(u);
+    const Eigen::VectorXd over = overlap(u) + preload_ / spring;
     for (int n = 0; n < over.size(); ++n) {
       if (over[n] <= 0) continue;
       force.noalias() -= spring * over[n] * shapes_.row(n).transpose();
@@ -70,7 +95,7 @@ class Potential {
   /// unlike its value, is known to the last digits. The slope never falls, since the potential is
   /// convex.
   double best_length(const Eigen::VectorXd& u, const Eigen::VectorXd& step, double spring) const {
-    const Eigen::VectorXd over = overlap(u), change = shapes_ * step;
+    const Eigen::VectorXd over = overlap(u) + preload_ / spring, change = shapes_ * step;
     const auto slope = [&](double length) {
       double sum = 0;
       for (int k = 0; k < modes(); ++k)
@@ -120,28 +145,49 @@ class Potential {
 
  private:
   std::vector<double> stiffness_, load_;
-  Eigen::MatrixXd shapes_;  // (node, mode)
-  Eigen::VectorXd faces_;   // overlap of the faces alone
+  Eigen::MatrixXd shapes_;   // (node, mode)
+  Eigen::VectorXd faces_;    // overlap of the faces alone
+  Eigen::VectorXd preload_;  // N, of the springs
 };
+
+/// Settles from `u` on springs that are stiffened to `spring`.
+bool settle(const Potential& potential, double spring, Eigen::VectorXd& u) {
+  for (double soft = 1e-10; soft < 0.5; soft *= 10)
+    if (!potential.minimise(u, soft * spring)) return false;
+  return potential.minimise(u, spring);
+}
+
+/// ... and on until no face overlaps; `forces` are those of the contact.
+bool settle_without_overlap(Potential& potential, Eigen::VectorXd& u, Eigen::VectorXd& forces) {
+  const double spring = potential.stiff();
+  if (!settle(potential, spring, u)) return false;
+  for (int round = 0; round < 100; ++round) {
+    forces = potential.forces(u, spring);
+    if (potential.overlap(u).maxCoeff() <= potential.roundings(u)) return true;
+    potential.preload(forces);
+    if (!potential.minimise(u, spring)) return false;
+  }
+  return false;
+}
 
 }  // namespace
 
 ModalStart make_start(const Model& model) {
   const int modes2 = static_cast<int>(model.resonator.modes.size());
   const int modes1 = static_cast<int>(model.slider.modes.size());
-  Eigen::VectorXd u = Eigen::VectorXd::Zero(modes2 + modes1);
+  const bool multipliers = model.scene.law == ContactLaw::multiplier;
+  Eigen::VectorXd u = Eigen::VectorXd::Zero(modes2 + modes1), forces;
   if (model.scene.initial == Initial::statics && u.size() > 0) {
-    const Potential potential(model);
-    bool settled = true;
-    for (double soft = 1e-10; soft < 0.5 && settled; soft *= 10)
-      settled = potential.minimise(u, soft * model.node_stiffness);
-    settled = settled && potential.minimise(u, model.node_stiffness);
+    Potential potential(model);
+    const bool settled = multipliers ? settle_without_overlap(potential, u, forces)
+                                     : settle(potential, model.node_stiffness, u);
     if (!settled)
       throw RequestError(
           fmt::format("{}: scene.initial = \"static\": no static equilibrium was found under this "
                       "load and contact. Start "
-                      "from \"rest\", or lower contact.stiffness",
-                      model.scene.file.string()));
+                      "from \"rest\"{}",
+                      model.scene.file.string(),
+                      multipliers ? ", or widen scene.gap" : ", or lower contact.stiffness"));
   }
   ModalStart start;
   start.resonator_u.assign(u.data(), u.data() + modes2);
@@ -158,11 +204,18 @@ ModalStart make_start(const Model& model) {
   };
   start.energy =
       elastic(model.resonator, start.resonator_u) + elastic(model.slider, start.slider_u);
-  for (const double overlap : overlaps(model, start.resonator_u, start.slider_u)) {
-    if (overlap < 0) continue;
-    ++start.nodes_in_contact;
-    start.contact_force += model.node_stiffness * overlap;
-    start.contact_energy += 0.5 * model.node_stiffness * overlap * overlap;
+  if (multipliers) {
+    for (int n = 0; n < forces.size(); ++n)
+      if (forces[n] > 0) start.loaded_nodes.push_back(n);
+    start.contact_force = forces.sum();
+    return start;
+  }
+  const std::vector<double> overlap = overlaps(model, start.resonator_u, start.slider_u);
+  for (int n = 0; n < model.nodes(); ++n) {
+    if (overlap[n] < 0) continue;
+    start.loaded_nodes.push_back(n);
+    start.contact_force += model.node_stiffness * overlap[n];
+    start.contact_energy += 0.5 * model.node_stiffness * overlap[n] * overlap[n];
   }
   start.energy += start.contact_energy;
   return start;

@@ -34,10 +34,10 @@ Model make_model(const Scene& scene);
 /// springs.
 struct ModalStart {
   std::vector<double> resonator_u, resonator_v, slider_u, slider_v;
-  double energy = 0;  // J, kinetic + elastic + contact
-  int nodes_in_contact = 0;
-  double contact_force = 0;   // N
-  double contact_energy = 0;  // J, of the contact springs, part of `energy`
+  double energy = 0;              // J, kinetic + elastic + contact
+  double contact_force = 0;       // N
+  std::vector<int> loaded_nodes;  // nodes in contact, in ascending order
+  double contact_energy = 0;      // J, of the contact springs, part of `energy`
 };
 
 /// Where the scene starts: at rest, or in static equilibrium under load and contact

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <ctime>
 
+#include "host/errors.hpp"
 #include "host/plan/plan.hpp"
 #include "host/run/statistics.hpp"
 #include "host/store/store.hpp"
@@ -38,29 +39,69 @@ ResultHeader make_header(const Model& model) {
   return header;
 }
 
-std::string describe_failure(const Model& model, const Snapshot& end) {
-  const double time = static_cast<double>(end.step) * model.scene.step;
-  std::string text =
-      end.status == Status::not_finite
-          ? fmt::format("not finite: at t = {:.6g} s (step {}) the state is no longer a number",
-                        time, end.step)
-          : fmt::format(
-                "unstable: by t = {:.6g} s (step {}) the energy had grown to {:.3g} J, over {:.3g} "
-                "J, ten "
-                "times all that sliding and loads had put in",
-                time, end.step, end.energy, end.energy_limit);
-  const int nodes = static_cast<int>(std::max<std::int64_t>(1, end.most_nodes));
-  const double limit = contact_step_limit(model, nodes);
-  text += fmt::format(
-      ". Limit: backward Euler takes the contact spring explicitly; with {} node{} in contact, the "
-      "most at once, "
-      "time.step must stay below {:.3g} s, and it is {:g} s. ",
-      nodes, nodes == 1 ? "" : "s", limit, model.scene.step);
-  if (model.scene.step >= limit)
-    text += fmt::format("Use time.step = {:.1g} or a lower contact.stiffness", 0.5 * limit);
+/// Which limit the step crossed with the nodes that were in contact, and the cure.
+std::string describe_limit(const Model& model, int nodes) {
+  const Scene& scene = model.scene;
+  const SchemeChoice choice = choice_of(scene);
+  const JoinedModes place = most_yielding(model);
+  StepLimits limits = step_limits(model, choice, place);
+  if (scene.law == ContactLaw::penalty)
+    limits.contact_one = contact_limit(choice, place, nodes * model.node_stiffness);
+  const double holds = limits.holds();
+  if (std::isinf(holds))
+    return fmt::format(
+        ". Limit: none, {} holds at every step: check the scene for values far from "
+        "what they should be",
+        scheme_text(scene, choice));
+  const std::string what = limits.modes_bind()
+                               ? fmt::format("free mode at {:.0f} Hz", limits.binding_frequency)
+                               : fmt::format("contact spring of {} node{}, the most at once", nodes,
+                                             nodes == 1 ? "" : "s");
+  std::string text = fmt::format(". Limit: {} holds the {} ", scheme_text(scene, choice), what);
+  text += holds == 0
+              ? std::string("at no step. ")
+              : fmt::format("up to time.step = {:.3g} s, and it is {:g} s. ", holds, scene.step);
+  if (scene.step >= holds)
+    text += step_cure(scene, 0.5 * holds);
   else
     text += "The step is within it: check the scene for values far from what they should be";
   return text;
+}
+
+std::string describe_failure(const Model& model, const Snapshot& end) {
+  const Scene& scene = model.scene;
+  const std::string when =
+      fmt::format("t = {:.6g} s (step {})", static_cast<double>(end.step) * scene.step, end.step);
+  if (end.status == Status::blocked)
+    return fmt::format(
+        "no motion of the kept modes keeps the faces apart at {}: keep more modes (max_frequency), "
+        "use contact.law = \"penalty\", or a larger scene.gap",
+        when);
+  if (end.status == Status::crowded)
+    return fmt::format(
+        "more nodes than there is room for (512) carry force at once with time.contact_force = "
+        "\"new\", at {}: use time.contact_force = \"old\", contact.law = \"multiplier\" or a wider "
+        "scene.spacing",
+        when);
+  const int nodes = static_cast<int>(std::max<std::int64_t>(1, end.most_nodes));
+  return (end.status == Status::not_finite
+              ? fmt::format("not finite: at {} the state is no longer a number", when)
+              : fmt::format("unstable: by {} the energy had grown to {:.3g} J, over {:.3g} J, ten "
+                            "times all that sliding and loads had put in",
+                            when, end.energy, end.energy_limit)) +
+         describe_limit(model, nodes);
+}
+
+/// What the step goes beyond, where the scene forces it; else the request is refused. Empty when it
+/// holds.
+std::string checked_limit(const Model& model) {
+  const Scene& scene = model.scene;
+  const StepLimits limits = step_limits(model, choice_of(scene));
+  const std::string beyond = beyond_limit(model, limits);
+  if (!beyond.empty() && !scene.force)
+    throw RequestError(fmt::format("{}: time.step: {}. {}, or time.force = true to run it as it is",
+                                   scene.file.string(), beyond, step_cure(scene, limits.holds())));
+  return beyond;
 }
 
 /// Steps to a launch: about a fifth of a second, so that progress and interrupts are prompt.
@@ -84,11 +125,14 @@ class LaunchLength {
 RunReport run(const Scene& scene, const RunOptions& options) {
   const Clock::time_point begun = Clock::now();
   const Model model = make_model(scene);
+  RunReport report;
+  report.beyond_limit = checked_limit(model);
   const ModalStart start = make_start(model);
   Batch batch({model}, {start});
-  ResultFile file(options.output, make_header(model));
+  ResultHeader header = make_header(model);
+  header.beyond_limit = report.beyond_limit;
+  ResultFile file(options.output, header);
 
-  RunReport report;
   EnergyAccount energy;
   LogHistogram durations, forces;
   std::int64_t samples = 0;
@@ -135,7 +179,7 @@ RunReport run(const Scene& scene, const RunOptions& options) {
     }
   }
   keep(make_shocks(model, now.open_shocks));
-  if (now.status == Status::unstable || now.status == Status::not_finite) {
+  if (now.status != Status::running && now.status != Status::done) {
     report.ending = Ending::failed;
     report.failure = describe_failure(model, now);
   }

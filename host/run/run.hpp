@@ -31,8 +31,9 @@ enum class Ending { complete, interrupted, failed };
 
 struct RunReport {
   Ending ending = Ending::complete;
-  std::string failure;  // what, when, which limit, which cure; empty unless it failed
-  double time = 0;      // s simulated
+  std::string failure;       // what, when, which limit, which cure; empty unless it failed
+  std::string beyond_limit;  // what the step goes beyond (time.force); empty while it holds
+  double time = 0;           // s simulated
   std::int64_t steps = 0;
   double v_rms = 0, lv = 0;
   double shocks = 0;                            // per simulated second
@@ -46,7 +47,8 @@ struct RunReport {
 };
 
 /// Runs a scene to its end, an interrupt or a failure, and writes the result file in every case
-/// (marked when it was cut short). Throws RequestError and FileError.
+/// (marked when it was cut short). Throws RequestError, also for a step beyond the limits of
+/// stability that the scene does not force, and FileError.
 RunReport run(const Scene& scene, const RunOptions& options);
 
 }  // namespace ra2d

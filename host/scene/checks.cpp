@@ -7,6 +7,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "host/plan/schemes.hpp"
+#include "host/scene/names.hpp"
 #include "host/scene/text.hpp"
 
 namespace ra2d {
@@ -151,6 +153,24 @@ void check_loads(const Scene& s, Document& document) {
         "expected \"rest\" (or slider.load = \"weight\")");
 }
 
+/// What multipliers ask of the scheme and of the bodies.
+void check_law(const Scene& s, Document& document) {
+  if (s.law != ContactLaw::multiplier) return;
+  if (!takes_multipliers(s.scheme))
+    document.fault("contact.law",
+                   fmt::format("\"multiplier\" with time.scheme = \"{}\": the force of a step does "
+                               "not move its end, so none keeps the faces apart: expected "
+                               "\"penalty\" (or time.scheme = \"backward-euler\")",
+                               schemes.name(s.scheme)));
+  const auto keeps_none = [](const BodySpec& body) {
+    return body.support == Support::rigid || (body.support == Support::pinned && body.modes == 0);
+  };
+  if (keeps_none(s.resonator) && keeps_none(s.slider))
+    document.fault("contact.law",
+                   "\"multiplier\" between bodies that keep no mode: nothing can move out of the "
+                   "way: expected \"penalty\" (or modes on a body that is not rigid)");
+}
+
 }  // namespace
 
 void check(const Scene& scene, Document& document) {
@@ -163,6 +183,7 @@ void check(const Scene& scene, Document& document) {
     check_surface(scene, name, *body, document);
   }
   check_loads(scene, document);
+  check_law(scene, document);
   for (std::size_t i = 0; i < scene.probes.size(); ++i) {
     if (scene.probes[i] < 0 || scene.probes[i] > scene.resonator.length)
       document.fault(fmt::format("output.probes[{}]", i),

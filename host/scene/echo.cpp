@@ -118,15 +118,23 @@ std::string echo(const Scene& scene) {
 
   out.section("[contact]");
   out.key("law", contact_laws.name(scene.law));
-  out.key("stiffness", scene.stiffness);
+  const bool spring = scene.law == ContactLaw::penalty;
+  if (spring || scene.stiffness != 0)
+    out.key("stiffness", scene.stiffness, spring ? "" : "multipliers have no spring");
 
   out.section("[time]");
   out.key("scheme", schemes.name(scene.scheme));
+  out.key("contact_force", force_times.name(scene.force_time),
+          !spring ? "multipliers are found with the end of the step"
+          : scene.scheme != SchemeKind::backward_euler
+              ? fmt::format("{} takes the force at its stages", schemes.name(scene.scheme))
+              : "");
   out.key("step", scene.step);
   if (scene.tolerance)
     out.key("tolerance", *scene.tolerance,
             fmt::format("{} takes fixed steps", schemes.name(scene.scheme)));
   out.key("nodes", node_choices.name(scene.nodes));
+  if (scene.force) out.raw("force", "true");
 
   out.section("[output]");
   out.key("rate", scene.rate);

@@ -93,7 +93,9 @@ Scene read(Document& document, const std::filesystem::path& file) {
 
   in = document.section("contact");
   scene.law = in.choice("law", contact_laws, Need::optional).value_or(ContactLaw::penalty);
-  scene.stiffness = *in.number("stiffness", positive, "Pa/m");
+  scene.stiffness =
+      in.number("stiffness", positive, "Pa/m", needed(scene.law == ContactLaw::penalty))
+          .value_or(0);
 
   in = document.section("time");
   scene.scheme = in.choice("scheme", schemes, Need::optional).value_or(SchemeKind::backward_euler);

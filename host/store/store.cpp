@@ -320,6 +320,7 @@ void ResultFile::Impl::create(const ResultHeader& header) {
   set_attribute(file_, "backend", header.backend);
   set_attribute(file_, "threads", std::int64_t{header.threads});
   set_attribute(file_, "started", header.started);
+  if (!header.beyond_limit.empty()) set_attribute(file_, "beyond_limit", header.beyond_limit);
 
   const h5::Properties group_creation = ordered(H5P_GROUP_CREATE);
   for (const char* path : groups)

@@ -13,7 +13,8 @@ struct ResultHeader {
   std::string scene;    // TOML text of the scene
   std::string backend;  // e.g. "OpenMP"
   int threads = 1;
-  std::string started;                                        // ISO 8601, UTC
+  std::string beyond_limit;  // the limit of stability that time.force passes; no attribute if empty
+  std::string started;       // ISO 8601, UTC
   std::vector<double> resonator_frequency, slider_frequency;  // Hz; either may be empty
   std::vector<double> probe_position;                         // m; may be empty
   std::vector<double> resonator_height, slider_height;        // m, the profiles used

@@ -39,6 +39,10 @@ namespace ra2d {
 /// several times what is ever seen. When no motion of the modes keeps the bodies apart (a rigid
 /// slider pressed onto few modes from both sides of a vibration node), the method finds that, too.
 ///
+/// From step to step the same one or two nodes mostly carry the force: they are tried first, and
+/// taken when their forces are positive and nothing else overlaps, which are all the conditions there
+/// are.
+///
 /// What is left: overlaps of the order of the roundings of a gap (SceneTables::touch).
 ///
 /// An impact of a mass. Coming from a distance theta tau |V| (0 <= theta < 1), without force for the
@@ -58,20 +62,102 @@ class Complementarity {
                                   const NodeContact<Lanes, K>& contact)
       : lanes_{lanes}, t_{tables}, s_{state}, contact_{contact} {}
 
+  /// Tries the nodes that carried force at the end of the step before, one or two. True when they
+  /// are the answer.
+  template <class List>
+  KOKKOS_FORCEINLINE_FUNCTION bool resume(const Place& place, Real* u, Real* v, const List& list,
+                                          ContactTotals<Real>& totals, double& most) {
+    const int count = s_.held_nodes;
+    if (count < 1 || count > 2) return false;
+    const int first = s_.held_pair[0], second = count > 1 ? s_.held_pair[1] : first;
+    contact_.expand(place, s_.held_pair, count);
+    Real phi[K], slope[K], weighted[K], other[K], other_slope[K];
+    contact_.shapes(first, place.offset, phi, slope);
+    for (int p = 0; p < K; ++p) weighted[p] = held_u(p) * phi[p];
+    const double own = yielding(weighted, phi) + t_.compliance;
+    const double over = contact_.overlap(first, place.theta, phi, u);
+    double force = over / own, other_force = 0.0;
+    if (count > 1) {
+      contact_.shapes(second, place.offset, other, other_slope);
+      const double across = yielding(weighted, other);
+      for (int p = 0; p < K; ++p) weighted[p] = held_u(p) * other[p];
+      const double other_own = yielding(weighted, other) + t_.compliance;
+      const double other_over = contact_.overlap(second, place.theta, other, u);
+      const double share = across / own, pivot = other_own - share * across;
+      if (!(pivot > 1e-6 * other_own)) return false;  // leave it to the careful way
+      other_force = (other_over - share * over) / pivot;
+      force -= share * other_force;
+      if (!(other_force > 0.0)) return false;
+    }
+    if (!(force > 0.0)) return false;
+    Real push[K], now[K];
+    for (int p = 0; p < K; ++p) {
+      push[p] = Real(force) * phi[p];
+      if (count > 1) push[p] = multiply_add(other_force, other[p], push[p]);
+      now[p] = multiply_add(-held_u(p), push[p], u[p]);
+    }
+    most = force + other_force;
+    const int nodes = list(now);
+    for (int e = 0; e < nodes; ++e) {
+      const int node = s_.watch[e];
+      if (node == first || node == second) continue;
+      Real at[K];
+      contact_.shape(node, place.offset, at);
+      if (contact_.overlap(node, place.theta, at, now) > t_.touch) return false;
+    }
+    totals.touched = count;
+    totals.force = most;
+    totals.climb = force * contact_.rise(first) + other_force * contact_.rise(second);
+    for (int p = 0; p < K; ++p) {
+      Real bend = Real(force) * slope[p];
+      if (count > 1) bend = multiply_add(other_force, other_slope[p], bend);
+      totals.bend = multiply_add(bend, now[p], totals.bend);
+      u[p] = now[p];
+      v[p] = multiply_add(-lanes_.load(t_.held_v + p * Lanes::width), push[p], v[p]);
+    }
+    lanes_.sync();
+    if (lanes_.leader()) {
+      s_.touched[0] = first;
+      s_.touched_force[0] = force;
+      if (count > 1) {
+        s_.touched[1] = second;
+        s_.touched_force[1] = other_force;
+      }
+    }
+    lanes_.sync();
+    return true;
+  }
+
   /// Relative size of a pivot at which a node counts as depending on those that carry force.
   static constexpr double dependent = 1e-13;
 
   /// Finds the contact forces of a step: corrects its end (u, v), lists in the state's work space
   /// the nodes that carry force, in ascending order. `list(u)` gives the number of nodes to look at,
   /// listed in the state's `watch` and expanded: all that overlap at u must be among them. `most`
-  /// is the largest total force [N] on the way.
+  /// is the largest total force [N] on the way, not less than what it comes with. `step` ends at
+  /// `place`.
   template <class List>
-  KOKKOS_FUNCTION Held operator()(const Place& place, Real* u, Real* v, const List& list,
-                                  ContactTotals<Real>& totals, double& most) {
+  KOKKOS_FORCEINLINE_FUNCTION Held operator()(const Place& place, std::int64_t step, Real* u,
+                                              Real* v, const List& list,
+                                              ContactTotals<Real>& totals, double& most) {
+    if (s_.held_step == step - 1 && resume(place, u, v, list, totals, most)) return Held::solved;
+    return seek(place, u, v, list, totals, most);
+  }
+
+ private:
+  const Lanes& lanes_;
+  const SceneTables& t_;
+  SceneState& s_;
+  const NodeContact<Lanes, K>& contact_;
+  int count_ = 0;  // nodes that carry force
+
+  /// The careful way, from no force on.
+  template <class List>
+  KOKKOS_FUNCTION Held seek(const Place& place, Real* u, Real* v, const List& list,
+                            ContactTotals<Real>& totals, double& most) {
     Real now[K];
     for (int p = 0; p < K; ++p) now[p] = u[p];
     count_ = 0;
-    most = 0.0;
     Held result = Held::solved;
     const int rounds = 64 + 8 * t_.nodes;
     double wide = 0.0;
@@ -96,13 +182,6 @@ class Complementarity {
     return result;
   }
 
- private:
-  const Lanes& lanes_;
-  const SceneTables& t_;
-  SceneState& s_;
-  const NodeContact<Lanes, K>& contact_;
-  int count_ = 0;  // nodes that carry force
-
   KOKKOS_FORCEINLINE_FUNCTION Real held_u(int p) const {
     return lanes_.load(t_.held_u + p * Lanes::width);
   }
@@ -125,8 +204,8 @@ class Complementarity {
     for (int e = 0; e < nodes; ++e) {
       const int node = s_.watch[e];
       if (s_.pressed_place[node] >= 0) continue;
-      Real phi[K], slope[K];
-      contact_.shapes(node, place.offset, phi, slope);
+      Real phi[K];
+      contact_.shape(node, place.offset, phi);
       const double overlap = contact_.overlap(node, place.theta, phi, u);
       if (!(overlap > over)) continue;
       over = overlap;
@@ -144,12 +223,12 @@ class Complementarity {
 
   /// Raises the force on `node` until its overlap `over` is gone, lets go what would have to pull.
   KOKKOS_FUNCTION Held press(const Place& place, int node, double over) {
-    Real weighted[K], slope[K], phi[K];
-    contact_.shapes(node, place.offset, phi, slope);
+    Real weighted[K], phi[K];
+    contact_.shape(node, place.offset, phi);
     for (int p = 0; p < K; ++p) weighted[p] = held_u(p) * phi[p];
     const double own = yielding(weighted, phi) + t_.compliance;
     for (int j = 0; j < count_; ++j) {
-      contact_.shapes(s_.pressed[j], place.offset, phi, slope);
+      contact_.shape(s_.pressed[j], place.offset, phi);
       const double w = yielding(weighted, phi);
       if (lanes_.leader()) s_.across[j] = w;
     }
@@ -233,12 +312,12 @@ class Complementarity {
     }
     --count_;
     lanes_.sync();
-    Real phi[K], slope[K], weighted[K];
+    Real phi[K], weighted[K];
     for (int i = out; i < count_; ++i) {
-      contact_.shapes(s_.pressed[i], place.offset, weighted, slope);
+      contact_.shape(s_.pressed[i], place.offset, weighted);
       for (int p = 0; p < K; ++p) weighted[p] = held_u(p) * weighted[p];
       for (int j = 0; j <= i; ++j) {
-        contact_.shapes(s_.pressed[j], place.offset, phi, slope);
+        contact_.shape(s_.pressed[j], place.offset, phi);
         double w = yielding(weighted, phi);
         if (j == i) w += t_.compliance;
         for (int l = 0; l < j; ++l) w -= factor(i, l) * factor(j, l);
@@ -254,11 +333,11 @@ class Complementarity {
   /// end of the step still miss.
   KOKKOS_FUNCTION void settle(const Place& place, const Real* free) {
     for (int pass = 0; pass < 3; ++pass) {
-      Real now[K], phi[K], slope[K];
+      Real now[K], phi[K];
       end_of(place, free, now);
       double worst = 0.0;
       for (int j = 0; j < count_; ++j) {
-        contact_.shapes(s_.pressed[j], place.offset, phi, slope);
+        contact_.shape(s_.pressed[j], place.offset, phi);
         const double missing = contact_.overlap(s_.pressed[j], place.theta, phi, now) -
                                t_.compliance * s_.pressed_force[j];
         if (lanes_.leader()) s_.share[j] = missing;
@@ -289,10 +368,10 @@ class Complementarity {
 
   /// Displacement at the end of the step under the present forces.
   KOKKOS_FUNCTION void end_of(const Place& place, const Real* free, Real* u) const {
-    Real push[K], phi[K], slope[K];
+    Real push[K], phi[K];
     for (int p = 0; p < K; ++p) push[p] = Real(0.0);
     for (int j = 0; j < count_; ++j) {
-      contact_.shapes(s_.pressed[j], place.offset, phi, slope);
+      contact_.shape(s_.pressed[j], place.offset, phi);
       const Real f(s_.pressed_force[j]);
       for (int p = 0; p < K; ++p) push[p] = multiply_add(f, phi[p], push[p]);
     }

@@ -57,7 +57,7 @@ class NodeContact {
       : lanes_{lanes}, t_{tables}, s_{state}, penalty_{tables.node_stiffness} {}
 
   /// Expands the listed nodes that are not expanded for this window yet.
-  KOKKOS_FUNCTION void expand(const Place& place, const int* nodes, int count) {
+  KOKKOS_FUNCTION void expand(const Place& place, const int* nodes, int count) const {
     const std::int64_t window = place.window(t_);
     for (int e = 0; e < count; ++e) {
       const int node = nodes[e];
@@ -79,6 +79,16 @@ class NodeContact {
       const Real c1 = multiply_add(c2, x, lanes_.load(c + width * (K + p)));
       phi[p] = multiply_add(c1, x, lanes_.load(c + width * p));
       slope[p] = multiply_add(multiply_add(c3, x, c2), x, c1);
+    }
+  }
+  KOKKOS_FORCEINLINE_FUNCTION void shape(int node, double offset, Real* phi) const {
+    const double* c = s_.node_shape + node_offset(node);
+    const Real x(offset);
+    for (int p = 0; p < K; ++p) {
+      const Real c2 = multiply_add(lanes_.load(c + width * (3 * K + p)), x,
+                                   lanes_.load(c + width * (2 * K + p)));
+      const Real c1 = multiply_add(c2, x, lanes_.load(c + width * (K + p)));
+      phi[p] = multiply_add(c1, x, lanes_.load(c + width * p));
     }
   }
   /// Overlap -g of an expanded node whose shapes are phi [m].

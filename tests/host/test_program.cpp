@@ -132,10 +132,8 @@ TEST_F(Program, WrongRequestsEndWithTwoAndSayWhy) {
 }
 
 TEST_F(Program, WhatComesLaterIsRefusedByName) {
-  EXPECT_EQ(run({"run", scene("peaks"), "--set", "time.scheme=rk4"}), 2);
-  EXPECT_THAT(err_, AllOf(HasSubstr("rk4"), HasSubstr("not available yet")));
-  EXPECT_EQ(run({"run", scene("peaks"), "--set", "contact.law=multiplier"}), 2);
-  EXPECT_THAT(err_, AllOf(HasSubstr("multiplier"), HasSubstr("not available yet")));
+  EXPECT_EQ(run({"run", scene("peaks"), "--set", "time.scheme=adaptive"}), 2);
+  EXPECT_THAT(err_, AllOf(HasSubstr("adaptive"), HasSubstr("not available yet")));
 }
 
 TEST_F(Program, FilesThatCannotBeReadOrWrittenEndWithFour) {
@@ -205,7 +203,7 @@ TEST_F(Program, PlanRunsNothingAndSaysWhatWouldBeModelled) {
                  "time.step=1e-4", "--set", "output.rate=1e3"}),
             0)
       << err_;
-  EXPECT_THAT(out_, AllOf(HasSubstr("not used"), HasSubstr("will stop as unstable")));
+  EXPECT_THAT(out_, AllOf(HasSubstr("not used"), HasSubstr("'ra2d run' refuses it")));
 }
 
 TEST_F(Program, ASignalEndsTheRunCleanlyWithWhatThereIs) {
@@ -236,17 +234,67 @@ TEST_F(Program, AKilledRunLeavesNothingUnderTheFinalName) {
   EXPECT_FALSE(fs::exists(folder_ / "dang2012.h5"));
 }
 
-TEST_F(Program, AnUnstableRunEndsWithThreeAndSaysWhichStepWouldHold) {
-  EXPECT_EQ(run({"run", scene("drop"), "--set", "time.step=1e-4", "--set", "output.rate=1e3"}), 3);
-  EXPECT_THAT(err_, AllOf(HasSubstr("unstable"), HasSubstr("t ="), HasSubstr("contact spring"),
-                          HasSubstr("time.step must stay below"), HasSubstr("Use time.step =")));
-  // the step that it names does hold
-  const std::size_t at = err_.find("Use time.step = ") + 16;
+const std::vector<std::string> too_long{"--set", "time.step=1e-4", "--set", "output.rate=1e3"};
+std::vector<std::string> with(std::vector<std::string> words,
+                              const std::vector<std::string>& more) {
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
+TEST_F(Program, AStepBeyondTheLimitIsRefusedAndTheStepThatIsNamedHolds) {
+  ASSERT_EQ(run(with({"run", scene("drop")}, too_long)), 2);
+  EXPECT_THAT(err_,
+              AllOf(HasSubstr("time.step:"), HasSubstr("a node in contact up to"),
+                    HasSubstr("grows e-fold in"), HasSubstr("Take time.step = "),
+                    HasSubstr("time.contact_force = \"new\""), HasSubstr("time.force = true")));
+  EXPECT_FALSE(fs::exists(folder_ / "drop.h5"));
+  const std::size_t at = err_.find("Take time.step = ") + 17;
   const std::string step = err_.substr(at, err_.find(' ', at) - at);
-  EXPECT_EQ(python({"check_result.py", "drop.h5"}), 0) << out_ << err_;
   EXPECT_EQ(run({"run", scene("drop"), "--set", "time.step=" + step, "--set", "output.rate=1e3"}),
             0)
       << err_;
+  EXPECT_THAT(out_, Not(HasSubstr("beyond limit")));
+  EXPECT_EQ(python({"check_result.py", "drop.h5"}), 0) << out_ << err_;
+  EXPECT_EQ(run(with({"run", scene("drop"), "--set", "time.contact_force=new"}, too_long)), 0)
+      << err_;
+}
+
+TEST_F(Program, ASchemeThatGrowsAtEveryStepIsRefusedWithItsRate) {
+  for (const std::string scheme : {"explicit-euler", "heun"}) {
+    EXPECT_EQ(run({"run", scene("moving-force"), "--set", "time.scheme=" + scheme}), 2);
+    EXPECT_THAT(err_, AllOf(HasSubstr("at no step does " + scheme), HasSubstr("Hz"),
+                            HasSubstr("grows e-fold in"), Not(HasSubstr("Take time.step"))));
+  }
+  // undamped, the held force feeds the spring at every step; there is none with multipliers
+  EXPECT_EQ(run({"run", scene("moving-force"), "--set", "time.scheme=exact"}), 2);
+  EXPECT_THAT(err_, HasSubstr("at no step does exact hold a node in contact"));
+  EXPECT_EQ(run({"run", scene("moving-force"), "--set", "time.scheme=exact", "--set",
+                 "contact.law=multiplier"}),
+            0)
+      << err_;
+}
+
+TEST_F(Program, AForcedStepRunsAndTheFileSaysSo) {
+  // Heun's undamped modes grow e-fold in 8/(omega^4 tau^3), 40 s here
+  ASSERT_EQ(run({"run", scene("moving-force"), "--set", "time.scheme=heun", "--set",
+                 "time.force=true", "-o", "forced.h5"}),
+            0)
+      << err_;
+  EXPECT_THAT(out_, AllOf(HasSubstr("beyond limit"), HasSubstr("at no step does heun")));
+  ASSERT_EQ(run({"run", scene("moving-force"), "-o", "fine.h5"}), 0) << err_;
+  std::ofstream(folder_ / "look.py")
+      << "import h5py\n"
+         "assert 'at no step does heun' in h5py.File('forced.h5').attrs['beyond_limit']\n"
+         "assert 'beyond_limit' not in h5py.File('fine.h5').attrs\n";
+  Child look(folder_, {RA2D_PYTHON, "look.py"});
+  EXPECT_EQ(look.wait(), 0) << look.err();
+}
+
+TEST_F(Program, AnUnstableRunEndsWithThreeAndSaysWhichLimitItCrossed) {
+  EXPECT_EQ(run(with({"run", scene("drop"), "--set", "time.force=true"}, too_long)), 3);
+  EXPECT_THAT(err_, AllOf(HasSubstr("unstable"), HasSubstr("t ="), HasSubstr("contact spring of"),
+                          HasSubstr("up to time.step ="), HasSubstr("Take time.step =")));
+  EXPECT_EQ(python({"check_result.py", "drop.h5"}), 0) << out_ << err_;
 }
 
 }  // namespace

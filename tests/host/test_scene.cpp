@@ -136,9 +136,11 @@ void expect_same(const Scene& a, const Scene& b) {
   EXPECT_EQ(a.law, b.law);
   EXPECT_EQ(a.stiffness, b.stiffness);
   EXPECT_EQ(a.scheme, b.scheme);
+  EXPECT_EQ(a.force_time, b.force_time);
   EXPECT_EQ(a.step, b.step);
   EXPECT_EQ(a.tolerance, b.tolerance);
   EXPECT_EQ(a.nodes, b.nodes);
+  EXPECT_EQ(a.force, b.force);
   EXPECT_EQ(a.rate, b.rate);
   EXPECT_EQ(a.probes, b.probes);
 }
@@ -250,6 +252,9 @@ const Change rigid_slider{"support = \"free\"", "support = \"rigid\""};
 const Change static_start{"start", "initial = \"static\"\nstart"};
 const Change free_resonator{"\"pinned\"", "\"free\""};
 
+const std::string all_schemes =
+    "\"explicit-euler\", \"midpoint\", \"backward-euler\", \"heun\", \"rk4\", \"rk8\" or \"exact\"";
+
 const std::vector<Refused> refused{
     // not TOML
     {"Syntax", {{"speed = 0.5", "speed = = 0.5"}}, {"s.toml:3:", "not TOML"}},
@@ -261,7 +266,8 @@ const std::vector<Refused> refused{
      {"\ns.toml:15: resonator.surface.rms: unknown key (did you mean `rsm`?)"}},
     {"KeyFar",
      {{"step", "colour = 3\nstep"}},
-     {"\ns.toml:28: time.colour: unknown key: expected `scheme`, `step`, `tolerance` or `nodes`"}},
+     {"\ns.toml:28: time.colour: unknown key: expected `scheme`, `contact_force`, "
+      "`step`, `tolerance`, `nodes` or `force`"}},
     {"KeyOfAnotherSection",
      {{"step", "rate = 3\nstep"}},
      {"\ns.toml:28: time.rate: unknown key (did you mean `output.rate`?)"}},
@@ -327,7 +333,7 @@ const std::vector<Refused> refused{
      {"s.toml:2: scene.name: 3 is not allowed: expected a text"}},
     {"NumberForChoice",
      {{"step", "scheme = 3\nstep"}},
-     {"s.toml:28: time.scheme: 3 is not allowed: expected \"backward-euler\""}},
+     {"s.toml:28: time.scheme: 3 is not allowed: expected " + all_schemes}},
     {"NumberForTable",
      {{gaussian, "surface = 3"}},
      {"s.toml:15: resonator.surface: 3 is not allowed: expected a table"}},
@@ -397,18 +403,29 @@ const std::vector<Refused> refused{
     {"Nodes", {{"step", "nodes = \"candidate\"\nstep"}}, {"(did you mean \"candidates\"?)"}},
     {"UnknownScheme",
      {{"step", "scheme = \"backward_euler\"\nstep"}},
-     {"s.toml:28: time.scheme: \"backward_euler\" is unknown: expected \"backward-euler\" (did you "
-      "mean \"backward-euler\"?)"}},
+     {"s.toml:28: time.scheme: \"backward_euler\" is unknown: expected " + all_schemes +
+      " (did you mean \"backward-euler\"?)"}},
     {"UnknownLaterScheme",
-     {{"step", "scheme = \"rk44\"\nstep"}},
-     {"(did you mean \"rk4\"? not available yet)"}},
+     {{"step", "scheme = \"adaptiv\"\nstep"}},
+     {"(did you mean \"adaptive\"? not available yet)"}},
     {"UnknownLaw",
      {{"stiffness", "law = \"penalties\"\nstiffness"}},
      {"did you mean \"penalty\"?"}},
-    {"LaterLaw",
-     {{"stiffness", "law = \"multiplier\"\nstiffness"}},
-     {"s.toml:26: contact.law: \"multiplier\" is not available yet: expected \"penalty\""}},
+    {"ContactForce",
+     {{"step", "contact_force = \"now\"\nstep"}},
+     {"s.toml:28: time.contact_force: \"now\" is unknown: expected \"old\" or \"new\""}},
+    {"Force",
+     {{"step", "force = \"yes\"\nstep"}},
+     {"s.toml:28: time.force: \"yes\" is not allowed: expected true or false"}},
     // combinations
+    {"MultiplierWithExplicitEuler",
+     {{"stiffness", "law = \"multiplier\"\nstiffness"},
+      {"step", "scheme = \"explicit-euler\"\nstep"}},
+     {"s.toml:26: contact.law: \"multiplier\" with time.scheme = \"explicit-euler\"",
+      "does not move its end", "expected \"penalty\" (or time.scheme = \"backward-euler\")"}},
+    {"MultiplierBetweenBodiesThatCannotMove",
+     {rigid_slider, {"modes = 19", "modes = 0"}, {"stiffness", "law = \"multiplier\"\nstiffness"}},
+     {"s.toml:26: contact.law: \"multiplier\" between bodies that keep no mode"}},
     {"BothModeKeys",
      {{"modes = 19", "modes = 19\nmax_frequency = 1"}},
      {"s.toml:14: resonator.modes: stands beside `max_frequency`: expected one of the two (drop "
@@ -493,12 +510,46 @@ INSTANTIATE_TEST_SUITE_P(Each, SceneRefuses, testing::ValuesIn(refused),
                          [](const auto& info) { return info.param.name; });
 
 TEST(Scene, LaterSchemesAreRefusedByName) {
-  for (const std::string scheme :
-       {"explicit-euler", "midpoint", "heun", "rk4", "rk8", "exact", "adaptive"}) {
-    EXPECT_EQ(refusal(scene_text({{"step", "scheme = \"" + scheme + "\"\nstep"}})),
-              "s.toml: 1 fault\ns.toml:28: time.scheme: \"" + scheme +
-                  "\" is not available yet: expected \"backward-euler\"");
+  EXPECT_EQ(
+      refusal(scene_text({{"step", "scheme = \"adaptive\"\nstep"}})),
+      "s.toml: 1 fault\ns.toml:28: time.scheme: \"adaptive\" is not available yet: expected " +
+          all_schemes);
+}
+
+TEST(Scene, SchemesAndLawsAreChosenByName) {
+  const std::vector<std::pair<std::string, SchemeKind>> names{
+      {"explicit-euler", SchemeKind::explicit_euler},
+      {"midpoint", SchemeKind::midpoint},
+      {"backward-euler", SchemeKind::backward_euler},
+      {"heun", SchemeKind::heun},
+      {"rk4", SchemeKind::rk4},
+      {"rk8", SchemeKind::rk8},
+      {"exact", SchemeKind::exact}};
+  for (const auto& [name, scheme] : names) {
+    const Scene s = parse(minimal, {"time.scheme=" + name});
+    EXPECT_EQ(s.scheme, scheme);
+    expect_round_trip(s);
+    if (scheme == SchemeKind::explicit_euler) continue;
+    EXPECT_EQ(parse(minimal, {"time.scheme=" + name, "contact.law=multiplier"}).law,
+              ContactLaw::multiplier);
   }
+  Scene s = parse(minimal);
+  EXPECT_EQ(s.force_time, ForceTime::old_time);
+  EXPECT_FALSE(s.force);
+  s = parse(minimal, {"time.contact_force=new", "time.force=true"});
+  EXPECT_EQ(s.force_time, ForceTime::new_time);
+  EXPECT_TRUE(s.force);
+  expect_round_trip(s);
+}
+
+TEST(Scene, MultipliersNeedNoStiffness) {
+  const Scene s = parse(scene_text({{"stiffness = 1e15", "law = \"multiplier\""}}));
+  EXPECT_EQ(s.stiffness, 0);
+  EXPECT_THAT(echo(s), Not(HasSubstr("stiffness")));
+  expect_round_trip(s);
+  // a rigid slider on modes, and modes on a free slider alone, can move
+  EXPECT_EQ(refusal(scene_text({rigid_slider}), {"contact.law=multiplier"}), "accepted");
+  EXPECT_EQ(refusal(minimal, {"contact.law=multiplier", "resonator.modes=0"}), "accepted");
 }
 
 TEST(Scene, NamesEveryFaultAtOnceInOrderOfLines) {
@@ -613,7 +664,8 @@ TEST(SceneOverrides, FaultsAreLocatedByTheirText) {
        "resonator.surface.kind: \"gausian\" is unknown: expected \"gaussian\", \"file\", \"peaks\" "
        "or "
        "\"flat\" (did you mean \"gaussian\"?)"},
-      {"time.scheme=rk4", "time.scheme: \"rk4\" is not available yet: expected \"backward-euler\""},
+      {"time.scheme=adaptive",
+       "time.scheme: \"adaptive\" is not available yet: expected " + all_schemes},
       {"scene.speed=1 2", "scene.speed: \"1 2\" is not allowed: expected a number >= 0 (m/s)"},
       {"scene.start.x=1",
        "scene.start: 0.1 is no table, it has no `x`: expected scene.start=value, to set it as a "
@@ -685,6 +737,7 @@ stiffness = 1e15
 
 [time]
 scheme = "backward-euler"
+contact_force = "old"
 step = 1e-06
 nodes = "candidates"
 
@@ -738,6 +791,22 @@ TEST(SceneEcho, SaysWhatIsNotUsed) {
         "\nthickness = 0.002\n", "\nwidth = 0.02\n"})
     EXPECT_THAT(text, HasSubstr(line));
   expect_round_trip(s);
+}
+
+TEST(SceneEcho, SaysWhatSchemeAndLawDoNotUse) {
+  Scene s = parse(minimal, {"time.scheme=rk4", "time.contact_force=new"});
+  EXPECT_THAT(
+      echo(s),
+      HasSubstr("\ncontact_force = \"new\"  # not used: rk4 takes the force at its stages\n"));
+  expect_round_trip(s);
+  s = parse(minimal, {"contact.law=multiplier", "time.contact_force=new"});
+  EXPECT_THAT(echo(s), HasSubstr("\nstiffness = 1e15  # not used: multipliers have no spring\n"));
+  EXPECT_THAT(echo(s), HasSubstr("\ncontact_force = \"new\"  # not used: multipliers are found"));
+  expect_round_trip(s);
+  s = parse(minimal, {"time.contact_force=new", "time.force=true"});
+  EXPECT_THAT(echo(s), HasSubstr("\ncontact_force = \"new\"\n"));
+  EXPECT_THAT(echo(s), HasSubstr("\nforce = true\n"));
+  EXPECT_THAT(echo(parse(minimal)), Not(HasSubstr("\nforce =")));
 }
 
 TEST(SceneEcho, SaysThatARigidResonatorTakesNoForce) {

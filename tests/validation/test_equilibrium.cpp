@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -84,7 +85,7 @@ Balance balance(const Model& m, const ModalStart& start) {
 void expect_balanced(const Model& model, const ModalStart& start) {
   const Balance b = balance(model, start);
   ASSERT_GT(b.nodes, 0);
-  EXPECT_EQ(start.nodes_in_contact, b.nodes);
+  EXPECT_EQ(static_cast<int>(start.loaded_nodes.size()), b.nodes);
   EXPECT_NEAR(start.contact_force, b.force, 1e-12 * b.force);
   // Newton's method ends when the potential no longer feels a step: what is left of a residual is
   // then within 1e-9 of the forces, or their roundings.
@@ -179,7 +180,7 @@ TEST(Equilibrium, PinnedSliderDeflectsAsABeamUnderEvenLoad) {
     s.slider.modes = modes;
     const Model model = make_model(s);
     const ModalStart start = make_start(model);
-    EXPECT_EQ(start.nodes_in_contact, 0);
+    EXPECT_EQ(start.loaded_nodes.size(), 0u);
     double middle = 0, psi = 0, series = 0;
     for (std::size_t k = 0; k < start.slider_u.size(); ++k) {
       evaluate(model.slider.modes[k], s.slider.length, s.slider.length / 2, 1, &psi);
@@ -205,7 +206,7 @@ TEST(Equilibrium, PlateUnderOneContactDeflectsAsABeamUnderAPointForce) {
   const Model model = make_model(s);
   const ModalStart start = make_start(model);
   expect_balanced(model, start);
-  EXPECT_EQ(start.nodes_in_contact, 2);
+  EXPECT_EQ(start.loaded_nodes.size(), 2u);
   double middle = 0, psi = 0;
   for (std::size_t k = 0; k < start.resonator_u.size(); ++k) {
     evaluate(model.resonator.modes[k], s.resonator.length, s.resonator.length / 2, 1, &psi);
@@ -235,7 +236,7 @@ TEST(Equilibrium, NothingMovesWhenNothingSlides) {
       s.slider.surface = gaussian(3e-6, 1e-3, 32);
       const Recording run = simulate(s);
       ASSERT_EQ(run.end.status, Status::done);
-      ASSERT_GT(run.start.nodes_in_contact, 0);
+      ASSERT_FALSE(run.start.loaded_nodes.empty());
       EXPECT_EQ(run.end.contact_steps, run.end.step);
       // Each step's gaps are rounded anew; the force that this leaves accelerates the modes. At
       // worst it adds up over the whole run without anything to bring them back.
@@ -262,6 +263,68 @@ TEST(Equilibrium, NothingMovesWhenNothingSlides) {
     }
 }
 
+TEST(Equilibrium, UnderMultipliersNothingOverlapsAndTheLoadedNodesAloneCarry) {
+  for (const Support support : {Support::free, Support::pinned})
+    for (const int seed : {31, 41, 51}) {
+      SCOPED_TRACE(testing::Message()
+                   << "support " << static_cast<int>(support) << ", seed " << seed);
+      Scene s = resting_block();
+      s.law = ContactLaw::multiplier;
+      s.slider.support = support;
+      s.slider.thickness = support == Support::free ? 0.012 : 5e-4;
+      s.slider.modes = 2;
+      s.gap = 8e-6;
+      s.resonator.surface = gaussian(3e-6, 1e-3, seed);
+      s.slider.surface = gaussian(3e-6, 1e-3, seed + 1);
+      const Model m = make_model(s);
+      const ModalStart start = make_start(m);
+      ASSERT_FALSE(start.loaded_nodes.empty());
+      EXPECT_EQ(start.contact_energy, 0.0);
+
+      // a gap's roundings: its terms' sum, and one for each mode
+      double highest = 0;
+      for (const double h : m.slider_height) highest = std::max(highest, std::abs(h));
+      double heights = std::abs(m.delta) + highest;
+      std::vector<double> residual;
+      double size = 0;
+      const auto elastic = [&](const Beam& beam, const std::vector<double>& u) {
+        for (std::size_t k = 0; k < u.size(); ++k) {
+          const double pull =
+              beam.mass_per_length * beam.modes[k].omega * beam.modes[k].omega * u[k];
+          residual.push_back(beam.load[k] - pull);
+          size = std::max({size, std::abs(beam.load[k]), std::abs(pull)});
+          heights += std::abs(u[k]) * beam.modes[k].largest;
+        }
+      };
+      elastic(m.resonator, start.resonator_u);
+      elastic(m.slider, start.slider_u);
+      const double rounding = 32 * ulp * heights;
+      const std::vector<double> over = overlaps(m, start.resonator_u, start.slider_u);
+      EXPECT_LE(*std::max_element(over.begin(), over.end()), rounding);
+
+      // what the modes miss is made up by forces at the loaded nodes, all pushing
+      const Eigen::Index nodes = static_cast<Eigen::Index>(start.loaded_nodes.size());
+      Eigen::MatrixXd shapes(residual.size(), nodes);
+      for (Eigen::Index e = 0; e < nodes; ++e) {
+        const int n = start.loaded_nodes[e];
+        EXPECT_NEAR(over[n], 0, rounding);
+        Eigen::Index k = 0;
+        for (const ModeShape& mode : m.resonator.modes)
+          evaluate(mode, m.resonator.length, (m.position + n) * s.spacing, 1, &shapes(k++, e));
+        for (const ModeShape& mode : m.slider.modes)
+          evaluate(mode, m.slider.length, n * s.spacing, 1, &shapes(k++, e));
+      }
+      const Eigen::Map<const Eigen::VectorXd> missing(residual.data(), residual.size());
+      const Eigen::VectorXd forces = shapes.colPivHouseholderQr().solve(missing);
+      EXPECT_LE((shapes * forces - missing).cwiseAbs().maxCoeff(), 1e-9 * size);  // Newton's end
+      EXPECT_GE(forces.minCoeff(), -1e-9 * forces.maxCoeff());
+      EXPECT_NEAR(forces.sum(), start.contact_force, 1e-9 * start.contact_force);
+      if (support == Support::free) {
+        EXPECT_NEAR(start.contact_force, m.slider.load_force, 1e-9 * m.slider.load_force);
+      }
+    }
+}
+
 TEST(Equilibrium, WithoutLoadOrOverlapNothingIsDeformed) {
   Scene s = resting_block();
   s.slider.support = Support::rigid;
@@ -270,7 +333,7 @@ TEST(Equilibrium, WithoutLoadOrOverlapNothingIsDeformed) {
   const ModalStart start = make_start(make_model(s));
   for (const double u : start.resonator_u) EXPECT_EQ(u, 0.0);
   EXPECT_EQ(start.energy, 0.0);
-  EXPECT_EQ(start.nodes_in_contact, 0);
+  EXPECT_EQ(start.loaded_nodes.size(), 0u);
 }
 
 }  // namespace

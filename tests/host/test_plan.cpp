@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/plan/plan.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <sstream>
+#include <string>
+
+#include "tests/scenes.hpp"
+
+namespace ra2d::test {
+namespace {
+
+using testing::AllOf;
+using testing::EndsWith;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+using testing::StartsWith;
+
+/// A plate under one peak of a rigid slider.
+Scene pressed_plate() {
+  Scene s = plate_scene(6, 0.004, 1e-3);
+  s.gap = 5e-6;
+  s.stiffness = 1e13;
+  s.slider.surface = peaks({{.at = 0.002, .height = 1e-5, .half_width = 3e-5}});
+  return s;
+}
+
+std::string text_of(const Scene& scene) {
+  const Model model = make_model(scene);
+  return describe(model, make_plan(model, 0));
+}
+
+/// The line of a scheme in the table, from its mark on.
+std::string line_of(const std::string& text, const std::string& name) {
+  std::istringstream in(text);
+  for (std::string line; std::getline(in, line);)
+    if (line.find(fmt::format(" {}  ", name)) != std::string::npos) return line.substr(11);
+  return "";
+}
+
+TEST(Plan, NamesEverySchemeAndMarksTheScenes) {
+  Scene s = pressed_plate();
+  const std::vector<std::string> names{
+      "explicit-euler", "midpoint", "backward-euler", "heun", "rk4", "rk8", "exact"};
+  const std::vector<SchemeKind> kinds{
+      SchemeKind::explicit_euler, SchemeKind::midpoint, SchemeKind::backward_euler,
+      SchemeKind::heun,           SchemeKind::rk4,      SchemeKind::rk8,
+      SchemeKind::exact};
+  for (std::size_t own = 0; own < kinds.size(); ++own) {
+    s.scheme = kinds[own];
+    const std::string text = text_of(s);
+    SCOPED_TRACE(text);
+    EXPECT_THAT(text, HasSubstr("scheme     " + names[own]));
+    for (std::size_t i = 0; i < names.size(); ++i)
+      EXPECT_THAT(line_of(text, names[i]), StartsWith(i == own ? "> " : "  "));
+  }
+  s.scheme = SchemeKind::backward_euler;
+  s.force_time = ForceTime::new_time;
+  const std::string text = text_of(s);
+  EXPECT_THAT(text, HasSubstr("\n           > backward-euler, new force "));
+  EXPECT_THAT(text, HasSubstr("\n             backward-euler  "));
+  EXPECT_THAT(text, HasSubstr("contact force of the new time"));
+}
+
+TEST(Plan, SaysWhatBinds) {
+  // the contact spring of a node at a peak: far stiffer than the modes
+  const std::string stiff = text_of(pressed_plate());
+  SCOPED_TRACE(stiff);
+  EXPECT_THAT(line_of(stiff, "midpoint"), EndsWith(", contact"));
+  EXPECT_THAT(line_of(stiff, "backward-euler"),
+              AllOf(HasSubstr("every step"), EndsWith(", contact")));
+  EXPECT_THAT(stiff,
+              HasSubstr("backward-euler, new force every step          every step  every step"));
+  // one so soft that it adds nothing
+  Scene soft = pressed_plate();
+  soft.stiffness = 1e3;
+  EXPECT_THAT(line_of(text_of(soft), "backward-euler"), EndsWith("every step"));
+  // without damping some hold at no step
+  soft.resonator.damping = 0;
+  const std::string undamped = text_of(soft);
+  SCOPED_TRACE(undamped);
+  EXPECT_THAT(line_of(undamped, "explicit-euler"), EndsWith("no step, modes"));
+  EXPECT_THAT(line_of(undamped, "heun"), EndsWith("no step, modes"));
+  EXPECT_THAT(line_of(undamped, "exact"),
+              AllOf(HasSubstr("every step"), EndsWith("no step, contact")));
+}
+
+TEST(Plan, OfMultipliersKnowsNoSpring) {
+  Scene s = pressed_plate();
+  s.law = ContactLaw::multiplier;
+  for (const double stiffness : {0.0, 1e13}) {
+    s.stiffness = stiffness;
+    const std::string text = text_of(s);
+    SCOPED_TRACE(text);
+    EXPECT_THAT(text,
+                AllOf(HasSubstr("contact    multiplier"), HasSubstr("no contact spring"),
+                      Not(HasSubstr("N/m")), Not(HasSubstr("one node")), Not(HasSubstr("nan")),
+                      Not(HasSubstr("inf")), Not(HasSubstr("explicit-euler"))));
+    EXPECT_THAT(line_of(text, "backward-euler"), AllOf(StartsWith("> "), EndsWith("every step")));
+    EXPECT_THAT(line_of(text, "midpoint"), EndsWith(" kHz)"));
+  }
+}
+
+TEST(Plan, SaysWhatTheStepMakesOfTheHighestMode) {
+  Scene s = pressed_plate();
+  const Model model = make_model(s);
+  const double x = model.resonator.modes[5].omega * s.step;
+  EXPECT_THAT(text_of(s), HasSubstr(fmt::format("damping ratio, 0.02, by {:+.1e}, its period by",
+                                                step_error(s.scheme, 0.02, x).damping)));
+  EXPECT_GT(step_error(s.scheme, 0.02, x).damping, 0);
+  s.scheme = SchemeKind::explicit_euler;
+  EXPECT_THAT(text_of(s), HasSubstr("damping ratio, 0.02, by -"));
+  s.scheme = SchemeKind::exact;
+  EXPECT_THAT(text_of(s), HasSubstr("exact for free modes"));
+}
+
+TEST(Plan, IsReadableAtAHundredColumns) {
+  for (const SchemeKind scheme : {SchemeKind::backward_euler, SchemeKind::rk8}) {
+    Scene s = pressed_plate();
+    s.scheme = scheme;
+    std::istringstream in(text_of(s));
+    for (std::string line; std::getline(in, line);) EXPECT_LE(line.size(), 100) << line;
+  }
+}
+
+TEST(BeyondLimit, IsSaidFromTheLimitOn) {
+  Scene s = pressed_plate();
+  const double limit = step_limits(make_model(s), choice_of(s)).holds();
+  s.step = limit;
+  Model model = make_model(s);
+  EXPECT_THAT(beyond_limit(model, step_limits(model, choice_of(s))), IsEmpty());
+  s.step = 1.01 * limit;
+  model = make_model(s);
+  const std::string beyond = beyond_limit(model, step_limits(model, choice_of(s)));
+  EXPECT_THAT(beyond, AllOf(HasSubstr("backward-euler"), HasSubstr("a node in contact"),
+                            HasSubstr("grows e-fold")));
+  EXPECT_THAT(text_of(s), HasSubstr("'ra2d run' refuses it"));
+  s.force = true;
+  EXPECT_THAT(text_of(s), HasSubstr("'ra2d run' takes it"));
+  s.force_time = ForceTime::new_time;
+  EXPECT_THAT(text_of(s), Not(HasSubstr("'ra2d run'")));
+}
+
+TEST(StepCure, NamesAStepThatHolds) {
+  Scene s = pressed_plate();
+  EXPECT_THAT(step_cure(s, 1.23999e-6), HasSubstr("time.step = 1.23e-06 or less"));
+  EXPECT_THAT(step_cure(s, 0), Not(HasSubstr("time.step")));
+  EXPECT_THAT(step_cure(s, 0), HasSubstr("time.contact_force = \"new\" (holds at every step)"));
+  s.scheme = SchemeKind::heun;
+  EXPECT_THAT(step_cure(s, 0),
+              HasSubstr("time.scheme = \"backward-euler\" with time.contact_force"));
+  s.law = ContactLaw::multiplier;
+  EXPECT_THAT(step_cure(s, 0), Not(HasSubstr("contact_force")));
+}
+
+}  // namespace
+}  // namespace ra2d::test
