@@ -236,7 +236,9 @@ class Candidates {
     const int left = t_.nodes - group * width;
     if (left < width) bits &= (1u << left) - 1u;
     for (; bits != 0; bits &= bits - 1) {
-      if (lanes_.leader()) s_.watch[count] = group * width + Kokkos::countr_zero(bits);
+      const int node = group * width + Kokkos::countr_zero(bits);
+      if (node >= t_.nodes) return;  // padding: listed by a state that has grown beyond numbers
+      if (lanes_.leader()) s_.watch[count] = node;
       ++count;
     }
   }
@@ -313,11 +315,14 @@ class Candidates {
       lanes_.store(s_.lanes + p * width, u[p]);
     }
     lanes_.sync();
-    const double to_end = place.base + 1 - place.position;  // chi
+    // the way that is left, and that back to where an earlier stage of this step may stand, chi
+    const double to_end = place.base + 1 - place.position;
+    const double back = t_.stages > 1 ? Kokkos::min(place.theta, t_.advance) : 0.0;
+    const double way = Kokkos::max(to_end, back);
     const double slope = bound(t_.reach_slope, u);
     const double radius = t_.spacing / t_.inverse_radius;
     const double level = -(near_reach_ + t_.slack + b.rounding + bound(t_.tail, u) +
-                           to_end * t_.spacing * slope + position_rounding(place) * t_.steepest);
+                           way * t_.spacing * slope + position_rounding(place) * t_.steepest);
     const Real lane_eta = Real(t_.inverse_radius) * lanes_.index();
     double q[4];
     int patch = -1, count = 0;
@@ -345,7 +350,8 @@ class Candidates {
       const StaticOverlap<Lanes> faces(lanes_, t_, place, group);
       const Real now = add_slider_displacement(lanes_, t_, s_.lanes, group, faces.height) +
                        cubic(q, lane_eta + Real(at.eta));
-      const Real most = now + Kokkos::max(Real(to_end) * faces.rise, Real(0.0));
+      const Real most = now + Kokkos::max(Kokkos::max(Real(to_end) * faces.rise, Real(0.0)),
+                                          Real(-back) * faces.rise);
       evaluated += width;
       if (lanes_.at_least(most, level) == 0) continue;
       if (lanes_.leader()) s_.near[count] = group;

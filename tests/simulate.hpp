@@ -25,26 +25,21 @@ struct Launches {
   BatchOptions batch;
 };
 
-/// Scenes marched side by side. They must fit into one batch.
-inline std::vector<Recording> simulate(const std::vector<Scene>& scenes,
+/// Scenes marched side by side from given starts. They must fit into one batch.
+inline std::vector<Recording> simulate(const std::vector<Model>& models,
+                                       const std::vector<ModalStart>& starts,
                                        const Launches& launches = {}) {
-  std::vector<Recording> out(scenes.size());
-  std::vector<Model> models;
-  std::vector<ModalStart> starts;
-  for (const Scene& scene : scenes) {
-    models.push_back(make_model(scene));
-    starts.push_back(make_start(models.back()));
-  }
+  std::vector<Recording> out(models.size());
   Batch batch(models, starts, launches.batch);
-  std::vector<EnergyAccount> accounts(scenes.size());
-  std::vector<std::int64_t> samples(scenes.size(), 0);
+  std::vector<EnergyAccount> accounts(models.size());
+  std::vector<std::int64_t> samples(models.size(), 0);
   for (std::int64_t target = 0;;) {
     target = launches.steps > std::numeric_limits<std::int64_t>::max() - target
                  ? launches.steps
                  : target + launches.steps;
     batch.march(target);
     bool running = false;
-    for (std::size_t i = 0; i < scenes.size(); ++i) {
+    for (std::size_t i = 0; i < models.size(); ++i) {
       const Drained drained = batch.drain(static_cast<int>(i));
       const SampleBlock block = make_samples(models[i], starts[i], drained, samples[i]);
       samples[i] += drained.samples;
@@ -73,13 +68,25 @@ inline std::vector<Recording> simulate(const std::vector<Scene>& scenes,
     }
     if (!running) break;
   }
-  for (std::size_t i = 0; i < scenes.size(); ++i) {
+  for (std::size_t i = 0; i < models.size(); ++i) {
     out[i].model = models[i];
     out[i].start = starts[i];
     out[i].end = batch.snapshot(static_cast<int>(i));
     out[i].energy = accounts[i].balance();
   }
   return out;
+}
+
+/// ... and each from where its scene says.
+inline std::vector<Recording> simulate(const std::vector<Scene>& scenes,
+                                       const Launches& launches = {}) {
+  std::vector<Model> models;
+  std::vector<ModalStart> starts;
+  for (const Scene& scene : scenes) {
+    models.push_back(make_model(scene));
+    starts.push_back(make_start(models.back()));
+  }
+  return simulate(models, starts, launches);
 }
 
 inline Recording simulate(const Scene& scene, const Launches& launches = {}) {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/compare.hpp"
+#include "tests/looks.hpp"
 #include "tests/scenes.hpp"
 #include "tests/simulate.hpp"
 
@@ -17,45 +17,6 @@
 /// padding, or on the scenes beside it: bit for bit.
 namespace ra2d::test {
 namespace {
-
-Scene rough_scene(Support slider) {
-  Scene s = plate_scene(7, 0.004, 1e-3);
-  s.duration = 6e-4;
-  s.speed = 1.0;
-  s.resonator.surface = gaussian(1e-6, 3e-4, 4);
-  s.slider.support = slider;
-  s.slider.surface = gaussian(1e-6, 3e-4, 3);
-  s.slider.modes = slider == Support::rigid ? 0 : 2;
-  if (slider == Support::free)
-    s.slider.load = 20;
-  else
-    s.gap = 2e-6;  // the asperities meet
-  s.stiffness = 1e14;
-  return s;
-}
-
-/// All that a run records, as one list.
-Bits bits(const Recording& r) {
-  Bits out;
-  const SampleBlock& s = r.samples;
-  for (const auto* column :
-       {&s.time, &s.resonator_displacement, &s.resonator_velocity, &s.slider_displacement,
-        &s.slider_velocity, &s.force, &s.nodes, &s.kinetic, &s.elastic, &s.contact, &s.damping_loss,
-        &s.sliding_work, &s.load_work})
-    put(out, *column);
-  put_shocks(out, r.shocks);
-  put_shocks(out, r.end.open_shocks);
-  for (const OpenShock& shock : r.end.open_shocks) put(out, {shock.force});
-  const Snapshot& e = r.end;
-  for (const auto* column :
-       {&e.resonator_u, &e.resonator_v, &e.slider_u, &e.slider_v, &e.resonator_square})
-    put(out, *column);
-  put(out, {e.sliding_work, e.force_work, e.energy, e.energy_limit});
-  for (const std::int64_t i :
-       {static_cast<std::int64_t>(e.status), e.step, e.contact_steps, e.most_nodes, e.shocks_begun})
-    out.push_back(static_cast<std::uint64_t>(i));
-  return out;
-}
 
 /// Sliders of all supports, over all nodes and candidates.
 std::vector<Scene> kinds() {
