@@ -230,10 +230,12 @@ class Candidates {
     for (int p = 1; p < K; ++p) part = multiply_add(load(weight, p), Kokkos::abs(x[p]), part);
     return lanes_.sum(part);
   }
+  /// The last group is filled up with nodes that do not exist: low as they are, a motion that has run
+  /// away, or is no longer a number, would reach them.
   KOKKOS_FORCEINLINE_FUNCTION void list_nodes(int group, std::uint32_t bits, int& count) {
-    // the last group's padding is far below, but what runs wild may reach even there
-    const int real = t_.nodes - group * width;
-    if (real < width) bits &= (1u << real) - 1u;
+    // not the padding, which a state that has grown beyond numbers would touch
+    const int left = t_.nodes - group * width;
+    if (left < width) bits &= (1u << left) - 1u;
     for (; bits != 0; bits &= bits - 1) {
       if (lanes_.leader()) s_.watch[count] = group * width + Kokkos::countr_zero(bits);
       ++count;
@@ -312,11 +314,14 @@ class Candidates {
       lanes_.store(s_.lanes + p * width, u[p]);
     }
     lanes_.sync();
-    const double to_end = place.base + 1 - place.position;  // chi
+    // the way that is left, and that back to where an earlier stage of this step may stand, chi
+    const double to_end = place.base + 1 - place.position;
+    const double back = t_.stages > 1 ? Kokkos::min(place.theta, t_.advance) : 0.0;
+    const double way = Kokkos::max(to_end, back);
     const double slope = bound(t_.reach_slope, u);
     const double radius = t_.spacing / t_.inverse_radius;
     const double level = -(near_reach_ + t_.slack + b.rounding + bound(t_.tail, u) +
-                           to_end * t_.spacing * slope + position_rounding(place) * t_.steepest);
+                           way * t_.spacing * slope + position_rounding(place) * t_.steepest);
     const Real lane_eta = Real(t_.inverse_radius) * lanes_.index();
     double q[4];
     int patch = -1, count = 0;
@@ -344,7 +349,8 @@ class Candidates {
       const StaticOverlap<Lanes> faces(lanes_, t_, place, group);
       const Real now = add_slider_displacement(lanes_, t_, s_.lanes, group, faces.height) +
                        cubic(q, lane_eta + Real(at.eta));
-      const Real most = now + Kokkos::max(Real(to_end) * faces.rise, Real(0.0));
+      const Real most = now + Kokkos::max(Kokkos::max(Real(to_end) * faces.rise, Real(0.0)),
+                                          Real(-back) * faces.rise);
       evaluated += width;
       if (lanes_.at_least(most, level) == 0) continue;
       if (lanes_.leader()) s_.near[count] = group;

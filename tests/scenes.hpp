@@ -62,6 +62,19 @@ inline Scene plate_scene(int modes, double slider_length, double slider_thicknes
   return s;
 }
 
+/// A plate, pressed by an imposed overlap on one node, number 50, of a rigid slider's peak.
+inline Scene pressed_plate() {
+  Scene s = plate_scene(6, 0.004, 1e-3);
+  s.duration = 2e-2;
+  s.start = 0.021;
+  s.gap = 5e-6;  // of 10 um: 5 um of overlap
+  s.step = 1e-6;
+  s.rate = 1e4;
+  s.initial = Initial::statics;
+  s.slider.surface = peaks({{.at = 0.002, .height = 1e-5, .half_width = 3e-5}});
+  return s;
+}
+
 /// A steel strip, 300 mm by 200 mm and 2 mm thick, under a rigid slider of its width that stands
 /// still. Contact stiffness, gap and time are left to the test.
 inline Scene strip_scene(int modes, double damping, double start, double slider_length) {

@@ -7,7 +7,6 @@
 
 #include "host/run/batch.hpp"
 #include "host/run/record.hpp"
-#include "tests/compare.hpp"
 
 /// A whole run in memory, for tests: from a scene to everything that it records.
 namespace ra2d::test {
@@ -26,26 +25,21 @@ struct Launches {
   BatchOptions batch;
 };
 
-/// Scenes marched side by side. They must fit into one batch.
-inline std::vector<Recording> simulate(const std::vector<Scene>& scenes,
+/// Scenes marched side by side from given starts. They must fit into one batch.
+inline std::vector<Recording> simulate(const std::vector<Model>& models,
+                                       const std::vector<ModalStart>& starts,
                                        const Launches& launches = {}) {
-  std::vector<Recording> out(scenes.size());
-  std::vector<Model> models;
-  std::vector<ModalStart> starts;
-  for (const Scene& scene : scenes) {
-    models.push_back(make_model(scene));
-    starts.push_back(make_start(models.back()));
-  }
+  std::vector<Recording> out(models.size());
   Batch batch(models, starts, launches.batch);
-  std::vector<EnergyAccount> accounts(scenes.size());
-  std::vector<std::int64_t> samples(scenes.size(), 0);
+  std::vector<EnergyAccount> accounts(models.size());
+  std::vector<std::int64_t> samples(models.size(), 0);
   for (std::int64_t target = 0;;) {
     target = launches.steps > std::numeric_limits<std::int64_t>::max() - target
                  ? launches.steps
                  : target + launches.steps;
     batch.march(target);
     bool running = false;
-    for (std::size_t i = 0; i < scenes.size(); ++i) {
+    for (std::size_t i = 0; i < models.size(); ++i) {
       const Drained drained = batch.drain(static_cast<int>(i));
       const SampleBlock block = make_samples(models[i], starts[i], drained, samples[i]);
       samples[i] += drained.samples;
@@ -74,7 +68,7 @@ inline std::vector<Recording> simulate(const std::vector<Scene>& scenes,
     }
     if (!running) break;
   }
-  for (std::size_t i = 0; i < scenes.size(); ++i) {
+  for (std::size_t i = 0; i < models.size(); ++i) {
     out[i].model = models[i];
     out[i].start = starts[i];
     out[i].end = batch.snapshot(static_cast<int>(i));
@@ -83,31 +77,20 @@ inline std::vector<Recording> simulate(const std::vector<Scene>& scenes,
   return out;
 }
 
-inline Recording simulate(const Scene& scene, const Launches& launches = {}) {
-  return simulate(std::vector<Scene>{scene}, launches)[0];
+/// ... and each from where its scene says.
+inline std::vector<Recording> simulate(const std::vector<Scene>& scenes,
+                                       const Launches& launches = {}) {
+  std::vector<Model> models;
+  std::vector<ModalStart> starts;
+  for (const Scene& scene : scenes) {
+    models.push_back(make_model(scene));
+    starts.push_back(make_start(models.back()));
+  }
+  return simulate(models, starts, launches);
 }
 
-/// All that a run records, as one list.
-inline Bits bits(const Recording& r) {
-  Bits out;
-  const SampleBlock& s = r.samples;
-  for (const auto* column :
-       {&s.time, &s.resonator_displacement, &s.resonator_velocity, &s.slider_displacement,
-        &s.slider_velocity, &s.force, &s.nodes, &s.kinetic, &s.elastic, &s.contact, &s.damping_loss,
-        &s.sliding_work, &s.load_work})
-    put(out, *column);
-  put_shocks(out, r.shocks);
-  put_shocks(out, r.end.open_shocks);
-  for (const OpenShock& shock : r.end.open_shocks) put(out, {shock.force});
-  const Snapshot& e = r.end;
-  for (const auto* column :
-       {&e.resonator_u, &e.resonator_v, &e.slider_u, &e.slider_v, &e.resonator_square})
-    put(out, *column);
-  put(out, {e.sliding_work, e.force_work, e.energy, e.energy_limit});
-  for (const std::int64_t i :
-       {static_cast<std::int64_t>(e.status), e.step, e.contact_steps, e.most_nodes, e.shocks_begun})
-    out.push_back(static_cast<std::uint64_t>(i));
-  return out;
+inline Recording simulate(const Scene& scene, const Launches& launches = {}) {
+  return simulate(std::vector<Scene>{scene}, launches)[0];
 }
 
 }  // namespace ra2d::test

@@ -29,4 +29,10 @@ int run_command(const CommonOptions& common, std::filesystem::path output);
 /// `ra2d plan SCENE`
 int plan_command(const CommonOptions& common);
 
+/// `ra2d chart stability [SCENE] [-o PREFIX]`; without a scene, the paper's own. Writes PREFIX.csv,
+/// PREFIX-regions.csv, PREFIX-modes.csv and, unless `plot` is false, PREFIX.png. A picture that was
+/// asked for and cannot be drawn is a file that cannot be written: a script must not go on without
+/// it.
+int chart_stability_command(const CommonOptions& common, const std::string& prefix, bool plot);
+
 }  // namespace ra2d

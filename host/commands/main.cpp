@@ -14,10 +14,14 @@
 namespace {
 
 /// Commands of the contract that are not built yet: refused by name.
-constexpr std::array<std::string_view, 5> coming{"surface", "analyze", "study", "chart", "plot"};
+constexpr std::array<std::string_view, 5> coming{"surface", "analyze", "study", "plot",
+                                                 "chart accuracy"};
+
+bool is_coming(const std::string& words) {
+  return std::find(coming.begin(), coming.end(), words) != coming.end();
+}
 
 void add_common(CLI::App& command, ra2d::CommonOptions& common) {
-  command.add_option("SCENE", common.scene, "scene file (TOML)")->required();
   command
       .add_option("--set", common.overrides,
                   "overrides one value of the scene, e.g. --set contact.stiffness=1e14; repeatable")
@@ -48,16 +52,43 @@ int dispatch(int argc, char** argv) {
   CommonOptions common;
   std::filesystem::path output;
   CLI::App* run = app.add_subcommand("run", "simulates a scene and writes one HDF5 file");
+  run->add_option("SCENE", common.scene, "scene file (TOML)")->required();
   add_common(*run, common);
   run->add_option("-o,--output", output,
                   "result file [SCENE's name with .h5, in the current folder]")
       ->type_name("OUT.h5");
   CLI::App* plan = app.add_subcommand("plan", "says what would be modelled, and why; runs nothing");
+  plan->add_option("SCENE", common.scene, "scene file (TOML)")->required();
   add_common(*plan, common);
+  CLI::App* chart = app.add_subcommand("chart", "all schemes side by side");
+  chart->require_subcommand(1);
+  CLI::App* stability = chart->add_subcommand(
+      "stability",
+      "limits of stability of every scheme, free and in contact, theory beside measurement: prints "
+      "the table; writes PREFIX.csv, PREFIX-regions.csv, PREFIX-modes.csv and, drawn with Python's "
+      "matplotlib, PREFIX.png");
+  stability->add_option("SCENE", common.scene,
+                        "scene whose modes are shown in the picture (TOML) [the paper's own]");
+  std::string prefix = "stability";
+  stability->add_option("-o,--output", prefix, "how the files' names begin")
+      ->type_name("PREFIX")
+      ->capture_default_str();
+  bool no_plot = false;
+  stability->add_flag("--no-plot", no_plot, "leave the picture out");
+  add_common(*stability, common);
 
-  if (argc > 1 && std::find(coming.begin(), coming.end(), argv[1]) != coming.end()) {
-    fmt::print(stderr, "ra2d: the command '{}' is not available yet; there are 'run' and 'plan'\n",
-               argv[1]);
+  const std::string command = argc > 1 ? argv[1] : "";
+  const std::string kind = argc > 2 ? command + " " + argv[2] : command;
+  for (const std::string& words : {command, kind})
+    if (is_coming(words)) {
+      fmt::print(stderr,
+                 "ra2d: the command '{}' is not available yet; there are 'run', 'plan' and 'chart "
+                 "stability'\n",
+                 words);
+      return wrong_request;
+    }
+  if (command == "chart" && argc > 2 && argv[2][0] != '-' && kind != "chart stability") {
+    fmt::print(stderr, "ra2d: there is no chart '{}'; there is 'stability'\n", argv[2]);
     return wrong_request;
   }
   try {
@@ -65,6 +96,7 @@ int dispatch(int argc, char** argv) {
   } catch (const CLI::ParseError& request) {
     return app.exit(request) == 0 ? done : wrong_request;
   }
+  if (stability->parsed()) return chart_stability_command(common, prefix, !no_plot);
   return run->parsed() ? run_command(common, output) : plan_command(common);
 }
 

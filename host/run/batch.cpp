@@ -305,7 +305,8 @@ SceneTables Batch::Impl::fill_tables(const Model& model, const Layout& l) {
   double* stages = arena.host<double>(l.stage);
   double* ends = arena.host<double>(l.end);
   const auto table = [&](int which) { return m + which * l.lanes; };
-  double push_of_forces = 0;
+  double push_of_forces = 0;  // N
+  double kick = 0;            // J, see least_energy
   for (const MovingForce& f : scene.resonator.moving_forces) push_of_forces += std::abs(f.force);
   const auto fill_mode = [&](int lane, const Beam& beam, std::size_t k, bool moves) {
     const ModeShape& mode = beam.modes[k];
@@ -344,9 +345,10 @@ SceneTables Batch::Impl::fill_tables(const Model& model, const Layout& l) {
     const double rigid =
         std::max(std::abs(mode.constant), std::abs(mode.constant + mode.slope * beam.length));
     table(reach)[lane] = wave + rigid;
-    table(push)[lane] =
-        (std::abs(beam.load[k]) + (moves ? push_of_forces * (wave + rigid) : 0.0)) * bounds.force;
     table(yield)[lane] = (wave + rigid) * bounds.force;
+    const double pushed = std::abs(beam.load[k]) + (moves ? push_of_forces * (wave + rigid) : 0.0);
+    table(push)[lane] = pushed * bounds.force;
+    kick += 0.5 * std::pow(tau * pushed, 2) / beam.mass_per_length;
     if (moves) {
       // a patch may reach beyond the end of the beam, where the exponential of a free beam grows on
       const double out = std::hypot(mode.sine, mode.cosine) + std::abs(mode.left) +
@@ -407,7 +409,9 @@ SceneTables Batch::Impl::fill_tables(const Model& model, const Layout& l) {
   scale += 1e-6 * chi;
   t.least_reach = 1e-4 * scale;
   t.least_leeway = 1e-8 * scale;
-  t.least_energy = 1e-30;
+  // What the outer forces put in within a step: from rest the velocity is up to a step ahead of
+  // their work, or (midpoint) half a step behind.
+  t.least_energy = 1e-30 + 4.0 * kick;
 
   auto* moving = arena.host<MovingForceTable>(l.moving);
   for (int i = 0; i < t.moving_forces; ++i) {

@@ -53,9 +53,9 @@ struct Exact {
 
  private:
   static void answers(double x, double zeta, double& p, double& q) {
-    if (x < 0.5) {                   // the closed form of q loses its digits: q is about x^2/2
-      double now = x, before = 0.0;  // terms of p's series, p_n = -(2 zeta x p_(n-1) + x^2
-      p = x;                         // p_(n-2)/(n - 1))/n
+    if (x < 0.5 && zeta * x < 0.5) {  // the closed form of q loses its digits: q is about x^2/2
+      double now = x, before = 0.0;   // terms of p's series, p_n = -(2 zeta x p_(n-1) + x^2
+      p = x;                          // p_(n-2)/(n - 1))/n
       q = 0.0;
       for (int n = 2; n < 40; ++n) {
         const double next = -(2.0 * zeta * x * now + x * x * before / (n - 1)) / n;
@@ -64,17 +64,17 @@ struct Exact {
         now = next;
         p += now;
       }
-      return;
-    }
-    const double e = std::exp(-zeta * x);
-    if (zeta < 1.0) {
-      const double w = std::sqrt(1.0 - zeta * zeta);
+    } else if (zeta < 1.0) {
+      const double w = std::sqrt(1.0 - zeta * zeta), e = std::exp(-zeta * x);
       p = e * std::sin(w * x) / w;
       q = 1.0 - e * std::cos(w * x) - zeta * p;
-    } else {
-      const double w = std::sqrt(zeta * zeta - 1.0);
-      p = w > 0 ? e * std::sinh(w * x) / w : e * x;
-      q = 1.0 - e * std::cosh(w * x) - zeta * p;
+    } else if (zeta == 1.0) {
+      p = x * std::exp(-x);
+      q = 1.0 - std::exp(-x) - p;
+    } else {  // two decays, of rates zeta + w and its inverse
+      const double w = std::sqrt(zeta * zeta - 1.0), fast = zeta + w, slow = 1.0 / fast;
+      p = -std::exp(-slow * x) * std::expm1(-2.0 * w * x) / (2.0 * w);
+      q = (slow * std::expm1(-fast * x) - fast * std::expm1(-slow * x)) / (2.0 * w);
     }
   }
 };

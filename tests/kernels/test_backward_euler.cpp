@@ -5,16 +5,16 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <random>
 
-#include "host/run/step_bounds.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/schemes/advance.hpp"
 #include "kernels/schemes/backward_euler.hpp"
+#include "tests/schemes.hpp"
 
+/// The paper's main scheme: its step is the implicit system's solution, and what it does to energy
+/// and contact.
+namespace ra2d::test {
 namespace {
-
-using namespace ra2d;
 
 constexpr double eps = std::numeric_limits<double>::epsilon();
 
@@ -26,26 +26,6 @@ State step(const Mode& mode, double tau, State y, double force) {
   const ModeStep c = BackwardEuler::prepare(mode, tau);
   advance_semi_implicit(y.u, y.v, c.v_v, c.v_u, c.v_f[0] * force, tau);
   return y;
-}
-
-/// omega tau from 1e-4 to 1e2, damping from none to beyond critical.
-struct RandomModes {
-  std::mt19937_64 random{7};
-  double uniform(double low, double high) {
-    return std::uniform_real_distribution<double>(low, high)(random);
-  }
-  double tau() { return std::pow(10.0, uniform(-7, -4)); }
-  Mode mode(double tau) {
-    const double zeta = uniform(0, 1) < 0.3 ? 0.0 : std::pow(10.0, uniform(-3, 0.3));
-    return {std::pow(10.0, uniform(-4, 2)) / tau, zeta, uniform(0.1, 10)};
-  }
-};
-
-TEST(BackwardEuler, RigidModeDriftsAndIsPushed) {
-  // tau = 1/8, m = 2: V1 = 3 + 1/8 * 16/2 = 4, U1 = 5 + 4/8.
-  const State y = step({0, 0, 2}, 0.125, {5, 3}, 16);
-  EXPECT_EQ(y.v, 4);
-  EXPECT_EQ(y.u, 5.5);
 }
 
 TEST(BackwardEuler, EachTermAlone) {
@@ -119,42 +99,7 @@ TEST(BackwardEuler, DampedEnergyNeverGrows) {
   }
 }
 
-TEST(BackwardEuler, PullBoundsTheAcceleration) {
-  RandomModes draw;
-  double tightest = 0;
-  for (int trial = 0; trial < 100000; ++trial) {
-    const double tau = draw.tau();
-    const Mode mode = draw.mode(tau);
-    const double phase = draw.uniform(0, 6.3);
-    const State y{std::cos(phase), mode.omega * std::sin(phase)};
-    const double acceleration = std::abs(step(mode, tau, y, 0).v - y.v) / tau;
-    const ModeStep c = BackwardEuler::prepare(mode, tau);
-    const double bound = bound_step(mode, c, BackwardEuler::place, tau, 4096).pull *
-                         std::hypot(y.v, mode.omega * y.u);
-    const double rounding = 8 * eps * (std::abs(y.v) + mode.omega) / tau;  // of V1 and V1 - V0
-    ASSERT_LE(acceleration, bound + rounding);
-    tightest = std::max(tightest, (acceleration - rounding) / bound);
-  }
-  // A bound that is far from what happens would cost every flight its length.
-  EXPECT_GE(tightest, 0.95);
-}
-
-/// The step of all modes with one node in contact, as a matrix of (U, V).
-Eigen::MatrixXd contact_step(const std::vector<Mode>& modes, const Eigen::VectorXd& phi,
-                             double spring, double tau) {
-  const Eigen::Index n = phi.size();
-  Eigen::MatrixXd map(2 * n, 2 * n);
-  for (Eigen::Index column = 0; column < 2 * n; ++column) {
-    const Eigen::VectorXd y = Eigen::VectorXd::Unit(2 * n, column);
-    const double force = -spring * phi.dot(y.head(n));
-    for (Eigen::Index k = 0; k < n; ++k) {
-      const State now = step(modes[k], tau, {y[k], y[n + k]}, force * phi[k]);
-      map(k, column) = now.u;
-      map(n + k, column) = now.v;
-    }
-  }
-  return map;
-}
+const Scheme backward_euler{"BackwardEuler", SchemeKind::backward_euler};
 
 TEST(BackwardEuler, ContactIsStableUpToTheSpringThatTheHeaderNames) {
   // sum_j k phi_j^2 tau^2/(m_j (4 + 4 zeta_j omega_j tau + (omega_j tau)^2)) = 1 at the limit.
@@ -162,26 +107,29 @@ TEST(BackwardEuler, ContactIsStableUpToTheSpringThatTheHeaderNames) {
   constexpr double tau = 1;
   for (int trial = 0; trial < 200; ++trial) {
     const int n = 1 + trial % 4;
-    std::vector<Mode> modes;
-    Eigen::VectorXd phi(n);
+    Joined j{{}, Eigen::MatrixXd(1, n), 0};
     double sum = 0;
     for (int k = 0; k < n; ++k) {
-      modes.push_back({draw.uniform(0.01, 1), draw.uniform(0.001, 0.5), draw.uniform(0.5, 2)});
-      phi[k] = draw.uniform(0.5, 2);
-      const double wt = modes[k].omega * tau;
-      sum += phi[k] * phi[k] * tau * tau / (modes[k].mass * (4 + 4 * modes[k].zeta * wt + wt * wt));
+      j.modes.push_back({draw.uniform(0.01, 1), draw.uniform(0.001, 0.5), draw.uniform(0.5, 2)});
+      j.phi(0, k) = draw.uniform(0.5, 2);
+      const double wt = j.modes[k].omega * tau;
+      sum += j.phi(0, k) * j.phi(0, k) * tau * tau /
+             (j.modes[k].mass * (4 + 4 * j.modes[k].zeta * wt + wt * wt));
     }
     const double limit = 1 / sum;
-    const auto radius = [&](double spring) {
-      return contact_step(modes, phi, spring, tau).eigenvalues().cwiseAbs().maxCoeff();
+    const auto radius_at = [&](double spring) {
+      j.spring = spring;
+      return radius(backward_euler, j, tau);
     };
     // U1 = -U0: an eigenvalue of -1, to the accuracy of a 2 n matrix with entries up to ~10
-    const Eigen::MatrixXd map = contact_step(modes, phi, limit, tau);
+    j.spring = limit;
+    const Eigen::MatrixXd map = lagged_step(backward_euler, j, tau);
     const Eigen::JacobiSVD<Eigen::MatrixXd> svd(map + Eigen::MatrixXd::Identity(2 * n, 2 * n));
     EXPECT_LE(svd.singularValues().minCoeff(), 64 * n * eps * map.norm());
-    EXPECT_LT(radius(0.999 * limit), 1);
-    EXPECT_GT(radius(1.001 * limit), 1);
+    EXPECT_LT(radius_at(0.999 * limit), 1);
+    EXPECT_GT(radius_at(1.001 * limit), 1);
   }
 }
 
 }  // namespace
+}  // namespace ra2d::test

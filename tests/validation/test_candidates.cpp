@@ -13,7 +13,8 @@
 #include <vector>
 
 #include "host/errors.hpp"
-#include "tests/both_ways.hpp"
+#include "tests/looks.hpp"
+#include "tests/scenes.hpp"
 #include "tests/simulate.hpp"
 
 /// Leaving out the nodes that cannot touch changes nothing: `nodes = "candidates"` and `nodes =
@@ -36,7 +37,7 @@ TEST(Candidates, RandomScenesAreTheSameBitForBit) {
   double evaluated = 0, steps_nodes = 0;
   for (std::uint64_t seed = 1; seed <= scenes; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
-    const Case c = random_case(seed);
+    const Started c = random_scene(seed);
     const Outcome all = march(c.model, c.start, Nodes::all);
     const Outcome some = march(c.model, c.start, Nodes::candidates);
     expect_same(all, some);

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/compare.hpp"
+#include "tests/looks.hpp"
 #include "tests/scenes.hpp"
 #include "tests/simulate.hpp"
 
@@ -17,22 +17,6 @@
 /// padding, or on the scenes beside it: bit for bit.
 namespace ra2d::test {
 namespace {
-
-Scene rough_scene(Support slider) {
-  Scene s = plate_scene(7, 0.004, 1e-3);
-  s.duration = 6e-4;
-  s.speed = 1.0;
-  s.resonator.surface = gaussian(1e-6, 3e-4, 4);
-  s.slider.support = slider;
-  s.slider.surface = gaussian(1e-6, 3e-4, 3);
-  s.slider.modes = slider == Support::rigid ? 0 : 2;
-  if (slider == Support::free)
-    s.slider.load = 20;
-  else
-    s.gap = 2e-6;  // the asperities meet
-  s.stiffness = 1e14;
-  return s;
-}
 
 /// Sliders of all supports, over all nodes and candidates.
 std::vector<Scene> kinds() {

@@ -11,8 +11,9 @@
 #include <vector>
 
 #include "host/scene/scene.hpp"
-#include "tests/both_ways.hpp"
+#include "tests/looks.hpp"
 #include "tests/scenes.hpp"
+#include "tests/schemes.hpp"
 #include "tests/simulate.hpp"
 
 /// Contact forces that are found with the end of the step: Lagrange multipliers with every scheme
@@ -24,27 +25,28 @@ using Vector = Eigen::VectorXd;
 constexpr double ulp = std::numeric_limits<double>::epsilon();
 
 struct Kind {
-  const char* name;
-  SchemeKind scheme;
+  Scheme scheme;
   ContactLaw law = ContactLaw::multiplier;
 };
-constexpr Kind kinds[] = {{"BackwardEuler", SchemeKind::backward_euler},
-                          {"Midpoint", SchemeKind::midpoint},
-                          {"Heun", SchemeKind::heun},
-                          {"Rk4", SchemeKind::rk4},
-                          {"Rk8", SchemeKind::rk8},
-                          {"Exact", SchemeKind::exact},
-                          {"ImplicitPenalty", SchemeKind::backward_euler, ContactLaw::penalty}};
+const std::vector<Kind> kinds = {
+    {{"BackwardEuler", SchemeKind::backward_euler}},
+    {{"Midpoint", SchemeKind::midpoint}},
+    {{"Heun", SchemeKind::heun}},
+    {{"Rk4", SchemeKind::rk4}},
+    {{"Rk8", SchemeKind::rk8}},
+    {{"Exact", SchemeKind::exact}},
+    {{"FullyImplicit", SchemeKind::backward_euler, ForceTime::new_time}, ContactLaw::penalty}};
 constexpr int multipliers = 6, all_kinds = 7;  // the first six are multipliers
+const Kind &backward_euler = kinds[0], &heun = kinds[2], &exact = kinds[5], &implicit = kinds[6];
 
-void make(Scene& s, const Kind& kind) {
-  s.scheme = kind.scheme;
+Scene with(Scene s, const Kind& kind) {
+  s = test::with(s, kind.scheme);
   s.law = kind.law;
-  s.force_time = ForceTime::new_time;
+  return s;
 }
 /// U1 - U0 of a force is tau (V1 - V0), and not half of it.
 bool stops_on_the_face(const Kind& kind) {
-  return kind.scheme == SchemeKind::backward_euler || kind.scheme == SchemeKind::midpoint;
+  return kind.scheme.kind == SchemeKind::backward_euler || kind.scheme.kind == SchemeKind::midpoint;
 }
 
 class Multipliers : public testing::TestWithParam<int> {
@@ -52,27 +54,19 @@ class Multipliers : public testing::TestWithParam<int> {
   const Kind& kind() const { return kinds[GetParam()]; }
 };
 class HeldForces : public Multipliers {};
-const auto kind_name = [](const auto& info) { return std::string(kinds[info.param].name); };
+const auto kind_name = [](const auto& info) { return std::string(kinds[info.param].scheme.name); };
 INSTANTIATE_TEST_SUITE_P(Schemes, Multipliers, testing::Range(0, multipliers), kind_name);
 INSTANTIATE_TEST_SUITE_P(Schemes, HeldForces, testing::Range(0, all_kinds), kind_name);
 
-/// A rough plate under a rough slider, sampled at every step.
-Scene rough_scene(Support slider, const Kind& kind) {
-  Scene s = plate_scene(12, 0.004, 1e-3);
+/// The rough scene, pressed together, sampled at every step.
+Scene pressed_scene(Support slider, const Kind& kind) {
+  Scene s = with(rough_scene(slider), kind);
+  s.resonator.modes = 12;
+  if (s.slider.modes == 2) s.slider.modes = 1;  // the second is too fast for Heun
+  if (s.gap) s.gap = 0;
   s.duration = 3e-4;
   s.rate = 1e7;
-  s.speed = 1.0;
-  s.resonator.surface = gaussian(1e-6, 3e-4, 4);
-  s.slider.support = slider;
-  s.slider.surface = gaussian(1e-6, 3e-4, 3);
-  s.slider.modes = slider == Support::rigid ? 0 : 1;
-  if (slider == Support::free)
-    s.slider.load = 20;
-  else
-    s.gap = 0;  // pressed in
-  s.stiffness = 1e14;
   s.initial = Initial::statics;
-  make(s, kind);
   return s;
 }
 
@@ -198,7 +192,7 @@ void expect_no_energy_from_nowhere(const Recording& r) {
 TEST_P(Multipliers, NothingOverlapsAndForcesOnlyPushWhereFacesTouch) {
   for (const Support support : {Support::free, Support::pinned, Support::rigid}) {
     SCOPED_TRACE(static_cast<int>(support));
-    const Recording r = simulate(rough_scene(support, kind()));
+    const Recording r = simulate(pressed_scene(support, kind()));
     ASSERT_EQ(r.end.status, Status::done);
     expect_conditions(r, 4);
     expect_no_energy_from_nowhere(r);
@@ -212,10 +206,10 @@ TEST_P(Multipliers, NothingOverlapsAndForcesOnlyPushWhereFacesTouch) {
 
 TEST(MultipliersOfThePaper, NothingOverlapsInTheScenesOfThePaper) {
   for (const char* file : {"dang2012.toml", "dang2012-pinned.toml"})
-    for (const Kind& kind : {kinds[0], kinds[5]}) {
-      SCOPED_TRACE(std::string(file) + " " + kind.name);
+    for (const Kind& kind : {backward_euler, exact}) {
+      SCOPED_TRACE(std::string(file) + " " + kind.scheme.name);
       Scene s = read_scene(std::string(RA2D_SOURCE_DIR) + "/scenes/" + file);
-      make(s, kind);
+      s = with(s, kind);
       s.duration = 4e-4;
       s.rate = 2.5e5;                             // one in 400 steps
       if (s.slider.support == Support::pinned) {  // to meet within this time
@@ -236,7 +230,7 @@ Scene resting_scene(const std::vector<int>& nodes, const Kind& kind) {
   Scene s = plate_scene(6, 0.004, 1e-3);
   s.spacing = 2e-4;  // 21 nodes
   s.slider.support = Support::free;
-  s.slider.modes = kind.scheme == SchemeKind::heun ? 0 : 1;  // see MultipliersOfHeun
+  s.slider.modes = kind.scheme.kind == SchemeKind::heun ? 0 : 1;  // see MultipliersOfHeun
   s.slider.load_is_weight = true;
   s.initial = Initial::statics;
   s.duration = 1e-3;
@@ -246,8 +240,7 @@ Scene resting_scene(const std::vector<int>& nodes, const Kind& kind) {
   for (const int n : nodes)
     list.push_back({.at = n * s.spacing, .height = 1e-6, .half_width = 0.5 * s.spacing});
   if (!list.empty()) s.slider.surface = peaks(list);
-  make(s, kind);
-  return s;
+  return with(s, kind);
 }
 
 /// What roundings of the gaps may do to a resting slider: of its weight, an overlap off by e moves
@@ -288,7 +281,7 @@ TEST(MultipliersOfHeun, StiffModeShakesARestingSlider) {
   // Held to a face, a mode of the slider with x = omega tau turns its velocity at every step and
   // gains x^2/4 of it where exact steps gain nothing (RK4 next to nothing): more than this damping
   // takes. It comes to an end when the slider leaves the face, at rates of g tau.
-  Scene s = resting_scene({10}, kinds[2]);
+  Scene s = resting_scene({10}, heun);
   s.slider.modes = 1;
   s.duration = 3e-3;
   const Recording r = simulate(s);
@@ -308,7 +301,7 @@ constexpr double impact_speed = 0.1;  // m/s
 
 /// A free slider without load that flies onto a body that does not move, and hits it with the node
 /// in its middle from `theta` steps away.
-Case mass_on_a_wall(double theta, const Kind& kind) {
+Started mass_on_a_wall(double theta, const Kind& kind) {
   Scene s = plate_scene(0, 0.004, 1e-3);
   s.resonator = rigid(s.resonator);
   s.spacing = 2e-4;
@@ -318,9 +311,9 @@ Case mass_on_a_wall(double theta, const Kind& kind) {
   s.duration = 20 * s.step;
   s.rate = 1 / s.step;
   s.stiffness = 1e13;
-  make(s, kind);
+  s = with(s, kind);
   s.gap = 1e-6 + (7 + theta) * impact_speed * s.step;
-  Case c{make_model(s), {}};
+  Started c{make_model(s), {}};
   c.start = make_start(c.model);
   c.start.slider_v[0] = impact_speed * std::sqrt(s.slider.length);
   count_energy(c.model, c.start);
@@ -332,7 +325,7 @@ TEST_P(Multipliers, ImpactOfAMassGivesBackWhatTheSchemeSays) {
   std::vector<Model> models;
   std::vector<ModalStart> starts;
   for (int i = 0; i < offsets; ++i) {
-    const Case c = mass_on_a_wall((i + 0.5) / offsets, kind());
+    const Started c = mass_on_a_wall((i + 0.5) / offsets, kind());
     models.push_back(c.model);
     starts.push_back(c.start);
   }
@@ -357,7 +350,7 @@ TEST_P(Multipliers, ImpactOfAMassGivesBackWhatTheSchemeSays) {
 }
 
 /// A plate that swings up onto one peak of a rigid body, undamped, without gravity.
-Case plate_on_a_peak(int modes, double duration, int steps, const Kind& kind) {
+Started plate_on_a_peak(int modes, double duration, int steps, const Kind& kind) {
   Scene s = plate_scene(modes, 0.004, 0.004, 0.0);
   s.spacing = 2e-4;
   s.slider.surface = peaks({{.at = 10 * s.spacing, .height = 1e-5, .half_width = 0.5 * s.spacing}});
@@ -367,8 +360,8 @@ Case plate_on_a_peak(int modes, double duration, int steps, const Kind& kind) {
   s.step = duration / steps;
   s.rate = 1 / duration;
   s.stiffness = 1e13;
-  make(s, kind);
-  Case c{make_model(s), {}};
+  s = with(s, kind);
+  Started c{make_model(s), {}};
   c.start = make_start(c.model);
   c.start.resonator_v[0] = 0.02 / c.model.resonator.modes[0].largest;
   count_energy(c.model, c.start);
@@ -382,7 +375,7 @@ Vector shape_at_the_peak(const Model& m) {
   return phi;
 }
 /// (omega U, V) at the end.
-Vector end_of(const Case& c) {
+Vector end_of(const Started& c) {
   Batch batch({c.model}, {c.start});
   do {  // every bounce is a shock to be handed out
     batch.march(c.model.steps);
@@ -400,7 +393,7 @@ Vector end_of(const Case& c) {
 }
 
 /// Kinetic and elastic energy at the end, over that at the start.
-double energy_left(const Case& c) {
+double energy_left(const Started& c) {
   return end_of(c).squaredNorm() / std::pow(c.start.resonator_v[0], 2);
 }
 
@@ -416,7 +409,7 @@ TEST_P(Multipliers, ImpactOfAPlateKeepsWhatTheProjectionLeaves) {
     double left[2];
     for (const int level : {0, 1})
       left[level] = energy_left(plate_on_a_peak(modes, duration, 32'000 << level, kind()));
-    const Case c = plate_on_a_peak(modes, duration, 1000, kind());
+    const Started c = plate_on_a_peak(modes, duration, 1000, kind());
     const Vector phi = shape_at_the_peak(c.model);
     const double omega = c.model.resonator.modes[0].omega, rate = c.start.resonator_v[0];
     // sine of the first mode's phase when it meets the peak: so much of its energy is elastic
@@ -435,10 +428,10 @@ TEST(ImplicitPenalty, BecomesTheMultiplier) {
   // One impact of a plate of six modes, at a fixed step: with the compliance c = 1/(kappa chi w)
   // beside W of the node, f = o/(W + c), so what is left falls like c/W, as 1/kappa.
   constexpr double duration = 1.2e-4;
-  const Vector hard = end_of(plate_on_a_peak(6, duration, 1200, kinds[0]));
+  const Vector hard = end_of(plate_on_a_peak(6, duration, 1200, backward_euler));
   double softer = 0;
   for (int decade = 3; decade <= 8; ++decade) {
-    Case c = plate_on_a_peak(6, duration, 1200, kinds[6]);
+    Started c = plate_on_a_peak(6, duration, 1200, implicit);
     const Vector phi = shape_at_the_peak(c.model);
     const double yield =
         std::pow(c.model.scene.step, 2) / c.model.resonator.mass_per_length * phi.squaredNorm();
@@ -456,14 +449,14 @@ TEST(ImplicitPenalty, BecomesTheMultiplier) {
 // ---- blocked ----------------------------------------------------------------------------------
 
 /// The second mode alone, pushed up against a flat body that stands on both sides of its node.
-Case pinched(const Kind& kind) {
+Started pinched(const Kind& kind) {
   Scene s = plate_scene(2, 0.02, 1e-3);
   s.gap = 1e-9;
   s.duration = 2e-5;
   s.stiffness = 1e13;
   s.resonator.moving_forces = {{.force = 1, .speed = 0, .start = 0.015}};
-  make(s, kind);
-  Case c{make_model(s), {}};
+  s = with(s, kind);
+  Started c{make_model(s), {}};
   c.model.resonator.modes.erase(c.model.resonator.modes.begin());
   c.model.resonator.load.pop_back();
   c.start = make_start(c.model);
@@ -471,20 +464,20 @@ Case pinched(const Kind& kind) {
 }
 
 TEST_P(Multipliers, BlockedSceneIsReportedAndTheOthersGoOn) {
-  const Case free = [&] {
-    Scene s = rough_scene(Support::free, kind());
+  const Started free = [&] {
+    Scene s = pressed_scene(Support::free, kind());
     s.duration = 2e-5;
-    Case c{make_model(s), {}};
+    Started c{make_model(s), {}};
     c.start = make_start(c.model);
     return c;
   }();
-  const Case open = pinched(kind());  // the gap leaves room
-  Case tight = open;                  // ... and here what overlaps could go to neither side
+  const Started open = pinched(kind());  // the gap leaves room
+  Started tight = open;                  // ... and here what overlaps could go to neither side
   tight.model.delta = -1e-9;
-  const std::vector<Case> cases = {free, tight, open, free};
+  const std::vector<Started> cases = {free, tight, open, free};
   std::vector<Model> models;
   std::vector<ModalStart> starts;
-  for (const Case& c : cases) {
+  for (const Started& c : cases) {
     models.push_back(c.model);
     starts.push_back(c.start);
   }
@@ -512,11 +505,13 @@ TEST_P(HeldForces, RandomScenesAreTheSameBitForBit) {
   double evaluated = 0, steps_nodes = 0;
   for (std::uint64_t seed = 1; seed <= scenes; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
-    const Case c = random_case(1000 * GetParam() + seed, [&](Scene& s) {
-      make(s, kind());
+    // from equilibrium start the scenes below
+    const auto adapt = [&](Scene& s) {
+      s.law = kind().law;
+      s.initial = Initial::rest;
       if (s.law == ContactLaw::penalty) s.stiffness *= 1e4;  // far beyond the limit of the old time
-      s.initial = Initial::rest;  // the scenes below start from equilibrium
-    });
+    };
+    const Started c = random_scene(1000 * GetParam() + seed, {kind().scheme, 0, adapt});
     const Outcome all = march(c.model, c.start, Nodes::all);
     const Outcome some = march(c.model, c.start, Nodes::candidates);
     expect_same(all, some);
@@ -536,7 +531,7 @@ TEST_P(HeldForces, NodesPassingAtAnySpeedAreTheSameBitForBit) {
     SCOPED_TRACE(nodes_per_step);
     std::int64_t contact = 0;
     for (const Support support : {Support::free, Support::pinned, Support::rigid}) {
-      Scene s = rough_scene(support, kind());
+      Scene s = pressed_scene(support, kind());
       s.speed = nodes_per_step * s.spacing / s.step;
       s.duration = std::min(2e-4, 0.03 / s.speed);
       s.rate = 1e7 / 13.7;
@@ -551,7 +546,7 @@ TEST_P(HeldForces, FlatFacesAreTheSameBitForBit) {
   // all the nodes touch or nearly do, and what roundings leave decides
   for (const double speed : {0.0, 1.0}) {
     SCOPED_TRACE(speed);
-    Scene s = rough_scene(Support::free, kind());
+    Scene s = pressed_scene(Support::free, kind());
     s.resonator.surface = s.slider.surface = SurfaceSpec{};
     s.speed = speed;
     s.duration = 1e-4;
@@ -569,7 +564,7 @@ TEST_P(HeldForces, FlatFacesAreTheSameBitForBit) {
 TEST_P(HeldForces, LaunchesBuffersPaddingAndNeighboursGiveTheSameBits) {
   std::vector<Scene> scenes;
   for (const Support support : {Support::free, Support::pinned, Support::rigid})
-    scenes.push_back(rough_scene(support, kind()));
+    scenes.push_back(pressed_scene(support, kind()));
   for (Scene& s : scenes) s.duration = 2.5e-4;
   scenes[0].rate = 1e7 / 3.7;  // not a whole number of steps
   scenes[1].resonator.moving_forces = {{.force = 3, .speed = 40, .start = 0.01}};

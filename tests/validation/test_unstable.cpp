@@ -14,19 +14,6 @@
 namespace ra2d::test {
 namespace {
 
-/// A plate, pressed by an imposed overlap on one node of a rigid slider's peak.
-Scene pressed_plate() {
-  Scene s = plate_scene(6, 0.004, 1e-3);
-  s.duration = 2e-2;
-  s.start = 0.021;
-  s.gap = 5e-6;  // of 10 um: 5 um of overlap
-  s.step = 1e-6;
-  s.rate = 1e4;
-  s.initial = Initial::statics;
-  s.slider.surface = peaks({{.at = 0.002, .height = 1e-5, .half_width = 3e-5}});
-  return s;
-}
-
 /// The kappa at which a motion of two steps' period neither grows nor falls, contact at slider node
 /// n alone and nothing sliding. With U1 = -U0, V1 = -V0, backward Euler gives U0 = -tau V1/2 and
 ///   m (4 + 4 zeta omega tau + (omega tau)^2) U0 = tau^2 k phi sum_j phi_j U_j,

@@ -9,13 +9,13 @@
 #include <limits>
 #include <vector>
 
-#include "host/run/batch.hpp"
 #include "tests/compare.hpp"
 #include "tests/dice.hpp"
-#include "tests/scenes.hpp"
+#include "tests/schemes.hpp"
+#include "tests/simulate.hpp"
 
-/// Marches over all the nodes and over the candidates, compared bit for bit, and random scenes for
-/// that.
+/// Marches over all the nodes and over candidates, compared bit for bit; and scenes of any kind to
+/// compare them on. What a run records, as bits.
 namespace ra2d::test {
 
 /// Everything that a scene hands out.
@@ -70,22 +70,6 @@ inline Outcome expect_both_same(const Model& model, const ModalStart& start) {
   return all;
 }
 
-/// The energy at t = 0 of a start whose modal state was set by hand: the watch over the energy asks
-/// for it.
-inline void count_energy(const Model& model, ModalStart& start) {
-  start.energy = 0;
-  const auto add = [&](const Beam& beam, const std::vector<double>& u,
-                       const std::vector<double>& v) {
-    for (std::size_t k = 0; k < u.size(); ++k)
-      start.energy +=
-          0.5 * beam.mass_per_length * (v[k] * v[k] + std::pow(beam.modes[k].omega * u[k], 2));
-  };
-  add(model.resonator, start.resonator_u, start.resonator_v);
-  add(model.slider, start.slider_u, start.slider_v);
-  for (const double overlap : overlaps(model, start.resonator_u, start.slider_u))
-    if (overlap > 0) start.energy += 0.5 * model.node_stiffness * overlap * overlap;
-}
-
 inline double largest_shape(const Beam& beam) {
   double sum = 0;
   for (const ModeShape& mode : beam.modes) sum += mode.largest * mode.largest;
@@ -101,15 +85,21 @@ inline double stiffness_for(const Scene& scene, double z) {
          std::min(scene.resonator.width, scene.slider.width);
 }
 
-struct Case {
+struct Started {
   Model model;
   ModalStart start;
 };
 
-/// A scene of any kind that the march takes; `adapt` changes what it is about.
-inline Case random_case(std::uint64_t seed, const std::function<void(Scene&)>& adapt = {}) {
+struct Variant {
+  Scheme scheme{"BackwardEuler", SchemeKind::backward_euler};
+  double turn = 0;                    // omega tau of the fastest mode; 0: as it comes, well below 1
+  std::function<void(Scene&)> adapt;  // last changes
+};
+
+/// A scene of any kind that the march takes.
+inline Started random_scene(std::uint64_t seed, const Variant& variant = {}) {
   Dice dice(seed);
-  Scene s;
+  Scene s = with(Scene{}, variant.scheme);
   s.spacing = dice.ratio(1e-5, 1e-4);
   s.step = dice.ratio(1e-8, 1e-6);
   const int nodes1 = 20 + dice.pick(180);
@@ -138,6 +128,11 @@ inline Case random_case(std::uint64_t seed, const std::function<void(Scene&)>& a
   b.modes = b.support == Support::pinned ? 1 + dice.pick(6)
             : b.support == Support::free ? dice.pick(5)
                                          : 0;
+
+  double fastest = 0;
+  for (const BodySpec* body : {&r, &b})
+    for (const ModeShape& mode : make_beam(*body).modes) fastest = std::max(fastest, mode.omega);
+  if (variant.turn > 0 && fastest > 0) s.step = variant.turn / fastest;
 
   // any of: at rest, a few nodes in all, a node in some steps, some nodes in a step
   const double room = (nodes2 - nodes1 - 1) * s.spacing;
@@ -187,8 +182,8 @@ inline Case random_case(std::uint64_t seed, const std::function<void(Scene&)>& a
                                .speed = dice.ratio(1, 100),
                                .start = dice.uniform(-0.1, 0.5) * r.length});
 
-  if (adapt) adapt(s);
-  Case c{make_model(s), {}};
+  if (variant.adapt) variant.adapt(s);
+  Started c{make_model(s), {}};
   // multipliers would throw apart at once what overlaps at the start
   const double deepest = s.law == ContactLaw::multiplier ? 0.0 : -0.1;
   if (s.initial == Initial::rest) c.model.delta += dice.uniform(deepest, 0.3) * height;
@@ -205,6 +200,46 @@ inline Case random_case(std::uint64_t seed, const std::function<void(Scene&)>& a
     count_energy(c.model, c.start);
   }
   return c;
+}
+
+/// Rough faces that meet, under a slider of any support.
+inline Scene rough_scene(Support slider) {
+  Scene s = plate_scene(7, 0.004, 1e-3);
+  s.duration = 6e-4;
+  s.speed = 1.0;
+  s.resonator.surface = gaussian(1e-6, 3e-4, 4);
+  s.slider.support = slider;
+  s.slider.surface = gaussian(1e-6, 3e-4, 3);
+  s.slider.modes = slider == Support::rigid ? 0 : 2;
+  if (slider == Support::free)
+    s.slider.load = 20;
+  else
+    s.gap = 2e-6;  // the asperities meet
+  s.stiffness = 1e14;
+  return s;
+}
+
+/// All that a run records, as one list.
+inline Bits bits(const Recording& r) {
+  Bits out;
+  const SampleBlock& s = r.samples;
+  for (const auto* column :
+       {&s.time, &s.resonator_displacement, &s.resonator_velocity, &s.slider_displacement,
+        &s.slider_velocity, &s.force, &s.nodes, &s.kinetic, &s.elastic, &s.contact, &s.damping_loss,
+        &s.sliding_work, &s.load_work})
+    put(out, *column);
+  put_shocks(out, r.shocks);
+  put_shocks(out, r.end.open_shocks);
+  for (const OpenShock& shock : r.end.open_shocks) put(out, {shock.force});
+  const Snapshot& e = r.end;
+  for (const auto* column :
+       {&e.resonator_u, &e.resonator_v, &e.slider_u, &e.slider_v, &e.resonator_square})
+    put(out, *column);
+  put(out, {e.sliding_work, e.force_work, e.energy, e.energy_limit});
+  for (const std::int64_t i :
+       {static_cast<std::int64_t>(e.status), e.step, e.contact_steps, e.most_nodes, e.shocks_begun})
+    out.push_back(static_cast<std::uint64_t>(i));
+  return out;
 }
 
 }  // namespace ra2d::test

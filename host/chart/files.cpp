@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/chart/files.hpp"
+
+#include <fmt/format.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <system_error>
+
+#include "host/errors.hpp"
+
+namespace ra2d {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Exit status of a script that has no matplotlib (host/chart/plot_stability.py).
+constexpr int no_matplotlib = 9;
+
+/// Exit status of a program, started without a shell; -1 when it could not be started.
+int run_program(std::vector<std::string> words) {
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  pid_t child = 0;
+  if (posix_spawnp(&child, argv[0], nullptr, nullptr, argv.data(), environ) != 0) return -1;
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0)
+    if (errno != EINTR) return -1;
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+/// Beside the installed program, or where it was built from.
+fs::path find_script(const std::string& name) {
+  std::error_code none;
+  const fs::path program = fs::read_symlink("/proc/self/exe", none);
+  const fs::path installed =
+      (program.parent_path() / RA2D_SCRIPTS_FROM_PROGRAM / name).lexically_normal();
+  if (fs::exists(installed, none)) return installed;
+  const fs::path source = fs::path(RA2D_SCRIPTS_SOURCE) / name;
+  if (fs::exists(source, none)) return source;
+  throw FileError(fmt::format("the script {} is neither at '{}' nor at '{}': install ra2d again",
+                              name, installed.string(), source.string()));
+}
+
+}  // namespace
+
+void write_text(const fs::path& file, const std::string& text) {
+  const auto fail = [&](int why) {
+    throw FileError(fmt::format("cannot write '{}': {}", file.string(), std::strerror(why)));
+  };
+  fs::path partial = file;
+  partial += fmt::format(".partial-{}", getpid());
+  std::FILE* out = std::fopen(partial.c_str(), "wx");
+  if (out == nullptr) fail(errno);
+  bool written = std::fwrite(text.data(), 1, text.size(), out) == text.size();
+  written = std::fclose(out) == 0 && written;
+  if (!written || std::rename(partial.c_str(), file.c_str()) != 0) {
+    const int why = errno;
+    std::remove(partial.c_str());
+    fail(why);
+  }
+}
+
+void draw(const std::string& script, const std::vector<std::string>& arguments) {
+  const std::string path = find_script(script).string();
+  bool any = false;
+  for (const char* python : {"python3", "/usr/bin/python3"}) {
+    std::vector<std::string> words{python, path};
+    words.insert(words.end(), arguments.begin(), arguments.end());
+    const int status = run_program(words);
+    if (status == 0) return;
+    if (status < 0 || status == 127) continue;
+    any = true;
+    if (status != no_matplotlib)
+      throw FileError(fmt::format("{} failed with status {} (its message is above)", path, status));
+  }
+  throw FileError(
+      any ? "no python3 here has matplotlib: install it (on Debian: apt-get install "
+            "python3-matplotlib)"
+          : "there is no python3: install it with matplotlib (on Debian: apt-get install "
+            "python3-matplotlib)");
+}
+
+}  // namespace ra2d

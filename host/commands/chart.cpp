@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include "host/chart/files.hpp"
+#include "host/chart/stability_chart.hpp"
+#include "host/commands/commands.hpp"
+#include "host/errors.hpp"
+#include "host/run/batch.hpp"
+#include "paper_scene.hpp"
+
+namespace ra2d {
+
+int chart_stability_command(const CommonOptions& common, const std::string& prefix, bool plot) {
+  const Scene scene = common.scene.empty()
+                          ? parse_scene(paper_scene, "dang2012.toml", common.overrides)
+                          : read_scene(common.scene, common.overrides);
+  const Model model = make_model(scene);
+  const std::string modes = modes_csv(model);
+  const Backend backend(common.threads);
+  const std::vector<Limit> limits = make_limits();
+  fmt::print("{}", describe(limits));
+  std::fflush(stdout);
+
+  const std::string table = prefix + ".csv", regions = prefix + "-regions.csv",
+                    eigenvalues = prefix + "-modes.csv", picture = prefix + ".png";
+  write_text(table, limits_csv(limits));
+  write_text(regions, regions_csv());
+  write_text(eigenvalues, modes);
+  const std::string texts = fmt::format("{}, {} and {}", table, regions, eigenvalues);
+  if (plot) try {
+      draw("plot_stability.py",
+           {table, regions, eigenvalues, picture,
+            fmt::format("{}, step {:g} s",
+                        scene.name.empty() ? scene.file.filename().string() : scene.name,
+                        scene.step)});
+    } catch (const FileError& fault) {
+      throw FileError(
+          fmt::format("the picture {} was not made: {}. The table is in {}; --no-plot asks for no "
+                      "picture",
+                      picture, fault.what(), texts));
+    }
+  if (!common.quiet) fmt::print("\nwritten: {}{}\n", texts, plot ? ", " + picture : "");
+  return done;
+}
+
+}  // namespace ra2d
