@@ -51,7 +51,8 @@ namespace ra2d {
 /// the face and stop it in the next step: nothing comes back. The one-step schemes that hold the
 /// force (exact, Heun, RK4, RK8: U1 of a force is tau/2 times V1 of it) leave with V1 = -(1 - 2
 /// theta) V: the share (1 - 2 theta)^2 of the energy, anything from 0 to 1, on average a third, and
-/// no limit for tau -> 0. No scheme gains energy.
+/// no limit for tau -> 0. No scheme gains energy from it; in lasting contact Heun may
+/// (kernels/schemes/heun.hpp).
 enum class Held { solved, blocked, crowded };
 
 template <class Lanes, int K>

@@ -22,7 +22,9 @@ namespace ra2d {
 ///
 /// Multipliers: the force is the same at both stages. U1 - U0 of a force is then half of tau (V1 -
 /// V0), and a mass that hits at a share theta of a step leaves at -(1 - 2 theta) of its speed
-/// (kernels/contact/multiplier.hpp).
+/// (kernels/contact/complementarity.hpp). A node that is held to a face turns its velocity at every
+/// step, and with it grows by the mean of x^2/2 - 2 zeta x over the modes, weighted with phi^2/m: stiff
+/// modes need x < 4 zeta, or contact that should last chatters, at velocities of the load's tau/m.
 struct Heun {
   static constexpr int order = 2, stages = 2;
   static constexpr double place[] = {0.0, 1.0};
