@@ -81,6 +81,7 @@ struct SceneTables {
   double node_stiffness = 0;  // N/m, kappa chi w
   double compliance = 0;      // m/N, 1/(kappa chi w); 0 under multipliers
   double touch = 0;           // m, overlap that counts as none under Form::held: roundings
+  double least_yielding = 0;  // m/N, of a node that any mode moves: what is less is roundings
   double slack = 0;           // m, bound on the rounding of the rough faces' part of a gap
   double steepest = 0;        // m, largest rise of the resonator's face over one spacing
 

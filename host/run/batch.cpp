@@ -345,6 +345,8 @@ SceneTables Batch::Impl::fill_tables(const Model& model, const Layout& l) {
     const double rigid =
         std::max(std::abs(mode.constant), std::abs(mode.constant + mode.slope * beam.length));
     table(reach)[lane] = wave + rigid;
+    // shapes are right to some 1e-15 of their largest
+    t.least_yielding += 1e-26 * step.held_u() * std::pow(wave + rigid, 2);
     table(yield)[lane] = (wave + rigid) * bounds.force;
     const double pushed = std::abs(beam.load[k]) + (moves ? push_of_forces * (wave + rigid) : 0.0);
     table(push)[lane] = pushed * bounds.force;

@@ -256,7 +256,8 @@ class Complementarity {
         pivot -= y * y;
       }
       const bool full = count_ == s_.pressed_capacity;
-      const bool depends = !(pivot > dependent * own) || (full && t_.compliance == 0.0);
+      const bool depends = !(pivot > dependent * own) || !(own > t_.least_yielding) ||
+                           (full && t_.compliance == 0.0);
       const double clear = depends ? never : over / pivot;
       if (count_ > 0) {
         lanes_.sync();
