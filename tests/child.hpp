@@ -4,10 +4,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 /// Programs started by tests, in a folder of their own.
@@ -36,28 +38,46 @@ class Folder {
   std::filesystem::path path_;
 };
 
+/// A child process with its output in files.
+class Child {
+ public:
+  Child(const std::filesystem::path& folder, std::vector<std::string> words) : folder_{folder} {
+    pid_ = fork();
+    if (pid_ != 0) return;
+    std::vector<char*> argv;
+    for (std::string& word : words) argv.push_back(word.data());
+    argv.push_back(nullptr);
+    if (chdir(folder.c_str()) != 0) _exit(125);
+    dup2(open((folder / "stdout").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), 1);
+    dup2(open((folder / "stderr").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), 2);
+    execvp(argv[0], argv.data());
+    _exit(126);
+  }
+  /// Exit status, or 1000 + the signal that ended it.
+  int wait() {
+    int status = 0;
+    waitpid(pid_, &status, 0);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status);
+  }
+  void send(int signal) const { kill(pid_, signal); }
+  std::string out() const { return read_file(folder_ / "stdout"); }
+  std::string err() const { return read_file(folder_ / "stderr"); }
+
+ private:
+  std::filesystem::path folder_;
+  pid_t pid_ = -1;
+};
+
 struct Ended {
-  int status;  // exit status, or 1000 + the signal that ended it
+  int status;  // as of Child::wait
   std::string out, err;
 };
 
 /// Runs a program to its end.
 inline Ended run_program(const std::filesystem::path& folder, std::vector<std::string> words) {
-  std::vector<char*> argv;
-  for (std::string& word : words) argv.push_back(word.data());
-  argv.push_back(nullptr);
-  const pid_t child = fork();
-  if (child == 0) {
-    if (chdir(folder.c_str()) != 0) _exit(125);
-    dup2(open("stdout", O_WRONLY | O_CREAT | O_TRUNC, 0600), 1);
-    dup2(open("stderr", O_WRONLY | O_CREAT | O_TRUNC, 0600), 2);
-    execvp(argv[0], argv.data());
-    _exit(126);
-  }
-  int status = 0;
-  waitpid(child, &status, 0);
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status),
-          read_file(folder / "stdout"), read_file(folder / "stderr")};
+  Child child(folder, std::move(words));
+  const int status = child.wait();
+  return {status, child.out(), child.err()};
 }
 
 }  // namespace ra2d::test

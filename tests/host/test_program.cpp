@@ -1,73 +1,29 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The program as its users meet it: what it prints, what it writes, how it ends.
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 #include <thread>
+
+#include "tests/child.hpp"
 
 namespace {
 
 namespace fs = std::filesystem;
+using ra2d::test::Child;
+using ra2d::test::Folder;
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
-std::string read(const fs::path& file) {
-  std::ifstream in(file);
-  std::stringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
-
-/// A child process with its output in files.
-class Child {
- public:
-  Child(const fs::path& folder, std::vector<std::string> words) : folder_{folder} {
-    pid_ = fork();
-    if (pid_ != 0) return;
-    std::vector<char*> argv;
-    for (std::string& word : words) argv.push_back(word.data());
-    argv.push_back(nullptr);
-    if (chdir(folder.c_str()) != 0) _exit(125);
-    dup2(open((folder / "stdout").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), 1);
-    dup2(open((folder / "stderr").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), 2);
-    execvp(argv[0], argv.data());
-    _exit(126);
-  }
-  /// Exit status, or 1000 + the signal that ended it.
-  int wait() {
-    int status = 0;
-    waitpid(pid_, &status, 0);
-    return WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status);
-  }
-  void send(int signal) const { kill(pid_, signal); }
-  std::string out() const { return read(folder_ / "stdout"); }
-  std::string err() const { return read(folder_ / "stderr"); }
-
- private:
-  fs::path folder_;
-  pid_t pid_ = -1;
-};
-
 class Program : public testing::Test {
  protected:
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "ra2d_program_XXXXXX").string();
-    ASSERT_NE(mkdtemp(name.data()), nullptr);
-    folder_ = name;
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
   Child start(std::vector<std::string> words) const {
     words.insert(words.begin(), RA2D_PROGRAM);
     return {folder_, words};
@@ -103,7 +59,8 @@ class Program : public testing::Test {
   static std::string scene(const std::string& name) {
     return std::string(RA2D_SOURCE_DIR) + "/scenes/" + name + ".toml";
   }
-  fs::path folder_;
+  const Folder temporary_;
+  const fs::path folder_ = temporary_.path();
   std::string out_, err_;
 };
 
@@ -176,7 +133,7 @@ TEST_F(Program, TheEchoInTheFileRunsAgainToTheSameResult) {
       << "import h5py\nopen('again.toml','w').write(h5py.File('a.h5').attrs['scene'])\n";
   Child get(folder_, {RA2D_PYTHON, "get.py"});
   ASSERT_EQ(get.wait(), 0) << get.err();
-  EXPECT_THAT(read(folder_ / "again.toml"), HasSubstr("stiffness = 5e14"));
+  EXPECT_THAT(ra2d::test::read_file(folder_ / "again.toml"), HasSubstr("stiffness = 5e14"));
   ASSERT_EQ(run({"run", "again.toml", "-o", "b.h5"}), 0) << err_;
   EXPECT_EQ(python({"same_result.py", "a.h5", "b.h5"}), 0) << out_ << err_;
 }
@@ -288,6 +245,40 @@ TEST_F(Program, AForcedStepRunsAndTheFileSaysSo) {
          "assert 'beyond_limit' not in h5py.File('fine.h5').attrs\n";
   Child look(folder_, {RA2D_PYTHON, "look.py"});
   EXPECT_EQ(look.wait(), 0) << look.err();
+}
+
+TEST_F(Program, FacesThatNoModeCanKeepApartEndWithThreeAndAWayOut) {
+  // a peak right over the pinned end, where no mode moves anything
+  std::ofstream(folder_ / "blocked.toml") << R"(
+[scene]
+duration = 1e-3
+speed    = 0.0
+start    = 0.0
+gap      = 0.0
+spacing  = 1e-4
+[resonator]
+support = "pinned"
+length = 0.06
+thickness = 1e-3
+width = 0.02
+young = 210e9
+density = 7800
+damping = 0.02
+modes = 3
+[slider]
+support = "rigid"
+length = 0.01
+width = 0.02
+surface = { kind = "peaks", peaks = [{ at = 0.0, height = 1e-6, half_width = 5e-5 }] }
+[contact]
+law = "multiplier"
+[time]
+step = 1e-7
+)";
+  EXPECT_EQ(run({"run", "blocked.toml"}), 3);
+  EXPECT_THAT(err_, AllOf(HasSubstr("keeps the faces apart at t = 0 s"),
+                          HasSubstr("keep more modes"), HasSubstr("contact.law = \"penalty\"")));
+  EXPECT_EQ(python({"check_result.py", "blocked.h5"}), 0) << out_ << err_;
 }
 
 TEST_F(Program, AnUnstableRunEndsWithThreeAndSaysWhichLimitItCrossed) {
