@@ -683,7 +683,8 @@ class Marcher {
       ++done;
     }
     put_back(y);
-    if (lanes_.leader()) s_.evaluated += static_cast<std::int64_t>(done) * plan.count * t_.stages;
+    const int states = form == Form::held ? 1 : t_.stages;  // looked at in a step
+    if (lanes_.leader()) s_.evaluated += static_cast<std::int64_t>(done) * plan.count * states;
     lanes_.sync();
     return done > 0;
   }
