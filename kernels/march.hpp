@@ -492,7 +492,10 @@ class Marcher {
       moving_force_work(moving, y.v);
     } else if constexpr (form == Form::staged) {
       (void)outlook, (void)pushed, (void)pushes, (void)done;
-      staged_step(y, w, place, nodes);
+      if (t_.stages == 1)
+        staged_step<1>(y, w, place, nodes);
+      else
+        staged_step<most_stages>(y, w, place, nodes);
     } else {
       if (!held_step(y, w, place, nodes, outlook, pushed, pushes, done)) return false;
     }
@@ -500,11 +503,14 @@ class Marcher {
     return true;
   }
 
-  template <class Nodes>
-  KOKKOS_FUNCTION void staged_step(Working& y, const Weights& w, Place& place, const Nodes& nodes) {
-    Real force[most_stages][K];
+  /// With the contact force at each stage, `most` of them.
+  template <int most, class Nodes>
+  KOKKOS_FORCEINLINE_FUNCTION void staged_step(Working& y, const Weights& w, Place& place,
+                                               const Nodes& nodes) {
+    Real force[most][K];
     unsigned acting = 0;
-    for (int i = 0; i < t_.stages; ++i) {
+    const int stages = most == 1 ? 1 : t_.stages;
+    for (int i = 0; i < stages; ++i) {
       Real at[K];
       if (i == 0) {
         for (int p = 0; p < K; ++p) at[p] = y.u[p];
@@ -641,22 +647,34 @@ class Marcher {
     // contact is recorded at the beginning of a step, or (Form::held) at its end
     if (lanes_.leader() && s_.open_count > 0)
       end_shocks(s_, form == Form::held ? step_ + 1 : step_);
-    if constexpr (form == Form::semi_implicit) {
-      Real force[K], moving[K];
-      for (int p = 0; p < K; ++p) force[p] = load_[p];
-      if (t_.moving_forces == 0) {
-        for (int i = 0; i < steps; ++i) advance(y.u, y.v, y.square, force, w);
-      } else {
-        for (int i = 0; i < steps; ++i) {
-          outer_force(step_ + i, 0.0, force, moving);
-          advance(y.u, y.v, y.square, force, w);
-          moving_force_work(moving, y.v);
+    if (t_.moving_forces == 0) {
+      // arrays of their own, so that they stay in registers
+      Real u[K], v[K], square[K], force[K];
+      for (int p = 0; p < K; ++p) {
+        u[p] = y.u[p];
+        v[p] = y.v[p];
+        square[p] = y.square[p];
+        force[p] = load_[p];
+      }
+      for (int i = 0; i < steps; ++i) {
+        if constexpr (form == Form::semi_implicit) {
+          advance(u, v, square, force, w);
+        } else {
+          advance(u, v, w, 0u, nullptr);
+          add_squares(square, v);
         }
       }
-    } else if (t_.moving_forces == 0) {
+      for (int p = 0; p < K; ++p) {
+        y.u[p] = u[p];
+        y.v[p] = v[p];
+        y.square[p] = square[p];
+      }
+    } else if constexpr (form == Form::semi_implicit) {
+      Real force[K], moving[K];
       for (int i = 0; i < steps; ++i) {
-        advance(y.u, y.v, w, 0u, nullptr);
-        add_squares(y.square, y.v);
+        outer_force(step_ + i, 0.0, force, moving);
+        advance(y.u, y.v, y.square, force, w);
+        moving_force_work(moving, y.v);
       }
     } else {
       for (int i = 0; i < steps; ++i) {
