@@ -13,10 +13,10 @@
 namespace ra2d {
 namespace {
 
-/// Wall time of a step on one core of a server processor of 2023, in ns (bench/bench_march.cpp): in
-/// free flight; in contact at a few nodes, by the form of the step, the staged ones a stage; and
-/// where every node is looked at, a node and a look.
-constexpr double flight_ns = 5.0, contact_ns = 50.0, stage_ns = 100.0, held_ns = 400.0,
+/// Wall time of a step on one core of a server processor of 2023, in ns (bench/bench_schemes.cpp,
+/// bench_march.cpp): in free flight; in contact at a few nodes, by the form of the step, the staged
+/// ones a stage; and where every node is looked at, a node and a look.
+constexpr double flight_ns = 5.0, contact_ns = 45.0, stage_ns = 50.0, held_ns = 100.0,
                  node_ns = 0.7;
 
 BodyPlan plan_body(const Beam& beam, const BodySpec& spec, int nodes, const Scene& scene) {
@@ -213,6 +213,11 @@ Plan make_plan(const Model& model, std::size_t memory) {
     plan.notes.push_back(
         fmt::format("time.step = {:g} s holds for a node in contact, not for {} at once ({:.3g} s)",
                     scene.step, limits.many, limits.contact_many));
+  if (scene.law == ContactLaw::multiplier && !is_semi_implicit(scene.scheme))
+    plan.notes.push_back(fmt::format(
+        "under multipliers {} bounces off at every step what should rest; backward-euler and "
+        "midpoint let it rest",
+        schemes.name(scene.scheme)));
   if (plan.contact_period > 0 && scene.step > plan.contact_period / 20)
     plan.notes.push_back(fmt::format("a shock lasts about {}, {:.1f} steps: too few to follow it",
                                      seconds_text(plan.contact_period),
