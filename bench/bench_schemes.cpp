@@ -14,6 +14,12 @@
 // forms without U1 = U0 + tau V1 take; contact in proportion to the stages, a stage without the
 // record cheaper than the first, and dearer by what it sums of the stages before; the implicit
 // variant and multipliers two to three times the explicit force.
+//
+// What came out, on one core of a Zen 4 server with GCC 12: flight 4.4 for backward Euler and
+// midpoint, 4.6 for all others; contact 44 a force, RK8 52, which sums up to ten stages before; on
+// the paper's scene 22 to 26 a force, RK8 30; the implicit variant 2.8 and multipliers 2.45 times
+// backward Euler's step there. The first version of the staged step took 60 in contact where it now
+// takes 47: it kept room for eleven stages where there is one.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
