@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -200,32 +199,12 @@ double spring_limit(SchemeChoice choice, double zeta) {
   return ratio * contact_limit(choice, joined, ratio * ratio);
 }
 
-/// Eigenvalues of m_k (U_k'' + 2 zeta_k omega_k U_k' + omega_k^2 U_k) + k psi_k sum_j psi_j U_j = 0,
-/// of each pair the one that turns forwards.
-std::vector<std::complex<double>> coupled_eigenvalues(const JoinedModes& joined, double stiffness) {
-  const auto n = static_cast<Eigen::Index>(joined.modes.size());
-  if (n == 0) return {};
-  Eigen::VectorXd pull(n);  // sqrt(k/m) psi
-  Eigen::MatrixXd square = Eigen::MatrixXd::Zero(n, n), loss = square;
-  for (Eigen::Index k = 0; k < n; ++k) {
-    const Mode& mode = joined.modes[k];
-    pull[k] = std::sqrt(stiffness * joined.square[k] / mode.mass);
-    square(k, k) = mode.omega * mode.omega;
-    loss(k, k) = 2 * mode.zeta * mode.omega;
-  }
-  square += pull * pull.transpose();
-  const double scale = std::sqrt(square.trace());  // so that both halves of the state weigh alike
-  Eigen::MatrixXd motion = Eigen::MatrixXd::Zero(2 * n, 2 * n);
-  motion.topRightCorner(n, n) = scale * Eigen::MatrixXd::Identity(n, n);
-  motion.bottomLeftCorner(n, n) = -square / scale;
-  motion.bottomRightCorner(n, n) = -loss;
-  std::vector<std::complex<double>> forwards;
-  const Eigen::EigenSolver<Eigen::MatrixXd> solver(motion, false);
-  for (const std::complex<double>& value : solver.eigenvalues())
-    if (value.imag() >= 0) forwards.push_back(value);
-  std::sort(forwards.begin(), forwards.end(),
+/// Those that turn forwards, the slowest first.
+std::vector<std::complex<double>> forwards(std::vector<std::complex<double>> motions) {
+  std::erase_if(motions, [](const std::complex<double>& value) { return value.imag() < 0; });
+  std::sort(motions.begin(), motions.end(),
             [](const auto& a, const auto& b) { return std::abs(a) < std::abs(b); });
-  return forwards;
+  return motions;
 }
 
 std::string scheme_columns(SchemeChoice choice) {
@@ -373,7 +352,7 @@ std::string modes_csv(const Model& model) {
     }
   if (model.scene.law != ContactLaw::penalty) return text;
   const std::vector<std::complex<double>> coupled =
-      coupled_eigenvalues(most_yielding(model), model.node_stiffness);
+      forwards(joined_eigenvalues(most_yielding(model), model.node_stiffness));
   for (std::size_t k = 0; k < coupled.size(); ++k) add("closed", "both", k, coupled[k]);
   return text;
 }

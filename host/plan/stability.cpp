@@ -152,41 +152,6 @@ double log_amplification(SchemeChoice choice, const JoinedModes& joined, double 
   return most;
 }
 
-/// Eigenvalues of the joined modes with the spring, m_j (U_j'' + 2 zeta_j omega_j U_j' + omega_j^2
-/// U_j) + k psi_j sum_l psi_l U_l = 0. In the eigenbasis of the undamped motion the matrix is
-/// nearly normal and slow motions keep their digits beside the stiffest.
-std::vector<std::complex<double>> joined_eigenvalues(const JoinedModes& joined, double stiffness) {
-  const int n = static_cast<int>(joined.modes.size());
-  Eigen::MatrixXd square = Eigen::MatrixXd::Zero(n, n);
-  Eigen::VectorXd damping(n), q(n);
-  for (int j = 0; j < n; ++j) {
-    const Mode& mode = joined.modes[j];
-    q[j] = std::sqrt(stiffness * joined.square[j] / mode.mass);
-    damping[j] = 2 * mode.zeta * mode.omega;
-    square(j, j) = mode.omega * mode.omega;
-  }
-  square += q * q.transpose();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> undamped(square);
-  const Eigen::VectorXd nu = undamped.eigenvalues().cwiseMax(0.0).cwiseSqrt();
-  std::vector<std::complex<double>> out;
-  if (damping.isZero(0)) {
-    for (const double frequency : nu) out.emplace_back(0.0, frequency);
-    return out;
-  }
-  const Eigen::MatrixXd& basis = undamped.eigenvectors();
-  Eigen::MatrixXd a = Eigen::MatrixXd::Zero(2 * n, 2 * n);
-  a.topRightCorner(n, n) = nu.asDiagonal();
-  a.bottomLeftCorner(n, n).diagonal() = -nu;
-  a.bottomRightCorner(n, n) = -basis.transpose() * damping.asDiagonal() * basis;
-  const double roundings = 4 * n * std::numeric_limits<double>::epsilon() * a.norm();
-  const Eigen::EigenSolver<Eigen::MatrixXd> solver(a, false);
-  for (std::complex<double> value : solver.eigenvalues()) {
-    if (std::abs(value.real()) < roundings) value.real(0.0);
-    out.push_back(value);
-  }
-  return out;
-}
-
 /// `exact` with a held force, by search. Undamped it grows by (omega_c tau)^2/2 a step, always.
 double held_force_limit(const JoinedModes& joined, double stiffness) {
   const auto damped = [](const Mode& mode) { return mode.zeta * mode.omega > 0; };
@@ -318,6 +283,40 @@ double contact_limit(SchemeChoice choice, const JoinedModes& joined, double stif
           limit, mode_limit(choice.scheme, std::clamp(-value.real() / size, 0.0, 1.0)) / size);
   }
   return limit;
+}
+
+std::vector<std::complex<double>> joined_eigenvalues(const JoinedModes& joined, double stiffness) {
+  const int n = static_cast<int>(joined.modes.size());
+  Eigen::MatrixXd square = Eigen::MatrixXd::Zero(n, n);
+  Eigen::VectorXd damping(n), q(n);
+  for (int j = 0; j < n; ++j) {
+    const Mode& mode = joined.modes[j];
+    q[j] = std::sqrt(stiffness * joined.square[j] / mode.mass);
+    damping[j] = 2 * mode.zeta * mode.omega;
+    square(j, j) = mode.omega * mode.omega;
+  }
+  square += q * q.transpose();
+  // in the eigenbasis of the undamped motion the matrix is nearly normal, and slow motions keep
+  // their digits beside the stiffest
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> undamped(square);
+  const Eigen::VectorXd nu = undamped.eigenvalues().cwiseMax(0.0).cwiseSqrt();
+  std::vector<std::complex<double>> out;
+  if (damping.isZero(0)) {
+    for (const double frequency : nu) out.emplace_back(0.0, frequency);
+    return out;
+  }
+  const Eigen::MatrixXd& basis = undamped.eigenvectors();
+  Eigen::MatrixXd a = Eigen::MatrixXd::Zero(2 * n, 2 * n);
+  a.topRightCorner(n, n) = nu.asDiagonal();
+  a.bottomLeftCorner(n, n).diagonal() = -nu;
+  a.bottomRightCorner(n, n) = -basis.transpose() * damping.asDiagonal() * basis;
+  const double roundings = 4 * n * std::numeric_limits<double>::epsilon() * a.norm();
+  const Eigen::EigenSolver<Eigen::MatrixXd> solver(a, false);
+  for (std::complex<double> value : solver.eigenvalues()) {
+    if (std::abs(value.real()) < roundings) value.real(0.0);
+    out.push_back(value);
+  }
+  return out;
 }
 
 JoinedModes most_yielding(const Model& model) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <complex>
 #include <vector>
 
 #include "host/run/model.hpp"
@@ -45,6 +46,11 @@ double amplification(SchemeChoice choice, const JoinedModes& joined, double stif
 /// The largest step [s] up to which such motion stays bounded: 0 and infinity as above. For `exact`
 /// it is found by search and 0 stands for any below 1e-5/omega_c, omega_c^2 = k sum psi^2/m.
 double contact_limit(SchemeChoice choice, const JoinedModes& joined, double stiffness);
+
+/// The motions of the joined modes with the spring closed: eigenvalues lambda [1/s] of m_j (U_j'' + 2
+/// zeta_j omega_j U_j' + omega_j^2 U_j) + k psi_j sum_l psi_l U_l = 0. Of conjugate pairs both, or
+/// without any damping the one that turns forwards.
+std::vector<std::complex<double>> joined_eigenvalues(const JoinedModes& joined, double stiffness);
 
 /// The modes of both bodies where they yield most to a contact force.
 JoinedModes most_yielding(const Model& model);

@@ -230,6 +230,20 @@ class Complementarity {
     return lanes_.sum(part);
   }
 
+  /// share = L^-1 share and share = L^-T share, L the factor; one lane.
+  KOKKOS_FUNCTION void solve_lower() const {
+    for (int i = 0; i < count_; ++i) {
+      for (int j = 0; j < i; ++j) s_.share[i] -= factor(i, j) * s_.share[j];
+      s_.share[i] /= factor(i, i);
+    }
+  }
+  KOKKOS_FUNCTION void solve_upper() const {
+    for (int i = count_ - 1; i >= 0; --i) {
+      for (int j = i + 1; j < count_; ++j) s_.share[i] -= factor(j, i) * s_.share[j];
+      s_.share[i] /= factor(i, i);
+    }
+  }
+
   /// Raises the force on `node` until its overlap `over` is gone, lets go what would have to pull.
   KOKKOS_FUNCTION Held press(const Place& place, int node, double over) {
     Real weighted[K], phi[K];
@@ -245,16 +259,13 @@ class Complementarity {
     double force = 0.0;
     for (;;) {
       // the pivot that the node would bring, and what the others give up for a newton on it
-      double pivot = own;
-      for (int i = 0; i < count_; ++i) {
-        double y = s_.across[i];
-        for (int j = 0; j < i; ++j) y -= factor(i, j) * s_.share[j];
-        y /= factor(i, i);
-        lanes_.sync();
-        if (lanes_.leader()) s_.share[i] = y;
-        lanes_.sync();
-        pivot -= y * y;
+      if (lanes_.leader()) {
+        for (int j = 0; j < count_; ++j) s_.share[j] = s_.across[j];
+        solve_lower();
       }
+      lanes_.sync();
+      double pivot = own;
+      for (int j = 0; j < count_; ++j) pivot -= s_.share[j] * s_.share[j];
       const bool full = count_ == s_.pressed_capacity;
       const bool depends = !(pivot > dependent * own) || !(own > t_.least_yielding) ||
                            (full && t_.compliance == 0.0);
@@ -263,11 +274,7 @@ class Complementarity {
         lanes_.sync();
         if (lanes_.leader()) {
           for (int j = 0; j < count_; ++j) factor(count_, j) = s_.share[j];  // its row, if it comes
-          for (int i = count_ - 1; i >= 0; --i) {
-            double r = s_.share[i];
-            for (int j = i + 1; j < count_; ++j) r -= factor(j, i) * s_.share[j];
-            s_.share[i] = r / factor(i, i);
-          }
+          solve_upper();
         }
         lanes_.sync();
       }
@@ -359,16 +366,8 @@ class Complementarity {
       lanes_.sync();
       if (!(worst > t_.touch)) return;
       if (lanes_.leader()) {
-        for (int i = 0; i < count_; ++i) {
-          double y = s_.share[i];
-          for (int j = 0; j < i; ++j) y -= factor(i, j) * s_.share[j];
-          s_.share[i] = y / factor(i, i);
-        }
-        for (int i = count_ - 1; i >= 0; --i) {
-          double r = s_.share[i];
-          for (int j = i + 1; j < count_; ++j) r -= factor(j, i) * s_.share[j];
-          s_.share[i] = r / factor(i, i);
-        }
+        solve_lower();
+        solve_upper();
       }
       lanes_.sync();
       double way = 1.0;
