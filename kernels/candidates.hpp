@@ -45,6 +45,8 @@ namespace ra2d {
 inline constexpr int watch_steps = 256;
 /// A flight shorter than this costs more in looking than in evaluating the contact.
 inline constexpr int shortest_flight = 24;
+/// Under Form::held, more nodes than this cost less in looking at every state than on a list.
+inline constexpr int most_watched = 48;
 /// Longest stretch that a look covers, and steps between two looks at the energy.
 inline constexpr int longest_flight = 4096;
 /// Bound on the rounding of a displacement, over sum max|psi_k| |U_k|: a sum over the modes of a
@@ -160,6 +162,7 @@ class Candidates {
       if (steps < 1 && looks_ahead()) return {Outlook::look, 1, 0};
       return {Outlook::fly, steps < 1 ? 1 : steps, 0};
     }
+    if (t_.form == Form::held && count > most_watched) return {Outlook::look, 1, 0};
     double pull = b.acceleration;
     Outlook outlook{Outlook::watch, watched, count};
     if (t_.form == Form::held) {  // no bound on the force: the march looks at what has come of it

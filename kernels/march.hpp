@@ -207,8 +207,14 @@ class Marcher {
   KOKKOS_FUNCTION SampledContact contact_now(Real* v) {
     for (int p = 0; p < K; ++p) v[p] = v_[p];
     if constexpr (form == Form::held) {
-      if (s_.held_step != step_) return {0.0, 0.0, 0};
-      return {s_.held_force, s_.held_energy, s_.held_nodes};
+      // a force over a step has no value within it: where there is one, the velocity is left as it is
+      if (s_.held_step == step_) return {s_.held_force, s_.held_energy, s_.held_nodes};
+      if (t_.velocity_lag > 0.0) {
+        Real force[K], moving[K];
+        outer_force(step_, 0.0, force, moving);
+        lead(v, force);
+      }
+      return {0.0, 0.0, 0};
     } else {
       const Place place(t_, step_);
       const int count = candidates_.find_touching(u_, v_, place);
@@ -236,13 +242,17 @@ class Marcher {
   /// back.
   KOKKOS_FUNCTION void begin() {
     if (s_.begun) return;
-    if (t_.velocity_lag > 0.0) {
+    // what rests under contact forces that are yet to be found is not pushed
+    const bool pushed_freely = form != Form::held || s_.held_nodes == 0;
+    if (t_.velocity_lag > 0.0 && pushed_freely) {
       Real force[K], moving[K];
-      const Place place(t_, step_);
       outer_force(step_, 0.0, force, moving);
-      const int count = candidates_.find_touching(u_, v_, place);
-      contact_.expand(place, s_.watch, count);
-      contact_(place, u_, s_.watch, count, force);
+      if constexpr (form != Form::held) {
+        const Place place(t_, step_);
+        const int count = candidates_.find_touching(u_, v_, place);
+        contact_.expand(place, s_.watch, count);
+        contact_(place, u_, s_.watch, count, force);
+      }
       const double lag = t_.velocity_lag;
       for (int p = 0; p < K; ++p) {
         const Real pushed = multiply_add(end(end_v_u, p), u_[p], end(end_forces + 1, p) * force[p]);
@@ -401,7 +411,7 @@ class Marcher {
   KOKKOS_FORCEINLINE_FUNCTION void stage_displacement(int i, const Real* u, const Real* v,
                                                       unsigned acting, const Real (*force)[K],
                                                       Real* at) const {
-    const double* rows = t_.stage + stage_row(i) * (K * width);
+    const double* rows = t_.stage + t_.stage_row[i] * (K * width);
     for (int p = 0; p < K; ++p) {
       Real du = multiply_add(load(rows, p), u[p],
                              multiply_add(load(rows, K + p), v[p], load(rows, 2 * K + p)));
@@ -643,7 +653,6 @@ class Marcher {
   /// Steps that provably have no contact.
   KOKKOS_FUNCTION void fly(int steps) {
     const Weights w = load_weights();
-    Working y = take();
     // contact is recorded at the beginning of a step, or (Form::held) at its end
     if (lanes_.leader() && s_.open_count > 0)
       end_shocks(s_, form == Form::held ? step_ + 1 : step_);
@@ -651,9 +660,9 @@ class Marcher {
       // arrays of their own, so that they stay in registers
       Real u[K], v[K], square[K], force[K];
       for (int p = 0; p < K; ++p) {
-        u[p] = y.u[p];
-        v[p] = y.v[p];
-        square[p] = y.square[p];
+        u[p] = u_[p];
+        v[p] = v_[p];
+        square[p] = square_[p];
         force[p] = load_[p];
       }
       for (int i = 0; i < steps; ++i) {
@@ -665,24 +674,23 @@ class Marcher {
         }
       }
       for (int p = 0; p < K; ++p) {
-        y.u[p] = u[p];
-        y.v[p] = v[p];
-        y.square[p] = square[p];
+        u_[p] = u[p];
+        v_[p] = v[p];
+        square_[p] = square[p];
       }
     } else if constexpr (form == Form::semi_implicit) {
       Real force[K], moving[K];
       for (int i = 0; i < steps; ++i) {
         outer_force(step_ + i, 0.0, force, moving);
-        advance(y.u, y.v, y.square, force, w);
-        moving_force_work(moving, y.v);
+        advance(u_, v_, square_, force, w);
+        moving_force_work(moving, v_);
       }
     } else {
       for (int i = 0; i < steps; ++i) {
-        free_step(y.u, y.v, w, step_ + i, false);
-        add_squares(y.square, y.v);
+        free_step(u_, v_, w, step_ + i, false);
+        add_squares(square_, v_);
       }
     }
-    put_back(y);
     step_ += steps;
     lanes_.sync();
   }

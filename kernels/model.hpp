@@ -53,8 +53,8 @@ struct MovingForceTable {
 enum EndRow : int { end_u_u, end_u_v, end_u_load, end_v_u, end_v_v, end_v_load, end_forces };
 inline constexpr int end_rows(int stages) { return end_forces + 2 * stages; }  // u_f, v_f of each
 /// First row of stage i >= 1 in SceneTables::stage: stage_u, stage_v, load, then stage_f[j] for j <
-/// i.
-inline constexpr int stage_row(int i) { return 3 * (i - 1) + i * (i - 1) / 2; }
+/// i. For the host, like end_rows; the march finds it in SceneTables::stage_row.
+inline constexpr int first_stage_row(int i) { return 3 * (i - 1) + i * (i - 1) / 2; }
 
 struct SceneTables {
   // what there is
@@ -92,10 +92,11 @@ struct SceneTables {
 
   // the scheme (kernels/schemes/mode_step.hpp)
   int stages = 1;
-  double place[most_stages] = {};  // of the stages, in steps
-  double velocity_lag = 0;         // steps
-  double loss_ends = 0;            // weight of the damping loss at both ends of a stretch of steps
-  int longest_look = 1;            // steps over which the bounds on the modes hold
+  double place[most_stages] = {};   // of the stages, in steps
+  int stage_row[most_stages] = {};  // first_stage_row
+  double velocity_lag = 0;          // steps
+  double loss_ends = 0;             // weight of the damping loss at both ends of a stretch of steps
+  int longest_look = 1;             // steps over which the bounds on the modes hold
 
   // modes, one lane each (padded with zeros)
   const double* stage = nullptr;   // rows of lanes, see stage_row

@@ -348,7 +348,6 @@ std::string modes_csv(const Model& model) {
       const std::complex<double> turn =
           std::complex<double>(0, 1) * std::sqrt(std::complex<double>(1 - beam.zeta * beam.zeta));
       add("open", name, k, beam.modes[k].omega * (-beam.zeta + turn));
-      if (beam.zeta > 1) add("open", name, k, beam.modes[k].omega * (-beam.zeta - turn));
     }
   if (model.scene.law != ContactLaw::penalty) return text;
   const std::vector<std::complex<double>> coupled =

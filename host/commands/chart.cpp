@@ -11,6 +11,14 @@
 namespace ra2d {
 
 int chart_stability_command(const CommonOptions& common, const std::string& prefix, bool plot) {
+  const std::filesystem::path target(prefix);
+  if (!target.has_filename() || std::filesystem::is_directory(target))
+    throw RequestError(
+        fmt::format("-o {}: a folder: expected the beginning of the files' names, like {}stability",
+                    prefix, target.has_filename() ? prefix + "/" : prefix));
+  if (target.has_parent_path() && !std::filesystem::is_directory(target.parent_path()))
+    throw FileError(fmt::format("cannot write '{}.csv': there is no folder '{}'", prefix,
+                                target.parent_path().string()));
   const Scene scene = common.scene.empty()
                           ? parse_scene(paper_scene, "dang2012.toml", common.overrides)
                           : read_scene(common.scene, common.overrides);
@@ -39,7 +47,8 @@ int chart_stability_command(const CommonOptions& common, const std::string& pref
                       "picture",
                       picture, fault.what(), texts));
     }
-  if (!common.quiet) fmt::print("\nwritten: {}{}\n", texts, plot ? ", " + picture : "");
+  if (!common.quiet)
+    fmt::print("\nwritten: {}{}\n", texts, plot ? "; the picture: " + picture : "");
   return done;
 }
 

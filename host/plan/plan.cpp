@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "host/format.hpp"
 #include "host/plan/schemes.hpp"
@@ -67,12 +68,6 @@ std::string limit_text(double limit) {
   return std::isinf(limit) ? "every step" : limit == 0 ? "no step" : seconds_text(limit);
 }
 
-/// Three digits, rounded down: what is copied into a scene still holds.
-std::string rounded_down(double value) {
-  const double unit = std::pow(10.0, std::floor(std::log10(value)) - 2);
-  return fmt::format("{:.3g}", std::floor(value / unit) * unit);
-}
-
 std::string table_name(SchemeChoice choice) {
   return fmt::format("{}{}", schemes.name(choice.scheme),
                      choice.force_time == ForceTime::new_time ? ", new force" : "");
@@ -87,7 +82,7 @@ std::string stability_text(const Scene& scene, const Plan& plan) {
                          : "; there is no contact spring");
   const auto line = [&](const std::string& name, const std::string& modes, const std::string& one,
                         const std::string& many, const std::string& holds) {
-    text += fmt::format("           {:<28}{:<20}", name, modes);
+    text += fmt::format("           {:<28}{:<19} ", name, modes);
     if (spring) text += fmt::format("{:<12}{:<12}{}", one, many, holds);
     text.erase(text.find_last_not_of(' ') + 1);
     text += '\n';
@@ -126,6 +121,12 @@ std::string beyond_limit(const Model& model, const StepLimits& limits) {
   if (!(scene.step > limits.holds())) return {};
   const SchemeChoice choice = choice_of(scene);
   const bool modes = limits.modes_bind();
+  const JoinedModes place = most_yielding(model);
+  // its limit promises no more than can be said of all smaller steps
+  if (choice.scheme == SchemeKind::exact && holds_in_contact(model, choice, place, scene.step))
+    return {};
+  const double growth = modes ? mode_growth(model, choice.scheme, scene.step)
+                              : contact_growth(model, choice, place, scene.step);
   const std::string what = modes ? fmt::format("a free mode at {:.0f} Hz", limits.binding_frequency)
                                  : "a node in contact";
   std::string text =
@@ -133,12 +134,25 @@ std::string beyond_limit(const Model& model, const StepLimits& limits) {
           ? fmt::format("at no step does {} hold {}", scheme_text(scene, choice), what)
           : fmt::format("{} holds {} up to {} s, and time.step is {:g} s",
                         scheme_text(scene, choice), what, rounded_down(limits.holds()), scene.step);
-  const double growth = modes ? mode_growth(model, choice.scheme, scene.step)
-                              : contact_growth(model, choice, most_yielding(model), scene.step);
   if (growth > 0)
     text += fmt::format("; at {:g} s {} grows e-fold in {}", scene.step,
                         modes ? "it" : "such a contact, while closed,", seconds_text(1 / growth));
   return text;
+}
+
+std::string overlap_at_start(const Model& model) {
+  const Scene& scene = model.scene;
+  if (scene.law != ContactLaw::multiplier || scene.initial != Initial::rest) return {};
+  const std::vector<double> over = overlaps(model, {}, {});
+  const double most = *std::max_element(over.begin(), over.end());
+  double size = std::abs(model.delta);
+  for (const std::vector<double>* face : {&model.resonator_height, &model.slider_height})
+    for (const double h : *face) size = std::max(size, std::abs(h));
+  if (most <= 64 * std::numeric_limits<double>::epsilon() * size) return {};
+  return fmt::format(
+      "the faces overlap by {:.3g} m at t = 0, which multipliers would undo in a single step, as a "
+      "blow: expected scene.gap = \"touching\" or at least {:.6g} m, or scene.initial = \"static\"",
+      most, model.delta + most * (1 + 1e-6));
 }
 
 std::string step_cure(const Scene& scene, double holds) {
@@ -213,6 +227,8 @@ Plan make_plan(const Model& model, std::size_t memory) {
     plan.notes.push_back(
         fmt::format("time.step = {:g} s holds for a node in contact, not for {} at once ({:.3g} s)",
                     scene.step, limits.many, limits.contact_many));
+  if (const std::string overlap = overlap_at_start(model); !overlap.empty())
+    plan.notes.push_back("'ra2d run' refuses this scene: " + overlap);
   if (scene.law == ContactLaw::multiplier && !is_semi_implicit(scene.scheme))
     plan.notes.push_back(fmt::format(
         "under multipliers {} bounces off at every step what should rest; backward-euler and "

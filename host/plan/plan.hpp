@@ -56,4 +56,7 @@ std::string beyond_limit(const Model& model, const StepLimits& limits);
 /// What to write into the scene instead of a step that does not hold.
 std::string step_cure(const Scene& scene, double holds);
 
+/// What is wrong with a start at rest whose faces overlap, under multipliers; empty when nothing is.
+std::string overlap_at_start(const Model& model);
+
 }  // namespace ra2d

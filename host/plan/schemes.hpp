@@ -21,7 +21,7 @@ struct SchemeTable {
 
 const SchemeTable& scheme_table(SchemeKind scheme);
 
-/// Whether U1 = U0 + tau V1 with the force of the old time: the shortest form of a step.
+/// Whether U1 = U0 + tau V1: with the force of the old time the shortest form of a step.
 bool is_semi_implicit(SchemeKind scheme);
 
 /// Whether multipliers can keep the end of a step free of penetration: not where the force of a step

@@ -75,7 +75,7 @@ double polynomial_limit(const SchemeTable& table, double zeta) {
   // no root is below this bound (Cauchy); one comes, for the last coefficient is a square
   double largest = 0;
   for (const double c : p) largest = std::max(largest, std::abs(c));
-  double low = -p.front() / (largest - p.front());
+  double low = std::max(-p.front() / (largest - p.front()), 1e-290);  // of which 1.001 is more
   constexpr double pace = 1.001;  // growth over a narrower interval than this is of no account
   while (holds(low * pace)) low *= pace;
   return bisect(low, low * pace, holds);
@@ -152,25 +152,35 @@ double log_amplification(SchemeChoice choice, const JoinedModes& joined, double 
   return most;
 }
 
+/// Of the logarithm of a spectral radius of so many modes; up to 50 of them the growth at
+/// 1e-5/omega_c is 25 times it.
+double roundings(const JoinedModes& joined) {
+  return 1e-12 * std::max<double>(1.0, static_cast<double>(joined.modes.size()) / 50);
+}
+
 /// `exact` with a held force, by search. Undamped it grows by (omega_c tau)^2/2 a step, always.
 double held_force_limit(const JoinedModes& joined, double stiffness) {
   const auto damped = [](const Mode& mode) { return mode.zeta * mode.omega > 0; };
   if (std::none_of(joined.modes.begin(), joined.modes.end(), damped)) return 0.0;
-  // roundings of a matrix of this size; up to 50 modes the growth at 1e-5/omega_c is 25 times it
-  const double tolerance =
-      1e-12 * std::max<double>(1.0, static_cast<double>(joined.modes.size()) / 50);
   const auto holds = [&](double tau) {
     return log_amplification({SchemeKind::exact, ForceTime::old_time}, joined, stiffness, tau) <=
-           tolerance;
+           roundings(joined);
   };
   const double period = 1 / std::sqrt(stiffness * mass_sum(joined));
+  double fastest = 0;
+  for (const Mode& mode : joined.modes) fastest = std::max(fastest, mode.omega);
+  // Beyond half a period of the fastest motion, windows of stability of all widths alternate with
+  // growth, but for a single mode. No more is promised than up to there.
+  const double top = joined.modes.size() > 1 ? M_PI / std::hypot(fastest, 1 / period)
+                                             : std::numeric_limits<double>::infinity();
   double low = 1e-5 * period;
   if (!holds(low)) return 0.0;
-  while (holds(1.5 * low)) {
+  while (holds(std::min(1.5 * low, top))) {
     low *= 1.5;
+    if (low > top) return top;
     if (low > 1e5 * period) return infinity;  // the spring is too soft to matter
   }
-  double high = 1.5 * low;
+  double high = std::min(1.5 * low, top);
   while (high > 1.0001 * low) {
     const double middle = std::sqrt(low * high);
     (holds(middle) ? low : high) = middle;
@@ -381,6 +391,11 @@ double mode_growth(const Model& model, SchemeKind scheme, double tau) {
         most =
             std::max(most, log_radius(mode_increment(scheme, beam->zeta, mode.omega * tau)) / tau);
   return most;
+}
+
+bool holds_in_contact(const Model& model, SchemeChoice choice, const JoinedModes& place,
+                      double tau) {
+  return log_amplification(choice, place, model.node_stiffness, tau) <= roundings(place);
 }
 
 double contact_growth(const Model& model, SchemeChoice choice, const JoinedModes& place,

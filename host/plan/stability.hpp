@@ -77,6 +77,10 @@ StepLimits step_limits(const Model& model, SchemeChoice choice);
 /// The same with most_yielding(model) at hand.
 StepLimits step_limits(const Model& model, SchemeChoice choice, const JoinedModes& place);
 
+/// Whether a step holds one node in contact, by the spectral radius of that very step (penalty).
+bool holds_in_contact(const Model& model, SchemeChoice choice, const JoinedModes& place,
+                      double tau);
+
 /// Fastest growth [1/s] of a motion's amplitude under steps of tau, of the free modes or with one
 /// node closed at that place; what decays most slowly where nothing grows.
 double mode_growth(const Model& model, SchemeKind scheme, double tau);

@@ -206,7 +206,7 @@ struct Batch::Impl {
     l.row = 2 * l.lanes + sample::columns;
 
     const int stages = scheme_table(model.scene.scheme).stages;
-    l.stage_rows = stage_row(stages);
+    l.stage_rows = first_stage_row(stages);
     l.end_rows = ra2d::end_rows(stages);
     const bool held = form_of(model.scene) == Form::held;
     l.pressed_capacity = held ? pressed_capacity(model) : 0;
@@ -295,8 +295,8 @@ SceneTables Batch::Impl::fill_tables(const Model& model, const Layout& l) {
   const SchemeTable& scheme = scheme_table(scene.scheme);
   t.stages = scheme.stages;
   std::copy_n(scheme.place, scheme.stages, t.place);
-  // a force that is found with the end of a step has no value at its middle
-  t.velocity_lag = t.form == Form::held ? 0.0 : scheme.velocity_lag;
+  for (int i = 1; i < t.stages; ++i) t.stage_row[i] = first_stage_row(i);
+  t.velocity_lag = scheme.velocity_lag;
   t.loss_ends = is_semi_implicit(scene.scheme) ? 0.0 : 0.5;
   t.longest_look = longest_look(model);
 
@@ -315,7 +315,7 @@ SceneTables Batch::Impl::fill_tables(const Model& model, const Layout& l) {
     const StepBounds bounds = bound_step(oscillator, step, t.place, tau, t.longest_look);
     for (int i = 1; i < t.stages; ++i) {
       const auto row = [&](int r) -> double& {
-        return stages[(stage_row(i) + r) * l.lanes + lane];
+        return stages[(t.stage_row[i] + r) * l.lanes + lane];
       };
       row(0) = step.stage_u[i];
       row(1) = step.stage_v[i];
@@ -485,7 +485,7 @@ SceneState Batch::Impl::fill_state(const Model& model, const ModalStart& begin, 
   s.node_window = arena.device<std::int64_t>(l.node_window);
   std::fill_n(arena.host<std::int64_t>(l.node_window), model.nodes(), -1);
   if (form_of(model.scene) == Form::held) {
-    s.held_step = 0;
+    s.held_step = begin.loaded_nodes.empty() ? -1 : 0;
     s.held_force = begin.contact_force;
     s.held_energy = begin.contact_energy;
     s.held_nodes = static_cast<int>(begin.loaded_nodes.size());

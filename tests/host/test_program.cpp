@@ -247,8 +247,8 @@ TEST_F(Program, AForcedStepRunsAndTheFileSaysSo) {
   EXPECT_EQ(look.wait(), 0) << look.err();
 }
 
-TEST_F(Program, FacesThatNoModeCanKeepApartEndWithThreeAndAWayOut) {
-  // a peak right over the pinned end, where no mode moves anything
+TEST_F(Program, MultipliersDoNotStartFromFacesThatOverlap) {
+  // a peak in the pinned end, where no mode could move anything, either
   std::ofstream(folder_ / "blocked.toml") << R"(
 [scene]
 duration = 1e-3
@@ -275,10 +275,15 @@ law = "multiplier"
 [time]
 step = 1e-7
 )";
-  EXPECT_EQ(run({"run", "blocked.toml"}), 3);
-  EXPECT_THAT(err_, AllOf(HasSubstr("keeps the faces apart at t = 0 s"),
-                          HasSubstr("keep more modes"), HasSubstr("contact.law = \"penalty\"")));
-  EXPECT_EQ(python({"check_result.py", "blocked.h5"}), 0) << out_ << err_;
+  EXPECT_EQ(run({"run", "blocked.toml"}), 2);
+  EXPECT_THAT(err_, AllOf(HasSubstr("scene.gap: the faces overlap by 1e-06 m at t = 0"),
+                          HasSubstr("\"touching\" or at least 1e-06 m")));
+  EXPECT_FALSE(fs::exists(folder_ / "blocked.h5"));
+  // and the plan says so
+  EXPECT_EQ(run({"plan", "blocked.toml"}), 0) << err_;
+  EXPECT_THAT(out_, HasSubstr("the faces overlap by 1e-06 m"));
+  // the gap that is named will do
+  EXPECT_EQ(run({"run", "blocked.toml", "--set", "scene.gap=1e-06"}), 0) << err_;
 }
 
 TEST_F(Program, AnUnstableRunEndsWithThreeAndSaysWhichLimitItCrossed) {
