@@ -17,8 +17,9 @@
 //
 // What came out, on one core of a Zen 4 server with GCC 12: flight 4.4 for backward Euler and
 // midpoint, 4.6 for all others; contact 44 a force, RK8 52, which sums up to ten stages before; on
-// the paper's scene 22 to 26 a force, RK8 30; the implicit variant 2.8 and multipliers 2.45 times
-// backward Euler's step there. The first version of the staged step took 60 in contact where it now
+// the paper's scene 22 to 26 a force, RK8 30; the implicit variant 2.8 to 3.0 and multipliers 2.45 to
+// 2.6 times backward Euler's step there. In contact runs differ: backward Euler 39 to 44, exact 47 and
+// at times 66. The first version of the staged step took 60 in contact where it now
 // takes 47: it kept room for eleven stages where there is one.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
