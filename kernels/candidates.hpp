@@ -236,7 +236,6 @@ class Candidates {
   /// The last group is filled up with nodes that do not exist: low as they are, a motion that has run
   /// away, or is no longer a number, would reach them.
   KOKKOS_FORCEINLINE_FUNCTION void list_nodes(int group, std::uint32_t bits, int& count) {
-    // not the padding, which a state that has grown beyond numbers would touch
     const int left = t_.nodes - group * width;
     if (left < width) bits &= (1u << left) - 1u;
     for (; bits != 0; bits &= bits - 1) {
