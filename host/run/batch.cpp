@@ -74,9 +74,9 @@ Form form_of(const Scene& scene) {
 /// Nodes that can carry force at once under Form::held: no more than there are modes under
 /// multipliers; with the springs' compliance any number, of which this many are provided for.
 int pressed_capacity(const Model& model) {
-  constexpr int sprung = 512;
   const int modes = static_cast<int>(model.resonator.modes.size() + model.slider.modes.size());
-  return std::min(model.nodes(), model.scene.law == ContactLaw::multiplier ? modes : sprung);
+  return std::min(model.nodes(),
+                  model.scene.law == ContactLaw::multiplier ? modes : most_sprung_nodes);
 }
 
 double highest_beta(const Beam& beam) {

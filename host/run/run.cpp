@@ -80,10 +80,10 @@ std::string describe_failure(const Model& model, const Snapshot& end) {
         when);
   if (end.status == Status::crowded)
     return fmt::format(
-        "more nodes than there is room for (512) carry force at once with time.contact_force = "
+        "more nodes than there is room for ({}) carry force at once with time.contact_force = "
         "\"new\", at {}: use time.contact_force = \"old\", contact.law = \"multiplier\" or a wider "
         "scene.spacing",
-        when);
+        most_sprung_nodes, when);
   const int nodes = static_cast<int>(std::max<std::int64_t>(1, end.most_nodes));
   return (end.status == Status::not_finite
               ? fmt::format("not finite: at {} the state is no longer a number", when)

@@ -12,6 +12,10 @@
 
 namespace ra2d {
 
+/// How the search for the contact forces of a step ended: found; no motion of the modes keeps the
+/// bodies apart; or more nodes carry force than there is room for.
+enum class Held { solved, blocked, crowded };
+
 /// Contact forces that are found together with the end of the step: Lagrange multipliers (paper,
 /// section 3, equation 11), and the penalty spring at the new time.
 ///
@@ -53,8 +57,6 @@ namespace ra2d {
 /// theta) V: the share (1 - 2 theta)^2 of the energy, anything from 0 to 1, on average a third, and
 /// no limit for tau -> 0. No scheme gains energy from it; in lasting contact Heun may
 /// (kernels/schemes/heun.hpp).
-enum class Held { solved, blocked, crowded };
-
 template <class Lanes, int K>
 class Complementarity {
   using Real = typename Lanes::Real;
