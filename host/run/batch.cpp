@@ -116,7 +116,7 @@ struct Layout {
   Series series;
   int stage_rows, end_rows, pressed_capacity;
   std::size_t mode_tables, stage, end, patch, shapes, unit, height1, height2, block_max, moving;
-  std::size_t modal_state, samples, runs, new_runs, open, shocks, near, watch, touched, force,
+  std::size_t modal_state, samples, runs, new_runs, open, shocks, near, far, watch, touched, force,
       amplitudes, node_shape, node_face, node_window, pressed, pressed_place, pressed_force, factor,
       across, share;
   int height2_size, blocks;
@@ -141,7 +141,7 @@ enum ModeTable {
   quartic,
   mode_tables
 };
-enum ModalArray { u, v, start, start_v, square, square_part, near_u, bend_part, modal_arrays };
+enum ModalArray { u, v, start, start_v, square, square_part, near_u, far_u, bend_part, modal_arrays };
 
 /// Steps over which bounds on the modes are worth anything: what a scheme beyond its limit makes of
 /// them in more is out of all proportion.
@@ -228,6 +228,7 @@ struct Batch::Impl {
     l.open = arena.reserve<OpenShock>(2 * l.run_capacity);
     l.shocks = arena.reserve<ShockRow>(l.shock_capacity);
     l.near = arena.reserve<int>(l.groups);
+    l.far = arena.reserve<int>(l.groups);
     l.watch = arena.reserve<int>(l.groups * width);
     l.touched = arena.reserve<int>(l.groups * width);
     l.force = arena.reserve<double>(l.groups * width);
@@ -466,6 +467,7 @@ SceneState Batch::Impl::fill_state(const Model& model, const ModalStart& begin, 
   s.square_part = modal + ra2d::square_part * l.lanes;
   s.bend_part = modal + ra2d::bend_part * l.lanes;
   s.near_u = modal + ra2d::near_u * l.lanes;
+  s.far_u = modal + ra2d::far_u * l.lanes;
   s.energy_start = begin.energy;
   s.sample_rows = arena.device<double>(l.samples);
   s.sample_capacity = l.sample_capacity;
@@ -476,6 +478,7 @@ SceneState Batch::Impl::fill_state(const Model& model, const ModalStart& begin, 
   s.shock_rows = arena.device<ShockRow>(l.shocks);
   s.shock_capacity = l.shock_capacity;
   s.near = arena.device<int>(l.near);
+  s.far = arena.device<int>(l.far);
   s.watch = arena.device<int>(l.watch);
   s.touched = arena.device<int>(l.touched);
   s.touched_force = arena.device<double>(l.force);

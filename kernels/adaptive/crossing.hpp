@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <Kokkos_Core.hpp>
+
+/// Where a polynomial first comes to a level: contacts that begin and end.
+namespace ra2d {
+
+struct ValueAndSlope {
+  double value, slope;
+};
+
+/// c_0 + c_1 x + ... + c_n x^n.
+KOKKOS_INLINE_FUNCTION double polynomial(const double* c, int n, double x) {
+  double value = c[n];
+  for (int j = n - 1; j >= 0; --j) value = Kokkos::fma(value, x, c[j]);
+  return value;
+}
+KOKKOS_INLINE_FUNCTION ValueAndSlope polynomial_and_slope(const double* c, int n, double x) {
+  double value = c[n], slope = 0.0;
+  for (int j = n - 1; j >= 0; --j) {
+    slope = Kokkos::fma(slope, x, value);
+    value = Kokkos::fma(value, x, c[j]);
+  }
+  return {value, slope};
+}
+
+/// The integral from 0 to x.
+KOKKOS_INLINE_FUNCTION double polynomial_integral(const double* c, int n, double x) {
+  double value = c[n] / (n + 1);
+  for (int j = n - 1; j >= 0; --j) value = Kokkos::fma(value, x, c[j] / (j + 1));
+  return value * x;
+}
+
+/// The largest value on [0, end], right to within roundings if the slope changes its sign no more than
+/// once in each third.
+KOKKOS_INLINE_FUNCTION double highest_value(const double* c, int n, double end) {
+  const ValueAndSlope last = polynomial_and_slope(c, n, end);
+  double highest = c[0] > last.value ? c[0] : last.value;
+  double slope = n > 0 ? c[1] : 0.0;
+  for (int third = 0; third < 3; ++third) {
+    double low = third * (end / 3.0), high = (third + 1) * (end / 3.0);
+    const double next = third == 2 ? last.slope : polynomial_and_slope(c, n, high).slope;
+    if (slope > 0.0 && next <= 0.0) {  // a top lies between: the false position, halved when stuck
+      double rising = slope, falling = next;
+      for (int i = 0; i < 60; ++i) {
+        double x = low + (high - low) * (rising / (rising - falling));
+        if (!(x > low && x < high)) break;
+        const ValueAndSlope p = polynomial_and_slope(c, n, x);
+        if (p.value > highest) highest = p.value;
+        // the value is off by no more than slope^2/(2 |curvature|)
+        if (p.slope * p.slope * (high - low) <= 1e-16 * Kokkos::abs(p.value) * (rising - falling)) break;
+        if (p.slope > 0.0) {
+          low = x;
+          rising = p.slope;
+          falling *= 0.5;
+        } else {
+          high = x;
+          falling = p.slope;
+          rising *= 0.5;
+        }
+      }
+    }
+    slope = next;
+  }
+  return highest;
+}
+
+/// The first x in [0, end] at which sign p(x) comes to within `noise` of `level` or above it; a
+/// value beyond `end` when there is none. Nothing is stepped over: with |p''| <= bend on [0, end],
+/// the parabola through the present value and slope that bends up by `bend` meets the level no later
+/// than p does. Near a simple crossing the steps shrink quadratically, as Newton's.
+KOKKOS_INLINE_FUNCTION double first_crossing(const double* c, int n, double sign, double level,
+                                             double noise, double end) {
+  double bend = 0.0;
+  for (int j = n; j >= 2; --j) bend = Kokkos::fma(bend, end, j * (j - 1.0) * Kokkos::abs(c[j]));
+  double x = 0.0;
+  while (true) {
+    const ValueAndSlope p = polynomial_and_slope(c, n, x);
+    const double miss = level - sign * p.value, rate = sign * p.slope;
+    if (!(miss > noise)) return x;
+    // the positive root of rate d + bend d^2/2 = miss, in the form that keeps its digits
+    const double root = Kokkos::sqrt(Kokkos::fma(rate, rate, 2.0 * bend * miss));
+    const double d = rate > 0.0 ? 2.0 * miss / (root + rate) : (root - rate) / (bend + 1e-300);
+    const double next = x + d;
+    if (!(next <= end)) return 2.0 * end + 1.0;
+    if (next == x) return x;  // as near as roundings let it come
+    x = next;
+  }
+}
+
+}  // namespace ra2d
