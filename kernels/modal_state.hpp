@@ -12,7 +12,8 @@ enum class Status : int {
   unstable,
   not_finite,
   blocked,  // Form::held: no motion of the modes keeps the bodies apart
-  crowded   // Form::held: more nodes carry force than there is room for
+  crowded,  // Form::held: more nodes carry force than there is room for
+  stalled   // Form::adaptive: the motion is too fast for the clock
 };
 
 /// A run of neighbouring slider nodes in contact.

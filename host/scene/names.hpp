@@ -38,8 +38,9 @@ inline const Choices<SchemeKind> schemes{{{"explicit-euler", SchemeKind::explici
                                           {"heun", SchemeKind::heun},
                                           {"rk4", SchemeKind::rk4},
                                           {"rk8", SchemeKind::rk8},
-                                          {"exact", SchemeKind::exact}},
-                                         {"adaptive"}};
+                                          {"exact", SchemeKind::exact},
+                                          {"adaptive", SchemeKind::adaptive}},
+                                         {}};
 inline const Choices<ForceTime> force_times{
     {{"old", ForceTime::old_time}, {"new", ForceTime::new_time}}, {}};
 inline const Choices<Nodes> node_choices{{{"candidates", Nodes::candidates}, {"all", Nodes::all}},
