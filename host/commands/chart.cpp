@@ -22,6 +22,11 @@ int chart_stability_command(const CommonOptions& common, const std::string& pref
   const Scene scene = common.scene.empty()
                           ? parse_scene(paper_scene, "dang2012.toml", common.overrides)
                           : read_scene(common.scene, common.overrides);
+  if (!(scene.step > 0))
+    throw RequestError(
+        fmt::format("{}: time.step: missing: the chart places the scene's modes by its step, which "
+                    "time.scheme = \"adaptive\" does without (add one, or --set time.step=1e-8)",
+                    scene.file.string()));
   const Model model = make_model(scene);
   const std::string modes = modes_csv(model);
   const Backend backend(common.threads);
