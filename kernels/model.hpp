@@ -79,7 +79,8 @@ inline constexpr int most_order = 30;
 inline constexpr int overlap_terms = most_order + 4;
 /// Points of the Gauss-Legendre rule over an adaptive step.
 inline constexpr int gauss_points = 8;
-inline constexpr int gauss_room = 32;  // the places, padded to any number of lanes; then the weights
+inline constexpr int gauss_room =
+    32;  // the places, padded to any number of lanes; then the weights
 
 /// What steps are counted in: tau of a fixed step. An adaptive step is a whole number of ticks, so
 /// short that no answer feels it: times are integers, and sums of them exact.

@@ -67,9 +67,8 @@ class NearGroups {
     const double to_end = place.base + 1 - place.position;  // the way that is left, chi
     const double way = Kokkos::max(to_end, back);
     const double slope = weighted_sum<Lanes, K>(lanes_, t_.reach_slope, u);
-    const double below = reach_ + t_.slack + rounding +
-                         weighted_sum<Lanes, K>(lanes_, t_.tail, u) + way * t_.spacing * slope +
-                         position_rounding(place) * t_.steepest;
+    const double below = reach_ + t_.slack + rounding + weighted_sum<Lanes, K>(lanes_, t_.tail, u) +
+                         way * t_.spacing * slope + position_rounding(place) * t_.steepest;
     if (!(place.base >= far_base_ && place.base < far_base_ + width &&
           moved(s_.far_u, u) + 2.0 * below <= far_below_))
       find_far(u, place, below, slope);

@@ -48,7 +48,8 @@ KOKKOS_INLINE_FUNCTION double highest_value(const double* c, int n, double end) 
         const ValueAndSlope p = polynomial_and_slope(c, n, x);
         if (p.value > highest) highest = p.value;
         // the value is off by no more than slope^2/(2 |curvature|)
-        if (p.slope * p.slope * (high - low) <= 1e-16 * Kokkos::abs(p.value) * (rising - falling)) break;
+        if (p.slope * p.slope * (high - low) <= 1e-16 * Kokkos::abs(p.value) * (rising - falling))
+          break;
         if (p.slope > 0.0) {
           low = x;
           rising = p.slope;

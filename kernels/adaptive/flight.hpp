@@ -52,9 +52,9 @@ class Flight {
     for (int p = 0; p < K; ++p) {
       const Real stretch = load(t_.omega, p) * (u[p] - load(t_.rest, p));
       const Real e = Kokkos::sqrt(multiply_add(v[p], v[p], stretch * stretch));
-      const Real way = Kokkos::min(
-          Real(time) * multiply_add(0.5 * time, Kokkos::abs(load(t_.fall, p)), e),
-          e * load(t_.swing, p));
+      const Real way =
+          Kokkos::min(Real(time) * multiply_add(0.5 * time, Kokkos::abs(load(t_.fall, p)), e),
+                      e * load(t_.swing, p));
       const Real amplitude = Kokkos::abs(u[p]) + way;
       const Real reach = load(t_.reach, p);
       travel = multiply_add(reach, way, travel);
@@ -79,7 +79,8 @@ class Flight {
     for (int p = 0; p < K; ++p) {
       const auto row = [&](FlightRow r) { return lanes_.load(rows + (r * K + p) * width); };
       const Real d = u[p] - load(t_.rest, p), w = v[p];
-      u[p] = u[p] + multiply_add(row(flight_u_u), d, multiply_add(row(flight_u_v), w, row(flight_u)));
+      u[p] =
+          u[p] + multiply_add(row(flight_u_u), d, multiply_add(row(flight_u_v), w, row(flight_u)));
       v[p] = multiply_add(row(flight_v_u), d, multiply_add(row(flight_v_v), w, row(flight_v)));
       const Real of_d = multiply_add(row(flight_s_uu), d, row(flight_s_uv) * w);
       const Real of_w = multiply_add(row(flight_s_vv), w, row(flight_s_v));
@@ -95,7 +96,8 @@ class Flight {
       const Real a = load(t_.fall, p) - multiply_add(stiff, d, decay * v[p]);
       const Real jerk = Real(-1.0) * multiply_add(stiff, v[p], decay * a);
       const Real dv = Real(time) * multiply_add(0.5 * time, jerk, a);
-      const Real du = Real(time) * (v[p] + Real(time) * multiply_add(time / 6.0, jerk, Real(0.5) * a));
+      const Real du =
+          Real(time) * (v[p] + Real(time) * multiply_add(time / 6.0, jerk, Real(0.5) * a));
       // the integral of (v + a t + jerk t^2/2)^2
       const Real third = multiply_add(a, a, v[p] * jerk);
       square[p] = square[p] + Real(ticks) * multiply_add(v[p], v[p] + Real(time) * a,

@@ -103,6 +103,7 @@ class AdaptiveMarcher {
     const bool free = s_.closed_count == 0 && t_.moving_forces == 0;
     if (!(free ? fly(place, room) : drive(place, room))) return false;
     if (lanes_.leader()) ++s_.strides;
+    lanes_.sync();
     if ((s_.strides & 4095) == 0) close_parts();
     lanes_.sync();
     return true;
@@ -122,14 +123,16 @@ class AdaptiveMarcher {
     if (t_.advance == 0.0) return static_cast<std::int64_t>(forever);
     const double edge = (place.part + 1) * t_.window_width;
     // on to where the roundings of the position cannot hold it back
-    const double ticks =
-        Kokkos::ceil((Kokkos::max(edge - place.theta, 0.0) + 2.0 * position_rounding(place)) / t_.advance);
-    return ticks < forever ? static_cast<std::int64_t>(ticks) + 1 : static_cast<std::int64_t>(forever);
+    const double ticks = Kokkos::ceil(
+        (Kokkos::max(edge - place.theta, 0.0) + 2.0 * position_rounding(place)) / t_.advance);
+    return ticks < forever ? static_cast<std::int64_t>(ticks) + 1
+                           : static_cast<std::int64_t>(forever);
   }
 
   KOKKOS_FUNCTION bool fly(const Place& place, std::int64_t room) {
     const std::int64_t whole = std::int64_t{1} << s_.level;
-    std::int64_t ticks = whole - (step_ & (whole - 1));  // to a multiple of the length that is aimed at
+    std::int64_t ticks =
+        whole - (step_ & (whole - 1));  // to a multiple of the length that is aimed at
     bool look = true, cut = false;
     MotionBounds bounds;
     if (ticks > room) {
@@ -212,7 +215,8 @@ class AdaptiveMarcher {
     if (!(extent > 0.0)) return fail(Status::not_finite);
     const double longest = extent * scale / t_.step;
     if (longest < 1.0) return fail(Status::stalled);
-    std::int64_t ticks = longest < static_cast<double>(room) ? static_cast<std::int64_t>(longest) : room;
+    std::int64_t ticks =
+        longest < static_cast<double>(room) ? static_cast<std::int64_t>(longest) : room;
     double end = x_of(ticks);
 
     const MotionBounds bounds = series_.bounds(end);
@@ -363,8 +367,8 @@ class AdaptiveMarcher {
       const Real eta = lane_eta + Real(at.eta);
       const Real overlap =
           add_slider_displacement(lanes_, t_, s_.lanes, group(e), faces.height) + cubic(q, eta);
-      const Real modes = add_slider_displacement(lanes_, t_, s_.lanes + K * width, group(e),
-                                                 cubic(rate_q, eta));
+      const Real modes =
+          add_slider_displacement(lanes_, t_, s_.lanes + K * width, group(e), cubic(rate_q, eta));
       const Real way = faces.rise + Real(t_.inverse_radius) * cubic_slope(q, eta);
       lanes_.store(to + (2 * e) * width, overlap);
       lanes_.store(to + (2 * e + 1) * width, multiply_add(speed, way, modes));
@@ -410,8 +414,7 @@ class AdaptiveMarcher {
     double first = 2.0 * end + 1.0;
     for (int e = 0; e < flagged; ++e) {
       series_.overlap_of(s_.watch[e], place, s_.scan);
-      const double x =
-          first_crossing(s_.scan, series_.degree(), 1.0, touch, 0.25 * touch, end);
+      const double x = first_crossing(s_.scan, series_.degree(), 1.0, touch, 0.25 * touch, end);
       lanes_.sync();
       if (lanes_.leader()) s_.roots[e] = x;
       if (x < first) first = x;

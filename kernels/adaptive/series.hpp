@@ -165,8 +165,8 @@ class ModalSeries {
     const auto reach = [&](double term, int j) {
       // squares throughout; a term of V goes with x^(j - 1)
       if (!(term > 1e-300 * size)) return longest_extent;
-      const double x = Kokkos::exp2(
-          0.5 * Kokkos::log2(tolerance * tolerance * (size / term)) / (j - 1.0));
+      const double x =
+          Kokkos::exp2(0.5 * Kokkos::log2(tolerance * tolerance * (size / term)) / (j - 1.0));
       return x < longest_extent ? x : longest_extent;
     };
     if (!(size < 1e300)) return -1.0;  // not a number
@@ -212,8 +212,8 @@ class ModalSeries {
     for (int p = 0; p < K; ++p) {
       Real d4(0.0);
       for (int j = t_.order; j >= 4; --j)
-        d4 = multiply_add(d4, at,
-                          Real(j * (j - 1.0) * (j - 2.0) * (j - 3.0)) * Kokkos::abs(coefficient(j, p)));
+        d4 = multiply_add(
+            d4, at, Real(j * (j - 1.0) * (j - 2.0) * (j - 3.0)) * Kokkos::abs(coefficient(j, p)));
       const Real c0 = Kokkos::abs(coefficient(0, p)), c1 = Kokkos::abs(coefficient(1, p)),
                  c2 = Kokkos::abs(coefficient(2, p)), c3 = Kokkos::abs(coefficient(3, p));
       const Real d3 = multiply_add(d4, at, Real(6.0) * c3);
