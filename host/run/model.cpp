@@ -43,7 +43,7 @@ void set_clock(Model& m) {
   double intervals = scene.duration * rate;
   const double whole = std::round(intervals);
   // the end falls on the last sample where it should
-  if (std::abs(intervals - whole) < 1e-12 * whole) intervals = whole;
+  if (std::abs(intervals - whole) < 0x1p-50 * whole) intervals = whole;
   int halvings = 0;
   while (std::ldexp(1.0 / rate, -halvings) > finest) ++halvings;
   while (halvings > 0 && std::ldexp(intervals, halvings) >= most_ticks) --halvings;
