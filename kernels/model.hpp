@@ -36,9 +36,10 @@ enum class Look : int { all, candidates };
 enum class Form : int {
   semi_implicit,  // U1 = U0 + tau V1 with the contact force of the old time
   staged,         // the contact force at each stage of the scheme
-  held            // one contact force a step, found together with its end
+  held,           // one contact force a step, found together with its end
+  adaptive        // steps of any length, that end where a contact begins or ends
 };
-inline constexpr int forms = 3;
+inline constexpr int forms = 4;
 
 /// Longest series of a patch that a scene may need (host/run/batch.cpp chooses).
 inline constexpr int most_terms = 24;

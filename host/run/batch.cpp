@@ -128,8 +128,8 @@ struct Layout {
       block_max, moving;
   std::size_t modal_state, samples, runs, new_runs, open, shocks, near, far, watch, touched, force,
       amplitudes, node_shape, node_face, node_window, pressed, pressed_place, pressed_force, factor,
-      across, share, closed, closed_roots, roots, series, square_series, push_series, node_series,
-      closed_shape, scan_shape, scan, seen;
+      across, share, closed, closed_roots, roots, modal_series, square_series, push_series,
+      node_series, closed_shape, scan_shape, scan, seen;
   int height2_size, blocks;
   int sample_capacity, shock_capacity, row;
 };
@@ -310,7 +310,7 @@ struct Batch::Impl {
       l.closed = arena.reserve<int>(closed);
       l.closed_roots = arena.reserve<double>(closed);
       l.roots = arena.reserve<double>(l.groups * width);
-      l.series = arena.reserve<double>((most_order + 1) * l.lanes);
+      l.modal_series = arena.reserve<double>((most_order + 1) * l.lanes);
       l.square_series = arena.reserve<double>(most_order * l.lanes);
       l.push_series = arena.reserve<double>((most_order + 1) * l.lanes);
       l.node_series = arena.reserve<double>(closed * 2 * overlap_terms);
@@ -528,8 +528,8 @@ SceneTables Batch::Impl::fill_tables(const Model& model, const Layout& l) {
   t.least_energy = 1e-30 + 4.0 * kick;
 
   if (adaptive) {
-    const double digits = -std::log10(*scene.tolerance);
-    t.tolerance = *scene.tolerance;
+    t.tolerance = scene.tolerance.value_or(usual_tolerance);
+    const double digits = -std::log10(t.tolerance);
     t.order = std::clamp(static_cast<int>(std::lround(6 + 1.5 * digits)), 8, most_order);
     t.first_level = l.first_level;
     t.top = *std::max_element(h1, h1 + model.nodes()) + *std::max_element(h2, h2 + l.height2_size);
@@ -639,7 +639,7 @@ SceneState Batch::Impl::fill_state(const Model& model, const ModalStart& begin, 
     s.closed = arena.device<int>(l.closed);
     s.closed_roots = arena.device<double>(l.closed_roots);
     s.roots = arena.device<double>(l.roots);
-    s.series = arena.device<double>(l.series);
+    s.series = arena.device<double>(l.modal_series);
     s.square_series = arena.device<double>(l.square_series);
     s.push_series = arena.device<double>(l.push_series);
     s.node_series = arena.device<double>(l.node_series);
@@ -750,6 +750,7 @@ Snapshot Batch::snapshot(int scene) const {
   Snapshot out;
   out.status = s.status;
   out.step = s.step;
+  out.strides = is_adaptive(model.scene) ? s.strides : s.step;
   out.resonator_u = take(ra2d::u, 0, modes2);
   out.resonator_v = take(ra2d::v, 0, modes2);
   out.slider_u = take(ra2d::u, modes2, modes1);
