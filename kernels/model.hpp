@@ -137,6 +137,7 @@ struct SceneTables {
   const double* rest = nullptr;    // m^(3/2), where the load holds a mode; 0 for a rigid one
   const double* fall = nullptr;    // m^(3/2)/s^2, load/m of a rigid mode; 0 for the others
   const double* decay = nullptr;   // 1/s, 2 zeta omega
+  const double* turn = nullptr;    // 1/s, |(omega U, V)'| over |(omega U, V)| is no more
   const double* swing = nullptr;   // s, 2/omega: the farthest a mode gets over its energy norm
   const double* fourth = nullptr;  // m^(-1/2)/s^3, fourth derivative of an overlap, the same
   const double* wander = nullptr;  // 1/s, speed times the largest wave number of a mode

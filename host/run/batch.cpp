@@ -154,6 +154,7 @@ enum ModeTable {
   rest,
   fall,
   decay,
+  turn,
   swing,
   fourth,
   wander,
@@ -358,9 +359,13 @@ SceneTables Batch::Impl::fill_tables(const Model& model, const Layout& l) {
   t.spacing = chi;
   t.step = tau;
   t.inverse_radius = chi / radius;
-  // cubic over a window: beta^4 (width/2)^4 / 4! below two ulp
+  // cubic over a window: beta^4 (width/2)^4 / 4! below two ulp, or far below the asked tolerance
+  const double left_out =
+      is_adaptive(scene)
+          ? std::clamp(1e-4 * scene.tolerance.value_or(usual_tolerance), 0x1p-51, 1e-13)
+          : 0x1p-51;
   t.windows = static_cast<int>(std::ceil(
-      std::max(1.0, 0.5 * highest_beta(model.resonator) * chi / std::pow(24 * 0x1p-51, 0.25))));
+      std::max(1.0, 0.5 * highest_beta(model.resonator) * chi / std::pow(24 * left_out, 0.25))));
   t.window_width = 1.0 / t.windows;
   t.resonator_length = scene.resonator.length;
   t.node_stiffness = model.node_stiffness;
@@ -423,7 +428,8 @@ SceneTables Batch::Impl::fill_tables(const Model& model, const Layout& l) {
   double* flights = arena.host<double>(l.flight);
   const auto fill_flight = [&](int lane, const Mode& oscillator, double load_force, double reach_of,
                                double beta) {
-    const double omega_k = oscillator.omega, b = beta * scene.speed, turn = quickest(oscillator);
+    const double omega_k = oscillator.omega, b = beta * scene.speed, turn_k = quickest(oscillator);
+    table(turn)[lane] = turn_k;
     table(light)[lane] = 1.0 / oscillator.mass;
     table(decay)[lane] = 2.0 * oscillator.zeta * omega_k;
     table(wander)[lane] = b;
@@ -433,10 +439,10 @@ SceneTables Batch::Impl::fill_tables(const Model& model, const Layout& l) {
     } else {
       table(rest)[lane] = load_force / (oscillator.mass * omega_k * omega_k);
       table(swing)[lane] = 2.0 / omega_k;
-      // of a product of U, |U^(j)| <= turn^(j - 1) E, and a wave that passes, (turn + b)^4 term by
+      // |U^(j)| <= turn^(j - 1) E, and the node passes over the mode: (turn + b)^4 term by
       // term
-      table(fourth)[lane] = reach_of * (turn * turn * (turn + 4.0 * b) +
-                                        b * b * (6.0 * turn + 4.0 * b) + b * b * b * b / omega_k);
+      table(fourth)[lane] = reach_of * (turn_k * turn_k * (turn_k + 4.0 * b) +
+                                        b * b * (6.0 * turn_k + 4.0 * b) + b * b * b * b / omega_k);
       t.fourth_rest += reach_of * std::pow(b, 4) * std::abs(table(rest)[lane]);
     }
     const auto tables = flight_tables(oscillator, load_force, tau, l.first_level, l.levels);
@@ -530,6 +536,7 @@ SceneTables Batch::Impl::fill_tables(const Model& model, const Layout& l) {
   if (adaptive) {
     t.tolerance = scene.tolerance.value_or(usual_tolerance);
     const double digits = -std::log10(t.tolerance);
+    if (getenv("ORD")) t.order = atoi(getenv("ORD")); else
     t.order = std::clamp(static_cast<int>(std::lround(6 + 1.5 * digits)), 8, most_order);
     t.first_level = l.first_level;
     t.top = *std::max_element(h1, h1 + model.nodes()) + *std::max_element(h2, h2 + l.height2_size);
@@ -557,7 +564,8 @@ SceneTables Batch::Impl::fill_tables(const Model& model, const Layout& l) {
   t.tail = on_device(tail), t.tail_slope = on_device(tail_slope);
   t.quartic = on_device(quartic);
   t.rest = on_device(rest), t.fall = on_device(fall), t.decay = on_device(decay);
-  t.swing = on_device(swing), t.fourth = on_device(fourth), t.wander = on_device(wander);
+  t.turn = on_device(turn), t.swing = on_device(swing), t.fourth = on_device(fourth),
+  t.wander = on_device(wander);
   t.light = on_device(light);
   t.patch = arena.device<double>(l.patch);
   t.slider_shape = arena.device<double>(l.shapes);

@@ -98,9 +98,9 @@ class AdaptiveMarcher {
 
   KOKKOS_FUNCTION bool stride() {
     const Place place = stand(step_);
-    std::int64_t room = window_left(place);
-    if (t_.total_steps - step_ < room) room = t_.total_steps - step_;
     const bool free = s_.closed_count == 0 && t_.moving_forces == 0;
+    std::int64_t room = ticks_left(place, free ? 1.0 : (place.part + 1) * t_.window_width);
+    if (t_.total_steps - step_ < room) room = t_.total_steps - step_;
     if (!(free ? fly(place, room) : drive(place, room))) return false;
     if (lanes_.leader()) ++s_.strides;
     lanes_.sync();
@@ -117,14 +117,13 @@ class AdaptiveMarcher {
     return place;
   }
 
-  /// Ticks until no node is in the window of this place any more.
-  KOKKOS_FUNCTION std::int64_t window_left(const Place& place) const {
+  /// Ticks until all nodes are `edge` chi behind the resonator's.
+  KOKKOS_FUNCTION std::int64_t ticks_left(const Place& place, double edge) const {
     constexpr double forever = 4e18;
     if (t_.advance == 0.0) return static_cast<std::int64_t>(forever);
-    const double edge = (place.part + 1) * t_.window_width;
     // on to where the roundings of the position cannot hold it back
-    const double ticks = Kokkos::ceil(
-        (Kokkos::max(edge - place.theta, 0.0) + 2.0 * position_rounding(place)) / t_.advance);
+    const double way = Kokkos::max(edge - place.theta, 0.0) + 2.0 * position_rounding(place);
+    const double ticks = Kokkos::ceil(way / t_.advance);
     return ticks < forever ? static_cast<std::int64_t>(ticks) + 1
                            : static_cast<std::int64_t>(forever);
   }
@@ -163,10 +162,14 @@ class AdaptiveMarcher {
       series_.expand(u_, v_, place, ticks * t_.step);
       double x = series_.extent(t_.tolerance);
       if (!(x > 0.0)) return fail(Status::not_finite);
+      // no further than the shapes hold that the search goes by
+      const std::int64_t window = ticks_left(place, (place.part + 1) * t_.window_width);
+      const std::int64_t most = ticks;
       if (x < 1.0) ticks = static_cast<std::int64_t>(x * static_cast<double>(ticks));
+      if (window < ticks) ticks = window;
       if (ticks < 1) return fail(Status::stalled);
       const double end = x_of(ticks);
-      const double first = search(place, flagged, end, touch_of(bounds));
+      const double first = search(place, flagged, end, touch_of(u_));
       if (first <= end) {
         ticks = ticks_to(first, ticks);
         x = x_of(ticks);
@@ -182,7 +185,7 @@ class AdaptiveMarcher {
         close_contacts(flagged, x);
         return true;
       }
-      if (x < 1.0) {
+      if (ticks < most) {
         go(ticks, u, v, square);
         seen_ = false;
         flagged = -1;
@@ -200,7 +203,7 @@ class AdaptiveMarcher {
         ++s_.level;
     }
     lanes_.sync();
-    pass_on(flagged >= 0 && look, place, ticks);
+    pass_on(flagged >= 0 && look, place);
     return true;
   }
 
@@ -219,8 +222,7 @@ class AdaptiveMarcher {
         longest < static_cast<double>(room) ? static_cast<std::int64_t>(longest) : room;
     double end = x_of(ticks);
 
-    const MotionBounds bounds = series_.bounds(end);
-    const double touch = touch_of(bounds);
+    const double touch = touch_of(u_);
     // contacts that end
     double first = 2.0 * end + 1.0;
     for (int e = 0; e < s_.closed_count; ++e) {
@@ -235,6 +237,7 @@ class AdaptiveMarcher {
       end = x_of(ticks);
     }
     // contacts that begin
+    const MotionBounds bounds = series_.bounds(end);
     find_near(place, bounds.travel, bounds.rounding(), room, ticks);
     if (!seen_ && groups() > 0) see(place, u_, v_, before_);
     seen_ = true;
@@ -255,7 +258,7 @@ class AdaptiveMarcher {
         series_.state(end, u, v);
       }
     }
-    if (!drive_samples(place, ticks, end)) return false;
+    if (!drive_samples(ticks)) return false;
     record(place, ticks, end);
     Real squares[K];
     series_.squares(end, squares);
@@ -270,7 +273,7 @@ class AdaptiveMarcher {
     if (onset)
       seen_ = false;
     else
-      pass_on(true, place, ticks);
+      pass_on(true, place);
     return true;
   }
 
@@ -312,18 +315,18 @@ class AdaptiveMarcher {
     there.position += way;
     return there;
   }
-  /// What was seen at the end of a step is what the next one begins with, in the same window.
-  KOKKOS_FUNCTION void pass_on(bool looked, const Place& place, std::int64_t ticks) {
-    (void)ticks;
-    seen_ = looked && stand(step_).window(t_) == place.window(t_);
+  /// What was seen at the end of a step is what the next one begins with, unless a node has passed
+  /// another.
+  KOKKOS_FUNCTION void pass_on(bool looked, const Place& place) {
+    seen_ = looked && stand(step_).base == place.base;
     double* const swap = before_;
     before_ = after_;
     after_ = swap;
   }
 
   /// Roundings of an overlap [m].
-  KOKKOS_FORCEINLINE_FUNCTION double touch_of(const MotionBounds& bounds) const {
-    return t_.slack + 0x1p-47 * bounds.size;
+  KOKKOS_FORCEINLINE_FUNCTION double touch_of(const Real* u) const {
+    return t_.slack + 0x1p-46 * weighted_sum<Lanes, K>(lanes_, t_.reach, u);
   }
 
   // ---- what can touch
@@ -504,8 +507,7 @@ class AdaptiveMarcher {
     return true;
   }
 
-  KOKKOS_FUNCTION bool drive_samples(const Place& place, std::int64_t ticks, double end) {
-    (void)place, (void)end;
+  KOKKOS_FUNCTION bool drive_samples(std::int64_t ticks) {
     series_.expand_squares();
     while (s_.next_sample < t_.samples && sample_tick() < step_ + ticks) {
       if (!has_room_for_sample()) return false;

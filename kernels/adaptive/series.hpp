@@ -204,25 +204,58 @@ class ModalSeries {
     }
   }
 
-  /// What the modes can do up to x.
+  /// What the modes can do up to x. The norm of y = (omega U, U') does not grow by itself, so that of
+  /// y'' is at most what it is at 0 and what the second derivative of the force adds to it:
+  ///   |U''''| <= turn (|y''(0)| + x g) + g,  g >= |F''|/m,  turn = omega (zeta + sqrt(1 + zeta^2)),
+  /// and the lower derivatives follow. (All in units of x.)
   KOKKOS_FUNCTION MotionBounds bounds(double x) const {
     const Real at(x);
-    const double per = 1.0 / scale_;
+    Real force[K];  // bound on |F''|
+    for (int p = 0; p < K; ++p) force[p] = Real(0.0);
+    for (int e = 0; e < s_.closed_count; ++e) {
+      const double* o = overlap(e);
+      const int n = degree();
+      double o0 = Kokkos::abs(o[n]), o1 = n * o0, o2 = (n - 1.0) * o1;
+      for (int j = n - 1; j >= 0; --j) {
+        const double size = Kokkos::abs(o[j]);
+        o0 = Kokkos::fma(o0, x, size);
+        if (j >= 1) o1 = Kokkos::fma(o1, x, j * size);
+        if (j >= 2) o2 = Kokkos::fma(o2, x, j * (j - 1.0) * size);
+      }
+      const double* phi = s_.closed_shape + e * (4 * row);
+      for (int p = 0; p < K; ++p) {
+        const Real q1 = Kokkos::abs(load(phi + row, p)), q2 = Kokkos::abs(load(phi + 2 * row, p)),
+                   q3 = Kokkos::abs(load(phi + 3 * row, p));
+        const Real p2 = multiply_add(Real(6.0) * q3, at, Real(2.0) * q2);
+        const Real p1 = multiply_add(p2, at, q1);
+        const Real p0 = multiply_add(p1, at, Kokkos::abs(load(phi, p)));
+        force[p] = multiply_add(t_.node_stiffness * o2, p0, force[p]);
+        force[p] = multiply_add(2.0 * t_.node_stiffness * o1, p1, force[p]);
+        force[p] = multiply_add(t_.node_stiffness * o0, p2, force[p]);
+      }
+    }
+    if (t_.moving_forces > 0)
+      for (int p = 0; p < K; ++p) {
+        Real sum(0.0);
+        for (int j = t_.order; j >= 2; --j)
+          sum = multiply_add(sum, at,
+                             Real(j * (j - 1.0)) * Kokkos::abs(load(s_.push_series + j * row, p)));
+        force[p] = force[p] + sum;
+      }
     Real travel(0.0), fourth(0.0), tail(0.0), size(0.0);
     for (int p = 0; p < K; ++p) {
-      Real d4(0.0);
-      for (int j = t_.order; j >= 4; --j)
-        d4 = multiply_add(
-            d4, at, Real(j * (j - 1.0) * (j - 2.0) * (j - 3.0)) * Kokkos::abs(coefficient(j, p)));
+      const Real g = Real(scale_ * scale_) * load(t_.light, p) * force[p];
       const Real c0 = Kokkos::abs(coefficient(0, p)), c1 = Kokkos::abs(coefficient(1, p)),
-                 c2 = Kokkos::abs(coefficient(2, p)), c3 = Kokkos::abs(coefficient(3, p));
-      const Real d3 = multiply_add(d4, at, Real(6.0) * c3);
+                 c2 = Kokkos::abs(coefficient(2, p)), c3 = coefficient(3, p);
+      const Real twist = Real(2.0 * scale_) * load(t_.omega, p) * c2, jerk = Real(6.0) * c3;
+      const Real d3 = multiply_add(g, at, Kokkos::sqrt(multiply_add(twist, twist, jerk * jerk)));
+      const Real d4 = multiply_add(Real(scale_) * load(t_.turn, p), d3, g);
       const Real d2 = multiply_add(d3, at, Real(2.0) * c2);
       const Real d1 = multiply_add(d2, at, c1);
       const Real way = at * d1;
       const Real amplitude = c0 + way;
       const Real b = Real(scale_) * load(t_.wander, p), reach = load(t_.reach, p);
-      // (d/dx + b)^4
+      // a mode at a node that moves: (d/dx + b)^4
       Real all = multiply_add(b, amplitude, Real(4.0) * d1);
       all = multiply_add(b, all, Real(6.0) * d2);
       all = multiply_add(b, all, Real(4.0) * d3);
@@ -232,7 +265,7 @@ class ModalSeries {
       tail = multiply_add(load(t_.tail, p), amplitude, tail);
       size = multiply_add(reach, amplitude, size);
     }
-    const double per2 = per * per;
+    const double per2 = 1.0 / (scale_ * scale_);
     return {lanes_.sum(travel), per2 * per2 * lanes_.sum(fourth), lanes_.sum(tail),
             lanes_.sum(size)};
   }
