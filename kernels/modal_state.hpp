@@ -16,6 +16,12 @@ enum class Status : int {
   stalled   // Form::adaptive: the motion is too fast for the clock
 };
 
+/// Bounds on a polynomial over a stretch (kernels/adaptive/crossing.hpp).
+struct Hull {
+  double least, most;   // of the polynomial
+  double slope, curve;  // on the sizes of its first two derivatives
+};
+
 /// A run of neighbouring slider nodes in contact.
 struct ContactRun {
   int first, last;  // nodes
@@ -133,6 +139,8 @@ struct SceneState {
   double* closed_shape = nullptr;   // (closed node, 4, lane)
   double* scan_shape = nullptr;     // (4, lane)
   double* scan = nullptr;           // (order): of one more node
+  double* hull_room = nullptr;      // one series and two values more
+  Hull* closed_hull = nullptr;      // of the overlaps of the nodes in contact over the step
   double* closed_roots = nullptr;   // where the nodes in contact let go, in units of the series ...
   double* roots = nullptr;          // ... and where those that are looked at begin to touch
   double* seen = nullptr;  // (2, near group, 2, lane): overlap and its rate at both ends of a step

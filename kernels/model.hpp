@@ -75,7 +75,7 @@ enum FlightRow : int {
 };
 
 /// Highest order of the series of an adaptive step.
-inline constexpr int most_order = 30;
+inline constexpr int most_order = 28;
 /// Terms of an overlap's series: the mode shapes along the way are cubics.
 inline constexpr int overlap_terms = most_order + 4;
 /// Points of the Gauss-Legendre rule over an adaptive step.
@@ -142,6 +142,7 @@ struct SceneTables {
   const double* fourth = nullptr;  // m^(-1/2)/s^3, fourth derivative of an overlap, the same
   const double* wander = nullptr;  // 1/s, speed times the largest wave number of a mode
   const double* light = nullptr;   // m/kg, 1/m
+  const double* hull = nullptr;    // (coefficient, overlap_terms): see Hull; then its two masks
   const double* gauss = nullptr;   // places in (0, 1), then weights; padded with zeros
 
   // modes, one lane each (padded with zeros)

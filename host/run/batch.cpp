@@ -124,12 +124,12 @@ struct Layout {
   Series series;
   int stage_rows, end_rows, pressed_capacity;
   int first_level, levels, closed_capacity;
-  std::size_t mode_tables, flight, gauss, stage, end, patch, shapes, unit, height1, height2,
+  std::size_t mode_tables, flight, gauss, hull, stage, end, patch, shapes, unit, height1, height2,
       block_max, moving;
   std::size_t modal_state, samples, runs, new_runs, open, shocks, near, far, watch, touched, force,
       amplitudes, node_shape, node_face, node_window, pressed, pressed_place, pressed_force, factor,
-      across, share, closed, closed_roots, roots, modal_series, square_series, push_series,
-      node_series, closed_shape, scan_shape, scan, seen;
+      across, share, closed, closed_hull, closed_roots, roots, modal_series, square_series,
+      push_series, node_series, closed_shape, scan_shape, scan, hull_room, seen;
   int height2_size, blocks;
   int sample_capacity, shock_capacity, row;
 };
@@ -196,6 +196,22 @@ int first_level(const Model& model) {
   if (!is_adaptive(model.scene)) return 0;
   const double turn = std::max(quickest(model), 1e-3);
   return std::clamp(std::ilogb(2e-4 / (turn * model.tick)), 0, 40);
+}
+
+/// C(i, j)/C(n, j), row j, for i <= n; what is beyond repeats the last and is masked out of the
+/// first and second differences (kernels/adaptive/crossing.hpp).
+void fill_hull(double* table, int n) {
+  for (int i = 0; i < overlap_terms; ++i) {
+    const int last = std::min(i, n);
+    double share = 1.0;
+    for (int j = 0; j <= last; ++j) {
+      table[j * overlap_terms + i] = share;
+      share *= static_cast<double>(last - j) / std::max(1, n - j);
+    }
+    double* mask = table + overlap_terms * overlap_terms + i;
+    mask[0] = i < n ? 1.0 : 0.0;
+    mask[overlap_terms] = i < n - 1 ? 1.0 : 0.0;
+  }
 }
 
 /// Steps over which bounds on the modes are worth anything: what a scheme beyond its limit makes of
@@ -309,6 +325,8 @@ struct Batch::Impl {
       l.flight = arena.reserve<double>(static_cast<std::size_t>(l.levels) * flight_rows * l.lanes);
       l.gauss = arena.reserve<double>(2 * gauss_room);
       l.closed = arena.reserve<int>(closed);
+      l.hull = arena.reserve<double>((overlap_terms + 2) * overlap_terms);
+      l.closed_hull = arena.reserve<Hull>(closed);
       l.closed_roots = arena.reserve<double>(closed);
       l.roots = arena.reserve<double>(l.groups * width);
       l.modal_series = arena.reserve<double>((most_order + 1) * l.lanes);
@@ -318,6 +336,7 @@ struct Batch::Impl {
       l.closed_shape = arena.reserve<double>(closed * 4 * l.lanes);
       l.scan_shape = arena.reserve<double>(4 * l.lanes);
       l.scan = arena.reserve<double>(overlap_terms);
+      l.hull_room = arena.reserve<double>(2 * overlap_terms);
       l.seen = arena.reserve<double>(static_cast<std::size_t>(4) * l.groups * width);
     }
     return l;
@@ -536,8 +555,10 @@ SceneTables Batch::Impl::fill_tables(const Model& model, const Layout& l) {
   if (adaptive) {
     t.tolerance = scene.tolerance.value_or(usual_tolerance);
     const double digits = -std::log10(t.tolerance);
-    if (getenv("ORD")) t.order = atoi(getenv("ORD")); else
-    t.order = std::clamp(static_cast<int>(std::lround(6 + 1.5 * digits)), 8, most_order);
+    if (getenv("ORD"))
+      t.order = atoi(getenv("ORD"));
+    else
+      t.order = std::clamp(static_cast<int>(std::lround(6 + 1.5 * digits)), 8, most_order);
     t.first_level = l.first_level;
     t.top = *std::max_element(h1, h1 + model.nodes()) + *std::max_element(h2, h2 + l.height2_size);
     double* gauss = arena.host<double>(l.gauss);
@@ -545,6 +566,8 @@ SceneTables Batch::Impl::fill_tables(const Model& model, const Layout& l) {
     std::copy_n(gauss_weight, gauss_points, gauss + gauss_room);
     t.flight = arena.device<double>(l.flight);
     t.gauss = arena.device<double>(l.gauss);
+    fill_hull(arena.host<double>(l.hull), t.order + 3);
+    t.hull = arena.device<double>(l.hull);
   }
 
   auto* moving = arena.host<MovingForceTable>(l.moving);
@@ -645,6 +668,7 @@ SceneState Batch::Impl::fill_state(const Model& model, const ModalStart& begin, 
     s.level = std::clamp(std::ilogb(s.stride / model.tick), 0, 60);
     s.closed_capacity = l.closed_capacity;
     s.closed = arena.device<int>(l.closed);
+    s.closed_hull = arena.device<Hull>(l.closed_hull);
     s.closed_roots = arena.device<double>(l.closed_roots);
     s.roots = arena.device<double>(l.roots);
     s.series = arena.device<double>(l.modal_series);
@@ -654,6 +678,7 @@ SceneState Batch::Impl::fill_state(const Model& model, const ModalStart& begin, 
     s.closed_shape = arena.device<double>(l.closed_shape);
     s.scan_shape = arena.device<double>(l.scan_shape);
     s.scan = arena.device<double>(l.scan);
+    s.hull_room = arena.device<double>(l.hull_room);
     s.seen = arena.device<double>(l.seen);
   }
   return s;

@@ -2,6 +2,10 @@
 #pragma once
 #include <Kokkos_Core.hpp>
 
+#include "kernels/lanes.hpp"
+#include "kernels/modal_state.hpp"
+#include "kernels/model.hpp"
+
 /// Where a polynomial first comes to a level: contacts that begin and end.
 namespace ra2d {
 
@@ -71,9 +75,7 @@ KOKKOS_INLINE_FUNCTION double highest_value(const double* c, int n, double end) 
 /// the parabola through the present value and slope that bends up by `bend` meets the level no later
 /// than p does. Near a simple crossing the steps shrink quadratically, as Newton's.
 KOKKOS_INLINE_FUNCTION double first_crossing(const double* c, int n, double sign, double level,
-                                             double noise, double end) {
-  double bend = 0.0;
-  for (int j = n; j >= 2; --j) bend = Kokkos::fma(bend, end, j * (j - 1.0) * Kokkos::abs(c[j]));
+                                             double noise, double end, double bend) {
   double x = 0.0;
   while (true) {
     const ValueAndSlope p = polynomial_and_slope(c, n, x);
@@ -87,6 +89,44 @@ KOKKOS_INLINE_FUNCTION double first_crossing(const double* c, int n, double sign
     if (next == x) return x;  // as near as roundings let it come
     x = next;
   }
+}
+
+/// A polynomial over [0, x] lies between the smallest and the largest of its Bernstein coefficients,
+/// b_i = sum_j C(i, j)/C(n, j) c_j x^j, and its derivatives between their differences.
+template <class Lanes>
+KOKKOS_INLINE_FUNCTION Hull hull_of(const Lanes& lanes, const SceneTables& t, const double* c,
+                                    int n, double x, double* room) {
+  using Real = typename Lanes::Real;
+  constexpr int width = Lanes::width, packs = (overlap_terms + width - 1) / width;
+  Real b[packs];
+  for (int g = 0; g < packs; ++g) b[g] = Real(c[0]);
+  double power = 1.0;
+  const int used = n / width + 1;
+  for (int j = 1; j <= n; ++j) {
+    power *= x;
+    const Real term(c[j] * power);
+    for (int g = 0; g < packs; ++g)
+      if (g < used)
+        b[g] = multiply_add(lanes.load(t.hull + j * overlap_terms + g * width), term, b[g]);
+  }
+  for (int g = 0; g < packs; ++g)
+    if (g < used) lanes.store(room + g * width, b[g]);
+  lanes.sync();
+  const double* mask = t.hull + overlap_terms * overlap_terms;
+  Real least = b[0], most = b[0], slope(0.0), curve(0.0);
+  for (int g = 0; g < packs; ++g) {
+    if (g >= used) continue;
+    least = Kokkos::min(least, b[g]);
+    most = Kokkos::max(most, b[g]);
+    const Real b1 = lanes.load(room + g * width + 1), b2 = lanes.load(room + g * width + 2);
+    const Real d1 = b1 - b[g], d2 = (b2 - b1) - d1;
+    slope = Kokkos::max(slope, Kokkos::abs(d1) * lanes.load(mask + g * width));
+    curve = Kokkos::max(curve, Kokkos::abs(d2) * lanes.load(mask + overlap_terms + g * width));
+  }
+  lanes.sync();
+  const double per = n / x;
+  return {lanes.min(least), lanes.max(most), per * lanes.max(slope),
+          per * ((n - 1.0) / x) * lanes.max(curve)};
 }
 
 }  // namespace ra2d

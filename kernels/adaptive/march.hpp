@@ -226,9 +226,16 @@ class AdaptiveMarcher {
     // contacts that end
     double first = 2.0 * end + 1.0;
     for (int e = 0; e < s_.closed_count; ++e) {
-      const double x =
-          first_crossing(series_.overlap(e), series_.degree(), -1.0, touch, 0.25 * touch, end);
-      if (lanes_.leader()) s_.closed_roots[e] = x;
+      const double* o = series_.overlap(e);
+      const int n = series_.degree();
+      const Hull hull = hull_of(lanes_, t_, o, n, end, s_.hull_room);
+      double x = 2.0 * end + 1.0;
+      if (hull.least <= -0.75 * touch)
+        x = first_crossing(o, n, -1.0, touch, 0.25 * touch, end, hull.curve);
+      if (lanes_.leader()) {
+        s_.closed_hull[e] = hull;
+        s_.closed_roots[e] = x;
+      }
       if (x < first) first = x;
     }
     lanes_.sync();
@@ -340,9 +347,10 @@ class AdaptiveMarcher {
   KOKKOS_FUNCTION void find_near(const Place& place, double travel, double rounding,
                                  std::int64_t room, std::int64_t ticks) {
     if (t_.look == Look::all || near_.holds(u_, place, travel)) return;
-    const double share = static_cast<double>(room) / (static_cast<double>(ticks) + 1.0);
-    near_.find(u_, place, travel * (1.5 + (share < 8.0 ? share : 8.0)) + t_.least_reach, rounding,
-               0.0);
+    // what the modes may do within the step, and can be expected to do after it
+    const double time = static_cast<double>(room - ticks) * t_.step;
+    const double later = time < 1e30 ? time * weighted_sum<Lanes, K>(lanes_, t_.reach, v_) : 0.0;
+    near_.find(u_, place, 1.5 * travel + 0.5 * later + t_.least_reach, rounding, 0.0);
     seen_ = false;
   }
 
@@ -417,7 +425,11 @@ class AdaptiveMarcher {
     double first = 2.0 * end + 1.0;
     for (int e = 0; e < flagged; ++e) {
       series_.overlap_of(s_.watch[e], place, s_.scan);
-      const double x = first_crossing(s_.scan, series_.degree(), 1.0, touch, 0.25 * touch, end);
+      const int n = series_.degree();
+      const Hull hull = hull_of(lanes_, t_, s_.scan, n, end, s_.hull_room);
+      double x = 2.0 * end + 1.0;
+      if (hull.most >= 0.75 * touch)
+        x = first_crossing(s_.scan, n, 1.0, touch, 0.25 * touch, end, hull.curve);
       lanes_.sync();
       if (lanes_.leader()) s_.roots[e] = x;
       if (x < first) first = x;

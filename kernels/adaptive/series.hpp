@@ -207,21 +207,15 @@ class ModalSeries {
   /// What the modes can do up to x. The norm of y = (omega U, U') does not grow by itself, so that of
   /// y'' is at most what it is at 0 and what the second derivative of the force adds to it:
   ///   |U''''| <= turn (|y''(0)| + x g) + g,  g >= |F''|/m,  turn = omega (zeta + sqrt(1 + zeta^2)),
-  /// and the lower derivatives follow. (All in units of x.)
+  /// and the lower derivatives follow. (All in units of x.) Takes the closed nodes' hulls over a
+  /// stretch that reaches at least as far.
   KOKKOS_FUNCTION MotionBounds bounds(double x) const {
     const Real at(x);
     Real force[K];  // bound on |F''|
     for (int p = 0; p < K; ++p) force[p] = Real(0.0);
     for (int e = 0; e < s_.closed_count; ++e) {
-      const double* o = overlap(e);
-      const int n = degree();
-      double o0 = Kokkos::abs(o[n]), o1 = n * o0, o2 = (n - 1.0) * o1;
-      for (int j = n - 1; j >= 0; --j) {
-        const double size = Kokkos::abs(o[j]);
-        o0 = Kokkos::fma(o0, x, size);
-        if (j >= 1) o1 = Kokkos::fma(o1, x, j * size);
-        if (j >= 2) o2 = Kokkos::fma(o2, x, j * (j - 1.0) * size);
-      }
+      const Hull& h = s_.closed_hull[e];
+      const double o0 = Kokkos::max(h.most, -h.least);
       const double* phi = s_.closed_shape + e * (4 * row);
       for (int p = 0; p < K; ++p) {
         const Real q1 = Kokkos::abs(load(phi + row, p)), q2 = Kokkos::abs(load(phi + 2 * row, p)),
@@ -229,8 +223,8 @@ class ModalSeries {
         const Real p2 = multiply_add(Real(6.0) * q3, at, Real(2.0) * q2);
         const Real p1 = multiply_add(p2, at, q1);
         const Real p0 = multiply_add(p1, at, Kokkos::abs(load(phi, p)));
-        force[p] = multiply_add(t_.node_stiffness * o2, p0, force[p]);
-        force[p] = multiply_add(2.0 * t_.node_stiffness * o1, p1, force[p]);
+        force[p] = multiply_add(t_.node_stiffness * h.curve, p0, force[p]);
+        force[p] = multiply_add(2.0 * t_.node_stiffness * h.slope, p1, force[p]);
         force[p] = multiply_add(t_.node_stiffness * o0, p2, force[p]);
       }
     }
