@@ -113,7 +113,7 @@ class Cvode {
     look();
     list_changed();
     choose_touching(-1);
-    while (t_ < options_.until) piece();
+    while (options_.until - equations_.lag - t_ > end_slack * options_.until) piece();
     result.steps = steps_;
     result.evaluations = evaluations_;
     result.looks = watched_.looks();
@@ -141,7 +141,7 @@ class Cvode {
 
   static int roots(realtype t, N_Vector y, realtype* out, void* data) {
     auto& self = *static_cast<Cvode*>(data);
-    self.look_at(t, N_VGetArrayPointer(y));
+    self.look_at_all(t, N_VGetArrayPointer(y));
     out[0] = self.most_open_ > -1 ? self.most_open_ : -1;
     out[1] = self.least_touching_ < 1 ? self.least_touching_ : 1;
     return 0;
@@ -179,33 +179,42 @@ class Cvode {
 
   // ---- pieces
 
+  /// Where the piece ends, if nothing else ends it [s]. Not rounded as t_ is, so it shifts.
+  double piece_end(bool& crossing) const {
+    double end = options_.until - equations_.lag;
+    crossing = false;
+    for (const double jump : jumps_) {
+      const double at = jump - equations_.lag;
+      if (at > t_ && at < end) end = at;
+    }
+    if (touching_.list.empty() || equations_.rate() == 0) return end;
+    const double next = equations_.time_at(window_ + 1);
+    crossing = next <= end;
+    return crossing ? next : end;
+  }
+
   /// From t_ to the next event.
   void piece() {
-    double end = options_.until;
-    bool crossing = false;
-    for (const double jump : jumps_)
-      if (jump > t_ && jump < end) end = jump;
-    if (!touching_.list.empty() && equations_.rate() > 0) {
-      const double next = equations_.time_at(window_ + 1);
-      if (next <= end) {
-        end = next;
-        crossing = true;
+    for (bool begun = false;; begun = true) {
+      bool crossing;
+      const double end = piece_end(crossing);
+      if (end - t_ <= 16 * std::numeric_limits<double>::epsilon() * end) {
+        t_ = end;
+        cross(crossing);
+        return;
       }
-    }
-    if (end - t_ <= 16 * std::numeric_limits<double>::epsilon() * end) {
-      t_ = end;
-      cross(crossing);
-      return;
-    }
-    require(CVodeReInit(memory_.get(), t_, state_.get()), "CVodeReInit");
-    require(CVodeSetStopTime(memory_.get(), end), "CVodeSetStopTime");
-    for (;;) {
+      if (!begun) {
+        require(CVodeReInit(memory_.get(), t_, state_.get()), "CVodeReInit");
+        reached_ = t_;
+      }
+      require(CVodeSetStopTime(memory_.get(), end), "CVodeSetStopTime");
       look();
       before_ = y_;
       const double from = t_;
       const int flag = CVode(memory_.get(), end, state_.get(), &t_, CV_ONE_STEP);
       require(flag, "CVode");
       ++steps_;
+      count_time();
       if (!y_.allFinite())
         throw SimulationError(fmt::format("CVODE's state is not finite at t = {:g} s", t_));
       int missed = -1;
@@ -215,7 +224,7 @@ class Cvode {
         return;
       }
       record(from);
-      if (flag == CV_TSTOP_RETURN || t_ >= end) {
+      if (flag == CV_TSTOP_RETURN) {
         cross(crossing);
         return;
       }
@@ -224,6 +233,16 @@ class Cvode {
 
   void cross(bool crossing) {
     if (crossing) ++window_;
+  }
+
+  /// What was lost when CVODE added the last step to its time.
+  void count_time() {
+    double reached = 0, step = 0;
+    require(CVodeGetCurrentTime(memory_.get(), &reached), "CVodeGetCurrentTime");
+    if (reached == reached_) return;
+    require(CVodeGetLastStep(memory_.get(), &step), "CVodeGetLastStep");
+    equations_.lag += step - (reached - reached_);
+    reached_ = reached;
   }
 
   /// A list of watched nodes that is good for the next step.
@@ -241,7 +260,7 @@ class Cvode {
   }
 
   /// The overlaps of all that is watched, and their extremes.
-  void look_at(double t, const double* u) {
+  void look_at_all(double t, const double* u) {
     looked_at_ = t;
     most_open_ = -std::numeric_limits<double>::infinity();
     least_touching_ = std::numeric_limits<double>::infinity();
@@ -261,31 +280,33 @@ class Cvode {
     }
   }
 
+  double open_overlap(std::size_t i) const {
+    return watched_.all() ? overlap_[open_.list[i]] : open_overlap_[static_cast<Eigen::Index>(i)];
+  }
+
   /// After an event: which nodes touch. `missed` is one that has just changed sides.
   void choose_touching(int missed) {
-    if (equations_.rate() > 0 && touching_.list.empty())
+    if (touching_.list.empty())
       window_ = static_cast<std::int64_t>(std::floor(equations_.position(t_)));
-    if (window_ < 0) window_ = static_cast<std::int64_t>(std::floor(equations_.position(t_)));
-    look_at(t_, y_.data());
-    SomeNodes one;
+    look_at_all(t_, y_.data());
     const auto rising = [&](int node) {
-      one.list = {node};
-      one.base = -1;
-      equations_.rates(equations_.place(t_, window_), one, y_.data(),
-                       y_.data() + equations_.modes(), one_);
-      return one_[0] > 0;
+      one_.list = {node};
+      one_.base = -1;
+      look_at(t_, window_, y_, one_, middle_);
+      return middle_.rate[0] > 0;
+    };
+    const auto touches = [&](int node, double overlap) {
+      return overlap > 0 || (overlap == 0 && rising(node));
     };
     std::vector<int> begun, ended;
     for (std::size_t i = 0; i < touching_.list.size(); ++i) {
       const int node = touching_.list[i];
-      const double overlap = touching_overlap_[static_cast<Eigen::Index>(i)];
-      if (node == missed || overlap < 0 || (overlap == 0 && !rising(node))) ended.push_back(node);
+      if (node == missed || !touches(node, touching_overlap_[static_cast<Eigen::Index>(i)]))
+        ended.push_back(node);
     }
     for (std::size_t i = 0; i < open_.list.size(); ++i) {
       const int node = open_.list[i];
-      const double overlap =
-          watched_.all() ? overlap_[node] : open_overlap_[static_cast<Eigen::Index>(i)];
-      if (node == missed || overlap > 0 || (overlap == 0 && rising(node))) begun.push_back(node);
+      if (node == missed || touches(node, open_overlap(i))) begun.push_back(node);
     }
     // the new ones first: where one takes over from its neighbour, the shock goes on
     for (const int node : begun) log_.onset(node, t_);
@@ -306,24 +327,17 @@ class Cvode {
     require(CVodeGetDky(memory_.get(), t, 0, dense_.get()), "CVodeGetDky");
   }
 
-  /// One node within the last step.
-  struct Watch {
-    SomeNodes node;
-    std::int64_t window;
-    double side;  // 1: open, -1: touching
-    Eigen::VectorXd out;
+  /// Overlaps of nodes and their rates at one moment.
+  struct Look {
+    Eigen::VectorXd overlap, rate;
   };
-  double overlap_at(double t, Watch& w) {
-    state_at(t);
-    equations_.overlaps(equations_.place(t, w.window), w.node, between_.data(), w.out);
-    return w.side * w.out[0];
+  void look_at(double t, std::int64_t window, const Eigen::VectorXd& y, SomeNodes& nodes,
+               Look& look) {
+    const Place& place = equations_.place(t, window);
+    equations_.overlaps(place, nodes, y.data(), look.overlap);
+    equations_.rates(place, nodes, y.data(), y.data() + equations_.modes(), look.rate);
   }
-  double rate_at(double t, Watch& w) {
-    state_at(t);
-    equations_.rates(equations_.place(t, w.window), w.node, between_.data(),
-                     between_.data() + equations_.modes(), w.out);
-    return w.side * w.out[0];
-  }
+
   /// Bisection, to the last digit of time, of a function that is positive at `high` and not at
   /// `low`; returns the end where it is positive.
   template <class Function>
@@ -341,48 +355,55 @@ class Cvode {
   bool find_missed(double from, bool noticed, int& missed) {
     const bool list_was_good = watched_.covered(from, before_.data(), t_, y_.data());
     if (!list_was_good) list_changed();
-    // faster than this no overlap changes
+    noticed = noticed && list_was_good;
+    // no overlap changes by more
     const double way = (t_ - from) * (1.5 * std::max(watched_.rate_bound(before_.data()),
                                                      watched_.rate_bound(y_.data())) +
                                       equations_.face_rate);
-    std::vector<int> suspects;
-    if (looked_at_ != t_) look_at(t_, y_.data());
+    if (looked_at_ != t_) look_at_all(t_, y_.data());
+    suspects_ = touching_.list;
     if (most_open_ > -way) {
-      for (std::size_t i = 0; i < open_.list.size(); ++i) {
-        const double overlap =
-            watched_.all() ? overlap_[open_.list[i]] : open_overlap_[static_cast<Eigen::Index>(i)];
-        if (overlap > -way) suspects.push_back(open_.list[i]);
-      }
+      const auto list = [&](const auto& overlaps, const auto& node) {
+        for (Eigen::Index i = 0; i < overlaps.size(); ++i)
+          if (overlaps[i] > -way) suspects_.push_back(node(i));
+      };
+      if (watched_.all())
+        list(overlap_, [](Eigen::Index i) { return static_cast<int>(i); });
+      else
+        list(open_overlap_, [&](Eigen::Index i) { return open_.list[i]; });
     }
-    suspects.insert(suspects.end(), touching_.list.begin(), touching_.list.end());
-    if (suspects.empty()) return false;
+    if (suspects_.empty()) return false;
+    if (suspects_ != near_.list) {
+      near_.list = suspects_;
+      near_.base = -1;
+    }
 
     double first = t_;
     missed = -1;
-    Watch w;
-    for (const int node : suspects) {
-      w.node.list = {node};
-      w.side = touches_[node] ? -1 : 1;
-      for (double left = from; left < first;) {
-        // up to the next crossing: there the rate jumps
-        double right = first;
-        if (touching_.list.empty() && equations_.rate() > 0) {
-          const double at = equations_.position(left);
-          w.window = static_cast<std::int64_t>(std::floor(at + 1e-9));
-          right = std::min(right, equations_.time_at(w.window + 1));
-        } else {
-          w.window = window_;
-        }
-        w.node.base = -1;
-        const double found = first_in(left, right, w, noticed && list_was_good && right == t_);
-        if (found < first) {
-          first = found;
-          missed = node;
-          break;
-        }
-        if (right >= first) break;
-        left = right;
+    before_piece_ = before_;
+    for (double left = from; left < first && missed < 0;) {
+      // up to the next crossing: there the rates jump
+      double right = t_;
+      std::int64_t window = window_;
+      if (touching_.list.empty() && equations_.rate() > 0) {
+        window = static_cast<std::int64_t>(std::floor(equations_.position(left) + 1e-9));
+        right = std::min(right, equations_.time_at(window + 1));
+        if (right <= left) right = t_;
       }
+      if (right < t_) state_at(right);
+      const Eigen::VectorXd& after = right < t_ ? after_piece_ = between_ : y_;
+      look_at(left, window, before_piece_, near_, begin_);
+      look_at(right, window, after, near_, end_);
+      for (std::size_t i = 0; i < near_.list.size(); ++i) {
+        const double found =
+            first_in(left, right, window, static_cast<Eigen::Index>(i), noticed && right == t_);
+        if (!(found < first)) continue;
+        first = found;
+        missed = near_.list[i];
+      }
+      if (right >= t_) break;
+      left = right;
+      before_piece_ = after_piece_;
     }
     if (missed < 0) return false;
     state_at(first);
@@ -392,54 +413,58 @@ class Cvode {
     return true;
   }
 
-  /// When a node first changes sides between two times within a window; never: infinity. If
-  /// `seen_at_end`, not what is so at the right end alone.
-  double first_in(double left, double right, Watch& w, bool seen_at_end) {
-    const auto side = [&](double t) { return overlap_at(t, w); };
+  /// When node i of the near ones first changes sides between two times within a window; never:
+  /// infinity. If `seen_at_end`, not what is so at the right end.
+  double first_in(double left, double right, std::int64_t window, Eigen::Index i,
+                  bool seen_at_end) {
     const double never = std::numeric_limits<double>::infinity();
-    const double a = side(left), rate_a = rate_at(left, w);
-    const double b = side(right), rate_b = rate_at(right, w);
-    if (b > 0 && !seen_at_end) return a > 0 ? never : first_positive(left, right, side);
-    if (!(rate_a > 0 && rate_b < 0)) return never;
-    // the largest of the cubic through both ends, as far as it may be wrong
-    const double h = right - left;
-    const double rise = h * std::min(rate_a, -rate_b);
-    if (std::max(a, b) + 0.5 * rise <= 0) return never;
-    const double top = first_positive(left, right, [&](double t) { return -rate_at(t, w); });
-    if (side(top) <= 0) return never;
-    return a > 0 ? never : first_positive(left, top, side);
+    const double side = touches_[near_.list[i]] ? -1 : 1;
+    const double a = side * begin_.overlap[i], b = side * end_.overlap[i];
+    if (a > 0) return never;
+    const double rate_a = side * begin_.rate[i], rate_b = side * end_.rate[i];
+    const bool crosses = b > 0 && !seen_at_end;
+    if (!crosses) {
+      if (!(rate_a > 0 && rate_b < 0)) return never;
+      // the largest value between, were the rate to stay as it is at either end until it turns
+      if (std::max(a, b) + (right - left) * std::min(rate_a, -rate_b) <= 0) return never;
+    }
+    one_.list = {near_.list[i]};
+    one_.base = -1;
+    const auto looked = [&](double t) -> const Look& {
+      state_at(t);
+      look_at(t, window, between_, one_, middle_);
+      return middle_;
+    };
+    const auto overlap = [&](double t) { return side * looked(t).overlap[0]; };
+    if (crosses) return first_positive(left, right, overlap);
+    const double top =
+        first_positive(left, right, [&](double t) { return -side * looked(t).rate[0]; });
+    return overlap(top) > 0 ? first_positive(left, top, overlap) : never;
   }
 
   // ---- forces of the shocks
 
-  /// Sums the forces and their rates of each shock.
+  /// The force of a shock and its rate.
   struct Sum {
     std::int64_t shock;
     double force, rate;
   };
-  void sum_forces(std::vector<Sum>& sums) {
-    sums.clear();
+  void sum_forces() {
+    sums_.clear();
     if (touching_.list.empty()) return;
-    const Place& place = equations_.place(t_, window_);
-    equations_.overlaps(place, touching_, y_.data(), some_);
-    equations_.rates(place, touching_, y_.data(), y_.data() + equations_.modes(), one_);
+    look_at(t_, window_, y_, touching_, middle_);
     for (std::size_t i = 0; i < touching_.list.size(); ++i) {
       const auto at = static_cast<Eigen::Index>(i);
       const std::int64_t shock = log_.shock_of(touching_.list[i]);
-      const double force = equations_.node_stiffness * some_[at];
-      const double rate = equations_.node_stiffness * one_[at];
-      const auto sum = std::find_if(sums.begin(), sums.end(),
-                                    [&](const Sum& each) { return each.shock == shock; });
-      if (sum == sums.end()) {
-        sums.push_back({shock, force, rate});
-      } else {
-        sum->force += force;
-        sum->rate += rate;
-      }
+      auto sum = std::find_if(sums_.begin(), sums_.end(),
+                              [&](const Sum& each) { return each.shock == shock; });
+      if (sum == sums_.end()) sum = sums_.insert(sum, {shock, 0, 0});
+      sum->force += equations_.node_stiffness * middle_.overlap[at];
+      sum->rate += equations_.node_stiffness * middle_.rate[at];
     }
   }
   void record_begin() {
-    sum_forces(sums_);
+    sum_forces();
     for (const Sum& each : sums_) log_.peak(each.shock, each.force);
   }
   /// The largest force of each shock in the step that began at `from`: of the cubic through both
@@ -447,7 +472,7 @@ class Cvode {
   void record(double from) {
     if (touching_.list.empty()) return;
     std::swap(sums_, sums_before_);
-    sum_forces(sums_);
+    sum_forces();
     const double h = t_ - from;
     for (std::size_t i = 0; i < sums_.size(); ++i) {
       const Sum &a = sums_before_[i], &b = sums_[i];
@@ -466,20 +491,23 @@ class Cvode {
   Equations& equations_;
   const PeerOptions& options_;
   Eigen::VectorXd& y_;
-  Eigen::VectorXd before_, between_, scale_;
-  Eigen::VectorXd force_;
-  double t_ = 0;
+  Eigen::VectorXd before_, between_, before_piece_, after_piece_, scale_;
+  Eigen::VectorXd force_, spring_;
+  double t_ = 0, reached_ = 0;  // s; where CVODE itself stands
 
   Watched watched_;
   std::int64_t window_ = -1;   // in contact
   std::vector<char> touches_;  // of each node
   SomeNodes touching_, open_;  // open: the watched ones
-  std::vector<double> jumps_;
+  std::vector<double> jumps_;  // of the outer force, s
 
   double looked_at_ = -1;  // s
   Eigen::ArrayXd overlap_;
-  Eigen::VectorXd touching_overlap_, open_overlap_, spring_, some_, one_;
+  Eigen::VectorXd touching_overlap_, open_overlap_;
   double most_open_ = 0, least_touching_ = 0;
+  std::vector<int> suspects_;
+  SomeNodes near_, one_;
+  Look begin_, end_, middle_;
   Rows shapes_;
 
   ShockLog log_;

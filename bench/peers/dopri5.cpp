@@ -91,15 +91,17 @@ void march_dopri5(Equations& equations, const PeerOptions& options, Eigen::Vecto
   State x = y.cwiseQuotient(contact.scale());
   const double longest = longest_step(equations);
   double t = 0, step = 0.01 * longest;
-  while (t < options.until) {
-    step = std::min({step, longest, options.until - t});
+  for (;;) {
+    const double left = options.until - equations.lag - t;
+    if (left <= end_slack * options.until) break;
+    step = std::min({step, longest, left});
     y = x.cwiseProduct(contact.scale());
     if (watched.look_ahead(t, y.data(), step)) contact.list_changed();
     const double asked = step = std::min(step, watched.end() - t);
+    const double before = t;
     if (stepper.try_step(system, x, t, step) == odeint::success) {
       ++result.steps;
-      // what is left of a sum that falls short by roundings
-      if (options.until - t < 1e-14 * options.until) break;
+      equations.lag += asked - (t - before);
     }
     if (!x.allFinite() || !(step > 1e-14 * asked))
       throw SimulationError(fmt::format("dopri5 gave up at t = {:g} s", t));

@@ -147,7 +147,8 @@ const Place& Equations::place(double t, std::int64_t base) {
   place_.base = base;
   place_.time = t;
   if (!same) locate(place_);
-  place_.theta = position(t) - static_cast<double>(base);
+  // rounded by its own size, not by the position's
+  place_.theta = std::fma(t, rate_, position_ - static_cast<double>(base)) + lag * rate_;
   const double d = place_.theta * spacing;
   // c = sum (kappa d^2)^j/(2j)!, s = d sum (kappa d^2)^j/(2j + 1)!, by Horner
   const Index waves = kappa_.size();
@@ -312,7 +313,7 @@ void Equations::shapes(const Place& place, SomeNodes& nodes, Rows& out) const {
 void Equations::outer_force(double t, double* force) const {
   for (Index k = 0; k < load_.size(); ++k) force[k] = load_[k];
   for (const MovingForce& each : moving_) {
-    const double x = each.start + each.speed * t;
+    const double x = each.start + each.speed * (t + lag);
     if (x < 0 || x > length_) continue;
     double psi;
     for (Index k = 0; k < modes2_; ++k) {

@@ -52,11 +52,16 @@ class Equations {
   int modes() const { return static_cast<int>(omega.size()); }
   int nodes() const { return static_cast<int>(height1_.size()); }
 
-  /// Position of slider node 0 [chi], its rate [chi/s], and when it is at a node [s].
-  double position(double t) const { return position_ + t * rate_; }
+  /// What an integrator's clock t lags behind the time that it has integrated [s]: the roundings of
+  /// t + h. Equal steps round alike: 1e5 of them sum to 1e-13 s, in which the faces move by 1e-7 of a
+  /// shock's overlap.
+  double lag = 0;
+
+  /// Position of slider node 0 [chi], its rate [chi/s], and at which t it is at a node [s].
+  double position(double t) const { return position_ + (t + lag) * rate_; }
   double rate() const { return rate_; }
   double time_at(std::int64_t base) const {
-    return (static_cast<double>(base) - position_) / rate_;
+    return (static_cast<double>(base) - position_) / rate_ - lag;
   }
 
   /// The place at a time; with a window, seen from there: at a crossing the two differ in what lies

@@ -12,6 +12,9 @@ namespace ra2d::peers {
 /// The absolute tolerance of each component of the state, over the relative one (PeerOptions).
 Eigen::VectorXd natural_scale(const Equations& equations);
 
+/// Of the end's time: closer than this is there.
+inline constexpr double end_slack = 1e-15;
+
 /// No step is longer [s], so that none passes over a shock: two radians of the fastest mode with a
 /// contact spring closed.
 double longest_step(const Equations& equations);
