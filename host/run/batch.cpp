@@ -128,8 +128,8 @@ struct Layout {
       block_max, moving;
   std::size_t modal_state, samples, runs, new_runs, open, shocks, near, far, watch, touched, force,
       amplitudes, node_shape, node_face, node_window, pressed, pressed_place, pressed_force, factor,
-      across, share, closed, closed_hull, closed_roots, roots, modal_series, square_series,
-      push_series, node_series, closed_shape, scan_shape, scan, hull_room, seen;
+      across, share, closed, closed_hull, closed_sums, closed_roots, roots, modal_series,
+      square_series, push_series, node_series, closed_shape, scan_shape, scan, hull_room, seen;
   int height2_size, blocks;
   int sample_capacity, shock_capacity, row;
 };
@@ -327,6 +327,7 @@ struct Batch::Impl {
       l.closed = arena.reserve<int>(closed);
       l.hull = arena.reserve<double>((overlap_terms + 2) * overlap_terms);
       l.closed_hull = arena.reserve<Hull>(closed);
+      l.closed_sums = arena.reserve<NodeSums>(closed);
       l.closed_roots = arena.reserve<double>(closed);
       l.roots = arena.reserve<double>(l.groups * width);
       l.modal_series = arena.reserve<double>((most_order + 1) * l.lanes);
@@ -558,8 +559,9 @@ SceneTables Batch::Impl::fill_tables(const Model& model, const Layout& l) {
     if (getenv("ORD"))
       t.order = atoi(getenv("ORD"));
     else
-      t.order = std::clamp(static_cast<int>(std::lround(6 + 1.5 * digits)), 8, most_order);
+      t.order = std::clamp(static_cast<int>(std::lround(4 + 1.25 * digits)), 8, most_order);
     t.first_level = l.first_level;
+    t.longest_scale = std::min(scene.duration, 64.0 / std::max(quickest(model), 1e-300));
     t.top = *std::max_element(h1, h1 + model.nodes()) + *std::max_element(h2, h2 + l.height2_size);
     double* gauss = arena.host<double>(l.gauss);
     std::copy_n(gauss_place, gauss_points, gauss);
@@ -669,6 +671,7 @@ SceneState Batch::Impl::fill_state(const Model& model, const ModalStart& begin, 
     s.closed_capacity = l.closed_capacity;
     s.closed = arena.device<int>(l.closed);
     s.closed_hull = arena.device<Hull>(l.closed_hull);
+    s.closed_sums = arena.device<NodeSums>(l.closed_sums);
     s.closed_roots = arena.device<double>(l.closed_roots);
     s.roots = arena.device<double>(l.roots);
     s.series = arena.device<double>(l.modal_series);

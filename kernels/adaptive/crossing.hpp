@@ -116,19 +116,23 @@ KOKKOS_INLINE_FUNCTION Hull hull_of(const Lanes& lanes, const SceneTables& t, co
     if (g < used) lanes.store(room + g * width, b[g]);
   lanes.sync();
   const double* mask = t.hull + overlap_terms * overlap_terms;
-  Real least = b[0], most = b[0], slope(0.0), curve(0.0);
+  const double first = room[1] - room[0];
+  Real least = b[0], most = b[0], falling(1e300), rising(-1e300), curve(0.0);
   for (int g = 0; g < packs; ++g) {
     if (g >= used) continue;
     least = Kokkos::min(least, b[g]);
     most = Kokkos::max(most, b[g]);
     const Real b1 = lanes.load(room + g * width + 1), b2 = lanes.load(room + g * width + 2);
     const Real d1 = b1 - b[g], d2 = (b2 - b1) - d1;
-    slope = Kokkos::max(slope, Kokkos::abs(d1) * lanes.load(mask + g * width));
+    // what is masked out repeats a difference
+    const Real in = lanes.load(mask + g * width), d = in * d1 + (Real(1.0) - in) * Real(first);
+    falling = Kokkos::min(falling, d);
+    rising = Kokkos::max(rising, d);
     curve = Kokkos::max(curve, Kokkos::abs(d2) * lanes.load(mask + overlap_terms + g * width));
   }
   lanes.sync();
   const double per = n / x;
-  return {lanes.min(least), lanes.max(most), per * lanes.max(slope),
+  return {lanes.min(least), lanes.max(most), per * lanes.min(falling), per * lanes.max(rising),
           per * ((n - 1.0) / x) * lanes.max(curve)};
 }
 

@@ -159,13 +159,15 @@ class AdaptiveMarcher {
       flagged = flag(ticks * t_.step, bounds.fourth, bounds.tail, bounds.rounding());
     }
     if (flagged > 0) {
-      series_.expand(u_, v_, place, ticks * t_.step);
+      const double scale = Kokkos::min(ticks * t_.step, t_.longest_scale);
+      series_.expand(u_, v_, place, scale);
       double x = series_.extent(t_.tolerance);
       if (!(x > 0.0)) return fail(Status::not_finite);
+      const std::int64_t most = ticks;
+      const double longest = x * (scale / t_.step);
+      if (longest < static_cast<double>(ticks)) ticks = static_cast<std::int64_t>(longest);
       // no further than the shapes hold that the search goes by
       const std::int64_t window = ticks_left(place, (place.part + 1) * t_.window_width);
-      const std::int64_t most = ticks;
-      if (x < 1.0) ticks = static_cast<std::int64_t>(x * static_cast<double>(ticks));
       if (window < ticks) ticks = window;
       if (ticks < 1) return fail(Status::stalled);
       const double end = x_of(ticks);
@@ -179,7 +181,7 @@ class AdaptiveMarcher {
         Real off[K], off_v[K];
         go(ticks, off, off_v, square);
         take(on, on_v, square);
-        end_flight();
+        if (ticks > 0) end_flight();
         step_ += ticks;
         seen_ = false;
         close_contacts(flagged, x);
@@ -275,7 +277,8 @@ class AdaptiveMarcher {
     const bool release = first <= end;
     if (release) open_contacts(end);
     if (onset) close_contacts(flagged, end);
-    if (lanes_.leader()) s_.stride = extent * scale;
+    const double whole = static_cast<double>(t_.total_steps) * t_.step;
+    if (lanes_.leader()) s_.stride = Kokkos::min(extent * scale, whole);
     lanes_.sync();
     if (onset)
       seen_ = false;
@@ -540,58 +543,76 @@ class AdaptiveMarcher {
       contact.energy += 0.5 * t_.node_stiffness * over * over;
     }
     contact.nodes = s_.closed_count;
-    works(x, contact.sliding_work, contact.force_work);
+    sum_nodes(x);
+    contact.sliding_work = sliding_work();
+    contact.force_work = force_work(x);
     return contact;
   }
 
-  /// Work of the imposed motion, sum_n f_n V (dh_2/dx + du_2/dx), and of the moving forces, from the
-  /// beginning of the step to x [J].
-  KOKKOS_FUNCTION void works(double x, double& sliding, double& moving) const {
-    sliding = moving = 0.0;
-    if (s_.closed_count > 0 && t_.advance != 0.0) {
-      Real sum(0.0);
-      for (int g = 0; g < gauss_points; g += width) {
-        const Real at = Real(x) * lanes_.load(t_.gauss + g);
-        Real power(0.0);
-        for (int e = 0; e < s_.closed_count; ++e) {
-          const double *o = series_.overlap(e), *c = series_.climb(e);
-          const int n = series_.degree();
-          Real over(o[n]), climb(c[n]);
-          for (int j = n - 1; j >= 0; --j) {
-            over = multiply_add(over, at, Real(o[j]));
-            climb = multiply_add(climb, at, Real(c[j]));
-          }
-          power = multiply_add(over, climb, power);
-        }
-        sum = multiply_add(lanes_.load(t_.gauss + gauss_room + g), power, sum);
+  /// The integrals of the closed nodes from the beginning of the step to x.
+  KOKKOS_FUNCTION void sum_nodes(double x) const {
+    const int n = series_.degree();
+    for (int e = 0; e < s_.closed_count; ++e) {
+      const double *o = series_.overlap(e), *c = series_.climb(e);
+      constexpr int packs = (gauss_points + width - 1) / width;
+      Real at[packs], over[packs], climb[packs];
+      for (int g = 0; g < packs; ++g) {
+        at[g] = Real(x) * lanes_.load(t_.gauss + g * width);
+        over[g] = Real(o[n]);
+        climb[g] = Real(c[n]);
       }
-      sliding = t_.node_stiffness * x * lanes_.sum(sum);
-    }
-    if (t_.moving_forces > 0) {
-      Real sum(0.0);
-      for (int g = 0; g < gauss_points; ++g) {
-        const double at = x * t_.gauss[g];
-        Real v[K];
-        series_.velocity(at, v);
-        for (int p = 0; p < K; ++p) {
-          Real push = lanes_.load(s_.push_series + (t_.order * K + p) * width);
-          for (int j = t_.order - 1; j >= 0; --j)
-            push = multiply_add(push, Real(at), lanes_.load(s_.push_series + (j * K + p) * width));
-          sum = multiply_add(Real(t_.gauss[gauss_room + g]) * push, v[p], sum);
+      for (int j = n - 1; j >= 0; --j)
+        for (int g = 0; g < packs; ++g) {
+          over[g] = multiply_add(over[g], at[g], Real(o[j]));
+          climb[g] = multiply_add(climb[g], at[g], Real(c[j]));
         }
+      Real sum(0.0), moment(0.0), work(0.0);
+      for (int g = 0; g < packs; ++g) {
+        const Real weighted = lanes_.load(t_.gauss + gauss_room + g * width) * over[g];
+        sum = sum + weighted;
+        moment = multiply_add(weighted, at[g], moment);
+        work = multiply_add(weighted, climb[g], work);
       }
-      moving = x * series_.scale() * lanes_.sum(sum);
+      double of_sum, of_moment;
+      lanes_.sum(sum, moment, of_sum, of_moment);
+      const NodeSums sums{x * of_sum, x * of_moment, x * lanes_.sum(work)};
+      if (lanes_.leader()) s_.closed_sums[e] = sums;
     }
+    lanes_.sync();
+  }
+
+  /// Work of the imposed motion, sum_n f_n V (dh_2/dx + du_2/dx) [J].
+  KOKKOS_FUNCTION double sliding_work() const {
+    double work = 0.0;
+    for (int e = 0; e < s_.closed_count; ++e) work += s_.closed_sums[e].work;
+    return t_.node_stiffness * work;
+  }
+  /// Work of the moving forces from the beginning of the step to x [J].
+  KOKKOS_FUNCTION double force_work(double x) const {
+    if (t_.moving_forces == 0) return 0.0;
+    Real sum(0.0);
+    for (int g = 0; g < gauss_points; ++g) {
+      const double at = x * t_.gauss[g];
+      Real v[K];
+      series_.velocity(at, v);
+      for (int p = 0; p < K; ++p) {
+        Real push = lanes_.load(s_.push_series + (t_.order * K + p) * width);
+        for (int j = t_.order - 1; j >= 0; --j)
+          push = multiply_add(push, Real(at), lanes_.load(s_.push_series + (j * K + p) * width));
+        sum = multiply_add(Real(t_.gauss[gauss_room + g]) * push, v[p], sum);
+      }
+    }
+    return x * series_.scale() * lanes_.sum(sum);
   }
 
   /// The step's share of shocks and sums.
   KOKKOS_FUNCTION void record(const Place& place, std::int64_t ticks, double end) {
-    double sliding, moving;
-    works(end, sliding, moving);
+    if (ticks == 0) return;
+    sum_nodes(end);
+    const double sliding = sliding_work(), moving = force_work(end);
     if (!lanes_.leader()) return;
     s_.sliding_work += sliding;
     s_.force_work += moving;
-    if (ticks == 0) return;
     const int count = s_.closed_count;
     if (count == 0) {
       if (s_.open_count > 0) end_shocks(s_, step_);
@@ -599,36 +620,36 @@ class AdaptiveMarcher {
     }
     s_.contact_steps += ticks;
     if (count > s_.most_nodes) s_.most_nodes = count;
-    const int n = series_.degree();
     const double newton_ticks = t_.node_stiffness * series_.scale() / t_.step;
-    const double way = t_.advance * (series_.scale() / t_.step);
+    const double way = t_.advance * (series_.scale() / t_.step);  // chi per x
     for (int e = 0; e < count; ++e) {
       s_.touched[e] = s_.closed[e];
-      s_.touched_force[e] = newton_ticks * polynomial_integral(series_.overlap(e), n, end);
+      s_.touched_force[e] = newton_ticks * s_.closed_sums[e].overlap;
     }
-    join_shocks(s_, step_, step_ + ticks - 1, 0.0, count, [&](int e) {
-      // the integral of f (x_n)/chi
-      const double* o = series_.overlap(e);
-      double first = o[n] / (n + 2);
-      for (int j = n - 1; j >= 0; --j) first = Kokkos::fma(first, end, o[j] / (j + 2));
-      return Kokkos::fma(place.base + place.theta + s_.touched[e], s_.touched_force[e],
-                         newton_ticks * way * first * end * end);
+    join_shocks(s_, step_, step_ + ticks - 1, place.base + place.theta, count, [&](int e) {
+      return Kokkos::fma(s_.touched_force[e], s_.touched[e],
+                         newton_ticks * way * s_.closed_sums[e].moment);
     });
     for (int i = 0; i < s_.open_count; ++i) {
-      const double peak = t_.node_stiffness * highest(i, end);
+      const double peak = highest_force(i, end);
       if (peak > s_.open[i].peak) s_.open[i].peak = peak;
     }
   }
 
-  /// The largest sum of the overlaps that belong to open shock i, over the step.
-  KOKKOS_FUNCTION double highest(int i, double end) const {
+  /// The largest sum of the forces that belong to open shock i, over the step [N].
+  KOKKOS_FUNCTION double highest_force(int i, double end) const {
     const int n = series_.degree();
     const double* sum = nullptr;
+    double falling = 0.0, rising = 0.0, most = 0.0;
     int e = 0;
     for (int r = 0; r < s_.run_count; ++r)
       for (; e < s_.closed_count && s_.closed[e] <= s_.runs[r].last; ++e) {
         if (s_.runs[r].shock != i) continue;
         const double* o = series_.overlap(e);
+        const Hull& hull = s_.closed_hull[e];
+        falling += hull.falling;
+        rising += hull.rising;
+        most += hull.most;
         if (sum == nullptr) {
           sum = o;
         } else {
@@ -636,8 +657,15 @@ class AdaptiveMarcher {
           sum = s_.scan;
         }
       }
-    if (sum == nullptr) return 0.0;
-    return highest_value(sum, n, end);
+    if (sum == nullptr || t_.node_stiffness * most <= s_.open[i].peak) return 0.0;
+    double highest;
+    if (rising <= 0.0)
+      highest = sum[0];
+    else if (falling >= 0.0)
+      highest = polynomial(sum, n, end);
+    else
+      highest = highest_value(sum, n, end);
+    return t_.node_stiffness * highest;
   }
 
   /// Nothing touches from now on.

@@ -56,84 +56,82 @@ class ModalSeries {
       for (int e = 0; e < closed; ++e)
         place_shape(s_.closed[e], place.offset, way, s_.closed_shape + e * (4 * row));
     }
-    Real c[4][K];  // the latest four, c[j % 4]
-    for (int p = 0; p < K; ++p) {
-      c[0][p] = u[p];
-      c[1][p] = Real(scale) * v[p];
-      put(0, p, c[0][p]);
-      put(1, p, c[1][p]);
-      c[2][p] = c[3][p] = Real(0.0);
-    }
+    Real c0[K], c1[K], c2[K], c3[K], next[K];  // of order j, j - 1, j - 2, j - 3, j + 1
     Real stiff[K], decay[K], light[K];
     for (int p = 0; p < K; ++p) {
+      c0[p] = u[p];
+      next[p] = Real(scale) * v[p];
+      c1[p] = c2[p] = c3[p] = Real(0.0);
+      put(0, p, c0[p]);
+      put(1, p, next[p]);
       const Real turn = Real(scale) * load(t_.omega, p);
       stiff[p] = turn * turn;
       decay[p] = Real(scale) * load(t_.decay, p);
       light[p] = Real(scale * scale) * load(t_.light, p);
     }
-    for (int j = 0; j <= degree(); ++j) {
-      if (j > order)
-        for (int p = 0; p < K; ++p) c[j & 3][p] = Real(0.0);
-      if (j > order && closed == 0) break;
+    const int last = closed > 0 ? degree() : order - 2;
+    for (int j = 0; j <= last; ++j) {
       Real force[K];
       for (int p = 0; p < K; ++p) force[p] = j == 0 ? load(t_.load, p) : Real(0.0);
       if (t_.moving_forces > 0 && j <= order)
         for (int p = 0; p < K; ++p) force[p] = force[p] + load(s_.push_series + j * row, p);
-      const Real* c0 = c[j & 3];
-      const Real* c1 = c[(j + 3) & 3];  // of the orders before; zero where there are none
-      const Real* c2 = c[(j + 2) & 3];
-      const Real* c3 = c[(j + 1) & 3];
       for (int e = 0; e < closed; ++e) {
         const double* phi = s_.closed_shape + e * (4 * row);
-        double* o = overlap(e);
         Real product(0.0), rising(0.0);
         for (int p = 0; p < K; ++p) {
           const Real phi1 = load(phi + row, p), phi2 = load(phi + 2 * row, p),
                      phi3 = load(phi + 3 * row, p);
-          product = multiply_add(load(phi, p), c0[p], product);
-          rising = multiply_add(phi1, c0[p], rising);
-          if (j >= 1) {
-            product = multiply_add(phi1, c1[p], product);
-            rising = multiply_add(Real(2.0) * phi2, c1[p], rising);
-          }
-          if (j >= 2) {
-            product = multiply_add(phi2, c2[p], product);
-            rising = multiply_add(Real(3.0) * phi3, c2[p], rising);
-          }
-          if (j >= 3) product = multiply_add(phi3, c3[p], product);
+          // the latest order last: it is the one to wait for
+          product = multiply_add(phi3, c3[p], product);
+          product = multiply_add(phi2, c2[p], product);
+          product = multiply_add(phi1, c1[p], product);
+          rising = multiply_add(Real(3.0) * phi3, c2[p], rising);
+          rising = multiply_add(Real(2.0) * phi2, c1[p], rising);
         }
+        for (int p = 0; p < K; ++p) {
+          product = multiply_add(load(phi, p), c0[p], product);
+          rising = multiply_add(load(phi + row, p), c0[p], rising);
+        }
+        double over, climbs;
+        lanes_.sum(product, rising, over, climbs);
         const int node = s_.closed[e];
-        double over = lanes_.sum(product), climbs = lanes_.sum(rising);
         if (j == 0) {
           over += contact_.face(node, place.theta);
           climbs += contact_.rise(node) * way;
         } else if (j == 1) {
           over += contact_.rise(node) * way;
         }
+        double* o = overlap(e);
         if (lanes_.leader()) {
           o[j] = over;
           climb(e)[j] = climbs;
         }
         lanes_.sync();
+        if (j + 2 > order) continue;
         const double f0 = -t_.node_stiffness * over;
         const double f1 = j >= 1 ? -t_.node_stiffness * o[j - 1] : 0.0;
         const double f2 = j >= 2 ? -t_.node_stiffness * o[j - 2] : 0.0;
         const double f3 = j >= 3 ? -t_.node_stiffness * o[j - 3] : 0.0;
         for (int p = 0; p < K; ++p) {
-          force[p] = multiply_add(f0, load(phi, p), force[p]);
-          force[p] = multiply_add(f1, load(phi + row, p), force[p]);
-          force[p] = multiply_add(f2, load(phi + 2 * row, p), force[p]);
           force[p] = multiply_add(f3, load(phi + 3 * row, p), force[p]);
+          force[p] = multiply_add(f2, load(phi + 2 * row, p), force[p]);
+          force[p] = multiply_add(f1, load(phi + row, p), force[p]);
+          force[p] = multiply_add(f0, load(phi, p), force[p]);
         }
       }
-      if (j + 2 > order) continue;  // only the overlaps are still wanted
-      const double share = 1.0 / ((j + 1.0) * (j + 2.0));
-      Real* next = c[(j + 2) & 3];
+      const Real share(1.0 / ((j + 1.0) * (j + 2.0))), rank(j + 1.0);
       for (int p = 0; p < K; ++p) {
-        const Real pulled =
-            multiply_add(stiff[p], c0[p], Real(j + 1.0) * decay[p] * c[(j + 1) & 3][p]);
-        next[p] = Real(share) * (light[p] * force[p] - pulled);
-        put(j + 2, p, next[p]);
+        Real after(0.0);  // of order j + 2; what is beyond the last is zero
+        if (j + 2 <= order) {
+          const Real pulled = multiply_add(stiff[p], c0[p], rank * decay[p] * next[p]);
+          after = share * multiply_add(light[p], force[p], Real(-1.0) * pulled);
+          put(j + 2, p, after);
+        }
+        c3[p] = c2[p];
+        c2[p] = c1[p];
+        c1[p] = c0[p];
+        c0[p] = next[p];
+        next[p] = after;
       }
     }
   }
@@ -215,7 +213,7 @@ class ModalSeries {
     for (int p = 0; p < K; ++p) force[p] = Real(0.0);
     for (int e = 0; e < s_.closed_count; ++e) {
       const Hull& h = s_.closed_hull[e];
-      const double o0 = Kokkos::max(h.most, -h.least);
+      const double o0 = Kokkos::max(h.most, -h.least), o1 = Kokkos::max(h.rising, -h.falling);
       const double* phi = s_.closed_shape + e * (4 * row);
       for (int p = 0; p < K; ++p) {
         const Real q1 = Kokkos::abs(load(phi + row, p)), q2 = Kokkos::abs(load(phi + 2 * row, p)),
@@ -224,7 +222,7 @@ class ModalSeries {
         const Real p1 = multiply_add(p2, at, q1);
         const Real p0 = multiply_add(p1, at, Kokkos::abs(load(phi, p)));
         force[p] = multiply_add(t_.node_stiffness * h.curve, p0, force[p]);
-        force[p] = multiply_add(2.0 * t_.node_stiffness * h.slope, p1, force[p]);
+        force[p] = multiply_add(2.0 * t_.node_stiffness * o1, p1, force[p]);
         force[p] = multiply_add(t_.node_stiffness * o0, p2, force[p]);
       }
     }
