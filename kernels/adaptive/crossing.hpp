@@ -43,7 +43,9 @@ KOKKOS_INLINE_FUNCTION double highest_value(const double* c, int n, double end) 
   double slope = n > 0 ? c[1] : 0.0;
   for (int third = 0; third < 3; ++third) {
     double low = third * (end / 3.0), high = (third + 1) * (end / 3.0);
-    const double next = third == 2 ? last.slope : polynomial_and_slope(c, n, high).slope;
+    const ValueAndSlope edge = third == 2 ? last : polynomial_and_slope(c, n, high);
+    if (edge.value > highest) highest = edge.value;
+    const double next = edge.slope;
     if (slope > 0.0 && next <= 0.0) {  // a top lies between: the false position, halved when stuck
       double rising = slope, falling = next;
       for (int i = 0; i < 60; ++i) {
@@ -85,7 +87,8 @@ KOKKOS_INLINE_FUNCTION double first_crossing(const double* c, int n, double sign
     const double root = Kokkos::sqrt(Kokkos::fma(rate, rate, 2.0 * bend * miss));
     const double d = rate > 0.0 ? 2.0 * miss / (root + rate) : (root - rate) / (bend + 1e-300);
     const double next = x + d;
-    if (!(next <= end)) return 2.0 * end + 1.0;
+    // without slope and bend it stays where it is
+    if (!(next <= end) || root == 0.0) return 2.0 * end + 1.0;
     if (next == x) return x;  // as near as roundings let it come
     x = next;
   }

@@ -510,13 +510,11 @@ class AdaptiveMarcher {
   /// The samples within the next `ticks`. False when the buffer is full.
   KOKKOS_FUNCTION bool fly_samples(std::int64_t ticks) {
     if (s_.next_sample >= t_.samples || sample_tick() >= step_ + ticks) return true;
-    Real u[K], v[K], square[K];
-    go(0, u, v, square);
-    std::int64_t at = step_;
     while (s_.next_sample < t_.samples && sample_tick() < step_ + ticks) {
       if (!has_room_for_sample()) return false;
-      flight_(u, v, square, sample_tick() - at);
-      at = sample_tick();
+      // from the beginning each: the one before may have been written in the launch before
+      Real u[K], v[K], square[K];
+      go(sample_tick() - step_, u, v, square);
       write_sample(u, v, square, Contact{});
     }
     return true;
