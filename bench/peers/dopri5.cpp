@@ -35,7 +35,7 @@ class Contact {
   const State& scale() const { return scale_; }
   void list_changed() {
     nodes_.list = watched_.list();
-    nodes_.base = -1;
+    nodes_.base = nowhere;
   }
 
   void operator()(const State& scaled, State& out, double t) {
