@@ -116,7 +116,7 @@ class Cvode {
     while (options_.until - equations_.lag - t_ > end_slack * options_.until) piece();
     result.steps = steps_;
     result.evaluations = evaluations_;
-    result.looks = watched_.looks();
+    result.looks = equations_.looks;
     result.onsets = onsets_;
     result.shocks = log_.finish(options_.until);
   }

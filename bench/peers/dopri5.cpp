@@ -108,7 +108,7 @@ void march_dopri5(Equations& equations, const PeerOptions& options, Eigen::Vecto
   }
   y = x.cwiseProduct(contact.scale());
   result.evaluations = contact.evaluations;
-  result.looks = watched.looks();
+  result.looks = equations.looks;
 }
 
 }  // namespace ra2d::peers
