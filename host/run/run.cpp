@@ -12,6 +12,7 @@
 #include "host/errors.hpp"
 #include "host/format.hpp"
 #include "host/plan/plan.hpp"
+#include "host/run/launch_length.hpp"
 #include "host/run/statistics.hpp"
 #include "host/store/store.hpp"
 
@@ -110,22 +111,6 @@ std::string checked_limit(const Model& model) {
                                    scene.file.string(), beyond, step_cure(scene, limits.holds())));
   return beyond;
 }
-
-/// Steps to a launch: about a fifth of a second, so that progress and interrupts are prompt.
-class LaunchLength {
- public:
-  std::int64_t steps() const { return steps_; }
-  void took(std::int64_t steps, double seconds) {
-    if (steps <= 0) return;
-    const double wanted = 0.2 * static_cast<double>(steps) / std::max(seconds, 1e-6);
-    steps_ = static_cast<std::int64_t>(
-        std::clamp(wanted, 0.25 * static_cast<double>(steps_), 4.0 * static_cast<double>(steps_)));
-    steps_ = std::max<std::int64_t>(steps_, 1);
-  }
-
- private:
-  std::int64_t steps_ = 10000;
-};
 
 }  // namespace
 
