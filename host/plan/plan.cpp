@@ -123,11 +123,6 @@ std::string limit_text(double limit) {
   return std::isinf(limit) ? "every step" : limit == 0 ? "no step" : seconds_text(limit);
 }
 
-std::string table_name(SchemeChoice choice) {
-  return fmt::format("{}{}", schemes.name(choice.scheme),
-                     choice.force_time == ForceTime::new_time ? ", new force" : "");
-}
-
 /// A line a scheme: the largest steps that hold.
 std::string stability_text(const Scene& scene, const Plan& plan) {
   const bool spring = scene.law == ContactLaw::penalty;
@@ -149,7 +144,7 @@ std::string stability_text(const Scene& scene, const Plan& plan) {
     if (limits.binding_frequency > 0)
       modes += fmt::format(" ({:.4g} kHz)", limits.binding_frequency * 1e-3);
     if (!std::isinf(limits.holds())) holds += limits.modes_bind() ? ", modes" : ", contact";
-    line(fmt::format("{} {}", choice == plan.own.choice ? '>' : ' ', table_name(choice)), modes,
+    line(fmt::format("{} {}", choice == plan.own.choice ? '>' : ' ', short_text(choice)), modes,
          limit_text(limits.contact_one), limit_text(limits.contact_many), holds);
   }
   return text;
@@ -188,6 +183,23 @@ std::string scheme_text(const Scene& scene, SchemeChoice choice) {
     text +=
         fmt::format(" with the contact force of the {} time", force_times.name(choice.force_time));
   return text;
+}
+
+std::string short_text(SchemeChoice choice) {
+  return fmt::format("{}{}", schemes.name(choice.scheme),
+                     choice.force_time == ForceTime::new_time ? ", new force" : "");
+}
+
+std::vector<SchemeChoice> choices_under(ContactLaw law) {
+  std::vector<SchemeChoice> choices;
+  for (const auto& [name, scheme] : schemes.now) {
+    if (law == ContactLaw::multiplier && !takes_multipliers(scheme)) continue;
+    choices.push_back({scheme, ForceTime::old_time});
+    // the others take the force in one way only
+    if (law == ContactLaw::penalty && scheme == SchemeKind::backward_euler)
+      choices.push_back({scheme, ForceTime::new_time});
+  }
+  return choices;
 }
 
 SchemeChoice choice_of(const Scene& scene) {
@@ -255,6 +267,13 @@ Plan make_plan(const Model& model, std::size_t memory) {
   plan.delta = model.delta;
   const JoinedModes place = most_yielding(model);
   const bool spring = scene.law == ContactLaw::penalty;
+<<<<<<< HEAD
+=======
+  for (const SchemeChoice& choice : choices_under(scene.law)) {
+    plan.schemes.push_back({choice, step_limits(model, choice, place)});
+    if (choice == choice_of(scene)) plan.own = plan.schemes.back();
+  }
+>>>>>>> bd2993bc2640705690bd5c8768acc4e47fde3e19
   const double omega_c = spring ? contact_frequency(model, place) : 0.0;
   plan.contact_period = omega_c > 0 ? M_PI / omega_c : 0.0;
   plan.own.choice = choice_of(scene);

@@ -12,7 +12,11 @@
 #include "host/errors.hpp"
 #include "host/format.hpp"
 #include "host/plan/plan.hpp"
+<<<<<<< HEAD
 #include "host/plan/schemes.hpp"
+=======
+#include "host/run/launch_length.hpp"
+>>>>>>> bd2993bc2640705690bd5c8768acc4e47fde3e19
 #include "host/run/statistics.hpp"
 #include "host/store/store.hpp"
 
@@ -134,6 +138,7 @@ std::string checked_limit(const Model& model) {
   return beyond;
 }
 
+<<<<<<< HEAD
 /// Ticks to a launch: about a fifth of a second, so that progress and interrupts are prompt.
 class LaunchLength {
  public:
@@ -155,6 +160,8 @@ class LaunchLength {
   std::int64_t steps_, most_;
 };
 
+=======
+>>>>>>> bd2993bc2640705690bd5c8768acc4e47fde3e19
 }  // namespace
 
 RunReport run(const Scene& scene, const RunOptions& options) {

@@ -267,15 +267,24 @@ class ModalSeries {
     const double way = t_.advance * (scale_ / t_.step);
     double* shape = s_.scan_shape;
     place_shape(node, place.offset, way, shape);
-    for (int j = 0; j <= degree(); ++j) {
-      Real product(0.0);
+    const auto product = [&](int j) {
+      Real sum(0.0);
       for (int i = 0; i <= 3 && i <= j; ++i)
         for (int p = 0; p < K && j - i <= t_.order; ++p)
-          product = multiply_add(load(shape + i * row, p), coefficient(j - i, p), product);
-      double over = lanes_.sum(product);
-      if (j == 0) over += contact_.face(node, place.theta);
-      if (j == 1) over += contact_.rise(node) * way;
-      if (lanes_.leader()) c[j] = over;
+          sum = multiply_add(load(shape + i * row, p), coefficient(j - i, p), sum);
+      return sum;
+    };
+    const int n = degree();
+    for (int j = 0; j <= n; j += 2) {
+      double even, odd;
+      lanes_.sum(product(j), j < n ? product(j + 1) : Real(0.0), even, odd);
+      if (j == 0) {
+        even += contact_.face(node, place.theta);
+        odd += contact_.rise(node) * way;
+      }
+      if (!lanes_.leader()) continue;
+      c[j] = even;
+      if (j < n) c[j + 1] = odd;
     }
     lanes_.sync();
   }
