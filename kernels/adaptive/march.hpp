@@ -132,7 +132,7 @@ class AdaptiveMarcher {
     const std::int64_t whole = std::int64_t{1} << s_.level;
     std::int64_t ticks =
         whole - (step_ & (whole - 1));  // to a multiple of the length that is aimed at
-    bool look = true, cut = false;
+    bool look = true, cut = false, coarse = false;
     MotionBounds bounds;
     if (ticks > room) {
       const std::int64_t left = t_.total_steps - step_;
@@ -159,6 +159,8 @@ class AdaptiveMarcher {
     if (look && groups() > 0) {
       see(moved(place, ticks), u, v, after_);
       flagged = flag(ticks * t_.step, bounds, rise);
+      // closer than can be seen a shorter step decides nothing
+      coarse = cubic_error(bounds, ticks * t_.step) > blur(bounds);
     }
     if (flagged > 0) {
       const double scale = Kokkos::min(ticks * t_.step, t_.longest_scale);
@@ -202,7 +204,7 @@ class AdaptiveMarcher {
     // the length that lets the cubics decide by themselves
     if (lanes_.leader()) {
       if (flagged != 0)
-        s_.level = s_.level > t_.first_level ? s_.level - 1 : t_.first_level;
+        s_.level = coarse && s_.level > t_.first_level ? s_.level - 1 : s_.level;
       else if (!cut && s_.level < longest_level)
         ++s_.level;
     }
@@ -353,6 +355,12 @@ class AdaptiveMarcher {
   KOKKOS_FORCEINLINE_FUNCTION double blur(const MotionBounds& bounds) const {
     return bounds.tail + 3.0 * bounds.rounding() + 2.0 * t_.slack;
   }
+  /// ... and of the cubic through what is seen at both ends of a step.
+  KOKKOS_FORCEINLINE_FUNCTION double cubic_error(const MotionBounds& bounds, double time) const {
+    // on a patch and a little beyond it a cubic of a mode exceeds the mode by no more than exp(1/2)
+    const double square = time * time;
+    return 1.65 * bounds.fourth * square * square / 384.0;
+  }
   /// What an overlap can rise by within a step [m], and twice the error of seeing it.
   KOKKOS_FUNCTION double longest_rise(const MotionBounds& bounds, std::int64_t ticks) const {
     const double way = static_cast<double>(ticks) * t_.advance;
@@ -410,10 +418,8 @@ class AdaptiveMarcher {
   /// Which they are must not depend on the near list: the length of the next step does on them. So
   /// they are none of those that every near list may leave out.
   KOKKOS_FUNCTION int flag(double time, const MotionBounds& bounds, double rise) const {
-    const double square = time * time;
-    // on a patch and a little beyond it a cubic of a mode exceeds the mode by no more than exp(1/2)
-    const double off = 1.65 * bounds.fourth * square * square / 384.0;
-    const double level = -(off + blur(bounds)), start = -(rise - blur(bounds));
+    const double level = -(cubic_error(bounds, time) + blur(bounds));
+    const double start = -(rise - blur(bounds));
     const double third = time / 3.0;
     int count = 0, closed = 0;
     const int all = groups();
