@@ -26,16 +26,6 @@ void check_prefix(const std::string& prefix, const char* example) {
   if (target.has_parent_path() && !std::filesystem::is_directory(target.parent_path()))
     throw FileError(fmt::format("cannot write '{}.csv': there is no folder '{}'", prefix,
                                 target.parent_path().string()));
-<<<<<<< HEAD
-  const Scene scene = common.scene.empty()
-                          ? parse_scene(paper_scene, "dang2012.toml", common.overrides)
-                          : read_scene(common.scene, common.overrides);
-  if (!(scene.step > 0))
-    throw RequestError(
-        fmt::format("{}: time.step: missing: the chart places the scene's modes by its step, which "
-                    "time.scheme = \"adaptive\" does without (add one, or --set time.step=1e-8)",
-                    scene.file.string()));
-=======
 }
 
 /// The scene that was asked for, or the paper's own.
@@ -66,7 +56,11 @@ void print_written(const CommonOptions& common, const std::string& texts, bool p
 int chart_stability_command(const CommonOptions& common, const std::string& prefix, bool plot) {
   check_prefix(prefix, "stability");
   const Scene scene = chart_scene(common);
->>>>>>> bd2993bc2640705690bd5c8768acc4e47fde3e19
+  if (!(scene.step > 0))
+    throw RequestError(
+        fmt::format("{}: time.step: missing: the chart places the scene's modes by its step, which "
+                    "time.scheme = \"adaptive\" does without (add one, or --set time.step=1e-8)",
+                    scene.file.string()));
   const Model model = make_model(scene);
   const std::string modes = modes_csv(model);
   const Backend backend(common.threads);

@@ -44,17 +44,11 @@ void print_line(const char* what, const std::string& value) {
 }
 
 void print_report(const Scene& scene, const RunReport& r, const std::filesystem::path& output) {
-<<<<<<< HEAD
-  fmt::print("{}: {:g} s of sliding at {:g} m/s, {} steps {}\n",
-             scene.name.empty() ? scene.file.filename().string() : scene.name, r.time, scene.speed,
+  fmt::print("{}: {:g} s of sliding at {:g} m/s, {} steps {}\n", title(scene), r.time, scene.speed,
              r.steps,
              is_adaptive(scene)
                  ? fmt::format("to a tolerance of {:g}", scene.tolerance.value_or(usual_tolerance))
                  : fmt::format("of {:g} s", scene.step));
-=======
-  fmt::print("{}: {:g} s of sliding at {:g} m/s, {} steps of {:g} s\n", title(scene), r.time,
-             scene.speed, r.steps, scene.step);
->>>>>>> bd2993bc2640705690bd5c8768acc4e47fde3e19
   print_line("level Lv", std::isnan(r.lv) ? std::string("none: the resonator did not move")
                                           : fmt::format("{:.2f} dB re 1 nm/s (v_rms {:.3e} m/s)",
                                                         r.lv, r.v_rms));

@@ -67,16 +67,9 @@ std::string body_text(const char* name, const Scene& scene, const BodySpec& spec
 /// Of a scheme of fixed steps: what holds, how many there are, and what they cost.
 void plan_steps(const Model& model, const JoinedModes& place, Plan& plan) {
   const Scene& scene = model.scene;
-  const bool spring = scene.law == ContactLaw::penalty;
-  for (const auto& [name, scheme] : schemes.words) {
-    if (scheme == SchemeKind::adaptive || (!spring && !takes_multipliers(scheme))) continue;
-    for (const ForceTime time : {ForceTime::old_time, ForceTime::new_time}) {
-      const SchemeChoice choice{scheme, time};
-      const bool differs = spring && scheme == SchemeKind::backward_euler;
-      if (time == ForceTime::new_time && !differs) continue;
-      plan.schemes.push_back({choice, step_limits(model, choice, place)});
-      if (choice == plan.own.choice) plan.own = plan.schemes.back();
-    }
+  for (const SchemeChoice& choice : choices_under(scene.law)) {
+    plan.schemes.push_back({choice, step_limits(model, choice, place)});
+    if (choice == plan.own.choice) plan.own = plan.schemes.back();
   }
   plan.steps_per_node = model.advance > 0 ? 1.0 / model.advance : 0.0;
   plan.steps = model.steps;
@@ -192,7 +185,8 @@ std::string short_text(SchemeChoice choice) {
 
 std::vector<SchemeChoice> choices_under(ContactLaw law) {
   std::vector<SchemeChoice> choices;
-  for (const auto& [name, scheme] : schemes.now) {
+  for (const auto& [name, scheme] : schemes.words) {
+    if (scheme == SchemeKind::adaptive) continue;
     if (law == ContactLaw::multiplier && !takes_multipliers(scheme)) continue;
     choices.push_back({scheme, ForceTime::old_time});
     // the others take the force in one way only
@@ -267,13 +261,6 @@ Plan make_plan(const Model& model, std::size_t memory) {
   plan.delta = model.delta;
   const JoinedModes place = most_yielding(model);
   const bool spring = scene.law == ContactLaw::penalty;
-<<<<<<< HEAD
-=======
-  for (const SchemeChoice& choice : choices_under(scene.law)) {
-    plan.schemes.push_back({choice, step_limits(model, choice, place)});
-    if (choice == choice_of(scene)) plan.own = plan.schemes.back();
-  }
->>>>>>> bd2993bc2640705690bd5c8768acc4e47fde3e19
   const double omega_c = spring ? contact_frequency(model, place) : 0.0;
   plan.contact_period = omega_c > 0 ? M_PI / omega_c : 0.0;
   plan.own.choice = choice_of(scene);
