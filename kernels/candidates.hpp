@@ -8,6 +8,7 @@
 #include "kernels/lanes.hpp"
 #include "kernels/modal_state.hpp"
 #include "kernels/model.hpp"
+#include "kernels/near_groups.hpp"
 
 /// Which nodes can touch, and for how long none can: a node is left out when, and only when, it
 /// provably cannot touch.
@@ -34,8 +35,7 @@
 /// they have done, and does a step again with every node that could touch when the list would not
 /// have covered it.
 ///
-/// Near: both draw from a list of groups of nodes that can touch while no node passes another and
-/// sum_k max|psi_k| |U_k - U_k^near| <= reach. It is rebuilt by a pass over block maxima.
+/// Near: both draw from a list of groups of nodes that can touch (kernels/near_groups.hpp).
 ///
 /// To every comparison belongs a slack for the roundings: of the faces, of the position, of sums
 /// over the modes and of the steps looked ahead.
@@ -70,7 +70,7 @@ class Candidates {
 
  public:
   KOKKOS_FUNCTION Candidates(const Lanes& lanes, const SceneTables& tables, SceneState& state)
-      : lanes_{lanes}, t_{tables}, s_{state} {}
+      : lanes_{lanes}, t_{tables}, s_{state}, near_{lanes, tables, state} {}
 
   /// Decides how to go on from the state at `step`, for no longer than until step `next`.
   /// `last_force`, of the latest contact, guesses how long a watch will hold.
@@ -95,11 +95,11 @@ class Candidates {
     const double leeway = watch_time * watch_time * (0.75 * b.acceleration + b.yield * last_force) +
                           0.5 * watch_time * tau * b.acceleration + t_.least_leeway;
     const double watch_travel = b.speed * watch_time + leeway;
-    if (!near_holds(u, place, watch_travel)) find_near(u, v, place);
-    const double room = near_reach_ - moved(u);
+    if (!near_.holds(u, place, watch_travel)) find_near(u, v, place);
+    const double room = near_.room(u);
     if (room < watch_travel) return {Outlook::look, 1, 0};  // wild: step by step
 
-    if (near_count_ > 0) {
+    if (near_.count() > 0) {
       for (int p = 0; p < K; ++p) lanes_.store(s_.lanes + p * width, u[p]);
       for (int p = 0; p < K; ++p) lanes_.store(s_.lanes + (K + p) * width, v[p]);
       lanes_.sync();
@@ -118,8 +118,8 @@ class Candidates {
     double q[4], rate_q[4];
     Real soonest(static_cast<double>(longest)), pressed(0.0);
     int patch = -1, count = 0;
-    for (int e = 0; e < near_count_; ++e) {
-      const int group = s_.near[e];
+    for (int e = 0; e < near_.count(); ++e) {
+      const int group = near_[e];
       const GroupPlace<Lanes> at(t_, place, group);
       if (at.patch != patch) {
         patch = at.patch;
@@ -147,9 +147,9 @@ class Candidates {
           Kokkos::sqrt(multiply_add(linear, linear, Real(4.0 * half_curve) * open)) + linear;
       soonest = Kokkos::min(soonest, Real(2.0) * open / (root + Real(1e-300)));
     }
-    if (lanes_.leader()) s_.evaluated += static_cast<std::int64_t>(near_count_) * width;
+    if (lanes_.leader()) s_.evaluated += static_cast<std::int64_t>(near_.count()) * width;
     lanes_.sync();
-    double flight = near_count_ > 0 ? lanes_.min(soonest) : longest;
+    double flight = near_.count() > 0 ? lanes_.min(soonest) : longest;
     // ... and no further than the near list reaches
     const double linear = b.speed * tau + half_curve;
     const double reach =
@@ -189,16 +189,16 @@ class Candidates {
   /// a rounding. Looks at all the nodes or at those near, as the scene asks.
   KOKKOS_FUNCTION int find_touching(const Real* u, const Real* v, const Place& place) {
     const bool all = t_.look == Look::all;
-    if (!all && !near_holds(u, place, 0.0)) find_near(u, v, place);
+    if (!all && !near_.holds(u, place, 0.0)) find_near(u, v, place);
     for (int p = 0; p < K; ++p) lanes_.store(s_.lanes + p * width, u[p]);
     lanes_.sync();
     const double level = -(t_.slack + rounding(0) * bound(t_.reach, u) + bound(t_.tail, u));
     const Real lane_eta = Real(t_.inverse_radius) * lanes_.index();
     double q[4];
     int patch = -1, count = 0;
-    const int groups = all ? t_.groups : near_count_;
+    const int groups = all ? t_.groups : near_.count();
     for (int e = 0; e < groups; ++e) {
-      const int group = all ? e : s_.near[e];
+      const int group = all ? e : near_[e];
       const GroupPlace<Lanes> at(t_, place, group);
       if (at.patch != patch) {
         patch = at.patch;
@@ -217,9 +217,7 @@ class Candidates {
   const Lanes& lanes_;
   const SceneTables& t_;
   SceneState& s_;
-  // the near list
-  int near_count_ = 0, near_base_ = -1;
-  double near_reach_ = -1.0;
+  NearGroups<Lanes, K> near_;
 
   KOKKOS_FORCEINLINE_FUNCTION Real load(const double* lanes, int pack) const {
     return lanes_.load(lanes + pack * width);
@@ -227,11 +225,8 @@ class Candidates {
   KOKKOS_FORCEINLINE_FUNCTION const double* rows(int patch) const {
     return t_.patch + static_cast<std::int64_t>(patch) * 4 * K * width;
   }
-  /// sum over the modes of weight_k |x_k|
   KOKKOS_FORCEINLINE_FUNCTION double bound(const double* weight, const Real* x) const {
-    Real part = load(weight, 0) * Kokkos::abs(x[0]);
-    for (int p = 1; p < K; ++p) part = multiply_add(load(weight, p), Kokkos::abs(x[p]), part);
-    return lanes_.sum(part);
+    return weighted_sum<Lanes, K>(lanes_, weight, x);
   }
   /// The last group is filled up with nodes that do not exist: low as they are, a motion that has run
   /// away, or is no longer a number, would reach them.
@@ -276,23 +271,6 @@ class Candidates {
     return b;
   }
 
-  /// Distance that the near list's reference has been left behind by.
-  KOKKOS_FORCEINLINE_FUNCTION double moved(const Real* u) const {
-    Real away[K];
-    for (int p = 0; p < K; ++p) away[p] = u[p] - load(s_.near_u, p);
-    return bound(t_.reach, away);
-  }
-
-  KOKKOS_FUNCTION bool near_holds(const Real* u, const Place& place, double travel) const {
-    return place.base == near_base_ && moved(u) + travel <= near_reach_;
-  }
-
-  /// Roundings of two positions, in chi: below one of these the slider moves in stairs, not along a
-  /// line.
-  KOKKOS_FORCEINLINE_FUNCTION static double position_rounding(const Place& place) {
-    return 2 * 0x1p-52 * (place.position + 1.0);
-  }
-
   /// Steps until the slider's nodes stand `edge` behind the resonator's, at the most `longest`; less
   /// than one when they get there within this step.
   KOKKOS_FUNCTION int steps_to(double edge, const Place& place, int longest) const {
@@ -302,65 +280,16 @@ class Candidates {
     return steps > longest ? longest : steps < 1.0 ? 0 : static_cast<int>(steps);
   }
 
-  /// Finds the groups that can touch while the modes stay within a reach of where they are now and
-  /// no node passes another. The reach is what they can be expected to travel until then.
+  /// Finds the groups that can touch. The reach is what the modes can be expected to travel until a
+  /// node passes another.
   KOKKOS_FUNCTION void find_near(const Real* u, const Real* v, const Place& place) {
     const int left = steps_to(1.0, place, t_.longest_look), steps = left < 1 ? 1 : left;
     const double time = steps * t_.step;
     const Bounds b = bounds(u, v, steps);
-    near_base_ = place.base;
-    near_reach_ = 2.0 * (b.speed * time + 0.5 * b.curvature * time * time) + t_.least_reach;
-    if (!(near_reach_ < 1e300)) near_reach_ = 1e300;  // not a number, too: then everything is near
-    for (int p = 0; p < K; ++p) {
-      lanes_.store(s_.near_u + p * width, u[p]);
-      lanes_.store(s_.lanes + p * width, u[p]);
-    }
-    lanes_.sync();
-    // the way that is left, and that back to where an earlier stage of this step may stand, chi
-    const double to_end = place.base + 1 - place.position;
+    // an earlier stage of this step may stand further back
     const double back = t_.stages > 1 ? Kokkos::min(place.theta, t_.advance) : 0.0;
-    const double way = Kokkos::max(to_end, back);
-    const double slope = bound(t_.reach_slope, u);
-    const double radius = t_.spacing / t_.inverse_radius;
-    const double level = -(near_reach_ + t_.slack + b.rounding + bound(t_.tail, u) +
-                           way * t_.spacing * slope + position_rounding(place) * t_.steepest);
-    const Real lane_eta = Real(t_.inverse_radius) * lanes_.index();
-    double q[4];
-    int patch = -1, count = 0;
-    bool have_series = false;
-    std::int64_t evaluated = 0;
-    double highest = 0.0;  // bound on u_2 over the patch
-    for (int group = 0; group < t_.groups; ++group) {
-      const GroupPlace<Lanes> at(t_, place, group);
-      if (at.patch != patch) {
-        patch = at.patch;
-        have_series = false;
-        Real centre = load(rows(patch), 0) * u[0];
-        for (int p = 1; p < K; ++p) centre = multiply_add(load(rows(patch), p), u[p], centre);
-        highest = lanes_.sum(centre) + radius * slope;
-      }
-      // the highest of the two blocks that the group's nodes and their neighbours lie in
-      const int block = (place.base + group * width) / width;
-      const double left = t_.block_max2[block], right = t_.block_max2[block + 1];
-      const Real top = add_slider_displacement(lanes_, t_, s_.lanes, group,
-                                               lanes_.load(t_.height1 + group * width)) +
-                       Real(highest + (left > right ? left : right));
-      if (lanes_.at_least(top, level) == 0) continue;
-      if (!have_series) series_coefficients<Lanes, K>(lanes_, rows(patch), u, q);
-      have_series = true;
-      const StaticOverlap<Lanes> faces(lanes_, t_, place, group);
-      const Real now = add_slider_displacement(lanes_, t_, s_.lanes, group, faces.height) +
-                       cubic(q, lane_eta + Real(at.eta));
-      const Real most = now + Kokkos::max(Kokkos::max(Real(to_end) * faces.rise, Real(0.0)),
-                                          Real(-back) * faces.rise);
-      evaluated += width;
-      if (lanes_.at_least(most, level) == 0) continue;
-      if (lanes_.leader()) s_.near[count] = group;
-      ++count;
-    }
-    near_count_ = count;
-    if (lanes_.leader()) s_.evaluated += evaluated;
-    lanes_.sync();
+    near_.find(u, place, 2.0 * (b.speed * time + 0.5 * b.curvature * time * time) + t_.least_reach,
+               b.rounding, back);
   }
 };
 

@@ -3,6 +3,7 @@
 #include <Kokkos_Core.hpp>
 #include <cstdint>
 
+#include "kernels/adaptive/march.hpp"
 #include "kernels/candidates.hpp"
 #include "kernels/contact/complementarity.hpp"
 #include "kernels/contact/node_contact.hpp"
@@ -731,7 +732,10 @@ struct March {
   KOKKOS_FUNCTION void operator()(const Member& member) const {
     const int scene = scenes(member.league_rank());
     const Lanes lanes(member);
-    Marcher<Lanes, form, K>(lanes, tables(scene), states(scene)).run(target);
+    if constexpr (form == Form::adaptive)
+      AdaptiveMarcher<Lanes, K>(lanes, tables(scene), states(scene)).run(target);
+    else
+      Marcher<Lanes, form, K>(lanes, tables(scene), states(scene)).run(target);
   }
   void launch(const Space& space) const {
     Kokkos::parallel_for("ra2d::march",

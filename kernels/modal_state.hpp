@@ -12,7 +12,20 @@ enum class Status : int {
   unstable,
   not_finite,
   blocked,  // Form::held: no motion of the modes keeps the bodies apart
-  crowded   // Form::held: more nodes carry force than there is room for
+  crowded,  // more nodes carry force than there is room for
+  stalled   // Form::adaptive: the motion is too fast for the clock
+};
+
+/// Bounds on a polynomial over a stretch (kernels/adaptive/crossing.hpp).
+struct Hull {
+  double least, most;      // of the polynomial
+  double falling, rising;  // of its slope: least and most
+  double curve;            // on the size of its second derivative
+};
+
+/// Integrals over a stretch of a node's overlap o(x) [m]: of o, x o, and o times its rise along the way.
+struct NodeSums {
+  double overlap, moment, work;
 };
 
 /// A run of neighbouring slider nodes in contact.
@@ -91,6 +104,8 @@ struct SceneState {
   // work space
   int* near = nullptr;              // groups that can touch while the near list holds
   double* near_u = nullptr;         // modal displacements at which the near list was made
+  int* far = nullptr;               // groups from which the near list is drawn ...
+  double* far_u = nullptr;          // ... and where they were found
   double* lanes = nullptr;          // modal displacements and rates, to be read one by one
   int* watch = nullptr;             // nodes evaluated at each step
   int* touched = nullptr;           // nodes that touch at this step ...
@@ -115,6 +130,27 @@ struct SceneState {
   double* factor = nullptr;         // Cholesky factor, (row, column) with pressed_capacity columns
   double* across = nullptr;         // m/N, of the next node with each of them
   double* share = nullptr;          // what each gives up for a newton on the next
+
+  // Form::adaptive: the nodes in contact, in ascending order, and what the next step starts with
+  std::int64_t strides = 0;  // steps made
+  int closed_capacity = 0, closed_count = 0;
+  int* closed = nullptr;
+  double stride = 0;  // s, guess at the length of the next step with forces
+  int level = 0;      // of the next flight: 2^level ticks
+  // ... and its work space
+  double* series = nullptr;         // (order, lane): of the modes
+  double* square_series = nullptr;  // (order, lane): of the integral of V^2
+  double* push_series = nullptr;    // (order, lane): of the moving forces
+  double* node_series = nullptr;    // (closed node, 2, order): overlap, climb
+  double* closed_shape = nullptr;   // (closed node, 4, lane)
+  double* scan_shape = nullptr;     // (4, lane)
+  double* scan = nullptr;           // (order): of one more node
+  double* hull_room = nullptr;      // one series and two values more
+  Hull* closed_hull = nullptr;      // of the overlaps of the nodes in contact over the step
+  NodeSums* closed_sums = nullptr;  // of them, over a part of the step
+  double* closed_roots = nullptr;   // where the nodes in contact let go, in units of the series ...
+  double* roots = nullptr;          // ... and where those that are looked at begin to touch
+  double* seen = nullptr;  // (2, near group, 2, lane): overlap and its rate at both ends of a step
 };
 
 }  // namespace ra2d

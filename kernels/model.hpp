@@ -36,9 +36,10 @@ enum class Look : int { all, candidates };
 enum class Form : int {
   semi_implicit,  // U1 = U0 + tau V1 with the contact force of the old time
   staged,         // the contact force at each stage of the scheme
-  held            // one contact force a step, found together with its end
+  held,           // one contact force a step, found together with its end
+  adaptive        // steps of any length, that end where a contact begins or ends
 };
-inline constexpr int forms = 3;
+inline constexpr int forms = 4;
 
 /// Longest series of a patch that a scene may need (host/run/batch.cpp chooses).
 inline constexpr int most_terms = 24;
@@ -56,6 +57,34 @@ inline constexpr int end_rows(int stages) { return end_forces + 2 * stages; }  /
 /// i. For the host, like end_rows; the march finds it in SceneTables::stage_row.
 inline constexpr int first_stage_row(int i) { return 3 * (i - 1) + i * (i - 1) / 2; }
 
+/// Rows of SceneTables::flight, per level: what so many ticks do to (U - rest, V, 1), and to the
+/// integral of V^2, in ticks.
+enum FlightRow : int {
+  flight_u_u,
+  flight_u_v,
+  flight_u,
+  flight_v_u,
+  flight_v_v,
+  flight_v,
+  flight_s_uu,
+  flight_s_uv,
+  flight_s_vv,
+  flight_s_v,
+  flight_s,
+  flight_rows
+};
+
+/// Highest order of the series of an adaptive step.
+inline constexpr int most_order = 28;
+/// Terms of an overlap's series: the mode shapes along the way are cubics.
+inline constexpr int overlap_terms = most_order + 4;
+/// Points of the Gauss-Legendre rule over an adaptive step.
+inline constexpr int gauss_points = 16;
+inline constexpr int gauss_room =
+    32;  // the places, padded to any number of lanes; then the weights
+
+/// What steps are counted in: tau of a fixed step. An adaptive step is a whole number of ticks, so
+/// short that no answer feels it: times are integers, and sums of them exact.
 struct SceneTables {
   // what there is
   int resonator_modes = 0, slider_modes = 0;
@@ -72,7 +101,7 @@ struct SceneTables {
   double position = 0;          // of slider node 0 on the resonator at t = 0, in chi
   double advance = 0;           // per step, in chi
   double spacing = 0;           // m, chi
-  double step = 0;              // s, tau
+  double step = 0;              // s, tau, or a tick
   double inverse_radius = 0;    // chi / radius
   double window_width = 1;      // chi, 1/windows
   double resonator_length = 0;  // m
@@ -97,6 +126,25 @@ struct SceneTables {
   double velocity_lag = 0;          // steps
   double loss_ends = 0;             // weight of the damping loss at both ends of a stretch of steps
   int longest_look = 1;             // steps over which the bounds on the modes hold
+
+  // Form::adaptive
+  double tolerance = 0;      // relative local error of a step
+  int order = 0;             // of the series
+  int first_level = 0;       // flight tables are of 2^first_level, 2^(first_level + 1), ... ticks
+  double longest_scale = 0;  // s, unit of a series beyond which its terms could overflow
+  double fourth_rest = 0;    // m/s^4, of where the load holds the modes, see Flight::bounds
+  double top = 0;            // m, the highest overlap that the faces alone can have anywhere
+  const double* flight = nullptr;  // (level, FlightRow, lane)
+  const double* rest = nullptr;    // m^(3/2), where the load holds a mode; 0 for a rigid one
+  const double* fall = nullptr;    // m^(3/2)/s^2, load/m of a rigid mode; 0 for the others
+  const double* decay = nullptr;   // 1/s, 2 zeta omega
+  const double* turn = nullptr;    // 1/s, |(omega U, V)'| over |(omega U, V)| is no more
+  const double* swing = nullptr;   // s, 2/omega: the farthest a mode gets over its energy norm
+  const double* fourth = nullptr;  // m^(-1/2)/s^3, fourth derivative of an overlap, the same
+  const double* wander = nullptr;  // 1/s, speed times the largest wave number of a mode
+  const double* light = nullptr;   // m/kg, 1/m
+  const double* hull = nullptr;    // (coefficient, overlap_terms): see Hull; then its two masks
+  const double* gauss = nullptr;   // places in (0, 1), then weights; padded with zeros
 
   // modes, one lane each (padded with zeros)
   const double* stage = nullptr;   // rows of lanes, see stage_row

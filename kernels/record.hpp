@@ -59,24 +59,25 @@ KOKKOS_INLINE_FUNCTION int merge_shocks(SceneState& s, int a, int b, int new_run
   return keep == moved ? drop : keep;
 }
 
-/// Takes in the contact of one step: the `count` touched nodes in ascending order; `position` of
-/// slider node 0 on the resonator, in chi.
-KOKKOS_INLINE_FUNCTION void track_shocks(SceneState& s, std::int64_t step, double position,
-                                         int count) {
+/// Takes in the contact from step `first` to step `last`, in which the same nodes touch: `count` of
+/// them in ascending order, with their forces [N], summed over those steps, and these forces' moments
+/// about the place that is `position` [chi] away from where shocks are measured from.
+template <class Moment>
+KOKKOS_INLINE_FUNCTION void join_shocks(SceneState& s, std::int64_t first, std::int64_t last,
+                                        double position, int count, const Moment& moment) {
   // the runs of neighbouring nodes at this step
   int runs = 0;
   for (int e = 0; e < count; ++e) {
     const int node = s.touched[e];
-    const double force = s.touched_force[e];
     if (runs == 0 || s.new_runs[runs - 1].last != node - 1)
       s.new_runs[runs++] = {node, node, -1, 0.0, 0.0};
     ContactRun& run = s.new_runs[runs - 1];
     run.last = node;
-    run.force += force;
-    run.moment += force * node;
+    run.force += s.touched_force[e];
+    run.moment += moment(e);
   }
   // each continues what touched next to it one step ago, or begins a shock
-  if (s.runs_step != step - 1) s.run_count = 0;
+  if (s.runs_step != first - 1) s.run_count = 0;
   int before = 0;
   for (int r = 0; r < runs; ++r) {
     ContactRun& run = s.new_runs[r];
@@ -86,24 +87,31 @@ KOKKOS_INLINE_FUNCTION void track_shocks(SceneState& s, std::int64_t step, doubl
       shock = shock < 0 ? s.runs[b].shock : merge_shocks(s, shock, s.runs[b].shock, r);
     if (shock < 0) {
       shock = s.open_count++;
-      s.open[shock] = {s.shocks_begun++, step, step, 0.0, 0.0, 0.0, 0.0};
+      s.open[shock] = {s.shocks_begun++, first, last, 0.0, 0.0, 0.0, 0.0};
     }
     run.shock = shock;
     OpenShock& open = s.open[shock];
-    open.force = open.last == step ? open.force + run.force : run.force;
-    open.last = step;
+    open.force = open.last == last ? open.force + run.force : run.force;
+    open.last = last;
     open.impulse += run.force;
     open.moment += run.moment + run.force * position;
   }
-  for (int i = 0; i < s.open_count; ++i)
-    if (s.open[i].last == step && s.open[i].force > s.open[i].peak)
-      s.open[i].peak = s.open[i].force;
   ContactRun* const old = s.runs;
   s.runs = s.new_runs;
   s.new_runs = old;
   s.run_count = runs;
-  s.runs_step = step;
-  end_shocks(s, step);
+  s.runs_step = last;
+  end_shocks(s, last);
+}
+
+/// Takes in the contact of one step: the `count` touched nodes in ascending order; `position` of
+/// slider node 0 on the resonator, in chi.
+KOKKOS_INLINE_FUNCTION void track_shocks(SceneState& s, std::int64_t step, double position,
+                                         int count) {
+  join_shocks(s, step, step, position, count,
+              [&](int e) { return s.touched_force[e] * s.touched[e]; });
+  for (int i = 0; i < s.open_count; ++i)
+    if (s.open[i].force > s.open[i].peak) s.open[i].peak = s.open[i].force;
 }
 
 /// The usual case of track_shocks: every run of neighbouring nodes continues one run of the step

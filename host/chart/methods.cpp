@@ -10,13 +10,15 @@
 
 namespace ra2d {
 
-bool takes_tolerance(SchemeKind) { return false; }
+bool takes_tolerance(SchemeKind scheme) { return scheme == SchemeKind::adaptive; }
 
 std::vector<Method> methods_of(const Scene& scene) {
   std::vector<Method> methods;
   for (const ContactLaw law : {ContactLaw::penalty, ContactLaw::multiplier}) {
     if (law == ContactLaw::penalty && !(scene.stiffness > 0)) continue;
     for (const SchemeChoice& choice : choices_under(law)) methods.push_back({choice, law});
+    if (law == ContactLaw::penalty)
+      methods.push_back({{SchemeKind::adaptive, ForceTime::old_time}, law});
   }
   return methods;
 }

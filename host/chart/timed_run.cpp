@@ -59,7 +59,7 @@ class Follower {
     std::sort(out_.shocks.begin(), out_.shocks.end(),
               [](const Shock& a, const Shock& b) { return a.serial < b.serial; });
     out_.status = out_.end.status;
-    out_.time = static_cast<double>(out_.end.step) * tick(*model_);
+    out_.time = static_cast<double>(out_.end.step) * model_->tick;
     out_.seconds = seconds;
     out_.energy = energy_.balance();
     return out_;
@@ -78,17 +78,15 @@ class Follower {
 
 }  // namespace
 
-double tick(const Model& model) { return model.scene.step; }
-
 std::vector<TimedRun> timed_runs(const std::vector<Model>& models,
                                  const std::vector<ModalStart>& starts, const RunLimits& limits) {
   Batch batch(models, starts);
   std::vector<Follower> scenes;
   for (std::size_t i = 0; i < models.size(); ++i) scenes.emplace_back(models[i], starts[i]);
-  const double ticks = limits.time / tick(models.front());
+  const double ticks = limits.time / models.front().tick;
   const std::int64_t last =
       ticks < 9e18 ? std::llround(ticks) : std::numeric_limits<std::int64_t>::max();
-  LaunchLength launch(std::clamp(0.1 * limits.wall, 1e-3, 0.2));
+  LaunchLength launch(models.front(), std::clamp(0.1 * limits.wall, 1e-3, 0.2));
   double seconds = 0;
   for (std::int64_t now = 0;;) {
     const std::int64_t target = now + std::min(launch.steps(), last - now);

@@ -32,7 +32,6 @@ struct TimedRun {
 };
 
 /// The unit of a model's steps [s].
-double tick(const Model& model);
 
 /// Marches scenes of one tick side by side from t = 0.
 std::vector<TimedRun> timed_runs(const std::vector<Model>& models,

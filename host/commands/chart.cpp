@@ -56,6 +56,11 @@ void print_written(const CommonOptions& common, const std::string& texts, bool p
 int chart_stability_command(const CommonOptions& common, const std::string& prefix, bool plot) {
   check_prefix(prefix, "stability");
   const Scene scene = chart_scene(common);
+  if (!(scene.step > 0))
+    throw RequestError(
+        fmt::format("{}: time.step: missing: the chart places the scene's modes by its step, which "
+                    "time.scheme = \"adaptive\" does without (add one, or --set time.step=1e-8)",
+                    scene.file.string()));
   const Model model = make_model(scene);
   const std::string modes = modes_csv(model);
   const Backend backend(common.threads);

@@ -10,6 +10,7 @@
 
 #include "host/commands/commands.hpp"
 #include "host/format.hpp"
+#include "host/plan/schemes.hpp"
 #include "host/run/run.hpp"
 
 namespace ra2d {
@@ -43,8 +44,11 @@ void print_line(const char* what, const std::string& value) {
 }
 
 void print_report(const Scene& scene, const RunReport& r, const std::filesystem::path& output) {
-  fmt::print("{}: {:g} s of sliding at {:g} m/s, {} steps of {:g} s\n", title(scene), r.time,
-             scene.speed, r.steps, scene.step);
+  fmt::print("{}: {:g} s of sliding at {:g} m/s, {} steps {}\n", title(scene), r.time, scene.speed,
+             r.steps,
+             is_adaptive(scene)
+                 ? fmt::format("to a tolerance of {:g}", scene.tolerance.value_or(usual_tolerance))
+                 : fmt::format("of {:g} s", scene.step));
   print_line("level Lv", std::isnan(r.lv) ? std::string("none: the resonator did not move")
                                           : fmt::format("{:.2f} dB re 1 nm/s (v_rms {:.3e} m/s)",
                                                         r.lv, r.v_rms));

@@ -31,7 +31,7 @@ BodyPlan plan_body(const Beam& beam, const BodySpec& spec, int nodes, const Scen
   }
   plan.next = spec.support == Support::rigid ? 0.0 : elastic_frequency(spec, plan.elastic_modes);
   plan.wavelength_nodes = beta > 0 ? 2 * M_PI / beta / scene.spacing : 0.0;
-  if (plan.highest > 0)
+  if (plan.highest > 0 && !is_adaptive(scene))
     plan.error = step_error(scene.scheme, beam.zeta, 2 * M_PI * plan.highest * scene.step);
   return plan;
 }
@@ -39,6 +39,7 @@ BodyPlan plan_body(const Beam& beam, const BodySpec& spec, int nodes, const Scen
 /// What the step makes of a body's highest mode.
 std::string error_text(const Scene& scene, const StepError& error, double zeta) {
   if (scene.scheme == SchemeKind::exact) return "the step is exact for free modes";
+  if (is_adaptive(scene)) return "free modes move in closed form";
   const auto shift = [](double value) {
     return std::abs(value) < 1e-9 ? "under 1e-9" : fmt::format("{:+.1e}", value);
   };
@@ -61,6 +62,53 @@ std::string body_text(const char* name, const Scene& scene, const BodySpec& spec
     text += fmt::format("           {}\n", error_text(scene, plan.error, spec.damping));
   text += fmt::format("           the next mode would be at {:.0f} Hz\n", plan.next);
   return text;
+}
+
+/// Of a scheme of fixed steps: what holds, how many there are, and what they cost.
+void plan_steps(const Model& model, const JoinedModes& place, Plan& plan) {
+  const Scene& scene = model.scene;
+  for (const SchemeChoice& choice : choices_under(scene.law)) {
+    plan.schemes.push_back({choice, step_limits(model, choice, place)});
+    if (choice == plan.own.choice) plan.own = plan.schemes.back();
+  }
+  plan.steps_per_node = model.advance > 0 ? 1.0 / model.advance : 0.0;
+  plan.steps = model.steps;
+  const double seconds = 1e-9 * static_cast<double>(model.steps);
+  const bool held = holds_forces(scene);
+  const int stages = scheme_table(scene.scheme).stages;
+  if (scene.nodes == Nodes::all) {
+    const int looks = held ? 2 : stages;  // without and with the contact's force
+    plan.seconds_low = plan.seconds_high = seconds * looks * node_ns * model.nodes();
+  } else {
+    plan.seconds_low = seconds * flight_ns;
+    plan.seconds_high = seconds * (held                             ? held_ns
+                                   : is_semi_implicit(scene.scheme) ? contact_ns
+                                                                    : stages * stage_ns);
+  }
+}
+
+/// What a user may not expect of the scene's step.
+void note_step(const Model& model, Plan& plan) {
+  const Scene& scene = model.scene;
+  const StepLimits& limits = plan.own.limits;
+  if (const std::string beyond = beyond_limit(model, limits); !beyond.empty())
+    plan.notes.push_back(
+        scene.force ? fmt::format("{}; 'ra2d run' takes it, for time.force = true", beyond)
+                    : fmt::format("{}; 'ra2d run' refuses it, unless time.force = true. {}", beyond,
+                                  step_cure(scene, limits.holds())));
+  else if (scene.step > limits.contact_many)
+    plan.notes.push_back(
+        fmt::format("time.step = {:g} s holds for a node in contact, not for {} at once ({:.3g} s)",
+                    scene.step, limits.many, limits.contact_many));
+  if (scene.law == ContactLaw::multiplier && !is_semi_implicit(scene.scheme))
+    plan.notes.push_back(fmt::format(
+        "under multipliers {} bounces off at every step what should rest; backward-euler and "
+        "midpoint let it rest",
+        schemes.name(scene.scheme)));
+  if (plan.contact_period > 0 && scene.step > plan.contact_period / 20)
+    plan.notes.push_back(fmt::format("a shock lasts about {}, {:.1f} steps: too few to follow it",
+                                     seconds_text(plan.contact_period),
+                                     plan.contact_period / scene.step));
 }
 
 /// A step [s] as the table and the messages give it: what holds, or how much of it.
@@ -95,6 +143,31 @@ std::string stability_text(const Scene& scene, const Plan& plan) {
   return text;
 }
 
+std::string steps_text(const Scene& scene, const Plan& plan) {
+  std::string text =
+      fmt::format("scheme     {}: {} steps of {}", scheme_text(scene, plan.own.choice), plan.steps,
+                  seconds_text(scene.step));
+  if (plan.steps_per_node > 0) text += fmt::format(", {:.4g} to a node", plan.steps_per_node);
+  return text + '\n';
+}
+
+std::string adaptive_text(const Scene& scene) {
+  return fmt::format(
+      "scheme     adaptive, to a relative error of {:g} a step: flights in closed form, contacts "
+      "by\n"
+      "           Taylor series as long as that allows, from where each begins to where it ends\n"
+      "stability  no limit: no step is fixed beforehand\n",
+      scene.tolerance.value_or(usual_tolerance));
+}
+
+std::string cost_text(const Plan& plan) {
+  return (plan.seconds_low == plan.seconds_high
+              ? fmt::format("cost       about {}", seconds_text(plan.seconds_low))
+              : fmt::format("cost       {} (all flight) to {} (all contact)",
+                            seconds_text(plan.seconds_low), seconds_text(plan.seconds_high))) +
+         " of wall time on one core, an estimate\n";
+}
+
 }  // namespace
 
 std::string scheme_text(const Scene& scene, SchemeChoice choice) {
@@ -112,7 +185,8 @@ std::string short_text(SchemeChoice choice) {
 
 std::vector<SchemeChoice> choices_under(ContactLaw law) {
   std::vector<SchemeChoice> choices;
-  for (const auto& [name, scheme] : schemes.now) {
+  for (const auto& [name, scheme] : schemes.words) {
+    if (scheme == SchemeKind::adaptive) continue;
     if (law == ContactLaw::multiplier && !takes_multipliers(scheme)) continue;
     choices.push_back({scheme, ForceTime::old_time});
     // the others take the force in one way only
@@ -187,27 +261,11 @@ Plan make_plan(const Model& model, std::size_t memory) {
   plan.delta = model.delta;
   const JoinedModes place = most_yielding(model);
   const bool spring = scene.law == ContactLaw::penalty;
-  for (const SchemeChoice& choice : choices_under(scene.law)) {
-    plan.schemes.push_back({choice, step_limits(model, choice, place)});
-    if (choice == choice_of(scene)) plan.own = plan.schemes.back();
-  }
   const double omega_c = spring ? contact_frequency(model, place) : 0.0;
   plan.contact_period = omega_c > 0 ? M_PI / omega_c : 0.0;
-  plan.steps_per_node = model.advance > 0 ? 1.0 / model.advance : 0.0;
-  plan.steps = model.steps;
+  plan.own.choice = choice_of(scene);
   plan.samples = model.samples;
-  const double seconds = 1e-9 * static_cast<double>(model.steps);
-  const bool held = holds_forces(scene);
-  const int stages = scheme_table(scene.scheme).stages;
-  if (scene.nodes == Nodes::all) {
-    const int looks = held ? 2 : stages;  // without and with the contact's force
-    plan.seconds_low = plan.seconds_high = seconds * looks * node_ns * model.nodes();
-  } else {
-    plan.seconds_low = seconds * flight_ns;
-    plan.seconds_high = seconds * (held                             ? held_ns
-                                   : is_semi_implicit(scene.scheme) ? contact_ns
-                                                                    : stages * stage_ns);
-  }
+  if (!is_adaptive(scene)) plan_steps(model, place, plan);
   plan.memory = memory;
   const std::size_t columns = 1 + 2 * (model.resonator.modes.size() + model.slider.modes.size()) +
                               2 + 2 * scene.probes.size() + 6;
@@ -223,27 +281,9 @@ Plan make_plan(const Model& model, std::size_t memory) {
         model.slider.load_force, plan.slider.next, scene.slider.max_frequency.value_or(0.0)));
   if (model.resonator.modes.empty())
     plan.notes.push_back("the resonator keeps no mode: nothing vibrates and there is no level");
-  const StepLimits& limits = plan.own.limits;
-  if (const std::string beyond = beyond_limit(model, limits); !beyond.empty())
-    plan.notes.push_back(
-        scene.force ? fmt::format("{}; 'ra2d run' takes it, for time.force = true", beyond)
-                    : fmt::format("{}; 'ra2d run' refuses it, unless time.force = true. {}", beyond,
-                                  step_cure(scene, limits.holds())));
-  else if (scene.step > limits.contact_many)
-    plan.notes.push_back(
-        fmt::format("time.step = {:g} s holds for a node in contact, not for {} at once ({:.3g} s)",
-                    scene.step, limits.many, limits.contact_many));
+  if (!is_adaptive(scene)) note_step(model, plan);
   if (const std::string overlap = overlap_at_start(model); !overlap.empty())
     plan.notes.push_back("'ra2d run' refuses this scene: " + overlap);
-  if (scene.law == ContactLaw::multiplier && !is_semi_implicit(scene.scheme))
-    plan.notes.push_back(fmt::format(
-        "under multipliers {} bounces off at every step what should rest; backward-euler and "
-        "midpoint let it rest",
-        schemes.name(scene.scheme)));
-  if (plan.contact_period > 0 && scene.step > plan.contact_period / 20)
-    plan.notes.push_back(fmt::format("a shock lasts about {}, {:.1f} steps: too few to follow it",
-                                     seconds_text(plan.contact_period),
-                                     plan.contact_period / scene.step));
   return plan;
 }
 
@@ -261,20 +301,13 @@ std::string describe(const Model& model, const Plan& plan) {
         model.node_stiffness, seconds_text(plan.contact_period));
   else
     text += "contact    multiplier: each step ends without penetration; no spring\n";
-  text += fmt::format("scheme     {}: {} steps of {}", scheme_text(scene, plan.own.choice),
-                      plan.steps, seconds_text(scene.step));
-  if (plan.steps_per_node > 0) text += fmt::format(", {:.4g} to a node", plan.steps_per_node);
-  text += '\n';
-  text += stability_text(scene, plan);
+  const bool adaptive = is_adaptive(scene);
+  text += adaptive ? adaptive_text(scene) : steps_text(scene, plan) + stability_text(scene, plan);
   text += fmt::format("looked at  {}\n",
                       scene.nodes == Nodes::all
                           ? "every node at every step"
                           : "the nodes that can touch, by proof (time.nodes = \"candidates\")");
-  text += plan.seconds_low == plan.seconds_high
-              ? fmt::format("cost       about {}", seconds_text(plan.seconds_low))
-              : fmt::format("cost       {} (all flight) to {} (all contact)",
-                            seconds_text(plan.seconds_low), seconds_text(plan.seconds_high));
-  text += " of wall time on one core, an estimate\n";
+  if (!adaptive) text += cost_text(plan);
   text += fmt::format("memory     {}, whatever the duration; file {}, {} samples\n",
                       bytes_text(plan.memory), bytes_text(plan.file), plan.samples);
   for (const std::string& note : plan.notes) text += "note       " + note + "\n";

@@ -27,11 +27,13 @@ struct SchemePlan {
 struct Plan {
   BodyPlan resonator, slider;
   double delta = 0;                 // m
-  std::vector<SchemePlan> schemes;  // all that the scene's contact law can take
+  std::vector<SchemePlan> schemes;  // of fixed steps, all that the scene's contact law can take
   SchemePlan own;                   // the scene's choice
   double contact_period = 0;  // s, half a period of the contact spring: about a shock's length
+  std::int64_t samples = 0;
+  // of fixed steps; an adaptive scheme finds its own, and there is neither a limit nor an estimate
   double steps_per_node = 0;  // steps while the slider moves on by one node
-  std::int64_t steps = 0, samples = 0;
+  std::int64_t steps = 0;
   double seconds_low = 0, seconds_high = 0;  // of wall time, see plan.cpp
   std::size_t memory = 0;                    // bytes on the device, for tables and buffers
   std::size_t file = 0;                      // bytes, without the shocks

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "host/plan/schemes.hpp"
 
+#include <stdexcept>
+
 #include "kernels/schemes/backward_euler.hpp"
 #include "kernels/schemes/exact.hpp"
 #include "kernels/schemes/explicit_euler.hpp"
@@ -42,6 +44,8 @@ const SchemeTable& table_of() {
 
 }  // namespace
 
+bool is_adaptive(const Scene& scene) { return scene.scheme == SchemeKind::adaptive; }
+
 const SchemeTable& scheme_table(SchemeKind scheme) {
   switch (scheme) {
     case SchemeKind::explicit_euler:
@@ -57,16 +61,20 @@ const SchemeTable& scheme_table(SchemeKind scheme) {
     case SchemeKind::exact:
       return table_of<Exact>();
     case SchemeKind::backward_euler:
+      return table_of<BackwardEuler>();
+    case SchemeKind::adaptive:
       break;
   }
-  return table_of<BackwardEuler>();
+  throw std::logic_error("adaptive has no table of weights");
 }
 
 bool is_semi_implicit(SchemeKind scheme) {
   return scheme == SchemeKind::backward_euler || scheme == SchemeKind::midpoint;
 }
 
-bool takes_multipliers(SchemeKind scheme) { return scheme != SchemeKind::explicit_euler; }
+bool takes_multipliers(SchemeKind scheme) {
+  return scheme != SchemeKind::explicit_euler && scheme != SchemeKind::adaptive;
+}
 
 bool holds_forces(const Scene& scene) {
   return scene.law == ContactLaw::multiplier ||

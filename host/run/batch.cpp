@@ -11,6 +11,8 @@
 
 #include "host/errors.hpp"
 #include "host/plan/schemes.hpp"
+#include "host/run/flight_tables.hpp"
+#include "host/run/gauss.hpp"
 #include "host/run/launch.hpp"
 #include "host/run/step_bounds.hpp"
 #include "kernels/candidates.hpp"
@@ -66,9 +68,15 @@ struct Series {
 };
 
 Form form_of(const Scene& scene) {
+  if (is_adaptive(scene)) return Form::adaptive;
   return holds_forces(scene)              ? Form::held
          : is_semi_implicit(scene.scheme) ? Form::semi_implicit
                                           : Form::staged;
+}
+
+/// Nodes that can be in contact at once under the adaptive scheme.
+int closed_capacity(const Model& model) {
+  return is_adaptive(model.scene) ? std::min(model.nodes(), most_sprung_nodes) : 0;
 }
 
 /// Nodes that can carry force at once under Form::held: no more than there are modes under
@@ -115,10 +123,13 @@ struct Layout {
   int lanes, groups, patches, run_capacity;
   Series series;
   int stage_rows, end_rows, pressed_capacity;
-  std::size_t mode_tables, stage, end, patch, shapes, unit, height1, height2, block_max, moving;
-  std::size_t modal_state, samples, runs, new_runs, open, shocks, near, watch, touched, force,
+  int first_level, levels, closed_capacity;
+  std::size_t mode_tables, flight, gauss, hull, stage, end, patch, shapes, unit, height1, height2,
+      block_max, moving;
+  std::size_t modal_state, samples, runs, new_runs, open, shocks, near, far, watch, touched, force,
       amplitudes, node_shape, node_face, node_window, pressed, pressed_place, pressed_force, factor,
-      across, share;
+      across, share, closed, closed_hull, closed_sums, closed_roots, roots, modal_series,
+      square_series, push_series, node_series, closed_shape, scan_shape, scan, hull_room, seen;
   int height2_size, blocks;
   int sample_capacity, shock_capacity, row;
 };
@@ -139,9 +150,69 @@ enum ModeTable {
   tail,
   tail_slope,
   quartic,
+  // of the adaptive scheme
+  rest,
+  fall,
+  decay,
+  turn,
+  swing,
+  fourth,
+  wander,
+  light,
   mode_tables
 };
-enum ModalArray { u, v, start, start_v, square, square_part, near_u, bend_part, modal_arrays };
+enum ModalArray {
+  u,
+  v,
+  start,
+  start_v,
+  square,
+  square_part,
+  near_u,
+  far_u,
+  bend_part,
+  modal_arrays
+};
+
+/// 1/s: |(omega U, V)'| over |(omega U, V)| is no more.
+double quickest(const Mode& mode) {
+  return mode.omega * (mode.zeta + std::sqrt(1.0 + mode.zeta * mode.zeta));
+}
+/// ... of all modes, together with the spring of a node.
+double quickest(const Model& model) {
+  double square = 0, spring = 0;
+  for (const Beam* beam : {&model.resonator, &model.slider})
+    for (const ModeShape& shape : beam->modes) {
+      const double turn = quickest(Mode{shape.omega, beam->zeta, beam->mass_per_length});
+      square = std::max(square, turn * turn);
+      spring += model.node_stiffness * std::pow(shape.largest, 2) / beam->mass_per_length;
+    }
+  return std::sqrt(square + spring);
+}
+
+/// The lowest level of the flight tables. Flights of less are a Taylor step of third order: of
+/// (turn time)^4/24 nothing is left there.
+int first_level(const Model& model) {
+  if (!is_adaptive(model.scene)) return 0;
+  const double turn = std::max(quickest(model), 1e-3);
+  return std::clamp(std::ilogb(2e-4 / (turn * model.tick)), 0, 40);
+}
+
+/// C(i, j)/C(n, j), row j, for i <= n; what is beyond repeats the last and is masked out of the
+/// first and second differences (kernels/adaptive/crossing.hpp).
+void fill_hull(double* table, int n) {
+  for (int i = 0; i < overlap_terms; ++i) {
+    const int last = std::min(i, n);
+    double share = 1.0;
+    for (int j = 0; j <= last; ++j) {
+      table[j * overlap_terms + i] = share;
+      share *= static_cast<double>(last - j) / std::max(1, n - j);
+    }
+    double* mask = table + overlap_terms * overlap_terms + i;
+    mask[0] = i < n ? 1.0 : 0.0;
+    mask[overlap_terms] = i < n - 1 ? 1.0 : 0.0;
+  }
+}
 
 /// Steps over which bounds on the modes are worth anything: what a scheme beyond its limit makes of
 /// them in more is out of all proportion.
@@ -205,11 +276,17 @@ struct Batch::Impl {
     l.shock_capacity = options.shocks_at_once + l.run_capacity;
     l.row = 2 * l.lanes + sample::columns;
 
-    const int stages = scheme_table(model.scene.scheme).stages;
+    const bool adaptive = is_adaptive(model.scene);
+    const int stages = adaptive ? 1 : scheme_table(model.scene.scheme).stages;
     l.stage_rows = first_stage_row(stages);
     l.end_rows = ra2d::end_rows(stages);
     const bool held = form_of(model.scene) == Form::held;
     l.pressed_capacity = held ? pressed_capacity(model) : 0;
+    l.closed_capacity = closed_capacity(model);
+    l.first_level = first_level(model);
+    l.levels = adaptive
+                   ? std::max(1, std::ilogb(static_cast<double>(model.steps)) + 1 - l.first_level)
+                   : 0;
 
     l.mode_tables = arena.reserve<double>(ra2d::mode_tables * l.lanes);
     l.stage = arena.reserve<double>(static_cast<std::size_t>(l.stage_rows) * l.lanes);
@@ -228,6 +305,7 @@ struct Batch::Impl {
     l.open = arena.reserve<OpenShock>(2 * l.run_capacity);
     l.shocks = arena.reserve<ShockRow>(l.shock_capacity);
     l.near = arena.reserve<int>(l.groups);
+    l.far = arena.reserve<int>(l.groups);
     l.watch = arena.reserve<int>(l.groups * width);
     l.touched = arena.reserve<int>(l.groups * width);
     l.force = arena.reserve<double>(l.groups * width);
@@ -242,6 +320,26 @@ struct Batch::Impl {
     l.factor = arena.reserve<double>((room + 1) * room);
     l.across = arena.reserve<double>(room);
     l.share = arena.reserve<double>(room);
+    if (adaptive) {
+      const auto closed = static_cast<std::size_t>(l.closed_capacity);
+      l.flight = arena.reserve<double>(static_cast<std::size_t>(l.levels) * flight_rows * l.lanes);
+      l.gauss = arena.reserve<double>(2 * gauss_room);
+      l.closed = arena.reserve<int>(closed);
+      l.hull = arena.reserve<double>((overlap_terms + 2) * overlap_terms);
+      l.closed_hull = arena.reserve<Hull>(closed);
+      l.closed_sums = arena.reserve<NodeSums>(closed);
+      l.closed_roots = arena.reserve<double>(closed);
+      l.roots = arena.reserve<double>(l.groups * width);
+      l.modal_series = arena.reserve<double>((most_order + 1) * l.lanes);
+      l.square_series = arena.reserve<double>(most_order * l.lanes);
+      l.push_series = arena.reserve<double>((most_order + 1) * l.lanes);
+      l.node_series = arena.reserve<double>(closed * 2 * overlap_terms);
+      l.closed_shape = arena.reserve<double>(closed * 4 * l.lanes);
+      l.scan_shape = arena.reserve<double>(4 * l.lanes);
+      l.scan = arena.reserve<double>(overlap_terms);
+      l.hull_room = arena.reserve<double>(2 * overlap_terms);
+      l.seen = arena.reserve<double>(static_cast<std::size_t>(4) * l.groups * width);
+    }
     return l;
   }
 
@@ -262,7 +360,7 @@ SceneTables Batch::Impl::fill_tables(const Model& model, const Layout& l) {
   const Scene& scene = model.scene;
   const int modes2 = static_cast<int>(model.resonator.modes.size());
   const int modes1 = static_cast<int>(model.slider.modes.size());
-  const double chi = scene.spacing, tau = scene.step;
+  const double chi = scene.spacing, tau = model.tick;
   const double radius = (0.5 * (l.series.patch_nodes + width) + 1.0) * chi;
 
   SceneTables t;
@@ -281,9 +379,13 @@ SceneTables Batch::Impl::fill_tables(const Model& model, const Layout& l) {
   t.spacing = chi;
   t.step = tau;
   t.inverse_radius = chi / radius;
-  // cubic over a window: beta^4 (width/2)^4 / 4! below two ulp
+  // cubic over a window: beta^4 (width/2)^4 / 4! below two ulp, or far below the asked tolerance
+  const double left_out =
+      is_adaptive(scene)
+          ? std::clamp(1e-4 * scene.tolerance.value_or(usual_tolerance), 0x1p-51, 1e-13)
+          : 0x1p-51;
   t.windows = static_cast<int>(std::ceil(
-      std::max(1.0, 0.5 * highest_beta(model.resonator) * chi / std::pow(24 * 0x1p-51, 0.25))));
+      std::max(1.0, 0.5 * highest_beta(model.resonator) * chi / std::pow(24 * left_out, 0.25))));
   t.window_width = 1.0 / t.windows;
   t.resonator_length = scene.resonator.length;
   t.node_stiffness = model.node_stiffness;
@@ -292,13 +394,16 @@ SceneTables Batch::Impl::fill_tables(const Model& model, const Layout& l) {
   t.steps_per_sample = model.steps_per_sample;
   t.samples = model.samples;
 
-  const SchemeTable& scheme = scheme_table(scene.scheme);
-  t.stages = scheme.stages;
-  std::copy_n(scheme.place, scheme.stages, t.place);
-  for (int i = 1; i < t.stages; ++i) t.stage_row[i] = first_stage_row(i);
-  t.velocity_lag = scheme.velocity_lag;
-  t.loss_ends = is_semi_implicit(scene.scheme) ? 0.0 : 0.5;
-  t.longest_look = longest_look(model);
+  const bool adaptive = is_adaptive(scene);
+  const SchemeTable* scheme = adaptive ? nullptr : &scheme_table(scene.scheme);
+  if (scheme != nullptr) {
+    t.stages = scheme->stages;
+    std::copy_n(scheme->place, scheme->stages, t.place);
+    for (int i = 1; i < t.stages; ++i) t.stage_row[i] = first_stage_row(i);
+    t.velocity_lag = scheme->velocity_lag;
+    t.loss_ends = is_semi_implicit(scene.scheme) ? 0.0 : 0.5;
+    t.longest_look = longest_look(model);
+  }
 
   // modes
   double* m = arena.host<double>(l.mode_tables);
@@ -308,10 +413,9 @@ SceneTables Batch::Impl::fill_tables(const Model& model, const Layout& l) {
   double push_of_forces = 0;  // N
   double kick = 0;            // J, see least_energy
   for (const MovingForce& f : scene.resonator.moving_forces) push_of_forces += std::abs(f.force);
-  const auto fill_mode = [&](int lane, const Beam& beam, std::size_t k, bool moves) {
-    const ModeShape& mode = beam.modes[k];
-    const Mode oscillator{mode.omega, beam.zeta, beam.mass_per_length};
-    const ModeStep step = scheme.prepare(oscillator, tau);
+  const auto fill_step = [&](int lane, const Mode& oscillator, double load_force, double reach_of,
+                             double pushed) {
+    const ModeStep step = scheme->prepare(oscillator, tau);
     const StepBounds bounds = bound_step(oscillator, step, t.place, tau, t.longest_look);
     for (int i = 1; i < t.stages; ++i) {
       const auto row = [&](int r) -> double& {
@@ -319,37 +423,71 @@ SceneTables Batch::Impl::fill_tables(const Model& model, const Layout& l) {
       };
       row(0) = step.stage_u[i];
       row(1) = step.stage_v[i];
-      row(2) = step.held_stage(i) * beam.load[k];
+      row(2) = step.held_stage(i) * load_force;
       for (int j = 0; j < i; ++j) row(3 + j) = step.stage_f[i][j];
     }
     const auto end = [&](int r) -> double& { return ends[r * l.lanes + lane]; };
     end(end_u_u) = step.u_u;
     end(end_u_v) = step.u_v;
-    end(end_u_load) = step.held_u() * beam.load[k];
+    end(end_u_load) = step.held_u() * load_force;
     end(end_v_u) = step.v_u;
     end(end_v_v) = step.v_v;
-    end(end_v_load) = step.held_v() * beam.load[k];
+    end(end_v_load) = step.held_v() * load_force;
     for (int j = 0; j < t.stages; ++j) {
       end(end_forces + 2 * j) = step.u_f[j];
       end(end_forces + 2 * j + 1) = step.v_f[j];
     }
     table(held_u)[lane] = step.held_u();
     table(held_v)[lane] = step.held_v();
+    table(pull)[lane] = bounds.pull;
+    // shapes are right to some 1e-15 of their largest
+    t.least_yielding += 1e-26 * step.held_u() * std::pow(reach_of, 2);
+    table(yield)[lane] = reach_of * bounds.force;
+    table(push)[lane] = pushed * bounds.force;
+  };
+  double* flights = arena.host<double>(l.flight);
+  const auto fill_flight = [&](int lane, const Mode& oscillator, double load_force, double reach_of,
+                               double beta) {
+    const double omega_k = oscillator.omega, b = beta * scene.speed, turn_k = quickest(oscillator);
+    table(turn)[lane] = turn_k;
+    table(light)[lane] = 1.0 / oscillator.mass;
+    table(decay)[lane] = 2.0 * oscillator.zeta * omega_k;
+    table(wander)[lane] = b;
+    if (omega_k == 0.0) {
+      table(fall)[lane] = load_force / oscillator.mass;
+      table(swing)[lane] = 1e300;
+    } else {
+      table(rest)[lane] = load_force / (oscillator.mass * omega_k * omega_k);
+      table(swing)[lane] = 2.0 / omega_k;
+      // |U^(j)| <= turn^(j - 1) E, and the node passes over the mode: (turn + b)^4 term by
+      // term
+      table(fourth)[lane] = reach_of * (turn_k * turn_k * (turn_k + 4.0 * b) +
+                                        b * b * (6.0 * turn_k + 4.0 * b) + b * b * b * b / omega_k);
+      t.fourth_rest += reach_of * std::pow(b, 4) * std::abs(table(rest)[lane]);
+    }
+    const auto tables = flight_tables(oscillator, load_force, tau, l.first_level, l.levels);
+    for (int level = 0; level < l.levels; ++level)
+      for (int r = 0; r < flight_rows; ++r)
+        flights[(static_cast<std::size_t>(level) * flight_rows + r) * l.lanes + lane] =
+            tables[level][r];
+  };
+  const auto fill_mode = [&](int lane, const Beam& beam, std::size_t k, bool moves) {
+    const ModeShape& mode = beam.modes[k];
+    const Mode oscillator{mode.omega, beam.zeta, beam.mass_per_length};
     table(load)[lane] = beam.load[k];
     table(mass)[lane] = beam.mass_per_length;
     table(omega)[lane] = mode.omega;
     table(damping)[lane] = 2.0 * beam.zeta * mode.omega * beam.mass_per_length * tau;
-    table(pull)[lane] = bounds.pull;
     const double wave =
         std::hypot(mode.sine, mode.cosine) + std::abs(mode.left) + std::abs(mode.right);
     const double rigid =
         std::max(std::abs(mode.constant), std::abs(mode.constant + mode.slope * beam.length));
     table(reach)[lane] = wave + rigid;
-    // shapes are right to some 1e-15 of their largest
-    t.least_yielding += 1e-26 * step.held_u() * std::pow(wave + rigid, 2);
-    table(yield)[lane] = (wave + rigid) * bounds.force;
     const double pushed = std::abs(beam.load[k]) + (moves ? push_of_forces * (wave + rigid) : 0.0);
-    table(push)[lane] = pushed * bounds.force;
+    if (adaptive)
+      fill_flight(lane, oscillator, beam.load[k], wave + rigid, moves ? mode.beta : 0.0);
+    else
+      fill_step(lane, oscillator, beam.load[k], wave + rigid, pushed);
     kick += 0.5 * std::pow(tau * pushed, 2) / beam.mass_per_length;
     if (moves) {
       // a patch may reach beyond the end of the beam, where the exponential of a free beam grows on
@@ -415,6 +553,25 @@ SceneTables Batch::Impl::fill_tables(const Model& model, const Layout& l) {
   // their work, or (midpoint) half a step behind.
   t.least_energy = 1e-30 + 4.0 * kick;
 
+  if (adaptive) {
+    t.tolerance = scene.tolerance.value_or(usual_tolerance);
+    const double digits = -std::log10(t.tolerance);
+    if (getenv("ORD"))
+      t.order = atoi(getenv("ORD"));
+    else
+      t.order = std::clamp(static_cast<int>(std::lround(4 + 1.25 * digits)), 8, most_order);
+    t.first_level = l.first_level;
+    t.longest_scale = std::min(scene.duration, 64.0 / std::max(quickest(model), 1e-300));
+    t.top = *std::max_element(h1, h1 + model.nodes()) + *std::max_element(h2, h2 + l.height2_size);
+    double* gauss = arena.host<double>(l.gauss);
+    std::copy_n(gauss_place, gauss_points, gauss);
+    std::copy_n(gauss_weight, gauss_points, gauss + gauss_room);
+    t.flight = arena.device<double>(l.flight);
+    t.gauss = arena.device<double>(l.gauss);
+    fill_hull(arena.host<double>(l.hull), t.order + 3);
+    t.hull = arena.device<double>(l.hull);
+  }
+
   auto* moving = arena.host<MovingForceTable>(l.moving);
   for (int i = 0; i < t.moving_forces; ++i) {
     const MovingForce& f = scene.resonator.moving_forces[i];
@@ -431,6 +588,10 @@ SceneTables Batch::Impl::fill_tables(const Model& model, const Layout& l) {
   t.reach = on_device(reach), t.reach_slope = on_device(slope), t.reach_curve = on_device(curve);
   t.tail = on_device(tail), t.tail_slope = on_device(tail_slope);
   t.quartic = on_device(quartic);
+  t.rest = on_device(rest), t.fall = on_device(fall), t.decay = on_device(decay);
+  t.turn = on_device(turn), t.swing = on_device(swing), t.fourth = on_device(fourth),
+  t.wander = on_device(wander);
+  t.light = on_device(light);
   t.patch = arena.device<double>(l.patch);
   t.slider_shape = arena.device<double>(l.shapes);
   t.unit = arena.device<double>(l.unit);
@@ -466,6 +627,7 @@ SceneState Batch::Impl::fill_state(const Model& model, const ModalStart& begin, 
   s.square_part = modal + ra2d::square_part * l.lanes;
   s.bend_part = modal + ra2d::bend_part * l.lanes;
   s.near_u = modal + ra2d::near_u * l.lanes;
+  s.far_u = modal + ra2d::far_u * l.lanes;
   s.energy_start = begin.energy;
   s.sample_rows = arena.device<double>(l.samples);
   s.sample_capacity = l.sample_capacity;
@@ -476,6 +638,7 @@ SceneState Batch::Impl::fill_state(const Model& model, const ModalStart& begin, 
   s.shock_rows = arena.device<ShockRow>(l.shocks);
   s.shock_capacity = l.shock_capacity;
   s.near = arena.device<int>(l.near);
+  s.far = arena.device<int>(l.far);
   s.watch = arena.device<int>(l.watch);
   s.touched = arena.device<int>(l.touched);
   s.touched_force = arena.device<double>(l.force);
@@ -500,6 +663,27 @@ SceneState Batch::Impl::fill_state(const Model& model, const ModalStart& begin, 
   s.factor = arena.device<double>(l.factor);
   s.across = arena.device<double>(l.across);
   s.share = arena.device<double>(l.share);
+  if (is_adaptive(model.scene)) {
+    // about as long as the fastest motion, with a node in contact, lets a series be
+    const double turn = quickest(model);
+    s.stride = turn > 0 ? 1.0 / turn : model.scene.duration;
+    s.level = std::clamp(std::ilogb(s.stride / model.tick), 0, 60);
+    s.closed_capacity = l.closed_capacity;
+    s.closed = arena.device<int>(l.closed);
+    s.closed_hull = arena.device<Hull>(l.closed_hull);
+    s.closed_sums = arena.device<NodeSums>(l.closed_sums);
+    s.closed_roots = arena.device<double>(l.closed_roots);
+    s.roots = arena.device<double>(l.roots);
+    s.series = arena.device<double>(l.modal_series);
+    s.square_series = arena.device<double>(l.square_series);
+    s.push_series = arena.device<double>(l.push_series);
+    s.node_series = arena.device<double>(l.node_series);
+    s.closed_shape = arena.device<double>(l.closed_shape);
+    s.scan_shape = arena.device<double>(l.scan_shape);
+    s.scan = arena.device<double>(l.scan);
+    s.hull_room = arena.device<double>(l.hull_room);
+    s.seen = arena.device<double>(l.seen);
+  }
   return s;
 }
 
@@ -602,6 +786,7 @@ Snapshot Batch::snapshot(int scene) const {
   Snapshot out;
   out.status = s.status;
   out.step = s.step;
+  out.strides = is_adaptive(model.scene) ? s.strides : s.step;
   out.resonator_u = take(ra2d::u, 0, modes2);
   out.resonator_v = take(ra2d::v, 0, modes2);
   out.slider_u = take(ra2d::u, modes2, modes1);

@@ -43,13 +43,14 @@ struct Drained {
 /// The present state of a scene.
 struct Snapshot {
   Status status = Status::running;
-  std::int64_t step = 0;
+  std::int64_t step = 0;  // in ticks (Model)
   std::vector<double> resonator_u, resonator_v, slider_u, slider_v;
   std::vector<double> resonator_square;  // sum over the steps of V_k^2
   std::int64_t contact_steps = 0, most_nodes = 0, evaluated = 0, shocks_begun = 0;
   double energy = 0, energy_limit = 0;
   double sliding_work = 0, force_work = 0;
   std::vector<OpenShock> open_shocks;
+  std::int64_t strides = 0;  // steps made: of adaptive length or fixed
 };
 
 struct BatchOptions {

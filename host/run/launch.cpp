@@ -23,6 +23,8 @@ void launch_march(Form form, int packs, const TablesView& tables, const StatesVi
       return launch<Form::staged>(packs, tables, states, scenes, target, Packs{});
     case Form::held:
       return launch<Form::held>(packs, tables, states, scenes, target, Packs{});
+    case Form::adaptive:
+      return launch<Form::adaptive>(packs, tables, states, scenes, target, Packs{});
   }
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "host/errors.hpp"
+#include "host/plan/schemes.hpp"
 #include "host/surface/surface.hpp"
 
 namespace ra2d {
@@ -20,6 +21,38 @@ std::vector<double> surface_of(const std::string& body, const BodySpec& spec, co
   }
 }
 
+/// A step is a tick. Samples may fall between two.
+void count_steps(Model& m) {
+  const Scene& scene = m.scene;
+  m.tick = scene.step;
+  m.steps = std::llround(scene.duration / scene.step);
+  m.steps_per_sample = 1.0 / (scene.rate * scene.step);
+  const double whole = std::round(m.steps_per_sample);
+  if (std::abs(m.steps_per_sample - whole) < 1e-12 * whole) m.steps_per_sample = whole;
+  m.samples =
+      1 + static_cast<std::int64_t>(static_cast<double>(m.steps) / m.steps_per_sample + 1e-9);
+}
+
+/// Ticks of at most `finest`, 2^halvings to a sample, as long as their number has room to spare in
+/// 64 bits.
+void set_clock(Model& m) {
+  constexpr double finest = 0x1p-51, most_ticks = 0x1p60;
+  const Scene& scene = m.scene;
+  // where there is no sample but the first, any interval beyond the end will do
+  const double rate = std::max(scene.rate, 0.5 / scene.duration);
+  double intervals = scene.duration * rate;
+  const double whole = std::round(intervals);
+  // the end falls on the last sample where it should
+  if (std::abs(intervals - whole) < 0x1p-50 * whole) intervals = whole;
+  int halvings = 0;
+  while (std::ldexp(1.0 / rate, -halvings) > finest) ++halvings;
+  while (halvings > 0 && std::ldexp(intervals, halvings) >= most_ticks) --halvings;
+  m.tick = std::ldexp(1.0 / rate, -halvings);
+  m.steps = std::llround(std::ldexp(intervals, halvings));
+  m.steps_per_sample = std::ldexp(1.0, halvings);
+  m.samples = 1 + static_cast<std::int64_t>(intervals);
+}
+
 }  // namespace
 
 Model make_model(const Scene& scene) {
@@ -32,13 +65,11 @@ Model make_model(const Scene& scene) {
   m.node_stiffness =
       scene.stiffness * scene.spacing * std::min(scene.resonator.width, scene.slider.width);
   m.position = scene.start / scene.spacing;
-  m.advance = scene.speed * scene.step / scene.spacing;
-  m.steps = std::llround(scene.duration / scene.step);
-  m.steps_per_sample = 1.0 / (scene.rate * scene.step);
-  const double whole = std::round(m.steps_per_sample);
-  if (std::abs(m.steps_per_sample - whole) < 1e-12 * whole) m.steps_per_sample = whole;
-  m.samples =
-      1 + static_cast<std::int64_t>(static_cast<double>(m.steps) / m.steps_per_sample + 1e-9);
+  if (is_adaptive(scene))
+    set_clock(m);
+  else
+    count_steps(m);
+  m.advance = scene.speed * m.tick / scene.spacing;
 
   if (scene.gap) {
     m.delta = *scene.gap;

@@ -11,6 +11,8 @@
 /// number of lanes.
 namespace ra2d {
 
+/// Steps are numbered by ticks: of a scheme of fixed steps its step; of the adaptive one those of a
+/// clock, on which every sample falls and which is so fine that rounding to it changes nothing.
 struct Model {
   Scene scene;
   Beam resonator, slider;
@@ -18,9 +20,10 @@ struct Model {
   double delta = 0;                                     // m, imposed distance of the mean lines
   double node_stiffness = 0;                            // N/m, kappa chi w
   double position = 0;                                  // of slider node 0 at t = 0, in chi
-  double advance = 0;                                   // per step, in chi
-  std::int64_t steps = 0;                               // of the whole run
-  double steps_per_sample = 0;
+  double tick = 0;                                      // s, what steps are counted in
+  double advance = 0;                                   // per tick, in chi
+  std::int64_t steps = 0;                               // ticks of the whole run
+  double steps_per_sample = 0;                          // ticks; a power of two when adaptive
   std::int64_t samples = 0;
 
   int nodes() const { return static_cast<int>(slider_height.size()); }

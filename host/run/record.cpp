@@ -39,16 +39,16 @@ std::vector<double> probe_shapes(const Model& model) {
 /// Of ended shocks, or of open ones as if they ended now.
 template <class Row>
 std::vector<Shock> convert_shocks(const Model& model, const std::vector<Row>& rows) {
-  const double tau = model.scene.step, chi = model.scene.spacing;
+  const double tick = model.tick, chi = model.scene.spacing;
   std::vector<Shock> shocks;
   shocks.reserve(rows.size());
   for (const Row& row : rows) {
     Shock shock;
     shock.serial = row.serial;
-    shock.start = static_cast<double>(row.start) * tau;
-    shock.duration = static_cast<double>(row.last - row.start + 1) * tau;
+    shock.start = static_cast<double>(row.start) * tick;
+    shock.duration = static_cast<double>(row.last - row.start + 1) * tick;
     shock.peak_force = row.peak;
-    shock.impulse = row.impulse * tau;
+    shock.impulse = row.impulse * tick;
     // a contact that only touched has no force to weight with
     shock.position =
         row.impulse > 0 ? row.moment / row.impulse * chi : std::numeric_limits<double>::quiet_NaN();

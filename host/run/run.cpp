@@ -12,6 +12,7 @@
 #include "host/errors.hpp"
 #include "host/format.hpp"
 #include "host/plan/plan.hpp"
+#include "host/plan/schemes.hpp"
 #include "host/run/launch_length.hpp"
 #include "host/run/statistics.hpp"
 #include "host/store/store.hpp"
@@ -41,9 +42,20 @@ ResultHeader make_header(const Model& model) {
   return header;
 }
 
+double time_of(const Model& model, const Snapshot& at) {
+  return static_cast<double>(at.step) * model.tick;
+}
+
+std::int64_t steps_made(const Model& model, const Snapshot& at) {
+  return is_adaptive(model.scene) ? at.strides : at.step;
+}
+
 /// Which limit the step crossed with the nodes that were in contact, and the cure.
 std::string describe_limit(const Model& model, int nodes) {
   const Scene& scene = model.scene;
+  if (is_adaptive(scene))
+    return ". adaptive has no limit of stability: check the scene for values far from what they "
+           "should be";
   const SchemeChoice choice = choice_of(scene);
   const JoinedModes place = most_yielding(model);
   StepLimits limits = step_limits(model, choice, place);
@@ -71,14 +83,24 @@ std::string describe_limit(const Model& model, int nodes) {
 }
 
 std::string describe_failure(const Model& model, const Snapshot& end) {
-  const Scene& scene = model.scene;
-  const std::string when =
-      fmt::format("t = {:.6g} s (step {})", static_cast<double>(end.step) * scene.step, end.step);
+  const double time = time_of(model, end);
+  const std::string when = fmt::format("t = {:.6g} s (step {})", time, steps_made(model, end));
   if (end.status == Status::blocked)
     return fmt::format(
         "no motion of the kept modes keeps the faces apart at {}: keep more modes (max_frequency), "
         "use contact.law = \"penalty\", or a larger scene.gap",
         when);
+  if (end.status == Status::stalled)
+    return fmt::format(
+        "at {} the motion is too fast for steps of the clock ({:.2g} s): check the scene for "
+        "values "
+        "far from what they should be",
+        when, model.tick);
+  if (end.status == Status::crowded && is_adaptive(model.scene))
+    return fmt::format(
+        "more nodes than there is room for ({}) touch at once with time.scheme = \"adaptive\", at "
+        "{}: use a fixed step (time.scheme = \"midpoint\" with time.step) or a wider scene.spacing",
+        most_sprung_nodes, when);
   if (end.status == Status::crowded)
     return fmt::format(
         "more nodes than there is room for ({}) carry force at once with time.contact_force = "
@@ -98,6 +120,7 @@ std::string describe_failure(const Model& model, const Snapshot& end) {
 /// holds.
 std::string checked_limit(const Model& model) {
   const Scene& scene = model.scene;
+  if (is_adaptive(scene)) return {};
   const SchemeChoice choice = choice_of(scene);
   const JoinedModes place = most_yielding(model);
   // the search for its limit takes many times as long as a look at the step that is asked for
@@ -130,7 +153,7 @@ RunReport run(const Scene& scene, const RunOptions& options) {
   EnergyAccount energy;
   LogHistogram durations, forces;
   std::int64_t samples = 0;
-  LaunchLength launch;
+  LaunchLength launch(model);
   Snapshot now = batch.snapshot(0);
   const auto keep = [&](const std::vector<Shock>& shocks) {
     for (const Shock& shock : shocks) {
@@ -164,11 +187,12 @@ RunReport run(const Scene& scene, const RunOptions& options) {
     if (options.progress && seconds_since(shown) > 0.2) {
       shown = Clock::now();
       Progress progress;
-      progress.time = static_cast<double>(now.step) * scene.step;
+      progress.time = time_of(model, now);
       progress.duration = scene.duration;
       progress.wall = seconds_since(marching);
-      progress.steps_per_second = static_cast<double>(now.step) / progress.wall;
-      progress.left = static_cast<double>(model.steps - now.step) / progress.steps_per_second;
+      progress.steps_per_second = static_cast<double>(steps_made(model, now)) / progress.wall;
+      progress.left = progress.wall * static_cast<double>(model.steps - now.step) /
+                      static_cast<double>(std::max<std::int64_t>(1, now.step));
       options.progress(progress);
     }
   }
@@ -178,9 +202,9 @@ RunReport run(const Scene& scene, const RunOptions& options) {
     report.failure = describe_failure(model, now);
   }
 
-  const double steps = static_cast<double>(std::max<std::int64_t>(1, now.step));
-  report.steps = now.step;
-  report.time = static_cast<double>(now.step) * scene.step;
+  const double ticks = static_cast<double>(std::max<std::int64_t>(1, now.step));
+  report.steps = steps_made(model, now);
+  report.time = time_of(model, now);
   report.v_rms = v_rms(model, now);
   report.lv = level(report.v_rms);
   report.shocks = now.step > 0 ? static_cast<double>(durations.total()) / report.time : 0.0;
@@ -188,8 +212,9 @@ RunReport run(const Scene& scene, const RunOptions& options) {
   report.duration_90 = durations.quantile(0.9);
   report.force_median = forces.quantile(0.5);
   report.force_90 = forces.quantile(0.9);
-  report.contact_share = static_cast<double>(now.contact_steps) / steps;
-  report.evaluated = static_cast<double>(now.evaluated) / steps;
+  report.contact_share = static_cast<double>(now.contact_steps) / ticks;
+  report.evaluated = static_cast<double>(now.evaluated) /
+                     static_cast<double>(std::max<std::int64_t>(1, report.steps));
   report.energy = energy.balance();
   report.wall_seconds = seconds_since(begun);
 

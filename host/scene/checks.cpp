@@ -14,9 +14,10 @@
 namespace ra2d {
 namespace {
 
-constexpr double most_steps = 9e15;  // a step number stays exact in a double
+constexpr double most_steps = 9e15;  // the number of a step or a sample stays exact in a double
 constexpr double most_nodes = 5e7;
 constexpr double most_modes = 1e6;
+constexpr double least_tolerance = 1e-13, most_tolerance = 1e-2;
 constexpr double least_per_wave = 4;  // spacings in rsm or a correlation length
 constexpr double rounding = 1e-9;     // of a spacing, as for the number of nodes
 
@@ -27,7 +28,27 @@ std::string at_most(double bound) {
   return fmt::format("{:.6g}", std::floor(bound / unit + 1e-5) * unit);
 }
 
+/// The adaptive scheme has no step to fit, neither to the run nor to the rate.
+void check_adaptive(const Scene& s, Document& document) {
+  const double samples = s.duration * s.rate;
+  if (samples > most_steps)
+    document.fault("output.rate",
+                   fmt::format("{} Hz takes {:.3g} samples in {} s: expected at most {:g} samples "
+                               "(a lower rate or a shorter duration)",
+                               s.rate, samples, s.duration, most_steps));
+  const double tolerance = s.tolerance.value_or(usual_tolerance);
+  const bool small = tolerance < least_tolerance;
+  if (small || tolerance > most_tolerance)
+    document.fault(
+        "time.tolerance",
+        fmt::format("{} {}: expected a relative error per step from {:g} to {:g}", tolerance,
+                    small ? "asks for less than what roundings do in a step"
+                          : "lets the errors of a few steps grow as large as the motion",
+                    least_tolerance, most_tolerance));
+}
+
 void check_times(const Scene& s, Document& document) {
+  if (is_adaptive(s)) return check_adaptive(s, document);
   const double steps = s.duration / s.step;
   if (steps > most_steps)
     document.fault("time.step",
@@ -156,7 +177,15 @@ void check_loads(const Scene& s, Document& document) {
 /// What multipliers ask of the scheme and of the bodies.
 void check_law(const Scene& s, Document& document) {
   if (s.law != ContactLaw::multiplier) return;
-  if (!takes_multipliers(s.scheme))
+  if (is_adaptive(s))
+    document.fault(
+        "contact.law",
+        "\"multiplier\" with time.scheme = \"adaptive\": between bodies of finitely many "
+        "modes this law leaves open what an impact gives back. With fixed steps the "
+        "scheme decides it, each in its own way however small the step, so there is no "
+        "motion for an error control to converge to: expected \"penalty\", stiff (or a "
+        "fixed step, time.scheme = \"backward-euler\")");
+  else if (!takes_multipliers(s.scheme))
     document.fault("contact.law",
                    fmt::format("\"multiplier\" with time.scheme = \"{}\": the force of a step does "
                                "not move its end, so none keeps the faces apart: expected "

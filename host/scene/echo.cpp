@@ -3,6 +3,7 @@
 
 #include <iterator>
 
+#include "host/plan/schemes.hpp"
 #include "host/scene/names.hpp"
 #include "host/scene/scene.hpp"
 #include "host/scene/text.hpp"
@@ -125,16 +126,19 @@ std::string echo(const Scene& scene) {
   out.section("[time]");
   out.key("scheme", schemes.name(scene.scheme));
   out.key("contact_force", force_times.name(scene.force_time),
-          !spring ? "multipliers are found with the end of the step"
+          !spring              ? "multipliers are found with the end of the step"
+          : is_adaptive(scene) ? "adaptive takes the force as it changes"
           : scene.scheme != SchemeKind::backward_euler
               ? fmt::format("{} takes the force at its stages", schemes.name(scene.scheme))
               : "");
-  out.key("step", scene.step);
+  const bool adaptive = is_adaptive(scene);
+  if (!adaptive || scene.step > 0)
+    out.key("step", scene.step, adaptive ? "adaptive finds its steps" : "");
   if (scene.tolerance)
     out.key("tolerance", *scene.tolerance,
-            fmt::format("{} takes fixed steps", schemes.name(scene.scheme)));
+            adaptive ? "" : fmt::format("{} takes fixed steps", schemes.name(scene.scheme)));
   out.key("nodes", node_choices.name(scene.nodes));
-  if (scene.force) out.raw("force", "true");
+  if (scene.force) out.raw("force", "true", adaptive ? "adaptive has no limit of stability" : "");
 
   out.section("[output]");
   out.key("rate", scene.rate);

@@ -11,38 +11,35 @@ namespace ra2d {
 
 template <class E>
 struct Choices {
-  std::vector<std::pair<std::string, E>> now;
-  std::vector<std::string> later;  // promised, not in this version
+  std::vector<std::pair<std::string, E>> words;
 
   const std::string& name(E value) const {
-    for (const auto& [word, candidate] : now)
+    for (const auto& [word, candidate] : words)
       if (candidate == value) return word;
-    return now.front().first;  // not reached: every value has its word
+    return words.front().first;  // not reached: every value has its word
   }
 };
 
 inline const Choices<Support> supports{
-    {{"pinned", Support::pinned}, {"free", Support::free}, {"rigid", Support::rigid}}, {}};
+    {{"pinned", Support::pinned}, {"free", Support::free}, {"rigid", Support::rigid}}};
 inline const Choices<SurfaceKind> surface_kinds{{{"gaussian", SurfaceKind::gaussian},
                                                  {"file", SurfaceKind::file},
                                                  {"peaks", SurfaceKind::peaks},
-                                                 {"flat", SurfaceKind::flat}},
-                                                {}};
+                                                 {"flat", SurfaceKind::flat}}};
 inline const Choices<Initial> initial_states{
-    {{"rest", Initial::rest}, {"static", Initial::statics}}, {}};
+    {{"rest", Initial::rest}, {"static", Initial::statics}}};
 inline const Choices<ContactLaw> contact_laws{
-    {{"penalty", ContactLaw::penalty}, {"multiplier", ContactLaw::multiplier}}, {}};
+    {{"penalty", ContactLaw::penalty}, {"multiplier", ContactLaw::multiplier}}};
 inline const Choices<SchemeKind> schemes{{{"explicit-euler", SchemeKind::explicit_euler},
                                           {"midpoint", SchemeKind::midpoint},
                                           {"backward-euler", SchemeKind::backward_euler},
                                           {"heun", SchemeKind::heun},
                                           {"rk4", SchemeKind::rk4},
                                           {"rk8", SchemeKind::rk8},
-                                          {"exact", SchemeKind::exact}},
-                                         {"adaptive"}};
+                                          {"exact", SchemeKind::exact},
+                                          {"adaptive", SchemeKind::adaptive}}};
 inline const Choices<ForceTime> force_times{
-    {{"old", ForceTime::old_time}, {"new", ForceTime::new_time}}, {}};
-inline const Choices<Nodes> node_choices{{{"candidates", Nodes::candidates}, {"all", Nodes::all}},
-                                         {}};
+    {{"old", ForceTime::old_time}, {"new", ForceTime::new_time}}};
+inline const Choices<Nodes> node_choices{{{"candidates", Nodes::candidates}, {"all", Nodes::all}}};
 
 }  // namespace ra2d

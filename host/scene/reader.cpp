@@ -305,10 +305,10 @@ std::optional<std::string> Reader::text(const std::string& key, const std::strin
   return std::nullopt;
 }
 
-std::optional<std::string> Reader::word(const std::string& key, const std::vector<std::string>& now,
-                                        const std::vector<std::string>& later, Need need) {
+std::optional<std::string> Reader::word(const std::string& key,
+                                        const std::vector<std::string>& words, Need need) {
   auto& parts = *document_->parts_;
-  const std::string expected = any_of(now, "\"");
+  const std::string expected = any_of(words, "\"");
   const toml::node* node = parts.take(index_, key, need, expected);
   if (node == nullptr) return std::nullopt;
   const std::string path = join(parts.seen[index_].path, key);
@@ -317,19 +317,9 @@ std::optional<std::string> Reader::word(const std::string& key, const std::vecto
     parts.wrong(*node, path, expected);
     return std::nullopt;
   }
-  if (std::find(now.begin(), now.end(), given->get()) != now.end()) return given->get();
-  if (std::find(later.begin(), later.end(), given->get()) != later.end()) {
-    parts.fault(*node, path,
-                fmt::format("{} is not available yet: expected {}", shown(*node), expected));
-    return std::nullopt;
-  }
-  std::vector<std::string> known = now;
-  known.insert(known.end(), later.begin(), later.end());
-  std::string meant;
-  if (const auto near = nearest(given->get(), known)) {
-    const bool there = std::find(now.begin(), now.end(), *near) != now.end();
-    meant = fmt::format(" (did you mean \"{}\"?{})", *near, there ? "" : " not available yet");
-  }
+  if (std::find(words.begin(), words.end(), given->get()) != words.end()) return given->get();
+  const auto near = nearest(given->get(), words);
+  const std::string meant = near ? fmt::format(" (did you mean \"{}\"?)", *near) : std::string{};
   parts.fault(*node, path,
               fmt::format("{} is unknown: expected {}{}", shown(*node), expected, meant));
   return std::nullopt;

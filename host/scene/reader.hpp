@@ -54,10 +54,10 @@ class Reader {
 
   template <class E>
   std::optional<E> choice(const std::string& key, const Choices<E>& choices, Need need) {
-    std::vector<std::string> now;
-    for (const auto& named : choices.now) now.push_back(named.first);
-    const auto chosen = word(key, now, choices.later, need);
-    for (const auto& [name, value] : choices.now)
+    std::vector<std::string> words;
+    for (const auto& named : choices.words) words.push_back(named.first);
+    const auto chosen = word(key, words, need);
+    for (const auto& [name, value] : choices.words)
       if (chosen == name) return value;
     return std::nullopt;
   }
@@ -66,8 +66,8 @@ class Reader {
   void one_of(const std::string& first, const std::string& second);
 
  private:
-  std::optional<std::string> word(const std::string& key, const std::vector<std::string>& now,
-                                  const std::vector<std::string>& later, Need need);
+  std::optional<std::string> word(const std::string& key, const std::vector<std::string>& words,
+                                  Need need);
   Document* document_;
   std::size_t index_;
 };

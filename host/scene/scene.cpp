@@ -6,8 +6,10 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <limits>
 
 #include "host/errors.hpp"
+#include "host/plan/schemes.hpp"
 #include "host/scene/checks.hpp"
 #include "host/scene/names.hpp"
 #include "host/scene/reader.hpp"
@@ -98,11 +100,17 @@ Scene read(Document& document, const std::filesystem::path& file) {
           .value_or(0);
 
   in = document.section("time");
-  scene.scheme = in.choice("scheme", schemes, Need::optional).value_or(SchemeKind::backward_euler);
+  const auto scheme = in.choice("scheme", schemes, Need::optional);
+  scene.scheme = scheme.value_or(SchemeKind::backward_euler);
   scene.force_time =
       in.choice("contact_force", force_times, Need::optional).value_or(ForceTime::old_time);
-  scene.step = *in.number("step", positive, "s");
+  const bool adaptive = is_adaptive(scene);
+  // of a scheme that is not known it is not known either whether it needs a step
+  const bool fixed = !adaptive && (scheme || !in.has("scheme"));
+  scene.step = in.number("step", positive, "s", needed(fixed))
+                   .value_or(adaptive ? 0.0 : std::numeric_limits<double>::quiet_NaN());
   scene.tolerance = in.number("tolerance", positive, "", Need::optional);
+  if (adaptive && !scene.tolerance) scene.tolerance = usual_tolerance;
   scene.nodes = in.choice("nodes", node_choices, Need::optional).value_or(Nodes::candidates);
   scene.force = in.boolean("force").value_or(false);
 

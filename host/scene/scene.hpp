@@ -13,7 +13,7 @@ enum class Support { pinned, free, rigid };
 enum class SurfaceKind { flat, peaks, file, gaussian };
 enum class Initial { rest, statics };  // "rest", "static"
 enum class ContactLaw { penalty, multiplier };
-enum class SchemeKind { explicit_euler, midpoint, backward_euler, heun, rk4, rk8, exact };
+enum class SchemeKind { explicit_euler, midpoint, backward_euler, heun, rk4, rk8, exact, adaptive };
 /// When backward Euler takes the penalty force.
 enum class ForceTime { old_time, new_time };
 enum class Nodes { all, candidates };
@@ -78,14 +78,17 @@ struct Scene {
 
   SchemeKind scheme = SchemeKind::backward_euler;
   ForceTime force_time = ForceTime::old_time;
-  double step = 0;                  // s, tau
-  std::optional<double> tolerance;  // stands for the adaptive scheme; not used by the others
+  double step = 0;                  // s, tau; adaptive needs none: 0 where none stands
+  std::optional<double> tolerance;  // adaptive: relative local error per step; others need none
   Nodes nodes = Nodes::candidates;
   bool force = false;  // run beyond the limit of stability, too
 
   double rate = 0;             // Hz, samples at t_j = j / rate
   std::vector<double> probes;  // m, on the resonator
 };
+
+/// The tolerance of an adaptive scene that names none.
+inline constexpr double usual_tolerance = 1e-8;
 
 /// Reads and checks a scene (contract: "Scene"). `overrides` are "section.key=value" texts of
 /// --set. Throws RequestError that names every fault at once, FileError when the file cannot be

@@ -96,7 +96,15 @@ class NodeContact {
                                              const Real* u) const {
     Real product = phi[0] * u[0];
     for (int p = 1; p < K; ++p) product = multiply_add(phi[p], u[p], product);
-    return Kokkos::fma(theta, rise(node), s_.node_face[2 * node]) + lanes_.sum(product);
+    return face(node, theta) + lanes_.sum(product);
+  }
+  /// The rough faces' part of the overlap of an expanded node [m].
+  KOKKOS_FORCEINLINE_FUNCTION double face(int node, double theta) const {
+    return Kokkos::fma(theta, rise(node), s_.node_face[2 * node]);
+  }
+  /// Cubics of all modes at an expanded node over the window: (derivative, lane).
+  KOKKOS_FORCEINLINE_FUNCTION const double* expanded(int node) const {
+    return s_.node_shape + node_offset(node);
   }
   /// Rise of the resonator's face to its next node [m].
   KOKKOS_FORCEINLINE_FUNCTION double rise(int node) const { return s_.node_face[2 * node + 1]; }

@@ -158,6 +158,30 @@ TEST(Chart, TheProgramPrintsTheTableAndWritesItsFiles) {
     EXPECT_THAT(entry.path().string(), Not(HasSubstr("partial")));
 }
 
+constexpr auto stepless = R"([scene]
+duration = 1e-3
+speed = 0.0
+start = 0.0
+spacing = 1e-3
+[resonator]
+support = "pinned"
+length = 0.3
+thickness = 0.002
+width = 0.2
+young = 210e9
+density = 7800
+damping = 0.02
+modes = 3
+[slider]
+support = "rigid"
+length = 0.1
+width = 0.2
+[contact]
+stiffness = 1e13
+[time]
+scheme = "adaptive"
+)";
+
 TEST(Chart, WrongRequestsEndWithTwoAndSayWhy) {
   const Folder folder;
   const auto run = [&](std::vector<std::string> words) {
@@ -172,6 +196,11 @@ TEST(Chart, WrongRequestsEndWithTwoAndSayWhy) {
   const Ended faulty = run({"stability", "--set", "time.stp=1"});
   EXPECT_EQ(faulty.status, 2);
   EXPECT_THAT(faulty.err, AllOf(HasSubstr("time.stp"), HasSubstr("dang2012.toml")));
+  write_text(folder.path() / "stepless.toml", stepless);
+  const Ended without_step = run({"stability", "stepless.toml"});
+  EXPECT_EQ(without_step.status, 2);
+  EXPECT_THAT(without_step.err, AllOf(HasSubstr("stepless.toml: time.step: missing"),
+                                      HasSubstr("--set time.step=1e-8")));
   EXPECT_EQ(run({"stability", "nowhere.toml"}).status, 4);
   const Ended help = run({"stability", "--help"});
   EXPECT_EQ(help.status, 0);

@@ -106,6 +106,29 @@ TEST(Plan, OfMultipliersKnowsNoSpring) {
   }
 }
 
+TEST(Plan, OfAnAdaptiveSceneKnowsNoStep) {
+  Scene s = pressed_plate();
+  s.scheme = SchemeKind::adaptive;
+  s.tolerance = 1e-9;
+  s.speed = 0.1;
+  std::string texts[3];
+  for (int i = 0; i < 3; ++i) {
+    s.step = i == 0 ? 0.0 : i == 1 ? 1e-7 : 1.0;
+    texts[i] = text_of(s);
+  }
+  SCOPED_TRACE(texts[0]);
+  EXPECT_THAT(texts[0],
+              AllOf(HasSubstr("scheme     adaptive, to a relative error of 1e-09 a step"),
+                    HasSubstr("closed form"), HasSubstr("stability  no limit"), HasSubstr("memory"),
+                    HasSubstr("2001 samples"), Not(HasSubstr("cost")), Not(HasSubstr("steps of")),
+                    Not(HasSubstr("holds up to")), Not(HasSubstr("note")), Not(HasSubstr("nan")),
+                    Not(HasSubstr("inf"))));
+  EXPECT_EQ(texts[1], texts[0]);
+  EXPECT_EQ(texts[2], texts[0]);
+  // and the others' table is of steps
+  EXPECT_THAT(text_of(pressed_plate()), Not(HasSubstr("adaptive")));
+}
+
 TEST(Plan, SaysWhatTheStepMakesOfTheHighestMode) {
   Scene s = pressed_plate();
   const Model model = make_model(s);
@@ -120,7 +143,8 @@ TEST(Plan, SaysWhatTheStepMakesOfTheHighestMode) {
 }
 
 TEST(Plan, IsReadableAtAHundredColumns) {
-  for (const SchemeKind scheme : {SchemeKind::backward_euler, SchemeKind::rk8}) {
+  for (const SchemeKind scheme :
+       {SchemeKind::backward_euler, SchemeKind::rk8, SchemeKind::adaptive}) {
     Scene s = pressed_plate();
     s.scheme = scheme;
     std::istringstream in(text_of(s));

@@ -88,9 +88,13 @@ TEST_F(Program, WrongRequestsEndWithTwoAndSayWhy) {
   EXPECT_FALSE(fs::exists(folder_ / "peaks.h5"));
 }
 
-TEST_F(Program, WhatComesLaterIsRefusedByName) {
-  EXPECT_EQ(run({"run", scene("peaks"), "--set", "time.scheme=adaptive"}), 2);
-  EXPECT_THAT(err_, AllOf(HasSubstr("adaptive"), HasSubstr("not available yet")));
+TEST_F(Program, AdaptiveWithMultipliersIsRefusedWithTheReason) {
+  EXPECT_EQ(run({"run", scene("peaks"), "--set", "time.scheme=adaptive", "--set",
+                 "contact.law=multiplier"}),
+            2);
+  EXPECT_THAT(err_, AllOf(HasSubstr("contact.law"), HasSubstr("what an impact gives back"),
+                          HasSubstr("expected \"penalty\"")));
+  EXPECT_FALSE(fs::exists(folder_ / "peaks.h5"));
 }
 
 TEST_F(Program, FilesThatCannotBeReadOrWrittenEndWithFour) {

@@ -253,7 +253,11 @@ const Change static_start{"start", "initial = \"static\"\nstart"};
 const Change free_resonator{"\"pinned\"", "\"free\""};
 
 const std::string all_schemes =
-    "\"explicit-euler\", \"midpoint\", \"backward-euler\", \"heun\", \"rk4\", \"rk8\" or \"exact\"";
+    "\"explicit-euler\", \"midpoint\", \"backward-euler\", \"heun\", \"rk4\", \"rk8\", \"exact\" "
+    "or "
+    "\"adaptive\"";
+const Change adaptive{"step = 1e-6", "scheme = \"adaptive\""};
+const Change multiplier{"stiffness = 1e15", "law = \"multiplier\""};
 
 const std::vector<Refused> refused{
     // not TOML
@@ -405,9 +409,10 @@ const std::vector<Refused> refused{
      {{"step", "scheme = \"backward_euler\"\nstep"}},
      {"s.toml:28: time.scheme: \"backward_euler\" is unknown: expected " + all_schemes +
       " (did you mean \"backward-euler\"?)"}},
-    {"UnknownLaterScheme",
-     {{"step", "scheme = \"adaptiv\"\nstep"}},
-     {"(did you mean \"adaptive\"? not available yet)"}},
+    {"UnknownSchemeWithoutAStep",
+     {{"step = 1e-6", "scheme = \"adaptiv\""}},
+     {"s.toml:28: time.scheme: \"adaptiv\" is unknown: expected " + all_schemes +
+      " (did you mean \"adaptive\"?)"}},
     {"UnknownLaw",
      {{"stiffness", "law = \"penalties\"\nstiffness"}},
      {"did you mean \"penalty\"?"}},
@@ -426,6 +431,28 @@ const std::vector<Refused> refused{
     {"MultiplierBetweenBodiesThatCannotMove",
      {rigid_slider, {"modes = 19", "modes = 0"}, {"stiffness", "law = \"multiplier\"\nstiffness"}},
      {"s.toml:26: contact.law: \"multiplier\" between bodies that keep no mode"}},
+    {"MultiplierWithAdaptive",
+     {multiplier, adaptive},
+     {"s.toml:26: contact.law: \"multiplier\" with time.scheme = \"adaptive\": between bodies of "
+      "finitely many modes this law leaves open what an impact gives back",
+      "expected \"penalty\", stiff (or a fixed step, time.scheme = \"backward-euler\")"}},
+    {"AdaptiveToleranceTooSmall",
+     {adaptive, {"", "tolerance = 0.99e-13\n"}},
+     {"s.toml:29: time.tolerance: 9.9e-14 asks for less than what roundings do in a step: expected "
+      "a relative error per step from 1e-13 to 0.01"}},
+    {"AdaptiveToleranceTooLarge",
+     {adaptive, {"", "tolerance = 0.011\n"}},
+     {"s.toml:29: time.tolerance: 0.011 lets the errors of a few steps grow as large as the motion",
+      "from 1e-13 to 0.01"}},
+    {"AdaptiveToleranceNoNumber",
+     {adaptive, {"", "tolerance = \"small\"\n"}},
+     {"s.toml:29: time.tolerance: \"small\" is not allowed: expected a number > 0"}},
+    {"AdaptiveStepNoNumber",
+     {adaptive, {"", "step = 0\n"}},
+     {"s.toml:29: time.step: 0 is not allowed: expected a number > 0 (s)"}},
+    {"AdaptiveTooManySamples",
+     {adaptive, {"", "[output]\nrate = 1e18\n"}},
+     {"s.toml:30: output.rate: 1e+18 Hz takes 1e+17 samples in 0.1 s: expected at most 9e+15"}},
     {"BothModeKeys",
      {{"modes = 19", "modes = 19\nmax_frequency = 1"}},
      {"s.toml:14: resonator.modes: stands beside `max_frequency`: expected one of the two (drop "
@@ -509,11 +536,38 @@ const std::vector<Refused> refused{
 INSTANTIATE_TEST_SUITE_P(Each, SceneRefuses, testing::ValuesIn(refused),
                          [](const auto& info) { return info.param.name; });
 
-TEST(Scene, LaterSchemesAreRefusedByName) {
-  EXPECT_EQ(
-      refusal(scene_text({{"step", "scheme = \"adaptive\"\nstep"}})),
-      "s.toml: 1 fault\ns.toml:28: time.scheme: \"adaptive\" is not available yet: expected " +
-          all_schemes);
+TEST(Scene, AdaptiveNeedsNoStep) {
+  const Scene s = parse(scene_text({adaptive}));
+  EXPECT_EQ(s.scheme, SchemeKind::adaptive);
+  EXPECT_EQ(s.step, 0);
+  EXPECT_EQ(s.tolerance, 1e-8);
+  EXPECT_THAT(echo(s), HasSubstr("\nscheme = \"adaptive\"\n"));
+  EXPECT_THAT(echo(s), HasSubstr("\ntolerance = 1e-08\n"));
+  EXPECT_THAT(echo(s), Not(HasSubstr("\nstep")));
+  expect_round_trip(s);
+}
+
+TEST(Scene, AdaptiveLetsAStepStand) {
+  // one that would be too long for the run and for the rate
+  const Scene s = parse(minimal, {"time.scheme=adaptive", "time.step=1", "time.tolerance=1e-10",
+                                  "time.contact_force=new", "time.force=true", "output.rate=1e7"});
+  EXPECT_EQ(s.step, 1);
+  EXPECT_EQ(s.tolerance, 1e-10);
+  for (const char* line :
+       {"\nstep = 1.0  # not used: adaptive finds its steps\n", "\ntolerance = 1e-10\n",
+        "\ncontact_force = \"new\"  # not used: adaptive takes the force as it changes\n",
+        "\nforce = true  # not used: adaptive has no limit of stability\n"})
+    EXPECT_THAT(echo(s), HasSubstr(line));
+  expect_round_trip(s);
+}
+
+TEST(Scene, AdaptiveTakesTolerancesFromEndToEnd) {
+  for (const std::string tolerance : {"1e-13", "1e-2"})
+    EXPECT_EQ(refusal(minimal, {"time.scheme=adaptive", "time.tolerance=" + tolerance}),
+              "accepted");
+  // other schemes let any stand
+  EXPECT_EQ(refusal(minimal, {"time.tolerance=1e-20"}), "accepted");
+  EXPECT_EQ(refusal(minimal, {"time.tolerance=1"}), "accepted");
 }
 
 TEST(Scene, SchemesAndLawsAreChosenByName) {
@@ -524,12 +578,13 @@ TEST(Scene, SchemesAndLawsAreChosenByName) {
       {"heun", SchemeKind::heun},
       {"rk4", SchemeKind::rk4},
       {"rk8", SchemeKind::rk8},
-      {"exact", SchemeKind::exact}};
+      {"exact", SchemeKind::exact},
+      {"adaptive", SchemeKind::adaptive}};
   for (const auto& [name, scheme] : names) {
     const Scene s = parse(minimal, {"time.scheme=" + name});
     EXPECT_EQ(s.scheme, scheme);
     expect_round_trip(s);
-    if (scheme == SchemeKind::explicit_euler) continue;
+    if (scheme == SchemeKind::explicit_euler || scheme == SchemeKind::adaptive) continue;
     EXPECT_EQ(parse(minimal, {"time.scheme=" + name, "contact.law=multiplier"}).law,
               ContactLaw::multiplier);
   }
@@ -664,8 +719,8 @@ TEST(SceneOverrides, FaultsAreLocatedByTheirText) {
        "resonator.surface.kind: \"gausian\" is unknown: expected \"gaussian\", \"file\", \"peaks\" "
        "or "
        "\"flat\" (did you mean \"gaussian\"?)"},
-      {"time.scheme=adaptive",
-       "time.scheme: \"adaptive\" is not available yet: expected " + all_schemes},
+      {"time.scheme=adaptve", "time.scheme: \"adaptve\" is unknown: expected " + all_schemes +
+                                  " (did you mean \"adaptive\"?)"},
       {"scene.speed=1 2", "scene.speed: \"1 2\" is not allowed: expected a number >= 0 (m/s)"},
       {"scene.start.x=1",
        "scene.start: 0.1 is no table, it has no `x`: expected scene.start=value, to set it as a "

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "bench/peers/watched.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <numeric>
+
+namespace ra2d::peers {
+namespace {
+
+/// Longest way that a list is made for: beyond, more nodes are listed than are left out.
+constexpr int most_windows = 32;
+/// ... and time, in periods of the fastest mode.
+constexpr double periods = 2;
+
+}  // namespace
+
+Watched::Watched(Equations& equations, Nodes nodes) : equations_{equations}, nodes_{nodes} {
+  const double fastest = equations.modes() > 0 ? equations.omega.maxCoeff() : 0;
+  horizon_ = fastest > 0 ? periods * 2 * std::numbers::pi / fastest : 1e-3;
+  if (all()) {
+    list_.resize(equations.nodes());
+    std::iota(list_.begin(), list_.end(), 0);
+    end_ = std::numeric_limits<double>::infinity();
+  }
+}
+
+double Watched::rate_bound(const double* y) const {
+  const Eigen::Map<const Eigen::ArrayXd> v(y + equations_.modes(), equations_.modes());
+  return (equations_.largest * v.abs()).sum();
+}
+
+double Watched::moved(const double* y) const {
+  const Eigen::Map<const Eigen::ArrayXd> u(y, equations_.modes());
+  return (equations_.largest * (u - reference_).abs()).sum();
+}
+
+bool Watched::look_ahead(double t, const double* y, double time) {
+  if (all()) return false;
+  const double way = 1.5 * time * rate_bound(y);
+  if (t + time <= end_ && moved(y) + way <= reach_) return false;
+  make(t, y, time, 2 * way);
+  return true;
+}
+
+bool Watched::covered(double t, const double* y, double t_end, const double* y_end) {
+  if (all() || (t_end <= end_ && moved(y_end) <= reach_)) return true;
+  reference_ = Eigen::Map<const Eigen::ArrayXd>(y, equations_.modes());
+  make(t, y, t_end - t, 2 * moved(y_end));
+  return false;
+}
+
+void Watched::make(double t, const double* y, double time, double reach) {
+  const int modes = equations_.modes();
+  const Eigen::Map<const Eigen::ArrayXd> u(y, modes), v(y + modes, modes);
+  const Place& place = equations_.place(t);
+  const double rate = equations_.rate();
+  double lasting = std::max(horizon_, time);
+  int windows = 1;
+  end_ = std::numeric_limits<double>::infinity();
+  if (rate > 0) {
+    // at least those of the time that was asked for, and one more for its roundings
+    const double needed = std::floor(place.theta + time * rate) + 2;
+    const double wanted = std::min<double>(std::ceil(place.theta + lasting * rate), most_windows);
+    windows = static_cast<int>(std::max(needed, wanted));
+    end_ = equations_.time_at(place.base + windows);
+    lasting = std::min(lasting, end_ - t);
+  }
+  // what the modes do on their own in that time, and as much again for the contact forces
+  const Eigen::ArrayXd swing = (v.square() + (equations_.omega * u).square()).sqrt();
+  const Eigen::ArrayXd most = swing * (2 / equations_.omega).min(lasting);
+  reach_ = std::max({1.25 * (equations_.largest * most).sum(), reach, 1e-4 * equations_.roughness});
+  reference_ = u;
+  const double bend = windows * equations_.spacing * (equations_.steepest * u.abs()).sum();
+  equations_.highest(place, windows, y, highest_);
+  list_.resize(highest_.size());
+  const double level = -(reach_ + bend);
+  std::size_t count = 0;
+  for (Eigen::Index n = 0; n < highest_.size(); ++n) {
+    list_[count] = static_cast<int>(n);
+    count += highest_[n] >= level;
+  }
+  list_.resize(count);
+}
+
+}  // namespace ra2d::peers

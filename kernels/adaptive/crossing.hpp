@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <Kokkos_Core.hpp>
+
+#include "kernels/lanes.hpp"
+#include "kernels/modal_state.hpp"
+#include "kernels/model.hpp"
+
+/// Where a polynomial first comes to a level: contacts that begin and end.
+namespace ra2d {
+
+struct ValueAndSlope {
+  double value, slope;
+};
+
+/// c_0 + c_1 x + ... + c_n x^n.
+KOKKOS_INLINE_FUNCTION double polynomial(const double* c, int n, double x) {
+  double value = c[n];
+  for (int j = n - 1; j >= 0; --j) value = Kokkos::fma(value, x, c[j]);
+  return value;
+}
+KOKKOS_INLINE_FUNCTION ValueAndSlope polynomial_and_slope(const double* c, int n, double x) {
+  double value = c[n], slope = 0.0;
+  for (int j = n - 1; j >= 0; --j) {
+    slope = Kokkos::fma(slope, x, value);
+    value = Kokkos::fma(value, x, c[j]);
+  }
+  return {value, slope};
+}
+
+/// The integral from 0 to x.
+KOKKOS_INLINE_FUNCTION double polynomial_integral(const double* c, int n, double x) {
+  double value = c[n] / (n + 1);
+  for (int j = n - 1; j >= 0; --j) value = Kokkos::fma(value, x, c[j] / (j + 1));
+  return value * x;
+}
+
+/// The largest value on [0, end], right to within roundings if the slope changes its sign no more than
+/// once in each third.
+KOKKOS_INLINE_FUNCTION double highest_value(const double* c, int n, double end) {
+  const ValueAndSlope last = polynomial_and_slope(c, n, end);
+  double highest = c[0] > last.value ? c[0] : last.value;
+  double slope = n > 0 ? c[1] : 0.0;
+  for (int third = 0; third < 3; ++third) {
+    double low = third * (end / 3.0), high = (third + 1) * (end / 3.0);
+    const ValueAndSlope edge = third == 2 ? last : polynomial_and_slope(c, n, high);
+    if (edge.value > highest) highest = edge.value;
+    const double next = edge.slope;
+    if (slope > 0.0 && next <= 0.0) {  // a top lies between: the false position, halved when stuck
+      double rising = slope, falling = next;
+      for (int i = 0; i < 60; ++i) {
+        double x = low + (high - low) * (rising / (rising - falling));
+        if (!(x > low && x < high)) break;
+        const ValueAndSlope p = polynomial_and_slope(c, n, x);
+        if (p.value > highest) highest = p.value;
+        // the value is off by no more than slope^2/(2 |curvature|)
+        if (p.slope * p.slope * (high - low) <= 1e-16 * Kokkos::abs(p.value) * (rising - falling))
+          break;
+        if (p.slope > 0.0) {
+          low = x;
+          rising = p.slope;
+          falling *= 0.5;
+        } else {
+          high = x;
+          falling = p.slope;
+          rising *= 0.5;
+        }
+      }
+    }
+    slope = next;
+  }
+  return highest;
+}
+
+/// The first x in [0, end] at which sign p(x) comes to within `noise` of `level` or above it; a
+/// value beyond `end` when there is none. Nothing is stepped over: with |p''| <= bend on [0, end],
+/// the parabola through the present value and slope that bends up by `bend` meets the level no later
+/// than p does. Near a simple crossing the steps shrink quadratically, as Newton's.
+KOKKOS_INLINE_FUNCTION double first_crossing(const double* c, int n, double sign, double level,
+                                             double noise, double end, double bend) {
+  double x = 0.0;
+  while (true) {
+    const ValueAndSlope p = polynomial_and_slope(c, n, x);
+    const double miss = level - sign * p.value, rate = sign * p.slope;
+    if (!(miss > noise)) return x;
+    // the positive root of rate d + bend d^2/2 = miss, in the form that keeps its digits
+    const double root = Kokkos::sqrt(Kokkos::fma(rate, rate, 2.0 * bend * miss));
+    const double d = rate > 0.0 ? 2.0 * miss / (root + rate) : (root - rate) / (bend + 1e-300);
+    const double next = x + d;
+    // without slope and bend it stays where it is
+    if (!(next <= end) || root == 0.0) return 2.0 * end + 1.0;
+    if (next == x) return x;  // as near as roundings let it come
+    x = next;
+  }
+}
+
+/// A polynomial over [0, x] lies between the smallest and the largest of its Bernstein coefficients,
+/// b_i = sum_j C(i, j)/C(n, j) c_j x^j, and its derivatives between their differences.
+template <class Lanes>
+KOKKOS_INLINE_FUNCTION Hull hull_of(const Lanes& lanes, const SceneTables& t, const double* c,
+                                    int n, double x, double* room) {
+  using Real = typename Lanes::Real;
+  constexpr int width = Lanes::width, packs = (overlap_terms + width - 1) / width;
+  Real b[packs];
+  for (int g = 0; g < packs; ++g) b[g] = Real(c[0]);
+  double power = 1.0;
+  const int used = n / width + 1;
+  for (int j = 1; j <= n; ++j) {
+    power *= x;
+    const Real term(c[j] * power);
+    for (int g = 0; g < packs; ++g)
+      if (g < used)
+        b[g] = multiply_add(lanes.load(t.hull + j * overlap_terms + g * width), term, b[g]);
+  }
+  for (int g = 0; g < packs; ++g)
+    if (g < used) lanes.store(room + g * width, b[g]);
+  lanes.sync();
+  const double* mask = t.hull + overlap_terms * overlap_terms;
+  const double first = room[1] - room[0];
+  Real least = b[0], most = b[0], falling(1e300), rising(-1e300), curve(0.0);
+  for (int g = 0; g < packs; ++g) {
+    if (g >= used) continue;
+    least = Kokkos::min(least, b[g]);
+    most = Kokkos::max(most, b[g]);
+    const Real b1 = lanes.load(room + g * width + 1), b2 = lanes.load(room + g * width + 2);
+    const Real d1 = b1 - b[g], d2 = (b2 - b1) - d1;
+    // what is masked out repeats a difference
+    const Real in = lanes.load(mask + g * width), d = in * d1 + (Real(1.0) - in) * Real(first);
+    falling = Kokkos::min(falling, d);
+    rising = Kokkos::max(rising, d);
+    curve = Kokkos::max(curve, Kokkos::abs(d2) * lanes.load(mask + overlap_terms + g * width));
+  }
+  lanes.sync();
+  const double per = n / x;
+  return {lanes.min(least), lanes.max(most), per * lanes.min(falling), per * lanes.max(rising),
+          per * ((n - 1.0) / x) * lanes.max(curve)};
+}
+
+}  // namespace ra2d

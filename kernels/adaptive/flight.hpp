@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <Kokkos_Core.hpp>
+#include <cstdint>
+
+#include "kernels/lanes.hpp"
+#include "kernels/model.hpp"
+#include "kernels/near_groups.hpp"
+
+namespace ra2d {
+
+/// What the modes can do within a step.
+struct MotionBounds {
+  double travel;  // m: sum max|psi| |U - U_0|
+  double fourth;  // m/s^4: fourth derivative of an overlap at a node, whose place moves
+  double tail;    // m: what the cubics over a patch leave out of a displacement
+  double size;    // m: sum max|psi| |U|
+  /// Of a displacement [m].
+  KOKKOS_FORCEINLINE_FUNCTION double rounding() const { return 256 * 0x1p-52 * size; }
+};
+
+/// Free flight in closed form, of any length: the modes ring about where the load holds them,
+///
+///   U'' + 2 zeta omega U' + omega^2 (U - U_s) = 0,   U_s = load/(m omega^2),
+///
+/// and a rigid mode falls, U'' = load/m. What 2^l ticks do to (U - U_s, V, 1) is tabled for every l,
+/// together with the integral of V^2, a quadratic form of it; a flight is one product for each bit
+/// of its length. Lengths below the first table are one Taylor step: they are so short that what it
+/// leaves out is below the roundings.
+template <class Lanes, int K>
+class Flight {
+  using Real = typename Lanes::Real;
+  static constexpr int width = Lanes::width;
+
+ public:
+  KOKKOS_FUNCTION Flight(const Lanes& lanes, const SceneTables& tables)
+      : lanes_{lanes}, t_{tables} {}
+
+  /// On by `ticks`; adds the integral of V^2 over them, in ticks, to `square`.
+  KOKKOS_FUNCTION void operator()(Real* u, Real* v, Real* square, std::int64_t ticks) const {
+    const auto bits = static_cast<std::uint64_t>(ticks);
+    const std::uint64_t low = bits & ((std::uint64_t{1} << t_.first_level) - 1);
+    if (low != 0) little(u, v, square, static_cast<double>(low));
+    for (std::uint64_t rest = bits >> t_.first_level; rest != 0; rest &= rest - 1)
+      leap(u, v, square, Kokkos::countr_zero(rest));
+  }
+
+  /// What the modes can do within `time` [s]. The energy norm E^2 = V^2 + omega^2 (U - U_s)^2 does not grow in free flight, and (omega U, V)'
+  /// is at most omega (zeta + sqrt(1 + zeta^2)) E.
+  KOKKOS_FUNCTION MotionBounds bounds(const Real* u, const Real* v, double time) const {
+    Real travel(0.0), fourth(0.0), tail(0.0), size(0.0);
+    for (int p = 0; p < K; ++p) {
+      const Real stretch = load(t_.omega, p) * (u[p] - load(t_.rest, p));
+      const Real e = Kokkos::sqrt(multiply_add(v[p], v[p], stretch * stretch));
+      const Real way =
+          Kokkos::min(Real(time) * multiply_add(0.5 * time, Kokkos::abs(load(t_.fall, p)), e),
+                      e * load(t_.swing, p));
+      const Real amplitude = Kokkos::abs(u[p]) + way;
+      const Real reach = load(t_.reach, p);
+      travel = multiply_add(reach, way, travel);
+      fourth = multiply_add(load(t_.fourth, p), e, fourth);
+      tail = multiply_add(load(t_.tail, p), amplitude, tail);
+      size = multiply_add(reach, amplitude, size);
+    }
+    return {lanes_.sum(travel), lanes_.sum(fourth) + t_.fourth_rest, lanes_.sum(tail),
+            lanes_.sum(size)};
+  }
+
+ private:
+  const Lanes& lanes_;
+  const SceneTables& t_;
+
+  KOKKOS_FORCEINLINE_FUNCTION Real load(const double* lanes, int pack) const {
+    return lanes_.load(lanes + pack * width);
+  }
+
+  KOKKOS_FORCEINLINE_FUNCTION void leap(Real* u, Real* v, Real* square, int level) const {
+    const double* rows = t_.flight + static_cast<std::int64_t>(level) * (flight_rows * K * width);
+    for (int p = 0; p < K; ++p) {
+      const auto row = [&](FlightRow r) { return lanes_.load(rows + (r * K + p) * width); };
+      const Real d = u[p] - load(t_.rest, p), w = v[p];
+      u[p] =
+          u[p] + multiply_add(row(flight_u_u), d, multiply_add(row(flight_u_v), w, row(flight_u)));
+      v[p] = multiply_add(row(flight_v_u), d, multiply_add(row(flight_v_v), w, row(flight_v)));
+      const Real of_d = multiply_add(row(flight_s_uu), d, row(flight_s_uv) * w);
+      const Real of_w = multiply_add(row(flight_s_vv), w, row(flight_s_v));
+      square[p] = square[p] + multiply_add(of_d, d, multiply_add(of_w, w, row(flight_s)));
+    }
+  }
+
+  KOKKOS_FUNCTION void little(Real* u, Real* v, Real* square, double ticks) const {
+    const double time = ticks * t_.step;
+    for (int p = 0; p < K; ++p) {
+      const Real decay = load(t_.decay, p), omega = load(t_.omega, p), stiff = omega * omega;
+      const Real d = u[p] - load(t_.rest, p);
+      const Real a = load(t_.fall, p) - multiply_add(stiff, d, decay * v[p]);
+      const Real jerk = Real(-1.0) * multiply_add(stiff, v[p], decay * a);
+      const Real snap = Real(-1.0) * multiply_add(stiff, a, decay * jerk);
+      const Real dv =
+          Real(time) * multiply_add(0.5 * time, multiply_add(time / 3.0, snap, jerk), a);
+      const Real du =
+          Real(time) * (v[p] + Real(time) * multiply_add(time / 6.0, jerk, Real(0.5) * a));
+      // the integral of (v + a t + jerk t^2/2)^2
+      const Real third = multiply_add(a, a, v[p] * jerk);
+      square[p] = square[p] + Real(ticks) * multiply_add(v[p], v[p] + Real(time) * a,
+                                                         Real(time * time / 3.0) * third);
+      u[p] = u[p] + du;
+      v[p] = v[p] + dv;
+    }
+  }
+};
+
+}  // namespace ra2d

@@ -1,0 +1,352 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <Kokkos_Core.hpp>
+#include <cstdint>
+
+#include "kernels/adaptive/crossing.hpp"
+#include "kernels/adaptive/flight.hpp"
+#include "kernels/contact/node_contact.hpp"
+#include "kernels/displacement.hpp"
+#include "kernels/gap.hpp"
+#include "kernels/lanes.hpp"
+#include "kernels/modal_state.hpp"
+#include "kernels/model.hpp"
+
+namespace ra2d {
+
+/// The motion of the modes as a power series in time, while the same nodes are in contact.
+///
+/// Within a window (kernels/model.hpp) the faces are linear in time and the modes' shapes at a node
+/// cubic, and the penalty force is linear in the overlap. So the coefficients of
+/// U_k(x) = sum_j c_kj x^j, x = (t - t_0)/scale, follow from one another without any approximation:
+///
+///   o_nj = face_nj + sum_{i<=3} sum_k phi_nki c_k(j-i)                        overlap of node n
+///   F_kj = load_kj - kappa chi w sum_n sum_{i<=3} phi_nki o_n(j-i)
+///   (j + 1)(j + 2) c_k(j+2) = scale^2 (F_kj/m - omega^2 c_kj) - scale 2 zeta omega (j + 1) c_k(j+1)
+///
+/// The series of every overlap comes with them: where contact begins or ends is a root of a
+/// polynomial. All series converge at every x; the last terms kept tell how far they may be used.
+template <class Lanes, int K>
+class ModalSeries {
+  using Real = typename Lanes::Real;
+  static constexpr int width = Lanes::width;
+  static constexpr int row = K * width;
+
+ public:
+  KOKKOS_FUNCTION ModalSeries(const Lanes& lanes, const SceneTables& tables, SceneState& state,
+                              const NodeContact<Lanes, K>& contact)
+      : lanes_{lanes}, t_{tables}, s_{state}, contact_{contact} {}
+
+  KOKKOS_FORCEINLINE_FUNCTION double scale() const { return scale_; }  // s
+  /// Overlap of closed node e over x, and its change per x that is due to the slider's way alone.
+  KOKKOS_FORCEINLINE_FUNCTION double* overlap(int e) const {
+    return s_.node_series + static_cast<std::int64_t>(e) * (2 * overlap_terms);
+  }
+  KOKKOS_FORCEINLINE_FUNCTION double* climb(int e) const { return overlap(e) + overlap_terms; }
+  /// Degree of an overlap: that of the modes and three more, from the shapes along the way.
+  KOKKOS_FORCEINLINE_FUNCTION int degree() const { return t_.order + 3; }
+
+  /// The series from (u, v) on, with the closed nodes held closed, in units of `scale` [s].
+  KOKKOS_FUNCTION void expand(const Real* u, const Real* v, const Place& place, double scale) {
+    scale_ = scale;
+    const int order = t_.order, closed = s_.closed_count;
+    const double way = t_.advance * (scale / t_.step);  // chi per x
+    if (closed > 0) {
+      contact_.expand(place, s_.closed, closed);
+      for (int e = 0; e < closed; ++e)
+        place_shape(s_.closed[e], place.offset, way, s_.closed_shape + e * (4 * row));
+    }
+    Real c0[K], c1[K], c2[K], c3[K], next[K];  // of order j, j - 1, j - 2, j - 3, j + 1
+    Real stiff[K], decay[K], light[K];
+    for (int p = 0; p < K; ++p) {
+      c0[p] = u[p];
+      next[p] = Real(scale) * v[p];
+      c1[p] = c2[p] = c3[p] = Real(0.0);
+      put(0, p, c0[p]);
+      put(1, p, next[p]);
+      const Real turn = Real(scale) * load(t_.omega, p);
+      stiff[p] = turn * turn;
+      decay[p] = Real(scale) * load(t_.decay, p);
+      light[p] = Real(scale * scale) * load(t_.light, p);
+    }
+    const int last = closed > 0 ? degree() : order - 2;
+    for (int j = 0; j <= last; ++j) {
+      Real force[K];
+      for (int p = 0; p < K; ++p) force[p] = j == 0 ? load(t_.load, p) : Real(0.0);
+      if (t_.moving_forces > 0 && j <= order)
+        for (int p = 0; p < K; ++p) force[p] = force[p] + load(s_.push_series + j * row, p);
+      for (int e = 0; e < closed; ++e) {
+        const double* phi = s_.closed_shape + e * (4 * row);
+        Real product(0.0), rising(0.0);
+        for (int p = 0; p < K; ++p) {
+          const Real phi1 = load(phi + row, p), phi2 = load(phi + 2 * row, p),
+                     phi3 = load(phi + 3 * row, p);
+          // the latest order last: it is the one to wait for
+          product = multiply_add(phi3, c3[p], product);
+          product = multiply_add(phi2, c2[p], product);
+          product = multiply_add(phi1, c1[p], product);
+          rising = multiply_add(Real(3.0) * phi3, c2[p], rising);
+          rising = multiply_add(Real(2.0) * phi2, c1[p], rising);
+        }
+        for (int p = 0; p < K; ++p) {
+          product = multiply_add(load(phi, p), c0[p], product);
+          rising = multiply_add(load(phi + row, p), c0[p], rising);
+        }
+        double over, climbs;
+        lanes_.sum(product, rising, over, climbs);
+        const int node = s_.closed[e];
+        if (j == 0) {
+          over += contact_.face(node, place.theta);
+          climbs += contact_.rise(node) * way;
+        } else if (j == 1) {
+          over += contact_.rise(node) * way;
+        }
+        double* o = overlap(e);
+        if (lanes_.leader()) {
+          o[j] = over;
+          climb(e)[j] = climbs;
+        }
+        lanes_.sync();
+        if (j + 2 > order) continue;
+        const double f0 = -t_.node_stiffness * over;
+        const double f1 = j >= 1 ? -t_.node_stiffness * o[j - 1] : 0.0;
+        const double f2 = j >= 2 ? -t_.node_stiffness * o[j - 2] : 0.0;
+        const double f3 = j >= 3 ? -t_.node_stiffness * o[j - 3] : 0.0;
+        for (int p = 0; p < K; ++p) {
+          force[p] = multiply_add(f3, load(phi + 3 * row, p), force[p]);
+          force[p] = multiply_add(f2, load(phi + 2 * row, p), force[p]);
+          force[p] = multiply_add(f1, load(phi + row, p), force[p]);
+          force[p] = multiply_add(f0, load(phi, p), force[p]);
+        }
+      }
+      const Real share(1.0 / ((j + 1.0) * (j + 2.0))), rank(j + 1.0);
+      for (int p = 0; p < K; ++p) {
+        Real after(0.0);  // of order j + 2; what is beyond the last is zero
+        if (j + 2 <= order) {
+          const Real pulled = multiply_add(stiff[p], c0[p], rank * decay[p] * next[p]);
+          after = share * multiply_add(light[p], force[p], Real(-1.0) * pulled);
+          put(j + 2, p, after);
+        }
+        c3[p] = c2[p];
+        c2[p] = c1[p];
+        c1[p] = c0[p];
+        c0[p] = next[p];
+        next[p] = after;
+      }
+    }
+  }
+
+  /// How far the series may be used for a local error of `tolerance`, relative, in x. The last two
+  /// terms stand for the error: what follows them is smaller by the ratio of neighbours, so the step
+  /// is on the safe side. Errors and state are measured in the energy norm,
+  /// sum m (V^2 + omega^2 U^2) and the springs'.
+  KOKKOS_FUNCTION double extent(double tolerance) const {
+    const int order = t_.order;
+    Real state(0.0), kick(0.0), before(0.0), last(0.0);
+    const double per = 1.0 / scale_;
+    for (int p = 0; p < K; ++p) {
+      const Real mass = load(t_.mass, p), omega = load(t_.omega, p);
+      const auto norm = [&](int j) {
+        const Real x = coefficient(j, p), w = omega * x, rate = Real(j * per) * x;
+        return mass * multiply_add(rate, rate, w * w);
+      };
+      state = state + norm(0) + norm(1);
+      kick = kick + norm(2);
+      before = before + norm(order - 1);
+      last = last + norm(order);
+    }
+    double size = lanes_.sum(state);
+    for (int e = 0; e < s_.closed_count; ++e)
+      size += t_.node_stiffness * overlap(e)[0] * overlap(e)[0];
+    const double start = lanes_.sum(kick);
+    if (start > size) size = start;
+    const auto reach = [&](double term, int j) {
+      // squares throughout; a term of V goes with x^(j - 1)
+      if (!(term > 1e-300 * size)) return longest_extent;
+      const double x =
+          Kokkos::exp2(0.5 * Kokkos::log2(tolerance * tolerance * (size / term)) / (j - 1.0));
+      return x < longest_extent ? x : longest_extent;
+    };
+    if (!(size < 1e300)) return -1.0;  // not a number
+    const double a = reach(lanes_.sum(before), order - 1), b = reach(lanes_.sum(last), order);
+    return a < b ? a : b;
+  }
+  /// A step grows by no more than this: terms that happen to vanish tell nothing about the next.
+  static constexpr double longest_extent = 4.0;
+
+  KOKKOS_FUNCTION void state(double x, Real* u, Real* v) const {
+    const int order = t_.order;
+    const Real at(x), per(1.0 / scale_);
+    for (int p = 0; p < K; ++p) u[p] = v[p] = coefficient(order, p);
+    for (int p = 0; p < K; ++p) v[p] = Real(static_cast<double>(order)) * v[p];
+    for (int j = order - 1; j >= 1; --j)
+      for (int p = 0; p < K; ++p) {
+        const Real c = coefficient(j, p);
+        u[p] = multiply_add(u[p], at, c);
+        v[p] = multiply_add(v[p], at, Real(static_cast<double>(j)) * c);
+      }
+    for (int p = 0; p < K; ++p) {
+      u[p] = multiply_add(u[p], at, coefficient(0, p));
+      v[p] = v[p] * per;
+    }
+  }
+
+  /// Velocity alone.
+  KOKKOS_FUNCTION void velocity(double x, Real* v) const {
+    const Real at(x), per(1.0 / scale_);
+    for (int p = 0; p < K; ++p) {
+      v[p] = Real(static_cast<double>(t_.order)) * coefficient(t_.order, p);
+      for (int j = t_.order - 1; j >= 1; --j)
+        v[p] = multiply_add(v[p], at, Real(static_cast<double>(j)) * coefficient(j, p));
+      v[p] = v[p] * per;
+    }
+  }
+
+  /// What the modes can do up to x. The norm of y = (omega U, U') does not grow by itself, so that of
+  /// y'' is at most what it is at 0 and what the second derivative of the force adds to it:
+  ///   |U''''| <= turn (|y''(0)| + x g) + g,  g >= |F''|/m,  turn = omega (zeta + sqrt(1 + zeta^2)),
+  /// and the lower derivatives follow. (All in units of x.) Takes the closed nodes' hulls over a
+  /// stretch that reaches at least as far.
+  KOKKOS_FUNCTION MotionBounds bounds(double x) const {
+    const Real at(x);
+    Real force[K];  // bound on |F''|
+    for (int p = 0; p < K; ++p) force[p] = Real(0.0);
+    for (int e = 0; e < s_.closed_count; ++e) {
+      const Hull& h = s_.closed_hull[e];
+      const double o0 = Kokkos::max(h.most, -h.least), o1 = Kokkos::max(h.rising, -h.falling);
+      const double* phi = s_.closed_shape + e * (4 * row);
+      for (int p = 0; p < K; ++p) {
+        const Real q1 = Kokkos::abs(load(phi + row, p)), q2 = Kokkos::abs(load(phi + 2 * row, p)),
+                   q3 = Kokkos::abs(load(phi + 3 * row, p));
+        const Real p2 = multiply_add(Real(6.0) * q3, at, Real(2.0) * q2);
+        const Real p1 = multiply_add(p2, at, q1);
+        const Real p0 = multiply_add(p1, at, Kokkos::abs(load(phi, p)));
+        force[p] = multiply_add(t_.node_stiffness * h.curve, p0, force[p]);
+        force[p] = multiply_add(2.0 * t_.node_stiffness * o1, p1, force[p]);
+        force[p] = multiply_add(t_.node_stiffness * o0, p2, force[p]);
+      }
+    }
+    if (t_.moving_forces > 0)
+      for (int p = 0; p < K; ++p) {
+        Real sum(0.0);
+        for (int j = t_.order; j >= 2; --j)
+          sum = multiply_add(sum, at,
+                             Real(j * (j - 1.0)) * Kokkos::abs(load(s_.push_series + j * row, p)));
+        force[p] = force[p] + sum;
+      }
+    Real travel(0.0), fourth(0.0), tail(0.0), size(0.0);
+    for (int p = 0; p < K; ++p) {
+      const Real g = Real(scale_ * scale_) * load(t_.light, p) * force[p];
+      const Real c0 = Kokkos::abs(coefficient(0, p)), c1 = Kokkos::abs(coefficient(1, p)),
+                 c2 = Kokkos::abs(coefficient(2, p)), c3 = coefficient(3, p);
+      const Real twist = Real(2.0 * scale_) * load(t_.omega, p) * c2, jerk = Real(6.0) * c3;
+      const Real d3 = multiply_add(g, at, Kokkos::sqrt(multiply_add(twist, twist, jerk * jerk)));
+      const Real d4 = multiply_add(Real(scale_) * load(t_.turn, p), d3, g);
+      const Real d2 = multiply_add(d3, at, Real(2.0) * c2);
+      const Real d1 = multiply_add(d2, at, c1);
+      const Real way = at * d1;
+      const Real amplitude = c0 + way;
+      const Real b = Real(scale_) * load(t_.wander, p), reach = load(t_.reach, p);
+      // a mode at a node that moves: (d/dx + b)^4
+      Real all = multiply_add(b, amplitude, Real(4.0) * d1);
+      all = multiply_add(b, all, Real(6.0) * d2);
+      all = multiply_add(b, all, Real(4.0) * d3);
+      all = multiply_add(b, all, d4);
+      travel = multiply_add(reach, way, travel);
+      fourth = multiply_add(reach, all, fourth);
+      tail = multiply_add(load(t_.tail, p), amplitude, tail);
+      size = multiply_add(reach, amplitude, size);
+    }
+    const double per2 = 1.0 / (scale_ * scale_);
+    return {lanes_.sum(travel), per2 * per2 * lanes_.sum(fourth), lanes_.sum(tail),
+            lanes_.sum(size)};
+  }
+
+  /// The series of the overlap of any expanded node, to `c`.
+  KOKKOS_FUNCTION void overlap_of(int node, const Place& place, double* c) const {
+    const double way = t_.advance * (scale_ / t_.step);
+    double* shape = s_.scan_shape;
+    place_shape(node, place.offset, way, shape);
+    const auto product = [&](int j) {
+      Real sum(0.0);
+      for (int i = 0; i <= 3 && i <= j; ++i)
+        for (int p = 0; p < K && j - i <= t_.order; ++p)
+          sum = multiply_add(load(shape + i * row, p), coefficient(j - i, p), sum);
+      return sum;
+    };
+    const int n = degree();
+    for (int j = 0; j <= n; j += 2) {
+      double even, odd;
+      lanes_.sum(product(j), j < n ? product(j + 1) : Real(0.0), even, odd);
+      if (j == 0) {
+        even += contact_.face(node, place.theta);
+        odd += contact_.rise(node) * way;
+      }
+      if (!lanes_.leader()) continue;
+      c[j] = even;
+      if (j < n) c[j + 1] = odd;
+    }
+    lanes_.sync();
+  }
+
+  /// The series of the integral of V^2, in ticks: s_.square_series, without its factor x.
+  KOKKOS_FUNCTION void expand_squares() const {
+    const double ticks = 1.0 / (scale_ * t_.step);  // of V^2 = (dU/dx)^2/scale^2, scale/tick
+    for (int p = 0; p < K; ++p) {
+      Real v[most_order];
+      for (int i = 0; i < t_.order; ++i) v[i] = Real(i + 1.0) * coefficient(i + 1, p);
+      for (int n = 0; n < t_.order; ++n) {
+        Real sum(0.0);
+        for (int i = 0; 2 * i < n; ++i) sum = multiply_add(v[i], v[n - i], sum);
+        sum = sum + sum;
+        if (n % 2 == 0) sum = multiply_add(v[n / 2], v[n / 2], sum);
+        lanes_.store(s_.square_series + n * row + p * width, Real(ticks / (n + 1.0)) * sum);
+      }
+    }
+  }
+  KOKKOS_FUNCTION void squares(double x, Real* square) const {
+    const Real at(x);
+    for (int p = 0; p < K; ++p) {
+      Real sum = load(s_.square_series + (t_.order - 1) * row, p);
+      for (int n = t_.order - 2; n >= 0; --n)
+        sum = multiply_add(sum, at, load(s_.square_series + n * row, p));
+      square[p] = sum * at;
+    }
+  }
+
+ private:
+  const Lanes& lanes_;
+  const SceneTables& t_;
+  SceneState& s_;
+  const NodeContact<Lanes, K>& contact_;
+  double scale_ = 1.0;
+
+  KOKKOS_FORCEINLINE_FUNCTION Real load(const double* lanes, int pack) const {
+    return lanes_.load(lanes + pack * width);
+  }
+  KOKKOS_FORCEINLINE_FUNCTION Real coefficient(int j, int p) const {
+    return lanes_.load(s_.series + j * row + p * width);
+  }
+  KOKKOS_FORCEINLINE_FUNCTION void put(int j, int p, const Real& x) const {
+    lanes_.store(s_.series + j * row + p * width, x);
+  }
+
+  /// An expanded node's shapes about where it stands, the i-th times way^i.
+  KOKKOS_FORCEINLINE_FUNCTION void place_shape(int node, double offset, double way,
+                                               double* shape) const {
+    const double* c = contact_.expanded(node);
+    const Real x(offset);
+    for (int p = 0; p < K; ++p) {
+      const Real c3 = load(c + 3 * row, p), c2 = load(c + 2 * row, p), c1 = load(c + row, p);
+      const Real b2 = multiply_add(Real(3.0) * c3, x, c2);
+      const Real b1 = multiply_add(multiply_add(Real(3.0) * c3, x, Real(2.0) * c2), x, c1);
+      const Real b0 = multiply_add(multiply_add(multiply_add(c3, x, c2), x, c1), x, load(c, p));
+      lanes_.store(shape + p * width, b0);
+      lanes_.store(shape + row + p * width, Real(way) * b1);
+      lanes_.store(shape + 2 * row + p * width, Real(way * way) * b2);
+      lanes_.store(shape + 3 * row + p * width, Real(way * way * way) * c3);
+    }
+  }
+};
+
+}  // namespace ra2d

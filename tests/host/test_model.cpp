@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/run/model.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "host/run/record.hpp"
+#include "tests/scenes.hpp"
+
+namespace ra2d::test {
+namespace {
+
+constexpr double eps = 0x1p-52;
+
+Scene adaptive_scene(double duration, double rate) {
+  Scene s = plate_scene(3, 0.004, 1e-3);
+  s.gap = 1e-3;
+  s.stiffness = 1e13;
+  s.scheme = SchemeKind::adaptive;
+  s.step = 0;
+  s.duration = duration;
+  s.rate = rate;
+  return s;
+}
+
+struct Times {
+  double duration, rate;
+  std::int64_t samples;
+  bool whole;  // the last sample stands at the end
+};
+// roundings make some whole numbers of intervals seem not to be; some runs end before the second
+// sample, and some last for long
+const std::vector<Times> times{{1.0, 100e3, 100001, true},
+                               {0.3, 100e3, 30001, true},
+                               {0.1, 3e3, 301, true},
+                               {0.7, 44.1e3, 30871, true},
+                               {2e-3, 1e6, 2001, true},
+                               {1 / 3., 3, 2, true},
+                               {0.07, 100, 8, true},
+                               {0.05, 12345.678, 618, false},
+                               {0.1, 12.0, 2, false},
+                               {1e-3, 10.0, 1, false},
+                               {1e-20, 1e-5, 1, false},
+                               {1e-9, 1e18, 1000000001, true},
+                               {3600.0, 48e3, 172800001, true},
+                               {86400.5, 1.0, 86401, false},
+                               {1e12, 1e3, 1000000000000001, true}};
+
+TEST(Clock, SamplesFallOnItsTicks) {
+  for (const auto& [duration, rate, samples, whole] : times) {
+    SCOPED_TRACE(testing::Message() << duration << " s at " << rate << " Hz");
+    const Model m = make_model(adaptive_scene(duration, rate));
+    int exponent = 0;
+    EXPECT_EQ(std::frexp(m.steps_per_sample, &exponent), 0.5) << "a power of two";
+    EXPECT_GE(m.steps_per_sample, 1);
+    EXPECT_LT(m.steps, std::int64_t{1} << 60);
+    EXPECT_EQ(m.samples, samples);
+    if (m.samples == 1) continue;  // at t = 0
+    EXPECT_EQ(m.steps_per_sample * m.tick, 1 / rate);
+    const std::int64_t last = (m.samples - 1) * std::llround(m.steps_per_sample);
+    EXPECT_LE(last, m.steps);
+    EXPECT_LT(static_cast<double>(m.steps - last), m.steps_per_sample);
+    if (whole) {
+      EXPECT_EQ(last, m.steps);
+    }
+    EXPECT_NEAR(static_cast<double>(last) * m.tick, static_cast<double>(m.samples - 1) / rate,
+                2 * eps * duration);
+  }
+}
+
+TEST(Clock, EndsWithTheRun) {
+  for (const auto& [duration, rate, samples, whole] : times) {
+    SCOPED_TRACE(testing::Message() << duration << " s at " << rate << " Hz");
+    const Model m = make_model(adaptive_scene(duration, rate));
+    EXPECT_NEAR(static_cast<double>(m.steps) * m.tick, duration, 0.5 * m.tick + 8 * eps * duration);
+  }
+}
+
+TEST(Clock, TicksAsFinelyAsItsNumbersReach) {
+  for (const auto& [duration, rate, samples, whole] : times) {
+    SCOPED_TRACE(testing::Message() << duration << " s at " << rate << " Hz");
+    const Model m = make_model(adaptive_scene(duration, rate));
+    if (m.tick <= 0x1p-51) {
+      // no finer than it must be
+      EXPECT_TRUE(m.steps_per_sample == 1 || 2 * m.tick > 0x1p-51);
+    } else {
+      EXPECT_GE(static_cast<double>(m.steps), 0x1p59);
+    }
+  }
+  EXPECT_LE(make_model(adaptive_scene(1.0, 100e3)).tick, 0x1p-51);
+  EXPECT_LE(make_model(adaptive_scene(250.0, 100e3)).tick, 0x1p-51);
+  EXPECT_GT(make_model(adaptive_scene(3600.0, 100e3)).tick, 0x1p-51);
+}
+
+TEST(Clock, CarriesTheSlider) {
+  Scene s = adaptive_scene(0.1, 100e3);
+  s.speed = 0.1;
+  const Model m = make_model(s);
+  EXPECT_NEAR(m.advance * static_cast<double>(m.steps), s.speed * s.duration / s.spacing,
+              4 * eps * 250);
+}
+
+TEST(Clock, OfFixedStepsIsTheStep) {
+  Scene s = adaptive_scene(2e-3, 1e6);
+  s.scheme = SchemeKind::rk4;
+  s.step = 1e-7;
+  const Model m = make_model(s);
+  EXPECT_EQ(m.tick, s.step);
+  EXPECT_EQ(m.steps, 20000);
+  EXPECT_EQ(m.steps_per_sample, 10);
+  EXPECT_EQ(m.samples, 2001);
+}
+
+TEST(Clock, GivesShocksTheirTimes) {
+  Scene s = adaptive_scene(1.0, 100e3);
+  s.speed = 1e-3;
+  const Model m = make_model(s);
+  const auto ticks = [&](double seconds) { return std::llround(seconds / m.tick); };
+  const std::vector<ShockRow> rows{{.serial = 3,
+                                    .start = ticks(0.25),
+                                    .last = ticks(0.25 + 3e-5),
+                                    .peak = 2.0,
+                                    .impulse = 4e-5 / m.tick,
+                                    .moment = 4e-5 / m.tick * 100}};
+  const Shock shock = make_shocks(m, rows)[0];
+  EXPECT_NEAR(shock.start, 0.25, m.tick);
+  EXPECT_NEAR(shock.duration, 3e-5, 2 * m.tick);
+  EXPECT_EQ(shock.peak_force, 2.0);
+  EXPECT_NEAR(shock.impulse, 4e-5, 4 * eps * 4e-5);
+  EXPECT_NEAR(shock.position, 100 * s.spacing, 4 * eps * 100 * s.spacing);
+}
+
+}  // namespace
+}  // namespace ra2d::test
