@@ -29,6 +29,7 @@ constexpr double peer_share = 0.25, reference_share = 0.1, state_share = 0.15, s
 
 constexpr const char* peer_integrators[] = {"cvode-adams", "cvode-bdf", "dopri5"};
 constexpr double peer_tolerances[] = {1e-4, 1e-6, 1e-8, 1e-10, 1e-12};
+constexpr double starting = 5;       // s that a peer may take beside the integration
 constexpr double peer_probe = 1e-5;  // s: what every peer is first asked for
 
 double median(std::vector<double> values) {
@@ -444,7 +445,7 @@ void Survey::start_peers() {
   Scene scene = with(scene_, {{{SchemeKind::backward_euler, ForceTime::old_time}}, scene_.step});
   peers_ = std::make_unique<Peers>(options_.peers, scene);
   say("the peers confirm the reference");
-  confirm(0.2 * share);
+  confirm(starting + 0.2 * share);
   const double count = std::size(peer_integrators) * 2 * std::size(peer_tolerances);
   // s of one integration; each is asked for the states and, half as long, for every timing
   const double limit = 0.8 * share / count / (1 + 0.5 * options_.repetitions);
@@ -457,7 +458,6 @@ void Survey::start_peers() {
 /// States, as far as they are to be had in `limit` seconds of integration each, and the first
 /// timing, over as much.
 void Survey::first_answers(const Peer& peer, double limit) {
-  constexpr double starting = 5;  // s more, for what is not the integration
   say(fmt::format("{} {:g}, nodes {}", peer.integrator, peer.tolerance, peer.nodes));
   Measured row;
   const bool every = peer.nodes == node_choices.name(Nodes::all);
