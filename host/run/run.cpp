@@ -13,6 +13,7 @@
 #include "host/format.hpp"
 #include "host/plan/plan.hpp"
 #include "host/plan/schemes.hpp"
+#include "host/run/launch_length.hpp"
 #include "host/run/statistics.hpp"
 #include "host/store/store.hpp"
 
@@ -133,27 +134,6 @@ std::string checked_limit(const Model& model) {
                                    scene.file.string(), beyond, step_cure(scene, limits.holds())));
   return beyond;
 }
-
-/// Ticks to a launch: about a fifth of a second, so that progress and interrupts are prompt.
-class LaunchLength {
- public:
-  explicit LaunchLength(const Model& model)
-      : steps_{is_adaptive(model.scene) ? std::llround(1e-4 / model.tick) : 10000},
-        most_{std::max<std::int64_t>(model.steps, 1)} {
-    steps_ = std::clamp<std::int64_t>(steps_, 1, most_);
-  }
-  std::int64_t steps() const { return steps_; }
-  void took(std::int64_t steps, double seconds) {
-    if (steps <= 0) return;
-    const double wanted = 0.2 * static_cast<double>(steps) / std::max(seconds, 1e-6);
-    steps_ = static_cast<std::int64_t>(
-        std::clamp(wanted, 0.25 * static_cast<double>(steps_), 4.0 * static_cast<double>(steps_)));
-    steps_ = std::clamp<std::int64_t>(steps_, 1, most_);
-  }
-
- private:
-  std::int64_t steps_, most_;
-};
 
 }  // namespace
 

@@ -125,10 +125,11 @@ std::vector<double> gaussian_heights_at(double rq, double correlation_length, st
     }
     if (bells.size() > most_bells) bells.clear();
     std::vector<double>& bell = bells[std::llround((at - whole) * 1e9)];
-    for (std::int64_t i = -reach; bell.empty() || i <= reach; ++i) {
-      const double a = (at - whole - static_cast<double>(i)) * drawn_spacing / correlation_length;
-      bell.push_back(portable::exp(-2 * a * a));
-    }
+    if (bell.empty())
+      for (std::int64_t i = -reach; i <= reach; ++i) {
+        const double a = (at - whole - static_cast<double>(i)) * drawn_spacing / correlation_length;
+        bell.push_back(portable::exp(-2 * a * a));
+      }
     const double* noise = f.noise.data() + node;  // of node - reach
     const std::size_t seen = std::min(bell.size(), f.noise.size() - static_cast<std::size_t>(node));
     double sum = 0;

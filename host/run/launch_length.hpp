@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "host/plan/schemes.hpp"
+#include "host/run/model.hpp"
+
+namespace ra2d {
+
+/// Ticks to a launch, from how long the last one took: a fifth of a second unless asked otherwise,
+/// so that progress and interrupts are prompt.
+class LaunchLength {
+ public:
+  explicit LaunchLength(const Model& model, double seconds = 0.2)
+      : seconds_{seconds},
+        steps_{is_adaptive(model.scene) ? std::llround(1e-4 / model.tick) : 10000},
+        most_{std::max<std::int64_t>(model.steps, 1)} {
+    steps_ = std::clamp<std::int64_t>(steps_, 1, most_);
+  }
+  std::int64_t steps() const { return steps_; }
+  void took(std::int64_t steps, double seconds) {
+    if (steps <= 0) return;
+    const double wanted = seconds_ * static_cast<double>(steps) / std::max(seconds, 1e-6);
+    steps_ = static_cast<std::int64_t>(
+        std::clamp(wanted, 0.25 * static_cast<double>(steps_), 4.0 * static_cast<double>(steps_)));
+    steps_ = std::clamp<std::int64_t>(steps_, 1, most_);
+  }
+
+ private:
+  double seconds_;
+  std::int64_t steps_, most_;
+};
+
+}  // namespace ra2d
