@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdint>
+#include <ctime>
 #include <limits>
 
 #include "host/errors.hpp"
@@ -18,6 +19,9 @@ using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
+
+/// Processor time of all threads: unlike wall time it hardly depends on what else the machine does.
+double processor_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
 
@@ -222,13 +226,13 @@ void Ensemble::run(int first, int count) {
     std::vector<Follower> runs;
     for (std::size_t i = 0; i < models.size(); ++i) runs.emplace_back(models[i], starts[i]);
     LaunchLength launch(models.front());
-    const int busy = std::min(backend_threads(), static_cast<int>(models.size()));
     for (std::int64_t now = 0;;) {
       if (interrupted_ && *interrupted_) throw Interrupted{};
       const Clock::time_point launched = Clock::now();
+      const double before = processor_seconds();
       batch.march(now + launch.steps());
+      march_seconds_ += processor_seconds() - before;
       const double took = seconds_since(launched);
-      march_seconds_ += took * busy;
       bool going_on = false;
       std::int64_t next = std::numeric_limits<std::int64_t>::max();  // of who is furthest behind
       for (std::size_t i = 0; i < runs.size(); ++i) {
@@ -250,17 +254,17 @@ void Ensemble::run(int first, int count) {
   seconds_ += seconds_since(begun);
 }
 
-double measure_cost(const Scene& scene, double wall) {
+double measure_cost(const Scene& scene, double enough) {
   const Model model = make_model(scene);
   Batch batch({model}, {make_start(model)});
-  LaunchLength launch(model, 0.2 * wall);
+  LaunchLength launch(model, 0.2 * enough);
   double seconds = 0;
   Snapshot now = batch.snapshot(0);
-  while (now.status == Status::running && seconds < wall) {
-    const Clock::time_point launched = Clock::now();
+  while (now.status == Status::running && seconds < enough) {
+    const double launched = processor_seconds();
     const std::int64_t before = now.step;
     batch.march(before + launch.steps());
-    const double took = seconds_since(launched);
+    const double took = processor_seconds() - launched;
     seconds += took;
     batch.drain(0);
     now = batch.snapshot(0);

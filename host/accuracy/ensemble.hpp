@@ -79,8 +79,7 @@ class Ensemble {
   const Scene& scene() const { return scene_; }
   /// Why the first run that failed did so; empty while none has.
   std::string failure() const;
-  /// Wall time of the march for a simulated second on one thread; NaN while that was too short to
-  /// be told.
+  /// Processor time of the march for a simulated second; NaN while that was too short to be told.
   double cost() const {
     return march_seconds_ > 0.02 ? march_seconds_ / time_
                                  : std::numeric_limits<double>::quiet_NaN();
@@ -94,11 +93,11 @@ class Ensemble {
   const std::atomic<bool>* interrupted_;
   std::vector<Answer> answers_;
   std::vector<double> mean_squares_;                   // of the resonator's modes
-  double march_seconds_ = 0, time_ = 0, seconds_ = 0;  // of a thread; s simulated; of wall time
+  double march_seconds_ = 0, time_ = 0, seconds_ = 0;  // of the processor; simulated; of wall time
 };
 
-/// Cost as of Ensemble, measured on the beginning of one run for about so much wall time.
-double measure_cost(const Scene& scene, double wall);
+/// Cost as of Ensemble, measured on the beginning of one run for about so much processor time.
+double measure_cost(const Scene& scene, double enough);
 
 /// What a snapshot's status means, for people.
 std::string status_text(Status status);

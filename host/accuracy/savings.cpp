@@ -27,12 +27,12 @@ constexpr int first_pairs = 4, sure_pairs = 8;  // before a trial is judged, bef
 constexpr double samples_per_run = 100;         // for the energy; what a file would hold costs time
 
 // Until when each part may go on, as shares of the budget.
-constexpr double numerics_end = 0.35, modes_end = 0.55, slider_end = 0.6, spacing_end = 0.7,
+constexpr double numerics_end = 0.45, modes_end = 0.6, slider_end = 0.65, spacing_end = 0.73,
                  together_end = 0.88;
 // ... and the most that one scheme and step may take
-constexpr double numerics_share = 0.08;
+constexpr double numerics_share = 0.06;
 // of which the reference takes so much for its first runs
-constexpr double reference_share = 0.3;
+constexpr double reference_share = 0.25;
 
 /// A scheme with its step or tolerance.
 struct Numerics {
@@ -321,52 +321,75 @@ std::vector<Numerics> Search::numerics() const {
   return list;
 }
 
+/// How much shorter a step must be before it is worth another run: across impacts no scheme gains
+/// more than the square of that.
+double shortening(const Trial& trial, double asked) {
+  double most = asked;
+  for (const Movement& m : trial.moved) most = std::max(most, std::abs(m.relative) - m.margin());
+  if (trial.verdict == Verdict::open) most = std::max(most, trial.closure);
+  // of what is far off altogether no more is known than that
+  return std::min(0.6, std::sqrt(asked / std::min(most, std::max(0.3, asked))));
+}
+
 void Search::find_numerics() {
   say("what the schemes cost");
   std::vector<Numerics> list = numerics();
-  // of no scheme a second order is worth more than this across impacts
-  std::map<std::string, double> next;  // the largest step worth trying, by scheme
-  const auto name = [](const Numerics& n) {
-    return schemes.name(n.choice.scheme) +
-           (n.choice.force_time == ForceTime::new_time ? ", new" : "");
-  };
   std::optional<Trial> found;
-  for (std::size_t i = 0; i < list.size() && !found; ++i) {
-    const Numerics& n = list[i];
-    // the last of them is not left out: it is there to fall back on
-    const bool last = i + 1 == list.size();
-    if (!last && spent() > numerics_end) continue;
-    if (next.contains(name(n)) && n.step > next[name(n)] * (1 + 1e-9)) continue;
-    const double end = std::min(numerics_end + (last ? 0.05 : 0.0), spent() + numerics_share);
+  const auto attempt = [&](const Numerics& n, double end) {
     const auto change = [n](Scene& s) { s = with(s, n); };
     Trial trial = try_out(changed("time", text_of(with(written_, n)), change, written_), reference_,
                           end, n.cost);
-    if (trial.verdict == Verdict::open && last_ && trial.first.pairs > 0 &&
-        trial.closure <= options_.accuracy &&
-        judge(trial.first, options_.accuracy) == Verdict::kept)
-      trial.by_balance = true;
-    trial.taken = trial.verdict == Verdict::kept || trial.by_balance;
-    if (trial.taken) {
+    trial.by_balance = trial.verdict == Verdict::open && trial.first.pairs > 0 &&
+                       trial.closure <= options_.accuracy &&
+                       judge(trial.first, options_.accuracy) == Verdict::kept;
+    const bool enough = trial.verdict == Verdict::kept || trial.by_balance;
+    if (enough && !(found && found->cheaper >= trial.cheaper)) {
       found = trial;
       base_ = last_;
-    } else if (trial.verdict == Verdict::moved && n.step > 0) {
-      double shorter = 0.6;
-      for (const Movement& m : trial.moved) {
-        const double away = std::abs(m.relative) - m.margin();
-        if (trial.why.empty() && away > options_.accuracy)
-          shorter = std::min(shorter, std::sqrt(options_.accuracy / away));
-      }
-      next[name(n)] = n.step * shorter;
     }
+    return trial;
+  };
+
+  // first what will do if anything does, so that there is time for it
+  Numerics safe{choice_of(written_), written_.step};
+  if (written_.law == ContactLaw::penalty) safe = {{SchemeKind::adaptive}, 0, usual_tolerance};
+  safe.cost = measure_cost(for_runs(with(written_, safe)), 0.004 * options_.budget);
+  out_.trials.push_back(attempt(safe, spent() + 2 * numerics_share));
+
+  std::map<std::string, double> longest;  // worth trying, by scheme
+  std::size_t left_out = 0;
+  for (const Numerics& n : list) {
+    if (n.cost >= safe.cost && found) break;
+    const bool is_safe =
+        n.choice == safe.choice && n.step == safe.step && n.tolerance == safe.tolerance;
+    if (is_safe) continue;
+    if (found && found->what != out_.trials.front().what)
+      break;  // by cost the first that does is the cheapest
+    const std::string name = fmt::format("{} {}", static_cast<int>(n.choice.scheme),
+                                         static_cast<int>(n.choice.force_time));
+    if (longest.contains(name) && n.step > longest[name] * (1 + 1e-9)) continue;
+    Trial trial;
+    if (spent() < numerics_end)
+      trial = attempt(n, std::min(numerics_end, spent() + numerics_share));
+    if (trial.moved[0].pairs == 0 && trial.verdict == Verdict::open) {
+      ++left_out;
+      continue;
+    }
+    if (n.step > 0) longest[name] = n.step * shortening(trial, options_.accuracy);
     out_.trials.push_back(std::move(trial));
   }
+  if (left_out > 0)
+    out_.notes.push_back(fmt::format(
+        "{} more schemes and steps that may be cheaper were not tried for want of time (--budget)",
+        left_out));
   if (!found) {
     base_ = reference_;
     out_.notes.push_back(
         "no cheaper scheme or step could be shown to do: the scene keeps its own (see --budget)");
-  } else {
-    found->change(out_.chosen);
+    return;
   }
+  found->change(out_.chosen);
+  for (Trial& trial : out_.trials) trial.taken = trial.what == found->what;
 }
 
 void Search::find_modes(const char* key, BodySpec Scene::*body, const Beam& beam, double end) {
@@ -451,13 +474,26 @@ void Search::take_together() {
       out_.chosen = all;
       return;
     }
+    // the least valuable goes back to the one before it that would do alone, or altogether; of
+    // equals the last, the spacing
     const auto gain = [](const Trial* t) { return std::isnan(t->cheaper) ? 1.0 : t->cheaper; };
-    const auto least = std::min_element(
-        taken.begin(), taken.end(),
-        [&](const Trial* a, const Trial* b) { return gain(a) < gain(b); });
-    (*least)->taken = false;
-    (*least)->why = "given up: together with the others it was too much, or could not be told";
-    taken.erase(least);
+    auto least = taken.begin();
+    for (auto it = taken.begin(); it != taken.end(); ++it)
+      if (gain(*it) <= gain(*least)) least = it;
+    Trial* given_up = *least;
+    given_up->taken = false;
+    given_up->why = "given up: too much together with the others, or that could not be told";
+    Trial* before = nullptr;
+    for (Trial& other : out_.trials) {
+      if (&other == given_up) break;
+      if (other.key == given_up->key && other.verdict == Verdict::kept) before = &other;
+    }
+    if (before) {
+      before->taken = true;
+      *least = before;
+    } else {
+      taken.erase(least);
+    }
   }
 }
 

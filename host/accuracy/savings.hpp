@@ -59,7 +59,7 @@ struct Savings {
   double closure = 0;            // of the reference
   std::vector<Trial> trials;     // in the order of the tables
   std::vector<Trial> together;   // all that was taken; more where that had to be given up in part
-  double cost_written = 0, cost_chosen = 0;  // wall time of a simulated second, one thread
+  double cost_written = 0, cost_chosen = 0;  // as of Ensemble
   std::vector<std::string> notes;
   double seconds = 0;  // that it took
 };

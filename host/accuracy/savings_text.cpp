@@ -38,8 +38,8 @@ std::string word(const Trial& trial) {
     return trial.verdict == Verdict::kept    ? "the same"
            : trial.verdict == Verdict::moved ? "differs"
                                              : "open";
-  if (trial.by_balance) return "taken: balance";
-  if (trial.taken) return "taken";
+  if (trial.taken) return trial.by_balance ? "taken: balance" : "taken";
+  if (trial.by_balance) return "would do: balance";
   return trial.verdict == Verdict::kept    ? "would do"
          : trial.verdict == Verdict::moved ? "no"
                                            : "open";
@@ -60,7 +60,7 @@ std::string row(const Trial& trial, int digits, bool costs) {
   }
   text += '\n';
   if (!trial.why.empty()) text += fmt::format("      {}\n", trial.why);
-  if (trial.by_balance)
+  if (trial.by_balance && trial.taken)
     text += fmt::format(
         "      taken on the balance: the energy closes to {:.1e}, and the first shocks, before "
         "chaos\n      parts the runs, last as long within {} %; chance alone hides the rest\n",
@@ -167,22 +167,24 @@ std::string describe(const Savings& s) {
       text += fmt::format("           {}: {} will do for {}\n", key, taken->what, all);
     else if (any)
       text += fmt::format("           {}: {} as written, nothing can be left out{}\n", key, all,
-                          any->verdict == Verdict::moved ? "" : " for sure");
+                          any->verdict == Verdict::moved  ? ""
+                          : any->verdict == Verdict::kept ? " together with the rest"
+                                                          : " for sure");
   }
   if (const Trial* rest = resting_on(s)) {
     text += fmt::format("which      moves {}\n", movement_text(*rest, s.accuracy));
     if (rest->by_balance)
       text += "           (more than asked by chance alone; it rests on the energy balance)\n";
   }
-  text += fmt::format("cost       {} a simulated second, {} as written: {:.3g} times cheaper\n",
-                      seconds_text(s.cost_chosen), seconds_text(s.cost_written),
-                      s.cost_written / s.cost_chosen);
+  text += fmt::format(
+      "cost       {} of the processor a simulated second, {} as written: {:.3g} times cheaper\n",
+      seconds_text(s.cost_chosen), seconds_text(s.cost_written), s.cost_written / s.cost_chosen);
   for (const std::string& note : s.notes) text += "note       " + note + '\n';
   for (const Trial& trial : s.trials)
-    if (trial.checked && trial.verdict == Verdict::moved && trial.why.empty() &&
-        trial.key != "as written")
-      text += fmt::format("note       the scene leaves out more than it may: {} = {} moves {}\n",
-                          trial.key, trial.what, movement_text(trial, s.accuracy));
+    if (trial.checked && trial.verdict == Verdict::moved && trial.why.empty())
+      text +=
+          fmt::format("note       the scene as written is itself further off than asked: {}, {}\n",
+                      trial.key == "as written" ? "its own" : trial.key, trial.what);
   text += fmt::format("took       {}\n", seconds_text(s.seconds));
   return text;
 }
