@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/accuracy/ensemble.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <ctime>
+#include <limits>
+
+#include "host/errors.hpp"
+#include "host/run/launch_length.hpp"
+#include "host/run/record.hpp"
+
+namespace ra2d {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+double seconds_since(Clock::time_point begin) {
+  return std::chrono::duration<double>(Clock::now() - begin).count();
+}
+
+/// Processor time of all threads: unlike wall time it hardly depends on what else the machine does.
+double processor_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
+constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
+
+/// Runs side by side: enough for all threads, few enough to be stopped between.
+int runs_at_once() { return std::clamp(backend_threads(), 4, 64); }
+
+double median(std::vector<double> values) {
+  if (values.empty()) return no_number;
+  const auto middle = values.begin() + (std::ssize(values) - 1) / 2;
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Two sigma of Student's t with n - 1 degrees of freedom, by its expansion in 1/(n - 1): within a
+/// hundredth from n = 4 on.
+double confidence(int pairs) {
+  const double free = pairs - 1;
+  return 2 + 2.5 / free + 3.06 / (free * free) + 3 / (free * free * free);
+}
+
+/// One run of a batch, as it hands itself out.
+class Follower {
+ public:
+  Follower(const Model& model, const ModalStart& start) : model_{&model}, start_{&start} {}
+
+  void take(Batch& batch, int index) {
+    const Drained drained = batch.drain(index);
+    end_ = batch.snapshot(index);
+    energy_.add(make_samples(*model_, *start_, drained, samples_));
+    samples_ += drained.samples;
+    keep(make_shocks(*model_, drained.shocks));
+  }
+  const Snapshot& end() const { return end_; }
+  double time() const { return static_cast<double>(end_.step) * model_->tick; }
+
+  Answer answer(const std::vector<double>& mean_squares) {
+    keep(make_shocks(*model_, end_.open_shocks));
+    Answer a;
+    if (end_.status != Status::done) a.failure = status_text(end_.status);
+    a.v_rms = v_rms(mean_squares, end_);
+    a.shock_rate = time() > 0 ? static_cast<double>(durations_.size()) / time() : 0.0;
+    a.shock_duration = median(durations_);
+    a.first_duration = first_duration_;
+    a.closure = std::abs(energy_.balance().relative());
+    return a;
+  }
+
+ private:
+  void keep(const std::vector<Shock>& shocks) {
+    for (const Shock& shock : shocks) {
+      durations_.push_back(shock.duration);
+      if (shock.start > 0 && (first_serial_ < 0 || shock.serial < first_serial_)) {
+        first_serial_ = shock.serial;
+        first_duration_ = shock.duration;
+      }
+    }
+  }
+  const Model* model_;
+  const ModalStart* start_;
+  Snapshot end_;
+  std::int64_t samples_ = 0;
+  EnergyAccount energy_;
+  std::vector<double> durations_;
+  long first_serial_ = -1;
+  double first_duration_ = no_number;
+};
+
+bool has_seeds(const Scene& scene) {
+  return scene.resonator.surface.kind == SurfaceKind::gaussian ||
+         scene.slider.surface.kind == SurfaceKind::gaussian;
+}
+
+}  // namespace
+
+double Movement::margin() const { return error > 0 ? confidence(pairs) * error : 0.0; }
+
+Movement movement(const std::vector<double>& reference, const std::vector<double>& values) {
+  Movement m;
+  double sum = 0, of_reference = 0;
+  const std::size_t count = std::min(reference.size(), values.size());
+  const auto is_pair = [&](std::size_t i) {
+    return !std::isnan(reference[i]) && !std::isnan(values[i]);
+  };
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!is_pair(i)) continue;
+    sum += values[i];
+    of_reference += reference[i];
+    ++m.pairs;
+  }
+  if (sum == of_reference && of_reference == 0) return m;
+  if (of_reference == 0) {
+    m.relative = std::numeric_limits<double>::infinity();
+    return m;
+  }
+  const double ratio = sum / of_reference;
+  m.relative = ratio - 1;
+  if (m.pairs < 2) return m;
+  double square = 0;
+  for (std::size_t i = 0; i < count; ++i)
+    if (is_pair(i)) square += std::pow(values[i] - ratio * reference[i], 2);
+  m.error = std::sqrt(square * m.pairs / (m.pairs - 1)) / std::abs(of_reference);
+  return m;
+}
+
+Movement movement(const std::vector<Answer>& reference, const std::vector<Answer>& values,
+                  double Answer::*quantity) {
+  const auto list = [&](const std::vector<Answer>& answers) {
+    std::vector<double> out;
+    for (const Answer& a : answers) out.push_back(a.failure.empty() ? a.*quantity : no_number);
+    return out;
+  };
+  return movement(list(reference), list(values));
+}
+
+Verdict judge(const Movement& m, double asked) {
+  const double away = std::abs(m.relative), margin = m.margin();
+  if (away + margin <= asked) return Verdict::kept;
+  return away - margin > asked ? Verdict::moved : Verdict::open;
+}
+
+double pairs_needed(const Movement& m, double asked) {
+  if (judge(m, asked) != Verdict::open) return m.pairs;
+  const double room = std::abs(asked - std::abs(m.relative));
+  // close to the limit no number will do
+  return room > 0 ? std::max(m.pairs + 1.0, m.pairs * std::pow(2 * m.error / room, 2))
+                  : std::numeric_limits<double>::infinity();
+}
+
+Scene variant(const Scene& scene, int index) {
+  Scene out = scene;
+  if (index == 0) return out;
+  if (has_seeds(scene)) {
+    for (BodySpec* body : {&out.resonator, &out.slider})
+      if (body->surface.kind == SurfaceKind::gaussian)
+        body->surface.seed = (body->surface.seed + 1000 * static_cast<std::uint64_t>(index)) &
+                             static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
+    return out;
+  }
+  (scene.start > 0 ? out.start : out.speed) *= 1 - 1e-10 * index;
+  return out;
+}
+
+std::string varied(const Scene& scene) {
+  if (has_seeds(scene)) return "other seeds";
+  if (scene.start > 0) return "scene.start other by some 1e-10 of it";
+  return scene.speed > 0 ? "scene.speed other by some 1e-10 of it" : "";
+}
+
+std::string status_text(Status status) {
+  switch (status) {
+    case Status::running:
+    case Status::done:
+      return "";
+    case Status::unstable:
+      return "unstable";
+    case Status::not_finite:
+      return "not finite";
+    case Status::blocked:
+      return "the kept modes cannot keep the faces apart";
+    case Status::crowded:
+      return "too many nodes touch at once";
+    case Status::stalled:
+      return "too fast for the clock";
+  }
+  return "";
+}
+
+Ensemble::Ensemble(const Scene& scene, const std::atomic<bool>* interrupted)
+    : scene_{scene}, interrupted_{interrupted} {}
+
+std::string Ensemble::failure() const {
+  for (const Answer& a : answers_)
+    if (!a.failure.empty()) return a.failure;
+  return {};
+}
+
+void Ensemble::extend(int runs) {
+  while (this->runs() < runs) run(this->runs(), std::min(runs - this->runs(), runs_at_once()));
+}
+
+void Ensemble::run(int first, int count) {
+  const Clock::time_point begun = Clock::now();
+  std::vector<Model> models;
+  std::vector<ModalStart> starts;
+  std::vector<Answer> answers(static_cast<std::size_t>(count));
+  std::vector<std::size_t> who;
+  for (int i = 0; i < count; ++i) {
+    if (interrupted_ && *interrupted_) throw Interrupted{};
+    Model model = make_model(variant(scene_, first + i));
+    try {
+      starts.push_back(make_start(model));
+    } catch (const RequestError&) {  // it is of these surfaces that no equilibrium is found
+      answers[static_cast<std::size_t>(i)].failure = "no equilibrium to start from";
+      continue;
+    }
+    models.push_back(std::move(model));
+    who.push_back(static_cast<std::size_t>(i));
+  }
+  if (!models.empty()) {
+    if (mean_squares_.empty()) mean_squares_ = mean_squares(models.front());
+    Batch batch(models, starts);
+    std::vector<Follower> runs;
+    for (std::size_t i = 0; i < models.size(); ++i) runs.emplace_back(models[i], starts[i]);
+    LaunchLength launch(models.front());
+    for (std::int64_t now = 0;;) {
+      if (interrupted_ && *interrupted_) throw Interrupted{};
+      const Clock::time_point launched = Clock::now();
+      const double before = processor_seconds();
+      batch.march(now + launch.steps());
+      march_seconds_ += processor_seconds() - before;
+      const double took = seconds_since(launched);
+      bool going_on = false;
+      std::int64_t next = std::numeric_limits<std::int64_t>::max();  // of who is furthest behind
+      for (std::size_t i = 0; i < runs.size(); ++i) {
+        runs[i].take(batch, static_cast<int>(i));
+        if (runs[i].end().status != Status::running) continue;
+        going_on = true;
+        next = std::min(next, runs[i].end().step);
+      }
+      if (!going_on) break;
+      launch.took(next - now, took);
+      now = next;
+    }
+    for (std::size_t i = 0; i < runs.size(); ++i) {
+      answers[who[i]] = runs[i].answer(mean_squares_);
+      time_ += runs[i].time();
+    }
+  }
+  answers_.insert(answers_.end(), answers.begin(), answers.end());
+  seconds_ += seconds_since(begun);
+}
+
+double measure_cost(const Scene& scene, double enough) {
+  const Model model = make_model(scene);
+  Batch batch({model}, {make_start(model)});
+  LaunchLength launch(model, 0.2 * enough);
+  double seconds = 0;
+  Snapshot now = batch.snapshot(0);
+  while (now.status == Status::running && seconds < enough) {
+    const double launched = processor_seconds();
+    const std::int64_t before = now.step;
+    batch.march(before + launch.steps());
+    const double took = processor_seconds() - launched;
+    seconds += took;
+    batch.drain(0);
+    now = batch.snapshot(0);
+    launch.took(now.step - before, took);
+  }
+  return now.step > 0 ? seconds / (static_cast<double>(now.step) * model.tick) : no_number;
+}
+
+}  // namespace ra2d
