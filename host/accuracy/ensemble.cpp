@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "host/errors.hpp"
+#include "host/plan/plan.hpp"
 #include "host/run/launch_length.hpp"
 #include "host/run/record.hpp"
 
@@ -211,12 +212,15 @@ void Ensemble::run(int first, int count) {
   for (int i = 0; i < count; ++i) {
     if (interrupted_ && *interrupted_) throw Interrupted{};
     Model model = make_model(variant(scene_, first + i));
+    // what is wrong with the start is a matter of these surfaces
+    std::string& failure = answers[static_cast<std::size_t>(i)].failure;
+    if (!overlap_at_start(model).empty()) failure = "the faces overlap at t = 0";
     try {
-      starts.push_back(make_start(model));
-    } catch (const RequestError&) {  // it is of these surfaces that no equilibrium is found
-      answers[static_cast<std::size_t>(i)].failure = "no equilibrium to start from";
-      continue;
+      if (failure.empty()) starts.push_back(make_start(model));
+    } catch (const RequestError&) {
+      failure = "no equilibrium to start from";
     }
+    if (!failure.empty()) continue;
     models.push_back(std::move(model));
     who.push_back(static_cast<std::size_t>(i));
   }
