@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "bench/scenes.hpp"
+#include "host/chart/context.hpp"
 #include "host/run/launch.hpp"
 
 /// How a march is timed.
@@ -89,22 +90,12 @@ inline void add(const std::string& case_name, int stretches,
 }
 
 /// What a file of results has to say of where it comes from.
-inline const char* compiler() {
-#if defined(__clang__)
-  return "Clang " __clang_version__;
-#elif defined(__GNUC__)
-  return "GCC " __VERSION__;
-#else
-  return "unknown";
-#endif
-}
-
 inline void add_context() {
   benchmark::AddCustomContext("ra2d", RA2D_VERSION " (" RA2D_COMMIT ")");
   benchmark::AddCustomContext("backend", backend_name());
   benchmark::AddCustomContext("threads", std::to_string(backend_threads()));
   benchmark::AddCustomContext("lanes", std::to_string(LanesOf<Space>::width));
-  benchmark::AddCustomContext("compiler", compiler());
+  benchmark::AddCustomContext("compiler", compiler_name());
 }
 
 }  // namespace ra2d::bench

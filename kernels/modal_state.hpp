@@ -18,8 +18,14 @@ enum class Status : int {
 
 /// Bounds on a polynomial over a stretch (kernels/adaptive/crossing.hpp).
 struct Hull {
-  double least, most;   // of the polynomial
-  double slope, curve;  // on the sizes of its first two derivatives
+  double least, most;      // of the polynomial
+  double falling, rising;  // of its slope: least and most
+  double curve;            // on the size of its second derivative
+};
+
+/// Integrals over a stretch of a node's overlap o(x) [m]: of o, x o, and o times its rise along the way.
+struct NodeSums {
+  double overlap, moment, work;
 };
 
 /// A run of neighbouring slider nodes in contact.
@@ -141,6 +147,7 @@ struct SceneState {
   double* scan = nullptr;           // (order): of one more node
   double* hull_room = nullptr;      // one series and two values more
   Hull* closed_hull = nullptr;      // of the overlaps of the nodes in contact over the step
+  NodeSums* closed_sums = nullptr;  // of them, over a part of the step
   double* closed_roots = nullptr;   // where the nodes in contact let go, in units of the series ...
   double* roots = nullptr;          // ... and where those that are looked at begin to touch
   double* seen = nullptr;  // (2, near group, 2, lane): overlap and its rate at both ends of a step

@@ -79,7 +79,7 @@ inline constexpr int most_order = 28;
 /// Terms of an overlap's series: the mode shapes along the way are cubics.
 inline constexpr int overlap_terms = most_order + 4;
 /// Points of the Gauss-Legendre rule over an adaptive step.
-inline constexpr int gauss_points = 8;
+inline constexpr int gauss_points = 16;
 inline constexpr int gauss_room =
     32;  // the places, padded to any number of lanes; then the weights
 
@@ -128,11 +128,12 @@ struct SceneTables {
   int longest_look = 1;             // steps over which the bounds on the modes hold
 
   // Form::adaptive
-  double tolerance = 0;    // relative local error of a step
-  int order = 0;           // of the series
-  int first_level = 0;     // flight tables are of 2^first_level, 2^(first_level + 1), ... ticks
-  double fourth_rest = 0;  // m/s^4, of where the load holds the modes, see Flight::bounds
-  double top = 0;          // m, the highest overlap that the faces alone can have anywhere
+  double tolerance = 0;      // relative local error of a step
+  int order = 0;             // of the series
+  int first_level = 0;       // flight tables are of 2^first_level, 2^(first_level + 1), ... ticks
+  double longest_scale = 0;  // s, unit of a series beyond which its terms could overflow
+  double fourth_rest = 0;    // m/s^4, of where the load holds the modes, see Flight::bounds
+  double top = 0;            // m, the highest overlap that the faces alone can have anywhere
   const double* flight = nullptr;  // (level, FlightRow, lane)
   const double* rest = nullptr;    // m^(3/2), where the load holds a mode; 0 for a rigid one
   const double* fall = nullptr;    // m^(3/2)/s^2, load/m of a rigid mode; 0 for the others

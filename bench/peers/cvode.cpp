@@ -116,7 +116,7 @@ class Cvode {
     while (options_.until - equations_.lag - t_ > end_slack * options_.until) piece();
     result.steps = steps_;
     result.evaluations = evaluations_;
-    result.looks = watched_.looks();
+    result.looks = equations_.looks;
     result.onsets = onsets_;
     result.shocks = log_.finish(options_.until);
   }
@@ -255,7 +255,7 @@ class Cvode {
     open_.list.clear();
     for (const int node : watched_.list())
       if (!touches_[node]) open_.list.push_back(node);
-    open_.base = -1;
+    open_.base = nowhere;
     looked_at_ = -1;
   }
 
@@ -291,7 +291,7 @@ class Cvode {
     look_at_all(t_, y_.data());
     const auto rising = [&](int node) {
       one_.list = {node};
-      one_.base = -1;
+      one_.base = nowhere;
       look_at(t_, window_, y_, one_, middle_);
       return middle_.rate[0] > 0;
     };
@@ -316,7 +316,7 @@ class Cvode {
     for (const int node : ended) touches_[node] = 0;
     std::erase_if(touching_.list, [&](int node) { return !touches_[node]; });
     touching_.list.insert(touching_.list.end(), begun.begin(), begun.end());
-    touching_.base = -1;
+    touching_.base = nowhere;
     list_changed();
     record_begin();
   }
@@ -375,7 +375,7 @@ class Cvode {
     if (suspects_.empty()) return false;
     if (suspects_ != near_.list) {
       near_.list = suspects_;
-      near_.base = -1;
+      near_.base = nowhere;
     }
 
     double first = t_;
@@ -429,7 +429,7 @@ class Cvode {
       if (std::max(a, b) + (right - left) * std::min(rate_a, -rate_b) <= 0) return never;
     }
     one_.list = {near_.list[i]};
-    one_.base = -1;
+    one_.base = nowhere;
     const auto looked = [&](double t) -> const Look& {
       state_at(t);
       look_at(t, window, between_, one_, middle_);
@@ -496,10 +496,10 @@ class Cvode {
   double t_ = 0, reached_ = 0;  // s; where CVODE itself stands
 
   Watched watched_;
-  std::int64_t window_ = -1;   // in contact
-  std::vector<char> touches_;  // of each node
-  SomeNodes touching_, open_;  // open: the watched ones
-  std::vector<double> jumps_;  // of the outer force, s
+  std::int64_t window_ = nowhere;  // in contact
+  std::vector<char> touches_;      // of each node
+  SomeNodes touching_, open_;      // open: the watched ones
+  std::vector<double> jumps_;      // of the outer force, s
 
   double looked_at_ = -1;  // s
   Eigen::ArrayXd overlap_;

@@ -35,7 +35,7 @@ class Contact {
   const State& scale() const { return scale_; }
   void list_changed() {
     nodes_.list = watched_.list();
-    nodes_.base = -1;
+    nodes_.base = nowhere;
   }
 
   void operator()(const State& scaled, State& out, double t) {
@@ -108,7 +108,7 @@ void march_dopri5(Equations& equations, const PeerOptions& options, Eigen::Vecto
   }
   y = x.cwiseProduct(contact.scale());
   result.evaluations = contact.evaluations;
-  result.looks = watched.looks();
+  result.looks = equations.looks;
 }
 
 }  // namespace ra2d::peers

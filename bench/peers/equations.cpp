@@ -178,6 +178,7 @@ void Equations::spread(const double* modes, Eigen::ArrayXd& waves) const {
 }
 
 void Equations::displace(const Place& place, const double* u) {
+  ++looks;
   const Index waves = kappa_.size();
   spread(u, u_waves_);
   even_u_.head(waves) = place.value_there * u_waves_;

@@ -2,6 +2,7 @@
 #pragma once
 #include <Eigen/Core>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "host/run/model.hpp"
@@ -25,9 +26,12 @@ namespace ra2d::peers {
 
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
+/// The base of no window.
+inline constexpr std::int64_t nowhere = std::numeric_limits<std::int64_t>::min();
+
 /// Where the slider stands, within a window: between two node crossings.
 struct Place {
-  std::int64_t base = -1;                   // resonator's node at or left of slider node 0
+  std::int64_t base = nowhere;              // resonator's node at or left of slider node 0
   double theta = 0;                         // rest, in chi; 0 to 1
   double time = -1;                         // s
   Eigen::ArrayXd value, slope;              // P, P' of each wave at the middle where theta = 0
@@ -39,7 +43,7 @@ struct Place {
 struct SomeNodes {
   std::vector<int> list;
 
-  std::int64_t base = -1;        // of the window that the rest was prepared for
+  std::int64_t base = nowhere;   // of the window that the rest was prepared for
   Rows value, slope;             // P, P' at theta = 0 (node, wave)
   Rows slider;                   // psi of the slider's modes (node, mode)
   Eigen::VectorXd height, rise;  // m: overlap of the faces at theta = 0, and what it gains per chi
@@ -56,6 +60,8 @@ class Equations {
   /// t + h. Equal steps round alike: 1e5 of them sum to 1e-13 s, in which the faces move by 1e-7 of a
   /// shock's overlap.
   double lag = 0;
+  /// How often the displacements of all nodes were summed.
+  std::int64_t looks = 0;
 
   /// Position of slider node 0 [chi], its rate [chi/s], and at which t it is at a node [s].
   double position(double t) const { return position_ + (t + lag) * rate_; }

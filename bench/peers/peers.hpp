@@ -30,7 +30,7 @@ struct PeerOptions {
 struct PeerResult {
   std::vector<double> resonator_u, resonator_v, slider_u, slider_v;  // at `until`
   std::int64_t steps = 0, evaluations = 0;  // accepted steps; right-hand sides
-  std::int64_t looks = 0;                   // at all the nodes
+  std::int64_t looks = 0;                   // sums of the displacements of all nodes
   double march_seconds = 0;                 // the integration alone
   /// CVODE only: in order of their start, with start, duration (until `until` at the most), peak
   /// force and serial; impulse and position are left at 0.

@@ -75,7 +75,6 @@ void Watched::make(double t, const double* y, double time, double reach) {
   reference_ = u;
   const double bend = windows * equations_.spacing * (equations_.steepest * u.abs()).sum();
   equations_.highest(place, windows, y, highest_);
-  ++looks_;
   list_.resize(highest_.size());
   const double level = -(reach_ + bend);
   std::size_t count = 0;

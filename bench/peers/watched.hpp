@@ -29,7 +29,6 @@ class Watched {
 
   const std::vector<int>& list() const { return list_; }
   bool all() const { return nodes_ == Nodes::all; }
-  std::int64_t looks() const { return looks_; }
 
   /// Bound on the rate of the displacements [m/s].
   double rate_bound(const double* y) const;
@@ -44,7 +43,6 @@ class Watched {
   std::vector<int> list_;
   Eigen::ArrayXd reference_, highest_;
   double reach_ = -1, end_ = -1;
-  std::int64_t looks_ = 0;
 };
 
 }  // namespace ra2d::peers

@@ -2,8 +2,6 @@
 #include "host/chart/files.hpp"
 
 #include <fmt/format.h>
-#include <spawn.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -11,6 +9,7 @@
 #include <cstring>
 #include <system_error>
 
+#include "host/chart/process.hpp"
 #include "host/errors.hpp"
 
 namespace ra2d {
@@ -21,25 +20,11 @@ namespace fs = std::filesystem;
 /// Exit status of a script that has no matplotlib (host/chart/plot_stability.py).
 constexpr int no_matplotlib = 9;
 
-/// Exit status of a program, started without a shell; -1 when it could not be started.
-int run_program(std::vector<std::string> words) {
-  std::vector<char*> argv;
-  for (std::string& word : words) argv.push_back(word.data());
-  argv.push_back(nullptr);
-  pid_t child = 0;
-  if (posix_spawnp(&child, argv[0], nullptr, nullptr, argv.data(), environ) != 0) return -1;
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0)
-    if (errno != EINTR) return -1;
-  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-}
-
 /// Beside the installed program, or where it was built from.
 fs::path find_script(const std::string& name) {
   std::error_code none;
-  const fs::path program = fs::read_symlink("/proc/self/exe", none);
   const fs::path installed =
-      (program.parent_path() / RA2D_SCRIPTS_FROM_PROGRAM / name).lexically_normal();
+      (program_folder() / RA2D_SCRIPTS_FROM_PROGRAM / name).lexically_normal();
   if (fs::exists(installed, none)) return installed;
   const fs::path source = fs::path(RA2D_SCRIPTS_SOURCE) / name;
   if (fs::exists(source, none)) return source;
@@ -72,7 +57,7 @@ void draw(const std::string& script, const std::vector<std::string>& arguments) 
   for (const char* python : {"python3", "/usr/bin/python3"}) {
     std::vector<std::string> words{python, path};
     words.insert(words.end(), arguments.begin(), arguments.end());
-    const int status = run_program(words);
+    const int status = run_program(words).status;
     if (status == 0) return;
     if (status < 0 || status == 127) continue;
     any = true;

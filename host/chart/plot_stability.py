@@ -5,36 +5,14 @@
 LIMITS, REGIONS and MODES are the files that the command writes, PREFIX.csv, PREFIX-regions.csv and
 PREFIX-modes.csv. Ends with status 9 when there is no matplotlib.
 """
-import csv
 import math
-import os
 import sys
 
-try:
-    import matplotlib
-except ImportError:
-    sys.exit(9)
-matplotlib.use("Agg")
+from chart_style import NAMES, read, save
 import matplotlib.pyplot as plt
 from matplotlib.lines import Line2D
 
-NAMES = {
-    ("explicit-euler", "old"): ("explicit Euler", "#d62728"),
-    ("midpoint", "old"): ("midpoint", "#2ca02c"),
-    ("backward-euler", "old"): ("backward Euler, old force", "#1f77b4"),
-    ("backward-euler", "new"): ("backward Euler, new force", "#17becf"),
-    ("heun", "old"): ("Heun", "#ff7f0e"),
-    ("rk4", "old"): ("RK4", "#9467bd"),
-    ("rk8", "old"): ("RK8", "#8c564b"),
-    ("exact", "old"): ("exact, force held", "#7f7f7f"),
-}
-
 OPEN, CLOSED = "black", "#ff69b4"
-
-
-def read(file):
-    with open(file, newline="") as rows:
-        return list(csv.DictReader(rows))
 
 
 def curve(regions, key, contact):
@@ -163,14 +141,7 @@ def main(limits, regions, modes, picture, title):
     draw_limits(left, limits, regions, modes)
     draw_regions(right, limits, regions, modes)
     figure.suptitle(f"Stability of the time schemes. Scene: {title}", fontsize=12)
-    partial = f"{picture}.partial-{os.getpid()}"
-    try:
-        figure.savefig(partial, format="png", dpi=130)
-        os.replace(partial, picture)
-    except OSError as fault:
-        if os.path.exists(partial):
-            os.remove(partial)
-        sys.exit(f"{picture}: {fault.strerror}")
+    save(figure, picture)
 
 
 if __name__ == "__main__":

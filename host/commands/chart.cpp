@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
+#include <unistd.h>
 
+#include <cstdio>
+
+#include "host/chart/accuracy_chart.hpp"
 #include "host/chart/files.hpp"
+#include "host/chart/peers.hpp"
 #include "host/chart/stability_chart.hpp"
 #include "host/commands/commands.hpp"
 #include "host/errors.hpp"
@@ -10,18 +15,47 @@
 
 namespace ra2d {
 
-int chart_stability_command(const CommonOptions& common, const std::string& prefix, bool plot) {
+namespace {
+
+void check_prefix(const std::string& prefix, const char* example) {
   const std::filesystem::path target(prefix);
   if (!target.has_filename() || std::filesystem::is_directory(target))
     throw RequestError(
-        fmt::format("-o {}: a folder: expected the beginning of the files' names, like {}stability",
-                    prefix, target.has_filename() ? prefix + "/" : prefix));
+        fmt::format("-o {}: a folder: expected the beginning of the files' names, like {}{}",
+                    prefix, target.has_filename() ? prefix + "/" : prefix, example));
   if (target.has_parent_path() && !std::filesystem::is_directory(target.parent_path()))
     throw FileError(fmt::format("cannot write '{}.csv': there is no folder '{}'", prefix,
                                 target.parent_path().string()));
-  const Scene scene = common.scene.empty()
-                          ? parse_scene(paper_scene, "dang2012.toml", common.overrides)
-                          : read_scene(common.scene, common.overrides);
+}
+
+/// The scene that was asked for, or the paper's own.
+Scene chart_scene(const CommonOptions& common) {
+  return common.scene.empty() ? parse_scene(paper_scene, "dang2012.toml", common.overrides)
+                              : read_scene(common.scene, common.overrides);
+}
+
+/// Draws a picture of files that have been written.
+void draw_picture(const std::string& script, const std::vector<std::string>& arguments,
+                  const std::string& picture, const std::string& texts) try {
+  draw(script, arguments);
+} catch (const FileError& fault) {
+  throw FileError(
+      fmt::format("the picture {} was not made: {}. The table is in {}; --no-plot asks for no "
+                  "picture",
+                  picture, fault.what(), texts));
+}
+
+void print_written(const CommonOptions& common, const std::string& texts, bool plot,
+                   const std::string& picture) {
+  if (!common.quiet)
+    fmt::print("\nwritten: {}{}\n", texts, plot ? "; the picture: " + picture : "");
+}
+
+}  // namespace
+
+int chart_stability_command(const CommonOptions& common, const std::string& prefix, bool plot) {
+  check_prefix(prefix, "stability");
+  const Scene scene = chart_scene(common);
   if (!(scene.step > 0))
     throw RequestError(
         fmt::format("{}: time.step: missing: the chart places the scene's modes by its step, which "
@@ -40,20 +74,47 @@ int chart_stability_command(const CommonOptions& common, const std::string& pref
   write_text(regions, regions_csv());
   write_text(eigenvalues, modes);
   const std::string texts = fmt::format("{}, {} and {}", table, regions, eigenvalues);
-  if (plot) try {
-      draw("plot_stability.py",
-           {table, regions, eigenvalues, picture,
-            fmt::format("{}, step {:g} s",
-                        scene.name.empty() ? scene.file.filename().string() : scene.name,
-                        scene.step)});
-    } catch (const FileError& fault) {
-      throw FileError(
-          fmt::format("the picture {} was not made: {}. The table is in {}; --no-plot asks for no "
-                      "picture",
-                      picture, fault.what(), texts));
-    }
-  if (!common.quiet)
-    fmt::print("\nwritten: {}{}\n", texts, plot ? "; the picture: " + picture : "");
+  if (plot)
+    draw_picture("plot_stability.py",
+                 {table, regions, eigenvalues, picture,
+                  fmt::format("{}, step {:g} s", title(scene), scene.step)},
+                 picture, texts);
+  print_written(common, texts, plot, picture);
+  return done;
+}
+
+int chart_accuracy_command(const CommonOptions& common, const std::string& prefix, bool plot,
+                           double budget, const std::filesystem::path& peers) {
+  check_prefix(prefix, "accuracy");
+  AccuracyOptions options;
+  options.budget = budget;
+  options.peers = peers.empty() ? find_peers() : peers;
+  if (!peers.empty() && access(peers.c_str(), X_OK) != 0)
+    throw RequestError(
+        fmt::format("--peers {}: no program that can be run: expected ra2d_peers, as "
+                    "the build makes it in bench/peers",
+                    peers.string()));
+  const bool shown = isatty(STDERR_FILENO) != 0 && !common.quiet;
+  if (shown)
+    options.progress = [](const std::string& what) {
+      fmt::print(stderr, "\r{} ...\033[K", what);
+      std::fflush(stderr);
+    };
+  const Scene scene = chart_scene(common);
+  const Backend backend(common.threads);
+  const AccuracyChart chart = measure_accuracy(scene, options);
+  if (shown) fmt::print(stderr, "\r\033[K");
+  fmt::print("{}", describe(chart));
+  std::fflush(stdout);
+
+  const std::string points = prefix + ".csv", long_runs = prefix + "-long.csv",
+                    picture = prefix + ".png";
+  const Context context = chart_context(scene, chart);
+  write_text(points, points_csv(chart, context));
+  write_text(long_runs, long_runs_csv(chart, context));
+  const std::string texts = fmt::format("{} and {}", points, long_runs);
+  if (plot) draw_picture("plot_accuracy.py", {points, long_runs, picture}, picture, texts);
+  print_written(common, texts, plot, picture);
   return done;
 }
 

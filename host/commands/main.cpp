@@ -7,15 +7,16 @@
 #include <exception>
 #include <new>
 #include <string_view>
+#include <utility>
 
+#include "host/chart/accuracy_chart.hpp"
 #include "host/commands/commands.hpp"
 #include "host/errors.hpp"
 
 namespace {
 
 /// Commands of the contract that are not built yet: refused by name.
-constexpr std::array<std::string_view, 5> coming{"surface", "analyze", "study", "plot",
-                                                 "chart accuracy"};
+constexpr std::array<std::string_view, 4> coming{"surface", "analyze", "study", "plot"};
 
 bool is_coming(const std::string& words) {
   return std::find(coming.begin(), coming.end(), words) != coming.end();
@@ -62,10 +63,10 @@ int dispatch(int argc, char** argv) {
                          "says what would be modelled, and why; runs nothing unless --accuracy "
                          "asks what the scene could do without");
   plan->add_option("SCENE", common.scene, "scene file (TOML)")->required();
-  double accuracy = 0, plan_budget = 60;
+  double asked_accuracy = 0, plan_budget = 60;
   std::filesystem::path planned;
   CLI::Option* asked =
-      plan->add_option("--accuracy", accuracy,
+      plan->add_option("--accuracy", asked_accuracy,
                        "finds by runs the cheapest scheme and step, the fewest modes and the "
                        "coarsest spacing that keep level, rate of shocks and their median duration "
                        "within this relative accuracy, and writes the scene with them")
@@ -89,26 +90,45 @@ int dispatch(int argc, char** argv) {
       "matplotlib, PREFIX.png");
   stability->add_option("SCENE", common.scene,
                         "scene whose modes are shown in the picture (TOML) [the paper's own]");
-  std::string prefix = "stability";
-  stability->add_option("-o,--output", prefix, "how the files' names begin")
-      ->type_name("PREFIX")
+  CLI::App* accuracy = chart->add_subcommand(
+      "accuracy",
+      "speed against accuracy of every scheme and contact law, with a ladder of steps or "
+      "tolerances: prints what reaches an error at the least cost; writes PREFIX.csv, "
+      "PREFIX-long.csv (level and shocks over a long stretch) and PREFIX.png");
+  accuracy->add_option("SCENE", common.scene, "scene to be marched (TOML) [the paper's own]");
+  double budget = AccuracyOptions{}.budget;
+  accuracy->add_option("--budget", budget, "wall time that it may take, roughly")
+      ->type_name("SECONDS")
+      ->check(CLI::Range(0.1, 1e6))
       ->capture_default_str();
+  std::filesystem::path peers;
+  accuracy
+      ->add_option("--peers", peers,
+                   "program that confirms the reference with other integrators [bench/peers/"
+                   "ra2d_peers beside this one, where it was built]")
+      ->type_name("PATH");
+  std::string stability_prefix = "stability", accuracy_prefix = "accuracy";
   bool no_plot = false;
-  stability->add_flag("--no-plot", no_plot, "leave the picture out");
-  add_common(*stability, common);
+  for (const auto& [kind, prefix] :
+       {std::pair{stability, &stability_prefix}, std::pair{accuracy, &accuracy_prefix}}) {
+    kind->add_option("-o,--output", *prefix, "how the files' names begin")
+        ->type_name("PREFIX")
+        ->capture_default_str();
+    kind->add_flag("--no-plot", no_plot, "leave the picture out");
+    add_common(*kind, common);
+  }
 
   const std::string command = argc > 1 ? argv[1] : "";
-  const std::string kind = argc > 2 ? command + " " + argv[2] : command;
-  for (const std::string& words : {command, kind})
-    if (is_coming(words)) {
-      fmt::print(stderr,
-                 "ra2d: the command '{}' is not available yet; there are 'run', 'plan' and 'chart "
-                 "stability'\n",
-                 words);
-      return wrong_request;
-    }
-  if (command == "chart" && argc > 2 && argv[2][0] != '-' && kind != "chart stability") {
-    fmt::print(stderr, "ra2d: there is no chart '{}'; there is 'stability'\n", argv[2]);
+  if (is_coming(command)) {
+    fmt::print(stderr,
+               "ra2d: the command '{}' is not available yet; there are 'run', 'plan' and 'chart'\n",
+               command);
+    return wrong_request;
+  }
+  const std::string kind = command == "chart" && argc > 2 ? argv[2] : "-";
+  if (kind[0] != '-' && kind != stability->get_name() && kind != accuracy->get_name()) {
+    fmt::print(stderr, "ra2d: there is no chart '{}'; there are 'stability' and 'accuracy'\n",
+               kind);
     return wrong_request;
   }
   try {
@@ -116,9 +136,11 @@ int dispatch(int argc, char** argv) {
   } catch (const CLI::ParseError& request) {
     return app.exit(request) == 0 ? done : wrong_request;
   }
-  if (stability->parsed()) return chart_stability_command(common, prefix, !no_plot);
+  if (stability->parsed()) return chart_stability_command(common, stability_prefix, !no_plot);
+  if (accuracy->parsed())
+    return chart_accuracy_command(common, accuracy_prefix, !no_plot, budget, peers);
   if (run->parsed()) return run_command(common, output);
-  return asked->count() > 0 ? plan_accuracy_command(common, accuracy, plan_budget, planned)
+  return asked->count() > 0 ? plan_accuracy_command(common, asked_accuracy, plan_budget, planned)
                             : plan_command(common);
 }
 

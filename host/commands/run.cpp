@@ -34,8 +34,7 @@ void print_line(const char* what, const std::string& value) {
 }
 
 void print_report(const Scene& scene, const RunReport& r, const std::filesystem::path& output) {
-  fmt::print("{}: {:g} s of sliding at {:g} m/s, {} steps {}\n",
-             scene.name.empty() ? scene.file.filename().string() : scene.name, r.time, scene.speed,
+  fmt::print("{}: {:g} s of sliding at {:g} m/s, {} steps {}\n", title(scene), r.time, scene.speed,
              r.steps,
              is_adaptive(scene)
                  ? fmt::format("to a tolerance of {:g}", scene.tolerance.value_or(usual_tolerance))

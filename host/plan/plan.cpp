@@ -67,16 +67,9 @@ std::string body_text(const char* name, const Scene& scene, const BodySpec& spec
 /// Of a scheme of fixed steps: what holds, how many there are, and what they cost.
 void plan_steps(const Model& model, const JoinedModes& place, Plan& plan) {
   const Scene& scene = model.scene;
-  const bool spring = scene.law == ContactLaw::penalty;
-  for (const auto& [name, scheme] : schemes.words) {
-    if (scheme == SchemeKind::adaptive || (!spring && !takes_multipliers(scheme))) continue;
-    for (const ForceTime time : {ForceTime::old_time, ForceTime::new_time}) {
-      const SchemeChoice choice{scheme, time};
-      const bool differs = spring && scheme == SchemeKind::backward_euler;
-      if (time == ForceTime::new_time && !differs) continue;
-      plan.schemes.push_back({choice, step_limits(model, choice, place)});
-      if (choice == plan.own.choice) plan.own = plan.schemes.back();
-    }
+  for (const SchemeChoice& choice : choices_under(scene.law)) {
+    plan.schemes.push_back({choice, step_limits(model, choice, place)});
+    if (choice == plan.own.choice) plan.own = plan.schemes.back();
   }
   plan.steps_per_node = model.advance > 0 ? 1.0 / model.advance : 0.0;
   plan.steps = model.steps;
@@ -123,11 +116,6 @@ std::string limit_text(double limit) {
   return std::isinf(limit) ? "every step" : limit == 0 ? "no step" : seconds_text(limit);
 }
 
-std::string table_name(SchemeChoice choice) {
-  return fmt::format("{}{}", schemes.name(choice.scheme),
-                     choice.force_time == ForceTime::new_time ? ", new force" : "");
-}
-
 /// A line a scheme: the largest steps that hold.
 std::string stability_text(const Scene& scene, const Plan& plan) {
   const bool spring = scene.law == ContactLaw::penalty;
@@ -149,7 +137,7 @@ std::string stability_text(const Scene& scene, const Plan& plan) {
     if (limits.binding_frequency > 0)
       modes += fmt::format(" ({:.4g} kHz)", limits.binding_frequency * 1e-3);
     if (!std::isinf(limits.holds())) holds += limits.modes_bind() ? ", modes" : ", contact";
-    line(fmt::format("{} {}", choice == plan.own.choice ? '>' : ' ', table_name(choice)), modes,
+    line(fmt::format("{} {}", choice == plan.own.choice ? '>' : ' ', short_text(choice)), modes,
          limit_text(limits.contact_one), limit_text(limits.contact_many), holds);
   }
   return text;
@@ -188,6 +176,24 @@ std::string scheme_text(const Scene& scene, SchemeChoice choice) {
     text +=
         fmt::format(" with the contact force of the {} time", force_times.name(choice.force_time));
   return text;
+}
+
+std::string short_text(SchemeChoice choice) {
+  return fmt::format("{}{}", schemes.name(choice.scheme),
+                     choice.force_time == ForceTime::new_time ? ", new force" : "");
+}
+
+std::vector<SchemeChoice> choices_under(ContactLaw law) {
+  std::vector<SchemeChoice> choices;
+  for (const auto& [name, scheme] : schemes.words) {
+    if (scheme == SchemeKind::adaptive) continue;
+    if (law == ContactLaw::multiplier && !takes_multipliers(scheme)) continue;
+    choices.push_back({scheme, ForceTime::old_time});
+    // the others take the force in one way only
+    if (law == ContactLaw::penalty && scheme == SchemeKind::backward_euler)
+      choices.push_back({scheme, ForceTime::new_time});
+  }
+  return choices;
 }
 
 SchemeChoice choice_of(const Scene& scene) {

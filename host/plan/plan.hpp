@@ -49,6 +49,12 @@ std::string describe(const Model& model, const Plan& plan);
 /// A scheme as messages call it, e.g. "backward-euler with the contact force of the old time".
 std::string scheme_text(const Scene& scene, SchemeChoice choice);
 
+/// The same for tables, e.g. "backward-euler, new force".
+std::string short_text(SchemeChoice choice);
+
+/// All that a contact law can take.
+std::vector<SchemeChoice> choices_under(ContactLaw law);
+
 /// The scene's own choice.
 SchemeChoice choice_of(const Scene& scene);
 

@@ -128,8 +128,8 @@ struct Layout {
       block_max, moving;
   std::size_t modal_state, samples, runs, new_runs, open, shocks, near, far, watch, touched, force,
       amplitudes, node_shape, node_face, node_window, pressed, pressed_place, pressed_force, factor,
-      across, share, closed, closed_hull, closed_roots, roots, modal_series, square_series,
-      push_series, node_series, closed_shape, scan_shape, scan, hull_room, seen;
+      across, share, closed, closed_hull, closed_sums, closed_roots, roots, modal_series,
+      square_series, push_series, node_series, closed_shape, scan_shape, scan, hull_room, seen;
   int height2_size, blocks;
   int sample_capacity, shock_capacity, row;
 };
@@ -327,6 +327,7 @@ struct Batch::Impl {
       l.closed = arena.reserve<int>(closed);
       l.hull = arena.reserve<double>((overlap_terms + 2) * overlap_terms);
       l.closed_hull = arena.reserve<Hull>(closed);
+      l.closed_sums = arena.reserve<NodeSums>(closed);
       l.closed_roots = arena.reserve<double>(closed);
       l.roots = arena.reserve<double>(l.groups * width);
       l.modal_series = arena.reserve<double>((most_order + 1) * l.lanes);
@@ -484,7 +485,8 @@ SceneTables Batch::Impl::fill_tables(const Model& model, const Layout& l) {
     table(reach)[lane] = wave + rigid;
     const double pushed = std::abs(beam.load[k]) + (moves ? push_of_forces * (wave + rigid) : 0.0);
     if (adaptive)
-      fill_flight(lane, oscillator, beam.load[k], wave + rigid, moves ? mode.beta : 0.0);
+      fill_flight(lane, oscillator, beam.load[k], wave + rigid,
+                  moves ? std::max(mode.beta, std::abs(mode.slope) / (wave + rigid)) : 0.0);
     else
       fill_step(lane, oscillator, beam.load[k], wave + rigid, pushed);
     kick += 0.5 * std::pow(tau * pushed, 2) / beam.mass_per_length;
@@ -555,11 +557,10 @@ SceneTables Batch::Impl::fill_tables(const Model& model, const Layout& l) {
   if (adaptive) {
     t.tolerance = scene.tolerance.value_or(usual_tolerance);
     const double digits = -std::log10(t.tolerance);
-    if (getenv("ORD"))
-      t.order = atoi(getenv("ORD"));
-    else
-      t.order = std::clamp(static_cast<int>(std::lround(6 + 1.5 * digits)), 8, most_order);
+    // measured: cheapest on the paper's scenes
+    t.order = std::clamp(static_cast<int>(std::lround(4 + 1.25 * digits)), 8, most_order);
     t.first_level = l.first_level;
+    t.longest_scale = std::min(scene.duration, 64.0 / std::max(quickest(model), 1e-300));
     t.top = *std::max_element(h1, h1 + model.nodes()) + *std::max_element(h2, h2 + l.height2_size);
     double* gauss = arena.host<double>(l.gauss);
     std::copy_n(gauss_place, gauss_points, gauss);
@@ -669,6 +670,7 @@ SceneState Batch::Impl::fill_state(const Model& model, const ModalStart& begin, 
     s.closed_capacity = l.closed_capacity;
     s.closed = arena.device<int>(l.closed);
     s.closed_hull = arena.device<Hull>(l.closed_hull);
+    s.closed_sums = arena.device<NodeSums>(l.closed_sums);
     s.closed_roots = arena.device<double>(l.closed_roots);
     s.roots = arena.device<double>(l.roots);
     s.series = arena.device<double>(l.modal_series);

@@ -159,4 +159,8 @@ Scene read_scene(const std::filesystem::path& file, const std::vector<std::strin
   return parse_scene(text, file, overrides);
 }
 
+std::string title(const Scene& scene) {
+  return scene.name.empty() ? scene.file.filename().string() : scene.name;
+}
+
 }  // namespace ra2d

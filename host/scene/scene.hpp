@@ -102,6 +102,9 @@ Scene read_scene(const std::filesystem::path& file, const std::vector<std::strin
 Scene parse_scene(const std::string& text, const std::filesystem::path& file,
                   const std::vector<std::string>& overrides = {});
 
+/// What people call it: its name, or that of its file.
+std::string title(const Scene& scene);
+
 /// The scene as TOML, complete (defaults included): reading it again gives the same scene.
 /// Keys that the scene's choices do not use carry a comment "# not used: why".
 std::string echo(const Scene& scene);

@@ -43,7 +43,9 @@ KOKKOS_INLINE_FUNCTION double highest_value(const double* c, int n, double end) 
   double slope = n > 0 ? c[1] : 0.0;
   for (int third = 0; third < 3; ++third) {
     double low = third * (end / 3.0), high = (third + 1) * (end / 3.0);
-    const double next = third == 2 ? last.slope : polynomial_and_slope(c, n, high).slope;
+    const ValueAndSlope edge = third == 2 ? last : polynomial_and_slope(c, n, high);
+    if (edge.value > highest) highest = edge.value;
+    const double next = edge.slope;
     if (slope > 0.0 && next <= 0.0) {  // a top lies between: the false position, halved when stuck
       double rising = slope, falling = next;
       for (int i = 0; i < 60; ++i) {
@@ -85,7 +87,8 @@ KOKKOS_INLINE_FUNCTION double first_crossing(const double* c, int n, double sign
     const double root = Kokkos::sqrt(Kokkos::fma(rate, rate, 2.0 * bend * miss));
     const double d = rate > 0.0 ? 2.0 * miss / (root + rate) : (root - rate) / (bend + 1e-300);
     const double next = x + d;
-    if (!(next <= end)) return 2.0 * end + 1.0;
+    // without slope and bend it stays where it is
+    if (!(next <= end) || root == 0.0) return 2.0 * end + 1.0;
     if (next == x) return x;  // as near as roundings let it come
     x = next;
   }
@@ -113,19 +116,23 @@ KOKKOS_INLINE_FUNCTION Hull hull_of(const Lanes& lanes, const SceneTables& t, co
     if (g < used) lanes.store(room + g * width, b[g]);
   lanes.sync();
   const double* mask = t.hull + overlap_terms * overlap_terms;
-  Real least = b[0], most = b[0], slope(0.0), curve(0.0);
+  const double first = room[1] - room[0];
+  Real least = b[0], most = b[0], falling(1e300), rising(-1e300), curve(0.0);
   for (int g = 0; g < packs; ++g) {
     if (g >= used) continue;
     least = Kokkos::min(least, b[g]);
     most = Kokkos::max(most, b[g]);
     const Real b1 = lanes.load(room + g * width + 1), b2 = lanes.load(room + g * width + 2);
     const Real d1 = b1 - b[g], d2 = (b2 - b1) - d1;
-    slope = Kokkos::max(slope, Kokkos::abs(d1) * lanes.load(mask + g * width));
+    // what is masked out repeats a difference
+    const Real in = lanes.load(mask + g * width), d = in * d1 + (Real(1.0) - in) * Real(first);
+    falling = Kokkos::min(falling, d);
+    rising = Kokkos::max(rising, d);
     curve = Kokkos::max(curve, Kokkos::abs(d2) * lanes.load(mask + overlap_terms + g * width));
   }
   lanes.sync();
   const double per = n / x;
-  return {lanes.min(least), lanes.max(most), per * lanes.max(slope),
+  return {lanes.min(least), lanes.max(most), per * lanes.min(falling), per * lanes.max(rising),
           per * ((n - 1.0) / x) * lanes.max(curve)};
 }
 

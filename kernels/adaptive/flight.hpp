@@ -25,8 +25,8 @@ struct MotionBounds {
 ///
 /// and a rigid mode falls, U'' = load/m. What 2^l ticks do to (U - U_s, V, 1) is tabled for every l,
 /// together with the integral of V^2, a quadratic form of it; a flight is one product for each bit
-/// of its length. Lengths below the first table are one Taylor step: they are so short that its
-/// fourth term is below the roundings.
+/// of its length. Lengths below the first table are one Taylor step: they are so short that what it
+/// leaves out is below the roundings.
 template <class Lanes, int K>
 class Flight {
   using Real = typename Lanes::Real;
@@ -52,9 +52,9 @@ class Flight {
     for (int p = 0; p < K; ++p) {
       const Real stretch = load(t_.omega, p) * (u[p] - load(t_.rest, p));
       const Real e = Kokkos::sqrt(multiply_add(v[p], v[p], stretch * stretch));
-      const Real way =
-          Kokkos::min(Real(time) * multiply_add(0.5 * time, Kokkos::abs(load(t_.fall, p)), e),
-                      e * load(t_.swing, p));
+      // of a rigid mode, which may fall from rest, the first is the smaller
+      const Real mean = multiply_add(0.5 * time, Kokkos::abs(load(t_.fall, p)), e);
+      const Real way = Kokkos::min(Real(time) * mean, mean * load(t_.swing, p));
       const Real amplitude = Kokkos::abs(u[p]) + way;
       const Real reach = load(t_.reach, p);
       travel = multiply_add(reach, way, travel);
@@ -95,7 +95,9 @@ class Flight {
       const Real d = u[p] - load(t_.rest, p);
       const Real a = load(t_.fall, p) - multiply_add(stiff, d, decay * v[p]);
       const Real jerk = Real(-1.0) * multiply_add(stiff, v[p], decay * a);
-      const Real dv = Real(time) * multiply_add(0.5 * time, jerk, a);
+      const Real snap = Real(-1.0) * multiply_add(stiff, a, decay * jerk);
+      const Real dv =
+          Real(time) * multiply_add(0.5 * time, multiply_add(time / 3.0, snap, jerk), a);
       const Real du =
           Real(time) * (v[p] + Real(time) * multiply_add(time / 6.0, jerk, Real(0.5) * a));
       // the integral of (v + a t + jerk t^2/2)^2

@@ -132,7 +132,7 @@ class AdaptiveMarcher {
     const std::int64_t whole = std::int64_t{1} << s_.level;
     std::int64_t ticks =
         whole - (step_ & (whole - 1));  // to a multiple of the length that is aimed at
-    bool look = true, cut = false;
+    bool look = true, cut = false, coarse = false;
     MotionBounds bounds;
     if (ticks > room) {
       const std::int64_t left = t_.total_steps - step_;
@@ -145,9 +145,11 @@ class AdaptiveMarcher {
     }
     Real u[K], v[K], square[K];
     int flagged = 0;
+    double rise = 0.0;
     if (look) {
       bounds = flight_.bounds(u_, v_, ticks * t_.step);
-      find_near(place, bounds.travel, bounds.rounding(), room, ticks);
+      rise = longest_rise(bounds, ticks);
+      find_near(place, rise, bounds.rounding(), room, ticks);
       if (groups() > 0) {
         if (!seen_) see(place, u_, v_, before_);
         seen_ = true;
@@ -156,16 +158,20 @@ class AdaptiveMarcher {
     go(ticks, u, v, square);
     if (look && groups() > 0) {
       see(moved(place, ticks), u, v, after_);
-      flagged = flag(ticks * t_.step, bounds.fourth, bounds.tail, bounds.rounding());
+      flagged = flag(ticks * t_.step, bounds, rise);
+      // closer than can be seen a shorter step decides nothing
+      coarse = cubic_error(bounds, ticks * t_.step) > blur(bounds);
     }
     if (flagged > 0) {
-      series_.expand(u_, v_, place, ticks * t_.step);
+      const double scale = Kokkos::min(ticks * t_.step, t_.longest_scale);
+      series_.expand(u_, v_, place, scale);
       double x = series_.extent(t_.tolerance);
       if (!(x > 0.0)) return fail(Status::not_finite);
+      const std::int64_t most = ticks;
+      const double longest = x * (scale / t_.step);
+      if (longest < static_cast<double>(ticks)) ticks = static_cast<std::int64_t>(longest);
       // no further than the shapes hold that the search goes by
       const std::int64_t window = ticks_left(place, (place.part + 1) * t_.window_width);
-      const std::int64_t most = ticks;
-      if (x < 1.0) ticks = static_cast<std::int64_t>(x * static_cast<double>(ticks));
       if (window < ticks) ticks = window;
       if (ticks < 1) return fail(Status::stalled);
       const double end = x_of(ticks);
@@ -179,7 +185,7 @@ class AdaptiveMarcher {
         Real off[K], off_v[K];
         go(ticks, off, off_v, square);
         take(on, on_v, square);
-        end_flight();
+        if (ticks > 0) end_flight();
         step_ += ticks;
         seen_ = false;
         close_contacts(flagged, x);
@@ -198,7 +204,7 @@ class AdaptiveMarcher {
     // the length that lets the cubics decide by themselves
     if (lanes_.leader()) {
       if (flagged != 0)
-        s_.level = s_.level > t_.first_level ? s_.level - 1 : t_.first_level;
+        s_.level = coarse && s_.level > t_.first_level ? s_.level - 1 : s_.level;
       else if (!cut && s_.level < longest_level)
         ++s_.level;
     }
@@ -222,7 +228,7 @@ class AdaptiveMarcher {
         longest < static_cast<double>(room) ? static_cast<std::int64_t>(longest) : room;
     double end = x_of(ticks);
 
-    const double touch = touch_of(u_);
+    const double touch = touch_of(u_) + series_.neglected();
     // contacts that end
     double first = 2.0 * end + 1.0;
     for (int e = 0; e < s_.closed_count; ++e) {
@@ -245,7 +251,8 @@ class AdaptiveMarcher {
     }
     // contacts that begin
     const MotionBounds bounds = series_.bounds(end);
-    find_near(place, bounds.travel, bounds.rounding(), room, ticks);
+    const double rise = longest_rise(bounds, ticks);
+    find_near(place, rise, bounds.rounding(), room, ticks);
     if (!seen_ && groups() > 0) see(place, u_, v_, before_);
     seen_ = true;
     Real u[K], v[K];
@@ -253,7 +260,7 @@ class AdaptiveMarcher {
     int flagged = 0;
     if (groups() > 0) {
       see(moved(place, ticks), u, v, after_);
-      flagged = flag(ticks * t_.step, bounds.fourth, bounds.tail, bounds.rounding());
+      flagged = flag(ticks * t_.step, bounds, rise);
     }
     bool onset = false;
     if (flagged > 0) {
@@ -275,7 +282,8 @@ class AdaptiveMarcher {
     const bool release = first <= end;
     if (release) open_contacts(end);
     if (onset) close_contacts(flagged, end);
-    if (lanes_.leader()) s_.stride = extent * scale;
+    // at rest it would grow for ever
+    if (lanes_.leader()) s_.stride = Kokkos::min(extent * scale, t_.longest_scale);
     lanes_.sync();
     if (onset)
       seen_ = false;
@@ -313,13 +321,13 @@ class AdaptiveMarcher {
     const auto ticks = static_cast<std::int64_t>(Kokkos::ceil(x * (series_.scale() / t_.step)));
     return ticks < most ? ticks : most;
   }
-  /// The place some ticks on, seen from the same window.
+  /// The place some ticks on, seen from the same window; else to the bit what stand() says there.
   KOKKOS_FORCEINLINE_FUNCTION Place moved(const Place& place, std::int64_t ticks) const {
     Place there = place;
-    const double way = static_cast<double>(ticks) * t_.advance;
-    there.theta += way;
-    there.offset += way;
-    there.position += way;
+    const auto step = static_cast<double>(step_ + ticks);
+    there.position = Kokkos::fma(step, t_.advance, t_.position);
+    there.theta = Kokkos::fma(step, t_.advance, t_.position - place.base);
+    there.offset = there.theta - (place.part + 0.5) * t_.window_width;
     return there;
   }
   /// What was seen at the end of a step is what the next one begins with, unless a node has passed
@@ -342,6 +350,24 @@ class AdaptiveMarcher {
     return t_.look == Look::all ? t_.groups : near_.count();
   }
   KOKKOS_FORCEINLINE_FUNCTION int group(int e) const { return t_.look == Look::all ? e : near_[e]; }
+
+  /// Error of an overlap that is seen [m].
+  KOKKOS_FORCEINLINE_FUNCTION double blur(const MotionBounds& bounds) const {
+    return bounds.tail + 3.0 * bounds.rounding() + 2.0 * t_.slack;
+  }
+  /// ... and of the cubic through what is seen at both ends of a step.
+  KOKKOS_FORCEINLINE_FUNCTION double cubic_error(const MotionBounds& bounds, double time) const {
+    // on a patch and a little beyond it a cubic of a mode exceeds the mode by no more than exp(1/2)
+    const double square = time * time;
+    return 1.65 * bounds.fourth * square * square / 384.0;
+  }
+  /// What an overlap can rise by within a step [m], and twice the error of seeing it.
+  KOKKOS_FUNCTION double longest_rise(const MotionBounds& bounds, std::int64_t ticks) const {
+    const double way = static_cast<double>(ticks) * t_.advance;
+    double slope = t_.steepest;
+    if (way > 0.0) slope += t_.spacing * weighted_sum<Lanes, K>(lanes_, t_.reach_slope, u_);
+    return bounds.travel + way * slope + 2.0 * blur(bounds);
+  }
 
   /// A near list that holds over a step, and likely over the rest of the window.
   KOKKOS_FUNCTION void find_near(const Place& place, double travel, double rounding,
@@ -389,11 +415,11 @@ class AdaptiveMarcher {
   }
 
   /// Lists the open nodes that could touch within a step of `time` [s] whose ends have been seen.
-  KOKKOS_FUNCTION int flag(double time, double fourth, double tail, double rounding) const {
-    const double square = time * time;
-    // on a patch and a little beyond it a cubic of a mode exceeds the mode by no more than exp(1/2)
-    const double off = 1.65 * fourth * square * square / 384.0;
-    const double level = -(off + tail + 3.0 * rounding + 2.0 * t_.slack);
+  /// Which they are must not depend on the near list: the length of the next step does on them. So
+  /// they are none of those that every near list may leave out.
+  KOKKOS_FUNCTION int flag(double time, const MotionBounds& bounds, double rise) const {
+    const double level = -(cubic_error(bounds, time) + blur(bounds));
+    const double start = -(rise - blur(bounds));
     const double third = time / 3.0;
     int count = 0, closed = 0;
     const int all = groups();
@@ -405,6 +431,7 @@ class AdaptiveMarcher {
       const Real b2 = multiply_add(-third, lanes_.load(last + width), b3);
       const Real most = Kokkos::max(Kokkos::max(b0, b1), Kokkos::max(b2, b3));
       std::uint32_t bits = lanes_.at_least(most, level);
+      if (bits != 0) bits &= lanes_.at_least(b0, start);
       const int left = t_.nodes - group(e) * width;
       if (left < width) bits &= (1u << left) - 1u;
       for (; bits != 0; bits &= bits - 1) {
@@ -507,13 +534,11 @@ class AdaptiveMarcher {
   /// The samples within the next `ticks`. False when the buffer is full.
   KOKKOS_FUNCTION bool fly_samples(std::int64_t ticks) {
     if (s_.next_sample >= t_.samples || sample_tick() >= step_ + ticks) return true;
-    Real u[K], v[K], square[K];
-    go(0, u, v, square);
-    std::int64_t at = step_;
     while (s_.next_sample < t_.samples && sample_tick() < step_ + ticks) {
       if (!has_room_for_sample()) return false;
-      flight_(u, v, square, sample_tick() - at);
-      at = sample_tick();
+      // from the beginning each: the one before may have been written in the launch before
+      Real u[K], v[K], square[K];
+      go(sample_tick() - step_, u, v, square);
       write_sample(u, v, square, Contact{});
     }
     return true;
@@ -542,58 +567,76 @@ class AdaptiveMarcher {
       contact.energy += 0.5 * t_.node_stiffness * over * over;
     }
     contact.nodes = s_.closed_count;
-    works(x, contact.sliding_work, contact.force_work);
+    sum_nodes(x);
+    contact.sliding_work = sliding_work();
+    contact.force_work = force_work(x);
     return contact;
   }
 
-  /// Work of the imposed motion, sum_n f_n V (dh_2/dx + du_2/dx), and of the moving forces, from the
-  /// beginning of the step to x [J].
-  KOKKOS_FUNCTION void works(double x, double& sliding, double& moving) const {
-    sliding = moving = 0.0;
-    if (s_.closed_count > 0 && t_.advance != 0.0) {
-      Real sum(0.0);
-      for (int g = 0; g < gauss_points; g += width) {
-        const Real at = Real(x) * lanes_.load(t_.gauss + g);
-        Real power(0.0);
-        for (int e = 0; e < s_.closed_count; ++e) {
-          const double *o = series_.overlap(e), *c = series_.climb(e);
-          const int n = series_.degree();
-          Real over(o[n]), climb(c[n]);
-          for (int j = n - 1; j >= 0; --j) {
-            over = multiply_add(over, at, Real(o[j]));
-            climb = multiply_add(climb, at, Real(c[j]));
-          }
-          power = multiply_add(over, climb, power);
-        }
-        sum = multiply_add(lanes_.load(t_.gauss + gauss_room + g), power, sum);
+  /// The integrals of the closed nodes from the beginning of the step to x.
+  KOKKOS_FUNCTION void sum_nodes(double x) const {
+    const int n = series_.degree();
+    for (int e = 0; e < s_.closed_count; ++e) {
+      const double *o = series_.overlap(e), *c = series_.climb(e);
+      constexpr int packs = (gauss_points + width - 1) / width;
+      Real at[packs], over[packs], climb[packs];
+      for (int g = 0; g < packs; ++g) {
+        at[g] = Real(x) * lanes_.load(t_.gauss + g * width);
+        over[g] = Real(o[n]);
+        climb[g] = Real(c[n]);
       }
-      sliding = t_.node_stiffness * x * lanes_.sum(sum);
-    }
-    if (t_.moving_forces > 0) {
-      Real sum(0.0);
-      for (int g = 0; g < gauss_points; ++g) {
-        const double at = x * t_.gauss[g];
-        Real v[K];
-        series_.velocity(at, v);
-        for (int p = 0; p < K; ++p) {
-          Real push = lanes_.load(s_.push_series + (t_.order * K + p) * width);
-          for (int j = t_.order - 1; j >= 0; --j)
-            push = multiply_add(push, Real(at), lanes_.load(s_.push_series + (j * K + p) * width));
-          sum = multiply_add(Real(t_.gauss[gauss_room + g]) * push, v[p], sum);
+      for (int j = n - 1; j >= 0; --j)
+        for (int g = 0; g < packs; ++g) {
+          over[g] = multiply_add(over[g], at[g], Real(o[j]));
+          climb[g] = multiply_add(climb[g], at[g], Real(c[j]));
         }
+      Real sum(0.0), moment(0.0), work(0.0);
+      for (int g = 0; g < packs; ++g) {
+        const Real weighted = lanes_.load(t_.gauss + gauss_room + g * width) * over[g];
+        sum = sum + weighted;
+        moment = multiply_add(weighted, at[g], moment);
+        work = multiply_add(weighted, climb[g], work);
       }
-      moving = x * series_.scale() * lanes_.sum(sum);
+      double of_sum, of_moment;
+      lanes_.sum(sum, moment, of_sum, of_moment);
+      const NodeSums sums{x * of_sum, x * of_moment, x * lanes_.sum(work)};
+      if (lanes_.leader()) s_.closed_sums[e] = sums;
     }
+    lanes_.sync();
+  }
+
+  /// Work of the imposed motion, sum_n f_n V (dh_2/dx + du_2/dx) [J].
+  KOKKOS_FUNCTION double sliding_work() const {
+    double work = 0.0;
+    for (int e = 0; e < s_.closed_count; ++e) work += s_.closed_sums[e].work;
+    return t_.node_stiffness * work;
+  }
+  /// Work of the moving forces from the beginning of the step to x [J].
+  KOKKOS_FUNCTION double force_work(double x) const {
+    if (t_.moving_forces == 0) return 0.0;
+    Real sum(0.0);
+    for (int g = 0; g < gauss_points; ++g) {
+      const double at = x * t_.gauss[g];
+      Real v[K];
+      series_.velocity(at, v);
+      for (int p = 0; p < K; ++p) {
+        Real push = lanes_.load(s_.push_series + (t_.order * K + p) * width);
+        for (int j = t_.order - 1; j >= 0; --j)
+          push = multiply_add(push, Real(at), lanes_.load(s_.push_series + (j * K + p) * width));
+        sum = multiply_add(Real(t_.gauss[gauss_room + g]) * push, v[p], sum);
+      }
+    }
+    return x * series_.scale() * lanes_.sum(sum);
   }
 
   /// The step's share of shocks and sums.
   KOKKOS_FUNCTION void record(const Place& place, std::int64_t ticks, double end) {
-    double sliding, moving;
-    works(end, sliding, moving);
+    if (ticks == 0) return;
+    sum_nodes(end);
+    const double sliding = sliding_work(), moving = force_work(end);
     if (!lanes_.leader()) return;
     s_.sliding_work += sliding;
     s_.force_work += moving;
-    if (ticks == 0) return;
     const int count = s_.closed_count;
     if (count == 0) {
       if (s_.open_count > 0) end_shocks(s_, step_);
@@ -601,36 +644,36 @@ class AdaptiveMarcher {
     }
     s_.contact_steps += ticks;
     if (count > s_.most_nodes) s_.most_nodes = count;
-    const int n = series_.degree();
     const double newton_ticks = t_.node_stiffness * series_.scale() / t_.step;
-    const double way = t_.advance * (series_.scale() / t_.step);
+    const double way = t_.advance * (series_.scale() / t_.step);  // chi per x
     for (int e = 0; e < count; ++e) {
       s_.touched[e] = s_.closed[e];
-      s_.touched_force[e] = newton_ticks * polynomial_integral(series_.overlap(e), n, end);
+      s_.touched_force[e] = newton_ticks * s_.closed_sums[e].overlap;
     }
-    join_shocks(s_, step_, step_ + ticks - 1, 0.0, count, [&](int e) {
-      // the integral of f (x_n)/chi
-      const double* o = series_.overlap(e);
-      double first = o[n] / (n + 2);
-      for (int j = n - 1; j >= 0; --j) first = Kokkos::fma(first, end, o[j] / (j + 2));
-      return Kokkos::fma(place.base + place.theta + s_.touched[e], s_.touched_force[e],
-                         newton_ticks * way * first * end * end);
+    join_shocks(s_, step_, step_ + ticks - 1, place.base + place.theta, count, [&](int e) {
+      return Kokkos::fma(s_.touched_force[e], s_.touched[e],
+                         newton_ticks * way * s_.closed_sums[e].moment);
     });
     for (int i = 0; i < s_.open_count; ++i) {
-      const double peak = t_.node_stiffness * highest(i, end);
+      const double peak = highest_force(i, end);
       if (peak > s_.open[i].peak) s_.open[i].peak = peak;
     }
   }
 
-  /// The largest sum of the overlaps that belong to open shock i, over the step.
-  KOKKOS_FUNCTION double highest(int i, double end) const {
+  /// The largest sum of the forces that belong to open shock i, over the step [N].
+  KOKKOS_FUNCTION double highest_force(int i, double end) const {
     const int n = series_.degree();
     const double* sum = nullptr;
+    double falling = 0.0, rising = 0.0, most = 0.0;
     int e = 0;
     for (int r = 0; r < s_.run_count; ++r)
       for (; e < s_.closed_count && s_.closed[e] <= s_.runs[r].last; ++e) {
         if (s_.runs[r].shock != i) continue;
         const double* o = series_.overlap(e);
+        const Hull& hull = s_.closed_hull[e];
+        falling += hull.falling;
+        rising += hull.rising;
+        most += hull.most;
         if (sum == nullptr) {
           sum = o;
         } else {
@@ -638,8 +681,15 @@ class AdaptiveMarcher {
           sum = s_.scan;
         }
       }
-    if (sum == nullptr) return 0.0;
-    return highest_value(sum, n, end);
+    if (sum == nullptr || t_.node_stiffness * most <= s_.open[i].peak) return 0.0;
+    double highest;
+    if (rising <= 0.0)
+      highest = sum[0];
+    else if (falling >= 0.0)
+      highest = polynomial(sum, n, end);
+    else
+      highest = highest_value(sum, n, end);
+    return t_.node_stiffness * highest;
   }
 
   /// Nothing touches from now on.

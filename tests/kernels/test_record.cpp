@@ -456,6 +456,52 @@ TEST_P(RandomShocks, ContinuingAgreesWithTracking) {
   EXPECT_LT(continued, contact);
 }
 
+TEST_P(RandomShocks, StretchesAreTheirSteps) {
+  // steps in a row in which the same nodes touch, taken at once: all but the peak, which only who
+  // knows the force within the stretch can tell
+  std::mt19937 random(15);
+  int longer = 0, merged = 0;
+  for (int trial = 0; trial < 1500; ++trial) {
+    const Pattern pattern = random_pattern(random, GetParam());
+    const auto same = [&](int a, int b) {
+      for (int node = 0; node < pattern.nodes; ++node)
+        if (pattern.touches(a, node) != pattern.touches(b, node)) return false;
+      return true;
+    };
+    Tracker tracker(pattern.nodes);
+    for (int first = 0, last = 0; first <= pattern.steps; first = last = last + 1) {
+      // any part of such a stretch will do
+      while (last < pattern.steps && same(first, last + 1) && random() % 8 != 0) ++last;
+      SceneState& s = tracker.s;
+      int count = 0;
+      std::vector<double> moments;
+      for (int node = 0; node < pattern.nodes; ++node) {
+        if (!pattern.touches(first, node)) continue;
+        double force = 0, moment = 0;
+        for (int step = first; step <= last; ++step) {
+          force += pattern.at(step, node);
+          moment += pattern.at(step, node) * (node + Pattern::position(step) - 100);
+        }
+        s.touched[count] = node;
+        s.touched_force[count++] = force;
+        moments.push_back(moment);
+      }
+      if (count == 0)
+        end_shocks(s, first);
+      else
+        join_shocks(s, first, last, 100, count, [&](int e) { return moments[e]; });
+      longer += count > 0 && last > first;
+    }
+    std::vector<ShockRow> expected = expected_shocks(pattern);
+    for (ShockRow& row : expected) row.peak = 0;
+    ASSERT_EQ(tracker.rows_by_serial(), expected) << picture(pattern);
+    EXPECT_EQ(tracker.s.open_count, 0);
+    merged += static_cast<int>(tracker.s.shocks_begun) - static_cast<int>(expected.size());
+  }
+  EXPECT_GT(longer, 300);
+  EXPECT_GT(merged, 100);
+}
+
 TEST_P(RandomShocks, NothingIsLostThroughTheSmallestBuffer) {
   std::mt19937 random(14);
   for (int trial = 0; trial < 300; ++trial) {

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <array>
+#include <filesystem>
+#include <functional>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/chart/methods.hpp"
+
+/// Speed against accuracy: what every scheme under every contact law costs and how far off it is.
+///
+/// The motion is chaotic, so "how far off" is asked in three ways:
+/// - the state just before the 5th and the 20th shock, in the norm of the energy (state_error),
+///   against a reference much finer than all that is compared;
+/// - the closure of the energy over a stretch as long as the time given allows, and no shorter than
+///   to the last of these states (EnergyBalance);
+/// - level, rate of shocks and their median duration over a long stretch, as means over other
+///   surfaces of the same kind, with their standard errors.
+///
+/// Multipliers are another model of an impact, and each scheme makes its own of it: there a state is
+/// measured against the same scheme's own finest run, at the same instant.
+namespace ra2d {
+
+inline constexpr double missing = std::numeric_limits<double>::quiet_NaN();
+
+/// When states are compared.
+struct Instant {
+  std::string kind;  // "state-5", "state-20", or "state-end" where there are not so many shocks
+  std::string text;  // for people
+  double time = 0;   // s
+};
+
+/// A state that was compared, or why it was not.
+struct StateError {
+  double error = missing;  // relative
+  double step = 0;         // s, the whole part of the instant's time that was taken; 0: none
+  std::string note;
+};
+
+/// How a row is called.
+struct Name {
+  std::string program = "ra2d", scheme, law, contact_force, nodes;
+  std::string text;  // for people
+};
+
+/// One setting of one method, or of a peer.
+struct Measured {
+  Name name;
+  Setting setting;
+  std::string left_out;            // why nothing was measured
+  std::vector<StateError> states;  // one an instant
+  std::string against;             // what the states were measured against
+  double closure = missing;        // of the energy, relative
+  double stretch = 0;              // s simulated, of each repetition
+  std::vector<double> wall;        // s of march per simulated second, one a repetition
+  double wall_median() const;      // NaN without any
+};
+
+/// Mean over the seeds, its standard error (NaN of a single run), and how far it is from that of
+/// the reference on the same surfaces.
+struct Statistic {
+  double mean = missing, error = missing, difference = missing, difference_error = missing;
+};
+
+enum Quantity { level_quantity, shock_rate, shock_duration, quantities };
+inline constexpr std::array<const char*, quantities> quantity_names{"level", "shock-rate",
+                                                                    "shock-duration"};
+
+struct LongRun {
+  Name name;
+  Setting setting;
+  bool reference = false;
+  double wall = missing;                         // s of march per simulated second
+  std::string note;                              // what went wrong
+  std::array<Statistic, quantities> statistics;  // dB, 1/s, s
+};
+
+struct AccuracyChart {
+  std::vector<Instant> instants;
+  std::string reference;  // the setting that the penalty's states are measured against
+  std::vector<double> reference_error;  // of it, one an instant: from a coarser one
+  std::string reference_check;          // which
+  std::string confirmed;                // what the peers say of it
+  std::vector<Measured> points;
+  std::vector<LongRun> long_runs;
+  int seeds = 0;           // surfaces of each long run
+  double long_time = 0;    // s simulated, of each
+  std::string long_notes;  // why there is only one, or none
+  double seconds = 0;      // that all of it took
+};
+
+struct AccuracyOptions {
+  double budget = 150;                                                  // s of wall time, roughly
+  int repetitions = 3;                                                  // of each timing
+  int seeds = 8;                                                        // of the long runs
+  std::vector<double> steps{1e-6, 3e-7, 1e-7, 3e-8, 1e-8, 3e-9, 1e-9};  // s
+  std::vector<double> tolerances{1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10};
+  std::filesystem::path peers;                       // ra2d_peers; none: not confirmed
+  std::function<void(const std::string&)> progress;  // what is being done
+};
+
+/// Measures everything, repetitions alternating between all that is compared. Throws RequestError
+/// where the scene itself cannot be run.
+AccuracyChart measure_accuracy(const Scene& scene, const AccuracyOptions& options = {});
+
+/// The chart for people: for each method the cheapest setting within a few errors; at the end what to
+/// choose.
+std::string describe(const AccuracyChart& chart);
+
+using Context = std::vector<std::pair<std::string, std::string>>;
+
+/// What the files say before their first row: the machine (timing_context) and the references.
+Context chart_context(const Scene& scene, const AccuracyChart& chart);
+
+/// The same for programs, a row a setting and a measure of its error. Lines of `context` come first,
+/// each after a #.
+std::string points_csv(const AccuracyChart& chart, const Context& context);
+
+/// ... and a row a long run and quantity.
+std::string long_runs_csv(const AccuracyChart& chart, const Context& context);
+
+}  // namespace ra2d

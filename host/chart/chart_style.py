@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What the pictures of the charts have in common. Ends with status 9 when there is no matplotlib."""
+import csv
+import os
+import sys
+
+try:
+    import matplotlib
+except ImportError:
+    sys.exit(9)
+matplotlib.use("Agg")
+
+# (time.scheme, time.contact_force): name, colour
+NAMES = {
+    ("explicit-euler", "old"): ("explicit Euler", "#d62728"),
+    ("midpoint", "old"): ("midpoint", "#2ca02c"),
+    ("backward-euler", "old"): ("backward Euler, old force", "#1f77b4"),
+    ("backward-euler", "new"): ("backward Euler, new force", "#17becf"),
+    ("heun", "old"): ("Heun", "#ff7f0e"),
+    ("rk4", "old"): ("RK4", "#9467bd"),
+    ("rk8", "old"): ("RK8", "#8c564b"),
+    ("exact", "old"): ("exact, force held", "#7f7f7f"),
+}
+
+
+def read(file):
+    """The rows of a file of comma-separated values, without the # lines."""
+    with open(file, newline="") as lines:
+        return list(csv.DictReader(line for line in lines if not line.startswith("#")))
+
+
+def read_context(file):
+    """What the # lines say: {what: which}."""
+    with open(file) as lines:
+        return dict(line[2:].rstrip("\n").split(": ", 1) for line in lines if line.startswith("# "))
+
+
+def save(figure, picture):
+    """Under its final name once it is complete."""
+    partial = f"{picture}.partial-{os.getpid()}"
+    try:
+        figure.savefig(partial, format="png", dpi=130)
+        os.replace(partial, picture)
+    except OSError as fault:
+        if os.path.exists(partial):
+            os.remove(partial)
+        sys.exit(f"{picture}: {fault.strerror}")

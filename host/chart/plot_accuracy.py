@@ -1,0 +1,173 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""plot_accuracy.py POINTS LONG PICTURE: the chart of `ra2d chart accuracy` as a picture.
+
+POINTS and LONG are the files that the command writes, PREFIX.csv and PREFIX-long.csv. Ends with status 9 when
+there is no matplotlib.
+"""
+import math
+import sys
+
+from chart_style import NAMES, read, read_context, save
+import matplotlib.pyplot as plt
+from matplotlib.lines import Line2D
+
+MARKS = {"explicit-euler": "v", "midpoint": "o", "backward-euler": "s", "heun": "^", "rk4": "D", "rk8": "P",
+         "exact": "X", "adaptive": "*"}
+PEERS = {"cvode-adams": ("CVODE Adams", "#e377c2", "<"), "cvode-bdf": ("CVODE BDF", "#bcbd22", ">"),
+         "dopri5": ("DOPRI5", "#444444", "x")}
+
+
+def style(row):
+    """Name, colour, mark and line of a row's method."""
+    scheme, force = row["scheme"], row["contact_force"]
+    if row["program"] != "ra2d":
+        name, colour, mark = PEERS.get(scheme, (scheme, "#999999", "x"))
+        every = row["nodes"] == "all"
+        return name + (", every node" if every else ""), colour, mark, ":" if every else "-"
+    multiplier = row["law"] == "multiplier"
+    name, colour = NAMES.get((scheme, "old" if multiplier else force), (scheme, "black"))
+    if multiplier:
+        name = name.split(",")[0] + ", multiplier"
+    mark = "d" if force == "new" and not multiplier else MARKS.get(scheme, "*")
+    return name, colour, mark, "--" if multiplier else "-"
+
+
+def number(row, column):
+    return float(row[column]) if row[column] else math.nan
+
+
+def whole_decade(row):
+    size = number(row, "step") if row["step"] else number(row, "tolerance")
+    return abs(math.log10(size) - round(math.log10(size))) < 0.01
+
+
+def draw_errors(axes, rows, kind, title, reference, seen):
+    """Error over cost; every other step of the ladder is a power of ten and drawn larger."""
+    curves = {}
+    for row in rows:
+        if kind == "energy" and row["law"] != "penalty":
+            continue  # what impacts take there is no error
+        if row["kind"] == kind and row["error"] and number(row, "error") > 0 and row["wall_median"]:
+            curves.setdefault(style(row), []).append(row)
+    for (name, colour, mark, line), points in curves.items():
+        points.sort(key=lambda row: number(row, "wall_median"))
+        wall = [number(row, "wall_median") for row in points]
+        error = [number(row, "error") for row in points]
+        hollow = {"mfc": "white"} if line == "--" else {}
+        axes.plot(wall, error, line, color=colour, lw=1.3, alpha=0.9, zorder=2)
+        for row, x, y in zip(points, wall, error):
+            axes.plot(x, y, mark, color=colour, mec=colour, ms=7 if whole_decade(row) else 4, zorder=3, **hollow)
+        seen.setdefault(name, Line2D([], [], color=colour, marker=mark, ls=line, lw=1.3, ms=6, label=name, **hollow))
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    if reference > 0:
+        low, high = axes.get_ylim()
+        axes.axhspan(min(low, 0.3 * reference), reference, color="#dddddd", zorder=0)
+        axes.set_ylim(min(low, 0.3 * reference), high)
+        axes.text(0.02, reference, " below: not known, the reference's own error", fontsize=7.5, color="#555555",
+                  transform=axes.get_yaxis_transform(), va="top")
+    axes.set_xlabel("wall time per simulated second [s]")
+    axes.grid(True, which="major", alpha=0.3)
+    axes.set_title(title, fontsize=10.5)
+
+
+def size_text(row):
+    return f"{number(row, 'step'):g} s" if row["step"] else f"tol {number(row, 'tolerance'):g}"
+
+
+def plain(value, digits):
+    return f"{value:.0f}" if abs(value) >= 1000 else f"{value:.{digits}g}"
+
+
+def draw_statistics(axes, rows, quantity, label, unit):
+    """Mean over the surfaces with its standard error, thin; thick, how far from the reference on the same ones.
+
+    Multipliers, another model, do not widen the axis: what lies beyond it is written at its edge."""
+    rows = [row for row in rows if row["quantity"] == quantity]
+    value = lambda row, column: number(row, column) / unit
+    reach = lambda row: 0 if math.isnan(number(row, "standard_error")) else 1.3 * value(row, "standard_error")
+    shown = [row for row in rows if row["mean"] and row["law"] == "penalty"] or [row for row in rows if row["mean"]]
+    if shown:
+        low = min(value(row, "mean") - reach(row) for row in shown)
+        high = max(value(row, "mean") + reach(row) for row in shown)
+        margin = 0.25 * (high - low) or 0.1 * abs(high) or 1
+        axes.set_xlim(low - margin, high + margin)
+        axes.axvline(value(rows[0], "mean"), color="#555555", lw=0.9, ls=":", zorder=1)
+    for i, row in enumerate(rows):
+        _, colour, mark, line = style(row)
+        if not row["mean"]:
+            axes.text(0.5, i, row["how"] or "none", transform=axes.get_yaxis_transform(), ha="center", va="center",
+                      fontsize=8)
+            continue
+        mean, spread = value(row, "mean"), value(row, "standard_error")
+        low, high = axes.get_xlim()
+        if not low < mean < high:
+            several = "" if math.isnan(spread) else f" \u00b1 {plain(spread, 2)}"
+            axes.annotate(f"{plain(mean, 4)}{several}", (0.01 if mean < low else 0.99, i), (12 if mean < low else -12, 0),
+                          xycoords=axes.get_yaxis_transform(), textcoords="offset points", color=colour, fontsize=9,
+                          ha="left" if mean < low else "right", va="center",
+                          arrowprops={"arrowstyle": "->", "color": colour})
+            continue
+        axes.errorbar(mean, i, xerr=None if math.isnan(spread) else spread, fmt=mark, ms=7, color=colour, lw=1,
+                      capsize=3, zorder=3, **({"mfc": "white"} if line == "--" else {}))
+        if row["difference"] and row["difference_error"]:
+            middle, apart = value(rows[0], "mean") + value(row, "difference"), value(row, "difference_error")
+            axes.plot([middle - apart, middle + apart], [i, i], color=colour, lw=7, alpha=0.35,
+                      solid_capstyle="butt", zorder=2)
+    axes.locator_params(axis="x", nbins=6)
+    axes.set_ylim(len(rows) - 0.4, -0.6)
+    axes.set_yticks(range(len(rows)),
+                    [f"{style(row)[0]}, {size_text(row)}\n{number(row, 'wall'):.3g} s/s" for row in rows], fontsize=8)
+    axes.set_xlabel(label)
+    axes.grid(True, axis="x", alpha=0.3)
+
+
+def wrap(text, most=215):
+    lines = [""]
+    for word in text.split(" "):
+        if len(lines[-1]) + len(word) > most:
+            lines.append("")
+        lines[-1] += word + " "
+    return "\n".join(line.rstrip() for line in lines)
+
+
+def main(points, long_runs, picture):
+    context = read_context(points)
+    rows, long_rows = read(points), read(long_runs)
+    kinds = [kind for kind in dict.fromkeys(row["kind"] for row in rows)]
+    quantities = [("level", "level [dB re 1 nm/s]", 1), ("shock-rate", "shocks a second", 1),
+                  ("shock-duration", "median duration of a shock [\u00b5s]", 1e-6)]
+    figure = plt.figure(figsize=(16, 11.2), layout="constrained")
+    upper, middle, lower = figure.subfigures(3, 1, height_ratios=[1.5, 0.22, 1])
+    seen = {}
+    for axes, kind in zip(upper.subplots(1, len(kinds), squeeze=False)[0], kinds):
+        energy = kind == "energy"
+        title = "closure of the energy (penalty)" if energy else context.get(kind, kind)
+        reference = 0 if energy else float(context.get(f"{kind} of the reference") or "nan")
+        draw_errors(axes, rows, kind, title, reference, seen)
+        axes.set_ylabel("relative to what went through" if energy else "relative error in the norm of the energy")
+    middle.legend(handles=list(seen.values()), loc="center", ncol=6, fontsize=9, frameon=False)
+    if long_rows:
+        panels = lower.subplots(1, 3, sharey=True)
+        for axes, (quantity, label, unit) in zip(panels, quantities):
+            draw_statistics(axes, long_rows, quantity, label, unit)
+        first = long_rows[0]
+        several = int(first["seeds"]) > 1
+        lower.suptitle(f"Over {float(first['duration']):.3g} s of sliding"
+                       + (f", {first['seeds']} surfaces: mean and standard error (thin); difference from the first "
+                          "line's on the same surfaces (thick)" if several else ", one run of each"), fontsize=10.5)
+    figure.suptitle(f"Speed against accuracy. Scene: {context.get('scene', '')}", fontsize=12)
+    stretches = [number(row, "stretch") for row in rows if row["stretch"] and row["program"] == "ra2d"] or [math.nan]
+    figure.supxlabel(wrap(
+        f"Timed, and the energy followed, over {min(stretches):.2g} s (the finest) to {max(stretches):.2g} s. "
+        f"States of penalty against {context.get('reference', '')}; {context.get('confirmed', '')}. Of multipliers, "
+        "dashed, against each scheme's own finest run at the same time. Large marks: powers of ten of the step or the "
+        "tolerance.") + "\n" + wrap("; ".join(f"{what} {context[what]}" for what in
+                                             ("ra2d", "compiler", "processor", "backend", "date") if what in context)),
+        fontsize=8, color="#444444")
+    save(figure, picture)
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <filesystem>
+#include <limits>
+#include <string>
+#include <vector>
+
+/// Programs that a chart starts.
+namespace ra2d {
+
+struct ProgramRun {
+  int status = -1;    // exit status; 128 + the signal that ended it; -1: it could not be started
+  bool late = false;  // ended here, for its time was over
+  std::string out;    // what it printed, where it was asked for
+};
+
+/// Where a program's standard output goes.
+enum class Output { shown, kept };
+
+/// Runs a program to its end, without a shell; after `limit` seconds it is killed (output kept
+/// only).
+ProgramRun run_program(std::vector<std::string> words, Output output = Output::shown,
+                       double limit = std::numeric_limits<double>::infinity());
+
+/// The folder of the program that runs; empty when the system does not tell.
+std::filesystem::path program_folder();
+
+}  // namespace ra2d
