@@ -23,7 +23,7 @@
 #include "bench/report.hpp"
 #include "bench/timing.hpp"
 #include "host/chart/methods.hpp"
-#include "host/chart/timed_run.hpp"
+#include "host/run/timed_run.hpp"
 #include "host/scene/names.hpp"
 
 namespace ra2d::bench {

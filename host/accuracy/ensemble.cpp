@@ -5,11 +5,10 @@
 #include <chrono>
 #include <cmath>
 #include <cstdint>
-#include <ctime>
 #include <limits>
 
 #include "host/errors.hpp"
-#include "host/run/launch_length.hpp"
+#include "host/plan/plan.hpp"
 #include "host/run/record.hpp"
 
 namespace ra2d {
@@ -19,9 +18,6 @@ using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
-
-/// Processor time of all threads: unlike wall time it hardly depends on what else the machine does.
-double processor_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
 
@@ -40,58 +36,6 @@ double median(std::vector<double> values) {
 double confidence(int pairs) {
   const double free = pairs - 1;
   return 2 + 2.5 / free + 3.06 / (free * free) + 3 / (free * free * free);
-}
-
-/// One run of a batch, as it hands itself out.
-class Follower {
- public:
-  Follower(const Model& model, const ModalStart& start) : model_{&model}, start_{&start} {}
-
-  void take(Batch& batch, int index) {
-    const Drained drained = batch.drain(index);
-    end_ = batch.snapshot(index);
-    energy_.add(make_samples(*model_, *start_, drained, samples_));
-    samples_ += drained.samples;
-    keep(make_shocks(*model_, drained.shocks));
-  }
-  const Snapshot& end() const { return end_; }
-  double time() const { return static_cast<double>(end_.step) * model_->tick; }
-
-  Answer answer(const std::vector<double>& mean_squares) {
-    keep(make_shocks(*model_, end_.open_shocks));
-    Answer a;
-    if (end_.status != Status::done) a.failure = status_text(end_.status);
-    a.v_rms = v_rms(mean_squares, end_);
-    a.shock_rate = time() > 0 ? static_cast<double>(durations_.size()) / time() : 0.0;
-    a.shock_duration = median(durations_);
-    a.first_duration = first_duration_;
-    a.closure = std::abs(energy_.balance().relative());
-    return a;
-  }
-
- private:
-  void keep(const std::vector<Shock>& shocks) {
-    for (const Shock& shock : shocks) {
-      durations_.push_back(shock.duration);
-      if (shock.start > 0 && (first_serial_ < 0 || shock.serial < first_serial_)) {
-        first_serial_ = shock.serial;
-        first_duration_ = shock.duration;
-      }
-    }
-  }
-  const Model* model_;
-  const ModalStart* start_;
-  Snapshot end_;
-  std::int64_t samples_ = 0;
-  EnergyAccount energy_;
-  std::vector<double> durations_;
-  long first_serial_ = -1;
-  double first_duration_ = no_number;
-};
-
-bool has_seeds(const Scene& scene) {
-  return scene.resonator.surface.kind == SurfaceKind::gaussian ||
-         scene.slider.surface.kind == SurfaceKind::gaussian;
 }
 
 }  // namespace
@@ -150,6 +94,27 @@ double pairs_needed(const Movement& m, double asked) {
                   : std::numeric_limits<double>::infinity();
 }
 
+bool has_seeds(const Scene& scene) {
+  return scene.resonator.surface.kind == SurfaceKind::gaussian ||
+         scene.slider.surface.kind == SurfaceKind::gaussian;
+}
+
+Answer answer_of(const std::vector<double>& mean_squares, const TimedRun& run) {
+  Answer a;
+  if (run.status != Status::running) a.failure = status_text(run.status);
+  a.v_rms = v_rms(mean_squares, run.end);
+  a.shock_rate = run.time > 0 ? static_cast<double>(run.shocks.size()) / run.time : 0.0;
+  a.first_duration = no_number;
+  std::vector<double> durations;
+  for (const Shock& shock : run.shocks) {
+    durations.push_back(shock.duration);
+    if (shock.start > 0 && std::isnan(a.first_duration)) a.first_duration = shock.duration;
+  }
+  a.shock_duration = median(durations);
+  a.closure = std::abs(run.energy.relative());
+  return a;
+}
+
 Scene variant(const Scene& scene, int index) {
   Scene out = scene;
   if (index == 0) return out;
@@ -168,25 +133,6 @@ std::string varied(const Scene& scene) {
   if (has_seeds(scene)) return "other seeds";
   if (scene.start > 0) return "scene.start other by some 1e-10 of it";
   return scene.speed > 0 ? "scene.speed other by some 1e-10 of it" : "";
-}
-
-std::string status_text(Status status) {
-  switch (status) {
-    case Status::running:
-    case Status::done:
-      return "";
-    case Status::unstable:
-      return "unstable";
-    case Status::not_finite:
-      return "not finite";
-    case Status::blocked:
-      return "the kept modes cannot keep the faces apart";
-    case Status::crowded:
-      return "too many nodes touch at once";
-    case Status::stalled:
-      return "too fast for the clock";
-  }
-  return "";
 }
 
 Ensemble::Ensemble(const Scene& scene, const std::atomic<bool>* interrupted)
@@ -211,43 +157,25 @@ void Ensemble::run(int first, int count) {
   for (int i = 0; i < count; ++i) {
     if (interrupted_ && *interrupted_) throw Interrupted{};
     Model model = make_model(variant(scene_, first + i));
+    // what is wrong with the start is a matter of these surfaces
+    std::string& failure = answers[static_cast<std::size_t>(i)].failure;
+    if (!overlap_at_start(model).empty()) failure = "the faces overlap at t = 0";
     try {
-      starts.push_back(make_start(model));
-    } catch (const RequestError&) {  // it is of these surfaces that no equilibrium is found
-      answers[static_cast<std::size_t>(i)].failure = "no equilibrium to start from";
-      continue;
+      if (failure.empty()) starts.push_back(make_start(model));
+    } catch (const RequestError&) {
+      failure = "no equilibrium to start from";
     }
+    if (!failure.empty()) continue;
     models.push_back(std::move(model));
     who.push_back(static_cast<std::size_t>(i));
   }
   if (!models.empty()) {
     if (mean_squares_.empty()) mean_squares_ = mean_squares(models.front());
-    Batch batch(models, starts);
-    std::vector<Follower> runs;
-    for (std::size_t i = 0; i < models.size(); ++i) runs.emplace_back(models[i], starts[i]);
-    LaunchLength launch(models.front());
-    for (std::int64_t now = 0;;) {
-      if (interrupted_ && *interrupted_) throw Interrupted{};
-      const Clock::time_point launched = Clock::now();
-      const double before = processor_seconds();
-      batch.march(now + launch.steps());
-      march_seconds_ += processor_seconds() - before;
-      const double took = seconds_since(launched);
-      bool going_on = false;
-      std::int64_t next = std::numeric_limits<std::int64_t>::max();  // of who is furthest behind
-      for (std::size_t i = 0; i < runs.size(); ++i) {
-        runs[i].take(batch, static_cast<int>(i));
-        if (runs[i].end().status != Status::running) continue;
-        going_on = true;
-        next = std::min(next, runs[i].end().step);
-      }
-      if (!going_on) break;
-      launch.took(next - now, took);
-      now = next;
-    }
+    const std::vector<TimedRun> runs = timed_runs(models, starts, {.interrupted = interrupted_});
+    march_seconds_ += runs.front().processor;
     for (std::size_t i = 0; i < runs.size(); ++i) {
-      answers[who[i]] = runs[i].answer(mean_squares_);
-      time_ += runs[i].time();
+      answers[who[i]] = answer_of(mean_squares_, runs[i]);
+      time_ += runs[i].time;
     }
   }
   answers_.insert(answers_.end(), answers.begin(), answers.end());
@@ -256,21 +184,8 @@ void Ensemble::run(int first, int count) {
 
 double measure_cost(const Scene& scene, double enough) {
   const Model model = make_model(scene);
-  Batch batch({model}, {make_start(model)});
-  LaunchLength launch(model, 0.2 * enough);
-  double seconds = 0;
-  Snapshot now = batch.snapshot(0);
-  while (now.status == Status::running && seconds < enough) {
-    const double launched = processor_seconds();
-    const std::int64_t before = now.step;
-    batch.march(before + launch.steps());
-    const double took = processor_seconds() - launched;
-    seconds += took;
-    batch.drain(0);
-    now = batch.snapshot(0);
-    launch.took(now.step - before, took);
-  }
-  return now.step > 0 ? seconds / (static_cast<double>(now.step) * model.tick) : no_number;
+  const TimedRun run = timed_run(model, make_start(model), {.wall = enough});
+  return run.time > 0 ? run.processor / run.time : no_number;
 }
 
 }  // namespace ra2d

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "host/run/batch.hpp"
+#include "host/run/timed_run.hpp"
 #include "host/scene/scene.hpp"
 
 /// What a scene is run for, as means over runs that differ by chance alone. The motion is chaotic:
@@ -63,8 +63,11 @@ Scene variant(const Scene& scene, int index);
 /// What the variants differ in, for people; empty when there is nothing to vary.
 std::string varied(const Scene& scene);
 
-/// Thrown where a run of an ensemble was asked to end.
-struct Interrupted {};
+/// Whether a surface of the scene has a seed.
+bool has_seeds(const Scene& scene);
+
+/// What a run answers. `mean_squares`: those of its model's modes.
+Answer answer_of(const std::vector<double>& mean_squares, const TimedRun& run);
 
 /// The variants of one scene, run in memory as they are asked for, side by side.
 class Ensemble {
@@ -96,10 +99,7 @@ class Ensemble {
   double march_seconds_ = 0, time_ = 0, seconds_ = 0;  // of the processor; simulated; of wall time
 };
 
-/// Cost as of Ensemble, measured on the beginning of one run for about so much processor time.
+/// Cost as of Ensemble, measured on the beginning of one run for about so much wall time.
 double measure_cost(const Scene& scene, double enough);
-
-/// What a snapshot's status means, for people.
-std::string status_text(Status status);
 
 }  // namespace ra2d

@@ -87,12 +87,11 @@ std::string modes_text(const BodySpec& body, int modes) {
                                   1e-3 * elastic_frequency(body, modes - 1));
 }
 
-/// The first line of a message, without the file's name.
-std::string first_line(const std::string& message) {
-  std::string text = message;
-  if (const auto at = text.find(" fault"); at != std::string::npos && text.find('\n') > at)
-    if (const auto next = text.find('\n'); next != std::string::npos) text = text.substr(next + 1);
-  return text.substr(0, text.find('\n'));
+/// The first sentence of a message, without what counts its faults.
+std::string first_sentence(std::string text) {
+  const auto line = text.find('\n');
+  if (line != std::string::npos && text.find(" fault") < line) text = text.substr(line + 1);
+  return text.substr(0, std::min(text.find('\n'), text.find(". ")));
 }
 
 class Search {
@@ -225,7 +224,7 @@ Trial Search::try_out(Trial trial, const Runs& base, double end, double expected
     for (const Answer& a : runs->answers()) trial.closure += a.closure / runs->runs();
   } catch (const RequestError& fault) {
     trial.verdict = Verdict::moved;
-    trial.why = "cannot be run: " + first_line(fault.what());
+    trial.why = "cannot be run: " + first_sentence(fault.what());
   }
   last_ = runs;
   return trial;
@@ -239,7 +238,19 @@ void Search::set_reference() {
     reference.step = written_.step / 10;
     reference.force = false;
   }
-  require_possible(reference);
+  try {
+    require_possible(reference);
+  } catch (const RequestError& fault) {
+    // only of fixed steps, for a scene that was read
+    const StepLimits limits = step_limits(make_model(reference), choice_of(reference));
+    throw RequestError(
+        fmt::format("{}: time.scheme: the reference would be the scene's own scheme at a tenth of "
+                    "its step, and "
+                    "{}. {}",
+                    written_.file.string(), fault.what(), step_cure(reference, limits.holds())));
+  }
+  if (const std::string overlap = overlap_at_start(make_model(reference)); !overlap.empty())
+    throw RequestError(fmt::format("{}: scene.gap: {}", written_.file.string(), overlap));
   say("the reference");
   out_.duration = written_.duration;
   const double wall = reference_share * options_.budget;

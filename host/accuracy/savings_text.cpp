@@ -105,9 +105,12 @@ const Trial* resting_on(const Savings& s) {
 /// What a trial moved, in a line.
 std::string movement_text(const Trial& trial, double accuracy) {
   const int digits = digits_of(accuracy);
-  return fmt::format("level {} dB ({} %), shock rate {} %, median duration {} %",
-                     level_text(trial.moved[0]), percent(trial.moved[0], digits),
-                     percent(trial.moved[1], digits), percent(trial.moved[2], digits));
+  std::string text = fmt::format("level {} dB ({} %)", level_text(trial.moved[0]),
+                                 percent(trial.moved[0], digits));
+  for (const auto& [name, m] :
+       {std::pair{"shock rate", trial.moved[1]}, std::pair{"median duration", trial.moved[2]}})
+    if (m.pairs > 0) text += fmt::format(", {} {} %", name, percent(m, digits));
+  return text;
 }
 
 std::string modes_of(const BodySpec& body) {

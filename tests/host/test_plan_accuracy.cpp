@@ -345,6 +345,9 @@ TEST_F(PlanAccuracy, WrongRequestsAreRefusedBeforeAnythingRuns) {
   refused({"--accuracy", "0.1", "-o", "own.toml"}, "not overwritten");
   refused({"--accuracy", "0.1", "-o", "./"}, "a folder");
   refused({"--accuracy", "0.1", "-o", "no/such/x.toml"}, "no/such", 4);
+  // without an adaptive reference the scene's own scheme must hold
+  refused({"--accuracy", "0.1", "--set", "contact.law=multiplier", "--set", "time.scheme=heun"},
+          "Take time.scheme");
   EXPECT_EQ(read_file(folder_.path() / "own.toml"), read_file(scene("moving-force")));
 }
 
