@@ -38,11 +38,7 @@ struct TimedRun {
   Snapshot end;
 };
 
-<<<<<<< HEAD:host/chart/timed_run.hpp
-/// Marches scenes of one tick side by side from t = 0.
-=======
 /// Marches scenes of one tick side by side from t = 0. Throws Interrupted.
->>>>>>> 70559438aa39b6cc35b7cd2d21dbd2f07cdd3169:host/run/timed_run.hpp
 std::vector<TimedRun> timed_runs(const std::vector<Model>& models,
                                  const std::vector<ModalStart>& starts,
                                  const RunLimits& limits = {});
