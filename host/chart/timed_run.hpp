@@ -31,8 +31,6 @@ struct TimedRun {
   Snapshot end;
 };
 
-/// The unit of a model's steps [s].
-
 /// Marches scenes of one tick side by side from t = 0.
 std::vector<TimedRun> timed_runs(const std::vector<Model>& models,
                                  const std::vector<ModalStart>& starts,
