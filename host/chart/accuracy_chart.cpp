@@ -10,12 +10,13 @@
 #include <memory>
 #include <optional>
 
+#include "host/accuracy/ensemble.hpp"
 #include "host/chart/peers.hpp"
-#include "host/chart/timed_run.hpp"
 #include "host/errors.hpp"
 #include "host/format.hpp"
 #include "host/plan/plan.hpp"
 #include "host/plan/schemes.hpp"
+#include "host/run/timed_run.hpp"
 #include "host/scene/names.hpp"
 
 namespace ra2d {
@@ -50,21 +51,6 @@ double round_time_before(double time, double after) {
     if (rounded > least && rounded < time) return rounded;
   }
   return least;
-}
-
-std::string status_text(Status status) {
-  switch (status) {
-    case Status::unstable:
-      return "unstable";
-    case Status::not_finite:
-      return "not finite";
-    case Status::blocked:
-      return "no motion of the modes keeps the faces apart";
-    case Status::crowded:
-      return "too many nodes carry force at once";
-    default:
-      return {};
-  }
 }
 
 bool failed(const TimedRun& run) {
@@ -102,10 +88,8 @@ Statistic statistic(const std::vector<double>& values, const std::vector<double>
 }
 
 std::array<double, quantities> quantities_of(const Model& model, const TimedRun& run) {
-  std::vector<double> durations;
-  for (const Shock& shock : run.shocks) durations.push_back(shock.duration);
-  return {level(v_rms(model, run.end)), static_cast<double>(run.shocks.size()) / run.time,
-          median(durations)};
+  const Answer answer = answer_of(mean_squares(model), run);
+  return {level(answer.v_rms), answer.shock_rate, answer.shock_duration};
 }
 
 class Survey {
@@ -570,16 +554,7 @@ void Survey::run_long() {
     chart_.long_notes = "no long run: nothing of the right kind could be measured";
     return;
   }
-  bool random = false;
-  const auto with_seed = [&](Scene scene, int seed) {
-    for (BodySpec* body : {&scene.resonator, &scene.slider})
-      if (body->surface.kind == SurfaceKind::gaussian) {
-        random = true;
-        body->surface.seed += 1000 * static_cast<std::uint64_t>(seed);
-      }
-    return scene;
-  };
-  with_seed(scene_, 0);
+  const bool random = has_seeds(scene_);
   // surfaces from which every law finds its start
   std::vector<int> seeds;
   std::map<ContactLaw, std::vector<ModalStart>> starts;
@@ -588,8 +563,7 @@ void Survey::run_long() {
     try {
       for (const Setting& setting : settings)
         if (!found.contains(setting.method.law))
-          found[setting.method.law] =
-              make_start(make_model(with_seed(with(scene_, setting), seed)));
+          found[setting.method.law] = make_start(make_model(variant(with(scene_, setting), seed)));
     } catch (const RequestError&) {
       continue;
     }
@@ -612,8 +586,7 @@ void Survey::run_long() {
     LongRun row{.name = name_of(setting), .setting = setting, .reference = setting == reference};
     say(fmt::format("long runs, {}, {}", row.name.text, size_text(setting)));
     std::vector<Model> models;
-    for (const int seed : seeds)
-      models.push_back(make_model(with_seed(with(scene_, setting), seed)));
+    for (const int seed : seeds) models.push_back(make_model(variant(with(scene_, setting), seed)));
     const std::vector<TimedRun> runs =
         timed_runs(models, starts[setting.method.law], {.time = chart_.long_time});
     std::vector<std::array<double, quantities>> found;

@@ -52,9 +52,9 @@ class Flight {
     for (int p = 0; p < K; ++p) {
       const Real stretch = load(t_.omega, p) * (u[p] - load(t_.rest, p));
       const Real e = Kokkos::sqrt(multiply_add(v[p], v[p], stretch * stretch));
-      const Real way =
-          Kokkos::min(Real(time) * multiply_add(0.5 * time, Kokkos::abs(load(t_.fall, p)), e),
-                      e * load(t_.swing, p));
+      // of a rigid mode, which may fall from rest, the first is the smaller
+      const Real mean = multiply_add(0.5 * time, Kokkos::abs(load(t_.fall, p)), e);
+      const Real way = Kokkos::min(Real(time) * mean, mean * load(t_.swing, p));
       const Real amplitude = Kokkos::abs(u[p]) + way;
       const Real reach = load(t_.reach, p);
       travel = multiply_add(reach, way, travel);

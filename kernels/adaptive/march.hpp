@@ -132,7 +132,7 @@ class AdaptiveMarcher {
     const std::int64_t whole = std::int64_t{1} << s_.level;
     std::int64_t ticks =
         whole - (step_ & (whole - 1));  // to a multiple of the length that is aimed at
-    bool look = true, cut = false;
+    bool look = true, cut = false, coarse = false;
     MotionBounds bounds;
     if (ticks > room) {
       const std::int64_t left = t_.total_steps - step_;
@@ -145,9 +145,11 @@ class AdaptiveMarcher {
     }
     Real u[K], v[K], square[K];
     int flagged = 0;
+    double rise = 0.0;
     if (look) {
       bounds = flight_.bounds(u_, v_, ticks * t_.step);
-      find_near(place, bounds.travel, bounds.rounding(), room, ticks);
+      rise = longest_rise(bounds, ticks);
+      find_near(place, rise, bounds.rounding(), room, ticks);
       if (groups() > 0) {
         if (!seen_) see(place, u_, v_, before_);
         seen_ = true;
@@ -156,7 +158,9 @@ class AdaptiveMarcher {
     go(ticks, u, v, square);
     if (look && groups() > 0) {
       see(moved(place, ticks), u, v, after_);
-      flagged = flag(ticks * t_.step, bounds.fourth, bounds.tail, bounds.rounding());
+      flagged = flag(ticks * t_.step, bounds, rise);
+      // closer than can be seen a shorter step decides nothing
+      coarse = cubic_error(bounds, ticks * t_.step) > blur(bounds);
     }
     if (flagged > 0) {
       const double scale = Kokkos::min(ticks * t_.step, t_.longest_scale);
@@ -200,7 +204,7 @@ class AdaptiveMarcher {
     // the length that lets the cubics decide by themselves
     if (lanes_.leader()) {
       if (flagged != 0)
-        s_.level = s_.level > t_.first_level ? s_.level - 1 : t_.first_level;
+        s_.level = coarse && s_.level > t_.first_level ? s_.level - 1 : s_.level;
       else if (!cut && s_.level < longest_level)
         ++s_.level;
     }
@@ -224,7 +228,7 @@ class AdaptiveMarcher {
         longest < static_cast<double>(room) ? static_cast<std::int64_t>(longest) : room;
     double end = x_of(ticks);
 
-    const double touch = touch_of(u_);
+    const double touch = touch_of(u_) + series_.neglected();
     // contacts that end
     double first = 2.0 * end + 1.0;
     for (int e = 0; e < s_.closed_count; ++e) {
@@ -247,7 +251,8 @@ class AdaptiveMarcher {
     }
     // contacts that begin
     const MotionBounds bounds = series_.bounds(end);
-    find_near(place, bounds.travel, bounds.rounding(), room, ticks);
+    const double rise = longest_rise(bounds, ticks);
+    find_near(place, rise, bounds.rounding(), room, ticks);
     if (!seen_ && groups() > 0) see(place, u_, v_, before_);
     seen_ = true;
     Real u[K], v[K];
@@ -255,7 +260,7 @@ class AdaptiveMarcher {
     int flagged = 0;
     if (groups() > 0) {
       see(moved(place, ticks), u, v, after_);
-      flagged = flag(ticks * t_.step, bounds.fourth, bounds.tail, bounds.rounding());
+      flagged = flag(ticks * t_.step, bounds, rise);
     }
     bool onset = false;
     if (flagged > 0) {
@@ -277,8 +282,8 @@ class AdaptiveMarcher {
     const bool release = first <= end;
     if (release) open_contacts(end);
     if (onset) close_contacts(flagged, end);
-    const double whole = static_cast<double>(t_.total_steps) * t_.step;
-    if (lanes_.leader()) s_.stride = Kokkos::min(extent * scale, whole);
+    // at rest it would grow for ever
+    if (lanes_.leader()) s_.stride = Kokkos::min(extent * scale, t_.longest_scale);
     lanes_.sync();
     if (onset)
       seen_ = false;
@@ -316,13 +321,13 @@ class AdaptiveMarcher {
     const auto ticks = static_cast<std::int64_t>(Kokkos::ceil(x * (series_.scale() / t_.step)));
     return ticks < most ? ticks : most;
   }
-  /// The place some ticks on, seen from the same window.
+  /// The place some ticks on, seen from the same window; else to the bit what stand() says there.
   KOKKOS_FORCEINLINE_FUNCTION Place moved(const Place& place, std::int64_t ticks) const {
     Place there = place;
-    const double way = static_cast<double>(ticks) * t_.advance;
-    there.theta += way;
-    there.offset += way;
-    there.position += way;
+    const auto step = static_cast<double>(step_ + ticks);
+    there.position = Kokkos::fma(step, t_.advance, t_.position);
+    there.theta = Kokkos::fma(step, t_.advance, t_.position - place.base);
+    there.offset = there.theta - (place.part + 0.5) * t_.window_width;
     return there;
   }
   /// What was seen at the end of a step is what the next one begins with, unless a node has passed
@@ -345,6 +350,24 @@ class AdaptiveMarcher {
     return t_.look == Look::all ? t_.groups : near_.count();
   }
   KOKKOS_FORCEINLINE_FUNCTION int group(int e) const { return t_.look == Look::all ? e : near_[e]; }
+
+  /// Error of an overlap that is seen [m].
+  KOKKOS_FORCEINLINE_FUNCTION double blur(const MotionBounds& bounds) const {
+    return bounds.tail + 3.0 * bounds.rounding() + 2.0 * t_.slack;
+  }
+  /// ... and of the cubic through what is seen at both ends of a step.
+  KOKKOS_FORCEINLINE_FUNCTION double cubic_error(const MotionBounds& bounds, double time) const {
+    // on a patch and a little beyond it a cubic of a mode exceeds the mode by no more than exp(1/2)
+    const double square = time * time;
+    return 1.65 * bounds.fourth * square * square / 384.0;
+  }
+  /// What an overlap can rise by within a step [m], and twice the error of seeing it.
+  KOKKOS_FUNCTION double longest_rise(const MotionBounds& bounds, std::int64_t ticks) const {
+    const double way = static_cast<double>(ticks) * t_.advance;
+    double slope = t_.steepest;
+    if (way > 0.0) slope += t_.spacing * weighted_sum<Lanes, K>(lanes_, t_.reach_slope, u_);
+    return bounds.travel + way * slope + 2.0 * blur(bounds);
+  }
 
   /// A near list that holds over a step, and likely over the rest of the window.
   KOKKOS_FUNCTION void find_near(const Place& place, double travel, double rounding,
@@ -392,11 +415,11 @@ class AdaptiveMarcher {
   }
 
   /// Lists the open nodes that could touch within a step of `time` [s] whose ends have been seen.
-  KOKKOS_FUNCTION int flag(double time, double fourth, double tail, double rounding) const {
-    const double square = time * time;
-    // on a patch and a little beyond it a cubic of a mode exceeds the mode by no more than exp(1/2)
-    const double off = 1.65 * fourth * square * square / 384.0;
-    const double level = -(off + tail + 3.0 * rounding + 2.0 * t_.slack);
+  /// Which they are must not depend on the near list: the length of the next step does on them. So
+  /// they are none of those that every near list may leave out.
+  KOKKOS_FUNCTION int flag(double time, const MotionBounds& bounds, double rise) const {
+    const double level = -(cubic_error(bounds, time) + blur(bounds));
+    const double start = -(rise - blur(bounds));
     const double third = time / 3.0;
     int count = 0, closed = 0;
     const int all = groups();
@@ -408,6 +431,7 @@ class AdaptiveMarcher {
       const Real b2 = multiply_add(-third, lanes_.load(last + width), b3);
       const Real most = Kokkos::max(Kokkos::max(b0, b1), Kokkos::max(b2, b3));
       std::uint32_t bits = lanes_.at_least(most, level);
+      if (bits != 0) bits &= lanes_.at_least(b0, start);
       const int left = t_.nodes - group(e) * width;
       if (left < width) bits &= (1u << left) - 1u;
       for (; bits != 0; bits &= bits - 1) {

@@ -12,7 +12,7 @@
 #include "host/chart/accuracy_chart.hpp"
 #include "host/chart/files.hpp"
 #include "host/chart/peers.hpp"
-#include "host/chart/timed_run.hpp"
+#include "host/run/timed_run.hpp"
 #include "tests/child.hpp"
 #include "tests/csv.hpp"
 #include "tests/looks.hpp"

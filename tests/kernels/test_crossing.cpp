@@ -100,14 +100,13 @@ constexpr double none = std::numeric_limits<double>::infinity();
 
 /// The first crossing of `level` from below (sign 1) or of -level from above (-1).
 double first(const Coefficients& c, double level, double noise, double end, double sign = 1.0) {
-  const double x =
-      first_crossing(c.data(), degree(c), sign, level, noise, end, size(c, end, 2));
+  const double x = first_crossing(c.data(), degree(c), sign, level, noise, end, size(c, end, 2));
   return x <= end ? x : none;
 }
 
 TEST(FirstCrossing, OfALine) {
   EXPECT_EQ(first({-3, 4}, 0, 0, 1), 0.75);
-  EXPECT_EQ(first({-3, 4}, 1, 0, 1), 1.0);   // at the very end
+  EXPECT_EQ(first({-3, 4}, 1, 0, 1), 1.0);  // at the very end
   EXPECT_EQ(first({-3, 4}, 1, 0, 0.999), none);
   EXPECT_EQ(first({-3, -4}, 1, 0, 1e6), none);
   EXPECT_EQ(first({3, -4}, 1, 0, 2, -1), 1.0);
@@ -191,7 +190,8 @@ TEST(FirstCrossing, StepsOverNothing) {
     constexpr int points = 300;
     for (int i = 0; i < points; ++i) {
       const double at = until * i / points;
-      ASSERT_LE(above(at), at == x ? none : 0.0) << "at " << at << " of " << x << ", trial " << trial;
+      ASSERT_LE(above(at), at == x ? none : 0.0)
+          << "at " << at << " of " << x << ", trial " << trial;
     }
     if (x <= end) {
       ASSERT_GE(above(x), -2 * noise) << "trial " << trial;
@@ -236,7 +236,8 @@ TEST(HighestValue, IsTheTopWhereverItIs) {
     const double end = dice.ratio(1e-3, 1e3), height = dice.ratio(1e-9, 1e3);
     const double top = end * (dice.one_in(8) ? dice.pick(4) / 3.0 : dice.uniform(-0.2, 1.2));
     // height (1 - a y^2 - b y^3 - c y^4), y = (x - top)/end: the slope changes its sign at the top alone
-    const double a = dice.ratio(1e-3, 10), b = 0.3 * a * dice.uniform(-1, 1), c = a * dice.uniform(0, 1);
+    const double a = dice.ratio(1e-3, 10), b = 0.3 * a * dice.uniform(-1, 1),
+                 c = a * dice.uniform(0, 1);
     const double r = top / end;
     Coefficients p = times({-r, 1}, {-r, 1});
     p = times(p, times({a - b * r + c * r * r, b - 2 * c * r, c}, {1}));
@@ -247,8 +248,7 @@ TEST(HighestValue, IsTheTopWhereverItIs) {
     const double best = std::clamp(top, 0.0, end);
     // the search leaves slope^2/(2 curvature) of 1e-16, or eight times that where the ends of the
     // bracket have been halved three times
-    ASSERT_NEAR(found, static_cast<double>(exactly(p, best)),
-                4 * rounding(p, end) + 1e-15 * height)
+    ASSERT_NEAR(found, static_cast<double>(exactly(p, best)), 4 * rounding(p, end) + 1e-15 * height)
         << trial << ": top at " << r << " of the end";
   }
 }
@@ -282,8 +282,7 @@ std::vector<double> hull_table(int n) {
   };
   for (int j = 0; j <= n; ++j)
     for (int i = 0; i < overlap_terms; ++i)
-      table[j * overlap_terms + i] =
-          static_cast<double>(choose(std::min(i, n), j) / choose(n, j));
+      table[j * overlap_terms + i] = static_cast<double>(choose(std::min(i, n), j) / choose(n, j));
   for (int i = 0; i < overlap_terms; ++i) {
     table[overlap_terms * overlap_terms + i] = i < n;
     table[(overlap_terms + 1) * overlap_terms + i] = i < n - 1;
@@ -305,12 +304,14 @@ TEST(HullOf, OfALineAndAParabola) {
   // coefficients 1 - i/7, their roundings times the degree
   EXPECT_EQ(line.most, 1);
   EXPECT_NEAR(line.least, 0, 2 * u);
-  EXPECT_NEAR(line.slope, 2, 4 * 7 * 2 * u);
+  EXPECT_NEAR(line.falling, -2, 4 * 7 * 2 * u);
+  EXPECT_NEAR(line.rising, -2, 4 * 7 * 2 * u);
   EXPECT_NEAR(line.curve, 0, 42 / 0.25 * 8 * u);
   const Hull arc = hull({0, 0, 3, 0, 0, 0, 0, 0}, 2);
   EXPECT_EQ(arc.least, 0);
   EXPECT_NEAR(arc.most, 12, 12 * 4 * u);
-  EXPECT_NEAR(arc.slope, 12, 7 / 2.0 * 12 * 8 * u);
+  EXPECT_NEAR(arc.falling, 0, 7 / 2.0 * 12 * 8 * u);
+  EXPECT_NEAR(arc.rising, 12, 7 / 2.0 * 12 * 8 * u);
   EXPECT_NEAR(arc.curve, 6, 42 / 4.0 * 12 * 16 * u);
 }
 
@@ -321,14 +322,16 @@ TEST(HullOf, IsExactForBernsteinsOwn) {
       Coefficients c{1};
       double choose = 1;
       for (int i = 0; i < k; ++i) choose = choose * (n - i) / (i + 1);
-      for (int i = 0; i < n; ++i) c = times(c, i < k ? Coefficients{0, 0.5} : Coefficients{1, -0.5});
+      for (int i = 0; i < n; ++i)
+        c = times(c, i < k ? Coefficients{0, 0.5} : Coefficients{1, -0.5});
       for (double& each : c) each *= choose;
       // sums of up to n terms as large as size()
       const double off = 4 * (n + 1) * u * size(c, 2.0), second = k == 0 || k == n ? 1 : 2;
       const Hull h = hull(c, 2.0);
       EXPECT_NEAR(h.least, 0, off);
       EXPECT_NEAR(h.most, 1, off);
-      EXPECT_NEAR(h.slope, n / 2.0, n / 2.0 * 2 * off);
+      EXPECT_NEAR(h.rising, k == 0 ? 0.0 : n / 2.0, n / 2.0 * 2 * off);
+      EXPECT_NEAR(h.falling, k == n ? 0.0 : -n / 2.0, n / 2.0 * 2 * off);
       EXPECT_NEAR(h.curve, n * (n - 1) / 4.0 * second, n * (n - 1) / 4.0 * 4 * off);
     }
 }
@@ -342,21 +345,23 @@ TEST(HullOf, Holds) {
     const double x = dice.ratio(1e-3, 2.0);
     const Hull h = hull(c, x);
     const double off = 4 * (n + 1) * u * size(c, x);
-    double least = none, most = -none, slope = 0, curve = 0;
+    double least = none, most = -none, falling = none, rising = -none, curve = 0;
     for (int i = 0; i <= 200; ++i) {
       const long double at = static_cast<long double>(x) * i / 200;
       least = std::min(least, static_cast<double>(exactly(c, at)));
       most = std::max(most, static_cast<double>(exactly(c, at)));
-      slope = std::max(slope, static_cast<double>(std::abs(exactly(c, at, 1))));
+      falling = std::min(falling, static_cast<double>(exactly(c, at, 1)));
+      rising = std::max(rising, static_cast<double>(exactly(c, at, 1)));
       curve = std::max(curve, static_cast<double>(std::abs(exactly(c, at, 2))));
     }
     ASSERT_LE(h.least, least + off);
     ASSERT_GE(h.most, most - off);
-    ASSERT_GE(h.slope, slope - 2 * off * n / x);
+    ASSERT_LE(h.falling, falling + 2 * off * n / x);
+    ASSERT_GE(h.rising, rising - 2 * off * n / x);
     ASSERT_GE(h.curve, curve - 4 * off * n * n / (x * x));
     // and says something: no looser than the sums of sizes would be
     ASSERT_LE(h.most, size(c, x) + off);
-    ASSERT_LE(h.slope, size(c, x, 1) + 2 * off * n / x);
+    ASSERT_LE(h.rising, size(c, x, 1) + 2 * off * n / x);
     loosest = std::max(loosest, (h.most - h.least) / (most - least));
   }
   EXPECT_GT(loosest, 1.0);

@@ -1,0 +1,329 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "host/run/flight_tables.hpp"
+#include "kernels/adaptive/flight.hpp"
+#include "kernels/lanes.hpp"
+#include "tests/dice.hpp"
+
+/// Free flight of any length against the closed form in long double.
+namespace {
+
+using namespace ra2d;
+using test::Dice;
+
+constexpr double eps = std::numeric_limits<double>::epsilon();
+constexpr int width = HostLanes::width;
+constexpr int K = 2, modes = K * width;
+using Real = HostLanes::Real;
+
+struct NoTeam {};
+const HostLanes lanes{NoTeam{}};
+
+struct State {
+  long double u, v, square;  // square: the integral of v^2
+};
+
+/// U'' + 2 zeta omega U' + omega^2 U = load/mass over a time [s].
+State fly(const Mode& mode, long double load, State y, long double t, bool sum = false) {
+  const long double w = mode.omega, z = mode.zeta, a = load / mode.mass;
+  if (w == 0)
+    return {y.u + y.v * t + a * t * t / 2, y.v + a * t,
+            y.square + y.v * y.v * t + y.v * a * t * t + a * a * t * t * t / 3};
+  const long double rest = a / (w * w), d = y.u - rest;
+  // V = v S' - omega^2 d S and U - rest = d (S' + 2 zeta omega S) + v S, where S is what a unit of
+  // velocity becomes
+  const auto answers = [&](long double x) {  // (S, S') at omega t = x, S in units of 1/omega
+    if (z == 1) return std::array{x * std::exp(-x), (1 - x) * std::exp(-x)};
+    if (z < 1) {
+      const long double q = std::sqrt(1 - z * z), e = std::exp(-z * x);
+      const long double s = e * std::sin(q * x) / q;
+      return std::array{s, e * std::cos(q * x) - z * s};
+    }
+    const long double q = std::sqrt(z * z - 1), slow = 1 / (z + q), fast = z + q;
+    return std::array{(std::exp(-slow * x) - std::exp(-fast * x)) / (2 * q),
+                      (fast * std::exp(-fast * x) - slow * std::exp(-slow * x)) / (2 * q)};
+  };
+  const auto v_at = [&](long double time) {
+    const auto [s, ds] = answers(w * time);
+    return y.v * ds - w * d * s;
+  };
+  const auto [s, ds] = answers(w * t);
+  State out{rest + d * (ds + 2 * z * s) + y.v * s / w, v_at(t), 0};
+  if (!sum) return out;
+  // the integral by ten-point Gauss rules over pieces of omega t = 1/4: off by less than 1e-30
+  const long double place[] = {0.1488743389816312108848260L, 0.4333953941292471907992659L,
+                               0.6794095682990244062343274L, 0.8650633666889845107320967L,
+                               0.9739065285171717200779640L},
+                    weight[] = {0.2955242247147528701738930L, 0.2692667193099963550912269L,
+                                0.2190863625159820439955349L, 0.1494513491505805931457763L,
+                                0.0666713443086881375935688L};
+  const int pieces = 1 + static_cast<int>(4 * w * std::max(1.0L, 2 * z) * t);
+  const long double half = t / pieces / 2;
+  for (int i = 0; i < pieces; ++i)
+    for (int g = 0; g < 5; ++g)
+      for (const int side : {-1, 1}) {
+        const long double v = v_at((2 * i + 1 + side * place[g]) * half);
+        out.square += weight[g] * half * v * v;
+      }
+  out.square += y.square;
+  return out;
+}
+
+/// Modes of all kinds, one a lane, with the tables that the march would have.
+struct Flying {
+  std::vector<Mode> mode;
+  std::vector<double> load;
+  std::vector<double> flight, rest, fall, omega, decay, swing, reach, fourth, tail;
+  SceneTables t;
+  double quickest = 0;
+
+  Flying(Dice& dice, bool loaded) {
+    const double zetas[] = {0.0, 1e-3, 0.02, 0.3, 0.999, 1.0, 1.001, 3.0};
+    for (int k = 0; k < modes; ++k) {
+      Mode m{dice.ratio(1e2, 1e6), zetas[k % 8], dice.ratio(0.1, 10)};
+      if (k % 5 == 4) m.omega = 0;
+      mode.push_back(m);
+      load.push_back(loaded ? dice.uniform(-1, 1) : 0.0);
+      quickest = std::max(quickest, m.omega * (m.zeta + std::hypot(1.0, m.zeta)));
+    }
+    t.step = 0x1p-51;
+    // what host/run/batch.cpp chooses: turn time below 2e-4 on the first level
+    t.first_level = std::ilogb(2e-4 / (quickest * t.step));
+    const int levels = 51 - t.first_level;  // up to a second
+    flight.assign(static_cast<std::size_t>(levels) * flight_rows * modes, 0.0);
+    for (int k = 0; k < modes; ++k) {
+      const auto rows = flight_tables(mode[k], load[k], t.step, t.first_level, levels);
+      for (int level = 0; level < levels; ++level)
+        for (int r = 0; r < flight_rows; ++r)
+          flight[(static_cast<std::size_t>(level) * flight_rows + r) * modes + k] = rows[level][r];
+      const double w = mode[k].omega, a = load[k] / mode[k].mass;
+      rest.push_back(w > 0 ? a / (w * w) : 0.0);
+      fall.push_back(w > 0 ? 0.0 : a);
+      omega.push_back(w);
+      decay.push_back(2 * mode[k].zeta * w);
+      swing.push_back(w > 0 ? 2 / w : 1e300);
+      reach.push_back(dice.uniform(0.5, 2));
+      tail.push_back(dice.uniform(0, 1e-3));
+    }
+    fourth.assign(modes, 0.0);
+    t.flight = flight.data(), t.rest = rest.data(), t.fall = fall.data();
+    t.omega = omega.data(), t.decay = decay.data(), t.swing = swing.data();
+    t.reach = reach.data(), t.fourth = fourth.data(), t.tail = tail.data();
+  }
+  Flying(const Flying&) = delete;
+
+  struct Lanes {
+    std::array<double, modes> u{}, v{}, square{};
+  };
+  Lanes random_state(Dice& dice) const {
+    Lanes y;
+    for (int k = 0; k < modes; ++k) {
+      y.v[k] = dice.one_in(5) ? 0.0 : dice.uniform(-1, 1);
+      y.u[k] = dice.one_in(5) ? 0.0 : dice.uniform(-1, 1) / std::max(omega[k], 1.0);
+    }
+    return y;
+  }
+  Lanes after(Lanes y, std::int64_t ticks) const {
+    Real u[K], v[K], square[K];
+    for (int p = 0; p < K; ++p) {
+      u[p] = lanes.load(y.u.data() + p * width);
+      v[p] = lanes.load(y.v.data() + p * width);
+      square[p] = lanes.load(y.square.data() + p * width);
+    }
+    Flight<HostLanes, K>{lanes, t}(u, v, square, ticks);
+    for (int p = 0; p < K; ++p) {
+      lanes.store(y.u.data() + p * width, u[p]);
+      lanes.store(y.v.data() + p * width, v[p]);
+      lanes.store(y.square.data() + p * width, square[p]);
+    }
+    return y;
+  }
+  MotionBounds bounds(const Lanes& y, double time) const {
+    Real u[K], v[K];
+    for (int p = 0; p < K; ++p) {
+      u[p] = lanes.load(y.u.data() + p * width);
+      v[p] = lanes.load(y.v.data() + p * width);
+    }
+    return Flight<HostLanes, K>{lanes, t}.bounds(u, v, time);
+  }
+  /// The norm that free flight does not let grow, of speed.
+  double norm(const Lanes& y, int k) const {
+    return std::hypot(y.v[k], omega[k] * (y.u[k] - rest[k]));
+  }
+  /// Leaps of a flight.
+  int leaps(std::int64_t ticks) const {
+    return std::popcount(static_cast<std::uint64_t>(ticks) >> t.first_level) + 1;
+  }
+
+  /// What roundings may make of a flight, in units of speed: each leap rounds its four entries and
+  /// four products, to a few ulp of the norm, and omega t, to half an ulp.
+  double rounding(const Lanes& y, int k, std::int64_t ticks) const {
+    const double time = static_cast<double>(ticks) * t.step;
+    if (omega[k] == 0)
+      return eps * (leaps(ticks) + 4) * (std::abs(y.v[k]) + std::abs(fall[k]) * time);
+    return eps * (8.0 * leaps(ticks) + (1 + mode[k].zeta) * omega[k] * time) * norm(y, k);
+  }
+};
+
+std::int64_t random_length(Dice& dice, const Flying& f) {
+  // from a tick to a hundredth of a second
+  return static_cast<std::int64_t>(dice.ratio(1, 1e-2 / f.t.step));
+}
+
+TEST(Flight, OfAnyLengthIsTheClosedForm) {
+  Dice dice(1);
+  for (int trial = 0; trial < 300; ++trial) {
+    const Flying f(dice, trial % 2 == 1);
+    const Flying::Lanes y = f.random_state(dice);
+    const std::int64_t ticks = trial == 0 ? 0 : random_length(dice, f);
+    const Flying::Lanes z = f.after(y, ticks);
+    const long double time = static_cast<long double>(ticks) * f.t.step;
+    for (int k = 0; k < modes; ++k) {
+      SCOPED_TRACE("trial " + std::to_string(trial) + ", omega " + std::to_string(f.omega[k]) +
+                   ", zeta " + std::to_string(f.mode[k].zeta) + ", " + std::to_string(ticks));
+      const State exact = fly(f.mode[k], f.load[k], {y.u[k], y.v[k], 0}, time);
+      const double off = f.rounding(y, k, ticks), t1 = static_cast<double>(time);
+      ASSERT_NEAR(z.v[k], static_cast<double>(exact.v), off);
+      // ... and each sum for U rounds to what U is
+      const double per = f.omega[k] > 0 ? 1 / f.omega[k] : t1;
+      const double largest =
+          std::abs(y.u[k]) + (f.omega[k] > 0 ? 2 * f.norm(y, k) / f.omega[k] : 0);
+      ASSERT_NEAR(z.u[k], static_cast<double>(exact.u),
+                  off * per + eps * (f.leaps(ticks) + 2) * (largest + std::abs(exact.u)));
+    }
+  }
+}
+
+TEST(Flight, InPiecesIsTheSameToRoundings) {
+  Dice dice(2);
+  for (int trial = 0; trial < 300; ++trial) {
+    const Flying f(dice, trial % 2 == 1);
+    const Flying::Lanes y = f.random_state(dice);
+    const std::int64_t a = random_length(dice, f), b = random_length(dice, f);
+    const Flying::Lanes one = f.after(y, a + b), two = f.after(f.after(y, a), b);
+    for (int k = 0; k < modes; ++k) {
+      const double off = f.rounding(y, k, a) + f.rounding(y, k, b) + f.rounding(y, k, a + b);
+      ASSERT_NEAR(one.v[k], two.v[k], off) << "trial " << trial << ", mode " << k;
+    }
+  }
+}
+
+TEST(Flight, SumsTheSquareOfTheVelocity) {
+  Dice dice(3);
+  for (int trial = 0; trial < 60; ++trial) {
+    const Flying f(dice, trial % 2 == 1);
+    const Flying::Lanes y = f.random_state(dice);
+    const std::int64_t ticks = static_cast<std::int64_t>(dice.ratio(1, 1e-3 / f.t.step));
+    const Flying::Lanes z = f.after(y, ticks);
+    const double time = static_cast<double>(ticks) * f.t.step;
+    for (int k = 0; k < modes; ++k) {
+      const State exact = fly(f.mode[k], f.load[k], {y.u[k], y.v[k], 0}, time, true);
+      const double norm =
+          f.omega[k] > 0 ? f.norm(y, k) : std::abs(y.v[k]) + std::abs(f.fall[k]) * time;
+      // V is off by rounding() at the most; the form has been doubled some 30 times, with four
+      // roundings each; and a little flight leaves out (turn t)^3 of its own, below 2e-4
+      const double little = std::min(time, std::ldexp(f.t.step, f.t.first_level));
+      const double off = 2 * f.rounding(y, k, ticks) * norm * time +
+                         8 * 30 * eps * norm * norm * time + 8e-12 * norm * norm * little;
+      ASSERT_NEAR(z.square[k] * f.t.step, static_cast<double>(exact.square), off)
+          << "trial " << trial << ", omega " << f.omega[k] << ", zeta " << f.mode[k].zeta << ", "
+          << ticks << " ticks";
+    }
+  }
+}
+
+TEST(Flight, OfAModeAtRestStaysThere) {
+  Dice dice(4);
+  const Flying f(dice, true);
+  Flying::Lanes y;
+  for (int k = 0; k < modes; ++k) y.u[k] = f.rest[k];
+  const Flying::Lanes z = f.after(y, 0x123456789abcd);
+  for (int k = 0; k < modes; ++k)
+    if (f.omega[k] > 0) {
+      EXPECT_EQ(z.u[k], y.u[k]);  // to the bit: there is nothing that it could swing with
+      EXPECT_EQ(z.v[k], 0);
+      EXPECT_EQ(z.square[k], 0);
+    }
+}
+
+TEST(Flight, BoundsHold) {
+  Dice dice(5);
+  double nearest = 0, nearest_fourth = 0;
+  for (int trial = 0; trial < 100; ++trial) {
+    Flying f(dice, trial % 2 == 1);
+    // a node that moves over the modes: psi_k = reach sin(b_k t + phase)
+    std::vector<double> b(modes), phase(modes);
+    const double speed = dice.one_in(3) ? 0.0 : dice.ratio(1e2, 1e5);
+    f.t.fourth_rest = 0;
+    for (int k = 0; k < modes; ++k) {
+      b[k] = f.omega[k] > 0 ? speed * dice.uniform(0, 1) : 0.0;
+      phase[k] = dice.uniform(0, 6.3);
+      const double w = f.omega[k], turn = w * (f.mode[k].zeta + std::hypot(1, f.mode[k].zeta));
+      // (turn + b)^4 term by term, see host/run/batch.cpp
+      if (w > 0)
+        f.fourth[k] =
+            f.reach[k] * (std::pow(turn, 3) + 4 * turn * turn * b[k] + 6 * turn * b[k] * b[k] +
+                          4 * std::pow(b[k], 3) + std::pow(b[k], 4) / w);
+      f.t.fourth_rest += f.reach[k] * std::pow(b[k], 4) * std::abs(f.rest[k]);
+    }
+    Flying::Lanes y = f.random_state(dice);
+    if (trial % 4 == 3)  // one mode alone, so that the bound can be met
+      for (int k = 0; k < modes; ++k)
+        if (k != trial / 4 % modes) y.v[k] = 0, y.u[k] = f.rest[k];
+    const double time = dice.ratio(1e-8, 1e-3);
+    const MotionBounds bounds = f.bounds(y, time);
+    double tails = 0, rounding = 0;  // of the derivatives, where all but the rest cancels
+    for (int k = 0; k < modes; ++k)
+      rounding += 16 * eps * f.fourth[k] * f.omega[k] * (std::abs(y.u[k]) + std::abs(f.rest[k]));
+    for (int i = 0; i <= 40; ++i) {
+      const long double at = static_cast<long double>(time) * i / 40;
+      double travel = 0, size = 0, fourth = 0, tail = 0;
+      for (int k = 0; k < modes; ++k) {
+        const long double w = f.omega[k], z = f.mode[k].zeta, a = f.load[k] / f.mode[k].mass;
+        // U and its derivatives, U^(n+2) = -2 zeta omega U^(n+1) - omega^2 U^(n) + [n = 0] load/m
+        long double d[5];
+        const State now = fly(f.mode[k], f.load[k], {y.u[k], y.v[k], 0}, at);
+        d[0] = now.u, d[1] = now.v;
+        for (int n = 0; n < 3; ++n)
+          d[n + 2] = -2 * z * w * d[n + 1] - w * w * d[n] + (n == 0 ? a : 0);
+        long double sum = 0;
+        const long double angle = b[k] * at + phase[k];
+        const long double psi[] = {std::sin(angle), std::cos(angle), -std::sin(angle),
+                                   -std::cos(angle), std::sin(angle)};
+        const int choose[] = {1, 4, 6, 4, 1};
+        for (int n = 0; n <= 4; ++n)
+          sum += choose[n] * d[4 - n] * std::pow(static_cast<long double>(b[k]), n) * psi[n];
+        fourth += static_cast<double>(f.reach[k] * sum);
+        travel += f.reach[k] * static_cast<double>(std::abs(now.u - y.u[k]));
+        size += f.reach[k] * static_cast<double>(std::abs(now.u));
+        tail += f.tail[k] * static_cast<double>(std::abs(now.u));
+      }
+      const double more = 1 + 64 * eps;  // roundings of the bounds themselves
+      ASSERT_LE(travel, bounds.travel * more + 4 * eps * bounds.size) << "trial " << trial;
+      ASSERT_LE(size, bounds.size * more) << "trial " << trial;
+      ASSERT_LE(tail, bounds.tail * more) << "trial " << trial;
+      ASSERT_LE(std::abs(fourth), bounds.fourth * more + rounding)
+          << "trial " << trial << " speed " << speed;
+      nearest = std::max(nearest, travel / bounds.travel);
+      if (bounds.fourth > rounding)
+        nearest_fourth = std::max(nearest_fourth, std::abs(fourth) / bounds.fourth);
+      tails += tail;
+    }
+    EXPECT_GT(tails, 0);
+  }
+  // they are not bounds that say nothing
+  EXPECT_GT(nearest, 0.9);
+  EXPECT_GT(nearest_fourth, 0.3);
+}
+
+}  // namespace
