@@ -30,6 +30,7 @@ constexpr double peer_share = 0.25, reference_share = 0.1, state_share = 0.15, s
 
 constexpr const char* peer_integrators[] = {"cvode-adams", "cvode-bdf", "dopri5"};
 constexpr double peer_tolerances[] = {1e-4, 1e-6, 1e-8, 1e-10, 1e-12};
+constexpr const char* continuous_force = "continuous";  // where no steps are fixed
 constexpr double starting = 5;       // s that a peer may take beside the integration
 constexpr double peer_probe = 1e-5;  // s: what every peer is first asked for
 
@@ -60,11 +61,14 @@ Name name_of(const Setting& setting) {
   const auto& [choice, law] = setting.method;
   // under multipliers the force is that of the end of the step
   const bool at_end = law == ContactLaw::multiplier || choice.force_time == ForceTime::new_time;
-  return {.scheme = schemes.name(choice.scheme),
-          .law = contact_laws.name(law),
-          .contact_force = force_times.name(at_end ? ForceTime::new_time : ForceTime::old_time),
-          .nodes = node_choices.name(Nodes::candidates),
-          .text = text(setting.method)};
+  return {
+      .scheme = schemes.name(choice.scheme),
+      .law = contact_laws.name(law),
+      .contact_force = takes_tolerance(choice.scheme)
+                           ? continuous_force
+                           : force_times.name(at_end ? ForceTime::new_time : ForceTime::old_time),
+      .nodes = node_choices.name(Nodes::candidates),
+      .text = text(setting.method)};
 }
 
 /// Mean and standard error of values; `apart` are their differences from the reference's.
@@ -448,7 +452,7 @@ void Survey::first_answers(const Peer& peer, double limit) {
   row.name = {.program = "ra2d_peers",
               .scheme = peer.integrator,
               .law = contact_laws.name(ContactLaw::penalty),
-              .contact_force = "continuous",
+              .contact_force = continuous_force,
               .nodes = peer.nodes,
               .text = peer.integrator + (every ? ", every node" : "")};
   row.setting.tolerance = peer.tolerance;
