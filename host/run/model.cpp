@@ -36,7 +36,7 @@ void count_steps(Model& m) {
 /// Ticks of at most `finest`, 2^halvings to a sample, as long as their number has room to spare in
 /// 64 bits.
 void set_clock(Model& m) {
-  constexpr double finest = 0x1p-51, most_ticks = 0x1p60;
+  constexpr double finest = 0x1p-60, most_ticks = 0x1p60;
   const Scene& scene = m.scene;
   // where there is no sample but the first, any interval beyond the end will do
   const double rate = std::max(scene.rate, 0.5 / scene.duration);
