@@ -10,6 +10,7 @@
 #include "host/errors.hpp"
 #include "host/plan/plan.hpp"
 #include "host/run/record.hpp"
+#include "host/run/statistics.hpp"
 
 namespace ra2d {
 namespace {
@@ -23,13 +24,6 @@ constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
 
 /// Runs side by side: enough for all threads, few enough to be stopped between.
 int runs_at_once() { return std::clamp(backend_threads(), 4, 64); }
-
-double median(std::vector<double> values) {
-  if (values.empty()) return no_number;
-  const auto middle = values.begin() + (std::ssize(values) - 1) / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// Two sigma of Student's t with n - 1 degrees of freedom, by its expansion in 1/(n - 1): within a
 /// hundredth from n = 4 on.

@@ -55,11 +55,10 @@ Scene with(Scene scene, const Numerics& n) {
 }
 
 std::string text_of(const Scene& scene) {
-  std::string text = schemes.name(scene.scheme);
-  if (choice_of(scene).force_time == ForceTime::new_time) text += ", new force";
-  return is_adaptive(scene)
-             ? fmt::format("{}, {:g}", text, scene.tolerance.value_or(usual_tolerance))
-             : fmt::format("{}, {}", text, seconds_text(scene.step));
+  return fmt::format("{}, {}", short_text(choice_of(scene)),
+                     is_adaptive(scene)
+                         ? fmt::format("{:g}", scene.tolerance.value_or(usual_tolerance))
+                         : seconds_text(scene.step));
 }
 
 /// 1, 2 and 5 times powers of ten, downwards from at most `largest`.
@@ -139,8 +138,7 @@ class Search {
   const Clock::time_point begun_;
   Savings out_;
   Runs reference_, base_;  // base_: with the numerics that were chosen
-  std::map<const Ensemble*, Runs> kept_;
-  Runs last_;  // of the last trial
+  Runs last_;              // of the last trial
 };
 
 /// Whether the scene can be marched; throws RequestError.
@@ -296,35 +294,29 @@ std::vector<Numerics> Search::numerics() const {
     }
   const Model model = make_model(out_.reference);
   const JoinedModes place = most_yielding(model);
-  for (const auto& [name, scheme] : schemes.words) {
-    if (scheme == SchemeKind::adaptive) continue;
+  for (const SchemeChoice& choice : choices_under(written_.law)) {
     // what an impact gives back is the scheme's under multipliers: two let it rest alike
-    if (!spring && scheme != written_.scheme &&
-        !(is_semi_implicit(scheme) && is_semi_implicit(written_.scheme)))
+    if (!spring && choice.scheme != written_.scheme &&
+        !(is_semi_implicit(choice.scheme) && is_semi_implicit(written_.scheme)))
       continue;
-    for (const ForceTime time : {ForceTime::old_time, ForceTime::new_time}) {
-      if (time == ForceTime::new_time && !(spring && scheme == SchemeKind::backward_euler))
-        continue;
-      const SchemeChoice choice{scheme, time};
-      // a shock in fewer than two steps is none
-      double largest =
-          std::min({step_limits(model, choice, place).holds(), 1 / written_.rate, out_.duration});
-      if (spring) largest = std::min(largest, M_PI / contact_frequency(model, place) / 2);
-      if (!(largest > 0)) continue;
-      double per_step = 0;
-      for (const double step : ladder(largest, spring ? 1e-11 : written_.step)) {
-        Numerics n{choice, step};
-        if (per_step == 0) {
-          try {
-            per_step = measure_cost(for_runs(with(written_, n)), probe) * step;
-          } catch (const RequestError&) {
-            break;
-          }
+    // a shock in fewer than two steps is none
+    double largest =
+        std::min({step_limits(model, choice, place).holds(), 1 / written_.rate, out_.duration});
+    if (spring) largest = std::min(largest, M_PI / contact_frequency(model, place) / 2);
+    if (!(largest > 0)) continue;
+    double per_step = 0;
+    for (const double step : ladder(largest, spring ? 1e-11 : written_.step)) {
+      Numerics n{choice, step};
+      if (per_step == 0) {
+        try {
+          per_step = measure_cost(for_runs(with(written_, n)), probe) * step;
+        } catch (const RequestError&) {
+          break;
         }
-        n.cost = per_step / step;
-        if (spring && n.cost > most) break;
-        list.push_back(n);
       }
+      n.cost = per_step / step;
+      if (spring && n.cost > most) break;
+      list.push_back(n);
     }
   }
   std::stable_sort(list.begin(), list.end(),

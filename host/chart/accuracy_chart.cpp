@@ -16,6 +16,7 @@
 #include "host/format.hpp"
 #include "host/plan/plan.hpp"
 #include "host/plan/schemes.hpp"
+#include "host/run/statistics.hpp"
 #include "host/run/timed_run.hpp"
 #include "host/scene/names.hpp"
 
@@ -33,14 +34,6 @@ constexpr double peer_tolerances[] = {1e-4, 1e-6, 1e-8, 1e-10, 1e-12};
 constexpr const char* continuous_force = "continuous";  // where no steps are fixed
 constexpr double starting = 5;       // s that a peer may take beside the integration
 constexpr double peer_probe = 1e-5;  // s: what every peer is first asked for
-
-double median(std::vector<double> values) {
-  if (values.empty()) return missing;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  if (values.size() % 2 == 1) return *middle;
-  return 0.5 * (*middle + *std::max_element(values.begin(), middle));
-}
 
 /// The time with the fewest digits in the last tenth of what lies between two times.
 double round_time_before(double time, double after) {

@@ -222,13 +222,13 @@ TEST(Savings, WhatModesMoveIsWhatTheyCarry) {
       ASSERT_TRUE(trial.scene.resonator.modes);
       const int modes = *trial.scene.resonator.modes;
       // steps of the scheme that was chosen shift each mode a little differently
-      EXPECT_NEAR(trial.moved[0].relative, share(modes) - 1, 0.1 * accuracy);
+      EXPECT_NEAR(trial.moved[0].relative, share(modes) - 1, 0.25 * accuracy);
       if (trial.verdict == Verdict::kept) fewest = std::min(fewest, modes);
     }
     // halving the interval finds where the accuracy is crossed
     EXPECT_LT(fewest, 8);
-    EXPECT_LT(1 - share(fewest), 1.1 * accuracy);
-    EXPECT_GT(1 - share(fewest - 1), 0.9 * accuracy);
+    EXPECT_LT(1 - share(fewest), 1.25 * accuracy);
+    EXPECT_GT(1 - share(fewest - 1), 0.75 * accuracy);
     // whatever goes together holds together
     const Scene& chosen = found.chosen;
     EXPECT_GE(*chosen.resonator.modes, fewest);
