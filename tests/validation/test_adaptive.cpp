@@ -1,0 +1,343 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "tests/adaptive.hpp"
+#include "tests/scenes.hpp"
+
+/// The adaptive scheme: what its answer may not depend on, what a sample holds, where it ends when it
+/// cannot go on. How far it is off: test_adaptive_errors.cpp.
+namespace ra2d::test {
+namespace {
+
+constexpr double eps = std::numeric_limits<double>::epsilon();
+
+// ---- invariance -------------------------------------------------------------------------------
+
+/// A scene of every form of contact, over candidates.
+std::vector<Scene> kinds() {
+  std::vector<Scene> scenes;
+  for (const Support support : {Support::free, Support::pinned, Support::rigid})
+    for (const double tolerance : {1e-5, 1e-10}) {
+      scenes.push_back(adaptive(rough_scene(support), tolerance));
+      scenes.back().duration = 2e-4;
+    }
+  scenes[0].resonator.moving_forces = {{.force = 3, .speed = 40, .start = 0.01}};
+  scenes[1].speed = 0;
+  scenes[2].rate = 1e7 / 3.7;
+  scenes[3].slider.surface = {};  // flat: dozens of nodes touch
+  scenes[3].stiffness = 1e12;
+  scenes[4].rate = 1e3;  // no sample but the first
+  return scenes;
+}
+
+TEST(AdaptiveInvariance, RandomScenesAreTheSameBitForBit) {
+  constexpr int scenes = 40;
+  constexpr std::uint64_t begin = 53;  // the next forty make fewer than 20 000 steps each
+  int done = 0, touching = 0, in_and_out = 0;
+  double evaluated = 0, all_evaluated = 0;
+  for (std::uint64_t seed = begin; seed < begin + scenes; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const Started c = random_adaptive_scene(seed);
+    const Recording all = run(c, Nodes::all);
+    const Bits expected = bits(all);
+    const Recording some = run(c);
+    EXPECT_TRUE(bits(some) == expected) << "candidates";
+    for (const int samples : {1, 3}) {
+      const BatchOptions buffers{.samples_at_once = samples, .shocks_at_once = samples};
+      EXPECT_TRUE(bits(run(c, Nodes::candidates, {.batch = buffers})) == expected)
+          << samples << " samples and shocks";
+    }
+    for (const int launches : {17, 401})
+      EXPECT_TRUE(bits(run(c, launches == 17 ? Nodes::all : Nodes::candidates,
+                           {.steps = c.model.steps / launches + 1})) == expected)
+          << launches << " launches";
+    EXPECT_TRUE(bits(run(c, Nodes::candidates, {.batch = {.least_packs = 3}})) == expected)
+        << "padded";
+    done += all.end.status == Status::done;
+    touching += all.end.contact_steps > 0;
+    in_and_out += all.end.shocks_begun >= 5;
+    evaluated += static_cast<double>(some.end.evaluated);
+    all_evaluated += static_cast<double>(all.end.evaluated);
+  }
+  EXPECT_EQ(done, scenes);
+  EXPECT_GE(touching, scenes / 2);
+  EXPECT_GE(in_and_out, scenes / 4);
+  EXPECT_LT(evaluated, 0.75 * all_evaluated);
+}
+
+TEST(AdaptiveInvariance, OneStepALaunch) {
+  for (const Scene& scene : kinds()) {
+    const Recording whole = simulate(scene);
+    ASSERT_EQ(whole.end.status, Status::done);
+    EXPECT_GT(whole.end.contact_steps, 0);
+    // a launch to the next tick makes one step, and those of no length before it: contacts that begin
+    Batch batch({whole.model}, {whole.start});
+    Snapshot now = batch.snapshot(0);
+    std::vector<double> rows;
+    std::int64_t launches = 0;
+    for (; now.status == Status::running; ++launches) {
+      batch.march(now.step + 1);
+      now = batch.snapshot(0);
+      const Drained drained = batch.drain(0);
+      rows.insert(rows.end(), drained.sample_rows.begin(), drained.sample_rows.end());
+    }
+    EXPECT_GT(2 * launches, whole.end.strides);
+    EXPECT_EQ(now.strides, whole.end.strides);
+    EXPECT_EQ(bits(now.resonator_u), bits(whole.end.resonator_u));
+    EXPECT_EQ(bits(now.slider_v), bits(whole.end.slider_v));
+    Batch again({whole.model}, {whole.start}, {.samples_at_once = 1'000'000});
+    again.march(whole.model.steps);
+    EXPECT_TRUE(bits(again.drain(0).sample_rows) == bits(rows));
+  }
+}
+
+TEST(AdaptiveInvariance, OtherScenesBesideItChangeNothing) {
+  std::vector<Scene> scenes = kinds();
+  scenes[1].duration /= 3;
+  scenes[3].resonator.modes = 20;
+  scenes.push_back(rough_scene(Support::rigid));  // of fixed steps
+  scenes.back().duration = 1e-4;
+  const std::vector<Recording> together = simulate(scenes);
+  const std::vector<Recording> in_pieces =
+      simulate(scenes, {.steps = together[2].model.steps / 97, .batch = {.samples_at_once = 7}});
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    const Bits alone = bits(simulate(scenes[i]));
+    EXPECT_TRUE(alone == bits(together[i])) << "scene " << i;
+    EXPECT_TRUE(alone == bits(in_pieces[i])) << "scene " << i;
+  }
+}
+
+TEST(AdaptiveInvariance, AFullBufferHoldsTheMarchUp) {
+  // ... and loses nothing while nobody empties it
+  const Recording whole = simulate(kinds()[0]);
+  Batch batch({whole.model}, {whole.start}, {.samples_at_once = 10});
+  for (int i = 0; i < 3; ++i) {
+    batch.march(whole.model.steps);
+    const Snapshot now = batch.snapshot(0);
+    EXPECT_EQ(now.status, Status::running);
+    // the step that holds sample 10 is still to be made
+    EXPECT_LE(now.step, 10 * static_cast<std::int64_t>(whole.model.steps_per_sample));
+    EXPECT_GT(now.step, 0);
+  }
+  EXPECT_EQ(batch.drain(0).samples, 10);
+  batch.march(whole.model.steps);
+  EXPECT_EQ(batch.drain(0).samples, 10);
+}
+
+// ---- what a sample holds ----------------------------------------------------------------------
+
+TEST(AdaptiveSamples, HoldTheContactLaw) {
+  // The overlaps that follow from a sample's displacements, by direct sums: their springs' force and
+  // energy, and the number of nodes in contact.
+  int touching = 0, several = 0;
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const Recording r = run(random_adaptive_scene(seed));
+    const SampleBlock& s = r.samples;
+    const std::size_t modes2 = r.model.resonator.modes.size(), modes1 = r.model.slider.modes.size();
+    const std::size_t stride = 1 + s.time.size() / 60;
+    for (std::size_t i = 0; i < s.time.size(); i += stride) {
+      Model there = r.model;
+      there.position += r.model.scene.speed * s.time[i] / r.model.scene.spacing;
+      const auto part = [&](const std::vector<double>& all, std::size_t modes) {
+        return std::vector<double>(all.begin() + i * modes, all.begin() + (i + 1) * modes);
+      };
+      const std::vector<double> u2 = part(s.resonator_displacement, modes2),
+                                u1 = part(s.slider_displacement, modes1);
+      // Roundings of an overlap, of its faces and of its modes, and what the windows' cubics leave
+      // out of the modes: 1e-13 of them at the most
+      double size = 0;
+      for (const double h : r.model.slider_height)
+        size = std::max(size, std::abs(h) + std::abs(there.delta));
+      double high = 0, steepest = 0;
+      for (std::size_t n = 0; n + 1 < there.resonator_height.size(); ++n) {
+        high = std::max(high, std::abs(there.resonator_height[n]));
+        steepest =
+            std::max(steepest, std::abs(there.resonator_height[n + 1] - there.resonator_height[n]));
+      }
+      size += high;
+      double swing = 0;
+      for (std::size_t k = 0; k < modes2; ++k)
+        swing += std::abs(u2[k]) * there.resonator.modes[k].largest;
+      for (std::size_t k = 0; k < modes1; ++k)
+        swing += std::abs(u1[k]) * there.slider.modes[k].largest;
+      const double off = 16 * eps * size + 4 * eps * there.position * steepest + 2e-13 * swing;
+      double force = 0, energy = 0, blur = 0;
+      int certain = 0, possible = 0;
+      for (const double overlap : overlaps(there, u2, u1)) {
+        certain += overlap > off;
+        possible += overlap >= -off;
+        if (overlap <= -off) continue;
+        const double o = std::max(overlap, 0.0);
+        force += there.node_stiffness * o;
+        energy += 0.5 * there.node_stiffness * o * o;
+        blur += there.node_stiffness * off;
+      }
+      EXPECT_GE(s.nodes[i], certain) << "sample " << i;
+      EXPECT_LE(s.nodes[i], possible) << "sample " << i;
+      EXPECT_NEAR(s.force[i], force, blur + 4 * eps * force) << "sample " << i;
+      EXPECT_NEAR(s.contact[i], energy,
+                  std::sqrt(2 * energy * blur * off) + blur * off + 8 * eps * energy)
+          << "sample " << i;
+      touching += certain > 0;
+      several += certain > 1;
+    }
+  }
+  EXPECT_GT(touching, 200);
+  EXPECT_GT(several, 50);
+}
+
+TEST(AdaptiveSamples, InFreeDecayAreTheClosedFormAtTheirTimes) {
+  for (const double zeta : {0.0, 0.02, 0.5}) {
+    Scene s = adaptive(lone_beam(4, zeta), 1e-4);  // that plays no part: nothing touches
+    s.duration = 0.01;
+    s.rate = 1e5 / 3;  // no binary fraction
+    const Model model = make_model(s);
+    ModalStart start = make_start(model);
+    for (int k = 0; k < 4; ++k) start.resonator_v[k] = 0.1 * (k + 1);
+    count_energy(model, start);
+    const Recording r = simulate({model}, {start})[0];
+    ASSERT_EQ(r.samples.time.size(), 334u);
+    const auto state = [&](int k, long double t) {
+      const long double w = model.resonator.modes[k].omega, q = std::sqrt(1 - zeta * zeta) * w,
+                        e = start.resonator_v[k] * std::exp(-zeta * w * t);
+      return std::pair{e * std::sin(q * t) / q,
+                       e * (std::cos(q * t) - zeta * w / q * std::sin(q * t))};
+    };
+    long double loss = 0;
+    for (int k = 0; k < 4; ++k) {
+      const double w = model.resonator.modes[k].omega, v0 = start.resonator_v[k];
+      for (std::size_t i = 0; i < r.samples.time.size(); ++i) {
+        const auto [u, v] = state(k, i * 3.0L / 1e5L);
+        // a leap rounds to 8 eps and omega t to 1/2; some thirty leaps to a sample. Time: an ulp of it
+        const double off = eps * (8 * 64 + 2 * w * r.samples.time[i]) * v0;
+        EXPECT_NEAR(r.samples.resonator_velocity[4 * i + k], static_cast<double>(v), off);
+        EXPECT_NEAR(r.samples.resonator_displacement[4 * i + k], static_cast<double>(u), off / w);
+      }
+      // what was lost of the energy is the integral of 2 zeta omega m V^2
+      const long double last = (r.samples.time.size() - 1) * 3.0L / 1e5L;
+      const auto [at_u, at_v] = state(k, last);
+      loss +=
+          0.5L * model.resonator.mass_per_length * (v0 * v0 - at_v * at_v - w * w * at_u * at_u);
+      const auto [u, v] = state(k, s.duration);
+      if (zeta > 0) {
+        const double square =
+            static_cast<double>((v0 * v0 - v * v - w * w * u * u) / (4 * zeta * w));
+        EXPECT_NEAR(r.end.resonator_square[k] * model.tick, square, 1e-12 * square);
+      } else {
+        const double square = static_cast<double>(
+            0.5L * v0 * v0 * (s.duration + std::sin(2.0L * w * s.duration) / (2 * w)));
+        EXPECT_NEAR(r.end.resonator_square[k] * model.tick, square, 1e-12 * square);
+      }
+    }
+    EXPECT_NEAR(r.samples.damping_loss.back(), static_cast<double>(loss), 1e-12 * r.start.energy);
+    EXPECT_EQ(r.end.contact_steps, 0);
+    EXPECT_LT(std::abs(r.energy.relative()), 1e-12);
+  }
+}
+
+TEST(AdaptiveSamples, StaticEquilibriumStaysAtRest) {
+  for (const Support slider : {Support::rigid, Support::free}) {
+    Scene s = adaptive(pressed_plate(), 1e-12);
+    s.stiffness = 1e14;
+    s.slider.support = slider;
+    if (slider == Support::free) {
+      s.slider.load = 5;
+      s.slider.surface = peaks({{.at = 0.0008, .height = 1e-5, .half_width = 3e-5},
+                                {.at = 0.0032, .height = 1e-5, .half_width = 3e-5}});
+    }
+    const Recording r = simulate(s);
+    ASSERT_EQ(r.end.status, Status::done);
+    EXPECT_EQ(r.end.most_nodes, slider == Support::free ? 2 : 1);
+    ASSERT_EQ(r.end.open_shocks.size(), slider == Support::free ? 2u : 1u);
+    EXPECT_EQ(r.end.open_shocks[0].start, 0);
+    const double force = r.samples.force[0];
+    EXPECT_GT(force, 0);
+    // equilibrium is found to some 1e-11 of the displacements, a few micrometres, and the overlap is
+    // a hundredth of them or more: what it rings with
+    for (std::size_t i = 0; i < r.samples.time.size(); ++i)
+      EXPECT_NEAR(r.samples.force[i], force, 1e-9 * force);
+  }
+}
+
+// ---- bodies without modes ---------------------------------------------------------------------
+
+TEST(AdaptiveRigid, NothingMovesThroughThousandsOfWindows) {
+  // two rough faces that no mode moves: the contact is what the faces say
+  Scene s = adaptive(rough_scene(Support::rigid), 1e-8);
+  s.resonator.support = Support::rigid;
+  s.resonator.modes = 0;
+  s.duration = 2e-2;
+  s.rate = 1e5;
+  const Recording r = simulate(s);
+  ASSERT_EQ(r.end.status, Status::done);
+  EXPECT_GT(r.end.shocks_begun, 50);
+  double gross = 0;
+  for (std::size_t i = 1; i < r.samples.time.size(); ++i)
+    gross += std::abs(r.samples.contact[i] - r.samples.contact[i - 1]);
+  EXPECT_GT(gross, 0);
+  // What the springs hold is the work of the imposed motion. A step ends behind a kink of the face by
+  // 4 ulp of the position (a thousand chi) and two ticks, on each of some hundred kinks at once.
+  EXPECT_NEAR(r.samples.sliding_work.back(), r.samples.contact.back() - r.samples.contact.front(),
+              1e-11 * gross);
+}
+
+TEST(AdaptiveRigid, AForceThatComesLate) {
+  // nothing moves for a thousand windows, then everything
+  Scene s = adaptive(rough_scene(Support::rigid), 1e-8);
+  s.gap = 1e-3;
+  s.speed = 10;
+  s.duration = 2.5e-3;
+  s.resonator.moving_forces = {{.force = 3, .speed = 10, .start = -0.02}};
+  const Recording r = simulate(s);
+  ASSERT_EQ(r.end.status, Status::done);
+  for (std::size_t i = 0; i < r.samples.time.size(); ++i)
+    EXPECT_EQ(r.samples.kinetic[i] > 0, r.samples.time[i] > 2e-3 * (1 + 1e-12)) << i;
+  EXPECT_LT(std::abs(r.energy.relative()), 1e-8);
+}
+
+// ---- where it cannot go on --------------------------------------------------------------------
+
+TEST(AdaptiveFailures, MoreNodesThanThereIsRoomFor) {
+  Scene s = adaptive(plate_scene(4, 0.03, 0.004), 1e-6);
+  s.spacing = 4e-5;  // 751 nodes
+  s.start = 0.015;
+  s.gap = 1e-6;
+  s.slider.support = Support::free;
+  s.slider.load = 5;
+  s.stiffness = 1e12;
+  s.duration = 5e-2;
+  const Recording r = simulate(s);
+  EXPECT_EQ(r.end.status, Status::crowded);
+  EXPECT_LT(r.end.step, r.model.steps);
+  EXPECT_GT(r.end.step, 0);
+  // what had been marched is there, to the last sample before
+  EXPECT_EQ(static_cast<std::int64_t>(r.samples.time.size()),
+            1 + (r.end.step - 1) / static_cast<std::int64_t>(r.model.steps_per_sample));
+  s.slider.length = 0.0204;  // 511 nodes
+  s.duration = 2e-3;
+  EXPECT_EQ(simulate(s).end.status, Status::done);
+}
+
+TEST(AdaptiveFailures, TooStiffForTheClock) {
+  Scene s = adaptive(rough_scene(Support::free), 1e-8);
+  s.stiffness = 1e38;
+  s.duration = 5e-3;
+  const Recording r = simulate(s);
+  EXPECT_EQ(r.end.status, Status::stalled);
+  EXPECT_LT(r.end.step, r.model.steps);
+  EXPECT_EQ(static_cast<std::int64_t>(r.samples.time.size()),
+            1 + (r.end.step - 1) / static_cast<std::int64_t>(r.model.steps_per_sample));
+}
+
+}  // namespace
+}  // namespace ra2d::test
