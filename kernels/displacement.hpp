@@ -35,12 +35,15 @@ KOKKOS_FORCEINLINE_FUNCTION void series_coefficients(const Lanes& lanes, const d
                                                      const typename Lanes::Real* amplitude,
                                                      double* q) {
   using Real = typename Lanes::Real;
-  for (int j = 0; j < 4; ++j) {
-    Real part = lanes.load(rows + j * K * Lanes::width) * amplitude[0];
+  const auto part = [&](int j) {
+    Real sum = lanes.load(rows + j * K * Lanes::width) * amplitude[0];
     for (int p = 1; p < K; ++p)
-      part = multiply_add(lanes.load(rows + (j * K + p) * Lanes::width), amplitude[p], part);
-    q[j] = inverse_factorial(j) * lanes.sum(part);
-  }
+      sum = multiply_add(lanes.load(rows + (j * K + p) * Lanes::width), amplitude[p], sum);
+    return sum;
+  };
+  lanes.sum(part(0), part(1), q[0], q[1]);
+  lanes.sum(part(2), part(3), q[2], q[3]);
+  for (int j = 2; j < 4; ++j) q[j] *= inverse_factorial(j);
 }
 
 /// The whole series of pack p of the modes, to below the roundings: c_j = radius^j

@@ -10,12 +10,14 @@
 #include <memory>
 #include <optional>
 
+#include "host/accuracy/ensemble.hpp"
 #include "host/chart/peers.hpp"
-#include "host/chart/timed_run.hpp"
 #include "host/errors.hpp"
 #include "host/format.hpp"
 #include "host/plan/plan.hpp"
 #include "host/plan/schemes.hpp"
+#include "host/run/statistics.hpp"
+#include "host/run/timed_run.hpp"
 #include "host/scene/names.hpp"
 
 namespace ra2d {
@@ -29,15 +31,9 @@ constexpr double peer_share = 0.25, reference_share = 0.1, state_share = 0.15, s
 
 constexpr const char* peer_integrators[] = {"cvode-adams", "cvode-bdf", "dopri5"};
 constexpr double peer_tolerances[] = {1e-4, 1e-6, 1e-8, 1e-10, 1e-12};
+constexpr const char* continuous_force = "continuous";  // where no steps are fixed
+constexpr double starting = 5;       // s that a peer may take beside the integration
 constexpr double peer_probe = 1e-5;  // s: what every peer is first asked for
-
-double median(std::vector<double> values) {
-  if (values.empty()) return missing;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  if (values.size() % 2 == 1) return *middle;
-  return 0.5 * (*middle + *std::max_element(values.begin(), middle));
-}
 
 /// The time with the fewest digits in the last tenth of what lies between two times.
 double round_time_before(double time, double after) {
@@ -50,21 +46,6 @@ double round_time_before(double time, double after) {
   return least;
 }
 
-std::string status_text(Status status) {
-  switch (status) {
-    case Status::unstable:
-      return "unstable";
-    case Status::not_finite:
-      return "not finite";
-    case Status::blocked:
-      return "no motion of the modes keeps the faces apart";
-    case Status::crowded:
-      return "too many nodes carry force at once";
-    default:
-      return {};
-  }
-}
-
 bool failed(const TimedRun& run) {
   return run.status != Status::running && run.status != Status::done;
 }
@@ -73,11 +54,14 @@ Name name_of(const Setting& setting) {
   const auto& [choice, law] = setting.method;
   // under multipliers the force is that of the end of the step
   const bool at_end = law == ContactLaw::multiplier || choice.force_time == ForceTime::new_time;
-  return {.scheme = schemes.name(choice.scheme),
-          .law = contact_laws.name(law),
-          .contact_force = force_times.name(at_end ? ForceTime::new_time : ForceTime::old_time),
-          .nodes = node_choices.name(Nodes::candidates),
-          .text = text(setting.method)};
+  return {
+      .scheme = schemes.name(choice.scheme),
+      .law = contact_laws.name(law),
+      .contact_force = takes_tolerance(choice.scheme)
+                           ? continuous_force
+                           : force_times.name(at_end ? ForceTime::new_time : ForceTime::old_time),
+      .nodes = node_choices.name(Nodes::candidates),
+      .text = text(setting.method)};
 }
 
 /// Mean and standard error of values; `apart` are their differences from the reference's.
@@ -97,10 +81,8 @@ Statistic statistic(const std::vector<double>& values, const std::vector<double>
 }
 
 std::array<double, quantities> quantities_of(const Model& model, const TimedRun& run) {
-  std::vector<double> durations;
-  for (const Shock& shock : run.shocks) durations.push_back(shock.duration);
-  return {level(v_rms(model, run.end)), static_cast<double>(run.shocks.size()) / run.time,
-          median(durations)};
+  const Answer answer = answer_of(mean_squares(model), run);
+  return {level(answer.v_rms), answer.shock_rate, answer.shock_duration};
 }
 
 class Survey {
@@ -444,7 +426,7 @@ void Survey::start_peers() {
   Scene scene = with(scene_, {{{SchemeKind::backward_euler, ForceTime::old_time}}, scene_.step});
   peers_ = std::make_unique<Peers>(options_.peers, scene);
   say("the peers confirm the reference");
-  confirm(0.2 * share);
+  confirm(starting + 0.2 * share);
   const double count = std::size(peer_integrators) * 2 * std::size(peer_tolerances);
   // s of one integration; each is asked for the states and, half as long, for every timing
   const double limit = 0.8 * share / count / (1 + 0.5 * options_.repetitions);
@@ -457,14 +439,13 @@ void Survey::start_peers() {
 /// States, as far as they are to be had in `limit` seconds of integration each, and the first
 /// timing, over as much.
 void Survey::first_answers(const Peer& peer, double limit) {
-  constexpr double starting = 5;  // s more, for what is not the integration
   say(fmt::format("{} {:g}, nodes {}", peer.integrator, peer.tolerance, peer.nodes));
   Measured row;
   const bool every = peer.nodes == node_choices.name(Nodes::all);
   row.name = {.program = "ra2d_peers",
               .scheme = peer.integrator,
               .law = contact_laws.name(ContactLaw::penalty),
-              .contact_force = "continuous",
+              .contact_force = continuous_force,
               .nodes = peer.nodes,
               .text = peer.integrator + (every ? ", every node" : "")};
   row.setting.tolerance = peer.tolerance;
@@ -566,16 +547,7 @@ void Survey::run_long() {
     chart_.long_notes = "no long run: nothing of the right kind could be measured";
     return;
   }
-  bool random = false;
-  const auto with_seed = [&](Scene scene, int seed) {
-    for (BodySpec* body : {&scene.resonator, &scene.slider})
-      if (body->surface.kind == SurfaceKind::gaussian) {
-        random = true;
-        body->surface.seed += 1000 * static_cast<std::uint64_t>(seed);
-      }
-    return scene;
-  };
-  with_seed(scene_, 0);
+  const bool random = has_seeds(scene_);
   // surfaces from which every law finds its start
   std::vector<int> seeds;
   std::map<ContactLaw, std::vector<ModalStart>> starts;
@@ -584,8 +556,7 @@ void Survey::run_long() {
     try {
       for (const Setting& setting : settings)
         if (!found.contains(setting.method.law))
-          found[setting.method.law] =
-              make_start(make_model(with_seed(with(scene_, setting), seed)));
+          found[setting.method.law] = make_start(make_model(variant(with(scene_, setting), seed)));
     } catch (const RequestError&) {
       continue;
     }
@@ -608,8 +579,7 @@ void Survey::run_long() {
     LongRun row{.name = name_of(setting), .setting = setting, .reference = setting == reference};
     say(fmt::format("long runs, {}, {}", row.name.text, size_text(setting)));
     std::vector<Model> models;
-    for (const int seed : seeds)
-      models.push_back(make_model(with_seed(with(scene_, setting), seed)));
+    for (const int seed : seeds) models.push_back(make_model(variant(with(scene_, setting), seed)));
     const std::vector<TimedRun> runs =
         timed_runs(models, starts[setting.method.law], {.time = chart_.long_time});
     std::vector<std::array<double, quantities>> found;

@@ -20,6 +20,7 @@ NAMES = {
     ("rk4", "old"): ("RK4", "#9467bd"),
     ("rk8", "old"): ("RK8", "#8c564b"),
     ("exact", "old"): ("exact, force held", "#7f7f7f"),
+    ("adaptive", "continuous"): ("adaptive", "black"),
 }
 
 

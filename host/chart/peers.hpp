@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "host/chart/timed_run.hpp"
+#include "host/run/timed_run.hpp"
 
 /// Other people's integrators on the same equations, run by the program ra2d_peers (bench/peers).
 namespace ra2d {

@@ -37,9 +37,12 @@ def number(row, column):
     return float(row[column]) if row[column] else math.nan
 
 
+def size(row):
+    return number(row, "step") if row["step"] else number(row, "tolerance")
+
+
 def whole_decade(row):
-    size = number(row, "step") if row["step"] else number(row, "tolerance")
-    return abs(math.log10(size) - round(math.log10(size))) < 0.01
+    return abs(math.log10(size(row)) - round(math.log10(size(row)))) < 0.01
 
 
 def draw_errors(axes, rows, kind, title, reference, seen):
@@ -51,7 +54,7 @@ def draw_errors(axes, rows, kind, title, reference, seen):
         if row["kind"] == kind and row["error"] and number(row, "error") > 0 and row["wall_median"]:
             curves.setdefault(style(row), []).append(row)
     for (name, colour, mark, line), points in curves.items():
-        points.sort(key=lambda row: number(row, "wall_median"))
+        points.sort(key=size, reverse=True)
         wall = [number(row, "wall_median") for row in points]
         error = [number(row, "error") for row in points]
         hollow = {"mfc": "white"} if line == "--" else {}

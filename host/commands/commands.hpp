@@ -29,6 +29,11 @@ int run_command(const CommonOptions& common, std::filesystem::path output);
 /// `ra2d plan SCENE`
 int plan_command(const CommonOptions& common);
 
+/// `ra2d plan --accuracy A SCENE [-o OUT.toml]`: what the scene could do without; writes the scene
+/// with those choices. `budget`: s of wall time.
+int plan_accuracy_command(const CommonOptions& common, double accuracy, double budget,
+                          std::filesystem::path output);
+
 /// `ra2d chart stability [SCENE] [-o PREFIX]`; without a scene, the paper's own. Writes PREFIX.csv,
 /// PREFIX-regions.csv, PREFIX-modes.csv and, unless `plot` is false, PREFIX.png. A picture that was
 /// asked for and cannot be drawn is a file that cannot be written: a script must not go on without

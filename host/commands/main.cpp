@@ -58,8 +58,28 @@ int dispatch(int argc, char** argv) {
   run->add_option("-o,--output", output,
                   "result file [SCENE's name with .h5, in the current folder]")
       ->type_name("OUT.h5");
-  CLI::App* plan = app.add_subcommand("plan", "says what would be modelled, and why; runs nothing");
+  CLI::App* plan =
+      app.add_subcommand("plan",
+                         "says what would be modelled, and why; runs nothing unless --accuracy "
+                         "asks what the scene could do without");
   plan->add_option("SCENE", common.scene, "scene file (TOML)")->required();
+  double asked_accuracy = 0, plan_budget = 60;
+  std::filesystem::path planned;
+  CLI::Option* asked =
+      plan->add_option("--accuracy", asked_accuracy,
+                       "finds by runs the cheapest scheme and step, the fewest modes and the "
+                       "coarsest spacing that keep level, rate of shocks and their median duration "
+                       "within this relative accuracy, and writes the scene with them")
+          ->type_name("A");
+  plan->add_option("--budget", plan_budget, "with --accuracy: wall time it may take, roughly")
+      ->type_name("SECONDS")
+      ->capture_default_str()
+      ->needs(asked);
+  plan->add_option("-o,--output", planned,
+                   "with --accuracy: the scene it writes [SCENE's name with -planned.toml, in the "
+                   "current folder]")
+      ->type_name("OUT.toml")
+      ->needs(asked);
   add_common(*plan, common);
   CLI::App* chart = app.add_subcommand("chart", "all schemes side by side");
   chart->require_subcommand(1);
@@ -119,7 +139,9 @@ int dispatch(int argc, char** argv) {
   if (stability->parsed()) return chart_stability_command(common, stability_prefix, !no_plot);
   if (accuracy->parsed())
     return chart_accuracy_command(common, accuracy_prefix, !no_plot, budget, peers);
-  return run->parsed() ? run_command(common, output) : plan_command(common);
+  if (run->parsed()) return run_command(common, output);
+  return asked->count() > 0 ? plan_accuracy_command(common, asked_accuracy, plan_budget, planned)
+                            : plan_command(common);
 }
 
 }  // namespace

@@ -3,27 +3,17 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <csignal>
 #include <cstdio>
 
 #include "host/commands/commands.hpp"
+#include "host/commands/interrupt.hpp"
 #include "host/format.hpp"
 #include "host/plan/schemes.hpp"
 #include "host/run/run.hpp"
 
 namespace ra2d {
 namespace {
-
-std::atomic<bool> interrupt_asked{false};
-static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may set it");
-
-/// The first signal asks for a clean end, the second has its usual effect.
-void on_signal(int signal) {
-  interrupt_asked = true;
-  std::signal(signal, SIG_DFL);
-}
 
 std::string clock_text(double seconds) {
   if (!(seconds < 360000)) return "long";
@@ -82,11 +72,9 @@ int run_command(const CommonOptions& common, std::filesystem::path output) {
 
   RunOptions options;
   options.output = output;
-  options.interrupted = &interrupt_asked;
+  options.interrupted = &catch_interrupts();
   const bool terminal = isatty(STDERR_FILENO) != 0;
   if (terminal && !common.quiet) options.progress = show;
-  std::signal(SIGINT, on_signal);
-  std::signal(SIGTERM, on_signal);
 
   const Backend backend(common.threads);
   const RunReport report = run(scene, options);

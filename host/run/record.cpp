@@ -108,20 +108,31 @@ std::vector<Shock> make_shocks(const Model& model, const std::vector<OpenShock>&
   return convert_shocks(model, open);
 }
 
-double v_rms(const Model& model, const Snapshot& snapshot) {
-  if (snapshot.step == 0) return 0.0;
+std::vector<double> mean_squares(const Model& model) {
   const int nodes = static_cast<int>(model.resonator_height.size());
-  double sum = 0;
-  for (std::size_t k = 0; k < model.resonator.modes.size(); ++k) {
+  std::vector<double> means;
+  for (const ModeShape& mode : model.resonator.modes) {
     double square = 0;
     for (int n = 0; n < nodes; ++n) {
       double psi = 0;
-      evaluate(model.resonator.modes[k], model.resonator.length, n * model.scene.spacing, 1, &psi);
+      evaluate(mode, model.resonator.length, n * model.scene.spacing, 1, &psi);
       square += psi * psi;
     }
-    sum += square / nodes * snapshot.resonator_square[k];
+    means.push_back(square / nodes);
   }
+  return means;
+}
+
+double v_rms(const std::vector<double>& mean_squares, const Snapshot& snapshot) {
+  if (snapshot.step == 0) return 0.0;
+  double sum = 0;
+  for (std::size_t k = 0; k < mean_squares.size(); ++k)
+    sum += mean_squares[k] * snapshot.resonator_square[k];
   return std::sqrt(sum / static_cast<double>(snapshot.step));
+}
+
+double v_rms(const Model& model, const Snapshot& snapshot) {
+  return v_rms(mean_squares(model), snapshot);
 }
 
 double level(double v_rms) {

@@ -25,6 +25,11 @@ std::vector<Shock> make_shocks(const Model& model, const std::vector<OpenShock>&
 /// a whole number of spacings, and are of the order of spacing/length otherwise.
 double v_rms(const Model& model, const Snapshot& snapshot);
 
+/// Mean of psi_k^2 over the resonator's nodes, of each mode [1/m]. ...
+std::vector<double> mean_squares(const Model& model);
+/// ... and v_rms with them at hand, for many runs of bodies that are alike.
+double v_rms(const std::vector<double>& mean_squares, const Snapshot& snapshot);
+
 /// 20 log10(v_rms / 1e-9 m/s), NaN for v_rms = 0 (paper, equation 12).
 double level(double v_rms);
 

@@ -2,11 +2,21 @@
 #pragma once
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <vector>
 
 namespace ra2d {
+
+/// NaN without values.
+inline double median(std::vector<double> values) {
+  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  if (values.size() % 2 == 1) return *middle;
+  return 0.5 * (*middle + *std::max_element(values.begin(), middle));
+}
 
 /// Quantiles of any number of positive values in bounded memory: counts in bins of equal ratio, so
 /// a quantile is right to within `resolution`, relative. Values outside 1e-15 ... 1e15 are counted

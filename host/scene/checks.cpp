@@ -133,15 +133,26 @@ void check_modes(const std::string& name, const BodySpec& body, Document& docume
 void check_surface(const Scene& s, const std::string& name, const BodySpec& body,
                    Document& document) {
   const SurfaceSpec& surface = body.surface;
+  const std::string drawn = fmt::format("{}.surface.seed_spacing", name);
   const auto resolved = [&](const char* key, const std::optional<double>& wave) {
-    if (wave && *wave < least_per_wave * s.spacing * (1 - rounding))
+    for (const auto& [what, spacing] :
+         {std::pair{std::string("scene.spacing"), s.spacing},
+          std::pair{drawn, surface.seed_spacing.value_or(s.spacing)}}) {
+      if (!wave || *wave >= least_per_wave * spacing * (1 - rounding)) continue;
       document.fault(
           fmt::format("{}.surface.{}", name, key),
           fmt::format("{} m is not resolved by the spacing, {} m: expected at least {} "
-                      "spacings (scene.spacing <= {} m, or a longer {})",
-                      *wave, s.spacing, least_per_wave, at_most(*wave / least_per_wave), key));
+                      "spacings ({} <= {} m, or a longer {})",
+                      *wave, spacing, least_per_wave, what, at_most(*wave / least_per_wave), key));
+      return;
+    }
   };
   if (surface.kind == SurfaceKind::gaussian) {
+    if (surface.seed_spacing && body.length / *surface.seed_spacing > most_nodes)
+      document.fault(drawn, fmt::format("{} m draws {:.3g} numbers: expected at most {:g} (a wider "
+                                        "one)",
+                                        *surface.seed_spacing, body.length / *surface.seed_spacing,
+                                        most_nodes));
     resolved("rsm", surface.rsm);
     resolved("correlation_length", surface.correlation_length);
   }

@@ -65,6 +65,8 @@ void write_surface(const SurfaceSpec& surface, Writer& out) {
       toml_number(surface.correlation_length.value_or(0)));
   key(SurfaceKind::gaussian, is(SurfaceKind::gaussian) || surface.seed != 0, "seed",
       fmt::format("{}", surface.seed));
+  key(SurfaceKind::gaussian, surface.seed_spacing.has_value(), "seed_spacing",
+      toml_number(surface.seed_spacing.value_or(0)));
   out.raw("surface", "{ " + table + " }",
           unused.empty() ? ""
                          : fmt::format("{}, the kind is \"{}\"", fmt::join(unused, ", "),

@@ -34,6 +34,7 @@ SurfaceSpec read_surface(Reader in, const std::string& path, Document& document)
   surface.seed = static_cast<std::uint64_t>(
       in.integer("seed", 0, std::numeric_limits<std::int64_t>::max(), needed(gaussian))
           .value_or(0));
+  surface.seed_spacing = in.number("seed_spacing", positive, "m", Need::optional);
   const bool file = kind == SurfaceKind::file;
   const auto profile = in.text("path", "the path of a profile, a text", needed(file));
   if (file && profile && profile->empty())

@@ -35,6 +35,9 @@ struct SurfaceSpec {
   std::optional<double>
       correlation_length;  // ... or m, the distance at which the correlation is 1/e
   std::uint64_t seed = 0;  // gaussian
+  std::optional<double>
+      seed_spacing;  // gaussian: m, at which the seed's numbers are drawn, so that
+                     // the profile stays when scene.spacing changes; none: there
 };
 
 /// A constant force that travels along the resonator, positive upwards.

@@ -7,7 +7,9 @@
 #include <Random123/philox.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "host/errors.hpp"
 #include "host/surface/portable.hpp"
@@ -52,33 +54,88 @@ double white_noise(std::uint64_t seed, std::int64_t index) {
   }
 }
 
-std::vector<double> gaussian_heights(double rq, double correlation_length, std::uint64_t seed,
-                                     int nodes, double spacing) {
-  const auto count = static_cast<std::size_t>(nodes);
-  if (rq == 0) return std::vector<double>(count, 0.0);
+namespace {
+
+/// The filtered noise before it is moved to mean zero and scaled to rq.
+struct Filtered {
+  std::vector<double> weights;
+  std::size_t reach;
+  std::vector<double> noise;    // of the numbers -reach ... nodes + reach
+  std::vector<double> heights;  // (nodes)
+  double mean, factor;          // what makes heights of them: (height - mean) factor
+};
+
+Filtered filtered(double rq, double correlation_length, std::uint64_t seed, int nodes,
+                  double spacing) {
   if (nodes < 2) throw RequestError("a gaussian surface needs a beam of at least 2 nodes");
   if (correlation_length > most_nodes * spacing)
     throw RequestError(
         fmt::format("a correlation length of {:.10g} m spans more than {} nodes of a gaussian "
                     "surface; lower rsm or correlation_length, or enlarge the spacing",
                     correlation_length, most_nodes));
+  const auto count = static_cast<std::size_t>(nodes);
+  Filtered f;
+  f.weights = half_filter(correlation_length, spacing);
+  f.reach = f.weights.size() - 1;
+  f.noise.resize(count + 2 * f.reach + 1);
+  for (std::size_t i = 0; i < f.noise.size(); ++i)
+    f.noise[i] =
+        white_noise(seed, static_cast<std::int64_t>(i) - static_cast<std::int64_t>(f.reach));
 
-  const std::vector<double> weights = half_filter(correlation_length, spacing);
-  const std::size_t reach = weights.size() - 1;
-  std::vector<double> noise(count + 2 * reach);
-  for (std::size_t i = 0; i < noise.size(); ++i)
-    noise[i] = white_noise(seed, static_cast<std::int64_t>(i) - static_cast<std::int64_t>(reach));
-
-  std::vector<double> heights(count);  // weight by weight: each height is still one ordered sum
-  for (std::size_t n = 0; n < count; ++n) heights[n] = weights[0] * noise[n + reach];
-  for (std::size_t i = 1; i <= reach; ++i)
+  f.heights.resize(count);  // weight by weight: each height is still one ordered sum
+  for (std::size_t n = 0; n < count; ++n) f.heights[n] = f.weights[0] * f.noise[n + f.reach];
+  for (std::size_t i = 1; i <= f.reach; ++i)
     for (std::size_t n = 0; n < count; ++n)
-      heights[n] += weights[i] * (noise[n + reach - i] + noise[n + reach + i]);
+      f.heights[n] += f.weights[i] * (f.noise[n + f.reach - i] + f.noise[n + f.reach + i]);
 
-  subtract_mean(heights);
-  const double square = compensated_sum(heights, [](double h) { return h * h; });
-  const double factor = rq / std::sqrt(square / nodes);
-  for (double& height : heights) height *= factor;
+  f.mean = subtract_mean(f.heights);
+  const double square = compensated_sum(f.heights, [](double h) { return h * h; });
+  f.factor = rq / std::sqrt(square / nodes);
+  for (double& height : f.heights) height *= f.factor;
+  return f;
+}
+
+}  // namespace
+
+std::vector<double> gaussian_heights(double rq, double correlation_length, std::uint64_t seed,
+                                     int nodes, double spacing) {
+  if (rq == 0) return std::vector<double>(static_cast<std::size_t>(nodes), 0.0);
+  return filtered(rq, correlation_length, seed, nodes, spacing).heights;
+}
+
+std::vector<double> gaussian_heights_at(double rq, double correlation_length, std::uint64_t seed,
+                                        int drawn, double drawn_spacing, int nodes,
+                                        double spacing) {
+  std::vector<double> heights(static_cast<std::size_t>(nodes), 0.0);
+  if (rq == 0) return heights;
+  const Filtered f = filtered(rq, correlation_length, seed, drawn, drawn_spacing);
+  const auto reach = static_cast<std::int64_t>(f.reach);
+  // the bells as seen from between two drawn nodes, by how far from the nearer: of spacings in a
+  // simple ratio there are few such places
+  std::map<std::int64_t, std::vector<double>> bells;
+  constexpr std::size_t most_bells = 1000;
+  for (std::size_t n = 0; n < heights.size(); ++n) {
+    const double at = static_cast<double>(n) * spacing / drawn_spacing;
+    const double whole = std::floor(at + 0.5);
+    const auto node = static_cast<std::int64_t>(whole);
+    // as for the number of nodes, a billionth of a spacing is none
+    if (std::abs(at - whole) < 1e-9 * std::max(1.0, whole) && node < drawn) {
+      heights[n] = f.heights[static_cast<std::size_t>(node)];
+      continue;
+    }
+    if (bells.size() > most_bells) bells.clear();
+    std::vector<double>& bell = bells[std::llround((at - whole) * 1e9)];
+    if (bell.empty())
+      for (std::int64_t i = -reach; i <= reach; ++i) {
+        const double a = (at - whole - static_cast<double>(i)) * drawn_spacing / correlation_length;
+        bell.push_back(portable::exp(-2 * a * a));
+      }
+    const double* noise = f.noise.data() + node;  // of node - reach
+    const std::size_t seen = std::min(bell.size(), f.noise.size() - static_cast<std::size_t>(node));
+    double sum = 0;
+    for (std::size_t i = 0; i < seen; ++i) sum += bell[i] * noise[i];
+    heights[n] = (sum - f.mean) * f.factor;
+  }
   return heights;
 }
 

@@ -15,4 +15,10 @@ double white_noise(std::uint64_t seed, std::int64_t index);
 std::vector<double> gaussian_heights(double rq, double correlation_length, std::uint64_t seed,
                                      int nodes, double spacing);
 
+/// Heights [m] of that same profile, of `drawn` nodes drawn at `drawn_spacing` [m], at other places
+/// n spacing: the sum of the filter's bells, which is a smooth function of x. Nodes that fall on
+/// drawn ones have their heights to the last bit.
+std::vector<double> gaussian_heights_at(double rq, double correlation_length, std::uint64_t seed,
+                                        int drawn, double drawn_spacing, int nodes, double spacing);
+
 }  // namespace ra2d

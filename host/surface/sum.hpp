@@ -17,11 +17,12 @@ double compensated_sum(const std::vector<double>& values, Function f) {
   return sum + lost;
 }
 
-/// Moves the values to mean zero: gaps are measured between mean lines.
-inline void subtract_mean(std::vector<double>& values) {
+/// Moves the values to mean zero: gaps are measured between mean lines. Returns what the mean was.
+inline double subtract_mean(std::vector<double>& values) {
   const double mean =
       compensated_sum(values, [](double v) { return v; }) / static_cast<double>(values.size());
   for (double& value : values) value -= mean;
+  return mean;
 }
 
 }  // namespace ra2d

@@ -228,7 +228,7 @@ class AdaptiveMarcher {
         longest < static_cast<double>(room) ? static_cast<std::int64_t>(longest) : room;
     double end = x_of(ticks);
 
-    const double touch = touch_of(u_);
+    const double touch = touch_of(u_) + series_.neglected();
     // contacts that end
     double first = 2.0 * end + 1.0;
     for (int e = 0; e < s_.closed_count; ++e) {

@@ -47,94 +47,43 @@ class ModalSeries {
   KOKKOS_FORCEINLINE_FUNCTION int degree() const { return t_.order + 3; }
 
   /// The series from (u, v) on, with the closed nodes held closed, in units of `scale` [s].
+  ///
+  /// Of the shapes at a node as many terms are taken as the tolerance asks for: what the others add
+  /// to an overlap over the step is `neglected`, a small part of the tolerance times the way that the
+  /// modes make in the same time.
   KOKKOS_FUNCTION void expand(const Real* u, const Real* v, const Place& place, double scale) {
     scale_ = scale;
-    const int order = t_.order, closed = s_.closed_count;
+    neglected_ = 0.0;
+    const int closed = s_.closed_count;
+    if (closed == 0) return expand_terms<1>(u, v, place);
     const double way = t_.advance * (scale / t_.step);  // chi per x
-    if (closed > 0) {
-      contact_.expand(place, s_.closed, closed);
-      for (int e = 0; e < closed; ++e)
-        place_shape(s_.closed[e], place.offset, way, s_.closed_shape + e * (4 * row));
-    }
-    Real c0[K], c1[K], c2[K], c3[K], next[K];  // of order j, j - 1, j - 2, j - 3, j + 1
-    Real stiff[K], decay[K], light[K];
+    contact_.expand(place, s_.closed, closed);
+    for (int e = 0; e < closed; ++e)
+      place_shape(s_.closed[e], place.offset, way, s_.closed_shape + e * (4 * row));
+    // (2 b)^2/2 and (2 b)^3/6 of a mode, b its turning over a unit of x, for steps of up to two
+    Real second(0.0), third(0.0), rate(0.0);
     for (int p = 0; p < K; ++p) {
-      c0[p] = u[p];
-      next[p] = Real(scale) * v[p];
-      c1[p] = c2[p] = c3[p] = Real(0.0);
-      put(0, p, c0[p]);
-      put(1, p, next[p]);
-      const Real turn = Real(scale) * load(t_.omega, p);
-      stiff[p] = turn * turn;
-      decay[p] = Real(scale) * load(t_.decay, p);
-      light[p] = Real(scale * scale) * load(t_.light, p);
+      const Real b = Real(2.0 * scale) * load(t_.wander, p);
+      const Real part = load(t_.reach, p) * Kokkos::abs(u[p]) * (b * b);
+      second = multiply_add(Real(0.5), part, second);
+      third = multiply_add(Real(1.0 / 6.0), part * b, third);
+      rate = multiply_add(load(t_.reach, p), Kokkos::abs(v[p]), rate);
     }
-    const int last = closed > 0 ? degree() : order - 2;
-    for (int j = 0; j <= last; ++j) {
-      Real force[K];
-      for (int p = 0; p < K; ++p) force[p] = j == 0 ? load(t_.load, p) : Real(0.0);
-      if (t_.moving_forces > 0 && j <= order)
-        for (int p = 0; p < K; ++p) force[p] = force[p] + load(s_.push_series + j * row, p);
-      for (int e = 0; e < closed; ++e) {
-        const double* phi = s_.closed_shape + e * (4 * row);
-        Real product(0.0), rising(0.0);
-        for (int p = 0; p < K; ++p) {
-          const Real phi1 = load(phi + row, p), phi2 = load(phi + 2 * row, p),
-                     phi3 = load(phi + 3 * row, p);
-          // the latest order last: it is the one to wait for
-          product = multiply_add(phi3, c3[p], product);
-          product = multiply_add(phi2, c2[p], product);
-          product = multiply_add(phi1, c1[p], product);
-          rising = multiply_add(Real(3.0) * phi3, c2[p], rising);
-          rising = multiply_add(Real(2.0) * phi2, c1[p], rising);
-        }
-        for (int p = 0; p < K; ++p) {
-          product = multiply_add(load(phi, p), c0[p], product);
-          rising = multiply_add(load(phi + row, p), c0[p], rising);
-        }
-        double over, climbs;
-        lanes_.sum(product, rising, over, climbs);
-        const int node = s_.closed[e];
-        if (j == 0) {
-          over += contact_.face(node, place.theta);
-          climbs += contact_.rise(node) * way;
-        } else if (j == 1) {
-          over += contact_.rise(node) * way;
-        }
-        double* o = overlap(e);
-        if (lanes_.leader()) {
-          o[j] = over;
-          climb(e)[j] = climbs;
-        }
-        lanes_.sync();
-        if (j + 2 > order) continue;
-        const double f0 = -t_.node_stiffness * over;
-        const double f1 = j >= 1 ? -t_.node_stiffness * o[j - 1] : 0.0;
-        const double f2 = j >= 2 ? -t_.node_stiffness * o[j - 2] : 0.0;
-        const double f3 = j >= 3 ? -t_.node_stiffness * o[j - 3] : 0.0;
-        for (int p = 0; p < K; ++p) {
-          force[p] = multiply_add(f3, load(phi + 3 * row, p), force[p]);
-          force[p] = multiply_add(f2, load(phi + 2 * row, p), force[p]);
-          force[p] = multiply_add(f1, load(phi + row, p), force[p]);
-          force[p] = multiply_add(f0, load(phi, p), force[p]);
-        }
-      }
-      const Real share(1.0 / ((j + 1.0) * (j + 2.0))), rank(j + 1.0);
-      for (int p = 0; p < K; ++p) {
-        Real after(0.0);  // of order j + 2; what is beyond the last is zero
-        if (j + 2 <= order) {
-          const Real pulled = multiply_add(stiff[p], c0[p], rank * decay[p] * next[p]);
-          after = share * multiply_add(light[p], force[p], Real(-1.0) * pulled);
-          put(j + 2, p, after);
-        }
-        c3[p] = c2[p];
-        c2[p] = c1[p];
-        c1[p] = c0[p];
-        c0[p] = next[p];
-        next[p] = after;
-      }
+    double of_second, of_third;
+    lanes_.sum(second, third, of_second, of_third);
+    const double bearable = 0.03 * t_.tolerance * scale * lanes_.sum(rate);
+    if (of_second <= bearable) {
+      neglected_ = of_second;
+      expand_terms<2>(u, v, place);
+    } else if (of_third <= bearable) {
+      neglected_ = of_third;
+      expand_terms<3>(u, v, place);
+    } else {
+      expand_terms<4>(u, v, place);
     }
   }
+  /// m, of an overlap.
+  KOKKOS_FORCEINLINE_FUNCTION double neglected() const { return neglected_; }
 
   /// How far the series may be used for a local error of `tolerance`, relative, in x. The last two
   /// terms stand for the error: what follows them is smaller by the ratio of neighbours, so the step
@@ -319,7 +268,7 @@ class ModalSeries {
   const SceneTables& t_;
   SceneState& s_;
   const NodeContact<Lanes, K>& contact_;
-  double scale_ = 1.0;
+  double scale_ = 1.0, neglected_ = 0.0;
 
   KOKKOS_FORCEINLINE_FUNCTION Real load(const double* lanes, int pack) const {
     return lanes_.load(lanes + pack * width);
@@ -329,6 +278,90 @@ class ModalSeries {
   }
   KOKKOS_FORCEINLINE_FUNCTION void put(int j, int p, const Real& x) const {
     lanes_.store(s_.series + j * row + p * width, x);
+  }
+
+  template <int terms>
+  KOKKOS_FUNCTION void expand_terms(const Real* u, const Real* v, const Place& place) {
+    const double scale = scale_;
+    const int order = t_.order, closed = s_.closed_count;
+    const double way = t_.advance * (scale / t_.step);  // chi per x
+    Real c0[K], c1[K], c2[K], c3[K], next[K];           // of order j, j - 1, j - 2, j - 3, j + 1
+    Real stiff[K], decay[K], light[K];
+    for (int p = 0; p < K; ++p) {
+      c0[p] = u[p];
+      next[p] = Real(scale) * v[p];
+      c1[p] = c2[p] = c3[p] = Real(0.0);
+      put(0, p, c0[p]);
+      put(1, p, next[p]);
+      const Real turn = Real(scale) * load(t_.omega, p);
+      stiff[p] = turn * turn;
+      decay[p] = Real(scale) * load(t_.decay, p);
+      light[p] = Real(scale * scale) * load(t_.light, p);
+    }
+    const int last = closed > 0 ? degree() : order - 2;
+    for (int j = 0; j <= last; ++j) {
+      Real force[K];
+      for (int p = 0; p < K; ++p) force[p] = j == 0 ? load(t_.load, p) : Real(0.0);
+      if (t_.moving_forces > 0 && j <= order)
+        for (int p = 0; p < K; ++p) force[p] = force[p] + load(s_.push_series + j * row, p);
+      for (int e = 0; e < closed; ++e) {
+        const double* phi = s_.closed_shape + e * (4 * row);
+        Real product(0.0), rising(0.0);
+        // the latest order last: it is the one to wait for
+        for (int p = 0; p < K; ++p) {
+          if constexpr (terms > 3) product = multiply_add(load(phi + 3 * row, p), c3[p], product);
+          if constexpr (terms > 2) product = multiply_add(load(phi + 2 * row, p), c2[p], product);
+          product = multiply_add(load(phi + row, p), c1[p], product);
+          if constexpr (terms > 3)
+            rising = multiply_add(Real(3.0) * load(phi + 3 * row, p), c2[p], rising);
+          if constexpr (terms > 2)
+            rising = multiply_add(Real(2.0) * load(phi + 2 * row, p), c1[p], rising);
+        }
+        for (int p = 0; p < K; ++p) {
+          product = multiply_add(load(phi, p), c0[p], product);
+          rising = multiply_add(load(phi + row, p), c0[p], rising);
+        }
+        double over, climbs;
+        lanes_.sum(product, rising, over, climbs);
+        const int node = s_.closed[e];
+        if (j == 0) {
+          over += contact_.face(node, place.theta);
+          climbs += contact_.rise(node) * way;
+        } else if (j == 1) {
+          over += contact_.rise(node) * way;
+        }
+        double* o = overlap(e);
+        if (lanes_.leader()) {
+          o[j] = over;
+          climb(e)[j] = climbs;
+        }
+        lanes_.sync();
+        if (j + 2 > order) continue;
+        const auto before = [&](int i) { return j >= i ? -t_.node_stiffness * o[j - i] : 0.0; };
+        const double f0 = -t_.node_stiffness * over, f1 = before(1);
+        const double f2 = terms > 2 ? before(2) : 0.0, f3 = terms > 3 ? before(3) : 0.0;
+        for (int p = 0; p < K; ++p) {
+          if constexpr (terms > 3) force[p] = multiply_add(f3, load(phi + 3 * row, p), force[p]);
+          if constexpr (terms > 2) force[p] = multiply_add(f2, load(phi + 2 * row, p), force[p]);
+          force[p] = multiply_add(f1, load(phi + row, p), force[p]);
+          force[p] = multiply_add(f0, load(phi, p), force[p]);
+        }
+      }
+      const Real share(1.0 / ((j + 1.0) * (j + 2.0))), rank(j + 1.0);
+      for (int p = 0; p < K; ++p) {
+        Real after(0.0);  // of order j + 2; what is beyond the last is zero
+        if (j + 2 <= order) {
+          const Real pulled = multiply_add(stiff[p], c0[p], rank * decay[p] * next[p]);
+          after = share * multiply_add(light[p], force[p], Real(-1.0) * pulled);
+          put(j + 2, p, after);
+        }
+        c3[p] = c2[p];
+        c2[p] = c1[p];
+        c1[p] = c0[p];
+        c0[p] = next[p];
+        next[p] = after;
+      }
+    }
   }
 
   /// An expanded node's shapes about where it stands, the i-th times way^i.

@@ -99,6 +99,7 @@ void expect_same(const SurfaceSpec& a, const SurfaceSpec& b) {
   EXPECT_EQ(a.rsm, b.rsm);
   EXPECT_EQ(a.correlation_length, b.correlation_length);
   EXPECT_EQ(a.seed, b.seed);
+  EXPECT_EQ(a.seed_spacing, b.seed_spacing);
 }
 
 void expect_same(const BodySpec& a, const BodySpec& b) {

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "host/chart/timed_run.hpp"
+#include "host/run/timed_run.hpp"
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <ctime>
 #include <functional>
 #include <limits>
 
@@ -54,13 +55,14 @@ class Follower {
   }
   const Snapshot& end() const { return out_.end; }
 
-  TimedRun finish(double seconds) {
+  TimedRun finish(double seconds, double processor) {
     keep(make_shocks(*model_, out_.end.open_shocks));
     std::sort(out_.shocks.begin(), out_.shocks.end(),
               [](const Shock& a, const Shock& b) { return a.serial < b.serial; });
     out_.status = out_.end.status;
     out_.time = static_cast<double>(out_.end.step) * model_->tick;
     out_.seconds = seconds;
+    out_.processor = processor;
     out_.energy = energy_.balance();
     return out_;
   }
@@ -87,12 +89,15 @@ std::vector<TimedRun> timed_runs(const std::vector<Model>& models,
   const std::int64_t last =
       ticks < 9e18 ? std::llround(ticks) : std::numeric_limits<std::int64_t>::max();
   LaunchLength launch(models.front(), std::clamp(0.1 * limits.wall, 1e-3, 0.2));
-  double seconds = 0;
+  double seconds = 0, processor = 0;
   for (std::int64_t now = 0;;) {
+    if (limits.interrupted && *limits.interrupted) throw Interrupted{};
     const std::int64_t target = now + std::min(launch.steps(), last - now);
     const auto begin = std::chrono::steady_clock::now();
+    const std::clock_t clock = std::clock();
     batch.march(target);
     const double took = seconds_since(begin);
+    processor += static_cast<double>(std::clock() - clock) / CLOCKS_PER_SEC;
     seconds += took;
     const std::int64_t before = now;
     now = std::numeric_limits<std::int64_t>::max();  // of the one that is furthest behind
@@ -109,12 +114,31 @@ std::vector<TimedRun> timed_runs(const std::vector<Model>& models,
     launch.took(now - before, took);
   }
   std::vector<TimedRun> out;
-  for (Follower& scene : scenes) out.push_back(scene.finish(seconds));
+  for (Follower& scene : scenes) out.push_back(scene.finish(seconds, processor));
   return out;
 }
 
 TimedRun timed_run(const Model& model, const ModalStart& start, const RunLimits& limits) {
   return timed_runs({model}, {start}, limits).front();
+}
+
+std::string status_text(Status status) {
+  switch (status) {
+    case Status::running:
+    case Status::done:
+      return "";
+    case Status::unstable:
+      return "unstable";
+    case Status::not_finite:
+      return "not finite";
+    case Status::blocked:
+      return "the kept modes cannot keep the faces apart";
+    case Status::crowded:
+      return "too many nodes touch at once";
+    case Status::stalled:
+      return "too fast for the clock";
+  }
+  return "";
 }
 
 bool fits(const Model& model, const State& state) {

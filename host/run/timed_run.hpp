@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <atomic>
 #include <cstdint>
 #include <limits>
+#include <string>
 #include <vector>
 
 #include "host/run/record.hpp"
@@ -14,7 +16,11 @@ struct RunLimits {
   double time = std::numeric_limits<double>::infinity();           // s simulated
   double wall = std::numeric_limits<double>::infinity();           // s in the march
   std::int64_t shocks = std::numeric_limits<std::int64_t>::max();  // in every scene
+  const std::atomic<bool>* interrupted = nullptr;                  // ends it with Interrupted
 };
+
+/// Thrown where runs were asked to end.
+struct Interrupted {};
 
 /// Modal displacements and velocities of both bodies at one instant.
 struct State {
@@ -25,21 +31,23 @@ struct TimedRun {
   Status status = Status::running;  // running: a limit of RunLimits was met
   double time = 0;                  // s simulated
   double seconds = 0;               // in the march, of all scenes side by side
+  double processor = 0;             // s, of all threads then: hardly depends on what else runs
   State state;                      // at the last sample, both at the same time
   EnergyBalance energy;             // from the first sample to the last
   std::vector<Shock> shocks;        // by start; those going on as long as they have lasted
   Snapshot end;
 };
 
-/// The unit of a model's steps [s].
-
-/// Marches scenes of one tick side by side from t = 0.
+/// Marches scenes of one tick side by side from t = 0. Throws Interrupted.
 std::vector<TimedRun> timed_runs(const std::vector<Model>& models,
                                  const std::vector<ModalStart>& starts,
                                  const RunLimits& limits = {});
 
 /// ... or one scene.
 TimedRun timed_run(const Model& model, const ModalStart& start, const RunLimits& limits = {});
+
+/// Why a run ended before its end, for people; empty where it did not.
+std::string status_text(Status status);
 
 /// Whether a state has as many modes as the model.
 bool fits(const Model& model, const State& state);

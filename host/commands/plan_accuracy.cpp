@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cstdio>
+
+#include "host/accuracy/savings.hpp"
+#include "host/chart/files.hpp"
+#include "host/commands/commands.hpp"
+#include "host/commands/interrupt.hpp"
+#include "host/errors.hpp"
+#include "host/run/batch.hpp"
+
+namespace ra2d {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Before anything is run: a file that could not be written would be found out last.
+void require_writable(const fs::path& output, const fs::path& scene) {
+  std::error_code none;
+  if (fs::equivalent(output, scene, none))
+    throw RequestError(fmt::format(
+        "-o {}: that is the scene itself, which is not overwritten: expected another name",
+        output.string()));
+  if (!output.has_filename() || fs::is_directory(output))
+    throw RequestError(fmt::format("-o {}: a folder: expected a file's name", output.string()));
+  if (output.has_parent_path() && !fs::is_directory(output.parent_path()))
+    throw FileError(fmt::format("cannot write '{}': there is no folder '{}'", output.string(),
+                                output.parent_path().string()));
+}
+
+}  // namespace
+
+int plan_accuracy_command(const CommonOptions& common, double accuracy, double budget,
+                          fs::path output) {
+  if (!(accuracy > 0 && accuracy < 1))
+    throw RequestError(fmt::format(
+        "--accuracy {:g}: expected a relative accuracy between 0 and 1, like 0.01", accuracy));
+  if (!(budget > 0 && budget < 1e9))
+    throw RequestError(
+        fmt::format("--budget {:g}: expected seconds of wall time, more than 0 and "
+                    "less than 1e9, like 60",
+                    budget));
+  const Scene scene = read_scene(common.scene, common.overrides);
+  if (output.empty()) output = common.scene.stem().string() + "-planned.toml";
+  require_writable(output, common.scene);
+
+  SavingsOptions options;
+  options.accuracy = accuracy;
+  options.budget = budget;
+  options.interrupted = &catch_interrupts();
+  const bool terminal = isatty(STDERR_FILENO) != 0 && !common.quiet;
+  if (terminal)
+    options.progress = [](const std::string& what) {
+      fmt::print(stderr, "\r{}\033[K", what);
+      std::fflush(stderr);
+    };
+  const Backend backend(common.threads);
+  try {
+    const Savings savings = find_savings(scene, options);
+    if (terminal) fmt::print(stderr, "\r\033[K");
+    fmt::print("{}", describe(savings));
+    std::fflush(stdout);
+    write_text(output, planned_scene(savings, output));
+  } catch (const Interrupted&) {
+    if (terminal) fmt::print(stderr, "\r\033[K");
+    fmt::print(stderr, "ra2d: interrupted: nothing was written\n");
+    return interrupted;
+  }
+  if (!common.quiet) fmt::print("written    {}\n", output.string());
+  return done;
+}
+
+}  // namespace ra2d

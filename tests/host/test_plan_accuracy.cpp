@@ -1,0 +1,365 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <fstream>
+#include <limits>
+#include <thread>
+
+#include "host/accuracy/ensemble.hpp"
+#include "host/accuracy/savings.hpp"
+#include "host/errors.hpp"
+#include "host/plan/schemes.hpp"
+#include "tests/child.hpp"
+#include "tests/dice.hpp"
+#include "tests/scenes.hpp"
+#include "tests/simulate.hpp"
+
+namespace ra2d::test {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
+
+TEST(Movement, IsTheRatioOfTheMeans) {
+  const Movement m = movement({1, 2, 3}, {1.1, 2.2, 3.3});
+  EXPECT_NEAR(m.relative, 0.1, 1e-15);
+  EXPECT_NEAR(m.error, 0, 1e-15);  // all pairs moved alike
+  EXPECT_EQ(m.pairs, 3);
+}
+
+TEST(Movement, ErrorIsThatOfTheMeanOfWhatTheRatioLeaves) {
+  // means 10 and 11, ratio 1.1: left are 1, -1, 1, -1, of standard deviation sqrt(4/3)
+  const Movement m = movement({10, 10, 10, 10}, {12, 10, 12, 10});
+  EXPECT_NEAR(m.relative, 0.1, 1e-15);
+  EXPECT_NEAR(m.error, std::sqrt(4.0 / 3) / std::sqrt(4.0) / 10, 1e-15);
+  // Student's t, 95.45 %, three degrees of freedom: 3.31
+  EXPECT_NEAR(m.margin() / m.error, 3.31, 0.05);
+}
+
+TEST(Movement, PairingTakesOutWhatBothShare) {
+  // surfaces differ by tens of per cent, the two settings on one of them by 0.1
+  std::vector<double> a, b;
+  for (int i = 0; i < 32; ++i) {
+    a.push_back(1 + 0.3 * std::sin(1.7 * i));
+    b.push_back(a.back() * (1.02 + (i % 2 == 0 ? 1e-3 : -1e-3)));
+  }
+  const Movement m = movement(a, b);
+  EXPECT_NEAR(m.relative, 0.02, 3e-4);
+  EXPECT_LT(m.error, 3e-4);
+}
+
+TEST(Movement, OfNothingIsNone) {
+  EXPECT_EQ(movement({0, 0}, {0, 0}).relative, 0);
+  EXPECT_EQ(movement({0, 0}, {0, 1}).relative, infinity);
+  EXPECT_EQ(movement({1, 2}, {0, 0}).relative, -1);
+  EXPECT_EQ(movement({no_number, no_number}, {no_number, 1}).pairs, 0);
+  EXPECT_EQ(judge(movement({no_number}, {no_number}), 0.01), Verdict::kept);
+  const Movement m = movement({1, no_number, 2, 3}, {1, 5, no_number, 3});
+  EXPECT_EQ(m.pairs, 2);
+  EXPECT_EQ(m.relative, 0);
+}
+
+TEST(Judge, WeighsTheMarginOnBothSides) {
+  const auto moved = [](double relative, double error) { return Movement{relative, error, 1000}; };
+  EXPECT_EQ(judge(moved(0.004, 0.002), 0.01), Verdict::kept);
+  EXPECT_EQ(judge(moved(-0.004, 0.002), 0.01), Verdict::kept);
+  EXPECT_EQ(judge(moved(0.004, 0.004), 0.01), Verdict::open);
+  EXPECT_EQ(judge(moved(0.02, 0.006), 0.01), Verdict::open);
+  EXPECT_EQ(judge(moved(-0.02, 0.004), 0.01), Verdict::moved);
+  EXPECT_EQ(judge(moved(infinity, 0), 0.01), Verdict::moved);
+  // few pairs promise less
+  EXPECT_EQ(judge({0.004, 0.002, 4}, 0.01), Verdict::open);
+}
+
+TEST(Judge, SaysHowManyPairsWouldDo) {
+  // half a per cent of room takes a standard error of a quarter: four times smaller, 16 times as many
+  const Movement m{0.005, 0.01, 20};
+  ASSERT_EQ(judge(m, 0.01), Verdict::open);
+  EXPECT_NEAR(pairs_needed(m, 0.01), 20 * 16, 1e-6);
+  EXPECT_EQ(pairs_needed({0.001, 0.001, 20}, 0.01), 20);
+  EXPECT_EQ(pairs_needed({0.01, 0.01, 20}, 0.01), infinity);
+}
+
+TEST(Judge, IsWrongAboutNoMoreThanOneInTwenty) {
+  // what is moved by exactly what is asked is called kept, or moved, by chance alone
+  Dice dice(7);
+  const auto normal = [&] {
+    double sum = 0;
+    for (int i = 0; i < 12; ++i) sum += dice.uniform(0, 1);
+    return sum - 6;
+  };
+  int wrong = 0;
+  constexpr int tries = 4000;
+  for (int i = 0; i < tries; ++i) {
+    std::vector<double> a(6), b(6);
+    for (std::size_t k = 0; k < a.size(); ++k) {
+      a[k] = 10;
+      b[k] = 10 * (1.01 + 0.01 * normal());
+    }
+    wrong += judge(movement(a, b), 0.01) != Verdict::open;
+  }
+  EXPECT_LT(wrong, 0.06 * tries);
+}
+
+TEST(Variant, ZeroIsTheSceneAndTheOthersDifferBySeedsAlone) {
+  Scene s = plate_scene(4, 0.004, 1e-3);
+  s.stiffness = 1e12;
+  s.resonator.surface = gaussian(1e-6, 1e-3, 7);
+  EXPECT_EQ(echo(variant(s, 0)), echo(s));
+  Scene other = variant(s, 3);
+  EXPECT_NE(other.resonator.surface.seed, 7);
+  EXPECT_NE(other.resonator.surface.seed, variant(s, 2).resonator.surface.seed);
+  other.resonator.surface.seed = 7;
+  EXPECT_EQ(echo(other), echo(s));
+  s.resonator.surface.seed = std::numeric_limits<std::int64_t>::max();
+  EXPECT_NO_THROW(parse_scene(echo(variant(s, 1)), "s.toml"));
+  EXPECT_THAT(varied(s), HasSubstr("seeds"));
+}
+
+TEST(Variant, WithoutSeedsTheStartDiffersALittle) {
+  Scene s = plate_scene(4, 0.004, 1e-3);
+  EXPECT_NE(variant(s, 1).start, s.start);
+  EXPECT_NEAR(variant(s, 1).start, s.start, 1e-9 * s.start);
+  s.start = 0;
+  EXPECT_EQ(varied(s), "");
+  s.speed = 1;
+  EXPECT_LT(variant(s, 1).speed, 1);
+  EXPECT_THAT(varied(s), HasSubstr("scene.speed"));
+}
+
+/// A rigid slider with a rough face rubs a plate.
+Scene rubbing() {
+  Scene s = plate_scene(4, 0.004, 1e-3);
+  s.duration = 4e-3;
+  s.speed = 1;
+  s.gap = 2e-6;
+  s.stiffness = 1e12;
+  s.rate = 1e4;
+  s.resonator.surface = gaussian(1e-6, 1e-3, 7);
+  s.slider.surface = gaussian(1e-6, 1e-3, 8);
+  return s;
+}
+
+TEST(Ensemble, AnswersAreThoseOfTheRuns) {
+  const Scene s = rubbing();
+  Ensemble runs(s);
+  runs.extend(3);
+  ASSERT_EQ(runs.runs(), 3);
+  EXPECT_EQ(runs.failure(), "");
+  for (int i = 0; i < 3; ++i) {
+    const Recording one = simulate(variant(s, i));
+    const Answer& a = runs.answers()[i];
+    EXPECT_EQ(a.v_rms, v_rms(one.model, one.end));
+    const auto shocks = make_shocks(one.model, one.shocks);
+    EXPECT_EQ(a.shock_rate * s.duration,
+              static_cast<double>(shocks.size() + one.end.open_shocks.size()));
+    EXPECT_NEAR(a.closure, std::abs(one.energy.relative()), 1e-15);
+    double first = no_number, begin = infinity;
+    for (const Shock& shock : shocks)
+      if (shock.start > 0 && shock.start < begin) begin = shock.start, first = shock.duration;
+    EXPECT_EQ(a.first_duration, first);
+  }
+  // it does not matter how they were asked for
+  Ensemble others(s);
+  for (int n = 1; n <= 3; ++n) others.extend(n);
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(others.answers()[i].v_rms, runs.answers()[i].v_rms);
+}
+
+TEST(Ensemble, EndsWhereItIsInterrupted) {
+  const std::atomic<bool> now{true};
+  Ensemble runs(rubbing(), &now);
+  EXPECT_THROW(runs.extend(1), Interrupted);
+}
+
+/// A force crosses an undamped strip that nothing touches: its modes are independent, so that
+/// v_rms^2 of the first M of them is the sum of their parts.
+Scene crossing() {
+  Scene s = strip_scene(8, 0, 0.14, 0.02);
+  s.duration = 0.015;
+  s.spacing = 1e-4;
+  s.gap = 1e-3;
+  s.stiffness = 1e15;
+  s.step = 1e-7;
+  s.rate = 1e5;
+  s.scheme = SchemeKind::backward_euler;
+  s.resonator.moving_forces = {{10, 20, 0}};
+  return s;
+}
+
+TEST(Savings, WhatModesMoveIsWhatTheyCarry) {
+  Scene s = crossing();
+  s.scheme = SchemeKind::adaptive;
+  s.tolerance = 1e-10;
+  const Recording all = simulate(s);
+  const double exact = v_rms(all.model, all.end);
+  const auto share = [&](int modes) {
+    Snapshot first = all.end;
+    for (std::size_t k = modes; k < first.resonator_square.size(); ++k)
+      first.resonator_square[k] = 0;
+    return v_rms(all.model, first) / exact;
+  };
+  for (const double accuracy : {0.1, 1e-3}) {
+    SavingsOptions options;
+    options.accuracy = accuracy;
+    options.budget = 10;
+    const Savings found = find_savings(crossing(), options);
+    SCOPED_TRACE(describe(found));
+    EXPECT_NEAR(found.mean.v_rms, exact, 1e-6 * exact);
+    int fewest = 8;
+    for (const Trial& trial : found.trials) {
+      if (trial.key != "resonator.modes") continue;
+      ASSERT_TRUE(trial.scene.resonator.modes);
+      const int modes = *trial.scene.resonator.modes;
+      // steps of the scheme that was chosen shift each mode a little differently
+      EXPECT_NEAR(trial.moved[0].relative, share(modes) - 1, 0.25 * accuracy);
+      if (trial.verdict == Verdict::kept) fewest = std::min(fewest, modes);
+    }
+    // halving the interval finds where the accuracy is crossed
+    EXPECT_LT(fewest, 8);
+    EXPECT_LT(1 - share(fewest), 1.25 * accuracy);
+    EXPECT_GT(1 - share(fewest - 1), 0.75 * accuracy);
+    // whatever goes together holds together
+    const Scene& chosen = found.chosen;
+    EXPECT_GE(*chosen.resonator.modes, fewest);
+    const Recording again = simulate(chosen);
+    EXPECT_NEAR(v_rms(again.model, again.end), exact, 1.01 * accuracy * exact);
+  }
+}
+
+TEST(Savings, OfARubbingSceneHoldForIt) {
+  SavingsOptions options;
+  options.accuracy = 0.1;
+  options.budget = 6;
+  const Scene s = rubbing();
+  const Savings found = find_savings(s, options);
+  const std::string text = describe(found);
+  SCOPED_TRACE(text);
+  EXPECT_THAT(text, AllOf(HasSubstr("other seeds"), HasSubstr("scheme and step"),
+                          HasSubstr("modes of the resonator"), HasSubstr("spacing"),
+                          HasSubstr("beyond the scene as written"), HasSubstr("needed"),
+                          Not(HasSubstr("nan"))));
+  // the written scene says where its choices come from, and is the chosen one
+  const std::string planned = planned_scene(found, "planned.toml");
+  const Scene read = parse_scene(planned, "planned.toml");
+  EXPECT_EQ(echo(read), echo(found.chosen));
+  EXPECT_THAT(planned, HasSubstr("--accuracy 0.1"));
+  // each verdict follows from what moved
+  for (const Trial& trial : found.trials) {
+    if (!trial.why.empty() || trial.moved[0].pairs == 0) continue;
+    bool kept = true, moved = false;
+    for (const Movement& m : trial.moved) {
+      kept = kept && judge(m, options.accuracy) == Verdict::kept;
+      moved = moved || judge(m, options.accuracy) == Verdict::moved;
+    }
+    EXPECT_EQ(trial.verdict, moved ? Verdict::moved : kept ? Verdict::kept : Verdict::open);
+    EXPECT_TRUE(kept || trial.by_balance || !trial.taken);
+  }
+}
+
+TEST(Savings, UnderMultipliersTheReferenceIsTheOwnSchemeAtATenthOfTheStep) {
+  Scene s = rubbing();
+  s.law = ContactLaw::multiplier;
+  s.gap.reset();
+  s.duration = 1e-3;
+  s.step = 1e-6;
+  SavingsOptions options;
+  options.accuracy = 0.3;
+  options.budget = 4;
+  const Savings found = find_savings(s, options);
+  EXPECT_EQ(found.reference.scheme, SchemeKind::backward_euler);
+  EXPECT_DOUBLE_EQ(found.reference.step, 1e-7);
+  for (const Trial& trial : found.trials)
+    EXPECT_TRUE(is_semi_implicit(trial.scene.scheme)) << trial.what;
+}
+
+TEST(PlannedScene, FindsItsProfilesFromWhereItIsWritten) {
+  const Folder folder;
+  fs::create_directory(folder.path() / "profiles");
+  fs::create_directory(folder.path() / "out");
+  std::ofstream(folder.path() / "profiles" / "flat.csv") << "0,0\n1,0\n";
+  Savings s;
+  s.accuracy = 0.01;
+  s.chosen = s.written = crossing();
+  s.chosen.file = s.written.file = folder.path() / "scene.toml";
+  s.chosen.resonator.surface.kind = SurfaceKind::file;
+  s.chosen.resonator.surface.path = "profiles/flat.csv";
+  const fs::path file = folder.path() / "out" / "planned.toml";
+  const Scene read = parse_scene(planned_scene(s, file), file);
+  EXPECT_EQ(read.resonator.surface.path, "../profiles/flat.csv");
+  EXPECT_NO_THROW(make_model(read));
+}
+
+class PlanAccuracy : public testing::Test {
+ protected:
+  Ended run(std::vector<std::string> words) const {
+    words.insert(words.begin(), RA2D_PROGRAM);
+    return run_program(folder_.path(), words);
+  }
+  static std::string scene(const std::string& name) {
+    return std::string(RA2D_SOURCE_DIR) + "/scenes/" + name + ".toml";
+  }
+  const Folder folder_;
+};
+
+TEST_F(PlanAccuracy, WritesASceneThatRuns) {
+  const Ended planned = run({"plan", "--accuracy", "0.01", "--budget", "5", scene("moving-force")});
+  ASSERT_EQ(planned.status, 0) << planned.err;
+  EXPECT_THAT(planned.out, AllOf(HasSubstr("resonator.modes"), HasSubstr("needed"),
+                                 HasSubstr("written    moving-force-planned.toml")));
+  const fs::path file = folder_.path() / "moving-force-planned.toml";
+  EXPECT_THAT(read_file(file),
+              AllOf(HasSubstr("# was backward-euler"), HasSubstr("alone it moves")));
+  const Ended ran = run({"run", file.string()});
+  EXPECT_EQ(ran.status, 0) << ran.err;
+}
+
+TEST_F(PlanAccuracy, WrongRequestsAreRefusedBeforeAnythingRuns) {
+  std::ofstream(folder_.path() / "own.toml") << read_file(scene("moving-force"));
+  const auto refused = [&](const std::vector<std::string>& words, const std::string& why,
+                           int status = 2) {
+    std::vector<std::string> all{"plan", "own.toml"};
+    all.insert(all.end(), words.begin(), words.end());
+    const Ended ended = run(all);
+    EXPECT_EQ(ended.status, status) << fmt::format("{}", fmt::join(all, " "));
+    EXPECT_THAT(ended.err, HasSubstr(why));
+    EXPECT_EQ(ended.out, "");
+  };
+  for (const char* accuracy : {"0", "-1", "1", "2", "nan"})
+    refused({"--accuracy", accuracy}, "--accuracy");
+  refused({"--accuracy", "much"}, "--accuracy");
+  for (const char* budget : {"0", "-5", "nan", "inf"})
+    refused({"--accuracy", "0.1", "--budget", budget}, "--budget");
+  refused({"--budget", "5"}, "--accuracy");
+  refused({"-o", "x.toml"}, "--accuracy");
+  refused({"--accuracy", "0.1", "-o", "own.toml"}, "not overwritten");
+  refused({"--accuracy", "0.1", "-o", "./"}, "a folder");
+  refused({"--accuracy", "0.1", "-o", "no/such/x.toml"}, "no/such", 4);
+  // without an adaptive reference the scene's own scheme must hold
+  refused({"--accuracy", "0.1", "--set", "contact.law=multiplier", "--set", "time.scheme=heun"},
+          "Take time.scheme");
+  EXPECT_EQ(read_file(folder_.path() / "own.toml"), read_file(scene("moving-force")));
+}
+
+TEST_F(PlanAccuracy, ASignalEndsItWithNothingWritten) {
+  Child child(folder_.path(),
+              {RA2D_PROGRAM, "plan", "--accuracy", "1e-4", "--budget", "1e6", scene("dang2012")});
+  std::this_thread::sleep_for(std::chrono::seconds(2));
+  child.send(SIGINT);
+  EXPECT_EQ(child.wait(), 130) << child.err();
+  EXPECT_THAT(child.err(), HasSubstr("interrupted"));
+  EXPECT_FALSE(fs::exists(folder_.path() / "dang2012-planned.toml"));
+}
+
+}  // namespace
+}  // namespace ra2d::test
