@@ -243,6 +243,30 @@ TEST_P(MovingForceSpeeds, WorkClosesTheEnergy) {
   EXPECT_EQ(run.samples.sliding_work.back(), 0);
 }
 
+TEST_P(MovingForceSpeeds, AdaptiveStepsKeepTheirTolerance) {
+  const double speed = GetParam().ratio * critical_speed();
+  Scene scene = crossing(speed);
+  set_steps(scene, 1.5 * scene.resonator.length / speed, 1, 200);
+  scene.scheme = SchemeKind::adaptive;
+  const Beam beam = make_beam(scene.resonator);
+  double most_u = 0, most_v = 0, most = 0;
+  for (int i = 0; i <= 200; ++i) {
+    const double t = scene.duration * i / 200;
+    most_u = std::max(most_u, std::abs(deflection(beam, 0.15, speed, t)));
+    most = std::max(most, energy(beam, speed, t));
+  }
+  most_v = std::sqrt(2 * most / beam.mass_per_length) * std::sqrt(2 / beam.length);
+  for (const double tolerance : {1e-4, 1e-6, 1e-8, 1e-10, 1e-12}) {
+    scene.tolerance = tolerance;
+    const Errors e = errors_of(scene, speed);
+    // some fifty steps, and what they leave of each adds up at the worst; 1e-13: the force's place, in
+    // patches, and the time, each to some hundred ulp of what they are multiplied with
+    EXPECT_LT(e.deflection, (10 * tolerance + 1e-13) * most_u) << tolerance;
+    EXPECT_LT(e.velocity, (10 * tolerance + 1e-13) * most_v) << tolerance;
+    EXPECT_LT(e.work, (10 * tolerance + 1e-13) * most) << tolerance;
+  }
+}
+
 TEST(MovingForce, EnergyClosesAtFirstOrder) {
   const double speed = 0.6 * critical_speed();
   Scene scene = crossing(speed);

@@ -96,6 +96,19 @@ TEST(Scaling, HeightsAndGapByAPowerOfTwoScaleEverythingToTheLastBit) {
   }
 }
 
+TEST(Scaling, TheAdaptiveSchemeToo) {
+  // its tolerance is relative, its search for contacts is one for signs
+  for (const Support support : {Support::pinned, Support::rigid}) {
+    Scene scene = held_slider(support);
+    scene.scheme = SchemeKind::adaptive;
+    scene.tolerance = 1e-8;
+    const Recording once = simulate(scene);
+    ASSERT_GT(once.shocks.size(), 5u);
+    for (const double factor : {2.0, 64.0, 0x1p-7})
+      expect_scaled(once, simulate(scaled(scene, factor)), factor);
+  }
+}
+
 TEST(Scaling, PeaksAndAMovingForceToo) {
   Scene scene = held_slider(Support::rigid);
   scene.gap = 1.9e-5;

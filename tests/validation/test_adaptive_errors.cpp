@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "tests/adaptive.hpp"
+#include "tests/scenes.hpp"
+
+/// How far the adaptive scheme is off: against closed forms, against itself at the smallest tolerance,
+/// and against small fixed steps.
+namespace ra2d::test {
+namespace {
+
+constexpr double eps = std::numeric_limits<double>::epsilon();
+constexpr double pi = std::numbers::pi;
+
+// ---- one impact in closed form ----------------------------------------------------------------
+
+/// A rigid block, thrown at a rigid floor. Its one peak stands in the middle, so that it does not turn.
+Scene thrown_block() {
+  Scene s = plate_scene(0, 0.004, 0.004, 0.0);
+  s.resonator = rigid(s.resonator);
+  s.slider.support = Support::free;
+  s.slider.surface = peaks({{.at = 0.002, .height = 1e-5, .half_width = 3e-5}});
+  s.gap = 1.1e-5;
+  s.duration = 5e-5;
+  s.rate = 3e6;
+  s.stiffness = 1e13;
+  return s;
+}
+
+TEST(AdaptiveErrors, ABlockReboundsAsASpringLetsIt) {
+  // free until t_c, half a period of omega^2 = k/M on the spring, free again
+  constexpr double v = 0.1;
+  for (const double stiffness : {1e12, 1e14, 1e16, 1e18})
+    for (const double tolerance : {1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-13}) {
+      SCOPED_TRACE(std::to_string(stiffness) + ", tolerance " +
+                   std::to_string(-std::log10(tolerance)));
+      Scene s = adaptive(thrown_block(), tolerance);
+      s.stiffness = stiffness;
+      if (stiffness < 1e13) s.duration = 4e-4;
+      const Model model = make_model(s);
+      ModalStart start = make_start(model);
+      const double root = std::sqrt(s.slider.length);
+      start.slider_v[0] = v * root;
+      count_energy(model, start);
+      const Recording r = simulate({model}, {start})[0];
+      ASSERT_EQ(r.end.status, Status::done);
+      const double mass = model.slider.mass_per_length * s.slider.length;
+      const double omega = std::sqrt(model.node_stiffness / mass), gap = 1e-6, touch = gap / v;
+      double worst = 0;
+      for (std::size_t i = 0; i < r.samples.time.size(); ++i) {
+        const double t = r.samples.time[i], in = t - touch, turn = omega * in;
+        const double u = in < 0      ? v * t
+                         : turn < pi ? gap + v / omega * std::sin(turn)
+                                     : gap - v * (in - pi / omega);
+        const double w = in < 0 ? v : turn < pi ? v * std::cos(turn) : -v;
+        // in contact, displacements count by the spring
+        worst = std::max({worst, std::abs(r.samples.slider_velocity[2 * i] / root - w),
+                          omega * std::abs(r.samples.slider_displacement[2 * i] / root - u) *
+                              (in > 0 && turn < pi ? 1.0 : 0.0)});
+      }
+      // Below the tolerance; at its smallest, roundings: of the gap, a difference of heights of 1e-5,
+      // in units of v/omega, times the number of steps that it enters
+      const double rounding = 64 * eps * (1e-5 * omega / v + 1);
+      EXPECT_LT(worst / v, tolerance + rounding);
+      ASSERT_EQ(r.shocks.size(), 1u);
+      const ShockRow& shock = r.shocks[0];
+      const double off = 2 * tolerance + rounding, tick = model.tick;
+      EXPECT_NEAR(shock.start * tick, touch, touch * off + 2 * tick);
+      EXPECT_NEAR((shock.last - shock.start + 1) * tick, pi / omega, pi / omega * off + 2 * tick);
+      EXPECT_NEAR(shock.peak, mass * v * omega, mass * v * omega * off);
+      EXPECT_NEAR(shock.impulse * tick, 2 * mass * v, 2 * mass * v * off);
+    }
+}
+
+// ---- the tolerance is kept --------------------------------------------------------------------
+
+struct Case {
+  const char* name;
+  Scene scene;
+  bool drifts = false;  // chaotic: errors grow, and the roundings with them
+};
+
+std::vector<Case> cases() {
+  std::vector<Case> all;
+  Scene s = plate_scene(4, 0.004, 0.004);
+  s.duration = 4e-4;
+  s.start = 0.028;
+  s.rate = 5e4;
+  s.stiffness = 1e12;
+  s.slider.surface = peaks({{.at = 0.002, .height = 1e-5, .half_width = 2e-4}});
+  s.gap = 1.0e-5;
+  s.resonator.moving_forces = {{.force = 4, .speed = 0, .start = 0.03}};
+  all.push_back({"ThrownPlate", s});
+  s.resonator.moving_forces = {{.force = 4, .speed = 30, .start = 0.021}};
+  all.push_back({"MovingForce", s});
+  for (const double kappa : {1e10, 1e12, 1e14, 1e16, 1e18}) {
+    s = rough_scene(Support::rigid);
+    s.duration = 1e-4;
+    s.stiffness = kappa;
+    all.push_back({"Rigid", s});
+  }
+  for (const double zeta : {0.0, 0.5, 2.0}) {
+    s = rough_scene(Support::rigid);
+    s.duration = 1e-4;
+    s.resonator.damping = zeta;
+    all.push_back({"Damping", s});
+  }
+  s = rough_scene(Support::pinned);
+  s.duration = 2e-4;
+  all.push_back({"Pinned", s});
+  s.speed = 10;
+  all.push_back({"Fast", s});
+  s = rough_scene(Support::free);
+  s.duration = 1e-4;
+  all.push_back({"Free", s, true});
+  s.speed = 0;
+  s.slider.damping = s.resonator.damping = 0.5;
+  s.duration = 1e-3;
+  s.stiffness = 1e12;
+  all.push_back({"Settles", s, true});  // into contact at dozens of nodes
+  return all;
+}
+
+/// The error at a tolerance is below it; a hundredth of the tolerance makes it smaller; until it is
+/// roundings.
+TEST(AdaptiveErrors, AreBelowTheTolerance) {
+  for (const Case& each : cases()) {
+    SCOPED_TRACE(std::string(each.name) + ", kappa " + std::to_string(each.scene.stiffness) +
+                 ", zeta " + std::to_string(each.scene.resonator.damping));
+    const Recording reference = simulate(adaptive(each.scene, 1e-13));
+    ASSERT_EQ(reference.end.status, Status::done);
+    ASSERT_GT(reference.end.contact_steps, 0);
+    // Largest factors found: 1.4 for Free, with 15 shocks; 0.2 for Settles and ThrownPlate; 0.04 for
+    // the others. The floor: 2e-15 there, where a few shocks tell roundings apart.
+    const double factor = each.drifts ? 3.0 : 0.5, floor = each.drifts ? 1e-12 : 1e-14;
+    double before = 1;
+    for (const double tolerance : {1e-4, 1e-6, 1e-8, 1e-10, 1e-12}) {
+      const Recording r = simulate(adaptive(each.scene, tolerance));
+      const double error = distance(r, reference);
+      EXPECT_LT(error, factor * tolerance + floor) << tolerance;
+      EXPECT_LT(error, before + floor) << tolerance;
+      EXPECT_EQ(r.end.shocks_begun, reference.end.shocks_begun) << tolerance;
+      // What damping takes is known less well than the state: 40 tolerances at zeta = 2. And a step
+      // ends up to two ticks and 4 ulp of the position behind a kink of the face.
+      const double kinks = 2 * r.model.advance + 4 * eps * (r.model.position + 1);
+      EXPECT_LT(std::abs(r.energy.relative()), 100 * tolerance + 20 * kinks) << tolerance;
+      before = error;
+    }
+  }
+}
+
+TEST(AdaptiveErrors, SmallFixedStepsComeToTheSame) {
+  // where a contact begins or ends within a step, and at a face's kinks, rk8 is no better than of
+  // second order, with a factor that depends on where in the step that is: a quarter of the step leaves
+  // a sixteenth of the error, more or less
+  for (const Case& each : cases()) {
+    if (each.scene.stiffness > 1e15 || each.scene.resonator.damping > 1) continue;  // stiff
+    SCOPED_TRACE(std::string(each.name) + ", kappa " + std::to_string(each.scene.stiffness));
+    Scene fixed = each.scene;
+    fixed.scheme = SchemeKind::rk8;
+    fixed.duration = std::min(fixed.duration, 2e-4);
+    const Recording reference = simulate(adaptive(fixed, 1e-12));
+    double coarse = 0;
+    for (const double step : {5e-8, 1.25e-8}) {
+      fixed.step = step;
+      const double error = distance(simulate(fixed), reference);
+      if (coarse > 0) {
+        EXPECT_LT(error, 0.5 * coarse + 1e-11);
+      }
+      coarse = error;
+    }
+    EXPECT_LT(coarse, 2e-5);
+  }
+}
+
+// ---- no contact is missed ---------------------------------------------------------------------
+
+TEST(AdaptiveErrors, EveryContactOfSmallFixedStepsIsFound) {
+  // up to where the two runs part; what is shorter than a fixed step only the adaptive one may find
+  int compared = 0, long_ones = 0;
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Started c = random_adaptive_scene(seed);
+    if (c.model.scene.duration / c.model.scene.step > 2e4) continue;
+    c.model.scene.tolerance = 1e-10;
+    const Recording a = run(c);
+    Scene scene = c.model.scene;
+    scene.scheme = SchemeKind::rk4;
+    scene.step = c.model.scene.step / 4;
+    scene.duration = scene.step * std::floor(scene.duration / scene.step);
+    Model model = make_model(scene);
+    model.delta = c.model.delta;
+    const Recording f = simulate({model}, {c.start})[0];
+    if (f.end.status != Status::done) continue;  // unstable at this step
+    // the horizon: samples agree to a thousandth of the largest amplitude
+    const std::size_t modes2 = model.resonator.modes.size(), modes1 = model.slider.modes.size();
+    double size = 1e-12, horizon = 0;
+    for (const double u : a.samples.resonator_displacement) size = std::max(size, std::abs(u));
+    for (const double u : a.samples.slider_displacement) size = std::max(size, std::abs(u));
+    const std::size_t samples = std::min(a.samples.time.size(), f.samples.time.size());
+    for (std::size_t i = 0; i < samples; ++i) {
+      double off = 0;
+      for (std::size_t k = 0; k < modes2; ++k)
+        off = std::max(off, std::abs(a.samples.resonator_displacement[i * modes2 + k] -
+                                     f.samples.resonator_displacement[i * modes2 + k]));
+      for (std::size_t k = 0; k < modes1; ++k)
+        off = std::max(off, std::abs(a.samples.slider_displacement[i * modes1 + k] -
+                                     f.samples.slider_displacement[i * modes1 + k]));
+      if (off > 1e-3 * size) break;
+      horizon = a.samples.time[i];
+    }
+    const auto list = [](const Recording& r) {
+      std::vector<Shock> all = make_shocks(r.model, r.shocks);
+      for (const Shock& shock : make_shocks(r.model, r.end.open_shocks)) all.push_back(shock);
+      return all;
+    };
+    const std::vector<Shock> found = list(a);
+    for (const Shock& shock : list(f)) {
+      const double begin = shock.start, end = shock.start + shock.duration;
+      // of the first sight of an error at the horizon there was some already before
+      if (end > 0.9 * horizon) continue;
+      const double slack = 4 * scene.step + 1e-3 * shock.duration;
+      bool met = false;
+      for (const Shock& other : found)
+        met = met || (other.start < end + slack && other.start + other.duration > begin - slack);
+      EXPECT_TRUE(met) << "shock " << shock.serial << " from " << begin << " for "
+                       << shock.duration;
+      ++compared;
+      long_ones += shock.duration > 20 * scene.step;
+    }
+  }
+  EXPECT_GT(compared, 150);
+  EXPECT_GT(long_ones, 50);
+}
+
+}  // namespace
+}  // namespace ra2d::test
