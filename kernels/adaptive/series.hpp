@@ -60,27 +60,29 @@ class ModalSeries {
     contact_.expand(place, s_.closed, closed);
     for (int e = 0; e < closed; ++e)
       place_shape(s_.closed[e], place.offset, way, s_.closed_shape + e * (4 * row));
-    // (2 b)^2/2 and (2 b)^3/6 of a mode, b its turning over a unit of x, for steps of up to two
-    Real second(0.0), third(0.0), rate(0.0);
+    // The modes at the beginning tell how many it takes; what contact makes of them within the step,
+    // of bodies at rest everything, only the series does.
+    Real amplitude[K], travel[K];
     for (int p = 0; p < K; ++p) {
-      const Real b = Real(2.0 * scale) * load(t_.wander, p);
-      const Real part = load(t_.reach, p) * Kokkos::abs(u[p]) * (b * b);
-      second = multiply_add(Real(0.5), part, second);
-      third = multiply_add(Real(1.0 / 6.0), part * b, third);
-      rate = multiply_add(load(t_.reach, p), Kokkos::abs(v[p]), rate);
+      amplitude[p] = Kokkos::abs(u[p]);
+      travel[p] = Real(scale) * Kokkos::abs(v[p]);
     }
-    double of_second, of_third;
-    lanes_.sum(second, third, of_second, of_third);
-    const double bearable = 0.03 * t_.tolerance * scale * lanes_.sum(rate);
-    if (of_second <= bearable) {
-      neglected_ = of_second;
-      expand_terms<2>(u, v, place);
-    } else if (of_third <= bearable) {
-      neglected_ = of_third;
-      expand_terms<3>(u, v, place);
-    } else {
-      expand_terms<4>(u, v, place);
+    for (int terms = enough_terms(amplitude, travel); terms < 4;) {
+      if (terms == 2)
+        expand_terms<2>(u, v, place);
+      else
+        expand_terms<3>(u, v, place);
+      for (int p = 0; p < K; ++p) {  // over steps of up to two
+        const Real c1 = Kokkos::abs(coefficient(1, p)), c2 = Kokkos::abs(coefficient(2, p));
+        amplitude[p] = multiply_add(Real(4.0), c2, multiply_add(Real(2.0), c1, Kokkos::abs(u[p])));
+        travel[p] = c1 + c2;
+      }
+      const int wanted = enough_terms(amplitude, travel);
+      if (wanted <= terms) return;
+      terms = wanted;
     }
+    neglected_ = 0.0;
+    expand_terms<4>(u, v, place);
   }
   /// m, of an overlap.
   KOKKOS_FORCEINLINE_FUNCTION double neglected() const { return neglected_; }
@@ -278,6 +280,24 @@ class ModalSeries {
   }
   KOKKOS_FORCEINLINE_FUNCTION void put(int j, int p, const Real& x) const {
     lanes_.store(s_.series + j * row + p * width, x);
+  }
+
+  /// Terms of the shapes that will do for modes that get so far and move so much; sets `neglected`.
+  KOKKOS_FUNCTION int enough_terms(const Real* amplitude, const Real* travel) {
+    // (2 b)^2/2 and (2 b)^3/6 of a mode, b its turning over a unit of x, for steps of up to two
+    Real second(0.0), third(0.0), way(0.0);
+    for (int p = 0; p < K; ++p) {
+      const Real b = Real(2.0 * scale_) * load(t_.wander, p);
+      const Real part = load(t_.reach, p) * amplitude[p] * (b * b);
+      second = multiply_add(Real(0.5), part, second);
+      third = multiply_add(Real(1.0 / 6.0), part * b, third);
+      way = multiply_add(load(t_.reach, p), travel[p], way);
+    }
+    double of_second, of_third;
+    lanes_.sum(second, third, of_second, of_third);
+    const double bearable = 0.03 * t_.tolerance * lanes_.sum(way);
+    neglected_ = of_second <= bearable ? of_second : of_third;
+    return of_second <= bearable ? 2 : of_third <= bearable ? 3 : 4;
   }
 
   template <int terms>
