@@ -534,11 +534,19 @@ class AdaptiveMarcher {
   /// The samples within the next `ticks`. False when the buffer is full.
   KOKKOS_FUNCTION bool fly_samples(std::int64_t ticks) {
     if (s_.next_sample >= t_.samples || sample_tick() >= step_ + ticks) return true;
-    while (s_.next_sample < t_.samples && sample_tick() < step_ + ticks) {
+    // each from the one before, those too that the launch before has written: what is flown in one
+    // leap and in two has other roundings
+    const auto apart = static_cast<std::int64_t>(t_.steps_per_sample);
+    std::int64_t at = step_;
+    Real u[K], v[K], square[K];
+    go(0, u, v, square);
+    for (std::int64_t sample = (step_ + apart - 1) / apart * apart; sample < step_ + ticks;
+         sample += apart) {
+      if (s_.next_sample >= t_.samples) break;
+      flight_(u, v, square, sample - at);
+      at = sample;
+      if (sample < sample_tick()) continue;
       if (!has_room_for_sample()) return false;
-      // from the beginning each: the one before may have been written in the launch before
-      Real u[K], v[K], square[K];
-      go(sample_tick() - step_, u, v, square);
       write_sample(u, v, square, Contact{});
     }
     return true;
