@@ -67,8 +67,8 @@ struct SceneState {
   double* start = nullptr;        // u at t = 0
   double* start_v = nullptr;      // v at t = 0
   bool begun = false;             // v has been brought to where the scheme has it
-  double* square = nullptr;       // sum of V^2 over the steps up to the last sample
-  double* square_part = nullptr;  // ... and since then
+  double* square = nullptr;       // sum of V^2 over the steps, but for ...
+  double* square_part = nullptr;  // ... those since the last sample (adaptive: in 4096)
 
   // sums over the steps, in the same two parts
   double sliding_work = 0;                // J

@@ -132,6 +132,7 @@ struct SceneTables {
   int order = 0;             // of the series
   int first_level = 0;       // flight tables are of 2^first_level, 2^(first_level + 1), ... ticks
   double longest_scale = 0;  // s, unit of a series beyond which its terms could overflow
+  double cubic_excess = 1;   // derivatives of a mode's cubic over a patch, over those of the mode
   double fourth_rest = 0;    // m/s^4, of where the load holds the modes, see Flight::bounds
   double top = 0;            // m, the highest overlap that the faces alone can have anywhere
   const double* flight = nullptr;  // (level, FlightRow, lane)

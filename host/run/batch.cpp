@@ -560,6 +560,7 @@ SceneTables Batch::Impl::fill_tables(const Model& model, const Layout& l) {
     // measured: cheapest on the paper's scenes
     t.order = std::clamp(static_cast<int>(std::lround(4 + 1.25 * digits)), 8, most_order);
     t.first_level = l.first_level;
+    t.cubic_excess = std::exp(2.0 * highest_beta(model.resonator) * radius);
     t.longest_scale = std::min(scene.duration, 64.0 / std::max(quickest(model), 1e-300));
     t.top = *std::max_element(h1, h1 + model.nodes()) + *std::max_element(h2, h2 + l.height2_size);
     double* gauss = arena.host<double>(l.gauss);

@@ -39,7 +39,7 @@ std::vector<std::array<double, flight_rows>> flight_tables(const Mode& mode, dou
     const Eigen::Matrix3d m = transition(mode, load, time);
     const ModeStep step = Exact::prepare(mode, time);
     auto& row = rows[level];
-    row[flight_u_u] = step.u_u;  // without the 1: its rounding would detune the mode
+    row[flight_u_u] = step.u_u;  // without the 1, whose rounding would be added at every leap
     row[flight_u_v] = m(0, 1);
     row[flight_u] = m(0, 2);
     row[flight_v_u] = m(1, 0);

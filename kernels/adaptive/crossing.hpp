@@ -46,7 +46,8 @@ KOKKOS_INLINE_FUNCTION double highest_value(const double* c, int n, double end) 
     const ValueAndSlope edge = third == 2 ? last : polynomial_and_slope(c, n, high);
     if (edge.value > highest) highest = edge.value;
     const double next = edge.slope;
-    if (slope > 0.0 && next <= 0.0) {  // a top lies between: the false position, halved when stuck
+    if (slope > 0.0 &&
+        next <= 0.0) {  // a top lies between: the false position, the other end's slope halved
       double rising = slope, falling = next;
       for (int i = 0; i < 60; ++i) {
         double x = low + (high - low) * (rising / (rising - falling));

@@ -109,10 +109,18 @@ class AdaptiveMarcher {
     return true;
   }
 
+  /// from + step advance, rounded once at the end: a step has more digits than a double, and the two
+  /// parts may cancel.
+  KOKKOS_FORCEINLINE_FUNCTION double way_to(std::int64_t step, double from) const {
+    const std::int64_t low = step & 2047;
+    return Kokkos::fma(static_cast<double>(low), t_.advance,
+                       Kokkos::fma(static_cast<double>(step - low), t_.advance, from));
+  }
+
   /// Where the slider stands, theta to its own rounding.
   KOKKOS_FUNCTION Place stand(std::int64_t step) const {
     Place place(t_, step);
-    place.theta = Kokkos::fma(static_cast<double>(step), t_.advance, t_.position - place.base);
+    place.theta = way_to(step, t_.position - place.base);
     place.offset = place.theta - (place.part + 0.5) * t_.window_width;
     return place;
   }
@@ -155,6 +163,7 @@ class AdaptiveMarcher {
         seen_ = true;
       }
     }
+    if (!(bounds.size < 1e300)) return fail(Status::not_finite);
     go(ticks, u, v, square);
     if (look && groups() > 0) {
       see(moved(place, ticks), u, v, after_);
@@ -214,16 +223,23 @@ class AdaptiveMarcher {
   }
 
   KOKKOS_FUNCTION bool drive(const Place& place, std::int64_t room) {
-    const double scale = s_.stride;
-    if (t_.moving_forces > 0) {
-      const std::int64_t push_room = expand_push(scale);
-      if (push_room < room) room = push_room;
-    }
-    series_.expand(u_, v_, place, scale);
-    const double extent = series_.extent(t_.tolerance);
-    if (!(extent > 0.0)) return fail(Status::not_finite);
+    double scale, extent;
+    do {
+      scale = s_.stride;
+      if (t_.moving_forces > 0) {
+        const std::int64_t push_room = expand_push(scale);
+        if (push_room < room) room = push_room;
+      }
+      series_.expand(u_, v_, place, scale);
+      extent = series_.extent(t_.tolerance);
+      if (!(extent > 0.0)) return fail(Status::not_finite);
+      if (!(extent * scale >= t_.step)) return fail(Status::stalled);
+      // where the step before told little about this one, once more in better units
+      lanes_.sync();
+      if (extent < 0.25 && lanes_.leader()) s_.stride = extent * scale;
+      lanes_.sync();
+    } while (extent < 0.25);
     const double longest = extent * scale / t_.step;
-    if (longest < 1.0) return fail(Status::stalled);
     std::int64_t ticks =
         longest < static_cast<double>(room) ? static_cast<std::int64_t>(longest) : room;
     double end = x_of(ticks);
@@ -326,7 +342,7 @@ class AdaptiveMarcher {
     Place there = place;
     const auto step = static_cast<double>(step_ + ticks);
     there.position = Kokkos::fma(step, t_.advance, t_.position);
-    there.theta = Kokkos::fma(step, t_.advance, t_.position - place.base);
+    there.theta = way_to(step_ + ticks, t_.position - place.base);
     there.offset = there.theta - (place.part + 0.5) * t_.window_width;
     return there;
   }
@@ -357,9 +373,8 @@ class AdaptiveMarcher {
   }
   /// ... and of the cubic through what is seen at both ends of a step.
   KOKKOS_FORCEINLINE_FUNCTION double cubic_error(const MotionBounds& bounds, double time) const {
-    // on a patch and a little beyond it a cubic of a mode exceeds the mode by no more than exp(1/2)
     const double square = time * time;
-    return 1.65 * bounds.fourth * square * square / 384.0;
+    return t_.cubic_excess * bounds.fourth * square * square / 384.0;
   }
   /// What an overlap can rise by within a step [m], and twice the error of seeing it.
   KOKKOS_FUNCTION double longest_rise(const MotionBounds& bounds, std::int64_t ticks) const {
@@ -751,7 +766,9 @@ class AdaptiveMarcher {
         edge = t_.resonator_length;
       const double ahead = (edge - x) / f.advance;  // not a number, or infinite, at rest
       if (f.advance != 0.0 && ahead >= 0.0) {
-        const double ticks = Kokkos::floor(ahead) + 1.0;
+        // on to where the roundings of the place cannot hold it back
+        const double stairs = 4 * 0x1p-52 * (Kokkos::abs(x) + Kokkos::abs(edge));
+        const double ticks = Kokkos::floor(ahead + stairs / Kokkos::abs(f.advance)) + 1.0;
         if (ticks < room) room = ticks;
       }
       if (!on) continue;

@@ -284,10 +284,10 @@ class ModalSeries {
 
   /// Terms of the shapes that will do for modes that get so far and move so much; sets `neglected`.
   KOKKOS_FUNCTION int enough_terms(const Real* amplitude, const Real* travel) {
-    // (2 b)^2/2 and (2 b)^3/6 of a mode, b its turning over a unit of x, for steps of up to two
+    // b^2/2 and b^3/6 of a mode, b its turning over the longest step
     Real second(0.0), third(0.0), way(0.0);
     for (int p = 0; p < K; ++p) {
-      const Real b = Real(2.0 * scale_) * load(t_.wander, p);
+      const Real b = Real(longest_extent * scale_) * load(t_.wander, p);
       const Real part = load(t_.reach, p) * amplitude[p] * (b * b);
       second = multiply_add(Real(0.5), part, second);
       third = multiply_add(Real(1.0 / 6.0), part * b, third);
