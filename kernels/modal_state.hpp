@@ -135,8 +135,9 @@ struct SceneState {
   std::int64_t strides = 0;  // steps made
   int closed_capacity = 0, closed_count = 0;
   int* closed = nullptr;
-  double stride = 0;  // s, guess at the length of the next step with forces
-  int level = 0;      // of the next flight: 2^level ticks
+  int shape_terms = 2;  // of the shapes at a node, that the latest step with contact wanted
+  double stride = 0;    // s, guess at the length of the next step with forces
+  int level = 0;        // of the next flight: 2^level ticks
   // ... and its work space
   double* series = nullptr;         // (order, lane): of the modes
   double* square_series = nullptr;  // (order, lane): of the integral of V^2

@@ -294,6 +294,7 @@ class AdaptiveMarcher {
     series_.squares(end, squares);
     for (int p = 0; p < K; ++p) squares[p] = square_[p] + squares[p];
     take(u, v, squares);
+    if (s_.closed_count > 0 && lanes_.leader()) s_.shape_terms = series_.wanted_terms();
     step_ += ticks;
     const bool release = first <= end;
     if (release) open_contacts(end);

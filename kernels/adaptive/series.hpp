@@ -67,23 +67,29 @@ class ModalSeries {
       amplitude[p] = Kokkos::abs(u[p]);
       travel[p] = Real(scale) * Kokkos::abs(v[p]);
     }
-    for (int terms = enough_terms(amplitude, travel); terms < 4;) {
+    // most steps need as many as the one before
+    int terms = enough_terms(amplitude, travel);
+    if (terms < s_.shape_terms) terms = s_.shape_terms;
+    while (true) {
       if (terms == 2)
         expand_terms<2>(u, v, place);
-      else
+      else if (terms == 3)
         expand_terms<3>(u, v, place);
+      else
+        expand_terms<4>(u, v, place);
       for (int p = 0; p < K; ++p) {  // over steps of up to two
         const Real c1 = Kokkos::abs(coefficient(1, p)), c2 = Kokkos::abs(coefficient(2, p));
         amplitude[p] = multiply_add(Real(4.0), c2, multiply_add(Real(2.0), c1, Kokkos::abs(u[p])));
         travel[p] = c1 + c2;
       }
-      const int wanted = enough_terms(amplitude, travel);
-      if (wanted <= terms) return;
-      terms = wanted;
+      wanted_terms_ = enough_terms(amplitude, travel);
+      if (wanted_terms_ <= terms) break;
+      terms = wanted_terms_;
     }
-    neglected_ = 0.0;
-    expand_terms<4>(u, v, place);
+    if (terms == 4) neglected_ = 0.0;
   }
+  /// Terms of the shapes that would have done.
+  KOKKOS_FORCEINLINE_FUNCTION int wanted_terms() const { return wanted_terms_; }
   /// m, of an overlap.
   KOKKOS_FORCEINLINE_FUNCTION double neglected() const { return neglected_; }
 
@@ -111,12 +117,14 @@ class ModalSeries {
       size += t_.node_stiffness * overlap(e)[0] * overlap(e)[0];
     const double start = lanes_.sum(kick);
     if (start > size) size = start;
+    // terms of the shapes were left out for steps of up to two
+    const double longest = neglected_ > 0.0 ? 2.0 : longest_extent;
     const auto reach = [&](double term, int j) {
       // squares throughout; a term of V goes with x^(j - 1)
-      if (!(term > 1e-300 * size)) return longest_extent;
+      if (!(term > 1e-300 * size)) return longest;
       const double x =
           Kokkos::exp2(0.5 * Kokkos::log2(tolerance * tolerance * (size / term)) / (j - 1.0));
-      return x < longest_extent ? x : longest_extent;
+      return x < longest ? x : longest;
     };
     if (!(size < 1e300)) return -1.0;  // not a number
     const double a = reach(lanes_.sum(before), order - 1), b = reach(lanes_.sum(last), order);
@@ -271,6 +279,7 @@ class ModalSeries {
   SceneState& s_;
   const NodeContact<Lanes, K>& contact_;
   double scale_ = 1.0, neglected_ = 0.0;
+  int wanted_terms_ = 2;
 
   KOKKOS_FORCEINLINE_FUNCTION Real load(const double* lanes, int pack) const {
     return lanes_.load(lanes + pack * width);
@@ -284,10 +293,10 @@ class ModalSeries {
 
   /// Terms of the shapes that will do for modes that get so far and move so much; sets `neglected`.
   KOKKOS_FUNCTION int enough_terms(const Real* amplitude, const Real* travel) {
-    // b^2/2 and b^3/6 of a mode, b its turning over the longest step
+    // (2 b)^2/2 and (2 b)^3/6 of a mode, b its turning over a unit of x, for steps of up to two
     Real second(0.0), third(0.0), way(0.0);
     for (int p = 0; p < K; ++p) {
-      const Real b = Real(longest_extent * scale_) * load(t_.wander, p);
+      const Real b = Real(2.0 * scale_) * load(t_.wander, p);
       const Real part = load(t_.reach, p) * amplitude[p] * (b * b);
       second = multiply_add(Real(0.5), part, second);
       third = multiply_add(Real(1.0 / 6.0), part * b, third);
