@@ -27,6 +27,9 @@
 /// offset, again to below the roundings. A node that touches or soon could is expanded so once a
 /// window; its overlap and the modal force of its contact force are then one product over the modes
 /// each.
+///
+/// Time is counted in steps of the scheme; under the adaptive one, whose steps have any length, in
+/// ticks so short that no answer feels them: times are integers, and sums of them exact.
 namespace ra2d {
 
 /// Whether contact is looked for at every node or where the guarantee says that it could be.
@@ -80,11 +83,9 @@ inline constexpr int most_order = 28;
 inline constexpr int overlap_terms = most_order + 4;
 /// Points of the Gauss-Legendre rule over an adaptive step.
 inline constexpr int gauss_points = 16;
-inline constexpr int gauss_room =
-    32;  // the places, padded to any number of lanes; then the weights
+/// Its places take this much room, padded to any number of lanes; then come the weights.
+inline constexpr int gauss_room = 32;
 
-/// What steps are counted in: tau of a fixed step. An adaptive step is a whole number of ticks, so
-/// short that no answer feels it: times are integers, and sums of them exact.
 struct SceneTables {
   // what there is
   int resonator_modes = 0, slider_modes = 0;
