@@ -28,13 +28,6 @@ KOKKOS_INLINE_FUNCTION ValueAndSlope polynomial_and_slope(const double* c, int n
   return {value, slope};
 }
 
-/// The integral from 0 to x.
-KOKKOS_INLINE_FUNCTION double polynomial_integral(const double* c, int n, double x) {
-  double value = c[n] / (n + 1);
-  for (int j = n - 1; j >= 0; --j) value = Kokkos::fma(value, x, c[j] / (j + 1));
-  return value * x;
-}
-
 /// The largest value on [0, end], right to within roundings if the slope changes its sign no more than
 /// once in each third.
 KOKKOS_INLINE_FUNCTION double highest_value(const double* c, int n, double end) {
