@@ -140,7 +140,7 @@ class AdaptiveMarcher {
     const std::int64_t whole = std::int64_t{1} << s_.level;
     std::int64_t ticks =
         whole - (step_ & (whole - 1));  // to a multiple of the length that is aimed at
-    bool look = true, cut = false, coarse = false;
+    bool look = true, cut = false, coarse = false, shortened = false;
     MotionBounds bounds;
     if (ticks > room) {
       const std::int64_t left = t_.total_steps - step_;
@@ -174,7 +174,7 @@ class AdaptiveMarcher {
     if (flagged > 0) {
       const double scale = Kokkos::min(ticks * t_.step, t_.longest_scale);
       series_.expand(u_, v_, place, scale);
-      double x = series_.extent(t_.tolerance);
+      const double x = series_.extent(t_.tolerance);
       if (!(x > 0.0)) return fail(Status::not_finite);
       const std::int64_t most = ticks;
       const double longest = x * (scale / t_.step);
@@ -183,11 +183,19 @@ class AdaptiveMarcher {
       const std::int64_t window = ticks_left(place, (place.part + 1) * t_.window_width);
       if (window < ticks) ticks = window;
       if (ticks < 1) return fail(Status::stalled);
+      if (ticks < most) {  // of a shorter step the cubics tell more
+        shortened = true;
+        go(ticks, u, v, square);
+        see(moved(place, ticks), u, v, after_);
+        flagged = flag(ticks * t_.step, bounds, rise);
+      }
+    }
+    if (flagged > 0) {
       const double end = x_of(ticks);
       const double first = search(place, flagged, end, touch_of(u_));
       if (first <= end) {
         ticks = ticks_to(first, ticks);
-        x = x_of(ticks);
+        const double x = x_of(ticks);
         if (!fly_samples(ticks)) return false;
         Real on[K], on_v[K];
         series_.state(x, on, on_v);
@@ -200,11 +208,6 @@ class AdaptiveMarcher {
         close_contacts(flagged, x);
         return true;
       }
-      if (ticks < most) {
-        go(ticks, u, v, square);
-        seen_ = false;
-        flagged = -1;
-      }
     }
     if (!fly_samples(ticks)) return false;
     take(u, v, square);
@@ -212,13 +215,13 @@ class AdaptiveMarcher {
     step_ += ticks;
     // the length that lets the cubics decide by themselves
     if (lanes_.leader()) {
-      if (flagged != 0)
+      if (shortened || flagged > 0)
         s_.level = coarse && s_.level > t_.first_level ? s_.level - 1 : s_.level;
       else if (!cut && s_.level < longest_level)
         ++s_.level;
     }
     lanes_.sync();
-    pass_on(flagged >= 0 && look, place);
+    pass_on(look, place);
     return true;
   }
 
