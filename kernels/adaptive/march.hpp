@@ -215,9 +215,9 @@ class AdaptiveMarcher {
     step_ += ticks;
     // the length that lets the cubics decide by themselves
     if (lanes_.leader()) {
-      if (shortened || flagged > 0)
-        s_.level = coarse && s_.level > t_.first_level ? s_.level - 1 : s_.level;
-      else if (!cut && s_.level < longest_level)
+      if (coarse && (shortened || flagged > 0))
+        s_.level = Kokkos::max(shortened ? whole_level(ticks) : s_.level - 1, t_.first_level);
+      else if (!cut && !shortened && flagged == 0 && s_.level < longest_level)
         ++s_.level;
     }
     lanes_.sync();
@@ -312,6 +312,10 @@ class AdaptiveMarcher {
     return true;
   }
 
+  /// The l with 2^l <= ticks < 2^(l + 1).
+  KOKKOS_FORCEINLINE_FUNCTION static int whole_level(std::int64_t ticks) {
+    return Kokkos::bit_width(static_cast<std::uint64_t>(ticks)) - 1;
+  }
   KOKKOS_FUNCTION bool fail(Status why) {
     if (lanes_.leader()) s_.status = why;
     lanes_.sync();
