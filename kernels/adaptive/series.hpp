@@ -252,14 +252,21 @@ class ModalSeries {
   KOKKOS_FUNCTION void expand_squares() const {
     const double ticks = 1.0 / (scale_ * t_.step);  // of V^2 = (dU/dx)^2/scale^2, scale/tick
     for (int p = 0; p < K; ++p) {
-      Real v[most_order];
+      Real v[most_order + 1];
       for (int i = 0; i < t_.order; ++i) v[i] = Real(i + 1.0) * coefficient(i + 1, p);
-      for (int n = 0; n < t_.order; ++n) {
-        Real sum(0.0);
-        for (int i = 0; 2 * i < n; ++i) sum = multiply_add(v[i], v[n - i], sum);
-        sum = sum + sum;
-        if (n % 2 == 0) sum = multiply_add(v[n / 2], v[n / 2], sum);
-        lanes_.store(s_.square_series + n * row + p * width, Real(ticks / (n + 1.0)) * sum);
+      v[t_.order] = Real(0.0);
+      for (int n = 0; n < t_.order; n += 2) {  // by two: each value that is read serves both
+        Real even(0.0), odd(0.0);
+        for (int i = 0; 2 * i < n; ++i) {
+          even = multiply_add(v[i], v[n - i], even);
+          odd = multiply_add(v[i], v[n + 1 - i], odd);
+        }
+        const Real middle = v[n / 2];
+        odd = multiply_add(middle, v[n / 2 + 1], odd);
+        even = multiply_add(middle, middle, even + even);
+        double* to = s_.square_series + n * row + p * width;
+        lanes_.store(to, Real(ticks / (n + 1.0)) * even);
+        if (n + 1 < t_.order) lanes_.store(to + row, Real(ticks / (n + 2.0)) * (odd + odd));
       }
     }
   }
@@ -335,17 +342,21 @@ class ModalSeries {
         for (int p = 0; p < K; ++p) force[p] = force[p] + load(s_.push_series + j * row, p);
       for (int e = 0; e < closed; ++e) {
         const double* phi = s_.closed_shape + e * (4 * row);
-        Real product(0.0), rising(0.0);
+        Real product(0.0), second(0.0), third(0.0);
         // the latest order last: it is the one to wait for
         for (int p = 0; p < K; ++p) {
-          if constexpr (terms > 3) product = multiply_add(load(phi + 3 * row, p), c3[p], product);
-          if constexpr (terms > 2) product = multiply_add(load(phi + 2 * row, p), c2[p], product);
+          if constexpr (terms > 3) {
+            product = multiply_add(load(phi + 3 * row, p), c3[p], product);
+            third = multiply_add(load(phi + 3 * row, p), c2[p], third);
+          }
+          if constexpr (terms > 2) {
+            product = multiply_add(load(phi + 2 * row, p), c2[p], product);
+            second = multiply_add(load(phi + 2 * row, p), c1[p], second);
+          }
           product = multiply_add(load(phi + row, p), c1[p], product);
-          if constexpr (terms > 3)
-            rising = multiply_add(Real(3.0) * load(phi + 3 * row, p), c2[p], rising);
-          if constexpr (terms > 2)
-            rising = multiply_add(Real(2.0) * load(phi + 2 * row, p), c1[p], rising);
         }
+        Real rising = Real(2.0) * second;
+        if constexpr (terms > 3) rising = multiply_add(Real(3.0), third, rising);
         for (int p = 0; p < K; ++p) {
           product = multiply_add(load(phi, p), c0[p], product);
           rising = multiply_add(load(phi + row, p), c0[p], rising);
