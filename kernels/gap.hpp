@@ -49,7 +49,8 @@ struct GroupPlace {
   double eta;
 
   KOKKOS_FORCEINLINE_FUNCTION GroupPlace(const SceneTables& t, const Place& place, int group) {
-    patch = (place.base + group * Lanes::width + Lanes::width / 2) / t.patch_nodes;
+    const int middle = place.base + group * Lanes::width + Lanes::width / 2;
+    patch = static_cast<int>((middle + 0.5) * t.inverse_patch);
     eta = (place.position + (group * Lanes::width - (patch + 0.5) * t.patch_nodes)) *
           t.inverse_radius;
   }

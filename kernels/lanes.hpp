@@ -64,11 +64,15 @@ struct HostLanes {
 #endif
   }
   static double min(const Real& x) {
+#if defined(RA2D_AVX512)
+    return _mm512_reduce_min_pd(static_cast<__m512d>(x));
+#else
     double part[width];
     store(part, x);
     double least = part[0];
     for (int lane = 1; lane < width; ++lane) least = part[lane] < least ? part[lane] : least;
     return least;
+#endif
   }
   static double max(const Real& x) { return -min(-x); }
   /// One bit for each lane whose x is at least `level`.

@@ -105,6 +105,7 @@ struct SceneState {
   int* near = nullptr;              // groups that can touch while the near list holds
   double* near_u = nullptr;         // modal displacements at which the near list was made
   int* far = nullptr;               // groups from which the near list is drawn ...
+  double* far_top = nullptr;        // ... the highest that an overlap of each can be, m ...
   double* far_u = nullptr;          // ... and where they were found
   double* lanes = nullptr;          // modal displacements and rates, to be read one by one
   int* watch = nullptr;             // nodes evaluated at each step

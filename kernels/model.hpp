@@ -95,8 +95,9 @@ struct SceneTables {
   int nodes = 0, groups = 0;  // slider nodes; groups of one a lane
   int patches = 0,
       patch_nodes = 0;  // patches; their width in nodes (radius = half of it + half a group + 1)
-  int windows = 1;      // parts of a node's width
-  int terms = 4;        // of the full series, a multiple of 4
+  double inverse_patch = 0;  // 1/patch_nodes
+  int windows = 1;           // parts of a node's width
+  int terms = 4;             // of the full series, a multiple of 4
   int moving_forces = 0;
   Look look = Look::candidates;
   Form form = Form::semi_implicit;
@@ -174,9 +175,9 @@ struct SceneTables {
   const double* unit = nullptr;          // (slider mode, lane): 1 at that mode's own lane
 
   // surfaces, m
-  const double* height1 = nullptr;     // (group, lane): h_1 - delta; far below for the padding
-  const double* height2 = nullptr;     // resonator node, padded beyond its end
-  const double* block_max2 = nullptr;  // max of height2 over blocks of one group's width
+  const double* height1 = nullptr;   // (group, lane): h_1 - delta; far below for the padding
+  const double* height2 = nullptr;   // resonator node, padded beyond its end
+  const double* highest2 = nullptr;  // max of height2 over a node and as many more as a group has
 
   const MovingForceTable* moving_force = nullptr;
 

@@ -30,10 +30,11 @@ KOKKOS_FORCEINLINE_FUNCTION double position_rounding(const Place& place) {
 /// The groups of nodes that can touch while no node passes another and sum_k max|psi_k| |U_k -
 /// U_k^near| <= reach: all that a look at the gap has to evaluate.
 ///
-/// Found in two passes. The first takes the highest that the resonator's face has to offer over the
-/// next `span` spacings of the slider's way, from block maxima, and holds for as long; the second
-/// evaluates the groups that it left, and holds until a node passes another. Neither leaves out a
-/// node that could touch, so what they hold sets the cost, never the answer.
+/// Found in two passes. The first takes the highest that the resonator's face has to offer to each
+/// node over the next `width` spacings of the slider's way, and holds for as long; the second
+/// evaluates those of its groups that the modes can have brought near since, and holds until a node
+/// passes another. Neither leaves out a node that could touch, so what they hold sets the cost, never
+/// the answer.
 template <class Lanes, int K>
 class NearGroups {
   using Real = typename Lanes::Real;
@@ -67,15 +68,21 @@ class NearGroups {
     const double to_end = place.base + 1 - place.position;  // the way that is left, chi
     const double way = Kokkos::max(to_end, back);
     const double slope = weighted_sum<Lanes, K>(lanes_, t_.reach_slope, u);
-    const double below = reach_ + t_.slack + rounding + weighted_sum<Lanes, K>(lanes_, t_.tail, u) +
+    const double error = t_.slack + rounding + weighted_sum<Lanes, K>(lanes_, t_.tail, u) +
                          way * t_.spacing * slope + position_rounding(place) * t_.steepest;
-    if (!(place.base >= far_base_ && place.base < far_base_ + width &&
-          moved(s_.far_u, u) + 2.0 * below <= far_below_))
-      find_far(u, place, below, slope);
+    const double below = reach_ + error;
+    double far_below = moved(s_.far_u, u) + below + error;
+    if (!(place.base >= far_base_ && place.base < far_base_ + width && far_below <= far_below_)) {
+      find_far(u, place, 4.0 * below, slope);
+      far_below = below + error;
+    }
     const Real lane_eta = Real(t_.inverse_radius) * lanes_.index();
     double q[4];
     int patch = -1, count = 0;
+    int evaluated = 0;
     for (int e = 0; e < far_count_; ++e) {
+      if (s_.far_top[e] < -far_below) continue;
+      ++evaluated;
       const int group = s_.far[e];
       const GroupPlace<Lanes> at(t_, place, group);
       if (at.patch != patch) {
@@ -92,7 +99,7 @@ class NearGroups {
       ++count;
     }
     count_ = count;
-    if (lanes_.leader()) s_.evaluated += static_cast<std::int64_t>(far_count_) * width;
+    if (lanes_.leader()) s_.evaluated += static_cast<std::int64_t>(evaluated) * width;
     lanes_.sync();
   }
 
@@ -116,11 +123,10 @@ class NearGroups {
     return weighted_sum<Lanes, K>(lanes_, t_.reach, away);
   }
 
-  /// The groups that come within `below` of contact, and as much again three times, somewhere on
-  /// the next `width` spacings of the way.
+  /// The groups that come within `below` of contact somewhere on the next `width` spacings of the way.
   KOKKOS_FUNCTION void find_far(const Real* u, const Place& place, double below, double slope) {
     far_base_ = place.base;
-    far_below_ = 4.0 * below;
+    far_below_ = below;
     for (int p = 0; p < K; ++p) lanes_.store(s_.far_u + p * width, u[p]);
     // bound on what the bent beam rises from a patch's centre to wherever a group gets
     const double bend = (t_.spacing / t_.inverse_radius + width * t_.spacing) * slope;
@@ -135,13 +141,15 @@ class NearGroups {
           centre = multiply_add(lanes_.load(rows(patch) + p * width), u[p], centre);
         highest = lanes_.sum(centre) + bend;
       }
-      const double* block = t_.block_max2 + (place.base + group * width) / width;
-      const double face = Kokkos::max(Kokkos::max(block[0], block[1]), block[2]);
-      const Real top = add_slider_displacement(lanes_, t_, s_.lanes, group,
-                                               lanes_.load(t_.height1 + group * width)) +
-                       Real(highest + face);
+      const Real face = lanes_.load(t_.height1 + group * width) +
+                        lanes_.load(t_.highest2 + place.base + group * width);
+      const Real top = add_slider_displacement(lanes_, t_, s_.lanes, group, face) + Real(highest);
       if (lanes_.at_least(top, -far_below_) == 0) continue;
-      if (lanes_.leader()) s_.far[count] = group;
+      const double most = lanes_.max(top);
+      if (lanes_.leader()) {
+        s_.far[count] = group;
+        s_.far_top[count] = most;
+      }
       ++count;
     }
     far_count_ = count;

@@ -125,12 +125,13 @@ struct Layout {
   int stage_rows, end_rows, pressed_capacity;
   int first_level, levels, closed_capacity;
   std::size_t mode_tables, flight, gauss, hull, stage, end, patch, shapes, unit, height1, height2,
-      block_max, moving;
-  std::size_t modal_state, samples, runs, new_runs, open, shocks, near, far, watch, touched, force,
-      amplitudes, node_shape, node_face, node_window, pressed, pressed_place, pressed_force, factor,
-      across, share, closed, closed_hull, closed_sums, closed_roots, roots, modal_series,
-      square_series, push_series, node_series, closed_shape, scan_shape, scan, hull_room, seen;
-  int height2_size, blocks;
+      highest2, moving;
+  std::size_t modal_state, samples, runs, new_runs, open, shocks, near, far, far_top, watch,
+      touched, force, amplitudes, node_shape, node_face, node_window, pressed, pressed_place,
+      pressed_force, factor, across, share, closed, closed_hull, closed_sums, closed_roots, roots,
+      modal_series, square_series, push_series, node_series, closed_shape, scan_shape, scan,
+      hull_room, seen;
+  int height2_size;
   int sample_capacity, shock_capacity, row;
 };
 
@@ -268,7 +269,6 @@ struct Batch::Impl {
         static_cast<int>(model.resonator_height.size()) + l.groups * width + 2 * width;
     l.patches = reach2 / series.patch_nodes + 1;
     l.height2_size = reach2;
-    l.blocks = reach2 / width;
     // runs of neighbouring nodes: at the most every other node
     l.run_capacity = model.nodes() / 2 + 2;
     l.sample_capacity =
@@ -296,7 +296,7 @@ struct Batch::Impl {
     l.unit = arena.reserve<double>(static_cast<std::size_t>(modes1) * l.lanes);
     l.height1 = arena.reserve<double>(l.groups * width);
     l.height2 = arena.reserve<double>(l.height2_size);
-    l.block_max = arena.reserve<double>(l.blocks);
+    l.highest2 = arena.reserve<double>(l.height2_size);
     l.moving = arena.reserve<MovingForceTable>(model.scene.resonator.moving_forces.size());
     l.modal_state = arena.reserve<double>(modal_arrays * l.lanes);
     l.samples = arena.reserve<double>(static_cast<std::size_t>(l.sample_capacity) * l.row);
@@ -306,6 +306,7 @@ struct Batch::Impl {
     l.shocks = arena.reserve<ShockRow>(l.shock_capacity);
     l.near = arena.reserve<int>(l.groups);
     l.far = arena.reserve<int>(l.groups);
+    l.far_top = arena.reserve<double>(l.groups);
     l.watch = arena.reserve<int>(l.groups * width);
     l.touched = arena.reserve<int>(l.groups * width);
     l.force = arena.reserve<double>(l.groups * width);
@@ -370,6 +371,7 @@ SceneTables Batch::Impl::fill_tables(const Model& model, const Layout& l) {
   t.groups = l.groups;
   t.patches = l.patches;
   t.patch_nodes = l.series.patch_nodes;
+  t.inverse_patch = 1.0 / t.patch_nodes;
   t.terms = l.series.terms;
   t.moving_forces = static_cast<int>(scene.resonator.moving_forces.size());
   t.look = scene.nodes == Nodes::all ? Look::all : Look::candidates;
@@ -540,9 +542,9 @@ SceneTables Batch::Impl::fill_tables(const Model& model, const Layout& l) {
     scale2 = std::max(scale2, std::abs(h2[n]));
   }
   scale += scale2;
-  double* block_max = arena.host<double>(l.block_max);
-  for (int b = 0; b < l.blocks; ++b)
-    block_max[b] = *std::max_element(h2 + b * width, h2 + (b + 1) * width);
+  double* highest2 = arena.host<double>(l.highest2);
+  for (int n = 0; n < l.height2_size; ++n)
+    highest2[n] = *std::max_element(h2 + n, h2 + std::min(n + width + 1, l.height2_size));
   t.slack = 16 * 0x1p-52 * scale;
   t.touch = t.slack;
   for (int n = 0; n + 1 < l.height2_size; ++n)
@@ -597,7 +599,7 @@ SceneTables Batch::Impl::fill_tables(const Model& model, const Layout& l) {
   t.unit = arena.device<double>(l.unit);
   t.height1 = arena.device<double>(l.height1);
   t.height2 = arena.device<double>(l.height2);
-  t.block_max2 = arena.device<double>(l.block_max);
+  t.highest2 = arena.device<double>(l.highest2);
   t.moving_force = arena.device<MovingForceTable>(l.moving);
   return t;
 }
@@ -639,6 +641,7 @@ SceneState Batch::Impl::fill_state(const Model& model, const ModalStart& begin, 
   s.shock_capacity = l.shock_capacity;
   s.near = arena.device<int>(l.near);
   s.far = arena.device<int>(l.far);
+  s.far_top = arena.device<double>(l.far_top);
   s.watch = arena.device<int>(l.watch);
   s.touched = arena.device<int>(l.touched);
   s.touched_force = arena.device<double>(l.force);
