@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "kernels/lanes.hpp"
+#include "kernels/near_groups.hpp"
+#include "tests/dice.hpp"
+
+/// Near lists against a look at every node, over a wavy beam with rough faces.
+namespace {
+
+using namespace ra2d;
+using test::Dice;
+
+constexpr double eps = std::numeric_limits<double>::epsilon();
+constexpr int width = HostLanes::width;
+constexpr int K = (8 + width - 1) / width, modes = K * width;
+using Real = HostLanes::Real;
+using Amplitudes = std::array<double, modes>;
+
+struct NoTeam {};
+const HostLanes lanes{NoTeam{}};
+
+/// A resonator with the modes sin(beta_k x + k) and a slider that tilts. Lengths in chi, here 1 m.
+struct Bodies {
+  static constexpr int waves = modes - 1, patch_nodes = 24;
+  static constexpr int resonator_nodes = 480, slider_nodes = 157;
+  static constexpr int groups = (slider_nodes + width - 1) / width;
+  static constexpr double radius = 0.5 * (patch_nodes + width) + 1;
+  std::vector<double> beta, reach, slope, tail, patch, tilt, height1, height2, highest2;
+  SceneTables t;
+
+  explicit Bodies(Dice& dice) {
+    for (int k = 0; k < waves; ++k) {
+      beta.push_back(dice.uniform(0.05, 0.6) / radius);
+      reach.push_back(1);
+      slope.push_back(beta[k]);
+      tail.push_back(std::pow(beta[k] * radius, 4) / 24);
+    }
+    reach.push_back(1), slope.push_back(0), tail.push_back(0);  // of the slider
+    const int patches = resonator_nodes / patch_nodes + 1;
+    patch.assign(static_cast<std::size_t>(patches) * 4 * modes, 0.0);
+    for (int p = 0; p < patches; ++p)
+      for (int k = 0; k < waves; ++k)
+        for (int j = 0; j < 4; ++j)
+          patch[(p * 4 + j) * modes + k] =
+              std::pow(beta[k] * radius, j) *
+              std::sin(beta[k] * (p + 0.5) * patch_nodes + k + j * M_PI_2);
+    for (int n = 0; n < groups * width; ++n) {
+      const bool real = n < slider_nodes;
+      tilt.push_back(real ? 2.0 * n / slider_nodes - 1 : 0.0);
+      height1.push_back(real ? dice.uniform(-1, 0) - 2 : -1e30);
+    }
+    for (int n = 0; n < resonator_nodes; ++n)  // with an asperity here and there
+      height2.push_back(dice.uniform(-1, 0) + (dice.one_in(40) ? 2 : 0));
+    for (int n = 0; n < resonator_nodes; ++n)
+      highest2.push_back(*std::max_element(
+          height2.begin() + n, height2.begin() + std::min(n + width + 1, resonator_nodes)));
+    for (int n = 0; n + 1 < resonator_nodes; ++n)
+      t.steepest = std::max(t.steepest, std::abs(height2[n + 1] - height2[n]));
+    t.resonator_modes = waves, t.slider_modes = 1;
+    t.nodes = slider_nodes, t.groups = groups;
+    t.patch_nodes = patch_nodes, t.inverse_patch = 1.0 / patch_nodes;
+    t.inverse_radius = 1 / radius, t.spacing = 1;
+    t.slack = 16 * eps * 5;
+    t.reach = reach.data(), t.reach_slope = slope.data(), t.tail = tail.data();
+    t.patch = patch.data(), t.slider_shape = tilt.data();
+    t.height1 = height1.data(), t.height2 = height2.data(), t.highest2 = highest2.data();
+  }
+  Bodies(const Bodies&) = delete;
+
+  Place place(double position) const {
+    SceneTables at = t;
+    at.position = position;
+    return {at, 0};
+  }
+  double overlap(const Amplitudes& u, double position, int node) const {
+    const double x = position + node;
+    const int left = static_cast<int>(x);
+    double sum = height1[node] + height2[left] + (x - left) * (height2[left + 1] - height2[left]);
+    for (int k = 0; k < waves; ++k) sum += u[k] * std::sin(beta[k] * x + k);
+    return sum + u[waves] * tilt[node];
+  }
+  /// sum weight_k |u_k|
+  static double weigh(const std::vector<double>& weight, const Amplitudes& u) {
+    double sum = 0;
+    for (int k = 0; k < modes; ++k) sum += weight[k] * std::abs(u[k]);
+    return sum;
+  }
+};
+
+/// A near list with its work space.
+struct Lists {
+  std::vector<int> near, far;
+  std::vector<double> near_u, far_u, far_top, amplitudes;
+  SceneState s;
+  NearGroups<HostLanes, K> groups;
+
+  explicit Lists(const SceneTables& t)
+      : near(t.groups),
+        far(t.groups),
+        near_u(modes),
+        far_u(modes),
+        far_top(t.groups),
+        amplitudes(modes),
+        groups{lanes, t, s} {
+    s.near = near.data(), s.far = far.data(), s.far_top = far_top.data();
+    s.near_u = near_u.data(), s.far_u = far_u.data(), s.lanes = amplitudes.data();
+  }
+  Lists(const Lists&) = delete;
+
+  struct Packs {
+    Real u[K];
+    explicit Packs(const Amplitudes& of) {
+      for (int p = 0; p < K; ++p) u[p] = lanes.load(of.data() + p * width);
+    }
+  };
+  void find(const Amplitudes& u, const Place& place, double reach) {
+    groups.find(Packs(u).u, place, reach,
+                256 * eps * Bodies::weigh(std::vector<double>(modes, 1), u), 0.0);
+  }
+  bool holds(const Amplitudes& u, const Place& place, double travel) const {
+    return groups.holds(Packs(u).u, place, travel);
+  }
+  double room(const Amplitudes& u) const { return groups.room(Packs(u).u); }
+  std::vector<int> listed() const {
+    std::vector<int> out;
+    for (int e = 0; e < groups.count(); ++e) out.push_back(groups[e]);
+    return out;
+  }
+};
+
+Amplitudes some(Dice& dice, double size) {
+  Amplitudes u;
+  for (double& x : u) x = dice.uniform(-size, size);
+  return u;
+}
+/// No farther off than `way`, in sum |U - U'|.
+Amplitudes elsewhere(Dice& dice, Amplitudes u, double way) {
+  double left = way * (1 - 1e-12);  // roundings
+  for (const int k : dice.order(modes)) {
+    const double part = dice.one_in(3) ? left : dice.uniform(0, left);
+    u[k] += dice.one_in(2) ? part : -part;
+    left -= part;
+  }
+  return u;
+}
+
+TEST(NearGroups, LeaveOutNothingThatTouchesWhileTheyHold) {
+  Dice dice(1);
+  int touched = 0, listed = 0, looks = 0;
+  for (int scene = 0; scene < 20; ++scene) {
+    const Bodies bodies(dice);
+    Lists lists(bodies.t);
+    Amplitudes u = some(dice, 0.2);
+    double position = dice.uniform(0, 10);
+    for (int trial = 0; trial < 60; ++trial) {
+      const double reach = dice.ratio(1e-3, 0.5);
+      lists.find(u, bodies.place(position), reach);
+      const std::vector<int> near = lists.listed();
+      ASSERT_TRUE(std::is_sorted(near.begin(), near.end()));
+      listed += static_cast<int>(near.size()), ++looks;
+      const double end = std::floor(position) + 1;
+      for (int i = 0; i < 20; ++i) {
+        const Amplitudes there = elsewhere(dice, u, reach);
+        const double at = i == 0 ? position : std::nextafter(dice.uniform(position, end), 0);
+        ASSERT_TRUE(lists.holds(there, bodies.place(at), 0));
+        for (int node = 0; node < Bodies::slider_nodes; ++node)
+          if (bodies.overlap(there, at, node) >= 0) {
+            ++touched;
+            ASSERT_TRUE(std::binary_search(near.begin(), near.end(), node / width))
+                << "scene " << scene << ", trial " << trial << ", node " << node;
+          }
+      }
+      u = elsewhere(dice, u, dice.ratio(1e-3, 1));
+      position += dice.one_in(8) ? dice.uniform(0, 3 * width) / 10 : dice.uniform(0, 1);
+    }
+  }
+  EXPECT_GT(touched, 1000);
+  // neither is everything near
+  EXPECT_LT(listed, 0.7 * looks * Bodies::groups);
+}
+
+TEST(NearGroups, AreThoseThatOneLookAtEverythingFinds) {
+  // The first pass is made once in many nodes' way: what it leaves to the second must not depend on
+  // when that was.
+  Dice dice(2);
+  for (int scene = 0; scene < 20; ++scene) {
+    const Bodies bodies(dice);
+    Lists kept(bodies.t);
+    Amplitudes u = some(dice, 0.2);
+    double position = dice.uniform(0, 10);
+    for (int trial = 0; trial < 60; ++trial) {
+      const double reach = dice.ratio(1e-3, 0.2);
+      Lists anew(bodies.t);
+      kept.find(u, bodies.place(position), reach);
+      anew.find(u, bodies.place(position), reach);
+      ASSERT_EQ(kept.listed(), anew.listed()) << "scene " << scene << ", trial " << trial;
+      u = elsewhere(dice, u, dice.ratio(1e-3, 0.1));
+      position += dice.uniform(0, 1);
+    }
+    EXPECT_LT(kept.s.evaluated, 0.5 * 60 * Bodies::groups * width) << "what the first pass saves";
+  }
+}
+
+TEST(NearGroups, ListNoGroupThatCannotComeNear) {
+  Dice dice(3);
+  for (int trial = 0; trial < 300; ++trial) {
+    const Bodies bodies(dice);
+    Lists lists(bodies.t);
+    const Amplitudes u = some(dice, 0.2);
+    const double position = dice.uniform(0, 100), reach = dice.ratio(1e-3, 1);
+    const Place place = bodies.place(position);
+    lists.find(u, place, reach);
+    // what the cubics leave out, and what the bent beam rises by over the rest of the spacing
+    const double error = Bodies::weigh(bodies.tail, u) +
+                         (place.base + 1 - position) * Bodies::weigh(bodies.slope, u) + 1e-12;
+    for (const int group : lists.listed()) {
+      double highest = -1e300;
+      for (int n = group * width; n < std::min((group + 1) * width, Bodies::slider_nodes); ++n)
+        for (const double x : {position, std::nextafter(place.base + 1, 0)}) {
+          const int left = place.base + n;
+          const double face = (x - place.base) * (bodies.height2[left + 1] - bodies.height2[left]);
+          const double now =
+              (position - place.base) * (bodies.height2[left + 1] - bodies.height2[left]);
+          highest = std::max(highest, bodies.overlap(u, position, n) + face - now);
+        }
+      EXPECT_GE(highest, -(reach + 2 * error)) << "trial " << trial << ", group " << group;
+    }
+  }
+}
+
+TEST(NearGroups, HoldUntilANodeIsPassedOrTheModesHaveGoneTooFar) {
+  Dice dice(4);
+  const Bodies bodies(dice);
+  Lists lists(bodies.t);
+  const Amplitudes u = some(dice, 0.2);
+  EXPECT_FALSE(lists.holds(u, bodies.place(7.25), 0)) << "nothing has been found yet";
+  lists.find(u, bodies.place(7.25), 0.125);
+  EXPECT_TRUE(lists.holds(u, bodies.place(7.25), 0.125));
+  EXPECT_TRUE(lists.holds(u, bodies.place(7.99), 0.125));
+  EXPECT_FALSE(lists.holds(u, bodies.place(8), 0));
+  EXPECT_FALSE(lists.holds(u, bodies.place(6.99), 0));
+  EXPECT_EQ(lists.room(u), 0.125);
+  Amplitudes there = u;
+  there[0] = u[0] + 0.0625;
+  EXPECT_NEAR(lists.room(there), 0.0625, 4 * eps);
+  EXPECT_TRUE(lists.holds(there, bodies.place(7.25), 0.0624));
+  EXPECT_FALSE(lists.holds(there, bodies.place(7.25), 0.0626));
+}
+
+TEST(NearGroups, AreAllOfThemWhereNothingIsKnown) {
+  Dice dice(5);
+  const Bodies bodies(dice);
+  for (const double reach :
+       {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
+    Lists lists(bodies.t);
+    lists.find(some(dice, 0.2), bodies.place(3.5), reach);
+    EXPECT_EQ(lists.groups.count(), Bodies::groups);
+  }
+}
+
+}  // namespace

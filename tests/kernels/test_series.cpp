@@ -1,0 +1,430 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "host/run/gauss.hpp"
+#include "kernels/adaptive/series.hpp"
+#include "kernels/lanes.hpp"
+#include "tests/dice.hpp"
+#include "tests/free_motion.hpp"
+
+/// The power series of the modes: against the closed form where there is one, else against the
+/// equations that it solves.
+namespace {
+
+using namespace ra2d;
+using test::Dice, test::State, test::fly;
+
+constexpr double eps = std::numeric_limits<double>::epsilon();
+constexpr int width = HostLanes::width;
+constexpr int K = (8 + width - 1) / width, modes = K * width;
+using Real = HostLanes::Real;
+using Amplitudes = std::array<double, modes>;
+
+struct NoTeam {};
+const HostLanes lanes{NoTeam{}};
+
+/// Modes of all kinds, one a lane, and three nodes that slide over them. A node's shapes are the
+/// cubics of reach cos(beta o + phase), o its offset; in chi, here 1 m.
+struct Bodies {
+  static constexpr int nodes = 3;
+  std::vector<Mode> mode;
+  std::vector<double> load, mass, omega, decay, light, wander, turn, reach, tail;
+  std::vector<double> shape, face, series, squares, node_series, closed_shape, scan_shape, scan;
+  std::vector<std::int64_t> window = std::vector<std::int64_t>(nodes, 0);
+  std::vector<int> closed;
+  std::vector<Hull> hulls = std::vector<Hull>(nodes);
+  SceneTables t;
+  SceneState s;
+  NodeContact<HostLanes, K> contact;
+  ModalSeries<HostLanes, K> motion;
+  Amplitudes u, v;
+  double quickest = 0;
+
+  /// `speed` [chi/s], `stiffness` of a node [N/m]; the first `touching` nodes are closed.
+  Bodies(Dice& dice, double tolerance, double speed, double stiffness, int touching)
+      : contact{lanes, t, s}, motion{lanes, t, s, contact} {
+    const double zetas[] = {0.0, 0.02, 1e-3, 0.3, 1.0, 2.0};
+    for (int k = 0; k < modes; ++k) {
+      Mode m{dice.ratio(1e3, 1e5), zetas[dice.pick(6)], dice.ratio(0.1, 10)};
+      if (k % 5 == 4) m.omega = 0;
+      const double beta = m.omega > 0 ? dice.uniform(0, 0.1) : 0.0;
+      mode.push_back(m);
+      load.push_back(dice.one_in(2) ? dice.uniform(-1, 1) * m.mass * 1e3 : 0.0);
+      mass.push_back(m.mass), light.push_back(1 / m.mass);
+      omega.push_back(m.omega), decay.push_back(2 * m.zeta * m.omega);
+      turn.push_back(m.omega * (m.zeta + std::hypot(1.0, m.zeta)));
+      wander.push_back(beta * speed);
+      reach.push_back(dice.uniform(0.5, 2)), tail.push_back(1e-6);
+      v[k] = dice.uniform(-1, 1);
+      u[k] = dice.uniform(-1, 1) / std::max(m.omega, 1e3);
+      quickest = std::max(quickest, turn[k]);
+      for (int n = 0; n < nodes; ++n) {
+        shape.resize(nodes * 4 * modes);
+        const double phase = dice.uniform(0, 6.3);
+        double power =
+            0.99 * reach[k];  // beyond its middle a cubic is a little larger than the wave
+        for (int m4 = 0; m4 < 4; ++m4) {
+          shape[(n * 4 + m4) * modes + k] = power * std::cos(phase + m4 * M_PI_2);
+          power *= beta / (m4 + 1);
+        }
+      }
+    }
+    for (int n = 0; n < nodes; ++n) {
+      face.push_back(dice.uniform(-1, 1) * 1e-4);
+      face.push_back(speed > 0 ? dice.uniform(-1, 1) / speed : 0.0);
+    }
+    t.step = 0x1p-45;
+    t.position = 0.25, t.advance = speed * t.step, t.spacing = 1;
+    t.node_stiffness = stiffness;
+    t.tolerance = tolerance;
+    t.order = static_cast<int>(std::lround(4 - 1.25 * std::log10(tolerance)));
+    t.load = load.data(), t.mass = mass.data(), t.omega = omega.data(), t.decay = decay.data();
+    t.light = light.data(), t.wander = wander.data(), t.turn = turn.data();
+    t.reach = reach.data(), t.tail = tail.data();
+    series.resize((most_order + 1) * modes), squares.resize(most_order * modes);
+    node_series.resize(nodes * 2 * overlap_terms), closed_shape.resize(nodes * 4 * modes);
+    scan_shape.resize(4 * modes), scan.resize(overlap_terms);
+    for (int n = 0; n < touching; ++n) closed.push_back(n);
+    closed.resize(nodes);
+    s.node_shape = shape.data(), s.node_face = face.data(), s.node_window = window.data();
+    s.series = series.data(), s.square_series = squares.data();
+    s.node_series = node_series.data(), s.closed_shape = closed_shape.data();
+    s.scan_shape = scan_shape.data(), s.scan = scan.data();
+    s.closed = closed.data(), s.closed_count = touching, s.closed_hull = hulls.data();
+  }
+  Bodies(const Bodies&) = delete;
+
+  Place place() const { return {t, 0}; }
+  void expand(double scale) {
+    Real pu[K], pv[K];
+    for (int p = 0; p < K; ++p) {
+      pu[p] = lanes.load(u.data() + p * width);
+      pv[p] = lanes.load(v.data() + p * width);
+    }
+    motion.expand(pu, pv, place(), scale);
+  }
+  struct Lanes {
+    Amplitudes u, v;
+  };
+  Lanes at(double x) const {
+    Real pu[K], pv[K];
+    motion.state(x, pu, pv);
+    Lanes out;
+    for (int p = 0; p < K; ++p) {
+      lanes.store(out.u.data() + p * width, pu[p]);
+      lanes.store(out.v.data() + p * width, pv[p]);
+    }
+    return out;
+  }
+  double coefficient(int j, int k) const { return series[j * modes + k]; }
+  /// The d-th derivative of U_k by x.
+  long double derivative(int d, int k, double x) const {
+    long double sum = 0;
+    for (int j = t.order; j >= d; --j) {
+      long double c = coefficient(j, k);
+      for (int i = 0; i < d; ++i) c *= j - i;
+      sum = sum * x + c;
+    }
+    return sum;
+  }
+  /// psi_k and its slope at a node, x on.
+  std::array<long double, 2> shape_at(int node, int k, double x) const {
+    const Place here = place();
+    const long double o = here.offset + static_cast<long double>(x) * way();
+    const auto c = [&](int m) -> long double { return shape[(node * 4 + m) * modes + k]; };
+    return {c(0) + o * (c(1) + o * (c(2) + o * c(3))), c(1) + o * (2 * c(2) + o * 3 * c(3))};
+  }
+  double way() const { return t.advance * (motion.scale() / t.step); }
+  /// A node's overlap from its definition, its change per x that is due to the way alone, and the
+  /// size of what they are sums of.
+  struct Overlap {
+    long double over, climb, size;
+  };
+  Overlap overlap(int node, double x) const {
+    const long double theta = place().theta + static_cast<long double>(x) * way();
+    const long double rise = face[2 * node + 1];
+    Overlap o{face[2 * node] + theta * rise, rise * way(),
+              std::abs(face[2 * node]) + std::abs(rise)};
+    for (int k = 0; k < modes; ++k) {
+      const auto [psi, slope] = shape_at(node, k, x);
+      const long double now = derivative(0, k, x);
+      o.over += psi * now;
+      o.climb += slope * way() * now;
+      for (int j = 0; j <= t.order; ++j)
+        o.size += reach[k] * std::abs(coefficient(j, k)) * std::pow(x, j);
+    }
+    return o;
+  }
+  /// Energy norm of a difference.
+  double norm(const Amplitudes& du, const Amplitudes& dv) const {
+    double sum = 0;
+    for (int k = 0; k < modes; ++k)
+      sum += mass[k] * (std::pow(dv[k], 2) + std::pow(omega[k] * du[k], 2));
+    return std::sqrt(sum);
+  }
+};
+
+TEST(ModalSeries, OfFreeModesIsTheClosedFormWithinItsTolerance) {
+  Dice dice(1);
+  for (int trial = 0; trial < 200; ++trial) {
+    const double tolerance = std::pow(10.0, -3 - trial % 11);
+    Bodies b(dice, tolerance, dice.one_in(2) ? 0.0 : 1e4, 0, 0);
+    b.expand(dice.ratio(0.3, 3) / b.quickest);
+    const double extent = b.motion.extent(tolerance);
+    ASSERT_GT(extent, 0);
+    double size = b.norm(b.u, b.v);  // the load pulls, too: what the first two terms come to
+    for (int k = 0; k < modes; ++k)
+      size += std::sqrt(b.mass[k]) * std::abs(b.load[k] / b.mass[k]) / b.quickest;
+    for (const double x : {0.0, 0.3 * extent, extent, 2 * extent}) {
+      const Bodies::Lanes y = b.at(x);
+      Amplitudes du, dv;
+      for (int k = 0; k < modes; ++k) {
+        const State exact = fly(b.mode[k], b.load[k], {b.u[k], b.v[k], 0},
+                                static_cast<long double>(x) * b.motion.scale());
+        du[k] = static_cast<double>(y.u[k] - exact.u);
+        dv[k] = static_cast<double>(y.v[k] - exact.v);
+      }
+      const double off = b.norm(du, dv);
+      // terms of up to exp(turn x) before they cancel, each rounded a few times
+      const double rounding = 16 * eps * std::exp(b.quickest * b.motion.scale() * x) * size;
+      if (x <= extent) {
+        EXPECT_LE(off, tolerance * size + rounding) << "trial " << trial << " x " << x;
+      } else if (extent < 4) {  // it does not stop long before it has to
+        EXPECT_GT(off + rounding, tolerance * size) << "trial " << trial;
+      }
+    }
+  }
+}
+
+TEST(ModalSeries, IsTheSameInOtherUnits) {
+  // in units of a power of two times the other: to the bit
+  Dice dice(2);
+  for (int trial = 0; trial < 50; ++trial) {
+    Bodies b(dice, 1e-8, 0.0, 1e7, trial % 4);
+    const double scale = 1 / b.quickest;
+    b.expand(scale);
+    const std::vector<double> first = b.series;
+    const double extent = b.motion.extent(1e-8);
+    b.expand(4 * scale);
+    for (int j = 0; j <= b.t.order; ++j)
+      for (int k = 0; k < modes; ++k)
+        ASSERT_EQ(std::ldexp(first[j * modes + k], 2 * j), b.coefficient(j, k));
+    // What the first terms come to over a unit counts for the size of all: 4^4 times in energy at the
+    // most, and of that a step sees the root of twice the order.
+    if (extent < 4) {
+      EXPECT_NEAR(4 * b.motion.extent(1e-8) / extent, 1, std::pow(257, 0.5 / (b.t.order - 1)) - 1);
+    }
+  }
+}
+
+TEST(ModalSeries, OfOneModeOnASpringIsTheClosedForm) {
+  // At rest the slider's node stiffens a mode, omega'^2 = omega^2 + kappa phi^2/m, and presses it by
+  // what the faces overlap.
+  Dice dice(3);
+  for (int trial = 0; trial < 100; ++trial) {
+    Bodies b(dice, 1e-12, 0.0, dice.ratio(1e5, 1e10), 1);
+    const int only = dice.pick(modes);
+    for (int k = 0; k < modes; ++k)
+      for (int m = 0; m < 4; ++m)
+        if (k != only) b.shape[m * modes + k] = 0;
+    const Mode& m = b.mode[only];
+    const double phi = static_cast<double>(b.shape_at(0, only, 0)[0]);
+    const double kappa = b.t.node_stiffness, w2 = m.omega * m.omega + kappa * phi * phi / m.mass;
+    const Mode stiffer{std::sqrt(w2), m.zeta * m.omega / std::sqrt(w2), m.mass};
+    const long double start = b.face[0] + phi * static_cast<long double>(b.u[only]);
+    const long double press = b.load[only] - kappa * phi * static_cast<long double>(b.face[0]);
+    b.expand(1 / (b.turn[only] + std::sqrt(w2)));
+    const double rounding = 1e-13;
+    for (const double x : {0.0, 0.1, 0.5, 1.0}) {
+      const State exact = fly(stiffer, press, {b.u[only], b.v[only], 0}, x * b.motion.scale());
+      // the remainder of the motion about its rest, x^19/19! and what follows: below 1e-16 of it
+      const double swing =
+          static_cast<double>(std::abs(exact.u) + std::abs(start)) + std::abs(b.u[only]) +
+          (std::abs(b.v[only]) + static_cast<double>(std::abs(press)) / m.mass * b.motion.scale()) *
+              b.motion.scale();
+      const Bodies::Lanes y = b.at(x);
+      EXPECT_NEAR(y.u[only], static_cast<double>(exact.u), rounding * swing);
+      EXPECT_NEAR(y.v[only], static_cast<double>(exact.v), rounding * swing / b.motion.scale());
+      const double over = polynomial(b.motion.overlap(0), b.motion.degree(), x);
+      EXPECT_NEAR(over, static_cast<double>(b.face[0] + phi * exact.u), rounding * swing * 2);
+    }
+  }
+}
+
+TEST(ModalSeries, SolvesTheEquationsOfSlidingContact) {
+  Dice dice(4);
+  double moved = 0;
+  for (int trial = 0; trial < 100; ++trial) {
+    const int touching = 1 + trial % 3;
+    Bodies b(dice, 1e-13, dice.ratio(1e2, 1e5), dice.ratio(1e6, 1e9), touching);
+    // stiff springs turn faster than any mode
+    double fastest = b.quickest;
+    for (int k = 0; k < modes; ++k)
+      fastest =
+          std::max(fastest, std::sqrt(3 * modes * b.t.node_stiffness / b.mass[k]) * b.reach[k]);
+    b.expand(1 / fastest);
+    for (const double x : {0.0, 0.05, 0.1}) {  // what is beyond the last term is x^19 of it
+      const double scale = b.motion.scale();
+      std::vector<Bodies::Overlap> o;
+      for (int e = 0; e < touching; ++e) {
+        o.push_back(b.overlap(e, x));
+        EXPECT_NEAR(polynomial(b.motion.overlap(e), b.motion.degree(), x),
+                    static_cast<double>(o[e].over),
+                    64 * eps * static_cast<double>(o[e].size) + b.motion.neglected());
+      }
+      for (int k = 0; k < modes; ++k) {
+        const long double rate = b.derivative(1, k, x) / scale;
+        const long double bend = b.derivative(2, k, x) / (scale * scale);
+        long double force = b.load[k], size = std::abs(force);
+        for (int e = 0; e < touching; ++e) {
+          const auto [psi, slope] = b.shape_at(e, k, x);
+          force -= b.t.node_stiffness * psi * o[e].over;
+          size += b.t.node_stiffness * b.reach[k] * o[e].size;
+        }
+        const long double w = b.omega[k];
+        const long double pull = w * w * b.derivative(0, k, x) + b.decay[k] * rate;
+        size = size / b.mass[k] + std::abs(w * w * b.u[k]) + std::abs(b.decay[k] * b.v[k]);
+        EXPECT_NEAR(static_cast<double>(bend), static_cast<double>(force / b.mass[k] - pull),
+                    256 * eps * static_cast<double>(size) +
+                        b.t.node_stiffness * b.motion.neglected() / b.mass[k] * touching * 2)
+            << "trial " << trial << ", mode " << k << ", x " << x;
+      }
+    }
+    moved += b.way();
+  }
+  EXPECT_GT(moved, 1e-3);
+}
+
+TEST(ModalSeries, KnowsWhatItsOverlapsNeglect) {
+  // The modes' series times the shapes along the way, a cubic: the overlap's series is that to the
+  // last bit if it takes all terms of the shapes, and within `neglected` if not. Its climb is the
+  // share of the way alone.
+  Dice dice(5);
+  std::array<int, 5> seen{};
+  for (int trial = 0; trial < 200; ++trial) {
+    const double speed = dice.ratio(1e3, 1e7);
+    Bodies b(dice, std::pow(10.0, -2 - trial % 12), speed, 1e7, 2);
+    b.expand(std::min(dice.ratio(0.3, 1) / b.quickest, 1 / speed));
+    ++seen[b.motion.wanted_terms()];
+    if (b.motion.wanted_terms() == 4) {
+      EXPECT_EQ(b.motion.neglected(), 0);
+    }
+    for (const double x : {0.0, 0.5, 1.0, 2.0})  // as far as `neglected` speaks of
+      for (int e = 0; e < 2; ++e) {
+        const Bodies::Overlap o = b.overlap(e, x);
+        const double rounding = 64 * eps * static_cast<double>(o.size);
+        EXPECT_NEAR(polynomial(b.motion.overlap(e), b.motion.degree(), x),
+                    static_cast<double>(o.over), b.motion.neglected() + rounding)
+            << "trial " << trial << ", x " << x;
+        if (b.motion.wanted_terms() == 4) {
+          EXPECT_NEAR(polynomial(b.motion.climb(e), b.motion.degree(), x),
+                      static_cast<double>(o.climb), rounding * std::max(1.0, b.way()));
+        }
+        // of any node, closed or not: with all terms
+        b.motion.overlap_of(e, b.place(), b.scan.data());
+        EXPECT_NEAR(polynomial(b.scan.data(), b.motion.degree(), x), static_cast<double>(o.over),
+                    rounding);
+      }
+    double way = 0;
+    for (int k = 0; k < modes; ++k)
+      way += b.reach[k] * (std::abs(b.coefficient(1, k)) + std::abs(b.coefficient(2, k)));
+    EXPECT_LE(b.motion.neglected(), 0.03 * b.t.tolerance * way * (1 + 16 * eps));
+  }
+  EXPECT_GT(seen[2], 0);
+  EXPECT_GT(seen[3], 0);
+  EXPECT_GT(seen[4], 0);
+}
+
+TEST(ModalSeries, BoundsHold) {
+  Dice dice(6);
+  double nearest = 0, nearest_fourth = 0;
+  for (int trial = 0; trial < 200; ++trial) {
+    const int touching = trial % 3;  // the last node stays open and is looked at
+    Bodies b(dice, 1e-13, dice.one_in(3) ? 0.0 : dice.ratio(1e2, 1e5), dice.ratio(1e5, 1e8),
+             touching);
+    b.expand(dice.ratio(0.1, 0.5) / b.quickest);
+    const double x = dice.ratio(0.01, 1) * std::min(1.0, b.motion.extent(1e-13));
+    for (int e = 0; e < touching; ++e) {
+      Hull& h = b.hulls[e];
+      h = {1e300, -1e300, 1e300, -1e300, 0};
+      const double* c = b.motion.overlap(e);
+      for (int i = 0; i <= 400; ++i) {
+        const double at = x * i / 400;
+        double bend = 0;
+        for (int j = b.motion.degree(); j >= 2; --j) bend = bend * at + j * (j - 1) * c[j];
+        const ValueAndSlope p = polynomial_and_slope(c, b.motion.degree(), at);
+        h.least = std::min(h.least, p.value), h.most = std::max(h.most, p.value);
+        h.falling = std::min(h.falling, p.slope), h.rising = std::max(h.rising, p.slope);
+        h.curve = std::max(h.curve, std::abs(bend));
+      }
+      h.curve *= 1.001;  // between the places looked at
+    }
+    const MotionBounds bounds = b.motion.bounds(x);
+    b.motion.overlap_of(2, b.place(), b.scan.data());
+    const double per4 = std::pow(b.motion.scale(), -4);
+    for (int i = 0; i <= 40; ++i) {
+      const double at = x * i / 40;
+      double travel = 0, size = 0, tail = 0;
+      for (int k = 0; k < modes; ++k) {
+        const auto now = static_cast<double>(b.derivative(0, k, at));
+        travel += b.reach[k] * std::abs(now - b.u[k]);
+        size += b.reach[k] * std::abs(now);
+        tail += b.tail[k] * std::abs(now);
+      }
+      double fourth = 0;
+      for (int j = b.motion.degree(); j >= 4; --j)
+        fourth = fourth * at + j * (j - 1.0) * (j - 2) * (j - 3) * b.scan[j];
+      fourth = std::abs(fourth) * per4;
+      const double more = 1 + 1e-9;  // the series ends, and the sums round
+      ASSERT_LE(travel, bounds.travel * more + 8 * eps * bounds.size) << "trial " << trial;
+      ASSERT_LE(size, bounds.size * more) << "trial " << trial;
+      ASSERT_LE(tail, bounds.tail * more) << "trial " << trial;
+      ASSERT_LE(fourth, bounds.fourth * more) << "trial " << trial << " at " << at / x;
+      nearest = std::max(nearest, travel / bounds.travel);
+      nearest_fourth = std::max(nearest_fourth, fourth / bounds.fourth);
+    }
+  }
+  EXPECT_GT(nearest, 0.9);
+  EXPECT_GT(nearest_fourth, 0.1);
+}
+
+TEST(ModalSeries, SumsTheSquareOfTheVelocity) {
+  Dice dice(7);
+  for (int trial = 0; trial < 100; ++trial) {
+    const double tolerance = std::pow(10.0, -4 - trial % 10);
+    Bodies b(dice, tolerance, 1e4, 1e6, trial % 3);
+    b.expand(0.5 / b.quickest);
+    b.motion.expand_squares();
+    const double x = 0.5 * std::min(1.0, b.motion.extent(tolerance));
+    Real packs[K];
+    b.motion.squares(x, packs);
+    Amplitudes sum;
+    for (int p = 0; p < K; ++p) lanes.store(sum.data() + p * width, packs[p]);
+    for (int k = 0; k < modes; ++k) {
+      long double exact = 0, largest = 0;  // in ticks
+      for (int piece = 0; piece < 4; ++piece)
+        for (int g = 0; g < gauss_points; ++g) {
+          const long double rate =
+              b.derivative(1, k, x * (piece + gauss_place[g]) / 4) / b.motion.scale();
+          exact += gauss_weight[g] / 4 * rate * rate;
+          largest = std::max(largest, rate * rate);
+        }
+      const double ticks = x * b.motion.scale() / b.t.step;
+      // half way to where the last terms are the tolerance of all, 2^-(order - 2) of that is left
+      const double left = tolerance * std::ldexp(1, 2 - b.t.order) * b.norm(b.u, b.v) *
+                          b.norm(b.u, b.v) / b.mass[k];
+      EXPECT_NEAR(sum[k], static_cast<double>(exact) * ticks,
+                  (64 * eps * static_cast<double>(largest) + 4 * left) * ticks)
+          << "trial " << trial << ", mode " << k;
+    }
+  }
+}
+
+}  // namespace
