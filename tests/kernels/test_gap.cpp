@@ -137,6 +137,7 @@ void every_node_lies_on_its_patch() {
   for (int patch_nodes = 1; patch_nodes <= 70; ++patch_nodes) {
     SceneTables t;
     t.patch_nodes = patch_nodes;
+    t.inverse_patch = 1.0 / patch_nodes;
     const double radius = 0.5 * (patch_nodes + Lanes::width) + 1;
     t.inverse_radius = 1 / radius;
     for (int base = 0; base < 3 * patch_nodes; ++base)
@@ -162,6 +163,7 @@ TEST(GroupPlace, EveryNodeLiesOnItsPatch) {
 TEST(GroupPlace, PatchUnderTheGroupsMiddle) {
   SceneTables t;
   t.patch_nodes = 10;
+  t.inverse_patch = 0.1;
   t.inverse_radius = 0.125;
   t.position = 20 - width / 2;  // the middle stands on node 20: the first of patch 2
   const GroupPlace<HostLanes> at(t, Place(t, 0), 0);
@@ -169,6 +171,22 @@ TEST(GroupPlace, PatchUnderTheGroupsMiddle) {
   EXPECT_EQ(at.eta, (t.position - 25) / 8);
   t.position = 19 - width / 2;
   EXPECT_EQ(GroupPlace<HostLanes>(t, Place(t, 0), 0).patch, 1);
+}
+
+TEST(GroupPlace, PatchOfAnyNodeOfALongBeam) {
+  // a product with the inverse, for speed, and yet the whole quotient: right and left of every edge
+  SceneTables t;
+  for (const int patch_nodes : {1, 3, 7, 10, 49, 304, 1023}) {
+    t.patch_nodes = patch_nodes;
+    t.inverse_patch = 1.0 / patch_nodes;
+    for (int patch = 1; patch < 1000000; patch += 997)
+      for (const int side : {-1, 0}) {
+        const int node = patch * patch_nodes + side;
+        t.position = node - width / 2;
+        if (t.position < 0) continue;
+        ASSERT_EQ(GroupPlace<HostLanes>(t, Place(t, 0), 0).patch, node / patch_nodes);
+      }
+  }
 }
 
 // ---- the faces --------------------------------------------------------------------------------
