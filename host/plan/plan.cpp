@@ -19,6 +19,9 @@ namespace {
 /// ones a stage; and where every node is looked at, a node and a look.
 constexpr double flight_ns = 5.0, contact_ns = 45.0, stage_ns = 50.0, held_ns = 100.0,
                  node_ns = 0.7;
+/// Of the adaptive scheme (bench/bench_adaptive.cpp): a flight; a step with forces, for each order of
+/// its series; a sample.
+constexpr double leap_ns = 600.0, order_ns = 130.0, sample_ns = 40.0;
 
 BodyPlan plan_body(const Beam& beam, const BodySpec& spec, int nodes, const Scene& scene) {
   BodyPlan plan;
@@ -85,6 +88,30 @@ void plan_steps(const Model& model, const JoinedModes& place, Plan& plan) {
                                    : is_semi_implicit(scene.scheme) ? contact_ns
                                                                     : stages * stage_ns);
   }
+}
+
+/// Of the adaptive scheme: what can be said of its steps before it has made them. One ends where a
+/// node passes another; where forces act, before the fastest motion has turned by the theta at which
+/// the last term of its series, theta^n/n!, is the tolerance; and where a node touches or lets go,
+/// each once in half a period of the contact spring (`omega_c`) at the most.
+void plan_strides(const Model& model, double omega_c, Plan& plan) {
+  const Scene& scene = model.scene;
+  const double tolerance = scene.tolerance.value_or(usual_tolerance);
+  const int n = series_order(tolerance);
+  const double theta = std::exp((std::lgamma(n + 1.0) + std::log(tolerance)) / n);
+  const double fastest = 2 * M_PI * std::max(plan.resonator.highest, plan.slider.highest);
+  const double crossings = scene.speed / scene.spacing;  // a second
+  // a look takes overlaps and their rates, at the end of a step and often at its beginning
+  const double look_ns = scene.nodes == Nodes::all ? 4 * node_ns * model.nodes() : 0.0;
+  const double flight = leap_ns + look_ns, drive = order_ns * n + look_ns;
+  const double alone = scene.resonator.moving_forces.empty()
+                           ? crossings * flight
+                           : (crossings + fastest / theta) * drive;
+  const double pressed =
+      (crossings + std::max(fastest, omega_c) / theta + 2 * omega_c / M_PI) * drive;
+  const double samples = sample_ns * static_cast<double>(model.samples);
+  plan.seconds_low = 1e-9 * (alone * scene.duration + samples);
+  plan.seconds_high = 1e-9 * (std::max(alone, pressed) * scene.duration + samples);
 }
 
 /// What a user may not expect of the scene's step.
@@ -265,7 +292,10 @@ Plan make_plan(const Model& model, std::size_t memory) {
   plan.contact_period = omega_c > 0 ? M_PI / omega_c : 0.0;
   plan.own.choice = choice_of(scene);
   plan.samples = model.samples;
-  if (!is_adaptive(scene)) plan_steps(model, place, plan);
+  if (is_adaptive(scene))
+    plan_strides(model, omega_c, plan);
+  else
+    plan_steps(model, place, plan);
   plan.memory = memory;
   const std::size_t columns = 1 + 2 * (model.resonator.modes.size() + model.slider.modes.size()) +
                               2 + 2 * scene.probes.size() + 6;
@@ -307,7 +337,7 @@ std::string describe(const Model& model, const Plan& plan) {
                       scene.nodes == Nodes::all
                           ? "every node at every step"
                           : "the nodes that can touch, by proof (time.nodes = \"candidates\")");
-  if (!adaptive) text += cost_text(plan);
+  text += cost_text(plan);
   text += fmt::format("memory     {}, whatever the duration; file {}, {} samples\n",
                       bytes_text(plan.memory), bytes_text(plan.file), plan.samples);
   for (const std::string& note : plan.notes) text += "note       " + note + "\n";

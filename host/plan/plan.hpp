@@ -31,10 +31,10 @@ struct Plan {
   SchemePlan own;                   // the scene's choice
   double contact_period = 0;  // s, half a period of the contact spring: about a shock's length
   std::int64_t samples = 0;
-  // of fixed steps; an adaptive scheme finds its own, and there is neither a limit nor an estimate
+  // of fixed steps; an adaptive scheme finds its own
   double steps_per_node = 0;  // steps while the slider moves on by one node
   std::int64_t steps = 0;
-  double seconds_low = 0, seconds_high = 0;  // of wall time, see plan.cpp
+  double seconds_low = 0, seconds_high = 0;  // of wall time, an estimate: see plan.cpp
   std::size_t memory = 0;                    // bytes on the device, for tables and buffers
   std::size_t file = 0;                      // bytes, without the shocks
   std::vector<std::string> notes;            // what a user may not expect

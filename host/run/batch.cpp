@@ -558,9 +558,7 @@ SceneTables Batch::Impl::fill_tables(const Model& model, const Layout& l) {
 
   if (adaptive) {
     t.tolerance = scene.tolerance.value_or(usual_tolerance);
-    const double digits = -std::log10(t.tolerance);
-    // measured: cheapest on the paper's scenes
-    t.order = std::clamp(static_cast<int>(std::lround(4 + 1.25 * digits)), 8, most_order);
+    t.order = series_order(t.tolerance);
     t.first_level = l.first_level;
     t.cubic_excess = std::exp(2.0 * highest_beta(model.resonator) * radius);
     t.longest_scale = std::min(scene.duration, 64.0 / std::max(quickest(model), 1e-300));

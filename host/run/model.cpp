@@ -7,6 +7,7 @@
 #include "host/errors.hpp"
 #include "host/plan/schemes.hpp"
 #include "host/surface/surface.hpp"
+#include "kernels/model.hpp"
 
 namespace ra2d {
 namespace {
@@ -79,6 +80,10 @@ Model make_model(const Scene& scene) {
     m.delta = *std::max_element(overlap.begin(), overlap.end());
   }
   return m;
+}
+
+int series_order(double tolerance) {
+  return std::clamp(static_cast<int>(std::lround(4 - 1.25 * std::log10(tolerance))), 8, most_order);
 }
 
 std::vector<double> overlaps(const Model& m, const std::vector<double>& resonator_u,

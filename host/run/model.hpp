@@ -33,6 +33,10 @@ struct Model {
 /// together.
 Model make_model(const Scene& scene);
 
+/// Order of the power series of an adaptive step to a relative error of `tolerance`. Measured: the
+/// cheapest on the paper's scenes, by less than a per cent over its neighbours.
+int series_order(double tolerance);
+
 /// Modal displacements and rates of both bodies at one instant, and the energy of the contact
 /// springs.
 struct ModalStart {

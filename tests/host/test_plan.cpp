@@ -120,13 +120,45 @@ TEST(Plan, OfAnAdaptiveSceneKnowsNoStep) {
   EXPECT_THAT(texts[0],
               AllOf(HasSubstr("scheme     adaptive, to a relative error of 1e-09 a step"),
                     HasSubstr("closed form"), HasSubstr("stability  no limit"), HasSubstr("memory"),
-                    HasSubstr("2001 samples"), Not(HasSubstr("cost")), Not(HasSubstr("steps of")),
-                    Not(HasSubstr("holds up to")), Not(HasSubstr("note")), Not(HasSubstr("nan")),
-                    Not(HasSubstr("inf"))));
+                    HasSubstr("2001 samples"), HasSubstr("(all flight) to "),
+                    Not(HasSubstr("steps of")), Not(HasSubstr("holds up to")),
+                    Not(HasSubstr("note")), Not(HasSubstr("nan")), Not(HasSubstr("inf"))));
   EXPECT_EQ(texts[1], texts[0]);
   EXPECT_EQ(texts[2], texts[0]);
   // and the others' table is of steps
   EXPECT_THAT(text_of(pressed_plate()), Not(HasSubstr("adaptive")));
+}
+
+TEST(Plan, AnAdaptiveScenesCostGoesWithItsEvents) {
+  Scene s = pressed_plate();
+  s.scheme = SchemeKind::adaptive;
+  s.tolerance = 1e-6;
+  s.speed = 0.01;
+  s.rate = 100;  // few samples
+  s.stiffness = 1e17;
+  const auto cost = [](const Scene& scene) {
+    const Plan plan = make_plan(make_model(scene), 0);
+    EXPECT_LE(plan.seconds_low, plan.seconds_high);
+    EXPECT_GT(plan.seconds_low, 0);
+    return plan;
+  };
+  const Plan plan = cost(s);
+  Scene other = s;
+  other.stiffness = 1e4 * s.stiffness;  // the spring is by far the fastest in both
+  EXPECT_NEAR(cost(other).seconds_high / plan.seconds_high, 100, 10);
+  EXPECT_EQ(cost(other).seconds_low, plan.seconds_low);
+  other = s;
+  other.speed = 2 * s.speed;  // twice as many nodes are passed
+  EXPECT_NEAR(cost(other).seconds_low / plan.seconds_low, 2, 0.2);
+  other = s;
+  other.nodes = Nodes::all;
+  EXPECT_GT(cost(other).seconds_low, plan.seconds_low);
+  other = s;
+  other.tolerance = 1e-12;
+  EXPECT_GT(cost(other).seconds_high, plan.seconds_high);
+  other = s;
+  other.resonator.moving_forces = {{1.0, 0.0, 0.1}};  // the force keeps the modes busy all the time
+  EXPECT_GT(cost(other).seconds_low, 3 * plan.seconds_low);
 }
 
 TEST(Plan, SaysWhatTheStepMakesOfTheHighestMode) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host/run/gauss.hpp"
+#include "host/run/model.hpp"
 #include "kernels/adaptive/series.hpp"
 #include "kernels/lanes.hpp"
 #include "tests/dice.hpp"
@@ -84,7 +85,7 @@ struct Bodies {
     t.position = 0.25, t.advance = speed * t.step, t.spacing = 1;
     t.node_stiffness = stiffness;
     t.tolerance = tolerance;
-    t.order = static_cast<int>(std::lround(4 - 1.25 * std::log10(tolerance)));
+    t.order = series_order(tolerance);
     t.load = load.data(), t.mass = mass.data(), t.omega = omega.data(), t.decay = decay.data();
     t.light = light.data(), t.wander = wander.data(), t.turn = turn.data();
     t.reach = reach.data(), t.tail = tail.data();
