@@ -11,6 +11,15 @@
 
 namespace ra2d {
 
+/// SceneTables::highest2 of a face of `count` nodes: the highest of a node and the `ahead` after it.
+inline void fill_highest(const double* height, int count, int ahead, double* highest) {
+  for (int n = 0; n < count; ++n) {
+    highest[n] = height[n];
+    for (int m = n + 1; m <= n + ahead && m < count; ++m)
+      highest[n] = height[m] > highest[n] ? height[m] : highest[n];
+  }
+}
+
 /// sum over the modes of weight_k |x_k|
 template <class Lanes, int K>
 KOKKOS_FORCEINLINE_FUNCTION double weighted_sum(const Lanes& lanes, const double* weight,
@@ -71,7 +80,8 @@ class NearGroups {
     const double error = t_.slack + rounding + weighted_sum<Lanes, K>(lanes_, t_.tail, u) +
                          way * t_.spacing * slope + position_rounding(place) * t_.steepest;
     const double below = reach_ + error;
-    double far_below = moved(s_.far_u, u) + below + error;
+    // of what has moved the roundings, too: they were those of another displacement
+    double far_below = (1.0 + 0x1p-43) * moved(s_.far_u, u) + below + error;
     if (!(place.base >= far_base_ && place.base < far_base_ + width && far_below <= far_below_)) {
       find_far(u, place, 4.0 * below, slope);
       far_below = below + error;

@@ -92,14 +92,18 @@ void plan_steps(const Model& model, const JoinedModes& place, Plan& plan) {
 
 /// Of the adaptive scheme: what can be said of its steps before it has made them. One ends where a
 /// node passes another; where forces act, before the fastest motion has turned by the theta at which
-/// the last term of its series, theta^n/n!, is the tolerance; and where a node touches or lets go,
-/// each once in half a period of the contact spring (`omega_c`) at the most.
+/// the last terms of its velocity, about theta^(n-2)/(n-2)!, are the tolerance; and where a node
+/// touches or lets go, each once in half a period of the contact spring (`omega_c`) at the most.
 void plan_strides(const Model& model, double omega_c, Plan& plan) {
   const Scene& scene = model.scene;
   const double tolerance = scene.tolerance.value_or(usual_tolerance);
   const int n = series_order(tolerance);
-  const double theta = std::exp((std::lgamma(n + 1.0) + std::log(tolerance)) / n);
-  const double fastest = 2 * M_PI * std::max(plan.resonator.highest, plan.slider.highest);
+  const double theta = std::exp((std::lgamma(n - 1.0) + std::log(tolerance)) / (n - 2));
+  const auto turn = [](double highest, double zeta) {
+    return 2 * M_PI * highest * (zeta + std::hypot(1.0, zeta));
+  };
+  const double fastest = std::max(turn(plan.resonator.highest, model.resonator.zeta),
+                                  turn(plan.slider.highest, model.slider.zeta));
   const double crossings = scene.speed / scene.spacing;  // a second
   // a look takes overlaps and their rates, at the end of a step and often at its beginning
   const double look_ns = scene.nodes == Nodes::all ? 4 * node_ns * model.nodes() : 0.0;
@@ -187,11 +191,13 @@ std::string adaptive_text(const Scene& scene) {
       scene.tolerance.value_or(usual_tolerance));
 }
 
-std::string cost_text(const Plan& plan) {
+std::string cost_text(const Scene& scene, const Plan& plan) {
   return (plan.seconds_low == plan.seconds_high
               ? fmt::format("cost       about {}", seconds_text(plan.seconds_low))
-              : fmt::format("cost       {} (all flight) to {} (all contact)",
-                            seconds_text(plan.seconds_low), seconds_text(plan.seconds_high))) +
+              : fmt::format("cost       {} ({}) to {} (all contact)",
+                            seconds_text(plan.seconds_low),
+                            is_adaptive(scene) ? "no contact" : "all flight",
+                            seconds_text(plan.seconds_high))) +
          " of wall time on one core, an estimate\n";
 }
 
@@ -337,7 +343,7 @@ std::string describe(const Model& model, const Plan& plan) {
                       scene.nodes == Nodes::all
                           ? "every node at every step"
                           : "the nodes that can touch, by proof (time.nodes = \"candidates\")");
-  text += cost_text(plan);
+  text += cost_text(scene, plan);
   text += fmt::format("memory     {}, whatever the duration; file {}, {} samples\n",
                       bytes_text(plan.memory), bytes_text(plan.file), plan.samples);
   for (const std::string& note : plan.notes) text += "note       " + note + "\n";

@@ -543,8 +543,7 @@ SceneTables Batch::Impl::fill_tables(const Model& model, const Layout& l) {
   }
   scale += scale2;
   double* highest2 = arena.host<double>(l.highest2);
-  for (int n = 0; n < l.height2_size; ++n)
-    highest2[n] = *std::max_element(h2 + n, h2 + std::min(n + width + 1, l.height2_size));
+  fill_highest(h2, l.height2_size, width, highest2);
   t.slack = 16 * 0x1p-52 * scale;
   t.touch = t.slack;
   for (int n = 0; n + 1 < l.height2_size; ++n)

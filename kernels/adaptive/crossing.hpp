@@ -13,7 +13,7 @@ struct ValueAndSlope {
   double value, slope;
 };
 
-/// c_0 + c_1 x + ... + c_n x^n. Even and odd powers apart: who asks waits for half as long a chain.
+/// c_0 + c_1 x + ... + c_n x^n. Even and odd powers apart: half as long a chain of operations.
 KOKKOS_INLINE_FUNCTION double polynomial(const double* c, int n, double x) {
   const double y = x * x;
   int j = n & ~1;

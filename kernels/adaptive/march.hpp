@@ -141,6 +141,7 @@ class AdaptiveMarcher {
     std::int64_t ticks =
         whole - (step_ & (whole - 1));  // to a multiple of the length that is aimed at
     bool look = true, cut = false, coarse = false, shortened = false;
+    int shorter = s_.level - 1;  // level of a step that may be decided sooner
     MotionBounds bounds;
     if (ticks > room) {
       const std::int64_t left = t_.total_steps - step_;
@@ -179,10 +180,11 @@ class AdaptiveMarcher {
       const std::int64_t most = ticks;
       const double longest = x * (scale / t_.step);
       if (longest < static_cast<double>(ticks)) ticks = static_cast<std::int64_t>(longest);
+      if (ticks < 1) return fail(Status::stalled);
+      if (ticks < most) shorter = whole_level(ticks);
       // no further than the shapes hold that the search goes by
       const std::int64_t window = ticks_left(place, (place.part + 1) * t_.window_width);
       if (window < ticks) ticks = window;
-      if (ticks < 1) return fail(Status::stalled);
       if (ticks < most) {  // of a shorter step the cubics tell more
         shortened = true;
         go(ticks, u, v, square);
@@ -213,10 +215,10 @@ class AdaptiveMarcher {
     take(u, v, square);
     end_flight();
     step_ += ticks;
-    // the length that lets the cubics decide by themselves
+    // the length at which the cubics may decide by themselves
     if (lanes_.leader()) {
       if (coarse && (shortened || flagged > 0))
-        s_.level = Kokkos::max(shortened ? whole_level(ticks) : s_.level - 1, t_.first_level);
+        s_.level = Kokkos::max(shorter, t_.first_level);
       else if (!cut && !shortened && flagged == 0 && s_.level < longest_level)
         ++s_.level;
     }

@@ -120,7 +120,7 @@ TEST(Plan, OfAnAdaptiveSceneKnowsNoStep) {
   EXPECT_THAT(texts[0],
               AllOf(HasSubstr("scheme     adaptive, to a relative error of 1e-09 a step"),
                     HasSubstr("closed form"), HasSubstr("stability  no limit"), HasSubstr("memory"),
-                    HasSubstr("2001 samples"), HasSubstr("(all flight) to "),
+                    HasSubstr("2001 samples"), HasSubstr("(no contact) to "),
                     Not(HasSubstr("steps of")), Not(HasSubstr("holds up to")),
                     Not(HasSubstr("note")), Not(HasSubstr("nan")), Not(HasSubstr("inf"))));
   EXPECT_EQ(texts[1], texts[0]);
@@ -157,8 +157,29 @@ TEST(Plan, AnAdaptiveScenesCostGoesWithItsEvents) {
   other.tolerance = 1e-12;
   EXPECT_GT(cost(other).seconds_high, plan.seconds_high);
   other = s;
+  other.speed = 0;  // nothing is passed: but for its samples a flight costs nothing
+  EXPECT_LT(cost(other).seconds_low, 0.2 * plan.seconds_low);
+  EXPECT_GT(cost(other).seconds_high, 0.5 * plan.seconds_high);
+  other = s;
   other.resonator.moving_forces = {{1.0, 0.0, 0.1}};  // the force keeps the modes busy all the time
   EXPECT_GT(cost(other).seconds_low, 3 * plan.seconds_low);
+}
+
+TEST(Plan, AnAdaptiveScenesCostIsOfTheRightSize) {
+  // A node is passed every 10 us and costs a flight, 0.6 us; pressed, the spring (half a period of
+  // `contact_period`) touches and lets go once each in that time, and theta = (8! 1e-5)^(1/8)
+  // = 0.89 of its turning are a step: 2 + pi/0.89 = 5.5 steps of 10 or 11 orders, 1.4 us.
+  Scene s = pressed_plate();
+  s.scheme = SchemeKind::adaptive;
+  s.tolerance = 1e-5;
+  s.speed = 1e5 * s.spacing;
+  s.duration = 1e-3;
+  s.rate = 1e3;
+  s.stiffness = 1e17;
+  const Plan plan = make_plan(make_model(s), 0);
+  EXPECT_NEAR(plan.seconds_low, 100 * 0.6e-6, 1e-6);
+  const double steps = 100 + 5.5 * s.duration / plan.contact_period;
+  EXPECT_NEAR(plan.seconds_high / (steps * 1.4e-6), 1, 0.2);
 }
 
 TEST(Plan, SaysWhatTheStepMakesOfTheHighestMode) {

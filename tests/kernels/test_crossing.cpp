@@ -42,7 +42,8 @@ double size(const Coefficients& c, double x, int d = 0) {
   for (double& each : positive) each = std::abs(each);
   return static_cast<double>(exactly(positive, x, d));
 }
-/// Horner in fused multiply-adds rounds once a term.
+/// Horner in fused multiply-adds, over even and odd powers apart: no term goes through more roundings
+/// than there are terms.
 double rounding(const Coefficients& c, double x) { return (degree(c) + 1) * u * size(c, x); }
 
 Coefficients times(const Coefficients& a, const Coefficients& b) {

@@ -172,6 +172,23 @@ struct Bodies {
   }
 };
 
+TEST(GaussRule, IsExactToThe15thPowerAndNearlyOfTheProductsOfAStep) {
+  const auto integral = [](auto f) {
+    long double sum = 0;
+    for (int g = 0; g < gauss_points; ++g)
+      sum += gauss_weight[g] * f(static_cast<long double>(gauss_place[g]));
+    return static_cast<double>(sum);
+  };
+  for (int power = 0; power <= 15; ++power)
+    EXPECT_NEAR(integral([&](long double x) { return std::pow(x, power); }), 1.0 / (power + 1),
+                4 * eps);
+  // (n!)^4/((2 n + 1) (2 n)!^2), n = 8
+  EXPECT_NEAR(1.0 / 17 - integral([](long double x) { return std::pow(x, 16); }), 3.55e-10, 1e-12);
+  // an overlap and its rise as far as a step goes (kernels/model.hpp): theta = 1.8
+  EXPECT_NEAR(integral([](long double x) { return std::sin(1.8L * x) * std::cos(1.8L * x); }),
+              std::pow(std::sin(1.8), 2) / 3.6, 1e-13);
+}
+
 TEST(ModalSeries, OfFreeModesIsTheClosedFormWithinItsTolerance) {
   Dice dice(1);
   for (int trial = 0; trial < 200; ++trial) {
