@@ -33,8 +33,8 @@ struct Model {
 /// together.
 Model make_model(const Scene& scene);
 
-/// Order of the power series of an adaptive step to a relative error of `tolerance`. Measured: the
-/// cheapest on the paper's scenes, by less than a per cent over its neighbours.
+/// Order of the power series of an adaptive step to a relative error of `tolerance`. Measured on the
+/// paper's scenes at 1e-6: one less costs up to 3 % more, one or two more cost the same.
 int series_order(double tolerance);
 
 /// Modal displacements and rates of both bodies at one instant, and the energy of the contact

@@ -168,7 +168,7 @@ TEST(Plan, AnAdaptiveScenesCostGoesWithItsEvents) {
 TEST(Plan, AnAdaptiveScenesCostIsOfTheRightSize) {
   // A node is passed every 10 us and costs a flight, 0.6 us; pressed, the spring (half a period of
   // `contact_period`) touches and lets go once each in that time, and theta = (8! 1e-5)^(1/8)
-  // = 0.89 of its turning are a step: 2 + pi/0.89 = 5.5 steps of 10 or 11 orders, 1.4 us.
+  // = 0.893 of its turning are a step: 2 + pi/0.893 = 5.52 steps of 10 orders, 1.3 us.
   Scene s = pressed_plate();
   s.scheme = SchemeKind::adaptive;
   s.tolerance = 1e-5;
@@ -178,8 +178,8 @@ TEST(Plan, AnAdaptiveScenesCostIsOfTheRightSize) {
   s.stiffness = 1e17;
   const Plan plan = make_plan(make_model(s), 0);
   EXPECT_NEAR(plan.seconds_low, 100 * 0.6e-6, 1e-6);
-  const double steps = 100 + 5.5 * s.duration / plan.contact_period;
-  EXPECT_NEAR(plan.seconds_high / (steps * 1.4e-6), 1, 0.2);
+  const double steps = 100 + 5.52 * s.duration / plan.contact_period;
+  EXPECT_NEAR(plan.seconds_high / (steps * 1.3e-6), 1, 2e-3);  // the figures are of three digits
 }
 
 TEST(Plan, SaysWhatTheStepMakesOfTheHighestMode) {

@@ -2,30 +2,20 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
-#include <string>
 #include <vector>
 
-#include "kernels/lanes.hpp"
 #include "kernels/near_groups.hpp"
 #include "tests/dice.hpp"
+#include "tests/eight_modes.hpp"
 
 /// Near lists against a look at every node, over a wavy beam with rough faces.
 namespace {
 
 using namespace ra2d;
-using test::Dice;
-
-constexpr double eps = std::numeric_limits<double>::epsilon();
-constexpr int width = HostLanes::width;
-constexpr int K = (8 + width - 1) / width, modes = K * width;
-using Real = HostLanes::Real;
-using Amplitudes = std::array<double, modes>;
-
-struct NoTeam {};
-const HostLanes lanes{NoTeam{}};
+using test::Dice, test::Amplitudes, test::Real, test::lanes;
+using test::K, test::eps, test::modes, test::width;
 
 /// A resonator with the modes sin(beta_k x + k) and a slider that tilts; or, `stiff`, bodies that
 /// hardly bend under a slider that moves as a whole, so that the bounds on what modes do are tight.

@@ -5,14 +5,13 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <vector>
 
 #include "host/run/gauss.hpp"
 #include "host/run/model.hpp"
 #include "kernels/adaptive/series.hpp"
-#include "kernels/lanes.hpp"
 #include "tests/dice.hpp"
+#include "tests/eight_modes.hpp"
 #include "tests/free_motion.hpp"
 
 /// The power series of the modes: against the closed form where there is one, else against the
@@ -20,16 +19,8 @@
 namespace {
 
 using namespace ra2d;
-using test::Dice, test::State, test::fly;
-
-constexpr double eps = std::numeric_limits<double>::epsilon();
-constexpr int width = HostLanes::width;
-constexpr int K = (8 + width - 1) / width, modes = K * width;
-using Real = HostLanes::Real;
-using Amplitudes = std::array<double, modes>;
-
-struct NoTeam {};
-const HostLanes lanes{NoTeam{}};
+using test::Dice, test::State, test::fly, test::Amplitudes, test::Real, test::lanes;
+using test::K, test::eps, test::modes, test::width;
 
 /// Modes of all kinds, one a lane, and three nodes that slide over them. A node's shapes are the
 /// cubics of reach cos(beta o + phase), o its offset; in chi, here 1 m.
@@ -259,7 +250,8 @@ TEST(ModalSeries, OfOneModeOnASpringIsTheClosedForm) {
     const long double start = b.face[0] + phi * static_cast<long double>(b.u[only]);
     const long double press = b.load[only] - kappa * phi * static_cast<long double>(b.face[0]);
     b.expand(1 / (b.turn[only] + std::sqrt(w2)));
-    const double rounding = 1e-13;
+    const double rounding =
+        450 * eps;  // of twenty terms, each with up to twenty roundings behind it
     for (const double x : {0.0, 0.1, 0.5, 1.0}) {
       const State exact = fly(stiffer, press, {b.u[only], b.v[only], 0}, x * b.motion.scale());
       // the remainder of the motion about its rest, x^19/19! and what follows: below 1e-16 of it

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <array>
+#include <limits>
+
+#include "kernels/lanes.hpp"
+
+/// What kernel tests of eight modes (or as many more as fill the last pack) call kernels with.
+namespace ra2d::test {
+
+inline constexpr double eps = std::numeric_limits<double>::epsilon();
+inline constexpr int width = HostLanes::width;
+inline constexpr int K = (8 + width - 1) / width, modes = K * width;
+using Real = HostLanes::Real;
+using Amplitudes = std::array<double, modes>;
+
+struct NoTeam {};
+inline const HostLanes lanes{NoTeam{}};
+
+}  // namespace ra2d::test
