@@ -1,49 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-#include <gtest/gtest.h>
-
-#include <algorithm>
 #include <filesystem>
 #include <map>
-#include <sstream>
 #include <string>
 #include <vector>
-
-#include "tests/child.hpp"
 
 /// What the charts write, read again.
 namespace ra2d::test {
 
 using Row = std::map<std::string, std::string>;
 
-inline std::vector<std::string> cells(const std::string& line) {
-  std::vector<std::string> list(1);
-  for (const char c : line)
-    if (c == ',')
-      list.emplace_back();
-    else
-      list.back() += c;
-  return list;
-}
+std::vector<std::string> cells(const std::string& line);
 
 /// A file of comma-separated values, without its # lines; `header` gets its first line.
-inline std::vector<Row> read_csv(const std::filesystem::path& file, std::string& header) {
-  std::istringstream in(read_file(file));
-  while (std::getline(in, header) && header.starts_with('#')) {
-  }
-  const std::vector<std::string> names = cells(header);
-  std::vector<Row> rows;
-  for (std::string line; std::getline(in, line);) {
-    const std::vector<std::string> values = cells(line);
-    EXPECT_EQ(values.size(), names.size()) << line;
-    Row row;
-    for (std::size_t i = 0; i < std::min(names.size(), values.size()); ++i)
-      row[names[i]] = values[i];
-    rows.push_back(row);
-  }
-  return rows;
-}
+std::vector<Row> read_csv(const std::filesystem::path& file, std::string& header);
 
-inline double number(const Row& row, const char* column) { return std::stod(row.at(column)); }
+double number(const Row& row, const char* column);
 
 }  // namespace ra2d::test

@@ -1,16 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <functional>
-#include <limits>
 #include <vector>
 
 #include "tests/compare.hpp"
-#include "tests/dice.hpp"
 #include "tests/schemes.hpp"
 #include "tests/simulate.hpp"
 
@@ -25,65 +19,18 @@ struct Outcome {
   Snapshot end;
 };
 
-inline Outcome march(Model model, const ModalStart& start, Nodes nodes) {
-  model.scene.nodes = nodes;
-  Batch batch({model}, {start});
-  Outcome out;
-  do {
-    batch.march(std::numeric_limits<std::int64_t>::max());
-    const Drained drained = batch.drain(0);
-    out.rows.insert(out.rows.end(), drained.sample_rows.begin(), drained.sample_rows.end());
-    out.shocks.insert(out.shocks.end(), drained.shocks.begin(), drained.shocks.end());
-    out.end = batch.snapshot(0);
-  } while (out.end.status == Status::running);
-  return out;
-}
+Outcome march(Model model, const ModalStart& start, Nodes nodes);
 
-inline void expect_same(const Outcome& all, const Outcome& some) {
-  EXPECT_EQ(all.end.status, some.end.status);
-  EXPECT_EQ(all.end.step, some.end.step);
-  EXPECT_EQ(bits(all.end.resonator_u), bits(some.end.resonator_u));
-  EXPECT_EQ(bits(all.end.resonator_v), bits(some.end.resonator_v));
-  EXPECT_EQ(bits(all.end.slider_u), bits(some.end.slider_u));
-  EXPECT_EQ(bits(all.end.slider_v), bits(some.end.slider_v));
-  EXPECT_EQ(bits(all.end.resonator_square), bits(some.end.resonator_square));
-  EXPECT_EQ(
-      bits({all.end.energy, all.end.energy_limit, all.end.sliding_work, all.end.force_work}),
-      bits({some.end.energy, some.end.energy_limit, some.end.sliding_work, some.end.force_work}));
-  EXPECT_EQ(all.end.contact_steps, some.end.contact_steps);
-  EXPECT_EQ(all.end.most_nodes, some.end.most_nodes);
-  EXPECT_EQ(all.end.shocks_begun, some.end.shocks_begun);
-  // not EXPECT_EQ: on failure it would print every sample
-  EXPECT_TRUE(bits(all.rows) == bits(some.rows)) << "the samples differ";
-  EXPECT_TRUE(shock_bits(all.shocks) == shock_bits(some.shocks)) << "the shocks differ";
-  EXPECT_TRUE(shock_bits(all.end.open_shocks) == shock_bits(some.end.open_shocks))
-      << "the open shocks differ";
-}
+void expect_same(const Outcome& all, const Outcome& some);
 
 /// Marches both ways, compares, and returns the march over all the nodes.
-inline Outcome expect_both_same(const Model& model, const ModalStart& start) {
-  const Outcome all = march(model, start, Nodes::all);
-  const Outcome some = march(model, start, Nodes::candidates);
-  expect_same(all, some);
-  // every step has its share of all the nodes; leaving none out would make the comparison empty
-  EXPECT_EQ(all.end.evaluated, all.end.step * model.nodes());
-  return all;
-}
+Outcome expect_both_same(const Model& model, const ModalStart& start);
 
-inline double largest_shape(const Beam& beam) {
-  double sum = 0;
-  for (const ModeShape& mode : beam.modes) sum += mode.largest * mode.largest;
-  return beam.modes.empty() ? 0 : sum / beam.mass_per_length;
-}
+double largest_shape(const Beam& beam);
 
 /// The kappa with which one node in contact has omega_c tau = z, at the most, anywhere on the
 /// bodies.
-inline double stiffness_for(const Scene& scene, double z) {
-  const double yield =
-      largest_shape(make_beam(scene.resonator)) + largest_shape(make_beam(scene.slider));
-  return std::pow(z / scene.step, 2) / yield / scene.spacing /
-         std::min(scene.resonator.width, scene.slider.width);
-}
+double stiffness_for(const Scene& scene, double z);
 
 struct Started {
   Model model;
@@ -97,149 +44,12 @@ struct Variant {
 };
 
 /// A scene of any kind that the march takes.
-inline Started random_scene(std::uint64_t seed, const Variant& variant = {}) {
-  Dice dice(seed);
-  Scene s = with(Scene{}, variant.scheme);
-  s.spacing = dice.ratio(1e-5, 1e-4);
-  s.step = dice.ratio(1e-8, 1e-6);
-  const int nodes1 = 20 + dice.pick(180);
-  const bool smooth_modes = dice.one_in(2);  // hundreds of nodes to a wave, or tens
-  const int nodes2 = nodes1 * (2 + dice.pick(5)) + (smooth_modes ? 3000 + dice.pick(6000) : 200);
-  const double least_per_wave = smooth_modes ? 950 : 60;
-  const int most_modes = std::max(1, static_cast<int>(2 * nodes2 / least_per_wave));
-
-  BodySpec& r = s.resonator;
-  r.support = dice.one_in(4) ? Support::free : Support::pinned;
-  r.length = (nodes2 - 1) * s.spacing;
-  r.thickness = r.length / dice.ratio(20, 300);
-  r.width = 0.02;
-  r.young = 210e9;
-  r.density = 7800;
-  r.damping = dice.one_in(4) ? 0.0 : dice.ratio(1e-3, 0.7);
-  r.modes = r.support == Support::free ? dice.pick(std::max(1, std::min(50, most_modes) - 3))
-                                       : 1 + dice.pick(std::min(60, most_modes));
-  BodySpec& b = s.slider;
-  b = r;
-  const Support supports[] = {Support::free, Support::free, Support::pinned, Support::rigid};
-  b.support = supports[dice.pick(4)];
-  b.length = (nodes1 - 1) * s.spacing;
-  b.thickness = b.length / dice.ratio(1, 30);
-  b.width = 0.01;
-  b.modes = b.support == Support::pinned ? 1 + dice.pick(6)
-            : b.support == Support::free ? dice.pick(5)
-                                         : 0;
-
-  double fastest = 0;
-  for (const BodySpec* body : {&r, &b})
-    for (const ModeShape& mode : make_beam(*body).modes) fastest = std::max(fastest, mode.omega);
-  if (variant.turn > 0 && fastest > 0) s.step = variant.turn / fastest;
-
-  // any of: at rest, a few nodes in all, a node in some steps, some nodes in a step
-  const double room = (nodes2 - nodes1 - 1) * s.spacing;
-  std::int64_t steps = 10'000 + dice.pick(30'000);
-  const double advances[] = {0.0, dice.ratio(1e-6, 1e-4), dice.ratio(1e-4, 1e-2),
-                             dice.ratio(1e-2, 0.9), dice.ratio(1, 5)};
-  const double advance = advances[dice.pick(5)];
-  if (advance > 0)
-    steps = std::min(steps, static_cast<std::int64_t>(0.9 * room / s.spacing / advance));
-  steps = std::max<std::int64_t>(steps, 50);
-  s.speed = advance * s.spacing / s.step;
-  s.duration = static_cast<double>(steps) * s.step;
-  // the last nodes of the resonator, too: there the end of the run
-  const double last = room - s.speed * s.duration;
-  s.start = dice.one_in(3) ? last : dice.uniform(0, last);
-  s.rate = 1 / (s.step * dice.uniform(1.0, 40.0));
-  s.stiffness = stiffness_for(s, dice.ratio(0.01, 1.2));
-
-  const double height = dice.ratio(1e-7, 1e-5);
-  const auto face = [&](BodySpec& body, int nodes) {
-    switch (dice.pick(4)) {
-      case 0:
-        break;
-      case 1: {
-        std::vector<Peak> list;
-        for (int i = 0; i < 1 + nodes / 100; ++i)
-          list.push_back({.at = dice.uniform(0, body.length),
-                          .height = height,
-                          .half_width = s.spacing * dice.ratio(0.8, 30)});
-        body.surface = peaks(list);
-        break;
-      }
-      default:
-        body.surface =
-            gaussian(height, s.spacing * dice.ratio(4, 60), seed * 2 + (nodes == nodes2));
-    }
-  };
-  face(r, nodes2);
-  face(b, nodes1);
-
-  if (b.support == Support::free) b.load_is_weight = !dice.one_in(3);
-  if (b.support != Support::rigid && !b.load_is_weight) b.load = dice.ratio(0.01, 10);
-  const bool held = r.support == Support::pinned && b.support != Support::rigid;
-  s.initial = held && dice.one_in(2) ? Initial::statics : Initial::rest;
-  if (dice.one_in(4))
-    r.moving_forces.push_back({.force = dice.uniform(-5, 5),
-                               .speed = dice.ratio(1, 100),
-                               .start = dice.uniform(-0.1, 0.5) * r.length});
-
-  if (variant.adapt) variant.adapt(s);
-  Started c{make_model(s), {}};
-  // multipliers would throw apart at once what overlaps at the start
-  const double deepest = s.law == ContactLaw::multiplier ? 0.0 : -0.1;
-  if (s.initial == Initial::rest) c.model.delta += dice.uniform(deepest, 0.3) * height;
-  c.start = make_start(c.model);
-  if (s.initial == Initial::rest && dice.one_in(2)) {
-    const auto kick = [&](const Beam& beam, std::vector<double>& v) {
-      for (std::size_t k = 0; k < v.size(); ++k) {
-        const double omega = std::max(beam.modes[k].omega, 10 / s.duration);
-        v[k] = dice.uniform(-1, 1) * height * omega / beam.modes[k].largest;
-      }
-    };
-    kick(c.model.resonator, c.start.resonator_v);
-    kick(c.model.slider, c.start.slider_v);
-    count_energy(c.model, c.start);
-  }
-  return c;
-}
+Started random_scene(std::uint64_t seed, const Variant& variant = {});
 
 /// Rough faces that meet, under a slider of any support.
-inline Scene rough_scene(Support slider) {
-  Scene s = plate_scene(7, 0.004, 1e-3);
-  s.duration = 6e-4;
-  s.speed = 1.0;
-  s.resonator.surface = gaussian(1e-6, 3e-4, 4);
-  s.slider.support = slider;
-  s.slider.surface = gaussian(1e-6, 3e-4, 3);
-  s.slider.modes = slider == Support::rigid ? 0 : 2;
-  if (slider == Support::free)
-    s.slider.load = 20;
-  else
-    s.gap = 2e-6;  // the asperities meet
-  s.stiffness = 1e14;
-  return s;
-}
+Scene rough_scene(Support slider);
 
 /// All that a run records, as one list.
-inline Bits bits(const Recording& r) {
-  Bits out;
-  const SampleBlock& s = r.samples;
-  for (const auto* column :
-       {&s.time, &s.resonator_displacement, &s.resonator_velocity, &s.slider_displacement,
-        &s.slider_velocity, &s.force, &s.nodes, &s.kinetic, &s.elastic, &s.contact, &s.damping_loss,
-        &s.sliding_work, &s.load_work})
-    put(out, *column);
-  put_shocks(out, r.shocks);
-  put_shocks(out, r.end.open_shocks);
-  for (const OpenShock& shock : r.end.open_shocks) put(out, {shock.force});
-  const Snapshot& e = r.end;
-  for (const auto* column :
-       {&e.resonator_u, &e.resonator_v, &e.slider_u, &e.slider_v, &e.resonator_square})
-    put(out, *column);
-  put(out, {e.sliding_work, e.force_work, e.energy, e.energy_limit});
-  for (const std::int64_t i :
-       {static_cast<std::int64_t>(e.status), e.step, e.contact_steps, e.most_nodes, e.shocks_begun})
-    out.push_back(static_cast<std::uint64_t>(i));
-  return out;
-}
+Bits bits(const Recording& r);
 
 }  // namespace ra2d::test

@@ -15,6 +15,7 @@
 #include "host/errors.hpp"
 #include "tests/child.hpp"
 #include "tests/csv.hpp"
+#include "tests/places.hpp"
 
 /// The chart of stability: the march against the theory, and the files that it leaves.
 namespace ra2d::test {
@@ -29,10 +30,6 @@ constexpr SchemeChoice midpoint{SchemeKind::midpoint, ForceTime::old_time},
     heun{SchemeKind::heun, ForceTime::old_time},
     backward_euler{SchemeKind::backward_euler, ForceTime::old_time},
     rk8{SchemeKind::rk8, ForceTime::old_time};
-
-std::string scene(const std::string& name) {
-  return std::string(RA2D_SOURCE_DIR) + "/scenes/" + name + ".toml";
-}
 
 TEST(MeasuredGrowth, OfAFreeModeIsThatOfTheFormulas) {
   // Heun without damping: |R|^2 = 1 + x^4/4; midpoint: 1, though its energy swings; backward Euler:
@@ -102,9 +99,9 @@ TEST(Chart, TheMarchShowsTheLimitsOfTheTheory) {
 TEST(Chart, TheProgramPrintsTheTableAndWritesItsFiles) {
   const Folder folder;
   const bool can_draw =
-      run_program(folder.path(), {RA2D_PYTHON, "-c", "import matplotlib"}).status == 0;
-  std::vector<std::string> words{RA2D_PROGRAM, "chart",          "stability", scene("peaks"),
-                                 "--set",      "time.step=2e-8", "-o",        "out"};
+      run_program(folder.path(), {python(), "-c", "import matplotlib"}).status == 0;
+  std::vector<std::string> words{program(), "chart",          "stability", scene_file("peaks"),
+                                 "--set",   "time.step=2e-8", "-o",        "out"};
   if (!can_draw) words.emplace_back("--no-plot");
   const Ended run = run_program(folder.path(), words);
   ASSERT_EQ(run.status, 0) << run.err;
@@ -185,7 +182,7 @@ scheme = "adaptive"
 TEST(Chart, WrongRequestsEndWithTwoAndSayWhy) {
   const Folder folder;
   const auto run = [&](std::vector<std::string> words) {
-    words.insert(words.begin(), {RA2D_PROGRAM, "chart"});
+    words.insert(words.begin(), {program(), "chart"});
     return run_program(folder.path(), words);
   };
   EXPECT_EQ(run({}).status, 2);

@@ -16,6 +16,7 @@
 #include "tests/child.hpp"
 #include "tests/csv.hpp"
 #include "tests/looks.hpp"
+#include "tests/places.hpp"
 #include "tests/schemes.hpp"
 
 /// The chart of accuracy: its errors against what theory says of them, and the files that it leaves.
@@ -33,10 +34,6 @@ fs::path script(const Folder& folder, const std::string& name, const std::string
   write_text(file, "#!/bin/sh\n" + text);
   fs::permissions(file, fs::perms::owner_all);
   return file;
-}
-
-std::string scene(const std::string& name) {
-  return std::string(RA2D_SOURCE_DIR) + "/scenes/" + name + ".toml";
 }
 
 TEST(StateError, IsThatOfTheEnergy) {
@@ -104,7 +101,7 @@ TEST(Accuracy, ErrorsOfASmoothMotionFallAtTheOrders) {
 }
 
 TEST(Accuracy, OfSixShocks) {
-  const Scene peaks = read_scene(scene("peaks"), {"time.step=3e-7"});
+  const Scene peaks = read_scene(scene_file("peaks"), {"time.step=3e-7"});
   const AccuracyChart chart = measure_accuracy(
       peaks, {.budget = 1000, .repetitions = 2, .steps = {1e-6, 3e-7}, .tolerances = {1e-4, 1e-6}});
   ASSERT_EQ(chart.instants.size(), 2u);
@@ -167,7 +164,7 @@ constexpr const char* answer =
 
 TEST(Peers, AreAskedAndUnderstood) {
   const Folder folder;
-  Scene moved = read_scene(scene("peaks"));
+  Scene moved = read_scene(scene_file("peaks"));
   moved.slider.surface = {.kind = SurfaceKind::file, .path = "profile.csv"};
   const Peers peers(
       script(folder, "peers",
@@ -184,12 +181,12 @@ TEST(Peers, AreAskedAndUnderstood) {
   EXPECT_THAT(read_file(folder.path() / "words"),
               HasSubstr("--integrator cvode-adams --nodes all --tolerance 1e-08 --until 0.002"));
   EXPECT_EQ(read_scene(folder.path() / "copy.toml").slider.surface.path,
-            fs::path(RA2D_SOURCE_DIR) / "scenes" / "profile.csv");
+            source_folder() / "scenes" / "profile.csv");
 }
 
 TEST(Peers, ThatFailSaySo) {
   const Folder folder;
-  const Scene peaks = read_scene(scene("peaks"));
+  const Scene peaks = read_scene(scene_file("peaks"));
   const auto failure = [&](const std::string& text, double limit = 10) {
     return Peers(script(folder, "peers", text), peaks)
         .run({"dopri5", "all", 1e-3}, 1.0, limit)
@@ -206,11 +203,11 @@ TEST(Peers, ThatFailSaySo) {
 TEST(Accuracy, TheProgramPrintsTheTableAndWritesItsFiles) {
   const Folder folder;
   const bool can_draw =
-      run_program(folder.path(), {RA2D_PYTHON, "-c", "import matplotlib"}).status == 0;
+      run_program(folder.path(), {python(), "-c", "import matplotlib"}).status == 0;
   // one that answers, with the state of another scene
   const fs::path peers = script(folder, "peers", std::string("cat << EOF\n") + answer + "\nEOF\n");
   // the first shock alone
-  std::vector<std::string> words{RA2D_PROGRAM, "chart", "accuracy", scene("peaks")};
+  std::vector<std::string> words{program(), "chart", "accuracy", scene_file("peaks")};
   for (const char* value : {"scene.start=0.10485", "scene.duration=5e-4", "scene.spacing=1e-4"})
     words.insert(words.end(), {"--set", value});
   words.insert(words.end(), {"--budget", "100", "--peers", peers.string(), "-o", "out"});
@@ -257,7 +254,7 @@ TEST(Accuracy, TheProgramPrintsTheTableAndWritesItsFiles) {
 TEST(Accuracy, WrongRequestsEndWithTwoAndSayWhy) {
   const Folder folder;
   const auto run = [&](std::vector<std::string> words) {
-    words.insert(words.begin(), {RA2D_PROGRAM, "chart", "accuracy"});
+    words.insert(words.begin(), {program(), "chart", "accuracy"});
     return run_program(folder.path(), words);
   };
   EXPECT_EQ(run({"--bugdet", "3"}).status, 2);

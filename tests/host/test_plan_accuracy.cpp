@@ -17,6 +17,7 @@
 #include "host/plan/schemes.hpp"
 #include "tests/child.hpp"
 #include "tests/dice.hpp"
+#include "tests/places.hpp"
 #include "tests/scenes.hpp"
 #include "tests/simulate.hpp"
 
@@ -303,17 +304,15 @@ TEST(PlannedScene, FindsItsProfilesFromWhereItIsWritten) {
 class PlanAccuracy : public testing::Test {
  protected:
   Ended run(std::vector<std::string> words) const {
-    words.insert(words.begin(), RA2D_PROGRAM);
+    words.insert(words.begin(), program());
     return run_program(folder_.path(), words);
-  }
-  static std::string scene(const std::string& name) {
-    return std::string(RA2D_SOURCE_DIR) + "/scenes/" + name + ".toml";
   }
   const Folder folder_;
 };
 
 TEST_F(PlanAccuracy, WritesASceneThatRuns) {
-  const Ended planned = run({"plan", "--accuracy", "0.01", "--budget", "5", scene("moving-force")});
+  const Ended planned =
+      run({"plan", "--accuracy", "0.01", "--budget", "5", scene_file("moving-force")});
   ASSERT_EQ(planned.status, 0) << planned.err;
   EXPECT_THAT(planned.out, AllOf(HasSubstr("resonator.modes"), HasSubstr("needed"),
                                  HasSubstr("written    moving-force-planned.toml")));
@@ -325,7 +324,7 @@ TEST_F(PlanAccuracy, WritesASceneThatRuns) {
 }
 
 TEST_F(PlanAccuracy, WrongRequestsAreRefusedBeforeAnythingRuns) {
-  std::ofstream(folder_.path() / "own.toml") << read_file(scene("moving-force"));
+  std::ofstream(folder_.path() / "own.toml") << read_file(scene_file("moving-force"));
   const auto refused = [&](const std::vector<std::string>& words, const std::string& why,
                            int status = 2) {
     std::vector<std::string> all{"plan", "own.toml"};
@@ -348,12 +347,12 @@ TEST_F(PlanAccuracy, WrongRequestsAreRefusedBeforeAnythingRuns) {
   // without an adaptive reference the scene's own scheme must hold
   refused({"--accuracy", "0.1", "--set", "contact.law=multiplier", "--set", "time.scheme=heun"},
           "Take time.scheme");
-  EXPECT_EQ(read_file(folder_.path() / "own.toml"), read_file(scene("moving-force")));
+  EXPECT_EQ(read_file(folder_.path() / "own.toml"), read_file(scene_file("moving-force")));
 }
 
 TEST_F(PlanAccuracy, ASignalEndsItWithNothingWritten) {
   Child child(folder_.path(),
-              {RA2D_PROGRAM, "plan", "--accuracy", "1e-4", "--budget", "1e6", scene("dang2012")});
+              {program(), "plan", "--accuracy", "1e-4", "--budget", "1e6", scene_file("dang2012")});
   std::this_thread::sleep_for(std::chrono::seconds(2));
   child.send(SIGINT);
   EXPECT_EQ(child.wait(), 130) << child.err();

@@ -12,12 +12,14 @@
 #include <thread>
 
 #include "tests/child.hpp"
+#include "tests/places.hpp"
 
 namespace {
 
 namespace fs = std::filesystem;
 using ra2d::test::Child;
 using ra2d::test::Folder;
+using ra2d::test::scene_file;
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
@@ -25,7 +27,7 @@ using testing::Not;
 class Program : public testing::Test {
  protected:
   Child start(std::vector<std::string> words) const {
-    words.insert(words.begin(), RA2D_PROGRAM);
+    words.insert(words.begin(), ra2d::test::program());
     return {folder_, words};
   }
   int run(std::vector<std::string> words) {
@@ -36,8 +38,8 @@ class Program : public testing::Test {
     return status;
   }
   int python(std::vector<std::string> words) {
-    words[0] = std::string(RA2D_SOURCE_DIR) + "/tests/host/" + words[0];
-    words.insert(words.begin(), RA2D_PYTHON);
+    words[0] = ra2d::test::source_folder() / "tests/host" / words[0];
+    words.insert(words.begin(), ra2d::test::python());
     Child child(folder_, words);
     const int status = child.wait();
     out_ = child.out();
@@ -55,9 +57,6 @@ class Program : public testing::Test {
       std::this_thread::sleep_for(std::chrono::milliseconds(100));
     }
     FAIL() << "no run began";
-  }
-  static std::string scene(const std::string& name) {
-    return std::string(RA2D_SOURCE_DIR) + "/scenes/" + name + ".toml";
   }
   const Folder temporary_;
   const fs::path folder_ = temporary_.path();
@@ -78,18 +77,18 @@ TEST_F(Program, WrongRequestsEndWithTwoAndSayWhy) {
   EXPECT_EQ(run({}), 2);
   EXPECT_EQ(run({"run"}), 2);
   EXPECT_THAT(err_, HasSubstr("SCENE"));
-  EXPECT_EQ(run({"rnu", scene("peaks")}), 2);
-  EXPECT_EQ(run({"run", scene("peaks"), "--treads", "2"}), 2);
+  EXPECT_EQ(run({"rnu", scene_file("peaks")}), 2);
+  EXPECT_EQ(run({"run", scene_file("peaks"), "--treads", "2"}), 2);
   EXPECT_EQ(run({"study", "x.toml"}), 2);
   EXPECT_THAT(err_, HasSubstr("'study' is not available yet"));
-  EXPECT_EQ(run({"run", scene("peaks"), "--set", "scene.sped=1", "--set", "time.step=-1"}), 2);
+  EXPECT_EQ(run({"run", scene_file("peaks"), "--set", "scene.sped=1", "--set", "time.step=-1"}), 2);
   EXPECT_THAT(err_, AllOf(HasSubstr("2 faults"), HasSubstr("scene.sped"), HasSubstr("`speed`"),
                           HasSubstr("time.step")));
   EXPECT_FALSE(fs::exists(folder_ / "peaks.h5"));
 }
 
 TEST_F(Program, AdaptiveWithMultipliersIsRefusedWithTheReason) {
-  EXPECT_EQ(run({"run", scene("peaks"), "--set", "time.scheme=adaptive", "--set",
+  EXPECT_EQ(run({"run", scene_file("peaks"), "--set", "time.scheme=adaptive", "--set",
                  "contact.law=multiplier"}),
             2);
   EXPECT_THAT(err_, AllOf(HasSubstr("contact.law"), HasSubstr("what an impact gives back"),
@@ -100,9 +99,9 @@ TEST_F(Program, AdaptiveWithMultipliersIsRefusedWithTheReason) {
 TEST_F(Program, FilesThatCannotBeReadOrWrittenEndWithFour) {
   EXPECT_EQ(run({"run", "nowhere.toml"}), 4);
   EXPECT_THAT(err_, HasSubstr("nowhere.toml"));
-  EXPECT_EQ(run({"run", scene("peaks"), "-o", "no/such/folder/out.h5"}), 4);
+  EXPECT_EQ(run({"run", scene_file("peaks"), "-o", "no/such/folder/out.h5"}), 4);
   EXPECT_THAT(err_, HasSubstr("no/such/folder"));
-  EXPECT_EQ(run({"run", scene("peaks"), "--set",
+  EXPECT_EQ(run({"run", scene_file("peaks"), "--set",
                  "resonator.surface={ kind = \"file\", path = \"missing.csv\" }"}),
             4);
   EXPECT_THAT(err_, AllOf(HasSubstr("resonator.surface"), HasSubstr("missing.csv")));
@@ -110,7 +109,7 @@ TEST_F(Program, FilesThatCannotBeReadOrWrittenEndWithFour) {
 
 TEST_F(Program, AProfileThatIsTooShortNamesTheBody) {
   std::ofstream(folder_ / "short.csv") << "x,z\n0,0\n1e-3,1e-6\n2e-3,0\n";
-  EXPECT_EQ(run({"run", scene("peaks"), "--set",
+  EXPECT_EQ(run({"run", scene_file("peaks"), "--set",
                  fmt::format("slider.surface={{ kind = \"file\", path = \"{}\" }}",
                              (folder_ / "short.csv").string())}),
             2);
@@ -118,7 +117,8 @@ TEST_F(Program, AProfileThatIsTooShortNamesTheBody) {
 }
 
 TEST_F(Program, ARunPrintsWhatItFoundAndWritesAFileThatOpensEverywhere) {
-  ASSERT_EQ(run({"run", scene("peaks")}), 0) << err_;
+  RA2D_SKIP_WITHOUT_PYTHON();
+  ASSERT_EQ(run({"run", scene_file("peaks")}), 0) << err_;
   EXPECT_THAT(out_, AllOf(HasSubstr("level Lv"), HasSubstr("dB"), HasSubstr("shocks"),
                           HasSubstr("duration"), HasSubstr("peak force"), HasSubstr("in contact"),
                           HasSubstr("nodes evaluated"), HasSubstr("energy"), HasSubstr("ns a step"),
@@ -129,13 +129,15 @@ TEST_F(Program, ARunPrintsWhatItFoundAndWritesAFileThatOpensEverywhere) {
 }
 
 TEST_F(Program, TheEchoInTheFileRunsAgainToTheSameResult) {
-  ASSERT_EQ(run({"run", scene("drop"), "--quiet", "--set", "contact.stiffness=5e14", "-o", "a.h5"}),
-            0)
+  RA2D_SKIP_WITHOUT_PYTHON();
+  ASSERT_EQ(
+      run({"run", scene_file("drop"), "--quiet", "--set", "contact.stiffness=5e14", "-o", "a.h5"}),
+      0)
       << err_;
   EXPECT_EQ(out_, "");
   std::ofstream(folder_ / "get.py")
       << "import h5py\nopen('again.toml','w').write(h5py.File('a.h5').attrs['scene'])\n";
-  Child get(folder_, {RA2D_PYTHON, "get.py"});
+  Child get(folder_, {ra2d::test::python(), "get.py"});
   ASSERT_EQ(get.wait(), 0) << get.err();
   EXPECT_THAT(ra2d::test::read_file(folder_ / "again.toml"), HasSubstr("stiffness = 5e14"));
   ASSERT_EQ(run({"run", "again.toml", "-o", "b.h5"}), 0) << err_;
@@ -143,7 +145,9 @@ TEST_F(Program, TheEchoInTheFileRunsAgainToTheSameResult) {
 }
 
 TEST_F(Program, TheResultDoesNotDependOnThreadsOrOnWhatIsLookedAt) {
-  const std::vector<std::string> common{"run", scene("dang2012"), "--set", "scene.duration=0.001"};
+  RA2D_SKIP_WITHOUT_PYTHON();
+  const std::vector<std::string> common{"run", scene_file("dang2012"), "--set",
+                                        "scene.duration=0.001"};
   const auto with = [&](std::vector<std::string> more) {
     more.insert(more.begin(), common.begin(), common.end());
     return run(more);
@@ -156,11 +160,11 @@ TEST_F(Program, TheResultDoesNotDependOnThreadsOrOnWhatIsLookedAt) {
 }
 
 TEST_F(Program, PlanRunsNothingAndSaysWhatWouldBeModelled) {
-  ASSERT_EQ(run({"plan", scene("dang2012")}), 0) << err_;
+  ASSERT_EQ(run({"plan", scene_file("dang2012")}), 0) << err_;
   EXPECT_THAT(out_, AllOf(HasSubstr("19 modes"), HasSubstr("2501"), HasSubstr("100000000 steps"),
                           HasSubstr("stability"), HasSubstr("memory"), HasSubstr("rsm = 0.00155")));
   EXPECT_FALSE(fs::exists(folder_ / "dang2012.h5"));
-  ASSERT_EQ(run({"plan", scene("dang2012"), "--set", "time.tolerance=1e-6", "--set",
+  ASSERT_EQ(run({"plan", scene_file("dang2012"), "--set", "time.tolerance=1e-6", "--set",
                  "time.step=1e-4", "--set", "output.rate=1e3"}),
             0)
       << err_;
@@ -168,9 +172,10 @@ TEST_F(Program, PlanRunsNothingAndSaysWhatWouldBeModelled) {
 }
 
 TEST_F(Program, ASignalEndsTheRunCleanlyWithWhatThereIs) {
+  RA2D_SKIP_WITHOUT_PYTHON();
   for (const int signal : {SIGINT, SIGTERM}) {
     Child child = start(
-        {"run", scene("dang2012"), "--set", "scene.duration=0.9", "--set", "time.step=2e-10"});
+        {"run", scene_file("dang2012"), "--set", "scene.duration=0.9", "--set", "time.step=2e-10"});
     wait_until_it_marches();
     child.send(signal);
     EXPECT_EQ(child.wait(), 130) << child.err();
@@ -181,14 +186,14 @@ TEST_F(Program, ASignalEndsTheRunCleanlyWithWhatThereIs) {
         << "import h5py\nf = h5py.File('dang2012.h5')\n"
            "assert f.attrs['complete'] == 0 and f.attrs['ended'] == 'interrupted'\n"
            "assert f.attrs['steps'] > 0\n";
-    Child cut(folder_, {RA2D_PYTHON, "cut.py"});
+    Child cut(folder_, {ra2d::test::python(), "cut.py"});
     EXPECT_EQ(cut.wait(), 0) << cut.err();
     fs::remove(folder_ / "dang2012.h5");
   }
 }
 
 TEST_F(Program, AKilledRunLeavesNothingUnderTheFinalName) {
-  Child child = start({"run", scene("dang2012"), "--set", "time.step=2e-10"});
+  Child child = start({"run", scene_file("dang2012"), "--set", "time.step=2e-10"});
   wait_until_it_marches();
   child.send(SIGKILL);
   EXPECT_EQ(child.wait(), 1000 + SIGKILL);
@@ -203,7 +208,8 @@ std::vector<std::string> with(std::vector<std::string> words,
 }
 
 TEST_F(Program, AStepBeyondTheLimitIsRefusedAndTheStepThatIsNamedHolds) {
-  ASSERT_EQ(run(with({"run", scene("drop")}, too_long)), 2);
+  RA2D_SKIP_WITHOUT_PYTHON();
+  ASSERT_EQ(run(with({"run", scene_file("drop")}, too_long)), 2);
   EXPECT_THAT(err_,
               AllOf(HasSubstr("time.step:"), HasSubstr("a node in contact up to"),
                     HasSubstr("grows e-fold in"), HasSubstr("Take time.step = "),
@@ -211,43 +217,44 @@ TEST_F(Program, AStepBeyondTheLimitIsRefusedAndTheStepThatIsNamedHolds) {
   EXPECT_FALSE(fs::exists(folder_ / "drop.h5"));
   const std::size_t at = err_.find("Take time.step = ") + 17;
   const std::string step = err_.substr(at, err_.find(' ', at) - at);
-  EXPECT_EQ(run({"run", scene("drop"), "--set", "time.step=" + step, "--set", "output.rate=1e3"}),
-            0)
+  EXPECT_EQ(
+      run({"run", scene_file("drop"), "--set", "time.step=" + step, "--set", "output.rate=1e3"}), 0)
       << err_;
   EXPECT_THAT(out_, Not(HasSubstr("beyond limit")));
   EXPECT_EQ(python({"check_result.py", "drop.h5"}), 0) << out_ << err_;
-  EXPECT_EQ(run(with({"run", scene("drop"), "--set", "time.contact_force=new"}, too_long)), 0)
+  EXPECT_EQ(run(with({"run", scene_file("drop"), "--set", "time.contact_force=new"}, too_long)), 0)
       << err_;
 }
 
 TEST_F(Program, ASchemeThatGrowsAtEveryStepIsRefusedWithItsRate) {
   for (const std::string scheme : {"explicit-euler", "heun"}) {
-    EXPECT_EQ(run({"run", scene("moving-force"), "--set", "time.scheme=" + scheme}), 2);
+    EXPECT_EQ(run({"run", scene_file("moving-force"), "--set", "time.scheme=" + scheme}), 2);
     EXPECT_THAT(err_, AllOf(HasSubstr("at no step does " + scheme), HasSubstr("Hz"),
                             HasSubstr("grows e-fold in"), Not(HasSubstr("Take time.step"))));
   }
   // undamped, the held force feeds the spring at every step; there is none with multipliers
-  EXPECT_EQ(run({"run", scene("moving-force"), "--set", "time.scheme=exact"}), 2);
+  EXPECT_EQ(run({"run", scene_file("moving-force"), "--set", "time.scheme=exact"}), 2);
   EXPECT_THAT(err_, HasSubstr("at no step does exact hold a node in contact"));
-  EXPECT_EQ(run({"run", scene("moving-force"), "--set", "time.scheme=exact", "--set",
+  EXPECT_EQ(run({"run", scene_file("moving-force"), "--set", "time.scheme=exact", "--set",
                  "contact.law=multiplier"}),
             0)
       << err_;
 }
 
 TEST_F(Program, AForcedStepRunsAndTheFileSaysSo) {
+  RA2D_SKIP_WITHOUT_PYTHON();
   // Heun's undamped modes grow e-fold in 8/(omega^4 tau^3), 40 s here
-  ASSERT_EQ(run({"run", scene("moving-force"), "--set", "time.scheme=heun", "--set",
+  ASSERT_EQ(run({"run", scene_file("moving-force"), "--set", "time.scheme=heun", "--set",
                  "time.force=true", "-o", "forced.h5"}),
             0)
       << err_;
   EXPECT_THAT(out_, AllOf(HasSubstr("beyond limit"), HasSubstr("at no step does heun")));
-  ASSERT_EQ(run({"run", scene("moving-force"), "-o", "fine.h5"}), 0) << err_;
+  ASSERT_EQ(run({"run", scene_file("moving-force"), "-o", "fine.h5"}), 0) << err_;
   std::ofstream(folder_ / "look.py")
       << "import h5py\n"
          "assert 'at no step does heun' in h5py.File('forced.h5').attrs['beyond_limit']\n"
          "assert 'beyond_limit' not in h5py.File('fine.h5').attrs\n";
-  Child look(folder_, {RA2D_PYTHON, "look.py"});
+  Child look(folder_, {ra2d::test::python(), "look.py"});
   EXPECT_EQ(look.wait(), 0) << look.err();
 }
 
@@ -291,7 +298,8 @@ step = 1e-7
 }
 
 TEST_F(Program, AnUnstableRunEndsWithThreeAndSaysWhichLimitItCrossed) {
-  EXPECT_EQ(run(with({"run", scene("drop"), "--set", "time.force=true"}, too_long)), 3);
+  RA2D_SKIP_WITHOUT_PYTHON();
+  EXPECT_EQ(run(with({"run", scene_file("drop"), "--set", "time.force=true"}, too_long)), 3);
   EXPECT_THAT(err_, AllOf(HasSubstr("unstable"), HasSubstr("t ="), HasSubstr("contact spring of"),
                           HasSubstr("up to time.step ="), HasSubstr("Take time.step =")));
   EXPECT_EQ(python({"check_result.py", "drop.h5"}), 0) << out_ << err_;

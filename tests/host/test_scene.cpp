@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "host/errors.hpp"
+#include "tests/places.hpp"
 
 namespace ra2d {
 namespace {
@@ -921,7 +922,7 @@ TEST_F(SceneFile, ThatIsHugeIsRefused) {
 
 TEST_F(SceneFile, OfTheScenesFolderAreAllFine) {
   int count = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(RA2D_SOURCE_DIR "/scenes")) {
+  for (const auto& entry : std::filesystem::directory_iterator(test::source_folder() / "scenes")) {
     if (entry.path().extension() != ".toml") continue;
     SCOPED_TRACE(entry.path().filename());
     expect_round_trip(read_scene(entry.path()));
@@ -931,7 +932,7 @@ TEST_F(SceneFile, OfTheScenesFolderAreAllFine) {
 }
 
 TEST_F(SceneFile, OfThePaperHasItsNumbers) {
-  const Scene s = read_scene(RA2D_SOURCE_DIR "/scenes/dang2012.toml");
+  const Scene s = read_scene(test::scene_file("dang2012"));
   EXPECT_EQ(s.duration, 1);
   EXPECT_EQ(s.spacing, 8e-6);
   EXPECT_EQ(s.step, 1e-8);

@@ -23,13 +23,7 @@
 
 #include "host/errors.hpp"
 #include "host/store/store.hpp"
-
-#ifndef RA2D_SOURCE_DIR
-#define RA2D_SOURCE_DIR "."
-#endif
-#ifndef RA2D_PYTHON
-#define RA2D_PYTHON "/usr/bin/python3"
-#endif
+#include "tests/places.hpp"
 
 // HDF5 loses a little memory when a flush fails; nothing of ours can give it back.
 extern "C" const char* __lsan_default_suppressions();
@@ -129,13 +123,12 @@ std::vector<double> read(const fs::path& path, const char* name) {
   return data;
 }
 
-/// Opens the file with h5py, netCDF4 and xarray, where these are installed.
+/// Opens the file with h5py, netCDF4 and xarray.
 void check_in_python(const fs::path& path) {
-  static const bool have_readers =
-      std::system(RA2D_PYTHON " -c 'import h5py, netCDF4, xarray' 2>/dev/null") == 0;
-  if (!have_readers) return;
-  const std::string command = fmt::format("{} '{}/tests/host/check_result.py' '{}'", RA2D_PYTHON,
-                                          RA2D_SOURCE_DIR, path.string());
+  if (test::python().empty()) return;
+  const fs::path script = test::source_folder() / "tests/host/check_result.py";
+  const std::string command =
+      fmt::format("{} '{}' '{}'", test::python(), script.string(), path.string());
   EXPECT_EQ(std::system(command.c_str()), 0) << command;
 }
 

@@ -7,6 +7,7 @@
 
 #include "bench/peers/peers.hpp"
 #include "host/run/timed_run.hpp"
+#include "tests/places.hpp"
 #include "tests/scenes.hpp"
 
 /// The adaptive scheme against CVODE, which shares no code with it, over many shocks.
@@ -43,7 +44,7 @@ Both run_both(Scene scene, double until) {
 
 /// The slider's peak passes `count` peaks of the resonator, one every 2.5 mm.
 Scene row_of_peaks(int count, double gap, double damping) {
-  Scene scene = read_scene(RA2D_SOURCE_DIR "/scenes/peaks.toml");
+  Scene scene = read_scene(test::scene_file("peaks"));
   std::vector<Peak> peaks;
   for (int i = 0; i < count; ++i) peaks.push_back({0.112 + 2.5e-3 * i, 10e-6, 2e-4});
   scene.resonator.surface = test::peaks(peaks);

@@ -10,6 +10,7 @@
 
 #include "bench/peers/peers.hpp"
 #include "host/errors.hpp"
+#include "tests/places.hpp"
 #include "tests/scenes.hpp"
 #include "tests/simulate.hpp"
 
@@ -41,7 +42,7 @@ double error(const End& end, const Reference& reference) {
                   apart(end.resonator_u, reference.resonator_u));
 }
 
-Scene peaks_scene() { return read_scene(RA2D_SOURCE_DIR "/scenes/peaks.toml"); }
+Scene peaks_scene() { return read_scene(test::scene_file("peaks")); }
 
 PeerResult solve(const Scene& scene, Integrator integrator, double tolerance,
                  Nodes nodes = Nodes::candidates) {

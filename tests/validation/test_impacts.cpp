@@ -274,7 +274,7 @@ TEST_P(EveryScheme, LaunchesAndBuffersOfAnyLengthGiveTheSameBits) {
   }
 }
 
-TEST(Batches, OfAllSchemesTogetherGiveTheSameBitsAsEachAlone) {
+TEST(Batches, SchemesBesideEachOtherGiveTheSameBitsAsAlone) {
   std::vector<Scene> scenes;
   for (const Scheme& scheme : schemes_and_implicit())
     for (const Scene& scene : rough_scenes(scheme)) scenes.push_back(scene);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -10,8 +11,10 @@
 
 #include "kernels/schemes/rk4.hpp"
 #include "kernels/schemes/rk8.hpp"
+#include "tests/places.hpp"
 #include "tests/schemes.hpp"
 #include "tests/simulate.hpp"
+#include "tests/step_matrices.hpp"
 
 /// Where the schemes are stable, on the march: of both sides of every limit, and how fast the
 /// motion grows beyond.
@@ -398,7 +401,7 @@ TEST(BackwardEulerDamping, OfTheHighestModeAtTheStepOfThePaper) {
   // on top of zeta = 0.02, and a period that is 2.4e-5 too long. Small as it is, it is felt: after
   // 1 ms the mode's amplitude is 7 % too low, after 10 ms, when its own damping has long done away
   // with it, half.
-  Scene s = read_scene(std::string(RA2D_SOURCE_DIR) + "/scenes/dang2012.toml");
+  Scene s = read_scene(scene_file("dang2012"));
   s.resonator.surface = s.slider.surface = {};
   s.slider = rigid(s.slider);
   s.slider.load_is_weight = false;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host/scene/scene.hpp"
+#include "tests/places.hpp"
 #include "tests/scenes.hpp"
 #include "tests/simulate.hpp"
 
@@ -125,7 +126,7 @@ TEST(Unstable, NoticedWhileSliding) {
   }
 }
 
-TEST(Unstable, TheOthersOfTheBatchGoOn) {
+TEST(Unstable, TheScenesBesideItGoOn) {
   Scene good = pressed_plate();
   good.initial = Initial::rest;
   good.gap = 1e-5 - 1e-9;
@@ -180,7 +181,7 @@ TEST(Stable, AQuarterOfTheLimitRunsThroughManyShocks) {
 TEST(Stable, NoFalseAlarmOnTheScenesThatComeWithTheProgram) {
   for (const char* name : {"dang2012", "dang2012-pinned", "drop", "moving-force", "peaks"}) {
     SCOPED_TRACE(name);
-    Scene s = read_scene(std::string(RA2D_SOURCE_DIR) + "/scenes/" + name + ".toml");
+    Scene s = read_scene(scene_file(name));
     s.duration = std::min(s.duration, 5e-3);
     const Recording run = simulate(s);
     EXPECT_EQ(run.end.status, Status::done);

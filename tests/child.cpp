@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tests/child.hpp"
+
+#include <fcntl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <fstream>
+#include <sstream>
+#include <utility>
+
+namespace ra2d::test {
+
+std::string read_file(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  std::stringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+Folder::Folder() {
+  std::string name = (std::filesystem::temp_directory_path() / "ra2d_test_XXXXXX").string();
+  path_ = mkdtemp(name.data());
+}
+
+Folder::~Folder() { std::filesystem::remove_all(path_); }
+
+Child::Child(const std::filesystem::path& folder, std::vector<std::string> words)
+    : folder_{folder} {
+  pid_ = fork();
+  if (pid_ != 0) return;
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  if (chdir(folder.c_str()) != 0) _exit(125);
+  dup2(open((folder / "stdout").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), 1);
+  dup2(open((folder / "stderr").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), 2);
+  execvp(argv[0], argv.data());
+  _exit(126);
+}
+
+int Child::wait() {
+  int status = 0;
+  waitpid(pid_, &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status);
+}
+
+void Child::send(int signal) const { kill(pid_, signal); }
+
+Ended run_program(const std::filesystem::path& folder, std::vector<std::string> words) {
+  Child child(folder, std::move(words));
+  const int status = child.wait();
+  return {status, child.out(), child.err()};
+}
+
+}  // namespace ra2d::test

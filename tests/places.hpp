@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <filesystem>
+#include <string>
+
+/// What tests run and read: this build's, or what the environment names (RA2D_PROGRAM,
+/// RA2D_SOURCE_DIR, RA2D_PYTHON), as in a bundle.
+namespace ra2d::test {
+
+/// The program ra2d.
+std::string program();
+
+/// The folder that holds scenes/ and tests/.
+std::filesystem::path source_folder();
+
+/// A file of scenes/ by its name without .toml.
+std::string scene_file(const std::string& name);
+
+/// A Python with h5py, netCDF4 and xarray; empty when RA2D_PYTHON says that there is none.
+std::string python();
+#define RA2D_SKIP_WITHOUT_PYTHON()    \
+  if (ra2d::test::python().empty()) { \
+    GTEST_SKIP() << "no Python here"; \
+  }                                   \
+  static_assert(true)
+
+}  // namespace ra2d::test
