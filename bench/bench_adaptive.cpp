@@ -20,6 +20,7 @@
 #include <cmath>
 #include <string>
 
+#include "bench/places.hpp"
 #include "bench/report.hpp"
 #include "bench/timing.hpp"
 #include "host/chart/methods.hpp"
@@ -64,7 +65,7 @@ void add_case(const std::string& name, const Scene& scene, const Setting& settin
 void add_cases() {
   for (const std::string name : {"dang2012-pinned", "dang2012"})
     for (const bool small : {false, true}) {
-      const Scene scene = read_scene(std::string(RA2D_SOURCE_DIR) + "/scenes/" + name + ".toml");
+      const Scene scene = read_scene(scene_file(name));
       const auto full_name = [&](const std::string& method) {
         return "second/" + name + "/" + method + (small ? "/small" : "");
       };

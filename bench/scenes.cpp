@@ -3,10 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <map>
 #include <stdexcept>
 #include <utility>
+
+#include "bench/places.hpp"
 
 namespace ra2d::bench {
 namespace {
@@ -14,9 +15,8 @@ namespace {
 constexpr std::int64_t settling_steps = 2'000'000;  // 20 ms at 10 ns
 
 Scene read(Paper paper, Method method) {
-  const std::filesystem::path folder = std::filesystem::path(RA2D_SOURCE_DIR) / "scenes";
   Scene scene =
-      read_scene(folder / (paper == Paper::free_slider ? "dang2012.toml" : "dang2012-pinned.toml"));
+      read_scene(scene_file(paper == Paper::free_slider ? "dang2012" : "dang2012-pinned"));
   scene.scheme = method.scheme;
   scene.force_time = method.force_time;
   scene.law = method.law;

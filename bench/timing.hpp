@@ -12,7 +12,6 @@
 
 #include "bench/scenes.hpp"
 #include "host/chart/context.hpp"
-#include "host/run/launch.hpp"
 
 /// How a march is timed.
 namespace ra2d::bench {
@@ -94,7 +93,7 @@ inline void add_context() {
   benchmark::AddCustomContext("ra2d", RA2D_VERSION " (" RA2D_COMMIT ")");
   benchmark::AddCustomContext("backend", backend_name());
   benchmark::AddCustomContext("threads", std::to_string(backend_threads()));
-  benchmark::AddCustomContext("lanes", std::to_string(LanesOf<Space>::width));
+  benchmark::AddCustomContext("lanes", std::to_string(backend_lanes()));
   benchmark::AddCustomContext("compiler", compiler_name());
 }
 

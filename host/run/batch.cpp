@@ -247,6 +247,7 @@ Backend::~Backend() { Kokkos::finalize(); }
 int most_modes() { return capacity; }
 std::string backend_name() { return Space::name(); }
 int backend_threads() { return Space().concurrency(); }
+int backend_lanes() { return width; }
 
 struct Batch::Impl {
   using HostState = Kokkos::View<SceneState, Kokkos::HostSpace, Kokkos::MemoryUnmanaged>;

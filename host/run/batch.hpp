@@ -32,6 +32,9 @@ int most_modes();
 std::string backend_name();
 int backend_threads();
 
+/// Values that a team computes side by side: of a SIMD register, or the threads of a warp.
+int backend_lanes();
+
 /// What a scene handed out since the last time it was asked.
 struct Drained {
   int lanes = 0;  // modal lanes of a sample row

@@ -40,9 +40,13 @@ struct PackList {
   }
 };
 // up to 256 modes with any width of the lanes
+#if defined(RA2D_ONE_MARCH)
+using Packs = PackList<256 / LanesOf<Space>::width>;
+#else
 using Packs =
     std::conditional_t<LanesOf<Space>::width == 32, PackList<1, 2, 4, 8>,
                        std::conditional_t<LanesOf<Space>::width == 8, PackList<1, 3, 8, 32>,
-                                          PackList<2, 6, 16, 256 / LanesOf<Space>::width>>>;
+                                          PackList<2, 6, 16, 256 / LanesOf<Space>::width> > >;
+#endif
 
 }  // namespace ra2d

@@ -4,7 +4,6 @@
 
 namespace ra2d {
 
-RA2D_MARCH(Form::adaptive, 0);
-RA2D_MARCH(Form::adaptive, 1);
+RA2D_MARCH_FEW(Form::adaptive);
 
 }  // namespace ra2d

@@ -4,7 +4,6 @@
 
 namespace ra2d {
 
-RA2D_MARCH(Form::adaptive, 2);
-RA2D_MARCH(Form::adaptive, 3);
+RA2D_MARCH_MANY(Form::adaptive);
 
 }  // namespace ra2d

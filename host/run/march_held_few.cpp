@@ -4,7 +4,6 @@
 
 namespace ra2d {
 
-RA2D_MARCH(Form::held, 0);
-RA2D_MARCH(Form::held, 1);
+RA2D_MARCH_FEW(Form::held);
 
 }  // namespace ra2d

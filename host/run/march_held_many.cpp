@@ -4,7 +4,6 @@
 
 namespace ra2d {
 
-RA2D_MARCH(Form::held, 2);
-RA2D_MARCH(Form::held, 3);
+RA2D_MARCH_MANY(Form::held);
 
 }  // namespace ra2d

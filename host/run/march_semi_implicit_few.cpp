@@ -4,7 +4,6 @@
 
 namespace ra2d {
 
-RA2D_MARCH(Form::semi_implicit, 0);
-RA2D_MARCH(Form::semi_implicit, 1);
+RA2D_MARCH_FEW(Form::semi_implicit);
 
 }  // namespace ra2d

@@ -4,7 +4,6 @@
 
 namespace ra2d {
 
-RA2D_MARCH(Form::semi_implicit, 2);
-RA2D_MARCH(Form::semi_implicit, 3);
+RA2D_MARCH_MANY(Form::semi_implicit);
 
 }  // namespace ra2d

@@ -4,7 +4,6 @@
 
 namespace ra2d {
 
-RA2D_MARCH(Form::staged, 0);
-RA2D_MARCH(Form::staged, 1);
+RA2D_MARCH_FEW(Form::staged);
 
 }  // namespace ra2d

@@ -4,7 +4,6 @@
 
 namespace ra2d {
 
-RA2D_MARCH(Form::staged, 2);
-RA2D_MARCH(Form::staged, 3);
+RA2D_MARCH_MANY(Form::staged);
 
 }  // namespace ra2d

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "tests/adaptive.hpp"
+#include "tests/effort.hpp"
 #include "tests/scenes.hpp"
 
 /// The adaptive scheme: what its answer may not depend on, what a sample holds, where it ends when it
@@ -40,7 +41,7 @@ std::vector<Scene> kinds() {
 }
 
 TEST(AdaptiveInvariance, RandomScenesAreTheSameBitForBit) {
-  constexpr int scenes = 40;
+  const int scenes = draws(40);
   constexpr std::uint64_t begin = 53;  // the next forty make fewer than 20 000 steps each
   int done = 0, touching = 0, in_and_out = 0;
   double evaluated = 0, all_evaluated = 0;
@@ -139,7 +140,7 @@ TEST(AdaptiveSamples, HoldTheContactLaw) {
   // The overlaps that follow from a sample's displacements, by direct sums: their springs' force and
   // energy, and the number of nodes in contact.
   int touching = 0, several = 0;
-  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+  for (int seed = 1; seed <= draws(40); ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     // at the smallest tolerance all the terms of the shapes along the way are kept
     const Recording r = run(random_adaptive_scene(seed), 1e-13);

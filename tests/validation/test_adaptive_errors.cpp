@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "tests/adaptive.hpp"
+#include "tests/effort.hpp"
 #include "tests/scenes.hpp"
 
 /// How far the adaptive scheme is off: against closed forms, against itself at the smallest tolerance,
@@ -187,7 +188,7 @@ TEST(AdaptiveErrors, SmallFixedStepsComeToTheSame) {
 TEST(AdaptiveErrors, EveryContactOfSmallFixedStepsIsFound) {
   // up to where the two runs part; what is shorter than a fixed step only the adaptive one may find
   int compared = 0, long_ones = 0;
-  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+  for (int seed = 1; seed <= draws(60); ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Started c = random_adaptive_scene(seed);
     if (c.model.scene.duration / c.model.scene.step > 2e4) continue;
@@ -238,8 +239,8 @@ TEST(AdaptiveErrors, EveryContactOfSmallFixedStepsIsFound) {
       long_ones += shock.duration > 20 * scene.step;
     }
   }
-  EXPECT_GT(compared, 150);
-  EXPECT_GT(long_ones, 50);
+  EXPECT_GT(compared, draws(150));
+  EXPECT_GT(long_ones, draws(50));
 }
 
 }  // namespace

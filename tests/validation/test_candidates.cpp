@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "host/errors.hpp"
+#include "tests/effort.hpp"
 #include "tests/looks.hpp"
 #include "tests/scenes.hpp"
 #include "tests/simulate.hpp"
@@ -32,10 +33,10 @@ Scene plate_and_block() {
 }
 
 TEST(Candidates, RandomScenesAreTheSameBitForBit) {
-  constexpr int scenes = 60;
+  const int scenes = draws(60);
   int touching = 0, in_and_out = 0;
   double evaluated = 0, steps_nodes = 0;
-  for (std::uint64_t seed = 1; seed <= scenes; ++seed) {
+  for (int seed = 1; seed <= scenes; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     const Started c = random_scene(seed);
     const Outcome all = march(c.model, c.start, Nodes::all);

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/effort.hpp"
 #include "tests/looks.hpp"
 #include "tests/scenes.hpp"
 #include "tests/schemes.hpp"
@@ -158,7 +159,7 @@ TEST_P(EveryScheme, RandomScenesAreTheSameBitForBitOverAllNodesAndCandidates) {
   int touching = 0, in_and_out = 0, marched = 0;
   double evaluated = 0, steps_nodes = 0;
   for (const double turn : {0.0, 0.3, 1.9, 2.01, 2.9})
-    for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    for (int seed = 1; seed <= draws(12); ++seed) {
       SCOPED_TRACE(testing::Message() << "omega tau " << turn << ", seed " << seed);
       const Started c = random_scene(1000 + 13 * seed, {GetParam(), turn});
       const Outcome all = march(c.model, c.start, Nodes::all);

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "host/scene/scene.hpp"
+#include "tests/effort.hpp"
 #include "tests/looks.hpp"
 #include "tests/places.hpp"
 #include "tests/scenes.hpp"
@@ -539,10 +540,10 @@ TEST_P(Multipliers, BlockedSceneIsReportedAndTheOthersGoOn) {
 
 TEST_P(HeldForces, RandomScenesAreTheSameBitForBit) {
   // at rest, creeping, up to several nodes a step; schemes within their limits and far beyond
-  constexpr int scenes = 60;
+  const int scenes = draws(60);
   int touching = 0, several = 0;
   double evaluated = 0, steps_nodes = 0;
-  for (std::uint64_t seed = 1; seed <= scenes; ++seed) {
+  for (int seed = 1; seed <= scenes; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     // from equilibrium start the scenes below
     const auto adapt = [&](Scene& s) {

@@ -1,0 +1,240 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# Runs the tests of a bundle, then its benchmarks, and writes all that came out into one JSON file. Needs bash, awk and
+# the usual small tools, nothing else.
+set -u
+shopt -s nullglob
+export LC_ALL=C
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+budget=600
+output=ra2d-check.json
+only=
+
+usage() {
+  cat << END
+./check.sh [--budget SECONDS] [--only tests|benchmarks] [-o FILE.json]
+
+Runs the tests, then the benchmarks, and writes what came out into one JSON file [$output].
+--budget: about how long it may take in all [$budget]. The tests may take two thirds of it, the benchmarks what is
+then left; what has no time left is listed as "not run".
+Exit status: 0 all that ran passed; 1 something failed; 2 the request is wrong; 4 the file cannot be written.
+END
+}
+wrong() { echo "check.sh: $*" >&2; exit 2; }
+while [[ $# -gt 0 ]]; do
+  case $1 in
+    -h | --help) usage; exit 0 ;;
+    --budget) budget=${2-}; [[ $budget =~ ^[1-9][0-9]{0,6}$ ]] || wrong "--budget $budget: whole seconds were expected"; shift 2 ;;
+    --only) only=${2-}; [[ $only == tests || $only == benchmarks ]] || wrong "--only $only: tests or benchmarks was expected"; shift 2 ;;
+    -o) output=${2-}; [[ -n $output ]] || wrong "-o: a file was expected"; shift 2 ;;
+    *) usage >&2; wrong "unknown option $1" ;;
+  esac
+done
+: > "$output" || { echo "check.sh: cannot write $output" >&2; exit 4; }
+output=$(cd "$(dirname "$output")" && pwd)/$(basename "$output")
+
+work=$(mktemp -d "${TMPDIR:-/tmp}/ra2d_check_XXXXXX") || exit 4
+sampler=
+finish() {
+  [[ -n $sampler ]] && kill "$sampler" 2> /dev/null
+  rm -rf "$work"
+}
+trap finish EXIT
+trap 'echo "check.sh: interrupted" >&2; pkill -P $$; exit 130' INT TERM
+now() { date +%s; }
+begun=$(now)
+
+export RA2D_PROGRAM=$here/bin/ra2d RA2D_SOURCE_DIR=$here/share/ra2d
+if python3 -c 'import h5py, netCDF4, xarray' 2> /dev/null; then RA2D_PYTHON=$(command -v python3); else RA2D_PYTHON=; fi
+export RA2D_PYTHON
+
+about() { sed -n "s/^$1 //p" "$here/about"; }
+quote() { # standard input as a JSON string
+  tr -d '\000-\010\013-\037' | sed -e 's/\\/\\\\/g' -e 's/"/\\"/g' -e 's/\t/\\t/g' |
+    awk 'BEGIN { printf "\"" } NR > 1 { printf "\\n" } { printf "%s", $0 } END { printf "\"" }'
+}
+string() { printf '%s' "$1" | quote; }
+
+# ---- the machine
+
+machine() {
+  local cpu memory
+  cpu=$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1)
+  memory=$(awk '/^MemTotal/ { print $2 * 1024 }' /proc/meminfo)
+  printf '{"processor": %s, "cores": %d, "memory": %s, "system": %s, "c_library": %s, "python": %s,\n' \
+    "$(string "$cpu")" "$(nproc)" "${memory:-null}" "$(uname -srm | quote)" \
+    "$(getconf GNU_LIBC_VERSION 2> /dev/null | quote)" "$(string "$RA2D_PYTHON")"
+  printf '  "cards": ['
+  local first=1
+  if command -v nvidia-smi > /dev/null; then
+    local name driver memory capability sm_now memory_now sm_most memory_most power mode
+    while IFS=, read -r name driver memory capability sm_now memory_now sm_most memory_most power mode; do
+      [[ -n $name ]] || continue
+      ((first)) || printf ', '
+      first=0
+      printf '{"name": %s, "driver": %s, "memory_MiB": %s, "compute_capability": %s, "clock_MHz": %s, ' \
+        "$(string "$name")" "$(string "${driver# }")" "$(string "${memory# }")" "$(string "${capability# }")" \
+        "$(string "${sm_now# }")"
+      printf '"memory_clock_MHz": %s, "most_clock_MHz": %s, "most_memory_clock_MHz": %s, "power_limit_W": %s, "mig": %s}' \
+        "$(string "${memory_now# }")" "$(string "${sm_most# }")" "$(string "${memory_most# }")" \
+        "$(string "${power# }")" "$(string "${mode# }")"
+    done < <(nvidia-smi --format=csv,noheader,nounits --query-gpu=name,driver_version,memory.total,compute_cap,clocks.sm,clocks.mem,clocks.max.sm,clocks.max.mem,power.limit,mig.mode.current 2> /dev/null)
+  fi
+  printf ']}'
+}
+
+# What the card's clock does meanwhile: [seconds since the start, MHz, memory MHz, W, degrees C]
+watch_clocks() {
+  command -v nvidia-smi > /dev/null || return
+  while nvidia-smi --format=csv,noheader,nounits --query-gpu=clocks.sm,clocks.mem,power.draw,temperature.gpu > "$work/clock" 2> /dev/null; do
+    sed -n "1s/^/$(($(now) - begun)), /p" "$work/clock" >> "$work/clocks"
+    sleep 5
+  done
+}
+
+# ---- one part of a test program, or one benchmark, in a process of its own: a crash costs that part alone
+
+# run_part KIND PROGRAM PART FILE SECONDS [argument...]: writes FILE.part (one JSON object) and FILE.state
+run_part() {
+  local kind=$1 program=$2 part=$3 file=$4 seconds=$5 start status state took
+  shift 5
+  start=$(date +%s%N)
+  timeout -k 5 "$seconds" "$here/bin/$program" "$@" > "$file.out" 2>&1 < /dev/null
+  status=$?
+  took=$(awk "BEGIN { printf \"%.3f\", ($(date +%s%N) - $start) / 1e9 }")
+  state=passed
+  if [[ $status == 124 || $status == 137 ]]; then state='out of time'; elif [[ $status != 0 ]]; then state=failed; fi
+  [[ $state == passed && ! -s $file.json ]] && state=failed
+  grep -q '"error_occurred": true' "$file.json" 2> /dev/null && state=failed
+  {
+    printf '{"program": %s, "%s": %s, "state": "%s", "exit": %d, "seconds": %s' \
+      "$(string "$program")" "$kind" "$(string "$part")" "$state" "$status" "$took"
+    [[ $state != passed ]] && printf ', "output": %s' "$(tail -n 40 "$file.out" | quote)"
+    if [[ -s $file.json && $state != 'out of time' ]]; then printf ',\n "result": '; cat "$file.json"; fi
+    printf '}'
+  } > "$file.part"
+  echo "$state" > "$file.state"
+  [[ $state == passed ]] || echo "check.sh: $program, $part: $state" >&2
+}
+
+join() { # the parts with this prefix, in order, as a JSON list
+  local part separator=
+  printf '['
+  for part in "$work/$1"*.part; do
+    printf '%s\n' "$separator"
+    cat "$part"
+    separator=,
+  done
+  printf ']'
+}
+count() { cat "$work/$1"*.state 2> /dev/null | grep -c "^$2\$"; }
+
+# list PROGRAM OPTION FILE: what a program has; a program that does not even start is a failed part
+list() {
+  timeout -k 5 120 "$here/bin/$1" "$2" > "$3.names" 2> "$3.out" < /dev/null
+  local status=$?
+  [[ $status == 0 ]] && return
+  printf '{"program": %s, "state": "failed", "exit": %d, "seconds": 0, "output": %s}' "$(string "$1")" $status \
+    "$(tail -n 40 "$3.out" | quote)" > "$3.part"
+  echo failed > "$3.state"
+  echo "check.sh: $1 does not start: $(head -n 3 "$3.out")" >&2
+  return 1
+}
+
+run_tests() {
+  local end=$1 jobs number=0 program suite left file
+  jobs=$(nproc)
+  [[ $(about backend) == CUDA && $jobs -gt 8 ]] && jobs=8 # each has its own context on the card
+  export RA2D_TEST_THREADS=1
+  for program in "$here"/bin/test_*; do
+    program=$(basename "$program")
+    file=$work/test-$program
+    list "$program" --gtest_list_tests "$file" || continue
+    while read -r suite; do
+      left=$((end - $(now)))
+      file=$(printf '%s/test-%s-%04d' "$work" "$program" $((++number)))
+      if ((left < 1)); then
+        printf '{"program": "%s", "suite": %s, "state": "not run", "seconds": 0}' "$program" "$(string "$suite")" > "$file.part"
+        echo 'not run' > "$file.state"
+        continue
+      fi
+      while (($(jobs -rp | wc -l) - (${#sampler} > 0) >= jobs)); do wait -n; done
+      run_part suite "$program" "${suite%.}" "$file" $left --gtest_filter="$suite*" --gtest_output="json:$file.json" --gtest_brief=1 &
+    done < <(sed -n 's/^\([^ ].*\.\)\( .*\)*$/\1/p' "$file.names")
+  done
+  while (($(jobs -rp | wc -l) - (${#sampler} > 0) > 0)); do wait -n; done
+}
+
+run_benchmarks() {
+  local end=$1 number=0 program name left file pattern size
+  for size in small whole; do # of every kind first the smallest
+    for program in bench_march bench_schemes bench_adaptive; do
+      file=$work/bench-$program
+      if [[ $size == small ]]; then list "$program" --benchmark_list_tests "$file" || continue; fi
+      [[ -s $file.names ]] || continue
+      while read -r name; do
+        if [[ $name == */small* ]]; then [[ $size == small ]] || continue; else [[ $size == whole ]] || continue; fi
+        left=$((end - $(now)))
+        file=$(printf '%s/bench-%04d' "$work" $((++number)))
+        if ((left < 1)); then
+          printf '{"program": "%s", "case": %s, "state": "not run", "seconds": 0}' "$program" "$(string "$name")" > "$file.part"
+          echo 'not run' > "$file.state"
+          continue
+        fi
+        pattern=$(printf '%s' "$name" | sed 's/[][().*+?^$|{}\\]/\\&/g')
+        if [[ $name == */batch* ]]; then unset OMP_NUM_THREADS; else export OMP_NUM_THREADS=1; fi
+        run_part case "$program" "$name" "$file" $left --benchmark_filter="^$pattern\$" --benchmark_repetitions=3 \
+          --benchmark_out="$file.json" --benchmark_out_format=json
+      done < "$work/bench-$program.names"
+    done
+  done
+  unset OMP_NUM_THREADS
+}
+
+# ---- all of it
+
+: > "$work/clocks"
+watch_clocks &
+sampler=$!
+machine > "$work/machine"
+if ! timeout -k 5 60 "$here/bin/ra2d" --version > "$work/version" 2>&1; then
+  echo "check.sh: the program does not start here: $(cat "$work/version")" >&2
+  echo "check.sh: it was built for $(about c_library) or newer, AVX2 and FMA; a build for CUDA needs an NVIDIA driver" >&2
+fi
+[[ $only == benchmarks ]] || run_tests $((begun + (${#only} ? budget : budget * 2 / 3)))
+tests_took=$(($(now) - begun))
+[[ $only == tests ]] || run_benchmarks $((begun + budget))
+took=$(($(now) - begun))
+
+passed=$(cat "$work"/test-*.json 2> /dev/null | grep -c '"result": "COMPLETED"')
+skipped=$(cat "$work"/test-*.json 2> /dev/null | grep -c '"result": "SKIPPED"')
+failures=$(cat "$work"/test-*.json 2> /dev/null | grep -c '"failures": \[')
+{
+  printf '{"ra2d": {"version": %s, "commit": %s, "backend": %s, "compiler": %s, "kokkos": %s, "architectures": %s, "says": %s},\n' \
+    "$(string "$(about version)")" "$(string "$(about commit)")" "$(string "$(about backend)")" \
+    "$(string "$(about compiler)")" "$(string "$(about kokkos)")" "$(string "$(about architectures)")" \
+    "$(head -n 3 "$work/version" | quote)"
+  printf '"date": "%s", "seconds": %d, "budget": %d,\n"machine": ' "$(date -u +%Y-%m-%dT%H:%M:%SZ)" $took "$budget"
+  cat "$work/machine"
+  printf ',\n"clocks": {"columns": ["s", "MHz", "memory MHz", "W", "C"], "rows": ['
+  awk '{ gsub(/[^0-9.,]/, ""); n = split($0, c, ","); r = ""; for (i = 1; i <= n; ++i) r = r (i > 1 ? ", " : "") (c[i] == "" ? "null" : c[i]); printf "%s[%s]", NR > 1 ? ", " : "", r }' "$work/clocks"
+  printf ']},\n"tests": {"seconds": %d, "tests_run": %d, "tests_failed": %d, "tests_skipped": %d, ' \
+    $tests_took $((passed)) $((failures)) $((skipped))
+  printf '"suites_passed": %d, "suites_failed": %d, "suites_out_of_time": %d, "suites_not_run": %d, "suites": ' \
+    "$(count test- passed)" "$(count test- failed)" "$(count test- 'out of time')" "$(count test- 'not run')"
+  join test-
+  printf '},\n"benchmarks": {"seconds": %d, "passed": %d, "failed": %d, "out_of_time": %d, "not_run": %d, "cases": ' \
+    $((took - tests_took)) "$(count bench- passed)" "$(count bench- failed)" "$(count bench- 'out of time')" "$(count bench- 'not run')"
+  join bench-
+  printf '}}\n'
+} > "$output" || { echo "check.sh: cannot write $output" >&2; exit 4; }
+
+summary() { # NAME PREFIX SECONDS
+  printf '%-11s %4d passed, %d failed, %d out of time, %d not run, in %d s\n' "$1" "$(count "$2" passed)" \
+    "$(count "$2" failed)" "$(count "$2" 'out of time')" "$(count "$2" 'not run')" "$3"
+}
+[[ $only == benchmarks ]] || summary "test suites" test- $tests_took
+[[ $only == benchmarks ]] || printf '%-11s %4d ran, %d failed, %d skipped\n' "  tests" "$passed" "$failures" "$skipped"
+[[ $only == tests ]] || summary benchmarks bench- $((took - tests_took))
+echo "written to $output"
+[[ $(count test- failed) == 0 && $(count bench- failed) == 0 ]]

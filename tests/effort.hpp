@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+namespace ra2d::test {
+
+/// How many random cases a test draws of the `usual` number: four times as many with
+/// RA2D_TEST_LONG (./test.sh --long), a quarter under sanitizers, whose faults do not hide in the
+/// last bit.
+int draws(int usual);
+
+}  // namespace ra2d::test
