@@ -21,6 +21,7 @@
 #include <string>
 
 #include "bench/places.hpp"
+#include "bench/program.hpp"
 #include "bench/report.hpp"
 #include "bench/timing.hpp"
 #include "host/chart/methods.hpp"
@@ -78,17 +79,7 @@ void add_cases() {
     }
 }
 
+const Added added({"adaptive", add_cases});
+
 }  // namespace
 }  // namespace ra2d::bench
-
-int main(int argc, char** argv) {
-  using namespace ra2d;
-  const Backend backend;
-  benchmark::Initialize(&argc, argv);
-  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
-  bench::add_context();
-  bench::add_cases();
-  bench::RatioReporter reporter;
-  benchmark::RunSpecifiedBenchmarks(&reporter);
-  return reporter.failed() ? 1 : 0;
-}

@@ -42,12 +42,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <exception>
 #include <string>
 #include <vector>
 
 #include "bench/baselines.hpp"
 #include "bench/chain.hpp"
+#include "bench/program.hpp"
 #include "bench/report.hpp"
 #include "bench/scenes.hpp"
 #include "bench/timing.hpp"
@@ -175,24 +175,8 @@ bool baselines_agree() {
   return agree;
 }
 
+const Added added({"march", add_cases, baselines_agree,
+                   [](const RatioReporter& reporter) { return reporter.table(); }});
+
 }  // namespace
 }  // namespace ra2d::bench
-
-int main(int argc, char** argv) {
-  using namespace ra2d;
-  const Backend backend;
-  benchmark::Initialize(&argc, argv);
-  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
-  bench::add_context();
-  try {
-    if (!bench::baselines_agree()) return 1;
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "{}\n", error.what());
-    return 1;
-  }
-  bench::add_cases();
-  bench::RatioReporter reporter;
-  benchmark::RunSpecifiedBenchmarks(&reporter);
-  fmt::print(stderr, "{}", reporter.table());
-  return reporter.failed() ? 1 : 0;
-}

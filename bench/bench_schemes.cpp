@@ -30,6 +30,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/program.hpp"
 #include "bench/report.hpp"
 #include "bench/timing.hpp"
 #include "host/plan/schemes.hpp"
@@ -97,18 +98,7 @@ std::string table(const RatioReporter& reporter) {
   return out;
 }
 
+const Added added({"schemes", add_cases, nullptr, table});
+
 }  // namespace
 }  // namespace ra2d::bench
-
-int main(int argc, char** argv) {
-  using namespace ra2d;
-  const Backend backend;
-  benchmark::Initialize(&argc, argv);
-  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
-  bench::add_context();
-  bench::add_cases();
-  bench::RatioReporter reporter;
-  benchmark::RunSpecifiedBenchmarks(&reporter);
-  fmt::print(stderr, "{}", bench::table(reporter));
-  return reporter.failed() ? 1 : 0;
-}

@@ -22,8 +22,10 @@ python3 - "$bundle-bare.json" << 'END'
 import json, sys
 r = json.load(open(sys.argv[1]))
 t, b = r["tests"], r["benchmarks"]
-assert t["tests_run"] > 700 and t["suites_failed"] == 0, t
+failed = [(s["suite"], s["output"]) for s in t["suites"] if s["state"] == "failed"]
+assert not failed, failed
 assert t["suites_passed"] + t["suites_out_of_time"] + t["suites_not_run"] == len(t["suites"])
+assert t["tests_run"] > 700 or t["suites_out_of_time"] + t["suites_not_run"] > 0, t["tests_run"]
 assert b["failed"] == 0 and b["passed"] > 0
 assert all("result" in c for c in b["cases"] if c["state"] == "passed")
 print(f'bare: {t["tests_run"]} tests ran, {t["tests_skipped"]} skipped; {b["passed"]} benchmarks')

@@ -60,7 +60,7 @@ string() { printf '%s' "$1" | quote; }
 machine() {
   local cpu memory
   cpu=$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1)
-  memory=$(awk '/^MemTotal/ { print $2 * 1024 }' /proc/meminfo)
+  memory=$(awk '/^MemTotal/ { printf "%.0f", $2 * 1024 }' /proc/meminfo)
   printf '{"processor": %s, "cores": %d, "memory": %s, "system": %s, "c_library": %s, "python": %s,\n' \
     "$(string "$cpu")" "$(nproc)" "${memory:-null}" "$(uname -srm | quote)" \
     "$(getconf GNU_LIBC_VERSION 2> /dev/null | quote)" "$(string "$RA2D_PYTHON")"
@@ -85,7 +85,6 @@ machine() {
 
 # What the card's clock does meanwhile: [seconds since the start, MHz, memory MHz, W, degrees C]
 watch_clocks() {
-  command -v nvidia-smi > /dev/null || return
   while nvidia-smi --format=csv,noheader,nounits --query-gpu=clocks.sm,clocks.mem,power.draw,temperature.gpu > "$work/clock" 2> /dev/null; do
     sed -n "1s/^/$(($(now) - begun)), /p" "$work/clock" >> "$work/clocks"
     sleep 5
@@ -129,61 +128,66 @@ join() { # the parts with this prefix, in order, as a JSON list
 }
 count() { cat "$work/$1"*.state 2> /dev/null | grep -c "^$2\$"; }
 
-# list PROGRAM OPTION FILE: what a program has; a program that does not even start is a failed part
+not_run() { # KIND PROGRAM PART FILE
+  printf '{"program": "%s", "%s": %s, "state": "not run", "seconds": 0}' "$2" "$1" "$(string "$3")" > "$4.part"
+  echo 'not run' > "$4.state"
+}
+
+# list PROGRAM FILE ARGUMENT...: what a program has, into FILE.names; one that does not even start is a failed part
 list() {
-  timeout -k 5 120 "$here/bin/$1" "$2" > "$3.names" 2> "$3.out" < /dev/null
-  local status=$?
+  local program=$1 file=$2 status
+  shift 2
+  timeout -k 5 120 "$here/bin/$program" "$@" > "$file.names" 2> "$file.out" < /dev/null
+  status=$?
   [[ $status == 0 ]] && return
-  printf '{"program": %s, "state": "failed", "exit": %d, "seconds": 0, "output": %s}' "$(string "$1")" $status \
-    "$(tail -n 40 "$3.out" | quote)" > "$3.part"
-  echo failed > "$3.state"
-  echo "check.sh: $1 does not start: $(head -n 3 "$3.out")" >&2
+  printf '{"program": %s, "state": "failed", "exit": %d, "seconds": 0, "output": %s}' "$(string "$program $*")" $status \
+    "$(tail -n 40 "$file.out" | quote)" > "$file.part"
+  echo failed > "$file.state"
+  echo "check.sh: $program does not start: $(head -n 3 "$file.out")" >&2
   return 1
 }
 
 run_tests() {
-  local end=$1 jobs number=0 program suite left file
+  local end=$1 jobs number=0 program=ra2d_tests suite left file
   jobs=$(nproc)
   [[ $(about backend) == CUDA && $jobs -gt 8 ]] && jobs=8 # each has its own context on the card
   export RA2D_TEST_THREADS=1
-  for program in "$here"/bin/test_*; do
-    program=$(basename "$program")
-    file=$work/test-$program
-    list "$program" --gtest_list_tests "$file" || continue
-    while read -r suite; do
-      left=$((end - $(now)))
-      file=$(printf '%s/test-%s-%04d' "$work" "$program" $((++number)))
-      if ((left < 1)); then
-        printf '{"program": "%s", "suite": %s, "state": "not run", "seconds": 0}' "$program" "$(string "$suite")" > "$file.part"
-        echo 'not run' > "$file.state"
-        continue
-      fi
-      while (($(jobs -rp | wc -l) - (${#sampler} > 0) >= jobs)); do wait -n; done
-      run_part suite "$program" "${suite%.}" "$file" $left --gtest_filter="$suite*" --gtest_output="json:$file.json" --gtest_brief=1 &
-    done < <(sed -n 's/^\([^ ].*\.\)\( .*\)*$/\1/p' "$file.names")
-  done
+  file=$work/test-list
+  list "$program" "$file" --gtest_list_tests || return
+  while read -r suite; do
+    left=$((end - $(now)))
+    ((++number))
+    file=$work/test-$(printf %04d $number)
+    if ((left < 1)); then
+      not_run suite "$program" "${suite%.}" "$file"
+      continue
+    fi
+    while (($(jobs -rp | wc -l) - (${#sampler} > 0) >= jobs)); do wait -n; done
+    run_part suite "$program" "${suite%.}" "$file" $left --gtest_filter="$suite*" \
+      --gtest_output="json:$file.json" --gtest_brief=1 &
+  done < <(sed -n 's/^\([^ ].*\.\)\( .*\)*$/\1/p' "$work/test-list.names" | sort -u)
   while (($(jobs -rp | wc -l) - (${#sampler} > 0) > 0)); do wait -n; done
 }
 
 run_benchmarks() {
   local end=$1 number=0 program name left file pattern size
   for size in small whole; do # of every kind first the smallest
-    for program in bench_march bench_schemes bench_adaptive; do
+    for program in march schemes adaptive; do
       file=$work/bench-$program
-      if [[ $size == small ]]; then list "$program" --benchmark_list_tests "$file" || continue; fi
+      if [[ $size == small ]]; then list ra2d_bench "$file" "$program" --benchmark_list_tests || continue; fi
       [[ -s $file.names ]] || continue
       while read -r name; do
         if [[ $name == */small* ]]; then [[ $size == small ]] || continue; else [[ $size == whole ]] || continue; fi
         left=$((end - $(now)))
-        file=$(printf '%s/bench-%04d' "$work" $((++number)))
+        ((++number))
+        file=$work/bench-$(printf %04d $number)
         if ((left < 1)); then
-          printf '{"program": "%s", "case": %s, "state": "not run", "seconds": 0}' "$program" "$(string "$name")" > "$file.part"
-          echo 'not run' > "$file.state"
+          not_run case ra2d_bench "$program $name" "$file"
           continue
         fi
         pattern=$(printf '%s' "$name" | sed 's/[][().*+?^$|{}\\]/\\&/g')
         if [[ $name == */batch* ]]; then unset OMP_NUM_THREADS; else export OMP_NUM_THREADS=1; fi
-        run_part case "$program" "$name" "$file" $left --benchmark_filter="^$pattern\$" --benchmark_repetitions=3 \
+        run_part case ra2d_bench "$program $name" "$file" $left "$program" --benchmark_filter="^$pattern\$" --benchmark_repetitions=3 \
           --benchmark_out="$file.json" --benchmark_out_format=json
       done < "$work/bench-$program.names"
     done
@@ -194,8 +198,10 @@ run_benchmarks() {
 # ---- all of it
 
 : > "$work/clocks"
-watch_clocks &
-sampler=$!
+if command -v nvidia-smi > /dev/null; then
+  watch_clocks &
+  sampler=$!
+fi
 machine > "$work/machine"
 if ! timeout -k 5 60 "$here/bin/ra2d" --version > "$work/version" 2>&1; then
   echo "check.sh: the program does not start here: $(cat "$work/version")" >&2
@@ -217,7 +223,7 @@ failures=$(cat "$work"/test-*.json 2> /dev/null | grep -c '"failures": \[')
   printf '"date": "%s", "seconds": %d, "budget": %d,\n"machine": ' "$(date -u +%Y-%m-%dT%H:%M:%SZ)" $took "$budget"
   cat "$work/machine"
   printf ',\n"clocks": {"columns": ["s", "MHz", "memory MHz", "W", "C"], "rows": ['
-  awk '{ gsub(/[^0-9.,]/, ""); n = split($0, c, ","); r = ""; for (i = 1; i <= n; ++i) r = r (i > 1 ? ", " : "") (c[i] == "" ? "null" : c[i]); printf "%s[%s]", NR > 1 ? ", " : "", r }' "$work/clocks"
+  awk '{ gsub(/[^0-9.,]/, ""); n = split($0, c, ","); r = ""; for (i = 1; i <= n; ++i) r = r (i > 1 ? ", " : "") (c[i] == "" ? "null" : c[i]); printf "%s[%s]", (NR > 1 ? ", " : ""), r }' "$work/clocks"
   printf ']},\n"tests": {"seconds": %d, "tests_run": %d, "tests_failed": %d, "tests_skipped": %d, ' \
     $tests_took $((passed)) $((failures)) $((skipped))
   printf '"suites_passed": %d, "suites_failed": %d, "suites_out_of_time": %d, "suites_not_run": %d, "suites": ' \
