@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # What is installed is taken first; Kokkos alone is built here when it is absent, or when its archive is named.
-set(RA2D_KOKKOS_ARCHIVE "" CACHE FILEPATH "A release of Kokkos 5 to build from, instead of one that is installed or fetched")
+set(RA2D_KOKKOS_ARCHIVE "" CACHE FILEPATH
+    "A release of Kokkos 5 to build from, instead of one that is installed or fetched")
 if(NOT RA2D_BACKEND MATCHES "^(OpenMP|Serial|CUDA)$")
   message(FATAL_ERROR "RA2D_BACKEND = ${RA2D_BACKEND}: OpenMP, Serial or CUDA was expected")
 endif()
@@ -18,23 +19,13 @@ if(NOT RA2D_KOKKOS_ARCHIVE AND (kokkos_by_name OR NOT RA2D_PORTABLE))  # an inst
   find_package(Kokkos 5.0...<6 QUIET)
 endif()
 if(Kokkos_FOUND)
-  # Kokkos runs on the strongest of the backends that it has.
-  set(wanted SERIAL)
-  if(NOT RA2D_BACKEND STREQUAL "Serial")
-    string(TOUPPER ${RA2D_BACKEND} wanted)
-  endif()
-  set(fits ON)
+  message(STATUS "Kokkos ${Kokkos_VERSION}: ${Kokkos_DIR} (${Kokkos_DEVICES})")
+  string(TOUPPER ${RA2D_BACKEND} wanted)
+  # Kokkos runs on the strongest of the backends that it was built for; one of OpenMP serves one thread, too.
   if(NOT wanted IN_LIST Kokkos_DEVICES OR ("CUDA" IN_LIST Kokkos_DEVICES AND NOT wanted STREQUAL "CUDA"))
-    set(fits OFF)
-  endif()
-  if(NOT fits AND kokkos_by_name)
-    message(FATAL_ERROR "Kokkos ${Kokkos_VERSION} in ${Kokkos_DIR} was built for ${Kokkos_DEVICES}, which does not fit "
-                        "RA2D_BACKEND = ${RA2D_BACKEND}. Name another with -DRA2D_BACKEND=..., or another Kokkos")
-  elseif(NOT fits)
-    message(STATUS "Kokkos ${Kokkos_VERSION}: ${Kokkos_DIR} was built for ${Kokkos_DEVICES}, not taken for ${RA2D_BACKEND}")
-    set(Kokkos_FOUND OFF)
-  else()
-    message(STATUS "Kokkos ${Kokkos_VERSION}: ${Kokkos_DIR} (${Kokkos_DEVICES})")
+    message(FATAL_ERROR "The Kokkos in ${Kokkos_DIR} was built for ${Kokkos_DEVICES}, which does not fit "
+                        "RA2D_BACKEND = ${RA2D_BACKEND}. Name another backend with -DRA2D_BACKEND=..., name another Kokkos "
+                        "with -DKokkos_ROOT=..., or have one built here with -DCMAKE_DISABLE_FIND_PACKAGE_Kokkos=ON")
   endif()
 elseif(kokkos_by_name)
   set(considered)

@@ -16,7 +16,8 @@ usage() {
 
 Runs the tests, then the benchmarks, and writes what came out into one JSON file [$output].
 --budget: about how long it may take in all [$budget]. The tests may take two thirds of it, the benchmarks what is
-then left; what has no time left is listed as "not run".
+then left. One suite of tests may take a sixth of the tests' time, one benchmark a tenth of the rest: what takes longer
+is "out of time", what has no time left is "not run".
 Exit status: 0 all that ran passed; 1 something failed; 2 the request is wrong; 4 the file cannot be written.
 END
 }
@@ -24,9 +25,21 @@ wrong() { echo "check.sh: $*" >&2; exit 2; }
 while [[ $# -gt 0 ]]; do
   case $1 in
     -h | --help) usage; exit 0 ;;
-    --budget) budget=${2-}; [[ $budget =~ ^[1-9][0-9]{0,6}$ ]] || wrong "--budget $budget: whole seconds were expected"; shift 2 ;;
-    --only) only=${2-}; [[ $only == tests || $only == benchmarks ]] || wrong "--only $only: tests or benchmarks was expected"; shift 2 ;;
-    -o) output=${2-}; [[ -n $output ]] || wrong "-o: a file was expected"; shift 2 ;;
+    --budget)
+      budget=${2-}
+      [[ $budget =~ ^[1-9][0-9]{0,6}$ ]] || wrong "--budget $budget: whole seconds were expected"
+      shift 2
+      ;;
+    --only)
+      only=${2-}
+      [[ $only == tests || $only == benchmarks ]] || wrong "--only $only: tests or benchmarks was expected"
+      shift 2
+      ;;
+    -o)
+      output=${2-}
+      [[ -n $output ]] || wrong "-o: a file was expected"
+      shift 2
+      ;;
     *) usage >&2; wrong "unknown option $1" ;;
   esac
 done
@@ -57,6 +70,8 @@ string() { printf '%s' "$1" | quote; }
 
 # ---- the machine
 
+ask_card() { nvidia-smi --format=csv,noheader,nounits --query-gpu="$1" 2> /dev/null; }
+
 machine() {
   local cpu memory
   cpu=$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1)
@@ -78,14 +93,14 @@ machine() {
       printf '"memory_clock_MHz": %s, "most_clock_MHz": %s, "most_memory_clock_MHz": %s, "power_limit_W": %s, "mig": %s}' \
         "$(string "${memory_now# }")" "$(string "${sm_most# }")" "$(string "${memory_most# }")" \
         "$(string "${power# }")" "$(string "${mode# }")"
-    done < <(nvidia-smi --format=csv,noheader,nounits --query-gpu=name,driver_version,memory.total,compute_cap,clocks.sm,clocks.mem,clocks.max.sm,clocks.max.mem,power.limit,mig.mode.current 2> /dev/null)
+    done < <(ask_card name,driver_version,memory.total,compute_cap,clocks.sm,clocks.mem,clocks.max.sm,clocks.max.mem,power.limit,mig.mode.current)
   fi
   printf ']}'
 }
 
 # What the card's clock does meanwhile: [seconds since the start, MHz, memory MHz, W, degrees C]
 watch_clocks() {
-  while nvidia-smi --format=csv,noheader,nounits --query-gpu=clocks.sm,clocks.mem,power.draw,temperature.gpu > "$work/clock" 2> /dev/null; do
+  while ask_card clocks.sm,clocks.mem,power.draw,temperature.gpu > "$work/clock"; do
     sed -n "1s/^/$(($(now) - begun)), /p" "$work/clock" >> "$work/clocks"
     sleep 5
   done
@@ -108,7 +123,10 @@ run_part() {
   {
     printf '{"program": %s, "%s": %s, "state": "%s", "exit": %d, "seconds": %s' \
       "$(string "$program")" "$kind" "$(string "$part")" "$state" "$status" "$took"
-    [[ $state != passed ]] && printf ', "output": %s' "$(tail -n 40 "$file.out" | quote)"
+    if [[ $state != passed ]]; then
+      [[ $kind == suite ]] && printf ', "tests_passed": %d' "$(grep -c '^\[       OK \]' "$file.out")"
+      printf ', "output": %s' "$(grep -v '^\[       OK \]' "$file.out" | tail -n 60 | quote)"
+    fi
     if [[ -s $file.json && $state != 'out of time' ]]; then printf ',\n "result": '; cat "$file.json"; fi
     printf '}'
   } > "$file.part"
@@ -148,7 +166,8 @@ list() {
 }
 
 run_tests() {
-  local end=$1 jobs number=0 program=ra2d_tests suite left file
+  local end=$1 jobs number=0 program=ra2d_tests suite left file most
+  most=$(((end - $(now)) / 6 + 1))
   jobs=$(nproc)
   [[ $(about backend) == CUDA && $jobs -gt 8 ]] && jobs=8 # each has its own context on the card
   export RA2D_TEST_THREADS=1
@@ -163,14 +182,15 @@ run_tests() {
       continue
     fi
     while (($(jobs -rp | wc -l) - (${#sampler} > 0) >= jobs)); do wait -n; done
-    run_part suite "$program" "${suite%.}" "$file" $left --gtest_filter="$suite*" \
-      --gtest_output="json:$file.json" --gtest_brief=1 &
+    run_part suite "$program" "${suite%.}" "$file" $((left < most ? left : most)) --gtest_filter="$suite*" \
+      --gtest_output="json:$file.json" &
   done < <(sed -n 's/^\([^ ].*\.\)\( .*\)*$/\1/p' "$work/test-list.names" | sort -u)
   while (($(jobs -rp | wc -l) - (${#sampler} > 0) > 0)); do wait -n; done
 }
 
 run_benchmarks() {
-  local end=$1 number=0 program name left file pattern size
+  local end=$1 number=0 program name left file pattern size most
+  most=$(((end - $(now)) / 10 + 1))
   for size in small whole; do # of every kind first the smallest
     for program in march schemes adaptive; do
       file=$work/bench-$program
@@ -187,8 +207,8 @@ run_benchmarks() {
         fi
         pattern=$(printf '%s' "$name" | sed 's/[][().*+?^$|{}\\]/\\&/g')
         if [[ $name == */batch* ]]; then unset OMP_NUM_THREADS; else export OMP_NUM_THREADS=1; fi
-        run_part case ra2d_bench "$program $name" "$file" $left "$program" --benchmark_filter="^$pattern\$" --benchmark_repetitions=3 \
-          --benchmark_out="$file.json" --benchmark_out_format=json
+        run_part case ra2d_bench "$program $name" "$file" $((left < most ? left : most)) "$program" \
+          --benchmark_filter="^$pattern\$" --benchmark_repetitions=3 --benchmark_out="$file.json" --benchmark_out_format=json
       done < "$work/bench-$program.names"
     done
   done
@@ -223,7 +243,12 @@ failures=$(cat "$work"/test-*.json 2> /dev/null | grep -c '"failures": \[')
   printf '"date": "%s", "seconds": %d, "budget": %d,\n"machine": ' "$(date -u +%Y-%m-%dT%H:%M:%SZ)" $took "$budget"
   cat "$work/machine"
   printf ',\n"clocks": {"columns": ["s", "MHz", "memory MHz", "W", "C"], "rows": ['
-  awk '{ gsub(/[^0-9.,]/, ""); n = split($0, c, ","); r = ""; for (i = 1; i <= n; ++i) r = r (i > 1 ? ", " : "") (c[i] == "" ? "null" : c[i]); printf "%s[%s]", (NR > 1 ? ", " : ""), r }' "$work/clocks"
+  awk '{
+    gsub(/[^0-9.,]/, "")
+    n = split($0, column, ",")
+    for (i = 1; i <= n; ++i) printf "%s%s", (i > 1 ? ", " : NR > 1 ? ", [" : "["), (column[i] == "" ? "null" : column[i])
+    printf "]"
+  }' "$work/clocks"
   printf ']},\n"tests": {"seconds": %d, "tests_run": %d, "tests_failed": %d, "tests_skipped": %d, ' \
     $tests_took $((passed)) $((failures)) $((skipped))
   printf '"suites_passed": %d, "suites_failed": %d, "suites_out_of_time": %d, "suites_not_run": %d, "suites": ' \
