@@ -11,6 +11,7 @@
 
 #include "host/chart/process.hpp"
 #include "host/errors.hpp"
+#include "host/output_file.hpp"
 
 namespace ra2d {
 namespace {
@@ -34,7 +35,8 @@ fs::path find_script(const std::string& name) {
 
 }  // namespace
 
-void write_text(const fs::path& file, const std::string& text) {
+void write_text(const fs::path& path, const std::string& text) {
+  const fs::path file = replaced_file(path);
   const auto fail = [&](int why) {
     throw FileError(fmt::format("cannot write '{}': {}", file.string(), std::strerror(why)));
   };

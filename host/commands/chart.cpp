@@ -10,6 +10,7 @@
 #include "host/chart/stability_chart.hpp"
 #include "host/commands/commands.hpp"
 #include "host/errors.hpp"
+#include "host/output_file.hpp"
 #include "host/run/batch.hpp"
 #include "paper_scene.hpp"
 
@@ -23,9 +24,13 @@ void check_prefix(const std::string& prefix, const char* example) {
     throw RequestError(
         fmt::format("-o {}: a folder: expected the beginning of the files' names, like {}{}",
                     prefix, target.has_filename() ? prefix + "/" : prefix, example));
-  if (target.has_parent_path() && !std::filesystem::is_directory(target.parent_path()))
-    throw FileError(fmt::format("cannot write '{}.csv': there is no folder '{}'", prefix,
-                                target.parent_path().string()));
+}
+
+/// Before anything is run: every file that will be written.
+void require_outputs(const std::vector<std::string>& outputs, const Scene& scene, bool plot,
+                     const std::string& picture) {
+  for (const std::string& output : outputs) require_output(output, files_of(scene));
+  if (plot) require_output(picture, files_of(scene));
 }
 
 /// The scene that was asked for, or the paper's own.
@@ -61,6 +66,9 @@ int chart_stability_command(const CommonOptions& common, const std::string& pref
         fmt::format("{}: time.step: missing: the chart places the scene's modes by its step, which "
                     "time.scheme = \"adaptive\" does without (add one, or --set time.step=1e-8)",
                     scene.file.string()));
+  const std::string table = prefix + ".csv", regions = prefix + "-regions.csv",
+                    eigenvalues = prefix + "-modes.csv", picture = prefix + ".png";
+  require_outputs({table, regions, eigenvalues}, scene, plot, picture);
   const Model model = make_model(scene);
   const std::string modes = modes_csv(model);
   const Backend backend(common.threads);
@@ -68,8 +76,6 @@ int chart_stability_command(const CommonOptions& common, const std::string& pref
   fmt::print("{}", describe(limits));
   std::fflush(stdout);
 
-  const std::string table = prefix + ".csv", regions = prefix + "-regions.csv",
-                    eigenvalues = prefix + "-modes.csv", picture = prefix + ".png";
   write_text(table, limits_csv(limits));
   write_text(regions, regions_csv());
   write_text(eigenvalues, modes);
@@ -101,14 +107,15 @@ int chart_accuracy_command(const CommonOptions& common, const std::string& prefi
       std::fflush(stderr);
     };
   const Scene scene = chart_scene(common);
+  const std::string points = prefix + ".csv", long_runs = prefix + "-long.csv",
+                    picture = prefix + ".png";
+  require_outputs({points, long_runs}, scene, plot, picture);
   const Backend backend(common.threads);
   const AccuracyChart chart = measure_accuracy(scene, options);
   if (shown) fmt::print(stderr, "\r\033[K");
   fmt::print("{}", describe(chart));
   std::fflush(stdout);
 
-  const std::string points = prefix + ".csv", long_runs = prefix + "-long.csv",
-                    picture = prefix + ".png";
   const Context context = chart_context(scene, chart);
   write_text(points, points_csv(chart, context));
   write_text(long_runs, long_runs_csv(chart, context));

@@ -9,31 +9,13 @@
 #include "host/commands/commands.hpp"
 #include "host/commands/interrupt.hpp"
 #include "host/errors.hpp"
+#include "host/output_file.hpp"
 #include "host/run/batch.hpp"
 
 namespace ra2d {
-namespace {
-
-namespace fs = std::filesystem;
-
-/// Before anything is run: a file that could not be written would be found out last.
-void require_writable(const fs::path& output, const fs::path& scene) {
-  std::error_code none;
-  if (fs::equivalent(output, scene, none))
-    throw RequestError(fmt::format(
-        "-o {}: that is the scene itself, which is not overwritten: expected another name",
-        output.string()));
-  if (!output.has_filename() || fs::is_directory(output))
-    throw RequestError(fmt::format("-o {}: a folder: expected a file's name", output.string()));
-  if (output.has_parent_path() && !fs::is_directory(output.parent_path()))
-    throw FileError(fmt::format("cannot write '{}': there is no folder '{}'", output.string(),
-                                output.parent_path().string()));
-}
-
-}  // namespace
 
 int plan_accuracy_command(const CommonOptions& common, double accuracy, double budget,
-                          fs::path output) {
+                          std::filesystem::path output) {
   if (!(accuracy > 0 && accuracy < 1))
     throw RequestError(fmt::format(
         "--accuracy {:g}: expected a relative accuracy between 0 and 1, like 0.01", accuracy));
@@ -44,7 +26,7 @@ int plan_accuracy_command(const CommonOptions& common, double accuracy, double b
                     budget));
   const Scene scene = read_scene(common.scene, common.overrides);
   if (output.empty()) output = common.scene.stem().string() + "-planned.toml";
-  require_writable(output, common.scene);
+  require_output(output, files_of(scene));
 
   SavingsOptions options;
   options.accuracy = accuracy;

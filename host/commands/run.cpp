@@ -9,6 +9,7 @@
 #include "host/commands/commands.hpp"
 #include "host/commands/interrupt.hpp"
 #include "host/format.hpp"
+#include "host/output_file.hpp"
 #include "host/plan/schemes.hpp"
 #include "host/run/run.hpp"
 
@@ -69,6 +70,7 @@ void print_report(const Scene& scene, const RunReport& r, const std::filesystem:
 int run_command(const CommonOptions& common, std::filesystem::path output) {
   const Scene scene = read_scene(common.scene, common.overrides);
   if (output.empty()) output = common.scene.stem().string() + ".h5";
+  require_output(output, files_of(scene));
 
   RunOptions options;
   options.output = output;

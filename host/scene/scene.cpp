@@ -159,6 +159,14 @@ Scene read_scene(const std::filesystem::path& file, const std::vector<std::strin
   return parse_scene(text, file, overrides);
 }
 
+std::vector<std::filesystem::path> files_of(const Scene& scene) {
+  std::vector<std::filesystem::path> files{scene.file};
+  for (const BodySpec* body : {&scene.resonator, &scene.slider})
+    if (body->surface.kind == SurfaceKind::file)
+      files.push_back(scene.file.parent_path() / body->surface.path);
+  return files;
+}
+
 std::string title(const Scene& scene) {
   return scene.name.empty() ? scene.file.filename().string() : scene.name;
 }

@@ -18,6 +18,7 @@
 #include <variant>
 
 #include "host/errors.hpp"
+#include "host/output_file.hpp"
 #include "host/store/hdf5.hpp"
 
 #ifndef RA2D_VERSION
@@ -289,12 +290,7 @@ ResultFile::Impl::~Impl() {
 
 /// Makes the temporary file, so that a wrong name or folder is known before the first step.
 void ResultFile::Impl::reserve_name() {
-  std::error_code unknown;
-  const fs::file_status status = fs::status(final_, unknown);
-  if (final_.filename().empty() || (fs::exists(status) && !fs::is_regular_file(status)))
-    throw FileError(fmt::format(
-        "cannot write a result file to '{}': this is a folder or a device. Name a file with -o.",
-        final_.string()));
+  final_ = replaced_file(final_);
   // A killed process may have left its own, and process numbers come back: hence the second number.
   for (int attempt = 0; descriptor_ < 0; ++attempt) {
     const std::string name = final_.filename().string();

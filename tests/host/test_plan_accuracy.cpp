@@ -341,7 +341,7 @@ TEST_F(PlanAccuracy, WrongRequestsAreRefusedBeforeAnythingRuns) {
     refused({"--accuracy", "0.1", "--budget", budget}, "--budget");
   refused({"--budget", "5"}, "--accuracy");
   refused({"-o", "x.toml"}, "--accuracy");
-  refused({"--accuracy", "0.1", "-o", "own.toml"}, "not overwritten");
+  refused({"--accuracy", "0.1", "-o", "own.toml"}, "would be overwritten");
   refused({"--accuracy", "0.1", "-o", "./"}, "a folder");
   refused({"--accuracy", "0.1", "-o", "no/such/x.toml"}, "no/such", 4);
   // without an adaptive reference the scene's own scheme must hold

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <sys/sysmacros.h>
 
 #include <chrono>
 #include <csignal>
@@ -105,6 +107,74 @@ TEST_F(Program, FilesThatCannotBeReadOrWrittenEndWithFour) {
                  "resonator.surface={ kind = \"file\", path = \"missing.csv\" }"}),
             4);
   EXPECT_THAT(err_, AllOf(HasSubstr("resonator.surface"), HasSubstr("missing.csv")));
+}
+
+TEST_F(Program, NoInputIsOverwrittenByAnyName) {
+  const std::string text = ra2d::test::read_file(scene_file("peaks"));
+  const std::string profile = "x,z\n0,0\n1,0\n";
+  const auto write = [&](const char* name, const std::string& what) {
+    std::ofstream(folder_ / name) << what;
+  };
+  for (const char* name : {"s.toml", "s.h5"}) write(name, text);
+  // a profile that has the name of each file that a command writes
+  for (const char* name : {"p.csv", "p-regions.csv", "p-long.csv", "p.png"}) write(name, profile);
+  fs::create_symlink("s.toml", folder_ / "soft.toml");
+  fs::create_hard_link(folder_ / "s.toml", folder_ / "hard.toml");
+  fs::create_directory(folder_ / "sub");
+  const auto slider = [&](const char* name) {
+    return std::string("slider.surface={ kind = \"file\", path = \"") + name + "\" }";
+  };
+  const std::vector<std::vector<std::string>> requests = {
+      {"run", "s.toml", "-o", "s.toml"},
+      {"run", "s.toml", "-o", "sub/../s.toml"},
+      {"run", "s.toml", "-o", (folder_ / "s.toml").string()},
+      {"run", "s.toml", "-o", "soft.toml"},
+      {"run", "soft.toml", "-o", "s.toml"},
+      {"run", "s.toml", "-o", "hard.toml"},
+      {"run", "s.h5"},  // goes to s.h5
+      {"run", "s.toml", "--set", slider("p.csv"), "-o", "p.csv"},
+      {"plan", "--accuracy", "0.1", "s.toml", "-o", "soft.toml"},
+      {"plan", "--accuracy", "0.1", "s.toml", "--set", slider("p.csv"), "-o", "p.csv"},
+      {"chart", "stability", "s.toml", "--set", slider("p-regions.csv"), "-o", "p"},
+      {"chart", "accuracy", "s.toml", "--set", slider("p-long.csv"), "-o", "p"},
+      {"chart", "accuracy", "s.toml", "--set", slider("p.png"), "-o", "p"}};
+  for (const std::vector<std::string>& words : requests) {
+    EXPECT_EQ(run(words), 2) << fmt::format("{}", fmt::join(words, " "));
+    EXPECT_THAT(err_, AllOf(HasSubstr("would be overwritten"), HasSubstr("-o")));
+    EXPECT_EQ(out_, "");
+    for (const char* name : {"s.toml", "s.h5", "soft.toml", "hard.toml"})
+      EXPECT_EQ(ra2d::test::read_file(folder_ / name), text) << name;
+    for (const char* name : {"p.csv", "p-regions.csv", "p-long.csv", "p.png"})
+      EXPECT_EQ(ra2d::test::read_file(folder_ / name), profile) << name;
+  }
+}
+
+TEST_F(Program, OnlyRegularFilesAreReplaced) {
+  ASSERT_EQ(mkfifo((folder_ / "pipe").c_str(), 0600), 0);
+  fs::create_symlink("pipe", folder_ / "link");
+  fs::create_symlink("pipe", folder_ / "link.csv");
+  std::vector<std::vector<std::string>> requests = {
+      {"run", scene_file("peaks"), "-o", "pipe"},
+      {"run", scene_file("peaks"), "-o", "link"},
+      {"run", scene_file("peaks"), "-o", "."},
+      {"plan", "--accuracy", "0.1", scene_file("peaks"), "-o", "link"},
+      {"chart", "stability", scene_file("peaks"), "-o", "link"}};
+  // a null device of our own: a program at fault must not replace the system's
+  if (mknod((folder_ / "device").c_str(), S_IFCHR | 0600, makedev(1, 3)) == 0)
+    requests.push_back({"run", scene_file("peaks"), "-o", "device"});
+  for (const std::vector<std::string>& words : requests) {
+    EXPECT_EQ(run(words), 2) << fmt::format("{}", fmt::join(words, " "));
+    EXPECT_THAT(err_, HasSubstr("cannot write to"));
+    EXPECT_TRUE(fs::is_fifo(folder_ / "pipe"));
+    EXPECT_TRUE(fs::is_symlink(folder_ / "link"));
+  }
+  EXPECT_EQ(fs::exists(folder_ / "device"), fs::is_character_file(folder_ / "device"));
+  // a link to a file is followed, and stays
+  std::ofstream(folder_ / "old.h5") << "an earlier result";
+  fs::create_symlink("old.h5", folder_ / "latest.h5");
+  ASSERT_EQ(run({"run", scene_file("drop"), "-o", "latest.h5"}), 0) << err_;
+  EXPECT_TRUE(fs::is_symlink(folder_ / "latest.h5"));
+  EXPECT_GT(fs::file_size(folder_ / "old.h5"), 1000u);
 }
 
 TEST_F(Program, AProfileThatIsTooShortNamesTheBody) {

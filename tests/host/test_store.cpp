@@ -6,6 +6,7 @@
 #include <sched.h>
 #include <sys/mount.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -315,11 +316,44 @@ TEST_F(Store, NamesTheMissingFolderAtOnce) {
   EXPECT_THAT(message, HasSubstr("Create the folder"));
 }
 
-TEST_F(Store, NeverReplacesAFolderOrADevice) {
-  for (const fs::path& path : {folder_, folder_ / "", fs::path{"/dev/null"}, fs::path{}})
-    EXPECT_THAT(message_of([&] { ResultFile(path, header(1, 1, 1)); }),
-                HasSubstr("folder or a device"));
-  EXPECT_THAT(files(), IsEmpty());
+TEST_F(Store, NeverReplacesAFolderOrAPipe) {
+  const fs::path pipe = folder_ / "pipe", link = folder_ / "link", ring = folder_ / "ring";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  fs::create_symlink("pipe", link);
+  fs::create_symlink("ring", ring);
+  const std::pair<fs::path, const char*> refused[] = {
+      {folder_, "this is a folder"},
+      {folder_ / "", "this is a folder"},
+      {{}, "this is a folder"},
+      {pipe, "this is a pipe"},
+      {link, "a pipe"},
+      {ring, "in a ring"},
+  };
+  for (const auto& [path, why] : refused)
+    EXPECT_THAT(message_of([&] { ResultFile(path, header(1, 1, 1)); }), HasSubstr(why));
+  EXPECT_THAT(files(), testing::UnorderedElementsAre("pipe", "link", "ring"));
+  EXPECT_TRUE(fs::is_fifo(pipe));
+}
+
+TEST_F(Store, FollowsALinkAndKeepsIt) {
+  fs::create_directory(folder_ / "far");
+  std::ofstream(folder_ / "far" / "old.h5") << "an earlier result";
+  fs::create_symlink("far/old.h5", path_);
+  fs::create_symlink("out.h5", folder_ / "twice.h5");
+  const ResultHeader h = header(1, 1, 1);
+  for (const fs::path& path : {path_, folder_ / "twice.h5"}) {
+    ResultFile file(path, h);
+    file.append(block(h, 0, 1));
+    file.close(summary());
+    EXPECT_TRUE(fs::is_symlink(path));
+    EXPECT_TRUE(fs::is_regular_file(fs::symlink_status(folder_ / "far" / "old.h5")));
+    EXPECT_EQ(read(path, "/time").size(), 1u);
+  }
+  // one that leads to no file yet
+  fs::create_symlink("far/new.h5", folder_ / "fresh.h5");
+  ResultFile(folder_ / "fresh.h5", h).close(summary());
+  EXPECT_TRUE(fs::is_symlink(folder_ / "fresh.h5"));
+  EXPECT_TRUE(fs::is_regular_file(folder_ / "far" / "new.h5"));
 }
 
 TEST_F(Store, WritesAgainstAFinishedFileAreRefused) {
