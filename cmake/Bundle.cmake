@@ -7,16 +7,23 @@ if(RA2D_SANITIZE OR NOT RA2D_TESTS OR NOT RA2D_BENCH)
 endif()
 
 if(NOT RA2D_PORTABLE)
-  # This build is for this machine's processor: a bundle has a build of its own.
-  set(settings)
-  foreach(name CMAKE_C_COMPILER CMAKE_CXX_COMPILER CMAKE_CXX_COMPILER_LAUNCHER RA2D_BACKEND RA2D_BUNDLE RA2D_KOKKOS_ARCHIVE Kokkos_ROOT)
+  # This build is for this machine's processor: a bundle has a build of its own, with the same compiler and libraries.
+  set(settings ${PROJECT_BINARY_DIR}/portable-settings.cmake)
+  set(text "set(CMAKE_BUILD_TYPE Release CACHE STRING \"\" FORCE)\n")
+  foreach(name CMAKE_PREFIX_PATH CMAKE_C_COMPILER CMAKE_CXX_COMPILER CMAKE_CXX_COMPILER_LAUNCHER HDF5_ROOT Eigen3_DIR
+          fmt_DIR CLI11_DIR tomlplusplus_DIR nlohmann_json_DIR GTest_DIR benchmark_DIR RANDOM123_INCLUDE_DIR
+          SUNDIALS_INCLUDE_DIR ODEINT_INCLUDE_DIR)
     if(${name})
-      list(APPEND settings "-D${name}=${${name}}")
+      string(APPEND text "set(${name} \"${${name}}\" CACHE STRING \"\")\n")
     endif()
   endforeach()
+  foreach(name RA2D_BACKEND RA2D_BUNDLE RA2D_ONE_MARCH RA2D_KOKKOS_ARCHIVE Kokkos_ROOT FETCHCONTENT_SOURCE_DIR_KOKKOS)
+    string(APPEND text "set(${name} \"${${name}}\" CACHE STRING \"\" FORCE)\n")  # empty ones, too
+  endforeach()
+  file(CONFIGURE OUTPUT ${settings} CONTENT "${text}" @ONLY)
   add_custom_target(bundle
     COMMAND ${CMAKE_COMMAND} -S ${PROJECT_SOURCE_DIR} -B ${PROJECT_BINARY_DIR}/portable -G ${CMAKE_GENERATOR}
-            -DCMAKE_BUILD_TYPE=Release -DRA2D_PORTABLE=ON -DRA2D_TESTS=ON -DRA2D_BENCH=ON ${settings}
+            -C ${settings} -DRA2D_PORTABLE=ON -DRA2D_TESTS=ON -DRA2D_BENCH=ON
     COMMAND ${CMAKE_COMMAND} --build ${PROJECT_BINARY_DIR}/portable --target bundle
     USES_TERMINAL VERBATIM)
   return()
@@ -59,9 +66,10 @@ endif()
 list(JOIN architectures " " architectures)
 execute_process(COMMAND getconf GNU_LIBC_VERSION OUTPUT_VARIABLE c_library OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
 add_custom_target(bundle
-  COMMAND ${CMAKE_COMMAND} -E rm -rf ${RA2D_BUNDLE} ${RA2D_BUNDLE}.tar.gz
+  COMMAND ${CMAKE_COMMAND} -DFOLDER=${RA2D_BUNDLE} -DSTEP=clear -P ${PROJECT_SOURCE_DIR}/cmake/PackBundle.cmake
   COMMAND ${CMAKE_COMMAND} --install ${PROJECT_BINARY_DIR} --component bundle --prefix ${RA2D_BUNDLE} --strip
   COMMAND ${CMAKE_COMMAND} -DFOLDER=${RA2D_BUNDLE} -DCOMMIT_HEADER=${PROJECT_BINARY_DIR}/host/commit.h
           -DVERSION=${PROJECT_VERSION} -DBACKEND=${RA2D_BACKEND} "-DCOMPILER=${compiled_by}" "-DKOKKOS=${Kokkos_VERSION}"
-          "-DARCHITECTURES=${architectures}" "-DC_LIBRARY=${c_library}" -P ${PROJECT_SOURCE_DIR}/cmake/PackBundle.cmake
+          "-DARCHITECTURES=${architectures}" "-DC_LIBRARY=${c_library}"
+          "-DHOST_FLAGS=${CMAKE_CXX_FLAGS} ${CMAKE_CXX_FLAGS_RELEASE}" -DMARCHES=$<IF:$<BOOL:${RA2D_ONE_MARCH}>,one,all> -P ${PROJECT_SOURCE_DIR}/cmake/PackBundle.cmake
   DEPENDS ${programs} USES_TERMINAL VERBATIM)

@@ -15,11 +15,18 @@ if(RA2D_KOKKOS_ARCHIVE AND kokkos_by_name)
   message(FATAL_ERROR "RA2D_KOKKOS_ARCHIVE names one Kokkos and ${kokkos_by_name} another: leave one out")
 endif()
 
-if(NOT RA2D_KOKKOS_ARCHIVE AND (kokkos_by_name OR NOT RA2D_PORTABLE))  # an installed one is for this machine's processor
+if(kokkos_by_name)
+  unset(Kokkos_DIR CACHE)  # the last one that was found would be taken
+  find_package(Kokkos 5.0...<6 QUIET PATHS "${Kokkos_ROOT}" "$ENV{Kokkos_ROOT}" NO_DEFAULT_PATH)
+elseif(NOT RA2D_KOKKOS_ARCHIVE AND NOT RA2D_PORTABLE)  # one that nobody named is likely for this machine's processor
   find_package(Kokkos 5.0...<6 QUIET)
 endif()
 if(Kokkos_FOUND)
   message(STATUS "Kokkos ${Kokkos_VERSION}: ${Kokkos_DIR} (${Kokkos_DEVICES})")
+  if(RA2D_PORTABLE AND "NATIVE" IN_LIST Kokkos_ARCH)
+    message(FATAL_ERROR "The Kokkos in ${Kokkos_DIR} was built for the processor of one machine (NATIVE), RA2D_PORTABLE is "
+                        "for many. Leave Kokkos_ROOT out to have one built here")
+  endif()
   string(TOUPPER ${RA2D_BACKEND} wanted)
   # Kokkos runs on the strongest of the backends that it was built for; one of OpenMP serves one thread, too.
   if(NOT wanted IN_LIST Kokkos_DEVICES OR ("CUDA" IN_LIST Kokkos_DEVICES AND NOT wanted STREQUAL "CUDA"))

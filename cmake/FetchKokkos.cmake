@@ -78,7 +78,13 @@ endif()
 if(RA2D_X86_64_V3)
   set(Kokkos_ARCH_NATIVE OFF CACHE BOOL "" FORCE)
   set(Kokkos_ARCH_HSW ON CACHE BOOL "" FORCE)  # AVX2 and FMA; the flags are made x86-64-v3's below
+  set(RA2D_ARCH_BY_PORTABLE ON CACHE INTERNAL "Both were set here")
 else()
+  if(RA2D_ARCH_BY_PORTABLE)  # in this folder, the last time
+    unset(Kokkos_ARCH_NATIVE CACHE)
+    unset(Kokkos_ARCH_HSW CACHE)
+    unset(RA2D_ARCH_BY_PORTABLE CACHE)
+  endif()
   option(Kokkos_ARCH_NATIVE "Compile for the processor of this machine" ON)
 endif()
 

@@ -34,14 +34,16 @@ const char* kind_name(fs::file_type type) {
 /// Follows `path` to the file that is written; says why there can be none, or nothing.
 std::string follow(fs::path& path) {
   if (!path.has_filename()) return "this is a folder";
+  std::error_code unknown;
+  // as the system follows it: also to a pipe behind /dev/stdout, which no link names
+  const fs::file_status end = fs::status(path, unknown);
+  if (fs::exists(end) && !fs::is_regular_file(end))
+    return std::string(fs::is_symlink(fs::symlink_status(path, unknown)) ? "it leads to "
+                                                                         : "this is ") +
+           kind_name(end.type());
   constexpr int most_links = 40;  // as many as the system follows
   for (int links = 0;; ++links) {
-    std::error_code unknown;
-    const fs::file_status status = fs::symlink_status(path, unknown);
-    if (!fs::exists(status) || fs::is_regular_file(status)) return {};
-    if (!fs::is_symlink(status))
-      return (links > 0 ? "it leads to '" + path.string() + "', " : std::string("this is ")) +
-             kind_name(status.type());
+    if (!fs::is_symlink(fs::symlink_status(path, unknown))) return {};
     if (links == most_links) return "its symbolic links lead in a ring";
     path = path.parent_path() /
            fs::read_symlink(path, unknown);  // an absolute one replaces the folder

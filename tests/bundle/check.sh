@@ -43,17 +43,32 @@ while [[ $# -gt 0 ]]; do
     *) usage >&2; wrong "unknown option $1" ;;
   esac
 done
-: > "$output" || { echo "check.sh: cannot write $output" >&2; exit 4; }
+# an earlier file of this name stays until the new one is whole
+: > "$output.partial" || { echo "check.sh: cannot write $output" >&2; exit 4; }
 output=$(cd "$(dirname "$output")" && pwd)/$(basename "$output")
+exec < /dev/null
 
 work=$(mktemp -d "${TMPDIR:-/tmp}/ra2d_check_XXXXXX") || exit 4
 sampler=
+interrupted=false
 finish() {
   [[ -n $sampler ]] && kill "$sampler" 2> /dev/null
-  rm -rf "$work"
+  rm -rf "$work" "$output.partial"
 }
 trap finish EXIT
-trap 'echo "check.sh: interrupted" >&2; pkill -P $$; exit 130' INT TERM
+interrupt() { # ends what runs, and writes what there is
+  trap '' INT TERM
+  echo "check.sh: interrupted" >&2
+  interrupted=true
+  local running
+  running=$(jobs -p)
+  # shellcheck disable=SC2086
+  [[ -n $running ]] && kill $running 2> /dev/null
+  sleep 1
+  write_results
+  exit 130
+}
+trap interrupt INT TERM
 now() { date +%s; }
 begun=$(now)
 
@@ -81,7 +96,9 @@ machine() {
     "$(getconf GNU_LIBC_VERSION 2> /dev/null | quote)" "$(string "$RA2D_PYTHON")"
   printf '  "cards": ['
   local first=1
-  if command -v nvidia-smi > /dev/null; then
+  local cards
+  # of a driver that does not answer, its complaint is no card
+  if command -v nvidia-smi > /dev/null && cards=$(ask_card name,driver_version,memory.total,compute_cap,clocks.sm,clocks.mem,clocks.max.sm,clocks.max.mem,power.limit,mig.mode.current); then
     local name driver memory capability sm_now memory_now sm_most memory_most power mode
     while IFS=, read -r name driver memory capability sm_now memory_now sm_most memory_most power mode; do
       [[ -n $name ]] || continue
@@ -93,7 +110,7 @@ machine() {
       printf '"memory_clock_MHz": %s, "most_clock_MHz": %s, "most_memory_clock_MHz": %s, "power_limit_W": %s, "mig": %s}' \
         "$(string "${memory_now# }")" "$(string "${sm_most# }")" "$(string "${memory_most# }")" \
         "$(string "${power# }")" "$(string "${mode# }")"
-    done < <(ask_card name,driver_version,memory.total,compute_cap,clocks.sm,clocks.mem,clocks.max.sm,clocks.max.mem,power.limit,mig.mode.current)
+    done <<< "$cards"
   fi
   printf ']}'
 }
@@ -110,15 +127,24 @@ watch_clocks() {
 
 # run_part KIND PROGRAM PART FILE SECONDS [argument...]: writes FILE.part (one JSON object) and FILE.state
 run_part() {
-  local kind=$1 program=$2 part=$3 file=$4 seconds=$5 start status state took
+  local kind=$1 program=$2 part=$3 file=$4 seconds=$5 start status state took child
   shift 5
   start=$(date +%s%N)
-  timeout -k 5 "$seconds" "$here/bin/$program" "$@" > "$file.out" 2>&1 < /dev/null
+  timeout -k 5 "$seconds" "$here/bin/$program" "$@" > "$file.out" 2>&1 < /dev/null &
+  child=$!
+  ((BASH_SUBSHELL > 0)) && trap 'kill $child' TERM
+  wait $child
   status=$?
   took=$(awk "BEGIN { printf \"%.3f\", ($(date +%s%N) - $start) / 1e9 }")
   state=passed
-  if [[ $status == 124 || $status == 137 ]]; then state='out of time'; elif [[ $status != 0 ]]; then state=failed; fi
-  [[ $state == passed && ! -s $file.json ]] && state=failed
+  # 137 is a kill: by timeout when it was late, by the system (out of memory, say) when it was not
+  if [[ $status == 124 ]] || { [[ $status == 137 ]] && ((${took%.*} >= seconds)); }; then
+    state='out of time'
+  elif [[ $status == 143 ]]; then
+    state=interrupted
+  elif [[ $status != 0 || $(tail -n 1 "$file.json" 2> /dev/null) != '}' ]]; then
+    state=failed
+  fi
   grep -q '"error_occurred": true' "$file.json" 2> /dev/null && state=failed
   {
     printf '{"program": %s, "%s": %s, "state": "%s", "exit": %d, "seconds": %s' \
@@ -127,9 +153,13 @@ run_part() {
       [[ $kind == suite ]] && printf ', "tests_passed": %d' "$(grep -c '^\[       OK \]' "$file.out")"
       printf ', "output": %s' "$(grep -v '^\[       OK \]' "$file.out" | tail -n 60 | quote)"
     fi
-    if [[ -s $file.json && $state != 'out of time' ]]; then printf ',\n "result": '; cat "$file.json"; fi
+    if [[ $(tail -n 1 "$file.json" 2> /dev/null) == '}' ]]; then # of a crash it is cut off
+      printf ',\n "result": '
+      sed -E 's/: -?(NaN|Infinity)(,?)$/: null\2/' "$file.json" # which are no JSON
+    fi
     printf '}'
-  } > "$file.part"
+  } > "$file.whole"
+  mv "$file.whole" "$file.part"
   echo "$state" > "$file.state"
   [[ $state == passed ]] || echo "check.sh: $program, $part: $state" >&2
 }
@@ -144,7 +174,8 @@ join() { # the parts with this prefix, in order, as a JSON list
   done
   printf ']'
 }
-count() { cat "$work/$1"*.state 2> /dev/null | grep -c "^$2\$"; }
+count() { cat /dev/null "$work/$1"*.state | grep -c "^$2\$"; }
+running() { jobs -rp | grep -cvx "${sampler:-none}"; }
 
 not_run() { # KIND PROGRAM PART FILE
   printf '{"program": "%s", "%s": %s, "state": "not run", "seconds": 0}' "$2" "$1" "$(string "$3")" > "$4.part"
@@ -174,6 +205,7 @@ run_tests() {
   file=$work/test-list
   list "$program" "$file" --gtest_list_tests || return
   while read -r suite; do
+    while (($(running) >= jobs)); do wait -n; done
     left=$((end - $(now)))
     ((++number))
     file=$work/test-$(printf %04d $number)
@@ -181,11 +213,10 @@ run_tests() {
       not_run suite "$program" "${suite%.}" "$file"
       continue
     fi
-    while (($(jobs -rp | wc -l) - (${#sampler} > 0) >= jobs)); do wait -n; done
     run_part suite "$program" "${suite%.}" "$file" $((left < most ? left : most)) --gtest_filter="$suite*" \
       --gtest_output="json:$file.json" &
   done < <(sed -n 's/^\([^ ].*\.\)\( .*\)*$/\1/p' "$work/test-list.names" | sort -u)
-  while (($(jobs -rp | wc -l) - (${#sampler} > 0) > 0)); do wait -n; done
+  while (($(running) > 0)); do wait -n; done
 }
 
 run_benchmarks() {
@@ -215,8 +246,54 @@ run_benchmarks() {
   unset OMP_NUM_THREADS
 }
 
+# ---- what came out
+
+summary() { # NAME PREFIX SECONDS
+  printf '%-11s %4d passed, %d failed, %d out of time, %d not run, in %d s\n' "$1" "$(count "$2" passed)" \
+    "$(count "$2" failed)" "$(count "$2" 'out of time')" "$(count "$2" 'not run')" "$3"
+}
+
+write_results() {
+  local took passed skipped failures key
+  took=$(($(now) - begun))
+  [[ -n $tests_took ]] || tests_took=$took
+  passed=$(cat /dev/null "$work"/test-*.json | grep -c '"result": "COMPLETED"')
+  skipped=$(cat /dev/null "$work"/test-*.json | grep -c '"result": "SKIPPED"')
+  failures=$(cat /dev/null "$work"/test-*.json | grep -c '"failures": \[')
+  {
+    printf '{"ra2d": {'
+    for key in version commit backend compiler host_flags marches kokkos architectures c_library; do
+      printf '"%s": %s, ' $key "$(string "$(about $key)")"
+    done
+    printf '"says": %s},\n' "$(head -n 3 "$work/version" | quote)"
+    printf '"date": "%s", "seconds": %d, "budget": %d, "interrupted": %s,\n"machine": ' "$(date -u +%Y-%m-%dT%H:%M:%SZ)" $took "$budget" $interrupted
+    cat "$work/machine"
+    printf ',\n"clocks": {"columns": ["s", "MHz", "memory MHz", "W", "C"], "rows": ['
+    awk '{
+      gsub(/[^0-9.,]/, "")
+      n = split($0, column, ",")
+      for (i = 1; i <= n; ++i) printf "%s%s", (i > 1 ? ", " : NR > 1 ? ", [" : "["), (column[i] == "" ? "null" : column[i])
+      printf "]"
+    }' "$work/clocks"
+    printf ']},\n"tests": {"seconds": %d, "tests_run": %d, "tests_failed": %d, "tests_skipped": %d, ' \
+      $tests_took $((passed)) $((failures)) $((skipped))
+    printf '"suites_passed": %d, "suites_failed": %d, "suites_out_of_time": %d, "suites_not_run": %d, "suites": ' \
+      "$(count test- passed)" "$(count test- failed)" "$(count test- 'out of time')" "$(count test- 'not run')"
+    join test-
+    printf '},\n"benchmarks": {"seconds": %d, "passed": %d, "failed": %d, "out_of_time": %d, "not_run": %d, "cases": ' \
+      $((took - tests_took)) "$(count bench- passed)" "$(count bench- failed)" "$(count bench- 'out of time')" "$(count bench- 'not run')"
+    join bench-
+    printf '}}\n'
+  } > "$output.partial" && mv "$output.partial" "$output" || { echo "check.sh: cannot write $output" >&2; exit 4; }
+  [[ $only == benchmarks ]] || summary "test suites" test- $tests_took
+  [[ $only == benchmarks ]] || printf '%-11s %4d ran, %d failed, %d skipped\n' "  tests" "$passed" "$failures" "$skipped"
+  [[ $only == tests ]] || summary benchmarks bench- $((took - tests_took))
+  echo "written to $output"
+}
+
 # ---- all of it
 
+tests_took=
 : > "$work/clocks"
 if command -v nvidia-smi > /dev/null; then
   watch_clocks &
@@ -230,42 +307,5 @@ fi
 [[ $only == benchmarks ]] || run_tests $((begun + (${#only} ? budget : budget * 2 / 3)))
 tests_took=$(($(now) - begun))
 [[ $only == tests ]] || run_benchmarks $((begun + budget))
-took=$(($(now) - begun))
-
-passed=$(cat "$work"/test-*.json 2> /dev/null | grep -c '"result": "COMPLETED"')
-skipped=$(cat "$work"/test-*.json 2> /dev/null | grep -c '"result": "SKIPPED"')
-failures=$(cat "$work"/test-*.json 2> /dev/null | grep -c '"failures": \[')
-{
-  printf '{"ra2d": {"version": %s, "commit": %s, "backend": %s, "compiler": %s, "kokkos": %s, "architectures": %s, "says": %s},\n' \
-    "$(string "$(about version)")" "$(string "$(about commit)")" "$(string "$(about backend)")" \
-    "$(string "$(about compiler)")" "$(string "$(about kokkos)")" "$(string "$(about architectures)")" \
-    "$(head -n 3 "$work/version" | quote)"
-  printf '"date": "%s", "seconds": %d, "budget": %d,\n"machine": ' "$(date -u +%Y-%m-%dT%H:%M:%SZ)" $took "$budget"
-  cat "$work/machine"
-  printf ',\n"clocks": {"columns": ["s", "MHz", "memory MHz", "W", "C"], "rows": ['
-  awk '{
-    gsub(/[^0-9.,]/, "")
-    n = split($0, column, ",")
-    for (i = 1; i <= n; ++i) printf "%s%s", (i > 1 ? ", " : NR > 1 ? ", [" : "["), (column[i] == "" ? "null" : column[i])
-    printf "]"
-  }' "$work/clocks"
-  printf ']},\n"tests": {"seconds": %d, "tests_run": %d, "tests_failed": %d, "tests_skipped": %d, ' \
-    $tests_took $((passed)) $((failures)) $((skipped))
-  printf '"suites_passed": %d, "suites_failed": %d, "suites_out_of_time": %d, "suites_not_run": %d, "suites": ' \
-    "$(count test- passed)" "$(count test- failed)" "$(count test- 'out of time')" "$(count test- 'not run')"
-  join test-
-  printf '},\n"benchmarks": {"seconds": %d, "passed": %d, "failed": %d, "out_of_time": %d, "not_run": %d, "cases": ' \
-    $((took - tests_took)) "$(count bench- passed)" "$(count bench- failed)" "$(count bench- 'out of time')" "$(count bench- 'not run')"
-  join bench-
-  printf '}}\n'
-} > "$output" || { echo "check.sh: cannot write $output" >&2; exit 4; }
-
-summary() { # NAME PREFIX SECONDS
-  printf '%-11s %4d passed, %d failed, %d out of time, %d not run, in %d s\n' "$1" "$(count "$2" passed)" \
-    "$(count "$2" failed)" "$(count "$2" 'out of time')" "$(count "$2" 'not run')" "$3"
-}
-[[ $only == benchmarks ]] || summary "test suites" test- $tests_took
-[[ $only == benchmarks ]] || printf '%-11s %4d ran, %d failed, %d skipped\n' "  tests" "$passed" "$failures" "$skipped"
-[[ $only == tests ]] || summary benchmarks bench- $((took - tests_took))
-echo "written to $output"
+write_results
 [[ $(count test- failed) == 0 && $(count bench- failed) == 0 ]]

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <sys/sysmacros.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <csignal>
@@ -153,9 +154,13 @@ TEST_F(Program, OnlyRegularFilesAreReplaced) {
   ASSERT_EQ(mkfifo((folder_ / "pipe").c_str(), 0600), 0);
   fs::create_symlink("pipe", folder_ / "link");
   fs::create_symlink("pipe", folder_ / "link.csv");
+  int ends[2];
+  ASSERT_EQ(pipe(ends), 0);  // what /dev/stdout is in a pipeline: no link names it
+  fs::create_symlink(fmt::format("/proc/{}/fd/{}", getpid(), ends[1]), folder_ / "piped");
   std::vector<std::vector<std::string>> requests = {
       {"run", scene_file("peaks"), "-o", "pipe"},
       {"run", scene_file("peaks"), "-o", "link"},
+      {"run", scene_file("peaks"), "-o", "piped"},
       {"run", scene_file("peaks"), "-o", "."},
       {"plan", "--accuracy", "0.1", scene_file("peaks"), "-o", "link"},
       {"chart", "stability", scene_file("peaks"), "-o", "link"}};

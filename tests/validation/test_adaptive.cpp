@@ -42,7 +42,7 @@ std::vector<Scene> kinds() {
 
 TEST(AdaptiveInvariance, RandomScenesAreTheSameBitForBit) {
   const int scenes = draws(40);
-  constexpr std::uint64_t begin = 53;  // the next forty make fewer than 20 000 steps each
+  constexpr std::uint64_t begin = 53;  // the usual forty make fewer than 20 000 steps each
   int done = 0, touching = 0, in_and_out = 0;
   double evaluated = 0, all_evaluated = 0;
   for (std::uint64_t seed = begin; seed < begin + scenes; ++seed) {
@@ -70,6 +70,7 @@ TEST(AdaptiveInvariance, RandomScenesAreTheSameBitForBit) {
     all_evaluated += static_cast<double>(all.end.evaluated);
   }
   EXPECT_EQ(done, scenes);
+  if (!draws_enough()) return;
   EXPECT_GE(touching, scenes / 2);
   EXPECT_GE(in_and_out, scenes / 4);
   EXPECT_LT(evaluated, 0.75 * all_evaluated);
@@ -194,6 +195,7 @@ TEST(AdaptiveSamples, HoldTheContactLaw) {
       several += certain > 1;
     }
   }
+  if (!draws_enough()) return;
   EXPECT_GT(touching, 200);
   EXPECT_GT(several, 50);
 }

@@ -239,8 +239,9 @@ TEST(AdaptiveErrors, EveryContactOfSmallFixedStepsIsFound) {
       long_ones += shock.duration > 20 * scene.step;
     }
   }
-  EXPECT_GT(compared, draws(150));
-  EXPECT_GT(long_ones, draws(50));
+  if (!draws_enough()) return;
+  EXPECT_GT(compared, 150);
+  EXPECT_GT(long_ones, 50);
 }
 
 }  // namespace
