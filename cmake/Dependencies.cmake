@@ -23,6 +23,10 @@ elseif(NOT RA2D_KOKKOS_ARCHIVE AND NOT RA2D_PORTABLE)  # one that nobody named i
 endif()
 if(Kokkos_FOUND)
   message(STATUS "Kokkos ${Kokkos_VERSION}: ${Kokkos_DIR} (${Kokkos_DEVICES})")
+  if(NOT Kokkos_ARCH)
+    message(WARNING "This Kokkos was built for no processor in particular. Without its vector and multiply-add instructions "
+                    "ra2d runs many times slower. Build Kokkos with -DKokkos_ARCH_NATIVE=ON, or leave it out")
+  endif()
   if(RA2D_PORTABLE AND "NATIVE" IN_LIST Kokkos_ARCH)
     message(FATAL_ERROR "The Kokkos in ${Kokkos_DIR} was built for the processor of one machine (NATIVE), RA2D_PORTABLE is "
                         "for many. Leave Kokkos_ROOT out to have one built here")
