@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
 # ./test.sh [--long] [ctest options]: installs what is missing, builds everything and runs every test.
-# --long (some twelve minutes more): random cases are drawn four times as often, and the bundle is tried in a bare system.
+# --long: random cases are drawn four times as often, and the bundle is tried in a bare system.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 source "$root/cmake/house.sh"

@@ -98,12 +98,12 @@ inline constexpr double usual_tolerance = 1e-8;
 /// read.
 Scene read_scene(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
 
-/// The files that a scene is read from: its own, and its measured profiles.
-std::vector<std::filesystem::path> files_of(const Scene& scene);
-
 /// The same from a text; `file` is used in messages and to resolve relative paths.
 Scene parse_scene(const std::string& text, const std::filesystem::path& file,
                   const std::vector<std::string>& overrides = {});
+
+/// The files that a scene is read from: its own, and its measured profiles.
+std::vector<std::filesystem::path> files_of(const Scene& scene);
 
 /// What people call it: its name, or that of its file.
 std::string title(const Scene& scene);

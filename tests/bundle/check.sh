@@ -43,9 +43,10 @@ while [[ $# -gt 0 ]]; do
     *) usage >&2; wrong "unknown option $1" ;;
   esac
 done
+# of a link, what it leads to is replaced; and nothing but a file
+output=$(readlink -f -- "$output") && [[ ! -e $output || -f $output ]] || wrong "-o: no file can be written there"
 # an earlier file of this name stays until the new one is whole
 : > "$output.partial" || { echo "check.sh: cannot write $output" >&2; exit 4; }
-output=$(cd "$(dirname "$output")" && pwd)/$(basename "$output")
 exec < /dev/null
 
 work=$(mktemp -d "${TMPDIR:-/tmp}/ra2d_check_XXXXXX") || exit 4
@@ -60,10 +61,10 @@ interrupt() { # ends what runs, and writes what there is
   trap '' INT TERM
   echo "check.sh: interrupted" >&2
   interrupted=true
-  local running
-  running=$(jobs -p)
+  local children
+  children=$(jobs -p)
   # shellcheck disable=SC2086
-  [[ -n $running ]] && kill $running 2> /dev/null
+  [[ -n $children ]] && kill $children 2> /dev/null
   sleep 1
   write_results
   exit 130

@@ -7,6 +7,7 @@
 #include <sys/mount.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/sysmacros.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -316,18 +317,27 @@ TEST_F(Store, NamesTheMissingFolderAtOnce) {
   EXPECT_THAT(message, HasSubstr("Create the folder"));
 }
 
-TEST_F(Store, NeverReplacesAFolderOrAPipe) {
+TEST_F(Store, NeverReplacesAFolderADeviceOrAPipe) {
+  // root, who could replace the system's null device, has one of its own
+  fs::path device = folder_ / "device";
+  std::vector<std::string> there = {"pipe", "link", "ring"};
+  if (mknod(device.c_str(), S_IFCHR | 0600, makedev(1, 3)) == 0)
+    there.emplace_back("device");
+  else
+    device = "/dev/null";
   const fs::path pipe = folder_ / "pipe", link = folder_ / "link", ring = folder_ / "ring";
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
   fs::create_symlink("pipe", link);
   fs::create_symlink("ring", ring);
   const std::pair<fs::path, const char*> refused[] = {
-      {folder_, "this is a folder"}, {folder_ / "", "this is a folder"}, {{}, "this is a folder"},
-      {pipe, "this is a pipe"},      {link, "it leads to a pipe"},       {ring, "in a ring"},
+      {folder_, "this is a folder"}, {folder_ / "", "this is a folder"},
+      {{}, "this is a folder"},      {device, "this is a device"},
+      {pipe, "this is a pipe"},      {link, "it leads to a pipe"},
+      {ring, "in a ring"},
   };
   for (const auto& [path, why] : refused)
     EXPECT_THAT(message_of([&] { ResultFile(path, header(1, 1, 1)); }), HasSubstr(why));
-  EXPECT_THAT(files(), testing::UnorderedElementsAre("pipe", "link", "ring"));
+  EXPECT_THAT(files(), testing::UnorderedElementsAreArray(there));
   EXPECT_TRUE(fs::is_fifo(pipe));
 }
 
