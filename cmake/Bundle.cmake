@@ -11,7 +11,7 @@ if(NOT RA2D_PORTABLE)
   set(settings ${PROJECT_BINARY_DIR}/portable-settings.cmake)
   set(text "set(CMAKE_BUILD_TYPE Release CACHE STRING \"\" FORCE)\n")
   foreach(name CMAKE_PREFIX_PATH CMAKE_C_COMPILER CMAKE_CXX_COMPILER CMAKE_CXX_COMPILER_LAUNCHER HDF5_ROOT Eigen3_DIR
-          fmt_DIR CLI11_DIR tomlplusplus_DIR nlohmann_json_DIR GTest_DIR benchmark_DIR RANDOM123_INCLUDE_DIR
+          fmt_DIR CLI11_DIR tomlplusplus_DIR nlohmann_json_DIR GTest_DIR benchmark_DIR RANDOM123_INCLUDE_DIR XXHASH_INCLUDE_DIR
           SUNDIALS_INCLUDE_DIR ODEINT_INCLUDE_DIR)
     if(${name})
       string(APPEND text "set(${name} \"${${name}}\" CACHE STRING \"\")\n")
@@ -33,6 +33,7 @@ set(programs ra2d ra2d_tests ra2d_bench)
 set_target_properties(${programs} PROPERTIES INSTALL_RPATH "$ORIGIN/../lib")
 set(carried COMPONENT bundle EXCLUDE_FROM_ALL)
 install(TARGETS ${programs} RUNTIME_DEPENDENCY_SET bundled_libraries RUNTIME DESTINATION bin ${carried})
+install(TARGETS faulty_disk LIBRARY DESTINATION lib ${carried})
 # but for the C library, which the machine has, and the driver, which is the machine's own
 install(RUNTIME_DEPENDENCY_SET bundled_libraries
   PRE_EXCLUDE_REGEXES "^ld-linux" "^lib(c|m|mvec|dl|rt|pthread|resolv|util|anl)\\.so" "^libcuda\\.so"

@@ -8,9 +8,9 @@ install(TARGETS ra2d_base ra2d_kernels ra2d_host EXPORT ra2dTargets)
 install(TARGETS ra2d)
 install(EXPORT ra2dTargets NAMESPACE ra2d:: DESTINATION ${package_dir})
 foreach(part kernels host)
-  # but for those that need toml++ or HDF5, which nobody else has to have
+  # but for those that need toml++, HDF5 or xxHash, which nobody else has to have
   install(DIRECTORY ${part} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/ra2d
-          FILES_MATCHING PATTERN "*.hpp" PATTERN "scene/toml.hpp" EXCLUDE PATTERN "store/hdf5.hpp" EXCLUDE)
+          FILES_MATCHING PATTERN "*.hpp" PATTERN "scene/toml.hpp" EXCLUDE PATTERN "store/hdf5.hpp" EXCLUDE PATTERN "store/hash.hpp" EXCLUDE)
 endforeach()
 set(RA2D_PLOT_SCRIPTS host/chart/chart_style.py host/chart/plot_stability.py host/chart/plot_accuracy.py)
 install(FILES ${RA2D_PLOT_SCRIPTS} DESTINATION ${CMAKE_INSTALL_DATADIR}/ra2d)

@@ -4,7 +4,7 @@
 #include <string>
 
 /// What tests run and read: this build's, or what the environment names (RA2D_PROGRAM,
-/// RA2D_SOURCE_DIR, RA2D_PYTHON), as in a bundle.
+/// RA2D_SOURCE_DIR, RA2D_PYTHON, RA2D_FAULTY_DISK), as in a bundle.
 namespace ra2d::test {
 
 /// The program ra2d.
@@ -16,7 +16,10 @@ std::filesystem::path source_folder();
 /// A file of scenes/ by its name without .toml.
 std::string scene_file(const std::string& name);
 
-/// A Python with h5py, netCDF4 and xarray; empty when RA2D_PYTHON says that there is none.
+/// The library that makes calls to a disk fail (tests/faults); empty where none can be loaded.
+std::string faulty_disk();
+
+/// A Python with h5py, netCDF4, xarray and xxhash; empty when RA2D_PYTHON says that there is none.
 std::string python();
 #define RA2D_SKIP_WITHOUT_PYTHON()    \
   if (ra2d::test::python().empty()) { \

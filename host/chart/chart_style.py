@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What the pictures of the charts have in common. Ends with status 9 when there is no matplotlib."""
 import csv
-import os
 import sys
 
 try:
@@ -37,12 +36,9 @@ def read_context(file):
 
 
 def save(figure, picture):
-    """Under its final name once it is complete."""
-    partial = f"{picture}.partial-{os.getpid()}"
+    """Into the file itself, which the program has made and names when it is complete."""
     try:
-        figure.savefig(partial, format="png", dpi=130)
-        os.replace(partial, picture)
+        with open(picture, "wb") as out:
+            figure.savefig(out, format="png", dpi=130)
     except OSError as fault:
-        if os.path.exists(partial):
-            os.remove(partial)
         sys.exit(f"{picture}: {fault.strerror}")

@@ -2,16 +2,11 @@
 #include "host/chart/files.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
 #include <system_error>
 
 #include "host/chart/process.hpp"
 #include "host/errors.hpp"
-#include "host/output_file.hpp"
 
 namespace ra2d {
 namespace {
@@ -34,24 +29,6 @@ fs::path find_script(const std::string& name) {
 }
 
 }  // namespace
-
-void write_text(const fs::path& path, const std::string& text) {
-  const fs::path file = replaced_file(path);
-  const auto fail = [&](int why) {
-    throw FileError(fmt::format("cannot write '{}': {}", file.string(), std::strerror(why)));
-  };
-  fs::path partial = file;
-  partial += fmt::format(".partial-{}", getpid());
-  std::FILE* out = std::fopen(partial.c_str(), "wx");
-  if (out == nullptr) fail(errno);
-  bool written = std::fwrite(text.data(), 1, text.size(), out) == text.size();
-  written = std::fclose(out) == 0 && written;
-  if (!written || std::rename(partial.c_str(), file.c_str()) != 0) {
-    const int why = errno;
-    std::remove(partial.c_str());
-    fail(why);
-  }
-}
 
 void draw(const std::string& script, const std::vector<std::string>& arguments) {
   const std::string path = find_script(script).string();

@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "host/chart/files.hpp"
 #include "host/chart/process.hpp"
+#include "host/partial_file.hpp"
 #include "host/scene/text.hpp"
 
 namespace ra2d {

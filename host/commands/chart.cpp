@@ -11,6 +11,7 @@
 #include "host/commands/commands.hpp"
 #include "host/errors.hpp"
 #include "host/output_file.hpp"
+#include "host/partial_file.hpp"
 #include "host/run/batch.hpp"
 #include "paper_scene.hpp"
 
@@ -39,10 +40,17 @@ Scene chart_scene(const CommonOptions& common) {
                               : read_scene(common.scene, common.overrides);
 }
 
-/// Draws a picture of files that have been written.
-void draw_picture(const std::string& script, const std::vector<std::string>& arguments,
-                  const std::string& picture, const std::string& texts) try {
+/// Draws a picture of files that have been written. `arguments` of the script before the picture's
+/// own, and `after` it.
+void draw_picture(const std::string& script, std::vector<std::string> arguments,
+                  const std::string& picture, const std::vector<std::string>& after,
+                  const std::string& texts) try {
+  PartialFile file(picture);
+  arguments.push_back(file.path().string());
+  arguments.insert(arguments.end(), after.begin(), after.end());
   draw(script, arguments);
+  file.sync();
+  file.publish();
 } catch (const FileError& fault) {
   throw FileError(
       fmt::format("the picture {} was not made: {}. The table is in {}; --no-plot asks for no "
@@ -81,10 +89,8 @@ int chart_stability_command(const CommonOptions& common, const std::string& pref
   write_text(eigenvalues, modes);
   const std::string texts = fmt::format("{}, {} and {}", table, regions, eigenvalues);
   if (plot)
-    draw_picture("plot_stability.py",
-                 {table, regions, eigenvalues, picture,
-                  fmt::format("{}, step {:g} s", title(scene), scene.step)},
-                 picture, texts);
+    draw_picture("plot_stability.py", {table, regions, eigenvalues}, picture,
+                 {fmt::format("{}, step {:g} s", title(scene), scene.step)}, texts);
   print_written(common, texts, plot, picture);
   return done;
 }
@@ -120,7 +126,7 @@ int chart_accuracy_command(const CommonOptions& common, const std::string& prefi
   write_text(points, points_csv(chart, context));
   write_text(long_runs, long_runs_csv(chart, context));
   const std::string texts = fmt::format("{} and {}", points, long_runs);
-  if (plot) draw_picture("plot_accuracy.py", {points, long_runs, picture}, picture, texts);
+  if (plot) draw_picture("plot_accuracy.py", {points, long_runs}, picture, {}, texts);
   print_written(common, texts, plot, picture);
   return done;
 }

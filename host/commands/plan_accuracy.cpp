@@ -5,11 +5,11 @@
 #include <cstdio>
 
 #include "host/accuracy/savings.hpp"
-#include "host/chart/files.hpp"
 #include "host/commands/commands.hpp"
 #include "host/commands/interrupt.hpp"
 #include "host/errors.hpp"
 #include "host/output_file.hpp"
+#include "host/partial_file.hpp"
 #include "host/run/batch.hpp"
 
 namespace ra2d {

@@ -11,7 +11,9 @@
 #include <utility>
 
 /// What the result file needs around the HDF5 C API: handles that close themselves, failures with
-/// the reason that HDF5 or the system gives.
+/// the reason that HDF5 or the system gives. What was written may reach the file with the close of its
+/// handle alone: there, close() is asked whether it succeeded (h5::close). Destructors are for what
+/// was only read, for handles in memory, and for what failed before.
 namespace ra2d::h5 {
 
 /// Owns one HDF5 identifier.
@@ -37,6 +39,7 @@ class Handle {
 };
 
 using File = Handle<H5Fclose>;
+using Object = Handle<H5Oclose>;
 using Group = Handle<H5Gclose>;
 using Dataset = Handle<H5Dclose>;
 using Space = Handle<H5Sclose>;
@@ -77,6 +80,12 @@ template <class Result>
 Result check(Result result) {
   if (result < 0) throw hdf5_failure();
   return result;
+}
+
+/// Closes a handle, or throws Failure.
+template <herr_t (*Close)(hid_t)>
+void close(Handle<Close>& handle) {
+  check(handle.close());
 }
 
 }  // namespace ra2d::h5

@@ -4,7 +4,6 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/mman.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -13,12 +12,14 @@
 #include <cstdint>
 #include <limits>
 #include <mutex>
+#include <optional>
 #include <string_view>
 #include <utility>
 #include <variant>
 
 #include "host/errors.hpp"
-#include "host/output_file.hpp"
+#include "host/partial_file.hpp"
+#include "host/store/hash.hpp"
 #include "host/store/hdf5.hpp"
 
 #ifndef RA2D_VERSION
@@ -135,31 +136,59 @@ h5::Properties ordered(hid_t kind) {
   return properties;
 }
 
-void set_attribute(hid_t object, const char* name, hid_t type, const void* value) {
-  const h5::Space scalar{check(H5Screate(H5S_SCALAR))};
-  const h5::Attribute attribute{
-      check(H5Acreate2(object, name, type, scalar, H5P_DEFAULT, H5P_DEFAULT))};
-  check(H5Awrite(attribute, type, value));
-}
-void set_attribute(hid_t object, const char* name, const std::string& value) {
-  const h5::Type text{check(H5Tcopy(H5T_C_S1))};
-  check(H5Tset_size(text, H5T_VARIABLE));  // of any length: a fixed one ends at 64 KiB
+/// Text of any length: one of a fixed length ends at 64 KiB.
+h5::Type text_type() {
+  h5::Type text{check(H5Tcopy(H5T_C_S1))};
+  check(H5Tset_size(text, H5T_VARIABLE));
   check(H5Tset_cset(text, H5T_CSET_UTF8));
-  const char* characters = value.c_str();
-  set_attribute(object, name, text, &characters);
-}
-void set_attribute(hid_t object, const char* name, double value) {
-  set_attribute(object, name, H5T_NATIVE_DOUBLE, &value);
-}
-void set_attribute(hid_t object, const char* name, std::int64_t value) {
-  set_attribute(object, name, H5T_NATIVE_INT64, &value);
+  return text;
 }
 
-/// A dataset whose first axis grows, seen as rows of `width` numbers.
+using Value = std::variant<std::string, double, std::int64_t>;
+
+void set_attribute(hid_t object, const char* name, const Value& value) {
+  const h5::Space scalar{check(H5Screate(H5S_SCALAR))};
+  const auto set = [&](hid_t type, const void* data) {
+    h5::Attribute attribute{
+        check(H5Acreate2(object, name, type, scalar, H5P_DEFAULT, H5P_DEFAULT))};
+    check(H5Awrite(attribute, type, data));
+    h5::close(attribute);
+  };
+  if (const auto* text = std::get_if<std::string>(&value)) {
+    const char* characters = text->c_str();
+    set(text_type(), &characters);
+  } else if (const auto* number = std::get_if<double>(&value)) {
+    set(H5T_NATIVE_DOUBLE, number);
+  } else {
+    set(H5T_NATIVE_INT64, &std::get<std::int64_t>(value));
+  }
+}
+
+/// Whether the attribute reads as the value.
+bool holds(hid_t object, const char* name, const Value& value) {
+  const h5::Attribute attribute{check(H5Aopen(object, name, H5P_DEFAULT))};
+  if (const auto* text = std::get_if<std::string>(&value)) {
+    char* characters = nullptr;
+    check(H5Aread(attribute, text_type(), &characters));
+    const bool same = characters != nullptr && *text == characters;
+    H5free_memory(characters);
+    return same;
+  }
+  const auto reads = [&](hid_t type, auto number, auto read) {
+    check(H5Aread(attribute, type, &read));
+    return std::memcmp(&read, &number, sizeof read) == 0;  // NaN is NaN
+  };
+  if (const auto* number = std::get_if<double>(&value))
+    return reads(H5T_NATIVE_DOUBLE, *number, 0.0);
+  return reads(H5T_NATIVE_INT64, std::get<std::int64_t>(value), std::int64_t{0});
+}
+
+/// A dataset seen as rows of `width` numbers; the first axis may grow.
 struct Table {
   const Entry* entry = nullptr;
   h5::Dataset dataset;
   hsize_t width = 1;
+  Hash hash;  // of the rows that were given
 
   bool has_columns() const { return *entry->columns != '\0'; }
 
@@ -188,26 +217,55 @@ struct Table {
   }
 };
 
-std::string cure(int error) {
-  switch (error) {
-    case ENOSPC:
-    case EDQUOT:
-      return "Free some space, write to another disk with -o, or lower output.rate";
-    case EFBIG:
-      return "Raise the limit on file sizes (ulimit -f), or lower output.rate";
-    case EACCES:
-    case EPERM:
-    case EROFS:
-      return "Choose a folder that you may write to with -o";
-    case ENOENT:
-    case ENOTDIR:
-      return "Create the folder first, or choose another with -o";
-    case ENAMETOOLONG:
-      return "Choose a shorter name with -o";
-    default:
-      return "Check that disk, or write to another with -o";
-  }
+void require_as_given(bool right) {
+  if (!right) throw h5::Failure{"what was written does not read back", EIO};
 }
+
+/// Rows of all the shocks' datasets, in memory.
+class ShockWindow {
+ public:
+  explicit ShockWindow(const std::vector<Table>& tables)
+      : tables_{tables}, columns_(tables.size()), row_(tables.size()) {}
+
+  void read(hsize_t first, hsize_t rows) {
+    for (std::size_t k = 0; k < tables_.size(); ++k) {
+      columns_[k].resize(rows);
+      tables_[k].read(first, rows, columns_[k].data());
+    }
+  }
+  void write(hsize_t first) const {
+    for (std::size_t k = 0; k < tables_.size(); ++k)
+      tables_[k].write(first, rows(), columns_[k].data());
+  }
+  std::size_t rows() const { return columns_.front().size(); }
+  const double* column(std::size_t k) const { return columns_[k].data(); }
+  double start(std::size_t row) const { return columns_.front()[row]; }  // the first entry
+  bool is_full(std::size_t row) const { return !std::isnan(start(row)); }
+  void put(std::size_t row, const Shock& shock) {
+    for (std::size_t k = 0; k < tables_.size(); ++k)
+      columns_[k][row] = shock.*std::get<PerShock>(tables_[k].entry->source);
+  }
+  void close_holes() {
+    std::size_t kept = 0;
+    for (std::size_t row = 0; row < rows(); ++row)
+      if (is_full(row)) {
+        for (std::vector<double>& column : columns_) column[kept] = column[row];
+        ++kept;
+      }
+    for (std::vector<double>& column : columns_) column.resize(kept);
+  }
+  void add(std::size_t row, HashSum& sum) { sum.add(gathered(row), row_.size()); }
+  void take_back(std::size_t row, HashSum& sum) { sum.take_back(gathered(row), row_.size()); }
+
+ private:
+  const double* gathered(std::size_t row) {
+    for (std::size_t k = 0; k < columns_.size(); ++k) row_[k] = columns_[k][row];
+    return row_.data();
+  }
+  const std::vector<Table>& tables_;
+  std::vector<std::vector<double>> columns_;  // of tables_
+  std::vector<double> row_;
+};
 
 }  // namespace
 
@@ -222,31 +280,44 @@ struct ResultFile::Impl {
   void close(const ResultSummary& summary);
 
  private:
+  /// A dataset as the finished file must hold it.
+  struct Whole {
+    const Entry* entry;
+    std::vector<hsize_t> extent;
+  };
+  /// An attribute of the dataset at `path`, or of the file.
+  struct Given {
+    std::string path, name;
+    Value value;
+  };
+
   template <class Body>
   void guarded(Body body);
   void require_open() const;
-  void reserve_name();
   void create(const ResultHeader& header);
   h5::Dataset create_dataset(const Entry& entry, hsize_t rows, hsize_t columns);
+  void give(hid_t object, const char* path, const char* name, Value value);
+  void finish(Table& table, hsize_t rows);
   void write_samples();
   void write_shocks();
   void compact_shocks();
   void reserve(std::size_t bytes);
   void flush();
   void verify() const;
-  void publish();
   void discard() noexcept;
 
-  fs::path final_, partial_;
-  std::string doing_;    // what an error interrupts
-  int descriptor_ = -1;  // our own on partial_, for fsync; HDF5 has another
+  fs::path final_;
+  std::optional<PartialFile> partial_;
+  std::string doing_;  // what an error interrupts
   h5::File file_;
   std::vector<Table> samples_, shocks_;
   std::vector<std::vector<double>> buffers_;  // of samples_, row-major
   std::size_t buffer_rows_ = 0, buffered_ = 0;
   std::vector<Shock> pending_;
   hsize_t sample_rows_ = 0, shock_rows_ = 0;
-  double last_time_ = nan;
+  HashSum shock_sum_;  // of the rows that were given, over their columns
+  std::vector<Whole> wholes_;
+  std::vector<Given> given_;
 };
 
 /// Runs one public method: whatever goes wrong, nothing is left on the disk.
@@ -258,8 +329,7 @@ void ResultFile::Impl::guarded(Body body) {
     body();
   } catch (const h5::Failure& failure) {
     discard();
-    throw FileError(fmt::format("cannot {} '{}': {}. {}. No partial file was left.", doing_,
-                                final_.string(), failure.reason, cure(failure.error)));
+    throw write_failure(doing_, final_, failure.reason, failure.error, "lower output.rate");
   } catch (...) {
     discard();
     throw;
@@ -277,7 +347,7 @@ ResultFile::Impl::Impl(const fs::path& path, const ResultHeader& header)
   // A file that a failed flush has spoilt must not crash the program's exit.
   [[maybe_unused]] static const herr_t once = H5dont_atexit();
   guarded([&] {
-    reserve_name();
+    partial_.emplace(final_);
     create(header);
     flush();
   });
@@ -288,39 +358,29 @@ ResultFile::Impl::~Impl() {
   discard();
 }
 
-/// Makes the temporary file, so that a wrong name or folder is known before the first step.
-void ResultFile::Impl::reserve_name() {
-  final_ = replaced_file(final_);
-  // A killed process may have left its own, and process numbers come back: hence the second number.
-  for (int attempt = 0; descriptor_ < 0; ++attempt) {
-    const std::string name = final_.filename().string();
-    partial_ = final_;
-    partial_.replace_filename(attempt == 0
-                                  ? fmt::format(".{}.partial-{}", name, getpid())
-                                  : fmt::format(".{}.partial-{}-{}", name, getpid(), attempt));
-    descriptor_ = open(partial_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (descriptor_ < 0 && errno != EEXIST) throw h5::system_failure(errno);
-  }
-}
-
 void ResultFile::Impl::create(const ResultHeader& header) {
   const h5::Properties creation = ordered(H5P_FILE_CREATE), access = file_access();
-  file_ = h5::File{check(H5Fcreate(partial_.c_str(), H5F_ACC_TRUNC, creation, access))};
+  file_ = h5::File{check(H5Fcreate(partial_->path().c_str(), H5F_ACC_TRUNC, creation, access))};
   reserve(header.scene.size() +
           2 * sizeof(double) * (header.resonator_height.size() + header.slider_height.size()));
 
-  set_attribute(file_, "creator", "ra2d");
-  set_attribute(file_, "version", RA2D_VERSION);
-  set_attribute(file_, "commit", RA2D_COMMIT);
-  set_attribute(file_, "scene", header.scene);
-  set_attribute(file_, "backend", header.backend);
-  set_attribute(file_, "threads", std::int64_t{header.threads});
-  set_attribute(file_, "started", header.started);
-  if (!header.beyond_limit.empty()) set_attribute(file_, "beyond_limit", header.beyond_limit);
+  const auto root = [&](const char* name, Value value) {
+    give(file_, "/", name, std::move(value));
+  };
+  root("creator", "ra2d");
+  root("version", RA2D_VERSION);
+  root("commit", RA2D_COMMIT);
+  root("scene", header.scene);
+  root("backend", header.backend);
+  root("threads", std::int64_t{header.threads});
+  root("started", header.started);
+  if (!header.beyond_limit.empty()) root("beyond_limit", header.beyond_limit);
 
   const h5::Properties group_creation = ordered(H5P_GROUP_CREATE);
-  for (const char* path : groups)
-    h5::Group{check(H5Gcreate2(file_, path, H5P_DEFAULT, group_creation, H5P_DEFAULT))};
+  for (const char* path : groups) {
+    h5::Group group{check(H5Gcreate2(file_, path, H5P_DEFAULT, group_creation, H5P_DEFAULT))};
+    h5::close(group);
+  }
 
   std::size_t row_bytes = 0;
   for (const Entry& entry : entries) {
@@ -330,21 +390,41 @@ void ResultFile::Impl::create(const ResultHeader& header) {
         columns = (*source_of<Fixed>(scale))(header).size();
     if (const Fixed* fixed = source_of<Fixed>(entry)) {
       const std::vector<double> data = (*fixed)(header);
-      const h5::Dataset dataset = create_dataset(entry, data.size(), 1);
+      Table table{&entry, create_dataset(entry, data.size(), 1), 1, {}};
+      table.hash.add(data.data(), data.size());
       if (!data.empty())
-        check(H5Dwrite(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, data.data()));
+        check(
+            H5Dwrite(table.dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, data.data()));
+      finish(table, data.size());
     } else if (source_of<Sampled>(entry)) {
-      samples_.push_back({&entry, create_dataset(entry, 0, columns), columns});
+      samples_.push_back({&entry, create_dataset(entry, 0, columns), columns, {}});
       row_bytes += columns * sizeof(double);
     } else if (source_of<PerShock>(entry)) {
-      shocks_.push_back({&entry, create_dataset(entry, 0, 1), 1});
+      shocks_.push_back({&entry, create_dataset(entry, 0, 1), 1, {}});
     } else {
-      create_dataset(entry, 1, 1);
+      h5::Dataset scalar = create_dataset(entry, 1, 1);
+      h5::close(scalar);
     }
   }
   buffers_.resize(samples_.size());
   buffer_rows_ =
       std::clamp<std::size_t>(std::bit_floor(bytes_at_once / row_bytes), 1, rows_at_once);
+}
+
+/// Sets an attribute, for verify() to look for.
+void ResultFile::Impl::give(hid_t object, const char* path, const char* name, Value value) {
+  set_attribute(object, name, value);
+  given_.push_back({path, name, std::move(value)});
+}
+
+/// Closes a dataset that has all its rows.
+void ResultFile::Impl::finish(Table& table, hsize_t rows) {
+  give(table.dataset, table.entry->path, "xxh3_128", table.hash.text());
+  h5::close(table.dataset);
+  Whole whole{table.entry, {}};
+  if (source_of<Final>(*table.entry) == nullptr) whole.extent.push_back(rows);
+  if (table.has_columns()) whole.extent.push_back(table.width);
+  wholes_.push_back(std::move(whole));
 }
 
 h5::Dataset ResultFile::Impl::create_dataset(const Entry& entry, hsize_t rows, hsize_t columns) {
@@ -370,9 +450,9 @@ h5::Dataset ResultFile::Impl::create_dataset(const Entry& entry, hsize_t rows, h
     check(H5Pset_chunk(creation, has_columns ? 2 : 1, chunk));
   }
   h5::Dataset dataset{check(
-      H5Dcreate2(file_, entry.path, H5T_NATIVE_DOUBLE, space, H5P_DEFAULT, creation, H5P_DEFAULT))};
-  set_attribute(dataset, "units", entry.units);
-  set_attribute(dataset, "long_name", entry.long_name);
+      H5Dcreate2(file_, entry.path, H5T_IEEE_F64LE, space, H5P_DEFAULT, creation, H5P_DEFAULT))};
+  give(dataset, entry.path, "units", entry.units);
+  give(dataset, entry.path, "long_name", entry.long_name);
 
   unsigned axis = 0;
   for (const std::string_view scale : {entry.rows, entry.columns}) {
@@ -380,8 +460,9 @@ h5::Dataset ResultFile::Impl::create_dataset(const Entry& entry, hsize_t rows, h
       const auto name = scale.substr(scale.rfind('/') + 1);  // npos + 1 = 0: the whole
       check(H5DSset_scale(dataset, name.data()));
     } else if (!scale.empty()) {
-      const h5::Dataset coordinate{check(H5Dopen2(file_, scale.data(), H5P_DEFAULT))};
+      h5::Dataset coordinate{check(H5Dopen2(file_, scale.data(), H5P_DEFAULT))};
       check(H5DSattach_scale(dataset, coordinate, axis++));
+      h5::close(coordinate);
     }
   }
   return dataset;
@@ -410,13 +491,13 @@ void ResultFile::Impl::append(const SampleBlock& block) {
 void ResultFile::Impl::write_samples() {
   if (buffered_ == 0) return;
   doing_ = fmt::format("write the samples from t = {} s on to", buffers_.front().front());
-  last_time_ = buffers_.front().back();  // time is the first entry
   std::size_t bytes = 0;
   for (const auto& buffer : buffers_) bytes += buffer.size() * sizeof(double);
   reserve(bytes);
   for (std::size_t k = 0; k < samples_.size(); ++k) {
     samples_[k].resize(sample_rows_ + buffered_);
     samples_[k].write(sample_rows_, buffered_, buffers_[k].data());
+    samples_[k].hash.add(buffers_[k].data(), buffers_[k].size());
     buffers_[k].clear();
   }
   sample_rows_ += buffered_;
@@ -445,48 +526,49 @@ void ResultFile::Impl::write_shocks() {
   shock_rows_ = rows;
   for (const Table& table : shocks_) table.resize(shock_rows_);
 
-  std::vector<double> window;
+  ShockWindow window(shocks_);
   for (auto begin = pending_.begin(); begin != pending_.end();) {
     const long first = begin->serial;
     const long limit = (first / long(rows_at_once) + 1) * long(rows_at_once);  // a chunk's end
     const auto end = std::find_if(begin, pending_.end(),
                                   [&](const Shock& shock) { return shock.serial >= limit; });
-    window.resize((end - 1)->serial - first + 1);
-    for (const Table& table : shocks_) {
-      table.read(first, window.size(), window.data());
-      for (auto shock = begin; shock != end; ++shock)
-        window[shock->serial - first] = (*shock).*std::get<PerShock>(table.entry->source);
-      table.write(first, window.size(), window.data());
+    window.read(first, (end - 1)->serial - first + 1);
+    for (auto shock = begin; shock != end; ++shock) {
+      const std::size_t row = shock->serial - first;
+      if (window.is_full(row)) window.take_back(row, shock_sum_);  // an earlier word on this one
+      window.put(row, *shock);
+      window.add(row, shock_sum_);
     }
+    window.write(first);
     begin = end;
   }
   pending_.clear();
   flush();
 }
 
-/// Closes the holes that merged shocks left, in place and window by window.
+/// Closes the holes that merged shocks left, in place and window by window. The rows that are read on
+/// the way must be those that were given, in order of start.
 void ResultFile::Impl::compact_shocks() {
   doing_ = "order the shocks of";
   hsize_t kept = 0;
-  std::vector<double> start, window;
+  HashSum sum;
+  double last = -std::numeric_limits<double>::infinity();
+  ShockWindow window(shocks_);
   for (hsize_t first = 0; first < shock_rows_; first += rows_at_once) {
     const hsize_t count = std::min<hsize_t>(rows_at_once, shock_rows_ - first);
-    start.resize(count);
-    window.resize(count);
-    shocks_.front().read(first, count, start.data());  // start is the first entry
-    const hsize_t full =
-        std::count_if(start.begin(), start.end(), [](double value) { return !std::isnan(value); });
-    if (kept != first || full != count) {
-      for (const Table& table : shocks_) {
-        table.read(first, count, window.data());
-        hsize_t k = 0;
-        for (hsize_t n = 0; n < count; ++n)
-          if (!std::isnan(start[n])) window[k++] = window[n];
-        table.write(kept, full, window.data());
-      }
+    window.read(first, count);
+    window.close_holes();
+    for (std::size_t row = 0; row < window.rows(); ++row) {
+      window.add(row, sum);
+      require_as_given(last <= window.start(row));
+      last = window.start(row);
     }
-    kept += full;
+    for (std::size_t k = 0; k < shocks_.size(); ++k)
+      shocks_[k].hash.add(window.column(k), window.rows());
+    if (kept != first || window.rows() != count) window.write(kept);
+    kept += window.rows();
   }
+  require_as_given(sum == shock_sum_);
   if (kept != shock_rows_)
     for (const Table& table : shocks_) table.resize(kept);
   shock_rows_ = kept;
@@ -499,8 +581,9 @@ void ResultFile::Impl::reserve(std::size_t bytes) {
   hsize_t end = 0;
   check(H5Fget_filesize(file_, &end));
   const std::size_t slack = bytes / 8 + bytes_at_once;  // the tables' last chunks, the indices
-  if (fallocate(descriptor_, FALLOC_FL_KEEP_SIZE, off_t(end), off_t(bytes + slack)) != 0 &&
-      (errno == ENOSPC || errno == EDQUOT || errno == EFBIG))
+  if (fallocate(partial_->descriptor(), FALLOC_FL_KEEP_SIZE, off_t(end), off_t(bytes + slack)) !=
+          0 &&
+      (errno == ENOSPC || errno == EDQUOT || errno == EFBIG || errno == EIO))
     throw h5::system_failure(errno);
 }
 
@@ -518,69 +601,73 @@ void ResultFile::Impl::close(const ResultSummary& summary) {
     reserve(0);
     for (const Entry& entry : entries)
       if (const Final* value = source_of<Final>(entry)) {
-        const h5::Dataset scalar{check(H5Dopen2(file_, entry.path, H5P_DEFAULT))};
-        check(
-            H5Dwrite(scalar, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, &(summary.**value)));
+        Table table{&entry, h5::Dataset{check(H5Dopen2(file_, entry.path, H5P_DEFAULT))}, 1, {}};
+        table.hash.add(&(summary.**value), 1);
+        check(H5Dwrite(table.dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT,
+                       &(summary.**value)));
+        finish(table, 1);
       }
-    set_attribute(file_, "wall_seconds", summary.wall_seconds);
-    set_attribute(file_, "steps", std::int64_t{summary.steps});
-    set_attribute(file_, "complete", std::int64_t{summary.complete});
-    set_attribute(file_, "ended", summary.ended);
+    for (Table& table : samples_) finish(table, sample_rows_);
+    for (Table& table : shocks_) finish(table, shock_rows_);
+    give(file_, "/", "wall_seconds", summary.wall_seconds);
+    give(file_, "/", "steps", std::int64_t{summary.steps});
+    give(file_, "/", "complete", std::int64_t{summary.complete});
+    give(file_, "/", "ended", summary.ended);
     flush();
-    for (auto* tables : {&samples_, &shocks_})
-      for (Table& table : *tables) check(table.dataset.close());
-    check(file_.close());
+    h5::close(file_);
+    partial_->sync();
     verify();
-    publish();
+    partial_->publish();
   });
 }
 
-/// Opens the closed file as a reader would: every table must be as long as what was written.
+/// Opens the closed file as a reader would: all that was given must be in it.
 void ResultFile::Impl::verify() const {
-  const auto require = [](bool right) {
-    if (!right) throw h5::Failure{"what was written does not read back", EIO};
-  };
   const h5::Properties access = file_access();
-  h5::File file{check(H5Fopen(partial_.c_str(), H5F_ACC_RDONLY, access))};
-  for (const auto* tables : {&samples_, &shocks_})
-    for (const Table& table : *tables) {
-      const h5::Dataset dataset{check(H5Dopen2(file, table.entry->path, H5P_DEFAULT))};
-      const h5::Space space{check(H5Dget_space(dataset))};
-      hsize_t extent[2] = {0, table.width};
-      require(H5Sget_simple_extent_ndims(space) == (table.has_columns() ? 2 : 1));
-      check(H5Sget_simple_extent_dims(space, extent, nullptr));
-      require(extent[0] == (tables == &samples_ ? sample_rows_ : shock_rows_) &&
-              extent[1] == table.width);
+  h5::File file{check(H5Fopen(partial_->path().c_str(), H5F_ACC_RDONLY, access))};
+  for (const Given& given : given_) {
+    const h5::Object object{check(H5Oopen(file, given.path.c_str(), H5P_DEFAULT))};
+    require_as_given(holds(object, given.name.c_str(), given.value));
+  }
+  std::vector<double> rows;
+  for (const Whole& whole : wholes_) {
+    const Entry& entry = *whole.entry;
+    Table table{&entry, h5::Dataset{check(H5Dopen2(file, entry.path, H5P_DEFAULT))}, 1, {}};
+    const h5::Type type{check(H5Dget_type(table.dataset))};
+    require_as_given(check(H5Tequal(type, H5T_IEEE_F64LE)) > 0);
+    const h5::Space space{check(H5Dget_space(table.dataset))};
+    std::vector<hsize_t> extent(check(H5Sget_simple_extent_ndims(space)));
+    check(H5Sget_simple_extent_dims(space, extent.data(), nullptr));
+    require_as_given(extent == whole.extent);
+    unsigned axis = 0;
+    for (const std::string_view scale : {entry.rows, entry.columns}) {
+      if (scale == entry.path) {
+        require_as_given(check(H5DSis_scale(table.dataset)) > 0);
+      } else if (!scale.empty()) {
+        const h5::Dataset coordinate{check(H5Dopen2(file, scale.data(), H5P_DEFAULT))};
+        require_as_given(check(H5DSis_attached(table.dataset, coordinate, axis++)) > 0);
+      }
     }
-  if (sample_rows_ > 0) {
-    double last = nan;
-    Table{samples_.front().entry,
-          h5::Dataset{check(H5Dopen2(file, samples_.front().entry->path, H5P_DEFAULT))}, 1}
-        .read(sample_rows_ - 1, 1, &last);
-    require(last == last_time_);
+
+    if (extent.empty()) {
+      rows.resize(1);
+      check(H5Dread(table.dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, rows.data()));
+      table.hash.add(rows.data(), 1);
+    } else {
+      if (extent.size() == 2) table.width = extent[1];
+      // whole chunks
+      const hsize_t at_once = std::bit_floor(std::max<hsize_t>(
+          bytes_at_once / (std::max<hsize_t>(table.width, 1) * sizeof(double)), 1));
+      for (hsize_t first = 0; first < extent[0]; first += at_once) {
+        const hsize_t count = std::min(at_once, extent[0] - first);
+        rows.resize(count * table.width);
+        table.read(first, count, rows.data());
+        table.hash.add(rows.data(), rows.size());
+      }
+    }
+    require_as_given(holds(table.dataset, "xxh3_128", table.hash.text()));
   }
   check(file.close());
-}
-
-/// Gives the finished file its name.
-void ResultFile::Impl::publish() {
-  struct stat status;
-  // The same size again gives back what reserve() took too much.
-  if (fstat(descriptor_, &status) != 0 || ftruncate(descriptor_, status.st_size) != 0 ||
-      fsync(descriptor_) != 0)
-    throw h5::system_failure(errno);
-  if (rename(partial_.c_str(), final_.c_str()) != 0) throw h5::system_failure(errno);
-  partial_.clear();
-  ::close(std::exchange(descriptor_, -1));
-
-  // The name itself, too, should outlive a power cut. Some network disks cannot promise that; the
-  // file is whole all the same.
-  const fs::path folder = final_.has_parent_path() ? final_.parent_path() : fs::path{"."};
-  if (const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-      descriptor >= 0) {
-    fsync(descriptor);
-    ::close(descriptor);
-  }
 }
 
 /// Takes everything back. HDF5 cannot drop what it has not written yet, so its descriptor is first
@@ -597,9 +684,7 @@ void ResultFile::Impl::discard() noexcept {
   samples_.clear();
   shocks_.clear();
   file_.close();
-  if (!partial_.empty() && descriptor_ >= 0) unlink(partial_.c_str());
-  if (descriptor_ >= 0) ::close(std::exchange(descriptor_, -1));
-  partial_.clear();
+  if (partial_) partial_->drop();
 }
 
 // ---- the public face -------------------------------------------------------------------------

@@ -73,8 +73,8 @@ trap interrupt INT TERM
 now() { date +%s; }
 begun=$(now)
 
-export RA2D_PROGRAM=$here/bin/ra2d RA2D_SOURCE_DIR=$here/share/ra2d
-if python3 -c 'import h5py, netCDF4, xarray' 2> /dev/null; then RA2D_PYTHON=$(command -v python3); else RA2D_PYTHON=; fi
+export RA2D_PROGRAM=$here/bin/ra2d RA2D_SOURCE_DIR=$here/share/ra2d RA2D_FAULTY_DISK=$here/lib/libfaulty_disk.so
+if python3 -c 'import h5py, netCDF4, xarray, xxhash' 2> /dev/null; then RA2D_PYTHON=$(command -v python3); else RA2D_PYTHON=; fi
 export RA2D_PYTHON
 
 about() { sed -n "s/^$1 //p" "$here/about"; }

@@ -4,7 +4,8 @@
 
     check_result.py OUT.h5
 
-Names, axes, units, long names, coordinates and shapes must be those of the README's output table.
+Names, axes, units, long names, coordinates and shapes must be those of the README's output table,
+and the numbers those of their hashes.
 Times carry the unit "s": xarray makes time differences of "seconds", but leaves "s" as numbers.
 A group opened by itself has the axis `time` without its values, which stand in the root:
 
@@ -16,6 +17,7 @@ import h5py
 import netCDF4
 import numpy as np
 import xarray
+import xxhash
 
 TIME, SHOCK = ("time",), ("start",)
 MODES, PROBES, NODES = ("time", "frequency"), ("time", "position"), ("position",)
@@ -73,6 +75,8 @@ def check(path):
                 full = f"{group}/{name}".lstrip("/")
                 data = file[full]
                 expect(data.dtype == np.float64, full, data.dtype)
+                expect(data.attrs["xxh3_128"] == xxhash.xxh3_128_hexdigest(np.ascontiguousarray(values[full]).tobytes()),
+                       full, "has another hash than", data.attrs["xxh3_128"])
                 if h5py.h5ds.is_scale(data.id):
                     own = (data.attrs["NAME"].decode(),)
                 else:

@@ -13,6 +13,7 @@
 #include "host/chart/growth.hpp"
 #include "host/chart/stability_chart.hpp"
 #include "host/errors.hpp"
+#include "host/partial_file.hpp"
 #include "tests/child.hpp"
 #include "tests/csv.hpp"
 #include "tests/places.hpp"

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "host/chart/accuracy_chart.hpp"
-#include "host/chart/files.hpp"
 #include "host/chart/peers.hpp"
+#include "host/partial_file.hpp"
 #include "host/run/timed_run.hpp"
 #include "tests/child.hpp"
 #include "tests/csv.hpp"

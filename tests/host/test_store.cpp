@@ -3,8 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <hdf5.h>
-#include <sched.h>
-#include <sys/mount.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/sysmacros.h>
@@ -24,7 +22,9 @@
 #include <utility>
 
 #include "host/errors.hpp"
+#include "host/partial_file.hpp"
 #include "host/store/store.hpp"
+#include "tests/child.hpp"
 #include "tests/places.hpp"
 
 // HDF5 loses a little memory when a flush fails; nothing of ours can give it back.
@@ -35,6 +35,7 @@ namespace ra2d {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -465,28 +466,178 @@ TEST_F(Store, FailuresJustBeforeTheEndAreReported) {
   }
 }
 
+/// Takes the folder that the environment names for a disk: see tests/faults/faulty_disk.c.
+void write_to_a_full_disk(const fs::path& folder) {
+  for (int run = 0; run < 3; ++run) {
+    EXPECT_THAT(write_much(folder / "out.h5"),
+                AllOf(HasSubstr("No space left on device"), HasSubstr("Free some space")));
+    EXPECT_TRUE(fs::is_empty(folder));
+    EXPECT_EQ(H5Fget_obj_count(hid_t(H5F_OBJ_ALL), H5F_OBJ_ALL), 0);
+    EXPECT_FALSE(holds_files(folder));
+  }
+}
+
 TEST_F(Store, AFullDiskIsReportedAndLeavesNothing) {
-  constexpr int cannot_mount = 77;
-  for (const char* size : {"size=16k", "size=1m", "size=3m", "size=20m"}) {
-    const int status = in_child([&] {
-      // A disk that only this child sees, and that goes with it.
-      if (unshare(CLONE_NEWNS) != 0 || mount("", "/", "", MS_REC | MS_PRIVATE, "") != 0 ||
-          mount("tmpfs", folder_.c_str(), "tmpfs", 0, size) != 0)
-        return cannot_mount;
-      for (int run = 0; run < 3; ++run) {
-        EXPECT_THAT(write_much(path_),
-                    AllOf(HasSubstr("No space left on device"), HasSubstr("Free some space")));
-        EXPECT_THAT(files(), IsEmpty());
-        EXPECT_EQ(H5Fget_obj_count(hid_t(H5F_OBJ_ALL), H5F_OBJ_ALL), 0);
-        EXPECT_FALSE(holds_files(folder_));
-        const fs::space_info space = fs::space(folder_);
-        EXPECT_EQ(space.free, space.capacity);
-      }
-      return int(HasFailure());
-    });
-    if (WIFEXITED(status) && WEXITSTATUS(status) == cannot_mount)
-      GTEST_SKIP() << "this user may not mount a small disk";
-    ASSERT_EQ(status, 0) << size;
+  if (test::faulty_disk().empty()) GTEST_SKIP() << "no calls are made to fail under sanitizers";
+  if (const char* folder = std::getenv("FAULTY_FOLDER")) return write_to_a_full_disk(folder);
+  const test::Folder aside;
+  for (int bytes : {0, 16'000, 1'000'000, 3'000'000, 20'000'000}) {
+    // this test in a process of its own, where the folder has so much room
+    const test::Ended child = test::run_program(
+        aside.path(), {"env", "LD_PRELOAD=" + test::faulty_disk(),
+                       "FAULTY_FOLDER=" + fs::canonical(folder_).string(),
+                       fmt::format("FAULTY_ROOM={}", bytes), fs::read_symlink("/proc/self/exe"),
+                       "--gtest_filter=Store.AFullDiskIsReportedAndLeavesNothing"});
+    EXPECT_EQ(child.status, 0) << bytes << " bytes: " << child.out << child.err;
+  }
+}
+
+// ---- what killed processes leave -----------------------------------------------------------------
+
+/// A process that has written some of a file, until it is ended.
+pid_t start_writing(const fs::path& path) {
+  int ready[2];
+  if (pipe(ready) != 0) return -1;
+  const pid_t child = fork();
+  if (child == 0) {
+    const ResultHeader h = header(4, 2, 1);
+    ResultFile file(path, h);
+    file.append(block(h, 0, 10'000));
+    [[maybe_unused]] const ssize_t told = write(ready[1], "x", 1);
+    for (;;) pause();
+  }
+  char x;
+  EXPECT_EQ(::read(ready[0], &x, 1), 1);
+  close(ready[0]);
+  close(ready[1]);
+  return child;
+}
+
+void end(pid_t process) {
+  kill(process, SIGKILL);
+  waitpid(process, nullptr, 0);
+}
+
+TEST_F(Store, WhatKilledRunsLeftIsRemovedAndSaid) {
+  const pid_t gone = start_writing(path_), also_gone = start_writing(folder_ / "other.h5");
+  const pid_t living = start_writing(path_);
+  end(gone);
+  end(also_gone);
+  char name[256] = "";
+  gethostname(name, sizeof name);
+  const std::string own = ".out.h5.partial-", host = name;
+  // others', and what only looks like one of ours
+  std::vector<std::string> kept = {own + "far-" + host + "-77", own + host + "-far-77", own + "77",
+                                   "out.h5.partial-" + host + "-77", own + host + "-77.toml"};
+  for (const std::string& other : kept) std::ofstream(folder_ / other) << "x";
+  fs::create_symlink("elsewhere", folder_ / (own + host + "-78"));
+  fs::create_directory(folder_ / (own + host + "-79"));
+  kept.insert(kept.end(),
+              {own + host + "-78", own + host + "-79", fmt::format("{}{}-{}", own, host, living)});
+  EXPECT_EQ(files().size(), kept.size() + 2);
+
+  testing::internal::CaptureStderr();
+  ResultFile(folder_ / "new.h5", header(1, 1, 1)).close(summary());
+  EXPECT_THAT(
+      testing::internal::GetCapturedStderr(),
+      testing::MatchesRegex("ra2d: removed 2 partial files .[0-9.]+ MB. that killed runs had "
+                            "left in '.*'\n"));
+  kept.emplace_back("new.h5");
+  EXPECT_THAT(files(), testing::UnorderedElementsAreArray(kept));
+
+  end(living);
+  testing::internal::CaptureStderr();
+  write_text(folder_ / "a.csv", "texts do the same");
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("removed 1 partial file ("));
+}
+
+TEST_F(Store, TwoFilesOfOneNameDoNotMeet) {
+  testing::internal::CaptureStderr();
+  ResultFile first(path_, header(1, 1, 1));
+  ResultFile second(path_, header(2, 1, 1));
+  EXPECT_EQ(files().size(), 2u);
+  second.close(summary());
+  EXPECT_EQ(read(path_, "/resonator/frequency").size(), 2u);
+  first.close(summary());
+  EXPECT_EQ(read(path_, "/resonator/frequency").size(), 1u);
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+}
+
+TEST_F(Store, PartialFilesCanBeDroppedFromASignalHandler) {
+  const int status = in_child([&] {
+    const ResultFile file(path_, header(1, 1, 1));
+    const PartialFile text(folder_ / "text");
+    drop_partials();
+    EXPECT_THAT(files(), IsEmpty());
+    return int(HasFailure());
+  });
+  EXPECT_EQ(status, 0);
+  // a child's copies are not its own
+  const PartialFile ours(path_);
+  EXPECT_EQ(in_child([] { return drop_partials(), 0; }), 0);
+  EXPECT_EQ(files().size(), 1u);
+}
+
+TEST_F(Store, TheLongestNameThatASystemTakesWillDo) {
+  const std::string name = std::string(252, 'x') + "\u0bb3";  // a letter of three bytes
+  write_text(folder_ / name, "x");
+  EXPECT_THAT(files(), ElementsAre(name));
+  EXPECT_THAT(message_of([&] { write_text(folder_ / (name + "x"), "x"); }),
+              HasSubstr("Choose a shorter name"));
+}
+
+// ---- hashes --------------------------------------------------------------------------------------
+
+TEST_F(Store, DatasetsCarryTheHashOfTheirBytes) {
+  ResultFile(path_, header(0, 1, 0)).close(summary());
+  const hid_t file = H5Fopen(path_.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  const auto hash = [&](const char* name) {
+    const hid_t attribute = H5Aopen_by_name(file, name, "xxh3_128", H5P_DEFAULT, H5P_DEFAULT);
+    const hid_t type = H5Aget_type(attribute);
+    char* characters = nullptr;
+    H5Aread(attribute, type, &characters);
+    std::string text = characters;
+    H5free_memory(characters);
+    H5Tclose(type);
+    H5Aclose(attribute);
+    return text;
+  };
+  // of nothing, and of the eight bytes of 0.0, as xxhsum -H2 prints them
+  EXPECT_EQ(hash("/time"), "99aa06d3014798d86001c324468d497f");
+  EXPECT_EQ(hash("/slider/frequency"), "2c0a8a99dc147d5445c3b49d035665b2");
+  H5Fclose(file);
+}
+
+/// Overwrites a number in the only file of a folder; false when it is not there.
+bool spoil(const fs::path& folder, double number) {
+  const fs::path path = fs::directory_iterator(folder)->path();
+  const std::size_t at =
+      test::read_file(path).find(std::string(reinterpret_cast<const char*>(&number), 8));
+  std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
+  file.seekp(std::streamoff(at));
+  file.write("spoilt!!", 8);
+  return at != std::string::npos;
+}
+
+TEST_F(Store, ANumberThatChangedOnItsWayIsSeen) {
+  const ResultHeader h = header(4, 2, 1);
+  const SampleBlock samples = block(h, 0, 20'000);
+  ResultFile file(path_, h);
+  file.append(samples);
+  ASSERT_TRUE(spoil(folder_, samples.resonator_velocity[5'000 * 4 + 2]));
+  EXPECT_THAT(message_of([&] { file.close(summary()); }), HasSubstr("does not read back"));
+  EXPECT_THAT(files(), IsEmpty());
+}
+
+TEST_F(Store, AShockThatChangedOnItsWayIsSeen) {
+  for (const double number : {shock(100).start, shock(100).impulse}) {
+    ResultFile file(path_, header(1, 1, 0));
+    std::vector<Shock> shocks;  // of more than HDF5 keeps to itself
+    for (long k = 0; k < 200'000; ++k) shocks.push_back(shock(k));
+    file.append(shocks);
+    ASSERT_TRUE(spoil(folder_, number));
+    EXPECT_THAT(message_of([&] { file.close(summary()); }), HasSubstr("does not read back"));
+    EXPECT_THAT(files(), IsEmpty());
   }
 }
 

@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/partial_file.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <climits>
+#include <cstdio>
+#include <cstring>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include "host/output_file.hpp"
+
+namespace ra2d {
+namespace {
+
+namespace fs = std::filesystem;
+
+// ---- what a signal handler finds ---------------------------------------------------------------
+
+/// One path in fixed storage. `owner`: 0, nobody's; -1, being filled; else the process, since a fork
+/// copies this but not what it stands for.
+struct Place {
+  std::atomic<pid_t> owner{0};
+  char path[PATH_MAX];
+};
+constexpr std::size_t most_places = 64, nowhere = most_places;
+constinit std::array<Place, most_places> places{};
+static_assert(std::atomic<pid_t>::is_always_lock_free, "a signal handler reads it");
+
+std::size_t take_place(const char* path) {
+  for (std::size_t i = 0; i < most_places; ++i) {
+    pid_t nobody = 0;
+    if (std::strlen(path) >= PATH_MAX || !places[i].owner.compare_exchange_strong(nobody, -1))
+      continue;
+    std::strcpy(places[i].path, path);
+    places[i].owner.store(getpid(), std::memory_order_release);
+    return i;
+  }
+  return nowhere;
+}
+
+void leave_place(std::size_t place) noexcept {
+  if (place < most_places) places[place].owner = 0;
+}
+
+// ---- names and locks ---------------------------------------------------------------------------
+
+std::string host_name() {
+  char name[HOST_NAME_MAX + 1] = "";
+  gethostname(name, sizeof name - 1);
+  std::string host = *name != '\0' ? name : "localhost";
+  std::replace(host.begin(), host.end(), '/', '_');
+  return host;
+}
+
+fs::path folder_of(const fs::path& file) {
+  return file.has_parent_path() ? file.parent_path() : fs::path(".");
+}
+
+/// ".NAME.partial-HOST-PID", with a number behind it from the second attempt on; of a long NAME the
+/// beginning.
+std::string partial_name(const std::string& name, const std::string& host, int attempt,
+                         std::size_t longest) {
+  std::string tail = fmt::format(".partial-{}-{}", host, getpid());
+  if (attempt > 0) tail += fmt::format(".{}", attempt);
+  std::size_t kept = std::min(name.size(), longest - std::min(longest, tail.size() + 1));
+  while (kept > 0 && kept < name.size() && (name[kept] & 0xC0) == 0x80)
+    --kept;  // within a character
+  return fmt::format(".{}{}", std::string_view(name).substr(0, kept), tail);
+}
+
+/// Whether a file of this name is one that a process of `host` writes.
+bool is_partial(const std::string& name, const std::string& host) {
+  const std::string mark = ".partial-" + host + "-";
+  const std::size_t at = name.rfind(mark);
+  if (name[0] != '.' || at == std::string::npos) return false;
+  const std::string_view number = std::string_view(name).substr(at + mark.size());
+  // another host's name may begin like this one's and go on with '-'
+  return !number.empty() && number.find_first_not_of("0123456789.") == number.npos;
+}
+
+/// 0, or why not. Locks of this kind belong to the open file, not to the process, and HDF5's own
+/// (flock), where a user asks for them, do not meet them.
+int lock(int descriptor) {
+  struct flock whole {};
+  whole.l_type = F_WRLCK;
+  whole.l_whence = SEEK_SET;
+  return fcntl(descriptor, F_OFD_SETLK, &whole) == 0 ? 0 : errno;
+}
+
+/// Whether the open file still stands under this name.
+bool stands_at(int descriptor, const fs::path& path) {
+  struct stat opened, named;
+  return fstat(descriptor, &opened) == 0 && lstat(path.c_str(), &named) == 0 &&
+         opened.st_dev == named.st_dev && opened.st_ino == named.st_ino;
+}
+
+/// Removes the partial files in a folder whose processes are gone: whose lock can be had.
+void remove_leftovers(const fs::path& folder, const std::string& host) {
+  int removed = 0;
+  double bytes = 0;
+  std::error_code none;
+  for (fs::directory_iterator entry(folder, none), end; !none && entry != end;
+       entry.increment(none)) {
+    const fs::path& path = entry->path();
+    if (!is_partial(path.filename().string(), host)) continue;
+    const int descriptor = open(path.c_str(), O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+    if (descriptor < 0) continue;
+    struct stat status;
+    if (fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode) && lock(descriptor) == 0 &&
+        stands_at(descriptor, path) && unlink(path.c_str()) == 0) {
+      ++removed;
+      bytes += 512.0 * static_cast<double>(status.st_blocks);
+    }
+    close(descriptor);
+  }
+  if (removed > 0)  // said if it can be: this fails for nobody
+    std::fputs(
+        fmt::format(
+            "ra2d: removed {} partial file{} ({:.3g} MB) that killed runs had left in '{}'\n",
+            removed, removed == 1 ? "" : "s", bytes * 1e-6, folder.string())
+            .c_str(),
+        stderr);
+}
+
+std::string cure(int error, const std::string& smaller) {
+  const std::string or_smaller = smaller.empty() ? "" : ", or " + smaller;
+  switch (error) {
+    case ENOSPC:
+    case EDQUOT:
+      return "Free some space, write to another disk with -o" + or_smaller;
+    case EFBIG:
+      return "Raise the limit on file sizes (ulimit -f)" + or_smaller;
+    case EACCES:
+    case EPERM:
+    case EROFS:
+      return "Choose a folder that you may write to with -o";
+    case ENOENT:
+    case ENOTDIR:
+      return "Create the folder first, or choose another with -o";
+    case ENAMETOOLONG:
+      return "Choose a shorter name with -o";
+    default:
+      return "Check that disk, or write to another with -o";
+  }
+}
+
+/// The name, too, should outlive a power cut. Some file systems cannot promise that, and a folder that
+/// may not be read cannot be asked.
+void sync_folder_of(const fs::path& file) {
+  const int descriptor = open(folder_of(file).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  int error = descriptor < 0 || fsync(descriptor) != 0 ? errno : 0;
+  if (descriptor >= 0) close(descriptor);
+  if (error == EINVAL || error == ENOTSUP || error == EACCES) error = 0;
+  if (error != 0)
+    throw FileError(fmt::format(
+        "'{}' is written and whole, but its folder could not be brought to the disk: {}. "
+        "After a power cut it may be missing",
+        file.string(), std::strerror(error)));
+}
+
+}  // namespace
+
+void drop_partials() noexcept {
+  const int error = errno;
+  for (const Place& place : places)
+    if (place.owner.load(std::memory_order_acquire) == getpid()) unlink(place.path);
+  errno = error;
+}
+
+FileError write_failure(const std::string& doing, const fs::path& file, const std::string& reason,
+                        int error, const std::string& smaller) {
+  return FileError(
+      fmt::format("cannot {} '{}': {}. {}", doing, file.string(), reason, cure(error, smaller)));
+}
+
+PartialFile::PartialFile(const fs::path& target) : target_{replaced_file(target)}, place_{nowhere} {
+  const auto fail = [&](int error) {
+    drop();
+    throw write_failure("create", target_, std::strerror(error), error);
+  };
+  const fs::path folder = folder_of(target_);
+  const std::string host = host_name(), name = target_.filename().string();
+  const long limit = pathconf(folder.c_str(), _PC_NAME_MAX);
+  const std::size_t longest = limit > 0 ? static_cast<std::size_t>(limit) : NAME_MAX;
+  if (name.size() > longest) fail(ENAMETOOLONG);  // not only at the end
+  remove_leftovers(folder, host);
+  // Process numbers come back, a process may write several files of one name, and somebody who cleans
+  // up may come between the making and the lock: hence more than one attempt.
+  for (int attempt = 0; descriptor_ < 0; ++attempt) {
+    path_ = target_;
+    path_.replace_filename(partial_name(name, host, attempt, longest));
+    descriptor_ = open(path_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (descriptor_ < 0 && errno != EEXIST) fail(errno);
+    if (descriptor_ < 0) continue;
+    place_ = take_place(path_.c_str());
+    const int held = lock(descriptor_);  // where there are no locks, nobody cleans up either
+    if (held == EAGAIN || held == EACCES || !stands_at(descriptor_, path_)) drop();
+  }
+}
+
+void PartialFile::sync() {
+  struct stat status;
+  // The same size again gives back what was set aside beyond it.
+  if (fstat(descriptor_, &status) != 0 || ftruncate(descriptor_, status.st_size) != 0 ||
+      fsync(descriptor_) != 0)
+    throw write_failure("finish", target_, std::strerror(errno), errno);
+  posix_fadvise(descriptor_, 0, 0, POSIX_FADV_DONTNEED);
+}
+
+void PartialFile::publish() {
+  if (rename(path_.c_str(), target_.c_str()) != 0)
+    throw write_failure("finish", target_, std::strerror(errno), errno);
+  leave_place(std::exchange(place_, nowhere));
+  close(std::exchange(descriptor_, -1));  // synced: it has nothing more to say
+  sync_folder_of(target_);
+}
+
+void PartialFile::drop() noexcept {
+  if (descriptor_ < 0) return;
+  if (stands_at(descriptor_, path_)) unlink(path_.c_str());
+  leave_place(std::exchange(place_, nowhere));
+  close(std::exchange(descriptor_, -1));
+}
+
+void write_text(const fs::path& path, const std::string& text) {
+  PartialFile file(path);
+  for (std::string_view rest = text; !rest.empty();) {
+    const ssize_t count = write(file.descriptor(), rest.data(), rest.size());
+    if (count >= 0)
+      rest.remove_prefix(static_cast<std::size_t>(count));
+    else if (errno != EINTR)
+      throw write_failure("write", path, std::strerror(errno), errno);
+  }
+  file.sync();
+  file.publish();
+}
+
+}  // namespace ra2d

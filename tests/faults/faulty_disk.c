@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Makes calls fail that write to one folder, as a faulty or a full disk does. LD_PRELOAD this, with in the
+// environment
+//   FAULTY_FOLDER        the folder, an absolute path without links
+//   FAULTY_CALL          the call that fails: 1, 2, ...; without it none by its number
+//   FAULTY_FROM_THEN_ON  if set, all calls after that one, too
+//   FAULTY_ERROR         the errno that they fail with
+//   FAULTY_TOLD          a file elsewhere that is made when a call has failed
+//   FAULTY_ROOM          bytes: a file has no room beyond (ENOSPC)
+#define _GNU_SOURCE
+#include <dlfcn.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+static atomic_long calls;
+
+static int in_folder(const char* path) {
+  const char* folder = getenv("FAULTY_FOLDER");
+  if (folder == NULL) return 0;
+  const size_t length = strlen(folder);
+  return strncmp(path, folder, length) == 0 && (path[length] == '\0' || path[length] == '/');
+}
+
+static int concerns(int file) {
+  char link[64], path[PATH_MAX];
+  snprintf(link, sizeof link, "/proc/self/fd/%d", file);
+  const ssize_t length = readlink(link, path, sizeof path - 1);
+  if (length < 0) return 0;
+  path[length] = '\0';
+  return in_folder(path);
+}
+
+/// Whether it is this call's turn.
+static int fails(void) {
+  const char* call = getenv("FAULTY_CALL");
+  if (call == NULL) return 0;
+  const long turn = atol(call), now = ++calls;
+  if (now < turn || (now > turn && getenv("FAULTY_FROM_THEN_ON") == NULL)) return 0;
+  const long told = syscall(SYS_openat, AT_FDCWD, getenv("FAULTY_TOLD"), O_WRONLY | O_CREAT, 0600);
+  if (told >= 0) syscall(SYS_close, told);
+  errno = atoi(getenv("FAULTY_ERROR"));
+  return 1;
+}
+
+static int beyond_room(off_t end) {
+  const char* room = getenv("FAULTY_ROOM");
+  if (room == NULL || end <= atol(room)) return 0;
+  errno = ENOSPC;
+  return 1;
+}
+
+#define REAL(name)                                                   \
+  static __typeof__(&name) real;                                     \
+  if (real == NULL) real = (__typeof__(&name))dlsym(RTLD_NEXT, #name)
+
+ssize_t write(int file, const void* data, size_t count) {
+  REAL(write);
+  if (concerns(file) && (fails() || beyond_room(lseek(file, 0, SEEK_CUR) + (off_t)count))) return -1;
+  return real(file, data, count);
+}
+ssize_t pwrite(int file, const void* data, size_t count, off_t at) {
+  REAL(pwrite);
+  if (concerns(file) && (fails() || beyond_room(at + (off_t)count))) return -1;
+  return real(file, data, count, at);
+}
+ssize_t pwrite64(int file, const void* data, size_t count, off64_t at) {
+  REAL(pwrite64);
+  if (concerns(file) && (fails() || beyond_room(at + (off_t)count))) return -1;
+  return real(file, data, count, at);
+}
+int fallocate(int file, int mode, off_t from, off_t length) {
+  REAL(fallocate);
+  if (concerns(file) && (fails() || beyond_room(from + length))) return -1;
+  return real(file, mode, from, length);
+}
+int fallocate64(int file, int mode, off64_t from, off64_t length) {
+  REAL(fallocate64);
+  if (concerns(file) && (fails() || beyond_room(from + length))) return -1;
+  return real(file, mode, from, length);
+}
+int ftruncate(int file, off_t length) {
+  REAL(ftruncate);
+  if (concerns(file) && fails()) return -1;
+  return real(file, length);
+}
+int ftruncate64(int file, off64_t length) {
+  REAL(ftruncate64);
+  if (concerns(file) && fails()) return -1;
+  return real(file, length);
+}
+int fsync(int file) {
+  REAL(fsync);
+  if (concerns(file) && fails()) return -1;
+  return real(file);
+}
+int fdatasync(int file) {
+  REAL(fdatasync);
+  if (concerns(file) && fails()) return -1;
+  return real(file);
+}
+int close(int file) {  // a file is closed even where that fails
+  REAL(close);
+  const int failing = concerns(file) && fails(), error = errno;
+  const int result = real(file);
+  if (!failing) return result;
+  errno = error;
+  return -1;
+}
+int rename(const char* from, const char* to) {
+  REAL(rename);
+  char path[PATH_MAX];
+  if (realpath(from, path) != NULL && in_folder(path) && fails()) return -1;
+  return real(from, to);
+}
