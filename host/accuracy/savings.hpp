@@ -70,8 +70,8 @@ Savings find_savings(const Scene& scene, const SavingsOptions& options);
 /// What was tried and what the scene needs, for people.
 std::string describe(const Savings& savings);
 
-/// The scene with the choices in it, to be written to `file`: each choice with where it comes from.
-/// Reading it gives savings.chosen.
-std::string planned_scene(const Savings& savings, const std::filesystem::path& file);
+/// The scene with the choices in it, each with where it comes from. Reading it, from any folder, gives
+/// savings.chosen.
+std::string planned_scene(const Savings& savings);
 
 }  // namespace ra2d

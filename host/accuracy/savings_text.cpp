@@ -192,15 +192,8 @@ std::string describe(const Savings& s) {
   return text;
 }
 
-std::string planned_scene(const Savings& s, const std::filesystem::path& file) {
-  Scene scene = s.chosen;
-  // paths are relative to the scene's file
-  for (BodySpec* body : {&scene.resonator, &scene.slider})
-    if (!body->surface.path.empty())
-      body->surface.path = std::filesystem::proximate(
-          scene.file.parent_path() / body->surface.path,
-          file.has_parent_path() ? file.parent_path() : std::filesystem::current_path());
-
+std::string planned_scene(const Savings& s) {
+  const Scene& scene = s.chosen;
   const std::string name = s.written.file.filename().string();
   std::string text = fmt::format(
       "# {} with no more than level, rate of shocks and their median duration need to stay within\n"

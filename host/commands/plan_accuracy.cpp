@@ -44,7 +44,7 @@ int plan_accuracy_command(const CommonOptions& common, double accuracy, double b
     if (terminal) fmt::print(stderr, "\r\033[K");
     fmt::print("{}", describe(savings));
     std::fflush(stdout);
-    write_text(output, planned_scene(savings, output));
+    write_text(output, planned_scene(savings));
   } catch (const Interrupted&) {
     if (terminal) fmt::print(stderr, "\r\033[K");
     fmt::print(stderr, "ra2d: interrupted: nothing was written\n");

@@ -79,9 +79,7 @@ void print_report(const Scene& scene, const RunReport& r, const std::filesystem:
                  : std::string("none went through"));
   if (std::abs(r.energy.relative()) > much_energy)
     print_line("warning", energy_text(scene, r.energy));
-  print_line("cost", fmt::format("{:.1f} ns a step; {:.2f} s in all",
-                                 r.march_seconds * 1e9 /
-                                     static_cast<double>(std::max<std::int64_t>(1, r.steps)),
+  print_line("cost", fmt::format("{:.1f} ns a step; {:.2f} s in all", r.step_seconds() * 1e9,
                                  r.wall_seconds));
   print_line("file", output.string());
 }

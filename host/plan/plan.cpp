@@ -343,7 +343,7 @@ Plan make_plan(const Model& model, std::size_t memory, int touching) {
     plan_steps(model, place, plan);
   plan.memory = memory;
   const std::size_t columns = 1 + 2 * (model.resonator.modes.size() + model.slider.modes.size()) +
-                              2 + 2 * scene.probes.size() + 6;
+                              2 + 2 * (scene.probes.size() + scene.slider_probes.size()) + 6;
   plan.file = 8 * (columns * static_cast<std::size_t>(model.samples) +
                    2 * (model.resonator_height.size() + model.slider_height.size())) +
               60000;

@@ -24,17 +24,31 @@ double load_work(const Beam& beam, const double* u, const std::vector<double>& s
   return work;
 }
 
-/// Modal shapes at the probes, (probe, mode).
-std::vector<double> probe_shapes(const Model& model) {
-  std::vector<double> shapes;
-  for (const double x : model.scene.probes)
-    for (const ModeShape& mode : model.resonator.modes) {
-      double psi = 0;
-      evaluate(mode, model.resonator.length, x, 1, &psi);
-      shapes.push_back(psi);
+/// What a body's modes make of its probes.
+class Probes {
+ public:
+  Probes(const Beam& beam, const std::vector<double>& positions) : modes_{beam.modes.size()} {
+    for (const double x : positions)
+      for (const ModeShape& mode : beam.modes) {
+        double psi = 0;
+        evaluate(mode, beam.length, x, 1, &psi);
+        shapes_.push_back(psi);
+      }
+    count_ = positions.size();
+  }
+  /// Appends the sums over the modes, a probe each.
+  void read(const double* amplitudes, std::vector<double>& out) const {
+    for (std::size_t p = 0; p < count_; ++p) {
+      double sum = 0;
+      for (std::size_t k = 0; k < modes_; ++k) sum += amplitudes[k] * shapes_[p * modes_ + k];
+      out.push_back(sum);
     }
-  return shapes;
-}
+  }
+
+ private:
+  std::size_t modes_, count_;
+  std::vector<double> shapes_;  // (probe, mode)
+};
 
 /// Of ended shocks, or of open ones as if they ended now.
 template <class Row>
@@ -62,7 +76,8 @@ SampleBlock make_samples(const Model& model, const ModalStart& start, const Drai
                          std::int64_t first) {
   const std::size_t modes2 = model.resonator.modes.size(), modes1 = model.slider.modes.size();
   const std::size_t lanes = drained.lanes, row_size = 2 * lanes + sample::columns;
-  const std::vector<double> shapes = probe_shapes(model);
+  const Probes probes(model.resonator, model.scene.probes);
+  const Probes slider_probes(model.slider, model.scene.slider_probes);
   SampleBlock block;
   for (int i = 0; i < drained.samples; ++i) {
     const double* u = drained.sample_rows.data() + i * row_size;
@@ -76,15 +91,10 @@ SampleBlock make_samples(const Model& model, const ModalStart& start, const Drai
     block.slider_velocity.insert(block.slider_velocity.end(), v + modes2, v + modes2 + modes1);
     block.force.push_back(columns[sample::force]);
     block.nodes.push_back(std::round(columns[sample::nodes]));
-    for (std::size_t p = 0; p < model.scene.probes.size(); ++p) {
-      double displacement = 0, velocity = 0;
-      for (std::size_t k = 0; k < modes2; ++k) {
-        displacement += u[k] * shapes[p * modes2 + k];
-        velocity += v[k] * shapes[p * modes2 + k];
-      }
-      block.probe_displacement.push_back(displacement);
-      block.probe_velocity.push_back(velocity);
-    }
+    probes.read(u, block.probe_displacement);
+    probes.read(v, block.probe_velocity);
+    slider_probes.read(u + modes2, block.slider_probe_displacement);
+    slider_probes.read(v + modes2, block.slider_probe_velocity);
     double kinetic = 0, elastic = 0;
     add_energy(model.resonator, u, v, kinetic, elastic);
     add_energy(model.slider, u + modes2, v + modes2, kinetic, elastic);
@@ -107,19 +117,23 @@ std::vector<Shock> make_shocks(const Model& model, const std::vector<OpenShock>&
   return convert_shocks(model, open);
 }
 
-std::vector<double> mean_squares(const Model& model) {
-  const int nodes = static_cast<int>(model.resonator_height.size());
+std::vector<double> mean_squares(const Beam& beam, int nodes, double spacing) {
   std::vector<double> means;
-  for (const ModeShape& mode : model.resonator.modes) {
+  for (const ModeShape& mode : beam.modes) {
     double square = 0;
     for (int n = 0; mode.omega > 0 && n < nodes; ++n) {
       double psi = 0;
-      evaluate(mode, model.resonator.length, n * model.scene.spacing, 1, &psi);
+      evaluate(mode, beam.length, n * spacing, 1, &psi);
       square += psi * psi;
     }
     means.push_back(square / nodes);
   }
   return means;
+}
+
+std::vector<double> mean_squares(const Model& model) {
+  return mean_squares(model.resonator, static_cast<int>(model.resonator_height.size()),
+                      model.scene.spacing);
 }
 
 std::int64_t first_counted(const Model& model) {

@@ -29,7 +29,9 @@ std::int64_t first_counted(const Model& model);
 /// a whole number of spacings, and are of the order of spacing/length otherwise.
 double v_rms(const Model& model, const Snapshot& end, const Snapshot& begin = {});
 
-/// Mean of psi_k^2 over the resonator's nodes, of each elastic mode [1/m], 0 of a rigid one. ...
+/// Mean of psi_k^2 over a body's nodes, of each elastic mode [1/m], 0 of a rigid one.
+std::vector<double> mean_squares(const Beam& beam, int nodes, double spacing);
+/// Those of the resonator ...
 std::vector<double> mean_squares(const Model& model);
 /// ... and v_rms with them at hand, for many runs of bodies that are alike.
 double v_rms(const std::vector<double>& mean_squares, const Snapshot& end,

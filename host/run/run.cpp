@@ -25,17 +25,37 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
+/// Shapes at every so many nodes, at 1001 places at the most.
+ModesHeader make_modes(const Beam& beam, std::size_t nodes, double spacing) {
+  constexpr std::size_t most_places = 1001;
+  const std::size_t stride =
+      std::max<std::size_t>(1, (nodes + most_places - 3) / (most_places - 1));
+  ModesHeader header;
+  for (std::size_t n = 0; n < nodes; n += stride)
+    header.position.push_back(static_cast<double>(n) * spacing);
+  for (const ModeShape& mode : beam.modes) {
+    header.frequency.push_back(mode.omega / (2 * M_PI));
+    for (const double x : header.position) {
+      double psi = 0;
+      evaluate(mode, beam.length, x, 1, &psi);
+      header.shape.push_back(psi);
+    }
+  }
+  header.mean_square = mean_squares(beam, static_cast<int>(nodes), spacing);
+  return header;
+}
+
 ResultHeader make_header(const Model& model) {
   ResultHeader header;
   header.scene = echo(model.scene);
   header.backend = backend_name();
   header.threads = backend_threads();
   header.started = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
-  for (const ModeShape& mode : model.resonator.modes)
-    header.resonator_frequency.push_back(mode.omega / (2 * M_PI));
-  for (const ModeShape& mode : model.slider.modes)
-    header.slider_frequency.push_back(mode.omega / (2 * M_PI));
+  header.resonator =
+      make_modes(model.resonator, model.resonator_height.size(), model.scene.spacing);
+  header.slider = make_modes(model.slider, model.slider_height.size(), model.scene.spacing);
   header.probe_position = model.scene.probes;
+  header.slider_probe_position = model.scene.slider_probes;
   header.resonator_height = model.resonator_height;
   header.slider_height = model.slider_height;
   header.spacing = model.scene.spacing;
@@ -121,9 +141,10 @@ bool is_finite(const SampleBlock& block) {
   for (const auto column :
        {&SampleBlock::resonator_displacement, &SampleBlock::resonator_velocity,
         &SampleBlock::slider_displacement, &SampleBlock::slider_velocity, &SampleBlock::force,
-        &SampleBlock::probe_displacement, &SampleBlock::probe_velocity, &SampleBlock::kinetic,
-        &SampleBlock::elastic, &SampleBlock::contact, &SampleBlock::damping_loss,
-        &SampleBlock::sliding_work, &SampleBlock::load_work})
+        &SampleBlock::probe_displacement, &SampleBlock::probe_velocity,
+        &SampleBlock::slider_probe_displacement, &SampleBlock::slider_probe_velocity,
+        &SampleBlock::kinetic, &SampleBlock::elastic, &SampleBlock::contact,
+        &SampleBlock::damping_loss, &SampleBlock::sliding_work, &SampleBlock::load_work})
     for (const double value : block.*column)
       if (!std::isfinite(value)) return false;
   return true;
@@ -251,6 +272,17 @@ RunReport run(const Scene& scene, const RunOptions& options) {
   ResultSummary summary;
   summary.v_rms = report.v_rms;
   summary.lv = report.lv;
+  summary.shock_rate = report.shocks;
+  summary.shock_duration_median = report.duration_median;
+  summary.shock_duration_90 = report.duration_90;
+  summary.peak_force_median = report.force_median;
+  summary.peak_force_90 = report.force_90;
+  summary.contact_share = report.contact_share;
+  summary.nodes_evaluated = report.evaluated;
+  summary.energy_residual = report.energy.residual;
+  summary.energy_turnover = report.energy.turnover;
+  summary.energy_closure = std::abs(report.energy.relative());
+  summary.step_seconds = report.step_seconds();
   summary.wall_seconds = report.wall_seconds;
   summary.steps = static_cast<long>(report.steps);
   summary.complete = report.ending == Ending::complete;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <algorithm>
 #include <atomic>
 #include <cstdint>
 #include <filesystem>
@@ -46,6 +47,8 @@ struct RunReport {
   EnergyBalance energy;
   double march_seconds = 0;  // in the kernels
   double wall_seconds = 0;
+
+  double step_seconds() const { return march_seconds / std::max(1.0, static_cast<double>(steps)); }
 };
 
 /// Runs a scene to its end, an interrupt or a failure, and writes the result file in every case

@@ -167,11 +167,16 @@ void check_output(const Scene& s, Document& document) {
                    fmt::format("{} s is not before the end of the run, {} s: expected "
                                "a time from 0 to scene.duration",
                                s.from, s.duration));
-  for (std::size_t i = 0; i < s.probes.size(); ++i)
-    if (s.probes[i] < 0 || s.probes[i] > s.resonator.length)
-      document.fault(fmt::format("output.probes[{}]", i),
-                     fmt::format("{} m is off the resonator: expected a place from 0 to {} m",
-                                 s.probes[i], s.resonator.length));
+  const auto check_places = [&](const char* key, const std::vector<double>& places,
+                                const char* body, double length) {
+    for (std::size_t i = 0; i < places.size(); ++i)
+      if (places[i] < 0 || places[i] > length)
+        document.fault(fmt::format("output.{}[{}]", key, i),
+                       fmt::format("{} m is off the {}: expected a place from 0 to {} m", places[i],
+                                   body, length));
+  };
+  check_places("probes", s.probes, "resonator", s.resonator.length);
+  check_places("slider_probes", s.slider_probes, "slider", s.slider.length);
 }
 
 /// The contact spring of a node: a number that can be worked with.

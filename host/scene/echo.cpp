@@ -44,7 +44,8 @@ class Writer {
 };
 
 /// The inline table of a surface: its kind, the keys of the kind, and those of others that stand.
-void write_surface(const SurfaceSpec& surface, Writer& out) {
+/// `folder`: the scene's.
+void write_surface(const SurfaceSpec& surface, const std::filesystem::path& folder, Writer& out) {
   std::string table = fmt::format("kind = \"{}\"", surface_kinds.name(surface.kind));
   std::vector<std::string> unused;
   const auto key = [&](SurfaceKind user, bool stands, const char* name, const std::string& value) {
@@ -58,7 +59,9 @@ void write_surface(const SurfaceSpec& surface, Writer& out) {
                                 toml_number(peak.height), toml_number(peak.half_width)));
   key(SurfaceKind::peaks, is(SurfaceKind::peaks) || !peaks.empty(), "peaks", array(peaks));
   key(SurfaceKind::file, is(SurfaceKind::file) || !surface.path.empty(), "path",
-      toml_string(surface.path.string()));
+      toml_string(surface.path.empty()
+                      ? std::string()
+                      : absolute(folder / surface.path).lexically_normal().string()));
   key(SurfaceKind::gaussian, surface.rq != 0, "rq", toml_number(surface.rq));
   key(SurfaceKind::gaussian, surface.rsm.has_value(), "rsm", toml_number(surface.rsm.value_or(0)));
   key(SurfaceKind::gaussian, surface.correlation_length.has_value(), "correlation_length",
@@ -71,7 +74,8 @@ void write_surface(const SurfaceSpec& surface, Writer& out) {
                                        surface_kinds.name(surface.kind)));
 }
 
-void write_body(const std::string& name, const BodySpec& body, Writer& out) {
+void write_body(const std::string& name, const BodySpec& body, const std::filesystem::path& folder,
+                Writer& out) {
   const bool is_rigid = body.support == Support::rigid;
   const std::string unused = is_rigid ? "the body is rigid" : "";
   const auto material = [&](const char* key, double value) {
@@ -87,7 +91,7 @@ void write_body(const std::string& name, const BodySpec& body, Writer& out) {
   material("damping", body.damping);
   if (body.max_frequency) out.key("max_frequency", *body.max_frequency, unused);
   if (body.modes) out.raw("modes", fmt::format("{}", *body.modes), unused);
-  write_surface(body.surface, out);
+  write_surface(body.surface, folder, out);
 }
 
 }  // namespace
@@ -103,7 +107,8 @@ std::string echo(const Scene& scene) {
   out.key("spacing", scene.spacing);
   out.key("initial", initial_states.name(scene.initial));
 
-  write_body("resonator", scene.resonator, out);
+  const std::filesystem::path folder = scene.file.parent_path();
+  write_body("resonator", scene.resonator, folder, out);
   for (const MovingForce& force : scene.resonator.moving_forces) {
     out.section("[[resonator.moving_force]]",
                 scene.resonator.support == Support::rigid ? "the body is rigid" : "");
@@ -112,7 +117,7 @@ std::string echo(const Scene& scene) {
     out.key("start", force.start);
   }
 
-  write_body("slider", scene.slider, out);
+  write_body("slider", scene.slider, folder, out);
   out.raw("load",
           scene.slider.load_is_weight ? toml_string("weight") : toml_number(scene.slider.load),
           scene.slider.support == Support::rigid ? "the body is rigid" : "");
@@ -142,9 +147,13 @@ std::string echo(const Scene& scene) {
 
   out.section("[output]");
   out.key("rate", scene.rate);
-  std::vector<std::string> probes;
-  for (const double probe : scene.probes) probes.push_back(toml_number(probe));
-  out.raw("probes", array(probes));
+  const auto places = [](const std::vector<double>& probes) {
+    std::vector<std::string> texts;
+    for (const double probe : probes) texts.push_back(toml_number(probe));
+    return array(texts);
+  };
+  out.raw("probes", places(scene.probes));
+  out.raw("slider_probes", places(scene.slider_probes));
   out.key("from", scene.from);
   return out.text();
 }

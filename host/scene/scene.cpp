@@ -117,6 +117,7 @@ Scene read(Document& document, const std::filesystem::path& file) {
   in = document.section("output");
   scene.rate = in.number("rate", positive, "Hz", Need::optional).value_or(100e3);
   scene.probes = in.numbers("probes", "m");
+  scene.slider_probes = in.numbers("slider_probes", "m");
   scene.from = in.number("from", not_negative, "s", Need::optional).value_or(0);
 
   scene.initial = initial.value_or(has_equilibrium(scene) ? Initial::statics : Initial::rest);

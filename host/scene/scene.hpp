@@ -84,9 +84,10 @@ struct Scene {
   Nodes nodes = Nodes::candidates;
   bool force = false;  // run beyond the limit of stability, too
 
-  double rate = 0;             // Hz, samples at t_j = j / rate
-  std::vector<double> probes;  // m, on the resonator
-  double from = 0;             // s: level, energy balance and shock statistics begin here
+  double rate = 0;                    // Hz, samples at t_j = j / rate
+  std::vector<double> probes;         // m, on the resonator
+  std::vector<double> slider_probes;  // m, on the slider
+  double from = 0;                    // s: level, energy balance and shock statistics begin here
 };
 
 /// The tolerance of an adaptive scene that names none.
@@ -114,7 +115,8 @@ std::vector<std::filesystem::path> files_of(const Scene& scene);
 /// What people call it: its name, or that of its file.
 std::string title(const Scene& scene);
 
-/// The scene as TOML, complete (defaults included): reading it again gives the same scene.
+/// The scene as TOML, complete (defaults included): reading it again gives the same scene, from any
+/// folder, since it names profiles by absolute path.
 /// Keys that the scene's choices do not use carry a comment "# not used: why".
 std::string echo(const Scene& scene);
 

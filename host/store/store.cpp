@@ -35,16 +35,18 @@ namespace {
 namespace fs = std::filesystem;
 using h5::check;
 
+constexpr std::int64_t format =
+    2;  // of the file; raised when a dataset changes its meaning or goes
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t rows_at_once = 8192;          // 64 KiB of one column: a chunk, a shock window
 constexpr std::size_t bytes_at_once = 4096 * 1024;  // buffered, and written between two flushes
 constexpr std::size_t chunk_bytes = 128 * 1024;
 
 // Where the numbers of a dataset come from, which also says when they are written.
-using Fixed = std::vector<double> (*)(const ResultHeader&);  // at the start
+using Fixed = std::vector<double> (*)(const ResultHeader&);  // at the start, (rows, columns)
 using Sampled = std::vector<double> SampleBlock::*;          // block by block
 using PerShock = double Shock::*;                            // one row a shock
-using Final = double ResultSummary::*;                       // at the end, scalar
+using Final = double ResultSummary::*;                       // at the end, scalar; NaN: left out
 
 struct Entry {
   const char *path, *units, *long_name;
@@ -58,29 +60,55 @@ std::vector<double> node_positions(std::size_t nodes, double spacing) {
   return x;
 }
 
-constexpr const char* groups[] = {"resonator",      "slider",           "contact", "probes",
-                                  "energy",         "shocks",           "level",   "surface",
-                                  "surface/slider", "surface/resonator"};
+std::vector<double> numbers(std::size_t count) { return node_positions(count, 1.0); }
+
+constexpr const char* groups[] = {
+    "resonator", "slider", "contact", "probes",  "slider_probes",  "energy",
+    "shocks",    "level",  "summary", "surface", "surface/slider", "surface/resonator"};
+
+/// Those that hold samples: the time stands in each, so that it can be read alone.
+constexpr const char* sampled_groups[] = {"resonator", "slider",        "contact",
+                                          "probes",    "slider_probes", "energy"};
 
 // Everything the file holds (contract: "Output"), in the order readers list it. Scales come before
 // the datasets that use them.
 // clang-format off
 const Entry entries[] = {
     {"time", "s", "time", "time", "", &SampleBlock::time},
-    {"resonator/frequency", "Hz", "natural frequencies of the resonator", "resonator/frequency", "",
-     [](const ResultHeader& h) { return h.resonator_frequency; }},
-    {"resonator/displacement", "m1.5", "modal displacements of the resonator", "time", "resonator/frequency", &SampleBlock::resonator_displacement},
-    {"resonator/velocity", "m1.5 s-1", "modal velocities of the resonator", "time", "resonator/frequency", &SampleBlock::resonator_velocity},
-    {"slider/frequency", "Hz", "natural frequencies of the slider", "slider/frequency", "",
-     [](const ResultHeader& h) { return h.slider_frequency; }},
-    {"slider/displacement", "m1.5", "modal displacements of the slider", "time", "slider/frequency", &SampleBlock::slider_displacement},
-    {"slider/velocity", "m1.5 s-1", "modal velocities of the slider", "time", "slider/frequency", &SampleBlock::slider_velocity},
+    {"resonator/mode", "1", "numbers of the resonator's modes, rigid ones first", "resonator/mode", "",
+     [](const ResultHeader& h) { return numbers(h.resonator.frequency.size()); }},
+    {"resonator/position", "m", "places on the resonator from its left end", "resonator/position", "",
+     [](const ResultHeader& h) { return h.resonator.position; }},
+    {"resonator/frequency", "Hz", "natural frequencies of the resonator", "resonator/mode", "",
+     [](const ResultHeader& h) { return h.resonator.frequency; }},
+    {"resonator/shape", "m-0.5", "mode shapes of the resonator", "resonator/mode", "resonator/position",
+     [](const ResultHeader& h) { return h.resonator.shape; }},
+    {"resonator/mean_square", "m-1", "mean squares of the elastic mode shapes over all nodes", "resonator/mode", "",
+     [](const ResultHeader& h) { return h.resonator.mean_square; }},
+    {"resonator/displacement", "m1.5", "modal displacements of the resonator", "time", "resonator/mode", &SampleBlock::resonator_displacement},
+    {"resonator/velocity", "m1.5 s-1", "modal velocities of the resonator", "time", "resonator/mode", &SampleBlock::resonator_velocity},
+    {"slider/mode", "1", "numbers of the slider's modes, rigid ones first", "slider/mode", "",
+     [](const ResultHeader& h) { return numbers(h.slider.frequency.size()); }},
+    {"slider/position", "m", "places on the slider from its left end", "slider/position", "",
+     [](const ResultHeader& h) { return h.slider.position; }},
+    {"slider/frequency", "Hz", "natural frequencies of the slider", "slider/mode", "",
+     [](const ResultHeader& h) { return h.slider.frequency; }},
+    {"slider/shape", "m-0.5", "mode shapes of the slider", "slider/mode", "slider/position",
+     [](const ResultHeader& h) { return h.slider.shape; }},
+    {"slider/mean_square", "m-1", "mean squares of the elastic mode shapes over all nodes", "slider/mode", "",
+     [](const ResultHeader& h) { return h.slider.mean_square; }},
+    {"slider/displacement", "m1.5", "modal displacements of the slider", "time", "slider/mode", &SampleBlock::slider_displacement},
+    {"slider/velocity", "m1.5 s-1", "modal velocities of the slider", "time", "slider/mode", &SampleBlock::slider_velocity},
     {"contact/force", "N", "total normal contact force", "time", "", &SampleBlock::force},
     {"contact/nodes", "1", "number of nodes in contact", "time", "", &SampleBlock::nodes},
     {"probes/position", "m", "positions of the probes on the resonator", "probes/position", "",
      [](const ResultHeader& h) { return h.probe_position; }},
     {"probes/displacement", "m", "displacements of the resonator at the probes", "time", "probes/position", &SampleBlock::probe_displacement},
     {"probes/velocity", "m s-1", "velocities of the resonator at the probes", "time", "probes/position", &SampleBlock::probe_velocity},
+    {"slider_probes/position", "m", "positions of the probes on the slider", "slider_probes/position", "",
+     [](const ResultHeader& h) { return h.slider_probe_position; }},
+    {"slider_probes/displacement", "m", "displacements of the slider at its probes", "time", "slider_probes/position", &SampleBlock::slider_probe_displacement},
+    {"slider_probes/velocity", "m s-1", "velocities of the slider at its probes", "time", "slider_probes/position", &SampleBlock::slider_probe_velocity},
     {"energy/kinetic", "J", "kinetic energy", "time", "", &SampleBlock::kinetic},
     {"energy/elastic", "J", "elastic energy", "time", "", &SampleBlock::elastic},
     {"energy/contact", "J", "energy stored in the contact", "time", "", &SampleBlock::contact},
@@ -92,8 +120,22 @@ const Entry entries[] = {
     {"shocks/peak_force", "N", "peak forces of the shocks", "shocks/start", "", &Shock::peak_force},
     {"shocks/impulse", "N s", "impulses of the shocks", "shocks/start", "", &Shock::impulse},
     {"shocks/position", "m", "positions of the shocks on the resonator, weighted by force", "shocks/start", "", &Shock::position},
-    {"level/v_rms", "m s-1", "root mean square velocity over the resonator's nodes and the run", "", "", &ResultSummary::v_rms},
-    {"level/lv", "dB", "vibration velocity level re 1e-9 m s-1 over the run", "", "", &ResultSummary::lv},
+    {"level/v_rms", "m s-1", "root mean square velocity of the resonator's elastic motion, over its nodes and the run from output.from on", "", "", &ResultSummary::v_rms},
+    {"level/lv", "dB", "vibration velocity level re 1e-9 m s-1, over the run from output.from on", "", "", &ResultSummary::lv},
+    {"summary/lv", "dB", "vibration velocity level re 1e-9 m s-1", "", "", &ResultSummary::lv},
+    {"summary/v_rms", "m s-1", "root mean square velocity of the resonator's elastic motion", "", "", &ResultSummary::v_rms},
+    {"summary/shock_rate", "s-1", "shocks a second", "", "", &ResultSummary::shock_rate},
+    {"summary/shock_duration_median", "s", "median of the shocks' durations, to 0.1 %", "", "", &ResultSummary::shock_duration_median},
+    {"summary/shock_duration_90", "s", "what 90 % of the shocks' durations do not exceed, to 0.1 %", "", "", &ResultSummary::shock_duration_90},
+    {"summary/peak_force_median", "N", "median of the shocks' peak forces, to 0.1 %", "", "", &ResultSummary::peak_force_median},
+    {"summary/peak_force_90", "N", "what 90 % of the shocks' peak forces do not exceed, to 0.1 %", "", "", &ResultSummary::peak_force_90},
+    {"summary/contact_share", "1", "share of the time with any node in contact", "", "", &ResultSummary::contact_share},
+    {"summary/nodes_evaluated", "1", "nodes whose gap was evaluated, a step", "", "", &ResultSummary::nodes_evaluated},
+    {"summary/energy_residual", "J", "stored and lost energy less the work put in, since the first sample counted", "", "", &ResultSummary::energy_residual},
+    {"summary/energy_turnover", "J", "energy that went through", "", "", &ResultSummary::energy_turnover},
+    {"summary/energy_closure", "1", "residual over turnover, its size", "", "", &ResultSummary::energy_closure},
+    {"summary/step_seconds", "s", "wall time a step", "", "", &ResultSummary::step_seconds},
+    {"summary/wall_seconds", "s", "wall time of the run, until this file was closed", "", "", &ResultSummary::wall_seconds},
     {"surface/slider/position", "m", "positions of the slider's nodes from its left end", "surface/slider/position", "",
      [](const ResultHeader& h) { return node_positions(h.slider_height.size(), h.spacing); }},
     {"surface/slider/height", "m", "heights of the slider's profile", "surface/slider/position", "",
@@ -368,6 +410,7 @@ void ResultFile::Impl::create(const ResultHeader& header) {
     give(file_, "/", name, std::move(value));
   };
   root("creator", "ra2d");
+  root("format", std::int64_t{format});
   root("version", RA2D_VERSION);
   root("commit", RA2D_COMMIT);
   root("scene", header.scene);
@@ -390,22 +433,23 @@ void ResultFile::Impl::create(const ResultHeader& header) {
         columns = (*source_of<Fixed>(scale))(header).size();
     if (const Fixed* fixed = source_of<Fixed>(entry)) {
       const std::vector<double> data = (*fixed)(header);
-      Table table{&entry, create_dataset(entry, data.size(), 1), 1, {}};
+      const hsize_t rows = data.size() / std::max<hsize_t>(columns, 1);
+      Table table{&entry, create_dataset(entry, rows, columns), columns, {}};
       table.hash.add(data.data(), data.size());
       if (!data.empty())
         check(
             H5Dwrite(table.dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, data.data()));
-      finish(table, data.size());
+      finish(table, rows);
     } else if (source_of<Sampled>(entry)) {
       samples_.push_back({&entry, create_dataset(entry, 0, columns), columns, {}});
       row_bytes += columns * sizeof(double);
     } else if (source_of<PerShock>(entry)) {
       shocks_.push_back({&entry, create_dataset(entry, 0, 1), 1, {}});
-    } else {
-      h5::Dataset scalar = create_dataset(entry, 1, 1);
-      h5::close(scalar);
     }
   }
+  for (const char* group : sampled_groups)
+    check(H5Lcreate_hard(file_, "time", file_, fmt::format("{}/time", group).c_str(), H5P_DEFAULT,
+                         H5P_DEFAULT));
   buffers_.resize(samples_.size());
   buffer_rows_ =
       std::clamp<std::size_t>(std::bit_floor(bytes_at_once / row_bytes), 1, rows_at_once);
@@ -436,7 +480,8 @@ h5::Dataset ResultFile::Impl::create_dataset(const Entry& entry, hsize_t rows, h
   if (source_of<Final>(entry)) {
     space = h5::Space{check(H5Screate(H5S_SCALAR))};
   } else if (source_of<Fixed>(entry)) {
-    space = h5::Space{check(H5Screate_simple(1, &rows, nullptr))};
+    const hsize_t extent[] = {rows, columns};
+    space = h5::Space{check(H5Screate_simple(has_columns ? 2 : 1, extent, nullptr))};
   } else {
     // HDF5 wants chunks of at least one number and no larger than the axis may grow: an axis
     // without modes may therefore grow to one.
@@ -601,7 +646,8 @@ void ResultFile::Impl::close(const ResultSummary& summary) {
     reserve(0);
     for (const Entry& entry : entries)
       if (const Final* value = source_of<Final>(entry)) {
-        Table table{&entry, h5::Dataset{check(H5Dopen2(file_, entry.path, H5P_DEFAULT))}, 1, {}};
+        if (std::isnan(summary.**value)) continue;  // there is none
+        Table table{&entry, create_dataset(entry, 1, 1), 1, {}};
         table.hash.add(&(summary.**value), 1);
         check(H5Dwrite(table.dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT,
                        &(summary.**value)));

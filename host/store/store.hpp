@@ -8,6 +8,14 @@
 /// The result file (contract: "Output").
 namespace ra2d {
 
+/// A body's modes; it may have none.
+struct ModesHeader {
+  std::vector<double> frequency;    // Hz
+  std::vector<double> position;     // m, places along the body
+  std::vector<double> shape;        // (mode, position), m^-1/2
+  std::vector<double> mean_square;  // 1/m, of the shape over all the nodes; 0 of a rigid mode
+};
+
 /// What is known before the first step.
 struct ResultHeader {
   std::string scene;    // TOML text of the scene
@@ -15,8 +23,8 @@ struct ResultHeader {
   int threads = 1;
   std::string beyond_limit;  // the limit of stability that time.force passes; no attribute if empty
   std::string started;       // ISO 8601, UTC
-  std::vector<double> resonator_frequency, slider_frequency;  // Hz; either may be empty
-  std::vector<double> probe_position;                         // m; may be empty
+  ModesHeader resonator, slider;
+  std::vector<double> probe_position, slider_probe_position;  // m; either may be empty
   std::vector<double> resonator_height, slider_height;        // m, the profiles used
   double spacing = 0;                                         // m, chi
 };
@@ -28,6 +36,7 @@ struct SampleBlock {
   std::vector<double> slider_displacement, slider_velocity;        // T x M1
   std::vector<double> force, nodes;                                // T: N, count
   std::vector<double> probe_displacement, probe_velocity;          // T x P: m, m/s
+  std::vector<double> slider_probe_displacement, slider_probe_velocity;
   std::vector<double> kinetic, elastic, contact, damping_loss, sliding_work, load_work;  // T, J
 };
 
@@ -41,10 +50,18 @@ struct Shock {
   double position = 0;    // m on the resonator, mean weighted by force
 };
 
-/// What is known after the last step.
+/// What is known after the last step: the figures of the report, those of shocks NaN without any.
 struct ResultSummary {
-  double v_rms = 0;  // m/s
-  double lv = 0;     // dB re 1e-9 m/s; NaN when nothing moved
+  double v_rms = 0;                                         // m/s
+  double lv = 0;                                            // dB re 1e-9 m/s; -inf at rest
+  double shock_rate = 0;                                    // 1/s
+  double shock_duration_median = 0, shock_duration_90 = 0;  // s
+  double peak_force_median = 0, peak_force_90 = 0;          // N
+  double contact_share = 0;                                 // of the time
+  double nodes_evaluated = 0;                               // a step
+  double energy_residual = 0, energy_turnover = 0;          // J
+  double energy_closure = 0;                                // residual over turnover, its size
+  double step_seconds = 0;                                  // of wall time, a step
   double wall_seconds = 0;
   long steps = 0;
   bool complete = true;  // false: cut short

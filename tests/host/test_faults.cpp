@@ -61,6 +61,8 @@ Content content_of(const fs::path& path) {
   const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
   if (file < 0) return content;
   H5Ovisit2(file, H5_INDEX_NAME, H5_ITER_NATIVE, add_dataset, &content, H5O_INFO_BASIC);
+  for (const char* timed : {"summary/step_seconds", "summary/wall_seconds"})
+    if (content.erase(timed) == 0) content[timed] = "missing";
   content["ended"] = text_attribute(file, "ended");
   H5Fclose(file);
   return content;

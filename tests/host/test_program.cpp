@@ -333,6 +333,23 @@ TEST_F(Program, AForcedStepRunsAndTheFileSaysSo) {
   EXPECT_EQ(look.wait(), 0) << look.err();
 }
 
+TEST_F(Program, EveryFigureIsWhatItsDefinitionSays) {
+  RA2D_SKIP_WITHOUT_PYTHON();
+  const std::string scene = ra2d::test::source_folder() / "tests/host/figures.toml";
+  const std::vector<std::vector<std::string>> variants = {
+      {},
+      {"output.from=1e-3"},
+      {"time.nodes=\"all\"", "output.from=1.05e-3"},
+      {"slider.load=0.7", "slider.modes=0"}};
+  for (const std::vector<std::string>& changes : variants) {
+    std::vector<std::string> command{"run", scene, "-o", "figures.h5"};
+    for (const std::string& change : changes) command.insert(command.end(), {"--set", change});
+    EXPECT_EQ(run(command), 0) << err_;
+    EXPECT_EQ(python({"check_figures.py", "figures.h5"}), 0) << out_ << err_;
+  }
+  EXPECT_EQ(python({"check_result.py", "figures.h5"}), 0) << out_ << err_;
+}
+
 TEST_F(Program, MultipliersDoNotStartFromFacesThatOverlap) {
   // a peak in the pinned end, where no mode could move anything, either
   std::ofstream(folder_ / "blocked.toml") << R"(

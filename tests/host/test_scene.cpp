@@ -144,6 +144,7 @@ void expect_same(const Scene& a, const Scene& b) {
   EXPECT_EQ(a.force, b.force);
   EXPECT_EQ(a.rate, b.rate);
   EXPECT_EQ(a.probes, b.probes);
+  EXPECT_EQ(a.slider_probes, b.slider_probes);
   EXPECT_EQ(a.from, b.from);
 }
 
@@ -186,8 +187,8 @@ TEST(Scene, ValuesArriveWhereTheyBelong) {
       {"stiffness", "law = \"penalty\"\nstiffness"},
       {"step", "scheme = \"backward-euler\"\nnodes = \"all\"\ntolerance = 1e-8\nstep"},
       {"",
-       "[output]\nrate = 50_000\nprobes = [0, 0.15, 0.3]\nfrom = "
-       "0.05\n[[resonator.moving_force]]\nforce = 10\n"
+       "[output]\nrate = 50_000\nprobes = [0, 0.15, 0.3]\n"
+       "slider_probes = [0.02]\nfrom = 0.05\n[[resonator.moving_force]]\nforce = 10\n"
        "speed = 20\nstart = -1\n"},
   }));
   EXPECT_EQ(s.name, "a \"b\"");
@@ -229,6 +230,7 @@ TEST(Scene, ValuesArriveWhereTheyBelong) {
   EXPECT_EQ(s.rate, 50e3);
   EXPECT_THAT(s.probes, ElementsAre(0, 0.15, 0.3));
   EXPECT_EQ(s.from, 0.05);
+  EXPECT_THAT(s.slider_probes, ElementsAre(0.02));
 }
 
 /// One fault each: a changed scene, and what its only message must say.
@@ -524,6 +526,10 @@ const std::vector<Refused> refused{
      {{"seed = 2", "seed = 2, seed_spacing = 1e-5"}},
      {"resonator.surface.seed_spacing: unknown key: a seed means the same profile at every "
       "scene.spacing: drop the key"}},
+    {"SliderProbeOff",
+     {{"", "[output]\nslider_probes = [0.021]\n"}},
+     {"s.toml:30: output.slider_probes[0]: 0.021 m is off the slider: expected a place from 0 to "
+      "0.02 m"}},
     {"RigidLoad",
      {rigid_slider, {"[slider]", "[slider]\nload = \"weight\""}},
      {"s.toml:17: slider.load: a rigid slider has no mode to take a load"}},
@@ -818,6 +824,7 @@ nodes = "candidates"
 [output]
 rate = 100000.0
 probes = []
+slider_probes = []
 from = 0.0
 )");
 }
@@ -828,7 +835,7 @@ TEST(SceneEcho, ReadsBackAsTheSameScene) {
       parse(minimal,
             {"scene.name=\"q\\\" b\\\\ \\t \\n \\u0001 \\u007f µ\"", "scene.gap=-1e-6",
              "resonator.surface.seed=9223372036854775807", "slider.load=weight",
-             "slider.surface={ kind = \"file\", path = \"a \\\"b\\\"/c.csv\" }", "time.nodes=all",
+             "slider.surface={ kind = \"file\", path = \"/a \\\"b\\\"/c.csv\" }", "time.nodes=all",
              "time.tolerance=1e-8", "output.probes=[0, 0.1, 0.3]", "scene.initial=static"}));
   expect_round_trip(parse(
       minimal, {"resonator.surface={ kind = \"gaussian\", rq = 1e-6, correlation_length = 2e-3, "

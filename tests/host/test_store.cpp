@@ -60,15 +60,29 @@ class Store : public testing::Test {
   fs::path folder_, path_;
 };
 
+ModesHeader modes(std::size_t count, double frequency) {
+  ModesHeader m;
+  m.position = {0, 1, 2};
+  for (std::size_t k = 0; k < count; ++k) {
+    m.frequency.push_back(frequency * double(k));
+    m.mean_square.push_back(1 + double(k));
+    for (const double x : m.position) m.shape.push_back(10 * double(k) + x);
+  }
+  return m;
+}
+
 ResultHeader header(std::size_t resonator, std::size_t slider, std::size_t probes) {
   ResultHeader h;
   h.scene = "[scene]\nname = \"k\u00e4se\"\n";
   h.backend = "Serial";
   h.started = "2026-01-02T03:04:05Z";
   h.spacing = 8e-6;
-  for (std::size_t k = 0; k < resonator; ++k) h.resonator_frequency.push_back(100.0 * double(k));
-  for (std::size_t k = 0; k < slider; ++k) h.slider_frequency.push_back(900.0 * double(k));
-  for (std::size_t k = 0; k < probes; ++k) h.probe_position.push_back(0.1 * double(k + 1));
+  h.resonator = modes(resonator, 100);
+  h.slider = modes(slider, 900);
+  for (std::size_t k = 0; k < probes; ++k) {
+    h.probe_position.push_back(0.1 * double(k + 1));
+    h.slider_probe_position.push_back(0.01 * double(k + 1));
+  }
   h.resonator_height = {1e-6, -2e-6, 3e-6, 0};
   h.slider_height = {-1e-6, 4e-6};
   return h;
@@ -86,7 +100,7 @@ SampleBlock block(const ResultHeader& h, std::size_t first, std::size_t rows) {
       for (std::size_t k = 0; k < width; ++k) data.push_back(value(j, quantity, k));
     ++quantity;
   };
-  const std::size_t resonator = h.resonator_frequency.size(), slider = h.slider_frequency.size();
+  const std::size_t resonator = h.resonator.frequency.size(), slider = h.slider.frequency.size();
   fill(b.time, 1);
   fill(b.resonator_displacement, resonator);
   fill(b.resonator_velocity, resonator);
@@ -95,6 +109,8 @@ SampleBlock block(const ResultHeader& h, std::size_t first, std::size_t rows) {
   for (auto* data : {&b.force, &b.nodes}) fill(*data, 1);
   for (auto* data : {&b.probe_displacement, &b.probe_velocity})
     fill(*data, h.probe_position.size());
+  for (auto* data : {&b.slider_probe_displacement, &b.slider_probe_velocity})
+    fill(*data, h.slider_probe_position.size());
   for (auto* data :
        {&b.kinetic, &b.elastic, &b.contact, &b.damping_loss, &b.sliding_work, &b.load_work})
     fill(*data, 1);
@@ -184,8 +200,13 @@ TEST_F(Store, ReadsBackWhatWasWritten) {
   EXPECT_EQ(read(path_, "/energy/damping_loss"), all.damping_loss);
   EXPECT_EQ(read(path_, "/energy/sliding_work"), all.sliding_work);
   EXPECT_EQ(read(path_, "/energy/load_work"), all.load_work);
-  EXPECT_EQ(read(path_, "/resonator/frequency"), h.resonator_frequency);
-  EXPECT_EQ(read(path_, "/slider/frequency"), h.slider_frequency);
+  EXPECT_EQ(read(path_, "/resonator/frequency"), h.resonator.frequency);
+  EXPECT_EQ(read(path_, "/resonator/shape"), h.resonator.shape);
+  EXPECT_EQ(read(path_, "/slider/mean_square"), h.slider.mean_square);
+  EXPECT_EQ(read(path_, "/resonator/time"), all.time);
+  EXPECT_EQ(read(path_, "/slider_probes/velocity"), all.slider_probe_velocity);
+  EXPECT_EQ(read(path_, "/slider_probes/position"), h.slider_probe_position);
+  EXPECT_EQ(read(path_, "/slider/frequency"), h.slider.frequency);
   EXPECT_EQ(read(path_, "/probes/position"), h.probe_position);
   EXPECT_EQ(read(path_, "/surface/resonator/height"), h.resonator_height);
   EXPECT_EQ(read(path_, "/surface/slider/height"), h.slider_height);
