@@ -7,8 +7,8 @@
 #include <cstdio>
 
 #include "host/commands/commands.hpp"
-#include "host/commands/interrupt.hpp"
 #include "host/format.hpp"
+#include "host/interruption.hpp"
 #include "host/output_file.hpp"
 #include "host/plan/schemes.hpp"
 #include "host/run/run.hpp"
@@ -74,7 +74,6 @@ int run_command(const CommonOptions& common, std::filesystem::path output) {
 
   RunOptions options;
   options.output = output;
-  options.interrupted = &catch_interrupts();
   const bool terminal = isatty(STDERR_FILENO) != 0;
   if (terminal && !common.quiet) options.progress = show;
 
@@ -92,7 +91,7 @@ int run_command(const CommonOptions& common, std::filesystem::path output) {
         stderr,
         "ra2d: interrupted at t = {:g} s: the results so far are in {}, marked as cut short\n",
         report.time, output.string());
-    return interrupted;
+    return interrupted + interruption();
   }
   return done;
 }

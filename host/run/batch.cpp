@@ -10,6 +10,7 @@
 #include <cstring>
 
 #include "host/errors.hpp"
+#include "host/interruption.hpp"
 #include "host/plan/schemes.hpp"
 #include "host/run/flight_tables.hpp"
 #include "host/run/gauss.hpp"
@@ -396,6 +397,8 @@ SceneTables Batch::Impl::fill_tables(const Model& model, const Layout& l) {
   t.total_steps = model.steps;
   t.steps_per_sample = model.steps_per_sample;
   t.samples = model.samples;
+  if constexpr (Kokkos::SpaceAccessibility<Space, Kokkos::HostSpace>::accessible)
+    t.interrupted = interruption_flag();
 
   const bool adaptive = is_adaptive(scene);
   const SchemeTable* scheme = adaptive ? nullptr : &scheme_table(scene.scheme);
@@ -698,10 +701,7 @@ Batch::Batch(const std::vector<Model>& models, const std::vector<ModalStart>& st
   for (const Model& model : models) {
     const int modes = static_cast<int>(model.resonator.modes.size() + model.slider.modes.size());
     if (modes > capacity)
-      throw RequestError(
-          fmt::format("{} modes in both bodies together, at the most {} can be marched: lower "
-                      "max_frequency or modes",
-                      modes, capacity));
+      throw std::logic_error(fmt::format("{} modes: a model has {} at the most", modes, capacity));
     packs = std::max(packs, std::max(1, (modes + width - 1) / width));
     series.push_back(choose_series(model));
   }

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-#include <atomic>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -23,8 +22,7 @@ struct Progress {
 
 struct RunOptions {
   std::filesystem::path output;
-  std::function<void(const Progress&)> progress;   // called a few times a second
-  const std::atomic<bool>* interrupted = nullptr;  // ends the run at the next launch
+  std::function<void(const Progress&)> progress;  // called a few times a second
 };
 
 enum class Ending { complete, interrupted, failed };
@@ -46,8 +44,8 @@ struct RunReport {
   double wall_seconds = 0;
 };
 
-/// Runs a scene to its end, an interrupt or a failure, and writes the result file in every case
-/// (marked when it was cut short). Throws RequestError, also for a step beyond the limits of
+/// Runs a scene to its end, an interrupt (host/interruption.hpp) or a failure, and writes the result
+/// file in every case (marked when it was cut short). Throws RequestError, also for a step beyond the limits of
 /// stability that the scene does not force, and FileError.
 RunReport run(const Scene& scene, const RunOptions& options);
 

@@ -253,6 +253,23 @@ TEST(Peers, GoWithTheProgramThatIsKilled) {
   EXPECT_TRUE(fs::is_empty(temporary.path()));
 }
 
+TEST(Peers, EndWithAllThatTheyStartedWhenTheProgramIsInterrupted) {
+  const Folder folder, temporary;
+  const fs::path peer =
+      silent_peer(folder, "sleep 1000 &\necho $! > " + (folder.path() / "helper").string() + "\n");
+  // the chart of a scene of one shock comes to its peers soon; nothing is left in a temporary folder
+  Child child(folder.path(),
+              {"env", "TMPDIR=" + temporary.path().string(), program(), "chart", "accuracy",
+               scene_file("peaks"), "--set", "scene.start=0.10485", "--set", "scene.duration=5e-4",
+               "--set", "scene.spacing=1e-4", "--budget", "100", "--no-plot", "--peers", peer});
+  const std::string own = await(folder.path() / "peer"), helper = await(folder.path() / "helper");
+  child.send(SIGTERM);
+  EXPECT_EQ(child.wait(), 128 + SIGTERM) << child.err();
+  await_end(own);
+  await_end(helper);
+  EXPECT_TRUE(fs::is_empty(temporary.path()));
+}
+
 TEST(Peers, NeedNoTemporaryFolder) {
   const Folder folder;
   const std::string before = fs::temp_directory_path();
