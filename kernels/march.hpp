@@ -300,15 +300,16 @@ class Marcher {
     }
     const double energy = 0.5 * lanes_.sum(part);
     const auto paid = [](double work) { return work > 0.0 ? work : 0.0; };
-    const double limit =
-        energy_factor * (s_.energy_start + paid(lanes_.sum(load_work)) +
-                         paid(s_.force_work + s_.force_part) + t_.advance * s_.gross_climb);
+    const double put_in = paid(lanes_.sum(load_work)) + paid(s_.force_work + s_.force_part);
     if (lanes_.leader()) {
+      // what a load gives on the way down it takes back at the top: it went through all the same
+      if (put_in > s_.most_paid) s_.most_paid = put_in;
       s_.energy = energy;
-      s_.energy_limit = limit;
+      s_.energy_limit =
+          energy_factor * (s_.energy_start + s_.most_paid + t_.advance * s_.gross_climb);
       if (!(energy <= 1e300))
         s_.status = Status::not_finite;
-      else if (energy > limit && energy > t_.least_energy)
+      else if (energy > s_.energy_limit && energy > t_.least_energy)
         s_.status = Status::unstable;
     }
     lanes_.sync();

@@ -44,12 +44,13 @@ struct OpenShock {
   double peak;               // N
   double impulse;            // N steps
   double moment;             // N steps chi, sum of f_n x_n/chi
+  double place;              // chi, of its first node when it began
 };
 
 /// A shock that has ended.
 struct ShockRow {
   std::int64_t serial, start, last;
-  double peak, impulse, moment;
+  double peak, impulse, moment, place;
 };
 
 /// Columns of a sample behind its modal displacements and velocities.
@@ -82,6 +83,7 @@ struct SceneState {
 
   // energy at t = 0, and what the watch over it found
   double energy_start = 0;  // J, kinetic + elastic + contact
+  double most_paid = 0;     // J, the most that loads and moving forces had put in at any look
   double energy = 0;        // J, kinetic + elastic at the last look, or when it stopped
   double energy_limit = 0;  // J, what it was not allowed to pass
 

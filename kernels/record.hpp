@@ -22,8 +22,8 @@ KOKKOS_INLINE_FUNCTION bool is_interrupted(const SceneTables& t) {
 }
 
 KOKKOS_INLINE_FUNCTION void hand_out(SceneState& s, const OpenShock& shock) {
-  s.shock_rows[s.shock_count++] = {shock.serial, shock.start,   shock.last,
-                                   shock.peak,   shock.impulse, shock.moment};
+  s.shock_rows[s.shock_count++] = {shock.serial,  shock.start,  shock.last, shock.peak,
+                                   shock.impulse, shock.moment, shock.place};
 }
 
 /// Hands out the open shocks that had no contact at `step`; every other one keeps its place in the
@@ -93,7 +93,7 @@ KOKKOS_INLINE_FUNCTION void join_shocks(SceneState& s, std::int64_t first, std::
       shock = shock < 0 ? s.runs[b].shock : merge_shocks(s, shock, s.runs[b].shock, r);
     if (shock < 0) {
       shock = s.open_count++;
-      s.open[shock] = {s.shocks_begun++, first, last, 0.0, 0.0, 0.0, 0.0};
+      s.open[shock] = {s.shocks_begun++, first, last, 0.0, 0.0, 0.0, 0.0, run.first + position};
     }
     run.shock = shock;
     OpenShock& open = s.open[shock];

@@ -93,17 +93,17 @@ bool has_seeds(const Scene& scene) {
          scene.slider.surface.kind == SurfaceKind::gaussian;
 }
 
-Answer answer_of(const std::vector<double>& mean_squares, const TimedRun& run) {
+Answer answer_of(const std::vector<double>& mean_squares, const TimedRun& run, double from) {
   Answer a;
   if (run.status != Status::running) a.failure = status_text(run.status);
-  a.v_rms = v_rms(mean_squares, run.end);
-  a.shock_rate = run.time > 0 ? static_cast<double>(run.shocks.size()) / run.time : 0.0;
+  a.v_rms = v_rms(mean_squares, run.end, run.begin);
   a.first_duration = no_number;
   std::vector<double> durations;
   for (const Shock& shock : run.shocks) {
-    durations.push_back(shock.duration);
+    if (shock.start >= from) durations.push_back(shock.duration);
     if (shock.start > 0 && std::isnan(a.first_duration)) a.first_duration = shock.duration;
   }
+  a.shock_rate = run.time > from ? static_cast<double>(durations.size()) / (run.time - from) : 0.0;
   a.shock_duration = median(durations);
   a.closure = std::abs(run.energy.relative());
   return a;
@@ -166,7 +166,7 @@ void Ensemble::run(int first, int count) {
     const std::vector<TimedRun> runs = timed_runs(models, starts);
     march_seconds_ += runs.front().processor;
     for (std::size_t i = 0; i < runs.size(); ++i) {
-      answers[who[i]] = answer_of(mean_squares_, runs[i]);
+      answers[who[i]] = answer_of(mean_squares_, runs[i], scene_.from);
       time_ += runs[i].time;
     }
   }

@@ -65,8 +65,8 @@ std::string varied(const Scene& scene);
 /// Whether a surface of the scene has a seed.
 bool has_seeds(const Scene& scene);
 
-/// What a run answers. `mean_squares`: those of its model's modes.
-Answer answer_of(const std::vector<double>& mean_squares, const TimedRun& run);
+/// What a run answers from a time [s] on. `mean_squares`: those of its model's modes.
+Answer answer_of(const std::vector<double>& mean_squares, const TimedRun& run, double from = 0);
 
 /// The variants of one scene, run in memory as they are asked for, side by side.
 class Ensemble {

@@ -416,14 +416,6 @@ void Search::find_modes(const char* key, BodySpec Scene::*body, const Beam& beam
   if (best) out_.trials[*best].taken = true;
 }
 
-/// The scene at another spacing, its surfaces the same.
-void set_spacing(Scene& scene, double spacing) {
-  for (BodySpec* body : {&scene.resonator, &scene.slider})
-    if (body->surface.kind == SurfaceKind::gaussian && !body->surface.seed_spacing)
-      body->surface.seed_spacing = scene.spacing;
-  scene.spacing = spacing;
-}
-
 std::string spacing_text(double spacing) { return fmt::format("{:g} um", spacing * 1e6); }
 
 void Search::find_spacing() {
@@ -432,7 +424,7 @@ void Search::find_spacing() {
   double wide = 1, too_wide = std::numeric_limits<double>::infinity();
   for (double factor = 2; factor < too_wide && factor < 1000;) {
     const double spacing = chi * factor;
-    const auto change = [spacing](Scene& s) { set_spacing(s, spacing); };
+    const auto change = [spacing](Scene& s) { s.spacing = spacing; };
     const double until = spent() + std::max(0.0, spacing_end - spent()) / 3;
     Trial trial = try_out(changed("scene.spacing", spacing_text(spacing), change, base_->scene()),
                           base_, until);
@@ -526,8 +518,7 @@ void Search::look_beyond() {
     more("slider.modes", &Scene::slider, elastic_modes(model.slider) + 2);
   const double spacing = written_.spacing / 2;
   list.push_back(changed(
-      "scene.spacing", spacing_text(spacing), [spacing](Scene& s) { set_spacing(s, spacing); },
-      from));
+      "scene.spacing", spacing_text(spacing), [spacing](Scene& s) { s.spacing = spacing; }, from));
   for (std::size_t i = 0; i < list.size(); ++i) {
     const double end = spent() + std::max(0.0, 1 - spent()) / static_cast<double>(list.size() - i);
     const bool own = list[i].key == "as written";

@@ -81,7 +81,7 @@ Statistic statistic(const std::vector<double>& values, const std::vector<double>
 }
 
 std::array<double, quantities> quantities_of(const Model& model, const TimedRun& run) {
-  const Answer answer = answer_of(mean_squares(model), run);
+  const Answer answer = answer_of(mean_squares(model), run, model.scene.from);
   return {level(answer.v_rms), answer.shock_rate, answer.shock_duration};
 }
 
@@ -93,6 +93,7 @@ class Survey {
         budget_{options.budget * (options.peers.empty() ? 1.0 : 1.0 - peer_share)} {
     scene_.nodes = Nodes::candidates;
     scene_.force = false;
+    scene_.from = 0;  // the stretches are short: all of them counts
     if (!(scene_.step > 0)) scene_.step = 1e-8;  // of a scene that leaves it to its scheme
   }
 

@@ -11,8 +11,9 @@ int plan_command(const CommonOptions& common) {
   const Scene scene = read_scene(common.scene, common.overrides);
   const Backend backend(common.threads);
   const Model model = make_model(scene);
-  const Batch batch({model}, {make_start(model)});
-  const Plan plan = make_plan(model, batch.bytes());
+  const ModalStart start = make_start(model);
+  const Batch batch({model}, {start});
+  const Plan plan = make_plan(model, batch.bytes(), static_cast<int>(start.loaded_nodes.size()));
   if (!common.quiet) fmt::print("# {}, complete:\n{}\n", common.scene.string(), echo(scene));
   fmt::print("{}", describe(model, plan));
   return done;

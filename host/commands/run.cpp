@@ -34,16 +34,34 @@ void print_line(const char* what, const std::string& value) {
   fmt::print("  {:<17}{}\n", what, value);
 }
 
+constexpr double much_energy = 0.05;  // of what went through
+
+/// Why a balance is as far off as it is.
+std::string energy_text(const Scene& scene, const EnergyBalance& energy) {
+  const std::string far =
+      fmt::format("{:.0f} % of the energy is unaccounted for: ", 100 * std::abs(energy.relative()));
+  if (scene.law == ContactLaw::multiplier && energy.residual < 0)
+    return far + "under multipliers each impact takes some, and is meant to";
+  if (is_adaptive(scene)) return far + "a smaller time.tolerance is needed";
+  return far + fmt::format("steps of {:g} s are too long here; try a tenth, or another time.scheme",
+                           scene.step);
+}
+
 void print_report(const Scene& scene, const RunReport& r, const std::filesystem::path& output) {
   fmt::print("{}: {:g} s of sliding at {:g} m/s, {} steps {}\n", title(scene), r.time, scene.speed,
              r.steps,
              is_adaptive(scene)
                  ? fmt::format("to a tolerance of {:g}", scene.tolerance.value_or(usual_tolerance))
                  : fmt::format("of {:g} s", scene.step));
-  print_line("level Lv", std::isnan(r.lv) ? std::string("none: the resonator did not move")
-                                          : fmt::format("{:.2f} dB re 1 nm/s (v_rms {:.3e} m/s)",
-                                                        r.lv, r.v_rms));
-  print_line("shocks", fmt::format("{:.0f} a second", r.shocks));
+  if (!(r.counted > 0))
+    print_line("level Lv", "none: the run ended before it was to be counted (output.from)");
+  else if (r.v_rms > 0)
+    print_line("level Lv",
+               fmt::format("{:.2f} dB re 1 nm/s (v_rms {:.3e} m/s){}", r.lv, r.v_rms,
+                           scene.from > 0 ? fmt::format(", from {:g} s on", scene.from) : ""));
+  else
+    print_line("level Lv", "-inf dB: the resonator did not vibrate");
+  if (r.counted > 0) print_line("shocks", fmt::format("{:.0f} a second", r.shocks));
   if (r.shocks > 0) {
     print_line("  duration", fmt::format("median {:.3g} us, 90 % up to {:.3g} us",
                                          r.duration_median * 1e6, r.duration_90 * 1e6));
@@ -51,13 +69,16 @@ void print_report(const Scene& scene, const RunReport& r, const std::filesystem:
                fmt::format("median {:.3g} N, 90 % up to {:.3g} N", r.force_median, r.force_90));
   }
   if (!r.beyond_limit.empty()) print_line("beyond limit", r.beyond_limit);
-  print_line("in contact", fmt::format("{:.2f} % of the time", 100 * r.contact_share));
+  if (r.counted > 0)
+    print_line("in contact", fmt::format("{:.2f} % of the time", 100 * r.contact_share));
   print_line("nodes evaluated", fmt::format("{:.2f} a step, on average", r.evaluated));
   print_line("energy",
              r.energy.turnover > 0
                  ? fmt::format("closes to {:.1e} of what went through ({:.2e} of {:.2e} J)",
                                std::abs(r.energy.relative()), r.energy.residual, r.energy.turnover)
                  : std::string("none went through"));
+  if (std::abs(r.energy.relative()) > much_energy)
+    print_line("warning", energy_text(scene, r.energy));
   print_line("cost", fmt::format("{:.1f} ns a step; {:.2f} s in all",
                                  r.march_seconds * 1e9 /
                                      static_cast<double>(std::max<std::int64_t>(1, r.steps)),
@@ -74,6 +95,9 @@ int run_command(const CommonOptions& common, std::filesystem::path output) {
 
   RunOptions options;
   options.output = output;
+  if (!common.quiet)
+    for (const std::string& warning : warnings(scene))
+      fmt::print(stderr, "ra2d: note: {}\n", warning);
   const bool terminal = isatty(STDERR_FILENO) != 0;
   if (terminal && !common.quiet) options.progress = show;
 

@@ -34,14 +34,18 @@ struct Plan {
   // of fixed steps; an adaptive scheme finds its own
   double steps_per_node = 0;  // steps while the slider moves on by one node
   std::int64_t steps = 0;
-  double seconds_low = 0, seconds_high = 0;  // of wall time, an estimate: see plan.cpp
-  std::size_t memory = 0;                    // bytes on the device, for tables and buffers
-  std::size_t file = 0;                      // bytes, without the shocks
-  std::vector<std::string> notes;            // what a user may not expect
+  // of wall time, estimates (see plan.cpp): without contact, with a node in contact all the time, with
+  // `many_nodes` of them; and how many touch at the start
+  double seconds_free = 0, seconds_one = 0, seconds_many = 0;
+  int many_nodes = 0, touching = 0;
+  std::size_t memory = 0;          // bytes on the device, for tables and buffers
+  std::size_t file = 0;            // bytes, without the shocks
+  std::vector<std::string> notes;  // what a user may not expect
 };
 
-/// Runs nothing; `memory` is what the march would take (Batch::bytes).
-Plan make_plan(const Model& model, std::size_t memory);
+/// Runs nothing; `memory` is what the march would take (Batch::bytes), `touching` the number of nodes
+/// in contact at the start.
+Plan make_plan(const Model& model, std::size_t memory, int touching = 0);
 
 /// The plan as text, a line a fact.
 std::string describe(const Model& model, const Plan& plan);

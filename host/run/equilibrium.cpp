@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "host/errors.hpp"
+#include "host/run/contact_program.hpp"
 #include "host/run/model.hpp"
 
 /// Static equilibrium under load and contact: the minimum of the convex potential
@@ -15,10 +16,8 @@
 /// to the asked value, each stage starting from the one before: a slider first settles as a whole,
 /// then onto its two or three highest asperities.
 ///
-/// Under multipliers the springs serve the search alone. Each is given the force f_n that it carried
-/// as a preload, so that it carries it with less overlap in the next round (the augmented Lagrangian
-/// method): what is left of the overlap falls by the ratio of the bodies' stiffness to the spring's
-/// each time, until it is lost in roundings.
+/// Springs that are too stiff for that (the roundings of an overlap are forces then), and multipliers,
+/// whose springs do not yield at all, are solved as the quadratic programme that the minimum is.
 namespace ra2d {
 namespace {
 
@@ -46,26 +45,15 @@ class Potential {
     }
     const std::vector<double> faces = overlaps(model, {}, {});
     faces_ = Eigen::Map<const Eigen::VectorXd>(faces.data(), model.nodes());
-    preload_ = Eigen::VectorXd::Zero(model.nodes());
   }
 
-  /// Stiffness of a spring that the modes yield to by far more than it gives [N/m].
-  double stiff() const {
-    Eigen::VectorXd yielding = Eigen::VectorXd::Zero(faces_.size());
-    for (int k = 0; k < modes(); ++k)
-      if (stiffness_[k] > 0) yielding += shapes_.col(k).cwiseAbs2() / stiffness_[k];
-    const double most = yielding.maxCoeff();
-    return most > 0 ? 100 / most : 1e6;  // on rigid modes alone every spring settles at once
-  }
-  /// Contact forces of springs at a state [N].
-  Eigen::VectorXd forces(const Eigen::VectorXd& u, double spring) const {
-    return (spring * overlap(u) + preload_).cwiseMax(0.0);
-  }
-  void preload(const Eigen::VectorXd& forces) { preload_ = forces; }
-  /// Overlap that roundings alone may leave [m].
-  double roundings(const Eigen::VectorXd& u) const {
-    return 16 * std::numeric_limits<double>::epsilon() *
-           (faces_.cwiseAbs().maxCoeff() + (shapes_.cwiseAbs() * u.cwiseAbs()).maxCoeff());
+  /// The same minimum as a programme, the springs' compliance in m/N.
+  ContactProgram program(double compliance) const {
+    return {.stiffness = Eigen::Map<const Eigen::VectorXd>(stiffness_.data(), modes()),
+            .load = Eigen::Map<const Eigen::VectorXd>(load_.data(), modes()),
+            .shapes = shapes_,
+            .faces = faces_,
+            .compliance = compliance};
   }
 
   int modes() const { return static_cast<int>(stiffness_.size()); }
@@ -82,7 +70,7 @@ class Potential {
       hessian(k, k) = stiffness_[k];
       scale += std::abs(load_[k]) + std::abs(stiffness_[k] * u[k]);
     }
-    const Eigen::VectorXd over = overlap(u) + preload_ / spring;
+    const Eigen::VectorXd over = overlap(u);
     for (int n = 0; n < over.size(); ++n) {
       if (over[n] <= 0) continue;
       force.noalias() -= spring * over[n] * shapes_.row(n).transpose();
@@ -95,7 +83,7 @@ class Potential {
   /// unlike its value, is known to the last digits. The slope never falls, since the potential is
   /// convex.
   double best_length(const Eigen::VectorXd& u, const Eigen::VectorXd& step, double spring) const {
-    const Eigen::VectorXd over = overlap(u) + preload_ / spring, change = shapes_ * step;
+    const Eigen::VectorXd over = overlap(u), change = shapes_ * step;
     const auto slope = [&](double length) {
       double sum = 0;
       for (int k = 0; k < modes(); ++k)
@@ -145,9 +133,8 @@ class Potential {
 
  private:
   std::vector<double> stiffness_, load_;
-  Eigen::MatrixXd shapes_;   // (node, mode)
-  Eigen::VectorXd faces_;    // overlap of the faces alone
-  Eigen::VectorXd preload_;  // N, of the springs
+  Eigen::MatrixXd shapes_;  // (node, mode)
+  Eigen::VectorXd faces_;   // overlap of the faces alone
 };
 
 /// Settles from `u` on springs that are stiffened to `spring`.
@@ -155,25 +142,6 @@ bool settle(const Potential& potential, double spring, Eigen::VectorXd& u) {
   for (double soft = 1e-10; soft < 0.5; soft *= 10)
     if (!potential.minimise(u, soft * spring)) return false;
   return potential.minimise(u, spring);
-}
-
-/// ... and on until no face overlaps; `forces` are those of the contact.
-bool settle_without_overlap(Potential& potential, Eigen::VectorXd& u, Eigen::VectorXd& forces) {
-  const double spring = potential.stiff();
-  if (!settle(potential, spring, u)) return false;
-  double first = 0, before = std::numeric_limits<double>::infinity();
-  for (int round = 0; round < 100; ++round) {
-    forces = potential.forces(u, spring);
-    const double over = potential.overlap(u).maxCoeff();
-    if (round == 0) first = over;
-    if (over <= potential.roundings(u)) return true;
-    // of many nodes that all but depend on one another the roundings are larger
-    if (over < 1e-9 * first && over > 0.5 * before) return true;
-    before = over;
-    potential.preload(forces);
-    if (!potential.minimise(u, spring)) return false;
-  }
-  return false;
 }
 
 }  // namespace
@@ -184,16 +152,22 @@ ModalStart make_start(const Model& model) {
   const bool multipliers = model.scene.law == ContactLaw::multiplier;
   Eigen::VectorXd u = Eigen::VectorXd::Zero(modes2 + modes1), forces;
   if (model.scene.initial == Initial::statics && u.size() > 0) {
-    Potential potential(model);
-    const bool settled = multipliers ? settle_without_overlap(potential, u, forces)
-                                     : settle(potential, model.node_stiffness, u);
-    if (!settled)
-      throw RequestError(
-          fmt::format("{}: scene.initial = \"static\": no static equilibrium was found under this "
-                      "load and contact. Start "
-                      "from \"rest\"{}",
-                      model.scene.file.string(),
-                      multipliers ? ", or widen scene.gap" : ", or lower contact.stiffness"));
+    const Potential potential(model);
+    if (multipliers || !settle(potential, model.node_stiffness, u)) {
+      const auto rest = solve(potential.program(multipliers ? 0.0 : 1 / model.node_stiffness));
+      if (!rest || !rest->feasible)
+        throw RequestError(
+            fmt::format("{}: scene.initial = \"static\": {} under this load and contact. {}",
+                        model.scene.file.string(),
+                        rest ? "there is no static equilibrium, no displacement of the kept modes "
+                               "keeps the faces "
+                               "apart,"
+                             : "no static equilibrium was found",
+                        multipliers ? "Widen scene.gap, or keep more modes (max_frequency)"
+                                    : "Start from \"rest\", or lower contact.stiffness"));
+      u = rest->u;
+      forces = rest->forces;
+    }
   }
   ModalStart start;
   start.resonator_u.assign(u.data(), u.data() + modes2);

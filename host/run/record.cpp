@@ -50,8 +50,7 @@ std::vector<Shock> convert_shocks(const Model& model, const std::vector<Row>& ro
     shock.peak_force = row.peak;
     shock.impulse = row.impulse * tick;
     // a contact that only touched has no force to weight with
-    shock.position =
-        row.impulse > 0 ? row.moment / row.impulse * chi : std::numeric_limits<double>::quiet_NaN();
+    shock.position = (row.impulse > 0 ? row.moment / row.impulse : row.place) * chi;
     shocks.push_back(shock);
   }
   return shocks;
@@ -113,7 +112,7 @@ std::vector<double> mean_squares(const Model& model) {
   std::vector<double> means;
   for (const ModeShape& mode : model.resonator.modes) {
     double square = 0;
-    for (int n = 0; n < nodes; ++n) {
+    for (int n = 0; mode.omega > 0 && n < nodes; ++n) {
       double psi = 0;
       evaluate(mode, model.resonator.length, n * model.scene.spacing, 1, &psi);
       square += psi * psi;
@@ -123,30 +122,43 @@ std::vector<double> mean_squares(const Model& model) {
   return means;
 }
 
-double v_rms(const std::vector<double>& mean_squares, const Snapshot& snapshot) {
-  if (snapshot.step == 0) return 0.0;
+std::int64_t first_counted(const Model& model) {
+  const double ticks = model.scene.from / model.tick;
+  return static_cast<std::int64_t>(std::ceil(ticks * (1 - 1e-15)));  // 0.3/1e-8 is a whole number
+}
+
+double v_rms(const std::vector<double>& mean_squares, const Snapshot& end, const Snapshot& begin) {
+  if (!(end.step > begin.step)) return std::numeric_limits<double>::quiet_NaN();
   double sum = 0;
-  for (std::size_t k = 0; k < mean_squares.size(); ++k)
-    sum += mean_squares[k] * snapshot.resonator_square[k];
-  return std::sqrt(sum / static_cast<double>(snapshot.step));
+  for (std::size_t k = 0; k < mean_squares.size(); ++k) {
+    const double before = begin.resonator_square.empty() ? 0.0 : begin.resonator_square[k];
+    sum += mean_squares[k] * (end.resonator_square[k] - before);
+  }
+  return std::sqrt(sum / static_cast<double>(end.step - begin.step));
 }
 
-double v_rms(const Model& model, const Snapshot& snapshot) {
-  return v_rms(mean_squares(model), snapshot);
+double v_rms(const Model& model, const Snapshot& end, const Snapshot& begin) {
+  return v_rms(mean_squares(model), end, begin);
 }
 
-double level(double v_rms) {
-  return v_rms > 0 ? 20.0 * std::log10(v_rms / 1e-9) : std::numeric_limits<double>::quiet_NaN();
-}
+double level(double v_rms) { return 20.0 * std::log10(v_rms / 1e-9); }
 
 void EnergyAccount::add(const SampleBlock& b) {
   for (std::size_t i = 0; i < b.time.size(); ++i) {
+    if (b.time[i] < from_) continue;
     const double stored = b.kinetic[i] + b.elastic[i] + b.contact[i];
-    if (!begun_) start_ = stored;
+    if (!begun_) {
+      start_ = stored;
+      damping_loss_ = b.damping_loss[i];
+      sliding_work_ = b.sliding_work[i];
+      load_work_ = b.load_work[i];
+    }
     begun_ = true;
-    balance_.residual = stored + b.damping_loss[i] - b.sliding_work[i] - b.load_work[i] - start_;
-    balance_.turnover = std::max({balance_.turnover, stored, b.damping_loss[i],
-                                  std::abs(b.sliding_work[i]), std::abs(b.load_work[i])});
+    const double lost = b.damping_loss[i] - damping_loss_;
+    const double slid = b.sliding_work[i] - sliding_work_, loaded = b.load_work[i] - load_work_;
+    balance_.residual = stored + lost - slid - loaded - start_;
+    balance_.turnover =
+        std::max({balance_.turnover, stored, lost, std::abs(slid), std::abs(loaded)});
   }
 }
 

@@ -20,17 +20,22 @@ std::vector<Shock> make_shocks(const Model& model, const std::vector<ShockRow>& 
 /// The shocks that are still going on: as long as they have lasted.
 std::vector<Shock> make_shocks(const Model& model, const std::vector<OpenShock>& open);
 
-/// Root mean square velocity of the resonator [m/s]: over its nodes, and over all the steps made.
+/// The step at which level and shock statistics begin: the first at or after `output.from`.
+std::int64_t first_counted(const Model& model);
+
+/// Root mean square velocity of the resonator's elastic motion [m/s]: over its nodes, and over the
+/// steps from `begin` (none: t = 0) to `end`; NaN where there is none. What a free body does as a whole is no noise.
 /// The mean over nodes is taken mode by mode; cross terms between modes vanish for pinned modes on
 /// a whole number of spacings, and are of the order of spacing/length otherwise.
-double v_rms(const Model& model, const Snapshot& snapshot);
+double v_rms(const Model& model, const Snapshot& end, const Snapshot& begin = {});
 
-/// Mean of psi_k^2 over the resonator's nodes, of each mode [1/m]. ...
+/// Mean of psi_k^2 over the resonator's nodes, of each elastic mode [1/m], 0 of a rigid one. ...
 std::vector<double> mean_squares(const Model& model);
 /// ... and v_rms with them at hand, for many runs of bodies that are alike.
-double v_rms(const std::vector<double>& mean_squares, const Snapshot& snapshot);
+double v_rms(const std::vector<double>& mean_squares, const Snapshot& end,
+             const Snapshot& begin = {});
 
-/// 20 log10(v_rms / 1e-9 m/s), NaN for v_rms = 0 (paper, equation 12).
+/// 20 log10(v_rms / 1e-9 m/s) (paper, equation 12); -inf at rest.
 double level(double v_rms);
 
 /// How well the energy closes between the first sample of a run and one of its samples.
@@ -41,15 +46,17 @@ struct EnergyBalance {
   double relative() const { return turnover > 0 ? residual / turnover : 0.0; }
 };
 
-/// Follows the energy through a run, block after block.
+/// Follows the energy through a run from a time [s] on, block after block.
 class EnergyAccount {
  public:
+  explicit EnergyAccount(double from = 0) : from_{from} {}
   void add(const SampleBlock& block);
   EnergyBalance balance() const { return balance_; }
 
  private:
+  double from_;
   bool begun_ = false;
-  double start_ = 0;
+  double start_ = 0, damping_loss_ = 0, sliding_work_ = 0, load_work_ = 0;  // at the first sample
   EnergyBalance balance_;
 };
 

@@ -117,6 +117,25 @@ std::string describe_failure(const Model& model, const Snapshot& end) {
          describe_limit(model, nodes);
 }
 
+/// Whether all that a file is given are numbers.
+bool is_finite(const SampleBlock& block) {
+  for (const auto column :
+       {&SampleBlock::resonator_displacement, &SampleBlock::resonator_velocity,
+        &SampleBlock::slider_displacement, &SampleBlock::slider_velocity, &SampleBlock::force,
+        &SampleBlock::probe_displacement, &SampleBlock::probe_velocity, &SampleBlock::kinetic,
+        &SampleBlock::elastic, &SampleBlock::contact, &SampleBlock::damping_loss,
+        &SampleBlock::sliding_work, &SampleBlock::load_work})
+    for (const double value : block.*column)
+      if (!std::isfinite(value)) return false;
+  return true;
+}
+bool is_finite(const std::vector<Shock>& shocks) {
+  return std::all_of(shocks.begin(), shocks.end(), [](const Shock& shock) {
+    return std::isfinite(shock.peak_force) && std::isfinite(shock.impulse) &&
+           std::isfinite(shock.position);
+  });
+}
+
 /// What the step goes beyond, where the scene forces it; else the request is refused. Empty when it
 /// holds.
 std::string checked_limit(const Model& model) {
@@ -152,13 +171,15 @@ RunReport run(const Scene& scene, const RunOptions& options) {
   ResultFile file(options.output, header);
   const OrderlyEnd orderly;  // before, there is nothing to keep
 
-  EnergyAccount energy;
+  EnergyAccount energy(scene.from);
   LogHistogram durations, forces;
+  const std::int64_t first = first_counted(model);
   std::int64_t samples = 0;
   LaunchLength launch(model);
-  Snapshot now = batch.snapshot(0);
+  Snapshot now = batch.snapshot(0), begin = now;  // `begin`: where statistics do
   const auto keep = [&](const std::vector<Shock>& shocks) {
     for (const Shock& shock : shocks) {
+      if (shock.start < scene.from) continue;
       durations.add(shock.duration);
       forces.add(shock.peak_force);
     }
@@ -172,19 +193,26 @@ RunReport run(const Scene& scene, const RunOptions& options) {
       break;
     }
     const Clock::time_point launched = Clock::now();
-    batch.march(now.step + launch.steps());
+    const std::int64_t target = now.step + launch.steps();
+    batch.march(now.step < first ? std::min(target, first) : target);
     const double took = seconds_since(launched);
     report.march_seconds += took;
     const Drained drained = batch.drain(0);
     const std::int64_t before = now.step;
     now = batch.snapshot(0);
+    if (before < first) begin = now;
     launch.took(now.step - before, took);
 
     const SampleBlock block = make_samples(model, start, drained, samples);
+    const std::vector<Shock> shocks = make_shocks(model, drained.shocks);
     samples += drained.samples;
     energy.add(block);
     file.append(block);
-    keep(make_shocks(model, drained.shocks));
+    keep(shocks);
+    if (!is_finite(block) || !is_finite(shocks)) {
+      now.status = Status::not_finite;
+      break;
+    }
 
     if (options.progress && seconds_since(shown) > 0.2) {
       shown = Clock::now();
@@ -204,17 +232,19 @@ RunReport run(const Scene& scene, const RunOptions& options) {
     report.failure = describe_failure(model, now);
   }
 
-  const double ticks = static_cast<double>(std::max<std::int64_t>(1, now.step));
+  const double counted = static_cast<double>(now.step - begin.step) * model.tick;  // s
   report.steps = steps_made(model, now);
   report.time = time_of(model, now);
-  report.v_rms = v_rms(model, now);
+  report.counted = counted;
+  report.v_rms = v_rms(model, now, begin);
   report.lv = level(report.v_rms);
-  report.shocks = now.step > 0 ? static_cast<double>(durations.total()) / report.time : 0.0;
+  report.shocks = static_cast<double>(durations.total()) / counted;
   report.duration_median = durations.quantile(0.5);
   report.duration_90 = durations.quantile(0.9);
   report.force_median = forces.quantile(0.5);
   report.force_90 = forces.quantile(0.9);
-  report.contact_share = static_cast<double>(now.contact_steps) / ticks;
+  report.contact_share = static_cast<double>(now.contact_steps - begin.contact_steps) /
+                         static_cast<double>(now.step - begin.step);
   report.evaluated = static_cast<double>(now.evaluated) /
                      static_cast<double>(std::max<std::int64_t>(1, report.steps));
   report.energy = energy.balance();

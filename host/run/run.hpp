@@ -32,13 +32,15 @@ struct RunReport {
   std::string failure;       // what, when, which limit, which cure; empty unless it failed
   std::string beyond_limit;  // what the step goes beyond (time.force); empty while it holds
   double time = 0;           // s simulated
+  double counted = 0;        // s of them after output.from
   std::int64_t steps = 0;    // made, of fixed or of adaptive length
-  double v_rms = 0, lv = 0;
+  // from output.from on; what there is none of is NaN
+  double v_rms = 0, lv = 0;                     // m/s, dB
   double shocks = 0;                            // per simulated second
   double duration_median = 0, duration_90 = 0;  // s
   double force_median = 0, force_90 = 0;        // N, of the peak force
   double contact_share = 0;                     // of the time
-  double evaluated = 0;                         // nodes a step
+  double evaluated = 0;                         // nodes a step, of the whole run
   EnergyBalance energy;
   double march_seconds = 0;  // in the kernels
   double wall_seconds = 0;

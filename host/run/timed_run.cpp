@@ -40,11 +40,16 @@ std::vector<double> minus(const std::vector<double>& a, const std::vector<double
 /// What one scene of a batch has handed out so far.
 class Follower {
  public:
-  Follower(const Model& model, const ModalStart& start) : model_{&model}, start_{&start} {}
+  Follower(const Model& model, const ModalStart& start)
+      : model_{&model}, start_{&start}, energy_{model.scene.from}, first_{first_counted(model)} {
+    counting_ = first_ == 0;
+  }
 
   void take(Batch& batch, int index) {
     const Drained drained = batch.drain(index);
     out_.end = batch.snapshot(index);
+    if (!counting_) out_.begin = out_.end;
+    counting_ = counting_ || out_.end.step >= first_ || out_.end.status != Status::running;
     const SampleBlock block = make_samples(*model_, *start_, drained, samples_);
     samples_ += drained.samples;
     energy_.add(block);
@@ -55,6 +60,10 @@ class Follower {
     keep(make_shocks(*model_, drained.shocks));
   }
   const Snapshot& end() const { return out_.end; }
+  /// The step to stop at, so that statistics can begin there.
+  std::int64_t stop() const {
+    return counting_ ? std::numeric_limits<std::int64_t>::max() : first_;
+  }
 
   TimedRun finish(double seconds, double processor) {
     keep(make_shocks(*model_, out_.end.open_shocks));
@@ -76,6 +85,8 @@ class Follower {
   const ModalStart* start_;
   std::int64_t samples_ = 0;
   EnergyAccount energy_;
+  std::int64_t first_;
+  bool counting_ = false;
   TimedRun out_;
 };
 
@@ -93,7 +104,8 @@ std::vector<TimedRun> timed_runs(const std::vector<Model>& models,
   double seconds = 0, processor = 0;
   for (std::int64_t now = 0;;) {
     if (interruption() != 0) throw Interrupted{};
-    const std::int64_t target = now + std::min(launch.steps(), last - now);
+    std::int64_t target = now + std::min(launch.steps(), last - now);
+    for (const Follower& scene : scenes) target = std::min(target, scene.stop());
     const auto begin = std::chrono::steady_clock::now();
     const std::clock_t clock = std::clock();
     batch.march(target);

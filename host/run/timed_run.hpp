@@ -28,9 +28,9 @@ struct TimedRun {
   double seconds = 0;               // in the march, of all scenes side by side
   double processor = 0;             // s, of all threads then: hardly depends on what else runs
   State state;                      // at the last sample, both at the same time
-  EnergyBalance energy;             // from the first sample to the last
+  EnergyBalance energy;             // from the first sample after output.from to the last
   std::vector<Shock> shocks;        // by start; those going on as long as they have lasted
-  Snapshot end;
+  Snapshot begin, end;              // where statistics begin (output.from), and where the run ended
 };
 
 /// Marches scenes of one tick side by side from t = 0. Throws Interrupted (host/interruption.hpp).

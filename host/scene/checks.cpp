@@ -133,28 +133,22 @@ void check_modes(const std::string& name, const BodySpec& body, Document& docume
 void check_surface(const Scene& s, const std::string& name, const BodySpec& body,
                    Document& document) {
   const SurfaceSpec& surface = body.surface;
-  const std::string drawn = fmt::format("{}.surface.seed_spacing", name);
   const auto resolved = [&](const char* key, const std::optional<double>& wave) {
-    for (const auto& [what, spacing] :
-         {std::pair{std::string("scene.spacing"), s.spacing},
-          std::pair{drawn, surface.seed_spacing.value_or(s.spacing)}}) {
-      if (!wave || *wave >= least_per_wave * spacing * (1 - rounding)) continue;
-      document.fault(
-          fmt::format("{}.surface.{}", name, key),
-          fmt::format("{} m is not resolved by the spacing, {} m: expected at least {} "
-                      "spacings ({} <= {} m, or a longer {})",
-                      *wave, spacing, least_per_wave, what, at_most(*wave / least_per_wave), key));
-      return;
-    }
+    if (!wave || *wave >= least_per_wave * s.spacing * (1 - rounding)) return;
+    document.fault(
+        fmt::format("{}.surface.{}", name, key),
+        fmt::format("{} m is not resolved by the spacing, {} m: expected at least {} "
+                    "spacings (scene.spacing <= {} m, or a longer {})",
+                    *wave, s.spacing, least_per_wave, at_most(*wave / least_per_wave), key));
   };
   if (surface.kind == SurfaceKind::gaussian) {
-    if (surface.seed_spacing && body.length / *surface.seed_spacing > most_nodes)
-      document.fault(drawn, fmt::format("{} m draws {:.3g} numbers: expected at most {:g} (a wider "
-                                        "one)",
-                                        *surface.seed_spacing, body.length / *surface.seed_spacing,
-                                        most_nodes));
     resolved("rsm", surface.rsm);
     resolved("correlation_length", surface.correlation_length);
+    if (surface.rq > body.length)
+      document.fault(fmt::format("{}.surface.rq", name),
+                     fmt::format("{} m is higher than the body is long, {} m: expected a roughness "
+                                 "(is it in another unit?)",
+                                 surface.rq, body.length));
   }
   if (surface.kind != SurfaceKind::peaks) return;
   for (std::size_t i = 0; i < surface.peaks.size(); ++i) {
@@ -165,6 +159,32 @@ void check_surface(const Scene& s, const std::string& name, const BodySpec& body
           fmt::format("the peak at {} m lies off the body: expected a place from 0 to {} m",
                       peak.at, body.length));
   }
+}
+
+void check_output(const Scene& s, Document& document) {
+  if (s.from > 0 && s.from >= s.duration)
+    document.fault("output.from",
+                   fmt::format("{} s is not before the end of the run, {} s: expected "
+                               "a time from 0 to scene.duration",
+                               s.from, s.duration));
+  for (std::size_t i = 0; i < s.probes.size(); ++i)
+    if (s.probes[i] < 0 || s.probes[i] > s.resonator.length)
+      document.fault(fmt::format("output.probes[{}]", i),
+                     fmt::format("{} m is off the resonator: expected a place from 0 to {} m",
+                                 s.probes[i], s.resonator.length));
+}
+
+/// The contact spring of a node: a number that can be worked with.
+void check_stiffness(const Scene& s, Document& document) {
+  if (s.law != ContactLaw::penalty) return;
+  const double node = s.stiffness * s.spacing * std::min(s.resonator.width, s.slider.width);
+  constexpr double softest = 1e-100, stiffest = 1e100;
+  if (node < softest || node > stiffest)
+    document.fault(
+        "contact.stiffness",
+        fmt::format("{} Pa/m makes the spring of a node {:.3g} N/m: expected {:g} to {:g} "
+                    "N/m (steel: about 1e15 Pa/m)",
+                    s.stiffness, node, softest, stiffest));
 }
 
 void check_loads(const Scene& s, Document& document) {
@@ -224,12 +244,8 @@ void check(const Scene& scene, Document& document) {
   }
   check_loads(scene, document);
   check_law(scene, document);
-  for (std::size_t i = 0; i < scene.probes.size(); ++i) {
-    if (scene.probes[i] < 0 || scene.probes[i] > scene.resonator.length)
-      document.fault(fmt::format("output.probes[{}]", i),
-                     fmt::format("{} m is off the resonator: expected a place from 0 to {} m",
-                                 scene.probes[i], scene.resonator.length));
-  }
+  check_stiffness(scene, document);
+  check_output(scene, document);
 }
 
 }  // namespace ra2d

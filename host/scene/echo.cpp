@@ -65,8 +65,6 @@ void write_surface(const SurfaceSpec& surface, Writer& out) {
       toml_number(surface.correlation_length.value_or(0)));
   key(SurfaceKind::gaussian, is(SurfaceKind::gaussian) || surface.seed != 0, "seed",
       fmt::format("{}", surface.seed));
-  key(SurfaceKind::gaussian, surface.seed_spacing.has_value(), "seed_spacing",
-      toml_number(surface.seed_spacing.value_or(0)));
   out.raw("surface", "{ " + table + " }",
           unused.empty() ? ""
                          : fmt::format("{}, the kind is \"{}\"", fmt::join(unused, ", "),
@@ -147,6 +145,7 @@ std::string echo(const Scene& scene) {
   std::vector<std::string> probes;
   for (const double probe : scene.probes) probes.push_back(toml_number(probe));
   out.raw("probes", array(probes));
+  out.key("from", scene.from);
   return out.text();
 }
 

@@ -34,7 +34,6 @@ SurfaceSpec read_surface(Reader in, const std::string& path, Document& document)
   surface.seed = static_cast<std::uint64_t>(
       in.integer("seed", 0, std::numeric_limits<std::int64_t>::max(), needed(gaussian))
           .value_or(0));
-  surface.seed_spacing = in.number("seed_spacing", positive, "m", Need::optional);
   const bool file = kind == SurfaceKind::file;
   const auto profile = in.text("path", "the path of a profile, a text", needed(file));
   if (file && profile && profile->empty())
@@ -80,7 +79,7 @@ Scene read(Document& document, const std::filesystem::path& file) {
   scene.start = *in.number("start", any_number, "m");
   scene.gap = in.number("gap", any_number, "m", Need::optional, "touching");
   scene.spacing = *in.number("spacing", positive, "m");
-  scene.initial = in.choice("initial", initial_states, Need::optional).value_or(Initial::rest);
+  const auto initial = in.choice("initial", initial_states, Need::optional);
 
   in = document.section("resonator");
   scene.resonator = read_body(in, "resonator", document);
@@ -118,6 +117,9 @@ Scene read(Document& document, const std::filesystem::path& file) {
   in = document.section("output");
   scene.rate = in.number("rate", positive, "Hz", Need::optional).value_or(100e3);
   scene.probes = in.numbers("probes", "m");
+  scene.from = in.number("from", not_negative, "s", Need::optional).value_or(0);
+
+  scene.initial = initial.value_or(has_equilibrium(scene) ? Initial::statics : Initial::rest);
   return scene;
 }
 
@@ -137,7 +139,10 @@ Scene parse_scene(const std::string& text, const std::filesystem::path& file,
   Document document{text, file, overrides};
   Scene scene = read(document, file);
   check(scene, document);
-  document.finish({{"resonator.load",
+  const char* const drawn = "a seed means the same profile at every scene.spacing: drop the key";
+  document.finish({{"resonator.surface.seed_spacing", drawn},
+                   {"slider.surface.seed_spacing", drawn},
+                   {"resonator.load",
                     "only the slider takes a load (slider.load, or [[resonator.moving_force]])"},
                    {"slider.moving_force",
                     "only the resonator takes a moving force (slider.load loads the slider)"}});
@@ -157,6 +162,34 @@ Scene read_scene(const std::filesystem::path& file, const std::vector<std::strin
   if (in.bad()) throw cannot();  // a folder opens, but does not read
   text.resize(static_cast<std::size_t>(in.gcount()));
   return parse_scene(text, file, overrides);
+}
+
+bool has_equilibrium(const Scene& scene) {
+  if (scene.resonator.support == Support::free) return false;
+  return scene.slider.support != Support::free || scene.slider.load_is_weight ||
+         scene.slider.load > 0;
+}
+
+std::vector<std::string> warnings(const Scene& scene) {
+  std::vector<std::string> out;
+  const auto moves_off = [&](const char* body, const char* load) {
+    out.push_back(
+        fmt::format("nothing holds the free {} against {}: it moves off as a whole. The level "
+                    "counts its elastic "
+                    "motion alone",
+                    body, load));
+  };
+  const bool pressed = scene.slider.load_is_weight || scene.slider.load > 0;
+  if (scene.slider.support == Support::free && scene.slider.load < 0)
+    moves_off("slider", "its load, which pulls it off the resonator (slider.load < 0)");
+  if (scene.resonator.support != Support::free) return out;
+  if (scene.slider.support == Support::free && pressed) moves_off("resonator", "the slider's load");
+  for (const MovingForce& force : scene.resonator.moving_forces)
+    if (force.force != 0) {
+      moves_off("resonator", "its moving force");
+      break;
+    }
+  return out;
 }
 
 std::vector<std::filesystem::path> files_of(const Scene& scene) {

@@ -35,9 +35,6 @@ struct SurfaceSpec {
   std::optional<double>
       correlation_length;  // ... or m, the distance at which the correlation is 1/e
   std::uint64_t seed = 0;  // gaussian
-  std::optional<double>
-      seed_spacing;  // gaussian: m, at which the seed's numbers are drawn, so that
-                     // the profile stays when scene.spacing changes; none: there
 };
 
 /// A constant force that travels along the resonator, positive upwards.
@@ -72,7 +69,8 @@ struct Scene {
   double start = 0;           // m, the slider's left end on the resonator at t = 0
   std::optional<double> gap;  // m, delta between the mean lines; none: "touching"
   double spacing = 0;         // m, chi
-  Initial initial = Initial::rest;
+  Initial initial =
+      Initial::rest;  // a text that names none: statics, where there is an equilibrium
 
   BodySpec resonator, slider;
 
@@ -88,6 +86,7 @@ struct Scene {
 
   double rate = 0;             // Hz, samples at t_j = j / rate
   std::vector<double> probes;  // m, on the resonator
+  double from = 0;             // s: level, energy balance and shock statistics begin here
 };
 
 /// The tolerance of an adaptive scene that names none.
@@ -101,6 +100,13 @@ Scene read_scene(const std::filesystem::path& file, const std::vector<std::strin
 /// The same from a text; `file` is used in messages and to resolve relative paths.
 Scene parse_scene(const std::string& text, const std::filesystem::path& file,
                   const std::vector<std::string>& overrides = {});
+
+/// Whether loads and contact can hold the scene's bodies in equilibrium: not a free resonator, nor a
+/// free slider that no load presses down.
+bool has_equilibrium(const Scene& scene);
+
+/// What a user should hear before a run: loads that nothing holds. A sentence each.
+std::vector<std::string> warnings(const Scene& scene);
 
 /// The files that a scene is read from: its own, and its measured profiles.
 std::vector<std::filesystem::path> files_of(const Scene& scene);

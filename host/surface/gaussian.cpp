@@ -7,9 +7,8 @@
 #include <Random123/philox.h>
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <array>
 #include <cmath>
-#include <map>
 
 #include "host/errors.hpp"
 #include "host/surface/portable.hpp"
@@ -18,23 +17,10 @@
 namespace ra2d {
 namespace {
 
-constexpr int most_nodes = 100'000;  // per correlation length: beyond it is a slip, and slow
-
 /// The upper 54 of 64 random bits as a number in [-1, 1), a multiple of 2^-53.
 double signed_unit(std::uint64_t high, std::uint64_t low) {
   const auto bits = static_cast<std::int64_t>(high << 32 | low);
   return static_cast<double>(bits >> 10) * 0x1p-53;
-}
-
-/// Weights exp(-2 (i chi/l)^2), i = 0, 1, ...: convolved with itself, the filter gives
-/// exp(-(x/l)^2).
-std::vector<double> half_filter(double correlation_length, double spacing) {
-  std::vector<double> weights;
-  for (int i = 0;; ++i) {
-    const double a = i * spacing / correlation_length, exponent = -2 * a * a;
-    if (exponent < -39.2) return weights;  // e^-39.2 < 1e-17: below the roundings of the sum
-    weights.push_back(portable::exp(exponent));
-  }
 }
 
 }  // namespace
@@ -56,86 +42,93 @@ double white_noise(std::uint64_t seed, std::int64_t index) {
 
 namespace {
 
-/// The filtered noise before it is moved to mean zero and scaled to rq.
-struct Filtered {
-  std::vector<double> weights;
-  std::size_t reach;
-  std::vector<double> noise;    // of the numbers -reach ... nodes + reach
-  std::vector<double> heights;  // (nodes)
-  double mean, factor;          // what makes heights of them: (height - mean) factor
+// correlation lengths, of beams: beyond it is no roughness, below it a slip, and slow
+constexpr double longest = 100, shortest = 1e-8;
+
+/// White noise xi_i stands at places i d apart, a bell exp(-2 (x/l)^2) about each, and their sum is
+/// the profile. Squared and summed over all i, bells of d = l/4 give the same variance between the
+/// places as at them, to 2 exp(-(pi l/2d)^2) = 1e-17: no spacing shows, neither d nor the scene's.
+constexpr double places_per_length = 4;
+/// Beyond this many places a bell, exp(-i^2/8), is below the roundings of the sum.
+constexpr int reach = 18;
+
+/// The sum of the bells before it is moved to mean zero and scaled. Lengths are in places.
+class Bells {
+ public:
+  Bells(std::uint64_t seed, int places) {
+    for (int i = -reach; i <= places + reach; ++i) noise_.push_back(white_noise(seed, i));
+    for (int i = 0; i <= reach; ++i) bell_[i] = portable::exp(-0.125 * i * i);
+  }
+
+  /// At `x` >= 0: exp(-(a - i)^2/8) = exp(-a^2/8) exp(a/4)^i exp(-i^2/8), a from the nearest place.
+  double operator()(double x) const {
+    const double place = std::floor(x + 0.5), a = x - place;
+    const double* near = noise_.data() + reach + static_cast<std::ptrdiff_t>(place);
+    const double ahead = portable::exp(0.25 * a), behind = 1 / ahead;
+    double sum = near[0], right = 1, left = 1;
+    for (int i = 1; i <= reach; ++i) {
+      right *= ahead;
+      left *= behind;
+      sum += bell_[i] * (right * near[i] + left * near[-i]);
+    }
+    return portable::exp(-0.125 * a * a) * sum;
+  }
+
+ private:
+  std::vector<double> noise_;  // of the places -reach ... places + reach
+  std::array<double, reach + 1> bell_{};
 };
 
-Filtered filtered(double rq, double correlation_length, std::uint64_t seed, int nodes,
-                  double spacing) {
-  if (nodes < 2) throw RequestError("a gaussian surface needs a beam of at least 2 nodes");
-  if (correlation_length > most_nodes * spacing)
-    throw RequestError(
-        fmt::format("a correlation length of {:.10g} m spans more than {} nodes of a gaussian "
-                    "surface; lower rsm or correlation_length, or enlarge the spacing",
-                    correlation_length, most_nodes));
-  const auto count = static_cast<std::size_t>(nodes);
-  Filtered f;
-  f.weights = half_filter(correlation_length, spacing);
-  f.reach = f.weights.size() - 1;
-  f.noise.resize(count + 2 * f.reach + 1);
-  for (std::size_t i = 0; i < f.noise.size(); ++i)
-    f.noise[i] =
-        white_noise(seed, static_cast<std::int64_t>(i) - static_cast<std::int64_t>(f.reach));
-
-  f.heights.resize(count);  // weight by weight: each height is still one ordered sum
-  for (std::size_t n = 0; n < count; ++n) f.heights[n] = f.weights[0] * f.noise[n + f.reach];
-  for (std::size_t i = 1; i <= f.reach; ++i)
-    for (std::size_t n = 0; n < count; ++n)
-      f.heights[n] += f.weights[i] * (f.noise[n + f.reach - i] + f.noise[n + f.reach + i]);
-
-  f.mean = subtract_mean(f.heights);
-  const double square = compensated_sum(f.heights, [](double h) { return h * h; });
-  f.factor = rq / std::sqrt(square / nodes);
-  for (double& height : f.heights) height *= f.factor;
-  return f;
+/// Mean and root mean square over (0, length), the latter about the former: Gauss's rule of five
+/// points between places, which is off by 1e-11 for a square of such bells.
+struct Moments {
+  double mean, rms;
+};
+Moments moments(const Bells& bells, double length) {
+  constexpr double at[] = {0, 0.53846931010568309, 0.90617984593866399};
+  constexpr double share[] = {0.56888888888888889, 0.47862867049936647, 0.23692688505618909};
+  std::vector<double> values, weights;
+  for (double begin = 0; begin < length; ++begin) {
+    const double half = 0.5 * std::fmin(1.0, length - begin), middle = begin + half;
+    for (int i = -2; i <= 2; ++i) {
+      const int point = i < 0 ? -i : i;
+      values.push_back(bells(middle + (i < 0 ? -half : half) * at[point]));
+      weights.push_back(share[point] * half / length);
+    }
+  }
+  Moments m{};
+  m.mean = compensated_sum(values.size(), [&](std::size_t i) { return weights[i] * values[i]; });
+  m.rms = std::sqrt(compensated_sum(values.size(), [&](std::size_t i) {
+    const double away = values[i] - m.mean;
+    return weights[i] * (away * away);
+  }));
+  return m;
 }
 
 }  // namespace
 
 std::vector<double> gaussian_heights(double rq, double correlation_length, std::uint64_t seed,
-                                     int nodes, double spacing) {
-  if (rq == 0) return std::vector<double>(static_cast<std::size_t>(nodes), 0.0);
-  return filtered(rq, correlation_length, seed, nodes, spacing).heights;
-}
-
-std::vector<double> gaussian_heights_at(double rq, double correlation_length, std::uint64_t seed,
-                                        int drawn, double drawn_spacing, int nodes,
-                                        double spacing) {
+                                     double length, int nodes, double spacing) {
   std::vector<double> heights(static_cast<std::size_t>(nodes), 0.0);
   if (rq == 0) return heights;
-  const Filtered f = filtered(rq, correlation_length, seed, drawn, drawn_spacing);
-  const auto reach = static_cast<std::int64_t>(f.reach);
-  // the bells as seen from between two drawn nodes, by how far from the nearer: of spacings in a
-  // simple ratio there are few such places
-  std::map<std::int64_t, std::vector<double>> bells;
-  constexpr std::size_t most_bells = 1000;
-  for (std::size_t n = 0; n < heights.size(); ++n) {
-    const double at = static_cast<double>(n) * spacing / drawn_spacing;
-    const double whole = std::floor(at + 0.5);
-    const auto node = static_cast<std::int64_t>(whole);
-    // as for the number of nodes, a billionth of a spacing is none
-    if (std::abs(at - whole) < 1e-9 * std::max(1.0, whole) && node < drawn) {
-      heights[n] = f.heights[static_cast<std::size_t>(node)];
-      continue;
-    }
-    if (bells.size() > most_bells) bells.clear();
-    std::vector<double>& bell = bells[std::llround((at - whole) * 1e9)];
-    if (bell.empty())
-      for (std::int64_t i = -reach; i <= reach; ++i) {
-        const double a = (at - whole - static_cast<double>(i)) * drawn_spacing / correlation_length;
-        bell.push_back(portable::exp(-2 * a * a));
-      }
-    const double* noise = f.noise.data() + node;  // of node - reach
-    const std::size_t seen = std::min(bell.size(), f.noise.size() - static_cast<std::size_t>(node));
-    double sum = 0;
-    for (std::size_t i = 0; i < seen; ++i) sum += bell[i] * noise[i];
-    heights[n] = (sum - f.mean) * f.factor;
-  }
+  if (nodes < 2) throw RequestError("a gaussian surface needs a beam of at least 2 nodes");
+  if (correlation_length > longest * length)
+    throw RequestError(fmt::format(
+        "a correlation length of {:.10g} m is more than {} times the beam's length: the "
+        "beam would be bent, not rough; lower rsm or correlation_length",
+        correlation_length, longest));
+  if (correlation_length < shortest * length)
+    throw RequestError(
+        fmt::format("a correlation length of {:.10g} m is less than {} of the beam's "
+                    "length; raise rsm or correlation_length",
+                    correlation_length, shortest));
+  const double place = correlation_length / places_per_length;
+  // the last node may stand a rounding beyond the end
+  const Bells bells(seed, static_cast<int>(length / place) + 2);
+  const auto [mean, rms] = moments(bells, length / place);
+  const double factor = rq / rms;
+  for (std::size_t n = 0; n < heights.size(); ++n)
+    heights[n] = (bells(static_cast<double>(n) * spacing / place) - mean) * factor;
   return heights;
 }
 

@@ -9,16 +9,11 @@ namespace ra2d {
 /// too.
 double white_noise(std::uint64_t seed, std::int64_t index);
 
-/// Heights [m] of a Gaussian process with correlation exp(-(x/correlation_length)^2) at n spacing,
-/// n = 0 ... nodes - 1; their mean is 0 and their root mean square rq [m]. The same bits on every
-/// platform and compiler.
+/// Heights [m] at n spacing, n = 0 ... nodes - 1, of a Gaussian process with correlation
+/// exp(-(x/correlation_length)^2) along a beam of `length` [m]; its mean over the length is 0 and its
+/// root mean square rq [m]. The profile is a smooth function of x that the seed and the two lengths
+/// fix: other nodes see other points of the same one. The same bits on every platform and compiler.
 std::vector<double> gaussian_heights(double rq, double correlation_length, std::uint64_t seed,
-                                     int nodes, double spacing);
-
-/// Heights [m] of that same profile, of `drawn` nodes drawn at `drawn_spacing` [m], at other places
-/// n spacing: the sum of the filter's bells, which is a smooth function of x. Nodes that fall on
-/// drawn ones have their heights to the last bit.
-std::vector<double> gaussian_heights_at(double rq, double correlation_length, std::uint64_t seed,
-                                        int drawn, double drawn_spacing, int nodes, double spacing);
+                                     double length, int nodes, double spacing);
 
 }  // namespace ra2d

@@ -1,17 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <cmath>
+#include <cstddef>
 #include <vector>
 
 namespace ra2d {
 
-/// Sum of f(x) over the values, compensated (Neumaier): exact to a rounding or two for any length.
-template <class Function>
-double compensated_sum(const std::vector<double>& values, Function f) {
+/// Sum of term(0) ... term(count - 1), compensated (Neumaier): exact to a rounding or two for any
+/// number of terms.
+template <class Term>
+double compensated_sum(std::size_t count, const Term& term) {
   double sum = 0, lost = 0;
-  for (const double value : values) {
-    const double term = f(value), next = sum + term;
-    lost += std::abs(sum) >= std::abs(term) ? (sum - next) + term : (term - next) + sum;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double next_term = term(i), next = sum + next_term;
+    lost +=
+        std::abs(sum) >= std::abs(next_term) ? (sum - next) + next_term : (next_term - next) + sum;
     sum = next;
   }
   return sum + lost;
@@ -19,8 +22,8 @@ double compensated_sum(const std::vector<double>& values, Function f) {
 
 /// Moves the values to mean zero: gaps are measured between mean lines. Returns what the mean was.
 inline double subtract_mean(std::vector<double>& values) {
-  const double mean =
-      compensated_sum(values, [](double v) { return v; }) / static_cast<double>(values.size());
+  const double mean = compensated_sum(values.size(), [&](std::size_t i) { return values[i]; }) /
+                      static_cast<double>(values.size());
   for (double& value : values) value -= mean;
   return mean;
 }

@@ -63,11 +63,7 @@ std::vector<double> make_surface(const SurfaceSpec& spec, double length, double 
     case SurfaceKind::file:
       return read_profile(scene_file.parent_path() / spec.path, nodes, length, spacing);
     case SurfaceKind::gaussian:
-      if (spec.seed_spacing && *spec.seed_spacing != spacing)
-        return gaussian_heights_at(spec.rq, correlation_length(spec), spec.seed,
-                                   node_count(length, *spec.seed_spacing), *spec.seed_spacing,
-                                   nodes, spacing);
-      return gaussian_heights(spec.rq, correlation_length(spec), spec.seed, nodes, spacing);
+      return gaussian_heights(spec.rq, correlation_length(spec), spec.seed, length, nodes, spacing);
   }
   return std::vector<double>(static_cast<std::size_t>(nodes), 0.0);
 }

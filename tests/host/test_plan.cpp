@@ -9,6 +9,7 @@
 #include <sstream>
 #include <string>
 
+#include "host/format.hpp"
 #include "tests/scenes.hpp"
 
 namespace ra2d::test {
@@ -120,7 +121,7 @@ TEST(Plan, OfAnAdaptiveSceneKnowsNoStep) {
   EXPECT_THAT(texts[0],
               AllOf(HasSubstr("scheme     adaptive, to a relative error of 1e-09 a step"),
                     HasSubstr("closed form"), HasSubstr("stability  no limit"), HasSubstr("memory"),
-                    HasSubstr("2001 samples"), HasSubstr("(no contact) to "),
+                    HasSubstr("2001 samples"), HasSubstr("without contact to "),
                     Not(HasSubstr("steps of")), Not(HasSubstr("holds up to")),
                     Not(HasSubstr("note")), Not(HasSubstr("nan")), Not(HasSubstr("inf"))));
   EXPECT_EQ(texts[1], texts[0]);
@@ -138,31 +139,32 @@ TEST(Plan, AnAdaptiveScenesCostGoesWithItsEvents) {
   s.stiffness = 1e17;
   const auto cost = [](const Scene& scene) {
     const Plan plan = make_plan(make_model(scene), 0);
-    EXPECT_LE(plan.seconds_low, plan.seconds_high);
-    EXPECT_GT(plan.seconds_low, 0);
+    EXPECT_LE(plan.seconds_free, plan.seconds_one);
+    EXPECT_LE(plan.seconds_one, plan.seconds_many);
+    EXPECT_GT(plan.seconds_free, 0);
     return plan;
   };
   const Plan plan = cost(s);
   Scene other = s;
   other.stiffness = 1e4 * s.stiffness;  // the spring is by far the fastest in both
-  EXPECT_NEAR(cost(other).seconds_high / plan.seconds_high, 100, 10);
-  EXPECT_EQ(cost(other).seconds_low, plan.seconds_low);
+  EXPECT_NEAR(cost(other).seconds_one / plan.seconds_one, 100, 10);
+  EXPECT_EQ(cost(other).seconds_free, plan.seconds_free);
   other = s;
   other.speed = 2 * s.speed;  // twice as many nodes are passed
-  EXPECT_NEAR(cost(other).seconds_low / plan.seconds_low, 2, 0.2);
+  EXPECT_NEAR(cost(other).seconds_free / plan.seconds_free, 2, 0.2);
   other = s;
   other.nodes = Nodes::all;
-  EXPECT_GT(cost(other).seconds_low, plan.seconds_low);
+  EXPECT_GT(cost(other).seconds_free, plan.seconds_free);
   other = s;
   other.tolerance = 1e-12;
-  EXPECT_GT(cost(other).seconds_high, plan.seconds_high);
+  EXPECT_GT(cost(other).seconds_one, plan.seconds_one);
   other = s;
   other.speed = 0;  // nothing is passed: but for its samples a flight costs nothing
-  EXPECT_LT(cost(other).seconds_low, 0.2 * plan.seconds_low);
-  EXPECT_GT(cost(other).seconds_high, 0.5 * plan.seconds_high);
+  EXPECT_LT(cost(other).seconds_free, 0.2 * plan.seconds_free);
+  EXPECT_GT(cost(other).seconds_one, 0.5 * plan.seconds_one);
   other = s;
   other.resonator.moving_forces = {{1.0, 0.0, 0.1}};  // the force keeps the modes busy all the time
-  EXPECT_GT(cost(other).seconds_low, 3 * plan.seconds_low);
+  EXPECT_GT(cost(other).seconds_free, 3 * plan.seconds_free);
 }
 
 TEST(Plan, AnAdaptiveScenesCostIsOfTheRightSize) {
@@ -177,9 +179,9 @@ TEST(Plan, AnAdaptiveScenesCostIsOfTheRightSize) {
   s.rate = 1e3;
   s.stiffness = 1e17;
   const Plan plan = make_plan(make_model(s), 0);
-  EXPECT_NEAR(plan.seconds_low, 100 * 0.6e-6, 1e-6);
+  EXPECT_NEAR(plan.seconds_free, 100 * 0.6e-6, 1e-6);
   const double steps = 100 + 5.52 * s.duration / plan.contact_period;
-  EXPECT_NEAR(plan.seconds_high / (steps * 1.3e-6), 1, 2e-3);  // the figures are of three digits
+  EXPECT_NEAR(plan.seconds_one / (steps * 1.3e-6), 1, 2e-3);  // the figures are of three digits
 }
 
 TEST(Plan, SaysWhatTheStepMakesOfTheHighestMode) {
@@ -193,6 +195,24 @@ TEST(Plan, SaysWhatTheStepMakesOfTheHighestMode) {
   EXPECT_THAT(text_of(s), HasSubstr("damping ratio, 0.02, by -"));
   s.scheme = SchemeKind::exact;
   EXPECT_THAT(text_of(s), HasSubstr("exact for free modes"));
+}
+
+TEST(Plan, SaysHowLongTheStartRings) {
+  // 60 dB are ln(1000)/(zeta omega) of the slowest mode
+  Scene s = pressed_plate();
+  const double omega = make_model(s).resonator.modes[0].omega;
+  EXPECT_THAT(text_of(s), HasSubstr(fmt::format(
+                              "the resonator's mode at {:.4g} Hz dies away by 60 dB in {}; the "
+                              "run takes 2 ms",
+                              omega / (2 * M_PI), seconds_text(std::log(1e3) / (0.02 * omega)))));
+  EXPECT_THAT(text_of(s),
+              HasSubstr("it starts from rest, and rings; level and shocks count from t = 0"));
+  s.initial = Initial::statics;
+  s.from = 1e-3;
+  EXPECT_THAT(text_of(s),
+              HasSubstr("it starts in equilibrium; level and shocks count from 1 ms on"));
+  s.resonator.damping = 0;
+  EXPECT_THAT(text_of(s), HasSubstr("never dies away"));
 }
 
 TEST(Plan, IsReadableAtAHundredColumns) {

@@ -408,6 +408,7 @@ speed    = 0.0
 start    = 0.0
 gap      = 0.0
 spacing  = 1e-4
+initial  = "rest"
 [resonator]
 support = "pinned"
 length = 0.06
@@ -434,6 +435,9 @@ step = 1e-7
   // and the plan says so
   EXPECT_EQ(run({"plan", "blocked.toml"}), 0) << err_;
   EXPECT_THAT(out_, HasSubstr("the faces overlap by 1e-06 m"));
+  // nor can any displacement of the modes part them
+  EXPECT_EQ(run({"run", "blocked.toml", "--set", "scene.initial=static"}), 2);
+  EXPECT_THAT(err_, HasSubstr("no displacement of the kept modes keeps the faces apart"));
   // the gap that is named will do
   EXPECT_EQ(run({"run", "blocked.toml", "--set", "scene.gap=1e-06"}), 0) << err_;
 }

@@ -100,7 +100,6 @@ void expect_same(const SurfaceSpec& a, const SurfaceSpec& b) {
   EXPECT_EQ(a.rsm, b.rsm);
   EXPECT_EQ(a.correlation_length, b.correlation_length);
   EXPECT_EQ(a.seed, b.seed);
-  EXPECT_EQ(a.seed_spacing, b.seed_spacing);
 }
 
 void expect_same(const BodySpec& a, const BodySpec& b) {
@@ -145,6 +144,7 @@ void expect_same(const Scene& a, const Scene& b) {
   EXPECT_EQ(a.force, b.force);
   EXPECT_EQ(a.rate, b.rate);
   EXPECT_EQ(a.probes, b.probes);
+  EXPECT_EQ(a.from, b.from);
 }
 
 /// Reading the echo gives the scene again, and the echo is its own echo.
@@ -172,6 +172,7 @@ TEST(Scene, MinimalOneReadsWithDefaults) {
   EXPECT_EQ(s.nodes, Nodes::candidates);
   EXPECT_EQ(s.rate, 100e3);
   EXPECT_THAT(s.probes, IsEmpty());
+  EXPECT_EQ(s.from, 0);
 }
 
 TEST(Scene, ValuesArriveWhereTheyBelong) {
@@ -185,7 +186,8 @@ TEST(Scene, ValuesArriveWhereTheyBelong) {
       {"stiffness", "law = \"penalty\"\nstiffness"},
       {"step", "scheme = \"backward-euler\"\nnodes = \"all\"\ntolerance = 1e-8\nstep"},
       {"",
-       "[output]\nrate = 50_000\nprobes = [0, 0.15, 0.3]\n[[resonator.moving_force]]\nforce = 10\n"
+       "[output]\nrate = 50_000\nprobes = [0, 0.15, 0.3]\nfrom = "
+       "0.05\n[[resonator.moving_force]]\nforce = 10\n"
        "speed = 20\nstart = -1\n"},
   }));
   EXPECT_EQ(s.name, "a \"b\"");
@@ -226,6 +228,7 @@ TEST(Scene, ValuesArriveWhereTheyBelong) {
   EXPECT_EQ(s.nodes, Nodes::all);
   EXPECT_EQ(s.rate, 50e3);
   EXPECT_THAT(s.probes, ElementsAre(0, 0.15, 0.3));
+  EXPECT_EQ(s.from, 0.05);
 }
 
 /// One fault each: a changed scene, and what its only message must say.
@@ -507,6 +510,20 @@ const std::vector<Refused> refused{
      {{"", "[output]\nprobes = [0.1, 0.31]\n"}},
      {"s.toml:30: output.probes[1]: 0.31 m is off the resonator: expected a place from 0 to 0.3 "
       "m"}},
+    {"FromTheEnd",
+     {{"", "[output]\nfrom = 0.1\n"}},
+     {"s.toml:30: output.from: 0.1 s is not before the end of the run, 0.1 s"}},
+    {"NoStiffness",
+     {{"stiffness = 1e15", "stiffness = 5e-324"}},
+     {"contact.stiffness: 5e-324 Pa/m makes the spring of a node 0 N/m: expected 1e-100 to "
+      "1e+100"}},
+    {"MountainousRoughness",
+     {{"rq = 8e-6", "rq = 1.7e308"}},
+     {"resonator.surface.rq: 1.7e+308 m is higher than the body is long, 0.3 m"}},
+    {"SeedSpacing",
+     {{"seed = 2", "seed = 2, seed_spacing = 1e-5"}},
+     {"resonator.surface.seed_spacing: unknown key: a seed means the same profile at every "
+      "scene.spacing: drop the key"}},
     {"RigidLoad",
      {rigid_slider, {"[slider]", "[slider]\nload = \"weight\""}},
      {"s.toml:17: slider.load: a rigid slider has no mode to take a load"}},
@@ -801,6 +818,7 @@ nodes = "candidates"
 [output]
 rate = 100000.0
 probes = []
+from = 0.0
 )");
 }
 
@@ -951,4 +969,36 @@ TEST_F(SceneFile, OfThePaperHasItsNumbers) {
 }
 
 }  // namespace
+TEST(Scene, StartsFromEquilibriumWhereThereIsOne) {
+  const auto initial = [](const std::vector<Change>& changes) {
+    return parse(scene_text(changes)).initial;
+  };
+  const Change weight{"[slider]", "[slider]\nload = \"weight\""},
+      pressed{"[slider]", "[slider]\nload = 1"};
+  EXPECT_EQ(initial({}), Initial::rest);  // free, and nothing holds it down
+  EXPECT_EQ(initial({{"[slider]", "[slider]\nload = -1"}}), Initial::rest);
+  EXPECT_EQ(initial({weight}), Initial::statics);
+  EXPECT_EQ(initial({pressed}), Initial::statics);
+  EXPECT_EQ(initial({rigid_slider}), Initial::statics);
+  EXPECT_EQ(initial({free_resonator, pressed}), Initial::rest);
+  EXPECT_EQ(initial({weight, {"start", "initial = \"rest\"\nstart"}}), Initial::rest);
+}
+
+TEST(Scene, SaysWhichLoadsNothingHolds) {
+  const auto said = [](const std::vector<Change>& changes) {
+    return warnings(parse(scene_text(changes)));
+  };
+  const Change pressed{"[slider]", "[slider]\nload = 1"};
+  const Change pushed{"", "[[resonator.moving_force]]\nforce = 10\nspeed = 20\nstart = -1\n"};
+  EXPECT_THAT(said({}), IsEmpty());
+  EXPECT_THAT(said({pressed, pushed}), IsEmpty());
+  EXPECT_THAT(said({free_resonator}), IsEmpty());
+  EXPECT_THAT(said({free_resonator, pushed}),
+              ElementsAre(HasSubstr("nothing holds the free resonator against its moving force")));
+  EXPECT_THAT(said({free_resonator, pressed}),
+              ElementsAre(HasSubstr("nothing holds the free resonator against the slider's load")));
+  EXPECT_THAT(said({{"[slider]", "[slider]\nload = -1"}}),
+              ElementsAre(HasSubstr("nothing holds the free slider against its load")));
+}
+
 }  // namespace ra2d

@@ -133,7 +133,8 @@ TEST(WhiteNoise, IsStandardNormal) {
 }
 
 TEST(Gaussian, ASeedGivesTheSameBitsEverywhere) {
-  // Regression: stored on x86-64 from the first version of this generator. They must never change,
+  // Regression: stored on x86-64 (the noise from the first version of this generator, the heights from the
+  // first that has places of its own). They must never change,
   // on any platform, compiler or optimisation level: results name their surfaces by the seed.
   EXPECT_EQ(white_noise(1, 0), -0x1.9bd3bf48bade4p-3);
   EXPECT_EQ(white_noise(1, -1), -0x1.19d1d2410220ep+0);
@@ -143,20 +144,28 @@ TEST(Gaussian, ASeedGivesTheSameBitsEverywhere) {
   spec.rsm = 1.55e-3;
   const auto heights = make(spec, 0.3, 8e-6);
   ASSERT_EQ(heights.size(), 37501);
-  EXPECT_EQ(heights[0], 0x1.88e2c28f6bb76p-17);
-  EXPECT_EQ(heights[12345], -0x1.b90ac84696eb6p-20);
-  EXPECT_EQ(heights[37500], 0x1.adfd8b97bf708p-18);
-  EXPECT_EQ(hash(heights), 0xd7b7630f13c71fdd) << std::hex << hash(heights);
+  EXPECT_EQ(heights[0], 0x1.f7b7d2cad54d6p-17);
+  EXPECT_EQ(heights[12345], -0x1.7cb75d0fc665fp-17);
+  EXPECT_EQ(heights[37500], 0x1.d7bc6d47377ebp-17);
+  EXPECT_EQ(hash(heights), 0xe88d870cfb306499) << std::hex << hash(heights);
 }
 
 TEST(Gaussian, RqIsTheOneAskedForAndTheMeanIsZero) {
-  for (const double length : {0.3, 0.02, 0.0021, 1.6e-5}) {
-    const auto heights = make(gaussian(8e-6, 3.5e-4, 5), length, 8e-6);
-    // Three roundings of the factor and one of each height; the sums are compensated.
-    EXPECT_NEAR(std::sqrt(mean_product(heights, heights, 0)), 8e-6, 4 * eps * 8e-6);
-    long double sum = 0;
-    for (const double h : heights) sum += h;
-    EXPECT_NEAR(static_cast<double>(sum) / static_cast<double>(heights.size()), 0, eps * 8e-6 * 4);
+  // Of the profile, not of its nodes: Simpson's rule, off by the fourth derivative of the square,
+  // (h/l)^4 16 * 105/180 at l/32: 1e-5; and Gauss's own 1e-11.
+  const double l = 3.5e-4;
+  for (const double length : {0.3, 0.02, 0.0021, 0.5 * l}) {
+    const int panels = 2 * static_cast<int>(std::ceil(length / l * 32));
+    const auto h = make(gaussian(8e-6, l, 5), length, length / panels);
+    ASSERT_EQ(h.size(), panels + 1);
+    long double mean = 0, square = 0;
+    for (int n = 0; n <= panels; ++n) {
+      const double weight = (n == 0 || n == panels ? 1 : n % 2 == 1 ? 4 : 2) / (3.0 * panels);
+      mean += weight * h[n];
+      square += weight * h[n] * h[n];
+    }
+    EXPECT_NEAR(static_cast<double>(mean), 0, 1e-5 * 8e-6) << length;
+    EXPECT_NEAR(std::sqrt(static_cast<double>(square)), 8e-6, 1e-5 * 8e-6) << length;
   }
 }
 
@@ -179,30 +188,46 @@ TEST(Gaussian, LengthActsThroughTheNormalisationAlone) {
     EXPECT_NEAR(longer[n] - longer[0], factor * (shorter[n] - shorter[0]), 64 * eps * 1e-6);
 }
 
-TEST(Gaussian, ASeedSpacingKeepsTheProfileWhateverTheSpacing) {
-  SurfaceSpec spec = gaussian(8e-6, 3.5e-4, 5);
+TEST(Gaussian, ASeedMeansOneProfileWhateverTheSpacing) {
+  const SurfaceSpec spec = gaussian(8e-6, 3.5e-4, 5);
   const std::vector<double> own = make(spec, 0.02, 8e-6);
-  spec.seed_spacing = 8e-6;
-  EXPECT_EQ(make(spec, 0.02, 8e-6), own);
-  for (const int ratio : {2, 4, 16}) {
+  for (const int ratio : {2, 4, 16}) {  // powers of two: the same places to the last bit
     const std::vector<double> coarse = make(spec, 0.02, ratio * 8e-6);
     ASSERT_EQ(coarse.size(), 1 + (own.size() - 1) / ratio);
     for (std::size_t n = 0; n < coarse.size(); ++n) EXPECT_EQ(coarse[n], own[ratio * n]);
   }
-  const std::vector<double> fine = make(spec, 0.02, 4e-6);
-  ASSERT_EQ(fine.size(), 2 * own.size() - 1);
-  // Between nodes the cubic through four of them leaves out 3/128 chi^4 times the fourth
-  // derivative, which is sqrt(105) 4 rq/l^4 in the mean square; a polygon is off by some 1e-9 m.
-  for (std::size_t n = 0; n < own.size(); ++n) EXPECT_EQ(fine[2 * n], own[n]);
-  for (std::size_t n = 1; n + 2 < own.size(); ++n)
-    EXPECT_NEAR(fine[2 * n + 1], (9 * (own[n] + own[n + 1]) - own[n - 1] - own[n + 2]) / 16, 1e-11);
-  // in no simple ratio, too
+  // a rounding of the place moves a height by the slope, sqrt(2) rq/l and less than six times that
+  const double slope = 6 * std::sqrt(2) * 8e-6 / 3.5e-4;
+  const std::vector<double> third = make(spec, 0.02, 8e-6 / 3);
+  for (std::size_t n = 0; n < own.size(); ++n)
+    EXPECT_NEAR(third[3 * n], own[n], 4 * eps * 0.02 * slope + 64 * eps * 8e-6);
+  // in no simple ratio, too: a polygon is off by chi^2/8 of the curvature, sqrt(12) rq/l^2
   const std::vector<double> odd = make(spec, 0.02, 1.7e-5);
+  const double sagitta = 6 * std::sqrt(12) * 8e-6 * std::pow(8e-6 / 3.5e-4, 2) / 8;
   for (std::size_t n = 0; n < odd.size(); ++n) {
     const double at = static_cast<double>(n) * 1.7e-5 / 8e-6;
     const auto i = std::min(static_cast<std::size_t>(at), own.size() - 2);
-    EXPECT_NEAR(odd[n], std::lerp(own[i], own[i + 1], at - static_cast<double>(i)), 5e-9);
+    EXPECT_NEAR(odd[n], std::lerp(own[i], own[i + 1], at - static_cast<double>(i)), sagitta);
   }
+}
+
+TEST(Gaussian, IsTheSumOfItsBells) {
+  // The definition, evaluated in long double with libm: white noise every l/4, a bell about each.
+  const double l = 3.5e-4, place = l / 4, length = 0.003;
+  const auto heights = make(gaussian(8e-6, l, 5), length, 8e-6);
+  std::vector<long double> sums;
+  for (std::size_t n = 0; n < heights.size(); ++n) {
+    long double sum = 0;
+    const double x = static_cast<double>(n) * 8e-6;
+    for (int i = -40; i <= static_cast<int>(length / place) + 40; ++i)
+      sum += white_noise(5, i) *
+             std::exp(-2 * std::pow((x - i * static_cast<long double>(place)) / l, 2));
+    sums.push_back(sum);
+  }
+  const long double factor = (heights.back() - heights[0]) / (sums.back() - sums[0]);
+  for (std::size_t n = 0; n < heights.size(); ++n)  // 37 terms, 18 powers: a hundred roundings
+    EXPECT_NEAR(heights[n] - heights[0], static_cast<double>(factor * (sums[n] - sums[0])),
+                200 * eps * 8e-6);
 }
 
 /// A long profile and its statistics: l is 20 nodes, the profile 20 000 l.
@@ -210,8 +235,8 @@ struct LongProfile : testing::Test {
   static constexpr int nodes = 400'000;
   static constexpr double ratio = 20;  // l/chi
   static const std::vector<double>& heights(std::uint64_t seed) {
-    static const std::vector<double> one = gaussian_heights(1, ratio, 1, nodes, 1);
-    static const std::vector<double> two = gaussian_heights(1, ratio, 2, nodes, 1);
+    static const std::vector<double> one = gaussian_heights(1, ratio, 1, nodes - 1, nodes, 1);
+    static const std::vector<double> two = gaussian_heights(1, ratio, 2, nodes - 1, nodes, 1);
     return seed == 1 ? one : two;
   }
   /// Number of independent samples for a mean of the power p of the correlation: the nodes over
@@ -271,17 +296,10 @@ TEST(Gaussian, RsmSetsTheCorrelationLength) {
   EXPECT_EQ(make(by_rsm, 0.02, 8e-6), make(gaussian(1e-6, l, 4), 0.02, 8e-6));
 }
 
-TEST(Gaussian, FarBelowTheSpacingItIsWhiteNoise) {
-  const auto heights = make(gaussian(1, 1e-3, 6), 10, 1);
-  const double factor = (heights[1] - heights[0]) / (white_noise(6, 1) - white_noise(6, 0));
-  for (std::size_t n = 0; n < heights.size(); ++n)
-    EXPECT_NEAR(heights[n] - heights[0],
-                factor * (white_noise(6, static_cast<int>(n)) - white_noise(6, 0)), 64 * eps);
-}
-
 TEST(Gaussian, RefusesWhatHasNoMeaning) {
   EXPECT_THROW(make(gaussian(1e-6, 0, 1), 0.02, 8e-6), RequestError);
-  EXPECT_THROW(make(gaussian(1e-6, 1, 1), 0.02, 8e-6), RequestError);     // l far beyond the beam
+  EXPECT_THROW(make(gaussian(1e-6, 2.1, 1), 0.02, 8e-6), RequestError);  // l far beyond the beam
+  EXPECT_THROW(make(gaussian(1e-6, 1e-10, 1), 0.02, 8e-6), RequestError);
   EXPECT_THROW(make(gaussian(1e-6, 1e-4, 1), 5e-6, 8e-6), RequestError);  // one node
 }
 

@@ -190,7 +190,7 @@ std::vector<ShockRow> expected_shocks(const Pattern& pattern) {
       for (int node = first - 1; node <= last + 1; ++node)
         continues = continues || pattern.touches(step - 1, node);
       if (continues) continue;
-      shocks.try_emplace(whole[place(step, first)], ShockRow{serial, step, step, 0, 0, 0});
+      shocks.try_emplace(whole[place(step, first)], ShockRow{serial, step, step, 0, 0, 0, 0});
       ++serial;
     }
     // what had met by this step counts as one shock: the peak is the largest force of such a one

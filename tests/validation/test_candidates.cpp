@@ -384,7 +384,7 @@ std::vector<ShockRow> plain_shocks(const Plain& run, const Model& model) {
     for (std::size_t i = 0; i < label[s].size(); ++i) {
       const auto step = static_cast<std::int64_t>(s);
       ShockRow& shock =
-          shocks.try_emplace(label[s][i], ShockRow{0, step, step, 0, 0, 0}).first->second;
+          shocks.try_emplace(label[s][i], ShockRow{0, step, step, 0, 0, 0, 0}).first->second;
       const double f = run.force[s][i];
       shock.last = step;
       shock.impulse += f;

@@ -6,10 +6,12 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <random>
 #include <string>
 #include <vector>
 
 #include "host/errors.hpp"
+#include "tests/effort.hpp"
 #include "tests/scenes.hpp"
 #include "tests/simulate.hpp"
 
@@ -114,6 +116,71 @@ TEST(Equilibrium, FreeSliderCarriesItsWeightOnRoughFaces) {
         EXPECT_NEAR(start.contact_force, model.slider.load_force, 1e-9 * model.slider.load_force);
       }
     }
+}
+
+/// Every kind of face on every kind of face.
+Scene resting_scene(int index, std::mt19937_64& random) {
+  Scene s = resting_block();
+  s.resonator.modes = 1 + static_cast<int>(random() % 20);
+  s.slider.modes = static_cast<int>(random() % 4);
+  if (random() % 2 == 0) s.slider.thickness = 1e-3;
+  const auto face = [&](int kind) {
+    switch (kind) {
+      case 0:
+        return SurfaceSpec{};
+      case 1:
+        return peaks(
+            {{.at = 1e-3 * static_cast<double>(random() % 12), .height = 1e-5, .half_width = 2e-4},
+             {.at = 6e-3, .height = 1e-5, .half_width = 4e-4}});
+      default:
+        return gaussian(5e-6, 5e-4, random());
+    }
+  };
+  s.resonator.surface = face(index % 3);
+  s.slider.surface = face(index / 3 % 3);
+  s.slider.load_is_weight = index % 2 == 0;
+  s.slider.load = std::pow(10.0, static_cast<double>(random() % 5) - 2);
+  return s;
+}
+
+TEST(Equilibrium, IsFoundUnderMultipliersOnAnyFaces) {
+  std::mt19937_64 random(5);
+  for (int i = 0; i < draws(180); ++i) {
+    SCOPED_TRACE(i);
+    Scene s = resting_scene(i, random);
+    s.law = ContactLaw::multiplier;
+    const Model model = make_model(s);
+    const ModalStart start = make_start(model);
+    const double load = model.slider.load_force;
+    EXPECT_NEAR(start.contact_force, load, 1e-9 * load);
+    const std::vector<double> over = overlaps(model, start.resonator_u, start.slider_u);
+    double size = std::abs(model.delta);
+    for (std::size_t k = 0; k < start.resonator_u.size(); ++k)
+      size += std::abs(start.resonator_u[k]) * model.resonator.modes[k].largest;
+    for (std::size_t k = 0; k < start.slider_u.size(); ++k)
+      size += std::abs(start.slider_u[k]) * model.slider.modes[k].largest;
+    EXPECT_LE(*std::max_element(over.begin(), over.end()), 1e-12 * size);
+  }
+}
+
+TEST(Equilibrium, IsFoundUnderSpringsOfAnyStiffness) {
+  std::mt19937_64 random(6);
+  for (int i = 0; i < draws(90); ++i) {
+    Scene s = resting_scene(i, random);
+    s.stiffness = std::pow(10.0, 10.0 + static_cast<double>(random() % 13));
+    SCOPED_TRACE(testing::Message() << i << ", kappa " << s.stiffness);
+    const Model model = make_model(s);
+    const ModalStart start = make_start(model);
+    const double load = model.slider.load_force;
+    // from overlaps that are right to the roundings of what they are the difference of
+    double size = std::abs(model.delta);
+    for (std::size_t k = 0; k < start.slider_u.size(); ++k)
+      size += std::abs(start.slider_u[k]) * model.slider.modes[k].largest;
+    const double rounding =
+        64 * ulp * size * model.node_stiffness *
+        static_cast<double>(std::max<std::size_t>(1, start.loaded_nodes.size()));
+    EXPECT_NEAR(start.contact_force, load, 1e-7 * load + rounding);
+  }
 }
 
 TEST(Equilibrium, BendingSlidersOfAnySupportSettle) {

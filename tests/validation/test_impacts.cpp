@@ -193,7 +193,7 @@ TEST_P(EveryScheme, NodesThatPassSteepPlacesWithinAStepAreTheSame) {
     s.resonator.surface = gaussian(1e-6, 8e-5, 5);
     s.slider.surface = gaussian(1e-6, 8e-5, 6);
     s.stiffness = 1e8;  // hardly any force
-    s.gap = 4.0e-6;
+    s.gap = 3.5e-6;
     const Model model = make_model(s);
     EXPECT_GT(expect_both_same(model, make_start(model)).end.shocks_begun, 3);
   }

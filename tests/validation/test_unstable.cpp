@@ -9,6 +9,7 @@
 #include "host/scene/scene.hpp"
 #include "tests/places.hpp"
 #include "tests/scenes.hpp"
+#include "tests/schemes.hpp"
 #include "tests/simulate.hpp"
 
 /// A step beyond the limit that the explicit contact spring sets is noticed, and nothing else is.
@@ -124,6 +125,26 @@ TEST(Unstable, NoticedWhileSliding) {
     EXPECT_TRUE(end.status == Status::unstable || end.status == Status::not_finite);
     EXPECT_LE(end.step, 4 * look);
   }
+}
+
+TEST(Unstable, ACubeThatBouncesBackToWhereItStartedIsNot) {
+  // at the top of a bounce the load has put in nothing on the whole, and a little speed is left
+  for (const bool pinned : {false, true})
+    for (const Scheme& scheme : schemes_and_implicit()) {
+      SCOPED_TRACE(testing::Message() << scheme.name << (pinned ? ", no modes" : ", rigid"));
+      Scene s = read_scene(scene_file("drop"));
+      s.resonator.support = pinned ? Support::pinned : Support::rigid;
+      s.resonator.modes = 0;
+      s.resonator.max_frequency.reset();
+      s.duration = 0.01;
+      s.rate = 1e5;
+      s.step = 1e-7;
+      s = with(s, scheme);
+      s.force = true;
+      const Snapshot end = run(make_model(s), make_start(make_model(s)));
+      EXPECT_EQ(end.status, Status::done) << "at step " << end.step;
+      EXPECT_GE(end.shocks_begun, 2);
+    }
 }
 
 TEST(Unstable, TheScenesBesideItGoOn) {
