@@ -701,7 +701,10 @@ Batch::Batch(const std::vector<Model>& models, const std::vector<ModalStart>& st
   for (const Model& model : models) {
     const int modes = static_cast<int>(model.resonator.modes.size() + model.slider.modes.size());
     if (modes > capacity)
-      throw std::logic_error(fmt::format("{} modes: a model has {} at the most", modes, capacity));
+      throw RequestError(
+          fmt::format("{} modes in both bodies together, at the most {} can be marched: lower "
+                      "max_frequency or modes",
+                      modes, capacity));
     packs = std::max(packs, std::max(1, (modes + width - 1) / width));
     series.push_back(choose_series(model));
   }

@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "host/run/model.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "host/errors.hpp"
 #include "host/plan/schemes.hpp"
-#include "host/run/batch.hpp"
 #include "host/surface/surface.hpp"
 #include "kernels/model.hpp"
 
@@ -64,13 +61,6 @@ Model make_model(const Scene& scene) {
   m.scene = scene;
   m.resonator = make_beam(scene.resonator);
   m.slider = make_beam(scene.slider);
-  // before anything is made of them
-  if (const std::size_t modes = m.resonator.modes.size() + m.slider.modes.size();
-      modes > static_cast<std::size_t>(most_modes()))
-    throw RequestError(
-        fmt::format("{}: {} modes in both bodies together, at the most {} can be marched: lower "
-                    "max_frequency or modes",
-                    scene.file.string(), modes, most_modes()));
   m.resonator_height = surface_of("resonator", scene.resonator, scene);
   m.slider_height = surface_of("slider", scene.slider, scene);
   m.node_stiffness =

@@ -323,16 +323,6 @@ TEST_F(Program, WhatNohupIgnoresStaysIgnoredAndAClosedPipeEndsNothing) {
   EXPECT_EQ(child.wait(), 128 + SIGTERM);
 }
 
-TEST_F(Program, TooManyModesAreRefusedBeforeTheWork) {
-  // before the surfaces, one of which is not there
-  for (const char* command : {"run", "plan"}) {
-    EXPECT_EQ(run({command, scene_file("dang2012"), "--set", "resonator.max_frequency=1e7", "--set",
-                   "slider.surface={ kind = \"file\", path = \"missing.csv\" }"}),
-              2);
-    EXPECT_THAT(err_, AllOf(HasSubstr("dang2012.toml"), HasSubstr("at the most 256")));
-  }
-}
-
 TEST_F(Program, AKilledRunLeavesNothingUnderTheFinalName) {
   Child child = start({"run", scene_file("dang2012"), "--set", "time.step=2e-10"});
   wait_until_it_marches();
