@@ -124,12 +124,11 @@ void remove_leftovers(const fs::path& folder, const std::string& host) {
     close(descriptor);
   }
   if (removed > 0)  // said if it can be: this fails for nobody
-    std::fputs(
-        fmt::format(
-            "ra2d: removed {} partial file{} ({:.3g} MB) that killed runs had left in '{}'\n",
-            removed, removed == 1 ? "" : "s", bytes * 1e-6, folder.string())
-            .c_str(),
-        stderr);
+    std::fputs(fmt::format("ra2d: removed {} partial file{} ({:.1f} MB) that killed runs had left "
+                           "beside the output\n",
+                           removed, removed == 1 ? "" : "s", bytes * 1e-6)
+                   .c_str(),
+               stderr);
 }
 
 std::string cure(int error, const std::string& smaller) {

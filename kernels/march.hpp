@@ -60,14 +60,16 @@ class Marcher {
     begin();
   }
 
-  /// Marches until step `target`, the end of the scene, a full buffer or a failure, whichever is
-  /// first.
+  /// Marches until step `target`, the end of the scene, a full buffer, an interrupt or a failure,
+  /// whichever is first.
   KOKKOS_FUNCTION void run(std::int64_t target) {
     const std::int64_t stop = target < t_.total_steps ? target : t_.total_steps;
     while (s_.status == Status::running) {
       if (!take_sample()) break;
       if (step_ % longest_flight == 0 || step_ == t_.total_steps) watch_energy();
-      if (s_.status != Status::running || step_ >= stop || !has_room_for_shocks(s_)) break;
+      if (s_.status != Status::running || step_ >= stop || !has_room_for_shocks(s_) ||
+          is_interrupted(t_))
+        break;
       const std::int64_t next = next_event(stop);
       if (t_.look == Look::all)
         march_all(next);

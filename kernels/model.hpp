@@ -185,6 +185,8 @@ struct SceneTables {
   std::int64_t total_steps = 0;
   double steps_per_sample = 0;
   std::int64_t samples = 0;
+
+  const int* interrupted = nullptr;  // of host backends: not 0 when the launch is to end soon
 };
 
 }  // namespace ra2d

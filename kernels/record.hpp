@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "kernels/modal_state.hpp"
+#include "kernels/model.hpp"
 
 /// Shocks: connected pieces of contact in space and time. A slider node in contact belongs to the
 /// same shock as its neighbours, at this step and at the one before. These functions run on one
@@ -13,6 +14,11 @@ namespace ra2d {
 /// Room left in the buffer of ended shocks for whatever a single step can end.
 KOKKOS_INLINE_FUNCTION bool has_room_for_shocks(const SceneState& s) {
   return s.shock_capacity - s.shock_count > s.run_capacity;
+}
+
+/// Whether the launch is to end, wherever it is (SceneTables::interrupted).
+KOKKOS_INLINE_FUNCTION bool is_interrupted(const SceneTables& t) {
+  return t.interrupted != nullptr && Kokkos::atomic_load(t.interrupted) != 0;
 }
 
 KOKKOS_INLINE_FUNCTION void hand_out(SceneState& s, const OpenShock& shock) {

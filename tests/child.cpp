@@ -5,9 +5,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <csignal>
 #include <fstream>
 #include <sstream>
+#include <thread>
 #include <utility>
 
 namespace ra2d::test {
@@ -33,6 +35,8 @@ Child::Child(const std::filesystem::path& folder, std::vector<std::string> words
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
+  // the signals as a shell hands them on, also where the tests run under nohup
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGUSR1, SIGPIPE}) std::signal(signal, SIG_DFL);
   if (chdir(folder.c_str()) != 0) _exit(125);
   dup2(open((folder / "stdout").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), 1);
   dup2(open((folder / "stderr").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), 2);
@@ -45,6 +49,30 @@ int Child::wait() {
   waitpid(pid_, &status, 0);
   return WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status);
 }
+
+namespace {
+
+/// Whether a line of /proc/PID/status, a mask in hexadecimal digits, has the signal.
+bool has_signal(pid_t process, const std::string& line, int signal) {
+  const std::string status = read_file("/proc/" + std::to_string(process) + "/status");
+  const std::size_t at = status.find("\n" + line + ":");
+  return at != std::string::npos &&
+         (std::stoull(status.substr(at + line.size() + 2), nullptr, 16) >> (signal - 1) & 1) != 0;
+}
+
+}  // namespace
+
+bool Child::wait_until_it_catches(int signal) const {
+  while (!has_signal(pid_, "SigCgt", signal)) {
+    siginfo_t ended{};
+    waitid(P_PID, static_cast<id_t>(pid_), &ended, WEXITED | WNOHANG | WNOWAIT);
+    if (ended.si_pid != 0) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  return true;
+}
+
+bool Child::ignores(int signal) const { return has_signal(pid_, "SigIgn", signal); }
 
 void Child::send(int signal) const { kill(pid_, signal); }
 

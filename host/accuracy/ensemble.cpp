@@ -129,8 +129,7 @@ std::string varied(const Scene& scene) {
   return scene.speed > 0 ? "scene.speed other by some 1e-10 of it" : "";
 }
 
-Ensemble::Ensemble(const Scene& scene, const std::atomic<bool>* interrupted)
-    : scene_{scene}, interrupted_{interrupted} {}
+Ensemble::Ensemble(const Scene& scene) : scene_{scene} {}
 
 std::string Ensemble::failure() const {
   for (const Answer& a : answers_)
@@ -149,7 +148,6 @@ void Ensemble::run(int first, int count) {
   std::vector<Answer> answers(static_cast<std::size_t>(count));
   std::vector<std::size_t> who;
   for (int i = 0; i < count; ++i) {
-    if (interrupted_ && *interrupted_) throw Interrupted{};
     Model model = make_model(variant(scene_, first + i));
     // what is wrong with the start is a matter of these surfaces
     std::string& failure = answers[static_cast<std::size_t>(i)].failure;
@@ -165,7 +163,7 @@ void Ensemble::run(int first, int count) {
   }
   if (!models.empty()) {
     if (mean_squares_.empty()) mean_squares_ = mean_squares(models.front());
-    const std::vector<TimedRun> runs = timed_runs(models, starts, {.interrupted = interrupted_});
+    const std::vector<TimedRun> runs = timed_runs(models, starts);
     march_seconds_ += runs.front().processor;
     for (std::size_t i = 0; i < runs.size(); ++i) {
       answers[who[i]] = answer_of(mean_squares_, runs[i], scene_.from);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <array>
-#include <atomic>
 #include <cstddef>
 #include <limits>
 #include <string>
@@ -72,7 +71,7 @@ Answer answer_of(const std::vector<double>& mean_squares, const TimedRun& run, d
 /// The variants of one scene, run in memory as they are asked for, side by side.
 class Ensemble {
  public:
-  explicit Ensemble(const Scene& scene, const std::atomic<bool>* interrupted = nullptr);
+  explicit Ensemble(const Scene& scene);
 
   /// Runs on until there are so many. Throws RequestError when the scene cannot be marched,
   /// Interrupted.
@@ -93,7 +92,6 @@ class Ensemble {
  private:
   void run(int first, int count);
   Scene scene_;
-  const std::atomic<bool>* interrupted_;
   std::vector<Answer> answers_;
   std::vector<double> mean_squares_;                   // of the resonator's modes
   double march_seconds_ = 0, time_ = 0, seconds_ = 0;  // of the processor; simulated; of wall time

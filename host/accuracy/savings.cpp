@@ -109,7 +109,6 @@ class Search {
   double left(double end) const { return (end - spent()) * options_.budget; }
   void say(const std::string& text) const {
     if (options_.progress) options_.progress(text);
-    if (options_.interrupted && *options_.interrupted) throw Interrupted{};
   }
   Scene for_runs(Scene scene) const {
     scene.duration = out_.duration;
@@ -117,9 +116,7 @@ class Search {
     scene.probes.clear();
     return scene;
   }
-  Runs runs_of(const Scene& scene) const {
-    return std::make_shared<Ensemble>(for_runs(scene), options_.interrupted);
-  }
+  Runs runs_of(const Scene& scene) const { return std::make_shared<Ensemble>(for_runs(scene)); }
 
   void set_reference();
   void find_numerics();

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <array>
-#include <atomic>
 #include <filesystem>
 #include <functional>
 #include <limits>
@@ -28,7 +27,6 @@ namespace ra2d {
 struct SavingsOptions {
   double accuracy = 1e-3;                            // relative, of v_rms, shock rate and duration
   double budget = 60;                                // s of wall time, roughly
-  const std::atomic<bool>* interrupted = nullptr;    // ends it with Interrupted
   std::function<void(const std::string&)> progress;  // what is being done
 };
 

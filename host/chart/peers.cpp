@@ -2,13 +2,17 @@
 #include "host/chart/peers.hpp"
 
 #include <fmt/format.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "host/chart/process.hpp"
-#include "host/partial_file.hpp"
+#include "host/errors.hpp"
 #include "host/scene/text.hpp"
 
 namespace ra2d {
@@ -32,21 +36,23 @@ Peers::Peers(fs::path program, const Scene& scene) : program_{std::move(program)
   Scene moved = scene;
   anchor(moved.resonator.surface, scene.file.parent_path());
   anchor(moved.slider.surface, scene.file.parent_path());
-  const fs::path file = fs::temp_directory_path() / fmt::format("ra2d-scene-{}.toml", getpid());
-  write_text(file, echo(moved));
-  scene_ = file;
+  const std::string text = echo(moved);
+  scene_ = memfd_create("ra2d-scene", MFD_CLOEXEC);
+  if (scene_ < 0 || write(scene_, text.data(), text.size()) != std::ssize(text)) {
+    const int why = errno;
+    if (scene_ >= 0) close(scene_);
+    throw FileError(
+        fmt::format("the peers' scene cannot be written to memory: {}", std::strerror(why)));
+  }
 }
 
-Peers::~Peers() {
-  std::error_code ignored;
-  fs::remove(scene_, ignored);
-}
+Peers::~Peers() { close(scene_); }
 
 PeerRun Peers::run(const Peer& peer, double until, double limit) const {
   const ProgramRun ended = run_program(
-      {program_.string(), scene_.string(), "--integrator", peer.integrator, "--nodes", peer.nodes,
+      {program_.string(), "/dev/stdin", "--integrator", peer.integrator, "--nodes", peer.nodes,
        "--tolerance", toml_number(peer.tolerance), "--until", toml_number(until)},
-      Output::kept, limit);
+      Output::kept, limit, scene_);
   PeerRun run;
   if (ended.late) {
     run.failure = fmt::format("given up after {:.3g} s", limit);

@@ -29,7 +29,7 @@ std::filesystem::path find_peers();
 /// A scene in the hands of ra2d_peers.
 class Peers {
  public:
-  /// Writes the scene to a temporary file. Throws FileError.
+  /// Throws FileError.
   Peers(std::filesystem::path program, const Scene& scene);
   ~Peers();
   Peers(const Peers&) = delete;
@@ -39,7 +39,8 @@ class Peers {
   PeerRun run(const Peer& peer, double until, double limit) const;
 
  private:
-  std::filesystem::path program_, scene_;
+  std::filesystem::path program_;
+  int scene_;  // a file without a name, so that nobody has to clean it up
 };
 
 }  // namespace ra2d

@@ -13,7 +13,7 @@ enum ExitStatus : int {
   wrong_request = 2,
   failed = 3,
   wrong_file = 4,
-  interrupted = 130
+  interrupted = 128  // and the signal's number
 };
 
 struct CommonOptions {

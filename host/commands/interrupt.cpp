@@ -1,25 +1,53 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "host/commands/interrupt.hpp"
 
-#include <csignal>
+#include <signal.h>
+#include <unistd.h>
+
+#include <string_view>
+
+#include "host/chart/process.hpp"
+#include "host/interruption.hpp"
+#include "host/partial_file.hpp"
 
 namespace ra2d {
 namespace {
 
-std::atomic<bool> interrupt_asked{false};
-static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may set it");
+constexpr int interrupts[] = {SIGINT, SIGTERM, SIGHUP, SIGUSR1, SIGUSR2, SIGXCPU};
+bool on_terminal = false;
+
+void say(std::string_view text) {
+  [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, text.data(), text.size());
+}
 
 void on_signal(int signal) {
-  interrupt_asked = true;
-  std::signal(signal, SIG_DFL);
+  const int before = interruption();
+  if (before == 0 && ends_orderly()) return interrupt(signal);
+  // a terminal that closes says so twice, by the system and by the shell
+  if (before == SIGHUP && signal == SIGHUP) return;
+  drop_partials();
+  kill_programs();
+  if (on_terminal) say("\r\033[K");  // the line of progress
+  say(before == 0 ? "ra2d: interrupted\n"
+                  : "ra2d: interrupted again: nothing of this run is kept\n");
+  _exit(128 + signal);
 }
 
 }  // namespace
 
-const std::atomic<bool>& catch_interrupts() {
-  std::signal(SIGINT, on_signal);
-  std::signal(SIGTERM, on_signal);
-  return interrupt_asked;
+void catch_interrupts() {
+  on_terminal = isatty(STDERR_FILENO) != 0;
+  struct sigaction action {};
+  action.sa_handler = on_signal;
+  action.sa_flags = SA_RESTART;
+  for (const int signal : interrupts) sigaddset(&action.sa_mask, signal);
+  for (const int signal : interrupts) {
+    struct sigaction before {};
+    sigaction(signal, nullptr, &before);
+    if (signal == SIGHUP && before.sa_handler == SIG_IGN) continue;
+    sigaction(signal, &action, nullptr);
+  }
+  ::signal(SIGPIPE, SIG_IGN);
 }
 
 }  // namespace ra2d

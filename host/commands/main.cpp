@@ -11,6 +11,7 @@
 
 #include "host/chart/accuracy_chart.hpp"
 #include "host/commands/commands.hpp"
+#include "host/commands/interrupt.hpp"
 #include "host/errors.hpp"
 
 namespace {
@@ -48,7 +49,7 @@ int dispatch(int argc, char** argv) {
   app.footer(
       "Exit status: 0 done; 2 the request is wrong; 3 the simulation failed; 4 a file could not be "
       "read or "
-      "written; 130 interrupted.");
+      "written; 128 + n ended by signal n (130: Ctrl-C).");
 
   CommonOptions common;
   std::filesystem::path output;
@@ -148,6 +149,7 @@ int dispatch(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   using namespace ra2d;
+  catch_interrupts();
   try {
     return dispatch(argc, argv);
   } catch (const RequestError& fault) {

@@ -6,7 +6,6 @@
 
 #include "host/accuracy/savings.hpp"
 #include "host/commands/commands.hpp"
-#include "host/commands/interrupt.hpp"
 #include "host/errors.hpp"
 #include "host/output_file.hpp"
 #include "host/partial_file.hpp"
@@ -31,7 +30,6 @@ int plan_accuracy_command(const CommonOptions& common, double accuracy, double b
   SavingsOptions options;
   options.accuracy = accuracy;
   options.budget = budget;
-  options.interrupted = &catch_interrupts();
   const bool terminal = isatty(STDERR_FILENO) != 0 && !common.quiet;
   if (terminal)
     options.progress = [](const std::string& what) {
@@ -39,17 +37,11 @@ int plan_accuracy_command(const CommonOptions& common, double accuracy, double b
       std::fflush(stderr);
     };
   const Backend backend(common.threads);
-  try {
-    const Savings savings = find_savings(scene, options);
-    if (terminal) fmt::print(stderr, "\r\033[K");
-    fmt::print("{}", describe(savings));
-    std::fflush(stdout);
-    write_text(output, planned_scene(savings));
-  } catch (const Interrupted&) {
-    if (terminal) fmt::print(stderr, "\r\033[K");
-    fmt::print(stderr, "ra2d: interrupted: nothing was written\n");
-    return interrupted;
-  }
+  const Savings savings = find_savings(scene, options);
+  if (terminal) fmt::print(stderr, "\r\033[K");
+  fmt::print("{}", describe(savings));
+  std::fflush(stdout);
+  write_text(output, planned_scene(savings));
   if (!common.quiet) fmt::print("written    {}\n", output.string());
   return done;
 }

@@ -7,8 +7,8 @@
 #include <cstdio>
 
 #include "host/commands/commands.hpp"
-#include "host/commands/interrupt.hpp"
 #include "host/format.hpp"
+#include "host/interruption.hpp"
 #include "host/output_file.hpp"
 #include "host/plan/schemes.hpp"
 #include "host/run/run.hpp"
@@ -96,7 +96,6 @@ int run_command(const CommonOptions& common, std::filesystem::path output) {
   if (!common.quiet)
     for (const std::string& warning : warnings(scene))
       fmt::print(stderr, "ra2d: note: {}\n", warning);
-  options.interrupted = &catch_interrupts();
   const bool terminal = isatty(STDERR_FILENO) != 0;
   if (terminal && !common.quiet) options.progress = show;
 
@@ -114,7 +113,7 @@ int run_command(const CommonOptions& common, std::filesystem::path output) {
         stderr,
         "ra2d: interrupted at t = {:g} s: the results so far are in {}, marked as cut short\n",
         report.time, output.string());
-    return interrupted;
+    return interrupted + interruption();
   }
   return done;
 }

@@ -10,6 +10,7 @@
 #include <cstring>
 
 #include "host/errors.hpp"
+#include "host/interruption.hpp"
 #include "host/plan/schemes.hpp"
 #include "host/run/flight_tables.hpp"
 #include "host/run/gauss.hpp"
@@ -396,6 +397,8 @@ SceneTables Batch::Impl::fill_tables(const Model& model, const Layout& l) {
   t.total_steps = model.steps;
   t.steps_per_sample = model.steps_per_sample;
   t.samples = model.samples;
+  if constexpr (Kokkos::SpaceAccessibility<Space, Kokkos::HostSpace>::accessible)
+    t.interrupted = interruption_flag();
 
   const bool adaptive = is_adaptive(scene);
   const SchemeTable* scheme = adaptive ? nullptr : &scheme_table(scene.scheme);

@@ -70,7 +70,8 @@ class Batch {
   ~Batch();
   Batch(Batch&&) noexcept;
 
-  /// One launch: every running scene goes on to step `target`, its end, a full buffer or a failure.
+  /// One launch: every running scene goes on to step `target`, its end, a full buffer, an interrupt
+  /// (host/interruption.hpp; not on a GPU, which finishes its launch) or a failure.
   void march(std::int64_t target);
   /// Hands out and empties a scene's buffers.
   Drained drain(int scene);

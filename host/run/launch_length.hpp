@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 
 #include "host/plan/schemes.hpp"
 #include "host/run/model.hpp"
@@ -15,7 +16,8 @@ class LaunchLength {
  public:
   explicit LaunchLength(const Model& model, double seconds = 0.2)
       : seconds_{seconds},
-        steps_{is_adaptive(model.scene) ? std::llround(1e-4 / model.tick) : 10000},
+        steps_{(is_adaptive(model.scene) ? std::llround(1e-4 / model.tick) : 10000) /
+               (1 + std::ssize(model.scene.resonator.moving_forces))},  // each as costly as a step
         most_{std::max<std::int64_t>(model.steps, 1)} {
     steps_ = std::clamp<std::int64_t>(steps_, 1, most_);
   }

@@ -11,6 +11,7 @@
 
 #include "host/errors.hpp"
 #include "host/format.hpp"
+#include "host/interruption.hpp"
 #include "host/plan/plan.hpp"
 #include "host/plan/schemes.hpp"
 #include "host/run/launch_length.hpp"
@@ -189,6 +190,7 @@ RunReport run(const Scene& scene, const RunOptions& options) {
   ResultHeader header = make_header(model);
   header.beyond_limit = report.beyond_limit;
   ResultFile file(options.output, header);
+  const OrderlyEnd orderly;  // before, there is nothing to keep
 
   EnergyAccount energy(scene.from);
   LogHistogram durations, forces;
@@ -207,7 +209,7 @@ RunReport run(const Scene& scene, const RunOptions& options) {
   Clock::time_point shown = Clock::now();
   const Clock::time_point marching = shown;
   while (now.status == Status::running) {
-    if (options.interrupted && *options.interrupted) {
+    if (interruption() != 0) {
       report.ending = Ending::interrupted;
       break;
     }

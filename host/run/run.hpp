@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <algorithm>
-#include <atomic>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -24,8 +23,7 @@ struct Progress {
 
 struct RunOptions {
   std::filesystem::path output;
-  std::function<void(const Progress&)> progress;   // called a few times a second
-  const std::atomic<bool>* interrupted = nullptr;  // ends the run at the next launch
+  std::function<void(const Progress&)> progress;  // called a few times a second
 };
 
 enum class Ending { complete, interrupted, failed };
@@ -51,8 +49,8 @@ struct RunReport {
   double step_seconds() const { return march_seconds / std::max(1.0, static_cast<double>(steps)); }
 };
 
-/// Runs a scene to its end, an interrupt or a failure, and writes the result file in every case
-/// (marked when it was cut short). Throws RequestError, also for a step beyond the limits of
+/// Runs a scene to its end, an interrupt (host/interruption.hpp) or a failure, and writes the result
+/// file in every case (marked when it was cut short). Throws RequestError, also for a step beyond the limits of
 /// stability that the scene does not force, and FileError.
 RunReport run(const Scene& scene, const RunOptions& options);
 

@@ -8,6 +8,7 @@
 #include <functional>
 #include <limits>
 
+#include "host/interruption.hpp"
 #include "host/run/launch_length.hpp"
 
 namespace ra2d {
@@ -102,7 +103,7 @@ std::vector<TimedRun> timed_runs(const std::vector<Model>& models,
   LaunchLength launch(models.front(), std::clamp(0.1 * limits.wall, 1e-3, 0.2));
   double seconds = 0, processor = 0;
   for (std::int64_t now = 0;;) {
-    if (limits.interrupted && *limits.interrupted) throw Interrupted{};
+    if (interruption() != 0) throw Interrupted{};
     std::int64_t target = now + std::min(launch.steps(), last - now);
     for (const Follower& scene : scenes) target = std::min(target, scene.stop());
     const auto begin = std::chrono::steady_clock::now();

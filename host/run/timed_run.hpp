@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-#include <atomic>
 #include <cstdint>
 #include <limits>
 #include <string>
@@ -16,11 +15,7 @@ struct RunLimits {
   double time = std::numeric_limits<double>::infinity();           // s simulated
   double wall = std::numeric_limits<double>::infinity();           // s in the march
   std::int64_t shocks = std::numeric_limits<std::int64_t>::max();  // in every scene
-  const std::atomic<bool>* interrupted = nullptr;                  // ends it with Interrupted
 };
-
-/// Thrown where runs were asked to end.
-struct Interrupted {};
 
 /// Modal displacements and velocities of both bodies at one instant.
 struct State {
@@ -38,7 +33,7 @@ struct TimedRun {
   Snapshot begin, end;              // where statistics begin (output.from), and where the run ended
 };
 
-/// Marches scenes of one tick side by side from t = 0. Throws Interrupted.
+/// Marches scenes of one tick side by side from t = 0. Throws Interrupted (host/interruption.hpp).
 std::vector<TimedRun> timed_runs(const std::vector<Model>& models,
                                  const std::vector<ModalStart>& starts,
                                  const RunLimits& limits = {});

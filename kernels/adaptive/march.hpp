@@ -61,11 +61,12 @@ class AdaptiveMarcher {
     }
   }
 
-  /// Marches to `target` or a little beyond, the end of the scene, a full buffer or a failure,
-  /// whichever is first.
+  /// Marches to `target` or a little beyond, the end of the scene, a full buffer, an interrupt or a
+  /// failure, whichever is first.
   KOKKOS_FUNCTION void run(std::int64_t target) {
     const std::int64_t stop = target < t_.total_steps ? target : t_.total_steps;
-    while (s_.status == Status::running && step_ < stop && has_room_for_shocks(s_))
+    while (s_.status == Status::running && step_ < stop && has_room_for_shocks(s_) &&
+           !is_interrupted(t_))
       if (!stride()) break;
     if (s_.status == Status::running && step_ == t_.total_steps && last_sample() && lanes_.leader())
       s_.status = Status::done;

@@ -1,12 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <csignal>
+#include <cstdlib>
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "host/chart/accuracy_chart.hpp"
@@ -198,6 +204,82 @@ TEST(Peers, ThatFailSaySo) {
   EXPECT_THAT(failure("exec sleep 20\n", 0.1), HasSubstr("given up after 0.1 s"));
   EXPECT_THAT(Peers("/no/such", peaks).run({"dopri5", "all", 1e-3}, 1.0, 1).failure,
               HasSubstr("/no/such"));
+}
+
+/// Whether a process is gone, or waits for its parent to notice.
+bool is_gone(const std::string& process) {
+  const std::string status = read_file("/proc/" + process + "/status");
+  return status.empty() || status.find("State:\tZ") != std::string::npos;
+}
+
+/// What a script has written once it has written it.
+std::string await(const fs::path& file) {
+  std::string text;
+  while (text.empty() || text.back() != '\n') {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    text = read_file(file);
+  }
+  text.pop_back();
+  return text;
+}
+
+void await_end(const std::string& process) {
+  for (int tenths = 0; tenths < 100 && !is_gone(process); ++tenths)
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  EXPECT_TRUE(is_gone(process));
+}
+
+/// A peer that never answers, and says which process it is.
+fs::path silent_peer(const Folder& folder, const std::string& more) {
+  const std::string own = folder.path() / "peer";
+  return script(folder, "peers", "echo $$ > " + own + "\n" + more + "exec sleep 1000\n");
+}
+
+TEST(Peers, GoWithTheProgramThatIsKilled) {
+  const Folder folder, temporary;
+  const fs::path peer = silent_peer(folder, "");
+  const pid_t program = fork();
+  if (program == 0) {
+    setenv("TMPDIR", temporary.path().c_str(), 1);
+    const Peers peers(peer, read_scene(scene_file("peaks")));
+    peers.run({"dopri5", "all", 1e-3}, 1.0, 1000);
+    _exit(0);
+  }
+  const std::string own = await(folder.path() / "peer");
+  EXPECT_FALSE(is_gone(own));
+  kill(program, SIGKILL);
+  waitpid(program, nullptr, 0);
+  await_end(own);
+  EXPECT_TRUE(fs::is_empty(temporary.path()));
+}
+
+TEST(Peers, EndWithAllThatTheyStartedWhenTheProgramIsInterrupted) {
+  const Folder folder, temporary;
+  const fs::path peer =
+      silent_peer(folder, "sleep 1000 &\necho $! > " + (folder.path() / "helper").string() + "\n");
+  // the chart of a scene of one shock comes to its peers soon; nothing is left in a temporary folder
+  Child child(folder.path(),
+              {"env", "TMPDIR=" + temporary.path().string(), program(), "chart", "accuracy",
+               scene_file("peaks"), "--set", "scene.start=0.10485", "--set", "scene.duration=5e-4",
+               "--set", "scene.spacing=1e-4", "--budget", "100", "--no-plot", "--peers", peer});
+  const std::string own = await(folder.path() / "peer"), helper = await(folder.path() / "helper");
+  child.send(SIGTERM);
+  EXPECT_EQ(child.wait(), 128 + SIGTERM) << child.err();
+  await_end(own);
+  await_end(helper);
+  EXPECT_TRUE(fs::is_empty(temporary.path()));
+}
+
+TEST(Peers, NeedNoTemporaryFolder) {
+  const Folder folder;
+  const std::string before = fs::temp_directory_path();
+  setenv("TMPDIR", "/no/such", 1);
+  const PeerRun run =
+      Peers(script(folder, "peers", std::string("cat << EOF\n") + answer + "\nEOF\n"),
+            read_scene(scene_file("peaks")))
+          .run({"dopri5", "all", 1e-3}, 1.0, 10);
+  setenv("TMPDIR", before.c_str(), 1);
+  EXPECT_EQ(run.failure, "");
 }
 
 TEST(Accuracy, TheProgramPrintsTheTableAndWritesItsFiles) {

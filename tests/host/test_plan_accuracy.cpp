@@ -14,6 +14,7 @@
 #include "host/accuracy/ensemble.hpp"
 #include "host/accuracy/savings.hpp"
 #include "host/errors.hpp"
+#include "host/interruption.hpp"
 #include "host/plan/schemes.hpp"
 #include "tests/child.hpp"
 #include "tests/dice.hpp"
@@ -178,9 +179,12 @@ TEST(Ensemble, AnswersAreThoseOfTheRuns) {
 }
 
 TEST(Ensemble, EndsWhereItIsInterrupted) {
-  const std::atomic<bool> now{true};
-  Ensemble runs(rubbing(), &now);
+  Ensemble runs(rubbing());
+  interrupt(SIGINT);
   EXPECT_THROW(runs.extend(1), Interrupted);
+  interrupt(0);
+  runs.extend(1);
+  EXPECT_EQ(runs.runs(), 1);
 }
 
 /// A force crosses an undamped strip that nothing touches: its modes are independent, so that
@@ -353,7 +357,8 @@ TEST_F(PlanAccuracy, WrongRequestsAreRefusedBeforeAnythingRuns) {
 TEST_F(PlanAccuracy, ASignalEndsItWithNothingWritten) {
   Child child(folder_.path(),
               {program(), "plan", "--accuracy", "1e-4", "--budget", "1e6", scene_file("dang2012")});
-  std::this_thread::sleep_for(std::chrono::seconds(2));
+  ASSERT_TRUE(child.wait_until_it_catches(SIGINT));
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
   child.send(SIGINT);
   EXPECT_EQ(child.wait(), 130) << child.err();
   EXPECT_THAT(child.err(), HasSubstr("interrupted"));

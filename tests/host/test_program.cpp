@@ -7,11 +7,13 @@
 #include <sys/sysmacros.h>
 #include <unistd.h>
 
+#include <array>
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <thread>
 
 #include "tests/child.hpp"
@@ -54,7 +56,7 @@ class Program : public testing::Test {
     for (int tenths = 0; tenths < 600; ++tenths) {
       for (const auto& entry : fs::directory_iterator(folder_))
         if (entry.path().string().find(".h5.partial") != std::string::npos) {
-          std::this_thread::sleep_for(std::chrono::seconds(1));
+          std::this_thread::sleep_for(std::chrono::milliseconds(300));
           return;
         }
       std::this_thread::sleep_for(std::chrono::milliseconds(100));
@@ -246,25 +248,79 @@ TEST_F(Program, PlanRunsNothingAndSaysWhatWouldBeModelled) {
   EXPECT_THAT(out_, AllOf(HasSubstr("not used"), HasSubstr("'ra2d run' refuses it")));
 }
 
+const std::vector<std::string> long_run{
+    "run", scene_file("dang2012"), "--set", "scene.duration=0.9", "--set", "time.step=2e-10"};
+
 TEST_F(Program, ASignalEndsTheRunCleanlyWithWhatThereIs) {
-  RA2D_SKIP_WITHOUT_PYTHON();
-  for (const int signal : {SIGINT, SIGTERM}) {
-    Child child = start(
-        {"run", scene_file("dang2012"), "--set", "scene.duration=0.9", "--set", "time.step=2e-10"});
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGUSR1}) {
+    Child child = start(long_run);
     wait_until_it_marches();
     child.send(signal);
-    EXPECT_EQ(child.wait(), 130) << child.err();
+    EXPECT_EQ(child.wait(), 128 + signal) << child.err();
     EXPECT_THAT(child.err(), HasSubstr("interrupted at t ="));
     ASSERT_TRUE(fs::exists(folder_ / "dang2012.h5"));
-    EXPECT_EQ(python({"check_result.py", "dang2012.h5"}), 0) << out_ << err_;
-    std::ofstream(folder_ / "cut.py")
-        << "import h5py\nf = h5py.File('dang2012.h5')\n"
-           "assert f.attrs['complete'] == 0 and f.attrs['ended'] == 'interrupted'\n"
-           "assert f.attrs['steps'] > 0\n";
-    Child cut(folder_, {ra2d::test::python(), "cut.py"});
-    EXPECT_EQ(cut.wait(), 0) << cut.err();
+    if (signal == SIGINT && !ra2d::test::python().empty()) {
+      EXPECT_EQ(python({"check_result.py", "dang2012.h5"}), 0) << out_ << err_;
+      std::ofstream(folder_ / "cut.py")
+          << "import h5py\nf = h5py.File('dang2012.h5')\n"
+             "assert f.attrs['complete'] == 0 and f.attrs['ended'] == 'interrupted'\n"
+             "assert f.attrs['steps'] > 0\n";
+      Child cut(folder_, {ra2d::test::python(), "cut.py"});
+      EXPECT_EQ(cut.wait(), 0) << cut.err();
+    }
     fs::remove(folder_ / "dang2012.h5");
   }
+}
+
+TEST_F(Program, ASecondSignalEndsTheRunAtOnceWithoutAWreck) {
+  Child child = start(long_run);
+  wait_until_it_marches();
+  child.send(SIGSTOP);  // so that both are there when it goes on
+  child.send(SIGINT);
+  child.send(SIGTERM);
+  child.send(SIGCONT);
+  EXPECT_EQ(child.wait(), 128 + SIGTERM) << child.err();
+  EXPECT_THAT(child.err(), HasSubstr("nothing of this run is kept"));
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 2);  // what it printed
+}
+
+TEST_F(Program, ASignalEndsEverythingElseAtOnce) {
+  // a scene that never comes: nothing of the program's own would end it
+  ASSERT_EQ(mkfifo((folder_ / "never.toml").c_str(), 0600), 0);
+  const std::vector<std::vector<std::string>> requests = {
+      {"run", "never.toml"},
+      {"plan", "never.toml"},
+      {"plan", "--accuracy", "0.1", "never.toml"},
+      {"chart", "stability", "never.toml"},
+      {"chart", "accuracy", "never.toml"},
+      // and ones that are at work, with far too much to do
+      {"run", scene_file("dang2012"), "--set", "scene.spacing=2e-8"},
+      {"plan", scene_file("dang2012"), "--set", "scene.spacing=2e-8"},
+      {"chart", "stability"}};
+  int turn = 0;
+  for (const auto& request : requests) {
+    const int signal = std::array{SIGINT, SIGTERM, SIGHUP, SIGUSR1}[turn++ % 4];
+    Child child = start(request);
+    ASSERT_TRUE(child.wait_until_it_catches(SIGUSR1)) << child.err();
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    child.send(signal);
+    EXPECT_EQ(child.wait(), 128 + signal) << request[0] << " " << request[1] << child.err();
+    EXPECT_THAT(child.err(), HasSubstr("ra2d: interrupted"));
+    EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 3);  // and what it printed
+  }
+}
+
+TEST_F(Program, WhatNohupIgnoresStaysIgnoredAndAClosedPipeEndsNothing) {
+  ASSERT_EQ(mkfifo((folder_ / "never.toml").c_str(), 0600), 0);
+  Child child(folder_,
+              {"sh", "-c", "trap '' HUP; exec \"$0\" plan never.toml", ra2d::test::program()});
+  ASSERT_TRUE(child.wait_until_it_catches(SIGUSR1));
+  EXPECT_TRUE(child.ignores(SIGHUP));
+  EXPECT_TRUE(child.ignores(SIGPIPE));
+  EXPECT_FALSE(child.ignores(SIGINT));
+  child.send(SIGHUP);
+  child.send(SIGTERM);
+  EXPECT_EQ(child.wait(), 128 + SIGTERM);
 }
 
 TEST_F(Program, AKilledRunLeavesNothingUnderTheFinalName) {

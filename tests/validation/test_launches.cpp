@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "host/interruption.hpp"
+#include "host/run/launch_length.hpp"
 #include "tests/looks.hpp"
 #include "tests/scenes.hpp"
 #include "tests/simulate.hpp"
@@ -47,6 +49,37 @@ TEST(Launches, AnyLengthGivesTheSameBits) {
     scene.duration /= 5;
     compare({1, 7});
   }
+}
+
+TEST(Launches, EndSoonWhenTheyAreInterrupted) {
+  for (const SchemeKind scheme :
+       {SchemeKind::backward_euler, SchemeKind::rk4, SchemeKind::adaptive})
+    for (const Nodes nodes : {Nodes::candidates, Nodes::all}) {
+      Scene scene = rough_scene(Support::free);
+      scene.scheme = scheme;
+      if (scheme == SchemeKind::adaptive && nodes == Nodes::all) continue;
+      const Model model = make_model(scene);
+      const ModalStart start = make_start(model);
+      Batch cut({model}, {start}), whole({model}, {start});
+      interrupt(2);
+      cut.march(model.steps);
+      interrupt(0);
+      EXPECT_EQ(cut.snapshot(0).step, 0);
+      EXPECT_EQ(cut.snapshot(0).status, Status::running);
+      // and nothing has come of it
+      cut.march(model.steps / 10);
+      whole.march(model.steps / 10);
+      EXPECT_EQ(cut.snapshot(0).resonator_u, whole.snapshot(0).resonator_u);
+      EXPECT_EQ(cut.snapshot(0).step, whole.snapshot(0).step);
+    }
+}
+
+TEST(Launches, TheFirstIsShortWhereStepsAreCostly) {
+  Scene scene = rough_scene(Support::free);
+  scene.duration = 1;
+  const std::int64_t usual = LaunchLength(make_model(scene)).steps();
+  scene.resonator.moving_forces.resize(20'000);
+  EXPECT_LE(LaunchLength(make_model(scene)).steps(), std::max<std::int64_t>(1, usual / 20'000));
 }
 
 TEST(Launches, RandomLengthsGiveTheSameBits) {

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/interruption.hpp"
+
+#include <atomic>
+
+namespace ra2d {
+namespace {
+
+constinit int asked = 0;
+constinit std::atomic<int> orderly{0};
+static_assert(std::atomic_ref<int>::is_always_lock_free && std::atomic<int>::is_always_lock_free,
+              "signal handlers write and read them");
+
+}  // namespace
+
+void interrupt(int signal) noexcept { std::atomic_ref<int>(asked).store(signal); }
+int interruption() noexcept { return std::atomic_ref<int>(asked).load(); }
+const int* interruption_flag() noexcept { return &asked; }
+
+OrderlyEnd::OrderlyEnd() noexcept { ++orderly; }
+OrderlyEnd::~OrderlyEnd() { --orderly; }
+bool ends_orderly() noexcept { return orderly > 0; }
+
+}  // namespace ra2d

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+/// How a process is asked to end. Programs ask from their signal handlers (host/commands/interrupt.hpp
+/// does for ra2d); who uses the library may do the same from anywhere.
+namespace ra2d {
+
+/// Asks all marches of this process to end soon: run() then writes what it has, what keeps nothing
+/// throws Interrupted. `signal` is what asked; 0 takes it back. Signal handlers may call it.
+void interrupt(int signal) noexcept;
+
+/// The signal that asked; 0 while none did.
+int interruption() noexcept;
+
+/// The same for the kernels of a host backend, which read it atomically.
+const int* interruption_flag() noexcept;
+
+/// Thrown where runs were asked to end and nothing of them is kept.
+struct Interrupted {};
+
+/// While one is there, something is going on that has results to write when it is interrupted. What
+/// does not may be ended at once, wherever it is.
+class OrderlyEnd {
+ public:
+  OrderlyEnd() noexcept;
+  ~OrderlyEnd();
+  OrderlyEnd(const OrderlyEnd&) = delete;
+  OrderlyEnd& operator=(const OrderlyEnd&) = delete;
+};
+
+/// Whether there is one. Signal handlers may call it.
+bool ends_orderly() noexcept;
+
+}  // namespace ra2d
