@@ -109,12 +109,13 @@ Series choose_series(const Model& model) {
   };
   while (range > 0 && series.terms <= most_terms && left_out() > 0x1p-53) series.terms += 4;
   if (series.terms > most_terms)
-    throw RequestError(fmt::format(
-        "scene.spacing = {} m: the resonator's highest mode has only {:.1f} nodes to a wavelength, "
-        "{:.0f} are "
-        "needed here. Refine scene.spacing or keep fewer modes (resonator.max_frequency)",
-        model.scene.spacing, 2 * M_PI / beta_chi,
-        std::ceil(2 * M_PI * (0.5 * (1 + width) + 1.0) / 2.1)));
+    throw refusal(
+        model.scene, "scene.spacing",
+        fmt::format("{} m gives the resonator's highest mode only {:.1f} nodes to a wavelength, "
+                    "{:.0f} are needed here: refine it, or keep fewer modes "
+                    "(resonator.max_frequency)",
+                    model.scene.spacing, 2 * M_PI / beta_chi,
+                    std::ceil(2 * M_PI * (0.5 * (1 + width) + 1.0) / 2.1)));
   return series;
 }
 

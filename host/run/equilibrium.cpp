@@ -188,11 +188,10 @@ ModalStart make_start(const Model& model) {
     const bool settled = multipliers ? settle_without_overlap(potential, u, forces)
                                      : settle(potential, model.node_stiffness, u);
     if (!settled)
-      throw RequestError(
-          fmt::format("{}: scene.initial = \"static\": no static equilibrium was found under this "
-                      "load and contact. Start "
-                      "from \"rest\"{}",
-                      model.scene.file.string(),
+      throw refusal(
+          model.scene, "scene.initial",
+          fmt::format("\"static\", and no static equilibrium was found under this load and "
+                      "contact. Start from \"rest\"{}",
                       multipliers ? ", or widen scene.gap" : ", or lower contact.stiffness"));
   }
   ModalStart start;
