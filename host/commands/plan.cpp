@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <fmt/format.h>
-
-#include "host/commands/commands.hpp"
 #include "host/plan/plan.hpp"
+#include "host/commands/commands.hpp"
+#include "host/commands/print.hpp"
 #include "host/run/batch.hpp"
+#include "host/scene/text.hpp"
 
 namespace ra2d {
 
@@ -13,8 +13,9 @@ int plan_command(const CommonOptions& common) {
   const Model model = make_model(scene);
   const Batch batch({model}, {make_start(model)});
   const Plan plan = make_plan(model, batch.bytes());
-  if (!common.quiet) fmt::print("# {}, complete:\n{}\n", common.scene.string(), echo(scene));
-  fmt::print("{}", describe(model, plan));
+  say_doubts(model.doubts, common.quiet);
+  if (!common.quiet) print("# {}, complete:\n{}\n", printable(common.scene.string()), echo(scene));
+  print_text(describe(model, plan));
   return done;
 }
 

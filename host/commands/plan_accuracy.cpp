@@ -2,28 +2,20 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <cstdio>
-
 #include "host/accuracy/savings.hpp"
 #include "host/chart/files.hpp"
 #include "host/commands/commands.hpp"
 #include "host/commands/interrupt.hpp"
+#include "host/commands/print.hpp"
 #include "host/errors.hpp"
 #include "host/output_file.hpp"
 #include "host/run/batch.hpp"
+#include "host/scene/text.hpp"
 
 namespace ra2d {
 
 int plan_accuracy_command(const CommonOptions& common, double accuracy, double budget,
                           std::filesystem::path output) {
-  if (!(accuracy > 0 && accuracy < 1))
-    throw RequestError(fmt::format(
-        "--accuracy {:g}: expected a relative accuracy between 0 and 1, like 0.01", accuracy));
-  if (!(budget > 0 && budget < 1e9))
-    throw RequestError(
-        fmt::format("--budget {:g}: expected seconds of wall time, more than 0 and "
-                    "less than 1e9, like 60",
-                    budget));
   const Scene scene = read_scene(common.scene, common.overrides);
   if (output.empty()) output = common.scene.stem().string() + "-planned.toml";
   require_output(output, files_of(scene));
@@ -33,24 +25,20 @@ int plan_accuracy_command(const CommonOptions& common, double accuracy, double b
   options.budget = budget;
   options.interrupted = &catch_interrupts();
   const bool terminal = isatty(STDERR_FILENO) != 0 && !common.quiet;
-  if (terminal)
-    options.progress = [](const std::string& what) {
-      fmt::print(stderr, "\r{}\033[K", what);
-      std::fflush(stderr);
-    };
+  if (terminal) options.progress = [](const std::string& what) { show(what); };
+  say_doubts(make_model(scene).doubts, common.quiet);
   const Backend backend(common.threads);
   try {
     const Savings savings = find_savings(scene, options);
-    if (terminal) fmt::print(stderr, "\r\033[K");
-    fmt::print("{}", describe(savings));
-    std::fflush(stdout);
+    if (terminal) show({});
+    print_text(describe(savings));
     write_text(output, planned_scene(savings, output));
   } catch (const Interrupted&) {
-    if (terminal) fmt::print(stderr, "\r\033[K");
-    fmt::print(stderr, "ra2d: interrupted: nothing was written\n");
+    if (terminal) show({});
+    say("interrupted: nothing was written");
     return interrupted;
   }
-  if (!common.quiet) fmt::print("written    {}\n", output.string());
+  if (!common.quiet) print("written    {}\n", printable(output.string()));
   return done;
 }
 
