@@ -7,6 +7,7 @@
 
 #include <csignal>
 #include <fstream>
+#include <iterator>
 #include <sstream>
 #include <utility>
 
@@ -47,6 +48,11 @@ int Child::wait() {
 }
 
 void Child::send(int signal) const { kill(pid_, signal); }
+
+int Child::threads() const {
+  const std::filesystem::directory_iterator tasks("/proc/" + std::to_string(pid_) + "/task");
+  return static_cast<int>(std::distance(begin(tasks), end(tasks)));
+}
 
 Ended run_program(const std::filesystem::path& folder, std::vector<std::string> words) {
   Child child(folder, std::move(words));

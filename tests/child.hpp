@@ -31,6 +31,8 @@ class Child {
   /// Exit status, or 1000 + the signal that ended it.
   int wait();
   void send(int signal) const;
+  /// Threads that it has now.
+  int threads() const;
   std::string out() const { return read_file(folder_ / "stdout"); }
   std::string err() const { return read_file(folder_ / "stderr"); }
 

@@ -36,6 +36,11 @@ def read_context(file):
         return dict(line[2:].rstrip("\n").split(": ", 1) for line in lines if line.startswith("# "))
 
 
+def literal(text):
+    """A text from outside, which is no formula to matplotlib."""
+    return text.replace("$", r"\$")
+
+
 def save(figure, picture):
     """Under its final name once it is complete."""
     partial = f"{picture}.partial-{os.getpid()}"

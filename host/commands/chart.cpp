@@ -83,7 +83,7 @@ int chart_stability_command(const CommonOptions& common, const std::string& pref
   if (plot)
     draw_picture("plot_stability.py",
                  {table, regions, eigenvalues, picture,
-                  fmt::format("{}, step {:g} s", title(scene), scene.step)},
+                  fmt::format("{}, step {:g} s", printable(title(scene)), scene.step)},
                  picture, texts);
   print_written(common, texts, plot, picture);
   return done;

@@ -8,6 +8,9 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#if defined(KOKKOS_ENABLE_OPENMP)
+#include <omp.h>
+#endif
 
 #include "host/errors.hpp"
 #include "host/plan/schemes.hpp"
@@ -241,6 +244,11 @@ Backend::Backend(int threads) {
   Kokkos::InitializationSettings settings;
   settings.set_disable_warnings(true);  // about thread binding: one scene runs on one thread
   if (threads > 0) settings.set_num_threads(threads);
+#if defined(KOKKOS_ENABLE_OPENMP)
+  // before it heeds that number, Kokkos starts a thread on every processor, and where the system
+  // starts no more, that ends the program
+  if (threads > 0) omp_set_num_threads(threads);
+#endif
   Kokkos::initialize(settings);
 }
 Backend::~Backend() { Kokkos::finalize(); }

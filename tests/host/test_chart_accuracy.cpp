@@ -208,7 +208,8 @@ TEST(Accuracy, TheProgramPrintsTheTableAndWritesItsFiles) {
   const fs::path peers = script(folder, "peers", std::string("cat << EOF\n") + answer + "\nEOF\n");
   // the first shock alone
   std::vector<std::string> words{program(), "chart", "accuracy", scene_file("peaks")};
-  for (const char* value : {"scene.start=0.10485", "scene.duration=5e-4", "scene.spacing=1e-4"})
+  for (const char* value : {"scene.start=0.10485", "scene.duration=5e-4", "scene.spacing=1e-4",
+                            "scene.name=$x^$ \\frac\n\x1b"})
     words.insert(words.end(), {"--set", value});
   words.insert(words.end(), {"--budget", "100", "--peers", peers.string(), "-o", "out"});
   if (!can_draw) words.emplace_back("--no-plot");

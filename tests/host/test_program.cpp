@@ -374,6 +374,7 @@ TEST_F(Program, ASignalEndsTheRunCleanlyWithWhatThereIs) {
     Child child = start(
         {"run", scene_file("dang2012"), "--set", "scene.duration=0.9", "--set", "time.step=2e-10"});
     wait_until_it_marches();
+    EXPECT_EQ(child.threads(), 1) << "there may be no more to be had (ulimit -u)";
     child.send(signal);
     EXPECT_EQ(child.wait(), 130) << child.err();
     EXPECT_THAT(child.err(), HasSubstr("interrupted at t ="));
