@@ -8,6 +8,7 @@
 #include <chrono>
 #include <csignal>
 #include <fstream>
+#include <iterator>
 #include <sstream>
 #include <thread>
 #include <utility>
@@ -75,6 +76,11 @@ bool Child::wait_until_it_catches(int signal) const {
 bool Child::ignores(int signal) const { return has_signal(pid_, "SigIgn", signal); }
 
 void Child::send(int signal) const { kill(pid_, signal); }
+
+int Child::threads() const {
+  const std::filesystem::directory_iterator tasks("/proc/" + std::to_string(pid_) + "/task");
+  return static_cast<int>(std::distance(begin(tasks), end(tasks)));
+}
 
 Ended run_program(const std::filesystem::path& folder, std::vector<std::string> words) {
   Child child(folder, std::move(words));

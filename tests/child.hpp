@@ -35,6 +35,8 @@ class Child {
   bool wait_until_it_catches(int signal) const;
   /// Whether it ignores the signal.
   bool ignores(int signal) const;
+  /// Threads that it has now.
+  int threads() const;
   std::string out() const { return read_file(folder_ / "stdout"); }
   std::string err() const { return read_file(folder_ / "stderr"); }
 

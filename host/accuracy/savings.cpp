@@ -238,14 +238,14 @@ void Search::set_reference() {
   } catch (const RequestError& fault) {
     // only of fixed steps, for a scene that was read
     const StepLimits limits = step_limits(make_model(reference), choice_of(reference));
-    throw RequestError(
-        fmt::format("{}: time.scheme: the reference would be the scene's own scheme at a tenth of "
-                    "its step, and "
-                    "{}. {}",
-                    written_.file.string(), fault.what(), step_cure(reference, limits.holds())));
+    throw refusal(
+        written_, "time.scheme",
+        fmt::format("the reference would be the scene's own scheme at a tenth of its step, and {}. "
+                    "{}",
+                    fault.what(), step_cure(reference, limits.holds())));
   }
   if (const std::string overlap = overlap_at_start(make_model(reference)); !overlap.empty())
-    throw RequestError(fmt::format("{}: scene.gap: {}", written_.file.string(), overlap));
+    throw refusal(written_, "scene.gap", overlap);
   say("the reference");
   out_.duration = written_.duration;
   const double wall = reference_share * options_.budget;

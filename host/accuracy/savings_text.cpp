@@ -10,6 +10,7 @@
 #include "host/format.hpp"
 #include "host/plan/schemes.hpp"
 #include "host/scene/names.hpp"
+#include "host/scene/text.hpp"
 
 namespace ra2d {
 namespace {
@@ -194,7 +195,7 @@ std::string describe(const Savings& s) {
 
 std::string planned_scene(const Savings& s) {
   const Scene& scene = s.chosen;
-  const std::string name = s.written.file.filename().string();
+  const std::string name = printable(s.written.file.filename().string());
   std::string text = fmt::format(
       "# {} with no more than level, rate of shocks and their median duration need to stay within\n"
       "# {:g} % of the scene as written: 'ra2d plan --accuracy {:g}'.\n",

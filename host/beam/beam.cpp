@@ -78,13 +78,12 @@ std::vector<ModeShape> rigid_modes(double length) {
   return {translation, rotation};
 }
 
-int elastic_mode_count(const BodySpec& body) {
+int elastic_mode_count(const BodySpec& body, int most) {
   if (body.modes) return *body.modes;
   int count = 0;
-  while (body.max_frequency && elastic_frequency(body, count) <= *body.max_frequency)
-    if (++count > most_modes)
-      throw RequestError("max_frequency keeps more than " + std::to_string(most_modes) +
-                         " elastic modes; lower it, or give modes");
+  while (count < most && body.max_frequency &&
+         elastic_frequency(body, count) <= *body.max_frequency)
+    ++count;
   return count;
 }
 
@@ -124,6 +123,11 @@ double elastic_frequency(const BodySpec& body, int k) {
   return angular_frequency(body, k) / (2 * pi);
 }
 
+int mode_count(const BodySpec& body, int most) {
+  if (body.support == Support::rigid) return 0;
+  return elastic_mode_count(body, most) + (body.support == Support::free ? 2 : 0);
+}
+
 Beam make_beam(const BodySpec& body) {
   Beam beam;
   beam.length = body.length;
@@ -135,7 +139,11 @@ Beam make_beam(const BodySpec& body) {
 
   const bool is_free = body.support == Support::free;
   if (is_free) beam.modes = rigid_modes(beam.length);
-  for (int k = 0, count = elastic_mode_count(body); k < count; ++k) {
+  const int count = elastic_mode_count(body, most_modes + 1);
+  if (count > most_modes)
+    throw RequestError("max_frequency keeps more than " + std::to_string(most_modes) +
+                       " elastic modes; lower it, or give modes");
+  for (int k = 0; k < count; ++k) {
     beam.modes.push_back(is_free ? free_mode(beam.length, k) : pinned_mode(beam.length, k));
     beam.modes.back().omega = angular_frequency(body, k);
   }

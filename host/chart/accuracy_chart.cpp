@@ -93,7 +93,7 @@ class Survey {
         budget_{options.budget * (options.peers.empty() ? 1.0 : 1.0 - peer_share)} {
     scene_.nodes = Nodes::candidates;
     scene_.force = false;
-    scene_.from = 0;  // the stretches are short: all of them counts
+    scene_.from = 0;                             // the stretches are short: all of them counts
     if (!(scene_.step > 0)) scene_.step = 1e-8;  // of a scene that leaves it to its scheme
   }
 

@@ -7,6 +7,7 @@
 #include "host/chart/accuracy_chart.hpp"
 #include "host/chart/context.hpp"
 #include "host/format.hpp"
+#include "host/scene/text.hpp"
 
 namespace ra2d {
 namespace {
@@ -226,7 +227,7 @@ std::string describe(const AccuracyChart& chart) {
 
 Context chart_context(const Scene& scene, const AccuracyChart& chart) {
   Context context = timing_context();
-  context.emplace_back("scene", title(scene));
+  context.emplace_back("scene", printable(title(scene)));
   for (std::size_t i = 0; i < chart.instants.size(); ++i) {
     context.emplace_back(chart.instants[i].kind, chart.instants[i].text);
     context.emplace_back(chart.instants[i].kind + " of the reference",

@@ -35,6 +35,11 @@ def read_context(file):
         return dict(line[2:].rstrip("\n").split(": ", 1) for line in lines if line.startswith("# "))
 
 
+def literal(text):
+    """A text from outside, which is no formula to matplotlib."""
+    return text.replace("$", r"\$")
+
+
 def save(figure, picture):
     """Into the file itself, which the program has made and names when it is complete."""
     try:

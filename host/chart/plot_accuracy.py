@@ -8,7 +8,7 @@ there is no matplotlib.
 import math
 import sys
 
-from chart_style import NAMES, read, read_context, save
+from chart_style import NAMES, literal, read, read_context, save
 import matplotlib.pyplot as plt
 from matplotlib.lines import Line2D
 
@@ -160,7 +160,7 @@ def main(points, long_runs, picture):
         lower.suptitle(f"Over {float(first['duration']):.3g} s of sliding"
                        + (f", {first['seeds']} surfaces: mean and standard error (thin); difference from the first "
                           "line's on the same surfaces (thick)" if several else ", one run of each"), fontsize=10.5)
-    figure.suptitle(f"Speed against accuracy. Scene: {context.get('scene', '')}", fontsize=12)
+    figure.suptitle(f"Speed against accuracy. Scene: {literal(context.get('scene', ''))}", fontsize=12)
     stretches = [number(row, "stretch") for row in rows if row["stretch"] and row["program"] == "ra2d"] or [math.nan]
     figure.supxlabel(wrap(
         f"Timed, and the energy followed, over {min(stretches):.2g} s (the finest) to {max(stretches):.2g} s. "

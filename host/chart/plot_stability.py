@@ -8,7 +8,7 @@ PREFIX-modes.csv. Ends with status 9 when there is no matplotlib.
 import math
 import sys
 
-from chart_style import NAMES, read, save
+from chart_style import NAMES, literal, read, save
 import matplotlib.pyplot as plt
 from matplotlib.lines import Line2D
 
@@ -140,7 +140,7 @@ def main(limits, regions, modes, picture, title):
                                          gridspec_kw={"width_ratios": [1.25, 1]})
     draw_limits(left, limits, regions, modes)
     draw_regions(right, limits, regions, modes)
-    figure.suptitle(f"Stability of the time schemes. Scene: {title}", fontsize=12)
+    figure.suptitle(f"Stability of the time schemes. Scene: {literal(title)}", fontsize=12)
     save(figure, picture)
 
 

@@ -2,17 +2,17 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <cstdio>
-
 #include "host/chart/accuracy_chart.hpp"
 #include "host/chart/files.hpp"
 #include "host/chart/peers.hpp"
 #include "host/chart/stability_chart.hpp"
 #include "host/commands/commands.hpp"
+#include "host/commands/print.hpp"
 #include "host/errors.hpp"
 #include "host/output_file.hpp"
 #include "host/partial_file.hpp"
 #include "host/run/batch.hpp"
+#include "host/scene/text.hpp"
 #include "paper_scene.hpp"
 
 namespace ra2d {
@@ -61,7 +61,8 @@ void draw_picture(const std::string& script, std::vector<std::string> arguments,
 void print_written(const CommonOptions& common, const std::string& texts, bool plot,
                    const std::string& picture) {
   if (!common.quiet)
-    fmt::print("\nwritten: {}{}\n", texts, plot ? "; the picture: " + picture : "");
+    print("\nwritten: {}{}\n", printable(texts),
+          plot ? "; the picture: " + printable(picture) : "");
 }
 
 }  // namespace
@@ -70,19 +71,18 @@ int chart_stability_command(const CommonOptions& common, const std::string& pref
   check_prefix(prefix, "stability");
   const Scene scene = chart_scene(common);
   if (!(scene.step > 0))
-    throw RequestError(
-        fmt::format("{}: time.step: missing: the chart places the scene's modes by its step, which "
-                    "time.scheme = \"adaptive\" does without (add one, or --set time.step=1e-8)",
-                    scene.file.string()));
+    throw refusal(scene, "time.step",
+                  "missing: the chart places the scene's modes by its step, which time.scheme = "
+                  "\"adaptive\" does without (add one, or --set time.step=1e-8)");
   const std::string table = prefix + ".csv", regions = prefix + "-regions.csv",
                     eigenvalues = prefix + "-modes.csv", picture = prefix + ".png";
   require_outputs({table, regions, eigenvalues}, scene, plot, picture);
   const Model model = make_model(scene);
+  say_doubts(model.doubts, common.quiet);
   const std::string modes = modes_csv(model);
   const Backend backend(common.threads);
   const std::vector<Limit> limits = make_limits();
-  fmt::print("{}", describe(limits));
-  std::fflush(stdout);
+  print_text(describe(limits));
 
   write_text(table, limits_csv(limits));
   write_text(regions, regions_csv());
@@ -90,7 +90,7 @@ int chart_stability_command(const CommonOptions& common, const std::string& pref
   const std::string texts = fmt::format("{}, {} and {}", table, regions, eigenvalues);
   if (plot)
     draw_picture("plot_stability.py", {table, regions, eigenvalues}, picture,
-                 {fmt::format("{}, step {:g} s", title(scene), scene.step)}, texts);
+                 {fmt::format("{}, step {:g} s", printable(title(scene)), scene.step)}, texts);
   print_written(common, texts, plot, picture);
   return done;
 }
@@ -107,20 +107,16 @@ int chart_accuracy_command(const CommonOptions& common, const std::string& prefi
                     "the build makes it in bench/peers",
                     peers.string()));
   const bool shown = isatty(STDERR_FILENO) != 0 && !common.quiet;
-  if (shown)
-    options.progress = [](const std::string& what) {
-      fmt::print(stderr, "\r{} ...\033[K", what);
-      std::fflush(stderr);
-    };
+  if (shown) options.progress = [](const std::string& what) { show(what + " ..."); };
   const Scene scene = chart_scene(common);
   const std::string points = prefix + ".csv", long_runs = prefix + "-long.csv",
                     picture = prefix + ".png";
   require_outputs({points, long_runs}, scene, plot, picture);
+  say_doubts(make_model(scene).doubts, common.quiet);
   const Backend backend(common.threads);
   const AccuracyChart chart = measure_accuracy(scene, options);
-  if (shown) fmt::print(stderr, "\r\033[K");
-  fmt::print("{}", describe(chart));
-  std::fflush(stdout);
+  if (shown) show({});
+  print_text(describe(chart));
 
   const Context context = chart_context(scene, chart);
   write_text(points, points_csv(chart, context));

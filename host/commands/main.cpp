@@ -4,23 +4,87 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <csignal>
 #include <exception>
 #include <new>
+#include <sstream>
 #include <string_view>
 #include <utility>
 
 #include "host/chart/accuracy_chart.hpp"
 #include "host/commands/commands.hpp"
 #include "host/commands/interrupt.hpp"
+#include "host/commands/print.hpp"
+#include "host/commands/threads.hpp"
 #include "host/errors.hpp"
+#include "host/scene/text.hpp"
 
 namespace {
 
 /// Commands of the contract that are not built yet: refused by name.
 constexpr std::array<std::string_view, 4> coming{"surface", "analyze", "study", "plot"};
 
-bool is_coming(const std::string& words) {
-  return std::find(coming.begin(), coming.end(), words) != coming.end();
+using Words = std::vector<std::string>;
+
+/// Numbers from `low` to `high`, told as `words`. CLI11's own Range lets nan pass.
+CLI::Validator number_from(double low, double high, const std::string& words) {
+  return {[=](std::string& text) {
+            double value = std::nan("");
+            const bool is_number = CLI::detail::lexical_cast(text, value);
+            return is_number && value >= low && value <= high
+                       ? std::string{}
+                       : fmt::format("'{}': expected {}", ra2d::shortened(text), words);
+          },
+          words};
+}
+
+std::string did_you_mean(const std::string& word, const Words& known) {
+  const auto near = ra2d::nearest(word, known);
+  return near ? fmt::format(" (did you mean '{}'?)", *near) : std::string{};
+}
+
+/// The command that the first words name, and what is wrong with them, if anything.
+struct Named {
+  const CLI::App* command;
+  std::string path, fault;
+};
+
+Named find_command(const CLI::App& app, const Words& words) {
+  Named named{&app, app.get_name(), {}};
+  for (const std::string& word : words) {
+    const auto commands = named.command->get_subcommands({});
+    if (commands.empty() || word.starts_with('-')) break;
+    Words names;
+    for (const CLI::App* command : commands) names.push_back(command->get_name());
+    const auto found = std::find(names.begin(), names.end(), word);
+    if (found == names.end()) {
+      if (named.command == &app) names.emplace_back("help");
+      named.fault =
+          fmt::format("'{}' has no command '{}'{}; there are {}", named.path, ra2d::shortened(word),
+                      did_you_mean(word, names), ra2d::any_of(names, "'"));
+      break;
+    }
+    named.command = commands[static_cast<std::size_t>(found - names.begin())];
+    named.path += ' ' + word;
+  }
+  return named;
+}
+
+/// Of a line that CLI11 could not read: the first option that its command does not have.
+std::string unknown_option(const Named& named, const Words& words) {
+  Words names;
+  for (const CLI::Option* option : named.command->get_options())
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  for (const std::string& word : words) {
+    if (word == "--") break;
+    if (!word.starts_with("--")) continue;
+    const std::string name = word.substr(0, word.find('='));
+    if (std::find(names.begin(), names.end(), name) == names.end())
+      return fmt::format("'{}' has no option '{}'{}", named.path, ra2d::shortened(name),
+                         did_you_mean(name, names));
+  }
+  return {};
 }
 
 void add_common(CLI::App& command, ra2d::CommonOptions& common) {
@@ -30,14 +94,17 @@ void add_common(CLI::App& command, ra2d::CommonOptions& common) {
       ->type_name("SECTION.KEY=VALUE")
       ->take_all()
       ->expected(1);
-  command.add_option("--threads", common.threads, "threads; a single scene keeps one of them busy")
-      ->check(CLI::Range(1, 4096))
+  command
+      .add_option("--threads", common.threads,
+                  "threads; a single scene keeps one of them busy, and there are no more than "
+                  "processors")
+      ->check(number_from(1, 1e6, "1 or more"))
       ->capture_default_str();
   command.add_flag("--quiet", common.quiet, "print nothing but what was asked for and errors");
 }
 
-/// Reads the command line and runs what it asks for.
-int dispatch(int argc, char** argv) {
+/// Reads the words of the command line and runs what they ask for.
+int dispatch(Words words) {
   using namespace ra2d;
   CLI::App app{
       "ra2d: friction noise of rough surfaces. Two beams slide past each other, their asperities "
@@ -71,9 +138,12 @@ int dispatch(int argc, char** argv) {
                        "finds by runs the cheapest scheme and step, the fewest modes and the "
                        "coarsest spacing that keep level, rate of shocks and their median duration "
                        "within this relative accuracy, and writes the scene with them")
-          ->type_name("A");
+          ->type_name("A")
+          ->check(number_from(std::nextafter(0.0, 1.0), std::nextafter(1.0, 0.0),
+                              "between 0 and 1, like 0.01"));
   plan->add_option("--budget", plan_budget, "with --accuracy: wall time it may take, roughly")
       ->type_name("SECONDS")
+      ->check(number_from(1e-3, 1e9, "from 1e-3 to 1e9"))
       ->capture_default_str()
       ->needs(asked);
   plan->add_option("-o,--output", planned,
@@ -100,7 +170,7 @@ int dispatch(int argc, char** argv) {
   double budget = AccuracyOptions{}.budget;
   accuracy->add_option("--budget", budget, "wall time that it may take, roughly")
       ->type_name("SECONDS")
-      ->check(CLI::Range(0.1, 1e6))
+      ->check(number_from(0.1, 1e6, "from 0.1 to 1e6"))
       ->capture_default_str();
   std::filesystem::path peers;
   accuracy
@@ -119,24 +189,30 @@ int dispatch(int argc, char** argv) {
     add_common(*kind, common);
   }
 
-  const std::string command = argc > 1 ? argv[1] : "";
-  if (is_coming(command)) {
-    fmt::print(stderr,
-               "ra2d: the command '{}' is not available yet; there are 'run', 'plan' and 'chart'\n",
-               command);
-    return wrong_request;
+  if (!words.empty() && words[0] == "help") {  // `ra2d help run` as `ra2d run --help`
+    words.erase(words.begin());
+    words.emplace_back("--help");
   }
-  const std::string kind = command == "chart" && argc > 2 ? argv[2] : "-";
-  if (kind[0] != '-' && kind != stability->get_name() && kind != accuracy->get_name()) {
-    fmt::print(stderr, "ra2d: there is no chart '{}'; there are 'stability' and 'accuracy'\n",
-               kind);
-    return wrong_request;
-  }
+  if (!words.empty() && std::find(coming.begin(), coming.end(), words[0]) != coming.end())
+    throw RequestError(fmt::format(
+        "the command '{}' is not available yet; there are 'run', 'plan' and 'chart'", words[0]));
+  const Named named = find_command(app, words);
+  if (!named.fault.empty()) throw RequestError(named.fault);
   try {
-    app.parse(argc, argv);
+    app.parse(Words(words.rbegin(), words.rend()));
   } catch (const CLI::ParseError& request) {
-    return app.exit(request) == 0 ? done : wrong_request;
+    std::ostringstream out, err;
+    const bool asked_for = app.exit(request, out, err) == 0;
+    print_text(out.str());
+    if (asked_for) return done;
+    if (const std::string fault = unknown_option(named, words); !fault.empty())
+      throw RequestError(fault);
+    throw RequestError(err.str().substr(0, err.str().find_last_not_of('\n') + 1));
   }
+  std::string lowered;
+  common.threads = usable_threads(common.threads, lowered);
+  if (!lowered.empty() && !common.quiet)
+    say(fmt::format("{} thread{}: {}", common.threads, common.threads == 1 ? "" : "s", lowered));
   if (stability->parsed()) return chart_stability_command(common, stability_prefix, !no_plot);
   if (accuracy->parsed())
     return chart_accuracy_command(common, accuracy_prefix, !no_plot, budget, peers);
@@ -145,24 +221,31 @@ int dispatch(int argc, char** argv) {
                             : plan_command(common);
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+/// The exit status; every fault is told.
+int answer(const Words& words) {
   using namespace ra2d;
   catch_interrupts();
   try {
-    return dispatch(argc, argv);
+    return dispatch(words);
   } catch (const RequestError& fault) {
-    fmt::print(stderr, "ra2d: {}\n", fault.what());
+    say(fault.what());
     return wrong_request;
   } catch (const FileError& fault) {
-    fmt::print(stderr, "ra2d: {}\n", fault.what());
+    say(fault.what());
     return wrong_file;
   } catch (const std::bad_alloc&) {
-    fmt::print(stderr, "ra2d: out of memory: fewer nodes or modes are needed (see 'ra2d plan')\n");
+    say("out of memory: fewer nodes or modes are needed (see 'ra2d plan')");
     return failed;
   } catch (const std::exception& fault) {
-    fmt::print(stderr, "ra2d: {}\n", fault.what());
+    say(fault.what());
     return failed;
   }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  ra2d::hold_standard_files();
+  std::signal(SIGXFSZ, SIG_IGN);  // ulimit -f: the write says so
+  return ra2d::finish_printing(answer(Words(argv + std::min(argc, 1), argv + argc)));
 }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <fmt/format.h>
-
-#include "host/commands/commands.hpp"
 #include "host/plan/plan.hpp"
+#include "host/commands/commands.hpp"
+#include "host/commands/print.hpp"
 #include "host/run/batch.hpp"
+#include "host/scene/text.hpp"
 
 namespace ra2d {
 
@@ -14,8 +14,9 @@ int plan_command(const CommonOptions& common) {
   const ModalStart start = make_start(model);
   const Batch batch({model}, {start});
   const Plan plan = make_plan(model, batch.bytes(), static_cast<int>(start.loaded_nodes.size()));
-  if (!common.quiet) fmt::print("# {}, complete:\n{}\n", common.scene.string(), echo(scene));
-  fmt::print("{}", describe(model, plan));
+  say_doubts(model.doubts, common.quiet);
+  if (!common.quiet) print("# {}, complete:\n{}\n", printable(common.scene.string()), echo(scene));
+  print_text(describe(model, plan));
   return done;
 }
 

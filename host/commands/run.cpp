@@ -4,17 +4,20 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "host/commands/commands.hpp"
+#include "host/commands/print.hpp"
 #include "host/format.hpp"
 #include "host/interruption.hpp"
 #include "host/output_file.hpp"
 #include "host/plan/schemes.hpp"
 #include "host/run/run.hpp"
+#include "host/scene/text.hpp"
 
 namespace ra2d {
 namespace {
+
+constexpr std::size_t longest_title = 200;  // bytes
 
 std::string clock_text(double seconds) {
   if (!(seconds < 360000)) return "long";
@@ -23,16 +26,13 @@ std::string clock_text(double seconds) {
                   : fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60);
 }
 
-void show(const Progress& p) {
-  fmt::print(stderr, "\r{:5.1f} %  {:.4f} of {:g} s   {:.3g} million steps/s   {} left \033[K",
-             100 * p.time / p.duration, p.time, p.duration, p.steps_per_second * 1e-6,
-             clock_text(p.left));
-  std::fflush(stderr);
+void show_progress(const Progress& p) {
+  show(fmt::format("{:5.1f} %  {:.4f} of {:g} s   {:.3g} million steps/s   {} left ",
+                   100 * p.time / p.duration, p.time, p.duration, p.steps_per_second * 1e-6,
+                   clock_text(p.left)));
 }
 
-void print_line(const char* what, const std::string& value) {
-  fmt::print("  {:<17}{}\n", what, value);
-}
+void print_line(const char* what, const std::string& value) { print("  {:<17}{}\n", what, value); }
 
 constexpr double much_energy = 0.05;  // of what went through
 
@@ -48,11 +48,11 @@ std::string energy_text(const Scene& scene, const EnergyBalance& energy) {
 }
 
 void print_report(const Scene& scene, const RunReport& r, const std::filesystem::path& output) {
-  fmt::print("{}: {:g} s of sliding at {:g} m/s, {} steps {}\n", title(scene), r.time, scene.speed,
-             r.steps,
-             is_adaptive(scene)
-                 ? fmt::format("to a tolerance of {:g}", scene.tolerance.value_or(usual_tolerance))
-                 : fmt::format("of {:g} s", scene.step));
+  print("{}: {:g} s of sliding at {:g} m/s, {} steps {}\n",
+        printable(shortened(title(scene), longest_title)), r.time, scene.speed, r.steps,
+        is_adaptive(scene)
+            ? fmt::format("to a tolerance of {:g}", scene.tolerance.value_or(usual_tolerance))
+            : fmt::format("of {:g} s", scene.step));
   if (!(r.counted > 0))
     print_line("level Lv", "none: the run ended before it was to be counted (output.from)");
   else if (r.v_rms > 0)
@@ -81,7 +81,7 @@ void print_report(const Scene& scene, const RunReport& r, const std::filesystem:
     print_line("warning", energy_text(scene, r.energy));
   print_line("cost", fmt::format("{:.1f} ns a step; {:.2f} s in all", r.step_seconds() * 1e9,
                                  r.wall_seconds));
-  print_line("file", output.string());
+  print_line("file", printable(output.string()));
 }
 
 }  // namespace
@@ -93,26 +93,24 @@ int run_command(const CommonOptions& common, std::filesystem::path output) {
 
   RunOptions options;
   options.output = output;
-  if (!common.quiet)
-    for (const std::string& warning : warnings(scene))
-      fmt::print(stderr, "ra2d: note: {}\n", warning);
+  options.doubts = [&](const std::vector<std::string>& doubts) {
+    say_doubts(doubts, common.quiet);
+  };
   const bool terminal = isatty(STDERR_FILENO) != 0;
-  if (terminal && !common.quiet) options.progress = show;
+  if (terminal && !common.quiet) options.progress = show_progress;
 
   const Backend backend(common.threads);
   const RunReport report = run(scene, options);
-  if (options.progress) fmt::print(stderr, "\r\033[K");
+  if (options.progress) show({});
   if (!common.quiet) print_report(scene, report, output);
   if (report.ending == Ending::failed) {
-    fmt::print(stderr, "ra2d: {}: {}. What was computed until then is in {}, marked as cut short\n",
-               common.scene.string(), report.failure, output.string());
+    say(fmt::format("{}: {}. What was computed until then is in {}, marked as cut short",
+                    common.scene.string(), report.failure, output.string()));
     return failed;
   }
   if (report.ending == Ending::interrupted) {
-    fmt::print(
-        stderr,
-        "ra2d: interrupted at t = {:g} s: the results so far are in {}, marked as cut short\n",
-        report.time, output.string());
+    say(fmt::format("interrupted at t = {:g} s: the results so far are in {}, marked as cut short",
+                    report.time, output.string()));
     return interrupted + interruption();
   }
   return done;

@@ -357,7 +357,6 @@ Plan make_plan(const Model& model, std::size_t memory, int touching) {
   if (model.resonator.modes.empty())
     plan.notes.push_back("the resonator keeps no mode: nothing vibrates and there is no level");
   if (!is_adaptive(scene)) note_step(model, plan);
-  for (const std::string& warning : warnings(scene)) plan.notes.push_back(warning);
   if (const std::string overlap = overlap_at_start(model); !overlap.empty())
     plan.notes.push_back("'ra2d run' refuses this scene: " + overlap);
   return plan;

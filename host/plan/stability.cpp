@@ -248,6 +248,7 @@ double amplification(SchemeChoice choice, const JoinedModes& joined, double stif
 double contact_limit(SchemeChoice choice, const JoinedModes& joined, double stiffness) {
   const double omega_c = std::sqrt(stiffness * mass_sum(joined));
   if (takes_new_force(choice) || omega_c == 0) return infinity;
+  if (!std::isfinite(omega_c)) return 0.0;  // beyond all doubles: no search would end
   const auto sum_over_modes = [&](const auto& part) {
     double sum = 0;
     for (std::size_t j = 0; j < joined.modes.size(); ++j)

@@ -8,6 +8,9 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#if defined(KOKKOS_ENABLE_OPENMP)
+#include <omp.h>
+#endif
 
 #include "host/errors.hpp"
 #include "host/interruption.hpp"
@@ -110,12 +113,13 @@ Series choose_series(const Model& model) {
   };
   while (range > 0 && series.terms <= most_terms && left_out() > 0x1p-53) series.terms += 4;
   if (series.terms > most_terms)
-    throw RequestError(fmt::format(
-        "scene.spacing = {} m: the resonator's highest mode has only {:.1f} nodes to a wavelength, "
-        "{:.0f} are "
-        "needed here. Refine scene.spacing or keep fewer modes (resonator.max_frequency)",
-        model.scene.spacing, 2 * M_PI / beta_chi,
-        std::ceil(2 * M_PI * (0.5 * (1 + width) + 1.0) / 2.1)));
+    throw refusal(
+        model.scene, "scene.spacing",
+        fmt::format("{} m gives the resonator's highest mode only {:.1f} nodes to a wavelength, "
+                    "{:.0f} are needed here: refine it, or keep fewer modes "
+                    "(resonator.max_frequency)",
+                    model.scene.spacing, 2 * M_PI / beta_chi,
+                    std::ceil(2 * M_PI * (0.5 * (1 + width) + 1.0) / 2.1)));
   return series;
 }
 
@@ -241,6 +245,11 @@ Backend::Backend(int threads) {
   Kokkos::InitializationSettings settings;
   settings.set_disable_warnings(true);  // about thread binding: one scene runs on one thread
   if (threads > 0) settings.set_num_threads(threads);
+#if defined(KOKKOS_ENABLE_OPENMP)
+  // before it heeds that number, Kokkos starts a thread on every processor, and where the system
+  // starts no more, that ends the program
+  if (threads > 0) omp_set_num_threads(threads);
+#endif
   Kokkos::initialize(settings);
 }
 Backend::~Backend() { Kokkos::finalize(); }

@@ -156,15 +156,15 @@ ModalStart make_start(const Model& model) {
     if (multipliers || !settle(potential, model.node_stiffness, u)) {
       const auto rest = solve(potential.program(multipliers ? 0.0 : 1 / model.node_stiffness));
       if (!rest || !rest->feasible)
-        throw RequestError(
-            fmt::format("{}: scene.initial = \"static\": {} under this load and contact. {}",
-                        model.scene.file.string(),
-                        rest ? "there is no static equilibrium, no displacement of the kept modes "
-                               "keeps the faces "
-                               "apart,"
-                             : "no static equilibrium was found",
-                        multipliers ? "Widen scene.gap, or keep more modes (max_frequency)"
-                                    : "Start from \"rest\", or lower contact.stiffness"));
+        throw refusal(
+            model.scene, "scene.initial",
+            fmt::format(
+                "\"static\", and {} under this load and contact. {}",
+                rest ? "no displacement of the kept modes keeps the faces apart: there is no "
+                       "static equilibrium"
+                     : "no static equilibrium was found",
+                multipliers ? "Widen scene.gap, or keep more modes (max_frequency)"
+                            : "Start from \"rest\", or lower contact.stiffness"));
       u = rest->u;
       forces = rest->forces;
     }

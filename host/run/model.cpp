@@ -12,13 +12,16 @@
 namespace ra2d {
 namespace {
 
-std::vector<double> surface_of(const std::string& body, const BodySpec& spec, const Scene& scene) {
+std::vector<double> surface_of(const std::string& body, const BodySpec& spec, const Scene& scene,
+                               std::vector<std::string>& doubts) {
+  const std::string key = body + ".surface";
   try {
-    return make_surface(spec.surface, spec.length, scene.spacing, scene.file);
+    return make_surface(spec.surface, spec.length, scene.spacing, scene.file, spec.thickness,
+                        &doubts);
   } catch (const RequestError& fault) {
-    throw RequestError(body + ".surface: " + fault.what());
+    throw refusal(scene, key, fault.what());
   } catch (const FileError& fault) {
-    throw FileError(body + ".surface: " + fault.what());
+    throw FileError(place_of(scene, key) + ": " + key + ": " + fault.what());
   }
 }
 
@@ -27,7 +30,8 @@ void count_steps(Model& m) {
   const Scene& scene = m.scene;
   m.tick = scene.step;
   m.steps = std::llround(scene.duration / scene.step);
-  m.steps_per_sample = 1.0 / (scene.rate * scene.step);
+  // where there is no sample but the first, any interval beyond the end will do
+  m.steps_per_sample = 1.0 / (std::max(scene.rate, 0.5 / scene.duration) * scene.step);
   const double whole = std::round(m.steps_per_sample);
   if (std::abs(m.steps_per_sample - whole) < 1e-12 * whole) m.steps_per_sample = whole;
   m.samples =
@@ -61,8 +65,9 @@ Model make_model(const Scene& scene) {
   m.scene = scene;
   m.resonator = make_beam(scene.resonator);
   m.slider = make_beam(scene.slider);
-  m.resonator_height = surface_of("resonator", scene.resonator, scene);
-  m.slider_height = surface_of("slider", scene.slider, scene);
+  m.doubts = warnings(scene);
+  m.resonator_height = surface_of("resonator", scene.resonator, scene, m.doubts);
+  m.slider_height = surface_of("slider", scene.slider, scene, m.doubts);
   m.node_stiffness =
       scene.stiffness * scene.spacing * std::min(scene.resonator.width, scene.slider.width);
   m.position = scene.start / scene.spacing;

@@ -25,6 +25,7 @@ struct Model {
   std::int64_t steps = 0;                               // ticks of the whole run
   double steps_per_sample = 0;                          // ticks; a power of two when adaptive
   std::int64_t samples = 0;
+  std::vector<std::string> doubts;  // what looks odd, but may be meant
 
   int nodes() const { return static_cast<int>(slider_height.size()); }
 };

@@ -171,8 +171,9 @@ std::string checked_limit(const Model& model) {
   const StepLimits limits = step_limits(model, choice, place);
   const std::string beyond = beyond_limit(model, limits);
   if (!beyond.empty() && !scene.force)
-    throw RequestError(fmt::format("{}: time.step: {}. {}, or time.force = true to run it as it is",
-                                   scene.file.string(), beyond, step_cure(scene, limits.holds())));
+    throw refusal(scene, "time.step",
+                  fmt::format("{}. {}, or time.force = true to run it as it is", beyond,
+                              step_cure(scene, limits.holds())));
   return beyond;
 }
 
@@ -181,10 +182,11 @@ std::string checked_limit(const Model& model) {
 RunReport run(const Scene& scene, const RunOptions& options) {
   const Clock::time_point begun = Clock::now();
   const Model model = make_model(scene);
+  if (options.doubts) options.doubts(model.doubts);
   RunReport report;
   report.beyond_limit = checked_limit(model);
   if (const std::string overlap = overlap_at_start(model); !overlap.empty())
-    throw RequestError(fmt::format("{}: scene.gap: {}", scene.file.string(), overlap));
+    throw refusal(scene, "scene.gap", overlap);
   const ModalStart start = make_start(model);
   Batch batch({model}, {start});
   ResultHeader header = make_header(model);

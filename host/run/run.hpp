@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "host/run/batch.hpp"
 #include "host/run/record.hpp"
@@ -24,6 +25,8 @@ struct Progress {
 struct RunOptions {
   std::filesystem::path output;
   std::function<void(const Progress&)> progress;  // called a few times a second
+  /// Takes Model::doubts, before the first step.
+  std::function<void(const std::vector<std::string>&)> doubts;
 };
 
 enum class Ending { complete, interrupted, failed };

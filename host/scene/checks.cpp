@@ -5,9 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "host/beam/beam.hpp"
 #include "host/plan/schemes.hpp"
+#include "host/run/batch.hpp"
 #include "host/scene/names.hpp"
 #include "host/scene/text.hpp"
 
@@ -16,7 +17,9 @@ namespace {
 
 constexpr double most_steps = 9e15;  // the number of a step or a sample stays exact in a double
 constexpr double most_nodes = 5e7;
-constexpr double most_modes = 1e6;
+constexpr double least_mass = 1e-20, most_mass = 1e15;           // kg/m
+constexpr double least_frequency = 1e-9, most_frequency = 1e15;  // Hz, the first
+constexpr double most_apart = 1e6;                               // runs between two samples
 constexpr double least_tolerance = 1e-13, most_tolerance = 1e-2;
 constexpr double least_per_wave = 4;  // spacings in rsm or a correlation length
 constexpr double rounding = 1e-9;     // of a spacing, as for the number of nodes
@@ -26,6 +29,15 @@ std::string at_most(double bound) {
   const double unit = std::pow(10.0, std::floor(std::log10(bound)) - 5);
   // 1.7999999999999998 is 1.8: less is added than `rounding` forgives
   return fmt::format("{:.6g}", std::floor(bound / unit + 1e-5) * unit);
+}
+
+/// Of fewer samples than one a run, none but that at t = 0 is taken; far fewer are a slip.
+void check_rate(const Scene& s, Document& document) {
+  if (s.rate * s.duration < 1 / most_apart)
+    document.fault("output.rate",
+                   fmt::format("{} Hz takes no sample in {} s but that at t = 0: expected at least "
+                               "{:.6g} Hz, for one at the end",
+                               s.rate, s.duration, 1 / s.duration));
 }
 
 /// The adaptive scheme has no step to fit, neither to the run nor to the rate.
@@ -48,6 +60,7 @@ void check_adaptive(const Scene& s, Document& document) {
 }
 
 void check_times(const Scene& s, Document& document) {
+  check_rate(s, document);
   if (is_adaptive(s)) return check_adaptive(s, document);
   const double steps = s.duration / s.step;
   if (steps > most_steps)
@@ -117,17 +130,47 @@ void check_path(const Scene& s, Document& document) {
                   excess, s.resonator.length, any_of(cures, "")));
 }
 
-void check_modes(const std::string& name, const BodySpec& body, Document& document) {
-  if (body.support == Support::rigid || !body.max_frequency) return;
-  // the bending modes of a pinned beam, those of a free one lie close by: f_k = k^2 f_1
-  const double first = std::numbers::pi / 2 * body.thickness / (body.length * body.length) *
-                       std::sqrt(body.young / (12 * body.density));
-  const double modes = std::sqrt(*body.max_frequency / first);
-  if (modes > most_modes)
+/// What the numbers of a body make together: far from any body, roundings and the range of doubles
+/// would decide.
+void check_body(const std::string& name, const BodySpec& body, Document& document) {
+  if (body.support == Support::rigid) return;
+  const double mass = body.density * body.thickness * body.width;
+  if (mass < least_mass || mass > most_mass)
     document.fault(
-        name + ".max_frequency",
-        fmt::format("{} Hz keeps {:.3g} modes: expected at most {:g} (a lower frequency)",
-                    *body.max_frequency, modes, most_modes));
+        name + ".density",
+        fmt::format("{} kg/m^3 makes {:.3g} kg of each metre, with this thickness and width: "
+                    "expected {:g} to {:g} kg/m (check all three)",
+                    body.density, mass, least_mass, most_mass));
+  const double frequency = elastic_frequency(body, 0);
+  if (frequency < least_frequency || frequency > most_frequency)
+    document.fault(name + ".young",
+                   fmt::format("{} Pa makes {:.3g} Hz the first frequency, with this length, "
+                               "thickness and density: expected {:g} to {:g} Hz (check all four)",
+                               body.young, frequency, least_frequency, most_frequency));
+}
+
+/// What both bodies keep has to fit into one march.
+void check_modes(const Scene& s, Document& document) {
+  constexpr int counted = 1000;
+  const int most = most_modes();
+  const int resonator = mode_count(s.resonator, counted), slider = mode_count(s.slider, counted);
+  const int total = resonator + slider;
+  if (total <= most) return;
+  const bool first = resonator >= slider;
+  const BodySpec& body = first ? s.resonator : s.slider;
+  const int rigid = body.support == Support::free ? 2 : 0;
+  const int room = most - std::min(resonator, slider) - rigid;
+  std::string cure = fmt::format("at most {} here", room);
+  if (room < 1)
+    cure = "fewer on each body";
+  else if (!body.modes)
+    cure = fmt::format("less than {} Hz", at_most(elastic_frequency(body, room)));
+  document.fault(
+      fmt::format("{}.{}", first ? "resonator" : "slider", body.modes ? "modes" : "max_frequency"),
+      fmt::format("{} modes in both bodies together, at most {} can be marched: expected "
+                  "{}",
+                  total >= counted ? fmt::format("{} or more", counted) : fmt::format("{}", total),
+                  most, cure));
 }
 
 void check_surface(const Scene& s, const std::string& name, const BodySpec& body,
@@ -244,9 +287,10 @@ void check(const Scene& scene, Document& document) {
   for (const auto& [name, body] :
        {std::pair{"resonator", &scene.resonator}, std::pair{"slider", &scene.slider}}) {
     check_nodes(scene, name, *body, document);
-    check_modes(name, *body, document);
+    check_body(name, *body, document);
     check_surface(scene, name, *body, document);
   }
+  check_modes(scene, document);
   check_loads(scene, document);
   check_law(scene, document);
   check_stiffness(scene, document);

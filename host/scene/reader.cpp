@@ -16,6 +16,10 @@ namespace ra2d {
 namespace {
 
 constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
+constexpr std::size_t most_parts = 16;          // of a dotted key
+constexpr std::size_t most_shown = 20;          // faults
+constexpr std::size_t longest_override = 200;   // bytes, in a message
+constexpr std::size_t longest_complaint = 400;  // of the TOML parser
 
 std::string trimmed(const std::string& text) {
   constexpr auto blanks = " \t\r\n";
@@ -39,6 +43,51 @@ std::string shown(const toml::node& node) {
   if (node.is_table()) return "a table";
   if (node.is_array()) return "an array";
   return "a date or time";
+}
+
+/// Skips a string of TOML that begins at `i`; one that does not end takes the rest of its line, or
+/// of the text: it is an error to toml++, which reads no further.
+std::size_t after_string(std::string_view text, std::size_t i) {
+  const char quote = text[i];
+  const std::string three(3, quote);
+  const bool lines = text.substr(i, 3) == three;
+  i += lines ? 3 : 1;
+  for (; i < text.size(); ++i) {
+    if (quote == '"' && text[i] == '\\') {
+      ++i;
+    } else if (lines && text.substr(i, 3) == three) {
+      i += 3;
+      for (int more = 0; more < 2 && i < text.size() && text[i] == quote; ++more) ++i;
+      return i;
+    } else if (!lines && (text[i] == quote || text[i] == '\n')) {
+      return i + 1;
+    }
+  }
+  return i;
+}
+
+/// The line of the first key of too many parts, 0 where there is none. toml++ makes a table of each
+/// part and destroys them one within the other: 300 000 are more than a stack holds.
+std::uint32_t deep_line(std::string_view text) {
+  std::uint32_t line = 1;
+  std::size_t parts = 1;
+  for (std::size_t i = 0; i < text.size();) {
+    const char c = text[i];
+    if (c == '"' || c == '\'') {
+      const std::size_t end = std::min(after_string(text, i), text.size());
+      line += static_cast<std::uint32_t>(std::count(text.begin() + i, text.begin() + end, '\n'));
+      i = end;
+      continue;
+    }
+    if (c == '#')
+      i = std::min(text.find('\n', i), text.size());
+    else
+      ++i;
+    if (c == '\n') ++line;
+    if (c == '.' && ++parts > most_parts) return line;
+    if (std::string_view("=,{}[]\n").find(c) != std::string_view::npos) parts = 1;
+  }
+  return 0;
 }
 
 std::string of(const std::string& what, const std::string& unit) {
@@ -66,16 +115,44 @@ struct Document::Parts {
 
   std::string file;
   toml::table root;
-  std::vector<Fault> faults;
+  std::vector<Fault> faults;  // those of the first lines
+  std::size_t count = 0;      // of all
   std::vector<Seen> seen;
+
+  void add(std::uint32_t line, std::string text) {
+    ++count;
+    faults.push_back({line, std::move(text)});
+    if (faults.size() >= 50 * most_shown) keep_first();
+  }
+
+  void keep_first() {
+    std::stable_sort(faults.begin(), faults.end(),
+                     [](const Fault& a, const Fault& b) { return a.line < b.line; });
+    if (faults.size() > most_shown) faults.resize(most_shown);
+  }
+
+  /// Of a node: the file and the line, or the override.
+  std::string place(const toml::node& node) const {
+    const auto& source = node.source();
+    return source.path ? *source.path  // only overrides carry one
+                       : fmt::format("{}:{}", file, source.begin.line);
+  }
 
   void fault(const toml::node& node, const std::string& path, const std::string& what) {
     const auto& source = node.source();
-    if (source.path)  // only overrides carry one
-      faults.push_back({0, fmt::format("{}: {}: {}", *source.path, path, what)});
-    else
-      faults.push_back(
-          {source.begin.line, fmt::format("{}:{}: {}: {}", file, source.begin.line, path, what)});
+    add(source.path ? 0 : source.begin.line, fmt::format("{}: {}: {}", place(node), path, what));
+  }
+
+  void find_places(const toml::table& table, const std::string& path,
+                   std::map<std::string, std::string>& places) const {
+    places[path] = place(table);
+    for (const auto& [name, node] : table) {
+      const std::string key = join(path, std::string(name.str()));
+      if (const toml::table* inner = node.as_table())
+        find_places(*inner, key, places);
+      else
+        places[key] = place(node);
+    }
   }
 
   void fault(const std::string& path, const std::string& what) {
@@ -129,7 +206,7 @@ struct Document::Parts {
 
   /// "section.key=value", merged into the document with its own text as source.
   void apply(const std::string& text) {
-    std::string where = "--set " + text;
+    std::string where = "--set " + shortened(text, longest_override);
     std::replace(where.begin(), where.end(), '\n', ' ');  // a fault is one line
     const auto equals = text.find('=');
     std::vector<std::string> path(1);
@@ -139,11 +216,15 @@ struct Document::Parts {
       else
         path.back() += c;
     }
-    if (equals == std::string::npos || !std::all_of(path.begin(), path.end(), is_bare)) {
-      faults.push_back({0, where + ": not an override: expected section.key=value"});
-      return;
+    if (equals == std::string::npos || path.size() > most_parts ||
+        !std::all_of(path.begin(), path.end(), is_bare))
+      return add(0, where + ": not an override: expected section.key=value");
+    toml::table given;
+    try {
+      given = parse_override(path, trimmed(text.substr(equals + 1)), where);
+    } catch (const toml::parse_error&) {
+      return add(0, where + ": not UTF-8: expected a value that TOML can hold");
     }
-    toml::table given = parse_override(path, trimmed(text.substr(equals + 1)), where);
     toml::table* from = &given;
     toml::table* to = &root;
     for (std::size_t i = 0;; ++i) {
@@ -157,11 +238,9 @@ struct Document::Parts {
       if (!old->is_table()) {
         std::string parent = path[0];
         for (std::size_t j = 1; j <= i; ++j) parent = join(parent, path[j]);
-        faults.push_back(
-            {0, fmt::format("{}: {}: {} is no table, it has no `{}`: expected {}=value, "
-                            "to set it as a whole",
-                            where, parent, shown(*old), path[i + 1], parent)});
-        return;
+        return add(0, fmt::format("{}: {}: {} is no table, it has no `{}`: expected {}=value, "
+                                  "to set it as a whole",
+                                  where, parent, shown(*old), path[i + 1], parent));
       }
       from = value->as_table();
       to = old->as_table();
@@ -173,7 +252,8 @@ struct Document::Parts {
                                     const std::string& where) {
     const std::string key = fmt::format("{}", fmt::join(path, "."));
     try {
-      toml::table given = toml::parse(key + " = " + value, where);
+      const std::string line = key + " = " + value;
+      toml::table given = deep_line(line) == 0 ? toml::parse(line, where) : toml::table{};
       const toml::table* at = &given;  // a value with line ends must not bring keys of its own
       std::size_t alone = 0;
       while (alone < path.size() && at != nullptr && at->size() == 1)
@@ -189,7 +269,8 @@ struct Document::Parts {
     for (const auto& [name, node] : *at.table) {
       const std::string key{name.str()};
       if (std::find(at.keys.begin(), at.keys.end(), key) != at.keys.end()) continue;
-      const std::string path = join(at.path, is_bare(key) ? key : toml_string(key));
+      const std::string shown = shortened(key);
+      const std::string path = join(at.path, is_bare(key) ? shown : toml_string(shown));
       const std::string noun = at.path.empty() && node.is_table() ? "section" : "key";
       fault(node, path, fmt::format("unknown {}{}", noun, cure(at, key, path, hints)));
     }
@@ -212,14 +293,18 @@ Document::Document(const std::string& text, const std::filesystem::path& file,
                    const std::vector<std::string>& overrides)
     : parts_{std::make_unique<Parts>()} {
   parts_->file = file.string();
-  bool is_toml = true;
+  const std::uint32_t deep = deep_line(text);
+  bool is_toml = deep == 0;
+  if (!is_toml)
+    parts_->add(deep, fmt::format("{}:{}: a key of more than {} parts: expected section.key",
+                                  parts_->file, deep, most_parts));
   try {
-    parts_->root = toml::parse(text);
+    if (is_toml) parts_->root = toml::parse(text);
   } catch (const toml::parse_error& error) {
     const auto& at = error.source().begin;
     is_toml = false;
-    parts_->faults.push_back({at.line, fmt::format("{}:{}:{}: not TOML: {}", parts_->file, at.line,
-                                                   at.column, error.description())});
+    parts_->add(at.line, fmt::format("{}:{}:{}: not TOML: {}", parts_->file, at.line, at.column,
+                                     shortened(error.description(), longest_complaint)));
   }
   for (const std::string& override_text : overrides) parts_->apply(override_text);
   parts_->seen.push_back({"", &parts_->root, false, {}, {}});
@@ -247,14 +332,19 @@ void Document::finish(const std::map<std::string, std::string>& hints) {
                                  fmt::join(at.needed, ", ")));
     parts_->find_unknown(at, hints);
   }
-  auto& faults = parts_->faults;
-  if (faults.empty()) return;
-  std::stable_sort(faults.begin(), faults.end(),
-                   [](const auto& a, const auto& b) { return a.line < b.line; });
-  std::string message =
-      fmt::format("{}: {} fault{}", parts_->file, faults.size(), faults.size() == 1 ? "" : "s");
-  for (const auto& fault : faults) message += '\n' + fault.text;
+  const std::size_t count = parts_->count;
+  if (count == 0) return;
+  parts_->keep_first();
+  std::string message = fmt::format("{}: {} fault{}", parts_->file, count, count == 1 ? "" : "s");
+  for (const auto& fault : parts_->faults) message += '\n' + fault.text;
+  if (count > most_shown) message += fmt::format("\nand {} more", count - most_shown);
   throw RequestError(message);
+}
+
+std::map<std::string, std::string> Document::places() const {
+  std::map<std::string, std::string> places;
+  parts_->find_places(parts_->root, "", places);
+  return places;
 }
 
 bool Reader::stands() const { return document_->parts_->seen[index_].table != nullptr; }

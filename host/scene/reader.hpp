@@ -88,8 +88,12 @@ class Document {
   void fault(const std::string& path, const std::string& what);
 
   /// Ends the reading: finds the keys that nobody asked for, and throws all faults as one
-  /// RequestError. `hints` says for some unknown "section.key" why it is none.
+  /// RequestError that names the first of them. `hints` says for some unknown "section.key" why it
+  /// is none.
   void finish(const std::map<std::string, std::string>& hints);
+
+  /// Where each "section.key" stands, and each section: "FILE:LINE", or the override.
+  std::map<std::string, std::string> places() const;
 
  private:
   friend class Reader;

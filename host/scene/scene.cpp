@@ -13,12 +13,14 @@
 #include "host/scene/checks.hpp"
 #include "host/scene/names.hpp"
 #include "host/scene/reader.hpp"
+#include "host/scene/text.hpp"
 
 namespace ra2d {
 namespace {
 
 constexpr std::size_t largest_file = 16u << 20;  // bytes
 constexpr int most_modes = 1'000'000;
+constexpr std::size_t longest_path = 4096;  // bytes, of a file that the system opens
 
 Need needed(bool is) { return is ? Need::required : Need::optional; }
 
@@ -36,8 +38,13 @@ SurfaceSpec read_surface(Reader in, const std::string& path, Document& document)
           .value_or(0));
   const bool file = kind == SurfaceKind::file;
   const auto profile = in.text("path", "the path of a profile, a text", needed(file));
-  if (file && profile && profile->empty())
-    document.fault(path + ".path", "empty: expected the path of a profile");
+  if (file && profile) {
+    if (profile->empty()) document.fault(path + ".path", "empty: expected the path of a profile");
+    if (profile->find('\0') != std::string::npos || profile->size() >= longest_path)
+      document.fault(path + ".path", toml_string(shortened(*profile)) +
+                                         " cannot be the name of a file: expected the path of a "
+                                         "profile");
+  }
   surface.path = profile.value_or("");
   for (Reader peak : in.tables("peaks", needed(kind == SurfaceKind::peaks)))
     surface.peaks.push_back({.at = *peak.number("at", any_number, "m"),
@@ -147,7 +154,23 @@ Scene parse_scene(const std::string& text, const std::filesystem::path& file,
                     "only the slider takes a load (slider.load, or [[resonator.moving_force]])"},
                    {"slider.moving_force",
                     "only the resonator takes a moving force (slider.load loads the slider)"}});
+  scene.places = std::make_shared<const std::map<std::string, std::string>>(document.places());
   return scene;
+}
+
+std::string place_of(const Scene& scene, std::string key) {
+  while (scene.places) {
+    if (const auto found = scene.places->find(key); found != scene.places->end())
+      return found->second;
+    if (key.empty()) break;
+    key.resize(key.find('.') == std::string::npos ? 0 : key.rfind('.'));
+  }
+  return scene.file.string();
+}
+
+RequestError refusal(const Scene& scene, const std::string& key, const std::string& what) {
+  return RequestError(
+      fmt::format("{}: 1 fault\n{}: {}: {}", scene.file.string(), place_of(scene, key), key, what));
 }
 
 Scene read_scene(const std::filesystem::path& file, const std::vector<std::string>& overrides) {

@@ -2,9 +2,13 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "host/errors.hpp"
 
 /// A scene: what the user asked for, complete and checked. All in SI units.
 namespace ra2d {
@@ -62,6 +66,8 @@ struct BodySpec {
 
 struct Scene {
   std::filesystem::path file;  // where it was read from; its folder anchors relative paths
+  /// Where each "section.key" stands, for faults that are found later; none: made in code.
+  std::shared_ptr<const std::map<std::string, std::string>> places;
 
   std::string name;
   double duration = 0;        // s
@@ -108,6 +114,14 @@ bool has_equilibrium(const Scene& scene);
 
 /// What a user should hear before a run: loads that nothing holds. A sentence each.
 std::vector<std::string> warnings(const Scene& scene);
+
+/// A fault of a scene that is found after it was read, at "section.key", in the same words as those
+/// that the reading finds.
+RequestError refusal(const Scene& scene, const std::string& key, const std::string& what);
+
+/// ... and where that key stands: "FILE:LINE", or the override; the section of a key that is not
+/// there, or the file.
+std::string place_of(const Scene& scene, std::string key);
 
 /// The files that a scene is read from: its own, and its measured profiles.
 std::vector<std::filesystem::path> files_of(const Scene& scene);

@@ -27,24 +27,77 @@ std::size_t distance(std::string_view a, std::string_view b) {
   return d.back();
 }
 
+unsigned char byte(std::string_view text, std::size_t i) {
+  return static_cast<unsigned char>(text[i]);
+}
+
+/// Bytes of the first character; 0 where it is no UTF-8.
+std::size_t character_size(std::string_view text) {
+  const unsigned char first = byte(text, 0);
+  const std::size_t size = first < 0x80   ? 1
+                           : first < 0xC2 ? 0
+                           : first < 0xE0 ? 2
+                           : first < 0xF0 ? 3
+                           : first < 0xF5 ? 4
+                                          : 0;
+  if (size > text.size()) return 0;
+  for (std::size_t i = 1; i < size; ++i)
+    if ((byte(text, i) & 0xC0U) != 0x80) return 0;
+  return size;
+}
+
+/// Takes the first character off the text and gives it back, escaped where a terminal would obey it
+/// (C0, DEL and C1).
+std::string take_character(std::string_view& text) {
+  const std::size_t size = character_size(text);
+  const unsigned char first = byte(text, 0);
+  std::string out;
+  if (size == 0)
+    out = fmt::format("\\x{:02X}", first);
+  else if (first < 0x20 || first == 0x7f)
+    out = fmt::format("\\u{:04X}", first);
+  else if (size == 2 && first == 0xC2 && byte(text, 1) < 0xA0)
+    out = fmt::format("\\u{:04X}", byte(text, 1));
+  else
+    out = text.substr(0, size);
+  text.remove_prefix(std::max<std::size_t>(1, size));
+  return out;
+}
+
 }  // namespace
 
 std::string toml_string(std::string_view text) {
   std::string out = "\"";
-  for (const char c : text) {
-    const auto code = static_cast<unsigned char>(c);
+  while (!text.empty()) {
+    const char c = text[0];
+    const std::string printed = take_character(text);
     if (c == '"' || c == '\\')
       out += {'\\', c};
     else if (c == '\n')
       out += "\\n";
     else if (c == '\t')
       out += "\\t";
-    else if (code < 0x20 || code == 0x7f)
-      out += fmt::format("\\u{:04X}", code);
     else
-      out += c;
+      out += printed;
   }
   return out + '"';
+}
+
+std::string printable(std::string_view text) {
+  std::string out;
+  while (!text.empty()) out += take_character(text);
+  return out;
+}
+
+std::string printable_lines(std::string_view text) {
+  std::string out;
+  while (true) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    out += printable(text.substr(0, end));
+    if (end == text.size()) return out;
+    out += '\n';
+    text.remove_prefix(end + 1);
+  }
 }
 
 std::string toml_number(double value) {
@@ -57,8 +110,7 @@ std::string toml_number(double value) {
   return fmt::format("{}e{}", text.substr(0, digits), zeros);
 }
 
-std::string shortened(std::string_view text) {
-  constexpr std::size_t most = 60;
+std::string shortened(std::string_view text, std::size_t most) {
   if (text.size() <= most) return std::string(text);
   std::size_t end = most;
   while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80) --end;  // inside UTF-8

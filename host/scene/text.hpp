@@ -14,8 +14,15 @@ std::string toml_string(std::string_view text);
 /// A TOML float: the shortest text that reads back as the same double.
 std::string toml_number(double value);
 
-/// `text`, or its beginning with "..." when it is too long for a message.
-std::string shortened(std::string_view text);
+/// A text from outside as a terminal may have it: control characters, and bytes that are no UTF-8,
+/// escaped.
+std::string printable(std::string_view text);
+
+/// The same line by line: line ends stay.
+std::string printable_lines(std::string_view text);
+
+/// `text`, or its beginning with "..." when it has more than `most` bytes.
+std::string shortened(std::string_view text, std::size_t most = 60);
 
 /// "a, b or c", each between `quote`s.
 std::string any_of(const std::vector<std::string>& words, std::string_view quote);

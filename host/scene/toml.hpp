@@ -6,5 +6,7 @@
 #pragma push_macro("NDEBUG")
 #undef NDEBUG  // under which the next line would have no effect
 #define TOML_ASSERT(expr) static_assert(true)
+/// Arrays and inline tables in one another; dotted keys are counted before toml++ sees them (reader.cpp).
+#define TOML_MAX_NESTED_VALUES 32
 #include <toml++/toml.h>
 #pragma pop_macro("NDEBUG")

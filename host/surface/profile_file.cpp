@@ -7,7 +7,10 @@
 #include <cerrno>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
+#include <deque>
 #include <fstream>
+#include <iterator>
 #include <limits>
 #include <optional>
 #include <string>
@@ -22,8 +25,19 @@ namespace ra2d {
 namespace {
 
 constexpr std::uintmax_t largest_file = std::uintmax_t{1} << 30;  // bytes
+constexpr std::size_t longest_line = 1u << 16;                    // bytes
+constexpr std::size_t most_points = 50'000'000;
 constexpr std::size_t most_faults = 10;
 constexpr double evenness = 1e-6;  // of the spacing
+// What no face is, whatever made or measured it:
+constexpr double longest_share = 900;  // a profile so many times as long as the beam
+constexpr double steepest = 2;         // a mean slope of 63 degrees, more than a stylus can follow
+// A number that is cut off inside its exponent is off by powers of ten. No last height of a face is
+// so many times its peak to valley away from all others.
+constexpr double far_off = 10;
+constexpr double usual_height = 2e-5;  // m, peak to valley of a ground face
+constexpr double coarse_nodes = 20;    // of the scene, to a step of the profile
+constexpr std::size_t few_points = 100;
 
 struct Fault {
   std::size_t line;
@@ -31,7 +45,6 @@ struct Fault {
 };
 
 struct Point {
-  std::size_t line;
   double x, z;  // m; x is NaN where the line could not be understood
 };
 
@@ -68,38 +81,55 @@ struct Precision {
 };
 
 struct Profile {
-  std::vector<Point> points;
+  std::deque<Point> points;  // which holds no more than they need while it grows
   std::vector<Fault> faults;
   Precision precision;
+  bool has_end = true;  // the last line
+
+  void add(std::size_t line, Point point) {
+    if (runs_.empty() || line != line_of(points.size() - 1) + 1)
+      runs_.push_back({points.size(), line});
+    points.push_back(point);
+  }
+  std::size_t line_of(std::size_t point) const {
+    const auto after =
+        std::upper_bound(runs_.begin(), runs_.end(), point,
+                         [](std::size_t value, const Run& run) { return value < run.point; });
+    const Run& run = *std::prev(after);
+    return run.line + point - run.point;
+  }
+
+ private:
+  struct Run {
+    std::size_t point, line;  // from this point on one stands in each line
+  };
+  std::vector<Run> runs_;
 };
 
-std::string read_text(const std::filesystem::path& file) {
-  const auto unreadable = [&](const std::string& why) {
-    return FileError(fmt::format("cannot read the profile {}: {}", file.string(), why));
-  };
+FileError unreadable(const std::filesystem::path& file, const std::string& why) {
+  return FileError(fmt::format("cannot read the profile {}: {}", file.string(), why));
+}
+
+std::ifstream open_profile(const std::filesystem::path& file) {
   std::error_code error;
   const auto status = std::filesystem::status(file, error);
-  if (error) throw unreadable(error.message());
-  if (!std::filesystem::is_regular_file(status)) throw unreadable("it is not a regular file");
+  if (error) throw unreadable(file, error.message());
+  if (!std::filesystem::is_regular_file(status)) throw unreadable(file, "it is not a regular file");
   const std::uintmax_t size = std::filesystem::file_size(file, error);
-  if (error) throw unreadable(error.message());
+  if (error) throw unreadable(file, error.message());
   if (size > largest_file)
     throw RequestError(fmt::format(
         "{}: the profile has {} bytes, at most 1 GiB is read; thin it out", file.string(), size));
   std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw unreadable(std::generic_category().message(errno));
-  std::string text(size, '\0');
-  stream.read(text.data(), static_cast<std::streamsize>(size));
-  if (stream.bad()) throw unreadable("the reading stopped halfway");
-  text.resize(static_cast<std::size_t>(stream.gcount()));
-  return text;
+  if (!stream) throw unreadable(file, std::generic_category().message(errno));
+  return stream;
 }
 
 /// The words of a line, without its comment; a comma with or without blanks, or blanks, part them.
-std::vector<std::string_view> split(std::string_view line) {
+void split(std::string_view line, std::vector<std::string_view>& words) {
   constexpr std::string_view blanks = " \t\r\v\f";
   line = line.substr(0, line.find('#'));
-  std::vector<std::string_view> words;
+  words.clear();
   const auto skip_blanks = [&] {
     line.remove_prefix(std::min(line.find_first_not_of(blanks), line.size()));
   };
@@ -114,7 +144,6 @@ std::vector<std::string_view> split(std::string_view line) {
     skip_blanks();
     if (line.empty()) words.push_back(line);  // a comma at the end parts off an empty word
   }
-  return words;
 }
 
 /// Nothing for a word that is not a number, infinity for one beyond the range of a double.
@@ -134,41 +163,62 @@ std::string quoted(std::string_view word) {
   return '"' + text + (word.size() > 40 ? "..." : "") + '"';
 }
 
-Profile parse(std::string_view text) {
+/// What is wrong with the words of a line, and its point.
+std::string understand(const std::vector<std::string_view>& words,
+                       const std::vector<std::optional<double>>& values, Point& point) {
+  if (values.size() != 2)
+    return fmt::format("{} columns, expected 2: x and z in metres", values.size());
+  if (values[0] && std::isfinite(*values[0])) point.x = *values[0];
+  point.z = values[1].value_or(0);
+  for (std::size_t i = 0; i < 2; ++i) {
+    if (!values[i])
+      return fmt::format("{} is not a number, expected x and z in metres", quoted(words[i]));
+    if (!std::isfinite(*values[i]))
+      return fmt::format("{} is not a finite number in double precision", quoted(words[i]));
+  }
+  return {};
+}
+
+/// Reads line by line: beside the points no more than one line is held.
+Profile read_points(const std::filesystem::path& file) {
+  std::ifstream stream = open_profile(file);
   Profile profile;
-  if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);  // byte-order mark
+  std::string buffer(longest_line + 1, '\0');
+  std::vector<std::string_view> words;
+  std::vector<std::optional<double>> values;
   bool first = true;
-  for (std::size_t line = 1; !text.empty() && profile.faults.size() < most_faults; ++line) {
-    const std::size_t end = std::min(text.find('\n'), text.size());
-    const auto words = split(text.substr(0, end));
-    text.remove_prefix(std::min(end + 1, text.size()));
+  for (std::size_t line = 1; !stream.eof() && profile.faults.size() < most_faults; ++line) {
+    stream.getline(buffer.data(), static_cast<std::streamsize>(buffer.size()));
+    const auto got = static_cast<std::size_t>(stream.gcount());
+    if (stream.bad()) throw unreadable(file, "the reading stopped halfway");
+    if (stream.fail() && !stream.eof()) {
+      profile.faults.push_back({line, fmt::format("a line of more than {} bytes, expected x and z "
+                                                  "in metres (is it another file?)",
+                                                  longest_line)});
+      break;
+    }
+    std::string_view text(buffer.data(), stream.eof() ? got : got - 1);
+    if (line == 1 && text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);  // byte-order mark
+    split(text, words);
     if (words.empty()) continue;
 
-    std::vector<std::optional<double>> values;
-    values.reserve(words.size());
+    values.clear();
     for (const auto word : words) values.push_back(to_number(word));
     const auto is_number = [](const auto& value) { return value.has_value(); };
     const bool names = std::none_of(values.begin(), values.end(), is_number);
     if (std::exchange(first, false) && names) continue;
 
-    Point point{line, std::numeric_limits<double>::quiet_NaN(), 0};
-    std::string fault;
-    if (values.size() != 2) {
-      fault = fmt::format("{} columns, expected 2: x and z in metres", values.size());
-    } else {
-      for (std::size_t i = 2; i-- > 0;)  // the first wrong word is the one that stays
-        if (!values[i])
-          fault = fmt::format("{} is not a number, expected x and z in metres", quoted(words[i]));
-        else if (!std::isfinite(*values[i]))
-          fault = fmt::format("{} is not a finite number in double precision", quoted(words[i]));
-      if (values[0] && std::isfinite(*values[0])) {
-        point.x = *values[0];
-        profile.precision.see(words[0]);
-      }
-      point.z = values[1].value_or(0);
-    }
-    profile.points.push_back(point);
-    if (!fault.empty()) profile.faults.push_back({line, std::move(fault)});
+    profile.has_end = !stream.eof();
+    Point point{std::numeric_limits<double>::quiet_NaN(), 0};
+    std::string fault = understand(words, values, point);
+    if (!std::isnan(point.x)) profile.precision.see(words[0]);
+    profile.add(line, point);
+    if (profile.points.size() > most_points)
+      throw RequestError(fmt::format("{}:{}: more than {} points; thin the profile out",
+                                     file.string(), line, most_points));
+    if (fault.empty()) continue;
+    if (!profile.has_end) fault += " (the line has no end: was the file cut off here?)";
+    profile.faults.push_back({line, std::move(fault)});
   }
   return profile;
 }
@@ -183,15 +233,16 @@ void check_steps(Profile& profile) {
     return Step{points[i].x - points[i - 1].x, profile.precision.rounding(points[i - 1].x) +
                                                    profile.precision.rounding(points[i].x)};
   };
-  std::vector<Step> steps;
+  std::vector<std::uint32_t> steps;  // by the point where each ends
   for (std::size_t i = 1; i < points.size(); ++i)
-    if (points[i].x > points[i - 1].x) steps.push_back(step_to(i));
+    if (points[i].x > points[i - 1].x) steps.push_back(static_cast<std::uint32_t>(i));
   Step usual{0, 0};
   if (!steps.empty()) {
     const auto middle = steps.begin() + (std::ssize(steps) - 1) / 2;
+    const auto length = [&](std::uint32_t i) { return points[i].x - points[i - 1].x; };
     std::nth_element(steps.begin(), middle, steps.end(),
-                     [](const Step& a, const Step& b) { return a.length < b.length; });
-    usual = *middle;
+                     [&](std::uint32_t a, std::uint32_t b) { return length(a) < length(b); });
+    usual = step_to(*middle);
   }
 
   std::size_t found = 0;
@@ -209,7 +260,7 @@ void check_steps(Profile& profile) {
       what = fmt::format("x steps by {:.10g} m, expected an even spacing of {:.10g} m", step.length,
                          usual.length);
     if (what.empty()) continue;
-    profile.faults.push_back({points[i].line, std::move(what)});
+    profile.faults.push_back({profile.line_of(i), std::move(what)});
     ++found;
   }
 }
@@ -225,11 +276,114 @@ void refuse(const std::filesystem::path& file, std::vector<Fault> faults) {
   throw RequestError(message);
 }
 
+/// Lowest and highest of the first `count` heights [m], but for one.
+struct Span {
+  double low = infinity, high = -infinity;
+
+  double size() const { return high - low; }
+  /// How far a height lies outside.
+  double away(double z) const { return std::max({low - z, z - high, 0.0}); }
+
+ private:
+  static constexpr double infinity = std::numeric_limits<double>::infinity();
+};
+
+Span span_of(const std::deque<Point>& points, std::size_t count, std::size_t but) {
+  Span span;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (i == but) continue;
+    span.low = std::min(span.low, points[i].z);
+    span.high = std::max(span.high, points[i].z);
+  }
+  return span;
+}
+
+struct Unit {
+  const char *name, *factor;
+  double metres;
+};
+constexpr Unit units[] = {{"mm", "1e-3", 1e-3}, {"um", "1e-6", 1e-6}, {"nm", "1e-9", 1e-9}};
+
+/// In which unit such heights would be those of a face.
+const Unit& likely_unit(double height) {
+  const auto off = [&](const Unit& unit) {
+    return std::abs(std::log(height * unit.metres / usual_height));
+  };
+  return *std::min_element(std::begin(units), std::end(units),
+                           [&](const Unit& a, const Unit& b) { return off(a) < off(b); });
+}
+
+/// The smallest unit in which the profile would still reach along the beam.
+const Unit& likely_unit(double length, double beam) {
+  for (const Unit* unit = std::end(units); --unit != units;)
+    if (length * unit->metres >= 0.9 * beam) return *unit;
+  return units[0];
+}
+
+/// What is out of all proportion to the beam, with the line where it is seen; no text where nothing
+/// is. `used`: points that lie along the beam.
+Fault find_disproportion(const Profile& profile, std::size_t used, double length,
+                         double thickness) {
+  const auto& points = profile.points;
+  const std::size_t last = points.size() - 1;
+  if (!profile.has_end && last >= 3) {
+    const Span others = span_of(points, last, last);
+    if (others.away(points[last].z) > far_off * others.size())
+      return {profile.line_of(last),
+              fmt::format("the line has no end, and its height of {:.6g} m is far from all others "
+                          "({:.6g} to {:.6g} m): the file was cut off inside this number. Complete "
+                          "the line, or drop it",
+                          points[last].z, others.low, others.high)};
+  }
+  const double range = points[last].x - points[0].x;
+  if (range >= longest_share * length) {
+    const Unit& unit = likely_unit(range, length);
+    return {profile.line_of(last),
+            fmt::format("x runs over {:.6g} for a beam of {:.6g} m: is it in {}? Lengths are read "
+                        "in metres: multiply x by {}, and z by what its own unit asks for",
+                        range, length, unit.name, unit.factor)};
+  }
+  std::size_t lowest = 0, highest = 0;
+  double way = 0;  // m, all ups and downs along the beam
+  for (std::size_t i = 1; i <= last; ++i) {
+    if (points[i].z < points[lowest].z) lowest = i;
+    if (points[i].z > points[highest].z) highest = i;
+    if (i < used) way += std::abs(points[i].z - points[i - 1].z);
+  }
+  double height = points[highest].z - points[lowest].z;
+  const double depth = thickness > 0 ? thickness : length;
+  const double slope = way / (points[used - 1].x - points[0].x);
+  if (height <= depth && slope <= steepest) return {0, {}};
+  for (const std::size_t i : {lowest, highest}) {
+    const Span others = span_of(points, points.size(), i);
+    if (last < 3 || others.away(points[i].z) <= 100 * others.size()) continue;
+    if (i < used)
+      return {profile.line_of(i),
+              fmt::format("a height of {:.6g} m, and all others lie from {:.6g} to {:.6g} m: is "
+                          "there a digit missing? Mend the number",
+                          points[i].z, others.low, others.high)};
+    height = others.size();  // it does not lie along the beam
+  }
+  const bool tall = height > depth;
+  if (!tall && slope <= steepest) return {0, {}};
+  const Unit& unit = likely_unit(height);
+  const std::string cure = fmt::format("is z in {}? Heights are read in metres: multiply z by {}",
+                                       unit.name, unit.factor);
+  const std::size_t line = profile.line_of(highest);
+  if (tall)
+    return {line, fmt::format("the heights span {:.6g} m on a beam {:.6g} m {}: {}", height, depth,
+                              thickness > 0 ? "thick" : "long", cure)};
+  return {line, fmt::format("the heights go up and down by {:.3g} m for each metre of x, steeper "
+                            "than any face: {}",
+                            slope, cure)};
+}
+
 }  // namespace
 
 std::vector<double> read_profile(const std::filesystem::path& file, int nodes, double length,
-                                 double spacing) {
-  Profile profile = parse(read_text(file));
+                                 double spacing, double thickness,
+                                 std::vector<std::string>* doubts) {
+  Profile profile = read_points(file);
   check_steps(profile);
   if (!profile.faults.empty()) refuse(file, std::move(profile.faults));
   const auto& points = profile.points;
@@ -237,6 +391,7 @@ std::vector<double> read_profile(const std::filesystem::path& file, int nodes, d
     throw RequestError(fmt::format("{}: {} points, expected at least 2 lines of x and z in metres",
                                    file.string(), points.size()));
 
+  const std::size_t last_line = profile.line_of(points.size() - 1);
   const double first = points.front().x, last = points.back().x, needed = (nodes - 1) * spacing;
   const double step = (last - first) / static_cast<double>(points.size() - 1);
   const double printed = profile.precision.rounding(first) + profile.precision.rounding(last);
@@ -244,7 +399,23 @@ std::vector<double> read_profile(const std::filesystem::path& file, int nodes, d
     throw RequestError(
         fmt::format("{}:{}: the profile is {:.10g} m long and the beam {:.10g} m; give a longer "
                     "profile or a shorter beam",
-                    file.string(), points.back().line, last - first, length));
+                    file.string(), last_line, last - first, length));
+
+  const double reach = std::ceil(needed / step * (1 - evenness)) + 1;  // points along the beam
+  const auto used =
+      static_cast<std::size_t>(std::clamp(reach, 2.0, static_cast<double>(points.size())));
+  if (Fault fault = find_disproportion(profile, used, length, thickness); !fault.text.empty())
+    refuse(file, {std::move(fault)});
+  if (doubts != nullptr && !profile.has_end)
+    doubts->push_back(
+        fmt::format("{}:{}: the last line has no end: if the file was cut off there, "
+                    "its height of {:.6g} m is wrong",
+                    file.string(), last_line, points.back().z));
+  if (doubts != nullptr && step > coarse_nodes * spacing && points.size() > few_points)
+    doubts->push_back(
+        fmt::format("{}: x steps by {:.6g} m, {:.0f} nodes of the scene, between "
+                    "which the face is straight: is x in metres?",
+                    file.string(), step, step / spacing));
 
   // The same spacing, as far as the digits tell: the nodes are the points.
   const bool same = std::abs(step - spacing) * static_cast<double>(points.size() - 1) <=

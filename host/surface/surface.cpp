@@ -53,7 +53,8 @@ int node_count(double length, double spacing) {
 }
 
 std::vector<double> make_surface(const SurfaceSpec& spec, double length, double spacing,
-                                 const std::filesystem::path& scene_file) {
+                                 const std::filesystem::path& scene_file, double thickness,
+                                 std::vector<std::string>* doubts) {
   const int nodes = node_count(length, spacing);
   switch (spec.kind) {
     case SurfaceKind::flat:
@@ -61,7 +62,8 @@ std::vector<double> make_surface(const SurfaceSpec& spec, double length, double 
     case SurfaceKind::peaks:
       return peak_heights(spec.peaks, nodes, spacing);
     case SurfaceKind::file:
-      return read_profile(scene_file.parent_path() / spec.path, nodes, length, spacing);
+      return read_profile(scene_file.parent_path() / spec.path, nodes, length, spacing, thickness,
+                          doubts);
     case SurfaceKind::gaussian:
       return gaussian_heights(spec.rq, correlation_length(spec), spec.seed, length, nodes, spacing);
   }

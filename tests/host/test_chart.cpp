@@ -101,8 +101,12 @@ TEST(Chart, TheProgramPrintsTheTableAndWritesItsFiles) {
   const Folder folder;
   const bool can_draw =
       run_program(folder.path(), {python(), "-c", "import matplotlib"}).status == 0;
-  std::vector<std::string> words{program(), "chart",          "stability", scene_file("peaks"),
-                                 "--set",   "time.step=2e-8", "-o",        "out"};
+  // a name that is no formula, and no line of its own
+  std::vector<std::string> words{program(),   "chart",
+                                 "stability", scene_file("peaks"),
+                                 "--set",     "time.step=2e-8",
+                                 "--set",     "scene.name=$x^$ \\frac\n\x1b",
+                                 "-o",        "out"};
   if (!can_draw) words.emplace_back("--no-plot");
   const Ended run = run_program(folder.path(), words);
   ASSERT_EQ(run.status, 0) << run.err;

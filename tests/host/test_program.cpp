@@ -74,6 +74,13 @@ TEST_F(Program, HelpAndVersionSucceed) {
   EXPECT_EQ(run({"run", "--help"}), 0);
   EXPECT_THAT(out_, AllOf(HasSubstr("--set"), HasSubstr("--threads"), HasSubstr("--quiet"),
                           HasSubstr("--output")));
+  const std::string of_run = out_;
+  EXPECT_EQ(run({"help", "run"}), 0);
+  EXPECT_EQ(out_, of_run);
+  EXPECT_EQ(run({"help"}), 0);
+  EXPECT_THAT(out_, AllOf(HasSubstr("chart"), HasSubstr("Exit status")));
+  EXPECT_EQ(run({"help", "chrt"}), 2);
+  EXPECT_THAT(err_, HasSubstr("did you mean 'chart'?"));
   EXPECT_EQ(run({"--version"}), 0);
   EXPECT_THAT(out_, HasSubstr("ra2d 0."));
 }
@@ -83,13 +90,111 @@ TEST_F(Program, WrongRequestsEndWithTwoAndSayWhy) {
   EXPECT_EQ(run({"run"}), 2);
   EXPECT_THAT(err_, HasSubstr("SCENE"));
   EXPECT_EQ(run({"rnu", scene_file("peaks")}), 2);
+  EXPECT_THAT(err_, HasSubstr("'ra2d' has no command 'rnu' (did you mean 'run'?)"));
+  EXPECT_EQ(run({"chart", "stabilty"}), 2);
+  EXPECT_THAT(err_,
+              HasSubstr("'ra2d chart' has no command 'stabilty' (did you mean 'stability'?)"));
   EXPECT_EQ(run({"run", scene_file("peaks"), "--treads", "2"}), 2);
+  EXPECT_THAT(err_, HasSubstr("'ra2d run' has no option '--treads' (did you mean '--threads'?)"));
+  EXPECT_EQ(run({"chart", "accuracy", "--buget=3"}), 2);
+  EXPECT_THAT(err_, HasSubstr("has no option '--buget' (did you mean '--budget'?)"));
   EXPECT_EQ(run({"study", "x.toml"}), 2);
   EXPECT_THAT(err_, HasSubstr("'study' is not available yet"));
   EXPECT_EQ(run({"run", scene_file("peaks"), "--set", "scene.sped=1", "--set", "time.step=-1"}), 2);
   EXPECT_THAT(err_, AllOf(HasSubstr("2 faults"), HasSubstr("scene.sped"), HasSubstr("`speed`"),
                           HasSubstr("time.step")));
   EXPECT_FALSE(fs::exists(folder_ / "peaks.h5"));
+}
+
+TEST_F(Program, NumbersOfTheCommandLineAreRefusedBeforeAnythingRuns) {
+  for (const char* budget : {"nan", "inf", "0", "-3", "1e300", "", "1e", "x"}) {
+    EXPECT_EQ(run({"chart", "accuracy", "--budget", budget}), 2) << budget;
+    EXPECT_THAT(err_, HasSubstr("--budget")) << budget;
+    EXPECT_EQ(run({"plan", scene_file("peaks"), "--accuracy", "0.1", "--budget", budget}), 2);
+    EXPECT_THAT(err_, HasSubstr("--budget")) << budget;
+  }
+  for (const char* accuracy : {"nan", "inf", "0", "1", "-0.1", "x"}) {
+    EXPECT_EQ(run({"plan", scene_file("peaks"), "--accuracy", accuracy}), 2) << accuracy;
+    EXPECT_THAT(err_, HasSubstr("--accuracy"));
+  }
+  for (const char* threads : {"nan", "inf", "0", "-1", "1.5", "1e300", "x"}) {
+    EXPECT_EQ(run({"plan", scene_file("peaks"), "--threads", threads}), 2) << threads;
+    EXPECT_THAT(err_, HasSubstr("--threads"));
+  }
+  EXPECT_EQ(run({"chart", "stability", "--set", "resonator.max_frequency=1e9"}), 2);
+  EXPECT_THAT(err_, AllOf(HasSubstr("resonator.max_frequency"), HasSubstr("at most 256")));
+}
+
+TEST_F(Program, MoreThreadsThanThereAreAreLowered) {
+  for (const char* threads : {"513", "100000"}) {
+    EXPECT_EQ(run({"plan", scene_file("peaks"), "--threads", threads}), 0) << err_;
+    EXPECT_THAT(err_, AllOf(testing::StartsWith("ra2d: "), HasSubstr(" thread"), HasSubstr(": ")));
+  }
+  EXPECT_EQ(run({"plan", scene_file("peaks"), "--threads", "513", "--quiet"}), 0);
+  EXPECT_EQ(err_, "");
+}
+
+TEST_F(Program, WhatCannotBePrintedEndsWithFourAndIsWrittenAllTheSame) {
+  const auto shell = [&](const std::string& command) {
+    Child child(folder_, {"/bin/sh", "-c", command});
+    const int status = child.wait();
+    err_ = child.err();
+    return status;
+  };
+  const std::string p = '\'' + ra2d::test::program() + "' ",
+                    drop = '\'' + scene_file("drop") + "' --set scene.duration=1e-4";
+  ASSERT_EQ(shell(p + "run -o s.h5 " + drop), 0);
+  for (const char* broken : {" >/dev/full", " >&-"}) {
+    for (const std::string& words :
+         {std::string("--help"), std::string("--version"), std::string("help run"), "plan " + drop,
+          "run -o r.h5 " + drop}) {
+      EXPECT_EQ(shell(p + words + broken), 4) << words << broken;
+      EXPECT_THAT(err_, HasSubstr("cannot write to the standard output: "));
+    }
+    ASSERT_TRUE(fs::exists(folder_ / "r.h5"));
+    EXPECT_EQ(fs::file_size(folder_ / "r.h5"), fs::file_size(folder_ / "s.h5"));
+    fs::remove(folder_ / "r.h5");
+    // nothing was to be printed
+    EXPECT_EQ(shell(p + "run --quiet -o r.h5 " + drop + broken), 0) << err_;
+  }
+  // a fault keeps its own status, wherever it can be told
+  EXPECT_EQ(shell(p + "run nowhere.toml >/dev/full 2>/dev/full"), 4);
+  EXPECT_EQ(shell(p + "runn >&- 2>&-"), 2);
+  // a reader who has seen enough
+  EXPECT_EQ(shell(p + "plan " + drop + " | head -n 1"), 0);
+  EXPECT_EQ(err_, "");
+}
+
+TEST_F(Program, ALimitOfFileSizesIsAFault) {
+  Child child(folder_, {"/bin/sh", "-c",
+                        "ulimit -f 8; exec '" + ra2d::test::program() + "' run '" +
+                            scene_file("drop") + "'"});
+  EXPECT_EQ(child.wait(), 4);
+  EXPECT_THAT(child.err(), HasSubstr("drop.h5"));
+  EXPECT_FALSE(fs::exists(folder_ / "drop.h5"));
+}
+
+TEST_F(Program, ControlCharactersAreNotPrinted) {
+  const std::string scene = "e\x1b[31m\xc2\x9b.toml";
+  fs::copy_file(scene_file("drop"), folder_ / scene);
+  const auto is_raw = [](const std::string& text) {
+    return text.find('\x1b') != std::string::npos || text.find("\xc2\x9b") != std::string::npos;
+  };
+  const std::vector<std::vector<std::string>> requests{
+      {"run", scene, "--set", "scene.duration=1e-4", "--set", "scene.name=\"a\\u001b[31mb\""},
+      {"run", scene, "--set", "scene.duration=1e-4", "-o", "o\x1b[31m.h5"},
+      {"plan", scene, "--set", "scene.name=\x1b[31m"},
+      {"run", scene, "--set", "scene.\x1b=1", "--set", "time.step=\x1b"},
+      {"run", scene, "--set", "slider.surface={kind=\"file\", path=\"\\u001b\"}"},
+      {"run", "no\x1b.toml"},
+      {"\x1b"},
+      {"run", scene, "--\x1b"},
+      {"run", scene, "\x1b"}};
+  for (const std::vector<std::string>& words : requests) {
+    EXPECT_LE(run(words), 4);
+    EXPECT_NE(out_ + err_, "");
+    EXPECT_FALSE(is_raw(out_ + err_)) << fmt::format("{}", fmt::join(words, " "));
+  }
 }
 
 TEST_F(Program, AdaptiveWithMultipliersIsRefusedWithTheReason) {
@@ -190,7 +295,24 @@ TEST_F(Program, AProfileThatIsTooShortNamesTheBody) {
                  fmt::format("slider.surface={{ kind = \"file\", path = \"{}\" }}",
                              (folder_ / "short.csv").string())}),
             2);
-  EXPECT_THAT(err_, AllOf(HasSubstr("slider.surface"), HasSubstr("short.csv")));
+  EXPECT_THAT(err_, AllOf(HasSubstr("--set slider.surface={"), HasSubstr(": slider.surface: "),
+                          HasSubstr("short.csv:4: the profile is 0.002 m long")));
+}
+
+TEST_F(Program, WhatLooksOddInAProfileIsSaid) {
+  std::ofstream(folder_ / "cut.csv") << "x,z\n0,0\n0.1,1e-6\n0.2,2e-6\n0.3,1e-6";
+  const std::string face =
+      "resonator.surface={ kind = \"file\", path = \"" + (folder_ / "cut.csv").string() + "\" }";
+  for (const char* command : {"plan", "run"}) {
+    EXPECT_EQ(run({command, scene_file("drop"), "--set", face, "--set", "scene.duration=1e-5"}), 0);
+    EXPECT_THAT(err_, HasSubstr("cut.csv:5: the last line has no end")) << command;
+  }
+}
+
+TEST_F(Program, RefusalsAfterTheReadingNameFileLineAndKey) {
+  EXPECT_EQ(run({"run", scene_file("drop"), "--set", "scene.spacing=1e-2"}), 2);
+  EXPECT_THAT(err_, AllOf(HasSubstr("--set scene.spacing=1e-2: scene.spacing: "),
+                          HasSubstr("nodes to a wavelength")));
 }
 
 TEST_F(Program, ARunPrintsWhatItFoundAndWritesAFileThatOpensEverywhere) {
@@ -255,6 +377,7 @@ TEST_F(Program, ASignalEndsTheRunCleanlyWithWhatThereIs) {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGUSR1}) {
     Child child = start(long_run);
     wait_until_it_marches();
+    EXPECT_EQ(child.threads(), 1) << "there may be no more to be had (ulimit -u)";
     child.send(signal);
     EXPECT_EQ(child.wait(), 128 + signal) << child.err();
     EXPECT_THAT(child.err(), HasSubstr("interrupted at t ="));

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "host/errors.hpp"
+#include "host/scene/text.hpp"
 #include "tests/places.hpp"
 
 namespace ra2d {
@@ -555,7 +556,28 @@ const std::vector<Refused> refused{
      {"s.toml:28: time.step: 1 s is longer than the run"}},
     {"TooManyModes",
      {{"max_frequency = 20e3", "max_frequency = 1e30"}},
-     {"s.toml:24: slider.max_frequency: 1e+30 Hz keeps", "modes: expected at most 1e+06"}},
+     {"s.toml:24: slider.max_frequency: 1000 or more modes in both bodies together, at most 256 "
+      "can "
+      "be marched: expected less than "}},
+    {"TooManyModesByNumber",
+     {{"modes = 19", "modes = 300"}},
+     {"s.toml:14: resonator.modes: 30", "expected at most 25", " here"}},
+    {"RateOfNoSample",
+     {{"", "[output]\nrate = 5e-324\n"}},
+     {"s.toml:30: output.rate: 5e-324 Hz takes no sample in 0.1 s but that at t = 0: expected at "
+      "least 10 Hz"}},
+    {"MassOfNoBody",
+     {{"density = 7800", "density = 1e-300"}, {"young = 210e9", "young = 1e-289"}},
+     {"s.toml:12: resonator.density: 1e-300 kg/m^3 makes 4e-304 kg of each metre"}},
+    {"FrequencyOfNoBody",
+     {{"young = 210e9", "young = 1e-300"}},
+     {"s.toml:11: resonator.young: 1e-300 Pa makes ", "Hz the first frequency"}},
+    {"DeepKey",
+     {{"speed = 0.5", "a.b.c.d.e.f.g.h.i.j.k.l.m.n.o.p.q = 0.5"}},
+     {"s.toml:3: a key of more than 16 parts"}},
+    {"PathOfNoFile",
+     {{gaussian, "surface = { kind = \"file\", path = \"a\\u0000b\" }"}},
+     {"s.toml:15: resonator.surface.path: \"a\\u0000b\" cannot be the name of a file"}},
 };
 
 INSTANTIATE_TEST_SUITE_P(Each, SceneRefuses, testing::ValuesIn(refused),
@@ -776,6 +798,81 @@ TEST(SceneOverrides, AreReadBesideASyntaxError) {
   const std::string message = refusal("[scene\n", {"nonsense"});
   EXPECT_THAT(message, StartsWith("s.toml: 2 faults\n--set nonsense: not an override"));
   EXPECT_THAT(message, HasSubstr("\ns.toml:1:"));
+}
+
+TEST(SceneOverrides, OfNoUtf8AreFaults) {
+  EXPECT_EQ(
+      refusal(minimal, {"scene.name=\xff"}),
+      "s.toml: 1 fault\n--set scene.name=\xff: not UTF-8: expected a value that TOML can hold");
+}
+
+/// Whatever is nested in a text, no more than a bounded depth of it is built.
+TEST(SceneDepth, IsLimitedBeforeTheParse) {
+  const auto repeated = [](const std::string& part, int count) {
+    std::string text;
+    for (int i = 0; i < count; ++i) text += part;
+    return text;
+  };
+  const std::string dotted = repeated("a.", 300'000) + "a";
+  const std::string quoted = repeated("\"a.b\" . 'c' .", 300'000) + "a";
+  for (const std::string& key : {dotted, quoted})
+    for (const std::string& text : {key + " = 1", "[" + key + "]", "[[" + key + "]]",
+                                    "x = {" + key + " = 1}", "x = [{ y = 1, " + key + " = 1}]",
+                                    "x = '''\n'''\n" + key + " = 1", "x = 1 # \"\n" + key + " = 1"})
+      EXPECT_THAT(refusal(text), HasSubstr("a key of more than 16 parts")) << text.substr(0, 20);
+  EXPECT_THAT(refusal(minimal, {dotted + "=1"}), HasSubstr("not an override"));
+  EXPECT_THAT(refusal(minimal, {"scene.x={" + dotted + "=1}"}), HasSubstr("scene.x: unknown key"));
+  for (const char* open : {"[", "{a=", "{a.b.c=", "[{a=["})
+    EXPECT_THAT(refusal("x = " + repeated(open, 100'000)), HasSubstr("not TOML"));
+  EXPECT_THAT(refusal("x = " + repeated("[", 40) + repeated("]", 40)), HasSubstr("not TOML"));
+  // dots elsewhere are none of keys
+  const std::string dots = repeated("a.b", 100);
+  for (const std::string& name :
+       {"\"" + dots + "\\\"" + dots + "\"", "'" + dots + "'", "'''\n" + dots + "'''''",
+        "\"\"\"" + dots + "\"\"\\\"\"\"\" # " + dots})
+    EXPECT_EQ(refusal(scene_text({{"[scene]", "[scene]\nname = " + name}})), "accepted") << name;
+}
+
+TEST(Scene, ManyFaultsAreCountedAndTheFirstAreNamed) {
+  std::string probes;
+  for (int i = 0; i < 20'000; ++i) probes += "9,\n";
+  const std::string message = refusal(
+      scene_text({{"speed = 0.5", "sped = 0.5"}, {"", "[output]\nprobes = [" + probes + "]\n"}}));
+  EXPECT_THAT(message, StartsWith("s.toml: 20002 faults\ns.toml:1: scene.speed: missing"));
+  EXPECT_THAT(message, HasSubstr("\ns.toml:3: scene.sped: unknown key"));
+  EXPECT_THAT(message, HasSubstr("\ns.toml:47: output.probes[17]: 9 m is off"));
+  EXPECT_THAT(message, testing::EndsWith("\nand 19982 more"));
+  EXPECT_EQ(std::count(message.begin(), message.end(), '\n'), 21);
+  EXPECT_LT(refusal(scene_text({{"", std::string(1'000'000, 'x') + " = 1\n"}})).size(), 1000u);
+  EXPECT_LT(refusal(minimal, {std::string(100'000, 'x') + "=1"}).size(), 1000u);
+}
+
+TEST(Scene, LaterRefusalsNameFileLineAndKey) {
+  const Scene s = parse(minimal, {"scene.speed=0.25", "resonator.surface.rq=4e-6"});
+  const auto told = [](const Scene& scene, const std::string& key) {
+    return std::string(ra2d::refusal(scene, key, "no").what());
+  };
+  EXPECT_EQ(told(s, "time.step"), "s.toml: 1 fault\ns.toml:28: time.step: no");
+  EXPECT_EQ(told(s, "scene.speed"), "s.toml: 1 fault\n--set scene.speed=0.25: scene.speed: no");
+  EXPECT_EQ(told(s, "resonator.surface.rsm"),
+            "s.toml: 1 fault\ns.toml:15: resonator.surface.rsm: no");
+  EXPECT_EQ(told(s, "scene.gap"), "s.toml: 1 fault\ns.toml:1: scene.gap: no");
+  EXPECT_EQ(told(s, "output.rate"), "s.toml: 1 fault\ns.toml:1: output.rate: no");
+  Scene made;
+  made.file = "m.toml";
+  EXPECT_EQ(told(made, "time.step"), "m.toml: 1 fault\nm.toml: time.step: no");
+}
+
+TEST(Text, ForATerminalHasNoControlCharacters) {
+  EXPECT_EQ(printable("a\x1b[2J\n\t\x7f\xc2\x9bz \xc3\xa9 \xe2\x82\xac \xf0\x9f\x8e\xb5"),
+            "a\\u001B[2J\\u000A\\u0009\\u007F\\u009Bz \xc3\xa9 \xe2\x82\xac \xf0\x9f\x8e\xb5");
+  EXPECT_EQ(printable("\xff\xc3"), "\\xFF\\xC3");
+  EXPECT_EQ(printable_lines("a\x01\n\nb\n"), "a\\u0001\n\nb\n");
+  // and TOML reads its own escapes back
+  Scene s = parse(minimal);
+  s.name = "\x1b[31m \xc2\x9b \"\\\n\t \x7f";
+  EXPECT_EQ(printable_lines(echo(s)), echo(s));
+  EXPECT_EQ(parse(echo(s)).name, s.name);
 }
 
 TEST(SceneEcho, IsCompleteAndCanonical) {

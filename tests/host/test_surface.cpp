@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -20,6 +21,7 @@
 namespace {
 
 using namespace ra2d;
+using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -345,8 +347,12 @@ struct ProfileFile : testing::Test {
     return make_surface(spec, length, spacing, folder / "scene.toml");
   }
   std::string fault(const std::string& text, double length = 3, double spacing = 1) const {
+    std::ofstream(folder / "profile.csv", std::ios::binary) << text;
+    return fault_of_file(length, spacing);
+  }
+  std::string fault_of_file(double length = 3, double spacing = 1) const {
     try {
-      read(text, length, spacing);
+      read_existing("profile.csv", length, spacing);
     } catch (const RequestError& error) {
       return error.what();
     }
@@ -372,19 +378,19 @@ TEST_F(ProfileFile, CopiesHeightsOfTheSameSpacingExactly) {
   std::vector<double> z;
   for (int n = 0; n <= 1000; ++n) {
     z.push_back(n == 1000 ? 0 : (n % 2 == 0 ? 1 : -1) * (1 + n / 2));  // in pairs: mean 0
-    text += std::to_string(n * 8) + "e-6 " + std::to_string(z.back()) + "\n";
+    text += std::to_string(n * 8) + "e2 " + std::to_string(z.back()) + "\n";
   }
-  const auto heights = read(text, 8e-3, 8e-6);
+  const auto heights = read(text, 8e5, 8e2);
   ASSERT_EQ(heights.size(), z.size());
   for (std::size_t n = 0; n < z.size(); ++n) EXPECT_EQ(heights[n], z[n]) << n;
 }
 
 TEST_F(ProfileFile, InterpolatesLinearlyBetweenPoints) {
-  // z at 0, 0.5, ... 3 of points (0, 0), (1, 4), (2, 0), (3, 4): 0 2 4 2 0 2 4, mean 2.
-  const std::vector<double> finer = {-2, 0, 2, 0, -2, 0, 2};
-  EXPECT_EQ(read("0 0\n1 4\n2 0\n3 4\n", 3, 0.5), finer);
-  // and at 0, 1.5, 3: 0 2 4.
-  EXPECT_EQ(read("0 0\n1 4\n2 0\n3 4\n", 3, 1.5), (std::vector<double>{-2, 0, 2}));
+  // z at 0, 0.5, ... 3 of points (0, 0), (1, 1), (2, 0), (3, 1): 0 0.5 1 0.5 0 0.5 1, mean 0.5.
+  const std::vector<double> finer = {-0.5, 0, 0.5, 0, -0.5, 0, 0.5};
+  EXPECT_EQ(read("0 0\n1 1\n2 0\n3 1\n", 3, 0.5), finer);
+  // and at 0, 1.5, 3: 0 0.5 1.
+  EXPECT_EQ(read("0 0\n1 1\n2 0\n3 1\n", 3, 1.5), (std::vector<double>{-0.5, 0, 0.5}));
 }
 
 TEST_F(ProfileFile, AllowsTheRoundingOfPrintedDigits) {
@@ -392,9 +398,9 @@ TEST_F(ProfileFile, AllowsTheRoundingOfPrintedDigits) {
   std::string decimals, digits;
   char line[64];
   for (int n = 0; n <= 700; ++n) {
-    std::snprintf(line, sizeof line, "%.6f %d\n", n * 1e-3 / 7, n % 2);
+    std::snprintf(line, sizeof line, "%.6f %de-6\n", n * 1e-3 / 7, n % 2);
     decimals += line;
-    std::snprintf(line, sizeof line, "%g %d\n", n * 1e-3 / 7, n % 2);
+    std::snprintf(line, sizeof line, "%g %de-6\n", n * 1e-3 / 7, n % 2);
     digits += line;
   }
   EXPECT_EQ(read(decimals, 0.1, 1e-3 / 7).size(), 701);
@@ -463,6 +469,120 @@ TEST_F(ProfileFile, NamesTheFirstTenFaultsInOrder) {
   EXPECT_THAT(message, HasSubstr(":11: \"oops\""));
   EXPECT_THAT(message, Not(HasSubstr(":12:")));
   EXPECT_THAT(message, HasSubstr("more faults"));
+}
+
+/// A rough face as a stylus writes it, in these units [m].
+struct MeasuredProfile : ProfileFile {
+  static std::string text(double x_unit, double z_unit, double rq = 8e-6, double length = 0.02) {
+    std::mt19937_64 random(7);
+    std::string text;
+    double z = 0;
+    for (int n = 0; n * 8e-6 <= length * 1.01; ++n) {
+      const double noise = 0x1p-63 * static_cast<double>(random()) - 1;  // of variance 1/3
+      z = 0.95 * z + 0.54 * rq * noise;
+      text += fmt::format("{:.9e},{:.4e}\n", n * 8e-6 / x_unit, z / z_unit);
+    }
+    return text;
+  }
+  /// Read for a cube of 20 mm, or as given.
+  std::string said(const std::string& text, double thickness = 0.02, double length = 0.02) {
+    std::ofstream(folder / "profile.csv", std::ios::binary) << text;
+    SurfaceSpec spec;
+    spec.kind = SurfaceKind::file;
+    spec.path = "profile.csv";
+    doubts.clear();
+    try {
+      make_surface(spec, length, 8e-6, folder / "scene.toml", thickness, &doubts);
+    } catch (const RequestError& error) {
+      return error.what();
+    }
+    return "fine";
+  }
+  std::vector<std::string> doubts;
+};
+
+TEST_F(MeasuredProfile, InMetresIsReadWithoutAWord) {
+  for (const double rq : {1e-8, 1e-6, 8e-6}) {
+    EXPECT_EQ(said(text(1, 1, rq)), "fine");
+    EXPECT_THAT(doubts, testing::IsEmpty());
+  }
+  // of a whole plate for a small pin, which is rigid; and a flat face of two points
+  EXPECT_EQ(said(text(1, 1, 8e-6, 0.3), 0, 0.001), "fine");
+  EXPECT_EQ(said("0 0\n1 0\n", 0.002, 0.3), "fine");
+  // a bowed sheet
+  EXPECT_EQ(said("0 0\n0.15 1e-3\n0.3 0\n", 0.002, 0.3), "fine");
+  EXPECT_THAT(doubts, testing::IsEmpty());
+}
+
+TEST_F(MeasuredProfile, InAnotherUnitIsRefusedWithThatUnit) {
+  constexpr double mm = 1e-3, um = 1e-6;
+  EXPECT_THAT(said(text(mm, mm)),
+              AllOf(HasSubstr("profile.csv:2526: x runs over 20.2 for a beam of "
+                              "0.02 m: is it in mm?"),
+                    HasSubstr("multiply x by 1e-3")));
+  EXPECT_THAT(said(text(mm, um)), HasSubstr("is it in mm?"));
+  EXPECT_THAT(said(text(mm, 1)), HasSubstr("is it in mm?"));
+  EXPECT_THAT(said(text(um, um)),
+              AllOf(HasSubstr("is it in um?"), HasSubstr("multiply x by 1e-6")));
+  EXPECT_THAT(said(text(1, mm)),
+              HasSubstr("is z in mm? Heights are read in metres: multiply z by 1e-3"));
+  EXPECT_THAT(said(text(1, um)),
+              AllOf(HasSubstr("on a beam 0.02 m thick"), HasSubstr("is z in um?")));
+  // of a rigid body no thickness is known
+  EXPECT_THAT(said(text(1, um), 0),
+              AllOf(HasSubstr("on a beam 0.02 m long"), HasSubstr("is z in um?")));
+  // too short in truth, but not as it is read
+  EXPECT_THAT(said(text(mm, mm, 8e-6, 0.01)), HasSubstr("is z in mm?"));
+  EXPECT_THAT(said(text(mm, um, 8e-6, 0.01)), HasSubstr("is z in um?"));
+  // a lapped face: its heights are not out of all proportion, but it is said how coarse it is
+  EXPECT_EQ(said(text(mm, mm, 1e-8, 0.01)), "fine");
+  EXPECT_THAT(doubts, testing::ElementsAre(HasSubstr("1000 nodes of the scene")));
+}
+
+TEST_F(MeasuredProfile, CutOffInItsLastNumberIsRefusedOrSaid) {
+  const auto cut = [](std::size_t bytes) {
+    return text(1, 1) + "2.020800000e-02," + std::string("-3.1234e-07").substr(0, bytes);
+  };
+  for (const std::size_t bytes : {2, 5, 7, 10})  // -3, -3.12, -3.1234, -3.1234e-0
+    EXPECT_THAT(
+        said(cut(bytes)),
+        AllOf(HasSubstr(":2527: the line has no end, and its height of -3"),
+              HasSubstr("is far from all others"), HasSubstr("Complete the line, or drop it")));
+  for (const std::size_t bytes : {0, 1, 8, 9})  // no number
+    EXPECT_THAT(said(cut(bytes)),
+                AllOf(HasSubstr(":2527: "), HasSubstr("was the file cut off here?")));
+  EXPECT_EQ(said(cut(11)), "fine");  // which may be meant
+  EXPECT_THAT(doubts,
+              testing::ElementsAre(AllOf(HasSubstr(":2527: the last line has no end"),
+                                         HasSubstr("its height of -3.1234e-07 m is wrong"))));
+  EXPECT_EQ(said(cut(11) + "\n"), "fine");
+  EXPECT_THAT(doubts, testing::IsEmpty());
+  // a slip anywhere else is no unit
+  EXPECT_THAT(said("1e-2 0\n2e-2 1e-6\n3e-2 3\n4e-2 2e-6\n", 0.02, 0.03),
+              AllOf(HasSubstr(":3: a height of 3 m"), HasSubstr("is there a digit missing?")));
+}
+
+TEST_F(MeasuredProfile, IsReadLineByLine) {
+  // hundreds of megabytes, were the file or the words of a line held
+  const auto peak = [] {
+    std::ifstream status("/proc/self/status");
+    for (std::string line; std::getline(status, line);)
+      if (line.starts_with("VmHWM:")) return std::stol(line.substr(6));
+    return 0L;
+  };
+  const auto write = [&](const std::string& part, int count, const std::string& end) {
+    std::ofstream out(folder / "profile.csv", std::ios::binary);
+    for (int i = 0; i < count; ++i) out << part;
+    out << end;
+  };
+  const long before = peak();
+  write(std::string(1 << 20, ','), 64, "");
+  EXPECT_THAT(fault_of_file(), HasSubstr("profile.csv:1: a line of more than 65536 bytes"));
+  std::string comment(60'000, '#');
+  comment.back() = '\n';
+  write(comment, 1000, "0 0\n3 0\n");
+  EXPECT_EQ(fault_of_file(), "no error");
+  EXPECT_LT(peak() - before, 20'000) << "kB";
 }
 
 TEST_F(ProfileFile, ShowsNoRawBytes) {

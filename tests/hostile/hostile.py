@@ -1,0 +1,487 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Attempts on ra2d: scenes and profiles at fault, kills, signals.
+
+    hostile.py PROGRAM PART [--times N] [--share I/N] [--seed S]
+
+PART: scenes, profiles, kills or signals. --times multiplies the random cases; --share runs every Nth case
+from the Ith (from 1) on. Prints how many there were and how they ended. The status is 1 if one of them
+
+- ended with a status that is not promised, by a crash, or not within 20 s;
+- ended with 0 and data that are not finite, in the file or in the report;
+- harmed an earlier result: it stands byte for byte, or a whole new file does;
+- left anything else behind, or changed an input;
+- printed more than 20 kB on stderr, or a control character.
+"""
+import argparse
+import hashlib
+import math
+import os
+import random
+import re
+import resource
+import select
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections import Counter
+from pathlib import Path
+
+import h5py
+import numpy
+
+EARLIER = b"an earlier result\n"
+MEMORY = 4 << 30  # bytes, of each process
+PATIENCE = 20.0   # s
+ENOUGH = 1.5      # s, after which a run that only takes its time is interrupted
+
+SCENE = """[scene]
+duration = 2e-5
+speed = 0.5
+start = 0.02
+spacing = 4e-5
+{scene}
+[resonator]
+support = "pinned"
+length = 0.06
+thickness = 1e-3
+width = 0.02
+young = 210e9
+density = 7800
+damping = 0.02
+modes = 6
+surface = {{ kind = "gaussian", rq = 1e-6, rsm = 4e-4, seed = 2 }}
+{resonator}
+[slider]
+support = "free"
+length = 0.004
+thickness = 0.004
+width = 0.02
+young = 210e9
+density = 7800
+damping = 0.02
+max_frequency = 2e5
+surface = {{ kind = "gaussian", rq = 1e-6, rsm = 4e-4, seed = 1 }}
+load = "weight"
+{slider}
+[contact]
+stiffness = 1e14
+[time]
+scheme = "backward-euler"
+step = 1e-7
+[output]
+rate = 1e6
+probes = [0.03]
+"""
+PLAIN = SCENE.format(scene="", resonator="", slider="")
+
+# what each number takes in a sensible scene: low, high
+NUMBERS = {
+    "scene.duration": (1e-6, 1e-4), "scene.speed": (1e-3, 50), "scene.start": (1e-4, 0.05),
+    "scene.gap": (-1e-5, 1e-3), "scene.spacing": (1e-5, 1e-3),
+    "contact.stiffness": (1e8, 1e18), "time.step": (1e-9, 1e-5), "time.tolerance": (1e-13, 1e-2),
+    "output.rate": (1e3, 1e7), "slider.load": (1e-6, 1e4),
+}
+for body, length, thick in (("resonator", 0.06, 1e-3), ("slider", 0.004, 4e-3)):
+    NUMBERS |= {f"{body}.length": (length / 3, length * 3), f"{body}.thickness": (thick / 10, thick * 10),
+                f"{body}.width": (1e-4, 1), f"{body}.young": (1e5, 1e13), f"{body}.density": (1, 1e6),
+                f"{body}.damping": (1e-6, 0.99), f"{body}.surface.rq": (1e-10, 1e-3),
+                f"{body}.surface.rsm": (1e-4, 1e-2)}
+EXTREMES = ["0", "-1", "5e-324", "-5e-324", "1e-300", "1e300", "1.7e308", "-1.7e308", "nan", "inf", "-inf",
+            "9223372036854775807", "1e16", "1e-16", "true", "[]"]
+
+
+class Folder:
+    """A folder of one case: a scene, an earlier result, and what else is an input."""
+
+    def __init__(self, scene, inputs=None):
+        self.temporary = tempfile.TemporaryDirectory(prefix="ra2d_hostile_")
+        self.path = Path(self.temporary.name)
+        self.inputs = {"s.toml": scene if isinstance(scene, bytes) else scene.encode()}
+        for name, content in (inputs or {}).items():
+            self.inputs[name] = content
+        for name, content in self.inputs.items():
+            (self.path / name).write_bytes(content)
+        (self.path / "out.h5").write_bytes(EARLIER)
+
+    def close(self):
+        self.temporary.cleanup()
+
+
+def start(program, words, folder):
+    return subprocess.Popen([program, *words], cwd=folder.path, stdin=subprocess.DEVNULL,
+                            stdout=open(folder.path / ".stdout", "wb"), stderr=open(folder.path / ".stderr", "wb"))
+
+
+def ended_within(process, seconds):
+    """At once when it ends: subprocess looks every 50 ms only."""
+    handle = os.pidfd_open(process.pid)
+    ended = bool(select.select([handle], [], [], seconds)[0])
+    os.close(handle)
+    return ended
+
+
+def end(process):
+    """The exit status, as a shell tells it; None for one that had to be killed."""
+    if not ended_within(process, ENOUGH):
+        process.send_signal(signal.SIGINT)
+        if not ended_within(process, PATIENCE - ENOUGH):
+            process.kill()
+            process.wait()
+            return None
+    status = process.wait()
+    return 128 - status if status < 0 else status
+
+
+def printed(folder):
+    out, err = ((folder.path / name).read_bytes() for name in (".stdout", ".stderr"))
+    (folder.path / ".stdout").unlink()
+    (folder.path / ".stderr").unlink()
+    return out, err
+
+
+def raw_characters(text):
+    try:
+        text = text.decode()
+    except UnicodeDecodeError:
+        return "bytes that are no UTF-8"
+    found = re.search("[\x00-\x09\x0b-\x1f\x7f\x80-\x9f]", text)
+    return f"the control character {found.group()!r}" if found else None
+
+
+def faults_of_file(path, complete):
+    """What is wrong with a result; `complete` is None where it may or may not be."""
+    found = []
+    try:
+        with h5py.File(path) as file:
+            if complete is not None and file.attrs["complete"] != complete:
+                found.append("wrongly marked as cut short, or not")
+
+            def visit(name, node):
+                if not isinstance(node, h5py.Dataset) or node.dtype.kind != "f":
+                    return
+                values = node[()]
+                if name == "level/lv" and file["level/v_rms"][()] == 0:
+                    return
+                if name == "shocks/position":  # a touch without force has none
+                    values = values[file["shocks/impulse"][()] > 0]
+                if not numpy.all(numpy.isfinite(values)):
+                    found.append(f"{name} is not finite")
+            if complete:
+                file.visititems(visit)
+    except (OSError, KeyError) as fault:
+        found.append(f"not a whole result: {fault}")
+    return found
+
+
+def look(folder, status, allowed, new_names=(), may_leave_partial=False):
+    """Everything that went wrong with a case that has ended."""
+    out, err = printed(folder)
+    found = []
+    if status is None:
+        return [f"did not end within {PATIENCE:g} s"]
+    if status not in allowed:
+        found.append(f"ended with {status}: {err[-300:]!r}")
+    if len(err) > 20_000:
+        found.append(f"{len(err)} bytes on stderr")
+    for name, text in (("stdout", out), ("stderr", err)):
+        if raw := raw_characters(text):
+            found.append(f"{name} has {raw}")
+    if status == 0:
+        if odd := re.search(rb"(?<![\w.])-?(nan|inf)\b", out):
+            found.append(f"the report has {odd.group()!r}")
+    elif status < 128 and not err.strip():
+        found.append(f"ended with {status} without a word")
+    for name, content in folder.inputs.items():
+        if not (folder.path / name).exists() or (folder.path / name).read_bytes() != content:
+            found.append(f"{name} was changed")
+    result = (folder.path / "out.h5")
+    if not result.exists():
+        found.append("the earlier result is gone")
+    elif result.read_bytes() != EARLIER:
+        if status in (2, 4):
+            found.append("the earlier result was replaced")
+        if status in (0, 3) or status >= 128:
+            found += faults_of_file(result, None if status >= 128 else status == 0)
+    for entry in os.listdir(folder.path):
+        partial = ".partial" in entry or entry.endswith(".lock")
+        if entry not in folder.inputs and entry not in ("out.h5", *new_names) and not (partial and may_leave_partial):
+            found.append(f"left {entry!r}")
+    return found
+
+
+# ---- scenes
+
+
+def damaged(text, dice):
+    """A text at fault, and in which way."""
+    data = bytearray(text.encode())
+    way = dice.randrange(6)
+    if way == 0:
+        return bytes(data[:dice.randrange(len(data))])
+    if way == 1:
+        for _ in range(dice.randrange(1, 6)):
+            data[dice.randrange(len(data))] = dice.randrange(256)
+        return bytes(data)
+    if way == 2:
+        at = dice.randrange(len(data))
+        return bytes(data[:at]) + dice.randbytes(dice.randrange(1, 40)) + bytes(data[at:])
+    lines = text.split("\n")
+    if way == 3:
+        del lines[dice.randrange(len(lines))]
+    elif way == 4:
+        lines.insert(dice.randrange(len(lines)), dice.choice(lines))
+    else:
+        a, b = dice.randrange(len(lines)), dice.randrange(len(lines))
+        lines[a], lines[b] = lines[b], lines[a]
+    return "\n".join(lines).encode()
+
+
+TEXTS = {
+    "empty": b"", "a zero": b"\0", "not UTF-8": b"[scene]\nname = '\xff'\n", "UTF-16": PLAIN.encode("utf-16"),
+    "byte-order mark": b"\xef\xbb\xbf" + PLAIN.encode(), "CR LF": PLAIN.replace("\n", "\r\n").encode(),
+    "CR": PLAIN.replace("\n", "\r").encode(), "HDF5": b"\x89HDF\r\n\x1a\n" + bytes(1000),
+    "17 MB": b"#" * 17_000_000, "comments": b"# x\n" * 100_000 + PLAIN.encode(),
+    "dotted key": b"a." * 300_000 + b"a = 1", "dotted header": b"[" + b"a." * 300_000 + b"a]",
+    "quoted keys": b"'a'." * 300_000 + b"a = 1", "dotted in a table": b"x = {" + b"a." * 300_000 + b"a = 1}",
+    "arrays": b"x = " + b"[" * 1_000_000, "tables": b"x = " + b"{a=" * 300_000,
+    "tables of dotted keys": b"x = " + b"{a.b.c.d.e=" * 100_000, "arrays of tables": b"[[a]]\n" * 100_000,
+    "headers": b"".join(b"[a.b%d]\n" % i for i in range(30_000)), "a long key": b"x" * 5_000_000 + b" = 1",
+    "a long text": b"x = '" + b"y" * 5_000_000 + b"'", "unknown keys": b"".join(b"k%d = 1\n" % i for i in range(20_000)),
+    "quotes": b'"' * 100_001, "backslashes": b'x = "' + b"\\" * 100_001, "many lines": b"\n" * 1_000_000,
+    "bad probes": PLAIN.replace("[0.03]", "[" + "9, " * 200_000 + "]").encode(),
+    "probes of text": PLAIN.replace("[0.03]", "[" + "'a', " * 100_000 + "]").encode(),
+    "many probes": PLAIN.replace("[0.03]", "[" + "0.03, " * 20_000 + "]").encode(),
+    "a control name": SCENE.format(scene='name = "a\\u001b[2J\\u009b \\n \\u0000"', resonator="", slider="").encode(),
+    "a long name": SCENE.format(scene=f'name = "{"n" * 3_000_000}"', resonator="", slider="").encode(),
+    "many peaks": PLAIN.replace('kind = "gaussian", rq = 1e-6, rsm = 4e-4, seed = 1', 'kind = "peaks", peaks = ['
+                                + "{at=0.002,height=1e-6,half_width=1e-4}," * 3000 + "]").encode(),
+    "many forces": SCENE.format(scene="", resonator="moving_force = ["
+                                + "{force=1e-3,speed=1,start=0}," * 3000 + "]", slider="").encode(),
+    "a deep override": PLAIN.encode(),
+}
+OVERRIDES = [
+    "", "=", "=1", ".=1", "scene", "scene=1", "scene.=1", ".scene=1", "scene..x=1", "a b=1", "scene.speed=", "scene.speed==1",
+    "scene.speed=1\n2", "scene.speed=[", "scene.name=\x1b[31m", "scene.\x1b=1", "scene.name=" + "x" * 100_000, "x" * 100_000,
+    "scene.name=\udcff", "scene.speed={a=1}", "resonator={}", "resonator.surface=3", "output.probes=[1,[2]]",
+    "output.probes=[nan]", "scene.start.x.y=1", "time.scheme=\x00x"[:12], "a." * 60_000 + "a=1", "scene.x=" + "[" * 100_000,
+    "resonator.surface={kind='file',path=''}", "resonator.surface={kind='file',path='.'}",
+    "resonator.surface={kind='file',path='\\u001b'}", "slider.surface={kind='file',path='/dev/zero'}",
+    "slider.surface={kind='file',path='/proc/self/mem'}", "slider.surface={kind='file',path='s.toml'}",
+    "slider.surface={kind='file',path='" + "p" * 5000 + "'}",
+    "resonator.moving_force=[{force=1e300,speed=1e300,start=0}]", "resonator.moving_force=[{force=1,speed=1e9,start=-1}]",
+    "resonator.moving_force=[{force=nan,speed=1,start=0}]", "resonator.moving_force=[{force=1,speed=0,start=1e308}]",
+    "slider.surface={kind='peaks',peaks=[{at=0.002,height=1e300,half_width=1e-4}]}",
+    "slider.surface={kind='peaks',peaks=[{at=0.002,height=1e-6,half_width=5e-324}]}",
+    "slider.surface={kind='peaks',peaks=[{at=1e308,height=1,half_width=1.7e308}]}",
+    "resonator.modes=1000000", "resonator.modes=-1", "resonator.modes=256", "resonator.max_frequency=1e300",
+    "resonator.surface.seed=9223372036854775807", "resonator.surface.seed=-1", "resonator.surface.correlation_length=1",
+]
+
+
+def log_uniform(dice, low, high):
+    if low < 0:
+        return dice.uniform(low, high)
+    return math.exp(dice.uniform(math.log(low), math.log(high)))
+
+
+def random_overrides(dice):
+    """A scene that might run, with a few numbers far out."""
+    given = []
+    for key in dice.sample(list(NUMBERS), dice.randrange(1, 5)):
+        low, high = NUMBERS[key]
+        given.append(f"{key}={log_uniform(dice, low, high):.6g}")
+    scheme = dice.choice(["explicit-euler", "midpoint", "backward-euler", "heun", "rk4", "rk8", "exact", "adaptive"])
+    given.append(f"time.scheme={scheme}")
+    if dice.random() < 0.3:
+        given.append("contact.law=multiplier")
+    if dice.random() < 0.3:
+        given.append("time.contact_force=new")
+    if dice.random() < 0.3:
+        given.append("time.force=true")
+    if dice.random() < 0.3:
+        given.append("scene.initial=static")
+    given.append(f"resonator.support={dice.choice(['pinned', 'pinned', 'free', 'rigid'])}")
+    if dice.random() < 0.5:
+        given.append(f"slider.support={dice.choice(['pinned', 'free', 'rigid'])}")
+        if dice.random() < 0.5:
+            given.append("slider.load=0")
+    return given
+
+
+def scene_cases(times, dice):
+    """Name, text, overrides."""
+    cases = [(f"{key}={value}", PLAIN.encode(), [f"{key}={value}"]) for key in NUMBERS for value in EXTREMES]
+    cases += [(name, text, ["a." * 60_000 + "a=1"] if name == "a deep override" else [])
+              for name, text in TEXTS.items()]
+    cases += [(f"override {text[:40]!r}", PLAIN.encode(), [text]) for text in OVERRIDES]
+    for i in range(100 * times):
+        cases.append((f"damaged {i}", damaged(PLAIN, dice), []))
+    for i in range(100 * times):
+        given = random_overrides(dice)
+        cases.append((f"random {i}: {' '.join(given)}", PLAIN.encode(), given))
+    return cases
+
+
+def try_scene(program, case, dice):
+    _, text, given = case
+    folder = Folder(text)
+    words = ["plan", "s.toml"] if dice.random() < 0.1 else ["run", "s.toml", "-o", "out.h5"]
+    for one in given:
+        words += ["--set", one]
+    status = end(start(program, [os.fsencode(word) for word in words], folder))
+    return folder, status, look(folder, status, (0, 2, 3, 4, 130))
+
+
+# ---- profiles
+
+
+def face(dice, count=151, spacing=4e-5):
+    z, rows = 0.0, []
+    for n in range(count):
+        z = 0.9 * z + dice.gauss(0, 4e-7)
+        rows.append((n * spacing, z))
+    return rows
+
+
+def csv(rows, form="{:.6e},{:.6e}", line_end="\n"):
+    return "".join(form.format(x, z) + line_end for x, z in rows).encode()
+
+
+def profile_cases(times, dice):
+    """Name, content of the slider's profile."""
+    rows = face(dice)
+    good = csv(rows)
+    cases = [
+        ("good", good), ("blanks", csv(rows, "{:.6e}  {:.6e}")), ("CR LF", csv(rows, line_end="\r\n")),
+        ("names", b"x,z\n" + good), ("semicolons", csv(rows, "{:.6e};{:.6e}")),
+        ("decimal commas", csv(rows, "{:.6f};{:.9f}").replace(b".", b",")), ("CR", csv(rows, line_end="\r")),
+        ("UTF-16", good.decode().encode("utf-16")), ("BOM", b"\xef\xbb\xbf" + good), ("empty", b""), ("a zero", b"\0"),
+        ("zeros", bytes(100_000)), ("blank lines", b"\n" * 100_000), ("one point", csv(rows[:1])),
+        ("two points", b"0 0\n1 0\n"), ("names alone", b"x z\n"), ("comments", b"# a\n" * 50_000 + good),
+        ("commas", b"," * 5_000_000), ("a long line", b"1 " * 3_000_000), ("a long comment", b"#" + b"-" * 5_000_000),
+        ("long lines", (b"," * 60_000 + b"\n") * 100), ("control", b"0 \x1b[2J\n1 \x07\n"), ("C1", b"0 \xc2\x9b\n1 2\n"),
+        ("HDF5", b"\x89HDF\r\n\x1a\n" + bytes(1000)), ("nan", good.replace(b"e-07", b"e-07 nan", 1)),
+        ("no end", good.rstrip()), ("reversed", csv(rows[::-1])), ("constant x", csv([(0, z) for _, z in rows])),
+        ("three columns", csv(rows, "{0:.6e},{1:.6e},{1:.6e}")), ("one column", csv(rows, "{1:.6e}")),
+        ("large", csv([(x, 1.7e308 * (n % 2)) for n, (x, _) in enumerate(rows)])),
+        ("far", csv([(x * 1e306, z) for x, z in rows])), ("small", csv([(x, 5e-324) for x, _ in rows])),
+        ("short", csv(rows[:50])), ("100 000 points", csv(face(dice, 100_000, 1e-7), "{:.9e} {:.3e}")),
+    ]
+    for x_unit in (1, 1e-3, 1e-6, 1e-9):
+        for z_unit in (1e-3, 1e-6, 1e-9):
+            cases.append((f"units {x_unit} {z_unit}", csv([(x / x_unit, z / z_unit) for x, z in rows])))
+    for i in range(40 * times):
+        cases.append((f"cut {i}", good[:dice.randrange(len(good))]))
+    for i in range(50 * times):
+        data = bytearray(good)
+        for _ in range(dice.randrange(1, 4)):
+            data[dice.randrange(len(data))] = dice.choice(b"0123456789eE+-., \n\t#x\x00\xff")
+        cases.append((f"changed {i}", bytes(data)))
+    return cases
+
+
+def try_profile(program, case, dice):
+    name, content = case
+    scene = PLAIN.replace('surface = { kind = "gaussian", rq = 1e-6, rsm = 4e-4, seed = 1 }',
+                          'surface = { kind = "file", path = "p.csv" }')
+    folder = Folder(scene, {"p.csv": content})
+    words = ["plan", "s.toml"] if dice.random() < 0.1 else ["run", "s.toml", "-o", "out.h5"]
+    status = end(start(program, words, folder))
+    found = look(folder, status, (0, 2, 3, 4))
+    if name.startswith("units") and status != 2:
+        found.append("read in a wrong unit without a fault")
+    if name in ("good", "no end") and status != 0:
+        found.append("refused")
+    return folder, status, found
+
+
+# ---- kills and signals
+
+
+LONG = PLAIN.replace("duration = 2e-5", "duration = 0.05").replace("speed = 0.5", "speed = 0.1")
+
+
+def kill_cases(times, dice):
+    """When to kill, s after the start; the last of every ten comes after the end of a short run."""
+    return [(f"kill {i}", dice.uniform(0, 0.25)) for i in range(100 * times)]
+
+
+def try_kill(program, case, dice):
+    folder = Folder(LONG)
+    process = start(program, ["run", "s.toml", "-o", "out.h5"], folder)
+    time.sleep(case[1])
+    process.kill()
+    status = end(process)
+    found = look(folder, status, (0, 128 + signal.SIGKILL), may_leave_partial=True)
+    if dice.random() < 0.2:  # the next run into this folder cleans up
+        (folder.path / "out.h5").write_bytes(EARLIER)
+        again = end(start(program, ["run", "s.toml", "-o", "out.h5", "--set", "scene.duration=1e-5"], folder))
+        found += [f"run again: {what}" for what in look(folder, again, (0,))]
+    return folder, status, found
+
+
+def signal_cases(times, dice):
+    kinds = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGUSR1]
+    setups = ["", "", "scene.spacing=2e-7", "resonator.modes=120", "scene.initial=static"]
+    return [(f"{kinds[i % 4].name} {i} {setup}", kinds[i % 4], dice.uniform(0, 0.3), i % 3 == 2, setup)
+            for i in range(60 * times) for setup in [dice.choice(setups)]]
+
+
+def try_signal(program, case, dice):
+    _, kind, delay, twice, setup = case
+    folder = Folder(LONG)
+    words = ["run", "s.toml", "-o", "out.h5"] + (["--set", setup] if setup else [])
+    process = start(program, words, folder)
+    time.sleep(delay)
+    process.send_signal(kind)
+    if twice:
+        time.sleep(dice.uniform(0, 0.05))
+        process.send_signal(kind)
+    begun = time.monotonic()
+    status = end(process)
+    found = look(folder, status, (0, 128 + kind))
+    if time.monotonic() - begun > 1.4:
+        found.append("did not end within a second")
+    return folder, status, found
+
+
+PARTS = {"scenes": (scene_cases, try_scene), "profiles": (profile_cases, try_profile),
+         "kills": (kill_cases, try_kill), "signals": (signal_cases, try_signal)}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("program")
+    parser.add_argument("part", choices=PARTS)
+    parser.add_argument("--times", type=int, default=1)
+    parser.add_argument("--share", default="1/1")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--sanitized", action="store_true", help="the program is: it reserves memory without end")
+    asked = parser.parse_args()
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    if not asked.sanitized:
+        resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))  # of this program's own children too
+    make, attempt = PARTS[asked.part]
+    first, of = map(int, asked.share.split("/"))
+    cases = make(asked.times, random.Random(asked.seed))[first - 1::of]
+    begun, ended, wrong = time.monotonic(), Counter(), 0
+    program = os.path.abspath(asked.program)
+    for case in cases:
+        dice = random.Random(hashlib.sha256(case[0].encode(errors="surrogateescape")).digest())
+        folder, status, found = attempt(program, case, dice)
+        ended[status] += 1
+        if found:
+            wrong += 1
+            print(f"{case[0][:300]!r}:", *found, sep="\n    ", flush=True)
+        folder.close()
+    endings = ", ".join(f"{count} with {status}" for status, count in sorted(ended.items(), key=str))
+    print(f"{asked.part} {asked.share}: {len(cases)} ended in {time.monotonic() - begun:.1f} s: {endings}; "
+          f"{wrong} at fault")
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
