@@ -117,6 +117,8 @@ def start(program, words, folder):
 
 def ended_within(process, seconds):
     """At once when it ends: subprocess looks every 50 ms only."""
+    if process.poll() is not None:
+        return True
     handle = os.pidfd_open(process.pid)
     ended = bool(select.select([handle], [], [], seconds)[0])
     os.close(handle)
