@@ -53,8 +53,8 @@ int finish_printing(int status) {
   note_fault(std::fflush(stdout) == 0);
   if (fault_of_stdout == 0) return status;
   say(
-      fmt::format("cannot write to the standard output: {}. What was to be printed is incomplete; "
-                  "the files are written",
+      fmt::format("cannot write to the standard output: {}. What was to be printed is cut short, "
+                  "files are not",
                   std::strerror(fault_of_stdout)));
   return status == done ? wrong_file : status;
 }

@@ -22,6 +22,7 @@ constexpr double least_frequency = 1e-9, most_frequency = 1e15;  // Hz, the firs
 constexpr double most_apart = 1e6;                               // runs between two samples
 constexpr double least_tolerance = 1e-13, most_tolerance = 1e-2;
 constexpr double least_per_wave = 4;  // spacings in rsm or a correlation length
+constexpr double most_wide = 1e9;     // peaks, of the body's length: a face of one is flat
 constexpr double rounding = 1e-9;     // of a spacing, as for the number of nodes
 
 /// A positive bound, rounded down to six digits so that it can be copied into the scene.
@@ -201,6 +202,11 @@ void check_surface(const Scene& s, const std::string& name, const BodySpec& body
           fmt::format("{}.surface.peaks[{}].at", name, i),
           fmt::format("the peak at {} m lies off the body: expected a place from 0 to {} m",
                       peak.at, body.length));
+    if (peak.half_width > most_wide * body.length)
+      document.fault(
+          fmt::format("{}.surface.peaks[{}].half_width", name, i),
+          fmt::format("{} m is out of all proportion to the body: expected at most {:g} m",
+                      peak.half_width, most_wide * body.length));
   }
 }
 

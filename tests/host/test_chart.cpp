@@ -201,7 +201,7 @@ TEST(Chart, WrongRequestsEndWithTwoAndSayWhy) {
   write_text(folder.path() / "stepless.toml", stepless);
   const Ended without_step = run({"stability", "stepless.toml"});
   EXPECT_EQ(without_step.status, 2);
-  EXPECT_THAT(without_step.err, AllOf(HasSubstr("stepless.toml: time.step: missing"),
+  EXPECT_THAT(without_step.err, AllOf(HasSubstr("stepless.toml:21: time.step: missing"),
                                       HasSubstr("--set time.step=1e-8")));
   EXPECT_EQ(run({"stability", "nowhere.toml"}).status, 4);
   const Ended help = run({"stability", "--help"});

@@ -509,6 +509,9 @@ const std::vector<Refused> refused{
     {"PeakOffTheBody",
      {{gaussian, peaks("{ at = 0.4, height = 1e-6, half_width = 1e-3 }")}},
      {"s.toml:15: resonator.surface.peaks[0].at: the peak at 0.4 m lies off the body"}},
+    {"PeakBeyondAllProportion",
+     {{gaussian, peaks("{ at = 0.1, height = 1e-6, half_width = 1.7e308 }")}},
+     {"s.toml:15: resonator.surface.peaks[0].half_width: 1.7e+308 m is out of all proportion"}},
     {"ProbeOff",
      {{"", "[output]\nprobes = [0.1, 0.31]\n"}},
      {"s.toml:30: output.probes[1]: 0.31 m is off the resonator: expected a place from 0 to 0.3 "
