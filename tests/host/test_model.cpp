@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "host/run/record.hpp"
@@ -132,6 +133,31 @@ TEST(Clock, GivesShocksTheirTimes) {
   EXPECT_EQ(shock.peak_force, 2.0);
   EXPECT_NEAR(shock.impulse, 4e-5, 4 * eps * 4e-5);
   EXPECT_NEAR(shock.position, 100 * s.spacing, 4 * eps * 100 * s.spacing);
+}
+
+TEST(Level, IsOfTheElasticMotionAlone) {
+  Scene s = plate_scene(3, 0.004, 1e-3);
+  s.resonator.support = Support::free;
+  s.gap = 1.0;
+  const Model m = make_model(s);
+  ASSERT_EQ(m.resonator.modes.size(), 5);
+  Snapshot end;
+  end.step = 10;
+  end.resonator_square = {10.0, 40.0, 0.0, 0.0, 0.0};  // it falls and turns
+  EXPECT_EQ(v_rms(m, end), 0);
+  EXPECT_EQ(level(0), -std::numeric_limits<double>::infinity());
+  // the mean square of a shape over the length is 1/L, over its nodes that but for the ends, where a
+  // free shape is 4/L
+  end.resonator_square = {10.0, 40.0, 0.0, 90.0, 0.0};
+  const double L = s.resonator.length;
+  EXPECT_NEAR(v_rms(m, end), 3 / std::sqrt(L), 4 * s.spacing / L * 3 / std::sqrt(L));
+  // from a step on: what was summed and counted before it is left out
+  Snapshot begin = end;
+  begin.step = 6;
+  begin.resonator_square[3] = 50.0;
+  EXPECT_NEAR(v_rms(m, end, begin) / v_rms(m, end), std::sqrt(40.0 / 4) / std::sqrt(90.0 / 10),
+              4 * eps);
+  EXPECT_TRUE(std::isnan(v_rms(m, end, end)));
 }
 
 }  // namespace

@@ -519,7 +519,10 @@ TEST_F(Program, EveryFigureIsWhatItsDefinitionSays) {
       {},
       {"output.from=1e-3"},
       {"time.nodes=\"all\"", "output.from=1.05e-3"},
-      {"slider.load=0.7", "slider.modes=0"}};
+      {"slider.load=0.7", "slider.modes=0"},
+      {"time.scheme=rk4", "slider.modes=0"},
+      {"time.scheme=adaptive", "time.tolerance=1e-9"},
+      {"time.scheme=adaptive", "output.from=1.05e-3", "slider.load=0.7"}};
   for (const std::vector<std::string>& changes : variants) {
     std::vector<std::string> command{"run", scene, "-o", "figures.h5"};
     for (const std::string& change : changes) command.insert(command.end(), {"--set", change});
@@ -527,6 +530,25 @@ TEST_F(Program, EveryFigureIsWhatItsDefinitionSays) {
     EXPECT_EQ(python({"check_figures.py", "figures.h5"}), 0) << out_ << err_;
   }
   EXPECT_EQ(python({"check_result.py", "figures.h5"}), 0) << out_ << err_;
+}
+
+TEST_F(Program, AnEnergyThatDoesNotCloseIsWarnedOf) {
+  EXPECT_EQ(run({"run", scene_file("drop")}), 0) << err_;
+  EXPECT_THAT(out_, Not(HasSubstr("warning")));
+  EXPECT_EQ(run({"run", scene_file("drop"), "--set", "time.step=5e-6"}), 0) << err_;
+  EXPECT_THAT(out_, AllOf(HasSubstr("warning"), HasSubstr("of the energy is unaccounted for"),
+                          HasSubstr("steps of 5e-06 s are too long here")));
+  EXPECT_EQ(run({"run", scene_file("drop"), "--set", "contact.law=multiplier"}), 0) << err_;
+  EXPECT_THAT(out_, AllOf(HasSubstr("warning"), HasSubstr("under multipliers each impact takes")));
+}
+
+TEST_F(Program, ALoadThatNothingHoldsIsSaidBeforeTheRun) {
+  EXPECT_EQ(run({"run", scene_file("moving-force"), "--set", "resonator.support=free", "--set",
+                 "scene.duration=1e-4"}),
+            0);
+  EXPECT_THAT(err_, HasSubstr("nothing holds the free resonator against its moving force"));
+  EXPECT_EQ(run({"run", scene_file("moving-force"), "--set", "scene.duration=1e-4"}), 0);
+  EXPECT_THAT(err_, Not(HasSubstr("nothing holds")));
 }
 
 TEST_F(Program, MultipliersDoNotStartFromFacesThatOverlap) {
