@@ -17,12 +17,21 @@ using Eigen::VectorXd;
 constexpr double eps = std::numeric_limits<double>::epsilon();
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
+/// The softest stiffness of a mode; infinite without any.
+double softest(const ContactProgram& p) {
+  double least = infinity;
+  for (Eigen::Index k = 0; k < p.stiffness.size(); ++k)
+    if (p.stiffness[k] > 0) least = std::min(least, p.stiffness[k]);
+  return least;
+}
+
 /// Overlap that roundings alone may leave [m]: of the faces, of the displacements, and of those that
-/// the load makes where contact takes them back.
+/// the load would make where contact takes them back (a flat body on a flat one does not move at all).
 double roundings(const ContactProgram& p, const VectorXd& u) {
+  const double reference = softest(p);
   VectorXd size = u.cwiseAbs();
   for (Eigen::Index k = 0; k < u.size(); ++k)
-    if (p.stiffness[k] > 0) size[k] += std::abs(p.load[k] / p.stiffness[k]);
+    size[k] += std::abs(p.load[k]) / (p.stiffness[k] > 0 ? p.stiffness[k] : reference);
   return 16 * eps * (p.faces.cwiseAbs().maxCoeff() + (p.shapes.cwiseAbs() * size).maxCoeff());
 }
 
@@ -138,10 +147,7 @@ void settle(const ContactProgram& p, ActiveSet& active, double reference, Vector
 
 std::optional<RestingContact> solve(const ContactProgram& p) {
   const Eigen::Index modes = p.stiffness.size();
-  double reference = infinity;  // the softest stiffness
-  for (Eigen::Index k = 0; k < modes; ++k)
-    if (p.stiffness[k] > 0) reference = std::min(reference, p.stiffness[k]);
-  if (std::isinf(reference)) reference = 1;
+  const double reference = std::isinf(softest(p)) ? 1.0 : softest(p);
   ContactProgram held = p;
   for (Eigen::Index k = 0; k < modes; ++k)
     if (!(p.stiffness[k] > 0)) held.stiffness[k] = 1e-3 * reference;
