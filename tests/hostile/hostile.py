@@ -184,6 +184,8 @@ def look(folder, status, allowed, new_names=(), may_leave_partial=False):
         return [f"did not end within {PATIENCE:g} s"]
     if status not in allowed:
         found.append(f"ended with {status}: {err[-300:]!r}")
+    if b"runtime error" in err or b"Sanitizer" in err:
+        found.append(f"a sanitizer spoke: {err[:600]!r}")
     if len(err) > 20_000:
         found.append(f"{len(err)} bytes on stderr")
     for name, text in (("stdout", out), ("stderr", err)):
