@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "host/errors.hpp"
 #include "host/run/contact_program.hpp"
@@ -20,6 +21,10 @@
 /// whose springs do not yield at all, are solved as the quadratic programme that the minimum is.
 namespace ra2d {
 namespace {
+
+/// How Newton's Hessian is kept regular: by the same stiffness for all modes, or by a share of each
+/// one's own, where the stiff modes' would be more than what holds the rigid ones.
+enum class Shift { common, own };
 
 class Potential {
  public:
@@ -104,7 +109,7 @@ class Potential {
   }
 
   /// Minimises from `u`; false when it does not settle.
-  bool minimise(Eigen::VectorXd& u, double spring) const {
+  bool minimise(Eigen::VectorXd& u, double spring, Shift shift) const {
     Eigen::VectorXd force, best_u = u;
     Eigen::MatrixXd hessian;
     double best =
@@ -122,8 +127,13 @@ class Potential {
       }
       if (best <= 1e-16) break;
       // the shift keeps directions finite that nothing holds: a slider on one asperity may still
-      // tilt
-      hessian.diagonal().array() += 1e-14 * hessian.diagonal().maxCoeff() + 1e-300;
+      // tilt; of a mode that nothing holds at all yet, it is that of all nodes together
+      const double most = hessian.diagonal().maxCoeff();
+      for (int k = 0; k < modes(); ++k) {
+        const double own =
+            hessian(k, k) > 0 ? hessian(k, k) : spring * shapes_.col(k).squaredNorm();
+        hessian(k, k) += 1e-14 * (shift == Shift::common && most > 0 ? most : own) + 1e-300;
+      }
       const Eigen::VectorXd step = hessian.ldlt().solve(force);
       u += best_length(u, step, spring) * step;
     }
@@ -137,11 +147,13 @@ class Potential {
   Eigen::VectorXd faces_;   // overlap of the faces alone
 };
 
-/// Settles from `u` on springs that are stiffened to `spring`.
-bool settle(const Potential& potential, double spring, Eigen::VectorXd& u) {
+/// Settles on springs that are stiffened to `spring`. Nothing when it does not.
+std::optional<Eigen::VectorXd> settle(const Potential& potential, double spring, Shift shift) {
+  Eigen::VectorXd u = Eigen::VectorXd::Zero(potential.modes());
   for (double soft = 1e-10; soft < 0.5; soft *= 10)
-    if (!potential.minimise(u, soft * spring)) return false;
-  return potential.minimise(u, spring);
+    if (!potential.minimise(u, soft * spring, shift)) return std::nullopt;
+  if (!potential.minimise(u, spring, shift)) return std::nullopt;
+  return u;
 }
 
 }  // namespace
@@ -153,7 +165,13 @@ ModalStart make_start(const Model& model) {
   Eigen::VectorXd u = Eigen::VectorXd::Zero(modes2 + modes1), forces;
   if (model.scene.initial == Initial::statics && u.size() > 0) {
     const Potential potential(model);
-    if (multipliers || !settle(potential, model.node_stiffness, u)) {
+    std::optional<Eigen::VectorXd> settled;
+    if (!multipliers)
+      for (const Shift shift : {Shift::common, Shift::own})
+        if (!settled) settled = settle(potential, model.node_stiffness, shift);
+    if (settled) {
+      u = *settled;
+    } else {
       const auto rest = solve(potential.program(multipliers ? 0.0 : 1 / model.node_stiffness));
       if (!rest || !rest->feasible)
         throw refusal(

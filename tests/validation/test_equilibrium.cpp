@@ -122,8 +122,9 @@ TEST(Equilibrium, FreeSliderCarriesItsWeightOnRoughFaces) {
 Scene resting_scene(int index, std::mt19937_64& random) {
   Scene s = resting_block();
   s.resonator.modes = 1 + static_cast<int>(random() % 20);
-  s.slider.modes = static_cast<int>(random() % 4);
-  if (random() % 2 == 0) s.slider.thickness = 1e-3;
+  s.slider.modes = static_cast<int>(random() % 13);
+  if (random() % 4 == 0) s.resonator.support = Support::rigid;
+  s.slider.thickness = std::vector<double>{1e-4, 1e-3, 0.012, 0.05}[random() % 4];
   const auto face = [&](int kind) {
     switch (kind) {
       case 0:
@@ -139,7 +140,7 @@ Scene resting_scene(int index, std::mt19937_64& random) {
   s.resonator.surface = face(index % 3);
   s.slider.surface = face(index / 3 % 3);
   s.slider.load_is_weight = index % 2 == 0;
-  s.slider.load = std::pow(10.0, static_cast<double>(random() % 5) - 2);
+  s.slider.load = std::pow(10.0, static_cast<double>(random() % 7) - 3);
   return s;
 }
 
@@ -159,7 +160,8 @@ TEST(Equilibrium, IsFoundUnderMultipliersOnAnyFaces) {
       size += std::abs(start.resonator_u[k]) * model.resonator.modes[k].largest;
     for (std::size_t k = 0; k < start.slider_u.size(); ++k)
       size += std::abs(start.slider_u[k]) * model.slider.modes[k].largest;
-    EXPECT_LE(*std::max_element(over.begin(), over.end()), 1e-12 * size);
+    // flat on flat nothing moves: a hundredth of an atom's nucleus will do
+    EXPECT_LE(*std::max_element(over.begin(), over.end()), 1e-12 * size + 1e-17);
   }
 }
 
