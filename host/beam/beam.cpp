@@ -15,7 +15,8 @@ constexpr double pi = std::numbers::pi;
 constexpr double gravity = 9.80665;  // m/s^2, standard
 /// Covers the roundings of a sum that reaches the largest |psi|, so that the bound stays one.
 constexpr double margin = 1 + 8 * std::numeric_limits<double>::epsilon();
-constexpr int most_modes = 100'000;  // elastic modes of a body: beyond it is a slip of the keyboard
+constexpr int most_elastic =
+    100'000;  // elastic modes of a body: beyond it is a slip of the keyboard
 
 double mass_per_length(const BodySpec& body) { return body.density * body.thickness * body.width; }
 
@@ -139,9 +140,9 @@ Beam make_beam(const BodySpec& body) {
 
   const bool is_free = body.support == Support::free;
   if (is_free) beam.modes = rigid_modes(beam.length);
-  const int count = elastic_mode_count(body, most_modes + 1);
-  if (count > most_modes)
-    throw RequestError("max_frequency keeps more than " + std::to_string(most_modes) +
+  const int count = elastic_mode_count(body, most_elastic + 1);
+  if (count > most_elastic)
+    throw RequestError("max_frequency keeps more than " + std::to_string(most_elastic) +
                        " elastic modes; lower it, or give modes");
   for (int k = 0; k < count; ++k) {
     beam.modes.push_back(is_free ? free_mode(beam.length, k) : pinned_mode(beam.length, k));

@@ -51,7 +51,7 @@ double spectral_radius(const Matrix& m) {
                                        : std::abs(half) + std::sqrt(apart);
 }
 
-Model trial_model(const Trial& trial, const TrialMode& mode, Scene scene, int steps) {
+Model trial_model(const GrowthTrial& trial, const TrialMode& mode, Scene scene, int steps) {
   scene.scheme = trial.choice.scheme;
   scene.force_time = trial.choice.force_time;
   scene.resonator.damping = trial.zeta;
@@ -79,13 +79,13 @@ JoinedModes TrialMode::joined(double zeta) const {
   return {{Mode{omega_free, zeta, mass}}, {square}};
 }
 
-std::vector<double> measure_growth(const std::vector<Trial>& trials, int steps) {
+std::vector<double> measure_growth(const std::vector<GrowthTrial>& trials, int steps) {
   const std::array<TrialMode, 2> modes{TrialMode(false), TrialMode(true)};
   const std::array<Scene, 2> scenes{trial_scene(false), trial_scene(true)};
   std::vector<Model> models;
   std::vector<ModalStart> starts;
   std::vector<double> rest, nudge, frequency;  // of each trial
-  for (const Trial& trial : trials) {
+  for (const GrowthTrial& trial : trials) {
     const TrialMode& mode = modes[trial.contact];
     const Model model = trial_model(trial, mode, scenes[trial.contact], steps);
     const ModalStart still = make_start(model);

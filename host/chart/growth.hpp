@@ -22,7 +22,7 @@ struct TrialMode {
 };
 
 /// A step to be tried: x = omega tau, with the frequency of the mode or of the contact spring.
-struct Trial {
+struct GrowthTrial {
   SchemeChoice choice;
   bool contact = false;
   double zeta = 0;
@@ -38,6 +38,6 @@ struct Trial {
 /// two up to `steps` for which the motions are still well above the roundings and, of a mode in
 /// contact, keep it closed (of a free one, stay clear of it). So growth by 1e-10 a step is told from
 /// none.
-std::vector<double> measure_growth(const std::vector<Trial>& trials, int steps);
+std::vector<double> measure_growth(const std::vector<GrowthTrial>& trials, int steps);
 
 }  // namespace ra2d

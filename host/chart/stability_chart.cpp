@@ -105,7 +105,7 @@ std::vector<double> between(double low, double high, int count) {
 
 /// Tries steps xs of each limit (none: an empty list), and brackets the first that grows.
 void narrow(std::vector<Limit>& limits, const std::vector<std::vector<double>>& xs, int steps) {
-  std::vector<Trial> trials;
+  std::vector<GrowthTrial> trials;
   for (std::size_t i = 0; i < limits.size(); ++i)
     for (const double x : xs[i])
       trials.push_back({limits[i].choice, limits[i].contact, limits[i].zeta, x});
@@ -233,7 +233,7 @@ std::vector<Limit> make_limits(const ChartOptions& options) {
         limits.push_back(limit);
       }
 
-  std::vector<Trial> common;
+  std::vector<GrowthTrial> common;
   for (const Limit& limit : limits)
     common.push_back({limit.choice, limit.contact, limit.zeta, growth_at});
   const std::vector<double> growth = measure_growth(common, options.steps);

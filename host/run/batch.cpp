@@ -20,12 +20,12 @@
 #include "host/run/launch.hpp"
 #include "host/run/step_bounds.hpp"
 #include "kernels/candidates.hpp"
+#include "kernels/limits.hpp"
 
 namespace ra2d {
 namespace {
 
 constexpr int width = LanesOf<Space>::width;
-constexpr int capacity = 256;  // modal lanes
 
 /// One block of device memory with a host copy; pieces are handed out before it is made.
 class Arena {
@@ -254,7 +254,6 @@ Backend::Backend(int threads) {
 }
 Backend::~Backend() { Kokkos::finalize(); }
 
-int most_modes() { return capacity; }
 std::string backend_name() { return Space::name(); }
 int backend_threads() { return Space().concurrency(); }
 int backend_lanes() { return width; }
@@ -709,11 +708,11 @@ Batch::Batch(const std::vector<Model>& models, const std::vector<ModalStart>& st
   int packs = options.least_packs;
   for (const Model& model : models) {
     const int modes = static_cast<int>(model.resonator.modes.size() + model.slider.modes.size());
-    if (modes > capacity)
+    if (modes > most_modes)
       throw RequestError(
           fmt::format("{} modes in both bodies together, at the most {} can be marched: lower "
                       "max_frequency or modes",
-                      modes, capacity));
+                      modes, most_modes));
     packs = std::max(packs, std::max(1, (modes + width - 1) / width));
     series.push_back(choose_series(model));
   }

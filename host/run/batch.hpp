@@ -22,12 +22,6 @@ class Backend {
   Backend& operator=(const Backend&) = delete;
 };
 
-/// Nodes that can carry force at once where the penalty force of the new time is sought.
-inline constexpr int most_sprung_nodes = 512;
-
-/// Modes of both bodies together that a march takes at the most.
-int most_modes();
-
 /// Where the batch runs: the name of Kokkos' default execution space, and how many threads it has.
 std::string backend_name();
 int backend_threads();

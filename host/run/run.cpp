@@ -17,6 +17,7 @@
 #include "host/run/launch_length.hpp"
 #include "host/run/statistics.hpp"
 #include "host/store/store.hpp"
+#include "kernels/limits.hpp"
 
 namespace ra2d {
 namespace {

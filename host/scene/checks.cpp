@@ -8,9 +8,9 @@
 
 #include "host/beam/beam.hpp"
 #include "host/plan/schemes.hpp"
-#include "host/run/batch.hpp"
 #include "host/scene/names.hpp"
 #include "host/scene/text.hpp"
+#include "kernels/limits.hpp"
 
 namespace ra2d {
 namespace {
@@ -153,7 +153,7 @@ void check_body(const std::string& name, const BodySpec& body, Document& documen
 /// What both bodies keep has to fit into one march.
 void check_modes(const Scene& s, Document& document) {
   constexpr int counted = 1000;
-  const int most = most_modes();
+  constexpr int most = most_modes;
   const int resonator = mode_count(s.resonator, counted), slider = mode_count(s.slider, counted);
   const int total = resonator + slider;
   if (total <= most) return;

@@ -19,7 +19,7 @@ namespace ra2d {
 namespace {
 
 constexpr std::size_t largest_file = 16u << 20;  // bytes
-constexpr int most_modes = 1'000'000;
+constexpr int most_asked = 1'000'000;  // modes
 constexpr std::size_t longest_path = 4096;  // bytes, of a file that the system opens
 
 Need needed(bool is) { return is ? Need::required : Need::optional; }
@@ -67,7 +67,7 @@ BodySpec read_body(Reader in, const std::string& name, Document& document) {
   body.density = in.number("density", positive, "kg/m^3", material).value_or(0);
   body.damping = in.number("damping", ratio, "", material).value_or(0);
   body.max_frequency = in.number("max_frequency", positive, "Hz", Need::optional);
-  if (const auto modes = in.integer("modes", 0, most_modes, Need::optional))
+  if (const auto modes = in.integer("modes", 0, most_asked, Need::optional))
     body.modes = static_cast<int>(*modes);
   if (material == Need::required) in.one_of("max_frequency", "modes");
   if (auto surface = in.table("surface"))

@@ -45,7 +45,7 @@ TEST(MeasuredGrowth, OfAFreeModeIsThatOfTheFormulas) {
 
 TEST(MeasuredGrowth, InContactIsThatOfTheTheory) {
   const TrialMode mode(true);
-  std::vector<Trial> trials;
+  std::vector<GrowthTrial> trials;
   for (const SchemeChoice& choice : chart_schemes())
     for (const double zeta : {0.0, 0.3})
       for (const double x : {0.05, 0.7}) trials.push_back({choice, true, zeta, x});
