@@ -56,8 +56,9 @@ std::string error_text(const Scene& scene, const StepError& error, double zeta) 
 
 std::string body_text(const char* name, const Scene& scene, const BodySpec& spec,
                       const BodyPlan& plan) {
-  std::string text = fmt::format("{:<11}{}, {:g} x {:g} mm", name, supports.name(spec.support),
-                                 spec.length * 1e3, spec.thickness * 1e3);
+  std::string text =
+      fmt::format("{:<11}{}, {:g} ", name, supports.name(spec.support), spec.length * 1e3) +
+      (spec.thickness > 0 ? fmt::format("x {:g} mm", spec.thickness * 1e3) : "mm long");
   if (spec.support == Support::rigid) return text + ": follows its path, no mode\n";
   text += fmt::format(": {} modes", plan.rigid_modes + plan.elastic_modes);
   if (plan.rigid_modes > 0) text += fmt::format(", {} of them rigid", plan.rigid_modes);

@@ -4,7 +4,7 @@
 
     check_result.py OUT.h5
 
-Names, axes, units, long names, coordinates and shapes must be those of the README's output table,
+Names, axes, units, long names, coordinates and shapes must be those of docs/results.md,
 and the numbers those of their hashes.
 Times carry the unit "s": xarray makes time differences of "seconds", but leaves "s" as numbers.
 Every group has the values along its axes; the time of the samples is one dataset with a link in each.
