@@ -183,6 +183,7 @@ struct SceneTables {
 
   // when to write
   std::int64_t total_steps = 0;
+  std::int64_t counted_from = 0;  // the step at which statistics begin: an adaptive one ends there
   double steps_per_sample = 0;
   std::int64_t samples = 0;
 

@@ -256,6 +256,14 @@ void Search::set_reference() {
     out_.duration = longest > 1e-2 ? std::floor(longest * 1e3) * 1e-3 : longest;
     if (!is_adaptive(reference))  // a whole number of steps
       out_.duration = std::max(1.0, std::floor(out_.duration / reference.step)) * reference.step;
+    // what is counted must be worth counting
+    const double counted = out_.duration - written_.from;
+    if (written_.from > 0 && counted < 0.1 * (written_.duration - written_.from))
+      throw refusal(
+          written_, "output.from",
+          fmt::format("{} s are not counted, and in the time given a run of the reference comes to "
+                      "{} only: expected a larger --budget, or an earlier time",
+                      written_.from, seconds_text(longest)));
     out_.notes.push_back(
         fmt::format("the runs were cut short at {} of the scene's {}: a run of the reference takes "
                     "{} (--budget "

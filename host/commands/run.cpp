@@ -54,7 +54,8 @@ void print_report(const Scene& scene, const RunReport& r, const std::filesystem:
             ? fmt::format("to a tolerance of {:g}", scene.tolerance.value_or(usual_tolerance))
             : fmt::format("of {:g} s", scene.step));
   if (!(r.counted > 0))
-    print_line("level Lv", "none: the run ended before it was to be counted (output.from)");
+    print_line("level Lv", scene.from > 0 ? "none: the run ended before output.from"
+                                          : "none: the run ended at its first step");
   else if (r.v_rms > 0)
     print_line("level Lv",
                fmt::format("{:.2f} dB re 1 nm/s (v_rms {:.3e} m/s){}", r.lv, r.v_rms,
@@ -73,7 +74,9 @@ void print_report(const Scene& scene, const RunReport& r, const std::filesystem:
     print_line("in contact", fmt::format("{:.2f} % of the time", 100 * r.contact_share));
   print_line("nodes evaluated", fmt::format("{:.2f} a step, on average", r.evaluated));
   print_line("energy",
-             r.energy.turnover > 0
+             r.energy.samples < 2
+                 ? std::string("not known: fewer than two samples were counted (output.rate)")
+             : r.energy.turnover > 0
                  ? fmt::format("closes to {:.1e} of what went through ({:.2e} of {:.2e} J)",
                                std::abs(r.energy.relative()), r.energy.residual, r.energy.turnover)
                  : std::string("none went through"));

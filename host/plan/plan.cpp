@@ -16,16 +16,23 @@ namespace {
 
 /// Wall time of a step on one core of a server processor of 2023, in ns (bench/bench_schemes.cpp,
 /// bench_march.cpp): in free flight; in contact at a node, by the form of the step, the staged ones a
-/// stage, and each node more; and where every node is looked at, a node and a look.
+/// stage, and each node more, a mode; and where every node is looked at, a node and a look.
 constexpr double flight_ns = 5.0, contact_ns = 45.0, stage_ns = 50.0, held_ns = 100.0,
-                 more_ns = 13.0, node_ns = 0.7;
+                 more_ns = 1.7, node_ns = 0.7;
 /// Of the adaptive scheme (bench/bench_adaptive.cpp): a flight; a step with forces, for each order of
 /// its series, and what share of that each node more takes; a sample.
 constexpr double leap_ns = 600.0, order_ns = 130.0, more_share = 0.25, sample_ns = 40.0;
 /// Nodes at once that an adaptive run may meet: this many, or so many times those that touch at the
-/// start. Fixed steps may come to look at all of them, where bodies are thrown about. In 60 random
-/// scenes of both kinds no run took longer than what follows from these.
+/// start. Fixed steps may come to look at all of them, where bodies are thrown about or lie flat on
+/// one another.
 constexpr int usual_many = 32, touching_factor = 4;
+
+int modes_of(const Model& model) {
+  return static_cast<int>(model.resonator.modes.size() + model.slider.modes.size());
+}
+
+/// The times above are of 21 modes; fewer are hardly quicker, more take longer in proportion.
+double width_of(const Model& model) { return std::max(1.0, modes_of(model) / 24.0); }
 
 BodyPlan plan_body(const Beam& beam, const BodySpec& spec, int nodes, const Scene& scene) {
   BodyPlan plan;
@@ -89,9 +96,10 @@ void plan_steps(const Model& model, const JoinedModes& place, Plan& plan) {
   const double one_ns = held                             ? held_ns
                         : is_semi_implicit(scene.scheme) ? contact_ns
                                                          : stages * stage_ns;
-  plan.seconds_free = seconds * std::max(flight_ns, look_ns);
-  plan.seconds_one = seconds * (one_ns + look_ns);
-  plan.seconds_many = seconds * (one_ns + (plan.many_nodes - 1) * looks * more_ns + look_ns);
+  const double wide = width_of(model), each_ns = more_ns * std::max(8, modes_of(model));
+  plan.seconds_free = seconds * std::max(wide * flight_ns, look_ns);
+  plan.seconds_one = seconds * (wide * one_ns + look_ns);
+  plan.seconds_many = seconds * (wide * one_ns + (plan.many_nodes - 1) * looks * each_ns + look_ns);
 }
 
 /// Of the adaptive scheme: what can be said of its steps before it has made them. One ends where a
@@ -111,14 +119,15 @@ void plan_strides(const Model& model, double omega_c, Plan& plan) {
   const double crossings = scene.speed / scene.spacing;  // a second
   // a look takes overlaps and their rates, at the end of a step and often at its beginning
   const double look_ns = scene.nodes == Nodes::all ? 4 * node_ns * model.nodes() : 0.0;
-  const double flight = leap_ns + look_ns, drive = order_ns * n + look_ns;
+  const double wide = width_of(model), order = wide * order_ns;
+  const double flight = wide * leap_ns + look_ns, drive = order * n + look_ns;
   const double alone = scene.resonator.moving_forces.empty()
                            ? crossings * flight
                            : (crossings + fastest / theta) * drive;
   const auto pressed = [&](int nodes) {
     const double omega = omega_c * std::sqrt(nodes);  // their springs side by side
     return (crossings + std::max(fastest, omega) / theta + 2 * omega / M_PI) *
-           (drive + (nodes - 1) * more_share * order_ns * n);
+           (drive + (nodes - 1) * more_share * order * n);
   };
   const auto wall = [&](double nanoseconds) {
     return 1e-9 * (nanoseconds * scene.duration + sample_ns * static_cast<double>(model.samples));
@@ -298,16 +307,13 @@ std::string beyond_limit(const Model& model, const StepLimits& limits) {
 std::string overlap_at_start(const Model& model) {
   const Scene& scene = model.scene;
   if (scene.law != ContactLaw::multiplier || scene.initial != Initial::rest) return {};
-  const std::vector<double> over = overlaps(model, {}, {});
-  const double most = *std::max_element(over.begin(), over.end());
-  double size = std::abs(model.delta);
-  for (const std::vector<double>* face : {&model.resonator_height, &model.slider_height})
-    for (const double h : *face) size = std::max(size, std::abs(h));
-  if (most <= 64 * std::numeric_limits<double>::epsilon() * size) return {};
+  const double most = rest_overlap(model);
+  if (most == 0) return {};
   return fmt::format(
       "the faces overlap by {:.3g} m at t = 0, which multipliers would undo in a single step, as a "
-      "blow: expected scene.gap = \"touching\" or at least {:.6g} m, or scene.initial = \"static\"",
-      most, model.delta + most * (1 + 1e-6));
+      "blow: expected scene.gap = \"touching\" or at least {:.6g} m{}",
+      most, model.delta + most * (1 + 1e-6),
+      has_equilibrium(scene) ? ", or scene.initial = \"static\"" : "");
 }
 
 std::string step_cure(const Scene& scene, double holds) {

@@ -403,6 +403,7 @@ SceneTables Batch::Impl::fill_tables(const Model& model, const Layout& l) {
   t.node_stiffness = model.node_stiffness;
   t.compliance = scene.law == ContactLaw::multiplier ? 0.0 : 1.0 / model.node_stiffness;
   t.total_steps = model.steps;
+  t.counted_from = first_counted(model);
   t.steps_per_sample = model.steps_per_sample;
   t.samples = model.samples;
   if constexpr (Kokkos::SpaceAccessibility<Space, Kokkos::HostSpace>::accessible)

@@ -103,7 +103,11 @@ Outcome find_active(const ContactProgram& p, double tolerance, ActiveSet& active
     if (!(over > tolerance)) {
       if (fresh || p.compliance > 0)
         return Outcome::solved;  // what springs give is known well enough
-      settle(p, active, 1.0, u);
+      // what roundings took for a push on the way may be a pull
+      Eigen::Index least = 0;
+      while (settle(p, active, 1.0, u) &&
+             active.forces().minCoeff(&least) < -1e-12 * active.forces().maxCoeff())
+        active.drop(static_cast<int>(least));
       fresh = true;
       continue;
     }
@@ -155,7 +159,14 @@ Outcome find_active(const ContactProgram& p, double tolerance, ActiveSet& active
 
 std::optional<RestingContact> solve(const ContactProgram& p) {
   const Eigen::Index modes = p.stiffness.size();
-  // how far bodies must move to meet, and how far the load bends them: the weak springs give way by a
+  // a body that moves as a whole is first brought to where it touches
+  VectorXd u = VectorXd::Zero(modes), settled;
+  for (Eigen::Index k = 0; k < modes; ++k)
+    if (!(p.stiffness[k] > 0) && p.shapes.col(k).minCoeff() == p.shapes.col(k).maxCoeff()) {
+      u[k] = -p.faces.maxCoeff() / p.shapes(0, k);
+      break;
+    }
+  // how far it must move from there, and how far the load bends it: the weak springs give way by a
   // hundred times that
   const double most = p.load.cwiseAbs().maxCoeff(), shape = p.shapes.cwiseAbs().maxCoeff();
   const double stiffness = std::isinf(softest(p)) ? 1.0 : softest(p);
@@ -169,7 +180,6 @@ std::optional<RestingContact> solve(const ContactProgram& p) {
     if (!(p.stiffness[k] > 0)) held.stiffness[k] = weak;
   const VectorXd springs = held.stiffness - p.stiffness;
 
-  VectorXd u = VectorXd::Zero(modes), settled;
   for (int round = 0; round < 100; ++round) {
     held.load = p.load + springs.cwiseProduct(u);
     ActiveSet active(p);

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "host/run/model.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "host/errors.hpp"
 #include "host/plan/schemes.hpp"
@@ -58,6 +61,30 @@ void set_clock(Model& m) {
   m.samples = 1 + static_cast<std::int64_t>(intervals);
 }
 
+/// The largest of the lengths that an overlap is the difference of [m].
+double largest_height(const Model& m) {
+  double size = std::abs(m.delta);
+  for (const std::vector<double>* face : {&m.resonator_height, &m.slider_height})
+    for (const double h : *face) size = std::max(size, std::abs(h));
+  return size;
+}
+
+/// Springs so stiff that the roundings of an overlap are forces like the load are refused.
+void check_roundings(const Model& m) {
+  const Scene& scene = m.scene;
+  if (scene.law != ContactLaw::penalty || scene.slider.support != Support::free) return;
+  if (!(m.slider.load_force > 0)) return;
+  constexpr double share = 0.01;  // of the load
+  const double rounding = 2 * std::numeric_limits<double>::epsilon() * largest_height(m);
+  if (rounding * m.node_stiffness <= share * m.slider.load_force) return;
+  throw refusal(
+      scene, "contact.stiffness",
+      fmt::format("{} Pa/m makes forces of {:.3g} N of the roundings of an overlap, and the "
+                  "load is {:.3g} N: expected at most {:.3g} Pa/m",
+                  scene.stiffness, rounding * m.node_stiffness, m.slider.load_force,
+                  scene.stiffness * share * m.slider.load_force / (rounding * m.node_stiffness)));
+}
+
 }  // namespace
 
 Model make_model(const Scene& scene) {
@@ -84,7 +111,26 @@ Model make_model(const Scene& scene) {
     const std::vector<double> overlap = overlaps(m, {}, {});
     m.delta = *std::max_element(overlap.begin(), overlap.end());
   }
+  check_roundings(m);
+  if (scene.law == ContactLaw::penalty && scene.initial == Initial::rest)
+    if (const double over = rest_overlap(m); over > 0)
+      m.doubts.push_back(
+          fmt::format("the faces overlap by {:.3g} m at t = 0 and start from rest: the contact "
+                      "springs will throw "
+                      "the bodies apart. scene.gap = \"touching\"{} does without",
+                      over, has_equilibrium(scene) ? " or scene.initial = \"static\"" : ""));
   return m;
+}
+
+std::int64_t first_counted(const Model& model) {
+  const double ticks = model.scene.from / model.tick;
+  return static_cast<std::int64_t>(std::ceil(ticks * (1 - 1e-15)));  // 0.3/1e-8 is a whole number
+}
+
+double rest_overlap(const Model& model) {
+  const std::vector<double> over = overlaps(model, {}, {});
+  const double most = *std::max_element(over.begin(), over.end());
+  return most > 64 * std::numeric_limits<double>::epsilon() * largest_height(model) ? most : 0.0;
 }
 
 int series_order(double tolerance) {

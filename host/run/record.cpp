@@ -136,11 +136,6 @@ std::vector<double> mean_squares(const Model& model) {
                       model.scene.spacing);
 }
 
-std::int64_t first_counted(const Model& model) {
-  const double ticks = model.scene.from / model.tick;
-  return static_cast<std::int64_t>(std::ceil(ticks * (1 - 1e-15)));  // 0.3/1e-8 is a whole number
-}
-
 double v_rms(const std::vector<double>& mean_squares, const Snapshot& end, const Snapshot& begin) {
   if (!(end.step > begin.step)) return std::numeric_limits<double>::quiet_NaN();
   double sum = 0;
@@ -168,6 +163,7 @@ void EnergyAccount::add(const SampleBlock& b) {
       load_work_ = b.load_work[i];
     }
     begun_ = true;
+    balance_.samples = std::min(2, balance_.samples + 1);
     const double lost = b.damping_loss[i] - damping_loss_;
     const double slid = b.sliding_work[i] - sliding_work_, loaded = b.load_work[i] - load_work_;
     balance_.residual = stored + lost - slid - loaded - start_;

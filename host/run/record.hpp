@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "host/run/batch.hpp"
@@ -19,9 +20,6 @@ std::vector<Shock> make_shocks(const Model& model, const std::vector<ShockRow>& 
 
 /// The shocks that are still going on: as long as they have lasted.
 std::vector<Shock> make_shocks(const Model& model, const std::vector<OpenShock>& open);
-
-/// The step at which level and shock statistics begin: the first at or after `output.from`.
-std::int64_t first_counted(const Model& model);
 
 /// Root mean square velocity of the resonator's elastic motion [m/s]: over its nodes, and over the
 /// steps from `begin` (none: t = 0) to `end`; NaN where there is none. What a free body does as a whole is no noise.
@@ -45,7 +43,12 @@ struct EnergyBalance {
   double residual =
       0;  // J: kinetic + elastic + contact + damping loss - sliding work - load work - start
   double turnover = 0;  // J: what it is measured against: the energy that went through
-  double relative() const { return turnover > 0 ? residual / turnover : 0.0; }
+  int samples = 0;      // that it was taken between, no more than 2 counted
+  /// NaN where there were no two samples to take it between.
+  double relative() const {
+    if (samples < 2) return std::numeric_limits<double>::quiet_NaN();
+    return turnover > 0 ? residual / turnover : 0.0;
+  }
 };
 
 /// Follows the energy through a run from a time [s] on, block after block.

@@ -284,9 +284,13 @@ RunReport run(const Scene& scene, const RunOptions& options) {
   summary.peak_force_90 = report.force_90;
   summary.contact_share = report.contact_share;
   summary.nodes_evaluated = report.evaluated;
-  summary.energy_residual = report.energy.residual;
-  summary.energy_turnover = report.energy.turnover;
   summary.energy_closure = std::abs(report.energy.relative());
+  if (report.energy.samples >= 2) {
+    summary.energy_residual = report.energy.residual;
+    summary.energy_turnover = report.energy.turnover;
+  } else {
+    summary.energy_residual = summary.energy_turnover = summary.energy_closure;
+  }
   summary.step_seconds = report.step_seconds();
   summary.wall_seconds = report.wall_seconds;
   summary.steps = static_cast<long>(report.steps);

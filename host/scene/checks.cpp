@@ -98,6 +98,11 @@ void check_nodes(const Scene& s, const std::string& name, const BodySpec& body,
 
 /// Where the slider stands, from the first moment to the last.
 void check_path(const Scene& s, Document& document) {
+  constexpr double most_lengths = 100;
+  if (s.gap && std::abs(*s.gap) > most_lengths * s.resonator.length)
+    document.fault("scene.gap", fmt::format("{} m is out of all proportion to a resonator of {} m: "
+                                            "expected at most {:g} times its length",
+                                            *s.gap, s.resonator.length, most_lengths));
   if (s.slider.length > s.resonator.length) {
     document.fault("slider.length",
                    fmt::format("{} m is longer than the resonator: expected at most "
@@ -211,7 +216,7 @@ void check_surface(const Scene& s, const std::string& name, const BodySpec& body
 }
 
 void check_output(const Scene& s, Document& document) {
-  if (s.from > 0 && s.from >= s.duration)
+  if (s.from > 0 && s.from > s.duration * (1 - rounding) - (is_adaptive(s) ? 0.0 : s.step))
     document.fault("output.from",
                    fmt::format("{} s is not before the end of the run, {} s: expected "
                                "a time from 0 to scene.duration",
@@ -232,7 +237,7 @@ void check_output(const Scene& s, Document& document) {
 void check_stiffness(const Scene& s, Document& document) {
   if (s.law != ContactLaw::penalty) return;
   const double node = s.stiffness * s.spacing * std::min(s.resonator.width, s.slider.width);
-  constexpr double softest = 1e-100, stiffest = 1e100;
+  constexpr double softest = 1e-100, stiffest = 1e20;
   if (node < softest || node > stiffest)
     document.fault(
         "contact.stiffness",
@@ -242,6 +247,16 @@ void check_stiffness(const Scene& s, Document& document) {
 }
 
 void check_loads(const Scene& s, Document& document) {
+  constexpr double most_load = 1e12;  // N
+  const auto check_force = [&](const std::string& key, double force) {
+    if (std::abs(force) > most_load)
+      document.fault(key, fmt::format("{} N is out of all proportion: expected at most {:g} N",
+                                      force, most_load));
+  };
+  check_force("slider.load", s.slider.load);
+  for (std::size_t i = 0; i < s.resonator.moving_forces.size(); ++i)
+    check_force(fmt::format("resonator.moving_force[{}].force", i),
+                s.resonator.moving_forces[i].force);
   const bool loaded = s.slider.load_is_weight || s.slider.load != 0;
   if (s.slider.support == Support::rigid && loaded && !std::isnan(s.slider.load))
     document.fault("slider.load",

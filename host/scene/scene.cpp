@@ -19,8 +19,8 @@ namespace ra2d {
 namespace {
 
 constexpr std::size_t largest_file = 16u << 20;  // bytes
-constexpr int most_asked = 1'000'000;  // modes
-constexpr std::size_t longest_path = 4096;  // bytes, of a file that the system opens
+constexpr int most_asked = 1'000'000;            // modes
+constexpr std::size_t longest_path = 4096;       // bytes, of a file that the system opens
 
 Need needed(bool is) { return is ? Need::required : Need::optional; }
 

@@ -101,13 +101,18 @@ class AdaptiveMarcher {
     const Place place = stand(step_);
     const bool free = s_.closed_count == 0 && t_.moving_forces == 0;
     std::int64_t room = ticks_left(place, free ? 1.0 : (place.part + 1) * t_.window_width);
-    if (t_.total_steps - step_ < room) room = t_.total_steps - step_;
+    if (end() - step_ < room) room = end() - step_;
     if (!(free ? fly(place, room) : drive(place, room))) return false;
     if (lanes_.leader()) ++s_.strides;
     lanes_.sync();
     if ((s_.strides & 4095) == 0) close_parts();
     lanes_.sync();
     return true;
+  }
+
+  /// What no step goes beyond.
+  KOKKOS_FUNCTION std::int64_t end() const {
+    return step_ < t_.counted_from ? t_.counted_from : t_.total_steps;
   }
 
   /// from + step advance, rounded once at the end: a step has more digits than a double, and the two
@@ -145,7 +150,7 @@ class AdaptiveMarcher {
     int shorter = s_.level - 1;  // level of a step that may be decided sooner
     MotionBounds bounds;
     if (ticks > room) {
-      const std::int64_t left = t_.total_steps - step_;
+      const std::int64_t left = end() - step_;
       const std::int64_t far = ticks < left ? ticks : left;
       bounds = flight_.bounds(u_, v_, far * t_.step);
       // so far away that faces and modes could not meet anywhere

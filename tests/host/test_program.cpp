@@ -542,6 +542,36 @@ TEST_F(Program, AnEnergyThatDoesNotCloseIsWarnedOf) {
   EXPECT_THAT(out_, AllOf(HasSubstr("warning"), HasSubstr("under multipliers each impact takes")));
 }
 
+TEST_F(Program, WhatIsCountedBeginsAtTheAskedTimeUnderAdaptiveToo) {
+  // a plate that rings free after one touch: steps are long, and none goes beyond output.from
+  const auto level_of = [&](const char* scheme, const char* from) {
+    EXPECT_EQ(
+        run({"run", scene_file("drop"), "--set", "scene.gap=9.9e-6", "--set", "slider.load=0.0",
+             "--set", "scene.duration=0.1", "--set", "time.step=1e-7", "--set",
+             std::string("time.scheme=") + scheme, "--set", std::string("output.from=") + from}),
+        0)
+        << err_;
+    double level = 0;
+    EXPECT_EQ(std::sscanf(out_.c_str() + out_.find("level Lv"), "level Lv %lf", &level), 1) << out_;
+    return level;
+  };
+  for (const char* from : {"0.0", "0.0313", "0.0999"})
+    EXPECT_NEAR(level_of("adaptive", from), level_of("rk8", from), 0.011) << from;
+}
+
+TEST_F(Program, ABalanceOfOneSampleIsNotKnown) {
+  EXPECT_EQ(run({"run", scene_file("drop"), "--set", "output.rate=10"}), 0) << err_;
+  EXPECT_THAT(out_, HasSubstr("not known: fewer than two samples"));
+}
+
+TEST_F(Program, FacesThatOverlapAtRestAreSaid) {
+  EXPECT_EQ(
+      run({"run", scene_file("drop"), "--set", "scene.gap=5e-6", "--set", "scene.duration=1e-4"}),
+      0);
+  EXPECT_THAT(err_, AllOf(HasSubstr("the faces overlap by 5e-06 m at t = 0"),
+                          HasSubstr("or scene.initial = \"static\"")));
+}
+
 TEST_F(Program, ALoadThatNothingHoldsIsSaidBeforeTheRun) {
   EXPECT_EQ(run({"run", scene_file("moving-force"), "--set", "resonator.support=free", "--set",
                  "scene.duration=1e-4"}),

@@ -140,6 +140,7 @@ Scene resting_scene(int index, std::mt19937_64& random) {
   s.resonator.surface = face(index % 3);
   s.slider.surface = face(index / 3 % 3);
   s.slider.load_is_weight = index % 2 == 0;
+  if (random() % 3 == 0) s.gap = std::pow(10.0, -static_cast<double>(random() % 6));  // to fall
   s.slider.load = std::pow(10.0, static_cast<double>(random() % 7) - 3);
   return s;
 }
@@ -167,11 +168,19 @@ TEST(Equilibrium, IsFoundUnderMultipliersOnAnyFaces) {
 
 TEST(Equilibrium, IsFoundUnderSpringsOfAnyStiffness) {
   std::mt19937_64 random(6);
+  int refused = 0;
   for (int i = 0; i < draws(90); ++i) {
     Scene s = resting_scene(i, random);
     s.stiffness = std::pow(10.0, 10.0 + static_cast<double>(random() % 13));
     SCOPED_TRACE(testing::Message() << i << ", kappa " << s.stiffness);
-    const Model model = make_model(s);
+    // stiffer ones, whose roundings are forces like the load, are refused
+    Model model;
+    try {
+      model = make_model(s);
+    } catch (const RequestError&) {
+      ++refused;
+      continue;
+    }
     const ModalStart start = make_start(model);
     const double load = model.slider.load_force;
     // from overlaps that are right to the roundings of what they are the difference of
@@ -183,6 +192,7 @@ TEST(Equilibrium, IsFoundUnderSpringsOfAnyStiffness) {
         static_cast<double>(std::max<std::size_t>(1, start.loaded_nodes.size()));
     EXPECT_NEAR(start.contact_force, load, 1e-7 * load + rounding);
   }
+  EXPECT_LT(refused, draws(90) / 3);
 }
 
 TEST(Equilibrium, BendingSlidersOfAnySupportSettle) {
