@@ -27,11 +27,12 @@ void check_prefix(const std::string& prefix, const char* example) {
                     prefix, target.has_filename() ? prefix + "/" : prefix, example));
 }
 
-/// Before anything is run: every file that will be written.
-void require_outputs(const std::vector<std::string>& outputs, const Scene& scene, bool plot,
+/// Before anything is run: every file that will be written. `inputs` must not be among them.
+void require_outputs(std::vector<std::string> outputs,
+                     const std::vector<std::filesystem::path>& inputs, bool plot,
                      const std::string& picture) {
-  for (const std::string& output : outputs) require_output(output, files_of(scene));
-  if (plot) require_output(picture, files_of(scene));
+  if (plot) outputs.push_back(picture);
+  for (const std::string& output : outputs) require_output(output, inputs);
 }
 
 /// The scene that was asked for, or the paper's own.
@@ -76,7 +77,7 @@ int chart_stability_command(const CommonOptions& common, const std::string& pref
                   "\"adaptive\" does without (add one, or --set time.step=1e-8)");
   const std::string table = prefix + ".csv", regions = prefix + "-regions.csv",
                     eigenvalues = prefix + "-modes.csv", picture = prefix + ".png";
-  require_outputs({table, regions, eigenvalues}, scene, plot, picture);
+  require_outputs({table, regions, eigenvalues}, files_of(scene), plot, picture);
   const Model model = make_model(scene);
   say_doubts(model.doubts, common.quiet);
   const std::string modes = modes_csv(model);
@@ -111,7 +112,9 @@ int chart_accuracy_command(const CommonOptions& common, const std::string& prefi
   const Scene scene = chart_scene(common);
   const std::string points = prefix + ".csv", long_runs = prefix + "-long.csv",
                     picture = prefix + ".png";
-  require_outputs({points, long_runs}, scene, plot, picture);
+  std::vector<std::filesystem::path> inputs = files_of(scene);
+  if (!options.peers.empty()) inputs.push_back(options.peers);
+  require_outputs({points, long_runs}, inputs, plot, picture);
   say_doubts(make_model(scene).doubts, common.quiet);
   const Backend backend(common.threads);
   const AccuracyChart chart = measure_accuracy(scene, options);

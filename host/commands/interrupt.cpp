@@ -13,7 +13,8 @@
 namespace ra2d {
 namespace {
 
-constexpr int interrupts[] = {SIGINT, SIGTERM, SIGHUP, SIGUSR1, SIGUSR2, SIGXCPU};
+constexpr int interrupts[] = {SIGINT,    SIGQUIT, SIGTERM, SIGHUP,  SIGALRM,
+                              SIGVTALRM, SIGPROF, SIGXCPU, SIGUSR2, SIGUSR1};
 bool on_terminal = false;
 
 void say(std::string_view text) {
@@ -45,6 +46,8 @@ void catch_interrupts() {
     struct sigaction before {};
     sigaction(signal, nullptr, &before);
     if (signal == SIGHUP && before.sa_handler == SIG_IGN) continue;
+    // a profiler that was loaded with the program has its own use for it
+    if (signal == SIGPROF && before.sa_handler != SIG_DFL) continue;
     sigaction(signal, &action, nullptr);
   }
   ::signal(SIGPIPE, SIG_IGN);

@@ -23,7 +23,8 @@
 namespace {
 
 /// Commands of the contract that are not built yet: refused by name.
-constexpr std::array<std::string_view, 4> coming{"surface", "analyze", "study", "plot"};
+constexpr std::array<std::string_view, 7> coming{"surface", "analyze", "study", "sound",
+                                                 "plot",    "report",  "check"};
 
 using Words = std::vector<std::string>;
 
@@ -39,9 +40,31 @@ CLI::Validator number_from(double low, double high, const std::string& words) {
           words};
 }
 
+/// A count. One that is too large for any machine is lowered to 10^9, and lowered further later.
+CLI::Validator count() {
+  return {[](std::string& text) {
+            const std::size_t first = text.find_first_not_of('0');
+            if (first == text.npos || text.find_first_not_of("0123456789") != text.npos)
+              return fmt::format("'{}': expected a whole number in digits, 1 or more",
+                                 ra2d::shortened(text));
+            text.erase(0, first);
+            if (text.size() > 9) text = "1000000000";
+            return std::string{};
+          },
+          "1 or more"};
+}
+
+/// A path that is given: an empty one comes from a variable that is not set.
+CLI::Validator path() {
+  return {[](std::string& text) { return text.empty() ? "'': expected a name" : std::string{}; },
+          {}};
+}
+
 std::string did_you_mean(const std::string& word, const Words& known) {
   const auto near = ra2d::nearest(word, known);
-  return near ? fmt::format(" (did you mean '{}'?)", *near) : std::string{};
+  if (!near) return {};
+  const bool comes = std::find(coming.begin(), coming.end(), *near) != coming.end();
+  return fmt::format(" (did you mean '{}'{}?)", *near, comes ? ", which is not available yet" : "");
 }
 
 /// The command that the first words name, and what is wrong with them, if anything.
@@ -59,10 +82,15 @@ Named find_command(const CLI::App& app, const Words& words) {
     for (const CLI::App* command : commands) names.push_back(command->get_name());
     const auto found = std::find(names.begin(), names.end(), word);
     if (found == names.end()) {
-      if (named.command == &app) names.emplace_back("help");
+      Words meant = names;
+      if (named.command == &app) {
+        names.emplace_back("help");
+        meant = names;
+        meant.insert(meant.end(), coming.begin(), coming.end());
+      }
       named.fault =
           fmt::format("'{}' has no command '{}'{}; there are {}", named.path, ra2d::shortened(word),
-                      did_you_mean(word, names), ra2d::any_of(names, "'"));
+                      did_you_mean(word, meant), ra2d::any_of(names, "'"));
       break;
     }
     named.command = commands[static_cast<std::size_t>(found - names.begin())];
@@ -96,9 +124,9 @@ void add_common(CLI::App& command, ra2d::CommonOptions& common) {
       ->expected(1);
   command
       .add_option("--threads", common.threads,
-                  "threads; a single scene keeps one of them busy, and there are no more than "
-                  "processors")
-      ->check(number_from(1, 1e6, "1 or more"))
+                  "how many threads to use, at most one for each processor; a single scene uses "
+                  "only one")
+      ->transform(count())
       ->capture_default_str();
   command.add_flag("--quiet", common.quiet, "print nothing but what was asked for and errors");
 }
@@ -121,16 +149,17 @@ int dispatch(Words words) {
   CommonOptions common;
   std::filesystem::path output;
   CLI::App* run = app.add_subcommand("run", "simulates a scene and writes one HDF5 file");
-  run->add_option("SCENE", common.scene, "scene file (TOML)")->required();
+  run->add_option("SCENE", common.scene, "scene file (TOML)")->required()->check(path());
   add_common(*run, common);
   run->add_option("-o,--output", output,
                   "result file [SCENE's name with .h5, in the current folder]")
-      ->type_name("OUT.h5");
+      ->type_name("OUT.h5")
+      ->check(path());
   CLI::App* plan =
       app.add_subcommand("plan",
                          "says what would be modelled, and why; runs nothing unless --accuracy "
                          "asks what the scene could do without");
-  plan->add_option("SCENE", common.scene, "scene file (TOML)")->required();
+  plan->add_option("SCENE", common.scene, "scene file (TOML)")->required()->check(path());
   double asked_accuracy = 0, plan_budget = 60;
   std::filesystem::path planned;
   CLI::Option* asked =
@@ -150,6 +179,7 @@ int dispatch(Words words) {
                    "with --accuracy: the scene it writes [SCENE's name with -planned.toml, in the "
                    "current folder]")
       ->type_name("OUT.toml")
+      ->check(path())
       ->needs(asked);
   add_common(*plan, common);
   CLI::App* chart = app.add_subcommand("chart", "all schemes side by side");
@@ -159,14 +189,17 @@ int dispatch(Words words) {
       "limits of stability of every scheme, free and in contact, theory beside measurement: prints "
       "the table; writes PREFIX.csv, PREFIX-regions.csv, PREFIX-modes.csv and, drawn with Python's "
       "matplotlib, PREFIX.png");
-  stability->add_option("SCENE", common.scene,
-                        "scene whose modes are shown in the picture (TOML) [the paper's own]");
+  stability
+      ->add_option("SCENE", common.scene,
+                   "scene whose modes are shown in the picture (TOML) [the paper's own]")
+      ->check(path());
   CLI::App* accuracy = chart->add_subcommand(
       "accuracy",
       "speed against accuracy of every scheme and contact law, with a ladder of steps or "
       "tolerances: prints what reaches an error at the least cost; writes PREFIX.csv, "
       "PREFIX-long.csv (level and shocks over a long stretch) and PREFIX.png");
-  accuracy->add_option("SCENE", common.scene, "scene to be marched (TOML) [the paper's own]");
+  accuracy->add_option("SCENE", common.scene, "scene to be marched (TOML) [the paper's own]")
+      ->check(path());
   double budget = AccuracyOptions{}.budget;
   accuracy->add_option("--budget", budget, "wall time that it may take, roughly")
       ->type_name("SECONDS")
@@ -177,13 +210,15 @@ int dispatch(Words words) {
       ->add_option("--peers", peers,
                    "program that confirms the reference with other integrators [bench/peers/"
                    "ra2d_peers beside this one, where it was built]")
-      ->type_name("PATH");
+      ->type_name("PATH")
+      ->check(path());
   std::string stability_prefix = "stability", accuracy_prefix = "accuracy";
   bool no_plot = false;
   for (const auto& [kind, prefix] :
        {std::pair{stability, &stability_prefix}, std::pair{accuracy, &accuracy_prefix}}) {
     kind->add_option("-o,--output", *prefix, "how the files' names begin")
         ->type_name("PREFIX")
+        ->check(path())
         ->capture_default_str();
     kind->add_flag("--no-plot", no_plot, "leave the picture out");
     add_common(*kind, common);

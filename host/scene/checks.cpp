@@ -291,13 +291,11 @@ void check_law(const Scene& s, Document& document) {
                                "not move its end, so none keeps the faces apart: expected "
                                "\"penalty\" (or time.scheme = \"backward-euler\")",
                                schemes.name(s.scheme)));
-  const auto keeps_none = [](const BodySpec& body) {
-    return body.support == Support::rigid || (body.support == Support::pinned && body.modes == 0);
-  };
-  if (keeps_none(s.resonator) && keeps_none(s.slider))
+  if (mode_count(s.resonator, 1) == 0 && mode_count(s.slider, 1) == 0)
     document.fault("contact.law",
                    "\"multiplier\" between bodies that keep no mode: nothing can move out of the "
-                   "way: expected \"penalty\" (or modes on a body that is not rigid)");
+                   "way: expected \"penalty\" (or modes on a body that is not rigid, "
+                   "by `modes` or a higher `max_frequency`)");
 }
 
 }  // namespace

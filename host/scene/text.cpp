@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 namespace ra2d {
 namespace {
@@ -46,18 +47,28 @@ std::size_t character_size(std::string_view text) {
   return size;
 }
 
-/// Takes the first character off the text and gives it back, escaped where a terminal would obey it
-/// (C0, DEL and C1).
+/// The first character, of so many bytes.
+char32_t code_point(std::string_view text, std::size_t size) {
+  char32_t code = size == 1 ? byte(text, 0) : byte(text, 0) & (0xFFU >> (size + 1));
+  for (std::size_t i = 1; i < size; ++i) code = code << 6U | (byte(text, i) & 0x3FU);
+  return code;
+}
+
+/// Whether a terminal would obey it: C0, DEL and C1, line ends, marks that turn the direction of
+/// writing, and the byte-order mark, which is not seen.
+bool is_control(char32_t c) {
+  return c < 0x20 || (c >= 0x7F && c < 0xA0) || c == 0x61C || c == 0x200E || c == 0x200F ||
+         (c >= 0x2028 && c <= 0x202E) || (c >= 0x2066 && c <= 0x2069) || c == 0xFEFF;
+}
+
+/// Takes the first character off the text and gives it back, escaped where a terminal would obey it.
 std::string take_character(std::string_view& text) {
   const std::size_t size = character_size(text);
-  const unsigned char first = byte(text, 0);
   std::string out;
   if (size == 0)
-    out = fmt::format("\\x{:02X}", first);
-  else if (first < 0x20 || first == 0x7f)
-    out = fmt::format("\\u{:04X}", first);
-  else if (size == 2 && first == 0xC2 && byte(text, 1) < 0xA0)
-    out = fmt::format("\\u{:04X}", byte(text, 1));
+    out = fmt::format("\\x{:02X}", byte(text, 0));
+  else if (const char32_t code = code_point(text, size); is_control(code))
+    out = fmt::format("\\u{:04X}", static_cast<std::uint32_t>(code));
   else
     out = text.substr(0, size);
   text.remove_prefix(std::max<std::size_t>(1, size));

@@ -14,8 +14,8 @@ std::string toml_string(std::string_view text);
 /// A TOML float: the shortest text that reads back as the same double.
 std::string toml_number(double value);
 
-/// A text from outside as a terminal may have it: control characters, and bytes that are no UTF-8,
-/// escaped.
+/// A text from outside as a terminal may have it: control characters, those that end a line or turn
+/// the direction of writing, and bytes that are no UTF-8, escaped.
 std::string printable(std::string_view text);
 
 /// The same line by line: line ends stay.

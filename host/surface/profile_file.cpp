@@ -31,7 +31,11 @@ constexpr std::size_t most_faults = 10;
 constexpr double evenness = 1e-6;  // of the spacing
 // What no face is, whatever made or measured it:
 constexpr double longest_share = 900;  // a profile so many times as long as the beam
-constexpr double steepest = 2;         // a mean slope of 63 degrees, more than a stylus can follow
+constexpr double largest_share = 0.5;  // of the beam's thickness, from the lowest to the highest
+constexpr double steepest = 1;         // root mean square slope: 45 degrees
+// What few faces are:
+constexpr double large_share = 0.05, steep = 0.2;
+constexpr double inches = 1 / 0.0254, like_inches = 0.05;
 // A number that is cut off inside its exponent is off by powers of ten. No last height of a face is
 // so many times its peak to valley away from all others.
 constexpr double far_off = 10;
@@ -303,6 +307,7 @@ struct Unit {
   double metres;
 };
 constexpr Unit units[] = {{"mm", "1e-3", 1e-3}, {"um", "1e-6", 1e-6}, {"nm", "1e-9", 1e-9}};
+constexpr Unit mils{"mils", "2.54e-5", 2.54e-5};
 
 /// In which unit such heights would be those of a face.
 const Unit& likely_unit(double height) {
@@ -317,18 +322,54 @@ const Unit& likely_unit(double height) {
 const Unit& likely_unit(double length, double beam) {
   for (const Unit* unit = std::end(units); --unit != units;)
     if (length * unit->metres >= 0.9 * beam) return *unit;
-  return units[0];
+  return length * mils.metres >= 0.9 * beam ? mils : units[0];
+}
+
+/// The face in numbers.
+struct Relief {
+  std::size_t lowest = 0, highest = 0;
+  std::optional<std::size_t> slip;  // the height along the beam that is far from all others
+  double height = 0;                // m, from the lowest to the highest
+  double slope = 0;                 // root mean square, along the beam
+  double depth = 0;  // m, of the body: its thickness, or its length where it has none
+  bool has_thickness = false;
+
+  bool odd() const { return height > large_share * depth || slope > steep; }
+};
+
+Relief measure(const std::deque<Point>& points, std::size_t used, double length, double thickness) {
+  Relief relief;
+  relief.has_thickness = thickness > 0;
+  relief.depth = relief.has_thickness ? thickness : length;
+  double squares = 0;
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    if (points[i].z < points[relief.lowest].z) relief.lowest = i;
+    if (points[i].z > points[relief.highest].z) relief.highest = i;
+    if (i < used) squares += std::pow(points[i].z - points[i - 1].z, 2);
+  }
+  const auto steps = static_cast<double>(used - 1);
+  relief.height = points[relief.highest].z - points[relief.lowest].z;
+  relief.slope = std::sqrt(squares * steps) / (points[used - 1].x - points[0].x);
+  if (!relief.odd() || points.size() < 4) return relief;
+  for (const std::size_t i : {relief.lowest, relief.highest}) {
+    const Span others = span_of(points, points.size(), i);
+    if (others.away(points[i].z) <= far_off * others.size()) continue;
+    if (i < used)
+      relief.slip = i;
+    else
+      relief.height = others.size();
+  }
+  return relief;
 }
 
 /// What is out of all proportion to the beam, with the line where it is seen; no text where nothing
-/// is. `used`: points that lie along the beam.
-Fault find_disproportion(const Profile& profile, std::size_t used, double length,
-                         double thickness) {
+/// is.
+Fault find_disproportion(const Profile& profile, double length, const Relief& relief) {
   const auto& points = profile.points;
   const std::size_t last = points.size() - 1;
   if (!profile.has_end && last >= 3) {
     const Span others = span_of(points, last, last);
-    if (others.away(points[last].z) > far_off * others.size())
+    if (others.away(points[last].z) > std::max(far_off * others.size(), large_share * relief.depth))
       return {profile.line_of(last),
               fmt::format("the line has no end, and its height of {:.6g} m is far from all others "
                           "({:.6g} to {:.6g} m): the file was cut off inside this number. Complete "
@@ -343,39 +384,48 @@ Fault find_disproportion(const Profile& profile, std::size_t used, double length
                         "in metres: multiply x by {}, and z by what its own unit asks for",
                         range, length, unit.name, unit.factor)};
   }
-  std::size_t lowest = 0, highest = 0;
-  double way = 0;  // m, all ups and downs along the beam
-  for (std::size_t i = 1; i <= last; ++i) {
-    if (points[i].z < points[lowest].z) lowest = i;
-    if (points[i].z > points[highest].z) highest = i;
-    if (i < used) way += std::abs(points[i].z - points[i - 1].z);
+  // a rigid body's length says less about its faces than a thickness
+  const bool tall = relief.height > relief.depth * (relief.has_thickness ? largest_share : 1);
+  if (!tall && relief.slope <= steepest) return {0, {}};
+  if (relief.slip) {
+    const Span others = span_of(points, points.size(), *relief.slip);
+    return {profile.line_of(*relief.slip),
+            fmt::format("a height of {:.6g} m, and all others lie from {:.6g} to {:.6g} m: is "
+                        "there a digit missing? Mend the number",
+                        points[*relief.slip].z, others.low, others.high)};
   }
-  double height = points[highest].z - points[lowest].z;
-  const double depth = thickness > 0 ? thickness : length;
-  const double slope = way / (points[used - 1].x - points[0].x);
-  if (height <= depth && slope <= steepest) return {0, {}};
-  for (const std::size_t i : {lowest, highest}) {
-    const Span others = span_of(points, points.size(), i);
-    if (last < 3 || others.away(points[i].z) <= 100 * others.size()) continue;
-    if (i < used)
-      return {profile.line_of(i),
-              fmt::format("a height of {:.6g} m, and all others lie from {:.6g} to {:.6g} m: is "
-                          "there a digit missing? Mend the number",
-                          points[i].z, others.low, others.high)};
-    height = others.size();  // it does not lie along the beam
-  }
-  const bool tall = height > depth;
-  if (!tall && slope <= steepest) return {0, {}};
-  const Unit& unit = likely_unit(height);
+  const Unit& unit = likely_unit(relief.height);
   const std::string cure = fmt::format("is z in {}? Heights are read in metres: multiply z by {}",
                                        unit.name, unit.factor);
-  const std::size_t line = profile.line_of(highest);
+  const std::size_t line = profile.line_of(relief.highest);
   if (tall)
-    return {line, fmt::format("the heights span {:.6g} m on a beam {:.6g} m {}: {}", height, depth,
-                              thickness > 0 ? "thick" : "long", cure)};
-  return {line, fmt::format("the heights go up and down by {:.3g} m for each metre of x, steeper "
-                            "than any face: {}",
-                            slope, cure)};
+    return {line, fmt::format("the heights span {:.6g} m on a beam {:.6g} m {}: {}", relief.height,
+                              relief.depth, relief.has_thickness ? "thick" : "long", cure)};
+  return {line, fmt::format("the slopes have a root mean square of {:.3g}, steeper than any face: "
+                            "{}",
+                            relief.slope, cure)};
+}
+
+/// The same of what is rare, but may be meant.
+Fault find_oddity(const Profile& profile, double length, const Relief& relief) {
+  const auto& points = profile.points;
+  const double range = points.back().x - points.front().x;
+  if (std::abs(range / length / inches - 1) < like_inches)
+    return {profile.line_of(points.size() - 1),
+            fmt::format("x runs over {:.6g} m for a beam of {:.6g} m, {:.3g} times as long: is it "
+                        "in inches?",
+                        range, length, range / length)};
+  if (relief.height > large_share * relief.depth)
+    return {profile.line_of(relief.highest),
+            fmt::format("the heights span {:.3g} m, {:.0f} % of the beam's {}: are they in metres?",
+                        relief.height, 100 * relief.height / relief.depth,
+                        relief.has_thickness ? "thickness" : "length")};
+  if (relief.slope > steep)
+    return {profile.line_of(relief.highest),
+            fmt::format("the slopes have a root mean square of {:.2g}, and few faces are so steep: "
+                        "are x and z in metres?",
+                        relief.slope)};
+  return {0, {}};
 }
 
 }  // namespace
@@ -404,8 +454,12 @@ std::vector<double> read_profile(const std::filesystem::path& file, int nodes, d
   const double reach = std::ceil(needed / step * (1 - evenness)) + 1;  // points along the beam
   const auto used =
       static_cast<std::size_t>(std::clamp(reach, 2.0, static_cast<double>(points.size())));
-  if (Fault fault = find_disproportion(profile, used, length, thickness); !fault.text.empty())
+  const Relief relief = measure(points, used, length, thickness);
+  if (Fault fault = find_disproportion(profile, length, relief); !fault.text.empty())
     refuse(file, {std::move(fault)});
+  if (const Fault odd = find_oddity(profile, length, relief);
+      doubts != nullptr && !odd.text.empty())
+    doubts->push_back(fmt::format("{}:{}: {}", file.string(), odd.line, odd.text));
   if (doubts != nullptr && !profile.has_end)
     doubts->push_back(
         fmt::format("{}:{}: the last line has no end: if the file was cut off there, "

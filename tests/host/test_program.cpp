@@ -7,6 +7,7 @@
 #include <sys/sysmacros.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <csignal>
@@ -98,8 +99,29 @@ TEST_F(Program, WrongRequestsEndWithTwoAndSayWhy) {
   EXPECT_THAT(err_, HasSubstr("'ra2d run' has no option '--treads' (did you mean '--threads'?)"));
   EXPECT_EQ(run({"chart", "accuracy", "--buget=3"}), 2);
   EXPECT_THAT(err_, HasSubstr("has no option '--buget' (did you mean '--budget'?)"));
-  EXPECT_EQ(run({"study", "x.toml"}), 2);
-  EXPECT_THAT(err_, HasSubstr("'study' is not available yet"));
+  for (const std::string command : {"study", "sound", "report", "check"}) {
+    EXPECT_EQ(run({command, "x.toml"}), 2);
+    EXPECT_THAT(err_, HasSubstr('\'' + command + "' is not available yet"));
+  }
+  for (const auto& [word, command] :
+       {std::pair{"surfac", "surface"}, {"analyse", "analyze"}, {"chek", "check"}}) {
+    EXPECT_EQ(run({word, "x.toml"}), 2);
+    EXPECT_THAT(
+        err_, HasSubstr(fmt::format("(did you mean '{}', which is not available yet?)", command)));
+  }
+  for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
+           {"run", scene_file("drop"), "-o", ""},
+           {"run", scene_file("drop"), "--output="},
+           {"run", ""},
+           {"plan", scene_file("drop"), "--accuracy", "0.1", "-o", ""},
+           {"chart", "stability", "-o", ""},
+           {"chart", "stability", ""},
+           {"chart", "accuracy", "--peers", ""}}) {
+    EXPECT_EQ(run(words), 2) << fmt::format("{}", fmt::join(words, " "));
+    EXPECT_NE(err_, "");
+    EXPECT_EQ(out_, "");
+  }
+  EXPECT_FALSE(fs::exists(folder_ / "drop.h5"));
   EXPECT_EQ(run({"run", scene_file("peaks"), "--set", "scene.sped=1", "--set", "time.step=-1"}), 2);
   EXPECT_THAT(err_, AllOf(HasSubstr("2 faults"), HasSubstr("scene.sped"), HasSubstr("`speed`"),
                           HasSubstr("time.step")));
@@ -117,16 +139,16 @@ TEST_F(Program, NumbersOfTheCommandLineAreRefusedBeforeAnythingRuns) {
     EXPECT_EQ(run({"plan", scene_file("peaks"), "--accuracy", accuracy}), 2) << accuracy;
     EXPECT_THAT(err_, HasSubstr("--accuracy"));
   }
-  for (const char* threads : {"nan", "inf", "0", "-1", "1.5", "1e300", "x"}) {
+  for (const char* threads : {"nan", "inf", "0", "-1", "1.5", "1e9", "1e300", "x", ""}) {
     EXPECT_EQ(run({"plan", scene_file("peaks"), "--threads", threads}), 2) << threads;
-    EXPECT_THAT(err_, HasSubstr("--threads"));
+    EXPECT_THAT(err_, AllOf(HasSubstr("--threads"), HasSubstr("whole number in digits")));
   }
   EXPECT_EQ(run({"chart", "stability", "--set", "resonator.max_frequency=1e9"}), 2);
   EXPECT_THAT(err_, AllOf(HasSubstr("resonator.max_frequency"), HasSubstr("at most 256")));
 }
 
 TEST_F(Program, MoreThreadsThanThereAreAreLowered) {
-  for (const char* threads : {"513", "100000"}) {
+  for (const char* threads : {"513", "100000", "99999999999999999999"}) {
     EXPECT_EQ(run({"plan", scene_file("peaks"), "--threads", threads}), 0) << err_;
     EXPECT_THAT(err_, AllOf(testing::StartsWith("ra2d: "), HasSubstr(" thread"), HasSubstr(": ")));
   }
@@ -177,11 +199,18 @@ TEST_F(Program, ALimitOfFileSizesIsAFault) {
 TEST_F(Program, ControlCharactersAreNotPrinted) {
   const std::string scene = "e\x1b[31m\xc2\x9b.toml";
   fs::copy_file(scene_file("drop"), folder_ / scene);
-  const auto is_raw = [](const std::string& text) {
-    return text.find('\x1b') != std::string::npos || text.find("\xc2\x9b") != std::string::npos;
+  // those that end a line, turn the direction of writing, or are not seen, too
+  const std::vector<std::string> controls{"\x1b",   "\xc2\x9b", "\u2028", "\u202e",
+                                          "\u2066", "\u200f",   "\ufeff"};
+  const auto is_raw = [&](const std::string& text) {
+    return std::any_of(controls.begin(), controls.end(), [&](const std::string& control) {
+      return text.find(control) != std::string::npos;
+    });
   };
   const std::vector<std::vector<std::string>> requests{
       {"run", scene, "--set", "scene.duration=1e-4", "--set", "scene.name=\"a\\u001b[31mb\""},
+      {"run", scene, "--set", "scene.duration=1e-4", "--set",
+       "scene.name=\u2028 \u202e \u2066 \u200f \ufeff"},
       {"run", scene, "--set", "scene.duration=1e-4", "-o", "o\x1b[31m.h5"},
       {"plan", scene, "--set", "scene.name=\x1b[31m"},
       {"run", scene, "--set", "scene.\x1b=1", "--set", "time.step=\x1b"},
@@ -224,6 +253,8 @@ TEST_F(Program, NoInputIsOverwrittenByAnyName) {
     std::ofstream(folder_ / name) << what;
   };
   for (const char* name : {"s.toml", "s.h5"}) write(name, text);
+  write("q.csv", "#!/bin/sh\n");
+  fs::permissions(folder_ / "q.csv", fs::perms::owner_exec, fs::perm_options::add);
   // a profile that has the name of each file that a command writes
   for (const char* name : {"p.csv", "p-regions.csv", "p-long.csv", "p.png"}) write(name, profile);
   fs::create_symlink("s.toml", folder_ / "soft.toml");
@@ -245,7 +276,8 @@ TEST_F(Program, NoInputIsOverwrittenByAnyName) {
       {"plan", "--accuracy", "0.1", "s.toml", "--set", slider("p.csv"), "-o", "p.csv"},
       {"chart", "stability", "s.toml", "--set", slider("p-regions.csv"), "-o", "p"},
       {"chart", "accuracy", "s.toml", "--set", slider("p-long.csv"), "-o", "p"},
-      {"chart", "accuracy", "s.toml", "--set", slider("p.png"), "-o", "p"}};
+      {"chart", "accuracy", "s.toml", "--set", slider("p.png"), "-o", "p"},
+      {"chart", "accuracy", "s.toml", "--peers", "./q.csv", "-o", "q", "--no-plot"}};
   for (const std::vector<std::string>& words : requests) {
     EXPECT_EQ(run(words), 2) << fmt::format("{}", fmt::join(words, " "));
     EXPECT_THAT(err_, AllOf(HasSubstr("would be overwritten"), HasSubstr("-o")));
@@ -254,6 +286,7 @@ TEST_F(Program, NoInputIsOverwrittenByAnyName) {
       EXPECT_EQ(ra2d::test::read_file(folder_ / name), text) << name;
     for (const char* name : {"p.csv", "p-regions.csv", "p-long.csv", "p.png"})
       EXPECT_EQ(ra2d::test::read_file(folder_ / name), profile) << name;
+    EXPECT_EQ(ra2d::test::read_file(folder_ / "q.csv"), "#!/bin/sh\n");
   }
 }
 
@@ -374,7 +407,7 @@ const std::vector<std::string> long_run{
     "run", scene_file("dang2012"), "--set", "scene.duration=0.9", "--set", "time.step=2e-10"};
 
 TEST_F(Program, ASignalEndsTheRunCleanlyWithWhatThereIs) {
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGUSR1}) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) {
     Child child = start(long_run);
     wait_until_it_marches();
     EXPECT_EQ(child.threads(), 1) << "there may be no more to be had (ulimit -u)";
@@ -422,7 +455,8 @@ TEST_F(Program, ASignalEndsEverythingElseAtOnce) {
       {"chart", "stability"}};
   int turn = 0;
   for (const auto& request : requests) {
-    const int signal = std::array{SIGINT, SIGTERM, SIGHUP, SIGUSR1}[turn++ % 4];
+    const int signal = std::array{SIGINT,  SIGTERM, SIGHUP,    SIGUSR1,
+                                  SIGQUIT, SIGALRM, SIGVTALRM, SIGPROF}[turn++ % 8];
     Child child = start(request);
     ASSERT_TRUE(child.wait_until_it_catches(SIGUSR1)) << child.err();
     std::this_thread::sleep_for(std::chrono::milliseconds(50));

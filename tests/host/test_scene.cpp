@@ -439,6 +439,13 @@ const std::vector<Refused> refused{
     {"MultiplierBetweenBodiesThatCannotMove",
      {rigid_slider, {"modes = 19", "modes = 0"}, {"stiffness", "law = \"multiplier\"\nstiffness"}},
      {"s.toml:26: contact.law: \"multiplier\" between bodies that keep no mode"}},
+    {"MultiplierBetweenBodiesThatKeepNone",
+     {{"support = \"free\"", "support = \"pinned\""},
+      {"max_frequency = 20e3", "max_frequency = 1"},
+      {"modes = 19", "modes = 0"},
+      {"stiffness", "law = \"multiplier\"\nstiffness"}},
+     {"s.toml:26: contact.law: \"multiplier\" between bodies that keep no mode",
+      "a higher `max_frequency`"}},
     {"MultiplierWithAdaptive",
      {multiplier, adaptive},
      {"s.toml:26: contact.law: \"multiplier\" with time.scheme = \"adaptive\": between bodies of "
@@ -880,9 +887,13 @@ TEST(Text, ForATerminalHasNoControlCharacters) {
             "a\\u001B[2J\\u000A\\u0009\\u007F\\u009Bz \xc3\xa9 \xe2\x82\xac \xf0\x9f\x8e\xb5");
   EXPECT_EQ(printable("\xff\xc3"), "\\xFF\\xC3");
   EXPECT_EQ(printable_lines("a\x01\n\nb\n"), "a\\u0001\n\nb\n");
+  // nor what ends a line, turns the direction of writing, or is not seen; their neighbours stay
+  EXPECT_EQ(printable("\u061c\u200e\u200f\u2028\u202e\u2066\u2069\ufeff"),
+            "\\u061C\\u200E\\u200F\\u2028\\u202E\\u2066\\u2069\\uFEFF");
+  EXPECT_EQ(printable("\u200d\u2027\u202f\u2065\u206a"), "\u200d\u2027\u202f\u2065\u206a");
   // and TOML reads its own escapes back
   Scene s = parse(minimal);
-  s.name = "\x1b[31m \xc2\x9b \"\\\n\t \x7f";
+  s.name = "\x1b[31m \xc2\x9b \"\\\n\t \x7f \u202e";
   EXPECT_EQ(printable_lines(echo(s)), echo(s));
   EXPECT_EQ(parse(echo(s)).name, s.name);
 }

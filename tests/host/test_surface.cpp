@@ -502,16 +502,47 @@ struct MeasuredProfile : ProfileFile {
 };
 
 TEST_F(MeasuredProfile, InMetresIsReadWithoutAWord) {
-  for (const double rq : {1e-8, 1e-6, 8e-6}) {
+  for (const double rq : {1e-8, 1e-6, 4e-6}) {
     EXPECT_EQ(said(text(1, 1, rq)), "fine");
     EXPECT_THAT(doubts, testing::IsEmpty());
   }
   // of a whole plate for a small pin, which is rigid; and a flat face of two points
-  EXPECT_EQ(said(text(1, 1, 8e-6, 0.3), 0, 0.001), "fine");
+  EXPECT_EQ(said(text(1, 1, 4e-6, 0.3), 0, 0.001), "fine");
   EXPECT_EQ(said("0 0\n1 0\n", 0.002, 0.3), "fine");
   // a bowed sheet
-  EXPECT_EQ(said("0 0\n0.15 1e-3\n0.3 0\n", 0.002, 0.3), "fine");
+  EXPECT_EQ(said("0 0\n0.15 5e-5\n0.3 0\n", 0.002, 0.3), "fine");
   EXPECT_THAT(doubts, testing::IsEmpty());
+}
+
+TEST_F(MeasuredProfile, ThatIsRareIsDoubted) {
+  // z in mm of a smooth face on a plate, in waves of 1.6 mm: an Rq of 0.1 um reads as 0.1 mm
+  const auto waves = [](double amplitude, double x_unit = 1) {
+    std::string text;
+    for (int n = 0; n <= 2600; ++n) {
+      const double x = n * 8e-6;
+      text += fmt::format("{:.9e},{:.4e}\n", x / x_unit, amplitude * std::sin(4000 * x));
+    }
+    return text;
+  };
+  EXPECT_EQ(said(waves(1.4e-4), 0.002), "fine");
+  EXPECT_THAT(doubts, testing::ElementsAre(AllOf(
+                          HasSubstr("profile.csv:"),
+                          HasSubstr("the heights span 0.00028 m, 14 % of the beam's thickness: "
+                                    "are they in metres?"))));
+  // a root mean square slope of 1.4e-4 * 4000 / sqrt(2)
+  EXPECT_EQ(said(waves(1.4e-4), 0.02), "fine");
+  EXPECT_THAT(doubts, testing::ElementsAre(
+                          HasSubstr("the slopes have a root mean square of 0.4, and few")));
+  EXPECT_THAT(said(waves(4e-4), 0.02),
+              AllOf(HasSubstr("root mean square of 1.13, steeper than any face"),
+                    HasSubstr("is z in mm?")));
+  EXPECT_THAT(said(waves(1.1e-4, 1), 4e-4), HasSubstr("is z in mm?"));  // through half of it
+  EXPECT_EQ(said(waves(1e-6, 0.0254)), "fine");
+  EXPECT_THAT(doubts, testing::Contains(HasSubstr("times as long: is it in inches?")));
+  EXPECT_THAT(said(waves(1e-6, 2.54e-5)), HasSubstr("is it in mils?"));
+  // one spike, 60 times as high as the rest, is no unit
+  EXPECT_THAT(said("0 0\n5e-3 5e-5\n1e-2 3e-3\n1.5e-2 0\n2e-2 4e-5\n", 0.002),
+              AllOf(HasSubstr(":3: a height of 0.003 m"), HasSubstr("is there a digit missing?")));
 }
 
 TEST_F(MeasuredProfile, InAnotherUnitIsRefusedWithThatUnit) {
@@ -541,7 +572,7 @@ TEST_F(MeasuredProfile, InAnotherUnitIsRefusedWithThatUnit) {
 
 TEST_F(MeasuredProfile, CutOffInItsLastNumberIsRefusedOrSaid) {
   const auto cut = [](std::size_t bytes) {
-    return text(1, 1) + "2.020800000e-02," + std::string("-3.1234e-07").substr(0, bytes);
+    return text(1, 1, 4e-6) + "2.020800000e-02," + std::string("-3.1234e-07").substr(0, bytes);
   };
   for (const std::size_t bytes : {2, 5, 7, 10})  // -3, -3.12, -3.1234, -3.1234e-0
     EXPECT_THAT(
@@ -557,6 +588,11 @@ TEST_F(MeasuredProfile, CutOffInItsLastNumberIsRefusedOrSaid) {
                                          HasSubstr("its height of -3.1234e-07 m is wrong"))));
   EXPECT_EQ(said(cut(11) + "\n"), "fine");
   EXPECT_THAT(doubts, testing::IsEmpty());
+  // on an otherwise flat face nothing but the beam tells what is far
+  const std::string flat = "0 0\n1e-2 0\n2e-2 0\n3e-2 0\n4e-2 -3e-0";
+  EXPECT_THAT(said(flat), HasSubstr(":5: the line has no end, and its height of -3 m is far"));
+  EXPECT_EQ(said(flat + "7"), "fine");
+  EXPECT_THAT(doubts, testing::ElementsAre(HasSubstr(":5: the last line has no end")));
   // a slip anywhere else is no unit
   EXPECT_THAT(said("1e-2 0\n2e-2 1e-6\n3e-2 3\n4e-2 2e-6\n", 0.02, 0.03),
               AllOf(HasSubstr(":3: a height of 3 m"), HasSubstr("is there a digit missing?")));

@@ -35,7 +35,8 @@ import numpy
 EARLIER = b"an earlier result\n"
 MEMORY = 4 << 30  # bytes, of each process
 PATIENCE = 20.0   # s
-ENOUGH = 1.5      # s, after which a run that only takes its time is interrupted
+ENOUGH = 1.5      # s, after which a run that is long by its own plan is interrupted
+LONG_RUN = 10.0   # s, by its plan, at worst
 
 SCENE = """[scene]
 duration = 2e-5
@@ -125,16 +126,44 @@ def ended_within(process, seconds):
     return ended
 
 
-def end(process):
+def end(process, seconds=PATIENCE):
     """The exit status, as a shell tells it; None for one that had to be killed."""
-    if not ended_within(process, ENOUGH):
-        process.send_signal(signal.SIGINT)
-        if not ended_within(process, PATIENCE - ENOUGH):
-            process.kill()
-            process.wait()
-            return None
+    if not ended_within(process, seconds):
+        process.kill()
+        process.wait()
+        return None
     status = process.wait()
     return 128 - status if status < 0 else status
+
+
+def planned_time(program, words, folder):
+    """What a run takes at worst by its plan, in s; 0 where that says nothing."""
+    words = [b"plan", *(word for word in words[1:] if word not in (b"-o", b"out.h5"))]
+    try:
+        plan = subprocess.run([program, *words], cwd=folder.path, stdin=subprocess.DEVNULL, capture_output=True,
+                              timeout=PATIENCE).stdout.decode()
+    except subprocess.TimeoutExpired:
+        return 0
+    cost = re.search(r"^cost .*?(?=of one core)", plan, re.MULTILINE | re.DOTALL)
+    units = {"ps": 1e-12, "ns": 1e-9, "us": 1e-6, "ms": 1e-3, "s": 1, "min": 60, "h": 3600}
+    times = re.findall(r"([\d.e+-]+|inf) (ps|ns|us|ms|s|min|h)\b", cost.group()) if cost else []
+    return max((float(number) * units[unit] for number, unit in times), default=0)
+
+
+def marches(folder):
+    return any(".partial" in entry for entry in os.listdir(folder.path))
+
+
+def end_scene(process, program, words, folder):
+    """The same of a run that may have a lot to do: then it is interrupted, once it marches. Whatever has
+    little to do, or does not come to march, has to end by itself: a loop without end would be interrupted, too."""
+    if not ended_within(process, ENOUGH) and words[0] == b"run" and planned_time(program, words, folder) > LONG_RUN:
+        begun = time.monotonic()
+        while time.monotonic() - begun < PATIENCE and not marches(folder) and not ended_within(process, 0.1):
+            pass
+        if marches(folder):
+            process.send_signal(signal.SIGINT)
+    return end(process, PATIENCE - ENOUGH)
 
 
 def printed(folder):
@@ -149,8 +178,13 @@ def raw_characters(text):
         text = text.decode()
     except UnicodeDecodeError:
         return "bytes that are no UTF-8"
-    found = re.search("[\x00-\x09\x0b-\x1f\x7f\x80-\x9f]", text)
+    found = re.search("[\x00-\x09\x0b-\x1f\x7f\x80-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ufeff]", text)
     return f"the control character {found.group()!r}" if found else None
+
+
+ALWAYS = ["level/v_rms", "level/lv"] + [f"summary/{name}" for name in (
+    "lv", "v_rms", "shock_rate", "contact_share", "nodes_evaluated", "energy_residual", "energy_turnover",
+    "energy_closure", "step_seconds", "wall_seconds")]  # of a complete file
 
 
 def faults_of_file(path, complete):
@@ -170,6 +204,7 @@ def faults_of_file(path, complete):
                 if not numpy.all(numpy.isfinite(values)):
                     found.append(f"{name} is not finite")
             if complete:
+                found += [f"{name} is missing" for name in ALWAYS if name not in file]
                 file.visititems(visit)
     except (OSError, KeyError) as fault:
         found.append(f"not a whole result: {fault}")
@@ -256,7 +291,7 @@ TEXTS = {
     "bad probes": PLAIN.replace("[0.03]", "[" + "9, " * 200_000 + "]").encode(),
     "probes of text": PLAIN.replace("[0.03]", "[" + "'a', " * 100_000 + "]").encode(),
     "many probes": PLAIN.replace("[0.03]", "[" + "0.03, " * 20_000 + "]").encode(),
-    "a control name": SCENE.format(scene='name = "a\\u001b[2J\\u009b \\n \\u0000"', resonator="", slider="").encode(),
+    "a control name": SCENE.format(scene='name = "a\\u001b[2J\\u009b \\n \\u0000 \\u202e\\u2028"', resonator="", slider="").encode(),
     "a long name": SCENE.format(scene=f'name = "{"n" * 3_000_000}"', resonator="", slider="").encode(),
     "many peaks": PLAIN.replace('kind = "gaussian", rq = 1e-6, rsm = 4e-4, seed = 1', 'kind = "peaks", peaks = ['
                                 + "{at=0.002,height=1e-6,half_width=1e-4}," * 3000 + "]").encode(),
@@ -281,6 +316,14 @@ OVERRIDES = [
     "resonator.modes=1000000", "resonator.modes=-1", "resonator.modes=256", "resonator.max_frequency=1e300",
     "resonator.surface.seed=9223372036854775807", "resonator.surface.seed=-1", "resonator.surface.correlation_length=1",
 ]
+
+
+CHARTS = [  # refused, as a scene of them would be, and before anything is written
+    "accuracy s.toml --budget nan", "accuracy s.toml --budget 1e300", "accuracy s.toml --budget -1",
+    "accuracy s.toml --peers s.toml", "accuracy s.toml -o .", "stability s.toml -o nowhere/x",
+    *(f"{kind} s.toml --set {given}" for kind in ("accuracy", "stability")
+      for given in ("resonator.max_frequency=1e9", "resonator.modes=1000000", "time.step=nan", "time.step=0",
+                    "scene.spacing=5e-324", "contact.stiffness=inf", "slider.young=1e300"))]
 
 
 def log_uniform(dice, low, high):
@@ -314,11 +357,12 @@ def random_overrides(dice):
 
 
 def scene_cases(times, dice):
-    """Name, text, overrides."""
+    """Name, text, overrides; of a chart, its words."""
     cases = [(f"{key}={value}", PLAIN.encode(), [f"{key}={value}"]) for key in NUMBERS for value in EXTREMES]
     cases += [(name, text, ["a." * 60_000 + "a=1"] if name == "a deep override" else [])
               for name, text in TEXTS.items()]
     cases += [(f"override {text[:40]!r}", PLAIN.encode(), [text]) for text in OVERRIDES]
+    cases += [(f"chart {words}", PLAIN.encode(), ["chart", *words.split()]) for words in CHARTS]
     for i in range(100 * times):
         cases.append((f"damaged {i}", damaged(PLAIN, dice), []))
     for i in range(100 * times):
@@ -328,12 +372,16 @@ def scene_cases(times, dice):
 
 
 def try_scene(program, case, dice):
-    _, text, given = case
+    name, text, given = case
     folder = Folder(text)
+    if name.startswith("chart "):
+        status = end(start(program, given, folder))
+        return folder, status, look(folder, status, (2, 4))
     words = ["plan", "s.toml"] if dice.random() < 0.1 else ["run", "s.toml", "-o", "out.h5"]
     for one in given:
         words += ["--set", one]
-    status = end(start(program, [os.fsencode(word) for word in words], folder))
+    words = [os.fsencode(word) for word in words]
+    status = end_scene(start(program, words, folder), program, words, folder)
     return folder, status, look(folder, status, (0, 2, 3, 4, 130))
 
 
@@ -426,7 +474,7 @@ def try_kill(program, case, dice):
 
 
 def signal_cases(times, dice):
-    kinds = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGUSR1]
+    kinds = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT]
     setups = ["", "", "scene.spacing=2e-7", "resonator.modes=120", "scene.initial=static"]
     return [(f"{kinds[i % 4].name} {i} {setup}", kinds[i % 4], dice.uniform(0, 0.3), i % 3 == 2, setup)
             for i in range(60 * times) for setup in [dice.choice(setups)]]
