@@ -538,7 +538,7 @@ const std::vector<Refused> refused{
     {"NoStiffness",
      {{"stiffness = 1e15", "stiffness = 5e-324"}},
      {"contact.stiffness: 5e-324 Pa/m makes the spring of a node 0 N/m: expected 1e-100 to "
-      "1e+100"}},
+      "1e+20"}},
     {"MountainousRoughness",
      {{"rq = 8e-6", "rq = 1.7e308"}},
      {"resonator.surface.rq: 1.7e+308 m is higher than the body is long, 0.3 m"}},
@@ -962,7 +962,7 @@ TEST(SceneEcho, ReadsBackAsTheSameScene) {
                 "seed = 0 }",
                 "slider.surface={ kind = \"peaks\", peaks = [{ at = 0, height = 1e-5, half_width "
                 "= 1e-4 }, { at = 0.01, height = -1e-5, half_width = 1 }] }",
-                "resonator.moving_force=[{ force = -10, speed = 0, start = 0 }, { force = 1e300, "
+                "resonator.moving_force=[{ force = -10, speed = 0, start = 0 }, { force = 1e10, "
                 "speed = 2, start = -3 }]"}));
 }
 
@@ -970,10 +970,10 @@ TEST(SceneEcho, KeepsEveryBitOfANumber) {
   for (const double value : {0.1, 1.0 / 3, 1e-300, 5e-324, 1.7976931348623157e308, 123456789.0, 2e6,
                              1e22, 9007199254740993.0, std::nextafter(0.3, 1), -0.0}) {
     Scene s = parse(minimal);
-    s.gap = value;
-    const Scene again = parse(echo(s));
-    EXPECT_EQ(again.gap, value);
-    EXPECT_EQ(std::signbit(*again.gap), std::signbit(value));
+    s.resonator.moving_forces = {{.force = 1, .speed = 1, .start = value}};
+    const double again = parse(echo(s)).resonator.moving_forces.at(0).start;
+    EXPECT_EQ(again, value);
+    EXPECT_EQ(std::signbit(again), std::signbit(value));
   }
 }
 

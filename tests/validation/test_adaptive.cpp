@@ -337,7 +337,7 @@ TEST(AdaptiveFailures, MoreNodesThanThereIsRoomFor) {
 }
 
 TEST(AdaptiveFailures, TooStiffForTheClock) {
-  Scene s = adaptive(rough_scene(Support::free), 1e-8);
+  Scene s = adaptive(rough_scene(Support::pinned), 1e-8);
   s.stiffness = 1e45;
   const Recording r = simulate(s);
   EXPECT_EQ(r.end.status, Status::stalled);
