@@ -43,7 +43,6 @@ class ActiveSet {
   int size() const { return static_cast<int>(nodes_.size()); }
   const std::vector<int>& nodes() const { return nodes_; }
   Eigen::Map<VectorXd> forces() { return {forces_.data(), size()}; }
-  bool has(int node) const { return std::find(nodes_.begin(), nodes_.end(), node) != nodes_.end(); }
   void add(int node, double force) {
     nodes_.push_back(node);
     forces_.push_back(force);
@@ -105,7 +104,7 @@ Outcome find_active(const ContactProgram& p, double tolerance, ActiveSet& active
         return Outcome::solved;  // what springs give is known well enough
       // what roundings took for a push on the way may be a pull
       Eigen::Index least = 0;
-      while (settle(p, active, 1.0, u) &&
+      while (settle(p, active, 1.0, u) && active.size() > 0 &&
              active.forces().minCoeff(&least) < -1e-12 * active.forces().maxCoeff())
         active.drop(static_cast<int>(least));
       fresh = true;
