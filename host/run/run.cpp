@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cmath>
 #include <ctime>
+#include <limits>
 
 #include "host/errors.hpp"
 #include "host/format.hpp"
@@ -250,7 +251,9 @@ RunReport run(const Scene& scene, const RunOptions& options) {
       options.progress(progress);
     }
   }
-  keep(make_shocks(model, now.open_shocks));
+  const std::vector<Shock> going_on = make_shocks(model, now.open_shocks);
+  keep(going_on);
+  if (!is_finite(going_on)) now.status = Status::not_finite;
   if (now.status != Status::running && now.status != Status::done) {
     report.ending = Ending::failed;
     report.failure = describe_failure(model, now);
@@ -260,9 +263,11 @@ RunReport run(const Scene& scene, const RunOptions& options) {
   report.steps = steps_made(model, now);
   report.time = time_of(model, now);
   report.counted = counted;
-  report.v_rms = v_rms(model, now, begin);
+  report.v_rms = v_rms(header.resonator.mean_square, now, begin);
   report.lv = level(report.v_rms);
-  report.shocks = static_cast<double>(durations.total()) / counted;
+  // per nothing there is none, also where a shock began at once
+  report.shocks = counted > 0 ? static_cast<double>(durations.total()) / counted
+                              : std::numeric_limits<double>::quiet_NaN();
   report.duration_median = durations.quantile(0.5);
   report.duration_90 = durations.quantile(0.9);
   report.force_median = forces.quantile(0.5);
