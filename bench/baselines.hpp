@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "host/run/model.hpp"
+#include "host/model/model.hpp"
 
 /// What the march is measured against: the paper's method as one would write it first, and the best
 /// that a simple program does. Every node at every step, penalty contact, backward Euler; of the

@@ -27,6 +27,7 @@
 #include "host/chart/methods.hpp"
 #include "host/run/timed_run.hpp"
 #include "host/scene/names.hpp"
+#include "host/scene_file/scene_file.hpp"
 
 namespace ra2d::bench {
 namespace {

@@ -33,8 +33,8 @@
 #include "bench/program.hpp"
 #include "bench/report.hpp"
 #include "bench/timing.hpp"
-#include "host/plan/schemes.hpp"
 #include "host/scene/names.hpp"
+#include "host/scene/schemes.hpp"
 
 namespace ra2d::bench {
 namespace {

@@ -4,8 +4,8 @@
 #include <array>
 
 #include "kernels/contact/penalty.hpp"
+#include "kernels/fixed/advance.hpp"
 #include "kernels/lanes.hpp"
-#include "kernels/schemes/advance.hpp"
 #include "kernels/schemes/backward_euler.hpp"
 
 namespace ra2d::bench {

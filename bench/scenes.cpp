@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "bench/places.hpp"
+#include "host/scene_file/scene_file.hpp"
 
 namespace ra2d::bench {
 namespace {

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "host/run/batch.hpp"
-#include "host/run/model.hpp"
+#include "host/device/batch.hpp"
+#include "host/model/model.hpp"
 
 /// The scenes that are timed, each brought to where its timing starts.
 namespace ra2d::bench {

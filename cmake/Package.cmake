@@ -12,7 +12,7 @@ foreach(part kernels host)
   install(DIRECTORY ${part} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/ra2d
           FILES_MATCHING PATTERN "*.hpp" PATTERN "scene/toml.hpp" EXCLUDE PATTERN "store/hdf5.hpp" EXCLUDE PATTERN "store/hash.hpp" EXCLUDE)
 endforeach()
-set(RA2D_PLOT_SCRIPTS host/chart/chart_style.py host/chart/plot_stability.py host/chart/plot_accuracy.py)
+set(RA2D_PLOT_SCRIPTS host/plot/chart_style.py host/plot/plot_stability.py host/plot/plot_accuracy.py)
 install(FILES ${RA2D_PLOT_SCRIPTS} DESTINATION ${CMAKE_INSTALL_DATADIR}/ra2d)
 install(DIRECTORY scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/ra2d)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})

@@ -6,9 +6,9 @@
 #include "kernels/displacement.hpp"
 #include "kernels/gap.hpp"
 #include "kernels/lanes.hpp"
-#include "kernels/modal_state.hpp"
-#include "kernels/model.hpp"
 #include "kernels/near_groups.hpp"
+#include "kernels/state.hpp"
+#include "kernels/tables.hpp"
 
 /// Which nodes can touch, and for how long none can: a node is left out when, and only when, it
 /// provably cannot touch.
@@ -19,7 +19,7 @@
 ///   A = sum_k max|psi_k| (pull_k (E_k + t push_k) + push_k),   E_k^2 = V_k^2 + omega_k^2 U_k^2,
 ///
 /// where the scheme's step gives pull_k, for backward Euler (1 + 2 zeta) omega_k at the most, and the
-/// outer forces with it push_k (host/run/step_bounds.hpp: the bound holds for a number of steps, at
+/// outer forces with it push_k (host/model/step_bounds.hpp: the bound holds for a number of steps, at
 /// all their stages, of stable and unstable schemes); the node's own way over the bent beam adds the
 /// curvature
 /// B = 2 V sum_k max|psi_k'| |V_k| + V^2 sum_k max|psi_k''| |U_k|. So no node touches before the
@@ -188,7 +188,7 @@ class Candidates {
   /// Lists in `watch` every node that touches at the present state, and perhaps a few that miss by
   /// a rounding. Looks at all the nodes or at those near, as the scene asks.
   KOKKOS_FUNCTION int find_touching(const Real* u, const Real* v, const Place& place) {
-    const bool all = t_.look == Look::all;
+    const bool all = t_.look_at == Nodes::all;
     if (!all && !near_.holds(u, place, 0.0)) find_near(u, v, place);
     for (int p = 0; p < K; ++p) lanes_.store(s_.lanes + p * width, u[p]);
     lanes_.sync();

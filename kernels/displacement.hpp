@@ -3,9 +3,9 @@
 #include <Kokkos_Core.hpp>
 
 #include "kernels/lanes.hpp"
-#include "kernels/model.hpp"
+#include "kernels/tables.hpp"
 
-/// The resonator's displacement as a power series on a patch (kernels/model.hpp, "Patches").
+/// The resonator's displacement as a power series on a patch (kernels/tables.hpp, "Patches").
 namespace ra2d {
 
 /// 1 / j!

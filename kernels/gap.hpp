@@ -4,7 +4,7 @@
 
 #include "kernels/displacement.hpp"
 #include "kernels/lanes.hpp"
-#include "kernels/model.hpp"
+#include "kernels/tables.hpp"
 
 /// Contact detection: the gap at the slider's nodes (paper, equation 10; model page, "Nodes and
 /// gap"),

@@ -3,25 +3,25 @@
 #include <Kokkos_Core.hpp>
 #include <cstdint>
 
-#include "kernels/adaptive/march.hpp"
+#include "kernels/adaptive/adaptive_march.hpp"
 #include "kernels/candidates.hpp"
 #include "kernels/contact/complementarity.hpp"
 #include "kernels/contact/node_contact.hpp"
 #include "kernels/displacement.hpp"
+#include "kernels/fixed/advance.hpp"
 #include "kernels/gap.hpp"
 #include "kernels/lanes.hpp"
-#include "kernels/modal_state.hpp"
-#include "kernels/model.hpp"
-#include "kernels/record.hpp"
-#include "kernels/schemes/advance.hpp"
+#include "kernels/shocks.hpp"
+#include "kernels/state.hpp"
+#include "kernels/tables.hpp"
 
 /// The time loop: one team marches one scene through many steps inside one launch.
 ///
 /// Every step is the paper's: contact detection, contact force, time integration. Which scheme
 /// integrates stands in the scene's tables (kernels/schemes/mode_step.hpp); the march knows three
-/// forms of a step (Form, kernels/model.hpp).
+/// forms of a step (Form, kernels/tables.hpp).
 ///
-/// What differs between `Look::all` and `Look::candidates` is only which nodes are looked at
+/// What differs between `Nodes::all` and `Nodes::candidates` is only which nodes are looked at
 /// (kernels/candidates.hpp). The arithmetic of a step does not depend on that, nor on where a
 /// launch ends: the results of all nodes and candidates, of one launch or many, are equal bit for
 /// bit.
@@ -71,7 +71,7 @@ class Marcher {
           is_interrupted(t_))
         break;
       const std::int64_t next = next_event(stop);
-      if (t_.look == Look::all)
+      if (t_.look_at == Nodes::all)
         march_all(next);
       else
         march_candidates(next);

@@ -6,8 +6,8 @@
 #include "kernels/displacement.hpp"
 #include "kernels/gap.hpp"
 #include "kernels/lanes.hpp"
-#include "kernels/modal_state.hpp"
-#include "kernels/model.hpp"
+#include "kernels/state.hpp"
+#include "kernels/tables.hpp"
 
 namespace ra2d {
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "host/plan/schemes.hpp"
-#include "host/run/model.hpp"
+#include "host/model/model.hpp"
+#include "host/scene/schemes.hpp"
 #include "kernels/schemes/mode_step.hpp"
 #include "tests/scenes.hpp"
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tests/simulate.hpp"
+#include "host/result/energy.hpp"
 
 namespace ra2d::test {
 

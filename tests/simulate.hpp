@@ -4,8 +4,9 @@
 #include <limits>
 #include <vector>
 
-#include "host/run/batch.hpp"
-#include "host/run/record.hpp"
+#include "host/device/batch.hpp"
+#include "host/result/energy.hpp"
+#include "host/result/record.hpp"
 
 /// A whole run in memory, for tests: from a scene to everything that it records.
 namespace ra2d::test {

@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "host/run/model.hpp"
+#include "host/model/model.hpp"
 
 /// The equations of motion, written for speed with dense products, exact to roundings.
 ///

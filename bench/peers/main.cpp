@@ -12,6 +12,7 @@
 
 #include "bench/peers/peers.hpp"
 #include "host/errors.hpp"
+#include "host/scene_file/scene_file.hpp"
 
 namespace {
 

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "host/run/model.hpp"
+#include "host/model/model.hpp"
 #include "host/store/store.hpp"
 
 /// The model solved by general-purpose integrators: an independent reference for the march, and

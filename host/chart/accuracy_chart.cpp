@@ -10,15 +10,16 @@
 #include <memory>
 #include <optional>
 
-#include "host/accuracy/ensemble.hpp"
 #include "host/chart/peers.hpp"
+#include "host/ensemble/ensemble.hpp"
 #include "host/errors.hpp"
 #include "host/format.hpp"
 #include "host/plan/plan.hpp"
-#include "host/plan/schemes.hpp"
-#include "host/run/statistics.hpp"
+#include "host/result/level.hpp"
+#include "host/result/statistics.hpp"
 #include "host/run/timed_run.hpp"
 #include "host/scene/names.hpp"
+#include "host/scene/schemes.hpp"
 
 namespace ra2d {
 namespace {

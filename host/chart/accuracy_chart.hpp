@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host/chart/methods.hpp"
+#include "host/result/energy.hpp"
 
 /// Speed against accuracy: what every scheme under every contact law costs and how far off it is.
 ///

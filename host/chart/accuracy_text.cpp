@@ -7,7 +7,7 @@
 #include "host/chart/accuracy_chart.hpp"
 #include "host/chart/context.hpp"
 #include "host/format.hpp"
-#include "host/scene/text.hpp"
+#include "host/text.hpp"
 
 namespace ra2d {
 namespace {

@@ -8,7 +8,7 @@
 #include <fstream>
 #include <thread>
 
-#include "host/run/batch.hpp"
+#include "host/device/batch.hpp"
 
 namespace ra2d {
 namespace {

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "host/run/batch.hpp"
+#include "host/device/batch.hpp"
 
 namespace ra2d {
 namespace {

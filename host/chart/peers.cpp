@@ -11,9 +11,10 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
-#include "host/chart/process.hpp"
 #include "host/errors.hpp"
-#include "host/scene/text.hpp"
+#include "host/process.hpp"
+#include "host/scene_file/scene_file.hpp"
+#include "host/text.hpp"
 
 namespace ra2d {
 namespace {

@@ -10,8 +10,8 @@
 #include <optional>
 
 #include "host/chart/growth.hpp"
-#include "host/plan/schemes.hpp"
 #include "host/scene/names.hpp"
+#include "host/scene/schemes.hpp"
 
 namespace ra2d {
 namespace {

@@ -3,16 +3,17 @@
 #include <unistd.h>
 
 #include "host/chart/accuracy_chart.hpp"
-#include "host/chart/files.hpp"
 #include "host/chart/peers.hpp"
 #include "host/chart/stability_chart.hpp"
 #include "host/commands/commands.hpp"
 #include "host/commands/print.hpp"
+#include "host/device/batch.hpp"
 #include "host/errors.hpp"
 #include "host/output_file.hpp"
 #include "host/partial_file.hpp"
-#include "host/run/batch.hpp"
-#include "host/scene/text.hpp"
+#include "host/plot/draw.hpp"
+#include "host/scene_file/scene_file.hpp"
+#include "host/text.hpp"
 #include "paper_scene.hpp"
 
 namespace ra2d {

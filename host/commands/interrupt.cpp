@@ -6,9 +6,9 @@
 
 #include <string_view>
 
-#include "host/chart/process.hpp"
 #include "host/interruption.hpp"
 #include "host/partial_file.hpp"
+#include "host/process.hpp"
 
 namespace ra2d {
 namespace {

@@ -18,7 +18,7 @@
 #include "host/commands/print.hpp"
 #include "host/commands/threads.hpp"
 #include "host/errors.hpp"
-#include "host/scene/text.hpp"
+#include "host/text.hpp"
 
 namespace {
 

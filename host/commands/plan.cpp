@@ -2,8 +2,9 @@
 #include "host/plan/plan.hpp"
 #include "host/commands/commands.hpp"
 #include "host/commands/print.hpp"
-#include "host/run/batch.hpp"
-#include "host/scene/text.hpp"
+#include "host/device/batch.hpp"
+#include "host/scene_file/scene_file.hpp"
+#include "host/text.hpp"
 
 namespace ra2d {
 

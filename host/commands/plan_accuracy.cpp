@@ -2,14 +2,15 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "host/accuracy/savings.hpp"
 #include "host/commands/commands.hpp"
 #include "host/commands/print.hpp"
+#include "host/device/batch.hpp"
 #include "host/errors.hpp"
 #include "host/output_file.hpp"
 #include "host/partial_file.hpp"
-#include "host/run/batch.hpp"
-#include "host/scene/text.hpp"
+#include "host/savings/savings.hpp"
+#include "host/scene_file/scene_file.hpp"
+#include "host/text.hpp"
 
 namespace ra2d {
 

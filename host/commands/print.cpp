@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "host/commands/commands.hpp"
-#include "host/scene/text.hpp"
+#include "host/text.hpp"
 
 namespace ra2d {
 namespace {

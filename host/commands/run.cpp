@@ -10,9 +10,11 @@
 #include "host/format.hpp"
 #include "host/interruption.hpp"
 #include "host/output_file.hpp"
-#include "host/plan/schemes.hpp"
+#include "host/result/energy.hpp"
 #include "host/run/run.hpp"
-#include "host/scene/text.hpp"
+#include "host/scene/schemes.hpp"
+#include "host/scene_file/scene_file.hpp"
+#include "host/text.hpp"
 
 namespace ra2d {
 namespace {

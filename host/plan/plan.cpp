@@ -8,8 +8,8 @@
 #include <limits>
 
 #include "host/format.hpp"
-#include "host/plan/schemes.hpp"
 #include "host/scene/names.hpp"
+#include "host/scene/schemes.hpp"
 
 namespace ra2d {
 namespace {

@@ -8,7 +8,7 @@
 #include <functional>
 #include <limits>
 
-#include "host/plan/schemes.hpp"
+#include "host/scene/schemes.hpp"
 
 namespace ra2d {
 namespace {

@@ -3,7 +3,7 @@
 #include <complex>
 #include <vector>
 
-#include "host/run/model.hpp"
+#include "host/model/model.hpp"
 #include "kernels/schemes/mode_step.hpp"
 
 /// Limits of stability, from theory (kernels/schemes/ has each scheme's own).

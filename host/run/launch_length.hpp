@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <iterator>
 
-#include "host/plan/schemes.hpp"
-#include "host/run/model.hpp"
+#include "host/model/model.hpp"
+#include "host/scene/schemes.hpp"
 
 namespace ra2d {
 

@@ -7,8 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "host/run/batch.hpp"
-#include "host/run/record.hpp"
+#include "host/device/batch.hpp"
+#include "host/result/energy.hpp"
+#include "host/result/record.hpp"
 #include "host/scene/scene.hpp"
 
 /// One scene from start to file.

@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "host/interruption.hpp"
+#include "host/result/energy.hpp"
 #include "host/run/launch_length.hpp"
 
 namespace ra2d {

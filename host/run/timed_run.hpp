@@ -5,7 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "host/run/record.hpp"
+#include "host/result/energy.hpp"
+#include "host/result/record.hpp"
 
 /// Runs kept in memory, with the time that the march takes.
 namespace ra2d {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host/errors.hpp"
+#include "kernels/nodes.hpp"
 
 /// A scene: what the user asked for, complete and checked. All in SI units.
 namespace ra2d {
@@ -20,7 +21,6 @@ enum class ContactLaw { penalty, multiplier };
 enum class SchemeKind { explicit_euler, midpoint, backward_euler, heun, rk4, rk8, exact, adaptive };
 /// When backward Euler takes the penalty force.
 enum class ForceTime { old_time, new_time };
-enum class Nodes { all, candidates };
 
 /// One raised cosine: height/2 (1 + cos(pi (x - at)/half_width)) within |x - at| <= half_width.
 struct Peak {
@@ -99,15 +99,6 @@ struct Scene {
 /// The tolerance of an adaptive scene that names none.
 inline constexpr double usual_tolerance = 1e-8;
 
-/// Reads and checks a scene (contract: "Scene"). `overrides` are "section.key=value" texts of
-/// --set. Throws RequestError that names every fault at once, FileError when the file cannot be
-/// read.
-Scene read_scene(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
-
-/// The same from a text; `file` is used in messages and to resolve relative paths.
-Scene parse_scene(const std::string& text, const std::filesystem::path& file,
-                  const std::vector<std::string>& overrides = {});
-
 /// Whether loads and contact can hold the scene's bodies in equilibrium: not a free resonator, nor a
 /// free slider that no load presses down.
 bool has_equilibrium(const Scene& scene);
@@ -128,10 +119,5 @@ std::vector<std::filesystem::path> files_of(const Scene& scene);
 
 /// What people call it: its name, or that of its file.
 std::string title(const Scene& scene);
-
-/// The scene as TOML, complete (defaults included): reading it again gives the same scene, from any
-/// folder, since it names profiles by absolute path.
-/// Keys that the scene's choices do not use carry a comment "# not used: why".
-std::string echo(const Scene& scene);
 
 }  // namespace ra2d

@@ -3,8 +3,8 @@
 #include <Kokkos_Core.hpp>
 
 #include "kernels/lanes.hpp"
-#include "kernels/modal_state.hpp"
-#include "kernels/model.hpp"
+#include "kernels/state.hpp"
+#include "kernels/tables.hpp"
 
 /// Where a polynomial first comes to a level: contacts that begin and end.
 namespace ra2d {

@@ -4,8 +4,8 @@
 #include <cstdint>
 
 #include "kernels/lanes.hpp"
-#include "kernels/model.hpp"
 #include "kernels/near_groups.hpp"
+#include "kernels/tables.hpp"
 
 namespace ra2d {
 

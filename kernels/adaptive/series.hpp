@@ -9,14 +9,14 @@
 #include "kernels/displacement.hpp"
 #include "kernels/gap.hpp"
 #include "kernels/lanes.hpp"
-#include "kernels/modal_state.hpp"
-#include "kernels/model.hpp"
+#include "kernels/state.hpp"
+#include "kernels/tables.hpp"
 
 namespace ra2d {
 
 /// The motion of the modes as a power series in time, while the same nodes are in contact.
 ///
-/// Within a window (kernels/model.hpp) the faces are linear in time and the modes' shapes at a node
+/// Within a window (kernels/tables.hpp) the faces are linear in time and the modes' shapes at a node
 /// cubic, and the penalty force is linear in the overlap. So the coefficients of
 /// U_k(x) = sum_j c_kj x^j, x = (t - t_0)/scale, follow from one another without any approximation:
 ///

@@ -7,8 +7,8 @@
 #include "kernels/contact/node_contact.hpp"
 #include "kernels/gap.hpp"
 #include "kernels/lanes.hpp"
-#include "kernels/modal_state.hpp"
-#include "kernels/model.hpp"
+#include "kernels/state.hpp"
+#include "kernels/tables.hpp"
 
 namespace ra2d {
 

@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
-#include "host/chart/files.hpp"
 #include "host/chart/growth.hpp"
 #include "host/chart/stability_chart.hpp"
 #include "host/errors.hpp"
 #include "host/partial_file.hpp"
+#include "host/plot/draw.hpp"
 #include "tests/child.hpp"
 #include "tests/csv.hpp"
 #include "tests/places.hpp"

@@ -5,7 +5,7 @@
 #include <limits>
 #include <random>
 
-#include "host/run/contact_program.hpp"
+#include "host/model/contact_program.hpp"
 #include "tests/effort.hpp"
 
 /// The programme is convex: what meets its conditions (Karush, Kuhn, Tucker) is its minimum.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "host/run/model.hpp"
+#include "host/model/model.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,8 @@
 #include <limits>
 #include <vector>
 
-#include "host/run/record.hpp"
+#include "host/result/level.hpp"
+#include "host/result/record.hpp"
 #include "tests/scenes.hpp"
 
 namespace ra2d::test {

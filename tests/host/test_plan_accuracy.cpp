@@ -11,11 +11,13 @@
 #include <limits>
 #include <thread>
 
-#include "host/accuracy/ensemble.hpp"
-#include "host/accuracy/savings.hpp"
+#include "host/ensemble/ensemble.hpp"
 #include "host/errors.hpp"
 #include "host/interruption.hpp"
-#include "host/plan/schemes.hpp"
+#include "host/result/level.hpp"
+#include "host/savings/savings.hpp"
+#include "host/scene/schemes.hpp"
+#include "host/scene_file/scene_file.hpp"
 #include "tests/child.hpp"
 #include "tests/dice.hpp"
 #include "tests/places.hpp"

@@ -13,7 +13,8 @@
 #include <vector>
 
 #include "host/errors.hpp"
-#include "host/scene/text.hpp"
+#include "host/scene_file/scene_file.hpp"
+#include "host/text.hpp"
 #include "tests/places.hpp"
 
 namespace ra2d {

@@ -2,8 +2,9 @@
 // Marches the first steps of a scene, and says what a penalty spring of its stiffness makes of a micron.
 #include <cstdio>
 
-#include "host/run/batch.hpp"
-#include "host/run/model.hpp"
+#include "host/device/batch.hpp"
+#include "host/model/model.hpp"
+#include "host/scene_file/scene_file.hpp"
 #include "kernels/contact/penalty.hpp"
 
 int main(int argc, char** argv) {

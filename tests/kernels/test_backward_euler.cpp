@@ -6,8 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "kernels/fixed/advance.hpp"
 #include "kernels/lanes.hpp"
-#include "kernels/schemes/advance.hpp"
 #include "kernels/schemes/backward_euler.hpp"
 #include "tests/schemes.hpp"
 #include "tests/step_matrices.hpp"

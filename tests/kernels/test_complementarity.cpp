@@ -58,7 +58,7 @@ struct Problem {
     }
     return out;
   }
-  /// Overlap that counts as none: 16 roundings of the faces' heights (host/run/batch.cpp).
+  /// Overlap that counts as none: 16 roundings of the faces' heights (host/device/batch.cpp).
   double touch() const { return 16 * ulp * face.cwiseAbs().maxCoeff(); }
 };
 
@@ -103,7 +103,7 @@ class Solver {
       face_[2 * n] = p_.face[n];
       face_[2 * n + 1] = rise(n);
     }
-    const int room = p_.compliance > 0 ? nodes : std::min(nodes, modes);  // host/run/batch.cpp
+    const int room = p_.compliance > 0 ? nodes : std::min(nodes, modes);  // host/device/batch.cpp
     watch_.assign(nodes, -1);
     touched_ = watch_;
     place_ = watch_;

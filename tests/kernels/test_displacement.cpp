@@ -155,7 +155,7 @@ struct Tables {
 constexpr int packs(int modes) { return (modes + width - 1) / width; }
 
 /// u_2 on every patch against the sum over the modes, for random amplitudes: the cubic, with what
-/// it leaves out bounded as host/run/batch.cpp bounds it.
+/// it leaves out bounded as host/device/batch.cpp bounds it.
 template <int Modes>
 void cubic_keeps_its_bound(Support support, double chi) {
   constexpr int K = packs(Modes);

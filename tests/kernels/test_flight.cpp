@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "host/run/flight_tables.hpp"
+#include "host/device/flight_tables.hpp"
 #include "kernels/adaptive/flight.hpp"
 #include "kernels/lanes.hpp"
 #include "tests/dice.hpp"
@@ -48,7 +48,7 @@ struct Flying {
       quickest = std::max(quickest, m.omega * (m.zeta + std::hypot(1.0, m.zeta)));
     }
     t.step = 0x1p-51;
-    // what host/run/batch.cpp chooses: turn time below 2e-4 on the first level
+    // what host/device/batch.cpp chooses: turn time below 2e-4 on the first level
     t.first_level = std::ilogb(2e-4 / (quickest * t.step));
     const int levels = 51 - t.first_level;  // up to a second
     flight.assign(static_cast<std::size_t>(levels) * flight_rows * modes, 0.0);
@@ -220,7 +220,7 @@ TEST(Flight, BoundsHold) {
       b[k] = f.omega[k] > 0 ? speed * dice.uniform(0, 1) : 0.0;
       phase[k] = dice.uniform(0, 6.3);
       const double w = f.omega[k], turn = w * (f.mode[k].zeta + std::hypot(1, f.mode[k].zeta));
-      // (turn + b)^4 term by term, see host/run/batch.cpp
+      // (turn + b)^4 term by term, see host/device/batch.cpp
       if (w > 0)
         f.fourth[k] =
             f.reach[k] * (std::pow(turn, 3) + 4 * turn * turn * b[k] + 6 * turn * b[k] * b[k] +

@@ -7,8 +7,8 @@
 #include <limits>
 #include <vector>
 
-#include "host/run/batch.hpp"
-#include "host/run/record.hpp"
+#include "host/device/batch.hpp"
+#include "host/result/record.hpp"
 #include "kernels/contact/node_contact.hpp"
 #include "kernels/gap.hpp"
 #include "kernels/lanes.hpp"

@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "host/run/gauss.hpp"
-#include "host/run/model.hpp"
+#include "host/device/gauss.hpp"
+#include "host/model/model.hpp"
 #include "kernels/adaptive/series.hpp"
 #include "tests/dice.hpp"
 #include "tests/eight_modes.hpp"
@@ -175,7 +175,7 @@ TEST(GaussRule, IsExactToThe15thPowerAndNearlyOfTheProductsOfAStep) {
                 4 * eps);
   // (n!)^4/((2 n + 1) (2 n)!^2), n = 8
   EXPECT_NEAR(1.0 / 17 - integral([](long double x) { return std::pow(x, 16); }), 3.55e-10, 1e-12);
-  // an overlap and its rise as far as a step goes (kernels/model.hpp): theta = 1.8
+  // an overlap and its rise as far as a step goes (kernels/tables.hpp): theta = 1.8
   EXPECT_NEAR(integral([](long double x) { return std::sin(1.8L * x) * std::cos(1.8L * x); }),
               std::pow(std::sin(1.8), 2) / 3.6, 1e-13);
 }

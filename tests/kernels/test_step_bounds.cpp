@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "host/run/step_bounds.hpp"
+#include "host/model/step_bounds.hpp"
 
 #include <gtest/gtest.h>
 
@@ -25,7 +25,7 @@ class BoundsOf : public testing::TestWithParam<Scheme> {
 INSTANTIATE_TEST_SUITE_P(Schemes, BoundsOf, testing::ValuesIn(schemes),
                          [](const auto& info) { return info.param.name; });
 
-/// Beyond this the bounds do not count (host/run/step_bounds.cpp).
+/// Beyond this the bounds do not count (host/model/step_bounds.cpp).
 constexpr double most_growth = 1e99;
 
 /// What a sequence of steps does against its bounds: the largest shares of them that are reached.

@@ -7,6 +7,7 @@
 
 #include "bench/peers/peers.hpp"
 #include "host/run/timed_run.hpp"
+#include "host/scene_file/scene_file.hpp"
 #include "tests/places.hpp"
 #include "tests/scenes.hpp"
 

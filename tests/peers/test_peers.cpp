@@ -10,6 +10,7 @@
 
 #include "bench/peers/peers.hpp"
 #include "host/errors.hpp"
+#include "host/scene_file/scene_file.hpp"
 #include "tests/places.hpp"
 #include "tests/scenes.hpp"
 #include "tests/simulate.hpp"

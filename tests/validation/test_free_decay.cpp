@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "host/run/batch.hpp"
-#include "host/run/record.hpp"
+#include "host/device/batch.hpp"
+#include "host/result/record.hpp"
 #include "tests/scenes.hpp"
 
 /// Bodies that vibrate and touch nothing: every mode is a damped oscillator, known exactly, and so

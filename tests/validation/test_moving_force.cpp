@@ -7,7 +7,7 @@
 #include <numbers>
 #include <vector>
 
-#include "host/run/record.hpp"
+#include "host/result/record.hpp"
 #include "tests/scenes.hpp"
 #include "tests/simulate.hpp"
 

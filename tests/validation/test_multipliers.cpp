@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "host/scene/scene.hpp"
+#include "host/scene_file/scene_file.hpp"
 #include "tests/effort.hpp"
 #include "tests/looks.hpp"
 #include "tests/places.hpp"

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "host/result/level.hpp"
 #include "tests/compare.hpp"
 #include "tests/scenes.hpp"
 #include "tests/simulate.hpp"

@@ -9,6 +9,7 @@
 #include <numbers>
 #include <vector>
 
+#include "host/scene_file/scene_file.hpp"
 #include "kernels/schemes/rk4.hpp"
 #include "kernels/schemes/rk8.hpp"
 #include "tests/places.hpp"

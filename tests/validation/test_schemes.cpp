@@ -9,7 +9,7 @@
 #include <numbers>
 #include <vector>
 
-#include "host/run/record.hpp"
+#include "host/result/record.hpp"
 #include "tests/schemes.hpp"
 #include "tests/simulate.hpp"
 

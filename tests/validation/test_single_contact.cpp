@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "host/run/batch.hpp"
-#include "host/run/record.hpp"
+#include "host/device/batch.hpp"
+#include "host/result/record.hpp"
 #include "tests/scenes.hpp"
 
 /// One node that strikes a beam. The motion is linear while the gap is open and, about another

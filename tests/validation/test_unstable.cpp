@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host/scene/scene.hpp"
+#include "host/scene_file/scene_file.hpp"
 #include "tests/places.hpp"
 #include "tests/scenes.hpp"
 #include "tests/schemes.hpp"

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <limits>
+
+#include "host/result/record.hpp"
+
+/// Whether the energy of a run closes.
+namespace ra2d {
+
+/// How well the energy closes between the first sample of a run and one of its samples.
+struct EnergyBalance {
+  double residual =
+      0;  // J: kinetic + elastic + contact + damping loss - sliding work - load work - start
+  double turnover = 0;  // J: what it is measured against: the energy that went through
+  int samples = 0;      // that it was taken between, no more than 2 counted
+  /// NaN where there were no two samples to take it between.
+  double relative() const {
+    if (samples < 2) return std::numeric_limits<double>::quiet_NaN();
+    return turnover > 0 ? residual / turnover : 0.0;
+  }
+};
+
+/// Follows the energy through a run from a time [s] on, block after block.
+class EnergyAccount {
+ public:
+  explicit EnergyAccount(double from = 0) : from_{from} {}
+  void add(const SampleBlock& block);
+  EnergyBalance balance() const { return balance_; }
+
+ private:
+  double from_;
+  bool begun_ = false;
+  double start_ = 0, damping_loss_ = 0, sliding_work_ = 0, load_work_ = 0;  // at the first sample
+  EnergyBalance balance_;
+};
+
+}  // namespace ra2d

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/result/level.hpp"
+
+#include <cmath>
+#include <limits>
+
+namespace ra2d {
+
+std::vector<double> mean_squares(const Beam& beam, int nodes, double spacing) {
+  std::vector<double> means;
+  for (const ModeShape& mode : beam.modes) {
+    double square = 0;
+    for (int n = 0; mode.omega > 0 && n < nodes; ++n) {
+      double psi = 0;
+      evaluate(mode, beam.length, n * spacing, 1, &psi);
+      square += psi * psi;
+    }
+    means.push_back(square / nodes);
+  }
+  return means;
+}
+
+std::vector<double> mean_squares(const Model& model) {
+  return mean_squares(model.resonator, static_cast<int>(model.resonator_height.size()),
+                      model.scene.spacing);
+}
+
+double v_rms(const std::vector<double>& mean_squares, const Snapshot& end, const Snapshot& begin) {
+  if (!(end.step > begin.step)) return std::numeric_limits<double>::quiet_NaN();
+  double sum = 0;
+  for (std::size_t k = 0; k < mean_squares.size(); ++k) {
+    const double before = begin.resonator_square.empty() ? 0.0 : begin.resonator_square[k];
+    sum += mean_squares[k] * (end.resonator_square[k] - before);
+  }
+  return std::sqrt(sum / static_cast<double>(end.step - begin.step));
+}
+
+double v_rms(const Model& model, const Snapshot& end, const Snapshot& begin) {
+  return v_rms(mean_squares(model), end, begin);
+}
+
+double level(double v_rms) { return 20.0 * std::log10(v_rms / 1e-9); }
+
+}  // namespace ra2d

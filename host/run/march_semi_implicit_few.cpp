@@ -1,9 +1,0 @@
-// SPDX-License-Identifier: BSD-3-Clause
-// The march, backward Euler and midpoint with the penalty force of the old time: few packs of modes.
-#include "host/run/march_instance.hpp"
-
-namespace ra2d {
-
-RA2D_MARCH_FEW(Form::semi_implicit);
-
-}  // namespace ra2d

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <array>
+#include <filesystem>
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "host/ensemble/ensemble.hpp"
+#include "host/scene/scene.hpp"
+
+/// Model no more than a scene needs: the cheapest scheme and step, the fewest modes and the coarsest
+/// spacing that keep level, rate of shocks and their median duration within an accuracy.
+///
+/// The reference is the scene as written, marched by the adaptive scheme to a tolerance of 1e-10, or
+/// under multipliers, which that does not know, by the scene's own scheme at a tenth of its step. One
+/// thing is changed at a time and compared with it on the same surfaces; what is kept is then taken
+/// together and compared again. A saving is taken
+/// - where all three stay within the accuracy with 95 % confidence, or
+/// - of schemes and steps alone, which change no model: where chance leaves that open, but the energy
+///   closes within the accuracy and the first shock of the runs, before chaos parts them, lasts as
+///   long within it. This is said.
+/// What is left open otherwise is not taken.
+namespace ra2d {
+
+struct SavingsOptions {
+  double accuracy = 1e-3;                            // relative, of v_rms, shock rate and duration
+  double budget = 60;                                // s of wall time, roughly
+  std::function<void(const std::string&)> progress;  // what is being done
+};
+
+/// One change of the scene, and what it did.
+struct Trial {
+  std::string key;   // what it changes, e.g. "resonator.modes"
+  std::string what;  // to what, for people
+  Scene scene;
+  std::array<Movement, 3> moved;  // of quantities_of_answer
+  Movement first;                 // of the first shock's duration
+  double closure = 0;             // of the energy, relative, the mean over the runs
+  double cheaper = std::numeric_limits<double>::quiet_NaN();  // than what it is compared with
+  Verdict verdict = Verdict::open;
+  std::string why;          // why it could not be run, or stayed open
+  bool by_balance = false;  // taken though chance leaves it open
+  bool taken = false;
+  bool checked = false;  // no saving: how the scene as written stands
+  std::function<void(Scene&)> change;
+};
+
+struct Savings {
+  double accuracy = 0;
+  Scene written, reference, chosen;
+  double duration = 0;           // s, of each run
+  int runs = 0;                  // of the reference
+  Answer mean;                   // of the reference over its runs
+  std::array<double, 3> spread;  // standard deviation of one run, relative
+  double closure = 0;            // of the reference
+  std::vector<Trial> trials;     // in the order of the tables
+  std::vector<Trial> together;   // all that was taken; more where that had to be given up in part
+  double cost_written = 0, cost_chosen = 0;  // as of Ensemble
+  std::vector<std::string> notes;
+  double seconds = 0;  // that it took
+};
+
+/// Throws RequestError where the scene cannot be run, Interrupted.
+Savings find_savings(const Scene& scene, const SavingsOptions& options);
+
+/// What was tried and what the scene needs, for people.
+std::string describe(const Savings& savings);
+
+/// The scene with the choices in it, each with where it comes from. Reading it, from any folder, gives
+/// savings.chosen.
+std::string planned_scene(const Savings& savings);
+
+}  // namespace ra2d

@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <utility>
+
+#include "host/format.hpp"
+#include "host/savings/savings.hpp"
+#include "host/scene/names.hpp"
+#include "host/scene/schemes.hpp"
+#include "host/scene_file/scene_file.hpp"
+#include "host/text.hpp"
+
+namespace ra2d {
+namespace {
+
+/// Digits of a percentage that an accuracy makes worth reading.
+int digits_of(double accuracy) {
+  return std::clamp(static_cast<int>(std::ceil(-std::log10(accuracy))), 1, 8);
+}
+
+std::string percent(const Movement& m, int digits) {
+  if (m.pairs == 0) return "-";
+  if (!std::isfinite(m.relative)) return "from 0";
+  const std::string margin = m.pairs > 1 ? fmt::format(" ±{:.{}f}", 100 * m.margin(), digits) : "";
+  return fmt::format("{:+.{}f}{}", 100 * m.relative, digits, margin);
+}
+
+double decibels(double relative) { return 20 * std::log10(std::max(1 + relative, 1e-30)); }
+
+std::string level_text(const Movement& m) {
+  if (m.pairs == 0 || !std::isfinite(m.relative)) return "-";
+  return m.relative <= -1 ? "none" : fmt::format("{:+.3f}", decibels(m.relative));
+}
+
+std::string word(const Trial& trial) {
+  if (trial.checked)
+    return trial.verdict == Verdict::kept    ? "the same"
+           : trial.verdict == Verdict::moved ? "differs"
+                                             : "open";
+  if (trial.taken) return trial.by_balance ? "taken: balance" : "taken";
+  if (trial.by_balance) return "would do: balance";
+  return trial.verdict == Verdict::kept    ? "would do"
+         : trial.verdict == Verdict::moved ? "no"
+                                           : "open";
+}
+
+std::string row(const Trial& trial, int digits, bool costs) {
+  const bool ran = trial.moved[0].pairs > 0 || trial.moved[1].pairs > 0;
+  std::string text = fmt::format("  {:<32}", trial.what);
+  if (ran) {
+    const int pairs = std::max(trial.moved[0].pairs, trial.moved[1].pairs);
+    text +=
+        fmt::format("{:>7} {:>5} {:>8} {:>14} {:>14} {:>14}  {}",
+                    costs && trial.cheaper > 0 ? fmt::format("{:.3g}", trial.cheaper) : "", pairs,
+                    level_text(trial.moved[0]), percent(trial.moved[0], digits),
+                    percent(trial.moved[1], digits), percent(trial.moved[2], digits), word(trial));
+  } else {
+    text += fmt::format("  {}", word(trial));
+  }
+  text += '\n';
+  if (!trial.why.empty()) text += fmt::format("      {}\n", trial.why);
+  if (trial.by_balance && trial.taken)
+    text += fmt::format(
+        "      taken on the balance: the energy closes to {:.1e}, and the first shocks, before "
+        "chaos\n      parts the runs, last as long within {} %; chance alone hides the rest\n",
+        trial.closure, percent(trial.first, digits));
+  return text;
+}
+
+std::string heading(const std::string& what) {
+  // the sign of ± takes two bytes and one column
+  return fmt::format("\n{:<34}{:>7} {:>5} {:>8} {:>14} {:>14} {:>14}\n", what, "cheaper", "pairs",
+                     "dB", "level %", "shocks %", "duration %");
+}
+
+std::string table(const Savings& s, const std::string& key, const std::string& what, bool checked) {
+  std::string text;
+  for (const Trial& trial : s.trials)
+    if (trial.checked == checked && (checked || trial.key == key))
+      text += row(trial, digits_of(s.accuracy), !checked);
+  return text.empty() ? text : heading(what) + text;
+}
+
+std::string choice_text(const Scene& scene) {
+  return is_adaptive(scene) ? fmt::format("{} to {:g}", schemes.name(scene.scheme),
+                                          scene.tolerance.value_or(usual_tolerance))
+                            : fmt::format("{}{}, step {:g} s", schemes.name(scene.scheme),
+                                          scene.scheme == SchemeKind::backward_euler &&
+                                                  scene.law == ContactLaw::penalty &&
+                                                  scene.force_time == ForceTime::new_time
+                                              ? " with the new force"
+                                              : "",
+                                          scene.step);
+}
+
+/// The trial that the chosen scene rests on; null where it is the scene as written.
+const Trial* resting_on(const Savings& s) {
+  if (!s.together.empty() && s.together.back().taken) return &s.together.back();
+  for (const Trial& trial : s.trials)
+    if (trial.taken && trial.key == "time") return &trial;
+  return nullptr;
+}
+
+/// What a trial moved, in a line.
+std::string movement_text(const Trial& trial, double accuracy) {
+  const int digits = digits_of(accuracy);
+  std::string text = fmt::format("level {} dB ({} %)", level_text(trial.moved[0]),
+                                 percent(trial.moved[0], digits));
+  for (const auto& [name, m] :
+       {std::pair{"shock rate", trial.moved[1]}, std::pair{"median duration", trial.moved[2]}})
+    if (m.pairs > 0) text += fmt::format(", {} {} %", name, percent(m, digits));
+  return text;
+}
+
+std::string modes_of(const BodySpec& body) {
+  return body.modes ? fmt::format("{}", *body.modes)
+                    : fmt::format("those up to {:g} kHz", 1e-3 * body.max_frequency.value_or(0));
+}
+
+std::string spacing_of(const Scene& scene) { return fmt::format("{:g} um", scene.spacing * 1e6); }
+
+}  // namespace
+
+std::string describe(const Savings& s) {
+  const int digits = digits_of(s.accuracy);
+  const std::string varied_by = varied(s.written);
+  std::string text = fmt::format(
+      "asked      level, rate of shocks and their median duration within {:g} % (level: {:.2g} "
+      "dB)\n",
+      100 * s.accuracy, decibels(s.accuracy));
+  text += fmt::format("reference  the scene as written, {}; its energy closes to {:.1e}\n",
+                      choice_text(s.reference), s.closure);
+  text += s.runs > 1 ? fmt::format("runs       {} of {}, {}; compared in pairs of the same\n",
+                                   s.runs, seconds_text(s.duration), varied_by)
+                     : fmt::format("runs       one of {}: there is nothing to vary\n",
+                                   seconds_text(s.duration));
+  if (s.mean.v_rms > 0)
+    text += fmt::format("answer     level {:.2f} dB", 20 * std::log10(s.mean.v_rms / 1e-9));
+  else
+    text += "answer     no level: the resonator does not move";
+  text += fmt::format(", {:.4g} shocks a second", s.mean.shock_rate);
+  if (s.mean.shock_rate > 0)
+    text += fmt::format(", median {}", seconds_text(s.mean.shock_duration));
+  text += '\n';
+  if (s.runs > 1)
+    text += fmt::format("           one run alone spreads by {:.{}f} %, {:.{}f} % and {:.{}f} %\n",
+                        100 * s.spread[0], digits, 100 * s.spread[1], digits, 100 * s.spread[2],
+                        digits);
+  text += "           below: what moved, ± the margin of 95 % (two standard errors, Student's t)\n";
+
+  text += table(s, "time", "scheme and step", false);
+  text += table(s, "resonator.modes", "modes of the resonator", false);
+  text += table(s, "slider.modes", "modes of the slider", false);
+  text += table(s, "scene.spacing", "spacing", false);
+  if (!s.together.empty()) {
+    text += heading("together");
+    for (const Trial& trial : s.together) text += row(trial, digits, true);
+  }
+  text += table(s, "", "beyond the scene as written", true);
+
+  text += "\nneeded     " + choice_text(s.chosen) + '\n';
+  for (const auto& [key, all] : {std::pair{"resonator.modes", modes_of(s.written.resonator)},
+                                 std::pair{"slider.modes", modes_of(s.written.slider)},
+                                 std::pair{"scene.spacing", spacing_of(s.written)}}) {
+    const Trial *taken = nullptr, *any = nullptr;
+    for (const Trial& trial : s.trials)
+      if (trial.key == key && !trial.checked) (trial.taken ? taken : any) = &trial;
+    if (taken)
+      text += fmt::format("           {}: {} will do for {}\n", key, taken->what, all);
+    else if (any)
+      text += fmt::format("           {}: {} as written, nothing can be left out{}\n", key, all,
+                          any->verdict == Verdict::moved  ? ""
+                          : any->verdict == Verdict::kept ? " together with the rest"
+                                                          : " for sure");
+  }
+  if (const Trial* rest = resting_on(s)) {
+    text += fmt::format("which      moves {}\n", movement_text(*rest, s.accuracy));
+    if (rest->by_balance)
+      text += "           (more than asked by chance alone; it rests on the energy balance)\n";
+  }
+  text += fmt::format(
+      "cost       {} of the processor a simulated second, {} as written: {:.3g} times cheaper\n",
+      seconds_text(s.cost_chosen), seconds_text(s.cost_written), s.cost_written / s.cost_chosen);
+  for (const std::string& note : s.notes) text += "note       " + note + '\n';
+  for (const Trial& trial : s.trials)
+    if (trial.checked && trial.verdict == Verdict::moved && trial.why.empty())
+      text +=
+          fmt::format("note       the scene as written is itself further off than asked: {}, {}\n",
+                      trial.key == "as written" ? "its own" : trial.key, trial.what);
+  text += fmt::format("took       {}\n", seconds_text(s.seconds));
+  return text;
+}
+
+std::string planned_scene(const Savings& s) {
+  const Scene& scene = s.chosen;
+  const std::string name = printable(s.written.file.filename().string());
+  std::string text = fmt::format(
+      "# {} with no more than level, rate of shocks and their median duration need to stay within\n"
+      "# {:g} % of the scene as written: 'ra2d plan --accuracy {:g}'.\n",
+      name, 100 * s.accuracy, s.accuracy);
+  if (const Trial* rest = resting_on(s))
+    text += fmt::format("# Moved: {}, over {} runs.\n", movement_text(*rest, s.accuracy),
+                        rest->moved[0].pairs);
+  text +=
+      fmt::format("# {:.3g} times cheaper than as written.\n\n", s.cost_written / s.cost_chosen);
+
+  // where each choice comes from, before its line
+  const auto note = [&](const std::string& section, const std::string& key) -> std::string {
+    const auto from = [&](const std::string& trial_key) -> std::string {
+      for (const Trial& trial : s.trials)
+        if (trial.taken && trial.key == trial_key)
+          return fmt::format(
+              "# alone it moves {}{}", movement_text(trial, s.accuracy),
+              trial.by_balance ? fmt::format("; taken on the energy balance, {:.1e}", trial.closure)
+                               : "");
+      return {};
+    };
+    if (section == "[time]" && key == "scheme")
+      if (const std::string text = from("time"); !text.empty())
+        return fmt::format("# was {}; {}", choice_text(s.written), text.substr(2));
+    if (section == "[resonator]" && key == "modes") return from("resonator.modes");
+    if (section == "[slider]" && key == "modes") return from("slider.modes");
+    if (section == "[scene]" && key == "spacing") {
+      const std::string text = from("scene.spacing");
+      return text.empty() ? text : fmt::format("# was {:g}; {}", s.written.spacing, text.substr(2));
+    }
+    return {};
+  };
+  std::istringstream in(echo(scene));
+  std::string section;
+  for (std::string line; std::getline(in, line);) {
+    if (line.starts_with('[')) section = line.substr(0, line.find(' '));
+    if (const auto end = line.find(" = "); end != std::string::npos)
+      if (const std::string why = note(section, line.substr(0, end)); !why.empty())
+        text += why + '\n';
+    text += line + '\n';
+  }
+  return text;
+}
+
+}  // namespace ra2d

@@ -1,0 +1,319 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/scene_file/checks.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/beam/beam.hpp"
+#include "host/scene/names.hpp"
+#include "host/scene/schemes.hpp"
+#include "host/text.hpp"
+#include "kernels/limits.hpp"
+
+namespace ra2d {
+namespace {
+
+constexpr double most_steps = 9e15;  // the number of a step or a sample stays exact in a double
+constexpr double most_nodes = 5e7;
+constexpr double least_mass = 1e-20, most_mass = 1e15;           // kg/m
+constexpr double least_frequency = 1e-9, most_frequency = 1e15;  // Hz, the first
+constexpr double most_apart = 1e6;                               // runs between two samples
+constexpr double least_tolerance = 1e-13, most_tolerance = 1e-2;
+constexpr double least_per_wave = 4;  // spacings in rsm or a correlation length
+constexpr double most_wide = 1e9;     // peaks, of the body's length: a face of one is flat
+constexpr double rounding = 1e-9;     // of a spacing, as for the number of nodes
+
+/// A positive bound, rounded down to six digits so that it can be copied into the scene.
+std::string at_most(double bound) {
+  const double unit = std::pow(10.0, std::floor(std::log10(bound)) - 5);
+  // 1.7999999999999998 is 1.8: less is added than `rounding` forgives
+  return fmt::format("{:.6g}", std::floor(bound / unit + 1e-5) * unit);
+}
+
+/// Of fewer samples than one a run, none but that at t = 0 is taken; far fewer are a slip.
+void check_rate(const Scene& s, Document& document) {
+  if (s.rate * s.duration < 1 / most_apart)
+    document.fault("output.rate",
+                   fmt::format("{} Hz takes no sample in {} s but that at t = 0: expected at least "
+                               "{:.6g} Hz, for one at the end",
+                               s.rate, s.duration, 1 / s.duration));
+}
+
+/// The adaptive scheme has no step to fit, neither to the run nor to the rate.
+void check_adaptive(const Scene& s, Document& document) {
+  const double samples = s.duration * s.rate;
+  if (samples > most_steps)
+    document.fault("output.rate",
+                   fmt::format("{} Hz takes {:.3g} samples in {} s: expected at most {:g} samples "
+                               "(a lower rate or a shorter duration)",
+                               s.rate, samples, s.duration, most_steps));
+  const double tolerance = s.tolerance.value_or(usual_tolerance);
+  const bool small = tolerance < least_tolerance;
+  if (small || tolerance > most_tolerance)
+    document.fault(
+        "time.tolerance",
+        fmt::format("{} {}: expected a relative error per step from {:g} to {:g}", tolerance,
+                    small ? "asks for less than what roundings do in a step"
+                          : "lets the errors of a few steps grow as large as the motion",
+                    least_tolerance, most_tolerance));
+}
+
+void check_times(const Scene& s, Document& document) {
+  check_rate(s, document);
+  if (is_adaptive(s)) return check_adaptive(s, document);
+  const double steps = s.duration / s.step;
+  if (steps > most_steps)
+    document.fault("time.step",
+                   fmt::format("{} s makes {:.3g} steps of {} s: expected at most {:g} "
+                               "steps (a longer step or a shorter duration)",
+                               s.step, steps, s.duration, most_steps));
+  if (s.step > s.duration)
+    document.fault("time.step", fmt::format("{} s is longer than the run: expected at most "
+                                            "scene.duration, {} s",
+                                            s.step, s.duration));
+  if (s.rate * s.step > 1 + rounding)
+    document.fault(
+        "output.rate",
+        fmt::format("{} Hz asks for more than one sample a step: expected at most {} Hz, "
+                    "1/time.step (lower the rate or the step)",
+                    s.rate, at_most(1 / s.step)));
+}
+
+void check_nodes(const Scene& s, const std::string& name, const BodySpec& body,
+                 Document& document) {
+  const double nodes = body.length / s.spacing;
+  if (nodes < 1 - rounding)
+    document.fault("scene.spacing",
+                   fmt::format("{} m is larger than the {}, {} m: expected at least "
+                               "2 nodes on each body (refine the spacing)",
+                               s.spacing, name, body.length));
+  if (nodes > most_nodes)
+    document.fault("scene.spacing",
+                   fmt::format("{} m puts {:.3g} nodes on the {}: expected at most "
+                               "{:g} (a wider spacing)",
+                               s.spacing, nodes, name, most_nodes));
+}
+
+/// Where the slider stands, from the first moment to the last.
+void check_path(const Scene& s, Document& document) {
+  constexpr double most_lengths = 100;
+  if (s.gap && std::abs(*s.gap) > most_lengths * s.resonator.length)
+    document.fault("scene.gap", fmt::format("{} m is out of all proportion to a resonator of {} m: "
+                                            "expected at most {:g} times its length",
+                                            *s.gap, s.resonator.length, most_lengths));
+  if (s.slider.length > s.resonator.length) {
+    document.fault("slider.length",
+                   fmt::format("{} m is longer than the resonator: expected at most "
+                               "resonator.length, {} m",
+                               s.slider.length, s.resonator.length));
+    return;
+  }
+  if (s.start < 0)
+    document.fault("scene.start", fmt::format("the slider overhangs the resonator's left end by "
+                                              "{:.6g} m: expected start >= 0",
+                                              -s.start));
+  const double room = s.resonator.length - s.slider.length;
+  const double travel = s.speed * s.duration;
+  const double excess = s.start + travel - room;
+  if (!(excess > rounding * s.resonator.length)) return;
+  std::vector<std::string> cures;
+  const auto cure = [&](const char* key, double bound, const char* unit) {
+    if (bound > 0) cures.push_back(fmt::format("{} <= {} {}", key, at_most(bound), unit));
+  };
+  if (travel > 0) {
+    cure("duration", (room - s.start) / s.speed, "s");
+    cure("speed", (room - s.start) / s.duration, "m/s");
+  }
+  cure("start", room - travel, "m");
+  if (cures.empty()) cures.emplace_back("start = 0 with speed = 0");  // no room to spare
+  document.fault(
+      "scene.start",
+      fmt::format("the slider leaves the resonator's right end by {:.6g} m during the run: "
+                  "expected start + slider.length + speed * duration <= "
+                  "resonator.length, {} m ({} would fit)",
+                  excess, s.resonator.length, any_of(cures, "")));
+}
+
+/// What the numbers of a body make together: far from any body, roundings and the range of doubles
+/// would decide.
+void check_body(const std::string& name, const BodySpec& body, Document& document) {
+  if (body.support == Support::rigid) return;
+  const double mass = body.density * body.thickness * body.width;
+  if (mass < least_mass || mass > most_mass)
+    document.fault(
+        name + ".density",
+        fmt::format("{} kg/m^3 makes {:.3g} kg of each metre, with this thickness and width: "
+                    "expected {:g} to {:g} kg/m (check all three)",
+                    body.density, mass, least_mass, most_mass));
+  const double frequency = elastic_frequency(body, 0);
+  if (frequency < least_frequency || frequency > most_frequency)
+    document.fault(name + ".young",
+                   fmt::format("{} Pa makes {:.3g} Hz the first frequency, with this length, "
+                               "thickness and density: expected {:g} to {:g} Hz (check all four)",
+                               body.young, frequency, least_frequency, most_frequency));
+}
+
+/// What both bodies keep has to fit into one march.
+void check_modes(const Scene& s, Document& document) {
+  constexpr int counted = 1000;
+  constexpr int most = most_modes;
+  const int resonator = mode_count(s.resonator, counted), slider = mode_count(s.slider, counted);
+  const int total = resonator + slider;
+  if (total <= most) return;
+  const bool first = resonator >= slider;
+  const BodySpec& body = first ? s.resonator : s.slider;
+  const int rigid = body.support == Support::free ? 2 : 0;
+  const int room = most - std::min(resonator, slider) - rigid;
+  std::string cure = fmt::format("at most {} here", room);
+  if (room < 1)
+    cure = "fewer on each body";
+  else if (!body.modes)
+    cure = fmt::format("less than {} Hz", at_most(elastic_frequency(body, room)));
+  document.fault(
+      fmt::format("{}.{}", first ? "resonator" : "slider", body.modes ? "modes" : "max_frequency"),
+      fmt::format("{} modes in both bodies together, at most {} can be marched: expected "
+                  "{}",
+                  total >= counted ? fmt::format("{} or more", counted) : fmt::format("{}", total),
+                  most, cure));
+}
+
+void check_surface(const Scene& s, const std::string& name, const BodySpec& body,
+                   Document& document) {
+  const SurfaceSpec& surface = body.surface;
+  const auto resolved = [&](const char* key, const std::optional<double>& wave) {
+    if (!wave || *wave >= least_per_wave * s.spacing * (1 - rounding)) return;
+    document.fault(
+        fmt::format("{}.surface.{}", name, key),
+        fmt::format("{} m is not resolved by the spacing, {} m: expected at least {} "
+                    "spacings (scene.spacing <= {} m, or a longer {})",
+                    *wave, s.spacing, least_per_wave, at_most(*wave / least_per_wave), key));
+  };
+  if (surface.kind == SurfaceKind::gaussian) {
+    resolved("rsm", surface.rsm);
+    resolved("correlation_length", surface.correlation_length);
+    if (surface.rq > body.length)
+      document.fault(fmt::format("{}.surface.rq", name),
+                     fmt::format("{} m is higher than the body is long, {} m: expected a roughness "
+                                 "(is it in another unit?)",
+                                 surface.rq, body.length));
+  }
+  if (surface.kind != SurfaceKind::peaks) return;
+  for (std::size_t i = 0; i < surface.peaks.size(); ++i) {
+    const Peak& peak = surface.peaks[i];
+    if (peak.at + peak.half_width < 0 || peak.at - peak.half_width > body.length)
+      document.fault(
+          fmt::format("{}.surface.peaks[{}].at", name, i),
+          fmt::format("the peak at {} m lies off the body: expected a place from 0 to {} m",
+                      peak.at, body.length));
+    if (peak.half_width > most_wide * body.length)
+      document.fault(
+          fmt::format("{}.surface.peaks[{}].half_width", name, i),
+          fmt::format("{} m is out of all proportion to the body: expected at most {:g} m",
+                      peak.half_width, most_wide * body.length));
+  }
+}
+
+void check_output(const Scene& s, Document& document) {
+  if (s.from > 0 && s.from > s.duration * (1 - rounding) - (is_adaptive(s) ? 0.0 : s.step))
+    document.fault("output.from",
+                   fmt::format("{} s is not before the end of the run, {} s: expected "
+                               "a time from 0 to scene.duration",
+                               s.from, s.duration));
+  const auto check_places = [&](const char* key, const std::vector<double>& places,
+                                const char* body, double length) {
+    for (std::size_t i = 0; i < places.size(); ++i)
+      if (places[i] < 0 || places[i] > length)
+        document.fault(fmt::format("output.{}[{}]", key, i),
+                       fmt::format("{} m is off the {}: expected a place from 0 to {} m", places[i],
+                                   body, length));
+  };
+  check_places("probes", s.probes, "resonator", s.resonator.length);
+  check_places("slider_probes", s.slider_probes, "slider", s.slider.length);
+}
+
+/// The contact spring of a node: a number that can be worked with.
+void check_stiffness(const Scene& s, Document& document) {
+  if (s.law != ContactLaw::penalty) return;
+  const double node = s.stiffness * s.spacing * std::min(s.resonator.width, s.slider.width);
+  constexpr double softest = 1e-100, stiffest = 1e20;
+  if (node < softest || node > stiffest)
+    document.fault(
+        "contact.stiffness",
+        fmt::format("{} Pa/m makes the spring of a node {:.3g} N/m: expected {:g} to {:g} "
+                    "N/m (steel: about 1e15 Pa/m)",
+                    s.stiffness, node, softest, stiffest));
+}
+
+void check_loads(const Scene& s, Document& document) {
+  constexpr double most_load = 1e12;  // N
+  const auto check_force = [&](const std::string& key, double force) {
+    if (std::abs(force) > most_load)
+      document.fault(key, fmt::format("{} N is out of all proportion: expected at most {:g} N",
+                                      force, most_load));
+  };
+  check_force("slider.load", s.slider.load);
+  for (std::size_t i = 0; i < s.resonator.moving_forces.size(); ++i)
+    check_force(fmt::format("resonator.moving_force[{}].force", i),
+                s.resonator.moving_forces[i].force);
+  const bool loaded = s.slider.load_is_weight || s.slider.load != 0;
+  if (s.slider.support == Support::rigid && loaded && !std::isnan(s.slider.load))
+    document.fault("slider.load",
+                   "a rigid slider has no mode to take a load: expected 0 (drop the key, or take "
+                   "support = \"free\")");
+  if (s.initial != Initial::statics) return;
+  if (s.resonator.support == Support::free)
+    document.fault("scene.initial",
+                   "\"static\" with a free resonator: nothing holds it, there is no equilibrium: "
+                   "expected \"rest\" (or resonator.support = \"pinned\")");
+  if (s.slider.support == Support::free && !s.slider.load_is_weight && s.slider.load <= 0)
+    document.fault(
+        "scene.initial",
+        "\"static\" with a free slider that no load holds down, there is no equilibrium: "
+        "expected \"rest\" (or slider.load = \"weight\")");
+}
+
+/// What multipliers ask of the scheme and of the bodies.
+void check_law(const Scene& s, Document& document) {
+  if (s.law != ContactLaw::multiplier) return;
+  if (is_adaptive(s))
+    document.fault(
+        "contact.law",
+        "\"multiplier\" with time.scheme = \"adaptive\": between bodies of finitely many "
+        "modes this law leaves open what an impact gives back. With fixed steps the "
+        "scheme decides it, each in its own way however small the step, so there is no "
+        "motion for an error control to converge to: expected \"penalty\", stiff (or a "
+        "fixed step, time.scheme = \"backward-euler\")");
+  else if (!takes_multipliers(s.scheme))
+    document.fault("contact.law",
+                   fmt::format("\"multiplier\" with time.scheme = \"{}\": the force of a step does "
+                               "not move its end, so none keeps the faces apart: expected "
+                               "\"penalty\" (or time.scheme = \"backward-euler\")",
+                               schemes.name(s.scheme)));
+  if (mode_count(s.resonator, 1) == 0 && mode_count(s.slider, 1) == 0)
+    document.fault("contact.law",
+                   "\"multiplier\" between bodies that keep no mode: nothing can move out of the "
+                   "way: expected \"penalty\" (or modes on a body that is not rigid, "
+                   "by `modes` or a higher `max_frequency`)");
+}
+
+}  // namespace
+
+void check(const Scene& scene, Document& document) {
+  check_times(scene, document);
+  check_path(scene, document);
+  for (const auto& [name, body] :
+       {std::pair{"resonator", &scene.resonator}, std::pair{"slider", &scene.slider}}) {
+    check_nodes(scene, name, *body, document);
+    check_body(name, *body, document);
+    check_surface(scene, name, *body, document);
+  }
+  check_modes(scene, document);
+  check_loads(scene, document);
+  check_law(scene, document);
+  check_stiffness(scene, document);
+  check_output(scene, document);
+}
+
+}  // namespace ra2d

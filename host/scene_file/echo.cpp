@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <iterator>
+
+#include "host/scene/names.hpp"
+#include "host/scene/schemes.hpp"
+#include "host/scene_file/scene_file.hpp"
+#include "host/text.hpp"
+
+namespace ra2d {
+namespace {
+
+std::string toml_value(double value) { return toml_number(value); }
+std::string toml_value(const std::string& text) { return toml_string(text); }
+
+std::string array(const std::vector<std::string>& elements) {
+  return fmt::format("[{}]", fmt::join(elements, ", "));
+}
+
+class Writer {
+ public:
+  void section(const std::string& header, const std::string& unused = {}) {
+    if (!text_.empty()) text_ += '\n';
+    line(header, unused);
+  }
+  /// `unused` says why the key is not used, when it is not.
+  template <class T>
+  void key(const std::string& name, const T& value, const std::string& unused = {}) {
+    raw(name, toml_value(value), unused);
+  }
+  void raw(const std::string& name, const std::string& value, const std::string& unused = {}) {
+    line(name + " = " + value, unused);
+  }
+  const std::string& text() const { return text_; }
+
+ private:
+  void line(const std::string& content, const std::string& unused) {
+    text_ += content;
+    if (!unused.empty()) text_ += "  # not used: " + unused;
+    text_ += '\n';
+  }
+  std::string text_;
+};
+
+/// The inline table of a surface: its kind, the keys of the kind, and those of others that stand.
+/// `folder`: the scene's.
+void write_surface(const SurfaceSpec& surface, const std::filesystem::path& folder, Writer& out) {
+  std::string table = fmt::format("kind = \"{}\"", surface_kinds.name(surface.kind));
+  std::vector<std::string> unused;
+  const auto key = [&](SurfaceKind user, bool stands, const char* name, const std::string& value) {
+    if (surface.kind != user && stands) unused.emplace_back(name);
+    if (stands) table += fmt::format(", {} = {}", name, value);
+  };
+  const auto is = [&](SurfaceKind kind) { return surface.kind == kind; };
+  std::vector<std::string> peaks;
+  for (const Peak& peak : surface.peaks)
+    peaks.push_back(fmt::format("{{ at = {}, height = {}, half_width = {} }}", toml_number(peak.at),
+                                toml_number(peak.height), toml_number(peak.half_width)));
+  key(SurfaceKind::peaks, is(SurfaceKind::peaks) || !peaks.empty(), "peaks", array(peaks));
+  key(SurfaceKind::file, is(SurfaceKind::file) || !surface.path.empty(), "path",
+      toml_string(surface.path.empty()
+                      ? std::string()
+                      : absolute(folder / surface.path).lexically_normal().string()));
+  key(SurfaceKind::gaussian, surface.rq != 0, "rq", toml_number(surface.rq));
+  key(SurfaceKind::gaussian, surface.rsm.has_value(), "rsm", toml_number(surface.rsm.value_or(0)));
+  key(SurfaceKind::gaussian, surface.correlation_length.has_value(), "correlation_length",
+      toml_number(surface.correlation_length.value_or(0)));
+  key(SurfaceKind::gaussian, is(SurfaceKind::gaussian) || surface.seed != 0, "seed",
+      fmt::format("{}", surface.seed));
+  out.raw("surface", "{ " + table + " }",
+          unused.empty() ? ""
+                         : fmt::format("{}, the kind is \"{}\"", fmt::join(unused, ", "),
+                                       surface_kinds.name(surface.kind)));
+}
+
+void write_body(const std::string& name, const BodySpec& body, const std::filesystem::path& folder,
+                Writer& out) {
+  const bool is_rigid = body.support == Support::rigid;
+  const std::string unused = is_rigid ? "the body is rigid" : "";
+  const auto material = [&](const char* key, double value) {
+    if (!is_rigid || value != 0) out.key(key, value, unused);
+  };
+  out.section(fmt::format("[{}]", name));
+  out.key("support", supports.name(body.support));
+  out.key("length", body.length);
+  material("thickness", body.thickness);
+  out.key("width", body.width);
+  material("young", body.young);
+  material("density", body.density);
+  material("damping", body.damping);
+  if (body.max_frequency) out.key("max_frequency", *body.max_frequency, unused);
+  if (body.modes) out.raw("modes", fmt::format("{}", *body.modes), unused);
+  write_surface(body.surface, folder, out);
+}
+
+}  // namespace
+
+std::string echo(const Scene& scene) {
+  Writer out;
+  out.section("[scene]");
+  out.key("name", scene.name);
+  out.key("duration", scene.duration);
+  out.key("speed", scene.speed);
+  out.key("start", scene.start);
+  out.raw("gap", scene.gap ? toml_number(*scene.gap) : toml_string("touching"));
+  out.key("spacing", scene.spacing);
+  out.key("initial", initial_states.name(scene.initial));
+
+  const std::filesystem::path folder = scene.file.parent_path();
+  write_body("resonator", scene.resonator, folder, out);
+  for (const MovingForce& force : scene.resonator.moving_forces) {
+    out.section("[[resonator.moving_force]]",
+                scene.resonator.support == Support::rigid ? "the body is rigid" : "");
+    out.key("force", force.force);
+    out.key("speed", force.speed);
+    out.key("start", force.start);
+  }
+
+  write_body("slider", scene.slider, folder, out);
+  out.raw("load",
+          scene.slider.load_is_weight ? toml_string("weight") : toml_number(scene.slider.load),
+          scene.slider.support == Support::rigid ? "the body is rigid" : "");
+
+  out.section("[contact]");
+  out.key("law", contact_laws.name(scene.law));
+  const bool spring = scene.law == ContactLaw::penalty;
+  if (spring || scene.stiffness != 0)
+    out.key("stiffness", scene.stiffness, spring ? "" : "multipliers have no spring");
+
+  out.section("[time]");
+  out.key("scheme", schemes.name(scene.scheme));
+  out.key("contact_force", force_times.name(scene.force_time),
+          !spring              ? "multipliers are found with the end of the step"
+          : is_adaptive(scene) ? "adaptive takes the force as it changes"
+          : scene.scheme != SchemeKind::backward_euler
+              ? fmt::format("{} takes the force at its stages", schemes.name(scene.scheme))
+              : "");
+  const bool adaptive = is_adaptive(scene);
+  if (!adaptive || scene.step > 0)
+    out.key("step", scene.step, adaptive ? "adaptive finds its steps" : "");
+  if (scene.tolerance)
+    out.key("tolerance", *scene.tolerance,
+            adaptive ? "" : fmt::format("{} takes fixed steps", schemes.name(scene.scheme)));
+  out.key("nodes", node_choices.name(scene.nodes));
+  if (scene.force) out.raw("force", "true", adaptive ? "adaptive has no limit of stability" : "");
+
+  out.section("[output]");
+  out.key("rate", scene.rate);
+  const auto places = [](const std::vector<double>& probes) {
+    std::vector<std::string> texts;
+    for (const double probe : probes) texts.push_back(toml_number(probe));
+    return array(texts);
+  };
+  out.raw("probes", places(scene.probes));
+  out.raw("slider_probes", places(scene.slider_probes));
+  out.key("from", scene.from);
+  return out.text();
+}
+
+}  // namespace ra2d

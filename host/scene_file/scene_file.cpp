@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/scene_file/scene_file.hpp"
+
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <limits>
+#include <map>
+#include <memory>
+
+#include "host/errors.hpp"
+#include "host/scene/names.hpp"
+#include "host/scene/schemes.hpp"
+#include "host/scene_file/checks.hpp"
+#include "host/scene_file/reader.hpp"
+#include "host/text.hpp"
+
+namespace ra2d {
+namespace {
+
+constexpr std::size_t largest_file = 16u << 20;  // bytes
+constexpr int most_asked = 1'000'000;            // modes
+constexpr std::size_t longest_path = 4096;       // bytes, of a file that the system opens
+
+Need needed(bool is) { return is ? Need::required : Need::optional; }
+
+SurfaceSpec read_surface(Reader in, const std::string& path, Document& document) {
+  const auto kind = in.choice("kind", surface_kinds, Need::required);
+  SurfaceSpec surface;
+  surface.kind = kind.value_or(SurfaceKind::flat);
+  const bool gaussian = kind == SurfaceKind::gaussian;
+  surface.rq = in.number("rq", positive, "m", needed(gaussian)).value_or(0);
+  surface.rsm = in.number("rsm", positive, "m", Need::optional);
+  surface.correlation_length = in.number("correlation_length", positive, "m", Need::optional);
+  if (gaussian) in.one_of("rsm", "correlation_length");
+  surface.seed = static_cast<std::uint64_t>(
+      in.integer("seed", 0, std::numeric_limits<std::int64_t>::max(), needed(gaussian))
+          .value_or(0));
+  const bool file = kind == SurfaceKind::file;
+  const auto profile = in.text("path", "the path of a profile, a text", needed(file));
+  if (file && profile) {
+    if (profile->empty()) document.fault(path + ".path", "empty: expected the path of a profile");
+    if (profile->find('\0') != std::string::npos || profile->size() >= longest_path)
+      document.fault(path + ".path", toml_string(shortened(*profile)) +
+                                         " cannot be the name of a file: expected the path of a "
+                                         "profile");
+  }
+  surface.path = profile.value_or("");
+  for (Reader peak : in.tables("peaks", needed(kind == SurfaceKind::peaks)))
+    surface.peaks.push_back({.at = *peak.number("at", any_number, "m"),
+                             .height = *peak.number("height", any_number, "m"),
+                             .half_width = *peak.number("half_width", positive, "m")});
+  return surface;
+}
+
+/// The keys of both bodies.
+BodySpec read_body(Reader in, const std::string& name, Document& document) {
+  const auto support = in.choice("support", supports, Need::required);
+  // without a support it is not known which keys are missing; without the section, all are
+  const Need material = needed(support ? *support != Support::rigid : !in.stands());
+  BodySpec body;
+  body.support = support.value_or(Support::pinned);
+  body.length = *in.number("length", positive, "m");
+  body.thickness = in.number("thickness", positive, "m", material).value_or(0);
+  body.width = *in.number("width", positive, "m");
+  body.young = in.number("young", positive, "Pa", material).value_or(0);
+  body.density = in.number("density", positive, "kg/m^3", material).value_or(0);
+  body.damping = in.number("damping", ratio, "", material).value_or(0);
+  body.max_frequency = in.number("max_frequency", positive, "Hz", Need::optional);
+  if (const auto modes = in.integer("modes", 0, most_asked, Need::optional))
+    body.modes = static_cast<int>(*modes);
+  if (material == Need::required) in.one_of("max_frequency", "modes");
+  if (auto surface = in.table("surface"))
+    body.surface = read_surface(*surface, name + ".surface", document);
+  return body;
+}
+
+Scene read(Document& document, const std::filesystem::path& file) {
+  Scene scene;
+  scene.file = file;
+
+  Reader in = document.section("scene");
+  scene.name = in.text("name", "a text", Need::optional).value_or("");
+  scene.duration = *in.number("duration", positive, "s");
+  scene.speed = *in.number("speed", not_negative, "m/s");
+  scene.start = *in.number("start", any_number, "m");
+  scene.gap = in.number("gap", any_number, "m", Need::optional, "touching");
+  scene.spacing = *in.number("spacing", positive, "m");
+  const auto initial = in.choice("initial", initial_states, Need::optional);
+
+  in = document.section("resonator");
+  scene.resonator = read_body(in, "resonator", document);
+  for (Reader force : in.tables("moving_force", Need::optional))
+    scene.resonator.moving_forces.push_back({.force = *force.number("force", any_number, "N"),
+                                             .speed = *force.number("speed", not_negative, "m/s"),
+                                             .start = *force.number("start", any_number, "m")});
+
+  in = document.section("slider");
+  scene.slider = read_body(in, "slider", document);
+  scene.slider.load_is_weight = in.says("load", "weight");
+  scene.slider.load = in.number("load", any_number, "N", Need::optional, "weight").value_or(0);
+
+  in = document.section("contact");
+  scene.law = in.choice("law", contact_laws, Need::optional).value_or(ContactLaw::penalty);
+  scene.stiffness =
+      in.number("stiffness", positive, "Pa/m", needed(scene.law == ContactLaw::penalty))
+          .value_or(0);
+
+  in = document.section("time");
+  const auto scheme = in.choice("scheme", schemes, Need::optional);
+  scene.scheme = scheme.value_or(SchemeKind::backward_euler);
+  scene.force_time =
+      in.choice("contact_force", force_times, Need::optional).value_or(ForceTime::old_time);
+  const bool adaptive = is_adaptive(scene);
+  // of a scheme that is not known it is not known either whether it needs a step
+  const bool fixed = !adaptive && (scheme || !in.has("scheme"));
+  scene.step = in.number("step", positive, "s", needed(fixed))
+                   .value_or(adaptive ? 0.0 : std::numeric_limits<double>::quiet_NaN());
+  scene.tolerance = in.number("tolerance", positive, "", Need::optional);
+  if (adaptive && !scene.tolerance) scene.tolerance = usual_tolerance;
+  scene.nodes = in.choice("nodes", node_choices, Need::optional).value_or(Nodes::candidates);
+  scene.force = in.boolean("force").value_or(false);
+
+  in = document.section("output");
+  scene.rate = in.number("rate", positive, "Hz", Need::optional).value_or(100e3);
+  scene.probes = in.numbers("probes", "m");
+  scene.slider_probes = in.numbers("slider_probes", "m");
+  scene.from = in.number("from", not_negative, "s", Need::optional).value_or(0);
+
+  scene.initial = initial.value_or(has_equilibrium(scene) ? Initial::statics : Initial::rest);
+  return scene;
+}
+
+void require_size(std::size_t bytes, const std::filesystem::path& file) {
+  if (bytes > largest_file)
+    throw RequestError(
+        fmt::format("{}: 1 fault\n{}: more than 16 MiB: expected a scene, a short "
+                    "text (is it another file?)",
+                    file.string(), file.string()));
+}
+
+}  // namespace
+
+Scene parse_scene(const std::string& text, const std::filesystem::path& file,
+                  const std::vector<std::string>& overrides) {
+  require_size(text.size(), file);
+  Document document{text, file, overrides};
+  Scene scene = read(document, file);
+  check(scene, document);
+  const char* const drawn = "a seed means the same profile at every scene.spacing: drop the key";
+  document.finish({{"resonator.surface.seed_spacing", drawn},
+                   {"slider.surface.seed_spacing", drawn},
+                   {"resonator.load",
+                    "only the slider takes a load (slider.load, or [[resonator.moving_force]])"},
+                   {"slider.moving_force",
+                    "only the resonator takes a moving force (slider.load loads the slider)"}});
+  scene.places = std::make_shared<const std::map<std::string, std::string>>(document.places());
+  return scene;
+}
+
+Scene read_scene(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
+  const auto cannot = [&] {
+    return FileError(
+        fmt::format("{}: cannot read the scene: {}", file.string(), std::strerror(errno)));
+  };
+  errno = 0;
+  std::ifstream in{file, std::ios::binary};
+  if (!in) throw cannot();
+  std::string text(largest_file + 1, '\0');
+  in.read(text.data(), static_cast<std::streamsize>(text.size()));
+  if (in.bad()) throw cannot();  // a folder opens, but does not read
+  text.resize(static_cast<std::size_t>(in.gcount()));
+  return parse_scene(text, file, overrides);
+}
+
+}  // namespace ra2d

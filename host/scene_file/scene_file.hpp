@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "host/scene/scene.hpp"
+
+/// Scenes as TOML, in and out.
+namespace ra2d {
+
+/// Reads and checks a scene (contract: "Scene"). `overrides` are "section.key=value" texts of
+/// --set. Throws RequestError that names every fault at once, FileError when the file cannot be
+/// read.
+Scene read_scene(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
+
+/// The same from a text; `file` is used in messages and to resolve relative paths.
+Scene parse_scene(const std::string& text, const std::filesystem::path& file,
+                  const std::vector<std::string>& overrides = {});
+
+/// The scene as TOML, complete (defaults included): reading it again gives the same scene, from any
+/// folder, since it names profiles by absolute path.
+/// Keys that the scene's choices do not use carry a comment "# not used: why".
+std::string echo(const Scene& scene);
+
+}  // namespace ra2d

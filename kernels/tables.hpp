@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <cstdint>
+
+#include "kernels/nodes.hpp"
+#include "kernels/schemes/mode_step.hpp"
+
+/// The tables of one scene, as the march reads them. Plain data: the pointers point to where the
+/// kernels run. Built and checked on the host (host/model/model.hpp); nothing is checked here again.
+///
+/// Modes. Both bodies' modes stand in one list, one lane each: the resonator's, then the slider's;
+/// the rest of the last pack is zero. Signs are those of the model page, which treats both bodies
+/// alike: every mode closes the gap by U_k psi_k at a node, and a contact force f drives it with -f
+/// psi_k.
+///
+/// Nodes. Slider node n stands at resonator position pos(m) + n in units of chi, pos(m) = position
+/// + m advance at step m. To find which nodes can touch, they are taken in groups, one a lane.
+///
+/// Patches. Under the slider the resonator's displacement is smooth: its shortest wavelength spans
+/// hundreds of nodes. On patches fixed to the resonator it is a power series in eta = (x -
+/// centre)/radius, |eta| <= 1, whose coefficients are sums over the modes:
+///   u_2 = sum_j q_j eta^j,  q_j = sum_k U_k radius^j psi_k^(j)(centre) / j!.
+/// Four terms, with a bound on the rest, tell which nodes can touch. A node that can is then
+/// evaluated to below the roundings with `terms` terms: all modes here satisfy psi'''' = beta^4
+/// psi, so four derivatives are stored and the others follow with (beta radius)^4.
+///
+/// Windows. Over a fraction of chi (1/windows) a mode's shape at a moving node is a cubic of its
+/// offset, again to below the roundings. A node that touches or soon could is expanded so once a
+/// window; its overlap and the modal force of its contact force are then one product over the modes
+/// each.
+///
+/// Time is counted in steps of the scheme; under the adaptive one, whose steps have any length, in
+/// ticks so short that no answer feels them: times are integers, and sums of them exact.
+namespace ra2d {
+
+/// What a step is made of; a scene has one of these (kernels/march.hpp).
+enum class Form : int {
+  semi_implicit,  // U1 = U0 + tau V1 with the contact force of the old time
+  staged,         // the contact force at each stage of the scheme
+  held,           // one contact force a step, found together with its end
+  adaptive        // steps of any length, that end where a contact begins or ends
+};
+inline constexpr int forms = 4;
+
+/// Longest series of a patch that a scene may need (host/device/batch.cpp chooses).
+inline constexpr int most_terms = 24;
+
+struct MovingForceTable {
+  double force;     // N
+  double position;  // m, at t = 0
+  double advance;   // m per step
+};
+
+/// Rows of SceneTables::end. The outer force that stays the same, the load, is multiplied in.
+enum EndRow : int { end_u_u, end_u_v, end_u_load, end_v_u, end_v_v, end_v_load, end_forces };
+inline constexpr int end_rows(int stages) { return end_forces + 2 * stages; }  // u_f, v_f of each
+/// First row of stage i >= 1 in SceneTables::stage: stage_u, stage_v, load, then stage_f[j] for j <
+/// i. For the host, like end_rows; the march finds it in SceneTables::stage_row.
+inline constexpr int first_stage_row(int i) { return 3 * (i - 1) + i * (i - 1) / 2; }
+
+/// Rows of SceneTables::flight, per level: what so many ticks do to (U - rest, V, 1), and to the
+/// integral of V^2, in ticks.
+enum FlightRow : int {
+  flight_u_u,
+  flight_u_v,
+  flight_u,
+  flight_v_u,
+  flight_v_v,
+  flight_v,
+  flight_s_uu,
+  flight_s_uv,
+  flight_s_vv,
+  flight_s_v,
+  flight_s,
+  flight_rows
+};
+
+/// Highest order of the series of an adaptive step.
+inline constexpr int most_order = 28;
+/// Terms of an overlap's series: the mode shapes along the way are cubics.
+inline constexpr int overlap_terms = most_order + 4;
+/// Points of the Gauss-Legendre rule over an adaptive step. Eight are exact to the 15th power, and off
+/// by 3.6e-10 of the 16th. A motion that carries most of the energy turns by no more than theta = 1.8
+/// as far as the error control lets a series go: of the product of two such the 16th power is below
+/// (2 theta)^16/16! = 4e-5. What turns further is too small a part to matter.
+inline constexpr int gauss_points = 8;
+/// Its places take this much room, padded to any number of lanes; then come the weights.
+inline constexpr int gauss_room = 32;
+
+struct SceneTables {
+  // what there is
+  int resonator_modes = 0, slider_modes = 0;
+  int nodes = 0, groups = 0;  // slider nodes; groups of one a lane
+  int patches = 0,
+      patch_nodes = 0;  // patches; their width in nodes (radius = half of it + half a group + 1)
+  double inverse_patch = 0;  // 1/patch_nodes
+  int windows = 1;           // parts of a node's width
+  int terms = 4;             // of the full series, a multiple of 4
+  int moving_forces = 0;
+  Nodes look_at = Nodes::candidates;
+  Form form = Form::semi_implicit;
+
+  // motion
+  double position = 0;          // of slider node 0 on the resonator at t = 0, in chi
+  double advance = 0;           // per step, in chi
+  double spacing = 0;           // m, chi
+  double step = 0;              // s, tau, or a tick
+  double inverse_radius = 0;    // chi / radius
+  double window_width = 1;      // chi, 1/windows
+  double resonator_length = 0;  // m
+
+  // contact
+  double node_stiffness = 0;  // N/m, kappa chi w
+  double compliance = 0;      // m/N, 1/(kappa chi w); 0 under multipliers
+  double touch = 0;           // m, overlap that counts as none under Form::held: roundings
+  double least_yielding = 0;  // m/N, of a node that any mode moves: what is less is roundings
+  double slack = 0;           // m, bound on the rounding of the rough faces' part of a gap
+  double steepest = 0;        // m, largest rise of the resonator's face over one spacing
+
+  // how the guarantee is used: these set the cost, never the answer
+  double least_reach = 0;   // m, of a near list
+  double least_leeway = 0;  // m, of a watch
+  double least_energy = 0;  // J, below which energy is not watched
+
+  // the scheme (kernels/schemes/mode_step.hpp)
+  int stages = 1;
+  double place[most_stages] = {};   // of the stages, in steps
+  int stage_row[most_stages] = {};  // first_stage_row
+  double velocity_lag = 0;          // steps
+  double loss_ends = 0;             // weight of the damping loss at both ends of a stretch of steps
+  int longest_look = 1;             // steps over which the bounds on the modes hold
+
+  // Form::adaptive
+  double tolerance = 0;      // relative local error of a step
+  int order = 0;             // of the series
+  int first_level = 0;       // flight tables are of 2^first_level, 2^(first_level + 1), ... ticks
+  double longest_scale = 0;  // s, unit of a series beyond which its terms could overflow
+  double cubic_excess = 1;   // derivatives of a mode's cubic over a patch, over those of the mode
+  double fourth_rest = 0;    // m/s^4, of where the load holds the modes, see Flight::bounds
+  double top = 0;            // m, the highest overlap that the faces alone can have anywhere
+  const double* flight = nullptr;  // (level, FlightRow, lane)
+  const double* rest = nullptr;    // m^(3/2), where the load holds a mode; 0 for a rigid one
+  const double* fall = nullptr;    // m^(3/2)/s^2, load/m of a rigid mode; 0 for the others
+  const double* decay = nullptr;   // 1/s, 2 zeta omega
+  const double* turn = nullptr;    // 1/s, |(omega U, V)'| over |(omega U, V)| is no more
+  const double* swing = nullptr;   // s, 2/omega: the farthest a mode gets over its energy norm
+  const double* fourth = nullptr;  // m^(-1/2)/s^3, fourth derivative of an overlap, the same
+  const double* wander = nullptr;  // 1/s, speed times the largest wave number of a mode
+  const double* light = nullptr;   // m/kg, 1/m
+  const double* hull = nullptr;    // (coefficient, overlap_terms): see Hull; then its two masks
+  const double* gauss = nullptr;   // places in (0, 1), then weights; padded with zeros
+
+  // modes, one lane each (padded with zeros)
+  const double* stage = nullptr;   // rows of lanes, see stage_row
+  const double* end = nullptr;     // rows of lanes, see EndRow
+  const double* held_u = nullptr;  // U1 and V1 of a force that is held over the step
+  const double* held_v = nullptr;
+  const double* load = nullptr;     // N m^(-1/2), constant modal load
+  const double* mass = nullptr;     // kg/m
+  const double* omega = nullptr;    // rad/s
+  const double* damping = nullptr;  // 2 zeta omega m tau: damping loss of a step over V^2
+  const double* pull = nullptr;     // 1/s, the scheme's bound on |V'| over the modal energy norm
+  const double* push = nullptr;     // m^(3/2)/s^2, bound on what the outer modal forces add to V'
+  const double* yield = nullptr;    // m^(-1/2)/kg, the same for a newton of contact force
+  const double* reach = nullptr;    // max |psi|
+  const double* reach_slope = nullptr;   // max |psi'|, resonator only: its nodes move
+  const double* reach_curve = nullptr;   // max |psi''|, resonator only
+  const double* tail = nullptr;          // bound on what a cubic over a patch leaves out, over |U|
+  const double* tail_slope = nullptr;    // 1/m, the same for its slope
+  const double* quartic = nullptr;       // (beta radius)^4
+  const double* patch = nullptr;         // (patch, 4, lane): radius^j psi^(j)(centre)
+  const double* slider_shape = nullptr;  // (slider mode, group, lane): psi at the slider's nodes
+  const double* unit = nullptr;          // (slider mode, lane): 1 at that mode's own lane
+
+  // surfaces, m
+  const double* height1 = nullptr;   // (group, lane): h_1 - delta; far below for the padding
+  const double* height2 = nullptr;   // resonator node, padded beyond its end
+  const double* highest2 = nullptr;  // max of height2 over a node and the `width` after it
+
+  const MovingForceTable* moving_force = nullptr;
+
+  // when to write
+  std::int64_t total_steps = 0;
+  std::int64_t counted_from = 0;  // the step at which statistics begin: an adaptive one ends there
+  double steps_per_sample = 0;
+  std::int64_t samples = 0;
+
+  const int* interrupted = nullptr;  // of host backends: not 0 when the launch is to end soon
+};
+
+}  // namespace ra2d

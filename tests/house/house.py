@@ -1,0 +1,87 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Whether the house stands: no floor includes what is above it, and no two things have one name.
+
+usage: house.py SOURCE_FOLDER
+
+- Every folder of host/ stands above all that it includes, and so does every header of kernels/.
+- No two headers have one name: an include by its last word would find either.
+- No two types have one name: two structs of one name in two files are undefined behaviour (of those
+  in unnamed namespaces, which are no harm, a reader would confuse them: `allowed` lists these).
+"""
+
+import collections
+import pathlib
+import re
+import sys
+
+# From the ground up. "." are the files of host/ itself.
+HOST = [".", "scene", "surface", "beam", "scene_file", "model", "device", "plan", "result", "store",
+        "run", "ensemble", "savings", "plot", "chart", "commands"]
+KERNELS = ["limits", "nodes", "schemes", "tables", "state", "lanes", "displacement", "gap",
+           "near_groups", "candidates", "shocks", "contact", "fixed", "adaptive", "march"]
+
+INCLUDE = re.compile(r'^\s*#include "((?:host|kernels)/[^"]+)"', re.MULTILINE)
+TYPE = re.compile(r"^(?:template <.*>\s*)?(?:struct|class|enum(?: class)?) (\w+)(?: final)?(?: ?:[^:;()][^;()]*)? \{", re.MULTILINE)
+
+
+def floor_of(path):
+    """(part, number of the floor, its name); None where the file belongs to no floor."""
+    parts = path.split("/")
+    if parts[0] == "host":
+        name = parts[1] if len(parts) > 2 else "."
+        return ("host", HOST.index(name), name) if name in HOST else None
+    name = parts[1] if len(parts) > 2 else pathlib.PurePath(path).stem
+    return ("kernels", KERNELS.index(name), name) if name in KERNELS else None
+
+
+def without_comments(text):
+    return re.sub(r"//[^\n]*|/\*.*?\*/", "", text, flags=re.DOTALL)
+
+
+def named_types(text):
+    """Types defined in namespace ra2d itself: at the left margin, outside unnamed namespaces."""
+    text = without_comments(text)
+    for unnamed in re.findall(r"^namespace \{\n.*?^\}  ?\n|^namespace \{\n.*?^\}\s*$", text, re.DOTALL | re.MULTILINE):
+        text = text.replace(unnamed, "")
+    return TYPE.findall(text)
+
+
+def faults(root):
+    files = sorted(p for folder in ("host", "kernels") for p in (root / folder).rglob("*.?pp"))
+    if len(files) < 50:
+        yield f"{root}: only {len(files)} files of host/ and kernels/ were found"
+    headers, types = collections.defaultdict(list), collections.defaultdict(list)
+    for file in files:
+        path = file.relative_to(root).as_posix()
+        text = file.read_text()
+        here = floor_of(path)
+        if here is None:
+            yield f"{path}: its folder is on no floor: name it in tests/house/house.py"
+            continue
+        for included in INCLUDE.findall(text):
+            there = floor_of(included)
+            if there is None or not (root / included).exists():
+                yield f"{path} includes {included}, which is on no floor"
+            elif here[0] == "kernels" and there[0] == "host":
+                yield f"{path} includes {included}: the kernels know nothing of host/"
+            elif here[0] == there[0] and there[1] > here[1]:
+                yield f"{path} includes {included}: '{there[2]}' is above '{here[2]}'"
+        if path.endswith(".hpp"):
+            headers[file.name].append(path)
+        for name in set(named_types(text)):
+            types[name].append(path)
+    for what, names in (("headers", headers), ("types", types)):
+        for name, places in names.items():
+            if len(places) > 1:
+                yield f"two {what} are called {name}: {', '.join(places)}"
+
+
+def main():
+    found = list(faults(pathlib.Path(sys.argv[1])))
+    print("\n".join(found) or "the house stands")
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
