@@ -6,6 +6,7 @@
 #include "kernels/displacement.hpp"
 #include "kernels/gap.hpp"
 #include "kernels/lanes.hpp"
+#include "kernels/limits.hpp"
 #include "kernels/near_groups.hpp"
 #include "kernels/state.hpp"
 #include "kernels/tables.hpp"
@@ -31,7 +32,7 @@
 /// force is at most f = kappa chi w sum_n max(0, overlap_n on the line + rho), so they leave the
 /// line by at most (A + f sum_k max|psi_k| yield_k (1 + pull_k t)) t^2/2, yield_k = max|psi_k|/m_k
 /// times the step's own factor: N is the last step at which this is still within rho. Forces that
-/// are found with the end of the step (Form::held) have no such bound: there the march sums up what
+/// are found with the end of the step (Form::implicit) have no such bound: there the march sums up what
 /// they have done, and does a step again with every node that could touch when the list would not
 /// have covered it.
 ///
@@ -45,10 +46,8 @@ namespace ra2d {
 inline constexpr int watch_steps = 256;
 /// A flight shorter than this costs more in looking than in evaluating the contact.
 inline constexpr int shortest_flight = 24;
-/// Under Form::held, more nodes than this cost less in looking at every state than on a list.
+/// Under Form::implicit, more nodes than this cost less in looking at every state than on a list.
 inline constexpr int most_watched = 48;
-/// Longest stretch that a look covers, and steps between two looks at the energy.
-inline constexpr int longest_flight = 4096;
 /// Bound on the rounding of a displacement, over sum max|psi_k| |U_k|: a sum over the modes of a
 /// polynomial, and one rounding of U_k for every step that is looked ahead.
 KOKKOS_INLINE_FUNCTION double rounding(int steps) { return (256 + steps) * 0x1p-52; }
@@ -108,11 +107,11 @@ class Candidates {
     const double half_curve = 0.5 * b.curvature * tau * tau;
     // A node is left out of the watch when it stays open along the line, with leeway and its own
     // motion.
-    const double slack = t_.slack + b.rounding + bound(t_.tail, u) +
+    const double slack = t_.slack + b.rounding + bound(t_.cubic_remainder, u) +
                          position_rounding(place) * t_.steepest + 2.0 * half_curve;
     // what the cubics leave out of the closing per step
-    const double closing_slack = tau * bound(t_.tail, v) +
-                                 t_.advance * t_.spacing * bound(t_.tail_slope, u) +
+    const double closing_slack = tau * bound(t_.cubic_remainder, v) +
+                                 t_.advance * t_.spacing * bound(t_.cubic_slope_remainder, u) +
                                  2.0 * half_curve;
     const double level = -(leeway + half_curve * watched * watched + slack);
     double q[4], rate_q[4];
@@ -162,17 +161,18 @@ class Candidates {
       if (steps < 1 && looks_ahead()) return {Outlook::look, 1, 0};
       return {Outlook::fly, steps < 1 ? 1 : steps, 0};
     }
-    if (t_.form == Form::held && count > most_watched) return {Outlook::look, 1, 0};
+    if (t_.form == Form::implicit && count > most_watched) return {Outlook::look, 1, 0};
     double pull = b.acceleration;
     Outlook outlook{Outlook::watch, watched, count};
-    if (t_.form == Form::held) {  // no bound on the force: the march looks at what has come of it
+    if (t_.form == Form::implicit) {  // no bound on the force: the march looks at what has come of it
       outlook.line = 0.5 * b.acceleration * tau * tau / leeway;
       outlook.kick = b.yield * tau * tau / leeway;
     } else {
       pull += b.yield * t_.node_stiffness * lanes_.sum(pressed);
     }
-    const double held = Kokkos::sqrt(2.0 * leeway / (pull + 1e-300)) / tau - 1.0;
-    if (!(held >= watched)) outlook.steps = !(held >= 1.0) ? 0 : static_cast<int>(held);
+    const double lasting = Kokkos::sqrt(2.0 * leeway / (pull + 1e-300)) / tau - 1.0;
+    if (!(lasting >= watched))
+      outlook.steps = !(lasting >= 1.0) ? 0 : static_cast<int>(lasting);
     if (outlook.steps < 1 || short_of_window) {
       if (looks_ahead()) return {Outlook::look, 1, 0};
       outlook.steps = 1;  // the first step may always be watched: the line begins there
@@ -182,7 +182,7 @@ class Candidates {
 
   /// Whether contact is looked for at other states than that at which a step begins.
   KOKKOS_FORCEINLINE_FUNCTION bool looks_ahead() const {
-    return t_.stages > 1 || t_.form == Form::held;
+    return t_.stages > 1 || t_.form == Form::implicit;
   }
 
   /// Lists in `watch` every node that touches at the present state, and perhaps a few that miss by
@@ -192,7 +192,7 @@ class Candidates {
     if (!all && !near_.holds(u, place, 0.0)) find_near(u, v, place);
     for (int p = 0; p < K; ++p) lanes_.store(s_.lanes + p * width, u[p]);
     lanes_.sync();
-    const double level = -(t_.slack + rounding(0) * bound(t_.reach, u) + bound(t_.tail, u));
+    const double level = -(t_.slack + rounding(0) * bound(t_.largest_shape, u) + bound(t_.cubic_remainder, u));
     const Real lane_eta = Real(t_.inverse_radius) * lanes_.index();
     double q[4];
     int patch = -1, count = 0;
@@ -261,13 +261,13 @@ class Candidates {
       yield[p] = load(t_.yield, p) * multiply_add(time, load(t_.pull, p), Real(1.0));
     }
     Bounds b;
-    b.rounding = rounding(steps) * bound(t_.reach, displacement);
-    b.speed = bound(t_.reach, v);
-    b.acceleration = bound(t_.reach, acceleration);
+    b.rounding = rounding(steps) * bound(t_.largest_shape, displacement);
+    b.speed = bound(t_.largest_shape, v);
+    b.acceleration = bound(t_.largest_shape, acceleration);
     const double speed = t_.advance * t_.spacing / t_.step;
-    b.curvature = b.acceleration + 2.0 * speed * bound(t_.reach_slope, rate) +
-                  speed * speed * bound(t_.reach_curve, displacement);
-    b.yield = bound(t_.reach, yield);
+    b.curvature = b.acceleration + 2.0 * speed * bound(t_.largest_slope, rate) +
+                  speed * speed * bound(t_.largest_curvature, displacement);
+    b.yield = bound(t_.largest_shape, yield);
     return b;
   }
 

@@ -22,6 +22,7 @@ struct HostLanes {
   using Mask = typename Real::mask_type;
   static constexpr int width = static_cast<int>(Real::size());
 
+  HostLanes() = default;
   template <class Member>
   explicit HostLanes(const Member&) {}
 

@@ -5,6 +5,7 @@
 
 #include "kernels/adaptive/adaptive_march.hpp"
 #include "kernels/candidates.hpp"
+#include "kernels/check.hpp"
 #include "kernels/contact/complementarity.hpp"
 #include "kernels/contact/node_contact.hpp"
 #include "kernels/displacement.hpp"
@@ -27,7 +28,7 @@
 /// bit.
 ///
 /// The record is that of the state at each step, whatever the scheme does within it: shocks and the
-/// work of the imposed motion are summed from the contact forces there (under Form::held from the
+/// work of the imposed motion are summed from the contact forces there (under Form::implicit from the
 /// force over the step that ends there), level and damping loss from the velocities.
 namespace ra2d {
 
@@ -144,7 +145,7 @@ class Marcher {
     if (s_.sample_pending) {
       sample_place(s_.next_sample, at, share);
       if (at + 1 != step_) return true;
-      write_sample(share, true);
+      write_sample(share, SamplePart::second);
       if (lanes_.leader()) {
         s_.sample_pending = false;
         ++s_.sample_count;
@@ -156,7 +157,7 @@ class Marcher {
     sample_place(s_.next_sample, at, share);
     if (at != step_) return true;
     if (s_.sample_count == s_.sample_capacity) return false;
-    write_sample(1.0 - share, false);
+    write_sample(1.0 - share, share > 0.0 ? SamplePart::first : SamplePart::whole);
     watch_energy();
     if (lanes_.leader()) {
       if (share > 0.0) {
@@ -170,19 +171,26 @@ class Marcher {
     return true;
   }
 
-  KOKKOS_FUNCTION void write_sample(double weight, bool add) {
+  /// The share `weight` of a sample that this step has in it: all of it, the first of two, which waits
+  /// for the second, or the second.
+  KOKKOS_FUNCTION void write_sample(double weight, SamplePart part) {
+    const bool add = part == SamplePart::second;
     if (!add) close_parts();
     Real v[K];
     const SampledContact contact = contact_now(v);
-    double* row = s_.sample_rows +
-                  static_cast<std::int64_t>(s_.sample_count) * (2 * K * width + sample::columns);
-    const auto put = [&](double* to, const Real& x) {
-      lanes_.store(to, add ? multiply_add(weight, x, lanes_.load(to)) : Real(weight) * x);
+    constexpr int size = sample::row(K * width);
+    RA2D_CHECK(s_.sample_count < s_.sample_capacity);
+    double* const row = part == SamplePart::first
+                            ? s_.pending_row
+                            : s_.sample_rows + static_cast<std::int64_t>(s_.sample_count) * size;
+    const auto put = [&](int at, const Real& x) {
+      lanes_.store(row + at, add ? multiply_add(weight, x, lanes_.load(s_.pending_row + at))
+                                 : Real(weight) * x);
     };
     Real loss(0.0);
     for (int p = 0; p < K; ++p) {
-      put(row + p * width, u_[p]);
-      put(row + (K + p) * width, v[p]);
+      put(p * width, u_[p]);
+      put((K + p) * width, v[p]);
       const Real before = load(s_.start_v, p);
       const Real ends = Real(t_.loss_ends) * (v_[p] * v_[p] - before * before);
       loss = multiply_add(load(t_.damping, p), load(s_.square, p) + square_[p] - ends, loss);
@@ -195,10 +203,13 @@ class Marcher {
     const double values[sample::columns] = {contact.force,  nodes,
                                             contact.energy, damping_loss,
                                             sliding_work,   s_.force_work + s_.force_part};
-    double* column = row + 2 * K * width;
+    double* const column = row + 2 * K * width;
+    const double* const first = s_.pending_row + 2 * K * width;
     for (int i = 0; i < sample::columns; ++i)
-      column[i] = weight * values[i] + (add ? column[i] : 0.0);
+      column[i] = weight * values[i] + (add ? first[i] : 0.0);
   }
+
+  enum class SamplePart { whole, first, second };
 
   struct SampledContact {
     double force, energy;
@@ -209,9 +220,9 @@ class Marcher {
   /// behind, the mean of this step's and the next's.
   KOKKOS_FUNCTION SampledContact contact_now(Real* v) {
     for (int p = 0; p < K; ++p) v[p] = v_[p];
-    if constexpr (form == Form::held) {
+    if constexpr (form == Form::implicit) {
       // a force over a step has no value within it: where there is one, the velocity is left as it is
-      if (s_.held_step == step_) return {s_.held_force, s_.held_energy, s_.held_nodes};
+      if (s_.contact_step == step_) return {s_.contact_force, s_.contact_energy, s_.contact_nodes};
       if (t_.velocity_lag > 0.0) {
         Real force[K], moving[K];
         outer_force(step_, 0.0, force, moving);
@@ -246,11 +257,11 @@ class Marcher {
   KOKKOS_FUNCTION void begin() {
     if (s_.begun) return;
     // what rests under contact forces that are yet to be found is not pushed
-    const bool pushed_freely = form != Form::held || s_.held_nodes == 0;
+    const bool pushed_freely = form != Form::implicit || s_.contact_nodes == 0;
     if (t_.velocity_lag > 0.0 && pushed_freely) {
       Real force[K], moving[K];
       outer_force(step_, 0.0, force, moving);
-      if constexpr (form != Form::held) {
+      if constexpr (form != Form::implicit) {
         const Place place(t_, step_);
         const int count = candidates_.find_touching(u_, v_, place);
         contact_.expand(place, s_.watch, count);
@@ -345,7 +356,7 @@ class Marcher {
   /// What a step adds to the record.
   KOKKOS_FORCEINLINE_FUNCTION void record(const ContactTotals<Real>& totals, const Place& place,
                                           std::int64_t step) {
-    if constexpr (form == Form::held)  // an impact's whole impulse may fall into one step
+    if constexpr (form == Form::implicit)  // an impact's whole impulse may fall into one step
       last_force_ += 0.125 * (totals.force - last_force_);
     else if (totals.touched > 0)
       last_force_ = totals.force;
@@ -488,7 +499,7 @@ class Marcher {
   };
 
   /// One step with contact at the nodes that `nodes` lists. False, with nothing done, when a list
-  /// would not cover it (`outlook`, Form::held alone).
+  /// would not cover it (`outlook`, Form::implicit alone).
   template <class Nodes>
   KOKKOS_FORCEINLINE_FUNCTION bool contact_step(Working& y, const Weights& w, Place& place,
                                                 const Nodes& nodes, const Outlook* outlook,
@@ -566,18 +577,18 @@ class Marcher {
     ContactTotals<Real> totals;
     double most = 0.0;
     const auto list = [&](const Real* at) { return nodes(at, v, place); };
-    const Held found = held_(place, step_ + 1, u, v, list, totals, most);
+    const Solution found = held_(place, step_ + 1, u, v, list, totals, most);
     if (outlook != nullptr) {
       // did all that was looked at stay where the list holds?
       pushed += most;
       pushes += pushed;
       const double n = done + 1.0;
-      if (found != Held::solved || !(outlook->line * n * (n + 1.0) + outlook->kick * pushes <= 1.0))
+      if (found != Solution::solved || !(outlook->line * n * (n + 1.0) + outlook->kick * pushes <= 1.0))
         return false;
       pushes += (totals.force - most);
       pushed += (totals.force - most);
-    } else if (found != Held::solved) {
-      if (lanes_.leader()) s_.status = found == Held::blocked ? Status::blocked : Status::crowded;
+    } else if (found != Solution::solved) {
+      if (lanes_.leader()) s_.status = found == Solution::blocked ? Status::blocked : Status::crowded;
       lanes_.sync();
       return false;
     }
@@ -590,11 +601,11 @@ class Marcher {
     if (lanes_.leader() && totals.touched > 0) {
       double energy = 0.0;
       for (int e = 0; e < totals.touched; ++e) energy += s_.touched_force[e] * s_.touched_force[e];
-      s_.held_step = step_ + 1;
-      s_.held_force = totals.force;
-      s_.held_energy = 0.5 * t_.compliance * energy;
-      s_.held_nodes = totals.touched;
-      for (int e = 0; e < 2 && e < totals.touched; ++e) s_.held_pair[e] = s_.touched[e];
+      s_.contact_step = step_ + 1;
+      s_.contact_force = totals.force;
+      s_.contact_energy = 0.5 * t_.compliance * energy;
+      s_.contact_nodes = totals.touched;
+      for (int e = 0; e < 2 && e < totals.touched; ++e) s_.contact_pair[e] = s_.touched[e];
     }
     y.bend = y.bend + totals.bend;
     lanes_.sync();
@@ -657,9 +668,9 @@ class Marcher {
   /// Steps that provably have no contact.
   KOKKOS_FUNCTION void fly(int steps) {
     const Weights w = load_weights();
-    // contact is recorded at the beginning of a step, or (Form::held) at its end
+    // contact is recorded at the beginning of a step, or (Form::implicit) at its end
     if (lanes_.leader() && s_.open_count > 0)
-      end_shocks(s_, form == Form::held ? step_ + 1 : step_);
+      end_shocks(s_, form == Form::implicit ? step_ + 1 : step_);
     if (t_.moving_forces == 0) {
       // arrays of their own, so that they stay in registers
       Real u[K], v[K], square[K], force[K];
@@ -713,14 +724,24 @@ class Marcher {
       ++done;
     }
     put_back(y);
-    const int states = form == Form::held ? 1 : t_.stages;  // looked at in a step
+    const int states = form == Form::implicit ? 1 : t_.stages;  // looked at in a step
     if (lanes_.leader()) s_.evaluated += static_cast<std::int64_t>(done) * plan.count * states;
     lanes_.sync();
     return done > 0;
   }
 };
 
-/// The launch: the scenes of one form in a batch, one team each, until step `target`.
+/// Marches one scene to step `target`, its end, a full buffer, an interrupt or a failure.
+template <class Lanes, Form form, int K>
+KOKKOS_FUNCTION void march_scene(const Lanes& lanes, const SceneTables& tables, SceneState& state,
+                                 std::int64_t target) {
+  if constexpr (form == Form::adaptive)
+    AdaptiveMarcher<Lanes, K>(lanes, tables, state).run(target);
+  else
+    Marcher<Lanes, form, K>(lanes, tables, state).run(target);
+}
+
+/// A launch on a GPU: scenes of one form, a team each, to their targets.
 template <class Space, Form form, int K>
 struct March {
   using Policy = Kokkos::TeamPolicy<Space>;
@@ -730,15 +751,11 @@ struct March {
   Kokkos::View<const SceneTables*, Space> tables;
   Kokkos::View<SceneState*, Space> states;
   Kokkos::View<const int*, Space> scenes;
-  std::int64_t target;
+  Kokkos::View<const std::int64_t*, Space> targets;
 
   KOKKOS_FUNCTION void operator()(const Member& member) const {
     const int scene = scenes(member.league_rank());
-    const Lanes lanes(member);
-    if constexpr (form == Form::adaptive)
-      AdaptiveMarcher<Lanes, K>(lanes, tables(scene), states(scene)).run(target);
-    else
-      Marcher<Lanes, form, K>(lanes, tables(scene), states(scene)).run(target);
+    march_scene<Lanes, form, K>(Lanes(member), tables(scene), states(scene), targets(scene));
   }
   void launch(const Space& space) const {
     Kokkos::parallel_for("ra2d::march",

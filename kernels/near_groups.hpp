@@ -11,15 +11,6 @@
 
 namespace ra2d {
 
-/// SceneTables::highest2 of a face of `count` nodes: the highest of a node and the `ahead` after it.
-inline void fill_highest(const double* height, int count, int ahead, double* highest) {
-  for (int n = 0; n < count; ++n) {
-    highest[n] = height[n];
-    for (int m = n + 1; m <= n + ahead && m < count; ++m)
-      highest[n] = height[m] > highest[n] ? height[m] : highest[n];
-  }
-}
-
 /// sum over the modes of weight_k |x_k|
 template <class Lanes, int K>
 KOKKOS_FORCEINLINE_FUNCTION double weighted_sum(const Lanes& lanes, const double* weight,
@@ -76,8 +67,8 @@ class NearGroups {
     lanes_.sync();
     const double to_end = place.base + 1 - place.position;  // the way that is left, chi
     const double way = Kokkos::max(to_end, back);
-    const double slope = weighted_sum<Lanes, K>(lanes_, t_.reach_slope, u);
-    const double error = t_.slack + rounding + weighted_sum<Lanes, K>(lanes_, t_.tail, u) +
+    const double slope = weighted_sum<Lanes, K>(lanes_, t_.largest_slope, u);
+    const double error = t_.slack + rounding + weighted_sum<Lanes, K>(lanes_, t_.cubic_remainder, u) +
                          way * t_.spacing * slope + position_rounding(place) * t_.steepest;
     const double below = reach_ + error;
     // of what has moved the roundings, too: they were those of another displacement
@@ -130,7 +121,7 @@ class NearGroups {
   KOKKOS_FORCEINLINE_FUNCTION double moved(const double* from, const Real* u) const {
     Real away[K];
     for (int p = 0; p < K; ++p) away[p] = u[p] - lanes_.load(from + p * width);
-    return weighted_sum<Lanes, K>(lanes_, t_.reach, away);
+    return weighted_sum<Lanes, K>(lanes_, t_.largest_shape, away);
   }
 
   /// The groups that come within `below` of contact somewhere on the next `width` spacings of the way.

@@ -1,9 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <cstddef>
 #include <cstdint>
 
+#include "kernels/tables.hpp"
+
 /// What changes while a scene is marched, and what it hands out. Plain data, pointers as in
-/// SceneTables. Everything that the result depends on is here, so a launch may end after any step.
+/// SceneTables. Four parts, by what becomes of them between two launches:
+///
+///   CarriedState   what the next step goes on from: kept, and all that a saved run keeps
+///   Caches         what can be found anew from it: kept, or emptied, with the same answers
+///   WorkSpace      means nothing between two launches
+///   HandOut        buffers of what is recorded: emptied after each launch
 namespace ra2d {
 
 enum class Status : int {
@@ -11,8 +19,8 @@ enum class Status : int {
   done,
   unstable,
   not_finite,
-  blocked,  // Form::held: no motion of the modes keeps the bodies apart
-  crowded,  // more nodes carry force than there is room for
+  blocked,  // Form::implicit: no motion of the modes keeps the bodies apart
+  crowded,  // more nodes carry force than there is room for: goes on once there is more
   stalled   // Form::adaptive: the motion is too fast for the clock
 };
 
@@ -53,12 +61,14 @@ struct ShockRow {
   double peak, impulse, moment, place;
 };
 
-/// Columns of a sample behind its modal displacements and velocities.
+/// A sample: modal displacements, modal velocities (lanes of each), then these columns.
 namespace sample {
 enum Column : int { force, nodes, contact_energy, damping_loss, sliding_work, force_work, columns };
-}
+constexpr int row(int lanes) { return 2 * lanes + columns; }
+}  // namespace sample
 
-struct SceneState {
+/// All that a march goes on from. A run that was saved and goes on from this gives the same bits.
+struct CarriedState {
   Status status = Status::running;
   std::int64_t step = 0;
 
@@ -75,7 +85,7 @@ struct SceneState {
   double sliding_work = 0;                // J
   double gross_climb = 0;                 // N m: sum of |climb|
   double climb_part = 0;                  // N m: see ContactTotals
-  double* bend_part = nullptr;            // N m, one lane each
+  double* bend_part = nullptr;            // N m, a lane each
   double force_work = 0, force_part = 0;  // J, of the moving forces
   std::int64_t contact_steps = 0;         // steps with any node in contact
   std::int64_t most_nodes = 0;            // largest number of nodes in contact at once
@@ -87,23 +97,42 @@ struct SceneState {
   double energy = 0;        // J, kinetic + elastic at the last look, or when it stopped
   double energy_limit = 0;  // J, what it was not allowed to pass
 
-  // samples handed out: rows of 2 lanes + sample::columns
-  double* sample_rows = nullptr;
-  int sample_capacity = 0, sample_count = 0;
   std::int64_t next_sample = 0;
-  bool sample_pending = false;  // the last row still misses its share of the next step
+  bool sample_pending = false;    // the next sample still misses its share of the next step ...
+  double* pending_row = nullptr;  // ... and this is the rest of it
 
   // shocks
-  ContactRun* runs = nullptr;      // of the step runs_step
-  ContactRun* new_runs = nullptr;  // room for the next ones
+  ContactRun* runs = nullptr;  // of the step runs_step
   OpenShock* open = nullptr;
-  int run_capacity = 0, run_count = 0, open_count = 0;
+  int run_count = 0, open_count = 0;
   std::int64_t runs_step = -2;
   std::int64_t shocks_begun = 0;
-  ShockRow* shock_rows = nullptr;
-  int shock_capacity = 0, shock_count = 0;
 
-  // work space
+  // Form::implicit: the contact at the end of the latest step with any
+  std::int64_t contact_step = -1;
+  double contact_force = 0;   // N
+  double contact_energy = 0;  // J
+  int contact_nodes = 0;
+  int contact_pair[2] = {};  // the first two of them
+
+  // Form::adaptive: the nodes in contact, in ascending order, and what the next step starts with
+  std::int64_t strides = 0;  // steps made
+  int closed_count = 0;
+  int* closed = nullptr;
+  int shape_terms = 2;  // of the shapes at a node, that the latest step with contact wanted
+  double stride = 0;    // s, guess at the length of the next step with forces
+  int level = 0;        // of the next flight: 2^level ticks
+};
+
+/// What is found once and read often.
+struct Caches {
+  // expanded nodes: shape (node, 4, lane), faces (node, 2), and the window that they hold for
+  double* node_shape = nullptr;
+  double* node_face = nullptr;
+  std::int64_t* node_window = nullptr;  // -1: none
+};
+
+struct WorkSpace {
   int* near = nullptr;              // groups that can touch while the near list holds
   double* near_u = nullptr;         // modal displacements at which the near list was made
   int* far = nullptr;               // groups from which the near list is drawn ...
@@ -113,19 +142,10 @@ struct SceneState {
   int* watch = nullptr;             // nodes evaluated at each step
   int* touched = nullptr;           // nodes that touch at this step ...
   double* touched_force = nullptr;  // ... and their forces, N
-  // expanded nodes: shape (node, 4, lane), faces (node, 2), and the window that they hold for
-  double* node_shape = nullptr;
-  double* node_face = nullptr;
-  std::int64_t* node_window = nullptr;
+  ContactRun* new_runs = nullptr;   // room for the next runs
+  int run_capacity = 0;
 
-  // Form::held: the contact at the end of the latest step with any ...
-  std::int64_t held_step = -1;
-  double held_force = 0;   // N
-  double held_energy = 0;  // J
-  int held_nodes = 0;
-  int held_pair[2] = {};  // the first two of them
-  // ... and the work space of its solver: the nodes that carry force, in the order in which they
-  // came
+  // Form::implicit: the nodes that carry force, in the order in which they came
   int pressed_capacity = 0;
   int* pressed = nullptr;
   int* pressed_place = nullptr;     // for each node its place among them, or -1
@@ -134,14 +154,8 @@ struct SceneState {
   double* across = nullptr;         // m/N, of the next node with each of them
   double* share = nullptr;          // what each gives up for a newton on the next
 
-  // Form::adaptive: the nodes in contact, in ascending order, and what the next step starts with
-  std::int64_t strides = 0;  // steps made
-  int closed_capacity = 0, closed_count = 0;
-  int* closed = nullptr;
-  int shape_terms = 2;  // of the shapes at a node, that the latest step with contact wanted
-  double stride = 0;    // s, guess at the length of the next step with forces
-  int level = 0;        // of the next flight: 2^level ticks
-  // ... and its work space
+  // Form::adaptive
+  int closed_capacity = 0;
   double* series = nullptr;         // (order, lane): of the modes
   double* square_series = nullptr;  // (order, lane): of the integral of V^2
   double* push_series = nullptr;    // (order, lane): of the moving forces
@@ -156,5 +170,89 @@ struct SceneState {
   double* roots = nullptr;          // ... and where those that are looked at begin to touch
   double* seen = nullptr;  // (2, near group, 2, lane): overlap and its rate at both ends of a step
 };
+
+/// What is recorded, until the host takes it.
+struct HandOut {
+  double* sample_rows = nullptr;  // see sample::row
+  int sample_capacity = 0, sample_count = 0;
+  ShockRow* shock_rows = nullptr;
+  int shock_capacity = 0, shock_count = 0;
+};
+
+struct SceneState : CarriedState, Caches, WorkSpace, HandOut {};
+
+// Every array of each part, once, as for the tables (kernels/tables.hpp).
+
+template <class Visit>
+void visit_arrays(CarriedState& s, const Extents& n, Visit&& visit) {
+  const auto lanes = static_cast<std::size_t>(n.lanes);
+  visit("u", s.u, lanes);
+  visit("v", s.v, lanes);
+  visit("start", s.start, lanes);
+  visit("start_v", s.start_v, lanes);
+  visit("square", s.square, lanes);
+  visit("square_part", s.square_part, lanes);
+  visit("bend_part", s.bend_part, static_cast<std::size_t>(n.width));
+  visit("pending_row", s.pending_row, static_cast<std::size_t>(sample::row(n.lanes)));
+  visit("runs", s.runs, static_cast<std::size_t>(n.runs()));
+  visit("open", s.open, static_cast<std::size_t>(2 * n.runs()));
+  if (n.adaptive()) visit("closed", s.closed, static_cast<std::size_t>(n.closed));
+}
+
+template <class Visit>
+void visit_arrays(Caches& s, const Extents& n, Visit&& visit) {
+  const auto nodes = static_cast<std::size_t>(n.nodes);
+  visit("node_window", s.node_window, nodes);
+  visit("node_shape", s.node_shape, nodes * 4 * n.lanes);
+  visit("node_face", s.node_face, nodes * 2);
+}
+
+template <class Visit>
+void visit_arrays(WorkSpace& s, const Extents& n, Visit&& visit) {
+  const auto lanes = static_cast<std::size_t>(n.lanes);
+  const std::size_t nodes = n.padded_nodes(), groups = n.groups;
+  visit("near", s.near, groups);
+  visit("near_u", s.near_u, lanes);
+  visit("far", s.far, groups);
+  visit("far_top", s.far_top, groups);
+  visit("far_u", s.far_u, lanes);
+  visit("lanes", s.lanes, 2 * lanes);
+  visit("watch", s.watch, nodes);
+  visit("touched", s.touched, nodes);
+  visit("touched_force", s.touched_force, nodes);
+  visit("new_runs", s.new_runs, static_cast<std::size_t>(n.runs()));
+  if (n.pressed > 0) {
+    const auto pressed = static_cast<std::size_t>(n.pressed);
+    visit("pressed", s.pressed, pressed);
+    visit("pressed_place", s.pressed_place, static_cast<std::size_t>(n.nodes));
+    visit("pressed_force", s.pressed_force, pressed);
+    visit("factor", s.factor, (pressed + 1) * pressed);
+    visit("across", s.across, pressed);
+    visit("share", s.share, pressed);
+  }
+  if (n.adaptive()) {
+    const auto closed = static_cast<std::size_t>(n.closed);
+    visit("series", s.series, (most_order + 1) * lanes);
+    visit("square_series", s.square_series, most_order * lanes);
+    visit("push_series", s.push_series, (most_order + 1) * lanes);
+    visit("node_series", s.node_series, closed * 2 * overlap_terms);
+    visit("closed_shape", s.closed_shape, closed * 4 * lanes);
+    visit("scan_shape", s.scan_shape, 4 * lanes);
+    visit("scan", s.scan, std::size_t{overlap_terms});
+    visit("hull_room", s.hull_room, std::size_t{2 * overlap_terms});
+    visit("closed_hull", s.closed_hull, closed);
+    visit("closed_sums", s.closed_sums, closed);
+    visit("closed_roots", s.closed_roots, closed);
+    visit("roots", s.roots, nodes);
+    visit("seen", s.seen, 4 * nodes);
+  }
+}
+
+template <class Visit>
+void visit_arrays(HandOut& s, const Extents& n, Visit&& visit) {
+  visit("sample_rows", s.sample_rows,
+        static_cast<std::size_t>(n.samples) * sample::row(n.lanes));
+  visit("shock_rows", s.shock_rows, static_cast<std::size_t>(n.shocks));
+}
 
 }  // namespace ra2d

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <cstddef>
 #include <cstdint>
 
 #include "kernels/nodes.hpp"
@@ -37,7 +38,7 @@ namespace ra2d {
 enum class Form : int {
   semi_implicit,  // U1 = U0 + tau V1 with the contact force of the old time
   staged,         // the contact force at each stage of the scheme
-  held,           // one contact force a step, found together with its end
+  implicit,       // one contact force a step, found together with its end
   adaptive        // steps of any length, that end where a contact begins or ends
 };
 inline constexpr int forms = 4;
@@ -87,12 +88,37 @@ inline constexpr int gauss_points = 8;
 /// Its places take this much room, padded to any number of lanes; then come the weights.
 inline constexpr int gauss_room = 32;
 
+/// Lengths from which those of all arrays of a scene follow: see visit_arrays below, and those of
+/// kernels/state.hpp.
+struct Extents {
+  int width = 0;                 // lanes of a pack
+  int lanes = 0;                 // of all modes, padded to whole packs
+  int nodes = 0, groups = 0;     // of the slider
+  int heights = 0;               // the resonator's nodes, padded beyond its end
+  int patches = 0;               // of the resonator
+  int slider_modes = 0;          //
+  int stage_rows = 0;            // of SceneTables::stage
+  int end_rows = 0;              // of SceneTables::end
+  int flight_levels = 0;         // 0: not adaptive
+  int moving_forces = 0;         //
+  int samples = 0, shocks = 0;   // rows that a launch can hand out
+  int pressed = 0;               // nodes that can carry force at once under Form::implicit
+  int closed = 0;                // nodes that can be in contact at once under Form::adaptive
+
+  std::size_t padded_nodes() const { return static_cast<std::size_t>(groups) * width; }
+  /// Runs of neighbouring nodes: at the most every other node.
+  int runs() const { return nodes / 2 + 2; }
+  bool adaptive() const { return flight_levels > 0; }
+};
+
 struct SceneTables {
   // what there is
   int resonator_modes = 0, slider_modes = 0;
   int nodes = 0, groups = 0;  // slider nodes; groups of one a lane
   int patches = 0,
       patch_nodes = 0;  // patches; their width in nodes (radius = half of it + half a group + 1)
+  int heights = 0;        // of the resonator's nodes, with what is padded beyond its end
+  int flight_levels = 0;  // of the flight tables
   double inverse_patch = 0;  // 1/patch_nodes
   int windows = 1;           // parts of a node's width
   int terms = 4;             // of the full series, a multiple of 4
@@ -112,7 +138,7 @@ struct SceneTables {
   // contact
   double node_stiffness = 0;  // N/m, kappa chi w
   double compliance = 0;      // m/N, 1/(kappa chi w); 0 under multipliers
-  double touch = 0;           // m, overlap that counts as none under Form::held: roundings
+  double touch = 0;           // m, overlap that counts as none under Form::implicit: roundings
   double least_yielding = 0;  // m/N, of a node that any mode moves: what is less is roundings
   double slack = 0;           // m, bound on the rounding of the rough faces' part of a gap
   double steepest = 0;        // m, largest rise of the resonator's face over one spacing
@@ -140,21 +166,21 @@ struct SceneTables {
   double top = 0;            // m, the highest overlap that the faces alone can have anywhere
   const double* flight = nullptr;  // (level, FlightRow, lane)
   const double* rest = nullptr;    // m^(3/2), where the load holds a mode; 0 for a rigid one
-  const double* fall = nullptr;    // m^(3/2)/s^2, load/m of a rigid mode; 0 for the others
+  const double* free_acceleration = nullptr;    // m^(3/2)/s^2, load/m of a rigid mode; 0 for the others
   const double* decay = nullptr;   // 1/s, 2 zeta omega
-  const double* turn = nullptr;    // 1/s, |(omega U, V)'| over |(omega U, V)| is no more
+  const double* fastest_rate = nullptr;    // 1/s, |(omega U, V)'| over |(omega U, V)| is no more
   const double* swing = nullptr;   // s, 2/omega: the farthest a mode gets over its energy norm
   const double* fourth = nullptr;  // m^(-1/2)/s^3, fourth derivative of an overlap, the same
-  const double* wander = nullptr;  // 1/s, speed times the largest wave number of a mode
-  const double* light = nullptr;   // m/kg, 1/m
+  const double* passing_rate = nullptr;  // 1/s, speed times the largest wave number of a mode
+  const double* inverse_mass = nullptr;   // m/kg
   const double* hull = nullptr;    // (coefficient, overlap_terms): see Hull; then its two masks
   const double* gauss = nullptr;   // places in (0, 1), then weights; padded with zeros
 
   // modes, one lane each (padded with zeros)
   const double* stage = nullptr;   // rows of lanes, see stage_row
   const double* end = nullptr;     // rows of lanes, see EndRow
-  const double* held_u = nullptr;  // U1 and V1 of a force that is held over the step
-  const double* held_v = nullptr;
+  const double* receptance = nullptr;  // m/N per m of beam: U1 of a modal force of 1 held over the step
+  const double* mobility = nullptr;    // ... and its V1
   const double* load = nullptr;     // N m^(-1/2), constant modal load
   const double* mass = nullptr;     // kg/m
   const double* omega = nullptr;    // rad/s
@@ -162,11 +188,11 @@ struct SceneTables {
   const double* pull = nullptr;     // 1/s, the scheme's bound on |V'| over the modal energy norm
   const double* push = nullptr;     // m^(3/2)/s^2, bound on what the outer modal forces add to V'
   const double* yield = nullptr;    // m^(-1/2)/kg, the same for a newton of contact force
-  const double* reach = nullptr;    // max |psi|
-  const double* reach_slope = nullptr;   // max |psi'|, resonator only: its nodes move
-  const double* reach_curve = nullptr;   // max |psi''|, resonator only
-  const double* tail = nullptr;          // bound on what a cubic over a patch leaves out, over |U|
-  const double* tail_slope = nullptr;    // 1/m, the same for its slope
+  const double* largest_shape = nullptr;    // max |psi|
+  const double* largest_slope = nullptr;   // max |psi'|, resonator only: its nodes move
+  const double* largest_curvature = nullptr;   // max |psi''|, resonator only
+  const double* cubic_remainder = nullptr;          // bound on what a cubic over a patch leaves out, over |U|
+  const double* cubic_slope_remainder = nullptr;    // 1/m, the same for its slope
   const double* quartic = nullptr;       // (beta radius)^4
   const double* patch = nullptr;         // (patch, 4, lane): radius^j psi^(j)(centre)
   const double* slider_shape = nullptr;  // (slider mode, group, lane): psi at the slider's nodes
@@ -187,5 +213,49 @@ struct SceneTables {
 
   const int* interrupted = nullptr;  // of host backends: not 0 when the launch is to end soon
 };
+
+/// Every array of the tables, once: its name, where its address stands, and how many values it has.
+/// Who makes room for them, sets their addresses or copies them goes by this list alone.
+template <class Visit>
+void visit_arrays(SceneTables& t, const Extents& n, Visit&& visit) {
+  const auto lanes = static_cast<std::size_t>(n.lanes);
+  const std::size_t heights = n.heights, nodes = n.padded_nodes();
+  visit("stage", t.stage, n.stage_rows * lanes);
+  visit("end", t.end, n.end_rows * lanes);
+  visit("receptance", t.receptance, lanes);
+  visit("mobility", t.mobility, lanes);
+  visit("load", t.load, lanes);
+  visit("mass", t.mass, lanes);
+  visit("omega", t.omega, lanes);
+  visit("damping", t.damping, lanes);
+  visit("pull", t.pull, lanes);
+  visit("push", t.push, lanes);
+  visit("yield", t.yield, lanes);
+  visit("largest_shape", t.largest_shape, lanes);
+  visit("largest_slope", t.largest_slope, lanes);
+  visit("largest_curvature", t.largest_curvature, lanes);
+  visit("cubic_remainder", t.cubic_remainder, lanes);
+  visit("cubic_slope_remainder", t.cubic_slope_remainder, lanes);
+  visit("quartic", t.quartic, lanes);
+  visit("patch", t.patch, n.patches * 4 * lanes);
+  visit("slider_shape", t.slider_shape, n.slider_modes * nodes);
+  visit("unit", t.unit, n.slider_modes * lanes);
+  visit("height1", t.height1, nodes);
+  visit("height2", t.height2, heights);
+  visit("highest2", t.highest2, heights);
+  visit("moving_force", t.moving_force, static_cast<std::size_t>(n.moving_forces));
+  if (!n.adaptive()) return;
+  visit("flight", t.flight, static_cast<std::size_t>(n.flight_levels) * flight_rows * lanes);
+  visit("rest", t.rest, lanes);
+  visit("free_acceleration", t.free_acceleration, lanes);
+  visit("decay", t.decay, lanes);
+  visit("fastest_rate", t.fastest_rate, lanes);
+  visit("swing", t.swing, lanes);
+  visit("fourth", t.fourth, lanes);
+  visit("passing_rate", t.passing_rate, lanes);
+  visit("inverse_mass", t.inverse_mass, lanes);
+  visit("hull", t.hull, std::size_t{(overlap_terms + 2) * overlap_terms});
+  visit("gauss", t.gauss, std::size_t{2 * gauss_room});
+}
 
 }  // namespace ra2d

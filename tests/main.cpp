@@ -3,7 +3,7 @@
 
 #include <cstdlib>
 
-#include "host/device/batch.hpp"
+#include "host/device/backend.hpp"
 
 /// One thread, but where threads are the subject (RA2D_TEST_THREADS): two tests that run at a time
 /// with two threads each would keep one another waiting on two cores.

@@ -8,7 +8,7 @@
 #include <fstream>
 #include <thread>
 
-#include "host/device/batch.hpp"
+#include "host/device/backend.hpp"
 
 namespace ra2d {
 namespace {

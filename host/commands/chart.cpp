@@ -7,7 +7,7 @@
 #include "host/chart/stability_chart.hpp"
 #include "host/commands/commands.hpp"
 #include "host/commands/print.hpp"
-#include "host/device/batch.hpp"
+#include "host/device/backend.hpp"
 #include "host/errors.hpp"
 #include "host/output_file.hpp"
 #include "host/partial_file.hpp"

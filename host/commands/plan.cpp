@@ -2,6 +2,7 @@
 #include "host/plan/plan.hpp"
 #include "host/commands/commands.hpp"
 #include "host/commands/print.hpp"
+#include "host/device/backend.hpp"
 #include "host/device/batch.hpp"
 #include "host/scene_file/scene_file.hpp"
 #include "host/text.hpp"

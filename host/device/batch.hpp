@@ -2,32 +2,16 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
-#include <string>
 #include <vector>
 
+#include "host/device/layout.hpp"
 #include "host/model/model.hpp"
 #include "kernels/state.hpp"
 
-/// Scenes on the device: tables, states, launches. The only part of host/ that knows Kokkos.
+/// Scenes on the device: tables, states, launches.
 namespace ra2d {
-
-/// Starts Kokkos, once in a program and for as long as anything here is used. `threads` = 0 leaves
-/// their number to the machine.
-class Backend {
- public:
-  explicit Backend(int threads = 0);
-  ~Backend();
-  Backend(const Backend&) = delete;
-  Backend& operator=(const Backend&) = delete;
-};
-
-/// Where the batch runs: the name of Kokkos' default execution space, and how many threads it has.
-std::string backend_name();
-int backend_threads();
-
-/// Values that a team computes side by side: of a SIMD register, or the threads of a warp.
-int backend_lanes();
 
 /// What a scene handed out since the last time it was asked.
 struct Drained {
@@ -50,26 +34,54 @@ struct Snapshot {
   std::int64_t strides = 0;  // steps made: of adaptive length or fixed
 };
 
-struct BatchOptions {
-  int samples_at_once = 4096;  // capacity of the sample buffer of a scene, in rows
-  int shocks_at_once = 8192;   // of the shock buffer, beside what one step can end
-  int least_packs = 0;         // pad the modes to more packs than needed (for tests)
+/// All that a scene's march goes on from, on the host: with it another batch gives the same bits.
+struct SavedState {
+  CarriedState values;                         // its addresses mean nothing
+  std::vector<std::vector<std::byte>> arrays;  // in the order in which visit_arrays names them
 };
 
-/// Scenes marched side by side, one team each. The answer of a scene does not depend on the others.
+struct BatchOptions {
+  Room room;
+  int least_packs = 0;  // pad the modes to more packs than needed (for tests)
+};
+
+/// Scenes marched side by side, each in a slot of its own, in one team. The answer of a scene does not
+/// depend on the others. Slots may be filled, read and emptied side by side, each by one thread at a
+/// time.
 class Batch {
  public:
+  /// Slots without a scene.
+  explicit Batch(int slots, const BatchOptions& options = {});
+  /// A slot each for these scenes.
   Batch(const std::vector<Model>& models, const std::vector<ModalStart>& starts,
         const BatchOptions& options = {});
   ~Batch();
   Batch(Batch&&) noexcept;
 
-  /// One launch: every running scene goes on to step `target`, its end, a full buffer, an interrupt
-  /// (host/interruption.hpp; not on a GPU, which finishes its launch) or a failure.
+  int slots() const;
+  /// Puts a scene where it starts into a slot. Throws RequestError where it cannot be marched,
+  /// std::bad_alloc.
+  void put(int slot, const Model& model, const ModalStart& start);
+  void empty(int slot);
+
+  /// One launch: each running scene goes on to its own target, its end, a full buffer, an interrupt
+  /// (host/interruption.hpp; not on a GPU, which finishes its launch) or a failure. `marched` is called
+  /// for each of them once it has been marched, on a CPU by the thread that did: it may drain the slot
+  /// and fill it anew. A scene without room for its contacts has stopped short, and has more room the
+  /// next time. Rethrows what `marched` throws.
+  void march(const std::vector<std::int64_t>& targets,
+             const std::function<void(int slot)>& marched = {});
+  /// ... all to one target.
   void march(std::int64_t target);
+  /// Seconds that the latest launch spent on a scene; on a GPU, which marches all together, on all.
+  double seconds(int slot) const;
+
   /// Hands out and empties a scene's buffers.
-  Drained drain(int scene);
-  Snapshot snapshot(int scene) const;
+  Drained drain(int slot);
+  Snapshot snapshot(int slot) const;
+  SavedState save(int slot) const;
+  /// Takes a scene that was put into this slot on to where it was saved.
+  void restore(int slot, const SavedState& saved);
   /// Memory on the device.
   std::size_t bytes() const;
 

@@ -1,31 +1,48 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "host/device/launch.hpp"
 
+#include <stdexcept>
+
 namespace ra2d {
 namespace {
 
-template <Form form, int... K>
-void launch(int packs, const TablesView& tables, const StatesView& states, const ScenesView& scenes,
-            std::int64_t target, PackList<K...>) {
-  (void)((K == packs && (march<form, K>(tables, states, scenes, target), true)) || ...);
+/// Calls `use` with the form and the number of packs as constants.
+template <Form form, class Use, int... K>
+void choose_packs(int packs, const Use& use, PackList<K...>) {
+  if (!((K == packs && (use.template operator()<form, K>(), true)) || ...))
+    throw std::logic_error("no march was compiled for that many packs");
+}
+template <class Use>
+void choose(Form form, int packs, const Use& use) {
+  switch (form) {
+    case Form::semi_implicit:
+      return choose_packs<Form::semi_implicit>(packs, use, Packs{});
+    case Form::staged:
+      return choose_packs<Form::staged>(packs, use, Packs{});
+    case Form::implicit:
+      return choose_packs<Form::implicit>(packs, use, Packs{});
+    case Form::adaptive:
+      return choose_packs<Form::adaptive>(packs, use, Packs{});
+  }
 }
 
 }  // namespace
 
 int compiled_packs(int needed) { return Packs::smallest(needed); }
 
-void launch_march(Form form, int packs, const TablesView& tables, const StatesView& states,
-                  const ScenesView& scenes, std::int64_t target) {
-  switch (form) {
-    case Form::semi_implicit:
-      return launch<Form::semi_implicit>(packs, tables, states, scenes, target, Packs{});
-    case Form::staged:
-      return launch<Form::staged>(packs, tables, states, scenes, target, Packs{});
-    case Form::held:
-      return launch<Form::held>(packs, tables, states, scenes, target, Packs{});
-    case Form::adaptive:
-      return launch<Form::adaptive>(packs, tables, states, scenes, target, Packs{});
-  }
+#if defined(KOKKOS_ENABLE_CUDA)
+void launch_march(const Space& space, Form form, int packs, const TablesView& tables,
+                  const StatesView& states, const ScenesView& scenes, const TargetsView& targets) {
+  choose(form, packs, [&]<Form f, int K>() {
+    march_listed<f, K>(space, tables, states, scenes, targets);
+  });
 }
+#else
+MarchScene march_of(Form form, int packs) {
+  MarchScene march = nullptr;
+  choose(form, packs, [&]<Form f, int K>() { march = march_one<f, K>; });
+  return march;
+}
+#endif
 
 }  // namespace ra2d

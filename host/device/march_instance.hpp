@@ -5,16 +5,26 @@
 
 namespace ra2d {
 
+#if defined(KOKKOS_ENABLE_CUDA)
 template <Form form, int K>
-void march(const TablesView& tables, const StatesView& states, const ScenesView& scenes,
-           std::int64_t target) {
-  March<Space, form, K>{tables, states, scenes, target}.launch(Space{});
+void march_listed(const Space& space, const TablesView& tables, const StatesView& states,
+                  const ScenesView& scenes, const TargetsView& targets) {
+  March<Space, form, K>{tables, states, scenes, targets}.launch(space);
 }
-
 /// Compiles the march of one form for the i-th number of packs.
-#define RA2D_MARCH(form, i)                                                                        \
-  template void march<form, Packs::at(i)>(const TablesView&, const StatesView&, const ScenesView&, \
-                                          std::int64_t)
+#define RA2D_MARCH(form, i)                                                                     \
+  template void march_listed<form, Packs::at(i)>(const Space&, const TablesView&,               \
+                                                 const StatesView&, const ScenesView&,          \
+                                                 const TargetsView&)
+#else
+template <Form form, int K>
+void march_one(const SceneTables& tables, SceneState& state, std::int64_t target) {
+  march_scene<HostLanes, form, K>(HostLanes{}, tables, state, target);
+}
+/// Compiles the march of one form for the i-th number of packs.
+#define RA2D_MARCH(form, i) \
+  template void march_one<form, Packs::at(i)>(const SceneTables&, SceneState&, std::int64_t)
+#endif
 
 /// ... for the lower and the upper half of these numbers: half a form a file.
 #define RA2D_MARCH_FEW(form) \

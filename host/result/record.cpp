@@ -108,6 +108,19 @@ SampleBlock make_samples(const Model& model, const ModalStart& start, const Drai
   return block;
 }
 
+bool is_finite(const SampleBlock& block) {
+  for (const auto column :
+       {&SampleBlock::resonator_displacement, &SampleBlock::resonator_velocity,
+        &SampleBlock::slider_displacement, &SampleBlock::slider_velocity, &SampleBlock::force,
+        &SampleBlock::probe_displacement, &SampleBlock::probe_velocity,
+        &SampleBlock::slider_probe_displacement, &SampleBlock::slider_probe_velocity,
+        &SampleBlock::kinetic, &SampleBlock::elastic, &SampleBlock::contact,
+        &SampleBlock::damping_loss, &SampleBlock::sliding_work, &SampleBlock::load_work})
+    for (const double value : block.*column)
+      if (!std::isfinite(value)) return false;
+  return true;
+}
+
 std::vector<Shock> make_shocks(const Model& model, const std::vector<ShockRow>& rows) {
   return convert_shocks(model, rows);
 }

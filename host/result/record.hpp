@@ -35,6 +35,9 @@ struct Shock {
 SampleBlock make_samples(const Model& model, const ModalStart& start, const Drained& drained,
                          std::int64_t first);
 
+/// Whether all values of the samples are numbers.
+bool is_finite(const SampleBlock& block);
+
 /// Shocks in SI units.
 std::vector<Shock> make_shocks(const Model& model, const std::vector<ShockRow>& rows);
 

@@ -10,28 +10,26 @@
 
 namespace ra2d {
 
-/// Ticks to a launch, from how long the last one took: a fifth of a second unless asked otherwise,
-/// so that progress and interrupts are prompt.
+/// Ticks to a launch, from how long the last one took.
 class LaunchLength {
  public:
-  explicit LaunchLength(const Model& model, double seconds = 0.2)
-      : seconds_{seconds},
-        steps_{(is_adaptive(model.scene) ? std::llround(1e-4 / model.tick) : 10000) /
+  explicit LaunchLength(const Model& model)
+      : steps_{(is_adaptive(model.scene) ? std::llround(1e-4 / model.tick) : 10000) /
                (1 + std::ssize(model.scene.resonator.moving_forces))},  // each as costly as a step
         most_{std::max<std::int64_t>(model.steps, 1)} {
     steps_ = std::clamp<std::int64_t>(steps_, 1, most_);
   }
   std::int64_t steps() const { return steps_; }
-  void took(std::int64_t steps, double seconds) {
+  /// A launch took so long; the next one is to take about `wanted` seconds.
+  void took(std::int64_t steps, double seconds, double wanted) {
     if (steps <= 0) return;
-    const double wanted = seconds_ * static_cast<double>(steps) / std::max(seconds, 1e-6);
+    const double next = wanted * static_cast<double>(steps) / std::max(seconds, 1e-6);
     steps_ = static_cast<std::int64_t>(
-        std::clamp(wanted, 0.25 * static_cast<double>(steps_), 4.0 * static_cast<double>(steps_)));
+        std::clamp(next, 0.25 * static_cast<double>(steps_), 4.0 * static_cast<double>(steps_)));
     steps_ = std::clamp<std::int64_t>(steps_, 1, most_);
   }
 
  private:
-  double seconds_;
   std::int64_t steps_, most_;
 };
 

@@ -9,19 +9,19 @@
 #include <cmath>
 #include <ctime>
 #include <limits>
+#include <utility>
 
 #include "host/errors.hpp"
+#include "host/device/backend.hpp"
 #include "host/format.hpp"
 #include "host/interruption.hpp"
 #include "host/plan/plan.hpp"
 #include "host/result/energy.hpp"
 #include "host/result/level.hpp"
-#include "host/result/statistics.hpp"
-#include "host/run/launch_length.hpp"
+#include "host/run/simulation.hpp"
 #include "host/scene/schemes.hpp"
 #include "host/scene_file/scene_file.hpp"
 #include "host/store/store.hpp"
-#include "kernels/limits.hpp"
 
 namespace ra2d {
 namespace {
@@ -68,14 +68,6 @@ ResultHeader make_header(const Model& model) {
   return header;
 }
 
-double time_of(const Model& model, const Snapshot& at) {
-  return static_cast<double>(at.step) * model.tick;
-}
-
-std::int64_t steps_made(const Model& model, const Snapshot& at) {
-  return is_adaptive(model.scene) ? at.strides : at.step;
-}
-
 /// Which limit the step crossed with the nodes that were in contact, and the cure.
 std::string describe_limit(const Model& model, int nodes) {
   const Scene& scene = model.scene;
@@ -109,8 +101,8 @@ std::string describe_limit(const Model& model, int nodes) {
 }
 
 std::string describe_failure(const Model& model, const Snapshot& end) {
-  const double time = time_of(model, end);
-  const std::string when = fmt::format("t = {:.6g} s (step {})", time, steps_made(model, end));
+  const std::string when =
+      fmt::format("t = {:.6g} s (step {})", static_cast<double>(end.step) * model.tick, end.strides);
   if (end.status == Status::blocked)
     return fmt::format(
         "no motion of the kept modes keeps the faces apart at {}: keep more modes (max_frequency), "
@@ -122,17 +114,6 @@ std::string describe_failure(const Model& model, const Snapshot& end) {
         "values "
         "far from what they should be",
         when, model.tick);
-  if (end.status == Status::crowded && is_adaptive(model.scene))
-    return fmt::format(
-        "more nodes than there is room for ({}) touch at once with time.scheme = \"adaptive\", at "
-        "{}: use a fixed step (time.scheme = \"midpoint\" with time.step) or a wider scene.spacing",
-        most_sprung_nodes, when);
-  if (end.status == Status::crowded)
-    return fmt::format(
-        "more nodes than there is room for ({}) carry force at once with time.contact_force = "
-        "\"new\", at {}: use time.contact_force = \"old\", contact.law = \"multiplier\" or a wider "
-        "scene.spacing",
-        most_sprung_nodes, when);
   const int nodes = static_cast<int>(std::max<std::int64_t>(1, end.most_nodes));
   return (end.status == Status::not_finite
               ? fmt::format("not finite: at {} the state is no longer a number", when)
@@ -140,26 +121,6 @@ std::string describe_failure(const Model& model, const Snapshot& end) {
                             "times all that sliding and loads had put in",
                             when, end.energy, end.energy_limit)) +
          describe_limit(model, nodes);
-}
-
-/// Whether all that a file is given are numbers.
-bool is_finite(const SampleBlock& block) {
-  for (const auto column :
-       {&SampleBlock::resonator_displacement, &SampleBlock::resonator_velocity,
-        &SampleBlock::slider_displacement, &SampleBlock::slider_velocity, &SampleBlock::force,
-        &SampleBlock::probe_displacement, &SampleBlock::probe_velocity,
-        &SampleBlock::slider_probe_displacement, &SampleBlock::slider_probe_velocity,
-        &SampleBlock::kinetic, &SampleBlock::elastic, &SampleBlock::contact,
-        &SampleBlock::damping_loss, &SampleBlock::sliding_work, &SampleBlock::load_work})
-    for (const double value : block.*column)
-      if (!std::isfinite(value)) return false;
-  return true;
-}
-bool is_finite(const std::vector<Shock>& shocks) {
-  return std::all_of(shocks.begin(), shocks.end(), [](const Shock& shock) {
-    return std::isfinite(shock.peak_force) && std::isfinite(shock.impulse) &&
-           std::isfinite(shock.position);
-  });
 }
 
 /// What the step goes beyond, where the scene forces it; else the request is refused. Empty when it
@@ -182,106 +143,61 @@ std::string checked_limit(const Model& model) {
   return beyond;
 }
 
-}  // namespace
+/// Writes what a run records.
+class FileSink : public Sink {
+ public:
+  explicit FileSink(ResultFile& file) : file_{file} {}
+  void take(const SampleBlock& samples) override { file_.append(samples); }
+  void take(const std::vector<Shock>& shocks) override { file_.append(shocks); }
 
-RunReport run(const Scene& scene, const RunOptions& options) {
-  const Clock::time_point begun = Clock::now();
-  const Model model = make_model(scene);
-  if (options.doubts) options.doubts(model.doubts);
+ private:
+  ResultFile& file_;
+};
+
+Progress progress_of(const SceneRun& run, double wall) {
+  Progress progress;
+  progress.time = run.time();
+  progress.duration = run.model().scene.duration;
+  progress.wall = wall;
+  progress.steps_per_second = static_cast<double>(run.steps_made()) / wall;
+  const auto step = static_cast<double>(run.accounts().now.step);
+  progress.left = wall * (static_cast<double>(run.model().steps) - step) / std::max(1.0, step);
+  return progress;
+}
+
+/// What a run has come to.
+RunReport report_on(const SceneRun& run, const std::vector<double>& mean_squares) {
+  const Accounts& a = run.accounts();
+  const Snapshot &now = a.now, &begin = a.begin;
   RunReport report;
-  report.beyond_limit = checked_limit(model);
-  if (const std::string overlap = overlap_at_start(model); !overlap.empty())
-    throw refusal(scene, "scene.gap", overlap);
-  const ModalStart start = make_start(model);
-  Batch batch({model}, {start});
-  ResultHeader header = make_header(model);
-  header.beyond_limit = report.beyond_limit;
-  ResultFile file(options.output, header);
-  const OrderlyEnd orderly;  // before, there is nothing to keep
-
-  EnergyAccount energy(scene.from);
-  LogHistogram durations, forces;
-  const std::int64_t first = first_counted(model);
-  std::int64_t samples = 0;
-  LaunchLength launch(model);
-  Snapshot now = batch.snapshot(0), begin = now;  // `begin`: where statistics do
-  const auto keep = [&](const std::vector<Shock>& shocks) {
-    for (const Shock& shock : shocks) {
-      if (shock.start < scene.from) continue;
-      durations.add(shock.duration);
-      forces.add(shock.peak_force);
-    }
-    file.append(shocks);
-  };
-  Clock::time_point shown = Clock::now();
-  const Clock::time_point marching = shown;
-  while (now.status == Status::running) {
-    if (interruption() != 0) {
-      report.ending = Ending::interrupted;
-      break;
-    }
-    const Clock::time_point launched = Clock::now();
-    const std::int64_t target = now.step + launch.steps();
-    batch.march(now.step < first ? std::min(target, first) : target);
-    const double took = seconds_since(launched);
-    report.march_seconds += took;
-    const Drained drained = batch.drain(0);
-    const std::int64_t before = now.step;
-    now = batch.snapshot(0);
-    if (before < first) begin = now;
-    launch.took(now.step - before, took);
-
-    const SampleBlock block = make_samples(model, start, drained, samples);
-    const std::vector<Shock> shocks = make_shocks(model, drained.shocks);
-    samples += drained.samples;
-    energy.add(block);
-    file.append(block);
-    keep(shocks);
-    if (!is_finite(block) || !is_finite(shocks)) {
-      now.status = Status::not_finite;
-      break;
-    }
-
-    if (options.progress && seconds_since(shown) > 0.2) {
-      shown = Clock::now();
-      Progress progress;
-      progress.time = time_of(model, now);
-      progress.duration = scene.duration;
-      progress.wall = seconds_since(marching);
-      progress.steps_per_second = static_cast<double>(steps_made(model, now)) / progress.wall;
-      progress.left = progress.wall * static_cast<double>(model.steps - now.step) /
-                      static_cast<double>(std::max<std::int64_t>(1, now.step));
-      options.progress(progress);
-    }
-  }
-  const std::vector<Shock> going_on = make_shocks(model, now.open_shocks);
-  keep(going_on);
-  if (!is_finite(going_on)) now.status = Status::not_finite;
-  if (now.status != Status::running && now.status != Status::done) {
+  if (now.status == Status::running) {
+    report.ending = Ending::interrupted;
+  } else if (now.status != Status::done) {
     report.ending = Ending::failed;
-    report.failure = describe_failure(model, now);
+    report.failure = describe_failure(run.model(), now);
   }
-
-  const double counted = static_cast<double>(now.step - begin.step) * model.tick;  // s
-  report.steps = steps_made(model, now);
-  report.time = time_of(model, now);
-  report.counted = counted;
-  report.v_rms = v_rms(header.resonator.mean_square, now, begin);
+  const auto ticks = static_cast<double>(now.step - begin.step);
+  report.steps = run.steps_made();
+  report.time = run.time();
+  report.counted = ticks * run.model().tick;
+  report.v_rms = v_rms(mean_squares, now, begin);
   report.lv = level(report.v_rms);
   // per nothing there is none, also where a shock began at once
-  report.shocks = counted > 0 ? static_cast<double>(durations.total()) / counted
-                              : std::numeric_limits<double>::quiet_NaN();
-  report.duration_median = durations.quantile(0.5);
-  report.duration_90 = durations.quantile(0.9);
-  report.force_median = forces.quantile(0.5);
-  report.force_90 = forces.quantile(0.9);
-  report.contact_share = static_cast<double>(now.contact_steps - begin.contact_steps) /
-                         static_cast<double>(now.step - begin.step);
+  report.shocks = report.counted > 0 ? static_cast<double>(a.durations.total()) / report.counted
+                                     : std::numeric_limits<double>::quiet_NaN();
+  report.duration_median = a.durations.quantile(0.5);
+  report.duration_90 = a.durations.quantile(0.9);
+  report.force_median = a.forces.quantile(0.5);
+  report.force_90 = a.forces.quantile(0.9);
+  report.contact_share = static_cast<double>(now.contact_steps - begin.contact_steps) / ticks;
   report.evaluated = static_cast<double>(now.evaluated) /
                      static_cast<double>(std::max<std::int64_t>(1, report.steps));
-  report.energy = energy.balance();
-  report.wall_seconds = seconds_since(begun);
+  report.energy = a.energy.balance();
+  report.march_seconds = a.march_seconds;
+  return report;
+}
 
+ResultSummary summary_of(const RunReport& report) {
   ResultSummary summary;
   summary.v_rms = report.v_rms;
   summary.lv = report.lv;
@@ -306,7 +222,38 @@ RunReport run(const Scene& scene, const RunOptions& options) {
   summary.ended = report.ending == Ending::complete      ? "complete"
                   : report.ending == Ending::interrupted ? "interrupted"
                                                          : report.failure;
-  file.close(summary);
+  return summary;
+}
+
+}  // namespace
+
+RunReport run(const Scene& scene, const RunOptions& options) {
+  const Clock::time_point begun = Clock::now();
+  Model model = make_model(scene);
+  if (options.doubts) options.doubts(model.doubts);
+  const std::string beyond_limit = checked_limit(model);
+  if (const std::string overlap = overlap_at_start(model); !overlap.empty())
+    throw refusal(scene, "scene.gap", overlap);
+  ModalStart start = make_start(model);
+  ResultHeader header = make_header(model);
+  header.beyond_limit = beyond_limit;
+  ResultFile file(options.output, header);
+  const OrderlyEnd orderly;  // before, there is nothing to keep
+
+  FileSink sink(file);
+  SceneRun way(std::move(model), std::move(start), {}, &sink);
+  const Clock::time_point marching = Clock::now();
+  Clock::time_point shown = marching;
+  Simulation().run({&way}, [&] {
+    if (!options.progress || seconds_since(shown) <= 0.2) return;
+    shown = Clock::now();
+    options.progress(progress_of(way, seconds_since(marching)));
+  });
+
+  RunReport report = report_on(way, header.resonator.mean_square);
+  report.beyond_limit = beyond_limit;
+  report.wall_seconds = seconds_since(begun);
+  file.close(summary_of(report));
   report.wall_seconds = seconds_since(begun);
   return report;
 }

@@ -2,22 +2,18 @@
 #include "host/run/timed_run.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <ctime>
 #include <functional>
 #include <limits>
+#include <memory>
+#include <utility>
 
+#include "host/device/backend.hpp"
 #include "host/interruption.hpp"
 #include "host/result/energy.hpp"
-#include "host/run/launch_length.hpp"
 
 namespace ra2d {
 namespace {
-
-double seconds_since(std::chrono::steady_clock::time_point begin) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-}
 
 /// The last of `count` rows.
 std::vector<double> last_row(const std::vector<double>& rows, std::size_t count) {
@@ -38,97 +34,62 @@ std::vector<double> minus(const std::vector<double>& a, const std::vector<double
   return out;
 }
 
-/// What one scene of a batch has handed out so far.
-class Follower {
+/// Keeps the shocks and the latest state.
+class MemorySink : public Sink {
  public:
-  Follower(const Model& model, const ModalStart& start)
-      : model_{&model}, start_{&start}, energy_{model.scene.from}, first_{first_counted(model)} {
-    counting_ = first_ == 0;
+  void take(const SampleBlock& block) override {
+    const std::size_t count = block.time.size();
+    if (count == 0) return;
+    state = {last_row(block.resonator_displacement, count),
+             last_row(block.resonator_velocity, count), last_row(block.slider_displacement, count),
+             last_row(block.slider_velocity, count)};
   }
-
-  void take(Batch& batch, int index) {
-    const Drained drained = batch.drain(index);
-    out_.end = batch.snapshot(index);
-    if (!counting_) out_.begin = out_.end;
-    counting_ = counting_ || out_.end.step >= first_ || out_.end.status != Status::running;
-    const SampleBlock block = make_samples(*model_, *start_, drained, samples_);
-    samples_ += drained.samples;
-    energy_.add(block);
-    if (const std::size_t count = block.time.size(); count > 0)
-      out_.state = {
-          last_row(block.resonator_displacement, count), last_row(block.resonator_velocity, count),
-          last_row(block.slider_displacement, count), last_row(block.slider_velocity, count)};
-    keep(make_shocks(*model_, drained.shocks));
+  void take(const std::vector<Shock>& more) override {
+    shocks.insert(shocks.end(), more.begin(), more.end());
   }
-  const Snapshot& end() const { return out_.end; }
-  /// The step to stop at, so that statistics can begin there.
-  std::int64_t stop() const {
-    return counting_ ? std::numeric_limits<std::int64_t>::max() : first_;
-  }
-
-  TimedRun finish(double seconds, double processor) {
-    keep(make_shocks(*model_, out_.end.open_shocks));
-    std::sort(out_.shocks.begin(), out_.shocks.end(),
-              [](const Shock& a, const Shock& b) { return a.serial < b.serial; });
-    out_.status = out_.end.status;
-    out_.time = static_cast<double>(out_.end.step) * model_->tick;
-    out_.seconds = seconds;
-    out_.processor = processor;
-    out_.energy = energy_.balance();
-    return out_;
-  }
-
- private:
-  void keep(const std::vector<Shock>& shocks) {
-    out_.shocks.insert(out_.shocks.end(), shocks.begin(), shocks.end());
-  }
-  const Model* model_;
-  const ModalStart* start_;
-  std::int64_t samples_ = 0;
-  EnergyAccount energy_;
-  std::int64_t first_;
-  bool counting_ = false;
-  TimedRun out_;
+  State state;
+  std::vector<Shock> shocks;
 };
+
+TimedRun timed(const SceneRun& scene, MemorySink& sink) {
+  const Accounts& accounts = scene.accounts();
+  TimedRun out;
+  out.status = scene.status();
+  out.time = scene.time();
+  out.state = std::move(sink.state);
+  out.energy = accounts.energy.balance();
+  out.shocks = std::move(sink.shocks);
+  std::sort(out.shocks.begin(), out.shocks.end(),
+            [](const Shock& a, const Shock& b) { return a.serial < b.serial; });
+  out.begin = accounts.begin;
+  out.end = accounts.now;
+  return out;
+}
 
 }  // namespace
 
 std::vector<TimedRun> timed_runs(const std::vector<Model>& models,
                                  const std::vector<ModalStart>& starts, const RunLimits& limits) {
-  Batch batch(models, starts);
-  std::vector<Follower> scenes;
-  for (std::size_t i = 0; i < models.size(); ++i) scenes.emplace_back(models[i], starts[i]);
-  const double ticks = limits.time / models.front().tick;
-  const std::int64_t last =
-      ticks < 9e18 ? std::llround(ticks) : std::numeric_limits<std::int64_t>::max();
-  LaunchLength launch(models.front(), std::clamp(0.1 * limits.wall, 1e-3, 0.2));
-  double seconds = 0, processor = 0;
-  for (std::int64_t now = 0;;) {
-    if (interruption() != 0) throw Interrupted{};
-    std::int64_t target = now + std::min(launch.steps(), last - now);
-    for (const Follower& scene : scenes) target = std::min(target, scene.stop());
-    const auto begin = std::chrono::steady_clock::now();
-    const std::clock_t clock = std::clock();
-    batch.march(target);
-    const double took = seconds_since(begin);
-    processor += static_cast<double>(std::clock() - clock) / CLOCKS_PER_SEC;
-    seconds += took;
-    const std::int64_t before = now;
-    now = std::numeric_limits<std::int64_t>::max();  // of the one that is furthest behind
-    bool going_on = false, shocks_missing = false;
-    for (std::size_t i = 0; i < scenes.size(); ++i) {
-      scenes[i].take(batch, static_cast<int>(i));
-      const Snapshot& end = scenes[i].end();
-      shocks_missing = shocks_missing || end.shocks_begun < limits.shocks;
-      if (end.status != Status::running) continue;
-      going_on = true;
-      now = std::min(now, end.step);
-    }
-    if (!going_on || now >= last || seconds >= limits.wall || !shocks_missing) break;
-    launch.took(now - before, took);
+  std::vector<MemorySink> sinks(models.size());
+  std::vector<std::unique_ptr<SceneRun>> scenes;
+  std::vector<SceneRun*> all;
+  for (std::size_t i = 0; i < models.size(); ++i) {
+    scenes.push_back(std::make_unique<SceneRun>(models[i], starts[i], limits, &sinks[i]));
+    all.push_back(scenes.back().get());
   }
+  Simulation simulation({.seconds = std::clamp(0.1 * limits.wall, 1e-3, 0.2)});
+  simulation.run(all);
+  if (interruption() != 0) throw Interrupted{};
+  double processor = 0;
+  for (const auto& scene : scenes) processor += scene->accounts().march_seconds;
+  const double side_by_side =
+      std::min(static_cast<double>(scenes_at_once()), static_cast<double>(scenes.size()));
   std::vector<TimedRun> out;
-  for (Follower& scene : scenes) out.push_back(scene.finish(seconds, processor));
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    out.push_back(timed(*scenes[i], sinks[i]));
+    out.back().seconds = processor / side_by_side;
+    out.back().processor = processor;
+  }
   return out;
 }
 
@@ -148,7 +109,7 @@ std::string status_text(Status status) {
     case Status::blocked:
       return "the kept modes cannot keep the faces apart";
     case Status::crowded:
-      return "too many nodes touch at once";
+      return "too many nodes touch at once for the memory";
     case Status::stalled:
       return "too fast for the clock";
   }

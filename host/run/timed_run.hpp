@@ -7,16 +7,10 @@
 
 #include "host/result/energy.hpp"
 #include "host/result/record.hpp"
+#include "host/run/simulation.hpp"
 
 /// Runs kept in memory, with the time that the march takes.
 namespace ra2d {
-
-/// Where a run ends, unless its scene ends before.
-struct RunLimits {
-  double time = std::numeric_limits<double>::infinity();           // s simulated
-  double wall = std::numeric_limits<double>::infinity();           // s in the march
-  std::int64_t shocks = std::numeric_limits<std::int64_t>::max();  // in every scene
-};
 
 /// Modal displacements and velocities of both bodies at one instant.
 struct State {
@@ -27,14 +21,14 @@ struct TimedRun {
   Status status = Status::running;  // running: a limit of RunLimits was met
   double time = 0;                  // s simulated
   double seconds = 0;               // in the march, of all scenes side by side
-  double processor = 0;             // s, of all threads then: hardly depends on what else runs
+  double processor = 0;             // s in the march, of each of them one after the other
   State state;                      // at the last sample, both at the same time
   EnergyBalance energy;             // from the first sample after output.from to the last
   std::vector<Shock> shocks;        // by start; those going on as long as they have lasted
   Snapshot begin, end;              // where statistics begin (output.from), and where the run ended
 };
 
-/// Marches scenes of one tick side by side from t = 0. Throws Interrupted (host/interruption.hpp).
+/// Marches scenes side by side from t = 0, each to its own end or limit. Throws Interrupted (host/interruption.hpp).
 std::vector<TimedRun> timed_runs(const std::vector<Model>& models,
                                  const std::vector<ModalStart>& starts,
                                  const RunLimits& limits = {});

@@ -6,6 +6,7 @@
 #include "kernels/adaptive/crossing.hpp"
 #include "kernels/adaptive/flight.hpp"
 #include "kernels/adaptive/series.hpp"
+#include "kernels/check.hpp"
 #include "kernels/contact/node_contact.hpp"
 #include "kernels/displacement.hpp"
 #include "kernels/gap.hpp"
@@ -204,6 +205,7 @@ class AdaptiveMarcher {
       if (first <= end) {
         ticks = ticks_to(first, ticks);
         const double x = x_of(ticks);
+        if (!has_room_for_contacts(flagged, x)) return fail(Status::crowded);
         if (!fly_samples(ticks)) return false;
         Real on[K], on_v[K];
         series_.state(x, on, on_v);
@@ -296,6 +298,7 @@ class AdaptiveMarcher {
       if (onset) {
         ticks = ticks_to(x, ticks);
         end = x_of(ticks);
+        if (!has_room_for_contacts(flagged, end)) return fail(Status::crowded);
         series_.state(end, u, v);
       }
     }
@@ -373,7 +376,7 @@ class AdaptiveMarcher {
 
   /// Roundings of an overlap [m].
   KOKKOS_FORCEINLINE_FUNCTION double touch_of(const Real* u) const {
-    return t_.slack + 0x1p-46 * weighted_sum<Lanes, K>(lanes_, t_.reach, u);
+    return t_.slack + 0x1p-46 * weighted_sum<Lanes, K>(lanes_, t_.largest_shape, u);
   }
 
   // ---- what can touch
@@ -387,7 +390,7 @@ class AdaptiveMarcher {
 
   /// Error of an overlap that is seen [m].
   KOKKOS_FORCEINLINE_FUNCTION double blur(const MotionBounds& bounds) const {
-    return bounds.tail + 3.0 * bounds.rounding() + 2.0 * t_.slack;
+    return bounds.cubic_remainder + 3.0 * bounds.rounding() + 2.0 * t_.slack;
   }
   /// ... and of the cubic through what is seen at both ends of a step.
   KOKKOS_FORCEINLINE_FUNCTION double cubic_error(const MotionBounds& bounds, double time) const {
@@ -398,7 +401,7 @@ class AdaptiveMarcher {
   KOKKOS_FUNCTION double longest_rise(const MotionBounds& bounds, std::int64_t ticks) const {
     const double way = static_cast<double>(ticks) * t_.advance;
     double slope = t_.steepest;
-    if (way > 0.0) slope += t_.spacing * weighted_sum<Lanes, K>(lanes_, t_.reach_slope, u_);
+    if (way > 0.0) slope += t_.spacing * weighted_sum<Lanes, K>(lanes_, t_.largest_slope, u_);
     return bounds.travel + way * slope + 2.0 * blur(bounds);
   }
 
@@ -408,7 +411,7 @@ class AdaptiveMarcher {
     if (t_.look_at == Nodes::all || near_.holds(u_, place, travel)) return;
     // what the modes may do within the step, and can be expected to do after it
     const double time = static_cast<double>(room - ticks) * t_.step;
-    const double later = time < 1e30 ? time * weighted_sum<Lanes, K>(lanes_, t_.reach, v_) : 0.0;
+    const double later = time < 1e30 ? time * weighted_sum<Lanes, K>(lanes_, t_.largest_shape, v_) : 0.0;
     near_.find(u_, place, 1.5 * travel + 0.5 * later + t_.least_reach, rounding, 0.0);
     seen_ = false;
   }
@@ -498,15 +501,19 @@ class AdaptiveMarcher {
     return first;
   }
 
+  /// Whether there is room for the flagged nodes that touch by x. Asked before anything of the step
+  /// is kept, so that it can be done again once there is.
+  KOKKOS_FUNCTION bool has_room_for_contacts(int flagged, double x) const {
+    int count = s_.closed_count;
+    for (int e = 0; e < flagged; ++e) count += s_.roots[e] <= x ? 1 : 0;
+    return count <= s_.closed_capacity;
+  }
   /// Of the flagged nodes those that touch by x.
   KOKKOS_FUNCTION void close_contacts(int flagged, double x) {
     if (lanes_.leader())
       for (int e = 0; e < flagged; ++e) {
         if (!(s_.roots[e] <= x)) continue;
-        if (s_.closed_count == s_.closed_capacity) {
-          s_.status = Status::crowded;
-          break;
-        }
+        RA2D_CHECK(s_.closed_count < s_.closed_capacity);
         int i = s_.closed_count++;
         for (; i > 0 && s_.closed[i - 1] > s_.watch[e]; --i) s_.closed[i] = s_.closed[i - 1];
         s_.closed[i] = s_.watch[e];

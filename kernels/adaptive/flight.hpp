@@ -13,7 +13,7 @@ namespace ra2d {
 struct MotionBounds {
   double travel;  // m: sum max|psi| |U - U_0|
   double fourth;  // m/s^4: fourth derivative of an overlap at a node, whose place moves
-  double tail;    // m: what the cubics over a patch leave out of a displacement
+  double cubic_remainder;  // m: what the cubics over a patch leave out of a displacement
   double size;    // m: sum max|psi| |U|
   /// Of a displacement [m].
   KOKKOS_FORCEINLINE_FUNCTION double rounding() const { return 256 * 0x1p-52 * size; }
@@ -53,13 +53,13 @@ class Flight {
       const Real stretch = load(t_.omega, p) * (u[p] - load(t_.rest, p));
       const Real e = Kokkos::sqrt(multiply_add(v[p], v[p], stretch * stretch));
       // of a rigid mode, which may fall from rest, the first is the smaller
-      const Real mean = multiply_add(0.5 * time, Kokkos::abs(load(t_.fall, p)), e);
+      const Real mean = multiply_add(0.5 * time, Kokkos::abs(load(t_.free_acceleration, p)), e);
       const Real way = Kokkos::min(Real(time) * mean, mean * load(t_.swing, p));
       const Real amplitude = Kokkos::abs(u[p]) + way;
-      const Real reach = load(t_.reach, p);
+      const Real reach = load(t_.largest_shape, p);
       travel = multiply_add(reach, way, travel);
       fourth = multiply_add(load(t_.fourth, p), e, fourth);
-      tail = multiply_add(load(t_.tail, p), amplitude, tail);
+      tail = multiply_add(load(t_.cubic_remainder, p), amplitude, tail);
       size = multiply_add(reach, amplitude, size);
     }
     return {lanes_.sum(travel), lanes_.sum(fourth) + t_.fourth_rest, lanes_.sum(tail),
@@ -93,7 +93,7 @@ class Flight {
     for (int p = 0; p < K; ++p) {
       const Real decay = load(t_.decay, p), omega = load(t_.omega, p), stiff = omega * omega;
       const Real d = u[p] - load(t_.rest, p);
-      const Real a = load(t_.fall, p) - multiply_add(stiff, d, decay * v[p]);
+      const Real a = load(t_.free_acceleration, p) - multiply_add(stiff, d, decay * v[p]);
       const Real jerk = Real(-1.0) * multiply_add(stiff, v[p], decay * a);
       const Real snap = Real(-1.0) * multiply_add(stiff, a, decay * jerk);
       const Real dv =

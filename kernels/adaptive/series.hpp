@@ -195,17 +195,17 @@ class ModalSeries {
       }
     Real travel(0.0), fourth(0.0), tail(0.0), size(0.0);
     for (int p = 0; p < K; ++p) {
-      const Real g = Real(scale_ * scale_) * load(t_.light, p) * force[p];
+      const Real g = Real(scale_ * scale_) * load(t_.inverse_mass, p) * force[p];
       const Real c0 = Kokkos::abs(coefficient(0, p)), c1 = Kokkos::abs(coefficient(1, p)),
                  c2 = Kokkos::abs(coefficient(2, p)), c3 = coefficient(3, p);
       const Real twist = Real(2.0 * scale_) * load(t_.omega, p) * c2, jerk = Real(6.0) * c3;
       const Real d3 = multiply_add(g, at, Kokkos::sqrt(multiply_add(twist, twist, jerk * jerk)));
-      const Real d4 = multiply_add(Real(scale_) * load(t_.turn, p), d3, g);
+      const Real d4 = multiply_add(Real(scale_) * load(t_.fastest_rate, p), d3, g);
       const Real d2 = multiply_add(d3, at, Real(2.0) * c2);
       const Real d1 = multiply_add(d2, at, c1);
       const Real way = at * d1;
       const Real amplitude = c0 + way;
-      const Real b = Real(scale_) * load(t_.wander, p), reach = load(t_.reach, p);
+      const Real b = Real(scale_) * load(t_.passing_rate, p), reach = load(t_.largest_shape, p);
       // a mode at a node that moves: (d/dx + b)^4
       Real all = multiply_add(b, amplitude, Real(4.0) * d1);
       all = multiply_add(b, all, Real(6.0) * d2);
@@ -213,7 +213,7 @@ class ModalSeries {
       all = multiply_add(b, all, d4);
       travel = multiply_add(reach, way, travel);
       fourth = multiply_add(reach, all, fourth);
-      tail = multiply_add(load(t_.tail, p), amplitude, tail);
+      tail = multiply_add(load(t_.cubic_remainder, p), amplitude, tail);
       size = multiply_add(reach, amplitude, size);
     }
     const double per2 = 1.0 / (scale_ * scale_);
@@ -303,11 +303,11 @@ class ModalSeries {
     // (2 b)^2/2 and (2 b)^3/6 of a mode, b its turning over a unit of x, for steps of up to two
     Real second(0.0), third(0.0), way(0.0);
     for (int p = 0; p < K; ++p) {
-      const Real b = Real(2.0 * scale_) * load(t_.wander, p);
-      const Real part = load(t_.reach, p) * amplitude[p] * (b * b);
+      const Real b = Real(2.0 * scale_) * load(t_.passing_rate, p);
+      const Real part = load(t_.largest_shape, p) * amplitude[p] * (b * b);
       second = multiply_add(Real(0.5), part, second);
       third = multiply_add(Real(1.0 / 6.0), part * b, third);
-      way = multiply_add(load(t_.reach, p), travel[p], way);
+      way = multiply_add(load(t_.largest_shape, p), travel[p], way);
     }
     double of_second, of_third;
     lanes_.sum(second, third, of_second, of_third);
@@ -332,7 +332,7 @@ class ModalSeries {
       const Real turn = Real(scale) * load(t_.omega, p);
       stiff[p] = turn * turn;
       decay[p] = Real(scale) * load(t_.decay, p);
-      light[p] = Real(scale * scale) * load(t_.light, p);
+      light[p] = Real(scale * scale) * load(t_.inverse_mass, p);
     }
     const int last = closed > 0 ? degree() : order - 2;
     for (int j = 0; j <= last; ++j) {

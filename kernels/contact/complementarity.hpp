@@ -14,13 +14,13 @@ namespace ra2d {
 
 /// How the search for the contact forces of a step ended: found; no motion of the modes keeps the
 /// bodies apart; or more nodes carry force than there is room for.
-enum class Held { solved, blocked, crowded };
+enum class Solution { solved, blocked, crowded };
 
 /// Contact forces that are found together with the end of the step: Lagrange multipliers (paper,
 /// section 3, equation 11), and the penalty spring at the new time.
 ///
 /// A step without contact ends at U*. Contact forces f_n that are held over the step add -b_k sum_n
-/// f_n phi_nk to mode k, b_k = U1 of a unit force (SceneTables::held_u). With the overlap o_n = -g_n
+/// f_n phi_nk to mode k, b_k = U1 of a unit force (SceneTables::receptance). With the overlap o_n = -g_n
 /// at the end of the step, o* without contact, and W_nm = sum_k b_k phi_nk phi_mk:
 ///
 ///   0 <= f_n,   o_n = o*_n - sum_m W_nm f_m <= compliance f_n,   and f_n > 0 only where both agree.
@@ -71,20 +71,20 @@ class Complementarity {
   template <class List>
   KOKKOS_FORCEINLINE_FUNCTION bool resume(const Place& place, Real* u, Real* v, const List& list,
                                           ContactTotals<Real>& totals, double& most) {
-    const int count = s_.held_nodes;
+    const int count = s_.contact_nodes;
     if (count < 1 || count > 2) return false;
-    const int first = s_.held_pair[0], second = count > 1 ? s_.held_pair[1] : first;
-    contact_.expand(place, s_.held_pair, count);
+    const int first = s_.contact_pair[0], second = count > 1 ? s_.contact_pair[1] : first;
+    contact_.expand(place, s_.contact_pair, count);
     Real phi[K], slope[K], weighted[K], other[K], other_slope[K];
     contact_.shapes(first, place.offset, phi, slope);
-    for (int p = 0; p < K; ++p) weighted[p] = held_u(p) * phi[p];
+    for (int p = 0; p < K; ++p) weighted[p] = receptance(p) * phi[p];
     const double own = yielding(weighted, phi) + t_.compliance;
     const double over = contact_.overlap(first, place.theta, phi, u);
     double force = over / own, other_force = 0.0;
     if (count > 1) {
       contact_.shapes(second, place.offset, other, other_slope);
       const double across = yielding(weighted, other);
-      for (int p = 0; p < K; ++p) weighted[p] = held_u(p) * other[p];
+      for (int p = 0; p < K; ++p) weighted[p] = receptance(p) * other[p];
       const double other_own = yielding(weighted, other) + t_.compliance;
       const double other_over = contact_.overlap(second, place.theta, other, u);
       const double share = across / own, pivot = other_own - share * across;
@@ -98,7 +98,7 @@ class Complementarity {
     for (int p = 0; p < K; ++p) {
       push[p] = Real(force) * phi[p];
       if (count > 1) push[p] = multiply_add(other_force, other[p], push[p]);
-      now[p] = multiply_add(-held_u(p), push[p], u[p]);
+      now[p] = multiply_add(-receptance(p), push[p], u[p]);
     }
     most = force + other_force;
     const int nodes = list(now);
@@ -117,7 +117,7 @@ class Complementarity {
       if (count > 1) bend = multiply_add(other_force, other_slope[p], bend);
       totals.bend = multiply_add(bend, now[p], totals.bend);
       u[p] = now[p];
-      v[p] = multiply_add(-lanes_.load(t_.held_v + p * Lanes::width), push[p], v[p]);
+      v[p] = multiply_add(-lanes_.load(t_.mobility + p * Lanes::width), push[p], v[p]);
     }
     lanes_.sync();
     if (lanes_.leader()) {
@@ -143,10 +143,10 @@ class Complementarity {
   /// is the largest total force [N] on the way, not less than what it comes with. `step` ends at
   /// `place`.
   template <class List>
-  KOKKOS_FORCEINLINE_FUNCTION Held operator()(const Place& place, std::int64_t step, Real* u,
+  KOKKOS_FORCEINLINE_FUNCTION Solution operator()(const Place& place, std::int64_t step, Real* u,
                                               Real* v, const List& list,
                                               ContactTotals<Real>& totals, double& most) {
-    if (s_.held_step == step - 1 && resume(place, u, v, list, totals, most)) return Held::solved;
+    if (s_.contact_step == step - 1 && resume(place, u, v, list, totals, most)) return Solution::solved;
     return seek(place, u, v, list, totals, most);
   }
 
@@ -160,13 +160,13 @@ class Complementarity {
 
   /// The careful way, from no force on.
   template <class List>
-  KOKKOS_FUNCTION Held seek(const Place& place, Real* u, Real* v, const List& list,
+  KOKKOS_FUNCTION Solution seek(const Place& place, Real* u, Real* v, const List& list,
                             ContactTotals<Real>& totals, double& most) {
     Real now[K];
     for (int p = 0; p < K; ++p) now[p] = u[p];
     count_ = 0;
     let_go_ = false;
-    Held result = Held::solved;
+    Solution result = Solution::solved;
     const int rounds = 64 + 8 * t_.nodes;
     double wide = 0.0;
     for (int round = 0;; ++round) {
@@ -174,8 +174,8 @@ class Complementarity {
       double over = t_.touch + wide;
       const int worst = most_overlapping(place, now, nodes, over);
       if (worst < 0) break;
-      result = round < rounds ? press(place, worst, over) : Held::blocked;
-      if (result != Held::solved) break;
+      result = round < rounds ? press(place, worst, over) : Solution::blocked;
+      if (result != Solution::solved) break;
       if (count_ > 1 || let_go_) settle(place, u);
       let_go_ = false;
       end_of(place, u, now);
@@ -184,15 +184,15 @@ class Complementarity {
       // roundings of the modes' sums are rarely met, and could otherwise turn in circles
       if (round == 4) wide = rounding_of(now, u);
     }
-    if (result == Held::solved && count_ > 0) finish(place, u, v, totals);
+    if (result == Solution::solved && count_ > 0) finish(place, u, v, totals);
     for (int j = 0; j < count_; ++j)
       if (lanes_.leader()) s_.pressed_place[s_.pressed[j]] = -1;
     lanes_.sync();
     return result;
   }
 
-  KOKKOS_FORCEINLINE_FUNCTION Real held_u(int p) const {
-    return lanes_.load(t_.held_u + p * Lanes::width);
+  KOKKOS_FORCEINLINE_FUNCTION Real receptance(int p) const {
+    return lanes_.load(t_.receptance + p * Lanes::width);
   }
   KOKKOS_FORCEINLINE_FUNCTION double& factor(int row, int column) const {
     return s_.factor[static_cast<std::int64_t>(row) * s_.pressed_capacity + column];
@@ -203,7 +203,7 @@ class Complementarity {
   KOKKOS_FUNCTION double rounding_of(const Real* u, const Real* free) const {
     Real part(0.0);
     for (int p = 0; p < K; ++p)
-      part = multiply_add(lanes_.load(t_.reach + p * Lanes::width),
+      part = multiply_add(lanes_.load(t_.largest_shape + p * Lanes::width),
                           Kokkos::abs(u[p]) + Kokkos::abs(free[p]), part);
     return rounding(0) * lanes_.sum(part);
   }
@@ -247,10 +247,10 @@ class Complementarity {
   }
 
   /// Raises the force on `node` until its overlap `over` is gone, lets go what would have to pull.
-  KOKKOS_FUNCTION Held press(const Place& place, int node, double over) {
+  KOKKOS_FUNCTION Solution press(const Place& place, int node, double over) {
     Real weighted[K], phi[K];
     contact_.shape(node, place.offset, phi);
-    for (int p = 0; p < K; ++p) weighted[p] = held_u(p) * phi[p];
+    for (int p = 0; p < K; ++p) weighted[p] = receptance(p) * phi[p];
     const double own = yielding(weighted, phi) + t_.compliance;
     for (int j = 0; j < count_; ++j) {
       contact_.shape(s_.pressed[j], place.offset, phi);
@@ -289,7 +289,7 @@ class Complementarity {
         most = until;
         first = j;
       }
-      if (first < 0 && !(clear < never)) return Held::blocked;
+      if (first < 0 && !(clear < never)) return Solution::blocked;
       const double more = clear < most ? clear : most;
       lanes_.sync();
       if (lanes_.leader())
@@ -300,7 +300,7 @@ class Complementarity {
       lanes_.sync();
       force += more;
       if (clear <= most) {
-        if (full) return Held::crowded;
+        if (full) return Solution::crowded;
         if (lanes_.leader()) {
           s_.pressed[count_] = node;
           s_.pressed_force[count_] = force;
@@ -309,7 +309,7 @@ class Complementarity {
         }
         ++count_;
         lanes_.sync();
-        return Held::solved;
+        return Solution::solved;
       }
       if (!depends) over -= more * pivot;
       let_go(place, first);
@@ -334,7 +334,7 @@ class Complementarity {
     Real phi[K], weighted[K];
     for (int i = out; i < count_; ++i) {
       contact_.shape(s_.pressed[i], place.offset, weighted);
-      for (int p = 0; p < K; ++p) weighted[p] = held_u(p) * weighted[p];
+      for (int p = 0; p < K; ++p) weighted[p] = receptance(p) * weighted[p];
       for (int j = 0; j <= i; ++j) {
         contact_.shape(s_.pressed[j], place.offset, phi);
         double w = yielding(weighted, phi);
@@ -404,7 +404,7 @@ class Complementarity {
       const Real f(s_.pressed_force[j]);
       for (int p = 0; p < K; ++p) push[p] = multiply_add(f, phi[p], push[p]);
     }
-    for (int p = 0; p < K; ++p) u[p] = multiply_add(-held_u(p), push[p], free[p]);
+    for (int p = 0; p < K; ++p) u[p] = multiply_add(-receptance(p), push[p], free[p]);
   }
 
   KOKKOS_FUNCTION double total() const {
@@ -445,8 +445,8 @@ class Complementarity {
       totals.force += f;
     }
     for (int p = 0; p < K; ++p) {
-      u[p] = multiply_add(-held_u(p), push[p], u[p]);
-      v[p] = multiply_add(-lanes_.load(t_.held_v + p * Lanes::width), push[p], v[p]);
+      u[p] = multiply_add(-receptance(p), push[p], u[p]);
+      v[p] = multiply_add(-lanes_.load(t_.mobility + p * Lanes::width), push[p], v[p]);
     }
     for (int p = 0; p < K; ++p) totals.bend = multiply_add(bend[p], u[p], totals.bend);
   }

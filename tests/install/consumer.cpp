@@ -2,6 +2,7 @@
 // Marches the first steps of a scene, and says what a penalty spring of its stiffness makes of a micron.
 #include <cstdio>
 
+#include "host/device/backend.hpp"
 #include "host/device/batch.hpp"
 #include "host/model/model.hpp"
 #include "host/scene_file/scene_file.hpp"

@@ -63,7 +63,7 @@ struct Problem {
 };
 
 struct Answer {
-  Held held = Held::solved;
+  Solution solution = Solution::solved;
   Vector u, v;
   Vector force;  // of every node
   double most = 0;
@@ -91,7 +91,7 @@ class Solver {
       held_v_[k] = velocity(k);
       reach_[k] = p_.phi.col(k).cwiseAbs().maxCoeff();
     }
-    t_.held_u = held_u_.data(), t_.held_v = held_v_.data(), t_.reach = reach_.data();
+    t_.receptance = held_u_.data(), t_.mobility = held_v_.data(), t_.largest_shape = reach_.data();
     shape_.assign(static_cast<std::size_t>(nodes) * 4 * stride, 0.0);
     face_.assign(2 * nodes, 0.0);
     window_.assign(nodes, 0);
@@ -126,14 +126,14 @@ class Solver {
   static double start_velocity(int mode) { return 1 - 0.5 * mode; }
 
   Answer operator()() {
-    s_.held_step = -1;
+    s_.contact_step = -1;
     return solve();
   }
   /// With these nodes as those that carried force at the end of the step before.
   Answer resumed(std::initializer_list<int> nodes) {
-    s_.held_step = step - 1;
-    s_.held_nodes = static_cast<int>(nodes.size());
-    std::copy_n(nodes.begin(), std::min<std::size_t>(2, nodes.size()), s_.held_pair);
+    s_.contact_step = step - 1;
+    s_.contact_nodes = static_cast<int>(nodes.size());
+    std::copy_n(nodes.begin(), std::min<std::size_t>(2, nodes.size()), s_.contact_pair);
     return solve();
   }
 
@@ -175,8 +175,8 @@ class Solver {
       return count;
     };
     ContactTotals<Real> totals;
-    Complementarity<HostLanes, K> held(lanes, t_, s_, contact);
-    out.held = held(place, step, packs_u, packs_v, list, totals, out.most);
+    Complementarity<HostLanes, K> solve(lanes, t_, s_, contact);
+    out.solution = solve(place, step, packs_u, packs_v, list, totals, out.most);
     for (int p = 0; p < K; ++p) {
       lanes.store(u.data() + p * width, packs_u[p]);
       lanes.store(v.data() + p * width, packs_v[p]);
@@ -215,7 +215,7 @@ double rounding_of(const Problem& p, const Answer& a) {
 
 /// The conditions, each to the roundings, and what the answer says of itself.
 void expect_conditions(const Problem& p, const Answer& a) {
-  ASSERT_EQ(a.held, Held::solved);
+  ASSERT_EQ(a.solution, Solution::solved);
   const double least = rounding_of(p, a);
   const Vector over = p.overlap(a.u);
   for (int n = 0; n < p.nodes(); ++n) {
@@ -485,7 +485,7 @@ TEST(Complementarity, AgreesWithAnExhaustiveSearch) {
     // no problem here is all but feasible
     ASSERT_TRUE(best.breach < 1e-12 || best.breach > 1e-6) << best.breach;
     const Answer a = solve(p);
-    ASSERT_EQ(a.held, best.feasible ? Held::solved : Held::blocked);
+    ASSERT_EQ(a.solution, best.feasible ? Solution::solved : Solution::blocked);
     blocked += !best.feasible;
     if (!best.feasible) continue;
     expect_conditions(p, a);
@@ -541,8 +541,8 @@ TEST(Complementarity, OrderOfTheNodesDoesNotMatter) {
     const Answer a = solve(p);
     for (const std::vector<int>& order : {mirrored, dice.order(p.nodes())}) {
       const Answer b = solve(p.ordered(order));
-      ASSERT_EQ(b.held, a.held);
-      if (a.held == Held::solved) expect_near(p, a, b.u, b.force);
+      ASSERT_EQ(b.solution, a.solution);
+      if (a.solution == Solution::solved) expect_near(p, a, b.u, b.force);
     }
   }
 }
@@ -556,7 +556,7 @@ TEST(Complementarity, NodesThatDoNotOverlapNeedNotBeListed) {
                                                 1 + dice.pick(20), dice.pick(6))
                                        .problem;
     const Answer all = solve(p), some = solve(p, Listing::overlapping);
-    ASSERT_EQ(all.held, some.held);
+    ASSERT_EQ(all.solution, some.solution);
     EXPECT_EQ(all.u, some.u);
     EXPECT_EQ(all.v, some.v);
     EXPECT_EQ(all.force, some.force);
@@ -576,8 +576,8 @@ TEST(Complementarity, NodesOfTheStepBeforeGiveTheSameAnswer) {
                                        .problem;
     const Answer a = solve(p);
     const auto expect_same = [&](const Answer& b) {
-      ASSERT_EQ(b.held, a.held);
-      if (a.held != Held::solved) return;
+      ASSERT_EQ(b.solution, a.solution);
+      if (a.solution != Solution::solved) return;
       expect_conditions(p, b);
       expect_near(p, b, a.u, a.force);
       // the look that a guess costs: it was taken when there is no other
@@ -587,7 +587,7 @@ TEST(Complementarity, NodesOfTheStepBeforeGiveTheSameAnswer) {
     // those that carry force now, and some that need not
     std::vector<int> carrying;
     for (int n = 0; n < p.nodes(); ++n)
-      if (a.held == Held::solved && a.force[n] > 0) carrying.push_back(n);
+      if (a.solution == Solution::solved && a.force[n] > 0) carrying.push_back(n);
     if (carrying.size() == 1) expect_same(Solver(p).resumed({carrying[0]}));
     if (carrying.size() == 2) expect_same(Solver(p).resumed({carrying[0], carrying[1]}));
     const int one = dice.pick(p.nodes()), other = dice.pick(p.nodes());
@@ -619,7 +619,7 @@ Problem by_hand(std::initializer_list<std::initializer_list<double>> phi,
 
 TEST(Complementarity, OpenGapsLeaveTheStepAsItIs) {
   const Answer a = solve(by_hand({{1, 0}, {1, 1}}, {-2, -4}, {1, 0.5}, {1, 2}));
-  EXPECT_EQ(a.held, Held::solved);
+  EXPECT_EQ(a.solution, Solution::solved);
   EXPECT_EQ(a.touched, 0);
   EXPECT_EQ(a.looks, 1);
   EXPECT_EQ(a.most, 0);
@@ -670,32 +670,32 @@ TEST(Complementarity, OneModePinchedOnBothSidesOfAVibrationNode) {
     return solve(by_hand({{1}, {-1}}, {1, -lowest}, {0.5}, {4}));
   };
   const Answer room = pinched(2);
-  ASSERT_EQ(room.held, Held::solved);
+  ASSERT_EQ(room.solution, Solution::solved);
   EXPECT_EQ(room.u[0], -1);
   EXPECT_EQ(room.force, (Vector{{10, 0}}));
   const Answer none = pinched(1);  // no room at all, but no overlap either
-  ASSERT_EQ(none.held, Held::solved);
+  ASSERT_EQ(none.solution, Solution::solved);
   EXPECT_EQ(none.u[0], -1);
-  EXPECT_EQ(pinched(0.5).held, Held::blocked);
+  EXPECT_EQ(pinched(0.5).solution, Solution::blocked);
 }
 
 TEST(Complementarity, NodeThatNothingMoves) {
   const Problem open = by_hand({{0}, {1}}, {-1, 1}, {0.5}, {0});
-  EXPECT_EQ(solve(open).held, Held::solved);
+  EXPECT_EQ(solve(open).solution, Solution::solved);
   const Problem over = by_hand({{0}, {1}}, {1, 1}, {0.5}, {0});
-  EXPECT_EQ(solve(over).held, Held::blocked);
+  EXPECT_EQ(solve(over).solution, Solution::blocked);
   // it carried force before it came to where nothing moves
-  EXPECT_EQ(Solver(over).resumed({0}).held, Held::blocked);
-  EXPECT_EQ(Solver(over).resumed({0, 1}).held, Held::blocked);
+  EXPECT_EQ(Solver(over).resumed({0}).solution, Solution::blocked);
+  EXPECT_EQ(Solver(over).resumed({0, 1}).solution, Solution::blocked);
   // ... or to where next to nothing does
   const Problem hardly = by_hand({{1e-160}, {1}}, {1, 1}, {0.5}, {0});
-  EXPECT_EQ(solve(hardly).held, Held::blocked);
-  EXPECT_EQ(Solver(hardly).resumed({0}).held, Held::blocked);
+  EXPECT_EQ(solve(hardly).solution, Solution::blocked);
+  EXPECT_EQ(Solver(hardly).resumed({0}).solution, Solution::blocked);
   // a spring gives way
   Problem soft = over;
   soft.compliance = 0.5;
   const Answer a = solve(soft);
-  EXPECT_EQ(a.held, Held::solved);
+  EXPECT_EQ(a.solution, Solution::solved);
   EXPECT_EQ(a.force, (Vector{{2, 1}}));
 }
 
@@ -752,7 +752,7 @@ TEST(Complementarity, RigidSliderPressedOntoFewModes) {
       for (int n = 0; n < nodes; ++n)
         seesaw.phi(n, 0) = std::sqrt(2) * std::sin(2 * M_PI * (0.3 + 0.4 * n / (nodes - 1)));
       seesaw.yield = p.yield.head(1), seesaw.free = p.free.head(1);
-      EXPECT_EQ(solve(seesaw).held, Held::blocked);
+      EXPECT_EQ(solve(seesaw).solution, Solution::blocked);
     }
 }
 

@@ -67,9 +67,9 @@ struct Flying {
       tail.push_back(dice.uniform(0, 1e-3));
     }
     fourth.assign(modes, 0.0);
-    t.flight = flight.data(), t.rest = rest.data(), t.fall = fall.data();
+    t.flight = flight.data(), t.rest = rest.data(), t.free_acceleration = fall.data();
     t.omega = omega.data(), t.decay = decay.data(), t.swing = swing.data();
-    t.reach = reach.data(), t.fourth = fourth.data(), t.tail = tail.data();
+    t.largest_shape = reach.data(), t.fourth = fourth.data(), t.cubic_remainder = tail.data();
   }
   Flying(const Flying&) = delete;
 
@@ -262,7 +262,7 @@ TEST(Flight, BoundsHold) {
       const double more = 1 + 64 * eps;  // roundings of the bounds themselves
       ASSERT_LE(travel, bounds.travel * more + 4 * eps * bounds.size) << "trial " << trial;
       ASSERT_LE(size, bounds.size * more) << "trial " << trial;
-      ASSERT_LE(tail, bounds.tail * more) << "trial " << trial;
+      ASSERT_LE(tail, bounds.cubic_remainder * more) << "trial " << trial;
       ASSERT_LE(std::abs(fourth), bounds.fourth * more + rounding)
           << "trial " << trial << " speed " << speed;
       nearest = std::max(nearest, travel / bounds.travel);

@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "host/model/bounds.hpp"
 #include "kernels/near_groups.hpp"
 #include "tests/dice.hpp"
 #include "tests/eight_modes.hpp"
@@ -60,7 +61,7 @@ struct Bodies {
     t.patch_nodes = patch_nodes, t.inverse_patch = 1.0 / patch_nodes;
     t.inverse_radius = 1 / radius, t.spacing = 1;
     t.slack = 16 * eps * 5;
-    t.reach = reach.data(), t.reach_slope = slope.data(), t.tail = tail.data();
+    t.largest_shape = reach.data(), t.largest_slope = slope.data(), t.cubic_remainder = tail.data();
     t.patch = patch.data(), t.slider_shape = tilt.data();
     t.height1 = height1.data(), t.height2 = height2.data(), t.highest2 = highest2.data();
   }

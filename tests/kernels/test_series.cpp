@@ -78,8 +78,8 @@ struct Bodies {
     t.tolerance = tolerance;
     t.order = series_order(tolerance);
     t.load = load.data(), t.mass = mass.data(), t.omega = omega.data(), t.decay = decay.data();
-    t.light = light.data(), t.wander = wander.data(), t.turn = turn.data();
-    t.reach = reach.data(), t.tail = tail.data();
+    t.inverse_mass = light.data(), t.passing_rate = wander.data(), t.fastest_rate = turn.data();
+    t.largest_shape = reach.data(), t.cubic_remainder = tail.data();
     series.resize((most_order + 1) * modes), squares.resize(most_order * modes);
     node_series.resize(nodes * 2 * overlap_terms), closed_shape.resize(nodes * 4 * modes);
     scan_shape.resize(4 * modes), scan.resize(overlap_terms);
@@ -395,7 +395,7 @@ TEST(ModalSeries, BoundsHold) {
       const double more = 1 + 1e-9;  // the series ends, and the sums round
       ASSERT_LE(travel, bounds.travel * more + 8 * eps * bounds.size) << "trial " << trial;
       ASSERT_LE(size, bounds.size * more) << "trial " << trial;
-      ASSERT_LE(tail, bounds.tail * more) << "trial " << trial;
+      ASSERT_LE(tail, bounds.cubic_remainder * more) << "trial " << trial;
       ASSERT_LE(fourth, bounds.fourth * more) << "trial " << trial << " at " << at / x;
       nearest = std::max(nearest, travel / bounds.travel);
       nearest_fourth = std::max(nearest_fourth, fourth / bounds.fourth);

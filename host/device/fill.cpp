@@ -1,0 +1,376 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/device/fill.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/device/flight_tables.hpp"
+#include "host/device/gauss.hpp"
+#include "host/model/bounds.hpp"
+#include "host/model/step_bounds.hpp"
+#include "host/scene/schemes.hpp"
+#include "kernels/limits.hpp"
+
+namespace ra2d {
+namespace {
+
+/// C(i, j)/C(n, j), row j, for i <= n; what is beyond repeats the last and is masked out of the
+/// first and second differences (kernels/adaptive/crossing.hpp).
+void fill_hull(double* table, int n) {
+  for (int i = 0; i < overlap_terms; ++i) {
+    const int last = std::min(i, n);
+    double share = 1.0;
+    for (int j = 0; j <= last; ++j) {
+      table[j * overlap_terms + i] = share;
+      share *= static_cast<double>(last - j) / std::max(1, n - j);
+    }
+    double* mask = table + overlap_terms * overlap_terms + i;
+    mask[0] = i < n ? 1.0 : 0.0;
+    mask[overlap_terms] = i < n - 1 ? 1.0 : 0.0;
+  }
+}
+
+/// Steps over which bounds on the modes are worth anything: what a scheme beyond its limit makes of
+/// them in more is out of all proportion.
+int longest_look(const Model& model) {
+  const SchemeTable& scheme = scheme_table(model.scene.time.scheme);
+  const double tau = model.scene.time.step;
+  const auto grows = [&](int steps) {
+    for (const Beam* beam : {&model.resonator, &model.slider})
+      for (const ModeShape& shape : beam->modes) {
+        const Mode mode{shape.omega, beam->zeta, beam->mass_per_length};
+        if (bound_step(mode, scheme.prepare(mode, tau), scheme.place, tau, steps).growth > 2.0)
+          return true;
+      }
+    return false;
+  };
+  int steps = longest_flight;
+  while (steps > 16 && grows(steps)) steps /= 2;
+  return steps;
+}
+
+/// Parts of a node's width so narrow that a cubic over one, off by beta^4 (width/2)^4/4!, is right to
+/// two ulp, or far below the asked tolerance.
+int count_windows(const Model& model) {
+  const Scene& scene = model.scene;
+  const double left_out =
+      is_adaptive(scene)
+          ? std::clamp(1e-4 * scene.time.tolerance.value_or(usual_tolerance), 0x1p-51, 1e-13)
+          : 0x1p-51;
+  return static_cast<int>(std::ceil(std::max(
+      1.0, 0.5 * highest_beta(model.resonator) * scene.spacing / std::pow(24 * left_out, 0.25))));
+}
+
+/// One mode of either body, on its lane.
+struct ModeOnLane {
+  int lane;
+  const Beam& beam;
+  const ModeShape& shape;
+  double load;         // N m^(-1/2)
+  bool of_resonator;   // its nodes move
+  double largest;      // m^(-1/2), max |psi|
+  double outer_force;  // N m^(-1/2), bound on the modal forces that do not come from contact
+
+  Mode oscillator() const { return {shape.omega, beam.zeta, beam.mass_per_length}; }
+};
+
+/// Fills the tables of one scene, part by part.
+class Filler {
+ public:
+  Filler(SceneTables& tables, const Model& model, const PatchSeries& series, const Extents& n,
+         const HostCopy& host)
+      : t_{tables},
+        model_{model},
+        scene_{model.scene},
+        n_{n},
+        host_{host},
+        radius_{series.radius(model, n.width)} {
+    t_.patch_nodes = series.patch_nodes;
+    t_.terms = series.terms;
+  }
+
+  void numbers();
+  void scheme();
+  void modes();
+  void patches();
+  void slider_shapes();
+  void faces();
+  void adaptive();
+  void moving_forces();
+
+ private:
+  SceneTables& t_;
+  const Model& model_;
+  const Scene& scene_;
+  const Extents& n_;
+  HostCopy host_;
+  double radius_;  // m, of a patch's series
+
+  void step_of(const ModeOnLane& mode);
+  void flight_of(const ModeOnLane& mode);
+};
+
+void Filler::numbers() {
+  t_.resonator_modes = static_cast<int>(model_.resonator.modes.size());
+  t_.slider_modes = static_cast<int>(model_.slider.modes.size());
+  t_.nodes = n_.nodes;
+  t_.groups = n_.groups;
+  t_.patches = n_.patches;
+  t_.heights = n_.heights;
+  t_.flight_levels = n_.flight_levels;
+  t_.inverse_patch = 1.0 / t_.patch_nodes;
+  t_.moving_forces = n_.moving_forces;
+  t_.look_at = scene_.time.nodes;
+  t_.form = form_of(scene_);
+  t_.position = model_.position;
+  t_.advance = model_.advance;
+  t_.spacing = scene_.spacing;
+  t_.step = model_.tick;
+  t_.inverse_radius = scene_.spacing / radius_;
+  t_.windows = count_windows(model_);
+  t_.window_width = 1.0 / t_.windows;
+  t_.resonator_length = scene_.resonator.length;
+  t_.node_stiffness = model_.node_stiffness;
+  t_.compliance =
+      scene_.contact.law == ContactLaw::multiplier ? 0.0 : 1.0 / model_.node_stiffness;
+  t_.total_steps = model_.steps;
+  t_.counted_from = first_counted(model_);
+  t_.steps_per_sample = model_.steps_per_sample;
+  t_.samples = model_.samples;
+}
+
+void Filler::scheme() {
+  if (is_adaptive(scene_)) return;
+  const SchemeTable& scheme = scheme_table(scene_.time.scheme);
+  t_.stages = scheme.stages;
+  std::copy_n(scheme.place, scheme.stages, t_.place);
+  for (int i = 1; i < t_.stages; ++i) t_.stage_row[i] = first_stage_row(i);
+  t_.velocity_lag = scheme.velocity_lag;
+  t_.loss_ends = is_semi_implicit(scene_.time.scheme) ? 0.0 : 0.5;
+  t_.longest_look = longest_look(model_);
+}
+
+void Filler::modes() {
+  double moving = 0;  // N
+  for (const MovingForce& f : scene_.resonator.moving_forces) moving += std::abs(f.force);
+  double kick = 0;  // J, see least_energy
+  int lane = 0;
+  for (const Beam* beam : {&model_.resonator, &model_.slider})
+    for (std::size_t k = 0; k < beam->modes.size(); ++k, ++lane) {
+      const ModeShape& shape = beam->modes[k];
+      const bool of_resonator = beam == &model_.resonator;
+      const double largest = largest_shape(shape, beam->length);
+      const ModeOnLane mode{lane,    *beam,        shape,
+                            beam->load[k], of_resonator, largest,
+                            std::abs(beam->load[k]) + (of_resonator ? moving * largest : 0.0)};
+      host_(t_.load)[lane] = mode.load;
+      host_(t_.mass)[lane] = beam->mass_per_length;
+      host_(t_.omega)[lane] = shape.omega;
+      host_(t_.damping)[lane] =
+          2.0 * beam->zeta * shape.omega * beam->mass_per_length * model_.tick;
+      host_(t_.largest_shape)[lane] = largest;
+      if (is_adaptive(scene_))
+        flight_of(mode);
+      else
+        step_of(mode);
+      kick += 0.5 * std::pow(model_.tick * mode.outer_force, 2) / beam->mass_per_length;
+      if (!of_resonator) continue;
+      // a patch may reach beyond the end of the beam
+      const double wave = largest_wave(shape, 2 * radius_);
+      const CubicRemainder remainder = cubic_remainder(shape, radius_);
+      host_(t_.largest_slope)[lane] = shape.beta * wave + std::abs(shape.slope);
+      host_(t_.largest_curvature)[lane] = shape.beta * shape.beta * wave;
+      host_(t_.cubic_remainder)[lane] = remainder.value;
+      host_(t_.cubic_slope_remainder)[lane] = remainder.slope;
+      host_(t_.quartic)[lane] = std::pow(shape.beta * radius_, 4);
+    }
+  // What the outer forces put in within a step: from rest the velocity is up to a step ahead of
+  // their work, or (midpoint) half a step behind.
+  t_.least_energy = 1e-30 + 4.0 * kick;
+}
+
+/// The weights of a scheme of fixed steps, and the bounds that follow from them.
+void Filler::step_of(const ModeOnLane& mode) {
+  const SchemeTable& scheme = scheme_table(scene_.time.scheme);
+  const ModeStep step = scheme.prepare(mode.oscillator(), model_.tick);
+  const int lane = mode.lane, lanes = n_.lanes;
+  for (int i = 1; i < t_.stages; ++i) {
+    double* const rows = host_(t_.stage) + t_.stage_row[i] * lanes + lane;
+    rows[0] = step.stage_u[i];
+    rows[lanes] = step.stage_v[i];
+    rows[2 * lanes] = step.held_stage(i) * mode.load;
+    for (int j = 0; j < i; ++j) rows[(3 + j) * lanes] = step.stage_f[i][j];
+  }
+  double* const ends = host_(t_.end) + lane;
+  ends[end_u_u * lanes] = step.u_u;
+  ends[end_u_v * lanes] = step.u_v;
+  ends[end_u_load * lanes] = step.held_u() * mode.load;
+  ends[end_v_u * lanes] = step.v_u;
+  ends[end_v_v * lanes] = step.v_v;
+  ends[end_v_load * lanes] = step.held_v() * mode.load;
+  for (int j = 0; j < t_.stages; ++j) {
+    ends[(end_forces + 2 * j) * lanes] = step.u_f[j];
+    ends[(end_forces + 2 * j + 1) * lanes] = step.v_f[j];
+  }
+  host_(t_.receptance)[lane] = step.held_u();
+  host_(t_.mobility)[lane] = step.held_v();
+  // shapes are right to some 1e-15 of their largest
+  t_.least_yielding += 1e-26 * step.held_u() * std::pow(mode.largest, 2);
+  const StepBounds bounds =
+      bound_step(mode.oscillator(), step, t_.place, model_.tick, t_.longest_look);
+  host_(t_.pull)[lane] = bounds.pull;
+  host_(t_.push)[lane] = mode.outer_force * bounds.force;
+  host_(t_.yield)[lane] = mode.largest * bounds.force;
+}
+
+/// The closed form of free flight, and the bounds that the adaptive steps rest on.
+void Filler::flight_of(const ModeOnLane& mode) {
+  const Mode oscillator = mode.oscillator();
+  const int lane = mode.lane, lanes = n_.lanes;
+  const double omega = oscillator.omega;
+  const double passing =
+      mode.of_resonator ? passing_rate(mode.shape, mode.beam.length, scene_.speed) : 0.0;
+  host_(t_.fastest_rate)[lane] = fastest_rate(oscillator);
+  host_(t_.inverse_mass)[lane] = 1.0 / oscillator.mass;
+  host_(t_.decay)[lane] = 2.0 * oscillator.zeta * omega;
+  host_(t_.passing_rate)[lane] = passing;
+  if (omega == 0.0) {
+    host_(t_.free_acceleration)[lane] = mode.load / oscillator.mass;
+    host_(t_.swing)[lane] = 1e300;
+  } else {
+    const double rest = mode.load / (oscillator.mass * omega * omega);
+    host_(t_.rest)[lane] = rest;
+    host_(t_.swing)[lane] = 2.0 / omega;
+    host_(t_.fourth)[lane] = fourth_derivative(oscillator, mode.largest, passing);
+    t_.fourth_rest += mode.largest * std::pow(passing, 4) * std::abs(rest);
+  }
+  const auto levels =
+      flight_tables(oscillator, mode.load, model_.tick, t_.first_level, n_.flight_levels);
+  double* const flight = host_(t_.flight) + lane;
+  for (int level = 0; level < n_.flight_levels; ++level)
+    for (int r = 0; r < flight_rows; ++r)
+      flight[(static_cast<std::size_t>(level) * flight_rows + r) * lanes] = levels[level][r];
+}
+
+/// The displacement series of the resonator's modes.
+void Filler::patches() {
+  double* const rows = host_(t_.patch);
+  for (int p = 0; p < n_.patches; ++p) {
+    const double centre = (p + 0.5) * t_.patch_nodes * scene_.spacing;
+    for (int k = 0; k < t_.resonator_modes; ++k) {
+      double d[4];
+      evaluate(model_.resonator.modes[k], model_.resonator.length, centre, 4, d);
+      for (int j = 0; j < 4; ++j)
+        rows[(static_cast<std::size_t>(p) * 4 + j) * n_.lanes + k] = d[j] * std::pow(radius_, j);
+    }
+  }
+}
+
+void Filler::slider_shapes() {
+  double* const unit = host_(t_.unit);
+  for (int k = 0; k < t_.slider_modes; ++k) {
+    unit[static_cast<std::size_t>(k) * n_.lanes + t_.resonator_modes + k] = 1.0;
+    double* const shape = host_(t_.slider_shape) + static_cast<std::size_t>(k) * n_.padded_nodes();
+    for (int n = 0; n < n_.nodes; ++n)
+      evaluate(model_.slider.modes[k], model_.slider.length, n * scene_.spacing, 1, shape + n);
+  }
+}
+
+void Filler::faces() {
+  double* const h1 = host_(t_.height1);
+  double scale = 0;
+  for (int n = 0; n < n_.groups * n_.width; ++n) {
+    const bool real = n < n_.nodes;
+    h1[n] = real ? model_.slider_height[n] - model_.delta : -1e30;
+    if (real) scale = std::max(scale, std::abs(h1[n]));
+  }
+  double* const h2 = host_(t_.height2);
+  double scale2 = 0;
+  for (int n = 0; n < n_.heights; ++n) {
+    h2[n] = model_.resonator_height[std::min<std::size_t>(n, model_.resonator_height.size() - 1)];
+    scale2 = std::max(scale2, std::abs(h2[n]));
+  }
+  scale += scale2;
+  fill_highest(h2, n_.heights, n_.width, host_(t_.highest2));
+  t_.slack = face_rounding(scale);
+  t_.touch = t_.slack;
+  t_.steepest = steepest_rise(h2, n_.heights);
+  t_.top = *std::max_element(h1, h1 + n_.nodes) + *std::max_element(h2, h2 + n_.heights);
+  scale += 1e-6 * scene_.spacing;
+  t_.least_reach = 1e-4 * scale;
+  t_.least_leeway = 1e-8 * scale;
+}
+
+void Filler::adaptive() {
+  if (!is_adaptive(scene_)) return;
+  t_.tolerance = scene_.time.tolerance.value_or(usual_tolerance);
+  t_.order = series_order(t_.tolerance);
+  t_.first_level = first_flight_level(model_);
+  t_.cubic_excess = std::exp(2.0 * highest_beta(model_.resonator) * radius_);
+  t_.longest_scale = std::min(scene_.duration, 64.0 / std::max(fastest_rate(model_), 1e-300));
+  double* const gauss = host_(t_.gauss);
+  std::copy_n(gauss_place, gauss_points, gauss);
+  std::copy_n(gauss_weight, gauss_points, gauss + gauss_room);
+  fill_hull(host_(t_.hull), t_.order + 3);
+}
+
+void Filler::moving_forces() {
+  MovingForceTable* const moving = host_(t_.moving_force);
+  for (int i = 0; i < t_.moving_forces; ++i) {
+    const MovingForce& f = scene_.resonator.moving_forces[i];
+    moving[i] = {f.force, f.start, f.speed * model_.tick};
+  }
+}
+
+}  // namespace
+
+void fill(SceneTables& tables, const Model& model, const PatchSeries& series, const Extents& n,
+          const HostCopy& host) {
+  Filler filler(tables, model, series, n, host);
+  filler.numbers();
+  filler.scheme();
+  filler.adaptive();
+  filler.modes();
+  filler.patches();
+  filler.slider_shapes();
+  filler.faces();
+  filler.moving_forces();
+}
+
+void fill(SceneState& state, const Model& model, const ModalStart& start, const Extents& n,
+          const HostCopy& host) {
+  const std::size_t modes2 = model.resonator.modes.size();
+  const auto put = [&](double* array, const std::vector<double>& resonator,
+                       const std::vector<double>& slider) {
+    std::copy(resonator.begin(), resonator.end(), host(array));
+    std::copy(slider.begin(), slider.end(), host(array) + modes2);
+  };
+  put(state.u, start.resonator_u, start.slider_u);
+  put(state.start, start.resonator_u, start.slider_u);
+  put(state.v, start.resonator_v, start.slider_v);
+  put(state.start_v, start.resonator_v, start.slider_v);
+  state.energy_start = start.energy;
+  state.sample_capacity = n.samples;
+  state.run_capacity = n.runs();
+  state.shock_capacity = n.shocks;
+  std::fill_n(host(state.node_window), n.nodes, -1);
+  state.pressed_capacity = n.pressed;
+  if (n.pressed > 0) {
+    std::fill_n(host(state.pressed_place), n.nodes, -1);
+    state.contact_step = start.loaded_nodes.empty() ? -1 : 0;
+    state.contact_force = start.contact_force;
+    state.contact_energy = start.contact_energy;
+    state.contact_nodes = static_cast<int>(start.loaded_nodes.size());
+    for (std::size_t e = 0; e < 2 && e < start.loaded_nodes.size(); ++e)
+      state.contact_pair[e] = start.loaded_nodes[e];
+  }
+  if (n.adaptive()) {
+    state.closed_capacity = n.closed;
+    // about as long as the fastest motion, with a node in contact, lets a series be
+    const double rate = fastest_rate(model);
+    state.stride = rate > 0 ? 1.0 / rate : model.scene.duration;
+    state.level = std::clamp(std::ilogb(state.stride / model.tick), 0, 60);
+  }
+}
+
+}  // namespace ra2d

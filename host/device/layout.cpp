@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/device/layout.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/errors.hpp"
+#include "host/model/bounds.hpp"
+#include "host/scene/schemes.hpp"
+
+namespace ra2d {
+
+Form form_of(const Scene& scene) {
+  if (is_adaptive(scene)) return Form::adaptive;
+  return holds_forces(scene)                   ? Form::implicit
+         : is_semi_implicit(scene.time.scheme) ? Form::semi_implicit
+                                               : Form::staged;
+}
+
+PatchSeries choose_series(const Model& model, int width) {
+  const double beta_chi = highest_beta(model.resonator) * model.scene.spacing;
+  const double widest = static_cast<double>(model.resonator_height.size());
+  // radius = (patch_nodes + width)/2 + 1 in chi
+  const double nodes = beta_chi > 0 ? std::min(widest, 0.5 / beta_chi - width - 2) : widest;
+  PatchSeries series;
+  series.patch_nodes = std::max(1, static_cast<int>(nodes));
+  const double range = beta_chi * (0.5 * (series.patch_nodes + width) + 1.0);
+  const auto left_out = [&] {
+    return std::exp(series.terms * std::log(range) - std::lgamma(series.terms + 1.0));
+  };
+  while (range > 0 && series.terms <= most_terms && left_out() > 0x1p-53) series.terms += 4;
+  if (series.terms > most_terms)
+    throw refusal(
+        model.scene, "scene.spacing",
+        fmt::format("{} m gives the resonator's highest mode only {:.1f} nodes to a wavelength, "
+                    "{:.0f} are needed here: refine it, or keep fewer modes "
+                    "(resonator.max_frequency)",
+                    model.scene.spacing, 2 * M_PI / beta_chi,
+                    std::ceil(2 * M_PI * (0.5 * (1 + width) + 1.0) / 2.1)));
+  return series;
+}
+
+int first_flight_level(const Model& model) {
+  const double rate = std::max(fastest_rate(model), 1e-3);
+  return std::clamp(std::ilogb(2e-4 / (rate * model.tick)), 0, 40);
+}
+
+Extents extents_of(const Model& model, const PatchSeries& series, int lanes, int width,
+                   const Room& room) {
+  const Scene& scene = model.scene;
+  Extents n;
+  n.width = width;
+  n.lanes = lanes;
+  n.nodes = model.nodes();
+  n.groups = (n.nodes + width - 1) / width;
+  n.heights = static_cast<int>(model.resonator_height.size()) + n.groups * width + 2 * width;
+  n.patches = n.heights / series.patch_nodes + 1;
+  n.slider_modes = static_cast<int>(model.slider.modes.size());
+  const int stages = is_adaptive(scene) ? 1 : scheme_table(scene.time.scheme).stages;
+  n.stage_rows = first_stage_row(stages);
+  n.end_rows = end_rows(stages);
+  if (is_adaptive(scene)) {
+    const int levels = std::ilogb(static_cast<double>(model.steps)) + 1;
+    n.flight_levels = std::max(1, levels - first_flight_level(model));
+    n.closed = std::min(n.nodes, room.nodes);
+  }
+  n.moving_forces = static_cast<int>(scene.resonator.moving_forces.size());
+  n.samples = static_cast<int>(std::min<std::int64_t>(room.samples, model.samples));
+  n.shocks = room.shocks + n.runs();
+  if (form_of(scene) == Form::implicit) {
+    // under multipliers no more nodes than modes carry force
+    const int modes = static_cast<int>(model.resonator.modes.size() + model.slider.modes.size());
+    n.pressed =
+        std::min(n.nodes, scene.contact.law == ContactLaw::multiplier ? modes : room.nodes);
+  }
+  return n;
+}
+
+}  // namespace ra2d

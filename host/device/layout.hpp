@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include "host/model/model.hpp"
+#include "kernels/tables.hpp"
+
+/// How a scene is laid out over the lanes and in memory.
+namespace ra2d {
+
+/// What a step of the scene is made of.
+Form form_of(const Scene& scene);
+
+/// The displacement series of a scene's resonator (kernels/tables.hpp, "Patches").
+struct PatchSeries {
+  int terms = 4;
+  int patch_nodes = 1;
+  /// Half a patch, half a group and a node more, in m: |eta| <= 1.
+  double radius(const Model& model, int width) const {
+    return (0.5 * (patch_nodes + width) + 1.0) * model.scene.spacing;
+  }
+};
+
+/// Patches as wide as beta radius = 1/4 allows (four terms then leave out 2e-4 of the highest mode
+/// and far less of the others), or of a single node when the nodes are that coarse; and terms until
+/// what is left out, (beta radius)^terms/terms!, is below half an ulp. `width` is that of the lanes.
+/// Throws RequestError where no number of terms will do.
+PatchSeries choose_series(const Model& model, int width);
+
+/// The lowest level of the flight tables. Flights of less are a Taylor step of third order: of
+/// (fastest rate times time)^4/24 nothing is left there.
+int first_flight_level(const Model& model);
+
+/// Rows of samples and shocks that a launch can hand out, and nodes that can carry force at once: the
+/// march stops where it needs more, and goes on once there is more.
+struct Room {
+  int samples = 4096;  // no more than the run has
+  int shocks = 8192;   // beside what one step can end
+  int nodes = 64;      // where forces are found together, and under the adaptive scheme
+};
+
+/// Lengths of all arrays of a scene whose modes fill `lanes` lanes.
+Extents extents_of(const Model& model, const PatchSeries& series, int lanes, int width,
+                   const Room& room);
+
+}  // namespace ra2d

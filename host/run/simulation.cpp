@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/run/simulation.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <mutex>
+#include <utility>
+
+#include "host/device/backend.hpp"
+#include "host/interruption.hpp"
+
+namespace ra2d {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::int64_t forever = std::numeric_limits<std::int64_t>::max();
+
+std::int64_t ticks_of(double time, double tick) {
+  const double ticks = time / tick;
+  return ticks < 9e18 ? std::llround(ticks) : forever;
+}
+
+bool is_finite(const std::vector<Shock>& shocks) {
+  return std::all_of(shocks.begin(), shocks.end(), [](const Shock& shock) {
+    return std::isfinite(shock.peak_force) && std::isfinite(shock.impulse) &&
+           std::isfinite(shock.position);
+  });
+}
+
+}  // namespace
+
+SceneRun::SceneRun(Model model, ModalStart start, const RunLimits& limits, Sink* sink)
+    : model_{std::move(model)},
+      start_{std::move(start)},
+      limits_{limits},
+      sink_{sink},
+      launch_{model_},
+      first_{first_counted(model_)},
+      last_{ticks_of(limits.time, model_.tick)} {
+  accounts_.energy = EnergyAccount(model_.scene.output.from);
+}
+
+bool SceneRun::over() const {
+  const Snapshot& now = accounts_.now;
+  return now.status != Status::running || now.step >= last_ ||
+         accounts_.march_seconds >= limits_.wall || now.shocks_begun >= limits_.shocks;
+}
+
+std::int64_t SceneRun::target() const {
+  const std::int64_t step = accounts_.now.step;
+  const std::int64_t next = step + std::min(launch_.steps(), last_ - step);
+  // statistics begin at the end of a launch
+  return step < first_ ? std::min(next, first_) : next;
+}
+
+void SceneRun::begin(const Snapshot& start) { accounts_.now = accounts_.begin = start; }
+
+void SceneRun::take(Batch& batch, int slot, double wanted) {
+  const double took = batch.seconds(slot);
+  accounts_.march_seconds += took;
+  const Drained drained = batch.drain(slot);
+  const std::int64_t before = accounts_.now.step;
+  accounts_.now = batch.snapshot(slot);
+  if (before < first_) accounts_.begin = accounts_.now;
+  launch_.took(accounts_.now.step - before, took, wanted);
+
+  const SampleBlock block = make_samples(model_, start_, drained, accounts_.samples);
+  accounts_.samples += drained.samples;
+  accounts_.energy.add(block);
+  if (sink_ != nullptr) sink_->take(block);
+  if (!is_finite(block)) accounts_.now.status = Status::not_finite;
+  keep(make_shocks(model_, drained.shocks));
+}
+
+void SceneRun::keep(const std::vector<Shock>& shocks) {
+  for (const Shock& shock : shocks) {
+    if (shock.start < model_.scene.output.from) continue;
+    accounts_.durations.add(shock.duration);
+    accounts_.forces.add(shock.peak_force);
+  }
+  if (sink_ != nullptr) sink_->take(shocks);
+  if (!is_finite(shocks)) accounts_.now.status = Status::not_finite;
+}
+
+void SceneRun::close() { keep(make_shocks(model_, accounts_.now.open_shocks)); }
+
+Simulation::Simulation(const SimulationOptions& options) : options_{options} {}
+
+void Simulation::run(const Next& next, const std::function<void(SceneRun&)>& done,
+                     const std::function<void()>& between) {
+  Batch batch(options_.slots, options_.batch);
+  std::vector<SceneRun*> scenes(static_cast<std::size_t>(options_.slots), nullptr);
+  std::mutex asking;
+  bool more = true;
+  const auto fill = [&](int slot) {
+    SceneRun*& scene = scenes[static_cast<std::size_t>(slot)];
+    {
+      const std::lock_guard lock(asking);
+      scene = more ? next() : nullptr;
+      more = scene != nullptr;
+    }
+    if (scene == nullptr) return batch.empty(slot);
+    batch.put(slot, scene->model(), scene->start());
+    scene->begin(batch.snapshot(slot));
+  };
+  side_by_side(options_.slots, fill);
+
+  std::vector<std::int64_t> targets(scenes.size(), 0);
+  while (interruption() == 0) {
+    const auto going = std::count_if(scenes.begin(), scenes.end(),
+                                     [](const SceneRun* scene) { return scene != nullptr; });
+    if (going == 0) return;
+    // on a CPU they take turns
+    const double wanted = std::max(
+        1e-3, options_.seconds * std::min(1.0, static_cast<double>(scenes_at_once()) /
+                                                   static_cast<double>(going)));
+    for (std::size_t i = 0; i < scenes.size(); ++i)
+      targets[i] = scenes[i] != nullptr ? scenes[i]->target() : 0;
+    const Clock::time_point begin = Clock::now();
+    batch.march(targets, [&](int slot) {
+      SceneRun& scene = *scenes[static_cast<std::size_t>(slot)];
+      scene.take(batch, slot, wanted);
+      if (!scene.over()) return;
+      scene.close();
+      if (done) done(scene);
+      fill(slot);
+    });
+    seconds_ += std::chrono::duration<double>(Clock::now() - begin).count();
+    if (between) between();
+  }
+  for (SceneRun* scene : scenes)
+    if (scene != nullptr) scene->close();
+}
+
+void Simulation::run(const std::vector<SceneRun*>& scenes, const std::function<void()>& between) {
+  options_.slots = static_cast<int>(scenes.size());
+  std::size_t at = 0;
+  run([&] { return at < scenes.size() ? scenes[at++] : nullptr; }, {}, between);
+}
+
+}  // namespace ra2d

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "host/device/batch.hpp"
+#include "host/model/model.hpp"
+#include "host/result/energy.hpp"
+#include "host/result/record.hpp"
+#include "host/result/statistics.hpp"
+#include "host/run/launch_length.hpp"
+
+/// The one loop of every run: march, drain, convert, account, hand on.
+namespace ra2d {
+
+/// Takes in what a run records, in order.
+class Sink {
+ public:
+  virtual ~Sink() = default;
+  virtual void take(const SampleBlock& samples) = 0;
+  /// Shocks that ended, and at the end those that go on, as long as they have lasted.
+  virtual void take(const std::vector<Shock>& shocks) = 0;
+};
+
+/// Where a run ends, unless its scene ends before.
+struct RunLimits {
+  double time = std::numeric_limits<double>::infinity();           // s simulated
+  double wall = std::numeric_limits<double>::infinity();           // s in its march
+  std::int64_t shocks = std::numeric_limits<std::int64_t>::max();  // begun
+};
+
+/// What is kept of a run beside its state: with that all that a saved run needs.
+struct Accounts {
+  std::int64_t samples = 0;        // taken so far
+  Snapshot begin, now;             // where statistics begin (output.from); after the latest launch
+  EnergyAccount energy;            // from output.from on
+  LogHistogram durations, forces;  // s, N: of shocks that began since
+  double march_seconds = 0;        // in the march, of this scene alone on a CPU
+};
+
+/// One scene on its way from its start to its end.
+class SceneRun {
+ public:
+  /// `sink` may be none.
+  SceneRun(Model model, ModalStart start, const RunLimits& limits = {}, Sink* sink = nullptr);
+
+  const Model& model() const { return model_; }
+  const ModalStart& start() const { return start_; }
+  const Accounts& accounts() const { return accounts_; }
+  Status status() const { return accounts_.now.status; }
+  /// Whether it ended: by itself, or at one of its limits.
+  bool over() const;
+  double time() const { return static_cast<double>(accounts_.now.step) * model_.tick; }  // s
+  std::int64_t steps_made() const { return accounts_.now.strides; }
+
+ private:
+  friend class Simulation;
+  void begin(const Snapshot& start);
+  /// The tick to march to in the next launch.
+  std::int64_t target() const;
+  /// Takes in what a launch has made; the next one is to take about `wanted` seconds.
+  void take(Batch& batch, int slot, double wanted);
+  void keep(const std::vector<Shock>& shocks);
+  /// Hands on the shocks that go on.
+  void close();
+
+  Model model_;
+  ModalStart start_;
+  RunLimits limits_;
+  Sink* sink_;
+  LaunchLength launch_;
+  std::int64_t first_, last_;  // ticks: where statistics begin, and to march to at the most
+  Accounts accounts_;
+};
+
+struct SimulationOptions {
+  int slots = 1;         // scenes side by side
+  double seconds = 0.2;  // of a launch: so that progress and interrupts are prompt
+  BatchOptions batch;
+};
+
+/// Marches scenes side by side, each on its own clock, until all are over or the program is
+/// interrupted (host/interruption.hpp).
+class Simulation {
+ public:
+  /// The next scene, or none. Called by any thread, by one at a time; the scene must live until it is
+  /// over.
+  using Next = std::function<SceneRun*()>;
+
+  explicit Simulation(const SimulationOptions& options = {});
+
+  /// `done` is called for each scene that is over, by the thread that marched it; `between` after each
+  /// launch. Throws RequestError where a scene cannot be marched, and what sinks throw.
+  void run(const Next& next, const std::function<void(SceneRun&)>& done = {},
+           const std::function<void()>& between = {});
+  /// These scenes, all side by side.
+  void run(const std::vector<SceneRun*>& scenes, const std::function<void()>& between = {});
+
+  /// Wall time of all launches [s].
+  double seconds() const { return seconds_; }
+
+ private:
+  SimulationOptions options_;
+  double seconds_ = 0;
+};
+
+}  // namespace ra2d
