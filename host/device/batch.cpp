@@ -73,9 +73,9 @@ struct Series {
 
 Form form_of(const Scene& scene) {
   if (is_adaptive(scene)) return Form::adaptive;
-  return holds_forces(scene)              ? Form::held
-         : is_semi_implicit(scene.scheme) ? Form::semi_implicit
-                                          : Form::staged;
+  return holds_forces(scene)                   ? Form::held
+         : is_semi_implicit(scene.time.scheme) ? Form::semi_implicit
+                                               : Form::staged;
 }
 
 /// Nodes that can be in contact at once under the adaptive scheme.
@@ -88,7 +88,7 @@ int closed_capacity(const Model& model) {
 int pressed_capacity(const Model& model) {
   const int modes = static_cast<int>(model.resonator.modes.size() + model.slider.modes.size());
   return std::min(model.nodes(),
-                  model.scene.law == ContactLaw::multiplier ? modes : most_sprung_nodes);
+                  model.scene.contact.law == ContactLaw::multiplier ? modes : most_sprung_nodes);
 }
 
 double highest_beta(const Beam& beam) {
@@ -223,8 +223,8 @@ void fill_hull(double* table, int n) {
 /// Steps over which bounds on the modes are worth anything: what a scheme beyond its limit makes of
 /// them in more is out of all proportion.
 int longest_look(const Model& model) {
-  const SchemeTable& scheme = scheme_table(model.scene.scheme);
-  const double tau = model.scene.step;
+  const SchemeTable& scheme = scheme_table(model.scene.time.scheme);
+  const double tau = model.scene.time.step;
   const auto grows = [&](int steps) {
     for (const Beam* beam : {&model.resonator, &model.slider})
       for (const ModeShape& shape : beam->modes) {
@@ -287,7 +287,7 @@ struct Batch::Impl {
     l.row = 2 * l.lanes + sample::columns;
 
     const bool adaptive = is_adaptive(model.scene);
-    const int stages = adaptive ? 1 : scheme_table(model.scene.scheme).stages;
+    const int stages = adaptive ? 1 : scheme_table(model.scene.time.scheme).stages;
     l.stage_rows = first_stage_row(stages);
     l.end_rows = ra2d::end_rows(stages);
     const bool held = form_of(model.scene) == Form::held;
@@ -384,7 +384,7 @@ SceneTables Batch::Impl::fill_tables(const Model& model, const Layout& l) {
   t.inverse_patch = 1.0 / t.patch_nodes;
   t.terms = l.series.terms;
   t.moving_forces = static_cast<int>(scene.resonator.moving_forces.size());
-  t.look_at = scene.nodes;
+  t.look_at = scene.time.nodes;
   t.form = form_of(scene);
   t.position = model.position;
   t.advance = model.advance;
@@ -394,14 +394,14 @@ SceneTables Batch::Impl::fill_tables(const Model& model, const Layout& l) {
   // cubic over a window: beta^4 (width/2)^4 / 4! below two ulp, or far below the asked tolerance
   const double left_out =
       is_adaptive(scene)
-          ? std::clamp(1e-4 * scene.tolerance.value_or(usual_tolerance), 0x1p-51, 1e-13)
+          ? std::clamp(1e-4 * scene.time.tolerance.value_or(usual_tolerance), 0x1p-51, 1e-13)
           : 0x1p-51;
   t.windows = static_cast<int>(std::ceil(
       std::max(1.0, 0.5 * highest_beta(model.resonator) * chi / std::pow(24 * left_out, 0.25))));
   t.window_width = 1.0 / t.windows;
   t.resonator_length = scene.resonator.length;
   t.node_stiffness = model.node_stiffness;
-  t.compliance = scene.law == ContactLaw::multiplier ? 0.0 : 1.0 / model.node_stiffness;
+  t.compliance = scene.contact.law == ContactLaw::multiplier ? 0.0 : 1.0 / model.node_stiffness;
   t.total_steps = model.steps;
   t.counted_from = first_counted(model);
   t.steps_per_sample = model.steps_per_sample;
@@ -410,13 +410,13 @@ SceneTables Batch::Impl::fill_tables(const Model& model, const Layout& l) {
     t.interrupted = interruption_flag();
 
   const bool adaptive = is_adaptive(scene);
-  const SchemeTable* scheme = adaptive ? nullptr : &scheme_table(scene.scheme);
+  const SchemeTable* scheme = adaptive ? nullptr : &scheme_table(scene.time.scheme);
   if (scheme != nullptr) {
     t.stages = scheme->stages;
     std::copy_n(scheme->place, scheme->stages, t.place);
     for (int i = 1; i < t.stages; ++i) t.stage_row[i] = first_stage_row(i);
     t.velocity_lag = scheme->velocity_lag;
-    t.loss_ends = is_semi_implicit(scene.scheme) ? 0.0 : 0.5;
+    t.loss_ends = is_semi_implicit(scene.time.scheme) ? 0.0 : 0.5;
     t.longest_look = longest_look(model);
   }
 
@@ -569,7 +569,7 @@ SceneTables Batch::Impl::fill_tables(const Model& model, const Layout& l) {
   t.least_energy = 1e-30 + 4.0 * kick;
 
   if (adaptive) {
-    t.tolerance = scene.tolerance.value_or(usual_tolerance);
+    t.tolerance = scene.time.tolerance.value_or(usual_tolerance);
     t.order = series_order(t.tolerance);
     t.first_level = l.first_level;
     t.cubic_excess = std::exp(2.0 * highest_beta(model.resonator) * radius);

@@ -42,7 +42,10 @@ std::vector<double> minus(const std::vector<double>& a, const std::vector<double
 class Follower {
  public:
   Follower(const Model& model, const ModalStart& start)
-      : model_{&model}, start_{&start}, energy_{model.scene.from}, first_{first_counted(model)} {
+      : model_{&model},
+        start_{&start},
+        energy_{model.scene.output.from},
+        first_{first_counted(model)} {
     counting_ = first_ == 0;
   }
 
