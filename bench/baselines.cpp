@@ -33,9 +33,9 @@ void BaselineModes::advance(const double* force, double tau) {
 }
 
 Plain::Plain(const Model& model, const ModalStart& start)
-    : resonator{model.resonator, start.resonator_u, start.resonator_v, model.scene.step},
-      slider{model.slider, start.slider_u, start.slider_v, model.scene.step},
-      tau_{model.scene.step},
+    : resonator{model.resonator, start.resonator_u, start.resonator_v, model.scene.time.step},
+      slider{model.slider, start.slider_u, start.slider_v, model.scene.time.step},
+      tau_{model.scene.time.step},
       spacing_{model.scene.spacing},
       position_{model.position},
       advance_{model.advance},
@@ -87,9 +87,9 @@ void Plain::march(std::int64_t steps) {
 }
 
 Tables::Tables(const Model& model, const ModalStart& start)
-    : resonator{model.resonator, start.resonator_u, start.resonator_v, model.scene.step},
-      slider{model.slider, start.slider_u, start.slider_v, model.scene.step},
-      tau_{model.scene.step},
+    : resonator{model.resonator, start.resonator_u, start.resonator_v, model.scene.time.step},
+      slider{model.slider, start.slider_u, start.slider_v, model.scene.time.step},
+      tau_{model.scene.time.step},
       position_{model.position},
       advance_{model.advance},
       stiffness_{model.node_stiffness} {

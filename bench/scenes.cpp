@@ -18,9 +18,9 @@ constexpr std::int64_t settling_steps = 2'000'000;  // 20 ms at 10 ns
 Scene read(Paper paper, Method method) {
   Scene scene =
       read_scene(scene_file(paper == Paper::free_slider ? "dang2012" : "dang2012-pinned"));
-  scene.scheme = method.scheme;
-  scene.force_time = method.force_time;
-  scene.law = method.law;
+  scene.time.scheme = method.scheme;
+  scene.time.contact_force = method.force_time;
+  scene.contact.law = method.law;
   return scene;
 }
 
@@ -93,7 +93,7 @@ Prepared in_flight(Method method) {
   Scene scene = read(Paper::pinned_slider, method);
   scene.initial = Initial::rest;
   scene.gap = 1.0;
-  scene.rate = 1000.0;  // so that hardly anything but flying is timed
+  scene.output.rate = 1000.0;  // so that hardly anything but flying is timed
   Prepared out = start_of(scene);
   for (double& v : out.start.resonator_v) v = 1e-4;
   out.start.energy =
@@ -104,7 +104,7 @@ Prepared in_flight(Method method) {
 Prepared in_contact(Method method) {
   Scene scene = read(Paper::free_slider, method);
   scene.speed = 0.0;
-  scene.rate = 1000.0;
+  scene.output.rate = 1000.0;
   Prepared out = start_of(scene);
   // up and down at 1 um/s: the springs move by some 1e-11 m, their static overlap is about 1e-9 m
   out.start.slider_v.at(0) = -1e-6 * std::sqrt(scene.slider.length);
@@ -112,7 +112,7 @@ Prepared in_contact(Method method) {
 }
 
 Prepared looking_at(Prepared scene, Nodes nodes) {
-  scene.model.scene.nodes = nodes;
+  scene.model.scene.time.nodes = nodes;
   return scene;
 }
 

@@ -10,8 +10,8 @@
 namespace ra2d::test {
 
 Scene adaptive(Scene scene, double tolerance) {
-  scene.scheme = SchemeKind::adaptive;
-  scene.tolerance = tolerance;
+  scene.time.scheme = SchemeKind::adaptive;
+  scene.time.tolerance = tolerance;
   return scene;
 }
 
@@ -21,7 +21,7 @@ Started random_adaptive_scene(std::uint64_t seed) {
   variant.adapt = [seed](Scene& s) {
     Dice dice(seed * 7919 + 13);
     const double tolerances[] = {1e-4, 1e-6, 1e-8, 1e-10, 1e-12};
-    s.tolerance = tolerances[dice.pick(5)];
+    s.time.tolerance = tolerances[dice.pick(5)];
     s.duration *= dice.ratio(0.05, 0.5);
     // each node that is passed ends a step
     s.speed =
@@ -46,12 +46,12 @@ Started random_adaptive_scene(std::uint64_t seed) {
 
 Recording run(const Started& c, Nodes nodes, const Launches& launches) {
   Model model = c.model;
-  model.scene.nodes = nodes;
+  model.scene.time.nodes = nodes;
   return simulate(std::vector<Model>{model}, std::vector<ModalStart>{c.start}, launches)[0];
 }
 
 Recording run(Started c, double tolerance) {
-  c.model.scene.tolerance = tolerance;
+  c.model.scene.time.tolerance = tolerance;
   return run(c);
 }
 

@@ -12,7 +12,7 @@
 namespace ra2d::test {
 
 Outcome march(Model model, const ModalStart& start, Nodes nodes) {
-  model.scene.nodes = nodes;
+  model.scene.time.nodes = nodes;
   Batch batch({model}, {start});
   Outcome out;
   do {
@@ -64,7 +64,7 @@ double largest_shape(const Beam& beam) {
 double stiffness_for(const Scene& scene, double z) {
   const double yield =
       largest_shape(make_beam(scene.resonator)) + largest_shape(make_beam(scene.slider));
-  return std::pow(z / scene.step, 2) / yield / scene.spacing /
+  return std::pow(z / scene.time.step, 2) / yield / scene.spacing /
          std::min(scene.resonator.width, scene.slider.width);
 }
 
@@ -72,7 +72,7 @@ Started random_scene(std::uint64_t seed, const Variant& variant) {
   Dice dice(seed);
   Scene s = with(Scene{}, variant.scheme);
   s.spacing = dice.ratio(1e-5, 1e-4);
-  s.step = dice.ratio(1e-8, 1e-6);
+  s.time.step = dice.ratio(1e-8, 1e-6);
   const int nodes1 = 20 + dice.pick(180);
   const bool smooth_modes = dice.one_in(2);  // hundreds of nodes to a wave, or tens
   const int nodes2 = nodes1 * (2 + dice.pick(5)) + (smooth_modes ? 3000 + dice.pick(6000) : 200);
@@ -103,7 +103,7 @@ Started random_scene(std::uint64_t seed, const Variant& variant) {
   double fastest = 0;
   for (const BodySpec* body : {&r, &b})
     for (const ModeShape& mode : make_beam(*body).modes) fastest = std::max(fastest, mode.omega);
-  if (variant.turn > 0 && fastest > 0) s.step = variant.turn / fastest;
+  if (variant.turn > 0 && fastest > 0) s.time.step = variant.turn / fastest;
 
   // any of: at rest, a few nodes in all, a node in some steps, some nodes in a step
   const double room = (nodes2 - nodes1 - 1) * s.spacing;
@@ -114,13 +114,13 @@ Started random_scene(std::uint64_t seed, const Variant& variant) {
   if (advance > 0)
     steps = std::min(steps, static_cast<std::int64_t>(0.9 * room / s.spacing / advance));
   steps = std::max<std::int64_t>(steps, 50);
-  s.speed = advance * s.spacing / s.step;
-  s.duration = static_cast<double>(steps) * s.step;
+  s.speed = advance * s.spacing / s.time.step;
+  s.duration = static_cast<double>(steps) * s.time.step;
   // the last nodes of the resonator, too: there the end of the run
   const double last = room - s.speed * s.duration;
   s.start = dice.one_in(3) ? last : dice.uniform(0, last);
-  s.rate = 1 / (s.step * dice.uniform(1.0, 40.0));
-  s.stiffness = stiffness_for(s, dice.ratio(0.01, 1.2));
+  s.output.rate = 1 / (s.time.step * dice.uniform(1.0, 40.0));
+  s.contact.stiffness = stiffness_for(s, dice.ratio(0.01, 1.2));
 
   const double height = dice.ratio(1e-7, 1e-5);
   const auto face = [&](BodySpec& body, int nodes) {
@@ -156,7 +156,7 @@ Started random_scene(std::uint64_t seed, const Variant& variant) {
   if (variant.adapt) variant.adapt(s);
   Started c{make_model(s), {}};
   // multipliers would throw apart at once what overlaps at the start
-  const double deepest = s.law == ContactLaw::multiplier ? 0.0 : -0.1;
+  const double deepest = s.contact.law == ContactLaw::multiplier ? 0.0 : -0.1;
   if (s.initial == Initial::rest) c.model.delta += dice.uniform(deepest, 0.3) * height;
   c.start = make_start(c.model);
   if (s.initial == Initial::rest && dice.one_in(2)) {
@@ -185,7 +185,7 @@ Scene rough_scene(Support slider) {
     s.slider.load = 20;
   else
     s.gap = 2e-6;  // the asperities meet
-  s.stiffness = 1e14;
+  s.contact.stiffness = 1e14;
   return s;
 }
 

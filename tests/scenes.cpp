@@ -44,8 +44,8 @@ Scene plate_scene(int modes, double slider_length, double slider_thickness, doub
   s.duration = 2e-3;
   s.start = 0.02;
   s.spacing = 4e-5;
-  s.step = 1e-7;
-  s.rate = 1e6;
+  s.time.step = 1e-7;
+  s.output.rate = 1e6;
   s.resonator = steel(0.06, 1e-3, 0.02, damping, modes);
   s.slider = rigid(steel(slider_length, slider_thickness, 0.02, damping, 0));
   return s;
@@ -56,8 +56,8 @@ Scene pressed_plate() {
   s.duration = 2e-2;
   s.start = 0.021;
   s.gap = 5e-6;  // of 10 um: 5 um of overlap
-  s.step = 1e-6;
-  s.rate = 1e4;
+  s.time.step = 1e-6;
+  s.output.rate = 1e4;
   s.initial = Initial::statics;
   s.slider.surface = peaks({{.at = 0.002, .height = 1e-5, .half_width = 3e-5}});
   return s;

@@ -12,22 +12,22 @@ std::vector<Scheme> schemes_and_implicit() {
 }
 
 Scene with(Scene scene, const Scheme& scheme) {
-  scene.scheme = scheme.kind;
-  scene.force_time = scheme.force_time;
+  scene.time.scheme = scheme.kind;
+  scene.time.contact_force = scheme.force_time;
   return scene;
 }
 
 Scene lone_beam(int modes, double damping) {
   Scene s = strip_scene(modes, damping, 0.1, 0.1);
   s.gap = 1.0;
-  s.stiffness = 1e14;
+  s.contact.stiffness = 1e14;
   return s;
 }
 
 void set_steps(Scene& s, double step, std::int64_t steps, std::int64_t samples) {
-  s.step = step;
+  s.time.step = step;
   s.duration = static_cast<double>(steps) * step;
-  s.rate = static_cast<double>(samples) / s.duration;
+  s.output.rate = static_cast<double>(samples) / s.duration;
 }
 
 double modal_energy(const Beam& beam, const std::vector<double>& u, const std::vector<double>& v) {

@@ -15,7 +15,7 @@ namespace ra2d::peers {
 namespace {
 
 void check(const Model& model, const PeerOptions& options) {
-  if (model.scene.law != ContactLaw::penalty)
+  if (model.scene.contact.law != ContactLaw::penalty)
     throw RequestError(
         "contact.law = \"multiplier\": the peers solve differential equations, which multipliers "
         "do not give. Set contact.law=penalty");

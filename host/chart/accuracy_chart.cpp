@@ -82,7 +82,7 @@ Statistic statistic(const std::vector<double>& values, const std::vector<double>
 }
 
 std::array<double, quantities> quantities_of(const Model& model, const TimedRun& run) {
-  const Answer answer = answer_of(mean_squares(model), run, model.scene.from);
+  const Answer answer = answer_of(mean_squares(model), run, model.scene.output.from);
   return {level(answer.v_rms), answer.shock_rate, answer.shock_duration};
 }
 
@@ -92,10 +92,11 @@ class Survey {
       : scene_{scene},
         options_{options},
         budget_{options.budget * (options.peers.empty() ? 1.0 : 1.0 - peer_share)} {
-    scene_.nodes = Nodes::candidates;
-    scene_.force = false;
-    scene_.from = 0;                             // the stretches are short: all of them counts
-    if (!(scene_.step > 0)) scene_.step = 1e-8;  // of a scene that leaves it to its scheme
+    scene_.time.nodes = Nodes::candidates;
+    scene_.time.force = false;
+    scene_.output.from = 0;  // the stretches are short: all of them counts
+    if (!(scene_.time.step > 0))
+      scene_.time.step = 1e-8;  // of a scene that leaves it to its scheme
   }
 
   AccuracyChart run() {
@@ -139,7 +140,7 @@ class Survey {
   }
   TimedRun march(const Scene& scene, const RunLimits& limits = {}) {
     const Model model = make_model(scene);
-    return timed_run(model, start_of(scene.law, model), limits);
+    return timed_run(model, start_of(scene.contact.law, model), limits);
   }
 
   void list_points();
@@ -189,8 +190,8 @@ void Survey::list_points() {
   methods_ = methods_of(scene_);
   std::vector<double> steps = options_.steps;
   if (std::none_of(steps.begin(), steps.end(),
-                   [&](double step) { return std::abs(step / scene_.step - 1) < 0.01; }))
-    steps.push_back(scene_.step);
+                   [&](double step) { return std::abs(step / scene_.time.step - 1) < 0.01; }))
+    steps.push_back(scene_.time.step);
   std::sort(steps.begin(), steps.end(), std::greater<>());
   options_.steps = steps;
   std::sort(options_.tolerances.begin(), options_.tolerances.end(), std::greater<>());
@@ -241,7 +242,7 @@ void Survey::find_reference() {
   chart_.reference = reference_.text =
       fmt::format("{}, {}", text(best), size_text(reference_.setting));
   Scene searched = with(scene_, reference_.setting);
-  searched.rate = std::min(searched.rate, 1000.0);
+  searched.output.rate = std::min(searched.output.rate, 1000.0);
   const TimedRun search =
       march(searched, {.wall = reference_share * budget_, .shocks = shocks_asked[1]});
   if (failed(search))
@@ -377,7 +378,7 @@ void Survey::compare_states(const Method& method, const Reference& reference) {
         const TimedRun run = march(scene, {.wall = 4 * state_limit()});
         if (run.status == Status::done) {
           state.error = state_error(point.model, run.state, *reference.states[i]);
-          state.step = takes_tolerance(scene.scheme) ? 0.0 : scene.step;
+          state.step = takes_tolerance(scene.time.scheme) ? 0.0 : scene.time.step;
         } else {
           state.note = failed(run) ? status_text(run.status) : "took too long";
         }
@@ -425,7 +426,8 @@ void Survey::start_peers() {
     return;
   }
   const double share = peer_share * options_.budget;
-  Scene scene = with(scene_, {{{SchemeKind::backward_euler, ForceTime::old_time}}, scene_.step});
+  Scene scene =
+      with(scene_, {{{SchemeKind::backward_euler, ForceTime::old_time}}, scene_.time.step});
   peers_ = std::make_unique<Peers>(options_.peers, scene);
   say("the peers confirm the reference");
   confirm(starting + 0.2 * share);
@@ -508,9 +510,9 @@ std::vector<Setting> Survey::long_settings(Setting& reference) const {
       return std::abs(std::log(a / wanted)) < std::abs(std::log(b / wanted));
     });
   };
-  const double step = step_near(scene_.step);
+  const double step = step_near(scene_.time.step);
   const ContactLaw law = methods_.front().law;
-  const Method midpoint{{SchemeKind::midpoint}, law}, own{choice_of(scene_), scene_.law},
+  const Method midpoint{{SchemeKind::midpoint}, law}, own{choice_of(scene_), scene_.contact.law},
       euler{{SchemeKind::backward_euler}, ContactLaw::penalty},
       inelastic{{SchemeKind::backward_euler}, ContactLaw::multiplier};
   std::vector<Setting> settings;
@@ -528,7 +530,7 @@ std::vector<Setting> Survey::long_settings(Setting& reference) const {
   if (settings.empty()) add({midpoint, step});
   if (!settings.empty()) reference = settings.front();
   if (takes_tolerance(own.choice.scheme))
-    add({own, 0, scene_.tolerance.value_or(0)});
+    add({own, 0, scene_.time.tolerance.value_or(0)});
   else
     add({own, step});
   add({euler, step});

@@ -52,13 +52,14 @@ double spectral_radius(const Matrix& m) {
 }
 
 Model trial_model(const GrowthTrial& trial, const TrialMode& mode, Scene scene, int steps) {
-  scene.scheme = trial.choice.scheme;
-  scene.force_time = trial.choice.force_time;
+  scene.time.scheme = trial.choice.scheme;
+  scene.time.contact_force = trial.choice.force_time;
   scene.resonator.damping = trial.zeta;
-  scene.step = trial.x / mode.omega;
-  scene.duration = steps * scene.step;
-  scene.rate = 0.5 / scene.duration;  // the start alone
-  scene.stiffness = trial.contact ? mode.stiffness / (scene.spacing * scene.resonator.width) : 1.0;
+  scene.time.step = trial.x / mode.omega;
+  scene.duration = steps * scene.time.step;
+  scene.output.rate = 0.5 / scene.duration;  // the start alone
+  scene.contact.stiffness =
+      trial.contact ? mode.stiffness / (scene.spacing * scene.resonator.width) : 1.0;
   return make_model(scene);
 }
 

@@ -15,7 +15,7 @@ bool takes_tolerance(SchemeKind scheme) { return scheme == SchemeKind::adaptive;
 std::vector<Method> methods_of(const Scene& scene) {
   std::vector<Method> methods;
   for (const ContactLaw law : {ContactLaw::penalty, ContactLaw::multiplier}) {
-    if (law == ContactLaw::penalty && !(scene.stiffness > 0)) continue;
+    if (law == ContactLaw::penalty && !(scene.contact.stiffness > 0)) continue;
     for (const SchemeChoice& choice : choices_under(law)) methods.push_back({choice, law});
     if (law == ContactLaw::penalty)
       methods.push_back({{SchemeKind::adaptive, ForceTime::old_time}, law});
@@ -24,22 +24,22 @@ std::vector<Method> methods_of(const Scene& scene) {
 }
 
 Scene with(Scene scene, const Setting& setting) {
-  scene.scheme = setting.method.choice.scheme;
-  scene.force_time = setting.method.choice.force_time;
-  scene.law = setting.method.law;
-  if (takes_tolerance(scene.scheme))
-    scene.tolerance = setting.tolerance;
+  scene.time.scheme = setting.method.choice.scheme;
+  scene.time.contact_force = setting.method.choice.force_time;
+  scene.contact.law = setting.method.law;
+  if (takes_tolerance(scene.time.scheme))
+    scene.time.tolerance = setting.tolerance;
   else
-    scene.step = setting.step;
+    scene.time.step = setting.step;
   return scene;
 }
 
 Scene ending_at(Scene scene, const Setting& setting, double time) {
   scene = with(scene, setting);
   scene.duration = time;
-  scene.rate = 1 / time;
-  if (!takes_tolerance(scene.scheme))
-    scene.step = time / std::max(1.0, std::round(time / scene.step));
+  scene.output.rate = 1 / time;
+  if (!takes_tolerance(scene.time.scheme))
+    scene.time.step = time / std::max(1.0, std::round(time / scene.time.step));
   return scene;
 }
 

@@ -336,7 +336,7 @@ std::string modes_csv(const Model& model) {
   const auto add = [&](const char* contact, const char* body, std::size_t k,
                        std::complex<double> value) {
     const double size = std::abs(value);
-    const std::complex<double> z = value * model.scene.step;
+    const std::complex<double> z = value * model.scene.time.step;
     text +=
         fmt::format("{},{},{},{:.9g},{:.9g},{:.9g},{:.9g}\n", contact, body, k, size / (2 * M_PI),
                     size > 0 ? -value.real() / size : 0.0, z.real(), z.imag());
@@ -349,7 +349,7 @@ std::string modes_csv(const Model& model) {
           std::complex<double>(0, 1) * std::sqrt(std::complex<double>(1 - beam.zeta * beam.zeta));
       add("open", name, k, beam.modes[k].omega * (-beam.zeta + turn));
     }
-  if (model.scene.law != ContactLaw::penalty) return text;
+  if (model.scene.contact.law != ContactLaw::penalty) return text;
   const std::vector<std::complex<double>> coupled =
       forwards(joined_eigenvalues(most_yielding(model), model.node_stiffness));
   for (std::size_t k = 0; k < coupled.size(); ++k) add("closed", "both", k, coupled[k]);

@@ -72,7 +72,7 @@ void print_written(const CommonOptions& common, const std::string& texts, bool p
 int chart_stability_command(const CommonOptions& common, const std::string& prefix, bool plot) {
   check_prefix(prefix, "stability");
   const Scene scene = chart_scene(common);
-  if (!(scene.step > 0))
+  if (!(scene.time.step > 0))
     throw refusal(scene, "time.step",
                   "missing: the chart places the scene's modes by its step, which time.scheme = "
                   "\"adaptive\" does without (add one, or --set time.step=1e-8)");
@@ -92,7 +92,7 @@ int chart_stability_command(const CommonOptions& common, const std::string& pref
   const std::string texts = fmt::format("{}, {} and {}", table, regions, eigenvalues);
   if (plot)
     draw_picture("plot_stability.py", {table, regions, eigenvalues}, picture,
-                 {fmt::format("{}, step {:g} s", printable(title(scene)), scene.step)}, texts);
+                 {fmt::format("{}, step {:g} s", printable(title(scene)), scene.time.step)}, texts);
   print_written(common, texts, plot, picture);
   return done;
 }

@@ -42,26 +42,27 @@ constexpr double much_energy = 0.05;  // of what went through
 std::string energy_text(const Scene& scene, const EnergyBalance& energy) {
   const std::string far =
       fmt::format("{:.0f} % of the energy is unaccounted for: ", 100 * std::abs(energy.relative()));
-  if (scene.law == ContactLaw::multiplier && energy.residual < 0)
+  if (scene.contact.law == ContactLaw::multiplier && energy.residual < 0)
     return far + "under multipliers each impact takes some, and is meant to";
   if (is_adaptive(scene)) return far + "a smaller time.tolerance is needed";
   return far + fmt::format("steps of {:g} s are too long here; try a tenth, or another time.scheme",
-                           scene.step);
+                           scene.time.step);
 }
 
 void print_report(const Scene& scene, const RunReport& r, const std::filesystem::path& output) {
   print("{}: {:g} s of sliding at {:g} m/s, {} steps {}\n",
         printable(shortened(title(scene), longest_title)), r.time, scene.speed, r.steps,
         is_adaptive(scene)
-            ? fmt::format("to a tolerance of {:g}", scene.tolerance.value_or(usual_tolerance))
-            : fmt::format("of {:g} s", scene.step));
+            ? fmt::format("to a tolerance of {:g}", scene.time.tolerance.value_or(usual_tolerance))
+            : fmt::format("of {:g} s", scene.time.step));
   if (!(r.counted > 0))
-    print_line("level Lv", scene.from > 0 ? "none: the run ended before output.from"
-                                          : "none: the run ended at its first step");
+    print_line("level Lv", scene.output.from > 0 ? "none: the run ended before output.from"
+                                                 : "none: the run ended at its first step");
   else if (r.v_rms > 0)
-    print_line("level Lv",
-               fmt::format("{:.2f} dB re 1 nm/s (v_rms {:.3e} m/s){}", r.lv, r.v_rms,
-                           scene.from > 0 ? fmt::format(", from {:g} s on", scene.from) : ""));
+    print_line("level Lv", fmt::format("{:.2f} dB re 1 nm/s (v_rms {:.3e} m/s){}", r.lv, r.v_rms,
+                                       scene.output.from > 0
+                                           ? fmt::format(", from {:g} s on", scene.output.from)
+                                           : ""));
   else
     print_line("level Lv", "-inf dB: the resonator did not vibrate");
   if (r.counted > 0) print_line("shocks", fmt::format("{:.0f} a second", r.shocks));

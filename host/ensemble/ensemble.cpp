@@ -167,7 +167,7 @@ void Ensemble::run(int first, int count) {
     const std::vector<TimedRun> runs = timed_runs(models, starts);
     march_seconds_ += runs.front().processor;
     for (std::size_t i = 0; i < runs.size(); ++i) {
-      answers[who[i]] = answer_of(mean_squares_, runs[i], scene_.from);
+      answers[who[i]] = answer_of(mean_squares_, runs[i], scene_.output.from);
       time_ += runs[i].time;
     }
   }

@@ -161,7 +161,7 @@ std::optional<Eigen::VectorXd> settle(const Potential& potential, double spring,
 ModalStart make_start(const Model& model) {
   const int modes2 = static_cast<int>(model.resonator.modes.size());
   const int modes1 = static_cast<int>(model.slider.modes.size());
-  const bool multipliers = model.scene.law == ContactLaw::multiplier;
+  const bool multipliers = model.scene.contact.law == ContactLaw::multiplier;
   Eigen::VectorXd u = Eigen::VectorXd::Zero(modes2 + modes1), forces;
   if (model.scene.initial == Initial::statics && u.size() > 0) {
     const Potential potential(model);

@@ -31,10 +31,10 @@ std::vector<double> surface_of(const std::string& body, const BodySpec& spec, co
 /// A step is a tick. Samples may fall between two.
 void count_steps(Model& m) {
   const Scene& scene = m.scene;
-  m.tick = scene.step;
-  m.steps = std::llround(scene.duration / scene.step);
+  m.tick = scene.time.step;
+  m.steps = std::llround(scene.duration / scene.time.step);
   // where there is no sample but the first, any interval beyond the end will do
-  m.steps_per_sample = 1.0 / (std::max(scene.rate, 0.5 / scene.duration) * scene.step);
+  m.steps_per_sample = 1.0 / (std::max(scene.output.rate, 0.5 / scene.duration) * scene.time.step);
   const double whole = std::round(m.steps_per_sample);
   if (std::abs(m.steps_per_sample - whole) < 1e-12 * whole) m.steps_per_sample = whole;
   m.samples =
@@ -47,7 +47,7 @@ void set_clock(Model& m) {
   constexpr double finest = 0x1p-60, most_ticks = 0x1p60;
   const Scene& scene = m.scene;
   // where there is no sample but the first, any interval beyond the end will do
-  const double rate = std::max(scene.rate, 0.5 / scene.duration);
+  const double rate = std::max(scene.output.rate, 0.5 / scene.duration);
   double intervals = scene.duration * rate;
   const double whole = std::round(intervals);
   // the end falls on the last sample where it should
@@ -72,17 +72,18 @@ double largest_height(const Model& m) {
 /// Springs so stiff that the roundings of an overlap are forces like the load are refused.
 void check_roundings(const Model& m) {
   const Scene& scene = m.scene;
-  if (scene.law != ContactLaw::penalty || scene.slider.support != Support::free) return;
+  if (scene.contact.law != ContactLaw::penalty || scene.slider.support != Support::free) return;
   if (!(m.slider.load_force > 0)) return;
   constexpr double share = 0.01;  // of the load
   const double rounding = 2 * std::numeric_limits<double>::epsilon() * largest_height(m);
   if (rounding * m.node_stiffness <= share * m.slider.load_force) return;
   throw refusal(
       scene, "contact.stiffness",
-      fmt::format("{} Pa/m makes forces of {:.3g} N of the roundings of an overlap, and the "
-                  "load is {:.3g} N: expected at most {:.3g} Pa/m",
-                  scene.stiffness, rounding * m.node_stiffness, m.slider.load_force,
-                  scene.stiffness * share * m.slider.load_force / (rounding * m.node_stiffness)));
+      fmt::format(
+          "{} Pa/m makes forces of {:.3g} N of the roundings of an overlap, and the "
+          "load is {:.3g} N: expected at most {:.3g} Pa/m",
+          scene.contact.stiffness, rounding * m.node_stiffness, m.slider.load_force,
+          scene.contact.stiffness * share * m.slider.load_force / (rounding * m.node_stiffness)));
 }
 
 }  // namespace
@@ -96,7 +97,7 @@ Model make_model(const Scene& scene) {
   m.resonator_height = surface_of("resonator", scene.resonator, scene, m.doubts);
   m.slider_height = surface_of("slider", scene.slider, scene, m.doubts);
   m.node_stiffness =
-      scene.stiffness * scene.spacing * std::min(scene.resonator.width, scene.slider.width);
+      scene.contact.stiffness * scene.spacing * std::min(scene.resonator.width, scene.slider.width);
   m.position = scene.start / scene.spacing;
   if (is_adaptive(scene))
     set_clock(m);
@@ -112,7 +113,7 @@ Model make_model(const Scene& scene) {
     m.delta = *std::max_element(overlap.begin(), overlap.end());
   }
   check_roundings(m);
-  if (scene.law == ContactLaw::penalty && scene.initial == Initial::rest)
+  if (scene.contact.law == ContactLaw::penalty && scene.initial == Initial::rest)
     if (const double over = rest_overlap(m); over > 0)
       m.doubts.push_back(
           fmt::format("the faces overlap by {:.3g} m at t = 0 and start from rest: the contact "
@@ -123,7 +124,7 @@ Model make_model(const Scene& scene) {
 }
 
 std::int64_t first_counted(const Model& model) {
-  const double ticks = model.scene.from / model.tick;
+  const double ticks = model.scene.output.from / model.tick;
   return static_cast<std::int64_t>(std::ceil(ticks * (1 - 1e-15)));  // 0.3/1e-8 is a whole number
 }
 

@@ -46,13 +46,14 @@ BodyPlan plan_body(const Beam& beam, const BodySpec& spec, int nodes, const Scen
   plan.next = spec.support == Support::rigid ? 0.0 : elastic_frequency(spec, plan.elastic_modes);
   plan.wavelength_nodes = beta > 0 ? 2 * M_PI / beta / scene.spacing : 0.0;
   if (plan.highest > 0 && !is_adaptive(scene))
-    plan.error = step_error(scene.scheme, beam.zeta, 2 * M_PI * plan.highest * scene.step);
+    plan.error =
+        step_error(scene.time.scheme, beam.zeta, 2 * M_PI * plan.highest * scene.time.step);
   return plan;
 }
 
 /// What the step makes of a body's highest mode.
 std::string error_text(const Scene& scene, const StepError& error, double zeta) {
-  if (scene.scheme == SchemeKind::exact) return "the step is exact for free modes";
+  if (scene.time.scheme == SchemeKind::exact) return "the step is exact for free modes";
   if (is_adaptive(scene)) return "free modes move in closed form";
   const auto shift = [](double value) {
     return std::abs(value) < 1e-9 ? "under 1e-9" : fmt::format("{:+.1e}", value);
@@ -82,7 +83,7 @@ std::string body_text(const char* name, const Scene& scene, const BodySpec& spec
 /// Of a scheme of fixed steps: what holds, how many there are, and what they cost.
 void plan_steps(const Model& model, const JoinedModes& place, Plan& plan) {
   const Scene& scene = model.scene;
-  for (const SchemeChoice& choice : choices_under(scene.law)) {
+  for (const SchemeChoice& choice : choices_under(scene.contact.law)) {
     plan.schemes.push_back({choice, step_limits(model, choice, place)});
     if (choice == plan.own.choice) plan.own = plan.schemes.back();
   }
@@ -90,12 +91,12 @@ void plan_steps(const Model& model, const JoinedModes& place, Plan& plan) {
   plan.steps = model.steps;
   const double seconds = 1e-9 * static_cast<double>(model.steps);
   const bool held = holds_forces(scene);
-  const int stages = scheme_table(scene.scheme).stages;
+  const int stages = scheme_table(scene.time.scheme).stages;
   const int looks = held ? 2 : stages;  // held: without and with the contact's force
-  const double look_ns = scene.nodes == Nodes::all ? looks * node_ns * model.nodes() : 0.0;
-  const double one_ns = held                             ? held_ns
-                        : is_semi_implicit(scene.scheme) ? contact_ns
-                                                         : stages * stage_ns;
+  const double look_ns = scene.time.nodes == Nodes::all ? looks * node_ns * model.nodes() : 0.0;
+  const double one_ns = held                                  ? held_ns
+                        : is_semi_implicit(scene.time.scheme) ? contact_ns
+                                                              : stages * stage_ns;
   const double wide = width_of(model), each_ns = more_ns * std::max(8, modes_of(model));
   plan.seconds_free = seconds * std::max(wide * flight_ns, look_ns);
   plan.seconds_one = seconds * (wide * one_ns + look_ns);
@@ -108,7 +109,7 @@ void plan_steps(const Model& model, const JoinedModes& place, Plan& plan) {
 /// touches or lets go, each once in half a period of the contact spring (`omega_c`) at the most.
 void plan_strides(const Model& model, double omega_c, Plan& plan) {
   const Scene& scene = model.scene;
-  const double tolerance = scene.tolerance.value_or(usual_tolerance);
+  const double tolerance = scene.time.tolerance.value_or(usual_tolerance);
   const int n = series_order(tolerance);
   const double theta = std::exp((std::lgamma(n - 1.0) + std::log(tolerance)) / (n - 2));
   const auto turn = [](double highest, double zeta) {
@@ -118,7 +119,7 @@ void plan_strides(const Model& model, double omega_c, Plan& plan) {
                                   turn(plan.slider.highest, model.slider.zeta));
   const double crossings = scene.speed / scene.spacing;  // a second
   // a look takes overlaps and their rates, at the end of a step and often at its beginning
-  const double look_ns = scene.nodes == Nodes::all ? 4 * node_ns * model.nodes() : 0.0;
+  const double look_ns = scene.time.nodes == Nodes::all ? 4 * node_ns * model.nodes() : 0.0;
   const double wide = width_of(model), order = wide * order_ns;
   const double flight = wide * leap_ns + look_ns, drive = order * n + look_ns;
   const double alone = scene.resonator.moving_forces.empty()
@@ -143,22 +144,22 @@ void note_step(const Model& model, Plan& plan) {
   const StepLimits& limits = plan.own.limits;
   if (const std::string beyond = beyond_limit(model, limits); !beyond.empty())
     plan.notes.push_back(
-        scene.force ? fmt::format("{}; 'ra2d run' takes it, for time.force = true", beyond)
-                    : fmt::format("{}; 'ra2d run' refuses it, unless time.force = true. {}", beyond,
-                                  step_cure(scene, limits.holds())));
-  else if (scene.step > limits.contact_many)
+        scene.time.force ? fmt::format("{}; 'ra2d run' takes it, for time.force = true", beyond)
+                         : fmt::format("{}; 'ra2d run' refuses it, unless time.force = true. {}",
+                                       beyond, step_cure(scene, limits.holds())));
+  else if (scene.time.step > limits.contact_many)
     plan.notes.push_back(
         fmt::format("time.step = {:g} s holds for a node in contact, not for {} at once ({:.3g} s)",
-                    scene.step, limits.many, limits.contact_many));
-  if (scene.law == ContactLaw::multiplier && !is_semi_implicit(scene.scheme))
+                    scene.time.step, limits.many, limits.contact_many));
+  if (scene.contact.law == ContactLaw::multiplier && !is_semi_implicit(scene.time.scheme))
     plan.notes.push_back(fmt::format(
         "under multipliers {} bounces off at every step what should rest; backward-euler and "
         "midpoint let it rest",
-        schemes.name(scene.scheme)));
-  if (plan.contact_period > 0 && scene.step > plan.contact_period / 20)
+        schemes.name(scene.time.scheme)));
+  if (plan.contact_period > 0 && scene.time.step > plan.contact_period / 20)
     plan.notes.push_back(fmt::format("a shock lasts about {}, {:.1f} steps: too few to follow it",
                                      seconds_text(plan.contact_period),
-                                     plan.contact_period / scene.step));
+                                     plan.contact_period / scene.time.step));
 }
 
 /// A step [s] as the table and the messages give it: what holds, or how much of it.
@@ -168,7 +169,7 @@ std::string limit_text(double limit) {
 
 /// A line a scheme: the largest steps that hold.
 std::string stability_text(const Scene& scene, const Plan& plan) {
-  const bool spring = scene.law == ContactLaw::penalty;
+  const bool spring = scene.contact.law == ContactLaw::penalty;
   std::string text =
       fmt::format("stability  the largest steps that hold{}:\n",
                   spring ? ", the contact spring closed at the place that yields most"
@@ -196,7 +197,7 @@ std::string stability_text(const Scene& scene, const Plan& plan) {
 std::string steps_text(const Scene& scene, const Plan& plan) {
   std::string text =
       fmt::format("scheme     {}: {} steps of {}", scheme_text(scene, plan.own.choice), plan.steps,
-                  seconds_text(scene.step));
+                  seconds_text(scene.time.step));
   if (plan.steps_per_node > 0) text += fmt::format(", {:.4g} to a node", plan.steps_per_node);
   return text + '\n';
 }
@@ -207,7 +208,7 @@ std::string adaptive_text(const Scene& scene) {
       "by\n"
       "           Taylor series as long as that allows, from where each begins to where it ends\n"
       "stability  no limit: no step is fixed beforehand\n",
-      scene.tolerance.value_or(usual_tolerance));
+      scene.time.tolerance.value_or(usual_tolerance));
 }
 
 /// How long the start is heard, beside how long the run is.
@@ -232,7 +233,7 @@ std::string ringing_text(const Model& model) {
   return text +
          fmt::format("           it starts {}; level and shocks count from {} on (output.from)\n",
                      scene.initial == Initial::statics ? "in equilibrium" : "from rest, and rings",
-                     scene.from > 0 ? seconds_text(scene.from) : "t = 0");
+                     scene.output.from > 0 ? seconds_text(scene.output.from) : "t = 0");
 }
 
 std::string cost_text(const Plan& plan) {
@@ -250,7 +251,7 @@ std::string cost_text(const Plan& plan) {
 
 std::string scheme_text(const Scene& scene, SchemeChoice choice) {
   std::string text = schemes.name(choice.scheme);
-  if (scene.law == ContactLaw::penalty && choice.scheme == SchemeKind::backward_euler)
+  if (scene.contact.law == ContactLaw::penalty && choice.scheme == SchemeKind::backward_euler)
     text +=
         fmt::format(" with the contact force of the {} time", force_times.name(choice.force_time));
   return text;
@@ -276,37 +277,39 @@ std::vector<SchemeChoice> choices_under(ContactLaw law) {
 
 SchemeChoice choice_of(const Scene& scene) {
   // the others take the force in one way only
-  const bool asked = scene.scheme == SchemeKind::backward_euler && scene.law == ContactLaw::penalty;
-  return {scene.scheme, asked ? scene.force_time : ForceTime::old_time};
+  const bool asked =
+      scene.time.scheme == SchemeKind::backward_euler && scene.contact.law == ContactLaw::penalty;
+  return {scene.time.scheme, asked ? scene.time.contact_force : ForceTime::old_time};
 }
 
 std::string beyond_limit(const Model& model, const StepLimits& limits) {
   const Scene& scene = model.scene;
-  if (!(scene.step > limits.holds())) return {};
+  if (!(scene.time.step > limits.holds())) return {};
   const SchemeChoice choice = choice_of(scene);
   const bool modes = limits.modes_bind();
   const JoinedModes place = most_yielding(model);
   // its limit promises no more than can be said of all smaller steps
-  if (choice.scheme == SchemeKind::exact && holds_in_contact(model, choice, place, scene.step))
+  if (choice.scheme == SchemeKind::exact && holds_in_contact(model, choice, place, scene.time.step))
     return {};
-  const double growth = modes ? mode_growth(model, choice.scheme, scene.step)
-                              : contact_growth(model, choice, place, scene.step);
+  const double growth = modes ? mode_growth(model, choice.scheme, scene.time.step)
+                              : contact_growth(model, choice, place, scene.time.step);
   const std::string what = modes ? fmt::format("a free mode at {:.0f} Hz", limits.binding_frequency)
                                  : "a node in contact";
   std::string text =
       limits.holds() == 0
           ? fmt::format("at no step does {} hold {}", scheme_text(scene, choice), what)
           : fmt::format("{} holds {} up to {} s, and time.step is {:g} s",
-                        scheme_text(scene, choice), what, rounded_down(limits.holds()), scene.step);
+                        scheme_text(scene, choice), what, rounded_down(limits.holds()),
+                        scene.time.step);
   if (growth > 0)
-    text += fmt::format("; at {:g} s {} grows e-fold in {}", scene.step,
+    text += fmt::format("; at {:g} s {} grows e-fold in {}", scene.time.step,
                         modes ? "it" : "such a contact, while closed,", seconds_text(1 / growth));
   return text;
 }
 
 std::string overlap_at_start(const Model& model) {
   const Scene& scene = model.scene;
-  if (scene.law != ContactLaw::multiplier || scene.initial != Initial::rest) return {};
+  if (scene.contact.law != ContactLaw::multiplier || scene.initial != Initial::rest) return {};
   const double most = rest_overlap(model);
   if (most == 0) return {};
   return fmt::format(
@@ -318,9 +321,9 @@ std::string overlap_at_start(const Model& model) {
 
 std::string step_cure(const Scene& scene, double holds) {
   std::vector<std::string> keys;
-  if (scene.scheme != SchemeKind::backward_euler)
+  if (scene.time.scheme != SchemeKind::backward_euler)
     keys.emplace_back("time.scheme = \"backward-euler\"");
-  if (scene.law == ContactLaw::penalty) keys.emplace_back("time.contact_force = \"new\"");
+  if (scene.contact.law == ContactLaw::penalty) keys.emplace_back("time.contact_force = \"new\"");
   return fmt::format(
       "Take {}{} (holds at every step)",
       holds > 0 ? fmt::format("time.step = {} or less, or ", rounded_down(holds)) : std::string{},
@@ -339,7 +342,7 @@ Plan make_plan(const Model& model, std::size_t memory, int touching) {
   plan.slider = plan_body(model.slider, scene.slider, model.nodes(), scene);
   plan.delta = model.delta;
   const JoinedModes place = most_yielding(model);
-  const bool spring = scene.law == ContactLaw::penalty;
+  const bool spring = scene.contact.law == ContactLaw::penalty;
   const double omega_c = spring ? contact_frequency(model, place) : 0.0;
   plan.contact_period = omega_c > 0 ? M_PI / omega_c : 0.0;
   plan.own.choice = choice_of(scene);
@@ -349,8 +352,9 @@ Plan make_plan(const Model& model, std::size_t memory, int touching) {
   else
     plan_steps(model, place, plan);
   plan.memory = memory;
-  const std::size_t columns = 1 + 2 * (model.resonator.modes.size() + model.slider.modes.size()) +
-                              2 + 2 * (scene.probes.size() + scene.slider_probes.size()) + 6;
+  const std::size_t columns =
+      1 + 2 * (model.resonator.modes.size() + model.slider.modes.size()) + 2 +
+      2 * (scene.output.probes.size() + scene.output.slider_probes.size()) + 6;
   plan.file = 8 * (columns * static_cast<std::size_t>(model.samples) +
                    2 * (model.resonator_height.size() + model.slider_height.size())) +
               60000;
@@ -377,7 +381,7 @@ std::string describe(const Model& model, const Plan& plan) {
   text += fmt::format(
       "nodes      {} of the slider over {} of the resonator, {:g} um apart; delta = {:.6g} um\n",
       plan.slider.nodes, plan.resonator.nodes, scene.spacing * 1e6, plan.delta * 1e6);
-  if (scene.law == ContactLaw::penalty)
+  if (scene.contact.law == ContactLaw::penalty)
     text += fmt::format(
         "contact    penalty, {:.3g} N/m a node: a shock of one node lasts {} or longer\n",
         model.node_stiffness, seconds_text(plan.contact_period));
@@ -386,7 +390,7 @@ std::string describe(const Model& model, const Plan& plan) {
   const bool adaptive = is_adaptive(scene);
   text += adaptive ? adaptive_text(scene) : steps_text(scene, plan) + stability_text(scene, plan);
   text += fmt::format("looked at  {}\n",
-                      scene.nodes == Nodes::all
+                      scene.time.nodes == Nodes::all
                           ? "every node at every step"
                           : "the nodes that can touch, by proof (time.nodes = \"candidates\")");
   text += ringing_text(model);

@@ -377,7 +377,7 @@ StepLimits step_limits(const Model& model, SchemeChoice choice, const JoinedMode
       limits.binding_frequency = frequency;
     }
   }
-  if (model.scene.law == ContactLaw::penalty) {
+  if (model.scene.contact.law == ContactLaw::penalty) {
     limits.contact_one = contact_limit(choice, place, model.node_stiffness);
     limits.contact_many = contact_limit(choice, place, limits.many * model.node_stiffness);
   }

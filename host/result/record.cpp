@@ -74,14 +74,14 @@ SampleBlock make_samples(const Model& model, const ModalStart& start, const Drai
                          std::int64_t first) {
   const std::size_t modes2 = model.resonator.modes.size(), modes1 = model.slider.modes.size();
   const std::size_t lanes = drained.lanes, row_size = 2 * lanes + sample::columns;
-  const Probes probes(model.resonator, model.scene.probes);
-  const Probes slider_probes(model.slider, model.scene.slider_probes);
+  const Probes probes(model.resonator, model.scene.output.probes);
+  const Probes slider_probes(model.slider, model.scene.output.slider_probes);
   SampleBlock block;
   for (int i = 0; i < drained.samples; ++i) {
     const double* u = drained.sample_rows.data() + i * row_size;
     const double* v = u + lanes;
     const double* columns = v + lanes;
-    block.time.push_back(static_cast<double>(first + i) / model.scene.rate);
+    block.time.push_back(static_cast<double>(first + i) / model.scene.output.rate);
     block.resonator_displacement.insert(block.resonator_displacement.end(), u, u + modes2);
     block.resonator_velocity.insert(block.resonator_velocity.end(), v, v + modes2);
     block.slider_displacement.insert(block.slider_displacement.end(), u + modes2,

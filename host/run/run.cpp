@@ -60,8 +60,8 @@ ResultHeader make_header(const Model& model) {
   header.resonator =
       make_modes(model.resonator, model.resonator_height.size(), model.scene.spacing);
   header.slider = make_modes(model.slider, model.slider_height.size(), model.scene.spacing);
-  header.probe_position = model.scene.probes;
-  header.slider_probe_position = model.scene.slider_probes;
+  header.probe_position = model.scene.output.probes;
+  header.slider_probe_position = model.scene.output.slider_probes;
   header.resonator_height = model.resonator_height;
   header.slider_height = model.slider_height;
   header.spacing = model.scene.spacing;
@@ -77,7 +77,7 @@ std::string describe_limit(const Model& model, int nodes) {
   const SchemeChoice choice = choice_of(scene);
   const JoinedModes place = most_yielding(model);
   StepLimits limits = step_limits(model, choice, place);
-  if (scene.law == ContactLaw::penalty)
+  if (scene.contact.law == ContactLaw::penalty)
     limits.contact_one = contact_limit(choice, place, nodes * model.node_stiffness);
   const double holds = limits.holds();
   if (std::isinf(holds))
@@ -92,8 +92,8 @@ std::string describe_limit(const Model& model, int nodes) {
   std::string text = fmt::format(". Limit: {} holds the {} ", scheme_text(scene, choice), what);
   text += holds == 0 ? std::string("at no step. ")
                      : fmt::format("up to time.step = {} s, and it is {:g} s. ",
-                                   rounded_down(holds), scene.step);
-  if (scene.step >= holds)
+                                   rounded_down(holds), scene.time.step);
+  if (scene.time.step >= holds)
     text += step_cure(scene, holds);
   else
     text += "The step is within it: check the scene for values far from what they should be";
@@ -132,11 +132,11 @@ std::string checked_limit(const Model& model) {
   const JoinedModes place = most_yielding(model);
   // the search for its limit takes many times as long as a look at the step that is asked for
   if (choice.scheme == SchemeKind::exact &&
-      (scene.law == ContactLaw::multiplier || holds_in_contact(model, choice, place, scene.step)))
+      (scene.contact.law == ContactLaw::multiplier || holds_in_contact(model, choice, place, scene.time.step)))
     return {};
   const StepLimits limits = step_limits(model, choice, place);
   const std::string beyond = beyond_limit(model, limits);
-  if (!beyond.empty() && !scene.force)
+  if (!beyond.empty() && !scene.time.force)
     throw refusal(scene, "time.step",
                   fmt::format("{}. {}, or time.force = true to run it as it is", beyond,
                               step_cure(scene, limits.holds())));

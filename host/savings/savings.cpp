@@ -43,23 +43,23 @@ struct Numerics {
 };
 
 Scene with(Scene scene, const Numerics& n) {
-  scene.scheme = n.choice.scheme;
-  if (scene.scheme == SchemeKind::backward_euler && scene.law == ContactLaw::penalty)
-    scene.force_time = n.choice.force_time;
+  scene.time.scheme = n.choice.scheme;
+  if (scene.time.scheme == SchemeKind::backward_euler && scene.contact.law == ContactLaw::penalty)
+    scene.time.contact_force = n.choice.force_time;
   if (is_adaptive(scene))
-    scene.tolerance = n.tolerance;
+    scene.time.tolerance = n.tolerance;
   else
-    scene.step = n.step;
-  scene.force = false;
-  scene.nodes = Nodes::candidates;  // the answer is the same
+    scene.time.step = n.step;
+  scene.time.force = false;
+  scene.time.nodes = Nodes::candidates;  // the answer is the same
   return scene;
 }
 
 std::string text_of(const Scene& scene) {
   return fmt::format("{}, {}", short_text(choice_of(scene)),
                      is_adaptive(scene)
-                         ? fmt::format("{:g}", scene.tolerance.value_or(usual_tolerance))
-                         : seconds_text(scene.step));
+                         ? fmt::format("{:g}", scene.time.tolerance.value_or(usual_tolerance))
+                         : seconds_text(scene.time.step));
 }
 
 /// 1, 2 and 5 times powers of ten, downwards from at most `largest`.
@@ -113,8 +113,8 @@ class Search {
   }
   Scene for_runs(Scene scene) const {
     scene.duration = out_.duration;
-    scene.rate = std::min(scene.rate, samples_per_run / scene.duration);
-    scene.probes.clear();
+    scene.output.rate = std::min(scene.output.rate, samples_per_run / scene.duration);
+    scene.output.probes.clear();
     return scene;
   }
   Runs runs_of(const Scene& scene) const { return std::make_shared<Ensemble>(for_runs(scene)); }
@@ -228,11 +228,11 @@ Trial Search::try_out(Trial trial, const Runs& base, double end, double expected
 
 void Search::set_reference() {
   Scene& reference = out_.reference = written_;
-  if (written_.law == ContactLaw::penalty) {
+  if (written_.contact.law == ContactLaw::penalty) {
     reference = with(written_, {{SchemeKind::adaptive}, 0, reference_tolerance});
   } else {
-    reference.step = written_.step / 10;
-    reference.force = false;
+    reference.time.step = written_.time.step / 10;
+    reference.time.force = false;
   }
   try {
     require_possible(reference);
@@ -256,15 +256,16 @@ void Search::set_reference() {
     // whole milliseconds where there are any, for people
     out_.duration = longest > 1e-2 ? std::floor(longest * 1e3) * 1e-3 : longest;
     if (!is_adaptive(reference))  // a whole number of steps
-      out_.duration = std::max(1.0, std::floor(out_.duration / reference.step)) * reference.step;
+      out_.duration =
+          std::max(1.0, std::floor(out_.duration / reference.time.step)) * reference.time.step;
     // what is counted must be worth counting
-    const double counted = out_.duration - written_.from;
-    if (written_.from > 0 && counted < 0.1 * (written_.duration - written_.from))
+    const double counted = out_.duration - written_.output.from;
+    if (written_.output.from > 0 && counted < 0.1 * (written_.duration - written_.output.from))
       throw refusal(
           written_, "output.from",
           fmt::format("{} s are not counted, and in the time given a run of the reference comes to "
                       "{} only: expected a larger --budget, or an earlier time",
-                      written_.from, seconds_text(longest)));
+                      written_.output.from, seconds_text(longest)));
     out_.notes.push_back(
         fmt::format("the runs were cut short at {} of the scene's {}: a run of the reference takes "
                     "{} (--budget "
@@ -285,11 +286,11 @@ void Search::set_reference() {
 /// All schemes and steps that cost less than the reference, by what they cost.
 std::vector<Numerics> Search::numerics() const {
   std::vector<Numerics> list;
-  const bool spring = written_.law == ContactLaw::penalty;
+  const bool spring = written_.contact.law == ContactLaw::penalty;
   const double probe = 0.002 * options_.budget;
   double most = measure_cost(
       for_runs(with(out_.reference,
-                    {choice_of(out_.reference), out_.reference.step, reference_tolerance})),
+                    {choice_of(out_.reference), out_.reference.time.step, reference_tolerance})),
       probe);
   if (spring)
     for (const double tolerance : {1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8}) {
@@ -300,18 +301,18 @@ std::vector<Numerics> Search::numerics() const {
     }
   const Model model = make_model(out_.reference);
   const JoinedModes place = most_yielding(model);
-  for (const SchemeChoice& choice : choices_under(written_.law)) {
+  for (const SchemeChoice& choice : choices_under(written_.contact.law)) {
     // what an impact gives back is the scheme's under multipliers: two let it rest alike
-    if (!spring && choice.scheme != written_.scheme &&
-        !(is_semi_implicit(choice.scheme) && is_semi_implicit(written_.scheme)))
+    if (!spring && choice.scheme != written_.time.scheme &&
+        !(is_semi_implicit(choice.scheme) && is_semi_implicit(written_.time.scheme)))
       continue;
     // a shock in fewer than two steps is none
-    double largest =
-        std::min({step_limits(model, choice, place).holds(), 1 / written_.rate, out_.duration});
+    double largest = std::min(
+        {step_limits(model, choice, place).holds(), 1 / written_.output.rate, out_.duration});
     if (spring) largest = std::min(largest, M_PI / contact_frequency(model, place) / 2);
     if (!(largest > 0)) continue;
     double per_step = 0;
-    for (const double step : ladder(largest, spring ? 1e-11 : written_.step)) {
+    for (const double step : ladder(largest, spring ? 1e-11 : written_.time.step)) {
       Numerics n{choice, step};
       if (per_step == 0) {
         try {
@@ -360,8 +361,9 @@ void Search::find_numerics() {
   };
 
   // first what will do if anything does, so that there is time for it
-  Numerics safe{choice_of(written_), written_.step};
-  if (written_.law == ContactLaw::penalty) safe = {{SchemeKind::adaptive}, 0, usual_tolerance};
+  Numerics safe{choice_of(written_), written_.time.step};
+  if (written_.contact.law == ContactLaw::penalty)
+    safe = {{SchemeKind::adaptive}, 0, usual_tolerance};
   safe.cost = measure_cost(for_runs(with(written_, safe)), 0.004 * options_.budget);
   out_.trials.push_back(attempt(safe, spent() + 2 * numerics_share));
 

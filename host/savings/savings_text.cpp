@@ -85,15 +85,15 @@ std::string table(const Savings& s, const std::string& key, const std::string& w
 }
 
 std::string choice_text(const Scene& scene) {
-  return is_adaptive(scene) ? fmt::format("{} to {:g}", schemes.name(scene.scheme),
-                                          scene.tolerance.value_or(usual_tolerance))
-                            : fmt::format("{}{}, step {:g} s", schemes.name(scene.scheme),
-                                          scene.scheme == SchemeKind::backward_euler &&
-                                                  scene.law == ContactLaw::penalty &&
-                                                  scene.force_time == ForceTime::new_time
+  return is_adaptive(scene) ? fmt::format("{} to {:g}", schemes.name(scene.time.scheme),
+                                          scene.time.tolerance.value_or(usual_tolerance))
+                            : fmt::format("{}{}, step {:g} s", schemes.name(scene.time.scheme),
+                                          scene.time.scheme == SchemeKind::backward_euler &&
+                                                  scene.contact.law == ContactLaw::penalty &&
+                                                  scene.time.contact_force == ForceTime::new_time
                                               ? " with the new force"
                                               : "",
-                                          scene.step);
+                                          scene.time.step);
 }
 
 /// The trial that the chosen scene rests on; null where it is the scene as written.

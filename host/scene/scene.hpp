@@ -64,6 +64,28 @@ struct BodySpec {
   std::vector<MovingForce> moving_forces;  // resonator
 };
 
+struct ContactSettings {
+  ContactLaw law = ContactLaw::penalty;
+  double stiffness = 0;  // Pa/m, kappa
+};
+
+struct TimeSettings {
+  SchemeKind scheme = SchemeKind::backward_euler;
+  ForceTime contact_force = ForceTime::old_time;
+  double step = 0;                  // s, tau; adaptive needs none: 0 where none stands
+  std::optional<double> tolerance;  // adaptive: relative local error per step; others need none
+  Nodes nodes = Nodes::candidates;
+  bool force = false;  // run beyond the limit of stability, too
+};
+
+struct OutputSettings {
+  double rate = 0;                    // Hz, samples at t_j = j / rate
+  std::vector<double> probes;         // m, on the resonator
+  std::vector<double> slider_probes;  // m, on the slider
+  double from = 0;                    // s: level, energy balance and shock statistics begin here
+};
+
+/// Its members are the sections of a scene's TOML, and those of [scene] itself.
 struct Scene {
   std::filesystem::path file;  // where it was read from; its folder anchors relative paths
   /// Where each "section.key" stands, for faults that are found later; none: made in code.
@@ -80,20 +102,9 @@ struct Scene {
 
   BodySpec resonator, slider;
 
-  ContactLaw law = ContactLaw::penalty;
-  double stiffness = 0;  // Pa/m, kappa
-
-  SchemeKind scheme = SchemeKind::backward_euler;
-  ForceTime force_time = ForceTime::old_time;
-  double step = 0;                  // s, tau; adaptive needs none: 0 where none stands
-  std::optional<double> tolerance;  // adaptive: relative local error per step; others need none
-  Nodes nodes = Nodes::candidates;
-  bool force = false;  // run beyond the limit of stability, too
-
-  double rate = 0;                    // Hz, samples at t_j = j / rate
-  std::vector<double> probes;         // m, on the resonator
-  std::vector<double> slider_probes;  // m, on the slider
-  double from = 0;                    // s: level, energy balance and shock statistics begin here
+  ContactSettings contact;
+  TimeSettings time;
+  OutputSettings output;
 };
 
 /// The tolerance of an adaptive scene that names none.

@@ -44,7 +44,7 @@ const SchemeTable& table_of() {
 
 }  // namespace
 
-bool is_adaptive(const Scene& scene) { return scene.scheme == SchemeKind::adaptive; }
+bool is_adaptive(const Scene& scene) { return scene.time.scheme == SchemeKind::adaptive; }
 
 const SchemeTable& scheme_table(SchemeKind scheme) {
   switch (scheme) {
@@ -77,8 +77,9 @@ bool takes_multipliers(SchemeKind scheme) {
 }
 
 bool holds_forces(const Scene& scene) {
-  return scene.law == ContactLaw::multiplier ||
-         (scene.scheme == SchemeKind::backward_euler && scene.force_time == ForceTime::new_time);
+  return scene.contact.law == ContactLaw::multiplier ||
+         (scene.time.scheme == SchemeKind::backward_euler &&
+          scene.time.contact_force == ForceTime::new_time);
 }
 
 }  // namespace ra2d

@@ -34,22 +34,22 @@ std::string at_most(double bound) {
 
 /// Of fewer samples than one a run, none but that at t = 0 is taken; far fewer are a slip.
 void check_rate(const Scene& s, Document& document) {
-  if (s.rate * s.duration < 1 / most_apart)
+  if (s.output.rate * s.duration < 1 / most_apart)
     document.fault("output.rate",
                    fmt::format("{} Hz takes no sample in {} s but that at t = 0: expected at least "
                                "{:.6g} Hz, for one at the end",
-                               s.rate, s.duration, 1 / s.duration));
+                               s.output.rate, s.duration, 1 / s.duration));
 }
 
 /// The adaptive scheme has no step to fit, neither to the run nor to the rate.
 void check_adaptive(const Scene& s, Document& document) {
-  const double samples = s.duration * s.rate;
+  const double samples = s.duration * s.output.rate;
   if (samples > most_steps)
     document.fault("output.rate",
                    fmt::format("{} Hz takes {:.3g} samples in {} s: expected at most {:g} samples "
                                "(a lower rate or a shorter duration)",
-                               s.rate, samples, s.duration, most_steps));
-  const double tolerance = s.tolerance.value_or(usual_tolerance);
+                               s.output.rate, samples, s.duration, most_steps));
+  const double tolerance = s.time.tolerance.value_or(usual_tolerance);
   const bool small = tolerance < least_tolerance;
   if (small || tolerance > most_tolerance)
     document.fault(
@@ -63,22 +63,22 @@ void check_adaptive(const Scene& s, Document& document) {
 void check_times(const Scene& s, Document& document) {
   check_rate(s, document);
   if (is_adaptive(s)) return check_adaptive(s, document);
-  const double steps = s.duration / s.step;
+  const double steps = s.duration / s.time.step;
   if (steps > most_steps)
     document.fault("time.step",
                    fmt::format("{} s makes {:.3g} steps of {} s: expected at most {:g} "
                                "steps (a longer step or a shorter duration)",
-                               s.step, steps, s.duration, most_steps));
-  if (s.step > s.duration)
+                               s.time.step, steps, s.duration, most_steps));
+  if (s.time.step > s.duration)
     document.fault("time.step", fmt::format("{} s is longer than the run: expected at most "
                                             "scene.duration, {} s",
-                                            s.step, s.duration));
-  if (s.rate * s.step > 1 + rounding)
+                                            s.time.step, s.duration));
+  if (s.output.rate * s.time.step > 1 + rounding)
     document.fault(
         "output.rate",
         fmt::format("{} Hz asks for more than one sample a step: expected at most {} Hz, "
                     "1/time.step (lower the rate or the step)",
-                    s.rate, at_most(1 / s.step)));
+                    s.output.rate, at_most(1 / s.time.step)));
 }
 
 void check_nodes(const Scene& s, const std::string& name, const BodySpec& body,
@@ -216,11 +216,12 @@ void check_surface(const Scene& s, const std::string& name, const BodySpec& body
 }
 
 void check_output(const Scene& s, Document& document) {
-  if (s.from > 0 && s.from > s.duration * (1 - rounding) - (is_adaptive(s) ? 0.0 : s.step))
+  if (s.output.from > 0 &&
+      s.output.from > s.duration * (1 - rounding) - (is_adaptive(s) ? 0.0 : s.time.step))
     document.fault("output.from",
                    fmt::format("{} s is not before the end of the run, {} s: expected "
                                "a time from 0 to scene.duration",
-                               s.from, s.duration));
+                               s.output.from, s.duration));
   const auto check_places = [&](const char* key, const std::vector<double>& places,
                                 const char* body, double length) {
     for (std::size_t i = 0; i < places.size(); ++i)
@@ -229,21 +230,21 @@ void check_output(const Scene& s, Document& document) {
                        fmt::format("{} m is off the {}: expected a place from 0 to {} m", places[i],
                                    body, length));
   };
-  check_places("probes", s.probes, "resonator", s.resonator.length);
-  check_places("slider_probes", s.slider_probes, "slider", s.slider.length);
+  check_places("probes", s.output.probes, "resonator", s.resonator.length);
+  check_places("slider_probes", s.output.slider_probes, "slider", s.slider.length);
 }
 
 /// The contact spring of a node: a number that can be worked with.
 void check_stiffness(const Scene& s, Document& document) {
-  if (s.law != ContactLaw::penalty) return;
-  const double node = s.stiffness * s.spacing * std::min(s.resonator.width, s.slider.width);
+  if (s.contact.law != ContactLaw::penalty) return;
+  const double node = s.contact.stiffness * s.spacing * std::min(s.resonator.width, s.slider.width);
   constexpr double softest = 1e-100, stiffest = 1e20;
   if (node < softest || node > stiffest)
     document.fault(
         "contact.stiffness",
         fmt::format("{} Pa/m makes the spring of a node {:.3g} N/m: expected {:g} to {:g} "
                     "N/m (steel: about 1e15 Pa/m)",
-                    s.stiffness, node, softest, stiffest));
+                    s.contact.stiffness, node, softest, stiffest));
 }
 
 void check_loads(const Scene& s, Document& document) {
@@ -276,7 +277,7 @@ void check_loads(const Scene& s, Document& document) {
 
 /// What multipliers ask of the scheme and of the bodies.
 void check_law(const Scene& s, Document& document) {
-  if (s.law != ContactLaw::multiplier) return;
+  if (s.contact.law != ContactLaw::multiplier) return;
   if (is_adaptive(s))
     document.fault(
         "contact.law",
@@ -285,12 +286,12 @@ void check_law(const Scene& s, Document& document) {
         "scheme decides it, each in its own way however small the step, so there is no "
         "motion for an error control to converge to: expected \"penalty\", stiff (or a "
         "fixed step, time.scheme = \"backward-euler\")");
-  else if (!takes_multipliers(s.scheme))
+  else if (!takes_multipliers(s.time.scheme))
     document.fault("contact.law",
                    fmt::format("\"multiplier\" with time.scheme = \"{}\": the force of a step does "
                                "not move its end, so none keeps the faces apart: expected "
                                "\"penalty\" (or time.scheme = \"backward-euler\")",
-                               schemes.name(s.scheme)));
+                               schemes.name(s.time.scheme)));
   if (mode_count(s.resonator, 1) == 0 && mode_count(s.slider, 1) == 0)
     document.fault("contact.law",
                    "\"multiplier\" between bodies that keep no mode: nothing can move out of the "

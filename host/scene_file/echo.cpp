@@ -123,38 +123,39 @@ std::string echo(const Scene& scene) {
           scene.slider.support == Support::rigid ? "the body is rigid" : "");
 
   out.section("[contact]");
-  out.key("law", contact_laws.name(scene.law));
-  const bool spring = scene.law == ContactLaw::penalty;
-  if (spring || scene.stiffness != 0)
-    out.key("stiffness", scene.stiffness, spring ? "" : "multipliers have no spring");
+  out.key("law", contact_laws.name(scene.contact.law));
+  const bool spring = scene.contact.law == ContactLaw::penalty;
+  if (spring || scene.contact.stiffness != 0)
+    out.key("stiffness", scene.contact.stiffness, spring ? "" : "multipliers have no spring");
 
   out.section("[time]");
-  out.key("scheme", schemes.name(scene.scheme));
-  out.key("contact_force", force_times.name(scene.force_time),
+  out.key("scheme", schemes.name(scene.time.scheme));
+  out.key("contact_force", force_times.name(scene.time.contact_force),
           !spring              ? "multipliers are found with the end of the step"
           : is_adaptive(scene) ? "adaptive takes the force as it changes"
-          : scene.scheme != SchemeKind::backward_euler
-              ? fmt::format("{} takes the force at its stages", schemes.name(scene.scheme))
+          : scene.time.scheme != SchemeKind::backward_euler
+              ? fmt::format("{} takes the force at its stages", schemes.name(scene.time.scheme))
               : "");
   const bool adaptive = is_adaptive(scene);
-  if (!adaptive || scene.step > 0)
-    out.key("step", scene.step, adaptive ? "adaptive finds its steps" : "");
-  if (scene.tolerance)
-    out.key("tolerance", *scene.tolerance,
-            adaptive ? "" : fmt::format("{} takes fixed steps", schemes.name(scene.scheme)));
-  out.key("nodes", node_choices.name(scene.nodes));
-  if (scene.force) out.raw("force", "true", adaptive ? "adaptive has no limit of stability" : "");
+  if (!adaptive || scene.time.step > 0)
+    out.key("step", scene.time.step, adaptive ? "adaptive finds its steps" : "");
+  if (scene.time.tolerance)
+    out.key("tolerance", *scene.time.tolerance,
+            adaptive ? "" : fmt::format("{} takes fixed steps", schemes.name(scene.time.scheme)));
+  out.key("nodes", node_choices.name(scene.time.nodes));
+  if (scene.time.force)
+    out.raw("force", "true", adaptive ? "adaptive has no limit of stability" : "");
 
   out.section("[output]");
-  out.key("rate", scene.rate);
+  out.key("rate", scene.output.rate);
   const auto places = [](const std::vector<double>& probes) {
     std::vector<std::string> texts;
     for (const double probe : probes) texts.push_back(toml_number(probe));
     return array(texts);
   };
-  out.raw("probes", places(scene.probes));
-  out.raw("slider_probes", places(scene.slider_probes));
-  out.key("from", scene.from);
+  out.raw("probes", places(scene.output.probes));
+  out.raw("slider_probes", places(scene.output.slider_probes));
+  out.key("from", scene.output.from);
   return out.text();
 }
 

@@ -103,31 +103,31 @@ Scene read(Document& document, const std::filesystem::path& file) {
   scene.slider.load = in.number("load", any_number, "N", Need::optional, "weight").value_or(0);
 
   in = document.section("contact");
-  scene.law = in.choice("law", contact_laws, Need::optional).value_or(ContactLaw::penalty);
-  scene.stiffness =
-      in.number("stiffness", positive, "Pa/m", needed(scene.law == ContactLaw::penalty))
+  scene.contact.law = in.choice("law", contact_laws, Need::optional).value_or(ContactLaw::penalty);
+  scene.contact.stiffness =
+      in.number("stiffness", positive, "Pa/m", needed(scene.contact.law == ContactLaw::penalty))
           .value_or(0);
 
   in = document.section("time");
   const auto scheme = in.choice("scheme", schemes, Need::optional);
-  scene.scheme = scheme.value_or(SchemeKind::backward_euler);
-  scene.force_time =
+  scene.time.scheme = scheme.value_or(SchemeKind::backward_euler);
+  scene.time.contact_force =
       in.choice("contact_force", force_times, Need::optional).value_or(ForceTime::old_time);
   const bool adaptive = is_adaptive(scene);
   // of a scheme that is not known it is not known either whether it needs a step
   const bool fixed = !adaptive && (scheme || !in.has("scheme"));
-  scene.step = in.number("step", positive, "s", needed(fixed))
-                   .value_or(adaptive ? 0.0 : std::numeric_limits<double>::quiet_NaN());
-  scene.tolerance = in.number("tolerance", positive, "", Need::optional);
-  if (adaptive && !scene.tolerance) scene.tolerance = usual_tolerance;
-  scene.nodes = in.choice("nodes", node_choices, Need::optional).value_or(Nodes::candidates);
-  scene.force = in.boolean("force").value_or(false);
+  scene.time.step = in.number("step", positive, "s", needed(fixed))
+                        .value_or(adaptive ? 0.0 : std::numeric_limits<double>::quiet_NaN());
+  scene.time.tolerance = in.number("tolerance", positive, "", Need::optional);
+  if (adaptive && !scene.time.tolerance) scene.time.tolerance = usual_tolerance;
+  scene.time.nodes = in.choice("nodes", node_choices, Need::optional).value_or(Nodes::candidates);
+  scene.time.force = in.boolean("force").value_or(false);
 
   in = document.section("output");
-  scene.rate = in.number("rate", positive, "Hz", Need::optional).value_or(100e3);
-  scene.probes = in.numbers("probes", "m");
-  scene.slider_probes = in.numbers("slider_probes", "m");
-  scene.from = in.number("from", not_negative, "s", Need::optional).value_or(0);
+  scene.output.rate = in.number("rate", positive, "Hz", Need::optional).value_or(100e3);
+  scene.output.probes = in.numbers("probes", "m");
+  scene.output.slider_probes = in.numbers("slider_probes", "m");
+  scene.output.from = in.number("from", not_negative, "s", Need::optional).value_or(0);
 
   scene.initial = initial.value_or(has_equilibrium(scene) ? Initial::statics : Initial::rest);
   return scene;

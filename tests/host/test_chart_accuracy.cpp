@@ -65,9 +65,9 @@ Scene crossed_plate() {
   Scene s = lone_beam(4, 0.02);
   s.resonator.moving_forces.push_back({.force = 10.0, .speed = 20.0, .start = 0.1});
   s.duration = 2e-3;
-  s.rate = 1e4;
-  s.step = 4e-6;
-  s.stiffness = 1e6;  // binds no step
+  s.output.rate = 1e4;
+  s.time.step = 4e-6;
+  s.contact.stiffness = 1e6;  // binds no step
   return s;
 }
 

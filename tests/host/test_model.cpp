@@ -20,11 +20,11 @@ constexpr double eps = 0x1p-52;
 Scene adaptive_scene(double duration, double rate) {
   Scene s = plate_scene(3, 0.004, 1e-3);
   s.gap = 1e-3;
-  s.stiffness = 1e13;
-  s.scheme = SchemeKind::adaptive;
-  s.step = 0;
+  s.contact.stiffness = 1e13;
+  s.time.scheme = SchemeKind::adaptive;
+  s.time.step = 0;
   s.duration = duration;
-  s.rate = rate;
+  s.output.rate = rate;
   return s;
 }
 
@@ -107,10 +107,10 @@ TEST(Clock, CarriesTheSlider) {
 
 TEST(Clock, OfFixedStepsIsTheStep) {
   Scene s = adaptive_scene(2e-3, 1e6);
-  s.scheme = SchemeKind::rk4;
-  s.step = 1e-7;
+  s.time.scheme = SchemeKind::rk4;
+  s.time.step = 1e-7;
   const Model m = make_model(s);
-  EXPECT_EQ(m.tick, s.step);
+  EXPECT_EQ(m.tick, s.time.step);
   EXPECT_EQ(m.steps, 20000);
   EXPECT_EQ(m.steps_per_sample, 10);
   EXPECT_EQ(m.samples, 2001);

@@ -26,7 +26,7 @@ using testing::StartsWith;
 Scene pressed_plate() {
   Scene s = plate_scene(6, 0.004, 1e-3);
   s.gap = 5e-6;
-  s.stiffness = 1e13;
+  s.contact.stiffness = 1e13;
   s.slider.surface = peaks({{.at = 0.002, .height = 1e-5, .half_width = 3e-5}});
   return s;
 }
@@ -53,15 +53,15 @@ TEST(Plan, NamesEverySchemeAndMarksTheScenes) {
       SchemeKind::heun,           SchemeKind::rk4,      SchemeKind::rk8,
       SchemeKind::exact};
   for (std::size_t own = 0; own < kinds.size(); ++own) {
-    s.scheme = kinds[own];
+    s.time.scheme = kinds[own];
     const std::string text = text_of(s);
     SCOPED_TRACE(text);
     EXPECT_THAT(text, HasSubstr("scheme     " + names[own]));
     for (std::size_t i = 0; i < names.size(); ++i)
       EXPECT_THAT(line_of(text, names[i]), StartsWith(i == own ? "> " : "  "));
   }
-  s.scheme = SchemeKind::backward_euler;
-  s.force_time = ForceTime::new_time;
+  s.time.scheme = SchemeKind::backward_euler;
+  s.time.contact_force = ForceTime::new_time;
   const std::string text = text_of(s);
   EXPECT_THAT(text, HasSubstr("\n           > backward-euler, new force "));
   EXPECT_THAT(text, HasSubstr("\n             backward-euler  "));
@@ -79,7 +79,7 @@ TEST(Plan, SaysWhatBinds) {
               HasSubstr("backward-euler, new force every step          every step  every step"));
   // one so soft that it adds nothing
   Scene soft = pressed_plate();
-  soft.stiffness = 1e3;
+  soft.contact.stiffness = 1e3;
   EXPECT_THAT(line_of(text_of(soft), "backward-euler"), EndsWith("every step"));
   // without damping some hold at no step
   soft.resonator.damping = 0;
@@ -93,9 +93,9 @@ TEST(Plan, SaysWhatBinds) {
 
 TEST(Plan, OfMultipliersKnowsNoSpring) {
   Scene s = pressed_plate();
-  s.law = ContactLaw::multiplier;
+  s.contact.law = ContactLaw::multiplier;
   for (const double stiffness : {0.0, 1e13}) {
-    s.stiffness = stiffness;
+    s.contact.stiffness = stiffness;
     const std::string text = text_of(s);
     SCOPED_TRACE(text);
     EXPECT_THAT(text,
@@ -109,12 +109,12 @@ TEST(Plan, OfMultipliersKnowsNoSpring) {
 
 TEST(Plan, OfAnAdaptiveSceneKnowsNoStep) {
   Scene s = pressed_plate();
-  s.scheme = SchemeKind::adaptive;
-  s.tolerance = 1e-9;
+  s.time.scheme = SchemeKind::adaptive;
+  s.time.tolerance = 1e-9;
   s.speed = 0.1;
   std::string texts[3];
   for (int i = 0; i < 3; ++i) {
-    s.step = i == 0 ? 0.0 : i == 1 ? 1e-7 : 1.0;
+    s.time.step = i == 0 ? 0.0 : i == 1 ? 1e-7 : 1.0;
     texts[i] = text_of(s);
   }
   SCOPED_TRACE(texts[0]);
@@ -132,11 +132,11 @@ TEST(Plan, OfAnAdaptiveSceneKnowsNoStep) {
 
 TEST(Plan, AnAdaptiveScenesCostGoesWithItsEvents) {
   Scene s = pressed_plate();
-  s.scheme = SchemeKind::adaptive;
-  s.tolerance = 1e-6;
+  s.time.scheme = SchemeKind::adaptive;
+  s.time.tolerance = 1e-6;
   s.speed = 0.01;
-  s.rate = 100;  // few samples
-  s.stiffness = 1e17;
+  s.output.rate = 100;  // few samples
+  s.contact.stiffness = 1e17;
   const auto cost = [](const Scene& scene) {
     const Plan plan = make_plan(make_model(scene), 0);
     EXPECT_LE(plan.seconds_free, plan.seconds_one);
@@ -146,17 +146,17 @@ TEST(Plan, AnAdaptiveScenesCostGoesWithItsEvents) {
   };
   const Plan plan = cost(s);
   Scene other = s;
-  other.stiffness = 1e4 * s.stiffness;  // the spring is by far the fastest in both
+  other.contact.stiffness = 1e4 * s.contact.stiffness;  // the spring is by far the fastest in both
   EXPECT_NEAR(cost(other).seconds_one / plan.seconds_one, 100, 10);
   EXPECT_EQ(cost(other).seconds_free, plan.seconds_free);
   other = s;
   other.speed = 2 * s.speed;  // twice as many nodes are passed
   EXPECT_NEAR(cost(other).seconds_free / plan.seconds_free, 2, 0.2);
   other = s;
-  other.nodes = Nodes::all;
+  other.time.nodes = Nodes::all;
   EXPECT_GT(cost(other).seconds_free, plan.seconds_free);
   other = s;
-  other.tolerance = 1e-12;
+  other.time.tolerance = 1e-12;
   EXPECT_GT(cost(other).seconds_one, plan.seconds_one);
   other = s;
   other.speed = 0;  // nothing is passed: but for its samples a flight costs nothing
@@ -172,12 +172,12 @@ TEST(Plan, AnAdaptiveScenesCostIsOfTheRightSize) {
   // `contact_period`) touches and lets go once each in that time, and theta = (8! 1e-5)^(1/8)
   // = 0.893 of its turning are a step: 2 + pi/0.893 = 5.52 steps of 10 orders, 1.3 us.
   Scene s = pressed_plate();
-  s.scheme = SchemeKind::adaptive;
-  s.tolerance = 1e-5;
+  s.time.scheme = SchemeKind::adaptive;
+  s.time.tolerance = 1e-5;
   s.speed = 1e5 * s.spacing;
   s.duration = 1e-3;
-  s.rate = 1e3;
-  s.stiffness = 1e17;
+  s.output.rate = 1e3;
+  s.contact.stiffness = 1e17;
   const Plan plan = make_plan(make_model(s), 0);
   EXPECT_NEAR(plan.seconds_free, 100 * 0.6e-6, 1e-6);
   const double steps = 100 + 5.52 * s.duration / plan.contact_period;
@@ -187,13 +187,13 @@ TEST(Plan, AnAdaptiveScenesCostIsOfTheRightSize) {
 TEST(Plan, SaysWhatTheStepMakesOfTheHighestMode) {
   Scene s = pressed_plate();
   const Model model = make_model(s);
-  const double x = model.resonator.modes[5].omega * s.step;
+  const double x = model.resonator.modes[5].omega * s.time.step;
   EXPECT_THAT(text_of(s), HasSubstr(fmt::format("damping ratio, 0.02, by {:+.1e}, its period by",
-                                                step_error(s.scheme, 0.02, x).damping)));
-  EXPECT_GT(step_error(s.scheme, 0.02, x).damping, 0);
-  s.scheme = SchemeKind::explicit_euler;
+                                                step_error(s.time.scheme, 0.02, x).damping)));
+  EXPECT_GT(step_error(s.time.scheme, 0.02, x).damping, 0);
+  s.time.scheme = SchemeKind::explicit_euler;
   EXPECT_THAT(text_of(s), HasSubstr("damping ratio, 0.02, by -"));
-  s.scheme = SchemeKind::exact;
+  s.time.scheme = SchemeKind::exact;
   EXPECT_THAT(text_of(s), HasSubstr("exact for free modes"));
 }
 
@@ -208,7 +208,7 @@ TEST(Plan, SaysHowLongTheStartRings) {
   EXPECT_THAT(text_of(s),
               HasSubstr("it starts from rest, and rings; level and shocks count from t = 0"));
   s.initial = Initial::statics;
-  s.from = 1e-3;
+  s.output.from = 1e-3;
   EXPECT_THAT(text_of(s),
               HasSubstr("it starts in equilibrium; level and shocks count from 1 ms on"));
   s.resonator.damping = 0;
@@ -219,7 +219,7 @@ TEST(Plan, IsReadableAtAHundredColumns) {
   for (const SchemeKind scheme :
        {SchemeKind::backward_euler, SchemeKind::rk8, SchemeKind::adaptive}) {
     Scene s = pressed_plate();
-    s.scheme = scheme;
+    s.time.scheme = scheme;
     std::istringstream in(text_of(s));
     for (std::string line; std::getline(in, line);) EXPECT_LE(line.size(), 100) << line;
   }
@@ -228,18 +228,18 @@ TEST(Plan, IsReadableAtAHundredColumns) {
 TEST(BeyondLimit, IsSaidFromTheLimitOn) {
   Scene s = pressed_plate();
   const double limit = step_limits(make_model(s), choice_of(s)).holds();
-  s.step = limit;
+  s.time.step = limit;
   Model model = make_model(s);
   EXPECT_THAT(beyond_limit(model, step_limits(model, choice_of(s))), IsEmpty());
-  s.step = 1.01 * limit;
+  s.time.step = 1.01 * limit;
   model = make_model(s);
   const std::string beyond = beyond_limit(model, step_limits(model, choice_of(s)));
   EXPECT_THAT(beyond, AllOf(HasSubstr("backward-euler"), HasSubstr("a node in contact"),
                             HasSubstr("grows e-fold")));
   EXPECT_THAT(text_of(s), HasSubstr("'ra2d run' refuses it"));
-  s.force = true;
+  s.time.force = true;
   EXPECT_THAT(text_of(s), HasSubstr("'ra2d run' takes it"));
-  s.force_time = ForceTime::new_time;
+  s.time.contact_force = ForceTime::new_time;
   EXPECT_THAT(text_of(s), Not(HasSubstr("'ra2d run'")));
 }
 
@@ -248,10 +248,10 @@ TEST(StepCure, NamesAStepThatHolds) {
   EXPECT_THAT(step_cure(s, 1.23999e-6), HasSubstr("time.step = 1.23e-06 or less"));
   EXPECT_THAT(step_cure(s, 0), Not(HasSubstr("time.step")));
   EXPECT_THAT(step_cure(s, 0), HasSubstr("time.contact_force = \"new\" (holds at every step)"));
-  s.scheme = SchemeKind::heun;
+  s.time.scheme = SchemeKind::heun;
   EXPECT_THAT(step_cure(s, 0),
               HasSubstr("time.scheme = \"backward-euler\" with time.contact_force"));
-  s.law = ContactLaw::multiplier;
+  s.contact.law = ContactLaw::multiplier;
   EXPECT_THAT(step_cure(s, 0), Not(HasSubstr("contact_force")));
 }
 

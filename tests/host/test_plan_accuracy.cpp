@@ -118,7 +118,7 @@ TEST(Judge, IsWrongAboutNoMoreThanOneInTwenty) {
 
 TEST(Variant, ZeroIsTheSceneAndTheOthersDifferBySeedsAlone) {
   Scene s = plate_scene(4, 0.004, 1e-3);
-  s.stiffness = 1e12;
+  s.contact.stiffness = 1e12;
   s.resonator.surface = gaussian(1e-6, 1e-3, 7);
   EXPECT_EQ(echo(variant(s, 0)), echo(s));
   Scene other = variant(s, 3);
@@ -148,8 +148,8 @@ Scene rubbing() {
   s.duration = 4e-3;
   s.speed = 1;
   s.gap = 2e-6;
-  s.stiffness = 1e12;
-  s.rate = 1e4;
+  s.contact.stiffness = 1e12;
+  s.output.rate = 1e4;
   s.resonator.surface = gaussian(1e-6, 1e-3, 7);
   s.slider.surface = gaussian(1e-6, 1e-3, 8);
   return s;
@@ -196,18 +196,18 @@ Scene crossing() {
   s.duration = 0.015;
   s.spacing = 1e-4;
   s.gap = 1e-3;
-  s.stiffness = 1e15;
-  s.step = 1e-7;
-  s.rate = 1e5;
-  s.scheme = SchemeKind::backward_euler;
+  s.contact.stiffness = 1e15;
+  s.time.step = 1e-7;
+  s.output.rate = 1e5;
+  s.time.scheme = SchemeKind::backward_euler;
   s.resonator.moving_forces = {{10, 20, 0}};
   return s;
 }
 
 TEST(Savings, WhatModesMoveIsWhatTheyCarry) {
   Scene s = crossing();
-  s.scheme = SchemeKind::adaptive;
-  s.tolerance = 1e-10;
+  s.time.scheme = SchemeKind::adaptive;
+  s.time.tolerance = 1e-10;
   const Recording all = simulate(s);
   const double exact = v_rms(all.model, all.end);
   const auto share = [&](int modes) {
@@ -276,18 +276,18 @@ TEST(Savings, OfARubbingSceneHoldForIt) {
 
 TEST(Savings, UnderMultipliersTheReferenceIsTheOwnSchemeAtATenthOfTheStep) {
   Scene s = rubbing();
-  s.law = ContactLaw::multiplier;
+  s.contact.law = ContactLaw::multiplier;
   s.gap.reset();
   s.duration = 1e-3;
-  s.step = 1e-6;
+  s.time.step = 1e-6;
   SavingsOptions options;
   options.accuracy = 0.3;
   options.budget = 4;
   const Savings found = find_savings(s, options);
-  EXPECT_EQ(found.reference.scheme, SchemeKind::backward_euler);
-  EXPECT_DOUBLE_EQ(found.reference.step, 1e-7);
+  EXPECT_EQ(found.reference.time.scheme, SchemeKind::backward_euler);
+  EXPECT_DOUBLE_EQ(found.reference.time.step, 1e-7);
   for (const Trial& trial : found.trials)
-    EXPECT_TRUE(is_semi_implicit(trial.scene.scheme)) << trial.what;
+    EXPECT_TRUE(is_semi_implicit(trial.scene.time.scheme)) << trial.what;
 }
 
 TEST(PlannedScene, FindsItsProfilesFromWhereItIsWritten) {

@@ -136,18 +136,18 @@ void expect_same(const Scene& a, const Scene& b) {
   EXPECT_EQ(a.initial, b.initial);
   expect_same(a.resonator, b.resonator);
   expect_same(a.slider, b.slider);
-  EXPECT_EQ(a.law, b.law);
-  EXPECT_EQ(a.stiffness, b.stiffness);
-  EXPECT_EQ(a.scheme, b.scheme);
-  EXPECT_EQ(a.force_time, b.force_time);
-  EXPECT_EQ(a.step, b.step);
-  EXPECT_EQ(a.tolerance, b.tolerance);
-  EXPECT_EQ(a.nodes, b.nodes);
-  EXPECT_EQ(a.force, b.force);
-  EXPECT_EQ(a.rate, b.rate);
-  EXPECT_EQ(a.probes, b.probes);
-  EXPECT_EQ(a.slider_probes, b.slider_probes);
-  EXPECT_EQ(a.from, b.from);
+  EXPECT_EQ(a.contact.law, b.contact.law);
+  EXPECT_EQ(a.contact.stiffness, b.contact.stiffness);
+  EXPECT_EQ(a.time.scheme, b.time.scheme);
+  EXPECT_EQ(a.time.contact_force, b.time.contact_force);
+  EXPECT_EQ(a.time.step, b.time.step);
+  EXPECT_EQ(a.time.tolerance, b.time.tolerance);
+  EXPECT_EQ(a.time.nodes, b.time.nodes);
+  EXPECT_EQ(a.time.force, b.time.force);
+  EXPECT_EQ(a.output.rate, b.output.rate);
+  EXPECT_EQ(a.output.probes, b.output.probes);
+  EXPECT_EQ(a.output.slider_probes, b.output.slider_probes);
+  EXPECT_EQ(a.output.from, b.output.from);
 }
 
 /// Reading the echo gives the scene again, and the echo is its own echo.
@@ -169,13 +169,13 @@ TEST(Scene, MinimalOneReadsWithDefaults) {
   EXPECT_FALSE(s.slider.load_is_weight);
   EXPECT_EQ(s.slider.load, 0);
   EXPECT_THAT(s.resonator.moving_forces, IsEmpty());
-  EXPECT_EQ(s.law, ContactLaw::penalty);
-  EXPECT_EQ(s.scheme, SchemeKind::backward_euler);
-  EXPECT_EQ(s.tolerance, std::nullopt);
-  EXPECT_EQ(s.nodes, Nodes::candidates);
-  EXPECT_EQ(s.rate, 100e3);
-  EXPECT_THAT(s.probes, IsEmpty());
-  EXPECT_EQ(s.from, 0);
+  EXPECT_EQ(s.contact.law, ContactLaw::penalty);
+  EXPECT_EQ(s.time.scheme, SchemeKind::backward_euler);
+  EXPECT_EQ(s.time.tolerance, std::nullopt);
+  EXPECT_EQ(s.time.nodes, Nodes::candidates);
+  EXPECT_EQ(s.output.rate, 100e3);
+  EXPECT_THAT(s.output.probes, IsEmpty());
+  EXPECT_EQ(s.output.from, 0);
 }
 
 TEST(Scene, ValuesArriveWhereTheyBelong) {
@@ -225,14 +225,14 @@ TEST(Scene, ValuesArriveWhereTheyBelong) {
   EXPECT_EQ(s.slider.surface.peaks[0].at, 0.01);
   EXPECT_EQ(s.slider.surface.peaks[0].height, -1e-5);
   EXPECT_EQ(s.slider.surface.peaks[0].half_width, 2e-4);
-  EXPECT_EQ(s.stiffness, 1e15);
-  EXPECT_EQ(s.step, 1e-6);
-  EXPECT_EQ(s.tolerance, 1e-8);
-  EXPECT_EQ(s.nodes, Nodes::all);
-  EXPECT_EQ(s.rate, 50e3);
-  EXPECT_THAT(s.probes, ElementsAre(0, 0.15, 0.3));
-  EXPECT_EQ(s.from, 0.05);
-  EXPECT_THAT(s.slider_probes, ElementsAre(0.02));
+  EXPECT_EQ(s.contact.stiffness, 1e15);
+  EXPECT_EQ(s.time.step, 1e-6);
+  EXPECT_EQ(s.time.tolerance, 1e-8);
+  EXPECT_EQ(s.time.nodes, Nodes::all);
+  EXPECT_EQ(s.output.rate, 50e3);
+  EXPECT_THAT(s.output.probes, ElementsAre(0, 0.15, 0.3));
+  EXPECT_EQ(s.output.from, 0.05);
+  EXPECT_THAT(s.output.slider_probes, ElementsAre(0.02));
 }
 
 /// One fault each: a changed scene, and what its only message must say.
@@ -605,9 +605,9 @@ INSTANTIATE_TEST_SUITE_P(Each, SceneRefuses, testing::ValuesIn(refused),
 
 TEST(Scene, AdaptiveNeedsNoStep) {
   const Scene s = parse(scene_text({adaptive}));
-  EXPECT_EQ(s.scheme, SchemeKind::adaptive);
-  EXPECT_EQ(s.step, 0);
-  EXPECT_EQ(s.tolerance, 1e-8);
+  EXPECT_EQ(s.time.scheme, SchemeKind::adaptive);
+  EXPECT_EQ(s.time.step, 0);
+  EXPECT_EQ(s.time.tolerance, 1e-8);
   EXPECT_THAT(echo(s), HasSubstr("\nscheme = \"adaptive\"\n"));
   EXPECT_THAT(echo(s), HasSubstr("\ntolerance = 1e-08\n"));
   EXPECT_THAT(echo(s), Not(HasSubstr("\nstep")));
@@ -618,8 +618,8 @@ TEST(Scene, AdaptiveLetsAStepStand) {
   // one that would be too long for the run and for the rate
   const Scene s = parse(minimal, {"time.scheme=adaptive", "time.step=1", "time.tolerance=1e-10",
                                   "time.contact_force=new", "time.force=true", "output.rate=1e7"});
-  EXPECT_EQ(s.step, 1);
-  EXPECT_EQ(s.tolerance, 1e-10);
+  EXPECT_EQ(s.time.step, 1);
+  EXPECT_EQ(s.time.tolerance, 1e-10);
   for (const char* line :
        {"\nstep = 1.0  # not used: adaptive finds its steps\n", "\ntolerance = 1e-10\n",
         "\ncontact_force = \"new\"  # not used: adaptive takes the force as it changes\n",
@@ -649,24 +649,24 @@ TEST(Scene, SchemesAndLawsAreChosenByName) {
       {"adaptive", SchemeKind::adaptive}};
   for (const auto& [name, scheme] : names) {
     const Scene s = parse(minimal, {"time.scheme=" + name});
-    EXPECT_EQ(s.scheme, scheme);
+    EXPECT_EQ(s.time.scheme, scheme);
     expect_round_trip(s);
     if (scheme == SchemeKind::explicit_euler || scheme == SchemeKind::adaptive) continue;
-    EXPECT_EQ(parse(minimal, {"time.scheme=" + name, "contact.law=multiplier"}).law,
+    EXPECT_EQ(parse(minimal, {"time.scheme=" + name, "contact.law=multiplier"}).contact.law,
               ContactLaw::multiplier);
   }
   Scene s = parse(minimal);
-  EXPECT_EQ(s.force_time, ForceTime::old_time);
-  EXPECT_FALSE(s.force);
+  EXPECT_EQ(s.time.contact_force, ForceTime::old_time);
+  EXPECT_FALSE(s.time.force);
   s = parse(minimal, {"time.contact_force=new", "time.force=true"});
-  EXPECT_EQ(s.force_time, ForceTime::new_time);
-  EXPECT_TRUE(s.force);
+  EXPECT_EQ(s.time.contact_force, ForceTime::new_time);
+  EXPECT_TRUE(s.time.force);
   expect_round_trip(s);
 }
 
 TEST(Scene, MultipliersNeedNoStiffness) {
   const Scene s = parse(scene_text({{"stiffness = 1e15", "law = \"multiplier\""}}));
-  EXPECT_EQ(s.stiffness, 0);
+  EXPECT_EQ(s.contact.stiffness, 0);
   EXPECT_THAT(echo(s), Not(HasSubstr("stiffness")));
   expect_round_trip(s);
   // a rigid slider on modes, and modes on a free slider alone, can move
@@ -755,7 +755,7 @@ TEST(SceneOverrides, ReplaceAndAdd) {
   EXPECT_EQ(s.resonator.surface.rsm, 1.5e-3);
   EXPECT_EQ(s.name, "two words");
   EXPECT_TRUE(s.slider.load_is_weight);
-  EXPECT_THAT(s.probes, ElementsAre(0.1));
+  EXPECT_THAT(s.output.probes, ElementsAre(0.1));
   ASSERT_EQ(s.resonator.moving_forces.size(), 1);
   EXPECT_EQ(s.resonator.moving_forces[0].speed, 2);
 }
@@ -763,7 +763,7 @@ TEST(SceneOverrides, ReplaceAndAdd) {
 TEST(SceneOverrides, MakeTheSectionsTheyNeed) {
   const Scene s = parse(scene_text({{"[time]\nstep = 1e-6\n", ""}}),
                         {"time.step=1e-7", "slider.surface.kind=peaks", "slider.surface.peaks=[]"});
-  EXPECT_EQ(s.step, 1e-7);
+  EXPECT_EQ(s.time.step, 1e-7);
   EXPECT_EQ(s.slider.surface.kind, SurfaceKind::peaks);
 }
 
@@ -810,7 +810,7 @@ TEST(SceneOverrides, OfAValueWithLineEndsSetOneKey) {
   const Scene s = parse(minimal, {"scene.name=\"a\"\nstart = 0.2", "output.probes=[\n0.1,\n0.2]"});
   EXPECT_EQ(s.name, "\"a\"\nstart = 0.2");
   EXPECT_EQ(s.start, 0.1);
-  EXPECT_THAT(s.probes, ElementsAre(0.1, 0.2));
+  EXPECT_THAT(s.output.probes, ElementsAre(0.1, 0.2));
   expect_round_trip(s);
 }
 
@@ -1081,7 +1081,7 @@ TEST_F(SceneFile, OfThePaperHasItsNumbers) {
   const Scene s = read_scene(test::scene_file("dang2012"));
   EXPECT_EQ(s.duration, 1);
   EXPECT_EQ(s.spacing, 8e-6);
-  EXPECT_EQ(s.step, 1e-8);
+  EXPECT_EQ(s.time.step, 1e-8);
   EXPECT_EQ(s.resonator.length, 0.3);
   EXPECT_EQ(s.resonator.width, 0.2);
   EXPECT_EQ(s.resonator.thickness, 0.002);

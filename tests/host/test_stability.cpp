@@ -242,7 +242,7 @@ Scene plate_and_slider() {
   s.slider.support = Support::free;
   s.slider.modes = 2;
   s.slider.damping = 0.01;
-  s.stiffness = 1e15;
+  s.contact.stiffness = 1e15;
   return s;
 }
 
@@ -291,7 +291,7 @@ TEST(StepLimits, TakeTheStiffestModeAndTheSpring) {
   limits = step_limits(model, {SchemeKind::explicit_euler, ForceTime::old_time});
   EXPECT_EQ(limits.binding_frequency, model.resonator.modes[5].omega / (2 * M_PI));
 
-  model.scene.law = ContactLaw::multiplier;
+  model.scene.contact.law = ContactLaw::multiplier;
   limits = step_limits(model, midpoint);
   EXPECT_EQ(limits.contact_one, infinity);
   EXPECT_EQ(limits.contact_many, infinity);

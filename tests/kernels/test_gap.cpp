@@ -249,13 +249,13 @@ constexpr double unit_height = 0x1p-20;
 Scene strips(Nodes nodes) {
   Scene s;
   s.spacing = 0x1p-10;
-  s.step = 1e-9;
+  s.time.step = 1e-9;
   s.duration = 20e-9;
-  s.rate = 1e9;
+  s.output.rate = 1e9;
   s.start = 16 * s.spacing;
   s.gap = 0;
-  s.stiffness = 1e12;
-  s.nodes = nodes;
+  s.contact.stiffness = 1e12;
+  s.time.nodes = nodes;
   s.resonator.support = Support::free;
   s.resonator.length = 256 * s.spacing;
   s.resonator.thickness = 0.002;
@@ -308,7 +308,7 @@ struct FirstContact {
   double force, nodes, place, stiffness;
 };
 FirstContact first_contact(Scene s) {
-  s.duration = s.step;
+  s.duration = s.time.step;
   const test::Recording run = test::simulate(s);
   EXPECT_EQ(run.end.open_shocks.size(), 1);
   const OpenShock shock = run.end.open_shocks.empty() ? OpenShock{} : run.end.open_shocks[0];

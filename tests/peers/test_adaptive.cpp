@@ -24,10 +24,10 @@ struct Both {
 };
 
 Both run_both(Scene scene, double until) {
-  scene.scheme = SchemeKind::adaptive;
-  scene.tolerance = 1e-12;
+  scene.time.scheme = SchemeKind::adaptive;
+  scene.time.tolerance = 1e-12;
   scene.duration = until;
-  scene.rate = 1.0 / until;  // a sample at the end
+  scene.output.rate = 1.0 / until;  // a sample at the end
   Both both{make_model(scene), {}, {}, 0};
   const ModalStart start = make_start(both.model);
   both.own = timed_run(both.model, start);

@@ -48,7 +48,7 @@ Model model_of(const Case& c) {
   s.start = 0;
   s.speed = c.slider_length < 0.06 ? 0.3 : 0;
   s.gap = 2e-5;
-  s.stiffness = 1e15;
+  s.contact.stiffness = 1e15;
   return make_model(s);
 }
 

@@ -77,7 +77,7 @@ TEST_P(Peer, OneModeAgainstOneNodeIsTheClosedForm) {
   double phi;
   evaluate(beam.modes[0], beam.length, s.start + node * s.spacing, 1, &phi);
   const double spring = 200 * beam.mass_per_length * std::pow(omega / phi, 2);
-  s.stiffness = spring / (s.spacing * 0.2);
+  s.contact.stiffness = spring / (s.spacing * 0.2);
 
   const double touch = gap / phi, speed = 3 * touch * omega;  // U at contact, V at the start
   const double onset = std::asin(touch * omega / speed) / omega;
@@ -93,8 +93,8 @@ TEST_P(Peer, OneModeAgainstOneNodeIsTheClosedForm) {
   const double end_v = -v * std::cos(0.3) - omega * touch * std::sin(0.3);
 
   s.duration = until;
-  s.step = until / 100;
-  s.rate = 1 / until;
+  s.time.step = until / 100;
+  s.output.rate = 1 / until;
   const Model model = make_model(s);
   ModalStart start = make_start(model);
   start.resonator_v = {speed};
@@ -160,18 +160,18 @@ TEST_P(Peer, ARigidBodyFallsAndBounces) {
   s.slider.load_is_weight = true;
   s.slider.surface = test::peaks({{0.01, 1e-5, 0.0005}});
   s.gap = 2e-5;
-  s.stiffness = 1e12;
+  s.contact.stiffness = 1e12;
   constexpr double g = 9.80665, height = 1e-5;
   const double fall = std::sqrt(2 * height / g);
   const Beam slider = make_beam(s.slider);
   const double mass = slider.mass_per_length * slider.length;
-  const double omega_c = std::sqrt(s.stiffness * s.spacing * 0.02 / mass);
+  const double omega_c = std::sqrt(s.contact.stiffness * s.spacing * 0.02 / mass);
   const double v = g * fall, depth = g / (omega_c * omega_c);
   const double contact = (2 * pi - 2 * std::atan2(v / omega_c, depth)) / omega_c;
   const double until = fall + contact + fall;  // back at the top
   s.duration = until;
-  s.step = until / 100;
-  s.rate = 1 / until;
+  s.time.step = until / 100;
+  s.output.rate = 1 / until;
   for (const double tolerance : {1e-7, 1e-10}) {
     const PeerResult r = solve(s, GetParam().integrator, tolerance);
     const double scale = std::sqrt(slider.length), within = 1e3 * tolerance;
@@ -190,11 +190,11 @@ TEST(Peers, TheMarchComesToTheSameEnd) {
   Scene scene = peaks_scene();
   const PeerResult reference = solve(scene, Integrator::cvode_adams, 1e-12);
   ASSERT_EQ(reference.shocks.size(), 6);
-  scene.scheme = SchemeKind::rk8;
-  scene.rate = 1 / scene.duration;
+  scene.time.scheme = SchemeKind::rk8;
+  scene.output.rate = 1 / scene.duration;
   double coarse = 0;
   for (int level = 0; level < 4; ++level) {
-    scene.step = 4e-7 / (1 << level);
+    scene.time.step = 4e-7 / (1 << level);
     const test::Recording run = test::simulate(scene);
     const double e = error(run.end, reference);
     if (level == 0) {
@@ -202,12 +202,12 @@ TEST(Peers, TheMarchComesToTheSameEnd) {
       EXPECT_LE(coarse, 1e-4);
     }
     // where in a step the kinks fall is chance
-    EXPECT_LE(e, 4 * coarse / std::pow(4, level)) << scene.step;
+    EXPECT_LE(e, 4 * coarse / std::pow(4, level)) << scene.time.step;
     ASSERT_EQ(run.shocks.size(), reference.shocks.size());
     for (std::size_t i = 0; i < run.shocks.size(); ++i) {
       const Shock shock = make_shocks(run.model, {run.shocks[i]})[0];
-      EXPECT_NEAR(shock.start, reference.shocks[i].start, 2 * scene.step);
-      EXPECT_NEAR(shock.duration, reference.shocks[i].duration, 3 * scene.step);
+      EXPECT_NEAR(shock.start, reference.shocks[i].start, 2 * scene.time.step);
+      EXPECT_NEAR(shock.duration, reference.shocks[i].duration, 3 * scene.time.step);
       EXPECT_NEAR(shock.peak_force, reference.shocks[i].peak_force,
                   1e-3 * reference.shocks[i].peak_force);
     }
@@ -219,7 +219,7 @@ TEST(Peers, RefuseWhatTheyCannotDo) {
   EXPECT_THROW(solve(scene, Integrator::dopri5, 0.5), RequestError);
   const Model model = make_model(scene);
   EXPECT_THROW(march_peer(model, make_start(model), {.until = 1.0}), RequestError);
-  scene.law = ContactLaw::multiplier;
+  scene.contact.law = ContactLaw::multiplier;
   EXPECT_THROW(solve(scene, Integrator::cvode_adams, 1e-8), RequestError);
 }
 

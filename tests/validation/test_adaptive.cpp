@@ -33,10 +33,10 @@ std::vector<Scene> kinds() {
     }
   scenes[0].resonator.moving_forces = {{.force = 3, .speed = 40, .start = 0.01}};
   scenes[1].speed = 0;
-  scenes[2].rate = 1e7 / 3.7;
+  scenes[2].output.rate = 1e7 / 3.7;
   scenes[3].slider.surface = {};  // flat: dozens of nodes touch
-  scenes[3].stiffness = 1e12;
-  scenes[4].rate = 1e3;  // no sample but the first
+  scenes[3].contact.stiffness = 1e12;
+  scenes[4].output.rate = 1e3;  // no sample but the first
   return scenes;
 }
 
@@ -204,7 +204,7 @@ TEST(AdaptiveSamples, InFreeDecayAreTheClosedFormAtTheirTimes) {
   for (const double zeta : {0.0, 0.02, 0.5}) {
     Scene s = adaptive(lone_beam(4, zeta), 1e-4);  // that plays no part: nothing touches
     s.duration = 0.01;
-    s.rate = 1e5 / 3;  // no binary fraction
+    s.output.rate = 1e5 / 3;  // no binary fraction
     const Model model = make_model(s);
     ModalStart start = make_start(model);
     for (int k = 0; k < 4; ++k) start.resonator_v[k] = 0.1 * (k + 1);
@@ -252,7 +252,7 @@ TEST(AdaptiveSamples, InFreeDecayAreTheClosedFormAtTheirTimes) {
 TEST(AdaptiveSamples, StaticEquilibriumStaysAtRest) {
   for (const Support slider : {Support::rigid, Support::free}) {
     Scene s = adaptive(pressed_plate(), 1e-12);
-    s.stiffness = 1e14;
+    s.contact.stiffness = 1e14;
     s.slider.support = slider;
     if (slider == Support::free) {
       s.slider.load = 5;
@@ -281,7 +281,7 @@ TEST(AdaptiveRigid, NothingMovesThroughThousandsOfWindows) {
   s.resonator.support = Support::rigid;
   s.resonator.modes = 0;
   s.duration = 2e-2;
-  s.rate = 1e5;
+  s.output.rate = 1e5;
   const Recording r = simulate(s);
   ASSERT_EQ(r.end.status, Status::done);
   EXPECT_GT(r.end.shocks_begun, 50);
@@ -323,7 +323,7 @@ TEST(AdaptiveFailures, MoreNodesThanThereIsRoomFor) {
   s.gap = 1e-6;
   s.slider.support = Support::free;
   s.slider.load = 5;
-  s.stiffness = 1e12;
+  s.contact.stiffness = 1e12;
   s.duration = 5e-2;
   const Recording r = simulate(s);
   EXPECT_EQ(r.end.status, Status::crowded);
@@ -338,7 +338,7 @@ TEST(AdaptiveFailures, MoreNodesThanThereIsRoomFor) {
 
 TEST(AdaptiveFailures, TooStiffForTheClock) {
   Scene s = adaptive(rough_scene(Support::pinned), 1e-8);
-  s.stiffness = 1e45;
+  s.contact.stiffness = 1e45;
   const Recording r = simulate(s);
   EXPECT_EQ(r.end.status, Status::stalled);
   EXPECT_LT(r.end.step, r.model.steps);

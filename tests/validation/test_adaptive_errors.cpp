@@ -31,8 +31,8 @@ Scene thrown_block() {
   s.slider.surface = peaks({{.at = 0.002, .height = 1e-5, .half_width = 3e-5}});
   s.gap = 1.1e-5;
   s.duration = 5e-5;
-  s.rate = 3e6;
-  s.stiffness = 1e13;
+  s.output.rate = 3e6;
+  s.contact.stiffness = 1e13;
   return s;
 }
 
@@ -44,7 +44,7 @@ TEST(AdaptiveErrors, ABlockReboundsAsASpringLetsIt) {
       SCOPED_TRACE(std::to_string(stiffness) + ", tolerance " +
                    std::to_string(-std::log10(tolerance)));
       Scene s = adaptive(thrown_block(), tolerance);
-      s.stiffness = stiffness;
+      s.contact.stiffness = stiffness;
       if (stiffness < 1e13) s.duration = 4e-4;
       const Model model = make_model(s);
       ModalStart start = make_start(model);
@@ -94,8 +94,8 @@ std::vector<Case> cases() {
   Scene s = plate_scene(4, 0.004, 0.004);
   s.duration = 4e-4;
   s.start = 0.028;
-  s.rate = 5e4;
-  s.stiffness = 1e12;
+  s.output.rate = 5e4;
+  s.contact.stiffness = 1e12;
   s.slider.surface = peaks({{.at = 0.002, .height = 1e-5, .half_width = 2e-4}});
   s.gap = 1.0e-5;
   s.resonator.moving_forces = {{.force = 4, .speed = 0, .start = 0.03}};
@@ -105,7 +105,7 @@ std::vector<Case> cases() {
   for (const double kappa : {1e10, 1e12, 1e14, 1e16, 1e18}) {
     s = rough_scene(Support::rigid);
     s.duration = 1e-4;
-    s.stiffness = kappa;
+    s.contact.stiffness = kappa;
     all.push_back({"Rigid", s});
   }
   for (const double zeta : {0.0, 0.5, 2.0}) {
@@ -125,7 +125,7 @@ std::vector<Case> cases() {
   s.speed = 0;
   s.slider.damping = s.resonator.damping = 0.5;
   s.duration = 1e-3;
-  s.stiffness = 1e12;
+  s.contact.stiffness = 1e12;
   all.push_back({"Settles", s, true});  // into contact at dozens of nodes
   return all;
 }
@@ -134,8 +134,9 @@ std::vector<Case> cases() {
 /// roundings.
 TEST(AdaptiveErrors, AreBelowTheTolerance) {
   for (const Case& each : cases()) {
-    SCOPED_TRACE(std::string(each.name) + ", kappa " + std::to_string(each.scene.stiffness) +
-                 ", zeta " + std::to_string(each.scene.resonator.damping));
+    SCOPED_TRACE(std::string(each.name) + ", kappa " +
+                 std::to_string(each.scene.contact.stiffness) + ", zeta " +
+                 std::to_string(each.scene.resonator.damping));
     const Recording reference = simulate(adaptive(each.scene, 1e-13));
     ASSERT_EQ(reference.end.status, Status::done);
     ASSERT_GT(reference.end.contact_steps, 0);
@@ -164,14 +165,15 @@ TEST(AdaptiveErrors, SmallFixedStepsComeToTheSame) {
   // second order, with a factor that depends on where in the step that is: a sixteenth of the step leaves
   // a 256th of the error, more or less
   for (const Case& each : cases()) {
-    if (each.scene.stiffness > 1e15 || each.scene.resonator.damping > 1) continue;  // stiff
-    SCOPED_TRACE(std::string(each.name) + ", kappa " + std::to_string(each.scene.stiffness));
+    if (each.scene.contact.stiffness > 1e15 || each.scene.resonator.damping > 1) continue;  // stiff
+    SCOPED_TRACE(std::string(each.name) + ", kappa " +
+                 std::to_string(each.scene.contact.stiffness));
     Scene fixed = each.scene;
-    fixed.scheme = SchemeKind::rk8;
+    fixed.time.scheme = SchemeKind::rk8;
     fixed.duration = std::min(fixed.duration, 2e-4);
     const Recording reference = simulate(adaptive(fixed, 1e-12));
     const auto error = [&](double step) {
-      fixed.step = step;
+      fixed.time.step = step;
       return distance(simulate(fixed), reference);
     };
     const double coarse = error(5e-8), fine = error(5e-8 / 16);
@@ -188,13 +190,13 @@ TEST(AdaptiveErrors, EveryContactOfSmallFixedStepsIsFound) {
   for (int seed = 1; seed <= draws(60); ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Started c = random_adaptive_scene(seed);
-    if (c.model.scene.duration / c.model.scene.step > 2e4) continue;
-    c.model.scene.tolerance = 1e-10;
+    if (c.model.scene.duration / c.model.scene.time.step > 2e4) continue;
+    c.model.scene.time.tolerance = 1e-10;
     const Recording a = run(c);
     Scene scene = c.model.scene;
-    scene.scheme = SchemeKind::rk4;
-    scene.step = c.model.scene.step / 4;
-    scene.duration = scene.step * std::floor(scene.duration / scene.step);
+    scene.time.scheme = SchemeKind::rk4;
+    scene.time.step = c.model.scene.time.step / 4;
+    scene.duration = scene.time.step * std::floor(scene.duration / scene.time.step);
     Model model = make_model(scene);
     model.delta = c.model.delta;
     const Recording f = simulate({model}, {c.start})[0];
@@ -227,14 +229,14 @@ TEST(AdaptiveErrors, EveryContactOfSmallFixedStepsIsFound) {
       // of the first sight of an error at the horizon there was some already before
       if (end > 0.9 * horizon) continue;
       if (shock.peak_force == 0) continue;  // "touching": no overlap, no force, no contact
-      const double slack = 4 * scene.step + 1e-3 * shock.duration;
+      const double slack = 4 * scene.time.step + 1e-3 * shock.duration;
       bool met = false;
       for (const Shock& other : found)
         met = met || (other.start < end + slack && other.start + other.duration > begin - slack);
       EXPECT_TRUE(met) << "shock " << shock.serial << " from " << begin << " for "
                        << shock.duration;
       ++compared;
-      long_ones += shock.duration > 20 * scene.step;
+      long_ones += shock.duration > 20 * scene.time.step;
     }
   }
   if (!draws_enough()) return;

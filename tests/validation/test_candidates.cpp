@@ -28,7 +28,7 @@ Scene plate_and_block() {
   Scene s = plate_scene(12, 0.004, 0.004);
   s.speed = 0.2;
   s.spacing = 2e-5;
-  s.stiffness = 1e15;
+  s.contact.stiffness = 1e15;
   return s;
 }
 
@@ -63,7 +63,7 @@ TEST(Candidates, CoarsestSpacingThatIsTaken) {
   s.slider.load = 5;
   s.resonator.surface = gaussian(2e-6, 8e-4, 11);
   s.slider.surface = gaussian(2e-6, 8e-4, 12);
-  s.stiffness = 1e13;
+  s.contact.stiffness = 1e13;
   // as many modes as the displacement series can follow at this spacing
   for (int modes = 90; modes > 5; --modes) {
     s.resonator.modes = modes;
@@ -88,7 +88,7 @@ TEST(Candidates, OneNodePeakArrivesAtHighSpeed) {
   for (const double nodes_per_step : {0.03, 0.31, 0.97, 1.0, 1.37, 3.7}) {
     SCOPED_TRACE(nodes_per_step);
     Scene s = plate_and_block();
-    s.speed = nodes_per_step * s.spacing / s.step;
+    s.speed = nodes_per_step * s.spacing / s.time.step;
     s.duration = 0.03 / s.speed;
     s.start = 0.005;
     // half as wide as the spacing: a single node on either side
@@ -96,7 +96,7 @@ TEST(Candidates, OneNodePeakArrivesAtHighSpeed) {
     s.slider.surface = peaks({{.at = 0.0020, .height = 2e-5, .half_width = 1e-5},
                               {.at = 0.0040, .height = 2e-5, .half_width = 1e-5}});
     s.gap = 3e-5;
-    s.stiffness = 1e13;
+    s.contact.stiffness = 1e13;
     const Model model = make_model(s);
     const Outcome all = expect_both_same(model, make_start(model));
     // at a whole number of nodes a step they meet for sure, at more than one they may pass unseen
@@ -114,11 +114,11 @@ TEST(Candidates, HugeVelocityCrossesALargeGapWithinOneLook) {
       s.gap = 1e-3;
       s.start = 0.027;
       s.duration = 1e-3;
-      s.stiffness = 1e12;
+      s.contact.stiffness = 1e12;
       const Model model = make_model(s);
       ModalStart start = make_start(model);
       start.resonator_v[mode] =
-          1e-3 / (steps_to_cross * s.step) / model.resonator.modes[mode].largest;
+          1e-3 / (steps_to_cross * s.time.step) / model.resonator.modes[mode].largest;
       count_energy(model, start);
       const Outcome all = expect_both_same(model, start);
       if (steps_to_cross <= 30 && mode == 0) {
@@ -170,7 +170,7 @@ TEST(Candidates, ModeSwingsTheFarEndIntoContact) {
     s.slider.surface = peaks({{.at = 0, .height = 1e-5, .half_width = 2e-5},
                               {.at = 0.03, .height = 7e-6, .half_width = 2e-5}});
     s.gap = 1e-5 - 1e-8;
-    s.stiffness = 1e14;
+    s.contact.stiffness = 1e14;
     const Model model = make_model(s);
     ModalStart start = make_start(model);
     start.resonator_v[mode] =
@@ -191,7 +191,7 @@ TEST(Candidates, PeaksAtTheTwoEndsOfARockingSlider) {
     s.slider.load_is_weight = true;
     s.slider.surface = peaks({{.at = 0, .height = 1e-6, .half_width = 1e-5},
                               {.at = 0.004, .height = 1e-6, .half_width = 1e-5}});
-    s.stiffness = 1e14;
+    s.contact.stiffness = 1e14;
     s.duration = 5e-3;
     const Model model = make_model(s);
     ModalStart start = make_start(model);
@@ -209,7 +209,7 @@ TEST(Candidates, NodeThatTouchesForASingleStep) {
   s.resonator.modes = 3;
   s.slider.surface = peaks({{.at = 0.002, .height = 1e-5, .half_width = 1e-5}});
   // the peak stands over the middle, where the second of the three modes does not move
-  s.stiffness = stiffness_for(s, 1.9 * std::sqrt(1.5));
+  s.contact.stiffness = stiffness_for(s, 1.9 * std::sqrt(1.5));
   s.gap = 1.2e-5;
   int single = 0;
   for (int phase = 0; phase < 8; ++phase) {
@@ -234,7 +234,7 @@ TEST(Candidates, ContactReleasedByDampingOnly) {
   s.resonator.damping = 20;
   s.slider.surface = peaks({{.at = 0.002, .height = 1e-5, .half_width = 2e-4}});
   s.gap = 2e-5;
-  s.stiffness = 1e11;
+  s.contact.stiffness = 1e11;
   const Model model = make_model(s);
   ModalStart start = make_start(model);
   start.resonator_u[0] = 1.05e-5 / model.resonator.modes[0].largest;
@@ -250,7 +250,7 @@ TEST(Candidates, FlatOnFlatTouchesEverywhere) {
   s.gap = 0;
   s.slider.support = Support::free;
   s.slider.load_is_weight = true;
-  s.stiffness = 1e12;
+  s.contact.stiffness = 1e12;
   for (const double speed : {0.0, 0.5}) {
     s.speed = speed;
     const Model model = make_model(s);
@@ -264,7 +264,7 @@ TEST(Candidates, CreepSlowerThanTheRoundingOfThePosition) {
   // when a line would.
   Scene s = plate_and_block();
   s.spacing = 1e-5;
-  s.step = 1e-8;
+  s.time.step = 1e-8;
   s.duration = 7e-5;
   s.resonator.length = 0.3;
   s.resonator.modes = 1;
@@ -278,7 +278,7 @@ TEST(Candidates, CreepSlowerThanTheRoundingOfThePosition) {
       SCOPED_TRACE(testing::Message() << speed << " m/s, " << i);
       Model model = make_model(s);
       const double rise = 2e-5 * std::numbers::pi / 2 / 1e-3;  // m/m, half way up the peak
-      model.delta += (2000 + 157 * i) * speed * s.step * rise;
+      model.delta += (2000 + 157 * i) * speed * s.time.step * rise;
       EXPECT_GT(expect_both_same(model, make_start(model)).end.contact_steps, 0);
       if (HasFailure()) return;  // one is enough to read
     }
@@ -311,7 +311,7 @@ struct Plain {
     std::vector<double> now = start.resonator_u, rate = start.resonator_v;
     now.insert(now.end(), start.slider_u.begin(), start.slider_u.end());
     rate.insert(rate.end(), start.slider_v.begin(), start.slider_v.end());
-    const double chi = s.spacing, tau = s.step;
+    const double chi = s.spacing, tau = s.time.step;
 
     for (std::int64_t step = 0; step <= m.steps; ++step) {
       u.insert(u.end(), now.begin(), now.end());
@@ -336,7 +336,8 @@ struct Plain {
         }
         largest_displacement = std::max(largest_displacement, displacement);
         if (gap > 0) continue;
-        const double f = -s.stiffness * chi * std::min(s.resonator.width, s.slider.width) * gap;
+        const double f =
+            -s.contact.stiffness * chi * std::min(s.resonator.width, s.slider.width) * gap;
         nodes.back().push_back(n);
         force.back().push_back(f);
         for (std::size_t k = 0; k < modes.size(); ++k) push[k] -= f * psi[k];
@@ -405,11 +406,11 @@ TEST_P(AgainstPlainMarch, SameNodesAndStateToRoundOff) {
   // open
   Scene s = plate_and_block();
   s.spacing = 5e-5;
-  s.step = 2e-7;
+  s.time.step = 2e-7;
   s.duration = 8e-4;
-  s.rate = 5e6;  // every step
+  s.output.rate = 5e6;  // every step
   s.resonator.modes = 8;
-  s.stiffness = 2e12;
+  s.contact.stiffness = 2e12;
   s.slider.surface = gaussian(5e-7, 8e-4, 21);
   s.resonator.surface = gaussian(5e-7, 8e-4, 22);
   switch (GetParam()) {

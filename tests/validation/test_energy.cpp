@@ -19,8 +19,8 @@ Scene smooth_scene(double damping) {
   Scene s = plate_scene(4, 0.004, 0.004, damping);
   s.duration = 4e-4;
   s.start = 0.028;
-  s.rate = 5e4;
-  s.stiffness = 1e12;
+  s.output.rate = 5e4;
+  s.contact.stiffness = 1e12;
   return s;
 }
 
@@ -33,7 +33,7 @@ void expect_first_order(const Scene& scene, std::int64_t least_contact) {
   double coarse = 0;
   for (int halving = 0; halving <= 4; ++halving) {
     Scene fine = scene;
-    fine.step = std::ldexp(scene.step, -halving);
+    fine.time.step = std::ldexp(scene.time.step, -halving);
     const Recording run = simulate(fine);
     ASSERT_EQ(run.end.status, Status::done);
     EXPECT_GE(run.end.contact_steps, least_contact << halving);
@@ -80,9 +80,9 @@ TEST(EnergyOrder, RoughFacesBeforeChaos) {
     Scene s = smooth_scene(damping);
     s.duration = 2e-4;
     s.speed = 0.5;
-    s.step = 5e-8;
+    s.time.step = 5e-8;
     s.gap = 1.2e-6;
-    s.stiffness = 1e11;
+    s.contact.stiffness = 1e11;
     s.resonator.surface = gaussian(1e-6, 1e-3, 8);
     s.slider.surface = gaussian(1e-6, 1e-3, 7);
     expect_first_order(s, 100);
@@ -96,7 +96,7 @@ TEST(EnergyOrder, FreeSliderUnderALoad) {
   s.slider.load = 40;
   s.slider.surface = one_peak(0.002, 4e-4);
   s.gap = 1.05e-5;
-  s.stiffness = 1e11;
+  s.contact.stiffness = 1e11;
   expect_first_order(s, 100);
 }
 
@@ -120,11 +120,11 @@ TEST(Energy, ALongChaoticRunKeepsClosing) {
   s.duration = 0.03;
   s.speed = 0.5;
   s.start = 0.02;
-  s.step = 5e-8;
+  s.time.step = 5e-8;
   s.resonator.modes = 8;
   s.slider.support = Support::free;
   s.slider.load = 5;
-  s.stiffness = 1e13;
+  s.contact.stiffness = 1e13;
   s.resonator.surface = gaussian(2e-6, 5e-4, 8);
   s.slider.surface = gaussian(2e-6, 5e-4, 7);
   s.initial = Initial::statics;
@@ -132,7 +132,7 @@ TEST(Energy, ALongChaoticRunKeepsClosing) {
   ASSERT_EQ(run.end.status, Status::done);
   ASSERT_GT(run.shocks.size(), 100u);
   const double omega = run.model.resonator.modes.back().omega;
-  const double share = omega * s.step / (2 * s.resonator.damping);
+  const double share = omega * s.time.step / (2 * s.resonator.damping);
   ASSERT_LT(share, 0.5) << "the bound says nothing";
   EXPECT_LT(std::abs(run.energy.residual), share * run.samples.damping_loss.back());
   EXPECT_GT(run.samples.damping_loss.back(), 10 * run.samples.kinetic.back())

@@ -24,11 +24,11 @@ constexpr double ulp = std::numeric_limits<double>::epsilon();
 Scene resting_block() {
   Scene s = plate_scene(8, 0.012, 0.012);
   s.start = 0.021;
-  s.rate = 1e5;
+  s.output.rate = 1e5;
   s.initial = Initial::statics;
   s.slider.support = Support::free;
   s.slider.load_is_weight = true;
-  s.stiffness = 1e14;
+  s.contact.stiffness = 1e14;
   return s;
 }
 
@@ -106,7 +106,7 @@ TEST(Equilibrium, FreeSliderCarriesItsWeightOnRoughFaces) {
     for (const double stiffness : {1e11, 1e13, 1e15}) {
       SCOPED_TRACE(testing::Message() << "seed " << seed << ", kappa " << stiffness);
       Scene s = resting_block();
-      s.stiffness = stiffness;
+      s.contact.stiffness = stiffness;
       s.resonator.surface = gaussian(5e-6, 1e-3, 2 * seed);
       s.slider.surface = gaussian(5e-6, 1e-3, 2 * seed + 1);
       const Model model = make_model(s);
@@ -150,7 +150,7 @@ TEST(Equilibrium, IsFoundUnderMultipliersOnAnyFaces) {
   for (int i = 0; i < draws(180); ++i) {
     SCOPED_TRACE(i);
     Scene s = resting_scene(i, random);
-    s.law = ContactLaw::multiplier;
+    s.contact.law = ContactLaw::multiplier;
     const Model model = make_model(s);
     const ModalStart start = make_start(model);
     const double load = model.slider.load_force;
@@ -171,8 +171,8 @@ TEST(Equilibrium, IsFoundUnderSpringsOfAnyStiffness) {
   int refused = 0;
   for (int i = 0; i < draws(90); ++i) {
     Scene s = resting_scene(i, random);
-    s.stiffness = std::pow(10.0, 10.0 + static_cast<double>(random() % 13));
-    SCOPED_TRACE(testing::Message() << i << ", kappa " << s.stiffness);
+    s.contact.stiffness = std::pow(10.0, 10.0 + static_cast<double>(random() % 13));
+    SCOPED_TRACE(testing::Message() << i << ", kappa " << s.contact.stiffness);
     // stiffer ones, whose roundings are forces like the load, are refused
     Model model;
     try {
@@ -235,7 +235,7 @@ TEST(Equilibrium, SmallScenesThatWereHardToSettle) {
       s.slider.surface =
           peaks({{.at = 2e-4 * static_cast<double>(seed), .height = 3e-7, .half_width = 2e-4}});
       s.start = 0.01389;
-      s.stiffness = kappa_chi_w / s.spacing / s.slider.width;
+      s.contact.stiffness = kappa_chi_w / s.spacing / s.slider.width;
       const Model model = make_model(s);
       try {
         expect_balanced(model, make_start(model));
@@ -306,7 +306,7 @@ TEST(Equilibrium, NothingMovesWhenNothingSlides) {
       SCOPED_TRACE(testing::Message()
                    << "support " << static_cast<int>(support) << ", kappa " << stiffness);
       Scene s = resting_block();
-      s.stiffness = stiffness;
+      s.contact.stiffness = stiffness;
       s.slider.support = support;
       s.slider.thickness = support == Support::free ? 0.012 : 5e-4;
       s.slider.modes = 2;
@@ -348,7 +348,7 @@ TEST(Equilibrium, UnderMultipliersNothingOverlapsAndTheLoadedNodesAloneCarry) {
       SCOPED_TRACE(testing::Message()
                    << "support " << static_cast<int>(support) << ", seed " << seed);
       Scene s = resting_block();
-      s.law = ContactLaw::multiplier;
+      s.contact.law = ContactLaw::multiplier;
       s.slider.support = support;
       s.slider.thickness = support == Support::free ? 0.012 : 5e-4;
       s.slider.modes = 2;

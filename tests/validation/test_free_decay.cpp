@@ -27,7 +27,7 @@ constexpr double pi = std::numbers::pi;
 Scene far_apart() {
   Scene s = test::strip_scene(1, 0.02, 0.1, 0.1);
   s.gap = 1.0;
-  s.stiffness = 1e14;
+  s.contact.stiffness = 1e14;
   s.slider.damping = 0.01;
   return s;
 }
@@ -58,9 +58,9 @@ Scene scene_of(const Case& c) {
 /// So many steps of a length, with a sample at the beginning, at the end, and `samples` - 1
 /// between.
 void set_steps(Scene& s, double step, int steps, int samples = 1) {
-  s.step = step;
+  s.time.step = step;
   s.duration = steps * step;
-  s.rate = samples / s.duration;
+  s.output.rate = samples / s.duration;
 }
 
 struct March {
@@ -255,7 +255,7 @@ TEST_P(FreeDecay, IsTheSchemesOwnClosedForm) {
   const std::vector<double> u = u_of(run.end), v = v_of(run.end);
   for (std::size_t k = 0; k < modes.size(); ++k) {
     const double omega = modes[k].omega, zeta = body_of(run.model, k).zeta;
-    const State end = discrete(omega, zeta, scene.step, steps, start.u[k], start.v[k]);
+    const State end = discrete(omega, zeta, scene.time.step, steps, start.u[k], start.v[k]);
     if (omega == 0) {
       EXPECT_EQ(v[k], start.v[k]);  // a rigid mode drifts, and nothing rounds its velocity
       EXPECT_NEAR(u[k], static_cast<double>(end.u), steps * eps / 2 * std::abs(u[k]));
@@ -310,11 +310,11 @@ TEST_P(FreeDecay, EnergyGoesWhereItShould) {
     for (std::size_t k = 0; k < modes.size(); ++k) {
       const Beam& body = body_of(run.model, k);
       const State old = y[k];
-      const Matrix map = one_step(modes[k].omega, body.zeta, scene.step);
+      const Matrix map = one_step(modes[k].omega, body.zeta, scene.time.step);
       y[k] = {map.a[0][0] * old.u + map.a[0][1] * old.v, map.a[1][0] * old.u + map.a[1][1] * old.v};
       if (step == steps) continue;
       damping += 2 * static_cast<long double>(body.zeta) * modes[k].omega * body.mass_per_length *
-                 scene.step * y[k].v * y[k].v;
+                 scene.time.step * y[k].v * y[k].v;
       scheme += 0.5L * body.mass_per_length *
                 (std::pow(y[k].v - old.v, 2) + std::pow(modes[k].omega * (y[k].u - old.u), 2));
       if (k < run.model.resonator.modes.size()) square += y[k].v * y[k].v;
@@ -362,10 +362,10 @@ TEST(RigidModes, OfASliderDriftUniformlyAndFallUnderALoad) {
   const March run = march(scene, {{0, 2e-6, -1e-6}, {0, 1e-3, 2e-3}});
   // translation: V = V0 + n tau F/m, U = U0 + n tau V0 + n (n + 1)/2 tau^2 F/m; a rounding a step
   // in each, V's carried on by U, and three in the coefficient
-  const long double push =
-      static_cast<long double>(scene.step) * model.slider.load[0] / model.slider.mass_per_length;
+  const long double push = static_cast<long double>(scene.time.step) * model.slider.load[0] /
+                           model.slider.mass_per_length;
   const long double n = steps, v = 1e-3L + n * push;
-  const long double u = 2e-6L + scene.step * (n * 1e-3L + n * (n + 1) / 2 * push);
+  const long double u = 2e-6L + scene.time.step * (n * 1e-3L + n * (n + 1) / 2 * push);
   EXPECT_NEAR(run.end.slider_v[0], static_cast<double>(v), steps * eps * static_cast<double>(v));
   EXPECT_NEAR(run.end.slider_u[0], static_cast<double>(u),
               2 * steps * eps * static_cast<double>(u));

@@ -49,17 +49,17 @@ Bounce bounce(const Scheme& scheme, double z, double steps_before) {
   s.slider.surface = peaks({{.at = 0.01, .height = 40e-6, .half_width = 0.5e-3}});
   const auto steps = static_cast<std::int64_t>(std::ceil(steps_before + (pi + 1.5) / z));
   set_steps(s, 1e-6, steps);
-  s.gap = 40e-6 + speed * s.step * steps_before;
+  s.gap = 40e-6 + speed * s.time.step * steps_before;
   const double mass = make_beam(s.slider).mass_per_length * s.slider.length;
   Bounce b;
-  b.omega = z / s.step;
-  s.stiffness = b.omega * b.omega * mass / (s.spacing * s.slider.width);
+  b.omega = z / s.time.step;
+  s.contact.stiffness = b.omega * b.omega * mass / (s.spacing * s.slider.width);
   b.model = make_model(s);
   b.start = make_start(b.model);
   b.start.slider_v[0] = speed * std::sqrt(s.slider.length);
   count_energy(b.model, b.start);
   b.closing = -speed;
-  const double flown = (static_cast<double>(steps) - steps_before) * s.step - pi / b.omega;
+  const double flown = (static_cast<double>(steps) - steps_before) * s.time.step - pi / b.omega;
   b.overlap = -speed * flown;
   return b;
 }
@@ -184,15 +184,15 @@ TEST_P(EveryScheme, NodesThatPassSteepPlacesWithinAStepAreTheSame) {
     SCOPED_TRACE(advance);
     Scene s = with(plate_scene(3, 0.004, 0.004), GetParam());
     s.spacing = 2e-5;
-    s.step = 1e-8;
-    s.speed = advance * s.spacing / s.step;
+    s.time.step = 1e-8;
+    s.speed = advance * s.spacing / s.time.step;
     s.start = 0.0101;
     s.duration = 0.03 / s.speed;
-    s.rate = 0.1 / s.step;
+    s.output.rate = 0.1 / s.time.step;
     // as steep as can be from a node to the next
     s.resonator.surface = gaussian(1e-6, 8e-5, 5);
     s.slider.surface = gaussian(1e-6, 8e-5, 6);
-    s.stiffness = 1e8;  // hardly any force
+    s.contact.stiffness = 1e8;  // hardly any force
     s.gap = 3.5e-6;
     const Model model = make_model(s);
     EXPECT_GT(expect_both_same(model, make_start(model)).end.shocks_begun, 3);
@@ -204,20 +204,20 @@ TEST_P(EveryScheme, NodesThatPassSteepPlacesWithinAStepAreTheSame) {
 TEST_P(EveryScheme, CreepSlowerThanTheRoundingOfThePositionIsTheSame) {
   Scene s = with(plate_scene(1, 2e-4, 0.004), GetParam());
   s.spacing = 1e-5;
-  s.step = 1e-8;
+  s.time.step = 1e-8;
   s.duration = 4e-5;
   s.resonator.length = 0.3;
   s.start = 0.2;
   s.resonator.surface = peaks({{.at = 0.2006, .height = 2e-5, .half_width = 1e-3}});
   s.slider.surface = peaks({{.at = 1e-4, .height = 2e-5, .half_width = 5e-6}});
-  s.stiffness = 1e15;
+  s.contact.stiffness = 1e15;
   for (const double creep : {4e-11, 2e-10})
     for (int i = 0; i < 4; ++i) {
       SCOPED_TRACE(testing::Message() << creep << " m/s, " << i);
       s.speed = creep;
       Model model = make_model(s);
       const double rise = 2e-5 * pi / 2 / 1e-3;  // m/m, half way up the peak
-      model.delta += (1000 + 157 * i) * creep * s.step * rise;
+      model.delta += (1000 + 157 * i) * creep * s.time.step * rise;
       EXPECT_GT(expect_both_same(model, make_start(model)).end.contact_steps, 0);
     }
 }
@@ -228,9 +228,9 @@ TEST_P(EveryScheme, NoFalseAlarmFromRestUnderALoadAndAMovingForce) {
   for (const bool free : {true, false}) {
     Scene s = with(plate_scene(3, 0.004, 0.004, 0.3), GetParam());
     s.duration = 1e-5;
-    s.rate = 1e7;  // the energy is looked at at each step
+    s.output.rate = 1e7;  // the energy is looked at at each step
     s.gap = 1e-5;
-    s.stiffness = 1e12;
+    s.contact.stiffness = 1e12;
     if (free) {
       s.slider.support = Support::free;
       s.slider.load = 10;
@@ -249,12 +249,12 @@ std::vector<Scene> rough_scenes(const Scheme& scheme) {
   for (const Support support : {Support::free, Support::pinned, Support::rigid})
     for (const Nodes nodes : {Nodes::candidates, Nodes::all}) {
       Scene s = with(rough_scene(support), scheme);
-      s.nodes = nodes;
+      s.time.nodes = nodes;
       s.duration = 1e-4;
       s.start = 0.0203;  // a fifth of a node off the grid, when the spacing is 40 um
       if (support == Support::free)
         s.resonator.moving_forces = {{.force = 3, .speed = 40, .start = 0.01}};
-      if (support == Support::pinned) s.rate = 1e7 / 3.7;  // not a whole number of steps
+      if (support == Support::pinned) s.output.rate = 1e7 / 3.7;  // not a whole number of steps
       scenes.push_back(s);
     }
   return scenes;

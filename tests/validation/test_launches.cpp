@@ -26,10 +26,10 @@ std::vector<Scene> kinds() {
   for (const Support support : {Support::free, Support::pinned, Support::rigid})
     for (const Nodes nodes : {Nodes::candidates, Nodes::all}) {
       scenes.push_back(rough_scene(support));
-      scenes.back().nodes = nodes;
+      scenes.back().time.nodes = nodes;
     }
   scenes[0].resonator.moving_forces = {{.force = 3, .speed = 40, .start = 0.01}};
-  scenes[2].rate = 1e7 / 3.7;  // not a whole number of steps
+  scenes[2].output.rate = 1e7 / 3.7;  // not a whole number of steps
   return scenes;
 }
 
@@ -56,7 +56,7 @@ TEST(Launches, EndSoonWhenTheyAreInterrupted) {
        {SchemeKind::backward_euler, SchemeKind::rk4, SchemeKind::adaptive})
     for (const Nodes nodes : {Nodes::candidates, Nodes::all}) {
       Scene scene = rough_scene(Support::free);
-      scene.scheme = scheme;
+      scene.time.scheme = scheme;
       if (scheme == SchemeKind::adaptive && nodes == Nodes::all) continue;
       const Model model = make_model(scene);
       const ModalStart start = make_start(model);
@@ -170,14 +170,14 @@ TEST(Launches, OtherScenesBesideItChangeNothing) {
 TEST(Launches, SamplesBetweenTwoStepsAreInterpolatedLinearly) {
   Scene scene = rough_scene(Support::free);
   scene.duration = 2e-4;
-  scene.rate = 1e7;
+  scene.output.rate = 1e7;
   const Recording every = simulate(scene);
   const SampleBlock& e = every.samples;
   ASSERT_EQ(e.time.size(), 2001u);
   constexpr double ulp = std::numeric_limits<double>::epsilon();
   for (const double steps : {1.1, 3.7, 7.0, 12.5, 100.0 / 3}) {
     SCOPED_TRACE(std::to_string(steps) + " steps a sample");
-    scene.rate = 1e7 / steps;
+    scene.output.rate = 1e7 / steps;
     const Recording some = simulate(scene);
     const SampleBlock& s = some.samples;
     ASSERT_EQ(s.time.size(), static_cast<std::size_t>(2000 / steps + 1e-9) + 1);

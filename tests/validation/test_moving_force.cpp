@@ -29,16 +29,16 @@ constexpr double force = 10;  // N
 Scene crossing(double speed) {
   Scene s = test::strip_scene(modes, 0, 0.14, 0.02);
   s.gap = 1e-3;
-  s.stiffness = 1e15;
+  s.contact.stiffness = 1e15;
   s.resonator.moving_forces = {{force, speed, 0.0}};
-  s.probes = {0.5 * s.resonator.length};
+  s.output.probes = {0.5 * s.resonator.length};
   return s;
 }
 
 void set_steps(Scene& s, double duration, int steps, int samples = 1) {
-  s.step = duration / steps;
+  s.time.step = duration / steps;
   s.duration = duration;
-  s.rate = samples / duration;
+  s.output.rate = samples / duration;
 }
 
 /// (pi/L) sqrt(D/m): a force of this speed passes a half wave of the first mode in half its period.
@@ -176,7 +176,7 @@ struct ByHand {
 ByHand march_by_hand(const Model& model, const std::vector<MovingForce>& forces, int steps) {
   const Beam& beam = model.resonator;
   ByHand y{std::vector<long double>(modes, 0), std::vector<long double>(modes, 0)};
-  const long double tau = model.scene.step;
+  const long double tau = model.scene.time.step;
   for (int n = 0; n < steps; ++n)
     for (int k = 0; k < modes; ++k) {
       const long double omega = beam.modes[k].omega;
@@ -213,8 +213,8 @@ TEST_P(MovingForceSpeeds, IsBackwardEulerToTheLastRoundings) {
   for (int k = 0; k < modes; ++k)
     scale += std::hypot(static_cast<double>(hand.v[k]),
                         run.model.resonator.modes[k].omega * static_cast<double>(hand.u[k]));
-  const double reach =
-      force / run.model.resonator.mass_per_length * run.model.resonator.modes[0].sine * scene.step;
+  const double reach = force / run.model.resonator.mass_per_length *
+                       run.model.resonator.modes[0].sine * scene.time.step;
   const double tolerance = steps * eps * (4 * scale + 20 * reach);
   for (int k = 0; k < modes; ++k) {
     EXPECT_NEAR(run.end.resonator_v[k], static_cast<double>(hand.v[k]), tolerance);
@@ -247,7 +247,7 @@ TEST_P(MovingForceSpeeds, AdaptiveStepsKeepTheirTolerance) {
   const double speed = GetParam().ratio * critical_speed();
   Scene scene = crossing(speed);
   set_steps(scene, 1.5 * scene.resonator.length / speed, 1, 200);
-  scene.scheme = SchemeKind::adaptive;
+  scene.time.scheme = SchemeKind::adaptive;
   const Beam beam = make_beam(scene.resonator);
   double most_u = 0, most_v = 0, most = 0;
   for (int i = 0; i <= 200; ++i) {
@@ -257,7 +257,7 @@ TEST_P(MovingForceSpeeds, AdaptiveStepsKeepTheirTolerance) {
   }
   most_v = std::sqrt(2 * most / beam.mass_per_length) * std::sqrt(2 / beam.length);
   for (const double tolerance : {1e-4, 1e-6, 1e-8, 1e-10, 1e-12}) {
-    scene.tolerance = tolerance;
+    scene.time.tolerance = tolerance;
     const Errors e = errors_of(scene, speed);
     // some fifty steps, and what they leave of each adds up at the worst; 1e-13: the force's place, in
     // patches, and the time, each to some hundred ulp of what they are multiplied with
@@ -314,7 +314,7 @@ TEST(MovingForce, TwoForcesSuperpose) {
       scale += std::hypot(runs[i].end.resonator_v[k],
                           runs[i].model.resonator.modes[k].omega * runs[i].end.resonator_u[k]);
   const double reach = 14 / runs[0].model.resonator.mass_per_length *
-                       runs[0].model.resonator.modes[0].sine * one.step;
+                       runs[0].model.resonator.modes[0].sine * one.time.step;
   const double tolerance = steps * eps * (4 * scale + 20 * reach);  // as above
   for (int k = 0; k < modes; ++k) {
     EXPECT_NEAR(runs[0].end.resonator_v[k] + runs[1].end.resonator_v[k], runs[2].end.resonator_v[k],

@@ -44,7 +44,7 @@ const Kind &backward_euler = kinds[0], &heun = kinds[2], &exact = kinds[5], &imp
 
 Scene with(Scene s, const Kind& kind) {
   s = test::with(s, kind.scheme);
-  s.law = kind.law;
+  s.contact.law = kind.law;
   return s;
 }
 /// U1 - U0 of a force is tau (V1 - V0), and not half of it.
@@ -68,7 +68,7 @@ Scene pressed_scene(Support slider, const Kind& kind) {
   if (s.slider.modes == 2) s.slider.modes = 1;  // the second is too fast for Heun
   if (s.gap) s.gap = 0;
   s.duration = 3e-4;
-  s.rate = 1e7;
+  s.output.rate = 1e7;
   s.initial = Initial::statics;
   return s;
 }
@@ -167,10 +167,10 @@ void expect_momentum(const Recording& r) {
   const Model& m = r.model;
   const SampleBlock& s = r.samples;
   const std::size_t modes1 = m.slider.modes.size();
-  const double inertia = m.slider.mass_per_length * std::sqrt(m.slider.length) / m.scene.step;
+  const double inertia = m.slider.mass_per_length * std::sqrt(m.slider.length) / m.scene.time.step;
   const double load = m.slider.load[0] * std::sqrt(m.slider.length);
   // midpoint's velocity half a step before: samples without contact hold that of their own time
-  const double lead = m.scene.scheme == SchemeKind::midpoint ? 0.5 * load / inertia : 0.0;
+  const double lead = m.scene.time.scheme == SchemeKind::midpoint ? 0.5 * load / inertia : 0.0;
   const auto velocity = [&](std::size_t i) {
     return s.slider_velocity[i * modes1] - (s.force[i] > 0 ? 0.0 : lead);
   };
@@ -202,19 +202,19 @@ TEST(MultipliersInFlight, MidpointFallsAsItDoesUnderPenalty) {
   for (const ContactLaw law : {ContactLaw::penalty, ContactLaw::multiplier}) {
     SCOPED_TRACE(law == ContactLaw::penalty ? "penalty" : "multiplier");
     Scene s = plate_scene(3, 0.012, 0.012);
-    s.law = law;
-    s.stiffness = 1e12;
-    s.scheme = SchemeKind::midpoint;
+    s.contact.law = law;
+    s.contact.stiffness = 1e12;
+    s.time.scheme = SchemeKind::midpoint;
     s.slider.support = Support::free;
     s.slider.load = 3;
     s.gap = 1;
-    s.rate = 1e5;
+    s.output.rate = 1e5;
     const Recording r = simulate(s);
     const double acceleration = r.model.slider.load[0] / r.model.slider.mass_per_length;
     const std::size_t modes = r.model.slider.modes.size();
     ASSERT_GT(r.samples.time.size(), 2u);
     for (std::size_t i = 0; i < r.samples.time.size(); ++i) {
-      const double t = r.samples.time[i], steps = t / s.step;
+      const double t = r.samples.time[i], steps = t / s.time.step;
       // a rounding a step, of each of the two
       EXPECT_NEAR(r.samples.slider_velocity[i * modes], acceleration * t,
                   (8 + steps) * ulp * acceleration * t);
@@ -246,7 +246,7 @@ TEST(MultipliersOfThePaper, NothingOverlapsInTheScenesOfThePaper) {
       Scene s = read_scene(scene_file(file));
       s = with(s, kind);
       s.duration = 4e-4;
-      s.rate = 2.5e5;                             // one in 400 steps
+      s.output.rate = 2.5e5;                      // one in 400 steps
       if (s.slider.support == Support::pinned) {  // to meet within this time
         s.gap = 1.2e-5;
         s.start = 0.099;  // uphill
@@ -270,8 +270,8 @@ Scene resting_scene(const std::vector<int>& nodes, const Kind& kind) {
   s.slider.load_is_weight = true;
   s.initial = Initial::statics;
   s.duration = 1e-3;
-  s.rate = 1e7;
-  s.stiffness = 1e13;
+  s.output.rate = 1e7;
+  s.contact.stiffness = 1e13;
   std::vector<Peak> list;
   for (const int n : nodes)
     list.push_back({.at = n * s.spacing, .height = 1e-6, .half_width = 0.5 * s.spacing});
@@ -290,7 +290,7 @@ void expect_rest(const Recording& r) {
   std::vector<double> ends;
   for (const double u : r.start.resonator_u) ends.push_back(std::abs(u));
   for (const double u : r.start.slider_u) ends.push_back(std::abs(u));
-  const double off = gaps.bound(ends), tau = m.scene.step;
+  const double off = gaps.bound(ends), tau = m.scene.time.step;
   const double mass = m.slider.mass_per_length * m.slider.length;
   const double weight = m.slider.load[0] * std::sqrt(m.slider.length);
   const double shaken = 4 * mass * off / (tau * tau);
@@ -311,8 +311,8 @@ TEST_P(Multipliers, RestingSliderKeepsItsWeightAtEveryStep) {
 
 TEST_P(Multipliers, RestingSliderStaysAtRest) {
   Scene s = resting_scene({3, 16}, kind());
-  s.duration = 1e5 * s.step;
-  s.rate = 1e5;
+  s.duration = 1e5 * s.time.step;
+  s.output.rate = 1e5;
   expect_rest(simulate(s));
 }
 
@@ -326,17 +326,17 @@ TEST(MultipliersOfHeun, StiffModeShakesARestingSlider) {
   const Recording shaken = simulate(s);
   ASSERT_EQ(shaken.end.status, Status::done);
   const Beam& slider = shaken.model.slider;
-  EXPECT_GT(slider.modes[2].omega * s.step, 8 * slider.zeta);
+  EXPECT_GT(slider.modes[2].omega * s.time.step, 8 * slider.zeta);
   const double mass = slider.mass_per_length * slider.length;
-  const double rate = slider.load[0] * std::sqrt(slider.length) / mass * s.step;
+  const double rate = slider.load[0] * std::sqrt(slider.length) / mass * s.time.step;
   const auto& kinetic = shaken.samples.kinetic;
   const double most = *std::max_element(kinetic.begin(), kinetic.end());
   EXPECT_GE(most, 0.05 * mass * rate * rate);
   EXPECT_LE(most, 10 * mass * rate * rate);
 
-  s.step = 1e-8;
-  s.rate = 1e7;
-  EXPECT_LT(slider.modes[2].omega * s.step, 2 * slider.zeta);
+  s.time.step = 1e-8;
+  s.output.rate = 1e7;
+  EXPECT_LT(slider.modes[2].omega * s.time.step, 2 * slider.zeta);
   expect_rest(simulate(s));
 }
 
@@ -353,11 +353,11 @@ Started mass_on_a_wall(double theta, const Kind& kind) {
   s.slider.support = Support::free;
   s.slider.modes = 0;
   s.slider.surface = peaks({{.at = 10 * s.spacing, .height = 1e-6, .half_width = 0.5 * s.spacing}});
-  s.duration = 20 * s.step;
-  s.rate = 1 / s.step;
-  s.stiffness = 1e13;
+  s.duration = 20 * s.time.step;
+  s.output.rate = 1 / s.time.step;
+  s.contact.stiffness = 1e13;
   s = with(s, kind);
-  s.gap = 1e-6 + (7 + theta) * impact_speed * s.step;
+  s.gap = 1e-6 + (7 + theta) * impact_speed * s.time.step;
   Started c{make_model(s), {}};
   c.start = make_start(c.model);
   c.start.slider_v[0] = impact_speed * std::sqrt(s.slider.length);
@@ -385,7 +385,7 @@ TEST_P(Multipliers, ImpactOfAMassGivesBackWhatTheSchemeSays) {
     // it leaves at once, or turns round in the next step, which begins on the face
     const double expected = stops_on_the_face(kind()) ? 0.0 : -std::abs(1 - 2 * theta);
     // roundings of the gap, over the way of a step
-    const double off = 8 * ulp * 2e-6 / (impact_speed * models[i].scene.step);
+    const double off = 8 * ulp * 2e-6 / (impact_speed * models[i].scene.time.step);
     EXPECT_NEAR(back, expected, off) << "theta " << theta;
     EXPECT_NEAR(end.slider_v[1], 0, off * starts[i].slider_v[0]) << "it turns";
   }
@@ -402,9 +402,9 @@ Started plate_on_a_peak(int modes, double duration, int steps, const Kind& kind)
   s.start = 0.017;  // the peak stands at 19 mm of 60
   s.gap = 1.01e-5;
   s.duration = duration;
-  s.step = duration / steps;
-  s.rate = 1 / duration;
-  s.stiffness = 1e13;
+  s.time.step = duration / steps;
+  s.output.rate = 1 / duration;
+  s.contact.stiffness = 1e13;
   s = with(s, kind);
   Started c{make_model(s), {}};
   c.start = make_start(c.model);
@@ -478,8 +478,8 @@ TEST(ImplicitPenalty, BecomesTheMultiplier) {
   for (int decade = 3; decade <= 8; ++decade) {
     Started c = plate_on_a_peak(6, duration, 1200, implicit);
     const Vector phi = shape_at_the_peak(c.model);
-    const double yield =
-        std::pow(c.model.scene.step, 2) / c.model.resonator.mass_per_length * phi.squaredNorm();
+    const double yield = std::pow(c.model.scene.time.step, 2) / c.model.resonator.mass_per_length *
+                         phi.squaredNorm();
     const double ratio = std::pow(10.0, -decade);
     c.model.node_stiffness = 1 / (ratio * yield);
     const double error = (end_of(c) - hard).norm() / hard.norm();
@@ -498,7 +498,7 @@ Started pinched(const Kind& kind) {
   Scene s = plate_scene(2, 0.02, 1e-3);
   s.gap = 1e-9;
   s.duration = 2e-5;
-  s.stiffness = 1e13;
+  s.contact.stiffness = 1e13;
   s.resonator.moving_forces = {{.force = 1, .speed = 0, .start = 0.015}};
   s = with(s, kind);
   Started c{make_model(s), {}};
@@ -552,9 +552,10 @@ TEST_P(HeldForces, RandomScenesAreTheSameBitForBit) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     // from equilibrium start the scenes below
     const auto adapt = [&](Scene& s) {
-      s.law = kind().law;
+      s.contact.law = kind().law;
       s.initial = Initial::rest;
-      if (s.law == ContactLaw::penalty) s.stiffness *= 1e4;  // far beyond the limit of the old time
+      if (s.contact.law == ContactLaw::penalty)
+        s.contact.stiffness *= 1e4;  // far beyond the limit of the old time
     };
     const Started c = random_scene(1000 * GetParam() + seed, {kind().scheme, 0, adapt});
     const Outcome all = march(c.model, c.start, Nodes::all);
@@ -581,14 +582,14 @@ TEST_P(HeldForces, ImpactThatThrowsTheOtherEndDownIsTheSameBitForBit) {
       Scene s = with(plate_scene(3, 0.004, 1e-3), kind());
       s.slider.support = Support::free;
       s.slider.modes = 0;
-      const double way = impact_speed * s.step;
+      const double way = impact_speed * s.time.step;
       s.slider.surface =
           peaks({{.at = 0, .height = 1e-5, .half_width = 0.5 * s.spacing},
                  {.at = 0.004, .height = 1e-5 - steps_apart * way, .half_width = 0.5 * s.spacing}});
       s.gap = 1e-5 + steps_before * way;
-      s.duration = 1000 * s.step;
-      s.rate = 1 / s.duration;
-      s.stiffness = 1e15;
+      s.duration = 1000 * s.time.step;
+      s.output.rate = 1 / s.duration;
+      s.contact.stiffness = 1e15;
       const Model model = make_model(s);
       ModalStart start = make_start(model);
       start.slider_v[0] = impact_speed * std::sqrt(s.slider.length);
@@ -605,9 +606,9 @@ TEST_P(HeldForces, NodesPassingAtAnySpeedAreTheSameBitForBit) {
     std::int64_t contact = 0;
     for (const Support support : {Support::free, Support::pinned, Support::rigid}) {
       Scene s = pressed_scene(support, kind());
-      s.speed = nodes_per_step * s.spacing / s.step;
+      s.speed = nodes_per_step * s.spacing / s.time.step;
       s.duration = std::min(2e-4, 0.03 / s.speed);
-      s.rate = 1e7 / 13.7;
+      s.output.rate = 1e7 / 13.7;
       const Model model = make_model(s);
       contact += expect_both_same(model, make_start(model)).end.contact_steps;
     }
@@ -640,7 +641,7 @@ std::vector<Scene> pressed_scenes(const Kind& kind) {
   for (const Support support : {Support::free, Support::pinned, Support::rigid})
     scenes.push_back(pressed_scene(support, kind));
   for (Scene& s : scenes) s.duration = 2.5e-4;
-  scenes[0].rate = 1e7 / 3.7;  // not a whole number of steps
+  scenes[0].output.rate = 1e7 / 3.7;  // not a whole number of steps
   scenes[1].resonator.moving_forces = {{.force = 3, .speed = 40, .start = 0.01}};
   return scenes;
 }

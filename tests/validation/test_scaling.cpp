@@ -21,12 +21,12 @@ Scene held_slider(Support support) {
   Scene s = plate_scene(10, 0.006, 1e-3);
   s.speed = 0.5;
   s.gap = 2e-6;
-  s.rate = 3e5;
+  s.output.rate = 3e5;
   s.resonator.surface = gaussian(1e-6, 4e-4, 2);
   s.slider.support = support;
   s.slider.modes = support == Support::rigid ? 0 : 2;
   s.slider.surface = gaussian(1e-6, 4e-4, 1);
-  s.stiffness = 1e13;
+  s.contact.stiffness = 1e13;
   return s;
 }
 
@@ -82,7 +82,7 @@ TEST(Scaling, HeightsAndGapByAPowerOfTwoScaleEverythingToTheLastBit) {
   for (const Support support : {Support::pinned, Support::rigid}) {
     for (const Nodes nodes : {Nodes::all, Nodes::candidates}) {
       Scene scene = held_slider(support);
-      scene.nodes = nodes;
+      scene.time.nodes = nodes;
       const Recording once = simulate(scene);
       ASSERT_GT(once.shocks.size(), 5u);
       for (const double factor : {2.0, 64.0, 0x1p-7}) {
@@ -101,8 +101,8 @@ TEST(Scaling, TheAdaptiveSchemeToo) {
   // its tolerance is relative, its search for contacts is one for signs
   for (const Support support : {Support::pinned, Support::rigid}) {
     Scene scene = held_slider(support);
-    scene.scheme = SchemeKind::adaptive;
-    scene.tolerance = 1e-8;
+    scene.time.scheme = SchemeKind::adaptive;
+    scene.time.tolerance = 1e-8;
     const Recording once = simulate(scene);
     ASSERT_GT(once.shocks.size(), 5u);
     for (const double factor : {2.0, 64.0, 0x1p-7})

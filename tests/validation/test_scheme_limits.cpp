@@ -210,7 +210,7 @@ TEST(FreeModes, ExplicitEulerAndHeunGrowWithoutDampingAsTheHeadersSay) {
 Joined joined_of(const Scene& s, const std::vector<int>& nodes) {
   const Beam beam = make_beam(s.resonator);
   Joined j;
-  j.spring = s.stiffness * s.spacing * std::min(s.resonator.width, s.slider.width);
+  j.spring = s.contact.stiffness * s.spacing * std::min(s.resonator.width, s.slider.width);
   const auto count = static_cast<Eigen::Index>(nodes.size());
   j.phi.resize(count, static_cast<Eigen::Index>(beam.modes.size()));
   for (std::size_t k = 0; k < beam.modes.size(); ++k) {
@@ -227,7 +227,8 @@ double unit_stiffness(const Scene& s, const std::vector<int>& nodes) {
   j.spring = 1;
   double sum = 0;
   for (Eigen::Index k = 0; k < j.size(); ++k) sum += j.phi.col(k).squaredNorm() / j.modes[k].mass;
-  return 1 / (sum * s.step * s.step * s.spacing * std::min(s.resonator.width, s.slider.width));
+  return 1 / (sum * s.time.step * s.time.step * s.spacing *
+              std::min(s.resonator.width, s.slider.width));
 }
 
 /// A radius that is one, but for the roundings of eigenvalues that lie close together.
@@ -237,8 +238,8 @@ constexpr double barely = 1 + 1e-6;
 double contact_limit_of(const Scheme& scheme, Scene s, const std::vector<int>& nodes) {
   const double unit = unit_stiffness(s, nodes);
   const auto grows = [&](double turn) {
-    s.stiffness = turn * turn * unit;
-    return radius(scheme, joined_of(s, nodes), s.step) > barely;
+    s.contact.stiffness = turn * turn * unit;
+    return radius(scheme, joined_of(s, nodes), s.time.step) > barely;
   };
   if (grows(1e-3)) return 0;
   const double turn = first([&](double x) { return x > 10 || grows(x); });
@@ -254,7 +255,7 @@ struct Place {
 std::vector<Place> places() {
   std::vector<Place> out;
   Scene one = pressed_plate();
-  one.step = 5e-6;
+  one.time.step = 5e-6;
   out.push_back({"one node", one, {50}});
   // eleven nodes of a short flat slider at the middle of the plate, where it bends so little under
   // them that all stay in contact; with large steps, so that the springs at the limit are not too
@@ -265,7 +266,7 @@ std::vector<Place> places() {
   many.start = 0.0298;
   many.slider.surface = {};
   many.gap = -5e-6;
-  many.step = 0.1 / make_beam(many.resonator).modes[0].omega;
+  many.time.step = 0.1 / make_beam(many.resonator).modes[0].omega;
   std::vector<int> nodes(11);
   for (int n = 0; n < 11; ++n) nodes[n] = n;
   out.push_back({"eleven nodes", many, nodes});
@@ -276,7 +277,7 @@ std::vector<Place> places() {
 void expect_growth(const Scheme& scheme, Scene s, const std::vector<int>& nodes, bool stable) {
   s = with(s, scheme);
   const Joined joined = joined_of(s, nodes);
-  const Dominant d(step_matrix(scheme, joined, s.step));
+  const Dominant d(step_matrix(scheme, joined, s.time.step));
   EXPECT_EQ(d.radius <= barely, stable) << d.radius;
   const Model at_rest = make_model(s);
   const ModalStart rest = make_start(at_rest);
@@ -305,7 +306,7 @@ void expect_growth(const Scheme& scheme, Scene s, const std::vector<int>& nodes,
   const std::int64_t steps =
       stable ? 100'000 : std::min<std::int64_t>(100'000, steps_to_grow(d.radius, growth));
   const std::int64_t samples = std::min<std::int64_t>(steps, 50);
-  set_steps(s, s.step, steps / samples * samples, samples);
+  set_steps(s, s.time.step, steps / samples * samples, samples);
   const Model model = make_model(s);
   const Recording run = simulate({model}, {start_with(model, y)})[0];
   EXPECT_EQ(run.end.status, Status::done);
@@ -350,14 +351,14 @@ TEST_P(ContactLimit, BothSides) {
       ASSERT_LT(limit, 1e300);
       if (limit == 0) {
         for (const double turn : {0.3, 0.6}) {
-          s.stiffness = turn * turn * unit_stiffness(s, place.nodes);
+          s.contact.stiffness = turn * turn * unit_stiffness(s, place.nodes);
           expect_growth(scheme, s, place.nodes, false);
         }
         continue;
       }
-      s.stiffness = 0.98 * limit;
+      s.contact.stiffness = 0.98 * limit;
       expect_growth(scheme, s, place.nodes, true);
-      s.stiffness = 1.02 * limit;
+      s.contact.stiffness = 1.02 * limit;
       expect_growth(scheme, s, place.nodes, false);
     }
 }
@@ -379,12 +380,12 @@ TEST(FullyImplicit, IsStableAtAThousandTimesTheExplicitLimit) {
     for (const double zeta : {0.0, 0.02}) {
       Scene s = place.scene;
       s.resonator.damping = zeta;
-      const double limit = s.step;
-      s.stiffness = contact_limit_of(old, s, place.nodes);
+      const double limit = s.time.step;
+      s.contact.stiffness = contact_limit_of(old, s, place.nodes);
       for (const double beyond : {1.1, 10.0, 1000.0}) {
         SCOPED_TRACE(testing::Message() << place.name << ", zeta " << zeta << ", " << beyond);
-        s.step = beyond * limit;
-        EXPECT_GT(radius(old, joined_of(s, place.nodes), s.step), barely);
+        s.time.step = beyond * limit;
+        EXPECT_GT(radius(old, joined_of(s, place.nodes), s.time.step), barely);
         expect_growth(implicit, s, place.nodes, true);
       }
     }
@@ -410,16 +411,16 @@ TEST(BackwardEulerDamping, OfTheHighestModeAtTheStepOfThePaper) {
   s.gap = 1;
   s.speed = 0;
   s.initial = Initial::rest;
-  s.probes.clear();
+  s.output.probes.clear();
   const Beam beam = make_beam(s.resonator);
   const std::size_t modes = beam.modes.size(), last = modes - 1;
   EXPECT_EQ(modes, 19u);
   const double omega = beam.modes[last].omega, zeta = beam.zeta;
-  EXPECT_EQ(s.step, 1e-8);
-  const double x = omega * s.step;
+  EXPECT_EQ(s.time.step, 1e-8);
+  const double x = omega * s.time.step;
   EXPECT_NEAR(x / 2, 5.9e-4, 0.1e-4);
 
-  set_steps(s, s.step, 1'000'000, 1000);  // 10 ms, 10 us a sample: a fifth of a period
+  set_steps(s, s.time.step, 1'000'000, 1000);  // 10 ms, 10 us a sample: a fifth of a period
   const Model model = make_model(s);
   ModalStart start = make_start(model);
   start.resonator_u[last] = 1e-9;
@@ -445,7 +446,7 @@ TEST(BackwardEulerDamping, OfTheHighestModeAtTheStepOfThePaper) {
     EXPECT_NEAR(damping, std::log1p(2 * zeta * x + x * x) / (2 * x), roundings);
     const double exact = omega * std::sqrt(1 - zeta * zeta);
     EXPECT_NEAR(exact / turn - 1, zeta * x, x * x);
-    EXPECT_NEAR(turn, std::atan2(x * std::sqrt(1 - zeta * zeta), 1 + zeta * x) / s.step,
+    EXPECT_NEAR(turn, std::atan2(x * std::sqrt(1 - zeta * zeta), 1 + zeta * x) / s.time.step,
                 roundings * turn);
   }
   // energy norms at 1 ms and 10 ms, against the mode's own decay

@@ -239,7 +239,7 @@ TEST_P(OrderOf, EnergyAndLevelOfAFreeDecay) {
     };
     const double square = static_cast<double>(
         (energy(mode.u0, mode.v0) - energy(end.real(), end.imag())) / (4 * mode.zeta * mode.omega));
-    level_error.push_back(run.end.resonator_square[0] * run.model.scene.step / square - 1);
+    level_error.push_back(run.end.resonator_square[0] * run.model.scene.time.step / square - 1);
   }
   expect_order(residual, c.loss, x, "energy");
   // The level counts the new velocities: (V(T)^2 - V(0)^2) tau/2 too much, of first order; the rest

@@ -40,7 +40,7 @@ constexpr int peak_node = 10;
 /// others.
 Scene one_node(int modes, double start, Nodes nodes = Nodes::candidates) {
   Scene s = test::strip_scene(modes, 0.01, start, 0.02);
-  s.nodes = nodes;
+  s.time.nodes = nodes;
   s.slider.width = 0.02;
   s.slider.surface = test::peaks({{peak_node * s.spacing, 40e-6, 0.5 * s.spacing}});
   s.gap = 40e-6 + open_gap;
@@ -239,7 +239,7 @@ Prepared prepare(const Case& c, int steps, Nodes nodes = Nodes::candidates) {
     evaluate(beam.modes[k], beam.length, place, 1, &body.phi[k]);
   }
   body.spring = c.stiffness * beam.mass_per_length * std::pow(body.omega[0] / body.phi[0], 2);
-  out.scene.stiffness = body.spring / (out.scene.spacing * out.scene.slider.width);
+  out.scene.contact.stiffness = body.spring / (out.scene.spacing * out.scene.slider.width);
   // upwards, most of it in the lowest mode
   body.start = Vector::Zero(2 * c.modes);
   for (int k = 0; k < c.modes; ++k)
@@ -250,8 +250,8 @@ Prepared prepare(const Case& c, int steps, Nodes nodes = Nodes::candidates) {
 
   out.duration = c.periods * 2 * pi / body.omega[0];
   out.scene.duration = out.duration;
-  out.scene.step = out.duration / steps;
-  out.scene.rate = 1 / out.duration;
+  out.scene.time.step = out.duration / steps;
+  out.scene.output.rate = 1 / out.duration;
   return out;
 }
 
@@ -297,7 +297,8 @@ Path exact_path(const Prepared& ready) {
 }
 Path modified_path(const Prepared& ready) {
   const Impactor& body = ready.body;
-  return follow(body, modified_flow(body, ready.scene.step), ready.duration, 0.01 / fastest(body));
+  return follow(body, modified_flow(body, ready.scene.time.step), ready.duration,
+                0.01 / fastest(body));
 }
 
 /// Root mean square over the impacts of an error.
@@ -322,7 +323,7 @@ TEST_P(SingleContact, ReferencesAgreeAndBounceSeveralTimes) {
   // The modified equation becomes the exact one: linearly in tau, so 1e-9 of a step gives 1e-9 of
   // the shift.
   Prepared fine = ready;
-  fine.scene.step *= 1e-9;
+  fine.scene.time.step *= 1e-9;
   EXPECT_LE(ready.body.norm(path.end - modified_path(fine).end), 1e-8 * ready.body.norm(path.end));
 }
 
@@ -338,7 +339,7 @@ TEST_P(SingleContact, StateConvergesAtFirstOrder) {
     coarse = error;
     // What the modified equation leaves over is of second order: another omega tau smaller.
     EXPECT_LE(ready.body.norm(end - modified_path(ready).end),
-              fastest(ready.body) * ready.scene.step * error)
+              fastest(ready.body) * ready.scene.time.step * error)
         << steps << " steps";
   }
 }
@@ -371,7 +372,7 @@ TEST_P(SingleContact, TimesOfTheShocksConvergeAtFirstOrder) {
   double coarse = 0;
   for (int level = 0, steps = coarsest; level < levels; ++level, steps *= 2) {
     const Prepared ready = prepare(GetParam(), steps);
-    const double tau = ready.scene.step;
+    const double tau = ready.scene.time.step;
     const std::vector<Impact> exact = exact_path(ready).impacts;
     const std::vector<Impact> modified = modified_path(ready).impacts;
     const std::vector<Shock> shocks = march(ready).shocks;

@@ -27,8 +27,8 @@ double limiting_kappa(const Scene& s, int node) {
     for (const ModeShape& mode : beam.modes) {
       double psi = 0;
       evaluate(mode, beam.length, x, 1, &psi);
-      const double turn = mode.omega * s.step;
-      sum += psi * psi * s.step * s.step /
+      const double turn = mode.omega * s.time.step;
+      sum += psi * psi * s.time.step * s.time.step /
              (beam.mass_per_length * (4 + 4 * beam.zeta * turn + turn * turn));
     }
   };
@@ -58,9 +58,9 @@ Snapshot run_nudged(const Scene& scene, double share) {
 /// Runs from the equilibrium over a softer contact, a tenth of the limit.
 Snapshot run_stiffened(Scene scene, double beyond, int node) {
   const double limit = limiting_kappa(scene, node);
-  scene.stiffness = 0.1 * limit;
+  scene.contact.stiffness = 0.1 * limit;
   const ModalStart start = make_start(make_model(scene));
-  scene.stiffness = beyond * limit;
+  scene.contact.stiffness = beyond * limit;
   return run(make_model(scene), start);
 }
 
@@ -74,11 +74,11 @@ TEST(Unstable, TheLimitIsWhereTheFormulaPutsIt) {
       SCOPED_TRACE(testing::Message() << "zeta " << zeta << ", step " << step);
       Scene s = pressed_plate();
       s.resonator.damping = zeta;
-      s.step = step;
+      s.time.step = step;
       s.duration = 4000 * step;
       const double limit = limiting_kappa(s, 50);
       const auto left = [&](double share) {
-        s.stiffness = share * limit;
+        s.contact.stiffness = share * limit;
         s.initial = Initial::statics;
         const Snapshot end = run_nudged(s, 1e-9);
         double speed = 0;
@@ -138,10 +138,10 @@ TEST(Unstable, ACubeThatBouncesBackToWhereItStartedIsNot) {
       s.resonator.modes = 0;
       s.resonator.max_frequency.reset();
       s.duration = 0.01;
-      s.rate = 1e5;
-      s.step = 1e-7;
+      s.output.rate = 1e5;
+      s.time.step = 1e-7;
       s = with(s, scheme);
-      s.force = true;
+      s.time.force = true;
       const Snapshot end = run(make_model(s), make_start(make_model(s)));
       EXPECT_EQ(end.status, Status::done) << "at step " << end.step;
       EXPECT_GE(end.shocks_begun, 2);
@@ -152,10 +152,10 @@ TEST(Unstable, TheScenesBesideItGoOn) {
   Scene good = pressed_plate();
   good.initial = Initial::rest;
   good.gap = 1e-5 - 1e-9;
-  good.stiffness = 0.05 * limiting_kappa(good, 50);
+  good.contact.stiffness = 0.05 * limiting_kappa(good, 50);
   good.speed = 0.3;
   Scene bad = good;
-  bad.stiffness = 50 * limiting_kappa(bad, 50);
+  bad.contact.stiffness = 50 * limiting_kappa(bad, 50);
   Scene other = good;
   other.speed = 0;
   other.resonator.modes = 3;
@@ -182,7 +182,7 @@ TEST(Stable, NinetyPerCentOfTheLimitRunsThrough) {
   for (const double share : {0.5, 0.9}) {
     SCOPED_TRACE(share);
     Scene s = pressed_plate();
-    s.stiffness = share * limiting_kappa(s, 50);
+    s.contact.stiffness = share * limiting_kappa(s, 50);
     s.duration = 0.5;
     const Snapshot end = run_nudged(s, 1e-7);
     EXPECT_EQ(end.status, Status::done);
@@ -192,7 +192,7 @@ TEST(Stable, NinetyPerCentOfTheLimitRunsThrough) {
 
 TEST(Stable, AQuarterOfTheLimitRunsThroughManyShocks) {
   Scene s = pressed_plate();
-  s.stiffness = 0.25 * limiting_kappa(s, 50);
+  s.contact.stiffness = 0.25 * limiting_kappa(s, 50);
   s.speed = 0.05;
   s.duration = 0.5;
   const Snapshot end = run_nudged(s, 1e-3);
@@ -227,7 +227,7 @@ TEST(Stable, NoFalseAlarmForAnyDamping) {
         s.slider.load = 2;
         s.gap.reset();
       }
-      s.stiffness = 0.01 * limiting_kappa(s, 50);
+      s.contact.stiffness = 0.01 * limiting_kappa(s, 50);
       const Recording run = simulate(s);
       EXPECT_EQ(run.end.status, Status::done)
           << "energy " << run.end.energy << " J, limit " << run.end.energy_limit << " J, step "
@@ -245,13 +245,13 @@ TEST(Stable, NoFalseAlarmWhenAPeakIsLiftedAndLetDownAgain) {
     Scene s = pressed_plate();
     s.initial = Initial::rest;
     s.spacing = 5e-5;
-    s.step = step;
+    s.time.step = step;
     s.duration = 8e-4;
-    s.rate = 5e5;
+    s.output.rate = 5e5;
     s.start = 0.02;
     s.speed = 20;
     s.gap = 1.95e-5;
-    s.stiffness = 2e12;
+    s.contact.stiffness = 2e12;
     s.resonator.modes = 5;
     s.resonator.surface = peaks({{.at = 0.029, .height = 1e-5, .half_width = 3e-4}});
     s.slider.surface = peaks({{.at = 3e-3, .height = 1e-5, .half_width = 3e-4}});
