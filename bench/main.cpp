@@ -8,6 +8,7 @@
 
 #include "bench/program.hpp"
 #include "bench/timing.hpp"
+#include "host/device/backend.hpp"
 
 namespace ra2d::bench {
 

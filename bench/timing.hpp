@@ -12,6 +12,7 @@
 
 #include "bench/scenes.hpp"
 #include "host/chart/context.hpp"
+#include "host/device/backend.hpp"
 
 /// How a march is timed.
 namespace ra2d::bench {

@@ -164,15 +164,15 @@ class Candidates {
     if (t_.form == Form::implicit && count > most_watched) return {Outlook::look, 1, 0};
     double pull = b.acceleration;
     Outlook outlook{Outlook::watch, watched, count};
-    if (t_.form == Form::implicit) {  // no bound on the force: the march looks at what has come of it
+    if (t_.form ==
+        Form::implicit) {  // no bound on the force: the march looks at what has come of it
       outlook.line = 0.5 * b.acceleration * tau * tau / leeway;
       outlook.kick = b.yield * tau * tau / leeway;
     } else {
       pull += b.yield * t_.node_stiffness * lanes_.sum(pressed);
     }
     const double lasting = Kokkos::sqrt(2.0 * leeway / (pull + 1e-300)) / tau - 1.0;
-    if (!(lasting >= watched))
-      outlook.steps = !(lasting >= 1.0) ? 0 : static_cast<int>(lasting);
+    if (!(lasting >= watched)) outlook.steps = !(lasting >= 1.0) ? 0 : static_cast<int>(lasting);
     if (outlook.steps < 1 || short_of_window) {
       if (looks_ahead()) return {Outlook::look, 1, 0};
       outlook.steps = 1;  // the first step may always be watched: the line begins there
@@ -192,7 +192,8 @@ class Candidates {
     if (!all && !near_.holds(u, place, 0.0)) find_near(u, v, place);
     for (int p = 0; p < K; ++p) lanes_.store(s_.lanes + p * width, u[p]);
     lanes_.sync();
-    const double level = -(t_.slack + rounding(0) * bound(t_.largest_shape, u) + bound(t_.cubic_remainder, u));
+    const double level =
+        -(t_.slack + rounding(0) * bound(t_.largest_shape, u) + bound(t_.cubic_remainder, u));
     const Real lane_eta = Real(t_.inverse_radius) * lanes_.index();
     double q[4];
     int patch = -1, count = 0;

@@ -7,6 +7,7 @@
 #if defined(NDEBUG)
 #define RA2D_CHECK(condition) static_cast<void>(0)
 #else
-#define RA2D_CHECK(condition) \
-  ((condition) ? static_cast<void>(0) : Kokkos::abort("ra2d: a kernel leaves an array: " #condition))
+#define RA2D_CHECK(condition)         \
+  ((condition) ? static_cast<void>(0) \
+               : Kokkos::abort("ra2d: a kernel leaves an array: " #condition))
 #endif

@@ -171,6 +171,8 @@ class Marcher {
     return true;
   }
 
+  enum class SamplePart { whole, first, second };
+
   /// The share `weight` of a sample that this step has in it: all of it, the first of two, which waits
   /// for the second, or the second.
   KOKKOS_FUNCTION void write_sample(double weight, SamplePart part) {
@@ -208,8 +210,6 @@ class Marcher {
     for (int i = 0; i < sample::columns; ++i)
       column[i] = weight * values[i] + (add ? first[i] : 0.0);
   }
-
-  enum class SamplePart { whole, first, second };
 
   struct SampledContact {
     double force, energy;
@@ -583,12 +583,14 @@ class Marcher {
       pushed += most;
       pushes += pushed;
       const double n = done + 1.0;
-      if (found != Solution::solved || !(outlook->line * n * (n + 1.0) + outlook->kick * pushes <= 1.0))
+      if (found != Solution::solved ||
+          !(outlook->line * n * (n + 1.0) + outlook->kick * pushes <= 1.0))
         return false;
       pushes += (totals.force - most);
       pushed += (totals.force - most);
     } else if (found != Solution::solved) {
-      if (lanes_.leader()) s_.status = found == Solution::blocked ? Status::blocked : Status::crowded;
+      if (lanes_.leader())
+        s_.status = found == Solution::blocked ? Status::blocked : Status::crowded;
       lanes_.sync();
       return false;
     }

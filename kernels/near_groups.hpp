@@ -68,7 +68,8 @@ class NearGroups {
     const double to_end = place.base + 1 - place.position;  // the way that is left, chi
     const double way = Kokkos::max(to_end, back);
     const double slope = weighted_sum<Lanes, K>(lanes_, t_.largest_slope, u);
-    const double error = t_.slack + rounding + weighted_sum<Lanes, K>(lanes_, t_.cubic_remainder, u) +
+    const double error = t_.slack + rounding +
+                         weighted_sum<Lanes, K>(lanes_, t_.cubic_remainder, u) +
                          way * t_.spacing * slope + position_rounding(place) * t_.steepest;
     const double below = reach_ + error;
     // of what has moved the roundings, too: they were those of another displacement

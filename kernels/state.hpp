@@ -250,8 +250,7 @@ void visit_arrays(WorkSpace& s, const Extents& n, Visit&& visit) {
 
 template <class Visit>
 void visit_arrays(HandOut& s, const Extents& n, Visit&& visit) {
-  visit("sample_rows", s.sample_rows,
-        static_cast<std::size_t>(n.samples) * sample::row(n.lanes));
+  visit("sample_rows", s.sample_rows, static_cast<std::size_t>(n.samples) * sample::row(n.lanes));
   visit("shock_rows", s.shock_rows, static_cast<std::size_t>(n.shocks));
 }
 

@@ -91,19 +91,19 @@ inline constexpr int gauss_room = 32;
 /// Lengths from which those of all arrays of a scene follow: see visit_arrays below, and those of
 /// kernels/state.hpp.
 struct Extents {
-  int width = 0;                 // lanes of a pack
-  int lanes = 0;                 // of all modes, padded to whole packs
-  int nodes = 0, groups = 0;     // of the slider
-  int heights = 0;               // the resonator's nodes, padded beyond its end
-  int patches = 0;               // of the resonator
-  int slider_modes = 0;          //
-  int stage_rows = 0;            // of SceneTables::stage
-  int end_rows = 0;              // of SceneTables::end
-  int flight_levels = 0;         // 0: not adaptive
-  int moving_forces = 0;         //
-  int samples = 0, shocks = 0;   // rows that a launch can hand out
-  int pressed = 0;               // nodes that can carry force at once under Form::implicit
-  int closed = 0;                // nodes that can be in contact at once under Form::adaptive
+  int width = 0;                // lanes of a pack
+  int lanes = 0;                // of all modes, padded to whole packs
+  int nodes = 0, groups = 0;    // of the slider
+  int heights = 0;              // the resonator's nodes, padded beyond its end
+  int patches = 0;              // of the resonator
+  int slider_modes = 0;         //
+  int stage_rows = 0;           // of SceneTables::stage
+  int end_rows = 0;             // of SceneTables::end
+  int flight_levels = 0;        // 0: not adaptive
+  int moving_forces = 0;        //
+  int samples = 0, shocks = 0;  // rows that a launch can hand out
+  int pressed = 0;              // nodes that can carry force at once under Form::implicit
+  int closed = 0;               // nodes that can be in contact at once under Form::adaptive
 
   std::size_t padded_nodes() const { return static_cast<std::size_t>(groups) * width; }
   /// Runs of neighbouring nodes: at the most every other node.
@@ -116,7 +116,7 @@ struct SceneTables {
   int resonator_modes = 0, slider_modes = 0;
   int nodes = 0, groups = 0;  // slider nodes; groups of one a lane
   int patches = 0,
-      patch_nodes = 0;  // patches; their width in nodes (radius = half of it + half a group + 1)
+      patch_nodes = 0;    // patches; their width in nodes (radius = half of it + half a group + 1)
   int heights = 0;        // of the resonator's nodes, with what is padded beyond its end
   int flight_levels = 0;  // of the flight tables
   double inverse_patch = 0;  // 1/patch_nodes
@@ -166,35 +166,38 @@ struct SceneTables {
   double top = 0;            // m, the highest overlap that the faces alone can have anywhere
   const double* flight = nullptr;  // (level, FlightRow, lane)
   const double* rest = nullptr;    // m^(3/2), where the load holds a mode; 0 for a rigid one
-  const double* free_acceleration = nullptr;    // m^(3/2)/s^2, load/m of a rigid mode; 0 for the others
-  const double* decay = nullptr;   // 1/s, 2 zeta omega
-  const double* fastest_rate = nullptr;    // 1/s, |(omega U, V)'| over |(omega U, V)| is no more
+  const double* free_acceleration =
+      nullptr;                           // m^(3/2)/s^2, load/m of a rigid mode; 0 for the others
+  const double* decay = nullptr;         // 1/s, 2 zeta omega
+  const double* fastest_rate = nullptr;  // 1/s, |(omega U, V)'| over |(omega U, V)| is no more
   const double* swing = nullptr;   // s, 2/omega: the farthest a mode gets over its energy norm
   const double* fourth = nullptr;  // m^(-1/2)/s^3, fourth derivative of an overlap, the same
   const double* passing_rate = nullptr;  // 1/s, speed times the largest wave number of a mode
-  const double* inverse_mass = nullptr;   // m/kg
-  const double* hull = nullptr;    // (coefficient, overlap_terms): see Hull; then its two masks
-  const double* gauss = nullptr;   // places in (0, 1), then weights; padded with zeros
+  const double* inverse_mass = nullptr;  // m/kg
+  const double* hull = nullptr;   // (coefficient, overlap_terms): see Hull; then its two masks
+  const double* gauss = nullptr;  // places in (0, 1), then weights; padded with zeros
 
   // modes, one lane each (padded with zeros)
-  const double* stage = nullptr;   // rows of lanes, see stage_row
-  const double* end = nullptr;     // rows of lanes, see EndRow
-  const double* receptance = nullptr;  // m/N per m of beam: U1 of a modal force of 1 held over the step
-  const double* mobility = nullptr;    // ... and its V1
-  const double* load = nullptr;     // N m^(-1/2), constant modal load
-  const double* mass = nullptr;     // kg/m
-  const double* omega = nullptr;    // rad/s
-  const double* damping = nullptr;  // 2 zeta omega m tau: damping loss of a step over V^2
-  const double* pull = nullptr;     // 1/s, the scheme's bound on |V'| over the modal energy norm
-  const double* push = nullptr;     // m^(3/2)/s^2, bound on what the outer modal forces add to V'
-  const double* yield = nullptr;    // m^(-1/2)/kg, the same for a newton of contact force
-  const double* largest_shape = nullptr;    // max |psi|
-  const double* largest_slope = nullptr;   // max |psi'|, resonator only: its nodes move
-  const double* largest_curvature = nullptr;   // max |psi''|, resonator only
-  const double* cubic_remainder = nullptr;          // bound on what a cubic over a patch leaves out, over |U|
-  const double* cubic_slope_remainder = nullptr;    // 1/m, the same for its slope
-  const double* quartic = nullptr;       // (beta radius)^4
-  const double* patch = nullptr;         // (patch, 4, lane): radius^j psi^(j)(centre)
+  const double* stage = nullptr;  // rows of lanes, see stage_row
+  const double* end = nullptr;    // rows of lanes, see EndRow
+  const double* receptance =
+      nullptr;  // m/N per m of beam: U1 of a modal force of 1 held over the step
+  const double* mobility = nullptr;  // ... and its V1
+  const double* load = nullptr;      // N m^(-1/2), constant modal load
+  const double* mass = nullptr;      // kg/m
+  const double* omega = nullptr;     // rad/s
+  const double* damping = nullptr;   // 2 zeta omega m tau: damping loss of a step over V^2
+  const double* pull = nullptr;      // 1/s, the scheme's bound on |V'| over the modal energy norm
+  const double* push = nullptr;      // m^(3/2)/s^2, bound on what the outer modal forces add to V'
+  const double* yield = nullptr;     // m^(-1/2)/kg, the same for a newton of contact force
+  const double* largest_shape = nullptr;      // max |psi|
+  const double* largest_slope = nullptr;      // max |psi'|, resonator only: its nodes move
+  const double* largest_curvature = nullptr;  // max |psi''|, resonator only
+  const double* cubic_remainder =
+      nullptr;  // bound on what a cubic over a patch leaves out, over |U|
+  const double* cubic_slope_remainder = nullptr;  // 1/m, the same for its slope
+  const double* quartic = nullptr;                // (beta radius)^4
+  const double* patch = nullptr;                  // (patch, 4, lane): radius^j psi^(j)(centre)
   const double* slider_shape = nullptr;  // (slider mode, group, lane): psi at the slider's nodes
   const double* unit = nullptr;          // (slider mode, lane): 1 at that mode's own lane
 

@@ -7,6 +7,7 @@
 
 #include "host/commands/commands.hpp"
 #include "host/commands/print.hpp"
+#include "host/device/backend.hpp"
 #include "host/format.hpp"
 #include "host/interruption.hpp"
 #include "host/output_file.hpp"

@@ -18,8 +18,7 @@
 namespace ra2d {
 
 using Space = Kokkos::DefaultExecutionSpace;
-inline constexpr bool on_host =
-    Kokkos::SpaceAccessibility<Space, Kokkos::HostSpace>::accessible;
+inline constexpr bool on_host = Kokkos::SpaceAccessibility<Space, Kokkos::HostSpace>::accessible;
 
 /// Every array of a scene, in the order in which they stand in its memory.
 template <class Visit>
@@ -49,7 +48,8 @@ class Arena {
     std::size_t at = line;
     poison(0, line);
     visit_arrays(tables, state, n, [&](const char*, auto*& address, std::size_t count) {
-      using T = std::remove_const_t<std::remove_pointer_t<std::remove_reference_t<decltype(address)>>>;
+      using T =
+          std::remove_const_t<std::remove_pointer_t<std::remove_reference_t<decltype(address)>>>;
       address = reinterpret_cast<T*>(device_ + at);
       const std::size_t used = count * sizeof(T), next = at + room_for(used);
       poison(at + used, next);

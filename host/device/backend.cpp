@@ -29,9 +29,7 @@ Backend::~Backend() { Kokkos::finalize(); }
 
 std::string backend_name() { return Space::name(); }
 int backend_threads() { return Space().concurrency(); }
-int scenes_at_once() {
-  return on_host ? backend_threads() : std::numeric_limits<int>::max();
-}
+int scenes_at_once() { return on_host ? backend_threads() : std::numeric_limits<int>::max(); }
 
 void side_by_side(int count, const std::function<void(int)>& work) {
   if (count == 1) return work(0);

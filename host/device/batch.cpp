@@ -164,8 +164,8 @@ void Batch::Impl::launch(const std::vector<int>& list, const std::vector<std::in
   Kokkos::deep_copy(states, states_host);
   Kokkos::deep_copy(targets, targets_host);
   const auto begin = Clock::now();
-  const std::vector<Space> streams = Kokkos::Experimental::partition_space(
-      Space(), std::vector<int>(groups.size(), 1));
+  const std::vector<Space> streams =
+      Kokkos::Experimental::partition_space(Space(), std::vector<int>(groups.size(), 1));
   std::size_t stream = 0;
   std::vector<ScenesView> lists;  // until the launches are done
   for (const auto& [kind, members] : groups) {
@@ -299,8 +299,7 @@ Snapshot Batch::snapshot(int slot) const {
   out.shocks_begun = s.shocks_begun;
   out.energy = s.energy;
   out.energy_limit = s.energy_limit;
-  const double* const bend_part =
-      scene.arena.fetch(s.bend_part, static_cast<std::size_t>(width));
+  const double* const bend_part = scene.arena.fetch(s.bend_part, static_cast<std::size_t>(width));
   double bend = 0;
   for (int lane = 0; lane < width; ++lane) bend += bend_part[lane];
   out.sliding_work = s.sliding_work + scene.model.advance * (s.climb_part + bend);

@@ -131,8 +131,7 @@ void Filler::numbers() {
   t_.window_width = 1.0 / t_.windows;
   t_.resonator_length = scene_.resonator.length;
   t_.node_stiffness = model_.node_stiffness;
-  t_.compliance =
-      scene_.contact.law == ContactLaw::multiplier ? 0.0 : 1.0 / model_.node_stiffness;
+  t_.compliance = scene_.contact.law == ContactLaw::multiplier ? 0.0 : 1.0 / model_.node_stiffness;
   t_.total_steps = model_.steps;
   t_.counted_from = first_counted(model_);
   t_.steps_per_sample = model_.steps_per_sample;
@@ -160,8 +159,12 @@ void Filler::modes() {
       const ModeShape& shape = beam->modes[k];
       const bool of_resonator = beam == &model_.resonator;
       const double largest = largest_shape(shape, beam->length);
-      const ModeOnLane mode{lane,    *beam,        shape,
-                            beam->load[k], of_resonator, largest,
+      const ModeOnLane mode{lane,
+                            *beam,
+                            shape,
+                            beam->load[k],
+                            of_resonator,
+                            largest,
                             std::abs(beam->load[k]) + (of_resonator ? moving * largest : 0.0)};
       host_(t_.load)[lane] = mode.load;
       host_(t_.mass)[lane] = beam->mass_per_length;

@@ -33,9 +33,8 @@ int compiled_packs(int needed) { return Packs::smallest(needed); }
 #if defined(KOKKOS_ENABLE_CUDA)
 void launch_march(const Space& space, Form form, int packs, const TablesView& tables,
                   const StatesView& states, const ScenesView& scenes, const TargetsView& targets) {
-  choose(form, packs, [&]<Form f, int K>() {
-    march_listed<f, K>(space, tables, states, scenes, targets);
-  });
+  choose(form, packs,
+         [&]<Form f, int K>() { march_listed<f, K>(space, tables, states, scenes, targets); });
 }
 #else
 MarchScene march_of(Form form, int packs) {

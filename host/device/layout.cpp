@@ -72,8 +72,7 @@ Extents extents_of(const Model& model, const PatchSeries& series, int lanes, int
   if (form_of(scene) == Form::implicit) {
     // under multipliers no more nodes than modes carry force
     const int modes = static_cast<int>(model.resonator.modes.size() + model.slider.modes.size());
-    n.pressed =
-        std::min(n.nodes, scene.contact.law == ContactLaw::multiplier ? modes : room.nodes);
+    n.pressed = std::min(n.nodes, scene.contact.law == ContactLaw::multiplier ? modes : room.nodes);
   }
   return n;
 }

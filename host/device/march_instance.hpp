@@ -12,10 +12,9 @@ void march_listed(const Space& space, const TablesView& tables, const StatesView
   March<Space, form, K>{tables, states, scenes, targets}.launch(space);
 }
 /// Compiles the march of one form for the i-th number of packs.
-#define RA2D_MARCH(form, i)                                                                     \
-  template void march_listed<form, Packs::at(i)>(const Space&, const TablesView&,               \
-                                                 const StatesView&, const ScenesView&,          \
-                                                 const TargetsView&)
+#define RA2D_MARCH(form, i)                       \
+  template void march_listed<form, Packs::at(i)>( \
+      const Space&, const TablesView&, const StatesView&, const ScenesView&, const TargetsView&)
 #else
 template <Form form, int K>
 void march_one(const SceneTables& tables, SceneState& state, std::int64_t target) {

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "host/device/backend.hpp"
 #include "host/errors.hpp"
 #include "host/plan/plan.hpp"
 #include "host/result/level.hpp"

@@ -11,8 +11,8 @@
 #include <limits>
 #include <utility>
 
-#include "host/errors.hpp"
 #include "host/device/backend.hpp"
+#include "host/errors.hpp"
 #include "host/format.hpp"
 #include "host/interruption.hpp"
 #include "host/plan/plan.hpp"
@@ -101,8 +101,8 @@ std::string describe_limit(const Model& model, int nodes) {
 }
 
 std::string describe_failure(const Model& model, const Snapshot& end) {
-  const std::string when =
-      fmt::format("t = {:.6g} s (step {})", static_cast<double>(end.step) * model.tick, end.strides);
+  const std::string when = fmt::format("t = {:.6g} s (step {})",
+                                       static_cast<double>(end.step) * model.tick, end.strides);
   if (end.status == Status::blocked)
     return fmt::format(
         "no motion of the kept modes keeps the faces apart at {}: keep more modes (max_frequency), "
@@ -132,7 +132,8 @@ std::string checked_limit(const Model& model) {
   const JoinedModes place = most_yielding(model);
   // the search for its limit takes many times as long as a look at the step that is asked for
   if (choice.scheme == SchemeKind::exact &&
-      (scene.contact.law == ContactLaw::multiplier || holds_in_contact(model, choice, place, scene.time.step)))
+      (scene.contact.law == ContactLaw::multiplier ||
+       holds_in_contact(model, choice, place, scene.time.step)))
     return {};
   const StepLimits limits = step_limits(model, choice, place);
   const std::string beyond = beyond_limit(model, limits);

@@ -113,9 +113,9 @@ void Simulation::run(const Next& next, const std::function<void(SceneRun&)>& don
                                      [](const SceneRun* scene) { return scene != nullptr; });
     if (going == 0) return;
     // on a CPU they take turns
-    const double wanted = std::max(
-        1e-3, options_.seconds * std::min(1.0, static_cast<double>(scenes_at_once()) /
-                                                   static_cast<double>(going)));
+    const double wanted =
+        std::max(1e-3, options_.seconds * std::min(1.0, static_cast<double>(scenes_at_once()) /
+                                                            static_cast<double>(going)));
     for (std::size_t i = 0; i < scenes.size(); ++i)
       targets[i] = scenes[i] != nullptr ? scenes[i]->target() : 0;
     const Clock::time_point begin = Clock::now();

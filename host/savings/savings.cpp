@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 
+#include "host/device/backend.hpp"
 #include "host/errors.hpp"
 #include "host/format.hpp"
 #include "host/plan/plan.hpp"

@@ -411,7 +411,8 @@ class AdaptiveMarcher {
     if (t_.look_at == Nodes::all || near_.holds(u_, place, travel)) return;
     // what the modes may do within the step, and can be expected to do after it
     const double time = static_cast<double>(room - ticks) * t_.step;
-    const double later = time < 1e30 ? time * weighted_sum<Lanes, K>(lanes_, t_.largest_shape, v_) : 0.0;
+    const double later =
+        time < 1e30 ? time * weighted_sum<Lanes, K>(lanes_, t_.largest_shape, v_) : 0.0;
     near_.find(u_, place, 1.5 * travel + 0.5 * later + t_.least_reach, rounding, 0.0);
     seen_ = false;
   }

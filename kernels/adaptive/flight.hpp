@@ -11,10 +11,10 @@ namespace ra2d {
 
 /// What the modes can do within a step.
 struct MotionBounds {
-  double travel;  // m: sum max|psi| |U - U_0|
-  double fourth;  // m/s^4: fourth derivative of an overlap at a node, whose place moves
+  double travel;           // m: sum max|psi| |U - U_0|
+  double fourth;           // m/s^4: fourth derivative of an overlap at a node, whose place moves
   double cubic_remainder;  // m: what the cubics over a patch leave out of a displacement
-  double size;    // m: sum max|psi| |U|
+  double size;             // m: sum max|psi| |U|
   /// Of a displacement [m].
   KOKKOS_FORCEINLINE_FUNCTION double rounding() const { return 256 * 0x1p-52 * size; }
 };

@@ -144,9 +144,10 @@ class Complementarity {
   /// `place`.
   template <class List>
   KOKKOS_FORCEINLINE_FUNCTION Solution operator()(const Place& place, std::int64_t step, Real* u,
-                                              Real* v, const List& list,
-                                              ContactTotals<Real>& totals, double& most) {
-    if (s_.contact_step == step - 1 && resume(place, u, v, list, totals, most)) return Solution::solved;
+                                                  Real* v, const List& list,
+                                                  ContactTotals<Real>& totals, double& most) {
+    if (s_.contact_step == step - 1 && resume(place, u, v, list, totals, most))
+      return Solution::solved;
     return seek(place, u, v, list, totals, most);
   }
 
@@ -161,7 +162,7 @@ class Complementarity {
   /// The careful way, from no force on.
   template <class List>
   KOKKOS_FUNCTION Solution seek(const Place& place, Real* u, Real* v, const List& list,
-                            ContactTotals<Real>& totals, double& most) {
+                                ContactTotals<Real>& totals, double& most) {
     Real now[K];
     for (int p = 0; p < K; ++p) now[p] = u[p];
     count_ = 0;

@@ -53,7 +53,7 @@ TEST(AdaptiveInvariance, RandomScenesAreTheSameBitForBit) {
     const Recording some = run(c);
     EXPECT_TRUE(bits(some) == expected) << "candidates";
     for (const int samples : {1, 3}) {
-      const BatchOptions buffers{.samples_at_once = samples, .shocks_at_once = samples};
+      const BatchOptions buffers{.room = {.samples = samples, .shocks = samples}};
       EXPECT_TRUE(bits(run(c, Nodes::candidates, {.batch = buffers})) == expected)
           << samples << " samples and shocks";
     }
@@ -96,7 +96,7 @@ TEST(AdaptiveInvariance, OneStepALaunch) {
     EXPECT_EQ(now.strides, whole.end.strides);
     EXPECT_EQ(bits(now.resonator_u), bits(whole.end.resonator_u));
     EXPECT_EQ(bits(now.slider_v), bits(whole.end.slider_v));
-    Batch again({whole.model}, {whole.start}, {.samples_at_once = 1'000'000});
+    Batch again({whole.model}, {whole.start}, {.room = {.samples = 1'000'000}});
     again.march(whole.model.steps);
     EXPECT_TRUE(bits(again.drain(0).sample_rows) == bits(rows));
   }
@@ -110,7 +110,7 @@ TEST(AdaptiveInvariance, OtherScenesBesideItChangeNothing) {
   scenes.back().duration = 1e-4;
   const std::vector<Recording> together = simulate(scenes);
   const std::vector<Recording> in_pieces =
-      simulate(scenes, {.steps = together[2].model.steps / 97, .batch = {.samples_at_once = 7}});
+      simulate(scenes, {.steps = together[2].model.steps / 97, .batch = {.room = {.samples = 7}}});
   for (std::size_t i = 0; i < scenes.size(); ++i) {
     const Bits alone = bits(simulate(scenes[i]));
     EXPECT_TRUE(alone == bits(together[i])) << "scene " << i;
@@ -121,7 +121,7 @@ TEST(AdaptiveInvariance, OtherScenesBesideItChangeNothing) {
 TEST(AdaptiveInvariance, AFullBufferHoldsTheMarchUp) {
   // ... and loses nothing while nobody empties it
   const Recording whole = simulate(kinds()[0]);
-  Batch batch({whole.model}, {whole.start}, {.samples_at_once = 10});
+  Batch batch({whole.model}, {whole.start}, {.room = {.samples = 10}});
   for (int i = 0; i < 3; ++i) {
     batch.march(whole.model.steps);
     const Snapshot now = batch.snapshot(0);

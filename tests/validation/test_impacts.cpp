@@ -271,7 +271,7 @@ TEST_P(EveryScheme, LaunchesAndBuffersOfAnyLengthGiveTheSameBits) {
     for (const std::int64_t steps : {1, 7, 333})
       EXPECT_TRUE(bits(simulate(scene, {.steps = steps, .batch = {}})) == expected)
           << steps << " steps";
-    const BatchOptions small{.samples_at_once = 2, .shocks_at_once = 1, .least_packs = 3};
+    const BatchOptions small{.room = {.samples = 2, .shocks = 1}, .least_packs = 3};
     EXPECT_TRUE(bits(simulate(scene, {.batch = small})) == expected);
   }
 }

@@ -121,7 +121,7 @@ TEST(Launches, SmallBuffersGiveTheSameBits) {
     const Bits expected = bits(simulate(scene));
     for (const int samples : {1, 2, 17})
       for (const int shocks : {1, 5}) {
-        const BatchOptions options{.samples_at_once = samples, .shocks_at_once = shocks};
+        const BatchOptions options{.room = {.samples = samples, .shocks = shocks}};
         EXPECT_TRUE(bits(simulate(scene, {.steps = 1'000'000, .batch = options})) == expected)
             << samples << " samples, " << shocks << " shocks";
       }
@@ -132,7 +132,7 @@ TEST(Launches, AFullBufferHoldsTheMarchUp) {
   // ... and loses nothing while nobody empties it
   Scene scene = rough_scene(Support::free);
   const Model model = make_model(scene);
-  Batch batch({model}, {make_start(model)}, {.samples_at_once = 10});
+  Batch batch({model}, {make_start(model)}, {.room = {.samples = 10}});
   for (int i = 0; i < 3; ++i) {
     batch.march(model.steps);
     EXPECT_EQ(batch.snapshot(0).step, 100);  // sample 10 is due here and finds no room

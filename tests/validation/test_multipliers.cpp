@@ -658,7 +658,7 @@ TEST_P(HeldForces, LaunchesBuffersAndPaddingGiveTheSameBits) {
     for (const int packs : {3, 8})
       EXPECT_TRUE(bits(simulate(scene, {.batch = {.least_packs = packs}})) == expected)
           << packs << " packs";
-    const BatchOptions small{.samples_at_once = 2, .shocks_at_once = 1};
+    const BatchOptions small{.room = {.samples = 2, .shocks = 1}};
     EXPECT_TRUE(bits(simulate(scene, {.steps = 1'000'000, .batch = small})) == expected);
   }
 }
