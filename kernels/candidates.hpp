@@ -5,6 +5,7 @@
 
 #include "kernels/displacement.hpp"
 #include "kernels/gap.hpp"
+#include "kernels/group_sweep.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/limits.hpp"
 #include "kernels/near_groups.hpp"
@@ -98,12 +99,6 @@ class Candidates {
     const double room = near_.room(u);
     if (room < watch_travel) return {Outlook::look, 1, 0};  // wild: step by step
 
-    if (near_.count() > 0) {
-      for (int p = 0; p < K; ++p) lanes_.store(s_.lanes + p * width, u[p]);
-      for (int p = 0; p < K; ++p) lanes_.store(s_.lanes + (K + p) * width, v[p]);
-      lanes_.sync();
-    }
-    const Real lane_eta = Real(t_.inverse_radius) * lanes_.index();
     const double half_curve = 0.5 * b.curvature * tau * tau;
     // A node is left out of the watch when it stays open along the line, with leeway and its own
     // motion.
@@ -114,25 +109,13 @@ class Candidates {
                                  t_.advance * t_.spacing * bound(t_.cubic_slope_remainder, u) +
                                  2.0 * half_curve;
     const double level = -(leeway + half_curve * watched * watched + slack);
-    double q[4], rate_q[4];
+    GroupSweep<Lanes, K> sweep(lanes_, t_, place, s_.lanes, u, v);
     Real soonest(static_cast<double>(longest)), pressed(0.0);
-    int patch = -1, count = 0;
+    int count = 0;
     for (int e = 0; e < near_.count(); ++e) {
       const int group = near_[e];
-      const GroupPlace<Lanes> at(t_, place, group);
-      if (at.patch != patch) {
-        patch = at.patch;
-        series_coefficients<Lanes, K>(lanes_, rows(patch), u, q);
-        series_coefficients<Lanes, K>(lanes_, rows(patch), v, rate_q);
-      }
-      const StaticOverlap<Lanes> faces(lanes_, t_, place, group);
-      const Real eta = lane_eta + Real(at.eta);
-      const Real overlap =
-          add_slider_displacement(lanes_, t_, s_.lanes, group, faces.height) + cubic(q, eta);
+      const auto [overlap, modes, way] = sweep.overlap_and_rates(group);
       // closing per step: the modes, and the node's way over the resonator's face
-      const Real modes =
-          add_slider_displacement(lanes_, t_, s_.lanes + K * width, group, cubic(rate_q, eta));
-      const Real way = faces.rise + Real(t_.inverse_radius) * cubic_slope(q, eta);
       const Real closing =
           multiply_add(tau, modes, multiply_add(t_.advance, way, Real(closing_slack)));
       const Real most =
@@ -190,25 +173,14 @@ class Candidates {
   KOKKOS_FUNCTION int find_touching(const Real* u, const Real* v, const Place& place) {
     const bool all = t_.look_at == Nodes::all;
     if (!all && !near_.holds(u, place, 0.0)) find_near(u, v, place);
-    for (int p = 0; p < K; ++p) lanes_.store(s_.lanes + p * width, u[p]);
-    lanes_.sync();
     const double level =
         -(t_.slack + rounding(0) * bound(t_.largest_shape, u) + bound(t_.cubic_remainder, u));
-    const Real lane_eta = Real(t_.inverse_radius) * lanes_.index();
-    double q[4];
-    int patch = -1, count = 0;
+    GroupSweep<Lanes, K> sweep(lanes_, t_, place, s_.lanes, u);
+    int count = 0;
     const int groups = all ? t_.groups : near_.count();
     for (int e = 0; e < groups; ++e) {
       const int group = all ? e : near_[e];
-      const GroupPlace<Lanes> at(t_, place, group);
-      if (at.patch != patch) {
-        patch = at.patch;
-        series_coefficients<Lanes, K>(lanes_, rows(patch), u, q);
-      }
-      const StaticOverlap<Lanes> faces(lanes_, t_, place, group);
-      const Real overlap = add_slider_displacement(lanes_, t_, s_.lanes, group, faces.height) +
-                           cubic(q, lane_eta + Real(at.eta));
-      list_nodes(group, lanes_.at_least(overlap, level), count);
+      list_nodes(group, lanes_.at_least(sweep.overlap(group).overlap, level), count);
     }
     lanes_.sync();
     return count;
@@ -222,9 +194,6 @@ class Candidates {
 
   KOKKOS_FORCEINLINE_FUNCTION Real load(const double* lanes, int pack) const {
     return lanes_.load(lanes + pack * width);
-  }
-  KOKKOS_FORCEINLINE_FUNCTION const double* rows(int patch) const {
-    return t_.patch + static_cast<std::int64_t>(patch) * 4 * K * width;
   }
   KOKKOS_FORCEINLINE_FUNCTION double bound(const double* weight, const Real* x) const {
     return weighted_sum<Lanes, K>(lanes_, weight, x);

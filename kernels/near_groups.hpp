@@ -5,6 +5,7 @@
 
 #include "kernels/displacement.hpp"
 #include "kernels/gap.hpp"
+#include "kernels/group_sweep.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/state.hpp"
 #include "kernels/tables.hpp"
@@ -78,24 +79,15 @@ class NearGroups {
       find_far(u, place, 4.0 * below, slope);
       far_below = below + error;
     }
-    const Real lane_eta = Real(t_.inverse_radius) * lanes_.index();
-    double q[4];
-    int patch = -1, count = 0;
-    int evaluated = 0;
+    GroupSweep<Lanes, K> sweep(lanes_, t_, place, s_.lanes, u);
+    int count = 0, evaluated = 0;
     for (int e = 0; e < far_count_; ++e) {
       if (s_.far_top[e] < -far_below) continue;
       ++evaluated;
       const int group = s_.far[e];
-      const GroupPlace<Lanes> at(t_, place, group);
-      if (at.patch != patch) {
-        patch = at.patch;
-        series_coefficients<Lanes, K>(lanes_, rows(patch), u, q);
-      }
-      const StaticOverlap<Lanes> faces(lanes_, t_, place, group);
-      const Real now = add_slider_displacement(lanes_, t_, s_.lanes, group, faces.height) +
-                       cubic(q, lane_eta + Real(at.eta));
-      const Real most = now + Kokkos::max(Kokkos::max(Real(to_end) * faces.rise, Real(0.0)),
-                                          Real(-back) * faces.rise);
+      const auto now = sweep.overlap(group);
+      const Real most = now.overlap + Kokkos::max(Kokkos::max(Real(to_end) * now.rise, Real(0.0)),
+                                                  Real(-back) * now.rise);
       if (lanes_.at_least(most, -below) == 0) continue;
       if (lanes_.leader()) s_.near[count] = group;
       ++count;

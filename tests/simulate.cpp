@@ -1,55 +1,59 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tests/simulate.hpp"
+
+#include <memory>
+
 #include "host/result/energy.hpp"
+#include "host/run/simulation.hpp"
 
 namespace ra2d::test {
+
+namespace {
+
+class RecordingSink : public Sink {
+ public:
+  explicit RecordingSink(Recording& to) : to_{to} {}
+  void take_raw(const Drained& drained) override { append(to_.shocks, drained.shocks); }
+  void take(const std::vector<Shock>&) override {}
+  void take(const SampleBlock& block) override {
+    for (const auto column :
+         {&SampleBlock::time, &SampleBlock::resonator_displacement,
+          &SampleBlock::resonator_velocity, &SampleBlock::slider_displacement,
+          &SampleBlock::slider_velocity, &SampleBlock::force, &SampleBlock::nodes,
+          &SampleBlock::probe_displacement, &SampleBlock::probe_velocity, &SampleBlock::kinetic,
+          &SampleBlock::elastic, &SampleBlock::contact, &SampleBlock::damping_loss,
+          &SampleBlock::sliding_work, &SampleBlock::load_work})
+      append(to_.samples.*column, block.*column);
+  }
+
+ private:
+  template <class T>
+  static void append(std::vector<T>& to, const std::vector<T>& from) {
+    to.insert(to.end(), from.begin(), from.end());
+  }
+  Recording& to_;
+};
+
+}  // namespace
 
 std::vector<Recording> simulate(const std::vector<Model>& models,
                                 const std::vector<ModalStart>& starts, const Launches& launches) {
   std::vector<Recording> out(models.size());
-  Batch batch(models, starts, launches.batch);
-  std::vector<EnergyAccount> accounts(models.size());
-  std::vector<std::int64_t> samples(models.size(), 0);
-  for (std::int64_t target = 0;;) {
-    target = launches.steps > std::numeric_limits<std::int64_t>::max() - target
-                 ? launches.steps
-                 : target + launches.steps;
-    batch.march(target);
-    bool running = false;
-    for (std::size_t i = 0; i < models.size(); ++i) {
-      const Drained drained = batch.drain(static_cast<int>(i));
-      const SampleBlock block = make_samples(models[i], starts[i], drained, samples[i]);
-      samples[i] += drained.samples;
-      accounts[i].add(block);
-      const auto append = [](auto& to, const auto& from) {
-        to.insert(to.end(), from.begin(), from.end());
-      };
-      SampleBlock& all = out[i].samples;
-      append(all.time, block.time);
-      append(all.resonator_displacement, block.resonator_displacement);
-      append(all.resonator_velocity, block.resonator_velocity);
-      append(all.slider_displacement, block.slider_displacement);
-      append(all.slider_velocity, block.slider_velocity);
-      append(all.force, block.force);
-      append(all.nodes, block.nodes);
-      append(all.probe_displacement, block.probe_displacement);
-      append(all.probe_velocity, block.probe_velocity);
-      append(all.kinetic, block.kinetic);
-      append(all.elastic, block.elastic);
-      append(all.contact, block.contact);
-      append(all.damping_loss, block.damping_loss);
-      append(all.sliding_work, block.sliding_work);
-      append(all.load_work, block.load_work);
-      append(out[i].shocks, drained.shocks);
-      running = running || batch.snapshot(static_cast<int>(i)).status == Status::running;
-    }
-    if (!running) break;
-  }
+  std::vector<std::unique_ptr<RecordingSink>> sinks;
+  std::vector<std::unique_ptr<SceneRun>> runs;
+  std::vector<SceneRun*> all;
   for (std::size_t i = 0; i < models.size(); ++i) {
     out[i].model = models[i];
     out[i].start = starts[i];
-    out[i].end = batch.snapshot(static_cast<int>(i));
-    out[i].energy = accounts[i].balance();
+    sinks.push_back(std::make_unique<RecordingSink>(out[i]));
+    runs.push_back(
+        std::make_unique<SceneRun>(models[i], starts[i], RunLimits{}, sinks.back().get()));
+    all.push_back(runs.back().get());
+  }
+  Simulation({.ticks = launches.steps, .batch = launches.batch}).run(all);
+  for (std::size_t i = 0; i < models.size(); ++i) {
+    out[i].end = runs[i]->accounts().now;
+    out[i].energy = runs[i]->accounts().energy.balance();
   }
   return out;
 }

@@ -58,46 +58,36 @@ struct Slot {
     upload();
   }
 
-  /// The same scene at the same place, with room for twice as many nodes.
-  void grow() {
+  /// The same scene at the same place, with room for more nodes.
+  void grow(int nodes) {
     const SavedState kept = save();
-    room.nodes = 2 * std::max(extents.pressed, extents.closed);
+    const HandOut handed = state;
+    const Arrays rows = copy_out(handed);
+    room.nodes = nodes;
     arena = Arena();
     tables = SceneTables();
     state = SceneState();
     provide();
     fill(state, model, ModalStart(), extents, arena.on_host_copy());
     restore(kept);
+    copy_in(static_cast<HandOut&>(state), handed, rows);
     upload();
-    state.status = Status::running;
   }
 
   SavedState save() const {
-    SavedState out;
-    out.values = state;
-    visit_arrays(out.values, extents, [&](const char*, const auto* array, std::size_t count) {
-      const auto* const bytes = reinterpret_cast<const std::byte*>(arena.fetch(array, count));
-      out.arrays.emplace_back(bytes, bytes + count * sizeof(*array));
-    });
-    return out;
+    const CarriedState& carried = state;
+    return {carried, copy_out(carried), room.nodes};
+  }
+  void restore(const SavedState& saved) {
+    if (saved.room > room.nodes) grow(saved.room);
+    copy_in(static_cast<CarriedState&>(state), saved.values, saved.arrays);
   }
 
-  void restore(const SavedState& saved) {
-    auto& carried = static_cast<CarriedState&>(state);
-    auto bytes = saved.arrays.begin();
-    std::vector<void*> addresses;  // stay ours
-    visit_arrays(carried, extents, [&](const char* name, auto* array, std::size_t count) {
-      if (bytes == saved.arrays.end() || bytes->size() > count * sizeof(*array))
-        throw std::logic_error(std::string("a saved state of another scene: ") + name);
-      std::memcpy(arena.on_host_copy()(array), bytes->data(), bytes->size());
-      ++bytes;
-      addresses.push_back(array);
-    });
-    carried = saved.values;
-    auto address = addresses.begin();
-    visit_arrays(carried, extents, [&](const char*, auto*& array, std::size_t) {
-      array = static_cast<std::remove_reference_t<decltype(array)>>(*address++);
-    });
+  /// After a launch: what stopped for want of room goes on with twice as much.
+  void make_room() {
+    if (state.status != Status::crowded) return;
+    grow(2 * std::max(extents.pressed, extents.closed));
+    state.status = Status::running;
   }
 
   void upload() {
@@ -112,6 +102,37 @@ struct Slot {
   }
 
  private:
+  using Arrays = std::vector<std::vector<std::byte>>;
+
+  template <class Part>
+  Arrays copy_out(Part part) const {
+    Arrays out;
+    visit_arrays(part, extents, [&](const char*, const auto* array, std::size_t count) {
+      const auto* const bytes = reinterpret_cast<const std::byte*>(arena.fetch(array, count));
+      out.emplace_back(bytes, bytes + count * sizeof(*array));
+    });
+    return out;
+  }
+  /// Everything of a part but its addresses, which stay ours.
+  template <class Part>
+  void copy_in(Part& part, const Part& values, const Arrays& arrays) const {
+    auto bytes = arrays.begin();
+    std::vector<void*> addresses;
+    visit_arrays(part, extents, [&](const char* name, auto* array, std::size_t count) {
+      if (bytes == arrays.end() || bytes->size() > count * sizeof(*array))
+        throw std::logic_error(std::string("a saved state of another scene: ") + name);
+      std::memcpy(arena.on_host_copy()(array), bytes->data(), bytes->size());
+      arena.upload(array, count);
+      ++bytes;
+      addresses.push_back(array);
+    });
+    part = values;
+    auto address = addresses.begin();
+    visit_arrays(part, extents, [&](const char*, auto*& array, std::size_t) {
+      array = static_cast<std::remove_reference_t<decltype(array)>>(*address++);
+    });
+  }
+
   void provide() {
     const PatchSeries series = choose_series(model, width);
     extents = extents_of(model, series, packs * width, width, room);
@@ -185,7 +206,7 @@ void Batch::Impl::launch(const std::vector<int>& list, const std::vector<std::in
   }
   side_by_side(static_cast<int>(list.size()), [&](int i) {
     const int slot = list[static_cast<std::size_t>(i)];
-    if (at(slot).state.status == Status::crowded) at(slot).grow();
+    at(slot).make_room();
     if (marched) marched(slot);
   });
 }
@@ -201,7 +222,7 @@ void Batch::Impl::launch(const std::vector<int>& list, const std::vector<std::in
     const auto begin = Clock::now();
     march_of(scene.tables.form, scene.packs)(scene.tables, scene.state, goals[slot]);
     scene.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
-    if (scene.state.status == Status::crowded) scene.grow();
+    scene.make_room();
     if (marched) marched(slot);
   });
 }
@@ -311,9 +332,6 @@ Snapshot Batch::snapshot(int slot) const {
 
 SavedState Batch::save(int slot) const { return impl_->at(slot).save(); }
 
-void Batch::restore(int slot, const SavedState& saved) {
-  impl_->at(slot).restore(saved);
-  impl_->at(slot).upload();
-}
+void Batch::restore(int slot, const SavedState& saved) { impl_->at(slot).restore(saved); }
 
 }  // namespace ra2d

@@ -38,6 +38,7 @@ struct Snapshot {
 struct SavedState {
   CarriedState values;                         // its addresses mean nothing
   std::vector<std::vector<std::byte>> arrays;  // in the order in which visit_arrays names them
+  int room = 0;                                // Room::nodes, which may have grown
 };
 
 struct BatchOptions {

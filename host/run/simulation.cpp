@@ -48,9 +48,9 @@ bool SceneRun::over() const {
          accounts_.march_seconds >= limits_.wall || now.shocks_begun >= limits_.shocks;
 }
 
-std::int64_t SceneRun::target() const {
+std::int64_t SceneRun::target(std::int64_t ticks) const {
   const std::int64_t step = accounts_.now.step;
-  const std::int64_t next = step + std::min(launch_.steps(), last_ - step);
+  const std::int64_t next = step + std::min(ticks > 0 ? ticks : launch_.steps(), last_ - step);
   // statistics begin at the end of a launch
   return step < first_ ? std::min(next, first_) : next;
 }
@@ -61,6 +61,7 @@ void SceneRun::take(Batch& batch, int slot, double wanted) {
   const double took = batch.seconds(slot);
   accounts_.march_seconds += took;
   const Drained drained = batch.drain(slot);
+  if (sink_ != nullptr) sink_->take_raw(drained);
   const std::int64_t before = accounts_.now.step;
   accounts_.now = batch.snapshot(slot);
   if (before < first_) accounts_.begin = accounts_.now;
@@ -117,7 +118,7 @@ void Simulation::run(const Next& next, const std::function<void(SceneRun&)>& don
         std::max(1e-3, options_.seconds * std::min(1.0, static_cast<double>(scenes_at_once()) /
                                                             static_cast<double>(going)));
     for (std::size_t i = 0; i < scenes.size(); ++i)
-      targets[i] = scenes[i] != nullptr ? scenes[i]->target() : 0;
+      targets[i] = scenes[i] != nullptr ? scenes[i]->target(options_.ticks) : 0;
     const Clock::time_point begin = Clock::now();
     batch.march(targets, [&](int slot) {
       SceneRun& scene = *scenes[static_cast<std::size_t>(slot)];

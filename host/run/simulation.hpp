@@ -23,6 +23,8 @@ class Sink {
   virtual void take(const SampleBlock& samples) = 0;
   /// Shocks that ended, and at the end those that go on, as long as they have lasted.
   virtual void take(const std::vector<Shock>& shocks) = 0;
+  /// The same as it came from the device, before the others: who wants ticks takes it here.
+  virtual void take_raw(const Drained&) {}
 };
 
 /// Where a run ends, unless its scene ends before.
@@ -59,8 +61,8 @@ class SceneRun {
  private:
   friend class Simulation;
   void begin(const Snapshot& start);
-  /// The tick to march to in the next launch.
-  std::int64_t target() const;
+  /// The tick to march to in the next launch, of `ticks` if that is not 0.
+  std::int64_t target(std::int64_t ticks) const;
   /// Takes in what a launch has made; the next one is to take about `wanted` seconds.
   void take(Batch& batch, int slot, double wanted);
   void keep(const std::vector<Shock>& shocks);
@@ -77,8 +79,9 @@ class SceneRun {
 };
 
 struct SimulationOptions {
-  int slots = 1;         // scenes side by side
-  double seconds = 0.2;  // of a launch: so that progress and interrupts are prompt
+  int slots = 1;           // scenes side by side
+  double seconds = 0.2;    // of a launch: so that progress and interrupts are prompt ...
+  std::int64_t ticks = 0;  // ... or so many ticks of each scene (for tests)
   BatchOptions batch;
 };
 

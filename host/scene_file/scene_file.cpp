@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -168,10 +169,14 @@ Scene read_scene(const std::filesystem::path& file, const std::vector<std::strin
   errno = 0;
   std::ifstream in{file, std::ios::binary};
   if (!in) throw cannot();
-  std::string text(largest_file + 1, '\0');
-  in.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (in.bad()) throw cannot();  // a folder opens, but does not read
-  text.resize(static_cast<std::size_t>(in.gcount()));
+  std::string text;
+  std::array<char, 65536>
+      part;  // a scene is short: pages for the largest would take longer than it
+  while (in && text.size() <= largest_file) {
+    in.read(part.data(), part.size());
+    if (in.bad()) throw cannot();  // a folder opens, but does not read
+    text.append(part.data(), static_cast<std::size_t>(in.gcount()));
+  }
   return parse_scene(text, file, overrides);
 }
 

@@ -10,6 +10,7 @@
 #include "kernels/contact/node_contact.hpp"
 #include "kernels/displacement.hpp"
 #include "kernels/gap.hpp"
+#include "kernels/group_sweep.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/near_groups.hpp"
 #include "kernels/shocks.hpp"
@@ -419,31 +420,11 @@ class AdaptiveMarcher {
 
   /// Overlaps and their rates [m, m/s] of the near groups, to the cubics over their patches.
   KOKKOS_FUNCTION void see(const Place& place, const Real* u, const Real* v, double* to) {
-    for (int p = 0; p < K; ++p) {
-      lanes_.store(s_.lanes + p * width, u[p]);
-      lanes_.store(s_.lanes + (K + p) * width, v[p]);
-    }
-    lanes_.sync();
-    const Real lane_eta = Real(t_.inverse_radius) * lanes_.index();
+    GroupSweep<Lanes, K> sweep(lanes_, t_, place, s_.lanes, u, v);
     const double speed = t_.advance / t_.step;  // chi/s
-    double q[4], rate_q[4];
-    int patch = -1;
     const int count = groups();
     for (int e = 0; e < count; ++e) {
-      const GroupPlace<Lanes> at(t_, place, group(e));
-      if (at.patch != patch) {
-        patch = at.patch;
-        const double* rows = t_.patch + static_cast<std::int64_t>(patch) * 4 * K * width;
-        series_coefficients<Lanes, K>(lanes_, rows, u, q);
-        series_coefficients<Lanes, K>(lanes_, rows, v, rate_q);
-      }
-      const StaticOverlap<Lanes> faces(lanes_, t_, place, group(e));
-      const Real eta = lane_eta + Real(at.eta);
-      const Real overlap =
-          add_slider_displacement(lanes_, t_, s_.lanes, group(e), faces.height) + cubic(q, eta);
-      const Real modes =
-          add_slider_displacement(lanes_, t_, s_.lanes + K * width, group(e), cubic(rate_q, eta));
-      const Real way = faces.rise + Real(t_.inverse_radius) * cubic_slope(q, eta);
+      const auto [overlap, modes, way] = sweep.overlap_and_rates(group(e));
       lanes_.store(to + (2 * e) * width, overlap);
       lanes_.store(to + (2 * e + 1) * width, multiply_add(speed, way, modes));
     }

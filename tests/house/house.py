@@ -19,7 +19,7 @@ import sys
 HOST = [".", "scene", "surface", "beam", "scene_file", "model", "device", "plan", "result", "store",
         "run", "ensemble", "savings", "plot", "chart", "commands"]
 KERNELS = ["check", "limits", "nodes", "schemes", "tables", "state", "lanes", "displacement", "gap",
-           "near_groups", "candidates", "shocks", "contact", "fixed", "adaptive", "march"]
+           "group_sweep", "near_groups", "candidates", "shocks", "contact", "fixed", "adaptive", "march"]
 
 INCLUDE = re.compile(r'^\s*#include "((?:host|kernels)/[^"]+)"', re.MULTILINE)
 TYPE = re.compile(r"^(?:template <.*>\s*)?(?:struct|class|enum(?: class)?) (\w+)(?: final)?(?: ?:[^:;()][^;()]*)? \{", re.MULTILINE)

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <random>
+#include <vector>
+
+#include "tests/adaptive.hpp"
+#include "tests/looks.hpp"
+#include "tests/schemes.hpp"
+
+/// What a march carries is all that it needs: whatever else is thrown away between launches, the
+/// answer keeps its bits. And room that runs out in the middle of a run changes nothing either.
+namespace ra2d::test {
+namespace {
+
+/// Marches in launches of random length; after each, all but the saved state is thrown away.
+Outcome march_from_saved_states(const Model& model, const ModalStart& start, std::uint64_t seed) {
+  std::mt19937_64 dice(seed);
+  Outcome out;
+  SavedState saved = Batch({model}, {start}).save(0);
+  for (std::int64_t launches = 0;; ++launches) {
+    Batch batch({model}, {start});
+    batch.restore(0, saved);
+    const std::int64_t longest = std::max<std::int64_t>(1, model.steps / 8);
+    batch.march(batch.snapshot(0).step + 1 +
+                static_cast<std::int64_t>(dice() % static_cast<std::uint64_t>(longest)));
+    const Drained drained = batch.drain(0);
+    out.rows.insert(out.rows.end(), drained.sample_rows.begin(), drained.sample_rows.end());
+    out.shocks.insert(out.shocks.end(), drained.shocks.begin(), drained.shocks.end());
+    out.end = batch.snapshot(0);
+    if (out.end.status != Status::running) return out;
+    saved = batch.save(0);
+  }
+}
+
+void expect_goes_on_the_same(const Started& c, std::uint64_t seed) {
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  const Outcome whole = march(c.model, c.start, c.model.scene.time.nodes);
+  expect_same(whole, march_from_saved_states(c.model, c.start, seed));
+}
+
+struct SavedState_ : testing::TestWithParam<Scheme> {};
+
+TEST_P(SavedState_, IsAllThatAMarchGoesOnFrom) {
+  std::int64_t contact = 0, shocks = 0;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed)
+    for (const ContactLaw law : {ContactLaw::penalty, ContactLaw::multiplier}) {
+      if (law == ContactLaw::multiplier && !takes_multipliers(GetParam().kind)) continue;
+      Variant variant{.scheme = GetParam()};
+      variant.adapt = [&](Scene& s) {
+        s.contact.law = law;
+        s.time.nodes = seed % 3 == 0 ? Nodes::all : Nodes::candidates;
+      };
+      const Started c = random_scene(seed, variant);
+      expect_goes_on_the_same(c, seed);
+      const Snapshot end = march(c.model, c.start, c.model.scene.time.nodes).end;
+      contact += end.contact_steps;
+      shocks += end.shocks_begun;
+    }
+  EXPECT_GT(contact, 0);
+  EXPECT_GT(shocks, 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Schemes, SavedState_, testing::ValuesIn(schemes),
+                         [](const auto& tested) { return tested.param.name; });
+
+TEST(SavedStates, OfTheAdaptiveScheme) {
+  std::int64_t shocks = 0;
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    const Started c = random_adaptive_scene(seed);
+    expect_goes_on_the_same(c, seed);
+    shocks += march(c.model, c.start, Nodes::candidates).end.shocks_begun;
+  }
+  EXPECT_GT(shocks, 10);
+}
+
+TEST(Room, RunsOutAndGrowsWithTheSameBits) {
+  for (const bool found_together : {false, true}) {
+    Scene scene = rough_scene(Support::free);
+    if (found_together)
+      scene.time.contact_force = ForceTime::new_time;
+    else
+      scene = adaptive(scene, 1e-8);
+    const Recording expected = simulate(scene);
+    ASSERT_EQ(expected.end.status, Status::done);
+    ASSERT_GT(expected.end.most_nodes, 1);
+    for (const int nodes : {1, 2, 3})
+      EXPECT_TRUE(bits(simulate(scene, {.batch = {.room = {.nodes = nodes}}})) == bits(expected))
+          << nodes << " nodes at first, found together: " << found_together;
+  }
+}
+
+}  // namespace
+}  // namespace ra2d::test
