@@ -82,7 +82,7 @@ std::string describe_limit(const Model& model, int nodes) {
   if (is_adaptive(scene))
     return ". adaptive has no limit of stability: check the scene for values far from what they "
            "should be";
-  const SchemeChoice choice = choice_of(scene);
+  const TimeSettings choice = choice_of(scene);
   const JoinedModes place = most_yielding(model);
   StepLimits limits = step_limits(model, choice, place);
   if (scene.contact.law == ContactLaw::penalty)
@@ -167,7 +167,7 @@ bool is_finite(const std::vector<Shock>& shocks) {
 std::string checked_limit(const Model& model) {
   const Scene& scene = model.scene;
   if (is_adaptive(scene)) return {};
-  const SchemeChoice choice = choice_of(scene);
+  const TimeSettings choice = choice_of(scene);
   const JoinedModes place = most_yielding(model);
   // the search for its limit takes many times as long as a look at the step that is asked for
   if (choice.scheme == SchemeKind::exact &&
