@@ -38,7 +38,7 @@ struct Started {
 };
 
 struct Variant {
-  Scheme scheme{"BackwardEuler", SchemeKind::backward_euler};
+  Scheme scheme{{{SchemeKind::backward_euler}}, "BackwardEuler"};
   double turn = 0;                    // omega tau of the fastest mode; 0: as it comes, well below 1
   std::function<void(Scene&)> adapt;  // last changes
 };

@@ -51,18 +51,17 @@ bool failed(const TimedRun& run) {
   return run.status != Status::running && run.status != Status::done;
 }
 
-Name name_of(const Setting& setting) {
-  const auto& [choice, law] = setting.method;
+Name name_of(const Method& setting) {
+  const auto& [time, law] = setting;
   // under multipliers the force is that of the end of the step
-  const bool at_end = law == ContactLaw::multiplier || choice.force_time == ForceTime::new_time;
-  return {
-      .scheme = schemes.name(choice.scheme),
-      .law = contact_laws.name(law),
-      .contact_force = takes_tolerance(choice.scheme)
-                           ? continuous_force
-                           : force_times.name(at_end ? ForceTime::new_time : ForceTime::old_time),
-      .nodes = node_choices.name(Nodes::candidates),
-      .text = text(setting.method)};
+  const bool at_end = law == ContactLaw::multiplier || time.contact_force == ForceTime::new_time;
+  return {.scheme = schemes.name(time.scheme),
+          .law = contact_laws.name(law),
+          .contact_force = is_adaptive(time) ? continuous_force
+                                             : force_times.name(at_end ? ForceTime::new_time
+                                                                       : ForceTime::old_time),
+          .nodes = node_choices.name(Nodes::candidates),
+          .text = text(setting)};
 }
 
 /// Mean and standard error of values; `apart` are their differences from the reference's.
@@ -125,7 +124,7 @@ class Survey {
   };
   /// A setting that states are measured against, and its states.
   struct Reference {
-    Setting setting;
+    Method setting;
     std::string text;
     std::vector<std::optional<State>> states;
   };
@@ -156,15 +155,15 @@ class Survey {
   void first_answers(const Peer& peer, double limit);
   void repeat(int repetition);
   void run_long();
-  std::vector<Setting> long_settings(Setting& reference) const;
+  std::vector<Method> long_settings(Method& reference) const;
 
-  Setting finest(const Method& method) const {
-    if (takes_tolerance(method.choice.scheme))
-      return {method, 0,
-              0.1 * *std::min_element(options_.tolerances.begin(), options_.tolerances.end())};
-    return {method, 0.25 * *std::min_element(options_.steps.begin(), options_.steps.end())};
+  Method finest(const Method& method) const {
+    if (is_adaptive(method.time))
+      return sized(method,
+                   0.1 * *std::min_element(options_.tolerances.begin(), options_.tolerances.end()));
+    return sized(method, 0.25 * *std::min_element(options_.steps.begin(), options_.steps.end()));
   }
-  const Measured* measured(const Setting& setting) const {
+  const Measured* measured(const Method& setting) const {
     for (const Measured& point : chart_.points)
       if (point.setting == setting && point.name.program == "ra2d" && !point.wall.empty())
         return &point;
@@ -197,11 +196,11 @@ void Survey::list_points() {
   std::sort(options_.tolerances.begin(), options_.tolerances.end(), std::greater<>());
 
   for (const Method& method : methods_) {
-    const bool chooses = takes_tolerance(method.choice.scheme);
+    const bool chooses = is_adaptive(method.time);
     std::string hindrance;
     double holds = missing;
     for (const double size : chooses ? options_.tolerances : steps) {
-      const Setting setting{method, chooses ? 0.0 : size, chooses ? size : 0.0};
+      const Method setting = sized(method, size);
       Measured row{.name = name_of(setting), .setting = setting};
       const Model model = make_model(with(scene_, setting));
       if (hindrance.empty() && method.law == ContactLaw::multiplier) try {
@@ -212,7 +211,7 @@ void Survey::list_points() {
         }
       row.left_out = hindrance;
       if (!chooses && hindrance.empty()) {
-        if (std::isnan(holds)) holds = step_limits(model, method.choice).holds();
+        if (std::isnan(holds)) holds = step_limits(model, method.time).holds();
         const StepLimits limits{.modes = holds, .contact_one = holds};
         if (!beyond_limit(model, limits).empty())
           row.left_out = holds > 0 ? fmt::format("beyond its limit of {} s", rounded_down(holds))
@@ -230,8 +229,8 @@ void Survey::find_reference() {
   const Method best =
       *std::max_element(methods_.begin(), methods_.end(), [](const Method& a, const Method& b) {
         const auto rank = [](const Method& method) {
-          const SchemeKind scheme = method.choice.scheme;
-          const int order = takes_tolerance(scheme) ? 100 : scheme_table(scheme).order;
+          const SchemeKind scheme = method.time.scheme;
+          const int order = is_adaptive(method.time) ? 100 : scheme_table(scheme).order;
           return method.law == ContactLaw::penalty ? order
                  : scheme == SchemeKind::midpoint  ? 0
                                                    : -order;
@@ -250,9 +249,9 @@ void Survey::find_reference() {
                                       chart_.reference, search.time, status_text(search.status)));
   find_instants(search);
 
-  Setting coarser = reference_.setting;
-  coarser.step *= 2;
-  coarser.tolerance *= 10;
+  Method coarser = reference_.setting;
+  coarser.time.step *= 2;
+  if (coarser.time.tolerance) *coarser.time.tolerance *= 10;
   chart_.reference_check = size_text(coarser);
   for (const Instant& instant : chart_.instants) {
     const Scene scene = ending_at(scene_, reference_.setting, instant.time);
@@ -296,8 +295,8 @@ void Survey::find_instants(const TimedRun& search) {
 void Survey::first_stretches() {
   std::stable_sort(points_.begin(), points_.end(), [&](const Point& a, const Point& b) {
     const auto size = [&](const Point& p) {
-      const Setting& s = chart_.points[p.row].setting;
-      return s.tolerance > 0 ? s.tolerance : s.step;
+      const TimeSettings& time = chart_.points[p.row].setting.time;
+      return time.tolerance.value_or(time.step);
     };
     return size(a) > size(b);
   });
@@ -309,7 +308,7 @@ void Survey::first_stretches() {
     Measured& row = chart_.points[point.row];
     const double share = left / static_cast<double>(points_.size() - i) / options_.repetitions;
     const TimedRun run =
-        timed_run(point.model, start_of(row.setting.method.law, point.model), {.wall = share});
+        timed_run(point.model, start_of(row.setting.law, point.model), {.wall = share});
     left = std::max(0.0, left - run.seconds * options_.repetitions);
     if (failed(run)) {
       row.left_out = fmt::format("ended at t = {:.3g} s: {}", run.time, status_text(run.status));
@@ -330,11 +329,11 @@ Survey::Reference Survey::own_reference(const Method& method) {
   // the finest whose rate is known, where one four times finer would take too long
   const Measured* known = nullptr;
   for (const double step : options_.steps)
-    if (const Measured* point = measured({method, step})) known = point;
+    if (const Measured* point = measured(sized(method, step))) known = point;
   if (known == nullptr) return own;
   for (const Instant& instant : chart_.instants) {
     const double expected =
-        known->wall.front() * known->setting.step / own.setting.step * instant.time;
+        known->wall.front() * known->setting.time.step / own.setting.time.step * instant.time;
     if (expected > 2 * state_limit()) own.setting = known->setting;
   }
   own.text = fmt::format("its own finest, {}", size_text(own.setting));
@@ -349,8 +348,7 @@ Survey::Reference Survey::own_reference(const Method& method) {
 void Survey::compare_states() {
   for (const Method& method : methods_) {
     say(fmt::format("states, {}", text(method)));
-    const bool shared =
-        method.law == reference_.setting.method.law && method.law == ContactLaw::penalty;
+    const bool shared = method.law == reference_.setting.law && method.law == ContactLaw::penalty;
     compare_states(method, shared ? reference_ : own_reference(method));
   }
 }
@@ -358,12 +356,12 @@ void Survey::compare_states() {
 void Survey::compare_states(const Method& method, const Reference& reference) {
   for (const Point& point : points_) {
     Measured& row = chart_.points[point.row];
-    if (row.setting.method != method) continue;
+    if (row.name.text != text(method)) continue;
     row.against = reference.text;
     for (std::size_t i = 0; i < chart_.instants.size(); ++i) {
       StateError state;
       const double time = chart_.instants[i].time;
-      if (row.setting.step >= 2 * time)
+      if (row.setting.time.step >= 2 * time)
         state.note = "the step is longer than the time";
       else if (row.setting == reference.setting)
         state.note = "it is the reference";
@@ -378,7 +376,7 @@ void Survey::compare_states(const Method& method, const Reference& reference) {
         const TimedRun run = march(scene, {.wall = 4 * state_limit()});
         if (run.status == Status::done) {
           state.error = state_error(point.model, run.state, *reference.states[i]);
-          state.step = takes_tolerance(scene.time.scheme) ? 0.0 : scene.time.step;
+          state.step = is_adaptive(scene) ? 0.0 : scene.time.step;
         } else {
           state.note = failed(run) ? status_text(run.status) : "took too long";
         }
@@ -419,15 +417,13 @@ void Survey::confirm(double limit) {
 }
 
 void Survey::start_peers() {
-  if (options_.peers.empty() || points_.empty() ||
-      reference_.setting.method.law != ContactLaw::penalty) {
+  if (options_.peers.empty() || points_.empty() || reference_.setting.law != ContactLaw::penalty) {
     chart_.confirmed = options_.peers.empty() ? "not confirmed: no peers"
                                               : "not confirmed: the peers know penalty alone";
     return;
   }
   const double share = peer_share * options_.budget;
-  Scene scene =
-      with(scene_, {{{SchemeKind::backward_euler, ForceTime::old_time}}, scene_.time.step});
+  Scene scene = with(scene_, Method{});
   peers_ = std::make_unique<Peers>(options_.peers, scene);
   say("the peers confirm the reference");
   confirm(starting + 0.2 * share);
@@ -452,7 +448,7 @@ void Survey::first_answers(const Peer& peer, double limit) {
               .contact_force = continuous_force,
               .nodes = peer.nodes,
               .text = peer.integrator + (every ? ", every node" : "")};
-  row.setting.tolerance = peer.tolerance;
+  row.setting.time.tolerance = peer.tolerance;
   row.against = chart_.reference;
   double asked = std::min(peer_probe, chart_.instants.front().time);
   PeerRun run = ask(peer, asked, starting + limit);
@@ -490,8 +486,8 @@ void Survey::repeat(int repetition) {
   say(fmt::format("repetition {} of {}", repetition + 1, options_.repetitions));
   for (const Point& point : points_) {
     Measured& row = chart_.points[point.row];
-    const TimedRun run = timed_run(point.model, start_of(row.setting.method.law, point.model),
-                                   {.time = row.stretch});
+    const TimedRun run =
+        timed_run(point.model, start_of(row.setting.law, point.model), {.time = row.stretch});
     row.wall.push_back(run.seconds / run.time);
   }
   for (const PeerPoint& point : peer_points_) {
@@ -503,8 +499,8 @@ void Survey::repeat(int repetition) {
 
 /// What is run for long, of the settings whose rate is known; and which of them the others are
 /// compared with.
-std::vector<Setting> Survey::long_settings(Setting& reference) const {
-  const auto known = [&](const Setting& setting) { return measured(setting) != nullptr; };
+std::vector<Method> Survey::long_settings(Method& reference) const {
+  const auto known = [&](const Method& setting) { return measured(setting) != nullptr; };
   const auto step_near = [&](double wanted) {
     return *std::min_element(options_.steps.begin(), options_.steps.end(), [&](double a, double b) {
       return std::abs(std::log(a / wanted)) < std::abs(std::log(b / wanted));
@@ -515,38 +511,35 @@ std::vector<Setting> Survey::long_settings(Setting& reference) const {
   const Method midpoint{{SchemeKind::midpoint}, law}, own{choice_of(scene_), scene_.contact.law},
       euler{{SchemeKind::backward_euler}, ContactLaw::penalty},
       inelastic{{SchemeKind::backward_euler}, ContactLaw::multiplier};
-  std::vector<Setting> settings;
-  const auto add = [&](const Setting& setting) {
+  std::vector<Method> settings;
+  const auto add = [&](const Method& setting) {
     if (known(setting) && std::find(settings.begin(), settings.end(), setting) == settings.end())
       settings.push_back(setting);
   };
   for (const Method& method : methods_)
-    if (takes_tolerance(method.choice.scheme))
+    if (is_adaptive(method.time))
       for (const double tolerance : {1e-8, 1e-6, 1e-4})
         if (std::find(options_.tolerances.begin(), options_.tolerances.end(), tolerance) !=
             options_.tolerances.end())
-          add({method, 0, tolerance});
-  if (settings.empty()) add({midpoint, step_near(step / 3)});
-  if (settings.empty()) add({midpoint, step});
+          add(sized(method, tolerance));
+  if (settings.empty()) add(sized(midpoint, step_near(step / 3)));
+  if (settings.empty()) add(sized(midpoint, step));
   if (!settings.empty()) reference = settings.front();
-  if (takes_tolerance(own.choice.scheme))
-    add({own, 0, scene_.time.tolerance.value_or(0)});
-  else
-    add({own, step});
-  add({euler, step});
-  add({midpoint, step});
+  add(sized(own, is_adaptive(scene_) ? scene_.time.tolerance.value_or(0) : step));
+  add(sized(euler, step));
+  add(sized(midpoint, step));
   for (const double coarse : {step_near(10 * step), step_near(3 * step)})
-    if (known({midpoint, coarse})) {
-      add({midpoint, coarse});
+    if (known(sized(midpoint, coarse))) {
+      add(sized(midpoint, coarse));
       break;
     }
-  add({inelastic, step});
+  add(sized(inelastic, step));
   return settings;
 }
 
 void Survey::run_long() {
-  Setting reference;
-  const std::vector<Setting> settings = long_settings(reference);
+  Method reference;
+  const std::vector<Method> settings = long_settings(reference);
   if (settings.empty()) {
     chart_.long_notes = "no long run: nothing of the right kind could be measured";
     return;
@@ -558,9 +551,9 @@ void Survey::run_long() {
   for (int seed = 0; seed < (random ? options_.seeds : 1); ++seed) {
     std::map<ContactLaw, ModalStart> found;
     try {
-      for (const Setting& setting : settings)
-        if (!found.contains(setting.method.law))
-          found[setting.method.law] = make_start(make_model(variant(with(scene_, setting), seed)));
+      for (const Method& setting : settings)
+        if (!found.contains(setting.law))
+          found[setting.law] = make_start(make_model(variant(with(scene_, setting), seed)));
     } catch (const RequestError&) {
       continue;
     }
@@ -574,18 +567,18 @@ void Survey::run_long() {
     return;
   }
   double rates = 0;
-  for (const Setting& setting : settings) rates += measured(setting)->wall_median();
+  for (const Method& setting : settings) rates += measured(setting)->wall_median();
   chart_.long_time =
       std::min(scene_.duration, long_share * budget_ / rates / static_cast<double>(seeds.size()));
 
   std::vector<std::array<double, quantities>> of_reference;
-  for (const Setting& setting : settings) {
+  for (const Method& setting : settings) {
     LongRun row{.name = name_of(setting), .setting = setting, .reference = setting == reference};
     say(fmt::format("long runs, {}, {}", row.name.text, size_text(setting)));
     std::vector<Model> models;
     for (const int seed : seeds) models.push_back(make_model(variant(with(scene_, setting), seed)));
     const std::vector<TimedRun> runs =
-        timed_runs(models, starts[setting.method.law], {.time = chart_.long_time});
+        timed_runs(models, starts[setting.law], {.time = chart_.long_time});
     std::vector<std::array<double, quantities>> found;
     double marched = 0;
     for (std::size_t i = 0; i < runs.size(); ++i) {

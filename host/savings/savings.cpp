@@ -36,25 +36,11 @@ constexpr double numerics_share = 0.06;
 // of which the reference takes so much for its first runs
 constexpr double reference_share = 0.25;
 
-/// A scheme with its step or tolerance.
+/// A scheme with its step or tolerance, and what it costs.
 struct Numerics {
-  SchemeChoice choice;
-  double step = 0, tolerance = 0;
+  TimeSettings time;
   double cost = 0;  // as of Ensemble, expected
 };
-
-Scene with(Scene scene, const Numerics& n) {
-  scene.time.scheme = n.choice.scheme;
-  if (scene.time.scheme == SchemeKind::backward_euler && scene.contact.law == ContactLaw::penalty)
-    scene.time.contact_force = n.choice.force_time;
-  if (is_adaptive(scene))
-    scene.time.tolerance = n.tolerance;
-  else
-    scene.time.step = n.step;
-  scene.time.force = false;
-  scene.time.nodes = Nodes::candidates;  // the answer is the same
-  return scene;
-}
 
 std::string text_of(const Scene& scene) {
   return fmt::format("{}, {}", short_text(choice_of(scene)),
@@ -101,6 +87,9 @@ class Search {
       : written_{scene}, options_{options}, begun_{Clock::now()} {
     out_.accuracy = options.accuracy;
     out_.written = out_.chosen = scene;
+    plain_ = scene.time;
+    plain_.force = false;
+    plain_.nodes = Nodes::candidates;  // the answer is the same
   }
   Savings run();
 
@@ -118,6 +107,17 @@ class Search {
     scene.output.probes.clear();
     return scene;
   }
+  Scene marched(const TimeSettings& time) const {
+    Scene scene = written_;
+    scene.time = time;
+    return scene;
+  }
+  TimeSettings adaptive(double tolerance) const {
+    TimeSettings time = plain_;
+    time.scheme = SchemeKind::adaptive;
+    time.tolerance = tolerance;
+    return time;
+  }
   Runs runs_of(const Scene& scene) const { return std::make_shared<Ensemble>(for_runs(scene)); }
 
   void set_reference();
@@ -132,7 +132,8 @@ class Search {
   Trial changed(const std::string& key, const std::string& what, std::function<void(Scene&)> change,
                 const Scene& from) const;
 
-  Scene written_;  // with all that the search needs said
+  Scene written_;       // with all that the search needs said
+  TimeSettings plain_;  // its own, as far as the answer goes
   const SavingsOptions options_;
   const Clock::time_point begun_;
   Savings out_;
@@ -230,7 +231,7 @@ Trial Search::try_out(Trial trial, const Runs& base, double end, double expected
 void Search::set_reference() {
   Scene& reference = out_.reference = written_;
   if (written_.contact.law == ContactLaw::penalty) {
-    reference = with(written_, {{SchemeKind::adaptive}, 0, reference_tolerance});
+    reference.time = adaptive(reference_tolerance);
   } else {
     reference.time.step = written_.time.step / 10;
     reference.time.force = false;
@@ -289,20 +290,19 @@ std::vector<Numerics> Search::numerics() const {
   std::vector<Numerics> list;
   const bool spring = written_.contact.law == ContactLaw::penalty;
   const double probe = 0.002 * options_.budget;
-  double most = measure_cost(
-      for_runs(with(out_.reference,
-                    {choice_of(out_.reference), out_.reference.time.step, reference_tolerance})),
-      probe);
+  Scene reference = out_.reference;
+  reference.time.nodes = Nodes::candidates;
+  double most = measure_cost(for_runs(reference), probe);
   if (spring)
     for (const double tolerance : {1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8}) {
-      Numerics n{{SchemeKind::adaptive}, 0, tolerance};
-      n.cost = measure_cost(for_runs(with(written_, n)), probe);
+      Numerics n{adaptive(tolerance)};
+      n.cost = measure_cost(for_runs(marched(n.time)), probe);
       most = std::max(most, n.cost);
       list.push_back(n);
     }
   const Model model = make_model(out_.reference);
   const JoinedModes place = most_yielding(model);
-  for (const SchemeChoice& choice : choices_under(written_.contact.law)) {
+  for (const TimeSettings& choice : choices_under(written_.contact.law)) {
     // what an impact gives back is the scheme's under multipliers: two let it rest alike
     if (!spring && choice.scheme != written_.time.scheme &&
         !(is_semi_implicit(choice.scheme) && is_semi_implicit(written_.time.scheme)))
@@ -314,10 +314,14 @@ std::vector<Numerics> Search::numerics() const {
     if (!(largest > 0)) continue;
     double per_step = 0;
     for (const double step : ladder(largest, spring ? 1e-11 : written_.time.step)) {
-      Numerics n{choice, step};
+      Numerics n{plain_};
+      n.time.scheme = choice.scheme;
+      if (spring && choice.scheme == SchemeKind::backward_euler)
+        n.time.contact_force = choice.contact_force;
+      n.time.step = step;
       if (per_step == 0) {
         try {
-          per_step = measure_cost(for_runs(with(written_, n)), probe) * step;
+          per_step = measure_cost(for_runs(marched(n.time)), probe) * step;
         } catch (const RequestError&) {
           break;
         }
@@ -347,8 +351,8 @@ void Search::find_numerics() {
   std::vector<Numerics> list = numerics();
   std::optional<Trial> found;
   const auto attempt = [&](const Numerics& n, double end) {
-    const auto change = [n](Scene& s) { s = with(s, n); };
-    Trial trial = try_out(changed("time", text_of(with(written_, n)), change, written_), reference_,
+    const auto change = [time = n.time](Scene& s) { s.time = time; };
+    Trial trial = try_out(changed("time", text_of(marched(n.time)), change, written_), reference_,
                           end, n.cost);
     trial.by_balance = trial.verdict == Verdict::open && trial.first.pairs > 0 &&
                        trial.closure <= options_.accuracy &&
@@ -362,24 +366,20 @@ void Search::find_numerics() {
   };
 
   // first what will do if anything does, so that there is time for it
-  Numerics safe{choice_of(written_), written_.time.step};
-  if (written_.contact.law == ContactLaw::penalty)
-    safe = {{SchemeKind::adaptive}, 0, usual_tolerance};
-  safe.cost = measure_cost(for_runs(with(written_, safe)), 0.004 * options_.budget);
+  Numerics safe{written_.contact.law == ContactLaw::penalty ? adaptive(usual_tolerance) : plain_};
+  safe.cost = measure_cost(for_runs(marched(safe.time)), 0.004 * options_.budget);
   out_.trials.push_back(attempt(safe, spent() + 2 * numerics_share));
 
   std::map<std::string, double> longest;  // worth trying, by scheme
   std::size_t left_out = 0;
   for (const Numerics& n : list) {
     if (n.cost >= safe.cost && found) break;
-    const bool is_safe =
-        n.choice == safe.choice && n.step == safe.step && n.tolerance == safe.tolerance;
-    if (is_safe) continue;
+    if (n.time == safe.time) continue;
     if (found && found->what != out_.trials.front().what)
       break;  // by cost the first that does is the cheapest
-    const std::string name = fmt::format("{} {}", static_cast<int>(n.choice.scheme),
-                                         static_cast<int>(n.choice.force_time));
-    if (longest.contains(name) && n.step > longest[name] * (1 + 1e-9)) continue;
+    const std::string name = fmt::format("{} {}", static_cast<int>(n.time.scheme),
+                                         static_cast<int>(n.time.contact_force));
+    if (longest.contains(name) && n.time.step > longest[name] * (1 + 1e-9)) continue;
     Trial trial;
     if (spent() < numerics_end)
       trial = attempt(n, std::min(numerics_end, spent() + numerics_share));
@@ -387,7 +387,7 @@ void Search::find_numerics() {
       ++left_out;
       continue;
     }
-    if (n.step > 0) longest[name] = n.step * shortening(trial, options_.accuracy);
+    if (!is_adaptive(n.time)) longest[name] = n.time.step * shortening(trial, options_.accuracy);
     out_.trials.push_back(std::move(trial));
   }
   if (left_out > 0)

@@ -106,8 +106,9 @@ TEST_P(EveryScheme, ImpactIsOfFirstOrderOrOfSecondWhateverTheSchemesOrder) {
   // that does not look for the kink does better; the schemes of order one do worse, by what they
   // get wrong in between. Backward Euler with the old force is the midpoint scheme for a mass,
   // which has no stiffness of its own to be damped.
-  const bool second = GetParam().table().order >= 2 ||
-                      (GetParam().kind == SchemeKind::backward_euler && !GetParam().implicit());
+  const bool second =
+      GetParam().table().order >= 2 ||
+      (GetParam().time.scheme == SchemeKind::backward_euler && !GetParam().implicit());
   double coarse = 0;
   for (double z = 0.2; z > 0.01; z /= 2) {
     double sum = 0;
@@ -125,7 +126,7 @@ TEST_P(EveryScheme, ImpactIsOfFirstOrderOrOfSecondWhateverTheSchemesOrder) {
 TEST_P(EveryScheme, ImpactGivesBackTheEnergyThatTheorySays) {
   for (const double z : {0.2, 0.1, 0.05, 0.025, 0.0125}) {
     double theory = 0;
-    switch (GetParam().kind) {
+    switch (GetParam().time.scheme) {
       case SchemeKind::explicit_euler:
         theory = pi * z;
         break;
@@ -263,7 +264,7 @@ std::vector<Scene> rough_scenes(const Scheme& scheme) {
 TEST_P(EveryScheme, LaunchesAndBuffersOfAnyLengthGiveTheSameBits) {
   for (const Scene& scene : rough_scenes(GetParam())) {
     const Recording whole = simulate(scene);
-    if (GetParam().kind != SchemeKind::explicit_euler) {  // whose motion grows in contact
+    if (GetParam().time.scheme != SchemeKind::explicit_euler) {  // whose motion grows in contact
       EXPECT_EQ(whole.end.status, Status::done);
     }
     EXPECT_GT(whole.end.contact_steps, 0);
