@@ -34,6 +34,8 @@ std::vector<Recording> simulate(const std::vector<Model>& models,
       append(all.nodes, block.nodes);
       append(all.probe_displacement, block.probe_displacement);
       append(all.probe_velocity, block.probe_velocity);
+      append(all.slider_probe_displacement, block.slider_probe_displacement);
+      append(all.slider_probe_velocity, block.slider_probe_velocity);
       append(all.kinetic, block.kinetic);
       append(all.elastic, block.elastic);
       append(all.contact, block.contact);

@@ -150,7 +150,7 @@ def compare_results(old_path, new_path, attributes=True):
     (old, old_attributes), (new, new_attributes) = read(old_path), read(new_path)
     found = [Difference(name, "only in the old result" if name in old else "only in the new result", -math.inf)
              for name in sorted(old.keys() ^ new.keys())]
-    for name in old:  # in the order of the file
+    for name in old:
         if name in new and name not in COST:
             found.append(compare_dataset(name, old, new))
     if attributes:
