@@ -38,8 +38,8 @@ TimedRun run(const Scene& scene, const RunLimits& limits = {}) {
 }
 
 /// Of the state just before the 5th shock.
-double error_of(const Scene& scene, const Setting& setting) {
-  const Setting finest{{{SchemeKind::adaptive, ForceTime::old_time}}, 0, 1e-12};
+double error_of(const Scene& scene, const Method& setting) {
+  const Method finest = sized({{SchemeKind::adaptive}}, 1e-12);
   // in whole microseconds, so that a fixed step ends there
   const double end =
       1e-6 * std::floor(1e6 * run(with(scene, finest), {.shocks = 5}).shocks.at(4).start);
@@ -48,7 +48,7 @@ double error_of(const Scene& scene, const Setting& setting) {
                      run(at_end).state);
 }
 
-void add_case(const std::string& name, const Scene& scene, const Setting& setting, double stretch) {
+void add_case(const std::string& name, const Scene& scene, const Method& setting, double stretch) {
   add(name, 1, [=](benchmark::State& state) {
     double seconds = 0, simulated = 0, steps = 0;
     for (auto _ : state) {
@@ -73,9 +73,9 @@ void add_cases() {
       };
       for (const double tolerance : {1e-3, 1e-6, 1e-8, 1e-10})
         add_case(full_name(fmt::format("adaptive:{:g}", tolerance)), scene,
-                 {{{SchemeKind::adaptive, ForceTime::old_time}}, 0, tolerance}, small ? 1e-3 : 1.0);
+                 sized({{SchemeKind::adaptive}}, tolerance), small ? 1e-3 : 1.0);
       for (const SchemeKind scheme : {SchemeKind::backward_euler, SchemeKind::midpoint})
-        add_case(full_name(schemes.name(scheme)), scene, {{{scheme, ForceTime::old_time}}, 1e-8, 0},
+        add_case(full_name(schemes.name(scheme)), scene, sized({{scheme}}, 1e-8),
                  small ? 1e-4 : 0.1);
     }
 }

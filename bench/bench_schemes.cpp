@@ -48,12 +48,11 @@ std::vector<Named> methods() {
   std::vector<Named> all;
   for (const auto& [name, scheme] : schemes.words)
     if (scheme != SchemeKind::adaptive)  // which has no step to be timed
-      all.push_back({name, {scheme, ForceTime::old_time, ContactLaw::penalty}});
-  all.push_back({"backward-euler+new",
-                 {SchemeKind::backward_euler, ForceTime::new_time, ContactLaw::penalty}});
+      all.push_back({name, {{scheme}}});
+  all.push_back({"backward-euler+new", {{SchemeKind::backward_euler, ForceTime::new_time}}});
   for (const auto& [name, scheme] : schemes.words)
     if (takes_multipliers(scheme))
-      all.push_back({name + "+multiplier", {scheme, ForceTime::old_time, ContactLaw::multiplier}});
+      all.push_back({name + "+multiplier", {{scheme}, ContactLaw::multiplier}});
   return all;
 }
 
@@ -89,7 +88,7 @@ std::string table(const RatioReporter& reporter) {
         const double step = reporter.median_of(scene + "/" + named.name + size);
         if (!(step > 0)) continue;
         const bool held = named.method.law == ContactLaw::multiplier;
-        const double force = step / (held ? 1 : scheme_table(named.method.scheme).stages);
+        const double force = step / (held ? 1 : scheme_table(named.method.time.scheme).stages);
         out +=
             fmt::format("{:<38}{:>10.2f}{:>12.2f}{:>14.2f}{:>18.2f}\n",
                         scene + "/" + named.name + size, step, force, step / euler, force / euler);

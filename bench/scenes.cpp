@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <stdexcept>
+#include <string>
 #include <utility>
 
 #include "bench/places.hpp"
@@ -15,13 +16,9 @@ namespace {
 
 constexpr std::int64_t settling_steps = 2'000'000;  // 20 ms at 10 ns
 
-Scene read(Paper paper, Method method) {
-  Scene scene =
-      read_scene(scene_file(paper == Paper::free_slider ? "dang2012" : "dang2012-pinned"));
-  scene.time.scheme = method.scheme;
-  scene.time.contact_force = method.force_time;
-  scene.contact.law = method.law;
-  return scene;
+Scene read(Paper paper, const Method& method) {
+  return with(read_scene(scene_file(paper == Paper::free_slider ? "dang2012" : "dang2012-pinned")),
+              method);
 }
 
 double modal_energy(const Beam& beam, const std::vector<double>& u, const std::vector<double>& v) {
@@ -39,16 +36,16 @@ Prepared start_of(const Scene& scene) {
 
 }  // namespace
 
-Prepared at_start(Paper paper, int variant, Method method) {
+Prepared at_start(Paper paper, int variant, const Method& method) {
   Scene scene = read(paper, method);
   scene.resonator.surface.seed += 2 * variant;  // stays clear of the slider's seeds
   scene.slider.surface.seed += 2 * variant;
   return start_of(scene);
 }
 
-std::vector<Prepared> settled(Paper paper, int count, Method method) {
-  static std::map<std::pair<Paper, Method>, std::vector<Prepared>> known;
-  std::vector<Prepared>& scenes = known[{paper, method}];
+std::vector<Prepared> settled(Paper paper, int count, const Method& method) {
+  static std::map<std::pair<Paper, std::string>, std::vector<Prepared>> known;
+  std::vector<Prepared>& scenes = known[{paper, text(method)}];
   std::vector<Prepared> missing;
   for (int i = static_cast<int>(scenes.size()); i < count; ++i)
     missing.push_back(at_start(paper, i, method));
@@ -89,7 +86,7 @@ Prepared before_contact(const Prepared& from, std::int64_t stretch) {
   throw std::runtime_error("benchmark scene: nothing ever touches");
 }
 
-Prepared in_flight(Method method) {
+Prepared in_flight(const Method& method) {
   Scene scene = read(Paper::pinned_slider, method);
   scene.initial = Initial::rest;
   scene.gap = 1.0;
@@ -101,7 +98,7 @@ Prepared in_flight(Method method) {
   return out;
 }
 
-Prepared in_contact(Method method) {
+Prepared in_contact(const Method& method) {
   Scene scene = read(Paper::free_slider, method);
   scene.speed = 0.0;
   scene.output.rate = 1000.0;

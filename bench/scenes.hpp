@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-#include <compare>
 #include <cstdint>
 #include <vector>
 
+#include "host/chart/methods.hpp"
 #include "host/device/batch.hpp"
 #include "host/model/model.hpp"
 
@@ -13,26 +13,19 @@ namespace ra2d::bench {
 /// Both readings of the paper: scenes/dang2012.toml and scenes/dang2012-pinned.toml.
 enum class Paper { free_slider, pinned_slider };
 
-/// How a scene is marched: the paper's own way unless something else is asked.
-struct Method {
-  SchemeKind scheme = SchemeKind::backward_euler;
-  ForceTime force_time = ForceTime::old_time;
-  ContactLaw law = ContactLaw::penalty;
-  auto operator<=>(const Method&) const = default;
-};
-
 /// A scene and the state that a march of it starts from.
 struct Prepared {
   Model model;
   ModalStart start;
 };
 
-/// The scene at t = 0. `variant` > 0 stands for the same scene with other surfaces.
-Prepared at_start(Paper paper, int variant = 0, Method method = {});
+/// The scene at t = 0, marched the paper's own way unless another method is asked for. `variant` > 0
+/// stands for the same scene with other surfaces.
+Prepared at_start(Paper paper, int variant = 0, const Method& method = {});
 
 /// Variants 0 to count - 1 after about 20 ms, when the start is forgotten. Marched once in a
 /// program.
-std::vector<Prepared> settled(Paper paper, int count, Method method = {});
+std::vector<Prepared> settled(Paper paper, int count, const Method& method = {});
 
 /// The scene taken over from a march of it: its step 0 is where the march stands.
 Prepared taken_over(const Prepared& from, const Snapshot& now);
@@ -41,11 +34,11 @@ Prepared taken_over(const Prepared& from, const Snapshot& now);
 Prepared before_contact(const Prepared& from, std::int64_t stretch);
 
 /// Nothing can touch: a slider a metre away, the resonator ringing in all its modes.
-Prepared in_flight(Method method = {});
+Prepared in_flight(const Method& method = {});
 
 /// Contact at every step: the free slider does not slide, and rocks so little that no node lifts
 /// off.
-Prepared in_contact(Method method = {});
+Prepared in_contact(const Method& method = {});
 
 /// The same scene with its gap looked at in another way.
 Prepared looking_at(Prepared scene, Nodes nodes);

@@ -17,7 +17,7 @@ Scene adaptive(Scene scene, double tolerance) {
 
 Started random_adaptive_scene(std::uint64_t seed) {
   Variant variant;
-  variant.scheme = {"Adaptive", SchemeKind::adaptive};
+  variant.scheme = {{{SchemeKind::adaptive}}, "Adaptive"};
   variant.adapt = [seed](Scene& s) {
     Dice dice(seed * 7919 + 13);
     const double tolerances[] = {1e-4, 1e-6, 1e-8, 1e-10, 1e-12};

@@ -7,14 +7,8 @@ namespace ra2d::test {
 
 std::vector<Scheme> schemes_and_implicit() {
   std::vector<Scheme> out = schemes;
-  out.push_back({"FullyImplicit", SchemeKind::backward_euler, ForceTime::new_time});
+  out.push_back({{{SchemeKind::backward_euler, ForceTime::new_time}}, "FullyImplicit"});
   return out;
-}
-
-Scene with(Scene scene, const Scheme& scheme) {
-  scene.time.scheme = scheme.kind;
-  scene.time.contact_force = scheme.force_time;
-  return scene;
 }
 
 Scene lone_beam(int modes, double damping) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "host/chart/methods.hpp"
 #include "host/model/model.hpp"
 #include "host/scene/schemes.hpp"
 #include "kernels/schemes/mode_step.hpp"
@@ -14,25 +15,22 @@
 /// The time schemes in tests, and scenes on which they are alone.
 namespace ra2d::test {
 
-/// A scheme with the time of its contact force.
-struct Scheme {
+/// A method by the name that tests give it.
+struct Scheme : Method {
   std::string name;
-  SchemeKind kind;
-  ForceTime force_time = ForceTime::old_time;
 
-  const SchemeTable& table() const { return scheme_table(kind); }
-  bool implicit() const { return force_time == ForceTime::new_time; }
+  const SchemeTable& table() const { return scheme_table(time.scheme); }
+  bool implicit() const { return time.contact_force == ForceTime::new_time; }
 };
-inline const std::vector<Scheme> schemes = {{"ExplicitEuler", SchemeKind::explicit_euler},
-                                            {"Midpoint", SchemeKind::midpoint},
-                                            {"BackwardEuler", SchemeKind::backward_euler},
-                                            {"Heun", SchemeKind::heun},
-                                            {"Rk4", SchemeKind::rk4},
-                                            {"Rk8", SchemeKind::rk8},
-                                            {"Exact", SchemeKind::exact}};
+inline const std::vector<Scheme> schemes = {{{{SchemeKind::explicit_euler}}, "ExplicitEuler"},
+                                            {{{SchemeKind::midpoint}}, "Midpoint"},
+                                            {{{SchemeKind::backward_euler}}, "BackwardEuler"},
+                                            {{{SchemeKind::heun}}, "Heun"},
+                                            {{{SchemeKind::rk4}}, "Rk4"},
+                                            {{{SchemeKind::rk8}}, "Rk8"},
+                                            {{{SchemeKind::exact}}, "Exact"}};
 /// ... and backward Euler with the contact force of the new time.
 std::vector<Scheme> schemes_and_implicit();
-Scene with(Scene scene, const Scheme& scheme);
 
 /// omega tau from 1e-4 to 1e2, damping from none to beyond critical.
 struct RandomModes {

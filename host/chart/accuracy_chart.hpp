@@ -50,7 +50,7 @@ struct Name {
 /// One setting of one method, or of a peer.
 struct Measured {
   Name name;
-  Setting setting;
+  Method setting;
   std::string left_out;            // why nothing was measured
   std::vector<StateError> states;  // one an instant
   std::string against;             // what the states were measured against
@@ -72,7 +72,7 @@ inline constexpr std::array<const char*, quantities> quantity_names{"level", "sh
 
 struct LongRun {
   Name name;
-  Setting setting;
+  Method setting;
   bool reference = false;
   double wall = missing;                         // s of march per simulated second
   std::string note;                              // what went wrong

@@ -27,9 +27,9 @@ std::string number(double value, const char* format = "{:.6g}") {
 }
 
 /// The size of the step or the tolerance alone.
-std::string short_size(const Setting& setting) {
-  return setting.step > 0 ? fmt::format("{:g} s", setting.step)
-                          : fmt::format("tol {:g}", setting.tolerance);
+std::string short_size(const Method& setting) {
+  return setting.time.tolerance ? fmt::format("tol {:g}", *setting.time.tolerance)
+                                : fmt::format("{:g} s", setting.time.step);
 }
 
 /// Whether `point` is within an error, and every finer one of its method: a chaotic motion may come
@@ -41,8 +41,9 @@ bool stays_within(const AccuracyChart& chart, const Measured& point, std::size_t
   };
   return within(point) &&
          std::all_of(chart.points.begin(), chart.points.end(), [&](const Measured& finer) {
-           return finer.name.text != point.name.text || finer.setting.step > point.setting.step ||
-                  finer.setting.tolerance > point.setting.tolerance ||
+           return finer.name.text != point.name.text ||
+                  finer.setting.time.step > point.setting.time.step ||
+                  finer.setting.time.tolerance > point.setting.time.tolerance ||
                   std::isnan(error_of(finer, measure, chart.instants.size())) || within(finer);
          });
 }
@@ -187,11 +188,11 @@ std::string comments(const Context& context) {
   return text;
 }
 
-std::string setting_columns(const Name& name, const Setting& setting) {
+std::string setting_columns(const Name& name, const Method& setting) {
   return fmt::format("{},{},{},{},{},{},{}", name.program, name.scheme, name.law,
                      name.contact_force, name.nodes,
-                     number(setting.step > 0 ? setting.step : missing),
-                     number(setting.tolerance > 0 ? setting.tolerance : missing));
+                     number(setting.time.step > 0 ? setting.time.step : missing),
+                     number(setting.time.tolerance.value_or(missing)));
 }
 
 }  // namespace

@@ -52,8 +52,7 @@ double spectral_radius(const Matrix& m) {
 }
 
 Model trial_model(const GrowthTrial& trial, const TrialMode& mode, Scene scene, int steps) {
-  scene.time.scheme = trial.choice.scheme;
-  scene.time.contact_force = trial.choice.force_time;
+  scene.time = trial.choice;
   scene.resonator.damping = trial.zeta;
   scene.time.step = trial.x / mode.omega;
   scene.duration = steps * scene.time.step;

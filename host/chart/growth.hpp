@@ -23,7 +23,7 @@ struct TrialMode {
 
 /// A step to be tried: x = omega tau, with the frequency of the mode or of the contact spring.
 struct GrowthTrial {
-  SchemeChoice choice;
+  TimeSettings choice;
   bool contact = false;
   double zeta = 0;
   double x = 0;

@@ -8,36 +8,32 @@
 /// What a chart of accuracy compares: schemes under contact laws, with steps or tolerances.
 namespace ra2d {
 
+/// A scheme under a contact law. With a step or, of the adaptive scheme, with a tolerance it is also
+/// called a setting.
 struct Method {
-  SchemeChoice choice;
+  TimeSettings time;
   ContactLaw law = ContactLaw::penalty;
   bool operator==(const Method&) const = default;
 };
-
-/// A method with its step [s]; of a scheme that chooses its own steps, with its tolerance.
-struct Setting {
-  Method method;
-  double step = 0, tolerance = 0;
-  bool operator==(const Setting&) const = default;
-};
-
-/// Whether a scheme chooses its own steps, to a tolerance.
-bool takes_tolerance(SchemeKind scheme);
 
 /// Every method that can march the scene, penalty first. Without a contact stiffness there is no
 /// penalty.
 std::vector<Method> methods_of(const Scene& scene);
 
-/// The scene as the setting marches it.
-Scene with(Scene scene, const Setting& setting);
+/// The setting of a method whose step [s] is `size`, or, of the adaptive scheme, whose tolerance is.
+Method sized(Method method, double size);
+
+/// The scene as the method marches it. What the method does not say, it keeps: its step, or its
+/// tolerance.
+Scene with(Scene scene, const Method& method);
 
 /// The same up to `time` alone, on a whole number of steps next to the setting's own, with samples
 /// at its beginning and its end.
-Scene ending_at(Scene scene, const Setting& setting, double time);
+Scene ending_at(Scene scene, const Method& setting, double time);
 
 /// For people, e.g. "midpoint, multiplier".
 std::string text(const Method& method);
 /// "1e-08 s" or "tolerance 1e-08".
-std::string size_text(const Setting& setting);
+std::string size_text(const Method& setting);
 
 }  // namespace ra2d

@@ -22,25 +22,25 @@ constexpr double least_x = 0.01, most_x = 10.0;
 
 /// What is said of a scheme beside its numbers. Of the paper: Table 1, "" where it is blank.
 struct Row {
-  SchemeChoice choice;
+  TimeSettings choice;
   const char *name, *type, *free_limit, *contact_limit;
   const char *paper_error, *paper_limit;
 };
-constexpr Row rows[] = {{{SchemeKind::explicit_euler, ForceTime::old_time},
+constexpr Row rows[] = {{{SchemeKind::explicit_euler},
                          "explicit Euler",
                          "explicit",
                          "x <= 2 zeta",
                          "x_c <= 2 zeta_c",
                          "o(tau)",
                          "unstable"},
-                        {{SchemeKind::midpoint, ForceTime::old_time},
+                        {{SchemeKind::midpoint},
                          "midpoint",
                          "explicit, V staggered",
                          "x < 2 for every zeta",
                          "x_c < 2",
                          "o(tau^2)",
                          "tau < 2/omega"},
-                        {{SchemeKind::backward_euler, ForceTime::old_time},
+                        {{SchemeKind::backward_euler},
                          "backward Euler, old force",
                          "implicit, force explicit",
                          "every x",
@@ -54,28 +54,28 @@ constexpr Row rows[] = {{{SchemeKind::explicit_euler, ForceTime::old_time},
                          "every x_c",
                          "o(tau^2)",
                          ""},
-                        {{SchemeKind::heun, ForceTime::old_time},
+                        {{SchemeKind::heun},
                          "Heun (RK2)",
                          "explicit",
                          "x^3/4 - zeta x^2 + 2 zeta^2 x <= 2 zeta",
                          "as free, of x_c and zeta_c",
                          "o(tau^2)",
                          "tau < sqrt(2)/omega"},
-                        {{SchemeKind::rk4, ForceTime::old_time},
+                        {{SchemeKind::rk4},
                          "RK4",
                          "explicit",
                          "|R(z)| <= 1; x <= 2 sqrt(2) at zeta = 0",
                          "as free, of x_c and zeta_c",
                          "o(tau^4)",
                          ""},
-                        {{SchemeKind::rk8, ForceTime::old_time},
+                        {{SchemeKind::rk8},
                          "RK8 (Cooper-Verner)",
                          "explicit",
                          "|R(z)| <= 1; x <= 3.002 at zeta = 0",
                          "as free, of x_c and zeta_c",
                          "o(tau^5)",
                          ""},
-                        {{SchemeKind::exact, ForceTime::old_time},
+                        {{SchemeKind::exact},
                          "exact, force held",
                          "closed form",
                          "every x",
@@ -141,10 +141,9 @@ std::string measured_text(const Limit& limit) {
   return fmt::format("{}({:.0f})", digits(middle), std::ceil(half / unit + 0.5));  // and rounding
 }
 
-const Row& row_of(SchemeChoice choice) {
-  return *std::find_if(std::begin(rows), std::end(rows), [&](const Row& row) {
-    return row.choice.scheme == choice.scheme && row.choice.force_time == choice.force_time;
-  });
+const Row& row_of(const TimeSettings& choice) {
+  return *std::find_if(std::begin(rows), std::end(rows),
+                       [&](const Row& row) { return row.choice == choice; });
 }
 
 std::string line(std::string text) {
@@ -193,7 +192,7 @@ std::vector<double> damping_ratios() {
 }
 
 /// A mode and a spring a million times as stiff, which is damped by zeta.
-double spring_limit(SchemeChoice choice, double zeta) {
+double spring_limit(const TimeSettings& choice, double zeta) {
   constexpr double ratio = 1000;  // of the frequencies
   const JoinedModes joined{{Mode{1.0, ratio * zeta, 1.0}}, {1.0}};
   return ratio * contact_limit(choice, joined, ratio * ratio);
@@ -207,16 +206,16 @@ std::vector<std::complex<double>> forwards(std::vector<std::complex<double>> mot
   return motions;
 }
 
-std::string scheme_columns(SchemeChoice choice) {
-  return fmt::format("{},{}", schemes.name(choice.scheme), force_times.name(choice.force_time));
+std::string scheme_columns(const TimeSettings& choice) {
+  return fmt::format("{},{}", schemes.name(choice.scheme), force_times.name(choice.contact_force));
 }
 
 const char* contact_column(bool contact) { return contact ? "closed" : "open"; }
 
 }  // namespace
 
-std::vector<SchemeChoice> chart_schemes() {
-  std::vector<SchemeChoice> choices;
+std::vector<TimeSettings> chart_schemes() {
+  std::vector<TimeSettings> choices;
   for (const Row& row : rows) choices.push_back(row.choice);
   return choices;
 }

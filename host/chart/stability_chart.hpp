@@ -14,7 +14,7 @@ inline constexpr double growth_at = 0.1;
 /// One limit: the largest x = omega tau up to which a mode of damping ratio zeta stays bounded, or,
 /// in contact, the largest omega_c tau of the spring that holds such a mode (TrialMode).
 struct Limit {
-  SchemeChoice choice;
+  TimeSettings choice;
   bool contact = false;
   double zeta = 0;
   double theory = 0;                              // 0: grows at every step; infinity: at none
@@ -29,7 +29,7 @@ struct ChartOptions {
 };
 
 /// The schemes of the chart, in its order.
-std::vector<SchemeChoice> chart_schemes();
+std::vector<TimeSettings> chart_schemes();
 
 /// Every scheme, free and in contact, for every zeta. Steps are tried from x = 0.01 to 10, and more
 /// of them next to the theory's limit; then the first change from no growth to growth is narrowed

@@ -83,7 +83,7 @@ std::string body_text(const char* name, const Scene& scene, const BodySpec& spec
 /// Of a scheme of fixed steps: what holds, how many there are, and what they cost.
 void plan_steps(const Model& model, const JoinedModes& place, Plan& plan) {
   const Scene& scene = model.scene;
-  for (const SchemeChoice& choice : choices_under(scene.contact.law)) {
+  for (const TimeSettings& choice : choices_under(scene.contact.law)) {
     plan.schemes.push_back({choice, step_limits(model, choice, place)});
     if (choice == plan.own.choice) plan.own = plan.schemes.back();
   }
@@ -249,21 +249,21 @@ std::string cost_text(const Plan& plan) {
 
 }  // namespace
 
-std::string scheme_text(const Scene& scene, SchemeChoice choice) {
+std::string scheme_text(const Scene& scene, const TimeSettings& choice) {
   std::string text = schemes.name(choice.scheme);
   if (scene.contact.law == ContactLaw::penalty && choice.scheme == SchemeKind::backward_euler)
-    text +=
-        fmt::format(" with the contact force of the {} time", force_times.name(choice.force_time));
+    text += fmt::format(" with the contact force of the {} time",
+                        force_times.name(choice.contact_force));
   return text;
 }
 
-std::string short_text(SchemeChoice choice) {
+std::string short_text(const TimeSettings& choice) {
   return fmt::format("{}{}", schemes.name(choice.scheme),
-                     choice.force_time == ForceTime::new_time ? ", new force" : "");
+                     choice.contact_force == ForceTime::new_time ? ", new force" : "");
 }
 
-std::vector<SchemeChoice> choices_under(ContactLaw law) {
-  std::vector<SchemeChoice> choices;
+std::vector<TimeSettings> choices_under(ContactLaw law) {
+  std::vector<TimeSettings> choices;
   for (const auto& [name, scheme] : schemes.words) {
     if (scheme == SchemeKind::adaptive) continue;
     if (law == ContactLaw::multiplier && !takes_multipliers(scheme)) continue;
@@ -275,7 +275,7 @@ std::vector<SchemeChoice> choices_under(ContactLaw law) {
   return choices;
 }
 
-SchemeChoice choice_of(const Scene& scene) {
+TimeSettings choice_of(const Scene& scene) {
   // the others take the force in one way only
   const bool asked =
       scene.time.scheme == SchemeKind::backward_euler && scene.contact.law == ContactLaw::penalty;
@@ -285,7 +285,7 @@ SchemeChoice choice_of(const Scene& scene) {
 std::string beyond_limit(const Model& model, const StepLimits& limits) {
   const Scene& scene = model.scene;
   if (!(scene.time.step > limits.holds())) return {};
-  const SchemeChoice choice = choice_of(scene);
+  const TimeSettings choice = choice_of(scene);
   const bool modes = limits.modes_bind();
   const JoinedModes place = most_yielding(model);
   // its limit promises no more than can be said of all smaller steps

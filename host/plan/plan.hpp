@@ -20,7 +20,7 @@ struct BodyPlan {
 };
 
 struct SchemePlan {
-  SchemeChoice choice;
+  TimeSettings choice;
   StepLimits limits;
 };
 
@@ -51,16 +51,16 @@ Plan make_plan(const Model& model, std::size_t memory, int touching = 0);
 std::string describe(const Model& model, const Plan& plan);
 
 /// A scheme as messages call it, e.g. "backward-euler with the contact force of the old time".
-std::string scheme_text(const Scene& scene, SchemeChoice choice);
+std::string scheme_text(const Scene& scene, const TimeSettings& choice);
 
 /// The same for tables, e.g. "backward-euler, new force".
-std::string short_text(SchemeChoice choice);
+std::string short_text(const TimeSettings& choice);
 
-/// All that a contact law can take.
-std::vector<SchemeChoice> choices_under(ContactLaw law);
+/// All schemes of fixed steps that a contact law can take, each with the times of its contact force.
+std::vector<TimeSettings> choices_under(ContactLaw law);
 
-/// The scene's own choice.
-SchemeChoice choice_of(const Scene& scene);
+/// The scene's own, of fixed steps or not, without its step.
+TimeSettings choice_of(const Scene& scene);
 
 /// What the scene's step goes beyond and how fast that grows; empty while it holds.
 std::string beyond_limit(const Model& model, const StepLimits& limits);

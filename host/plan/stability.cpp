@@ -88,14 +88,14 @@ double mass_sum(const JoinedModes& joined) {
   return sum;
 }
 
-bool takes_new_force(SchemeChoice choice) {
-  return choice.scheme == SchemeKind::backward_euler && choice.force_time == ForceTime::new_time;
+bool takes_new_force(const TimeSettings& choice) {
+  return choice.scheme == SchemeKind::backward_euler && choice.contact_force == ForceTime::new_time;
 }
 
 /// The step of the joined modes less the identity, on (sigma U, V). Its columns are the answers to a
 /// one in each.
-Eigen::MatrixXd joined_increment(SchemeChoice choice, const JoinedModes& joined, double stiffness,
-                                 double tau) {
+Eigen::MatrixXd joined_increment(const TimeSettings& choice, const JoinedModes& joined,
+                                 double stiffness, double tau) {
   const int n = static_cast<int>(joined.modes.size());
   std::vector<ModeStep> steps;
   double fastest = stiffness * mass_sum(joined);  // bound on the square of the fastest motion's
@@ -142,7 +142,7 @@ Eigen::MatrixXd joined_increment(SchemeChoice choice, const JoinedModes& joined,
 }
 
 /// ln of the largest factor of amplification(choice, joined, ...).
-double log_amplification(SchemeChoice choice, const JoinedModes& joined, double stiffness,
+double log_amplification(const TimeSettings& choice, const JoinedModes& joined, double stiffness,
                          double tau) {
   if (joined.modes.empty()) return 0.0;
   const Eigen::EigenSolver<Eigen::MatrixXd> solver(joined_increment(choice, joined, stiffness, tau),
@@ -163,8 +163,7 @@ double held_force_limit(const JoinedModes& joined, double stiffness) {
   const auto damped = [](const Mode& mode) { return mode.zeta * mode.omega > 0; };
   if (std::none_of(joined.modes.begin(), joined.modes.end(), damped)) return 0.0;
   const auto holds = [&](double tau) {
-    return log_amplification({SchemeKind::exact, ForceTime::old_time}, joined, stiffness, tau) <=
-           roundings(joined);
+    return log_amplification({SchemeKind::exact}, joined, stiffness, tau) <= roundings(joined);
   };
   const double period = 1 / std::sqrt(stiffness * mass_sum(joined));
   double fastest = 0;
@@ -241,11 +240,12 @@ double mode_limit(SchemeKind scheme, double zeta) {
   return polynomial_limit(table, 1.0) / (zeta + std::sqrt(zeta * zeta - 1));
 }
 
-double amplification(SchemeChoice choice, const JoinedModes& joined, double stiffness, double tau) {
+double amplification(const TimeSettings& choice, const JoinedModes& joined, double stiffness,
+                     double tau) {
   return std::exp(log_amplification(choice, joined, stiffness, tau));
 }
 
-double contact_limit(SchemeChoice choice, const JoinedModes& joined, double stiffness) {
+double contact_limit(const TimeSettings& choice, const JoinedModes& joined, double stiffness) {
   const double omega_c = std::sqrt(stiffness * mass_sum(joined));
   if (takes_new_force(choice) || omega_c == 0) return infinity;
   if (!std::isfinite(omega_c)) return 0.0;  // beyond all doubles: no search would end
@@ -358,11 +358,11 @@ double contact_frequency(const Model& model, const JoinedModes& place) {
   return std::sqrt(model.node_stiffness * mass_sum(place));
 }
 
-StepLimits step_limits(const Model& model, SchemeChoice choice) {
+StepLimits step_limits(const Model& model, const TimeSettings& choice) {
   return step_limits(model, choice, most_yielding(model));
 }
 
-StepLimits step_limits(const Model& model, SchemeChoice choice, const JoinedModes& place) {
+StepLimits step_limits(const Model& model, const TimeSettings& choice, const JoinedModes& place) {
   StepLimits limits;
   limits.modes = limits.contact_one = limits.contact_many = infinity;
   for (const Beam* beam : {&model.resonator, &model.slider}) {
@@ -394,12 +394,12 @@ double mode_growth(const Model& model, SchemeKind scheme, double tau) {
   return most;
 }
 
-bool holds_in_contact(const Model& model, SchemeChoice choice, const JoinedModes& place,
+bool holds_in_contact(const Model& model, const TimeSettings& choice, const JoinedModes& place,
                       double tau) {
   return log_amplification(choice, place, model.node_stiffness, tau) <= roundings(place);
 }
 
-double contact_growth(const Model& model, SchemeChoice choice, const JoinedModes& place,
+double contact_growth(const Model& model, const TimeSettings& choice, const JoinedModes& place,
                       double tau) {
   return log_amplification(choice, place, model.node_stiffness, tau) / tau;
 }

@@ -6,15 +6,9 @@
 #include "host/model/model.hpp"
 #include "kernels/schemes/mode_step.hpp"
 
-/// Limits of stability, from theory (kernels/schemes/ has each scheme's own).
+/// Limits of stability, from theory (kernels/schemes/ has each scheme's own). Of a `choice` only the
+/// scheme and the time of its contact force are looked at: the step is given beside it.
 namespace ra2d {
-
-/// A scheme with the time at which it takes the penalty force.
-struct SchemeChoice {
-  SchemeKind scheme = SchemeKind::backward_euler;
-  ForceTime force_time = ForceTime::old_time;
-  bool operator==(const SchemeChoice&) const = default;
-};
 
 /// Largest factor by which a step multiplies a free mode's amplitude, the spectral radius of its
 /// step; x = omega tau.
@@ -41,11 +35,12 @@ StepError step_error(SchemeKind scheme, double zeta, double x);
 
 /// Largest factor by which a step multiplies a motion of the joined modes while a contact spring of
 /// `stiffness` [N/m] stays closed.
-double amplification(SchemeChoice choice, const JoinedModes& joined, double stiffness, double tau);
+double amplification(const TimeSettings& choice, const JoinedModes& joined, double stiffness,
+                     double tau);
 
 /// The largest step [s] up to which such motion stays bounded: 0 and infinity as above. For `exact`
 /// it is found by search and 0 stands for any below 1e-5/omega_c, omega_c^2 = k sum psi^2/m.
-double contact_limit(SchemeChoice choice, const JoinedModes& joined, double stiffness);
+double contact_limit(const TimeSettings& choice, const JoinedModes& joined, double stiffness);
 
 /// The motions of the joined modes with the spring closed: eigenvalues lambda [1/s] of m_j (U_j'' + 2
 /// zeta_j omega_j U_j' + omega_j^2 U_j) + k psi_j sum_l psi_l U_l = 0. Of conjugate pairs both, or
@@ -73,18 +68,18 @@ struct StepLimits {
 };
 
 /// Under multipliers there is no contact spring: contact_one and contact_many are infinite.
-StepLimits step_limits(const Model& model, SchemeChoice choice);
+StepLimits step_limits(const Model& model, const TimeSettings& choice);
 /// The same with most_yielding(model) at hand.
-StepLimits step_limits(const Model& model, SchemeChoice choice, const JoinedModes& place);
+StepLimits step_limits(const Model& model, const TimeSettings& choice, const JoinedModes& place);
 
 /// Whether a step holds one node in contact, by the spectral radius of that very step (penalty).
-bool holds_in_contact(const Model& model, SchemeChoice choice, const JoinedModes& place,
+bool holds_in_contact(const Model& model, const TimeSettings& choice, const JoinedModes& place,
                       double tau);
 
 /// Fastest growth [1/s] of a motion's amplitude under steps of tau, of the free modes or with one
 /// node closed at that place; what decays most slowly where nothing grows.
 double mode_growth(const Model& model, SchemeKind scheme, double tau);
-double contact_growth(const Model& model, SchemeChoice choice, const JoinedModes& place,
+double contact_growth(const Model& model, const TimeSettings& choice, const JoinedModes& place,
                       double tau);
 
 }  // namespace ra2d

@@ -74,7 +74,7 @@ std::string describe_limit(const Model& model, int nodes) {
   if (is_adaptive(scene))
     return ". adaptive has no limit of stability: check the scene for values far from what they "
            "should be";
-  const SchemeChoice choice = choice_of(scene);
+  const TimeSettings choice = choice_of(scene);
   const JoinedModes place = most_yielding(model);
   StepLimits limits = step_limits(model, choice, place);
   if (scene.contact.law == ContactLaw::penalty)
@@ -128,7 +128,7 @@ std::string describe_failure(const Model& model, const Snapshot& end) {
 std::string checked_limit(const Model& model) {
   const Scene& scene = model.scene;
   if (is_adaptive(scene)) return {};
-  const SchemeChoice choice = choice_of(scene);
+  const TimeSettings choice = choice_of(scene);
   const JoinedModes place = most_yielding(model);
   // the search for its limit takes many times as long as a look at the step that is asked for
   if (choice.scheme == SchemeKind::exact &&

@@ -2,9 +2,9 @@
 #include "host/run/simulation.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
-#include <mutex>
 #include <utility>
 
 #include "host/device/backend.hpp"
@@ -89,19 +89,14 @@ void SceneRun::close() { keep(make_shocks(model_, accounts_.now.open_shocks)); }
 
 Simulation::Simulation(const SimulationOptions& options) : options_{options} {}
 
-void Simulation::run(const Next& next, const std::function<void(SceneRun&)>& done,
+void Simulation::run(const Make& make, const std::function<void(SceneRun&)>& done,
                      const std::function<void()>& between) {
   Batch batch(options_.slots, options_.batch);
   std::vector<SceneRun*> scenes(static_cast<std::size_t>(options_.slots), nullptr);
-  std::mutex asking;
-  bool more = true;
+  std::atomic<std::size_t> made = 0;
   const auto fill = [&](int slot) {
     SceneRun*& scene = scenes[static_cast<std::size_t>(slot)];
-    {
-      const std::lock_guard lock(asking);
-      scene = more ? next() : nullptr;
-      more = scene != nullptr;
-    }
+    scene = make(made++);
     if (scene == nullptr) return batch.empty(slot);
     batch.put(slot, scene->model(), scene->start());
     scene->begin(batch.snapshot(slot));
@@ -137,8 +132,7 @@ void Simulation::run(const Next& next, const std::function<void(SceneRun&)>& don
 
 void Simulation::run(const std::vector<SceneRun*>& scenes, const std::function<void()>& between) {
   options_.slots = static_cast<int>(scenes.size());
-  std::size_t at = 0;
-  run([&] { return at < scenes.size() ? scenes[at++] : nullptr; }, {}, between);
+  run([&](std::size_t i) { return i < scenes.size() ? scenes[i] : nullptr; }, {}, between);
 }
 
 }  // namespace ra2d

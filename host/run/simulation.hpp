@@ -89,15 +89,15 @@ struct SimulationOptions {
 /// interrupted (host/interruption.hpp).
 class Simulation {
  public:
-  /// The next scene, or none. Called by any thread, by one at a time; the scene must live until it is
-  /// over.
-  using Next = std::function<SceneRun*()>;
+  /// Makes scene 0, 1, 2, ..., or says that there are no more. Threads make scenes side by side; a scene
+  /// must live until the run is over.
+  using Make = std::function<SceneRun*(std::size_t)>;
 
   explicit Simulation(const SimulationOptions& options = {});
 
   /// `done` is called for each scene that is over, by the thread that marched it; `between` after each
   /// launch. Throws RequestError where a scene cannot be marched, and what sinks throw.
-  void run(const Next& next, const std::function<void(SceneRun&)>& done = {},
+  void run(const Make& make, const std::function<void(SceneRun&)>& done = {},
            const std::function<void()>& between = {});
   /// These scenes, all side by side.
   void run(const std::vector<SceneRun*>& scenes, const std::function<void()>& between = {});

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "host/format.hpp"
+#include "host/plan/plan.hpp"
 #include "host/savings/savings.hpp"
 #include "host/scene/names.hpp"
 #include "host/scene/schemes.hpp"
@@ -88,9 +89,7 @@ std::string choice_text(const Scene& scene) {
   return is_adaptive(scene) ? fmt::format("{} to {:g}", schemes.name(scene.time.scheme),
                                           scene.time.tolerance.value_or(usual_tolerance))
                             : fmt::format("{}{}, step {:g} s", schemes.name(scene.time.scheme),
-                                          scene.time.scheme == SchemeKind::backward_euler &&
-                                                  scene.contact.law == ContactLaw::penalty &&
-                                                  scene.time.contact_force == ForceTime::new_time
+                                          choice_of(scene).contact_force == ForceTime::new_time
                                               ? " with the new force"
                                               : "",
                                           scene.time.step);

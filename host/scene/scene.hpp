@@ -69,6 +69,8 @@ struct ContactSettings {
   double stiffness = 0;  // Pa/m, kappa
 };
 
+/// Schemes that are compared with one another are named by it, too: `scheme` and `contact_force`,
+/// with no step.
 struct TimeSettings {
   SchemeKind scheme = SchemeKind::backward_euler;
   ForceTime contact_force = ForceTime::old_time;
@@ -76,6 +78,7 @@ struct TimeSettings {
   std::optional<double> tolerance;  // adaptive: relative local error per step; others need none
   Nodes nodes = Nodes::candidates;
   bool force = false;  // run beyond the limit of stability, too
+  bool operator==(const TimeSettings&) const = default;
 };
 
 struct OutputSettings {

@@ -44,7 +44,8 @@ const SchemeTable& table_of() {
 
 }  // namespace
 
-bool is_adaptive(const Scene& scene) { return scene.time.scheme == SchemeKind::adaptive; }
+bool is_adaptive(const TimeSettings& time) { return time.scheme == SchemeKind::adaptive; }
+bool is_adaptive(const Scene& scene) { return is_adaptive(scene.time); }
 
 const SchemeTable& scheme_table(SchemeKind scheme) {
   switch (scheme) {

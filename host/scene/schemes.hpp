@@ -19,7 +19,9 @@ struct SchemeTable {
   std::vector<double> polynomial;
 };
 
-/// Whether the scene's steps are found on the way, so that it has no step and no scheme_table.
+/// Whether the steps are found on the way, to a tolerance, so that there is no step and no
+/// scheme_table.
+bool is_adaptive(const TimeSettings& time);
 bool is_adaptive(const Scene& scene);
 
 /// Of a scheme of fixed steps.

@@ -21,6 +21,7 @@
 #include "host/partial_file.hpp"
 #include "host/store/hash.hpp"
 #include "host/store/hdf5.hpp"
+#include "host/store/writer_thread.hpp"
 
 #ifndef RA2D_VERSION
 #define RA2D_VERSION "unknown"
@@ -40,7 +41,14 @@ constexpr std::int64_t format =
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t rows_at_once = 8192;          // 64 KiB of one column: a chunk, a shock window
 constexpr std::size_t bytes_at_once = 4096 * 1024;  // buffered, and written between two flushes
+constexpr std::size_t bytes_read_at_once = 1024 * 1024;  // which are still at hand when hashed
 constexpr std::size_t chunk_bytes = 128 * 1024;
+
+/// Of datasets that grow, in rows of so many numbers.
+hsize_t chunk_rows(hsize_t width) {
+  return std::clamp<hsize_t>(std::bit_floor(chunk_bytes / (width * sizeof(double))), 1,
+                             rows_at_once);
+}
 
 // Where the numbers of a dataset come from, which also says when they are written.
 using Fixed = std::vector<double> (*)(const ResultHeader&);  // at the start, (rows, columns)
@@ -84,7 +92,7 @@ const Entry entries[] = {
     {"resonator/shape", "m-0.5", "mode shapes of the resonator", "resonator/mode", "resonator/position",
      [](const ResultHeader& h) { return h.resonator.shape; }},
     {"resonator/mean_square", "m-1", "mean squares of the elastic mode shapes over all nodes", "resonator/mode", "",
-     [](const ResultHeader& h) { return h.resonator.mean_square; }},
+     [](const ResultHeader& h) { return h.resonator.mean_square.get(); }},
     {"resonator/displacement", "m1.5", "modal displacements of the resonator", "time", "resonator/mode", &SampleBlock::resonator_displacement},
     {"resonator/velocity", "m1.5 s-1", "modal velocities of the resonator", "time", "resonator/mode", &SampleBlock::resonator_velocity},
     {"slider/mode", "1", "numbers of the slider's modes, rigid ones first", "slider/mode", "",
@@ -96,7 +104,7 @@ const Entry entries[] = {
     {"slider/shape", "m-0.5", "mode shapes of the slider", "slider/mode", "slider/position",
      [](const ResultHeader& h) { return h.slider.shape; }},
     {"slider/mean_square", "m-1", "mean squares of the elastic mode shapes over all nodes", "slider/mode", "",
-     [](const ResultHeader& h) { return h.slider.mean_square; }},
+     [](const ResultHeader& h) { return h.slider.mean_square.get(); }},
     {"slider/displacement", "m1.5", "modal displacements of the slider", "time", "slider/mode", &SampleBlock::slider_displacement},
     {"slider/velocity", "m1.5 s-1", "modal velocities of the slider", "time", "slider/mode", &SampleBlock::slider_velocity},
     {"contact/force", "N", "total normal contact force", "time", "", &SampleBlock::force},
@@ -152,10 +160,22 @@ const Source* source_of(const Entry& entry) {
   return std::get_if<Source>(&entry.source);
 }
 
-// HDF5 need not be built thread safe, and a program may write several files at once.
-std::mutex& library_mutex() {
+/// The width of a dataset that has columns is the length of their scale.
+hsize_t column_count(const Entry& entry, const ResultHeader& header) {
+  for (const Entry& scale : entries)
+    if (scale.path == std::string_view{entry.columns})
+      return (*source_of<Fixed>(scale))(header).size();
+  return 1;
+}
+
+/// HDF5 need not be built thread safe, and a program may write several files at once.
+std::unique_lock<std::mutex> take_library() {
   static std::mutex mutex;
-  return mutex;
+  std::unique_lock lock{mutex};
+  // Before all other calls: a file that a failed flush has spoilt must not crash the program's exit.
+  [[maybe_unused]] static const herr_t once = H5dont_atexit();
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // its stack goes into our own messages
+  return lock;
 }
 
 // ---- small pieces of HDF5 --------------------------------------------------------------------
@@ -238,9 +258,16 @@ struct Table {
     const hsize_t extent[] = {rows, width};
     check(H5Dset_extent(dataset, extent));
   }
+  /// Of datasets that grow. Whole chunks go to the file as they are, by no copy in HDF5's cache.
   void write(hsize_t first, hsize_t rows, const double* data) const {
     if (rows * width == 0) return;
-    const auto [memory, file] = select(first, rows);
+    const hsize_t chunk = chunk_rows(width), end = first + rows;
+    for (; first % chunk == 0 && first + chunk <= end; first += chunk, data += chunk * width) {
+      const hsize_t place[] = {first, 0};
+      check(H5Dwrite_chunk(dataset, H5P_DEFAULT, 0, place, chunk * width * sizeof(double), data));
+    }
+    if (first == end) return;
+    const auto [memory, file] = select(first, end - first);
     check(H5Dwrite(dataset, H5T_NATIVE_DOUBLE, memory, file, H5P_DEFAULT, data));
   }
   void read(hsize_t first, hsize_t rows, double* data) const {
@@ -313,6 +340,9 @@ class ShockWindow {
 
 // ---- the file --------------------------------------------------------------------------------
 
+// What is given is written buffer by buffer on a thread beside the caller's, who fills the next one
+// meanwhile; so is what the file begins with. HDF5 is called by one thread at a time: by the writer
+// until it is waited for.
 struct ResultFile::Impl {
   Impl(const fs::path& path, const ResultHeader& header);
   ~Impl();
@@ -332,41 +362,64 @@ struct ResultFile::Impl {
     std::string path, name;
     Value value;
   };
+  /// Samples of one quantity on their way to the file.
+  struct Column {
+    const Entry* entry;
+    std::size_t width;
+    std::vector<double> rows;
+
+    const std::vector<double>& of(const SampleBlock& block) const {
+      return block.*std::get<Sampled>(entry->source);
+    }
+  };
+  struct Buffer {
+    std::vector<Column> columns;
+    std::size_t rows = 0;
+    std::vector<Shock> shocks;
+  };
 
   template <class Body>
   void guarded(Body body);
-  void require_open() const;
-  void create(const ResultHeader& header);
+  template <class Body>
+  void while_open(Body body);
+  void hand_over();
+  void describe(const ResultHeader& header);
   h5::Dataset create_dataset(const Entry& entry, hsize_t rows, hsize_t columns);
   void give(hid_t object, const char* path, const char* name, Value value);
   void finish(Table& table, hsize_t rows);
-  void write_samples();
-  void write_shocks();
+  void write(Buffer& buffer);
+  void write_samples(Buffer& buffer);
+  void write_shocks(std::vector<Shock>& shocks);
   void compact_shocks();
   void reserve(std::size_t bytes);
   void flush();
   void verify() const;
   void discard() noexcept;
 
+  // of the thread that calls
   fs::path final_;
+  bool open_ = true;
+  std::size_t buffer_rows_ = 0;
+  Buffer filling_;
+
+  // of the thread that writes
   std::optional<PartialFile> partial_;
   std::string doing_;  // what an error interrupts
   h5::File file_;
   std::vector<Table> samples_, shocks_;
-  std::vector<std::vector<double>> buffers_;  // of samples_, row-major
-  std::size_t buffer_rows_ = 0, buffered_ = 0;
-  std::vector<Shock> pending_;
+  Buffer writing_;
   hsize_t sample_rows_ = 0, shock_rows_ = 0;
   HashSum shock_sum_;  // of the rows that were given, over their columns
   std::vector<Whole> wholes_;
   std::vector<Given> given_;
+
+  WriterThread writer_;
 };
 
-/// Runs one public method: whatever goes wrong, nothing is left on the disk.
+/// Runs what calls HDF5: whatever goes wrong, nothing is left on the disk.
 template <class Body>
 void ResultFile::Impl::guarded(Body body) {
-  const std::lock_guard lock{library_mutex()};
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // its stack goes into our own message
+  const auto lock = take_library();
   try {
     body();
   } catch (const h5::Failure& failure) {
@@ -378,31 +431,53 @@ void ResultFile::Impl::guarded(Body body) {
   }
 }
 
-void ResultFile::Impl::require_open() const {
-  if (!file_.is_open())
+/// Runs what may hear of a failure: nothing more is written after it.
+template <class Body>
+void ResultFile::Impl::while_open(Body body) {
+  if (!open_)
     throw FileError(fmt::format("cannot write to '{}': it is finished, or an earlier write failed.",
                                 final_.string()));
+  open_ = false;
+  body();
+  open_ = true;
 }
 
 ResultFile::Impl::Impl(const fs::path& path, const ResultHeader& header)
     : final_{path}, doing_{"create"} {
-  // A file that a failed flush has spoilt must not crash the program's exit.
-  [[maybe_unused]] static const herr_t once = H5dont_atexit();
+  std::size_t row_bytes = 0;
+  for (const Entry& entry : entries)
+    if (source_of<Sampled>(entry)) {
+      filling_.columns.push_back({&entry, column_count(entry, header), {}});
+      row_bytes += filling_.columns.back().width * sizeof(double);
+    }
+  buffer_rows_ =
+      std::clamp<std::size_t>(std::bit_floor(bytes_at_once / row_bytes), 1, rows_at_once);
+  writing_ = filling_;
+  for (Buffer* buffer : {&filling_, &writing_})
+    for (Column& column : buffer->columns) column.rows.reserve(buffer_rows_ * column.width);
+  partial_.emplace(final_);
   guarded([&] {
-    partial_.emplace(final_);
-    create(header);
-    flush();
+    const h5::Properties creation = ordered(H5P_FILE_CREATE), access = file_access();
+    file_ = h5::File{check(H5Fcreate(partial_->path().c_str(), H5F_ACC_TRUNC, creation, access))};
+  });
+  writer_.start([this, header] {
+    for (const ModesHeader* modes : {&header.resonator, &header.slider})
+      modes->mean_square.get();  // is waited for before HDF5 is kept from others
+    guarded([&] {
+      describe(header);
+      flush();
+    });
   });
 }
 
 ResultFile::Impl::~Impl() {
-  const std::lock_guard lock{library_mutex()};
+  writer_.finish();
+  const auto lock = take_library();
   discard();
 }
 
-void ResultFile::Impl::create(const ResultHeader& header) {
-  const h5::Properties creation = ordered(H5P_FILE_CREATE), access = file_access();
-  file_ = h5::File{check(H5Fcreate(partial_->path().c_str(), H5F_ACC_TRUNC, creation, access))};
+/// Makes all that the file holds, and writes what is known before the first step.
+void ResultFile::Impl::describe(const ResultHeader& header) {
   reserve(header.scene.size() +
           2 * sizeof(double) * (header.resonator_height.size() + header.slider_height.size()));
 
@@ -425,12 +500,8 @@ void ResultFile::Impl::create(const ResultHeader& header) {
     h5::close(group);
   }
 
-  std::size_t row_bytes = 0;
   for (const Entry& entry : entries) {
-    hsize_t columns = 1;
-    for (const Entry& scale : entries)
-      if (scale.path == std::string_view{entry.columns})
-        columns = (*source_of<Fixed>(scale))(header).size();
+    const hsize_t columns = column_count(entry, header);
     if (const Fixed* fixed = source_of<Fixed>(entry)) {
       const std::vector<double> data = (*fixed)(header);
       const hsize_t rows = data.size() / std::max<hsize_t>(columns, 1);
@@ -442,7 +513,6 @@ void ResultFile::Impl::create(const ResultHeader& header) {
       finish(table, rows);
     } else if (source_of<Sampled>(entry)) {
       samples_.push_back({&entry, create_dataset(entry, 0, columns), columns, {}});
-      row_bytes += columns * sizeof(double);
     } else if (source_of<PerShock>(entry)) {
       shocks_.push_back({&entry, create_dataset(entry, 0, 1), 1, {}});
     }
@@ -450,9 +520,6 @@ void ResultFile::Impl::create(const ResultHeader& header) {
   for (const char* group : sampled_groups)
     check(H5Lcreate_hard(file_, "time", file_, fmt::format("{}/time", group).c_str(), H5P_DEFAULT,
                          H5P_DEFAULT));
-  buffers_.resize(samples_.size());
-  buffer_rows_ =
-      std::clamp<std::size_t>(std::bit_floor(bytes_at_once / row_bytes), 1, rows_at_once);
 }
 
 /// Sets an attribute, for verify() to look for.
@@ -486,10 +553,7 @@ h5::Dataset ResultFile::Impl::create_dataset(const Entry& entry, hsize_t rows, h
     // HDF5 wants chunks of at least one number and no larger than the axis may grow: an axis
     // without modes may therefore grow to one.
     const hsize_t width = std::max<hsize_t>(columns, 1);
-    const hsize_t chunk[] = {
-        std::clamp<hsize_t>(std::bit_floor(chunk_bytes / (width * sizeof(double))), 1,
-                            rows_at_once),
-        width};
+    const hsize_t chunk[] = {chunk_rows(width), width};
     const hsize_t now[] = {rows, columns}, later[] = {H5S_UNLIMITED, width};
     space = h5::Space{check(H5Screate_simple(has_columns ? 2 : 1, now, later))};
     check(H5Pset_chunk(creation, has_columns ? 2 : 1, chunk));
@@ -514,68 +578,85 @@ h5::Dataset ResultFile::Impl::create_dataset(const Entry& entry, hsize_t rows, h
 }
 
 void ResultFile::Impl::append(const SampleBlock& block) {
-  require_open();
   const std::size_t rows = block.time.size();
-  for (const Table& table : samples_)
-    if ((block.*std::get<Sampled>(table.entry->source)).size() != rows * table.width)
-      throw std::logic_error(fmt::format("SampleBlock: {} is not {} rows of {}", table.entry->path,
-                                         rows, table.width));
-  for (std::size_t done = 0; done < rows;) {
-    const std::size_t count = std::min(rows - done, buffer_rows_ - buffered_);
-    for (std::size_t k = 0; k < samples_.size(); ++k) {
-      const std::size_t width = samples_[k].width;
-      const double* data = (block.*std::get<Sampled>(samples_[k].entry->source)).data();
-      buffers_[k].insert(buffers_[k].end(), data + done * width, data + (done + count) * width);
+  for (const Column& column : filling_.columns)
+    if (column.of(block).size() != rows * column.width)
+      throw std::logic_error(fmt::format("SampleBlock: {} is not {} rows of {}", column.entry->path,
+                                         rows, column.width));
+  while_open([&] {
+    if (writer_.has_failed()) writer_.wait();
+    for (std::size_t done = 0; done < rows;) {
+      const std::size_t count = std::min(rows - done, buffer_rows_ - filling_.rows);
+      for (Column& column : filling_.columns) {
+        const double* data = column.of(block).data();
+        column.rows.insert(column.rows.end(), data + done * column.width,
+                           data + (done + count) * column.width);
+      }
+      done += count;
+      filling_.rows += count;
+      if (filling_.rows == buffer_rows_) hand_over();
     }
-    done += count;
-    buffered_ += count;
-    if (buffered_ == buffer_rows_) guarded([&] { write_samples(); });
-  }
-}
-
-void ResultFile::Impl::write_samples() {
-  if (buffered_ == 0) return;
-  doing_ = fmt::format("write the samples from t = {} s on to", buffers_.front().front());
-  std::size_t bytes = 0;
-  for (const auto& buffer : buffers_) bytes += buffer.size() * sizeof(double);
-  reserve(bytes);
-  for (std::size_t k = 0; k < samples_.size(); ++k) {
-    samples_[k].resize(sample_rows_ + buffered_);
-    samples_[k].write(sample_rows_, buffered_, buffers_[k].data());
-    samples_[k].hash.add(buffers_[k].data(), buffers_[k].size());
-    buffers_[k].clear();
-  }
-  sample_rows_ += buffered_;
-  buffered_ = 0;
-  flush();
+  });
 }
 
 void ResultFile::Impl::append(const std::vector<Shock>& shocks) {
-  require_open();
-  for (const Shock& shock : shocks) {
+  for (const Shock& shock : shocks)
     if (shock.serial < 0) throw std::logic_error("Shock: the serial is negative");
-    pending_.push_back(shock);
-    if (pending_.size() == rows_at_once) guarded([&] { write_shocks(); });
-  }
+  while_open([&] {
+    if (writer_.has_failed()) writer_.wait();
+    for (const Shock& shock : shocks) {
+      filling_.shocks.push_back(shock);
+      if (filling_.shocks.size() == rows_at_once) hand_over();
+    }
+  });
 }
 
-/// Writes the pending shocks window by window: what a window holds already is read, the new rows
+/// Has the full buffer written, and goes on with the other one once that is written.
+void ResultFile::Impl::hand_over() {
+  writer_.wait();
+  std::swap(filling_, writing_);
+  writer_.start([this] { guarded([this] { write(writing_); }); });
+}
+
+void ResultFile::Impl::write(Buffer& buffer) {
+  if (buffer.rows > 0) write_samples(buffer);
+  if (!buffer.shocks.empty()) write_shocks(buffer.shocks);
+}
+
+void ResultFile::Impl::write_samples(Buffer& buffer) {
+  doing_ =
+      fmt::format("write the samples from t = {} s on to", buffer.columns.front().rows.front());
+  std::size_t bytes = 0;
+  for (const Column& column : buffer.columns) bytes += column.rows.size() * sizeof(double);
+  reserve(bytes);
+  for (std::size_t k = 0; k < samples_.size(); ++k) {
+    std::vector<double>& rows = buffer.columns[k].rows;
+    samples_[k].resize(sample_rows_ + buffer.rows);
+    samples_[k].hash.add(rows.data(), rows.size());
+    samples_[k].write(sample_rows_, buffer.rows, rows.data());
+    rows.clear();
+  }
+  sample_rows_ += buffer.rows;
+  buffer.rows = 0;
+  flush();
+}
+
+/// Writes shocks window by window: what a window holds already is read, the new rows
 /// are put in, and it goes back in one piece, which is far quicker than a selection of single rows.
-void ResultFile::Impl::write_shocks() {
-  if (pending_.empty()) return;
-  std::stable_sort(pending_.begin(), pending_.end(),
+void ResultFile::Impl::write_shocks(std::vector<Shock>& shocks) {
+  std::stable_sort(shocks.begin(), shocks.end(),
                    [](const Shock& a, const Shock& b) { return a.serial < b.serial; });
-  doing_ = fmt::format("write the shocks from t = {} s on to", pending_.front().start);
-  const hsize_t rows = std::max<hsize_t>(shock_rows_, pending_.back().serial + 1);
+  doing_ = fmt::format("write the shocks from t = {} s on to", shocks.front().start);
+  const hsize_t rows = std::max<hsize_t>(shock_rows_, shocks.back().serial + 1);
   reserve(((rows - shock_rows_) * shocks_.size()) * sizeof(double));
   shock_rows_ = rows;
   for (const Table& table : shocks_) table.resize(shock_rows_);
 
   ShockWindow window(shocks_);
-  for (auto begin = pending_.begin(); begin != pending_.end();) {
+  for (auto begin = shocks.begin(); begin != shocks.end();) {
     const long first = begin->serial;
     const long limit = (first / long(rows_at_once) + 1) * long(rows_at_once);  // a chunk's end
-    const auto end = std::find_if(begin, pending_.end(),
+    const auto end = std::find_if(begin, shocks.end(),
                                   [&](const Shock& shock) { return shock.serial >= limit; });
     window.read(first, (end - 1)->serial - first + 1);
     for (auto shock = begin; shock != end; ++shock) {
@@ -587,7 +668,7 @@ void ResultFile::Impl::write_shocks() {
     window.write(first);
     begin = end;
   }
-  pending_.clear();
+  shocks.clear();
   flush();
 }
 
@@ -636,49 +717,59 @@ void ResultFile::Impl::reserve(std::size_t bytes) {
 void ResultFile::Impl::flush() { check(H5Fflush(file_, H5F_SCOPE_LOCAL)); }
 
 void ResultFile::Impl::close(const ResultSummary& summary) {
-  require_open();
-  guarded([&] {
-    write_samples();
-    write_shocks();
-    compact_shocks();
+  while_open([&] {
+    writer_.wait();
+    guarded([&] {
+      write(filling_);
+      compact_shocks();
 
-    doing_ = "finish";
-    reserve(0);
-    for (const Entry& entry : entries)
-      if (const Final* value = source_of<Final>(entry)) {
-        if (std::isnan(summary.**value)) continue;  // there is none
-        Table table{&entry, create_dataset(entry, 1, 1), 1, {}};
-        table.hash.add(&(summary.**value), 1);
-        check(H5Dwrite(table.dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT,
-                       &(summary.**value)));
-        finish(table, 1);
-      }
-    for (Table& table : samples_) finish(table, sample_rows_);
-    for (Table& table : shocks_) finish(table, shock_rows_);
-    give(file_, "/", "wall_seconds", summary.wall_seconds);
-    give(file_, "/", "steps", std::int64_t{summary.steps});
-    give(file_, "/", "complete", std::int64_t{summary.complete});
-    give(file_, "/", "ended", summary.ended);
-    flush();
-    h5::close(file_);
-    partial_->sync();
-    verify();
-    partial_->publish();
+      doing_ = "finish";
+      reserve(0);
+      for (const Entry& entry : entries)
+        if (const Final* value = source_of<Final>(entry)) {
+          if (std::isnan(summary.**value)) continue;  // there is none
+          Table table{&entry, create_dataset(entry, 1, 1), 1, {}};
+          table.hash.add(&(summary.**value), 1);
+          check(H5Dwrite(table.dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT,
+                         &(summary.**value)));
+          finish(table, 1);
+        }
+      for (Table& table : samples_) finish(table, sample_rows_);
+      for (Table& table : shocks_) finish(table, shock_rows_);
+      give(file_, "/", "wall_seconds", summary.wall_seconds);
+      give(file_, "/", "steps", std::int64_t{summary.steps});
+      give(file_, "/", "complete", std::int64_t{summary.complete});
+      give(file_, "/", "ended", summary.ended);
+      flush();
+      h5::close(file_);
+      partial_->sync();
+      verify();
+      partial_->publish();
+    });
   });
+  open_ = false;
 }
 
 /// Opens the closed file as a reader would: all that was given must be in it.
 void ResultFile::Impl::verify() const {
   const h5::Properties access = file_access();
   h5::File file{check(H5Fopen(partial_->path().c_str(), H5F_ACC_RDONLY, access))};
+  // Every number is read once: HDF5 may put them where they are wanted, without a copy of its own.
+  const h5::Properties once{check(H5Pcreate(H5P_DATASET_ACCESS))};
+  check(H5Pset_chunk_cache(once, 0, 0, 1));
+  h5::Object object;
+  std::string_view opened;  // the path of `object`
   for (const Given& given : given_) {
-    const h5::Object object{check(H5Oopen(file, given.path.c_str(), H5P_DEFAULT))};
+    if (opened != given.path)
+      object = h5::Object{check(H5Oopen(file, given.path.c_str(), H5P_DEFAULT))};
+    opened = given.path;
     require_as_given(holds(object, given.name.c_str(), given.value));
   }
+  object.close();
   std::vector<double> rows;
   for (const Whole& whole : wholes_) {
     const Entry& entry = *whole.entry;
-    Table table{&entry, h5::Dataset{check(H5Dopen2(file, entry.path, H5P_DEFAULT))}, 1, {}};
+    Table table{&entry, h5::Dataset{check(H5Dopen2(file, entry.path, once))}, 1, {}};
     const h5::Type type{check(H5Dget_type(table.dataset))};
     require_as_given(check(H5Tequal(type, H5T_IEEE_F64LE)) > 0);
     const h5::Space space{check(H5Dget_space(table.dataset))};
@@ -703,7 +794,7 @@ void ResultFile::Impl::verify() const {
       if (extent.size() == 2) table.width = extent[1];
       // whole chunks
       const hsize_t at_once = std::bit_floor(std::max<hsize_t>(
-          bytes_at_once / (std::max<hsize_t>(table.width, 1) * sizeof(double)), 1));
+          bytes_read_at_once / (std::max<hsize_t>(table.width, 1) * sizeof(double)), 1));
       for (hsize_t first = 0; first < extent[0]; first += at_once) {
         const hsize_t count = std::min(at_once, extent[0] - first);
         rows.resize(count * table.width);
@@ -719,7 +810,6 @@ void ResultFile::Impl::verify() const {
 /// Takes everything back. HDF5 cannot drop what it has not written yet, so its descriptor is first
 /// turned to nameless memory: a few MB at most, gone with the close; the disk is free at once.
 void ResultFile::Impl::discard() noexcept {
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   void* handle = nullptr;
   if (file_.is_open() && H5Fget_vfd_handle(file_, H5P_DEFAULT, &handle) >= 0 && handle) {
     if (const int memory = memfd_create("ra2d", MFD_CLOEXEC); memory >= 0) {

@@ -27,10 +27,8 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
-constexpr SchemeChoice midpoint{SchemeKind::midpoint, ForceTime::old_time},
-    heun{SchemeKind::heun, ForceTime::old_time},
-    backward_euler{SchemeKind::backward_euler, ForceTime::old_time},
-    rk8{SchemeKind::rk8, ForceTime::old_time};
+constexpr TimeSettings midpoint{SchemeKind::midpoint}, heun{SchemeKind::heun},
+    backward_euler{SchemeKind::backward_euler}, rk8{SchemeKind::rk8};
 
 TEST(MeasuredGrowth, OfAFreeModeIsThatOfTheFormulas) {
   // Heun without damping: |R|^2 = 1 + x^4/4; midpoint: 1, though its energy swings; backward Euler:
@@ -46,7 +44,7 @@ TEST(MeasuredGrowth, OfAFreeModeIsThatOfTheFormulas) {
 TEST(MeasuredGrowth, InContactIsThatOfTheTheory) {
   const TrialMode mode(true);
   std::vector<GrowthTrial> trials;
-  for (const SchemeChoice& choice : chart_schemes())
+  for (const TimeSettings& choice : chart_schemes())
     for (const double zeta : {0.0, 0.3})
       for (const double x : {0.05, 0.7}) trials.push_back({choice, true, zeta, x});
   const std::vector<double> growth = measure_growth(trials, 4096);
@@ -79,7 +77,7 @@ TEST(Chart, TheMarchShowsTheLimitsOfTheTheory) {
   for (const Limit& limit : limits) {
     SCOPED_TRACE(testing::Message()
                  << "scheme " << static_cast<int>(limit.choice.scheme) << ", force "
-                 << static_cast<int>(limit.choice.force_time) << ", contact " << limit.contact
+                 << static_cast<int>(limit.choice.contact_force) << ", contact " << limit.contact
                  << ", zeta " << limit.zeta << ": theory " << limit.theory);
     if (limit.theory == 0 || std::isinf(limit.theory)) {
       EXPECT_EQ(limit.low == 0, limit.theory == 0) << limit.low;

@@ -91,14 +91,14 @@ TEST(Accuracy, ErrorsOfASmoothMotionFallAtTheOrders) {
     };
     // multipliers are measured against their own scheme's run at a quarter of the finest step
     const bool own = point.name.law == "multiplier";
-    if (takes_tolerance(point.setting.method.choice.scheme)) {
-      EXPECT_LT(error(point), 10 * point.setting.tolerance);
+    if (is_adaptive(point.setting.time)) {
+      EXPECT_LT(error(point), 10 * point.setting.time.tolerance.value());
       continue;
     }
     const double least = own ? 0.0 : 100 * chart.reference_error[0];
     if (coarser != nullptr && coarser->name.text == point.name.text && error(*coarser) < 0.1 &&
-        error(point) > least && error(point) > 1e-11 && !(own && point.setting.step < 8e-6)) {
-      const int order = scheme_table(point.setting.method.choice.scheme).order;
+        error(point) > least && error(point) > 1e-11 && !(own && point.setting.time.step < 8e-6)) {
+      const int order = scheme_table(point.setting.time.scheme).order;
       EXPECT_NEAR(std::log2(error(*coarser) / error(point)), order, own ? 0.35 : 0.25);
       ++compared;
     }
@@ -120,7 +120,7 @@ TEST(Accuracy, OfSixShocks) {
   EXPECT_EQ(chart.instants[1].time, peaks.duration);
   EXPECT_EQ(chart.points.size(), 15u * 2);
   const auto at = [&](SchemeKind scheme, ContactLaw law, double step) -> const Measured& {
-    const Setting setting{{{scheme}, law}, step};
+    const Method setting = sized({{scheme}, law}, step);
     return *std::find_if(chart.points.begin(), chart.points.end(),
                          [&](const Measured& point) { return point.setting == setting; });
   };

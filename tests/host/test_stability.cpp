@@ -143,8 +143,6 @@ JoinedModes some_modes(double zeta1, double zeta2, bool drifts, unsigned seed) {
 }
 
 TEST(ContactLimit, HoldsOnBothSides) {
-  std::vector<SchemeChoice> choices;
-  for (const SchemeKind scheme : all_schemes) choices.push_back({scheme, ForceTime::old_time});
   unsigned seed = 0;
   for (const auto& [zeta1, zeta2] :
        {std::pair{0.0, 0.0}, std::pair{0.02, 0.02}, std::pair{0.02, 1e-3}, std::pair{0.7, 0.3}})
@@ -155,7 +153,8 @@ TEST(ContactLimit, HoldsOnBothSides) {
         for (std::size_t j = 0; j < joined.modes.size(); ++j)
           omega_c += stiffness * joined.square[j] / joined.modes[j].mass;
         omega_c = std::sqrt(omega_c);
-        for (const SchemeChoice choice : choices) {
+        for (const SchemeKind scheme : all_schemes) {
+          const TimeSettings choice{scheme};
           SCOPED_TRACE(testing::Message()
                        << "scheme " << static_cast<int>(choice.scheme) << ", zeta " << zeta1 << " "
                        << zeta2 << (drifts ? ", drifts" : "") << ", stiffness " << stiffness);
@@ -193,7 +192,7 @@ TEST(ContactLimit, OfTheImplicitForceIsNone) {
   for (const double zeta : {0.0, 0.02})
     for (const double stiffness : {1e4, 1e8, 1e12}) {
       const JoinedModes joined = some_modes(zeta, zeta, true, 7);
-      const SchemeChoice choice{SchemeKind::backward_euler, ForceTime::new_time};
+      const TimeSettings choice{SchemeKind::backward_euler, ForceTime::new_time};
       EXPECT_EQ(contact_limit(choice, joined, stiffness), infinity);
       for (double tau = 1e-9; tau < 1; tau *= 3)
         EXPECT_LE(amplification(choice, joined, stiffness, tau), 1 + 1e-12) << tau;
@@ -205,7 +204,7 @@ TEST(ContactLimit, OfOneFreeMassIsTheSchemesOwn) {
   const JoinedModes mass{{{.omega = 0, .zeta = 0.02, .mass = 2.0}}, {3.0}};
   const double omega_c = std::sqrt(1e6 * 3.0 / 2.0);
   const auto limit = [&](SchemeKind scheme) {
-    return omega_c * contact_limit({scheme, ForceTime::old_time}, mass, 1e6);
+    return omega_c * contact_limit({scheme}, mass, 1e6);
   };
   EXPECT_NEAR(limit(SchemeKind::backward_euler), 2, 16 * eps);
   EXPECT_NEAR(limit(SchemeKind::midpoint), 2, 16 * eps);
@@ -215,8 +214,7 @@ TEST(ContactLimit, OfOneFreeMassIsTheSchemesOwn) {
     EXPECT_EQ(limit(grows), 0);
   // the held force feeds (omega_c tau)^2/2 of the energy a step (kernels/schemes/exact.hpp)
   const double x = 1e-3;
-  EXPECT_NEAR(amplification({SchemeKind::exact, ForceTime::old_time}, mass, 1e6, x / omega_c) - 1,
-              x * x / 4, x * x * x);
+  EXPECT_NEAR(amplification({SchemeKind::exact}, mass, 1e6, x / omega_c) - 1, x * x / 4, x * x * x);
 }
 
 TEST(ContactLimit, OfExactIsTwiceTheDampingThatReachesTheSpring) {
@@ -232,8 +230,8 @@ TEST(ContactLimit, OfExactIsTwiceTheDampingThatReachesTheSpring) {
   }
   const double omega_c = std::sqrt(square), zeta_c = damping / square / omega_c;
   // the stiffest mode, omega = 3.6e5, is (omega/omega_c)^2 = 1e-5 of it; the search ends at 1e-4
-  EXPECT_NEAR(omega_c * contact_limit({SchemeKind::exact, ForceTime::old_time}, joined, stiffness),
-              4 * zeta_c, 3e-3 * 4 * zeta_c);
+  EXPECT_NEAR(omega_c * contact_limit({SchemeKind::exact}, joined, stiffness), 4 * zeta_c,
+              3e-3 * 4 * zeta_c);
 }
 
 /// A plate under a free slider.
@@ -275,7 +273,7 @@ TEST(StepLimits, TakeTheStiffestModeAndTheSpring) {
   Model model = make_model(plate_and_slider());
   const double fastest = model.slider.modes[3].omega;
   ASSERT_GT(fastest, model.resonator.modes[5].omega);
-  const SchemeChoice midpoint{SchemeKind::midpoint, ForceTime::old_time};
+  const TimeSettings midpoint{SchemeKind::midpoint};
   StepLimits limits = step_limits(model, midpoint);
   EXPECT_EQ(limits.modes, 2 / fastest);
   EXPECT_EQ(limits.binding_frequency, fastest / (2 * M_PI));
@@ -288,7 +286,7 @@ TEST(StepLimits, TakeTheStiffestModeAndTheSpring) {
 
   // heavier damped modes may bind before faster ones: explicit Euler, 2 zeta/omega
   model.resonator.zeta = 1e-4;
-  limits = step_limits(model, {SchemeKind::explicit_euler, ForceTime::old_time});
+  limits = step_limits(model, {SchemeKind::explicit_euler});
   EXPECT_EQ(limits.binding_frequency, model.resonator.modes[5].omega / (2 * M_PI));
 
   model.scene.contact.law = ContactLaw::multiplier;
@@ -297,7 +295,7 @@ TEST(StepLimits, TakeTheStiffestModeAndTheSpring) {
   EXPECT_EQ(limits.contact_many, infinity);
   EXPECT_EQ(limits.holds(), 2 / fastest);
   EXPECT_TRUE(limits.modes_bind());
-  EXPECT_EQ(step_limits(model, {SchemeKind::exact, ForceTime::old_time}).holds(), infinity);
+  EXPECT_EQ(step_limits(model, {SchemeKind::exact}).holds(), infinity);
 }
 
 TEST(Growth, IsTheFastestOfAny) {

@@ -100,7 +100,7 @@ TEST(BackwardEuler, DampedEnergyNeverGrows) {
   }
 }
 
-const Scheme backward_euler{"BackwardEuler", SchemeKind::backward_euler};
+const Scheme backward_euler{{{SchemeKind::backward_euler}}, "BackwardEuler"};
 
 TEST(BackwardEuler, ContactIsStableUpToTheSpringThatTheHeaderNames) {
   // sum_j k phi_j^2 tau^2/(m_j (4 + 4 zeta_j omega_j tau + (omega_j tau)^2)) = 1 at the limit.

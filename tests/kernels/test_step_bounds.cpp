@@ -153,7 +153,7 @@ TEST_P(BoundsOf, AreNotMuchMoreThanWhatHappensForSmallSteps) {
     EXPECT_GE(b.force, 1 / mass * (1 - x));
     // a force adds 1/m; but RK8's stages take differences of forces that its end does not, with
     // weights that add up to 14
-    EXPECT_LE(b.force * mass, GetParam().kind == SchemeKind::rk8 ? 15 : 1 + 8 * x);
+    EXPECT_LE(b.force * mass, GetParam().time.scheme == SchemeKind::rk8 ? 15 : 1 + 8 * x);
     const Shares free =
         follow(mode, table, tau, steps, 1, 0, 0, [](int, int, auto&) { return 0.0; });
     // n (n - 1)/2 or n^2/2 or n (n + 1)/2, over n (n + 1)/2

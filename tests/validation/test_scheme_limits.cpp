@@ -31,7 +31,7 @@ constexpr double pi = std::numbers::pi;
 
 const Scheme& scheme_of(SchemeKind kind) {
   return *std::find_if(schemes.begin(), schemes.end(),
-                       [&](const Scheme& s) { return s.kind == kind; });
+                       [&](const Scheme& s) { return s.time.scheme == kind; });
 }
 
 /// |R| of a Runge-Kutta scheme for y' = z y.
@@ -93,7 +93,7 @@ std::vector<Trial> trials() {
   std::vector<Trial> out;
   for (const Scheme& scheme : schemes)
     for (const double zeta : dampings) {
-      const double limit = limit_of(scheme.kind, zeta);
+      const double limit = limit_of(scheme.time.scheme, zeta);
       if (std::isinf(limit)) {
         for (const double x : {0.1, 1.0, 10.0, 1e3}) out.push_back({scheme, zeta, x, true});
       } else if (limit == 0) {
@@ -339,8 +339,9 @@ TEST_P(ContactLimit, BothSides) {
   // Two per cent of the spring are one of the step. Forces that are held over a step, and Heun's,
   // have no limit without damping: their motion grows at any step.
   const Scheme& scheme = GetParam();
-  const bool weak = scheme.kind == SchemeKind::explicit_euler || scheme.kind == SchemeKind::heun ||
-                    scheme.kind == SchemeKind::exact;
+  const bool weak = scheme.time.scheme == SchemeKind::explicit_euler ||
+                    scheme.time.scheme == SchemeKind::heun ||
+                    scheme.time.scheme == SchemeKind::exact;
   for (const Place& place : places())
     for (const double zeta : {0.0, 0.02, 0.5}) {
       SCOPED_TRACE(testing::Message() << place.name << ", zeta " << zeta);

@@ -143,7 +143,7 @@ std::vector<Oscillator> oscillators(const Model& model, const ModalStart& start)
 
 TEST_P(OrderOf, FreeDampedModes) {
   const Case& c = GetParam();
-  const bool exact = c.scheme.kind == SchemeKind::exact;
+  const bool exact = c.scheme.time.scheme == SchemeKind::exact;
   for (const double zeta : {0.02, 0.3}) {
     SCOPED_TRACE(zeta);
     const auto runs = at_all_levels(

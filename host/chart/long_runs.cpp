@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/chart/long_runs.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+#include "host/ensemble/ensemble.hpp"
+#include "host/errors.hpp"
+#include "host/plan/plan.hpp"
+#include "host/result/level.hpp"
+#include "host/scene/schemes.hpp"
+
+namespace ra2d {
+namespace {
+
+/// What is run for long, of the settings whose rate is known; and which of them the others are
+/// compared with.
+std::vector<Method> long_settings(const Survey& survey, Method& reference) {
+  const auto known = [&](const Method& setting) { return survey.measured(setting) != nullptr; };
+  const auto step_near = [&](double wanted) {
+    return *std::min_element(
+        survey.options.steps.begin(), survey.options.steps.end(), [&](double a, double b) {
+          return std::abs(std::log(a / wanted)) < std::abs(std::log(b / wanted));
+        });
+  };
+  const double step = step_near(survey.scene.time.step);
+  const ContactLaw law = survey.methods.front().law;
+  const Method midpoint{{SchemeKind::midpoint}, law},
+      own{choice_of(survey.scene), survey.scene.contact.law},
+      euler{{SchemeKind::backward_euler}, ContactLaw::penalty},
+      inelastic{{SchemeKind::backward_euler}, ContactLaw::multiplier};
+  std::vector<Method> settings;
+  const auto add = [&](const Method& setting) {
+    if (known(setting) && std::find(settings.begin(), settings.end(), setting) == settings.end())
+      settings.push_back(setting);
+  };
+  for (const Method& method : survey.methods)
+    if (is_adaptive(method.time))
+      for (const double tolerance : {1e-8, 1e-6, 1e-4})
+        if (std::find(survey.options.tolerances.begin(), survey.options.tolerances.end(),
+                      tolerance) != survey.options.tolerances.end())
+          add(sized(method, tolerance));
+  if (settings.empty()) add(sized(midpoint, step_near(step / 3)));
+  if (settings.empty()) add(sized(midpoint, step));
+  if (!settings.empty()) reference = settings.front();
+  add(sized(own, is_adaptive(survey.scene) ? survey.scene.time.tolerance.value_or(0) : step));
+  add(sized(euler, step));
+  add(sized(midpoint, step));
+  for (const double coarse : {step_near(10 * step), step_near(3 * step)})
+    if (known(sized(midpoint, coarse))) {
+      add(sized(midpoint, coarse));
+      break;
+    }
+  add(sized(inelastic, step));
+  return settings;
+}
+
+/// Surfaces from which every law finds its start, and that of each on each of them.
+struct Surfaces {
+  std::vector<int> seeds;
+  std::map<ContactLaw, std::vector<ModalStart>> starts;
+};
+
+Surfaces to_start_from(const Survey& survey, const std::vector<Method>& settings) {
+  Surfaces surfaces;
+  for (int seed = 0; seed < (has_seeds(survey.scene) ? survey.options.seeds : 1); ++seed) {
+    std::map<ContactLaw, ModalStart> found;
+    try {
+      for (const Method& setting : settings)
+        if (!found.contains(setting.law))
+          found[setting.law] = make_start(make_model(variant(with(survey.scene, setting), seed)));
+    } catch (const RequestError&) {
+      continue;
+    }
+    surfaces.seeds.push_back(seed);
+    for (auto& [law, start] : found) surfaces.starts[law].push_back(std::move(start));
+  }
+  return surfaces;
+}
+
+using Quantities = std::array<double, quantities>;
+
+Quantities quantities_of(const Model& model, const TimedRun& run) {
+  const Answer answer = answer_of(mean_squares(model), run, model.scene.output.from);
+  return {level(answer.v_rms), answer.shock_rate, answer.shock_duration};
+}
+
+/// Mean and standard error of values; `apart` are their differences from the reference's.
+Statistic statistic(const std::vector<double>& values, const std::vector<double>& apart) {
+  const auto mean_of = [](const std::vector<double>& x, double& mean, double& error) {
+    const double count = static_cast<double>(x.size());
+    double sum = 0, square = 0;
+    for (const double value : x) sum += value;
+    mean = sum / count;
+    for (const double value : x) square += (value - mean) * (value - mean);
+    error = x.size() > 1 ? std::sqrt(square / (count - 1) / count) : missing;
+  };
+  Statistic s;
+  mean_of(values, s.mean, s.error);
+  if (!apart.empty()) mean_of(apart, s.difference, s.difference_error);
+  return s;
+}
+
+std::array<Statistic, quantities> statistics_of(const std::vector<Quantities>& found,
+                                                const std::vector<Quantities>& reference) {
+  std::array<Statistic, quantities> statistics;
+  for (std::size_t q = 0; q < quantities; ++q) {
+    std::vector<double> values, apart;
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      values.push_back(found[i][q]);
+      if (!reference.empty()) apart.push_back(found[i][q] - reference[i][q]);
+    }
+    statistics[q] = statistic(values, apart);
+  }
+  return statistics;
+}
+
+}  // namespace
+
+void run_long(Survey& survey) {
+  AccuracyChart& chart = survey.chart;
+  Method reference;
+  const std::vector<Method> settings = long_settings(survey, reference);
+  if (settings.empty()) {
+    chart.long_notes = "no long run: nothing of the right kind could be measured";
+    return;
+  }
+  const Surfaces surfaces = to_start_from(survey, settings);
+  chart.seeds = static_cast<int>(surfaces.seeds.size());
+  if (!has_seeds(survey.scene)) chart.long_notes = "one run of each: the surfaces have no seeds";
+  if (surfaces.seeds.empty()) {
+    chart.long_notes = "no long run: no surfaces were found to start from";
+    return;
+  }
+  double rates = 0;
+  for (const Method& setting : settings) rates += survey.measured(setting)->wall_median();
+  chart.long_time =
+      std::min(survey.scene.duration, long_share * survey.budget / rates / chart.seeds);
+
+  std::vector<Quantities> of_reference;
+  for (const Method& setting : settings) {
+    LongRun row{.name = name_of(setting), .setting = setting, .reference = setting == reference};
+    survey.say(fmt::format("long runs, {}, {}", row.name.text, size_text(setting)));
+    std::vector<Model> models;
+    for (const int seed : surfaces.seeds)
+      models.push_back(make_model(variant(with(survey.scene, setting), seed)));
+    const std::vector<TimedRun> runs =
+        timed_runs(models, surfaces.starts.at(setting.law), {.time = chart.long_time});
+    std::vector<Quantities> found;
+    double marched = 0;
+    for (std::size_t i = 0; i < runs.size(); ++i) {
+      if (failed(runs[i])) row.note = status_text(runs[i].status);
+      marched += runs[i].time;
+      found.push_back(quantities_of(models[i], runs[i]));
+    }
+    row.wall = runs.front().seconds / marched;
+    if (row.note.empty()) {
+      row.statistics = statistics_of(found, of_reference);  // still empty for the reference itself
+      if (row.reference) of_reference = found;
+    }
+    chart.long_runs.push_back(std::move(row));
+  }
+}
+
+}  // namespace ra2d

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/chart/survey.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "host/scene/names.hpp"
+#include "host/scene/schemes.hpp"
+
+namespace ra2d {
+
+Survey::Survey(const Scene& scene_asked, const AccuracyOptions& asked)
+    : scene{scene_asked},
+      options{asked},
+      budget{asked.budget * (asked.peers.empty() ? 1.0 : 1.0 - peer_share)} {
+  scene.time.nodes = Nodes::candidates;
+  scene.time.force = false;
+  scene.output.from = 0;  // the stretches are short: all of them counts
+  if (!(scene.time.step > 0)) scene.time.step = 1e-8;  // of a scene that leaves it to its scheme
+  methods = methods_of(scene);
+  std::vector<double>& steps = options.steps;
+  if (std::none_of(steps.begin(), steps.end(),
+                   [&](double step) { return std::abs(step / scene.time.step - 1) < 0.01; }))
+    steps.push_back(scene.time.step);
+  std::sort(steps.begin(), steps.end(), std::greater<>());
+  std::sort(options.tolerances.begin(), options.tolerances.end(), std::greater<>());
+}
+
+void Survey::say(const std::string& what) const {
+  if (options.progress) options.progress(what);
+}
+
+const ModalStart& Survey::start_of(ContactLaw law, const Model& model) {
+  const auto found = starts_.find(law);
+  return found != starts_.end() ? found->second
+                                : starts_.emplace(law, make_start(model)).first->second;
+}
+
+TimedRun Survey::march(const Scene& marched, const RunLimits& limits) {
+  const Model model = make_model(marched);
+  return timed_run(model, start_of(marched.contact.law, model), limits);
+}
+
+Method Survey::finest(const Method& method) const {
+  return is_adaptive(method.time) ? sized(method, 0.1 * options.tolerances.back())
+                                  : sized(method, 0.25 * options.steps.back());
+}
+
+const Measured* Survey::measured(const Method& setting) const {
+  for (const Measured& point : chart.points)
+    if (point.setting == setting && point.name.program == "ra2d" && !point.wall.empty())
+      return &point;
+  return nullptr;
+}
+
+Name name_of(const Method& setting) {
+  const auto& [time, law] = setting;
+  // under multipliers the force is that of the end of the step
+  const bool at_end = law == ContactLaw::multiplier || time.contact_force == ForceTime::new_time;
+  return {.scheme = schemes.name(time.scheme),
+          .law = contact_laws.name(law),
+          .contact_force = is_adaptive(time) ? continuous_force
+                                             : force_times.name(at_end ? ForceTime::new_time
+                                                                       : ForceTime::old_time),
+          .nodes = node_choices.name(Nodes::candidates),
+          .text = text(setting)};
+}
+
+bool failed(const TimedRun& run) {
+  return run.status != Status::running && run.status != Status::done;
+}
+
+}  // namespace ra2d

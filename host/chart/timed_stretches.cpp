@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/chart/timed_stretches.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/scene/schemes.hpp"
+
+namespace ra2d {
+
+// The coarse ones first: what they leave of their share goes to the fine ones.
+std::vector<ChartPoint> first_stretches(Survey& survey, std::vector<ChartPoint> points) {
+  std::stable_sort(points.begin(), points.end(), [&](const ChartPoint& a, const ChartPoint& b) {
+    const auto size = [&](const ChartPoint& p) {
+      const TimeSettings& time = survey.chart.points[p.row].setting.time;
+      return time.tolerance.value_or(time.step);
+    };
+    return size(a) > size(b);
+  });
+  double left = stretch_share * survey.budget;
+  std::vector<ChartPoint> going;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    survey.say(fmt::format("stretch {} of {}", i + 1, points.size()));
+    ChartPoint& point = points[i];
+    Measured& row = survey.chart.points[point.row];
+    const double share = left / static_cast<double>(points.size() - i) / survey.options.repetitions;
+    const TimedRun run =
+        timed_run(point.model, survey.start_of(row.setting.law, point.model), {.wall = share});
+    left = std::max(0.0, left - run.seconds * survey.options.repetitions);
+    if (failed(run)) {
+      row.left_out = fmt::format("ended at t = {:.3g} s: {}", run.time, status_text(run.status));
+      continue;
+    }
+    row.stretch = run.time;
+    row.wall.push_back(run.seconds / run.time);
+    // before the shocks that the states are compared at, little has gone through
+    if (run.time > 0.99 * survey.chart.instants.back().time && run.energy.turnover > 0)
+      row.closure = std::abs(run.energy.relative());
+    going.push_back(std::move(point));
+  }
+  return going;
+}
+
+void repeat_stretches(Survey& survey, const std::vector<ChartPoint>& points) {
+  for (const ChartPoint& point : points) {
+    Measured& row = survey.chart.points[point.row];
+    const TimedRun run = timed_run(point.model, survey.start_of(row.setting.law, point.model),
+                                   {.time = row.stretch});
+    row.wall.push_back(run.seconds / run.time);
+  }
+}
+
+}  // namespace ra2d

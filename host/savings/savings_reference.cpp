@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/savings/savings_reference.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/device/backend.hpp"
+#include "host/errors.hpp"
+#include "host/format.hpp"
+#include "host/plan/plan.hpp"
+#include "host/savings/trials.hpp"
+#include "host/scene/schemes.hpp"
+#include "host/scene_file/scene_file.hpp"
+
+namespace ra2d {
+namespace {
+
+constexpr double reference_tolerance = 1e-10;
+constexpr double reference_share = 0.25;  // of the budget, for its first runs
+
+}  // namespace
+
+void set_reference(SavingsSearch& search) {
+  Scene& reference = search.out.reference = search.written;
+  if (search.written.contact.law == ContactLaw::penalty) {
+    reference.time = search.adaptive(reference_tolerance);
+  } else {
+    reference.time.step = search.written.time.step / 10;
+    reference.time.force = false;
+  }
+  try {
+    require_possible(reference);
+  } catch (const RequestError& fault) {
+    // only of fixed steps, for a scene that was read
+    const StepLimits limits = step_limits(make_model(reference), choice_of(reference));
+    throw refusal(
+        search.written, "time.scheme",
+        fmt::format("the reference would be the scene's own scheme at a tenth of its step, and {}. "
+                    "{}",
+                    fault.what(), step_cure(reference, limits.holds())));
+  }
+  if (const std::string overlap = overlap_at_start(make_model(reference)); !overlap.empty())
+    throw refusal(search.written, "scene.gap", overlap);
+  search.say("the reference");
+  search.out.duration = search.written.duration;
+  const double wall = reference_share * search.options.budget;
+  const double cost = measure_cost(search.for_runs(reference), 0.1 * wall);
+  const double longest = wall * backend_threads() / (2 * sure_pairs * cost);
+  if (longest < search.out.duration) {
+    // whole milliseconds where there are any, for people
+    search.out.duration = longest > 1e-2 ? std::floor(longest * 1e3) * 1e-3 : longest;
+    if (!is_adaptive(reference))  // a whole number of steps
+      search.out.duration = std::max(1.0, std::floor(search.out.duration / reference.time.step)) *
+                            reference.time.step;
+    // what is counted must be worth counting
+    const double counted = search.out.duration - search.written.output.from;
+    if (search.written.output.from > 0 &&
+        counted < 0.1 * (search.written.duration - search.written.output.from))
+      throw refusal(
+          search.written, "output.from",
+          fmt::format("{} s are not counted, and in the time given a run of the reference comes to "
+                      "{} only: expected a larger --budget, or an earlier time",
+                      search.written.output.from, seconds_text(longest)));
+    search.out.notes.push_back(
+        fmt::format("the runs were cut short at {} of the scene's {}: a run of the reference takes "
+                    "{} (--budget "
+                    "allows more)",
+                    seconds_text(search.out.duration), seconds_text(search.written.duration),
+                    seconds_text(cost * search.written.duration)));
+  }
+  search.reference = std::make_shared<Ensemble>(search.for_runs(reference));
+  search.out.runs = varied(search.written).empty() ? 1 : first_pairs;
+  search.reference->extend(search.out.runs);
+  if (!search.reference->failure().empty() &&
+      std::all_of(search.reference->answers().begin(), search.reference->answers().end(),
+                  [](const Answer& a) { return !a.failure.empty(); }))
+    throw SimulationError(fmt::format("the reference, {}, did not reach its end: {}",
+                                      text_of(reference), search.reference->failure()));
+}
+
+void take_answer(SavingsSearch& search) {
+  const std::vector<Answer>& answers = search.reference->answers();
+  search.out.runs = search.reference->runs();
+  for (std::size_t q = 0; q < quantities_of_answer.size(); ++q) {
+    const auto quantity = quantities_of_answer[q];
+    double sum = 0, square = 0;
+    int count = 0;
+    for (const Answer& a : answers) {
+      if (!a.failure.empty() || std::isnan(a.*quantity)) continue;
+      sum += a.*quantity;
+      square += std::pow(a.*quantity, 2);
+      ++count;
+    }
+    const double mean = count > 0 ? sum / count : std::numeric_limits<double>::quiet_NaN();
+    search.out.mean.*quantity = mean;
+    search.out.spread[q] =
+        count > 1 && mean > 0
+            ? std::sqrt(std::max(0.0, square / count - mean * mean) * count / (count - 1)) / mean
+            : 0.0;
+  }
+  for (const Answer& a : answers)
+    search.out.closure += a.closure / static_cast<double>(answers.size());
+}
+
+}  // namespace ra2d

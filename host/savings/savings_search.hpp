@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <chrono>
+#include <memory>
+#include <string>
+
+#include "host/savings/savings.hpp"
+
+/// A search for savings on its way: what all of its parts use.
+namespace ra2d {
+
+using Runs = std::shared_ptr<Ensemble>;
+
+struct SavingsSearch {
+  SavingsSearch(const Scene& scene, const SavingsOptions& options);
+
+  /// Share of the budget that is used up, and the s left until one of them is.
+  double spent() const;
+  double left(double end) const { return (end - spent()) * options.budget; }
+  /// When a part that may go on until `end` leaves the rest of its time to `parts` more like it.
+  double next_end(double end, double parts) const;
+  void say(const std::string& text) const;
+  /// A scene as it is run here: as long as all of them, and without what only files need.
+  Scene for_runs(Scene scene) const;
+  /// The scene as written with other numerics.
+  Scene marched(const TimeSettings& time) const;
+  TimeSettings adaptive(double tolerance) const;
+
+  const Scene written;
+  const SavingsOptions options;
+  TimeSettings plain;    // the scene's own, as far as the answer goes
+  Runs reference, base;  // base: with the numerics that were chosen
+  Runs last;             // of the last trial
+  Savings out;
+
+ private:
+  const std::chrono::steady_clock::time_point begun_;
+};
+
+/// For people: scheme and step.
+std::string text_of(const Scene& scene);
+
+/// Throws RequestError where a scene cannot be marched.
+void require_possible(const Scene& scene);
+
+}  // namespace ra2d

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/savings/smaller_models.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "host/plan/plan.hpp"
+#include "host/savings/trials.hpp"
+#include "host/scene/schemes.hpp"
+
+namespace ra2d {
+namespace {
+
+int elastic_modes(const Beam& beam) {
+  return static_cast<int>(std::count_if(beam.modes.begin(), beam.modes.end(),
+                                        [](const ModeShape& m) { return m.omega > 0; }));
+}
+
+std::string modes_text(const BodySpec& body, int modes) {
+  return modes == 0 ? std::string("no elastic mode")
+                    : fmt::format("{} elastic, up to {:.4g} kHz", modes,
+                                  1e-3 * elastic_frequency(body, modes - 1));
+}
+
+std::function<void(Scene&)> with_modes(BodySpec Scene::*body, int modes) {
+  return [body, modes](Scene& s) {
+    (s.*body).modes = modes;
+    (s.*body).max_frequency.reset();
+  };
+}
+
+std::string spacing_text(double spacing) { return fmt::format("{:g} um", spacing * 1e6); }
+
+}  // namespace
+
+void find_modes(SavingsSearch& search, BodySpec Scene::*body, double end) {
+  const bool of_resonator = body == &Scene::resonator;
+  const std::string key = of_resonator ? "resonator.modes" : "slider.modes";
+  const Model model = make_model(search.written);
+  const int kept = elastic_modes(of_resonator ? model.resonator : model.slider);
+  if ((search.written.*body).support == Support::rigid || kept == 0) return;
+  int least = kept, too_few = -1;
+  std::optional<std::size_t> best;
+  for (int tests = 1 + static_cast<int>(std::log2(kept + 1)); least - too_few > 1; --tests) {
+    const int modes = (least + too_few) / 2;
+    Trial trial = try_out(search,
+                          changed(key, modes_text(search.written.*body, modes),
+                                  with_modes(body, modes), search.base->scene()),
+                          search.base, search.next_end(end, std::max(1, tests)));
+    const bool enough = trial.verdict == Verdict::kept;
+    (enough ? least : too_few) = modes;
+    if (enough) best = search.out.trials.size();
+    search.out.trials.push_back(std::move(trial));
+  }
+  if (best) search.out.trials[*best].taken = true;
+}
+
+void find_spacing(SavingsSearch& search, double end) {
+  std::optional<std::size_t> best;
+  const double chi = search.written.spacing;
+  double wide = 1, too_wide = std::numeric_limits<double>::infinity();
+  for (double factor = 2; factor < too_wide && factor < 1000;) {
+    const double spacing = chi * factor;
+    const auto change = [spacing](Scene& s) { s.spacing = spacing; };
+    Trial trial = try_out(
+        search, changed("scene.spacing", spacing_text(spacing), change, search.base->scene()),
+        search.base, search.next_end(end, 3));
+    const bool enough = trial.verdict == Verdict::kept;
+    (enough ? wide : too_wide) = factor;
+    if (enough) best = search.out.trials.size();
+    search.out.trials.push_back(std::move(trial));
+    // upwards by two, then once between
+    const bool between =
+        factor == 1.5 * wide || factor == 1.5 * std::exp2(std::floor(std::log2(factor)));
+    if (between) break;
+    factor = enough ? 2 * factor : 1.5 * wide;
+  }
+  if (best) search.out.trials[*best].taken = true;
+}
+
+void look_beyond(SavingsSearch& search) {
+  std::vector<Trial> list;
+  const Scene& from = search.out.reference;
+  if (!is_adaptive(search.written))
+    list.push_back(changed(
+        "as written", text_of(search.written), [](Scene&) {}, search.written));
+  const auto more = [&](const char* key, BodySpec Scene::*body, int modes) {
+    list.push_back(
+        changed(key, modes_text(search.written.*body, modes), with_modes(body, modes), from));
+  };
+  const Model model = make_model(search.written);
+  if (search.written.resonator.support != Support::rigid) {
+    const int kept = elastic_modes(model.resonator);
+    int modes = kept + 1;
+    while (kept > 0 && elastic_frequency(search.written.resonator, modes) <=
+                           2 * elastic_frequency(search.written.resonator, kept - 1))
+      ++modes;
+    more("resonator.modes", &Scene::resonator, modes);
+  }
+  if (search.written.slider.support != Support::rigid)
+    more("slider.modes", &Scene::slider, elastic_modes(model.slider) + 2);
+  const double spacing = search.written.spacing / 2;
+  list.push_back(changed(
+      "scene.spacing", spacing_text(spacing), [spacing](Scene& s) { s.spacing = spacing; }, from));
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    const double end = search.next_end(1, static_cast<double>(list.size() - i));
+    const bool own = list[i].key == "as written";
+    Trial trial =
+        try_out(search, list[i], search.reference, end, own ? search.out.cost_written : 0);
+    trial.checked = true;
+    search.out.trials.push_back(std::move(trial));
+  }
+}
+
+}  // namespace ra2d
