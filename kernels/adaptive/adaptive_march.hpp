@@ -6,7 +6,7 @@
 #include "kernels/adaptive/adaptive_recorder.hpp"
 #include "kernels/adaptive/contacts.hpp"
 #include "kernels/adaptive/flight.hpp"
-#include "kernels/adaptive/motion.hpp"
+#include "kernels/adaptive/modal_state.hpp"
 #include "kernels/adaptive/overlaps.hpp"
 #include "kernels/adaptive/push.hpp"
 #include "kernels/adaptive/series.hpp"
@@ -36,7 +36,7 @@ namespace ra2d {
 template <class Lanes, int K>
 class AdaptiveMarcher {
   using Real = typename Lanes::Real;
-  using Modes = Motion<Lanes, K>;
+  using Modes = ModalState<Lanes, K>;
   static constexpr int width = Lanes::width;
 
  public:

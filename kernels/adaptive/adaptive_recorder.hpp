@@ -5,7 +5,7 @@
 
 #include "kernels/adaptive/crossing.hpp"
 #include "kernels/adaptive/flight.hpp"
-#include "kernels/adaptive/motion.hpp"
+#include "kernels/adaptive/modal_state.hpp"
 #include "kernels/adaptive/push.hpp"
 #include "kernels/adaptive/series.hpp"
 #include "kernels/gap.hpp"
@@ -22,7 +22,7 @@ namespace ra2d {
 template <class Lanes, int K>
 class AdaptiveRecorder {
   using Real = typename Lanes::Real;
-  using Modes = Motion<Lanes, K>;
+  using Modes = ModalState<Lanes, K>;
   static constexpr int width = Lanes::width;
 
  public:

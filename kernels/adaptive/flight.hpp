@@ -3,7 +3,7 @@
 #include <Kokkos_Core.hpp>
 #include <cstdint>
 
-#include "kernels/adaptive/motion.hpp"
+#include "kernels/adaptive/modal_state.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/tables.hpp"
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "kernels/adaptive/crossing.hpp"
-#include "kernels/adaptive/motion.hpp"
+#include "kernels/adaptive/modal_state.hpp"
 #include "kernels/adaptive/series.hpp"
 #include "kernels/contact/node_contact.hpp"
 #include "kernels/gap.hpp"
@@ -61,7 +61,7 @@ class Overlaps {
   }
 
   /// A near list that holds over the step, and likely over the `later` ticks after it.
-  KOKKOS_FUNCTION void find_near(const Place& place, const Motion<Lanes, K>& now,
+  KOKKOS_FUNCTION void find_near(const Place& place, const ModalState<Lanes, K>& now,
                                  const MotionBounds& bounds, double rise, std::int64_t later) {
     if (t_.look_at == Nodes::all || near_.holds(now.u, place, rise)) return;
     // what the modes may do within the step, and can be expected to do after it
@@ -73,7 +73,7 @@ class Overlaps {
   }
 
   /// Sees the beginning of the step, ...
-  KOKKOS_FUNCTION void see_beginning(const Place& place, const Motion<Lanes, K>& now) {
+  KOKKOS_FUNCTION void see_beginning(const Place& place, const ModalState<Lanes, K>& now) {
     if (!seen_ && groups() > 0) see(place, now.u, now.v, before_);
     seen_ = true;
   }

@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "kernels/adaptive/crossing.hpp"
-#include "kernels/adaptive/motion.hpp"
+#include "kernels/adaptive/modal_state.hpp"
 #include "kernels/contact/node_contact.hpp"
 #include "kernels/displacement.hpp"
 #include "kernels/gap.hpp"

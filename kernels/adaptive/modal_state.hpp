@@ -6,7 +6,7 @@ namespace ra2d {
 
 /// The modes at one instant, K packs of them.
 template <class Lanes, int K>
-struct Motion {
+struct ModalState {
   using Real = typename Lanes::Real;
   Real u[K], v[K];
   Real square[K];  // integral of V^2 since the sums were last closed, in ticks
