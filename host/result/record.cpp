@@ -28,7 +28,8 @@ double load_work(const Beam& beam, const double* u, const std::vector<double>& s
 /// Room for `samples` more, so that nothing moves while they are added.
 void make_room(SampleBlock& block, const Model& model, std::size_t samples) {
   const std::size_t modes2 = model.resonator.modes.size(), modes1 = model.slider.modes.size();
-  const std::size_t probes2 = model.scene.probes.size(), probes1 = model.scene.slider_probes.size();
+  const std::size_t probes2 = model.scene.output.probes.size(),
+                    probes1 = model.scene.output.slider_probes.size();
   for (const auto& [column, width] :
        std::initializer_list<std::pair<std::vector<double>*, std::size_t>>{
            {&block.time, 1},
