@@ -6,7 +6,7 @@
 #include "kernels/schemes/mode_step.hpp"
 
 /// Bounds on what modes and faces can do. The proofs that no contact is missed
-/// (kernels/candidates.hpp, kernels/adaptive/adaptive_march.hpp) rest on them.
+/// (kernels/candidates.hpp, kernels/adaptive/overlaps.hpp) rest on them.
 namespace ra2d {
 
 /// |(omega U, V)'| over |(omega U, V)| of a free mode is no more [1/s].
