@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -349,7 +350,7 @@ struct ResultFile::Impl {
 
   void append(const SampleBlock& block);
   void append(const std::vector<Shock>& shocks);
-  void close(const ResultSummary& summary);
+  double close(const ResultSummary& summary);
 
  private:
   /// A dataset as the finished file must hold it.
@@ -716,7 +717,8 @@ void ResultFile::Impl::reserve(std::size_t bytes) {
 /// Brings everything to the system, the one call that says whether the writes before it succeeded.
 void ResultFile::Impl::flush() { check(H5Fflush(file_, H5F_SCOPE_LOCAL)); }
 
-void ResultFile::Impl::close(const ResultSummary& summary) {
+double ResultFile::Impl::close(const ResultSummary& summary) {
+  std::chrono::duration<double> reading_back{};
   while_open([&] {
     writer_.wait();
     guarded([&] {
@@ -743,11 +745,14 @@ void ResultFile::Impl::close(const ResultSummary& summary) {
       flush();
       h5::close(file_);
       partial_->sync();
+      const auto written = std::chrono::steady_clock::now();
       verify();
+      reading_back = std::chrono::steady_clock::now() - written;
       partial_->publish();
     });
   });
   open_ = false;
+  return reading_back.count();
 }
 
 /// Opens the closed file as a reader would: all that was given must be in it.
@@ -830,6 +835,6 @@ ResultFile::ResultFile(const fs::path& path, const ResultHeader& header)
 ResultFile::~ResultFile() = default;
 void ResultFile::append(const SampleBlock& block) { impl_->append(block); }
 void ResultFile::append(const std::vector<Shock>& shocks) { impl_->append(shocks); }
-void ResultFile::close(const ResultSummary& summary) { impl_->close(summary); }
+double ResultFile::close(const ResultSummary& summary) { return impl_->close(summary); }
 
 }  // namespace ra2d
