@@ -46,7 +46,7 @@ TEST_P(SavedState_, IsAllThatAMarchGoesOnFrom) {
   std::int64_t contact = 0, shocks = 0;
   for (std::uint64_t seed = 1; seed <= 6; ++seed)
     for (const ContactLaw law : {ContactLaw::penalty, ContactLaw::multiplier}) {
-      if (law == ContactLaw::multiplier && !takes_multipliers(GetParam().kind)) continue;
+      if (law == ContactLaw::multiplier && !takes_multipliers(GetParam().time.scheme)) continue;
       Variant variant{.scheme = GetParam()};
       variant.adapt = [&](Scene& s) {
         s.contact.law = law;
