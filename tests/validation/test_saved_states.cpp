@@ -26,6 +26,7 @@ Outcome march_from_saved_states(const Model& model, const ModalStart& start, std
     batch.march(batch.snapshot(0).step + 1 +
                 static_cast<std::int64_t>(dice() % static_cast<std::uint64_t>(longest)));
     const Drained drained = batch.drain(0);
+    out.lanes = drained.lanes;
     out.rows.insert(out.rows.end(), drained.sample_rows.begin(), drained.sample_rows.end());
     out.shocks.insert(out.shocks.end(), drained.shocks.begin(), drained.shocks.end());
     out.end = batch.snapshot(0);
