@@ -65,7 +65,8 @@ class ResultFile {
   void append(const SampleBlock& block);
   /// In any order: each goes to the row of its serial. Memory does not grow with their number.
   void append(const std::vector<Shock>& shocks);
-  void close(const ResultSummary& summary);
+  /// Finishes the file, reads it back and gives it its name; returns how long reading back took [s].
+  double close(const ResultSummary& summary);
 
  private:
   struct Impl;

@@ -26,6 +26,7 @@ Outcome march_from_saved_states(const Model& model, const ModalStart& start, std
     batch.march(batch.snapshot(0).step + 1 +
                 static_cast<std::int64_t>(dice() % static_cast<std::uint64_t>(longest)));
     const Drained drained = batch.drain(0);
+    out.lanes = drained.lanes;
     out.rows.insert(out.rows.end(), drained.sample_rows.begin(), drained.sample_rows.end());
     out.shocks.insert(out.shocks.end(), drained.shocks.begin(), drained.shocks.end());
     out.end = batch.snapshot(0);
@@ -46,7 +47,7 @@ TEST_P(SavedState_, IsAllThatAMarchGoesOnFrom) {
   std::int64_t contact = 0, shocks = 0;
   for (std::uint64_t seed = 1; seed <= 6; ++seed)
     for (const ContactLaw law : {ContactLaw::penalty, ContactLaw::multiplier}) {
-      if (law == ContactLaw::multiplier && !takes_multipliers(GetParam().kind)) continue;
+      if (law == ContactLaw::multiplier && !takes_multipliers(GetParam().time.scheme)) continue;
       Variant variant{.scheme = GetParam()};
       variant.adapt = [&](Scene& s) {
         s.contact.law = law;

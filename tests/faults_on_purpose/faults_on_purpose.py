@@ -1,0 +1,209 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Whether the tests would notice: puts faults of one line into the code, one at a time, and runs the tests that ought
+to fail.
+
+usage: faults_on_purpose.py BUILD_FOLDER [--only TEXT] [--share I/N] [--jobs N] [--list]
+
+faults.toml beside this file has the faults:
+
+  id       a name
+  file     where, from the root
+  find     text that stands there once
+  replace  what it becomes
+  compile  the sources compiled with it, where `file` is a header: patterns from the root
+  tests    a test program and a filter, as `test_kernels Gap.*`; more than one of these are tried in turn
+  unseen   of a fault that changes nothing that anyone could see: why
+
+Neither the sources nor the build folder change: the faulty file stands in a folder of its own that is searched first,
+only the sources named are compiled with it, and their objects take the place of the sound ones when the test program is
+linked. The build folder must be up to date.
+
+A fault is killed when a test fails, crashes or does not end. One that survives is a test that is missing, unless the
+table says why nobody can see it; that is a failure of this script, as is a fault that does not compile, whose text is
+not there, or that is marked as unseen and killed.
+"""
+
+import argparse
+import concurrent.futures
+import fnmatch
+import json
+import pathlib
+import re
+import shlex
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import tomllib
+
+HERE = pathlib.Path(__file__).resolve().parent
+ROOT = HERE.parents[1]
+COMPILE_LIMIT, TEST_LIMIT = 600, 240  # s
+
+
+class Broken(Exception):
+    """A fault in the table, not in the code."""
+
+
+def shell(command, folder, limit):
+    return subprocess.run(command, cwd=folder, timeout=limit, text=True, errors="replace",
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+
+
+class Build:
+    def __init__(self, folder):
+        self.folder = folder.resolve()
+        self.commands = {}  # of every source: path from the root -> (arguments, object)
+        for entry in json.loads((folder / "compile_commands.json").read_text()):
+            path = pathlib.Path(entry["file"])
+            if path.is_relative_to(ROOT):
+                arguments = shlex.split(entry["command"])
+                self.commands[path.relative_to(ROOT).as_posix()] = (arguments, arguments[arguments.index("-o") + 1])
+        self.links, self.sound, self.lock = {}, {}, threading.Lock()
+
+    def link_of(self, program):
+        if program not in self.links:
+            text = shell(["ninja", "-t", "commands", f"tests/{program}"], self.folder, 60).stdout.splitlines()[-1]
+            parts = [shlex.split(part) for part in text.split(" && ")]
+            self.links[program] = next(part for part in parts if "-o" in part and f"tests/{program}" in part)
+        return self.links[program]
+
+    def sources(self, patterns):
+        found = [source for pattern in patterns for source in fnmatch.filter(self.commands, pattern)]
+        if not found:
+            raise Broken(f"no source is called {', '.join(patterns)}")
+        return sorted(set(found))
+
+    def run(self, program, tests, filter):
+        """None where all tests pass, or what fails."""
+        try:
+            done = shell([program, f"--gtest_filter={filter}", "--gtest_fail_fast", "--gtest_brief=1"],
+                         self.folder, TEST_LIMIT)
+        except subprocess.TimeoutExpired:
+            return f"{tests}: does not end"
+        if re.search(r"^\[==========\] 0 tests", done.stdout, re.MULTILINE):
+            raise Broken(f"{tests} has no test {filter}")
+        if done.returncode == 0:
+            return None
+        failed = re.findall(r"^\[  FAILED  \] ([\w./]+)", done.stdout, re.MULTILINE)
+        return failed[0] if failed else f"{tests}: ends with {done.returncode}"
+
+    def is_sound(self, tests, filter):
+        with self.lock:
+            run = self.sound.setdefault((tests, filter), concurrent.futures.Future())
+            first = not run.running() and not run.done() and run.set_running_or_notify_cancel()
+        if first:
+            try:
+                run.set_result(self.run(f"{self.folder}/tests/{tests}", tests, filter))
+            except Broken as what:
+                run.set_exception(what)
+        return run.result()
+
+
+def concerns(source, program):
+    """Whether a test program needs a source compiled again: its own, and all of host/. The march is left to those that
+    run it: the tests of the kernels include what they test."""
+    if source.startswith("tests/"):
+        return program == "test_" + source.split("/")[1]
+    return program != "test_kernels" or not source.startswith("host/device/march_")
+
+
+def apply(build, fault, folder):
+    """(what came of it, more of that)."""
+    text = (ROOT / fault["file"]).read_text()
+    if text.count(fault["find"]) != 1:
+        raise Broken(f"its text stands {text.count(fault['find'])} times in {fault['file']}")
+    changed = folder / "changed" / fault["file"]
+    changed.parent.mkdir(parents=True)
+    changed.write_text(text.replace(fault["find"], fault["replace"]))
+    made = {}
+
+    def objects_for(program):
+        """Those of its sources that are concerned: the place of each in the build folder, and the faulty one."""
+        for source in build.sources(fault.get("compile", [fault["file"]])):
+            if not concerns(source, program):
+                continue
+            arguments, place = build.commands[source]
+            if place not in made:
+                mine = f"{folder}/{source.replace('/', '_')}.o"
+                names = {place: mine, f"{ROOT}/{fault['file']}": str(changed)}
+                done = shell([*(names.get(word, word) for word in arguments), "-iquote", f"{folder}/changed",
+                              "-Wno-error"], build.folder, COMPILE_LIMIT)
+                if done.returncode != 0:
+                    why = re.findall(r"error: .*", done.stdout) or [done.stdout[-300:]]
+                    raise Broken("does not compile: " + why[0])
+                made[place] = mine
+            yield place, made[place]
+
+    wanted = fault["tests"] if isinstance(fault["tests"], list) else [fault["tests"]]
+    for tests, filter in (entry.split() for entry in wanted):
+        if (failed := build.is_sound(tests, filter)) is not None:
+            raise Broken(f"without the fault fails {failed}")
+        objects = dict(objects_for(tests))
+        link = [objects.get(word, word) for word in build.link_of(tests)]
+        # objects of a library: the program's own go first, so that the library's are not taken
+        link[link.index("-o") + 1 : link.index("-o") + 2] = [f"{folder}/{tests}", *(
+            mine for place, mine in objects.items() if mine not in link)]
+        done = shell(link, build.folder, COMPILE_LIMIT)
+        if done.returncode != 0:
+            raise Broken("does not link: " + done.stdout[-300:])
+        killer = build.run(f"{folder}/{tests}", tests, filter)
+        (folder / tests).unlink()
+        if killer:
+            return "killed", killer
+    return "survived", "of " + ", ".join(wanted)
+
+
+def judge(build, fault):
+    begin = time.time()
+    with tempfile.TemporaryDirectory(dir=build.folder, prefix="fault-") as folder:
+        try:
+            outcome, more = apply(build, fault, pathlib.Path(folder))
+        except Broken as what:
+            outcome, more = "broken", str(what)
+        except subprocess.TimeoutExpired:
+            outcome, more = "broken", "takes too long to compile"
+    unseen = fault.get("unseen")
+    if unseen and outcome == "survived":
+        outcome, more = "unseen", unseen
+    elif unseen and outcome == "killed":
+        outcome, more = "broken", f"marked as unseen, and seen by {more}"
+    return fault, outcome, more, time.time() - begin
+
+
+def main():
+    arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    arguments.add_argument("build", type=pathlib.Path)
+    arguments.add_argument("--only", action="append", help="those whose id or file contains this; may be repeated")
+    arguments.add_argument("--share", default="1/1", help="every N-th of them, from the I-th on")
+    arguments.add_argument("--jobs", type=int, default=1, help="faults at a time")
+    arguments.add_argument("--list", action="store_true", help="say which, and do nothing")
+    options = arguments.parse_args()
+    faults = tomllib.loads((HERE / "faults.toml").read_text())["fault"]
+    ids = [fault["id"] for fault in faults]
+    if twice := {name for name in ids if ids.count(name) > 1}:
+        sys.exit(f"more than one fault is called {', '.join(sorted(twice))}")
+    if options.only:
+        faults = [f for f in faults if any(text in f["id"] or text in f["file"] for text in options.only)]
+    first, of = map(int, options.share.split("/"))
+    faults = faults[first - 1 :: of]
+    if options.list:
+        print("\n".join(f"{fault['id']:<32} {fault['file']}" for fault in faults))
+        return 0
+    if not faults:
+        sys.exit("no such fault")
+    build = Build(options.build)
+    counts = {}
+    with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
+        for run in concurrent.futures.as_completed([pool.submit(judge, build, fault) for fault in faults]):
+            fault, outcome, more, took = run.result()
+            counts[outcome] = counts.get(outcome, 0) + 1
+            print(f"{outcome:<9} {fault['id']:<32} {took:4.0f} s  {fault['file']}: {more}", flush=True)
+    print(", ".join(f"{number} {outcome}" for outcome, number in sorted(counts.items())))
+    return 1 if counts.keys() - {"killed", "unseen"} else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
