@@ -9,8 +9,9 @@
 /// The level of the resonator's noise.
 namespace ra2d {
 
-/// Root mean square velocity of the resonator's elastic motion [m/s]: over its nodes, and over the
-/// steps from `begin` (none: t = 0) to `end`; NaN where there is none. What a free body does as a whole is no noise.
+/// Root mean square velocity of the resonator's elastic motion [m/s] (paper, equation 13): over its
+/// nodes, and over the steps from `begin` (none: t = 0) to `end`; NaN where there is none. What a free
+/// body does as a whole is no noise.
 /// The mean over nodes is taken mode by mode; cross terms between modes vanish for pinned modes on
 /// a whole number of spacings, and are of the order of spacing/length otherwise.
 double v_rms(const Model& model, const Snapshot& end, const Snapshot& begin = {});

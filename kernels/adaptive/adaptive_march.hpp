@@ -12,8 +12,8 @@
 #include "kernels/adaptive/series.hpp"
 #include "kernels/adaptive/slider_way.hpp"
 #include "kernels/contact/node_contact.hpp"
-#include "kernels/gap.hpp"
 #include "kernels/lanes.hpp"
+#include "kernels/place.hpp"
 #include "kernels/shocks.hpp"
 #include "kernels/state.hpp"
 #include "kernels/tables.hpp"
@@ -167,7 +167,7 @@ class AdaptiveMarcher {
     overlaps_.find_near(place, now_, bounds, rise, room - aim.ticks);
     overlaps_.see_beginning(place, now_);
     if (!(bounds.size < 1e300)) return fail(Status::not_finite);
-    const Modes end = flown(aim.ticks);
+    Modes end = flown(aim.ticks);
     const int flagged = see_and_flag(place, end, aim.ticks, bounds, rise);
     if (flagged > 0) return fly_and_search(place, end, aim.ticks, bounds, rise, flagged);
     if (!land(aim.ticks, end, longer)) return false;
@@ -177,7 +177,7 @@ class AdaptiveMarcher {
 
   /// A flight of which the cubics cannot rule out that one of the flagged nodes touches: their series
   /// are searched, over no more than these hold for.
-  KOKKOS_FUNCTION bool fly_and_search(const Place& place, Modes end, std::int64_t aimed,
+  KOKKOS_FUNCTION bool fly_and_search(const Place& place, Modes& end, std::int64_t aimed,
                                       const MotionBounds& bounds, double rise, int flagged) {
     std::int64_t ticks = aimed;
     const double scale = Kokkos::min(ticks * t_.step, t_.longest_scale);

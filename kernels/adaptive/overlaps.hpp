@@ -7,10 +7,10 @@
 #include "kernels/adaptive/modal_state.hpp"
 #include "kernels/adaptive/series.hpp"
 #include "kernels/contact/node_contact.hpp"
-#include "kernels/gap.hpp"
 #include "kernels/group_sweep.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/near_groups.hpp"
+#include "kernels/place.hpp"
 #include "kernels/state.hpp"
 #include "kernels/tables.hpp"
 

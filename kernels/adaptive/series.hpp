@@ -7,8 +7,8 @@
 #include "kernels/adaptive/modal_state.hpp"
 #include "kernels/contact/node_contact.hpp"
 #include "kernels/displacement.hpp"
-#include "kernels/gap.hpp"
 #include "kernels/lanes.hpp"
+#include "kernels/place.hpp"
 #include "kernels/state.hpp"
 #include "kernels/tables.hpp"
 

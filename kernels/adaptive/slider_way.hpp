@@ -3,8 +3,8 @@
 #include <Kokkos_Core.hpp>
 #include <cstdint>
 
-#include "kernels/gap.hpp"
 #include "kernels/near_groups.hpp"
+#include "kernels/place.hpp"
 #include "kernels/tables.hpp"
 
 namespace ra2d {

@@ -12,6 +12,7 @@
 
 #include "host/scene/scene.hpp"
 #include "host/scene_file/scene_file.hpp"
+#include "kernels/gap.hpp"
 #include "tests/effort.hpp"
 #include "tests/looks.hpp"
 #include "tests/places.hpp"
@@ -93,19 +94,20 @@ class Gaps {
     double largest = -1e300;
     touching = 0;
     for (int n = 0; n < m_.nodes(); ++n) {
-      const long double left = m_.resonator_height[base + n];
       const std::size_t next = std::min<std::size_t>(base + n + 1, m_.resonator_height.size() - 1);
-      long double sum = left - m_.delta + m_.slider_height[n];
-      sum += theta * (m_.resonator_height[next] - left);
+      long double u1_n = 0, u2_n = 0;
       for (std::size_t k = 0; k < m_.resonator.modes.size(); ++k) {
         double psi = 0;
         evaluate(m_.resonator.modes[k], m_.resonator.length, (position + n) * m_.scene.spacing, 1,
                  &psi);
-        sum += static_cast<long double>(psi) * u2[k];
+        u2_n += static_cast<long double>(psi) * u2[k];
       }
       for (std::size_t k = 0; k < modes1; ++k)
-        sum += static_cast<long double>(slider_[n * modes1 + k]) * u1[k];
-      const double overlap = static_cast<double>(sum);
+        u1_n += static_cast<long double>(slider_[n * modes1 + k]) * u1[k];
+      const FaceBetweenNodes<long double> h2{m_.resonator_height[base + n],
+                                             m_.resonator_height[next], theta};
+      const auto overlap =
+          static_cast<double>(-gap<long double>(m_.delta, m_.slider_height[n], u1_n, h2, u2_n));
       largest = std::max(largest, overlap);
       touching += std::abs(overlap) <= bound;
     }
