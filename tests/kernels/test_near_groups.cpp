@@ -181,6 +181,22 @@ TEST(NearGroups, LeaveOutNothingThatTouchesWhileTheyHold) {
   EXPECT_LT(listed, 0.7 * looks * Bodies::groups);
 }
 
+TEST(NearGroups, LeaveOutNothingThatTheCubicsMiss) {
+  // one node touches, and just so; the list need not reach any further
+  Dice dice(6);
+  for (int trial = 0; trial < 300; ++trial) {
+    Bodies bodies(dice);
+    const Amplitudes u = some(dice, 0.2);
+    const double position = std::nextafter(dice.order(100)[0] + 1.0, 0);  // no way is left
+    const int node = dice.order(Bodies::slider_nodes)[0];
+    for (int n = 0; n < Bodies::slider_nodes; ++n)
+      bodies.height1[n] -= bodies.overlap(u, position, n) + (n == node ? -1e-12 : 5);
+    Lists lists(bodies.t);
+    lists.find(u, bodies.place(position), 0);
+    EXPECT_EQ(lists.listed(), std::vector<int>{node / width}) << "trial " << trial;
+  }
+}
+
 TEST(NearGroups, AreThoseThatOneLookAtEverythingFinds) {
   // The first pass is made once in many nodes' way: what it leaves to the second must not depend on
   // when that was.

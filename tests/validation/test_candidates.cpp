@@ -12,6 +12,7 @@
 #include <tuple>
 #include <vector>
 
+#include "host/beam/beam.hpp"
 #include "host/errors.hpp"
 #include "kernels/gap.hpp"
 #include "tests/effort.hpp"
@@ -179,6 +180,34 @@ TEST(Candidates, ModeSwingsTheFarEndIntoContact) {
     count_energy(model, start);
     const Outcome all = expect_both_same(model, start);
     EXPECT_GE(all.end.most_nodes, 2);
+  }
+}
+
+TEST(Candidates, CubicsAreOffByManyStepsOfAFineMarch) {
+  // A peak above a plate that swings up in its only mode. Towards the edge of a patch its cubic is below
+  // the plate by some 1e-3 of the swing, and a step is 1e-5 of it.
+  Scene s = plate_scene(1, 0.004, 0.001);
+  s.spacing = 2e-5;
+  s.speed = 0;
+  s.slider.surface = peaks({{.at = 0.002, .height = 1e-5, .half_width = 1e-5}});
+  s.contact.stiffness = 1e13;
+  const ModeShape mode = make_beam(s.resonator).modes[0];
+  const double omega = mode.omega;
+  s.time.step = 1e-5 / omega;
+  s.duration = 0.36 / omega;
+  s.output.rate = 1 / s.duration;
+  for (double start = 0.01; start < 0.05; start += 0.0017) {
+    SCOPED_TRACE(start);
+    s.start = start;
+    double psi = 0;
+    evaluate(mode, s.resonator.length, start + 0.002, 1, &psi);
+    const double swing = 1e-4;  // m, where the peak is
+    s.gap = 1e-5 + 0.3 * swing;
+    const Model model = make_model(s);
+    ModalStart at = make_start(model);
+    at.resonator_v[0] = swing / psi * omega;
+    count_energy(model, at);
+    EXPECT_GE(expect_both_same(model, at).end.shocks_begun, 1);
   }
 }
 
