@@ -19,11 +19,12 @@ namespace ra2d {
 /// Where a stretch of steps finds the nodes that could touch: on a list that holds for all of it ...
 class ListedNodes {
  public:
-  KOKKOS_FORCEINLINE_FUNCTION explicit ListedNodes(const Outlook& plan) : plan_{plan} {}
+  KOKKOS_FORCEINLINE_FUNCTION explicit ListedNodes(const Outlook& plan)
+      : count_{plan.count}, line_{plan.line}, kick_{plan.kick} {}
 
   template <class Real>
   KOKKOS_FORCEINLINE_FUNCTION int find(const Real*, const Real*, const Place&) const {
-    return plan_.count;
+    return count_;
   }
   KOKKOS_FORCEINLINE_FUNCTION void move(const SceneTables& t, Place& place, std::int64_t step,
                                         double behind) const {
@@ -36,15 +37,15 @@ class ListedNodes {
     pushed_ += most;
     pushes_ += pushed_;
     const double n = ++steps_;
-    const bool covered = plan_.line * n * (n + 1.0) + plan_.kick * pushes_ <= 1.0;
+    const bool covered = line_ * n * (n + 1.0) + kick_ * pushes_ <= 1.0;
     pushes_ += (force - most);
     pushed_ += (force - most);
     return covered;
   }
 
  private:
-  const Outlook& plan_;
-  int steps_ = 0;
+  int count_, steps_ = 0;
+  double line_, kick_;
   double pushed_ = 0.0, pushes_ = 0.0;  // sums of the forces, and of these sums
 };
 
@@ -94,7 +95,7 @@ class ContactStep {
         outer_{outer},
         modes_{modes},
         contact_{contact},
-        solve_{lanes, tables, state, contact},
+        solve_{lanes, tables, state, contact_},
         recorder_{recorder} {}
 
   /// From y on, which stands at `place`. False, with nothing done, when a list would not cover the
@@ -121,8 +122,8 @@ class ContactStep {
   const SceneTables& t_;
   SceneState& s_;
   const OuterForces<Lanes, K>& outer_;
-  const ModesStep<Lanes, form, K>& modes_;
-  const NodeContact<Lanes, K>& contact_;
+  ModesStep<Lanes, form, K> modes_;  // these two hold no data: copies save a way to them
+  NodeContact<Lanes, K> contact_;
   Complementarity<Lanes, K> solve_;
   FixedRecorder<Lanes, form, K>& recorder_;
 

@@ -20,6 +20,20 @@ struct Motion {
   Real bend;          // see CarriedState::bend_part
   std::int64_t step;  // that it stands at
 
+  Motion() = default;
+  KOKKOS_FORCEINLINE_FUNCTION Motion(const Motion& other) { *this = other; }
+  /// Value by value: as one block of memory it would not come into registers.
+  KOKKOS_FORCEINLINE_FUNCTION Motion& operator=(const Motion& other) {
+    for (int p = 0; p < K; ++p) {
+      u[p] = other.u[p];
+      v[p] = other.v[p];
+      square[p] = other.square[p];
+    }
+    bend = other.bend;
+    step = other.step;
+    return *this;
+  }
+
   KOKKOS_FORCEINLINE_FUNCTION void add_squares() {
     for (int p = 0; p < K; ++p) square[p] = multiply_add(v[p], v[p], square[p]);
   }
