@@ -1,0 +1,27 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# clang-tidy (.clang-tidy) over host/ and, with it, the kernels that the device's files include: run.sh [FILE...]
+# It reads build/release/compile_commands.json (cmake --preset release). The marches are the same templates eight times:
+# two of them, one of each loop, stand for all.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/../.."
+command -v clang-tidy > /dev/null || { echo "clang-tidy is not here: apt-get install clang-tidy"; exit 1; }
+commands=build/release/compile_commands.json
+[[ -e $commands ]] || { echo "$commands is not here: cmake --preset release"; exit 1; }
+started=$SECONDS
+database=build/tidy
+mkdir -p $database
+# without the precompiled headers, which are the other compiler's
+sed -E 's/-Winvalid-pch -include [^ ]*cmake_pch\.hxx//' $commands > $database/compile_commands.json
+files=("$@")
+if ((${#files[@]} == 0)); then
+  mapfile -t files < <(git ls-files 'host/*.cpp' | grep -v '/march_')
+  files+=(host/device/march_implicit_few.cpp host/device/march_adaptive_few.cpp)
+fi
+status=0
+printf '%s\n' "${files[@]}" |
+  xargs -P "$(nproc)" -I{} clang-tidy -p $database --quiet {} 2> $database/stderr || status=1
+# each file's count of what was suppressed in headers of others, and nothing else, is no message
+grep -vE '^[0-9]+ (warning|error)s?( and [0-9]+ errors?)? generated\.$|^$' $database/stderr || true
+echo "${#files[@]} files in $((SECONDS - started)) s"
+exit $status
