@@ -10,7 +10,8 @@ install(EXPORT ra2dTargets NAMESPACE ra2d:: DESTINATION ${package_dir})
 foreach(part kernels host)
   # but for those that need toml++, HDF5 or xxHash, which nobody else has to have
   install(DIRECTORY ${part} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/ra2d
-          FILES_MATCHING PATTERN "*.hpp" PATTERN "scene/toml.hpp" EXCLUDE PATTERN "store/hdf5.hpp" EXCLUDE PATTERN "store/hash.hpp" EXCLUDE)
+          FILES_MATCHING PATTERN "*.hpp" PATTERN "scene/toml.hpp" EXCLUDE
+          REGEX "store/(attributes|hash|hdf5|read_back|shock_rows|table|unfinished_file)[.]hpp$" EXCLUDE)
 endforeach()
 set(RA2D_PLOT_SCRIPTS host/plot/chart_style.py host/plot/plot_stability.py host/plot/plot_accuracy.py)
 install(FILES ${RA2D_PLOT_SCRIPTS} DESTINATION ${CMAKE_INSTALL_DATADIR}/ra2d)

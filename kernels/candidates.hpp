@@ -4,11 +4,11 @@
 #include <cstdint>
 
 #include "kernels/displacement.hpp"
-#include "kernels/gap.hpp"
 #include "kernels/group_sweep.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/limits.hpp"
 #include "kernels/near_groups.hpp"
+#include "kernels/place.hpp"
 #include "kernels/state.hpp"
 #include "kernels/tables.hpp"
 

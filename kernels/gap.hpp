@@ -1,87 +1,31 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-#include <Kokkos_Core.hpp>
 
-#include "kernels/displacement.hpp"
-#include "kernels/lanes.hpp"
-#include "kernels/tables.hpp"
-
-/// Contact detection: the gap at the slider's nodes (paper, equation 10; model page, "Nodes and
-/// gap"),
-///   g_n = delta - h_1(s_n) - u_1(t, s_n) - h_2(x_n) - u_2(t, x_n),   contact: g_n <= 0.
-/// The kernels work with the overlap -g_n.
 namespace ra2d {
 
-/// Where the slider stands at a step, in chi.
-struct Place {
-  double position;  // of slider node 0 on the resonator
-  int base;         // whole nodes
-  double theta;     // the rest: every slider node stands theta behind resonator node base + n
-  int part;         // of the node's width, in t.windows parts
-  double offset;    // from the middle of that part
-
-  /// At a step, or at a share `behind` of the step after it.
-  KOKKOS_FORCEINLINE_FUNCTION Place(const SceneTables& t, std::int64_t step, double behind = 0.0) {
-    position = Kokkos::fma(static_cast<double>(step) + behind, t.advance, t.position);
-    base = static_cast<int>(position);
-    theta = position - base;
-    part = static_cast<int>(theta * t.windows);
-    offset = theta - (part + 0.5) * t.window_width;
-  }
-  /// The number of the window: a stretch of the way within which no node passes another and the
-  /// modes' shapes at a node are cubic polynomials of the offset.
-  KOKKOS_FORCEINLINE_FUNCTION std::int64_t window(const SceneTables& t) const {
-    return static_cast<std::int64_t>(base) * t.windows + part;
-  }
-  /// On to another step of the same window.
-  KOKKOS_FORCEINLINE_FUNCTION void move_to(const SceneTables& t, std::int64_t step,
-                                           double behind = 0.0) {
-    position = Kokkos::fma(static_cast<double>(step) + behind, t.advance, t.position);
-    theta = position - base;
-    offset = theta - (part + 0.5) * t.window_width;
-  }
+/// A rough face between two neighbouring nodes: a straight line, here at `theta` of the way from the
+/// left one to the right one. Heights in m.
+template <class Real>
+struct FaceBetweenNodes {
+  Real left, right, theta;
 };
 
-/// The patch on which a group of slider nodes is evaluated, and eta of the group's first node.
-template <class Lanes>
-struct GroupPlace {
-  int patch;
-  double eta;
-
-  KOKKOS_FORCEINLINE_FUNCTION GroupPlace(const SceneTables& t, const Place& place, int group) {
-    const int middle = place.base + group * Lanes::width + Lanes::width / 2;
-    patch = static_cast<int>((middle + 0.5) * t.inverse_patch);
-    eta = (place.position + (group * Lanes::width - (patch + 0.5) * t.patch_nodes)) *
-          t.inverse_radius;
-  }
-};
-
-/// The rough faces alone: h_1 - delta + h_2 at the nodes of a group, and the resonator's rise to
-/// its next node.
-template <class Lanes>
-struct StaticOverlap {
-  using Real = typename Lanes::Real;
-  Real height, rise;
-
-  KOKKOS_FORCEINLINE_FUNCTION StaticOverlap(const Lanes& lanes, const SceneTables& t,
-                                            const Place& place, int group) {
-    const double* h2 = t.height2 + place.base + group * Lanes::width;
-    const Real left = lanes.load(h2);
-    rise = lanes.load(h2 + 1) - left;
-    height = lanes.load(t.height1 + group * Lanes::width) + multiply_add(place.theta, rise, left);
-  }
-};
-
-/// u_1 (or its rate) at the nodes of a group; `amplitude` holds all modes' amplitudes one by one.
-template <class Lanes>
-KOKKOS_FORCEINLINE_FUNCTION typename Lanes::Real add_slider_displacement(
-    const Lanes& lanes, const SceneTables& t, const double* amplitude, int group,
-    typename Lanes::Real value) {
-  const int stride = t.groups * Lanes::width;
-  for (int k = 0; k < t.slider_modes; ++k)
-    value = multiply_add(amplitude[t.resonator_modes + k],
-                         lanes.load(t.slider_shape + k * stride + group * Lanes::width), value);
-  return value;
+/// Contact detection: the gap at a slider's node (paper, equation 10; model page, "Nodes and gap"),
+///
+///   g_n = delta - h_1(s_n) - u_1(t, s_n) - h_2(x_n) - u_2(t, x_n),   contact: g_n <= 0,
+///
+/// n the node, s_n its place on the slider, x_n that on the resonator, where it stands between two
+/// nodes. delta is the distance of the mean lines, h the faces' heights and u the bodies'
+/// displacements, all towards the other body.
+///
+/// This is the plain form: a scene starts from it, and tests hold the kernels to it. These work with the
+/// overlap -g_n, in parts that are found once and used often (kernels/place.hpp,
+/// kernels/contact/node_contact.hpp). The order of the sum stays as it is: the bits of a "touching" gap
+/// follow from it.
+template <class Real>
+constexpr Real gap(Real delta, Real h1, Real u1, const FaceBetweenNodes<Real>& h2, Real u2) {
+  const Real faces = h1 - delta + h2.left + h2.theta * (h2.right - h2.left);
+  return -(faces + u2 + u1);
 }
 
 }  // namespace ra2d

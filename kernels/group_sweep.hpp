@@ -5,8 +5,8 @@
 
 #include "kernels/check.hpp"
 #include "kernels/displacement.hpp"
-#include "kernels/gap.hpp"
 #include "kernels/lanes.hpp"
+#include "kernels/place.hpp"
 #include "kernels/tables.hpp"
 
 namespace ra2d {

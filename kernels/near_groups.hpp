@@ -4,9 +4,9 @@
 #include <cstdint>
 
 #include "kernels/displacement.hpp"
-#include "kernels/gap.hpp"
 #include "kernels/group_sweep.hpp"
 #include "kernels/lanes.hpp"
+#include "kernels/place.hpp"
 #include "kernels/state.hpp"
 #include "kernels/tables.hpp"
 

@@ -34,7 +34,7 @@
 /// ticks so short that no answer feels them: times are integers, and sums of them exact.
 namespace ra2d {
 
-/// What a step is made of; a scene has one of these (kernels/march.hpp).
+/// What a step is made of; a scene has one of these (kernels/fixed/contact_step.hpp).
 enum class Form : int {
   semi_implicit,  // U1 = U0 + tau V1 with the contact force of the old time
   staged,         // the contact force at each stage of the scheme
@@ -43,7 +43,7 @@ enum class Form : int {
 };
 inline constexpr int forms = 4;
 
-/// Longest series of a patch that a scene may need (host/device/batch.cpp chooses).
+/// Longest series of a patch that a scene may need (host/device/layout.cpp chooses).
 inline constexpr int most_terms = 24;
 
 struct MovingForceTable {

@@ -1,41 +1,85 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <gtest/gtest.h>
+
 #include <bit>
 #include <cstdint>
+#include <string>
 #include <vector>
 
-/// Comparison to the last bit: also of zeros' signs, and of what is no number.
-namespace ra2d::test {
+#include "tests/simulate.hpp"
 
-using Bits = std::vector<std::uint64_t>;
+/// Comparison to the last bit: also of zeros' signs, and of what is no number. Where two runs differ it
+/// says in which quantity, at which sample, and by how much.
+namespace ra2d::test {
 
 inline std::uint64_t bits(double x) { return std::bit_cast<std::uint64_t>(x); }
 
-inline void put(Bits& to, const std::vector<double>& values) {
-  for (const double x : values) to.push_back(bits(x));
-}
+/// What the rows and columns of a quantity are called.
+struct Axes {
+  std::string row = "place";
+  std::vector<double> times;  // s, of the rows; none where they have no time
+  std::size_t columns = 1;
+  std::string column = "mode";
+};
 
-/// What ended and open shocks have in common.
-template <class Shock>
-void put_shocks(Bits& to, const std::vector<Shock>& shocks) {
-  for (const Shock& s : shocks) {
-    for (const std::int64_t i : {s.serial, s.start, s.last})
-      to.push_back(static_cast<std::uint64_t>(i));
-    put(to, {s.peak, s.impulse, s.moment});
+/// Collects the quantities in which two runs differ.
+class Comparison {
+ public:
+  /// Numbers row by row: where the first pair that differs stands, both numbers, how many doubles lie
+  /// between them, and how many pairs differ.
+  void add(const std::string& name, const std::vector<double>& a, const std::vector<double>& b,
+           const Axes& axes = {});
+  void add(const std::string& name, double a, double b);
+  void add(const std::string& name, std::int64_t a, std::int64_t b);
+
+  /// What ended and open shocks have in common; `tick` in s, 0 where it is not known.
+  template <class Shock>
+  void add_shocks(const std::string& name, const std::vector<Shock>& a, const std::vector<Shock>& b,
+                  double tick) {
+    Axes axes{.row = "shock"};
+    for (const Shock& shock : a)
+      if (tick > 0) axes.times.push_back(static_cast<double>(shock.start) * tick);
+    const auto column = [&]<class Number>(const char* what, Number Shock::*member) {
+      std::vector<Number> left, right;
+      for (const Shock& shock : a) left.push_back(shock.*member);
+      for (const Shock& shock : b) right.push_back(shock.*member);
+      add(name + " " + what, left, right, axes);
+    };
+    column("number", &Shock::serial);
+    column("start", &Shock::start);
+    column("last", &Shock::last);
+    column("peak", &Shock::peak);
+    column("impulse", &Shock::impulse);
+    column("moment", &Shock::moment);
   }
-}
+  void add(const std::string& name, const std::vector<std::int64_t>& a,
+           const std::vector<std::int64_t>& b, const Axes& axes);
 
-inline Bits bits(const std::vector<double>& values) {
-  Bits out;
-  put(out, values);
-  return out;
-}
+  /// The state in which two runs ended, and their sums.
+  void add(const Snapshot& a, const Snapshot& b, double tick);
 
-template <class Shock>
-Bits shock_bits(const std::vector<Shock>& shocks) {
-  Bits out;
-  put_shocks(out, shocks);
-  return out;
-}
+  /// Success, or what differs: the earliest first, then what has no time.
+  testing::AssertionResult result() const;
+
+ private:
+  struct Difference {
+    double when;  // s
+    std::string text;
+  };
+  int quantities_ = 0;
+  std::vector<Difference> found_;
+
+  template <class Number>
+  void compare(const std::string& name, const std::vector<Number>& a, const std::vector<Number>& b,
+               const Axes& axes);
+};
+
+/// Whether two runs recorded the same: EXPECT_TRUE(same(a, b)).
+testing::AssertionResult same(const Recording& a, const Recording& b);
+
+/// ... and two lists of numbers.
+testing::AssertionResult same(const std::string& name, const std::vector<double>& a,
+                              const std::vector<double>& b);
 
 }  // namespace ra2d::test

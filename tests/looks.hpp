@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <gtest/gtest.h>
+
 #include <cstdint>
 #include <functional>
 #include <vector>
@@ -9,7 +11,7 @@
 #include "tests/simulate.hpp"
 
 /// Marches over all the nodes and over candidates, compared bit for bit; and scenes of any kind to
-/// compare them on. What a run records, as bits.
+/// compare them on.
 namespace ra2d::test {
 
 /// Everything that a scene hands out.
@@ -17,11 +19,14 @@ struct Outcome {
   std::vector<double> rows;  // samples: U, V, force, nodes, energies, works
   std::vector<ShockRow> shocks;
   Snapshot end;
+  int lanes = 0;                         // modal displacements of a sample
+  double tick = 0, sample_interval = 0;  // s
 };
 
 Outcome march(Model model, const ModalStart& start, Nodes nodes);
 
-void expect_same(const Outcome& all, const Outcome& some);
+/// EXPECT_TRUE(same(a, b)): bit for bit, or what differs.
+testing::AssertionResult same(const Outcome& a, const Outcome& b);
 
 /// Marches both ways, compares, and returns the march over all the nodes.
 Outcome expect_both_same(const Model& model, const ModalStart& start);
@@ -48,8 +53,5 @@ Started random_scene(std::uint64_t seed, const Variant& variant = {});
 
 /// Rough faces that meet, under a slider of any support.
 Scene rough_scene(Support slider);
-
-/// All that a run records, as one list.
-Bits bits(const Recording& r);
 
 }  // namespace ra2d::test

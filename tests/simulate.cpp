@@ -20,9 +20,10 @@ class RecordingSink : public Sink {
          {&SampleBlock::time, &SampleBlock::resonator_displacement,
           &SampleBlock::resonator_velocity, &SampleBlock::slider_displacement,
           &SampleBlock::slider_velocity, &SampleBlock::force, &SampleBlock::nodes,
-          &SampleBlock::probe_displacement, &SampleBlock::probe_velocity, &SampleBlock::kinetic,
-          &SampleBlock::elastic, &SampleBlock::contact, &SampleBlock::damping_loss,
-          &SampleBlock::sliding_work, &SampleBlock::load_work})
+          &SampleBlock::probe_displacement, &SampleBlock::probe_velocity,
+          &SampleBlock::slider_probe_displacement, &SampleBlock::slider_probe_velocity,
+          &SampleBlock::kinetic, &SampleBlock::elastic, &SampleBlock::contact,
+          &SampleBlock::damping_loss, &SampleBlock::sliding_work, &SampleBlock::load_work})
       append(to_.samples.*column, block.*column);
   }
 

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -280,6 +283,12 @@ int answer(const Words& words) {
 }  // namespace
 
 int main(int argc, char** argv) {
+#ifdef __GLIBC__
+  // Samples come in blocks of a megabyte or two. What is let go of stays with the process for the next:
+  // else every block has its pages taken from the system anew.
+  mallopt(M_MMAP_THRESHOLD, 32 << 20);
+  mallopt(M_TRIM_THRESHOLD, 64 << 20);
+#endif
   ra2d::hold_standard_files();
   std::signal(SIGXFSZ, SIG_IGN);  // ulimit -f: the write says so
   return ra2d::finish_printing(answer(Words(argv + std::min(argc, 1), argv + argc)));

@@ -6,7 +6,7 @@
 #include "kernels/schemes/mode_step.hpp"
 
 /// Bounds on what modes and faces can do. The proofs that no contact is missed
-/// (kernels/candidates.hpp, kernels/adaptive/adaptive_march.hpp) rest on them.
+/// (kernels/candidates.hpp, kernels/adaptive/overlaps.hpp) rest on them.
 namespace ra2d {
 
 /// |(omega U, V)'| over |(omega U, V)| of a free mode is no more [1/s].
@@ -21,11 +21,13 @@ double highest_beta(const Beam& beam);
 /// max |psi| over the beam, from the sizes of the shape's parts [m^(-1/2)].
 double largest_shape(const ModeShape& shape, double length);
 
-/// The largest |psi'|/beta and |psi''|/beta^2 of the elastic part over the beam and `beyond` [m] of its
-/// ends, where the exponential of a free beam grows on [m^(-1/2)].
+/// The largest |psi'|/beta and |psi''|/beta^2 of the elastic part over the beam and as far as `beyond`
+/// [m] behind its far end, where the exponential of a free beam grows on and patches reach
+/// [m^(-1/2)].
 double largest_wave(const ModeShape& shape, double beyond);
 
-/// What a mode's cubic about the centre of a stretch leaves out within `radius` [m] of it.
+/// What a mode's cubic about the centre of a stretch leaves out within `radius` [m] of it, where the
+/// beam is or behind its far end. The centre may be up to `radius` behind that end.
 struct CubicRemainder {
   double value;  // of psi, m^(-1/2)
   double slope;  // of psi', m^(-3/2)

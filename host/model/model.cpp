@@ -10,6 +10,7 @@
 #include "host/errors.hpp"
 #include "host/scene/schemes.hpp"
 #include "host/surface/surface.hpp"
+#include "kernels/gap.hpp"
 #include "kernels/tables.hpp"
 
 namespace ra2d {
@@ -147,8 +148,9 @@ std::vector<double> overlaps(const Model& m, const std::vector<double>& resonato
   for (int n = 0; n < m.nodes(); ++n) {
     const std::size_t left = std::min<std::size_t>(base + n, m.resonator_height.size() - 1);
     const std::size_t right = std::min<std::size_t>(left + 1, m.resonator_height.size() - 1);
-    double sum = m.slider_height[n] - m.delta + m.resonator_height[left] +
-                 theta * (m.resonator_height[right] - m.resonator_height[left]);
+    const FaceBetweenNodes<double> h2{m.resonator_height[left], m.resonator_height[right], theta};
+    // of the faces; then the modes' displacements, one by one
+    double sum = -gap(m.delta, m.slider_height[n], 0.0, h2, 0.0);
     double psi = 0;
     for (std::size_t k = 0; k < resonator_u.size(); ++k) {
       if (resonator_u[k] == 0.0) continue;

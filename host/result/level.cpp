@@ -3,10 +3,12 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace ra2d {
+namespace {
 
-std::vector<double> mean_squares(const Beam& beam, int nodes, double spacing) {
+std::vector<double> find_mean_squares(const Beam& beam, int nodes, double spacing) {
   std::vector<double> means;
   for (const ModeShape& mode : beam.modes) {
     double square = 0;
@@ -20,9 +22,28 @@ std::vector<double> mean_squares(const Beam& beam, int nodes, double spacing) {
   return means;
 }
 
+std::shared_future<std::vector<double>> known_already(std::vector<double> values) {
+  std::promise<std::vector<double>> promise;
+  promise.set_value(std::move(values));
+  return promise.get_future().share();
+}
+
+}  // namespace
+
+MeanSquares::MeanSquares(std::vector<double> known) : found_{known_already(std::move(known))} {}
+
+MeanSquares::MeanSquares(const Beam& beam, int nodes, double spacing) {
+  constexpr double few = 20'000;  // shapes at nodes: as long as it takes to start a thread, or so
+  const bool worth_it = static_cast<double>(beam.modes.size()) * nodes > few;
+  // with both, a system that starts no more threads leaves it to who asks
+  const std::launch how =
+      worth_it ? std::launch::async | std::launch::deferred : std::launch::deferred;
+  found_ = std::async(how, find_mean_squares, beam, nodes, spacing).share();
+}
+
 std::vector<double> mean_squares(const Model& model) {
-  return mean_squares(model.resonator, static_cast<int>(model.resonator_height.size()),
-                      model.scene.spacing);
+  return find_mean_squares(model.resonator, static_cast<int>(model.resonator_height.size()),
+                           model.scene.spacing);
 }
 
 double v_rms(const std::vector<double>& mean_squares, const Snapshot& end, const Snapshot& begin) {

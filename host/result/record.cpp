@@ -2,7 +2,9 @@
 #include "host/result/record.hpp"
 
 #include <cmath>
+#include <initializer_list>
 #include <limits>
+#include <utility>
 
 namespace ra2d {
 namespace {
@@ -21,6 +23,33 @@ double load_work(const Beam& beam, const double* u, const std::vector<double>& s
   double work = 0;
   for (std::size_t k = 0; k < beam.modes.size(); ++k) work += beam.load[k] * (u[k] - start[k]);
   return work;
+}
+
+/// Room for `samples` more, so that nothing moves while they are added.
+void make_room(SampleBlock& block, const Model& model, std::size_t samples) {
+  const std::size_t modes2 = model.resonator.modes.size(), modes1 = model.slider.modes.size();
+  const std::size_t probes2 = model.scene.output.probes.size(),
+                    probes1 = model.scene.output.slider_probes.size();
+  for (const auto& [column, width] :
+       std::initializer_list<std::pair<std::vector<double>*, std::size_t>>{
+           {&block.time, 1},
+           {&block.resonator_displacement, modes2},
+           {&block.resonator_velocity, modes2},
+           {&block.slider_displacement, modes1},
+           {&block.slider_velocity, modes1},
+           {&block.force, 1},
+           {&block.nodes, 1},
+           {&block.probe_displacement, probes2},
+           {&block.probe_velocity, probes2},
+           {&block.slider_probe_displacement, probes1},
+           {&block.slider_probe_velocity, probes1},
+           {&block.kinetic, 1},
+           {&block.elastic, 1},
+           {&block.contact, 1},
+           {&block.damping_loss, 1},
+           {&block.sliding_work, 1},
+           {&block.load_work, 1}})
+    column->reserve(column->size() + samples * width);
 }
 
 /// What a body's modes make of its probes.
@@ -78,6 +107,7 @@ SampleBlock make_samples(const Model& model, const ModalStart& start, const Drai
   const Probes probes(model.resonator, model.scene.output.probes);
   const Probes slider_probes(model.slider, model.scene.output.slider_probes);
   SampleBlock block;
+  make_room(block, model, static_cast<std::size_t>(drained.samples));
   for (int i = 0; i < drained.samples; ++i) {
     const double* u = drained.sample_rows.data() + i * row_size;
     const double* v = u + lanes;

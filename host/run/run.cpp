@@ -251,7 +251,7 @@ RunReport run(const Scene& scene, const RunOptions& options) {
     options.progress(progress_of(way, seconds_since(marching)));
   });
 
-  RunReport report = report_on(way, header.resonator.mean_square);
+  RunReport report = report_on(way, header.resonator.mean_square.get());
   report.beyond_limit = beyond_limit;
   report.wall_seconds = seconds_since(begun);
   file.close(summary_of(report));

@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <mutex>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -87,5 +88,16 @@ template <herr_t (*Close)(hid_t)>
 void close(Handle<Close>& handle) {
   check(handle.close());
 }
+
+/// Takes the library, which need not be built thread safe: a program may write several files at once.
+/// Whoever calls it holds this.
+std::unique_lock<std::mutex> take_library();
+
+/// How files are opened, to be written and to be read back.
+Properties file_access();
+
+/// Properties for the creation of files, groups or datasets (H5P_FILE_CREATE, ...) whose parts are
+/// listed in the order in which they were made.
+Properties ordered(hid_t kind);
 
 }  // namespace ra2d::h5

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "host/result/level.hpp"
 #include "host/result/record.hpp"
 
 /// The result file (contract: "Output").
@@ -12,10 +13,10 @@ namespace ra2d {
 
 /// A body's modes; it may have none.
 struct ModesHeader {
-  std::vector<double> frequency;    // Hz
-  std::vector<double> position;     // m, places along the body
-  std::vector<double> shape;        // (mode, position), m^-1/2
-  std::vector<double> mean_square;  // 1/m, of the shape over all the nodes; 0 of a rigid mode
+  std::vector<double> frequency;  // Hz
+  std::vector<double> position;   // m, places along the body
+  std::vector<double> shape;      // (mode, position), m^-1/2
+  MeanSquares mean_square;        // 1/m, of the shape over all the nodes; 0 of a rigid mode
 };
 
 /// What is known before the first step.
@@ -49,10 +50,11 @@ struct ResultSummary {
   std::string ended;     // "complete", "interrupted", "unstable: ..."
 };
 
-/// Writes one HDF5 file. Until close() it stands under a temporary name beside the final one, so a
-/// killed run leaves nothing under the final name; close() renames it. Destroyed without close(),
-/// it removes what it wrote. Every method throws FileError (disk full included) and then nothing is
-/// left.
+/// Writes one HDF5 file, on a thread beside the caller's: what append() takes is on its way when it
+/// returns, and what goes wrong with it is thrown by a call after it. Until close() the file stands
+/// under a temporary name beside the final one, so a killed run leaves nothing under the final name;
+/// close() renames it. Destroyed without close(), it removes what it wrote. Every method throws
+/// FileError (disk full included) and then nothing is left.
 class ResultFile {
  public:
   ResultFile(const std::filesystem::path& path, const ResultHeader& header);
@@ -63,7 +65,8 @@ class ResultFile {
   void append(const SampleBlock& block);
   /// In any order: each goes to the row of its serial. Memory does not grow with their number.
   void append(const std::vector<Shock>& shocks);
-  void close(const ResultSummary& summary);
+  /// Finishes the file, reads it back and gives it its name; returns how long reading back took [s].
+  double close(const ResultSummary& summary);
 
  private:
   struct Impl;

@@ -7,6 +7,7 @@
 #include <Random123/philox.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -56,25 +57,66 @@ constexpr int reach = 18;
 class Bells {
  public:
   Bells(std::uint64_t seed, int places) {
+    noise_.reserve(static_cast<std::size_t>(places) + 2 * reach + 1);
     for (int i = -reach; i <= places + reach; ++i) noise_.push_back(white_noise(seed, i));
     for (int i = 0; i <= reach; ++i) bell_[i] = portable::exp(-0.125 * i * i);
   }
 
-  /// At `x` >= 0: exp(-(a - i)^2/8) = exp(-a^2/8) exp(a/4)^i exp(-i^2/8), a from the nearest place.
-  double operator()(double x) const {
-    const double place = std::floor(x + 0.5), a = x - place;
-    const double* near = noise_.data() + reach + static_cast<std::ptrdiff_t>(place);
-    const double ahead = portable::exp(0.25 * a), behind = 1 / ahead;
-    double sum = near[0], right = 1, left = 1;
-    for (int i = 1; i <= reach; ++i) {
-      right *= ahead;
-      left *= behind;
-      sum += bell_[i] * (right * near[i] + left * near[-i]);
+  /// At every x >= 0 of `x`, which are replaced.
+  void evaluate(std::vector<double>& x) const {
+    for (std::size_t first = 0; first < x.size(); first += side_by_side) {
+      const std::size_t count = std::min(side_by_side, x.size() - first);
+      Group group;
+      group.fill(x[first]);  // the last group may have places to spare
+      std::copy_n(x.data() + first, count, group.data());
+      sum(group);
+      std::copy_n(group.data(), count, x.data() + first);
     }
-    return portable::exp(-0.125 * a * a) * sum;
   }
 
  private:
+  /// Places computed side by side: the divisions of one exp wait for each other, those of eight do not.
+  /// Each place goes through the same operations in the same order as it would alone, so its bits do
+  /// not depend on its neighbours.
+  static constexpr std::size_t side_by_side = 8;
+  using Group = std::array<double, side_by_side>;
+
+  /// At `x`: exp(-(a - i)^2/8) = exp(-a^2/8) exp(a/4)^i exp(-i^2/8), a from the nearest place.
+  void sum(Group& x) const {
+    Group middle, ahead, behind, right, left, sums;
+    std::array<std::ptrdiff_t, side_by_side> near;
+    for (std::size_t k = 0; k < side_by_side; ++k) {
+      const double place = std::floor(x[k] + 0.5), a = x[k] - place;
+      near[k] = reach + static_cast<std::ptrdiff_t>(place);
+      ahead[k] = 0.25 * a;
+      middle[k] = -0.125 * a * a;
+    }
+    small_exp(ahead);
+    small_exp(middle);
+    const double* noise = noise_.data();
+    for (std::size_t k = 0; k < side_by_side; ++k) {
+      behind[k] = 1 / ahead[k];
+      right[k] = left[k] = 1;
+      sums[k] = noise[near[k]];
+    }
+    for (int i = 1; i <= reach; ++i)
+      for (std::size_t k = 0; k < side_by_side; ++k) {
+        right[k] *= ahead[k];
+        left[k] *= behind[k];
+        sums[k] += bell_[i] * (right[k] * noise[near[k] + i] + left[k] * noise[near[k] - i]);
+      }
+    for (std::size_t k = 0; k < side_by_side; ++k) x[k] = middle[k] * sums[k];
+  }
+
+  /// portable::exp of each, bit for bit, where |x| < ln 2 / 2: no power of two is taken out there.
+  static void small_exp(Group& x) {
+    Group sums;
+    sums.fill(1);
+    for (int n = portable::exp_terms; n > 0; --n)
+      for (std::size_t k = 0; k < side_by_side; ++k) sums[k] = 1 + x[k] * sums[k] / n;
+    x = sums;
+  }
+
   std::vector<double> noise_;  // of the places -reach ... places + reach
   std::array<double, reach + 1> bell_{};
 };
@@ -88,14 +130,17 @@ Moments moments(const Bells& bells, double length) {
   constexpr double at[] = {0, 0.53846931010568309, 0.90617984593866399};
   constexpr double share[] = {0.56888888888888889, 0.47862867049936647, 0.23692688505618909};
   std::vector<double> values, weights;
+  for (std::vector<double>* points : {&values, &weights})
+    points->reserve(5 * (static_cast<std::size_t>(length) + 1));
   for (double begin = 0; begin < length; ++begin) {
     const double half = 0.5 * std::fmin(1.0, length - begin), middle = begin + half;
     for (int i = -2; i <= 2; ++i) {
       const int point = i < 0 ? -i : i;
-      values.push_back(bells(middle + (i < 0 ? -half : half) * at[point]));
+      values.push_back(middle + (i < 0 ? -half : half) * at[point]);
       weights.push_back(share[point] * half / length);
     }
   }
+  bells.evaluate(values);
   Moments m{};
   m.mean = compensated_sum(values.size(), [&](std::size_t i) { return weights[i] * values[i]; });
   m.rms = std::sqrt(compensated_sum(values.size(), [&](std::size_t i) {
@@ -128,7 +173,9 @@ std::vector<double> gaussian_heights(double rq, double correlation_length, std::
   const auto [mean, rms] = moments(bells, length / place);
   const double factor = rq / rms;
   for (std::size_t n = 0; n < heights.size(); ++n)
-    heights[n] = (bells(static_cast<double>(n) * spacing / place) - mean) * factor;
+    heights[n] = static_cast<double>(n) * spacing / place;
+  bells.evaluate(heights);
+  for (double& height : heights) height = (height - mean) * factor;
   return heights;
 }
 

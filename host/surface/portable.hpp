@@ -16,12 +16,15 @@ static_assert(FLT_EVAL_METHOD == 0 && DBL_MANT_DIG == 53, "needs IEEE double ari
 // ln 2 in two parts; the first has 32 bits, so that its product with an exponent is exact.
 inline constexpr double ln2_high = 0x1.62e42feep-1, ln2_low = 0x1.a39ef35793c76p-33;
 
+/// Of Taylor's series of exp; the next, r^15/15!, is below 1e-19.
+inline constexpr int exp_terms = 14;
+
 /// e^x for |x| < 700, within 1 ulp of the correctly rounded value.
 inline double exp(double x) {
   const double k = std::floor(x / ln2_high + 0.5);
   const double r = (x - k * ln2_high) - k * ln2_low;  // |r| <= ln 2 / 2
   double sum = 1;
-  for (int n = 14; n > 0; --n) sum = 1 + r * sum / n;  // Taylor; r^15/15! < 1e-19
+  for (int n = exp_terms; n > 0; --n) sum = 1 + r * sum / n;
   return std::ldexp(sum, static_cast<int>(k));
 }
 

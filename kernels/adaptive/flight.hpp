@@ -3,21 +3,11 @@
 #include <Kokkos_Core.hpp>
 #include <cstdint>
 
+#include "kernels/adaptive/modal_state.hpp"
 #include "kernels/lanes.hpp"
-#include "kernels/near_groups.hpp"
 #include "kernels/tables.hpp"
 
 namespace ra2d {
-
-/// What the modes can do within a step.
-struct MotionBounds {
-  double travel;           // m: sum max|psi| |U - U_0|
-  double fourth;           // m/s^4: fourth derivative of an overlap at a node, whose place moves
-  double cubic_remainder;  // m: what the cubics over a patch leave out of a displacement
-  double size;             // m: sum max|psi| |U|
-  /// Of a displacement [m].
-  KOKKOS_FORCEINLINE_FUNCTION double rounding() const { return 256 * 0x1p-52 * size; }
-};
 
 /// Free flight in closed form, of any length: the modes ring about where the load holds them,
 ///
@@ -45,8 +35,8 @@ class Flight {
       leap(u, v, square, Kokkos::countr_zero(rest));
   }
 
-  /// What the modes can do within `time` [s]. The energy norm E^2 = V^2 + omega^2 (U - U_s)^2 does not grow in free flight, and (omega U, V)'
-  /// is at most omega (zeta + sqrt(1 + zeta^2)) E.
+  /// What the modes can do within `time` [s]. The energy norm E^2 = V^2 + omega^2 (U - U_s)^2 does not
+  /// grow in free flight, and (omega U, V)' is at most omega (zeta + sqrt(1 + zeta^2)) E.
   KOKKOS_FUNCTION MotionBounds bounds(const Real* u, const Real* v, double time) const {
     Real travel(0.0), fourth(0.0), tail(0.0), size(0.0);
     for (int p = 0; p < K; ++p) {

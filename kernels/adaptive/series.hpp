@@ -4,11 +4,11 @@
 #include <cstdint>
 
 #include "kernels/adaptive/crossing.hpp"
-#include "kernels/adaptive/flight.hpp"
+#include "kernels/adaptive/modal_state.hpp"
 #include "kernels/contact/node_contact.hpp"
 #include "kernels/displacement.hpp"
-#include "kernels/gap.hpp"
 #include "kernels/lanes.hpp"
+#include "kernels/place.hpp"
 #include "kernels/state.hpp"
 #include "kernels/tables.hpp"
 
@@ -38,6 +38,15 @@ class ModalSeries {
       : lanes_{lanes}, t_{tables}, s_{state}, contact_{contact} {}
 
   KOKKOS_FORCEINLINE_FUNCTION double scale() const { return scale_; }  // s
+  /// Ticks in units of the series, ...
+  KOKKOS_FORCEINLINE_FUNCTION double x_at(std::int64_t ticks) const {
+    return static_cast<double>(ticks) * t_.step / scale_;
+  }
+  /// ... and the first tick that is not before x, but `most` at the most.
+  KOKKOS_FORCEINLINE_FUNCTION std::int64_t ticks_to(double x, std::int64_t most) const {
+    const auto ticks = static_cast<std::int64_t>(Kokkos::ceil(x * (scale_ / t_.step)));
+    return ticks < most ? ticks : most;
+  }
   /// Overlap of closed node e over x, and its change per x that is due to the slider's way alone.
   KOKKOS_FORCEINLINE_FUNCTION double* overlap(int e) const {
     return s_.node_series + static_cast<std::int64_t>(e) * (2 * overlap_terms);

@@ -5,8 +5,8 @@
 
 #include "kernels/candidates.hpp"
 #include "kernels/contact/node_contact.hpp"
-#include "kernels/gap.hpp"
 #include "kernels/lanes.hpp"
+#include "kernels/place.hpp"
 #include "kernels/state.hpp"
 #include "kernels/tables.hpp"
 

@@ -5,8 +5,8 @@
 
 #include "kernels/contact/penalty.hpp"
 #include "kernels/displacement.hpp"
-#include "kernels/gap.hpp"
 #include "kernels/lanes.hpp"
+#include "kernels/place.hpp"
 #include "kernels/state.hpp"
 #include "kernels/tables.hpp"
 

@@ -192,7 +192,7 @@ class FixedRecorder {
     if (!add) close_parts(now);
     Real v[K];
     const SampledContact contact = contact_at(now, v);
-    constexpr int size = sample::row(K * width);
+    constexpr int size = 2 * K * width + sample::columns;
     RA2D_CHECK(s_.sample_count < s_.sample_capacity);
     double* const row = part == Part::first
                             ? s_.pending_row

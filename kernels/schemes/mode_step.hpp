@@ -7,7 +7,7 @@
 /// displacement at a stage and the state at the end of a step are sums of U0, V0 and the forces at
 /// the stages so far. A scheme is told completely by the weights in these sums, one set a mode,
 /// worked out once. The march sees the weights and no scheme: it evaluates the contact at each
-/// stage and sums (kernels/march.hpp). So every scheme has the same arithmetic in free flight,
+/// stage and sums (kernels/fixed). So every scheme has the same arithmetic in free flight,
 /// where the forces are constant, and pays for its stages where there is contact.
 ///
 /// Each scheme is one struct with the same members:

@@ -11,6 +11,7 @@
 
 #include "host/beam/beam.hpp"
 #include "host/errors.hpp"
+#include "host/result/level.hpp"
 
 namespace {
 
@@ -290,6 +291,32 @@ TEST(Beam, RefusesAnAbsurdNumberOfModes) {
   BodySpec body = plate(Support::pinned);
   body.max_frequency = std::numeric_limits<double>::infinity();
   EXPECT_THROW(make_beam(body), RequestError);
+}
+
+TEST(MeanSquares, AreThoseOfTheShapesAtAllNodes) {
+  for (const Support support : {Support::pinned, Support::free})
+    for (const int nodes :
+         {3, 2001}) {  // few that are found when asked for, many found on a thread
+      const Beam beam = plate_with_modes(support, 20);
+      const double spacing = beam.length / (nodes - 1);
+      const MeanSquares found = mean_squares(beam, nodes, spacing), copy = found;
+      std::vector<double> expected;
+      for (const ModeShape& mode : beam.modes) {
+        double sum = 0, psi = 0;
+        for (int n = 0; n < nodes && mode.omega > 0; ++n) {
+          evaluate(mode, beam.length, n * spacing, 1, &psi);
+          sum += psi * psi;
+        }
+        expected.push_back(sum / nodes);
+      }
+      EXPECT_EQ(found.get(), expected);
+      EXPECT_EQ(copy.get(), expected);
+    }
+  EXPECT_TRUE(MeanSquares().get().empty());
+  {
+    const MeanSquares nobody_asked_for =
+        mean_squares(plate_with_modes(Support::free, 20), 9999, 3e-5);
+  }
 }
 
 }  // namespace

@@ -24,6 +24,7 @@
 #include "host/errors.hpp"
 #include "host/partial_file.hpp"
 #include "host/store/store.hpp"
+#include "host/store/writer_thread.hpp"
 #include "tests/child.hpp"
 #include "tests/places.hpp"
 
@@ -63,11 +64,13 @@ class Store : public testing::Test {
 ModesHeader modes(std::size_t count, double frequency) {
   ModesHeader m;
   m.position = {0, 1, 2};
+  std::vector<double> squares;
   for (std::size_t k = 0; k < count; ++k) {
     m.frequency.push_back(frequency * double(k));
-    m.mean_square.push_back(1 + double(k));
+    squares.push_back(1 + double(k));
     for (const double x : m.position) m.shape.push_back(10 * double(k) + x);
   }
+  m.mean_square = squares;
   return m;
 }
 
@@ -202,7 +205,7 @@ TEST_F(Store, ReadsBackWhatWasWritten) {
   EXPECT_EQ(read(path_, "/energy/load_work"), all.load_work);
   EXPECT_EQ(read(path_, "/resonator/frequency"), h.resonator.frequency);
   EXPECT_EQ(read(path_, "/resonator/shape"), h.resonator.shape);
-  EXPECT_EQ(read(path_, "/slider/mean_square"), h.slider.mean_square);
+  EXPECT_EQ(read(path_, "/slider/mean_square"), h.slider.mean_square.get());
   EXPECT_EQ(read(path_, "/resonator/time"), all.time);
   EXPECT_EQ(read(path_, "/slider_probes/velocity"), all.slider_probe_velocity);
   EXPECT_EQ(read(path_, "/slider_probes/position"), h.slider_probe_position);
@@ -300,6 +303,41 @@ TEST_F(Store, ManyShocksFarOutOfOrder) {
   file.append(batch);
   file.close(summary());
   EXPECT_EQ(read(path_, "/shocks/impulse"), expected);
+}
+
+// ---- the thread that writes --------------------------------------------------------------------
+
+TEST(WriterThread, DoesOneThingAfterTheOtherBesideTheCaller) {
+  std::vector<int> done;
+  std::thread::id there;
+  WriterThread writer;
+  for (int task = 0; task < 5; ++task)
+    writer.start([&done, &there, task] {
+      std::this_thread::sleep_for(std::chrono::milliseconds(5 - task));
+      done.push_back(task);
+      there = std::this_thread::get_id();
+    });
+  writer.wait();
+  EXPECT_THAT(done, ElementsAre(0, 1, 2, 3, 4));
+  EXPECT_NE(there, std::this_thread::get_id());
+}
+
+TEST(WriterThread, PassesOnWhatATaskThrewBeforeTheNextBegins) {
+  WriterThread writer;
+  bool begun = false;
+  writer.start([] { throw FileError("first"); });
+  EXPECT_EQ(message_of([&] { writer.start([&] { begun = true; }); }), "first");
+  EXPECT_FALSE(begun);
+  EXPECT_FALSE(writer.has_failed());
+  writer.wait();  // once
+  writer.start([&] { begun = true; });
+  writer.wait();
+  EXPECT_TRUE(begun);
+  writer.start([] { throw FileError("second"); });
+  while (!writer.has_failed()) std::this_thread::yield();
+  writer.finish();
+  EXPECT_EQ(message_of([&] { writer.wait(); }), "second");
+  writer.start([] { throw FileError("that nobody hears of"); });
 }
 
 // ---- what goes wrong ---------------------------------------------------------------------------
@@ -463,6 +501,28 @@ TEST_F(Store, FailedWritesAreReportedAndLeaveNothing) {
     });
     ASSERT_EQ(status, 0) << bytes << " bytes";
   }
+}
+
+TEST_F(Store, AFailureBesideTheCallerIsHeardOfAtTheNextCall) {
+  const int status = in_child([&] {
+    const ResultHeader h = header(20, 5, 1);
+    ResultFile file(path_, h);
+    file.append(block(h, 0, 10'000));
+    limit_file_size(6'000'000);
+    const std::string message = message_of([&] {
+      file.append(block(h, 10'000, 6'400));            // which are more than that
+      for (std::size_t j = 16'400; j < 24'000; ++j) {  // with the next ones nothing is written yet
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        file.append(block(h, j, 1));
+      }
+    });
+    EXPECT_THAT(message, AllOf(HasSubstr("write the samples"), HasSubstr("File too large")));
+    EXPECT_THAT(message_of([&] { file.append({shock(0)}); }), HasSubstr("an earlier write failed"));
+    EXPECT_THAT(message_of([&] { file.close(summary()); }), HasSubstr("an earlier write failed"));
+    EXPECT_THAT(files(), IsEmpty());
+    return HasFailure();
+  });
+  EXPECT_EQ(status, 0);
 }
 
 TEST_F(Store, FailuresJustBeforeTheEndAreReported) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host/model/bounds.hpp"
+#include "kernels/gap.hpp"
 #include "kernels/near_groups.hpp"
 #include "tests/dice.hpp"
 #include "tests/eight_modes.hpp"
@@ -54,8 +55,7 @@ struct Bodies {
       height2.push_back(dice.uniform(-1, 0) + (dice.one_in(40) ? 2 : 0));
     highest2.resize(resonator_nodes);
     fill_highest(height2.data(), resonator_nodes, width, highest2.data());
-    for (int n = 0; n + 1 < resonator_nodes; ++n)
-      t.steepest = std::max(t.steepest, std::abs(height2[n + 1] - height2[n]));
+    t.steepest = steepest_rise(height2.data(), resonator_nodes);
     t.resonator_modes = waves, t.slider_modes = 1;
     t.nodes = slider_nodes, t.groups = groups;
     t.patch_nodes = patch_nodes, t.inverse_patch = 1.0 / patch_nodes;
@@ -75,9 +75,10 @@ struct Bodies {
   double overlap(const Amplitudes& u, double position, int node) const {
     const double x = position + node;
     const int left = static_cast<int>(x);
-    double sum = height1[node] + height2[left] + (x - left) * (height2[left + 1] - height2[left]);
-    for (int k = 0; k < waves; ++k) sum += u[k] * std::sin(beta[k] * x + k);
-    return sum + u[waves] * tilt[node];
+    double u2 = 0;
+    for (int k = 0; k < waves; ++k) u2 += u[k] * std::sin(beta[k] * x + k);
+    return -gap(0.0, height1[node], u[waves] * tilt[node],
+                {height2[left], height2[left + 1], x - left}, u2);
   }
   /// sum weight_k |u_k|
   static double weigh(const std::vector<double>& weight, const Amplitudes& u) {
@@ -142,14 +143,6 @@ Amplitudes elsewhere(Dice& dice, Amplitudes u, double way) {
     left -= part;
   }
   return u;
-}
-
-TEST(FillHighest, LooksAsFarAheadAsItIsTold) {
-  std::vector<double> height(20, -1.0), highest(20);
-  height[12] = 3, height[19] = 5;
-  fill_highest(height.data(), 20, 4, highest.data());
-  for (int n = 0; n < 20; ++n)
-    EXPECT_EQ(highest[n], n >= 15 ? 5 : n >= 8 && n <= 12 ? 3 : -1) << "node " << n;
 }
 
 TEST(NearGroups, LeaveOutNothingThatTouchesWhileTheyHold) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "kernels/contact/node_contact.hpp"
+#include "kernels/gap.hpp"
 #include "kernels/lanes.hpp"
 
 namespace {
@@ -110,7 +111,8 @@ struct ByHand {
 };
 
 TEST(NodeContact, ForceOnBothBodiesAndWorkOfTheWay) {
-  // overlap = -3 + 4/2 + 4/4 + 1/2 = 1/2: 512 N
+  // heights of -3, and of 0 and 4 half way between; the modes add 4/4 and 1/2
+  EXPECT_EQ(gap(3.0, 0.0, 0.5 * 1.0, {0.0, 4.0, 0.5}, 4.0 * 0.25), -0.5);  // 1024 N/m: 512 N
   ByHand nodes;
   nodes.face[0] = -3;
   const auto totals = nodes.contact(1);

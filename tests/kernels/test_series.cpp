@@ -10,6 +10,7 @@
 #include "host/device/gauss.hpp"
 #include "host/model/model.hpp"
 #include "kernels/adaptive/series.hpp"
+#include "kernels/gap.hpp"
 #include "tests/dice.hpp"
 #include "tests/eight_modes.hpp"
 #include "tests/free_motion.hpp"
@@ -142,16 +143,17 @@ struct Bodies {
   Overlap overlap(int node, double x) const {
     const long double theta = place().theta + static_cast<long double>(x) * way();
     const long double rise = face[2 * node + 1];
-    Overlap o{face[2 * node] + theta * rise, rise * way(),
-              std::abs(face[2 * node]) + std::abs(rise)};
+    Overlap o{0, rise * way(), std::abs(face[2 * node]) + std::abs(rise)};
+    long double modes_part = 0;
     for (int k = 0; k < modes; ++k) {
       const auto [psi, slope] = shape_at(node, k, x);
       const long double now = derivative(0, k, x);
-      o.over += psi * now;
+      modes_part += psi * now;
       o.climb += slope * way() * now;
       for (int j = 0; j <= t.order; ++j)
         o.size += reach[k] * std::abs(coefficient(j, k)) * std::pow(x, j);
     }
+    o.over = -gap<long double>(0, face[2 * node], 0, {0, rise, theta}, modes_part);
     return o;
   }
   /// Energy norm of a difference.

@@ -26,6 +26,7 @@ Outcome march_from_saved_states(const Model& model, const ModalStart& start, std
     batch.march(batch.snapshot(0).step + 1 +
                 static_cast<std::int64_t>(dice() % static_cast<std::uint64_t>(longest)));
     const Drained drained = batch.drain(0);
+    out.lanes = drained.lanes;
     out.rows.insert(out.rows.end(), drained.sample_rows.begin(), drained.sample_rows.end());
     out.shocks.insert(out.shocks.end(), drained.shocks.begin(), drained.shocks.end());
     out.end = batch.snapshot(0);
@@ -37,7 +38,7 @@ Outcome march_from_saved_states(const Model& model, const ModalStart& start, std
 void expect_goes_on_the_same(const Started& c, std::uint64_t seed) {
   SCOPED_TRACE("seed " + std::to_string(seed));
   const Outcome whole = march(c.model, c.start, c.model.scene.time.nodes);
-  expect_same(whole, march_from_saved_states(c.model, c.start, seed));
+  EXPECT_TRUE(same(whole, march_from_saved_states(c.model, c.start, seed)));
 }
 
 struct SavedState_ : testing::TestWithParam<Scheme> {};
@@ -86,7 +87,7 @@ TEST(Room, RunsOutAndGrowsWithTheSameBits) {
     ASSERT_EQ(expected.end.status, Status::done);
     ASSERT_GT(expected.end.most_nodes, 1);
     for (const int nodes : {1, 2, 3})
-      EXPECT_TRUE(bits(simulate(scene, {.batch = {.room = {.nodes = nodes}}})) == bits(expected))
+      EXPECT_TRUE(same(expected, simulate(scene, {.batch = {.room = {.nodes = nodes}}})))
           << nodes << " nodes at first, found together: " << found_together;
   }
 }

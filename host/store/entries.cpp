@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/store/entries.hpp"
+
+#include <string_view>
+
+namespace ra2d {
+namespace {
+
+std::vector<double> node_positions(std::size_t nodes, double spacing) {
+  std::vector<double> x(nodes);
+  for (std::size_t n = 0; n < nodes; ++n) x[n] = double(n) * spacing;
+  return x;
+}
+
+std::vector<double> numbers(std::size_t count) { return node_positions(count, 1.0); }
+
+constexpr const char* all_groups[] = {
+    "resonator", "slider", "contact", "probes",  "slider_probes",  "energy",
+    "shocks",    "level",  "summary", "surface", "surface/slider", "surface/resonator"};
+
+constexpr const char* groups_of_samples[] = {"resonator", "slider",        "contact",
+                                             "probes",    "slider_probes", "energy"};
+
+// clang-format off
+const Entry all_entries[] = {
+    {"time", "s", "time", "time", "", &SampleBlock::time},
+    {"resonator/mode", "1", "numbers of the resonator's modes, rigid ones first", "resonator/mode", "",
+     [](const ResultHeader& h) { return numbers(h.resonator.frequency.size()); }},
+    {"resonator/position", "m", "places on the resonator from its left end", "resonator/position", "",
+     [](const ResultHeader& h) { return h.resonator.position; }},
+    {"resonator/frequency", "Hz", "natural frequencies of the resonator", "resonator/mode", "",
+     [](const ResultHeader& h) { return h.resonator.frequency; }},
+    {"resonator/shape", "m-0.5", "mode shapes of the resonator", "resonator/mode", "resonator/position",
+     [](const ResultHeader& h) { return h.resonator.shape; }},
+    {"resonator/mean_square", "m-1", "mean squares of the elastic mode shapes over all nodes", "resonator/mode", "",
+     [](const ResultHeader& h) { return h.resonator.mean_square.get(); }},
+    {"resonator/displacement", "m1.5", "modal displacements of the resonator", "time", "resonator/mode", &SampleBlock::resonator_displacement},
+    {"resonator/velocity", "m1.5 s-1", "modal velocities of the resonator", "time", "resonator/mode", &SampleBlock::resonator_velocity},
+    {"slider/mode", "1", "numbers of the slider's modes, rigid ones first", "slider/mode", "",
+     [](const ResultHeader& h) { return numbers(h.slider.frequency.size()); }},
+    {"slider/position", "m", "places on the slider from its left end", "slider/position", "",
+     [](const ResultHeader& h) { return h.slider.position; }},
+    {"slider/frequency", "Hz", "natural frequencies of the slider", "slider/mode", "",
+     [](const ResultHeader& h) { return h.slider.frequency; }},
+    {"slider/shape", "m-0.5", "mode shapes of the slider", "slider/mode", "slider/position",
+     [](const ResultHeader& h) { return h.slider.shape; }},
+    {"slider/mean_square", "m-1", "mean squares of the elastic mode shapes over all nodes", "slider/mode", "",
+     [](const ResultHeader& h) { return h.slider.mean_square.get(); }},
+    {"slider/displacement", "m1.5", "modal displacements of the slider", "time", "slider/mode", &SampleBlock::slider_displacement},
+    {"slider/velocity", "m1.5 s-1", "modal velocities of the slider", "time", "slider/mode", &SampleBlock::slider_velocity},
+    {"contact/force", "N", "total normal contact force", "time", "", &SampleBlock::force},
+    {"contact/nodes", "1", "number of nodes in contact", "time", "", &SampleBlock::nodes},
+    {"probes/position", "m", "positions of the probes on the resonator", "probes/position", "",
+     [](const ResultHeader& h) { return h.probe_position; }},
+    {"probes/displacement", "m", "displacements of the resonator at the probes", "time", "probes/position", &SampleBlock::probe_displacement},
+    {"probes/velocity", "m s-1", "velocities of the resonator at the probes", "time", "probes/position", &SampleBlock::probe_velocity},
+    {"slider_probes/position", "m", "positions of the probes on the slider", "slider_probes/position", "",
+     [](const ResultHeader& h) { return h.slider_probe_position; }},
+    {"slider_probes/displacement", "m", "displacements of the slider at its probes", "time", "slider_probes/position", &SampleBlock::slider_probe_displacement},
+    {"slider_probes/velocity", "m s-1", "velocities of the slider at its probes", "time", "slider_probes/position", &SampleBlock::slider_probe_velocity},
+    {"energy/kinetic", "J", "kinetic energy", "time", "", &SampleBlock::kinetic},
+    {"energy/elastic", "J", "elastic energy", "time", "", &SampleBlock::elastic},
+    {"energy/contact", "J", "energy stored in the contact", "time", "", &SampleBlock::contact},
+    {"energy/damping_loss", "J", "energy lost to damping since t = 0", "time", "", &SampleBlock::damping_loss},
+    {"energy/sliding_work", "J", "work done by the imposed sliding since t = 0", "time", "", &SampleBlock::sliding_work},
+    {"energy/load_work", "J", "work done by the loads since t = 0", "time", "", &SampleBlock::load_work},
+    {"shocks/start", "s", "starts of the shocks", "shocks/start", "", &Shock::start},
+    {"shocks/duration", "s", "durations of the shocks", "shocks/start", "", &Shock::duration},
+    {"shocks/peak_force", "N", "peak forces of the shocks", "shocks/start", "", &Shock::peak_force},
+    {"shocks/impulse", "N s", "impulses of the shocks", "shocks/start", "", &Shock::impulse},
+    {"shocks/position", "m", "positions of the shocks on the resonator, weighted by force", "shocks/start", "", &Shock::position},
+    {"level/v_rms", "m s-1", "root mean square velocity of the resonator's elastic motion, over its nodes and the run from output.from on", "", "", &ResultSummary::v_rms},
+    {"level/lv", "dB", "vibration velocity level re 1e-9 m s-1, over the run from output.from on", "", "", &ResultSummary::lv},
+    {"summary/lv", "dB", "vibration velocity level re 1e-9 m s-1", "", "", &ResultSummary::lv},
+    {"summary/v_rms", "m s-1", "root mean square velocity of the resonator's elastic motion", "", "", &ResultSummary::v_rms},
+    {"summary/shock_rate", "s-1", "shocks a second", "", "", &ResultSummary::shock_rate},
+    {"summary/shock_duration_median", "s", "median of the shocks' durations, to 0.1 %", "", "", &ResultSummary::shock_duration_median},
+    {"summary/shock_duration_90", "s", "what 90 % of the shocks' durations do not exceed, to 0.1 %", "", "", &ResultSummary::shock_duration_90},
+    {"summary/peak_force_median", "N", "median of the shocks' peak forces, to 0.1 %", "", "", &ResultSummary::peak_force_median},
+    {"summary/peak_force_90", "N", "what 90 % of the shocks' peak forces do not exceed, to 0.1 %", "", "", &ResultSummary::peak_force_90},
+    {"summary/contact_share", "1", "share of the time with any node in contact", "", "", &ResultSummary::contact_share},
+    {"summary/nodes_evaluated", "1", "nodes whose gap was evaluated, a step", "", "", &ResultSummary::nodes_evaluated},
+    {"summary/energy_residual", "J", "stored and lost energy less the work put in, since the first sample counted", "", "", &ResultSummary::energy_residual},
+    {"summary/energy_turnover", "J", "energy that went through", "", "", &ResultSummary::energy_turnover},
+    {"summary/energy_closure", "1", "residual over turnover, its size", "", "", &ResultSummary::energy_closure},
+    {"summary/step_seconds", "s", "wall time a step", "", "", &ResultSummary::step_seconds},
+    {"summary/wall_seconds", "s", "wall time of the run, until this file was closed", "", "", &ResultSummary::wall_seconds},
+    {"surface/slider/position", "m", "positions of the slider's nodes from its left end", "surface/slider/position", "",
+     [](const ResultHeader& h) { return node_positions(h.slider_height.size(), h.spacing); }},
+    {"surface/slider/height", "m", "heights of the slider's profile", "surface/slider/position", "",
+     [](const ResultHeader& h) { return h.slider_height; }},
+    {"surface/resonator/position", "m", "positions of the resonator's nodes from its left end", "surface/resonator/position", "",
+     [](const ResultHeader& h) { return node_positions(h.resonator_height.size(), h.spacing); }},
+    {"surface/resonator/height", "m", "heights of the resonator's profile", "surface/resonator/position", "",
+     [](const ResultHeader& h) { return h.resonator_height; }},
+};
+// clang-format on
+
+}  // namespace
+
+std::span<const Entry> entries() { return all_entries; }
+std::span<const char* const> groups() { return all_groups; }
+std::span<const char* const> sampled_groups() { return groups_of_samples; }
+
+std::size_t column_count(const Entry& entry, const ResultHeader& header) {
+  for (const Entry& scale : all_entries)
+    if (scale.path == std::string_view{entry.columns})
+      return (*source_of<Fixed>(scale))(header).size();
+  return 1;
+}
+
+}  // namespace ra2d

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <hdf5.h>
+
+#include <filesystem>
+#include <vector>
+
+#include "host/store/attributes.hpp"
+#include "host/store/entries.hpp"
+
+namespace ra2d {
+
+/// What a finished file must hold.
+struct GivenContent {
+  struct Dataset {
+    const Entry* entry;
+    std::vector<hsize_t> extent;
+    std::vector<h5::GivenAttribute> attributes;  // among them the hash of its numbers
+  };
+  std::vector<h5::GivenAttribute> attributes;  // of the file
+  std::vector<Dataset> datasets;
+};
+
+/// Throws h5::Failure where something is not as it was given.
+void require_as_given(bool right);
+
+/// Opens a closed file as a reader would: all that was given must be in it. Throws h5::Failure.
+void read_back(const std::filesystem::path& file, const GivenContent& given);
+
+}  // namespace ra2d

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <cstddef>
+#include <vector>
+
+#include "host/result/record.hpp"
+#include "host/store/hash.hpp"
+#include "host/store/table.hpp"
+
+namespace ra2d {
+
+/// The shocks' datasets: one row a shock, in the order of their serials. They come in any order, and a
+/// later word on one takes the place of an earlier one. Memory does not grow with their number.
+class ShockRows {
+ public:
+  void add(Table table) { tables_.push_back(std::move(table)); }
+
+  /// Bytes by which the file will grow with these.
+  std::size_t growth(const std::vector<Shock>& shocks) const;
+  /// Writes them and forgets them.
+  void write(std::vector<Shock>& shocks);
+  /// Closes the holes that merged shocks left. The rows that are read on the way must be those that
+  /// were given, in order of start.
+  void close_holes();
+
+  /// For what the file says of them at the end.
+  std::vector<Table>& tables() { return tables_; }
+  hsize_t rows() const { return rows_; }
+
+ private:
+  hsize_t rows_with(const std::vector<Shock>& shocks) const;
+
+  std::vector<Table> tables_;
+  hsize_t rows_ = 0;
+  HashSum sum_;  // of the rows that were given, over their columns
+};
+
+}  // namespace ra2d
