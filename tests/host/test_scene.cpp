@@ -713,12 +713,36 @@ TEST(Scene, WhatWouldFitFits) {
   EXPECT_EQ(refusal(scene_text({longer}), {"scene.duration=0.36"}), "accepted");
 }
 
+TEST(Scene, NumberOfModesThatIsNamedFits) {
+  for (const Change& support : {Change{}, free_resonator}) {
+    const auto keeping = [&](int modes) {
+      return refusal(scene_text({{"modes = 19", "modes = " + std::to_string(modes)}, support}));
+    };
+    const std::string said = keeping(300), words = "expected at most ";
+    ASSERT_THAT(said, HasSubstr(words));
+    const int most = std::stoi(said.substr(said.rfind(words) + words.size()));
+    EXPECT_EQ(keeping(most), "accepted");
+    EXPECT_NE(keeping(most + 1), "accepted");
+  }
+}
+
 TEST(Scene, EndsAreInside) {
   // 0.28 + 0.02 > 0.3 in doubles
   EXPECT_EQ(refusal(minimal, {"scene.start=0.28", "scene.speed=0"}), "accepted");
   EXPECT_EQ(refusal(minimal, {"scene.start=0", "output.probes=[0, 0.3]"}), "accepted");
   EXPECT_EQ(refusal(minimal, {"output.rate=1e6"}), "accepted");
   EXPECT_EQ(refusal(minimal, {"resonator.surface.rsm=4e-4"}), "accepted");
+}
+
+TEST(Scene, PeaksOffTheBodyMayReachIn) {
+  const auto with_peak_at = [](const std::string& at) {
+    return refusal(
+        scene_text({{gaussian, peaks("{ at = " + at + ", height = 1e-6, half_width = 1e-3 }")}}));
+  };
+  EXPECT_EQ(with_peak_at("-9e-4"), "accepted");
+  EXPECT_EQ(with_peak_at("0.3009"), "accepted");
+  EXPECT_THAT(with_peak_at("-1.1e-3"), HasSubstr("lies off the body"));
+  EXPECT_THAT(with_peak_at("0.3011"), HasSubstr("lies off the body"));
 }
 
 TEST(Scene, FreeBodiesAndBodiesThatDoNotBend) {

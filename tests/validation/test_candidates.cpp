@@ -10,11 +10,13 @@
 #include <random>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "host/beam/beam.hpp"
 #include "host/errors.hpp"
 #include "kernels/gap.hpp"
+#include "kernels/limits.hpp"
 #include "tests/effort.hpp"
 #include "tests/looks.hpp"
 #include "tests/scenes.hpp"
@@ -184,31 +186,96 @@ TEST(Candidates, ModeSwingsTheFarEndIntoContact) {
 }
 
 TEST(Candidates, CubicsAreOffByManyStepsOfAFineMarch) {
-  // A peak above a plate that swings up in its only mode. Towards the edge of a patch its cubic is below
-  // the plate by some 1e-3 of the swing, and a step is 1e-5 of it.
+  // A peak above a plate that swings up in its only mode. Towards the edge of a patch its cubic, and the
+  // cubic's rate, are below the plate's by some 1e-3; a step is far less of the swing.
   Scene s = plate_scene(1, 0.004, 0.001);
   s.spacing = 2e-5;
   s.speed = 0;
   s.slider.surface = peaks({{.at = 0.002, .height = 1e-5, .half_width = 1e-5}});
   s.contact.stiffness = 1e13;
   const ModeShape mode = make_beam(s.resonator).modes[0];
-  const double omega = mode.omega;
-  s.time.step = 1e-5 / omega;
-  s.duration = 0.36 / omega;
-  s.output.rate = 1 / s.duration;
-  for (double start = 0.01; start < 0.05; start += 0.0017) {
-    SCOPED_TRACE(start);
-    s.start = start;
-    double psi = 0;
-    evaluate(mode, s.resonator.length, start + 0.002, 1, &psi);
-    const double swing = 1e-4;  // m, where the peak is
-    s.gap = 1e-5 + 0.3 * swing;
-    const Model model = make_model(s);
-    ModalStart at = make_start(model);
-    at.resonator_v[0] = swing / psi * omega;
-    count_energy(model, at);
-    EXPECT_GE(expect_both_same(model, at).end.shocks_begun, 1);
+  const double swing = 1e-4;  // m, where the peak is
+  // the gap, as a share of the swing: far up, and a single look's way from rest
+  for (const auto& [phase_of_a_step, gap] : {std::pair{1e-5, 0.3}, std::pair{1e-7, 3e-4}}) {
+    s.time.step = phase_of_a_step / mode.omega;
+    s.duration = 1.2 * gap / mode.omega;
+    s.output.rate = 1 / s.duration;
+    s.gap = 1e-5 + gap * swing;
+    for (double start = 0.01; start < 0.05; start += 0.0017) {
+      SCOPED_TRACE(testing::Message() << "gap " << gap << ", start " << start);
+      s.start = start;
+      double psi = 0;
+      evaluate(mode, s.resonator.length, start + 0.002, 1, &psi);
+      const Model model = make_model(s);
+      ModalStart at = make_start(model);
+      at.resonator_v[0] = swing / psi * mode.omega;
+      count_energy(model, at);
+      EXPECT_GE(expect_both_same(model, at).end.shocks_begun, 1);
+    }
   }
+}
+
+TEST(Candidates, ForceThatSetsOutFromRest) {
+  // What moves nothing at first is further off after a look's time than what moves evenly would be.
+  Scene s = plate_scene(1, 0.004, 0.001);
+  s.spacing = 2e-5;
+  s.speed = 0;
+  s.start = 0.028;
+  s.contact.stiffness = 1e12;
+  s.resonator.moving_forces = {{.force = 10, .speed = 0, .start = 0.03}};
+  s.time.step = 1e-8;
+  const double look = longest_flight * s.time.step;
+  s.duration = 5 * look;
+  s.output.rate = 1 / s.duration;
+  const Beam plate = make_beam(s.resonator);
+  const double acceleration = 10 * std::pow(plate.modes[0].largest, 2) / plate.mass_per_length;
+  for (const double share : {0.02, 0.2, 0.45, 0.7, 1.1, 1.3, 1.6, 1.9, 3.0, 5.0}) {
+    SCOPED_TRACE(share);
+    s.gap = share * acceleration * look * look;
+    const Model model = make_model(s);
+    EXPECT_GE(expect_both_same(model, make_start(model)).end.shocks_begun, 1);
+  }
+}
+
+TEST(Candidates, PushAtOneEndLowersTheOther) {
+  // A spring under one end of a body at rest lifts that end and lets the other down by half as much,
+  // onto a second spring: nothing but the contact force itself tells of it.
+  Scene s = plate_and_block();
+  s.resonator = rigid(s.resonator);
+  s.slider.support = Support::free;
+  s.slider.modes = 0;
+  s.speed = 0;
+  s.start = 0.02;
+  s.time.step = 1e-9;
+  s.duration = 3e-6;
+  s.output.rate = 1 / s.duration;
+  s.contact.stiffness = 1e13;
+  const double height = 1e-6, pressed = 1e-9;
+  s.gap = height - pressed;
+  for (const double open : {3e-16, 1e-15, 3e-15, 1e-14, 3e-14, 1e-13, 1e-12}) {
+    SCOPED_TRACE(open);
+    s.slider.surface =
+        peaks({{.at = 0, .height = height, .half_width = 1e-5},
+               {.at = 0.004, .height = height - pressed - open, .half_width = 1e-5}});
+    const Model model = make_model(s);
+    EXPECT_EQ(expect_both_same(model, make_start(model)).end.most_nodes, 2);
+  }
+}
+
+TEST(Candidates, NodesThatDoNotExistTouchNothing) {
+  // 201 nodes are no whole number of groups; the plate has run away beyond any height
+  Scene s = plate_and_block();
+  s.speed = 0;
+  s.start = 0.028;
+  s.gap = 1e-5;
+  s.contact.stiffness = 1e3;
+  s.duration = 4 * s.time.step;
+  s.output.rate = 1 / s.duration;
+  const Model model = make_model(s);
+  ModalStart start = make_start(model);
+  start.resonator_u[0] = 1e33;
+  count_energy(model, start);
+  EXPECT_EQ(expect_both_same(model, start).end.most_nodes, model.nodes());
 }
 
 TEST(Candidates, PeaksAtTheTwoEndsOfARockingSlider) {
