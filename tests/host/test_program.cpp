@@ -188,9 +188,10 @@ TEST_F(Program, WhatCannotBePrintedEndsWithFourAndIsWrittenAllTheSame) {
 }
 
 TEST_F(Program, ALimitOfFileSizesIsAFault) {
+  // HDF5 forgets the names of what it could not write, which only the leak sanitizer minds
   Child child(folder_, {"/bin/sh", "-c",
-                        "ulimit -f 8; exec '" + ra2d::test::program() + "' run '" +
-                            scene_file("drop") + "'"});
+                        "ulimit -f 8; ASAN_OPTIONS=detect_leaks=0 exec '" +
+                            ra2d::test::program() + "' run '" + scene_file("drop") + "'"});
   EXPECT_EQ(child.wait(), 4);
   EXPECT_THAT(child.err(), HasSubstr("drop.h5"));
   EXPECT_FALSE(fs::exists(folder_ / "drop.h5"));

@@ -58,7 +58,7 @@ struct Bodies {
     t.steepest = steepest_rise(height2.data(), resonator_nodes);
     t.resonator_modes = waves, t.slider_modes = 1;
     t.nodes = slider_nodes, t.groups = groups;
-    t.patch_nodes = patch_nodes, t.inverse_patch = 1.0 / patch_nodes;
+    t.patches = patches, t.patch_nodes = patch_nodes, t.inverse_patch = 1.0 / patch_nodes;
     t.inverse_radius = 1 / radius, t.spacing = 1;
     t.slack = 16 * eps * 5;
     t.largest_shape = reach.data(), t.largest_slope = slope.data(), t.cubic_remainder = tail.data();
