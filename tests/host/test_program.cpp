@@ -190,7 +190,7 @@ TEST_F(Program, WhatCannotBePrintedEndsWithFourAndIsWrittenAllTheSame) {
 TEST_F(Program, ALimitOfFileSizesIsAFault) {
   // HDF5 forgets the names of what it could not write, which only the leak sanitizer minds
   Child child(folder_, {"/bin/sh", "-c",
-                        "ulimit -f 8; ASAN_OPTIONS=detect_leaks=0 exec '" +
+                        "ulimit -f 8; exec env ASAN_OPTIONS=detect_leaks=0 '" +
                             ra2d::test::program() + "' run '" + scene_file("drop") + "'"});
   EXPECT_EQ(child.wait(), 4);
   EXPECT_THAT(child.err(), HasSubstr("drop.h5"));
