@@ -76,7 +76,7 @@ template <class Lanes>
 KOKKOS_FORCEINLINE_FUNCTION typename Lanes::Real add_slider_displacement(
     const Lanes& lanes, const SceneTables& t, const double* amplitude, int group,
     typename Lanes::Real value) {
-  const int stride = t.groups * Lanes::width;
+  const std::int64_t stride = std::int64_t{t.groups} * Lanes::width;
   for (int k = 0; k < t.slider_modes; ++k)
     value = multiply_add(amplitude[t.resonator_modes + k],
                          lanes.load(t.slider_shape + k * stride + group * Lanes::width), value);

@@ -121,7 +121,7 @@ std::vector<double> measure_growth(const std::vector<GrowthTrial>& trials, int s
   const std::size_t count = trials.size();
   std::vector<Matrix> begin(count);
   std::vector<double> growth(count, 0.0);
-  std::vector<char> going(count, true);
+  std::vector<bool> going(count, true);
   batch.march(0);
   for (std::size_t i = 0; i < count; ++i) look(i, 0, begin[i]);
   for (std::int64_t step = 1; step <= steps; step *= 2) {

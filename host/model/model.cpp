@@ -38,6 +38,8 @@ void count_steps(Model& m) {
   m.steps_per_sample = 1.0 / (std::max(scene.output.rate, 0.5 / scene.duration) * scene.time.step);
   const double whole = std::round(m.steps_per_sample);
   if (std::abs(m.steps_per_sample - whole) < 1e-12 * whole) m.steps_per_sample = whole;
+  // the roundings of a rate of one sample a step are forgiven; samples closer than steps are not
+  m.steps_per_sample = std::max(m.steps_per_sample, 1.0);
   m.samples =
       1 + static_cast<std::int64_t>(static_cast<double>(m.steps) / m.steps_per_sample + 1e-9);
 }

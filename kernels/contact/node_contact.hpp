@@ -33,7 +33,7 @@ KOKKOS_INLINE_FUNCTION void expand_node(const Lanes& lanes, const SceneTables& t
   const int at = place.base + node;
   Real c[4][K];
   expand_modes<Lanes, K>(lanes, t, at / t.patch_nodes, at + (place.part + 0.5) * t.window_width, c);
-  const int stride = t.groups * Lanes::width;
+  const std::int64_t stride = std::int64_t{t.groups} * Lanes::width;
   for (int k = 0; k < t.slider_modes; ++k)
     for (int p = 0; p < K; ++p)
       c[0][p] = multiply_add(t.slider_shape[k * stride + node],

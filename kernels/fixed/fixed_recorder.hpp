@@ -109,7 +109,8 @@ class FixedRecorder {
     }
     const double energy = 0.5 * lanes_.sum(part);
     const auto paid = [](double work) { return work > 0.0 ? work : 0.0; };
-    const double put_in = paid(lanes_.sum(load_work)) + paid(s_.force_work + s_.force_part);
+    const double put_in = paid(lanes_.sum(load_work)) + paid(s_.force_work + s_.force_part) +
+                          paid(s_.sliding_work + sliding_part(now));
     if (lanes_.leader()) {
       // what a load gives on the way down it takes back at the top: it went through all the same
       if (put_in > s_.most_paid) s_.most_paid = put_in;

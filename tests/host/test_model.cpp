@@ -116,6 +116,17 @@ TEST(Clock, OfFixedStepsIsTheStep) {
   EXPECT_EQ(m.samples, 2001);
 }
 
+TEST(Clock, SamplesAreNoCloserThanSteps) {
+  // a rate that is one sample a step but for its roundings: a sample that fell before the step at
+  // which the one before it was written would never be
+  Scene s = adaptive_scene(3e-3, 3333333.3334);
+  s.time.scheme = SchemeKind::backward_euler;
+  s.time.step = 3e-7;
+  const Model m = make_model(s);
+  EXPECT_EQ(m.steps_per_sample, 1);
+  EXPECT_EQ(m.samples, m.steps + 1);
+}
+
 TEST(Clock, GivesShocksTheirTimes) {
   Scene s = adaptive_scene(1.0, 100e3);
   s.speed = 1e-3;
