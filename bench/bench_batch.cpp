@@ -2,7 +2,6 @@
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
-#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <memory>
@@ -19,15 +18,12 @@
 /// Many scenes of very unequal cost side by side: how far the threads are from sharing the work evenly.
 ///
 /// 64 scenes, the paper's with the slider free and pinned in turn, adaptive, at speeds from 0.02 to
-/// 0.5 m/s. `work` is what their models, starts and marches took, one after the other [s]; `balance` is
-/// wall time times threads over that: 1 for perfect sharing and nothing else to do.
+/// 0.5 m/s. `work` is what the threads spent on scenes, one after the other [s]; `balance` is wall time
+/// times threads over that: 1 for perfect sharing.
 namespace ra2d::bench {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-double seconds_since(Clock::time_point begin) {
-  return std::chrono::duration<double>(Clock::now() - begin).count();
-}
 
 std::vector<Scene> unequal_scenes(int count, double duration) {
   const Scene papers[] = {read_scene(scene_file("dang2012")),
@@ -52,24 +48,20 @@ void time_batch(benchmark::State& state, int slots, double duration) {
   for (auto _ : state) {
     const Clock::time_point begin = Clock::now();
     std::vector<std::unique_ptr<SceneRun>> runs(scenes.size());
-    std::atomic<double> setup = 0;
-    Simulation({.slots = slots}).run([&](std::size_t i) -> SceneRun* {
+    Simulation simulation({.slots = slots});
+    simulation.run([&](std::size_t i) -> SceneRun* {
       if (i >= scenes.size()) return nullptr;
-      const Clock::time_point making = Clock::now();
       Model model = make_model(scenes[i]);
       ModalStart start = make_start(model);
       runs[i] = std::make_unique<SceneRun>(std::move(model), std::move(start));
-      setup += seconds_since(making);
       return runs[i].get();
     });
-    const double took = seconds_since(begin);
+    const double took = std::chrono::duration<double>(Clock::now() - begin).count();
     state.SetIterationTime(took);
     wall += took;
-    work += setup;
-    for (const auto& run : runs) {
+    work += simulation.busy_seconds();
+    for (const auto& run : runs)
       if (run->status() != Status::done) state.SkipWithError("a scene ended before its time");
-      work += run->accounts().march_seconds;
-    }
   }
   state.counters["work"] = work;
   state.counters["balance"] = wall * scenes_at_once() / work;

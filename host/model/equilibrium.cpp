@@ -26,6 +26,44 @@ namespace {
 /// one's own, where the stiff modes' would be more than what holds the rigid ones.
 enum class Shift { common, own };
 
+/// The nodes that overlap anywhere on a line u + length step: few of all.
+class OverlapsAlong {
+ public:
+  /// Of all nodes: the overlaps at u, and how they change over a step [m].
+  OverlapsAlong(const Eigen::VectorXd& at, const Eigen::VectorXd& change)
+      : all_at_{at}, all_change_{change}, at_(at.size()), change_(at.size()) {}
+
+  /// sum_n max(0, overlap_n) change_n at a length >= 0 [m^2].
+  double sum(double length) {
+    if (length > reach_) find(length);
+    return (at_.head(count_) + length * change_.head(count_))
+        .cwiseMax(0.0)
+        .dot(change_.head(count_));
+  }
+
+ private:
+  const Eigen::VectorXd &all_at_, &all_change_;
+  Eigen::VectorXd at_, change_;  // of the first `count_`
+  Eigen::Index count_ = 0;
+  double reach_ = -1;  // they are all that overlap up to this length
+
+  /// A node that overlaps at neither end of a stretch overlaps nowhere within. They are taken or left
+  /// by as many as the sum takes in at a time, so that it adds up in the order of the sum of all.
+  void find(double length) {
+    constexpr Eigen::Index together = 16;
+    count_ = 0;
+    for (Eigen::Index n = 0; n < all_at_.size(); n += together) {
+      const Eigen::Index size = std::min(together, all_at_.size() - n);
+      const auto at = all_at_.segment(n, size), change = all_change_.segment(n, size);
+      if (!(at.maxCoeff() > 0 || (at + length * change).maxCoeff() > 0)) continue;
+      at_.segment(count_, size) = at;
+      change_.segment(count_, size) = change;
+      count_ += size;
+    }
+    reach_ = length;
+  }
+};
+
 class Potential {
  public:
   explicit Potential(const Model& model) {
@@ -50,6 +88,8 @@ class Potential {
     }
     const std::vector<double> faces = overlaps(model, {}, {});
     faces_ = Eigen::Map<const Eigen::VectorXd>(faces.data(), model.nodes());
+    row_sizes_ = Eigen::VectorXd::Zero(model.nodes());
+    for (int k = 0; k < modes; ++k) row_sizes_ += shapes_.col(k).cwiseAbs();
   }
 
   /// The same minimum as a programme, the springs' compliance in m/N.
@@ -64,9 +104,10 @@ class Potential {
   int modes() const { return static_cast<int>(stiffness_.size()); }
   Eigen::VectorXd overlap(const Eigen::VectorXd& u) const { return faces_ + shapes_ * u; }
 
-  /// Negative gradient, Hessian and the size of the terms that the gradient is made of.
-  void expand(const Eigen::VectorXd& u, double spring, Eigen::VectorXd& force,
-              Eigen::MatrixXd& hessian, double& scale) const {
+  /// Negative gradient, the Hessian's lower triangle and the size of the terms that the gradient is
+  /// made of, where the nodes overlap by `over`.
+  void expand(const Eigen::VectorXd& u, const Eigen::VectorXd& over, double spring,
+              Eigen::VectorXd& force, Eigen::MatrixXd& hessian, double& scale) const {
     force.resize(modes());
     hessian = Eigen::MatrixXd::Zero(modes(), modes());
     scale = 0;
@@ -75,25 +116,35 @@ class Potential {
       hessian(k, k) = stiffness_[k];
       scale += std::abs(load_[k]) + std::abs(stiffness_[k] * u[k]);
     }
-    const Eigen::VectorXd over = overlap(u);
+    // by packs of modes, those above the diagonal in its own pack computed in vain
+    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(packs() * pack, modes());
+    sum.topRows(modes()) = hessian;
+    Eigen::VectorXd shape = Eigen::VectorXd::Zero(packs() * pack), pushed = shape;
     for (int n = 0; n < over.size(); ++n) {
       if (over[n] <= 0) continue;
-      force.noalias() -= spring * over[n] * shapes_.row(n).transpose();
-      hessian.noalias() += spring * shapes_.row(n).transpose() * shapes_.row(n);
-      scale += spring * over[n] * shapes_.row(n).cwiseAbs().sum();
+      shape.head(modes()) = shapes_.row(n);
+      pushed = spring * shape;
+      force -= spring * over[n] * shape.head(modes());
+      for (int k = 0; k < modes(); ++k)
+        for (int i = k / pack * pack; i < packs() * pack; i += pack)
+          sum.col(k).segment<pack>(i) += shape[k] * pushed.segment<pack>(i);
+      scale += spring * over[n] * row_sizes_[n];
     }
+    hessian = sum.topRows(modes());
   }
 
   /// The length along `step` at which the potential is least, from the sign of its slope: that,
   /// unlike its value, is known to the last digits. The slope never falls, since the potential is
-  /// convex.
-  double best_length(const Eigen::VectorXd& u, const Eigen::VectorXd& step, double spring) const {
-    const Eigen::VectorXd over = overlap(u), change = shapes_ * step;
+  /// convex. `over` are the overlaps at u.
+  double best_length(const Eigen::VectorXd& u, const Eigen::VectorXd& over,
+                     const Eigen::VectorXd& step, double spring) const {
+    const Eigen::VectorXd change = shapes_ * step;
+    OverlapsAlong nodes(over, change);
     const auto slope = [&](double length) {
       double sum = 0;
       for (int k = 0; k < modes(); ++k)
         sum += (stiffness_[k] * (u[k] + length * step[k]) - load_[k]) * step[k];
-      return sum + spring * (over + length * change).cwiseMax(0.0).dot(change);
+      return sum + spring * nodes.sum(length);
     };
     double low = 0.0, high = 1.0;
     while (slope(high) < 0 && high < 1e6) {
@@ -115,9 +166,14 @@ class Potential {
     double best =
         std::numeric_limits<double>::infinity();  // residual over the forces it is made of
     int stalled = 0;
+    std::vector<Eigen::VectorXd> seen;
     for (int round = 0; round < 1000 && stalled < 30; ++round) {
+      // a round depends on u alone: from here on they would repeat
+      if (std::find(seen.begin(), seen.end(), u) != seen.end()) break;
+      seen.push_back(u);
       double scale = 0;
-      expand(u, spring, force, hessian, scale);
+      const Eigen::VectorXd over = overlap(u);
+      expand(u, over, spring, force, hessian, scale);
       const double residual = scale > 0 ? force.lpNorm<Eigen::Infinity>() / scale : 0.0;
       ++stalled;
       if (residual < best) {
@@ -135,16 +191,20 @@ class Potential {
         hessian(k, k) += 1e-14 * (shift == Shift::common && most > 0 ? most : own) + 1e-300;
       }
       const Eigen::VectorXd step = hessian.ldlt().solve(force);
-      u += best_length(u, step, spring) * step;
+      u += best_length(u, over, step, spring) * step;
     }
     u = best_u;
     return best <= 1e-10;
   }
 
  private:
+  static constexpr int pack = 8;  // modes that are summed up at a time
+  int packs() const { return (modes() + pack - 1) / pack; }
+
   std::vector<double> stiffness_, load_;
-  Eigen::MatrixXd shapes_;  // (node, mode)
-  Eigen::VectorXd faces_;   // overlap of the faces alone
+  Eigen::MatrixXd shapes_;     // (node, mode)
+  Eigen::VectorXd row_sizes_;  // sum over the modes of |shape|, of each node
+  Eigen::VectorXd faces_;      // overlap of the faces alone
 };
 
 /// Settles on springs that are stiffened to `spring`. Nothing when it does not.

@@ -15,6 +15,10 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+double seconds_since(Clock::time_point begin) {
+  return std::chrono::duration<double>(Clock::now() - begin).count();
+}
+
 constexpr std::int64_t forever = std::numeric_limits<std::int64_t>::max();
 
 std::int64_t ticks_of(double time, double tick) {
@@ -94,6 +98,7 @@ void Simulation::run(const Make& make, const std::function<void(SceneRun&)>& don
   Batch batch(options_.slots, options_.batch);
   std::vector<SceneRun*> scenes(static_cast<std::size_t>(options_.slots), nullptr);
   std::atomic<std::size_t> made = 0;
+  std::atomic<double> busy = 0;
   const auto fill = [&](int slot) {
     SceneRun*& scene = scenes[static_cast<std::size_t>(slot)];
     scene = make(made++);
@@ -101,7 +106,11 @@ void Simulation::run(const Make& make, const std::function<void(SceneRun&)>& don
     batch.put(slot, scene->model(), scene->start());
     scene->begin(batch.snapshot(slot));
   };
-  side_by_side(options_.slots, fill);
+  side_by_side(options_.slots, [&](int slot) {
+    const Clock::time_point begin = Clock::now();
+    fill(slot);
+    busy += seconds_since(begin);
+  });
 
   std::vector<std::int64_t> targets(scenes.size(), 0);
   while (interruption() == 0) {
@@ -116,14 +125,19 @@ void Simulation::run(const Make& make, const std::function<void(SceneRun&)>& don
       targets[i] = scenes[i] != nullptr ? scenes[i]->target(options_.ticks) : 0;
     const Clock::time_point begin = Clock::now();
     batch.march(targets, [&](int slot) {
+      const Clock::time_point marched = Clock::now();
+      busy += batch.seconds(slot);
       SceneRun& scene = *scenes[static_cast<std::size_t>(slot)];
       scene.take(batch, slot, wanted);
-      if (!scene.over()) return;
-      scene.close();
-      if (done) done(scene);
-      fill(slot);
+      if (scene.over()) {
+        scene.close();
+        if (done) done(scene);
+        fill(slot);
+      }
+      busy += seconds_since(marched);
     });
-    seconds_ += std::chrono::duration<double>(Clock::now() - begin).count();
+    seconds_ += seconds_since(begin);
+    busy_seconds_ = busy;
     if (between) between();
   }
   for (SceneRun* scene : scenes)

@@ -104,10 +104,13 @@ class Simulation {
 
   /// Wall time of all launches [s].
   double seconds() const { return seconds_; }
+  /// What threads spent on scenes, all together: making them ready, marching them (on a CPU), and taking
+  /// in what they record [s].
+  double busy_seconds() const { return busy_seconds_; }
 
  private:
   SimulationOptions options_;
-  double seconds_ = 0;
+  double seconds_ = 0, busy_seconds_ = 0;
 };
 
 }  // namespace ra2d
