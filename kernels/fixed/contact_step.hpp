@@ -121,8 +121,8 @@ class ContactStep {
   const Lanes& lanes_;
   const SceneTables& t_;
   SceneState& s_;
-  const OuterForces<Lanes, K>& outer_;
-  ModesStep<Lanes, form, K> modes_;  // these two hold no data: copies save a way to them
+  OuterForces<Lanes, K> outer_;  // copies of what does not change: that saves a way to it
+  ModesStep<Lanes, form, K> modes_;
   NodeContact<Lanes, K> contact_;
   Complementarity<Lanes, K> solve_;
   FixedRecorder<Lanes, form, K>& recorder_;
