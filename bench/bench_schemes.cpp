@@ -62,7 +62,8 @@ void add_cases() {
     for (const Named& named : methods()) {
       const Method method = named.method;
       const Work bare = small ? Work{5000, 1} : Work{500'000, 4};
-      const Work rough = small ? Work{5000, 1} : Work{500'000, 4};
+      // no more shocks to a stretch than there is room for
+      const Work rough = small ? Work{5000, 1} : Work{250'000, 8};
       add("flight/" + named.name + size, bare.stretches,
           [=](auto& state) { time_march(state, {in_flight(method)}, bare); });
       add("contact/" + named.name + size, bare.stretches,

@@ -4,22 +4,28 @@
 
 A table of the cases: processor time a step of both, the ratio of the medians, and how far the medians
 of two halves of one program's own rounds are apart. What is slower by more than that, and by more than
-2 %, is marked.
+2 %, is marked. Cases that fail are named and left out.
 """
 
 import argparse
 import json
+import re
 import statistics
 import subprocess
 import tempfile
 
 
 def times(program, pattern):
+    """ns a step of every case, None of those that fail."""
     with tempfile.NamedTemporaryFile() as out:
-        subprocess.run([program, f"--benchmark_filter={pattern}", f"--benchmark_out={out.name}",
-                        "--benchmark_out_format=json"], check=True, capture_output=True)
-        cases = json.load(out)["benchmarks"]
-    return {case["name"].removesuffix("/manual_time"): case.get("cpu_ns_per_step", case["cpu_time"])
+        done = subprocess.run([program, f"--benchmark_filter={pattern}", f"--benchmark_out={out.name}",
+                               "--benchmark_out_format=json"], capture_output=True, text=True)
+        try:
+            cases = json.load(out)["benchmarks"]
+        except ValueError:
+            raise SystemExit(f"{program}: status {done.returncode}\n{done.stderr}")
+    return {re.sub("/iterations:.*", "", case["name"]):
+            None if case.get("error_occurred") else case.get("cpu_ns_per_step", case["cpu_time"])
             for case in cases if case.get("run_type", "iteration") == "iteration"}
 
 
@@ -39,8 +45,8 @@ def main():
     print(f"{'case':48} {'old':>10} {'new':>10}  new/old  scatter")
     for name, old in found[asked.old].items():
         new = found[asked.new].get(name)
-        if new is None:
-            print(f"{name:48} only in the old program")
+        if new is None or None in new or None in old:
+            print(f"{name:48} {'only in the old program' if new is None else 'failed'}")
             continue
         ratio = statistics.median(new) / statistics.median(old)
         scatter = max(abs(statistics.median(t[::2]) / statistics.median(t[1::2]) - 1)
