@@ -254,7 +254,7 @@ RunReport run(const Scene& scene, const RunOptions& options) {
   RunReport report = report_on(way, header.resonator.mean_square.get());
   report.beyond_limit = beyond_limit;
   report.wall_seconds = seconds_since(begun);
-  file.close(summary_of(report));
+  report.read_back_seconds = file.close(summary_of(report));
   report.wall_seconds = seconds_since(begun);
   return report;
 }

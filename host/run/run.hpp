@@ -49,6 +49,7 @@ struct RunReport {
   EnergyBalance energy;
   double march_seconds = 0;  // in the kernels
   double wall_seconds = 0;
+  double read_back_seconds = 0;  // of these: to read the file back
 
   double step_seconds() const { return march_seconds / std::max(1.0, static_cast<double>(steps)); }
 };
