@@ -3,6 +3,7 @@
 #include <Kokkos_Core.hpp>
 #include <cstdint>
 
+#include "kernels/check.hpp"
 #include "kernels/displacement.hpp"
 #include "kernels/group_sweep.hpp"
 #include "kernels/lanes.hpp"
@@ -204,6 +205,7 @@ class Candidates {
     const int left = t_.nodes - group * width;
     if (left < width) bits &= (1u << left) - 1u;
     for (; bits != 0; bits &= bits - 1) {
+      RA2D_CHECK(count < t_.nodes);
       if (lanes_.leader()) s_.watch[count] = group * width + Kokkos::countr_zero(bits);
       ++count;
     }

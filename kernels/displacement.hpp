@@ -2,6 +2,7 @@
 #pragma once
 #include <Kokkos_Core.hpp>
 
+#include "kernels/check.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/tables.hpp"
 
@@ -67,6 +68,7 @@ KOKKOS_INLINE_FUNCTION void mode_values(const Lanes& lanes, const SceneTables& t
                                         typename Lanes::Real (&value)[K]) {
   using Real = typename Lanes::Real;
   const int patch = static_cast<int>(position) / t.patch_nodes;
+  RA2D_CHECK(patch >= 0 && patch < t.patches);
   const Real eta((position - (patch + 0.5) * t.patch_nodes) * t.inverse_radius);
   const double* rows = t.patch + static_cast<std::int64_t>(patch) * 4 * K * Lanes::width;
   for (int p = 0; p < K; ++p) {
@@ -83,6 +85,7 @@ template <class Lanes, int K>
 KOKKOS_INLINE_FUNCTION void expand_modes(const Lanes& lanes, const SceneTables& t, int patch,
                                          double position, typename Lanes::Real (&shape)[4][K]) {
   using Real = typename Lanes::Real;
+  RA2D_CHECK(patch >= 0 && patch < t.patches);
   const Real eta((position - (patch + 0.5) * t.patch_nodes) * t.inverse_radius);
   const double* rows = t.patch + static_cast<std::int64_t>(patch) * 4 * K * Lanes::width;
   for (int p = 0; p < K; ++p) {

@@ -3,6 +3,7 @@
 #include <Kokkos_Core.hpp>
 #include <cstdint>
 
+#include "kernels/check.hpp"
 #include "kernels/displacement.hpp"
 #include "kernels/group_sweep.hpp"
 #include "kernels/lanes.hpp"
@@ -89,6 +90,7 @@ class NearGroups {
       const Real most = now.overlap + Kokkos::max(Kokkos::max(Real(to_end) * now.rise, Real(0.0)),
                                                   Real(-back) * now.rise);
       if (lanes_.at_least(most, -below) == 0) continue;
+      RA2D_CHECK(count < t_.groups);
       if (lanes_.leader()) s_.near[count] = group;
       ++count;
     }
@@ -141,6 +143,7 @@ class NearGroups {
       if (lanes_.at_least(top, -far_below_) == 0) continue;
       const double most = lanes_.max(top);
       if (lanes_.leader()) {
+        RA2D_CHECK(count < t_.groups);
         s_.far[count] = group;
         s_.far_top[count] = most;
       }

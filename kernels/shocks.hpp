@@ -3,6 +3,7 @@
 #include <Kokkos_Core.hpp>
 #include <cstdint>
 
+#include "kernels/check.hpp"
 #include "kernels/state.hpp"
 #include "kernels/tables.hpp"
 
@@ -22,6 +23,7 @@ KOKKOS_INLINE_FUNCTION bool is_interrupted(const SceneTables& t) {
 }
 
 KOKKOS_INLINE_FUNCTION void hand_out(SceneState& s, const OpenShock& shock) {
+  RA2D_CHECK(s.shock_count < s.shock_capacity);
   s.shock_rows[s.shock_count++] = {shock.serial,  shock.start,  shock.last, shock.peak,
                                    shock.impulse, shock.moment, shock.place};
 }
@@ -75,8 +77,10 @@ KOKKOS_INLINE_FUNCTION void join_shocks(SceneState& s, std::int64_t first, std::
   int runs = 0;
   for (int e = 0; e < count; ++e) {
     const int node = s.touched[e];
-    if (runs == 0 || s.new_runs[runs - 1].last != node - 1)
+    if (runs == 0 || s.new_runs[runs - 1].last != node - 1) {
+      RA2D_CHECK(runs < s.run_capacity);
       s.new_runs[runs++] = {node, node, -1, 0.0, 0.0};
+    }
     ContactRun& run = s.new_runs[runs - 1];
     run.last = node;
     run.force += s.touched_force[e];
@@ -92,6 +96,7 @@ KOKKOS_INLINE_FUNCTION void join_shocks(SceneState& s, std::int64_t first, std::
     for (int b = before; b < s.run_count && s.runs[b].first <= run.last + 1; ++b)
       shock = shock < 0 ? s.runs[b].shock : merge_shocks(s, shock, s.runs[b].shock, r);
     if (shock < 0) {
+      RA2D_CHECK(s.open_count < 2 * s.run_capacity);
       shock = s.open_count++;
       s.open[shock] = {s.shocks_begun++, first, last, 0.0, 0.0, 0.0, 0.0, run.first + position};
     }

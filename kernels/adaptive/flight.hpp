@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "kernels/adaptive/modal_state.hpp"
+#include "kernels/check.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/tables.hpp"
 
@@ -65,6 +66,7 @@ class Flight {
   }
 
   KOKKOS_FORCEINLINE_FUNCTION void leap(Real* u, Real* v, Real* square, int level) const {
+    RA2D_CHECK(level >= 0 && level < t_.flight_levels);
     const double* rows = t_.flight + static_cast<std::int64_t>(level) * (flight_rows * K * width);
     for (int p = 0; p < K; ++p) {
       const auto row = [&](FlightRow r) { return lanes_.load(rows + (r * K + p) * width); };

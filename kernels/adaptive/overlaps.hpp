@@ -6,6 +6,7 @@
 #include "kernels/adaptive/crossing.hpp"
 #include "kernels/adaptive/modal_state.hpp"
 #include "kernels/adaptive/series.hpp"
+#include "kernels/check.hpp"
 #include "kernels/contact/node_contact.hpp"
 #include "kernels/group_sweep.hpp"
 #include "kernels/lanes.hpp"
@@ -123,6 +124,7 @@ class Overlaps {
         const int node = group(e) * width + Kokkos::countr_zero(bits);
         while (closed < s_.closed_count && s_.closed[closed] < node) ++closed;
         if (closed < s_.closed_count && s_.closed[closed] == node) continue;
+        RA2D_CHECK(count < t_.nodes);
         if (lanes_.leader()) s_.watch[count] = node;
         ++count;
       }

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "kernels/candidates.hpp"
+#include "kernels/check.hpp"
 #include "kernels/contact/node_contact.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/place.hpp"
@@ -303,6 +304,7 @@ class Complementarity {
       if (clear <= most) {
         if (full) return Solution::crowded;
         if (lanes_.leader()) {
+          RA2D_CHECK(count_ < s_.pressed_capacity);
           s_.pressed[count_] = node;
           s_.pressed_force[count_] = force;
           s_.pressed_place[node] = count_;

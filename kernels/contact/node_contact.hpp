@@ -3,6 +3,7 @@
 #include <Kokkos_Core.hpp>
 #include <cstdint>
 
+#include "kernels/check.hpp"
 #include "kernels/contact/penalty.hpp"
 #include "kernels/displacement.hpp"
 #include "kernels/lanes.hpp"
@@ -30,6 +31,7 @@ template <class Lanes, int K>
 KOKKOS_INLINE_FUNCTION void expand_node(const Lanes& lanes, const SceneTables& t,
                                         const Place& place, int node, double* shape, double* face) {
   using Real = typename Lanes::Real;
+  RA2D_CHECK(node >= 0 && node < t.nodes);
   const int at = place.base + node;
   Real c[4][K];
   expand_modes<Lanes, K>(lanes, t, at / t.patch_nodes, at + (place.part + 0.5) * t.window_width, c);
@@ -131,6 +133,7 @@ class NodeContact {
       }
       totals.climb = Kokkos::fma(f, rise(node), totals.climb);
       totals.force += f;
+      RA2D_CHECK(totals.touched < t_.nodes);
       if (lanes_.leader()) {
         s_.touched[totals.touched] = node;
         s_.touched_force[totals.touched] = f;
