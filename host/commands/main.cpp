@@ -18,6 +18,7 @@
 #include "host/chart/accuracy_chart.hpp"
 #include "host/commands/commands.hpp"
 #include "host/commands/interrupt.hpp"
+#include "host/commands/options.hpp"
 #include "host/commands/print.hpp"
 #include "host/commands/threads.hpp"
 #include "host/errors.hpp"
@@ -26,42 +27,11 @@
 namespace {
 
 /// Commands of the contract that are not built yet: refused by name.
-constexpr std::array<std::string_view, 7> coming{"surface", "analyze", "study", "sound",
-                                                 "plot",    "report",  "check"};
+constexpr std::array<std::string_view, 6> coming{"analyze", "study",  "sound",
+                                                 "plot",    "report", "check"};
 
 using Words = std::vector<std::string>;
-
-/// Numbers from `low` to `high`, told as `words`. CLI11's own Range lets nan pass.
-CLI::Validator number_from(double low, double high, const std::string& words) {
-  return {[=](std::string& text) {
-            double value = std::nan("");
-            const bool is_number = CLI::detail::lexical_cast(text, value);
-            return is_number && value >= low && value <= high
-                       ? std::string{}
-                       : fmt::format("'{}': expected {}", ra2d::shortened(text), words);
-          },
-          words};
-}
-
-/// A count. One that is too large for any machine is lowered to 10^9, and lowered further later.
-CLI::Validator count() {
-  return {[](std::string& text) {
-            const std::size_t first = text.find_first_not_of('0');
-            if (first == text.npos || text.find_first_not_of("0123456789") != text.npos)
-              return fmt::format("'{}': expected a whole number in digits, 1 or more",
-                                 ra2d::shortened(text));
-            text.erase(0, first);
-            if (text.size() > 9) text = "1000000000";
-            return std::string{};
-          },
-          "1 or more"};
-}
-
-/// A path that is given: an empty one comes from a variable that is not set.
-CLI::Validator path() {
-  return {[](std::string& text) { return text.empty() ? "'': expected a name" : std::string{}; },
-          {}};
-}
+using ra2d::count, ra2d::number_from, ra2d::path;
 
 std::string did_you_mean(const std::string& word, const Words& known) {
   const auto near = ra2d::nearest(word, known);
@@ -227,13 +197,19 @@ int dispatch(Words words) {
     add_common(*kind, common);
   }
 
+  Chosen chosen;
+  CLI::App* surface = app.add_subcommand("surface", "rough profiles");
+  surface->require_subcommand(1);
+  add_surface_generate(*surface, chosen);
+
   if (!words.empty() && words[0] == "help") {  // `ra2d help run` as `ra2d run --help`
     words.erase(words.begin());
     words.emplace_back("--help");
   }
   if (!words.empty() && std::find(coming.begin(), coming.end(), words[0]) != coming.end())
     throw RequestError(fmt::format(
-        "the command '{}' is not available yet; there are 'run', 'plan' and 'chart'", words[0]));
+        "the command '{}' is not available yet; there are 'run', 'plan', 'chart' and 'surface'",
+        words[0]));
   const Named named = find_command(app, words);
   if (!named.fault.empty()) throw RequestError(named.fault);
   try {
@@ -247,6 +223,7 @@ int dispatch(Words words) {
       throw RequestError(fault);
     throw RequestError(err.str().substr(0, err.str().find_last_not_of('\n') + 1));
   }
+  if (chosen) return chosen();
   std::string lowered;
   common.threads = usable_threads(common.threads, lowered);
   if (!lowered.empty() && !common.quiet)

@@ -86,9 +86,10 @@ void print_report(const Scene& scene, const RunReport& r, const std::filesystem:
                  : std::string("none went through"));
   if (std::abs(r.energy.relative()) > much_energy)
     print_line("warning", energy_text(scene, r.energy));
-  print_line("cost",
-             fmt::format("{:.1f} ns a step; {:.2f} s in all, {:.3f} s of them to read the file back",
-                         r.step_seconds() * 1e9, r.wall_seconds, r.read_back_seconds));
+  print_line(
+      "cost",
+      fmt::format("{:.1f} ns a step; {:.2f} s in all, {:.3f} s of them to read the file back",
+                  r.step_seconds() * 1e9, r.wall_seconds, r.read_back_seconds));
   print_line("file", printable(output.string()));
 }
 

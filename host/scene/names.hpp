@@ -26,6 +26,11 @@ inline const Choices<SurfaceKind> surface_kinds{{{"gaussian", SurfaceKind::gauss
                                                  {"file", SurfaceKind::file},
                                                  {"peaks", SurfaceKind::peaks},
                                                  {"flat", SurfaceKind::flat}}};
+inline const Choices<Correlation> correlations{{{"gaussian", Correlation::gaussian},
+                                                {"exponential", Correlation::exponential},
+                                                {"self-affine", Correlation::self_affine}}};
+inline const Choices<Exactly> exact_choices{
+    {{"rq", Exactly::rq}, {"rq+rsm", Exactly::rq_and_rsm}, {"none", Exactly::nothing}}};
 inline const Choices<Initial> initial_states{
     {{"rest", Initial::rest}, {"static", Initial::statics}}};
 inline const Choices<ContactLaw> contact_laws{

@@ -29,16 +29,27 @@ struct Peak {
   double half_width = 0;  // m
 };
 
+/// How the heights of a random surface hang together over a distance.
+enum class Correlation { gaussian, exponential, self_affine };
+/// What a random surface has exactly over the beam's length, and not in expectation alone.
+enum class Exactly { rq, rq_and_rsm, nothing };
+
 /// A rough face, its heights positive towards the opposite body.
 struct SurfaceSpec {
   SurfaceKind kind = SurfaceKind::flat;
   std::vector<Peak> peaks;     // peaks
   std::filesystem::path path;  // file: as written, relative to the scene's folder
-  double rq = 0;               // gaussian: m, root mean square height
-  std::optional<double> rsm;   // gaussian: m, mean spacing of the profile elements ...
+  // gaussian
+  double rq = 0;              // m, root mean square height
+  std::optional<double> rsm;  // m, mean spacing of the profile elements ...
   std::optional<double>
       correlation_length;  // ... or m, the distance at which the correlation is 1/e
-  std::uint64_t seed = 0;  // gaussian
+  Correlation correlation = Correlation::gaussian;
+  std::optional<double> hurst;               // self-affine: Hurst exponent
+  std::optional<double> longest, shortest;   // m, waves; shortest: exponential, too
+  std::optional<double> skewness, kurtosis;  // of the heights; 0 and 3 unless told
+  Exactly exact = Exactly::rq;
+  std::uint64_t seed = 0;
 };
 
 /// A constant force that travels along the resonator, positive upwards.

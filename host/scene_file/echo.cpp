@@ -66,12 +66,32 @@ void write_surface(const SurfaceSpec& surface, const std::filesystem::path& fold
   key(SurfaceKind::gaussian, surface.rsm.has_value(), "rsm", toml_number(surface.rsm.value_or(0)));
   key(SurfaceKind::gaussian, surface.correlation_length.has_value(), "correlation_length",
       toml_number(surface.correlation_length.value_or(0)));
+  // of the random surfaces some keys belong to one correlation
+  const bool random = is(SurfaceKind::gaussian);
+  const bool self_affine = surface.correlation == Correlation::self_affine;
+  if (random && self_affine && surface.correlation_length)
+    unused.emplace_back("correlation_length");
+  const auto wave = [&](const char* name, const std::optional<double>& value, bool used) {
+    if (random && value && !used) unused.emplace_back(name);
+    key(SurfaceKind::gaussian, value.has_value(), name, toml_number(value.value_or(0)));
+  };
+  key(SurfaceKind::gaussian, surface.correlation != Correlation::gaussian, "correlation",
+      toml_string(correlations.name(surface.correlation)));
+  wave("hurst", surface.hurst, self_affine);
+  wave("longest", surface.longest, self_affine);
+  wave("shortest", surface.shortest, surface.correlation != Correlation::gaussian);
+  wave("skewness", surface.skewness, true);
+  wave("kurtosis", surface.kurtosis, true);
+  key(SurfaceKind::gaussian, surface.exact != Exactly::rq, "exact",
+      toml_string(exact_choices.name(surface.exact)));
   key(SurfaceKind::gaussian, is(SurfaceKind::gaussian) || surface.seed != 0, "seed",
       fmt::format("{}", surface.seed));
   out.raw("surface", "{ " + table + " }",
           unused.empty() ? ""
-                         : fmt::format("{}, the kind is \"{}\"", fmt::join(unused, ", "),
-                                       surface_kinds.name(surface.kind)));
+                         : fmt::format("{}, the {} is \"{}\"", fmt::join(unused, ", "),
+                                       random ? "correlation" : "kind",
+                                       random ? correlations.name(surface.correlation)
+                                              : surface_kinds.name(surface.kind)));
 }
 
 void write_body(const std::string& name, const BodySpec& body, const std::filesystem::path& folder,

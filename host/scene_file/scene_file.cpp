@@ -22,8 +22,9 @@ namespace ra2d {
 namespace {
 
 constexpr std::size_t largest_file = 16u << 20;  // bytes
-constexpr int most_asked = 1'000'000;            // modes
-constexpr std::size_t longest_path = 4096;       // bytes, of a file that the system opens
+constexpr Range hurst_exponent{0, 1, false, "a number in (0, 1)"};
+constexpr int most_asked = 1'000'000;       // modes
+constexpr std::size_t longest_path = 4096;  // bytes, of a file that the system opens
 
 Need needed(bool is) { return is ? Need::required : Need::optional; }
 
@@ -35,7 +36,28 @@ SurfaceSpec read_surface(Reader in, const std::string& path, Document& document)
   surface.rq = in.number("rq", positive, "m", needed(gaussian)).value_or(0);
   surface.rsm = in.number("rsm", positive, "m", Need::optional);
   surface.correlation_length = in.number("correlation_length", positive, "m", Need::optional);
-  if (gaussian) in.one_of("rsm", "correlation_length");
+  surface.correlation =
+      in.choice("correlation", correlations, Need::optional).value_or(Correlation::gaussian);
+  surface.hurst = in.number("hurst", hurst_exponent, "", Need::optional);
+  surface.longest = in.number("longest", positive, "m", Need::optional);
+  surface.shortest = in.number("shortest", positive, "m", Need::optional);
+  surface.skewness = in.number("skewness", any_number, "", Need::optional);
+  surface.kurtosis = in.number("kurtosis", positive, "", Need::optional);
+  surface.exact = in.choice("exact", exact_choices, Need::optional).value_or(Exactly::rq);
+  if (gaussian && surface.exact == Exactly::rq_and_rsm && !in.has("rsm"))
+    document.fault(path + ".exact", "\"rq+rsm\", and there is no `rsm` to be exact");
+  if (gaussian && surface.correlation != Correlation::self_affine)
+    in.one_of("rsm", "correlation_length");
+  if (gaussian && surface.correlation == Correlation::self_affine) {
+    if (!in.has("hurst"))
+      document.fault(path + ".hurst", "missing: a self-affine surface needs its Hurst exponent");
+    const int told = in.has("longest") + in.has("shortest") + in.has("rsm");
+    if (told != 2)
+      document.fault(path + ".longest",
+                     fmt::format("{} of `longest`, `shortest` and `rsm` stand: expected two of "
+                                 "them, the third follows",
+                                 told));
+  }
   surface.seed = static_cast<std::uint64_t>(
       in.integer("seed", 0, std::numeric_limits<std::int64_t>::max(), needed(gaussian))
           .value_or(0));

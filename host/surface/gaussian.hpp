@@ -9,6 +9,13 @@ namespace ra2d {
 /// too.
 double white_noise(std::uint64_t seed, std::int64_t index);
 
+/// The noise at the places -reach ... places + reach of Bells (host/surface/bells.hpp).
+std::vector<double> noise_about(std::uint64_t seed, int places);
+
+/// Bells at distances of a quarter of the correlation length, each of one white noise number, make
+/// the process.
+inline constexpr double places_per_length = 4;
+
 /// Heights [m] at n spacing, n = 0 ... nodes - 1, of a Gaussian process with correlation
 /// exp(-(x/correlation_length)^2) along a beam of `length` [m]; its mean over the length is 0 and its
 /// root mean square rq [m]. The profile is a smooth function of x that the seed and the two lengths

@@ -8,8 +8,8 @@
 #include <numbers>
 
 #include "host/errors.hpp"
-#include "host/surface/gaussian.hpp"
 #include "host/surface/profile_file.hpp"
+#include "host/surface/random_profile.hpp"
 
 namespace ra2d {
 namespace {
@@ -27,17 +27,6 @@ std::vector<double> peak_heights(const std::vector<Peak>& peaks, int nodes, doub
             peak.height / 2 * (1 + std::cos(pi * away / peak.half_width));
     }
   return heights;
-}
-
-/// A Gaussian process crosses its mean line upwards every 2 pi sqrt(C(0)/-C''(0)) on average
-/// (Rice): sqrt(2) pi l for C(x) = rq^2 exp(-(x/l)^2).
-double correlation_length(const SurfaceSpec& spec) {
-  const double length = spec.correlation_length ? *spec.correlation_length
-                        : spec.rsm              ? *spec.rsm / (std::sqrt(2.0) * pi)
-                                                : 0;
-  if (!(length > 0) || !std::isfinite(length))
-    throw RequestError("a gaussian surface needs a positive rsm or correlation_length in metres");
-  return length;
 }
 
 }  // namespace
@@ -65,7 +54,7 @@ std::vector<double> make_surface(const SurfaceSpec& spec, double length, double 
       return read_profile(scene_file.parent_path() / spec.path, nodes, length, spacing, thickness,
                           doubts);
     case SurfaceKind::gaussian:
-      return gaussian_heights(spec.rq, correlation_length(spec), spec.seed, length, nodes, spacing);
+      return random_heights(spec, length, nodes, spacing, doubts);
   }
   return std::vector<double>(static_cast<std::size_t>(nodes), 0.0);
 }

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/commands/options.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+
+#include "host/text.hpp"
+
+namespace ra2d {
+
+CLI::Validator number_from(double low, double high, const std::string& words) {
+  return {[=](std::string& text) {
+            double value = std::nan("");
+            const bool is_number = CLI::detail::lexical_cast(text, value);
+            return is_number && value >= low && value <= high
+                       ? std::string{}
+                       : fmt::format("'{}': expected {}", shortened(text), words);
+          },
+          words};
+}
+
+CLI::Validator positive_number() {
+  return number_from(std::numeric_limits<double>::min(), std::numeric_limits<double>::max(),
+                     "a number > 0");
+}
+
+CLI::Validator count() {
+  return {[](std::string& text) {
+            const std::size_t first = text.find_first_not_of('0');
+            if (first == text.npos || text.find_first_not_of("0123456789") != text.npos)
+              return fmt::format("'{}': expected a whole number in digits, 1 or more",
+                                 shortened(text));
+            text.erase(0, first);
+            if (text.size() > 9) text = "1000000000";
+            return std::string{};
+          },
+          "1 or more"};
+}
+
+CLI::Validator path() {
+  return {[](std::string& text) { return text.empty() ? "'': expected a name" : std::string{}; },
+          {}};
+}
+
+}  // namespace ra2d

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <string>
+
+/// What the commands' options take.
+namespace ra2d {
+
+/// The command that a line asks for, ready to be run: returns the exit status.
+using Chosen = std::function<int()>;
+
+/// Numbers from `low` to `high`, told as `words`. CLI11's own Range lets nan pass.
+CLI::Validator number_from(double low, double high, const std::string& words);
+
+/// Numbers > 0.
+CLI::Validator positive_number();
+
+/// A count. One that is too large for any machine is lowered to 10^9, and lowered further later.
+CLI::Validator count();
+
+/// A path that is given: an empty one comes from a variable that is not set.
+CLI::Validator path();
+
+/// `ra2d surface generate`, under `surface`.
+void add_surface_generate(CLI::App& surface, Chosen& chosen);
+
+}  // namespace ra2d

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "host/commands/commands.hpp"
+#include "host/commands/options.hpp"
+#include "host/commands/print.hpp"
+#include "host/errors.hpp"
+#include "host/output_file.hpp"
+#include "host/partial_file.hpp"
+#include "host/scene/names.hpp"
+#include "host/surface/random_profile.hpp"
+#include "host/surface/surface.hpp"
+#include "host/text.hpp"
+
+namespace ra2d {
+namespace {
+
+constexpr double most_nodes = 1e8;
+constexpr double least_per_wave = 4;  // spacings, as in a scene (host/scene_file/checks.cpp)
+
+struct Asked {
+  std::filesystem::path output;
+  double length = 0, spacing = 0;
+  SurfaceSpec surface;
+  std::string correlation = "gaussian", exact = "rq";
+  bool quiet = false;
+};
+
+void check(const Asked& asked) {
+  if (!(asked.length / asked.spacing <= most_nodes))
+    throw RequestError(
+        fmt::format("--length {} with --spacing {} makes {:.3g} nodes: expected at most {:g}",
+                    asked.length, asked.spacing, asked.length / asked.spacing, most_nodes));
+  for (const auto& [name, wave] :
+       {std::pair{"--rsm", asked.surface.rsm},
+        std::pair{"--correlation-length", asked.surface.correlation_length}})
+    if (wave && *wave < least_per_wave * asked.spacing)
+      throw RequestError(
+          fmt::format("{} {} m is not resolved by --spacing {} m: expected at least {} "
+                      "spacings",
+                      name, *wave, asked.spacing, least_per_wave));
+  if (asked.surface.exact == Exactly::rq_and_rsm && !asked.surface.rsm)
+    throw RequestError("--exact rq+rsm: there is no --rsm to be exact");
+  if (asked.surface.seed > static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max()))
+    throw RequestError(fmt::format("--seed {}: expected at most {}, as in a scene",
+                                   asked.surface.seed, std::numeric_limits<std::int64_t>::max()));
+  if (asked.surface.rq > asked.length)
+    throw RequestError(
+        fmt::format("--rq {} m is higher than the profile is long, {} m: expected a roughness "
+                    "in metres",
+                    asked.surface.rq, asked.length));
+}
+
+/// The words of a scene that ask for the same profile.
+std::string scene_words(const SurfaceSpec& s) {
+  std::string text = fmt::format("{{ kind = \"gaussian\", rq = {}", toml_number(s.rq));
+  const auto add = [&](const char* key, const std::optional<double>& value) {
+    if (value) text += fmt::format(", {} = {}", key, toml_number(*value));
+  };
+  add("rsm", s.rsm);
+  add("correlation_length", s.correlation_length);
+  if (s.correlation != Correlation::gaussian)
+    text += fmt::format(", correlation = {}", toml_string(correlations.name(s.correlation)));
+  add("hurst", s.hurst);
+  add("longest", s.longest);
+  add("shortest", s.shortest);
+  add("skewness", s.skewness);
+  add("kurtosis", s.kurtosis);
+  if (s.exact != Exactly::rq)
+    text += fmt::format(", exact = {}", toml_string(exact_choices.name(s.exact)));
+  return text + fmt::format(", seed = {} }}", s.seed);
+}
+
+/// Two columns that a scene and `ra2d surface measure` read, with the digits that bring the doubles back.
+std::string profile_text(const Asked& asked, const std::vector<double>& heights) {
+  std::string text = fmt::format("# ra2d surface generate: surface = {}, {} m long\nx [m],z [m]\n",
+                                 scene_words(asked.surface), asked.length);
+  text.reserve(text.size() + 48 * heights.size());
+  char number[64];
+  const auto put = [&](double value, char after) {
+    text.append(number, std::to_chars(number, number + sizeof number, value).ptr);
+    text += after;
+  };
+  for (std::size_t n = 0; n < heights.size(); ++n) {
+    put(static_cast<double>(n) * asked.spacing, ',');
+    put(heights[n], '\n');
+  }
+  return text;
+}
+
+/// Mean of a power of the heights, which have the mean 0.
+double moment(const std::vector<double>& heights, int power) {
+  double sum = 0;
+  for (const double h : heights) sum += std::pow(h, power);
+  return sum / static_cast<double>(heights.size());
+}
+
+void print_profile(const Asked& asked, const RandomProfile& profile,
+                   const std::vector<double>& heights) {
+  const auto line = [](const char* what, const std::string& value) {
+    print("  {:<20}{}\n", what, value);
+  };
+  const double rq = std::sqrt(moment(heights, 2));
+  print("{} nodes, {:g} m apart\n", heights.size(), asked.spacing);
+  line("Rq", fmt::format("{:.4g} um", rq * 1e6));
+  line("skewness, kurtosis", fmt::format("{:.3f}, {:.3f}", moment(heights, 3) / std::pow(rq, 3),
+                                         moment(heights, 4) / std::pow(rq, 4)));
+  line("correlation", correlations.name(profile.correlation));
+  if (profile.correlation != Correlation::self_affine)
+    line("correlation length", fmt::format("{:.4g} um", profile.correlation_length * 1e6));
+  if (profile.correlation == Correlation::self_affine)
+    line("Hurst exponent", fmt::format("{:g}", profile.hurst));
+  if (profile.correlation == Correlation::self_affine)
+    line("longest wave", fmt::format("{:.4g} um", profile.longest * 1e6));
+  if (profile.correlation != Correlation::gaussian)
+    line("shortest wave", fmt::format("{:.4g} um", profile.shortest * 1e6));
+  line("spacing of elements",
+       fmt::format("{:.4g} um between upward crossings of the mean line{}", profile.rsm * 1e6,
+                   asked.surface.exact == Exactly::rq_and_rsm ? "" : ", in expectation"));
+  line("in a scene", "surface = " + scene_words(asked.surface));
+  line("file", printable(asked.output.string()));
+}
+
+int generate(Asked& asked) {
+  asked.surface.kind = SurfaceKind::gaussian;
+  for (const auto& [word, value] : correlations.words)
+    if (word == asked.correlation) asked.surface.correlation = value;
+  for (const auto& [word, value] : exact_choices.words)
+    if (word == asked.exact) asked.surface.exact = value;
+  check(asked);
+  require_output(asked.output, {});
+  const RandomProfile profile = resolve_random(asked.surface, asked.length);
+  std::vector<std::string> doubts;
+  const std::vector<double> heights =
+      make_surface(asked.surface, asked.length, asked.spacing, {}, 0, &doubts);
+  write_text(asked.output, profile_text(asked, heights));
+  say_doubts(doubts, asked.quiet);
+  if (!asked.quiet) print_profile(asked, profile, heights);
+  return done;
+}
+
+}  // namespace
+
+void add_surface_generate(CLI::App& surface, Chosen& chosen) {
+  const auto asked = std::make_shared<Asked>();
+  CLI::App* command = surface.add_subcommand(
+      "generate", "makes a random rough profile: the one that a scene with the same words has");
+  const auto length = [&](const char* name, auto& value, const char* words) {
+    return command->add_option(name, value, words)->type_name("METRES")->check(positive_number());
+  };
+  command
+      ->add_option("-o,--output", asked->output,
+                   "the profile: two columns of text, x and z in metres")
+      ->type_name("FILE")
+      ->required()
+      ->check(path());
+  length("--length", asked->length, "how long it is")->required();
+  length("--spacing", asked->spacing, "from node to node")->required();
+  SurfaceSpec& s = asked->surface;
+  length("--rq", s.rq, "root mean square height")->required();
+  CLI::Option* rsm = length(
+      "--rsm", s.rsm, "mean spacing of its elements: between upward crossings of the mean line");
+  length("--correlation-length", s.correlation_length, "where the correlation is 1/e")
+      ->excludes(rsm);
+  std::vector<std::string> words;
+  for (const auto& named : correlations.words) words.push_back(named.first);
+  command
+      ->add_option("--correlation", asked->correlation, "how heights hang together over a distance")
+      ->check(CLI::IsMember(words))
+      ->capture_default_str();
+  command->add_option("--hurst", s.hurst, "self-affine: Hurst exponent")
+      ->check(number_from(std::nextafter(0.0, 1.0), std::nextafter(1.0, 0.0), "between 0 and 1"));
+  length("--longest", s.longest, "self-affine: longest wave");
+  length("--shortest", s.shortest,
+         "self-affine and exponential: shortest wave [exponential: a fiftieth of the correlation "
+         "length]");
+  constexpr double most = 1e3;
+  command->add_option("--skewness", s.skewness, "of the heights [0]")
+      ->check(number_from(-most, most, "a number"));
+  command->add_option("--kurtosis", s.kurtosis, "of the heights; normal ones have 3 [3]")
+      ->check(number_from(1, most, "a number from 1 on"));
+  std::vector<std::string> exact;
+  for (const auto& named : exact_choices.words) exact.push_back(named.first);
+  command
+      ->add_option("--exact", asked->exact,
+                   "what holds exactly over this length; the rest holds in expectation")
+      ->check(CLI::IsMember(exact))
+      ->capture_default_str();
+  command->add_option("--seed", s.seed, "a seed means one profile, whatever the spacing")
+      ->capture_default_str();
+  command->add_flag("--quiet", asked->quiet, "print nothing but errors");
+  command->callback([asked, &chosen] { chosen = [asked] { return generate(*asked); }; });
+}
+
+}  // namespace ra2d

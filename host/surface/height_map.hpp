@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <vector>
+
+namespace ra2d {
+
+/// Makes heights of an asked skewness and kurtosis from standard normal ones: a function that grows with
+/// its argument, from the system of N. L. Johnson (Biometrika 36, 1949), as Hu and Tonder used it for
+/// rough surfaces (Int. J. Mach. Tools Manufact. 32, 1992). Its values have mean 0 and variance 1.
+class HeightMap {
+ public:
+  /// Normal heights left as they are.
+  HeightMap() = default;
+  /// Throws RequestError for moments that no such heights have, or only ones of nearly two values.
+  HeightMap(double skewness, double kurtosis);
+
+  bool is_identity() const { return family_ == Family::normal; }
+  double operator()(double normal) const;
+  /// The normal height that becomes 0, the mean line.
+  double at_mean_line() const;
+  /// The correlation of two heights whose normal heights have the correlation `normal`.
+  double correlation(double normal) const;
+  /// The other way round. What no normal heights could give is -1.
+  double normal_correlation(double asked) const;
+
+ private:
+  enum class Family { normal, unbounded, bounded, lognormal };
+  double raw(double normal) const;
+  void standardise();
+  void find_series();
+
+  Family family_ = Family::normal;
+  double sign_ = 1, gamma_ = 0, delta_ = 1, mean_ = 0, spread_ = 1;
+  std::vector<double> series_;  // n! a_n^2 of He_n, n = 1, 2, ...: the correlation's powers
+};
+
+}  // namespace ra2d
