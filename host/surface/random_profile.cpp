@@ -417,7 +417,8 @@ RandomProfile resolve(const SurfaceSpec& spec, const HeightMap& map, double leng
       if (p.correlation_length > 0)
         p = with(p.correlation_length);
       else
-        find(std::max(2 * rsm, 2 * p.shortest), with);
+        find(std::max(2 * rsm, 2 * p.shortest),
+             [&](double l) { return with(std::max(l, 1.01 * p.shortest)); });
       break;
     }
     case Correlation::self_affine: {

@@ -104,7 +104,7 @@ TEST_F(Program, WrongRequestsEndWithTwoAndSayWhy) {
     EXPECT_THAT(err_, HasSubstr('\'' + command + "' is not available yet"));
   }
   for (const auto& [word, command] :
-       {std::pair{"surfac", "surface"}, {"analyse", "analyze"}, {"chek", "check"}}) {
+       {std::pair{"analyse", "analyze"}, {"chek", "check"}, {"polt", "plot"}}) {
     EXPECT_EQ(run({word, "x.toml"}), 2);
     EXPECT_THAT(
         err_, HasSubstr(fmt::format("(did you mean '{}', which is not available yet?)", command)));
@@ -390,6 +390,75 @@ TEST_F(Program, TheResultDoesNotDependOnThreadsOrOnWhatIsLookedAt) {
   EXPECT_EQ(python({"same_result.py", "one.h5", "two.h5"}), 0) << out_ << err_;
   ASSERT_EQ(with({"--set", "time.nodes=all", "-o", "all.h5"}), 0) << err_;
   EXPECT_EQ(python({"same_result.py", "one.h5", "all.h5"}), 0) << out_ << err_;
+}
+
+TEST_F(Program, GeneratesTheProfileThatASceneHas) {
+  const std::vector<std::string> words{
+      "surface",       "generate",    "-o",         "rough.csv", "--length",   "0.02",
+      "--spacing",     "2e-5",        "--rq",       "1e-6",      "--rsm",      "4e-4",
+      "--correlation", "exponential", "--shortest", "1e-4",      "--skewness", "-0.5",
+      "--kurtosis",    "4",           "--seed",     "3"};
+  ASSERT_EQ(run(words), 0) << err_;
+  const std::string asked =
+      "surface = { kind = \"gaussian\", rq = 1e-06, rsm = 0.0004, correlation = \"exponential\", "
+      "shortest = "
+      "0.0001, skewness = -0.5, kurtosis = 4.0, seed = 3 }";
+  EXPECT_THAT(out_,
+              AllOf(HasSubstr("1001 nodes, 2e-05 m apart"), HasSubstr("Rq                  0.999"),
+                    HasSubstr(asked), HasSubstr("rough.csv")));
+  std::ifstream file(folder_ / "rough.csv");
+  std::string line;
+  std::getline(file, line);
+  EXPECT_THAT(line, HasSubstr(asked));
+  std::getline(file, line);
+  EXPECT_EQ(line, "x [m],z [m]");
+  int lines = 0;
+  for (; std::getline(file, line); ++lines)
+    if (lines == 1) {
+      EXPECT_TRUE(line.starts_with("2e-05,")) << line;
+    }
+  EXPECT_EQ(lines, 1001);
+
+  // a scene takes either, and comes to the same
+  const auto scene_with = [&](const std::string& surface) {
+    return run({"run", scene_file("drop"), "-o", "x.h5", "--set", "slider." + surface, "--set",
+                "scene.duration=1e-4", "--set", "scene.gap=touching"});
+  };
+  EXPECT_EQ(scene_with("surface={ kind = \"file\", path = \"" + (folder_ / "rough.csv").string() +
+                       "\" }"),
+            0)
+      << err_;
+  const std::string by_file = out_.substr(out_.find("level"), 60);
+  EXPECT_EQ(scene_with(asked), 0) << err_;
+  EXPECT_EQ(out_.substr(out_.find("level"), 60), by_file);
+}
+
+TEST_F(Program, GeneratesNothingThatDoesNotFitTogether) {
+  const auto with = [&](std::vector<std::string> more) {
+    std::vector<std::string> words{"surface", "generate",  "-o",   "rough.csv", "--length",
+                                   "0.02",    "--spacing", "2e-5", "--rq",      "1e-6"};
+    words.insert(words.end(), more.begin(), more.end());
+    const int status = run(words);
+    EXPECT_FALSE(fs::exists(folder_ / "rough.csv"));
+    return status;
+  };
+  const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
+      {{}, "rsm or correlation_length"},
+      {{"--rsm", "5e-5"}, "not resolved by --spacing"},
+      {{"--rsm", "nan"}, "expected a number > 0"},
+      {{"--rsm", "-1"}, "expected a number > 0"},
+      {{"--rsm", "1e-3", "--correlation-length", "1e-3"}, "excludes"},
+      {{"--rsm", "1e-3", "--kurtosis", "1"}, "expected a kurtosis from skewness^2"},
+      {{"--rsm", "1e-3", "--correlation", "self-affine"}, "Hurst"},
+      {{"--correlation", "fractal"}, "fractal"},
+      {{"--correlation-length", "1e-3", "--exact", "rq+rsm"}, "no --rsm"},
+      {{"--rsm", "1e-3", "--seed", "9223372036854775808"}, "as in a scene"},
+      {{"--rsm", "1e-3", "--spacing", "1e-12"}, "spacing"},
+      {{"--rsm", "1e-3", "-o", "no/such/folder.csv"}, "no/such"}};
+  for (const auto& [more, says] : cases) {
+    EXPECT_EQ(with(more), more.back() == "no/such/folder.csv" ? 4 : 2) << says;
+    EXPECT_THAT(err_, testing::HasSubstr(says));
+  }
 }
 
 TEST_F(Program, PlanRunsNothingAndSaysWhatWouldBeModelled) {

@@ -101,6 +101,13 @@ void expect_same(const SurfaceSpec& a, const SurfaceSpec& b) {
   EXPECT_EQ(a.rq, b.rq);
   EXPECT_EQ(a.rsm, b.rsm);
   EXPECT_EQ(a.correlation_length, b.correlation_length);
+  EXPECT_EQ(a.correlation, b.correlation);
+  EXPECT_EQ(a.hurst, b.hurst);
+  EXPECT_EQ(a.longest, b.longest);
+  EXPECT_EQ(a.shortest, b.shortest);
+  EXPECT_EQ(a.skewness, b.skewness);
+  EXPECT_EQ(a.kurtosis, b.kurtosis);
+  EXPECT_EQ(a.exact, b.exact);
   EXPECT_EQ(a.seed, b.seed);
 }
 
@@ -482,6 +489,25 @@ const std::vector<Refused> refused{
     {"NoWaveKey",
      {{"rsm = 1.5e-3, ", ""}},
      {"s.toml:15: resonator.surface.rsm: missing: expected `rsm` or `correlation_length`"}},
+    {"NoHurst",
+     {{"rsm = 1.5e-3", "correlation = \"self-affine\", longest = 1e-2, shortest = 1e-3"}},
+     {"s.toml:15: resonator.surface.hurst: missing: a self-affine surface needs"}},
+    {"ThreeWaves",
+     {{"rsm = 1.5e-3",
+       "rsm = 1.5e-3, correlation = \"self-affine\", hurst = 0.8, longest = 1e-2, shortest = "
+       "1e-3"}},
+     {"s.toml:15: resonator.surface.longest: 3 of `longest`, `shortest` and `rsm` stand: expected "
+      "two"}},
+    {"OneWave",
+     {{"rsm = 1.5e-3", "correlation = \"self-affine\", hurst = 0.8, longest = 1e-2"}},
+     {"s.toml:15: resonator.surface.longest: 1 of `longest`, `shortest` and `rsm` stand: expected "
+      "two"}},
+    {"NoRsmToBeExact",
+     {{"rsm = 1.5e-3", "correlation_length = 1e-3, exact = \"rq+rsm\""}},
+     {"s.toml:15: resonator.surface.exact: \"rq+rsm\", and there is no `rsm` to be exact"}},
+    {"HurstBeyondOne",
+     {{"rsm = 1.5e-3", "rsm = 1.5e-3, hurst = 1"}},
+     {"s.toml:15: resonator.surface.hurst: 1: expected a number in (0, 1)"}},
     {"LeavesOnTheRight",
      {{"duration = 0.1", "duration = 0.5"}},
      {"s.toml:4: scene.start: the slider leaves the resonator's right end by 0.07 m",
@@ -989,6 +1015,25 @@ TEST(SceneEcho, ReadsBackAsTheSameScene) {
                 "= 1e-4 }, { at = 0.01, height = -1e-5, half_width = 1 }] }",
                 "resonator.moving_force=[{ force = -10, speed = 0, start = 0 }, { force = 1e10, "
                 "speed = 2, start = -3 }]"}));
+  expect_round_trip(parse(
+      minimal, {"resonator.surface={ kind = \"gaussian\", rq = 1e-6, rsm = 1e-3, correlation = "
+                "\"exponential\", shortest = 1e-4, skewness = -0.5, kurtosis = 4, exact = "
+                "\"rq+rsm\", seed = 3 }",
+                "slider.surface={ kind = \"gaussian\", rq = 1e-6, correlation = "
+                "\"self-affine\", hurst = 0.8, longest = 1e-2, shortest = 1e-3, exact = "
+                "\"none\", seed = 4 }"}));
+}
+
+TEST(SceneEcho, SaysWhichWordsACorrelationDoesNotUse) {
+  const Scene s = parse(
+      minimal,
+      {"resonator.surface={ kind = \"gaussian\", rq = 1e-6, rsm = 1e-3, correlation = "
+       "\"self-affine\", correlation_length = 1e-3, hurst = 0.8, longest = 1e-2, seed = 3 }",
+       "slider.surface={ kind = \"gaussian\", rq = 1e-6, rsm = 1e-3, hurst = 0.8, seed = 3 }"});
+  EXPECT_THAT(echo(s),
+              HasSubstr("# not used: correlation_length, the correlation is \"self-affine\"\n"));
+  EXPECT_THAT(echo(s), HasSubstr("# not used: hurst, the correlation is \"gaussian\"\n"));
+  expect_round_trip(s);
 }
 
 TEST(SceneEcho, KeepsEveryBitOfANumber) {
