@@ -13,8 +13,8 @@
 
 namespace ra2d {
 
-Form to_form(std::string_view text) {
-  if (text == "none") return {Form::none};
+ProfileForm to_form(std::string_view text) {
+  if (text == "none") return {ProfileForm::none};
   if (text == "mean") return {0};
   if (text == "line") return {1};
   if (text.starts_with("poly:")) {
@@ -22,15 +22,15 @@ Form to_form(std::string_view text) {
     int degree = -1;
     const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), degree);
     if (error == std::errc{} && end == number.data() + number.size() && degree >= 0 &&
-        degree <= Form::highest)
+        degree <= ProfileForm::highest)
       return {degree};
   }
   throw RequestError(
       fmt::format("form '{}': expected none, mean, line or poly:N with N from 0 to {}",
-                  shortened(std::string(text)), Form::highest));
+                  shortened(std::string(text)), ProfileForm::highest));
 }
 
-void remove_form(std::vector<double>& heights, Form form) {
+void remove_form(std::vector<double>& heights, ProfileForm form) {
   const std::size_t count = heights.size();
   if (form.degree < 0 || count == 0) return;
   subtract_mean(heights);

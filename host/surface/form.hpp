@@ -7,15 +7,15 @@ namespace ra2d {
 
 /// The shape that a profile loses before its roughness is measured: a polynomial of this degree,
 /// fitted by least squares. 0 is the mean, 1 a line.
-struct Form {
+struct ProfileForm {
   static constexpr int none = -1, highest = 10;
   int degree = none;
 };
 
 /// Of `none`, `mean`, `line` or `poly:N`. Throws RequestError for anything else.
-Form to_form(std::string_view text);
+ProfileForm to_form(std::string_view text);
 
 /// Takes the form off heights at even steps. Exact to roundings for a polynomial of its degree.
-void remove_form(std::vector<double>& heights, Form form);
+void remove_form(std::vector<double>& heights, ProfileForm form);
 
 }  // namespace ra2d

@@ -438,7 +438,7 @@ TEST(GaussianFilter, KeepsConstantsAndLinesToTheEnds) {
 // ---- form
 
 TEST(Form, WordsAreReadOrRefused) {
-  EXPECT_EQ(to_form("none").degree, Form::none);
+  EXPECT_EQ(to_form("none").degree, ProfileForm::none);
   EXPECT_EQ(to_form("mean").degree, 0);
   EXPECT_EQ(to_form("line").degree, 1);
   EXPECT_EQ(to_form("poly:4").degree, 4);
@@ -448,7 +448,7 @@ TEST(Form, WordsAreReadOrRefused) {
 }
 
 TEST(Form, APolynomialOfItsDegreeIsGone) {
-  for (int degree = 0; degree <= Form::highest; ++degree) {
+  for (int degree = 0; degree <= ProfileForm::highest; ++degree) {
     std::vector<double> z;
     for (int i = 0; i < 5000; ++i) {
       const double x = i / 2499.5 - 1;
@@ -485,7 +485,7 @@ TEST(Form, OfFewerPointsThanItsDegreeIsAllOfThem) {
   EXPECT_EQ(one[0], 0);
   remove_form(none, {2});
   std::vector<double> kept = {1, 2};
-  remove_form(kept, {Form::none});
+  remove_form(kept, {ProfileForm::none});
   EXPECT_EQ(kept, (std::vector<double>{1, 2}));
 }
 
