@@ -26,8 +26,8 @@
 namespace {
 
 /// Commands of the contract that are not built yet: refused by name.
-constexpr std::array<std::string_view, 7> coming{"surface", "analyze", "study", "sound",
-                                                 "plot",    "report",  "check"};
+constexpr std::array<std::string_view, 6> coming{"analyze", "study",  "sound",
+                                                 "plot",    "report", "check"};
 
 using Words = std::vector<std::string>;
 
@@ -227,13 +227,19 @@ int dispatch(Words words) {
     add_common(*kind, common);
   }
 
+  CLI::App* surface = app.add_subcommand("surface", "rough profiles");
+  surface->require_subcommand(1);
+  SurfaceMeasureRequest to_measure;
+  CLI::App* measure = add_surface_measure(*surface, to_measure);
+
   if (!words.empty() && words[0] == "help") {  // `ra2d help run` as `ra2d run --help`
     words.erase(words.begin());
     words.emplace_back("--help");
   }
   if (!words.empty() && std::find(coming.begin(), coming.end(), words[0]) != coming.end())
     throw RequestError(fmt::format(
-        "the command '{}' is not available yet; there are 'run', 'plan' and 'chart'", words[0]));
+        "the command '{}' is not available yet; there are 'run', 'plan', 'chart' and 'surface'",
+        words[0]));
   const Named named = find_command(app, words);
   if (!named.fault.empty()) throw RequestError(named.fault);
   try {
@@ -254,6 +260,7 @@ int dispatch(Words words) {
   if (stability->parsed()) return chart_stability_command(common, stability_prefix, !no_plot);
   if (accuracy->parsed())
     return chart_accuracy_command(common, accuracy_prefix, !no_plot, budget, peers);
+  if (measure->parsed()) return surface_measure_command(to_measure);
   if (run->parsed()) return run_command(common, output);
   return asked->count() > 0 ? plan_accuracy_command(common, asked_accuracy, plan_budget, planned)
                             : plan_command(common);
