@@ -2,6 +2,7 @@
 #include "host/surface/profile_filter.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <complex>
@@ -15,7 +16,10 @@ namespace ra2d {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-constexpr double reach = 1.6;  // cutoffs: beyond, there is erfc(reach sqrt(pi)/alpha) = 1e-17
+const double alpha = std::sqrt(std::numbers::ln2 / pi);
+constexpr double reach = 1.6;      // cutoffs: beyond, there is erfc(reach sqrt(pi)/alpha) = 1e-17
+constexpr double strides = 256;    // of a wide bell's cutoff
+constexpr double narrowest = 7.5;  // strides: 2^-7.5^2 is what a stride mistakes for something slow
 constexpr double least_weight = 1e-17;   // of a point, beside 1
 constexpr std::size_t few_weights = 32;  // which are summed plainly
 
@@ -28,7 +32,7 @@ struct Bell {
     const double far = std::ceil(reach * cutoff / spacing);
     const std::size_t half =
         far < static_cast<double>(points) ? static_cast<std::size_t>(far) : points - 1;
-    const double unit = 1 / static_cast<double>(std::max<std::size_t>(half, 1));
+    const double unit = static_cast<double>(std::max<std::size_t>(half, 1));
     double total0 = 0, total1 = 0, total2 = 0;
     for (std::size_t i = 0; i <= half; ++i) {
       const double x = static_cast<double>(i) * (spacing / cutoff);
@@ -36,7 +40,7 @@ struct Bell {
       const double here = std::exp(-pi * pi / std::numbers::ln2 * x * x);
       if (here < least_weight) break;
       weight.push_back(here);
-      const double distance = static_cast<double>(i) * unit;
+      const double distance = static_cast<double>(i) / unit;
       moment.push_back(weight[i] * distance);
       sum0.push_back(total0 += weight[i]);
       sum1.push_back(total1 += moment[i]);
@@ -44,6 +48,7 @@ struct Bell {
     }
   }
   std::size_t half() const { return weight.size() - 1; }
+  double unit() const { return static_cast<double>(std::max<std::size_t>(half(), 1)); }  // points
 };
 
 /// The heights' weighted sum (real part) and their first moment (imaginary part) about every point.
@@ -100,6 +105,61 @@ Moments sum_by_fft(const std::vector<double>& heights, const Bell& bell) {
   return moments;
 }
 
+/// The same for a wide bell, all lengths in points. A bell of `cutoff` is one of `narrow` folded with
+/// one of `wide`: the first is followed at every `stride`th point only, and what the second makes of
+/// it is so smooth that eight points give all between them. Off by less than 1e-14 of the heights.
+Moments sum_in_strides(const std::vector<double>& heights, double cutoff, double unit) {
+  const auto stride = static_cast<std::size_t>(cutoff / strides);
+  const auto step = static_cast<double>(stride);
+  const double narrow = narrowest * step, wide = std::sqrt(cutoff * cutoff - narrow * narrow);
+  const auto far = static_cast<std::ptrdiff_t>(reach * narrow) + 1;
+  const std::size_t margin = static_cast<std::size_t>(far) / stride + 5;
+  const auto count = static_cast<std::ptrdiff_t>(heights.size());
+  const std::size_t coarse = heights.size() / stride + 2 * margin;
+
+  const Bell near(static_cast<std::size_t>(far) + 1, 1, narrow);
+  const auto half = static_cast<std::ptrdiff_t>(near.half());
+  std::vector<double> kernel(near.weight.rbegin(), near.weight.rend());
+  kernel.insert(kernel.end(), near.weight.begin() + 1, near.weight.end());
+  std::vector<double> smooth(coarse, 0.0);
+  for (std::size_t k = 0; k < coarse; ++k) {
+    const std::ptrdiff_t at =
+        (static_cast<std::ptrdiff_t>(k) - static_cast<std::ptrdiff_t>(margin)) *
+        static_cast<std::ptrdiff_t>(stride);
+    const std::ptrdiff_t begin = std::max<std::ptrdiff_t>(at - half, 0);
+    const std::ptrdiff_t end = std::min(at + half + 1, count);
+    for (std::ptrdiff_t i = begin; i < end; ++i)
+      smooth[k] +=
+          kernel[static_cast<std::size_t>(i - at + half)] * heights[static_cast<std::size_t>(i)];
+  }
+  const Bell bell(coarse, step, wide);
+  const Moments sums = sum_by_fft(smooth, bell);
+
+  const double scale = step * cutoff / (alpha * narrow * wide);
+  const double first_scale = scale * std::pow(cutoff / wide, 2) * bell.unit() * step / unit;
+  std::vector<std::array<double, 8>> lagrange(stride);  // by the place between two points
+  for (std::size_t k = 0; k < stride; ++k)
+    for (std::size_t j = 0; j < 8; ++j) {
+      const double x = 3 + static_cast<double>(k) / step;
+      lagrange[k][j] = 1;
+      for (std::size_t m = 0; m < 8; ++m)
+        if (m != j)
+          lagrange[k][j] *=
+              (x - static_cast<double>(m)) / (static_cast<double>(j) - static_cast<double>(m));
+    }
+  Moments moments(heights.size());
+  for (std::size_t i = 0; i < heights.size(); ++i) {
+    const std::size_t first = i / stride + margin - 3;
+    double sum = 0, moment = 0;
+    for (std::size_t j = 0; j < 8; ++j) {
+      sum += lagrange[i % stride][j] * sums[first + j].real();
+      moment += lagrange[i % stride][j] * sums[first + j].imag();
+    }
+    moments[i] = {scale * sum, first_scale * moment};
+  }
+  return moments;
+}
+
 }  // namespace
 
 std::vector<double> gaussian_mean_line(const std::vector<double>& heights, double spacing,
@@ -108,8 +168,10 @@ std::vector<double> gaussian_mean_line(const std::vector<double>& heights, doubl
   const Bell bell(heights.size(), spacing, cutoff);
   std::vector<double> line = heights;
   const double mean = subtract_mean(line);  // or the roundings would be those of a far offset
-  const Moments moments =
-      bell.half() <= few_weights ? sum_plainly(line, bell) : sum_by_fft(line, bell);
+  const Moments moments = bell.half() <= few_weights ? sum_plainly(line, bell)
+                          : cutoff >= 8 * strides * spacing
+                              ? sum_in_strides(line, cutoff / spacing, bell.unit())
+                              : sum_by_fft(line, bell);
   for (std::size_t i = 0; i < line.size(); ++i) {
     const std::size_t left = std::min(i, bell.half());
     const std::size_t right = std::min(line.size() - 1 - i, bell.half());

@@ -10,7 +10,7 @@ namespace ra2d {
 /// cutoff. The bell is followed until it is below the roundings. Where it reaches beyond an end, a
 /// line is fitted with the weights that are left (the norm's way to retain moments, of first order),
 /// so that a straight line is its own mean line, to the ends.
-/// `spacing` and `cutoff` in m; takes N log N for any cutoff.
+/// `spacing` and `cutoff` in m; takes no longer for long cutoffs.
 std::vector<double> gaussian_mean_line(const std::vector<double>& heights, double spacing,
                                        double cutoff);
 

@@ -198,17 +198,16 @@ TEST(MeanSpacing, BothWaysSeeWhatOneLeavesOver) {
 }
 
 TEST(MeanSpacing, AHeightAtItsThresholdCountsAndOneBelowDoesNot) {
-  const double below = std::nextafter(0.5, 0.0);
-  // A hill in the middle of a dale: crossings at 1.5, 3.5, 5.5, 7.5, 9.5.
-  const auto z = [](double hill) {
-    return std::vector<double>{1, 1, -1, -1, hill, hill, -1, -1, 1, 1, -1, -1};
+  // A hill in the middle of a dale, and a dale in a hill. Crossings about 1.5, 3.5, 5.5, 7.5, 9.5.
+  const auto spacing = [](double hill, double sign) {
+    std::vector<double> z = {1, 1, -1, -1, hill, hill, -1, -1, 1, 1, -1, -1};
+    for (double& height : z) height *= sign;
+    return spacing_of(z, 0.5, 0.5);
   };
-  EXPECT_NEAR(spacing_of(z(0.5), 0.5, 0.5), (4 + 4) / 2.0, 0.5);  // crossings move with the hill
-  EXPECT_EQ(spacing_of(z(below), 0.5, 0.5), 8);                   // 1.5 to 9.5
-  // And a dale in a hill.
-  std::vector<double> mirrored = z(below);
-  for (double& height : mirrored) height = -height;
-  EXPECT_EQ(spacing_of(mirrored, 0.5, 0.5), 8);
+  for (const double sign : {1.0, -1.0}) {
+    EXPECT_DOUBLE_EQ(spacing(0.5, sign), 4);  // two elements of four
+    EXPECT_EQ(spacing(std::nextafter(0.5, 0.0), sign), 8);
+  }
 }
 
 TEST(MeanSpacing, WhatDoesNotCountBelongsToWhatCameBefore) {
@@ -225,8 +224,11 @@ TEST(MeanSpacing, WhatDoesNotCountBelongsToWhatCameBefore) {
 }
 
 TEST(MeanSpacing, ACrossingOfSeveralZerosIsInTheirMiddle) {
-  EXPECT_EQ(spacing_of({-1, 0, 1, 1, 0, 0, 0, -1, -1, 0, 1}, 0.1, 0.1), 8);  // 1, 5, 9
-  EXPECT_EQ(spacing_of({1, 0, -1, -1, 0, 0, 0, 1, 1, 0, -1}, 0.1, 0.1), 8);
+  // Crossings at 2, 4.5 and 6.5.
+  EXPECT_EQ(spacing_of({-1, 0, 0, 0, 1, -1, -1, 1}, 0.1, 0.1), 4.5);
+  EXPECT_EQ(spacing_of({1, 0, 0, 0, -1, 1, 1, -1}, 0.1, 0.1), 4.5);
+  // Zeros that the profile only touches are no crossing.
+  EXPECT_EQ(spacing_of({-1, 0, 1, 0, 1, -1, -1, 1}, 0.1, 0.1), 5.5);
 }
 
 TEST(MeanSpacing, PartsThatAreTooNarrowDoNotCount) {
@@ -287,8 +289,9 @@ TEST(Core, OfACurveOfThreeLines) {
 }
 
 TEST(Core, SecantsThatEndAtAPointAreTried) {
-  // 11 heights: 40 % are 4.4 points. Flattest from 5 of them to the last.
-  const std::vector<double> z = {90, 80, 70, 60, 50, 5, 4, 3, 2, 1, 0};
+  // 11 heights: 40 % are 4.4 points. Secants from point 5 fall by 7 - 0.6, from 4 by more; the one that
+  // ends at the last begins at 5.6 and falls by 5.2.
+  const std::vector<double> z = {90, 80, 70, 60, 50, 7, 4, 3, 2, 1, 0};
   // Points 6 ... 10 lie in it: slope -1 a point, -11 over all.
   EXPECT_NEAR(core(z).rk, 11, 1e-12);
 }
@@ -391,7 +394,7 @@ double transmission(double wavelength, double cutoff, double spacing, std::size_
 
 TEST(GaussianFilter, LetsThroughWhatItsFormulaSays) {
   // pi alpha^2 = ln 2: 2^-(cutoff/wavelength)^2. Both ways of summing, and cutoffs between points.
-  for (const double cutoff : {8.0, 19.99, 25.0, 80.0, 333.3})
+  for (const double cutoff : {8.0, 19.99, 25.0, 80.0, 333.3, 2048.0, 5000.3})
     for (const double ratio : {0.5, 1.0, 2.0, 5.0}) {
       const double wavelength = std::round(cutoff * ratio);
       const double exact = std::exp2(-std::pow(cutoff / wavelength, 2));
@@ -422,8 +425,33 @@ TEST(GaussianFilter, IsTheSumOfItsWeights) {
   }
 }
 
+TEST(GaussianFilter, OfLongCutoffsIsTheSumOfItsWeights) {
+  // At 2048 points the sum goes in strides. Short profiles, whose ends it sees everywhere, too.
+  const long double bell =
+      std::pow(std::numbers::pi_v<long double>, 2) / std::numbers::ln2_v<long double>;
+  for (const std::size_t count : {300u, 5000u, 30000u}) {
+    auto z = random_profile(count, 4);
+    for (double& height : z) height += 3;
+    for (const double cutoff : {2047.0, 2048.0, 3001.7, 20000.0}) {
+      const auto line = gaussian_mean_line(z, 1, cutoff);
+      for (const std::size_t i :
+           {std::size_t{0}, std::size_t{1}, count / 7, count / 2, count - 1}) {
+        long double s0 = 0, s1 = 0, s2 = 0, m0 = 0, m1 = 0;
+        for (std::size_t k = 0; k < count; ++k) {
+          const long double x =
+              (static_cast<long double>(k) - static_cast<long double>(i)) / cutoff;
+          const long double s = std::exp(-bell * x * x);
+          s0 += s, s1 += s * x, s2 += s * x * x, m0 += s * z[k], m1 += s * x * z[k];
+        }
+        EXPECT_NEAR(line[i], static_cast<double>((s2 * m0 - s1 * m1) / (s0 * s2 - s1 * s1)), 2e-14)
+            << count << ' ' << cutoff << ' ' << i;
+      }
+    }
+  }
+}
+
 TEST(GaussianFilter, KeepsConstantsAndLinesToTheEnds) {
-  for (const double cutoff : {0.01, 0.5, 3.0, 30.0, 400.0, 5000.0}) {
+  for (const double cutoff : {0.01, 0.5, 3.0, 30.0, 400.0, 2100.0, 5000.0}) {
     std::vector<double> z;
     for (int i = 0; i < 1000; ++i) z.push_back(5 - 0.01 * i);
     const auto line = gaussian_mean_line(z, 1, cutoff);
