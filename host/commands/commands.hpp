@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
+
+namespace CLI {
+class App;
+}
 
 /// The subcommands of the program, one file each. They return the exit status (contract:
 /// "Commands").
@@ -45,5 +50,19 @@ int chart_stability_command(const CommonOptions& common, const std::string& pref
 /// built beside this one, if there is one.
 int chart_accuracy_command(const CommonOptions& common, const std::string& prefix, bool plot,
                            double budget, const std::filesystem::path& peers);
+
+/// What the options of `ra2d surface measure` say, word by word.
+struct SurfaceMeasureRequest {
+  std::vector<std::filesystem::path> files;
+  std::optional<std::string> x_unit, z_unit, spacing, column, decimal, filter, cutoff, cutoff_s,
+      sampling_lengths, fill, rsm, rmr;
+  std::string form = "none";
+  bool json = false;
+};
+
+CLI::App* add_surface_measure(CLI::App& surface, SurfaceMeasureRequest& request);
+
+/// `ra2d surface measure FILE...`: prints roughness parameters.
+int surface_measure_command(const SurfaceMeasureRequest& request);
 
 }  // namespace ra2d

@@ -201,6 +201,8 @@ int dispatch(Words words) {
   CLI::App* surface = app.add_subcommand("surface", "rough profiles");
   surface->require_subcommand(1);
   add_surface_generate(*surface, chosen);
+  SurfaceMeasureRequest to_measure;
+  CLI::App* measure = add_surface_measure(*surface, to_measure);
 
   if (!words.empty() && words[0] == "help") {  // `ra2d help run` as `ra2d run --help`
     words.erase(words.begin());
@@ -231,6 +233,7 @@ int dispatch(Words words) {
   if (stability->parsed()) return chart_stability_command(common, stability_prefix, !no_plot);
   if (accuracy->parsed())
     return chart_accuracy_command(common, accuracy_prefix, !no_plot, budget, peers);
+  if (measure->parsed()) return surface_measure_command(to_measure);
   if (run->parsed()) return run_command(common, output);
   return asked->count() > 0 ? plan_accuracy_command(common, asked_accuracy, plan_budget, planned)
                             : plan_command(common);

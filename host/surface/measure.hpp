@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/surface/form.hpp"
+#include "host/surface/profile.hpp"
+#include "host/surface/roughness.hpp"
+
+namespace ra2d {
+
+constexpr double usual_cutoff = 2.5e-3;            // m
+constexpr std::size_t usual_sampling_lengths = 5;  // where as many fit
+
+struct MeasureOptions {
+  ProfileForm form;
+  bool filter = true;                           // Gaussian, of the cutoff
+  std::optional<double> cutoff;                 // m; without a filter the sampling length alone
+  std::optional<double> cutoff_s;               // m, of the filter against short waves
+  std::optional<std::size_t> sampling_lengths;  // 0: as many as fit
+  double fill = 0;                              // m, the widest gap
+  ElementRule rule = ElementRule::iso21920;
+  std::optional<double> level;  // m from the mean line, of Rmr
+};
+
+struct Measurement {
+  std::size_t nodes, missing;  // of the whole profile
+  double spacing, length;      // m
+  std::optional<double> cutoff;
+  std::size_t sampling_lengths, fitting;  // evaluated, and as many as would fit
+  double sampling_length;                 // m
+  Roughness parameters;
+  double material_ratio;            // at the level; NaN where none was asked for
+  std::vector<std::string> doubts;  // what looks odd but may be meant
+};
+
+/// Fills gaps, takes the form off, filters, drops half a cutoff at each end and measures the first
+/// sampling lengths of what is left. `name` is the profile's in messages. Throws RequestError where
+/// the options do not fit the profile.
+Measurement measure_profile(Profile profile, const MeasureOptions& options,
+                            const std::string& name);
+
+}  // namespace ra2d

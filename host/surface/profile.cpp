@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/surface/profile.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fstream>
+
+#include "host/errors.hpp"
+#include "host/surface/profile_text.hpp"
+
+namespace ra2d {
+namespace {
+
+constexpr double whole = 1e-9;  // of a spacing: a width that is a whole number of them
+
+/// What the first bytes say that is no text that is read; empty for text.
+std::string_view other_format(std::string_view bytes) {
+  if (bytes.starts_with("PK\x03\x04")) return "X3P (or another zip archive), which is not read yet";
+  for (const char* version : {"BCR-1.0", "ISO-1.0", "NIST-1.0"})
+    if (bytes.starts_with(std::string("a") + version) ||
+        bytes.starts_with(std::string("b") + version))
+      return "SDF, which is not read yet";
+  if (bytes.starts_with("\xff\xfe") || bytes.starts_with("\xfe\xff"))
+    return "text in UTF-16: save it as UTF-8";
+  if (bytes.find('\0') != bytes.npos) return "binary, and in no format that is read";
+  return {};
+}
+
+}  // namespace
+
+std::size_t Profile::missing() const {
+  return static_cast<std::size_t>(
+      std::count_if(heights.begin(), heights.end(), [](double z) { return std::isnan(z); }));
+}
+
+std::optional<LengthUnit> to_unit(std::string_view word) {
+  if (word == "m") return LengthUnit{"m", 1};
+  if (word == "mm") return LengthUnit{"mm", 1e-3};
+  if (word == "nm") return LengthUnit{"nm", 1e-9};
+  // micro sign, Greek mu, and the micro sign of Latin-1
+  for (const char* micro : {"um", "\xc2\xb5m", "\xce\xbcm", "\xb5m"})
+    if (word == micro) return LengthUnit{"um", 1e-6};
+  return {};
+}
+
+Profile read_measured_profile(const std::filesystem::path& file, const ProfileQuery& query) {
+  std::array<char, 4096> bytes{};
+  {
+    std::error_code error;
+    std::ifstream stream;
+    if (std::filesystem::is_regular_file(file, error)) stream.open(file, std::ios::binary);
+    stream.read(bytes.data(), bytes.size());  // what cannot be read, the reader of text refuses
+    const std::string_view begin(bytes.data(), static_cast<std::size_t>(stream.gcount()));
+    if (const auto format = other_format(begin); !format.empty())
+      throw RequestError(fmt::format("{}: the file is {}", file.string(), format));
+  }
+  return read_profile_text(file, query);
+}
+
+void fill_gaps(Profile& profile, double width) {
+  std::vector<double>& z = profile.heights;
+  const std::size_t missing = profile.missing();
+  if (missing == 0) return;
+  const auto refuse_with = [&](const std::string& why) {
+    throw RequestError(fmt::format("{}: a height is missing, the first of {}: {}",
+                                   profile.first_missing, missing, why));
+  };
+  if (!(width > 0))
+    refuse_with("--fill linear:WIDTH puts straight lines through gaps of at most WIDTH metres");
+  if (std::isnan(z.front()) || std::isnan(z.back()))
+    refuse_with(
+        "the profile begins or ends with missing points, which nothing can fill: cut them "
+        "off the file");
+  for (std::size_t i = 1; i < z.size(); ++i) {
+    if (!std::isnan(z[i])) continue;
+    std::size_t end = i;
+    while (std::isnan(z[end])) ++end;
+    const auto points = static_cast<double>(end - i);
+    if (points > width / profile.spacing + whole)
+      refuse_with(
+          fmt::format("a gap of {:.6g} m begins {:.6g} m behind the first point, --fill "
+                      "allows {:.6g} m",
+                      points * profile.spacing, static_cast<double>(i) * profile.spacing, width));
+    const double left = z[i - 1];
+    for (std::size_t k = i; k < end; ++k)
+      z[k] = std::lerp(left, z[end], static_cast<double>(k - i + 1) / (points + 1));
+    i = end;
+  }
+}
+
+}  // namespace ra2d

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+/// Measured profiles, whatever file they come from.
+namespace ra2d {
+
+/// What every reader of a format gives.
+struct Profile {
+  double spacing = 0;           // m
+  std::vector<double> heights;  // m, NaN where a point is missing
+  std::string first_missing;    // where it is told: "file:line"
+
+  double length() const { return static_cast<double>(heights.size() - 1) * spacing; }
+  std::size_t missing() const;
+};
+
+struct LengthUnit {
+  std::string_view name;
+  double metres;
+};
+
+/// Of `m`, `mm`, `um` or `nm`, also with the sign for micro; nothing for another word.
+std::optional<LengthUnit> to_unit(std::string_view word);
+
+enum class DecimalMark { of_the_file, point, comma };
+
+/// What the user says about a file.
+struct ProfileQuery {
+  std::optional<LengthUnit> x_unit, z_unit;
+  std::optional<double> spacing;  // m, of a file that has no x
+  std::optional<int> column;      // of the heights, from 1
+  DecimalMark decimal = DecimalMark::of_the_file;
+};
+
+/// Reads a file in the format that its content tells: text so far. Throws RequestError, with file and
+/// line, for what cannot be understood or is not told; FileError where it cannot be read.
+Profile read_measured_profile(const std::filesystem::path& file, const ProfileQuery& query);
+
+/// Puts straight lines through gaps of missing points that are at most `width` [m] wide, of which
+/// each missing point is a spacing. Throws RequestError for wider ones and for those at the ends; with
+/// a width of 0 for any.
+void fill_gaps(Profile& profile, double width);
+
+}  // namespace ra2d

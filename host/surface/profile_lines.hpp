@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <cstddef>
+#include <deque>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+/// What the readers of profiles in text share: lines of bounded length, numbers, points that know
+/// their lines, even steps.
+namespace ra2d {
+
+constexpr double evenness = 1e-6;  // of the spacing
+constexpr std::size_t most_faults = 10;
+
+/// What is wrong in a line.
+struct LineFault {
+  std::size_t line;
+  std::string text;
+};
+
+/// Throws RequestError that names up to ten faults in the order of their lines.
+[[noreturn]] void refuse(const std::filesystem::path& file, std::vector<LineFault> faults);
+
+/// The lines of a regular file of at most 1 GiB, one at a time. Throws FileError where it cannot be
+/// read, RequestError where it is too large.
+class ProfileLines {
+ public:
+  static constexpr std::size_t longest = 1u << 16;  // bytes of a line
+
+  explicit ProfileLines(std::filesystem::path file);
+  /// Goes on to the next line. No line comes after one that is too long.
+  bool next();
+  /// Without its end and without a byte-order mark. Carriage returns stay: they are blanks.
+  std::string_view text() const { return text_; }
+  std::size_t number() const { return number_; }  // from 1
+  bool has_end() const { return has_end_; }       // a line feed
+  bool too_long() const { return too_long_; }
+
+ private:
+  std::filesystem::path file_;
+  std::ifstream stream_;
+  std::string buffer_;
+  std::string_view text_;
+  std::size_t number_ = 0;
+  bool has_end_ = true, too_long_ = false;
+};
+
+/// The words of a line, without its comment; a comma with or without blanks, or blanks, part them.
+void split_words(std::string_view line, std::vector<std::string_view>& words);
+
+/// Nothing for a word that is not a number, infinity for one beyond the range of a double.
+std::optional<double> to_number(std::string_view word);
+
+/// A word of an unknown file, fit for a message.
+std::string quoted(std::string_view word);
+
+/// How finely the x of a file are printed. A program prints either so many significant digits or so
+/// many decimals, and may drop trailing zeros: the most seen are the truth. No program prints
+/// fewer than five digits or six decimals on its own.
+struct PrintedDigits {
+  int significant = 5, decimals = 6;
+
+  void see(std::string_view word);
+  /// Largest error that printing has left in x.
+  double rounding(double x) const;
+};
+
+struct ProfilePoint {
+  double x, z;  // x is NaN where the line could not be understood
+};
+
+struct ProfilePoints {
+  std::deque<ProfilePoint> points;  // which holds no more than they need while it grows
+  std::vector<LineFault> faults;
+  PrintedDigits digits;
+  bool has_end = true;  // the last line
+
+  /// Throws RequestError where there are too many.
+  void add(const std::filesystem::path& file, std::size_t line, ProfilePoint point);
+  std::size_t line_of(std::size_t point) const;
+  /// Adds a fault for every x [unit] that does not follow the one before it by the usual (median)
+  /// step.
+  void check_steps(const char* unit);
+
+ private:
+  struct Run {
+    std::size_t point, line;  // from this point on one stands in each line
+  };
+  std::vector<Run> runs_;
+};
+
+}  // namespace ra2d

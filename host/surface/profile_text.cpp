@@ -1,0 +1,443 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/surface/profile_text.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "host/errors.hpp"
+#include "host/surface/profile_lines.hpp"
+
+namespace ra2d {
+namespace {
+
+constexpr std::string_view blanks = " \t\r\v\f";
+constexpr std::size_t most_header_lines = 1000, longest_header = 2000;  // bytes
+constexpr std::size_t looked_at = 200;  // lines of numbers that tell how numbers are written
+// What no profile in metres is:
+constexpr double longest = 10, coarsest = 1e-4, highest = 1e-3;  // m
+constexpr double steepest = 1;  // root mean square slope: 45 degrees
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+using Fields = std::vector<std::string_view>;
+
+std::string_view trimmed(std::string_view text) {
+  text.remove_prefix(std::min(text.find_first_not_of(blanks), text.size()));
+  return text.substr(0, text.find_last_not_of(blanks) + 1);
+}
+
+bool is_missing(std::string_view word) {
+  std::string lower(word.substr(0, 4));
+  for (char& c : lower)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return word.empty() || (word.size() < 4 && (lower == "nan" || lower == "na" || lower == "n/a"));
+}
+
+/// How a file writes its numbers.
+struct Dialect {
+  char separator = ' ';  // or ',' with or without blanks, ';', '\t'
+  bool decimal_comma = false;
+  std::size_t columns = 0;
+  bool closed = false;  // a separator at the end of every line
+
+  void split(std::string_view line, Fields& fields) const {
+    line = line.substr(0, line.find('#'));
+    fields.clear();
+    if (trimmed(line).empty()) return;
+    if (separator == ' ' && decimal_comma) {
+      while (!(line = trimmed(line)).empty()) {
+        const std::size_t end = std::min(line.find_first_of(blanks), line.size());
+        fields.push_back(line.substr(0, end));
+        line.remove_prefix(end);
+      }
+    } else if (separator == ' ' || separator == ',') {
+      split_words(line, fields);
+    } else {
+      for (bool more = true; more;) {
+        const std::size_t end = std::min(line.find(separator), line.size());
+        more = end < line.size();
+        fields.push_back(trimmed(line.substr(0, end)));
+        line.remove_prefix(more ? end + 1 : end);
+      }
+    }
+    if (closed && fields.size() > 1 && fields.back().empty()) fields.pop_back();
+  }
+
+  std::optional<double> number(std::string_view word, std::string& scratch) const {
+    if (!decimal_comma) return to_number(word);
+    if (word.find('.') != word.npos) return {};
+    scratch = word;
+    std::replace(scratch.begin(), scratch.end(), ',', '.');
+    return to_number(scratch);
+  }
+};
+
+/// Where the units of the columns are told, and what nobody could assign.
+struct Header {
+  struct Unit {
+    std::string word;
+    std::size_t line = 0;
+  };
+  std::vector<Unit> units;  // by column; no word where none is told
+  Unit loose;
+  std::size_t lines = 0;  // before the first line of numbers
+};
+
+/// A line that has numbers or missing points only, whatever parts them.
+bool is_numbers(std::string_view line) {
+  line = line.substr(0, line.find('#'));
+  bool any = false;
+  while (!(line = trimmed(line)).empty()) {
+    const std::size_t end = std::min(line.find_first_of(" \t\r\v\f,;"), line.size());
+    const std::string_view word = line.substr(0, end);
+    const auto value = to_number(word);
+    any |= value && !is_missing(word);
+    if (!value && !is_missing(word)) return false;
+    line.remove_prefix(std::min(end + 1, line.size()));
+  }
+  return any;
+}
+
+/// What the marks in the first lines of numbers say.
+struct Marks {
+  bool semicolon = false, tab = false, blank = false;      // between numbers
+  bool comma = false, comma_apart = false, point = false;  // apart: beside a blank or another one
+  std::size_t commas = 0;                                  // most in a line
+
+  void see(std::string_view line) {
+    line = trimmed(line.substr(0, line.find('#')));
+    std::size_t in_line = 0;
+    for (std::size_t i = 0; i < line.size(); ++i) {
+      const char c = line[i];
+      semicolon |= c == ';';
+      point |= c == '.';
+      if (c == ',') {
+        ++in_line;
+        const auto apart = [&](std::size_t k) {
+          return k >= line.size() || line[k] == ',' || blanks.find(line[k]) != blanks.npos;
+        };
+        comma_apart |= apart(i + 1) || i == 0 || apart(i - 1);
+      } else if (blanks.find(c) != blanks.npos) {
+        (c == '\t' ? tab : blank) = true;
+      }
+    }
+    commas = std::max(commas, in_line);
+    comma |= in_line > 0;
+  }
+};
+
+/// What says how numbers are written, or why nobody can tell.
+Dialect understand_marks(const Marks& marks, const ProfileQuery& query, const std::string& where) {
+  const char blank = marks.tab ? '\t' : ' ';
+  const auto refuse_mark = [&](const char* why) {
+    throw RequestError(fmt::format(
+        "{}: {}. Say --decimal point, where commas part the columns, or --decimal comma", where,
+        why));
+  };
+  Dialect dialect;
+  if (marks.semicolon || query.decimal == DecimalMark::comma) {
+    dialect.separator = marks.semicolon ? ';' : blank;
+    dialect.decimal_comma = query.decimal == DecimalMark::comma ||
+                            (query.decimal == DecimalMark::of_the_file && marks.comma);
+    if (dialect.decimal_comma && marks.point && marks.comma)
+      throw RequestError(fmt::format(
+          "{}: numbers with points and with commas: write one of them, and no groups of thousands",
+          where));
+  } else if (!marks.comma) {
+    dialect.separator = blank;
+  } else if (query.decimal == DecimalMark::point || marks.comma_apart) {
+    dialect.separator = ',';
+  } else if (marks.tab || marks.blank) {  // commas inside numbers, blanks between them
+    if (marks.point) refuse_mark("points, commas and blanks between digits");
+    dialect = {blank, true};
+  } else if (marks.point || (marks.commas == 1 && !query.spacing)) {
+    dialect.separator = ',';  // a single column would have no x
+  } else {
+    refuse_mark("commas between digits may be decimal marks or part the columns");
+  }
+  return dialect;
+}
+
+/// The units in brackets of a line.
+std::vector<std::string_view> bracketed(std::string_view line) {
+  std::vector<std::string_view> found;
+  while (true) {
+    const std::size_t open = line.find_first_of("[(");
+    if (open == line.npos) return found;
+    const std::size_t close = line.find(line[open] == '[' ? ']' : ')', open);
+    if (close == line.npos) return found;
+    found.push_back(trimmed(line.substr(open + 1, close - open - 1)));
+    line.remove_prefix(close + 1);
+  }
+}
+
+/// "z [um]", "z_um", "z/um", "z um": the unit; nothing where none is told.
+std::string_view unit_of(std::string_view field) {
+  if (const auto units = bracketed(field); units.size() == 1) return units[0];
+  const std::size_t mark = field.find_last_of(" \t_/");
+  if (mark == field.npos || mark == 0) return {};
+  const std::string_view last = field.substr(mark + 1);
+  return to_unit(last) ? last : std::string_view{};
+}
+
+/// The units that a line of the header gives to the columns; none where it gives no column its own.
+std::vector<std::string_view> units_of(std::string_view line, const Dialect& dialect) {
+  std::vector<std::string_view> units = bracketed(line);
+  if (units.size() == dialect.columns) return units;
+  Fields fields;
+  dialect.split(line, fields);
+  if (fields.size() != dialect.columns) return {};
+  for (auto& field : fields)
+    if (field.size() > 1 && field.starts_with('"') && field.ends_with('"'))
+      field = field.substr(1, field.size() - 2);
+  if (std::all_of(fields.begin(), fields.end(), [](auto f) { return to_unit(f).has_value(); }))
+    return fields;
+  units.clear();
+  for (const auto field : fields) units.push_back(unit_of(field));
+  return units;
+}
+
+void read_header_line(std::string_view line, std::size_t number, const Dialect& dialect,
+                      const std::filesystem::path& file, Header& header) {
+  line.remove_prefix(std::min(line.find_first_not_of(" \t\r#%/*"), line.size()));
+  line = trimmed(line);
+  const std::vector<std::string_view> units = units_of(line, dialect);
+  bool any = false;
+  for (std::size_t i = 0; i < units.size(); ++i) {
+    if (units[i].empty()) continue;
+    any = true;
+    Header::Unit& known = header.units[i];
+    const auto unit = to_unit(units[i]), before = to_unit(known.word);
+    if (unit && before && unit->metres != before->metres)
+      throw RequestError(fmt::format("{}:{}: column {} is in {} here and in {} in line {}",
+                                     file.string(), number, i + 1, unit->name, before->name,
+                                     known.line));
+    if (unit || known.word.empty()) known = {std::string(units[i]), number};
+  }
+  if (any) return;
+  for (const auto word : bracketed(line))
+    if (to_unit(word)) header.loose = {std::string(word), number};
+}
+
+std::string place(const std::filesystem::path& file, std::size_t line) {
+  return fmt::format("{}:{}", file.string(), line);
+}
+
+/// A first pass over the beginning of the file.
+std::pair<Dialect, Header> look(const std::filesystem::path& file, const ProfileQuery& query) {
+  ProfileLines lines(file);
+  Marks marks;
+  std::vector<std::pair<std::size_t, std::string>> before;
+  std::string first;
+  std::size_t first_line = 0, seen = 0;
+  while (seen < looked_at && lines.next()) {
+    if (lines.too_long())
+      throw RequestError(fmt::format("{}: a line of more than {} bytes (is it another file?)",
+                                     place(file, lines.number()), ProfileLines::longest));
+    const std::string_view text = lines.text();
+    if (is_numbers(text)) {
+      if (seen++ == 0) first = text, first_line = lines.number();
+      marks.see(text);
+    } else if (seen == 0) {
+      if (lines.number() > most_header_lines)
+        throw RequestError(fmt::format("{}: no line of numbers in the first {}", file.string(),
+                                       most_header_lines));
+      before.emplace_back(lines.number(), text.substr(0, longest_header));
+    }
+  }
+  if (first_line == 0)
+    throw RequestError(
+        fmt::format("{}: no line of numbers, expected columns x and z", file.string()));
+
+  Dialect dialect = understand_marks(marks, query, place(file, first_line));
+  Fields fields;
+  dialect.split(first, fields);
+  if (fields.size() > 2 && fields.back().empty()) {
+    dialect.closed = true;
+    fields.pop_back();
+  }
+  dialect.columns = fields.size();
+  Header header;
+  header.units.resize(dialect.columns);
+  header.lines = first_line - 1;
+  for (const auto& [number, text] : before) read_header_line(text, number, dialect, file, header);
+  return {dialect, header};
+}
+
+/// The numbers, in the file's own units.
+struct Columns {
+  std::optional<std::size_t> x;  // from 0
+  std::size_t z;
+};
+
+Columns choose_columns(const std::filesystem::path& file, const Dialect& dialect,
+                       const Header& header, const ProfileQuery& query) {
+  const std::size_t first = query.spacing ? 1 : 2;  // that heights may have
+  const std::string where = place(file, header.lines + 1);
+  if (query.column && (*query.column < static_cast<int>(first) ||
+                       static_cast<std::size_t>(*query.column) > dialect.columns))
+    throw RequestError(fmt::format(
+        "{}: --column {}: there {} {}{}", where, *query.column,
+        dialect.columns == 1 ? "is 1 column" : fmt::format("are {} columns", dialect.columns),
+        query.spacing ? "" : ", and the first is x",
+        query.spacing ? "" : " (--spacing says it all)"));
+  if (dialect.columns < first)
+    throw RequestError(fmt::format(
+        "{}: one column, expected x and z; of heights alone give the spacing with --spacing",
+        where));
+  if (dialect.columns > first && !query.column)
+    throw RequestError(
+        fmt::format("{}: {} columns, expected {}; say with --column which one has the heights",
+                    where, dialect.columns, query.spacing ? "one of heights" : "x and z"));
+  Columns columns{{}, query.column ? static_cast<std::size_t>(*query.column) - 1 : first - 1};
+  if (!query.spacing) columns.x = 0;
+  return columns;
+}
+
+/// The unit of a column in metres; nothing where neither the file nor the user tells it.
+std::optional<LengthUnit> agreed_unit(const std::filesystem::path& file, const Header& header,
+                                      std::size_t column, const std::optional<LengthUnit>& told,
+                                      const char* axis) {
+  const Header::Unit& own = header.units[column];
+  const auto unit = to_unit(own.word);
+  if (unit && told && unit->metres != told->metres)
+    throw RequestError(
+        fmt::format("{}: {} is in {} by the header, and in {} by --{}-unit: mend "
+                    "the header, or drop the option",
+                    place(file, own.line), axis, unit->name, told->name, axis));
+  if (unit || told) return unit ? unit : told;
+  if (!own.word.empty())
+    throw RequestError(
+        fmt::format("{}: {} is in {}, which is none of m, mm, um and nm: say with "
+                    "--{}-unit what it is in",
+                    place(file, own.line), axis, ra2d::quoted(own.word), axis));
+  if (!header.loose.word.empty())
+    throw RequestError(
+        fmt::format("{}: the header names {}, and not of which column: say with "
+                    "--{}-unit what {} is in",
+                    place(file, header.loose.line), ra2d::quoted(header.loose.word), axis, axis));
+  return {};
+}
+
+/// What is wrong with a field that should be a number; empty where it is one.
+std::string fault_of(std::string_view word, const std::optional<double>& value, const char* axis) {
+  if (word.empty()) return fmt::format("{} is missing", axis);
+  if (!value) return fmt::format("{} is not a number, expected {}", quoted(word), axis);
+  if (!std::isfinite(*value))
+    return fmt::format("{} is not a finite number in double precision", quoted(word));
+  return {};
+}
+
+ProfilePoints read_points(const std::filesystem::path& file, const Dialect& dialect,
+                          const Header& header, const Columns& columns) {
+  ProfileLines lines(file);
+  ProfilePoints profile;
+  Fields fields;
+  std::string scratch;
+  while (profile.faults.size() < most_faults && lines.next()) {
+    if (lines.number() <= header.lines) continue;
+    if (lines.too_long()) {
+      profile.faults.push_back({lines.number(), fmt::format("a line of more than {} bytes (is it "
+                                                            "another file?)",
+                                                            ProfileLines::longest)});
+      break;
+    }
+    dialect.split(lines.text(), fields);
+    if (fields.empty()) continue;
+    profile.has_end = lines.has_end();
+    ProfilePoint point{nan, nan};
+    std::string fault;
+    if (fields.size() != dialect.columns) {
+      fault = fmt::format("{} columns, and {} in the lines before", fields.size(), dialect.columns);
+    } else {
+      const std::string_view z = fields[columns.z];
+      if (!is_missing(z)) {
+        const auto value = dialect.number(z, scratch);
+        fault = fault_of(z, value, "z");
+        if (fault.empty()) point.z = *value;
+      }
+      if (columns.x) {
+        const std::string_view x = fields[*columns.x];
+        const auto value = dialect.number(x, scratch);
+        if (fault.empty()) fault = fault_of(x, value, "x");
+        if (value && std::isfinite(*value)) {
+          point.x = *value;
+          profile.digits.see(dialect.decimal_comma ? std::string_view(scratch) : x);
+        }
+      }
+    }
+    profile.add(file, lines.number(), point);
+    if (fault.empty()) continue;
+    if (!profile.has_end) fault += " (the line has no end: was the file cut off here?)";
+    profile.faults.push_back({lines.number(), std::move(fault)});
+  }
+  return profile;
+}
+
+/// Throws where numbers that nobody gave a unit cannot be metres.
+void require_metres(const std::filesystem::path& file, const Profile& profile, bool x_told,
+                    bool z_told) {
+  const double length = profile.length();
+  if (!x_told && (length > longest || profile.spacing > coarsest))
+    throw RequestError(fmt::format(
+        "{}: x runs over {:.6g} in steps of {:.6g}, and no unit is told: metres they are not. Say "
+        "with --x-unit what x is in (--x-unit m, if they are)",
+        file.string(), length, profile.spacing));
+  if (z_told) return;
+  double low = nan, high = nan, squares = 0, steps = 0, before = nan;
+  for (const double z : profile.heights) {
+    low = std::fmin(low, z);
+    high = std::fmax(high, z);
+    if (!std::isnan(z) && !std::isnan(before)) squares += std::pow(z - before, 2), ++steps;
+    before = z;
+  }
+  const double slope = steps > 0 ? std::sqrt(squares / steps) / profile.spacing : 0;
+  if (high - low > highest || slope > steepest)
+    throw RequestError(fmt::format(
+        "{}: z spans {:.6g} with slopes of {:.3g}, and no unit is told: metres they are not. Say "
+        "with --z-unit what z is in (--z-unit m, if they are)",
+        file.string(), high - low, slope));
+}
+
+}  // namespace
+
+Profile read_profile_text(const std::filesystem::path& file, const ProfileQuery& query) {
+  const auto [dialect, header] = look(file, query);
+  const Columns columns = choose_columns(file, dialect, header, query);
+  if (query.spacing && query.x_unit)
+    throw RequestError("--x-unit has no x to act on: --spacing is in metres");
+  std::optional<LengthUnit> x_unit;
+  if (columns.x) x_unit = agreed_unit(file, header, *columns.x, query.x_unit, "x");
+  const auto z_unit = agreed_unit(file, header, columns.z, query.z_unit, "z");
+
+  ProfilePoints read = read_points(file, dialect, header, columns);
+  if (columns.x) read.check_steps(x_unit ? x_unit->name.data() : "m");
+  if (!read.faults.empty()) refuse(file, std::move(read.faults));
+  const auto& points = read.points;
+  if (points.size() < 2)
+    throw RequestError(fmt::format("{}: 1 point, expected at least 2", file.string()));
+
+  Profile profile;
+  profile.spacing = query.spacing.value_or(0);
+  if (columns.x)
+    profile.spacing = (points.back().x - points.front().x) /
+                      static_cast<double>(points.size() - 1) * (x_unit ? x_unit->metres : 1);
+  const double metres = z_unit ? z_unit->metres : 1;
+  profile.heights.reserve(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    profile.heights.push_back(points[i].z * metres);
+    if (std::isnan(points[i].z) && profile.first_missing.empty())
+      profile.first_missing = place(file, read.line_of(i));
+  }
+  if (profile.missing() == points.size())
+    throw RequestError(fmt::format("{}: every height is missing", file.string()));
+  require_metres(file, profile, x_unit || query.spacing, z_unit.has_value());
+  return profile;
+}
+
+}  // namespace ra2d

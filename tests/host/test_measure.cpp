@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// From a profile to its parameters, and the command that prints them.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "host/errors.hpp"
+#include "host/surface/measure.hpp"
+#include "tests/child.hpp"
+#include "tests/places.hpp"
+
+namespace {
+
+using namespace ra2d;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+constexpr double pi = std::numbers::pi;
+
+/// Points 1 um apart; a sine of 1 um and wavelength 100 um.
+Profile sine(std::size_t count, double tilt = 0) {
+  Profile profile;
+  profile.spacing = 1e-6;
+  for (std::size_t i = 0; i < count; ++i)
+    profile.heights.push_back(1e-6 * std::sin(2 * pi * (static_cast<double>(i) + 0.5) / 100) +
+                              tilt * static_cast<double>(i));
+  return profile;
+}
+
+std::string fault(const Profile& profile, const MeasureOptions& options) {
+  try {
+    measure_profile(profile, options, "NAME");
+  } catch (const RequestError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(Measure, DropsHalfACutoffAtEachEndAndTakesFiveSamplingLengths) {
+  const MeasureOptions options{.cutoff = 800e-6};
+  for (const auto& [count, fitting] : {std::pair{1600, 1},
+                                       {2399, 1},
+                                       {2400, 2},
+                                       {4800, 5},
+                                       {4801, 5},
+                                       {5599, 5},
+                                       {5600, 6},
+                                       {16000, 19}}) {
+    const Measurement m = measure_profile(sine(count), options, "");
+    EXPECT_EQ(m.fitting, fitting) << count;
+    EXPECT_EQ(m.sampling_lengths, std::min(fitting, 5)) << count;
+    EXPECT_EQ(m.nodes, count);
+    EXPECT_DOUBLE_EQ(m.length, (count - 1) * 1e-6);
+    EXPECT_EQ(m.cutoff, 800e-6);
+  }
+  EXPECT_THAT(fault(sine(1599), options),
+              AllOf(HasSubstr("NAME: the profile is 0.001598 m long"), HasSubstr("needs 0.0016 m"),
+                    HasSubstr("--filter none")));
+  MeasureOptions more = options;
+  more.sampling_lengths = 0;
+  EXPECT_EQ(measure_profile(sine(16000), more, "").sampling_lengths, 19);
+  more.sampling_lengths = 7;
+  EXPECT_EQ(measure_profile(sine(16000), more, "").sampling_lengths, 7);
+  more.sampling_lengths = 20;
+  EXPECT_THAT(fault(sine(16000), more), HasSubstr("--sampling-lengths 20: 19 of 0.0008 m fit"));
+}
+
+TEST(Measure, FilterTakesOffWhatItsFormulaSays) {
+  // Of wavelengths that are the cutoff, half is left; heights outside are of another sine.
+  Profile profile = sine(20000);
+  const double left = 1 - std::exp2(-1);
+  const Measurement m = measure_profile(profile, {.cutoff = 100e-6, .sampling_lengths = 150}, "");
+  // The ends, which the filter does not see whole, reach three cutoffs in: 3 of 150.
+  EXPECT_NEAR(m.parameters.rq, left * 1e-6 * std::sqrt(0.5), 2e-3 * 1e-6);
+  EXPECT_NEAR(m.parameters.ra, left * 1e-6 * 2 / pi, 2e-3 * 1e-6);
+  // The filter against short waves lets as much through.
+  const Measurement s =
+      measure_profile(profile, {.cutoff = 2000e-6, .cutoff_s = 100e-6, .sampling_lengths = 8}, "");
+  EXPECT_NEAR(s.parameters.rq, 0.5e-6 * std::sqrt(0.5), 5e-3 * 1e-6);
+}
+
+TEST(Measure, WithoutAFilterIsThePrimaryProfile) {
+  const Measurement m = measure_profile(sine(10000), {.filter = false}, "");
+  EXPECT_EQ(m.sampling_lengths, 1);
+  EXPECT_FALSE(m.cutoff);
+  EXPECT_NEAR(m.parameters.rq, 1e-6 * std::sqrt(0.5), 1e-19);
+  EXPECT_DOUBLE_EQ(m.sampling_length, 0.01);
+  // What an instrument has filtered already is divided alone.
+  EXPECT_EQ(measure_profile(sine(10000), {.filter = false, .cutoff = 2e-3}, "").sampling_lengths,
+            5);
+  // Heights count from their mean, whatever they are counted from in the file.
+  Profile far = sine(10000);
+  for (double& z : far.heights) z += 5e-3;
+  EXPECT_NEAR(measure_profile(far, {.filter = false}, "").parameters.rq, 1e-6 * std::sqrt(0.5),
+              1e-17);
+}
+
+TEST(Measure, FormIsTakenOffAndTiltIsDoubtedWhereItIsNot) {
+  const Profile tilted = sine(10000, 1e-8);
+  const Measurement off = measure_profile(tilted, {.form = {1}, .filter = false}, "");
+  EXPECT_TRUE(off.doubts.empty());
+  // The sine itself has a slope over 100 periods: 6/(pi 100) of its height at the ends.
+  EXPECT_NEAR(off.parameters.rq, 1e-6 * std::sqrt(0.5), 1e-6 * std::pow(6 / (pi * 100), 2));
+  const Measurement on = measure_profile(tilted, {.filter = false}, "NAME");
+  EXPECT_GT(on.parameters.rq, 10e-6);
+  ASSERT_EQ(on.doubts.size(), 1);
+  EXPECT_THAT(on.doubts[0], HasSubstr("NAME: most of the height is tilt"));
+  // The filter takes a line off, to the ends: no doubt is left.
+  const MeasureOptions filtered{.cutoff = 800e-6};
+  const Measurement a = measure_profile(tilted, filtered, "");
+  const Measurement b = measure_profile(sine(10000), filtered, "");
+  EXPECT_TRUE(a.doubts.empty());
+  EXPECT_NEAR(a.parameters.rt, b.parameters.rt, 1e-12 * 1e-4);
+}
+
+TEST(Measure, GapsAreCountedAndFilled) {
+  Profile profile = sine(10000);
+  profile.first_missing = "NAME:7";
+  for (const int i : {100, 101, 102, 5000}) profile.heights[i] = std::nan("");
+  EXPECT_THAT(fault(profile, {}), HasSubstr("NAME:7: a height is missing, the first of 4"));
+  const Measurement m = measure_profile(profile, {.cutoff = 800e-6, .fill = 3e-6}, "");
+  EXPECT_EQ(m.missing, 4);
+  EXPECT_NEAR(m.parameters.rq, 1e-6 * std::sqrt(0.5), 1e-9);
+}
+
+TEST(Measure, LengthsThatFitNothingAreRefused) {
+  EXPECT_THAT(fault(sine(10000), {.cutoff = 4e-6}), HasSubstr("at least 5 steps"));
+  EXPECT_THAT(fault(sine(10000), {.cutoff = 8e-4, .cutoff_s = 8e-4}), HasSubstr("--cutoff-s"));
+  EXPECT_THAT(fault(sine(10000), {.filter = false, .cutoff_s = 6e-3}), HasSubstr("--cutoff-s"));
+  EXPECT_THAT(fault(sine(10000), {.cutoff = 1e300}), HasSubstr("give a smaller --cutoff"));
+  EXPECT_EQ(measure_profile(sine(10000), {.cutoff = 8e-4, .cutoff_s = 1e-7}, "").doubts.size(), 1);
+}
+
+TEST(Measure, MaterialRatioAtAHeight) {
+  const auto ratio = [](double level) {
+    return measure_profile(sine(10000), {.filter = false, .level = level}, "").material_ratio;
+  };
+  EXPECT_EQ(ratio(0), 0.5);
+  EXPECT_EQ(ratio(2e-6), 0);
+  EXPECT_EQ(ratio(-2e-6), 1);
+  EXPECT_NEAR(ratio(0.5e-6), 1.0 / 3, 0.01);  // a sine is above its half for a third of the time
+}
+
+// ---- the command
+
+struct SurfaceMeasure : testing::Test {
+  const ra2d::test::Folder folder;
+  std::string out, err;
+
+  void SetUp() override {
+    std::ofstream file(folder.path() / "sine.txt");
+    file << "x [mm]; z [um]\n";
+    for (int i = 0; i < 20000; ++i)
+      file << fmt::format("{:.3f};{:.9f}\n", i * 1e-3, std::sin(2 * pi * (i + 0.5) / 100));
+  }
+  int run(std::vector<std::string> words) {
+    words.insert(words.begin(), {ra2d::test::program(), "surface", "measure"});
+    ra2d::test::Child child(folder.path(), words);
+    const int status = child.wait();
+    out = child.out();
+    err = child.err();
+    return status;
+  }
+};
+
+TEST_F(SurfaceMeasure, PrintsATable) {
+  EXPECT_EQ(run({"sine.txt"}), 0);
+  EXPECT_THAT(out, AllOf(HasSubstr("20000 points, 1 um apart: 20 mm"),
+                         HasSubstr("Gaussian, cut-off 2.5 mm; half of it dropped at each end"),
+                         HasSubstr("5 sampling lengths of 2.5 mm; 7 would fit"),
+                         HasSubstr("\n  Rq         0.7071 um\n"),
+                         HasSubstr("\n  RSm        100 um\n"), HasSubstr("\n  Rku        1.5\n")));
+  EXPECT_EQ(err, "");
+  EXPECT_EQ(run({"sine.txt", "--filter", "none", "--rmr", "0"}), 0);
+  EXPECT_THAT(out, AllOf(HasSubstr("none: parameters of the primary profile"),
+                         HasSubstr("\n  Pq         0.7071 um\n"), HasSubstr("Pmr(0 um)"),
+                         HasSubstr("50 %"), Not(HasSubstr("Rq"))));
+}
+
+TEST_F(SurfaceMeasure, PrintsJsonInMetres) {
+  std::ofstream(folder.path() / "flat.txt") << "0 0\n1e-6 0\n2e-6 0\n3e-6 0\n";
+  EXPECT_EQ(run({"sine.txt", "--json", "--cutoff", "8e-4"}), 0);
+  EXPECT_THAT(out, AllOf(testing::StartsWith("{\n  \"file\": \"sine.txt\",\n  \"nodes\": 20000,\n"
+                                             "  \"spacing\": 1e-06,\n  \"length\": 0.019"),
+                         HasSubstr("\"missing\": 0,\n  \"filter\": \"gaussian\",\n  \"cutoff\": "
+                                   "0.0008,\n  \"sampling_lengths\": 5,\n  \"parameters\": {\n"
+                                   "    \"Ra\": 6.36"),
+                         HasSubstr("\"Rvk\": "), Not(HasSubstr("Rmr"))));
+  EXPECT_EQ(run({"sine.txt", "flat.txt", "--json", "--filter", "none"}), 0);  // several: a list
+  EXPECT_THAT(out, AllOf(testing::StartsWith("[\n"), HasSubstr("\"file\": \"flat.txt\""),
+                         HasSubstr("\"cutoff\": null"), HasSubstr("\"Rsk\": null"),
+                         HasSubstr("\"sampling_lengths\": 1")));
+}
+
+TEST_F(SurfaceMeasure, EndsWithWhatIsWrong) {
+  EXPECT_EQ(run({}), 2);
+  EXPECT_THAT(err, HasSubstr("FILE"));
+  EXPECT_EQ(run({""}), 2);
+  EXPECT_EQ(run({"none.txt"}), 4);
+  EXPECT_THAT(err, HasSubstr("none.txt"));
+  EXPECT_EQ(run({"sine.txt", "none.txt"}), 4);
+  EXPECT_EQ(out, "");
+  EXPECT_EQ(run({"sine.txt", "--z-unit", "nm"}), 2);
+  EXPECT_THAT(err, HasSubstr("sine.txt:1: z is in um by the header"));
+  for (const auto& [option, value] : {std::pair{"--x-unit", "inch"},
+                                      {"--z-unit", ""},
+                                      {"--spacing", "0"},
+                                      {"--spacing", "x"},
+                                      {"--column", "0"},
+                                      {"--column", "1.5"},
+                                      {"--decimal", "dot"},
+                                      {"--form", "poly:99"},
+                                      {"--filter", "robust"},
+                                      {"--cutoff", "nan"},
+                                      {"--cutoff", "-1"},
+                                      {"--cutoff-s", "1e999"},
+                                      {"--sampling-lengths", "0"},
+                                      {"--sampling-lengths", "many"},
+                                      {"--fill", "1e-6"},
+                                      {"--fill", "linear:"},
+                                      {"--fill", "linear:-1"},
+                                      {"--rsm", "4287"},
+                                      {"--rmr", "inf"}}) {
+    EXPECT_EQ(run({"sine.txt", fmt::format("{}={}", option, value)}), 2) << option << value;
+    EXPECT_THAT(err, HasSubstr(std::string(option).substr(2))) << value;
+    EXPECT_EQ(out, "");
+  }
+}
+
+TEST_F(SurfaceMeasure, IsHelpedWith) {
+  ra2d::test::Child help(folder.path(), {ra2d::test::program(), "help", "surface", "measure"});
+  EXPECT_EQ(help.wait(), 0);
+  EXPECT_THAT(help.out(), AllOf(HasSubstr("--cutoff-s"), HasSubstr("2.5e-3"), HasSubstr("--fill")));
+  EXPECT_EQ(run({"sine.txt", "--cutof", "1"}), 2);
+  EXPECT_THAT(err, HasSubstr("did you mean '--cutoff'?"));
+}
+
+}  // namespace
