@@ -40,7 +40,9 @@ struct Stretch {
 Stretch choose_stretch(const ResultContents& contents, const std::optional<Scene>& scene,
                        const AnalysisOptions& options, Analysis& a) {
   const double counted_from = scene ? scene->output.from : 0.0;
-  const double end = a.complete && scene ? scene->duration : contents.end;
+  const double end = a.complete && scene    ? scene->duration
+                     : contents.samples > 0 ? contents.end
+                                            : 0.0;
   a.from = options.from.value_or(counted_from);
   a.to = options.to.value_or(end);
   a.whole = a.from == counted_from && a.to == end;
@@ -235,6 +237,7 @@ Analysis analyze(const std::filesystem::path& file, const AnalysisOptions& optio
   if (stretch.count > 0) VelocityAnalysis(reader, stretch, segment, a).run(options.a_weighting);
   a.lv = level(a.v_rms);
   a.shocks = shock_statistics(contents.shocks, a.from, a.to);
+  if (a.whole) a.shocks.rate = contents.summary.shock_rate;  // by the time that was counted
   a.energy = powers_of(reader, stretch, a.rate);
   if (!a.spectrum.mean.empty())
     a.peaks = find_peaks({a.spectrum.resolution, a.spectrum.mean, a.spectrum.degrees_of_freedom},

@@ -11,6 +11,7 @@
 #include <numeric>
 #include <random>
 
+#include "host/analysis/analysis_text.hpp"
 #include "host/analysis/bands.hpp"
 #include "host/analysis/distributions.hpp"
 #include "host/analysis/several.hpp"
@@ -390,18 +391,37 @@ class Analyze : public testing::Test {
 TEST_F(Analyze, AgreesWithScipy) {
   RA2D_SKIP_WITHOUT_PYTHON();
   run("a.h5", {"output.from=0.01"});
+  run("free.h5", {"resonator.support=free", "scene.initial=rest"});  // rigid modes are no noise
+  AnalysisOptions part;
+  part.from = 0.02;
+  part.to = 0.08;
+  part.segment = 1000;
+  part.a_weighting = true;
   const std::string script = test::source_folder() / "tests/host/check_analysis.py";
-  for (const std::vector<std::string>& options : std::vector<std::vector<std::string>>{
-           {}, {"--from", "0.02", "--to", "0.08", "--segment", "1000", "--a-weighting"}}) {
-    std::vector<std::string> words{"analyze", "a.h5", "--json"};
-    words.insert(words.end(), options.begin(), options.end());
-    const test::Ended said = ra2d(words);
-    ASSERT_EQ(said.status, 0) << said.err;
-    std::ofstream(folder_.path() / "said.json") << said.out;
-    const test::Ended checked =
-        test::run_program(folder_.path(), {test::python(), script, "a.h5", "said.json"});
-    EXPECT_EQ(checked.status, 0) << checked.out << checked.err;
-  }
+  for (const char* file : {"a.h5", "free.h5"})
+    for (const AnalysisOptions& options : {AnalysisOptions{}, part}) {
+      std::ofstream(folder_.path() / "said.json")
+          << json_of({analyze(folder_.path() / file, options)});
+      const test::Ended checked =
+          test::run_program(folder_.path(), {test::python(), script, file, "said.json"});
+      EXPECT_EQ(checked.status, 0) << file << ": " << checked.out << checked.err;
+    }
+}
+
+TEST_F(Analyze, PrintsAsJsonWhatTheLibraryFinds) {
+  run("a.h5");
+  const test::Ended said = ra2d({"analyze", "a.h5", "--json", "--from", "0.02", "--to", "0.08",
+                                 "--resolution", "100", "--a-weighting"});
+  AnalysisOptions options;
+  options.from = 0.02;
+  options.to = 0.08;
+  options.resolution = 100;
+  options.a_weighting = true;
+  Analysis found = analyze(folder_.path() / "a.h5", options);
+  EXPECT_EQ(found.spectrum.resolution, 100);
+  found.file = "a.h5";
+  EXPECT_EQ(said.out, json_of({found}));
+  EXPECT_EQ(said.status, 0) << said.err;
 }
 
 TEST_F(Analyze, PrintsOneScreen) {
