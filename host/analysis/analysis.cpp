@@ -228,6 +228,9 @@ Analysis analyze(const std::filesystem::path& file, const AnalysisOptions& optio
   a.probe_position = contents.probe_position;
   std::copy_if(contents.resonator_frequency.begin(), contents.resonator_frequency.end(),
                std::back_inserter(a.natural_frequencies), [](double f) { return f > 0; });
+  a.aliased_modes = static_cast<std::size_t>(
+      std::count_if(a.natural_frequencies.begin(), a.natural_frequencies.end(),
+                    [&](double f) { return f > a.rate / 2; }));
 
   const Stretch stretch = choose_stretch(contents, scene, options, a);
   a.samples = stretch.count;

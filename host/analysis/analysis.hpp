@@ -70,6 +70,9 @@ struct Analysis {
   BandLevels bands;
   std::vector<double> probe_position;       // m
   std::vector<double> natural_frequencies;  // Hz, of the resonator's elastic modes
+  /// Elastic modes of the resonator above half the rate of the samples: their power stands in spectrum
+  /// and bands at frequencies that are not theirs.
+  std::size_t aliased_modes = 0;
   std::vector<SpectralPeak> peaks;
   MeshTone mesh;
 };

@@ -99,6 +99,7 @@ Json analysis_json(const Analysis& a) {
             {"spectrum", spectrum_json(a.spectrum)},
             {"bands", bands_json(a.bands)},
             {"natural_frequencies", a.natural_frequencies},
+            {"aliased_modes", a.aliased_modes},
             {"modal_damping", a.modal_damping},
             {"peaks", peaks_json(a.peaks)},
             {"mesh_tone",

@@ -15,10 +15,15 @@ namespace ra2d {
 namespace {
 
 constexpr std::size_t longest_title = 200;  // bytes
+constexpr double least_rise = 5;  // dB, which chance hardly gives the highest of five lines
 constexpr std::size_t most_peaks = 8, bands_a_line = 6;
 
 std::string line(const char* what, const std::string& value) {
   return fmt::format("  {:<17}{}\n", what, value);
+}
+
+std::string frequency_text(double hertz) {
+  return hertz < 1000 ? fmt::format("{:g} Hz", hertz) : fmt::format("{:g} kHz", hertz * 1e-3);
 }
 
 std::string level_text(const Analysis& a) {
@@ -61,24 +66,33 @@ std::string energy_text(const Analysis& a) {
                                     e.kinetic, e.elastic, e.contact));
 }
 
+std::string mesh_text(const MeshTone& mesh) {
+  const std::string text = fmt::format("{:.6g} Hz (speed/spacing)", mesh.frequency);
+  if (!mesh.in_spectrum) return text + ", beyond the spectrum";
+  if (std::isnan(mesh.rise)) return text;
+  if (mesh.rise < least_rise) return text + ": does not stand out";
+  return text + fmt::format(
+                    ": {:.1f} dB above what is around it; a line there is the mesh's, not "
+                    "the surface's",
+                    mesh.rise);
+}
+
 std::string spectrum_text(const Analysis& a) {
   const VelocitySpectrum& s = a.spectrum;
   if (s.frequency.empty()) return line("spectrum", "none: the stretch is too short");
-  std::string text =
-      line("spectrum",
-           fmt::format(
-               "to {:g} kHz in steps of {:.4g} Hz, {} segment{}; 95 %: density x {:.2f} to {:.2f}",
-               s.frequency.back() * 1e-3, s.resolution, s.segments, s.segments == 1 ? "" : "s",
-               s.confidence.low, s.confidence.high));
+  std::string text = line(
+      "spectrum",
+      fmt::format("to {} in steps of {:.4g} Hz, {} segment{}; 95 %: density x {:.2f} to {:.2f}",
+                  frequency_text(s.frequency.back()), s.resolution, s.segments,
+                  s.segments == 1 ? "" : "s", s.confidence.low, s.confidence.high));
+  if (a.aliased_modes > 0)
+    text +=
+        line("warning",
+             fmt::format("{} mode{} above half the rate of the samples: spectrum and bands have "
+                         "their power in wrong places (raise output.rate)",
+                         a.aliased_modes, a.aliased_modes == 1 ? " lies" : "s lie"));
   if (std::isnan(a.mesh.frequency)) return text;
-  return text + line("mesh tone",
-                     fmt::format("{:.6g} Hz (speed/spacing){}", a.mesh.frequency,
-                                 !a.mesh.in_spectrum ? ", beyond the spectrum"
-                                 : std::isnan(a.mesh.rise)
-                                     ? ""
-                                     : fmt::format(": {:.1f} dB above what is around it; a line "
-                                                   "there is the mesh's, not the surface's",
-                                                   a.mesh.rise)));
+  return text + line("mesh tone", mesh_text(a.mesh));
 }
 
 /// The highest peaks, by frequency.
@@ -132,7 +146,7 @@ std::string describe(const Analysis& a) {
   std::string text =
       fmt::format("{}: {}, {:g} s to {:g} s, {} samples{}\n", printable(a.file.string()),
                   printable(shortened(a.title, longest_title)), a.from, a.to, a.samples,
-                  a.samples > 1 ? fmt::format(" at {:g} kHz", a.rate * 1e-3) : "");
+                  a.samples > 1 ? " at " + frequency_text(a.rate) : "");
   if (!a.complete)
     text += line("incomplete", "the run was cut short: " + printable(shortened(a.ended, 120)));
   text += line("level Lv", level_text(a));

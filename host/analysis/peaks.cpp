@@ -110,14 +110,16 @@ double rise_at(const Lines& lines, double frequency) {
   constexpr std::size_t near = 2, far = 20;
   const auto line =
       static_cast<std::size_t>(std::lround(std::max(0.0, frequency) / lines.resolution));
-  if (line < far + 1 || line + far >= lines.density.size()) return nan;
+  if (line <= far || line + far >= lines.density.size()) return nan;
   double highest = 0;
   std::vector<double> around;
-  for (std::size_t j = line - far; j <= line + far; ++j)
+  for (std::size_t j = line - far; j <= line + far; ++j) {
+    if (!std::isfinite(lines.density[j])) return nan;
     if (j + near >= line && j <= line + near)
       highest = std::max(highest, lines.density[j]);
     else
       around.push_back(lines.density[j]);
+  }
   return 10 * std::log10(highest / median(std::move(around)));
 }
 

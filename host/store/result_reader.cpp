@@ -97,6 +97,12 @@ void require_shapes(hid_t file, double most_numbers) {
   }
 }
 
+/// What is not there reads as NaN, and no run writes what is not finite.
+void require_finite(const std::vector<double>& data, const char* path) {
+  if (!std::all_of(data.begin(), data.end(), [](double value) { return std::isfinite(value); }))
+    throw Fault{fmt::format("/{} has values that are no numbers: it is damaged", path)};
+}
+
 /// A whole dataset.
 std::vector<double> all_of(hid_t file, const char* path) {
   const h5::Dataset dataset{check(H5Dopen2(file, path, H5P_DEFAULT))};
@@ -113,6 +119,7 @@ std::vector<Shock> shocks_of(hid_t file) {
   for (const Entry& entry : entries())
     if (const PerShock* member = source_of<PerShock>(entry)) {
       const std::vector<double> values = all_of(file, entry.path);
+      require_finite(values, entry.path);
       shocks.resize(values.size());
       for (std::size_t i = 0; i < values.size(); ++i) shocks[i].** member = values[i];
     }
@@ -241,6 +248,7 @@ std::vector<std::vector<double>> ResultReader::columns(const char* dataset, std:
       const h5::Space memory{check(H5Screate_simple(rank, size, nullptr))};
       check(H5Sselect_hyperslab(file, H5S_SELECT_SET, start, nullptr, size, nullptr));
       check(H5Dread(data, H5T_NATIVE_DOUBLE, memory, file, H5P_DEFAULT, block.data()));
+      require_finite(block, dataset);
       for (std::size_t k = 0; k < count; ++k)
         for (std::size_t j = 0; j < now; ++j) found[k][done + j] = block[j * count + k];
     }

@@ -29,7 +29,7 @@ struct ResultContents {
 /// short, or where its datasets do not fit together.
 class ResultReader {
  public:
-  explicit ResultReader(const std::filesystem::path& file);
+  explicit ResultReader(const std::filesystem::path& path);
   ~ResultReader();
   ResultReader(const ResultReader&) = delete;
   ResultReader& operator=(const ResultReader&) = delete;

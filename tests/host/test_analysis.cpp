@@ -436,6 +436,13 @@ TEST_F(Analyze, PrintsOneScreen) {
   EXPECT_THAT(ra2d({"analyze", "a.h5", "--a-weighting"}).out, HasSubstr("no sound pressure"));
 }
 
+TEST_F(Analyze, SaysWhereModesLieAboveHalfTheRate) {
+  run("a.h5",
+      {"output.rate=20e3"});  // of 19 modes to 18.9 kHz, 13 reach to 8.8 kHz, the 14th to 10.2
+  EXPECT_EQ(analyze(folder_.path() / "a.h5", {}).aliased_modes, 6u);
+  EXPECT_THAT(ra2d({"analyze", "a.h5"}).out, HasSubstr("6 modes lie above half the rate"));
+}
+
 TEST_F(Analyze, OfSeveralFilesGivesMeans) {
   run("a.h5");
   run("b.h5", {"resonator.surface.seed=7"});

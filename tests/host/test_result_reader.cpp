@@ -190,6 +190,25 @@ TEST_F(Reader, RefusesWhatIsMissingOrOfTheWrongShape) {
               HasSubstr("its attribute 'ended' is missing"));
 }
 
+TEST_F(Reader, RefusesNumbersThatAreNone) {
+  const auto grow = [&](const char* path, std::vector<hsize_t> extent) {
+    change([&](hid_t file) {
+      const hid_t dataset = H5Dopen2(file, path, H5P_DEFAULT);
+      std::vector<hsize_t> none(extent.size(), 0);
+      none.back() = extent.size() > 1 ? extent.back() : 0;
+      EXPECT_GE(H5Dset_extent(dataset, none.data()), 0);
+      EXPECT_GE(H5Dset_extent(dataset, extent.data()), 0);  // of what fills it
+      H5Dclose(dataset);
+    });
+  };
+  write(5);
+  grow("resonator/velocity", {5, 2});
+  EXPECT_THAT(refusal(), HasSubstr("/resonator/velocity has values that are no numbers"));
+  write(5);
+  grow("shocks/impulse", {2});
+  EXPECT_THAT(refusal(), HasSubstr("/shocks/impulse has values that are no numbers"));
+}
+
 /// A few bytes can ask for more memory than there is.
 TEST_F(Reader, RefusesMoreNumbersThanTheFileHasRoomFor) {
   write(5);
