@@ -11,8 +11,8 @@ if(NOT RA2D_PORTABLE)
   set(settings ${PROJECT_BINARY_DIR}/portable-settings.cmake)
   set(text "set(CMAKE_BUILD_TYPE Release CACHE STRING \"\" FORCE)\n")
   foreach(name CMAKE_PREFIX_PATH CMAKE_C_COMPILER CMAKE_CXX_COMPILER CMAKE_CXX_COMPILER_LAUNCHER HDF5_ROOT Eigen3_DIR
-          fmt_DIR CLI11_DIR tomlplusplus_DIR nlohmann_json_DIR GTest_DIR benchmark_DIR RANDOM123_INCLUDE_DIR XXHASH_INCLUDE_DIR FFTW_INCLUDE_DIR FFTW_LIBRARY
-          SUNDIALS_INCLUDE_DIR ODEINT_INCLUDE_DIR)
+          fmt_DIR CLI11_DIR tomlplusplus_DIR nlohmann_json_DIR GTest_DIR benchmark_DIR RANDOM123_INCLUDE_DIR XXHASH_INCLUDE_DIR
+          FFTW3_INCLUDE_DIR FFTW3_LIBRARY SUNDIALS_INCLUDE_DIR ODEINT_INCLUDE_DIR)
     if(${name})
       string(APPEND text "set(${name} \"${${name}}\" CACHE STRING \"\")\n")
     endif()

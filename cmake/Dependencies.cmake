@@ -59,7 +59,7 @@ find_package(CLI11 REQUIRED)
 find_package(tomlplusplus REQUIRED)
 find_package(nlohmann_json 3.11 REQUIRED)
 find_package(HDF5 1.10.3 REQUIRED COMPONENTS C HL)
-find_path(FFTW_INCLUDE_DIR fftw3.h REQUIRED)
-find_library(FFTW_LIBRARY fftw3 REQUIRED)  # double precision
 find_path(RANDOM123_INCLUDE_DIR Random123/philox.h REQUIRED)
 find_path(XXHASH_INCLUDE_DIR xxhash.h REQUIRED)  # its header alone, 0.8 or later
+find_path(FFTW3_INCLUDE_DIR fftw3.h REQUIRED)
+find_library(FFTW3_LIBRARY fftw3 REQUIRED)  # of double precision

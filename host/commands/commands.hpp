@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "host/analysis/analysis.hpp"
+
 namespace CLI {
 class App;
 }
@@ -38,6 +40,17 @@ int plan_command(const CommonOptions& common);
 /// with those choices. `budget`: s of wall time.
 int plan_accuracy_command(const CommonOptions& common, double accuracy, double budget,
                           std::filesystem::path output);
+
+struct AnalyzeRequest {
+  std::vector<std::filesystem::path> files;
+  AnalysisOptions options;
+  bool json = false;
+  std::string csv;  // folder, or how the files' names begin; empty: none
+  bool quiet = false;
+};
+
+/// `ra2d analyze OUT.h5...`
+int analyze_command(const AnalyzeRequest& request);
 
 /// `ra2d chart stability [SCENE] [-o PREFIX]`; without a scene, the paper's own. Writes PREFIX.csv,
 /// PREFIX-regions.csv, PREFIX-modes.csv and, unless `plot` is false, PREFIX.png. A picture that was

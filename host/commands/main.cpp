@@ -13,6 +13,7 @@
 #include <new>
 #include <sstream>
 #include <string_view>
+#include <tuple>
 #include <utility>
 
 #include "host/chart/accuracy_chart.hpp"
@@ -27,7 +28,7 @@
 namespace {
 
 /// Commands of the contract that are not built yet: refused by name.
-constexpr std::array<std::string_view, 6> coming{"analyze", "study",  "sound",
+constexpr std::array<std::string_view, 5> coming{"study", "sound",
                                                  "plot",    "report", "check"};
 
 using Words = std::vector<std::string>;
@@ -104,6 +105,44 @@ void add_common(CLI::App& command, ra2d::CommonOptions& common) {
   command.add_flag("--quiet", common.quiet, "print nothing but what was asked for and errors");
 }
 
+CLI::App* add_analyze(CLI::App& app, ra2d::AnalyzeRequest& request) {
+  CLI::App* analyze = app.add_subcommand(
+      "analyze",
+      "says what results hold: level, spectrum, third octaves, shocks, powers; of several files "
+      "their means with confidence intervals");
+  analyze->add_option("OUT.h5", request.files, "results of 'ra2d run'")->required()->check(path());
+  analyze->add_flag("--json", request.json, "prints everything as JSON");
+  analyze
+      ->add_option("--csv", request.csv,
+                   "writes spectrum, bands and histograms as tables: into this folder, or with "
+                   "names that begin like this")
+      ->type_name("PREFIX")
+      ->check(path());
+  ra2d::AnalysisOptions& options = request.options;
+  CLI::Option* resolution =
+      analyze->add_option("--resolution", options.resolution, "of the spectrum, from line to line")
+          ->type_name("HZ")
+          ->check(number_from(1e-6, 1e12, "from 1e-6 to 1e12"));
+  analyze
+      ->add_option(
+          "--segment", options.segment,
+          "samples of a segment of the spectrum [an eighth of the stretch, a power of two]")
+      ->type_name("N")
+      ->transform(count())
+      ->excludes(resolution);
+  for (const auto& [name, time, what] :
+       {std::tuple{"--from", &options.from, "where to begin [output.from of the scene]"},
+        {"--to", &options.to, "where to end [the end of the run]"}})
+    analyze->add_option(name, *time, what)
+        ->type_name("SECONDS")
+        ->check(number_from(0, 1e12, "from 0 to 1e12"));
+  analyze->add_flag("--a-weighting", options.a_weighting,
+                    "weighs the bands as ears do (IEC 61672-1); a plate's velocity is no sound "
+                    "pressure all the same");
+  analyze->add_flag("--quiet", request.quiet, "print nothing but what was asked for and errors");
+  return analyze;
+}
+
 /// Reads the words of the command line and runs what they ask for.
 int dispatch(Words words) {
   using namespace ra2d;
@@ -155,6 +194,8 @@ int dispatch(Words words) {
       ->check(path())
       ->needs(asked);
   add_common(*plan, common);
+  AnalyzeRequest analyze_request;
+  const CLI::App* analyze = add_analyze(app, analyze_request);
   CLI::App* chart = app.add_subcommand("chart", "all schemes side by side");
   chart->require_subcommand(1);
   CLI::App* stability = chart->add_subcommand(
@@ -210,7 +251,7 @@ int dispatch(Words words) {
   }
   if (!words.empty() && std::find(coming.begin(), coming.end(), words[0]) != coming.end())
     throw RequestError(fmt::format(
-        "the command '{}' is not available yet; there are 'run', 'plan', 'chart' and 'surface'",
+        "the command '{}' is not available yet; there are 'run', 'plan', 'analyze', 'surface' and 'chart'",
         words[0]));
   const Named named = find_command(app, words);
   if (!named.fault.empty()) throw RequestError(named.fault);
@@ -230,6 +271,7 @@ int dispatch(Words words) {
   common.threads = usable_threads(common.threads, lowered);
   if (!lowered.empty() && !common.quiet)
     say(fmt::format("{} thread{}: {}", common.threads, common.threads == 1 ? "" : "s", lowered));
+  if (analyze->parsed()) return analyze_command(analyze_request);
   if (stability->parsed()) return chart_stability_command(common, stability_prefix, !no_plot);
   if (accuracy->parsed())
     return chart_accuracy_command(common, accuracy_prefix, !no_plot, budget, peers);

@@ -162,6 +162,18 @@ void note_step(const Model& model, Plan& plan) {
                                      plan.contact_period / scene.time.step));
 }
 
+/// The faces are straight between nodes: nodes that pass nodes make a tone of their own.
+void note_mesh(const Scene& scene, Plan& plan) {
+  const double tone = scene.speed / scene.spacing;  // Hz
+  const double highest = std::max(plan.resonator.highest, plan.slider.highest);
+  if (!(tone > 0 && tone < highest)) return;
+  plan.notes.push_back(
+      fmt::format("the mesh makes a tone of its own at scene.speed / scene.spacing = {:.5g} Hz and "
+                  "its multiples, "
+                  "below the highest mode ({:.0f} Hz); beyond it with scene.spacing = {}",
+                  tone, highest, rounded_down(scene.speed / highest)));
+}
+
 /// A step [s] as the table and the messages give it: what holds, or how much of it.
 std::string limit_text(double limit) {
   return std::isinf(limit) ? "every step" : limit == 0 ? "no step" : seconds_text(limit);
@@ -368,6 +380,7 @@ Plan make_plan(const Model& model, std::size_t memory, int touching) {
   if (model.resonator.modes.empty())
     plan.notes.push_back("the resonator keeps no mode: nothing vibrates and there is no level");
   if (!is_adaptive(scene)) note_step(model, plan);
+  note_mesh(scene, plan);
   if (const std::string overlap = overlap_at_start(model); !overlap.empty())
     plan.notes.push_back("'ra2d run' refuses this scene: " + overlap);
   return plan;

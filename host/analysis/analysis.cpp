@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/analysis/analysis.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <numeric>
+
+#include "host/analysis/bands.hpp"
+#include "host/errors.hpp"
+#include "host/result/level.hpp"
+#include "host/scene_file/scene_file.hpp"
+#include "host/store/result_reader.hpp"
+
+namespace ra2d {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr std::size_t columns_at_once = 32 << 20;  // bytes, of samples that are read together
+constexpr std::size_t most_samples = std::size_t{1} << 30;  // that a transform takes
+constexpr double time_slack = 1e-6;  // of a sample, for the roundings of its time
+
+/// The scene that the file carries; none where this program does not understand it.
+std::optional<Scene> scene_of(const ResultContents& contents,
+                              const std::filesystem::path& file) try {
+  return parse_scene(contents.scene, file);
+} catch (const RequestError&) {
+  return {};
+}
+
+/// The samples that are looked at.
+struct Stretch {
+  std::size_t first = 0, count = 0;
+};
+
+/// Sets the stretch's times, and finds its samples.
+Stretch choose_stretch(const ResultContents& contents, const std::optional<Scene>& scene,
+                       const AnalysisOptions& options, Analysis& a) {
+  const double counted_from = scene ? scene->output.from : 0.0;
+  const double end = a.complete && scene    ? scene->duration
+                     : contents.samples > 0 ? contents.end
+                                            : 0.0;
+  a.from = options.from.value_or(counted_from);
+  a.to = options.to.value_or(end);
+  a.whole = a.from == counted_from && a.to == end;
+  if (a.to > end * (1 + 1e-12))
+    throw RequestError(
+        fmt::format("{}: --to {:g}: the run ends at {:g} s", a.file.string(), a.to, end));
+  if (!a.whole && !(a.from < a.to))
+    throw RequestError(
+        fmt::format("{}: from {:g} s to {:g} s there is nothing: the run ends at {:g} s",
+                    a.file.string(), a.from, a.to, end));
+  Stretch stretch;
+  if (std::isnan(a.rate)) return stretch;
+  const auto place = [&](double time) { return std::max(0.0, time * a.rate); };
+  stretch.first = static_cast<std::size_t>(std::ceil(place(a.from) - time_slack));
+  const auto beyond = static_cast<std::size_t>(std::floor(place(a.to) + time_slack)) + 1;
+  stretch.first = std::min(stretch.first, contents.samples);
+  stretch.count = std::max(stretch.first, std::min(beyond, contents.samples)) - stretch.first;
+  if (stretch.count > most_samples)
+    throw RequestError(
+        fmt::format("{}: {} samples are more than can be transformed at once ({}): "
+                    "take a shorter stretch with --from and --to",
+                    a.file.string(), stretch.count, most_samples));
+  return stretch;
+}
+
+/// How long the segments of the spectrum are; 0 where the stretch is too short for one.
+std::size_t choose_segment(const AnalysisOptions& options, std::size_t samples, const Analysis& a) {
+  if (!options.segment && !options.resolution) return usual_segment(samples);
+  const double asked = options.segment ? static_cast<double>(*options.segment)
+                                       : std::round(a.rate / *options.resolution);
+  if (asked >= 4 && asked <= static_cast<double>(samples)) return static_cast<std::size_t>(asked);
+  throw RequestError(fmt::format(
+      "{}: {}: a segment of {:.0f} samples, expected 4 to {}, as many as the stretch has ({:g} Hz "
+      "apart or more)",
+      a.file.string(),
+      options.segment ? fmt::format("--segment {}", *options.segment)
+                      : fmt::format("--resolution {:g}", *options.resolution),
+      asked, samples, samples > 0 ? a.rate / static_cast<double>(samples) : nan));
+}
+
+void add(const std::vector<double>& values, double weight, std::vector<double>& sum) {
+  sum.resize(values.size());
+  for (std::size_t j = 0; j < values.size(); ++j) sum[j] += weight * values[j];
+}
+
+double mean_square(const std::vector<double>& values) {
+  return std::inner_product(values.begin(), values.end(), values.begin(), 0.0) /
+         static_cast<double>(values.size());
+}
+
+/// What is found of the samples' velocity, mode by mode and probe by probe.
+class VelocityAnalysis {
+ public:
+  VelocityAnalysis(const ResultReader& reader, const Stretch& stretch, std::size_t segment,
+                   Analysis& analysis)
+      : reader_{reader}, stretch_{stretch}, a_{analysis}, whole_{stretch.count, analysis.rate} {
+    if (segment > 0) welch_.emplace(half_overlapping(analysis.rate, segment));
+  }
+
+  /// The mean over the resonator is exact, mode by mode, as that of the level is (host/result/level.hpp):
+  /// sum_k mean(psi_k^2) density(V_k).
+  void run(bool a_weighting) {
+    const std::vector<double>& weights = reader_.contents().mean_square;
+    std::vector<double> power;
+    double square = 0;
+    each_column("resonator/velocity", weights.size(), [&](std::size_t k, const auto& velocity) {
+      if (weights[k] == 0) return;
+      square += weights[k] * mean_square(velocity);
+      if (welch_) add(welch_->density(velocity), weights[k], a_.spectrum.mean);
+      whole_.add(velocity, weights[k], power);
+    });
+    if (!a_.whole) a_.v_rms = std::sqrt(square);
+    power.resize(whole_.lines());
+    choose_bands();
+    a_.bands.level = levels(power);
+    if (a_weighting) weigh(power);
+    each_column("probes/velocity", a_.probe_position.size(),
+                [&](std::size_t, const auto& velocity) {
+                  if (welch_) a_.spectrum.probe.push_back(welch_->density(velocity));
+                  std::vector<double> of_probe;
+                  whole_.add(velocity, 1, of_probe);
+                  a_.bands.level_probe.push_back(levels(of_probe));
+                });
+    if (welch_) finish_spectrum();
+  }
+
+ private:
+  /// Calls `body` with each column's number and samples; several are read at a time.
+  template <class Body>
+  void each_column(const char* dataset, std::size_t count, Body body) {
+    const std::size_t together =
+        std::max<std::size_t>(1, columns_at_once / (stretch_.count * sizeof(double)));
+    for (std::size_t first = 0; first < count; first += together) {
+      const std::size_t now = std::min(together, count - first);
+      const auto columns = reader_.columns(dataset, stretch_.first, stretch_.count, first, now);
+      for (std::size_t k = 0; k < now; ++k) body(first + k, columns[k]);
+    }
+  }
+
+  void choose_bands() {
+    const double seconds = static_cast<double>(stretch_.count) / a_.rate;
+    a_.bands.number = carried_bands(a_.rate, seconds);
+    for (const int number : a_.bands.number)
+      a_.bands.spread.push_back(band_spread(number, seconds));
+  }
+
+  std::vector<double> levels(const std::vector<double>& power) const {
+    std::vector<double> found = band_powers(a_.bands.number, whole_, power);
+    for (double& value : found) value = level(std::sqrt(value));
+    return found;
+  }
+
+  void weigh(const std::vector<double>& power) {
+    const std::vector<double> weighted = a_weighted(whole_, power);
+    a_.bands.level_a = levels(weighted);
+    a_.lv_a = level(std::sqrt(std::accumulate(weighted.begin(), weighted.end(), 0.0)));
+  }
+
+  void finish_spectrum() {
+    VelocitySpectrum& s = a_.spectrum;
+    s.frequency = welch_->frequencies();
+    s.resolution = s.frequency[1];
+    s.mean.resize(s.frequency.size());  // zeros, of a resonator that does not bend
+    std::vector<double> force = reader_.column("contact/force", stretch_.first, stretch_.count);
+    const double mean =
+        std::accumulate(force.begin(), force.end(), 0.0) / static_cast<double>(force.size());
+    for (double& value : force) value -= mean;
+    s.force = welch_->density(force);
+    s.segments = welch_->segments().count(stretch_.count);
+    s.degrees_of_freedom = welch_->degrees_of_freedom(stretch_.count);
+    s.confidence = confidence_of_density(s.degrees_of_freedom);
+  }
+
+  const ResultReader& reader_;
+  Stretch stretch_;
+  Analysis& a_;
+  WholeSpectrum whole_;
+  std::optional<Welch> welch_;
+};
+
+PowerBalance powers_of(const ResultReader& reader, const Stretch& stretch, double rate) {
+  const auto read = [&](const char* dataset) {
+    return reader.column(dataset, stretch.first, stretch.count);
+  };
+  const auto kinetic = read("energy/kinetic"), elastic = read("energy/elastic"),
+             contact = read("energy/contact"), loss = read("energy/damping_loss"),
+             sliding = read("energy/sliding_work"), load = read("energy/load_work");
+  return power_balance({kinetic, elastic, contact, loss, sliding, load},
+                       (static_cast<double>(stretch.count) - 1) / rate);
+}
+
+MeshTone mesh_tone(const std::optional<Scene>& scene, const Analysis& a) {
+  MeshTone tone{nan, false, nan};
+  if (!scene || !(scene->speed > 0)) return tone;
+  tone.frequency = scene->speed / scene->spacing;
+  tone.in_spectrum = tone.frequency < a.rate / 2;
+  if (tone.in_spectrum && !a.spectrum.mean.empty())
+    tone.rise = rise_at({a.spectrum.resolution, a.spectrum.mean}, tone.frequency);
+  return tone;
+}
+
+/// What the file itself says of all that it counts.
+void take_summary(const ResultSummary& summary, Analysis& a) {
+  a.v_rms = summary.v_rms;
+  a.contact_share = summary.contact_share;
+  a.energy_closure = summary.energy_closure;
+}
+
+}  // namespace
+
+Analysis analyze(const std::filesystem::path& file, const AnalysisOptions& options) {
+  const ResultReader reader(file);
+  const ResultContents& contents = reader.contents();
+  const std::optional<Scene> scene = scene_of(contents, file);
+  Analysis a;
+  a.file = file;
+  a.title = scene ? title(*scene) : file.stem().string();
+  a.complete = contents.summary.complete;
+  a.ended = contents.summary.ended;
+  a.rate = contents.rate;
+  a.lv_a = a.contact_share = a.energy_closure = nan;
+  a.modal_damping = scene ? scene->resonator.damping : nan;
+  a.probe_position = contents.probe_position;
+  std::copy_if(contents.resonator_frequency.begin(), contents.resonator_frequency.end(),
+               std::back_inserter(a.natural_frequencies), [](double f) { return f > 0; });
+  a.aliased_modes = static_cast<std::size_t>(
+      std::count_if(a.natural_frequencies.begin(), a.natural_frequencies.end(),
+                    [&](double f) { return f > a.rate / 2; }));
+
+  const Stretch stretch = choose_stretch(contents, scene, options, a);
+  a.samples = stretch.count;
+  a.v_rms = nan;
+  if (a.whole) take_summary(contents.summary, a);
+  const std::size_t segment = choose_segment(options, stretch.count, a);
+  if (stretch.count > 0) VelocityAnalysis(reader, stretch, segment, a).run(options.a_weighting);
+  a.lv = level(a.v_rms);
+  a.shocks = shock_statistics(contents.shocks, a.from, a.to);
+  if (a.whole) a.shocks.rate = contents.summary.shock_rate;  // by the time that was counted
+  a.energy = powers_of(reader, stretch, a.rate);
+  if (!a.spectrum.mean.empty())
+    a.peaks = find_peaks({a.spectrum.resolution, a.spectrum.mean, a.spectrum.degrees_of_freedom},
+                         contents.resonator_frequency, a.modal_damping);
+  a.mesh = mesh_tone(scene, a);
+  mark_mesh(a.peaks, a.mesh.frequency, a.spectrum.resolution);
+  return a;
+}
+
+}  // namespace ra2d

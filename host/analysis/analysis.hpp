@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/analysis/peaks.hpp"
+#include "host/analysis/power_balance.hpp"
+#include "host/analysis/shock_statistics.hpp"
+#include "host/analysis/spectrum.hpp"
+
+/// What a result says of the noise (docs/analysis.md): level, spectrum, bands, shocks, powers.
+namespace ra2d {
+
+struct AnalysisOptions {
+  std::optional<double> resolution;    // Hz, between the lines of the spectrum ...
+  std::optional<std::size_t> segment;  // ... or samples of a segment; else usual_segment()
+  std::optional<double> from, to;      // s; else output.from, and the end of the run
+  bool a_weighting = false;
+};
+
+/// Densities; of the velocity in (m/s)^2/Hz, of the contact force less its mean in N^2/Hz. Empty where
+/// the stretch is too short for a segment.
+struct VelocitySpectrum {
+  double resolution = 0;  // Hz
+  std::vector<double> frequency;
+  std::vector<double> mean;                // over the resonator, of its elastic motion
+  std::vector<std::vector<double>> probe;  // of each
+  std::vector<double> force;
+  std::size_t segments = 0;
+  double degrees_of_freedom = 0;
+  Confidence confidence;
+};
+
+/// Levels in dB re 1 nm/s.
+struct BandLevels {
+  std::vector<int> number;                       // of third octaves (third_octave_centre)
+  std::vector<double> level;                     // over the resonator, of its elastic motion
+  std::vector<double> spread;                    // dB, of stationary noise (band_spread)
+  std::vector<double> level_a;                   // A-weighted; empty unless it was asked for
+  std::vector<std::vector<double>> level_probe;  // of each probe, not weighted
+};
+
+/// The tone of the mesh itself: a node of the slider passes one of the resonator.
+struct MeshTone {
+  double frequency = 0;      // Hz, speed / spacing; NaN where the scene is not known
+  bool in_spectrum = false;  // below half the rate of the samples
+  double rise = 0;           // dB, above the spectrum around it; NaN where that cannot be told
+};
+
+struct Analysis {
+  std::filesystem::path file;
+  std::string title;
+  bool complete = true;
+  std::string ended;
+  double rate = 0;            // Hz, of the samples
+  double from = 0, to = 0;    // s, the stretch
+  std::size_t samples = 0;    // in it
+  bool whole = true;          // all that the file's own summary counts
+  double v_rms = 0, lv = 0;   // m/s, dB; NaN where there is none
+  double lv_a = 0;            // dB, A-weighted; NaN unless it was asked for
+  double contact_share = 0;   // of the time; NaN unless the stretch is whole
+  double energy_closure = 0;  // of the file's summary; NaN unless the stretch is whole
+  double modal_damping = 0;   // of the resonator; NaN where the scene is not known
+  ShockStatistics shocks;
+  PowerBalance energy;
+  VelocitySpectrum spectrum;
+  BandLevels bands;
+  std::vector<double> probe_position;       // m
+  std::vector<double> natural_frequencies;  // Hz, of the resonator's elastic modes
+  /// Elastic modes of the resonator above half the rate of the samples: their power stands in spectrum
+  /// and bands at frequencies that are not theirs.
+  std::size_t aliased_modes = 0;
+  std::vector<SpectralPeak> peaks;
+  MeshTone mesh;
+};
+
+/// Reads and analyses a result. Throws FileError of the file, and RequestError where the options ask for
+/// what it does not have.
+Analysis analyze(const std::filesystem::path& file, const AnalysisOptions& options);
+
+}  // namespace ra2d

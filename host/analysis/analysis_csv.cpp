@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <iterator>
+#include <utility>
+
+#include "host/analysis/analysis_text.hpp"
+#include "host/analysis/bands.hpp"
+
+namespace ra2d {
+namespace {
+
+/// A column for each probe, told by its number from 1 and its place.
+void name_probes(const Analysis& a, const char* quantity, const char* unit, std::string& text) {
+  for (std::size_t p = 0; p < a.probe_position.size(); ++p)
+    text += fmt::format(",{}_probe{}_at_{:g}_m{}", quantity, p + 1, a.probe_position[p], unit);
+  text += '\n';
+}
+
+void add(double value, std::string& text) {
+  fmt::format_to(std::back_inserter(text), ",{}", value);
+}
+
+}  // namespace
+
+std::string spectrum_csv(const Analysis& a) {
+  const VelocitySpectrum& s = a.spectrum;
+  std::string text = "frequency_Hz,psd_mean_m2/s2/Hz,psd_force_N2/Hz";
+  name_probes(a, "psd", "_m2/s2/Hz", text);
+  for (std::size_t j = 0; j < s.frequency.size(); ++j) {
+    text += fmt::format("{},{},{}", s.frequency[j], s.mean[j], s.force[j]);
+    for (const std::vector<double>& probe : s.probe) add(probe[j], text);
+    text += '\n';
+  }
+  return text;
+}
+
+std::string bands_csv(const Analysis& a) {
+  const BandLevels& b = a.bands;
+  const bool weighted = !b.level_a.empty();
+  std::string text = "nominal_Hz,centre_Hz,level_dB,spread_dB";
+  if (weighted) text += ",level_a_dB";
+  name_probes(a, "level", "_dB", text);
+  for (std::size_t i = 0; i < b.number.size(); ++i) {
+    text += fmt::format("{},{},{},{}", third_octave_name(b.number[i]),
+                        third_octave_centre(b.number[i]), b.level[i], b.spread[i]);
+    if (weighted) add(b.level_a[i], text);
+    for (const std::vector<double>& probe : b.level_probe) add(probe[i], text);
+    text += '\n';
+  }
+  return text;
+}
+
+std::string shocks_csv(const Analysis& a) {
+  const ShockStatistics& s = a.shocks;
+  std::string text = "quantity,from,to,count\n";
+  for (const auto& [name, bins] : {std::pair{"duration_s", &s.durations},
+                                   {"peak_force_N", &s.peak_forces},
+                                   {"impulse_Ns", &s.impulses},
+                                   {"interval_s", &s.intervals}})
+    for (std::size_t i = 0; i < bins->counts.size(); ++i)
+      text +=
+          fmt::format("{},{},{},{}\n", name, bins->edges[i], bins->edges[i + 1], bins->counts[i]);
+  return text;
+}
+
+}  // namespace ra2d

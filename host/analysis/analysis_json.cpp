@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <nlohmann/json.hpp>
+
+#include "host/analysis/analysis_text.hpp"
+#include "host/analysis/bands.hpp"
+#include "host/analysis/several.hpp"
+
+namespace ra2d {
+namespace {
+
+using Json = nlohmann::ordered_json;  // writes null for what is not finite
+
+Json spread_json(const Spread& s) {
+  return {{"median", s.median}, {"p10", s.p10}, {"p90", s.p90}, {"mean", s.mean}};
+}
+
+Json bins_json(const LogBins& bins) {
+  return {{"edges", bins.edges}, {"counts", bins.counts}, {"not_positive", bins.not_positive}};
+}
+
+Json shocks_json(const ShockStatistics& s) {
+  return {{"rate", s.rate},
+          {"duration", spread_json(s.duration)},
+          {"peak_force", spread_json(s.peak_force)},
+          {"impulse", spread_json(s.impulse)},
+          {"simultaneous", {{"mean", s.at_once_mean}, {"max", s.at_once_most}}},
+          {"count", s.count},
+          {"interval", spread_json(s.interval)},
+          {"histograms",
+           {{"duration", bins_json(s.durations)},
+            {"peak_force", bins_json(s.peak_forces)},
+            {"impulse", bins_json(s.impulses)},
+            {"interval", bins_json(s.intervals)}}}};
+}
+
+Json energy_json(const Analysis& a) {
+  const PowerBalance& e = a.energy;
+  return {
+      {"sliding_power", e.sliding}, {"load_power", e.load},       {"damping_power", e.damping},
+      {"storing_power", e.storing}, {"missing_power", e.missing}, {"kinetic", e.kinetic},
+      {"elastic", e.elastic},       {"contact", e.contact},       {"closure", a.energy_closure}};
+}
+
+Json spectrum_json(const VelocitySpectrum& s) {
+  return {
+      {"frequency", s.frequency},
+      {"psd_mean", s.mean},
+      {"psd_probe", s.probe},
+      {"psd_force", s.force},
+      {"resolution", s.resolution},
+      {"segments", s.segments},
+      {"degrees_of_freedom", s.degrees_of_freedom},
+      {"confidence",
+       {{"level", s.confidence.level}, {"low", s.confidence.low}, {"high", s.confidence.high}}}};
+}
+
+Json bands_json(const BandLevels& bands) {
+  std::vector<double> centre;
+  std::vector<std::string> nominal;
+  for (const int number : bands.number) {
+    centre.push_back(third_octave_centre(number));
+    nominal.push_back(third_octave_name(number));
+  }
+  Json json{{"centre", centre},
+            {"level", bands.level},
+            {"nominal", nominal},
+            {"spread", bands.spread},
+            {"level_probe", bands.level_probe}};
+  if (!bands.level_a.empty()) json["level_a"] = bands.level_a;
+  return json;
+}
+
+Json peaks_json(const std::vector<SpectralPeak>& peaks) {
+  Json list = Json::array();
+  for (const SpectralPeak& p : peaks)
+    list.push_back({{"mode", p.mode},
+                    {"natural_frequency", p.natural},
+                    {"frequency", p.frequency},
+                    {"psd", p.density},
+                    {"damping", p.damping},
+                    {"of_mesh", p.of_mesh}});
+  return list;
+}
+
+Json analysis_json(const Analysis& a) {
+  Json json{{"file", a.file.string()},
+            {"title", a.title},
+            {"complete", a.complete},
+            {"ended", a.ended},
+            {"from", a.from},
+            {"to", a.to},
+            {"samples", a.samples},
+            {"rate", a.rate},
+            {"lv", a.lv},
+            {"v_rms", a.v_rms},
+            {"contact_share", a.contact_share},
+            {"shocks", shocks_json(a.shocks)},
+            {"energy", energy_json(a)},
+            {"spectrum", spectrum_json(a.spectrum)},
+            {"bands", bands_json(a.bands)},
+            {"natural_frequencies", a.natural_frequencies},
+            {"aliased_modes", a.aliased_modes},
+            {"modal_damping", a.modal_damping},
+            {"peaks", peaks_json(a.peaks)},
+            {"mesh_tone",
+             {{"frequency", a.mesh.frequency},
+              {"in_spectrum", a.mesh.in_spectrum},
+              {"rise", a.mesh.rise}}},
+            {"probes", a.probe_position}};
+  if (!a.bands.level_a.empty()) json["lv_a"] = a.lv_a;
+  return json;
+}
+
+Json means_json(const std::vector<Analysis>& analyses) {
+  Json json = Json::object();
+  for (const FigureOfRuns& figure : means_of(analyses))
+    json[figure.name] = {{"mean", figure.value.mean},         {"deviation", figure.value.deviation},
+                         {"low", figure.value.low},           {"high", figure.value.high},
+                         {"confidence", confidence_of_means}, {"count", figure.value.count}};
+  return json;
+}
+
+}  // namespace
+
+std::string json_of(const std::vector<Analysis>& analyses) {
+  Json json;
+  if (analyses.size() == 1) {
+    json = analysis_json(analyses.front());
+  } else {
+    json = {{"files", Json::array()}, {"mean", means_json(analyses)}};
+    for (const Analysis& analysis : analyses) json["files"].push_back(analysis_json(analysis));
+  }
+  // paths may be of any bytes
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace) + '\n';
+}
+
+}  // namespace ra2d

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <cstddef>
+#include <memory>
+#include <span>
+
+namespace ra2d {
+
+/// The discrete Fourier transform of real numbers, X_j = sum_n x_n exp(-2 pi i j n / N), by FFTW in
+/// double precision; its powers alone.
+class Fourier {
+ public:
+  explicit Fourier(std::size_t length);
+  ~Fourier();
+  Fourier(const Fourier&) = delete;
+  Fourier& operator=(const Fourier&) = delete;
+
+  std::size_t length() const { return length_; }           // N
+  std::size_t lines() const { return length_ / 2 + 1; }    // j = 0 ... N/2
+  std::span<double> input() { return {input_, length_}; }  // x, which a transform leaves as it is
+  void transform();
+  /// |X_j|^2, counted for +j and -j together: twice, but for j = 0 and j = N/2.
+  double power(std::size_t j) const;
+
+ private:
+  struct Plan;
+  std::size_t length_;
+  std::unique_ptr<Plan> plan_;
+  double* input_;
+};
+
+/// The smallest length of at least `least` with no prime factor above 7, which are quick to transform.
+std::size_t quick_length(std::size_t least);
+
+}  // namespace ra2d

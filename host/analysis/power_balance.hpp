@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <span>
+
+namespace ra2d {
+
+/// Energies at the samples of a stretch [J], as a result file has them.
+struct EnergyColumns {
+  std::span<const double> kinetic, elastic, contact, damping_loss, sliding_work, load_work;
+};
+
+/// Mean powers over a stretch [W], and mean energies [J]; NaN without two samples. What is missing from
+/// the balance is storing + damping - sliding - load.
+struct PowerBalance {
+  double sliding = 0, load = 0, damping = 0, storing = 0, missing = 0;
+  double kinetic = 0, elastic = 0, contact = 0;
+};
+
+/// From the first sample to the last, `seconds` later.
+PowerBalance power_balance(const EnergyColumns& energy, double seconds);
+
+}  // namespace ra2d

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/analysis/several.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include "host/analysis/distributions.hpp"
+
+namespace ra2d {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+struct Figure {
+  const char *name, *unit;
+  double (*of)(const Analysis&);
+};
+
+constexpr Figure figures[] = {
+    {"lv", "dB", [](const Analysis& a) { return a.lv; }},
+    {"v_rms", "m/s", [](const Analysis& a) { return a.v_rms; }},
+    {"lv_a", "dB", [](const Analysis& a) { return a.lv_a; }},
+    {"contact_share", "1", [](const Analysis& a) { return a.contact_share; }},
+    {"shocks.rate", "1/s", [](const Analysis& a) { return a.shocks.rate; }},
+    {"shocks.duration.median", "s", [](const Analysis& a) { return a.shocks.duration.median; }},
+    {"shocks.peak_force.median", "N", [](const Analysis& a) { return a.shocks.peak_force.median; }},
+    {"shocks.impulse.median", "N s", [](const Analysis& a) { return a.shocks.impulse.median; }},
+    {"shocks.simultaneous.mean", "1", [](const Analysis& a) { return a.shocks.at_once_mean; }},
+    {"energy.sliding_power", "W", [](const Analysis& a) { return a.energy.sliding; }},
+    {"energy.damping_power", "W", [](const Analysis& a) { return a.energy.damping; }},
+};
+
+}  // namespace
+
+MeanOfRuns mean_of_runs(const std::vector<double>& values, double level) {
+  MeanOfRuns m{0, 0, nan, nan, nan};
+  double sum = 0, squares = 0;
+  for (const double value : values)
+    if (!std::isnan(value)) {
+      sum += value;
+      ++m.count;
+    }
+  const auto n = static_cast<double>(m.count);
+  m.mean = sum / n;  // of none: NaN
+  if (m.count < 2) return m;
+  for (const double value : values)
+    if (!std::isnan(value)) squares += (value - m.mean) * (value - m.mean);
+  m.deviation = std::sqrt(squares / (n - 1));
+  const double half = student_quantile((1 + level) / 2, n - 1) * m.deviation / std::sqrt(n);
+  m.low = m.mean - half;
+  m.high = m.mean + half;
+  return m;
+}
+
+std::vector<FigureOfRuns> means_of(const std::vector<Analysis>& analyses) {
+  std::vector<FigureOfRuns> means;
+  for (const Figure& figure : figures) {
+    std::vector<double> values;
+    for (const Analysis& analysis : analyses) values.push_back(figure.of(analysis));
+    const MeanOfRuns mean = mean_of_runs(values);
+    if (mean.count > 0) means.push_back({figure.name, figure.unit, mean});
+  }
+  return means;
+}
+
+}  // namespace ra2d

@@ -1,0 +1,264 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/store/result_reader.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstdint>
+#include <fstream>
+#include <limits>
+#include <map>
+#include <string_view>
+#include <utility>
+
+#include "host/errors.hpp"
+#include "host/store/entries.hpp"
+#include "host/store/hdf5.hpp"
+#include "host/store/table.hpp"
+#include "host/text.hpp"
+
+namespace ra2d {
+namespace {
+
+using h5::check;
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double evenness = 1e-3;  // how far a sample may stand from its place, in samples
+constexpr double most_packed =
+    1100;  // numbers that a filter of HDF5 squeezes into the space of one
+
+/// What is wrong with a file; the path goes before it.
+struct Fault {
+  std::string text;
+};
+
+bool has(hid_t file, const char* path) { return check(H5Lexists(file, path, H5P_DEFAULT)) > 0; }
+
+h5::Attribute open_attribute(hid_t file, const char* name) {
+  if (check(H5Aexists(file, name)) == 0)
+    throw Fault{fmt::format("its attribute '{}' is missing", name)};
+  return h5::Attribute{check(H5Aopen(file, name, H5P_DEFAULT))};
+}
+
+std::string text_attribute(hid_t file, const char* name) {
+  const h5::Attribute attribute = open_attribute(file, name);
+  const h5::Type type{check(H5Aget_type(attribute))};
+  if (H5Tis_variable_str(type) <= 0)
+    throw Fault{fmt::format("its attribute '{}' is no text", name)};
+  char* characters = nullptr;
+  check(H5Aread(attribute, type, &characters));
+  std::string text = characters == nullptr ? "" : characters;
+  H5free_memory(characters);
+  return text;
+}
+
+std::int64_t number_attribute(hid_t file, const char* name) {
+  const h5::Attribute attribute = open_attribute(file, name);
+  std::int64_t number = 0;
+  check(H5Aread(attribute, H5T_NATIVE_INT64, &number));
+  return number;
+}
+
+/// The extent of a dataset of numbers.
+std::vector<hsize_t> extent_of(hid_t dataset, const char* path) {
+  const h5::Type type{check(H5Dget_type(dataset))};
+  if (H5Tget_class(type) != H5T_FLOAT) throw Fault{fmt::format("/{} holds no numbers", path)};
+  const h5::Space space{check(H5Dget_space(dataset))};
+  std::vector<hsize_t> extent(check(H5Sget_simple_extent_ndims(space)));
+  check(H5Sget_simple_extent_dims(space, extent.data(), nullptr));
+  return extent;
+}
+
+/// Whether every dataset is there, and as long as its axes.
+void require_shapes(hid_t file, double most_numbers) {
+  std::map<std::string_view, hsize_t> length;  // of the scales
+  for (const Entry& entry : entries()) {
+    const bool is_scale = std::string_view{entry.rows} == entry.path;
+    if (source_of<Final>(entry) && !has(file, entry.path)) continue;  // there was none
+    const h5::Dataset dataset{H5Dopen2(file, entry.path, H5P_DEFAULT)};
+    if (!dataset.is_open()) throw Fault{fmt::format("/{} is missing", entry.path)};
+    const std::vector<hsize_t> extent = extent_of(dataset, entry.path);
+    if (is_scale && extent.size() == 1) length[entry.path] = extent[0];
+    std::vector<hsize_t> expected;
+    double numbers = 1;
+    for (const std::string_view scale : {entry.rows, entry.columns})
+      if (!scale.empty()) {
+        expected.push_back(length[scale]);
+        numbers *= static_cast<double>(expected.back());
+      }
+    if (extent != expected)
+      throw Fault{fmt::format("/{} is of the shape ({}), its axes of ({})", entry.path,
+                              fmt::join(extent, ", "), fmt::join(expected, ", "))};
+    if (numbers > most_numbers)
+      throw Fault{
+          fmt::format("/{} should hold more numbers than the file has room for", entry.path)};
+  }
+}
+
+/// What is not there reads as NaN, and no run writes what is not finite.
+void require_finite(const std::vector<double>& data, const char* path) {
+  if (!std::all_of(data.begin(), data.end(), [](double value) { return std::isfinite(value); }))
+    throw Fault{fmt::format("/{} has values that are no numbers: it is damaged", path)};
+}
+
+/// A whole dataset.
+std::vector<double> all_of(hid_t file, const char* path) {
+  const h5::Dataset dataset{check(H5Dopen2(file, path, H5P_DEFAULT))};
+  hsize_t numbers = 1;
+  for (const hsize_t length : extent_of(dataset, path)) numbers *= length;
+  std::vector<double> data(numbers);
+  if (numbers > 0)
+    check(H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, data.data()));
+  return data;
+}
+
+std::vector<Shock> shocks_of(hid_t file) {
+  std::vector<Shock> shocks;
+  for (const Entry& entry : entries())
+    if (const PerShock* member = source_of<PerShock>(entry)) {
+      const std::vector<double> values = all_of(file, entry.path);
+      require_finite(values, entry.path);
+      shocks.resize(values.size());
+      for (std::size_t i = 0; i < values.size(); ++i) shocks[i].** member = values[i];
+    }
+  for (std::size_t i = 0; i < shocks.size(); ++i) shocks[i].serial = static_cast<long>(i);
+  return shocks;
+}
+
+ResultSummary summary_of(hid_t file) {
+  ResultSummary summary;
+  for (const Entry& entry : entries())
+    if (const Final* member = source_of<Final>(entry))
+      summary.** member = has(file, entry.path) ? all_of(file, entry.path).front() : nan;
+  summary.steps = number_attribute(file, "steps");
+  summary.complete = number_attribute(file, "complete") != 0;
+  summary.ended = text_attribute(file, "ended");
+  return summary;
+}
+
+/// The rate of samples that stand evenly; a whole one without the roundings of its times.
+double rate_of(const std::vector<double>& time) {
+  if (time.size() < 2) return nan;
+  const double rate = static_cast<double>(time.size() - 1) / (time.back() - time.front());
+  for (std::size_t j = 0; j < time.size(); ++j)
+    if (!(std::abs((time[j] - time.front()) * rate - static_cast<double>(j)) < evenness))
+      throw Fault{fmt::format("its samples do not stand evenly: the {}th is at {} s", j, time[j])};
+  const double whole = std::round(rate);
+  return std::abs(rate - whole) < 1e-9 * rate ? whole : rate;
+}
+
+ResultContents contents_of(hid_t file) {
+  ResultContents contents;
+  contents.scene = text_attribute(file, "scene");
+  if (check(H5Aexists(file, "beyond_limit")) > 0)
+    contents.beyond_limit = text_attribute(file, "beyond_limit");
+  const std::vector<double> time = all_of(file, "time");
+  contents.samples = time.size();
+  contents.rate = rate_of(time);
+  contents.end = time.empty() ? nan : time.back();
+  contents.resonator_frequency = all_of(file, "resonator/frequency");
+  contents.slider_frequency = all_of(file, "slider/frequency");
+  contents.mean_square = all_of(file, "resonator/mean_square");
+  contents.probe_position = all_of(file, "probes/position");
+  contents.shocks = shocks_of(file);
+  contents.summary = summary_of(file);
+  return contents;
+}
+
+/// Before HDF5 is asked: what the system says of files that cannot be read, and of folders.
+void require_readable(const std::filesystem::path& path) {
+  if (std::filesystem::is_directory(path)) throw Fault{"this is a folder"};
+  errno = 0;
+  if (!std::ifstream{path})
+    throw Fault{errno != 0 ? h5::system_failure(errno).reason : "unreadable"};
+}
+
+h5::File open(const std::filesystem::path& path) {
+  require_readable(path);
+  if (H5Fis_hdf5(path.c_str()) <= 0)
+    throw Fault{"it is no HDF5 file: expected a result of 'ra2d run'"};
+  const h5::Properties access = h5::file_access();
+  h5::File file{check(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access))};
+  if (check(H5Aexists(file, "creator")) == 0 || text_attribute(file, "creator") != "ra2d" ||
+      check(H5Aexists(file, "format")) == 0)
+    throw Fault{"it is no result of ra2d: expected a file that 'ra2d run' wrote"};
+  if (const std::int64_t format = number_attribute(file, "format"); format != file_format)
+    throw Fault{fmt::format(
+        "its format is {}, and this program reads {}: {}", format, file_format,
+        format > file_format ? "a newer ra2d wrote it" : "run its scene again with this program")};
+  return file;
+}
+
+/// Runs what calls HDF5, and says of which file it was.
+template <class Body>
+auto guarded(const std::filesystem::path& path, Body body) {
+  const auto library = h5::take_library();
+  const auto fault = [&](const std::string& what) {
+    return FileError(fmt::format("cannot read '{}': {}", path.string(), shortened(what, 300)));
+  };
+  try {
+    return body();
+  } catch (const Fault& found) {
+    throw fault(found.text);
+  } catch (const h5::Failure& failure) {
+    throw fault(fmt::format("{}: it is cut short or damaged", failure.reason));
+  }
+}
+
+}  // namespace
+
+struct ResultReader::Impl {
+  std::filesystem::path path;
+  h5::File file;
+  ResultContents contents;
+};
+
+ResultReader::ResultReader(const std::filesystem::path& path) : impl_{std::make_unique<Impl>()} {
+  impl_->path = path;
+  guarded(path, [&] {
+    impl_->file = open(path);
+    const auto bytes = static_cast<double>(std::filesystem::file_size(path));
+    require_shapes(impl_->file, most_packed * bytes / sizeof(double));
+    impl_->contents = contents_of(impl_->file);
+  });
+}
+
+ResultReader::~ResultReader() {
+  const auto library = h5::take_library();
+  impl_.reset();
+}
+
+const ResultContents& ResultReader::contents() const { return impl_->contents; }
+
+std::vector<std::vector<double>> ResultReader::columns(const char* dataset, std::size_t first,
+                                                       std::size_t rows, std::size_t column,
+                                                       std::size_t count) const {
+  std::vector<std::vector<double>> found(count, std::vector<double>(rows));
+  guarded(impl_->path, [&] {
+    const h5::Dataset data{check(H5Dopen2(impl_->file, dataset, H5P_DEFAULT))};
+    const h5::Space file{check(H5Dget_space(data))};
+    const int rank = check(H5Sget_simple_extent_ndims(file));
+    std::vector<double> block;
+    for (std::size_t done = 0; count > 0 && done < rows; done += rows_at_once) {
+      const std::size_t now = std::min(rows_at_once, rows - done);
+      const hsize_t start[] = {first + done, column}, size[] = {now, count};
+      block.resize(now * count);
+      const h5::Space memory{check(H5Screate_simple(rank, size, nullptr))};
+      check(H5Sselect_hyperslab(file, H5S_SELECT_SET, start, nullptr, size, nullptr));
+      check(H5Dread(data, H5T_NATIVE_DOUBLE, memory, file, H5P_DEFAULT, block.data()));
+      require_finite(block, dataset);
+      for (std::size_t k = 0; k < count; ++k)
+        for (std::size_t j = 0; j < now; ++j) found[k][done + j] = block[j * count + k];
+    }
+  });
+  return found;
+}
+
+std::vector<double> ResultReader::column(const char* dataset, std::size_t first,
+                                         std::size_t rows) const {
+  return std::move(columns(dataset, first, rows, 0, 1).front());
+}
+
+}  // namespace ra2d

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "host/store/store.hpp"
+
+/// Result files, read again (contract: "Output").
+namespace ra2d {
+
+/// All that a result file holds but its samples.
+struct ResultContents {
+  std::string scene;         // TOML text of the scene
+  std::string beyond_limit;  // empty where the step held
+  std::size_t samples = 0;   // T
+  double rate = 0;           // Hz, of the samples; NaN of fewer than two
+  double end = 0;            // s, time of the last sample; NaN of none
+  std::vector<double> resonator_frequency, slider_frequency;  // Hz, 0 of rigid modes
+  std::vector<double> mean_square;     // 1/m, of the resonator's elastic modes
+  std::vector<double> probe_position;  // m, on the resonator
+  std::vector<Shock> shocks;           // in order of start
+  ResultSummary summary;               // NaN where the file has none; complete and ended as it says
+};
+
+/// A result file that is open for reading. Throws FileError where it is none, of another format, cut
+/// short, or where its datasets do not fit together.
+class ResultReader {
+ public:
+  explicit ResultReader(const std::filesystem::path& path);
+  ~ResultReader();
+  ResultReader(const ResultReader&) = delete;
+  ResultReader& operator=(const ResultReader&) = delete;
+
+  const ResultContents& contents() const;
+
+  /// Samples of a dataset, e.g. "resonator/velocity": of `rows` samples from `first` on, `count` of its
+  /// columns from `column` on, each in a vector of its own. Takes the memory of these, and a block.
+  std::vector<std::vector<double>> columns(const char* dataset, std::size_t first, std::size_t rows,
+                                           std::size_t column, std::size_t count) const;
+  /// The one column of a dataset that has no more.
+  std::vector<double> column(const char* dataset, std::size_t first, std::size_t rows) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace ra2d

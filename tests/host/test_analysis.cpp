@@ -1,0 +1,515 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/analysis/analysis.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <numeric>
+#include <random>
+
+#include "host/analysis/analysis_text.hpp"
+#include "host/analysis/bands.hpp"
+#include "host/analysis/distributions.hpp"
+#include "host/analysis/several.hpp"
+#include "tests/child.hpp"
+#include "tests/places.hpp"
+
+namespace ra2d {
+namespace {
+
+using testing::AllOf;
+using testing::DoubleEq;
+using testing::DoubleNear;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+std::vector<double> noise(std::size_t samples, unsigned seed) {
+  std::mt19937_64 engine(seed);
+  std::normal_distribution<double> normal;
+  std::vector<double> values(samples);
+  for (double& value : values) value = normal(engine);
+  return values;
+}
+
+double mean_square(const std::vector<double>& x) {
+  return std::inner_product(x.begin(), x.end(), x.begin(), 0.0) / static_cast<double>(x.size());
+}
+
+double sum(const std::vector<double>& x) { return std::accumulate(x.begin(), x.end(), 0.0); }
+
+// ---- quantiles ---------------------------------------------------------------------------------
+
+TEST(Distributions, QuantilesAreThoseOfTheTables) {
+  // Abramowitz and Stegun, tables 26.8 and 26.10
+  EXPECT_NEAR(chi_square_quantile(0.95, 1), 3.84146, 1e-5);
+  EXPECT_NEAR(chi_square_quantile(0.025, 10), 3.24697, 1e-5);
+  EXPECT_NEAR(chi_square_quantile(0.995, 30), 53.6720, 1e-4);
+  EXPECT_NEAR(chi_square_quantile(0.5, 100), 99.3341, 1e-4);
+  EXPECT_NEAR(student_quantile(0.975, 1), 12.7062, 1e-4);
+  EXPECT_NEAR(student_quantile(0.975, 4), 2.77645, 1e-5);
+  EXPECT_NEAR(student_quantile(0.95, 30), 1.69726, 1e-5);
+  EXPECT_NEAR(student_quantile(0.025, 4), -2.77645, 1e-5);
+  // in closed form: chi-square of 2 is exponential; Student's of 1 and of 2
+  EXPECT_NEAR(chi_square_quantile(0.3, 2), -2 * std::log(0.7), 1e-14);
+  EXPECT_NEAR(student_quantile(0.9, 1), std::tan(M_PI * 0.4), 1e-12);
+  EXPECT_NEAR(student_quantile(0.9, 2), 0.8 / std::sqrt(2 * 0.9 * 0.1), 1e-12);
+}
+
+TEST(Distributions, ManyDegreesOfFreedomComeNearTheNormalOne) {
+  const double n = 1e6;  // Wilson and Hilferty
+  const double cube = 1 - 2 / (9 * n) + 1.959963984540054 * std::sqrt(2 / (9 * n));
+  EXPECT_NEAR(chi_square_quantile(0.975, n) / (n * cube * cube * cube), 1, 1e-9);
+  EXPECT_NEAR(student_quantile(0.975, n), 1.959963984540054, 1e-5);
+}
+
+TEST(MeanOfRuns, HasTheIntervalOfStudent) {
+  const MeanOfRuns m = mean_of_runs({1, 2, std::nan(""), 3, 4, 5});
+  EXPECT_EQ(m.count, 5u);
+  EXPECT_DOUBLE_EQ(m.mean, 3);
+  EXPECT_DOUBLE_EQ(m.deviation, std::sqrt(2.5));
+  EXPECT_NEAR(m.high - 3, 2.776445 * std::sqrt(0.5), 1e-6);
+  EXPECT_NEAR(3 - m.low, 2.776445 * std::sqrt(0.5), 1e-6);
+  const MeanOfRuns one = mean_of_runs({7});
+  EXPECT_EQ(one.mean, 7);
+  EXPECT_TRUE(std::isnan(one.low));
+  EXPECT_EQ(mean_of_runs({}).count, 0u);
+}
+
+// ---- spectrum ----------------------------------------------------------------------------------
+
+TEST(Welch, OneWholeRectangularWindowHasTheMeanSquare) {
+  for (const std::size_t samples : {1000, 1001}) {  // with a line at half the rate, and without
+    const std::vector<double> x = noise(samples, 1);
+    Welch welch({48e3, samples, samples, Window::rectangular});
+    const double total = sum(welch.density(x)) * 48e3 / static_cast<double>(samples);
+    EXPECT_NEAR(total / mean_square(x), 1, 1e-12) << samples;
+  }
+}
+
+TEST(Welch, ASineStandsAtItsPlaceWithItsPower) {
+  constexpr double rate = 1000, frequency = 125, amplitude = 3;
+  std::vector<double> x(10'000);
+  for (std::size_t n = 0; n < x.size(); ++n)
+    x[n] = amplitude * std::sin(2 * M_PI * frequency * static_cast<double>(n) / rate + 0.3);
+  const Segments segments = half_overlapping(rate, 400);  // 125 Hz is line 50
+  Welch welch(segments);
+  const std::vector<double> density = welch.density(x);
+  EXPECT_EQ(std::max_element(density.begin(), density.end()) - density.begin(), 50);
+  EXPECT_EQ(welch.frequencies()[50], frequency);
+  // Hann: a line and a quarter of it on either side, 1.5 lines in all
+  const double power = amplitude * amplitude / 2;
+  EXPECT_NEAR(density[50], power / (1.5 * segments.resolution()), 1e-9);
+  EXPECT_NEAR(density[49] / density[50], 0.25, 1e-9);
+  EXPECT_NEAR(sum(density) * segments.resolution(), power, 1e-9);
+}
+
+/// Of 400 lines 95 % should hold the true density; 20 may miss it by chance, give or take 4.4.
+TEST(Welch, WhiteNoiseIsWithinItsIntervals) {
+  constexpr double rate = 2000;
+  const std::vector<double> x = noise(40'000, 2);
+  const Segments segments = half_overlapping(rate, 802);
+  Welch welch(segments);
+  const double truth = 2 / rate;
+  const Confidence c = confidence_of_density(welch.degrees_of_freedom(x.size()));
+  const std::vector<double> density = welch.density(x);
+  int outside = 0;
+  for (std::size_t j = 1; j + 1 < density.size(); ++j)
+    outside += truth < c.low * density[j] || truth > c.high * density[j];
+  EXPECT_EQ(density.size(), 402u);
+  EXPECT_NEAR(outside, 20, 3.5 * 4.4);
+  EXPECT_NEAR(sum(density) * segments.resolution() / mean_square(x), 1, 0.02);
+}
+
+TEST(Welch, OverlapTakesDegreesOfFreedom) {
+  // without overlap 2 a segment
+  EXPECT_DOUBLE_EQ(Welch({1, 64, 64, Window::hann}).degrees_of_freedom(640), 20);
+  // Hann at a half: neighbours share (1/6)^2 of their variance
+  const double k = 19;
+  EXPECT_NEAR(Welch(half_overlapping(1, 64)).degrees_of_freedom(640),
+              2 * k / (1 + 2 * (1 - 1 / k) / 36), 1e-6);
+  // as many segments again as without overlap give nearly twice, a repeated one nothing
+  EXPECT_NEAR(Welch({1, 64, 1, Window::rectangular}).degrees_of_freedom(65), 2, 0.05);
+}
+
+TEST(Welch, HasNothingOfLessThanASegment) {
+  EXPECT_TRUE(Welch(half_overlapping(1, 64)).density(noise(63, 1)).empty());
+  EXPECT_EQ(usual_segment(100'001), 8192u);
+  EXPECT_EQ(usual_segment(15), 0u);
+}
+
+// ---- third octaves -----------------------------------------------------------------------------
+
+/// A frequency of the norm's limits for octaves, brought to third octaves (its formulas 9 and 10).
+double mapped(double octaves_ratio) {
+  const double g = std::pow(10.0, 0.3);
+  if (octaves_ratio < 1) return 1 / mapped(1 / octaves_ratio);
+  return 1 + (std::pow(g, 1.0 / 6) - 1) / (std::pow(g, 0.5) - 1) * (octaves_ratio - 1);
+}
+
+TEST(ThirdOctaves, KeepTheLimitsOfClassOne) {
+  const double g = std::pow(10.0, 0.3);
+  const auto attenuation = [&](double exponent) {  // dB, at G^exponent
+    return -10 * std::log10(
+                     third_octave_share(3, third_octave_centre(3) * mapped(std::pow(g, exponent))));
+  };
+  struct Limit {
+    double exponent, least, most;
+  };
+  const double inf = std::numeric_limits<double>::infinity(), just = 1e-9;
+  for (const double side : {-1, 1})
+    for (const Limit& limit : {Limit{0, -0.4, 0.4},
+                               {1.0 / 8, -0.4, 0.5},
+                               {1.0 / 4, -0.4, 0.7},
+                               {3.0 / 8, -0.4, 1.4},
+                               {0.5 - just, -0.4, 5.3},
+                               {0.5 + just, 1.2, inf},
+                               {1, 16.6, inf},
+                               {2, 40.5, inf},
+                               {3, 60, inf},
+                               {4, 70, inf},
+                               {5, 70, inf}}) {
+      const double found = attenuation(side * limit.exponent);
+      EXPECT_GE(found, limit.least) << side * limit.exponent;
+      EXPECT_LE(found, limit.most) << side * limit.exponent;
+    }
+}
+
+TEST(ThirdOctaves, PassAsMuchAsIdealOnes) {
+  double passed = 0;  // integral of the share over ln f, of noise like 1/f
+  constexpr double step = 1e-5;
+  for (double x = -3 + step / 2; x < 3; x += step)
+    passed += step * third_octave_share(0, 1000 * std::exp(x));
+  EXPECT_NEAR(10 * std::log10(passed / (0.1 * std::log(10.0))), 0, 0.02);  // the norm: 0.4 dB
+}
+
+TEST(ThirdOctaves, NeighboursAddUp) {
+  for (double x = -1; x <= 1; x += 1e-3) {
+    double all = 0;
+    for (int band = -6; band <= 6; ++band)
+      all += third_octave_share(band, third_octave_centre(0) * std::pow(10.0, x / 10));
+    EXPECT_GT(10 * std::log10(all), -1.8);  // the norm
+    EXPECT_LT(10 * std::log10(all), 0.8);
+    EXPECT_NEAR(10 * std::log10(all), 0, 0.32) << x;
+  }
+}
+
+TEST(ThirdOctaves, AreNamedByTheirNominalFrequency) {
+  std::vector<std::string> names;
+  for (const int x : {-20, -15, -4, -1, 0, 1, 11, 13}) names.push_back(third_octave_name(x));
+  EXPECT_THAT(names, ElementsAre("10", "31.5", "400", "800", "1000", "1250", "12500", "20000"));
+  EXPECT_NEAR(third_octave_centre(1), 1258.9254, 1e-4);
+  EXPECT_NEAR(third_octave_centre(-15), 31.622777, 1e-6);
+}
+
+TEST(ThirdOctaves, AreLeftOutWhereTheStretchCannotCarryThem) {
+  // up to an edge of 0.5 kHz; 0.23 f_m cycles a second, 4 of them in two seconds
+  const std::vector<int> bands = carried_bands(1000, 2);
+  EXPECT_EQ(third_octave_name(bands.back()), "400");
+  EXPECT_EQ(third_octave_name(bands.front()), "10");
+  EXPECT_TRUE(carried_bands(1000, 1e-3).empty());
+}
+
+TEST(ThirdOctaves, ASineIsInItsBandWithItsPower) {
+  constexpr double rate = 8000;
+  std::vector<double> x(8003), power;  // of a length that zeros are added to
+  for (std::size_t n = 0; n < x.size(); ++n)
+    x[n] = std::sin(2 * M_PI * 1000 * static_cast<double>(n) / rate);
+  WholeSpectrum whole(x.size(), rate);
+  whole.add(x, 2.0, power);
+  EXPECT_NEAR(sum(power) / (2 * mean_square(x)), 1, 1e-12);
+  const std::vector<double> bands = band_powers({-1, 0, 1}, whole, power);
+  EXPECT_NEAR(bands[1], 1, 0.01);
+  EXPECT_LT(bands[0], 0.01);
+  EXPECT_LT(bands[2], 0.01);
+}
+
+TEST(AWeighting, IsThatOfTheNorm) {
+  // IEC 61672-1, table 3, which rounds to 0.1 dB; by the exact frequencies 10^(n/10)
+  const std::pair<int, double> table[] = {{10, -70.4}, {13, -50.5}, {17, -30.2}, {20, -19.1},
+                                          {23, -10.9}, {27, -3.2},  {30, 0},     {34, 1.3},
+                                          {37, 0.5},   {40, -2.5},  {43, -9.3}};
+  for (const auto& [n, weighting] : table)
+    EXPECT_NEAR(a_weighting(std::pow(10.0, n / 10.0)), weighting, 0.051) << n;
+  EXPECT_EQ(a_weighting(1000), 0);
+}
+
+TEST(AWeighting, WeighsALineByItsFrequency) {
+  std::vector<double> x(1000), power;
+  for (std::size_t n = 0; n < x.size(); ++n)
+    x[n] = std::sin(2 * M_PI * static_cast<double>(n) / 10);
+  WholeSpectrum whole(x.size(), 1000);  // 100 Hz
+  whole.add(x, 1, power);
+  EXPECT_NEAR(10 * std::log10(sum(a_weighted(whole, power)) / sum(power)), -19.1, 0.1);
+}
+
+// ---- peaks -------------------------------------------------------------------------------------
+
+/// Density of a mode's velocity under white force.
+double resonance(double f, double natural, double zeta) {
+  const double x = f / natural;
+  return x * x / ((1 - x * x) * (1 - x * x) + 4 * zeta * zeta * x * x);
+}
+
+Lines resonances(std::vector<double>& density, double resolution, std::vector<double> natural,
+                 double zeta) {
+  density.assign(2001, 0.0);
+  for (std::size_t j = 0; j < density.size(); ++j)
+    for (const double f : natural)
+      density[j] += resonance(static_cast<double>(j) * resolution, f, zeta);
+  return {resolution, density, 1000};
+}
+
+TEST(Peaks, OfOneDegreeOfFreedomAreAsWideAsItsDamping) {
+  std::vector<double> density;
+  const Lines lines = resonances(density, 1.0, {1000}, 0.02);
+  const auto peaks = find_peaks(lines, {0, 1003}, 0.02);  // near, not at, the natural frequency
+  ASSERT_EQ(peaks.size(), 1u);
+  EXPECT_EQ(peaks[0].mode, 1u);
+  EXPECT_EQ(peaks[0].natural, 1003);
+  EXPECT_NEAR(peaks[0].frequency, 1000, 1);
+  EXPECT_NEAR(peaks[0].damping, 0.02,
+              0.02 * 0.03);  // of lines that are averaged over a fifth of it
+}
+
+TEST(Peaks, HaveNoDampingWhereItCannotBeTold) {
+  std::vector<double> density;
+  Lines lines = resonances(density, 10.0, {1000}, 0.02);  // 4 lines wide
+  EXPECT_TRUE(std::isnan(find_peaks(lines, {1000}, 0.02)[0].damping));
+  EXPECT_EQ(find_peaks(lines, {1000}, 0.02)[0].frequency, 1000);
+  lines = resonances(density, 1.0, {1000, 1100}, 0.02);  // 2.5 widths apart
+  for (const SpectralPeak& peak : find_peaks(lines, {1000, 1100}, 0.02))
+    EXPECT_TRUE(std::isnan(peak.damping));
+  lines = resonances(density, 1.0, {1000}, 0.02);
+  EXPECT_TRUE(std::isnan(find_peaks(lines, {1000}, std::nan(""))[0].damping));
+  lines.degrees_of_freedom = 10;  // by chance
+  EXPECT_TRUE(std::isnan(find_peaks(lines, {1000}, 0.02)[0].damping));
+  EXPECT_TRUE(std::isnan(find_peaks(lines, {1500}, 0.02)[0].frequency));  // only a slope there
+  EXPECT_TRUE(find_peaks(lines, {3000}, 0.02).empty());                   // beyond the spectrum
+}
+
+TEST(Peaks, OnATonesMultiplesAreTheMeshs) {
+  std::vector<double> density;
+  auto peaks = find_peaks(resonances(density, 1.0, {1000}, 0.02), {1000}, 0.02);
+  mark_mesh(peaks, 400, 1);
+  EXPECT_FALSE(peaks[0].of_mesh);
+  mark_mesh(peaks, 499, 1);
+  EXPECT_TRUE(peaks[0].of_mesh);
+  EXPECT_TRUE(std::isnan(peaks[0].damping));
+}
+
+TEST(RiseAt, IsAboveTheMedianAround) {
+  std::vector<double> density(100, 2.0);
+  density[51] = 200;
+  EXPECT_NEAR(rise_at({5, density}, 250), 20, 1e-12);
+  EXPECT_NEAR(rise_at({5, density}, 300), 0, 1e-12);
+  EXPECT_TRUE(std::isnan(rise_at({5, density}, 480)));
+  EXPECT_TRUE(std::isnan(rise_at({5, density}, 10)));
+}
+
+// ---- shocks ------------------------------------------------------------------------------------
+
+TEST(Shocks, QuantilesGoStraightBetweenRanks) {
+  const Spread s = spread_of({5, 1, 4, 2, 3});
+  EXPECT_DOUBLE_EQ(s.median, 3);
+  EXPECT_DOUBLE_EQ(s.p10, 1.4);
+  EXPECT_DOUBLE_EQ(s.p90, 4.6);
+  EXPECT_DOUBLE_EQ(s.mean, 3);
+  EXPECT_DOUBLE_EQ(spread_of({1, 2}).median, 1.5);
+  EXPECT_TRUE(std::isnan(spread_of({}).median));
+}
+
+TEST(Shocks, AreCountedByTheirStartsAndTogetherByTheTimesTheyLast) {
+  const std::vector<Shock> shocks{
+      {0, 0.5, 1.0, 1, 10, 0},  // goes on when the stretch begins
+      {1, 1.0, 0.5, 2, 20, 0},  // begins with it, and ends as the next one begins
+      {2, 1.5, 2.0, 3, 30, 0},   {3, 2.5, 0.25, 4, 40, 0},
+      {4, 2.875, 5.0, 5, 50, 0},  // goes on when it ends
+      {5, 3.5, 1.0, 6, 60, 0}};   // begins later
+  const ShockStatistics s = shock_statistics(shocks, 1, 3);
+  EXPECT_EQ(s.count, 4u);
+  EXPECT_DOUBLE_EQ(s.rate, 2);
+  EXPECT_DOUBLE_EQ(s.peak_force.median, 3.5);
+  EXPECT_DOUBLE_EQ(s.impulse.mean, 35);
+  EXPECT_DOUBLE_EQ(s.duration.p90, 2.0 + 0.7 * 3.0);
+  EXPECT_DOUBLE_EQ(s.interval.mean, 1.875 / 3);
+  EXPECT_DOUBLE_EQ(s.at_once_mean, (0.5 + 0.5 + 1.5 + 0.25 + 0.125) / 2);
+  EXPECT_EQ(s.at_once_most, 2u);
+  EXPECT_EQ(shock_statistics({}, 0, 1).rate, 0);
+  EXPECT_EQ(shock_statistics({}, 0, 1).at_once_most, 0u);
+}
+
+TEST(Shocks, BinsAreTenToADecade) {
+  const LogBins bins = log_bins(std::vector<double>{1e-3, 1.2e-3, 1.3e-3, 0, 9.99e-3, -1});
+  ASSERT_EQ(bins.edges.size(), 11u);
+  EXPECT_EQ(bins.edges.front(), 1e-3);
+  EXPECT_THAT(bins.edges[1], DoubleNear(1.2589e-3, 1e-7));
+  EXPECT_THAT(bins.counts, ElementsAre(2, 1, 0, 0, 0, 0, 0, 0, 0, 1));
+  EXPECT_EQ(bins.not_positive, 2u);
+  EXPECT_EQ(log_bins(std::vector<double>{10}).counts.size(), 1u);  // on an edge: the bin above it
+  EXPECT_EQ(log_bins(std::vector<double>{10}).edges.front(), 10);
+  EXPECT_TRUE(log_bins({}).edges.empty());
+}
+
+TEST(PowerBalance, IsWhatCameInLessWhatWentOut) {
+  const std::vector<double> kinetic{1, 3}, elastic{0, 4}, contact{0, 2}, loss{1, 5}, slid{2, 14},
+      loaded{0, -2};
+  const PowerBalance b = power_balance({kinetic, elastic, contact, loss, slid, loaded}, 2);
+  EXPECT_EQ(b.sliding, 6);
+  EXPECT_EQ(b.load, -1);
+  EXPECT_EQ(b.damping, 2);
+  EXPECT_EQ(b.storing, 4);
+  EXPECT_EQ(b.missing, 1);
+  EXPECT_EQ(b.elastic, 2);
+  EXPECT_TRUE(std::isnan(power_balance({}, 1).sliding));
+}
+
+// ---- the program -------------------------------------------------------------------------------
+
+class Analyze : public testing::Test {
+ protected:
+  test::Ended ra2d(std::vector<std::string> words) const {
+    words.insert(words.begin(), test::program());
+    return test::run_program(folder_.path(), words);
+  }
+  void run(const std::string& name, const std::vector<std::string>& sets = {}) const {
+    std::vector<std::string> words{"run", test::scene_file("dang2012"), "-o", name, "--quiet"};
+    for (const char* set : {"time.scheme=adaptive", "time.tolerance=1e-6", "scene.duration=0.1",
+                            "output.probes=[0.15, 0.07]"})
+      words.insert(words.end(), {"--set", set});
+    for (const std::string& set : sets) words.insert(words.end(), {"--set", set});
+    const test::Ended ended = ra2d(words);
+    ASSERT_EQ(ended.status, 0) << ended.err;
+  }
+  const test::Folder folder_;
+};
+
+/// numpy, scipy and h5py find the same from the file.
+TEST_F(Analyze, AgreesWithScipy) {
+  RA2D_SKIP_WITHOUT_PYTHON();
+  run("a.h5", {"output.from=0.01"});
+  run("free.h5", {"resonator.support=free", "scene.initial=rest"});  // rigid modes are no noise
+  AnalysisOptions part;
+  part.from = 0.02;
+  part.to = 0.08;
+  part.segment = 1000;
+  part.a_weighting = true;
+  const std::string script = test::source_folder() / "tests/host/check_analysis.py";
+  for (const char* file : {"a.h5", "free.h5"})
+    for (const AnalysisOptions& options : {AnalysisOptions{}, part}) {
+      std::ofstream(folder_.path() / "said.json")
+          << json_of({analyze(folder_.path() / file, options)});
+      const test::Ended checked =
+          test::run_program(folder_.path(), {test::python(), script, file, "said.json"});
+      EXPECT_EQ(checked.status, 0) << file << ": " << checked.out << checked.err;
+    }
+}
+
+TEST_F(Analyze, PrintsAsJsonWhatTheLibraryFinds) {
+  run("a.h5");
+  const test::Ended said = ra2d({"analyze", "a.h5", "--json", "--from", "0.02", "--to", "0.08",
+                                 "--resolution", "100", "--a-weighting"});
+  AnalysisOptions options;
+  options.from = 0.02;
+  options.to = 0.08;
+  options.resolution = 100;
+  options.a_weighting = true;
+  Analysis found = analyze(folder_.path() / "a.h5", options);
+  EXPECT_EQ(found.spectrum.resolution, 100);
+  found.file = "a.h5";
+  EXPECT_EQ(said.out, json_of({found}));
+  EXPECT_EQ(said.status, 0) << said.err;
+}
+
+TEST_F(Analyze, PrintsOneScreen) {
+  run("a.h5");
+  const test::Ended said = ra2d({"analyze", "a.h5"});
+  EXPECT_EQ(said.status, 0);
+  EXPECT_EQ(said.err, "");
+  EXPECT_THAT(said.out, AllOf(HasSubstr("level Lv"), HasSubstr("shocks"), HasSubstr("power"),
+                              HasSubstr("mesh tone        12500 Hz"), HasSubstr("third octaves"),
+                              HasSubstr("highest peaks")));
+  EXPECT_LT(std::count(said.out.begin(), said.out.end(), '\n'), 50);
+  EXPECT_THAT(ra2d({"analyze", "a.h5", "--a-weighting"}).out, HasSubstr("no sound pressure"));
+}
+
+TEST_F(Analyze, SaysWhereModesLieAboveHalfTheRate) {
+  run("a.h5",
+      {"output.rate=20e3"});  // of 19 modes to 18.9 kHz, 13 reach to 8.8 kHz, the 14th to 10.2
+  EXPECT_EQ(analyze(folder_.path() / "a.h5", {}).aliased_modes, 6u);
+  EXPECT_THAT(ra2d({"analyze", "a.h5"}).out, HasSubstr("6 modes lie above half the rate"));
+}
+
+TEST_F(Analyze, OfSeveralFilesGivesMeans) {
+  run("a.h5");
+  run("b.h5", {"resonator.surface.seed=7"});
+  const test::Ended said = ra2d({"analyze", "a.h5", "b.h5"});
+  EXPECT_EQ(said.status, 0);
+  EXPECT_THAT(said.out, AllOf(HasSubstr("mean of 2 files"), HasSubstr("shocks.rate")));
+  EXPECT_THAT(ra2d({"analyze", "a.h5", "b.h5", "--json"}).out,
+              AllOf(HasSubstr("{\"files\":[{"), HasSubstr("\"mean\":{\"lv\":{\"mean\":")));
+}
+
+TEST_F(Analyze, WritesTables) {
+  run("a.h5");
+  const auto& folder = folder_.path();
+  std::filesystem::create_directory(folder / "tables");
+  EXPECT_EQ(ra2d({"analyze", "a.h5", "--csv", "tables"}).status, 0);
+  EXPECT_EQ(ra2d({"analyze", "a.h5", "--csv", "x", "--a-weighting"}).status, 0);
+  EXPECT_THAT(
+      test::read_file(folder / "tables/a-spectrum.csv"),
+      testing::StartsWith("frequency_Hz,psd_mean_m2/s2/Hz,psd_force_N2/Hz,"
+                          "psd_probe1_at_0.15_m_m2/s2/Hz,psd_probe2_at_0.07_m_m2/s2/Hz\n0"));
+  EXPECT_THAT(test::read_file(folder / "tables/a-bands.csv"), HasSubstr("\n1000,1000,"));
+  EXPECT_THAT(test::read_file(folder / "x-bands.csv"), HasSubstr(",level_a_dB,"));
+  EXPECT_THAT(test::read_file(folder / "x-shocks.csv"), HasSubstr("\npeak_force_N,"));
+  // never over a result, nor one table over another
+  std::filesystem::copy(folder / "a.h5", folder / "x-bands.csv",
+                        std::filesystem::copy_options::overwrite_existing);
+  EXPECT_EQ(ra2d({"analyze", "x-bands.csv", "--csv", "x"}).status, 2);
+  std::filesystem::copy(folder / "a.h5", folder / "tables/a.h5");
+  EXPECT_EQ(ra2d({"analyze", "a.h5", "tables/a.h5", "--csv", "y"}).status, 2);
+}
+
+TEST_F(Analyze, RefusesWhatTheFileDoesNotHave) {
+  run("a.h5");
+  std::ofstream(folder_.path() / "scene.toml") << "[scene]\n";
+  for (const auto& [words, status, why] :
+       std::vector<std::tuple<std::vector<std::string>, int, std::string>>{
+           {{"scene.toml"}, 4, "it is no HDF5 file"},
+           {{"nowhere.h5"}, 4, "No such file"},
+           {{"a.h5", "nowhere.h5"}, 4, "nowhere.h5"},
+           {{"a.h5", "--from", "0.2"}, 2, "there is nothing"},
+           {{"a.h5", "--from", "0.05", "--to", "0.05"}, 2, "there is nothing"},
+           {{"a.h5", "--to", "0.2"}, 2, "the run ends at 0.1 s"},
+           {{"a.h5", "--segment", "10002"}, 2, "expected 4 to 10001"},
+           {{"a.h5", "--resolution", "1"}, 2, "expected 4 to 10001"},
+           {{"a.h5", "--resolution", "nan"}, 2, "--resolution"},
+           {{"a.h5", "--resolution", "9", "--segment", "9"}, 2, "excludes"},
+           {{"a.h5", "--csv", ""}, 2, "--csv"},
+           {{"a.h5", "--csv", "no/folder/x"}, 4, "no/folder"},
+           {{}, 2, "OUT.h5"}}) {
+    std::vector<std::string> line{"analyze"};
+    line.insert(line.end(), words.begin(), words.end());
+    const test::Ended ended = ra2d(line);
+    EXPECT_EQ(ended.status, status) << fmt::format("{}: {}", fmt::join(words, " "), ended.err);
+    EXPECT_THAT(ended.err, HasSubstr(why));
+    EXPECT_EQ(ended.out, "");
+  }
+}
+
+TEST_F(Analyze, OfARunThatWasTooShortSaysWhatThereIsNot) {
+  run("a.h5", {"scene.duration=1e-5", "resonator.support=rigid"});
+  const test::Ended said = ra2d({"analyze", "a.h5"});
+  EXPECT_EQ(said.status, 0) << said.err;
+  EXPECT_THAT(said.out,
+              AllOf(HasSubstr("spectrum         none"), HasSubstr("third octaves    none"),
+                    HasSubstr("the resonator did not vibrate")));
+  EXPECT_THAT(ra2d({"analyze", "a.h5", "--json"}).out, HasSubstr("\"lv\":null"));
+}
+
+}  // namespace
+}  // namespace ra2d

@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/store/result_reader.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <hdf5.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <limits>
+
+#include "host/errors.hpp"
+#include "host/store/store.hpp"
+#include "tests/child.hpp"
+
+namespace ra2d {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+class Reader : public testing::Test {
+ protected:
+  /// A file of two modes, three of the slider, one probe; sample j of mode k has the velocity 10 j + k.
+  void write(std::size_t samples) const {
+    ResultHeader header;
+    header.scene = "[scene]\n";
+    header.started = "now";
+    header.spacing = 8e-6;
+    header.resonator.frequency = {0, 100};
+    header.resonator.position = {0, 1};
+    header.resonator.shape = {1, 1, 2, 2};
+    header.resonator.mean_square = std::vector<double>{0, 4};
+    header.slider.frequency = {0, 0, 900};
+    header.slider.position = {0, 1};
+    header.slider.shape = std::vector<double>(6);
+    header.slider.mean_square = std::vector<double>{0, 0, 5};
+    header.probe_position = {0.5};
+    ResultFile file(path_, header);
+    SampleBlock b;
+    for (std::size_t j = 0; j < samples; ++j) {
+      const auto x = static_cast<double>(j);
+      b.time.push_back(x / 48e3);
+      for (const double k : {0, 1}) b.resonator_velocity.push_back(10 * x + k);
+      b.resonator_displacement.insert(b.resonator_displacement.end(), 2, x);
+      for (auto* three : {&b.slider_displacement, &b.slider_velocity})
+        three->insert(three->end(), 3, x);
+      for (auto* one : {&b.force, &b.nodes, &b.probe_displacement, &b.probe_velocity, &b.kinetic,
+                        &b.elastic, &b.contact, &b.damping_loss, &b.sliding_work, &b.load_work})
+        one->push_back(x);
+    }
+    file.append(b);
+    file.append({Shock{0, 1e-3, 2e-5, 3, 4e-5, 0.1}, Shock{1, 2e-3, 3e-5, 4, 5e-5, 0.2}});
+    ResultSummary summary;
+    summary.v_rms = 1e-3;
+    summary.lv = 120;
+    summary.shock_rate = std::numeric_limits<double>::quiet_NaN();
+    summary.complete = false;
+    summary.ended = "interrupted";
+    file.close(summary);
+  }
+  /// Changes the file as other programs might.
+  void change(const std::function<void(hid_t)>& body) const {
+    const hid_t file = H5Fopen(path_.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+    ASSERT_GE(file, 0);
+    body(file);
+    H5Fclose(file);
+  }
+  std::string refusal() const {
+    try {
+      const ResultReader reader(path_);
+      reader.columns("resonator/velocity", 0, reader.contents().samples, 0, 2);
+    } catch (const FileError& error) {
+      EXPECT_THAT(error.what(), HasSubstr("cannot read '" + path_.string() + "': "));
+      return error.what();
+    }
+    return "no FileError";
+  }
+  const test::Folder folder_;
+  const fs::path path_ = folder_.path() / "out.h5";
+};
+
+TEST_F(Reader, FindsWhatWasWritten) {
+  constexpr std::size_t samples = 20'000;  // more than are read at once
+  write(samples);
+  const ResultReader reader(path_);
+  const ResultContents& c = reader.contents();
+  EXPECT_EQ(c.scene, "[scene]\n");
+  EXPECT_EQ(c.samples, samples);
+  EXPECT_EQ(c.rate, 48e3);
+  EXPECT_EQ(c.end, 19'999 / 48e3);
+  EXPECT_THAT(c.resonator_frequency, ElementsAre(0, 100));
+  EXPECT_THAT(c.slider_frequency, ElementsAre(0, 0, 900));
+  EXPECT_THAT(c.mean_square, ElementsAre(0, 4));
+  EXPECT_THAT(c.probe_position, ElementsAre(0.5));
+  ASSERT_EQ(c.shocks.size(), 2u);
+  EXPECT_EQ(c.shocks[1].start, 2e-3);
+  EXPECT_EQ(c.shocks[1].duration, 3e-5);
+  EXPECT_EQ(c.shocks[1].peak_force, 4);
+  EXPECT_EQ(c.shocks[1].impulse, 5e-5);
+  EXPECT_EQ(c.shocks[1].position, 0.2);
+  EXPECT_EQ(c.summary.v_rms, 1e-3);
+  EXPECT_TRUE(std::isnan(c.summary.shock_rate));  // the file has none
+  EXPECT_FALSE(c.summary.complete);
+  EXPECT_EQ(c.summary.ended, "interrupted");
+
+  const auto both = reader.columns("resonator/velocity", 5, 19'000, 0, 2);
+  const auto second = reader.columns("resonator/velocity", 5, 19'000, 1, 1);
+  ASSERT_EQ(both.size(), 2u);
+  for (std::size_t j = 0; j < 19'000; ++j) {
+    ASSERT_EQ(both[0][j], 10 * static_cast<double>(j + 5));
+    ASSERT_EQ(both[1][j], 10 * static_cast<double>(j + 5) + 1);
+  }
+  EXPECT_THAT(second, ElementsAre(both[1]));
+  EXPECT_THAT(reader.column("contact/force", 19'998, 2), ElementsAre(19'998, 19'999));
+}
+
+TEST_F(Reader, TakesAFileWithoutSamples) {
+  write(0);
+  const ResultReader reader(path_);
+  EXPECT_EQ(reader.contents().samples, 0u);
+  EXPECT_TRUE(std::isnan(reader.contents().rate));
+}
+
+TEST_F(Reader, RefusesWhatIsNoResult) {
+  EXPECT_THAT(refusal(), HasSubstr("No such file or directory"));
+  fs::create_directory(path_);
+  EXPECT_THAT(refusal(), HasSubstr("this is a folder"));
+  fs::remove(path_);
+  std::ofstream(path_) << "[scene]\nduration = 1\n";
+  EXPECT_THAT(refusal(), HasSubstr("it is no HDF5 file"));
+  H5Fclose(H5Fcreate(path_.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT));
+  EXPECT_THAT(refusal(), HasSubstr("it is no result of ra2d"));
+}
+
+TEST_F(Reader, RefusesAnotherFormat) {
+  write(3);
+  for (const std::int64_t format : {1, 1000}) {
+    change([&](hid_t file) {
+      const hid_t attribute = H5Aopen(file, "format", H5P_DEFAULT);
+      H5Awrite(attribute, H5T_NATIVE_INT64, &format);
+      H5Aclose(attribute);
+    });
+    EXPECT_THAT(refusal(),
+                HasSubstr(fmt::format("its format is {}, and this program reads", format)));
+  }
+}
+
+TEST_F(Reader, RefusesWhatIsCutShort) {
+  write(20'000);
+  const auto whole = fs::file_size(path_);
+  for (const double share : {0.999, 0.5, 0.01}) {
+    fs::resize_file(path_, static_cast<std::uintmax_t>(share * static_cast<double>(whole)));
+    EXPECT_THAT(refusal(), HasSubstr("cut short or damaged")) << share;
+  }
+}
+
+TEST_F(Reader, RefusesWhatIsMissingOrOfTheWrongShape) {
+  const auto with = [&](const std::function<void(hid_t)>& fault) {
+    write(5);
+    change(fault);
+    return refusal();
+  };
+  const auto replace = [](hid_t file, const char* path, std::vector<hsize_t> extent, hid_t type) {
+    H5Ldelete(file, path, H5P_DEFAULT);
+    const hid_t space = H5Screate_simple(static_cast<int>(extent.size()), extent.data(), nullptr);
+    H5Dclose(H5Dcreate2(file, path, type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+    H5Sclose(space);
+  };
+  EXPECT_THAT(with([](hid_t f) { H5Ldelete(f, "energy/elastic", H5P_DEFAULT); }),
+              HasSubstr("/energy/elastic is missing"));
+  EXPECT_THAT(with([](hid_t f) { H5Ldelete(f, "resonator", H5P_DEFAULT); }),
+              HasSubstr("/resonator/mode is missing"));
+  EXPECT_THAT(with([&](hid_t f) { replace(f, "contact/force", {4}, H5T_NATIVE_DOUBLE); }),
+              HasSubstr("/contact/force is of the shape (4), its axes of (5)"));
+  EXPECT_THAT(with([&](hid_t f) {
+                replace(f, "resonator/velocity", {5, 3}, H5T_NATIVE_DOUBLE);
+              }),
+              HasSubstr("/resonator/velocity is of the shape (5, 3), its axes of (5, 2)"));
+  EXPECT_THAT(with([&](hid_t f) { replace(f, "shocks/impulse", {2}, H5T_NATIVE_INT64); }),
+              HasSubstr("/shocks/impulse holds no numbers"));
+  EXPECT_THAT(with([&](hid_t f) { replace(f, "time", {5}, H5T_NATIVE_DOUBLE); }),
+              HasSubstr("its samples do not stand evenly"));
+  EXPECT_THAT(with([](hid_t f) { H5Adelete(f, "ended"); }),
+              HasSubstr("its attribute 'ended' is missing"));
+}
+
+TEST_F(Reader, RefusesNumbersThatAreNone) {
+  const auto grow = [&](const char* path, std::vector<hsize_t> extent) {
+    change([&](hid_t file) {
+      const hid_t dataset = H5Dopen2(file, path, H5P_DEFAULT);
+      std::vector<hsize_t> none(extent.size(), 0);
+      none.back() = extent.size() > 1 ? extent.back() : 0;
+      EXPECT_GE(H5Dset_extent(dataset, none.data()), 0);
+      EXPECT_GE(H5Dset_extent(dataset, extent.data()), 0);  // of what fills it
+      H5Dclose(dataset);
+    });
+  };
+  write(5);
+  grow("resonator/velocity", {5, 2});
+  EXPECT_THAT(refusal(), HasSubstr("/resonator/velocity has values that are no numbers"));
+  write(5);
+  grow("shocks/impulse", {2});
+  EXPECT_THAT(refusal(), HasSubstr("/shocks/impulse has values that are no numbers"));
+}
+
+/// A few bytes can ask for more memory than there is.
+TEST_F(Reader, RefusesMoreNumbersThanTheFileHasRoomFor) {
+  write(5);
+  change([](hid_t file) {
+    const hid_t dataset = H5Dopen2(file, "shocks/start", H5P_DEFAULT);
+    const hsize_t many[] = {1'000'000'000'000};
+    EXPECT_GE(H5Dset_extent(dataset, many), 0);
+    H5Dclose(dataset);
+  });
+  EXPECT_THAT(refusal(),
+              HasSubstr("/shocks/start should hold more numbers than the file has room"));
+}
+
+}  // namespace
+}  // namespace ra2d
