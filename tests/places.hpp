@@ -19,7 +19,7 @@ std::string scene_file(const std::string& name);
 /// The library that makes calls to a disk fail (tests/faults); empty where none can be loaded.
 std::string faulty_disk();
 
-/// A Python with h5py, netCDF4, xarray and xxhash; empty when RA2D_PYTHON says that there is none.
+/// A Python with h5py, netCDF4, scipy, xarray and xxhash; empty when RA2D_PYTHON says that there is none.
 std::string python();
 #define RA2D_SKIP_WITHOUT_PYTHON()    \
   if (ra2d::test::python().empty()) { \

@@ -58,6 +58,8 @@ double half_width(std::span<const double> density, std::size_t peak, int step) {
 SpectralPeak find_peak(const Lines& lines, double below, double natural, double above,
                        double width) {
   SpectralPeak peak{0, natural, nan, nan, nan};
+  const double apart = std::min(below > 0 ? natural - below : natural, above - natural);
+  if (!(apart >= least_apart * lines.resolution)) return peak;
   const Reach reach = reach_of(lines, below, natural, above);
   if (reach.first > reach.last) return peak;
   const std::size_t together = width >= 15 ? 2 * static_cast<std::size_t>(width / 10) + 1 : 1;
@@ -70,7 +72,6 @@ SpectralPeak find_peak(const Lines& lines, double below, double natural, double 
   peak.frequency = static_cast<double>(line) * lines.resolution;
   peak.density = *highest;
 
-  const double apart = std::min(below > 0 ? natural - below : natural, above - natural);
   const bool alone = apart >= least_distance * width * lines.resolution;
   const double degrees = lines.degrees_of_freedom * static_cast<double>(together);
   const double found = half_width(density, line, -1) + half_width(density, line, 1);

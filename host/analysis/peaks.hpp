@@ -17,8 +17,10 @@ struct Lines {
 struct SpectralPeak {
   std::size_t mode = 0;  // its number in the file, rigid ones first
   double natural = 0;    // Hz, of the free mode
-  double frequency = 0;  // Hz, of the highest line near it; NaN where none stands out
-  double density = 0;    // there; NaN where there is none
+  /// Hz, of the highest line near it; NaN where none stands out, or neighbours are nearer than
+  /// `least_apart` lines: it could be anyone's.
+  double frequency = 0;
+  double density = 0;  // there; NaN where there is none
   /// Half-power damping, (f2 - f1) / (2 frequency), where f1 and f2 have half the density: under a force
   /// of even density the velocity of a mode alone is exactly 2 zeta f wide. NaN where it cannot be told:
   /// narrower than `least_width` lines, neighbours nearer than `least_distance` widths, or lines that
@@ -27,7 +29,7 @@ struct SpectralPeak {
   bool of_mesh = false;  // it stands on a tone of the mesh (analysis.hpp), and has no damping
 };
 
-inline constexpr double least_width = 5, least_distance = 4, least_degrees = 200;
+inline constexpr double least_apart = 3, least_width = 5, least_distance = 4, least_degrees = 200;
 
 /// For each elastic mode within the spectrum, by frequency. `zeta`: their modal damping ratio, which
 /// says how wide peaks should be: over a fifth of that lines are averaged, so that fewer are high by
