@@ -2,9 +2,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <tuple>
+#include <vector>
 
 #include "host/analysis/analysis_text.hpp"
 #include "host/commands/commands.hpp"
+#include "host/commands/options.hpp"
 #include "host/commands/print.hpp"
 #include "host/errors.hpp"
 #include "host/output_file.hpp"
@@ -18,6 +24,14 @@ namespace fs = std::filesystem;
 
 constexpr const char* tables[] = {"spectrum.csv", "bands.csv", "shocks.csv"};
 
+struct Request {
+  std::vector<fs::path> files;
+  AnalysisOptions options;
+  bool json = false;
+  std::string csv;  // folder, or how the files' names begin; empty: none
+  bool quiet = false;
+};
+
 /// How the names of a result's tables begin: in a folder by the result's name; else by the prefix that
 /// was given, and the result's name where there are several.
 std::string prefix_of(const std::string& asked, const fs::path& result, bool several) {
@@ -27,7 +41,7 @@ std::string prefix_of(const std::string& asked, const fs::path& result, bool sev
 }
 
 /// One for each result; before any is read.
-std::vector<std::string> choose_prefixes(const AnalyzeRequest& request) {
+std::vector<std::string> choose_prefixes(const Request& request) {
   std::vector<std::string> prefixes;
   if (request.csv.empty()) return prefixes;
   for (const fs::path& file : request.files) {
@@ -48,9 +62,7 @@ void write_tables(const std::string& prefix, const Analysis& analysis) {
   write_text(prefix + tables[2], shocks_csv(analysis));
 }
 
-}  // namespace
-
-int analyze_command(const AnalyzeRequest& request) {
+int run_analysis(const Request& request) {
   const std::vector<std::string> prefixes = choose_prefixes(request);
   std::vector<Analysis> analyses;
   for (const fs::path& file : request.files) {
@@ -69,6 +81,48 @@ int analyze_command(const AnalyzeRequest& request) {
   for (const std::string& prefix : prefixes)
     if (!request.quiet) print("  {:<17}{}{{spectrum,bands,shocks}}.csv\n", "written", prefix);
   return done;
+}
+
+}  // namespace
+
+void add_analyze(CLI::App& app, Chosen& chosen) {
+  const auto asked = std::make_shared<Request>();
+  Request& request = *asked;
+  CLI::App* analyze = app.add_subcommand(
+      "analyze",
+      "says what results hold: level, spectrum, third octaves, shocks, powers; of several files "
+      "their means with confidence intervals");
+  analyze->add_option("OUT.h5", request.files, "results of 'ra2d run'")->required()->check(path());
+  analyze->add_flag("--json", request.json, "prints everything as JSON");
+  analyze
+      ->add_option("--csv", request.csv,
+                   "writes spectrum, bands and histograms as tables: into this folder, or with "
+                   "names that begin like this")
+      ->type_name("PREFIX")
+      ->check(path());
+  AnalysisOptions& options = request.options;
+  CLI::Option* resolution =
+      analyze->add_option("--resolution", options.resolution, "of the spectrum, from line to line")
+          ->type_name("HZ")
+          ->check(number_from(1e-6, 1e12, "from 1e-6 to 1e12"));
+  analyze
+      ->add_option(
+          "--segment", options.segment,
+          "samples of a segment of the spectrum [an eighth of the stretch, a power of two]")
+      ->type_name("N")
+      ->transform(count())
+      ->excludes(resolution);
+  for (const auto& [name, time, what] :
+       {std::tuple{"--from", &options.from, "where to begin [output.from of the scene]"},
+        {"--to", &options.to, "where to end [the end of the run]"}})
+    analyze->add_option(name, *time, what)
+        ->type_name("SECONDS")
+        ->check(number_from(0, 1e12, "from 0 to 1e12"));
+  analyze->add_flag("--a-weighting", options.a_weighting,
+                    "weighs the bands as ears do (IEC 61672-1); a plate's velocity is no sound "
+                    "pressure all the same");
+  analyze->add_flag("--quiet", request.quiet, "print nothing but what was asked for and errors");
+  analyze->callback([asked, &chosen] { chosen = [asked] { return run_analysis(*asked); }; });
 }
 
 }  // namespace ra2d

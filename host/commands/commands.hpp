@@ -1,15 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <vector>
-
-#include "host/analysis/analysis.hpp"
-
-namespace CLI {
-class App;
-}
 
 /// The subcommands of the program, one file each. They return the exit status (contract:
 /// "Commands").
@@ -41,17 +34,6 @@ int plan_command(const CommonOptions& common);
 int plan_accuracy_command(const CommonOptions& common, double accuracy, double budget,
                           std::filesystem::path output);
 
-struct AnalyzeRequest {
-  std::vector<std::filesystem::path> files;
-  AnalysisOptions options;
-  bool json = false;
-  std::string csv;  // folder, or how the files' names begin; empty: none
-  bool quiet = false;
-};
-
-/// `ra2d analyze OUT.h5...`
-int analyze_command(const AnalyzeRequest& request);
-
 /// `ra2d chart stability [SCENE] [-o PREFIX]`; without a scene, the paper's own. Writes PREFIX.csv,
 /// PREFIX-regions.csv, PREFIX-modes.csv and, unless `plot` is false, PREFIX.png. A picture that was
 /// asked for and cannot be drawn is a file that cannot be written: a script must not go on without
@@ -63,19 +45,5 @@ int chart_stability_command(const CommonOptions& common, const std::string& pref
 /// built beside this one, if there is one.
 int chart_accuracy_command(const CommonOptions& common, const std::string& prefix, bool plot,
                            double budget, const std::filesystem::path& peers);
-
-/// What the options of `ra2d surface measure` say, word by word.
-struct SurfaceMeasureRequest {
-  std::vector<std::filesystem::path> files;
-  std::optional<std::string> x_unit, z_unit, spacing, column, decimal, filter, cutoff, cutoff_s,
-      sampling_lengths, fill, rsm, rmr;
-  std::string form = "none";
-  bool json = false;
-};
-
-CLI::App* add_surface_measure(CLI::App& surface, SurfaceMeasureRequest& request);
-
-/// `ra2d surface measure FILE...`: prints roughness parameters.
-int surface_measure_command(const SurfaceMeasureRequest& request);
 
 }  // namespace ra2d

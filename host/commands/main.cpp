@@ -28,8 +28,7 @@
 namespace {
 
 /// Commands of the contract that are not built yet: refused by name.
-constexpr std::array<std::string_view, 5> coming{"study", "sound",
-                                                 "plot",    "report", "check"};
+constexpr std::array<std::string_view, 5> coming{"study", "sound", "plot", "report", "check"};
 
 using Words = std::vector<std::string>;
 using ra2d::count, ra2d::number_from, ra2d::path;
@@ -105,44 +104,6 @@ void add_common(CLI::App& command, ra2d::CommonOptions& common) {
   command.add_flag("--quiet", common.quiet, "print nothing but what was asked for and errors");
 }
 
-CLI::App* add_analyze(CLI::App& app, ra2d::AnalyzeRequest& request) {
-  CLI::App* analyze = app.add_subcommand(
-      "analyze",
-      "says what results hold: level, spectrum, third octaves, shocks, powers; of several files "
-      "their means with confidence intervals");
-  analyze->add_option("OUT.h5", request.files, "results of 'ra2d run'")->required()->check(path());
-  analyze->add_flag("--json", request.json, "prints everything as JSON");
-  analyze
-      ->add_option("--csv", request.csv,
-                   "writes spectrum, bands and histograms as tables: into this folder, or with "
-                   "names that begin like this")
-      ->type_name("PREFIX")
-      ->check(path());
-  ra2d::AnalysisOptions& options = request.options;
-  CLI::Option* resolution =
-      analyze->add_option("--resolution", options.resolution, "of the spectrum, from line to line")
-          ->type_name("HZ")
-          ->check(number_from(1e-6, 1e12, "from 1e-6 to 1e12"));
-  analyze
-      ->add_option(
-          "--segment", options.segment,
-          "samples of a segment of the spectrum [an eighth of the stretch, a power of two]")
-      ->type_name("N")
-      ->transform(count())
-      ->excludes(resolution);
-  for (const auto& [name, time, what] :
-       {std::tuple{"--from", &options.from, "where to begin [output.from of the scene]"},
-        {"--to", &options.to, "where to end [the end of the run]"}})
-    analyze->add_option(name, *time, what)
-        ->type_name("SECONDS")
-        ->check(number_from(0, 1e12, "from 0 to 1e12"));
-  analyze->add_flag("--a-weighting", options.a_weighting,
-                    "weighs the bands as ears do (IEC 61672-1); a plate's velocity is no sound "
-                    "pressure all the same");
-  analyze->add_flag("--quiet", request.quiet, "print nothing but what was asked for and errors");
-  return analyze;
-}
-
 /// Reads the words of the command line and runs what they ask for.
 int dispatch(Words words) {
   using namespace ra2d;
@@ -194,8 +155,8 @@ int dispatch(Words words) {
       ->check(path())
       ->needs(asked);
   add_common(*plan, common);
-  AnalyzeRequest analyze_request;
-  const CLI::App* analyze = add_analyze(app, analyze_request);
+  Chosen chosen;
+  add_analyze(app, chosen);
   CLI::App* chart = app.add_subcommand("chart", "all schemes side by side");
   chart->require_subcommand(1);
   CLI::App* stability = chart->add_subcommand(
@@ -238,21 +199,20 @@ int dispatch(Words words) {
     add_common(*kind, common);
   }
 
-  Chosen chosen;
   CLI::App* surface = app.add_subcommand("surface", "rough profiles");
   surface->require_subcommand(1);
   add_surface_generate(*surface, chosen);
-  SurfaceMeasureRequest to_measure;
-  CLI::App* measure = add_surface_measure(*surface, to_measure);
+  add_surface_measure(*surface, chosen);
 
   if (!words.empty() && words[0] == "help") {  // `ra2d help run` as `ra2d run --help`
     words.erase(words.begin());
     words.emplace_back("--help");
   }
   if (!words.empty() && std::find(coming.begin(), coming.end(), words[0]) != coming.end())
-    throw RequestError(fmt::format(
-        "the command '{}' is not available yet; there are 'run', 'plan', 'analyze', 'surface' and 'chart'",
-        words[0]));
+    throw RequestError(
+        fmt::format("the command '{}' is not available yet; there are 'run', 'plan', 'analyze', "
+                    "'surface' and 'chart'",
+                    words[0]));
   const Named named = find_command(app, words);
   if (!named.fault.empty()) throw RequestError(named.fault);
   try {
@@ -271,11 +231,9 @@ int dispatch(Words words) {
   common.threads = usable_threads(common.threads, lowered);
   if (!lowered.empty() && !common.quiet)
     say(fmt::format("{} thread{}: {}", common.threads, common.threads == 1 ? "" : "s", lowered));
-  if (analyze->parsed()) return analyze_command(analyze_request);
   if (stability->parsed()) return chart_stability_command(common, stability_prefix, !no_plot);
   if (accuracy->parsed())
     return chart_accuracy_command(common, accuracy_prefix, !no_plot, budget, peers);
-  if (measure->parsed()) return surface_measure_command(to_measure);
   if (run->parsed()) return run_command(common, output);
   return asked->count() > 0 ? plan_accuracy_command(common, asked_accuracy, plan_budget, planned)
                             : plan_command(common);

@@ -22,7 +22,9 @@ CLI::Validator count();
 /// A path that is given: an empty one comes from a variable that is not set.
 CLI::Validator path();
 
-/// `ra2d surface generate`, under `surface`.
+// Commands add themselves, each in a file of its own.
+void add_analyze(CLI::App& app, Chosen& chosen);
 void add_surface_generate(CLI::App& surface, Chosen& chosen);
+void add_surface_measure(CLI::App& surface, Chosen& chosen);
 
 }  // namespace ra2d

@@ -4,11 +4,17 @@
 #include <CLI/CLI.hpp>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <limits>
+#include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "host/commands/commands.hpp"
+#include "host/commands/options.hpp"
 #include "host/commands/print.hpp"
 #include "host/errors.hpp"
 #include "host/surface/measure.hpp"
@@ -18,6 +24,15 @@ namespace ra2d {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// What the options say, word by word.
+struct Request {
+  std::vector<std::filesystem::path> files;
+  std::optional<std::string> x_unit, z_unit, spacing, column, decimal, filter, cutoff, cutoff_s,
+      sampling_lengths, fill, rsm, rmr;
+  std::string form = "none";
+  bool json = false;
+};
 
 [[noreturn]] void refuse_option(const char* option, const std::string& text, const char* expected) {
   throw RequestError(fmt::format("{}: '{}': expected {}", option, shortened(text), expected));
@@ -53,7 +68,7 @@ bool is_first(const char* option, const std::optional<std::string>& text, const 
   refuse_option(option, *text, fmt::format("{} or {}", first, second).c_str());
 }
 
-ProfileQuery query_of(const SurfaceMeasureRequest& request) {
+ProfileQuery query_of(const Request& request) {
   ProfileQuery query;
   query.x_unit = to_axis_unit("--x-unit", request.x_unit);
   query.z_unit = to_axis_unit("--z-unit", request.z_unit);
@@ -70,7 +85,7 @@ ProfileQuery query_of(const SurfaceMeasureRequest& request) {
   return query;
 }
 
-MeasureOptions options_of(const SurfaceMeasureRequest& request) {
+MeasureOptions options_of(const Request& request) {
   MeasureOptions options;
   options.form = to_form(request.form);
   options.filter = is_first("--filter", request.filter, "gaussian", "none");
@@ -179,9 +194,34 @@ void print_table(const std::string& file, const Measurement& m, const MeasureOpt
                 fmt::format("{:.4g} %", 100 * m.material_ratio));
 }
 
+int measure_files(const Request& request) {
+  const ProfileQuery query = query_of(request);
+  const MeasureOptions options = options_of(request);
+  std::vector<std::pair<std::string, Measurement>> measured;
+  for (const auto& file : request.files)
+    measured.emplace_back(
+        file.string(), measure_profile(read_measured_profile(file, query), options, file.string()));
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const auto& [file, m] : measured) {
+    say_doubts(m.doubts, false);
+    if (request.json)
+      list.push_back(to_json(file, m, options));
+    else
+      print_table(file, m, options);
+  }
+  if (request.json) {
+    using Handler = nlohmann::ordered_json::error_handler_t;  // of names that are no UTF-8
+    const auto& json = list.size() == 1 ? list[0] : list;
+    print_text(json.dump(2, ' ', false, Handler::replace) + '\n');
+  }
+  return done;
+}
+
 }  // namespace
 
-CLI::App* add_surface_measure(CLI::App& surface, SurfaceMeasureRequest& request) {
+void add_surface_measure(CLI::App& surface, Chosen& chosen) {
+  const auto asked = std::make_shared<Request>();
+  Request& request = *asked;
   CLI::App* measure = surface.add_subcommand(
       "measure",
       "roughness parameters (ISO 21920-2) of measured profiles: text of two columns, x and z");
@@ -189,11 +229,7 @@ CLI::App* add_surface_measure(CLI::App& surface, SurfaceMeasureRequest& request)
                        const char* what) {
     measure->add_option(name, value, what)->type_name(type);
   };
-  measure->add_option("FILE", request.files, "profiles")
-      ->required()
-      ->check(CLI::Validator(
-          [](std::string& text) { return text.empty() ? "'': expected a name" : std::string{}; },
-          {}));
+  measure->add_option("FILE", request.files, "profiles")->required()->check(path());
   add("--x-unit", request.x_unit, "UNIT", "of x: m, mm, um or nm [the file's own, or m]");
   add("--z-unit", request.z_unit, "UNIT", "of the heights [the file's own, or m]");
   add("--spacing", request.spacing, "M", "step in metres, of a file that has no x");
@@ -219,30 +255,7 @@ CLI::App* add_surface_measure(CLI::App& surface, SurfaceMeasureRequest& request)
       "what counts as a profile element: iso21920 or iso4287 [iso21920]");
   add("--rmr", request.rmr, "M", "material ratio at a height in metres above the mean line, too");
   measure->add_flag("--json", request.json, "print JSON, in SI units");
-  return measure;
-}
-
-int surface_measure_command(const SurfaceMeasureRequest& request) {
-  const ProfileQuery query = query_of(request);
-  const MeasureOptions options = options_of(request);
-  std::vector<std::pair<std::string, Measurement>> measured;
-  for (const auto& file : request.files)
-    measured.emplace_back(
-        file.string(), measure_profile(read_measured_profile(file, query), options, file.string()));
-  nlohmann::ordered_json list = nlohmann::ordered_json::array();
-  for (const auto& [file, m] : measured) {
-    say_doubts(m.doubts, false);
-    if (request.json)
-      list.push_back(to_json(file, m, options));
-    else
-      print_table(file, m, options);
-  }
-  if (request.json) {
-    using Handler = nlohmann::ordered_json::error_handler_t;  // of names that are no UTF-8
-    const auto& json = list.size() == 1 ? list[0] : list;
-    print_text(json.dump(2, ' ', false, Handler::replace) + '\n');
-  }
-  return done;
+  measure->callback([asked, &chosen] { chosen = [asked] { return measure_files(*asked); }; });
 }
 
 }  // namespace ra2d
