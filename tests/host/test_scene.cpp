@@ -507,7 +507,7 @@ const std::vector<Refused> refused{
      {"s.toml:15: resonator.surface.exact: \"rq+rsm\", and there is no `rsm` to be exact"}},
     {"HurstBeyondOne",
      {{"rsm = 1.5e-3", "rsm = 1.5e-3, hurst = 1"}},
-     {"s.toml:15: resonator.surface.hurst: 1: expected a number in (0, 1)"}},
+     {"s.toml:15: resonator.surface.hurst: 1 is not allowed: expected a number in (0, 1)"}},
     {"LeavesOnTheRight",
      {{"duration = 0.1", "duration = 0.5"}},
      {"s.toml:4: scene.start: the slider leaves the resonator's right end by 0.07 m",
