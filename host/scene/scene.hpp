@@ -30,10 +30,22 @@ struct Peak {
 };
 
 /// A rough face, its heights positive towards the opposite body.
+/// How a measured profile is read and what is taken off it. Without any of it: two columns in metres,
+/// as they are.
+struct ProfileSpec {
+  std::optional<std::string> x_unit, z_unit;  // m, mm, um or nm
+  std::optional<int> column;                  // of the heights, from 1
+  std::optional<std::string> form;            // none, mean, line or poly:N
+  std::optional<std::string> filter;          // gaussian or none
+  std::optional<double> cutoff, cutoff_s;     // m
+  bool operator==(const ProfileSpec&) const = default;
+};
+
 struct SurfaceSpec {
   SurfaceKind kind = SurfaceKind::flat;
   std::vector<Peak> peaks;     // peaks
   std::filesystem::path path;  // file: as written, relative to the scene's folder
+  ProfileSpec profile;         // file
   double rq = 0;               // gaussian: m, root mean square height
   std::optional<double> rsm;   // gaussian: m, mean spacing of the profile elements ...
   std::optional<double>
