@@ -62,6 +62,21 @@ void write_surface(const SurfaceSpec& surface, const std::filesystem::path& fold
       toml_string(surface.path.empty()
                       ? std::string()
                       : absolute(folder / surface.path).lexically_normal().string()));
+  const ProfileSpec& profile = surface.profile;
+  const auto word = [&](const char* name, const std::optional<std::string>& value) {
+    key(SurfaceKind::file, value.has_value(), name, toml_string(value.value_or("")));
+  };
+  const auto length = [&](const char* name, const std::optional<double>& value) {
+    key(SurfaceKind::file, value.has_value(), name, toml_number(value.value_or(0)));
+  };
+  word("x_unit", profile.x_unit);
+  word("z_unit", profile.z_unit);
+  key(SurfaceKind::file, profile.column.has_value(), "column",
+      fmt::format("{}", profile.column.value_or(0)));
+  word("form", profile.form);
+  word("filter", profile.filter);
+  length("cutoff", profile.cutoff);
+  length("cutoff_s", profile.cutoff_s);
   key(SurfaceKind::gaussian, surface.rq != 0, "rq", toml_number(surface.rq));
   key(SurfaceKind::gaussian, surface.rsm.has_value(), "rsm", toml_number(surface.rsm.value_or(0)));
   key(SurfaceKind::gaussian, surface.correlation_length.has_value(), "correlation_length",

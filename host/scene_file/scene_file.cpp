@@ -16,6 +16,8 @@
 #include "host/scene/schemes.hpp"
 #include "host/scene_file/checks.hpp"
 #include "host/scene_file/reader.hpp"
+#include "host/surface/form.hpp"
+#include "host/surface/profile.hpp"
 #include "host/text.hpp"
 
 namespace ra2d {
@@ -27,6 +29,40 @@ constexpr int most_asked = 1'000'000;       // modes
 constexpr std::size_t longest_path = 4096;  // bytes, of a file that the system opens
 
 Need needed(bool is) { return is ? Need::required : Need::optional; }
+
+/// The keys of a measured profile.
+ProfileSpec read_profile_keys(Reader& in, const std::string& path, Document& document) {
+  ProfileSpec profile;
+  const auto unit = [&](const char* key) {
+    const auto word = in.text(key, "\"m\", \"mm\", \"um\" or \"nm\"", Need::optional);
+    if (word && !to_unit(*word))
+      document.fault(path + '.' + key, toml_string(shortened(*word)) +
+                                           " is not allowed: expected \"m\", \"mm\", \"um\" or "
+                                           "\"nm\"");
+    return word;
+  };
+  profile.x_unit = unit("x_unit");
+  profile.z_unit = unit("z_unit");
+  if (const auto column = in.integer("column", 2, 1'000'000, Need::optional))
+    profile.column = static_cast<int>(*column);
+  profile.form = in.text("form", "\"none\", \"mean\", \"line\" or \"poly:N\"", Need::optional);
+  try {
+    to_form(profile.form.value_or("none"));
+  } catch (const RequestError& fault) {
+    document.fault(path + ".form", fault.what());
+  }
+  profile.filter = in.text("filter", "\"gaussian\" or \"none\"", Need::optional);
+  profile.cutoff = in.number("cutoff", positive, "m", Need::optional);
+  profile.cutoff_s = in.number("cutoff_s", positive, "m", Need::optional);
+  if (profile.filter && profile.filter != "gaussian" && profile.filter != "none")
+    document.fault(path + ".filter", toml_string(shortened(*profile.filter)) +
+                                         " is not allowed: expected \"gaussian\" or \"none\"");
+  if (profile.filter == "gaussian" && !profile.cutoff)
+    document.fault(path + ".filter", "missing beside it: expected a cutoff, like 2.5e-3 m");
+  if (profile.filter == "none" && profile.cutoff)
+    document.fault(path + ".cutoff", "without a filter there is none: drop it, or the filter");
+  return profile;
+}
 
 SurfaceSpec read_surface(Reader in, const std::string& path, Document& document) {
   const auto kind = in.choice("kind", surface_kinds, Need::required);
@@ -71,6 +107,7 @@ SurfaceSpec read_surface(Reader in, const std::string& path, Document& document)
                                          "profile");
   }
   surface.path = profile.value_or("");
+  surface.profile = read_profile_keys(in, path, document);
   for (Reader peak : in.tables("peaks", needed(kind == SurfaceKind::peaks)))
     surface.peaks.push_back({.at = *peak.number("at", any_number, "m"),
                              .height = *peak.number("height", any_number, "m"),

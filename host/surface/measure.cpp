@@ -45,6 +45,21 @@ bool is_tilted(const std::vector<double>& heights) {
 
 }  // namespace
 
+void shape_profile(Profile& profile, ProfileForm form, std::optional<double> cutoff_s,
+                   std::optional<double> cutoff) {
+  std::vector<double>& z = profile.heights;
+  remove_form(z, form);
+  if (cutoff_s) z = gaussian_mean_line(z, profile.spacing, *cutoff_s);
+  if (!cutoff) return;
+  const double half = std::round(0.5 * *cutoff / profile.spacing);
+  if (2 * half >= static_cast<double>(z.size())) return z.clear();
+  const std::vector<double> line = gaussian_mean_line(z, profile.spacing, *cutoff);
+  for (std::size_t i = 0; i < z.size(); ++i) z[i] -= line[i];
+  const auto dropped = static_cast<std::ptrdiff_t>(half);
+  z.erase(z.end() - dropped, z.end());
+  z.erase(z.begin(), z.begin() + dropped);
+}
+
 Measurement measure_profile(Profile profile, const MeasureOptions& asked, const std::string& name) {
   MeasureOptions options = asked;
   if (options.filter && !options.cutoff) options.cutoff = usual_cutoff;
@@ -57,24 +72,14 @@ Measurement measure_profile(Profile profile, const MeasureOptions& asked, const 
   found.cutoff = options.cutoff;
   fill_gaps(profile, options.fill);
 
+  if (options.cutoff_s && *options.cutoff_s < profile.spacing)
+    found.doubts.push_back(
+        fmt::format("{}: --cutoff-s {:g} is less than a step of the profile and changes nothing",
+                    name, *options.cutoff_s));
+  shape_profile(profile, options.form, options.cutoff_s,
+                options.filter ? options.cutoff : std::nullopt);
   std::vector<double>& z = profile.heights;
-  remove_form(z, options.form);
-  if (options.cutoff_s) {
-    if (*options.cutoff_s < profile.spacing)
-      found.doubts.push_back(
-          fmt::format("{}: --cutoff-s {:g} is less than a step of the profile and changes nothing",
-                      name, *options.cutoff_s));
-    z = gaussian_mean_line(z, profile.spacing, *options.cutoff_s);
-  }
-  std::size_t dropped = 0;  // at each end
-  if (options.filter) {
-    const double half = std::round(0.5 * *options.cutoff / profile.spacing);
-    if (2 * half >= static_cast<double>(z.size()))
-      dropped = z.size() / 2;
-    else
-      dropped = static_cast<std::size_t>(half);
-  }
-  const auto left = static_cast<double>(z.size() - 2 * dropped);
+  const auto left = static_cast<double>(z.size());
   const double points =  // of a sampling length
       options.cutoff ? *options.cutoff / profile.spacing : static_cast<double>(z.size());
   found.fitting = static_cast<std::size_t>(left / points + whole);
@@ -96,20 +101,15 @@ Measurement measure_profile(Profile profile, const MeasureOptions& asked, const 
 
   const auto count = static_cast<std::size_t>(
       std::min(left, std::round(points * static_cast<double>(found.sampling_lengths))));
-  if (options.filter) {
-    const std::vector<double> line = gaussian_mean_line(z, profile.spacing, *options.cutoff);
-    for (std::size_t i = 0; i < z.size(); ++i) z[i] -= line[i];
-  }
-  std::vector<double> part(z.begin() + static_cast<std::ptrdiff_t>(dropped),
-                           z.begin() + static_cast<std::ptrdiff_t>(dropped + count));
+  z.resize(count);
   if (!options.filter) {
-    if (options.form.degree < 1 && is_tilted(part))
+    if (options.form.degree < 1 && is_tilted(z))
       found.doubts.push_back(fmt::format(
           "{}: most of the height is tilt, which no filter takes off: try --form line", name));
-    subtract_mean(part);
+    subtract_mean(z);
   }
-  found.parameters = roughness(part, profile.spacing, found.sampling_lengths, options.rule);
-  found.material_ratio = options.level ? material_ratio(part, *options.level) : nan;
+  found.parameters = roughness(z, profile.spacing, found.sampling_lengths, options.rule);
+  found.material_ratio = options.level ? material_ratio(z, *options.level) : nan;
   return found;
 }
 

@@ -36,6 +36,12 @@ struct Measurement {
   std::vector<std::string> doubts;  // what looks odd but may be meant
 };
 
+/// Takes the form off, then what is shorter than `cutoff_s` and what is longer than `cutoff` [m]; leaves
+/// out half a cutoff at each end, which the filter does not see whole. Where that is everything, no
+/// height is left.
+void shape_profile(Profile& profile, ProfileForm form, std::optional<double> cutoff_s,
+                   std::optional<double> cutoff);
+
 /// Fills gaps, takes the form off, filters, drops half a cutoff at each end and measures the first
 /// sampling lengths of what is left. `name` is the profile's in messages. Throws RequestError where
 /// the options do not fit the profile.

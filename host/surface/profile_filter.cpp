@@ -109,9 +109,11 @@ Moments sum_by_fft(const std::vector<double>& heights, const Bell& bell) {
 /// one of `wide`: the first is followed at every `stride`th point only, and what the second makes of
 /// it is so smooth that eight points give all between them. Off by less than 1e-14 of the heights.
 Moments sum_in_strides(const std::vector<double>& heights, double cutoff, double unit) {
-  const auto stride = static_cast<std::size_t>(cutoff / strides);
+  const auto stride =
+      static_cast<std::size_t>(std::min(cutoff / strides, static_cast<double>(heights.size())));
   const auto step = static_cast<double>(stride);
-  const double narrow = narrowest * step, wide = std::sqrt(cutoff * cutoff - narrow * narrow);
+  const double narrow = narrowest * step;
+  const double wide = cutoff * std::sqrt(1 - std::pow(narrow / cutoff, 2));
   const auto far = static_cast<std::ptrdiff_t>(reach * narrow) + 1;
   const std::size_t margin = static_cast<std::size_t>(far) / stride + 5;
   const auto count = static_cast<std::ptrdiff_t>(heights.size());
@@ -169,7 +171,7 @@ std::vector<double> gaussian_mean_line(const std::vector<double>& heights, doubl
   std::vector<double> line = heights;
   const double mean = subtract_mean(line);  // or the roundings would be those of a far offset
   const Moments moments = bell.half() <= few_weights ? sum_plainly(line, bell)
-                          : cutoff >= 8 * strides * spacing
+                          : cutoff >= 4 * strides * spacing
                               ? sum_in_strides(line, cutoff / spacing, bell.unit())
                               : sum_by_fft(line, bell);
   for (std::size_t i = 0; i < line.size(); ++i) {

@@ -394,7 +394,7 @@ double transmission(double wavelength, double cutoff, double spacing, std::size_
 
 TEST(GaussianFilter, LetsThroughWhatItsFormulaSays) {
   // pi alpha^2 = ln 2: 2^-(cutoff/wavelength)^2. Both ways of summing, and cutoffs between points.
-  for (const double cutoff : {8.0, 19.99, 25.0, 80.0, 333.3, 2048.0, 5000.3})
+  for (const double cutoff : {8.0, 19.99, 25.0, 80.0, 333.3, 1024.0, 5000.3})
     for (const double ratio : {0.5, 1.0, 2.0, 5.0}) {
       const double wavelength = std::round(cutoff * ratio);
       const double exact = std::exp2(-std::pow(cutoff / wavelength, 2));
@@ -426,13 +426,13 @@ TEST(GaussianFilter, IsTheSumOfItsWeights) {
 }
 
 TEST(GaussianFilter, OfLongCutoffsIsTheSumOfItsWeights) {
-  // At 2048 points the sum goes in strides. Short profiles, whose ends it sees everywhere, too.
+  // From 1024 points on the sum goes in strides. Short profiles, whose ends it sees everywhere, too.
   const long double bell =
       std::pow(std::numbers::pi_v<long double>, 2) / std::numbers::ln2_v<long double>;
   for (const std::size_t count : {300u, 5000u, 30000u}) {
     auto z = random_profile(count, 4);
     for (double& height : z) height += 3;
-    for (const double cutoff : {2047.0, 2048.0, 3001.7, 20000.0}) {
+    for (const double cutoff : {1023.0, 1024.0, 3001.7, 20000.0, 1e7}) {
       const auto line = gaussian_mean_line(z, 1, cutoff);
       for (const std::size_t i :
            {std::size_t{0}, std::size_t{1}, count / 7, count / 2, count - 1}) {
@@ -451,7 +451,7 @@ TEST(GaussianFilter, OfLongCutoffsIsTheSumOfItsWeights) {
 }
 
 TEST(GaussianFilter, KeepsConstantsAndLinesToTheEnds) {
-  for (const double cutoff : {0.01, 0.5, 3.0, 30.0, 400.0, 2100.0, 5000.0}) {
+  for (const double cutoff : {0.01, 0.5, 3.0, 30.0, 400.0, 2100.0, 5000.0, 1e6, 1e300}) {
     std::vector<double> z;
     for (int i = 0; i < 1000; ++i) z.push_back(5 - 0.01 * i);
     const auto line = gaussian_mean_line(z, 1, cutoff);

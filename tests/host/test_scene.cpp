@@ -405,6 +405,24 @@ const std::vector<Refused> refused{
     {"EmptyPath",
      {{gaussian, "surface = { kind = \"file\", path = \"\" }"}},
      {"s.toml:15: resonator.surface.path: empty: expected the path of a profile"}},
+    {"UnknownUnit",
+     {{gaussian, "surface = { kind = \"file\", path = \"a\", z_unit = \"inch\" }"}},
+     {"s.toml:15: resonator.surface.z_unit: \"inch\" is not allowed: expected \"m\", \"mm\""}},
+    {"UnknownForm",
+     {{gaussian, "surface = { kind = \"file\", path = \"a\", form = \"cube\" }"}},
+     {"s.toml:15: resonator.surface.form: form 'cube': expected none, mean, line or poly:N"}},
+    {"UnknownFilter",
+     {{gaussian, "surface = { kind = \"file\", path = \"a\", filter = \"spline\" }"}},
+     {"s.toml:15: resonator.surface.filter: \"spline\" is not allowed"}},
+    {"FilterWithoutCutoff",
+     {{gaussian, "surface = { kind = \"file\", path = \"a\", filter = \"gaussian\" }"}},
+     {"s.toml:15: resonator.surface.filter: missing beside it: expected a cutoff"}},
+    {"CutoffWithoutFilter",
+     {{gaussian, "surface = { kind = \"file\", path = \"a\", filter = \"none\", cutoff = 1e-3 }"}},
+     {"s.toml:15: resonator.surface.cutoff: without a filter"}},
+    {"ColumnOfX",
+     {{gaussian, "surface = { kind = \"file\", path = \"a\", column = 1 }"}},
+     {"s.toml:15: resonator.surface.column: 1 is not allowed"}},
     {"NegativeForceSpeed",
      {{"", "[[resonator.moving_force]]\nforce = 1\nspeed = -1\nstart = 0\n"}},
      {"s.toml:31: resonator.moving_force[0].speed: -1 is not allowed: expected a number >= 0"}},
@@ -1034,6 +1052,25 @@ TEST(SceneEcho, SaysWhichWordsACorrelationDoesNotUse) {
               HasSubstr("# not used: correlation_length, the correlation is \"self-affine\"\n"));
   EXPECT_THAT(echo(s), HasSubstr("# not used: hurst, the correlation is \"gaussian\"\n"));
   expect_round_trip(s);
+}
+
+TEST(SceneEcho, KeepsWhatIsAskedOfProfiles) {
+  expect_round_trip(parse(
+      minimal, {"slider.surface={ kind = \"file\", path = \"/a.csv\", x_unit = \"mm\", z_unit = "
+                "\"um\", column = 3, form = \"poly:2\", filter = \"gaussian\", cutoff = 2.5e-3, "
+                "cutoff_s = 8e-6 }"}));
+}
+
+TEST(Scene, ProfilesAreReadAndShapedAsAsked) {
+  const ProfileSpec none =
+      parse(minimal, {"slider.surface={ kind = \"file\", path = \"a\" }"}).slider.surface.profile;
+  EXPECT_EQ(none, ProfileSpec{});
+  const ProfileSpec all =
+      parse(minimal, {"slider.surface={ kind = \"file\", path = \"a\", x_unit = \"mm\", z_unit = "
+                      "\"um\", column = 3, form = \"line\", filter = \"gaussian\", cutoff = "
+                      "2.5e-3, cutoff_s = 8e-6 }"})
+          .slider.surface.profile;
+  EXPECT_EQ(all, (ProfileSpec{"mm", "um", 3, "line", "gaussian", 2.5e-3, 8e-6}));
 }
 
 TEST(SceneEcho, KeepsEveryBitOfANumber) {
