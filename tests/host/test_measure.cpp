@@ -187,6 +187,9 @@ TEST_F(MeasuredFace, IsReadAndShapedAsTheSceneSays) {
   for (std::size_t n = 2; n + 2 < finer.size(); n += 2)
     ASSERT_NEAR(finer[n + 1], (finer[n] + finer[n + 2]) / 2, 1e-18);
   spec.profile.column = 2;
+  const auto tilted = heights(0.01);  // by 100 um: its mean over the nodes is taken off
+  EXPECT_NEAR(tilted.front(), -50e-6, 1e-6);
+  EXPECT_NEAR(tilted.back(), 50e-6, 1e-6);
   spec.profile.form = "line";
   for (int n = 0; const double height : heights(0.01))
     ASSERT_NEAR(height, 1e-6 * std::sin(2 * pi * (n++ + 0.5) / 100), 1e-6 * 2e-2) << n;
