@@ -1,18 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "host/surface/random_profile.hpp"
 
-#include <fftw3.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <complex>
 #include <functional>
-#include <mutex>
 #include <numbers>
 #include <utility>
 
 #include "host/errors.hpp"
+#include "host/fourier.hpp"
 #include "host/surface/bells.hpp"
 #include "host/surface/gaussian.hpp"
 #include "host/surface/height_map.hpp"
@@ -33,55 +32,7 @@ constexpr double most_stretched = 1.25;
 /// ... and it begins up to this many places later.
 constexpr int most_moved = 64;
 
-// ---- transforms
-
 using Complex = std::complex<double>;
-
-/// FFTW's plans are made one at a time.
-std::mutex& planning() {
-  static std::mutex one;
-  return one;
-}
-
-/// The real numbers sum_j c_j exp(2 pi i j n/N), c_-j = conj c_j, from c_0 ... c_{N/2}.
-std::vector<double> to_places(std::vector<Complex> c, int places) {
-  std::vector<double> out(static_cast<std::size_t>(places));
-  std::unique_lock lock(planning());
-  const fftw_plan plan = fftw_plan_dft_c2r_1d(places, reinterpret_cast<fftw_complex*>(c.data()),
-                                              out.data(), FFTW_ESTIMATE);
-  lock.unlock();
-  fftw_execute(plan);
-  lock.lock();
-  fftw_destroy_plan(plan);
-  return out;
-}
-
-/// 2/N sum_n even_n cos(2 pi j n/N), j = 0 ... N/2, of an even sequence.
-std::vector<double> to_waves(std::vector<double> even) {
-  const int places = static_cast<int>(even.size());
-  std::vector<Complex> c(even.size() / 2 + 1);
-  std::unique_lock lock(planning());
-  const fftw_plan plan = fftw_plan_dft_r2c_1d(
-      places, even.data(), reinterpret_cast<fftw_complex*>(c.data()), FFTW_ESTIMATE);
-  lock.unlock();
-  fftw_execute(plan);
-  lock.lock();
-  fftw_destroy_plan(plan);
-  std::vector<double> out;
-  out.reserve(c.size());
-  for (const Complex& value : c) out.push_back(2 * value.real() / places);
-  return out;
-}
-
-/// The next number that transforms are quick with, and even.
-int quick_number(double least) {
-  for (int n = 2 * static_cast<int>(std::ceil(least / 2));; n += 2) {
-    int left = n;
-    for (const int factor : {2, 3, 5, 7})
-      while (left % factor == 0) left /= factor;
-    if (left == 1) return n;
-  }
-}
 
 // ---- the process
 
@@ -127,7 +78,7 @@ Waves waves_of(const RandomProfile& p, double length) {
         "waves from {:.10g} m down to {:.10g} m on a beam of {:.10g} m are too many: raise the "
         "shortest",
         length + memory(p), p.shortest, length));
-  out.places = quick_number(least);
+  out.places = static_cast<int>(quick_length(static_cast<std::size_t>(std::ceil(least))));
   const double step = 2 * pi / (out.places * out.place), last = 2 * pi / p.shortest;
   const auto count = static_cast<std::size_t>(std::floor(last / step + 0.5)) + 1;
   out.variance.assign(std::min(count, static_cast<std::size_t>(out.places / 4) + 1), 0.0);
@@ -154,13 +105,16 @@ Waves waves_of(const RandomProfile& p, double length) {
 /// left out: a variance below 0, and waves shorter than the shortest.
 Waves before_map(Waves waves, const HeightMap& map) {
   if (map.is_identity()) return waves;
-  std::vector<Complex> half(static_cast<std::size_t>(waves.places) / 2 + 1);
+  const auto places = static_cast<std::size_t>(waves.places);
+  std::vector<Complex> half(places / 2 + 1);
   for (std::size_t j = 0; j < waves.variance.size(); ++j) half[j] = waves.variance[j] / 2;
-  std::vector<double> correlation = to_places(std::move(half), waves.places);
-  for (double& value : correlation) value = map.normal_correlation(value);
-  const std::vector<double> found = to_waves(std::move(correlation));
+  const std::vector<double> correlation = from_lines(std::move(half), places);
+  Fourier normal(places);
+  for (std::size_t n = 0; n < places; ++n)
+    normal.input()[n] = map.normal_correlation(correlation[n]);
+  normal.transform();
   for (std::size_t j = 1; j < waves.variance.size(); ++j)
-    waves.variance[j] = std::max(0.0, found[j]);
+    waves.variance[j] = std::max(0.0, normal.line(j).real());
   scale_to_one(waves.variance);
   return waves;
 }
@@ -209,7 +163,8 @@ Process bells_of_waves(const RandomProfile& p, const HeightMap& map, double leng
     const Complex noise(white_noise(seed, number), -white_noise(seed, number + 1));
     half[j] = std::sqrt(waves.variance[j]) / 2 / Bells::gain(waves.turn(j)) * noise;
   }
-  const std::vector<double> period = to_places(std::move(half), waves.places);
+  const std::vector<double> period =
+      from_lines(std::move(half), static_cast<std::size_t>(waves.places));
   const int last = last_place(length, waves.place) + 2 * Bells::reach;
   std::vector<double> coefficients;
   coefficients.reserve(static_cast<std::size_t>(last) + 1);

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <complex>
 #include <cstddef>
 #include <memory>
 #include <span>
+#include <vector>
 
 namespace ra2d {
 
 /// The discrete Fourier transform of real numbers, X_j = sum_n x_n exp(-2 pi i j n / N), by FFTW in
-/// double precision; its powers alone.
+/// double precision.
 class Fourier {
  public:
   explicit Fourier(std::size_t length);
@@ -19,6 +21,7 @@ class Fourier {
   std::size_t lines() const { return length_ / 2 + 1; }    // j = 0 ... N/2
   std::span<double> input() { return {input_, length_}; }  // x, which a transform leaves as it is
   void transform();
+  std::complex<double> line(std::size_t j) const;  // X_j
   /// |X_j|^2, counted for +j and -j together: twice, but for j = 0 and j = N/2.
   double power(std::size_t j) const;
 
@@ -28,6 +31,9 @@ class Fourier {
   std::unique_ptr<Plan> plan_;
   double* input_;
 };
+
+/// The real numbers x_n = sum_j X_j exp(2 pi i j n / N) with X_-j = conj X_j, from X_0 ... X_{N/2}.
+std::vector<double> from_lines(std::vector<std::complex<double>> lines, std::size_t length);
 
 /// The smallest length of at least `least` with no prime factor above 7, which are quick to transform.
 std::size_t quick_length(std::size_t least);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "host/analysis/fourier.hpp"
+#include "host/fourier.hpp"
 
 #include <fftw3.h>
 
@@ -45,6 +45,23 @@ Fourier::Fourier(std::size_t length)
 Fourier::~Fourier() = default;
 
 void Fourier::transform() { fftw_execute(plan_->plan); }
+
+std::complex<double> Fourier::line(std::size_t j) const {
+  return {plan_->output[j][0], plan_->output[j][1]};
+}
+
+std::vector<double> from_lines(std::vector<std::complex<double>> lines, std::size_t length) {
+  std::vector<double> out(length);
+  std::unique_lock lock(planner());
+  const fftw_plan plan =
+      fftw_plan_dft_c2r_1d(static_cast<int>(length), reinterpret_cast<fftw_complex*>(lines.data()),
+                           out.data(), FFTW_ESTIMATE);
+  lock.unlock();
+  fftw_execute(plan);
+  lock.lock();
+  fftw_destroy_plan(plan);
+  return out;
+}
 
 double Fourier::power(std::size_t j) const {
   const fftw_complex& x = plan_->output[j];
