@@ -63,3 +63,9 @@ find_path(RANDOM123_INCLUDE_DIR Random123/philox.h REQUIRED)
 find_path(XXHASH_INCLUDE_DIR xxhash.h REQUIRED)  # its header alone, 0.8 or later
 find_path(FFTW3_INCLUDE_DIR fftw3.h REQUIRED)
 find_library(FFTW3_LIBRARY fftw3 REQUIRED)  # of double precision
+find_path(LIBZIP_INCLUDE_DIR zip.h REQUIRED)  # these three read X3P
+find_library(LIBZIP_LIBRARY zip REQUIRED)
+find_path(PUGIXML_INCLUDE_DIR pugixml.hpp REQUIRED)
+find_library(PUGIXML_LIBRARY pugixml REQUIRED)
+find_path(CRYPTO_INCLUDE_DIR openssl/evp.h REQUIRED)
+find_library(CRYPTO_LIBRARY crypto REQUIRED)

@@ -28,8 +28,8 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 /// What the options say, word by word.
 struct Request {
   std::vector<std::filesystem::path> files;
-  std::optional<std::string> x_unit, z_unit, spacing, column, decimal, filter, cutoff, cutoff_s,
-      sampling_lengths, fill, rsm, rmr;
+  std::optional<std::string> x_unit, z_unit, spacing, column, row, decimal, filter, cutoff,
+      cutoff_s, sampling_lengths, fill, rsm, rmr;
   std::string form = "none";
   bool json = false;
 };
@@ -60,6 +60,15 @@ std::optional<LengthUnit> to_axis_unit(const char* option, const std::optional<s
   return unit;
 }
 
+std::optional<int> to_index(const char* option, const std::optional<std::string>& text,
+                            const char* expected) {
+  if (!text) return {};
+  const auto index = number_of(*text);
+  if (!index || *index < 1 || *index > 1e8 || *index != std::floor(*index))
+    refuse_option(option, *text, expected);
+  return static_cast<int>(*index);
+}
+
 /// One of two words, or what is meant without one.
 bool is_first(const char* option, const std::optional<std::string>& text, const char* first,
               const char* second) {
@@ -73,12 +82,8 @@ ProfileQuery query_of(const Request& request) {
   query.x_unit = to_axis_unit("--x-unit", request.x_unit);
   query.z_unit = to_axis_unit("--z-unit", request.z_unit);
   query.spacing = to_length("--spacing", request.spacing);
-  if (request.column) {
-    const auto column = number_of(*request.column);
-    if (!column || *column < 1 || *column > 1e6 || *column != std::floor(*column))
-      refuse_option("--column", *request.column, "a number of a column, from 1");
-    query.column = static_cast<int>(*column);
-  }
+  query.column = to_index("--column", request.column, "a number of a column, from 1");
+  query.row = to_index("--row", request.row, "a number of a row, from 1");
   if (request.decimal)
     query.decimal = is_first("--decimal", request.decimal, "point", "comma") ? DecimalMark::point
                                                                              : DecimalMark::comma;
@@ -222,9 +227,9 @@ int measure_files(const Request& request) {
 void add_surface_measure(CLI::App& surface, Chosen& chosen) {
   const auto asked = std::make_shared<Request>();
   Request& request = *asked;
-  CLI::App* measure = surface.add_subcommand(
-      "measure",
-      "roughness parameters (ISO 21920-2) of measured profiles: text of two columns, x and z");
+  CLI::App* measure = surface.add_subcommand("measure",
+                                             "roughness parameters (ISO 21920-2) of measured "
+                                             "profiles: text of two columns, x and z, SDF or X3P");
   const auto add = [&](const char* name, std::optional<std::string>& value, const char* type,
                        const char* what) {
     measure->add_option(name, value, what)->type_name(type);
@@ -233,7 +238,9 @@ void add_surface_measure(CLI::App& surface, Chosen& chosen) {
   add("--x-unit", request.x_unit, "UNIT", "of x: m, mm, um or nm [the file's own, or m]");
   add("--z-unit", request.z_unit, "UNIT", "of the heights [the file's own, or m]");
   add("--spacing", request.spacing, "M", "step in metres, of a file that has no x");
-  add("--column", request.column, "N", "the column of heights, from 1 [the second, after x]");
+  add("--column", request.column, "N",
+      "the column of heights, from 1 [the second, after x]; of an areal file a profile along y");
+  add("--row", request.row, "N", "the row of an areal file, from 1: a profile along x");
   add("--decimal", request.decimal, "MARK",
       "point or comma, where the file leaves it open [what the file tells]");
   measure

@@ -9,20 +9,17 @@
 #include <fstream>
 
 #include "host/errors.hpp"
+#include "host/surface/profile_sdf.hpp"
 #include "host/surface/profile_text.hpp"
+#include "host/surface/profile_x3p.hpp"
 
 namespace ra2d {
 namespace {
 
 constexpr double whole = 1e-9;  // of a spacing: a width that is a whole number of them
 
-/// What the first bytes say that is no text that is read; empty for text.
+/// What the first bytes say that is in no format that is read; empty for others.
 std::string_view other_format(std::string_view bytes) {
-  if (bytes.starts_with("PK\x03\x04")) return "X3P (or another zip archive), which is not read yet";
-  for (const char* version : {"BCR-1.0", "ISO-1.0", "NIST-1.0"})
-    if (bytes.starts_with(std::string("a") + version) ||
-        bytes.starts_with(std::string("b") + version))
-      return "SDF, which is not read yet";
   if (bytes.starts_with("\xff\xfe") || bytes.starts_with("\xfe\xff"))
     return "text in UTF-16: save it as UTF-8";
   if (bytes.find('\0') != bytes.npos) return "binary, and in no format that is read";
@@ -46,17 +43,32 @@ std::optional<LengthUnit> to_unit(std::string_view word) {
   return {};
 }
 
-Profile read_measured_profile(const std::filesystem::path& file, const ProfileQuery& query) {
+ProfileFormat format_of(const std::filesystem::path& file) {
   std::array<char, 4096> bytes{};
-  {
-    std::error_code error;
-    std::ifstream stream;
-    if (std::filesystem::is_regular_file(file, error)) stream.open(file, std::ios::binary);
-    stream.read(bytes.data(), bytes.size());  // what cannot be read, the reader of text refuses
-    const std::string_view begin(bytes.data(), static_cast<std::size_t>(stream.gcount()));
-    if (const auto format = other_format(begin); !format.empty())
-      throw RequestError(fmt::format("{}: the file is {}", file.string(), format));
+  std::error_code error;
+  std::ifstream stream;
+  if (std::filesystem::is_regular_file(file, error)) stream.open(file, std::ios::binary);
+  stream.read(bytes.data(), bytes.size());  // what cannot be read, the reader of text refuses
+  const std::string_view begin(bytes.data(), static_cast<std::size_t>(stream.gcount()));
+  if (begins_as_sdf(begin)) return ProfileFormat::sdf;
+  if (begin.starts_with("PK\x03\x04")) return ProfileFormat::x3p;
+  if (const auto format = other_format(begin); !format.empty())
+    throw RequestError(fmt::format("{}: the file is {}", file.string(), format));
+  return ProfileFormat::text;
+}
+
+Profile read_measured_profile(const std::filesystem::path& file, const ProfileQuery& query) {
+  switch (format_of(file)) {
+    case ProfileFormat::sdf:
+      return read_profile_sdf(file, query);
+    case ProfileFormat::x3p:
+      return read_profile_x3p(file, query);
+    case ProfileFormat::text:
+      break;
   }
+  if (query.row)
+    throw RequestError(fmt::format("{}: --row {}: a text has columns and no rows: drop the option",
+                                   file.string(), *query.row));
   return read_profile_text(file, query);
 }
 

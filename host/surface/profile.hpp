@@ -34,12 +34,19 @@ enum class DecimalMark { of_the_file, point, comma };
 struct ProfileQuery {
   std::optional<LengthUnit> x_unit, z_unit;
   std::optional<double> spacing;  // m, of a file that has no x
-  std::optional<int> column;      // of the heights, from 1
+  std::optional<int> column;      // of the heights, from 1; of an areal file a profile along y
+  std::optional<int> row;         // of an areal file, from 1: a profile along x
   DecimalMark decimal = DecimalMark::of_the_file;
 };
 
-/// Reads a file in the format that its content tells: text so far. Throws RequestError, with file and
-/// line, for what cannot be understood or is not told; FileError where it cannot be read.
+enum class ProfileFormat { text, sdf, x3p };
+
+/// What the content of a file says that it is; text where it cannot be read. Throws RequestError for
+/// what is clearly something else.
+ProfileFormat format_of(const std::filesystem::path& file);
+
+/// Reads a file in the format that its content tells. Throws RequestError, with file and line, for
+/// what cannot be understood or is not told; FileError where it cannot be read.
 Profile read_measured_profile(const std::filesystem::path& file, const ProfileQuery& query);
 
 /// Puts straight lines through gaps of missing points that are at most `width` [m] wide, of which

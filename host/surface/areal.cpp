@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/surface/areal.hpp"
+
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <system_error>
+
+#include "host/errors.hpp"
+
+namespace ra2d {
+namespace {
+
+void check_query(const std::string& name, const char* format, const ProfileQuery& query) {
+  const auto disagree = [&](const char* axis, const std::optional<LengthUnit>& unit) {
+    if (unit && unit->metres != 1)
+      throw RequestError(fmt::format(
+          "{}: {} is in m, as in every {} file, and in {} by --{}-unit: drop the option", name,
+          axis, format, unit->name, axis));
+  };
+  disagree("x", query.x_unit);
+  disagree("z", query.z_unit);
+  if (query.spacing)
+    throw RequestError(
+        fmt::format("{}: --spacing is of texts without x: {} tells its own", name, format));
+  if (query.decimal == DecimalMark::comma)
+    throw RequestError(
+        fmt::format("{}: --decimal is of texts: {} knows no decimal comma", name, format));
+}
+
+}  // namespace
+
+GridLine choose_line(const std::filesystem::path& file, const char* format, const Grid& grid,
+                     const ProfileQuery& query) {
+  const std::string name = file.string();
+  check_query(name, format, query);
+  if (grid.points == 0 || grid.profiles == 0 || grid.points > most_grid_points ||
+      grid.profiles > most_grid_points / grid.points)
+    throw RequestError(fmt::format("{}: {} by {} points: expected from 1 to {} of them", name,
+                                   grid.points, grid.profiles, most_grid_points));
+  if (query.row && query.column)
+    throw RequestError(fmt::format("{}: --row and --column: expected one of them", name));
+  const auto wrong = [&](const char* option, int value, std::uint64_t most, const char* what) {
+    return RequestError(
+        fmt::format("{}: --{} {}: the file has the {} 1 to {}", name, option, value, what, most));
+  };
+  if (grid.profiles == 1 && query.column)
+    throw RequestError(fmt::format("{}: --column {}: the file is one profile: drop the option",
+                                   name, *query.column));
+  if (grid.profiles > 1 && !query.row && !query.column)
+    throw RequestError(
+        fmt::format("{}: an areal file: say with --row (1 to {}, along x) or --column (1 to {}, "
+                    "along y) which profile of it is meant",
+                    name, grid.profiles, grid.points));
+  if (query.column) {
+    const int column = *query.column;
+    if (column < 1 || static_cast<std::uint64_t>(column) > grid.points)
+      throw wrong("column", column, grid.points, "columns");
+    return {static_cast<std::uint64_t>(column) - 1, grid.points, grid.profiles, grid.dy, true};
+  }
+  const int row = query.row.value_or(1);
+  if (row < 1 || static_cast<std::uint64_t>(row) > grid.profiles)
+    throw wrong("row", row, grid.profiles, "rows");
+  return {(static_cast<std::uint64_t>(row) - 1) * grid.points, 1, grid.points, grid.dx, false};
+}
+
+void require_heights(const std::filesystem::path& file, const Profile& profile) {
+  const std::size_t count = profile.heights.size();
+  if (count < 2)
+    throw RequestError(fmt::format("{}: a profile of 1 point, expected at least 2", file.string()));
+  if (profile.missing() == count)
+    throw RequestError(fmt::format("{}: every height is missing", file.string()));
+}
+
+std::uintmax_t open_areal(const std::filesystem::path& file, std::ifstream& stream) {
+  const auto unreadable = [&](const std::string& why) {
+    return FileError(fmt::format("cannot read the profile {}: {}", file.string(), why));
+  };
+  std::error_code error;
+  const auto status = std::filesystem::status(file, error);
+  if (error) throw unreadable(error.message());
+  if (!std::filesystem::is_regular_file(status)) throw unreadable("it is not a regular file");
+  const std::uintmax_t size = std::filesystem::file_size(file, error);
+  if (error) throw unreadable(error.message());
+  if (size > largest_areal_file)
+    throw RequestError(
+        fmt::format("{}: the file has {} bytes, at most 1 GiB is read", file.string(), size));
+  stream.open(file, std::ios::binary);
+  if (!stream) throw unreadable(std::generic_category().message(errno));
+  return size;
+}
+
+}  // namespace ra2d

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+
+#include "host/surface/profile.hpp"
+
+/// What the readers of SDF and of X3P share: grids of heights, of which a profile is a line.
+namespace ra2d {
+
+constexpr std::uint64_t most_grid_points = 50'000'000;
+constexpr std::uintmax_t largest_areal_file = std::uintmax_t{1} << 30;  // bytes
+
+/// Heights in rows along x, row after row as the file has them.
+struct Grid {
+  std::uint64_t points, profiles;  // along x, and rows
+  double dx, dy;                   // m; not of an axis that lists its places
+};
+
+/// Which heights of a grid are the profile: first, first + stride, ...
+struct GridLine {
+  std::uint64_t first, stride, count;
+  double spacing;  // m
+  bool along_y;    // a column
+};
+
+/// The line that is asked for, or the only one. Throws RequestError where that is none, and for what
+/// such a file does not leave open: units, spacing, decimal marks.
+GridLine choose_line(const std::filesystem::path& file, const char* format, const Grid& grid,
+                     const ProfileQuery& query);
+
+/// Throws RequestError for a profile without heights.
+void require_heights(const std::filesystem::path& file, const Profile& profile);
+
+/// Opens a regular file of at most 1 GiB and tells its size. Throws FileError where it cannot be
+/// read, RequestError where it is too large.
+std::uintmax_t open_areal(const std::filesystem::path& file, std::ifstream& stream);
+
+}  // namespace ra2d

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <bit>
+#include <cstddef>
+#include <cstring>
+
+namespace ra2d {
+
+/// A number that a file stores with the lowest byte first, on any machine.
+template <class T>
+T little_endian(const char* bytes) {
+  unsigned char own[sizeof(T)];
+  std::memcpy(own, bytes, sizeof(T));
+  if constexpr (std::endian::native == std::endian::big)
+    for (std::size_t i = 0; i < sizeof(T) / 2; ++i) {
+      const unsigned char low = own[i];
+      own[i] = own[sizeof(T) - 1 - i];
+      own[sizeof(T) - 1 - i] = low;
+    }
+  T value;
+  std::memcpy(&value, own, sizeof(T));
+  return value;
+}
+
+}  // namespace ra2d
