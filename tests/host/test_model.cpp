@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -145,6 +146,18 @@ TEST(Clock, GivesShocksTheirTimes) {
   EXPECT_EQ(shock.peak_force, 2.0);
   EXPECT_NEAR(shock.impulse, 4e-5, 4 * eps * 4e-5);
   EXPECT_NEAR(shock.position, 100 * s.spacing, 4 * eps * 100 * s.spacing);
+}
+
+TEST(Touching, IsTheSmallestGapWithoutOverlap) {
+  // the highest place of both faces together is in the middle, where the peaks stand against each other
+  Scene s = plate_scene(3, 0.004, 1e-3);
+  s.gap.reset();
+  s.resonator.surface = peaks({{.at = 0.022, .height = 3e-6, .half_width = 3e-4}});
+  s.slider.surface = peaks({{.at = 0.002, .height = 2e-6, .half_width = 3e-4}});
+  const Model m = make_model(s);
+  EXPECT_NEAR(m.delta, 5e-6, 8 * eps * 5e-6);
+  const std::vector<double> overlap = overlaps(m, {}, {});
+  EXPECT_NEAR(*std::max_element(overlap.begin(), overlap.end()), 0, 8 * eps * 5e-6);
 }
 
 TEST(Level, IsOfTheElasticMotionAlone) {
