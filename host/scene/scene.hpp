@@ -34,11 +34,29 @@ enum class Correlation { gaussian, exponential, self_affine };
 /// What a random surface has exactly over the beam's length, and not in expectation alone.
 enum class Exactly { rq, rq_and_rsm, nothing };
 
+/// What the numbers of a file are in.
+enum class FileUnit { m, mm, um, nm };
+enum class FaceFilter { none, gaussian };
+/// What is done with a profile that is shorter than the beam.
+enum class ShortProfile { refuse, repeat };
+
+/// How a measured profile is read and prepared, beyond what its file tells.
+struct FilePreparation {
+  std::optional<FileUnit> x_unit, z_unit;
+  std::optional<int> row, column;  // from 1
+  std::string form, fill;          // "line", "linear:1e-5"; empty: none
+  FaceFilter filter = FaceFilter::none;
+  std::optional<double> cutoff, cutoff_s;  // m
+  ShortProfile when_short = ShortProfile::refuse;
+  bool operator==(const FilePreparation&) const = default;
+};
+
 /// A rough face, its heights positive towards the opposite body.
 struct SurfaceSpec {
   SurfaceKind kind = SurfaceKind::flat;
   std::vector<Peak> peaks;     // peaks
   std::filesystem::path path;  // file: as written, relative to the scene's folder
+  FilePreparation prepared;    // file
   // gaussian
   double rq = 0;              // m, root mean square height
   std::optional<double> rsm;  // m, mean spacing of the profile elements ...

@@ -16,6 +16,8 @@
 #include "host/scene/schemes.hpp"
 #include "host/scene_file/checks.hpp"
 #include "host/scene_file/reader.hpp"
+#include "host/surface/form.hpp"
+#include "host/surface/profile.hpp"
 #include "host/text.hpp"
 
 namespace ra2d {
@@ -27,6 +29,39 @@ constexpr int most_asked = 1'000'000;       // modes
 constexpr std::size_t longest_path = 4096;  // bytes, of a file that the system opens
 
 Need needed(bool is) { return is ? Need::required : Need::optional; }
+
+/// The text of a key that `understand` takes; empty for what is none.
+template <class Understand>
+std::string read_words(Reader& in, const std::string& key, const std::string& path,
+                       Document& document, const char* expected, const Understand& understand) {
+  const auto text = in.text(key, expected, Need::optional);
+  if (!text || *text == "none") return {};
+  if (!understand(*text))
+    document.fault(path + "." + key, fmt::format("{} is not allowed: expected {}",
+                                                 toml_string(shortened(*text)), expected));
+  return *text;
+}
+
+FilePreparation read_preparation(Reader& in, const std::string& path, Document& document) {
+  constexpr std::int64_t most = 100'000'000;
+  FilePreparation how;
+  how.x_unit = in.choice("x_unit", file_units, Need::optional);
+  how.z_unit = in.choice("z_unit", file_units, Need::optional);
+  if (const auto row = in.integer("row", 1, most, Need::optional)) how.row = static_cast<int>(*row);
+  if (const auto column = in.integer("column", 1, most, Need::optional))
+    how.column = static_cast<int>(*column);
+  how.form =
+      read_words(in, "form", path, document, "none, mean, line or poly:N with N from 0 to 10",
+                 [](const std::string& text) { return understand_form(text).has_value(); });
+  how.fill = read_words(in, "fill", path, document, "linear:WIDTH, with a width in metres",
+                        [](const std::string& text) { return to_fill_width(text).has_value(); });
+  how.filter = in.choice("filter", face_filters, Need::optional).value_or(FaceFilter::none);
+  how.cutoff = in.number("cutoff", positive, "m", Need::optional);
+  how.cutoff_s = in.number("cutoff_s", positive, "m", Need::optional);
+  how.when_short =
+      in.choice("short", short_profiles, Need::optional).value_or(ShortProfile::refuse);
+  return how;
+}
 
 SurfaceSpec read_surface(Reader in, const std::string& path, Document& document) {
   const auto kind = in.choice("kind", surface_kinds, Need::required);
@@ -71,6 +106,7 @@ SurfaceSpec read_surface(Reader in, const std::string& path, Document& document)
                                          "profile");
   }
   surface.path = profile.value_or("");
+  surface.prepared = read_preparation(in, path, document);
   for (Reader peak : in.tables("peaks", needed(kind == SurfaceKind::peaks)))
     surface.peaks.push_back({.at = *peak.number("at", any_number, "m"),
                              .height = *peak.number("height", any_number, "m"),
