@@ -107,9 +107,8 @@ MeasureOptions options_of(const Request& request) {
   }
   if (request.fill) {
     const std::string& text = *request.fill;
-    const auto width =
-        text.starts_with("linear:") ? number_of(std::string_view(text).substr(7)) : std::nullopt;
-    if (!width || *width <= 0)
+    const auto width = to_fill_width(text);
+    if (!width)
       refuse_option("--fill", text, "linear:WIDTH, with a width in metres, like linear:1e-5");
     options.fill = *width;
   }

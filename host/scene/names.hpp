@@ -31,6 +31,12 @@ inline const Choices<Correlation> correlations{{{"gaussian", Correlation::gaussi
                                                 {"self-affine", Correlation::self_affine}}};
 inline const Choices<Exactly> exact_choices{
     {{"rq", Exactly::rq}, {"rq+rsm", Exactly::rq_and_rsm}, {"none", Exactly::nothing}}};
+inline const Choices<FileUnit> file_units{
+    {{"m", FileUnit::m}, {"mm", FileUnit::mm}, {"um", FileUnit::um}, {"nm", FileUnit::nm}}};
+inline const Choices<FaceFilter> face_filters{
+    {{"gaussian", FaceFilter::gaussian}, {"none", FaceFilter::none}}};
+inline const Choices<ShortProfile> short_profiles{
+    {{"refuse", ShortProfile::refuse}, {"repeat", ShortProfile::repeat}}};
 inline const Choices<Initial> initial_states{
     {{"rest", Initial::rest}, {"static", Initial::statics}}};
 inline const Choices<ContactLaw> contact_laws{

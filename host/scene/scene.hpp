@@ -34,15 +34,21 @@ enum class Correlation { gaussian, exponential, self_affine };
 /// What a random surface has exactly over the beam's length, and not in expectation alone.
 enum class Exactly { rq, rq_and_rsm, nothing };
 
-/// How a measured profile is read and what is taken off it. Without any of it: two columns in metres,
-/// as they are.
-struct ProfileSpec {
-  std::optional<std::string> x_unit, z_unit;  // m, mm, um or nm
-  std::optional<int> column;                  // of the heights, from 1
-  std::optional<std::string> form;            // none, mean, line or poly:N
-  std::optional<std::string> filter;          // gaussian or none
-  std::optional<double> cutoff, cutoff_s;     // m
-  bool operator==(const ProfileSpec&) const = default;
+/// What the numbers of a file are in.
+enum class FileUnit { m, mm, um, nm };
+enum class FaceFilter { none, gaussian };
+/// What is done with a profile that is shorter than the beam.
+enum class ShortProfile { refuse, repeat };
+
+/// How a measured profile is read and prepared, beyond what its file tells.
+struct FilePreparation {
+  std::optional<FileUnit> x_unit, z_unit;
+  std::optional<int> row, column;  // from 1
+  std::string form, fill;          // "line", "linear:1e-5"; empty: none
+  FaceFilter filter = FaceFilter::none;
+  std::optional<double> cutoff, cutoff_s;  // m
+  ShortProfile when_short = ShortProfile::refuse;
+  bool operator==(const FilePreparation&) const = default;
 };
 
 /// A rough face, its heights positive towards the opposite body.
@@ -50,7 +56,7 @@ struct SurfaceSpec {
   SurfaceKind kind = SurfaceKind::flat;
   std::vector<Peak> peaks;     // peaks
   std::filesystem::path path;  // file: as written, relative to the scene's folder
-  ProfileSpec profile;         // file
+  FilePreparation prepared;    // file
   // gaussian
   double rq = 0;              // m, root mean square height
   std::optional<double> rsm;  // m, mean spacing of the profile elements ...

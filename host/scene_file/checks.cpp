@@ -9,6 +9,7 @@
 #include "host/beam/beam.hpp"
 #include "host/scene/names.hpp"
 #include "host/scene/schemes.hpp"
+#include "host/surface/measure.hpp"
 #include "host/text.hpp"
 #include "kernels/limits.hpp"
 
@@ -179,6 +180,20 @@ void check_modes(const Scene& s, Document& document) {
                   most, cure));
 }
 
+void check_preparation(const std::string& name, const FilePreparation& how, Document& document) {
+  const auto fault = [&](const char* key, const std::string& what) {
+    document.fault(fmt::format("{}.surface.{}", name, key), what);
+  };
+  const bool filtered = how.filter == FaceFilter::gaussian;
+  if (how.row && how.column) fault("column", "stands beside `row`: expected one of them");
+  if (how.cutoff && !filtered)
+    fault("cutoff", "there is no filter that it would be of: expected filter = \"gaussian\" too");
+  const double cutoff = how.cutoff.value_or(usual_cutoff);
+  if (how.cutoff_s && filtered && *how.cutoff_s >= cutoff)
+    fault("cutoff_s",
+          fmt::format("{} m: expected less than the cutoff, {} m", *how.cutoff_s, cutoff));
+}
+
 void check_surface(const Scene& s, const std::string& name, const BodySpec& body,
                    Document& document) {
   const SurfaceSpec& surface = body.surface;
@@ -199,6 +214,7 @@ void check_surface(const Scene& s, const std::string& name, const BodySpec& body
                                  "(is it in another unit?)",
                                  surface.rq, body.length));
   }
+  if (surface.kind == SurfaceKind::file) check_preparation(name, surface.prepared, document);
   if (surface.kind != SurfaceKind::peaks) return;
   for (std::size_t i = 0; i < surface.peaks.size(); ++i) {
     const Peak& peak = surface.peaks[i];

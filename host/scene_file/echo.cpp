@@ -62,21 +62,26 @@ void write_surface(const SurfaceSpec& surface, const std::filesystem::path& fold
       toml_string(surface.path.empty()
                       ? std::string()
                       : absolute(folder / surface.path).lexically_normal().string()));
-  const ProfileSpec& profile = surface.profile;
-  const auto word = [&](const char* name, const std::optional<std::string>& value) {
-    key(SurfaceKind::file, value.has_value(), name, toml_string(value.value_or("")));
+  const FilePreparation& how = surface.prepared;
+  const auto word = [&](const char* name, bool stands, const std::string& text) {
+    key(SurfaceKind::file, stands, name, toml_string(text));
+  };
+  const auto index = [&](const char* name, const std::optional<int>& number) {
+    key(SurfaceKind::file, number.has_value(), name, fmt::format("{}", number.value_or(0)));
   };
   const auto length = [&](const char* name, const std::optional<double>& value) {
     key(SurfaceKind::file, value.has_value(), name, toml_number(value.value_or(0)));
   };
-  word("x_unit", profile.x_unit);
-  word("z_unit", profile.z_unit);
-  key(SurfaceKind::file, profile.column.has_value(), "column",
-      fmt::format("{}", profile.column.value_or(0)));
-  word("form", profile.form);
-  word("filter", profile.filter);
-  length("cutoff", profile.cutoff);
-  length("cutoff_s", profile.cutoff_s);
+  word("x_unit", how.x_unit.has_value(), file_units.name(how.x_unit.value_or(FileUnit::m)));
+  word("z_unit", how.z_unit.has_value(), file_units.name(how.z_unit.value_or(FileUnit::m)));
+  index("row", how.row);
+  index("column", how.column);
+  word("fill", !how.fill.empty(), how.fill);
+  word("form", !how.form.empty(), how.form);
+  length("cutoff_s", how.cutoff_s);
+  word("filter", how.filter != FaceFilter::none, face_filters.name(how.filter));
+  length("cutoff", how.cutoff);
+  word("short", how.when_short != ShortProfile::refuse, short_profiles.name(how.when_short));
   key(SurfaceKind::gaussian, surface.rq != 0, "rq", toml_number(surface.rq));
   key(SurfaceKind::gaussian, surface.rsm.has_value(), "rsm", toml_number(surface.rsm.value_or(0)));
   key(SurfaceKind::gaussian, surface.correlation_length.has_value(), "correlation_length",

@@ -30,38 +30,37 @@ constexpr std::size_t longest_path = 4096;  // bytes, of a file that the system 
 
 Need needed(bool is) { return is ? Need::required : Need::optional; }
 
-/// The keys of a measured profile.
-ProfileSpec read_profile_keys(Reader& in, const std::string& path, Document& document) {
-  ProfileSpec profile;
-  const auto unit = [&](const char* key) {
-    const auto word = in.text(key, "\"m\", \"mm\", \"um\" or \"nm\"", Need::optional);
-    if (word && !to_unit(*word))
-      document.fault(path + '.' + key, toml_string(shortened(*word)) +
-                                           " is not allowed: expected \"m\", \"mm\", \"um\" or "
-                                           "\"nm\"");
-    return word;
-  };
-  profile.x_unit = unit("x_unit");
-  profile.z_unit = unit("z_unit");
-  if (const auto column = in.integer("column", 2, 1'000'000, Need::optional))
-    profile.column = static_cast<int>(*column);
-  profile.form = in.text("form", "\"none\", \"mean\", \"line\" or \"poly:N\"", Need::optional);
-  try {
-    to_form(profile.form.value_or("none"));
-  } catch (const RequestError& fault) {
-    document.fault(path + ".form", fault.what());
-  }
-  profile.filter = in.text("filter", "\"gaussian\" or \"none\"", Need::optional);
-  profile.cutoff = in.number("cutoff", positive, "m", Need::optional);
-  profile.cutoff_s = in.number("cutoff_s", positive, "m", Need::optional);
-  if (profile.filter && profile.filter != "gaussian" && profile.filter != "none")
-    document.fault(path + ".filter", toml_string(shortened(*profile.filter)) +
-                                         " is not allowed: expected \"gaussian\" or \"none\"");
-  if (profile.filter == "gaussian" && !profile.cutoff)
-    document.fault(path + ".filter", "missing beside it: expected a cutoff, like 2.5e-3 m");
-  if (profile.filter == "none" && profile.cutoff)
-    document.fault(path + ".cutoff", "without a filter there is none: drop it, or the filter");
-  return profile;
+/// The text of a key that `understand` takes; empty for what is none.
+template <class Understand>
+std::string read_words(Reader& in, const std::string& key, const std::string& path,
+                       Document& document, const char* expected, const Understand& understand) {
+  const auto text = in.text(key, expected, Need::optional);
+  if (!text || *text == "none") return {};
+  if (!understand(*text))
+    document.fault(path + "." + key, fmt::format("{} is not allowed: expected {}",
+                                                 toml_string(shortened(*text)), expected));
+  return *text;
+}
+
+FilePreparation read_preparation(Reader& in, const std::string& path, Document& document) {
+  constexpr std::int64_t most = 100'000'000;
+  FilePreparation how;
+  how.x_unit = in.choice("x_unit", file_units, Need::optional);
+  how.z_unit = in.choice("z_unit", file_units, Need::optional);
+  if (const auto row = in.integer("row", 1, most, Need::optional)) how.row = static_cast<int>(*row);
+  if (const auto column = in.integer("column", 1, most, Need::optional))
+    how.column = static_cast<int>(*column);
+  how.form =
+      read_words(in, "form", path, document, "none, mean, line or poly:N with N from 0 to 10",
+                 [](const std::string& text) { return understand_form(text).has_value(); });
+  how.fill = read_words(in, "fill", path, document, "linear:WIDTH, with a width in metres",
+                        [](const std::string& text) { return to_fill_width(text).has_value(); });
+  how.filter = in.choice("filter", face_filters, Need::optional).value_or(FaceFilter::none);
+  how.cutoff = in.number("cutoff", positive, "m", Need::optional);
+  how.cutoff_s = in.number("cutoff_s", positive, "m", Need::optional);
+  how.when_short =
+      in.choice("short", short_profiles, Need::optional).value_or(ShortProfile::refuse);
+  return how;
 }
 
 SurfaceSpec read_surface(Reader in, const std::string& path, Document& document) {
@@ -107,7 +106,7 @@ SurfaceSpec read_surface(Reader in, const std::string& path, Document& document)
                                          "profile");
   }
   surface.path = profile.value_or("");
-  surface.profile = read_profile_keys(in, path, document);
+  surface.prepared = read_preparation(in, path, document);
   for (Reader peak : in.tables("peaks", needed(kind == SurfaceKind::peaks)))
     surface.peaks.push_back({.at = *peak.number("at", any_number, "m"),
                              .height = *peak.number("height", any_number, "m"),

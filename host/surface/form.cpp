@@ -13,18 +13,23 @@
 
 namespace ra2d {
 
-ProfileForm to_form(std::string_view text) {
-  if (text == "none") return {ProfileForm::none};
-  if (text == "mean") return {0};
-  if (text == "line") return {1};
+std::optional<ProfileForm> understand_form(std::string_view text) {
+  if (text == "none") return ProfileForm{ProfileForm::none};
+  if (text == "mean") return ProfileForm{0};
+  if (text == "line") return ProfileForm{1};
   if (text.starts_with("poly:")) {
     const std::string_view number = text.substr(5);
     int degree = -1;
     const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), degree);
     if (error == std::errc{} && end == number.data() + number.size() && degree >= 0 &&
         degree <= ProfileForm::highest)
-      return {degree};
+      return ProfileForm{degree};
   }
+  return {};
+}
+
+ProfileForm to_form(std::string_view text) {
+  if (const auto form = understand_form(text)) return *form;
   throw RequestError(
       fmt::format("form '{}': expected none, mean, line or poly:N with N from 0 to {}",
                   shortened(std::string(text)), ProfileForm::highest));

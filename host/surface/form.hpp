@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -12,6 +13,8 @@ struct ProfileForm {
   int degree = none;
 };
 
+/// Of `none`, `mean`, `line` or `poly:N`; nothing for anything else.
+std::optional<ProfileForm> understand_form(std::string_view text);
 /// Of `none`, `mean`, `line` or `poly:N`. Throws RequestError for anything else.
 ProfileForm to_form(std::string_view text);
 

@@ -4,11 +4,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <fstream>
 
 #include "host/errors.hpp"
+#include "host/surface/profile_lines.hpp"
 #include "host/surface/profile_sdf.hpp"
 #include "host/surface/profile_text.hpp"
 #include "host/surface/profile_x3p.hpp"
@@ -24,6 +24,17 @@ std::string_view other_format(std::string_view bytes) {
     return "text in UTF-16: save it as UTF-8";
   if (bytes.find('\0') != bytes.npos) return "binary, and in no format that is read";
   return {};
+}
+
+/// The first bytes; none where it cannot be read, which the reader of text refuses.
+std::string beginning(const std::filesystem::path& file) {
+  std::string bytes(4096, '\0');
+  std::error_code error;
+  std::ifstream stream;
+  if (std::filesystem::is_regular_file(file, error)) stream.open(file, std::ios::binary);
+  stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  bytes.resize(static_cast<std::size_t>(stream.gcount()));
+  return bytes;
 }
 
 }  // namespace
@@ -44,16 +55,9 @@ std::optional<LengthUnit> to_unit(std::string_view word) {
 }
 
 ProfileFormat format_of(const std::filesystem::path& file) {
-  std::array<char, 4096> bytes{};
-  std::error_code error;
-  std::ifstream stream;
-  if (std::filesystem::is_regular_file(file, error)) stream.open(file, std::ios::binary);
-  stream.read(bytes.data(), bytes.size());  // what cannot be read, the reader of text refuses
-  const std::string_view begin(bytes.data(), static_cast<std::size_t>(stream.gcount()));
+  const std::string begin = beginning(file);
   if (begins_as_sdf(begin)) return ProfileFormat::sdf;
   if (begin.starts_with("PK\x03\x04")) return ProfileFormat::x3p;
-  if (const auto format = other_format(begin); !format.empty())
-    throw RequestError(fmt::format("{}: the file is {}", file.string(), format));
   return ProfileFormat::text;
 }
 
@@ -66,10 +70,20 @@ Profile read_measured_profile(const std::filesystem::path& file, const ProfileQu
     case ProfileFormat::text:
       break;
   }
+  if (const auto format = other_format(beginning(file)); !format.empty())
+    throw RequestError(fmt::format("{}: the file is {}", file.string(), format));
   if (query.row)
     throw RequestError(fmt::format("{}: --row {}: a text has columns and no rows: drop the option",
                                    file.string(), *query.row));
   return read_profile_text(file, query);
+}
+
+std::optional<double> to_fill_width(std::string_view text) {
+  constexpr std::string_view kind = "linear:";
+  if (!text.starts_with(kind)) return {};
+  const auto width = to_number(text.substr(kind.size()));
+  if (!width || !(*width > 0) || !std::isfinite(*width)) return {};
+  return width;
 }
 
 void fill_gaps(Profile& profile, double width) {

@@ -41,13 +41,15 @@ struct ProfileQuery {
 
 enum class ProfileFormat { text, sdf, x3p };
 
-/// What the content of a file says that it is; text where it cannot be read. Throws RequestError for
-/// what is clearly something else.
+/// What the content of a file says that it is; text for anything else.
 ProfileFormat format_of(const std::filesystem::path& file);
 
 /// Reads a file in the format that its content tells. Throws RequestError, with file and line, for
 /// what cannot be understood or is not told; FileError where it cannot be read.
 Profile read_measured_profile(const std::filesystem::path& file, const ProfileQuery& query);
+
+/// The width of `linear:WIDTH` [m]; nothing for another text.
+std::optional<double> to_fill_width(std::string_view text);
 
 /// Puts straight lines through gaps of missing points that are at most `width` [m] wide, of which
 /// each missing point is a spacing. Throws RequestError for wider ones and for those at the ends; with

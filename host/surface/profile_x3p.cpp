@@ -253,6 +253,7 @@ void read_binary(const std::filesystem::path& file, const ZipArchive& archive, c
   const std::uint64_t all = layout.grid.points * layout.grid.profiles;
   const std::size_t record = layout.record();
   std::uint64_t place = 0;
+  archive.require_usual_ratio(name);
   const std::string md5 =
       archive.stream(name, all * record, record, [&](const char* bytes, std::size_t count) {
         for (std::size_t at = 0; at < count; at += record, ++place) {

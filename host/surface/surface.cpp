@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "host/errors.hpp"
-#include "host/surface/measured_surface.hpp"
+#include "host/surface/prepared_face.hpp"
 #include "host/surface/profile_file.hpp"
 #include "host/surface/random_profile.hpp"
 
@@ -52,9 +52,9 @@ std::vector<double> make_surface(const SurfaceSpec& spec, double length, double 
     case SurfaceKind::peaks:
       return peak_heights(spec.peaks, nodes, spacing);
     case SurfaceKind::file:
-      if (spec.profile != ProfileSpec{})
-        return measured_heights(scene_file.parent_path() / spec.path, spec.profile, nodes, length,
-                                spacing, thickness);
+      if (needs_preparation(spec, scene_file.parent_path() / spec.path))
+        return prepared_face(spec, scene_file.parent_path() / spec.path, nodes, length, spacing,
+                             thickness, doubts);
       return read_profile(scene_file.parent_path() / spec.path, nodes, length, spacing, thickness,
                           doubts);
     case SurfaceKind::gaussian:

@@ -22,7 +22,7 @@ namespace {
 constexpr std::size_t end_bytes = 22, locator_bytes = 20;  // records at the end of an archive
 constexpr std::uint32_t largest_directory = 1u << 16;      // bytes
 constexpr zip_int64_t most_entries = 100;
-constexpr std::uint64_t plainly_small = 1u << 24, largest_ratio = 500;
+constexpr std::uint64_t plainly_small = 1u << 22, largest_ratio = 100;
 constexpr std::size_t part_bytes = 1u << 16;
 
 /// What is wrong with the directory, which the library reads as a whole; empty where nothing is.
@@ -85,10 +85,7 @@ std::optional<ZipArchive::Entry> ZipArchive::find(const std::string& name) const
     if (stat.comp_method != ZIP_CM_STORE && stat.comp_method != ZIP_CM_DEFLATE)
       refuse_archive(
           fmt::format("{} is neither stored nor deflated: pack it as usual", ra2d::quoted(name)));
-    if (stat.size > plainly_small && stat.size / largest_ratio > stat.comp_size)
-      refuse_archive(fmt::format("{} would grow from {} to {} bytes, which no measurement does",
-                                 ra2d::quoted(name), stat.comp_size, stat.size));
-    found = Entry{i, stat.size};
+    found = Entry{i, stat.size, stat.comp_size};
   }
   return found;
 }
@@ -105,11 +102,19 @@ std::optional<std::uint64_t> ZipArchive::size_of(const std::string& name) const 
   return found->size;
 }
 
+void ZipArchive::require_usual_ratio(const std::string& name) const {
+  const Entry found = entry(name);
+  if (found.size > plainly_small && found.size / largest_ratio > found.packed)
+    refuse_archive(fmt::format("{} would grow from {} to {} bytes, which no measurement does",
+                               ra2d::quoted(name), found.packed, found.size));
+}
+
 std::string ZipArchive::read(const std::string& name, std::uint64_t most) const {
   const std::uint64_t size = entry(name).size;
   if (size > most)
     refuse_archive(
         fmt::format("{} has {} bytes, expected at most {}", ra2d::quoted(name), size, most));
+  require_usual_ratio(name);
   std::string text;
   stream(name, size, 1, [&](const char* bytes, std::size_t count) { text.append(bytes, count); });
   return text;

@@ -23,6 +23,8 @@ class ZipArchive {
 
   /// Bytes of an entry, as it claims; nothing where there is none of this name.
   std::optional<std::uint64_t> size_of(const std::string& name) const;
+  /// Throws for an entry that would grow as no measurement does: what is kept of it is memory.
+  void require_usual_ratio(const std::string& name) const;
   /// An entry as a whole, of at most `most` bytes.
   std::string read(const std::string& name, std::uint64_t most) const;
   /// Gives `take` an entry of exactly `size` bytes in parts of whole `units`, and returns its MD5.
@@ -31,7 +33,7 @@ class ZipArchive {
 
  private:
   struct Entry {
-    std::uint64_t index, size;
+    std::uint64_t index, size, packed;
   };
   std::optional<Entry> find(const std::string& name) const;
   Entry entry(const std::string& name) const;

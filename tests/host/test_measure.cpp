@@ -168,52 +168,28 @@ struct MeasuredFace : testing::Test {
   std::vector<double> heights(double length, double spacing = 1e-6, double thickness = 0) const {
     return make_surface(spec, length, spacing, folder.path() / "scene.toml", thickness);
   }
-  std::string fault(double length, double thickness = 0) const {
-    try {
-      heights(length, 1e-6, thickness);
-    } catch (const RequestError& error) {
-      return error.what();
-    }
-    return "no error";
-  }
 };
 
 TEST_F(MeasuredFace, IsReadAndShapedAsTheSceneSays) {
-  spec.profile.column = 3;
+  spec.prepared.column = 3;
   for (int n = 0; const double height : heights(0.01))
     ASSERT_NEAR(height, 1e-6 * std::sin(2 * pi * (n++ + 0.5) / 100), 1e-6 * 2e-4) << n;
   // Between the points it is straight.
   const auto finer = heights(0.01, 0.5e-6);
   for (std::size_t n = 2; n + 2 < finer.size(); n += 2)
     ASSERT_NEAR(finer[n + 1], (finer[n] + finer[n + 2]) / 2, 1e-18);
-  spec.profile.column = 2;
+  spec.prepared.column = 2;
   const auto tilted = heights(0.01);  // by 100 um: its mean over the nodes is taken off
   EXPECT_NEAR(tilted.front(), -50e-6, 1e-6);
   EXPECT_NEAR(tilted.back(), 50e-6, 1e-6);
-  spec.profile.form = "line";
+  spec.prepared.form = "line";
   for (int n = 0; const double height : heights(0.01))
     ASSERT_NEAR(height, 1e-6 * std::sin(2 * pi * (n++ + 0.5) / 100), 1e-6 * 2e-2) << n;
-  spec.profile.form = {};
-  spec.profile.cutoff = 800e-6;  // takes the tilt off as well, and 400 points, four periods
+  spec.prepared.form = {};
+  spec.prepared.filter = FaceFilter::gaussian;
+  spec.prepared.cutoff = 800e-6;  // takes the tilt off as well, and 400 points, four periods
   for (int n = 0; const double height : heights(0.01))
     ASSERT_NEAR(height, 1e-6 * std::sin(2 * pi * (n++ + 0.5) / 100), 1e-6 * 2e-2) << n;
-}
-
-TEST_F(MeasuredFace, ThatDoesNotFitIsRefused) {
-  EXPECT_THAT(fault(0.01), HasSubstr("expected 2: x and z in metres"));  // as ever
-  spec.profile.column = 3;
-  EXPECT_THAT(fault(0.02), HasSubstr("the profile is 0.019999 m long and the beam 0.02 m"));
-  EXPECT_EQ(fault(0.019999), "no error");
-  spec.profile.cutoff = 800e-6;
-  EXPECT_EQ(fault(0.019), "no error");
-  EXPECT_THAT(fault(0.0195), HasSubstr("of which a cut-off of 0.0008 m is left out"));
-  spec.profile.cutoff = 1;
-  EXPECT_THAT(fault(0.01), HasSubstr("left out"));
-  spec.profile.cutoff = {};
-  spec.profile.z_unit = "mm";
-  EXPECT_THAT(fault(0.01), HasSubstr("z is in um by the header"));
-  spec.profile.z_unit = "um";
-  EXPECT_THAT(fault(0.01, 3e-6), HasSubstr("m on a beam 3e-06 m thick: is z_unit right?"));
 }
 
 // ---- the command

@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/surface/prepared_face.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <span>
+#include <utility>
+
+#include "host/errors.hpp"
+#include "host/scene/names.hpp"
+#include "host/surface/form.hpp"
+#include "host/surface/measure.hpp"
+#include "host/surface/profile.hpp"
+#include "host/surface/profile_filter.hpp"
+#include "host/surface/profile_lines.hpp"
+#include "host/surface/sum.hpp"
+
+namespace ra2d {
+namespace {
+
+constexpr double fewest_steps = 5;   // to a cut-off
+constexpr double seam_share = 0.1;   // of the profile
+constexpr double most_copies = 100;  // along a beam
+// What no face is, and what few are, as for profiles that are taken as they stand.
+constexpr double largest_share = 0.5, large_share = 0.05;  // of the beam's thickness
+constexpr double steepest = 1, steep = 0.2;                // root mean square slope
+constexpr double coarse_nodes = 20;                        // to a step of the profile
+
+/// The readers speak of options of a command; in a scene they are keys.
+std::string in_keys(std::string text) {
+  constexpr std::pair<std::string_view, std::string_view> words[] = {
+      {"--x-unit", "x_unit"}, {"--z-unit", "z_unit"}, {"--column", "column"},
+      {"--row", "row"},       {"--fill", "fill"},     {"drop the option", "drop the key"}};
+  for (const auto& [option, key] : words)
+    for (std::size_t at = text.find(option); at != text.npos; at = text.find(option, at))
+      text.replace(at, option.size(), key);
+  return text;
+}
+
+ProfileQuery query_of(const FilePreparation& how) {
+  ProfileQuery query;
+  if (how.x_unit) query.x_unit = to_unit(file_units.name(*how.x_unit));
+  if (how.z_unit) query.z_unit = to_unit(file_units.name(*how.z_unit));
+  query.row = how.row;
+  query.column = how.column;
+  return query;
+}
+
+[[noreturn]] void refuse_face(const std::filesystem::path& file, const std::string& why) {
+  throw RequestError(fmt::format("{}: {}", file.string(), why));
+}
+
+/// The roughness profile of the cut-off, without half of it at each end: there its mean line is not
+/// that of the norm.
+void filter(const std::filesystem::path& file, Profile& profile, double cutoff) {
+  std::vector<double>& z = profile.heights;
+  if (cutoff < fewest_steps * profile.spacing)
+    refuse_face(file, fmt::format("cutoff = {:g}: at least {:g} steps of the profile are needed, "
+                                  "{:.6g} m",
+                                  cutoff, fewest_steps, fewest_steps * profile.spacing));
+  const double half = std::round(0.5 * cutoff / profile.spacing);
+  if (2 * half + 2 > static_cast<double>(z.size()))
+    refuse_face(file, fmt::format("cutoff = {:g}: half of it is dropped at each end, and the "
+                                  "profile is {:.6g} m long",
+                                  cutoff, profile.length()));
+  const std::vector<double> line = gaussian_mean_line(z, profile.spacing, cutoff);
+  for (std::size_t i = 0; i < z.size(); ++i) z[i] -= line[i];
+  const auto dropped = static_cast<std::ptrdiff_t>(half);
+  z.erase(z.end() - dropped, z.end());
+  z.erase(z.begin(), z.begin() + dropped);
+}
+
+Profile prepare(const FilePreparation& how, const std::filesystem::path& file) {
+  Profile profile;
+  try {
+    profile = read_measured_profile(file, query_of(how));
+    fill_gaps(profile, how.fill.empty() ? 0 : to_fill_width(how.fill).value_or(0));
+  } catch (const RequestError& fault) {
+    throw RequestError(in_keys(fault.what()));
+  }
+  if (!how.form.empty()) remove_form(profile.heights, to_form(how.form));
+  if (how.cutoff_s) {
+    if (*how.cutoff_s > 0.5 * profile.length())
+      refuse_face(file, fmt::format("cutoff_s = {:g}: the profile is {:.6g} m long", *how.cutoff_s,
+                                    profile.length()));
+    profile.heights = gaussian_mean_line(profile.heights, profile.spacing, *how.cutoff_s);
+  }
+  if (how.filter == FaceFilter::gaussian) filter(file, profile, how.cutoff.value_or(usual_cutoff));
+  subtract_mean(profile.heights);
+  return profile;
+}
+
+/// Heights at the nodes, straight between points; `height` gives that of a point.
+template <class Height>
+std::vector<double> at_nodes(std::size_t nodes, double stride, std::size_t last,
+                             const Height& height) {
+  std::vector<double> heights(nodes);
+  for (std::size_t n = 0; n < nodes; ++n) {
+    const double at = static_cast<double>(n) * stride;
+    const std::size_t i = std::min(static_cast<std::size_t>(at), last - 1);
+    heights[n] = std::lerp(height(i), height(i + 1), at - static_cast<double>(i));
+  }
+  return heights;
+}
+
+struct Shape {
+  double rq, slope;  // m; root mean square
+};
+
+Shape shape_of(std::span<const double> z, double spacing) {
+  const auto count = static_cast<double>(z.size());
+  const double mean = compensated_sum(z.size(), [&](std::size_t i) { return z[i]; }) / count;
+  const double squares =
+      compensated_sum(z.size(), [&](std::size_t i) { return (z[i] - mean) * (z[i] - mean); });
+  const double rises = compensated_sum(
+      z.size() - 1, [&](std::size_t i) { return (z[i + 1] - z[i]) * (z[i + 1] - z[i]); });
+  return {std::sqrt(squares / count), std::sqrt(rises / (count - 1)) / spacing};
+}
+
+void check_proportion(const std::filesystem::path& file, const std::vector<double>& z,
+                      double length, double spacing, double thickness,
+                      std::vector<std::string>* doubts) {
+  const auto [low, high] = std::minmax_element(z.begin(), z.end());
+  const double height = *high - *low, slope = shape_of(z, spacing).slope;
+  const double depth = thickness > 0 ? thickness : length;
+  const char* const what = thickness > 0 ? "thick" : "long";
+  if (height > depth * (thickness > 0 ? largest_share : 1))
+    refuse_face(file,
+                fmt::format("the heights span {:.6g} m on a beam {:.6g} m {}: say with z_unit "
+                            "what they are in, or take a form off",
+                            height, depth, what));
+  if (slope > steepest)
+    refuse_face(file, fmt::format("the slopes have a root mean square of {:.3g}, steeper than any "
+                                  "face: say with x_unit and z_unit what x and z are in",
+                                  slope));
+  if (doubts == nullptr) return;
+  if (height > large_share * depth)
+    doubts->push_back(fmt::format("{}: the heights span {:.3g} m on a beam {:.3g} m {}",
+                                  file.string(), height, depth, what));
+  else if (slope > steep)
+    doubts->push_back(
+        fmt::format("{}: the slopes have a root mean square of {:.2g}, and few faces "
+                    "are so steep",
+                    file.string(), slope));
+}
+
+}  // namespace
+
+RepeatedProfile::RepeatedProfile(const std::vector<double>& heights)
+    : heights_(heights),
+      seam_(std::max<std::size_t>(
+          1, static_cast<std::size_t>(seam_share * static_cast<double>(heights.size() - 1)))) {}
+
+double RepeatedProfile::at(std::size_t point) const {
+  const std::size_t last = heights_.size() - 1;
+  const std::size_t in_copy = point % (last + seam_);
+  if (in_copy <= last) return heights_[in_copy];
+  const std::size_t into = in_copy - last;  // from 1 to seam - 1
+  const double turn = std::numbers::pi / 2 * static_cast<double>(into) / static_cast<double>(seam_);
+  return std::cos(turn) * heights_[last - into] + std::sin(turn) * heights_[seam_ - into];
+}
+
+bool needs_preparation(const SurfaceSpec& spec, const std::filesystem::path& file) {
+  return spec.prepared != FilePreparation{} || format_of(file) != ProfileFormat::text;
+}
+
+std::vector<double> prepared_face(const SurfaceSpec& spec, const std::filesystem::path& file,
+                                  int nodes, double length, double spacing, double thickness,
+                                  std::vector<std::string>* doubts) {
+  const Profile profile = prepare(spec.prepared, file);
+  const std::vector<double>& z = profile.heights;
+  const std::size_t last = z.size() - 1;
+  const auto count = static_cast<std::size_t>(nodes);
+  const double needed = static_cast<double>(count - 1) * spacing, there = profile.length();
+  // The same spacing, as far as roundings tell: the nodes are the points.
+  const bool same =
+      std::abs(profile.spacing - spacing) * static_cast<double>(last) <= evenness * spacing;
+  const double stride = same ? 1 : spacing / profile.spacing;
+  const bool is_short = there < needed - evenness * spacing;
+  if (is_short && spec.prepared.when_short == ShortProfile::refuse)
+    refuse_face(file, fmt::format("the profile is {:.10g} m long and the beam {:.10g} m; give a "
+                                  "longer profile, or say short = \"repeat\"",
+                                  there, length));
+  if (is_short && needed > most_copies * there)
+    refuse_face(file,
+                fmt::format("the profile is {:.6g} m long and the beam {:.6g} m: repeated more "
+                            "than {:g} times it would be heard as a tone alone",
+                            there, length, most_copies));
+  const RepeatedProfile repeated(z);
+  std::vector<double> heights =
+      is_short ? at_nodes(count, stride, static_cast<std::size_t>(-1) / 2,
+                          [&](std::size_t i) { return repeated.at(i); })
+               : at_nodes(count, stride, last, [&](std::size_t i) { return z[i]; });
+  check_proportion(file, heights, length, spacing, thickness, doubts);
+  if (doubts != nullptr && profile.spacing > coarse_nodes * spacing)
+    doubts->push_back(
+        fmt::format("{}: x steps by {:.6g} m, {:.0f} nodes of the scene, between which the face is "
+                    "straight",
+                    file.string(), profile.spacing, profile.spacing / spacing));
+  if (doubts != nullptr && is_short) {
+    const auto own = std::min(count, static_cast<std::size_t>(there / spacing) + 1);
+    const Shape before = shape_of(std::span(heights).first(std::max<std::size_t>(own, 2)), spacing);
+    const Shape after = shape_of(heights, spacing);
+    doubts->push_back(fmt::format(
+        "{}: the profile is {:.4g} m long and the beam {:.4g} m: it is repeated every {:.4g} m, "
+        "with mirrored seams of {:.3g} m. At the nodes Rq was {:.4g} m and is {:.4g} m, the root "
+        "mean square slope was {:.3g} and is {:.3g}",
+        file.string(), there, length, static_cast<double>(last + repeated.seam()) * profile.spacing,
+        static_cast<double>(repeated.seam()) * profile.spacing, before.rq, after.rq, before.slope,
+        after.slope));
+  }
+  subtract_mean(heights);
+  return heights;
+}
+
+}  // namespace ra2d
