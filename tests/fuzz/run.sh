@@ -29,7 +29,7 @@ objects=()
 for source in host/text.cpp host/surface/{areal,md5,profile,profile_lines,profile_sdf,profile_text,profile_x3p,zip_archive}.cpp; do
   object=$build/$(basename "$source" .cpp).o
   objects+=("$object")
-  [[ $object -nt $source && $object -nt host/surface/profile.hpp && $object -nt host/surface/profile_lines.hpp ]] ||
+  [[ $object -nt $source && -z $(find host -name '*.hpp' -newer "$object") ]] ||
     "$clang" "${flags[@]}" -c "$source" -o "$object"
 done
 
