@@ -86,7 +86,7 @@ def frequency_axis(axes, low, high):
     axes.set_xlabel("frequency [Hz]")
 
 
-def series(axes, drawn, colour, x_unit=1.0, y_unit=1.0, line="-", label=None, width=1.0, fill=0.35, mean=True):
+def series(axes, drawn, colour, x_unit=1.0, y_unit=1.0, line="-", label=None, width=1.0, fill=0.45, mean=True):
     """A line; of values that were put together, the band from their lowest to their highest, and their mean."""
     x = numbers(drawn["x"]) / x_unit
     middle = numbers(drawn["mean"]) / y_unit

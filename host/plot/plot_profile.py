@@ -16,28 +16,26 @@ WITHOUT_UNIT = ("Rsk", "Rku", "Rdq")
 NO_PARAMETERS = "points are missing: no parameters (ra2d surface measure --fill puts lines through gaps)"
 
 
-def length_axis(axes, metres, name="x"):
-    unit, one = scale("m", np.array([0.1 * metres]))  # 20 mm, and 2000 um rather than 2 mm
-    axes.set_xlim(0, metres / one)
-    axes.set_xlabel(f"{name} [{unit}]")
+def length_axis(axes, drawn, metres):
+    """In the unit that suits the whole profile; limits are those of what is drawn."""
+    unit, one = scale("m", np.array([metres]))
+    axes.set_xlim(drawn["x"][0] / one, drawn["x"][-1] / one)
+    band = f"  (band: extremes of {drawn['together']} points)" if drawn["together"] > 1 else ""
+    axes.set_xlabel(f"x [{unit}]{band}")
     return one
 
 
-def band_text(drawn):
-    return f"; band: extremes of {drawn['together']} points" if drawn["together"] > 1 else ""
-
-
 def draw_heights(axes, drawn, length, title, line=None):
-    one = length_axis(axes, length)
+    one = length_axis(axes, drawn, length)
     unit, high = scale("m", style.extremes(drawn))
     series(axes, drawn, BLUE, one, high, mean=False, fill=0.8, label="profile")
     if line:
         series(axes, line, RUST, one, high, line="--", width=1.6, mean=True, fill=0, label="mean line of the filter")
-        low, top = axes.get_ylim()
-        axes.set_ylim(low, top + 0.2 * (top - low))
         axes.legend(loc="upper right", ncol=2)
+    low, top = axes.get_ylim()
+    axes.set_ylim(low, top + 0.15 * (top - low))  # for the legends
     axes.set_ylabel(f"height [{unit}]")
-    axes.set_title(title + band_text(drawn))
+    axes.set_title(title)
     return unit, high
 
 
@@ -45,8 +43,8 @@ def roughness_title(data):
     n = data["sampling_lengths"]
     lengths = f"{n} sampling length{'s' if n != 1 else ''} of {quantity(data['sampling_length'], 'm')}"
     if "cutoff" in data:
-        return f"Roughness: filtered, cut-off {quantity(data['cutoff'], 'm')}; {lengths}"
-    return f"Primary profile, no filter; {lengths}"
+        return f"Roughness, cut-off {quantity(data['cutoff'], 'm')}: the first {lengths}"
+    return f"Primary profile, no filter: {lengths}"
 
 
 def draw_distribution(axes, data, unit, one):
@@ -63,16 +61,16 @@ def draw_distribution(axes, data, unit, one):
     rq = number(data["parameters"]["Rq"]) / one
     z = np.linspace(edges[0], edges[-1], 200)
     normal = 100 * (edges[1] - edges[0]) / (rq * math.sqrt(2 * math.pi)) * np.exp(-0.5 * (z / rq) ** 2)
-    axes.plot(normal, z, color=BLACK, ls="--", lw=1.1, label="normal, same Rq")
+    axes.plot(normal, z, color=BLACK, ls="--", lw=1.1, label="normal, as wide")
     axes.set_xlim(0, 1.12 * max(shares.max(), normal.max()))
     axes.set_xlabel(f"share per {edges[1] - edges[0]:.2g} {unit} [%]")
     axes.set_title(title)
-    axes.legend(loc="lower right", fontsize=8)
+    axes.legend(loc="upper right", fontsize=8)
 
 
 def write_parameters(axes, data):
     axes.axis("off")
-    axes.set_title("Parameters (ISO 21920-2)")
+    axes.set_title("ISO 21920-2")
     lines = []
     for name, value in data["parameters"].items():
         value = number(value)

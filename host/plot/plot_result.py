@@ -10,9 +10,9 @@ import sys
 
 import picture_style as style
 from picture_style import BLACK, BLUE, GREEN, GREY, PLUM, RUST, SKY, literal, number, numbers, quantity, scale, series
-import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.ticker import FuncFormatter, MaxNLocator
+from matplotlib.lines import Line2D
+from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 
 LEVEL = "dB re 1 nm/s"
 
@@ -200,9 +200,9 @@ def draw_histogram(axes, drawn, unit_name, what, count):
     low, high = edges[0] / one, edges[-1] / one
     axes.set_xlim(low / 1.15, high * 1.15)
     if high / low < 50:
-        axes.xaxis.set_major_locator(plt.matplotlib.ticker.LogLocator(subs=(1, 2, 5)))
+        axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    axes.xaxis.set_minor_formatter(plt.matplotlib.ticker.NullFormatter())
+    axes.xaxis.set_minor_formatter(NullFormatter())
     axes.set_xlabel(f"{what} [{unit}]")
     axes.set_ylabel("share of shocks [%]")
     axes.set_ylim(0, 1.45 * 100 * counts.max() / count)
@@ -365,7 +365,7 @@ def warnings_of(head):
     return literal(" ".join(found))
 
 
-def head_of(figure, head, what=""):
+def head_of(head):
     """Title lines at the top, set apart from the panels' own."""
     lines = [(literal(f"{head['title']}  \u2013  {head['file']}"), 13, "bold", BLACK), (facts(head), 9.5, "normal", BLACK)]
     if warnings_of(head):
@@ -375,7 +375,7 @@ def head_of(figure, head, what=""):
 
 def overview(data):
     panels = data["panels"]
-    figure, body = style.page(11, 14, head_of(None, data["head"]))
+    figure, body = style.page(11, 14, head_of(data["head"]))
     rows = body.subfigures(4, 1, height_ratios=[1.45, 1, 1.05, 1])
     draw_profiles(rows[0], panels["profiles"], False)
     for row, names in zip(rows[1:], (("force", "displacement"), ("spectrum", "level"), ("shocks", "energy"))):
@@ -386,7 +386,7 @@ def overview(data):
 
 def one_panel(data):
     draw, height = PANELS[data["what"]]
-    figure, body = style.page(10, height, head_of(None, data["head"]))
+    figure, body = style.page(10, height, head_of(data["head"]))
     draw(body, data["panels"][data["what"]], True)
     return figure
 
@@ -404,23 +404,23 @@ def names_of(results):
 
 
 def shown(results, names, kind):
-    """(number, name, panel) of those that have something to show; the words of the others."""
+    """(number, panel) of those that have something to show; the words of the others."""
     found, without = [], []
     for i, (one, name) in enumerate(zip(results, names)):
         panel = one["panels"][kind]
         if "empty" in panel:
             without.append(f"{name}: {panel['empty']}")
         else:
-            found.append((i, name, panel))
+            found.append((i, panel))
     return found, without
 
 
 def draw_several_spectra(axes, found):
     axes.set_yscale("log")
     values, low, high = [], math.inf, 0
-    for i, name, panel in found:
+    for i, panel in found:
         x = numbers(panel["series"]["x"])
-        axes.plot(x, numbers(panel["series"]["mean"]), lw=1.1, label=name, **look(i))
+        axes.plot(x, numbers(panel["series"]["mean"]), lw=1.1, **look(i))
         values.append(numbers(panel["series"]["mean"]))
         low, high = min(low, x[0]), max(high, x[-1])
     axes.set_ylim(*decades_shown(np.concatenate(values)))
@@ -429,12 +429,12 @@ def draw_several_spectra(axes, found):
 
 
 def draw_several_bands(axes, found):
-    names = max((panel["names"] for _, _, panel in found), key=len)
+    names = max((panel["names"] for _, panel in found), key=len)
     every = []
-    for i, name, panel in found:
+    for i, panel in found:
         levels = numbers(panel["level"])
         axes.plot([names.index(n) if n in names else math.nan for n in panel["names"]], levels, marker=style.MARKS[i],
-                  ms=5, lw=1.2, label=name, **look(i))
+                  ms=5, lw=1.2, **look(i))
         every.append(levels[np.isfinite(levels)])
     every = np.concatenate(every)
     axes.set_ylim(max(every.min(), every.max() - 80) - 3, every.max() + 3)
@@ -443,16 +443,15 @@ def draw_several_bands(axes, found):
 
 
 def draw_several_levels(axes, found):
-    unit, one = time_unit(max(panel["to"] for _, _, panel in found))
+    unit, one = time_unit(max(panel["to"] for _, panel in found))
     every = []
-    for i, name, panel in found:
+    for i, panel in found:
         levels = numbers(panel["level"])
-        axes.plot(numbers(panel["x"]) / one, levels, lw=1.2, marker=style.MARKS[i], ms=4, markevery=8,
-                  label=f"{name}, whole: {number(panel['lv']):.2f} dB", **look(i))
+        axes.plot(numbers(panel["x"]) / one, levels, lw=1.2, marker=style.MARKS[i], ms=4, markevery=8, **look(i))
         every.append(levels[np.isfinite(levels)])
     every = np.concatenate(every)
     axes.set_ylim(max(every.min(), every.max() - 80) - 1, every.max() + 1)
-    axes.set_xlim(0, max(panel["to"] for _, _, panel in found) / one)
+    axes.set_xlim(0, max(panel["to"] for _, panel in found) / one)
     axes.set_xlabel(f"time [{unit}]")
     axes.set_ylabel(f"level [{LEVEL}]")
 
@@ -460,6 +459,11 @@ def draw_several_levels(axes, found):
 SEVERAL = {"spectrum": ("Velocity spectra of the resonators (means of lines put together)", draw_several_spectra),
            "bands": ("Third octaves of the resonators' velocities", draw_several_bands),
            "level": ("Levels in time", draw_several_levels)}
+
+
+def facts_of_level(head):
+    lv = number(head["lv"])
+    return "at rest" if head["at_rest"] else f"{lv:.2f} {LEVEL}" if math.isfinite(lv) else "no level"
 
 
 def several(data):
@@ -470,8 +474,13 @@ def several(data):
               13, "bold", BLACK)]
     lines += [(f"{name}: {warnings_of(one['head'])}", 9.5, "normal", RUST) for one, name in zip(results, names)
               if warnings_of(one["head"])]
-    figure, body = style.page(10, 4.6 * len(kinds) + 0.25 * len(results), lines)
-    for cell, kind in zip(np.atleast_1d(body.subfigures(len(kinds), 1)), kinds):
+    key = 0.2 * math.ceil(len(results) / 2) + 0.1
+    figure, body = style.page(10, 4 * len(kinds) + key, lines)
+    upper, lower = body.subfigures(2, 1, height_ratios=[key, 4 * len(kinds)])
+    upper.legend(handles=[Line2D([], [], marker=style.MARKS[i], ms=5, lw=1.4, label=f"{name}: {facts_of_level(one['head'])}",
+                                 **look(i)) for i, (one, name) in enumerate(zip(results, names))],
+                 loc="upper left", ncol=2, handlelength=4.5, frameon=False)
+    for cell, kind in zip(np.atleast_1d(lower.subfigures(len(kinds), 1)), kinds):
         axes = cell.subplots()
         found, without = shown(results, names, kind)
         title, draw = SEVERAL[kind]
@@ -480,8 +489,8 @@ def several(data):
             continue
         draw(axes, found)
         axes.set_title(title)
-        axes.legend(loc="upper left", bbox_to_anchor=(0, -0.2 if kind != "bands" else -0.28), ncol=2, handlelength=4,
-                    frameon=False, title="; ".join(without) or None)
+        if without:
+            axes.text(0.01, 0.04, "not drawn: " + "; ".join(without), transform=axes.transAxes, color=GREY, fontsize=8)
     return figure
 
 

@@ -230,6 +230,8 @@ class ResultPanels {
       }
       const std::vector<double> values =
           std::move(reader_.columns(displacement, 0, contents_.samples, p, 1).front());
+      if (std::any_of(values.begin(), values.end(), [](double u) { return u != 0; }))
+        json["moved"] = true;
       json["lines"].push_back({{"label", fmt::format("{} at {:.6g} mm", body, 1e3 * at[p])},
                                {"series", whole(values)},
                                {"close", close_up(values, middle)}});
@@ -237,12 +239,13 @@ class ResultPanels {
   }
 
   Json displacement() const {
-    Json json{{"lines", Json::array()}, {"left_out", std::size_t{0}}};
+    Json json{{"lines", Json::array()}, {"left_out", std::size_t{0}}, {"moved", false}};
     const std::size_t middle = largest_of(column("contact/force"));
     add_probes("probes/position", "probes/displacement", "resonator", middle, json);
     add_probes("slider_probes/position", "slider_probes/displacement", "slider", middle, json);
     if (json["lines"].empty())
       return nothing("the scene has no probes (output.probes, output.slider_probes)");
+    if (!json["moved"]) return nothing("no probe moved");
     return json;
   }
 
