@@ -19,7 +19,8 @@ warnings.filterwarnings("ignore", message="Glyph .* missing")  # a name in lette
 # and a mark of its own, so that nothing hangs on colour alone.
 BLUE, RUST, PLUM, SKY, BLACK, GREEN, AMBER, MOSS = SERIES = (
     "#2b45c8", "#bb560f", "#6b1170", "#6fb5f2", "#000000", "#056545", "#f0ac00", "#b2be80")
-LINES = ("-", (0, (5, 1.5)), (0, (1, 1)), (0, (5, 1.5, 1, 1.5)), (0, (8, 2)), (0, (3, 1, 1, 1, 1, 1)), "-", (0, (2, 2)))
+LINES = ("-", (0, (5, 1.5)), (0, (1, 1)), (0, (5, 1.5, 1, 1.5)), (0, (8, 2)), (0, (3, 1, 1, 1, 1, 1)),
+         (0, (12, 1, 1, 1)), (0, (2, 2)))
 MARKS = ("o", "s", "^", "D", "v", "P", "X", "*")
 GREY = "#555555"
 
@@ -47,13 +48,14 @@ def number(value):
     return math.nan if value is None else value
 
 
-def scale(unit, *arrays):
-    """The unit with the prefix that suits the largest of all values, and what one of it is."""
+def scale(unit, *arrays, up=1.3):
+    """The unit with the prefix that suits the largest of all values, and what one of it is. `up`: how much below one
+    of a unit that may be: an axis to 0.9 s is none in ms."""
     finite = [np.abs(a[np.isfinite(a)]) for a in map(np.asarray, arrays)]
     largest = max((float(a.max()) for a in finite if a.size), default=0)
     if not largest:
         return unit, 1.0
-    power = 3 * math.floor(math.log10(largest * 1.0001) / 3)
+    power = 3 * math.floor(math.log10(largest * up) / 3)
     power = min(max(power, min(PREFIXES)), max(PREFIXES))
     return PREFIXES[power] + unit, 10.0 ** power
 
@@ -62,7 +64,7 @@ def quantity(value, unit, digits=3):
     """A value with the prefix that suits it."""
     if not math.isfinite(value):
         return "not defined"
-    name, one = scale(unit, np.array([value]))
+    name, one = scale(unit, np.array([value]), up=1.0001)
     return f"{value / one:.{digits}g} {name}".rstrip()
 
 

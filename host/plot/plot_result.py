@@ -83,13 +83,9 @@ def draw_strongest(axes, panel):
     axes.set_ylim(0, None)
 
 
-def time_unit(end):
-    return scale("s", np.array([1.2 * end]))  # 0.9 s, not 900 ms
-
-
 def time_axis(axes, seconds, note=""):
     """Sets limits and label; says what one unit is."""
-    unit, one = time_unit(seconds[-1])
+    unit, one = scale("s", numbers(seconds[-1:]))
     from_start = len(seconds) < 2 or seconds[0] < seconds[1] - seconds[0]
     axes.set_xlim(0 if from_start else seconds[0] / one, seconds[-1] / one)
     axes.set_xlabel(f"time [{unit}]{note}")
@@ -233,7 +229,7 @@ def draw_level(figure, panel, _):
         style.say_empty(axes, panel["empty"], title)
         return
     x, levels = numbers(panel["x"]), numbers(panel["level"])
-    unit, one = time_unit(panel["to"])
+    unit, one = scale("s", np.array([panel["to"]]))
     axes.plot(x / one, levels, color=BLUE, lw=1.2, marker="o", ms=2.5)
     lv = number(panel["lv"])
     if math.isfinite(lv):
@@ -443,7 +439,7 @@ def draw_several_bands(axes, found):
 
 
 def draw_several_levels(axes, found):
-    unit, one = time_unit(max(panel["to"] for _, panel in found))
+    unit, one = scale("s", np.array([panel["to"] for _, panel in found]))
     every = []
     for i, panel in found:
         levels = numbers(panel["level"])
