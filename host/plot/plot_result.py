@@ -156,6 +156,10 @@ def draw_spectrum(figure, panel, _):
     axes.set_ylabel("PSD of velocity [(m/s)\u00b2/Hz]")
     axes.set_title(title)
     axes.set_xlabel(f"frequency [Hz]  (a line every {panel['resolution']:.3g} Hz; {panel['segments']} segments)")
+    if panel["aliased"]:
+        axes.text(0.02, 0.9, f"{panel['aliased']} modes lie above half the rate of the samples:\n"
+                  "their power stands at frequencies not theirs", transform=axes.transAxes, va="top", color=RUST,
+                  fontsize=8, weight="bold")
     low, high = number(panel["low"]), number(panel["high"])
     if math.isfinite(low) and math.isfinite(high):
         draw_confidence(axes, low, high)
@@ -218,8 +222,10 @@ def draw_shocks(figure, panel, alone):
     panels = figure.subplots(2 if alone else 1, 2, squeeze=False).flat
     for axes, (key, unit, what) in zip(panels, kinds if alone else kinds[:2]):
         draw_histogram(axes, panel[key], unit, what, count)
-    figure.axes[0].set_title(f"{count} shock{'s' if count != 1 else ''}, bins of equal ratio, ten to a decade"
-                             if alone else f"{count} shock{'s' if count != 1 else ''}")
+    title = f"{count} shock{'s' if count != 1 else ''}"
+    if panel["from"]:
+        title += f" from {quantity(panel['from'], 's')} on"
+    figure.axes[0].set_title(title + (", bins of equal ratio, ten to a decade" if alone else ""))
 
 
 def draw_level(figure, panel, _):
@@ -234,7 +240,7 @@ def draw_level(figure, panel, _):
     lv = number(panel["lv"])
     if math.isfinite(lv):
         axes.hlines(lv, panel["from"] / one, panel["to"] / one, color=RUST, ls="--", lw=1.2, zorder=4,
-                    label=f"whole: {lv:.2f} dB" + (f", from {quantity(panel['from'], 's')}" if panel["from"] else ""))
+                    label=f"from {quantity(panel['from'], 's')} on: {lv:.2f} dB" if panel["from"] else f"whole: {lv:.2f} dB")
         axes.legend(loc="lower right")
     finite = levels[np.isfinite(levels)]
     if finite.size:

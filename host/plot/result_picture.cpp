@@ -334,6 +334,7 @@ class ResultPanels {
       return nothing(contents_.shocks.empty() ? "there were no shocks: nothing touched"
                                               : "no shock began at or after output.from");
     return {{"count", s.count},
+            {"from", analysis_.from},
             {"duration", bins(s.durations, s.duration)},
             {"peak_force", bins(s.peak_forces, s.peak_force)},
             {"impulse", bins(s.impulses, s.impulse)},
