@@ -14,6 +14,7 @@ from matplotlib.lines import Line2D
 
 MARKS = {"explicit-euler": "v", "midpoint": "o", "backward-euler": "s", "heun": "^", "rk4": "D", "rk8": "P",
          "exact": "X", "adaptive": "*"}
+KNOWN = 2  # an error below so many of the reference's own is told by neither
 PEERS = {"cvode-adams": ("CVODE Adams", "#e377c2", "<"), "cvode-bdf": ("CVODE BDF", "#bcbd22", ">"),
          "dopri5": ("DOPRI5", "#444444", "x")}
 
@@ -45,6 +46,13 @@ def whole_decade(row):
     return abs(math.log10(size(row)) - round(math.log10(size(row)))) < 0.01
 
 
+def draw_unknown(axes, wall, most, colour):
+    """A run that is nearer to the reference than the reference is to the truth: an arrow from the most it may err."""
+    axes.annotate("", (wall, most / 12), (wall, most), zorder=3,
+                  arrowprops={"arrowstyle": "->", "color": colour, "lw": 1.4, "shrinkA": 0, "shrinkB": 0})
+    axes.plot(wall, most, "_", color=colour, ms=10, mew=1.6, zorder=3)
+
+
 def draw_errors(axes, rows, kind, title, reference, seen):
     """Error over cost; every other step of the ladder is a power of ten and drawn larger."""
     curves = {}
@@ -55,6 +63,10 @@ def draw_errors(axes, rows, kind, title, reference, seen):
             curves.setdefault(style(row), []).append(row)
     for (name, colour, mark, line), points in curves.items():
         points.sort(key=size, reverse=True)
+        for row in points:  # no further off than this, and nobody knows how far
+            if number(row, "error") <= KNOWN * reference:
+                draw_unknown(axes, number(row, "wall_median"), KNOWN * reference, colour)
+        points = [row for row in points if not number(row, "error") <= KNOWN * reference]
         wall = [number(row, "wall_median") for row in points]
         error = [number(row, "error") for row in points]
         hollow = {"mfc": "white"} if line == "--" else {}
@@ -66,10 +78,11 @@ def draw_errors(axes, rows, kind, title, reference, seen):
     axes.set_yscale("log")
     if reference > 0:
         low, high = axes.get_ylim()
-        axes.axhspan(min(low, 0.3 * reference), reference, color="#dddddd", zorder=0)
-        axes.set_ylim(min(low, 0.3 * reference), high)
-        axes.text(0.02, reference, " below: not known, the reference's own error", fontsize=7.5, color="#555555",
-                  transform=axes.get_yaxis_transform(), va="top")
+        low, top = min(low, 0.02 * reference), KNOWN * reference
+        axes.axhspan(low, top, color="#dddddd", zorder=0)
+        axes.set_ylim(low, high)
+        axes.text(0.98, math.sqrt(low * top), f"not known: below {KNOWN} times the reference's own error ", fontsize=8, color="#333333",
+                  transform=axes.get_yaxis_transform(), ha="right", va="center")
     axes.set_xlabel("wall time per simulated second [s]")
     axes.grid(True, which="major", alpha=0.3)
     axes.set_title(title, fontsize=10.5)
@@ -166,7 +179,7 @@ def main(points, long_runs, picture):
         f"Timed, and the energy followed, over {min(stretches):.2g} s (the finest) to {max(stretches):.2g} s. "
         f"States of penalty against {context.get('reference', '')}; {context.get('confirmed', '')}. Of multipliers, "
         "dashed, against each scheme's own finest run at the same time. Large marks: powers of ten of the step or the "
-        "tolerance.") + "\n" + wrap("; ".join(f"{what} {context[what]}" for what in
+        "tolerance. Arrows: nearer to the reference than it is known itself.") + "\n" + wrap("; ".join(f"{what} {context[what]}" for what in
                                              ("ra2d", "compiler", "processor", "backend", "date") if what in context)),
         fontsize=8, color="#444444")
     save(figure, picture)

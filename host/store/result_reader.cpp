@@ -256,6 +256,13 @@ std::vector<std::vector<double>> ResultReader::columns(const char* dataset, std:
   return found;
 }
 
+std::size_t ResultReader::rows(const char* dataset) const {
+  return guarded(impl_->path, [&]() -> std::size_t {
+    const h5::Dataset data{check(H5Dopen2(impl_->file, dataset, H5P_DEFAULT))};
+    return extent_of(data, dataset).at(0);
+  });
+}
+
 std::vector<double> ResultReader::column(const char* dataset, std::size_t first,
                                          std::size_t rows) const {
   return std::move(columns(dataset, first, rows, 0, 1).front());

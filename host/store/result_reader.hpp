@@ -40,6 +40,8 @@ class ResultReader {
   /// columns from `column` on, each in a vector of its own. Takes the memory of these, and a block.
   std::vector<std::vector<double>> columns(const char* dataset, std::size_t first, std::size_t rows,
                                            std::size_t column, std::size_t count) const;
+  /// How many rows a dataset has.
+  std::size_t rows(const char* dataset) const;
   /// The one column of a dataset that has no more.
   std::vector<double> column(const char* dataset, std::size_t first, std::size_t rows) const;
 

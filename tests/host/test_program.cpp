@@ -105,7 +105,7 @@ TEST_F(Program, WrongRequestsEndWithTwoAndSayWhy) {
     EXPECT_EQ(run({command, "x.toml"}), 2);
     EXPECT_THAT(err_, HasSubstr('\'' + command + "' is not available yet"));
   }
-  for (const auto& [word, command] : {std::pair{"chek", "check"}, {"polt", "plot"}}) {
+  for (const auto& [word, command] : {std::pair{"chek", "check"}, {"studdy", "study"}}) {
     EXPECT_EQ(run({word, "x.toml"}), 2);
     EXPECT_THAT(
         err_, HasSubstr(fmt::format("(did you mean '{}', which is not available yet?)", command)));
