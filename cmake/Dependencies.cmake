@@ -63,3 +63,7 @@ find_path(RANDOM123_INCLUDE_DIR Random123/philox.h REQUIRED)
 find_path(XXHASH_INCLUDE_DIR xxhash.h REQUIRED)  # its header alone, 0.8 or later
 find_path(FFTW3_INCLUDE_DIR fftw3.h REQUIRED)
 find_library(FFTW3_LIBRARY fftw3 REQUIRED)  # of double precision
+find_path(SNDFILE_INCLUDE_DIR sndfile.h REQUIRED)  # libsndfile, with FLAC
+find_library(SNDFILE_LIBRARY sndfile REQUIRED)
+find_path(SOXR_INCLUDE_DIR soxr.h REQUIRED)
+find_library(SOXR_LIBRARY soxr REQUIRED)

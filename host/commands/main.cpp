@@ -28,7 +28,7 @@
 namespace {
 
 /// Commands of the contract that are not built yet: refused by name.
-constexpr std::array<std::string_view, 5> coming{"study", "sound", "plot", "report", "check"};
+constexpr std::array<std::string_view, 4> coming{"study", "plot", "report", "check"};
 
 using Words = std::vector<std::string>;
 using ra2d::count, ra2d::number_from, ra2d::path;
@@ -157,6 +157,7 @@ int dispatch(Words words) {
   add_common(*plan, common);
   Chosen chosen;
   add_analyze(app, chosen);
+  add_sound(app, chosen);
   CLI::App* chart = app.add_subcommand("chart", "all schemes side by side");
   chart->require_subcommand(1);
   CLI::App* stability = chart->add_subcommand(
@@ -211,7 +212,7 @@ int dispatch(Words words) {
   if (!words.empty() && std::find(coming.begin(), coming.end(), words[0]) != coming.end())
     throw RequestError(
         fmt::format("the command '{}' is not available yet; there are 'run', 'plan', 'analyze', "
-                    "'surface' and 'chart'",
+                    "'sound', 'surface' and 'chart'",
                     words[0]));
   const Named named = find_command(app, words);
   if (!named.fault.empty()) throw RequestError(named.fault);
