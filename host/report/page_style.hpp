@@ -53,12 +53,12 @@ button { font: inherit; padding: .2rem .8rem; }
 .note { background: var(--note); padding: .6rem .9rem; border-left: 4px solid var(--ink); }
 .note p { margin: .2rem 0; }
 footer { margin-top: 2.5rem; border-top: 1px solid var(--rule); font-size: .9rem; color: var(--soft); }
-@media (max-width: 30rem) { .facts th { width: 7.5rem; } }
+@media (max-width: 30rem) { .facts th { width: 7.5rem; } svg { font-size: 14px; } }
 @media print {
   :root { --paper: #fff; --ink: #000; --soft: #333; --rule: #999; --grid: #ddd; --fill: #1d4f8c;
     --bar: #9dbce0; --note: #fff; }
   body { max-width: none; font-size: 10pt; padding: 0; }
-  audio, button { display: none; }
+  .sound, button { display: none; }
   pre { white-space: pre-wrap; }
   .columns { grid-template-columns: 1fr 1fr; }
   h2, h3 { break-after: avoid; }

@@ -167,8 +167,8 @@ std::string pictures_part(const Told& told) {
 }
 
 std::string sound_part(const Clips& clips) {
-  std::string text = "<h3>Sound</h3>\n";
-  if (clips.clips.empty()) return text + "<p>" + clips.why_none + "</p>\n";
+  std::string text = "<div class=\"sound\">\n<h3>Sound</h3>\n";
+  if (clips.clips.empty()) return text + "<p>" + clips.why_none + "</p>\n</div>\n";
   text +=
       "<p class=\"soft\">The velocity of a place on the resonator; it is no sound pressure.</p>\n"
       "<div class=\"columns\">\n";
@@ -177,7 +177,7 @@ std::string sound_part(const Clips& clips) {
         "<figure>\n<figcaption>{}</figcaption>\n<audio controls preload=\"metadata\" "
         "src=\"{}\"></audio>\n</figure>\n",
         clip.caption, clip.data_address);
-  return text + "</div>\n";
+  return text + "</div>\n</div>\n";
 }
 
 std::string scene_part(const Told& told, std::size_t number) {

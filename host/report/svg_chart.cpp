@@ -13,7 +13,7 @@ namespace ra2d {
 namespace {
 
 // In dots of the picture, which the page stretches to its width.
-constexpr double width = 440, height = 290, left = 56, right = 14, top = 12, bottom = 46;
+constexpr double width = 440, height = 290, left = 56, right = 20, top = 12, bottom = 46;
 constexpr double plot_width = width - left - right, plot_height = height - top - bottom;
 constexpr double base = top + plot_height, end = left + plot_width;
 constexpr int most_ticks = 6;

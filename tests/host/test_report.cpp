@@ -198,6 +198,55 @@ TEST_F(Report, RefusesAndLeavesNothing) {
   EXPECT_EQ(test::read_file(folder_.path() / "text.h5"), "no result");
 }
 
+// ---- in a browser ------------------------------------------------------------------------------
+
+std::string chromium() {
+  for (const char* place :
+       {"/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"})
+    if (fs::exists(place)) return place;
+  return {};
+}
+
+/// What the page is like once it is loaded, as an attribute of its body.
+constexpr char look[] = R"js(<script>addEventListener("load", () => {
+  const sounds = [...document.querySelectorAll("audio")].map(a => a.duration.toFixed(3));
+  const fetched = performance.getEntriesByType("resource").filter(e => !e.name.startsWith("data:"));
+  const root = document.documentElement;
+  document.querySelector("button[data-copies]").click();
+  document.body.dataset.seen = [root.clientWidth, root.scrollWidth, fetched.length,
+    document.querySelectorAll("svg").length, getSelection().toString().includes("duration = 0.2"),
+    ...sounds].join(" ");
+});</script>)js";
+
+/// Windows have a least width; frames do not.
+constexpr char frames[] = R"html(<!DOCTYPE html>
+<iframe src="looked-at.html" style="width:360px;height:800px;border:0"></iframe>
+<iframe src="looked-at.html" style="width:1200px;height:800px;border:0"></iframe>
+<script>addEventListener("load", () => document.body.append([...document.querySelectorAll("iframe")]
+  .map(f => f.contentDocument.body.dataset.seen).join("; ")));</script>)html";
+
+TEST_F(Report, StandsInABrowser) {
+  if (chromium().empty()) GTEST_SKIP() << "no Chromium here";
+  simulate("a.h5", {"scene.name=\"one long word: " + std::string(150, 'x') + "\""});
+  simulate("b.h5", {"resonator.surface.seed=7"});
+  ASSERT_EQ(ra2d({"report", "a.h5", "b.h5", "-o", "page.html"}).status, 0);
+  std::string text = page();
+  text.insert(text.rfind("</body>"), look);
+  std::ofstream(folder_.path() / "looked-at.html") << text;
+  std::ofstream(folder_.path() / "frames.html") << frames;
+  const test::Ended shown = test::run_program(
+      folder_.path(),
+      {chromium(), "--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars",
+       "--enable-logging=stderr", "--host-resolver-rules=MAP * ~NOTFOUND",
+       "--allow-file-access-from-files", "--window-size=1300,2000", "--dump-dom",
+       "--user-data-dir=" + (folder_.path() / "profile").string(),
+       "file://" + (folder_.path() / "frames.html").string()});
+  EXPECT_EQ(shown.status, 0) << shown.err;
+  EXPECT_THAT(shown.err, Not(HasSubstr("CONSOLE")));
+  EXPECT_THAT(shown.out, HasSubstr("360 360 0 10 true 0.200 4.000 0.200 4.000; "
+                                   "1200 1200 0 10 true 0.200 4.000 0.200 4.000"));
+}
+
 TEST(LevelHistory, PartsGiveAnInterval) {
   std::vector<double> values(200);
   for (std::size_t i = 0; i < values.size(); ++i) values[i] = i / 20 % 2 == 0 ? 1 : 3;
