@@ -66,8 +66,8 @@ std::string html_number(double value, int digits) {
   const std::size_t e = text.find('e');
   if (e == text.npos) return text[0] == '-' ? "−" + text.substr(1) : text;
   const int power = std::stoi(text.substr(e + 1));
-  return fmt::format("{:g} × 10<sup>{}{}</sup>", std::stod(text.substr(0, e)), power < 0 ? "−" : "",
-                     std::abs(power));
+  return fmt::format("{:g}\u00a0×\u00a010<sup>{}{}</sup>", std::stod(text.substr(0, e)),
+                     power < 0 ? "−" : "", std::abs(power));
 }
 
 }  // namespace ra2d

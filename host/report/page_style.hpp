@@ -53,7 +53,9 @@ button { font: inherit; padding: .2rem .8rem; }
 .note { background: var(--note); padding: .6rem .9rem; border-left: 4px solid var(--ink); }
 .note p { margin: .2rem 0; }
 footer { margin-top: 2.5rem; border-top: 1px solid var(--rule); font-size: .9rem; color: var(--soft); }
-@media (max-width: 30rem) { .facts th { width: 7.5rem; } svg { font-size: 14px; } }
+@media (max-width: 30rem) { .facts th { width: 7.5rem; } svg { font-size: 14px; }
+  .means { font-size: .8rem; } .means td, .means th { white-space: normal; padding-right: .4rem; }
+  .means td:first-child { min-width: 3.5rem; } }
 @media print {
   :root { --paper: #fff; --ink: #000; --soft: #333; --rule: #999; --grid: #ddd; --fill: #1d4f8c;
     --bar: #9dbce0; --note: #fff; }

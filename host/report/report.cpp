@@ -222,31 +222,39 @@ std::string comparison(const std::vector<Told>& results) {
          rows + "</table></div>\n<p class=\"soft\">Durations and peak forces: medians.</p>\n";
 }
 
-/// What the figures of analyze's JSON are called on a page.
-std::string figure_name(const std::string& name) {
-  for (const auto& [figure, words] : {std::pair{"lv", "level Lv, dB re 1 nm/s"},
-                                      {"v_rms", "velocity, rms, m/s"},
-                                      {"contact_share", "share of the time in contact"},
-                                      {"shocks.rate", "shocks, 1/s"},
-                                      {"shocks.duration.median", "median duration of shocks, s"},
-                                      {"shocks.peak_force.median", "median peak force, N"},
-                                      {"shocks.impulse.median", "median impulse, N s"},
-                                      {"shocks.simultaneous.mean", "shocks at once"},
-                                      {"energy.sliding_power", "power from sliding, W"},
-                                      {"energy.damping_power", "power to damping, W"}})
-    if (name == figure) return words;
-  return html(name);
+/// What a figure of analyze's JSON is called on a page, and what it is multiplied by there.
+struct FigureWords {
+  std::string name;
+  double times = 1;
+};
+
+FigureWords words_of(const std::string& figure) {
+  for (const auto& [name, words] :
+       {std::pair{"lv", FigureWords{"level Lv, dB re 1 nm/s"}},
+        {"v_rms", {"velocity, rms, mm/s", 1e3}},
+        {"contact_share", {"share of the time in contact"}},
+        {"shocks.rate", {"shocks, 1/s"}},
+        {"shocks.duration.median", {"median duration of shocks, µs", 1e6}},
+        {"shocks.peak_force.median", {"median peak force, N"}},
+        {"shocks.impulse.median", {"median impulse, µN s", 1e6}},
+        {"shocks.simultaneous.mean", {"shocks at once"}},
+        {"energy.sliding_power", {"power from sliding, mW", 1e3}},
+        {"energy.damping_power", {"power to damping, mW", 1e3}}})
+    if (figure == name) return words;
+  return {html(figure), 1};
 }
 
 std::string means(const std::vector<Told>& results) {
   std::vector<Analysis> analyses;
   for (const Told& told : results) analyses.push_back(told.analysis);
   std::string rows;
-  for (const FigureOfRuns& f : means_of(analyses))
-    rows +=
-        fmt::format("<tr><td>{}</td><td>{}</td><td>{} to {}</td><td>{}</td></tr>\n",
-                    figure_name(f.name), html_number(f.value.mean, 5), html_number(f.value.low, 5),
-                    html_number(f.value.high, 5), html_number(f.value.deviation, 2));
+  for (const FigureOfRuns& f : means_of(analyses)) {
+    const auto [name, times] = words_of(f.name);
+    rows += fmt::format("<tr><td>{}</td><td>{}</td><td>{} to {}</td><td>{}</td></tr>\n", name,
+                        html_number(times * f.value.mean, 5), html_number(times * f.value.low, 5),
+                        html_number(times * f.value.high, 5),
+                        html_number(times * f.value.deviation, 2));
+  }
   return "<h2>Means</h2>\n<div class=\"wide\"><table class=\"means\">\n<tr><th>figure</th><th>mean"
          "</th><th>95 % (Student's t)</th><th>deviation</th></tr>\n" +
          rows +

@@ -37,8 +37,12 @@ TEST(Html, WritesNumbersForPeople) {
   EXPECT_EQ(html_number(1234.5, 4), "1234");
   EXPECT_EQ(html_number(0), "0");
   EXPECT_EQ(html_number(-0.25), "−0.25");
-  EXPECT_EQ(html_number(7.2134e-4), "7.21 × 10<sup>−4</sup>");
-  EXPECT_EQ(html_number(1e15), "1 × 10<sup>15</sup>");
+  EXPECT_EQ(html_number(7.2134e-4),
+            "7.21\u00a0×\u00a010"
+            "<sup>−4</sup>");
+  EXPECT_EQ(html_number(1e15),
+            "1\u00a0×\u00a010"
+            "<sup>15</sup>");
   EXPECT_EQ(html_number(std::nan("")), "–");
 }
 
@@ -121,7 +125,9 @@ TEST_F(Report, OfOneResultHasItAll) {
   EXPECT_EQ(times(text, "src=\"data:audio/wav;base64,UklGR"), 2u);  // "RIFF"
   EXPECT_THAT(text, AllOf(HasSubstr("name = &quot;roughness noise&quot;"),
                           HasSubstr("<code>ra2d report a.h5 -o page.html</code>"),
-                          HasSubstr("Made by ra2d 0."), HasSubstr("penalty, 1 × 10<sup>15</sup>")));
+                          HasSubstr("Made by ra2d 0."),
+                          HasSubstr("penalty, 1\u00a0×\u00a010"
+                                    "<sup>15</sup>")));
   EXPECT_LT(text.size(), 3e6);
   expect_harmless(text);
   EXPECT_EQ(ra2d({"report", "a.h5", "-o", "again.html"}).status, 0);
