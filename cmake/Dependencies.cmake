@@ -69,3 +69,7 @@ find_path(PUGIXML_INCLUDE_DIR pugixml.hpp REQUIRED)
 find_library(PUGIXML_LIBRARY pugixml REQUIRED)
 find_path(CRYPTO_INCLUDE_DIR openssl/evp.h REQUIRED)
 find_library(CRYPTO_LIBRARY crypto REQUIRED)
+find_path(SNDFILE_INCLUDE_DIR sndfile.h REQUIRED)  # libsndfile, with FLAC
+find_library(SNDFILE_LIBRARY sndfile REQUIRED)
+find_path(SOXR_INCLUDE_DIR soxr.h REQUIRED)
+find_library(SOXR_LIBRARY soxr REQUIRED)

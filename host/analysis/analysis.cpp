@@ -10,9 +10,9 @@
 #include <numeric>
 
 #include "host/analysis/bands.hpp"
+#include "host/analysis/stretch.hpp"
 #include "host/errors.hpp"
 #include "host/result/level.hpp"
-#include "host/scene_file/scene_file.hpp"
 #include "host/store/result_reader.hpp"
 
 namespace ra2d {
@@ -21,45 +21,15 @@ namespace {
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t columns_at_once = 32 << 20;  // bytes, of samples that are read together
 constexpr std::size_t most_samples = std::size_t{1} << 30;  // that a transform takes
-constexpr double time_slack = 1e-6;  // of a sample, for the roundings of its time
 
-/// The scene that the file carries; none where this program does not understand it.
-std::optional<Scene> scene_of(const ResultContents& contents,
-                              const std::filesystem::path& file) try {
-  return parse_scene(contents.scene, file);
-} catch (const RequestError&) {
-  return {};
-}
-
-/// The samples that are looked at.
-struct Stretch {
-  std::size_t first = 0, count = 0;
-};
-
-/// Sets the stretch's times, and finds its samples.
-Stretch choose_stretch(const ResultContents& contents, const std::optional<Scene>& scene,
-                       const AnalysisOptions& options, Analysis& a) {
-  const double counted_from = scene ? scene->output.from : 0.0;
-  const double end = a.complete && scene    ? scene->duration
-                     : contents.samples > 0 ? contents.end
-                                            : 0.0;
-  a.from = options.from.value_or(counted_from);
-  a.to = options.to.value_or(end);
-  a.whole = a.from == counted_from && a.to == end;
-  if (a.to > end * (1 + 1e-12))
-    throw RequestError(
-        fmt::format("{}: --to {:g}: the run ends at {:g} s", a.file.string(), a.to, end));
-  if (!a.whole && !(a.from < a.to))
-    throw RequestError(
-        fmt::format("{}: from {:g} s to {:g} s there is nothing: the run ends at {:g} s",
-                    a.file.string(), a.from, a.to, end));
-  Stretch stretch;
-  if (std::isnan(a.rate)) return stretch;
-  const auto place = [&](double time) { return std::max(0.0, time * a.rate); };
-  stretch.first = static_cast<std::size_t>(std::ceil(place(a.from) - time_slack));
-  const auto beyond = static_cast<std::size_t>(std::floor(place(a.to) + time_slack)) + 1;
-  stretch.first = std::min(stretch.first, contents.samples);
-  stretch.count = std::max(stretch.first, std::min(beyond, contents.samples)) - stretch.first;
+/// The part that is analysed, as `a` is told.
+Stretch analysed_stretch(const ResultContents& contents, const std::optional<Scene>& scene,
+                         const AnalysisOptions& options, Analysis& a) {
+  const Stretch stretch = choose_stretch(contents, scene, a.file, options.from, options.to);
+  a.from = stretch.from;
+  a.to = stretch.to;
+  a.whole = stretch.whole;
+  a.samples = stretch.count;
   if (stretch.count > most_samples)
     throw RequestError(
         fmt::format("{}: {} samples are more than can be transformed at once ({}): "
@@ -232,8 +202,7 @@ Analysis analyze(const std::filesystem::path& file, const AnalysisOptions& optio
       std::count_if(a.natural_frequencies.begin(), a.natural_frequencies.end(),
                     [&](double f) { return f > a.rate / 2; }));
 
-  const Stretch stretch = choose_stretch(contents, scene, options, a);
-  a.samples = stretch.count;
+  const Stretch stretch = analysed_stretch(contents, scene, options, a);
   a.v_rms = nan;
   if (a.whole) take_summary(contents.summary, a);
   const std::size_t segment = choose_segment(options, stretch.count, a);

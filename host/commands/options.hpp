@@ -25,6 +25,8 @@ CLI::Validator path();
 // Commands add themselves, each in a file of its own.
 void add_analyze(CLI::App& app, Chosen& chosen);
 void add_plot(CLI::App& app, Chosen& chosen);
+void add_report(CLI::App& app, Chosen& chosen);
+void add_sound(CLI::App& app, Chosen& chosen);
 void add_surface_generate(CLI::App& surface, Chosen& chosen);
 void add_surface_measure(CLI::App& surface, Chosen& chosen);
 

@@ -152,6 +152,8 @@ double rate_of(const std::vector<double>& time) {
 ResultContents contents_of(hid_t file) {
   ResultContents contents;
   contents.scene = text_attribute(file, "scene");
+  contents.origin = fmt::format("ra2d {} ({}), started {}", text_attribute(file, "version"),
+                                text_attribute(file, "commit"), text_attribute(file, "started"));
   if (check(H5Aexists(file, "beyond_limit")) > 0)
     contents.beyond_limit = text_attribute(file, "beyond_limit");
   const std::vector<double> time = all_of(file, "time");

@@ -14,6 +14,7 @@ namespace ra2d {
 /// All that a result file holds but its samples.
 struct ResultContents {
   std::string scene;         // TOML text of the scene
+  std::string origin;        // "ra2d 0.1 (commit), started ...": what wrote it, and when
   std::string beyond_limit;  // empty where the step held
   std::size_t samples = 0;   // T
   double rate = 0;           // Hz, of the samples; NaN of fewer than two

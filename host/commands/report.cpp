@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/report/report.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "host/commands/commands.hpp"
+#include "host/commands/options.hpp"
+#include "host/commands/print.hpp"
+#include "host/format.hpp"
+#include "host/output_file.hpp"
+#include "host/partial_file.hpp"
+#include "host/text.hpp"
+
+namespace ra2d {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct PageRequest {
+  std::vector<fs::path> files;
+  fs::path output;
+  bool quiet = false;
+};
+
+/// A word as a shell takes it.
+std::string shell_word(const std::string& word) {
+  const bool plain = std::all_of(word.begin(), word.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+           std::string_view("./_-+=:,@%").find(c) != std::string_view::npos;
+  });
+  if (plain && !word.empty()) return word;
+  std::string quoted = "'";
+  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + '\'';
+}
+
+int make_page(PageRequest& request) {
+  if (request.output.empty()) request.output = request.files.front().stem().string() + ".html";
+  require_output(request.output, request.files);
+  std::string command = "ra2d report";
+  for (const fs::path& file : request.files) command += ' ' + shell_word(file.string());
+  command += " -o " + shell_word(request.output.string());
+  const std::string page = report_page(request.files, command);
+  write_text(request.output, page);
+  if (!request.quiet)
+    print("  {:<17}{}, {}\n", "page", printable(request.output.string()), bytes_text(page.size()));
+  return done;
+}
+
+}  // namespace
+
+void add_report(CLI::App& app, Chosen& chosen) {
+  const auto request = std::make_shared<PageRequest>();
+  CLI::App* report = app.add_subcommand(
+      "report",
+      "one page to keep or to send, complete in itself: figures, pictures, the sound to play, the "
+      "scene to copy");
+  report->add_option("OUT.h5", request->files, "results of 'ra2d run'")->required()->check(path());
+  report
+      ->add_option("-o,--output", request->output,
+                   "the page [the first result's name with .html, in the current folder]")
+      ->type_name("PAGE.html")
+      ->check(path());
+  report->add_flag("--quiet", request->quiet, "print nothing but errors");
+  report->callback([request, &chosen] { chosen = [request] { return make_page(*request); }; });
+}
+
+}  // namespace ra2d

@@ -1,0 +1,290 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/report/report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "host/analysis/analysis.hpp"
+#include "host/analysis/bands.hpp"
+#include "host/analysis/several.hpp"
+#include "host/report/asked.hpp"
+#include "host/report/clips.hpp"
+#include "host/report/html.hpp"
+#include "host/report/level_history.hpp"
+#include "host/report/page_style.hpp"
+#include "host/report/pictures.hpp"
+#include "host/result/level.hpp"
+#include "host/text.hpp"
+
+#ifndef RA2D_COMMIT
+#define RA2D_COMMIT "unknown"
+#endif
+
+namespace ra2d {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t parts_of_run = 200;
+constexpr std::size_t longest_title = 200;  // bytes
+constexpr double much_energy = 0.05;        // of what went through
+constexpr double least_rise = 5;            // dB, that chance hardly gives
+
+/// All that the page says of one result.
+struct Told {
+  Analysis analysis;
+  std::optional<Scene> scene;
+  std::string scene_text, beyond_limit, origin;
+  LevelHistory history;
+  Clips clips;
+};
+
+Told read(const fs::path& file) {
+  Told told;
+  told.analysis = analyze(file, {});
+  const ResultReader reader(file);
+  const ResultContents& contents = reader.contents();
+  told.scene = scene_of(contents, file);
+  told.scene_text = contents.scene;
+  told.beyond_limit = contents.beyond_limit;
+  told.origin = contents.origin;
+  told.history =
+      level_history(reader, choose_stretch(contents, told.scene, file, {}, {}), parts_of_run);
+  return told;
+}
+
+std::string title_of(const Analysis& a) { return html(shortened(a.title, longest_title)); }
+
+std::string table_of(const FactTable& facts) {
+  std::string rows;
+  for (const auto& [name, value] : facts)
+    rows += fmt::format("<tr><th scope=\"row\">{}</th><td>{}</td></tr>\n", name, value);
+  return "<table class=\"facts\">\n" + rows + "</table>\n";
+}
+
+// ---- what came out -----------------------------------------------------------------------------
+
+std::string level_fact(const Told& told) {
+  const Analysis& a = told.analysis;
+  if (std::isnan(a.v_rms)) return "none: nothing was counted";
+  if (!(a.v_rms > 0)) return "−∞ dB: the resonator did not vibrate";
+  std::string text = fmt::format("<b>{:.2f} dB</b> re 1 nm/s (v<sub>rms</sub> {} m/s)", a.lv,
+                                 html_number(a.v_rms));
+  const MeanOfRuns mean = mean_of_parts(told.history.mean_square);
+  if (mean.low > 0)
+    text += fmt::format("; 95 %: {:.1f} to {:.1f} dB", level(std::sqrt(mean.low)),
+                        level(std::sqrt(mean.high)));
+  return text;
+}
+
+std::string rate_fact(const Told& told) {
+  const Analysis& a = told.analysis;
+  if (a.shocks.count == 0) return "none";
+  std::string text =
+      fmt::format("<b>{:.0f} a second</b> ({} in all)", a.shocks.rate, a.shocks.count);
+  const MeanOfRuns mean = mean_of_parts(told.history.shocks);
+  if (std::isfinite(mean.low))
+    text += fmt::format("; 95 %: {:.0f} to {:.0f}", std::max(0.0, mean.low), mean.high);
+  return text;
+}
+
+std::string spread_fact(const Spread& s, double unit, const char* name) {
+  return fmt::format("median {} {}; eight of ten from {} to {}", html_number(s.median / unit), name,
+                     html_number(s.p10 / unit), html_number(s.p90 / unit));
+}
+
+std::string loudest_band(const BandLevels& b) {
+  const auto at =
+      static_cast<std::size_t>(std::max_element(b.level.begin(), b.level.end()) - b.level.begin());
+  return fmt::format("{} Hz, {:.1f} dB (95 %: ± {:.1f} dB)", third_octave_name(b.number[at]),
+                     b.level[at], 1.96 * b.spread[at]);
+}
+
+FactTable found_facts(const Told& told) {
+  const Analysis& a = told.analysis;
+  FactTable facts{{"level Lv", level_fact(told)}, {"shocks", rate_fact(told)}};
+  if (a.shocks.count > 0) {
+    facts.emplace_back("their duration", spread_fact(a.shocks.duration, 1e-6, "µs"));
+    facts.emplace_back("their peak force", spread_fact(a.shocks.peak_force, 1, "N"));
+    facts.emplace_back("at once",
+                       fmt::format("{} on average, {} at most", html_number(a.shocks.at_once_mean),
+                                   a.shocks.at_once_most));
+  }
+  if (std::isfinite(a.contact_share))
+    facts.emplace_back("in contact", fmt::format("{:.2f} % of the time", 100 * a.contact_share));
+  if (!a.bands.level.empty() && a.v_rms > 0)
+    facts.emplace_back("loudest third octave", loudest_band(a.bands));
+  if (std::isfinite(a.energy.sliding))
+    facts.emplace_back(
+        "power", fmt::format("{} W from sliding, {} W to damping", html_number(a.energy.sliding),
+                             html_number(a.energy.damping)));
+  if (std::isfinite(a.energy_closure))
+    facts.emplace_back("energy balance", fmt::format("closes to {} of what went through",
+                                                     html_number(a.energy_closure, 2)));
+  return facts;
+}
+
+/// What a reader should not overlook.
+std::vector<std::string> doubts_of(const Told& told) {
+  const Analysis& a = told.analysis;
+  std::vector<std::string> doubts;
+  if (!a.complete) doubts.push_back("The run was cut short: " + html(shortened(a.ended, 300)));
+  if (!told.beyond_limit.empty())
+    doubts.push_back("The step is beyond a limit of stability, on request: " +
+                     html(shortened(told.beyond_limit, 300)));
+  if (a.energy_closure > much_energy)
+    doubts.push_back(
+        fmt::format("{:.0f} % of the energy is unaccounted for.", 100 * a.energy_closure));
+  if (a.aliased_modes > 0)
+    doubts.push_back(fmt::format(
+        "{} mode{} above half the rate of the samples: spectrum, third octaves and sound "
+        "have their power in wrong places. A higher output.rate mends that.",
+        a.aliased_modes, a.aliased_modes == 1 ? " lies" : "s lie"));
+  if (a.mesh.in_spectrum && a.mesh.rise > least_rise)
+    doubts.push_back(
+        fmt::format("The mesh's own tone at {} Hz stands {:.0f} dB above what is around it.",
+                    html_number(a.mesh.frequency, 5), a.mesh.rise));
+  return doubts;
+}
+
+std::string doubts_box(const Told& told) {
+  std::string text;
+  for (const std::string& doubt : doubts_of(told)) text += "<p>" + doubt + "</p>\n";
+  return text.empty() ? text : "<div class=\"note\" role=\"note\">\n" + text + "</div>\n";
+}
+
+// ---- pictures, sound, scene --------------------------------------------------------------------
+
+std::string pictures_part(const Told& told) {
+  std::string text;
+  for (const Picture& picture : pictures_of(told.analysis, told.history))
+    text += fmt::format("<figure>\n{}<figcaption>{}</figcaption>\n</figure>\n", picture.svg,
+                        picture.caption);
+  return text.empty() ? text : "<h3>Pictures</h3>\n<div class=\"columns\">\n" + text + "</div>\n";
+}
+
+std::string sound_part(const Clips& clips) {
+  std::string text = "<div class=\"sound\">\n<h3>Sound</h3>\n";
+  if (clips.clips.empty()) return text + "<p>" + clips.why_none + "</p>\n</div>\n";
+  text +=
+      "<p class=\"soft\">The velocity of a place on the resonator; it is no sound pressure.</p>\n"
+      "<div class=\"columns\">\n";
+  for (const Clip& clip : clips.clips)
+    text += fmt::format(
+        "<figure>\n<figcaption>{}</figcaption>\n<audio controls preload=\"metadata\" "
+        "src=\"{}\"></audio>\n</figure>\n",
+        clip.caption, clip.data_address);
+  return text + "</div>\n</div>\n";
+}
+
+std::string scene_part(const Told& told, std::size_t number) {
+  return fmt::format(
+      "<h3>The scene</h3>\n<p>Save it as <code>scene.toml</code> and run it again: <code>ra2d run "
+      "scene.toml -o result.h5</code> <button type=\"button\" hidden data-copies=\"scene{0}\">Copy "
+      "the scene</button></p>\n<pre id=\"scene{0}\" tabindex=\"0\">{1}</pre>\n",
+      number, html_lines(told.scene_text));
+}
+
+std::string section(const Told& told, std::size_t number, bool several) {
+  const Analysis& a = told.analysis;
+  std::string text = fmt::format("<section id=\"result{}\">\n", number);
+  if (several) text += fmt::format("<h2>{}: {}</h2>\n", number, title_of(a));
+  text += fmt::format("<p class=\"lead\">{}, {} s to {} s. {}</p>\n", html(a.file.string()),
+                      html_number(a.from, 6), html_number(a.to, 6), html(told.origin));
+  text += doubts_box(told);
+  text += "<h3>What came out</h3>\n" + table_of(found_facts(told));
+  text +=
+      "<p class=\"soft\">Intervals of 95 % are of chance alone: those of level and shocks from "
+      "ten parts of the run, taken as independent. Other seeds say more.</p>\n";
+  text += sound_part(told.clips) + pictures_part(told);
+  if (told.scene) text += "<h3>What was asked</h3>\n" + table_of(asked_facts(*told.scene));
+  return text + scene_part(told, number) + "</section>\n";
+}
+
+// ---- several results ---------------------------------------------------------------------------
+
+std::string comparison(const std::vector<Told>& results) {
+  std::string rows;
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    const Analysis& a = results[i].analysis;
+    rows += fmt::format(
+        "<tr><td><a "
+        "href=\"#result{}\">{}</a>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
+        i + 1, html(a.file.filename().string()), a.complete ? "" : " (cut short)",
+        html_number(a.lv, 5), html_number(a.shocks.rate, 5),
+        html_number(a.shocks.duration.median * 1e6), html_number(a.shocks.peak_force.median));
+  }
+  return "<h2>Side by side</h2>\n<div class=\"wide\"><table class=\"means\">\n<tr><th>result</th>"
+         "<th>Lv, dB</th><th>shocks, 1/s</th><th>duration, µs</th><th>peak, N</th></tr>\n" +
+         rows + "</table></div>\n<p class=\"soft\">Durations and peak forces: medians.</p>\n";
+}
+
+/// What a figure of analyze's JSON is called on a page, and what it is multiplied by there.
+struct FigureWords {
+  std::string name;
+  double times = 1;
+};
+
+FigureWords words_of(const std::string& figure) {
+  for (const auto& [name, words] :
+       {std::pair{"lv", FigureWords{"level Lv, dB re 1 nm/s"}},
+        {"v_rms", {"velocity, rms, mm/s", 1e3}},
+        {"contact_share", {"share of the time in contact"}},
+        {"shocks.rate", {"shocks, 1/s"}},
+        {"shocks.duration.median", {"median duration of shocks, µs", 1e6}},
+        {"shocks.peak_force.median", {"median peak force, N"}},
+        {"shocks.impulse.median", {"median impulse, µN s", 1e6}},
+        {"shocks.simultaneous.mean", {"shocks at once"}},
+        {"energy.sliding_power", {"power from sliding, mW", 1e3}},
+        {"energy.damping_power", {"power to damping, mW", 1e3}}})
+    if (figure == name) return words;
+  return {html(figure), 1};
+}
+
+std::string means(const std::vector<Told>& results) {
+  std::vector<Analysis> analyses;
+  for (const Told& told : results) analyses.push_back(told.analysis);
+  std::string rows;
+  for (const FigureOfRuns& f : means_of(analyses)) {
+    const auto [name, times] = words_of(f.name);
+    rows += fmt::format("<tr><td>{}</td><td>{}</td><td>{} to {}</td><td>{}</td></tr>\n", name,
+                        html_number(times * f.value.mean, 5), html_number(times * f.value.low, 5),
+                        html_number(times * f.value.high, 5),
+                        html_number(times * f.value.deviation, 2));
+  }
+  return "<h2>Means</h2>\n<div class=\"wide\"><table class=\"means\">\n<tr><th>figure</th><th>mean"
+         "</th><th>95 % (Student's t)</th><th>deviation</th></tr>\n" +
+         rows +
+         "</table></div>\n<p class=\"soft\">They mean something where the results differ by chance "
+         "alone, e.g. by their seeds.</p>\n";
+}
+
+}  // namespace
+
+std::string report_page(const std::vector<fs::path>& files, const std::string& command) {
+  std::vector<Told> results;
+  for (const fs::path& file : files) results.push_back(read(file));
+  std::vector<Clips> clips = clips_of(files);
+  for (std::size_t i = 0; i < results.size(); ++i) results[i].clips = std::move(clips[i]);
+  const bool several = results.size() > 1;
+  const std::string title = several ? fmt::format("Roughness noise: {} results", results.size())
+                                    : title_of(results.front().analysis);
+  std::string page = fmt::format(
+      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta "
+      "http-equiv=\"Content-Security-Policy\" content=\"{}\">\n<meta name=\"viewport\" "
+      "content=\"width=device-width, initial-scale=1\">\n<title>{}</title>\n<style>{}</style>\n"
+      "</head>\n<body>\n<h1>{}</h1>\n",
+      page_policy, title, page_style, title);
+  if (several) page += comparison(results) + means(results);
+  for (std::size_t i = 0; i < results.size(); ++i) page += section(results[i], i + 1, several);
+  page += fmt::format(
+      "<footer><p>Made by ra2d {} ({}) with <code>{}</code>. The page is complete in itself and "
+      "fetches nothing.</p></footer>\n<script>{}</script>\n</body>\n</html>\n",
+      RA2D_VERSION, RA2D_COMMIT, html(command), page_script);
+  return page;
+}
+
+}  // namespace ra2d

@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/sound/sound.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <string_view>
+
+#include "host/errors.hpp"
+#include "host/partial_file.hpp"
+#include "host/text.hpp"
+
+#ifndef RA2D_COMMIT
+#define RA2D_COMMIT "unknown"
+#endif
+
+namespace ra2d {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t rows_together = 1 << 16;
+constexpr double audible = 20e3;       // Hz, that the young hear
+constexpr double passed_share = 0.91;  // of half the rate of the sound (Resampler)
+constexpr std::string_view program = "ra2d " RA2D_VERSION " (" RA2D_COMMIT ")";
+
+std::string places_text(const std::vector<double>& positions) {
+  constexpr std::size_t most = 10;
+  const std::vector<double> shown(
+      positions.begin(),
+      positions.begin() + static_cast<std::ptrdiff_t>(std::min(positions.size(), most)));
+  return fmt::format("{:g}{} m", fmt::join(shown, ", "), positions.size() > most ? ", ..." : "");
+}
+
+/// How many modes ring from `low` to `high` Hz.
+std::size_t modes_between(const std::vector<double>& frequencies, double low, double high) {
+  return static_cast<std::size_t>(
+      std::count_if(frequencies.begin(), frequencies.end(),
+                    [&](double frequency) { return frequency > low && frequency <= high; }));
+}
+
+std::string ending_of(const fs::path& file) {
+  std::string ending = file.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+  return ending;
+}
+
+void require_room(const SoundFacts& facts, AudioFormat format, const fs::path& file) {
+  if (static_cast<double>(facts.frames) <= most_frames(format)) return;
+  throw RequestError(fmt::format(
+      "'{}': a sound of {:.3g} s has more samples than such a file holds: take a part of it with "
+      "--from and --to{}",
+      file.string(), facts.seconds(),
+      format == AudioFormat::flac_24 ? "" : ", or a name that ends in .flac"));
+}
+
+std::string sidecar_text(const SoundFacts& f, const fs::path& file) {
+  nlohmann::ordered_json json{{"file", file.filename().string()},
+                              {"probe", f.probe},
+                              {"position", f.position},
+                              {"quantity", "velocity"},
+                              {"full_scale_m_per_s", f.full_scale},
+                              {"peak_m_per_s", f.peak},
+                              {"beyond_full_scale", f.beyond},
+                              {"rate", f.rate},
+                              {"samples", f.frames},
+                              {"slow", f.slow},
+                              {"from", f.from},
+                              {"to", f.to},
+                              {"source", f.source.string()},
+                              {"source_rate", f.source_rate},
+                              {"title", f.title},
+                              {"complete", f.complete},
+                              {"ended", f.ended},
+                              {"creator", "ra2d"},
+                              {"version", RA2D_VERSION},
+                              {"commit", RA2D_COMMIT}};
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n';
+}
+
+void write_all(int descriptor, std::string_view rest, const fs::path& path) {
+  DescriptorStore store(descriptor);
+  const auto count = static_cast<std::int64_t>(rest.size());
+  if (store.write(rest.data(), count, 0) != count)
+    throw write_failure("write", path, std::strerror(store.error()), store.error());
+}
+
+}  // namespace
+
+double round_full_scale(double peak) {
+  if (!(peak > 0)) return 1;
+  const int decade = static_cast<int>(std::floor(std::log10(peak)));
+  for (int power = decade - 1;; ++power)
+    for (const int digit : {1, 2, 5}) {
+      const std::string text = fmt::format("{}e{}", digit, power);
+      double scale = 0;
+      std::from_chars(text.data(), text.data() + text.size(), scale);
+      if (scale >= peak) return scale;
+    }
+}
+
+// ---- the sound of a probe ----------------------------------------------------------------------
+
+ProbeSound::ProbeSound(const fs::path& result, const SoundOptions& options) : reader_{result} {
+  const ResultContents& contents = reader_.contents();
+  scene_ = scene_of(contents, result);
+  facts_.source = result;
+  facts_.title = scene_ ? title(*scene_) : result.stem().string();
+  facts_.complete = contents.summary.complete;
+  facts_.ended = contents.summary.ended;
+  facts_.rate = options.rate;
+  facts_.slow = options.slow;
+  facts_.source_rate = contents.rate;
+  choose_probe(options.probe);
+  stretch_ = choose_stretch(contents, scene_, result, options.from, options.to);
+  if (stretch_.count < 2)
+    throw RequestError(fmt::format(
+        "{}: there is nothing to listen to: {} sample{} from {:g} s to {:g} s", result.string(),
+        stretch_.count, stretch_.count == 1 ? "" : "s", stretch_.from, stretch_.to));
+  facts_.from = static_cast<double>(stretch_.first) / contents.rate;
+  facts_.to = static_cast<double>(stretch_.first + stretch_.count - 1) / contents.rate;
+  facts_.frames = resampled_count(stretch_.count, contents.rate / facts_.slow, facts_.rate);
+  find_peak(options);
+  doubt_silence();
+  doubt_rate();
+  doubt_clipping();
+}
+
+void ProbeSound::choose_probe(std::size_t probe) {
+  const std::vector<double>& positions = reader_.contents().probe_position;
+  if (positions.empty())
+    throw RequestError(fmt::format(
+        "{}: it has no probe to listen to: name a place on the resonator in the scene, as "
+        "output.probes = [0.15], and run it again",
+        facts_.source.string()));
+  if (probe < 1 || probe > positions.size())
+    throw RequestError(fmt::format("{}: --probe {}: expected 1 to {} (at {})",
+                                   facts_.source.string(), probe, positions.size(),
+                                   places_text(positions)));
+  facts_.probe = probe;
+  facts_.position = positions[probe - 1];
+}
+
+void ProbeSound::each_sample(const TakeSamples& take) const {
+  Resampler resampler(facts_.source_rate / facts_.slow, facts_.rate);
+  for (std::size_t done = 0; done < stretch_.count; done += rows_together) {
+    const std::size_t now = std::min(rows_together, stretch_.count - done);
+    const auto columns =
+        reader_.columns("probes/velocity", stretch_.first + done, now, facts_.probe - 1, 1);
+    resampler.feed(columns.front(), take);
+  }
+  resampler.finish(take);
+}
+
+/// The peak of what is heard: between samples there may be more than in any.
+void ProbeSound::find_peak(const SoundOptions& options) {
+  const double asked = options.full_scale.value_or(0);
+  each_sample([&](std::span<const double> samples) {
+    for (const double v : samples) {
+      facts_.peak = std::max(facts_.peak, std::abs(v));
+      facts_.beyond += asked > 0 && std::abs(v) > asked;
+    }
+  });
+  facts_.full_scale = options.full_scale                     ? asked
+                      : options.normalize && facts_.peak > 0 ? facts_.peak
+                                                             : round_full_scale(facts_.peak);
+}
+
+void ProbeSound::play(const TakeSamples& take) const {
+  std::vector<double> scaled;
+  each_sample([&](std::span<const double> samples) {
+    scaled.assign(samples.begin(), samples.end());
+    for (double& value : scaled) value /= facts_.full_scale;
+    take(scaled);
+  });
+}
+
+// ---- what a listener should know ---------------------------------------------------------------
+
+void ProbeSound::doubt_silence() {
+  if (facts_.peak > 0) return;
+  facts_.doubts.push_back(
+      fmt::format("silence: the probe at {:g} m does not move from {:g} s to {:g} s{}",
+                  facts_.position, facts_.from, facts_.to,
+                  facts_.position == 0 ? "; at a support there is nothing to hear" : ""));
+}
+
+void ProbeSound::doubt_rate() {
+  const std::vector<double>& modes = reader_.contents().resonator_frequency;
+  const double carried = facts_.source_rate / 2,
+               heard = std::min(carried, passed_share * facts_.rate / 2 * facts_.slow);
+  const double highest = modes.empty() ? 0.0 : *std::max_element(modes.begin(), modes.end());
+  if (const std::size_t above = modes_between(modes, carried, HUGE_VAL); above > 0)
+    facts_.doubts.push_back(fmt::format(
+        "output.rate is too low: {} of the resonator's modes ring above {:g} Hz, half the rate of "
+        "the samples, the highest at {:.4g} Hz. They are heard at frequencies that are not theirs. "
+        "Run with output.rate above {:.3g}",
+        above, carried, highest, 2 * highest));
+  else if (carried < audible)
+    facts_.doubts.push_back(fmt::format(
+        "output.rate is low: nothing above {:g} Hz, half the rate of the samples, can be in this "
+        "sound, and ears go to {:g} Hz. Run with output.rate = {:g} or more",
+        carried, audible, 2 * audible));
+  if (const std::size_t lost = modes_between(modes, heard, std::min(carried, audible)); lost > 0)
+    facts_.doubts.push_back(
+        fmt::format("--rate {} passes what is below {:.4g} Hz: {} of the resonator's modes are "
+                    "left out. Take --rate 48000",
+                    facts_.rate, heard, lost));
+}
+
+void ProbeSound::doubt_clipping() {
+  if (facts_.beyond == 0) return;
+  facts_.doubts.push_back(fmt::format(
+      "{} of {} samples are beyond --full-scale {:g} m/s, the peak is {:.4g} m/s: FLAC clips them, "
+      "in WAV they stand, and players clip them",
+      facts_.beyond, facts_.frames, facts_.full_scale, facts_.peak));
+}
+
+// ---- files -------------------------------------------------------------------------------------
+
+AudioNotes notes_of(const SoundFacts& f) {
+  std::string comment =
+      fmt::format("velocity of probe {} at {} m, the value 1.0 is {} m/s; {} s to {} s", f.probe,
+                  f.position, f.full_scale, f.from, f.to);
+  if (f.slow != 1) comment += fmt::format("; {} times slower", f.slow);
+  return {printable(f.title), comment, std::string(program)};
+}
+
+AudioFormat sound_format(const fs::path& file) {
+  const std::string ending = ending_of(file);
+  if (ending == ".wav") return AudioFormat::wav_float;
+  if (ending == ".flac") return AudioFormat::flac_24;
+  throw RequestError(
+      fmt::format("'{}': expected a name that ends in .wav or .flac", file.string()));
+}
+
+fs::path sidecar_of(const fs::path& sound) {
+  fs::path file = sound;
+  return file += ".json";
+}
+
+void write_sound(const ProbeSound& sound, const fs::path& file) {
+  const SoundFacts& facts = sound.facts();
+  const AudioFormat format = sound_format(file);
+  require_room(facts, format, file);
+  const fs::path beside = sidecar_of(file);
+  PartialFile audio(file), sidecar(beside);
+  DescriptorStore store(audio.descriptor());
+  AudioWriter writer(store, format, facts.rate, notes_of(facts), file);
+  sound.play([&](std::span<const double> samples) { writer.write(samples); });
+  writer.close();
+  write_all(sidecar.descriptor(), sidecar_text(facts, file), beside);
+  audio.sync();
+  sidecar.sync();
+  sidecar.publish();
+  try {
+    audio.publish();
+  } catch (const FileError&) {
+    unlink(beside.c_str());
+    throw;
+  }
+}
+
+}  // namespace ra2d
