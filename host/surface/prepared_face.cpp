@@ -32,8 +32,16 @@ constexpr double coarse_nodes = 20;                        // to a step of the p
 /// The readers speak of options of a command; in a scene they are keys.
 std::string in_keys(std::string text) {
   constexpr std::pair<std::string_view, std::string_view> words[] = {
-      {"--x-unit", "x_unit"}, {"--z-unit", "z_unit"}, {"--column", "column"},
-      {"--row", "row"},       {"--fill", "fill"},     {"drop the option", "drop the key"}};
+      {" (--spacing says it all)", ""},
+      {"; of heights alone give the spacing with --spacing", ""},
+      {"Say --decimal point, where commas part the columns, or --decimal comma",
+       "Write numbers with points, or part columns with semicolons"},
+      {"--x-unit", "x_unit"},
+      {"--z-unit", "z_unit"},
+      {"--column", "column"},
+      {"--row", "row"},
+      {"--fill", "fill"},
+      {"drop the option", "drop the key"}};
   for (const auto& [option, key] : words)
     for (std::size_t at = text.find(option); at != text.npos; at = text.find(option, at))
       text.replace(at, option.size(), key);

@@ -109,6 +109,17 @@ TEST_F(PreparedFace, ALineOfAnArealFileByItsContent) {
   EXPECT_THAT(fault(2e-3, 2e-3), HasSubstr("in mm by x_unit: drop the key"));
 }
 
+TEST_F(PreparedFace, MessagesSpeakOfKeysAndNotOfOptions) {
+  how().form = "line";
+  for (const char* text : {"1\n2\n", "0 1 2\n1 2 3\n", "0,5,1,5\n1,0,2,5\n", "0 1\n1 nan\n2 3\n",
+                           "0 0\n1 1\n2 0\n", "x [in] z [um]\n0 1\n1 2\n"}) {
+    write(text);
+    const std::string said = fault(1, 1);
+    EXPECT_THAT(said, HasSubstr("profile")) << text;
+    EXPECT_THAT(said, testing::Not(HasSubstr("--"))) << text;
+  }
+}
+
 TEST_F(PreparedFace, GapsAndForm) {
   write("0;0\n1;1\n2;nan\n3;3\n4;4\n");
   how().x_unit = FileUnit::mm;
