@@ -69,8 +69,8 @@ class ResultPanels {
   }
 
   Json head() const {
-    Json json{{"title", printable(analysis_.title)},
-              {"file", printable(analysis_.file.filename().string())},
+    Json json{{"title", printable(shortened(analysis_.title))},
+              {"file", printable(shortened(analysis_.file.filename().string()))},
               {"complete", analysis_.complete},
               {"ended", printable(shortened(analysis_.ended, 120))},
               {"end", contents_.end},
