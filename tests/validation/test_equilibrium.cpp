@@ -145,6 +145,24 @@ Scene resting_scene(int index, std::mt19937_64& random) {
   return s;
 }
 
+TEST(Equilibrium, BeginsWithTheEnergyOfItsModesAndItsSprings) {
+  Scene s = resting_block();
+  s.gap.reset();
+  s.contact.stiffness = 1e12;
+  s.resonator.surface = gaussian(1e-6, 5e-4, 3);
+  const Model m = make_model(s);
+  const ModalStart start = make_start(m);
+  double elastic = 0, springs = 0;
+  for (std::size_t k = 0; k < start.resonator_u.size(); ++k)
+    elastic += 0.5 * m.resonator.mass_per_length *
+               std::pow(m.resonator.modes[k].omega * start.resonator_u[k], 2);
+  for (const double over : overlaps(m, start.resonator_u, start.slider_u))
+    springs += 0.5 * m.node_stiffness * std::pow(std::max(0.0, over), 2);
+  EXPECT_GT(springs, 1e-3 * elastic);
+  EXPECT_NEAR(start.contact_energy, springs, 1e-9 * springs);
+  EXPECT_NEAR(start.energy, elastic + springs, 1e-9 * springs + 1e-12 * elastic);
+}
+
 TEST(Equilibrium, IsFoundUnderMultipliersOnAnyFaces) {
   std::mt19937_64 random(5);
   for (int i = 0; i < draws(180); ++i) {

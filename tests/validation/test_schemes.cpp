@@ -218,6 +218,61 @@ TEST_P(OrderOf, ModesUnderASmoothForce) {
   expect_order(v, c.forced, c.x, "velocity");
 }
 
+TEST_P(OrderOf, AMassUnderItsLoadOnASpringOfContact) {
+  // One peak that never leaves the flat resonator: x'' = (L - k x)/m for its depth x, so
+  // x = L/k + (x0 - L/k) cos(omega t). The load acts at every stage, and so does the force at its depth.
+  const Case& c = GetParam();
+  if (c.scheme.table().stages < 2)
+    GTEST_SKIP() << "its contact force is that of the step's beginning";
+  constexpr double omega = 1e4, height = 1e-5, load = 0.03;
+  Scene s = with(plate_scene(1, 0.004, 1e-3, 0.0), c.scheme);
+  s.resonator = rigid(s.resonator);
+  s.slider = steel(0.004, 1e-3, 0.02, 0.0, 0);
+  s.slider.support = Support::free;
+  s.slider.load = load;
+  s.slider.surface = peaks({{.at = 0.002, .height = height, .half_width = s.spacing}});
+  s.initial = Initial::rest;
+  const Beam slider = make_beam(s.slider);
+  const double mass = slider.mass_per_length * s.slider.length, k = mass * omega * omega;
+  s.contact.stiffness = k / s.spacing / s.slider.width;
+  const double rest = load / k, begin = 0.5 * rest, end = 7.0;
+  s.gap = height - begin;
+  const auto runs = at_all_levels([&](int level) {
+    const auto steps = static_cast<std::int64_t>(std::ceil(end / c.x)) << level;
+    set_steps(s, end / omega / static_cast<double>(steps), steps);
+    const Model model = make_model(s);
+    return std::pair{model, make_start(model)};
+  });
+  std::vector<double> errors;
+  for (const Recording& run : runs) {
+    ASSERT_EQ(run.end.contact_steps, run.end.step);
+    const double heave = 1 / std::sqrt(s.slider.length);  // of the mode, everywhere
+    const double u = run.end.slider_u[0] * heave, v = run.end.slider_v[0] * heave;
+    errors.push_back(std::hypot(u + begin - rest - (begin - rest) * std::cos(end),
+                                v / omega + (begin - rest) * std::sin(end)));
+  }
+  expect_order(errors, c.scheme.table().order, c.x, "depth and velocity");
+}
+
+TEST_P(OrderOf, TheDampingLossOfWhatBeginsWithAVelocityIsAllThatGoes) {
+  // The loss is summed over the steps with half weights at both ends where the scheme's order allows:
+  // with the first velocity left out it would miss zeta omega tau of the energy at the start.
+  const Case& c = GetParam();
+  if (c.scheme.table().order < 2) GTEST_SKIP() << "the scheme itself takes or gives as much";
+  const double x = 0.02, zeta = 0.05;
+  Scene s = with(lone_beam(1, zeta), c.scheme);
+  set_steps(s, x / make_beam(s.resonator).modes[0].omega, 500);
+  const Model model = make_model(s);
+  ModalStart start = make_start(model);
+  start.resonator_v = {1e-3};
+  count_energy(model, start);
+  const SampleBlock samples = simulate({model}, {start})[0].samples;
+  const double before = samples.kinetic.front() + samples.elastic.front();
+  const double left = samples.kinetic.back() + samples.elastic.back();
+  EXPECT_LT(left, 0.5 * before);
+  EXPECT_NEAR(samples.damping_loss.back(), before - left, 0.2 * zeta * x * before);
+}
+
 TEST_P(OrderOf, EnergyAndLevelOfAFreeDecay) {
   // What is missing in the balance is the scheme's error, or that of the loss: 2 zeta omega m V^2
   // summed over the steps, with half weights at both ends (order 2), over the midpoint scheme's
