@@ -51,6 +51,7 @@ struct Flying {
     // what host/device/batch.cpp chooses: turn time below 2e-4 on the first level
     t.first_level = std::ilogb(2e-4 / (quickest * t.step));
     const int levels = 51 - t.first_level;  // up to a second
+    t.flight_levels = levels;
     flight.assign(static_cast<std::size_t>(levels) * flight_rows * modes, 0.0);
     for (int k = 0; k < modes; ++k) {
       const auto rows = flight_tables(mode[k], load[k], t.step, t.first_level, levels);

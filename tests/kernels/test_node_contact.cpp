@@ -30,9 +30,11 @@ TEST(ExpandNode, CubicAboutTheWindowsMiddle) {
   t.windows = 2;
   t.window_width = 0.5;
   t.patch_nodes = patch_nodes;
+  t.patches = 2;
   t.inverse_radius = 1.0 / radius;
   t.resonator_modes = t.slider_modes = 1;
   t.groups = K;
+  t.nodes = stride;
   std::vector<double> quartic(stride, 0.0), patch(2 * 4 * stride, 0.0), unit(stride, 0.0);
   std::vector<double> slider_shape(stride), height1(stride), height2(patch_nodes + 4);
   const double cubic[] = {5, -3, 2, 1}, factorial[] = {1, 1, 2, 6};
@@ -86,6 +88,7 @@ struct ByHand {
       shape[n * 4 * stride + 1] = 0.5;
       face[2 * n + 1] = 4;  // rise
     }
+    t.nodes = count;
     t.node_stiffness = 1024;
     t.position = 0.5;  // theta 1/2
     s.node_shape = shape.data(), s.node_face = face.data(), s.node_window = window.data();
@@ -172,7 +175,8 @@ TEST(NodeContact, ExpandsOnceAWindow) {
   std::vector<double> quartic(stride, 0.0), patch(4 * stride, 0.0), heights(64);
   patch[0] = 5;  // the mode is 5 everywhere
   for (int n = 0; n < 64; ++n) heights[n] = n;
-  t.patch_nodes = 64, t.inverse_radius = 1.0 / 64, t.resonator_modes = 1, t.groups = ByHand::count;
+  t.patches = 1, t.patch_nodes = 64, t.inverse_radius = 1.0 / 64;
+  t.resonator_modes = 1, t.groups = ByHand::count;
   t.quartic = quartic.data(), t.patch = patch.data();
   t.height1 = t.height2 = heights.data();
   t.advance = 1;
