@@ -53,7 +53,7 @@ std::complex<double> Fourier::line(std::size_t j) const {
 std::vector<double> from_lines(std::vector<std::complex<double>> lines, std::size_t length) {
   std::vector<double> out(length);
   std::unique_lock lock(planner());
-  const fftw_plan plan =
+  fftw_plan plan =
       fftw_plan_dft_c2r_1d(static_cast<int>(length), reinterpret_cast<fftw_complex*>(lines.data()),
                            out.data(), FFTW_ESTIMATE);
   lock.unlock();

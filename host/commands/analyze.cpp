@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <memory>
 #include <string>
-#include <tuple>
 #include <vector>
 
 #include "host/analysis/analysis_text.hpp"
@@ -112,12 +111,7 @@ void add_analyze(CLI::App& app, Chosen& chosen) {
       ->type_name("N")
       ->transform(count())
       ->excludes(resolution);
-  for (const auto& [name, time, what] :
-       {std::tuple{"--from", &options.from, "where to begin [output.from of the scene]"},
-        {"--to", &options.to, "where to end [the end of the run]"}})
-    analyze->add_option(name, *time, what)
-        ->type_name("SECONDS")
-        ->check(number_from(0, 1e12, "from 0 to 1e12"));
+  add_stretch(*analyze, options.from, options.to);
   analyze->add_flag("--a-weighting", options.a_weighting,
                     "weighs the bands as ears do (IEC 61672-1); a plate's velocity is no sound "
                     "pressure all the same");

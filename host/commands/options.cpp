@@ -44,4 +44,14 @@ CLI::Validator path() {
           {}};
 }
 
+void add_stretch(CLI::App& command, std::optional<double>& from, std::optional<double>& to) {
+  const auto add = [&](const char* name, std::optional<double>& time, const char* what) {
+    command.add_option(name, time, what)
+        ->type_name("SECONDS")
+        ->check(number_from(0, 1e12, "from 0 to 1e12"));
+  };
+  add("--from", from, "where to begin [output.from of the scene]");
+  add("--to", to, "where to end [the end of the run]");
+}
+
 }  // namespace ra2d

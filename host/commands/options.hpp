@@ -2,6 +2,7 @@
 #pragma once
 #include <CLI/CLI.hpp>
 #include <functional>
+#include <optional>
 #include <string>
 
 /// What the commands' options take.
@@ -21,6 +22,9 @@ CLI::Validator count();
 
 /// A path that is given: an empty one comes from a variable that is not set.
 CLI::Validator path();
+
+/// --from and --to: the stretch of a run that is looked at.
+void add_stretch(CLI::App& command, std::optional<double>& from, std::optional<double>& to);
 
 // Commands add themselves, each in a file of its own.
 void add_analyze(CLI::App& app, Chosen& chosen);

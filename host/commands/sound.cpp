@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <memory>
 #include <string>
-#include <tuple>
 
 #include "host/commands/commands.hpp"
 #include "host/commands/options.hpp"
@@ -99,12 +98,7 @@ void add_sound(CLI::App& app, Chosen& chosen) {
       ->type_name("M_PER_S")
       ->check(positive_number())
       ->excludes(normalize);
-  for (const auto& [name, time, what] :
-       {std::tuple{"--from", &options.from, "where to begin [output.from of the scene]"},
-        {"--to", &options.to, "where to end [the end of the run]"}})
-    sound->add_option(name, *time, what)
-        ->type_name("SECONDS")
-        ->check(number_from(0, 1e12, "from 0 to 1e12"));
+  add_stretch(*sound, options.from, options.to);
   sound->add_flag("--quiet", wanted->quiet, "print nothing but errors");
   sound->callback([wanted, &chosen] { chosen = [wanted] { return make_sound(*wanted); }; });
 }

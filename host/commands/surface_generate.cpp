@@ -17,6 +17,7 @@
 #include "host/output_file.hpp"
 #include "host/partial_file.hpp"
 #include "host/scene/names.hpp"
+#include "host/scene_file/scene_file.hpp"
 #include "host/surface/random_profile.hpp"
 #include "host/surface/surface.hpp"
 #include "host/text.hpp"
@@ -60,30 +61,10 @@ void check(const Asked& asked) {
                     asked.surface.rq, asked.length));
 }
 
-/// The words of a scene that ask for the same profile.
-std::string scene_words(const SurfaceSpec& s) {
-  std::string text = fmt::format("{{ kind = \"gaussian\", rq = {}", toml_number(s.rq));
-  const auto add = [&](const char* key, const std::optional<double>& value) {
-    if (value) text += fmt::format(", {} = {}", key, toml_number(*value));
-  };
-  add("rsm", s.rsm);
-  add("correlation_length", s.correlation_length);
-  if (s.correlation != Correlation::gaussian)
-    text += fmt::format(", correlation = {}", toml_string(correlations.name(s.correlation)));
-  add("hurst", s.hurst);
-  add("longest", s.longest);
-  add("shortest", s.shortest);
-  add("skewness", s.skewness);
-  add("kurtosis", s.kurtosis);
-  if (s.exact != Exactly::rq)
-    text += fmt::format(", exact = {}", toml_string(exact_choices.name(s.exact)));
-  return text + fmt::format(", seed = {} }}", s.seed);
-}
-
 /// Two columns that a scene and `ra2d surface measure` read, with the digits that bring the doubles back.
 std::string profile_text(const Asked& asked, const std::vector<double>& heights) {
   std::string text = fmt::format("# ra2d surface generate: surface = {}, {} m long\nx [m],z [m]\n",
-                                 scene_words(asked.surface), asked.length);
+                                 surface_text(asked.surface, {}), asked.length);
   text.reserve(text.size() + 48 * heights.size());
   char number[64];
   const auto put = [&](double value, char after) {
@@ -126,7 +107,7 @@ void print_profile(const Asked& asked, const RandomProfile& profile,
   line("spacing of elements",
        fmt::format("{:.4g} um between upward crossings of the mean line{}", profile.rsm * 1e6,
                    asked.surface.exact == Exactly::rq_and_rsm ? "" : ", in expectation"));
-  line("in a scene", "surface = " + scene_words(asked.surface));
+  line("in a scene", "surface = " + surface_text(asked.surface, {}));
   line("file", printable(asked.output.string()));
 }
 

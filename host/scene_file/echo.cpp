@@ -43,9 +43,12 @@ class Writer {
   std::string text_;
 };
 
-/// The inline table of a surface: its kind, the keys of the kind, and those of others that stand.
-/// `folder`: the scene's.
-void write_surface(const SurfaceSpec& surface, const std::filesystem::path& folder, Writer& out) {
+/// The inline table of a surface: its kind, the keys of the kind, and those of others that stand; and
+/// which of them are not used, and why. `folder`: the scene's.
+struct SurfaceWords {
+  std::string table, unused;
+};
+SurfaceWords words_of(const SurfaceSpec& surface, const std::filesystem::path& folder) {
   std::string table = fmt::format("kind = \"{}\"", surface_kinds.name(surface.kind));
   std::vector<std::string> unused;
   const auto key = [&](SurfaceKind user, bool stands, const char* name, const std::string& value) {
@@ -106,12 +109,12 @@ void write_surface(const SurfaceSpec& surface, const std::filesystem::path& fold
       toml_string(exact_choices.name(surface.exact)));
   key(SurfaceKind::gaussian, is(SurfaceKind::gaussian) || surface.seed != 0, "seed",
       fmt::format("{}", surface.seed));
-  out.raw("surface", "{ " + table + " }",
-          unused.empty() ? ""
-                         : fmt::format("{}, the {} is \"{}\"", fmt::join(unused, ", "),
-                                       random ? "correlation" : "kind",
-                                       random ? correlations.name(surface.correlation)
-                                              : surface_kinds.name(surface.kind)));
+  return {"{ " + table + " }", unused.empty()
+                                   ? ""
+                                   : fmt::format("{}, the {} is \"{}\"", fmt::join(unused, ", "),
+                                                 random ? "correlation" : "kind",
+                                                 random ? correlations.name(surface.correlation)
+                                                        : surface_kinds.name(surface.kind))};
 }
 
 void write_body(const std::string& name, const BodySpec& body, const std::filesystem::path& folder,
@@ -131,10 +134,15 @@ void write_body(const std::string& name, const BodySpec& body, const std::filesy
   material("damping", body.damping);
   if (body.max_frequency) out.key("max_frequency", *body.max_frequency, unused);
   if (body.modes) out.raw("modes", fmt::format("{}", *body.modes), unused);
-  write_surface(body.surface, folder, out);
+  const SurfaceWords surface = words_of(body.surface, folder);
+  out.raw("surface", surface.table, surface.unused);
 }
 
 }  // namespace
+
+std::string surface_text(const SurfaceSpec& surface, const std::filesystem::path& folder) {
+  return words_of(surface, folder).table;
+}
 
 std::string echo(const Scene& scene) {
   Writer out;

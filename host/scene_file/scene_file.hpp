@@ -23,4 +23,7 @@ Scene parse_scene(const std::string& text, const std::filesystem::path& file,
 /// Keys that the scene's choices do not use carry a comment "# not used: why".
 std::string echo(const Scene& scene);
 
+/// A surface as the inline table of a scene in `folder`.
+std::string surface_text(const SurfaceSpec& surface, const std::filesystem::path& folder);
+
 }  // namespace ra2d

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "host/sound/resampler.hpp"
 
+#include <fmt/format.h>
 #include <soxr.h>
 
 #include <algorithm>
@@ -8,10 +9,14 @@
 #include <new>
 #include <stdexcept>
 
+#include "host/errors.hpp"
+
 namespace ra2d {
 namespace {
 
 constexpr std::size_t out_at_once = 1 << 14;
+constexpr double largest_ratio =
+    1e6;  // of the rates: beyond, a sound is one sample or an endless line
 constexpr double count_slack = 1e-9;  // of a sample, for the roundings of a ratio
 
 void check(soxr_error_t error) {
@@ -32,6 +37,11 @@ std::size_t resampled_count(std::size_t count, double from, double to) {
 }
 
 Resampler::Resampler(double from, double to) : from_{from}, to_{to} {
+  if (!(from <= largest_ratio * to && to <= largest_ratio * from))
+    throw RequestError(
+        fmt::format("samples of {:g} Hz cannot become a sound of {:g} Hz: the rates differ by more "
+                    "than a factor of {:g} (--slow, --rate, or output.rate of the scene)",
+                    from, to, largest_ratio));
   if (from == to) return;
   const soxr_io_spec_t numbers = soxr_io_spec(SOXR_FLOAT64_I, SOXR_FLOAT64_I);
   const soxr_quality_spec_t quality =

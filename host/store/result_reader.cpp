@@ -42,10 +42,16 @@ h5::Attribute open_attribute(hid_t file, const char* name) {
   return h5::Attribute{check(H5Aopen(file, name, H5P_DEFAULT))};
 }
 
+/// Of any other number of values a read would fill more memory than there is for one.
+bool is_single(hid_t attribute) {
+  const h5::Space space{check(H5Aget_space(attribute))};
+  return check(H5Sget_simple_extent_npoints(space)) == 1;
+}
+
 std::string text_attribute(hid_t file, const char* name) {
   const h5::Attribute attribute = open_attribute(file, name);
   const h5::Type type{check(H5Aget_type(attribute))};
-  if (H5Tis_variable_str(type) <= 0)
+  if (H5Tis_variable_str(type) <= 0 || !is_single(attribute))
     throw Fault{fmt::format("its attribute '{}' is no text", name)};
   char* characters = nullptr;
   check(H5Aread(attribute, type, &characters));
@@ -56,6 +62,9 @@ std::string text_attribute(hid_t file, const char* name) {
 
 std::int64_t number_attribute(hid_t file, const char* name) {
   const h5::Attribute attribute = open_attribute(file, name);
+  const h5::Type type{check(H5Aget_type(attribute))};
+  if (H5Tget_class(type) != H5T_INTEGER || !is_single(attribute))
+    throw Fault{fmt::format("its attribute '{}' is no whole number", name)};
   std::int64_t number = 0;
   check(H5Aread(attribute, H5T_NATIVE_INT64, &number));
   return number;

@@ -225,6 +225,10 @@ struct Window {
 Window window_of(const std::function<void(std::vector<double>&)>& evaluate, double length,
                  double asked) {
   constexpr int finer = 16;  // points to a place
+  if (!(finer * length < most_places))
+    throw RequestError(
+        "exact = \"rq+rsm\": the profile has too many waves to be searched: raise the "
+        "shortest, or leave exact out");
   std::vector<double> points;
   for (int i = 0; i <= finer * (most_stretched * length + most_moved) + 1; ++i)
     points.push_back(static_cast<double>(i) / finer);

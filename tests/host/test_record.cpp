@@ -32,13 +32,19 @@ Scene two_beams() {
   return s;
 }
 
-TEST(Samples, ReadEachBodysProbesThroughItsOwnModes) {
-  const Model model = make_model(two_beams());
-  const ModalStart start = make_start(model);
+/// One sample of eight lanes, of zeros.
+Drained resting_sample() {
   Drained drained;
   drained.lanes = 8;
   drained.samples = 1;
   drained.sample_rows.assign(sample::row(8), 0.0);
+  return drained;
+}
+
+TEST(Samples, ReadEachBodysProbesThroughItsOwnModes) {
+  const Model model = make_model(two_beams());
+  const ModalStart start = make_start(model);
+  Drained drained = resting_sample();
   const double u[] = {1e-6, -2e-6, 3e-6, 5e-6, -7e-6}, v[] = {1e-3, 4e-3, -2e-3, 1e-3, 6e-3};
   for (int k = 0; k < 5; ++k) {
     drained.sample_rows[k] = u[k];
@@ -64,10 +70,7 @@ TEST(Samples, ReadEachBodysProbesThroughItsOwnModes) {
 TEST(Samples, ThatAreNoNumbersAreNotFinite) {
   const Model model = make_model(two_beams());
   const ModalStart start = make_start(model);
-  Drained drained;
-  drained.lanes = 8;
-  drained.samples = 1;
-  drained.sample_rows.assign(sample::row(8), 0.0);
+  const Drained drained = resting_sample();
   EXPECT_TRUE(is_finite(make_samples(model, start, drained, 0)));
   for (const double bad : {std::nan(""), std::numeric_limits<double>::infinity(),
                            -std::numeric_limits<double>::infinity()})

@@ -190,6 +190,26 @@ TEST_F(Reader, RefusesWhatIsMissingOrOfTheWrongShape) {
               HasSubstr("its attribute 'ended' is missing"));
 }
 
+TEST_F(Reader, RefusesAttributesOfManyValues) {
+  // as large as the stack has no room for
+  for (const char* name : {"format", "steps", "complete", "scene", "creator"}) {
+    SCOPED_TRACE(name);
+    fs::remove(path_);
+    write(3);
+    change([&](hid_t file) {
+      const hid_t old = H5Aopen(file, name, H5P_DEFAULT), type = H5Aget_type(old);
+      const hsize_t count = 4000;
+      const hid_t space = H5Screate_simple(1, &count, nullptr);
+      H5Aclose(old);
+      H5Adelete(file, name);
+      H5Aclose(H5Acreate2(file, name, type, space, H5P_DEFAULT, H5P_DEFAULT));
+      H5Sclose(space);
+      H5Tclose(type);
+    });
+    EXPECT_THAT(refusal(), HasSubstr(std::string("its attribute '") + name + "' is no "));
+  }
+}
+
 TEST_F(Reader, RefusesNumbersThatAreNone) {
   const auto grow = [&](const char* path, std::vector<hsize_t> extent) {
     change([&](hid_t file) {
