@@ -51,6 +51,23 @@ void side_by_side(int count, const std::function<void(int)>& work) {
   if (fault) std::rethrow_exception(fault);
 }
 
+std::string arithmetic() {
+#if defined(__CUDACC__)
+  const std::string set = "cuda";
+#elif defined(__AVX512F__)
+  const std::string set = "avx512";
+#elif defined(__AVX2__) && defined(__FMA__)
+  const std::string set = "avx2";
+#elif defined(__x86_64__)
+  const std::string set = "x86-64";
+#elif defined(__aarch64__)
+  const std::string set = "aarch64";
+#else
+  const std::string set = "other";
+#endif
+  return set + ", " + std::to_string(backend_lanes()) + " lanes";
+}
+
 int backend_lanes() { return LanesOf<Space>::width; }
 
 }  // namespace ra2d

@@ -27,6 +27,10 @@ int scenes_at_once();
 /// first exception once all have ended.
 void side_by_side(int count, const std::function<void(int)>& work);
 
+/// What a build computes with, as far as the bits of its answers know it: "avx512", "avx2", "x86-64",
+/// "cuda", and the number of lanes.
+std::string arithmetic();
+
 /// Values that a team computes side by side: of a SIMD register, or the threads of a warp.
 int backend_lanes();
 

@@ -6,19 +6,21 @@
 #include <bit>
 #include <cstddef>
 #include <string>
+#include <string_view>
 
 namespace ra2d {
 
 static_assert(std::endian::native == std::endian::little,
               "numbers are hashed as they stand in the file: little-endian");
 
-/// XXH3-128 of the numbers of a dataset in the order of its rows, given piece by piece.
+/// XXH3-128 of what is given piece by piece: the numbers of a dataset in the order of its rows, or text.
 class Hash {
  public:
   Hash() { XXH3_128bits_reset(&state_); }
   void add(const double* data, std::size_t count) {
     if (count > 0) XXH3_128bits_update(&state_, data, count * sizeof(double));
   }
+  void add(std::string_view text) { XXH3_128bits_update(&state_, text.data(), text.size()); }
   /// As xxhsum prints it: 32 hexadecimal digits, lower case, the most significant first.
   std::string text() const {
     XXH128_canonical_t bytes;

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "host/result/energy.hpp"
+#include "host/run/simulation.hpp"
+#include "host/store/store.hpp"
+
+/// What a run has come to.
+namespace ra2d {
+
+enum class Ending { complete, interrupted, failed };
+
+struct RunReport {
+  Ending ending = Ending::complete;
+  std::string failure;       // what, when, which limit, which cure; empty unless it failed
+  std::string beyond_limit;  // what the step goes beyond (time.force); empty while it holds
+  double time = 0;           // s simulated
+  double counted = 0;        // s of them after output.from
+  std::int64_t steps = 0;    // made, of fixed or of adaptive length
+  // from output.from on; what there is none of is NaN
+  double v_rms = 0, lv = 0;                     // m/s, dB
+  double shocks = 0;                            // per simulated second
+  double duration_median = 0, duration_90 = 0;  // s
+  double force_median = 0, force_90 = 0;        // N, of the peak force
+  double contact_share = 0;                     // of the time
+  double evaluated = 0;                         // nodes a step, of the whole run
+  EnergyBalance energy;
+  double march_seconds = 0;  // in the kernels
+  double wall_seconds = 0;
+  double read_back_seconds = 0;  // of these: to read the file back
+
+  double step_seconds() const { return march_seconds / std::max(1.0, static_cast<double>(steps)); }
+};
+
+/// What the scene's step goes beyond, where time.force runs it all the same; empty when it holds. Throws
+/// RequestError where it does not hold and is not forced.
+std::string checked_limit(const Model& model);
+
+/// `mean_squares`: of the resonator's modes (MeanSquares).
+RunReport report_on(const SceneRun& run, const std::vector<double>& mean_squares);
+
+/// The same as the file has it.
+ResultSummary summary_of(const RunReport& report);
+
+}  // namespace ra2d
