@@ -7,7 +7,7 @@ namespace ra2d {
 namespace {
 
 constinit int asked = 0;
-constinit std::atomic<int> orderly{0};
+constinit std::atomic<int> orderly{0}, keepers{0}, checkpoints_asked{0};
 static_assert(std::atomic_ref<int>::is_always_lock_free && std::atomic<int>::is_always_lock_free,
               "signal handlers write and read them");
 
@@ -16,6 +16,12 @@ static_assert(std::atomic_ref<int>::is_always_lock_free && std::atomic<int>::is_
 void interrupt(int signal) noexcept { std::atomic_ref<int>(asked).store(signal); }
 int interruption() noexcept { return std::atomic_ref<int>(asked).load(); }
 const int* interruption_flag() noexcept { return &asked; }
+
+void request_checkpoint() noexcept { checkpoints_asked = 1; }
+CheckpointKeeper::CheckpointKeeper() noexcept { ++keepers; }
+CheckpointKeeper::~CheckpointKeeper() { --keepers; }
+bool keeps_checkpoints() noexcept { return keepers > 0; }
+bool take_checkpoint_request() noexcept { return checkpoints_asked.exchange(0) != 0; }
 
 OrderlyEnd::OrderlyEnd() noexcept { ++orderly; }
 OrderlyEnd::~OrderlyEnd() { --orderly; }

@@ -15,6 +15,24 @@ int interruption() noexcept;
 /// The same for the kernels of a host backend, which read it atomically.
 const int* interruption_flag() noexcept;
 
+/// Asks those that keep checkpoints to write one and go on. Signal handlers may call it.
+void request_checkpoint() noexcept;
+
+/// While one is there, something is going on that heeds request_checkpoint().
+class CheckpointKeeper {
+ public:
+  CheckpointKeeper() noexcept;
+  ~CheckpointKeeper();
+  CheckpointKeeper(const CheckpointKeeper&) = delete;
+  CheckpointKeeper& operator=(const CheckpointKeeper&) = delete;
+};
+
+/// Whether there is one. Signal handlers may call it.
+bool keeps_checkpoints() noexcept;
+
+/// Whether one was asked for since this was last called.
+bool take_checkpoint_request() noexcept;
+
 /// Thrown where runs were asked to end and nothing of them is kept.
 struct Interrupted {};
 

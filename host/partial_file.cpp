@@ -153,8 +153,8 @@ std::string cure(int error, const std::string& smaller) {
   }
 }
 
-/// The name, too, should outlive a power cut. Some file systems cannot promise that, and a folder that
-/// may not be read cannot be asked.
+}  // namespace
+
 void sync_folder_of(const fs::path& file) {
   const int descriptor = open(folder_of(file).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   int error = descriptor < 0 || fsync(descriptor) != 0 ? errno : 0;
@@ -167,14 +167,16 @@ void sync_folder_of(const fs::path& file) {
         file.string(), std::strerror(error)));
 }
 
-}  // namespace
-
 void drop_partials() noexcept {
   const int error = errno;
   for (const Place& place : places)
-    if (place.owner.load(std::memory_order_acquire) == getpid()) unlink(place.path);
+    if (place.owner.load(std::memory_order_acquire) == getpid() && unlink(place.path) != 0)
+      rmdir(place.path);
   errno = error;
 }
+
+PartialFolder::PartialFolder(const fs::path& folder) : place_{take_place(folder.c_str())} {}
+PartialFolder::~PartialFolder() { leave_place(place_); }
 
 FileError write_failure(const std::string& doing, const fs::path& file, const std::string& reason,
                         int error, const std::string& smaller) {
@@ -216,12 +218,12 @@ void PartialFile::sync() {
   posix_fadvise(descriptor_, 0, 0, POSIX_FADV_DONTNEED);
 }
 
-void PartialFile::publish() {
-  if (rename(path_.c_str(), target_.c_str()) != 0)
-    throw write_failure("finish", target_, std::strerror(errno), errno);
+void PartialFile::publish(const fs::path& name) {
+  if (rename(path_.c_str(), name.c_str()) != 0)
+    throw write_failure("finish", name, std::strerror(errno), errno);
   leave_place(std::exchange(place_, nowhere));
   close(std::exchange(descriptor_, -1));  // synced: it has nothing more to say
-  sync_folder_of(target_);
+  sync_folder_of(name);
 }
 
 void PartialFile::drop() noexcept {

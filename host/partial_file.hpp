@@ -29,7 +29,9 @@ class PartialFile {
   void sync();
   /// Gives the file, which was synced, its name. Fails also when it has its name and is whole, but the
   /// folder could not be brought to the disk: the message says so.
-  void publish();
+  void publish() { publish(target_); }
+  /// ... or another one in the same file system.
+  void publish(const std::filesystem::path& name);
   /// Takes everything back.
   void drop() noexcept;
 
@@ -39,9 +41,25 @@ class PartialFile {
   std::size_t place_;  // among those that drop_partials() knows
 };
 
-/// Unlinks all partial files of this process, which ends: signal handlers may call it. Of more than 64
-/// at once it knows 64.
+/// A folder that drop_partials() removes if it is empty then.
+class PartialFolder {
+ public:
+  explicit PartialFolder(const std::filesystem::path& folder);
+  ~PartialFolder();
+  PartialFolder(const PartialFolder&) = delete;
+  PartialFolder& operator=(const PartialFolder&) = delete;
+
+ private:
+  std::size_t place_;
+};
+
+/// Unlinks all partial files of this process, which ends, and removes its partial folders: signal handlers
+/// may call it. Of more than 64 at once it knows 64.
 void drop_partials() noexcept;
+
+/// Brings a file's name to the disk: it, too, should outlive a power cut. Some file systems cannot promise
+/// that, and a folder that may not be read cannot be asked. Throws FileError.
+void sync_folder_of(const std::filesystem::path& file);
 
 /// Writes a text under its name once it is complete. Throws FileError.
 void write_text(const std::filesystem::path& path, const std::string& text);

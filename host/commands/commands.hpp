@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <filesystem>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,7 @@ enum ExitStatus : int {
   wrong_request = 2,
   failed = 3,
   wrong_file = 4,
+  out_of_time = 5,
   interrupted = 128  // and the signal's number
 };
 
@@ -23,8 +25,15 @@ struct CommonOptions {
   bool quiet = false;
 };
 
+struct RunChoices {
+  std::filesystem::path output;
+  bool fresh = false;
+  double checkpoint = 10;                                      // min between two checkpoints
+  double most_wall = std::numeric_limits<double>::infinity();  // s
+};
+
 /// `ra2d run SCENE [-o OUT.h5]`
-int run_command(const CommonOptions& common, std::filesystem::path output);
+int run_command(const CommonOptions& common, RunChoices choices);
 
 /// `ra2d plan SCENE`
 int plan_command(const CommonOptions& common);

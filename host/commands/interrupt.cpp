@@ -23,14 +23,14 @@ void say(std::string_view text) {
 
 void on_signal(int signal) {
   const int before = interruption();
+  if (signal == SIGUSR1 && keeps_checkpoints()) return request_checkpoint();
   if (before == 0 && ends_orderly()) return interrupt(signal);
   // a terminal that closes says so twice, by the system and by the shell
   if (before == SIGHUP && signal == SIGHUP) return;
   drop_partials();
   kill_programs();
   if (on_terminal) say("\r\033[K");  // the line of progress
-  say(before == 0 ? "ra2d: interrupted\n"
-                  : "ra2d: interrupted again: nothing of this run is kept\n");
+  say(before == 0 ? "ra2d: interrupted\n" : "ra2d: interrupted again: only what a checkpoint holds is kept\n");
   _exit(128 + signal);
 }
 

@@ -31,7 +31,7 @@ namespace {
 constexpr std::array<std::string_view, 2> coming{"study", "check"};
 
 using Words = std::vector<std::string>;
-using ra2d::count, ra2d::number_from, ra2d::path;
+using ra2d::clock_time, ra2d::count, ra2d::number_from, ra2d::path;
 
 std::string did_you_mean(const std::string& word, const Words& known) {
   const auto near = ra2d::nearest(word, known);
@@ -117,17 +117,30 @@ int dispatch(Words words) {
   app.footer(
       "Exit status: 0 done; 2 the request is wrong; 3 the simulation failed; 4 a file could not be "
       "read or "
-      "written; 128 + n ended by signal n (130: Ctrl-C).");
+      "written; 5 --max-wall was reached; 128 + n ended by signal n (130: Ctrl-C).");
 
   CommonOptions common;
-  std::filesystem::path output;
+  RunChoices run_choices;
   CLI::App* run = app.add_subcommand("run", "simulates a scene and writes one HDF5 file");
   run->add_option("SCENE", common.scene, "scene file (TOML)")->required()->check(path());
   add_common(*run, common);
-  run->add_option("-o,--output", output,
+  run->add_option("-o,--output", run_choices.output,
                   "result file [SCENE's name with .h5, in the current folder]")
       ->type_name("OUT.h5")
       ->check(path());
+  run->add_flag("--fresh", run_choices.fresh,
+                "start anew: go on from no checkpoint, and run again what is there");
+  run->add_option("--checkpoint", run_choices.checkpoint,
+                  "wall time between two checkpoints, from which the same line goes on after a "
+                  "crash")
+      ->type_name("MINUTES")
+      ->check(number_from(1e-6, 1e6, "from 1e-6 to 1e6"))
+      ->capture_default_str();
+  run->add_option("--max-wall", run_choices.most_wall,
+                  "wall time after which to stop, with a checkpoint and exit status 5: seconds, or "
+                  "H:M:S")
+      ->type_name("TIME")
+      ->transform(clock_time());
   CLI::App* plan =
       app.add_subcommand("plan",
                          "says what would be modelled, and why; runs nothing unless --accuracy "
@@ -237,7 +250,7 @@ int dispatch(Words words) {
   if (stability->parsed()) return chart_stability_command(common, stability_prefix, !no_plot);
   if (accuracy->parsed())
     return chart_accuracy_command(common, accuracy_prefix, !no_plot, budget, peers);
-  if (run->parsed()) return run_command(common, output);
+  if (run->parsed()) return run_command(common, run_choices);
   return asked->count() > 0 ? plan_accuracy_command(common, asked_accuracy, plan_budget, planned)
                             : plan_command(common);
 }

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -37,6 +38,28 @@ CLI::Validator count() {
             return std::string{};
           },
           "1 or more"};
+}
+
+CLI::Validator clock_time() {
+  return {[](std::string& text) {
+            double seconds = 0;
+            std::size_t begin = 0;
+            for (int part = 0; part < 3; ++part) {
+              const std::size_t end = std::min(text.find(':', begin), text.size());
+              double value = std::nan("");
+              const std::string word = text.substr(begin, end - begin);
+              if (!CLI::detail::lexical_cast(word, value) || !(value >= 0 && value <= 1e9)) break;
+              seconds = 60 * seconds + value;
+              if (end == text.size()) {
+                if (!(seconds > 0)) break;
+                text = fmt::format("{}", seconds);
+                return std::string{};
+              }
+              begin = end + 1;
+            }
+            return fmt::format("'{}': expected seconds, M:S or H:M:S", shortened(text));
+          },
+          {}};
 }
 
 CLI::Validator path() {

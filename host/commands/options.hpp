@@ -20,6 +20,9 @@ CLI::Validator positive_number();
 /// A count. One that is too large for any machine is lowered to 10^9, and lowered further later.
 CLI::Validator count();
 
+/// A stretch of wall time, "90", "1:30", "0:01:30"; turns it into seconds.
+CLI::Validator clock_time();
+
 /// A path that is given: an empty one comes from a variable that is not set.
 CLI::Validator path();
 

@@ -93,15 +93,25 @@ void print_report(const Scene& scene, const RunReport& r, const std::filesystem:
   print_line("file", printable(output.string()));
 }
 
+std::string going_on(const RunReport& report) {
+  return report.resumable ? ". The same line goes on from here" : "";
+}
+
 }  // namespace
 
-int run_command(const CommonOptions& common, std::filesystem::path output) {
+int run_command(const CommonOptions& common, RunChoices choices) {
+  const CheckpointKeeper keeper;  // from here on SIGUSR1 ends nothing
   const Scene scene = read_scene(common.scene, common.overrides);
+  std::filesystem::path& output = choices.output;
   if (output.empty()) output = common.scene.stem().string() + ".h5";
   require_output(output, files_of(scene));
 
   RunOptions options;
   options.output = output;
+  options.fresh = choices.fresh;
+  options.checkpoint = 60 * choices.checkpoint;
+  options.most_wall = choices.most_wall;
+  if (!common.quiet) options.tell = [&](const std::string& text) { say(text); };
   options.doubts = [&](const std::vector<std::string>& doubts) {
     say_doubts(doubts, common.quiet);
   };
@@ -111,6 +121,12 @@ int run_command(const CommonOptions& common, std::filesystem::path output) {
   const Backend backend(common.threads);
   const RunReport report = run(scene, options);
   if (options.progress) show({});
+  if (report.ending == Ending::there) {
+    if (!common.quiet)
+      print("{} has this run already, complete: nothing to do (--fresh runs it again)\n",
+            printable(output.string()));
+    return done;
+  }
   if (!common.quiet) print_report(scene, report, output);
   if (report.ending == Ending::failed) {
     say(fmt::format("{}: {}. What was computed until then is in {}, marked as cut short",
@@ -118,9 +134,17 @@ int run_command(const CommonOptions& common, std::filesystem::path output) {
     return failed;
   }
   if (report.ending == Ending::interrupted) {
-    say(fmt::format("interrupted at t = {:g} s: the results so far are in {}, marked as cut short",
-                    report.time, output.string()));
+    say(fmt::format(
+        "interrupted at t = {:g} s: the results so far are in {}, marked as cut short{}",
+        report.time, output.string(), going_on(report)));
     return interrupted + interruption();
+  }
+  if (report.ending == Ending::out_of_time) {
+    say(fmt::format(
+        "stopped by --max-wall at t = {:g} s: the results so far are in {}, marked as cut "
+        "short{}",
+        report.time, output.string(), going_on(report)));
+    return out_of_time;
   }
   return done;
 }

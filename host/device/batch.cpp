@@ -69,7 +69,7 @@ struct Slot {
     state = SceneState();
     provide();
     fill(state, model, ModalStart(), extents, arena.on_host_copy());
-    restore(kept);
+    take(kept);
     copy_in(static_cast<HandOut&>(state), handed, rows);
     upload();
   }
@@ -79,6 +79,15 @@ struct Slot {
     return {carried, copy_out(carried), room.nodes};
   }
   void restore(const SavedState& saved) {
+    Room saved_room = room;
+    saved_room.nodes = std::max(1, saved.room);
+    const Extents n =
+        extents_of(model, choose_series(model, width), packs * width, width, saved_room);
+    if (const std::string fault = fault_of(saved, n, model.steps, model.samples); !fault.empty())
+      throw std::invalid_argument(fault);
+    take(saved);
+  }
+  void take(const SavedState& saved) {
     if (saved.room > room.nodes) grow(saved.room);
     copy_in(static_cast<CarriedState&>(state), saved.values, saved.arrays);
   }

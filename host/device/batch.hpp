@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host/device/layout.hpp"
+#include "host/device/saved_state.hpp"
 #include "host/model/model.hpp"
 #include "kernels/state.hpp"
 
@@ -32,13 +33,6 @@ struct Snapshot {
   double sliding_work = 0, force_work = 0;
   std::vector<OpenShock> open_shocks;
   std::int64_t strides = 0;  // steps made: of adaptive length or fixed
-};
-
-/// All that a scene's march goes on from, on the host: with it another batch gives the same bits.
-struct SavedState {
-  CarriedState values;                         // its addresses mean nothing
-  std::vector<std::vector<std::byte>> arrays;  // in the order in which visit_arrays names them
-  int room = 0;                                // Room::nodes, which may have grown
 };
 
 struct BatchOptions {
@@ -81,7 +75,8 @@ class Batch {
   Drained drain(int slot);
   Snapshot snapshot(int slot) const;
   SavedState save(int slot) const;
-  /// Takes a scene that was put into this slot on to where it was saved.
+  /// Takes a scene that was put into this slot on to where it was saved. Throws std::invalid_argument where
+  /// the state does not fit the scene (fault_of).
   void restore(int slot, const SavedState& saved);
   /// Memory on the device.
   std::size_t bytes() const;

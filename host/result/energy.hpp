@@ -26,6 +26,12 @@ class EnergyAccount {
   explicit EnergyAccount(double from = 0) : from_{from} {}
   void add(const SampleBlock& block);
   EnergyBalance balance() const { return balance_; }
+  /// Shows all that is kept to whoever saves it.
+  template <class Archive>
+  void visit(Archive& archive) {
+    archive(from_, begun_, start_, damping_loss_, sliding_work_, load_work_, balance_.residual,
+            balance_.turnover, balance_.samples);
+  }
 
  private:
   double from_;

@@ -25,8 +25,7 @@ class LogHistogram {
  public:
   static constexpr double resolution = 1e-3;
 
-  LogHistogram()
-      : counts_(1 + static_cast<std::size_t>(std::log(highest / lowest) / (2 * resolution))) {}
+  LogHistogram() : counts_(bins()) {}
 
   void add(double value) {
     const double place = value > lowest ? std::log(value / lowest) / (2 * resolution) : 0.0;
@@ -34,6 +33,16 @@ class LogHistogram {
     ++total_;
   }
   std::int64_t total() const { return total_; }
+  /// Shows all that is kept to whoever saves it.
+  template <class Archive>
+  void visit(Archive& archive) {
+    archive(counts_, total_);
+  }
+  /// Whether what was saved elsewhere is a histogram of this kind.
+  bool is_sound() const {
+    return counts_.size() == bins() && std::none_of(counts_.begin(), counts_.end(),
+                                                    [](std::int64_t count) { return count < 0; });
+  }
 
   /// The value that a share of all values does not exceed; NaN without values.
   double quantile(double share) const {
@@ -48,6 +57,9 @@ class LogHistogram {
 
  private:
   static constexpr double lowest = 1e-15, highest = 1e15;
+  static std::size_t bins() {
+    return 1 + static_cast<std::size_t>(std::log(highest / lowest) / (2 * resolution));
+  }
   std::vector<std::int64_t> counts_;
   std::int64_t total_ = 0;
 };

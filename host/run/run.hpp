@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -22,14 +23,21 @@ struct Progress {
 
 struct RunOptions {
   std::filesystem::path output;
-  std::function<void(const Progress&)> progress;  // called a few times a second
+  bool fresh = false;       // go on from no checkpoint, and run again what is there
+  double checkpoint = 600;  // s of wall time between two checkpoints
+  double most_wall = std::numeric_limits<double>::infinity();  // s, after which a run is cut off
+  std::function<void(const Progress&)> progress;               // called a few times a second
   /// Takes Model::doubts, before the first step.
   std::function<void(const std::vector<std::string>&)> doubts;
+  /// Takes what a user should hear: that a run goes on, and from where; that a result is replaced.
+  std::function<void(const std::string&)> tell;
 };
 
-/// Runs a scene to its end, an interrupt (host/interruption.hpp) or a failure, and writes the result
-/// file in every case (marked when it was cut short). Throws RequestError, also for a step beyond the limits of
-/// stability that the scene does not force, and FileError.
+/// Runs a scene to its end, an interrupt (host/interruption.hpp), its wall time or a failure, and writes the
+/// result file in every case (marked when it was cut short). What an interrupt, the wall time, a kill or a
+/// disk cut short goes on from its last checkpoint when it is run again, to the same bits as if nothing had
+/// happened. A result that has this run already stays. Throws RequestError, also for a step beyond the limits
+/// of stability that the scene does not force and for a checkpoint of another run, and FileError.
 RunReport run(const Scene& scene, const RunOptions& options);
 
 }  // namespace ra2d

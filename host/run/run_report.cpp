@@ -148,6 +148,7 @@ ResultSummary summary_of(const RunReport& report) {
   summary.complete = report.ending == Ending::complete;
   summary.ended = report.ending == Ending::complete      ? "complete"
                   : report.ending == Ending::interrupted ? "interrupted"
+                  : report.ending == Ending::out_of_time ? "stopped by --max-wall"
                                                          : report.failure;
   return summary;
 }

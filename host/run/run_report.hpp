@@ -11,7 +11,13 @@
 /// What a run has come to.
 namespace ra2d {
 
-enum class Ending { complete, interrupted, failed };
+enum class Ending {
+  complete,
+  interrupted,
+  out_of_time,  // RunOptions::most_wall was reached
+  failed,
+  there  // the output has this run already, complete
+};
 
 struct RunReport {
   Ending ending = Ending::complete;
@@ -31,6 +37,7 @@ struct RunReport {
   double march_seconds = 0;  // in the kernels
   double wall_seconds = 0;
   double read_back_seconds = 0;  // of these: to read the file back
+  bool resumable = false;        // the same run goes on from a checkpoint
 
   double step_seconds() const { return march_seconds / std::max(1.0, static_cast<double>(steps)); }
 };

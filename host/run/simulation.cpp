@@ -59,7 +59,13 @@ std::int64_t SceneRun::target(std::int64_t ticks) const {
   return step < first_ ? std::min(next, first_) : next;
 }
 
-void SceneRun::begin(const Snapshot& start) { accounts_.now = accounts_.begin = start; }
+void SceneRun::begin(Batch& batch, int slot) {
+  batch.put(slot, model_, start_);
+  if (saved_)
+    batch.restore(slot, *saved_);
+  else
+    accounts_.now = accounts_.begin = batch.snapshot(slot);
+}
 
 void SceneRun::take(Batch& batch, int slot, double wanted) {
   const double took = batch.seconds(slot);
@@ -96,15 +102,15 @@ Simulation::Simulation(const SimulationOptions& options) : options_{options} {}
 void Simulation::run(const Make& make, const std::function<void(SceneRun&)>& done,
                      const std::function<void()>& between) {
   Batch batch(options_.slots, options_.batch);
-  std::vector<SceneRun*> scenes(static_cast<std::size_t>(options_.slots), nullptr);
+  batch_ = &batch;
+  scenes_.assign(static_cast<std::size_t>(options_.slots), nullptr);
   std::atomic<std::size_t> made = 0;
   std::atomic<double> busy = 0;
   const auto fill = [&](int slot) {
-    SceneRun*& scene = scenes[static_cast<std::size_t>(slot)];
+    SceneRun*& scene = scenes_[static_cast<std::size_t>(slot)];
     scene = make(made++);
     if (scene == nullptr) return batch.empty(slot);
-    batch.put(slot, scene->model(), scene->start());
-    scene->begin(batch.snapshot(slot));
+    scene->begin(batch, slot);
   };
   side_by_side(options_.slots, [&](int slot) {
     const Clock::time_point begin = Clock::now();
@@ -112,22 +118,22 @@ void Simulation::run(const Make& make, const std::function<void(SceneRun&)>& don
     busy += seconds_since(begin);
   });
 
-  std::vector<std::int64_t> targets(scenes.size(), 0);
-  while (interruption() == 0) {
-    const auto going = std::count_if(scenes.begin(), scenes.end(),
+  std::vector<std::int64_t> targets(scenes_.size(), 0);
+  for (goes_on_ = interruption() == 0; goes_on_;) {
+    const auto going = std::count_if(scenes_.begin(), scenes_.end(),
                                      [](const SceneRun* scene) { return scene != nullptr; });
     if (going == 0) return;
     // on a CPU they take turns
     const double wanted =
         std::max(1e-3, options_.seconds * std::min(1.0, static_cast<double>(scenes_at_once()) /
                                                             static_cast<double>(going)));
-    for (std::size_t i = 0; i < scenes.size(); ++i)
-      targets[i] = scenes[i] != nullptr ? scenes[i]->target(options_.ticks) : 0;
+    for (std::size_t i = 0; i < scenes_.size(); ++i)
+      targets[i] = scenes_[i] != nullptr ? scenes_[i]->target(options_.ticks) : 0;
     const Clock::time_point begin = Clock::now();
     batch.march(targets, [&](int slot) {
       const Clock::time_point marched = Clock::now();
       busy += batch.seconds(slot);
-      SceneRun& scene = *scenes[static_cast<std::size_t>(slot)];
+      SceneRun& scene = *scenes_[static_cast<std::size_t>(slot)];
       scene.take(batch, slot, wanted);
       if (scene.over()) {
         scene.close();
@@ -138,10 +144,16 @@ void Simulation::run(const Make& make, const std::function<void(SceneRun&)>& don
     });
     seconds_ += seconds_since(begin);
     busy_seconds_ = busy;
+    goes_on_ = interruption() == 0;
     if (between) between();
   }
-  for (SceneRun* scene : scenes)
+  for (SceneRun* scene : scenes_)
     if (scene != nullptr) scene->close();
+}
+
+SavedState Simulation::save(const SceneRun& scene) const {
+  const auto place = std::find(scenes_.begin(), scenes_.end(), &scene);
+  return batch_->save(static_cast<int>(place - scenes_.begin()));
 }
 
 void Simulation::run(const std::vector<SceneRun*>& scenes, const std::function<void()>& between) {

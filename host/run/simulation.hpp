@@ -4,6 +4,8 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "host/device/batch.hpp"
@@ -49,6 +51,12 @@ class SceneRun {
   /// `sink` may be none.
   SceneRun(Model model, ModalStart start, const RunLimits& limits = {}, Sink* sink = nullptr);
 
+  /// Goes on from where a run of the same scene was saved, with its accounts then.
+  void go_on(SavedState state, Accounts accounts) {
+    saved_ = std::move(state);
+    accounts_ = std::move(accounts);
+  }
+
   const Model& model() const { return model_; }
   const ModalStart& start() const { return start_; }
   const Accounts& accounts() const { return accounts_; }
@@ -60,7 +68,8 @@ class SceneRun {
 
  private:
   friend class Simulation;
-  void begin(const Snapshot& start);
+  /// Takes its place in a slot.
+  void begin(Batch& batch, int slot);
   /// The tick to march to in the next launch, of `ticks` if that is not 0.
   std::int64_t target(std::int64_t ticks) const;
   /// Takes in what a launch has made; the next one is to take about `wanted` seconds.
@@ -74,7 +83,8 @@ class SceneRun {
   RunLimits limits_;
   Sink* sink_;
   LaunchLength launch_;
-  std::int64_t first_, last_;  // ticks: where statistics begin, and to march to at the most
+  std::optional<SavedState> saved_;  // to go on from
+  std::int64_t first_, last_;        // ticks: where statistics begin, and to march to at the most
   Accounts accounts_;
 };
 
@@ -102,6 +112,15 @@ class Simulation {
   /// These scenes, all side by side.
   void run(const std::vector<SceneRun*>& scenes, const std::function<void()>& between = {});
 
+  // between launches:
+  /// Whether there will be another one, unless all scenes are over: neither was the program interrupted nor
+  /// stop() called.
+  bool goes_on() const { return goes_on_; }
+  /// Ends the run, as an interrupt does.
+  void stop() { goes_on_ = false; }
+  /// The state of a scene that is not over.
+  SavedState save(const SceneRun& scene) const;
+
   /// Wall time of all launches [s].
   double seconds() const { return seconds_; }
   /// What threads spent on scenes, all together: making them ready, marching them (on a CPU), and taking
@@ -110,6 +129,9 @@ class Simulation {
 
  private:
   SimulationOptions options_;
+  bool goes_on_ = true;
+  const Batch* batch_ = nullptr;   // of the present run
+  std::vector<SceneRun*> scenes_;  // in its slots
   double seconds_ = 0, busy_seconds_ = 0;
 };
 

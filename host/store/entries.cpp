@@ -2,6 +2,7 @@
 #include "host/store/entries.hpp"
 
 #include <string_view>
+#include <type_traits>
 
 namespace ra2d {
 namespace {
@@ -13,6 +14,13 @@ std::vector<double> node_positions(std::size_t nodes, double spacing) {
 }
 
 std::vector<double> numbers(std::size_t count) { return node_positions(count, 1.0); }
+
+template <auto member>
+constexpr PerShock per_shock{
+    [](const Shock& shock) { return static_cast<double>(shock.*member); },
+    [](Shock& shock, double value) {
+      shock.*member = static_cast<std::remove_reference_t<decltype(shock.*member)>>(value);
+    }};
 
 constexpr const char* all_groups[] = {
     "resonator", "slider", "contact", "probes",  "slider_probes",  "energy",
@@ -64,11 +72,12 @@ const Entry all_entries[] = {
     {"energy/damping_loss", "J", "energy lost to damping since t = 0", "time", "", &SampleBlock::damping_loss},
     {"energy/sliding_work", "J", "work done by the imposed sliding since t = 0", "time", "", &SampleBlock::sliding_work},
     {"energy/load_work", "J", "work done by the loads since t = 0", "time", "", &SampleBlock::load_work},
-    {"shocks/start", "s", "starts of the shocks", "shocks/start", "", &Shock::start},
-    {"shocks/duration", "s", "durations of the shocks", "shocks/start", "", &Shock::duration},
-    {"shocks/peak_force", "N", "peak forces of the shocks", "shocks/start", "", &Shock::peak_force},
-    {"shocks/impulse", "N s", "impulses of the shocks", "shocks/start", "", &Shock::impulse},
-    {"shocks/position", "m", "positions of the shocks on the resonator, weighted by force", "shocks/start", "", &Shock::position},
+    {"shocks/start", "s", "starts of the shocks", "shocks/start", "", per_shock<&Shock::start>},
+    {"shocks/duration", "s", "durations of the shocks", "shocks/start", "", per_shock<&Shock::duration>},
+    {"shocks/peak_force", "N", "peak forces of the shocks", "shocks/start", "", per_shock<&Shock::peak_force>},
+    {"shocks/impulse", "N s", "impulses of the shocks", "shocks/start", "", per_shock<&Shock::impulse>},
+    {"shocks/position", "m", "positions of the shocks on the resonator, weighted by force", "shocks/start", "", per_shock<&Shock::position>},
+    {"shocks/serial", "1", "numbers of the shocks in the order of their starts", "shocks/start", "", per_shock<&Shock::serial>, true},
     {"level/v_rms", "m s-1", "root mean square velocity of the resonator's elastic motion, over its nodes and the run from output.from on", "", "", &ResultSummary::v_rms},
     {"level/lv", "dB", "vibration velocity level re 1e-9 m s-1, over the run from output.from on", "", "", &ResultSummary::lv},
     {"summary/lv", "dB", "vibration velocity level re 1e-9 m s-1", "", "", &ResultSummary::lv},

@@ -18,14 +18,18 @@ inline constexpr std::int64_t file_format = 2;
 // Where the numbers of a dataset come from, which also says when they are written.
 using Fixed = std::vector<double> (*)(const ResultHeader&);  // at the start, (rows, columns)
 using Sampled = std::vector<double> SampleBlock::*;          // block by block
-using PerShock = double Shock::*;                            // one row a shock
-using Final = double ResultSummary::*;                       // at the end, scalar; NaN: left out
+struct PerShock {                                            // one row a shock
+  double (*get)(const Shock&);
+  void (*set)(Shock&, double);
+};
+using Final = double ResultSummary::*;  // at the end, scalar; NaN: left out
 
 /// One dataset.
 struct Entry {
   const char *path, *units, *long_name;
   const char *rows, *columns;  // the scales of its axes; a scale is its own; "" where there is none
   std::variant<Fixed, Sampled, PerShock, Final> source;
+  bool is_new = false;  // results of older programs may lack it
 
   bool has_columns() const { return *columns != '\0'; }
 };

@@ -85,7 +85,8 @@ void require_shapes(hid_t file, double most_numbers) {
   std::map<std::string_view, hsize_t> length;  // of the scales
   for (const Entry& entry : entries()) {
     const bool is_scale = std::string_view{entry.rows} == entry.path;
-    if (source_of<Final>(entry) && !has(file, entry.path)) continue;  // there was none
+    if ((source_of<Final>(entry) || entry.is_new) && !has(file, entry.path))
+      continue;  // there was none
     const h5::Dataset dataset{H5Dopen2(file, entry.path, H5P_DEFAULT)};
     if (!dataset.is_open()) throw Fault{fmt::format("/{} is missing", entry.path)};
     const std::vector<hsize_t> extent = extent_of(dataset, entry.path);
@@ -123,16 +124,34 @@ std::vector<double> all_of(hid_t file, const char* path) {
   return data;
 }
 
+constexpr double most_serials = 0x1p53;  // which a double counts one by one
+
+void require_serials(const std::vector<double>& serials, const char* path) {
+  double last = -1;
+  for (const double serial : serials) {
+    if (!(serial > last && serial < most_serials && serial == std::floor(serial)))
+      throw Fault{fmt::format("/{} does not ascend in whole numbers: it is damaged", path)};
+    last = serial;
+  }
+}
+
 std::vector<Shock> shocks_of(hid_t file) {
   std::vector<Shock> shocks;
+  bool numbered = false;
   for (const Entry& entry : entries())
     if (const PerShock* member = source_of<PerShock>(entry)) {
+      if (entry.is_new && !has(file, entry.path)) continue;
       const std::vector<double> values = all_of(file, entry.path);
       require_finite(values, entry.path);
+      if (entry.is_new) {
+        require_serials(values, entry.path);
+        numbered = true;
+      }
       shocks.resize(values.size());
-      for (std::size_t i = 0; i < values.size(); ++i) shocks[i].** member = values[i];
+      for (std::size_t i = 0; i < values.size(); ++i) member->set(shocks[i], values[i]);
     }
-  for (std::size_t i = 0; i < shocks.size(); ++i) shocks[i].serial = static_cast<long>(i);
+  for (std::size_t i = 0; i < shocks.size() && !numbered; ++i)
+    shocks[i].serial = static_cast<long>(i);
   return shocks;
 }
 
@@ -165,6 +184,7 @@ ResultContents contents_of(hid_t file) {
                                 text_attribute(file, "commit"), text_attribute(file, "started"));
   if (check(H5Aexists(file, "beyond_limit")) > 0)
     contents.beyond_limit = text_attribute(file, "beyond_limit");
+  if (check(H5Aexists(file, "key")) > 0) contents.key = text_attribute(file, "key");
   const std::vector<double> time = all_of(file, "time");
   contents.samples = time.size();
   contents.rate = rate_of(time);
@@ -220,6 +240,19 @@ auto guarded(const std::filesystem::path& path, Body body) {
 
 }  // namespace
 
+std::optional<ResultStamp> stamp_of(const std::filesystem::path& path) noexcept try {
+  return guarded(path, [&] {
+    const h5::File file = open(path);
+    ResultStamp stamp;
+    stamp.complete = number_attribute(file, "complete") == 1;
+    stamp.started = text_attribute(file, "started");
+    if (check(H5Aexists(file, "key")) > 0) stamp.key = text_attribute(file, "key");
+    return stamp;
+  });
+} catch (const std::exception&) {
+  return std::nullopt;
+}
+
 struct ResultReader::Impl {
   std::filesystem::path path;
   h5::File file;
@@ -265,6 +298,24 @@ std::vector<std::vector<double>> ResultReader::columns(const char* dataset, std:
     }
   });
   return found;
+}
+
+SampleBlock ResultReader::samples(std::size_t first, std::size_t count) const {
+  SampleBlock block;
+  guarded(impl_->path, [&] {
+    for (const Entry& entry : entries())
+      if (const Sampled* member = source_of<Sampled>(entry)) {
+        Table table{
+            &entry, h5::Dataset{check(H5Dopen2(impl_->file, entry.path, H5P_DEFAULT))}, 1, {}};
+        const std::vector<hsize_t> extent = extent_of(table.dataset, entry.path);
+        if (entry.has_columns()) table.width = extent.back();
+        std::vector<double>& rows = block.**member;
+        rows.resize(count * table.width);
+        table.read(first, count, rows.data());
+        require_finite(rows, entry.path);
+      }
+  });
+  return block;
 }
 
 std::size_t ResultReader::rows(const char* dataset) const {

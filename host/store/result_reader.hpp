@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,7 @@ namespace ra2d {
 /// All that a result file holds but its samples.
 struct ResultContents {
   std::string scene;         // TOML text of the scene
+  std::string key;           // of the run; empty in files of older programs
   std::string origin;        // "ra2d 0.1 (commit), started ...": what wrote it, and when
   std::string beyond_limit;  // empty where the step held
   std::size_t samples = 0;   // T
@@ -25,6 +27,15 @@ struct ResultContents {
   std::vector<Shock> shocks;           // in order of start
   ResultSummary summary;               // NaN where the file has none; complete and ended as it says
 };
+
+/// What a result file says of itself.
+struct ResultStamp {
+  std::string key, started;  // empty in files of older programs
+  bool complete = false;
+};
+
+/// None where the file is no result, or cannot be read.
+std::optional<ResultStamp> stamp_of(const std::filesystem::path& path) noexcept;
 
 /// A result file that is open for reading. Throws FileError where it is none, of another format, cut
 /// short, or where its datasets do not fit together.
@@ -41,6 +52,8 @@ class ResultReader {
   /// columns from `column` on, each in a vector of its own. Takes the memory of these, and a block.
   std::vector<std::vector<double>> columns(const char* dataset, std::size_t first, std::size_t rows,
                                            std::size_t column, std::size_t count) const;
+  /// All that was recorded of `count` samples from `first` on.
+  SampleBlock samples(std::size_t first, std::size_t count) const;
   /// How many rows a dataset has.
   std::size_t rows(const char* dataset) const;
   /// The one column of a dataset that has no more.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 #include "host/store/read_back.hpp"
 
@@ -32,7 +33,7 @@ class ShockWindow {
   bool is_full(std::size_t row) const { return !std::isnan(start(row)); }
   void put(std::size_t row, const Shock& shock) {
     for (std::size_t k = 0; k < tables_.size(); ++k)
-      columns_[k][row] = shock.*std::get<PerShock>(tables_[k].entry->source);
+      columns_[k][row] = std::get<PerShock>(tables_[k].entry->source).get(shock);
   }
   void close_holes() {
     std::size_t kept = 0;
@@ -58,9 +59,19 @@ class ShockWindow {
 
 }  // namespace
 
+long ShockRows::row_of(const Shock& shock) const {
+  const std::vector<long>& open = start_.open_shocks;
+  if (shock.serial >= start_.shocks_begun)
+    return static_cast<long>(open.size()) + (shock.serial - start_.shocks_begun);
+  const auto place = std::lower_bound(open.begin(), open.end(), shock.serial);
+  if (place == open.end() || *place != shock.serial)
+    throw std::logic_error("Shock: it began before the file, and was not going on there");
+  return place - open.begin();
+}
+
 hsize_t ShockRows::rows_with(const std::vector<Shock>& shocks) const {
   hsize_t rows = rows_;
-  for (const Shock& shock : shocks) rows = std::max<hsize_t>(rows, shock.serial + 1);
+  for (const Shock& shock : shocks) rows = std::max<hsize_t>(rows, row_of(shock) + 1);
   return rows;
 }
 
@@ -78,13 +89,13 @@ void ShockRows::write(std::vector<Shock>& shocks) {
                    [](const Shock& a, const Shock& b) { return a.serial < b.serial; });
   ShockWindow window(tables_);
   for (auto begin = shocks.begin(); begin != shocks.end();) {
-    const long first = begin->serial;
+    const long first = row_of(*begin);
     const long limit = (first / long(rows_at_once) + 1) * long(rows_at_once);  // a chunk's end
     const auto end = std::find_if(begin, shocks.end(),
-                                  [&](const Shock& shock) { return shock.serial >= limit; });
-    window.read(first, (end - 1)->serial - first + 1);
+                                  [&](const Shock& shock) { return row_of(shock) >= limit; });
+    window.read(first, row_of(*(end - 1)) - first + 1);
     for (auto shock = begin; shock != end; ++shock) {
-      const std::size_t row = shock->serial - first;
+      const std::size_t row = row_of(*shock) - first;
       if (window.is_full(row)) window.take_back(row, sum_);  // an earlier word on this one
       window.put(row, *shock);
       window.add(row, sum_);

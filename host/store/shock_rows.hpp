@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 #include "host/result/record.hpp"
 #include "host/store/hash.hpp"
+#include "host/store/store.hpp"
 #include "host/store/table.hpp"
 
 namespace ra2d {
@@ -13,6 +15,8 @@ namespace ra2d {
 /// later word on one takes the place of an earlier one. Memory does not grow with their number.
 class ShockRows {
  public:
+  /// Where the file begins: with rows for the shocks that are going on, and then for those to come.
+  void begin(const SegmentStart& start) { start_ = start; }
   void add(Table table) { tables_.push_back(std::move(table)); }
 
   /// Bytes by which the file will grow with these.
@@ -28,8 +32,10 @@ class ShockRows {
   hsize_t rows() const { return rows_; }
 
  private:
+  long row_of(const Shock& shock) const;
   hsize_t rows_with(const std::vector<Shock>& shocks) const;
 
+  SegmentStart start_;
   std::vector<Table> tables_;
   hsize_t rows_ = 0;
   HashSum sum_;  // of the rows that were given, over their columns

@@ -24,7 +24,7 @@ struct ResultFile::Impl {
 
   void append(const SampleBlock& block);
   void append(const std::vector<Shock>& shocks);
-  double close(const ResultSummary& summary);
+  double close(const ResultSummary& summary, const std::filesystem::path& name);
 
  private:
   template <class Body>
@@ -114,12 +114,12 @@ void ResultFile::Impl::hand_over() {
   writer_.start([this] { file_.write(writing_); });
 }
 
-double ResultFile::Impl::close(const ResultSummary& summary) {
+double ResultFile::Impl::close(const ResultSummary& summary, const std::filesystem::path& name) {
   double reading_back = 0;
   while_open([&] {
     writer_.wait();
     file_.write(filling_);
-    reading_back = file_.finish(summary);
+    reading_back = file_.finish(summary, name);
   });
   open_ = false;
   return reading_back;
@@ -132,6 +132,9 @@ ResultFile::ResultFile(const std::filesystem::path& path, const ResultHeader& he
 ResultFile::~ResultFile() = default;
 void ResultFile::append(const SampleBlock& block) { impl_->append(block); }
 void ResultFile::append(const std::vector<Shock>& shocks) { impl_->append(shocks); }
-double ResultFile::close(const ResultSummary& summary) { return impl_->close(summary); }
+double ResultFile::close(const ResultSummary& summary) { return impl_->close(summary, {}); }
+double ResultFile::close(const ResultSummary& summary, const std::filesystem::path& name) {
+  return impl_->close(summary, name);
+}
 
 }  // namespace ra2d

@@ -19,9 +19,16 @@ struct ModesHeader {
   MeanSquares mean_square;        // 1/m, of the shape over all the nodes; 0 of a rigid mode
 };
 
+/// Where in a run a file begins; at the start of the run, unless it holds a part of it alone.
+struct SegmentStart {
+  std::vector<long> open_shocks;  // serials of the shocks that are going on, in ascending order
+  long shocks_begun = 0;          // serial of the next one
+};
+
 /// What is known before the first step.
 struct ResultHeader {
   std::string scene;    // TOML text of the scene
+  std::string key;      // of the run (run_key)
   std::string backend;  // e.g. "OpenMP"
   int threads = 1;
   std::string beyond_limit;  // the limit of stability that time.force passes; no attribute if empty
@@ -30,6 +37,7 @@ struct ResultHeader {
   std::vector<double> probe_position, slider_probe_position;  // m; either may be empty
   std::vector<double> resonator_height, slider_height;        // m, the profiles used
   double spacing = 0;                                         // m, chi
+  SegmentStart segment;
 };
 
 /// What is known after the last step: the figures of the report, those of shocks NaN without any.
@@ -67,6 +75,8 @@ class ResultFile {
   void append(const std::vector<Shock>& shocks);
   /// Finishes the file, reads it back and gives it its name; returns how long reading back took [s].
   double close(const ResultSummary& summary);
+  /// ... or another name in the same file system.
+  double close(const ResultSummary& summary, const std::filesystem::path& name);
 
  private:
   struct Impl;

@@ -74,6 +74,7 @@ void UnfinishedFile::describe(const ResultHeader& header) {
     give({"version", RA2D_VERSION});
     give({"commit", RA2D_COMMIT});
     give({"scene", header.scene});
+    give({"key", header.key});
     give({"backend", header.backend});
     give({"threads", std::int64_t{header.threads}});
     give({"started", header.started});
@@ -89,6 +90,7 @@ void UnfinishedFile::make_datasets(const ResultHeader& header) {
     h5::Group group{check(H5Gcreate2(file_, path, H5P_DEFAULT, creation, H5P_DEFAULT))};
     h5::close(group);
   }
+  shocks_.begin(header.segment);
   for (const Entry& entry : entries()) {
     const hsize_t columns = column_count(entry, header);
     if (const Fixed* fixed = source_of<Fixed>(entry)) {
@@ -181,7 +183,7 @@ void UnfinishedFile::flush() { check(H5Fflush(file_, H5F_SCOPE_LOCAL)); }
 
 // ---- the end -----------------------------------------------------------------------------------
 
-double UnfinishedFile::finish(const ResultSummary& summary) {
+double UnfinishedFile::finish(const ResultSummary& summary, const std::filesystem::path& name) {
   using Clock = std::chrono::steady_clock;
   std::chrono::duration<double> reading_back{};
   guarded([&] {
@@ -197,7 +199,7 @@ double UnfinishedFile::finish(const ResultSummary& summary) {
     const Clock::time_point written = Clock::now();
     read_back(partial_->path(), given_);
     reading_back = Clock::now() - written;
-    partial_->publish();
+    name.empty() ? partial_->publish() : partial_->publish(name);
   });
   return reading_back.count();
 }

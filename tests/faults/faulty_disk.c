@@ -4,7 +4,9 @@
 //   FAULTY_FOLDER        the folder, an absolute path without links
 //   FAULTY_CALL          the call that fails: 1, 2, ...; without it none by its number
 //   FAULTY_FROM_THEN_ON  if set, all calls after that one, too
-//   FAULTY_ERROR         the errno that they fail with
+//   FAULTY_ERROR         the errno that they fail with; or
+//   FAULTY_SHORT         the same, but a write writes half of what it is given, as it may; or
+//   FAULTY_KILL          if set, the process is killed at that call, before it does anything
 //   FAULTY_TOLD          a file elsewhere that is made when a call has failed
 //   FAULTY_ROOM          bytes: a file has no room beyond (ENOSPC)
 #define _GNU_SOURCE
@@ -12,6 +14,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
+#include <signal.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -45,9 +48,14 @@ static int fails(void) {
   if (now < turn || (now > turn && getenv("FAULTY_FROM_THEN_ON") == NULL)) return 0;
   const long told = syscall(SYS_openat, AT_FDCWD, getenv("FAULTY_TOLD"), O_WRONLY | O_CREAT, 0600);
   if (told >= 0) syscall(SYS_close, told);
-  errno = atoi(getenv("FAULTY_ERROR"));
+  if (getenv("FAULTY_KILL") != NULL) kill(getpid(), SIGKILL);
+  const char* error = getenv("FAULTY_ERROR");
+  errno = atoi(error != NULL ? error : getenv("FAULTY_SHORT"));
   return 1;
 }
+
+/// Of a call that writes and whose turn it is: whether it writes half.
+static int half(size_t count) { return getenv("FAULTY_SHORT") != NULL && count > 1; }
 
 static int beyond_room(off_t end) {
   const char* room = getenv("FAULTY_ROOM");
@@ -62,17 +70,26 @@ static int beyond_room(off_t end) {
 
 ssize_t write(int file, const void* data, size_t count) {
   REAL(write);
-  if (concerns(file) && (fails() || beyond_room(lseek(file, 0, SEEK_CUR) + (off_t)count))) return -1;
+  if (concerns(file)) {
+    if (fails()) return half(count) ? real(file, data, count / 2) : -1;
+    if (beyond_room(lseek(file, 0, SEEK_CUR) + (off_t)count)) return -1;
+  }
   return real(file, data, count);
 }
 ssize_t pwrite(int file, const void* data, size_t count, off_t at) {
   REAL(pwrite);
-  if (concerns(file) && (fails() || beyond_room(at + (off_t)count))) return -1;
+  if (concerns(file)) {
+    if (fails()) return half(count) ? real(file, data, count / 2, at) : -1;
+    if (beyond_room(at + (off_t)count)) return -1;
+  }
   return real(file, data, count, at);
 }
 ssize_t pwrite64(int file, const void* data, size_t count, off64_t at) {
   REAL(pwrite64);
-  if (concerns(file) && (fails() || beyond_room(at + (off_t)count))) return -1;
+  if (concerns(file)) {
+    if (fails()) return half(count) ? real(file, data, count / 2, at) : -1;
+    if (beyond_room(at + (off_t)count)) return -1;
+  }
   return real(file, data, count, at);
 }
 int fallocate(int file, int mode, off_t from, off_t length) {

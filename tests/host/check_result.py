@@ -33,7 +33,8 @@ DATASETS = {  # group: {name: (units, axes)}
     "probes": PROBE,
     "slider_probes": PROBE,
     "energy": {name: ("J", TIME) for name in ("kinetic", "elastic", "contact", "damping_loss", "sliding_work", "load_work")} | {"time": ("s", TIME)},
-    "shocks": {"start": ("s", SHOCK), "duration": ("s", SHOCK), "peak_force": ("N", SHOCK), "impulse": ("N s", SHOCK), "position": ("m", SHOCK)},
+    "shocks": {"start": ("s", SHOCK), "duration": ("s", SHOCK), "peak_force": ("N", SHOCK), "impulse": ("N s", SHOCK), "position": ("m", SHOCK),
+               "serial": ("1", SHOCK)},
     "level": {"v_rms": ("m s-1", ()), "lv": ("dB", ())},
     "summary": {name: (unit, ()) for name, unit in SUMMARY.items()},
     "surface/slider": {"position": ("m", NODES), "height": ("m", NODES)},
@@ -42,7 +43,7 @@ DATASETS = {  # group: {name: (units, axes)}
 # left out where there is none: without shocks, or when the run ended before output.from
 NOT_ALWAYS = {"level/v_rms", "level/lv", "summary/v_rms", "summary/lv", "summary/shock_rate", "summary/contact_share"} | {
     f"summary/{name}" for name in SUMMARY if name.startswith(("shock_duration", "peak_force"))}
-ATTRIBUTES = {"creator": str, "format": np.integer, "version": str, "commit": str, "scene": str, "backend": str, "threads": np.integer,
+ATTRIBUTES = {"creator": str, "format": np.integer, "version": str, "commit": str, "scene": str, "key": str, "backend": str, "threads": np.integer,
               "started": str, "wall_seconds": np.floating, "steps": np.integer, "complete": np.integer, "ended": str}
 
 

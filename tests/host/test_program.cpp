@@ -510,7 +510,7 @@ TEST_F(Program, ASecondSignalEndsTheRunAtOnceWithoutAWreck) {
   child.send(SIGTERM);
   child.send(SIGCONT);
   EXPECT_EQ(child.wait(), 128 + SIGTERM) << child.err();
-  EXPECT_THAT(child.err(), HasSubstr("nothing of this run is kept"));
+  EXPECT_THAT(child.err(), HasSubstr("only what a checkpoint holds is kept"));
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 2);  // what it printed
 }
 

@@ -1,16 +1,17 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Attempts on ra2d: scenes and profiles at fault, kills, signals.
+"""Attempts on ra2d: scenes and profiles at fault, kills, signals; and whether runs that were cut off go on.
 
     hostile.py PROGRAM PART [--times N] [--share I/N] [--seed S]
 
-PART: scenes, profiles, kills or signals. --times multiplies the random cases; --share runs every Nth case
+PART: scenes, profiles, kills, signals or resumes. --times multiplies the random cases; --share runs every Nth case
 from the Ith (from 1) on. Prints how many there were and how they ended. The status is 1 if one of them
 
 - ended with a status that is not promised, by a crash, or not within 20 s;
 - ended with 0 and data that are not finite, in the file or in the report;
 - harmed an earlier result: it stands byte for byte, or a whole new file does;
 - left anything else behind, or changed an input;
+- went on from a kill or a signal to other bits than a run that was left alone;
 - printed more than 20 kB on stderr, or a control character.
 """
 import argparse
@@ -37,6 +38,7 @@ import h5py
 import numpy
 
 EARLIER = b"an earlier result\n"
+BESIDE = ("out.h5.parts", "out.h5.checkpoint", "out.h5.checkpoint.previous")  # of a run that was cut off
 MEMORY = 4 << 30  # bytes, of each process
 PATIENCE = 20.0   # s
 ENOUGH = 1.5      # s, after which a run that is long by its own plan is interrupted
@@ -255,7 +257,9 @@ def look(folder, status, allowed, new_names=(), may_leave_partial=False):
             found += faults_of_file(result, None if status >= 128 else status == 0)
     for entry in os.listdir(folder.path):
         partial = ".partial" in entry or entry.endswith(".lock")
-        if entry not in folder.inputs and entry not in ("out.h5", *new_names) and not (partial and may_leave_partial):
+        goes_on = entry in BESIDE and (status >= 128 or status == 5)
+        if entry not in folder.inputs and entry not in ("out.h5", *new_names) and not goes_on \
+                and not (partial and may_leave_partial):
             found.append(f"left {entry!r}")
     return found
 
@@ -543,7 +547,69 @@ def try_signal(program, case, dice):
     return folder, status, found
 
 
-PARTS = {"scenes": (scene_cases, try_scene), "profiles": (profile_cases, try_profile),
+# ---- runs that go on
+
+
+SCHEMES = [(scheme, law, force) for scheme in ("explicit-euler", "midpoint", "backward-euler", "heun", "rk4", "rk8",
+                                               "exact", "adaptive")
+           for law in ("penalty", "multiplier") for force in ("old", "new")
+           if (force == "old" or (scheme, law) == ("backward-euler", "penalty"))
+           and (law == "penalty" or scheme not in ("explicit-euler", "adaptive"))]
+RESUMED = PLAIN.replace("duration = 2e-5", "duration = 0.04").replace("speed = 0.5", "speed = 0.2")
+CUTS = Counter()  # how runs that were to go on were cut off
+
+
+def resume_cases(times, dice):
+    """A scheme and a law, and other surfaces."""
+    return [(f"{' '.join(SCHEMES[i % len(SCHEMES)])} {i}", SCHEMES[i % len(SCHEMES)], dice.randrange(1000))
+            for i in range(len(SCHEMES) * times)]
+
+
+def content(path):
+    """Every dataset's bytes but those of times and of cost, which launches change."""
+    found = {}
+    with h5py.File(path) as file:
+        def visit(name, node):
+            if isinstance(node, h5py.Dataset) and not name.endswith(("_seconds", "nodes_evaluated")):
+                found[name] = node[()].tobytes()
+        file.visititems(visit)
+        found["complete"] = bool(file.attrs["complete"])
+    return found
+
+
+def try_resume(program, case, dice):
+    _, (scheme, law, force), seed = case
+    folder = Folder(RESUMED)
+    words = ["run", "s.toml", "--set", f"time.scheme={scheme}", "--set", f"contact.law={law}", "--set",
+             f"time.contact_force={force}", "--set", "time.force=true", "--set", f"slider.surface.seed={seed}"]
+    status = end(start(program, [*words, "-o", "whole.h5"], folder))
+    if status != 0:
+        return folder, status, [f"ended with {status}: {printed(folder)[1][-300:]!r}"]
+    went_on = 0
+    found = []
+    for attempt in range(31):
+        process = start(program, [*words, "-o", "out.h5", "--checkpoint", "1e-5"], folder)
+        cut = attempt < 30
+        if cut:
+            time.sleep(dice.uniform(0.02, 0.08))
+            if dice.random() < 0.2:
+                process.send_signal(signal.SIGUSR1)
+            process.send_signal(dice.choice([signal.SIGKILL, signal.SIGKILL, signal.SIGTERM]))
+        status = end(process)
+        CUTS[status] += status != 0
+        went_on += b"goes on from" in (folder.path / ".stderr").read_bytes()
+        found += look(folder, status, (0, 137, 143) if cut else (0,), ("whole.h5",), may_leave_partial=True)
+        if status == 0:
+            break
+    if status == 0 and content(folder.path / "out.h5") != content(folder.path / "whole.h5"):
+        found.append("went on to other bits")
+    if went_on == 0:
+        found.append("never went on from a checkpoint")
+    return folder, status, found
+
+
+PARTS = {"resumes": (resume_cases, try_resume),
+         "scenes": (scene_cases, try_scene), "profiles": (profile_cases, try_profile),
          "kills": (kill_cases, try_kill), "signals": (signal_cases, try_signal)}
 
 
@@ -574,7 +640,7 @@ def main():
         folder.close()
     endings = ", ".join(f"{count} with {status}" for status, count in sorted(ended.items(), key=str))
     print(f"{asked.part} {asked.share}: {len(cases)} ended in {time.monotonic() - begun:.1f} s: {endings}; "
-          f"{wrong} at fault")
+          f"{wrong} at fault" + "".join(f"; cut off {count} times with {status}" for status, count in CUTS.items()))
     return 1 if wrong else 0
 
 

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/device/saved_state.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <type_traits>
+#include <vector>
+
+namespace ra2d {
+namespace {
+
+bool is_within(std::int64_t value, std::int64_t low, std::int64_t high) {
+  return low <= value && value <= high;
+}
+
+/// The state with its arrays where they were saved; what does not fit is said.
+std::string bind(const SavedState& saved, const Extents& n, CarriedState& bound) {
+  std::string fault;
+  auto bytes = saved.arrays.begin();
+  visit_arrays(bound, n, [&](const char* name, auto*& array, std::size_t count) {
+    array = nullptr;
+    if (!fault.empty()) return;
+    if (bytes == saved.arrays.end() || bytes->size() != count * sizeof(*array)) {
+      fault = std::string("'") + name + "' is of another length";
+      return;
+    }
+    // only read; vectors of bytes stand where any number may
+    array = reinterpret_cast<std::remove_reference_t<decltype(array)>>(
+        const_cast<std::byte*>(bytes->data()));
+    ++bytes;
+  });
+  if (fault.empty() && bytes != saved.arrays.end()) fault = "there are more arrays than known";
+  return fault;
+}
+
+/// What comes from a file may be neither true nor false.
+bool is_truth(const bool& value) {
+  unsigned char byte;
+  std::memcpy(&byte, &value, 1);
+  return byte <= 1;
+}
+
+bool has_sound_shocks(const CarriedState& s, const Extents& n) {
+  std::vector<std::int64_t> serials;
+  for (int i = 0; i < s.open_count; ++i) {
+    const OpenShock& open = s.open[i];
+    if (!is_within(open.serial, 0, s.shocks_begun - 1) || !is_within(open.start, 0, open.last) ||
+        open.last > s.step)
+      return false;
+    serials.push_back(open.serial);
+  }
+  std::sort(serials.begin(), serials.end());
+  if (std::adjacent_find(serials.begin(), serials.end()) != serials.end()) return false;
+  // the next step that contact can be recorded at: implicit forms record it at a step's end
+  const std::int64_t next = n.pressed > 0 ? s.step + 1 : s.step;
+  for (int r = 0; r < s.run_count; ++r) {
+    const ContactRun& run = s.runs[r];
+    if (!is_within(run.first, r > 0 ? s.runs[r - 1].last + 1 : 0, run.last) || run.last >= n.nodes)
+      return false;
+    if (s.runs_step >= next - 1 && !is_within(run.shock, 0, s.open_count - 1)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+std::string fault_of(const SavedState& saved, const Extents& n, std::int64_t steps,
+                     std::int64_t samples) {
+  CarriedState s = saved.values;
+  if (std::string fault = bind(saved, n, s); !fault.empty()) return fault;
+  if (s.status != Status::running) return "it is of a run that has ended";
+  if (!is_truth(saved.values.begun) || !is_truth(saved.values.sample_pending))
+    return "it is no state";
+  if (!is_within(s.step, 0, steps)) return "its step is beyond the run";
+  if (!is_within(s.next_sample, 0, samples)) return "its next sample is beyond the run";
+  if (!is_within(s.run_count, 0, n.runs()) || !is_within(s.open_count, 0, 2 * n.runs()) ||
+      s.shocks_begun < 0 || s.runs_step > s.step || !has_sound_shocks(s, n))
+    return "its shocks do not fit together";
+  if (!is_within(s.contact_nodes, 0, n.nodes)) return "its nodes in contact are too many";
+  for (const int node : s.contact_pair)
+    if (!is_within(node, 0, n.nodes - 1)) return "its nodes in contact are none of the slider's";
+  if (!is_within(s.closed_count, 0, n.closed)) return "its closed nodes are too many";
+  for (int e = 0; e < s.closed_count; ++e)
+    if (!is_within(s.closed[e], e > 0 ? s.closed[e - 1] + 1 : 0, n.nodes - 1))
+      return "its closed nodes do not ascend";
+  if (!is_within(s.shape_terms, 1, 4)) return "its number of terms is none";
+  if (!is_within(s.level, 0, 60)) return "its flight is too long";
+  return {};
+}
+
+}  // namespace ra2d

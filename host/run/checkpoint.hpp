@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/device/saved_state.hpp"
+#include "host/model/model.hpp"
+#include "host/run/simulation.hpp"
+#include "host/store/beside.hpp"
+#include "host/store/recording.hpp"
+
+/// What a run goes on from after it was cut off.
+namespace ra2d {
+
+/// What wrote a checkpoint, and of which run.
+struct Identity {
+  std::string program;     // version and commit
+  std::string arithmetic;  // of the build (arithmetic())
+  std::string backend;     // where it was marched
+  std::string key;         // run_key
+  std::string scene;       // TOML text
+};
+
+struct Checkpoint {
+  Identity identity;
+  SavedState state;
+  Accounts accounts;
+  double wall_seconds = 0;        // of the run until then
+  std::vector<Segment> segments;  // of its outputs, all that it covers
+};
+
+/// The run that this program is about to make.
+Identity identity_of(const std::string& key, const std::string& scene);
+
+/// As it stands in a file, and back. Throws Unbelieved (host/store/sealed_file.hpp) where a byte is not as
+/// it was. A state that does not fit its scene is found when it is gone on from (Batch::restore).
+std::string bytes_of(const Checkpoint& checkpoint);
+Checkpoint checkpoint_of(const std::string& bytes);
+
+/// What a checkpoint differs in from the run that is asked for, in words: "it is of another scene:
+/// 'speed = 0.1' there, 'speed = 0.2' here"; empty where a run can go on from it.
+std::string difference(const Checkpoint& checkpoint, const Identity& run, const Model& model);
+
+/// Writes a checkpoint; the one before is kept. Throws FileError.
+void write_checkpoint(const ClaimedOutput& output, const Checkpoint& checkpoint);
+
+/// The last checkpoint of an output that a run can go on from; the one before it where the last is damaged,
+/// or segments that it vouches for, which is told to `warn`. None where there is none. Throws FileError where
+/// all that there is is damaged, and RequestError where it is of another run.
+std::optional<Checkpoint> last_checkpoint(const ClaimedOutput& output, const Identity& run,
+                                          const Model& model,
+                                          const std::function<void(const std::string&)>& warn);
+
+}  // namespace ra2d

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <filesystem>
+#include <optional>
+
+#include "host/partial_file.hpp"
+
+/// What stands beside a result while it is made (contract: "Files beside a result").
+namespace ra2d {
+
+struct OutputNames {
+  std::filesystem::path result;                // what a symbolic link leads to
+  std::filesystem::path segments;              // OUT.h5.parts, a folder
+  std::filesystem::path checkpoint, previous;  // OUT.h5.checkpoint, OUT.h5.checkpoint.previous
+};
+
+/// Makes an output one process' own, by a lock on the folder of its segments, which is made and, where it is
+/// empty at the end, removed. The system lets go of the lock with the process.
+class ClaimedOutput {
+ public:
+  /// Throws FileError where another process of this machine writes the output, or the folder cannot be made.
+  explicit ClaimedOutput(const std::filesystem::path& output);
+  ~ClaimedOutput();
+  ClaimedOutput(const ClaimedOutput&) = delete;
+  ClaimedOutput& operator=(const ClaimedOutput&) = delete;
+
+  const OutputNames& names() const { return names_; }
+  /// Path of segment number 1, 2, ...
+  std::filesystem::path segment(std::size_t number) const;
+  /// Removes the segments from this number on: what no checkpoint vouches for.
+  void remove_segments(std::size_t from) const;
+  /// Removes the checkpoints, and then all segments.
+  void remove_all() const;
+
+ private:
+  OutputNames names_;
+  std::optional<PartialFolder> partial_;
+  int folder_ = -1;
+};
+
+}  // namespace ra2d

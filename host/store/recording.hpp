@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/result/record.hpp"
+#include "host/store/beside.hpp"
+#include "host/store/store.hpp"
+
+namespace ra2d {
+
+/// A closed stretch of what a run records, as a checkpoint vouches for it.
+struct Segment {
+  std::uint64_t bytes = 0;
+  std::string xxh3_128;  // of the file
+  std::int64_t samples = 0, shocks = 0;
+};
+
+/// Throws FileError where the file is not the segment that is vouched for.
+void require_segment(const std::filesystem::path& file, const Segment& segment);
+
+/// What a run records, on its way to its result: one file, or segments that are closed while the run goes on
+/// and joined at its end, to the same bits. A segment is whole and on the disk before it has its name, and
+/// is never opened for writing again. Every method throws FileError; the segments closed before stay.
+class Recording {
+ public:
+  /// `before`: the segments that a run that goes on has closed, which were looked at (require_segment);
+  /// header.segment: where the next one begins.
+  Recording(const ClaimedOutput& output, const ResultHeader& header,
+            std::vector<Segment> before = {});
+
+  void append(const SampleBlock& block);
+  void append(const std::vector<Shock>& shocks);
+
+  /// Closes a segment, if there is anything to put into it; what comes next begins at `next`. `so_far`: for
+  /// whoever reads it while the run goes on. Returns all of them.
+  const std::vector<Segment>& close_segment(const ResultSummary& so_far, const SegmentStart& next);
+
+  /// Finishes the result and gives it its name; the segments stay. Returns how long reading back took [s].
+  double close(const ResultSummary& summary);
+
+ private:
+  void begin();
+  void join(ResultFile& whole);
+
+  const ClaimedOutput& output_;
+  ResultHeader header_;
+  std::vector<Segment> segments_;
+  std::optional<ResultFile> file_;
+  std::int64_t samples_ = 0, shocks_ = 0;  // in it
+};
+
+}  // namespace ra2d

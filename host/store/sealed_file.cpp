@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/store/sealed_file.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdint>
+#include <cstring>
+#include <string_view>
+
+#include "host/errors.hpp"
+#include "host/partial_file.hpp"
+#include "host/store/hash.hpp"
+
+namespace ra2d {
+namespace {
+
+constexpr std::size_t kind_bytes = 24, hash_bytes = 32;
+
+template <class Number>
+void put(std::string& out, Number number) {
+  char bytes[sizeof number];
+  std::memcpy(bytes, &number, sizeof number);
+  out.append(bytes, sizeof number);
+}
+
+void put_hashed(std::string& out, std::string_view bytes) {
+  Hash hash;
+  hash.add(bytes);
+  out += hash.text();
+}
+
+std::string padded(std::string kind) {
+  kind.resize(kind_bytes, '\0');
+  return kind;
+}
+
+/// Reads from the front of what is left.
+class Cursor {
+ public:
+  explicit Cursor(std::string_view rest) : rest_{rest} {}
+  std::string_view take(std::uint64_t count) {
+    if (count > rest_.size()) throw Unbelieved("cut short");
+    const std::string_view taken = rest_.substr(0, count);
+    rest_.remove_prefix(count);
+    return taken;
+  }
+  template <class Number>
+  Number number() {
+    Number value;
+    std::memcpy(&value, take(sizeof value).data(), sizeof value);
+    return value;
+  }
+  /// Takes a hash, and asks whether it is that of `bytes`.
+  bool has_hash_of(std::string_view bytes) {
+    Hash hash;
+    hash.add(bytes);
+    return take(hash_bytes) == hash.text();
+  }
+  bool at_end() const { return rest_.empty(); }
+
+ private:
+  std::string_view rest_;
+};
+
+void write_all(int descriptor, std::string_view rest, const std::filesystem::path& path) {
+  while (!rest.empty()) {
+    const ssize_t count = write(descriptor, rest.data(), rest.size());
+    if (count >= 0)
+      rest.remove_prefix(static_cast<std::size_t>(count));
+    else if (errno != EINTR)
+      throw write_failure("write", path, std::strerror(errno), errno);
+  }
+}
+
+bool reads_back(int descriptor, std::string_view rest) {
+  char block[65536];
+  for (off_t at = 0; !rest.empty();) {
+    const ssize_t count = pread(descriptor, block, std::min(sizeof block, rest.size()), at);
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0 || rest.substr(0, static_cast<std::size_t>(count)) !=
+                          std::string_view(block, static_cast<std::size_t>(count)))
+      return false;
+    rest.remove_prefix(static_cast<std::size_t>(count));
+    at += count;
+  }
+  return true;
+}
+
+}  // namespace
+
+std::string seal(const std::string& kind, std::uint32_t format,
+                 const std::vector<Section>& sections) {
+  std::string out = padded(kind);
+  put(out, format);
+  put(out, static_cast<std::uint32_t>(sections.size()));
+  for (const Section& section : sections) {
+    put(out, static_cast<std::uint64_t>(section.name.size()));
+    put(out, static_cast<std::uint64_t>(section.bytes.size()));
+    out += section.name;
+    out += section.bytes;
+    put_hashed(out, section.bytes);
+  }
+  put_hashed(out, out);
+  return out;
+}
+
+std::vector<Section> unseal(const std::string& kind, std::uint32_t format,
+                            const std::string& bytes) {
+  Cursor cursor(bytes);
+  if (cursor.take(kind_bytes) != padded(kind)) throw Unbelieved(fmt::format("no {}", kind));
+  if (const auto found = cursor.number<std::uint32_t>(); found != format)
+    throw Unbelieved(fmt::format("of format {}, and this program writes {}", found, format));
+  std::vector<Section> sections;
+  const auto count = cursor.number<std::uint32_t>();
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const auto name_size = cursor.number<std::uint64_t>(), size = cursor.number<std::uint64_t>();
+    Section section;
+    section.name = cursor.take(name_size);
+    section.bytes = cursor.take(size);
+    if (!cursor.has_hash_of(section.bytes))
+      throw Unbelieved(fmt::format("damaged in its section '{}'", section.name.substr(0, 40)));
+    sections.push_back(std::move(section));
+  }
+  const std::size_t hashed = bytes.size() - std::min(bytes.size(), hash_bytes);
+  if (!cursor.has_hash_of(std::string_view(bytes).substr(0, hashed)) || !cursor.at_end())
+    throw Unbelieved("damaged");
+  return sections;
+}
+
+void write_sealed(const std::filesystem::path& path, const std::string& bytes,
+                  const std::filesystem::path& previous) {
+  PartialFile file(path);
+  write_all(file.descriptor(), bytes, path);
+  file.sync();
+  if (!reads_back(file.descriptor(), bytes))
+    throw write_failure("write", path, "what was written does not read back", EIO);
+  if (!previous.empty() && rename(path.c_str(), previous.c_str()) != 0 && errno != ENOENT)
+    throw write_failure("keep", path, std::strerror(errno), errno);
+  file.publish();
+}
+
+std::string read_whole(const std::filesystem::path& path, std::size_t most) {
+  const auto fail = [&](const std::string& reason) {
+    return FileError(fmt::format("cannot read '{}': {}", path.string(), reason));
+  };
+  const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  if (descriptor < 0) throw fail(std::strerror(errno));
+  struct Closer {
+    int descriptor;
+    ~Closer() { close(descriptor); }
+  } const closer{descriptor};
+  struct stat status;
+  if (fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) throw fail("it is no file");
+  if (static_cast<std::uint64_t>(status.st_size) > most) throw fail("it is too large");
+  std::string bytes(static_cast<std::size_t>(status.st_size), '\0');
+  for (std::size_t done = 0; done < bytes.size();) {
+    const ssize_t count = read(descriptor, bytes.data() + done, bytes.size() - done);
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) throw fail(std::strerror(errno));
+    if (count == 0) {
+      bytes.resize(done);
+      break;
+    }
+    done += static_cast<std::size_t>(count);
+  }
+  return bytes;
+}
+
+}  // namespace ra2d

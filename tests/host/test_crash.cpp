@@ -1,0 +1,320 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Runs that are cut off at every call that writes, by an error or by a kill, and go on: to the same bits as
+// a run that was left alone. That they also go on from kills at any other instant, tests/hostile shows.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "host/errors.hpp"
+#include "host/run/checkpoint.hpp"
+#include "host/store/result_reader.hpp"
+#include "host/store/sealed_file.hpp"
+#include "tests/child.hpp"
+#include "tests/effort.hpp"
+#include "tests/hdf5_content.hpp"
+#include "tests/places.hpp"
+
+namespace ra2d::test {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AnyOf;
+using testing::HasSubstr;
+
+class Crash : public testing::Test {
+ protected:
+  Crash() : folder_{fs::canonical(disk_.path())}, out_{folder_ / "out.h5"} {}
+
+  std::vector<std::string> line(std::vector<std::string> more = {}) const {
+    std::vector<std::string> words{
+        program(),        "run", scene_file("dang2012"), "--set", "scene.duration=2e-2", "--set",
+        "time.step=1e-7", "-o",  out_.string()};
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  }
+  Ended run(std::vector<std::string> more = {}) { return run_program(aside_.path(), line(more)); }
+  /// Ends a run with a checkpoint, soon after its start.
+  void cut_off() {
+    const Ended ended = run({"--checkpoint", "1e-5", "--max-wall", "0.02"});
+    ASSERT_EQ(ended.status, 5) << ended.err;
+  }
+  std::vector<std::string> beside() const {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::directory_iterator(folder_))
+      names.push_back(entry.path().filename());
+    std::sort(names.begin(), names.end());
+    return names;
+  }
+  fs::path checkpoint() const { return folder_ / "out.h5.checkpoint"; }
+  fs::path previous() const { return folder_ / "out.h5.checkpoint.previous"; }
+
+  Folder disk_, aside_;
+  fs::path folder_, out_;
+};
+
+const std::vector<std::string> only_result{"out.h5"};
+
+TEST_F(Crash, ARunThatIsCutOffAnywhereGoesOnToTheSameBits) {
+  if (faulty_disk().empty()) GTEST_SKIP() << "no calls are made to fail under sanitizers";
+  const std::vector<std::string> brief{"--set", "scene.duration=5e-3", "--checkpoint", "1e-5"};
+  ASSERT_EQ(run(brief).status, 0);
+  const Content expected = content_of(out_);
+  ASSERT_EQ(expected.at("ended"), "complete");
+  const fs::path told = aside_.path() / "told";
+  int cut = 0;
+  for (const char* how :
+       {"FAULTY_ERROR=5", "FAULTY_ERROR=28", "FAULTY_SHORT=28", "FAULTY_KILL=1"}) {
+    // every call with RA2D_TEST_LONG; else some of each kind, others for each way to fail
+    const int stride = draws(1) > 1 ? 1 : 23;
+    for (int call = 1 + (cut % stride);; call += stride) {
+      SCOPED_TRACE(fmt::format("{} at call {}", how, call));
+      fs::remove(out_);
+      fs::remove(told);
+      std::vector<std::string> words{"env",
+                                     "LD_PRELOAD=" + faulty_disk(),
+                                     "FAULTY_FOLDER=" + folder_.string(),
+                                     "FAULTY_TOLD=" + told.string(),
+                                     fmt::format("FAULTY_CALL={}", call),
+                                     how};
+      const std::vector<std::string> rest = line(brief);
+      words.insert(words.end(), rest.begin(), rest.end());
+      const Ended broken = run_program(aside_.path(), words);
+      if (!fs::exists(told)) {
+        EXPECT_EQ(broken.status, 0) << broken.err;
+        EXPECT_EQ(content_of(out_), expected);
+        break;
+      }
+      ++cut;
+      ASSERT_THAT(broken.status, AnyOf(0, 4, 1000 + SIGKILL)) << broken.err;
+      const Ended again = run(brief);
+      ASSERT_EQ(again.status, 0) << broken.err << again.err;
+      EXPECT_EQ(content_of(out_), expected);
+      EXPECT_EQ(beside(), only_result);
+      ASSERT_LT(call, 5000);
+    }
+  }
+  RecordProperty("cut", cut);
+  EXPECT_GT(cut, 40);
+}
+
+TEST_F(Crash, TheWallTimeEndsARunWithACheckpointThatTheSameLineGoesOnFrom) {
+  ASSERT_EQ(run().status, 0);
+  const Content expected = content_of(out_);
+  fs::remove(out_);
+  cut_off();
+  EXPECT_EQ(content_of(out_).at("ended"), "stopped by --max-wall");
+  EXPECT_THAT(beside(), testing::IsSupersetOf({"out.h5", "out.h5.checkpoint", "out.h5.parts"}));
+  const Ended again = run();
+  EXPECT_EQ(again.status, 0);
+  EXPECT_THAT(again.err, HasSubstr("goes on from t = "));
+  EXPECT_EQ(content_of(out_), expected);
+  EXPECT_EQ(beside(), only_result);
+  // and once more: it is there
+  const Ended third = run();
+  EXPECT_EQ(third.status, 0);
+  EXPECT_THAT(third.out, HasSubstr("has this run already"));
+  EXPECT_EQ(content_of(out_), expected);
+}
+
+TEST_F(Crash, FreshStartsAnewAndAResultOfAnotherSceneIsReplaced) {
+  ASSERT_EQ(run({"--set", "scene.speed=0.2"}).status, 0);
+  const Content other = content_of(out_);
+  const Ended replaced = run();
+  EXPECT_EQ(replaced.status, 0);
+  EXPECT_THAT(replaced.err, HasSubstr("another scene"));
+  EXPECT_NE(content_of(out_), other);
+  const std::string before = read_file(out_);
+  EXPECT_EQ(run().status, 0);
+  EXPECT_EQ(read_file(out_), before);
+  EXPECT_EQ(run({"--fresh"}).status, 0);
+  EXPECT_NE(read_file(out_), before) << "the time at which it was made is in it";
+}
+
+TEST_F(Crash, ACheckpointOfAnotherRunIsRefusedByNameAndLeftAlone) {
+  cut_off();
+  const std::string kept = read_file(checkpoint()), result = read_file(out_);
+  const Ended other = run({"--set", "scene.speed=0.2"});
+  EXPECT_EQ(other.status, 2);
+  EXPECT_THAT(other.err, HasSubstr("another scene: 'speed = 0.1' there, 'speed = 0.2' here"));
+  EXPECT_THAT(other.err, HasSubstr("--fresh"));
+  EXPECT_EQ(read_file(checkpoint()), kept);
+  EXPECT_EQ(read_file(out_), result);
+
+  // what a program of another version, build or backend has written
+  const Checkpoint own = checkpoint_of(kept);
+  for (const auto& [member, word] : {std::pair{&Identity::program, "version"},
+                                     {&Identity::arithmetic, "build"},
+                                     {&Identity::backend, "backend"}}) {
+    Checkpoint changed = own;
+    changed.identity.*member += "x";
+    const std::string bytes = bytes_of(changed);
+    std::ofstream(checkpoint(), std::ios::binary) << bytes;
+    const Ended ended = run();
+    EXPECT_EQ(ended.status, 2) << ended.err;
+    EXPECT_THAT(ended.err, HasSubstr(fmt::format("another {}:", word)));
+    EXPECT_EQ(read_file(checkpoint()), bytes);
+  }
+}
+
+TEST_F(Crash, OfADamagedCheckpointTheOneBeforeIsTaken) {
+  ASSERT_EQ(run().status, 0);
+  const Content expected = content_of(out_);
+  fs::remove(out_);
+  cut_off();
+  ASSERT_TRUE(fs::exists(previous()));
+  std::string bytes = read_file(checkpoint());
+  bytes[bytes.size() / 2] ^= 1;
+  std::ofstream(checkpoint(), std::ios::binary) << bytes;
+  const Ended again = run();
+  EXPECT_EQ(again.status, 0) << again.err;
+  EXPECT_THAT(again.err, HasSubstr("out.h5.checkpoint' is damaged"));
+  EXPECT_THAT(again.err, HasSubstr("out.h5.checkpoint.previous', which is older"));
+  EXPECT_EQ(content_of(out_), expected);
+  EXPECT_EQ(beside(), only_result);
+}
+
+TEST_F(Crash, WithoutAnyWholeCheckpointTheRunIsRefusedAndNothingIsTouched) {
+  cut_off();
+  fs::remove(previous());
+  const std::string kept = read_file(checkpoint());
+  // a segment that it vouches for
+  const fs::path segment = folder_ / "out.h5.parts" / "000001.h5";
+  const std::string recorded = read_file(segment);
+  std::string damaged = recorded;
+  damaged[damaged.size() / 3] ^= 4;
+  std::ofstream(segment, std::ios::binary) << damaged;
+  Ended ended = run();
+  EXPECT_EQ(ended.status, 4);
+  EXPECT_THAT(ended.err, HasSubstr("000001.h5' is damaged"));
+  fs::remove(segment);
+  EXPECT_EQ(run().status, 4);
+  std::ofstream(segment, std::ios::binary) << recorded;
+  std::ofstream(checkpoint(), std::ios::binary) << kept.substr(0, kept.size() - 1);
+  ended = run();
+  EXPECT_EQ(ended.status, 4);
+  EXPECT_THAT(ended.err, HasSubstr("--fresh"));
+  EXPECT_EQ(read_file(checkpoint()).size(), kept.size() - 1);
+  EXPECT_EQ(run({"--fresh"}).status, 0);
+  EXPECT_EQ(beside(), only_result);
+}
+
+TEST_F(Crash, EveryTruncationAndEveryFlippedBitOfACheckpointIsRefused) {
+  cut_off();
+  const std::string bytes = read_file(checkpoint());
+  EXPECT_NO_THROW(checkpoint_of(bytes));
+  // the histograms are zeros for the most part: of them some
+  const std::size_t stride = std::max<std::size_t>(1, bytes.size() / (4000 * draws(1)));
+  for (std::size_t length = 0; length < bytes.size(); length += length < 4096 ? 7 : stride)
+    EXPECT_THROW(checkpoint_of(bytes.substr(0, length)), Unbelieved) << length;
+  EXPECT_THROW(checkpoint_of(bytes.substr(0, bytes.size() - 1)), Unbelieved);
+  EXPECT_THROW(checkpoint_of(bytes + "x"), Unbelieved);
+  for (std::size_t at = 0; at < bytes.size(); at += at < 4096 ? 3 : stride) {
+    std::string flipped = bytes;
+    flipped[at] = static_cast<char>(flipped[at] ^ (1 << (at % 8)));
+    EXPECT_THROW(checkpoint_of(flipped), Unbelieved) << at;
+  }
+}
+
+TEST_F(Crash, AStateThatDoesNotFitItsSceneIsRefused) {
+  cut_off();
+  fs::remove(previous());
+  const Checkpoint own = checkpoint_of(read_file(checkpoint()));
+  const auto refused = [&](auto change, const char* why) {
+    Checkpoint changed = own;
+    change(changed);
+    std::ofstream(checkpoint(), std::ios::binary) << bytes_of(changed);
+    const Ended ended = run();
+    EXPECT_EQ(ended.status == 4 || ended.status == 2, true) << why << ended.status << ended.err;
+    EXPECT_THAT(ended.err, HasSubstr(why));
+  };
+  refused([](Checkpoint& c) { c.state.values.open_count = 1 << 30; }, "shocks do not fit");
+  refused([](Checkpoint& c) { c.state.values.run_count = -1; }, "shocks do not fit");
+  refused([](Checkpoint& c) { c.state.values.contact_pair[1] = -5; }, "none of the slider's");
+  refused([](Checkpoint& c) { c.state.values.closed_count = 7; }, "closed nodes");
+  refused([](Checkpoint& c) { c.state.values.level = 61; }, "flight");
+  refused([](Checkpoint& c) { c.state.values.shape_terms = 9; }, "terms");
+  refused([](Checkpoint& c) { c.state.values.next_sample = -1; }, "next sample");
+  refused([](Checkpoint& c) { c.state.arrays[0].pop_back(); }, "another length");
+  refused([](Checkpoint& c) { c.state.arrays.pop_back(); }, "another length");
+  refused([](Checkpoint& c) { c.state.arrays.emplace_back(); }, "more arrays");
+  refused([](Checkpoint& c) { c.state.values.step += 1; }, "two moments");
+  refused([](Checkpoint& c) { c.accounts.now.resonator_u.pop_back(); }, "another scene");
+  refused([](Checkpoint& c) { c.accounts.samples += 1; }, "do not agree");
+  std::ofstream(checkpoint(), std::ios::binary) << bytes_of(own);
+  EXPECT_EQ(run().status, 0);
+}
+
+TEST_F(Crash, ASecondProcessOnOneOutputIsRefused) {
+  std::vector<std::string> words = line({"--set", "time.step=1e-9", "--set", "scene.duration=0.9"});
+  Child first(aside_.path(), words);
+  for (int i = 0; i < 500 && !fs::exists(folder_ / "out.h5.parts"); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  ASSERT_TRUE(fs::exists(folder_ / "out.h5.parts"));
+  const Folder other;
+  const Ended second = run_program(other.path(), words);
+  EXPECT_EQ(second.status, 4);
+  EXPECT_THAT(second.err, HasSubstr("another process writes"));
+  first.send(SIGTERM);
+  EXPECT_EQ(first.wait(), 128 + SIGTERM);
+}
+
+TEST_F(Crash, ASignalOfABatchSystemLeavesACheckpointAndTheRunGoesOn) {
+  Child child(aside_.path(), line({"--set", "time.step=1e-9", "--set", "scene.duration=0.9"}));
+  ASSERT_TRUE(child.wait_until_it_catches(SIGUSR1)) << child.err();
+  for (int i = 0; i < 500 && !fs::exists(checkpoint()); ++i) {
+    child.send(SIGUSR1);
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  EXPECT_TRUE(fs::exists(checkpoint()));
+  EXPECT_FALSE(fs::exists(out_)) << "it goes on";
+  child.send(SIGHUP);
+  EXPECT_EQ(child.wait(), 128 + SIGHUP);
+  EXPECT_THAT(child.err(), HasSubstr("The same line goes on from here"));
+}
+
+TEST_F(Crash, SegmentsOfARunningResultCanBeRead) {
+  cut_off();
+  std::int64_t samples = 0;
+  double last = -1;
+  for (int i = 1;; ++i) {
+    const fs::path segment = folder_ / "out.h5.parts" / fmt::format("{:06}.h5", i);
+    if (!fs::exists(segment)) break;
+    const ResultReader reader(segment);
+    const SampleBlock block = reader.samples(0, reader.contents().samples);
+    for (const double time : block.time) {
+      EXPECT_GT(time, last);
+      last = time;
+    }
+    samples += static_cast<std::int64_t>(block.time.size());
+    EXPECT_FALSE(reader.contents().summary.complete);
+  }
+  EXPECT_GT(samples, 0);
+  if (!python().empty()) {
+    std::ofstream(aside_.path() / "open.py")
+        << "import glob, sys, xarray\n"
+           "parts = sorted(glob.glob(sys.argv[1] + '/*.h5'))\n"
+           "for group in ('contact', 'probes', 'energy', 'resonator'):\n"
+           "    with xarray.open_mfdataset(parts, group=group, combine='nested', "
+           "concat_dim='time',\n"
+           "                               data_vars='minimal', coords='minimal', "
+           "compat='override') as data:\n"
+           "        assert data.sizes['time'] == int(sys.argv[2]), data.sizes\n"
+           "        assert (data.time.diff('time') > 0).all()\n";
+    const Ended opened = run_program(
+        aside_.path(),
+        {python(), "open.py", (folder_ / "out.h5.parts").string(), std::to_string(samples)});
+    EXPECT_EQ(opened.status, 0) << opened.err;
+  }
+}
+
+}  // namespace
+}  // namespace ra2d::test
