@@ -30,7 +30,8 @@ void on_signal(int signal) {
   drop_partials();
   kill_programs();
   if (on_terminal) say("\r\033[K");  // the line of progress
-  say(before == 0 ? "ra2d: interrupted\n" : "ra2d: interrupted again: only what a checkpoint holds is kept\n");
+  say(before == 0 ? "ra2d: interrupted\n"
+                  : "ra2d: interrupted again: only what a checkpoint holds is kept\n");
   _exit(128 + signal);
 }
 

@@ -28,7 +28,7 @@
 namespace {
 
 /// Commands of the contract that are not built yet: refused by name.
-constexpr std::array<std::string_view, 2> coming{"study", "check"};
+constexpr std::array<std::string_view, 1> coming{"study"};
 
 using Words = std::vector<std::string>;
 using ra2d::clock_time, ra2d::count, ra2d::number_from, ra2d::path;
@@ -173,6 +173,7 @@ int dispatch(Words words) {
   add_plot(app, chosen);
   add_sound(app, chosen);
   add_report(app, chosen);
+  add_check(app, chosen);
   CLI::App* chart = app.add_subcommand("chart", "all schemes side by side");
   chart->require_subcommand(1);
   CLI::App* stability = chart->add_subcommand(
@@ -227,7 +228,7 @@ int dispatch(Words words) {
   if (!words.empty() && std::find(coming.begin(), coming.end(), words[0]) != coming.end())
     throw RequestError(
         fmt::format("the command '{}' is not available yet; there are 'run', 'plan', 'analyze', "
-                    "'plot', 'sound', 'report', 'surface' and 'chart'",
+                    "'plot', 'sound', 'report', 'check', 'surface' and 'chart'",
                     words[0]));
   const Named named = find_command(app, words);
   if (!named.fault.empty()) throw RequestError(named.fault);

@@ -30,6 +30,7 @@ CLI::Validator path();
 void add_stretch(CLI::App& command, std::optional<double>& from, std::optional<double>& to);
 
 // Commands add themselves, each in a file of its own.
+void add_check(CLI::App& app, Chosen& chosen);
 void add_analyze(CLI::App& app, Chosen& chosen);
 void add_plot(CLI::App& app, Chosen& chosen);
 void add_report(CLI::App& app, Chosen& chosen);

@@ -243,6 +243,10 @@ Checkpoint checkpoint_of(const std::string& bytes) {
   return checkpoint;
 }
 
+Checkpoint read_checkpoint(const std::filesystem::path& file) {
+  return checkpoint_of(read_whole(file, most_bytes));
+}
+
 std::string difference(const Checkpoint& checkpoint, const Identity& run, const Model& model) {
   const Identity& there = checkpoint.identity;
   if (there.key != run.key && there.arithmetic == run.arithmetic && there.program == run.program)
@@ -269,7 +273,7 @@ std::optional<Checkpoint> last_checkpoint(const ClaimedOutput& output, const Ide
   for (const std::filesystem::path* file : {&names.checkpoint, &names.previous}) {
     if (!std::filesystem::exists(*file)) continue;
     try {
-      Checkpoint checkpoint = checkpoint_of(read_whole(*file, most_bytes));
+      Checkpoint checkpoint = read_checkpoint(*file);
       if (const std::string what = difference(checkpoint, run, model); !what.empty())
         throw RequestError(
             fmt::format("cannot go on from '{}': {}. It is left as it is: choose another output "

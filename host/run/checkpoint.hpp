@@ -41,6 +41,9 @@ Identity identity_of(const std::string& key, const std::string& scene);
 std::string bytes_of(const Checkpoint& checkpoint);
 Checkpoint checkpoint_of(const std::string& bytes);
 
+/// Throws Unbelieved, and FileError where the file cannot be read.
+Checkpoint read_checkpoint(const std::filesystem::path& file);
+
 /// What a checkpoint differs in from the run that is asked for, in words: "it is of another scene:
 /// 'speed = 0.1' there, 'speed = 0.2' here"; empty where a run can go on from it.
 std::string difference(const Checkpoint& checkpoint, const Identity& run, const Model& model);

@@ -11,6 +11,7 @@
 #include <charconv>
 #include <cstring>
 #include <string>
+#include <string_view>
 #include <system_error>
 
 #include "host/errors.hpp"
@@ -87,8 +88,17 @@ ClaimedOutput::~ClaimedOutput() {
   close(folder_);
 }
 
+std::string segment_name(std::size_t number) { return fmt::format("{:0{}}.h5", number, digits); }
+
+fs::path segments_of(const fs::path& checkpoint) {
+  std::string path = checkpoint.string();
+  for (const std::string_view end : {".previous", ".checkpoint"})
+    if (path.ends_with(end)) path.resize(path.size() - end.size());
+  return path + ".parts";
+}
+
 fs::path ClaimedOutput::segment(std::size_t number) const {
-  return names_.segments / fmt::format("{:0{}}.h5", number, digits);
+  return names_.segments / segment_name(number);
 }
 
 void ClaimedOutput::remove_segments(std::size_t from) const {

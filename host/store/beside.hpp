@@ -2,6 +2,7 @@
 #pragma once
 #include <filesystem>
 #include <optional>
+#include <string>
 
 #include "host/partial_file.hpp"
 
@@ -13,6 +14,12 @@ struct OutputNames {
   std::filesystem::path segments;              // OUT.h5.parts, a folder
   std::filesystem::path checkpoint, previous;  // OUT.h5.checkpoint, OUT.h5.checkpoint.previous
 };
+
+/// "000001.h5", "000002.h5", ...
+std::string segment_name(std::size_t number);
+
+/// The folder of the segments that a checkpoint (or the one before) vouches for.
+std::filesystem::path segments_of(const std::filesystem::path& checkpoint);
 
 /// Makes an output one process' own, by a lock on the folder of its segments, which is made and, where it is
 /// empty at the end, removed. The system lets go of the lock with the process.

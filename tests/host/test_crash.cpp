@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <hdf5.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -314,6 +315,48 @@ TEST_F(Crash, SegmentsOfARunningResultCanBeRead) {
         {python(), "open.py", (folder_ / "out.h5.parts").string(), std::to_string(samples)});
     EXPECT_EQ(opened.status, 0) << opened.err;
   }
+}
+
+TEST_F(Crash, CheckFindsEveryDamageAndNothingElse) {
+  cut_off();
+  const auto check = [&](const fs::path& file) {
+    return run_program(aside_.path(), {program(), "check", file.string()});
+  };
+  const fs::path segment = folder_ / "out.h5.parts" / "000001.h5";
+  for (const fs::path& file : {out_, checkpoint(), previous(), segment}) {
+    const Ended whole = check(file);
+    EXPECT_EQ(whole.status, 0) << whole.err;
+    EXPECT_THAT(whole.out, HasSubstr("all with their hashes"));
+  }
+  // a number of a dataset
+  const std::string kept = read_file(out_);
+  {
+    const hid_t file = H5Fopen(out_.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+    const hid_t force = H5Dopen2(file, "contact/force", H5P_DEFAULT);
+    const hsize_t row = 3, one = 1;
+    const hid_t place = H5Dget_space(force), memory = H5Screate_simple(1, &one, nullptr);
+    H5Sselect_hyperslab(place, H5S_SELECT_SET, &row, nullptr, &one, nullptr);
+    const double other = 1e-30;
+    H5Dwrite(force, H5T_NATIVE_DOUBLE, memory, place, H5P_DEFAULT, &other);
+    for (const hid_t handle : {memory, place}) H5Sclose(handle);
+    H5Dclose(force);
+    H5Ldelete(file, "energy/elastic", H5P_DEFAULT);
+    H5Fclose(file);
+  }
+  Ended found = check(out_);
+  EXPECT_EQ(found.status, 4);
+  EXPECT_THAT(found.err, HasSubstr("/contact/force is damaged"));
+  EXPECT_THAT(found.err, HasSubstr("/energy/elastic is missing"));
+  for (const double part : {0.0, 0.1, 0.5, 0.999}) {
+    std::ofstream(out_, std::ios::binary)
+        << kept.substr(0, static_cast<std::size_t>(part * static_cast<double>(kept.size())));
+    EXPECT_EQ(check(out_).status, 4) << part;
+  }
+  fs::remove(segment);
+  found = check(checkpoint());
+  EXPECT_EQ(found.status, 4);
+  EXPECT_THAT(found.err, HasSubstr("000001.h5"));
+  EXPECT_EQ(check(folder_ / "none.h5").status, 4);
 }
 
 }  // namespace

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <fstream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "host/commands/commands.hpp"
+#include "host/commands/options.hpp"
+#include "host/commands/print.hpp"
+#include "host/errors.hpp"
+#include "host/run/checkpoint.hpp"
+#include "host/store/check.hpp"
+#include "host/store/sealed_file.hpp"
+#include "host/text.hpp"
+
+namespace ra2d {
+namespace {
+
+struct Asked {
+  std::vector<std::filesystem::path> files;
+  bool quiet = false;
+};
+
+/// What was found of one file: its faults, or a line that says that it is whole.
+struct Found {
+  std::vector<std::string> faults;
+  std::string whole;
+};
+
+Found check_result(const std::filesystem::path& file) {
+  const CheckedFile found = check_hdf5(file);
+  return {found.faults, fmt::format("{}; {} datasets, {:.1f} MB, all with their hashes", found.what,
+                                    found.datasets, found.bytes * 1e-6)};
+}
+
+/// A checkpoint, and the segments that it vouches for.
+Found check_checkpoint(const std::filesystem::path& file) {
+  Found found;
+  try {
+    const Checkpoint checkpoint = read_checkpoint(file);
+    const std::filesystem::path folder = segments_of(file);
+    double bytes = 0;
+    for (std::size_t i = 0; i < checkpoint.segments.size(); ++i) {
+      const std::filesystem::path segment = folder / segment_name(i + 1);
+      bytes += static_cast<double>(checkpoint.segments[i].bytes);
+      try {
+        require_segment(segment, checkpoint.segments[i]);
+        for (const std::string& fault : check_hdf5(segment).faults)
+          found.faults.push_back(fmt::format("'{}': {}", segment.string(), fault));
+      } catch (const FileError& fault) {
+        found.faults.emplace_back(fault.what());
+      }
+    }
+    found.whole = fmt::format(
+        "a checkpoint of {}, {} steps into its run; {} segment{} of its outputs, {:.1f} MB, all "
+        "with their "
+        "hashes",
+        checkpoint.identity.program, checkpoint.accounts.now.strides, checkpoint.segments.size(),
+        checkpoint.segments.size() == 1 ? "" : "s", bytes * 1e-6);
+  } catch (const Unbelieved& fault) {
+    found.faults.push_back(fmt::format("it is {}", fault.what()));
+  }
+  return found;
+}
+
+Found check(const std::filesystem::path& file) {
+  if (std::filesystem::is_directory(file))
+    throw RequestError(fmt::format("'{}' is a folder: expected a result, a segment or a checkpoint",
+                                   file.string()));
+  std::ifstream in(file, std::ios::binary);
+  if (!in) throw FileError(fmt::format("cannot read '{}'", file.string()));
+  std::string start(15, '\0');
+  in.read(start.data(), static_cast<std::streamsize>(start.size()));
+  return start == "ra2d checkpoint" ? check_checkpoint(file) : check_result(file);
+}
+
+int check_files(const Asked& asked) {
+  bool damaged = false;
+  for (const std::filesystem::path& file : asked.files) {
+    const Found found = check(file);
+    for (const std::string& fault : found.faults)
+      say(fmt::format("{}: {}", printable(file.string()), fault));
+    if (found.faults.empty() && !asked.quiet)
+      print("{}: {}\n", printable(file.string()), found.whole);
+    damaged = damaged || !found.faults.empty();
+  }
+  return damaged ? wrong_file : done;
+}
+
+}  // namespace
+
+void add_check(CLI::App& app, Chosen& chosen) {
+  const auto asked = std::make_shared<Asked>();
+  CLI::App* command = app.add_subcommand(
+      "check",
+      "looks at every byte of results, segments and checkpoints: hashes, counts, what is missing");
+  command->add_option("FILE", asked->files, "OUT.h5, OUT.h5.parts/000001.h5, OUT.h5.checkpoint")
+      ->required()
+      ->check(path());
+  command->add_flag("--quiet", asked->quiet, "print nothing but faults");
+  command->callback([asked, &chosen] { chosen = [asked] { return check_files(*asked); }; });
+}
+
+}  // namespace ra2d
