@@ -9,7 +9,11 @@
 //   FAULTY_KILL          if set, the process is killed at that call, before it does anything
 //   FAULTY_TOLD          a file elsewhere that is made when a call has failed
 //   FAULTY_ROOM          bytes: a file has no room beyond (ENOSPC)
+//   FAULTY_DURABLE       a folder elsewhere on the same disk that is told what a power cut would leave: for each file
+//                        that was synced INODE, its content then, and for each folder LIST-INODE, a line for each
+//                        entry then: d or f, its inode, its name
 #define _GNU_SOURCE
+#include <dirent.h>
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -19,6 +23,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
@@ -112,15 +117,53 @@ int ftruncate64(int file, off64_t length) {
   if (concerns(file) && fails()) return -1;
   return real(file, length);
 }
+
+static void copy_content(int file, const char* to) {
+  char block[65536];
+  const int out = open(to, O_WRONLY | O_CREAT | O_TRUNC, 0600);
+  off_t at = 0;
+  for (ssize_t count; (count = pread(file, block, sizeof block, at)) > 0; at += count)
+    if (syscall(SYS_write, out, block, count) != count) abort();
+  syscall(SYS_close, out);
+}
+
+static void list_entries(const char* folder, const char* to) {
+  FILE* out = fopen(to, "w");
+  DIR* entries = opendir(folder);
+  for (struct dirent* entry; (entry = readdir(entries)) != NULL;)
+    if (strcmp(entry->d_name, ".") != 0 && strcmp(entry->d_name, "..") != 0)
+      fprintf(out, "%c %lu %s\n", entry->d_type == DT_DIR ? 'd' : 'f', entry->d_ino, entry->d_name);
+  closedir(entries);
+  fclose(out);
+}
+
+/// Keeps what is on the disk now for good, whatever becomes of its name.
+static void keep_durable(int file) {
+  const char* durable = getenv("FAULTY_DURABLE");
+  struct stat status;
+  if (durable == NULL || !concerns(file) || fstat(file, &status) != 0) return;
+  char link[64], to[PATH_MAX], pin[PATH_MAX];
+  snprintf(link, sizeof link, "/proc/self/fd/%d", file);
+  snprintf(to, sizeof to, "%s/%s%lu", durable, S_ISDIR(status.st_mode) ? "LIST-" : "", status.st_ino);
+  if (S_ISDIR(status.st_mode)) return list_entries(link, to);
+  snprintf(pin, sizeof pin, "%s/pin-%lu", durable, status.st_ino);  // so that its number stays its own
+  linkat(AT_FDCWD, link, AT_FDCWD, pin, AT_SYMLINK_FOLLOW);
+  copy_content(file, to);
+}
+
 int fsync(int file) {
   REAL(fsync);
   if (concerns(file) && fails()) return -1;
-  return real(file);
+  const int result = real(file);
+  if (result == 0) keep_durable(file);
+  return result;
 }
 int fdatasync(int file) {
   REAL(fdatasync);
   if (concerns(file) && fails()) return -1;
-  return real(file);
+  const int result = real(file);
+  if (result == 0) keep_durable(file);
+  return result;
 }
 int close(int file) {  // a file is closed even where that fails
   REAL(close);

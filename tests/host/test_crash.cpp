@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <hdf5.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -105,6 +106,68 @@ TEST_F(Crash, ARunThatIsCutOffAnywhereGoesOnToTheSameBits) {
   }
   RecordProperty("cut", cut);
   EXPECT_GT(cut, 40);
+}
+
+/// Makes a folder as its inode stood on the disk, by what was synced of it (tests/faults/faulty_disk.c).
+void restore(const fs::path& durable, const std::string& inode, const fs::path& folder) {
+  fs::create_directory(folder);
+  std::ifstream list(durable / ("LIST-" + inode));
+  for (std::string kind, number, name; list >> kind >> number >> name;) {
+    if (kind == "d")
+      restore(durable, number, folder / name);
+    else
+      std::ofstream(folder / name, std::ios::binary) << read_file(durable / number);  // none: empty
+  }
+}
+
+TEST_F(Crash, WhatAPowerCutLeavesIsGoneOnFromToTheSameBits) {
+  if (faulty_disk().empty()) GTEST_SKIP() << "no calls are made to fail under sanitizers";
+  const std::vector<std::string> brief{"--set", "scene.duration=5e-3", "--checkpoint", "1e-5"};
+  ASSERT_EQ(run(brief).status, 0);
+  const Content expected = content_of(out_);
+  const fs::path told = aside_.path() / "told", durable = aside_.path() / "durable";
+  struct stat status {};
+  ASSERT_EQ(stat(folder_.c_str(), &status), 0);
+  const std::string inode = std::to_string(status.st_ino);
+  int cuts = 0, went_on = 0;
+  const int stride = draws(1) > 1 ? 1 : 17;
+  for (int call = 1;; call += stride) {
+    SCOPED_TRACE(fmt::format("power cut at call {}", call));
+    for (const auto& entry : fs::directory_iterator(folder_)) fs::remove_all(entry.path());
+    for (const fs::path& old : {told, durable}) fs::remove_all(old);
+    fs::create_directory(durable);
+    std::vector<std::string> words{"env",
+                                   "LD_PRELOAD=" + faulty_disk(),
+                                   "FAULTY_FOLDER=" + folder_.string(),
+                                   "FAULTY_TOLD=" + told.string(),
+                                   "FAULTY_DURABLE=" + durable.string(),
+                                   "FAULTY_KILL=1",
+                                   fmt::format("FAULTY_CALL={}", call)};
+    const std::vector<std::string> rest = line(brief);
+    words.insert(words.end(), rest.begin(), rest.end());
+    const Ended broken = run_program(aside_.path(), words);
+    const bool cut = fs::exists(told);
+    ASSERT_EQ(broken.status, cut ? 1000 + SIGKILL : 0) << broken.err;
+    ++cuts;
+    const Folder after;
+    const fs::path left = fs::canonical(after.path()) / "left";
+    restore(durable, inode, left);
+    std::vector<std::string> again = line(brief);
+    *std::find(again.begin(), again.end(), out_.string()) = (left / "out.h5").string();
+    const Ended ended = run_program(aside_.path(), again);
+    EXPECT_EQ(ended.status, 0) << ended.err;
+    EXPECT_EQ(content_of(left / "out.h5"), expected);
+    EXPECT_EQ(std::distance(fs::directory_iterator(left), {}), 1);
+    went_on += ended.err.find("goes on from t") != std::string::npos;
+    if (!cut) {
+      EXPECT_THAT(ended.out, HasSubstr("has this run already"));
+      break;
+    }
+    ASSERT_LT(call, 5000);
+  }
+  RecordProperty("cuts", cuts);
+  EXPECT_GT(cuts, 15);
+  EXPECT_GT(went_on, cuts / 4);
 }
 
 TEST_F(Crash, TheWallTimeEndsARunWithACheckpointThatTheSameLineGoesOnFrom) {
