@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <limits>
 #include <vector>
 
@@ -33,16 +34,27 @@ class LogHistogram {
     ++total_;
   }
   std::int64_t total() const { return total_; }
-  /// Shows all that is kept to whoever saves it.
+  /// Shows all that is kept to whoever saves it: bin, count, bin, count, ... of those that are not empty.
   template <class Archive>
   void visit(Archive& archive) {
-    archive(counts_, total_);
+    std::vector<std::int64_t> filled;
+    for (std::size_t bin = 0; bin < counts_.size(); ++bin)
+      if (counts_[bin] > 0)
+        filled.insert(filled.end(), {static_cast<std::int64_t>(bin), counts_[bin]});
+    archive(filled);
+    std::fill(counts_.begin(), counts_.end(), 0);
+    total_ = 0;
+    is_sound_ = filled.size() % 2 == 0;
+    for (std::size_t i = 0; i + 1 < filled.size() && is_sound_; i += 2) {
+      const std::int64_t bin = filled[i], count = filled[i + 1];
+      is_sound_ = bin >= 0 && bin < std::ssize(counts_) && count > 0 && count < most_counted;
+      if (!is_sound_) break;
+      counts_[static_cast<std::size_t>(bin)] += count;
+      total_ += count;
+    }
   }
-  /// Whether what was saved elsewhere is a histogram of this kind.
-  bool is_sound() const {
-    return counts_.size() == bins() && std::none_of(counts_.begin(), counts_.end(),
-                                                    [](std::int64_t count) { return count < 0; });
-  }
+  /// Whether what was shown last could be what a histogram holds.
+  bool is_sound() const { return is_sound_; }
 
   /// The value that a share of all values does not exceed; NaN without values.
   double quantile(double share) const {
@@ -60,8 +72,11 @@ class LogHistogram {
   static std::size_t bins() {
     return 1 + static_cast<std::size_t>(std::log(highest / lowest) / (2 * resolution));
   }
+  static constexpr std::int64_t most_counted = std::int64_t{1}
+                                               << 46;  // so that all bins' sum is a number
   std::vector<std::int64_t> counts_;
   std::int64_t total_ = 0;
+  bool is_sound_ = true;
 };
 
 }  // namespace ra2d

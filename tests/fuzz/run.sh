@@ -1,14 +1,14 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# usage: tests/fuzz/run.sh SECONDS [text|sdf|x3p ...]
-# Builds the fuzzers of the readers of profiles with libFuzzer and the address and undefined-behaviour sanitizers, and
+# usage: tests/fuzz/run.sh SECONDS [text|sdf|x3p|checkpoint ...]
+# Builds the fuzzers of the readers of profiles and checkpoints with libFuzzer and the address and undefined-behaviour sanitizers, and
 # runs each for so long. What ends one is left in build/fuzz. Status 1 if there is any, 0 also where no clang is.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
-seconds=${1:?usage: run.sh SECONDS [text|sdf|x3p ...]}
+seconds=${1:?usage: run.sh SECONDS [text|sdf|x3p|checkpoint ...]}
 shift
 targets=("${@:-}")
-[[ $# -gt 0 ]] || targets=(text sdf x3p)
+[[ $# -gt 0 ]] || targets=(text sdf x3p checkpoint)
 build=$root/build/fuzz
 mkdir -p "$build"
 cd "$root"
@@ -26,7 +26,8 @@ done
 
 flags=(-std=c++20 -O1 -g -Wall -Wextra -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all -I.)
 objects=()
-for source in host/text.cpp host/surface/{areal,md5,profile,profile_lines,profile_sdf,profile_text,profile_x3p,zip_archive}.cpp; do
+for source in host/{text,partial_file,output_file}.cpp host/device/saved_state.cpp host/store/sealed_file.cpp \
+  host/run/checkpoint_bytes.cpp host/surface/{areal,md5,profile,profile_lines,profile_sdf,profile_text,profile_x3p,zip_archive}.cpp; do
   object=$build/$(basename "$source" .cpp).o
   objects+=("$object")
   [[ $object -nt $source && -z $(find host -name '*.hpp' -newer "$object") ]] ||
@@ -39,7 +40,7 @@ for target in "${targets[@]}"; do
   mkdir -p "$build/corpus_$target"  # what is found goes there, and not into the tree
   echo "fuzz_$target: $seconds s"
   if ! "$build/fuzz_$target" -max_total_time="$seconds" -timeout=10 -rss_limit_mb=1024 -malloc_limit_mb=64 \
-    -max_len=4096 -print_final_stats=1 -artifact_prefix="$build/$target-" "$build/corpus_$target" \
+    -max_len=8192 -print_final_stats=1 -artifact_prefix="$build/$target-" "$build/corpus_$target" \
     "tests/fuzz/corpus/$target" > "$build/$target.log" 2>&1; then
     tail -n 60 "$build/$target.log"
     exit 1
