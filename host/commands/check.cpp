@@ -11,7 +11,7 @@
 #include "host/commands/print.hpp"
 #include "host/errors.hpp"
 #include "host/run/checkpoint.hpp"
-#include "host/store/check.hpp"
+#include "host/store/checked_file.hpp"
 #include "host/store/sealed_file.hpp"
 #include "host/text.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "host/store/check.hpp"
+#include "host/store/checked_file.hpp"
 
 #include <fmt/format.h>
 
