@@ -32,10 +32,10 @@ constexpr double coarse_nodes = 20;                        // to a step of the p
 /// The readers speak of options of a command; in a scene they are keys.
 std::string in_keys(std::string text) {
   constexpr std::pair<std::string_view, std::string_view> words[] = {
-      {" (--spacing says it all)", ""},
-      {"; of heights alone give the spacing with --spacing", ""},
-      {"Say --decimal point, where commas part the columns, or --decimal comma",
-       "Write numbers with points, or part columns with semicolons"},
+      {"--decimal point", "decimal = \"point\""},
+      {"--decimal comma", "decimal = \"comma\""},
+      {"--decimal", "decimal"},
+      {"--spacing", "spacing"},
       {"--x-unit", "x_unit"},
       {"--z-unit", "z_unit"},
       {"--column", "column"},
@@ -52,6 +52,9 @@ ProfileQuery query_of(const FilePreparation& how) {
   ProfileQuery query;
   if (how.x_unit) query.x_unit = to_unit(file_units.name(*how.x_unit));
   if (how.z_unit) query.z_unit = to_unit(file_units.name(*how.z_unit));
+  query.spacing = how.spacing;
+  if (how.decimal)
+    query.decimal = *how.decimal == FileDecimal::comma ? DecimalMark::comma : DecimalMark::point;
   query.row = how.row;
   query.column = how.column;
   return query;
