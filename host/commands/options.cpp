@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "host/commands/options.hpp"
 
-#include <fmt/format.h>
-
 #include <cmath>
 #include <limits>
-
-#include "host/text.hpp"
 
 namespace ra2d {
 
@@ -24,6 +20,11 @@ CLI::Validator number_from(double low, double high, const std::string& words) {
 CLI::Validator positive_number() {
   return number_from(std::numeric_limits<double>::min(), std::numeric_limits<double>::max(),
                      "a number > 0");
+}
+
+CLI::Validator length_in_metres() {
+  return number_from(std::numeric_limits<double>::min(), std::numeric_limits<double>::max(),
+                     "a length in metres, like 2.5e-3");
 }
 
 CLI::Validator count() {
