@@ -3,6 +3,7 @@
 
 #include <fftw3.h>
 
+#include <algorithm>
 #include <mutex>
 #include <new>
 
@@ -46,21 +47,49 @@ Fourier::~Fourier() = default;
 
 void Fourier::transform() { fftw_execute(plan_->plan); }
 
-std::complex<double> Fourier::line(std::size_t j) const {
-  return {plan_->output[j][0], plan_->output[j][1]};
+std::span<const std::complex<double>> Fourier::spectrum() const {
+  return {reinterpret_cast<const std::complex<double>*>(plan_->output), lines()};
 }
 
-std::vector<double> from_lines(std::vector<std::complex<double>> lines, std::size_t length) {
-  std::vector<double> out(length);
-  std::unique_lock lock(planner());
-  fftw_plan plan =
-      fftw_plan_dft_c2r_1d(static_cast<int>(length), reinterpret_cast<fftw_complex*>(lines.data()),
-                           out.data(), FFTW_ESTIMATE);
-  lock.unlock();
-  fftw_execute(plan);
-  lock.lock();
-  fftw_destroy_plan(plan);
-  return out;
+struct BackFourier::Plan {
+  explicit Plan(std::size_t length)
+      : input{fftw_alloc_complex(length / 2 + 1)}, output{fftw_alloc_real(length)} {
+    if (input == nullptr || output == nullptr) throw std::bad_alloc{};
+    const std::lock_guard lock(planner());
+    plan = fftw_plan_dft_c2r_1d(static_cast<int>(length), input, output, FFTW_ESTIMATE);
+  }
+  ~Plan() {
+    const std::lock_guard lock(planner());
+    if (plan != nullptr) fftw_destroy_plan(plan);
+    fftw_free(input);
+    fftw_free(output);
+  }
+  Plan(const Plan&) = delete;
+  Plan& operator=(const Plan&) = delete;
+
+  fftw_complex* input;
+  double* output;
+  fftw_plan plan = nullptr;
+};
+
+BackFourier::BackFourier(std::size_t length)
+    : length_{length}, plan_{std::make_unique<Plan>(length)} {}
+
+BackFourier::~BackFourier() = default;
+
+std::span<std::complex<double>> BackFourier::input() {
+  return {reinterpret_cast<std::complex<double>*>(plan_->input), length_ / 2 + 1};
+}
+
+void BackFourier::transform() { fftw_execute(plan_->plan); }
+
+std::span<const double> BackFourier::output() const { return {plan_->output, length_}; }
+
+std::vector<double> from_lines(const std::vector<std::complex<double>>& lines, std::size_t length) {
+  BackFourier back(length);
+  std::copy(lines.begin(), lines.end(), back.input().begin());
+  back.transform();
+  return {back.output().begin(), back.output().end()};
 }
 
 double Fourier::power(std::size_t j) const {
