@@ -8,6 +8,8 @@
 
 namespace ra2d {
 
+struct FourierPlan;  // FFTW's, with its numbers
+
 /// The discrete Fourier transform of real numbers, X_j = sum_n x_n exp(-2 pi i j n / N), by FFTW in
 /// double precision.
 class Fourier {
@@ -27,9 +29,8 @@ class Fourier {
   double power(std::size_t j) const;
 
  private:
-  struct Plan;
   std::size_t length_;
-  std::unique_ptr<Plan> plan_;
+  std::unique_ptr<FourierPlan> plan_;
   double* input_;
 };
 
@@ -47,9 +48,8 @@ class BackFourier {
   std::span<const double> output() const;
 
  private:
-  struct Plan;
   std::size_t length_;
-  std::unique_ptr<Plan> plan_;
+  std::unique_ptr<FourierPlan> plan_;
 };
 
 /// The same of lines that are needed once.

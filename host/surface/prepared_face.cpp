@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -14,7 +15,6 @@
 #include "host/surface/form.hpp"
 #include "host/surface/measure.hpp"
 #include "host/surface/profile.hpp"
-#include "host/surface/profile_filter.hpp"
 #include "host/surface/profile_lines.hpp"
 #include "host/surface/sum.hpp"
 
@@ -64,24 +64,17 @@ ProfileQuery query_of(const FilePreparation& how) {
   throw RequestError(fmt::format("{}: {}", file.string(), why));
 }
 
-/// The roughness profile of the cut-off, without half of it at each end: there its mean line is not
-/// that of the norm.
-void filter(const std::filesystem::path& file, Profile& profile, double cutoff) {
-  std::vector<double>& z = profile.heights;
+/// What the filter needs of the profile.
+void check_cutoff(const std::filesystem::path& file, const Profile& profile, double cutoff) {
   if (cutoff < fewest_steps * profile.spacing)
     refuse_face(file, fmt::format("cutoff = {:g}: at least {:g} steps of the profile are needed, "
                                   "{:.6g} m",
                                   cutoff, fewest_steps, fewest_steps * profile.spacing));
   const double half = std::round(0.5 * cutoff / profile.spacing);
-  if (2 * half + 2 > static_cast<double>(z.size()))
+  if (2 * half + 2 > static_cast<double>(profile.heights.size()))
     refuse_face(file, fmt::format("cutoff = {:g}: half of it is dropped at each end, and the "
                                   "profile is {:.6g} m long",
                                   cutoff, profile.length()));
-  const std::vector<double> line = gaussian_mean_line(z, profile.spacing, cutoff);
-  for (std::size_t i = 0; i < z.size(); ++i) z[i] -= line[i];
-  const auto dropped = static_cast<std::ptrdiff_t>(half);
-  z.erase(z.end() - dropped, z.end());
-  z.erase(z.begin(), z.begin() + dropped);
 }
 
 Profile prepare(const FilePreparation& how, const std::filesystem::path& file) {
@@ -92,14 +85,16 @@ Profile prepare(const FilePreparation& how, const std::filesystem::path& file) {
   } catch (const RequestError& fault) {
     throw RequestError(in_keys(fault.what()));
   }
-  if (!how.form.empty()) remove_form(profile.heights, to_form(how.form));
-  if (how.cutoff_s) {
-    if (*how.cutoff_s > 0.5 * profile.length())
-      refuse_face(file, fmt::format("cutoff_s = {:g}: the profile is {:.6g} m long", *how.cutoff_s,
-                                    profile.length()));
-    profile.heights = gaussian_mean_line(profile.heights, profile.spacing, *how.cutoff_s);
+  if (how.cutoff_s && *how.cutoff_s > 0.5 * profile.length())
+    refuse_face(file, fmt::format("cutoff_s = {:g}: the profile is {:.6g} m long", *how.cutoff_s,
+                                  profile.length()));
+  std::optional<double> cutoff;
+  if (how.filter == FaceFilter::gaussian) {
+    cutoff = how.cutoff.value_or(usual_cutoff);
+    check_cutoff(file, profile, *cutoff);
   }
-  if (how.filter == FaceFilter::gaussian) filter(file, profile, how.cutoff.value_or(usual_cutoff));
+  shape_profile(profile, how.form.empty() ? ProfileForm{} : to_form(how.form), how.cutoff_s,
+                cutoff);
   subtract_mean(profile.heights);
   return profile;
 }
