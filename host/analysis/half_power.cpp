@@ -152,6 +152,7 @@ std::optional<double> fit(const Groups& groups, const ModePlace& place, Curve& c
 
 /// The highest place of lines that are averaged over a quarter of the width that is expected.
 std::optional<Curve> begin(const ModeLines& lines, const ModePlace& place) {
+  if (!(place.low < lines.resolution * static_cast<double>(lines.power.size()))) return {};
   const bool expected = place.damping > 0 && place.damping < largest;
   Curve curve{0, place.natural, expected ? place.damping : usual_damping};
   const auto size =

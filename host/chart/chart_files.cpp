@@ -17,11 +17,10 @@ namespace fs = std::filesystem;
 constexpr std::size_t longest_line = 4096, most_comments = 100;
 constexpr const char* ending = ".csv";
 
-/// One line without its end; of a longer one, which no table has, its beginning.
+/// One line without its end; a longer one, which no table has, is cut.
 bool next_line(std::istream& in, std::string& line) {
   line.clear();
-  for (char c = 0; in.get(c) && c != '\n';)
-    if (line.size() < longest_line) line += c;
+  for (char c = 0; line.size() < longest_line && in.get(c) && c != '\n';) line += c;
   if (line.ends_with('\r')) line.pop_back();
   return in.good() || !line.empty();
 }

@@ -411,6 +411,8 @@ TEST(HalfPower, SaysWhyItCannotBeTold) {
   EXPECT_EQ(why(mode.velocity(16)), Untold::short_run);
   EXPECT_EQ(why(std::vector<double>(16'000, 0.0)), Untold::lost);
   EXPECT_EQ(why(mode.velocity(32'000), 2000), Untold::lost);  // the slope of another
+  for (const double beyond : {9e3, 1e300, HUGE_VAL})
+    EXPECT_EQ(why(mode.velocity(1600), beyond), Untold::lost);
   std::vector<double> two = mode.velocity(256'000);
   const std::vector<double> other = DrivenModes(1060, 0.01, rate, 8).velocity(two.size());
   for (std::size_t j = 0; j < two.size(); ++j) two[j] += other[j];
