@@ -26,11 +26,10 @@ CLI::Validator length_in_metres();
 
 /// Texts that `understand` makes something of; `expected` says which.
 template <class Understand>
-CLI::Validator understood(std::string expected, Understand understand) {
+CLI::Validator understood(const std::string& expected, Understand understand) {
   return {[=](std::string& text) {
-            return understand(text)
-                       ? std::string{}
-                       : fmt::format("'{}': expected {}", shortened(text), expected);
+            return understand(text) ? std::string{}
+                                    : fmt::format("'{}': expected {}", shortened(text), expected);
           },
           {}};
 }

@@ -89,7 +89,8 @@ Transformed transfer(Fourier& fourier, const std::vector<double>& at, double sid
 }
 
 /// Each line times another, and back; written out: operator* looks for NaN.
-void convolve(std::span<const std::complex<double>> lines, const Transformed& other, BackFourier& back) {
+void convolve(std::span<const std::complex<double>> lines, const Transformed& other,
+              BackFourier& back) {
   const auto product = back.input();
   for (std::size_t k = 0; k < product.size(); ++k) {
     const auto a = lines[k], b = other[k];
@@ -107,7 +108,7 @@ Moments sum_by_fft(const std::vector<double>& heights, const Bell& bell) {
   Fourier fourier(block);
   BackFourier sums(block), firsts(block);
   const Transformed weights = transfer(fourier, bell.weight, 1),
-              moment = transfer(fourier, bell.moment, -1);
+                    moment = transfer(fourier, bell.moment, -1);
   const double scale = 1 / static_cast<double>(block);
   Moments moments(count);
   const std::span<double> values = fourier.input();

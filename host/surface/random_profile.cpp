@@ -163,8 +163,7 @@ Process bells_of_waves(const RandomProfile& p, const HeightMap& map, double leng
     const Complex noise(white_noise(seed, number), -white_noise(seed, number + 1));
     half[j] = std::sqrt(waves.variance[j]) / 2 / Bells::gain(waves.turn(j)) * noise;
   }
-  const std::vector<double> period =
-      from_lines(half, static_cast<std::size_t>(waves.places));
+  const std::vector<double> period = from_lines(half, static_cast<std::size_t>(waves.places));
   const int last = last_place(length, waves.place) + 2 * Bells::reach;
   std::vector<double> coefficients;
   coefficients.reserve(static_cast<std::size_t>(last) + 1);
