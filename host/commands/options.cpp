@@ -24,7 +24,8 @@ CLI::Validator positive_number() {
 
 CLI::Validator length_in_metres() {
   return number_from(std::numeric_limits<double>::min(), std::numeric_limits<double>::max(),
-                     "a length in metres, like 2.5e-3");
+                     "a length in metres, like 2.5e-3")
+      .description("");
 }
 
 CLI::Validator count() {
