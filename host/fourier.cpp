@@ -3,6 +3,7 @@
 
 #include <fftw3.h>
 
+#include <algorithm>
 #include <mutex>
 #include <new>
 
@@ -17,54 +18,67 @@ std::mutex& planner() {
 
 }  // namespace
 
-struct Fourier::Plan {
-  explicit Plan(std::size_t length)
-      : input{fftw_alloc_real(length)}, output{fftw_alloc_complex(length / 2 + 1)} {
-    if (input == nullptr || output == nullptr) throw std::bad_alloc{};
+struct FourierPlan {
+  enum class Way { forth, back };
+
+  FourierPlan(std::size_t length, Way way)
+      : numbers{fftw_alloc_real(length)}, lines{fftw_alloc_complex(length / 2 + 1)} {
+    if (numbers == nullptr || lines == nullptr) throw std::bad_alloc{};
+    const auto count = static_cast<int>(length);
     const std::lock_guard lock(planner());
-    plan = fftw_plan_dft_r2c_1d(static_cast<int>(length), input, output,
-                                FFTW_ESTIMATE | FFTW_PRESERVE_INPUT);
+    plan = way == Way::forth
+               ? fftw_plan_dft_r2c_1d(count, numbers, lines, FFTW_ESTIMATE | FFTW_PRESERVE_INPUT)
+               : fftw_plan_dft_c2r_1d(count, lines, numbers, FFTW_ESTIMATE);
   }
-  ~Plan() {
+  ~FourierPlan() {
     const std::lock_guard lock(planner());
     if (plan != nullptr) fftw_destroy_plan(plan);
-    fftw_free(input);
-    fftw_free(output);
+    fftw_free(numbers);
+    fftw_free(lines);
   }
-  Plan(const Plan&) = delete;
-  Plan& operator=(const Plan&) = delete;
+  FourierPlan(const FourierPlan&) = delete;
+  FourierPlan& operator=(const FourierPlan&) = delete;
 
-  double* input;
-  fftw_complex* output;
+  double* numbers;
+  fftw_complex* lines;
   fftw_plan plan = nullptr;
 };
 
 Fourier::Fourier(std::size_t length)
-    : length_{length}, plan_{std::make_unique<Plan>(length)}, input_{plan_->input} {}
+    : length_{length},
+      plan_{std::make_unique<FourierPlan>(length, FourierPlan::Way::forth)},
+      input_{plan_->numbers} {}
 
 Fourier::~Fourier() = default;
 
 void Fourier::transform() { fftw_execute(plan_->plan); }
 
-std::complex<double> Fourier::line(std::size_t j) const {
-  return {plan_->output[j][0], plan_->output[j][1]};
+std::span<const std::complex<double>> Fourier::spectrum() const {
+  return {reinterpret_cast<const std::complex<double>*>(plan_->lines), lines()};
 }
 
-std::vector<double> from_lines(std::vector<std::complex<double>> lines, std::size_t length) {
-  std::vector<double> out(length);
-  std::unique_lock lock(planner());
-  fftw_plan plan =
-      fftw_plan_dft_c2r_1d(static_cast<int>(length), reinterpret_cast<fftw_complex*>(lines.data()),
-                           out.data(), FFTW_ESTIMATE);
-  lock.unlock();
-  fftw_execute(plan);
-  lock.lock();
-  fftw_destroy_plan(plan);
-  return out;
+BackFourier::BackFourier(std::size_t length)
+    : length_{length}, plan_{std::make_unique<FourierPlan>(length, FourierPlan::Way::back)} {}
+
+BackFourier::~BackFourier() = default;
+
+std::span<std::complex<double>> BackFourier::input() {
+  return {reinterpret_cast<std::complex<double>*>(plan_->lines), length_ / 2 + 1};
+}
+
+void BackFourier::transform() { fftw_execute(plan_->plan); }
+
+std::span<const double> BackFourier::output() const { return {plan_->numbers, length_}; }
+
+std::vector<double> from_lines(const std::vector<std::complex<double>>& lines, std::size_t length) {
+  BackFourier back(length);
+  std::copy(lines.begin(), lines.end(), back.input().begin());
+  back.transform();
+  return {back.output().begin(), back.output().end()};
 }
 
 double Fourier::power(std::size_t j) const {
-  const fftw_complex& x = plan_->output[j];
+  const fftw_complex& x = plan_->lines[j];
   const bool alone = j == 0 || 2 * j == length_;
   return (alone ? 1.0 : 2.0) * (x[0] * x[0] + x[1] * x[1]);
 }

@@ -233,15 +233,19 @@ void PartialFile::drop() noexcept {
   close(std::exchange(descriptor_, -1));
 }
 
+void PartialFile::write(std::string_view text) {
+  while (!text.empty()) {
+    const ssize_t count = ::write(descriptor_, text.data(), text.size());
+    if (count >= 0)
+      text.remove_prefix(static_cast<std::size_t>(count));
+    else if (errno != EINTR)
+      throw write_failure("write", target_, std::strerror(errno), errno);
+  }
+}
+
 void write_text(const fs::path& path, const std::string& text) {
   PartialFile file(path);
-  for (std::string_view rest = text; !rest.empty();) {
-    const ssize_t count = write(file.descriptor(), rest.data(), rest.size());
-    if (count >= 0)
-      rest.remove_prefix(static_cast<std::size_t>(count));
-    else if (errno != EINTR)
-      throw write_failure("write", path, std::strerror(errno), errno);
-  }
+  file.write(text);
   file.sync();
   file.publish();
 }

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 #include "host/errors.hpp"
 
@@ -24,6 +25,8 @@ class PartialFile {
   const std::filesystem::path& path() const { return path_; }  // where it stands now
   int descriptor() const { return descriptor_; }               // for reading and writing
 
+  /// Adds to what was written.
+  void write(std::string_view text);
   /// Brings what was written to the disk, and what was set aside for more back to it. What is read
   /// after this comes from the disk where the system can arrange that.
   void sync();

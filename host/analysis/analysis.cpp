@@ -78,11 +78,17 @@ class VelocityAnalysis {
     const std::vector<double>& weights = reader_.contents().mean_square;
     std::vector<double> power;
     double square = 0;
+    half_power_.resize(weights.size());
     each_column("resonator/velocity", weights.size(), [&](std::size_t k, const auto& velocity) {
       if (weights[k] == 0) return;
       square += weights[k] * mean_square(velocity);
       if (welch_) add(welch_->density(velocity), weights[k], a_.spectrum.mean);
-      whole_.add(velocity, weights[k], power);
+      std::vector<double> lines;
+      whole_.add(velocity, 1, lines);
+      add(lines, weights[k], power);
+      half_power_[k] =
+          half_power({whole_.frequency(1), lines, whole_.independent()},
+                     place_of_mode(reader_.contents().resonator_frequency, k, a_.modal_damping));
     });
     if (!a_.whole) a_.v_rms = std::sqrt(square);
     power.resize(whole_.lines());
@@ -96,7 +102,12 @@ class VelocityAnalysis {
                   whole_.add(velocity, 1, of_probe);
                   a_.bands.level_probe.push_back(levels(of_probe));
                 });
-    if (welch_) finish_spectrum();
+    if (!welch_) return;
+    each_column("slider_probes/velocity", a_.slider_probe_position.size(),
+                [&](std::size_t, const auto& velocity) {
+                  a_.spectrum.slider_probe.push_back(welch_->density(velocity));
+                });
+    finish_spectrum();
   }
 
  private:
@@ -144,6 +155,9 @@ class VelocityAnalysis {
     s.segments = welch_->segments().count(stretch_.count);
     s.degrees_of_freedom = welch_->degrees_of_freedom(stretch_.count);
     s.confidence = confidence_of_density(s.degrees_of_freedom);
+    a_.peaks = find_peaks({s.resolution, s.mean}, reader_.contents().resonator_frequency,
+                          a_.modal_damping);
+    for (SpectralPeak& peak : a_.peaks) peak.half_power = half_power_[peak.mode];
   }
 
   const ResultReader& reader_;
@@ -151,6 +165,7 @@ class VelocityAnalysis {
   Analysis& a_;
   WholeSpectrum whole_;
   std::optional<Welch> welch_;
+  std::vector<HalfPower> half_power_;  // of each mode
 };
 
 PowerBalance powers_of(const ResultReader& reader, const Stretch& stretch, double rate) {
@@ -196,6 +211,7 @@ Analysis analyze(const std::filesystem::path& file, const AnalysisOptions& optio
   a.lv_a = a.contact_share = a.energy_closure = nan;
   a.modal_damping = scene ? scene->resonator.damping : nan;
   a.probe_position = contents.probe_position;
+  a.slider_probe_position = contents.slider_probe_position;
   std::copy_if(contents.resonator_frequency.begin(), contents.resonator_frequency.end(),
                std::back_inserter(a.natural_frequencies), [](double f) { return f > 0; });
   a.aliased_modes = static_cast<std::size_t>(
@@ -211,9 +227,7 @@ Analysis analyze(const std::filesystem::path& file, const AnalysisOptions& optio
   a.shocks = shock_statistics(contents.shocks, a.from, a.to);
   if (a.whole) a.shocks.rate = contents.summary.shock_rate;  // by the time that was counted
   a.energy = powers_of(reader, stretch, a.rate);
-  if (!a.spectrum.mean.empty())
-    a.peaks = find_peaks({a.spectrum.resolution, a.spectrum.mean, a.spectrum.degrees_of_freedom},
-                         contents.resonator_frequency, a.modal_damping);
+  a.energy_per_shock = a.shocks.count > 0 ? a.energy.given / a.shocks.rate : nan;
   a.mesh = mesh_tone(scene, a);
   mark_mesh(a.peaks, a.mesh.frequency, a.spectrum.resolution);
   return a;

@@ -27,7 +27,8 @@ struct VelocitySpectrum {
   double resolution = 0;  // Hz
   std::vector<double> frequency;
   std::vector<double> mean;                // over the resonator, of its elastic motion
-  std::vector<std::vector<double>> probe;  // of each
+  std::vector<std::vector<double>> probe;  // of each, on the resonator
+  std::vector<std::vector<double>> slider_probe;
   std::vector<double> force;
   std::size_t segments = 0;
   double degrees_of_freedom = 0;
@@ -66,10 +67,12 @@ struct Analysis {
   double modal_damping = 0;   // of the resonator; NaN where the scene is not known
   ShockStatistics shocks;
   PowerBalance energy;
+  double energy_per_shock = 0;  // J, given to the beams; NaN without shocks or without a balance
   VelocitySpectrum spectrum;
   BandLevels bands;
-  std::vector<double> probe_position;       // m
-  std::vector<double> natural_frequencies;  // Hz, of the resonator's elastic modes
+  std::vector<double> probe_position;         // m, on the resonator
+  std::vector<double> slider_probe_position;  // m, on the slider
+  std::vector<double> natural_frequencies;    // Hz, of the resonator's elastic modes
   /// Elastic modes of the resonator above half the rate of the samples: their power stands in spectrum
   /// and bands at frequencies that are not theirs.
   std::size_t aliased_modes = 0;

@@ -36,9 +36,10 @@ Json shocks_json(const ShockStatistics& s) {
 Json energy_json(const Analysis& a) {
   const PowerBalance& e = a.energy;
   return {
-      {"sliding_power", e.sliding}, {"load_power", e.load},       {"damping_power", e.damping},
-      {"storing_power", e.storing}, {"missing_power", e.missing}, {"kinetic", e.kinetic},
-      {"elastic", e.elastic},       {"contact", e.contact},       {"closure", a.energy_closure}};
+      {"sliding_power", e.sliding}, {"load_power", e.load},           {"damping_power", e.damping},
+      {"storing_power", e.storing}, {"missing_power", e.missing},     {"kinetic", e.kinetic},
+      {"elastic", e.elastic},       {"contact", e.contact},           {"closure", a.energy_closure},
+      {"given_power", e.given},     {"per_shock", a.energy_per_shock}};
 }
 
 Json spectrum_json(const VelocitySpectrum& s) {
@@ -46,6 +47,7 @@ Json spectrum_json(const VelocitySpectrum& s) {
       {"frequency", s.frequency},
       {"psd_mean", s.mean},
       {"psd_probe", s.probe},
+      {"psd_slider_probe", s.slider_probe},
       {"psd_force", s.force},
       {"resolution", s.resolution},
       {"segments", s.segments},
@@ -77,7 +79,10 @@ Json peaks_json(const std::vector<SpectralPeak>& peaks) {
                     {"natural_frequency", p.natural},
                     {"frequency", p.frequency},
                     {"psd", p.density},
-                    {"damping", p.damping},
+                    {"resonance", p.half_power.frequency},
+                    {"damping", p.half_power.damping},
+                    {"damping_error", p.half_power.error},
+                    {"no_damping", word_of(p.half_power.why)},
                     {"of_mesh", p.of_mesh}});
   return list;
 }
@@ -106,7 +111,8 @@ Json analysis_json(const Analysis& a) {
              {{"frequency", a.mesh.frequency},
               {"in_spectrum", a.mesh.in_spectrum},
               {"rise", a.mesh.rise}}},
-            {"probes", a.probe_position}};
+            {"probes", a.probe_position},
+            {"slider_probes", a.slider_probe_position}};
   if (!a.bands.level_a.empty()) json["lv_a"] = a.lv_a;
   return json;
 }

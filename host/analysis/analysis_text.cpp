@@ -39,7 +39,8 @@ std::string spread_text(const Spread& s, double unit, const char* name) {
                      name, s.p10 / unit, s.p90 / unit, s.mean / unit);
 }
 
-std::string shocks_text(const ShockStatistics& s) {
+std::string shocks_text(const Analysis& a) {
+  const ShockStatistics& s = a.shocks;
   std::string text =
       line("shocks",
            s.count == 0 ? std::string("none")
@@ -50,6 +51,9 @@ std::string shocks_text(const ShockStatistics& s) {
   text += line("  peak force", spread_text(s.peak_force, 1, "N"));
   text += line("  impulse", spread_text(s.impulse, 1e-6, "uN s"));
   if (s.count > 1) text += line("  start to start", spread_text(s.interval, 1e-6, "us"));
+  if (!std::isnan(a.energy_per_shock))
+    text += line("  energy",
+                 fmt::format("mean {:.3g} nJ given to the beams", a.energy_per_shock / 1e-9));
   return text;
 }
 
@@ -95,6 +99,16 @@ std::string spectrum_text(const Analysis& a) {
   return text + line("mesh tone", mesh_text(a.mesh));
 }
 
+/// What is told of a peak's width. Words as in docs/analysis.md.
+std::string damping_text(const SpectralPeak& peak, const Analysis& a) {
+  const HalfPower& h = peak.half_power;
+  if (peak.of_mesh) return "on a tone of the mesh";
+  if (std::isnan(h.damping)) return fmt::format("damping: {}", word_of(h.why));
+  return fmt::format(
+      "damping {:.4f} +- {:.4f}{}", h.damping, h.error,
+      std::isnan(a.modal_damping) ? "" : fmt::format(" (modal {:g})", a.modal_damping));
+}
+
 /// The highest peaks, by frequency.
 std::string peaks_text(const Analysis& a) {
   std::vector<SpectralPeak> peaks = a.peaks;
@@ -107,12 +121,8 @@ std::string peaks_text(const Analysis& a) {
   std::string text;
   for (const SpectralPeak& p : peaks)
     text += line(text.empty() ? "highest peaks" : "",
-                 fmt::format("{:8.1f} Hz  {:.2e} (m/s)^2/Hz  mode {:<3} of {:.1f} Hz{}",
-                             p.frequency, p.density, p.mode, p.natural,
-                             p.of_mesh               ? ", on a tone of the mesh"
-                             : std::isnan(p.damping) ? ""
-                                                     : fmt::format(", damping {:.4f} (modal {:g})",
-                                                                   p.damping, a.modal_damping)));
+                 fmt::format("{:8.1f} Hz  {:.2e} (m/s)^2/Hz  mode {:<3} of {:.1f} Hz, {}",
+                             p.frequency, p.density, p.mode, p.natural, damping_text(p, a)));
   return text;
 }
 
@@ -152,8 +162,7 @@ std::string describe(const Analysis& a) {
   text += line("level Lv", level_text(a));
   if (!std::isnan(a.contact_share))
     text += line("in contact", fmt::format("{:.2f} % of the time", 100 * a.contact_share));
-  return text + shocks_text(a.shocks) + energy_text(a) + spectrum_text(a) + peaks_text(a) +
-         bands_text(a);
+  return text + shocks_text(a) + energy_text(a) + spectrum_text(a) + peaks_text(a) + bands_text(a);
 }
 
 std::string describe_means(const std::vector<Analysis>& analyses) {

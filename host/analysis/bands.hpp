@@ -18,6 +18,10 @@ class WholeSpectrum {
 
   std::size_t lines() const { return fourier_.lines(); }
   double frequency(std::size_t line) const;  // Hz
+  /// Share of the lines that are independent: between them the added zeros make more.
+  double independent() const {
+    return static_cast<double>(samples_) / static_cast<double>(fourier_.length());
+  }
   /// Adds `weight` times the power of a signal of that many samples: over all lines its mean square.
   void add(std::span<const double> signal, double weight, std::vector<double>& power);
 

@@ -40,24 +40,10 @@ std::vector<double> smoothed(std::span<const double> density, std::size_t togeth
   return means;
 }
 
-/// How many lines from a peak its density falls to a half, in steps of +1 or -1; NaN where the spectrum
-/// ends before.
-double half_width(std::span<const double> density, std::size_t peak, int step) {
-  const double half = density[peak] / 2;
-  std::size_t j = peak;
-  while (density[j] > half) {
-    if (j == 0 || j + 1 == density.size()) return nan;
-    j = step > 0 ? j + 1 : j - 1;
-  }
-  const double inner = density[step > 0 ? j - 1 : j + 1];
-  const double beyond = (inner - half) / (inner - density[j]);  // of the last step
-  return std::abs(static_cast<double>(j) - static_cast<double>(peak)) - 1 + beyond;
-}
-
 /// The peak of a mode with neighbours at `below` and `above`; `width`: how wide it should be, in lines.
 SpectralPeak find_peak(const Lines& lines, double below, double natural, double above,
                        double width) {
-  SpectralPeak peak{0, natural, nan, nan, nan};
+  SpectralPeak peak{0, natural, nan, nan, {nan, nan, nan, Untold::lost}};
   const double apart = std::min(below > 0 ? natural - below : natural, above - natural);
   if (!(apart >= least_apart * lines.resolution)) return peak;
   const Reach reach = reach_of(lines, below, natural, above);
@@ -71,12 +57,6 @@ SpectralPeak find_peak(const Lines& lines, double below, double natural, double 
   const auto line = static_cast<std::size_t>(highest - density.begin());
   peak.frequency = static_cast<double>(line) * lines.resolution;
   peak.density = *highest;
-
-  const bool alone = apart >= least_distance * width * lines.resolution;
-  const double degrees = lines.degrees_of_freedom * static_cast<double>(together);
-  const double found = half_width(density, line, -1) + half_width(density, line, 1);
-  if (alone && degrees >= least_degrees && found >= least_width)
-    peak.damping = found * lines.resolution / (2 * peak.frequency);
   return peak;
 }
 
@@ -103,7 +83,7 @@ void mark_mesh(std::vector<SpectralPeak>& peaks, double tone, double resolution)
   for (SpectralPeak& peak : peaks) {
     const double away = std::abs(std::remainder(peak.frequency, tone));
     peak.of_mesh = peak.frequency > tone / 2 && away <= 2.5 * resolution;
-    if (peak.of_mesh) peak.damping = nan;
+    if (peak.of_mesh) peak.half_power = {nan, nan, nan, Untold::mesh};
   }
 }
 

@@ -4,14 +4,15 @@
 #include <span>
 #include <vector>
 
-/// Peaks of a velocity spectrum near natural frequencies, and how wide they are.
+#include "host/analysis/half_power.hpp"
+
+/// Peaks of a velocity spectrum near natural frequencies.
 namespace ra2d {
 
 /// A spectrum's lines, evenly spaced from 0 Hz.
 struct Lines {
   double resolution = 0;            // Hz
   std::span<const double> density;  // one-sided
-  double degrees_of_freedom = 0;    // of each
 };
 
 struct SpectralPeak {
@@ -20,20 +21,16 @@ struct SpectralPeak {
   /// Hz, of the highest line near it; NaN where none stands out, or neighbours are nearer than
   /// `least_apart` lines: it could be anyone's.
   double frequency = 0;
-  double density = 0;  // there; NaN where there is none
-  /// Half-power damping, (f2 - f1) / (2 frequency), where f1 and f2 have half the density: under a force
-  /// of even density the velocity of a mode alone is exactly 2 zeta f wide. NaN where it cannot be told:
-  /// narrower than `least_width` lines, neighbours nearer than `least_distance` widths, or lines that
-  /// chance moves too much (`least_degrees`).
-  double damping = 0;
+  double density = 0;    // there; NaN where there is none
+  HalfPower half_power;  // of the mode by itself, whatever stands near it
   bool of_mesh = false;  // it stands on a tone of the mesh (analysis.hpp), and has no damping
 };
 
-inline constexpr double least_apart = 3, least_width = 5, least_distance = 4, least_degrees = 200;
+inline constexpr double least_apart = 3;
 
 /// For each elastic mode within the spectrum, by frequency. `zeta`: their modal damping ratio, which
 /// says how wide peaks should be: over a fifth of that lines are averaged, so that fewer are high by
-/// chance. NaN where it is not known, and then no damping is given.
+/// chance. NaN where it is not known.
 std::vector<SpectralPeak> find_peaks(const Lines& lines, const std::vector<double>& natural,
                                      double zeta);
 

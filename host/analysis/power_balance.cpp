@@ -18,7 +18,7 @@ double rise(std::span<const double> values) { return values.back() - values.fron
 PowerBalance power_balance(const EnergyColumns& e, double seconds) {
   if (e.kinetic.size() < 2) {
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-    return {nan, nan, nan, nan, nan, nan, nan, nan};
+    return {nan, nan, nan, nan, nan, nan, nan, nan, nan};
   }
   PowerBalance b;
   b.sliding = rise(e.sliding_work) / seconds;
@@ -26,6 +26,7 @@ PowerBalance power_balance(const EnergyColumns& e, double seconds) {
   b.damping = rise(e.damping_loss) / seconds;
   b.storing = (rise(e.kinetic) + rise(e.elastic) + rise(e.contact)) / seconds;
   b.missing = b.storing + b.damping - b.sliding - b.load;
+  b.given = (rise(e.kinetic) + rise(e.elastic)) / seconds + b.damping - b.load;
   b.kinetic = mean(e.kinetic);
   b.elastic = mean(e.elastic);
   b.contact = mean(e.contact);

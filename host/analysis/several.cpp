@@ -28,6 +28,7 @@ constexpr Figure figures[] = {
     {"shocks.simultaneous.mean", "1", [](const Analysis& a) { return a.shocks.at_once_mean; }},
     {"energy.sliding_power", "W", [](const Analysis& a) { return a.energy.sliding; }},
     {"energy.damping_power", "W", [](const Analysis& a) { return a.energy.damping; }},
+    {"energy.per_shock", "J", [](const Analysis& a) { return a.energy_per_shock; }},
 };
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "host/chart/accuracy_chart.hpp"
+#include "host/chart/chart_files.hpp"
 #include "host/chart/context.hpp"
 #include "host/format.hpp"
 #include "host/text.hpp"
@@ -241,10 +242,7 @@ Context chart_context(const Scene& scene, const AccuracyChart& chart) {
 }
 
 std::string points_csv(const AccuracyChart& chart, const Context& context) {
-  std::string text =
-      comments(context) +
-      "program,scheme,law,contact_force,nodes,step,tolerance,kind,error,against,wall_median,wall_"
-      "min,wall_max,repetitions,stretch,how\n";
+  std::string text = comments(context) + heading(accuracy_tables().tables[0]);
   for (const Measured& point : chart.points)
     for (std::size_t i = 0; i <= chart.instants.size(); ++i) {
       const bool energy = i == chart.instants.size();
@@ -273,10 +271,7 @@ std::string points_csv(const AccuracyChart& chart, const Context& context) {
 }
 
 std::string long_runs_csv(const AccuracyChart& chart, const Context& context) {
-  std::string text =
-      comments(context) +
-      "program,scheme,law,contact_force,nodes,step,tolerance,quantity,mean,standard_error,"
-      "difference,difference_error,seeds,duration,wall,how\n";
+  std::string text = comments(context) + heading(accuracy_tables().tables[1]);
   for (const LongRun& run : chart.long_runs)
     for (std::size_t q = 0; q < quantities; ++q) {
       const Statistic& s = run.statistics[q];

@@ -9,9 +9,11 @@
 #include <limits>
 #include <optional>
 
+#include "host/chart/chart_files.hpp"
 #include "host/chart/growth.hpp"
 #include "host/scene/names.hpp"
 #include "host/scene/schemes.hpp"
+#include "host/text.hpp"
 
 namespace ra2d {
 namespace {
@@ -298,10 +300,7 @@ std::string describe(const std::vector<Limit>& limits) {
 }
 
 std::string limits_csv(const std::vector<Limit>& limits) {
-  std::string text =
-      "scheme,contact_force,order,stages,contact,zeta,motion_zeta,theory,measured_low,measured_"
-      "high,"
-      "growth_x,growth_theory,growth_measured\n";
+  std::string text = heading(stability_tables().tables[0]);
   for (const Limit& limit : limits) {
     const SchemeTable& scheme = scheme_table(limit.choice.scheme);
     const TrialMode mode(limit.contact);
@@ -315,7 +314,7 @@ std::string limits_csv(const std::vector<Limit>& limits) {
 }
 
 std::string regions_csv() {
-  std::string text = "scheme,contact_force,contact,zeta,limit,re,im\n";
+  std::string text = heading(stability_tables().tables[1]);
   for (const Row& row : rows)
     for (const bool contact : {false, true})
       for (const double zeta : damping_ratios()) {
@@ -331,7 +330,9 @@ std::string regions_csv() {
 }
 
 std::string modes_csv(const Model& model) {
-  std::string text = "contact,body,mode,frequency,zeta,re,im\n";
+  std::string text = fmt::format("# scene: {}\n# step: {:g} s\n", printable(title(model.scene)),
+                                 model.scene.time.step) +
+                     heading(stability_tables().tables[2]);
   const auto add = [&](const char* contact, const char* body, std::size_t k,
                        std::complex<double> value) {
     const double size = std::abs(value);

@@ -49,7 +49,7 @@ std::string limits_csv(const std::vector<Limit>& limits);
 std::string regions_csv();
 
 /// Eigenvalues times the step of a scene: of its free modes, and under penalty with one node closed
-/// where the bodies yield most.
+/// where the bodies yield most. Comments name the scene and the step.
 std::string modes_csv(const Model& model);
 
 }  // namespace ra2d

@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include "host/chart/accuracy_chart.hpp"
+#include "host/chart/chart_files.hpp"
 #include "host/chart/peers.hpp"
 #include "host/chart/stability_chart.hpp"
 #include "host/commands/commands.hpp"
@@ -42,17 +43,18 @@ Scene chart_scene(const CommonOptions& common) {
                               : read_scene(common.scene, common.overrides);
 }
 
-/// Draws a picture of files that have been written. `arguments` of the script before the picture's
-/// own, and `after` it.
-void draw_picture(const std::string& script, std::vector<std::string> arguments,
-                  const std::string& picture, const std::vector<std::string>& after,
-                  const std::string& texts) try {
-  PartialFile file(picture);
-  arguments.push_back(file.path().string());
-  arguments.insert(arguments.end(), after.begin(), after.end());
-  draw(script, arguments);
-  file.sync();
-  file.publish();
+/// Names of a chart's tables.
+std::vector<std::string> table_names(const ChartKind& kind, const std::string& prefix) {
+  std::vector<std::string> names;
+  for (const std::filesystem::path& file : chart_files(kind, prefix))
+    names.push_back(file.string());
+  return names;
+}
+
+/// Draws a picture of tables that have been written.
+void draw_chart(const ChartKind& kind, const std::vector<std::string>& tables,
+                const std::string& picture, const std::string& texts) try {
+  draw_picture(kind.script, tables, picture);
 } catch (const FileError& fault) {
   throw FileError(
       fmt::format("the picture {} was not made: {}. The table is in {}; --no-plot asks for no "
@@ -76,9 +78,9 @@ int chart_stability_command(const CommonOptions& common, const std::string& pref
     throw refusal(scene, "time.step",
                   "missing: the chart places the scene's modes by its step, which time.scheme = "
                   "\"adaptive\" does without (add one, or --set time.step=1e-8)");
-  const std::string table = prefix + ".csv", regions = prefix + "-regions.csv",
-                    eigenvalues = prefix + "-modes.csv", picture = prefix + ".png";
-  require_outputs({table, regions, eigenvalues}, files_of(scene), plot, picture);
+  const std::vector<std::string> tables = table_names(stability_tables(), prefix);
+  const std::string picture = prefix + ".png";
+  require_outputs(tables, files_of(scene), plot, picture);
   const Model model = make_model(scene);
   say_doubts(model.doubts, common.quiet);
   const std::string modes = modes_csv(model);
@@ -86,13 +88,11 @@ int chart_stability_command(const CommonOptions& common, const std::string& pref
   const std::vector<Limit> limits = make_limits();
   print_text(describe(limits));
 
-  write_text(table, limits_csv(limits));
-  write_text(regions, regions_csv());
-  write_text(eigenvalues, modes);
-  const std::string texts = fmt::format("{}, {} and {}", table, regions, eigenvalues);
-  if (plot)
-    draw_picture("plot_stability.py", {table, regions, eigenvalues}, picture,
-                 {fmt::format("{}, step {:g} s", printable(title(scene)), scene.time.step)}, texts);
+  write_text(tables[0], limits_csv(limits));
+  write_text(tables[1], regions_csv());
+  write_text(tables[2], modes);
+  const std::string texts = fmt::format("{}, {} and {}", tables[0], tables[1], tables[2]);
+  if (plot) draw_chart(stability_tables(), tables, picture, texts);
   print_written(common, texts, plot, picture);
   return done;
 }
@@ -111,11 +111,11 @@ int chart_accuracy_command(const CommonOptions& common, const std::string& prefi
   const bool shown = isatty(STDERR_FILENO) != 0 && !common.quiet;
   if (shown) options.progress = [](const std::string& what) { show(what + " ..."); };
   const Scene scene = chart_scene(common);
-  const std::string points = prefix + ".csv", long_runs = prefix + "-long.csv",
-                    picture = prefix + ".png";
+  const std::vector<std::string> tables = table_names(accuracy_tables(), prefix);
+  const std::string picture = prefix + ".png";
   std::vector<std::filesystem::path> inputs = files_of(scene);
   if (!options.peers.empty()) inputs.push_back(options.peers);
-  require_outputs({points, long_runs}, inputs, plot, picture);
+  require_outputs(tables, inputs, plot, picture);
   say_doubts(make_model(scene).doubts, common.quiet);
   const Backend backend(common.threads);
   const AccuracyChart chart = measure_accuracy(scene, options);
@@ -123,10 +123,10 @@ int chart_accuracy_command(const CommonOptions& common, const std::string& prefi
   print_text(describe(chart));
 
   const Context context = chart_context(scene, chart);
-  write_text(points, points_csv(chart, context));
-  write_text(long_runs, long_runs_csv(chart, context));
-  const std::string texts = fmt::format("{} and {}", points, long_runs);
-  if (plot) draw_picture("plot_accuracy.py", {points, long_runs}, picture, {}, texts);
+  write_text(tables[0], points_csv(chart, context));
+  write_text(tables[1], long_runs_csv(chart, context));
+  const std::string texts = fmt::format("{} and {}", tables[0], tables[1]);
+  if (plot) draw_chart(accuracy_tables(), tables, picture, texts);
   print_written(common, texts, plot, picture);
   return done;
 }

@@ -7,8 +7,6 @@
 #include <cmath>
 #include <limits>
 
-#include "host/text.hpp"
-
 namespace ra2d {
 
 CLI::Validator number_from(double low, double high, const std::string& words) {
@@ -25,6 +23,12 @@ CLI::Validator number_from(double low, double high, const std::string& words) {
 CLI::Validator positive_number() {
   return number_from(std::numeric_limits<double>::min(), std::numeric_limits<double>::max(),
                      "a number > 0");
+}
+
+CLI::Validator length_in_metres() {
+  return number_from(std::numeric_limits<double>::min(), std::numeric_limits<double>::max(),
+                     "a length in metres, like 2.5e-3")
+      .description("");
 }
 
 CLI::Validator count() {

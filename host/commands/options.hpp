@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <functional>
 #include <optional>
 #include <string>
+
+#include "host/text.hpp"
 
 /// What the commands' options take.
 namespace ra2d {
@@ -16,6 +20,19 @@ CLI::Validator number_from(double low, double high, const std::string& words);
 
 /// Numbers > 0.
 CLI::Validator positive_number();
+
+/// The same, told as a length.
+CLI::Validator length_in_metres();
+
+/// Texts that `understand` makes something of; `expected` says which.
+template <class Understand>
+CLI::Validator understood(const std::string& expected, Understand understand) {
+  return {[=](std::string& text) {
+            return understand(text) ? std::string{}
+                                    : fmt::format("'{}': expected {}", shortened(text), expected);
+          },
+          {}};
+}
 
 /// A count. One that is too large for any machine is lowered to 10^9, and lowered further later.
 CLI::Validator count();

@@ -32,8 +32,8 @@ void print_facts(const SoundFacts& f, const fs::path& file) {
   const auto line = [](const char* what, const std::string& value) {
     print("  {:<17}{}\n", what, value);
   };
-  print("velocity of probe {} at {:g} m, from {:g} s to {:g} s{}\n", f.probe, f.position, f.from,
-        f.to, f.slow == 1 ? "" : fmt::format(", {:g} times slower", f.slow));
+  print("velocity of {}, from {:g} s to {:g} s{}\n", f.place(), f.from, f.to,
+        f.slow == 1 ? "" : fmt::format(", {:g} times slower", f.slow));
   line("length",
        fmt::format("{}, {} samples at {} Hz", seconds_text(f.seconds()), f.frames, f.rate));
   line("full scale", fmt::format("1.0 in the file is {:g} m/s", f.full_scale));
@@ -76,10 +76,21 @@ void add_sound(CLI::App& app, Chosen& chosen) {
           "the current folder]")
       ->type_name("NOISE.wav")
       ->check(path());
-  sound->add_option("--probe", options.probe, "number of the probe in the file, from 1")
+  CLI::Option* probe = sound->add_option("--probe", options.probe, "which of output.probes, from 1")
+                           ->type_name("N")
+                           ->transform(count())
+                           ->capture_default_str();
+  sound
+      ->add_option_function<std::size_t>(
+          "--slider-probe",
+          [&options](std::size_t number) {
+            options.probe = number;
+            options.body = ProbeOf::slider;
+          },
+          "instead of it: which of output.slider_probes, from 1")
       ->type_name("N")
       ->transform(count())
-      ->capture_default_str();
+      ->excludes(probe);
   sound->add_option("--slow", options.slow, "how many times longer it lasts, and lower it sounds")
       ->type_name("N")
       ->check(number_from(1, most_slow, "from 1 to 10000"))

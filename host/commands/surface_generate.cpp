@@ -62,26 +62,37 @@ void check(const Asked& asked) {
 }
 
 /// Two columns that a scene and `ra2d surface measure` read, with the digits that bring the doubles back.
-std::string profile_text(const Asked& asked, const std::vector<double>& heights) {
+void write_profile(const Asked& asked, const std::vector<double>& heights) {
+  constexpr std::size_t together = 1 << 16;  // bytes
+  PartialFile file(asked.output);
   std::string text = fmt::format("# ra2d surface generate: surface = {}, {} m long\nx [m],z [m]\n",
                                  surface_text(asked.surface, {}), asked.length);
-  text.reserve(text.size() + 48 * heights.size());
   char number[64];
   const auto put = [&](double value, char after) {
-    text.append(number, std::to_chars(number, number + sizeof number, value).ptr);
-    text += after;
+    char* const end = std::to_chars(number, number + sizeof number - 1, value).ptr;
+    *end = after;
+    text.append(number, end + 1);
   };
   for (std::size_t n = 0; n < heights.size(); ++n) {
     put(static_cast<double>(n) * asked.spacing, ',');
     put(heights[n], '\n');
+    if (text.size() < together) continue;
+    file.write(text);
+    text.clear();
   }
-  return text;
+  file.write(text);
+  file.sync();
+  file.publish();
 }
 
 /// Mean of a power of the heights, which have the mean 0.
 double moment(const std::vector<double>& heights, int power) {
   double sum = 0;
-  for (const double h : heights) sum += std::pow(h, power);
+  for (const double h : heights) {
+    double value = h;
+    for (int k = 1; k < power; ++k) value *= h;
+    sum += value;
+  }
   return sum / static_cast<double>(heights.size());
 }
 
@@ -123,7 +134,7 @@ int generate(Asked& asked) {
   std::vector<std::string> doubts;
   const std::vector<double> heights =
       make_surface(asked.surface, asked.length, asked.spacing, {}, 0, &doubts);
-  write_text(asked.output, profile_text(asked, heights));
+  write_profile(asked, heights);
   say_doubts(doubts, asked.quiet);
   if (!asked.quiet) print_profile(asked, profile, heights);
   return done;

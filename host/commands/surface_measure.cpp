@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <limits>
@@ -16,6 +15,7 @@
 #include "host/commands/commands.hpp"
 #include "host/commands/options.hpp"
 #include "host/commands/print.hpp"
+#include "host/commands/profile_options.hpp"
 #include "host/errors.hpp"
 #include "host/surface/measure.hpp"
 #include "host/text.hpp"
@@ -23,102 +23,11 @@
 namespace ra2d {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
-/// What the options say, word by word.
 struct Request {
   std::vector<std::filesystem::path> files;
-  std::optional<std::string> x_unit, z_unit, spacing, column, row, decimal, filter, cutoff,
-      cutoff_s, sampling_lengths, fill, rsm, rmr;
-  std::string form = "none";
+  ProfileOptions profile;
   bool json = false;
 };
-
-[[noreturn]] void refuse_option(const char* option, const std::string& text, const char* expected) {
-  throw RequestError(fmt::format("{}: '{}': expected {}", option, shortened(text), expected));
-}
-
-/// A number that no locale changes.
-std::optional<double> number_of(std::string_view text) {
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value)) return {};
-  return value;
-}
-
-std::optional<double> to_length(const char* option, const std::optional<std::string>& text) {
-  if (!text) return {};
-  const auto value = number_of(*text);
-  if (!value || *value <= 0) refuse_option(option, *text, "a length in metres, like 2.5e-3");
-  return value;
-}
-
-std::optional<LengthUnit> to_axis_unit(const char* option, const std::optional<std::string>& text) {
-  if (!text) return {};
-  const auto unit = to_unit(*text);
-  if (!unit) refuse_option(option, *text, "m, mm, um or nm");
-  return unit;
-}
-
-std::optional<int> to_index(const char* option, const std::optional<std::string>& text,
-                            const char* expected) {
-  if (!text) return {};
-  const auto index = number_of(*text);
-  if (!index || *index < 1 || *index > 1e8 || *index != std::floor(*index))
-    refuse_option(option, *text, expected);
-  return static_cast<int>(*index);
-}
-
-/// One of two words, or what is meant without one.
-bool is_first(const char* option, const std::optional<std::string>& text, const char* first,
-              const char* second) {
-  if (!text || *text == first) return true;
-  if (*text == second) return false;
-  refuse_option(option, *text, fmt::format("{} or {}", first, second).c_str());
-}
-
-ProfileQuery query_of(const Request& request) {
-  ProfileQuery query;
-  query.x_unit = to_axis_unit("--x-unit", request.x_unit);
-  query.z_unit = to_axis_unit("--z-unit", request.z_unit);
-  query.spacing = to_length("--spacing", request.spacing);
-  query.column = to_index("--column", request.column, "a number of a column, from 1");
-  query.row = to_index("--row", request.row, "a number of a row, from 1");
-  if (request.decimal)
-    query.decimal = is_first("--decimal", request.decimal, "point", "comma") ? DecimalMark::point
-                                                                             : DecimalMark::comma;
-  return query;
-}
-
-MeasureOptions options_of(const Request& request) {
-  MeasureOptions options;
-  options.form = to_form(request.form);
-  options.filter = is_first("--filter", request.filter, "gaussian", "none");
-  options.cutoff = to_length("--cutoff", request.cutoff);
-  options.cutoff_s = to_length("--cutoff-s", request.cutoff_s);
-  options.rule = is_first("--rsm", request.rsm, "iso21920", "iso4287") ? ElementRule::iso21920
-                                                                       : ElementRule::iso4287;
-  if (request.sampling_lengths) {
-    const auto count = number_of(*request.sampling_lengths);
-    const bool all = *request.sampling_lengths == "all";
-    if (!all && (!count || *count < 1 || *count > 1e6 || *count != std::floor(*count)))
-      refuse_option("--sampling-lengths", *request.sampling_lengths, "a number from 1, or all");
-    options.sampling_lengths = all ? 0 : static_cast<std::size_t>(*count);
-  }
-  if (request.fill) {
-    const std::string& text = *request.fill;
-    const auto width = to_fill_width(text);
-    if (!width)
-      refuse_option("--fill", text, "linear:WIDTH, with a width in metres, like linear:1e-5");
-    options.fill = *width;
-  }
-  if (request.rmr) {
-    options.level = number_of(*request.rmr);
-    if (!options.level)
-      refuse_option("--rmr", *request.rmr, "a height in metres above the mean line, like -1e-6");
-  }
-  return options;
-}
 
 /// A length [m] for people.
 std::string length_text(double length) {
@@ -199,8 +108,8 @@ void print_table(const std::string& file, const Measurement& m, const MeasureOpt
 }
 
 int measure_files(const Request& request) {
-  const ProfileQuery query = query_of(request);
-  const MeasureOptions options = options_of(request);
+  const ProfileQuery& query = request.profile.query;
+  const MeasureOptions& options = request.profile.measure;
   std::vector<std::pair<std::string, Measurement>> measured;
   for (const auto& file : request.files)
     measured.emplace_back(
@@ -229,37 +138,14 @@ void add_surface_measure(CLI::App& surface, Chosen& chosen) {
   CLI::App* measure = surface.add_subcommand("measure",
                                              "roughness parameters (ISO 21920-2) of measured "
                                              "profiles: text of two columns, x and z, SDF or X3P");
-  const auto add = [&](const char* name, std::optional<std::string>& value, const char* type,
-                       const char* what) {
-    measure->add_option(name, value, what)->type_name(type);
-  };
   measure->add_option("FILE", request.files, "profiles")->required()->check(path());
-  add("--x-unit", request.x_unit, "UNIT", "of x: m, mm, um or nm [the file's own, or m]");
-  add("--z-unit", request.z_unit, "UNIT", "of the heights [the file's own, or m]");
-  add("--spacing", request.spacing, "M", "step in metres, of a file that has no x");
-  add("--column", request.column, "N",
-      "the column of heights, from 1 [the second, after x]; of an areal file a profile along y");
-  add("--row", request.row, "N", "the row of an areal file, from 1: a profile along x");
-  add("--decimal", request.decimal, "MARK",
-      "point or comma, where the file leaves it open [what the file tells]");
+  add_profile_options(*measure, request.profile);
   measure
-      ->add_option("--form", request.form,
-                   "form to be taken off first: none, mean, line or poly:N, by least squares")
-      ->type_name("FORM")
-      ->capture_default_str();
-  add("--filter", request.filter, "KIND",
-      "gaussian, which gives the roughness profile, or none, for the primary profile [gaussian]");
-  add("--cutoff", request.cutoff, "M",
-      "cut-off, and sampling length, in metres [2.5e-3; one length with --filter none]");
-  add("--cutoff-s", request.cutoff_s, "M",
-      "cut-off of the Gaussian filter against short waves, in metres [no such filter]");
-  add("--sampling-lengths", request.sampling_lengths, "N",
-      "how many sampling lengths are evaluated, or all [5, or as many as fit]");
-  add("--fill", request.fill, "linear:M",
-      "straight lines through missing points, over gaps up to M metres [they are refused]");
-  add("--rsm", request.rsm, "RULE",
-      "what counts as a profile element: iso21920 or iso4287 [iso21920]");
-  add("--rmr", request.rmr, "M", "material ratio at a height in metres above the mean line, too");
+      ->add_option("--rmr", request.profile.measure.level,
+                   "material ratio at a height in metres above the mean line, too")
+      ->type_name("M")
+      ->check(number_from(std::numeric_limits<double>::lowest(), std::numeric_limits<double>::max(),
+                          "a height in metres above the mean line, like -1e-6"));
   measure->add_flag("--json", request.json, "print JSON, in SI units");
   measure->callback([asked, &chosen] { chosen = [asked] { return measure_files(*asked); }; });
 }

@@ -8,6 +8,8 @@ try:
 except ImportError:
     sys.exit(9)
 matplotlib.use("Agg")
+# text stays text; and the same picture has the same bytes
+matplotlib.rcParams.update({"svg.fonttype": "none", "pdf.fonttype": 42, "svg.hashsalt": "ra2d"})
 
 # (time.scheme, time.contact_force): name, colour
 NAMES = {
@@ -40,10 +42,19 @@ def literal(text):
     return text.replace("$", r"\$")
 
 
-def save(figure, picture):
-    """Into the file itself, which the program has made and names when it is complete."""
+def save(figure, picture, kind):
+    """Into the file itself, which the program has made and names when it is complete. `kind`: png, svg or pdf."""
+    dates = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(kind)
     try:
         with open(picture, "wb") as out:
-            figure.savefig(out, format="png", dpi=130)
+            figure.savefig(out, format=kind, dpi=130, metadata=dates)
     except OSError as fault:
         sys.exit(f"{picture}: {fault.strerror}")
+
+
+def draw_tables(main):
+    """Runs main with the words of the command line. Tables may come from anywhere."""
+    try:
+        main(*sys.argv[1:])
+    except (KeyError, ValueError, IndexError, UnicodeError) as fault:
+        sys.exit(f"a table of the chart has something else than 'ra2d chart' writes: {fault!r}")

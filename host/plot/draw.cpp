@@ -3,17 +3,20 @@
 
 #include <fmt/format.h>
 
+#include <cctype>
 #include <system_error>
 
 #include "host/errors.hpp"
+#include "host/partial_file.hpp"
 #include "host/process.hpp"
+#include "host/text.hpp"
 
 namespace ra2d {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// Exit status of a script that has no matplotlib (host/plot/plot_stability.py).
+/// Exit status of a script that has no matplotlib (host/plot/chart_style.py).
 constexpr int no_matplotlib = 9;
 
 /// Beside the installed program, or where it was built from.
@@ -48,6 +51,25 @@ void draw(const std::string& script, const std::vector<std::string>& arguments) 
             "python3-matplotlib)"
           : "there is no python3: install it with matplotlib (on Debian: apt-get install "
             "python3-matplotlib)");
+}
+
+std::string picture_kind(const fs::path& picture) {
+  std::string ending = picture.extension().string();
+  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  for (const char* kind : {"png", "svg", "pdf"})
+    if (ending == std::string(".") + kind) return kind;
+  throw RequestError(fmt::format("-o {}: expected a name that ends in .png, .svg or .pdf",
+                                 shortened(picture.string())));
+}
+
+void draw_picture(const std::string& script, std::vector<std::string> arguments,
+                  const fs::path& picture) {
+  PartialFile file(picture);
+  arguments.push_back(file.path().string());
+  arguments.push_back(picture_kind(picture));
+  draw(script, arguments);
+  file.sync();
+  file.publish();
 }
 
 }  // namespace ra2d

@@ -12,7 +12,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-literal = chart_style.literal
+literal, save = chart_style.literal, chart_style.save
 warnings.filterwarnings("ignore", message="Glyph .* missing")  # a name in letters that the font has not
 
 # Eight colours that stay apart, also for eyes that lack one kind of cones (tests/plot/colours.py), each with a line
@@ -27,7 +27,7 @@ GREY = "#555555"
 plt.rcParams.update({
     "font.size": 9, "axes.titlesize": 10, "axes.labelsize": 9, "xtick.labelsize": 8.5, "ytick.labelsize": 8.5,
     "legend.fontsize": 8.5, "legend.framealpha": 0.9, "axes.grid": True, "grid.alpha": 0.25, "grid.linewidth": 0.6,
-    "axes.titlelocation": "left", "svg.fonttype": "none", "pdf.fonttype": 42, "svg.hashsalt": "ra2d",
+    "axes.titlelocation": "left",
     "axes.formatter.useoffset": False, "figure.constrained_layout.w_pad": 0.08, "axes.axisbelow": True})
 
 PREFIXES = {-12: "p", -9: "n", -6: "\u00b5", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
@@ -129,13 +129,3 @@ def page(width, height, lines):
         upper.text(0.12 / width, y / top, text, fontsize=size, weight=weight, color=colour, va="top", in_layout=False)
         y -= size * 1.5 / 72
     return figure, lower
-
-
-def save(figure, picture, kind):
-    """Into the file itself, which the program has made and names when it is complete."""
-    dates = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(kind)
-    try:
-        with open(picture, "wb") as out:
-            figure.savefig(out, format=kind, dpi=130, metadata=dates)
-    except OSError as fault:
-        sys.exit(f"{picture}: {fault.strerror}")

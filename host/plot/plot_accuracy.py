@@ -1,14 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""plot_accuracy.py POINTS LONG PICTURE: the chart of `ra2d chart accuracy` as a picture.
+"""plot_accuracy.py POINTS LONG PICTURE KIND: the chart of `ra2d chart accuracy` as a picture.
 
-POINTS and LONG are the files that the command writes, PREFIX.csv and PREFIX-long.csv. Ends with status 9 when
-there is no matplotlib.
+POINTS and LONG are the files that the command writes, PREFIX.csv and PREFIX-long.csv, KIND is png, svg or pdf. Ends
+with status 9 when there is no matplotlib.
 """
 import math
-import sys
 
-from chart_style import NAMES, literal, read, read_context, save
+from chart_style import NAMES, draw_tables, literal, read, read_context, save
 import matplotlib.pyplot as plt
 from matplotlib.lines import Line2D
 
@@ -148,7 +147,7 @@ def wrap(text, most=215):
     return "\n".join(line.rstrip() for line in lines)
 
 
-def main(points, long_runs, picture):
+def main(points, long_runs, picture, kind_of_picture):
     context = read_context(points)
     rows, long_rows = read(points), read(long_runs)
     kinds = [kind for kind in dict.fromkeys(row["kind"] for row in rows)]
@@ -182,8 +181,8 @@ def main(points, long_runs, picture):
         "tolerance. Arrows: nearer to the reference than it is known itself.") + "\n" + wrap("; ".join(f"{what} {context[what]}" for what in
                                              ("ra2d", "compiler", "processor", "backend", "date") if what in context)),
         fontsize=8, color="#444444")
-    save(figure, picture)
+    save(figure, picture, kind_of_picture)
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    draw_tables(main)

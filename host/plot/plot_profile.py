@@ -13,7 +13,7 @@ from picture_style import BLACK, BLUE, GREY, RUST, SKY, literal, number, numbers
 import numpy as np
 
 WITHOUT_UNIT = ("Rsk", "Rku", "Rdq")
-NO_PARAMETERS = "points are missing: no parameters (ra2d surface measure --fill puts lines through gaps)"
+NO_PARAMETERS = "points are missing: no parameters (--fill puts straight lines through gaps)"
 
 
 def length_axis(axes, drawn, metres):
@@ -25,12 +25,12 @@ def length_axis(axes, drawn, metres):
     return one
 
 
-def draw_heights(axes, drawn, length, title, line=None):
+def draw_heights(axes, drawn, length, title, line=None, line_is=None):
     one = length_axis(axes, drawn, length)
     unit, high = scale("m", style.extremes(drawn))
     series(axes, drawn, BLUE, one, high, mean=False, fill=0.8, label="profile")
     if line:
-        series(axes, line, RUST, one, high, line="--", width=1.6, mean=True, fill=0, label="mean line of the filter")
+        series(axes, line, RUST, one, high, line="--", width=1.6, mean=True, fill=0, label=line_is)
         axes.legend(loc="upper right", ncol=2)
     low, top = axes.get_ylim()
     axes.set_ylim(low, top + 0.15 * (top - low))  # for the legends
@@ -42,7 +42,7 @@ def draw_heights(axes, drawn, length, title, line=None):
 def roughness_title(data):
     n = data["sampling_lengths"]
     lengths = f"{n} sampling length{'s' if n != 1 else ''} of {quantity(data['sampling_length'], 'm')}"
-    if "cutoff" in data:
+    if data["filtered"]:
         return f"Roughness, cut-off {quantity(data['cutoff'], 'm')}: the first {lengths}"
     return f"Primary profile, no filter: {lengths}"
 
@@ -74,7 +74,7 @@ def write_parameters(axes, data):
     lines = []
     for name, value in data["parameters"].items():
         value = number(value)
-        shown = name if "cutoff" in data else "P" + name[1:]
+        shown = name if data["filtered"] else "P" + name[1:]
         if not math.isfinite(value):
             text = "not defined"
         else:
@@ -89,7 +89,8 @@ def write_parameters(axes, data):
 def facts(data):
     found = [f"{data['nodes']} points, {quantity(data['spacing'], 'm')} apart: {quantity(data['length'], 'm', 4)}"]
     if data["missing"]:
-        found.append(f"{data['missing']} of them missing")
+        filled = " and filled by straight lines" if "parameters" in data else ""
+        found.append(f"{data['missing']} of them missing{filled}")
     return "  \u00b7  ".join(found)
 
 
@@ -99,8 +100,8 @@ def main(file, picture, kind):
                                       (facts(data), 9.5, "normal", BLACK)])
     upper, lower = body.subfigures(2, 1)
     draw_heights(upper.subplots(), data["profile"], data["length"], "As measured, from its mean",
-                 data.get("mean_line"))
-    if data["missing"]:
+                 data.get("line"), data.get("line_is"))
+    if "parameters" not in data:
         style.say_empty(lower.subplots(), f"{data['missing']} {NO_PARAMETERS}", "Roughness")
     else:
         panels = lower.subplots(1, 3, width_ratios=[3, 1.1, 0.75])

@@ -138,23 +138,24 @@ def decades_shown(values, most=9):
     return low / 2, high * 10 ** (0.1 * math.log10(high / low) + 0.5)
 
 
-def draw_spectrum(figure, panel, _):
+def draw_densities(figure, panel, title, lines):
+    """Spectra, [(what is drawn, its looks)], with what they share."""
     axes = figure.subplots()
-    title = "Velocity spectrum, mean over the resonator"
     if "empty" in panel:
         style.say_empty(axes, panel["empty"], title)
         return
-    drawn = panel["series"]
-    x = numbers(drawn["x"])
     axes.set_yscale("log")
-    series(axes, drawn, BLUE)
-    limits = decades_shown(style.extremes(drawn))
+    for drawn, look in lines(panel):
+        series(axes, drawn, **look)
+    drawn = [drawn for drawn, _ in lines(panel)]
+    limits = decades_shown(style.extremes(*drawn))
     if limits:
         axes.set_ylim(*limits)
+    x = numbers(drawn[0]["x"])
     style.frequency_axis(axes, x[0], x[-1])
     mark_frequencies(axes, panel)
     axes.set_ylabel("PSD of velocity [(m/s)\u00b2/Hz]")
-    axes.set_title(title)
+    axes.set_title(title + (f" ({panel['left_out']} more are not drawn)" if panel.get("left_out") else ""))
     axes.set_xlabel(f"frequency [Hz]  (a line every {panel['resolution']:.3g} Hz; {panel['segments']} segments)")
     if panel["aliased"]:
         axes.text(0.02, 0.9, f"{panel['aliased']} modes lie above half the rate of the samples:\n"
@@ -165,16 +166,29 @@ def draw_spectrum(figure, panel, _):
         draw_confidence(axes, low, high)
 
 
+def draw_spectrum(figure, panel, _):
+    draw_densities(figure, panel, "Velocity spectrum, mean over the resonator",
+                   lambda panel: [(panel["series"], {"colour": BLUE})])
+
+
+def draw_probe_spectra(figure, panel, _):
+    draw_densities(figure, panel, "Velocity spectra of probes", lambda panel: [
+        (line["series"], {"colour": style.SERIES[i], "line": style.LINES[i], "label": line["label"], "fill": 0.15})
+        for i, line in enumerate(panel["lines"])])
+
+
 def mark_frequencies(axes, panel):
     """Natural frequencies as ticks at the top, the tone of the mesh as a line."""
     natural = [f for f in panel["natural"] if axes.get_xlim()[0] <= f <= axes.get_xlim()[1]]
     top = axes.get_xaxis_transform()
     if natural:
-        axes.vlines(natural, 0.955, 1, transform=top, color=RUST, lw=1.1, label="natural frequencies, free")
+        colour = GREY if "lines" in panel else RUST  # which is a line's own
+        axes.vlines(natural, 0.955, 1, transform=top, color=colour, lw=1.1,
+                    label="natural frequencies, free resonator")
     mesh = number(panel["mesh"])
     if math.isfinite(mesh):
         axes.axvline(mesh, ls=(0, (4, 2)), color=BLACK, lw=0.9, label=f"mesh, speed/spacing: {quantity(mesh, 'Hz')}")
-    if natural or math.isfinite(mesh):
+    if natural or math.isfinite(mesh) or "lines" in panel:
         axes.legend(loc="lower left")
 
 
@@ -335,7 +349,8 @@ def draw_spectrogram(figure, panel, _):
 
 
 PANELS = {"profiles": (draw_profiles, 7.5), "force": (draw_force, 6), "displacement": (draw_displacement, 6),
-          "spectrum": (draw_spectrum, 5), "shocks": (draw_shocks, 6), "level": (draw_level, 4.2),
+          "spectrum": (draw_spectrum, 5), "probe-spectra": (draw_probe_spectra, 5.6),
+          "shocks": (draw_shocks, 6), "level": (draw_level, 4.2),
           "energy": (draw_energy, 7), "spectrogram": (draw_spectrogram, 5.2), "bands": (draw_bands, 4.6)}
 
 

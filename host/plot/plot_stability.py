@@ -1,14 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""plot_stability.py LIMITS REGIONS MODES PICTURE TITLE: the chart of `ra2d chart stability` as a picture.
+"""plot_stability.py LIMITS REGIONS MODES PICTURE KIND: the chart of `ra2d chart stability` as a picture.
 
 LIMITS, REGIONS and MODES are the files that the command writes, PREFIX.csv, PREFIX-regions.csv and
-PREFIX-modes.csv. Ends with status 9 when there is no matplotlib.
+PREFIX-modes.csv, KIND is png, svg or pdf. Ends with status 9 when there is no matplotlib.
 """
 import math
-import sys
 
-from chart_style import NAMES, literal, read, save
+from chart_style import NAMES, draw_tables, literal, read, read_context, save
 import matplotlib.pyplot as plt
 from matplotlib.lines import Line2D
 
@@ -134,15 +133,22 @@ def draw_regions(axes, limits, regions, modes):
     inset.set_title("the scene's motions, at the origin", fontsize=8.5)
 
 
-def main(limits, regions, modes, picture, title):
+def title_of(context):
+    """Tables of earlier versions name no scene."""
+    scene = ", step ".join(context[what] for what in ("scene", "step") if what in context)
+    return "Stability of the time schemes." + (f" Scene: {literal(scene)}" if scene else "")
+
+
+def main(limits, regions, modes, picture, kind):
+    title = title_of(read_context(modes))
     limits, regions, modes = read(limits), read(regions), read(modes)
     figure, (left, right) = plt.subplots(1, 2, figsize=(14, 6.6), layout="constrained",
                                          gridspec_kw={"width_ratios": [1.25, 1]})
     draw_limits(left, limits, regions, modes)
     draw_regions(right, limits, regions, modes)
-    figure.suptitle(f"Stability of the time schemes. Scene: {literal(title)}", fontsize=12)
-    save(figure, picture)
+    figure.suptitle(title, fontsize=12)
+    save(figure, picture, kind)
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    draw_tables(main)

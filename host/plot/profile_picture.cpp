@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "host/plot/envelope.hpp"
-#include "host/surface/measure.hpp"
+#include "host/surface/form.hpp"
 #include "host/surface/profile_filter.hpp"
 #include "host/text.hpp"
 
@@ -62,40 +62,52 @@ Json parameters_of(const Roughness& r) {
           {"Rk", r.rk}, {"Rpk", r.rpk}, {"Rvk", r.rvk}};
 }
 
+/// The line that the evaluated heights are counted from, in the heights of the whole profile: the form,
+/// and what is left of it the mean line of the filter.
+std::vector<double> reference_line(const Profile& filled, const MeasureOptions& options,
+                                   std::optional<double> cutoff) {
+  std::vector<double> formless = filled.heights;
+  remove_form(formless, options.form);
+  std::vector<double> line(formless.size(), 0.0);
+  if (options.filter)
+    line = gaussian_mean_line(options.cutoff_s
+                                  ? gaussian_mean_line(formless, filled.spacing, *options.cutoff_s)
+                                  : formless,
+                              filled.spacing, *cutoff);
+  for (std::size_t i = 0; i < line.size(); ++i) line[i] += filled.heights[i] - formless[i];
+  return line;
+}
+
 /// What was measured: the heights from their mean line, over the evaluation length.
 void add_roughness(const Profile& profile, const ProfilePictureOptions& asked,
-                   const std::string& name, Json& json) {
-  MeasureOptions options;
-  options.cutoff = asked.cutoff;
-  options.filter = asked.cutoff || profile.length() >= 2 * usual_cutoff;
+                   const std::string& name, Json& json, std::vector<std::string>* doubts) {
+  MeasureOptions options = asked.measure;
+  if (asked.usual_filter) options.filter = profile.length() >= 2 * usual_cutoff;
   const Measurement m = measure_profile(profile, options, name);
-  std::vector<double> z = profile.heights;
-  std::size_t dropped = 0;
-  if (options.filter) {
-    const std::vector<double> line = gaussian_mean_line(z, profile.spacing, *m.cutoff);
-    for (std::size_t i = 0; i < z.size(); ++i) z[i] -= line[i];
-    dropped = static_cast<std::size_t>(std::round(0.5 * *m.cutoff / profile.spacing));
-    json["mean_line"] = drawn(line, 0, profile.spacing);
-    json["cutoff"] = *m.cutoff;
+  Profile filled = profile;
+  fill_gaps(filled, options.fill);
+  const bool has_form = options.form.degree != ProfileForm::none;
+  if (options.filter || has_form) {
+    json["line"] = drawn(reference_line(filled, options, m.cutoff), 0, profile.spacing);
+    json["line_is"] = !options.filter ? "form"
+                      : has_form      ? "form, and mean line of the filter"
+                                      : "mean line of the filter";
   }
-  const auto count = static_cast<std::size_t>(
-      std::round(m.sampling_length * static_cast<double>(m.sampling_lengths) / profile.spacing));
-  std::vector<double> part(
-      z.begin() + static_cast<std::ptrdiff_t>(dropped),
-      z.begin() + static_cast<std::ptrdiff_t>(std::min(dropped + count, z.size() - dropped)));
-  if (!options.filter)
-    for (const double mean = mean_of(part); double& height : part) height -= mean;
-  json["roughness"] = drawn(part, static_cast<double>(dropped) * profile.spacing, profile.spacing);
-  json["heights"] = distribution(part);
+  json["filtered"] = options.filter;
+  if (m.cutoff) json["cutoff"] = *m.cutoff;
+  json["roughness"] =
+      drawn(m.heights, static_cast<double>(m.dropped) * profile.spacing, profile.spacing);
+  json["heights"] = distribution(m.heights);
   json["parameters"] = parameters_of(m.parameters);
   json["sampling_lengths"] = m.sampling_lengths;
   json["sampling_length"] = m.sampling_length;
+  if (doubts != nullptr) *doubts = m.doubts;
 }
 
 }  // namespace
 
-std::string profile_picture(const std::filesystem::path& file,
-                            const ProfilePictureOptions& options) {
+std::string profile_picture(const std::filesystem::path& file, const ProfilePictureOptions& options,
+                            std::vector<std::string>* doubts) {
   Profile profile = read_measured_profile(file, options.query);
   Json json{{"file", printable(file.filename().string())},
             {"nodes", profile.heights.size()},
@@ -105,7 +117,8 @@ std::string profile_picture(const std::filesystem::path& file,
   const double mean = mean_of(profile.heights);
   for (double& height : profile.heights) height -= mean;
   json["profile"] = drawn(profile.heights, 0, profile.spacing);
-  if (profile.missing() == 0) add_roughness(profile, options, file.string(), json);
+  if (profile.missing() == 0 || options.measure.fill > 0)
+    add_roughness(profile, options, file.string(), json, doubts);
   return json.dump(-1, ' ', false, Json::error_handler_t::replace) + '\n';
 }
 

@@ -1,23 +1,24 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <filesystem>
-#include <optional>
 #include <string>
+#include <vector>
 
+#include "host/surface/measure.hpp"
 #include "host/surface/profile.hpp"
 
 namespace ra2d {
 
 struct ProfilePictureOptions {
   ProfileQuery query;
-  std::optional<double>
-      cutoff;  // m; else the usual one, or no filter where the profile is too short
+  MeasureOptions measure;
+  bool usual_filter = true;  // of the usual cut-off; none where the profile is too short for it
 };
 
 /// What the picture of a measured profile shows, as JSON for host/plot/plot_profile.py: the profile, its
-/// roughness, its parameters, how its heights are distributed. Throws as read_measured_profile() and
-/// measure_profile() do.
-std::string profile_picture(const std::filesystem::path& file,
-                            const ProfilePictureOptions& options);
+/// roughness, its parameters, how its heights are distributed. `doubts` takes what looks odd but may be
+/// meant. Throws as read_measured_profile() and measure_profile() do.
+std::string profile_picture(const std::filesystem::path& file, const ProfilePictureOptions& options,
+                            std::vector<std::string>* doubts = nullptr);
 
 }  // namespace ra2d

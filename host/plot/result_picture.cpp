@@ -29,10 +29,13 @@ constexpr std::size_t most_groups =
     1200;  // of a series: about as many as a picture has dots across
 constexpr std::size_t close_samples = 600;  // of a close-up
 constexpr std::size_t most_lines = 6;       // of probes
-constexpr std::size_t most_dots = 2000;     // of shocks
-constexpr std::size_t most_windows = 100;   // of the level in time
-constexpr std::size_t most_frames = 200;    // of a spectrogram
-constexpr std::size_t place_bins = 120;     // of the places of shocks
+constexpr const char* no_probes = "the scene has no probes (output.probes, output.slider_probes)";
+constexpr std::size_t most_dots = 2000;    // of shocks
+constexpr std::size_t most_windows = 100;  // of the level in time
+constexpr std::size_t most_frames = 200;   // of a spectrogram
+constexpr std::size_t place_bins = 120;    // of the places of shocks
+
+constexpr const char* no_spectrum = "the run is too short for a spectrum: fewer than 16 samples";
 
 /// Why a panel has nothing to show.
 Json nothing(const std::string& why) { return {{"empty", why}}; }
@@ -62,6 +65,7 @@ class ResultPanels {
     if (name == "force") return force();
     if (name == "displacement") return displacement();
     if (name == "spectrum") return spectrum();
+    if (name == "probe-spectra") return probe_spectra();
     if (name == "level") return level_in_time();
     if (name == "energy") return energy();
     if (name == "bands") return bands();
@@ -219,6 +223,10 @@ class ResultPanels {
     return {{"series", whole(values)}, {"close", close_up(values, largest)}};
   }
 
+  static std::string probe_label(const char* body, double position) {
+    return fmt::format("{} at {:.6g} mm", body, 1e3 * position);
+  }
+
   void add_probes(const char* position, const char* displacement, const char* body,
                   std::size_t middle, Json& json) const {
     const std::size_t probes = reader_.rows(position);
@@ -232,7 +240,7 @@ class ResultPanels {
           std::move(reader_.columns(displacement, 0, contents_.samples, p, 1).front());
       if (std::any_of(values.begin(), values.end(), [](double u) { return u != 0; }))
         json["moved"] = true;
-      json["lines"].push_back({{"label", fmt::format("{} at {:.6g} mm", body, 1e3 * at[p])},
+      json["lines"].push_back({{"label", probe_label(body, at[p])},
                                {"series", whole(values)},
                                {"close", close_up(values, middle)}});
     }
@@ -243,8 +251,7 @@ class ResultPanels {
     const std::size_t middle = largest_of(column("contact/force"));
     add_probes("probes/position", "probes/displacement", "resonator", middle, json);
     add_probes("slider_probes/position", "slider_probes/displacement", "slider", middle, json);
-    if (json["lines"].empty())
-      return nothing("the scene has no probes (output.probes, output.slider_probes)");
+    if (json["lines"].empty()) return nothing(no_probes);
     if (!json["moved"]) return nothing("no probe moved");
     return json;
   }
@@ -341,25 +348,63 @@ class ResultPanels {
             {"interval", bins(s.intervals, s.interval)}};
   }
 
-  Json spectrum() const {
-    if (const std::string why = why_silent(); !why.empty()) return nothing(why);
+  static bool is_zero(const std::vector<double>& density) {
+    return std::all_of(density.begin(), density.end(), [](double d) { return d == 0; });
+  }
+
+  /// What all spectra say beside their lines.
+  Json spectrum_facts(Json json) const {
     const VelocitySpectrum& s = analysis_.spectrum;
-    if (s.mean.empty())
-      return nothing("the run is too short for a spectrum: fewer than 16 samples");
-    if (std::all_of(s.mean.begin(), s.mean.end(), [](double d) { return d == 0; }))
-      return nothing("no sample shows any vibration");
     std::vector<double> natural;
     for (const double f : analysis_.natural_frequencies)
       if (f < analysis_.rate / 2) natural.push_back(f);
-    return {
-        {"series", envelope(s.frequency, s.mean, ratio_groups(s.frequency.size(), most_groups))},
-        {"resolution", s.resolution},
-        {"segments", s.segments},
-        {"low", s.confidence.low},
-        {"high", s.confidence.high},
-        {"natural", natural},
-        {"aliased", analysis_.aliased_modes},
-        {"mesh", analysis_.mesh.in_spectrum ? analysis_.mesh.frequency : nan}};
+    json["resolution"] = s.resolution;
+    json["segments"] = s.segments;
+    json["low"] = s.confidence.low;
+    json["high"] = s.confidence.high;
+    json["natural"] = natural;
+    json["aliased"] = analysis_.aliased_modes;
+    json["mesh"] = analysis_.mesh.in_spectrum ? analysis_.mesh.frequency : nan;
+    return json;
+  }
+
+  Json drawn_density(const std::vector<double>& density) const {
+    const std::vector<double>& at = analysis_.spectrum.frequency;
+    return envelope(at, density, ratio_groups(at.size(), most_groups));
+  }
+
+  Json spectrum() const {
+    if (const std::string why = why_silent(); !why.empty()) return nothing(why);
+    const VelocitySpectrum& s = analysis_.spectrum;
+    if (s.mean.empty()) return nothing(no_spectrum);
+    if (is_zero(s.mean)) return nothing("no sample shows any vibration");
+    return spectrum_facts({{"series", drawn_density(s.mean)}});
+  }
+
+  /// Of each probe of both bodies, as many as can be told apart.
+  Json probe_spectra() const {
+    const Analysis& a = analysis_;
+    if (a.probe_position.empty() && a.slider_probe_position.empty()) return nothing(no_probes);
+    if (a.spectrum.mean.empty()) return nothing(no_spectrum);
+    Json lines = Json::array();
+    std::size_t left_out = 0;
+    bool moved = false;
+    const auto add = [&](const char* body, const std::vector<double>& at,
+                         const std::vector<std::vector<double>>& densities) {
+      for (std::size_t p = 0; p < at.size(); ++p) {
+        if (lines.size() == most_lines) {
+          ++left_out;
+          continue;
+        }
+        moved = moved || !is_zero(densities[p]);
+        lines.push_back(
+            {{"label", probe_label(body, at[p])}, {"series", drawn_density(densities[p])}});
+      }
+    };
+    add("resonator", a.probe_position, a.spectrum.probe);
+    add("slider", a.slider_probe_position, a.spectrum.slider_probe);
+    if (!moved) return nothing("no probe moved");
+    return spectrum_facts({{"lines", lines}, {"left_out", left_out}});
   }
 
   Json bands() const {
@@ -422,9 +467,9 @@ std::string text_of(const Json& json) {
 }  // namespace
 
 const std::vector<std::string>& result_views() {
-  static const std::vector<std::string> views{"overview",    "profiles", "force", "displacement",
-                                              "spectrum",    "shocks",   "level", "energy",
-                                              "spectrogram", "bands"};
+  static const std::vector<std::string> views{"overview", "profiles",      "force",  "displacement",
+                                              "spectrum", "probe-spectra", "shocks", "level",
+                                              "energy",   "spectrogram",   "bands"};
   return views;
 }
 

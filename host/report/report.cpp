@@ -103,6 +103,24 @@ std::string loudest_band(const BandLevels& b) {
                      b.level[at], 1.96 * b.spread[at]);
 }
 
+/// The least and the largest of the modes that tell one; empty without any.
+std::string damping_fact(const Analysis& a) {
+  double least = HUGE_VAL, most = 0;
+  std::size_t told = 0;
+  for (const SpectralPeak& peak : a.peaks)
+    if (peak.half_power.why == Untold::told) {
+      least = std::min(least, peak.half_power.damping);
+      most = std::max(most, peak.half_power.damping);
+      ++told;
+    }
+  if (told == 0) return {};
+  return fmt::format("{} to {}, of {} of {} modes{}", html_number(least), html_number(most), told,
+                     a.peaks.size(),
+                     std::isfinite(a.modal_damping)
+                         ? fmt::format("; modal damping {}", html_number(a.modal_damping))
+                         : "");
+}
+
 FactTable found_facts(const Told& told) {
   const Analysis& a = told.analysis;
   FactTable facts{{"level Lv", level_fact(told)}, {"shocks", rate_fact(told)}};
@@ -113,10 +131,15 @@ FactTable found_facts(const Told& told) {
                        fmt::format("{} on average, {} at most", html_number(a.shocks.at_once_mean),
                                    a.shocks.at_once_most));
   }
+  if (std::isfinite(a.energy_per_shock))
+    facts.emplace_back("energy they give", fmt::format("{} nJ each, on average",
+                                                       html_number(a.energy_per_shock * 1e9)));
   if (std::isfinite(a.contact_share))
     facts.emplace_back("in contact", fmt::format("{:.2f} % of the time", 100 * a.contact_share));
   if (!a.bands.level.empty() && a.v_rms > 0)
     facts.emplace_back("loudest third octave", loudest_band(a.bands));
+  if (const std::string dampings = damping_fact(a); !dampings.empty())
+    facts.emplace_back("half-power damping", dampings);
   if (std::isfinite(a.energy.sliding))
     facts.emplace_back(
         "power", fmt::format("{} W from sliding, {} W to damping", html_number(a.energy.sliding),
@@ -239,7 +262,8 @@ FigureWords words_of(const std::string& figure) {
         {"shocks.impulse.median", {"median impulse, µN s", 1e6}},
         {"shocks.simultaneous.mean", {"shocks at once"}},
         {"energy.sliding_power", {"power from sliding, mW", 1e3}},
-        {"energy.damping_power", {"power to damping, mW", 1e3}}})
+        {"energy.damping_power", {"power to damping, mW", 1e3}},
+        {"energy.per_shock", {"energy that a shock gives, nJ", 1e9}}})
     if (figure == name) return words;
   return {html(figure), 1};
 }

@@ -33,6 +33,8 @@ inline const Choices<Exactly> exact_choices{
     {{"rq", Exactly::rq}, {"rq+rsm", Exactly::rq_and_rsm}, {"none", Exactly::nothing}}};
 inline const Choices<FileUnit> file_units{
     {{"m", FileUnit::m}, {"mm", FileUnit::mm}, {"um", FileUnit::um}, {"nm", FileUnit::nm}}};
+inline const Choices<FileDecimal> file_decimals{
+    {{"point", FileDecimal::point}, {"comma", FileDecimal::comma}}};
 inline const Choices<FaceFilter> face_filters{
     {{"gaussian", FaceFilter::gaussian}, {"none", FaceFilter::none}}};
 inline const Choices<ShortProfile> short_profiles{

@@ -36,6 +36,8 @@ enum class Exactly { rq, rq_and_rsm, nothing };
 
 /// What the numbers of a file are in.
 enum class FileUnit { m, mm, um, nm };
+/// What stands before its decimals.
+enum class FileDecimal { point, comma };
 enum class FaceFilter { none, gaussian };
 /// What is done with a profile that is shorter than the beam.
 enum class ShortProfile { refuse, repeat };
@@ -43,8 +45,10 @@ enum class ShortProfile { refuse, repeat };
 /// How a measured profile is read and prepared, beyond what its file tells.
 struct FilePreparation {
   std::optional<FileUnit> x_unit, z_unit;
-  std::optional<int> row, column;  // from 1
-  std::string form, fill;          // "line", "linear:1e-5"; empty: none
+  std::optional<double> spacing;       // m, of a file that has no x
+  std::optional<FileDecimal> decimal;  // else what the file tells
+  std::optional<int> row, column;      // from 1
+  std::string form, fill;              // "line", "linear:1e-5"; empty: none
   FaceFilter filter = FaceFilter::none;
   std::optional<double> cutoff, cutoff_s;  // m
   ShortProfile when_short = ShortProfile::refuse;

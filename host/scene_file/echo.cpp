@@ -77,6 +77,9 @@ SurfaceWords words_of(const SurfaceSpec& surface, const std::filesystem::path& f
   };
   word("x_unit", how.x_unit.has_value(), file_units.name(how.x_unit.value_or(FileUnit::m)));
   word("z_unit", how.z_unit.has_value(), file_units.name(how.z_unit.value_or(FileUnit::m)));
+  length("spacing", how.spacing);
+  word("decimal", how.decimal.has_value(),
+       file_decimals.name(how.decimal.value_or(FileDecimal::point)));
   index("row", how.row);
   index("column", how.column);
   word("fill", !how.fill.empty(), how.fill);

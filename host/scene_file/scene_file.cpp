@@ -47,6 +47,8 @@ FilePreparation read_preparation(Reader& in, const std::string& path, Document& 
   FilePreparation how;
   how.x_unit = in.choice("x_unit", file_units, Need::optional);
   how.z_unit = in.choice("z_unit", file_units, Need::optional);
+  how.spacing = in.number("spacing", positive, "m", Need::optional);
+  how.decimal = in.choice("decimal", file_decimals, Need::optional);
   if (const auto row = in.integer("row", 1, most, Need::optional)) how.row = static_cast<int>(*row);
   if (const auto column = in.integer("column", 1, most, Need::optional))
     how.column = static_cast<int>(*column);

@@ -30,6 +30,18 @@ constexpr double audible = 20e3;       // Hz, that the young hear
 constexpr double passed_share = 0.91;  // of half the rate of the sound (Resampler)
 constexpr std::string_view program = "ra2d " RA2D_VERSION " (" RA2D_COMMIT ")";
 
+/// What is told, and asked for, of the probes of a body.
+struct ProbeWords {
+  const char *body, *key, *option, *name, *velocity;
+};
+const ProbeWords& words_of(ProbeOf body) {
+  static constexpr ProbeWords resonator{"resonator", "output.probes", "--probe", "probe",
+                                        "probes/velocity"};
+  static constexpr ProbeWords slider{"slider", "output.slider_probes", "--slider-probe",
+                                     "slider probe", "slider_probes/velocity"};
+  return body == ProbeOf::slider ? slider : resonator;
+}
+
 std::string places_text(const std::vector<double>& positions) {
   constexpr std::size_t most = 10;
   const std::vector<double> shown(
@@ -63,6 +75,7 @@ void require_room(const SoundFacts& facts, AudioFormat format, const fs::path& f
 
 std::string sidecar_text(const SoundFacts& f, const fs::path& file) {
   nlohmann::ordered_json json{{"file", file.filename().string()},
+                              {"body", words_of(f.body).body},
                               {"probe", f.probe},
                               {"position", f.position},
                               {"quantity", "velocity"},
@@ -106,6 +119,10 @@ double round_full_scale(double peak) {
     }
 }
 
+std::string SoundFacts::place() const {
+  return fmt::format("{} {} at {} m", words_of(body).name, probe, position);
+}
+
 // ---- the sound of a probe ----------------------------------------------------------------------
 
 ProbeSound::ProbeSound(const fs::path& result, const SoundOptions& options) : reader_{result} {
@@ -118,7 +135,7 @@ ProbeSound::ProbeSound(const fs::path& result, const SoundOptions& options) : re
   facts_.rate = options.rate;
   facts_.slow = options.slow;
   facts_.source_rate = contents.rate;
-  choose_probe(options.probe);
+  choose_probe(options);
   stretch_ = choose_stretch(contents, scene_, result, options.from, options.to);
   if (stretch_.count < 2)
     throw RequestError(fmt::format(
@@ -133,27 +150,38 @@ ProbeSound::ProbeSound(const fs::path& result, const SoundOptions& options) : re
   doubt_clipping();
 }
 
-void ProbeSound::choose_probe(std::size_t probe) {
-  const std::vector<double>& positions = reader_.contents().probe_position;
+void ProbeSound::choose_probe(const SoundOptions& options) {
+  const ProbeWords& words = words_of(options.body);
+  const ResultContents& contents = reader_.contents();
+  const bool slider = options.body == ProbeOf::slider;
+  const std::vector<double>& positions =
+      slider ? contents.slider_probe_position : contents.probe_position;
+  const std::size_t others =
+      (slider ? contents.probe_position : contents.slider_probe_position).size();
+  const ProbeWords& other = words_of(slider ? ProbeOf::resonator : ProbeOf::slider);
   if (positions.empty())
     throw RequestError(fmt::format(
-        "{}: it has no probe to listen to: name a place on the resonator in the scene, as "
-        "output.probes = [0.15], and run it again",
-        facts_.source.string()));
-  if (probe < 1 || probe > positions.size())
-    throw RequestError(fmt::format("{}: --probe {}: expected 1 to {} (at {})",
-                                   facts_.source.string(), probe, positions.size(),
+        "{}: it has no {} to listen to: name a place on the {} in the scene, as {} = [{}], and run "
+        "it again{}",
+        facts_.source.string(), words.name, words.body, words.key, slider ? "0.01" : "0.15",
+        others > 0 ? fmt::format(" (there {} {} of the {}: {} 1)", others == 1 ? "is" : "are",
+                                 others, other.body, other.option)
+                   : ""));
+  if (options.probe < 1 || options.probe > positions.size())
+    throw RequestError(fmt::format("{}: {} {}: expected 1 to {} (at {})", facts_.source.string(),
+                                   words.option, options.probe, positions.size(),
                                    places_text(positions)));
-  facts_.probe = probe;
-  facts_.position = positions[probe - 1];
+  facts_.body = options.body;
+  facts_.probe = options.probe;
+  facts_.position = positions[options.probe - 1];
 }
 
 void ProbeSound::each_sample(const TakeSamples& take) const {
   Resampler resampler(facts_.source_rate / facts_.slow, facts_.rate);
   for (std::size_t done = 0; done < stretch_.count; done += rows_together) {
     const std::size_t now = std::min(rows_together, stretch_.count - done);
-    const auto columns =
-        reader_.columns("probes/velocity", stretch_.first + done, now, facts_.probe - 1, 1);
+    const auto columns = reader_.columns(words_of(facts_.body).velocity, stretch_.first + done, now,
+                                         facts_.probe - 1, 1);
     resampler.feed(columns.front(), take);
   }
   resampler.finish(take);
@@ -187,22 +215,27 @@ void ProbeSound::play(const TakeSamples& take) const {
 void ProbeSound::doubt_silence() {
   if (facts_.peak > 0) return;
   facts_.doubts.push_back(
-      fmt::format("silence: the probe at {:g} m does not move from {:g} s to {:g} s{}",
-                  facts_.position, facts_.from, facts_.to,
-                  facts_.position == 0 ? "; at a support there is nothing to hear" : ""));
+      fmt::format("silence: the {} at {:g} m does not move from {:g} s to {:g} s{}",
+                  words_of(facts_.body).name, facts_.position, facts_.from, facts_.to,
+                  facts_.position == 0 && facts_.body == ProbeOf::resonator
+                      ? "; at a support there is nothing to hear"
+                      : ""));
 }
 
 void ProbeSound::doubt_rate() {
-  const std::vector<double>& modes = reader_.contents().resonator_frequency;
+  const ResultContents& contents = reader_.contents();
+  const std::vector<double>& modes =
+      facts_.body == ProbeOf::slider ? contents.slider_frequency : contents.resonator_frequency;
+  const char* const body = words_of(facts_.body).body;
   const double carried = facts_.source_rate / 2,
                heard = std::min(carried, passed_share * facts_.rate / 2 * facts_.slow);
   const double highest = modes.empty() ? 0.0 : *std::max_element(modes.begin(), modes.end());
   if (const std::size_t above = modes_between(modes, carried, HUGE_VAL); above > 0)
     facts_.doubts.push_back(fmt::format(
-        "output.rate is too low: {} of the resonator's modes ring above {:g} Hz, half the rate of "
+        "output.rate is too low: {} of the {}'s modes ring above {:g} Hz, half the rate of "
         "the samples, the highest at {:.4g} Hz. They are heard at frequencies that are not theirs. "
         "Run with output.rate above {:.3g}",
-        above, carried, highest, 2 * highest));
+        above, body, carried, highest, 2 * highest));
   else if (carried < audible)
     facts_.doubts.push_back(fmt::format(
         "output.rate is low: nothing above {:g} Hz, half the rate of the samples, can be in this "
@@ -210,9 +243,9 @@ void ProbeSound::doubt_rate() {
         carried, audible, 2 * audible));
   if (const std::size_t lost = modes_between(modes, heard, std::min(carried, audible)); lost > 0)
     facts_.doubts.push_back(
-        fmt::format("--rate {} passes what is below {:.4g} Hz: {} of the resonator's modes are "
+        fmt::format("--rate {} passes what is below {:.4g} Hz: {} of the {}'s modes are "
                     "left out. Take --rate 48000",
-                    facts_.rate, heard, lost));
+                    facts_.rate, heard, lost, body));
 }
 
 void ProbeSound::doubt_clipping() {
@@ -226,9 +259,8 @@ void ProbeSound::doubt_clipping() {
 // ---- files -------------------------------------------------------------------------------------
 
 AudioNotes notes_of(const SoundFacts& f) {
-  std::string comment =
-      fmt::format("velocity of probe {} at {} m, the value 1.0 is {} m/s; {} s to {} s", f.probe,
-                  f.position, f.full_scale, f.from, f.to);
+  std::string comment = fmt::format("velocity of {}, the value 1.0 is {} m/s; {} s to {} s",
+                                    f.place(), f.full_scale, f.from, f.to);
   if (f.slow != 1) comment += fmt::format("; {} times slower", f.slow);
   return {printable(f.title), comment, std::string(program)};
 }

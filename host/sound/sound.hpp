@@ -14,8 +14,11 @@
 /// The velocity of a probe, to listen to (docs/sound.md).
 namespace ra2d {
 
+enum class ProbeOf { resonator, slider };
+
 struct SoundOptions {
-  std::size_t probe = 1;             // its number in the file, from 1
+  std::size_t probe = 1;  // its number among those of its body, from 1
+  ProbeOf body = ProbeOf::resonator;
   double slow = 1;                   // how many times longer it lasts
   int rate = 48'000;                 // Hz, of the sound
   bool normalize = false;            // the peak is full scale
@@ -30,7 +33,8 @@ struct SoundFacts {
   bool complete = true;
   std::string ended;
   std::size_t probe = 1;
-  double position = 0;     // m, of the probe
+  ProbeOf body = ProbeOf::resonator;
+  double position = 0;     // m, of the probe, on its body
   double full_scale = 1;   // m/s that the value 1 stands for
   double peak = 0;         // m/s, of the sound
   std::size_t beyond = 0;  // samples beyond full scale
@@ -42,6 +46,7 @@ struct SoundFacts {
   std::vector<std::string> doubts;
 
   double seconds() const { return static_cast<double>(frames) / rate; }  // of the sound
+  std::string place() const;                                             // "probe 1 at 0.15 m"
 };
 
 /// The smallest of 1, 2, 5 times a power of ten that is not below; 1 for 0.
@@ -59,7 +64,7 @@ class ProbeSound {
 
  private:
   void each_sample(const TakeSamples& take) const;  // m/s
-  void choose_probe(std::size_t probe);
+  void choose_probe(const SoundOptions& options);
   void find_peak(const SoundOptions& options);
   void doubt_silence();
   void doubt_rate();

@@ -193,6 +193,7 @@ ResultContents contents_of(hid_t file) {
   contents.slider_frequency = all_of(file, "slider/frequency");
   contents.mean_square = all_of(file, "resonator/mean_square");
   contents.probe_position = all_of(file, "probes/position");
+  contents.slider_probe_position = all_of(file, "slider_probes/position");
   contents.shocks = shocks_of(file);
   contents.summary = summary_of(file);
   return contents;
@@ -206,10 +207,11 @@ void require_readable(const std::filesystem::path& path) {
     throw Fault{errno != 0 ? h5::system_failure(errno).reason : "unreadable"};
 }
 
+bool has_signature(const std::filesystem::path& path) { return H5Fis_hdf5(path.c_str()) > 0; }
+
 h5::File open(const std::filesystem::path& path) {
   require_readable(path);
-  if (H5Fis_hdf5(path.c_str()) <= 0)
-    throw Fault{"it is no HDF5 file: expected a result of 'ra2d run'"};
+  if (!has_signature(path)) throw Fault{"it is no HDF5 file: expected a result of 'ra2d run'"};
   const h5::Properties access = h5::file_access();
   h5::File file{check(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access))};
   if (check(H5Aexists(file, "creator")) == 0 || text_attribute(file, "creator") != "ra2d" ||
@@ -251,6 +253,13 @@ std::optional<ResultStamp> stamp_of(const std::filesystem::path& path) noexcept 
   });
 } catch (const std::exception&) {
   return std::nullopt;
+}
+
+bool is_hdf5(const std::filesystem::path& file) {
+  return guarded(file, [&] {
+    require_readable(file);
+    return has_signature(file);
+  });
 }
 
 struct ResultReader::Impl {

@@ -22,10 +22,11 @@ struct ResultContents {
   double rate = 0;           // Hz, of the samples; NaN of fewer than two
   double end = 0;            // s, time of the last sample; NaN of none
   std::vector<double> resonator_frequency, slider_frequency;  // Hz, 0 of rigid modes
-  std::vector<double> mean_square;     // 1/m, of the resonator's elastic modes
-  std::vector<double> probe_position;  // m, on the resonator
-  std::vector<Shock> shocks;           // in order of start
-  ResultSummary summary;               // NaN where the file has none; complete and ended as it says
+  std::vector<double> mean_square;            // 1/m, of the resonator's elastic modes
+  std::vector<double> probe_position;         // m, on the resonator
+  std::vector<double> slider_probe_position;  // m, on the slider
+  std::vector<Shock> shocks;                  // in order of start
+  ResultSummary summary;  // NaN where the file has none; complete and ended as it says
 };
 
 /// What a result file says of itself.
@@ -36,6 +37,9 @@ struct ResultStamp {
 
 /// None where the file is no result, or cannot be read.
 std::optional<ResultStamp> stamp_of(const std::filesystem::path& path) noexcept;
+
+/// Whether a file is HDF5, as results are. Throws FileError where it cannot be read.
+bool is_hdf5(const std::filesystem::path& file);
 
 /// A result file that is open for reading. Throws FileError where it is none, of another format, cut
 /// short, or where its datasets do not fit together.

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <span>
+#include <utility>
 
 #include "host/errors.hpp"
 #include "host/surface/profile_filter.hpp"
@@ -79,6 +80,7 @@ Measurement measure_profile(Profile profile, const MeasureOptions& asked, const 
   shape_profile(profile, options.form, options.cutoff_s,
                 options.filter ? options.cutoff : std::nullopt);
   std::vector<double>& z = profile.heights;
+  found.dropped = (found.nodes - z.size()) / 2;
   const auto left = static_cast<double>(z.size());
   const double points =  // of a sampling length
       options.cutoff ? *options.cutoff / profile.spacing : static_cast<double>(z.size());
@@ -110,6 +112,7 @@ Measurement measure_profile(Profile profile, const MeasureOptions& asked, const 
   }
   found.parameters = roughness(z, profile.spacing, found.sampling_lengths, options.rule);
   found.material_ratio = options.level ? material_ratio(z, *options.level) : nan;
+  found.heights = std::move(z);
   return found;
 }
 

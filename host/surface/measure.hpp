@@ -33,6 +33,8 @@ struct Measurement {
   double sampling_length;                 // m
   Roughness parameters;
   double material_ratio;            // at the level; NaN where none was asked for
+  std::vector<double> heights;      // that were evaluated, from their mean line
+  std::size_t dropped;              // points before them
   std::vector<std::string> doubts;  // what looks odd but may be meant
 };
 

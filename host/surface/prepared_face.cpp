@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -14,7 +15,6 @@
 #include "host/surface/form.hpp"
 #include "host/surface/measure.hpp"
 #include "host/surface/profile.hpp"
-#include "host/surface/profile_filter.hpp"
 #include "host/surface/profile_lines.hpp"
 #include "host/surface/sum.hpp"
 
@@ -32,10 +32,10 @@ constexpr double coarse_nodes = 20;                        // to a step of the p
 /// The readers speak of options of a command; in a scene they are keys.
 std::string in_keys(std::string text) {
   constexpr std::pair<std::string_view, std::string_view> words[] = {
-      {" (--spacing says it all)", ""},
-      {"; of heights alone give the spacing with --spacing", ""},
-      {"Say --decimal point, where commas part the columns, or --decimal comma",
-       "Write numbers with points, or part columns with semicolons"},
+      {"--decimal point", "decimal = \"point\""},
+      {"--decimal comma", "decimal = \"comma\""},
+      {"--decimal", "decimal"},
+      {"--spacing", "spacing"},
       {"--x-unit", "x_unit"},
       {"--z-unit", "z_unit"},
       {"--column", "column"},
@@ -52,6 +52,9 @@ ProfileQuery query_of(const FilePreparation& how) {
   ProfileQuery query;
   if (how.x_unit) query.x_unit = to_unit(file_units.name(*how.x_unit));
   if (how.z_unit) query.z_unit = to_unit(file_units.name(*how.z_unit));
+  query.spacing = how.spacing;
+  if (how.decimal)
+    query.decimal = *how.decimal == FileDecimal::comma ? DecimalMark::comma : DecimalMark::point;
   query.row = how.row;
   query.column = how.column;
   return query;
@@ -61,24 +64,17 @@ ProfileQuery query_of(const FilePreparation& how) {
   throw RequestError(fmt::format("{}: {}", file.string(), why));
 }
 
-/// The roughness profile of the cut-off, without half of it at each end: there its mean line is not
-/// that of the norm.
-void filter(const std::filesystem::path& file, Profile& profile, double cutoff) {
-  std::vector<double>& z = profile.heights;
+/// What the filter needs of the profile.
+void check_cutoff(const std::filesystem::path& file, const Profile& profile, double cutoff) {
   if (cutoff < fewest_steps * profile.spacing)
     refuse_face(file, fmt::format("cutoff = {:g}: at least {:g} steps of the profile are needed, "
                                   "{:.6g} m",
                                   cutoff, fewest_steps, fewest_steps * profile.spacing));
   const double half = std::round(0.5 * cutoff / profile.spacing);
-  if (2 * half + 2 > static_cast<double>(z.size()))
+  if (2 * half + 2 > static_cast<double>(profile.heights.size()))
     refuse_face(file, fmt::format("cutoff = {:g}: half of it is dropped at each end, and the "
                                   "profile is {:.6g} m long",
                                   cutoff, profile.length()));
-  const std::vector<double> line = gaussian_mean_line(z, profile.spacing, cutoff);
-  for (std::size_t i = 0; i < z.size(); ++i) z[i] -= line[i];
-  const auto dropped = static_cast<std::ptrdiff_t>(half);
-  z.erase(z.end() - dropped, z.end());
-  z.erase(z.begin(), z.begin() + dropped);
 }
 
 Profile prepare(const FilePreparation& how, const std::filesystem::path& file) {
@@ -89,14 +85,16 @@ Profile prepare(const FilePreparation& how, const std::filesystem::path& file) {
   } catch (const RequestError& fault) {
     throw RequestError(in_keys(fault.what()));
   }
-  if (!how.form.empty()) remove_form(profile.heights, to_form(how.form));
-  if (how.cutoff_s) {
-    if (*how.cutoff_s > 0.5 * profile.length())
-      refuse_face(file, fmt::format("cutoff_s = {:g}: the profile is {:.6g} m long", *how.cutoff_s,
-                                    profile.length()));
-    profile.heights = gaussian_mean_line(profile.heights, profile.spacing, *how.cutoff_s);
+  if (how.cutoff_s && *how.cutoff_s > 0.5 * profile.length())
+    refuse_face(file, fmt::format("cutoff_s = {:g}: the profile is {:.6g} m long", *how.cutoff_s,
+                                  profile.length()));
+  std::optional<double> cutoff;
+  if (how.filter == FaceFilter::gaussian) {
+    cutoff = how.cutoff.value_or(usual_cutoff);
+    check_cutoff(file, profile, *cutoff);
   }
-  if (how.filter == FaceFilter::gaussian) filter(file, profile, how.cutoff.value_or(usual_cutoff));
+  shape_profile(profile, how.form.empty() ? ProfileForm{} : to_form(how.form), how.cutoff_s,
+                cutoff);
   subtract_mean(profile.heights);
   return profile;
 }

@@ -8,8 +8,9 @@
 #include <complex>
 #include <cstddef>
 #include <numbers>
-#include <unsupported/Eigen/FFT>
+#include <span>
 
+#include "host/fourier.hpp"
 #include "host/surface/sum.hpp"
 
 namespace ra2d {
@@ -53,6 +54,7 @@ struct Bell {
 
 /// The heights' weighted sum (real part) and their first moment (imaginary part) about every point.
 using Moments = std::vector<std::complex<double>>;
+using Transformed = std::vector<std::complex<double>>;
 
 Moments sum_plainly(const std::vector<double>& heights, const Bell& bell) {
   Moments moments(heights.size());
@@ -73,34 +75,53 @@ Moments sum_plainly(const std::vector<double>& heights, const Bell& bell) {
   return moments;
 }
 
-/// The same as a convolution with the complex kernel weight - i moment, block by block.
+/// The transform of a kernel: at[0] about its middle, at[j] j points before and side * at[j] behind.
+Transformed transfer(Fourier& fourier, const std::vector<double>& at, double side) {
+  const std::span<double> kernel = fourier.input();
+  std::fill(kernel.begin(), kernel.end(), 0.0);
+  kernel[0] = at[0];
+  for (std::size_t j = 1; j < at.size(); ++j) {
+    kernel[j] = side * at[j];
+    kernel[kernel.size() - j] = at[j];
+  }
+  fourier.transform();
+  return {fourier.spectrum().begin(), fourier.spectrum().end()};
+}
+
+/// Each line times another, and back; written out: operator* looks for NaN.
+void convolve(std::span<const std::complex<double>> lines, const Transformed& other,
+              BackFourier& back) {
+  const auto product = back.input();
+  for (std::size_t k = 0; k < product.size(); ++k) {
+    const auto a = lines[k], b = other[k];
+    product[k] = {a.real() * b.real() - a.imag() * b.imag(),
+                  a.real() * b.imag() + a.imag() * b.real()};
+  }
+  back.transform();
+}
+
+/// The same as convolutions with the weights and with the moments, block by block.
 Moments sum_by_fft(const std::vector<double>& heights, const Bell& bell) {
   const std::size_t half = bell.half(), count = heights.size();
   const std::size_t block = std::min(std::bit_ceil(8 * half), std::bit_ceil(count + 2 * half));
   const std::size_t fresh = block - 2 * half;  // points of a block that see no wrapping
-  Eigen::FFT<double> fft;
-  Moments kernel(block), transfer(block), values(block), spectrum(block), moments(count);
-  kernel[0] = bell.weight[0];
-  for (std::size_t j = 1; j <= half; ++j) {
-    kernel[j] = {bell.weight[j], -bell.moment[j]};
-    kernel[block - j] = {bell.weight[j], bell.moment[j]};
-  }
-  const auto size = static_cast<Eigen::Index>(block);
-  fft.fwd(transfer.data(), kernel.data(), size);
+  Fourier fourier(block);
+  BackFourier sums(block), firsts(block);
+  const Transformed weights = transfer(fourier, bell.weight, 1),
+                    moment = transfer(fourier, bell.moment, -1);
+  const double scale = 1 / static_cast<double>(block);
+  Moments moments(count);
+  const std::span<double> values = fourier.input();
   for (std::size_t begin = 0; begin < count; begin += fresh) {
     for (std::size_t k = 0; k < block; ++k) {
       const std::size_t at = begin + k;  // of a profile that begins half points later
       values[k] = at >= half && at - half < count ? heights[at - half] : 0.0;
     }
-    fft.fwd(spectrum.data(), values.data(), size);
-    for (std::size_t k = 0; k < block; ++k) {  // written out: operator* looks for NaN
-      const auto a = spectrum[k], b = transfer[k];
-      spectrum[k] = {a.real() * b.real() - a.imag() * b.imag(),
-                     a.real() * b.imag() + a.imag() * b.real()};
-    }
-    fft.inv(values.data(), spectrum.data(), size);
+    fourier.transform();
+    convolve(fourier.spectrum(), weights, sums);
+    convolve(fourier.spectrum(), moment, firsts);
     for (std::size_t k = 0; k < fresh && begin + k < count; ++k)
-      moments[begin + k] = values[k + half];
+      moments[begin + k] = {scale * sums.output()[k + half], scale * firsts.output()[k + half]};
   }
   return moments;
 }

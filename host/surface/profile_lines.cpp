@@ -70,15 +70,19 @@ bool ProfileLines::next() {
 }
 
 void split_words(std::string_view line, std::vector<std::string_view>& words) {
-  constexpr std::string_view blanks = " \t\r\v\f";
+  // character by character: find_first_of() would look each up in a list by a call
+  const auto is_blank = [](char c) {
+    return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f';
+  };
   line = line.substr(0, line.find('#'));
   words.clear();
   const auto skip_blanks = [&] {
-    line.remove_prefix(std::min(line.find_first_not_of(blanks), line.size()));
+    while (!line.empty() && is_blank(line.front())) line.remove_prefix(1);
   };
   skip_blanks();
   while (!line.empty()) {
-    const std::size_t end = std::min(line.find_first_of(", \t\r\v\f"), line.size());
+    std::size_t end = 0;
+    while (end < line.size() && line[end] != ',' && !is_blank(line[end])) ++end;
     words.push_back(line.substr(0, end));
     line.remove_prefix(end);
     skip_blanks();
@@ -167,8 +171,11 @@ void ProfilePoints::check_steps(const char* unit) {
 
   std::size_t found = 0;
   for (std::size_t i = 1; i < points.size() && found < most_faults; ++i) {
+    const double length = points[i].x - points[i - 1].x;
+    if (std::isnan(length)) continue;
+    // what an even spacing may do, whatever was printed, is asked first: the digits cost a power
+    if (length > 0 && std::abs(length - usual.length) <= evenness * usual.length) continue;
     const Step step = step_to(i);
-    if (std::isnan(step.length)) continue;
     // However coarse the print, a quarter of a step is no rounding.
     const double tolerance =
         evenness * usual.length + std::min(step.printed + usual.printed, usual.length / 4);

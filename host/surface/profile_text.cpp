@@ -32,10 +32,11 @@ std::string_view trimmed(std::string_view text) {
 }
 
 bool is_missing(std::string_view word) {
-  std::string lower(word.substr(0, 4));
+  if (word.empty() || word.size() > 3) return word.empty();
+  std::string lower(word);
   for (char& c : lower)
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return word.empty() || (word.size() < 4 && (lower == "nan" || lower == "na" || lower == "n/a"));
+  return lower == "nan" || lower == "na" || lower == "n/a";
 }
 
 /// How a file writes its numbers.

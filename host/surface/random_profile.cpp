@@ -108,7 +108,7 @@ Waves before_map(Waves waves, const HeightMap& map) {
   const auto places = static_cast<std::size_t>(waves.places);
   std::vector<Complex> half(places / 2 + 1);
   for (std::size_t j = 0; j < waves.variance.size(); ++j) half[j] = waves.variance[j] / 2;
-  const std::vector<double> correlation = from_lines(std::move(half), places);
+  const std::vector<double> correlation = from_lines(half, places);
   Fourier normal(places);
   for (std::size_t n = 0; n < places; ++n)
     normal.input()[n] = map.normal_correlation(correlation[n]);
@@ -163,8 +163,7 @@ Process bells_of_waves(const RandomProfile& p, const HeightMap& map, double leng
     const Complex noise(white_noise(seed, number), -white_noise(seed, number + 1));
     half[j] = std::sqrt(waves.variance[j]) / 2 / Bells::gain(waves.turn(j)) * noise;
   }
-  const std::vector<double> period =
-      from_lines(std::move(half), static_cast<std::size_t>(waves.places));
+  const std::vector<double> period = from_lines(half, static_cast<std::size_t>(waves.places));
   const int last = last_place(length, waves.place) + 2 * Bells::reach;
   std::vector<double> coefficients;
   coefficients.reserve(static_cast<std::size_t>(last) + 1);

@@ -190,7 +190,10 @@ Roughness roughness(std::span<const double> heights, double spacing, std::size_t
   r.rq = std::sqrt(mean(heights, [](double z) { return z * z; }));
   const auto power = [&](double z) { return z / r.rq; };  // z^4 alone may be no double
   r.rsk = mean(heights, [&](double z) { return power(z) * power(z) * power(z); });
-  r.rku = mean(heights, [&](double z) { return std::pow(power(z), 4); });
+  r.rku = mean(heights, [&](double z) {
+    const double square = power(z) * power(z);
+    return square * square;
+  });
   const auto [lowest, highest] = std::minmax_element(heights.begin(), heights.end());
   r.rt = *highest - *lowest;
   for (std::size_t k = 0; k < sections; ++k) {

@@ -13,6 +13,8 @@
 #include <string>
 #include <vector>
 
+#include "host/analysis/analysis.hpp"
+#include "host/chart/chart_files.hpp"
 #include "host/errors.hpp"
 #include "host/partial_file.hpp"
 #include "host/plot/envelope.hpp"
@@ -198,6 +200,18 @@ TEST_F(Pictures, SpectrumAndSpectrogramHaveTheirPeakAtTheTone) {
   EXPECT_THAT(panel("bands")["names"], testing::Contains("1000"));
 }
 
+TEST_F(Pictures, SpectraOfProbesAreThoseOfTheAnalysis) {
+  const json found = panel("probe-spectra");
+  ASSERT_EQ(found["lines"].size(), 1u);
+  EXPECT_EQ(found["lines"][0]["label"], "resonator at 150 mm");
+  EXPECT_EQ(found["left_out"], 0);
+  const Analysis a = analyze(path_, {});
+  const json low = found["lines"][0]["series"]["mean"];
+  EXPECT_DOUBLE_EQ(low[0], a.spectrum.probe[0][1]);  // from the first line above 0 Hz on
+  EXPECT_DOUBLE_EQ(low[1], a.spectrum.probe[0][2]);
+  EXPECT_EQ(found["resolution"], a.spectrum.resolution);
+}
+
 TEST_F(Pictures, ShocksPlacesProbesAndEnergyAreThoseOfTheFile) {
   const json shocks = panel("shocks");
   EXPECT_EQ(shocks["count"], 2);
@@ -222,7 +236,9 @@ TEST_F(Pictures, EmptyPanelsSayWhy) {
   EXPECT_THAT(why("shocks", {.shocks = false}), HasSubstr("no shocks"));
   EXPECT_THAT(why("force", {.force = 0, .shocks = false}), HasSubstr("never touched"));
   EXPECT_THAT(why("force", {.force = 0}), HasSubstr("shorter than the time from sample to sample"));
-  EXPECT_THAT(why("displacement", {.probes = false}), HasSubstr("output.probes"));
+  for (const char* name : {"displacement", "probe-spectra"})
+    EXPECT_THAT(why(name, {.probes = false}), HasSubstr("output.probes"));
+  EXPECT_THAT(why("probe-spectra", {.samples = 12}), HasSubstr("too short"));
   for (const char* name : {"spectrum", "level", "bands", "spectrogram"})
     EXPECT_THAT(why(name, {.velocity = 0}), HasSubstr("at rest")) << name;
   EXPECT_THAT(why("spectrogram", {.samples = 100}), HasSubstr("too short"));
@@ -270,7 +286,7 @@ TEST_F(Pictures, AProfileHasItsParametersAndHeights) {
   EXPECT_EQ(long_one["cutoff"], 2.5e-3);
   EXPECT_EQ(long_one["sampling_lengths"], 5);
   EXPECT_NEAR(long_one["parameters"]["Rq"], 1e-6 / std::sqrt(2.0), 1e-9);
-  EXPECT_TRUE(long_one.contains("mean_line"));
+  EXPECT_EQ(long_one["line_is"], "mean line of the filter");
   const std::vector<double> shares = long_one["heights"]["shares"];
   EXPECT_NEAR(std::accumulate(shares.begin(), shares.end(), 0.0), 1, 1e-9);
   EXPECT_GT(shares.front(), shares[shares.size() / 2]);  // a sine stays longest at its ends
@@ -279,12 +295,42 @@ TEST_F(Pictures, AProfileHasItsParametersAndHeights) {
 
   make_profile(file, 501);  // 1 mm: no room for the usual cut-off
   EXPECT_FALSE(json::parse(profile_picture(file, {})).contains("cutoff"));
-  EXPECT_EQ(json::parse(profile_picture(file, {.query = {}, .cutoff = 2e-4}))["cutoff"], 2e-4);
+  const ProfilePictureOptions short_waves{
+      .query = {}, .measure = {.cutoff = 2e-4}, .usual_filter = false};
+  EXPECT_EQ(json::parse(profile_picture(file, short_waves))["cutoff"], 2e-4);
   make_profile(file, 501, true);
   const json gap = json::parse(profile_picture(file, {}));
   EXPECT_EQ(gap["missing"], 1);
   EXPECT_TRUE(gap["profile"]["mean"][7].is_null());
   EXPECT_FALSE(gap.contains("parameters"));
+  const json filled = json::parse(
+      profile_picture(file, {.query = {}, .measure = {.fill = 1e-5}, .usual_filter = true}));
+  EXPECT_EQ(filled["missing"], 1);
+  EXPECT_NEAR(filled["parameters"]["Rq"], 1e-6 / std::sqrt(2.0), 1e-9);
+  EXPECT_TRUE(filled["profile"]["mean"][7].is_null());  // as measured
+}
+
+/// A sine on a parabola: the form is the parabola, and what is measured the sine.
+TEST_F(Pictures, AProfileLosesItsForm) {
+  const fs::path file = folder_.path() / "bent.txt";
+  std::string text = "x [mm];z [um]\n";
+  const auto bend = [](double x) { return 40 * (x - 0.5) * (x - 0.5); };  // um, of mm
+  for (int i = 0; i < 1000; ++i)
+    text += fmt::format("{:.4f};{:.9f}\n", 0.001 * i,
+                        bend(0.001 * i) + std::sin(2 * M_PI * (i + 0.5) / 20));
+  write_text(file, text);
+  ProfilePictureOptions options{.query = {}, .measure = {}, .usual_filter = false};
+  options.measure.form.degree = 2;
+  options.measure.filter = false;
+  const json found = json::parse(profile_picture(file, options));
+  EXPECT_EQ(found["line_is"], "form");
+  EXPECT_EQ(found["filtered"], false);
+  EXPECT_NEAR(found["parameters"]["Rq"], 1e-6 / std::sqrt(2.0), 1e-9);
+  const std::vector<double> line = found["line"]["mean"], at = found["line"]["x"];
+  ASSERT_EQ(line.size(), 1000u);
+  // a sine of 50 whole periods leaves a parabola alone, but for 1/(pi 50) of its height
+  for (std::size_t i = 0; i < line.size(); ++i)
+    ASSERT_NEAR(line[i] - line[500], 1e-6 * (bend(1e3 * at[i]) - bend(1e3 * at[500])), 2e-8) << i;
 }
 
 // ---- what the program makes --------------------------------------------------------------------
@@ -431,7 +477,9 @@ TEST_F(Plot, RefusesWhatCannotBeDrawn) {
   EXPECT_THAT(refused({"a.h5", "sine.csv"}, 2), HasSubstr("sine.csv"));
   EXPECT_THAT(refused({"sine.csv", "--what", "level"}, 2), HasSubstr("a profile"));
   EXPECT_THAT(refused({"sine.csv", "--x-unit", "inch"}, 2), HasSubstr("mm"));
-  EXPECT_THAT(refused({"a.h5", "--cutoff", "1e-3"}, 2), HasSubstr("of profiles"));
+  EXPECT_THAT(refused({"a.h5", "--cutoff", "1e-3"}, 2), HasSubstr("--cutoff is of profiles"));
+  EXPECT_THAT(refused({"a.h5", "--row", "3"}, 2), HasSubstr("--row is of profiles"));
+  EXPECT_THAT(refused({"sine.csv", "--form", "circle"}, 2), HasSubstr("poly:N"));
   EXPECT_THAT(refused({"text.txt"}, 2), HasSubstr("text.txt"));
   EXPECT_THAT(refused({"nowhere.h5"}, 4), HasSubstr("nowhere.h5"));
   EXPECT_THAT(refused({"."}, 4), HasSubstr("folder"));
@@ -443,6 +491,73 @@ TEST_F(Plot, RefusesWhatCannotBeDrawn) {
   const Ended help = run_program(folder_.path(), {program(), "help", "plot"});
   EXPECT_EQ(help.status, 0);
   EXPECT_THAT(help.out, AllOf(HasSubstr("--what"), HasSubstr("spectrogram"), HasSubstr("PICTURE")));
+}
+
+/// The tables of a chart of accuracy, as they stand in bench/, and of stability, three lines long.
+void make_charts(const fs::path& folder) {
+  for (const char* name : {"accuracy.csv", "accuracy-long.csv"})
+    fs::copy(source_folder() / "bench" / name, folder / name);
+  const auto table = [&](std::size_t i, const std::string& comments, const std::string& rows) {
+    const ChartKind& kind = stability_tables();
+    write_text(chart_files(kind, folder / "stability")[i],
+               comments + heading(kind.tables[i]) + rows);
+  };
+  table(0, "", "rk4,old,4,4,open,0.02,0.02,2.8,2.79,2.81,0.1,-0.002,-0.002\n");
+  table(1, "", "rk4,old,open,0,2.828,-0,2.828\nrk4,old,open,0.5,2.9,-1.45,2.51\n");
+  table(2, "# scene: my $x^$ scene\n# step: 1e-07 s\n",
+        "open,resonator,0,52,0.02,-6e-07,3.3e-05\n");
+}
+
+TEST_F(Plot, AChartIsDrawnAgainFromItsTables) {
+  RA2D_SKIP_WITHOUT_MATPLOTLIB();
+  make_charts(folder_.path());
+  EXPECT_EQ(plot({"accuracy.csv"}).out, "written: accuracy.png\n");  // the other is beside it
+  EXPECT_EQ(read_file(file("accuracy.png")).substr(0, 8), "\x89PNG\r\n\x1a\n");
+  EXPECT_EQ(plot({"accuracy-long.csv", "-o", "long.svg"}).status, 0);
+  EXPECT_THAT(texts_of(read_file(file("long.svg"))),
+              AllOf(HasSubstr("Speed against accuracy. Scene: roughness noise"),
+                    HasSubstr("shocks a second"), HasSubstr("midpoint")));
+  EXPECT_EQ(plot({"stability-modes.csv", "-o", "stability.svg"}).status, 0);
+  EXPECT_THAT(texts_of(read_file(file("stability.svg"))),
+              HasSubstr("Stability of the time schemes. Scene: my $x^$ scene, step 1e-07 s"));
+  // by content, not by name
+  fs::rename(file("stability.csv"), file("a.txt"));
+  fs::rename(file("stability-regions.csv"), file("b"));
+  fs::rename(file("stability-modes.csv"), file("c.h5"));
+  const Ended renamed = plot({"b", "c.h5", "a.txt", "-o", "again.svg"});
+  EXPECT_EQ(renamed.status, 0) << renamed.err;
+  EXPECT_EQ(read_file(file("again.svg")), read_file(file("stability.svg")));
+}
+
+TEST_F(Plot, RefusesChartsThatAreNotWhole) {
+  make_charts(folder_.path());
+  make_result(file("a.h5"), {});
+  const auto refused = [&](std::vector<std::string> words, int status) {
+    words.insert(words.end(), {"-o", "chart.png"});
+    const Ended run = plot(words);
+    EXPECT_EQ(run.status, status) << fmt::format("{}", fmt::join(words, " ")) << run.err;
+    EXPECT_FALSE(fs::exists(file("chart.png")));
+    return run.err;
+  };
+  EXPECT_THAT(refused({"accuracy.csv", "stability.csv"}, 2), HasSubstr("a picture of its own"));
+  EXPECT_THAT(refused({"a.h5", "accuracy.csv"}, 2), HasSubstr("a.h5"));
+  EXPECT_THAT(refused({"accuracy.csv", "accuracy.csv"}, 2), HasSubstr("the same table"));
+  EXPECT_THAT(refused({"accuracy.csv", "--what", "level"}, 2), HasSubstr("a chart"));
+  EXPECT_THAT(refused({"accuracy.csv", "--form", "line"}, 2), HasSubstr("--form is of profiles"));
+  fs::rename(file("stability-regions.csv"), file("regions.csv"));
+  EXPECT_THAT(refused({"stability.csv"}, 2),
+              AllOf(HasSubstr("'stability-regions.csv'"), HasSubstr("ra2d plot PREFIX.csv")));
+  EXPECT_THAT(refused({"regions.csv"}, 2), HasSubstr("name all of them"));
+  const std::string table = read_file(file("accuracy.csv"));
+  write_text(file("accuracy.csv"), table.substr(0, table.size() - 40));
+  EXPECT_THAT(refused({"accuracy.csv"}, 4),
+              AllOf(HasSubstr("accuracy.csv"), HasSubstr("cut short or damaged")));
+  if (!can_draw()) return;
+  std::string words = table;
+  words.replace(words.find("0.0032681"), 9, "a lot____");
+  write_text(file("accuracy.csv"), words);
+  EXPECT_THAT(refused({"accuracy.csv"}, 4),
+              AllOf(HasSubstr("chart.png was not made"), HasSubstr("'a lot____'")));
 }
 
 TEST_F(Plot, WithoutMatplotlibNothingIsLeftButTheCure) {

@@ -120,6 +120,37 @@ TEST_F(PreparedFace, MessagesSpeakOfKeysAndNotOfOptions) {
   }
 }
 
+TEST_F(PreparedFace, ASpacingAndADecimalMarkMakeUpForWhatTheFileLeavesOpen) {
+  write("0\n1e-6\n3e-6\n");
+  how().z_unit = FileUnit::m;
+  EXPECT_THAT(fault(2e-3, 1e-3), HasSubstr("of heights alone give the spacing with spacing"));
+  how().spacing = 1e-3;
+  const std::vector<double> heights = face(2e-3, 1e-3);
+  ASSERT_EQ(heights.size(), 3u);
+  EXPECT_NEAR(heights[2] - heights[0], 3e-6, 1e-20);
+  how().x_unit = FileUnit::m;
+  EXPECT_THAT(fault(2e-3, 1e-3), HasSubstr("x_unit has no x to act on: spacing is in metres"));
+
+  how().x_unit.reset();
+  how().z_unit = FileUnit::um;
+  write("0,5\n1,5\n2,0\n");  // heights, or two columns
+  EXPECT_THAT(fault(2e-3, 1e-3), HasSubstr("Say decimal = \"point\", where commas part"));
+  how().decimal = FileDecimal::comma;
+  const std::vector<double> german = face(2e-3, 1e-3);
+  ASSERT_EQ(german.size(), 3u);
+  EXPECT_NEAR(german[1] - german[0], 1e-6, 1e-20);
+
+  write(
+      "aISO-1.0\nNumPoints = 3\nNumProfiles = 1\nXscale = 1e-3\nYscale = 2e-3\nZscale = 1e-6\n"
+      "DataType = 5\n*\n1 2 3\n*\n");
+  how() = {};
+  how().spacing = 1e-3;
+  EXPECT_THAT(fault(2e-3, 1e-3), HasSubstr("spacing is of texts without x"));
+  how() = {};
+  how().decimal = FileDecimal::comma;
+  EXPECT_THAT(fault(2e-3, 1e-3), HasSubstr("decimal is of texts"));
+}
+
 TEST_F(PreparedFace, GapsAndForm) {
   write("0;0\n1;1\n2;nan\n3;3\n4;4\n");
   how().x_unit = FileUnit::mm;

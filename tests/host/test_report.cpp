@@ -120,7 +120,8 @@ TEST_F(Report, OfOneResultHasItAll) {
                           HasSubstr(" dB</td>"), HasSubstr("viewport")));
   EXPECT_THAT(text, AllOf(HasSubstr("Velocity spectrum"), HasSubstr("Third octaves"),
                           HasSubstr("Level in time"), HasSubstr("how long they last"),
-                          HasSubstr("their peak force")));
+                          HasSubstr("their peak force"), HasSubstr("nJ each, on average"),
+                          HasSubstr("half-power damping"), HasSubstr("modal damping 0.02")));
   EXPECT_EQ(times(text, "<svg "), 5u);
   EXPECT_EQ(times(text, "src=\"data:audio/wav;base64,UklGR"), 2u);  // "RIFF"
   EXPECT_THAT(text, AllOf(HasSubstr("name = &quot;roughness noise&quot;"),

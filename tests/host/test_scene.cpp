@@ -1034,6 +1034,10 @@ TEST(SceneEcho, ReadsBackAsTheSameScene) {
                 "\"um\", row = 7, form = \"poly:3\", filter = \"gaussian\", cutoff = 8e-4, "
                 "cutoff_s = 8e-6, fill = \"linear:1e-5\", short = \"repeat\" }",
                 "slider.surface={ kind = \"file\", path = \"/p\", column = 2, x_unit = \"m\" }"}));
+  expect_round_trip(parse(
+      minimal, {"resonator.surface={ kind = \"file\", path = \"/p\", spacing = 1e-6, decimal = "
+                "\"comma\" }",
+                "slider.surface={ kind = \"file\", path = \"/p\", decimal = \"point\" }"}));
 }
 
 TEST(Scene, PreparationOfAFile) {
@@ -1062,6 +1066,8 @@ TEST(Scene, PreparationOfAFile) {
   };
   EXPECT_EQ(with("cutoff_s = 1e-5"), "accepted");
   EXPECT_THAT(with("x_unit = \"inch\""), HasSubstr("expected \"m\", \"mm\", \"um\" or \"nm\""));
+  EXPECT_THAT(with("spacing = 0"), HasSubstr("surface.spacing: 0 is not allowed"));
+  EXPECT_THAT(with("decimal = \"dot\""), HasSubstr("expected \"point\" or \"comma\""));
   EXPECT_THAT(with("row = 0"), HasSubstr("surface.row: 0 is not allowed"));
   EXPECT_THAT(with("row = 1, column = 1"), HasSubstr("surface.column: stands beside `row`"));
   EXPECT_THAT(with("form = \"poly:11\""),

@@ -163,9 +163,10 @@ Heard listen(const fs::path& file) {
 
 class SoundFile : public testing::Test {
  protected:
-  /// A result whose probes move like this; 100 kHz unless told otherwise.
+  /// A result whose probes move like this, those of the slider at last; 100 kHz unless told otherwise.
   void write(const std::vector<Motion>& probes, std::size_t samples, double rate = 100e3,
-             const std::vector<double>& modes = {100, 18.9e3}) const {
+             const std::vector<double>& modes = {100, 18.9e3},
+             const std::vector<Motion>& on_slider = {}) const {
     ResultHeader header;
     header.scene = "[scene]\n";  // of no use: the run begins at 0 and ends with its samples
     header.started = "now";
@@ -178,6 +179,8 @@ class SoundFile : public testing::Test {
     }
     for (std::size_t p = 0; p < probes.size(); ++p)
       header.probe_position.push_back(0.1 * static_cast<double>(p + 1));
+    for (std::size_t p = 0; p < on_slider.size(); ++p)
+      header.slider_probe_position.push_back(0.01 * static_cast<double>(p));
     ResultFile file(result_, header);
     SampleBlock b;
     for (std::size_t j = 0; j < samples; ++j) {
@@ -188,6 +191,10 @@ class SoundFile : public testing::Test {
       for (const Motion& motion : probes) {
         b.probe_displacement.push_back(0);
         b.probe_velocity.push_back(motion(t));
+      }
+      for (const Motion& motion : on_slider) {
+        b.slider_probe_displacement.push_back(0);
+        b.slider_probe_velocity.push_back(motion(t));
       }
       for (auto* one : {&b.slider_displacement, &b.slider_velocity, &b.force, &b.nodes, &b.kinetic,
                         &b.elastic, &b.contact, &b.damping_loss, &b.sliding_work, &b.load_work})
@@ -278,6 +285,25 @@ TEST_F(SoundFile, TakesAProbeAPartAndARate) {
             1e-5);
 }
 
+TEST_F(SoundFile, OfTheSliderWhenAsked) {
+  const Motion second = sine(0.3, 700);
+  write({sine(1, 1000)}, 20'001, 100e3, {100, 60e3}, {sine(1, 500), second});
+  const SoundFacts facts = make({.probe = 2, .body = ProbeOf::slider});
+  EXPECT_EQ(facts.position, 0.01);
+  EXPECT_THAT(facts.doubts, testing::IsEmpty());  // the resonator's modes are not in it
+  const Heard sound = heard();
+  EXPECT_LT(largest_error(
+                sound.values, [&](double t) { return second(t) / 0.5; }, 48e3),
+            1e-5);
+  EXPECT_THAT(sound.comment, HasSubstr("velocity of slider probe 2 at 0.01 m"));
+  const test::Ended said = ra2d({"--slider-probe", "2", "-o", "same.wav"});
+  EXPECT_EQ(said.status, 0) << said.err;
+  EXPECT_THAT(said.out, HasSubstr("velocity of slider probe 2 at 0.01 m"));
+  EXPECT_EQ(heard("same.wav").values, sound.values);
+  EXPECT_THAT(test::read_file(folder_.path() / "same.wav.json"),
+              AllOf(HasSubstr("\"body\": \"slider\""), HasSubstr("\"probe\": 2")));
+}
+
 TEST_F(SoundFile, IsNormalisedOnlyWhenAsked) {
   write({sine(3e-3, 1000)}, 100'001);
   const SoundFacts facts = make({.normalize = true});
@@ -353,6 +379,11 @@ TEST_F(SoundFile, RefusesWhatItCannotDoAndLeavesNothing) {
     EXPECT_THAT(left(), testing::IsEmpty());
   };
   refused({}, "output.probes = [0.15]");
+  refused({"--slider-probe", "1"}, "output.slider_probes = [0.01]");
+  write({}, 1001, 100e3, {100}, {sine(1, 100)});
+  refused({}, "(there is 1 of the slider: --slider-probe 1)");
+  refused({"--slider-probe", "2"}, "--slider-probe 2: expected 1 to 1 (at 0 m)");
+  refused({"--slider-probe", "1", "--probe", "1"}, "excludes");
   write({sine(1, 100), sine(1, 100)}, 1001);
   refused({"--probe", "3"}, "expected 1 to 2 (at 0.1, 0.2 m)");
   refused({"--probe", "0"}, "--probe");

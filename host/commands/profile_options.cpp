@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/commands/profile_options.hpp"
+
+#include <string>
+#include <utility>
+
+#include "host/commands/options.hpp"
+
+namespace ra2d {
+namespace {
+
+/// The meaning of one of two words.
+template <class T>
+auto either(std::pair<const char*, T> first, std::pair<const char*, T> second) {
+  return [=](const std::string& text) -> std::optional<T> {
+    for (const auto& [word, meaning] : {first, second})
+      if (text == word) return meaning;
+    return {};
+  };
+}
+
+/// As many as a number says; 0 for "all".
+std::optional<std::size_t> sampling_lengths_of(const std::string& text) {
+  if (text == "all") return 0;
+  const bool digits = !text.empty() && text.find_first_not_of("0123456789") == text.npos;
+  if (!digits || text.find_first_not_of('0') == text.npos || text.size() > 6) return {};
+  return std::stoul(text);
+}
+
+}  // namespace
+
+std::vector<CLI::Option*> add_profile_options(CLI::App& command, ProfileOptions& options) {
+  std::vector<CLI::Option*> added;
+  const auto note = [&](CLI::Option* option, const char* type) {
+    added.push_back(option->type_name(type));
+    return option;
+  };
+  const auto word = [&](const char* name, const char* type, const char* what, const char* expected,
+                        auto understand, auto take) {
+    note(command.add_option_function<std::string>(
+             name, [=](const std::string& text) { take(*understand(text)); }, what),
+         type)
+        ->check(understood(expected, understand));
+  };
+  const auto length = [&](const char* name, std::optional<double>& value, const char* what) {
+    return note(command.add_option(name, value, what), "M")->check(length_in_metres());
+  };
+  const auto index = [&](const char* name, std::optional<int>& value, const char* what) {
+    note(command.add_option(name, value, what), "N")->transform(count());
+  };
+  ProfileQuery& query = options.query;
+  MeasureOptions& measure = options.measure;
+  const auto unit = [](const std::string& text) { return to_unit(text); };
+  word("--x-unit", "UNIT", "of x: m, mm, um or nm [the file's own, or m]", "m, mm, um or nm", unit,
+       [&query](const LengthUnit& u) { query.x_unit = u; });
+  word("--z-unit", "UNIT", "of the heights [the file's own, or m]", "m, mm, um or nm", unit,
+       [&query](const LengthUnit& u) { query.z_unit = u; });
+  length("--spacing", query.spacing, "step in metres, of a file that has no x");
+  index("--column", query.column,
+        "the column of heights, from 1 [the second, after x]; of an areal file a profile along y");
+  index("--row", query.row, "the row of an areal file, from 1: a profile along x");
+  word("--decimal", "MARK", "point or comma, where the file leaves it open [what the file tells]",
+       "point or comma",
+       either<DecimalMark>({"point", DecimalMark::point}, {"comma", DecimalMark::comma}),
+       [&query](DecimalMark mark) { query.decimal = mark; });
+  word(
+      "--form", "FORM",
+      "form to be taken off first: none, mean, line or poly:N, by least squares [none]",
+      "none, mean, line or poly:N with N from 0 to 10",
+      [](const std::string& text) { return understand_form(text); },
+      [&measure](ProfileForm form) { measure.form = form; });
+  word("--filter", "KIND",
+       "gaussian, which gives the roughness profile, or none, for the primary profile [gaussian]",
+       "gaussian or none", either<bool>({"gaussian", true}, {"none", false}),
+       [&options](bool filter) {
+         options.measure.filter = filter;
+         options.filter_told = true;
+       });
+  length("--cutoff", measure.cutoff,
+         "cut-off, and sampling length, in metres [2.5e-3; one length with --filter none]")
+      ->each([&options](const std::string&) { options.filter_told = true; });
+  length("--cutoff-s", measure.cutoff_s,
+         "cut-off of the Gaussian filter against short waves, in metres [no such filter]");
+  word("--sampling-lengths", "N",
+       "how many sampling lengths are evaluated, or all [5, or as many as fit]",
+       "a number from 1 to 999999, or all", sampling_lengths_of,
+       [&measure](std::size_t number) { measure.sampling_lengths = number; });
+  word(
+      "--fill", "linear:M",
+      "straight lines through missing points, over gaps up to M metres [they are refused]",
+      "linear:WIDTH, with a width in metres, like linear:1e-5",
+      [](const std::string& text) { return to_fill_width(text); },
+      [&measure](double width) { measure.fill = width; });
+  word("--rsm", "RULE", "what counts as a profile element: iso21920 or iso4287 [iso21920]",
+       "iso21920 or iso4287",
+       either<ElementRule>({"iso21920", ElementRule::iso21920}, {"iso4287", ElementRule::iso4287}),
+       [&measure](ElementRule rule) { measure.rule = rule; });
+  return added;
+}
+
+}  // namespace ra2d
