@@ -6,18 +6,13 @@
 #include <vector>
 
 #include "host/device/fill.hpp"
-#include "kernels/lanes.hpp"
-#include "kernels/place.hpp"
-#include "tests/scenes.hpp"
+#include "kernels/tables.hpp"
+#include "tests/eight_modes.hpp"
 
 namespace ra2d::test {
 
-inline constexpr int width = HostLanes::width;
 /// Packs that hold the modes of any scene here.
 inline constexpr int packs = (24 + width - 1) / width;
-
-struct NoTeam {};
-inline const HostLanes lanes{NoTeam{}};
 
 /// A scene's tables, filled in memory of the test's own.
 struct Filled {

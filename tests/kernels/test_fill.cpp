@@ -12,6 +12,7 @@
 #include "kernels/contact/node_contact.hpp"
 #include "tests/dice.hpp"
 #include "tests/filled.hpp"
+#include "tests/scenes.hpp"
 
 /// The tables that the march reads, as the host fills them: that they are fine, long and wide enough
 /// for what the kernels make of them.

@@ -9,6 +9,7 @@
 #include "kernels/adaptive/push.hpp"
 #include "tests/dice.hpp"
 #include "tests/filled.hpp"
+#include "tests/scenes.hpp"
 
 namespace {
 
