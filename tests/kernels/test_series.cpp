@@ -407,6 +407,31 @@ TEST(ModalSeries, BoundsHold) {
   EXPECT_GT(nearest_fourth, 0.1);
 }
 
+TEST(ModalSeries, BoundOnTheFourthDerivativeOfAModeThatIsPushedFromRest) {
+  // U = 0, U' = 0 and U'' = a: of the fourth derivative of U psi, 6 U'' psi'' is all that there is.
+  Dice dice(8);
+  for (int trial = 0; trial < 50; ++trial) {
+    Bodies b(dice, 1e-13, 1e7, 0, 0);
+    const int pushed = trial % modes;
+    b.u.fill(0), b.v.fill(0);
+    std::fill(b.load.begin(), b.load.end(), 0.0);
+    b.load[pushed] = b.mass[pushed];
+    b.decay[pushed] = b.omega[pushed] = b.turn[pushed] = 0;
+    b.wander[pushed] = 0.1 * 1e7;
+    for (int m = 0; m < 4; ++m)  // at its top it bends most
+      b.shape[(2 * 4 + m) * modes + pushed] =
+          m % 2 == 1 ? 0 : b.reach[pushed] * (m == 0 ? 1 : -0.5 * 0.01);
+    b.expand(1e-9);
+    const double x = 1e-3;
+    b.motion.overlap_of(2, b.place(), b.scan.data());
+    const double fourth = 24 * std::abs(b.scan[4]) * std::pow(b.motion.scale(), -4);
+    EXPECT_NEAR(fourth, 6 * b.reach[pushed] * 1e12, 64 * eps * fourth) << "that it is";
+    const MotionBounds bounds = b.motion.bounds(x);
+    EXPECT_LE(fourth, bounds.fourth * (1 + 64 * eps)) << "trial " << trial;
+    EXPECT_GE(fourth, 0.9 * bounds.fourth) << "trial " << trial;
+  }
+}
+
 TEST(ModalSeries, SumsTheSquareOfTheVelocity) {
   Dice dice(7);
   for (int trial = 0; trial < 100; ++trial) {

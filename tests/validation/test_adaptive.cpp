@@ -133,6 +133,23 @@ TEST(AdaptiveInvariance, AFullBufferHoldsTheMarchUp) {
   EXPECT_EQ(batch.drain(0).samples, 10);
 }
 
+TEST(AdaptiveSteps, EndWhereStatisticsBegin) {
+  // a beam that nothing is near to: it could fly to the end at once
+  Scene s = adaptive(lone_beam(2, 0.02), 1e-8);
+  s.duration = 0.1;
+  s.output.rate = 1e3;
+  s.output.from = 0.0317;
+  const Model model = make_model(s);
+  ModalStart start = make_start(model);
+  start.resonator_v[0] = 0.1;
+  count_energy(model, start);
+  Batch batch({model}, {start});
+  batch.march(first_counted(model));
+  EXPECT_EQ(batch.snapshot(0).step, first_counted(model));
+  batch.march(model.steps);
+  EXPECT_EQ(batch.snapshot(0).step, model.steps);
+}
+
 // ---- what a sample holds ----------------------------------------------------------------------
 
 TEST(AdaptiveSamples, HoldTheContactLaw) {
@@ -247,6 +264,30 @@ TEST(AdaptiveSamples, InFreeDecayAreTheClosedFormAtTheirTimes) {
   }
 }
 
+TEST(AdaptiveSamples, HoldTheLossOfThousandsOfSteps) {
+  // Sums are closed every 4096 steps. A force that never comes keeps the march from flying: each window
+  // is a step, and the loss is what the modes miss of what they had.
+  Scene s = adaptive(lone_beam(8, 0.02), 1e-12);
+  s.speed = 10;
+  s.start = 0.05;
+  s.duration = 0.01;
+  s.output.rate = 1e4;
+  s.resonator.moving_forces = {{.force = 1, .speed = 0, .start = -1}};
+  const Model model = make_model(s);
+  ModalStart start = make_start(model);
+  for (double& v : start.resonator_v) v = 0.1;
+  count_energy(model, start);
+  const Recording r = simulate({model}, {start})[0];
+  ASSERT_EQ(r.end.status, Status::done);
+  ASSERT_GT(r.end.strides, 2 * 4096);
+  const double most = static_cast<double>(r.end.strides) * 2e-12 * start.energy;
+  for (std::size_t i = 0; i < r.samples.time.size(); ++i)
+    EXPECT_NEAR(r.samples.damping_loss[i],
+                start.energy - r.samples.kinetic[i] - r.samples.elastic[i], most)
+        << i;
+  EXPECT_GT(r.samples.damping_loss.back(), 0.1 * start.energy);
+}
+
 TEST(AdaptiveSamples, StaticEquilibriumStaysAtRest) {
   for (const Support slider : {Support::rigid, Support::free}) {
     Scene s = adaptive(pressed_plate(), 1e-12);
@@ -289,8 +330,30 @@ TEST(AdaptiveRigid, NothingMovesThroughThousandsOfWindows) {
   EXPECT_GT(gross, 0);
   // What the springs hold is the work of the imposed motion. A step ends behind a kink of the face by
   // 4 ulp of the position (a thousand chi) and two ticks, on each of some hundred kinks at once.
-  EXPECT_NEAR(r.samples.sliding_work.back(), r.samples.contact.back() - r.samples.contact.front(),
-              1e-11 * gross);
+  // Samples within a step know of the work of its beginning.
+  for (std::size_t i = 0; i < r.samples.time.size(); ++i)
+    ASSERT_NEAR(r.samples.sliding_work[i], r.samples.contact[i] - r.samples.contact.front(),
+                1e-11 * gross)
+        << i;
+}
+
+TEST(AdaptiveRigid, AShockStandsWhereItsForceDoesOnTheMean) {
+  // one node slides at a constant overlap: half way between where it begins and where it ends
+  Scene s = adaptive(plate_scene(0, 0.004, 1e-3), 1e-8);
+  s.resonator = rigid(s.resonator);
+  s.slider.surface = peaks({{.at = 0.002, .height = 1e-5, .half_width = 3e-5}});
+  s.gap = 9e-6;
+  s.speed = 1.0;
+  s.contact.stiffness = 1e12;
+  const Recording r = simulate(s);
+  ASSERT_EQ(r.end.status, Status::done);
+  ASSERT_EQ(r.end.open_shocks.size(), 1u);
+  const OpenShock& shock = r.end.open_shocks[0];
+  const double begin = (s.start + 0.002) / s.spacing, way = s.speed * s.duration / s.spacing;
+  EXPECT_NEAR(shock.impulse, shock.peak * static_cast<double>(r.model.steps),
+              1e-12 * shock.impulse);
+  // the mean of fifty spacings, each begun within 4 ulp of the position
+  EXPECT_NEAR(shock.moment / shock.impulse, begin + 0.5 * way, 1e-12 * begin);
 }
 
 TEST(AdaptiveRigid, AForceThatComesLate) {

@@ -111,6 +111,24 @@ TEST(EnergyOrder, MovingForceWithoutContact) {
   }
 }
 
+TEST(EnergyOrder, MovingForceUnderSchemesOfStages) {
+  // the force's work is that at the step, whatever the scheme asks of it within one, in free flight
+  // and where every state is looked at
+  for (const SchemeKind scheme :
+       {SchemeKind::explicit_euler, SchemeKind::heun, SchemeKind::rk4, SchemeKind::rk8})
+    for (const Nodes nodes : {Nodes::candidates, Nodes::all}) {
+      SCOPED_TRACE(testing::Message() << "scheme " << static_cast<int>(scheme)
+                                      << (nodes == Nodes::all ? ", all nodes" : ""));
+      Scene s = smooth_scene(0.02);
+      s.time.scheme = scheme;
+      s.time.nodes = nodes;
+      s.gap = 1e-2;
+      s.duration = 1e-3;
+      s.resonator.moving_forces = {{.force = 10, .speed = 40, .start = 0.01}};
+      expect_first_order(s, 0);
+    }
+}
+
 TEST(Energy, ALongChaoticRunKeepsClosing) {
   // Backward Euler damps a mode by omega tau/2 on top of zeta, and its loss is what is missing:
   // below omega tau/(2 zeta) of the damping loss for the highest mode, and far less for the others.

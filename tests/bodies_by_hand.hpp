@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include "host/model/bounds.hpp"
+#include "kernels/gap.hpp"
+#include "kernels/place.hpp"
+#include "kernels/state.hpp"
+#include "kernels/tables.hpp"
+#include "tests/eight_modes.hpp"
+
+namespace ra2d::test {
+
+/// A resonator whose modes are waves cos(beta (x - crest)), a slider whose modes are given at its nodes,
+/// and flat faces whose heights a test sets node by node. All masses are 1; lengths are in chi, here
+/// 1 m. Every bound in the tables is as tight as it can be.
+struct BodiesByHand {
+  static constexpr int resonator_nodes = 64, patch_nodes = 1;
+  static constexpr double radius = 0.5 * (patch_nodes + width) + 1;
+  struct Wave {
+    double beta, crest;
+  };
+  using Shape = std::vector<double>;  // at the slider's nodes
+
+  BodiesByHand(std::vector<Wave> waves, std::vector<Shape> shapes, int nodes)
+      : waves_{std::move(waves)}, shapes_{std::move(shapes)} {
+    const int groups = (nodes + width - 1) / width, patches = resonator_nodes / patch_nodes + 1;
+    const auto waving = static_cast<int>(waves_.size()), sliding = static_cast<int>(shapes_.size());
+    for (std::vector<double>* row :
+         {&reach, &slope, &curvature, &tail, &slope_tail, &zero, &push, &yield})
+      row->assign(modes, 0.0);
+    patch.assign(static_cast<std::size_t>(patches) * 4 * modes, 0.0);
+    for (int k = 0; k < waving; ++k) {
+      const double b = waves_[k].beta, turn = b * radius;
+      reach[k] = yield[k] = 1, slope[k] = b, curvature[k] = b * b;
+      tail[k] = std::pow(turn, 4) / 24, slope_tail[k] = b * std::pow(turn, 3) / 6;
+      for (int p = 0; p < patches; ++p)
+        for (int j = 0; j < 4; ++j)
+          patch[(p * 4 + j) * modes + k] =
+              std::pow(turn, j) *
+              std::cos(b * ((p + 0.5) * patch_nodes - waves_[k].crest) + j * M_PI_2);
+    }
+    shape.assign(static_cast<std::size_t>(std::max(1, sliding)) * groups * width, 0.0);
+    for (int k = 0; k < sliding; ++k)
+      for (int n = 0; n < nodes; ++n) {
+        shape[k * groups * width + n] = shapes_[k][n];
+        reach[waving + k] = std::max(reach[waving + k], std::abs(shapes_[k][n]));
+        yield[waving + k] = reach[waving + k];
+      }
+    height1.assign(groups * width, -1e30);
+    std::fill_n(height1.begin(), nodes, 0.0);
+    height2.assign(resonator_nodes + groups * width + 2 * width, 0.0);
+    highest2 = height2;
+    t.resonator_modes = waving, t.slider_modes = sliding;
+    t.nodes = nodes, t.groups = groups;
+    t.patches = patches, t.patch_nodes = patch_nodes, t.inverse_patch = 1.0 / patch_nodes;
+    t.inverse_radius = 1 / radius, t.spacing = 1, t.step = 1;
+    t.largest_shape = reach.data(), t.largest_slope = slope.data();
+    t.largest_curvature = curvature.data();
+    t.cubic_remainder = tail.data(), t.cubic_slope_remainder = slope_tail.data();
+    t.omega = t.pull = zero.data(), t.push = push.data(), t.yield = yield.data();
+    t.patch = patch.data(), t.slider_shape = shape.data();
+    t.height1 = height1.data(), t.height2 = height2.data(), t.highest2 = highest2.data();
+    for (std::vector<int>* list : {&near_, &far_, &watch_, &closed_}) list->assign(nodes, 0);
+    near_u_.assign(modes, 0.0), far_u_ = near_u_;
+    amplitudes_.assign(2 * modes, 0.0), far_top_.assign(groups, 0.0);
+    seen_.assign(4 * groups * width, 0.0);
+    s.near = near_.data(), s.far = far_.data(), s.far_top = far_top_.data();
+    s.near_u = near_u_.data(), s.far_u = far_u_.data(), s.lanes = amplitudes_.data();
+    s.watch = watch_.data(), s.closed = closed_.data(), s.seen = seen_.data();
+  }
+  BodiesByHand(const BodiesByHand&) = delete;
+
+  /// The overlap itself [m], at a position of the slider [chi].
+  double overlap(const Amplitudes& u, double position, int node) const {
+    double u1 = 0, u2 = 0;
+    for (std::size_t k = 0; k < waves_.size(); ++k)
+      u2 += u[k] * std::cos(waves_[k].beta * (position + node - waves_[k].crest));
+    for (std::size_t k = 0; k < shapes_.size(); ++k) u1 += u[waves_.size() + k] * shapes_[k][node];
+    return -gap(0.0, height1[node], u1, {0.0, 0.0, 0.0}, u2);
+  }
+  /// Lets a node overlap by so much there.
+  void set_overlap(int node, double by, const Amplitudes& u, double position) {
+    height1[node] += by - overlap(u, position, node);
+  }
+  bool watched(int node, int count) const {
+    return std::find(watch_.begin(), watch_.begin() + count, node) != watch_.begin() + count;
+  }
+
+  std::vector<double> reach, slope, curvature, tail, slope_tail, zero, push, yield;
+  std::vector<double> patch, shape, height1, height2, highest2;
+  SceneTables t;
+  SceneState s;
+
+ private:
+  std::vector<Wave> waves_;
+  std::vector<Shape> shapes_;
+  std::vector<int> near_, far_, watch_, closed_;
+  std::vector<double> near_u_, far_u_, far_top_, amplitudes_, seen_;
+};
+
+/// Amplitudes as kernels take them.
+struct Packs {
+  Real u[K];
+  explicit Packs(const Amplitudes& of) {
+    for (int p = 0; p < K; ++p) u[p] = lanes.load(of.data() + p * width);
+  }
+};
+
+}  // namespace ra2d::test
