@@ -28,7 +28,7 @@
 namespace {
 
 /// Commands of the contract that are not built yet: refused by name.
-constexpr std::array<std::string_view, 2> coming{"study", "check"};
+constexpr std::array<std::string_view, 1> coming{"check"};
 
 using Words = std::vector<std::string>;
 using ra2d::count, ra2d::number_from, ra2d::path;
@@ -46,6 +46,13 @@ struct Named {
   std::string path, fault;
 };
 
+/// Whether a command has words of its own beside its commands.
+bool takes_words(const CLI::App& command) {
+  const auto options = command.get_options();
+  return std::any_of(options.begin(), options.end(),
+                     [](const CLI::Option* option) { return option->get_positional(); });
+}
+
 Named find_command(const CLI::App& app, const Words& words) {
   Named named{&app, app.get_name(), {}};
   for (const std::string& word : words) {
@@ -55,6 +62,7 @@ Named find_command(const CLI::App& app, const Words& words) {
     for (const CLI::App* command : commands) names.push_back(command->get_name());
     const auto found = std::find(names.begin(), names.end(), word);
     if (found == names.end()) {
+      if (named.command != &app && takes_words(*named.command)) break;  // it is one of these
       Words meant = names;
       if (named.command == &app) {
         names.emplace_back("help");
@@ -160,6 +168,7 @@ int dispatch(Words words) {
   add_plot(app, chosen);
   add_sound(app, chosen);
   add_report(app, chosen);
+  add_study(app, chosen);
   CLI::App* chart = app.add_subcommand("chart", "all schemes side by side");
   chart->require_subcommand(1);
   CLI::App* stability = chart->add_subcommand(
@@ -214,7 +223,7 @@ int dispatch(Words words) {
   if (!words.empty() && std::find(coming.begin(), coming.end(), words[0]) != coming.end())
     throw RequestError(
         fmt::format("the command '{}' is not available yet; there are 'run', 'plan', 'analyze', "
-                    "'plot', 'sound', 'report', 'surface' and 'chart'",
+                    "'plot', 'sound', 'report', 'study', 'surface' and 'chart'",
                     words[0]));
   const Named named = find_command(app, words);
   if (!named.fault.empty()) throw RequestError(named.fault);

@@ -1,0 +1,328 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/study/study_worker.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <condition_variable>
+#include <exception>
+#include <list>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <new>
+#include <thread>
+
+#include "host/device/backend.hpp"
+#include "host/errors.hpp"
+#include "host/interruption.hpp"
+#include "host/model/model.hpp"
+#include "host/plan/plan.hpp"
+#include "host/result/level.hpp"
+#include "host/run/run_key.hpp"
+#include "host/run/run_report.hpp"
+#include "host/run/simulation.hpp"
+#include "kernels/limits.hpp"
+
+namespace ra2d {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point begin) {
+  return std::chrono::duration<double>(Clock::now() - begin).count();
+}
+
+constexpr int slots_per_thread = 8;       // so that a launch ends for all threads at about one time
+constexpr int most_slots_at_once = 1024;  // of a GPU, which marches all slots side by side
+constexpr double launch_seconds = 0.5;    // few waits for the last at the end of a launch
+constexpr std::chrono::milliseconds tick_time{200};
+constexpr std::size_t most_failures_told = 10;
+
+/// The dearest first; of equals in their order.
+void sort_by_cost(std::vector<std::size_t>& points, const PointCensus& census) {
+  std::stable_sort(points.begin(), points.end(),
+                   [&](std::size_t a, std::size_t b) { return census.costs[a] > census.costs[b]; });
+}
+
+/// One run on its way.
+class PointRun : public SceneRun {
+ public:
+  PointRun(Model model, ModalStart start, std::size_t point_, Key128 key_, double setup_)
+      : SceneRun(std::move(model), std::move(start)), point{point_}, key{key_}, setup{setup_} {}
+  const std::size_t point;
+  const Key128 key;    // run_key
+  const double setup;  // s
+};
+
+/// Means over the nodes of the modes' squares: equal resonators share them, for they take as long to
+/// find as a short run.
+class SharedMeanSquares {
+ public:
+  std::vector<double> of(const Model& model) {
+    const BodySpec& body = model.scene.resonator;
+    const Key key{static_cast<double>(body.support), body.length, model.scene.spacing,
+                  static_cast<double>(model.resonator_height.size()),
+                  static_cast<double>(model.resonator.modes.size())};
+    {
+      const std::lock_guard lock(mutex_);
+      for (const auto& [known, values] : known_)
+        if (known == key) return values;
+    }
+    const std::vector<double> values = mean_squares(model);
+    const std::lock_guard lock(mutex_);
+    known_.emplace_front(key, values);
+    if (known_.size() > 64) known_.pop_back();
+    return values;
+  }
+
+ private:
+  using Key = std::array<double, 5>;  // all that the shapes of modes and their places depend on
+  std::mutex mutex_;
+  std::list<std::pair<Key, std::vector<double>>> known_;
+};
+
+/// Calls `tick` until it is destroyed, on a thread of its own; keeps what it throws.
+class Clerk {
+ public:
+  explicit Clerk(std::function<void()> tick)
+      : tick_{std::move(tick)}, thread_{[this] { work(); }} {}
+  ~Clerk() {
+    {
+      const std::lock_guard lock(mutex_);
+      over_ = true;
+    }
+    wake_.notify_all();
+    thread_.join();
+  }
+  Clerk(const Clerk&) = delete;
+  Clerk& operator=(const Clerk&) = delete;
+  void rethrow() {
+    const std::lock_guard lock(mutex_);
+    if (fault_) std::rethrow_exception(fault_);
+  }
+
+ private:
+  void work() {
+    std::unique_lock lock(mutex_);
+    while (!wake_.wait_for(lock, tick_time, [&] { return over_; })) {
+      lock.unlock();
+      std::exception_ptr fault;
+      try {
+        tick_();
+      } catch (...) {
+        fault = std::current_exception();
+      }
+      lock.lock();
+      if (!fault) continue;
+      fault_ = fault;
+      return;
+    }
+  }
+  std::function<void()> tick_;
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  bool over_ = false;
+  std::exception_ptr fault_;
+  std::thread thread_;
+};
+
+class Worker {
+ public:
+  Worker(const StudyPoints& points, const PointCensus& census, const StudyWork& work,
+         LedgerWriter& ledger, const StudyOptions& options)
+      : points_{points}, census_{census}, work_{work}, ledger_{ledger}, options_{options} {
+    left_.resize(work.jobs.size() + 1);  // estimates of the jobs from each on
+    for (std::size_t i = work.jobs.size(); i-- > 0;)
+      left_[i] = left_[i + 1] + static_cast<double>(census.costs[work.jobs[i]]);
+  }
+
+  StudyOutcome run() {
+    if (work_.jobs.empty()) return outcome_;
+    SimulationOptions options;
+    const auto jobs = static_cast<long>(work_.jobs.size());
+    options.slots = static_cast<int>(std::min<long>(
+        jobs, std::min<long>(most_slots_at_once, long{slots_per_thread} * scenes_at_once())));
+    options.seconds = launch_seconds;
+    Simulation simulation(options);
+    {
+      Clerk clerk([&] {
+        ledger_.sync();
+        if (options_.tick) options_.tick();
+      });
+      simulation.run([&](std::size_t) { return make(); },
+                     [&](SceneRun& run) { take(static_cast<PointRun&>(run)); },
+                     [&] {
+                       clerk.rethrow();
+                       show();
+                     });
+      clerk.rethrow();
+    }
+    ledger_.sync();
+    outcome_.elapsed = seconds_since(begun_);
+    outcome_.busy = simulation.busy_seconds();
+    return outcome_;
+  }
+
+ private:
+  /// The next run that can be marched; none: there are no more.
+  SceneRun* make() {
+    for (;;) {
+      const std::size_t job = next_++;
+      if (job >= work_.jobs.size() || interruption() != 0) return nullptr;
+      const std::size_t point = work_.jobs[job];
+      FinishedRun refused{census_.keys[point], {}, RunStatus::refused, no_figures,
+                          points_.name(point), {}};
+      const Clock::time_point begin = Clock::now();
+      try {
+        return make(point, refused, begin);
+      } catch (const RequestError& fault) {
+        refused.message = fault.what();
+      } catch (const std::bad_alloc&) {
+        refused.message = "out of memory: fewer nodes or modes are needed (see 'ra2d plan')";
+      }
+      refused.figures.wall_seconds = seconds_since(begin);
+      record(std::move(refused));
+    }
+  }
+
+  /// `refused` learns what is known of the run until it is.
+  SceneRun* make(std::size_t point, FinishedRun& refused, Clock::time_point begin) {
+    const Scene scene = points_.scene(point);
+    Model model = make_model(scene);
+    refused.run = to_key(run_key(model));
+    checked_limit(model);
+    if (const std::string overlap = overlap_at_start(model); !overlap.empty())
+      throw refusal(scene, "scene.gap", overlap);
+    const std::size_t modes = model.resonator.modes.size() + model.slider.modes.size();
+    if (modes > most_modes)
+      throw RequestError(
+          fmt::format("{} modes in both bodies together, at the most {} can be "
+                      "marched: lower max_frequency or modes",
+                      modes, most_modes));
+    ModalStart start = make_start(model);
+    auto run = std::make_unique<PointRun>(std::move(model), std::move(start), point, refused.run,
+                                          seconds_since(begin));
+    const std::lock_guard lock(mutex_);
+    SceneRun* const way = run.get();
+    running_.emplace(way, std::move(run));
+    return way;
+  }
+
+  void take(PointRun& run) {
+    const RunReport report = report_on(run, squares_.of(run.model()));
+    FinishedRun finished{census_.keys[run.point], run.key,       RunStatus::done, no_figures,
+                         points_.name(run.point), report.failure};
+    if (report.ending == Ending::failed) {
+      finished.status = RunStatus::failed;
+    } else {
+      finished.figures = {.v_rms = report.v_rms,
+                          .level = report.lv,
+                          .shock_rate = report.shocks,
+                          .shock_duration = report.duration_median,
+                          .peak_force = report.force_median,
+                          .contact_share = report.contact_share,
+                          .energy_closure = std::abs(report.energy.relative()),
+                          .wall_seconds = 0};
+    }
+    finished.figures.wall_seconds = run.setup + report.march_seconds;
+    {
+      const std::lock_guard lock(mutex_);
+      outcome_.marched += report.march_seconds;
+    }
+    record(std::move(finished));
+    std::unique_ptr<PointRun> over;  // let go of outside the lock
+    const std::lock_guard lock(mutex_);
+    const auto found = running_.find(&run);
+    over = std::move(found->second);
+    running_.erase(found);
+  }
+
+  void record(FinishedRun finished) {
+    ledger_.append(finished);
+    const std::lock_guard lock(mutex_);
+    if (finished.status == RunStatus::done) {
+      ++outcome_.done;
+      return;
+    }
+    ++outcome_.failed;
+    if (outcome_.failures.size() < most_failures_told)
+      outcome_.failures.emplace_back(std::move(finished.point), std::move(finished.message));
+  }
+
+  /// Between launches: nothing is marched.
+  void show() {
+    if (!options_.progress) return;
+    const std::lock_guard lock(mutex_);
+    StudyProgress now;
+    now.runs = work_.runs;
+    now.done = work_.done + outcome_.done;
+    now.failed = work_.failed + outcome_.failed;
+    now.running = running_.size();
+    now.elapsed = seconds_since(begun_);
+    double estimate = left_[std::min(next_.load(), work_.jobs.size())];
+    for (const auto& [way, run] : running_)
+      estimate += static_cast<double>(census_.costs[run->point]) *
+                  (1 - run->time() / run->model().scene.duration);
+    const double spent = (left_[0] - estimate);
+    // by what this study's estimates have come to so far, runs on their way among them
+    const double threads = static_cast<double>(std::min<long>(scenes_at_once(), backend_threads()));
+    now.left = spent > 0 ? now.elapsed * estimate / spent : estimate * work_.correction / threads;
+    options_.progress(now);
+  }
+
+  const StudyPoints& points_;
+  const PointCensus& census_;
+  const StudyWork& work_;
+  LedgerWriter& ledger_;
+  const StudyOptions& options_;
+  const Clock::time_point begun_ = Clock::now();
+  std::vector<double> left_;
+  SharedMeanSquares squares_;
+  std::atomic<std::size_t> next_ = 0;
+  std::mutex mutex_;  // of all below
+  std::map<const SceneRun*, std::unique_ptr<PointRun>> running_;
+  StudyOutcome outcome_;
+};
+
+}  // namespace
+
+StudyWork find_work(const PointCensus& census, const FinishedRuns& finished, const Shard& shard,
+                    bool retry_failed) {
+  StudyWork work;
+  std::vector<std::size_t> all = census.different();
+  sort_by_cost(all, census);
+  double estimated = 0, measured = 0;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const FinishedRun* run = finished.find(census.keys[all[i]]);
+    if (run != nullptr && run->status == RunStatus::done) {
+      estimated += static_cast<double>(census.costs[all[i]]);
+      measured += run->figures.wall_seconds;
+      ++work.measured;
+    }
+    if (i % static_cast<std::size_t>(shard.count) != static_cast<std::size_t>(shard.index - 1))
+      continue;
+    ++work.runs;
+    const bool failed = run != nullptr && run->status != RunStatus::done;
+    if (run != nullptr && !(failed && retry_failed)) {
+      ++(failed ? work.failed : work.done);
+      continue;
+    }
+    work.jobs.push_back(all[i]);
+    work.cost += static_cast<double>(census.costs[all[i]]);
+  }
+  if (estimated > 0) work.correction = measured / estimated;
+  work.cost *= work.correction;
+  return work;
+}
+
+StudyOutcome run_study(const StudyPoints& points, const PointCensus& census, const StudyWork& work,
+                       LedgerWriter& ledger, const StudyOptions& options) {
+  return Worker(points, census, work, ledger, options).run();
+}
+
+}  // namespace ra2d
