@@ -32,14 +32,9 @@ bool has_seed(const Scene& scene) {
          scene.slider.surface.kind == SurfaceKind::gaussian;
 }
 
-/// A fault of a scene, whose changes came from the study and not from the command line.
-std::string in_words_of_the_study(std::string fault, const std::vector<std::string>& changes) {
-  for (const std::string& change : changes) {
-    const std::string mark = "--set " + change;
-    for (std::size_t at = fault.find(mark); at != fault.npos; at = fault.find(mark, at))
-      fault.replace(at, 5, "the study's");
-  }
-  return fault;
+void replace_all(std::string& text, const std::string& what, const std::string& by) {
+  for (std::size_t at = text.find(what); at != text.npos; at = text.find(what, at + by.size()))
+    text.replace(at, what.size(), by);
 }
 
 }  // namespace
@@ -92,6 +87,17 @@ Scene StudyPoints::scene(std::size_t point) const {
   return scene;
 }
 
+std::string StudyPoints::in_words_of_the_study(std::string fault, std::size_t point) const {
+  const std::string base = study_.base.filename().string();
+  replace_all(fault, study_.base.string(), base);
+  const std::string one = base + ": 1 fault\n";
+  if (fault.starts_with(one)) fault.erase(0, one.size());
+  for (const std::string& change : overrides(place(point)))
+    if (std::find(study_.given.begin(), study_.given.end(), change) == study_.given.end())
+      replace_all(fault, "--set " + change, "the study's " + change);
+  return fault;
+}
+
 PointCensus::PointCensus(const StudyPoints& points) {
   const std::size_t seeds = points.study().seeds.size();
   FileHashes files;
@@ -120,17 +126,9 @@ PointCensus::PointCensus(const StudyPoints& points) {
       if (++wrong <= most_told) {
         const std::string name = points.name(c * seeds);
         const std::size_t end = name.rfind(", seed ");
-        std::vector<std::string> changes = points.overrides(points.place(c * seeds));
-        changes.erase(std::remove_if(changes.begin(), changes.end(),
-                                     [&](const std::string& change) {
-                                       const auto& given = points.study().given;
-                                       return std::find(given.begin(), given.end(), change) !=
-                                              given.end();
-                                     }),
-                      changes.end());
         faults +=
             fmt::format("\n{}:\n{}", end == name.npos ? "every run" : "with " + name.substr(0, end),
-                        in_words_of_the_study(fault.what(), changes));
+                        points.in_words_of_the_study(fault.what(), c * seeds));
       }
     }
   }

@@ -29,6 +29,9 @@ class StudyPoints {
   std::string name(std::size_t point) const;
   /// Throws RequestError, with the name of the point.
   Scene scene(std::size_t point) const;
+  /// A fault of its scene: without the place of the base, and with the study's own changes told from
+  /// those of the command line.
+  std::string in_words_of_the_study(std::string fault, std::size_t point) const;
 
  private:
   std::vector<std::string> overrides(const std::vector<std::size_t>& place) const;

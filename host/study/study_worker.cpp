@@ -181,7 +181,7 @@ class Worker {
       try {
         return make(point, refused, begin);
       } catch (const RequestError& fault) {
-        refused.message = fault.what();
+        refused.message = points_.in_words_of_the_study(fault.what(), point);
       } catch (const std::bad_alloc&) {
         refused.message = "out of memory: fewer nodes or modes are needed (see 'ra2d plan')";
       }
