@@ -27,6 +27,7 @@
 #include "host/study/study_table.hpp"
 #include "host/study/study_worker.hpp"
 #include "tests/child.hpp"
+#include "tests/places.hpp"
 #include "tests/studies.hpp"
 
 namespace ra2d {
@@ -168,6 +169,53 @@ TEST(StudyFile, ASnapshotReadsAsTheSameStudy) {
   for (std::size_t size = 0; size + 2 < text.size(); size += 7)  // whole up to the last line end
     EXPECT_THAT(refusal_of([&] { parse_snapshot(text.substr(0, size), "study.json"); }),
                 HasSubstr("file: 'study.json' is damaged"));
+}
+
+TEST(StudyFile, WhateverIsTypedIsReadOrRefused) {
+  const std::string fine = two_by_three + "[set]\ntime.scheme = \"heun\"\n";
+  std::mt19937_64 dice(3);
+  const std::string pieces[] = {"[",  "]",    "{",     "}",  "\"", "=",      ".",          "\n",
+                                "#",  "-1",   "nan",   "''", ",",  "values", "1e400",      "key",
+                                "[[", "\xff", "seeds", "\0", "0x", "inf",    "[vary.a]\n", "keys"};
+  int read = 0, refused = 0;
+  for (int i = 0; i < 4000; ++i) {
+    std::string text = fine;
+    for (std::uint64_t edits = 1 + dice() % 3; edits > 0; --edits) {
+      const std::size_t at = dice() % text.size();
+      const std::size_t cut = dice() % 3 == 0 ? dice() % 30 : dice() % 2;
+      text.replace(at, cut, pieces[dice() % std::size(pieces)]);
+    }
+    try {
+      const StudyPoints points(parse_study(text, "s.toml"));
+      EXPECT_GE(points.size(), 1u);
+      points.name(points.size() - 1);
+      ++read;
+    } catch (const RequestError& fault) {
+      EXPECT_THAT(fault.what(), testing::StartsWith("s.toml: "));
+      ++refused;
+    }
+  }
+  EXPECT_GT(read, 200);
+  EXPECT_GT(refused, 200);
+  for (const char* part : {"[", "{a=", "[["}) {
+    std::string deep = "base = \"b\"\n[set]\nx.y = ";
+    for (int i = 0; i < 100'000; ++i) deep += part;
+    EXPECT_THAT(refusal_of([&] { parse_study(deep, "s.toml"); }), HasSubstr("s.toml: "));
+  }
+}
+
+TEST(StudyFile, OfTheScenesFolderAreAllFine) {
+  int count = 0;
+  for (const auto& entry : fs::directory_iterator(test::source_folder() / "scenes")) {
+    if (entry.path().extension() != ".toml" ||
+        test::read_file(entry.path()).find("\nbase ") == std::string::npos)
+      continue;
+    SCOPED_TRACE(entry.path().filename());
+    const StudyPoints points(read_study(entry.path()));
+    EXPECT_EQ(PointCensus(points).different().size(), points.size());
+    ++count;
+  }
+  EXPECT_GE(count, 2);
 }
 
 // ---- the points --------------------------------------------------------------------------------
