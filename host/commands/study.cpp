@@ -8,6 +8,7 @@
 #include <cmath>
 #include <ctime>
 #include <filesystem>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <mutex>
@@ -158,6 +159,17 @@ void say_unasked(const Known& known, const StudyFolder& folder) {
                   folder.path.string(), runs_text(names.size()), some));
 }
 
+/// Whether a run's own result is to be kept and is not there.
+std::function<bool(const FinishedRun&)> lacks_its_result(const Known& known,
+                                                         const StudyFolder& folder) {
+  if (!known.points.study().keep_files) return {};
+  return [folder](const FinishedRun& run) {
+    std::error_code none;
+    return run.status != RunStatus::refused &&
+           !fs::exists(folder.path / StudyFolder::result(key_text(run.run)), none);
+  };
+}
+
 /// Everything that all who share the folder have finished goes into its table.
 void write_table(Known& known, const StudyFolder& folder, const fs::path& table) {
   const TableLock alone(folder);
@@ -242,14 +254,16 @@ void show_progress(const StudyProgress& p) {
 
 int march_study(Known& known, const StudyFolder& folder, const Shard& shard,
                 const StudyRequest& request, int threads) {
-  folder.make();
+  const bool keep_files = known.points.study().keep_files;
+  folder.make(keep_files);
   LedgerWriter ledger(folder.ledger(shard));  // before all reading: nobody else writes this part
   known.finished.add(folder);
   if (!request.quiet) say_unasked(known, folder);
   if (!request.quiet && !known.census.has_seeds && known.points.study().seeds.size() > 1)
     say("no surface of this study has a seed: its runs of other seeds are one run");
   write_text(folder.snapshot(), snapshot_text(known.points.study()));
-  const StudyWork work = find_work(known.census, known.finished, shard, request.retry_failed);
+  const StudyWork work = find_work(known.census, known.finished, shard, request.retry_failed,
+                                   lacks_its_result(known, folder));
 
   StatusFile status(folder.status(shard),
                     {.shard = shard, .progress = progress_after(work, {}), .started = now()});
@@ -259,6 +273,7 @@ int march_study(Known& known, const StudyFolder& folder, const Shard& shard,
     status.take(progress);
     if (terminal) show_progress(progress);
   };
+  if (keep_files) options.results = folder.path;
   options.tick = [&] { status.write_now_and_then(); };
 
   const OrderlyEnd orderly;
@@ -307,7 +322,9 @@ int study_command(const StudyRequest& request) {
   if (request.list || request.dry_run) {
     known.finished.add(folder);
     if (request.list) return list_runs(known);
-    return dry_run(known, find_work(known.census, known.finished, shard, request.retry_failed),
+    return dry_run(known,
+                   find_work(known.census, known.finished, shard, request.retry_failed,
+                             lacks_its_result(known, folder)),
                    threads);
   }
   return march_study(known, folder, shard, request, threads);

@@ -87,6 +87,10 @@ Progress progress_of(const SceneRun& run, double wall) {
 
 }  // namespace
 
+ResultHeader result_header(const Model& model) { return make_header(model); }
+
+std::unique_ptr<Sink> file_sink(ResultFile& file) { return std::make_unique<FileSink>(file); }
+
 RunReport run(const Scene& scene, const RunOptions& options) {
   const Clock::time_point begun = Clock::now();
   Model model = make_model(scene);

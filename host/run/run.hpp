@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "host/run/run_report.hpp"
+#include "host/run/simulation.hpp"
 #include "host/scene/scene.hpp"
+#include "host/store/store.hpp"
 
 /// One scene from start to file.
 namespace ra2d {
@@ -31,5 +34,11 @@ struct RunOptions {
 /// file in every case (marked when it was cut short). Throws RequestError, also for a step beyond the limits of
 /// stability that the scene does not force, and FileError.
 RunReport run(const Scene& scene, const RunOptions& options);
+
+/// What a result file says of a run before its first step.
+ResultHeader result_header(const Model& model);
+
+/// Writes what a run records to the file.
+std::unique_ptr<Sink> file_sink(ResultFile& file);
 
 }  // namespace ra2d

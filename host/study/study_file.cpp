@@ -34,7 +34,8 @@ const std::vector<std::string> taken = {"seed",
                                         "energy_closure",
                                         "wall_seconds",
                                         "status",
-                                        "message"};
+                                        "message",
+                                        "file"};
 
 bool is_name(const std::string& text) {
   return !text.empty() && text.size() <= longest_name &&
@@ -107,7 +108,7 @@ std::vector<std::int64_t> read_seeds(Reader& root) {
 }
 
 void read_keep(Reader& root, Study& study) {
-  constexpr const char* expected = "a list of \"level\" and \"shocks\"";
+  constexpr const char* expected = "a list of \"level\", \"shocks\" and \"files\"";
   const auto value = root.value("keep", expected, Need::optional);
   if (!value) return;
   study.keep_level = study.keep_shocks = false;
@@ -117,6 +118,8 @@ void read_keep(Reader& root, Study& study) {
       study.keep_level = true;
     else if (one.text == "shocks")
       study.keep_shocks = true;
+    else if (one.text == "files")
+      study.keep_files = true;
     else
       fine = false;
   }

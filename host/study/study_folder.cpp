@@ -27,16 +27,18 @@ fs::path StudyFolder::status(const Shard& shard) const {
   return path / (shard.is_whole() ? "status.json" : "status-" + shard.name() + ".json");
 }
 
-void StudyFolder::make() const {
+void StudyFolder::make(bool with_results) const {
   std::error_code error;
   if (fs::exists(path, error) && !fs::is_directory(path, error))
     throw RequestError(fmt::format("cannot write to '{}': this is no folder. Name a folder with -o",
                                    path.string()));
-  for (const fs::path& folder : {path, ledgers()})
+  for (const fs::path& folder : {path, ledgers(), path / "runs"}) {
+    if (folder.filename() == "runs" && !with_results) continue;
     if (mkdir(folder.c_str(), 0777) != 0 && errno != EEXIST) {
       const int fault = errno;
       throw write_failure("create the folder", folder, std::strerror(fault), fault);
     }
+  }
 }
 
 std::string read_text(const fs::path& file, const char* what, std::size_t most) {

@@ -24,11 +24,13 @@ struct StudyFolder {
   std::filesystem::path ledger(const Shard& shard) const {
     return ledgers() / (shard.name() + ".log");
   }
+  /// The result of a run by its key (run_key), relative to the folder.
+  static std::filesystem::path result(const std::string& key) { return "runs/" + key + ".h5"; }
   std::filesystem::path status(const Shard& shard) const;
 
   /// Makes what is missing of the folders. Throws RequestError where something else has the name,
   /// FileError.
-  void make() const;
+  void make(bool with_results = false) const;
 };
 
 /// A file of at most so many bytes; `what` it is to a message. Throws FileError.

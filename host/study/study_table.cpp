@@ -249,6 +249,14 @@ std::string table_bytes(const std::filesystem::path& file, const StudyPoints& po
   out.add(out.integers("status", H5T_STD_I32LE, H5T_NATIVE_INT32, status, out.shape), "1",
           "0 done, 1 not run, 2 refused before its first step, 3 failed");
   out.add(out.words("message", messages, out.shape), "1", "why there are no numbers");
+  if (study.keep_files) {
+    std::vector<std::string> files(count);
+    for (std::size_t i = 0; i < count; ++i)
+      if (runs[i] != nullptr && runs[i]->status != RunStatus::refused)
+        files[i] = StudyFolder::result(key_text(runs[i]->run)).string();
+    out.add(out.words("file", files, out.shape), "1",
+            "the run's own result, in the study's folder");
+  }
   for (h5::Dataset& scale : out.scales) h5::close(scale);
   return image.bytes();
 }

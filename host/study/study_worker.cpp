@@ -23,6 +23,7 @@
 #include "host/model/model.hpp"
 #include "host/plan/plan.hpp"
 #include "host/result/level.hpp"
+#include "host/run/run.hpp"
 #include "host/run/run_key.hpp"
 #include "host/run/run_report.hpp"
 #include "host/run/simulation.hpp"
@@ -49,11 +50,23 @@ void sort_by_cost(std::vector<std::size_t>& points, const PointCensus& census) {
                    [&](std::size_t a, std::size_t b) { return census.costs[a] > census.costs[b]; });
 }
 
+/// A run's own result, where it is kept.
+struct KeptResult {
+  std::unique_ptr<ResultFile> file;
+  std::unique_ptr<Sink> sink;
+};
+
 /// One run on its way.
 class PointRun : public SceneRun {
  public:
-  PointRun(Model model, ModalStart start, std::size_t point_, Key128 key_, double setup_)
-      : SceneRun(std::move(model), std::move(start)), point{point_}, key{key_}, setup{setup_} {}
+  PointRun(Model model, ModalStart start, std::size_t point_, Key128 key_, double setup_,
+           KeptResult kept_)
+      : SceneRun(std::move(model), std::move(start), {}, kept_.sink.get()),
+        kept{std::move(kept_)},
+        point{point_},
+        key{key_},
+        setup{setup_} {}
+  KeptResult kept;
   const std::size_t point;
   const Key128 key;    // run_key
   const double setup;  // s
@@ -195,7 +208,7 @@ class Worker {
     const Scene scene = points_.scene(point);
     Model model = make_model(scene);
     refused.run = to_key(run_key(model));
-    checked_limit(model);
+    const std::string beyond_limit = checked_limit(model);
     if (const std::string overlap = overlap_at_start(model); !overlap.empty())
       throw refusal(scene, "scene.gap", overlap);
     const std::size_t modes = model.resonator.modes.size() + model.slider.modes.size();
@@ -205,8 +218,16 @@ class Worker {
                       "marched: lower max_frequency or modes",
                       modes, most_modes));
     ModalStart start = make_start(model);
+    KeptResult kept;
+    if (!options_.results.empty()) {
+      ResultHeader header = result_header(model);
+      header.beyond_limit = beyond_limit;
+      kept.file = std::make_unique<ResultFile>(
+          options_.results / StudyFolder::result(key_text(refused.run)), header);
+      kept.sink = file_sink(*kept.file);
+    }
     auto run = std::make_unique<PointRun>(std::move(model), std::move(start), point, refused.run,
-                                          seconds_since(begin));
+                                          seconds_since(begin), std::move(kept));
     const std::lock_guard lock(mutex_);
     SceneRun* const way = run.get();
     running_.emplace(way, std::move(run));
@@ -214,7 +235,10 @@ class Worker {
   }
 
   void take(PointRun& run) {
-    const RunReport report = report_on(run, squares_.of(run.model()));
+    RunReport report = report_on(run, squares_.of(run.model()));
+    report.wall_seconds = run.setup + report.march_seconds;
+    if (run.kept.file)
+      run.kept.file->close(summary_of(report));  // before the ledger says it is there
     FinishedRun finished{census_.keys[run.point], run.key,       RunStatus::done, no_figures,
                          points_.name(run.point), report.failure};
     if (report.ending == Ending::failed) {
@@ -229,7 +253,7 @@ class Worker {
                           .energy_closure = std::abs(report.energy.relative()),
                           .wall_seconds = 0};
     }
-    finished.figures.wall_seconds = run.setup + report.march_seconds;
+    finished.figures.wall_seconds = report.wall_seconds;
     {
       const std::lock_guard lock(mutex_);
       outcome_.marched += report.march_seconds;
@@ -292,7 +316,7 @@ class Worker {
 }  // namespace
 
 StudyWork find_work(const PointCensus& census, const FinishedRuns& finished, const Shard& shard,
-                    bool retry_failed) {
+                    bool retry_failed, const std::function<bool(const FinishedRun&)>& lacks) {
   StudyWork work;
   std::vector<std::size_t> all = census.different();
   sort_by_cost(all, census);
@@ -308,7 +332,8 @@ StudyWork find_work(const PointCensus& census, const FinishedRuns& finished, con
       continue;
     ++work.runs;
     const bool failed = run != nullptr && run->status != RunStatus::done;
-    if (run != nullptr && !(failed && retry_failed)) {
+    const bool lacking = run != nullptr && lacks && lacks(*run);
+    if (run != nullptr && !(failed && retry_failed) && !lacking) {
       ++(failed ? work.failed : work.done);
       continue;
     }

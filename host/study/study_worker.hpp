@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <cstddef>
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <utility>
@@ -24,9 +25,10 @@ struct StudyWork {
 };
 
 /// Deals the different runs out to the shards, the dearest first, in turn: every shard takes about as
-/// long. Of its own a shard takes those that are missing, and the failed ones if asked.
+/// long. Of its own a shard takes those that are missing, the failed ones if asked, and those of which
+/// `lacks` says that something is gone.
 StudyWork find_work(const PointCensus& census, const FinishedRuns& finished, const Shard& shard,
-                    bool retry_failed);
+                    bool retry_failed, const std::function<bool(const FinishedRun&)>& lacks = {});
 
 struct StudyProgress {
   std::size_t runs = 0, done = 0, failed = 0, running = 0;
@@ -35,6 +37,8 @@ struct StudyProgress {
 
 struct StudyOptions {
   std::function<void(const StudyProgress&)> progress;  // a few times a second
+  std::filesystem::path
+      results;                 // the folder that each run's own result goes to; none: none is kept
   std::function<void()> tick;  // a few times a second on a thread of its own, beside the march
 };
 

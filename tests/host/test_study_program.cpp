@@ -313,6 +313,37 @@ speed = { key = "scene.speed", values = [0.1, 0.3] }
   EXPECT_EQ(child.wait(), 0) << child.out() << child.err();
 }
 
+TEST_F(StudyProgram, KeepsWhatItIsAskedToKeep) {
+  write_study(1, "keep = [\"shocks\", \"files\"]");
+  ASSERT_EQ(run({"study.toml", "-o", "out"}), 0) << err_;
+  EXPECT_TRUE(read_study_table(folder_ / "out/results.h5").v_rms.empty()) << "no level";
+  std::vector<fs::path> results;
+  for (const auto& entry : fs::directory_iterator(folder_ / "out/runs"))
+    results.push_back(entry.path());
+  ASSERT_EQ(results.size(), 4u);
+  // each is what `ra2d run` writes of its scene
+  ASSERT_EQ(Child(folder_, {test::program(), "run", "base.toml", "--set", "scene.speed=0.2",
+                            "--set", "slider.load=0.5", "-o", "alone.h5"})
+                .wait(),
+            0);
+  if (!test::python().empty()) {
+    int same = 0;
+    for (const fs::path& result : results)
+      same += Child(folder_, {test::python(), test::source_folder() / "tests/host/same_result.py",
+                              result, "alone.h5"})
+                          .wait() == 0
+                  ? 1
+                  : 0;
+    EXPECT_EQ(same, 1);
+  }
+  EXPECT_EQ(run({"study.toml", "-o", "out"}), 0);
+  EXPECT_THAT(out_, HasSubstr("all 4 runs are finished already"));
+  fs::remove(results[2]);
+  EXPECT_EQ(run({"study.toml", "-o", "out"}), 0);
+  EXPECT_THAT(out_, HasSubstr("1 run finished in"));
+  EXPECT_TRUE(fs::exists(results[2]));
+}
+
 TEST_F(StudyProgram, AnalyzeFitsTheLaw) {
   ASSERT_EQ(run({"study.toml", "-o", "out"}), 0) << err_;
   Child words(folder_, {test::program(), "analyze", "out"});
