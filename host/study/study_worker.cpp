@@ -38,10 +38,9 @@ double seconds_since(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-constexpr int slots_per_thread = 8;       // so that a launch ends for all threads at about one time
-constexpr int most_slots_at_once = 1024;  // of a GPU, which marches all slots side by side
-constexpr double launch_seconds = 0.5;    // few waits for the last at the end of a launch
+constexpr int slots_of_a_gpu = 1024;
 constexpr std::chrono::milliseconds tick_time{200};
+constexpr double progress_time = 0.2;  // s
 constexpr std::size_t most_failures_told = 10;
 
 /// The dearest first; of equals in their order.
@@ -156,34 +155,45 @@ class Worker {
 
   StudyOutcome run() {
     if (work_.jobs.empty()) return outcome_;
-    SimulationOptions options;
-    const auto jobs = static_cast<long>(work_.jobs.size());
-    options.slots = static_cast<int>(std::min<long>(
-        jobs, std::min<long>(most_slots_at_once, long{slots_per_thread} * scenes_at_once())));
-    options.seconds = launch_seconds;
-    Simulation simulation(options);
     {
       Clerk clerk([&] {
         ledger_.sync();
         if (options_.tick) options_.tick();
       });
-      simulation.run([&](std::size_t) { return make(); },
-                     [&](SceneRun& run) { take(static_cast<PointRun&>(run)); },
-                     [&] {
-                       clerk.rethrow();
-                       show();
-                     });
+      clerk_ = &clerk;
+      const int jobs = static_cast<int>(work_.jobs.size());
+      if (scenes_at_once() > backend_threads())
+        march(0, std::min(jobs, slots_of_a_gpu));
+      else  // each thread by itself: none waits for another before the end
+        side_by_side(std::min(jobs, backend_threads()), [&](int thread) { march(thread, 1); });
       clerk.rethrow();
     }
     ledger_.sync();
     outcome_.elapsed = seconds_since(begun_);
-    outcome_.busy = simulation.busy_seconds();
     return outcome_;
   }
 
  private:
+  /// Takes runs until there are no more. `crew`: who does, a thread or a GPU.
+  void march(int crew, int slots) {
+    SimulationOptions options;
+    options.slots = slots;
+    Simulation simulation(options);
+    try {
+      simulation.run([&](std::size_t) { return make(crew); },
+                     [&](SceneRun& run) { take(static_cast<PointRun&>(run)); },
+                     [&] { look_up(crew); });
+    } catch (const GivenUp&) {  // the fault is another's
+    } catch (...) {
+      given_up_ = true;
+      throw;
+    }
+    const std::lock_guard lock(mutex_);
+    outcome_.busy += simulation.busy_seconds();
+  }
+
   /// The next run that can be marched; none: there are no more.
-  SceneRun* make() {
+  SceneRun* make(int crew) {
     for (;;) {
       const std::size_t job = next_++;
       if (job >= work_.jobs.size() || interruption() != 0) return nullptr;
@@ -192,7 +202,7 @@ class Worker {
                           points_.name(point), {}};
       const Clock::time_point begin = Clock::now();
       try {
-        return make(point, refused, begin);
+        return make(crew, point, refused, begin);
       } catch (const RequestError& fault) {
         refused.message = points_.in_words_of_the_study(fault.what(), point);
       } catch (const std::bad_alloc&) {
@@ -204,7 +214,7 @@ class Worker {
   }
 
   /// `refused` learns what is known of the run until it is.
-  SceneRun* make(std::size_t point, FinishedRun& refused, Clock::time_point begin) {
+  SceneRun* make(int crew, std::size_t point, FinishedRun& refused, Clock::time_point begin) {
     const Scene scene = points_.scene(point);
     Model model = make_model(scene);
     refused.run = to_key(run_key(model));
@@ -230,7 +240,7 @@ class Worker {
                                           seconds_since(begin), std::move(kept));
     const std::lock_guard lock(mutex_);
     SceneRun* const way = run.get();
-    running_.emplace(way, std::move(run));
+    running_.emplace(way, Running{crew, 0, std::move(run)});
     return way;
   }
 
@@ -262,7 +272,7 @@ class Worker {
     std::unique_ptr<PointRun> over;  // let go of outside the lock
     const std::lock_guard lock(mutex_);
     const auto found = running_.find(&run);
-    over = std::move(found->second);
+    over = std::move(found->second.run);
     running_.erase(found);
   }
 
@@ -278,10 +288,17 @@ class Worker {
       outcome_.failures.emplace_back(std::move(finished.point), std::move(finished.message));
   }
 
-  /// Between launches: nothing is marched.
-  void show() {
+  /// Between the launches of a crew, whose runs nobody marches now.
+  void look_up(int crew) {
+    if (given_up_) throw GivenUp();
+    clerk_->rethrow();
     if (!options_.progress) return;
     const std::lock_guard lock(mutex_);
+    for (auto& [way, running] : running_)
+      if (running.crew == crew)
+        running.share = running.run->time() / running.run->model().scene.duration;
+    if (seconds_since(shown_) < progress_time) return;
+    shown_ = Clock::now();
     StudyProgress now;
     now.runs = work_.runs;
     now.done = work_.done + outcome_.done;
@@ -289,15 +306,21 @@ class Worker {
     now.running = running_.size();
     now.elapsed = seconds_since(begun_);
     double estimate = left_[std::min(next_.load(), work_.jobs.size())];
-    for (const auto& [way, run] : running_)
-      estimate += static_cast<double>(census_.costs[run->point]) *
-                  (1 - run->time() / run->model().scene.duration);
-    const double spent = (left_[0] - estimate);
+    for (const auto& [way, running] : running_)
+      estimate += static_cast<double>(census_.costs[running.run->point]) * (1 - running.share);
+    const double spent = left_[0] - estimate;
     // by what this study's estimates have come to so far, runs on their way among them
-    const double threads = static_cast<double>(std::min<long>(scenes_at_once(), backend_threads()));
-    now.left = spent > 0 ? now.elapsed * estimate / spent : estimate * work_.correction / threads;
+    now.left = spent > 0 ? now.elapsed * estimate / spent
+                         : estimate * work_.correction / backend_threads();
     options_.progress(now);
   }
+
+  struct GivenUp {};
+  struct Running {
+    int crew;
+    double share;  // that is done
+    std::unique_ptr<PointRun> run;
+  };
 
   const StudyPoints& points_;
   const PointCensus& census_;
@@ -308,8 +331,11 @@ class Worker {
   std::vector<double> left_;
   SharedMeanSquares squares_;
   std::atomic<std::size_t> next_ = 0;
+  std::atomic<bool> given_up_ = false;
+  Clerk* clerk_ = nullptr;
   std::mutex mutex_;  // of all below
-  std::map<const SceneRun*, std::unique_ptr<PointRun>> running_;
+  std::map<const SceneRun*, Running> running_;
+  Clock::time_point shown_ = begun_;
   StudyOutcome outcome_;
 };
 

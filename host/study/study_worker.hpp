@@ -50,8 +50,8 @@ struct StudyOutcome {
   double marched = 0;  // ... in the march alone
 };
 
-/// Runs the jobs to their end or an interrupt (host/interruption.hpp), side by side on the backend's
-/// threads. What ends goes to the ledger at once. A run that fails is recorded and stops nothing. Throws
+/// Runs the jobs to their end or an interrupt (host/interruption.hpp), on each of the backend's threads
+/// one after the other: threads that shared launches would wait for one another at the end of each. What ends goes to the ledger at once. A run that fails is recorded and stops nothing. Throws
 /// FileError where that cannot be kept, and what `tick` throws.
 StudyOutcome run_study(const StudyPoints& points, const PointCensus& census, const StudyWork& work,
                        LedgerWriter& ledger, const StudyOptions& options = {});
