@@ -131,7 +131,7 @@ void read_keep(Reader& root, Study& study) {
 /// [set] and the sections within it: keys with dots in quotes, or sections as a scene has them.
 void read_set(Reader in, const std::string& before, Study& study, Users& users) {
   for (const std::string& name : in.names()) {
-    const std::string key = before.empty() ? name : before + '.' + name;
+    const std::string key = before.empty() ? name : fmt::format("{}.{}", before, name);
     if (in.is_section(name)) {
       if (auto inner = in.table(name)) read_set(*inner, key, study, users);
       continue;

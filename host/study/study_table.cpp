@@ -97,7 +97,7 @@ class Image {
   explicit Image(const std::string& name) {
     const h5::Properties access{check(H5Pcreate(H5P_FILE_ACCESS))};
     constexpr std::size_t growth = 1 << 20;  // bytes
-    check(H5Pset_fapl_core(access, growth, 0));
+    check(H5Pset_fapl_core(access, growth, false));
     const h5::Properties creation = h5::ordered(H5P_FILE_CREATE);
     check(H5Pset_obj_track_times(creation, false));
     file_ = h5::File{check(H5Fcreate(name.c_str(), H5F_ACC_TRUNC, creation, access))};
@@ -219,7 +219,7 @@ std::string table_bytes(const std::filesystem::path& file, const StudyPoints& po
   }
 
   Image image(file.string());
-  const auto give = [&](h5::GivenAttribute attribute) {
+  const auto give = [&](const h5::GivenAttribute& attribute) {
     h5::set_attribute(image.file(), attribute);
   };
   give({"creator", "ra2d"});
