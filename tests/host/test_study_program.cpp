@@ -267,7 +267,7 @@ TEST_F(StudyProgram, ADiskThatFillsUpLeavesWhatIsFinished) {
   // a limit on the size of files stands for a full disk
   write_study(60);
   const std::string line =
-      fmt::format("ulimit -f 8; exec {} study study.toml -o out --threads 1", test::program());
+      fmt::format("ulimit -f 8; exec {} study study.toml -o out --threads 2", test::program());
   Child child(folder_, {"/bin/bash", "-c", line});
   EXPECT_EQ(child.wait(), 4);
   EXPECT_THAT(child.err(),
