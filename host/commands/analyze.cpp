@@ -72,8 +72,11 @@ int analyze_study(const Request& request) {
   if (request.files.size() > 1)
     throw RequestError(
         "several files, and one of them a study's: expected one study, or results of 'ra2d run'");
-  if (!request.csv.empty())
-    throw RequestError("--csv is of results of 'ra2d run': for a study, take --json");
+  const AnalysisOptions& o = request.options;
+  if (!request.csv.empty() || o.resolution || o.segment || o.from || o.to || o.a_weighting)
+    throw RequestError(
+        "--csv, --resolution, --segment, --from, --to and --a-weighting are of results of 'ra2d "
+        "run': a study takes --json alone");
   const fs::path table = table_of(request.files.front());
   const StudyAnswers answers = read_study_table(table);
   print_text(request.json ? study_json(answers) : describe_study(answers, table.string()));

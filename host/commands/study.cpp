@@ -409,15 +409,19 @@ void add_study(CLI::App& app, Chosen& chosen) {
                    "folder of the study [STUDY's name without .toml, in the current folder]")
       ->type_name("DIR")
       ->check(path());
-  study->add_flag("--dry-run", request.dry_run,
-                  "lists the runs that are to be done, the dearest first, and what they will cost");
-  study->add_flag("--list", request.list, "lists all runs and how each stands");
-  study
-      ->add_option("--shard", request.shard,
-                   "runs one part of N, I from 1; parts may share DIR or have their own")
-      ->type_name("I/N")
-      ->capture_default_str();
-  study->add_flag("--retry-failed", request.retry_failed, "runs those that failed once more");
+  CLI::Option* dry = study->add_flag(
+      "--dry-run", request.dry_run,
+      "lists the runs that are to be done, the dearest first, and what they will cost");
+  CLI::Option* list = study->add_flag("--list", request.list, "lists all runs and how each stands");
+  CLI::Option* shard =
+      study
+          ->add_option("--shard", request.shard,
+                       "runs one part of N, I from 1; parts may share DIR or have their own")
+          ->type_name("I/N")
+          ->capture_default_str();
+  CLI::Option* retry =
+      study->add_flag("--retry-failed", request.retry_failed, "runs those that failed once more");
+  for (CLI::Option* other : {dry, shard, retry}) list->excludes(other);
   study
       ->add_option("--threads", request.threads,
                    "how many threads to use, at most one for each processor [all of them]")

@@ -359,6 +359,8 @@ TEST_F(StudyProgram, AnalyzeFitsTheLaw) {
             answer["law"]["exponents"]["speed"]["high"]);
   Child two(folder_, {test::program(), "analyze", "out", "out"});
   EXPECT_EQ(two.wait(), 2);
+  for (const char* option : {"--from=0", "--csv=x", "--a-weighting", "--segment=8"})
+    EXPECT_EQ(Child(folder_, {test::program(), "analyze", "out", option}).wait(), 2) << option;
   Child none(folder_, {test::program(), "analyze", "."});
   EXPECT_EQ(none.wait(), 4);
   EXPECT_THAT(none.err(), HasSubstr("'ra2d study' writes it"));
@@ -373,6 +375,8 @@ TEST_F(StudyProgram, LinesThatAreWrongAreRefused) {
   }
   EXPECT_EQ(run({"study.toml", "--shards", "1/2"}), 2);
   EXPECT_THAT(err_, HasSubstr("did you mean '--shard'?"));
+  for (const char* other : {"--dry-run", "--retry-failed", "--shard=1/2"})
+    EXPECT_EQ(run({"study.toml", "--list", other}), 2) << other;
   EXPECT_EQ(run({"none.toml"}), 4);
   EXPECT_EQ(run({"study.toml", "--set", "scene.speed=1"}), 2);
   EXPECT_THAT(err_, HasSubstr("vary.speed varies this key"));
