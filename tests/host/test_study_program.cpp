@@ -280,6 +280,31 @@ TEST_F(StudyProgram, ADiskThatFillsUpLeavesWhatIsFinished) {
   EXPECT_EQ(parse_ledger(test::read_file(ledger), ledger).runs.size(), 240u);
 }
 
+TEST_F(StudyProgram, WhicheverCallToTheDiskFailsNothingIsLost) {
+  if (test::faulty_disk().empty()) GTEST_SKIP() << "nothing can be loaded before sanitizers";
+  write_study(1);
+  ASSERT_EQ(run({"study.toml", "-o", "whole"}), 0) << err_;
+  const std::string whole = table("whole");
+  const fs::path told = folder_ / "told", out = fs::canonical(folder_) / "out";
+  int failed = 0;
+  for (int call = 1; call < 200; ++call) {
+    fs::remove_all(out);
+    fs::remove(told);
+    Child child(folder_, {"/usr/bin/env", "LD_PRELOAD=" + test::faulty_disk(),
+                          "FAULTY_FOLDER=" + out.string(), fmt::format("FAULTY_CALL={}", call),
+                          "FAULTY_ERROR=28", "FAULTY_TOLD=" + told.string(), test::program(),
+                          "study", "study.toml", "-o", "out", "--threads", "1"});
+    const int status = child.wait();
+    if (!fs::exists(told)) break;  // all calls have had their turn
+    EXPECT_TRUE(status == 0 || status == 4) << "call " << call << ": " << child.err();
+    EXPECT_EQ(status == 4, child.err().find("'out") != std::string::npos) << child.err();
+    failed += status == 4 ? 1 : 0;
+    EXPECT_EQ(run({"study.toml", "-o", "out"}), 0) << "after call " << call << ": " << err_;
+    EXPECT_TRUE(table("out") == whole) << "after call " << call;
+  }
+  EXPECT_GT(failed, 10);
+}
+
 TEST_F(StudyProgram, AFolderThatGoesAwayEndsIt) {
   write_study(4000);
   Child child = start({"study.toml", "-o", "out", "--threads", "1"});
