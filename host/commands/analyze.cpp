@@ -14,6 +14,8 @@
 #include "host/errors.hpp"
 #include "host/output_file.hpp"
 #include "host/partial_file.hpp"
+#include "host/study/law.hpp"
+#include "host/study/study_folder.hpp"
 #include "host/text.hpp"
 
 namespace ra2d {
@@ -61,7 +63,31 @@ void write_tables(const std::string& prefix, const Analysis& analysis) {
   write_text(prefix + tables[2], shocks_csv(analysis));
 }
 
+/// The table of a study: a folder's, or the file itself.
+fs::path table_of(const fs::path& file) {
+  return fs::is_directory(file) ? StudyFolder{file}.table() : file;
+}
+
+int analyze_study(const Request& request) {
+  if (request.files.size() > 1)
+    throw RequestError(
+        "several files, and one of them a study's: expected one study, or results of 'ra2d run'");
+  const AnalysisOptions& o = request.options;
+  if (!request.csv.empty() || o.resolution || o.segment || o.from || o.to || o.a_weighting)
+    throw RequestError(
+        "--csv, --resolution, --segment, --from, --to and --a-weighting are of results of 'ra2d "
+        "run': a study takes --json alone");
+  const fs::path table = table_of(request.files.front());
+  const StudyAnswers answers = read_study_table(table);
+  print_text(request.json ? study_json(answers) : describe_study(answers, table.string()));
+  return done;
+}
+
 int run_analysis(const Request& request) {
+  if (std::any_of(request.files.begin(), request.files.end(), [](const fs::path& file) {
+        return fs::is_directory(file) || is_study_table(file);
+      }))
+    return analyze_study(request);
   const std::vector<std::string> prefixes = choose_prefixes(request);
   std::vector<Analysis> analyses;
   for (const fs::path& file : request.files) {
@@ -90,8 +116,11 @@ void add_analyze(CLI::App& app, Chosen& chosen) {
   CLI::App* analyze = app.add_subcommand(
       "analyze",
       "says what results hold: level, spectrum, third octaves, shocks, powers; of several files "
-      "their means with confidence intervals");
-  analyze->add_option("OUT.h5", request.files, "results of 'ra2d run'")->required()->check(path());
+      "their means with confidence intervals; of a study the means over its seeds and the law of "
+      "v_rms");
+  analyze->add_option("OUT.h5", request.files, "results of 'ra2d run', or the folder of a study")
+      ->required()
+      ->check(path());
   analyze->add_flag("--json", request.json, "prints everything as JSON");
   analyze
       ->add_option("--csv", request.csv,

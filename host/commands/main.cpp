@@ -6,13 +6,11 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <csignal>
 #include <exception>
 #include <new>
 #include <sstream>
-#include <string_view>
 #include <tuple>
 #include <utility>
 
@@ -27,17 +25,13 @@
 
 namespace {
 
-/// Commands of the contract that are not built yet: refused by name.
-constexpr std::array<std::string_view, 1> coming{"study"};
-
 using Words = std::vector<std::string>;
 using ra2d::clock_time, ra2d::count, ra2d::number_from, ra2d::path;
 
 std::string did_you_mean(const std::string& word, const Words& known) {
   const auto near = ra2d::nearest(word, known);
   if (!near) return {};
-  const bool comes = std::find(coming.begin(), coming.end(), *near) != coming.end();
-  return fmt::format(" (did you mean '{}'{}?)", *near, comes ? ", which is not available yet" : "");
+  return fmt::format(" (did you mean '{}'?)", *near);
 }
 
 /// The command that the first words name, and what is wrong with them, if anything.
@@ -45,6 +39,13 @@ struct Named {
   const CLI::App* command;
   std::string path, fault;
 };
+
+/// Whether a command has words of its own beside its commands.
+bool takes_words(const CLI::App& command) {
+  const auto options = command.get_options();
+  return std::any_of(options.begin(), options.end(),
+                     [](const CLI::Option* option) { return option->get_positional(); });
+}
 
 Named find_command(const CLI::App& app, const Words& words) {
   Named named{&app, app.get_name(), {}};
@@ -55,15 +56,11 @@ Named find_command(const CLI::App& app, const Words& words) {
     for (const CLI::App* command : commands) names.push_back(command->get_name());
     const auto found = std::find(names.begin(), names.end(), word);
     if (found == names.end()) {
-      Words meant = names;
-      if (named.command == &app) {
-        names.emplace_back("help");
-        meant = names;
-        meant.insert(meant.end(), coming.begin(), coming.end());
-      }
+      if (named.command != &app && takes_words(*named.command)) break;  // it is one of these
+      if (named.command == &app) names.emplace_back("help");
       named.fault =
           fmt::format("'{}' has no command '{}'{}; there are {}", named.path, ra2d::shortened(word),
-                      did_you_mean(word, meant), ra2d::any_of(names, "'"));
+                      did_you_mean(word, names), ra2d::any_of(names, "'"));
       break;
     }
     named.command = commands[static_cast<std::size_t>(found - names.begin())];
@@ -174,6 +171,7 @@ int dispatch(Words words) {
   add_sound(app, chosen);
   add_report(app, chosen);
   add_check(app, chosen);
+  add_study(app, chosen);
   CLI::App* chart = app.add_subcommand("chart", "all schemes side by side");
   chart->require_subcommand(1);
   CLI::App* stability = chart->add_subcommand(
@@ -225,11 +223,6 @@ int dispatch(Words words) {
     words.erase(words.begin());
     words.emplace_back("--help");
   }
-  if (!words.empty() && std::find(coming.begin(), coming.end(), words[0]) != coming.end())
-    throw RequestError(
-        fmt::format("the command '{}' is not available yet; there are 'run', 'plan', 'analyze', "
-                    "'plot', 'sound', 'report', 'check', 'surface' and 'chart'",
-                    words[0]));
   const Named named = find_command(app, words);
   if (!named.fault.empty()) throw RequestError(named.fault);
   try {

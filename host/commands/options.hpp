@@ -52,6 +52,7 @@ void add_analyze(CLI::App& app, Chosen& chosen);
 void add_plot(CLI::App& app, Chosen& chosen);
 void add_report(CLI::App& app, Chosen& chosen);
 void add_sound(CLI::App& app, Chosen& chosen);
+void add_study(CLI::App& app, Chosen& chosen);
 void add_surface_generate(CLI::App& surface, Chosen& chosen);
 void add_surface_measure(CLI::App& surface, Chosen& chosen);
 

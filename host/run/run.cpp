@@ -1,25 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "host/run/run.hpp"
 
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <ctime>
 #include <optional>
 #include <stdexcept>
 #include <utility>
 
-#include "host/device/backend.hpp"
 #include "host/errors.hpp"
 #include "host/interruption.hpp"
 #include "host/plan/plan.hpp"
 #include "host/run/checkpoint.hpp"
+#include "host/run/file_sink.hpp"
+#include "host/run/result_header.hpp"
 #include "host/run/run_key.hpp"
 #include "host/run/simulation.hpp"
-#include "host/scene_file/scene_file.hpp"
 #include "host/store/beside.hpp"
 #include "host/store/recording.hpp"
 #include "host/store/result_reader.hpp"
@@ -31,54 +29,6 @@ using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
-
-/// Shapes at every so many nodes, at 1001 places at the most.
-ModesHeader make_modes(const Beam& beam, std::size_t nodes, double spacing) {
-  constexpr std::size_t most_places = 1001;
-  const std::size_t stride =
-      std::max<std::size_t>(1, (nodes + most_places - 3) / (most_places - 1));
-  ModesHeader header;
-  for (std::size_t n = 0; n < nodes; n += stride)
-    header.position.push_back(static_cast<double>(n) * spacing);
-  for (const ModeShape& mode : beam.modes) {
-    header.frequency.push_back(mode.omega / (2 * M_PI));
-    for (const double x : header.position) {
-      double psi = 0;
-      evaluate(mode, beam.length, x, 1, &psi);
-      header.shape.push_back(psi);
-    }
-  }
-  header.mean_square = mean_squares(beam, static_cast<int>(nodes), spacing);
-  return header;
-}
-
-ResultHeader make_header(const Model& model) {
-  ResultHeader header;
-  header.scene = echo(model.scene);
-  header.backend = backend_name();
-  header.threads = backend_threads();
-  header.started = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
-  header.resonator =
-      make_modes(model.resonator, model.resonator_height.size(), model.scene.spacing);
-  header.slider = make_modes(model.slider, model.slider_height.size(), model.scene.spacing);
-  header.probe_position = model.scene.output.probes;
-  header.slider_probe_position = model.scene.output.slider_probes;
-  header.resonator_height = model.resonator_height;
-  header.slider_height = model.slider_height;
-  header.spacing = model.scene.spacing;
-  return header;
-}
-
-/// Hands on what a run records.
-class RecordingSink : public Sink {
- public:
-  explicit RecordingSink(Recording& recording) : recording_{recording} {}
-  void take(const SampleBlock& samples) override { recording_.append(samples); }
-  void take(const std::vector<Shock>& shocks) override { recording_.append(shocks); }
-
- private:
-  Recording& recording_;
-};
 
 /// `first`: the step that this process began with, `wall` seconds ago.
 Progress progress_of(const SceneRun& run, std::int64_t first, double wall) {
@@ -214,7 +164,7 @@ class FiledRun {
   std::size_t vouched_;  // segments that the last checkpoint vouches for
   bool has_checkpoint_, out_of_time_ = false;
   Recording recording_;
-  RecordingSink sink_;
+  FileSink<Recording> sink_;
   SceneRun way_;
   std::int64_t first_step_ = way_.accounts().now.step;
   Clock::time_point begun_ = Clock::now(), kept_ = begun_, shown_ = begun_;
@@ -231,8 +181,7 @@ RunReport run(const Scene& scene, const RunOptions& options) {
 
   const ClaimedOutput output(options.output);
   const std::string key = run_key(model);
-  ResultHeader header = make_header(model);
-  header.key = key;
+  ResultHeader header = result_header(model, key);
   header.beyond_limit = beyond_limit;
   const Identity identity = identity_of(key, header.scene);
   if (options.fresh) output.remove_all();

@@ -8,7 +8,9 @@
 #include <vector>
 
 #include "host/run/run_report.hpp"
+#include "host/run/simulation.hpp"
 #include "host/scene/scene.hpp"
+#include "host/store/store.hpp"
 
 /// One scene from start to file.
 namespace ra2d {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <sstream>
 #include <utility>
 
 #include "host/errors.hpp"
@@ -96,6 +97,46 @@ std::string of(const std::string& what, const std::string& unit) {
 
 std::string join(const std::string& path, const std::string& key) {
   return path.empty() ? key : path + '.' + key;
+}
+
+TomlValue value_of(const toml::node& node) {
+  TomlValue value;
+  if (const auto* text = node.as_string()) {
+    value.kind = TomlValue::Kind::text;
+    value.text = text->get();
+    value.toml = toml_string(value.text);
+  } else if (const auto* integer = node.as_integer()) {
+    value.kind = TomlValue::Kind::number;
+    value.number = static_cast<double>(integer->get());
+    value.toml = fmt::format("{}", integer->get());
+  } else if (const auto* number = node.as_floating_point()) {
+    value.kind = TomlValue::Kind::number;
+    value.number = number->get();
+    value.toml = toml_number(value.number);
+  } else if (const auto* truth = node.as_boolean()) {
+    value.toml = truth->get() ? "true" : "false";
+  } else if (const auto* array = node.as_array()) {
+    value.kind = TomlValue::Kind::list;
+    std::vector<std::string> texts;
+    for (const toml::node& element : *array) {
+      value.list.push_back(value_of(element));
+      texts.push_back(value.list.back().toml);
+    }
+    value.toml = fmt::format("[{}]", fmt::join(texts, ", "));
+  } else if (const auto* table = node.as_table()) {
+    std::vector<std::string> texts;
+    for (const auto& [name, inner] : *table) {
+      const std::string key{name.str()};
+      texts.push_back(
+          fmt::format("{} = {}", is_bare(key) ? key : toml_string(key), value_of(inner).toml));
+    }
+    value.toml = fmt::format("{{ {} }}", fmt::join(texts, ", "));
+  } else {  // a date or a time
+    std::ostringstream text;
+    node.visit([&](const auto& one) { text << one; });
+    value.toml = text.str();
+  }
+  return value;
 }
 
 }  // namespace
@@ -462,6 +503,43 @@ std::vector<Reader> Reader::tables(const std::string& key, Need need) {
     parts.wrong(*node, path, "an array of tables");
   }
   return out;
+}
+
+std::vector<std::string> Reader::names() const {
+  const toml::table* table = document_->parts_->seen[index_].table;
+  if (table == nullptr) return {};
+  std::vector<std::pair<toml::source_position, std::string>> found;  // the table has them by name
+  for (const auto& [name, node] : *table)
+    found.emplace_back(name.source().begin, std::string(name.str()));
+  std::stable_sort(found.begin(), found.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<std::string> names;
+  for (auto& [position, name] : found) names.push_back(std::move(name));
+  return names;
+}
+
+bool Reader::is_section(const std::string& key) const {
+  const toml::table* table = document_->parts_->seen[index_].table;
+  const toml::node* node = table != nullptr ? table->get(key) : nullptr;
+  return node != nullptr && node->is_table() && !node->as_table()->is_inline();
+}
+
+std::optional<TomlValue> Reader::value(const std::string& key, const std::string& expected,
+                                       Need need) {
+  const toml::node* node = document_->parts_->take(index_, key, need, expected);
+  if (node == nullptr) return std::nullopt;
+  return value_of(*node);
+}
+
+void Reader::fault(const std::string& key, const std::string& what) {
+  auto& parts = *document_->parts_;
+  const auto& at = parts.seen[index_];
+  const toml::node* node = at.table != nullptr ? at.table->get(key) : nullptr;
+  const std::string path = join(at.path, is_bare(key) ? key : toml_string(shortened(key)));
+  if (node != nullptr)
+    parts.fault(*node, path, what);
+  else
+    parts.fault(path, what);
 }
 
 void Reader::one_of(const std::string& first, const std::string& second) {

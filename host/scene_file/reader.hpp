@@ -30,6 +30,16 @@ enum class Need { required, optional };
 
 class Document;
 
+/// A value as it stands, where a key may hold any.
+struct TomlValue {
+  enum class Kind { number, text, list, other };
+  Kind kind = Kind::other;
+  std::string toml;             // on one line, reads back as the same value
+  double number = 0;            // of a number
+  std::string text;             // of a text
+  std::vector<TomlValue> list;  // of an array
+};
+
 /// One table of the document. Each key is asked for once, by the call that reads it; what nobody
 /// asked for is unknown. A value at fault reads as NaN, so that comparisons with it find no further
 /// fault.
@@ -62,6 +72,14 @@ class Reader {
     return std::nullopt;
   }
 
+  /// The names of all its keys, in the order in which they stand. Nothing is asked for by it.
+  std::vector<std::string> names() const;
+  /// Whether the key is a section of its own, written as [a.b] or with dots, and no value.
+  bool is_section(const std::string& key) const;
+  std::optional<TomlValue> value(const std::string& key, const std::string& expected, Need need);
+  /// A fault at one of its keys.
+  void fault(const std::string& key, const std::string& what);
+
   /// Two keys for one thing: exactly one of them must stand.
   void one_of(const std::string& first, const std::string& second);
 
@@ -82,6 +100,8 @@ class Document {
   Document(const Document&) = delete;
   Document& operator=(const Document&) = delete;
 
+  /// What stands outside all sections.
+  Reader root() { return {*this, 0}; }
   Reader section(const std::string& name);
 
   /// A fault at "section.key", or at what is there of that path: a missing key's section.

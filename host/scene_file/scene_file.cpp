@@ -211,7 +211,10 @@ Scene parse_scene(const std::string& text, const std::filesystem::path& file,
   Scene scene = read(document, file);
   check(scene, document);
   const char* const drawn = "a seed means the same profile at every scene.spacing: drop the key";
-  document.finish({{"resonator.surface.seed_spacing", drawn},
+  const char* const study = "this is a study: run it with 'ra2d study'";
+  document.finish({{"base", study},
+                   {"vary", study},
+                   {"resonator.surface.seed_spacing", drawn},
                    {"slider.surface.seed_spacing", drawn},
                    {"resonator.load",
                     "only the slider takes a load (slider.load, or [[resonator.moving_force]])"},

@@ -15,6 +15,7 @@
 #include "host/errors.hpp"
 #include "host/scene_file/scene_file.hpp"
 #include "host/text.hpp"
+#include "tests/child.hpp"
 #include "tests/places.hpp"
 
 namespace ra2d {
@@ -1199,6 +1200,7 @@ TEST_F(SceneFile, OfTheScenesFolderAreAllFine) {
   for (const auto& entry : std::filesystem::directory_iterator(test::source_folder() / "scenes")) {
     if (entry.path().extension() != ".toml") continue;
     SCOPED_TRACE(entry.path().filename());
+    if (test::read_file(entry.path()).find("\nbase ") != std::string::npos) continue;  // a study
     expect_round_trip(read_scene(entry.path()));
     ++count;
   }

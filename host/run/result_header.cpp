@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/run/result_header.hpp"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+
+#include "host/device/backend.hpp"
+#include "host/result/level.hpp"
+#include "host/scene_file/scene_file.hpp"
+
+namespace ra2d {
+namespace {
+
+/// Shapes at every so many nodes, at 1001 places at the most.
+ModesHeader make_modes(const Beam& beam, std::size_t nodes, double spacing) {
+  constexpr std::size_t most_places = 1001;
+  const std::size_t stride =
+      std::max<std::size_t>(1, (nodes + most_places - 3) / (most_places - 1));
+  ModesHeader header;
+  for (std::size_t n = 0; n < nodes; n += stride)
+    header.position.push_back(static_cast<double>(n) * spacing);
+  for (const ModeShape& mode : beam.modes) {
+    header.frequency.push_back(mode.omega / (2 * M_PI));
+    for (const double x : header.position) {
+      double psi = 0;
+      evaluate(mode, beam.length, x, 1, &psi);
+      header.shape.push_back(psi);
+    }
+  }
+  header.mean_square = mean_squares(beam, static_cast<int>(nodes), spacing);
+  return header;
+}
+
+}  // namespace
+
+ResultHeader result_header(const Model& model, const std::string& key) {
+  ResultHeader header;
+  header.scene = echo(model.scene);
+  header.key = key;
+  header.backend = backend_name();
+  header.threads = backend_threads();
+  header.started = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
+  header.resonator =
+      make_modes(model.resonator, model.resonator_height.size(), model.scene.spacing);
+  header.slider = make_modes(model.slider, model.slider_height.size(), model.scene.spacing);
+  header.probe_position = model.scene.output.probes;
+  header.slider_probe_position = model.scene.output.slider_probes;
+  header.resonator_height = model.resonator_height;
+  header.slider_height = model.slider_height;
+  header.spacing = model.scene.spacing;
+  return header;
+}
+
+}  // namespace ra2d

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include "host/study/scene_key.hpp"
+#include "host/study/study_folder.hpp"
+
+/// Runs that are over, on the disk: one file for each process that writes, to which records are appended.
+///
+/// A file begins with 16 bytes: "ra2dlog", a line end, the format, and the low half of the XXH3-64 of
+/// these. A record is a head of 16 bytes, "run" and a line end, the length of its body, XXH3-64 of both;
+/// the body; and XXH3-128 of head and body. It is written by one call. A process that is killed, or a
+/// power cut, leaves at the end a record that is not whole: it is ignored, and cut off by the next who
+/// writes to the file. Anything else that is not as it was written is damage, and said.
+namespace ra2d {
+
+/// Why a run has no numbers. These are the numbers in the table.
+enum class RunStatus : std::uint32_t {
+  done = 0,
+  missing = 1,  // in the table alone: it has not been run
+  refused = 2,  // before its first step: the faces overlap, the step does not hold, ...
+  failed = 3    // while it was marched: unstable, not finite, ...
+};
+
+/// What a run has come to; NaN where there is none of it.
+struct RunFigures {
+  double v_rms, level;                            // m/s, dB
+  double shock_rate, shock_duration, peak_force;  // 1/s; medians: s, N
+  double contact_share, energy_closure;           // of the time; relative
+  double wall_seconds;                            // s of its thread, of all else than which the
+                                                  // numbers are made by the scene alone
+  static constexpr std::size_t count = 8;
+};
+inline constexpr RunFigures no_figures{
+    std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN(),
+    std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN(),
+    std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN(),
+    std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
+
+struct FinishedRun {
+  Key128 scene, run;  // scene_key; run_key, 0 where the run was refused before that is known
+  RunStatus status = RunStatus::done;
+  RunFigures figures = no_figures;
+  std::string point;    // its name in the study that ran it
+  std::string message;  // why it failed
+};
+
+/// Whether two runs of one scene have come to the same, bit for bit, but for the time they took.
+bool agree(const FinishedRun& a, const FinishedRun& b);
+
+std::string ledger_head();
+std::string record_of(const FinishedRun& run);
+
+struct ParsedLedger {
+  std::vector<FinishedRun> runs;  // in order
+  std::size_t whole = 0;          // bytes up to the end of the last whole record
+};
+/// `file` is used in messages. Throws FileError that names the place of the damage.
+ParsedLedger parse_ledger(std::string_view bytes, const std::filesystem::path& file);
+
+/// One process's own.
+class LedgerWriter {
+ public:
+  /// Makes or opens the file, takes it for this process alone, and cuts off what is not whole. Throws
+  /// FileError, also where another process writes to it.
+  explicit LedgerWriter(const std::filesystem::path& file);
+  ~LedgerWriter();
+  LedgerWriter(const LedgerWriter&) = delete;
+  LedgerWriter& operator=(const LedgerWriter&) = delete;
+
+  /// What is appended outlives this process at once, and a power cut after the next sync(). Threads
+  /// may call both. Throw FileError; what could not be written whole is taken back.
+  void append(const FinishedRun& run);
+  void sync();
+
+ private:
+  std::filesystem::path file_;
+  int descriptor_ = -1;
+  std::size_t size_ = 0;
+  std::mutex mutex_;
+  bool synced_ = true;
+};
+
+/// All that ledgers hold, by scene: a run that is done rather than one that failed, else the latest.
+struct FinishedRuns {
+  std::unordered_map<Key128, FinishedRun> runs;
+
+  /// Those of a folder's ledgers, beside those that are there. Throws FileError for damage, and for
+  /// two runs of one scene with other numbers, which it names.
+  void add(const StudyFolder& folder);
+  void add(FinishedRun run, const std::filesystem::path& from);
+  const FinishedRun* find(const Key128& scene) const;
+};
+
+}  // namespace ra2d

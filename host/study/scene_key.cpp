@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/study/scene_key.hpp"
+
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+#include <fstream>
+#include <string_view>
+#include <vector>
+
+#include "host/device/backend.hpp"
+#include "host/errors.hpp"
+#include "host/run/run_key.hpp"
+#include "host/scene_file/scene_file.hpp"
+#include "host/store/hash.hpp"
+
+namespace ra2d {
+namespace {
+
+/// The echo without the keys that the scene's choices do not use: they change no bit. A surface's line
+/// stays whole, for only some of its keys may be unused.
+std::string used_keys(const std::string& echoed) {
+  std::string used;
+  for (std::size_t at = 0; at < echoed.size();) {
+    const std::size_t end = std::min(echoed.find('\n', at), echoed.size() - 1) + 1;
+    const std::string_view line(echoed.data() + at, end - at);
+    if (line.starts_with("surface =") || line.starts_with("[") ||
+        line.find("  # not used: ") == line.npos)
+      used += line;
+    at = end;
+  }
+  return used;
+}
+
+}  // namespace
+
+Key128 to_key(const std::string& digits) {
+  Key128 key;
+  const char* const begin = digits.data();
+  std::from_chars(begin, begin + 16, key.high, 16);
+  std::from_chars(begin + 16, begin + 32, key.low, 16);
+  return key;
+}
+
+std::string key_text(const Key128& key) { return fmt::format("{:016x}{:016x}", key.high, key.low); }
+
+const std::string& FileHashes::of(const std::filesystem::path& file) {
+  const auto [found, is_new] = known_.try_emplace(file);
+  if (!is_new) return found->second;
+  errno = 0;
+  std::ifstream in{file, std::ios::binary};
+  std::vector<char> part(1 << 20);
+  Hash hash;
+  while (in) {
+    in.read(part.data(), static_cast<std::streamsize>(part.size()));
+    hash.add(std::string_view(part.data(), static_cast<std::size_t>(in.gcount())));
+  }
+  if (in.bad() || !in.eof()) {
+    const int fault = errno;
+    known_.erase(found);
+    throw FileError(
+        fmt::format("{}: cannot read the profile: {}", file.string(), std::strerror(fault)));
+  }
+  return found->second = hash.text();
+}
+
+Key128 scene_key(const Scene& scene, FileHashes& files) {
+  Scene bare = scene;
+  bare.name.clear();
+  Hash hash;
+  hash.add(fmt::format("numerics {}\n{}\n", numerics_version, arithmetic()));
+  for (BodySpec* body : {&bare.resonator, &bare.slider}) {
+    const bool from_file = body->surface.kind == SurfaceKind::file;
+    hash.add(from_file ? files.of(scene.file.parent_path() / body->surface.path) : "none");
+    hash.add("\n");
+    body->surface.path.clear();
+  }
+  hash.add(used_keys(echo(bare)));
+  return to_key(hash.text());
+}
+
+}  // namespace ra2d

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <string>
+
+#include "host/scene/scene.hpp"
+
+/// What tells one run of a study from another before its surfaces are made.
+namespace ra2d {
+
+/// 128 bits of a hash.
+struct Key128 {
+  std::uint64_t high = 0, low = 0;
+  bool operator==(const Key128&) const = default;
+  auto operator<=>(const Key128&) const = default;
+};
+/// From 32 hexadecimal digits, and back.
+Key128 to_key(const std::string& digits);
+std::string key_text(const Key128& key);
+
+/// Hashes of files by what is in them, each read once.
+class FileHashes {
+ public:
+  /// Throws FileError.
+  const std::string& of(const std::filesystem::path& file);
+
+ private:
+  std::map<std::filesystem::path, std::string> known_;
+};
+
+/// XXH3-128 of all that decides the bits of a run: the scene with the keys it uses, what is in the files
+/// of its profiles, the version of the numerics and the build's arithmetic. Not of names and places.
+/// run_key() knows the heights themselves, which take milliseconds to make: of two scenes with one
+/// scene key it is one, too, as long as `numerics_version` is raised when heights change.
+Key128 scene_key(const Scene& scene, FileHashes& files);
+
+}  // namespace ra2d
+
+template <>
+struct std::hash<ra2d::Key128> {
+  std::size_t operator()(const ra2d::Key128& key) const noexcept { return key.low; }
+};

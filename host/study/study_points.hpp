@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "host/scene/scene.hpp"
+#include "host/study/scene_key.hpp"
+#include "host/study/study_file.hpp"
+
+/// The runs that a study asks for: every combination once.
+namespace ra2d {
+
+/// A point is one run. Points are numbered in C order of the dimensions as they stand, the seed last:
+/// so they lie in the table.
+class StudyPoints {
+ public:
+  explicit StudyPoints(Study study);
+
+  const Study& study() const { return study_; }
+  std::size_t size() const { return combinations_ * study_.seeds.size(); }
+  /// Without the seeds.
+  std::size_t combinations() const { return combinations_; }
+  /// Lengths of the table's axes, the seeds' last.
+  std::vector<std::size_t> shape() const;
+  /// Which value of each dimension, and which seed, a point takes.
+  std::vector<std::size_t> place(std::size_t point) const;
+  /// "speed = 0.1, rq = 2e-6, seed 3"
+  std::string name(std::size_t point) const;
+  /// Throws RequestError, with the name of the point.
+  Scene scene(std::size_t point) const;
+  /// A fault of its scene: without the place of the base, and with the study's own changes told from
+  /// those of the command line.
+  std::string in_words_of_the_study(std::string fault, std::size_t point) const;
+
+ private:
+  std::vector<std::string> overrides(const std::vector<std::size_t>& place) const;
+  Scene combination(std::size_t point) const;
+  friend struct PointCensus;
+  Study study_;
+  std::size_t combinations_ = 1;
+};
+
+/// What is known of each point before it is run.
+struct PointCensus {
+  std::vector<Key128> keys;
+  std::vector<float> costs;  // s of one thread, estimates (scene_cost)
+  bool has_seeds = true;     // whether a scene has a surface that a seed changes
+
+  /// Reads and checks the scene of every point. Throws RequestError that names those that are wrong,
+  /// the first few of them; FileError for a profile that cannot be read.
+  explicit PointCensus(const StudyPoints& points);
+
+  /// Points of which no earlier one is the same run, in their order.
+  std::vector<std::size_t> different() const;
+};
+
+/// What a run takes of one thread [s], from the scene alone: within a factor of five or so. Measured runs
+/// tell how far off it is, and it is off by about the same in all runs of one study.
+double scene_cost(const Scene& scene);
+
+}  // namespace ra2d

@@ -1,0 +1,394 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/study/study_table.hpp"
+
+#include <fmt/format.h>
+#include <hdf5.h>
+#include <hdf5_hl.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include "host/errors.hpp"
+#include "host/partial_file.hpp"
+#include "host/store/attributes.hpp"
+#include "host/store/hash.hpp"
+#include "host/store/hdf5.hpp"
+
+#ifndef RA2D_VERSION
+#define RA2D_VERSION "unknown"
+#endif
+#ifndef RA2D_COMMIT
+#define RA2D_COMMIT "unknown"
+#endif
+
+namespace ra2d {
+namespace {
+
+using h5::check;
+
+constexpr std::size_t most_points = 2 * most_study_runs;  // of a table that is read
+
+/// A number of every run.
+struct Column {
+  const char *name, *units, *long_name;
+  double RunFigures::*figure;
+  bool Study::*kept;  // whether the study wants it; none: always
+};
+
+constexpr Column columns[] = {
+    {"v_rms", "m s-1", "root mean square velocity of the resonator's elastic modes",
+     &RunFigures::v_rms, &Study::keep_level},
+    {"level", "dB", "level of v_rms re 1 nm/s", &RunFigures::level, &Study::keep_level},
+    {"shock_rate", "s-1", "shocks a second", &RunFigures::shock_rate, &Study::keep_shocks},
+    {"shock_duration_median", "s", "median duration of the shocks", &RunFigures::shock_duration,
+     &Study::keep_shocks},
+    {"peak_force_median", "N", "median peak force of the shocks", &RunFigures::peak_force,
+     &Study::keep_shocks},
+    {"contact_share", "1", "share of the time with a node in contact", &RunFigures::contact_share,
+     nullptr},
+    {"energy_closure", "1", "energy that is unaccounted for, of what went through",
+     &RunFigures::energy_closure, nullptr},
+    {"wall_seconds", "s", "time that the run took of its thread", &RunFigures::wall_seconds,
+     nullptr},
+};
+
+/// What a key of a scene is measured in; by its last word.
+const char* units_of(const std::string& key) {
+  const std::string word = key.substr(key.rfind('.') + 1);
+  constexpr std::pair<const char*, const char*> known[] = {
+      {"duration", "s"},
+      {"speed", "m s-1"},
+      {"start", "m"},
+      {"gap", "m"},
+      {"spacing", "m"},
+      {"length", "m"},
+      {"thickness", "m"},
+      {"width", "m"},
+      {"young", "Pa"},
+      {"density", "kg m-3"},
+      {"max_frequency", "Hz"},
+      {"rq", "m"},
+      {"rsm", "m"},
+      {"correlation_length", "m"},
+      {"longest", "m"},
+      {"shortest", "m"},
+      {"stiffness", "Pa m-1"},
+      {"step", "s"},
+      {"load", "N"},
+      {"rate", "Hz"},
+      {"from", "s"},
+      {"cutoff", "m"},
+      {"cutoff_s", "m"},
+  };
+  for (const auto& [name, units] : known)
+    if (word == name) return units;
+  return "1";
+}
+
+/// HDF5 in memory: it reaches the disk as bytes, whole or not at all.
+class Image {
+ public:
+  explicit Image(const std::string& name) {
+    const h5::Properties access{check(H5Pcreate(H5P_FILE_ACCESS))};
+    constexpr std::size_t growth = 1 << 20;  // bytes
+    check(H5Pset_fapl_core(access, growth, false));
+    const h5::Properties creation = h5::ordered(H5P_FILE_CREATE);
+    check(H5Pset_obj_track_times(creation, false));
+    file_ = h5::File{check(H5Fcreate(name.c_str(), H5F_ACC_TRUNC, creation, access))};
+  }
+  hid_t file() const { return file_; }
+  std::string bytes() {
+    check(H5Fflush(file_, H5F_SCOPE_GLOBAL));
+    const ssize_t size = H5Fget_file_image(file_, nullptr, 0);
+    if (size < 0) throw h5::hdf5_failure();
+    std::string bytes(static_cast<std::size_t>(size), '\0');
+    if (H5Fget_file_image(file_, bytes.data(), bytes.size()) != size) throw h5::hdf5_failure();
+    h5::close(file_);
+    return bytes;
+  }
+
+ private:
+  h5::File file_;
+};
+
+h5::Type text_type() {
+  h5::Type text{check(H5Tcopy(H5T_C_S1))};
+  check(H5Tset_size(text, H5T_VARIABLE));
+  check(H5Tset_cset(text, H5T_CSET_UTF8));
+  return text;
+}
+
+struct Writer {
+  hid_t file;
+  std::vector<hsize_t> shape{};
+  std::vector<h5::Dataset> scales{};  // of the axes, in their order
+
+  h5::Dataset make(const char* name, hid_t stored, hid_t given, const void* data,
+                   const std::vector<hsize_t>& extent, const std::string& hash) const {
+    const h5::Properties creation = h5::ordered(H5P_DATASET_CREATE);
+    check(H5Pset_obj_track_times(creation, false));
+    const h5::Space space{
+        check(H5Screate_simple(static_cast<int>(extent.size()), extent.data(), nullptr))};
+    h5::Dataset dataset{
+        check(H5Dcreate2(file, name, stored, space, H5P_DEFAULT, creation, H5P_DEFAULT))};
+    check(H5Dwrite(dataset, given, H5S_ALL, H5S_ALL, H5P_DEFAULT, data));
+    h5::set_attribute(dataset, {"xxh3_128", hash});
+    return dataset;
+  }
+  h5::Dataset numbers(const char* name, const std::vector<double>& values,
+                      const std::vector<hsize_t>& extent) const {
+    Hash hash;
+    hash.add(values.data(), values.size());
+    return make(name, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, values.data(), extent, hash.text());
+  }
+  template <class Integer>
+  h5::Dataset integers(const char* name, hid_t stored, hid_t given,
+                       const std::vector<Integer>& values,
+                       const std::vector<hsize_t>& extent) const {
+    Hash hash;
+    hash.add(std::string_view(reinterpret_cast<const char*>(values.data()),
+                              values.size() * sizeof(Integer)));
+    return make(name, stored, given, values.data(), extent, hash.text());
+  }
+  /// Hashed with a zero behind each.
+  h5::Dataset words(const char* name, const std::vector<std::string>& texts,
+                    const std::vector<hsize_t>& extent) const {
+    Hash hash;
+    std::vector<const char*> characters;
+    for (const std::string& text : texts) {
+      hash.add(std::string_view(text.c_str(), text.size() + 1));
+      characters.push_back(text.c_str());
+    }
+    const h5::Type type = text_type();
+    return make(name, type, type, characters.data(), extent, hash.text());
+  }
+  static void describe(const h5::Dataset& dataset, const std::string& units,
+                       const std::string& long_name) {
+    h5::set_attribute(dataset, {"units", units});
+    h5::set_attribute(dataset, {"long_name", long_name});
+  }
+  void add_scale(h5::Dataset dataset, const std::string& name, const std::string& units,
+                 const std::string& long_name, std::size_t size) {
+    describe(dataset, units, long_name);
+    check(H5DSset_scale(dataset, name.c_str()));
+    scales.push_back(std::move(dataset));
+    shape.push_back(size);
+  }
+  void add(h5::Dataset dataset, const std::string& units, const std::string& long_name) const {
+    describe(dataset, units, long_name);
+    for (unsigned axis = 0; axis < scales.size(); ++axis)
+      check(H5DSattach_scale(dataset, scales[axis], axis));
+    h5::close(dataset);
+  }
+};
+
+void write_axes(Writer& out, const Study& study) {
+  for (const StudyDimension& dimension : study.dimensions) {
+    const std::vector<hsize_t> extent{dimension.size()};
+    const char* const name = dimension.name.c_str();
+    out.add_scale(dimension.is_text ? out.words(name, dimension.texts, extent)
+                                    : out.numbers(name, dimension.numbers, extent),
+                  dimension.name, dimension.is_text ? "1" : units_of(dimension.keys.front()),
+                  fmt::format("{}", fmt::join(dimension.keys, ", ")), dimension.size());
+  }
+  out.add_scale(
+      out.integers("seed", H5T_STD_I64LE, H5T_NATIVE_INT64, study.seeds, {study.seeds.size()}),
+      "seed", "1", "run, 1000 times which is added to both surfaces' seeds", study.seeds.size());
+}
+
+std::string table_bytes(const std::filesystem::path& file, const StudyPoints& points,
+                        const PointCensus& census, const FinishedRuns& finished) {
+  const Study& study = points.study();
+  const std::size_t count = points.size();
+  std::vector<const FinishedRun*> runs(count);
+  std::vector<std::int32_t> status(count, static_cast<std::int32_t>(RunStatus::missing));
+  std::vector<std::string> messages(count);
+  std::int64_t done = 0, failed = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    runs[i] = finished.find(census.keys[i]);
+    if (runs[i] == nullptr) continue;
+    status[i] = static_cast<std::int32_t>(runs[i]->status);
+    messages[i] = runs[i]->message;
+    (runs[i]->status == RunStatus::done ? done : failed)++;
+  }
+
+  Image image(file.string());
+  const auto give = [&](const h5::GivenAttribute& attribute) {
+    h5::set_attribute(image.file(), attribute);
+  };
+  give({"creator", "ra2d"});
+  give({"study_format", std::int64_t{study_format}});
+  give({"version", RA2D_VERSION});
+  give({"commit", RA2D_COMMIT});
+  give({"study", study.text});
+  give({"base", study.base_text});
+  give({"set", fmt::format("{}", fmt::join(study.given, "\n"))});
+  std::string names;
+  for (const StudyDimension& dimension : study.dimensions) names += dimension.name + ' ';
+  give({"dimensions", names + "seed"});
+  give({"runs", static_cast<std::int64_t>(count)});
+  give({"done", done});
+  give({"failed", failed});
+  give({"complete", std::int64_t{done + failed == static_cast<std::int64_t>(count)}});
+
+  Writer out{image.file()};
+  write_axes(out, study);
+  std::vector<double> values(count);
+  for (const Column& column : columns) {
+    if (column.kept != nullptr && !(study.*column.kept)) continue;
+    for (std::size_t i = 0; i < count; ++i)
+      values[i] = (runs[i] != nullptr ? runs[i]->figures : no_figures).*column.figure;
+    out.add(out.numbers(column.name, values, out.shape), column.units, column.long_name);
+  }
+  out.add(out.integers("status", H5T_STD_I32LE, H5T_NATIVE_INT32, status, out.shape), "1",
+          "0 done, 1 not run, 2 refused before its first step, 3 failed");
+  out.add(out.words("message", messages, out.shape), "1", "why there are no numbers");
+  if (study.keep_files) {
+    std::vector<std::string> files(count);
+    for (std::size_t i = 0; i < count; ++i)
+      if (runs[i] != nullptr && runs[i]->status != RunStatus::refused)
+        files[i] = StudyFolder::result(key_text(runs[i]->run)).string();
+    out.add(out.words("file", files, out.shape), "1",
+            "the run's own result, in the study's folder");
+  }
+  for (h5::Dataset& scale : out.scales) h5::close(scale);
+  return image.bytes();
+}
+
+// ---- reading -----------------------------------------------------------------------------------
+
+/// What is wrong with a file; its name goes before it.
+struct TableFault {
+  std::string text;
+};
+
+h5::Dataset open_dataset(hid_t file, const std::string& name) {
+  if (check(H5Lexists(file, name.c_str(), H5P_DEFAULT)) <= 0)
+    throw TableFault{fmt::format("there is no /{} in it", name)};
+  return h5::Dataset{check(H5Dopen2(file, name.c_str(), H5P_DEFAULT))};
+}
+
+std::vector<hsize_t> extent_of(const h5::Dataset& dataset) {
+  const h5::Space space{check(H5Dget_space(dataset))};
+  std::vector<hsize_t> extent(static_cast<std::size_t>(check(H5Sget_simple_extent_ndims(space))));
+  check(H5Sget_simple_extent_dims(space, extent.data(), nullptr));
+  return extent;
+}
+
+std::size_t size_of(const std::vector<hsize_t>& extent) {
+  double size = 1;
+  for (const hsize_t length : extent) size *= static_cast<double>(length);
+  if (!(size <= static_cast<double>(most_points))) throw TableFault{"it is too large"};
+  return static_cast<std::size_t>(size);
+}
+
+std::vector<double> read_numbers(const h5::Dataset& dataset) {
+  const h5::Type type{check(H5Dget_type(dataset))};
+  if (const H5T_class_t kind = H5Tget_class(type); kind != H5T_FLOAT && kind != H5T_INTEGER)
+    throw TableFault{"it holds something else where numbers are expected"};
+  std::vector<double> numbers(size_of(extent_of(dataset)));
+  check(H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, numbers.data()));
+  return numbers;
+}
+
+std::vector<std::string> read_texts(const h5::Dataset& dataset) {
+  std::vector<char*> characters(size_of(extent_of(dataset)), nullptr);
+  check(H5Dread(dataset, text_type(), H5S_ALL, H5S_ALL, H5P_DEFAULT, characters.data()));
+  std::vector<std::string> texts;
+  for (char* one : characters) {
+    texts.emplace_back(one == nullptr ? "" : one);
+    H5free_memory(one);
+  }
+  return texts;
+}
+
+std::string read_text_attribute(hid_t file, const char* name) {
+  if (check(H5Aexists(file, name)) <= 0)
+    throw TableFault{"it is not the table of a study (write one with 'ra2d study')"};
+  const h5::Attribute attribute{check(H5Aopen(file, name, H5P_DEFAULT))};
+  const h5::Type type{check(H5Aget_type(attribute))};
+  const h5::Space space{check(H5Aget_space(attribute))};
+  if (H5Tis_variable_str(type) <= 0 || H5Sget_simple_extent_npoints(space) != 1)
+    throw TableFault{fmt::format("its attribute '{}' is no text", name)};
+  char* characters = nullptr;
+  check(H5Aread(attribute, type, &characters));
+  std::string text = characters == nullptr ? "" : characters;
+  H5free_memory(characters);
+  return text;
+}
+
+StudyAnswers read_table(hid_t file) {
+  StudyAnswers answers;
+  std::string names = read_text_attribute(file, "dimensions") + ' ';
+  for (std::size_t end; (end = names.find(' ')) != names.npos; names.erase(0, end + 1)) {
+    StudyAxis axis{names.substr(0, end), {}, {}};
+    const h5::Dataset dataset = open_dataset(file, axis.name);
+    const h5::Type type{check(H5Dget_type(dataset))};
+    if (H5Tget_class(type) == H5T_STRING) {
+      if (H5Tis_variable_str(type) <= 0) throw TableFault{"its words are of a fixed length"};
+      axis.texts = read_texts(dataset);
+    } else {
+      axis.numbers = read_numbers(dataset);
+    }
+    answers.axes.push_back(std::move(axis));
+  }
+  std::vector<hsize_t> shape;
+  for (const StudyAxis& axis : answers.axes) shape.push_back(axis.size());
+  const auto column = [&](const char* name) {
+    const h5::Dataset dataset = open_dataset(file, name);
+    if (extent_of(dataset) != shape)
+      throw TableFault{fmt::format("/{} has another shape than its axes", name)};
+    return read_numbers(dataset);
+  };
+  answers.status = column("status");
+  if (check(H5Lexists(file, "v_rms", H5P_DEFAULT)) > 0) answers.v_rms = column("v_rms");
+  return answers;
+}
+
+}  // namespace
+
+void write_study_table(const std::filesystem::path& file, const StudyPoints& points,
+                       const PointCensus& census, const FinishedRuns& finished) {
+  std::string bytes;
+  try {
+    const auto library = h5::take_library();
+    bytes = table_bytes(file, points, census, finished);
+  } catch (const h5::Failure& failure) {
+    throw write_failure("make", file, failure.reason, failure.error);
+  }
+  write_text(file, bytes);
+}
+
+bool is_study_table(const std::filesystem::path& file) {
+  std::error_code none;
+  if (!std::filesystem::is_regular_file(file, none)) return false;
+  const auto library = h5::take_library();
+  const h5::Properties access = h5::file_access();
+  const h5::File opened{H5Fopen(file.c_str(), H5F_ACC_RDONLY, access)};
+  return opened.is_open() && H5Aexists(opened, "study_format") > 0;
+}
+
+StudyAnswers read_study_table(const std::filesystem::path& file) {
+  std::error_code none;
+  if (!std::filesystem::is_regular_file(file, none))
+    throw FileError(fmt::format("cannot read '{}': there is no such file. 'ra2d study' writes it",
+                                file.string()));
+  const auto library = h5::take_library();
+  try {
+    const h5::Properties access = h5::file_access();
+    const h5::File opened{check(H5Fopen(file.c_str(), H5F_ACC_RDONLY, access))};
+    return read_table(opened);
+  } catch (const h5::Failure& failure) {
+    throw FileError(fmt::format("cannot read '{}': {}", file.string(), failure.reason));
+  } catch (const TableFault& fault) {
+    throw FileError(fmt::format("cannot read '{}': {}", file.string(), fault.text));
+  }
+}
+
+}  // namespace ra2d

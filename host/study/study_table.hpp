@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "host/study/ledger.hpp"
+#include "host/study/study_points.hpp"
+
+/// The one table of a study (docs/studies.md): HDF5, with the varied names as dimensions.
+namespace ra2d {
+
+/// Raised when a dataset changes its meaning or goes.
+inline constexpr int study_format = 1;
+
+/// Writes it whole under its name. It is made by the study, the build and the finished runs alone:
+/// but for wall_seconds its bytes are the same whoever ran what. Throws FileError.
+void write_study_table(const std::filesystem::path& file, const StudyPoints& points,
+                       const PointCensus& census, const FinishedRuns& finished);
+
+/// One axis of a table: numbers, or words.
+struct StudyAxis {
+  std::string name;
+  std::vector<double> numbers;
+  std::vector<std::string> texts;
+  std::size_t size() const { return texts.empty() ? numbers.size() : texts.size(); }
+};
+
+/// What an analysis needs of a table.
+struct StudyAnswers {
+  std::vector<StudyAxis> axes;  // in the order of the table, the seeds last
+  std::vector<double> v_rms;    // in C order; NaN where there is none
+  std::vector<double> status;   // RunStatus
+};
+
+/// Whether the file is one: false also for what cannot be opened.
+bool is_study_table(const std::filesystem::path& file);
+
+/// Throws FileError for what is no such table.
+StudyAnswers read_study_table(const std::filesystem::path& file);
+
+}  // namespace ra2d

@@ -1,0 +1,380 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/study/study_worker.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <condition_variable>
+#include <exception>
+#include <list>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <new>
+#include <thread>
+
+#include "host/device/backend.hpp"
+#include "host/errors.hpp"
+#include "host/interruption.hpp"
+#include "host/model/model.hpp"
+#include "host/plan/plan.hpp"
+#include "host/result/level.hpp"
+#include "host/run/file_sink.hpp"
+#include "host/run/result_header.hpp"
+#include "host/run/run_key.hpp"
+#include "host/run/run_report.hpp"
+#include "host/run/simulation.hpp"
+#include "kernels/limits.hpp"
+
+namespace ra2d {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point begin) {
+  return std::chrono::duration<double>(Clock::now() - begin).count();
+}
+
+constexpr int slots_of_a_gpu = 1024;
+constexpr std::chrono::milliseconds tick_time{200};
+constexpr double progress_time = 0.2;  // s
+constexpr std::size_t most_failures_told = 10;
+
+/// The dearest first; of equals in their order.
+void sort_by_cost(std::vector<std::size_t>& points, const PointCensus& census) {
+  std::stable_sort(points.begin(), points.end(),
+                   [&](std::size_t a, std::size_t b) { return census.costs[a] > census.costs[b]; });
+}
+
+/// A run's own result, where it is kept.
+struct KeptResult {
+  std::unique_ptr<ResultFile> file;
+  std::unique_ptr<Sink> sink;
+};
+
+/// One run on its way.
+class PointRun : public SceneRun {
+ public:
+  PointRun(Model model, ModalStart start, std::size_t point_, Key128 key_, double setup_,
+           KeptResult kept_)
+      : SceneRun(std::move(model), std::move(start), {}, kept_.sink.get()),
+        kept{std::move(kept_)},
+        point{point_},
+        key{key_},
+        setup{setup_} {}
+  KeptResult kept;
+  const std::size_t point;
+  const Key128 key;    // run_key
+  const double setup;  // s
+};
+
+/// Means over the nodes of the modes' squares: equal resonators share them, for they take as long to
+/// find as a short run.
+class SharedMeanSquares {
+ public:
+  std::vector<double> of(const Model& model) {
+    const BodySpec& body = model.scene.resonator;
+    const Key key{static_cast<double>(body.support), body.length, model.scene.spacing,
+                  static_cast<double>(model.resonator_height.size()),
+                  static_cast<double>(model.resonator.modes.size())};
+    {
+      const std::lock_guard lock(mutex_);
+      for (const auto& [known, values] : known_)
+        if (known == key) return values;
+    }
+    const std::vector<double> values = mean_squares(model);
+    const std::lock_guard lock(mutex_);
+    known_.emplace_front(key, values);
+    if (known_.size() > 64) known_.pop_back();
+    return values;
+  }
+
+ private:
+  using Key = std::array<double, 5>;  // all that the shapes of modes and their places depend on
+  std::mutex mutex_;
+  std::list<std::pair<Key, std::vector<double>>> known_;
+};
+
+/// Calls `tick` until it is destroyed, on a thread of its own; keeps what it throws.
+class Clerk {
+ public:
+  explicit Clerk(std::function<void()> tick)
+      : tick_{std::move(tick)}, thread_{[this] { work(); }} {}
+  ~Clerk() {
+    {
+      const std::lock_guard lock(mutex_);
+      over_ = true;
+    }
+    wake_.notify_all();
+    thread_.join();
+  }
+  Clerk(const Clerk&) = delete;
+  Clerk& operator=(const Clerk&) = delete;
+  void rethrow() {
+    const std::lock_guard lock(mutex_);
+    if (fault_) std::rethrow_exception(fault_);
+  }
+
+ private:
+  void work() {
+    std::unique_lock lock(mutex_);
+    while (!wake_.wait_for(lock, tick_time, [&] { return over_; })) {
+      lock.unlock();
+      std::exception_ptr fault;
+      try {
+        tick_();
+      } catch (...) {
+        fault = std::current_exception();
+      }
+      lock.lock();
+      if (!fault) continue;
+      fault_ = fault;
+      return;
+    }
+  }
+  std::function<void()> tick_;
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  bool over_ = false;
+  std::exception_ptr fault_;
+  std::thread thread_;
+};
+
+class Worker {
+ public:
+  Worker(const StudyPoints& points, const PointCensus& census, const StudyWork& work,
+         LedgerWriter& ledger, const StudyOptions& options)
+      : points_{points}, census_{census}, work_{work}, ledger_{ledger}, options_{options} {
+    left_.resize(work.jobs.size() + 1);  // estimates of the jobs from each on
+    for (std::size_t i = work.jobs.size(); i-- > 0;)
+      left_[i] = left_[i + 1] + static_cast<double>(census.costs[work.jobs[i]]);
+  }
+
+  StudyOutcome run() {
+    if (work_.jobs.empty()) return outcome_;
+    {
+      Clerk clerk([&] {
+        ledger_.sync();
+        if (options_.tick) options_.tick();
+      });
+      clerk_ = &clerk;
+      const int jobs = static_cast<int>(work_.jobs.size());
+      if (scenes_at_once() > backend_threads())
+        march(0, std::min(jobs, slots_of_a_gpu));
+      else  // each thread by itself: none waits for another before the end
+        side_by_side(std::min(jobs, backend_threads()), [&](int thread) { march(thread, 1); });
+      clerk.rethrow();
+    }
+    ledger_.sync();
+    outcome_.elapsed = seconds_since(begun_);
+    return outcome_;
+  }
+
+ private:
+  /// Takes runs until there are no more. `crew`: who does, a thread or a GPU.
+  void march(int crew, int slots) {
+    SimulationOptions options;
+    options.slots = slots;
+    Simulation simulation(options);
+    try {
+      simulation.run([&](std::size_t) { return make(crew); },
+                     [&](SceneRun& run) { take(static_cast<PointRun&>(run)); },
+                     [&] { look_up(crew); });
+    } catch (const GivenUp&) {  // the fault is another's
+    } catch (...) {
+      given_up_ = true;
+      throw;
+    }
+    const std::lock_guard lock(mutex_);
+    outcome_.busy += simulation.busy_seconds();
+  }
+
+  /// The next run that can be marched; none: there are no more.
+  SceneRun* make(int crew) {
+    for (;;) {
+      const std::size_t job = next_++;
+      if (job >= work_.jobs.size() || interruption() != 0) return nullptr;
+      const std::size_t point = work_.jobs[job];
+      FinishedRun refused{census_.keys[point], {}, RunStatus::refused, no_figures,
+                          points_.name(point), {}};
+      const Clock::time_point begin = Clock::now();
+      try {
+        return make(crew, point, refused, begin);
+      } catch (const RequestError& fault) {
+        refused.message = points_.in_words_of_the_study(fault.what(), point);
+      } catch (const std::bad_alloc&) {
+        refused.message = "out of memory: fewer nodes or modes are needed (see 'ra2d plan')";
+      }
+      refused.figures.wall_seconds = seconds_since(begin);
+      record(std::move(refused));
+    }
+  }
+
+  /// `refused` learns what is known of the run until it is.
+  SceneRun* make(int crew, std::size_t point, FinishedRun& refused, Clock::time_point begin) {
+    const Scene scene = points_.scene(point);
+    Model model = make_model(scene);
+    refused.run = to_key(run_key(model));
+    const std::string beyond_limit = checked_limit(model);
+    if (const std::string overlap = overlap_at_start(model); !overlap.empty())
+      throw refusal(scene, "scene.gap", overlap);
+    const std::size_t modes = model.resonator.modes.size() + model.slider.modes.size();
+    if (modes > most_modes)
+      throw RequestError(
+          fmt::format("{} modes in both bodies together, at the most {} can be "
+                      "marched: lower max_frequency or modes",
+                      modes, most_modes));
+    ModalStart start = make_start(model);
+    KeptResult kept;
+    if (!options_.results.empty()) {
+      ResultHeader header = result_header(model, key_text(refused.run));
+      header.beyond_limit = beyond_limit;
+      kept.file = std::make_unique<ResultFile>(
+          options_.results / StudyFolder::result(key_text(refused.run)), header);
+      kept.sink = std::make_unique<FileSink<ResultFile>>(*kept.file);
+    }
+    auto run = std::make_unique<PointRun>(std::move(model), std::move(start), point, refused.run,
+                                          seconds_since(begin), std::move(kept));
+    const std::lock_guard lock(mutex_);
+    SceneRun* const way = run.get();
+    running_.emplace(way, Running{crew, 0, std::move(run)});
+    return way;
+  }
+
+  void take(PointRun& run) {
+    RunReport report = report_on(run, squares_.of(run.model()));
+    report.wall_seconds = run.setup + report.march_seconds;
+    if (run.kept.file)
+      run.kept.file->close(summary_of(report));  // before the ledger says it is there
+    FinishedRun finished{census_.keys[run.point], run.key,       RunStatus::done, no_figures,
+                         points_.name(run.point), report.failure};
+    if (report.ending == Ending::failed) {
+      finished.status = RunStatus::failed;
+    } else {
+      finished.figures = {.v_rms = report.v_rms,
+                          .level = report.lv,
+                          .shock_rate = report.shocks,
+                          .shock_duration = report.duration_median,
+                          .peak_force = report.force_median,
+                          .contact_share = report.contact_share,
+                          .energy_closure = std::abs(report.energy.relative()),
+                          .wall_seconds = 0};
+    }
+    finished.figures.wall_seconds = report.wall_seconds;
+    {
+      const std::lock_guard lock(mutex_);
+      outcome_.marched += report.march_seconds;
+    }
+    record(std::move(finished));
+    std::unique_ptr<PointRun> over;  // let go of outside the lock
+    const std::lock_guard lock(mutex_);
+    const auto found = running_.find(&run);
+    over = std::move(found->second.run);
+    running_.erase(found);
+  }
+
+  void record(FinishedRun finished) {
+    ledger_.append(finished);
+    const std::lock_guard lock(mutex_);
+    if (finished.status == RunStatus::done) {
+      ++outcome_.done;
+      return;
+    }
+    ++outcome_.failed;
+    if (outcome_.failures.size() < most_failures_told)
+      outcome_.failures.emplace_back(std::move(finished.point), std::move(finished.message));
+  }
+
+  /// Between the launches of a crew, whose runs nobody marches now.
+  void look_up(int crew) {
+    if (given_up_) throw GivenUp();
+    clerk_->rethrow();
+    if (!options_.progress) return;
+    const std::lock_guard lock(mutex_);
+    for (auto& [way, running] : running_)
+      if (running.crew == crew)
+        running.share = running.run->time() / running.run->model().scene.duration;
+    if (seconds_since(shown_) < progress_time) return;
+    shown_ = Clock::now();
+    StudyProgress now;
+    now.runs = work_.runs;
+    now.done = work_.done + outcome_.done;
+    now.failed = work_.failed + outcome_.failed;
+    now.running = running_.size();
+    now.elapsed = seconds_since(begun_);
+    double estimate = left_[std::min(next_.load(), work_.jobs.size())];
+    for (const auto& [way, running] : running_)
+      estimate += static_cast<double>(census_.costs[running.run->point]) * (1 - running.share);
+    const double spent = left_[0] - estimate;
+    // by what this study's estimates have come to so far, runs on their way among them
+    now.left = spent > 0 ? now.elapsed * estimate / spent
+                         : estimate * work_.correction / backend_threads();
+    options_.progress(now);
+  }
+
+  struct GivenUp {};
+  struct Running {
+    int crew;
+    double share;  // that is done
+    std::unique_ptr<PointRun> run;
+  };
+
+  const StudyPoints& points_;
+  const PointCensus& census_;
+  const StudyWork& work_;
+  LedgerWriter& ledger_;
+  const StudyOptions& options_;
+  const Clock::time_point begun_ = Clock::now();
+  std::vector<double> left_;
+  SharedMeanSquares squares_;
+  std::atomic<std::size_t> next_ = 0;
+  std::atomic<bool> given_up_ = false;
+  Clerk* clerk_ = nullptr;
+  std::mutex mutex_;  // of all below
+  std::map<const SceneRun*, Running> running_;
+  Clock::time_point shown_ = begun_;
+  StudyOutcome outcome_;
+};
+
+}  // namespace
+
+StudyWork find_work(const PointCensus& census, const FinishedRuns& finished, const Shard& shard,
+                    bool retry_failed, const std::function<bool(const FinishedRun&)>& lacks) {
+  StudyWork work;
+  std::vector<std::size_t> all = census.different();
+  sort_by_cost(all, census);
+  double estimated = 0, measured = 0;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const FinishedRun* run = finished.find(census.keys[all[i]]);
+    if (run != nullptr && run->status == RunStatus::done) {
+      estimated += static_cast<double>(census.costs[all[i]]);
+      measured += run->figures.wall_seconds;
+      ++work.measured;
+    }
+    if (i % static_cast<std::size_t>(shard.count) != static_cast<std::size_t>(shard.index - 1))
+      continue;
+    ++work.runs;
+    const bool failed = run != nullptr && run->status != RunStatus::done;
+    const bool lacking = run != nullptr && lacks && lacks(*run);
+    if (run != nullptr && !(failed && retry_failed) && !lacking) {
+      ++(failed ? work.failed : work.done);
+      continue;
+    }
+    work.jobs.push_back(all[i]);
+    work.cost += static_cast<double>(census.costs[all[i]]);
+  }
+  if (estimated > 0) work.correction = measured / estimated;
+  work.cost *= work.correction;
+  return work;
+}
+
+StudyOutcome run_study(const StudyPoints& points, const PointCensus& census, const StudyWork& work,
+                       LedgerWriter& ledger, const StudyOptions& options) {
+  return Worker(points, census, work, ledger, options).run();
+}
+
+}  // namespace ra2d

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/study/ledger.hpp"
+#include "host/study/study_folder.hpp"
+#include "host/study/study_points.hpp"
+
+/// Runs what a study asks for and nobody has run yet.
+namespace ra2d {
+
+/// What is to be done, and what is there.
+struct StudyWork {
+  std::vector<std::size_t> jobs;  // points to run, the dearest first
+  std::size_t runs = 0;           // different ones of this part of the study
+  std::size_t done = 0, failed = 0;
+  double cost = 0;           // s of one thread, of the jobs, by what finished runs took
+  double correction = 1;     // measured cost over the estimate; of no run 1
+  std::size_t measured = 0;  // runs that it is of
+};
+
+/// Deals the different runs out to the shards, the dearest first, in turn: every shard takes about as
+/// long. Of its own a shard takes those that are missing, the failed ones if asked, and those of which
+/// `lacks` says that something is gone.
+StudyWork find_work(const PointCensus& census, const FinishedRuns& finished, const Shard& shard,
+                    bool retry_failed, const std::function<bool(const FinishedRun&)>& lacks = {});
+
+struct StudyProgress {
+  std::size_t runs = 0, done = 0, failed = 0, running = 0;
+  double elapsed = 0, left = 0;  // s of wall time
+};
+
+struct StudyOptions {
+  std::function<void(const StudyProgress&)> progress;  // a few times a second
+  std::filesystem::path
+      results;                 // the folder that each run's own result goes to; none: none is kept
+  std::function<void()> tick;  // a few times a second on a thread of its own, beside the march
+};
+
+struct StudyOutcome {
+  std::size_t done = 0, failed = 0;                           // of the jobs
+  std::vector<std::pair<std::string, std::string>> failures;  // names and reasons, the first few
+  double elapsed = 0;                                         // s of wall time
+  double busy = 0;     // s of all threads together, making scenes ready, marching and recording
+  double marched = 0;  // ... in the march alone
+};
+
+/// Runs the jobs to their end or an interrupt (host/interruption.hpp), on each of the backend's threads
+/// one after the other: threads that shared launches would wait for one another at the end of each. What ends goes to the ledger at once. A run that fails is recorded and stops nothing. Throws
+/// FileError where that cannot be kept, and what `tick` throws.
+StudyOutcome run_study(const StudyPoints& points, const PointCensus& census, const StudyWork& work,
+                       LedgerWriter& ledger, const StudyOptions& options = {});
+
+}  // namespace ra2d

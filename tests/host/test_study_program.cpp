@@ -1,0 +1,411 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Studies as their users meet them: the command, its folder, and what happens when it is cut off.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <thread>
+
+#include "host/study/ledger.hpp"
+#include "host/study/study_points.hpp"
+#include "host/study/study_table.hpp"
+#include "tests/child.hpp"
+#include "tests/places.hpp"
+#include "tests/studies.hpp"
+
+namespace {
+
+namespace fs = std::filesystem;
+using namespace ra2d;
+using test::Child;
+using test::Folder;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+class StudyProgram : public testing::Test {
+ protected:
+  StudyProgram() {
+    std::ofstream(folder_ / "base.toml") << test::quick_scene;
+    write_study(6);
+  }
+  void write_study(int seeds, const std::string& more = {}) const {
+    std::ofstream(folder_ / "study.toml") << fmt::format(R"(
+base = "base.toml"
+seeds = {}
+{}
+[vary]
+speed = {{ key = "scene.speed", values = [0.1, 0.2] }}
+load = {{ key = "slider.load", values = [0.25, 0.5] }}
+)",
+                                                         seeds, more);
+  }
+  Child start(std::vector<std::string> words) const {
+    words.insert(words.begin(), {test::program(), "study"});
+    return {folder_, words};
+  }
+  int run(std::vector<std::string> words) {
+    Child child = start(std::move(words));
+    const int status = child.wait();
+    out_ = child.out();
+    err_ = child.err();
+    return status;
+  }
+  /// All that the table holds but how long each run took: its bytes, made anew with no times.
+  std::string table(const std::string& name) const {
+    const fs::path folder = folder_ / name;
+    const Study study = parse_snapshot(test::read_file(folder / "study.json"), "study.json");
+    const StudyPoints points(study);
+    FinishedRuns finished;
+    finished.add(StudyFolder{folder});
+    for (auto& [key, run] : finished.runs) run.figures.wall_seconds = 0;
+    const fs::path file = folder_ / (name + "-timeless.h5");
+    write_study_table(file, points, PointCensus(points), finished);
+    // the program's own table says the same
+    const StudyAnswers here = read_study_table(file),
+                       there = read_study_table(folder / "results.h5");
+    EXPECT_EQ(here.status, there.status);
+    EXPECT_TRUE(std::equal(here.v_rms.begin(), here.v_rms.end(), there.v_rms.begin(),
+                           there.v_rms.end(),
+                           [](double a, double b) { return a == b || (a != a && b != b); }));
+    return test::read_file(file);
+  }
+  nlohmann::json status_of(const std::string& name) const {
+    return nlohmann::json::parse(test::read_file(folder_ / name / "status.json"));
+  }
+  const Folder temporary_;
+  const fs::path folder_ = temporary_.path();
+  std::string out_, err_;
+};
+
+TEST_F(StudyProgram, RunsWhatIsNewAndSaysWhereItStands) {
+  EXPECT_EQ(run({"study.toml", "-o", "out", "--dry-run"}), 0) << err_;
+  EXPECT_THAT(out_, AllOf(HasSubstr("24 of 24 runs to do, 0 done"),
+                          HasSubstr("speed = 0.2, load = 0.5, seed 3  about")));
+  EXPECT_FALSE(fs::exists(folder_ / "out")) << "nothing is made by a dry run";
+  EXPECT_EQ(run({"study.toml", "-o", "out"}), 0) << err_;
+  EXPECT_THAT(out_, HasSubstr("24 runs finished in"));
+  const auto status = status_of("out");
+  EXPECT_EQ(status["runs"], 24);
+  EXPECT_EQ(status["done"], 24);
+  EXPECT_EQ(status["failed"], 0);
+  EXPECT_EQ(status["running"], 0);
+  EXPECT_EQ(status["state"], "complete");
+  EXPECT_EQ(status["seconds_left"], 0);
+  EXPECT_TRUE(status["finished"].is_string());
+
+  EXPECT_EQ(run({"study.toml", "-o", "out"}), 0);
+  EXPECT_THAT(out_, HasSubstr("all 24 runs are finished already"));
+  EXPECT_EQ(run({"study.toml", "-o", "out", "--list"}), 0);
+  EXPECT_EQ(std::count(out_.begin(), out_.end(), '\n'), 24);
+  EXPECT_THAT(out_, Not(HasSubstr("missing")));
+  EXPECT_EQ(run({"status", "out"}), 0);
+  EXPECT_THAT(out_, HasSubstr("out: 24 runs, 24 done, 0 failed, 0 missing"));
+
+  // an edited study keeps what is done, and says what it no longer asks for
+  write_study(7);
+  EXPECT_EQ(run({"study.toml", "-o", "out"}), 0);
+  EXPECT_THAT(out_, HasSubstr("4 runs finished in"));
+  EXPECT_EQ(err_, "");
+  write_study(5);
+  EXPECT_EQ(run({"study.toml", "-o", "out"}), 0);
+  EXPECT_THAT(err_, AllOf(HasSubstr("holds 8 runs that the study does not ask for"),
+                          HasSubstr("load = 0.25, seed 6")));
+  EXPECT_EQ(run({"study.toml", "-o", "out", "--quiet"}), 0);
+  EXPECT_EQ(out_ + err_, "");
+}
+
+TEST_F(StudyProgram, ATableIsTheSameForAnyThreadsAndShards) {
+  ASSERT_EQ(run({"study.toml", "-o", "one", "--threads", "1"}), 0) << err_;
+  ASSERT_EQ(run({"study.toml", "-o", "two", "--threads", "2"}), 0) << err_;
+  const std::string whole = table("one");
+  EXPECT_TRUE(table("two") == whole);
+  // parts that share a folder, and parts that have their own
+  for (const char* part : {"2/3", "3/3", "1/3"})
+    ASSERT_EQ(run({"study.toml", "-o", "shared", "--shard", part}), 0) << err_;
+  EXPECT_TRUE(table("shared") == whole);
+  ASSERT_EQ(run({"study.toml", "-o", "a", "--shard", "1/2"}), 0) << err_;
+  EXPECT_EQ(run({"merge", "a", "-o", "all.h5"}), 2);
+  EXPECT_THAT(err_, AllOf(HasSubstr("cannot merge: 12 of 24 runs are missing: speed ="),
+                          HasSubstr("and 7 more")));
+  EXPECT_FALSE(fs::exists(folder_ / "all.h5"));
+  ASSERT_EQ(run({"study.toml", "-o", "b", "--shard", "2/2"}), 0) << err_;
+  EXPECT_EQ(run({"merge", "a", "b"}), 0) << err_;
+  const StudyAnswers merged = read_study_table(folder_ / "a/results.h5"),
+                     there = read_study_table(folder_ / "one/results.h5");
+  EXPECT_EQ(merged.v_rms, there.v_rms);
+  EXPECT_EQ(run({"merge", "a", "b", "-o", "all.h5"}), 0) << err_;
+  EXPECT_EQ(read_study_table(folder_ / "all.h5").v_rms, there.v_rms);
+}
+
+TEST_F(StudyProgram, FoldersOfTwoStudiesAndOtherNumbersAreNotMerged) {
+  ASSERT_EQ(run({"study.toml", "-o", "a"}), 0) << err_;
+  ASSERT_EQ(run({"study.toml", "-o", "b", "--set", "scene.duration=1e-3"}), 0) << err_;
+  EXPECT_EQ(run({"merge", "a", "b"}), 2);
+  EXPECT_THAT(err_, HasSubstr("are of two studies, their --set differs"));
+  EXPECT_EQ(run({"merge", "a", "nowhere"}), 4);
+  EXPECT_THAT(err_, HasSubstr("'nowhere' is no folder of a study"));
+
+  fs::copy(folder_ / "a", folder_ / "c", fs::copy_options::recursive);
+  const fs::path ledger = folder_ / "c/ledger/all.log";
+  std::vector<FinishedRun> runs = parse_ledger(test::read_file(ledger), ledger).runs;
+  runs[3].figures.v_rms *= 1.5;
+  std::string text = ledger_head();
+  for (const FinishedRun& run : runs) text += record_of(run);
+  std::ofstream(ledger, std::ios::binary) << text;
+  EXPECT_EQ(run({"merge", "a", "c"}), 4);
+  EXPECT_THAT(err_, AllOf(HasSubstr("other numbers"), HasSubstr(runs[3].point)));
+}
+
+TEST_F(StudyProgram, FailedRunsAreNamedAndStopNothing) {
+  std::ofstream(folder_ / "failing.toml") << R"(
+base = "base.toml"
+[set]
+"time.scheme" = "heun"
+"output.rate" = 1e3
+[vary]
+step = { key = "time.step", values = [1e-7, 1e-4, 2e-7] }
+)";
+  EXPECT_EQ(run({"failing.toml"}), 3);
+  EXPECT_THAT(
+      err_, AllOf(HasSubstr("1 run failed"),
+                  HasSubstr("step = 0.0001, seed 0: the study's time.step=0.0001: time.step: heun"),
+                  Not(HasSubstr(folder_.string()))));
+  EXPECT_EQ(status_of("failing")["failed"], 1);
+  EXPECT_EQ(run({"failing.toml"}), 3) << "it still has a failed run";
+  EXPECT_THAT(out_, HasSubstr("all 3 runs are finished already"));
+  EXPECT_EQ(run({"failing.toml", "--retry-failed", "--dry-run"}), 0);
+  EXPECT_THAT(out_, HasSubstr("1 of 3 runs to do"));
+  EXPECT_EQ(run({"failing.toml", "--retry-failed"}), 3);
+  EXPECT_THAT(out_, HasSubstr("1 run finished"));
+  EXPECT_EQ(run({"failing.toml", "--list"}), 0);
+  EXPECT_THAT(out_, HasSubstr("seed 0  refused"));
+  EXPECT_EQ(run({"status", "failing"}), 0);
+  EXPECT_THAT(out_, HasSubstr("3 runs, 2 done, 1 failed, 0 missing"));
+}
+
+TEST_F(StudyProgram, KilledAtAnyInstantItLosesNoFinishedRun) {
+  write_study(60);  // 240 runs: a second
+  ASSERT_EQ(run({"study.toml", "-o", "whole"}), 0) << err_;
+  const std::string whole = table("whole");
+  std::mt19937_64 dice(7);
+  std::size_t before = 0;
+  const fs::path ledger = folder_ / "killed/ledger/all.log";
+  for (int i = 0; i < 12; ++i) {
+    Child child = start({"study.toml", "-o", "killed", "--threads", "2"});
+    std::this_thread::sleep_for(std::chrono::milliseconds(10 + dice() % 150));
+    child.send(SIGKILL);
+    child.wait();
+    if (!fs::exists(ledger)) continue;
+    const std::size_t now = parse_ledger(test::read_file(ledger), ledger).runs.size();
+    EXPECT_GE(now, before) << "kill " << i;
+    before = now;
+  }
+  EXPECT_EQ(run({"study.toml", "-o", "killed"}), 0) << err_;
+  EXPECT_TRUE(table("killed") == whole);
+  EXPECT_EQ(parse_ledger(test::read_file(ledger), ledger).runs.size(), 240u) << "each ran once";
+}
+
+TEST_F(StudyProgram, InterruptedItKeepsWhatIsFinished) {
+  write_study(4000);
+  Child child = start({"study.toml", "-o", "out", "--threads", "1"});
+  ASSERT_TRUE(child.wait_until_it_catches(SIGTERM));
+  for (int i = 0; i < 600 && !(fs::exists(folder_ / "out/ledger/all.log") &&
+                               fs::file_size(folder_ / "out/ledger/all.log") > 2000);
+       ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  child.send(SIGTERM);
+  EXPECT_EQ(child.wait(), 128 + SIGTERM);
+  EXPECT_THAT(child.err(), HasSubstr("are finished and kept; the same line goes on"));
+  EXPECT_EQ(status_of("out")["state"], "interrupted");
+  const StudyAnswers answers = read_study_table(folder_ / "out/results.h5");
+  const auto done = std::count(answers.status.begin(), answers.status.end(), 0.0);
+  EXPECT_GT(done, 0);
+  EXPECT_EQ(std::count(answers.status.begin(), answers.status.end(), 1.0), 16'000 - done);
+  EXPECT_EQ(status_of("out")["done"], done);
+}
+
+TEST_F(StudyProgram, ASecondWriterIsRefused) {
+  fs::create_directories(folder_ / "out/ledger");
+  const LedgerWriter held(folder_ / "out/ledger/all.log");
+  EXPECT_EQ(run({"study.toml", "-o", "out"}), 4);
+  EXPECT_THAT(err_, HasSubstr("another process runs this part of the study"));
+  EXPECT_EQ(run({"study.toml", "-o", "out", "--list"}), 0) << "looking is free";
+  EXPECT_EQ(run({"study.toml", "-o", "out", "--shard", "1/2"}), 0) << "another part is not held";
+}
+
+TEST_F(StudyProgram, FilesThatCannotBeWrittenAreSaid) {
+  std::ofstream(folder_ / "file") << "x";
+  EXPECT_EQ(run({"study.toml", "-o", "file"}), 2);
+  EXPECT_THAT(err_, HasSubstr("this is no folder"));
+  EXPECT_EQ(run({"study.toml", "-o", "no/where"}), 4);
+  EXPECT_THAT(err_, HasSubstr("cannot create the folder 'no/where'"));
+  ASSERT_EQ(run({"study.toml", "-o", "out"}), 0);
+  const fs::path ledger = folder_ / "out/ledger/all.log";
+  std::string bytes = test::read_file(ledger);
+  bytes[40] = static_cast<char>(bytes[40] ^ 4);
+  std::ofstream(ledger, std::ios::binary) << bytes;
+  for (const std::vector<std::string>& words : {std::vector<std::string>{"study.toml", "-o", "out"},
+                                                {"status", "out"},
+                                                {"merge", "out"},
+                                                {"study.toml", "-o", "out", "--list"}}) {
+    EXPECT_EQ(run(words), 4) << words[0];
+    EXPECT_THAT(err_, AllOf(HasSubstr("damaged at byte 16"), HasSubstr("truncate -s 16")));
+  }
+  EXPECT_EQ(test::read_file(ledger), bytes) << "left as it was found";
+}
+
+TEST_F(StudyProgram, ADiskThatFillsUpLeavesWhatIsFinished) {
+  // a limit on the size of files stands for a full disk
+  write_study(60);
+  const std::string line =
+      fmt::format("ulimit -f 8; exec {} study study.toml -o out --threads 2", test::program());
+  Child child(folder_, {"/bin/bash", "-c", line});
+  EXPECT_EQ(child.wait(), 4);
+  EXPECT_THAT(child.err(),
+              AllOf(HasSubstr("cannot write to 'out/ledger/all.log'"), HasSubstr("ulimit -f")));
+  const fs::path ledger = folder_ / "out/ledger/all.log";
+  const ParsedLedger kept = parse_ledger(test::read_file(ledger), ledger);
+  EXPECT_GT(kept.runs.size(), 10u);
+  EXPECT_EQ(kept.whole, fs::file_size(ledger)) << "the part that was written is taken back";
+  EXPECT_EQ(run({"study.toml", "-o", "out"}), 0) << err_;
+  EXPECT_EQ(parse_ledger(test::read_file(ledger), ledger).runs.size(), 240u);
+}
+
+TEST_F(StudyProgram, WhicheverCallToTheDiskFailsNothingIsLost) {
+  if (test::faulty_disk().empty()) GTEST_SKIP() << "nothing can be loaded before sanitizers";
+  write_study(1);
+  ASSERT_EQ(run({"study.toml", "-o", "whole"}), 0) << err_;
+  const std::string whole = table("whole");
+  const fs::path told = folder_ / "told", out = fs::canonical(folder_) / "out";
+  int failed = 0;
+  for (int call = 1; call < 200; ++call) {
+    fs::remove_all(out);
+    fs::remove(told);
+    Child child(folder_, {"/usr/bin/env", "LD_PRELOAD=" + test::faulty_disk(),
+                          "FAULTY_FOLDER=" + out.string(), fmt::format("FAULTY_CALL={}", call),
+                          "FAULTY_ERROR=28", "FAULTY_TOLD=" + told.string(), test::program(),
+                          "study", "study.toml", "-o", "out", "--threads", "1"});
+    const int status = child.wait();
+    if (!fs::exists(told)) break;  // all calls have had their turn
+    EXPECT_TRUE(status == 0 || status == 4) << "call " << call << ": " << child.err();
+    EXPECT_EQ(status == 4, child.err().find("'out") != std::string::npos) << child.err();
+    failed += status == 4 ? 1 : 0;
+    EXPECT_EQ(run({"study.toml", "-o", "out"}), 0) << "after call " << call << ": " << err_;
+    EXPECT_TRUE(table("out") == whole) << "after call " << call;
+  }
+  EXPECT_GT(failed, 10);
+}
+
+TEST_F(StudyProgram, AFolderThatGoesAwayEndsIt) {
+  write_study(4000);
+  Child child = start({"study.toml", "-o", "out", "--threads", "1"});
+  for (int i = 0; i < 600 && !fs::exists(folder_ / "out/status.json"); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  fs::rename(folder_ / "out", folder_ / "gone");
+  EXPECT_EQ(child.wait(), 4);
+  EXPECT_THAT(child.err(), HasSubstr("status.json'"));
+}
+
+TEST_F(StudyProgram, XarrayOpensTheTableAsItIs) {
+  RA2D_SKIP_WITHOUT_PYTHON();
+  std::ofstream(folder_ / "words.toml") << R"(
+base = "base.toml"
+seeds = 2
+[vary]
+scheme = { keys = ["time.scheme", "time.step"], values = [["adaptive", 1e-6], ["heun", 1e-7], ["heun-", 1]] }
+)";
+  EXPECT_EQ(run({"words.toml"}), 2) << "a word that is none";
+  EXPECT_THAT(err_, HasSubstr("\"heun-\" is unknown"));
+  std::ofstream(folder_ / "words.toml") << R"(
+base = "base.toml"
+seeds = [0, 3]
+[vary]
+scheme = { keys = ["time.scheme", "time.step"], values = [["adaptive", 1e-6], ["heun", 1e-7], ["rk4", 9e-6]] }
+speed = { key = "scene.speed", values = [0.1, 0.3] }
+)";
+  EXPECT_EQ(run({"words.toml"}), 3) << err_;
+  Child child(folder_, {test::python(), test::source_folder() / "tests/host/check_study.py",
+                        "words/results.h5"});
+  EXPECT_EQ(child.wait(), 0) << child.out() << child.err();
+}
+
+TEST_F(StudyProgram, KeepsWhatItIsAskedToKeep) {
+  write_study(1, "keep = [\"shocks\", \"files\"]");
+  ASSERT_EQ(run({"study.toml", "-o", "out"}), 0) << err_;
+  EXPECT_TRUE(read_study_table(folder_ / "out/results.h5").v_rms.empty()) << "no level";
+  std::vector<fs::path> results;
+  for (const auto& entry : fs::directory_iterator(folder_ / "out/runs"))
+    results.push_back(entry.path());
+  ASSERT_EQ(results.size(), 4u);
+  // each is what `ra2d run` writes of its scene
+  ASSERT_EQ(Child(folder_, {test::program(), "run", "base.toml", "--set", "scene.speed=0.2",
+                            "--set", "slider.load=0.5", "-o", "alone.h5"})
+                .wait(),
+            0);
+  if (!test::python().empty()) {
+    int same = 0;
+    for (const fs::path& result : results)
+      same += Child(folder_, {test::python(), test::source_folder() / "tests/host/same_result.py",
+                              result, "alone.h5"})
+                          .wait() == 0
+                  ? 1
+                  : 0;
+    EXPECT_EQ(same, 1);
+  }
+  EXPECT_EQ(run({"study.toml", "-o", "out"}), 0);
+  EXPECT_THAT(out_, HasSubstr("all 4 runs are finished already"));
+  fs::remove(results[2]);
+  EXPECT_EQ(run({"study.toml", "-o", "out"}), 0);
+  EXPECT_THAT(out_, HasSubstr("1 run finished in"));
+  EXPECT_TRUE(fs::exists(results[2]));
+}
+
+TEST_F(StudyProgram, AnalyzeFitsTheLaw) {
+  ASSERT_EQ(run({"study.toml", "-o", "out"}), 0) << err_;
+  Child words(folder_, {test::program(), "analyze", "out"});
+  EXPECT_EQ(words.wait(), 0) << words.err();
+  EXPECT_THAT(words.out(), AllOf(HasSubstr("24 runs, 24 done"), HasSubstr("log10(speed)"),
+                                 HasSubstr("log10(load)"), HasSubstr("95 % from")));
+  Child json(folder_, {test::program(), "analyze", "out/results.h5", "--json"});
+  EXPECT_EQ(json.wait(), 0) << json.err();
+  const auto answer = nlohmann::json::parse(json.out());
+  EXPECT_EQ(answer["points"].size(), 4u);
+  EXPECT_EQ(answer["law"]["runs"], 24);
+  EXPECT_LT(answer["law"]["exponents"]["speed"]["low"],
+            answer["law"]["exponents"]["speed"]["high"]);
+  Child two(folder_, {test::program(), "analyze", "out", "out"});
+  EXPECT_EQ(two.wait(), 2);
+  for (const char* option : {"--from=0", "--csv=x", "--a-weighting", "--segment=8"})
+    EXPECT_EQ(Child(folder_, {test::program(), "analyze", "out", option}).wait(), 2) << option;
+  Child none(folder_, {test::program(), "analyze", "."});
+  EXPECT_EQ(none.wait(), 4);
+  EXPECT_THAT(none.err(), HasSubstr("'ra2d study' writes it"));
+}
+
+TEST_F(StudyProgram, LinesThatAreWrongAreRefused) {
+  EXPECT_EQ(run({}), 2);
+  EXPECT_THAT(err_, HasSubstr("STUDY.toml is required"));
+  for (const char* shard : {"0/2", "3/2", "1", "1/2/3", "a/b", "/", "1/"}) {
+    EXPECT_EQ(run({"study.toml", "--shard", shard}), 2) << shard;
+    EXPECT_THAT(err_, HasSubstr("expected I/N"));
+  }
+  EXPECT_EQ(run({"study.toml", "--shards", "1/2"}), 2);
+  EXPECT_THAT(err_, HasSubstr("did you mean '--shard'?"));
+  for (const char* other : {"--dry-run", "--retry-failed", "--shard=1/2"})
+    EXPECT_EQ(run({"study.toml", "--list", other}), 2) << other;
+  EXPECT_EQ(run({"none.toml"}), 4);
+  EXPECT_EQ(run({"study.toml", "--set", "scene.speed=1"}), 2);
+  EXPECT_THAT(err_, HasSubstr("vary.speed varies this key"));
+  EXPECT_FALSE(fs::exists(folder_ / "study")) << "nothing is made for a wrong request";
+}
+
+}  // namespace
