@@ -13,6 +13,7 @@
 #include "host/run/checkpoint.hpp"
 #include "host/store/checked_file.hpp"
 #include "host/store/sealed_file.hpp"
+#include "host/study/study_check.hpp"
 #include "host/text.hpp"
 
 namespace ra2d {
@@ -29,8 +30,8 @@ struct Found {
   std::string whole;
 };
 
-Found check_result(const std::filesystem::path& file) {
-  const CheckedFile found = check_hdf5(file);
+Found check_file(const std::filesystem::path& file) {
+  const CheckedFile found = check_result(file);
   return {found.faults, fmt::format("{}; {} datasets, {:.1f} MB, all with their hashes", found.what,
                                     found.datasets, found.bytes * 1e-6)};
 }
@@ -47,7 +48,7 @@ Found check_checkpoint(const std::filesystem::path& file) {
       bytes += static_cast<double>(checkpoint.segments[i].bytes);
       try {
         require_segment(segment, checkpoint.segments[i]);
-        for (const std::string& fault : check_hdf5(segment).faults)
+        for (const std::string& fault : check_result(segment).faults)
           found.faults.push_back(fmt::format("'{}': {}", segment.string(), fault));
       } catch (const FileError& fault) {
         found.faults.emplace_back(fault.what());
@@ -66,14 +67,15 @@ Found check_checkpoint(const std::filesystem::path& file) {
 }
 
 Found check(const std::filesystem::path& file) {
-  if (std::filesystem::is_directory(file))
-    throw RequestError(fmt::format("'{}' is a folder: expected a result, a segment or a checkpoint",
-                                   file.string()));
+  if (std::filesystem::is_directory(file)) {
+    const CheckedStudy found = check_study(StudyFolder{file});
+    return {found.faults, found.what};
+  }
   std::ifstream in(file, std::ios::binary);
   if (!in) throw FileError(fmt::format("cannot read '{}'", file.string()));
   std::string start(15, '\0');
   in.read(start.data(), static_cast<std::streamsize>(start.size()));
-  return start == "ra2d checkpoint" ? check_checkpoint(file) : check_result(file);
+  return start == "ra2d checkpoint" ? check_checkpoint(file) : check_file(file);
 }
 
 int check_files(const Asked& asked) {
@@ -93,10 +95,12 @@ int check_files(const Asked& asked) {
 
 void add_check(CLI::App& app, Chosen& chosen) {
   const auto asked = std::make_shared<Asked>();
-  CLI::App* command = app.add_subcommand(
-      "check",
-      "looks at every byte of results, segments and checkpoints: hashes, counts, what is missing");
-  command->add_option("FILE", asked->files, "OUT.h5, OUT.h5.parts/000001.h5, OUT.h5.checkpoint")
+  CLI::App* command = app.add_subcommand("check",
+                                         "looks at every byte of results, segments, checkpoints "
+                                         "and studies: hashes, counts, what is missing");
+  command
+      ->add_option("FILE", asked->files,
+                   "OUT.h5, OUT.h5.parts/000001.h5, OUT.h5.checkpoint, or a study's folder")
       ->required()
       ->check(path());
   command->add_flag("--quiet", asked->quiet, "print nothing but faults");

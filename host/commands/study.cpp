@@ -39,9 +39,8 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t most_named = 5;                // points in a message
-constexpr std::size_t largest_snapshot = 64u << 20;  // bytes
-constexpr std::size_t longest_reason = 300;          // bytes of a failure, on a line of its own
+constexpr std::size_t most_named = 5;        // points in a message
+constexpr std::size_t longest_reason = 300;  // bytes of a failure, on a line of its own
 
 struct StudyRequest {
   fs::path study;
@@ -91,17 +90,6 @@ struct Known {
   explicit Known(Study study) : points{std::move(study)}, census{points} {}
   const FinishedRun* run(std::size_t point) const { return finished.find(census.keys[point]); }
 };
-
-Study study_in(const StudyFolder& folder) {
-  const fs::path file = folder.snapshot();
-  std::error_code none;
-  if (!fs::exists(file, none))
-    throw FileError(
-        fmt::format("'{}' is no folder of a study: there is no {}. 'ra2d study "
-                    "STUDY.toml -o DIR' makes one",
-                    folder.path.string(), file.string()));
-  return parse_snapshot(read_text(file, "the study's snapshot", largest_snapshot), file);
-}
 
 /// "A, B and 3 more"
 std::string some_of(const StudyPoints& points, const std::vector<std::size_t>& chosen) {
@@ -332,7 +320,7 @@ int study_command(const StudyRequest& request) {
 
 int status_command(const fs::path& path) {
   const StudyFolder folder{path};
-  Known known(study_in(folder));
+  Known known(study_of(folder));
   known.finished.add(folder);
   const StudyWork work = find_work(known.census, known.finished, {}, false);
   const std::vector<std::size_t> bad = failed_points(known);
@@ -354,10 +342,10 @@ int status_command(const fs::path& path) {
 }
 
 int merge_command(const std::vector<fs::path>& folders, fs::path output, bool quiet) {
-  Known known(study_in({folders.front()}));
+  Known known(study_of(StudyFolder{folders.front()}));
   const Study& study = known.points.study();
   for (const fs::path& folder : folders) {
-    const Study other = study_in({folder});
+    const Study other = study_of(StudyFolder{folder});
     const char* const what = other.text != study.text             ? "study"
                              : other.base_text != study.base_text ? "base scene"
                              : other.given != study.given         ? "--set"

@@ -92,20 +92,23 @@ herr_t look_at(hid_t file, const char* name, const H5O_info_t* info, void* data)
 
 }  // namespace
 
-CheckedFile check_hdf5(const std::filesystem::path& path) {
+CheckedFile check_hashes(const std::filesystem::path& path) {
   CheckedFile found;
-  {
-    const auto library = h5::take_library();
-    try {
-      const h5::Properties access = h5::file_access();
-      const h5::File file{check(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access))};
-      check(H5Ovisit2(file, H5_INDEX_NAME, H5_ITER_NATIVE, look_at, &found, H5O_INFO_BASIC));
-    } catch (const h5::Failure& failure) {
-      found.faults.push_back(
-          fmt::format("it cannot be read: {}: cut short, or damaged", failure.reason));
-      return found;
-    }
+  const auto library = h5::take_library();
+  try {
+    const h5::Properties access = h5::file_access();
+    const h5::File file{check(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access))};
+    check(H5Ovisit2(file, H5_INDEX_NAME, H5_ITER_NATIVE, look_at, &found, H5O_INFO_BASIC));
+  } catch (const h5::Failure& failure) {
+    found.faults.push_back(
+        fmt::format("it cannot be read: {}: cut short, or damaged", failure.reason));
   }
+  return found;
+}
+
+CheckedFile check_result(const std::filesystem::path& path) {
+  CheckedFile found = check_hashes(path);
+  if (found.datasets == 0 && !found.faults.empty()) return found;
   try {
     const ResultSummary& summary = ResultReader(path).contents().summary;
     found.what = summary.complete ? "a complete result"

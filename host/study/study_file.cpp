@@ -12,13 +12,13 @@
 
 #include "host/errors.hpp"
 #include "host/scene_file/reader.hpp"
-#include "host/study/study_folder.hpp"
 #include "host/text.hpp"
 
 namespace ra2d {
 namespace {
 
-constexpr std::size_t largest_text = 16u << 20;  // bytes
+constexpr std::size_t largest_text = 16u << 20;      // bytes
+constexpr std::size_t largest_snapshot = 64u << 20;  // bytes
 constexpr std::size_t longest_name = 60;
 constexpr std::size_t most_dimensions = 30;  // of the 32 that HDF5 knows; one is the seeds'
 constexpr int snapshot_format = 1;
@@ -330,6 +330,17 @@ Study parse_snapshot(const std::string& text, const std::filesystem::path& file)
   } catch (const RequestError& fault) {
     throw FileError(fmt::format("'{}' holds no study: {}", file.string(), fault.what()));
   }
+}
+
+Study study_of(const StudyFolder& folder) {
+  const std::filesystem::path file = folder.snapshot();
+  std::error_code none;
+  if (!std::filesystem::exists(file, none))
+    throw FileError(
+        fmt::format("'{}' is no folder of a study: there is no {}. 'ra2d study "
+                    "STUDY.toml -o DIR' makes one",
+                    folder.path.string(), file.string()));
+  return parse_snapshot(read_text(file, "the study's snapshot", largest_snapshot), file);
 }
 
 }  // namespace ra2d

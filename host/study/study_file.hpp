@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "host/study/study_folder.hpp"
+
 /// A study as its user wrote it.
 namespace ra2d {
 
@@ -50,5 +52,7 @@ Study parse_study(const std::string& text, const std::filesystem::path& file,
 std::string snapshot_text(const Study& study);
 /// Throws FileError for what is no snapshot; `file` is used in messages.
 Study parse_snapshot(const std::string& text, const std::filesystem::path& file);
+/// The study that a folder is of. Throws FileError.
+Study study_of(const StudyFolder& folder);
 
 }  // namespace ra2d

@@ -369,6 +369,63 @@ TEST_F(StudyProgram, KeepsWhatItIsAskedToKeep) {
   EXPECT_TRUE(fs::exists(results[2]));
 }
 
+TEST_F(StudyProgram, CheckFindsEveryDamageOfAFolder) {
+  write_study(1, "keep = [\"level\", \"files\"]");
+  ASSERT_EQ(run({"study.toml", "-o", "out", "--quiet"}), 0) << err_;
+  const auto check = [&] {
+    const test::Ended ended = test::run_program(folder_, {test::program(), "check", "out"});
+    err_ = ended.err;
+    out_ = ended.out;
+    return ended.status;
+  };
+  EXPECT_EQ(check(), 0) << err_;
+  EXPECT_THAT(out_,
+              HasSubstr("4 done, 0 failed, 0 not run yet; all hashes agree, also of 4 results"));
+  const auto flip = [](const fs::path& file, std::size_t from_the_end) {
+    std::string bytes = test::read_file(file);
+    bytes.at(bytes.size() - from_the_end) ^= 1;
+    std::ofstream(file, std::ios::binary) << bytes;
+  };
+  const fs::path folder = folder_ / "out", kept = fs::directory_iterator(folder / "runs")->path();
+  const std::string result = test::read_file(kept), table = test::read_file(folder / "results.h5"),
+                    ledger = test::read_file(folder / "ledger" / "all.log");
+  const auto put_back = [&] {
+    std::ofstream(kept, std::ios::binary) << result;
+    std::ofstream(folder / "results.h5", std::ios::binary) << table;
+    std::ofstream(folder / "ledger" / "all.log", std::ios::binary) << ledger;
+    ASSERT_EQ(check(), 0) << err_;
+  };
+  std::ofstream(kept, std::ios::binary) << result.substr(0, result.size() / 2);
+  EXPECT_EQ(check(), 4);
+  EXPECT_THAT(err_, HasSubstr(kept.filename().string()));
+  fs::remove(kept);
+  EXPECT_EQ(check(), 4);
+  EXPECT_THAT(err_, HasSubstr("is missing, the result of the run"));
+  put_back();
+  flip(folder / "ledger" / "all.log", ledger.size() / 2);
+  EXPECT_EQ(check(), 4);
+  EXPECT_THAT(err_, HasSubstr("all.log"));
+  put_back();
+  fs::remove(folder / "results.h5");
+  EXPECT_EQ(check(), 4);
+  EXPECT_THAT(err_, HasSubstr("'ra2d study merge' makes it anew"));
+  put_back();
+  // a number of the table that no run had, with its hash
+  FinishedRuns finished;
+  finished.add(StudyFolder{folder});
+  finished.runs.begin()->second.figures.v_rms *= 2;
+  const StudyPoints points(study_of(StudyFolder{folder}));
+  write_study_table(folder / "results.h5", points, PointCensus(points), finished);
+  EXPECT_EQ(check(), 4);
+  EXPECT_THAT(err_, HasSubstr("and the ledgers differ in the run"));
+  // runs that are still to come are no damage
+  put_back();
+  write_study(2, "keep = [\"level\", \"files\"]");
+  ASSERT_EQ(run({"study.toml", "-o", "out", "--quiet", "--shard", "1/4"}), 0) << err_;
+  EXPECT_EQ(check(), 0) << err_;
+  EXPECT_THAT(out_, HasSubstr("not run yet"));
+}
+
 TEST_F(StudyProgram, AnalyzeFitsTheLaw) {
   ASSERT_EQ(run({"study.toml", "-o", "out"}), 0) << err_;
   Child words(folder_, {test::program(), "analyze", "out"});

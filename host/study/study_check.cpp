@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/study/study_check.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include "host/errors.hpp"
+#include "host/store/checked_file.hpp"
+#include "host/store/result_reader.hpp"
+#include "host/study/ledger.hpp"
+#include "host/study/study_points.hpp"
+#include "host/study/study_table.hpp"
+
+namespace ra2d {
+namespace {
+
+bool same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
+
+/// The table beside what the ledgers hold; how many finished runs it does not have yet.
+std::size_t check_table(const StudyFolder& folder, const StudyPoints& points,
+                        const PointCensus& census, const FinishedRuns& finished,
+                        std::vector<std::string>& faults) {
+  const std::string file = folder.table().string();
+  const CheckedFile hashes = check_hashes(folder.table());
+  for (const std::string& fault : hashes.faults)
+    faults.push_back(fmt::format("'{}': {}", file, fault));
+  if (!hashes.faults.empty()) return 0;
+  const StudyAnswers table = read_study_table(folder.table());
+  if (table.v_rms.size() != points.size()) {
+    faults.push_back(
+        fmt::format("'{}' has {} runs, and the study {}: 'ra2d study merge' makes it anew", file,
+                    table.v_rms.size(), points.size()));
+    return 0;
+  }
+  std::size_t behind = 0;
+  for (std::size_t point = 0; point < points.size(); ++point) {
+    const FinishedRun* run = finished.find(census.keys[point]);
+    const bool is_missing = table.status[point] == static_cast<double>(RunStatus::missing);
+    if (is_missing && run != nullptr) ++behind;
+    if (is_missing) continue;
+    if (run == nullptr || table.status[point] != static_cast<double>(run->status) ||
+        !same(run->figures.v_rms, table.v_rms[point]))
+      faults.push_back(
+          fmt::format("'{}' and the ledgers differ in the run {}", file, points.name(point)));
+  }
+  return behind;
+}
+
+/// A run's own result.
+void check_kept(const StudyFolder& folder, const FinishedRun& run,
+                std::vector<std::string>& faults) {
+  const std::string key = key_text(run.run);
+  const std::filesystem::path file = folder.path / StudyFolder::result(key);
+  if (!std::filesystem::exists(file)) {
+    faults.push_back(
+        fmt::format("'{}' is missing, the result of the run {}: the study's line makes it again",
+                    file.string(), run.point));
+    return;
+  }
+  for (const std::string& fault : check_result(file).faults)
+    faults.push_back(fmt::format("'{}': {}", file.string(), fault));
+  if (const auto stamp = stamp_of(file); stamp && stamp->key != key)
+    faults.push_back(fmt::format("'{}' is of another run", file.string()));
+}
+
+}  // namespace
+
+CheckedStudy check_study(const StudyFolder& folder) {
+  CheckedStudy found;
+  try {
+    const StudyPoints points(study_of(folder));
+    const PointCensus census(points);
+    FinishedRuns finished;
+    finished.add(folder);
+    const std::vector<std::size_t> asked = census.different();
+    std::size_t done = 0, failed = 0, missing = 0, kept = 0;
+    for (const std::size_t point : asked) {
+      const FinishedRun* run = finished.find(census.keys[point]);
+      ++(run == nullptr ? missing : run->status == RunStatus::done ? done : failed);
+      if (!points.study().keep_files || run == nullptr || run->status == RunStatus::refused)
+        continue;
+      check_kept(folder, *run, found.faults);
+      ++kept;
+    }
+    found.what =
+        fmt::format("a study of {} runs: {} done, {} failed, {} not run yet; all hashes agree",
+                    asked.size(), done, failed, missing);
+    if (kept > 0) found.what += fmt::format(", also of {} results", kept);
+    if (std::filesystem::exists(folder.table())) {
+      const std::size_t behind = check_table(folder, points, census, finished, found.faults);
+      if (behind > 0)
+        found.what += fmt::format(
+            "; the table lacks {} of them until the study goes on or is merged", behind);
+    } else if (missing == 0) {
+      found.faults.push_back(fmt::format("'{}' is missing: 'ra2d study merge' makes it anew",
+                                         folder.table().string()));
+    }
+  } catch (const FileError& fault) {
+    found.faults.emplace_back(fault.what());
+  } catch (const RequestError& fault) {
+    found.faults.emplace_back(fault.what());
+  }
+  return found;
+}
+
+}  // namespace ra2d

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <string>
+#include <vector>
+
+#include "host/study/study_folder.hpp"
+
+namespace ra2d {
+
+/// What a look at every byte of a study's folder has found.
+struct CheckedStudy {
+  std::vector<std::string> faults;  // a sentence each; none: it is whole
+  std::string what;                 // "a study of 12 runs: 12 done, ..."
+};
+
+/// Reads the ledgers, the table and the results that are kept, and compares them with their hashes and with
+/// one another. Faults are found, not thrown; runs that have not been made yet are none.
+CheckedStudy check_study(const StudyFolder& folder);
+
+}  // namespace ra2d
