@@ -14,7 +14,7 @@ foreach(part kernels host)
           REGEX "store/(attributes|hash|hdf5|read_back|shock_rows|table|unfinished_file)[.]hpp$" EXCLUDE)
 endforeach()
 set(RA2D_PLOT_SCRIPTS host/plot/chart_style.py host/plot/plot_stability.py host/plot/plot_accuracy.py
-    host/plot/picture_style.py host/plot/plot_result.py host/plot/plot_profile.py)
+    host/plot/picture_style.py host/plot/plot_result.py host/plot/plot_profile.py host/plot/plot_study.py)
 install(FILES ${RA2D_PLOT_SCRIPTS} DESTINATION ${CMAKE_INSTALL_DATADIR}/ra2d)
 install(DIRECTORY scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/ra2d)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})

@@ -20,6 +20,8 @@
 #include "host/plot/profile_picture.hpp"
 #include "host/plot/result_picture.hpp"
 #include "host/store/result_reader.hpp"
+#include "host/study/law.hpp"
+#include "host/study/study_table.hpp"
 #include "host/text.hpp"
 
 namespace ra2d {
@@ -82,7 +84,25 @@ void refuse_profile_options(const Request& request, const char* what) {
     throw RequestError(fmt::format("{} is of profiles: {} needs none", request.of_profiles, what));
 }
 
+/// The table of a study: a folder's own, or the file itself; empty where it is none.
+fs::path study_table(const fs::path& file) {
+  const fs::path table = fs::is_directory(file) ? StudyFolder{file}.table() : file;
+  return is_study_table(table) ? table : fs::path();
+}
+
+Drawing draw_study(const Request& request, const fs::path& table) {
+  require_view(request.what, {"overview"}, "a study");
+  refuse_profile_options(request, "a study");
+  return {
+      "plot_study.py",
+      study_json(read_study_table(table), "study: " + printable(request.files.front().string())),
+      {}};
+}
+
 Drawing choose_drawing(const Request& request) {
+  if (request.files.size() == 1)
+    if (const fs::path table = study_table(request.files.front()); !table.empty())
+      return draw_study(request, table);
   std::vector<bool> results;
   for (const fs::path& file : request.files) results.push_back(is_hdf5(file));
   if (const auto chart = find_chart(request.files)) {
@@ -99,6 +119,11 @@ Drawing choose_drawing(const Request& request) {
                     request.files[static_cast<std::size_t>(other - results.begin())].string()));
   refuse_profile_options(request, "a result");
   return draw_results(request);
+}
+
+/// What a picture of a file or a folder is called, without its ending.
+std::string name_of(const fs::path& file) {
+  return (file.has_filename() ? file : file.parent_path()).stem().string();
 }
 
 /// Text for a script stands beside the picture while it is drawn, and is gone afterwards.
@@ -120,9 +145,8 @@ void make_picture(const Drawing& drawing, const fs::path& picture) try {
 }
 
 int plot_files(const Request& request) {
-  const fs::path picture = request.output.empty()
-                               ? fs::path(request.files.front().stem().string() + ".png")
-                               : request.output;
+  const fs::path picture =
+      request.output.empty() ? fs::path(name_of(request.files.front()) + ".png") : request.output;
   picture_kind(picture);
   require_output(picture, request.files);
   const Drawing drawing = choose_drawing(request);
@@ -137,12 +161,13 @@ int plot_files(const Request& request) {
 void add_plot(CLI::App& app, Chosen& chosen) {
   const auto asked = std::make_shared<Request>();
   Request& request = *asked;
-  CLI::App* plot = app.add_subcommand(
-      "plot",
-      "makes a picture of a result, of several over one another, of a measured profile, or of a "
-      "chart; needs Python with matplotlib");
+  CLI::App* plot = app.add_subcommand("plot",
+                                      "makes a picture of a result, of several over one another, "
+                                      "of a study, of a measured profile, "
+                                      "or of a chart; needs Python with matplotlib");
   plot->add_option("FILE", request.files,
-                   "results of 'ra2d run'; or one profile; or a table of 'ra2d chart', with the "
+                   "results of 'ra2d run'; or a study's folder; or one profile; or a table of "
+                   "'ra2d chart', with the "
                    "chart's other tables beside it")
       ->required()
       ->check(path());

@@ -198,21 +198,25 @@ std::string describe_study(const StudyAnswers& answers, const std::string& name)
   return text + (law ? law_text(*law) : fmt::format("  {}\n", why));
 }
 
-std::string study_json(const StudyAnswers& answers) {
+std::string study_json(const StudyAnswers& answers, const std::string& title) {
   nlohmann::ordered_json json;
+  if (!title.empty()) json["title"] = title;
   json["runs"] = answers.status.size();
   json["done"] = count_of(answers, RunStatus::done);
   json["missing"] = count_of(answers, RunStatus::missing);
   json["failed"] = answers.status.size() - count_of(answers, RunStatus::done) -
                    count_of(answers, RunStatus::missing);
-  nlohmann::ordered_json axes = nlohmann::ordered_json::object();
+  nlohmann::ordered_json axes = nlohmann::ordered_json::object(),
+                         units = nlohmann::ordered_json::object();
   for (const StudyAxis& axis : answers.axes) {
+    units[axis.name] = axis.units;
     if (axis.texts.empty())
       axes[axis.name] = axis.numbers;
     else
       axes[axis.name] = axis.texts;
   }
   json["dimensions"] = std::move(axes);
+  json["units"] = std::move(units);
   nlohmann::ordered_json points = nlohmann::ordered_json::array();
   for (const CombinationMean& mean : combination_means(answers)) {
     nlohmann::ordered_json point = nlohmann::ordered_json::object();

@@ -43,6 +43,7 @@ std::vector<CombinationMean> combination_means(const StudyAnswers& answers);
 
 /// For people, and as JSON. `name` of the table.
 std::string describe_study(const StudyAnswers& answers, const std::string& name);
-std::string study_json(const StudyAnswers& answers);
+/// `title`: of a picture; none if empty.
+std::string study_json(const StudyAnswers& answers, const std::string& title = {});
 
 }  // namespace ra2d

@@ -327,7 +327,8 @@ StudyAnswers read_table(hid_t file) {
   StudyAnswers answers;
   std::string names = read_text_attribute(file, "dimensions") + ' ';
   for (std::size_t end; (end = names.find(' ')) != names.npos; names.erase(0, end + 1)) {
-    StudyAxis axis{names.substr(0, end), {}, {}};
+    StudyAxis axis;
+    axis.name = names.substr(0, end);
     const h5::Dataset dataset = open_dataset(file, axis.name);
     const h5::Type type{check(H5Dget_type(dataset))};
     if (H5Tget_class(type) == H5T_STRING) {
@@ -335,6 +336,7 @@ StudyAnswers read_table(hid_t file) {
       axis.texts = read_texts(dataset);
     } else {
       axis.numbers = read_numbers(dataset);
+      axis.units = read_text_attribute(dataset, "units");
     }
     answers.axes.push_back(std::move(axis));
   }

@@ -23,6 +23,7 @@ struct StudyAxis {
   std::string name;
   std::vector<double> numbers;
   std::vector<std::string> texts;
+  std::string units = "1";  // of the numbers, as in the table: "m s-1"
   std::size_t size() const { return texts.empty() ? numbers.size() : texts.size(); }
 };
 

@@ -14,6 +14,7 @@
 #include <random>
 #include <thread>
 
+#include "host/study/law.hpp"
 #include "host/study/ledger.hpp"
 #include "host/study/study_points.hpp"
 #include "host/study/study_table.hpp"
@@ -424,6 +425,49 @@ TEST_F(StudyProgram, CheckFindsEveryDamageOfAFolder) {
   ASSERT_EQ(run({"study.toml", "-o", "out", "--quiet", "--shard", "1/4"}), 0) << err_;
   EXPECT_EQ(check(), 0) << err_;
   EXPECT_THAT(out_, HasSubstr("not run yet"));
+}
+
+TEST_F(StudyProgram, PlotDrawsTheLevelsAndTheLaw) {
+  if (test::python().empty()) GTEST_SKIP() << "no Python";
+  ASSERT_EQ(run({"study.toml", "-o", "out", "--quiet"}), 0) << err_;
+  const auto plot = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), {test::program(), "plot"});
+    const test::Ended ended = test::run_program(folder_, words);
+    err_ = ended.err;
+    return ended.status;
+  };
+  ASSERT_EQ(plot({"out", "-o", "law.svg"}), 0) << err_;
+  const std::string svg = test::read_file(folder_ / "law.svg");
+  const StudyLaw law = fit_law(read_study_table(folder_ / "out" / "results.h5"));
+  for (const std::string& text :
+       {fmt::format("speed^{:.3f}", law.exponents[0].value),
+        fmt::format("load^{:.3f}", law.exponents[1].value), std::string("speed [m/s]"),
+        std::string("load [N]"), std::string("speed = 0.2"), std::string("load = 0.25"),
+        std::string("24 runs: 24 done")})
+    EXPECT_THAT(svg, HasSubstr(text));
+  EXPECT_EQ(plot({"out/results.h5", "-o", "law.png"}), 0) << err_;
+  EXPECT_EQ(plot({"out", "--what", "spectrum"}), 2);
+  EXPECT_THAT(err_, HasSubstr("of a study there is only 'overview'"));
+  EXPECT_EQ(plot({"out", "--form", "line"}), 2);
+  EXPECT_THAT(err_, HasSubstr("--form is of profiles"));
+  // words, a dimension of one value, no levels, nothing but seeds
+  std::ofstream(folder_ / "words.toml") << R"(
+base = "base.toml"
+[vary]
+scheme = { key = "time.scheme", values = ["backward-euler", "exact"] }
+only = { key = "scene.speed", values = [0.1] }
+)";
+  std::ofstream(folder_ / "none.toml")
+      << "base = \"base.toml\"\nkeep = [\"shocks\"]\n"
+         "[vary]\nspeed = { key = \"scene.speed\", values = [0.1, 0.2] }\n";
+  std::ofstream(folder_ / "seeds.toml") << "base = \"base.toml\"\nseeds = 2\n";
+  for (const std::string name : {"words", "none", "seeds"}) {
+    ASSERT_EQ(run({name + ".toml", "-o", name, "--quiet"}), 0) << err_;
+    EXPECT_EQ(plot({name, "-o", name + ".svg"}), 0) << err_;
+  }
+  EXPECT_THAT(test::read_file(folder_ / "words.svg"), HasSubstr("backward-euler"));
+  EXPECT_THAT(test::read_file(folder_ / "none.svg"), HasSubstr("no levels"));
+  EXPECT_THAT(test::read_file(folder_ / "seeds.svg"), HasSubstr("nothing but the seeds"));
 }
 
 TEST_F(StudyProgram, AnalyzeFitsTheLaw) {
