@@ -71,6 +71,10 @@ CLI::Validator path() {
           {}};
 }
 
+std::string name_of(const std::filesystem::path& file) {
+  return (file.has_filename() ? file : file.parent_path()).stem().string();
+}
+
 void add_stretch(CLI::App& command, std::optional<double>& from, std::optional<double>& to) {
   const auto add = [&](const char* name, std::optional<double>& time, const char* what) {
     command.add_option(name, time, what)

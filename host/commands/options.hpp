@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
@@ -45,6 +46,9 @@ CLI::Validator path();
 
 /// --from and --to: the stretch of a run that is looked at.
 void add_stretch(CLI::App& command, std::optional<double>& from, std::optional<double>& to);
+
+/// What a file or a folder is called, without its ending: what is made of it takes that name.
+std::string name_of(const std::filesystem::path& file);
 
 // Commands add themselves, each in a file of its own.
 void add_check(CLI::App& app, Chosen& chosen);

@@ -84,12 +84,6 @@ void refuse_profile_options(const Request& request, const char* what) {
     throw RequestError(fmt::format("{} is of profiles: {} needs none", request.of_profiles, what));
 }
 
-/// The table of a study: a folder's own, or the file itself; empty where it is none.
-fs::path study_table(const fs::path& file) {
-  const fs::path table = fs::is_directory(file) ? StudyFolder{file}.table() : file;
-  return is_study_table(table) ? table : fs::path();
-}
-
 Drawing draw_study(const Request& request, const fs::path& table) {
   require_view(request.what, {"overview"}, "a study");
   refuse_profile_options(request, "a study");
@@ -101,7 +95,7 @@ Drawing draw_study(const Request& request, const fs::path& table) {
 
 Drawing choose_drawing(const Request& request) {
   if (request.files.size() == 1)
-    if (const fs::path table = study_table(request.files.front()); !table.empty())
+    if (const fs::path table = study_table_of(request.files.front()); !table.empty())
       return draw_study(request, table);
   std::vector<bool> results;
   for (const fs::path& file : request.files) results.push_back(is_hdf5(file));
@@ -119,11 +113,6 @@ Drawing choose_drawing(const Request& request) {
                     request.files[static_cast<std::size_t>(other - results.begin())].string()));
   refuse_profile_options(request, "a result");
   return draw_results(request);
-}
-
-/// What a picture of a file or a folder is called, without its ending.
-std::string name_of(const fs::path& file) {
-  return (file.has_filename() ? file : file.parent_path()).stem().string();
 }
 
 /// Text for a script stands beside the picture while it is drawn, and is gone afterwards.

@@ -13,6 +13,8 @@
 #include "host/format.hpp"
 #include "host/output_file.hpp"
 #include "host/partial_file.hpp"
+#include "host/study/study_page.hpp"
+#include "host/study/study_table.hpp"
 #include "host/text.hpp"
 
 namespace ra2d {
@@ -39,12 +41,16 @@ std::string shell_word(const std::string& word) {
 }
 
 int make_page(PageRequest& request) {
-  if (request.output.empty()) request.output = request.files.front().stem().string() + ".html";
+  if (request.output.empty()) request.output = name_of(request.files.front()) + ".html";
   require_output(request.output, request.files);
   std::string command = "ra2d report";
   for (const fs::path& file : request.files) command += ' ' + shell_word(file.string());
   command += " -o " + shell_word(request.output.string());
-  const std::string page = report_page(request.files, command);
+  const fs::path table =
+      request.files.size() == 1 ? study_table_of(request.files.front()) : fs::path();
+  const std::string page =
+      table.empty() ? report_page(request.files, command)
+                    : study_page(read_study_table(table), name_of(request.files.front()), command);
   write_text(request.output, page);
   if (!request.quiet)
     print("  {:<17}{}, {}\n", "page", printable(request.output.string()), bytes_text(page.size()));
@@ -59,7 +65,9 @@ void add_report(CLI::App& app, Chosen& chosen) {
       "report",
       "one page to keep or to send, complete in itself: figures, pictures, the sound to play, the "
       "scene to copy");
-  report->add_option("OUT.h5", request->files, "results of 'ra2d run'")->required()->check(path());
+  report->add_option("OUT.h5", request->files, "results of 'ra2d run'; or one study's folder")
+      ->required()
+      ->check(path());
   report
       ->add_option("-o,--output", request->output,
                    "the page [the first result's name with .html, in the current folder]")

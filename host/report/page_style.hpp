@@ -42,6 +42,7 @@ svg path { fill: none; stroke: var(--ink); }
 svg .grid { stroke: var(--grid); }
 svg .line { stroke: var(--fill); stroke-width: 1.4; stroke-linejoin: round; }
 svg .bar { fill: var(--bar); }
+svg .dot { fill: var(--fill); }
 svg .whisker { stroke-width: 1.3; }
 svg .mark { stroke-width: 1.2; }
 svg .dashed { stroke-dasharray: 5 4; }

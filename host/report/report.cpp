@@ -14,14 +14,10 @@
 #include "host/report/clips.hpp"
 #include "host/report/html.hpp"
 #include "host/report/level_history.hpp"
-#include "host/report/page_style.hpp"
+#include "host/report/page.hpp"
 #include "host/report/pictures.hpp"
 #include "host/result/level.hpp"
 #include "host/text.hpp"
-
-#ifndef RA2D_COMMIT
-#define RA2D_COMMIT "unknown"
-#endif
 
 namespace ra2d {
 namespace {
@@ -57,13 +53,6 @@ Told read(const fs::path& file) {
 }
 
 std::string title_of(const Analysis& a) { return html(shortened(a.title, longest_title)); }
-
-std::string table_of(const FactTable& facts) {
-  std::string rows;
-  for (const auto& [name, value] : facts)
-    rows += fmt::format("<tr><th scope=\"row\">{}</th><td>{}</td></tr>\n", name, value);
-  return "<table class=\"facts\">\n" + rows + "</table>\n";
-}
 
 // ---- what came out -----------------------------------------------------------------------------
 
@@ -204,11 +193,11 @@ std::string sound_part(const Clips& clips) {
 }
 
 std::string scene_part(const Told& told, std::size_t number) {
-  return fmt::format(
-      "<h3>The scene</h3>\n<p>Save it as <code>scene.toml</code> and run it again: <code>ra2d run "
-      "scene.toml -o result.h5</code> <button type=\"button\" hidden data-copies=\"scene{0}\">Copy "
-      "the scene</button></p>\n<pre id=\"scene{0}\" tabindex=\"0\">{1}</pre>\n",
-      number, html_lines(told.scene_text));
+  return "<h3>The scene</h3>\n" +
+         text_to_copy(
+             "Save it as <code>scene.toml</code> and run it again: <code>ra2d run scene.toml -o "
+             "result.h5</code>",
+             "the scene", fmt::format("scene{}", number), told.scene_text);
 }
 
 std::string section(const Told& told, std::size_t number, bool several) {
@@ -296,19 +285,10 @@ std::string report_page(const std::vector<fs::path>& files, const std::string& c
   const bool several = results.size() > 1;
   const std::string title = several ? fmt::format("Roughness noise: {} results", results.size())
                                     : title_of(results.front().analysis);
-  std::string page = fmt::format(
-      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta "
-      "http-equiv=\"Content-Security-Policy\" content=\"{}\">\n<meta name=\"viewport\" "
-      "content=\"width=device-width, initial-scale=1\">\n<title>{}</title>\n<style>{}</style>\n"
-      "</head>\n<body>\n<h1>{}</h1>\n",
-      page_policy, title, page_style, title);
-  if (several) page += comparison(results) + means(results);
-  for (std::size_t i = 0; i < results.size(); ++i) page += section(results[i], i + 1, several);
-  page += fmt::format(
-      "<footer><p>Made by ra2d {} ({}) with <code>{}</code>. The page is complete in itself and "
-      "fetches nothing.</p></footer>\n<script>{}</script>\n</body>\n</html>\n",
-      RA2D_VERSION, RA2D_COMMIT, html(command), page_script);
-  return page;
+  std::string body;
+  if (several) body += comparison(results) + means(results);
+  for (std::size_t i = 0; i < results.size(); ++i) body += section(results[i], i + 1, several);
+  return whole_page(title, body, command);
 }
 
 }  // namespace ra2d

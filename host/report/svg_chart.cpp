@@ -111,7 +111,11 @@ void SvgChart::draw_axes() {
                .c_str());
 }
 
-void SvgChart::line(const std::vector<double>& x, const std::vector<double>& y) {
+void SvgChart::dot(double x, double y) {
+  body_ += fmt::format("<circle class=\"dot\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3\"/>", px(x), py(y));
+}
+
+void SvgChart::line(const std::vector<double>& x, const std::vector<double>& y, bool dashed) {
   std::string path;
   for (std::size_t i = 0; i < x.size();) {
     const double at = px(x[i]);
@@ -126,7 +130,7 @@ void SvgChart::line(const std::vector<double>& x, const std::vector<double>& y) 
     if (next > i + 1) fmt::format_to(std::back_inserter(path), "V{:.1f}", py(low));
     i = next;
   }
-  body_ += fmt::format("<path class=\"line\" d=\"{}\"/>", path);
+  body_ += fmt::format("<path class=\"line{}\" d=\"{}\"/>", dashed ? " dashed" : "", path);
 }
 
 void SvgChart::column(double x_low, double x_high, double y) {

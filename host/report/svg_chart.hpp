@@ -22,7 +22,8 @@ class SvgChart {
   SvgChart(ChartAxis x, ChartAxis y, std::string summary);
 
   /// A line through points of ascending x. Of many within one dot of the screen the extent is drawn.
-  void line(const std::vector<double>& x, const std::vector<double>& y);
+  void line(const std::vector<double>& x, const std::vector<double>& y, bool dashed = false);
+  void dot(double x, double y);
   /// A column from the bottom to `y`.
   void column(double x_low, double x_high, double y);
   /// A vertical bar with ends.

@@ -17,7 +17,7 @@ namespace {
 
 using h5::check;
 
-constexpr hsize_t bytes_at_once = 1 << 20, longest_row = 1 << 28;
+constexpr hsize_t bytes_at_once = 1 << 16, longest_row = 1 << 28;
 
 /// The text of an attribute; empty where it is no single text.
 std::string text_of(hid_t object, const char* name) {

@@ -33,10 +33,6 @@ bool can_be_fitted(const StudyAxis& axis) {
                      [](double x) { return x > 0 && std::isfinite(x); });
 }
 
-std::string value_text(const StudyAxis& axis, std::size_t value) {
-  return axis.texts.empty() ? fmt::format("{:g}", axis.numbers[value]) : axis.texts[value];
-}
-
 std::optional<StudyLaw> law_if_any(const StudyAnswers& answers, std::string& why) {
   try {
     return fit_law(answers);
@@ -84,6 +80,19 @@ nlohmann::ordered_json json_mean(const MeanOfRuns& mean) {
 }
 
 }  // namespace
+
+std::string value_text(const StudyAxis& axis, std::size_t value) {
+  return axis.texts.empty() ? fmt::format("{:g}", axis.numbers[value]) : axis.texts[value];
+}
+
+double law_level(const StudyLaw& law, const std::vector<StudyAxis>& axes,
+                 const std::vector<std::size_t>& place) {
+  double sum = level(law.factor);
+  for (const Exponent& e : law.exponents)
+    for (std::size_t a = 0; a < place.size(); ++a)
+      if (axes[a].name == e.name) sum += 20 * e.value * std::log10(axes[a].numbers[place[a]]);
+  return sum;
+}
 
 StudyLaw fit_law(const StudyAnswers& answers) {
   StudyLaw law;

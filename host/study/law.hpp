@@ -41,6 +41,13 @@ struct CombinationMean {
 };
 std::vector<CombinationMean> combination_means(const StudyAnswers& answers);
 
+/// Level of one place by the law [dB].
+double law_level(const StudyLaw& law, const std::vector<StudyAxis>& axes,
+                 const std::vector<std::size_t>& place);
+
+/// A value as people read it.
+std::string value_text(const StudyAxis& axis, std::size_t value);
+
 /// For people, and as JSON. `name` of the table.
 std::string describe_study(const StudyAnswers& answers, const std::string& name);
 /// `title`: of a picture; none if empty.

@@ -325,6 +325,11 @@ std::string read_text_attribute(hid_t file, const char* name) {
 
 StudyAnswers read_table(hid_t file) {
   StudyAnswers answers;
+  answers.study = read_text_attribute(file, "study");
+  answers.base = read_text_attribute(file, "base");
+  answers.given = read_text_attribute(file, "set");
+  answers.origin = fmt::format("ra2d {} ({})", read_text_attribute(file, "version"),
+                               read_text_attribute(file, "commit"));
   std::string names = read_text_attribute(file, "dimensions") + ' ';
   for (std::size_t end; (end = names.find(' ')) != names.npos; names.erase(0, end + 1)) {
     StudyAxis axis;
@@ -374,6 +379,13 @@ bool is_study_table(const std::filesystem::path& file) {
   const h5::Properties access = h5::file_access();
   const h5::File opened{H5Fopen(file.c_str(), H5F_ACC_RDONLY, access)};
   return opened.is_open() && H5Aexists(opened, "study_format") > 0;
+}
+
+std::filesystem::path study_table_of(const std::filesystem::path& file) {
+  std::error_code none;
+  const std::filesystem::path table =
+      std::filesystem::is_directory(file, none) ? StudyFolder{file}.table() : file;
+  return is_study_table(table) ? table : std::filesystem::path();
 }
 
 StudyAnswers read_study_table(const std::filesystem::path& file) {

@@ -32,10 +32,16 @@ struct StudyAnswers {
   std::vector<StudyAxis> axes;  // in the order of the table, the seeds last
   std::vector<double> v_rms;    // in C order; NaN where there is none
   std::vector<double> status;   // RunStatus
+  std::string study, base;      // their texts
+  std::string given;            // --set, a line each
+  std::string origin;           // what wrote the table: "ra2d 0.1 (commit)"
 };
 
 /// Whether the file is one: false also for what cannot be opened.
 bool is_study_table(const std::filesystem::path& file);
+
+/// The table of a study's folder, or the file itself where it is one; empty of anything else.
+std::filesystem::path study_table_of(const std::filesystem::path& file);
 
 /// Throws FileError for what is no such table.
 StudyAnswers read_study_table(const std::filesystem::path& file);

@@ -13,6 +13,7 @@ faults.toml beside this file has the faults:
   replace  what it becomes
   compile  the sources compiled with it, where `file` is a header
   tests    a test program and a filter, as `test_kernels Gap.*`; more than one of these are tried in turn
+  program  true: the tests run the program ra2d, which is then linked with the fault, too
   unseen   of a fault that changes nothing that anyone could see: why
 
 Neither the sources nor the build folder change: the faulty file stands in a folder of its own that is searched first,
@@ -62,12 +63,23 @@ class Build:
                 self.commands[path.relative_to(ROOT).as_posix()] = (arguments, arguments[arguments.index("-o") + 1])
         self.links, self.sound, self.lock = {}, {}, threading.Lock()
 
-    def link_of(self, program):
-        if program not in self.links:
-            text = shell(["ninja", "-t", "commands", f"tests/{program}"], self.folder, 60).stdout.splitlines()[-1]
+    def link_of(self, target):
+        """What links `target`, a path in the build folder."""
+        if target not in self.links:
+            text = shell(["ninja", "-t", "commands", target], self.folder, 60).stdout.splitlines()[-1]
             parts = [shlex.split(part) for part in text.split(" && ")]
-            self.links[program] = next(part for part in parts if "-o" in part and f"tests/{program}" in part)
-        return self.links[program]
+            self.links[target] = next(part for part in parts if "-o" in part and target in part)
+        return self.links[target]
+
+    def link(self, target, objects, made):
+        """Links `target` as the file `made`, with faulty objects for sound ones."""
+        words = [objects.get(word, word) for word in self.link_of(target)]
+        # objects of a library: the program's own go first, so that the library's are not taken
+        words[words.index("-o") + 1 : words.index("-o") + 2] = [made, *(
+            mine for mine in objects.values() if mine not in words)]
+        done = shell(words, self.folder, COMPILE_LIMIT)
+        if done.returncode != 0:
+            raise Broken("does not link: " + done.stdout[-300:])
 
     def sources(self, names):
         """As named; where the march is compiled for the most modes alone (RA2D_ONE_MARCH), that one for another."""
@@ -76,10 +88,10 @@ class Build:
             raise Broken(f"no source is called {', '.join(missing)}")
         return found
 
-    def run(self, program, tests, filter):
+    def run(self, program, tests, filter, ra2d=None):
         """None where all tests pass, or what fails."""
         try:
-            done = shell([program, f"--gtest_filter={filter}", "--gtest_fail_fast", "--gtest_brief=1"],
+            done = shell([*(["env", f"RA2D_PROGRAM={ra2d}"] if ra2d else []), program, f"--gtest_filter={filter}", "--gtest_fail_fast", "--gtest_brief=1"],
                          self.folder, TEST_LIMIT)
         except subprocess.TimeoutExpired:
             return f"{tests}: does not end"
@@ -142,14 +154,11 @@ def apply(build, fault, folder):
         if (failed := build.is_sound(tests, filter)) is not None:
             raise Broken(f"without the fault fails {failed}")
         objects = dict(objects_for(tests))
-        link = [objects.get(word, word) for word in build.link_of(tests)]
-        # objects of a library: the program's own go first, so that the library's are not taken
-        link[link.index("-o") + 1 : link.index("-o") + 2] = [f"{folder}/{tests}", *(
-            mine for place, mine in objects.items() if mine not in link)]
-        done = shell(link, build.folder, COMPILE_LIMIT)
-        if done.returncode != 0:
-            raise Broken("does not link: " + done.stdout[-300:])
-        killer = build.run(f"{folder}/{tests}", tests, filter)
+        build.link(f"tests/{tests}", objects, f"{folder}/{tests}")
+        ra2d = f"{folder}/ra2d" if fault.get("program") else None
+        if ra2d:
+            build.link("ra2d", objects, ra2d)
+        killer = build.run(f"{folder}/{tests}", tests, filter, ra2d)
         (folder / tests).unlink()
         if killer:
             return "killed", killer

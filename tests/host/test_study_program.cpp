@@ -14,6 +14,7 @@
 #include <random>
 #include <thread>
 
+#include "host/result/level.hpp"
 #include "host/study/law.hpp"
 #include "host/study/ledger.hpp"
 #include "host/study/study_points.hpp"
@@ -468,6 +469,35 @@ only = { key = "scene.speed", values = [0.1] }
   EXPECT_THAT(test::read_file(folder_ / "words.svg"), HasSubstr("backward-euler"));
   EXPECT_THAT(test::read_file(folder_ / "none.svg"), HasSubstr("no levels"));
   EXPECT_THAT(test::read_file(folder_ / "seeds.svg"), HasSubstr("nothing but the seeds"));
+}
+
+TEST_F(StudyProgram, ReportMakesAPage) {
+  write_study(6, "# </pre><script>alert(1)</script>");
+  ASSERT_EQ(run({"study.toml", "-o", "out", "--quiet", "--set", "slider.damping=0.03"}), 0) << err_;
+  const test::Ended ended = test::run_program(folder_, {test::program(), "report", "out/"});
+  ASSERT_EQ(ended.status, 0) << ended.err;
+  const std::string page = test::read_file(folder_ / "out.html");
+  const StudyAnswers answers = read_study_table(folder_ / "out" / "results.h5");
+  const StudyLaw law = fit_law(answers);
+  for (const Exponent& e : law.exponents)
+    EXPECT_THAT(page, HasSubstr(fmt::format("<td>{}</td><td>{:.3f}</td><td>{:.3f} to {:.3f}</td>",
+                                            e.name, e.value, e.low, e.high)));
+  for (const CombinationMean& mean : combination_means(answers))
+    EXPECT_THAT(page, HasSubstr(fmt::format("<td>6</td><td>{:.2f}</td><td>{:.2f} to {:.2f}</td>",
+                                            mean.level.mean, mean.level.low, mean.level.high)));
+  EXPECT_THAT(page, HasSubstr("Level against speed"));
+  EXPECT_THAT(page, HasSubstr("slider.damping=0.03"));
+  EXPECT_THAT(page, HasSubstr("&lt;/pre&gt;&lt;script&gt;alert"));
+  EXPECT_THAT(page, testing::Not(HasSubstr("<script>alert")));
+  EXPECT_THAT(page, HasSubstr("<code>ra2d report out/ -o out.html</code>"));
+  // the levels of the law are those of its formula
+  std::vector<std::size_t> place{1, 0};
+  EXPECT_NEAR(law_level(law, answers.axes, place),
+              level(law.factor * std::pow(0.2, law.exponents[0].value) *
+                    std::pow(0.25, law.exponents[1].value)),
+              1e-9);
+  // a study is alone on its page
+  EXPECT_EQ(test::run_program(folder_, {test::program(), "report", "out", "out"}).status, 4);
 }
 
 TEST_F(StudyProgram, AnalyzeFitsTheLaw) {
