@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -214,6 +215,28 @@ TEST_F(StudyProgram, KilledAtAnyInstantItLosesNoFinishedRun) {
   EXPECT_EQ(run({"study.toml", "-o", "killed"}), 0) << err_;
   EXPECT_TRUE(table("killed") == whole);
   EXPECT_EQ(parse_ledger(test::read_file(ledger), ledger).runs.size(), 240u) << "each ran once";
+}
+
+TEST_F(StudyProgram, GnuParallelRunsItsPartsAndGoesOnWithThoseThatFailed) {
+  if (std::system("command -v parallel > /dev/null 2>&1") != 0) GTEST_SKIP() << "no GNU parallel";
+  write_study(60);
+  ASSERT_EQ(run({"study.toml", "-o", "whole"}), 0) << err_;
+  // the line of docs/studies.md, with each part killed after a while, and then as it is
+  const auto parallel = [&](const std::string& program, const std::string& more) {
+    const test::Ended ended = test::run_program(
+        folder_,
+        {"sh", "-c",
+         "export HOME=$PWD; mkdir -p .parallel; touch .parallel/will-cite; parallel -j2 --joblog "
+         "parts.log " +
+             more + program +
+             " study study.toml -o parts --threads 1 --quiet --shard {}/8 ::: 1 2 3 4 5 6 7 8"});
+    err_ = ended.err;
+    return ended.status;
+  };
+  EXPECT_NE(parallel("timeout -s KILL 0.06 " + test::program(), ""), 0) << "parts that failed";
+  EXPECT_EQ(parallel(test::program(), "--resume-failed "), 0) << err_;
+  EXPECT_EQ(run({"merge", "parts", "--quiet"}), 0) << err_;
+  EXPECT_TRUE(table("parts") == table("whole"));
 }
 
 TEST_F(StudyProgram, InterruptedItKeepsWhatIsFinished) {
