@@ -176,8 +176,9 @@ std::string ledger_head() {
   return head;
 }
 
-std::string record_of(const FinishedRun& run) {
-  const std::string body = body_of(run);
+std::string record_of(const FinishedRun& run) { return sealed_record(body_of(run)); }
+
+std::string sealed_record(const std::string& body) {
   std::string record = head_of(body.size()) + body;
   put(record, long_hash(record));
   return record;

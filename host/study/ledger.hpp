@@ -59,6 +59,8 @@ bool agree(const FinishedRun& a, const FinishedRun& b);
 
 std::string ledger_head();
 std::string record_of(const FinishedRun& run);
+/// The record with this body, whatever it is.
+std::string sealed_record(const std::string& body);
 
 struct ParsedLedger {
   std::vector<FinishedRun> runs;  // in order

@@ -1,14 +1,14 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# usage: tests/fuzz/run.sh SECONDS [text|sdf|x3p|checkpoint ...]
-# Builds the fuzzers of the readers of profiles and checkpoints with libFuzzer and the address and undefined-behaviour sanitizers, and
+# usage: tests/fuzz/run.sh SECONDS [text|sdf|x3p|checkpoint|ledger|study ...]
+# Builds the fuzzers of the readers of profiles, checkpoints and studies with libFuzzer and the address and undefined-behaviour sanitizers, and
 # runs each for so long. What ends one is left in build/fuzz. Status 1 if there is any, 0 also where no clang is.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
-seconds=${1:?usage: run.sh SECONDS [text|sdf|x3p|checkpoint ...]}
+seconds=${1:?usage: run.sh SECONDS [text|sdf|x3p|checkpoint|ledger|study ...]}
 shift
 targets=("${@:-}")
-[[ $# -gt 0 ]] || targets=(text sdf x3p checkpoint)
+[[ $# -gt 0 ]] || targets=(text sdf x3p checkpoint ledger study)
 build=$root/build/fuzz
 mkdir -p "$build"
 cd "$root"
@@ -25,17 +25,22 @@ done
 [[ -n $clang ]] || { echo "no clang with libFuzzer here (Debian: clang-14, libclang-rt-14-dev): left out"; exit 0; }
 
 flags=(-std=c++20 -O1 -g -Wall -Wextra -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all -I.)
+# toml++ 3.3 shifts by more than a number has, and takes no notice of what comes of it
+shifts() { grep -q 'toml.hpp\|reader.hpp' "$1" && echo -fno-sanitize=shift-exponent; return 0; }
 objects=()
 for source in host/{text,partial_file,output_file}.cpp host/device/saved_state.cpp host/store/sealed_file.cpp \
-  host/run/checkpoint_bytes.cpp host/surface/{areal,md5,profile,profile_lines,profile_sdf,profile_text,profile_x3p,zip_archive}.cpp; do
+  host/run/checkpoint_bytes.cpp host/study/{ledger,study_file,study_folder,scene_key}.cpp \
+  host/scene_file/reader.cpp host/scene/{scene,schemes}.cpp host/surface/{areal,md5,profile,profile_lines,profile_sdf,profile_text,profile_x3p,zip_archive}.cpp; do
   object=$build/$(basename "$source" .cpp).o
   objects+=("$object")
   [[ $object -nt $source && -z $(find host -name '*.hpp' -newer "$object") ]] ||
-    "$clang" "${flags[@]}" -c "$source" -o "$object"
+    "$clang" "${flags[@]}" $(shifts "$source") -c "$source" -o "$object"
 done
+rm -f "$build/readers.a"
+ar rcs "$build/readers.a" "${objects[@]}"  # of which each takes what it needs
 
 for target in "${targets[@]}"; do
-  "$clang" "${flags[@]}" -fsanitize=fuzzer "tests/fuzz/fuzz_$target.cpp" "${objects[@]}" -o "$build/fuzz_$target" \
+  "$clang" "${flags[@]}" -fsanitize=fuzzer "tests/fuzz/fuzz_$target.cpp" "$build/readers.a" -o "$build/fuzz_$target" \
     -lfmt -lzip -lpugixml -lcrypto
   mkdir -p "$build/corpus_$target"  # what is found goes there, and not into the tree
   echo "fuzz_$target: $seconds s"
