@@ -195,7 +195,7 @@ void visit_arrays(CarriedState& s, const Extents& n, Visit&& visit) {
   visit("bend_part", s.bend_part, static_cast<std::size_t>(n.width));
   visit("pending_row", s.pending_row, static_cast<std::size_t>(sample::row(n.lanes)));
   visit("runs", s.runs, static_cast<std::size_t>(n.runs()));
-  visit("open", s.open, static_cast<std::size_t>(2 * n.runs()));
+  visit("open", s.open, 2 * static_cast<std::size_t>(n.runs()));
   if (n.adaptive()) visit("closed", s.closed, static_cast<std::size_t>(n.closed));
 }
 

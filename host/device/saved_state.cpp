@@ -26,7 +26,7 @@ std::string bind(const SavedState& saved, const Extents& n, CarriedState& bound)
     }
     // only read; vectors of bytes stand where any number may
     array = reinterpret_cast<std::remove_reference_t<decltype(array)>>(
-        const_cast<std::byte*>(bytes->data()));
+        const_cast<std::byte*>(bytes->data()));  // NOLINT(cppcoreguidelines-pro-type-const-cast)
     ++bytes;
   });
   if (fault.empty() && bytes != saved.arrays.end()) fault = "there are more arrays than known";

@@ -8,7 +8,7 @@ namespace ra2d {
 
 /// A page of results, complete in itself (docs/report.md). `command`: what made it. Throws FileError and
 /// RequestError as analyze() does.
-std::string report_page(const std::vector<std::filesystem::path>& results,
+std::string report_page(const std::vector<std::filesystem::path>& files,
                         const std::string& command);
 
 }  // namespace ra2d

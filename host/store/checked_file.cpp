@@ -110,7 +110,8 @@ CheckedFile check_result(const std::filesystem::path& path) {
   CheckedFile found = check_hashes(path);
   if (found.datasets == 0 && !found.faults.empty()) return found;
   try {
-    const ResultSummary& summary = ResultReader(path).contents().summary;
+    const ResultReader reader(path);
+    const ResultSummary& summary = reader.contents().summary;
     found.what = summary.complete ? "a complete result"
                                   : fmt::format("a result that was cut short: {}",
                                                 printable(shortened(summary.ended, 200)));

@@ -17,9 +17,9 @@ struct CheckedFile {
 };
 
 /// Reads every dataset of a file and compares it with its hash. Faults are found, not thrown, by both.
-CheckedFile check_hashes(const std::filesystem::path& file);
+CheckedFile check_hashes(const std::filesystem::path& path);
 
 /// The same of a result or a segment; and what must be there with what is.
-CheckedFile check_result(const std::filesystem::path& file);
+CheckedFile check_result(const std::filesystem::path& path);
 
 }  // namespace ra2d

@@ -19,8 +19,9 @@ struct Normal {
   std::array<double, points> at, weight;
   Normal() {
     constexpr double step = 0.125;
+    constexpr int middle = points / 2;
     for (int i = 0; i < points; ++i) {
-      at[i] = step * (i - points / 2);
+      at[i] = step * (i - middle);
       weight[i] = step * std::exp(-at[i] * at[i] / 2) / std::sqrt(2 * std::numbers::pi);
     }
   }

@@ -15,7 +15,7 @@ class HeightMap {
   HeightMap(double skewness, double kurtosis);
 
   bool is_identity() const { return family_ == Family::normal; }
-  double operator()(double normal) const;
+  double operator()(double g) const;
   /// The normal height that becomes 0, the mean line.
   double at_mean_line() const;
   /// The correlation of two heights whose normal heights have the correlation `normal`.
@@ -25,7 +25,7 @@ class HeightMap {
 
  private:
   enum class Family { normal, unbounded, bounded, lognormal };
-  double raw(double normal) const;
+  double raw(double g) const;
   void standardise();
   void find_series();
 

@@ -44,10 +44,12 @@ class Crash : public testing::Test {
     return words;
   }
   Ended run(std::vector<std::string> more = {}) { return run_program(aside_.path(), line(more)); }
-  /// Ends a run with a checkpoint, soon after its start.
+  /// Ends a run with two checkpoints, soon after its start; a slow machine makes one at a time.
   void cut_off() {
-    const Ended ended = run({"--checkpoint", "1e-5", "--max-wall", "0.02"});
-    ASSERT_EQ(ended.status, 5) << ended.err;
+    for (int i = 0; i < 5 && !fs::exists(previous()); ++i) {
+      const Ended ended = run({"--checkpoint", "1e-5", "--max-wall", "0.02"});
+      ASSERT_EQ(ended.status, 5) << ended.err;
+    }
   }
   std::vector<std::string> beside() const {
     std::vector<std::string> names;
@@ -333,7 +335,8 @@ TEST_F(Crash, ASecondProcessOnOneOutputIsRefused) {
 
 TEST_F(Crash, ASignalOfABatchSystemLeavesACheckpointAndTheRunGoesOn) {
   Child child(aside_.path(), line({"--set", "time.step=1e-9", "--set", "scene.duration=0.9"}));
-  ASSERT_TRUE(child.wait_until_it_catches(SIGUSR1)) << child.err();
+  for (int i = 0; i < 500 && !fs::exists(folder_ / "out.h5.parts"); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
   for (int i = 0; i < 500 && !fs::exists(checkpoint()); ++i) {
     child.send(SIGUSR1);
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
