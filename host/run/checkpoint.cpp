@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <iterator>
 #include <sstream>
 
 #include "host/device/backend.hpp"
@@ -53,10 +54,16 @@ bool fits(const Snapshot& s, const Model& model) {
 std::string fault_of(const Checkpoint& c, const Model& model) {
   const Accounts& a = c.accounts;
   std::int64_t samples = 0;
-  for (const Segment& segment : c.segments) samples += segment.samples;
+  for (const Segment& segment : c.segments) {
+    if (segment.samples < 0 || segment.samples > model.samples - samples)
+      return "its outputs have more samples than the run";
+    samples += segment.samples;
+  }
   if (!fits(a.begin, model) || !fits(a.now, model)) return "its accounts are of another scene";
   if (a.now.step != c.state.values.step || a.now.status != Status::running ||
-      a.begin.step > a.now.step || a.samples < 0 || a.samples > model.samples)
+      a.now.shocks_begun != c.state.values.shocks_begun ||
+      std::ssize(a.now.open_shocks) != c.state.values.open_count || a.begin.step > a.now.step ||
+      a.samples < 0 || a.samples > model.samples)
     return "its accounts and its state are of two moments";
   if (samples != a.samples) return "its outputs and its accounts do not agree";
   if (!a.durations.is_sound() || !a.forces.is_sound()) return "its histograms are none";

@@ -76,15 +76,20 @@ void Recording::append(const std::vector<Shock>& shocks) {
   shocks_ += static_cast<std::int64_t>(shocks.size());
 }
 
+bool Recording::seal(const ResultSummary& so_far) {
+  if (samples_ == 0 && shocks_ == 0) return false;
+  const std::filesystem::path name = output_.segment(segments_.size() + 1);
+  file_->close(so_far, name);
+  Segment segment = hashed(name);
+  segment.samples = samples_;
+  segment.shocks = shocks_;
+  segments_.push_back(std::move(segment));
+  return true;
+}
+
 const std::vector<Segment>& Recording::close_segment(const ResultSummary& so_far,
                                                      const SegmentStart& next) {
-  if (samples_ > 0 || shocks_ > 0) {
-    const std::filesystem::path name = output_.segment(segments_.size() + 1);
-    file_->close(so_far, name);
-    Segment segment = hashed(name);
-    segment.samples = samples_;
-    segment.shocks = shocks_;
-    segments_.push_back(std::move(segment));
+  if (seal(so_far)) {
     header_.segment = next;
     begin();
   }
@@ -93,7 +98,7 @@ const std::vector<Segment>& Recording::close_segment(const ResultSummary& so_far
 
 double Recording::close(const ResultSummary& summary) {
   if (segments_.empty()) return file_->close(summary);
-  close_segment(summary, {});
+  seal(summary);
   file_.reset();
   header_.segment = {};
   ResultFile whole(output_.names().result, header_);

@@ -45,6 +45,8 @@ class Recording {
 
  private:
   void begin();
+  /// Gives what is in the present file its place among the segments, if there is anything.
+  bool seal(const ResultSummary& so_far);
   void join(ResultFile& whole);
 
   const ClaimedOutput& output_;

@@ -302,7 +302,7 @@ TEST_F(Crash, AStateThatDoesNotFitItsSceneIsRefused) {
     EXPECT_EQ(ended.status == 4 || ended.status == 2, true) << why << ended.status << ended.err;
     EXPECT_THAT(ended.err, HasSubstr(why));
   };
-  refused([](Checkpoint& c) { c.state.values.open_count = 1 << 30; }, "shocks do not fit");
+  refused([](Checkpoint& c) { c.state.values.open_count = 1 << 30; }, "two moments");
   refused([](Checkpoint& c) { c.state.values.run_count = -1; }, "shocks do not fit");
   refused([](Checkpoint& c) { c.state.values.contact_pair[1] = -5; }, "none of the slider's");
   refused([](Checkpoint& c) { c.state.values.closed_count = 7; }, "closed nodes");
@@ -315,6 +315,11 @@ TEST_F(Crash, AStateThatDoesNotFitItsSceneIsRefused) {
   refused([](Checkpoint& c) { c.state.values.step += 1; }, "two moments");
   refused([](Checkpoint& c) { c.accounts.now.resonator_u.pop_back(); }, "another scene");
   refused([](Checkpoint& c) { c.accounts.samples += 1; }, "do not agree");
+  refused([](Checkpoint& c) { c.accounts.now.shocks_begun += 1; }, "two moments");
+  refused([](Checkpoint& c) { c.accounts.now.open_shocks.emplace_back(); }, "two moments");
+  refused([](Checkpoint& c) { c.segments.at(0).samples = -1; }, "more samples than the run");
+  refused([](Checkpoint& c) { c.segments.at(0).samples = std::int64_t{1} << 62; },
+          "more samples than the run");
   std::ofstream(checkpoint(), std::ios::binary) << bytes_of(own);
   EXPECT_EQ(run().status, 0);
 }
