@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
@@ -10,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "host/blocks.hpp"
 #include "host/commands/commands.hpp"
 #include "host/commands/options.hpp"
 #include "host/commands/print.hpp"
@@ -61,26 +63,89 @@ void check(const Asked& asked) {
                     asked.surface.rq, asked.length));
 }
 
-/// Two columns that a scene and `ra2d surface measure` read, with the digits that bring the doubles back.
-void write_profile(const Asked& asked, const std::vector<double>& heights) {
-  constexpr std::size_t together = 1 << 16;  // bytes
-  PartialFile file(asked.output);
-  std::string text = fmt::format("# ra2d surface generate: surface = {}, {} m long\nx [m],z [m]\n",
-                                 surface_text(asked.surface, {}), asked.length);
-  char number[64];
-  const auto put = [&](double value, char after) {
-    char* const end = std::to_chars(number, number + sizeof number - 1, value).ptr;
-    *end = after;
-    text.append(number, end + 1);
-  };
-  for (std::size_t n = 0; n < heights.size(); ++n) {
-    put(static_cast<double>(n) * asked.spacing, ',');
-    put(heights[n], '\n');
-    if (text.size() < together) continue;
-    file.write(text);
-    text.clear();
+/// The places n * spacing as text. In decimals they are exact, as instruments write them, where the
+/// spacing is so short a number that 64 bits hold them: 0.3 is not the double 3 * 0.1.
+class Places {
+ public:
+  explicit Places(double spacing) : spacing_{spacing} {
+    char digits[32];
+    const char* const end =
+        std::to_chars(digits, digits + sizeof digits, spacing, std::chars_format::scientific).ptr;
+    const char* at = digits;
+    for (bool behind_point = false; at != end && *at != 'e'; ++at)
+      if (*at == '.')
+        behind_point = true;
+      else {
+        mantissa_ = 10 * mantissa_ + static_cast<std::uint64_t>(*at - '0');
+        decimals_ += behind_point;
+      }
+    int exponent = 0;
+    std::from_chars(at + 1 + (at[1] == '+'), end, exponent);
+    decimals_ -= exponent;
+    exact_ = decimals_ >= 0 && decimals_ < most_digits &&
+             static_cast<double>(mantissa_) * most_nodes < std::pow(10.0, most_digits);
   }
-  file.write(text);
+
+  /// Writes the place of node n, at most `longest` bytes, and returns their end.
+  char* write(std::size_t n, char* at) const {
+    if (!exact_) return std::to_chars(at, at + longest, static_cast<double>(n) * spacing_).ptr;
+    char digits[2 * most_digits];
+    std::fill_n(digits, most_digits, '0');
+    char* const end =
+        std::to_chars(digits + most_digits, digits + sizeof digits, n * mantissa_).ptr;
+    char* const point = end - decimals_;
+    at = std::copy(std::min(point - 1, digits + most_digits), point, at);
+    if (decimals_ > 0) *at++ = '.';
+    return std::copy(point, end, at);
+  }
+  static constexpr std::size_t longest = 24;
+
+ private:
+  static constexpr int most_digits = 18;
+  double spacing_;
+  std::uint64_t mantissa_ = 0;
+  int decimals_ = 0;
+  bool exact_;
+};
+
+/// Rows of heights[first], ..., heights[last - 1], with the digits that bring the doubles back.
+void write_rows(const std::vector<double>& heights, const Places& places, std::size_t first,
+                std::size_t last, std::string& text) {
+  constexpr std::size_t longest = 24;  // bytes of a double
+  text.resize((last - first) * (Places::longest + longest + 2));
+  char* at = text.data();
+  for (std::size_t n = first; n < last; ++n) {
+    at = places.write(n, at);
+    *at++ = ',';
+    at = std::to_chars(at, at + longest, heights[n]).ptr;
+    *at++ = '\n';
+  }
+  text.resize(static_cast<std::size_t>(at - text.data()));
+}
+
+/// Two columns that a scene and `ra2d surface measure` read.
+void write_profile(const Asked& asked, const std::vector<double>& heights) {
+  constexpr std::size_t a_block = 1 << 13, together = 8 * a_block;  // nodes
+  PartialFile file(asked.output);
+  file.write(fmt::format("# ra2d surface generate: surface = {}, {} m long\nx [m],z [m]\n",
+                         surface_text(asked.surface, {}), asked.length));
+  const auto write_all = [&](const std::vector<std::string>& parts) {
+    for (const std::string& part : parts) file.write(part);
+  };
+  const Places places(asked.spacing);
+  std::vector<std::string> texts(together / a_block), before(texts.size());
+  for (std::size_t begin = 0; begin < heights.size(); begin += together) {
+    const std::size_t end = std::min(begin + together, heights.size());
+    const std::size_t blocks = (end - begin + a_block - 1) / a_block;
+    for (std::size_t b = blocks; b < texts.size(); ++b) texts[b].clear();
+    in_blocks(1 + blocks, 1, [&](std::size_t task, std::size_t, std::size_t) {
+      if (task == 0) return write_all(before);  // beside the making of the next
+      const std::size_t first = begin + (task - 1) * a_block;
+      write_rows(heights, places, first, std::min(first + a_block, end), texts[task - 1]);
+    });
+    std::swap(texts, before);
+  }
+  write_all(before);
   file.sync();
   file.publish();
 }

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <utility>
 
+#include "host/blocks.hpp"
 #include "host/surface/portable.hpp"
 #include "host/surface/sum.hpp"
 
@@ -17,14 +18,17 @@ Bells::Bells(std::vector<double> coefficients) : coefficients_{std::move(coeffic
 }
 
 void Bells::evaluate(std::vector<double>& x) const {
-  for (std::size_t first = 0; first < x.size(); first += side_by_side) {
-    const std::size_t count = std::min(side_by_side, x.size() - first);
-    Group group;
-    group.fill(x[first]);  // the last group may have places to spare
-    std::copy_n(x.data() + first, count, group.data());
-    sum(group);
-    std::copy_n(group.data(), count, x.data() + first);
-  }
+  constexpr std::size_t a_block = 1 << 14;  // a scene of the paper's size is one
+  in_blocks(x.size(), a_block, [&](std::size_t, std::size_t first, std::size_t last) {
+    for (; first < last; first += side_by_side) {
+      const std::size_t count = std::min(side_by_side, last - first);
+      Group group;
+      group.fill(x[first]);  // the last group may have places to spare
+      std::copy_n(x.data() + first, count, group.data());
+      sum(group);
+      std::copy_n(group.data(), count, x.data() + first);
+    }
+  });
 }
 
 double Bells::gain(double turn) {
@@ -70,23 +74,31 @@ void Bells::small_exp(Group& x) {
 Moments moments(const std::function<void(std::vector<double>&)>& evaluate, double length) {
   constexpr double at[] = {0, 0.53846931010568309, 0.90617984593866399};
   constexpr double share[] = {0.56888888888888889, 0.47862867049936647, 0.23692688505618909};
-  std::vector<double> values, weights;
-  for (std::vector<double>* points : {&values, &weights})
-    points->reserve(5 * (static_cast<std::size_t>(length) + 1));
-  for (double begin = 0; begin < length; ++begin) {
+  constexpr std::size_t a_place = 5;
+  const auto places = static_cast<std::size_t>(std::ceil(length));
+  std::vector<double> values(a_place * places);
+  std::array<double, a_place> whole{},
+      last{};  // weights, of the last place, which may be a part of one
+  for (std::size_t place = 0; place < places; ++place) {
+    const auto begin = static_cast<double>(place);
     const double half = 0.5 * std::fmin(1.0, length - begin), middle = begin + half;
-    for (int i = -2; i <= 2; ++i) {
-      const int point = i < 0 ? -i : i;
-      values.push_back(middle + (i < 0 ? -half : half) * at[point]);
-      weights.push_back(share[point] * half / length);
+    for (std::size_t i = 0; i < a_place; ++i) {
+      const std::size_t point = i < 2 ? 2 - i : i - 2;
+      values[a_place * place + i] = middle + (i < 2 ? -half : half) * at[point];
+      whole[i] = share[point] * 0.5 / length;
+      last[i] = share[point] * half / length;
     }
   }
   evaluate(values);
+  const std::size_t before_last = values.size() - std::min(values.size(), a_place);
+  const auto weight = [&](std::size_t i) {
+    return i < before_last ? whole[i % a_place] : last[i - before_last];
+  };
   Moments m{};
-  m.mean = compensated_sum(values.size(), [&](std::size_t i) { return weights[i] * values[i]; });
+  m.mean = compensated_sum(values.size(), [&](std::size_t i) { return weight(i) * values[i]; });
   m.rms = std::sqrt(compensated_sum(values.size(), [&](std::size_t i) {
     const double away = values[i] - m.mean;
-    return weights[i] * (away * away);
+    return weight(i) * (away * away);
   }));
   return m;
 }

@@ -9,6 +9,7 @@
 
 #include <cmath>
 
+#include "host/blocks.hpp"
 #include "host/errors.hpp"
 #include "host/surface/bells.hpp"
 #include "host/surface/portable.hpp"
@@ -50,10 +51,12 @@ constexpr double longest = 100, shortest = 1e-8;
 /// the profile. Squared and summed over all i, bells of d = l/4 give the same variance between the
 /// places as at them, to 2 exp(-(pi l/2d)^2) = 1e-17: no spacing shows, neither d nor the scene's.
 std::vector<double> noise_about(std::uint64_t seed, int places) {
-  std::vector<double> noise;
-  noise.reserve(static_cast<std::size_t>(places) + 2 * Bells::reach + 1);
-  for (int i = -Bells::reach; i <= places + Bells::reach; ++i)
-    noise.push_back(white_noise(seed, i));
+  constexpr std::size_t a_block = 1 << 14;
+  std::vector<double> noise(static_cast<std::size_t>(places) + 2 * Bells::reach + 1);
+  in_blocks(noise.size(), a_block, [&](std::size_t, std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i)
+      noise[i] = white_noise(seed, static_cast<std::int64_t>(i) - Bells::reach);
+  });
   return noise;
 }
 

@@ -413,7 +413,7 @@ TEST_F(Program, GeneratesTheProfileThatASceneHas) {
   int lines = 0;
   for (; std::getline(file, line); ++lines)
     if (lines == 1) {
-      EXPECT_TRUE(line.starts_with("2e-05,")) << line;
+      EXPECT_TRUE(line.starts_with("0.00002,")) << line;
     }
   EXPECT_EQ(lines, 1001);
 
@@ -429,6 +429,35 @@ TEST_F(Program, GeneratesTheProfileThatASceneHas) {
   const std::string by_file = out_.substr(out_.find("level"), 60);
   EXPECT_EQ(scene_with(asked), 0) << err_;
   EXPECT_EQ(out_.substr(out_.find("level"), 60), by_file);
+}
+
+// In decimals where they are short, as doubles where they are not, a place is n times the spacing to a
+// rounding each.
+TEST_F(Program, GeneratesPlacesAsInstrumentsWriteThem) {
+  for (const auto& [spacing, third] :
+       std::vector<std::pair<std::string, std::string>>{{"2e-5", "0.00006"},
+                                                        {"1.25e-5", "0.0000375"},
+                                                        {"0.001", "0.003"},
+                                                        {"1", "3"},
+                                                        {"1.0000000000000001e-05", ""}}) {
+    const double apart = std::stod(spacing);
+    const auto number = [](double value) { return fmt::format("{}", value); };
+    ASSERT_EQ(run({"surface", "generate", "-o", "rough.csv", "--length", number(20 * apart),
+                   "--spacing", spacing, "--rq", number(apart / 10), "--rsm", number(10 * apart)}),
+              0)
+        << err_;
+    std::ifstream file(folder_ / "rough.csv");
+    std::string line;
+    for (int header = 0; header < 2; ++header) std::getline(file, line);
+    for (int n = 0; n <= 20; ++n) {
+      ASSERT_TRUE(std::getline(file, line));
+      const std::string place = line.substr(0, line.find(','));
+      if (n == 3 && !third.empty()) {
+        EXPECT_EQ(place, third);
+      }
+      EXPECT_NEAR(std::stod(place), n * apart, n * apart * 0x1p-52);
+    }
+  }
 }
 
 TEST_F(Program, GeneratesNothingThatDoesNotFitTogether) {
