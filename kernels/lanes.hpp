@@ -14,6 +14,19 @@
 /// The formulas are written once, for a pack `Real` that holds one value a lane. On a CPU a pack is
 /// a SIMD register of one thread; on a GPU it is one double in each thread of a warp. A sum over
 /// lanes adds in one fixed tree, so a result does not depend on threads, batch or launch.
+///
+/// What kernels keep to, so that the lanes of a warp, each of which runs them by itself, come to what a
+/// pack does (tests/warp holds them to it):
+///
+///   Ways      What an `if` or a loop asks is the same in all lanes: it comes from the tables, the state or
+///             a reduction, never from a `Real`. So all lanes come to the same reductions and syncs in
+///             the same order.
+///   Rows      A row of lanes (`load`, `store`) is written by all, each its own place. A lane reads its
+///             own place back as it likes, and another's after a sync.
+///   Scalars   Any other value of the state is written by the leader alone.
+///   Syncs     One stands between a write and the reads of other lanes, and one between these reads and
+///             the next write: a lane may be late. What was asked in an `if` was read, too.
+///   Sums      A reduction brings the lanes together, but orders no memory: it is no sync.
 namespace ra2d {
 
 /// Lanes of a CPU thread: the SIMD register of the instruction set that Kokkos was built for.
@@ -94,8 +107,7 @@ struct HostLanes {
 };
 
 #if defined(KOKKOS_ENABLE_CUDA)
-/// Lanes of a GPU team: the threads of one warp. Every lane computes the same scalars and takes the
-/// same branches; only the leader writes what is shared.
+/// Lanes of a GPU team: the threads of one warp.
 template <class Member>
 struct WarpLanes {
   using Real = double;

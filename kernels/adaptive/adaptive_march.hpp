@@ -67,8 +67,9 @@ class AdaptiveMarcher {
     while (s_.status == Status::running && step_ < stop && has_room_for_shocks(s_) &&
            !is_interrupted(t_))
       if (!stride()) break;
-    if (s_.status == Status::running && step_ == t_.total_steps && last_sample() && lanes_.leader())
-      s_.status = Status::done;
+    const bool done = s_.status == Status::running && step_ == t_.total_steps && last_sample();
+    lanes_.sync();
+    if (done && lanes_.leader()) s_.status = Status::done;
     lanes_.sync();
     for (int p = 0; p < K; ++p) {
       lanes_.store(s_.u + p * width, now_.u[p]);

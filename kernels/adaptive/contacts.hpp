@@ -43,6 +43,7 @@ class Contacts {
   }
   /// Takes out those that have let go by x.
   KOKKOS_FUNCTION void open(double x) const {
+    lanes_.sync();
     if (lanes_.leader()) {
       int kept = 0;
       for (int e = 0; e < s_.closed_count; ++e)
@@ -61,6 +62,7 @@ class Contacts {
   }
   /// Takes in the flagged nodes that touch by x.
   KOKKOS_FUNCTION void close(int flagged, double x) const {
+    lanes_.sync();
     if (lanes_.leader())
       for (int e = 0; e < flagged; ++e) {
         if (!(s_.roots[e] <= x)) continue;

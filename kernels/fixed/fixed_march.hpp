@@ -71,9 +71,10 @@ class FixedMarch {
       else
         march_candidates(next);
     }
-    if (s_.status == Status::running && now_.step == t_.total_steps && recorder_.is_complete() &&
-        lanes_.leader())
-      s_.status = Status::done;
+    const bool done =
+        s_.status == Status::running && now_.step == t_.total_steps && recorder_.is_complete();
+    lanes_.sync();
+    if (done && lanes_.leader()) s_.status = Status::done;
     save();
   }
 

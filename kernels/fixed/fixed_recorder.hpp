@@ -67,6 +67,7 @@ class FixedRecorder {
       sample_place(s_.next_sample, at, share);
       if (at + 1 != now.step) return true;
       write_sample(now, share, Part::second);
+      lanes_.sync();
       if (lanes_.leader()) {
         s_.sample_pending = false;
         ++s_.sample_count;
@@ -80,6 +81,7 @@ class FixedRecorder {
     if (s_.sample_count == s_.sample_capacity) return false;
     write_sample(now, 1.0 - share, share > 0.0 ? Part::first : Part::whole);
     watch_energy(now);
+    lanes_.sync();
     if (lanes_.leader()) {
       if (share > 0.0) {
         s_.sample_pending = true;
@@ -132,6 +134,8 @@ class FixedRecorder {
       usual_force_ += 0.125 * (totals.force - usual_force_);
     else if (totals.touched > 0)
       usual_force_ = totals.force;
+    if (totals.touched == 0 && s_.open_count > 0)
+      lanes_.sync();  // what ends is about to be written
     if (!lanes_.leader()) return;
     if (totals.touched > 0) {
       s_.climb_part += totals.climb;
@@ -265,6 +269,7 @@ class FixedRecorder {
     }
     const double part = sliding_part(now);
     now.bend = Real(0.0);
+    lanes_.sync();
     if (lanes_.leader()) {
       s_.sliding_work += part;
       s_.force_work += s_.force_part;

@@ -60,7 +60,9 @@ class Build:
             path = pathlib.Path(entry["file"])
             if path.is_relative_to(ROOT):
                 arguments = shlex.split(entry["command"])
-                self.commands[path.relative_to(ROOT).as_posix()] = (arguments, arguments[arguments.index("-o") + 1])
+                # a source of two programs: as the first has it
+                self.commands.setdefault(path.relative_to(ROOT).as_posix(),
+                                         (arguments, arguments[arguments.index("-o") + 1]))
         self.links, self.sound, self.lock = {}, {}, threading.Lock()
 
     def link_of(self, target):

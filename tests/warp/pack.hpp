@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <cmath>
+#include <cstdint>
+
+#include "tests/warp/reductions.hpp"
+
+/// Lanes as wide as a warp on one thread. To be included before any kernel: these call Kokkos' functions
+/// by their full names.
+namespace ra2d::test {
+
+/// 32 values, each computed as a double is.
+struct Pack {
+  WarpValues x;
+
+  Pack() = default;
+  Pack(double value) { x.fill(value); }  // as implicit as that of Kokkos' packs
+
+  template <class Function>
+  static Pack of(const Function& function) {
+    Pack result;
+    for (int lane = 0; lane < warp_width; ++lane) result.x[lane] = function(lane);
+    return result;
+  }
+  friend Pack operator+(const Pack& a, const Pack& b) {
+    return of([&](int i) { return a.x[i] + b.x[i]; });
+  }
+  friend Pack operator-(const Pack& a, const Pack& b) {
+    return of([&](int i) { return a.x[i] - b.x[i]; });
+  }
+  friend Pack operator*(const Pack& a, const Pack& b) {
+    return of([&](int i) { return a.x[i] * b.x[i]; });
+  }
+  friend Pack operator/(const Pack& a, const Pack& b) {
+    return of([&](int i) { return a.x[i] / b.x[i]; });
+  }
+  friend Pack operator-(const Pack& a) {
+    return of([&](int i) { return -a.x[i]; });
+  }
+};
+
+}  // namespace ra2d::test
+
+namespace Kokkos {
+
+inline ra2d::test::Pack fma(const ra2d::test::Pack& a, const ra2d::test::Pack& b,
+                            const ra2d::test::Pack& c) {
+  return ra2d::test::Pack::of([&](int i) { return std::fma(a.x[i], b.x[i], c.x[i]); });
+}
+inline ra2d::test::Pack abs(const ra2d::test::Pack& a) {
+  return ra2d::test::Pack::of([&](int i) { return std::abs(a.x[i]); });
+}
+inline ra2d::test::Pack sqrt(const ra2d::test::Pack& a) {
+  return ra2d::test::Pack::of([&](int i) { return std::sqrt(a.x[i]); });
+}
+// as Kokkos' own for doubles: the first where they are equal
+inline ra2d::test::Pack max(const ra2d::test::Pack& a, const ra2d::test::Pack& b) {
+  return ra2d::test::Pack::of([&](int i) { return a.x[i] < b.x[i] ? b.x[i] : a.x[i]; });
+}
+inline ra2d::test::Pack min(const ra2d::test::Pack& a, const ra2d::test::Pack& b) {
+  return ra2d::test::Pack::of([&](int i) { return b.x[i] < a.x[i] ? b.x[i] : a.x[i]; });
+}
+
+}  // namespace Kokkos
+
+namespace ra2d::test {
+
+/// The interface of kernels/lanes.hpp with such packs.
+struct PackLanes {
+  using Real = Pack;
+  static constexpr int width = warp_width;
+
+  static Real load(const double* p) {
+    return Pack::of([&](int lane) { return p[lane]; });
+  }
+  static void store(double* p, const Real& x) {
+    for (int lane = 0; lane < width; ++lane) p[lane] = x.x[lane];
+  }
+  static Real index() {
+    return Pack::of([](int lane) { return static_cast<double>(lane); });
+  }
+  static double sum(const Real& x) { return tree_sum(x.x); }
+  static void sum(const Real& x, const Real& y, double& of_x, double& of_y) {
+    of_x = sum(x);
+    of_y = sum(y);
+  }
+  static double min(const Real& x) { return smallest(x.x); }
+  static double max(const Real& x) { return -min(-x); }
+  static std::uint32_t at_least(const Real& x, double level) { return lanes_at_least(x.x, level); }
+  static constexpr bool leader() { return true; }
+  static void sync() {}
+};
+
+}  // namespace ra2d::test

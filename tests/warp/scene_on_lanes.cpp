@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tests/warp/scene_on_lanes.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+#include <new>
+#include <type_traits>
+
+#include "host/device/fill.hpp"
+#include "host/device/layout.hpp"
+#include "tests/warp/reductions.hpp"
+
+namespace ra2d::test {
+namespace {
+
+int packs_for(const Model& model) {
+  const auto modes = static_cast<int>(model.resonator.modes.size() + model.slider.modes.size());
+  return (modes + warp_width - 1) / warp_width;
+}
+
+}  // namespace
+
+SceneOnLanes::SceneOnLanes(const Model& model, const ModalStart& start, int least_packs)
+    : packs_{std::max(packs_for(model), least_packs)} {
+  const PatchSeries series = choose_series(model, warp_width);
+  n_ = extents_of(model, series, packs_ * warp_width, warp_width, Room());
+  // padding between members is compared, too
+  std::memset(static_cast<void*>(&state_), 0, sizeof state_);
+  new (&state_) SceneState();
+  const auto provide = [&](auto& part) {
+    visit_arrays(part, n_, [&](const char*, auto*& array, std::size_t count) {
+      using Value = std::remove_const_t<std::remove_reference_t<decltype(*array)>>;
+      arrays_.emplace_back((count * sizeof(Value) + sizeof(double) - 1) / sizeof(double) + 1, 0.0);
+      array = reinterpret_cast<Value*>(arrays_.back().data());
+    });
+  };
+  provide(tables_);
+  provide(static_cast<CarriedState&>(state_));
+  provide(static_cast<Caches&>(state_));
+  provide(static_cast<WorkSpace&>(state_));
+  provide(static_cast<HandOut&>(state_));
+  const HostCopy here(arrays_.front().data(), arrays_.front().data());
+  fill(tables_, model, series, n_, here);
+  fill(state_, model, start, n_, here);
+}
+
+std::string SceneOnLanes::differs_from(const SceneOnLanes& other) const {
+  CarriedState a, b;
+  std::memcpy(static_cast<void*>(&a), static_cast<const CarriedState*>(&state_), sizeof a);
+  std::memcpy(static_cast<void*>(&b), static_cast<const CarriedState*>(&other.state_), sizeof b);
+  std::vector<const void*> of_other;
+  const auto note = [&](const char*, auto*& array, std::size_t) {
+    of_other.push_back(array);
+    array = nullptr;
+  };
+  HandOut given = state_, others_given = other.state_;
+  visit_arrays(b, n_, note);
+  visit_arrays(others_given, n_, note);
+  std::size_t at = 0;
+  std::string differs;
+  const auto compare = [&](const char* name, auto*& array, std::size_t count) {
+    const bool same = std::memcmp(array, of_other[at++], count * sizeof(*array)) == 0;
+    if (!same) differs += fmt::format(" {}", name);
+    array = nullptr;
+  };
+  visit_arrays(a, n_, compare);
+  visit_arrays(given, n_, compare);
+  if (std::memcmp(&a, &b, sizeof a) != 0) differs += " the carried values";
+  if (std::memcmp(&given, &others_given, sizeof given) != 0) differs += " what is handed out";
+  return differs;
+}
+
+}  // namespace ra2d::test

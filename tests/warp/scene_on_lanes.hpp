@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "host/model/model.hpp"
+#include "kernels/state.hpp"
+#include "kernels/tables.hpp"
+
+namespace ra2d::test {
+
+/// A scene at its start, laid out for 32 lanes, in memory of its own.
+class SceneOnLanes {
+ public:
+  /// Its modes are padded to `least_packs` packs of 32 at the least.
+  SceneOnLanes(const Model& model, const ModalStart& start, int least_packs);
+  SceneOnLanes(const SceneOnLanes&) = delete;
+
+  int packs() const { return packs_; }
+  const SceneTables& tables() const { return tables_; }
+  SceneState& state() { return state_; }
+
+  /// What differs between the states, and between the samples and shocks handed out, of two marches of
+  /// one scene, bit for bit; empty: nothing.
+  std::string differs_from(const SceneOnLanes& other) const;
+
+ private:
+  int packs_;
+  Extents n_;
+  SceneTables tables_;
+  SceneState state_;
+  std::vector<std::vector<double>> arrays_;
+};
+
+}  // namespace ra2d::test

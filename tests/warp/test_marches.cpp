@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "tests/adaptive.hpp"
+#include "tests/looks.hpp"
+#include "tests/schemes.hpp"
+#include "tests/warp/marches.hpp"
+#include "tests/warp/scene_on_lanes.hpp"
+
+/// The very marches of production on the 32 lanes of a warp: the bits of a pack of 32, in whatever order
+/// the lanes come. Under the thread sanitizer (test_warp_races) no read or write of the shared
+/// state that a `sync` does not order.
+namespace ra2d::test {
+namespace {
+
+#if defined(__SANITIZE_THREAD__)
+constexpr int scenes_each = 4;
+constexpr std::int64_t longest = 1500;  // steps
+constexpr std::initializer_list<LaneOrder> orders{LaneOrder::shuffled};
+#else
+constexpr int scenes_each = 12;
+constexpr std::int64_t longest = 2000;
+constexpr std::initializer_list<LaneOrder> orders{LaneOrder::ascending, LaneOrder::descending,
+                                                  LaneOrder::shuffled};
+#endif
+
+bool fits(const Model& model) {
+  return model.resonator.modes.size() + model.slider.modes.size() <= most_packs * warp_width;
+}
+
+/// What the scenes of a test were like.
+struct Seen {
+  int scenes = 0, touching = 0, with_shocks = 0;
+};
+
+/// Marches a scene on a pack and on warps, in two launches, and compares.
+void expect_same(const Started& c, std::int64_t steps, Seen& seen) {
+  const int least_packs = seen.scenes % 4 == 0 ? most_packs : 1;
+  SceneOnLanes pack(c.model, c.start, least_packs);
+  const std::int64_t targets[] = {steps / 3, steps};
+  for (const std::int64_t target : targets)
+    march_on_pack(pack.packs(), pack.tables(), pack.state(), target);
+  for (const LaneOrder order : orders) {
+    SCOPED_TRACE("lanes in order " + std::to_string(static_cast<int>(order)));
+    SceneOnLanes lanes(c.model, c.start, least_packs);
+    Warp warp(order);
+    for (const std::int64_t target : targets)
+      march_on_warp(warp, lanes.packs(), lanes.tables(), lanes.state(), target);
+    EXPECT_EQ(lanes.differs_from(pack), "");
+  }
+  ++seen.scenes;
+  seen.touching += pack.state().contact_steps > 0;
+  seen.with_shocks += pack.state().shocks_begun >= 3;
+}
+
+struct Case {
+  Scheme scheme;
+  ContactLaw law;
+};
+std::vector<Case> cases() {
+  std::vector<Case> all;
+  for (const Scheme& scheme : schemes_and_implicit()) all.push_back({scheme, ContactLaw::penalty});
+  for (const Scheme& scheme : schemes)
+    if (scheme.time.scheme != SchemeKind::explicit_euler)
+      all.push_back({scheme, ContactLaw::multiplier});
+  return all;
+}
+
+class MarchOnWarp : public testing::TestWithParam<Case> {};
+
+TEST_P(MarchOnWarp, RandomScenesHaveTheBitsOfAPack) {
+  Variant variant;
+  variant.scheme = GetParam().scheme;
+  variant.adapt = [](Scene& s) { s.contact.law = GetParam().law; };
+  Seen seen;
+  for (std::uint64_t seed = 1; seen.scenes < scenes_each; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const Started c = random_scene(seed, variant);
+    if (fits(c.model)) expect_same(c, longest, seen);
+  }
+  EXPECT_GE(seen.touching, scenes_each / 2);
+  EXPECT_GE(seen.with_shocks, 1);
+}
+
+INSTANTIATE_TEST_SUITE_P(Schemes, MarchOnWarp, testing::ValuesIn(cases()), [](const auto& info) {
+  return info.param.scheme.name +
+         (info.param.law == ContactLaw::multiplier ? "Multiplier" : "Penalty");
+});
+
+TEST(MarchOnWarp, AdaptiveScenesHaveTheBitsOfAPack) {
+  Seen seen;
+  for (std::uint64_t seed = 1; seen.scenes < scenes_each; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const Started c = random_adaptive_scene(seed);
+    if (fits(c.model)) expect_same(c, c.model.steps / 25, seen);
+  }
+  EXPECT_GE(seen.touching, scenes_each / 3);
+  EXPECT_GE(seen.with_shocks, 1);
+}
+
+}  // namespace
+}  // namespace ra2d::test
