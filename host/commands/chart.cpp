@@ -84,7 +84,7 @@ int chart_stability_command(const CommonOptions& common, const std::string& pref
   const Model model = make_model(scene);
   say_doubts(model.doubts, common.quiet);
   const std::string modes = modes_csv(model);
-  const Backend backend(common.threads);
+  const Backend backend(common.threads, common.device);
   const std::vector<Limit> limits = make_limits();
   print_text(describe(limits));
 
@@ -117,7 +117,7 @@ int chart_accuracy_command(const CommonOptions& common, const std::string& prefi
   if (!options.peers.empty()) inputs.push_back(options.peers);
   require_outputs(tables, inputs, plot, picture);
   say_doubts(make_model(scene).doubts, common.quiet);
-  const Backend backend(common.threads);
+  const Backend backend(common.threads, common.device);
   const AccuracyChart chart = measure_accuracy(scene, options);
   if (shown) show({});
   print_text(describe(chart));

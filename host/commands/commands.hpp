@@ -22,6 +22,7 @@ struct CommonOptions {
   std::filesystem::path scene;
   std::vector<std::string> overrides;
   int threads = 1;
+  int device = -1;  // less than 0: left to Kokkos
   bool quiet = false;
 };
 

@@ -98,6 +98,7 @@ void add_common(CLI::App& command, ra2d::CommonOptions& common) {
                   "only one")
       ->transform(count())
       ->capture_default_str();
+  ra2d::add_device(command, common.device);
   command.add_flag("--quiet", common.quiet, "print nothing but what was asked for and errors");
 }
 

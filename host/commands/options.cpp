@@ -31,6 +31,12 @@ CLI::Validator length_in_metres() {
       .description("");
 }
 
+void add_device(CLI::App& command, int& device) {
+  command.add_option("--device", device, "the GPU to use, counted from 0, of a build for GPUs [0]")
+      ->type_name("N")
+      ->check(CLI::Range(0, 1023));
+}
+
 CLI::Validator count() {
   return {[](std::string& text) {
             const std::size_t first = text.find_first_not_of('0');

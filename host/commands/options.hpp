@@ -41,6 +41,9 @@ CLI::Validator count();
 /// A stretch of wall time, "90", "1:30", "0:01:30"; turns it into seconds.
 CLI::Validator clock_time();
 
+/// --device, the number of a GPU.
+void add_device(CLI::App& command, int& device);
+
 /// A path that is given: an empty one comes from a variable that is not set.
 CLI::Validator path();
 

@@ -11,7 +11,7 @@ namespace ra2d {
 
 int plan_command(const CommonOptions& common) {
   const Scene scene = read_scene(common.scene, common.overrides);
-  const Backend backend(common.threads);
+  const Backend backend(common.threads, common.device);
   const Model model = make_model(scene);
   const ModalStart start = make_start(model);
   const Batch batch({model}, {start});

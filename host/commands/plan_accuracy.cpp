@@ -26,7 +26,7 @@ int plan_accuracy_command(const CommonOptions& common, double accuracy, double b
   const bool terminal = isatty(STDERR_FILENO) != 0 && !common.quiet;
   if (terminal) options.progress = [](const std::string& what) { show(what); };
   say_doubts(make_model(scene).doubts, common.quiet);
-  const Backend backend(common.threads);
+  const Backend backend(common.threads, common.device);
   const Savings savings = find_savings(scene, options);
   if (terminal) show({});
   print_text(describe(savings));

@@ -90,6 +90,9 @@ void print_report(const Scene& scene, const RunReport& r, const std::filesystem:
       "cost",
       fmt::format("{:.1f} ns a step; {:.2f} s in all, {:.3f} s of them to read the file back",
                   r.step_seconds() * 1e9, r.wall_seconds, r.read_back_seconds));
+  if (const std::string device = backend_device(); !device.empty() && r.memory > 0)
+    print_line("device", fmt::format("{}: this scene took {}, there is room for {} of them", device,
+                                     bytes_text(r.memory), backend_room() / r.memory));
   print_line("file", printable(output.string()));
 }
 
@@ -118,7 +121,7 @@ int run_command(const CommonOptions& common, RunChoices choices) {
   const bool terminal = isatty(STDERR_FILENO) != 0;
   if (terminal && !common.quiet) options.progress = show_progress;
 
-  const Backend backend(common.threads);
+  const Backend backend(common.threads, common.device);
   const RunReport report = run(scene, options);
   if (options.progress) show({});
   if (report.ending == Ending::there) {

@@ -48,6 +48,7 @@ struct StudyRequest {
   std::vector<std::string> overrides;
   std::string shard = "1/1";
   int threads = 0;  // none given: all processors
+  int device = -1;
   bool dry_run = false, list = false, retry_failed = false, quiet = false;
 };
 
@@ -266,8 +267,10 @@ int march_study(Known& known, const StudyFolder& folder, const Shard& shard,
 
   const OrderlyEnd orderly;
   StudyOutcome outcome;
+  std::string device;
   if (!work.jobs.empty()) {
-    const Backend backend(threads);
+    const Backend backend(threads, request.device);
+    device = backend_device();
     outcome = run_study(known.points, known.census, work, ledger, options);
     if (terminal) show({});
   }
@@ -287,6 +290,9 @@ int march_study(Known& known, const StudyFolder& folder, const Shard& shard,
       print("  {:<17}{:.0f} % of {} thread{}; the march alone is {:.0f} % of that\n", "busy",
             100 * outcome.busy / (outcome.elapsed * threads), threads, threads == 1 ? "" : "s",
             100 * outcome.marched / std::max(outcome.busy, 1e-9));
+    if (!device.empty())
+      print("  {:<17}{}, up to {} side by side\n", "device", device,
+            runs_text(outcome.most_at_once));
     print("  {:<17}{}\n", "table", printable(folder.table().string()));
   }
   say_failed(known, failed_now);
@@ -415,6 +421,7 @@ void add_study(CLI::App& app, Chosen& chosen) {
                    "how many threads to use, at most one for each processor [all of them]")
       ->type_name("N")
       ->transform(count());
+  add_device(*study, request.device);
   study
       ->add_option("--set", request.overrides,
                    "overrides one value of the base and of [set], e.g. --set time.tolerance=1e-7; "

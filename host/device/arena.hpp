@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <Kokkos_Core.hpp>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
+#include <cstring>
 #include <memory>
 #include <new>
+#include <stdexcept>
 #include <type_traits>
+#include <utility>
 #if defined(__SANITIZE_ADDRESS__)
 #include <sanitizer/asan_interface.h>
 #endif
@@ -36,9 +40,24 @@ void visit_arrays(SceneTables& tables, SceneState& state, const Extents& n, Visi
 class Arena {
  public:
   Arena() = default;
+  /// `room`: bytes that all scenes of a batch have left, from which this one takes its own; it must
+  /// outlive it.
+  explicit Arena(std::atomic<std::int64_t>& room) : room_{&room} {}
+  ~Arena() { release(); }
+  Arena(Arena&& other) noexcept { *this = std::move(other); }
+  Arena& operator=(Arena&& other) noexcept {
+    release();
+    bytes_ = std::exchange(other.bytes_, 0);
+    device_ = other.device_;
+    host_ = other.host_;
+    owned_ = std::move(other.owned_);
+    block_ = std::move(other.block_);
+    copy_ = std::move(other.copy_);
+    room_ = std::exchange(other.room_, nullptr);
+    return *this;
+  }
 
-  /// Room for every array of `n`; sets their addresses. Throws std::bad_alloc, or what Kokkos throws
-  /// without memory.
+  /// Memory for every array of `n`; sets their addresses. Throws std::bad_alloc.
   void provide(SceneTables& tables, SceneState& state, const Extents& n) {
     bytes_ = line;
     visit_arrays(tables, state, n, [&](const char*, const auto* address, std::size_t count) {
@@ -81,7 +100,17 @@ class Arena {
   };
   using DeviceBlock = Kokkos::View<char*, Space>;
 
+  void release() {
+    if (room_ != nullptr) *room_ += static_cast<std::int64_t>(bytes_);
+    bytes_ = 0;
+  }
+
   void allocate() {
+    const auto wanted = static_cast<std::int64_t>(bytes_);
+    if (room_ != nullptr && room_->fetch_sub(wanted) < wanted) {
+      release();
+      throw std::bad_alloc();
+    }
     if constexpr (on_host) {
       // not through Kokkos: scenes come and go on any thread; and pages that nobody touches cost nothing
       owned_.reset(static_cast<char*>(std::calloc(bytes_ + line, 1)));
@@ -89,8 +118,14 @@ class Arena {
       host_ = aligned(owned_.get());
       device_ = host_;
     } else {
-      block_ = DeviceBlock("ra2d::scene", bytes_ + line);
-      copy_ = Kokkos::create_mirror_view(block_);
+      try {
+        block_ = DeviceBlock("ra2d::scene", bytes_ + line);
+        copy_ = Kokkos::create_mirror_view(block_);
+      } catch (const std::runtime_error& fault) {
+        // Kokkos has one class for all faults; those of the driver are another matter
+        if (std::strstr(fault.what(), "failed to allocate") == nullptr) throw;
+        throw std::bad_alloc();
+      }
       device_ = aligned(block_.data());
       host_ = copy_.data() + (device_ - block_.data());
     }
@@ -118,6 +153,7 @@ class Arena {
     }
   }
 
+  std::atomic<std::int64_t>* room_ = nullptr;
   std::size_t bytes_ = 0;
   char *device_ = nullptr, *host_ = nullptr;
   std::unique_ptr<char, Free> owned_;

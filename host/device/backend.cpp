@@ -10,14 +10,67 @@
 #endif
 
 #include "host/device/arena.hpp"
+#include "host/errors.hpp"
 #include "kernels/lanes.hpp"
 
 namespace ra2d {
 
-Backend::Backend(int threads) {
+#if defined(KOKKOS_ENABLE_CUDA)
+namespace {
+
+/// What the driver says of a call, if it is no success.
+std::string fault_of(cudaError_t status) {
+  return status == cudaSuccess
+             ? std::string()
+             : std::string(cudaGetErrorName(status)) + ": " + cudaGetErrorString(status);
+}
+
+void require_device(int device) {
+  int count = 0;
+  if (const std::string fault = fault_of(cudaGetDeviceCount(&count)); !fault.empty())
+    throw RequestError("this build of ra2d marches on a GPU, and the driver has none to offer (" +
+                       fault + "). Is 'nvidia-smi' content? A build for the CPU: docs/building.md");
+  if (device >= count)
+    throw RequestError("--device " + std::to_string(device) + ": there " +
+                       (count == 1 ? "is one GPU here, number 0"
+                                   : "are " + std::to_string(count) + " GPUs here, from 0 on"));
+}
+
+}  // namespace
+
+std::string backend_device() {
+  cudaDeviceProp properties;
+  const int device = Kokkos::device_id();
+  const bool known = cudaGetDeviceProperties(&properties, device) == cudaSuccess;
+  return "GPU " + std::to_string(device) + (known ? std::string(", ") + properties.name : "");
+}
+std::size_t backend_room() {
+  std::size_t free = 0, all = 0;
+  return cudaMemGetInfo(&free, &all) == cudaSuccess ? free / 10 * 9 : 0;
+}
+#else
+namespace {
+
+void require_device(int device) {
+  if (device >= 0)
+    throw RequestError("--device " + std::to_string(device) +
+                       ": this build of ra2d marches on the "
+                       "CPU (" +
+                       backend_name() + "); docs/building.md says how to build for a GPU");
+}
+
+}  // namespace
+
+std::string backend_device() { return {}; }
+std::size_t backend_room() { return 0; }
+#endif
+
+Backend::Backend(int threads, int device) {
+  require_device(device);
   Kokkos::InitializationSettings settings;
   settings.set_disable_warnings(true);  // about thread binding: one scene runs on one thread
   if (threads > 0) settings.set_num_threads(threads);
+  if (device >= 0) settings.set_device_id(device);
 #if defined(KOKKOS_ENABLE_OPENMP)
   // before it heeds that number, Kokkos starts a thread on every processor, and where the system
   // starts no more, that ends the program

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <cstddef>
 #include <functional>
 #include <string>
 
@@ -7,10 +8,11 @@
 namespace ra2d {
 
 /// Starts Kokkos, once in a program and for as long as anything here is used. `threads` = 0 leaves
-/// their number to the machine.
+/// their number to the machine; `device` is the number of the GPU to use, less than 0 leaves it to Kokkos
+/// (KOKKOS_VISIBLE_DEVICES, or the first). Throws RequestError where there is no such GPU.
 class Backend {
  public:
-  explicit Backend(int threads = 0);
+  explicit Backend(int threads = 0, int device = -1);
   ~Backend();
   Backend(const Backend&) = delete;
   Backend& operator=(const Backend&) = delete;
@@ -19,6 +21,13 @@ class Backend {
 /// The name of Kokkos' default execution space, and how many threads it has.
 std::string backend_name();
 int backend_threads();
+
+/// The GPU in words, as "GPU 0, NVIDIA H200"; empty where scenes are marched on the CPU.
+std::string backend_device();
+
+/// Memory that scenes may take together [bytes]: nine tenths of what a GPU has free now; 0 on a CPU, where
+/// nothing is set aside.
+std::size_t backend_room();
 
 /// Scenes that are marched at one moment: as many as there are threads, on a GPU all.
 int scenes_at_once();

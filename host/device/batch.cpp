@@ -5,6 +5,7 @@
 
 #include <Kokkos_Core.hpp>
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cstring>
 #include <map>
@@ -51,8 +52,8 @@ struct Slot {
   SceneState state;
   double seconds = 0;
 
-  Slot(const Model& model_, const ModalStart& start, int packs_, const Room& room_)
-      : model{model_}, room{room_}, packs{packs_} {
+  Slot(const Model& model_, const ModalStart& start, int packs_, const Room& room_, Arena memory)
+      : model{model_}, room{room_}, packs{packs_}, arena{std::move(memory)} {
     provide();
     fill(state, model, start, extents, arena.on_host_copy());
     upload();
@@ -64,7 +65,7 @@ struct Slot {
     const HandOut handed = state;
     const Arrays rows = copy_out(handed);
     room.nodes = nodes;
-    arena = Arena();
+    arena = Arena();  // from here on beside the room of the batch: what is under way comes first
     tables = SceneTables();
     state = SceneState();
     provide();
@@ -155,6 +156,7 @@ struct Slot {
 
 struct Batch::Impl {
   BatchOptions options;
+  std::atomic<std::int64_t> left = 0;  // of options.memory; outlives the slots
   std::vector<std::optional<Slot>> slots;
 #if defined(KOKKOS_ENABLE_CUDA)
   TablesView tables;
@@ -240,6 +242,7 @@ void Batch::Impl::launch(const std::vector<int>& list, const std::vector<std::in
 
 Batch::Batch(int slots, const BatchOptions& options) : impl_{std::make_unique<Impl>()} {
   impl_->options = options;
+  impl_->left = static_cast<std::int64_t>(options.memory);
   impl_->slots.resize(static_cast<std::size_t>(slots));
 #if defined(KOKKOS_ENABLE_CUDA)
   impl_->tables = TablesView("ra2d::tables", slots);
@@ -262,7 +265,8 @@ int Batch::slots() const { return static_cast<int>(impl_->slots.size()); }
 void Batch::put(int slot, const Model& model, const ModalStart& start) {
   std::optional<Slot>& place = impl_->slots.at(static_cast<std::size_t>(slot));
   place.reset();
-  place.emplace(model, start, packs_of(model, impl_->options.least_packs), impl_->options.room);
+  place.emplace(model, start, packs_of(model, impl_->options.least_packs), impl_->options.room,
+                impl_->options.memory > 0 ? Arena(impl_->left) : Arena());
 }
 
 void Batch::empty(int slot) { impl_->slots.at(static_cast<std::size_t>(slot)).reset(); }

@@ -37,7 +37,8 @@ struct Snapshot {
 
 struct BatchOptions {
   Room room;
-  int least_packs = 0;  // pad the modes to more packs than needed (for tests)
+  int least_packs = 0;     // pad the modes to more packs than needed (for tests)
+  std::size_t memory = 0;  // bytes that its scenes may take together; 0: as many as there are
 };
 
 /// Scenes marched side by side, each in a slot of its own, in one team. The answer of a scene does not
@@ -54,8 +55,8 @@ class Batch {
   Batch(Batch&&) noexcept;
 
   int slots() const;
-  /// Puts a scene where it starts into a slot. Throws RequestError where it cannot be marched,
-  /// std::bad_alloc.
+  /// Puts a scene where it starts into a slot. Throws RequestError where it cannot be marched, and
+  /// std::bad_alloc, with the slot empty, where there is no memory for it.
   void put(int slot, const Model& model, const ModalStart& start);
   void empty(int slot);
 

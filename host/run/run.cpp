@@ -103,6 +103,7 @@ class FiledRun {
           seconds_since(kept_) >= options_.checkpoint)
         keep(simulation);
     });
+    memory_ = simulation.memory();
   }
 
   /// Writes the result; what the run does not go on from any more is removed.
@@ -137,6 +138,7 @@ class FiledRun {
   RunReport report() const {
     RunReport report = report_on(way_, mean_squares_.get());
     report.wall_seconds = wall();
+    report.memory = memory_;
     return report;
   }
 
@@ -166,6 +168,7 @@ class FiledRun {
   Recording recording_;
   FileSink<Recording> sink_;
   SceneRun way_;
+  std::size_t memory_ = 0;
   std::int64_t first_step_ = way_.accounts().now.step;
   Clock::time_point begun_ = Clock::now(), kept_ = begun_, shown_ = begun_;
 };

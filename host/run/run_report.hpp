@@ -37,6 +37,7 @@ struct RunReport {
   double march_seconds = 0;  // in the kernels
   double wall_seconds = 0;
   double read_back_seconds = 0;  // of these: to read the file back
+  std::size_t memory = 0;        // bytes that the scene took where it was marched
   bool resumable = false;        // the same run goes on from a checkpoint
 
   double step_seconds() const { return march_seconds / std::max(1.0, static_cast<double>(steps)); }

@@ -5,6 +5,8 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <mutex>
+#include <new>
 #include <utility>
 
 #include "host/device/backend.hpp"
@@ -101,16 +103,45 @@ Simulation::Simulation(const SimulationOptions& options) : options_{options} {}
 
 void Simulation::run(const Make& make, const std::function<void(SceneRun&)>& done,
                      const std::function<void()>& between) {
+  if (options_.batch.memory == 0) options_.batch.memory = backend_room();
   Batch batch(options_.slots, options_.batch);
   batch_ = &batch;
   scenes_.assign(static_cast<std::size_t>(options_.slots), nullptr);
   std::atomic<std::size_t> made = 0;
   std::atomic<double> busy = 0;
+  std::vector<SceneRun*> waiting;  // for memory
+  std::mutex waiting_one;
+  const auto next = [&]() -> SceneRun* {
+    {
+      const std::lock_guard lock(waiting_one);
+      if (!waiting.empty()) {
+        SceneRun* const scene = waiting.back();
+        waiting.pop_back();
+        return scene;
+      }
+    }
+    return make(made++);
+  };
   const auto fill = [&](int slot) {
     SceneRun*& scene = scenes_[static_cast<std::size_t>(slot)];
-    scene = make(made++);
-    if (scene == nullptr) return batch.empty(slot);
-    scene->begin(batch, slot);
+    batch.empty(slot);
+    scene = next();
+    if (scene == nullptr) return;
+    try {
+      scene->begin(batch, slot);
+    } catch (const std::bad_alloc&) {
+      const std::lock_guard lock(waiting_one);
+      waiting.push_back(std::exchange(scene, nullptr));
+    }
+  };
+  // Slots that a lack of memory left empty, once others have let go of theirs.
+  const auto fill_empty = [&] {
+    for (std::size_t slot = 0; slot < scenes_.size() && !waiting.empty(); ++slot) {
+      if (scenes_[slot] != nullptr) continue;
+      const std::size_t before = waiting.size();
+      fill(static_cast<int>(slot));
+      if (waiting.size() >= before) return;
+    }
   };
   side_by_side(options_.slots, [&](int slot) {
     const Clock::time_point begin = Clock::now();
@@ -120,9 +151,13 @@ void Simulation::run(const Make& make, const std::function<void(SceneRun&)>& don
 
   std::vector<std::int64_t> targets(scenes_.size(), 0);
   for (goes_on_ = interruption() == 0; goes_on_;) {
-    const auto going = std::count_if(scenes_.begin(), scenes_.end(),
-                                     [](const SceneRun* scene) { return scene != nullptr; });
+    fill_empty();
+    const auto going = static_cast<std::size_t>(std::count_if(
+        scenes_.begin(), scenes_.end(), [](const SceneRun* scene) { return scene != nullptr; }));
+    if (going == 0 && !waiting.empty()) throw std::bad_alloc();
     if (going == 0) return;
+    most_at_once_ = std::max(most_at_once_, going);
+    memory_ = std::max(memory_, batch.bytes());
     // on a CPU they take turns
     const double wanted =
         std::max(1e-3, options_.seconds * std::min(1.0, static_cast<double>(scenes_at_once()) /

@@ -96,7 +96,8 @@ struct SimulationOptions {
 };
 
 /// Marches scenes side by side, each on its own clock, until all are over or the program is
-/// interrupted (host/interruption.hpp).
+/// interrupted (host/interruption.hpp). A scene for which there is no memory beside the others waits for
+/// theirs.
 class Simulation {
  public:
   /// Makes scene 0, 1, 2, ..., or says that there are no more. Threads make scenes side by side; a scene
@@ -106,7 +107,8 @@ class Simulation {
   explicit Simulation(const SimulationOptions& options = {});
 
   /// `done` is called for each scene that is over, by the thread that marched it; `between` after each
-  /// launch. Throws RequestError where a scene cannot be marched, and what sinks throw.
+  /// launch. Throws RequestError where a scene cannot be marched, std::bad_alloc where there is no memory
+  /// for one alone, and what sinks throw.
   void run(const Make& make, const std::function<void(SceneRun&)>& done = {},
            const std::function<void()>& between = {});
   /// These scenes, all side by side.
@@ -121,6 +123,10 @@ class Simulation {
   /// The state of a scene that is not over.
   SavedState save(const SceneRun& scene) const;
 
+  /// The most scenes that one launch marched.
+  std::size_t most_at_once() const { return most_at_once_; }
+  /// The most memory that scenes took together, where they are marched [bytes].
+  std::size_t memory() const { return memory_; }
   /// Wall time of all launches [s].
   double seconds() const { return seconds_; }
   /// What threads spent on scenes, all together: making them ready, marching them (on a CPU), and taking
@@ -130,6 +136,7 @@ class Simulation {
  private:
   SimulationOptions options_;
   bool goes_on_ = true;
+  std::size_t most_at_once_ = 0, memory_ = 0;
   const Batch* batch_ = nullptr;   // of the present run
   std::vector<SceneRun*> scenes_;  // in its slots
   double seconds_ = 0, busy_seconds_ = 0;

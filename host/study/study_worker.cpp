@@ -39,7 +39,7 @@ double seconds_since(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-constexpr int slots_of_a_gpu = 1024;
+constexpr int slots_of_a_gpu = 4096;  // about as many warps as one holds; memory may be for fewer
 constexpr std::chrono::milliseconds tick_time{200};
 constexpr double progress_time = 0.2;  // s
 constexpr std::size_t most_failures_told = 10;
@@ -191,6 +191,7 @@ class Worker {
     }
     const std::lock_guard lock(mutex_);
     outcome_.busy += simulation.busy_seconds();
+    outcome_.most_at_once = std::max(outcome_.most_at_once, simulation.most_at_once());
   }
 
   /// The next run that can be marched; none: there are no more.

@@ -48,6 +48,7 @@ struct StudyOutcome {
   double elapsed = 0;                                         // s of wall time
   double busy = 0;     // s of all threads together, making scenes ready, marching and recording
   double marched = 0;  // ... in the march alone
+  std::size_t most_at_once = 0;  // runs that one launch marched, on a thread or a GPU
 };
 
 /// Runs the jobs to their end or an interrupt (host/interruption.hpp), on each of the backend's threads

@@ -17,6 +17,7 @@
 #include <iterator>
 #include <thread>
 
+#include "host/device/backend.hpp"
 #include "tests/child.hpp"
 #include "tests/places.hpp"
 
@@ -388,6 +389,14 @@ TEST_F(Program, TheResultDoesNotDependOnThreadsOrOnWhatIsLookedAt) {
   EXPECT_EQ(python({"same_result.py", "one.h5", "two.h5"}), 0) << out_ << err_;
   ASSERT_EQ(with({"--set", "time.nodes=all", "-o", "all.h5"}), 0) << err_;
   EXPECT_EQ(python({"same_result.py", "one.h5", "all.h5"}), 0) << out_ << err_;
+}
+
+TEST_F(Program, ABuildForTheCpuHasNoDevices) {
+  if (!backend_device().empty()) GTEST_SKIP() << "marches on " << backend_device();
+  EXPECT_EQ(run({"run", scene_file("drop"), "--device", "0", "-o", "x.h5"}), 2);
+  EXPECT_THAT(err_, AllOf(HasSubstr("--device 0"), HasSubstr("docs/building.md")));
+  EXPECT_FALSE(fs::exists(folder_ / "x.h5"));
+  EXPECT_EQ(run({"run", scene_file("drop"), "--device", "-1", "-o", "x.h5"}), 2);
 }
 
 TEST_F(Program, GeneratesTheProfileThatASceneHas) {

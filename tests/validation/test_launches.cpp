@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <initializer_list>
 #include <limits>
+#include <new>
 #include <random>
 #include <string>
 #include <vector>
@@ -208,6 +210,39 @@ TEST(Launches, SamplesBetweenTwoStepsAreInterpolatedLinearly) {
       EXPECT_EQ(s.nodes[j],
                 e.nodes[static_cast<std::size_t>(static_cast<double>(j) * steps + 1e-9)]);
     EXPECT_EQ(some.end.resonator_u, every.end.resonator_u);
+  }
+}
+
+TEST(Launches, ScenesWithoutMemoryBesideTheOthersWait) {
+  const std::vector<Scene> scenes = kinds();
+  const std::vector<Recording> alone = simulate(scenes);
+  std::size_t largest = 0;
+  for (const Recording& r : alone) largest = std::max(largest, Batch({r.model}, {r.start}).bytes());
+  for (const double share : {1.0, 2.5}) {
+    Launches few;
+    few.batch.memory = static_cast<std::size_t>(share * static_cast<double>(largest));
+    const std::vector<Recording> waited = simulate(scenes, few);
+    for (std::size_t i = 0; i < scenes.size(); ++i)
+      EXPECT_TRUE(same(alone[i], waited[i])) << "scene " << i;
+  }
+  Launches none;
+  none.batch.memory = largest - 1;  // not even alone
+  EXPECT_THROW(simulate(scenes, none), std::bad_alloc);
+}
+
+// What they took is there again once they are gone.
+TEST(Launches, MemoryOfABatchIsGivenBack) {
+  const Model model = make_model(rough_scene(Support::free));
+  const ModalStart start = make_start(model);
+  const std::size_t one = Batch({model}, {start}).bytes();
+  Batch batch(2, {.room = {}, .least_packs = 0, .memory = one + one / 2});
+  for (int time = 0; time < 3; ++time) {
+    batch.put(0, model, start);
+    EXPECT_EQ(batch.bytes(), one);
+    EXPECT_THROW(batch.put(1, model, start), std::bad_alloc);
+    EXPECT_EQ(batch.bytes(), one);
+    batch.put(0, model, start);  // in its own place
+    batch.empty(0);
   }
 }
 
