@@ -392,7 +392,7 @@ TEST_F(Program, TheResultDoesNotDependOnThreadsOrOnWhatIsLookedAt) {
 }
 
 TEST_F(Program, ABuildForTheCpuHasNoDevices) {
-  if (!backend_device().empty()) GTEST_SKIP() << "marches on " << backend_device();
+  if (!ra2d::backend_device().empty()) GTEST_SKIP() << "marches on " << ra2d::backend_device();
   EXPECT_EQ(run({"run", scene_file("drop"), "--device", "0", "-o", "x.h5"}), 2);
   EXPECT_THAT(err_, AllOf(HasSubstr("--device 0"), HasSubstr("docs/building.md")));
   EXPECT_FALSE(fs::exists(folder_ / "x.h5"));
