@@ -55,14 +55,13 @@ def shell(command, folder, limit):
 class Build:
     def __init__(self, folder):
         self.folder = folder.resolve()
-        self.commands = {}  # of every source: path from the root -> (arguments, object)
+        self.commands = {}  # of every source: path from the root -> (arguments, object) for each program that has it
         for entry in json.loads((folder / "compile_commands.json").read_text()):
             path = pathlib.Path(entry["file"])
             if path.is_relative_to(ROOT):
                 arguments = shlex.split(entry["command"])
-                # a source of two programs: as the first has it
-                self.commands.setdefault(path.relative_to(ROOT).as_posix(),
-                                         (arguments, arguments[arguments.index("-o") + 1]))
+                self.commands.setdefault(path.relative_to(ROOT).as_posix(), []).append(
+                    (arguments, arguments[arguments.index("-o") + 1]))
         self.links, self.sound, self.lock = {}, {}, threading.Lock()
 
     def link_of(self, target):
@@ -120,7 +119,7 @@ def concerns(source, program):
     """Whether a test program needs a source compiled again: its own, and all of host/. The march is left to those that
     run it: the tests of the kernels include what they test."""
     if source.startswith("tests/"):
-        return program == "test_" + source.split("/")[1]
+        return program.startswith("test_" + source.split("/")[1])
     return program != "test_kernels" or not source.startswith("host/device/march_")
 
 
@@ -139,9 +138,10 @@ def apply(build, fault, folder):
         for source in build.sources(fault.get("compile", [fault["file"]])):
             if not concerns(source, program):
                 continue
-            arguments, place = build.commands[source]
+            compiled = build.commands[source]
+            arguments, place = next((each for each in compiled if f"/{program}.dir/" in each[1]), compiled[0])
             if place not in made:
-                mine = f"{folder}/{source.replace('/', '_')}.o"
+                mine = f"{folder}/{place.replace('/', '_')}"
                 names = {place: mine, f"{ROOT}/{fault['file']}": str(changed)}
                 done = shell([*(names.get(word, word) for word in arguments), "-iquote", f"{folder}/changed",
                               "-Wno-error"], build.folder, COMPILE_LIMIT)
