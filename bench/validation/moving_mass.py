@@ -209,7 +209,7 @@ def beside(case, crossing, solution, kappas):
         off = after = np.nan
     else:
         if crossing.landing(solution):
-            raise RuntimeError("the mass comes down again: the constrained equations do not say what follows")
+            raise SystemExit("moving-mass: the mass comes down again, and the constrained equations do not say what follows")
         late = crossing.last_touch(stiff, off) - off
         case.check("lift-off, in periods of the mass on its spring", abs(late) / crossing.period(kappas[1]), 1,
                    "the contact may open once a period where the mean force is small")

@@ -108,7 +108,7 @@ def compare(case):
             base = papers(name, duration / 4 if case.short else duration, scheme, setting)
             first = results(case, base)
             if not len(first[5]):
-                raise RuntimeError(f"nothing touches in {name}")
+                raise SystemExit(f"scaling: nothing touches in {name}: a longer run is needed")
             bits = {}
             for group, (changes, powers) in GROUPS.items():
                 factor = twice_of(group)
