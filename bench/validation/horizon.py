@@ -25,6 +25,7 @@ TIMES = {"pinned": (5e-3, 20e-3, 50e-3, 100e-3, 150e-3, 200e-3, 300e-3),
 PEERS = (("cvode-adams", 1e-12), ("cvode-adams", 1e-10), ("cvode-bdf", 1e-10), ("dopri5", 1e-12))
 FORCE = 1e-6       # N, of the blow
 SEEDS = 20
+GAPS = (14e-6, 17e-6, 20e-6, 23e-6)  # m
 WEAK = 0.01        # of the state: a bound beyond says nothing
 TOO_LARGE = 1e-4   # of the state: beyond, a difference feels that it is bounded
 TOLERANCE = 1e-13
@@ -32,14 +33,16 @@ BLOW = 1e-7        # s, that the force is on the plate
 BODIES = ("resonator", "slider")
 
 
-def papers(kind, duration, seed=0, blow=0.0, samples=400):
-    """The paper's scene, with the blow's force [N]."""
+def papers(kind, duration, seed=0, blow=0.0, samples=400, gap=None):
+    """The paper's scene, with the blow's force [N] and another gap [m]."""
     scene = tomllib.loads((common.ROOT / "scenes" / f"{SCENES[kind]}.toml").read_text())
     scene["scene"]["duration"] = duration
     for body in BODIES:
         scene[body]["surface"]["seed"] += 1000 * seed  # as a study does
     scene["time"] = {"scheme": "adaptive", "tolerance": TOLERANCE}
     scene["output"] = {"rate": samples / duration, "probes": [0.15]}
+    if gap:
+        scene["scene"]["gap"] = gap
     if blow:
         half = scene["resonator"]["length"] / 2
         scene["resonator"]["moving_force"] = [{"force": blow, "speed": half / BLOW, "start": half}]
@@ -69,15 +72,15 @@ def distance(first, second, frequencies, mass):
     return np.sqrt(energy(apart, frequencies, mass) / energy(first, frequencies, mass).max())
 
 
-def growth(case, kind, seed, duration=None):
-    """How a blow's difference grows: times, distances; the exponent [1/s]."""
+def growth(case, kind, seed, duration=None, gap=None):
+    """How a blow's difference grows: times, distances; the exponent [1/s]; shocks a second."""
     duration = duration or DURATION[kind]
-    time, _, first, frequencies = marched(case, papers(kind, duration, seed))
-    second = marched(case, papers(kind, duration, seed, FORCE))[2]
+    time, shocks, first, frequencies = marched(case, papers(kind, duration, seed, gap=gap))
+    second = marched(case, papers(kind, duration, seed, FORCE, gap=gap))[2]
     apart = distance(first, second, frequencies, masses(papers(kind, duration)))[1:]
     over = np.flatnonzero(apart > TOO_LARGE)
     end = over[0] if len(over) else len(apart)
-    return time[1:], apart, np.polyfit(time[1:end + 1], np.log(apart[:end]), 1)[0]
+    return time[1:], apart, np.polyfit(time[1:end + 1], np.log(apart[:end]), 1)[0], shocks / duration
 
 
 def mean(values):
@@ -90,7 +93,7 @@ def agreement(case, kind, times):
     step = min(times)
     scene = papers(kind, max(times), samples=round(max(times) / step))
     mass = masses(scene)
-    grown_time, grown, _ = growth(case, kind, 0, max(times))
+    grown_time, grown, *_ = growth(case, kind, 0, max(times))
     time, _, states, frequencies = marched(case, scene)
     starts = case.run(scene, "shocks/start")[0]
     file = case.scene_file(scene)  # the peers': no other scene may come between
@@ -141,9 +144,9 @@ def report(case, rows, shocks):
     grown = {kind: [growth(case, kind, seed) for seed in range(SEEDS)] for kind in SCENES}
     exponents = []
     for kind in SCENES:
-        rates = np.array([rate for _, _, rate in grown[kind]])
+        rates = np.array([rate for _, _, rate, _ in grown[kind]])
         rate, half = mean(rates)
-        exponents.append((kind, rate, half, rates.min(), rates.max(), shock_rate(case, kind)))
+        exponents.append((kind, rate, half, rates.min(), rates.max(), np.mean([shocks for *_, shocks in grown[kind]])))
         of_peer = {peer: [row[4] for row in rows if row[:3] == (kind, *peer)] for peer in PEERS}
         case.text(f"{kind}-agreement", common.markdown(
             ("ms", "shocks so far", *(f"`{peer}`, {common.shown(tolerance, 1)}" for peer, tolerance in PEERS)),
@@ -156,27 +159,36 @@ def report(case, rows, shocks):
     case.text("growth", common.markdown(
         ("slider", "exponent, 1/s", "e-folding time, ms", "exponents of single pairs, 1/s", "shocks a second", "shocks an e-fold"),
         [(kind, f"{rate:.0f} ± {half:.0f}", f"{1e3 / (rate + half):.2g} to {1e3 / (rate - half):.2g}",
-          f"{low:.0f} to {high:.0f}", common.shown(per_second), f"{per_second / rate:.0f}")
+          f"{low:.0f} to {high:.0f}", common.shown(per_second),
+          f"{per_second / (rate + half):.0f} to {per_second / (rate - half):.0f}")
          for kind, rate, half, low, high, per_second in exponents]))
+    by_gap(case)
     case.table(("slider", "peer", "tolerance", "time, s", "distance", "bound"), rows)
     draw(case, rows, grown)
 
 
-def shock_rate(case, kind):
-    """Shocks a second, over the seeds."""
-    return np.mean([marched(case, papers(kind, DURATION[kind], seed))[1] for seed in range(SEEDS)]) / DURATION[kind]
+def by_gap(case):
+    """Exponents of the pinned slider at other gaps, which strikes more or less often."""
+    rows = []
+    for gap in GAPS:
+        of_gap = [growth(case, "pinned", seed, DURATION["pinned"] / 2, gap) for seed in range(SEEDS)]
+        rate, half = mean([rate for _, _, rate, _ in of_gap])
+        shocks = np.mean([each[3] for each in of_gap])
+        rows.append((common.shown(1e6 * gap), f"{rate:.0f} ± {half:.0f}", common.shown(shocks),
+                     f"{shocks / (rate + half):.0f} to {shocks / (rate - half):.0f}"))
+    case.text("gaps", common.markdown(("gap, um", "exponent, 1/s", "shocks a second", "shocks an e-fold"), rows))
 
 
 def draw(case, rows, grown):
     plt, style = common.pictures()
     figure, panels = plt.subplots(2, 1, figsize=(7, 7), layout="constrained")
     for axes, kind in zip(panels, SCENES):
-        for i, (time, apart, _) in enumerate(grown[kind]):
+        for i, (time, apart, *_) in enumerate(grown[kind]):
             axes.semilogy(1e3 * time[::7], apart[::7], color=style.SKY, lw=0.6,
                           label="after a blow, each pair of surfaces" if i == 0 else None)
-        rate = np.mean([rate for *_, rate in grown[kind]])
+        rate = np.mean([rate for _, _, rate, _ in grown[kind]])
         time = grown[kind][0][0]
-        first = np.exp(np.mean([np.log(apart[:5]).mean() for _, apart, _ in grown[kind]]))
+        first = np.exp(np.mean([np.log(apart[:5]).mean() for _, apart, *_ in grown[kind]]))
         line = first * np.exp(rate * time)
         axes.semilogy(1e3 * time[line < 1], line[line < 1], color=style.BLUE, lw=1.5, label="mean exponent")
         for (peer, tolerance), colour, mark in zip(PEERS, (style.BLACK, style.PLUM, style.RUST, style.GREEN), "ovs^"):

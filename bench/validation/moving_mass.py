@@ -285,6 +285,7 @@ def tell_differences(case, found):
     case.text("table", common.markdown(
         ("mass / beam's", "speed / critical", "largest deflection, mm", "difference, 1e17 Pa/m", "1e18 Pa/m", "... after lift-off",
          "lifts off at, ms", "ra2d later by, us", "a force instead of the mass"), rows))
+    case.text("stiffness", BEAM_SPRING / spring(KAPPA))
     case.text("largest", max(each.stiff for each in found))
     case.text("latest", max(abs(each.periods) for each in found if np.isfinite(each.off)))
     for name, mass in (("light", 0.1), ("heavy", 2.0)):
