@@ -90,6 +90,7 @@ def compare(case):
     case.table(("speed over critical", "largest deflection, m", *names, "19 modes instead of 400"), rows)
     case.text("table", common.markdown(("speed / critical", "largest deflection, mm", *names, "19 modes instead of 400"),
                                        [(row[0], common.shown(1e3 * row[1], 3), *map(common.shown, row[2:])) for row in rows]))
+    case.text("critical", CRITICAL_SPEED, 3)
     case.text("adaptive", max(row[2] for row in rows))
     case.text("euler", max(row[4] for row in rows))
     case.text("modes", max(row[-1] for row in rows))
