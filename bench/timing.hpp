@@ -13,6 +13,7 @@
 #include "bench/scenes.hpp"
 #include "host/chart/context.hpp"
 #include "host/device/backend.hpp"
+#include "host/version.hpp"
 
 /// How a march is timed.
 namespace ra2d::bench {
@@ -91,7 +92,7 @@ inline void add(const std::string& case_name, int stretches,
 
 /// What a file of results has to say of where it comes from.
 inline void add_context() {
-  benchmark::AddCustomContext("ra2d", RA2D_VERSION " (" RA2D_COMMIT ")");
+  benchmark::AddCustomContext("ra2d", version() + " (" + commit() + ")");
   benchmark::AddCustomContext("backend", backend_name());
   benchmark::AddCustomContext("threads", std::to_string(backend_threads()));
   benchmark::AddCustomContext("lanes", std::to_string(backend_lanes()));

@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "host/device/backend.hpp"
+#include "host/version.hpp"
 
 namespace ra2d {
 namespace {
@@ -35,7 +36,7 @@ std::string compiler_name() {
 }
 
 std::vector<std::pair<std::string, std::string>> timing_context() {
-  return {{"ra2d", RA2D_VERSION " (" RA2D_COMMIT ")"},
+  return {{"ra2d", version() + " (" + commit() + ")"},
           {"compiler", compiler_name()},
           {"processor",
            fmt::format("{}, {} cores", processor_name(), std::thread::hardware_concurrency())},

@@ -22,6 +22,7 @@
 #include "host/commands/threads.hpp"
 #include "host/errors.hpp"
 #include "host/text.hpp"
+#include "host/version.hpp"
 
 namespace {
 
@@ -110,7 +111,7 @@ int dispatch(Words words) {
       "collide, "
       "each collision rings the beams' modes.",
       "ra2d"};
-  app.set_version_flag("--version", std::string("ra2d ") + RA2D_VERSION + " (" + RA2D_COMMIT + ")");
+  app.set_version_flag("--version", program_text());
   app.require_subcommand(1);
   app.footer(
       "Exit status: 0 done; 2 the request is wrong; 3 the simulation failed; 4 a file could not be "

@@ -5,13 +5,7 @@
 
 #include "host/report/html.hpp"
 #include "host/report/page_style.hpp"
-
-#ifndef RA2D_VERSION
-#define RA2D_VERSION "unknown"
-#endif
-#ifndef RA2D_COMMIT
-#define RA2D_COMMIT "unknown"
-#endif
+#include "host/version.hpp"
 
 namespace ra2d {
 
@@ -40,8 +34,7 @@ std::string whole_page(const std::string& title, const std::string& body,
       "page is "
       "complete in itself and fetches "
       "nothing.</p></footer>\n<script>{}</script>\n</body>\n</html>\n",
-      page_policy, title, page_style, title, body, RA2D_VERSION, RA2D_COMMIT, html(command),
-      page_script);
+      page_policy, title, page_style, title, body, version(), commit(), html(command), page_script);
 }
 
 }  // namespace ra2d

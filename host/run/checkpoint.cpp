@@ -11,13 +11,7 @@
 #include "host/run/run_key.hpp"
 #include "host/store/sealed_file.hpp"
 #include "host/text.hpp"
-
-#ifndef RA2D_VERSION
-#define RA2D_VERSION "unknown"
-#endif
-#ifndef RA2D_COMMIT
-#define RA2D_COMMIT "unknown"
-#endif
+#include "host/version.hpp"
 
 namespace ra2d {
 namespace {
@@ -73,8 +67,8 @@ std::string fault_of(const Checkpoint& c, const Model& model) {
 }  // namespace
 
 Identity identity_of(const std::string& key, const std::string& scene) {
-  return {fmt::format("ra2d {} ({}), numerics {}, state of {} bytes", RA2D_VERSION, RA2D_COMMIT,
-                      numerics_version, sizeof(CarriedState)),
+  return {fmt::format("{}, numerics {}, state of {} bytes", program_text(), numerics_version,
+                      sizeof(CarriedState)),
           arithmetic(), backend_name(), key, scene};
 }
 

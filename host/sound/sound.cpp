@@ -15,10 +15,7 @@
 #include "host/errors.hpp"
 #include "host/partial_file.hpp"
 #include "host/text.hpp"
-
-#ifndef RA2D_COMMIT
-#define RA2D_COMMIT "unknown"
-#endif
+#include "host/version.hpp"
 
 namespace ra2d {
 namespace {
@@ -28,7 +25,6 @@ namespace fs = std::filesystem;
 constexpr std::size_t rows_together = 1 << 16;
 constexpr double audible = 20e3;       // Hz, that the young hear
 constexpr double passed_share = 0.91;  // of half the rate of the sound (Resampler)
-constexpr std::string_view program = "ra2d " RA2D_VERSION " (" RA2D_COMMIT ")";
 
 /// What is told, and asked for, of the probes of a body.
 struct ProbeWords {
@@ -93,8 +89,8 @@ std::string sidecar_text(const SoundFacts& f, const fs::path& file) {
                               {"complete", f.complete},
                               {"ended", f.ended},
                               {"creator", "ra2d"},
-                              {"version", RA2D_VERSION},
-                              {"commit", RA2D_COMMIT}};
+                              {"version", version()},
+                              {"commit", commit()}};
   return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n';
 }
 
@@ -262,7 +258,7 @@ AudioNotes notes_of(const SoundFacts& f) {
   std::string comment = fmt::format("velocity of {}, the value 1.0 is {} m/s; {} s to {} s",
                                     f.place(), f.full_scale, f.from, f.to);
   if (f.slow != 1) comment += fmt::format("; {} times slower", f.slow);
-  return {printable(f.title), comment, std::string(program)};
+  return {printable(f.title), comment, program_text()};
 }
 
 AudioFormat sound_format(const fs::path& file) {

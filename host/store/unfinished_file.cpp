@@ -14,13 +14,7 @@
 #include <utility>
 
 #include "host/errors.hpp"
-
-#ifndef RA2D_VERSION
-#define RA2D_VERSION "unknown"
-#endif
-#ifndef RA2D_COMMIT
-#define RA2D_COMMIT "unknown"
-#endif
+#include "host/version.hpp"
 
 namespace ra2d {
 namespace {
@@ -71,8 +65,8 @@ void UnfinishedFile::describe(const ResultHeader& header) {
             2 * sizeof(double) * (header.resonator_height.size() + header.slider_height.size()));
     give({"creator", "ra2d"});
     give({"format", file_format});
-    give({"version", RA2D_VERSION});
-    give({"commit", RA2D_COMMIT});
+    give({"version", version()});
+    give({"commit", commit()});
     give({"scene", header.scene});
     give({"key", header.key});
     give({"backend", header.backend});

@@ -19,13 +19,7 @@
 #include "host/store/attributes.hpp"
 #include "host/store/hash.hpp"
 #include "host/store/hdf5.hpp"
-
-#ifndef RA2D_VERSION
-#define RA2D_VERSION "unknown"
-#endif
-#ifndef RA2D_COMMIT
-#define RA2D_COMMIT "unknown"
-#endif
+#include "host/version.hpp"
 
 namespace ra2d {
 namespace {
@@ -224,8 +218,8 @@ std::string table_bytes(const std::filesystem::path& file, const StudyPoints& po
   };
   give({"creator", "ra2d"});
   give({"study_format", std::int64_t{study_format}});
-  give({"version", RA2D_VERSION});
-  give({"commit", RA2D_COMMIT});
+  give({"version", version()});
+  give({"commit", commit()});
   give({"study", study.text});
   give({"base", study.base_text});
   give({"set", fmt::format("{}", fmt::join(study.given, "\n"))});
