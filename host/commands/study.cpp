@@ -281,37 +281,34 @@ int march_study(Known& known, const StudyFolder& folder, const Shard& shard,
   options.tick = [&] { status.write_now_and_then(); };
 
   const OrderlyEnd orderly;
-  SharedOutcome all{.threads = threads};
-  StudyOutcome& outcome = all.outcome;
+  StudyOutcome own;
   if (ranks != nullptr) {
     hand_out(*ranks, known.points.study(), known.census, work);
     options.next_job = [ranks] { return ranks->next_number(); };
   }
   if (!work.jobs.empty()) {
     const Backend backend(threads);
-    outcome = run_study(known.points, known.census, work, ledger, options);
+    own = run_study(known.points, known.census, work, ledger, options);
   }
-  all.signal = interruption();
+  SharedOutcome all{own, threads, interruption()};
   if (ranks != nullptr) {
-    const StudyOutcome own = outcome;
     const double left_here = left;
-    wait_for_others(*ranks, [&](double waited) {
-      all = with_others(*ranks, own, threads);
-      outcome.elapsed += waited;
+    double waited = 0;
+    wait_for_others(*ranks, [&](double seconds) {
+      waited = seconds;
       StudyProgress now = progress_after(work, own);
-      now.elapsed = outcome.elapsed;
+      now.elapsed += waited;
       now.left = std::max(0.0, left_here - waited);
       options.progress(now);
-      // mpirun gives its ranks a second to end in
-      if (all.failing || interruption() != 0)
-        status.end(now, all.failing ? StudyEnd::failed : StudyEnd::interrupted);
+      if (interruption() != 0)  // mpirun gives its ranks a second to end in
+        status.end(now, StudyEnd::interrupted);
       else
         status.write_now_and_then();
     });
-    const double elapsed = std::max(outcome.elapsed, own.elapsed);
     all = with_others(*ranks, own, threads);
-    outcome.elapsed = elapsed;
+    all.outcome.elapsed += waited;
   }
+  const StudyOutcome& outcome = all.outcome;
   if (terminal && !work.jobs.empty()) show({});
   write_table(known, folder, folder.table());
   const bool cut = outcome.done + outcome.failed < work.jobs.size();

@@ -9,6 +9,7 @@
 #include <thread>
 #include <utility>
 
+#include "host/commands/commands.hpp"
 #include "host/device/backend.hpp"
 #include "host/errors.hpp"
 #include "host/interruption.hpp"
@@ -26,6 +27,18 @@ void share(Ranks& ranks, Sequence& sequence) {
 }
 
 std::int64_t microseconds(double seconds) { return static_cast<std::int64_t>(1e6 * seconds); }
+
+/// Who gives up ends all, but mpirun first asks them to end (SIGTERM), and who waits would wait on.
+void end_with_who_gave_up(Ranks& ranks) {
+  const auto gave_up = [&](int rank) { return ranks.report_of(rank).ended == RankReport::fault; };
+  if (ranks.rank() > 0) {
+    if (gave_up(0)) ranks.abort(wrong_file);
+    return;
+  }
+  for (int rank = 1; rank < ranks.size(); ++rank)
+    if (gave_up(rank))
+      throw FileError(fmt::format("rank {} has given up; what is finished is kept", rank));
+}
 
 }  // namespace
 
@@ -78,7 +91,7 @@ void help_with_study(Ranks& ranks, const StudyFolder& folder, const Shard& shard
                 .threads = threads,
                 .busy = microseconds(outcome.busy),
                 .marched = microseconds(outcome.marched)});
-  wait_for_others(ranks, {});
+  wait_for_others(ranks, [](double) {});
 }
 
 void add_others(Ranks& ranks, StudyProgress& progress) {
@@ -99,10 +112,7 @@ SharedOutcome with_others(Ranks& ranks, const StudyOutcome& own, int threads) {
     all.outcome.busy += 1e-6 * static_cast<double>(report.busy);
     all.outcome.marched += 1e-6 * static_cast<double>(report.marched);
     all.threads += static_cast<int>(report.threads);
-    if (report.ended == RankReport::fault)
-      all.failing = true;
-    else if (report.ended != 0)
-      all.signal = static_cast<int>(report.ended);
+    if (report.ended > 0) all.signal = static_cast<int>(report.ended);
   }
   return all;
 }
@@ -111,7 +121,10 @@ void wait_for_others(Ranks& ranks, const std::function<void(double waited)>& bes
   using Clock = std::chrono::steady_clock;
   const Clock::time_point begun = Clock::now();
   for (int i = 0; !ranks.all_are_here(); ++i) {
-    if (i % 100 == 0 && beside) beside(std::chrono::duration<double>(Clock::now() - begun).count());
+    if (i % 100 == 0) {
+      end_with_who_gave_up(ranks);
+      beside(std::chrono::duration<double>(Clock::now() - begun).count());
+    }
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
 }

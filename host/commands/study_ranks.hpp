@@ -23,13 +23,12 @@ void add_others(Ranks& ranks, StudyProgress& progress);
 struct SharedOutcome {
   StudyOutcome outcome;
   int threads = 0;
-  int signal = 0;        // that ended one of them early; 0: none
-  bool failing = false;  // a rank has given up, and ends all
+  int signal = 0;  // that ended one of them early; 0: none
 };
 SharedOutcome with_others(Ranks& ranks, const StudyOutcome& own, int threads);
 
-/// On rank 0: sleeps until all ranks have done their part. `beside` is called at once and a few times a
-/// second, with the time waited [s].
+/// Sleeps until all ranks have done their part. `beside` is called at once and a few times a second, with
+/// the time waited [s]. Throws FileError on rank 0 where another has given up.
 void wait_for_others(Ranks& ranks, const std::function<void(double waited)>& beside);
 
 }  // namespace ra2d
