@@ -45,10 +45,11 @@ class StudyRanks : public testing::Test {
         "speed = {{ key = \"scene.speed\", values = [0.1, 0.2] }}\n",
         seeds);
   }
-  /// mpirun of so many ranks of a line. Each rank writes the number of its process to pid-RANK.
-  Child start(int ranks, const std::string& line) const {
-    const std::string rank =
-        "echo $$ > pid-${OMPI_COMM_WORLD_RANK:-$PMI_RANK}; exec " + test::program() + " " + line;
+  /// mpirun of so many ranks of a line. Each rank writes the number of its process to pid-RANK, and does
+  /// what is to be done `before`.
+  Child start(int ranks, const std::string& line, const std::string& before = "") const {
+    const std::string rank = "RANK=${OMPI_COMM_WORLD_RANK:-$PMI_RANK}; echo $$ > pid-$RANK; " +
+                             before + " exec " + test::program() + " " + line;
     // more ranks than processors, and as root; what MPI leaves behind is not ours
     return {folder_,
             {"/usr/bin/env", "OMPI_ALLOW_RUN_AS_ROOT=1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1",
@@ -57,8 +58,8 @@ class StudyRanks : public testing::Test {
              "export ASAN_OPTIONS=$ASAN_OPTIONS:detect_leaks=0; exec \"$@\"", "sh", test::mpirun(),
              "-n", std::to_string(ranks), "sh", "-c", rank}};
   }
-  Ended mpirun(int ranks, const std::string& line) const {
-    Child child = start(ranks, line);
+  Ended mpirun(int ranks, const std::string& line, const std::string& before = "") const {
+    Child child = start(ranks, line, before);
     const int status = child.wait();
     return {status, child.out(), child.err()};
   }
@@ -132,7 +133,7 @@ TEST_F(StudyRanks, ARankThatIsKilledCostsTheRunsItHadBegun) {
 
 TEST_F(StudyRanks, InterruptedTheyKeepWhatIsFinished) {
   SKIP_WITHOUT_MPIRUN();
-  write_study(20'000);
+  write_study(5000);
   time_to_end_ = 2;  // also where the machine is busy
   Child child = start(2, "study study.toml -o cut --threads 1");
   wait_for_runs("cut");
@@ -151,7 +152,7 @@ TEST_F(StudyRanks, InterruptedTheyKeepWhatIsFinished) {
 
 TEST_F(StudyRanks, AnErrorOnOneRankEndsAll) {
   SKIP_WITHOUT_MPIRUN();
-  write_study(20'000);
+  write_study(5000);
   time_to_end_ = 2;  // also where the machine is busy
   fs::create_directories(folder_ / "out/ledger");
   const LedgerWriter held(StudyFolder{folder_ / "out"}.ledger({}, 1));
@@ -165,6 +166,35 @@ TEST_F(StudyRanks, AnErrorOnOneRankEndsAll) {
   EXPECT_EQ(wrong.status, 2) << wrong.err;
   EXPECT_THAT(wrong.err, HasSubstr("ra2d: base.toml:"));
   EXPECT_EQ(wrong.err.find("ra2d: "), wrong.err.rfind("ra2d: ")) << wrong.err;
+}
+
+TEST_F(StudyRanks, ARankThatSeesOtherFilesEndsAll) {
+  SKIP_WITHOUT_MPIRUN();
+  const std::string elsewhere = "[ $RANK = 0 ] || cd other;";
+  fs::create_directories(folder_ / "other/out");
+  std::ofstream(folder_ / "other/out/study.json") << "of another study";
+  const Ended folder = mpirun(2, "study study.toml -o out", elsewhere);
+  EXPECT_EQ(folder.status, 4) << folder.err;
+  EXPECT_THAT(folder.err, HasSubstr("rank 1: 'out' is not the folder that rank 0 sees"));
+
+  // a profile that is another one for each rank: by a link to where the process is
+  fs::create_directory_symlink("/proc/self/cwd", folder_ / "here");
+  for (const auto& [place, height] :
+       {std::pair{"profile.csv", 1e-6}, {"other/profile.csv", 2e-6}}) {
+    std::ofstream profile(folder_ / place);
+    for (int i = 0; i < 520; ++i)
+      profile << fmt::format("{} {}\n", 2e-5 * i, i % 50 == 25 ? height : 0.0);
+  }
+  std::ofstream(folder_ / "measured.toml") << fmt::format(R"(
+base = "base.toml"
+[set]
+slider.surface = {{ kind = "file", path = "{}" }}
+)",
+                                                          (folder_ / "here/profile.csv").string());
+  const std::string line = fmt::format("study measured.toml -o {}", (folder_ / "out").string());
+  const Ended profile = mpirun(2, line, elsewhere);
+  EXPECT_EQ(profile.status, 4) << profile.err;
+  EXPECT_THAT(profile.err, HasSubstr("rank 1: this machine would not run the scenes of rank 0"));
 }
 
 TEST_F(StudyRanks, WhatSharesNothingIsRefused) {
@@ -203,6 +233,12 @@ TEST_F(StudyRanks, WithoutItsMpiItSaysSo) {
                                        "OMPI_COMM_WORLD_SIZE=2 OMPI_COMM_WORLD_RANK=0 exec " +
                                            program + " study study.toml -o out"});
   };
+  if (!fs::exists(fs::path(test::program()).parent_path() / "libra2d_mpi.so")) {
+    const Ended none = as_one_of_two(test::program());  // of a bundle, say
+    EXPECT_EQ(none.status, 2);
+    EXPECT_THAT(none.err, HasSubstr("but this ra2d was built without MPI"));
+    return;
+  }
   fs::create_directory(folder_ / "bin");
   const fs::path copy = folder_ / "bin/ra2d", library = folder_ / "bin/libra2d_mpi.so";
   fs::copy_file(test::program(), copy);
