@@ -432,10 +432,11 @@ int merge_command(const std::vector<fs::path>& folders, fs::path output, bool qu
 void add_study(CLI::App& app, Chosen& chosen) {
   const auto asked = std::make_shared<StudyRequest>();
   StudyRequest& request = *asked;
-  CLI::App* study = app.add_subcommand(
-      "study",
-      "runs every combination of a study once, in parallel, and makes one table of them "
-      "(DIR/results.h5); the same line again goes on where it was cut off");
+  CLI::App* study =
+      app.add_subcommand("study",
+                         "runs every combination of a study once, in parallel (under mpirun all "
+                         "ranks share them), and makes one table of them "
+                         "(DIR/results.h5); the same line again goes on where it was cut off");
   study->require_subcommand(0, 1);
   CLI::Option* file = study->add_option(
       "STUDY.toml", request.study, "study: a base scene, keys to set, keys to vary, seeds (TOML)");
