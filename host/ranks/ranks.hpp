@@ -30,6 +30,7 @@ struct RankReport {
 /// All ranks at once. Any thread may call; who waits for the others sleeps.
 class Ranks {
  public:
+  virtual ~Ranks() = default;
   virtual int rank() const = 0;
   virtual int size() const = 0;
   /// Threads for this rank: the processors that it may use, divided among the ranks that may use the
@@ -47,9 +48,6 @@ class Ranks {
   virtual void leave() = 0;
   /// Ends all ranks at once, with this exit status as far as mpirun hands it on.
   virtual void abort(int status) noexcept = 0;
-
- protected:
-  ~Ranks() = default;
 };
 
 /// Makes this process one of its ranks, once; null where it is alone. Throws RequestError where ra2d was

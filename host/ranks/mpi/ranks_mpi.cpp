@@ -148,8 +148,6 @@ class RanksOfMpi final : public Ranks {
     }
   }
 
-  ~RanksOfMpi() = default;  // never: it lives as long as the process
-
   int rank_ = 0, size_ = 1, threads_ = 1;
   MPI_Win window_ = MPI_WIN_NULL;
   MPI_Request arrival_ = MPI_REQUEST_NULL;
