@@ -73,3 +73,7 @@ find_path(SNDFILE_INCLUDE_DIR sndfile.h REQUIRED)  # libsndfile, with FLAC
 find_library(SNDFILE_LIBRARY sndfile REQUIRED)
 find_path(SOXR_INCLUDE_DIR soxr.h REQUIRED)
 find_library(SOXR_LIBRARY soxr REQUIRED)
+find_package(MPI QUIET COMPONENTS C)
+if(NOT MPI_C_FOUND)
+  message(STATUS "MPI: none was found, and so no study can be run under mpirun")
+endif()

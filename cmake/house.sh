@@ -31,13 +31,25 @@ need() {
   local apt=("${as[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -qq -o DPkg::Lock::Timeout=300)
   # the package lists on a machine may be older than its mirror, or absent
   if ! "${apt[@]}" update > "$log" 2>&1 ||
-    ! "${apt[@]}" install -y --no-install-recommends "${missing[@]}" >> "$log" 2>&1; then
+    ! without_services "${as[*]}" "${apt[@]}" install -y --no-install-recommends "${missing[@]}" >> "$log" 2>&1; then
     cat "$log" >&2
     rm -f "$log"
     fail "these packages could not be installed: ${missing[*]}"
   fi
   rm -f "$log"
 }
+
+# without_services AS COMMAND...: runs an installation, as AS, that starts no daemons (tests bring Slurm's packages).
+without_services() (
+  as=$1 policy=/usr/sbin/policy-rc.d
+  shift
+  if [[ ! -e $policy ]]; then
+    trap '$as rm -f $policy' EXIT
+    printf '#!/bin/sh\nexit 101\n' | $as tee $policy > /dev/null
+    $as chmod 755 $policy
+  fi
+  "$@"
+)
 
 # quietly NAME COMMAND...: runs it with its output in build/NAME.log, which is shown only when it fails. After
 # a moment it says what it is at, on a terminal with the step that it has reached.

@@ -23,6 +23,8 @@ std::string scene_file(const std::string& name) {
 
 std::string faulty_disk() { return named("RA2D_FAULTY_DISK", RA2D_TEST_FAULTY_DISK); }
 
+std::string mpirun() { return named("RA2D_MPIRUN", RA2D_TEST_MPIRUN); }
+
 std::string python() { return named("RA2D_PYTHON", RA2D_TEST_PYTHON); }
 
 }  // namespace ra2d::test

@@ -4,7 +4,7 @@
 #include <string>
 
 /// What tests run and read: this build's, or what the environment names (RA2D_PROGRAM,
-/// RA2D_SOURCE_DIR, RA2D_PYTHON, RA2D_FAULTY_DISK), as in a bundle.
+/// RA2D_SOURCE_DIR, RA2D_PYTHON, RA2D_FAULTY_DISK, RA2D_MPIRUN), as in a bundle.
 namespace ra2d::test {
 
 /// The program ra2d.
@@ -18,6 +18,9 @@ std::string scene_file(const std::string& name);
 
 /// The library that makes calls to a disk fail (tests/faults); empty where none can be loaded.
 std::string faulty_disk();
+
+/// The mpirun of the MPI that the program was built with; empty where there is none.
+std::string mpirun();
 
 /// A Python with h5py, netCDF4, scipy, xarray and xxhash; empty when RA2D_PYTHON says that there is none.
 std::string python();

@@ -9,6 +9,7 @@
 #include "host/interruption.hpp"
 #include "host/partial_file.hpp"
 #include "host/process.hpp"
+#include "host/ranks/ranks.hpp"
 
 namespace ra2d {
 namespace {
@@ -16,6 +17,7 @@ namespace {
 constexpr int interrupts[] = {SIGINT,    SIGQUIT, SIGTERM, SIGHUP,  SIGALRM,
                               SIGVTALRM, SIGPROF, SIGXCPU, SIGUSR2, SIGUSR1};
 bool on_terminal = false;
+bool is_silent = false;  // of several ranks the first says it for all
 
 void say(std::string_view text) {
   [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, text.data(), text.size());
@@ -30,8 +32,9 @@ void on_signal(int signal) {
   drop_partials();
   kill_programs();
   if (on_terminal) say("\r\033[K");  // the line of progress
-  say(before == 0 ? "ra2d: interrupted\n"
-                  : "ra2d: interrupted again: only what a checkpoint holds is kept\n");
+  if (!is_silent)
+    say(before == 0 ? "ra2d: interrupted\n"
+                    : "ra2d: interrupted again: only what a checkpoint holds is kept\n");
   _exit(128 + signal);
 }
 
@@ -39,6 +42,7 @@ void on_signal(int signal) {
 
 void catch_interrupts() {
   on_terminal = isatty(STDERR_FILENO) != 0;
+  is_silent = launch().rank > 0;
   struct sigaction action {};
   action.sa_handler = on_signal;
   action.sa_flags = SA_RESTART;

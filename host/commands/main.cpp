@@ -21,6 +21,7 @@
 #include "host/commands/print.hpp"
 #include "host/commands/threads.hpp"
 #include "host/errors.hpp"
+#include "host/ranks/ranks.hpp"
 #include "host/text.hpp"
 #include "host/version.hpp"
 
@@ -238,6 +239,8 @@ int dispatch(Words words) {
       throw RequestError(fault);
     throw RequestError(err.str().substr(0, err.str().find_last_not_of('\n') + 1));
   }
+  const CLI::App* const study = app.get_subcommand("study");
+  if (!study->parsed() || !study->get_subcommands().empty()) require_one_process();
   if (chosen) return chosen();
   std::string lowered;
   common.threads = usable_threads(common.threads, lowered);
@@ -251,24 +254,38 @@ int dispatch(Words words) {
                             : plan_command(common);
 }
 
+/// Tells a fault and gives the exit status on. A rank that fails ends all: they would wait for it.
+int give_up(const char* fault, int status) {
+  using namespace ra2d;
+  Ranks* const ranks = joined_ranks();
+  if (ranks == nullptr) {
+    // what is asked for is wrong on every rank, and rank 0 says so
+    if (status == wrong_request && launch().rank > 0) return done;
+    say(fault);
+    return status;
+  }
+  say(ranks->rank() > 0 ? fmt::format("rank {}: {}", ranks->rank(), fault) : fault);
+  ranks->report({.ended = RankReport::fault});
+  ranks->abort(status);
+  return status;
+}
+
 /// The exit status; every fault is told.
 int answer(const Words& words) {
   using namespace ra2d;
   catch_interrupts();
   try {
-    return dispatch(words);
+    const int status = dispatch(words);
+    if (Ranks* const ranks = joined_ranks(); ranks != nullptr) ranks->leave();
+    return status;
   } catch (const RequestError& fault) {
-    say(fault.what());
-    return wrong_request;
+    return give_up(fault.what(), wrong_request);
   } catch (const FileError& fault) {
-    say(fault.what());
-    return wrong_file;
+    return give_up(fault.what(), wrong_file);
   } catch (const std::bad_alloc&) {
-    say("out of memory: fewer nodes or modes are needed (see 'ra2d plan')");
-    return failed;
+    return give_up("out of memory: fewer nodes or modes are needed (see 'ra2d plan')", failed);
   } catch (const std::exception& fault) {
-    say(fault.what());
-    return failed;
+    return give_up(fault.what(), failed);
   }
 }
 

@@ -21,6 +21,7 @@
 #include "host/commands/commands.hpp"
 #include "host/commands/options.hpp"
 #include "host/commands/print.hpp"
+#include "host/commands/study_ranks.hpp"
 #include "host/commands/threads.hpp"
 #include "host/device/backend.hpp"
 #include "host/errors.hpp"
@@ -174,6 +175,17 @@ class StatusFile {
   StatusFile(fs::path file, StudyStatus status) : file_{std::move(file)}, status_{status} {
     write();
   }
+  /// Who looks at the file must not wait for a study that an error has ended.
+  ~StatusFile() {
+    if (status_.end != StudyEnd::running) return;
+    status_.end = StudyEnd::failed;
+    try {
+      write();
+    } catch (const std::exception&) {  // likely for the reason that ended it
+    }
+  }
+  StatusFile(const StatusFile&) = delete;
+  StatusFile& operator=(const StatusFile&) = delete;
   void take(const StudyProgress& progress) {
     const std::lock_guard lock(mutex_);
     status_.progress = progress;
@@ -258,7 +270,11 @@ int march_study(Known& known, const StudyFolder& folder, const Shard& shard,
                     {.shard = shard, .progress = progress_after(work, {}), .started = now()});
   StudyOptions options;
   const bool terminal = isatty(STDERR_FILENO) != 0 && !request.quiet;
-  options.progress = [&](const StudyProgress& progress) {
+  Ranks* const ranks = joined_ranks();
+  double left = 0;  // s
+  options.progress = [&](StudyProgress progress) {
+    if (ranks != nullptr) add_others(*ranks, progress);
+    left = progress.left;
     status.take(progress);
     if (terminal) show_progress(progress);
   };
@@ -266,14 +282,37 @@ int march_study(Known& known, const StudyFolder& folder, const Shard& shard,
   options.tick = [&] { status.write_now_and_then(); };
 
   const OrderlyEnd orderly;
-  StudyOutcome outcome;
+  StudyOutcome own;
   std::string device;
+  if (ranks != nullptr) {
+    hand_out(*ranks, known.points.study(), known.census, work);
+    options.next_job = [ranks] { return ranks->next_number(); };
+  }
   if (!work.jobs.empty()) {
     const Backend backend(threads, request.device);
     device = backend_device();
-    outcome = run_study(known.points, known.census, work, ledger, options);
-    if (terminal) show({});
+    own = run_study(known.points, known.census, work, ledger, options);
   }
+  SharedOutcome all{own, threads, interruption()};
+  if (ranks != nullptr) {
+    const double left_here = left;
+    double waited = 0;
+    wait_for_others(*ranks, [&](double seconds) {
+      waited = seconds;
+      StudyProgress now = progress_after(work, own);
+      now.elapsed += waited;
+      now.left = std::max(0.0, left_here - waited);
+      options.progress(now);
+      if (interruption() != 0)  // mpirun gives its ranks a second to end in
+        status.end(now, StudyEnd::interrupted);
+      else
+        status.write_now_and_then();
+    });
+    all = with_others(*ranks, own, threads);
+    all.outcome.elapsed += waited;
+  }
+  const StudyOutcome& outcome = all.outcome;
+  if (terminal && !work.jobs.empty()) show({});
   write_table(known, folder, folder.table());
   const bool cut = outcome.done + outcome.failed < work.jobs.size();
   status.end(progress_after(work, outcome), cut ? StudyEnd::interrupted : StudyEnd::complete);
@@ -288,29 +327,37 @@ int march_study(Known& known, const StudyFolder& folder, const Shard& shard,
             seconds_text(outcome.elapsed), work.done + work.failed);
     if (outcome.elapsed > 1)
       print("  {:<17}{:.0f} % of {} thread{}; the march alone is {:.0f} % of that\n", "busy",
-            100 * outcome.busy / (outcome.elapsed * threads), threads, threads == 1 ? "" : "s",
-            100 * outcome.marched / std::max(outcome.busy, 1e-9));
+            100 * outcome.busy / (outcome.elapsed * all.threads), all.threads,
+            all.threads == 1 ? "" : "s", 100 * outcome.marched / std::max(outcome.busy, 1e-9));
     if (!device.empty())
-      print("  {:<17}{}, up to {} side by side\n", "device", device,
-            runs_text(outcome.most_at_once));
+      print("  {:<17}{}, up to {} side by side\n", "device", device, runs_text(own.most_at_once));
     print("  {:<17}{}\n", "table", printable(folder.table().string()));
   }
   say_failed(known, failed_now);
-  if (cut && interruption() != 0) {
+  if (cut && all.signal != 0) {
     say(fmt::format("interrupted: {} of {} are finished and kept; the same line goes on",
                     work.done + work.failed + finished, runs_text(work.runs)));
-    return interrupted + interruption();
+    return interrupted + all.signal;
   }
   return failed_now.empty() ? done : failed;
 }
 
 int study_command(const StudyRequest& request) {
   const Shard shard = to_shard(request.shard);
-  Known known(read_study(request.study, request.overrides));
-  const StudyFolder folder{request.output.empty() ? request.study.stem() : request.output};
+  if (request.list || request.dry_run) require_one_process();
+  Ranks* const ranks = join_ranks();
+  const bool helps = ranks != nullptr && ranks->rank() > 0;
   std::string lowered;
-  const int threads = usable_threads(
-      request.threads > 0 ? request.threads : std::numeric_limits<int>::max(), lowered);
+  const int threads = usable_threads(request.threads > 0 ? request.threads
+                                     : ranks != nullptr  ? ranks->threads()
+                                                         : std::numeric_limits<int>::max(),
+                                     lowered);
+  const StudyFolder folder{request.output.empty() ? request.study.stem() : request.output};
+  if (helps) {
+    help_with_study(*ranks, folder, shard, threads);
+    return done;
+  }
+  Known known(read_study(request.study, request.overrides));
   if (request.threads > 0 && !lowered.empty() && !request.quiet)
     say(fmt::format("{} thread{}: {}", threads, threads == 1 ? "" : "s", lowered));
   if (request.list || request.dry_run) {
@@ -390,10 +437,11 @@ int merge_command(const std::vector<fs::path>& folders, fs::path output, bool qu
 void add_study(CLI::App& app, Chosen& chosen) {
   const auto asked = std::make_shared<StudyRequest>();
   StudyRequest& request = *asked;
-  CLI::App* study = app.add_subcommand(
-      "study",
-      "runs every combination of a study once, in parallel, and makes one table of them "
-      "(DIR/results.h5); the same line again goes on where it was cut off");
+  CLI::App* study =
+      app.add_subcommand("study",
+                         "runs every combination of a study once, in parallel (under mpirun all "
+                         "ranks share them), and makes one table of them "
+                         "(DIR/results.h5); the same line again goes on where it was cut off");
   study->require_subcommand(0, 1);
   CLI::Option* file = study->add_option(
       "STUDY.toml", request.study, "study: a base scene, keys to set, keys to vary, seeds (TOML)");

@@ -23,6 +23,10 @@ std::string Shard::name() const {
   return is_whole() ? "all" : fmt::format("shard-{}-of-{}", index, count);
 }
 
+fs::path StudyFolder::ledger(const Shard& shard, int rank) const {
+  return ledgers() / (shard.name() + (rank > 0 ? fmt::format("-rank-{}", rank) : "") + ".log");
+}
+
 fs::path StudyFolder::status(const Shard& shard) const {
   return path / (shard.is_whole() ? "status.json" : "status-" + shard.name() + ".json");
 }

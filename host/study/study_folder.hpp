@@ -21,9 +21,8 @@ struct StudyFolder {
   std::filesystem::path table() const { return path / "results.h5"; }
   std::filesystem::path snapshot() const { return path / "study.json"; }
   std::filesystem::path ledgers() const { return path / "ledger"; }
-  std::filesystem::path ledger(const Shard& shard) const {
-    return ledgers() / (shard.name() + ".log");
-  }
+  /// Of ranks under mpirun each has its own; one process writes that of rank 0.
+  std::filesystem::path ledger(const Shard& shard, int rank = 0) const;
   /// The result of a run by its key (run_key), relative to the folder.
   static std::filesystem::path result(const std::string& key) { return "runs/" + key + ".h5"; }
   std::filesystem::path status(const Shard& shard) const;

@@ -33,6 +33,7 @@ std::string status_json(const StudyStatus& status) {
       over ? nlohmann::ordered_json(time_text(status.now)) : nlohmann::ordered_json();
   json["state"] = !over                                 ? "running"
                   : status.end == StudyEnd::interrupted ? "interrupted"
+                  : status.end == StudyEnd::failed      ? "failed"
                                                         : "complete";
   return json.dump(1) + '\n';
 }

@@ -8,7 +8,7 @@
 /// How far a study is, for programs that look at its folder.
 namespace ra2d {
 
-enum class StudyEnd { running, complete, interrupted };
+enum class StudyEnd { running, complete, interrupted, failed };
 
 /// What DIR/status.json holds. `started` and `now`: seconds since 1970.
 struct StudyStatus {

@@ -197,7 +197,7 @@ class Worker {
   /// The next run that can be marched; none: there are no more.
   SceneRun* make(int crew) {
     for (;;) {
-      const std::size_t job = next_++;
+      const std::size_t job = next_job();
       if (job >= work_.jobs.size() || interruption() != 0) return nullptr;
       const std::size_t point = work_.jobs[job];
       FinishedRun refused{census_.keys[point], {}, RunStatus::refused, no_figures,
@@ -213,6 +213,13 @@ class Worker {
       refused.figures.wall_seconds = seconds_since(begin);
       record(std::move(refused));
     }
+  }
+
+  std::size_t next_job() {
+    if (!options_.next_job) return next_++;
+    const std::size_t job = options_.next_job();
+    next_ = job + 1;  // as far as this process has seen: for the time left
+    return job;
   }
 
   /// `refused` learns what is known of the run until it is.

@@ -40,6 +40,9 @@ struct StudyOptions {
   std::filesystem::path
       results;                 // the folder that each run's own result goes to; none: none is kept
   std::function<void()> tick;  // a few times a second on a thread of its own, beside the march
+  /// Which of the jobs is next, from 0 on; beyond the last there are no more. Several processes that
+  /// share the jobs take each once. None: all are for this process.
+  std::function<std::size_t()> next_job;
 };
 
 struct StudyOutcome {

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <pty.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -62,24 +64,18 @@ load = {{ key = "slider.load", values = [0.25, 0.5] }}
     err_ = child.err();
     return status;
   }
-  /// All that the table holds but how long each run took: its bytes, made anew with no times.
   std::string table(const std::string& name) const {
-    const fs::path folder = folder_ / name;
-    const Study study = parse_snapshot(test::read_file(folder / "study.json"), "study.json");
-    const StudyPoints points(study);
-    FinishedRuns finished;
-    finished.add(StudyFolder{folder});
-    for (auto& [key, run] : finished.runs) run.figures.wall_seconds = 0;
+    const std::string bytes = test::timeless_table(folder_ / name);
     const fs::path file = folder_ / (name + "-timeless.h5");
-    write_study_table(file, points, PointCensus(points), finished);
+    std::ofstream(file, std::ios::binary) << bytes;
     // the program's own table says the same
     const StudyAnswers here = read_study_table(file),
-                       there = read_study_table(folder / "results.h5");
+                       there = read_study_table(folder_ / name / "results.h5");
     EXPECT_EQ(here.status, there.status);
     EXPECT_TRUE(std::equal(here.v_rms.begin(), here.v_rms.end(), there.v_rms.begin(),
                            there.v_rms.end(),
                            [](double a, double b) { return a == b || (a != a && b != b); }));
-    return test::read_file(file);
+    return bytes;
   }
   nlohmann::json status_of(const std::string& name) const {
     return nlohmann::json::parse(test::read_file(folder_ / name / "status.json"));
@@ -258,6 +254,48 @@ TEST_F(StudyProgram, InterruptedItKeepsWhatIsFinished) {
   EXPECT_EQ(status_of("out")["done"], done);
 }
 
+TEST_F(StudyProgram, WhileItRunsItSaysHowFarItIs) {
+  write_study(4000);
+  int terminal = -1;
+  const pid_t child = forkpty(&terminal, nullptr, nullptr, nullptr);
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    const std::string program = test::program();
+    if (chdir(folder_.c_str()) == 0)
+      execl(program.c_str(), program.c_str(), "study", "study.toml", "-o", "out", nullptr);
+    _exit(126);
+  }
+  std::string shown;
+  const auto read_on = [&] {
+    char part[4096];
+    const ssize_t count = read(terminal, part, sizeof part);
+    if (count > 0) shown.append(part, static_cast<std::size_t>(count));
+    return count > 0;  // not: the program is gone
+  };
+  const auto has_begun = [&] {
+    return fs::exists(folder_ / "out/status.json") && status_of("out")["done"] > 0;
+  };
+  while (!(has_begun() && shown.find(" left ") != std::string::npos) && read_on()) continue;
+  const auto status = status_of("out");
+  EXPECT_EQ(status["state"], "running");
+  EXPECT_EQ(status["runs"], 16'000);
+  EXPECT_TRUE(status["finished"].is_null());
+  EXPECT_GT(status["running"], 0);
+  EXPECT_GT(status["seconds_left"], 0);
+  kill(child, SIGTERM);
+  while (read_on()) continue;
+  close(terminal);
+  int ended = 0;
+  waitpid(child, &ended, 0);
+  EXPECT_EQ(WEXITSTATUS(ended), 128 + SIGTERM);
+  // "12 of 16000 runs   0 failed   2 running   0:31 left", over itself, and gone at the end
+  EXPECT_THAT(shown, testing::ContainsRegex("[0-9]+ of 16000 runs   0 failed   [0-9]+ running   "
+                                            "[0-9]+:[0-9][0-9](:[0-9][0-9])? left "));
+  const std::size_t last = shown.rfind(" left "), cleared = shown.find("\r\033[K", last);
+  ASSERT_NE(cleared, std::string::npos);
+  EXPECT_LT(cleared, shown.find("runs finished in"));
+}
+
 TEST_F(StudyProgram, ASecondWriterIsRefused) {
   fs::create_directories(folder_ / "out/ledger");
   const LedgerWriter held(folder_ / "out/ledger/all.log");
@@ -297,6 +335,8 @@ TEST_F(StudyProgram, ADiskThatFillsUpLeavesWhatIsFinished) {
   EXPECT_EQ(child.wait(), 4);
   EXPECT_THAT(child.err(),
               AllOf(HasSubstr("cannot write to 'out/ledger/all.log'"), HasSubstr("ulimit -f")));
+  EXPECT_EQ(status_of("out")["state"], "failed");
+  EXPECT_TRUE(status_of("out")["finished"].is_string());
   const fs::path ledger = folder_ / "out/ledger/all.log";
   const ParsedLedger kept = parse_ledger(test::read_file(ledger), ledger);
   EXPECT_GT(kept.runs.size(), 10u);

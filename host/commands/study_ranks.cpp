@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/commands/study_ranks.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+#include <thread>
+#include <utility>
+
+#include "host/commands/commands.hpp"
+#include "host/device/backend.hpp"
+#include "host/errors.hpp"
+#include "host/interruption.hpp"
+
+namespace ra2d {
+namespace {
+
+/// What rank 0 has, all have afterwards.
+template <class Sequence>
+void share(Ranks& ranks, Sequence& sequence) {
+  std::uint64_t size = sequence.size();
+  ranks.broadcast(&size, sizeof size);
+  sequence.resize(size);
+  ranks.broadcast(sequence.data(), size * sizeof *sequence.data());
+}
+
+std::int64_t microseconds(double seconds) { return static_cast<std::int64_t>(1e6 * seconds); }
+
+/// Who gives up ends all, but mpirun first asks them to end (SIGTERM), and who waits would wait on.
+void end_with_who_gave_up(Ranks& ranks) {
+  const auto gave_up = [&](int rank) { return ranks.report_of(rank).ended == RankReport::fault; };
+  if (ranks.rank() > 0) {
+    if (gave_up(0)) ranks.abort(wrong_file);
+    return;
+  }
+  for (int rank = 1; rank < ranks.size(); ++rank)
+    if (gave_up(rank))
+      throw FileError(fmt::format("rank {} has given up; what is finished is kept", rank));
+}
+
+}  // namespace
+
+void hand_out(Ranks& ranks, const Study& study, const PointCensus& census, const StudyWork& work) {
+  std::string text = snapshot_text(study);
+  std::vector<Key128> keys = census.keys;
+  std::vector<std::size_t> jobs = work.jobs;
+  share(ranks, text);
+  share(ranks, keys);
+  share(ranks, jobs);
+}
+
+void help_with_study(Ranks& ranks, const StudyFolder& folder, const Shard& shard, int threads) {
+  std::string text;
+  std::vector<Key128> keys;
+  StudyWork work;
+  share(ranks, text);
+  share(ranks, keys);
+  share(ranks, work.jobs);
+  const OrderlyEnd orderly;
+  StudyOutcome outcome;
+  if (!work.jobs.empty()) {
+    if (read_text(folder.snapshot(), "the study's snapshot", text.size() + 1) != text)
+      throw FileError(
+          fmt::format("'{}' is not the folder that rank 0 sees: all ranks need one that "
+                      "they share, by the same name",
+                      folder.path.string()));
+    const StudyPoints points(parse_snapshot(text, folder.snapshot()));
+    const PointCensus census(points);
+    if (census.keys != keys)
+      throw FileError(
+          "this machine would not run the scenes of rank 0: its processor computes with "
+          "other instructions, or it has another ra2d or other profiles. Take machines "
+          "that are alike, with one ra2d");
+    LedgerWriter ledger(folder.ledger(shard, ranks.rank()));
+    StudyOptions options;
+    if (points.study().keep_files) options.results = folder.path;
+    options.next_job = [&] { return ranks.next_number(); };
+    options.progress = [&](const StudyProgress& now) {
+      ranks.report({.done = static_cast<std::int64_t>(now.done),
+                    .failed = static_cast<std::int64_t>(now.failed),
+                    .running = static_cast<std::int64_t>(now.running)});
+    };
+    const Backend backend(threads);
+    outcome = run_study(points, census, work, ledger, options);
+  }
+  ranks.report({.done = static_cast<std::int64_t>(outcome.done),
+                .failed = static_cast<std::int64_t>(outcome.failed),
+                .ended = interruption(),
+                .threads = threads,
+                .busy = microseconds(outcome.busy),
+                .marched = microseconds(outcome.marched)});
+  wait_for_others(ranks, [](double) {});
+}
+
+void add_others(Ranks& ranks, StudyProgress& progress) {
+  for (int rank = 1; rank < ranks.size(); ++rank) {
+    const RankReport report = ranks.report_of(rank);
+    progress.done += static_cast<std::size_t>(report.done);
+    progress.failed += static_cast<std::size_t>(report.failed);
+    progress.running += static_cast<std::size_t>(report.running);
+  }
+}
+
+SharedOutcome with_others(Ranks& ranks, const StudyOutcome& own, int threads) {
+  SharedOutcome all{own, threads, interruption()};
+  for (int rank = 1; rank < ranks.size(); ++rank) {
+    const RankReport report = ranks.report_of(rank);
+    all.outcome.done += static_cast<std::size_t>(report.done);
+    all.outcome.failed += static_cast<std::size_t>(report.failed);
+    all.outcome.busy += 1e-6 * static_cast<double>(report.busy);
+    all.outcome.marched += 1e-6 * static_cast<double>(report.marched);
+    all.threads += static_cast<int>(report.threads);
+    if (report.ended > 0) all.signal = static_cast<int>(report.ended);
+  }
+  return all;
+}
+
+void wait_for_others(Ranks& ranks, const std::function<void(double waited)>& beside) {
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point begun = Clock::now();
+  for (int i = 0; !ranks.all_are_here(); ++i) {
+    if (i % 100 == 0) {
+      end_with_who_gave_up(ranks);
+      beside(std::chrono::duration<double>(Clock::now() - begun).count());
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+}
+
+}  // namespace ra2d
