@@ -16,7 +16,7 @@ std::filesystem::path source_folder();
 /// A file of scenes/ by its name without .toml.
 std::string scene_file(const std::string& name);
 
-/// The library that makes calls to a disk fail (tests/faults); empty where none can be loaded.
+/// The library that makes calls to a disk fail and sets the wall clock (tests/faults); empty where none can be loaded.
 std::string faulty_disk();
 
 /// A Python with h5py, netCDF4, scipy, xarray and xxhash; empty when RA2D_PYTHON says that there is none.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <filesystem>
 #include <string>
 
 namespace ra2d::test {
@@ -42,5 +43,9 @@ step      = 2e-7
 [output]
 rate = 1e5
 )";
+
+/// All that a study's table holds but how long each run took: its bytes, made anew with no times. Expects that
+/// the program's own table says the same.
+std::string timeless_table(const std::filesystem::path& folder);
 
 }  // namespace ra2d::test

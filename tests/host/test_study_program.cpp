@@ -62,25 +62,7 @@ load = {{ key = "slider.load", values = [0.25, 0.5] }}
     err_ = child.err();
     return status;
   }
-  /// All that the table holds but how long each run took: its bytes, made anew with no times.
-  std::string table(const std::string& name) const {
-    const fs::path folder = folder_ / name;
-    const Study study = parse_snapshot(test::read_file(folder / "study.json"), "study.json");
-    const StudyPoints points(study);
-    FinishedRuns finished;
-    finished.add(StudyFolder{folder});
-    for (auto& [key, run] : finished.runs) run.figures.wall_seconds = 0;
-    const fs::path file = folder_ / (name + "-timeless.h5");
-    write_study_table(file, points, PointCensus(points), finished);
-    // the program's own table says the same
-    const StudyAnswers here = read_study_table(file),
-                       there = read_study_table(folder / "results.h5");
-    EXPECT_EQ(here.status, there.status);
-    EXPECT_TRUE(std::equal(here.v_rms.begin(), here.v_rms.end(), there.v_rms.begin(),
-                           there.v_rms.end(),
-                           [](double a, double b) { return a == b || (a != a && b != b); }));
-    return test::read_file(file);
-  }
+  std::string table(const std::string& name) const { return test::timeless_table(folder_ / name); }
   nlohmann::json status_of(const std::string& name) const {
     return nlohmann::json::parse(test::read_file(folder_ / name / "status.json"));
   }
