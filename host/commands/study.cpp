@@ -442,6 +442,8 @@ void add_study(CLI::App& app, Chosen& chosen) {
       ->take_all()
       ->expected(1);
   add_checkpoints(*study, request.checkpoint, request.most_wall);
+  for (const char* of_runs : {"--checkpoint", "--max-wall"})
+    for (CLI::Option* looking : {list, dry}) looking->excludes(study->get_option(of_runs));
   study->add_flag("--quiet", request.quiet, "print nothing but what was asked for and errors");
 
   CLI::App* status = study->add_subcommand("status", "says how far a study is");

@@ -538,6 +538,9 @@ TEST_F(StudyProgram, LinesThatAreWrongAreRefused) {
   EXPECT_THAT(err_, HasSubstr("did you mean '--shard'?"));
   for (const char* other : {"--dry-run", "--retry-failed", "--shard=1/2"})
     EXPECT_EQ(run({"study.toml", "--list", other}), 2) << other;
+  for (const char* looking : {"--dry-run", "--list"})
+    for (const char* other : {"--checkpoint=1", "--max-wall=1"})
+      EXPECT_EQ(run({"study.toml", looking, other}), 2) << looking << other;
   EXPECT_EQ(run({"none.toml"}), 4);
   EXPECT_EQ(run({"study.toml", "--set", "scene.speed=1"}), 2);
   EXPECT_THAT(err_, HasSubstr("vary.speed varies this key"));
