@@ -83,7 +83,7 @@ scheme = {{ keys = ["time.scheme", "contact.law"], values = [["heun", "penalty"]
       if (file.extension() == ".checkpoint") return file;
     return {};
   }
-  /// The results that are kept, by their names.
+  /// The results that are kept, by their names. Compare with ==: gtest would print them, and takes all memory.
   std::map<std::string, Content> results(const std::string& name) const {
     std::map<std::string, Content> found;
     for (const auto& entry : fs::directory_iterator(folder_ / name / "runs"))
@@ -129,7 +129,7 @@ TEST_F(StudyCrash, CutThreeTimesItEqualsOneThatWasLeftAlone) {
     EXPECT_TRUE(timeless_table(folder_ / cut) == timeless_table(folder_ / whole));
     EXPECT_TRUE(checkpoints(cut).empty());
     if (keep_results) {
-      EXPECT_EQ(results(cut), results(whole)) << "and nothing else stands there";
+      EXPECT_TRUE(results(cut) == results(whole)) << "and nothing else stands there";
     } else {
       EXPECT_TRUE(fs::is_empty(folder_ / cut / "runs"));
     }
@@ -193,12 +193,12 @@ TEST_F(StudyCrash, WhatCannotBeGoneOnFromIsSaidAndStopsNothing) {
   cut_off("segment");
   fs::remove(segments_of(only_checkpoint("segment")) / segment_name(1));
   goes_on_all_the_same("segment", "000001.h5");
-  EXPECT_EQ(results("segment"), results("kept"));
+  EXPECT_TRUE(results("segment") == results("kept"));
   write_study(0.07, false);
   cut_off("later");
   write_study(0.07, true);
   goes_on_all_the_same("later", "its outputs and its accounts do not agree");
-  EXPECT_EQ(results("later"), results("kept"));
+  EXPECT_TRUE(results("later") == results("kept"));
   // and the other way round: the state is enough
   cut_off("no_more");
   write_study(0.07, false);
@@ -293,7 +293,7 @@ TEST_F(StudyCrash, CutOffAtAnyCallItGoesOnToTheSameTable) {
         EXPECT_TRUE(timeless_table(out) == expected);
         EXPECT_TRUE(checkpoints("out").empty());
         if (keep_results) {
-          EXPECT_EQ(results("out"), results(whole));
+          EXPECT_TRUE(results("out") == results(whole));
         }
         ASSERT_LT(call, 5000);
       }

@@ -5,8 +5,8 @@
     hostile.py PROGRAM PART [--times N] [--share I/N] [--seed S] [--kills N]
 
 PART: scenes, profiles, kills, signals, resumes or studies. --times multiplies the random cases; --share runs every Nth case
-from the Ith (from 1) on. Prints how many there were and how they ended. The status is 1 if fewer than --kills of those that go on were
-killed, or if one of them
+from the Ith (from 1) on. Prints how many there were and how they ended. The status is 1 if there were fewer than --kills kills of those that
+go on, if they went on from checkpoints less than once a case, or if one of them
 
 - ended with a status that is not promised, by a crash, or not within 20 s;
 - ended with 0 and data that are not finite, in the file or in the report;
@@ -558,7 +558,7 @@ SCHEMES = [(scheme, law, force) for scheme in ("explicit-euler", "midpoint", "ba
            and (law == "penalty" or scheme not in ("explicit-euler", "adaptive"))]
 RESUMED = PLAIN.replace("duration = 2e-5", "duration = 0.04").replace("speed = 0.5", "speed = 0.2")
 SLOWER = 1  # than a release build
-CUTS = Counter()  # how runs that were to go on were cut off
+CUTS = Counter()  # how runs that were to go on were cut off, and how often they went on from a checkpoint
 
 
 def resume_cases(times, dice):
@@ -607,8 +607,7 @@ def try_resume(program, case, dice):
             break
     if status == 0 and content(folder.path / "out.h5") != content(folder.path / "whole.h5"):
         found.append("went on to other bits")
-    if went_on == 0:
-        found.append("never went on from a checkpoint")
+    CUTS["went on"] += went_on
     return folder, status, found
 
 
@@ -657,8 +656,7 @@ def try_study(program, case, dice):
             break
     if not found and study_content(folder.path / "out") != study_content(folder.path / "whole"):
         found.append("went on to other numbers")
-    if not found and went_on == 0:
-        found.append("never went on from a checkpoint")
+    CUTS["went on"] += went_on
     found += [f"left {left.name}" for left in folder.path.glob("out/runs/*.h5.*") if not found]
     return folder, status, found
 
@@ -699,8 +697,10 @@ def main():
         folder.close()
     endings = ", ".join(f"{count} with {status}" for status, count in sorted(ended.items(), key=str))
     print(f"{asked.part} {asked.share}: {len(cases)} ended in {time.monotonic() - begun:.1f} s: {endings}; "
-          f"{wrong} at fault" + "".join(f"; cut off {count} times with {status}" for status, count in CUTS.items()))
-    return 1 if wrong or CUTS[128 + signal.SIGKILL] < asked.kills else 0
+          f"{wrong} at fault" + "".join(f"; cut off {count} times with {status}" if status != "went on" else f"; went on {count} times"
+                                   for status, count in CUTS.items()))
+    too_few = CUTS[128 + signal.SIGKILL] < asked.kills or ("went on" in CUTS and CUTS["went on"] < len(cases))
+    return 1 if wrong or too_few else 0
 
 
 if __name__ == "__main__":
