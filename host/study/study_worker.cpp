@@ -2,6 +2,7 @@
 #include "host/study/study_worker.hpp"
 
 #include <fmt/format.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <array>
@@ -46,6 +47,14 @@ constexpr int slots_of_a_gpu = 1024;
 constexpr std::chrono::milliseconds tick_time{200};
 constexpr double progress_time = 0.2;  // s
 constexpr std::size_t most_failures_told = 10;
+
+/// Lets this process open as many files as it may: each run on its way has its result's and a lock.
+void open_more_files() {
+  rlimit files{};
+  if (getrlimit(RLIMIT_NOFILE, &files) != 0) return;
+  files.rlim_cur = files.rlim_max;
+  setrlimit(RLIMIT_NOFILE, &files);  // if refused, the file that cannot be opened says so
+}
 
 /// The dearest first; of equals in their order.
 void sort_by_cost(std::vector<std::size_t>& points, const PointCensus& census) {
@@ -160,9 +169,10 @@ class Worker {
       });
       clerk_ = &clerk;
       const int jobs = static_cast<int>(work_.jobs.size());
-      if (scenes_at_once() > backend_threads())
+      if (scenes_at_once() > backend_threads()) {
+        open_more_files();
         march(0, std::min(jobs, slots_of_a_gpu));
-      else  // each thread by itself: none waits for another before the end
+      } else  // each thread by itself: none waits for another before the end
         side_by_side(std::min(jobs, backend_threads()), [&](int thread) { march(thread, 1); });
       clerk.rethrow();
     }
