@@ -643,14 +643,14 @@ def try_study(program, case, dice):
     while not found:
         process = start(program, [*words, "-o", "out"], folder)
         attempt += 1
-        if attempt <= 15:
+        if attempt <= 8:
             time.sleep(SLOWER * dice.uniform(0.03, 0.2))
             process.send_signal(dice.choice([signal.SIGKILL, signal.SIGKILL, signal.SIGTERM]))
         status = end(process)
         CUTS[status] += status != 0
         out, err = printed(folder)
         went_on += b"from checkpoints, " in out
-        if status not in ((0, 137, 143) if attempt <= 15 else (0,)) or b"starts anew" in err:
+        if status not in ((0, 137, 143) if attempt <= 8 else (0,)) or b"starts anew" in err:
             found.append(f"ended with {status}: {err[-300:]!r}")
         if status == 0:
             break
