@@ -117,7 +117,9 @@ void remove_leftovers(const fs::path& folder, const std::string& host) {
     if (descriptor < 0) continue;
     struct stat status;
     if (fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode) && lock(descriptor) == 0 &&
-        stands_at(descriptor, path) && unlink(path.c_str()) == 0) {
+        stands_at(descriptor, path) && unlink(path.c_str()) == 0 &&
+        status.st_size >
+            0) {  // an empty one may be somebody's who has just made it, and makes it again
       ++removed;
       bytes += 512.0 * static_cast<double>(status.st_blocks);
     }

@@ -16,7 +16,7 @@ std::filesystem::path source_folder();
 /// A file of scenes/ by its name without .toml.
 std::string scene_file(const std::string& name);
 
-/// The library that makes calls to a disk fail (tests/faults); empty where none can be loaded.
+/// The library that makes calls to a disk fail and sets the wall clock (tests/faults); empty where none can be loaded.
 std::string faulty_disk();
 
 /// The mpirun of the MPI that the program was built with; empty where there is none.

@@ -10,9 +10,8 @@
 #include "host/commands/options.hpp"
 #include "host/commands/print.hpp"
 #include "host/errors.hpp"
-#include "host/run/checkpoint.hpp"
+#include "host/run/checked_checkpoint.hpp"
 #include "host/store/checked_file.hpp"
-#include "host/store/sealed_file.hpp"
 #include "host/study/study_check.hpp"
 #include "host/text.hpp"
 
@@ -36,36 +35,6 @@ Found check_file(const std::filesystem::path& file) {
                                     found.datasets, found.bytes * 1e-6)};
 }
 
-/// A checkpoint, and the segments that it vouches for.
-Found check_checkpoint(const std::filesystem::path& file) {
-  Found found;
-  try {
-    const Checkpoint checkpoint = read_checkpoint(file);
-    const std::filesystem::path folder = segments_of(file);
-    double bytes = 0;
-    for (std::size_t i = 0; i < checkpoint.segments.size(); ++i) {
-      const std::filesystem::path segment = folder / segment_name(i + 1);
-      bytes += static_cast<double>(checkpoint.segments[i].bytes);
-      try {
-        require_segment(segment, checkpoint.segments[i]);
-        for (const std::string& fault : check_result(segment).faults)
-          found.faults.push_back(fmt::format("'{}': {}", segment.string(), fault));
-      } catch (const FileError& fault) {
-        found.faults.emplace_back(fault.what());
-      }
-    }
-    found.whole = fmt::format(
-        "a checkpoint of {}, {} steps into its run; {} segment{} of its outputs, {:.1f} MB, all "
-        "with their "
-        "hashes",
-        checkpoint.identity.program, checkpoint.accounts.now.strides, checkpoint.segments.size(),
-        checkpoint.segments.size() == 1 ? "" : "s", bytes * 1e-6);
-  } catch (const Unbelieved& fault) {
-    found.faults.push_back(fmt::format("it is {}", fault.what()));
-  }
-  return found;
-}
-
 Found check(const std::filesystem::path& file) {
   if (std::filesystem::is_directory(file)) {
     const CheckedStudy found = check_study(StudyFolder{file});
@@ -75,7 +44,9 @@ Found check(const std::filesystem::path& file) {
   if (!in) throw FileError(fmt::format("cannot read '{}'", file.string()));
   std::string start(15, '\0');
   in.read(start.data(), static_cast<std::streamsize>(start.size()));
-  return start == "ra2d checkpoint" ? check_checkpoint(file) : check_file(file);
+  if (start != "ra2d checkpoint") return check_file(file);
+  const CheckedCheckpoint found = check_checkpoint(file);
+  return {found.faults, found.what};
 }
 
 int check_files(const Asked& asked) {

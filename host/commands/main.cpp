@@ -130,17 +130,7 @@ int dispatch(Words words) {
       ->check(path());
   run->add_flag("--fresh", run_choices.fresh,
                 "start anew: go on from no checkpoint, and run again what is there");
-  run->add_option("--checkpoint", run_choices.checkpoint,
-                  "wall time between two checkpoints, from which the same line goes on after a "
-                  "crash")
-      ->type_name("MINUTES")
-      ->check(number_from(1e-6, 1e6, "from 1e-6 to 1e6"))
-      ->capture_default_str();
-  run->add_option("--max-wall", run_choices.most_wall,
-                  "wall time after which to stop, with a checkpoint and exit status 5: seconds, or "
-                  "H:M:S")
-      ->type_name("TIME")
-      ->transform(clock_time());
+  add_checkpoints(*run, run_choices.checkpoint, run_choices.most_wall);
   CLI::App* plan =
       app.add_subcommand("plan",
                          "says what would be modelled, and why; runs nothing unless --accuracy "

@@ -91,4 +91,20 @@ void add_stretch(CLI::App& command, std::optional<double>& from, std::optional<d
   add("--to", to, "where to end [the end of the run]");
 }
 
+void add_checkpoints(CLI::App& command, double& checkpoint, double& most_wall) {
+  command
+      .add_option("--checkpoint", checkpoint,
+                  "wall time between two checkpoints of a run, from which the same line goes on "
+                  "after a crash")
+      ->type_name("MINUTES")
+      ->check(number_from(1e-6, 1e6, "from 1e-6 to 1e6"))
+      ->capture_default_str();
+  command
+      .add_option("--max-wall", most_wall,
+                  "wall time after which to stop, with checkpoints and exit status 5: seconds, or "
+                  "H:M:S")
+      ->type_name("TIME")
+      ->transform(clock_time());
+}
+
 }  // namespace ra2d

@@ -50,6 +50,9 @@ CLI::Validator path();
 /// --from and --to: the stretch of a run that is looked at.
 void add_stretch(CLI::App& command, std::optional<double>& from, std::optional<double>& to);
 
+/// --checkpoint, in minutes, and --max-wall, in seconds.
+void add_checkpoints(CLI::App& command, double& checkpoint, double& most_wall);
+
 /// What a file or a folder is called, without its ending: what is made of it takes that name.
 std::string name_of(const std::filesystem::path& file);
 

@@ -29,6 +29,7 @@
 #include "host/interruption.hpp"
 #include "host/output_file.hpp"
 #include "host/partial_file.hpp"
+#include "host/study/study_checkpoints.hpp"
 #include "host/study/study_status.hpp"
 #include "host/study/study_table.hpp"
 #include "host/study/study_worker.hpp"
@@ -50,6 +51,8 @@ struct StudyRequest {
   std::string shard = "1/1";
   int threads = 0;  // none given: all processors
   int device = -1;
+  double checkpoint = 10;                                      // min between two of a run
+  double most_wall = std::numeric_limits<double>::infinity();  // s
   bool dry_run = false, list = false, retry_failed = false, quiet = false;
 };
 
@@ -263,6 +266,10 @@ int march_study(Known& known, const StudyFolder& folder, const Shard& shard,
   if (!request.quiet && !known.census.has_seeds && known.points.study().seeds.size() > 1)
     say("no surface of this study has a seed: its runs of other seeds are one run");
   write_text(folder.snapshot(), snapshot_text(known.points.study()));
+  StudyCheckpoints checkpoints(folder, 60 * request.checkpoint, [&](const std::string& text) {
+    if (!request.quiet) say(text);
+  });
+  checkpoints.remove_those_of(known.finished);
   const StudyWork work = find_work(known.census, known.finished, shard, request.retry_failed,
                                    lacks_its_result(known, folder));
 
@@ -278,7 +285,10 @@ int march_study(Known& known, const StudyFolder& folder, const Shard& shard,
     status.take(progress);
     if (terminal) show_progress(progress);
   };
-  if (keep_files) options.results = folder.path;
+  options.keep_results = keep_files;
+  options.folder = folder.path;
+  options.checkpoints = &checkpoints;
+  options.most_wall = request.most_wall;
   options.tick = [&] { status.write_now_and_then(); };
 
   const OrderlyEnd orderly;
@@ -325,6 +335,9 @@ int march_study(Known& known, const StudyFolder& folder, const Shard& shard,
     else
       print("{} finished in {}, {} were finished before\n", runs_text(finished),
             seconds_text(outcome.elapsed), work.done + work.failed);
+    if (checkpoints.went_on() > 0)
+      print("  {:<17}{} from checkpoints, {} steps into them\n", "went on",
+            runs_text(checkpoints.went_on()), checkpoints.steps_saved());
     if (outcome.elapsed > 1)
       print("  {:<17}{:.0f} % of {} thread{}; the march alone is {:.0f} % of that\n", "busy",
             100 * outcome.busy / (outcome.elapsed * all.threads), all.threads,
@@ -339,10 +352,16 @@ int march_study(Known& known, const StudyFolder& folder, const Shard& shard,
                     work.done + work.failed + finished, runs_text(work.runs)));
     return interrupted + all.signal;
   }
+  if (cut && outcome.out_of_time) {
+    say(fmt::format("stopped by --max-wall: {} of {} are finished and kept; the same line goes on",
+                    work.done + work.failed + finished, runs_text(work.runs)));
+    return out_of_time;
+  }
   return failed_now.empty() ? done : failed;
 }
 
 int study_command(const StudyRequest& request) {
+  const CheckpointKeeper keeper;  // from here on SIGUSR1 ends nothing
   const Shard shard = to_shard(request.shard);
   if (request.list || request.dry_run) require_one_process();
   Ranks* const ranks = join_ranks();
@@ -354,7 +373,11 @@ int study_command(const StudyRequest& request) {
                                      lowered);
   const StudyFolder folder{request.output.empty() ? request.study.stem() : request.output};
   if (helps) {
-    help_with_study(*ranks, folder, shard, threads);
+    help_with_study(*ranks, folder, shard,
+                    {.threads = threads,
+                     .device = request.device,
+                     .checkpoint = 60 * request.checkpoint,
+                     .most_wall = request.most_wall});
     return done;
   }
   Known known(read_study(request.study, request.overrides));
@@ -477,6 +500,9 @@ void add_study(CLI::App& app, Chosen& chosen) {
       ->type_name("SECTION.KEY=VALUE")
       ->take_all()
       ->expected(1);
+  add_checkpoints(*study, request.checkpoint, request.most_wall);
+  for (const char* of_runs : {"--checkpoint", "--max-wall"})
+    for (CLI::Option* looking : {list, dry}) looking->excludes(study->get_option(of_runs));
   study->add_flag("--quiet", request.quiet, "print nothing but what was asked for and errors");
 
   CLI::App* status = study->add_subcommand("status", "says how far a study is");

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "host/commands/commands.hpp"
+#include "host/commands/print.hpp"
 #include "host/device/backend.hpp"
 #include "host/errors.hpp"
 #include "host/interruption.hpp"
@@ -51,7 +52,8 @@ void hand_out(Ranks& ranks, const Study& study, const PointCensus& census, const
   share(ranks, jobs);
 }
 
-void help_with_study(Ranks& ranks, const StudyFolder& folder, const Shard& shard, int threads) {
+void help_with_study(Ranks& ranks, const StudyFolder& folder, const Shard& shard,
+                     const RankChoices& choices) {
   std::string text;
   std::vector<Key128> keys;
   StudyWork work;
@@ -75,20 +77,26 @@ void help_with_study(Ranks& ranks, const StudyFolder& folder, const Shard& shard
           "that are alike, with one ra2d");
     LedgerWriter ledger(folder.ledger(shard, ranks.rank()));
     StudyOptions options;
-    if (points.study().keep_files) options.results = folder.path;
+    StudyCheckpoints checkpoints(folder, choices.checkpoint,
+                                 [](const std::string& text) { say(text); });
+    options.checkpoints = &checkpoints;
+    options.most_wall = choices.most_wall;
+    options.keep_results = points.study().keep_files;
+    options.folder = folder.path;
     options.next_job = [&] { return ranks.next_number(); };
     options.progress = [&](const StudyProgress& now) {
       ranks.report({.done = static_cast<std::int64_t>(now.done),
                     .failed = static_cast<std::int64_t>(now.failed),
                     .running = static_cast<std::int64_t>(now.running)});
     };
-    const Backend backend(threads);
+    const Backend backend(choices.threads, choices.device);
     outcome = run_study(points, census, work, ledger, options);
   }
   ranks.report({.done = static_cast<std::int64_t>(outcome.done),
                 .failed = static_cast<std::int64_t>(outcome.failed),
                 .ended = interruption(),
-                .threads = threads,
+                .out_of_time = outcome.out_of_time,
+                .threads = choices.threads,
                 .busy = microseconds(outcome.busy),
                 .marched = microseconds(outcome.marched)});
   wait_for_others(ranks, [](double) {});
@@ -113,6 +121,7 @@ SharedOutcome with_others(Ranks& ranks, const StudyOutcome& own, int threads) {
     all.outcome.marched += 1e-6 * static_cast<double>(report.marched);
     all.threads += static_cast<int>(report.threads);
     if (report.ended > 0) all.signal = static_cast<int>(report.ended);
+    if (report.out_of_time > 0) all.outcome.out_of_time = true;
   }
   return all;
 }

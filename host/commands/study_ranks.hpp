@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <functional>
+#include <limits>
 
 #include "host/ranks/ranks.hpp"
 #include "host/study/study_worker.hpp"
@@ -12,9 +13,17 @@ namespace ra2d {
 /// On rank 0, once the study is in its folder: the others get their work.
 void hand_out(Ranks& ranks, const Study& study, const PointCensus& census, const StudyWork& work);
 
+/// How a rank marches its runs.
+struct RankChoices {
+  int threads = 1, device = -1;
+  double checkpoint = 600;                                     // s between two of a run
+  double most_wall = std::numeric_limits<double>::infinity();  // s
+};
+
 /// On the others: does its part, and waits for nobody. Throws FileError where this rank sees another
 /// folder than rank 0, or would run other scenes.
-void help_with_study(Ranks& ranks, const StudyFolder& folder, const Shard& shard, int threads);
+void help_with_study(Ranks& ranks, const StudyFolder& folder, const Shard& shard,
+                     const RankChoices& choices);
 
 /// Adds the runs of the other ranks.
 void add_others(Ranks& ranks, StudyProgress& progress);

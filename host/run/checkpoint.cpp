@@ -5,6 +5,7 @@
 
 #include <iterator>
 #include <sstream>
+#include <utility>
 
 #include "host/device/backend.hpp"
 #include "host/errors.hpp"
@@ -45,7 +46,7 @@ bool fits(const Snapshot& s, const Model& model) {
 }
 
 /// What in the accounts does not fit the scene, or the state; empty where nothing is found.
-std::string fault_of(const Checkpoint& c, const Model& model) {
+std::string fault_of(const Checkpoint& c, const Model& model, Outputs outputs) {
   const Accounts& a = c.accounts;
   std::int64_t samples = 0;
   for (const Segment& segment : c.segments) {
@@ -59,7 +60,8 @@ std::string fault_of(const Checkpoint& c, const Model& model) {
       std::ssize(a.now.open_shocks) != c.state.values.open_count || a.begin.step > a.now.step ||
       a.samples < 0 || a.samples > model.samples)
     return "its accounts and its state are of two moments";
-  if (samples != a.samples) return "its outputs and its accounts do not agree";
+  if (outputs == Outputs::kept && samples != a.samples)
+    return "its outputs and its accounts do not agree";
   if (!a.durations.is_sound() || !a.forces.is_sound()) return "its histograms are none";
   return {};
 }
@@ -76,7 +78,8 @@ Checkpoint read_checkpoint(const std::filesystem::path& file) {
   return checkpoint_of(read_whole(file, most_bytes));
 }
 
-std::string difference(const Checkpoint& checkpoint, const Identity& run, const Model& model) {
+std::string difference(const Checkpoint& checkpoint, const Identity& run, const Model& model,
+                       Outputs outputs) {
   const Identity& there = checkpoint.identity;
   if (there.key != run.key && there.arithmetic == run.arithmetic && there.program == run.program)
     return "it is of another scene: " + first_difference(there.scene, run.scene);
@@ -87,42 +90,39 @@ std::string difference(const Checkpoint& checkpoint, const Identity& run, const 
   if (there.program != run.program) return other("version", there.program, run.program);
   if (there.arithmetic != run.arithmetic) return other("build", there.arithmetic, run.arithmetic);
   if (there.backend != run.backend) return other("backend", there.backend, run.backend);
-  return fault_of(checkpoint, model);
+  return fault_of(checkpoint, model, outputs);
 }
 
 void write_checkpoint(const ClaimedOutput& output, const Checkpoint& checkpoint) {
   write_sealed(output.names().checkpoint, bytes_of(checkpoint), output.names().previous);
 }
 
-std::optional<Checkpoint> last_checkpoint(const ClaimedOutput& output, const Identity& run,
-                                          const Model& model,
-                                          const std::function<void(const std::string&)>& warn) {
-  const OutputNames& names = output.names();
-  std::string damage;
+FoundCheckpoint find_checkpoint(const OutputNames& names, const Identity& run, const Model& model,
+                                Outputs outputs) {
+  FoundCheckpoint found;
   for (const std::filesystem::path* file : {&names.checkpoint, &names.previous}) {
     if (!std::filesystem::exists(*file)) continue;
     try {
       Checkpoint checkpoint = read_checkpoint(*file);
-      if (const std::string what = difference(checkpoint, run, model); !what.empty())
-        throw RequestError(
-            fmt::format("cannot go on from '{}': {}. It is left as it is: choose another output "
-                        "with -o, or --fresh "
-                        "to start anew and have it removed",
-                        file->string(), what));
-      for (std::size_t i = 0; i < checkpoint.segments.size(); ++i)
-        require_segment(output.segment(i + 1), checkpoint.segments[i]);
-      if (!damage.empty())
-        warn(fmt::format("{}. The run goes on from '{}', which is older", damage, file->string()));
-      return checkpoint;
+      if (const std::string what = difference(checkpoint, run, model, outputs); !what.empty()) {
+        found.difference = fmt::format("cannot go on from '{}': {}", file->string(), what);
+        return found;
+      }
+      if (outputs == Outputs::kept)
+        for (std::size_t i = 0; i < checkpoint.segments.size(); ++i)
+          require_segment(names.segment(i + 1), checkpoint.segments[i]);
+      found.file = *file;
+      found.checkpoint = std::move(checkpoint);
+      return found;
     } catch (const Unbelieved& fault) {
-      if (damage.empty()) damage = fmt::format("'{}' is {}", file->string(), fault.what());
+      if (found.damage.empty())
+        found.damage = fmt::format("'{}' is {}", file->string(), fault.what());
     } catch (const FileError& fault) {
-      if (damage.empty())
-        damage = fmt::format("'{}' cannot be gone on from: {}", file->string(), fault.what());
+      if (found.damage.empty())
+        found.damage = fmt::format("'{}' cannot be gone on from: {}", file->string(), fault.what());
     }
   }
-  if (damage.empty()) return std::nullopt;
-  throw FileError(damage + ". It is left as it is: --fresh starts the run anew and has it removed");
+  return found;
 }
 
 }  // namespace ra2d

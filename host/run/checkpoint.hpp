@@ -2,7 +2,6 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -44,18 +43,27 @@ Checkpoint checkpoint_of(const std::string& bytes);
 /// Throws Unbelieved, and FileError where the file cannot be read.
 Checkpoint read_checkpoint(const std::filesystem::path& file);
 
+/// Whether what a run records is kept, and so has to be there for it to go on.
+enum class Outputs { kept, not_kept };
+
 /// What a checkpoint differs in from the run that is asked for, in words: "it is of another scene:
 /// 'speed = 0.1' there, 'speed = 0.2' here"; empty where a run can go on from it.
-std::string difference(const Checkpoint& checkpoint, const Identity& run, const Model& model);
+std::string difference(const Checkpoint& checkpoint, const Identity& run, const Model& model,
+                       Outputs outputs = Outputs::kept);
 
 /// Writes a checkpoint; the one before is kept. Throws FileError.
 void write_checkpoint(const ClaimedOutput& output, const Checkpoint& checkpoint);
 
-/// The last checkpoint of an output that a run can go on from; the one before it where the last is damaged,
-/// or segments that it vouches for, which is told to `warn`. None where there is none. Throws FileError where
-/// all that there is is damaged, and RequestError where it is of another run.
-std::optional<Checkpoint> last_checkpoint(const ClaimedOutput& output, const Identity& run,
-                                          const Model& model,
-                                          const std::function<void(const std::string&)>& warn);
+struct FoundCheckpoint {
+  std::optional<Checkpoint> checkpoint;  // to go on from
+  std::filesystem::path file;            // that it was in
+  std::string damage;  // of one that is newer, or of all that there are; empty where there is none
+  std::string difference;  // why the one that is whole is of another run; empty where it is not
+};
+
+/// Looks for the last checkpoint of an output that a run can go on from: the one before it where the last is
+/// damaged, or segments that it vouches for. Faults are found, not thrown.
+FoundCheckpoint find_checkpoint(const OutputNames& names, const Identity& run, const Model& model,
+                                Outputs outputs);
 
 }  // namespace ra2d

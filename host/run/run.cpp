@@ -13,13 +13,10 @@
 #include "host/errors.hpp"
 #include "host/interruption.hpp"
 #include "host/plan/plan.hpp"
-#include "host/run/checkpoint.hpp"
-#include "host/run/file_sink.hpp"
 #include "host/run/result_header.hpp"
+#include "host/run/run_files.hpp"
 #include "host/run/run_key.hpp"
 #include "host/run/simulation.hpp"
-#include "host/store/beside.hpp"
-#include "host/store/recording.hpp"
 #include "host/store/result_reader.hpp"
 
 namespace ra2d {
@@ -44,15 +41,6 @@ Progress progress_of(const SceneRun& run, std::int64_t first, double wall) {
   return progress;
 }
 
-/// Where in a run a segment begins that follows this moment.
-SegmentStart start_after(const Snapshot& now) {
-  SegmentStart start;
-  for (const OpenShock& open : now.open_shocks) start.open_shocks.push_back(open.serial);
-  std::sort(start.open_shocks.begin(), start.open_shocks.end());
-  start.shocks_begun = now.shocks_begun;
-  return start;
-}
-
 /// Whether the output has this run already, complete; what of another run will be replaced is told.
 bool is_there(const std::filesystem::path& output, const std::string& key,
               const RunOptions& options) {
@@ -69,28 +57,20 @@ bool is_there(const std::filesystem::path& output, const std::string& key,
 /// One run on its way to its file.
 class FiledRun {
  public:
-  FiledRun(Model model, ModalStart start, ResultHeader header, Identity identity,
-           const ClaimedOutput& output, std::optional<Checkpoint> before, const RunOptions& options)
+  FiledRun(Model model, ModalStart start, const MeanSquares& mean_squares, RunFiles& files,
+           std::optional<Checkpoint> before, const RunOptions& options)
       : options_{options},
-        output_{output},
-        identity_{std::move(identity)},
-        mean_squares_{header.resonator.mean_square},
+        files_{files},
+        mean_squares_{mean_squares},
         wall_before_{before ? before->wall_seconds : 0.0},
-        vouched_{before ? before->segments.size() : 0},
-        has_checkpoint_{before.has_value()},
-        recording_{output, header_after(std::move(header), before),
-                   before ? before->segments : std::vector<Segment>()},
-        sink_{recording_},
-        way_{std::move(model), std::move(start), {}, &sink_} {
+        way_{std::move(model), std::move(start), {}, files.sink()} {
     if (before) way_.go_on(std::move(before->state), std::move(before->accounts));
   }
 
   /// Marches the run to its end, or to where it is cut off.
   void march() {
-    // launches short enough for the checkpoints and the wall time that are asked for
     SimulationOptions launches;
-    launches.seconds =
-        std::clamp(std::min(options_.checkpoint, 0.1 * options_.most_wall), 1e-3, 0.2);
+    launches.seconds = launch_seconds(options_.checkpoint, options_.most_wall);
     Simulation simulation(launches);
     simulation.run({&way_}, [&] {
       show_progress();
@@ -100,8 +80,8 @@ class FiledRun {
         out_of_time_ = true;
       }
       if (take_checkpoint_request() || !simulation.goes_on() ||
-          seconds_since(kept_) >= options_.checkpoint)
-        keep(simulation);
+          files_.since_checkpoint() >= options_.checkpoint)
+        files_.keep(way_, simulation.save(way_), wall(), [&] { return summary_of(report()); });
     });
     memory_ = simulation.memory();
   }
@@ -112,44 +92,21 @@ class FiledRun {
     report.beyond_limit = beyond_limit;
     if (report.ending == Ending::interrupted && out_of_time_ && interruption() == 0)
       report.ending = Ending::out_of_time;
-    report.resumable =
-        has_checkpoint_ && report.ending != Ending::complete && report.ending != Ending::failed;
-    report.read_back_seconds = recording_.close(summary_of(report));
+    report.resumable = files_.has_checkpoint() && report.ending != Ending::complete &&
+                       report.ending != Ending::failed;
+    report.read_back_seconds = files_.close(summary_of(report));
     report.wall_seconds = wall();
-    report.resumable ? output_.remove_segments(vouched_ + 1) : output_.remove_all();
+    report.resumable ? files_.remove_after_checkpoint() : files_.remove();
     return report;
   }
 
-  /// What a failure to write has cost, and what it has not.
-  std::string kept_text() const {
-    return has_checkpoint_
-               ? fmt::format(
-                     ". What was recorded up to the last checkpoint is kept: the same line goes on "
-                     "from there")
-               : std::string();
-  }
-
  private:
-  static ResultHeader header_after(ResultHeader header, const std::optional<Checkpoint>& before) {
-    if (before) header.segment = start_after(before->accounts.now);
-    return header;
-  }
   double wall() const { return wall_before_ + seconds_since(begun_); }
   RunReport report() const {
     RunReport report = report_on(way_, mean_squares_.get());
     report.wall_seconds = wall();
     report.memory = memory_;
     return report;
-  }
-
-  void keep(const Simulation& simulation) {
-    const std::vector<Segment>& segments =
-        recording_.close_segment(summary_of(report()), start_after(way_.accounts().now));
-    write_checkpoint(output_,
-                     {identity_, simulation.save(way_), way_.accounts(), wall(), segments});
-    vouched_ = segments.size();
-    has_checkpoint_ = true;
-    kept_ = Clock::now();
   }
 
   void show_progress() {
@@ -159,19 +116,33 @@ class FiledRun {
   }
 
   const RunOptions& options_;
-  const ClaimedOutput& output_;
-  Identity identity_;
+  RunFiles& files_;
   MeanSquares mean_squares_;
-  double wall_before_;   // s, of what it goes on from
-  std::size_t vouched_;  // segments that the last checkpoint vouches for
-  bool has_checkpoint_, out_of_time_ = false;
-  Recording recording_;
-  FileSink<Recording> sink_;
+  double wall_before_;  // s, of what it goes on from
+  bool out_of_time_ = false;
   SceneRun way_;
   std::size_t memory_ = 0;
   std::int64_t first_step_ = way_.accounts().now.step;
-  Clock::time_point begun_ = Clock::now(), kept_ = begun_, shown_ = begun_;
+  Clock::time_point begun_ = Clock::now(), shown_ = begun_;
 };
+
+/// None where there is none. Throws FileError where all that there is is damaged, and RequestError where it
+/// is of another run.
+std::optional<Checkpoint> checkpoint_to_go_on_from(
+    RunFiles& files, const Model& model, const std::function<void(const std::string&)>& tell) {
+  FoundCheckpoint found = files.find(model, Outputs::kept);
+  if (!found.difference.empty())
+    throw RequestError(found.difference +
+                       ". It is left as it is: choose another output with -o, or --fresh to start "
+                       "anew and have it removed");
+  if (!found.damage.empty() && !found.checkpoint)
+    throw FileError(found.damage +
+                    ". It is left as it is: --fresh starts the run anew and has it removed");
+  if (!found.damage.empty())
+    tell(fmt::format("{}. The run goes on from '{}', which is older", found.damage,
+                     found.file.string()));
+  return std::move(found.checkpoint);
+}
 
 }  // namespace
 
@@ -182,14 +153,14 @@ RunReport run(const Scene& scene, const RunOptions& options) {
   if (const std::string overlap = overlap_at_start(model); !overlap.empty())
     throw refusal(scene, "scene.gap", overlap);
 
-  const ClaimedOutput output(options.output);
   const std::string key = run_key(model);
+  RunFiles files(options.output, key);
+  files.claim();
   ResultHeader header = result_header(model, key);
   header.beyond_limit = beyond_limit;
-  const Identity identity = identity_of(key, header.scene);
-  if (options.fresh) output.remove_all();
-  if (!options.fresh && is_there(output.names().result, key, options)) {
-    output.remove_all();
+  if (options.fresh) files.remove();
+  if (!options.fresh && is_there(files.names().result, key, options)) {
+    files.remove();
     RunReport report;
     report.ending = Ending::there;
     return report;
@@ -197,28 +168,35 @@ RunReport run(const Scene& scene, const RunOptions& options) {
   const auto tell = [&](const std::string& text) {
     if (options.tell) options.tell(text);
   };
-  std::optional<Checkpoint> before = last_checkpoint(output, identity, model, tell);
-  output.remove_segments(before ? before->segments.size() + 1 : 1);
+  std::optional<Checkpoint> before = checkpoint_to_go_on_from(files, model, tell);
+  files.remove_after_checkpoint();
   if (before)
     tell(fmt::format("goes on from t = {:.6g} s, where its last checkpoint is",
                      static_cast<double>(before->accounts.now.step) * model.tick));
   ModalStart start = make_start(model);
 
   const bool goes_on = before.has_value();
-  FiledRun run(std::move(model), std::move(start), std::move(header), identity, output,
-               std::move(before), options);
-  const OrderlyEnd orderly;  // before, there is nothing to keep
+  const MeanSquares mean_squares = header.resonator.mean_square;
   try {
+    files.record(std::move(header), before);
+    FiledRun run(std::move(model), std::move(start), mean_squares, files, std::move(before),
+                 options);
+    const OrderlyEnd orderly;  // before, there is nothing to keep
     run.march();
     return run.finish(beyond_limit);
   } catch (const FileError& fault) {
-    throw FileError(fault.what() + run.kept_text());
+    // what a failure to write has cost, and what it has not
+    throw FileError(fault.what() +
+                    std::string(files.has_checkpoint()
+                                    ? ". What was recorded up to the last checkpoint is kept: the "
+                                      "same line goes on from there"
+                                    : ""));
   } catch (const std::invalid_argument& fault) {
     if (!goes_on) throw;
     throw FileError(
         fmt::format("cannot go on from '{}': its state does not fit its scene: {}. It is left as "
                     "it is: --fresh starts the run anew and has it removed",
-                    output.names().checkpoint.string(), fault.what()));
+                    files.names().checkpoint.string(), fault.what()));
   }
 }
 

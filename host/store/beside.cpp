@@ -24,19 +24,6 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t digits = 6;
 
-OutputNames names_of(const fs::path& output) {
-  OutputNames names;
-  names.result = replaced_file(output);
-  const auto with = [&](const char* end) {
-    fs::path path = names.result;
-    return path += end;
-  };
-  names.segments = with(".parts");
-  names.checkpoint = with(".checkpoint");
-  names.previous = with(".checkpoint.previous");
-  return names;
-}
-
 /// Whether the open folder still stands under this name.
 bool stands_at(int descriptor, const fs::path& path) {
   struct stat opened, named;
@@ -56,7 +43,20 @@ std::size_t number_of(const std::string& name) {
 
 }  // namespace
 
-ClaimedOutput::ClaimedOutput(const fs::path& output) : names_{names_of(output)} {
+OutputNames names_beside(const fs::path& output) {
+  OutputNames names;
+  names.result = replaced_file(output);
+  const auto with = [&](const char* end) {
+    fs::path path = names.result;
+    return path += end;
+  };
+  names.segments = with(".parts");
+  names.checkpoint = with(".checkpoint");
+  names.previous = with(".checkpoint.previous");
+  return names;
+}
+
+ClaimedOutput::ClaimedOutput(const fs::path& output) : names_{names_beside(output)} {
   const auto fail = [&](int error) {
     throw write_failure("make the folder", names_.segments, std::strerror(error), error);
   };
@@ -75,7 +75,7 @@ ClaimedOutput::ClaimedOutput(const fs::path& output) : names_{names_of(output)} 
     close(folder_);
     folder_ = -1;
     if (taken)
-      throw FileError(
+      throw OutputTaken(
           fmt::format("another process writes '{}': wait until it is done, or choose "
                       "another output with -o",
                       names_.result.string()));
@@ -97,9 +97,7 @@ fs::path segments_of(const fs::path& checkpoint) {
   return path + ".parts";
 }
 
-fs::path ClaimedOutput::segment(std::size_t number) const {
-  return names_.segments / segment_name(number);
-}
+fs::path OutputNames::segment(std::size_t number) const { return segments / segment_name(number); }
 
 void ClaimedOutput::remove_segments(std::size_t from) const {
   std::error_code none;

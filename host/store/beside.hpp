@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "host/errors.hpp"
 #include "host/partial_file.hpp"
 
 /// What stands beside a result while it is made (contract: "Files beside a result").
@@ -13,6 +14,15 @@ struct OutputNames {
   std::filesystem::path result;                // what a symbolic link leads to
   std::filesystem::path segments;              // OUT.h5.parts, a folder
   std::filesystem::path checkpoint, previous;  // OUT.h5.checkpoint, OUT.h5.checkpoint.previous
+
+  /// Path of segment number 1, 2, ...
+  std::filesystem::path segment(std::size_t number) const;
+};
+OutputNames names_beside(const std::filesystem::path& output);
+
+/// Another process writes an output.
+struct OutputTaken : FileError {
+  using FileError::FileError;
 };
 
 /// "000001.h5", "000002.h5", ...
@@ -25,15 +35,14 @@ std::filesystem::path segments_of(const std::filesystem::path& checkpoint);
 /// empty at the end, removed. The system lets go of the lock with the process.
 class ClaimedOutput {
  public:
-  /// Throws FileError where another process of this machine writes the output, or the folder cannot be made.
+  /// Throws OutputTaken where another process of this machine writes the output, FileError where the folder
+  /// cannot be made.
   explicit ClaimedOutput(const std::filesystem::path& output);
   ~ClaimedOutput();
   ClaimedOutput(const ClaimedOutput&) = delete;
   ClaimedOutput& operator=(const ClaimedOutput&) = delete;
 
   const OutputNames& names() const { return names_; }
-  /// Path of segment number 1, 2, ...
-  std::filesystem::path segment(std::size_t number) const;
   /// Removes the segments from this number on: what no checkpoint vouches for.
   void remove_segments(std::size_t from) const;
   /// Removes the checkpoints, and then all segments.

@@ -55,15 +55,14 @@ void require_segment(const std::filesystem::path& file, const Segment& segment) 
                     file.string(), found.bytes, found.xxh3_128, segment.bytes, segment.xxh3_128));
 }
 
-Recording::Recording(const ClaimedOutput& output, const ResultHeader& header,
-                     std::vector<Segment> before)
-    : output_{output}, header_{header}, segments_{std::move(before)} {
+Recording::Recording(OutputNames names, const ResultHeader& header, std::vector<Segment> before)
+    : names_{std::move(names)}, header_{header}, segments_{std::move(before)} {
   begin();
 }
 
 void Recording::begin() {
   samples_ = shocks_ = 0;
-  file_.emplace(output_.names().result, header_);
+  file_.emplace(names_.result, header_);
 }
 
 void Recording::append(const SampleBlock& block) {
@@ -78,7 +77,7 @@ void Recording::append(const std::vector<Shock>& shocks) {
 
 bool Recording::seal(const ResultSummary& so_far) {
   if (samples_ == 0 && shocks_ == 0) return false;
-  const std::filesystem::path name = output_.segment(segments_.size() + 1);
+  const std::filesystem::path name = names_.segment(segments_.size() + 1);
   file_->close(so_far, name);
   Segment segment = hashed(name);
   segment.samples = samples_;
@@ -101,14 +100,14 @@ double Recording::close(const ResultSummary& summary) {
   seal(summary);
   file_.reset();
   header_.segment = {};
-  ResultFile whole(output_.names().result, header_);
+  ResultFile whole(names_.result, header_);
   join(whole);
   return whole.close(summary);
 }
 
 void Recording::join(ResultFile& whole) {
   for (std::size_t i = 0; i < segments_.size(); ++i) {
-    const ResultReader reader(output_.segment(i + 1));
+    const ResultReader reader(names_.segment(i + 1));
     const ResultContents& contents = reader.contents();
     for (std::size_t first = 0; first < contents.samples; first += rows_at_once)
       whole.append(reader.samples(first, std::min(rows_at_once, contents.samples - first)));

@@ -30,13 +30,12 @@ class Recording {
  public:
   /// `before`: the segments that a run that goes on has closed, which were looked at (require_segment);
   /// header.segment: where the next one begins.
-  Recording(const ClaimedOutput& output, const ResultHeader& header,
-            std::vector<Segment> before = {});
+  Recording(OutputNames names, const ResultHeader& header, std::vector<Segment> before = {});
 
   void append(const SampleBlock& block);
   void append(const std::vector<Shock>& shocks);
 
-  /// Closes a segment, if there is anything to put into it; what comes next begins at `next`. `so_far`: for
+  /// Of an output that is claimed (ClaimedOutput): closes a segment, if there is anything to put into it; what comes next begins at `next`. `so_far`: for
   /// whoever reads it while the run goes on. Returns all of them.
   const std::vector<Segment>& close_segment(const ResultSummary& so_far, const SegmentStart& next);
 
@@ -49,7 +48,7 @@ class Recording {
   bool seal(const ResultSummary& so_far);
   void join(ResultFile& whole);
 
-  const ClaimedOutput& output_;
+  OutputNames names_;
   ResultHeader header_;
   std::vector<Segment> segments_;
   std::optional<ResultFile> file_;

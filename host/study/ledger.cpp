@@ -184,20 +184,21 @@ std::string sealed_record(const std::string& body) {
   return record;
 }
 
-ParsedLedger parse_ledger(std::string_view bytes, const fs::path& file) {
-  ParsedLedger parsed;
+std::size_t read_ledger(std::string_view bytes, const fs::path& file,
+                        const std::function<void(FinishedRun)>& take) {
+  std::size_t whole = 0;
   const std::string expected = ledger_head();
-  if (bytes.size() < head_size && (expected.starts_with(bytes) || is_empty(bytes))) return parsed;
-  if (is_empty(bytes)) return parsed;
+  if (bytes.size() < head_size && (expected.starts_with(bytes) || is_empty(bytes))) return whole;
+  if (is_empty(bytes)) return whole;
   if (!bytes.starts_with(expected)) {
     const bool of_another = bytes.starts_with(file_magic);
     throw FileError(fmt::format("'{}' {}. Move it away; its runs are then run again", file.string(),
                                 of_another ? "is damaged at its beginning, or of another format"
                                            : "is no ledger of a study"));
   }
-  parsed.whole = head_size;
-  while (parsed.whole < bytes.size()) {
-    const std::string_view rest = bytes.substr(parsed.whole);
+  whole = head_size;
+  while (whole < bytes.size()) {
+    const std::string_view rest = bytes.substr(whole);
     if (is_empty(rest)) break;
     const std::string_view head = rest.substr(0, head_size);
     Cursor in{head};
@@ -205,20 +206,27 @@ ParsedLedger parse_ledger(std::string_view bytes, const fs::path& file) {
     const auto body = in.take<std::uint32_t>();
     if (head.size() < head_size) break;
     if (head != head_of(body) || body > most_body)
-      throw damage(file, parsed.whole, "no record begins there");
+      throw damage(file, whole, "no record begins there");
     const std::size_t size = head_size + body + hash_size;
     if (rest.size() < size) break;
     Cursor end{rest.substr(head_size + body, hash_size)};
     FinishedRun run;
     if (end.key() != long_hash(rest.substr(0, head_size + body))) {
       if (is_empty(rest.substr(size))) break;  // the last one: written in part
-      throw damage(file, parsed.whole, "the record there is not as it was written");
+      throw damage(file, whole, "the record there is not as it was written");
     }
     if (!read_body(rest.substr(head_size, body), run))
-      throw damage(file, parsed.whole, "the record there holds no run");
-    parsed.runs.push_back(std::move(run));
-    parsed.whole += size;
+      throw damage(file, whole, "the record there holds no run");
+    take(std::move(run));
+    whole += size;
   }
+  return whole;
+}
+
+ParsedLedger parse_ledger(std::string_view bytes, const fs::path& file) {
+  ParsedLedger parsed;
+  parsed.whole =
+      read_ledger(bytes, file, [&](FinishedRun run) { parsed.runs.push_back(std::move(run)); });
   return parsed;
 }
 
@@ -238,8 +246,8 @@ LedgerWriter::LedgerWriter(const fs::path& file) : file_{file} {
   }
   try {
     const std::string bytes = read_all(descriptor_, file_);
-    const ParsedLedger parsed = parse_ledger(bytes, file_);
-    size_ = parsed.whole;
+    const auto nothing = [](const FinishedRun&) {};
+    size_ = read_ledger(bytes, file_, nothing);
     if (bytes.size() > size_ && ftruncate(descriptor_, static_cast<off_t>(size_)) != 0)
       fail("cut the end off", errno);
     if (size_ == 0) {
@@ -293,8 +301,12 @@ void LedgerWriter::sync() {
 }
 
 void FinishedRuns::add(FinishedRun run, const fs::path& from) {
-  const auto [found, is_new] = runs.try_emplace(run.scene, run);
-  if (is_new) return;
+  const auto found = runs.find(run.scene);
+  if (found == runs.end()) {
+    const Key128 scene = run.scene;
+    runs.emplace(scene, std::move(run));
+    return;
+  }
   FinishedRun& known = found->second;
   const bool was_done = known.status == RunStatus::done, is_done = run.status == RunStatus::done;
   if (was_done && is_done && !agree(known, run))
@@ -324,7 +336,7 @@ void FinishedRuns::add(const StudyFolder& folder) {
       throw;
     }
     close(descriptor);
-    for (FinishedRun& run : parse_ledger(bytes, file).runs) add(std::move(run), file);
+    read_ledger(bytes, file, [&](FinishedRun run) { add(std::move(run), file); });
   }
 }
 

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <limits>
 #include <mutex>
 #include <string>
@@ -66,7 +67,11 @@ struct ParsedLedger {
   std::vector<FinishedRun> runs;  // in order
   std::size_t whole = 0;          // bytes up to the end of the last whole record
 };
-/// `file` is used in messages. Throws FileError that names the place of the damage.
+/// Hands on each run, in order; returns the bytes up to the end of the last whole record. `file` is used in
+/// messages. Throws FileError that names the place of the damage.
+std::size_t read_ledger(std::string_view bytes, const std::filesystem::path& file,
+                        const std::function<void(FinishedRun)>& take);
+/// ... or all of them at once.
 ParsedLedger parse_ledger(std::string_view bytes, const std::filesystem::path& file);
 
 /// One process's own.

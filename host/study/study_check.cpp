@@ -7,9 +7,11 @@
 #include <filesystem>
 
 #include "host/errors.hpp"
+#include "host/run/checked_checkpoint.hpp"
 #include "host/store/checked_file.hpp"
 #include "host/store/result_reader.hpp"
 #include "host/study/ledger.hpp"
+#include "host/study/study_checkpoints.hpp"
 #include "host/study/study_points.hpp"
 #include "host/study/study_table.hpp"
 
@@ -65,6 +67,15 @@ void check_kept(const StudyFolder& folder, const FinishedRun& run,
     faults.push_back(fmt::format("'{}' is of another run", file.string()));
 }
 
+/// Checkpoints of runs on their way; how many there are.
+std::size_t check_checkpoints(const StudyFolder& folder, std::vector<std::string>& faults) {
+  const std::vector<std::filesystem::path> files = study_checkpoints(folder);
+  for (const std::filesystem::path& file : files)
+    for (const std::string& fault : check_checkpoint(file).faults)
+      faults.push_back(fmt::format("'{}': {}", file.string(), fault));
+  return files.size();
+}
+
 }  // namespace
 
 CheckedStudy check_study(const StudyFolder& folder) {
@@ -88,6 +99,8 @@ CheckedStudy check_study(const StudyFolder& folder) {
         fmt::format("a study of {} runs: {} done, {} failed, {} not run yet; all hashes agree",
                     asked.size(), done, failed, missing);
     if (kept > 0) found.what += fmt::format(", also of {} results", kept);
+    if (const std::size_t count = check_checkpoints(folder, found.faults); count > 0)
+      found.what += fmt::format(", and of {} checkpoint{}", count, count == 1 ? "" : "s");
     if (std::filesystem::exists(folder.table())) {
       const std::size_t behind = check_table(folder, points, census, finished, found.faults);
       if (behind > 0)

@@ -13,7 +13,7 @@ struct CheckedStudy {
   std::string what;                 // "a study of 12 runs: 12 done, ..."
 };
 
-/// Reads the ledgers, the table and the results that are kept, and compares them with their hashes and with
+/// Reads the ledgers, the table, the results that are kept and the checkpoints, and compares them with their hashes and with
 /// one another. Faults are found, not thrown; runs that have not been made yet are none.
 CheckedStudy check_study(const StudyFolder& folder);
 

@@ -36,8 +36,8 @@ void StudyFolder::make(bool with_results) const {
   if (fs::exists(path, error) && !fs::is_directory(path, error))
     throw RequestError(fmt::format("cannot write to '{}': this is no folder. Name a folder with -o",
                                    path.string()));
-  for (const fs::path& folder : {path, ledgers(), path / "runs"}) {
-    if (folder.filename() == "runs" && !with_results) continue;
+  for (const fs::path& folder : {path, ledgers(), results()}) {
+    if (folder == results() && !with_results) continue;
     if (mkdir(folder.c_str(), 0777) != 0 && errno != EEXIST) {
       const int fault = errno;
       throw write_failure("create the folder", folder, std::strerror(fault), fault);

@@ -23,6 +23,8 @@ struct StudyFolder {
   std::filesystem::path ledgers() const { return path / "ledger"; }
   /// Of ranks under mpirun each has its own; one process writes that of rank 0.
   std::filesystem::path ledger(const Shard& shard, int rank = 0) const;
+  /// Results of runs where they are kept, and checkpoints of runs on their way.
+  std::filesystem::path results() const { return path / "runs"; }
   /// The result of a run by its key (run_key), relative to the folder.
   static std::filesystem::path result(const std::string& key) { return "runs/" + key + ".h5"; }
   std::filesystem::path status(const Shard& shard) const;

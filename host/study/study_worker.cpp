@@ -2,6 +2,7 @@
 #include "host/study/study_worker.hpp"
 
 #include <fmt/format.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <array>
@@ -10,11 +11,14 @@
 #include <cmath>
 #include <condition_variable>
 #include <exception>
+#include <limits>
 #include <list>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <new>
+#include <optional>
+#include <stdexcept>
 #include <thread>
 
 #include "host/device/backend.hpp"
@@ -23,8 +27,8 @@
 #include "host/model/model.hpp"
 #include "host/plan/plan.hpp"
 #include "host/result/level.hpp"
-#include "host/run/file_sink.hpp"
 #include "host/run/result_header.hpp"
+#include "host/run/run_files.hpp"
 #include "host/run/run_key.hpp"
 #include "host/run/run_report.hpp"
 #include "host/run/simulation.hpp"
@@ -44,29 +48,31 @@ constexpr std::chrono::milliseconds tick_time{200};
 constexpr double progress_time = 0.2;  // s
 constexpr std::size_t most_failures_told = 10;
 
+/// Lets this process open as many files as it may: each run on its way has its result's and a lock.
+void open_more_files() {
+  rlimit files{};
+  if (getrlimit(RLIMIT_NOFILE, &files) != 0) return;
+  files.rlim_cur = files.rlim_max;
+  setrlimit(RLIMIT_NOFILE, &files);  // if refused, the file that cannot be opened says so
+}
+
 /// The dearest first; of equals in their order.
 void sort_by_cost(std::vector<std::size_t>& points, const PointCensus& census) {
   std::stable_sort(points.begin(), points.end(),
                    [&](std::size_t a, std::size_t b) { return census.costs[a] > census.costs[b]; });
 }
 
-/// A run's own result, where it is kept.
-struct KeptResult {
-  std::unique_ptr<ResultFile> file;
-  std::unique_ptr<Sink> sink;
-};
-
 /// One run on its way.
 class PointRun : public SceneRun {
  public:
   PointRun(Model model, ModalStart start, std::size_t point_, Key128 key_, double setup_,
-           KeptResult kept_)
-      : SceneRun(std::move(model), std::move(start), {}, kept_.sink.get()),
-        kept{std::move(kept_)},
+           std::unique_ptr<RunFiles> files_)
+      : SceneRun(std::move(model), std::move(start), {}, files_->sink()),
+        files{std::move(files_)},
         point{point_},
         key{key_},
         setup{setup_} {}
-  KeptResult kept;
+  const std::unique_ptr<RunFiles> files;
   const std::size_t point;
   const Key128 key;    // run_key
   const double setup;  // s
@@ -163,14 +169,16 @@ class Worker {
       });
       clerk_ = &clerk;
       const int jobs = static_cast<int>(work_.jobs.size());
-      if (scenes_at_once() > backend_threads())
+      if (scenes_at_once() > backend_threads()) {
+        open_more_files();
         march(0, std::min(jobs, slots_of_a_gpu));
-      else  // each thread by itself: none waits for another before the end
+      } else  // each thread by itself: none waits for another before the end
         side_by_side(std::min(jobs, backend_threads()), [&](int thread) { march(thread, 1); });
       clerk.rethrow();
     }
     ledger_.sync();
     outcome_.elapsed = seconds_since(begun_);
+    outcome_.out_of_time = out_of_time() && interruption() == 0;
     return outcome_;
   }
 
@@ -179,12 +187,27 @@ class Worker {
   void march(int crew, int slots) {
     SimulationOptions options;
     options.slots = slots;
+    options.seconds = launch_seconds(checkpoint_seconds(), options_.most_wall);
     Simulation simulation(options);
+    int answered = checkpoints_asked_;  // requests for a checkpoint that this crew has heeded
     try {
       simulation.run([&](std::size_t) { return make(crew); },
                      [&](SceneRun& run) { take(static_cast<PointRun&>(run)); },
-                     [&] { look_up(crew); });
+                     [&] {
+                       look_up(crew);
+                       if (out_of_time()) simulation.stop();
+                       if (take_checkpoint_request()) ++checkpoints_asked_;
+                       const int asked = checkpoints_asked_;
+                       keep(crew, simulation, asked != answered || !simulation.goes_on());
+                       answered = asked;
+                     });
     } catch (const GivenUp&) {  // the fault is another's
+    } catch (const std::invalid_argument& fault) {
+      given_up_ = true;
+      throw FileError(
+          fmt::format("cannot go on from a checkpoint of the study: its state does not fit its "
+                      "scene: {}. Remove the files that end in .checkpoint from its folder 'runs'",
+                      fault.what()));
     } catch (...) {
       given_up_ = true;
       throw;
@@ -198,7 +221,7 @@ class Worker {
   SceneRun* make(int crew) {
     for (;;) {
       const std::size_t job = next_job();
-      if (job >= work_.jobs.size() || interruption() != 0) return nullptr;
+      if (job >= work_.jobs.size() || interruption() != 0 || out_of_time()) return nullptr;
       const std::size_t point = work_.jobs[job];
       FinishedRun refused{census_.keys[point], {}, RunStatus::refused, no_figures,
                           points_.name(point), {}};
@@ -236,28 +259,38 @@ class Worker {
           fmt::format("{} modes in both bodies together, at the most {} can be "
                       "marched: lower max_frequency or modes",
                       modes, most_modes));
+    const std::string key = key_text(refused.run);
+    auto files = std::make_unique<RunFiles>(options_.folder / StudyFolder::result(key), key);
+    std::optional<Checkpoint> before;
+    if (options_.checkpoints != nullptr)
+      before = options_.checkpoints->last(*files, key, model,
+                                          options_.keep_results ? Outputs::kept : Outputs::not_kept,
+                                          points_.name(point));
     ModalStart start = make_start(model);
-    KeptResult kept;
-    if (!options_.results.empty()) {
-      ResultHeader header = result_header(model, key_text(refused.run));
+    if (options_.keep_results) {
+      ResultHeader header = result_header(model, key);
       header.beyond_limit = beyond_limit;
-      kept.file = std::make_unique<ResultFile>(
-          options_.results / StudyFolder::result(key_text(refused.run)), header);
-      kept.sink = std::make_unique<FileSink<ResultFile>>(*kept.file);
+      files->record(std::move(header), before);
     }
     auto run = std::make_unique<PointRun>(std::move(model), std::move(start), point, refused.run,
-                                          seconds_since(begin), std::move(kept));
+                                          seconds_since(begin), std::move(files));
+    if (before) run->go_on(std::move(before->state), std::move(before->accounts));
     const std::lock_guard lock(mutex_);
     SceneRun* const way = run.get();
     running_.emplace(way, Running{crew, 0, std::move(run)});
     return way;
   }
 
-  void take(PointRun& run) {
+  RunReport report_of(const PointRun& run) {
     RunReport report = report_on(run, squares_.of(run.model()));
     report.wall_seconds = run.setup + report.march_seconds;
-    if (run.kept.file)
-      run.kept.file->close(summary_of(report));  // before the ledger says it is there
+    return report;
+  }
+
+  void take(PointRun& run) {
+    const RunReport report = report_of(run);
+    if (run.files->records())
+      run.files->close(summary_of(report));  // before the ledger says it is there
     FinishedRun finished{census_.keys[run.point], run.key,       RunStatus::done, no_figures,
                          points_.name(run.point), report.failure};
     if (report.ending == Ending::failed) {
@@ -278,7 +311,8 @@ class Worker {
       outcome_.marched += report.march_seconds;
     }
     record(std::move(finished));
-    std::unique_ptr<PointRun> over;  // let go of outside the lock
+    if (run.files->is_claimed()) run.files->remove();  // after it
+    std::unique_ptr<PointRun> over;                    // let go of outside the lock
     const std::lock_guard lock(mutex_);
     const auto found = running_.find(&run);
     over = std::move(found->second.run);
@@ -295,6 +329,32 @@ class Worker {
     ++outcome_.failed;
     if (outcome_.failures.size() < most_failures_told)
       outcome_.failures.emplace_back(std::move(finished.point), std::move(finished.message));
+  }
+
+  double checkpoint_seconds() const {
+    return options_.checkpoints != nullptr ? options_.checkpoints->seconds()
+                                           : std::numeric_limits<double>::infinity();
+  }
+  bool out_of_time() const { return seconds_since(begun_) >= options_.most_wall; }
+
+  /// Between the launches of a crew, whose runs nobody marches now: leaves checkpoints of those for which it is
+  /// time, or of all.
+  void keep(int crew, const Simulation& simulation, bool all) {
+    if (options_.checkpoints == nullptr) return;
+    std::vector<PointRun*> due;
+    {
+      const std::lock_guard lock(mutex_);
+      for (auto& [way, running] : running_)
+        if (running.crew == crew && (all || options_.checkpoints->is_due(*running.run->files)))
+          due.push_back(running.run.get());
+    }
+    if (due.empty()) return;
+    side_by_side(static_cast<int>(due.size()), [&](int i) {
+      PointRun& run = *due[static_cast<std::size_t>(i)];
+      options_.checkpoints->keep(*run.files, run, simulation.save(run),
+                                 run.setup + run.accounts().march_seconds,
+                                 [&] { return summary_of(report_of(run)); });
+    });
   }
 
   /// Between the launches of a crew, whose runs nobody marches now.
@@ -341,6 +401,7 @@ class Worker {
   SharedMeanSquares squares_;
   std::atomic<std::size_t> next_ = 0;
   std::atomic<bool> given_up_ = false;
+  std::atomic<int> checkpoints_asked_ = 0;
   Clerk* clerk_ = nullptr;
   std::mutex mutex_;  // of all below
   std::map<const SceneRun*, Running> running_;

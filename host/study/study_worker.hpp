@@ -3,11 +3,13 @@
 #include <cstddef>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "host/study/ledger.hpp"
+#include "host/study/study_checkpoints.hpp"
 #include "host/study/study_folder.hpp"
 #include "host/study/study_points.hpp"
 
@@ -37,12 +39,15 @@ struct StudyProgress {
 
 struct StudyOptions {
   std::function<void(const StudyProgress&)> progress;  // a few times a second
-  std::filesystem::path
-      results;                 // the folder that each run's own result goes to; none: none is kept
+  bool keep_results = false;                           // each run's own, in the folder:
+  std::filesystem::path folder;                        // of the study
   std::function<void()> tick;  // a few times a second on a thread of its own, beside the march
   /// Which of the jobs is next, from 0 on; beyond the last there are no more. Several processes that
   /// share the jobs take each once. None: all are for this process.
   std::function<std::size_t()> next_job;
+  StudyCheckpoints* checkpoints = nullptr;  // that runs go on from, and leave; none: neither
+  double most_wall =
+      std::numeric_limits<double>::infinity();  // s, after which the study is cut off
 };
 
 struct StudyOutcome {
@@ -52,9 +57,10 @@ struct StudyOutcome {
   double busy = 0;     // s of all threads together, making scenes ready, marching and recording
   double marched = 0;  // ... in the march alone
   std::size_t most_at_once = 0;  // runs that one launch marched, on a thread or a GPU
+  bool out_of_time = false;      // cut off by StudyOptions::most_wall
 };
 
-/// Runs the jobs to their end or an interrupt (host/interruption.hpp), on each of the backend's threads
+/// Runs the jobs to their end, an interrupt (host/interruption.hpp) or the wall time, on each of the backend's threads
 /// one after the other: threads that shared launches would wait for one another at the end of each. What ends goes to the ledger at once. A run that fails is recorded and stops nothing. Throws
 /// FileError where that cannot be kept, and what `tick` throws.
 StudyOutcome run_study(const StudyPoints& points, const PointCensus& census, const StudyWork& work,

@@ -324,6 +324,52 @@ TEST_F(Crash, AStateThatDoesNotFitItsSceneIsRefused) {
   EXPECT_EQ(run().status, 0);
 }
 
+TEST_F(Crash, AnotherNumberOfThreadsGoesOnToTheSameBits) {
+  ASSERT_EQ(run({"--threads", "1"}).status, 0);
+  const Content expected = content_of(out_);
+  for (const auto& [before, after] : {std::pair{"1", "2"}, {"2", "1"}}) {
+    fs::remove(out_);
+    const Ended cut = run({"--threads", before, "--checkpoint", "1e-5", "--max-wall", "0.02"});
+    ASSERT_EQ(cut.status, 5) << cut.err;
+    const Ended again = run({"--threads", after});
+    EXPECT_EQ(again.status, 0) << again.err;
+    EXPECT_THAT(again.err, HasSubstr("goes on from t = "));
+    EXPECT_EQ(content_of(out_), expected) << before << " threads, then " << after;
+  }
+}
+
+TEST_F(Crash, AWallClockThatIsSetForthAndBackChangesNothing) {
+  if (faulty_disk().empty()) GTEST_SKIP() << "nothing can be loaded before sanitizers";
+  ASSERT_EQ(run().status, 0);
+  const Content expected = content_of(out_);
+  for (const char* jump : {"7200", "-7200", "1000000000"}) {  // s: two hours; thirty years
+    SCOPED_TRACE(jump);
+    fs::remove(out_);
+    const auto run_meanwhile = [&](const std::vector<std::string>& more) {
+      std::vector<std::string> words{"env", "LD_PRELOAD=" + faulty_disk(),
+                                     std::string("FAULTY_CLOCK=") + jump};
+      for (const std::string& word : line(more)) words.push_back(word);
+      return run_program(aside_.path(), words);
+    };
+    // neither too early nor too late: a checkpoint every ten minutes is none in this run ...
+    const Ended none = run_meanwhile({"--max-wall", "1:00:00"});
+    EXPECT_EQ(none.status, 0) << none.err;
+    EXPECT_EQ(content_of(out_), expected);
+    const double wall = ResultReader(out_).contents().summary.wall_seconds;
+    EXPECT_TRUE(wall > 0 && wall < 60) << wall;
+    // ... and those that are asked for are there in time
+    fs::remove(out_);
+    const Ended cut = run_meanwhile({"--checkpoint", "1e-5", "--max-wall", "0.02"});
+    EXPECT_EQ(cut.status, 5) << cut.err;
+    EXPECT_TRUE(fs::exists(checkpoint()));
+    const Ended again = run_meanwhile({});
+    EXPECT_EQ(again.status, 0) << again.err;
+    EXPECT_THAT(again.err, HasSubstr("goes on from t = "));
+    EXPECT_EQ(content_of(out_), expected);
+    EXPECT_EQ(beside(), only_result);
+  }
+}
+
 TEST_F(Crash, ASecondProcessOnOneOutputIsRefused) {
   std::vector<std::string> words = line({"--set", "time.step=1e-9", "--set", "scene.duration=0.9"});
   Child first(aside_.path(), words);

@@ -2,10 +2,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Attempts on ra2d: scenes and profiles at fault, kills, signals; and whether runs that were cut off go on.
 
-    hostile.py PROGRAM PART [--times N] [--share I/N] [--seed S]
+    hostile.py PROGRAM PART [--times N] [--share I/N] [--seed S] [--kills N]
 
-PART: scenes, profiles, kills, signals or resumes. --times multiplies the random cases; --share runs every Nth case
-from the Ith (from 1) on. Prints how many there were and how they ended. The status is 1 if one of them
+PART: scenes, profiles, kills, signals, resumes or studies. --times multiplies the random cases; --share runs every Nth case
+from the Ith (from 1) on. Prints how many there were and how they ended. The status is 1 if there were fewer than --kills kills of those that
+go on, if they went on from checkpoints less than once a case, or if one of them
 
 - ended with a status that is not promised, by a crash, or not within 20 s;
 - ended with 0 and data that are not finite, in the file or in the report;
@@ -557,7 +558,7 @@ SCHEMES = [(scheme, law, force) for scheme in ("explicit-euler", "midpoint", "ba
            and (law == "penalty" or scheme not in ("explicit-euler", "adaptive"))]
 RESUMED = PLAIN.replace("duration = 2e-5", "duration = 0.04").replace("speed = 0.5", "speed = 0.2")
 SLOWER = 1  # than a release build
-CUTS = Counter()  # how runs that were to go on were cut off
+CUTS = Counter()  # how runs that were to go on were cut off, and how often they went on from a checkpoint
 
 
 def resume_cases(times, dice):
@@ -606,12 +607,61 @@ def try_resume(program, case, dice):
             break
     if status == 0 and content(folder.path / "out.h5") != content(folder.path / "whole.h5"):
         found.append("went on to other bits")
-    if went_on == 0:
-        found.append("never went on from a checkpoint")
+    CUTS["went on"] += went_on
     return folder, status, found
 
 
-PARTS = {"resumes": (resume_cases, try_resume),
+def study_cases(times, dice):
+    """How many threads, whether results are kept, and other surfaces."""
+    return [(f"{1 + i % 2} threads, {'kept' if i % 4 < 2 else 'not kept'} {i}", 1 + i % 2, i % 4 < 2, dice.randrange(1000))
+            for i in range(2 * times)]
+
+
+def study_content(folder):
+    """The table without times, and the results that are kept."""
+    with h5py.File(folder / "results.h5") as file:
+        found = {name: file[name][()].tobytes() for name in file if name != "wall_seconds" and file[name].dtype.kind != "O"}
+    for kept in sorted(folder.glob("runs/*.h5")):
+        found |= {f"{kept.name}/{name}": value for name, value in content(kept).items()}
+    return found
+
+
+def try_study(program, case, dice):
+    """Every scheme and law in one study, killed again and again."""
+    _, threads, kept, seed = case
+    folder = Folder(RESUMED if SLOWER == 1 else RESUMED.replace("duration = 0.04", "duration = 0.004"))
+    values = ", ".join(f'["{scheme} {law} {force}", "{scheme}", "{law}", "{force}"]' for scheme, law, force in SCHEMES)
+    (folder.path / "study.toml").write_text(
+        f'base = "s.toml"\nkeep = {["level", "shocks", *["files"] * kept]}\n'
+        f'[set]\n"time.force" = true\n"slider.surface.seed" = {seed}\n'
+        '[vary]\nscheme = { keys = ["scene.name", "time.scheme", "contact.law", "time.contact_force"], '
+        f'values = [{values}] }}\n')
+    words = ["study", "study.toml", "--threads", str(threads), "--checkpoint", "1e-4"]
+    status = end(start(program, [*words, "-o", "whole"], folder))
+    found = [] if status == 0 else [f"ended with {status}: {printed(folder)[1][-300:]!r}"]
+    went_on, attempt = 0, 0
+    while not found:
+        process = start(program, [*words, "-o", "out"], folder)
+        attempt += 1
+        if attempt <= 8:
+            time.sleep(SLOWER * dice.uniform(0.03, 0.2))
+            process.send_signal(dice.choice([signal.SIGKILL, signal.SIGKILL, signal.SIGTERM]))
+        status = end(process)
+        CUTS[status] += status != 0
+        out, err = printed(folder)
+        went_on += b"from checkpoints, " in out
+        if status not in ((0, 137, 143) if attempt <= 8 else (0,)) or b"starts anew" in err:
+            found.append(f"ended with {status}: {err[-300:]!r}")
+        if status == 0:
+            break
+    if not found and study_content(folder.path / "out") != study_content(folder.path / "whole"):
+        found.append("went on to other numbers")
+    CUTS["went on"] += went_on
+    found += [f"left {left.name}" for left in folder.path.glob("out/runs/*.h5.*") if not found]
+    return folder, status, found
+
+
+PARTS = {"resumes": (resume_cases, try_resume), "studies": (study_cases, try_study),
          "scenes": (scene_cases, try_scene), "profiles": (profile_cases, try_profile),
          "kills": (kill_cases, try_kill), "signals": (signal_cases, try_signal)}
 
@@ -623,6 +673,7 @@ def main():
     parser.add_argument("--times", type=int, default=1)
     parser.add_argument("--share", default="1/1")
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--kills", type=int, default=0)
     parser.add_argument("--sanitized", action="store_true", help="the program is: it reserves memory without end")
     asked = parser.parse_args()
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
@@ -646,8 +697,10 @@ def main():
         folder.close()
     endings = ", ".join(f"{count} with {status}" for status, count in sorted(ended.items(), key=str))
     print(f"{asked.part} {asked.share}: {len(cases)} ended in {time.monotonic() - begun:.1f} s: {endings}; "
-          f"{wrong} at fault" + "".join(f"; cut off {count} times with {status}" for status, count in CUTS.items()))
-    return 1 if wrong else 0
+          f"{wrong} at fault" + "".join(f"; cut off {count} times with {status}" if status != "went on" else f"; went on {count} times"
+                                   for status, count in CUTS.items()))
+    too_few = CUTS[128 + signal.SIGKILL] < asked.kills or ("went on" in CUTS and CUTS["went on"] < len(cases))
+    return 1 if wrong or too_few else 0
 
 
 if __name__ == "__main__":

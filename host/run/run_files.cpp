@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/run/run_files.hpp"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "host/scene_file/scene_file.hpp"
+
+namespace ra2d {
+namespace {
+
+/// Where in a run a segment begins that follows this moment.
+SegmentStart start_after(const Snapshot& now) {
+  SegmentStart start;
+  for (const OpenShock& open : now.open_shocks) start.open_shocks.push_back(open.serial);
+  std::sort(start.open_shocks.begin(), start.open_shocks.end());
+  start.shocks_begun = now.shocks_begun;
+  return start;
+}
+
+}  // namespace
+
+RunFiles::RunFiles(std::filesystem::path output, std::string key)
+    : output_{std::move(output)}, key_{std::move(key)} {}
+
+void RunFiles::claim() {
+  if (!claimed_) claimed_ = std::make_unique<ClaimedOutput>(output_);
+}
+
+FoundCheckpoint RunFiles::find(const Model& model, Outputs outputs) {
+  FoundCheckpoint found =
+      find_checkpoint(names(), identity_of(key_, echo(model.scene)), model, outputs);
+  has_checkpoint_ = found.checkpoint.has_value();
+  vouched_ = has_checkpoint_ ? found.checkpoint->segments.size() : 0;
+  return found;
+}
+
+void RunFiles::record(ResultHeader header, const std::optional<Checkpoint>& before) {
+  std::vector<Segment> segments;
+  if (before) {
+    header.segment = start_after(before->accounts.now);
+    segments = before->segments;
+  }
+  recording_.emplace(names_beside(output_), header, std::move(segments));
+  sink_.emplace(*recording_);
+}
+
+double RunFiles::since_checkpoint() const {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - kept_).count();
+}
+
+void RunFiles::keep(const SceneRun& run, SavedState state, double wall,
+                    const std::function<ResultSummary()>& so_far) {
+  std::vector<Segment> segments;
+  if (recording_) segments = recording_->close_segment(so_far(), start_after(run.accounts().now));
+  const std::size_t count = segments.size();
+  write_checkpoint(*claimed_, {identity_of(key_, echo(run.model().scene)), std::move(state),
+                               run.accounts(), wall, std::move(segments)});
+  vouched_ = count;
+  has_checkpoint_ = true;
+  kept_ = std::chrono::steady_clock::now();
+}
+
+double RunFiles::close(const ResultSummary& summary) { return recording_->close(summary); }
+
+void RunFiles::remove_after_checkpoint() const { claimed_->remove_segments(vouched_ + 1); }
+
+void RunFiles::remove() const { claimed_->remove_all(); }
+
+double launch_seconds(double checkpoint, double most_wall) {
+  return std::clamp(std::min(checkpoint, 0.1 * most_wall), 1e-3, 0.2);
+}
+
+}  // namespace ra2d
