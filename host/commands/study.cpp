@@ -303,7 +303,7 @@ int march_study(Known& known, const StudyFolder& folder, const Shard& shard,
     device = backend_device();
     own = run_study(known.points, known.census, work, ledger, options);
   }
-  SharedOutcome all{own, threads, interruption()};
+  SharedOutcome all{own, threads, interruption(), checkpoints.went_on(), checkpoints.steps_saved()};
   if (ranks != nullptr) {
     const double left_here = left;
     double waited = 0;
@@ -318,7 +318,8 @@ int march_study(Known& known, const StudyFolder& folder, const Shard& shard,
       else
         status.write_now_and_then();
     });
-    all = with_others(*ranks, own, threads);
+    all.signal = interruption();
+    add_others(*ranks, all);
     all.outcome.elapsed += waited;
   }
   const StudyOutcome& outcome = all.outcome;
@@ -335,9 +336,9 @@ int march_study(Known& known, const StudyFolder& folder, const Shard& shard,
     else
       print("{} finished in {}, {} were finished before\n", runs_text(finished),
             seconds_text(outcome.elapsed), work.done + work.failed);
-    if (checkpoints.went_on() > 0)
-      print("  {:<17}{} from checkpoints, {} steps into them\n", "went on",
-            runs_text(checkpoints.went_on()), checkpoints.steps_saved());
+    if (all.went_on > 0)
+      print("  {:<17}{} from checkpoints, {} steps into them\n", "went on", runs_text(all.went_on),
+            all.steps_saved);
     if (outcome.elapsed > 1)
       print("  {:<17}{:.0f} % of {} thread{}; the march alone is {:.0f} % of that\n", "busy",
             100 * outcome.busy / (outcome.elapsed * all.threads), all.threads,

@@ -62,6 +62,8 @@ void help_with_study(Ranks& ranks, const StudyFolder& folder, const Shard& shard
   share(ranks, work.jobs);
   const OrderlyEnd orderly;
   StudyOutcome outcome;
+  std::size_t went_on = 0;
+  std::int64_t steps_saved = 0;
   if (!work.jobs.empty()) {
     if (read_text(folder.snapshot(), "the study's snapshot", text.size() + 1) != text)
       throw FileError(
@@ -91,11 +93,15 @@ void help_with_study(Ranks& ranks, const StudyFolder& folder, const Shard& shard
     };
     const Backend backend(choices.threads, choices.device);
     outcome = run_study(points, census, work, ledger, options);
+    went_on = checkpoints.went_on();
+    steps_saved = checkpoints.steps_saved();
   }
   ranks.report({.done = static_cast<std::int64_t>(outcome.done),
                 .failed = static_cast<std::int64_t>(outcome.failed),
                 .ended = interruption(),
                 .out_of_time = outcome.out_of_time,
+                .went_on = static_cast<std::int64_t>(went_on),
+                .steps_saved = steps_saved,
                 .threads = choices.threads,
                 .busy = microseconds(outcome.busy),
                 .marched = microseconds(outcome.marched)});
@@ -111,8 +117,7 @@ void add_others(Ranks& ranks, StudyProgress& progress) {
   }
 }
 
-SharedOutcome with_others(Ranks& ranks, const StudyOutcome& own, int threads) {
-  SharedOutcome all{own, threads, interruption()};
+void add_others(Ranks& ranks, SharedOutcome& all) {
   for (int rank = 1; rank < ranks.size(); ++rank) {
     const RankReport report = ranks.report_of(rank);
     all.outcome.done += static_cast<std::size_t>(report.done);
@@ -121,9 +126,10 @@ SharedOutcome with_others(Ranks& ranks, const StudyOutcome& own, int threads) {
     all.outcome.marched += 1e-6 * static_cast<double>(report.marched);
     all.threads += static_cast<int>(report.threads);
     if (report.ended > 0) all.signal = static_cast<int>(report.ended);
+    all.went_on += static_cast<std::size_t>(report.went_on);
+    all.steps_saved += report.steps_saved;
     if (report.out_of_time > 0) all.outcome.out_of_time = true;
   }
-  return all;
 }
 
 void wait_for_others(Ranks& ranks, const std::function<void(double waited)>& beside) {

@@ -32,9 +32,12 @@ void add_others(Ranks& ranks, StudyProgress& progress);
 struct SharedOutcome {
   StudyOutcome outcome;
   int threads = 0;
-  int signal = 0;  // that ended one of them early; 0: none
+  int signal = 0;                // that ended one of them early; 0: none
+  std::size_t went_on = 0;       // runs, from checkpoints
+  std::int64_t steps_saved = 0;  // by that
 };
-SharedOutcome with_others(Ranks& ranks, const StudyOutcome& own, int threads);
+/// Adds what the others have done.
+void add_others(Ranks& ranks, SharedOutcome& all);
 
 /// Sleeps until all ranks have done their part. `beside` is called at once and a few times a second, with
 /// the time waited [s]. Throws FileError on rank 0 where another has given up.

@@ -24,6 +24,7 @@ struct RankReport {
   std::int64_t done = 0, failed = 0, running = 0;  // runs
   std::int64_t ended = 0;                          // the signal that ended it early, or fault
   std::int64_t out_of_time = 0;                    // 1: its wall time was over
+  std::int64_t went_on = 0, steps_saved = 0;       // from checkpoints
   std::int64_t threads = 0;
   std::int64_t busy = 0, marched = 0;  // us of all its threads together
 };

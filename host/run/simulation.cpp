@@ -108,7 +108,7 @@ void Simulation::run(const Make& make, const std::function<void(SceneRun&)>& don
   batch_ = &batch;
   scenes_.assign(static_cast<std::size_t>(options_.slots), nullptr);
   std::atomic<std::size_t> made = 0;
-  std::atomic<double> busy = 0;
+  std::atomic<double> busy = 0, in_march = 0;
   std::vector<SceneRun*> waiting;  // for memory
   std::mutex waiting_one;
   const auto next = [&]() -> SceneRun* {
@@ -168,6 +168,7 @@ void Simulation::run(const Make& make, const std::function<void(SceneRun&)>& don
     batch.march(targets, [&](int slot) {
       const Clock::time_point marched = Clock::now();
       busy += batch.seconds(slot);
+      in_march += batch.seconds(slot);
       SceneRun& scene = *scenes_[static_cast<std::size_t>(slot)];
       scene.take(batch, slot, wanted);
       if (scene.over()) {
@@ -179,6 +180,7 @@ void Simulation::run(const Make& make, const std::function<void(SceneRun&)>& don
     });
     seconds_ += seconds_since(begin);
     busy_seconds_ = busy;
+    marched_seconds_ = in_march;
     goes_on_ = interruption() == 0;
     if (between) between();
   }

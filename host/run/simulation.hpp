@@ -132,6 +132,8 @@ class Simulation {
   /// What threads spent on scenes, all together: making them ready, marching them (on a CPU), and taking
   /// in what they record [s].
   double busy_seconds() const { return busy_seconds_; }
+  /// ... marching them alone.
+  double marched_seconds() const { return marched_seconds_; }
 
  private:
   SimulationOptions options_;
@@ -139,7 +141,7 @@ class Simulation {
   std::size_t most_at_once_ = 0, memory_ = 0;
   const Batch* batch_ = nullptr;   // of the present run
   std::vector<SceneRun*> scenes_;  // in its slots
-  double seconds_ = 0, busy_seconds_ = 0;
+  double seconds_ = 0, busy_seconds_ = 0, marched_seconds_ = 0;
 };
 
 }  // namespace ra2d

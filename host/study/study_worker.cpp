@@ -214,6 +214,7 @@ class Worker {
     }
     const std::lock_guard lock(mutex_);
     outcome_.busy += simulation.busy_seconds();
+    outcome_.marched += simulation.marched_seconds();
     outcome_.most_at_once = std::max(outcome_.most_at_once, simulation.most_at_once());
   }
 
@@ -306,10 +307,6 @@ class Worker {
                           .wall_seconds = 0};
     }
     finished.figures.wall_seconds = report.wall_seconds;
-    {
-      const std::lock_guard lock(mutex_);
-      outcome_.marched += report.march_seconds;
-    }
     record(std::move(finished));
     if (run.files->is_claimed()) run.files->remove();  // after it
     std::unique_ptr<PointRun> over;                    // let go of outside the lock
