@@ -147,6 +147,8 @@ def requeue_one(job, folder):
             continue  # it is done: this machine is quick
         # it would wait two minutes, for the sake of nodes that are slow to clean up
         until("it waits", lambda: "BeginTime" in run("squeue", "--noheader", "-o", "%r", "-j", number).stdout)
+        # the node knows what it is not to start any more by whole seconds, and would take the new job for the old one
+        time.sleep(2)
         run("scontrol", "update", f"JobId={number}", "StartTime=now")
         return part
     raise AssertionError("no part was caught while it ran")
