@@ -30,10 +30,10 @@ std::size_t check_table(const StudyFolder& folder, const StudyPoints& points,
     faults.push_back(fmt::format("'{}': {}", file, fault));
   if (!hashes.faults.empty()) return 0;
   const StudyAnswers table = read_study_table(folder.table());
-  if (table.v_rms.size() != points.size()) {
+  if (table.status.size() != points.size()) {
     faults.push_back(
         fmt::format("'{}' has {} runs, and the study {}: 'ra2d study merge' makes it anew", file,
-                    table.v_rms.size(), points.size()));
+                    table.status.size(), points.size()));
     return 0;
   }
   std::size_t behind = 0;
@@ -43,7 +43,7 @@ std::size_t check_table(const StudyFolder& folder, const StudyPoints& points,
     if (is_missing && run != nullptr) ++behind;
     if (is_missing) continue;
     if (run == nullptr || table.status[point] != static_cast<double>(run->status) ||
-        !same(run->figures.v_rms, table.v_rms[point]))
+        (!table.v_rms.empty() && !same(run->figures.v_rms, table.v_rms[point])))
       faults.push_back(
           fmt::format("'{}' and the ledgers differ in the run {}", file, points.name(point)));
   }

@@ -420,6 +420,9 @@ TEST_F(StudyProgram, KeepsWhatItIsAskedToKeep) {
   EXPECT_EQ(run({"study.toml", "-o", "out"}), 0);
   EXPECT_THAT(out_, HasSubstr("1 run finished in"));
   EXPECT_TRUE(fs::exists(results[2]));
+  // nor does a check miss the levels that are not in the table
+  const test::Ended checked = test::run_program(folder_, {test::program(), "check", "out"});
+  EXPECT_EQ(checked.status, 0) << checked.err;
 }
 
 TEST_F(StudyProgram, CheckFindsEveryDamageOfAFolder) {
