@@ -62,7 +62,7 @@ struct Slot {
   /// The same scene at the same place, with room for more nodes.
   void grow(int nodes) {
     const SavedState kept = save();
-    const HandOut handed = state;
+    const HandOut handed = static_cast<const HandOut&>(state);
     const Arrays rows = copy_out(handed);
     room.nodes = nodes;
     arena = Arena();  // from here on beside the room of the batch: what is under way comes first
