@@ -119,7 +119,7 @@ def concerns(source, program):
     """Whether a test program needs a source compiled again: its own, and all of host/. The march is left to those that
     run it: the tests of the kernels include what they test."""
     if source.startswith("tests/"):
-        return program.startswith("test_" + source.split("/")[1])
+        return program == "test_" + source.split("/")[1]
     return program != "test_kernels" or not source.startswith("host/device/march_")
 
 
