@@ -102,12 +102,14 @@ void SceneRun::close() { keep(make_shocks(model_, accounts_.now.open_shocks)); }
 Simulation::Simulation(const SimulationOptions& options) : options_{options} {}
 
 void Simulation::run(const Make& make, const std::function<void(SceneRun&)>& done,
-                     const std::function<void()>& between) {
+                     const std::function<void()>& between,
+                     const std::function<void(SceneRun&)>& too_large) {
   if (options_.batch.memory == 0) options_.batch.memory = backend_room();
   Batch batch(options_.slots, options_.batch);
   batch_ = &batch;
   scenes_.assign(static_cast<std::size_t>(options_.slots), nullptr);
   std::atomic<std::size_t> made = 0;
+  std::atomic<bool> all_made = false;
   std::atomic<double> busy = 0, in_march = 0;
   std::vector<SceneRun*> waiting;  // for memory
   std::mutex waiting_one;
@@ -120,7 +122,9 @@ void Simulation::run(const Make& make, const std::function<void(SceneRun&)>& don
         return scene;
       }
     }
-    return make(made++);
+    SceneRun* const scene = make(made++);
+    if (scene == nullptr) all_made = true;
+    return scene;
   };
   const auto fill = [&](int slot) {
     SceneRun*& scene = scenes_[static_cast<std::size_t>(slot)];
@@ -130,17 +134,28 @@ void Simulation::run(const Make& make, const std::function<void(SceneRun&)>& don
     try {
       scene->begin(batch, slot);
     } catch (const std::bad_alloc&) {
+      batch.empty(slot);
       const std::lock_guard lock(waiting_one);
       waiting.push_back(std::exchange(scene, nullptr));
     }
   };
-  // Slots that a lack of memory left empty, once others have let go of theirs.
+  const auto going = [&] {
+    return static_cast<std::size_t>(std::count_if(
+        scenes_.begin(), scenes_.end(), [](const SceneRun* scene) { return scene != nullptr; }));
+  };
+  // Slots that a lack of memory left empty, once others have let go of theirs. Where none is left to wait
+  // for, what does not fit never will.
   const auto fill_empty = [&] {
-    for (std::size_t slot = 0; slot < scenes_.size() && !waiting.empty(); ++slot) {
-      if (scenes_[slot] != nullptr) continue;
-      const std::size_t before = waiting.size();
-      fill(static_cast<int>(slot));
-      if (waiting.size() >= before) return;
+    for (std::size_t slot = 0; slot < scenes_.size(); ++slot) {
+      while (scenes_[slot] == nullptr && !(all_made && waiting.empty())) {
+        fill(static_cast<int>(slot));
+        if (scenes_[slot] != nullptr || waiting.empty()) continue;
+        if (going() > 0) return;
+        if (!too_large) throw std::bad_alloc();
+        SceneRun* const refused = waiting.back();
+        waiting.pop_back();
+        too_large(*refused);
+      }
     }
   };
   side_by_side(options_.slots, [&](int slot) {
@@ -152,16 +167,14 @@ void Simulation::run(const Make& make, const std::function<void(SceneRun&)>& don
   std::vector<std::int64_t> targets(scenes_.size(), 0);
   for (goes_on_ = interruption() == 0; goes_on_;) {
     fill_empty();
-    const auto going = static_cast<std::size_t>(std::count_if(
-        scenes_.begin(), scenes_.end(), [](const SceneRun* scene) { return scene != nullptr; }));
-    if (going == 0 && !waiting.empty()) throw std::bad_alloc();
-    if (going == 0) return;
-    most_at_once_ = std::max(most_at_once_, going);
+    const std::size_t on_their_way = going();
+    if (on_their_way == 0) return;
+    most_at_once_ = std::max(most_at_once_, on_their_way);
     memory_ = std::max(memory_, batch.bytes());
     // on a CPU they take turns
     const double wanted =
         std::max(1e-3, options_.seconds * std::min(1.0, static_cast<double>(scenes_at_once()) /
-                                                            static_cast<double>(going)));
+                                                            static_cast<double>(on_their_way)));
     for (std::size_t i = 0; i < scenes_.size(); ++i)
       targets[i] = scenes_[i] != nullptr ? scenes_[i]->target(options_.ticks) : 0;
     const Clock::time_point begin = Clock::now();
@@ -186,6 +199,10 @@ void Simulation::run(const Make& make, const std::function<void(SceneRun&)>& don
   }
   for (SceneRun* scene : scenes_)
     if (scene != nullptr) scene->close();
+}
+
+bool Simulation::holds(const SceneRun& scene) const {
+  return std::find(scenes_.begin(), scenes_.end(), &scene) != scenes_.end();
 }
 
 SavedState Simulation::save(const SceneRun& scene) const {

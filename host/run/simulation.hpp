@@ -107,10 +107,12 @@ class Simulation {
   explicit Simulation(const SimulationOptions& options = {});
 
   /// `done` is called for each scene that is over, by the thread that marched it; `between` after each
-  /// launch. Throws RequestError where a scene cannot be marched, std::bad_alloc where there is no memory
-  /// for one alone, and what sinks throw.
+  /// launch; `too_large` for a scene for which there is no memory even alone, between two launches. Throws
+  /// RequestError where a scene cannot be marched, std::bad_alloc instead of calling a `too_large` that is
+  /// none, and what sinks throw.
   void run(const Make& make, const std::function<void(SceneRun&)>& done = {},
-           const std::function<void()>& between = {});
+           const std::function<void()>& between = {},
+           const std::function<void(SceneRun&)>& too_large = {});
   /// These scenes, all side by side.
   void run(const std::vector<SceneRun*>& scenes, const std::function<void()>& between = {});
 
@@ -120,7 +122,9 @@ class Simulation {
   bool goes_on() const { return goes_on_; }
   /// Ends the run, as an interrupt does.
   void stop() { goes_on_ = false; }
-  /// The state of a scene that is not over.
+  /// Whether a scene is on its way: neither over nor waiting for memory.
+  bool holds(const SceneRun& scene) const;
+  /// The state of a scene that it holds.
   SavedState save(const SceneRun& scene) const;
 
   /// The most scenes that one launch marched.

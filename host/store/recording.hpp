@@ -35,8 +35,9 @@ class Recording {
   void append(const SampleBlock& block);
   void append(const std::vector<Shock>& shocks);
 
-  /// Of an output that is claimed (ClaimedOutput): closes a segment, if there is anything to put into it; what comes next begins at `next`. `so_far`: for
-  /// whoever reads it while the run goes on. Returns all of them.
+  /// Of an output that is claimed (ClaimedOutput): closes a segment, if there is anything to put into it;
+  /// what comes next begins at `next`. `so_far`: for whoever reads it while the run goes on. Returns all of
+  /// them.
   const std::vector<Segment>& close_segment(const ResultSummary& so_far, const SegmentStart& next);
 
   /// Finishes the result and gives it its name; the segments stay. Returns how long reading back took [s].

@@ -280,8 +280,10 @@ Study parse_study(const std::string& text, const std::filesystem::path& file,
   Users users;
   Reader root = document.root();
   const auto base = root.text("base", "the scene's file, relative to this one", Need::required);
-  if (base && base->empty()) root.fault("base", "is empty: expected the scene's file");
-  if (base) study.base = std::filesystem::absolute(file.parent_path() / *base).lexically_normal();
+  if (base && base->empty())
+    root.fault("base", "is empty: expected the scene's file");
+  else if (base)
+    study.base = std::filesystem::absolute(file.parent_path() / *base).lexically_normal();
   study.seeds = read_seeds(root);
   read_keep(root, study);
   if (auto set = root.table("set")) read_set(*set, "", study, users);

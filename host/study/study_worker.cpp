@@ -47,6 +47,8 @@ constexpr int slots_of_a_gpu = 4096;  // about as many warps as one holds; memor
 constexpr std::chrono::milliseconds tick_time{200};
 constexpr double progress_time = 0.2;  // s
 constexpr std::size_t most_failures_told = 10;
+constexpr const char* no_memory =
+    "out of memory: fewer nodes or modes are needed (see 'ra2d plan')";
 
 /// Lets this process open as many files as it may: each run on its way has its result's and a lock.
 void open_more_files() {
@@ -200,7 +202,8 @@ class Worker {
                        const int asked = checkpoints_asked_;
                        keep(crew, simulation, asked != answered || !simulation.goes_on());
                        answered = asked;
-                     });
+                     },
+                     [&](SceneRun& run) { refuse(static_cast<PointRun&>(run)); });
     } catch (const GivenUp&) {  // the fault is another's
     } catch (const std::invalid_argument& fault) {
       given_up_ = true;
@@ -232,7 +235,7 @@ class Worker {
       } catch (const RequestError& fault) {
         refused.message = points_.in_words_of_the_study(fault.what(), point);
       } catch (const std::bad_alloc&) {
-        refused.message = "out of memory: fewer nodes or modes are needed (see 'ra2d plan')";
+        refused.message = no_memory;
       }
       refused.figures.wall_seconds = seconds_since(begin);
       record(std::move(refused));
@@ -309,7 +312,18 @@ class Worker {
     finished.figures.wall_seconds = report.wall_seconds;
     record(std::move(finished));
     if (run.files->is_claimed()) run.files->remove();  // after it
-    std::unique_ptr<PointRun> over;                    // let go of outside the lock
+    let_go_of(run);
+  }
+
+  /// There is no memory for it where runs are marched, even alone.
+  void refuse(PointRun& run) {
+    record({census_.keys[run.point], run.key, RunStatus::refused, no_figures,
+            points_.name(run.point), no_memory});
+    let_go_of(run);
+  }
+
+  void let_go_of(PointRun& run) {
+    std::unique_ptr<PointRun> over;  // outside the lock
     const std::lock_guard lock(mutex_);
     const auto found = running_.find(&run);
     over = std::move(found->second.run);
@@ -342,7 +356,8 @@ class Worker {
     {
       const std::lock_guard lock(mutex_);
       for (auto& [way, running] : running_)
-        if (running.crew == crew && (all || options_.checkpoints->is_due(*running.run->files)))
+        if (running.crew == crew && simulation.holds(*running.run) &&
+            (all || options_.checkpoints->is_due(*running.run->files)))
           due.push_back(running.run.get());
     }
     if (due.empty()) return;

@@ -138,6 +138,11 @@ j = { key = "slider.damping", values = [nan] }
   EXPECT_THAT(fault, HasSubstr("s.toml:17: vary.j.values: nan is not allowed"));
 }
 
+TEST(StudyFile, AnEmptyBaseIsRefused) {
+  EXPECT_THAT(refusal_of([] { parse_study("base = \"\"", ""); }),
+              HasSubstr("base: is empty: expected the scene's file"));
+}
+
 TEST(StudyFile, TooManyRunsAreRefusedBeforeTheyAreCounted) {
   std::string values = "1";
   for (int i = 2; i <= 1001; ++i) values += fmt::format(", {}", i);

@@ -2,10 +2,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <initializer_list>
 #include <limits>
+#include <memory>
 #include <new>
 #include <random>
 #include <string>
@@ -13,6 +15,7 @@
 
 #include "host/interruption.hpp"
 #include "host/run/launch_length.hpp"
+#include "host/run/simulation.hpp"
 #include "tests/looks.hpp"
 #include "tests/scenes.hpp"
 #include "tests/simulate.hpp"
@@ -228,6 +231,43 @@ TEST(Launches, ScenesWithoutMemoryBesideTheOthersWait) {
   Launches none;
   none.batch.memory = largest - 1;  // not even alone
   EXPECT_THROW(simulate(scenes, none), std::bad_alloc);
+}
+
+TEST(Launches, ASceneThatDoesNotFitAloneStopsNoOther) {
+  const std::vector<Scene> scenes = kinds();
+  std::vector<std::size_t> bytes;
+  std::vector<std::unique_ptr<SceneRun>> runs;
+  for (const Scene& scene : scenes) {
+    const Model model = make_model(scene);
+    const ModalStart start = make_start(model);
+    bytes.push_back(Batch({model}, {start}).bytes());
+    runs.push_back(std::make_unique<SceneRun>(model, start));
+  }
+  SimulationOptions options;
+  options.slots = 3;
+  options.batch.memory = *std::max_element(bytes.begin(), bytes.end()) - 1;
+  std::atomic<std::size_t> done = 0;
+  std::size_t refused = 0;
+  Simulation simulation(options);
+  simulation.run([&](std::size_t i) { return i < runs.size() ? runs[i].get() : nullptr; },
+                 [&](SceneRun& run) {
+                   EXPECT_TRUE(run.over());
+                   ++done;
+                 },
+                 [&] {
+                   std::size_t held = 0;
+                   for (const auto& run : runs) held += simulation.holds(*run);
+                   EXPECT_LE(held, 3u);
+                 },
+                 [&](SceneRun& run) {
+                   EXPECT_FALSE(simulation.holds(run));
+                   ++refused;
+                 });
+  const auto large = std::count_if(bytes.begin(), bytes.end(),
+                                   [&](std::size_t b) { return b > options.batch.memory; });
+  EXPECT_EQ(refused, static_cast<std::size_t>(large));
+  EXPECT_EQ(done + refused, scenes.size());
+  EXPECT_GE(done.load(), 1u);
 }
 
 // What they took is there again once they are gone.
