@@ -6,8 +6,8 @@
 namespace ra2d {
 
 /// Calls work(block, first, last) for the blocks of `size` that 0, ..., count - 1 fall into, the last one
-/// shorter: one after the other where there is one, otherwise on a thread for each processor that this
-/// process may use, four at the most. Rethrows the first exception once all have ended.
+/// shorter, on the threads that the caller may use (host/host_threads.hpp), four at the most. Rethrows the first
+/// exception once all have ended.
 void in_blocks(
     std::size_t count, std::size_t size,
     const std::function<void(std::size_t block, std::size_t first, std::size_t last)>& work);

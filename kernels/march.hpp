@@ -12,6 +12,22 @@
 /// The launch: one team marches one scene.
 namespace ra2d {
 
+/// Leaves where the host finds it how a scene stands.
+template <class Lanes, int K>
+KOKKOS_FUNCTION void hand_out(const Lanes& lanes, SceneState& s) {
+  constexpr int width = Lanes::width;
+  for (int p = 0; p < K; ++p) {
+    const int row = p * width;
+    lanes.store(s.now_u + row, lanes.load(s.u + row));
+    lanes.store(s.now_v + row, lanes.load(s.v + row));
+    lanes.store(s.now_square + row, lanes.load(s.square + row));
+    lanes.store(s.now_square_part + row, lanes.load(s.square_part + row));
+  }
+  lanes.store(s.now_bend_part, lanes.load(s.bend_part));
+  if (lanes.leader())
+    for (int i = 0; i < s.open_count; ++i) s.now_open[i] = s.open[i];
+}
+
 /// Marches one scene to step `target`, its end, a full buffer, an interrupt or a failure.
 template <class Lanes, Form form, int K>
 KOKKOS_FUNCTION void march_scene(const Lanes& lanes, const SceneTables& tables, SceneState& state,
@@ -20,28 +36,42 @@ KOKKOS_FUNCTION void march_scene(const Lanes& lanes, const SceneTables& tables, 
     AdaptiveMarcher<Lanes, K>(lanes, tables, state).run(target);
   else
     FixedMarch<Lanes, form, K>(lanes, tables, state).run(target);
+  hand_out<Lanes, K>(lanes, state);
 }
 
-/// A launch on a GPU: scenes of one form, a team each, to their targets.
+/// A launch on a GPU: scenes of one form, a team each, to their targets. Addresses of the device.
 template <class Space, Form form, int K>
 struct March {
   using Policy = Kokkos::TeamPolicy<Space>;
   using Member = typename Policy::member_type;
   using Lanes = typename LanesOf<Space>::template type<Member>;
 
-  Kokkos::View<const SceneTables*, Space> tables;
-  Kokkos::View<SceneState*, Space> states;
-  Kokkos::View<const int*, Space> scenes;
-  Kokkos::View<const std::int64_t*, Space> targets;
+  const SceneTables* tables;
+  SceneState* states;
+  const int* scenes;
+  const std::int64_t* targets;
+  double* seconds;  // out: what each took
 
   KOKKOS_FUNCTION void operator()(const Member& member) const {
-    const int scene = scenes(member.league_rank());
-    march_scene<Lanes, form, K>(Lanes(member), tables(scene), states(scene), targets(scene));
+    const int scene = scenes[member.league_rank()];
+    const Lanes lanes(member);
+    const std::uint64_t begin = nanoseconds();
+    march_scene<Lanes, form, K>(lanes, tables[scene], states[scene], targets[scene]);
+    if (lanes.leader()) seconds[scene] = 1e-9 * static_cast<double>(nanoseconds() - begin);
   }
-  void launch(const Space& space) const {
-    Kokkos::parallel_for("ra2d::march",
-                         Policy(space, scenes.extent_int(0), 1, LanesOf<Space>::vector_length),
+  void launch(const Space& space, int count) const {
+    Kokkos::parallel_for("ra2d::march", Policy(space, count, 1, LanesOf<Space>::vector_length),
                          *this);
+  }
+
+ private:
+  /// The GPU's clock.
+  KOKKOS_FUNCTION static std::uint64_t nanoseconds() {
+    std::uint64_t now = 0;
+#if defined(__CUDA_ARCH__)
+    asm volatile("mov.u64 %0, %globaltimer;" : "=l"(now));
+#endif
+    return now;
   }
 };
 

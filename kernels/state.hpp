@@ -6,9 +6,10 @@
 #include "kernels/tables.hpp"
 
 /// What changes while a scene is marched, and what it hands out. Plain data, pointers as in
-/// SceneTables. Four parts, by what becomes of them between two launches:
+/// SceneTables. Five parts, by what becomes of them between two launches:
 ///
 ///   CarriedState   what the next step goes on from: kept, and all that a saved run keeps
+///   Marks          what the caches and the work space hold, -1: nothing, which is what they begin with
 ///   Caches         what can be found anew from it: kept, or emptied, with the same answers
 ///   WorkSpace      means nothing between two launches
 ///   HandOut        buffers of what is recorded: emptied after each launch
@@ -124,12 +125,18 @@ struct CarriedState {
   int level = 0;        // of the next flight: 2^level ticks
 };
 
+/// Of each node.
+struct Marks {
+  std::int64_t* node_window = nullptr;  // for which it is expanded (Caches)
+  int* pressed_place =
+      nullptr;  // Form::implicit: its place among those that carry force (WorkSpace)
+};
+
 /// What is found once and read often.
 struct Caches {
-  // expanded nodes: shape (node, 4, lane), faces (node, 2), and the window that they hold for
+  // expanded nodes: shape (node, 4, lane), faces (node, 2)
   double* node_shape = nullptr;
   double* node_face = nullptr;
-  std::int64_t* node_window = nullptr;  // -1: none
 };
 
 struct WorkSpace {
@@ -148,7 +155,6 @@ struct WorkSpace {
   // Form::implicit: the nodes that carry force, in the order in which they came
   int pressed_capacity = 0;
   int* pressed = nullptr;
-  int* pressed_place = nullptr;     // for each node its place among them, or -1
   double* pressed_force = nullptr;  // N
   double* factor = nullptr;         // Cholesky factor, (row, column) with pressed_capacity columns
   double* across = nullptr;         // m/N, of the next node with each of them
@@ -171,15 +177,24 @@ struct WorkSpace {
   double* seen = nullptr;  // (2, near group, 2, lane): overlap and its rate at both ends of a step
 };
 
-/// What is recorded, until the host takes it.
+/// What is recorded, until the host takes it, and how the scene stands at the end of a launch. The host
+/// reads and a march writes it at one address, on a GPU over its bus: nothing here is read by a march.
 struct HandOut {
   double* sample_rows = nullptr;  // see sample::row
   int sample_capacity = 0, sample_count = 0;
   ShockRow* shock_rows = nullptr;
   int shock_capacity = 0, shock_count = 0;
+
+  // of CarriedState
+  double* now_u = nullptr;
+  double* now_v = nullptr;
+  double* now_square = nullptr;
+  double* now_square_part = nullptr;
+  double* now_bend_part = nullptr;
+  OpenShock* now_open = nullptr;
 };
 
-struct SceneState : CarriedState, Caches, WorkSpace, HandOut {};
+struct SceneState : CarriedState, Marks, Caches, WorkSpace, HandOut {};
 
 // Every array of each part, once, as for the tables (kernels/tables.hpp).
 
@@ -200,9 +215,15 @@ void visit_arrays(CarriedState& s, const Extents& n, Visit&& visit) {
 }
 
 template <class Visit>
-void visit_arrays(Caches& s, const Extents& n, Visit&& visit) {
+void visit_arrays(Marks& s, const Extents& n, Visit&& visit) {
   const auto nodes = static_cast<std::size_t>(n.nodes);
   visit("node_window", s.node_window, nodes);
+  if (n.pressed > 0) visit("pressed_place", s.pressed_place, nodes);
+}
+
+template <class Visit>
+void visit_arrays(Caches& s, const Extents& n, Visit&& visit) {
+  const auto nodes = static_cast<std::size_t>(n.nodes);
   visit("node_shape", s.node_shape, nodes * 4 * n.lanes);
   visit("node_face", s.node_face, nodes * 2);
 }
@@ -224,7 +245,6 @@ void visit_arrays(WorkSpace& s, const Extents& n, Visit&& visit) {
   if (n.pressed > 0) {
     const auto pressed = static_cast<std::size_t>(n.pressed);
     visit("pressed", s.pressed, pressed);
-    visit("pressed_place", s.pressed_place, static_cast<std::size_t>(n.nodes));
     visit("pressed_force", s.pressed_force, pressed);
     visit("factor", s.factor, (pressed + 1) * pressed);
     visit("across", s.across, pressed);
@@ -252,6 +272,13 @@ template <class Visit>
 void visit_arrays(HandOut& s, const Extents& n, Visit&& visit) {
   visit("sample_rows", s.sample_rows, static_cast<std::size_t>(n.samples) * sample::row(n.lanes));
   visit("shock_rows", s.shock_rows, static_cast<std::size_t>(n.shocks));
+  const auto lanes = static_cast<std::size_t>(n.lanes);
+  visit("now_u", s.now_u, lanes);
+  visit("now_v", s.now_v, lanes);
+  visit("now_square", s.now_square, lanes);
+  visit("now_square_part", s.now_square_part, lanes);
+  visit("now_bend_part", s.now_bend_part, static_cast<std::size_t>(n.width));
+  visit("now_open", s.now_open, 2 * static_cast<std::size_t>(n.runs()));
 }
 
 }  // namespace ra2d

@@ -218,11 +218,11 @@ struct SceneTables {
 };
 
 /// Every array of the tables, once: its name, where its address stands, and how many values it has.
-/// Who makes room for them, sets their addresses or copies them goes by this list alone.
+/// Who makes room for them, sets their addresses or copies them goes by this list alone. First those that
+/// scenes with equal bodies, schemes and speeds have in common.
 template <class Visit>
-void visit_arrays(SceneTables& t, const Extents& n, Visit&& visit) {
+void visit_shared_arrays(SceneTables& t, const Extents& n, Visit&& visit) {
   const auto lanes = static_cast<std::size_t>(n.lanes);
-  const std::size_t heights = n.heights, nodes = n.padded_nodes();
   visit("stage", t.stage, n.stage_rows * lanes);
   visit("end", t.end, n.end_rows * lanes);
   visit("receptance", t.receptance, lanes);
@@ -241,12 +241,8 @@ void visit_arrays(SceneTables& t, const Extents& n, Visit&& visit) {
   visit("cubic_slope_remainder", t.cubic_slope_remainder, lanes);
   visit("quartic", t.quartic, lanes);
   visit("patch", t.patch, n.patches * 4 * lanes);
-  visit("slider_shape", t.slider_shape, n.slider_modes * nodes);
+  visit("slider_shape", t.slider_shape, n.slider_modes * n.padded_nodes());
   visit("unit", t.unit, n.slider_modes * lanes);
-  visit("height1", t.height1, nodes);
-  visit("height2", t.height2, heights);
-  visit("highest2", t.highest2, heights);
-  visit("moving_force", t.moving_force, static_cast<std::size_t>(n.moving_forces));
   if (!n.adaptive()) return;
   visit("flight", t.flight, static_cast<std::size_t>(n.flight_levels) * flight_rows * lanes);
   visit("rest", t.rest, lanes);
@@ -259,6 +255,20 @@ void visit_arrays(SceneTables& t, const Extents& n, Visit&& visit) {
   visit("inverse_mass", t.inverse_mass, lanes);
   visit("hull", t.hull, std::size_t{(overlap_terms + 2) * overlap_terms});
   visit("gauss", t.gauss, std::size_t{2 * gauss_room});
+}
+/// ... and those of a scene's own.
+template <class Visit>
+void visit_own_arrays(SceneTables& t, const Extents& n, Visit&& visit) {
+  const std::size_t heights = n.heights;
+  visit("height1", t.height1, n.padded_nodes());
+  visit("height2", t.height2, heights);
+  visit("highest2", t.highest2, heights);
+  visit("moving_force", t.moving_force, static_cast<std::size_t>(n.moving_forces));
+}
+template <class Visit>
+void visit_arrays(SceneTables& t, const Extents& n, Visit&& visit) {
+  visit_shared_arrays(t, n, visit);
+  visit_own_arrays(t, n, visit);
 }
 
 }  // namespace ra2d

@@ -32,8 +32,7 @@ struct Filled {
       arrays.emplace_back(count * sizeof(Value) / sizeof(double) + 1, 0.0);
       array = reinterpret_cast<Value*>(arrays.back().data());
     });
-    const void* const here = arrays.front().data();
-    fill(t, model, series, n, HostCopy(here, arrays.front().data()));
+    fill(t, model, series, n, HostCopy());
   }
   Filled(const Filled&) = delete;
 

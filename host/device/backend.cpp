@@ -2,71 +2,43 @@
 #include "host/device/backend.hpp"
 
 #include <Kokkos_Core.hpp>
+#include <algorithm>
 #include <exception>
-#include <limits>
+#include <memory>
 #include <mutex>
+#include <utility>
 #if defined(KOKKOS_ENABLE_OPENMP)
 #include <omp.h>
 #endif
 
-#include "host/device/arena.hpp"
+#include "host/device/cuda_device.hpp"
+#include "host/device/device.hpp"
+#include "host/device/launch.hpp"
 #include "host/errors.hpp"
+#include "host/host_threads.hpp"
 #include "kernels/lanes.hpp"
 
 namespace ra2d {
 
+namespace {
+
+Device* where = nullptr;
+int threads_of_all = 1;  // whatever the share of the one that asks
+
 #if defined(KOKKOS_ENABLE_CUDA)
-namespace {
-
-/// What the driver says of a call, if it is no success.
-std::string fault_of(cudaError_t status) {
-  return status == cudaSuccess
-             ? std::string()
-             : std::string(cudaGetErrorName(status)) + ": " + cudaGetErrorString(status);
-}
-
-void require_device(int device) {
-  int count = 0;
-  if (const std::string fault = fault_of(cudaGetDeviceCount(&count)); !fault.empty())
-    throw RequestError("this build of ra2d marches on a GPU, and the driver has none to offer (" +
-                       fault + "). Is 'nvidia-smi' content? A build for the CPU: docs/building.md");
-  if (device >= count)
-    throw RequestError("--device " + std::to_string(device) + ": there " +
-                       (count == 1 ? "is one GPU here, number 0"
-                                   : "are " + std::to_string(count) + " GPUs here, from 0 on"));
-}
-
-}  // namespace
-
-std::string backend_device() {
-  cudaDeviceProp properties;
-  const int device = Kokkos::device_id();
-  const bool known = cudaGetDeviceProperties(&properties, device) == cudaSuccess;
-  return "GPU " + std::to_string(device) + (known ? std::string(", ") + properties.name : "");
-}
-std::size_t backend_room() {
-  std::size_t free = 0, all = 0;
-  return cudaMemGetInfo(&free, &all) == cudaSuccess ? free / 10 * 9 : 0;
-}
-#else
-namespace {
-
-void require_device(int device) {
-  if (device >= 0)
-    throw RequestError("--device " + std::to_string(device) +
-                       ": this build of ra2d marches on the "
-                       "CPU (" +
-                       backend_name() + "); docs/building.md says how to build for a GPU");
-}
-
-}  // namespace
-
-std::string backend_device() { return {}; }
-std::size_t backend_room() { return 0; }
+std::unique_ptr<Device> gpu;
 #endif
 
+}  // namespace
+
+Device* march_device() { return where; }
+Device* march_on(Device* device) { return std::exchange(where, device); }
+
+std::string backend_device() { return where != nullptr ? where->name() : std::string(); }
+std::size_t backend_room() { return where != nullptr ? where->room() / 10 * 9 : 0; }
+
 Backend::Backend(int threads, int device) {
-  require_device(device);
+  require_gpu(device);
   Kokkos::InitializationSettings settings;
   settings.set_disable_warnings(true);  // about thread binding: one scene runs on one thread
   if (threads > 0) settings.set_num_threads(threads);
@@ -77,15 +49,32 @@ Backend::Backend(int threads, int device) {
   if (threads > 0) omp_set_num_threads(threads);
 #endif
   Kokkos::initialize(settings);
+#if defined(KOKKOS_ENABLE_CUDA)
+  limit_host_threads(threads);
+  gpu = make_cuda_device();
+  where = gpu.get();
+#else
+  limit_host_threads(Space().concurrency());
+#endif
+  threads_of_all = host_threads();
 }
-Backend::~Backend() { Kokkos::finalize(); }
+Backend::~Backend() {
+#if defined(KOKKOS_ENABLE_CUDA)
+  where = nullptr;
+  gpu.reset();
+#endif
+  limit_host_threads(0);
+  Kokkos::finalize();
+}
 
 std::string backend_name() { return Space::name(); }
-int backend_threads() { return Space().concurrency(); }
-int scenes_at_once() { return on_host ? backend_threads() : std::numeric_limits<int>::max(); }
+int backend_threads() { return threads_of_all; }
+int scenes_at_once() { return where != nullptr ? where->scenes_at_once() : backend_threads(); }
 
+#if defined(KOKKOS_ENABLE_OPENMP)
 void side_by_side(int count, const std::function<void(int)>& work) {
   if (count == 1) return work(0);
+  const int all = host_threads();
   std::exception_ptr fault;
   std::mutex one_fault;
   using HostSpace = Kokkos::DefaultHostExecutionSpace;
@@ -93,6 +82,7 @@ void side_by_side(int count, const std::function<void(int)>& work) {
                        Kokkos::RangePolicy<HostSpace, Kokkos::Schedule<Kokkos::Dynamic>>(
                            0, count, Kokkos::ChunkSize(1)),
                        [&](int i) {
+                         const ShareOfThreads share(all, std::min(count, all));
                          try {
                            work(i);
                          } catch (...) {
@@ -103,6 +93,12 @@ void side_by_side(int count, const std::function<void(int)>& work) {
   HostSpace{}.fence();
   if (fault) std::rethrow_exception(fault);
 }
+#else
+void side_by_side(int count, const std::function<void(int)>& work) {
+  on_threads(host_threads(), static_cast<std::size_t>(count),
+             [&](std::size_t i) { work(static_cast<int>(i)); });
+}
+#endif
 
 std::string arithmetic() {
 #if defined(__CUDACC__)

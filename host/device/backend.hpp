@@ -18,7 +18,7 @@ class Backend {
   Backend& operator=(const Backend&) = delete;
 };
 
-/// The name of Kokkos' default execution space, and how many threads it has.
+/// The name of Kokkos' default execution space, and how many threads of the host work side by side.
 std::string backend_name();
 int backend_threads();
 
@@ -29,11 +29,11 @@ std::string backend_device();
 /// nothing is set aside.
 std::size_t backend_room();
 
-/// Scenes that are marched at one moment: as many as there are threads, on a GPU all.
+/// Scenes that are marched at one moment: as many as there are threads, on a GPU as its registers hold.
 int scenes_at_once();
 
-/// Calls `work` for 0, ..., count - 1 on the host's threads: who is done takes the next. Rethrows the
-/// first exception once all have ended.
+/// Calls `work` for 0, ..., count - 1 on the host's threads (host/host_threads.hpp): who is done takes the next.
+/// Rethrows the first exception once all that were begun have ended.
 void side_by_side(int count, const std::function<void(int)>& work);
 
 /// What a build computes with, as far as the bits of its answers know it: "avx512", "avx2", "x86-64",

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <Kokkos_Core.hpp>
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -12,13 +11,16 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <type_traits>
 #include <utility>
 
-#include "host/device/arena.hpp"
 #include "host/device/backend.hpp"
+#include "host/device/device.hpp"
 #include "host/device/fill.hpp"
-#include "host/device/launch.hpp"
+#include "host/device/marches.hpp"
+#include "host/device/memory.hpp"
+#include "host/device/scene_memory.hpp"
 #include "host/errors.hpp"
 #include "host/interruption.hpp"
 #include "kernels/limits.hpp"
@@ -28,7 +30,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr int width = LanesOf<Space>::width;
+const int width = backend_lanes();
 
 int packs_of(const Model& model, int least) {
   const int modes = static_cast<int>(model.resonator.modes.size() + model.slider.modes.size());
@@ -40,44 +42,48 @@ int packs_of(const Model& model, int least) {
   return compiled_packs(std::max({least, 1, (modes + width - 1) / width}));
 }
 
-/// A scene in its slot. On a CPU its tables and state are marched where they stand here, on a GPU in
+/// A scene in its slot. On a CPU its tables and state are marched where they stand here, on a device in
 /// the batch's arrays of them.
 struct Slot {
   Model model;
   Room room;
   int packs = 0;
   Extents extents;
-  Arena arena;
+  SceneMemory memory;
   SceneTables tables;
   SceneState state;
   double seconds = 0;
 
-  Slot(const Model& model_, const ModalStart& start, int packs_, const Room& room_, Arena memory)
-      : model{model_}, room{room_}, packs{packs_}, arena{std::move(memory)} {
-    provide();
-    fill(state, model, start, extents, arena.on_host_copy());
-    upload();
+  Slot(const Model& model_, const ModalStart& start, int packs_, const Room& room_,
+       BatchMemory& batch)
+      : model{model_}, room{room_}, packs{packs_}, memory{batch} {
+    find_extents();
+    memory.provide(static_cast<HandOut&>(state), extents);
+    provide(start, false);
   }
 
-  /// The same scene at the same place, with room for more nodes.
+  /// The same scene at the same place, with room for more nodes: beside the room of the batch, for what is
+  /// under way comes first. What it has handed out stays.
   void grow(int nodes) {
     const SavedState kept = save();
-    const HandOut handed = static_cast<const HandOut&>(state);
-    const Arrays rows = copy_out(handed);
+    const HandOut handed = state;
     room.nodes = nodes;
-    arena = Arena();  // from here on beside the room of the batch: what is under way comes first
+    find_extents();
     tables = SceneTables();
     state = SceneState();
-    provide();
-    fill(state, model, ModalStart(), extents, arena.on_host_copy());
+    static_cast<HandOut&>(state) = handed;
+    provide(ModalStart(), true);
     take(kept);
-    copy_in(static_cast<HandOut&>(state), handed, rows);
-    upload();
   }
 
   SavedState save() const {
-    const CarriedState& carried = state;
-    return {carried, copy_out(carried), room.nodes};
+    SavedState saved{state, {}, room.nodes};
+    visit_arrays(saved.values, extents, [&](const char*, auto* array, std::size_t count) {
+      auto& to = saved.arrays.emplace_back(count * sizeof(*array));
+      memory.read(to.data(), array, to.size());
+    });
+    memory.wait();
+    return saved;
   }
   void restore(const SavedState& saved) {
     Room saved_room = room;
@@ -88,9 +94,26 @@ struct Slot {
       throw std::invalid_argument(fault);
     take(saved);
   }
+  /// Everything of a saved state but its addresses, which stay ours.
   void take(const SavedState& saved) {
     if (saved.room > room.nodes) grow(saved.room);
-    copy_in(static_cast<CarriedState&>(state), saved.values, saved.arrays);
+    CarriedState ours = state;
+    auto bytes = saved.arrays.begin();
+    std::vector<void*> addresses;
+    visit_arrays(ours, extents, [&](const char* name, auto* array, std::size_t count) {
+      if (bytes == saved.arrays.end() || bytes->size() > count * sizeof(*array))
+        throw std::logic_error(std::string("a saved state of another scene: ") + name);
+      memory.write(array, bytes->data(), bytes->size());
+      ++bytes;
+      addresses.push_back(array);
+    });
+    ours = saved.values;
+    auto address = addresses.begin();
+    visit_arrays(ours, extents, [&](const char*, auto*& array, std::size_t) {
+      array = static_cast<std::remove_reference_t<decltype(array)>>(*address++);
+    });
+    static_cast<CarriedState&>(state) = ours;
+    show(saved);
   }
 
   /// After a launch: what stopped for want of room goes on with twice as much.
@@ -100,55 +123,34 @@ struct Slot {
     state.status = Status::running;
   }
 
-  void upload() {
-    const auto up = [&](const char*, const auto* array, std::size_t count) {
-      arena.upload(array, count);
-    };
-    visit_arrays(tables, extents, up);
-    visit_arrays(static_cast<CarriedState&>(state), extents, up);
-    arena.upload(state.node_window, static_cast<std::size_t>(extents.nodes));
-    if (extents.pressed > 0)
-      arena.upload(state.pressed_place, static_cast<std::size_t>(extents.nodes));
-  }
-
  private:
-  using Arrays = std::vector<std::vector<std::byte>>;
-
-  template <class Part>
-  Arrays copy_out(Part part) const {
-    Arrays out;
-    visit_arrays(part, extents, [&](const char*, const auto* array, std::size_t count) {
-      const auto* const bytes = reinterpret_cast<const std::byte*>(arena.fetch(array, count));
-      out.emplace_back(bytes, bytes + count * sizeof(*array));
-    });
-    return out;
+  void find_extents() {
+    extents = extents_of(model, choose_series(model, width), packs * width, width, room);
   }
-  /// Everything of a part but its addresses, which stay ours.
-  template <class Part>
-  void copy_in(Part& part, const Part& values, const Arrays& arrays) const {
-    auto bytes = arrays.begin();
-    std::vector<void*> addresses;
-    visit_arrays(part, extents, [&](const char* name, auto* array, std::size_t count) {
-      if (bytes == arrays.end() || bytes->size() > count * sizeof(*array))
-        throw std::logic_error(std::string("a saved state of another scene: ") + name);
-      std::memcpy(arena.on_host_copy()(array), bytes->data(), bytes->size());
-      arena.upload(array, count);
+
+  void provide(const ModalStart& start, bool beyond_room) {
+    memory.provide(tables, state, extents, beyond_room, [&](const HostCopy& copy) {
+      fill(tables, model, choose_series(model, width), extents, copy);
+      fill(state, model, start, extents, copy);
+    });
+    if (memory.on_host()) tables.interrupted = interruption_flag();
+  }
+
+  /// What a march leaves at its end (hand_out), of a state that none has left.
+  void show(const SavedState& saved) {
+    auto bytes = saved.arrays.begin();
+    CarriedState carried;
+    visit_arrays(carried, extents, [&](const char* array, auto*, std::size_t) {
+      const std::string_view name = array;
+      const auto put = [&](auto* to) { std::memcpy(to, bytes->data(), bytes->size()); };
+      if (name == "u") put(state.now_u);
+      if (name == "v") put(state.now_v);
+      if (name == "square") put(state.now_square);
+      if (name == "square_part") put(state.now_square_part);
+      if (name == "bend_part") put(state.now_bend_part);
+      if (name == "open") put(state.now_open);
       ++bytes;
-      addresses.push_back(array);
     });
-    part = values;
-    auto address = addresses.begin();
-    visit_arrays(part, extents, [&](const char*, auto*& array, std::size_t) {
-      array = static_cast<std::remove_reference_t<decltype(array)>>(*address++);
-    });
-  }
-
-  void provide() {
-    const PatchSeries series = choose_series(model, width);
-    extents = extents_of(model, series, packs * width, width, room);
-    arena.provide(tables, state, extents);
-    fill(tables, model, series, extents, arena.on_host_copy());
-    if constexpr (on_host) tables.interrupted = interruption_flag();
   }
 };
 
@@ -156,13 +158,37 @@ struct Slot {
 
 struct Batch::Impl {
   BatchOptions options;
-  std::atomic<std::int64_t> left = 0;  // of options.memory; outlives the slots
+  BatchMemory memory;  // outlives the slots
   std::vector<std::optional<Slot>> slots;
-#if defined(KOKKOS_ENABLE_CUDA)
-  TablesView tables;
-  StatesView states;
-  TargetsView targets;
-#endif
+
+  // on a device: of each slot, there and here
+  struct Launched {
+    Block tables, states, targets, scenes, seconds;
+    std::vector<SceneTables> tables_here;
+    std::vector<SceneState> states_here;
+    std::vector<int> scenes_here;
+    std::vector<double> seconds_here;
+    std::vector<std::unique_ptr<DeviceQueue>> queues;  // one a group of scenes
+  };
+  std::optional<Launched> launched;
+
+  Impl(int count, const BatchOptions& options_)
+      : options{options_}, memory{march_device(), options_.memory} {
+    const auto n = static_cast<std::size_t>(count);
+    slots.resize(n);
+    if (memory.device == nullptr) return;
+    const auto lend = [&](std::size_t bytes) { return memory.marched->lend(bytes * n); };
+    launched.emplace(Launched{lend(sizeof(SceneTables)),
+                              lend(sizeof(SceneState)),
+                              lend(sizeof(std::int64_t)),
+                              lend(sizeof(int)),
+                              lend(sizeof(double)),
+                              std::vector<SceneTables>(n),
+                              std::vector<SceneState>(n),
+                              {},
+                              std::vector<double>(n),
+                              {}});
+  }
 
   Slot& at(int slot) { return *slots.at(static_cast<std::size_t>(slot)); }
   std::vector<int> running() const {
@@ -175,81 +201,74 @@ struct Batch::Impl {
 
   void launch(const std::vector<int>& list, const std::vector<std::int64_t>& goals,
               const std::function<void(int)>& marched);
+  void launch_on_device(const std::vector<int>& list, const std::vector<std::int64_t>& goals);
 };
 
-#if defined(KOKKOS_ENABLE_CUDA)
-
-/// The scenes of each form and number of packs together, side by side with the others.
 void Batch::Impl::launch(const std::vector<int>& list, const std::vector<std::int64_t>& goals,
                          const std::function<void(int)>& marched) {
-  const auto tables_host = Kokkos::create_mirror_view(tables);
-  const auto states_host = Kokkos::create_mirror_view(states);
-  const auto targets_host = Kokkos::create_mirror_view(targets);
-  std::map<std::pair<Form, int>, std::vector<int>> groups;
-  for (const int slot : list) {
-    tables_host(slot) = at(slot).tables;
-    states_host(slot) = at(slot).state;
-    targets_host(slot) = goals[slot];
-    groups[{at(slot).tables.form, at(slot).packs}].push_back(slot);
-  }
-  Kokkos::deep_copy(tables, tables_host);
-  Kokkos::deep_copy(states, states_host);
-  Kokkos::deep_copy(targets, targets_host);
-  const auto begin = Clock::now();
-  const std::vector<Space> streams =
-      Kokkos::Experimental::partition_space(Space(), std::vector<int>(groups.size(), 1));
-  std::size_t stream = 0;
-  std::vector<ScenesView> lists;  // until the launches are done
-  for (const auto& [kind, members] : groups) {
-    const ScenesView scenes("ra2d::scenes", members.size());
-    const auto scenes_host = Kokkos::create_mirror_view(scenes);
-    std::copy(members.begin(), members.end(), scenes_host.data());
-    Kokkos::deep_copy(scenes, scenes_host);
-    lists.push_back(scenes);
-    launch_march(streams[stream++], kind.first, kind.second, tables, states, scenes, targets);
-  }
-  Kokkos::fence();
-  const double took = std::chrono::duration<double>(Clock::now() - begin).count();
-  Kokkos::deep_copy(states_host, states);
-  for (const int slot : list) {
-    at(slot).state = states_host(slot);
-    at(slot).seconds = took;
-  }
-  side_by_side(static_cast<int>(list.size()), [&](int i) {
-    const int slot = list[static_cast<std::size_t>(i)];
-    at(slot).make_room();
-    if (marched) marched(slot);
-  });
-}
-
-#else
-
-/// Each scene on one thread.
-void Batch::Impl::launch(const std::vector<int>& list, const std::vector<std::int64_t>& goals,
-                         const std::function<void(int)>& marched) {
+  if (memory.device != nullptr) launch_on_device(list, goals);
   side_by_side(static_cast<int>(list.size()), [&](int i) {
     const int slot = list[static_cast<std::size_t>(i)];
     Slot& scene = at(slot);
-    const auto begin = Clock::now();
-    march_of(scene.tables.form, scene.packs)(scene.tables, scene.state, goals[slot]);
-    scene.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+    if (memory.device == nullptr) {
+      const auto begin = Clock::now();
+      march_of(scene.tables.form, scene.packs)(scene.tables, scene.state,
+                                               goals[static_cast<std::size_t>(slot)]);
+      scene.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+    }
     scene.make_room();
     if (marched) marched(slot);
   });
 }
 
-#endif
-
-Batch::Batch(int slots, const BatchOptions& options) : impl_{std::make_unique<Impl>()} {
-  impl_->options = options;
-  impl_->left = static_cast<std::int64_t>(options.memory);
-  impl_->slots.resize(static_cast<std::size_t>(slots));
-#if defined(KOKKOS_ENABLE_CUDA)
-  impl_->tables = TablesView("ra2d::tables", slots);
-  impl_->states = StatesView("ra2d::states", slots);
-  impl_->targets = TargetsView("ra2d::targets", slots);
-#endif
+/// The scenes of each form and number of packs together, side by side with the others.
+void Batch::Impl::launch_on_device(const std::vector<int>& list,
+                                   const std::vector<std::int64_t>& goals) {
+  Launched& l = *launched;
+  DeviceQueue& queue = *memory.queue;
+  std::map<std::pair<Form, int>, std::vector<int>> groups;
+  for (const int slot : list) {
+    const auto i = static_cast<std::size_t>(slot);
+    l.tables_here[i] = at(slot).tables;
+    l.states_here[i] = at(slot).state;
+    groups[{at(slot).tables.form, at(slot).packs}].push_back(slot);
+  }
+  l.scenes_here.clear();
+  for (const auto& [kind, members] : groups)
+    l.scenes_here.insert(l.scenes_here.end(), members.begin(), members.end());
+  while (l.queues.size() < groups.size()) l.queues.push_back(memory.device->make_queue());
+  const auto up = [&](const Block& there, const auto& here) {
+    queue.upload(there.data(), here.data(), here.size() * sizeof(here[0]));
+  };
+  up(l.tables, l.tables_here);
+  up(l.states, l.states_here);
+  up(l.targets, goals);
+  up(l.scenes, l.scenes_here);
+  queue.wait();
+  const int* scenes = reinterpret_cast<const int*>(l.scenes.data());
+  auto group_queue = l.queues.begin();
+  for (const auto& [kind, members] : groups) {
+    const auto count = static_cast<int>(members.size());
+    (*group_queue++)
+        ->march({kind.first, kind.second, count, scenes,
+                 reinterpret_cast<const SceneTables*>(l.tables.data()),
+                 reinterpret_cast<SceneState*>(l.states.data()),
+                 reinterpret_cast<const std::int64_t*>(l.targets.data()),
+                 reinterpret_cast<double*>(l.seconds.data())});
+    scenes += count;
+  }
+  while (group_queue != l.queues.begin()) (*--group_queue)->wait();
+  queue.fetch(l.states_here.data(), l.states.data(), l.states_here.size() * sizeof(SceneState));
+  queue.fetch(l.seconds_here.data(), l.seconds.data(), l.seconds_here.size() * sizeof(double));
+  queue.wait();
+  for (const int slot : list) {
+    at(slot).state = l.states_here[static_cast<std::size_t>(slot)];
+    at(slot).seconds = l.seconds_here[static_cast<std::size_t>(slot)];
+  }
 }
+
+Batch::Batch(int slots, const BatchOptions& options)
+    : impl_{std::make_unique<Impl>(slots, options)} {}
 
 Batch::Batch(const std::vector<Model>& models, const std::vector<ModalStart>& starts,
              const BatchOptions& options)
@@ -266,7 +285,7 @@ void Batch::put(int slot, const Model& model, const ModalStart& start) {
   std::optional<Slot>& place = impl_->slots.at(static_cast<std::size_t>(slot));
   place.reset();
   place.emplace(model, start, packs_of(model, impl_->options.least_packs), impl_->options.room,
-                impl_->options.memory > 0 ? Arena(impl_->left) : Arena());
+                impl_->memory);
 }
 
 void Batch::empty(int slot) { impl_->slots.at(static_cast<std::size_t>(slot)).reset(); }
@@ -284,8 +303,8 @@ void Batch::march(std::int64_t target) {
 double Batch::seconds(int slot) const { return impl_->at(slot).seconds; }
 
 std::size_t Batch::bytes() const {
-  std::size_t sum = 0;
-  for (const std::optional<Slot>& slot : impl_->slots) sum += slot ? slot->arena.bytes() : 0;
+  std::size_t sum = impl_->memory.shared.bytes();
+  for (const std::optional<Slot>& slot : impl_->slots) sum += slot ? slot->memory.bytes() : 0;
   return sum;
 }
 
@@ -297,11 +316,8 @@ Drained Batch::drain(int slot) {
   out.samples = s.sample_count;
   const std::size_t values =
       static_cast<std::size_t>(s.sample_count) * sample::row(scene.extents.lanes);
-  const double* const rows = scene.arena.fetch(s.sample_rows, values);
-  out.sample_rows.assign(rows, rows + values);
-  const ShockRow* const shocks =
-      scene.arena.fetch(s.shock_rows, static_cast<std::size_t>(s.shock_count));
-  out.shocks.assign(shocks, shocks + s.shock_count);
+  out.sample_rows.assign(s.sample_rows, s.sample_rows + values);
+  out.shocks.assign(s.shock_rows, s.shock_rows + s.shock_count);
   s.sample_count = s.shock_count = 0;
   return out;
 }
@@ -311,35 +327,30 @@ Snapshot Batch::snapshot(int slot) const {
   const SceneState& s = scene.state;
   const std::size_t modes2 = scene.model.resonator.modes.size(),
                     modes1 = scene.model.slider.modes.size();
-  const auto take = [&](const double* array, std::size_t lane, std::size_t count) {
-    const double* const from =
-        scene.arena.fetch(array, static_cast<std::size_t>(scene.extents.lanes)) + lane;
+  const auto take = [](const double* from, std::size_t count) {
     return std::vector<double>(from, from + count);
   };
   Snapshot out;
   out.status = s.status;
   out.step = s.step;
   out.strides = scene.extents.adaptive() ? s.strides : s.step;
-  out.resonator_u = take(s.u, 0, modes2);
-  out.resonator_v = take(s.v, 0, modes2);
-  out.slider_u = take(s.u, modes2, modes1);
-  out.slider_v = take(s.v, modes2, modes1);
-  out.resonator_square = take(s.square, 0, modes2);
-  const std::vector<double> part = take(s.square_part, 0, modes2);
-  for (std::size_t k = 0; k < modes2; ++k) out.resonator_square[k] += part[k];
+  out.resonator_u = take(s.now_u, modes2);
+  out.resonator_v = take(s.now_v, modes2);
+  out.slider_u = take(s.now_u + modes2, modes1);
+  out.slider_v = take(s.now_v + modes2, modes1);
+  out.resonator_square = take(s.now_square, modes2);
+  for (std::size_t k = 0; k < modes2; ++k) out.resonator_square[k] += s.now_square_part[k];
   out.contact_steps = s.contact_steps;
   out.most_nodes = s.most_nodes;
   out.evaluated = s.evaluated;
   out.shocks_begun = s.shocks_begun;
   out.energy = s.energy;
   out.energy_limit = s.energy_limit;
-  const double* const bend_part = scene.arena.fetch(s.bend_part, static_cast<std::size_t>(width));
   double bend = 0;
-  for (int lane = 0; lane < width; ++lane) bend += bend_part[lane];
+  for (int lane = 0; lane < width; ++lane) bend += s.now_bend_part[lane];
   out.sliding_work = s.sliding_work + scene.model.advance * (s.climb_part + bend);
   out.force_work = s.force_work + s.force_part;
-  const OpenShock* const open = scene.arena.fetch(s.open, static_cast<std::size_t>(s.open_count));
-  out.open_shocks.assign(open, open + s.open_count);
+  out.open_shocks.assign(s.now_open, s.now_open + s.open_count);
   return out;
 }
 

@@ -352,6 +352,11 @@ void fill(SceneState& state, const Model& model, const ModalStart& start, const 
   put(state.start, start.resonator_u, start.slider_u);
   put(state.v, start.resonator_v, start.slider_v);
   put(state.start_v, start.resonator_v, start.slider_v);
+  for (double* const lanes : {state.now_u, state.now_v, state.now_square, state.now_square_part})
+    std::fill_n(host(lanes), n.lanes, 0.0);  // this memory may be another scene's before
+  std::fill_n(host(state.now_bend_part), n.width, 0.0);
+  put(state.now_u, start.resonator_u, start.slider_u);
+  put(state.now_v, start.resonator_v, start.slider_v);
   state.energy_start = start.energy;
   state.sample_capacity = n.samples;
   state.run_capacity = n.runs();

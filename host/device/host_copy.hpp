@@ -4,21 +4,25 @@
 
 namespace ra2d {
 
-/// Finds the host's copy of what stands on the device: the same place, where both share their memory.
+/// Finds where the host writes what is to stand on the device: in a copy of a block, or, where both share
+/// their memory, at the same address.
 class HostCopy {
  public:
-  HostCopy(const void* device, void* host)
-      : device_{static_cast<const char*>(device)}, host_{static_cast<char*>(host)} {}
+  HostCopy() = default;
+  HostCopy(const char* device, std::size_t bytes, char* host)
+      : device_{device}, bytes_{bytes}, host_{host} {}
 
-  /// What a device address of the block holds, on the host, to be written.
   template <class T>
   T* operator()(const T* on_device) const {
-    return reinterpret_cast<T*>(host_ + (reinterpret_cast<const char*>(on_device) - device_));
+    const auto* const address = reinterpret_cast<const char*>(on_device);
+    const bool copied = address >= device_ && address < device_ + bytes_;
+    return const_cast<T*>(copied ? reinterpret_cast<T*>(host_ + (address - device_)) : on_device);
   }
 
  private:
-  const char* device_;
-  char* host_;
+  const char* device_ = nullptr;
+  std::size_t bytes_ = 0;
+  char* host_ = nullptr;
 };
 
 }  // namespace ra2d

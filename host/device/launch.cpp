@@ -31,10 +31,11 @@ void choose(Form form, int packs, const Use& use) {
 int compiled_packs(int needed) { return Packs::smallest(needed); }
 
 #if defined(KOKKOS_ENABLE_CUDA)
-void launch_march(const Space& space, Form form, int packs, const TablesView& tables,
-                  const StatesView& states, const ScenesView& scenes, const TargetsView& targets) {
-  choose(form, packs,
-         [&]<Form f, int K>() { march_listed<f, K>(space, tables, states, scenes, targets); });
+void launch_march(const Space& space, const ScenesToMarch& scenes) {
+  choose(scenes.form, scenes.packs, [&]<Form f, int K>() { march_listed<f, K>(space, scenes); });
+}
+MarchScene march_of(Form, int) {
+  throw std::logic_error("a build for a GPU has no marches for the host");
 }
 #else
 MarchScene march_of(Form form, int packs) {

@@ -5,37 +5,25 @@
 #include <cstdint>
 #include <type_traits>
 
-#include "host/device/arena.hpp"
+#include "host/device/device.hpp"
+#include "host/device/marches.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/limits.hpp"
 #include "kernels/state.hpp"
 #include "kernels/tables.hpp"
 
-/// The march is compiled for a few numbers of packs of modes, in files of their own
-/// (host/device/march_*.cpp).
+/// What the files that compile the marches need of Kokkos.
 namespace ra2d {
 
-using TablesView = Kokkos::View<SceneTables*, Space>;
-using StatesView = Kokkos::View<SceneState*, Space>;
-using TargetsView = Kokkos::View<std::int64_t*, Space>;
-using ScenesView = Kokkos::View<int*, Space>;
+using Space = Kokkos::DefaultExecutionSpace;
 
-/// The smallest number of packs of modes compiled for at least `needed`; 0 if there is none.
-int compiled_packs(int needed);
-
-/// On a CPU: marches one scene to `target`, on the thread that calls.
-using MarchScene = void (*)(const SceneTables&, SceneState&, std::int64_t target);
-MarchScene march_of(Form form, int packs);
-
-/// On a GPU: marches the listed scenes, all of one form and one number of packs, each to its target.
-void launch_march(const Space& space, Form form, int packs, const TablesView& tables,
-                  const StatesView& states, const ScenesView& scenes, const TargetsView& targets);
+/// On a GPU: each to its target.
+void launch_march(const Space& space, const ScenesToMarch& scenes);
 
 template <Form form, int K>
 void march_one(const SceneTables& tables, SceneState& state, std::int64_t target);
 template <Form form, int K>
-void march_listed(const Space& space, const TablesView& tables, const StatesView& states,
-                  const ScenesView& scenes, const TargetsView& targets);
+void march_listed(const Space& space, const ScenesToMarch& scenes);
 
 template <int... K>
 struct PackList {

@@ -7,14 +7,12 @@ namespace ra2d {
 
 #if defined(KOKKOS_ENABLE_CUDA)
 template <Form form, int K>
-void march_listed(const Space& space, const TablesView& tables, const StatesView& states,
-                  const ScenesView& scenes, const TargetsView& targets) {
-  March<Space, form, K>{tables, states, scenes, targets}.launch(space);
+void march_listed(const Space& space, const ScenesToMarch& l) {
+  March<Space, form, K>{l.tables, l.states, l.scenes, l.targets, l.seconds}.launch(space, l.count);
 }
 /// Compiles the march of one form for the i-th number of packs.
-#define RA2D_MARCH(form, i)                       \
-  template void march_listed<form, Packs::at(i)>( \
-      const Space&, const TablesView&, const StatesView&, const ScenesView&, const TargetsView&)
+#define RA2D_MARCH(form, i) \
+  template void march_listed<form, Packs::at(i)>(const Space&, const ScenesToMarch&)
 #else
 template <Form form, int K>
 void march_one(const SceneTables& tables, SceneState& state, std::int64_t target) {

@@ -3,6 +3,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -88,6 +89,8 @@ class Potential {
     }
     const std::vector<double> faces = overlaps(model, {}, {});
     faces_ = Eigen::Map<const Eigen::VectorXd>(faces.data(), model.nodes());
+    rows_ = Eigen::MatrixXd::Zero(packs() * pack, model.nodes());
+    rows_.topRows(modes) = shapes_.transpose();
     row_sizes_ = Eigen::VectorXd::Zero(model.nodes());
     for (int k = 0; k < modes; ++k) row_sizes_ += shapes_.col(k).cwiseAbs();
   }
@@ -116,19 +119,29 @@ class Potential {
       hessian(k, k) = stiffness_[k];
       scale += std::abs(load_[k]) + std::abs(stiffness_[k] * u[k]);
     }
-    // by packs of modes, those above the diagonal in its own pack computed in vain
+    // By packs of modes, those above the diagonal in its own pack computed in vain. Each sum takes in one
+    // node after the other, but several of them between two ways to memory.
     Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(packs() * pack, modes());
     sum.topRows(modes()) = hessian;
-    Eigen::VectorXd shape = Eigen::VectorXd::Zero(packs() * pack), pushed = shape;
+    Eigen::Matrix<double, Eigen::Dynamic, together> pushed(packs() * pack, int{together});
+    std::array<int, together> nodes;
+    int count = 0;
     for (int n = 0; n < over.size(); ++n) {
-      if (over[n] <= 0) continue;
-      shape.head(modes()) = shapes_.row(n);
-      pushed = spring * shape;
-      force -= spring * over[n] * shape.head(modes());
+      if (over[n] > 0) {
+        pushed.col(count) = spring * rows_.col(n);
+        force -= spring * over[n] * rows_.col(n).head(modes());
+        scale += spring * over[n] * row_sizes_[n];
+        nodes[count++] = n;
+      }
+      if (count < together && n + 1 < over.size()) continue;
       for (int k = 0; k < modes(); ++k)
-        for (int i = k / pack * pack; i < packs() * pack; i += pack)
-          sum.col(k).segment<pack>(i) += shape[k] * pushed.segment<pack>(i);
-      scale += spring * over[n] * row_sizes_[n];
+        for (int i = k / pack * pack; i < packs() * pack; i += pack) {
+          Eigen::Matrix<double, pack, 1> part = sum.col(k).segment<pack>(i);
+          for (int e = 0; e < count; ++e)
+            part += rows_(k, nodes[e]) * pushed.col(e).segment<pack>(i);
+          sum.col(k).segment<pack>(i) = part;
+        }
+      count = 0;
     }
     hessian = sum.topRows(modes());
   }
@@ -198,11 +211,13 @@ class Potential {
   }
 
  private:
-  static constexpr int pack = 8;  // modes that are summed up at a time
+  static constexpr int pack = 8;      // modes that are summed up at a time ...
+  static constexpr int together = 8;  // ... and nodes
   int packs() const { return (modes() + pack - 1) / pack; }
 
   std::vector<double> stiffness_, load_;
   Eigen::MatrixXd shapes_;     // (node, mode)
+  Eigen::MatrixXd rows_;       // (mode, padded to packs; node)
   Eigen::VectorXd row_sizes_;  // sum over the modes of |shape|, of each node
   Eigen::VectorXd faces_;      // overlap of the faces alone
 };

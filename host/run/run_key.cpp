@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 
 #include "host/device/backend.hpp"
+#include "host/hash.hpp"
 #include "host/scene_file/scene_file.hpp"
-#include "host/store/hash.hpp"
 
 namespace ra2d {
 

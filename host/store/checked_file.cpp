@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "host/errors.hpp"
-#include "host/store/hash.hpp"
+#include "host/hash.hpp"
 #include "host/store/hdf5.hpp"
 #include "host/store/result_reader.hpp"
 #include "host/text.hpp"

@@ -13,7 +13,7 @@
 #include <utility>
 
 #include "host/errors.hpp"
-#include "host/store/hash.hpp"
+#include "host/hash.hpp"
 #include "host/store/result_reader.hpp"
 #include "host/store/table.hpp"
 

@@ -13,8 +13,8 @@
 #include <string_view>
 
 #include "host/errors.hpp"
+#include "host/hash.hpp"
 #include "host/partial_file.hpp"
-#include "host/store/hash.hpp"
 
 namespace ra2d {
 namespace {

@@ -4,8 +4,8 @@
 #include <utility>
 #include <vector>
 
+#include "host/hash.hpp"
 #include "host/result/record.hpp"
-#include "host/store/hash.hpp"
 #include "host/store/store.hpp"
 #include "host/store/table.hpp"
 

@@ -4,9 +4,9 @@
 #include <utility>
 #include <vector>
 
+#include "host/hash.hpp"
 #include "host/store/attributes.hpp"
 #include "host/store/entries.hpp"
-#include "host/store/hash.hpp"
 #include "host/store/hdf5.hpp"
 
 namespace ra2d {

@@ -14,8 +14,8 @@
 #include <utility>
 
 #include "host/errors.hpp"
+#include "host/hash.hpp"
 #include "host/partial_file.hpp"
-#include "host/store/hash.hpp"
 #include "host/text.hpp"
 
 namespace ra2d {
@@ -29,7 +29,7 @@ constexpr std::size_t head_size = 16, hash_size = 16;
 constexpr std::size_t most_body = 1 << 20, longest_text = 8000;
 constexpr std::size_t most_bytes = std::size_t{1} << 34;
 
-/// Numbers as they stand in memory: little-endian (host/store/hash.hpp).
+/// Numbers as they stand in memory: little-endian (host/hash.hpp).
 template <class Number>
 void put(std::string& bytes, Number number) {
   const auto raw = std::bit_cast<std::array<char, sizeof number>>(number);

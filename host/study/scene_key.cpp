@@ -12,9 +12,9 @@
 
 #include "host/device/backend.hpp"
 #include "host/errors.hpp"
+#include "host/hash.hpp"
 #include "host/run/run_key.hpp"
 #include "host/scene_file/scene_file.hpp"
-#include "host/store/hash.hpp"
 
 namespace ra2d {
 namespace {

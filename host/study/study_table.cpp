@@ -15,9 +15,9 @@
 #include <utility>
 
 #include "host/errors.hpp"
+#include "host/hash.hpp"
 #include "host/partial_file.hpp"
 #include "host/store/attributes.hpp"
-#include "host/store/hash.hpp"
 #include "host/store/hdf5.hpp"
 #include "host/version.hpp"
 

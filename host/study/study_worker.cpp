@@ -11,6 +11,7 @@
 #include <cmath>
 #include <condition_variable>
 #include <exception>
+#include <future>
 #include <limits>
 #include <list>
 #include <map>
@@ -23,6 +24,7 @@
 
 #include "host/device/backend.hpp"
 #include "host/errors.hpp"
+#include "host/host_threads.hpp"
 #include "host/interruption.hpp"
 #include "host/model/model.hpp"
 #include "host/plan/plan.hpp"
@@ -43,7 +45,10 @@ double seconds_since(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-constexpr int slots_of_a_gpu = 4096;  // about as many warps as one holds; memory may be for fewer
+constexpr int slots_of_a_gpu =
+    4096;  // several times what it marches at a moment; memory may be for fewer
+// of a scene, where a launch makes a short way of each: what it hands out is memory that cannot be swapped
+constexpr Room room_on_a_gpu{.samples = 1024, .shocks = 1024, .nodes = 64};
 constexpr std::chrono::milliseconds tick_time{200};
 constexpr double progress_time = 0.2;  // s
 constexpr std::size_t most_failures_told = 10;
@@ -171,11 +176,11 @@ class Worker {
       });
       clerk_ = &clerk;
       const int jobs = static_cast<int>(work_.jobs.size());
-      if (scenes_at_once() > backend_threads()) {
+      if (!backend_device().empty()) {
         open_more_files();
-        march(0, std::min(jobs, slots_of_a_gpu));
+        march_on_a_gpu(jobs);
       } else  // each thread by itself: none waits for another before the end
-        side_by_side(std::min(jobs, backend_threads()), [&](int thread) { march(thread, 1); });
+        side_by_side(std::min(jobs, backend_threads()), [&](int thread) { march(thread, 1, {}); });
       clerk.rethrow();
     }
     ledger_.sync();
@@ -185,10 +190,28 @@ class Worker {
   }
 
  private:
-  /// Takes runs until there are no more. `crew`: who does, a thread or a GPU.
-  void march(int crew, int slots) {
+  /// Two crews, each with half of the host's threads: what one has recorded leaves, and its slots are filled,
+  /// while the other's runs are marched.
+  void march_on_a_gpu(int jobs) {
+    const int crews = std::min(2, jobs);
+    const BatchOptions batch{.room = room_on_a_gpu,
+                             .memory = backend_room() / static_cast<std::size_t>(crews)};
+    const int threads = host_threads();
+    const auto begin = [&](int crew) {
+      const ShareOfThreads share(threads, crews);
+      march(crew, std::min((jobs + crews - 1) / crews, slots_of_a_gpu / crews), batch);
+    };
+    std::future<void> other;
+    if (crews > 1) other = std::async(std::launch::async, begin, 1);
+    begin(0);
+    if (crews > 1) other.get();
+  }
+
+  /// Takes runs until there are no more. `crew`: who does, a thread or half of a GPU.
+  void march(int crew, int slots, const BatchOptions& batch) {
     SimulationOptions options;
     options.slots = slots;
+    options.batch = batch;
     options.seconds = launch_seconds(checkpoint_seconds(), options_.most_wall);
     Simulation simulation(options);
     int answered = checkpoints_asked_;  // requests for a checkpoint that this crew has heeded
@@ -218,7 +241,7 @@ class Worker {
     const std::lock_guard lock(mutex_);
     outcome_.busy += simulation.busy_seconds();
     outcome_.marched += simulation.marched_seconds();
-    outcome_.most_at_once = std::max(outcome_.most_at_once, simulation.most_at_once());
+    outcome_.most_at_once += simulation.most_at_once();
   }
 
   /// The next run that can be marched; none: there are no more.

@@ -56,7 +56,7 @@ struct StudyOutcome {
   double elapsed = 0;                                         // s of wall time
   double busy = 0;     // s of all threads together, making scenes ready, marching and recording
   double marched = 0;  // ... in the march alone
-  std::size_t most_at_once = 0;  // runs that one launch marched, on a thread or a GPU
+  std::size_t most_at_once = 0;  // runs that were on their way side by side, at the most
   bool out_of_time = false;      // cut off by StudyOptions::most_wall
 };
 

@@ -38,10 +38,11 @@ SceneOnLanes::SceneOnLanes(const Model& model, const ModalStart& start, int leas
   };
   provide(tables_);
   provide(static_cast<CarriedState&>(state_));
+  provide(static_cast<Marks&>(state_));
   provide(static_cast<Caches&>(state_));
   provide(static_cast<WorkSpace&>(state_));
   provide(static_cast<HandOut&>(state_));
-  const HostCopy here(arrays_.front().data(), arrays_.front().data());
+  const HostCopy here;
   fill(tables_, model, series, n_, here);
   fill(state_, model, start, n_, here);
 }

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <utility>
+
+#include "host/device/device.hpp"
+
+/// Memory of the scenes of a batch.
+namespace ra2d {
+
+class MemorySource;
+
+/// A piece of memory that begins on a cache line; goes back to where it came from.
+class Block {
+ public:
+  Block() = default;
+  Block(MemorySource* source, char* data, std::size_t bytes)
+      : source_{source}, data_{data}, bytes_{bytes} {}
+  ~Block();
+  Block(Block&& other) noexcept { *this = std::move(other); }
+  Block& operator=(Block&& other) noexcept {
+    std::swap(source_, other.source_);
+    std::swap(data_, other.data_);
+    std::swap(bytes_, other.bytes_);
+    return *this;
+  }
+  char* data() const { return data_; }
+  std::size_t bytes() const { return bytes_; }
+
+ private:
+  MemorySource* source_ = nullptr;
+  char* data_ = nullptr;
+  std::size_t bytes_ = 0;
+};
+
+/// Lends blocks, which must not outlive it. May be called by several threads.
+class MemorySource {
+ public:
+  virtual ~MemorySource() = default;
+  /// Throws std::bad_alloc.
+  virtual Block lend(std::size_t bytes) = 0;
+  virtual void take_back(char* data, std::size_t bytes) noexcept = 0;
+};
+
+/// Zeros of the host's memory; pages that nobody touches cost nothing.
+class HostMemory : public MemorySource {
+ public:
+  Block lend(std::size_t bytes) override;
+  void take_back(char* data, std::size_t bytes) noexcept override;
+};
+
+/// Blocks of a device that are used again: to get and to give back memory takes the driver as long as a
+/// launch, and stops all others meanwhile. What is in them is what the last user left.
+class DevicePool : public MemorySource {
+ public:
+  enum class Kind { on_device, on_host };
+  DevicePool(Device& device, Kind kind) : device_{device}, kind_{kind} {}
+  ~DevicePool() override { give_back(); }
+  DevicePool(const DevicePool&) = delete;
+  DevicePool& operator=(const DevicePool&) = delete;
+  /// One that is free and at the most a quarter too large, or a new one; where there is no memory left for
+  /// that, all that are free go back first.
+  Block lend(std::size_t bytes) override;
+  void take_back(char* data, std::size_t bytes) noexcept override;
+
+ private:
+  char* allocate(std::size_t bytes);
+  void release(char* data) noexcept;
+  void give_back() noexcept;
+
+  Device& device_;
+  Kind kind_;
+  std::mutex mutex_;
+  std::multimap<std::size_t, char*> free_;  // by size
+};
+
+/// Bytes that all scenes of a batch have left.
+using RoomLeft = std::atomic<std::int64_t>;
+
+/// A part of that, until it is destroyed.
+class ShareOfRoom {
+ public:
+  ShareOfRoom() = default;
+  /// Throws std::bad_alloc where so much is not left. `room` may be none: then there is no limit.
+  ShareOfRoom(RoomLeft* room, std::size_t bytes);
+  ~ShareOfRoom() {
+    if (room_ != nullptr) *room_ += bytes_;
+  }
+  ShareOfRoom(ShareOfRoom&& other) noexcept { *this = std::move(other); }
+  ShareOfRoom& operator=(ShareOfRoom&& other) noexcept {
+    std::swap(room_, other.room_);
+    std::swap(bytes_, other.bytes_);
+    return *this;
+  }
+
+ private:
+  RoomLeft* room_ = nullptr;
+  std::int64_t bytes_ = 0;
+};
+
+}  // namespace ra2d

@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <cstddef>
+#include <cstring>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <type_traits>
+#include <utility>
+#if defined(__SANITIZE_ADDRESS__)
+#include <sanitizer/asan_interface.h>
+#endif
+
+#include "host/device/device.hpp"
+#include "host/device/host_copy.hpp"
+#include "host/device/memory.hpp"
+#include "kernels/state.hpp"
+#include "kernels/tables.hpp"
+
+/// Where the arrays of scenes stand, on a device or on the host.
+namespace ra2d {
+
+/// The tables that scenes have in common, once for all that have the same values in them.
+class SharedTables {
+ public:
+  struct Entry {
+    Block block;
+    ShareOfRoom share;
+  };
+  using Handle = std::shared_ptr<const Entry>;
+
+  /// The entry of this content (its hash, and its length), which `make` makes where no scene has it.
+  template <class Make>
+  Handle get(const std::string& hash, std::size_t bytes, const Make& make) {
+    const std::lock_guard lock(mutex_);
+    std::weak_ptr<const Entry>& known = entries_[{hash, bytes}];
+    Handle entry = known.lock();
+    if (!entry) {
+      entry = std::make_shared<const Entry>(make());
+      known = entry;
+      std::erase_if(entries_, [](const auto& e) { return e.second.expired(); });
+    }
+    return entry;
+  }
+  /// All that are in use.
+  std::size_t bytes() const {
+    const std::lock_guard lock(mutex_);
+    std::size_t sum = 0;
+    for (const auto& [key, entry] : entries_)
+      if (const Handle handle = entry.lock()) sum += handle->block.bytes();
+    return sum;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::map<std::pair<std::string, std::size_t>, std::weak_ptr<const Entry>> entries_;
+};
+
+/// What the scenes of a batch take their memory from.
+struct BatchMemory {
+  /// `most`: bytes for all of them together; 0: as many as there are. `device`: none for the host.
+  BatchMemory(Device* device, std::size_t most);
+
+  Device* device;
+  RoomLeft left;
+  RoomLeft* room;                         // none without a limit
+  std::unique_ptr<DeviceQueue> queue;     // of the device
+  std::unique_ptr<MemorySource> marched;  // where marches read and write
+  std::unique_ptr<MemorySource> handed;   // where both do, marches and the host
+  HostMemory host;
+  SharedTables shared;
+};
+
+/// The memory of one scene. Each array begins on a cache line, behind a gap that nothing may touch: on the
+/// host the address sanitizer watches it.
+class SceneMemory {
+ public:
+  explicit SceneMemory(BatchMemory& batch) : batch_{&batch} {}
+
+  /// Memory for what the scene hands out; sets its addresses. Throws std::bad_alloc, as do all of these.
+  void provide(HandOut& handed, const Extents& n) {
+    const auto arrays = [&](auto&& visit) { visit_arrays(handed, n, visit); };
+    const std::size_t bytes = lay_out(nullptr, arrays);
+    // of a device it takes nothing
+    if (on_host()) handed_share_ = ShareOfRoom(batch_->room, bytes);
+    handed_ = batch_->handed->lend(bytes);
+    lay_out(handed_.data(), arrays);
+  }
+
+  /// Memory for all other arrays, zero at first; sets their addresses, and brings there what `fill(HostCopy)`
+  /// writes into tables and carried state. `beyond_room`: whatever is left for others.
+  template <class Fill>
+  void provide(SceneTables& tables, SceneState& state, const Extents& n, bool beyond_room,
+               const Fill& fill) {
+    const auto shared = [&](auto&& visit) { visit_shared_arrays(tables, n, visit); };
+    const auto filled = [&](auto&& visit) {
+      visit_own_arrays(tables, n, visit);
+      visit_arrays(static_cast<CarriedState&>(state), n, visit);
+      visit_arrays(static_cast<Marks&>(state), n, visit);
+    };
+    const auto own = [&](auto&& visit) {
+      filled(visit);
+      visit_arrays(static_cast<Caches&>(state), n, visit);
+      visit_arrays(static_cast<WorkSpace&>(state), n, visit);
+    };
+    Block common = batch_->host.lend(lay_out(nullptr, shared));
+    lay_out(common.data(), shared);
+    const std::size_t bytes = lay_out(nullptr, own), filled_bytes = lay_out(nullptr, filled);
+    own_ = Block();
+    own_share_ = ShareOfRoom();
+    own_share_ = ShareOfRoom(beyond_room ? nullptr : batch_->room, bytes);
+    own_ = batch_->marched->lend(bytes);
+    lay_out(own_.data(), own);
+    if (on_host()) {
+      fill(HostCopy());
+    } else {
+      const Block copy = batch_->host.lend(filled_bytes);
+      fill(HostCopy(own_.data(), filled_bytes, copy.data()));
+      batch_->queue->upload(own_.data(), copy.data(), filled_bytes);
+      batch_->queue->zero(own_.data() + filled_bytes, bytes - filled_bytes);
+    }
+    shared_ = share(std::move(common), tables, n, beyond_room);
+    lay_out(shared_->block.data(), shared);
+  }
+
+  /// Copies what stands where scenes are marched, or puts it there; `there` is an address of it.
+  void read(void* to, const void* there, std::size_t bytes) const {
+    if (on_host())
+      std::memcpy(to, there, bytes);
+    else
+      batch_->queue->fetch(to, static_cast<const char*>(there), bytes);
+  }
+  void write(void* there, const void* from, std::size_t bytes) const {
+    if (on_host())
+      std::memcpy(there, from, bytes);
+    else
+      batch_->queue->upload(static_cast<char*>(there), from, bytes);
+  }
+  bool on_host() const { return batch_->device == nullptr; }
+  /// Until all of that is done.
+  void wait() const {
+    if (!on_host()) batch_->queue->wait();
+  }
+
+  /// Where scenes are marched, but for what is shared.
+  std::size_t bytes() const { return own_.bytes() + (on_host() ? handed_.bytes() : 0); }
+
+ private:
+  static constexpr std::size_t line = 64;
+
+  /// Sets the addresses of arrays that stand one after the other from `base`; returns how much they take.
+  template <class Arrays>
+  std::size_t lay_out(char* base, const Arrays& arrays) const {
+    std::size_t at = line;
+    poison(base, 0, line);
+    arrays([&](const char*, auto*& address, std::size_t count) {
+      using T =
+          std::remove_const_t<std::remove_pointer_t<std::remove_reference_t<decltype(address)>>>;
+      address = reinterpret_cast<T*>(base + at);
+      const std::size_t end = at + count * sizeof(T);
+      at = (end + line - 1) / line * line + line;
+      poison(base, end, at);
+    });
+    return at;
+  }
+  void poison([[maybe_unused]] char* base, [[maybe_unused]] std::size_t from,
+              [[maybe_unused]] std::size_t to) const {
+#if defined(__SANITIZE_ADDRESS__)
+    if (base != nullptr && on_host()) __asan_poison_memory_region(base + from, to - from);
+#endif
+  }
+
+  /// The tables in `common`, or those that another scene has and that are the same.
+  SharedTables::Handle share(Block common, SceneTables& tables, const Extents& n,
+                             bool beyond_room) const;
+
+  BatchMemory* batch_;
+  // in this order: memory goes back before what it took of the room
+  ShareOfRoom handed_share_, own_share_;
+  Block handed_, own_;
+  SharedTables::Handle shared_;
+};
+
+}  // namespace ra2d

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <cstddef>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "host/device/device.hpp"
+
+/// A device on the host, with memory of its own: so that what a batch does for a GPU is tested without one.
+namespace ra2d::test {
+
+/// Its memory can be touched by its own work alone: who else does ends the program. It does nothing until
+/// it is waited for, and begins with any numbers but zeros in its memory. Scenes are marched one after the
+/// other by the marches of the host, so the bits are theirs.
+class SeparateDevice : public Device {
+ public:
+  /// `memory`: bytes that it has.
+  explicit SeparateDevice(std::size_t memory = std::size_t{1} << 40) : left_{memory} {}
+  ~SeparateDevice() override;
+
+  char* allocate(std::size_t bytes) override;
+  void release(char* block) noexcept override;
+  char* allocate_on_host(std::size_t bytes) override;
+  void release_on_host(char* block) noexcept override;
+  std::unique_ptr<DeviceQueue> make_queue() override;
+  int scenes_at_once() const override { return 8; }
+  std::string name() const override { return "a device of the tests"; }
+  std::size_t room() const override;
+
+  /// Blocks on the device that somebody has.
+  std::size_t blocks() const;
+
+  /// As long as one lives, the memory can be touched.
+  class Opened {
+   public:
+    explicit Opened(SeparateDevice& device);
+    ~Opened();
+    Opened(const Opened&) = delete;
+    Opened& operator=(const Opened&) = delete;
+
+   private:
+    SeparateDevice& device_;
+  };
+
+ private:
+  void protect(int how);
+
+  mutable std::mutex mutex_;
+  std::map<char*, std::size_t> blocks_;  // with their lengths
+  std::size_t left_;
+  int opened_ = 0;
+};
+
+}  // namespace ra2d::test

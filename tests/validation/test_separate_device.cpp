@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <vector>
+
+#include "host/device/batch.hpp"
+#include "host/device/device.hpp"
+#include "tests/looks.hpp"
+#include "tests/scenes.hpp"
+#include "tests/separate_device.hpp"
+#include "tests/simulate.hpp"
+
+/// What a batch does for a device with memory of its own, a GPU: the bits are those of the host. More tests
+/// run there once again (tests/CMakeLists.txt, "device.").
+namespace ra2d::test {
+namespace {
+
+/// As long as it lives, scenes are marched there.
+class MarchedThere {
+ public:
+  explicit MarchedThere(SeparateDevice& device) : before_{march_on(&device)} {}
+  ~MarchedThere() { march_on(before_); }
+  MarchedThere(const MarchedThere&) = delete;
+
+ private:
+  Device* before_;
+};
+
+/// Of every form and contact law, in contact.
+std::vector<Scene> forms() {
+  std::vector<Scene> scenes;
+  for (const SchemeKind scheme :
+       {SchemeKind::backward_euler, SchemeKind::midpoint, SchemeKind::rk4, SchemeKind::adaptive}) {
+    scenes.push_back(rough_scene(Support::free));
+    scenes.back().time.scheme = scheme;
+    scenes.back().duration /= 3;
+  }
+  scenes.push_back(scenes[0]);
+  scenes.back().time.contact_force = ForceTime::new_time;
+  scenes.push_back(scenes[0]);
+  scenes.back().contact.law = ContactLaw::multiplier;
+  scenes.push_back(scenes[3]);
+  scenes.back().resonator.moving_forces = {{.force = 3, .speed = 40, .start = 0.01}};
+  return scenes;
+}
+
+TEST(SeparateDevice, GivesTheBitsOfTheHost) {
+  const std::vector<Scene> scenes = forms();
+  const std::vector<Recording> here = simulate(scenes);
+  SeparateDevice device;
+  const MarchedThere there(device);
+  for (const std::int64_t steps : {std::int64_t{1} << 60, std::int64_t{1000}}) {
+    const std::vector<Recording> marched = simulate(scenes, {.steps = steps, .batch = {}});
+    for (std::size_t i = 0; i < scenes.size(); ++i) {
+      EXPECT_GT(here[i].end.contact_steps, 0) << "scene " << i;
+      EXPECT_TRUE(same(here[i], marched[i])) << "scene " << i;
+    }
+  }
+  EXPECT_EQ(device.blocks(), 0u);
+}
+
+TEST(SeparateDevice, AStateSavedThereGoesOnHere) {
+  SeparateDevice device;
+  for (const Scene& scene : forms()) {
+    const Model model = make_model(scene);
+    const ModalStart start = make_start(model);
+    Batch whole({model}, {start});
+    whole.march(model.steps / 2);
+    SavedState saved;
+    {
+      const MarchedThere there(device);
+      Batch first({model}, {start});
+      first.march(model.steps / 4);
+      Batch second({model}, {start});
+      second.restore(0, first.save(0));
+      EXPECT_EQ(second.snapshot(0).resonator_u, first.snapshot(0).resonator_u);
+      EXPECT_EQ(second.snapshot(0).sliding_work, first.snapshot(0).sliding_work);
+      second.march(model.steps / 2);
+      saved = second.save(0);
+    }
+    Batch here({model}, {start});
+    here.restore(0, saved);
+    whole.march(model.steps);
+    here.march(model.steps);
+    EXPECT_EQ(here.snapshot(0).resonator_u, whole.snapshot(0).resonator_u);
+    EXPECT_EQ(here.snapshot(0).sliding_work, whole.snapshot(0).sliding_work);
+    EXPECT_EQ(here.snapshot(0).shocks_begun, whole.snapshot(0).shocks_begun);
+  }
+}
+
+// Blocks that are free stand in the way of one of another length: they go back.
+TEST(SeparateDevice, ItsMemoryIsUsedAgain) {
+  Scene small = rough_scene(Support::free), large = small;
+  large.spacing /= 4;
+  const auto batch_of = [](const Scene& scene) {
+    const Model model = make_model(scene);
+    return Batch({model}, {make_start(model)});
+  };
+  const std::size_t memory = 3 * batch_of(large).bytes() / 2;
+  SeparateDevice device(memory);
+  const MarchedThere there(device);
+  const Model model = make_model(small), other = make_model(large);
+  const ModalStart start = make_start(model), start_of_other = make_start(other);
+  Batch batch(1);
+  batch.put(0, model, start);
+  const std::size_t blocks = device.blocks(), room = device.room();
+  for (int i = 0; i < 3; ++i) {
+    batch.put(0, model, start);
+    EXPECT_EQ(device.blocks(), blocks);
+    EXPECT_EQ(device.room(), room);
+  }
+  batch.put(0, other, start_of_other);
+  batch.put(0, model, start);
+  batch.march(model.steps);
+  EXPECT_EQ(batch.snapshot(0).status, Status::done);
+  Batch many(100);
+  EXPECT_THROW(
+      {
+        for (int slot = 0; slot < 100; ++slot) many.put(slot, other, start_of_other);
+      },
+      std::bad_alloc);
+}
+
+TEST(SeparateDeviceDeathTest, WhoTouchesItsMemoryFromOutsideIsCaught) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  SeparateDevice device;
+  char* const block = device.allocate(100);
+  EXPECT_DEATH(block[0] = 1, "");
+  const SeparateDevice::Opened opened(device);
+  block[0] = 1;
+}
+
+TEST(SharedTables, ScenesWithEqualBodiesHaveThemOnce) {
+  Scene scene = rough_scene(Support::free), other = scene;
+  ++other.resonator.surface.seed;
+  Scene third = scene;
+  third.resonator.damping *= 2;
+  const auto bytes_of = [](const std::vector<Scene>& scenes) {
+    std::vector<Model> models;
+    std::vector<ModalStart> starts;
+    for (const Scene& s : scenes) {
+      models.push_back(make_model(s));
+      starts.push_back(make_start(models.back()));
+    }
+    return Batch(models, starts).bytes();
+  };
+  const std::size_t one = bytes_of({scene}), with_equal = bytes_of({scene, other}),
+                    with_unequal = bytes_of({scene, third});
+  EXPECT_EQ(with_unequal, 2 * one);
+  EXPECT_LT(with_equal, 2 * one);
+  // what they share are the modes' shapes at the least
+  const Model model = make_model(scene);
+  EXPECT_GT(2 * one - with_equal, model.slider.modes.size() * model.slider_height.size() * 8);
+}
+
+}  // namespace
+}  // namespace ra2d::test
