@@ -157,12 +157,15 @@ def report(case, found):
     case.text("law", common.markdown(("slider", "plate's damping", *doublings), law))
     for damping, word in ((MUCH, "much"), (USUAL, "usual"), (LITTLE, "little")):
         case.text(f"exponent-{word}", plus_minus(exponents(found["block", damping]), 2))
-    for word, of in {"block": ("block", MUCH), "strip": ("damped strip", LITTLE), "multipliers": ("block, multipliers", LITTLE)}.items():
+    for word, of in {"block": ("block", MUCH), "strip": ("damped strip", LITTLE), "strip-usual": ("damped strip", USUAL),
+                     "multipliers": ("block, multipliers", LITTLE)}.items():
         by_length = found[of]
-        case.text(f"far-{word}", plus_minus(decibels(by_length[160e-3]) - decibels(by_length[20e-3])))
+        case.text(f"far-{word}", plus_minus(decibels(by_length[80e-3]) - decibels(by_length[20e-3])))
         case.text(f"exponent-{word}", plus_minus(exponents(by_length), 2))
     for length in (LENGTHS[0], LENGTHS[-1]):
         case.text(f"rate-{1e3 * length:.0f}", np.mean([run["rate"] for run in found["block", USUAL][length]]))
+    shortest = found["block, multipliers", LITTLE][LENGTHS[0]]
+    case.text("kept", 100 * np.sum([run["contact"] for run in shortest]) / np.sum([run["given"] for run in shortest]))
     case.text("seeds", f"{SEEDS}")
     case.text("per-length", PER_LENGTH, 3)
     case.table(("slider", "damping of the plate", "length, m", "level above 1 kHz, dB", "half of its 95 % interval",
