@@ -14,11 +14,11 @@ import argparse
 import csv
 import json
 import math
+import os
 import pathlib
 import subprocess
 import sys
 import tempfile
-import time
 
 import h5py
 
@@ -142,7 +142,6 @@ def main(name, compare):
     parser.add_argument("--peers", help="ra2d_peers; without it what needs it is left out")
     parser.add_argument("--folder", type=pathlib.Path, default=ROOT / "docs" / "validation")
     asked = parser.parse_args()
-    begun = time.monotonic()
     with tempfile.TemporaryDirectory() as folder:
         case = Case(name, asked, folder)
         compare(case)
@@ -154,4 +153,4 @@ def main(name, compare):
     if broken:
         sys.exit("\n".join(f"{name}: {line}" for line in broken))
     if not case.short:
-        case.write(time.monotonic() - begun)
+        case.write(sum(os.times()[:4]))  # processor time, with that of the programs: others may use the machine

@@ -1,0 +1,216 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Peaks of the spectrum beside natural frequencies, over the load; and the mesh's tone over the spacing.
+
+Two closed forms hold the peaks. Without load the slider hardly touches: the plate's own modes, their damping ratio that
+of the scene. Under load the slider rides along: its mass and its inertia against tilting join the modes,
+
+    (mu delta_kl + M psi_k psi_l + J psi_k' psi_l') q'' + mu omega_k^2 q = 0   at the place of the slider.
+
+Where it touches in one point off its middle, it also tilts away, and less of its mass joins: a quarter at its end. A
+mode is heard most where it is driven most: the frequencies along the slider's way are weighted with psi_k^2.
+"""
+import json
+import tomllib
+
+import numpy as np
+import scipy.linalg
+from scipy import stats
+
+import common
+import plate
+
+SEEDS = 6
+LOADS = (0.01, 0.1, 0.3, 1, 3, 10, 100)       # of the weight
+DURATION, START = 2.0, 0.04                   # s, m: the slider's middle goes from 50 to 250 mm, at 0.1 m/s
+SPACINGS = (32e-6, 16e-6, 8e-6, 4e-6, 2e-6)   # m
+TONE_LOADS, TONE_SEEDS = (1, 100), 3
+PAPER = tomllib.loads((common.ROOT / "scenes" / "dang2012.toml").read_text())
+SLIDER = PAPER["slider"]
+MASS = SLIDER["density"] * SLIDER["length"] * SLIDER["thickness"] * SLIDER["width"]
+TILTING = MASS * SLIDER["length"]**2 / 12
+WEIGHT = MASS * 9.80665
+MODES = int((plate.omegas(100) < 2 * np.pi * PAPER["resonator"]["max_frequency"]).sum())
+NATURAL = plate.omegas(MODES) / (2 * np.pi)   # Hz
+SHOWN = (2, 3, 4, 6, 8, 10, 13, 19)           # modes in the chapter's tables
+
+
+def papers(seed, load, duration=DURATION, start=START, spacing=8e-6, rate=50e3):
+    scene = tomllib.loads((common.ROOT / "scenes" / "dang2012.toml").read_text())
+    scene["scene"].update(duration=duration, start=start, spacing=spacing)
+    for body in ("resonator", "slider"):
+        scene[body]["surface"]["seed"] += 1000 * seed  # as a study does
+    scene["slider"]["load"] = load * WEIGHT
+    scene["time"] = {"scheme": "adaptive", "tolerance": 1e-6}
+    scene["output"] = {"rate": rate, "probes": []}
+    return scene
+
+
+def analysed(case, scene):
+    """What `ra2d analyze --json` says of a run."""
+    case.run(scene)
+    return json.loads(case.call(case.program, "analyze", case.scratch / "result.h5", "--json"))
+
+
+def attached(place, mass=MASS, tilting=TILTING):
+    """Natural frequencies [Hz] of the plate with a rigid body on it at a place."""
+    shape, slope = plate.shapes(MODES, place), plate.shapes(MODES, place, 1)
+    masses = plate.MASS_PER_LENGTH * np.eye(MODES) + mass * np.outer(shape, shape) + tilting * np.outer(slope, slope)
+    stiffness = plate.MASS_PER_LENGTH * plate.omegas(MODES)**2
+    return np.sqrt(scipy.linalg.eigh(np.diag(stiffness), masses, eigvals_only=True)) / (2 * np.pi)
+
+
+def carried(mass, tilting):
+    """How far each mode is moved by a body that rides along, of its frequency; over the slider's way."""
+    way = START + SLIDER["length"] / 2 + np.linspace(0, DURATION * PAPER["scene"]["speed"], 201)
+    weights = np.array([plate.shapes(MODES, place)**2 for place in way])
+    moved = np.array([attached(place, mass, tilting) for place in way]) / NATURAL - 1
+    return (moved * weights).sum(0) / weights.sum(0)
+
+
+def peaks(found):
+    """Relative shift and damping ratio of each mode: (run, mode), NaN where analyze gives none."""
+    fits = [[(peak["resonance"], peak["damping"]) for peak in each["peaks"]] for each in found]
+    fits = np.array(fits, dtype=float)  # null is NaN
+    return fits[:, :, 0] / NATURAL - 1, fits[:, :, 1]
+
+
+def mean(values, confidence=0.95):
+    """Means over the runs, and half of their intervals of Student's t; NaN where a run has none."""
+    return np.mean(values, axis=0), stats.t.ppf(0.5 + confidence / 2, len(values) - 1) * stats.sem(values, axis=0)
+
+
+def undisturbed(case, found):
+    """A slider that hardly touches leaves the plate as it is. The lower modes have too few lines in a second."""
+    for what, values, true in zip(("shift of the peaks", "half-power damping"), peaks(found), (0, SLIDER["damping"])):
+        middle, half = mean(values[:, 6:].mean(axis=1), 0.999)
+        case.check(f"load of {LOADS[0]} weights: {what}, mean over the modes, off by", abs(middle - true), half,
+                   "the seeds: Student's t, 99.9 %")
+
+
+def riding(case, found):
+    """Under a heavy slider a peak lies where a part of its mass, from a quarter to all, joins the mode."""
+    least, most = carried(MASS / 4, 0), carried(MASS, TILTING)
+    shift, half = mean(peaks(found)[0], 1 - 1e-3 / MODES)
+    for mode in np.flatnonzero(np.isfinite(shift)):
+        case.check(f"load of {LOADS[-1]} weights: shift of a peak, from the middle of what a slider that rides along can do",
+                   abs(shift[mode] - (least + most)[mode] / 2), abs(least - most)[mode] / 2 + half[mode],
+                   "a quarter of its mass to all of it, and the seeds: 99.9 % for all modes together")
+
+
+def tone(analysis, scene):
+    """The tone's mean square velocity [(m/s)^2], without the noise under it: the mean of a density from its median."""
+    frequency, density = (np.array(analysis["spectrum"][name]) for name in ("frequency", "psd_mean"))
+    freedom = analysis["spectrum"]["degrees_of_freedom"]
+    line = round(scene["scene"]["speed"] / scene["scene"]["spacing"] / frequency[1])
+    around = np.r_[density[line - 40:line - 8], density[line + 9:line + 41]]
+    return (density[line - 3:line + 4] - np.median(around) * freedom / stats.chi2.ppf(0.5, freedom)).sum() * frequency[1]
+
+
+def compare(case):
+    if case.short:
+        undisturbed(case, [analysed(case, papers(seed, LOADS[0], duration=1.0)) for seed in range(6)])
+        return
+    found = {load: [analysed(case, papers(seed, load)) for seed in range(SEEDS)] for load in LOADS}
+    undisturbed(case, found[LOADS[0]])
+    riding(case, found[LOADS[-1]])
+    report(case, found)
+
+
+def plus_minus(middle, half, unit=1.0):
+    """mean ± half of the interval, with two digits of the latter."""
+    if not np.isfinite(half):
+        return "no fit"
+    places = max(0, 1 - int(np.floor(np.log10(half / unit))))
+    return f"{middle / unit:.{places}f} ± {half / unit:.{places}f}"
+
+
+def report(case, found):
+    rows, tables = [], {"shift": [], "damping": []}
+    for load, analyses in found.items():
+        rate, contact = np.mean([(each["shocks"]["rate"], each["contact_share"]) for each in analyses], axis=0)
+        for name, values in zip(tables, peaks(analyses)):
+            middle, half = mean(values)
+            tables[name].append((load, common.shown(rate), f"{100 * contact:.3g} %",
+                                 *(plus_minus(middle[mode - 1], half[mode - 1], 0.01) for mode in SHOWN)))
+            rows += [(name, load, mode + 1, NATURAL[mode], middle[mode], half[mode]) for mode in range(MODES)]
+    header = ("load / weight", "shocks a second", "in contact", *(f"mode {mode}, {NATURAL[mode - 1]:.0f} Hz" for mode in SHOWN))
+    forms = [(name, "", "", *(f"{100 * moved[mode - 1]:.1f}" for mode in SHOWN)) for name, moved in (
+        ("closed form: a quarter of the mass rides along", carried(MASS / 4, 0)), ("closed form: all of it", carried(MASS, TILTING)))]
+    case.text("shift", common.markdown(header, [*tables["shift"], *forms]))
+    case.text("damping", common.markdown(header, tables["damping"]))
+    weight_shift, weight_damping = (mean(values)[0] for values in peaks(found[1]))
+    case.text("largest-shift", -100 * np.nanmin(weight_shift))
+    case.text("largest-damping", np.nanmax(weight_damping))
+    case.text("free-damping", mean(peaks(found[LOADS[0]])[1][:, 6:].mean(axis=1))[0], 3)
+    case.text("weight-contact", 100 * np.mean([each["contact_share"] for each in found[1]]))
+    tones, table = {}, []
+    for load in TONE_LOADS:
+        for spacing in SPACINGS:
+            rate = max(50e3, 0.25 / spacing)  # the tone must be within the spectrum
+            scenes = [papers(seed, load, duration=1.0, start=0.1, spacing=spacing, rate=rate) for seed in range(TONE_SEEDS)]
+            analyses = [analysed(case, scene) for scene in scenes]
+            powers = [tone(each, scene) for each, scene in zip(analyses, scenes)]
+            level = np.mean([each["lv"] for each in analyses])
+            tones[load, spacing], said, part = np.nan, "lost in the noise", "lost in the noise"
+            if min(powers) > 0:
+                tones[load, spacing] = 10 * np.log10(np.mean(powers) / 1e-18)
+                said = f"{tones[load, spacing]:.1f}"
+                part = common.shown(np.mean(powers) / np.mean([each["v_rms"]**2 for each in analyses]))
+            rise = np.mean([each["mesh_tone"]["rise"] for each in analyses])
+            table.append((load, common.shown(1e6 * spacing), common.shown(0.1 / spacing), said, part, f"{rise:.1f}", f"{level:.2f}"))
+            if load == 1 and spacing == 8e-6:
+                case.text("tone-part", part)
+            rows.append(("tone", load, spacing, 0.1 / spacing, tones[load, spacing], level))
+    case.text("tone", common.markdown(("load / weight", "spacing, um", "tone, Hz", "tone, dB re 1 nm/s", "of the energy",
+                                       "`mesh_tone.rise`, dB", "level Lv, dB"), table))
+    case.text("seeds", f"{SEEDS}")
+    case.text("tone-seeds", f"{TONE_SEEDS}")
+    case.table(("what", "load over weight", "mode, or spacing, m", "frequency, Hz", "value",
+                "half of its 95 % interval, or level, dB"), rows)
+    draw(case, found, tones)
+
+
+def draw(case, found, tones):
+    plt, style = common.pictures()
+    figure, ((density, falling), (shift, damping)) = plt.subplots(2, 2, figsize=(9, 7), layout="constrained")
+    for load, colour in ((LOADS[0], style.SKY), (1, style.BLUE), (LOADS[-1], style.RUST)):
+        spectra = [each["spectrum"] for each in found[load]]
+        frequency, mean_density = np.array(spectra[0]["frequency"]), np.mean([each["psd_mean"] for each in spectra], axis=0)
+        edges = np.geomspace(30, 25e3, 701)  # means over narrow bands: a small picture
+        counts, sums, middles = (np.histogram(frequency, edges, weights=each)[0] for each in (None, mean_density, frequency))
+        some = counts > 0
+        density.loglog((middles / np.maximum(counts, 1))[some], (sums / np.maximum(counts, 1))[some], color=colour, lw=0.8,
+                       label=f"{load} weights" if load != 1 else "its weight")
+    for natural in NATURAL:
+        density.axvline(natural, color=style.GREY, lw=0.5, alpha=0.6, zorder=0)
+    density.set(title="Density of the plate's velocity (lines: natural)", xlabel="Hz", ylabel="(m/s)\u00b2/Hz",
+                xlim=(30, 25e3), ylim=(1e-15, 1e-5))
+    density.legend(loc="lower left")
+    for axes, which in ((shift, 0), (damping, 1)):
+        for (load, analyses), colour, mark in zip(found.items(), style.SERIES, style.MARKS):
+            if load in (0.1, 10):
+                continue
+            middle, half = mean(peaks(analyses)[which])
+            axes.errorbar(NATURAL, 100 * middle, yerr=100 * half, color=colour, marker=mark, ms=3.5, lw=0.9, capsize=2,
+                          label=f"{load} weights" if load != 1 else "its weight")
+        axes.set(xscale="log", xlabel="natural frequency [Hz]", ylabel="%")
+    shift.fill_between(NATURAL, 100 * carried(MASS / 4, 0), 100 * carried(MASS, TILTING), color=style.GREY, alpha=0.15, lw=0,
+                       label="closed form: it rides along")
+    shift.set(title="Shift of the peaks", xlim=(150, 22e3), ylim=(-6, 4))
+    damping.axhline(100 * SLIDER["damping"], color=style.GREY, lw=1)
+    damping.set(title="Half-power damping (line: the scene's)", xlim=(150, 22e3), ylim=(1.5, 6))
+    shift.legend(loc="upper left", ncols=2, fontsize=7.5)
+    for load, colour, mark in zip(TONE_LOADS, (style.BLUE, style.RUST), style.MARKS):
+        falling.semilogx([1e6 * spacing for spacing in SPACINGS], [tones[load, spacing] for spacing in SPACINGS], color=colour,
+                         marker=mark, ms=4, lw=1.2, label=f"{load} weights" if load != 1 else "its weight")
+    falling.axvspan(0.1e6 / NATURAL[-1], 40, color=style.GREY, alpha=0.12, lw=0)
+    falling.set(title="Tone of the mesh (grey: within the plate's modes)", xlabel="spacing [um]", ylabel="dB re 1 nm/s", xlim=(1.7, 38))
+    style.decades(falling.xaxis)
+    falling.set_xticks([1e6 * spacing for spacing in SPACINGS])
+    falling.legend(loc="lower right")
+    case.figure(figure)
+
+
+if __name__ == "__main__":
+    common.main("spectrum", compare)
