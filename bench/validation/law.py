@@ -1,0 +1,375 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""The paper's Fig. 5 and its equation (14), v_rms ~ Rq^n V^m: the level over five roughnesses and six speeds, and n and
+m as one thing at a time is moved away from the scene.
+
+Exponents are fitted to each seed by itself, and the interval is Student's t over the seeds: runs of one seed share
+their surfaces, so they are not independent of one another, but the seeds are.
+"""
+import json
+import resource
+
+import numpy as np
+import xarray
+from scipy import stats
+
+import common
+from plate import LENGTH, MASS_PER_LENGTH, omegas, shapes
+
+RQ = (2e-6, 4e-6, 8e-6, 12e-6, 20e-6)         # m, the paper's
+SPEEDS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5)    # m/s
+SLOW = 0.1                                    # m/s: up to here every run lasts a second, as in the paper
+WAY = 0.175                                   # m: what the slider has before it, from scene.start
+SEEDS, FEW = 10, 5                            # of the scene itself, of its variants
+PAPER = {"n": (0.19, 0.25), "m": (0.20, 0.31)}
+EXPERIMENTS = {"n": (0.8, 1.2), "m": (0.6, 1.1)}  # of several authors, after Akay (2002), from memory
+NUMERICS = {"time.scheme": "adaptive", "time.tolerance": 1e-6, "output.rate": 1e4}
+
+OPEN = 0.15                                   # half an interval that is too wide to tell the two apart
+
+
+def both(key, value):
+    return {f"resonator.{key}": value, f"slider.{key}": value}
+
+
+REST = {"scene.initial": "rest"}
+# group, what the chapter calls it, what is set beyond NUMERICS
+VARIANTS = {
+    "base": ("", "as it is: from equilibrium, own weight", {}),
+    "rest": ("start", "let go from rest, touching", REST),
+    "rest-later": ("start", "the same, second half of each run", REST),
+    "rest-drop": ("start", "let go from rest, gap 0.2 mm", {**REST, "scene.gap": 2e-4}),
+    "rest-10": ("start", "let go from rest, 10 N", {**REST, "slider.load": 10.0}),
+    "load-0.1": ("load", "load 0.1 N", {"slider.load": 0.1}),
+    "load-10": ("load", "load 10 N", {"slider.load": 10.0}),
+    "load-100": ("load", "load 100 N", {"slider.load": 100.0}),
+    "load-1000": ("load", "load 1000 N", {"slider.load": 1000.0}),
+    "pinned": ("support", "slider pinned, gap 2.5 Rq", {}),
+    "pinned-20": ("support", "slider pinned, gap 20 um", {}),
+    "kappa-13": ("kappa", "kappa 1e13 Pa/m", {"contact.stiffness": 1e13}),
+    "kappa-17": ("kappa", "kappa 1e17 Pa/m", {"contact.stiffness": 1e17}),
+    "damping-0.002": ("damping", "damping ratio 0.002", both("damping", 0.002)),
+    "damping-0.01": ("damping", "damping ratio 0.01", both("damping", 0.01)),
+    "damping-0.1": ("damping", "damping ratio 0.1", both("damping", 0.1)),
+    "modes-5": ("modes", "modes up to 5 kHz", both("max_frequency", 5e3)),
+    "modes-80": ("modes", "modes up to 80 kHz", both("max_frequency", 8e4)),
+    "spacing-4": ("spacing", "spacing 4 um", {"scene.spacing": 4e-6}),
+    "spacing-16": ("spacing", "spacing 16 um", {"scene.spacing": 16e-6}),
+    "rsm-3.1": ("surface", "RSm 3.1 mm, not 1.55 mm", both("surface.rsm", 3.1e-3)),
+    # not a choice of the scene: how far the slider goes, how well it is solved
+    "way": ("sliding", "the same way at every speed, 0.175 m", {}),
+    "tolerance": ("scheme", "tolerance 1e-8, not 1e-6", {"time.tolerance": 1e-8}),
+}
+
+
+def lasts(name, speed):
+    return WAY / speed if name == "way" else min(1.0, WAY / speed)
+
+
+def study_text(name, seeds, rq=RQ, speeds=SPEEDS, sets=None):
+    """The study of a variant, as a user would write it."""
+    roughness = {"keys": ["resonator.surface.rq", "slider.surface.rq"], "values": list(rq)}
+    if name == "pinned":
+        roughness = {"keys": [*roughness["keys"], "scene.gap"], "values": [[each, each, 2.5 * each] for each in rq]}
+    speed = {"keys": ["scene.speed", "scene.duration"], "values": [[each, lasts(name, each)] for each in speeds]}
+    if name == "rest-later":
+        speed = {"keys": [*speed["keys"], "output.from"], "values": [[v, t, t / 2] for v, t in speed["values"]]}
+    scene = "dang2012-pinned.toml" if name.startswith("pinned") else "dang2012.toml"
+    top = {"base": str(common.ROOT / "scenes" / scene), "seeds": seeds}
+    values = {**NUMERICS, **VARIANTS.get(name, ("", "", {}))[2], **(sets or {})}
+    return "\n".join([*(f"{key} = {common.to_toml(value)}" for key, value in top.items()),
+                      "[set]", *(f'"{key}" = {common.to_toml(value)}' for key, value in values.items()),
+                      "[vary]", f"rq = {common.to_toml(roughness)}", f"speed = {common.to_toml(speed)}"]) + "\n"
+
+
+def study(case, name, seeds, folder=None, **other):
+    """Runs the study of a variant. Its folder, and its table."""
+    folder = case.scratch / (folder or name)
+    file = case.scratch / f"{folder.name}.toml"
+    file.write_text(study_text(name, seeds, **other))
+    case.call(case.program, "study", file, "-o", folder, "--quiet", *(["--threads", "1"] if case.short else []))
+    return folder, xarray.load_dataset(folder / "results.h5", engine="netcdf4")
+
+
+def terms(table, curved=False):
+    """Logarithms of roughness and speed at each point, about their means: (point, term), after a constant."""
+    x, y = (grid.ravel() for grid in np.meshgrid(np.log10(table.rq), np.log10(table.speed), indexing="ij"))
+    x, y = x - x.mean(), y - y.mean()
+    return np.stack([np.ones_like(x), x, y, *([x * x, y * y, x * y] if curved else [])], axis=1)
+
+
+def fits(table, curved=False):
+    """Coefficients of log10 v_rms for each seed, (seed, term), and the deviations of all runs in dB. Runs in which
+    nothing touches have no level."""
+    matrix, found, deviations = terms(table, curved), [], []
+    for seed in table.seed:
+        v = table.v_rms.sel(seed=seed).values.ravel()
+        heard = v > 0
+        each = np.linalg.lstsq(matrix[heard], np.log10(v[heard]), rcond=None)[0]
+        found.append(each)
+        deviations.append(20 * (np.log10(v[heard]) - matrix[heard] @ each))
+    return np.array(found), np.concatenate(deviations)
+
+
+def mean(values):
+    """Mean over the seeds, and half of its 95 % interval of Student's t."""
+    with np.errstate(invalid="ignore"):  # where a run is silent: -inf, and no interval
+        return np.mean(values), stats.t.ppf(0.975, len(values) - 1) * stats.sem(values)
+
+
+def exponents(table):
+    """{n, m: (mean, half)}"""
+    found = fits(table)[0]
+    return {"n": mean(found[:, 1]), "m": mean(found[:, 2])}
+
+
+def slow(table):
+    return table.sel(speed=table.speed[table.speed <= SLOW])
+
+
+def shown(value, half):
+    """0.93 ± 0.02"""
+    return f"{value:.2f} ± {half:.2f}" if half >= 0.005 else f"{value:.2f}"
+
+
+def check_analyze(case, folder, table):
+    """What `ra2d analyze` says of the law, beside scipy's least squares of the table."""
+    law = json.loads(case.call(case.program, "analyze", folder, "--json"))["law"]["exponents"]
+    found = np.mean(fits(table)[0], axis=0)  # each seed has the same points, so the mean is the fit of all
+    case.check("exponents of `ra2d analyze`, beside numpy's least squares of the table",
+               max(abs(law["rq"]["value"] - found[1]), abs(law["speed"]["value"] - found[2])), 1e-11,
+               "roundings of a sum of some hundred numbers, each about 1")
+    return law
+
+
+def check_pinned(case, table):
+    """A pinned slider whose gap goes with the roughness: n = 1, and a power of two rounds nothing."""
+    v = table.v_rms.sel(rq=list(RQ[:3])).values
+    case.check("n of the pinned slider from 1, over 2, 4 and 8 um",
+               np.abs(np.log2(v[1:] / v[:-1]) - 1).max(), 1e-14, "a power of two rounds nothing; a logarithm does")
+
+
+def compare(case):
+    if case.short:
+        folder, table = study(case, "pinned", 2, rq=RQ[:3], speeds=(0.35, 0.5))
+        check_analyze(case, folder, table)
+        check_pinned(case, table)
+        return
+    folders, tables = {}, {}
+    for name in VARIANTS:
+        folders[name], tables[name] = study(case, name, SEEDS if name == "base" else FEW)
+    law = check_analyze(case, folders["base"], tables["base"])
+    check_pinned(case, tables["pinned"])
+    # at no speed, which a logarithm does not take: in a second the slider moves by a nanometre
+    ring = [study(case, "rest", FEW, f"ring-{begin}", speeds=(1e-9,), sets={"output.from": begin})[1] for begin in (0.0, 0.5)]
+    # the two that the chapter calls the paper's
+    for what, table in (("touching, V <= 0.1 m/s", slow(tables["rest"])), ("gap 0.2 mm", tables["rest-drop"])):
+        for key, (value, half) in exponents(table).items():
+            low, high = PAPER[key]
+            case.check(f"from rest, {what}: {key} beyond the paper's range", max(low - value, value - high, 0), half,
+                       "the seeds' 95 % interval")
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    case.text("minutes", (used.ru_utime + used.ru_stime) / 60)  # of processors: whoever else is on the machine
+    report(case, tables, law, *ring)
+
+
+def in_range(found, ranges):
+    """Whether both exponents lie in ranges, within their own intervals."""
+    return all(low - found[key][1] <= found[key][0] <= high + found[key][1] for key, (low, high) in ranges.items())
+
+
+def whose(found):
+    """In whose range exponents lie, in words."""
+    if max(half for _, half in found.values()) > OPEN:
+        return "open"
+    ranges = {"paper": PAPER, "experiments": EXPERIMENTS}
+    return " or ".join(name for name in ranges if in_range(found, ranges[name])) or "neither"
+
+
+def levels(table):
+    """Mean level and half of its interval at each point: {(rq, speed): (mean, half)}."""
+    return {(rq, speed): mean(table.level.sel(rq=rq, speed=speed).values)
+            for rq in table.rq.values for speed in table.speed.values}
+
+
+def local(table, along):
+    """Exponents between neighbours, over all points across: rows (from, to, (mean, half))."""
+    x = table[along].values
+    v = np.log10(table.v_rms).mean("speed" if along == "rq" else "rq").transpose(along, "seed").values
+    slopes = np.diff(v, axis=0) / np.diff(np.log10(x))[:, None]
+    return [(x[i], x[i + 1], mean(slope)) for i, slope in enumerate(slopes)]
+
+
+def passage(load, speed):
+    """Level of the plate that bends slowly under a force that passes: no roughness, no inertia."""
+    omega = omegas(19)
+    x = np.linspace(0, min(1.0, WAY / speed) * speed, 1001) + 0.11  # the slider's middle
+    velocity = load * speed * np.array([shapes(19, each, 1) for each in x]) / (MASS_PER_LENGTH * omega**2)
+    return 10 * np.log10((velocity**2).sum(1).mean() / LENGTH) + 180
+
+
+def report(case, tables, law, ring, later):
+    base = tables["base"]
+    rows = [(name, *VARIANTS[name][:2], exponents(table), exponents(slow(table)), fits(table)[1].std(), table)
+            for name, table in tables.items()]
+    kinds = ("shock_rate", "shock_duration_median", "peak_force_median", "contact_share")
+    case.table(("variant", "Rq, m", "V, m/s", "seeds", "level, dB", "95 % interval, dB", "shocks a second",
+                "median duration, s", "median peak force, N", "share of the time in contact"),
+               [(name, rq, v, table.seed.size, *(f"{x:.2f}" for x in at),
+                 *(f"{table[kind].sel(rq=rq, speed=v).mean().item():.4g}" for kind in kinds))
+                for name, table in tables.items() for (rq, v), at in levels(table).items()])
+    case.text("seeds", f"{SEEDS}")
+    case.text("few", f"{FEW}")
+    case.text("runs", f"{sum(table.level.size for table in tables.values()) + ring.level.size}")
+    at = levels(base)
+    speeds = [f"{v:g} m/s" for v in SPEEDS]
+    case.text("levels", common.markdown(
+        ("Rq, um", *speeds), [(f"{1e6 * rq:.0f}", *("{:.1f} ± {:.1f}".format(*at[rq, v]) for v in SPEEDS)) for rq in RQ]))
+    case.text("exponents", common.markdown(
+        ("moved", "what", "n", "m", "deviation, dB", "range of", "V <= 0.1 m/s: n", "m", "range of"),
+        [(group, what, shown(*whole["n"]), shown(*whole["m"]), f"{deviation:.1f}", whose(whole),
+          shown(*low["n"]), shown(*low["m"]), whose(low)) for _, group, what, whole, low, deviation, _ in rows]))
+    for name, _, _, whole, low, deviation, _ in rows:
+        for key in ("n", "m"):
+            case.text(f"{key}-{name}", shown(*whole[key]))
+            case.text(f"{key}-{name}-slow", shown(*low[key]))
+    for key, (_, half) in rows[0][3].items():
+        case.text(f"{key}-half", f"± {half:.2f}")
+    case.text("deviation", f"{rows[0][5]:.1f}")
+    for key, name in (("n", "rq"), ("m", "speed")):
+        case.text(f"{key}-analyze", shown(law[name]["value"], (law[name]["high"] - law[name]["low"]) / 2))
+    case.text("n-local", common.markdown(
+        ("from Rq, um", "to", "n"), [(f"{1e6 * x:.0f}", f"{1e6 * y:.0f}", shown(*n)) for x, y, n in local(base, "rq")]))
+    others = ("base", "rest", "load-0.1", "load-10", "rsm-3.1")
+    case.text("m-local", common.markdown(
+        ("from V, m/s", "to", "m: as it is", "from rest", "0.1 N", "10 N", "RSm 3.1 mm"),
+        [(f"{steps[0][0]:g}", f"{steps[0][1]:g}", *(shown(*m) for *_, m in steps))
+         for steps in zip(*(local(tables[name], "speed") for name in others))]))
+    first = omegas(1)[0] / (2 * np.pi)
+    case.text("first", first)
+    case.text("meets", f"{1.55e-3 * first:.2f}")
+    case.text("meets-longer", f"{3.1e-3 * first:.2f}")
+    # bent: how far each exponent changes by a decade of roughness, and of speed
+    curved, left = fits(base, curved=True)
+    case.text("bent", common.markdown(("", "a decade of Rq changes it by", "a decade of V changes it by"),
+                                      [("n", shown(*mean(2 * curved[:, 3])), shown(*mean(curved[:, 5]))),
+                                       ("m", shown(*mean(curved[:, 5])), shown(*mean(2 * curved[:, 4])))]))
+    case.text("bent-deviation", f"{left.std():.1f}")
+    share = base.contact_share.mean("seed")
+    case.text("shares", common.markdown(
+        ("Rq, um", *speeds),
+        [(f"{1e6 * rq:.0f}", *(f"{share.sel(rq=rq, speed=v).item():.2f}" for v in SPEEDS)) for rq in RQ]))
+    the_start(case, tables, ring, later)
+    the_way(case, tables)
+    for load in (10, 100, 1000):
+        table = tables[f"load-{load}"].sel(speed=0.5)
+        case.text(f"passage-{load}", f"{passage(load, 0.5):.1f}")
+        case.text(f"passage-{load}-found", " to ".join(f"{table.level.sel(rq=rq).mean().item():.1f}" for rq in (RQ[0], RQ[-1])))
+    silent = tables["pinned-20"].level
+    case.text("silent", f"{int((~np.isfinite(silent)).sum())} of {silent.size}")
+    choices(case, rows)
+    draw(case, tables, rows, ring)
+
+
+def the_start(case, tables, ring, later):
+    """The ring of the start, found at no speed, and the levels of noise and ring together."""
+    rest, still = slow(tables["rest"]), ring.isel(speed=0)
+    noise = slow(tables["base"]).sel(seed=rest.seed)
+    case.text("ring", "{:.1f} ± {:.1f}".format(*mean(still.level.mean("rq").values)))
+    x = np.log10(RQ)
+    case.text("ring-later", "{:.1f} ± {:.1f}".format(*mean(later.level.mean(("rq", "speed")).values)))
+    case.text("n-ring", shown(*mean(np.polyfit(x, np.log10(still.v_rms.transpose("rq", "seed").values), 1)[0])))
+    together = noise.copy()
+    together["v_rms"] = np.sqrt(noise.v_rms**2 + still.v_rms**2)
+    found = exponents(together)
+    for key in ("n", "m"):
+        case.text(f"{key}-together", shown(*found[key]))
+    apart, half = mean(20 * np.log10(rest.v_rms / together.v_rms).mean(("rq", "speed")).values)
+    case.text("together-apart", f"{apart:.2f} ± {half:.2f}")
+    case.check("from rest, V <= 0.1 m/s: mean level beside the powers of noise and ring, dB", abs(apart), half,
+               "powers of independent motions add; the seeds' 95 % interval")
+
+
+def the_way(case, tables):
+    """What a short way does: levels of the same seeds over a second and over the whole way, and how seeds spread."""
+    base, way = tables["base"].sel(seed=tables["way"].seed), tables["way"]
+    rows = []
+    for v in SPEEDS:
+        more = (way.level - base.level).sel(speed=v).mean("rq").values
+        spread = [table.level.sel(speed=v).std("seed", ddof=1).mean().item() for table in (base, way)]
+        rows.append((f"{v:g}", f"{1e3 * v * lasts('base', v):.3g}", f"{spread[0]:.1f}", f"{1e3 * WAY:.3g}", f"{spread[1]:.1f}",
+                     "{:+.1f} ± {:.1f}".format(*mean(more)) if lasts("base", v) < lasts("way", v) else "the same run"))
+    case.text("way", common.markdown(("V, m/s", "way, mm", "seeds spread by, dB", "longer way, mm", "seeds spread by, dB",
+                                      "mean level, longer less shorter, dB"), rows))
+
+
+def choices(case, rows):
+    """For docs/choices.md: what a choice changes at one point, seed by seed, and its exponents."""
+    point, base = {"rq": 8e-6, "speed": 0.1}, rows[0][-1]
+    kinds = (("shock_rate", 1), ("shock_duration_median", 1e6), ("peak_force_median", 1))
+
+    def level(table):
+        if table is base:
+            return "{:.1f} ± {:.1f} dB".format(*mean(base.level.sel(point).values))
+        return "{:+.1f} ± {:.1f} dB".format(*mean((table.level - base.level).sel(point).values))  # of the seeds that both have
+
+    def shocks(table, kind, scale):
+        if table is base:
+            return common.shown(scale * base[kind].sel(point).mean().item())
+        value, half = mean(np.log((table[kind] / base[kind]).sel(point).values))
+        return f"x {common.shown(np.exp(value))} ({common.shown(np.exp(value - half))} to {common.shown(np.exp(value + half))})"
+
+    header = ("", "Lv", "shocks a second", "their median duration, us", "their median peak force, N", "n", "m")
+    for group in dict.fromkeys(row[1] for row in rows[1:]):
+        case.text(f"choice-{group}", common.markdown(header, [
+            (what, level(table), *(shocks(table, *kind) for kind in kinds), shown(*whole["n"]), shown(*whole["m"]))
+            for _, its, what, whole, _, _, table in rows if its in ("", group)]))
+
+
+def draw(case, tables, rows, ring):
+    plt, style = common.pictures()
+    figure = plt.figure(figsize=(7.2, 10), layout="constrained")
+    upper, lower = figure.subfigures(2, 1, height_ratios=(0.8, 1.2))
+    left, right = upper.subplots(1, 2, sharey=True)
+    for axes, name, title in ((left, "base", "From equilibrium"), (right, "rest", "Let go from rest")):
+        for rq, colour, mark in zip(RQ, style.SERIES, style.MARKS):
+            mid, half = np.array([levels(tables[name])[rq, v] for v in SPEEDS]).T
+            axes.errorbar(SPEEDS, mid, half, color=colour, marker=mark, ms=4, lw=1, capsize=2, label=f"{1e6 * rq:.0f} \u00b5m")
+        axes.set(title=title, xlabel="speed [m/s]", xscale="log")
+        axes.xaxis.set_major_formatter(plt.FuncFormatter(lambda value, _: f"{value:g}"))
+        axes.set_xticks(SPEEDS)
+        axes.minorticks_off()
+    still = ring.level.mean().item()
+    right.axhline(still, color=style.GREY, ls="--", lw=1)
+    right.annotate("ring of the start, no speed", (SPEEDS[-1], still), xytext=(0, -3), textcoords="offset points", ha="right",
+                   va="top", color=style.GREY, fontsize=8)
+    left.set_ylabel("Lv [dB re 1 nm/s]")
+    left.legend(title="Rq")
+    panels = lower.subplots(1, 2, sharey=True)
+    for axes, key in zip(panels, ("n", "m")):
+        for ranges, colour, label in ((PAPER, style.RUST, "paper"), (EXPERIMENTS, style.GREEN, "experiments")):
+            axes.axvspan(*ranges[key], color=colour, alpha=0.18, lw=0, label=label)
+        for which, colour, mark, shift, label in ((3, style.BLUE, "o", -0.15, "V to 0.5 m/s"),
+                                                  (4, style.BLACK, "s", 0.15, "V to 0.1 m/s")):
+            value, half = np.array([row[which][key] for row in rows]).T
+            axes.errorbar(value, np.arange(len(rows)) + shift, xerr=half, color=colour, marker=mark, ls="none", ms=3.5, lw=1,
+                          label=label)
+        axes.set(title={"n": "n, of the roughness", "m": "m, of the speed"}[key], xlim=(-0.15, 1.85))
+        for i, row in enumerate(rows):
+            if row[3][key][0] > 1.85:
+                axes.text(row[3][key][0] - row[3][key][1] - 0.05, i - 0.15, f"{shown(*row[3][key])} \u2192", color=style.BLUE,
+                          ha="right", va="center", fontsize=7.5)
+        for i in range(1, len(rows)):
+            if rows[i][1] != rows[i - 1][1]:
+                axes.axhline(i - 0.5, color=style.GREY, lw=0.4)
+    panels[0].set_yticks(range(len(rows)), [row[2].replace(" um", " \u00b5m") for row in rows])
+    panels[0].set_ylim(len(rows) - 0.5, -0.5)
+    for axes in panels:  # one half of the legend below each
+        handles, labels = axes.get_legend_handles_labels()
+        part = slice(0, 2) if axes is panels[0] else slice(2, 4)
+        axes.legend(handles[part], labels[part], loc="upper center", bbox_to_anchor=(0.5, -0.04), frameon=False)
+    case.figure(figure)
+
+
+if __name__ == "__main__":
+    common.main("law", compare)
