@@ -89,35 +89,48 @@ TEST(SeparateDevice, AStateSavedThereGoesOnHere) {
   }
 }
 
-// Blocks that are free stand in the way of one of another length: they go back.
+/// What a batch of one slot takes there of this scene.
+std::size_t taken_by(const Model& model, const ModalStart& start) {
+  SeparateDevice device;
+  const MarchedThere there(device);
+  const std::size_t before = device.room();
+  Batch batch(1);
+  batch.put(0, model, start);
+  return before - device.room();
+}
+
 TEST(SeparateDevice, ItsMemoryIsUsedAgain) {
   Scene small = rough_scene(Support::free), large = small;
   large.spacing /= 4;
-  const auto batch_of = [](const Scene& scene) {
-    const Model model = make_model(scene);
-    return Batch({model}, {make_start(model)});
-  };
-  const std::size_t memory = 3 * batch_of(large).bytes() / 2;
-  SeparateDevice device(memory);
-  const MarchedThere there(device);
   const Model model = make_model(small), other = make_model(large);
   const ModalStart start = make_start(model), start_of_other = make_start(other);
+  const std::size_t of_small = taken_by(model, start), of_large = taken_by(other, start_of_other);
+  ASSERT_LT(2 * of_small, of_large);
+  SeparateDevice device(of_large + of_small / 2);
+  const MarchedThere there(device);
   Batch batch(1);
   batch.put(0, model, start);
-  const std::size_t blocks = device.blocks(), room = device.room();
+  const std::size_t blocks = device.blocks();
+  batch.march(model.steps);
   for (int i = 0; i < 3; ++i) {
     batch.put(0, model, start);
     EXPECT_EQ(device.blocks(), blocks);
-    EXPECT_EQ(device.room(), room);
+    EXPECT_EQ(device.room(), of_large - of_small / 2);
+    // nothing of the scene before is left
+    const Snapshot at_start = batch.snapshot(0);
+    EXPECT_EQ(at_start.resonator_square, std::vector<double>(at_start.resonator_u.size(), 0.0));
+    EXPECT_EQ(at_start.sliding_work, 0.0);
+    batch.march(model.steps);
+    EXPECT_EQ(batch.snapshot(0).status, Status::done);
   }
+  // what is free goes back where it stands in the way of a larger one, and where that is the last one
   batch.put(0, other, start_of_other);
   batch.put(0, model, start);
-  batch.march(model.steps);
-  EXPECT_EQ(batch.snapshot(0).status, Status::done);
-  Batch many(100);
+  Batch many(2);
   EXPECT_THROW(
       {
-        for (int slot = 0; slot < 100; ++slot) many.put(slot, other, start_of_other);
+        many.put(0, other, start_of_other);
+        many.put(1, other, start_of_other);
       },
       std::bad_alloc);
 }
