@@ -315,7 +315,7 @@ std::string snapshot_text(const Study& study) {
 Study parse_snapshot(const std::string& text, const std::filesystem::path& file) {
   try {
     const auto json = nlohmann::json::parse(text);
-    if (json.at("format").get<int>() != snapshot_format)
+    if (json.at("format") != snapshot_format)  // which may be a number that no int holds
       throw FileError(
           fmt::format("'{}': written by another version of ra2d: run the study again "
                       "with this one",
