@@ -57,7 +57,9 @@ struct March {
     const Lanes lanes(member);
     const std::uint64_t begin = nanoseconds();
     march_scene<Lanes, form, K>(lanes, tables[scene], states[scene], targets[scene]);
-    if (lanes.leader()) seconds[scene] = 1e-9 * static_cast<double>(nanoseconds() - begin);
+    const std::uint64_t end = nanoseconds();
+    if (lanes.leader())
+      seconds[scene] = end > begin ? 1e-9 * static_cast<double>(end - begin) : 0.0;
   }
   void launch(const Space& space, int count) const {
     Kokkos::parallel_for("ra2d::march", Policy(space, count, 1, LanesOf<Space>::vector_length),
@@ -69,7 +71,7 @@ struct March {
   KOKKOS_FUNCTION static std::uint64_t nanoseconds() {
     std::uint64_t now = 0;
 #if defined(__CUDA_ARCH__)
-    asm volatile("mov.u64 %0, %globaltimer;" : "=l"(now));
+    asm volatile("mov.u64 %0, %globaltimer;" : "=l"(now)::"memory");
 #endif
     return now;
   }

@@ -27,10 +27,7 @@ class SeparateQueue : public DeviceQueue {
     later([=] { std::memset(device, 0, bytes); });
   }
   void upload(char* device, const void* host, std::size_t bytes) override {
-    const auto* const from = static_cast<const char*>(host);
-    later([=, copy = std::vector<char>(from, from + bytes)] {
-      std::memcpy(device, copy.data(), bytes);
-    });
+    later([=] { std::memcpy(device, host, bytes); });
   }
   void fetch(void* host, const char* device, std::size_t bytes) override {
     later([=] { std::memcpy(host, device, bytes); });

@@ -7,6 +7,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstring>
+#include <exception>
 #include <map>
 #include <optional>
 #include <stdexcept>
@@ -112,6 +113,7 @@ struct Slot {
     visit_arrays(ours, extents, [&](const char*, auto*& array, std::size_t) {
       array = static_cast<std::remove_reference_t<decltype(array)>>(*address++);
     });
+    memory.wait();
     static_cast<CarriedState&>(state) = ours;
     show(saved);
   }
@@ -188,6 +190,7 @@ struct Batch::Impl {
                               {},
                               std::vector<double>(n),
                               {}});
+    memory.queue->zero(launched->seconds.data(), n * sizeof(double));
   }
 
   Slot& at(int slot) { return *slots.at(static_cast<std::size_t>(slot)); }
@@ -246,18 +249,34 @@ void Batch::Impl::launch_on_device(const std::vector<int>& list,
   up(l.scenes, l.scenes_here);
   queue.wait();
   const int* scenes = reinterpret_cast<const int*>(l.scenes.data());
+  std::exception_ptr fault;
+  const auto attempt = [&](const auto& work) {
+    try {
+      work();
+    } catch (...) {
+      if (!fault) fault = std::current_exception();
+    }
+  };
   auto group_queue = l.queues.begin();
   for (const auto& [kind, members] : groups) {
     const auto count = static_cast<int>(members.size());
-    (*group_queue++)
-        ->march({kind.first, kind.second, count, scenes,
-                 reinterpret_cast<const SceneTables*>(l.tables.data()),
-                 reinterpret_cast<SceneState*>(l.states.data()),
-                 reinterpret_cast<const std::int64_t*>(l.targets.data()),
-                 reinterpret_cast<double*>(l.seconds.data())});
+    attempt([&] {
+      (*group_queue)
+          ->march({kind.first, kind.second, count, scenes,
+                   reinterpret_cast<const SceneTables*>(l.tables.data()),
+                   reinterpret_cast<SceneState*>(l.states.data()),
+                   reinterpret_cast<const std::int64_t*>(l.targets.data()),
+                   reinterpret_cast<double*>(l.seconds.data())});
+    });
+    ++group_queue;
     scenes += count;
   }
-  while (group_queue != l.queues.begin()) (*--group_queue)->wait();
+  // whatever fails, nobody is to march in memory that is given back
+  while (group_queue != l.queues.begin()) {
+    --group_queue;
+    attempt([&] { (*group_queue)->wait(); });
+  }
+  if (fault) std::rethrow_exception(fault);
   queue.fetch(l.states_here.data(), l.states.data(), l.states_here.size() * sizeof(SceneState));
   queue.fetch(l.seconds_here.data(), l.seconds.data(), l.seconds_here.size() * sizeof(double));
   queue.wait();
@@ -278,6 +297,7 @@ Batch::Batch(const std::vector<Model>& models, const std::vector<ModalStart>& st
 
 Batch::~Batch() = default;
 Batch::Batch(Batch&&) noexcept = default;
+Batch& Batch::operator=(Batch&&) noexcept = default;
 
 int Batch::slots() const { return static_cast<int>(impl_->slots.size()); }
 

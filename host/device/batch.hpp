@@ -53,6 +53,7 @@ class Batch {
         const BatchOptions& options = {});
   ~Batch();
   Batch(Batch&&) noexcept;
+  Batch& operator=(Batch&&) noexcept;
 
   int slots() const;
   /// Puts a scene where it starts into a slot. Throws RequestError where it cannot be marched, and
@@ -69,7 +70,7 @@ class Batch {
              const std::function<void(int slot)>& marched = {});
   /// ... all to one target.
   void march(std::int64_t target);
-  /// Seconds that the latest launch spent on a scene; on a GPU, which marches all together, on all.
+  /// Seconds that the latest launch spent on a scene.
   double seconds(int slot) const;
 
   /// Hands out and empties a scene's buffers.

@@ -43,6 +43,8 @@ class CudaQueue : public DeviceQueue {
     space_ = std::make_unique<Kokkos::Cuda>(stream_);
   }
   ~CudaQueue() override {
+    // after an error of the GPU Kokkos would end the program, and its message would be lost
+    if (cudaStreamSynchronize(stream_) != cudaSuccess) return static_cast<void>(space_.release());
     space_.reset();
     cudaStreamDestroy(stream_);
   }
@@ -55,7 +57,6 @@ class CudaQueue : public DeviceQueue {
   }
   void upload(char* device, const void* host, std::size_t bytes) override {
     use_device();
-    // of memory that may be moved, it returns once it has a copy
     check(cudaMemcpyAsync(device, host, bytes, cudaMemcpyHostToDevice, stream_), "copy to it");
   }
   void fetch(void* host, const char* device, std::size_t bytes) override {
@@ -65,6 +66,7 @@ class CudaQueue : public DeviceQueue {
   void march(const ScenesToMarch& scenes) override {
     use_device();
     launch_march(*space_, scenes);
+    check(cudaGetLastError(), "begin a launch");  // Kokkos does not ask
   }
   void wait() override {
     use_device();

@@ -29,7 +29,7 @@ class DeviceQueue {
  public:
   virtual ~DeviceQueue() = default;
   virtual void zero(char* device, std::size_t bytes) = 0;
-  /// `host` may be written again once this returns.
+  /// `host` must stay as it is until wait() returns.
   virtual void upload(char* device, const void* host, std::size_t bytes) = 0;
   /// `host` holds it once wait() returns.
   virtual void fetch(void* host, const char* device, std::size_t bytes) = 0;

@@ -34,12 +34,13 @@ Block DevicePool::lend(std::size_t bytes) {
   {
     const std::lock_guard lock(mutex_);
     const auto found = free_.lower_bound(bytes);
-    if (found != free_.end() && found->first <= bytes + bytes / 4) {
+    if (found != free_.end() && found->first <= bytes + bytes / 10) {
       Block block(this, found->second, found->first);
       free_.erase(found);
       return block;
     }
   }
+  if (most_ > 0 && held_ + bytes > most_) give_back();
   try {
     return {this, allocate(bytes), bytes};
   } catch (const std::bad_alloc&) {
@@ -53,20 +54,24 @@ void DevicePool::take_back(char* data, std::size_t bytes) noexcept {
     const std::lock_guard lock(mutex_);
     free_.emplace(bytes, data);
   } catch (...) {
-    release(data);
+    release(data, bytes);
   }
 }
 
 char* DevicePool::allocate(std::size_t bytes) {
-  return kind_ == Kind::on_device ? device_.allocate(bytes) : device_.allocate_on_host(bytes);
+  char* const block =
+      kind_ == Kind::on_device ? device_.allocate(bytes) : device_.allocate_on_host(bytes);
+  held_ += bytes;
+  return block;
 }
-void DevicePool::release(char* data) noexcept {
+void DevicePool::release(char* data, std::size_t bytes) noexcept {
+  held_ -= bytes;
   kind_ == Kind::on_device ? device_.release(data) : device_.release_on_host(data);
 }
 
 void DevicePool::give_back() noexcept {
   const std::lock_guard lock(mutex_);
-  for (const auto& [bytes, data] : free_) release(data);
+  for (const auto& [bytes, data] : free_) release(data, bytes);
   free_.clear();
 }
 

@@ -59,22 +59,26 @@ class HostMemory : public MemorySource {
 class DevicePool : public MemorySource {
  public:
   enum class Kind { on_device, on_host };
-  DevicePool(Device& device, Kind kind) : device_{device}, kind_{kind} {}
+  /// `most`: bytes that it holds at the most where it can, what is free among them; 0: no limit.
+  DevicePool(Device& device, Kind kind, std::size_t most)
+      : device_{device}, kind_{kind}, most_{most} {}
   ~DevicePool() override { give_back(); }
   DevicePool(const DevicePool&) = delete;
   DevicePool& operator=(const DevicePool&) = delete;
-  /// One that is free and at the most a quarter too large, or a new one; where there is no memory left for
-  /// that, all that are free go back first.
+  /// One that is free and at the most a tenth too large (as much as backend_room leaves), or a new one. Where
+  /// that is more than it is to hold, or than there is, all that are free go back first.
   Block lend(std::size_t bytes) override;
   void take_back(char* data, std::size_t bytes) noexcept override;
 
  private:
   char* allocate(std::size_t bytes);
-  void release(char* data) noexcept;
+  void release(char* data, std::size_t bytes) noexcept;
   void give_back() noexcept;
 
   Device& device_;
   Kind kind_;
+  std::size_t most_;
+  std::atomic<std::size_t> held_ = 0;
   std::mutex mutex_;
   std::multimap<std::size_t, char*> free_;  // by size
 };

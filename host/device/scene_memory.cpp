@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "host/device/scene_memory.hpp"
 
+#include <unistd.h>
+
 #include <cstdint>
 #include <string_view>
 
@@ -9,14 +11,18 @@
 namespace ra2d {
 
 BatchMemory::BatchMemory(Device* device_, std::size_t most)
-    : device{device_}, left{static_cast<std::int64_t>(most)}, room{most > 0 ? &left : nullptr} {
+    : device{device_},
+      left{static_cast<std::int64_t>(most)},
+      room{most > 0 ? &left : nullptr},
+      left_on_host{sysconf(_SC_PHYS_PAGES) / 8 * sysconf(_SC_PAGESIZE)} {
   if (device == nullptr) {
     marched = std::make_unique<HostMemory>();
     handed = std::make_unique<HostMemory>();
   } else {
     queue = device->make_queue();
-    marched = std::make_unique<DevicePool>(*device, DevicePool::Kind::on_device);
-    handed = std::make_unique<DevicePool>(*device, DevicePool::Kind::on_host);
+    marched = std::make_unique<DevicePool>(*device, DevicePool::Kind::on_device, most);
+    handed = std::make_unique<DevicePool>(*device, DevicePool::Kind::on_host,
+                                          static_cast<std::size_t>(left_on_host.load()));
   }
 }
 
@@ -24,6 +30,7 @@ SharedTables::Handle SceneMemory::share(Block common, SceneTables& tables, const
                                         bool beyond_room) const {
   Hash hash;
   visit_shared_arrays(tables, n, [&](const char*, const auto* array, std::size_t count) {
+    hash.add(std::string_view(reinterpret_cast<const char*>(&count), sizeof count));
     hash.add(std::string_view(reinterpret_cast<const char*>(array), count * sizeof(*array)));
   });
   const std::size_t bytes = common.bytes();

@@ -65,6 +65,7 @@ struct BatchMemory {
   Device* device;
   RoomLeft left;
   RoomLeft* room;                         // none without a limit
+  RoomLeft left_on_host;                  // beside a device: memory that cannot be swapped
   std::unique_ptr<DeviceQueue> queue;     // of the device
   std::unique_ptr<MemorySource> marched;  // where marches read and write
   std::unique_ptr<MemorySource> handed;   // where both do, marches and the host
@@ -82,8 +83,7 @@ class SceneMemory {
   void provide(HandOut& handed, const Extents& n) {
     const auto arrays = [&](auto&& visit) { visit_arrays(handed, n, visit); };
     const std::size_t bytes = lay_out(nullptr, arrays);
-    // of a device it takes nothing
-    if (on_host()) handed_share_ = ShareOfRoom(batch_->room, bytes);
+    handed_share_ = ShareOfRoom(on_host() ? batch_->room : &batch_->left_on_host, bytes);
     handed_ = batch_->handed->lend(bytes);
     lay_out(handed_.data(), arrays);
   }
@@ -119,12 +119,14 @@ class SceneMemory {
       fill(HostCopy(own_.data(), filled_bytes, copy.data()));
       batch_->queue->upload(own_.data(), copy.data(), filled_bytes);
       batch_->queue->zero(own_.data() + filled_bytes, bytes - filled_bytes);
+      batch_->queue->wait();
     }
     shared_ = share(std::move(common), tables, n, beyond_room);
     lay_out(shared_->block.data(), shared);
   }
 
-  /// Copies what stands where scenes are marched, or puts it there; `there` is an address of it.
+  /// Copies what stands where scenes are marched, or puts it there; `there` is an address of it. Done, and the
+  /// other address free again, after wait().
   void read(void* to, const void* there, std::size_t bytes) const {
     if (on_host())
       std::memcpy(to, there, bytes);
@@ -149,7 +151,8 @@ class SceneMemory {
  private:
   static constexpr std::size_t line = 64;
 
-  /// Sets the addresses of arrays that stand one after the other from `base`; returns how much they take.
+  /// Sets the addresses of arrays that stand one after the other from `base`, unless that is none; returns how
+  /// much they take.
   template <class Arrays>
   std::size_t lay_out(char* base, const Arrays& arrays) const {
     std::size_t at = line;
@@ -157,7 +160,7 @@ class SceneMemory {
     arrays([&](const char*, auto*& address, std::size_t count) {
       using T =
           std::remove_const_t<std::remove_pointer_t<std::remove_reference_t<decltype(address)>>>;
-      address = reinterpret_cast<T*>(base + at);
+      if (base != nullptr) address = reinterpret_cast<T*>(base + at);
       const std::size_t end = at + count * sizeof(T);
       at = (end + line - 1) / line * line + line;
       poison(base, end, at);

@@ -135,13 +135,12 @@ TEST_F(SeparateDeviceTest, ItsMemoryIsUsedAgain) {
   // what is free goes back where it stands in the way of a larger one, and where that is the last one
   batch.put(0, other, start_of_other);
   batch.put(0, model, start);
-  Batch many(2);
-  EXPECT_THROW(
-      {
-        many.put(0, other, start_of_other);
-        many.put(1, other, start_of_other);
-      },
-      std::bad_alloc);
+  batch = Batch(2);
+  batch.put(0, other, start_of_other);
+  EXPECT_THROW(batch.put(1, other, start_of_other), std::bad_alloc);
+  batch.march(other.steps / 100);
+  EXPECT_EQ(batch.snapshot(0).status, Status::running);
+  EXPECT_GT(batch.snapshot(0).step, 0);
 }
 
 TEST_F(SeparateDeviceDeathTest, WhoTouchesItsMemoryFromOutsideIsCaught) {
