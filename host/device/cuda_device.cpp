@@ -44,7 +44,10 @@ class CudaQueue : public DeviceQueue {
   }
   ~CudaQueue() override {
     // after an error of the GPU Kokkos would end the program, and its message would be lost
-    if (cudaStreamSynchronize(stream_) != cudaSuccess) return static_cast<void>(space_.release());
+    if (cudaStreamSynchronize(stream_) != cudaSuccess) {
+      static_cast<void>(space_.release());
+      return;
+    }
     space_.reset();
     cudaStreamDestroy(stream_);
   }
