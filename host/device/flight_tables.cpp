@@ -10,9 +10,8 @@
 namespace ra2d {
 namespace {
 
-/// What a flight of `time` [s] does to (U - rest, V, 1).
-Eigen::Matrix3d transition(const Mode& mode, double load, double time) {
-  const ModeStep step = Exact::prepare(mode, time);
+/// What a flight of this step does to (U - rest, V, 1).
+Eigen::Matrix3d transition(const Mode& mode, double load, const ModeStep& step) {
   const bool falls = mode.omega == 0.0;  // the others ring about where the load holds them
   Eigen::Matrix3d m;
   m << 1.0 + step.u_u, step.u_v, falls ? step.u_f[0] * load : 0.0,  //
@@ -31,13 +30,14 @@ std::vector<std::array<double, flight_rows>> flight_tables(const Mode& mode, dou
   // the roundings there, then doubled: all its parts are positive, so nothing cancels
   Eigen::Matrix3d square = Eigen::Matrix3d::Zero();
   for (int g = 0; g < gauss_points; ++g) {
-    const Eigen::RowVector3d v = transition(mode, load, gauss_place[g] * time).row(1);
+    const Eigen::RowVector3d v =
+        transition(mode, load, Exact::prepare(mode, gauss_place[g] * time)).row(1);
     square += gauss_weight[g] * std::ldexp(1.0, first_level) * v.transpose() * v;
   }
   std::vector<std::array<double, flight_rows>> rows(levels);
   for (int level = 0; level < levels; ++level, time *= 2.0) {
-    const Eigen::Matrix3d m = transition(mode, load, time);
     const ModeStep step = Exact::prepare(mode, time);
+    const Eigen::Matrix3d m = transition(mode, load, step);
     auto& row = rows[level];
     row[flight_u_u] = step.u_u;  // without the 1, whose rounding would be added at every leap
     row[flight_u_v] = m(0, 1);

@@ -6,7 +6,12 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <list>
+#include <memory>
+#include <mutex>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "host/errors.hpp"
 #include "host/model/contact_program.hpp"
@@ -65,9 +70,74 @@ class OverlapsAlong {
   }
 };
 
+constexpr int pack = 8;  // modes that are summed up at a time
+
+/// The shapes of the modes of both bodies at the nodes, at t = 0.
+struct NodeShapes {
+  Eigen::MatrixXd shapes;  // (node, mode)
+  Eigen::MatrixXd rows;    // (mode, padded to packs; node)
+  Eigen::VectorXd sizes;   // of each node, the sum over the modes of |shape|
+
+  explicit NodeShapes(const Model& model) {
+    const auto modes =
+        static_cast<Eigen::Index>(model.resonator.modes.size() + model.slider.modes.size());
+    const double chi = model.scene.spacing;
+    shapes.resize(model.nodes(), modes);
+    for (int n = 0; n < model.nodes(); ++n) {
+      int column = 0;
+      for (const ModeShape& mode : model.resonator.modes)
+        evaluate(mode, model.resonator.length, (model.position + n) * chi, 1, &shapes(n, column++));
+      for (const ModeShape& mode : model.slider.modes)
+        evaluate(mode, model.slider.length, n * chi, 1, &shapes(n, column++));
+    }
+    rows = Eigen::MatrixXd::Zero((modes + pack - 1) / pack * pack, model.nodes());
+    rows.topRows(modes) = shapes.transpose();
+    sizes = Eigen::VectorXd::Zero(model.nodes());
+    for (Eigen::Index k = 0; k < modes; ++k) sizes += shapes.col(k).cwiseAbs();
+  }
+};
+
+/// Those of the scenes before: the runs of a study mostly have equal bodies, and to find their shapes takes as
+/// long as a quarter of all else that makes a scene ready.
+class KnownShapes {
+ public:
+  std::shared_ptr<const NodeShapes> of(const Model& model) {
+    const Key key = key_of(model);
+    {
+      const std::lock_guard lock(mutex_);
+      for (const auto& [known, shapes] : known_)
+        if (known == key) return shapes;
+    }
+    const auto shapes = std::make_shared<const NodeShapes>(model);
+    const std::lock_guard lock(mutex_);
+    if (shapes->shapes.size() > most_values) return shapes;
+    known_.emplace_front(key, shapes);
+    if (known_.size() > most) known_.pop_back();
+    return shapes;
+  }
+
+ private:
+  static constexpr std::size_t most = 4;
+  static constexpr Eigen::Index most_values = 1 << 20;  // of larger ones the memory is worth more
+
+  using Key = std::vector<double>;  // all that they depend on
+  static Key key_of(const Model& model) {
+    Key key{model.scene.spacing, model.position, static_cast<double>(model.nodes())};
+    for (const Beam* beam : {&model.resonator, &model.slider}) {
+      key.push_back(beam->length);
+      key.push_back(static_cast<double>(beam->modes.size()));
+      for (const ModeShape& m : beam->modes)
+        key.insert(key.end(), {m.beta, m.sine, m.cosine, m.left, m.right, m.constant, m.slope});
+    }
+    return key;
+  }
+  std::mutex mutex_;
+  std::list<std::pair<Key, std::shared_ptr<const NodeShapes>>> known_;
+};
+
 class Potential {
  public:
-  explicit Potential(const Model& model) {
+  explicit Potential(const Model& model) : nodes_{known_shapes().of(model)} {
     const auto add = [&](const Beam& beam) {
       for (std::size_t k = 0; k < beam.modes.size(); ++k) {
         stiffness_.push_back(beam.mass_per_length * beam.modes[k].omega * beam.modes[k].omega);
@@ -76,36 +146,28 @@ class Potential {
     };
     add(model.resonator);
     add(model.slider);
-    const int modes = static_cast<int>(stiffness_.size());
-    const double chi = model.scene.spacing;
-    shapes_.resize(model.nodes(), modes);
-    for (int n = 0; n < model.nodes(); ++n) {
-      int column = 0;
-      for (const ModeShape& mode : model.resonator.modes)
-        evaluate(mode, model.resonator.length, (model.position + n) * chi, 1,
-                 &shapes_(n, column++));
-      for (const ModeShape& mode : model.slider.modes)
-        evaluate(mode, model.slider.length, n * chi, 1, &shapes_(n, column++));
-    }
     const std::vector<double> faces = overlaps(model, {}, {});
     faces_ = Eigen::Map<const Eigen::VectorXd>(faces.data(), model.nodes());
-    rows_ = Eigen::MatrixXd::Zero(packs() * pack, model.nodes());
-    rows_.topRows(modes) = shapes_.transpose();
-    row_sizes_ = Eigen::VectorXd::Zero(model.nodes());
-    for (int k = 0; k < modes; ++k) row_sizes_ += shapes_.col(k).cwiseAbs();
   }
 
   /// The same minimum as a programme, the springs' compliance in m/N.
   ContactProgram program(double compliance) const {
     return {.stiffness = Eigen::Map<const Eigen::VectorXd>(stiffness_.data(), modes()),
             .load = Eigen::Map<const Eigen::VectorXd>(load_.data(), modes()),
-            .shapes = shapes_,
+            .shapes = nodes_->shapes,
             .faces = faces_,
             .compliance = compliance};
   }
 
   int modes() const { return static_cast<int>(stiffness_.size()); }
-  Eigen::VectorXd overlap(const Eigen::VectorXd& u) const { return faces_ + shapes_ * u; }
+  Eigen::VectorXd overlap(const Eigen::VectorXd& u) const { return faces_ + nodes_->shapes * u; }
+  /// ... as overlaps() sums them up, mode by mode.
+  Eigen::VectorXd overlap_by_modes(const Eigen::VectorXd& u) const {
+    Eigen::VectorXd sum = faces_;
+    for (int k = 0; k < modes(); ++k)
+      if (u[k] != 0.0) sum += u[k] * nodes_->shapes.col(k);
+    return sum;
+  }
 
   /// Negative gradient, the Hessian's lower triangle and the size of the terms that the gradient is
   /// made of, where the nodes overlap by `over`.
@@ -121,24 +183,24 @@ class Potential {
     }
     // By packs of modes, those above the diagonal in its own pack computed in vain. Each sum takes in one
     // node after the other, but several of them between two ways to memory.
-    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(packs() * pack, modes());
+    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(padded_modes(), modes());
     sum.topRows(modes()) = hessian;
-    Eigen::Matrix<double, Eigen::Dynamic, together> pushed(packs() * pack, int{together});
+    Eigen::Matrix<double, Eigen::Dynamic, together> pushed(padded_modes(), int{together});
     std::array<int, together> nodes;
     int count = 0;
     for (int n = 0; n < over.size(); ++n) {
       if (over[n] > 0) {
-        pushed.col(count) = spring * rows_.col(n);
-        force -= spring * over[n] * rows_.col(n).head(modes());
-        scale += spring * over[n] * row_sizes_[n];
+        pushed.col(count) = spring * nodes_->rows.col(n);
+        force -= spring * over[n] * nodes_->rows.col(n).head(modes());
+        scale += spring * over[n] * nodes_->sizes[n];
         nodes[count++] = n;
       }
       if (count < together && n + 1 < over.size()) continue;
       for (int k = 0; k < modes(); ++k)
-        for (int i = k / pack * pack; i < packs() * pack; i += pack) {
+        for (int i = k / pack * pack; i < padded_modes(); i += pack) {
           Eigen::Matrix<double, pack, 1> part = sum.col(k).segment<pack>(i);
           for (int e = 0; e < count; ++e)
-            part += rows_(k, nodes[e]) * pushed.col(e).segment<pack>(i);
+            part += nodes_->rows(k, nodes[e]) * pushed.col(e).segment<pack>(i);
           sum.col(k).segment<pack>(i) = part;
         }
       count = 0;
@@ -151,7 +213,7 @@ class Potential {
   /// convex. `over` are the overlaps at u.
   double best_length(const Eigen::VectorXd& u, const Eigen::VectorXd& over,
                      const Eigen::VectorXd& step, double spring) const {
-    const Eigen::VectorXd change = shapes_ * step;
+    const Eigen::VectorXd change = nodes_->shapes * step;
     OverlapsAlong nodes(over, change);
     const auto slope = [&](double length) {
       double sum = 0;
@@ -200,7 +262,7 @@ class Potential {
       const double most = hessian.diagonal().maxCoeff();
       for (int k = 0; k < modes(); ++k) {
         const double own =
-            hessian(k, k) > 0 ? hessian(k, k) : spring * shapes_.col(k).squaredNorm();
+            hessian(k, k) > 0 ? hessian(k, k) : spring * nodes_->shapes.col(k).squaredNorm();
         hessian(k, k) += 1e-14 * (shift == Shift::common && most > 0 ? most : own) + 1e-300;
       }
       const Eigen::VectorXd step = hessian.ldlt().solve(force);
@@ -211,15 +273,16 @@ class Potential {
   }
 
  private:
-  static constexpr int pack = 8;      // modes that are summed up at a time ...
-  static constexpr int together = 8;  // ... and nodes
-  int packs() const { return (modes() + pack - 1) / pack; }
+  static constexpr int together = 8;  // nodes that are summed up at a time
+  static KnownShapes& known_shapes() {
+    static KnownShapes known;
+    return known;
+  }
+  int padded_modes() const { return static_cast<int>(nodes_->rows.rows()); }
 
+  std::shared_ptr<const NodeShapes> nodes_;
   std::vector<double> stiffness_, load_;
-  Eigen::MatrixXd shapes_;     // (node, mode)
-  Eigen::MatrixXd rows_;       // (mode, padded to packs; node)
-  Eigen::VectorXd row_sizes_;  // sum over the modes of |shape|, of each node
-  Eigen::VectorXd faces_;      // overlap of the faces alone
+  Eigen::VectorXd faces_;  // overlap of the faces alone
 };
 
 /// Settles on springs that are stiffened to `spring`. Nothing when it does not.
@@ -238,6 +301,7 @@ ModalStart make_start(const Model& model) {
   const int modes1 = static_cast<int>(model.slider.modes.size());
   const bool multipliers = model.scene.contact.law == ContactLaw::multiplier;
   Eigen::VectorXd u = Eigen::VectorXd::Zero(modes2 + modes1), forces;
+  Eigen::VectorXd overlap;  // without multipliers
   if (model.scene.initial == Initial::statics && u.size() > 0) {
     const Potential potential(model);
     std::optional<Eigen::VectorXd> settled;
@@ -261,6 +325,10 @@ ModalStart make_start(const Model& model) {
       u = rest->u;
       forces = rest->forces;
     }
+    overlap = potential.overlap_by_modes(u);
+  } else {
+    const std::vector<double> faces = overlaps(model, {}, {});
+    overlap = Eigen::Map<const Eigen::VectorXd>(faces.data(), model.nodes());
   }
   ModalStart start;
   start.resonator_u.assign(u.data(), u.data() + modes2);
@@ -283,7 +351,6 @@ ModalStart make_start(const Model& model) {
     start.contact_force = forces.sum();
     return start;
   }
-  const std::vector<double> overlap = overlaps(model, start.resonator_u, start.slider_u);
   for (int n = 0; n < model.nodes(); ++n) {
     if (overlap[n] < 0) continue;
     start.loaded_nodes.push_back(n);

@@ -45,30 +45,43 @@ void Bells::sum(Group& x) const {
     ahead[k] = 0.25 * a;
     middle[k] = -0.125 * a * a;
   }
-  small_exp(ahead);
-  small_exp(middle);
-  const double* c = coefficients_.data();
-  for (std::size_t k = 0; k < side_by_side; ++k) {
-    behind[k] = 1 / ahead[k];
-    right[k] = left[k] = 1;
-    sums[k] = c[near[k]];
-  }
-  for (int i = 1; i <= reach; ++i)
+  small_exp(ahead, middle);
+  for (std::size_t k = 0; k < side_by_side; ++k) behind[k] = 1 / ahead[k];
+  const auto add_up = [&](const auto& coefficient) {
     for (std::size_t k = 0; k < side_by_side; ++k) {
-      right[k] *= ahead[k];
-      left[k] *= behind[k];
-      sums[k] += bell_[i] * (right[k] * c[near[k] + i] + left[k] * c[near[k] - i]);
+      right[k] = left[k] = 1;
+      sums[k] = coefficient(k, 0);
     }
+    for (int i = 1; i <= reach; ++i)
+      for (std::size_t k = 0; k < side_by_side; ++k) {
+        right[k] *= ahead[k];
+        left[k] *= behind[k];
+        sums[k] += bell_[i] * (right[k] * coefficient(k, i) + left[k] * coefficient(k, -i));
+      }
+  };
+  const double* const c = coefficients_.data();
+  // mostly the nearest place is one for all of them
+  if (std::all_of(near.begin(), near.end(), [&](std::ptrdiff_t i) { return i == near[0]; })) {
+    const double* const middle_one = c + near[0];
+    add_up([&](std::size_t, int i) { return middle_one[i]; });
+  } else {
+    add_up([&](std::size_t k, int i) { return c[near[k] + i]; });
+  }
   for (std::size_t k = 0; k < side_by_side; ++k) x[k] = middle[k] * sums[k];
 }
 
 /// portable::exp of each, bit for bit, where |x| < ln 2 / 2: no power of two is taken out there.
-void Bells::small_exp(Group& x) {
-  Group sums;
-  sums.fill(1);
+void Bells::small_exp(Group& x, Group& y) {
+  Group of_x, of_y;
+  of_x.fill(1);
+  of_y.fill(1);
   for (int n = portable::exp_terms; n > 0; --n)
-    for (std::size_t k = 0; k < side_by_side; ++k) sums[k] = 1 + x[k] * sums[k] / n;
-  x = sums;
+    for (std::size_t k = 0; k < side_by_side; ++k) {
+      of_x[k] = 1 + portable::divide_by(n, x[k] * of_x[k]);
+      of_y[k] = 1 + portable::divide_by(n, y[k] * of_y[k]);
+    }
+  x = of_x;
+  y = of_y;
 }
 
 Moments moments(const std::function<void(std::vector<double>&)>& evaluate, double length) {

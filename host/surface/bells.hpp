@@ -27,14 +27,14 @@ class Bells {
   static double gain(double turn);
 
  private:
-  /// Places computed side by side: the divisions of one exp wait for each other, those of eight do not.
+  /// Places computed side by side: the operations of one exp wait for each other, those of several do not.
   /// Each place goes through the same operations in the same order as it would alone, so its bits do
   /// not depend on its neighbours.
-  static constexpr std::size_t side_by_side = 8;
+  static constexpr std::size_t side_by_side = 16;
   using Group = std::array<double, side_by_side>;
 
   void sum(Group& x) const;
-  static void small_exp(Group& x);
+  static void small_exp(Group& x, Group& y);
 
   std::vector<double> coefficients_;
   std::array<double, reach + 1> bell_{};

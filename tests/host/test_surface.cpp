@@ -87,6 +87,22 @@ TEST(Portable, CompiledWithoutContraction) {
   EXPECT_EQ(a * a - product, 0) << "compile with -ffp-contract=off";
 }
 
+TEST(Portable, DividesAsIeeeDoes) {
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> exponent(-900, 990);
+  for (int n = 1; n <= portable::most_divisor; ++n) {
+    EXPECT_EQ(portable::divide_by(n, 0.0), 0.0);
+    for (int i = 0; i < 200'000; ++i) {
+      // any mantissa; those next to a power of two; and where the quotient is one
+      const double mantissa = 1 + 0x1p-52 * static_cast<double>(random() >> 12);
+      const double near_one = 1 + 0x1p-52 * static_cast<double>(random() % 64);
+      for (const double x : {mantissa, near_one, 2 - near_one, n * near_one, n * mantissa,
+                             -std::exp2(exponent(random)) * mantissa})
+        ASSERT_EQ(portable::divide_by(n, x), x / n) << x << " by " << n;
+    }
+  }
+}
+
 TEST(Portable, ExpIsWithinOneUlp) {
   std::mt19937_64 random(1);
   for (int i = 0; i < 1'000'000; ++i) {
