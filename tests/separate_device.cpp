@@ -12,8 +12,6 @@
 #include <utility>
 #include <vector>
 
-#include "host/device/marches.hpp"
-
 namespace ra2d::test {
 namespace {
 
@@ -21,7 +19,8 @@ constexpr int anything = 0xFF;  // not a number, not a place
 
 class SeparateQueue : public DeviceQueue {
  public:
-  explicit SeparateQueue(SeparateDevice& device) : device_{device} {}
+  SeparateQueue(SeparateDevice& device, SeparateDevice::Marches marches)
+      : device_{device}, marches_{marches} {}
 
   void zero(char* device, std::size_t bytes) override {
     later([=] { std::memset(device, 0, bytes); });
@@ -33,12 +32,12 @@ class SeparateQueue : public DeviceQueue {
     later([=] { std::memcpy(host, device, bytes); });
   }
   void march(const ScenesToMarch& scenes) override {
-    later([scenes] {
+    later([scenes, marches = marches_] {
       for (int i = 0; i < scenes.count; ++i) {
         const int scene = scenes.scenes[i];
         const auto begin = std::chrono::steady_clock::now();
-        march_of(scenes.form, scenes.packs)(scenes.tables[scene], scenes.states[scene],
-                                            scenes.targets[scene]);
+        marches(scenes.form, scenes.packs)(scenes.tables[scene], scenes.states[scene],
+                                           scenes.targets[scene]);
         scenes.seconds[scene] =
             std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
       }
@@ -57,6 +56,7 @@ class SeparateQueue : public DeviceQueue {
     work_.push_back(std::move(work));
   }
   SeparateDevice& device_;
+  const SeparateDevice::Marches marches_;
   std::mutex mutex_;
   std::vector<std::function<void()>> work_;
 };
@@ -102,7 +102,7 @@ char* SeparateDevice::allocate_on_host(std::size_t bytes) {
 void SeparateDevice::release_on_host(char* block) noexcept { std::free(block); }
 
 std::unique_ptr<DeviceQueue> SeparateDevice::make_queue() {
-  return std::make_unique<SeparateQueue>(*this);
+  return std::make_unique<SeparateQueue>(*this, marches_);
 }
 
 std::size_t SeparateDevice::room() const {

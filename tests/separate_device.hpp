@@ -7,17 +7,21 @@
 #include <string>
 
 #include "host/device/device.hpp"
+#include "host/device/marches.hpp"
 
 /// A device on the host, with memory of its own: so that what a batch does for a GPU is tested without one.
 namespace ra2d::test {
 
 /// Its memory can be touched by its own work alone: who else does ends the program. It does nothing until
 /// it is waited for, and begins with any numbers but zeros in its memory. Scenes are marched one after the
-/// other by the marches of the host, so the bits are theirs.
+/// other by the marches of the host, so the bits are theirs, or by those of a test.
 class SeparateDevice : public Device {
  public:
+  /// Which march a form and a number of packs have.
+  using Marches = MarchScene (*)(Form, int packs);
   /// `memory`: bytes that it has.
-  explicit SeparateDevice(std::size_t memory = std::size_t{1} << 40) : left_{memory} {}
+  explicit SeparateDevice(std::size_t memory = std::size_t{1} << 40, Marches marches = march_of)
+      : left_{memory}, marches_{marches} {}
   ~SeparateDevice() override;
 
   char* allocate(std::size_t bytes) override;
@@ -50,7 +54,19 @@ class SeparateDevice : public Device {
   mutable std::mutex mutex_;
   std::map<char*, std::size_t> blocks_;  // with their lengths
   std::size_t left_;
+  Marches marches_;
   int opened_ = 0;
+};
+
+/// As long as it lives, scenes are marched there.
+class MarchedThere {
+ public:
+  explicit MarchedThere(SeparateDevice& device) : before_{march_on(&device)} {}
+  ~MarchedThere() { march_on(before_); }
+  MarchedThere(const MarchedThere&) = delete;
+
+ private:
+  Device* before_;
 };
 
 }  // namespace ra2d::test

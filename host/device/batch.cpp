@@ -64,16 +64,27 @@ struct Slot {
   }
 
   /// The same scene at the same place, with room for more nodes: beside the room of the batch, for what is
-  /// under way comes first. What it has handed out stays.
+  /// under way comes first. What it has handed out stays. Throws std::bad_alloc and leaves all as it was.
   void grow(int nodes) {
     const SavedState kept = save();
-    const HandOut handed = state;
-    room.nodes = nodes;
-    find_extents();
-    tables = SceneTables();
-    state = SceneState();
-    static_cast<HandOut&>(state) = handed;
-    provide(ModalStart(), true);
+    const Room room_before = room;
+    const Extents extents_before = extents;
+    const SceneTables tables_before = tables;
+    const SceneState state_before = state;
+    try {
+      room.nodes = nodes;
+      find_extents();
+      tables = SceneTables();
+      state = SceneState();
+      static_cast<HandOut&>(state) = state_before;
+      provide(ModalStart(), true);
+    } catch (const std::bad_alloc&) {
+      room = room_before;
+      extents = extents_before;
+      tables = tables_before;
+      state = state_before;
+      throw;
+    }
     take(kept);
   }
 
@@ -118,11 +129,15 @@ struct Slot {
     show(saved);
   }
 
-  /// After a launch: what stopped for want of room goes on with twice as much.
+  /// After a launch: what stopped for want of room goes on with twice as much. Where there is no memory for it, the
+  /// scene has come to its end.
   void make_room() {
     if (state.status != Status::crowded) return;
-    grow(2 * std::max(extents.pressed, extents.closed));
-    state.status = Status::running;
+    try {
+      grow(2 * std::max(extents.pressed, extents.closed));
+      state.status = Status::running;
+    } catch (const std::bad_alloc&) {
+    }
   }
 
  private:

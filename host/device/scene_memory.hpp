@@ -89,7 +89,8 @@ class SceneMemory {
   }
 
   /// Memory for all other arrays, zero at first; sets their addresses, and brings there what `fill(HostCopy)`
-  /// writes into tables and carried state. `beyond_room`: whatever is left for others.
+  /// writes into tables and carried state. `beyond_room`: whatever is left for others; its share of the room stays
+  /// what it was. Where it throws, the memory that it had is still its own.
   template <class Fill>
   void provide(SceneTables& tables, SceneState& state, const Extents& n, bool beyond_room,
                const Fill& fill) {
@@ -107,22 +108,22 @@ class SceneMemory {
     Block common = batch_->host.lend(lay_out(nullptr, shared));
     lay_out(common.data(), shared);
     const std::size_t bytes = lay_out(nullptr, own), filled_bytes = lay_out(nullptr, filled);
-    own_ = Block();
-    own_share_ = ShareOfRoom();
-    own_share_ = ShareOfRoom(beyond_room ? nullptr : batch_->room, bytes);
-    own_ = batch_->marched->lend(bytes);
-    lay_out(own_.data(), own);
+    ShareOfRoom room(beyond_room ? nullptr : batch_->room, bytes);
+    Block block = batch_->marched->lend(bytes);
+    lay_out(block.data(), own);
     if (on_host()) {
       fill(HostCopy());
     } else {
       const Block copy = batch_->host.lend(filled_bytes);
-      fill(HostCopy(own_.data(), filled_bytes, copy.data()));
-      batch_->queue->upload(own_.data(), copy.data(), filled_bytes);
-      batch_->queue->zero(own_.data() + filled_bytes, bytes - filled_bytes);
+      fill(HostCopy(block.data(), filled_bytes, copy.data()));
+      batch_->queue->upload(block.data(), copy.data(), filled_bytes);
+      batch_->queue->zero(block.data() + filled_bytes, bytes - filled_bytes);
       batch_->queue->wait();
     }
     shared_ = share(std::move(common), tables, n, beyond_room);
     lay_out(shared_->block.data(), shared);
+    std::swap(own_, block);
+    if (!beyond_room) std::swap(own_share_, room);
   }
 
   /// Copies what stands where scenes are marched, or puts it there; `there` is an address of it. Done, and the

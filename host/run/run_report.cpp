@@ -63,6 +63,12 @@ std::string describe_failure(const Model& model, const Snapshot& end) {
         "values "
         "far from what they should be",
         when, model.tick);
+  if (end.status == Status::crowded)
+    return fmt::format(
+        "out of memory: at {} more nodes touch at once than there is memory for. Coarser nodes "
+        "(scene.spacing) or a smaller load need less; or leave it more of the memory (fewer runs "
+        "side by side)",
+        when);
   const int nodes = static_cast<int>(std::max<std::int64_t>(1, end.most_nodes));
   return (end.status == Status::not_finite
               ? fmt::format("not finite: at {} the state is no longer a number", when)

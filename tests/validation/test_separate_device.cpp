@@ -16,17 +16,6 @@
 namespace ra2d::test {
 namespace {
 
-/// As long as it lives, scenes are marched there.
-class MarchedThere {
- public:
-  explicit MarchedThere(SeparateDevice& device) : before_{march_on(&device)} {}
-  ~MarchedThere() { march_on(before_); }
-  MarchedThere(const MarchedThere&) = delete;
-
- private:
-  Device* before_;
-};
-
 /// On a GPU there are no marches for the host, and what is asked here is asked of it by all other tests.
 class SeparateDeviceTest : public testing::Test {
  protected:
@@ -141,6 +130,72 @@ TEST_F(SeparateDeviceTest, ItsMemoryIsUsedAgain) {
   batch.march(other.steps / 100);
   EXPECT_EQ(batch.snapshot(0).status, Status::running);
   EXPECT_GT(batch.snapshot(0).step, 0);
+}
+
+TEST_F(SeparateDeviceTest, AContactWithoutMemoryToGrowEndsItsSceneAlone) {
+  std::vector<Model> models;
+  std::vector<ModalStart> starts;
+  for (const Scene& scene :
+       {forms()[3], rough_scene(Support::free)}) {  // the second one never grows
+    models.push_back(make_model(scene));
+    starts.push_back(make_start(models.back()));
+  }
+  const BatchOptions one_node{.room = {.nodes = 1}};
+  const std::vector<std::int64_t> ends{models[0].steps, models[1].steps};
+  const auto march_to_end = [&](Batch& batch) {
+    for (const int slot : {0, 1})
+      while (batch.snapshot(slot).status == Status::running) {
+        batch.march(ends);
+        batch.drain(0);
+        batch.drain(1);
+      }
+  };
+  std::size_t taken = 0;
+  Snapshot other;
+  SavedState grown;
+  {
+    SeparateDevice device;
+    const MarchedThere there(device);
+    const std::size_t before = device.room();
+    Batch batch(models, starts, one_node);
+    taken = before - device.room();
+    while (batch.snapshot(0).status == Status::running && batch.save(0).room == 1) {
+      batch.march({batch.snapshot(0).step + ends[0] / 50, 0});
+      batch.drain(0);
+    }
+    grown = batch.save(0);
+    ASSERT_GT(grown.room, 1);
+    march_to_end(batch);
+    ASSERT_EQ(batch.snapshot(0).status, Status::done);
+    other = batch.snapshot(1);
+  }
+  SeparateDevice device(taken);
+  const MarchedThere there(device);
+  Batch batch(models, starts, one_node);
+  EXPECT_THROW(batch.restore(0, grown), std::bad_alloc);
+  EXPECT_EQ(batch.save(0).room, 1);  // and it goes on as if it had not been tried
+  march_to_end(batch);
+  EXPECT_EQ(batch.snapshot(0).status, Status::crowded);
+  EXPECT_GT(batch.snapshot(0).step, 0);
+  EXPECT_EQ(batch.snapshot(1).status, Status::done);
+  EXPECT_EQ(batch.snapshot(1).resonator_u, other.resonator_u);
+}
+
+// What a scene has grown by is beside the room of the batch; what it took at first stays taken.
+TEST(RoomOfABatch, IsNotGivenBackByWhatGrows) {
+  const Model model = make_model(forms()[3]);
+  const ModalStart start = make_start(model);
+  BatchOptions options{.room = {.nodes = 1}};
+  options.memory = Batch({model}, {start}, options).bytes();
+  Batch batch(2, options);
+  batch.put(0, model, start);
+  const std::size_t at_first = batch.bytes();
+  while (batch.snapshot(0).status == Status::running && batch.bytes() == at_first) {
+    batch.march(batch.snapshot(0).step + model.steps / 50);
+    batch.drain(0);
+  }
+  ASSERT_GT(batch.bytes(), at_first);
+  EXPECT_THROW(batch.put(1, model, start), std::bad_alloc);
 }
 
 TEST_F(SeparateDeviceDeathTest, WhoTouchesItsMemoryFromOutsideIsCaught) {
