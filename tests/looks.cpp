@@ -11,9 +11,9 @@
 
 namespace ra2d::test {
 
-Outcome march(Model model, const ModalStart& start, Nodes nodes) {
+Outcome march(Model model, const ModalStart& start, Nodes nodes, const BatchOptions& options) {
   model.scene.time.nodes = nodes;
-  Batch batch({model}, {start});
+  Batch batch({model}, {start}, options);
   Outcome out;
   out.tick = model.tick;
   out.sample_interval = model.steps_per_sample * model.tick;

@@ -23,7 +23,7 @@ struct Outcome {
   double tick = 0, sample_interval = 0;  // s
 };
 
-Outcome march(Model model, const ModalStart& start, Nodes nodes);
+Outcome march(Model model, const ModalStart& start, Nodes nodes, const BatchOptions& options = {});
 
 /// EXPECT_TRUE(same(a, b)): bit for bit, or what differs.
 testing::AssertionResult same(const Outcome& a, const Outcome& b);

@@ -1,17 +1,28 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <Kokkos_Core.hpp>
+#include <Kokkos_SIMD.hpp>
+#include <array>
 #include <cmath>
 #include <cstdint>
 
-#include "tests/warp/reductions.hpp"
+#include "tests/reductions.hpp"
 
-/// Lanes as wide as a warp on one thread. To be included before any kernel: these call Kokkos' functions
-/// by their full names.
+/// Lanes on one thread that are nothing but doubles. To be included before any kernel: these call Kokkos'
+/// functions by their full names.
 namespace ra2d::test {
 
-/// 32 values, each computed as a double is.
+#if defined(RA2D_TEST_PACK_WIDTH)
+inline constexpr int pack_width = RA2D_TEST_PACK_WIDTH;
+#elif defined(KOKKOS_ENABLE_CUDA)  // as wide as those that march here
+inline constexpr int pack_width = warp_width;
+#else
+inline constexpr int pack_width = static_cast<int>(Kokkos::Experimental::simd<double>::size());
+#endif
+
+/// So many values, each computed as a double is.
 struct Pack {
-  WarpValues x;
+  std::array<double, pack_width> x;
 
   Pack() = default;
   Pack(double value) { x.fill(value); }  // as implicit as that of Kokkos' packs
@@ -19,7 +30,7 @@ struct Pack {
   template <class Function>
   static Pack of(const Function& function) {
     Pack result;
-    for (int lane = 0; lane < warp_width; ++lane) result.x[lane] = function(lane);
+    for (int lane = 0; lane < pack_width; ++lane) result.x[lane] = function(lane);
     return result;
   }
   friend Pack operator+(const Pack& a, const Pack& b) {
@@ -63,12 +74,14 @@ inline ra2d::test::Pack min(const ra2d::test::Pack& a, const ra2d::test::Pack& b
 
 }  // namespace Kokkos
 
+#include "kernels/lanes.hpp"
+
 namespace ra2d::test {
 
 /// The interface of kernels/lanes.hpp with such packs.
 struct PackLanes {
   using Real = Pack;
-  static constexpr int width = warp_width;
+  static constexpr int width = pack_width;
 
   static Real load(const double* p) {
     return Pack::of([&](int lane) { return p[lane]; });
@@ -81,6 +94,13 @@ struct PackLanes {
   }
   static double sum(const Real& x) { return tree_sum(x.x); }
   static void sum(const Real& x, const Real& y, double& of_x, double& of_y) {
+#if defined(RA2D_AVX512)
+    if constexpr (width == 8) {  // each lane with its neighbour first, as HostLanes does there
+      of_x = tree_sum(neighbours(x));
+      of_y = tree_sum(neighbours(y));
+      return;
+    }
+#endif
     of_x = sum(x);
     of_y = sum(y);
   }
@@ -89,6 +109,13 @@ struct PackLanes {
   static std::uint32_t at_least(const Real& x, double level) { return lanes_at_least(x.x, level); }
   static constexpr bool leader() { return true; }
   static void sync() {}
+
+ private:
+  static std::array<double, width / 2> neighbours(const Real& x) {
+    std::array<double, width / 2> pairs;
+    for (int i = 0; i < width / 2; ++i) pairs[i] = x.x[2 * i] + x.x[2 * i + 1];
+    return pairs;
+  }
 };
 
 }  // namespace ra2d::test

@@ -1,29 +1,33 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 
-/// What a warp's reductions give, over the values of its lanes in their order.
+/// What reductions over lanes give, over the values of the lanes in their order.
 namespace ra2d::test {
 
 inline constexpr int warp_width = 32;
 using WarpValues = std::array<double, warp_width>;
 
 /// Lane i with lane i + half, as Kokkos adds over a vector of threads, and as HostLanes does.
-inline double tree_sum(WarpValues part) {
-  for (int half = warp_width / 2; half > 0; half /= 2)
-    for (int lane = 0; lane < half; ++lane) part[lane] += part[lane + half];
+template <std::size_t width>
+double tree_sum(std::array<double, width> part) {
+  for (std::size_t half = width / 2; half > 0; half /= 2)
+    for (std::size_t lane = 0; lane < half; ++lane) part[lane] += part[lane + half];
   return part[0];
 }
-inline double smallest(const WarpValues& values) {
+template <std::size_t width>
+double smallest(const std::array<double, width>& values) {
   double least = std::numeric_limits<double>::infinity();
   for (const double value : values) least = value < least ? value : least;
   return least;
 }
-inline std::uint32_t lanes_at_least(const WarpValues& values, double level) {
+template <std::size_t width>
+std::uint32_t lanes_at_least(const std::array<double, width>& values, double level) {
   std::uint32_t word = 0;
-  for (int lane = 0; lane < warp_width; ++lane)
+  for (std::size_t lane = 0; lane < width; ++lane)
     if (level <= values[lane]) word |= 1u << lane;
   return word;
 }

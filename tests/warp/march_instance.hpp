@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-#include "tests/warp/pack.hpp"
+#include "tests/pack.hpp"
 // before the kernels
 #include "kernels/march.hpp"
 #include "tests/warp/marches.hpp"

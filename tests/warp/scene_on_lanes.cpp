@@ -10,7 +10,7 @@
 
 #include "host/device/fill.hpp"
 #include "host/device/layout.hpp"
-#include "tests/warp/reductions.hpp"
+#include "tests/reductions.hpp"
 
 namespace ra2d::test {
 namespace {

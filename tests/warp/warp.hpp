@@ -6,7 +6,7 @@
 #include <source_location>
 #include <stdexcept>
 
-#include "tests/warp/reductions.hpp"
+#include "tests/reductions.hpp"
 
 /// A warp on a CPU: what WarpLanes (kernels/lanes.hpp) is on a GPU, for tests.
 ///

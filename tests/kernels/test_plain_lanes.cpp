@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "host/device/device.hpp"
+#include "tests/adaptive.hpp"
+#include "tests/kernels/plain_march.hpp"
+#include "tests/looks.hpp"
+#include "tests/schemes.hpp"
+#include "tests/separate_device.hpp"
+
+/// The marches of production, on the lanes that march here (SIMD registers, on a GPU the threads of a warp) and on
+/// lanes that are nothing but doubles on one thread of the host: the same bits. So nothing but the reductions
+/// that PackLanes has is asked of the lanes, no instruction rounds otherwise, and on a GPU the compiler has
+/// fused no operations, and every thread has seen what the others wrote.
+namespace ra2d::test {
+namespace {
+
+constexpr int scenes_each = 16;
+
+MarchScene plain_march_of(Form form, int packs) {
+  if (packs != plain_packs) throw std::logic_error("no plain march for that many packs");
+  switch (form) {
+    case Form::semi_implicit:
+      return plain_march<Form::semi_implicit>;
+    case Form::staged:
+      return plain_march<Form::staged>;
+    case Form::implicit:
+      return plain_march<Form::implicit>;
+    case Form::adaptive:
+      return plain_march<Form::adaptive>;
+  }
+  return nullptr;
+}
+
+bool fits(const Model& model) {
+  return model.resonator.modes.size() + model.slider.modes.size() <= plain_packs * pack_width;
+}
+
+/// What the scenes of a test were like.
+struct Seen {
+  int scenes = 0, touching = 0, with_shocks = 0;
+};
+
+void expect_same(const Started& c, Seen& seen) {
+  const BatchOptions padded{.room = {}, .least_packs = plain_packs};
+  const Outcome outcome = march(c.model, c.start, c.model.scene.time.nodes, padded);
+  SeparateDevice device(std::size_t{1} << 40, plain_march_of);
+  const MarchedThere there(device);
+  EXPECT_TRUE(same(outcome, march(c.model, c.start, c.model.scene.time.nodes, padded)));
+  ++seen.scenes;
+  seen.touching += outcome.end.contact_steps > 0;
+  seen.with_shocks += outcome.end.shocks_begun >= 3;
+}
+
+/// The first `steps` of it.
+Started beginning(Started c, std::int64_t steps) {
+  c.model.steps = std::min(c.model.steps, steps);
+  c.model.samples =
+      1 + static_cast<std::int64_t>(static_cast<double>(c.model.steps) / c.model.steps_per_sample);
+  return c;
+}
+
+struct Case {
+  Scheme scheme;
+  ContactLaw law;
+};
+std::vector<Case> cases() {
+  std::vector<Case> all;
+  for (const Scheme& scheme : schemes_and_implicit()) all.push_back({scheme, ContactLaw::penalty});
+  for (const Scheme& scheme : schemes)
+    if (scheme.time.scheme != SchemeKind::explicit_euler)
+      all.push_back({scheme, ContactLaw::multiplier});
+  return all;
+}
+
+class PlainLanes : public testing::TestWithParam<Case> {};
+
+TEST_P(PlainLanes, GiveTheSameBits) {
+  Variant variant;
+  variant.scheme = GetParam().scheme;
+  variant.adapt = [](Scene& s) { s.contact.law = GetParam().law; };
+  Seen seen;
+  for (std::uint64_t seed = 1; seen.scenes < scenes_each; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const Started c = random_scene(seed, variant);
+    if (fits(c.model)) expect_same(beginning(c, 5000), seen);
+  }
+  EXPECT_GE(seen.touching, scenes_each / 2);
+  EXPECT_GE(seen.with_shocks, 1);
+}
+
+INSTANTIATE_TEST_SUITE_P(Schemes, PlainLanes, testing::ValuesIn(cases()), [](const auto& info) {
+  return info.param.scheme.name +
+         (info.param.law == ContactLaw::multiplier ? "Multiplier" : "Penalty");
+});
+
+TEST(PlainLanes, GiveTheSameBitsOfTheAdaptiveScheme) {
+  if (march_device() != nullptr)
+    GTEST_SKIP() << "a GPU's exp2 and log2, which the length of a step comes from, are not libm's";
+  Seen seen;
+  for (std::uint64_t seed = 1; seen.scenes < scenes_each; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const Started c = random_adaptive_scene(seed);
+    if (fits(c.model)) expect_same(beginning(c, c.model.steps / 10), seen);
+  }
+  EXPECT_GE(seen.touching, scenes_each / 3);
+  EXPECT_GE(seen.with_shocks, 1);
+}
+
+}  // namespace
+}  // namespace ra2d::test
