@@ -36,11 +36,15 @@ Prepared start_of(const Scene& scene) {
 
 }  // namespace
 
-Prepared at_start(Paper paper, int variant, const Method& method) {
+Scene scene_of(Paper paper, int variant, const Method& method) {
   Scene scene = read(paper, method);
   scene.resonator.surface.seed += 2 * variant;  // stays clear of the slider's seeds
   scene.slider.surface.seed += 2 * variant;
-  return start_of(scene);
+  return scene;
+}
+
+Prepared at_start(Paper paper, int variant, const Method& method) {
+  return start_of(scene_of(paper, variant, method));
 }
 
 std::vector<Prepared> settled(Paper paper, int count, const Method& method) {

@@ -19,8 +19,11 @@ struct Prepared {
   ModalStart start;
 };
 
-/// The scene at t = 0, marched the paper's own way unless another method is asked for. `variant` > 0
-/// stands for the same scene with other surfaces.
+/// The scene, marched the paper's own way unless another method is asked for. `variant` > 0 stands for the same
+/// with other surfaces.
+Scene scene_of(Paper paper, int variant = 0, const Method& method = {});
+
+/// ... at t = 0.
 Prepared at_start(Paper paper, int variant = 0, const Method& method = {});
 
 /// Variants 0 to count - 1 after about 20 ms, when the start is forgotten. Marched once in a

@@ -94,6 +94,7 @@ inline void add(const std::string& case_name, int stretches,
 inline void add_context() {
   benchmark::AddCustomContext("ra2d", version() + " (" + commit() + ")");
   benchmark::AddCustomContext("backend", backend_name());
+  if (!backend_device().empty()) benchmark::AddCustomContext("device", backend_device());
   benchmark::AddCustomContext("threads", std::to_string(backend_threads()));
   benchmark::AddCustomContext("lanes", std::to_string(backend_lanes()));
   benchmark::AddCustomContext("compiler", compiler_name());

@@ -1,0 +1,112 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""throughput.py FILE.json [ONE_CORE.json [ALL_CORES.json]] [--picture FILE.svg]: scenes by the thousand, as docs/ has it.
+
+Of what `bench_throughput --benchmark_out=FILE.json` wrote: on a GPU, and beside it on one core (OMP_NUM_THREADS=1) and on
+all cores of the same machine. Prints, for each number of scenes, seconds simulated in a second, and in brackets how many
+times that is what one core does at its best; then all cores and the shocks. The picture shows the same.
+"""
+import argparse
+import collections
+import json
+import pathlib
+import re
+import statistics
+import sys
+
+METHODS = {"adaptive": "adaptive, 1e-6", "backward-euler": "backward Euler, 10 ns"}
+
+
+def read(file):
+    """What the file says of itself, and {(method, paper): {scenes: {counter: median}}}."""
+    content = json.loads(pathlib.Path(file).read_text())
+    values = collections.defaultdict(lambda: collections.defaultdict(lambda: collections.defaultdict(list)))
+    for case in content["benchmarks"]:
+        name = re.match(r"([\w-]+)/(free|pinned)/(\d+)(/|$)", case["name"])
+        if not name or case.get("run_type") == "aggregate" or case.get("error_occurred"):
+            continue
+        for counter in ("simulated", "shocks", "whole", "at_once"):
+            values[name[1], name[2]][int(name[3])][counter].append(case[counter])
+    if not values:
+        sys.exit(f"{file}: holds no case of bench_throughput")
+    return content["context"], {scene: {count: {name: statistics.median(all) for name, all in counters.items()}
+                                        for count, counters in sorted(counts.items())}
+                                for scene, counts in values.items()}
+
+
+def best(counts, counter="simulated"):
+    return max(each[counter] for each in counts.values())
+
+
+def number(value):
+    return f"{value:.3g}" if value < 1000 else f"{value:.0f}"
+
+
+def table(cases, one, all_cores):
+    scenes = list(cases)
+    counts = sorted({count for each in cases.values() for count in each})
+    lines = ["| scenes | " + " | ".join(f"{METHODS.get(method, method)}; {paper}" for method, paper in scenes) + " |",
+             "|" + "---|" * (len(scenes) + 1)]
+
+    def over_one(scene, value):
+        return f" ({value / best(one[scene]):.3g})" if scene in one else ""
+
+    def row(title, values):
+        lines.append(f"| {title} | " + " | ".join(values) + " |")
+
+    for count in counts:
+        row(count, [number(cases[scene][count]["simulated"]) + over_one(scene, cases[scene][count]["simulated"])
+                    if count in cases[scene] else "" for scene in scenes])
+    row("the best, making scenes ready included",
+        [number(best(cases[scene], "whole")) + over_one(scene, best(cases[scene], "whole")) for scene in scenes])
+    row("shocks in a second, at the best", [number(best(cases[scene], "shocks")) for scene in scenes])
+    for title, other in (("one core", one), ("all cores", all_cores)):
+        if other:
+            row(title, [number(best(other[scene])) + over_one(scene, best(other[scene])) if scene in other else ""
+                        for scene in scenes])
+    return "\n".join(lines)
+
+
+def draw(picture, cases, one, all_cores, title):
+    sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "host" / "plot"))
+    import chart_style
+    import matplotlib.pyplot as plt
+    figure, axes = plt.subplots(1, len(METHODS), figsize=(9, 4), sharey=False, layout="constrained")
+    for axis, (method, words) in zip(axes, METHODS.items()):
+        for paper, colour in (("free", "#1f77b4"), ("pinned", "#d62728")):
+            scene = method, paper
+            if scene not in cases:
+                continue
+            counts = cases[scene]
+            axis.loglog(list(counts), [each["simulated"] for each in counts.values()], "o-", color=colour,
+                        label=f"slider {paper}")
+            for other, style in ((one, ":"), (all_cores, "--")):
+                if scene in other:
+                    axis.axhline(best(other[scene]), color=colour, linestyle=style)
+        axis.set(title=words, xlabel="scenes side by side", ylabel="seconds simulated in a second")
+        axis.grid(alpha=0.3)
+        axis.legend(title="lines across: one core (dotted),\nall cores (dashed)" if one else None, fontsize=8,
+                    title_fontsize=8)
+    figure.suptitle(chart_style.literal(title))
+    chart_style.save(figure, picture, pathlib.Path(picture).suffix[1:])
+
+
+def main():
+    words = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    words.add_argument("files", nargs="+", metavar="FILE.json")
+    words.add_argument("--picture", help="draws it: .svg, .png or .pdf")
+    asked = words.parse_args()
+    if len(asked.files) > 3:
+        words.error("three files at the most: of the GPU, of one core, of all cores")
+    context, cases = read(asked.files[0])
+    one = read(asked.files[1])[1] if len(asked.files) > 1 else {}
+    all_cores = read(asked.files[2])[1] if len(asked.files) > 2 else {}
+    where = context.get("device") or f"{context.get('threads')} threads of a CPU"
+    print(f"Seconds simulated in a second, {where}, {context.get('ra2d')}" + ("; in brackets, over one core" if one else "") + ":\n")
+    print(table(cases, one, all_cores))
+    if asked.picture:
+        draw(asked.picture, cases, one, all_cores, where)
+
+
+if __name__ == "__main__":
+    main()
