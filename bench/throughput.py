@@ -69,9 +69,14 @@ def table(cases, one, all_cores):
 
 def draw(picture, cases, one, all_cores, title):
     sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "host" / "plot"))
+    try:
+        import matplotlib  # noqa: F401 (before chart_style, which ends without a word where there is none)
+    except ImportError:
+        sys.exit(f"{picture}: this Python has no matplotlib to draw it with (Debian: /usr/bin/python3, python3-matplotlib)")
     import chart_style
     import matplotlib.pyplot as plt
-    figure, axes = plt.subplots(1, len(METHODS), figsize=(9, 4), sharey=False, layout="constrained")
+    from matplotlib.ticker import FuncFormatter
+    figure, axes = plt.subplots(1, len(METHODS), figsize=(9, 4.4), layout="constrained")
     for axis, (method, words) in zip(axes, METHODS.items()):
         for paper, colour in (("free", "#1f77b4"), ("pinned", "#d62728")):
             scene = method, paper
@@ -84,10 +89,16 @@ def draw(picture, cases, one, all_cores, title):
                 if scene in other:
                     axis.axhline(best(other[scene]), color=colour, linestyle=style)
         axis.set(title=words, xlabel="scenes side by side", ylabel="seconds simulated in a second")
+        axis.set_xscale("log", base=4)
+        for scale in (axis.xaxis, axis.yaxis):
+            scale.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+            scale.set_minor_formatter(FuncFormatter(lambda value, _: ""))
         axis.grid(alpha=0.3)
-        axis.legend(title="lines across: one core (dotted),\nall cores (dashed)" if one else None, fontsize=8,
-                    title_fontsize=8)
-    figure.suptitle(chart_style.literal(title))
+    handles, labels = axes[0].get_legend_handles_labels()
+    handles += [plt.Line2D([], [], color="grey", linestyle=style) for style, other in ((":", one), ("--", all_cores)) if other]
+    labels += [words for words, other in (("one core", one), ("all cores", all_cores)) if other]
+    axes[0].legend(handles, labels, fontsize=8)
+    figure.suptitle(chart_style.literal(f"Scenes by the thousand: {title}"))
     chart_style.save(figure, picture, pathlib.Path(picture).suffix[1:])
 
 

@@ -224,7 +224,7 @@ run_benchmarks() {
   local end=$1 number=0 program name left file pattern size most
   most=$(((end - $(now)) / 10 + 1))
   for size in small whole; do # of every kind first the smallest
-    for program in march schemes adaptive; do
+    for program in throughput march schemes adaptive ready; do
       file=$work/bench-$program
       if [[ $size == small ]]; then list ra2d_bench "$file" "$program" --benchmark_list_tests || continue; fi
       [[ -s $file.names ]] || continue
@@ -238,7 +238,7 @@ run_benchmarks() {
           continue
         fi
         pattern=$(printf '%s' "$name" | sed 's/[][().*+?^$|{}\\]/\\&/g')
-        if [[ $name == */batch* ]]; then unset OMP_NUM_THREADS; else export OMP_NUM_THREADS=1; fi
+        if [[ $program == throughput || $name == */batch* ]]; then unset OMP_NUM_THREADS; else export OMP_NUM_THREADS=1; fi
         run_part case ra2d_bench "$program $name" "$file" $((left < most ? left : most)) "$program" \
           --benchmark_filter="^$pattern\$" --benchmark_repetitions=3 --benchmark_out="$file.json" --benchmark_out_format=json
       done < "$work/bench-$program.names"

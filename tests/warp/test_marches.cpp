@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <iterator>
 #include <string>
 #include <vector>
 
+#include "host/device/batch.hpp"
 #include "tests/adaptive.hpp"
 #include "tests/looks.hpp"
 #include "tests/schemes.hpp"
@@ -78,6 +81,63 @@ TEST_P(MarchOnWarp, RandomScenesHaveTheBitsOfAPack) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Schemes, MarchOnWarp, testing::ValuesIn(cases()), [](const auto& info) {
+  return info.param.scheme.name +
+         (info.param.law == ContactLaw::multiplier ? "Multiplier" : "Penalty");
+});
+
+/// Velocities of all modes.
+std::vector<double> velocities(const Snapshot& s) {
+  std::vector<double> all = s.resonator_v;
+  all.insert(all.end(), s.slider_v.begin(), s.slider_v.end());
+  return all;
+}
+/// The largest difference over the largest value.
+double distance(const std::vector<double>& a, const std::vector<double>& b) {
+  double difference = 0, size = 0;
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    difference = std::max(difference, std::abs(a[k] - b[k]));
+    size = std::max(size, std::abs(a[k]));
+  }
+  return size > 0 ? difference / size : difference;
+}
+
+// Sums over 32 lanes round otherwise than those over the lanes of a CPU. So a GPU's motion is off by a rounding
+// a step, each made as much larger by the shocks that follow as a nudge of the gap is.
+class PackBesideHost : public testing::TestWithParam<Case> {};
+
+TEST_P(PackBesideHost, IsOffByRoundingsThatShocksEnlarge) {
+  constexpr double nudge = 1e-10;  // of the largest height
+  Variant variant;
+  variant.scheme = GetParam().scheme;
+  variant.adapt = [](Scene& s) { s.contact.law = GetParam().law; };
+  Seen seen;
+  for (std::uint64_t seed = 1; seen.scenes < scenes_each; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Started c = random_scene(seed, variant);
+    if (!fits(c.model)) continue;
+    SceneOnLanes pack(c.model, c.start, 1);
+    march_on_pack(pack.packs(), pack.tables(), pack.state(), longest);
+    Batch host({c.model}, {c.start});
+    host.march(longest);
+    double height = std::abs(c.model.delta);
+    for (const double h : c.model.slider_height) height = std::max(height, std::abs(h));
+    c.model.delta += nudge * height;
+    Batch nudged({c.model}, {c.start});
+    nudged.march(longest);
+    const std::vector<double> here = velocities(host.snapshot(0));
+    const double enlarged = distance(here, velocities(nudged.snapshot(0))) / nudge;
+    const double steps = static_cast<double>(host.snapshot(0).step);
+    EXPECT_EQ(host.snapshot(0).shocks_begun, pack.state().shocks_begun);
+    const double found = distance(here, {pack.state().now_v, pack.state().now_v + here.size()});
+    EXPECT_LE(found, steps * 0x1p-53 * std::max(1.0, enlarged));
+    ++seen.scenes;
+    seen.touching += pack.state().contact_steps > 0;
+    seen.with_shocks += pack.state().shocks_begun >= 3;
+  }
+  EXPECT_GE(seen.touching, scenes_each / 2);
+  EXPECT_GE(seen.with_shocks, 1);
+}
+INSTANTIATE_TEST_SUITE_P(Schemes, PackBesideHost, testing::ValuesIn(cases()), [](const auto& info) {
   return info.param.scheme.name +
          (info.param.law == ContactLaw::multiplier ? "Multiplier" : "Penalty");
 });
