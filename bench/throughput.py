@@ -14,7 +14,8 @@ import re
 import statistics
 import sys
 
-METHODS = {"adaptive": "adaptive, 1e-6", "backward-euler": "backward Euler, 10 ns"}
+METHODS = {"adaptive": "adaptive, 1e-6", "backward-euler": "backward Euler, 10 ns",
+           "adaptive-100kHz": "adaptive, samples at 100 kHz"}
 
 
 def read(file):
@@ -76,7 +77,7 @@ def draw(picture, cases, one, all_cores, title):
     import chart_style
     import matplotlib.pyplot as plt
     from matplotlib.ticker import FuncFormatter
-    figure, axes = plt.subplots(1, len(METHODS), figsize=(9, 4.4), layout="constrained")
+    figure, axes = plt.subplots(1, len(METHODS), figsize=(12, 4.4), layout="constrained")
     for axis, (method, words) in zip(axes, METHODS.items()):
         for paper, colour in (("free", "#1f77b4"), ("pinned", "#d62728")):
             scene = method, paper

@@ -107,49 +107,62 @@ struct HostLanes {
 };
 
 #if defined(KOKKOS_ENABLE_CUDA)
-/// Lanes of a GPU team: the threads of one warp.
+/// Lanes of a GPU team: the threads of one warp. Kokkos' own reductions over them are loops of as many rounds as a
+/// launch says, with branches in them; these are five shuffles each. On the host it compiles and is never called.
 template <class Member>
 struct WarpLanes {
   using Real = double;
   static constexpr int width = 32;
 
-  const Member& team;
   int lane = 0;
 
-  KOKKOS_FUNCTION explicit WarpLanes(const Member& member) : team{member} {
-    Kokkos::parallel_for(Kokkos::ThreadVectorRange(team, width), [&](int own) { lane = own; });
+  KOKKOS_FUNCTION explicit WarpLanes(const Member&) {
+    KOKKOS_IF_ON_DEVICE((lane = static_cast<int>(threadIdx.x);))
   }
   KOKKOS_FUNCTION Real load(const double* p) const { return p[lane]; }
   KOKKOS_FUNCTION void store(double* p, Real x) const { p[lane] = x; }
   KOKKOS_FUNCTION Real index() const { return lane; }
+  /// Lane i with lane i + 16, then i + 8, ...: a + b is b + a, so each lane comes to the same bits.
   KOKKOS_FUNCTION double sum(Real x) const {
-    double total = 0;
-    Kokkos::parallel_reduce(
-        Kokkos::ThreadVectorRange(team, width), [&](int, double& part) { part += x; }, total);
-    return total;
+    x += across(x, 16);
+    x += across(x, 8);
+    x += across(x, 4);
+    x += across(x, 2);
+    x += across(x, 1);
+    return x;
   }
   KOKKOS_FUNCTION void sum(Real x, Real y, double& of_x, double& of_y) const {
     of_x = sum(x);
     of_y = sum(y);
   }
   KOKKOS_FUNCTION double min(Real x) const {
-    double least = 0;
-    Kokkos::parallel_reduce(
-        Kokkos::ThreadVectorRange(team, width),
-        [&](int, double& part) { part = x < part ? x : part; }, Kokkos::Min<double>(least));
-    return least;
+    x = less(x, across(x, 16));
+    x = less(x, across(x, 8));
+    x = less(x, across(x, 4));
+    x = less(x, across(x, 2));
+    x = less(x, across(x, 1));
+    return of_first(x);  // of 0 and -0 each lane has its own
   }
   KOKKOS_FUNCTION double max(Real x) const { return -min(-x); }
-  KOKKOS_FUNCTION std::uint32_t at_least(Real x, double level) const {
-    std::uint32_t word = 0;
-    Kokkos::parallel_reduce(
-        Kokkos::ThreadVectorRange(team, width),
-        [&](int own, std::uint32_t& part) { part |= level <= x ? 1u << own : 0u; },
-        Kokkos::BOr<std::uint32_t>(word));
-    return word;
+  KOKKOS_FUNCTION std::uint32_t at_least([[maybe_unused]] Real x,
+                                         [[maybe_unused]] double level) const {
+    KOKKOS_IF_ON_DEVICE((return __ballot_sync(all, level <= x);))
+    KOKKOS_IF_ON_HOST((return 0;))
   }
   KOKKOS_FUNCTION bool leader() const { return lane == 0; }
-  KOKKOS_FUNCTION void sync() const { team.team_barrier(); }
+  KOKKOS_FUNCTION void sync() const { KOKKOS_IF_ON_DEVICE((__syncwarp();)) }
+
+ private:
+  static constexpr std::uint32_t all = 0xFFFFFFFF;
+  KOKKOS_FUNCTION static double across(double x, [[maybe_unused]] int distance) {
+    KOKKOS_IF_ON_DEVICE((return __shfl_xor_sync(all, x, distance);))
+    KOKKOS_IF_ON_HOST((return x;))
+  }
+  KOKKOS_FUNCTION static double of_first(double x) {
+    KOKKOS_IF_ON_DEVICE((return __shfl_sync(all, x, 0);))
+    KOKKOS_IF_ON_HOST((return x;))
+  }
+  KOKKOS_FUNCTION static double less(double x, double y) { return y < x ? y : x; }
 };
 #endif
 

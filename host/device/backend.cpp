@@ -59,11 +59,12 @@ Backend::Backend(int threads, int device) {
   threads_of_all = host_threads();
 }
 Backend::~Backend() {
+  limit_host_threads(0);
 #if defined(KOKKOS_ENABLE_CUDA)
   where = nullptr;
   gpu.reset();
+  if (!cuda_device_works()) return;  // Kokkos would end the program, before its fault was told
 #endif
-  limit_host_threads(0);
   Kokkos::finalize();
 }
 

@@ -9,6 +9,7 @@
 
 #if defined(KOKKOS_ENABLE_CUDA)
 #include <algorithm>
+#include <mutex>
 #include <new>
 #include <stdexcept>
 
@@ -40,7 +41,9 @@ class CudaQueue : public DeviceQueue {
   CudaQueue() {
     use_device();
     check(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "make a stream");
-    space_ = std::make_unique<Kokkos::Cuda>(stream_);
+    // who waits sleeps, and leaves its core to who makes scenes ready
+    check(cudaEventCreateWithFlags(&done_, cudaEventBlockingSync | cudaEventDisableTiming),
+          "make an event");
   }
   ~CudaQueue() override {
     // after an error of the GPU Kokkos would end the program, and its message would be lost
@@ -49,6 +52,7 @@ class CudaQueue : public DeviceQueue {
       return;
     }
     space_.reset();
+    cudaEventDestroy(done_);
     cudaStreamDestroy(stream_);
   }
   CudaQueue(const CudaQueue&) = delete;
@@ -68,16 +72,23 @@ class CudaQueue : public DeviceQueue {
   }
   void march(const ScenesToMarch& scenes) override {
     use_device();
+    static std::mutex one_at_a_time;  // what Kokkos knows of a kernel it writes down without a lock
+    const std::lock_guard lock(one_at_a_time);
+    if (!space_) space_ = std::make_unique<Kokkos::Cuda>(stream_);
     launch_march(*space_, scenes);
-    check(cudaGetLastError(), "begin a launch");  // Kokkos does not ask
+    // Kokkos does not ask. Memory that a launch lacks is none that fewer scenes would leave.
+    if (const cudaError_t status = cudaGetLastError(); status != cudaSuccess)
+      throw std::runtime_error("the GPU's driver failed to begin a launch: " + fault_of(status));
   }
   void wait() override {
     use_device();
-    check(cudaStreamSynchronize(stream_), "finish a launch");
+    check(cudaEventRecord(done_, stream_), "finish a launch");
+    check(cudaEventSynchronize(done_), "finish a launch");
   }
 
  private:
   cudaStream_t stream_ = nullptr;
+  cudaEvent_t done_ = nullptr;
   std::unique_ptr<Kokkos::Cuda> space_;
 };
 
@@ -90,14 +101,20 @@ class CudaDevice : public Device {
     check(cudaMalloc(&block, bytes), "give memory");
     return static_cast<char*>(block);
   }
-  void release(char* block) noexcept override { cudaFree(block); }
+  void release(char* block) noexcept override {
+    cudaSetDevice(Kokkos::device_id());  // a fault was told of by who worked there
+    cudaFree(block);
+  }
   char* allocate_on_host(std::size_t bytes) override {
     use_device();
     void* block = nullptr;
     check(cudaHostAlloc(&block, bytes, cudaHostAllocPortable), "give memory of the host");
     return static_cast<char*>(block);
   }
-  void release_on_host(char* block) noexcept override { cudaFreeHost(block); }
+  void release_on_host(char* block) noexcept override {
+    cudaSetDevice(Kokkos::device_id());
+    cudaFreeHost(block);
+  }
   std::unique_ptr<DeviceQueue> make_queue() override { return std::make_unique<CudaQueue>(); }
   /// A march takes all registers that a thread can have (docs/gpu.md), and each scene is a warp.
   int scenes_at_once() const override {
@@ -130,6 +147,8 @@ void require_gpu(int device) {
                        (count == 1 ? "is one GPU here, number 0"
                                    : "are " + std::to_string(count) + " GPUs here, from 0 on"));
 }
+
+bool cuda_device_works() { return cudaDeviceSynchronize() == cudaSuccess; }
 
 std::unique_ptr<Device> make_cuda_device() { return std::make_unique<CudaDevice>(); }
 

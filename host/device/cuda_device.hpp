@@ -11,7 +11,9 @@ namespace ra2d {
 /// for any; in the others for none.
 void require_gpu(int device);
 
-/// In builds for CUDA, once Kokkos has been started.
+// In builds for CUDA, once Kokkos has been started:
 std::unique_ptr<Device> make_cuda_device();
+/// Whether none of its work has failed.
+bool cuda_device_works();
 
 }  // namespace ra2d

@@ -36,6 +36,9 @@ struct Room {
   int shocks = 8192;   // beside what one step can end
   int nodes = 64;      // where forces are found together, and under the adaptive scheme
 };
+/// Of one of thousands on a GPU, where a launch makes a short way of each: what they hand out stands in memory of
+/// the host that cannot be swapped.
+inline constexpr Room room_on_a_gpu{.samples = 1024, .shocks = 1024, .nodes = 64};
 
 /// Lengths of all arrays of a scene whose modes fill `lanes` lanes.
 Extents extents_of(const Model& model, const PatchSeries& series, int lanes, int width,

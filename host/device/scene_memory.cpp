@@ -3,18 +3,34 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdint>
+#include <fstream>
 #include <string_view>
 
 #include "host/hash.hpp"
 
 namespace ra2d {
 
+namespace {
+
+/// What this process may have of the machine's memory: a container may have less than there is.
+std::int64_t memory_of_machine() {
+  std::int64_t most = std::int64_t{sysconf(_SC_PHYS_PAGES)} * sysconf(_SC_PAGESIZE);
+  for (const char* file :
+       {"/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"})
+    if (std::int64_t limit = 0; std::ifstream(file) >> limit && limit > 0)  // or the word "max"
+      most = std::min(most, limit);
+  return most;
+}
+
+}  // namespace
+
 BatchMemory::BatchMemory(Device* device_, std::size_t most)
     : device{device_},
       left{static_cast<std::int64_t>(most)},
       room{most > 0 ? &left : nullptr},
-      left_on_host{sysconf(_SC_PHYS_PAGES) / 8 * sysconf(_SC_PAGESIZE)} {
+      left_on_host{memory_of_machine() / 8} {
   if (device == nullptr) {
     marched = std::make_unique<HostMemory>();
     handed = std::make_unique<HostMemory>();

@@ -30,18 +30,19 @@ class SharedTables {
   };
   using Handle = std::shared_ptr<const Entry>;
 
-  /// The entry of this content (its hash, and its length), which `make` makes where no scene has it.
+  /// The entry of this content (its hash, and its length), which `make` makes where no scene has it. Threads make
+  /// theirs side by side; of two that make the same, the one that comes second throws its own away.
   template <class Make>
   Handle get(const std::string& hash, std::size_t bytes, const Make& make) {
+    const std::pair key{hash, bytes};
+    if (Handle entry = find(key)) return entry;
+    Handle made = std::make_shared<const Entry>(make());
     const std::lock_guard lock(mutex_);
-    std::weak_ptr<const Entry>& known = entries_[{hash, bytes}];
-    Handle entry = known.lock();
-    if (!entry) {
-      entry = std::make_shared<const Entry>(make());
-      known = entry;
-      std::erase_if(entries_, [](const auto& e) { return e.second.expired(); });
-    }
-    return entry;
+    std::weak_ptr<const Entry>& known = entries_[key];
+    if (Handle entry = known.lock()) return entry;
+    known = made;
+    std::erase_if(entries_, [](const auto& e) { return e.second.expired(); });
+    return made;
   }
   /// All that are in use.
   std::size_t bytes() const {
@@ -53,8 +54,14 @@ class SharedTables {
   }
 
  private:
+  using Key = std::pair<std::string, std::size_t>;
+  Handle find(const Key& key) const {
+    const std::lock_guard lock(mutex_);
+    const auto known = entries_.find(key);
+    return known == entries_.end() ? nullptr : known->second.lock();
+  }
   mutable std::mutex mutex_;
-  std::map<std::pair<std::string, std::size_t>, std::weak_ptr<const Entry>> entries_;
+  std::map<Key, std::weak_ptr<const Entry>> entries_;
 };
 
 /// What the scenes of a batch take their memory from.

@@ -24,7 +24,6 @@
 
 #include "host/device/backend.hpp"
 #include "host/errors.hpp"
-#include "host/host_threads.hpp"
 #include "host/interruption.hpp"
 #include "host/model/model.hpp"
 #include "host/plan/plan.hpp"
@@ -47,8 +46,6 @@ double seconds_since(Clock::time_point begin) {
 
 constexpr int slots_of_a_gpu =
     4096;  // several times what it marches at a moment; memory may be for fewer
-// of a scene, where a launch makes a short way of each: what it hands out is memory that cannot be swapped
-constexpr Room room_on_a_gpu{.samples = 1024, .shocks = 1024, .nodes = 64};
 constexpr std::chrono::milliseconds tick_time{200};
 constexpr double progress_time = 0.2;  // s
 constexpr std::size_t most_failures_told = 10;
@@ -190,15 +187,13 @@ class Worker {
   }
 
  private:
-  /// Two crews, each with half of the host's threads: what one has recorded leaves, and its slots are filled,
-  /// while the other's runs are marched.
+  /// Two crews: what one has recorded leaves, and its slots are filled, by all threads of the host, while the
+  /// other's runs are marched.
   void march_on_a_gpu(int jobs) {
     const int crews = std::min(2, jobs);
     const BatchOptions batch{.room = room_on_a_gpu,
                              .memory = backend_room() / static_cast<std::size_t>(crews)};
-    const int threads = host_threads();
     const auto begin = [&](int crew) {
-      const ShareOfThreads share(threads, crews);
       march(crew, std::min((jobs + crews - 1) / crews, slots_of_a_gpu / crews), batch);
     };
     std::future<void> other;

@@ -3,6 +3,6 @@
 
 namespace ra2d::test {
 
-template void plain_march<Form::implicit>(const SceneTables&, SceneState&, std::int64_t);
+RA2D_PLAIN_MARCH(Form::implicit)
 
 }  // namespace ra2d::test

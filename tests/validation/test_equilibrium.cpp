@@ -433,5 +433,27 @@ TEST(Equilibrium, WithoutLoadOrOverlapNothingIsDeformed) {
   EXPECT_EQ(start.loaded_nodes.size(), 0u);
 }
 
+// Shapes that were found for a scene serve the next one of equal bodies, and no other.
+TEST(Equilibrium, OfScenesInTurnIsThatOfEachAlone) {
+  std::vector<Scene> scenes(8, resting_block());
+  scenes[1].start += 0.1 * scenes[1].spacing;
+  scenes[2].spacing *= 1.5;
+  scenes[3].slider.support = Support::pinned;
+  scenes[4].resonator.length *= 1.01;
+  scenes[5].slider.length *= 0.5;
+  scenes[6].resonator.modes = 5;
+  scenes[7].resonator.density *= 2;  // the shapes of the first one
+  for (int turn = 0; turn < 2; ++turn)
+    for (std::size_t i = 0; i < scenes.size(); ++i) {
+      const Model m = make_model(scenes[turn == 0 ? i : scenes.size() - 1 - i]);
+      const ModalStart start = make_start(m);
+      double force = 0;
+      for (const double over : overlaps(m, start.resonator_u, start.slider_u))
+        if (over >= 0) force += m.node_stiffness * over;
+      EXPECT_GT(force, 0) << "scene " << i << ", turn " << turn;
+      EXPECT_EQ(start.contact_force, force) << "scene " << i << ", turn " << turn;
+    }
+}
+
 }  // namespace
 }  // namespace ra2d::test
