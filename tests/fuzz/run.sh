@@ -29,28 +29,43 @@ done
 flags=(-std=c++20 -O1 -g -Wall -Wextra -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all -I.)
 # toml++ 3.3 shifts by more than a number has, and takes no notice of what comes of it
 shifts() { grep -q 'toml.hpp\|reader.hpp' "$1" && echo -fno-sanitize=shift-exponent; return 0; }
-objects=()
-for source in host/{text,partial_file,output_file}.cpp host/device/saved_state.cpp host/store/sealed_file.cpp \
-  host/run/checkpoint_bytes.cpp host/study/{ledger,study_file,study_folder,scene_key}.cpp \
-  host/scene_file/reader.cpp host/scene/{scene,schemes}.cpp host/surface/{areal,md5,profile,profile_lines,profile_sdf,profile_text,profile_x3p,zip_archive}.cpp; do
-  object=$build/$(basename "$source" .cpp).o
-  objects+=("$object")
-  [[ $object -nt $source && -z $(find host -name '*.hpp' -newer "$object") ]] ||
-    "$clang" "${flags[@]}" $(shifts "$source") -c "$source" -o "$object"
-done
-rm -f "$build/readers.a"
-ar rcs "$build/readers.a" "${objects[@]}"  # of which each takes what it needs
+# COMMAND with each of the words, as many side by side as there are processors. Fails if any of them does.
+side_by_side() {  # COMMAND WORD...
+  local command=$1 failed=0 pids=() word pid
+  for word in "${@:2}"; do
+    while (($(jobs -rp | wc -l) >= $(nproc))); do wait -n || true; done
+    "$command" "$word" &
+    pids+=($!)
+  done
+  for pid in "${pids[@]}"; do wait "$pid" || failed=1; done
+  return "$failed"
+}
 
-for target in "${targets[@]}"; do
+object_of() { echo "$build/$(basename "$1" .cpp).o"; }
+compile() {
+  local object
+  object=$(object_of "$1")
+  [[ $object -nt $1 && -z $(find host -name '*.hpp' -newer "$object") ]] ||
+    "$clang" "${flags[@]}" $(shifts "$1") -c "$1" -o "$object"
+}
+sources=(host/{text,partial_file,output_file}.cpp host/device/saved_state.cpp host/store/sealed_file.cpp
+  host/run/checkpoint_bytes.cpp host/study/{ledger,study_file,study_folder,scene_key}.cpp
+  host/scene_file/reader.cpp host/scene/{scene,schemes}.cpp host/surface/{areal,md5,profile,profile_lines,profile_sdf,profile_text,profile_x3p,zip_archive}.cpp)
+side_by_side compile "${sources[@]}"
+rm -f "$build/readers.a"
+for source in "${sources[@]}"; do object_of "$source"; done | xargs ar rcs "$build/readers.a"  # each takes what it needs
+
+fuzz() {
+  local target=$1
   "$clang" "${flags[@]}" -fsanitize=fuzzer "tests/fuzz/fuzz_$target.cpp" "$build/readers.a" -o "$build/fuzz_$target" \
     -lfmt -lzip -lpugixml -lcrypto
   mkdir -p "$build/corpus_$target"  # what is found goes there, and not into the tree
-  echo "fuzz_$target: $seconds s"
   if ! "$build/fuzz_$target" -seed="${RA2D_FUZZ_SEED:-1}" -max_total_time="$seconds" -timeout=10 -rss_limit_mb=1024 -malloc_limit_mb=64 \
     -max_len=8192 -print_final_stats=1 -artifact_prefix="$build/$target-" "$build/corpus_$target" \
     "tests/fuzz/corpus/$target" > "$build/$target.log" 2>&1; then
     tail -n 60 "$build/$target.log"
-    exit 1
+    return 1
   fi
-  grep -E 'number_of_executed_units|peak_rss_mb' "$build/$target.log"
-done
+  echo "fuzz_$target, $seconds s:" $(grep -E 'number_of_executed_units|peak_rss_mb' "$build/$target.log")
+}
+side_by_side fuzz "${targets[@]}"
