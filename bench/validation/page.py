@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """page.py [--check]: makes the PAGES in docs, each of its text here and of what the cases have left in docs/validation.
 
-{{case.name}} in the text stands for the text `name` of docs/validation/case.json. --check writes nothing: it ends with
+{{case.name}} in the text stands for the text `name` of docs/validation/case.json; {{all.minutes}} for what all take. --check writes nothing: it ends with
 status 1 when a page is not what the text and the stored numbers give, or a figure that it shows is not there.
 """
 import json
@@ -18,6 +18,7 @@ PLACE = re.compile(r"\{\{([\w-]+)\.([\w-]+)\}\}")
 
 def made(page):
     texts = {file.stem: json.loads(file.read_text()) for file in (DOCS / "validation").glob("*.json")}
+    texts["all"] = {"minutes": f"{sum(float(case['seconds']) for case in texts.values()) / 60:.0f}"}
 
     def stored(place):
         case, name = place.groups()
