@@ -130,6 +130,7 @@ def slow(table):
 
 def shown(value, half):
     """0.93 ± 0.02"""
+    value = round(value, 2) + 0.0  # no -0.00
     return f"{value:.2f} ± {half:.2f}" if half >= 0.005 else f"{value:.2f}"
 
 
@@ -199,7 +200,7 @@ def compare(case):
         low, high = PAPER[key]
         case.check(f"from rest, touching, V <= 0.1 m/s: {key} beyond the paper's range", max(low - value, value - high, 0), half,
                    "the seeds' 95 % interval")
-    case.text("passage-smooth", f"{check_passage(case):.2f}")
+    case.text("passage-smooth", f"{check_passage(case):.1f}")
     check_scaling(case, tables)
     report(case, tables, law, *ring)
 
@@ -319,7 +320,7 @@ def the_start(case, tables, ring, later):
         ("", "from equilibrium", "let go, touching", "let go, gap 0.2 mm"),
         [*((f"n at {v:g} m/s", *(shown(*n_at(table, v)) for table in of)) for v in SPEEDS),
          ("runs off one n and one m by, dB: V <= 0.1 m/s", *(f"{fits(slow(table))[1].std():.1f}" for table in of)),
-         ("all speeds", *(f"{fits(table)[1].std():.1f}" for table in of))]))
+         ("the same, all speeds", *(f"{fits(table)[1].std():.1f}" for table in of))]))
     together = noise.copy()
     together["v_rms"] = np.sqrt(noise.v_rms**2 + still.v_rms**2)
     found = exponents(together)

@@ -13,7 +13,7 @@ import sys
 HERE = pathlib.Path(__file__).resolve().parent
 DOCS = HERE.parents[1] / "docs"
 PAGES = ("validation.md", "choices.md")
-PLACE = re.compile(r"\{\{([\w-]+)\.([\w-]+)\}\}")
+PLACE = re.compile(r"\{\{([\w-]+)\.([\w.-]+)\}\}")
 
 
 def made(page):
