@@ -224,12 +224,10 @@ def levels(table):
             for rq in table.rq.values for speed in table.speed.values}
 
 
-def local(table, along):
-    """Exponents between neighbours, over all points across: rows (from, to, (mean, half))."""
-    x = table[along].values
-    v = np.log10(table.v_rms).mean("speed" if along == "rq" else "rq").transpose(along, "seed").values
-    slopes = np.diff(v, axis=0) / np.diff(np.log10(x))[:, None]
-    return [(x[i], x[i + 1], mean(slope)) for i, slope in enumerate(slopes)]
+def local(table):
+    """m between neighbouring speeds, over all roughnesses: (mean, half) of each."""
+    v = np.log10(table.v_rms).mean("rq").transpose("speed", "seed").values
+    return [mean(slope) for slope in np.diff(v, axis=0) / np.diff(np.log10(table.speed.values))[:, None]]
 
 
 def n_at(table, speed):
@@ -271,13 +269,11 @@ def report(case, tables, law, ring, later):
         case.text(f"{key}-half", f"± {half:.2f}")
     for key, name in (("n", "rq"), ("m", "speed")):
         case.text(f"{key}-analyze", shown(law[name]["value"], (law[name]["high"] - law[name]["low"]) / 2))
-    case.text("n-local", common.markdown(
-        ("from Rq, um", "to", "n"), [(f"{1e6 * x:.0f}", f"{1e6 * y:.0f}", shown(*n)) for x, y, n in local(base, "rq")]))
     others = ("base", "rest", "load-0.1", "load-10", "rsm-3.1")
     case.text("m-local", common.markdown(
         ("from V, m/s", "to", "m: as it is", "from rest", "0.1 N", "10 N", "RSm 3.1 mm"),
-        [(f"{steps[0][0]:g}", f"{steps[0][1]:g}", *(shown(*m) for *_, m in steps))
-         for steps in zip(*(local(tables[name], "speed") for name in others))]))
+        [(f"{v:g}", f"{w:g}", *(shown(*m) for m in step))
+         for v, w, step in zip(SPEEDS, SPEEDS[1:], zip(*(local(tables[name]) for name in others)))]))
     first = omegas(1)[0] / (2 * np.pi)
     case.text("first", first)
     case.text("meets", f"{1.55e-3 * first:.2f}")
