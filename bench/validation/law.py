@@ -168,8 +168,9 @@ def passage(load, speed):
 def check_passage(case):
     """A heavy slider on nearly smooth surfaces bends the plate, and that is all. Its level."""
     found = study(case, "load-1000", 1, "smooth", rq=(2e-7,), speeds=(0.5,))[1].level.item()
-    case.check("level under 1000 N on surfaces of 0.2 um from the closed form of the passage, dB", abs(found - passage(1000, 0.5)),
-               -20 * np.log10(np.cos(np.pi / LENGTH * HALF)), "the force may be at the slider's ends, not in its middle: first mode")
+    case.check("level under 1000 N on surfaces of 0.2 um from the closed form of the passage, dB",
+               abs(found - passage(1000, 0.5)), -20 * np.log10(np.cos(np.pi / LENGTH * HALF)),
+               "the force may be at the slider's ends, not in its middle: first mode")
     return found
 
 
