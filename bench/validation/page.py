@@ -3,7 +3,8 @@
 """page.py [--check]: makes the PAGES in docs, each of its text here and of what the cases have left in docs/validation.
 
 {{case.name}} in the text stands for the text `name` of docs/validation/case.json; {{all.minutes}} for what all take.
---check writes nothing: it ends with status 1 when a page is not what the text and the stored numbers give, or a figure that it shows is not there.
+--check writes nothing: it ends with status 1 when a page is not what the text and the stored numbers give, or a
+figure that it shows is not there.
 """
 import json
 import pathlib
