@@ -152,6 +152,9 @@ def report(case, rows, shocks):
             ("ms", "shocks so far", *(f"`{peer}`, {common.shown(tolerance, 1)}" for peer, tolerance in PEERS)),
             [(common.shown(1e3 * time), count, *(common.shown(of_peer[peer][i]) for peer in PEERS))
              for i, (time, count) in enumerate(zip(TIMES[kind], shocks[kind]))]))
+        checked = [max(row[3] for row in rows if row[:3] == (kind, *peer) and row[5] < WEAK) for peer in PEERS]
+        case.text(f"{kind}-checked", 1e3 * checked[0])
+        case.text(f"{kind}-checked-others", 1e3 * min(checked))
         case.text(f"{kind}-horizon", 1e3 * crossing(TIMES[kind], of_peer[PEERS[0]], 1e-3))
         case.text(f"{kind}-efold", 1e3 / rate)
         case.text(f"{kind}-rounding", 1e3 * np.log(1e-3 / 1e-15) / rate)

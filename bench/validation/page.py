@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """page.py [--check]: makes the PAGES in docs, each of its text here and of what the cases have left in docs/validation.
 
-{{case.name}} in the text stands for the text `name` of docs/validation/case.json. --check writes nothing: it ends with
-status 1 when a page is not what the text and the stored numbers give, or a figure that it shows is not there.
+{{case.name}} in the text stands for the text `name` of docs/validation/case.json; {{all.minutes}} for what all take.
+--check writes nothing: it ends with status 1 when a page is not what the text and the stored numbers give, or a
+figure that it shows is not there.
 """
 import json
 import pathlib
@@ -13,11 +14,12 @@ import sys
 HERE = pathlib.Path(__file__).resolve().parent
 DOCS = HERE.parents[1] / "docs"
 PAGES = ("validation.md", "choices.md")
-PLACE = re.compile(r"\{\{([\w-]+)\.([\w-]+)\}\}")
+PLACE = re.compile(r"\{\{([\w-]+)\.([\w.-]+)\}\}")
 
 
 def made(page):
     texts = {file.stem: json.loads(file.read_text()) for file in (DOCS / "validation").glob("*.json")}
+    texts["all"] = {"minutes": f"{sum(float(case['seconds']) for case in texts.values()) / 60:.0f}"}
 
     def stored(place):
         case, name = place.groups()

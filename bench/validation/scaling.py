@@ -88,6 +88,7 @@ def apart(first, second, powers, factor):
 
 
 SCENES = {"pinned": ("dang2012-pinned", 0.02), "free": ("dang2012", 0.002)}
+NUDGED = 5  # runs over a second that differ in the last digits of the heights
 ADAPTIVE, EULER = ("adaptive", 1e-12), ("backward-euler", 1e-8)
 
 
@@ -99,6 +100,11 @@ def twice_of(group):
 def rounds(scheme, group):
     """Whether a power of two rounds all the same: the clock of adaptive counts in units of less than 2^-60 s."""
     return scheme == "adaptive" and group == "rates"
+
+
+def nudged(scene, part):
+    """The scene, the heights of its slider larger by a small part."""
+    return changed(scene, {("slider", "surface", "rq"): 1}, 1 + part)
 
 
 def compare(case):
@@ -119,8 +125,7 @@ def compare(case):
                 rows += [(kind, scheme, group, same, np.nan, np.nan, np.nan) for group, same in bits.items()]
                 continue
             nudge = 1e-9  # by this, the heights of the slider
-            nudged = results(case, changed(base, {("slider", "surface", "rq"): 1}, 1 + nudge))
-            growth = max(apart(first, nudged, (0,) * 5, 1)[:2]) / nudge
+            growth = max(apart(first, results(case, nudged(base, nudge)), (0,) * 5, 1)[:2]) / nudge
             bound = growth * (64 * np.finfo(float).eps + 10 * setting)
             for group, (changes, powers) in GROUPS.items():
                 sampled, shocks, _ = apart(first, results(case, changed(base, changes, 3.0)), powers, 3.0)
@@ -160,12 +165,15 @@ def report(case, rows):
                                         "s = 3, `adaptive`: pinned", "free"), table))
     # through a whole second of chaos, and without the load that the group asks for
     changes = GROUPS["heights"][0]
+    case.text("nudged", f"{NUDGED}")
     without_load = {key: power for key, power in changes.items() if key != LOAD}
     table = []
     for kind, (name, _) in SCENES.items():
         base = papers(name, 1.0, "adaptive", 1e-8)
         base["output"]["rate"] = 1e4
         first = level(case, base)
+        spread = np.std([level(case, nudged(base, 1e-15 * i)) for i in range(1, NUDGED + 1)], ddof=1)
+        case.text(f"{kind}-spread", spread)
         for factor in (2.0, 3.0):
             more = level(case, changed(base, changes, factor)) - first
             alone = level(case, changed(base, without_load, factor)) - first
@@ -175,7 +183,7 @@ def report(case, rows):
                 case.check(f"{kind}: level over a second, heights and load doubled, off by dB", abs(more - wanted), 1e-9,
                            "roundings of a logarithm")
     case.text("levels", common.markdown(("slider", "heights times", "20 log10 of it, dB", "level rises by, dB",
-                                         "... with the load left as it is"), table))
+                                         "with the load left as it is, dB"), table))
     draw(case)
 
 

@@ -21,6 +21,7 @@ NAMES = ("Rq", "Rt", "Rz", "Ra", "Rku", "RSm")
 ROWS = ((2, 12.8, 6.0, 1.7, 3.6, 1574), (4, 27.8, 12.2, 3.5, 4.6, 1520), (8, 53.0, 23.5, 6.8, 3.6, 1560),
         (12, 86.7, 36.1, 10.4, 3.8, 1552), (20, 138, 61, 17.6, 4.2, 1546))  # um, but for Rku
 LENGTH, SPACING, SAMPLING = 0.3, 8e-6, 2.5e-3  # m
+SECTIONS = round(LENGTH / SAMPLING)
 CROSSING = 1.19  # RSm over the distance of upward crossings, of such profiles
 SEEDS = 40
 FLAT = 1.8  # kurtosis of a uniform distribution
@@ -42,10 +43,12 @@ def measured(case, file):
 
 
 def by_numpy(z):
-    """Rq, Rt, Ra and Rku of heights, by their definitions."""
+    """Parameters of heights by their definitions: all but RSm. Rz is the mean height of the sampling lengths."""
     z = z - z.mean()
     rq = np.sqrt((z**2).mean())
-    return {"Rq": rq, "Rt": np.ptp(z), "Ra": np.abs(z).mean(), "Rku": (z**4).mean() / rq**4}
+    ends = len(z) * np.arange(1, SECTIONS) // SECTIONS  # a sampling length is no whole number of nodes
+    return {"Rq": rq, "Rt": np.ptp(z), "Rz": np.mean([np.ptp(part) for part in np.split(z, ends)]), "Ra": np.abs(z).mean(),
+            "Rku": (z**4).mean() / rq**4}
 
 
 def spread_of_rq(row):
@@ -106,8 +109,9 @@ def report(case, found):
     case.table(("heights", "row: Rq, um", "of the seeds", *(name if name == "Rku" else f"{name}, um" for name in NAMES)), numbers)
     head = [name if name == "Rku" else f"{name}, um" for name in NAMES]
     case.text("table", common.markdown(("", *head), table))
-    case.text("within", common.markdown(("", *NAMES[1:]), [
-        (name, *(f"{count} of {len(ROWS)}" for count in within[kind][1:])) for kind, name in words.items()]))
+    case.text("within", common.markdown(("", *NAMES[1:-1]), [
+        (name, *(f"{count} of {len(ROWS)}" for count in within[kind][1:-1])) for kind, name in words.items()]))
+    case.text("crossing", f"{CROSSING}")
     case.text("seeds", str(SEEDS))
     ratios = [row[3] / row[0] for row in ROWS]
     case.text("ra-least", min(ratios), 3)
