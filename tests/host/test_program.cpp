@@ -519,8 +519,9 @@ TEST_F(Program, ASignalEndsTheRunCleanlyWithWhatThereIs) {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) {
     Child child = start(long_run);
     wait_until_it_marches();
-    if (backend_device().empty())  // a GPU's driver has some of its own
+    if (ra2d::backend_device().empty()) {  // a GPU's driver has some of its own
       EXPECT_EQ(child.threads(), 1) << "there may be no more to be had (ulimit -u)";
+    }
     child.send(signal);
     EXPECT_EQ(child.wait(), 128 + signal) << child.err();
     EXPECT_THAT(child.err(), HasSubstr("interrupted at t ="));
