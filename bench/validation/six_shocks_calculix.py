@@ -159,8 +159,8 @@ def run(ccx, mesh, folder):
         with open(scratch / "log", "w") as log:
             process = subprocess.Popen([ccx, "shocks"], cwd=scratch, stdout=log, env={**os.environ, "OMP_NUM_THREADS": "1"})
             _, status, used = os.wait4(process.pid, 0)
-        rows = kept((scratch / "shocks.dat").read_text())
-        if status or rows[-1][0] < DURATION - 1e-5:
+        rows = kept((scratch / "shocks.dat").read_text()) if status == 0 else []
+        if not rows or rows[-1][0] < DURATION - 1e-5:
             raise SystemExit(f"{ccx} did not come to the end:\n{(scratch / 'log').read_text()[-2000:]}")
     with open(folder / f"six-shocks-{mesh}.csv", "w", newline="") as file:
         write = csv.writer(file, lineterminator="\n")
