@@ -274,9 +274,10 @@ def report(case, found, best, shear, moved):
          "with shear, in its steps: times, us", "impulses, %", "pressures, %", "displacement, %"),
         [(of_mesh(mesh), *row(found, peer)[:2], *row(shear, peer)[:2], *row(in_steps(MESHES[mesh][-1]), peer))
          for mesh, peer in ((mesh, calculix(mesh)[0]) for mesh in MESHES)]))
-    two = in_steps(2e-6)
-    case.text("left", row(two, calculix("280-elements-2us")[0])[0])
-    case.text("tenth", row(in_steps(1.8e-6), two)[0])
+    coarse, fine = (calculix(f"{elements}-elements-2us")[0] for elements in (280, 720))
+    case.text("mesh", row(fine, coarse)[0])
+    for name, peer in (("coarse", coarse), ("fine", fine)):
+        case.text(f"{name}-left", row(in_steps(2e-6), peer)[0])
     case.text("causes", common.markdown(("", "times, us", "impulses, %", "pressures, %", "displacement, %"), [
         (what, in_us(times), *map(percent, others)) for what, (times, *others) in moved.items()]))
     faster = [shocks(by_hand(each, speed=10.0, overlap=2e-7), 10.0) for each in (True, False)]

@@ -40,6 +40,7 @@ STARTING = 1e-3                                               # s, in which the 
 
 # elements along the resonator, along the slider, through the thickness; step [s]
 MESHES = {"280-elements-1us": (100, 40, 1, 1e-6),
+          "720-elements-2us": (100, 80, 2, 2e-6),
           "720-elements-4us": (100, 80, 2, 4e-6),
           "280-elements-2us": (100, 40, 1, 2e-6),
           "280-elements-4us": (100, 40, 1, 4e-6)}
