@@ -286,7 +286,9 @@ def tell_differences(case, found):
         ("mass / beam's", "speed / critical", "largest deflection, mm", "difference, 1e17 Pa/m", "1e18 Pa/m", "... after lift-off",
          "lifts off at, ms", "ra2d later by, us", "a force instead of the mass"), rows))
     case.text("stiffness", BEAM_SPRING / spring(KAPPA))
-    case.text("largest", max(each.stiff for each in found))
+    for name in ("stiff", "soft", "after"):
+        case.text(f"largest-{name}", np.nanmax([getattr(each, name) for each in found]))
+    case.text("over-estimate", max(each.stiff for each in found) / (BEAM_SPRING / spring(KAPPA)))
     case.text("latest", max(abs(each.periods) for each in found if np.isfinite(each.off)))
     for name, mass in (("light", 0.1), ("heavy", 2.0)):
         case.text(name, f"{100 * max(each.force for each in found if np.isclose(each.mass, mass)):.0f}")
@@ -311,19 +313,20 @@ def tell_peer(case, crossing, solution):
 
 
 def tell_spring(case, crossing, solution):
-    """What is left: the spring. Returns (kappa, difference, lateness of lift-off, period of the contact)."""
+    """What is left: the spring. Returns (kappa, difference, lateness of lift-off, period of the contact, contacts)."""
     fall = []
     for kappa in (1e14, 1e15, 1e16, 1e17, 1e18, 1e19):
         marched, off = crossing.marched(case, kappa), crossing.lift_off(solution)
-        fall.append((kappa, crossing.differences(marched, solution)[0], crossing.last_touch(marched, off) - off, crossing.period(kappa)))
+        fall.append((kappa, crossing.differences(marched, solution)[0], crossing.last_touch(marched, off) - off,
+                     crossing.period(kappa), len(marched[2])))
     fall = np.array(fall)
     slope = np.polyfit(*np.log(fall[1:5, :2].T), 1)[0]
     case.check("slope of the difference over kappa, from -1", abs(slope + 1), 0.05, "the spring's yield is f/(kappa chi w)")
     case.text("slope", f"{slope:.3f}")
     case.text("kappa-table", common.markdown(
-        ("kappa, Pa/m", "difference of the deflection", "lift-off later by, us", "period of the contact, us"),
-        [(common.shown(kappa, 1), common.shown(off), common.shown(1e6 * late), common.shown(1e6 * period))
-         for kappa, off, late, period in fall]))
+        ("kappa, Pa/m", "difference of the deflection", "lift-off later by, us", "period of the contact, us", "contacts"),
+        [(common.shown(kappa, 1), common.shown(off), common.shown(1e6 * late), common.shown(1e6 * period), f"{contacts:.0f}")
+         for kappa, off, late, period, contacts in fall]))
     return fall
 
 
@@ -373,7 +376,7 @@ def draw(case, all_found, fall):
     upper.set(title="0.6 of the critical speed: constrained equations (lines), ra2d (circles), lift-off (crosses)",
               xlabel="place of the mass over the beam's length", ylabel="deflection of the middle / static")
     upper.legend(title="mass over the beam's", ncols=2)
-    kappas, differences, late, periods = fall.T
+    kappas, differences, late, periods, _ = fall.T
     middle.loglog(kappas, differences, "o-", color=style.BLUE, ms=4, lw=1, label="difference of the deflection")
     middle.loglog(kappas, differences[2] * kappas[2] / kappas, color=style.GREY, lw=1, ls="--", label="1/kappa")
     middle.set(title="Mass 0.5, speed 0.6: what the contact spring makes", ylabel="over the largest deflection", xlabel="kappa, Pa/m")

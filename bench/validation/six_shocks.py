@@ -3,26 +3,26 @@
 """The paper's first test (its Fig. 2, 3): one peak passes six, beside plane-strain finite elements.
 
 six_shocks_calculix.py has the numbers of the scene and what CalculiX makes of it. That takes minutes, so its results are
-kept in docs/validation/six-shocks-*.csv; the target six-shocks-calculix makes them anew.
+kept in docs/validation/six-shocks-*.csv, and the short form compares with these.
 
 Two things part the two by theory. A beam of Euler and Bernoulli has neither shear nor rotary inertia, and finite elements
 have both. And the implicit steps of CalculiX (Hilber, Hughes and Taylor) lower the frequencies of the higher modes and
 damp them. How far each moves the shocks, a few lines here say: the same modes and contact, marched on their own, with the
-frequencies of either theory (Timoshenko's for pinned ends, in closed form), and with those that the steps make of them.
+frequencies of either theory (Timoshenko's for pinned ends, in closed form), exactly or in those steps.
 """
 import csv
+import resource
 
-import h5py
 import numpy as np
 
 import common
-from six_shocks_calculix import (BEST, DENSITY, DURATION, HALF_WIDTH, HEIGHT, MESHES, OVERLAP, PEAKS, PITCH, POISSON, RESONATOR,
-                                 SLIDER, SPEED, STIFFNESS, THICKNESS, WIDTH, YOUNG, input_text, peak)
+from six_shocks_calculix import (BEST, DENSITY, DURATION, HALF_WIDTH, HEIGHT, MESH_ALONE, MESHES, OVERLAP, PEAKS, PITCH, POISSON,
+                                 RESONATOR, SLIDER, SPEED, STIFFNESS, THICKNESS, WIDTH, YOUNG, input_text, peak)
 
 PLANE_STRAIN = YOUNG / (1 - POISSON**2)
 SPACING = 5e-6
-AUDIBLE, TEN = (6, 2), (10, 10)  # modes of resonator and slider: those up to 20 kHz, and ten of each
-MODES = (AUDIBLE, (8, 4), TEN, (20, 20), (40, 40))
+AUDIBLE, TEN, MORE = (6, 2), (10, 10), (20, 20)  # modes of resonator and slider: those up to 20 kHz, ten and twenty of each
+MODES = (AUDIBLE, (8, 4), TEN, MORE, (40, 40))
 
 
 def profile(case, name, length, peaks):
@@ -52,17 +52,18 @@ def scene(case, modes, young, stiffness, scheme, setting):
 
 
 def marched(case, modes=TEN, young=PLANE_STRAIN, stiffness=STIFFNESS, scheme="adaptive", setting=1e-9):
-    """Time, displacement of the summit, contact force, largest pressure: as the columns of six-shocks-*.csv."""
+    """Time, displacement of the summit, contact force, largest pressure, as the columns of six-shocks-*.csv, and the pressure
+    at the summit."""
     time, probe, force, lower, upper = case.run(scene(case, modes, young, stiffness, scheme, setting), "time",
                                                 "slider_probes/displacement", "contact/force",
                                                 "resonator/displacement", "slider/displacement")
     near = np.arange(-HALF_WIDTH, HALF_WIDTH, SPACING)  # of the summit
-    pressure = np.zeros(len(time))
+    pressure = np.zeros((len(time), 2))
     for i in np.flatnonzero(force):
         x = SLIDER / 2 + SPEED * time[i] + near
         gap = (2 * HEIGHT - OVERLAP - peak(near) - sum(peak(x - at) for at in PEAKS)
                - shapes(SLIDER, modes[1], SLIDER / 2 + near) @ upper[i] - shapes(RESONATOR, modes[0], x) @ lower[i])
-        pressure[i] = stiffness * max(0, -gap.min())
+        pressure[i] = stiffness * np.maximum(0, -np.array([gap.min(), gap[len(near) // 2]]))
     return np.column_stack([time, probe[:, 0], force, pressure])
 
 
@@ -87,48 +88,60 @@ def theory(length, count, shear):
     return np.sqrt(square), DENSITY * THICKNESS * (1 + r2 * turn**2)
 
 
-def in_steps(omega, step, alpha=-0.05):
-    """Frequencies and decay [1/s] that the implicit steps of CalculiX make of natural frequencies [1/s]."""
-    beta, gamma = (1 - alpha)**2 / 4, 0.5 - alpha
-    roots = []
-    for k in omega**2:
-        new = [[1, 0, -beta * step**2], [0, 1, -gamma * step], [(1 + alpha) * k, 0, 1]]  # displacement, velocity, acceleration
-        old = [[1, step, (0.5 - beta) * step**2], [0, 1, (1 - gamma) * step], [alpha * k, 0, 0]]
-        root = max(np.linalg.eigvals(np.linalg.solve(new, old)), key=lambda each: each.imag)
-        roots.append(np.log(root) / step)
-    return np.imag(roots), -np.real(roots)
-
-
-def by_hand(shear, peers_step=None, speed=SPEED, overlap=OVERLAP, modes=TEN, step=4e-7, spacing=2e-5):
-    """Time, displacement of the summit and contact force: modes turn exactly over a step, forces are blows between."""
-    omega, mass, state = map(list, zip(*((*theory(length, count, shear), np.zeros((2, count)))
-                                         for length, count in ((RESONATOR, modes[0]), (SLIDER, modes[1])))))
-    decay = [np.zeros_like(w) for w in omega]
-    if peers_step:
-        omega, decay = zip(*(in_steps(w, peers_step) for w in omega))
-    turns = [(np.cos(w * step), np.sin(w * step)) for w in omega]
-    losses = [np.exp(-d * step) for d in decay]
+def meeting(shear, modes, spacing, speed=SPEED, overlap=OVERLAP):
+    """Natural frequencies and masses of both beams' modes, what they make at the upper summit, and a function of time: what
+    they make near it, and the gap of beams at rest there."""
+    omega, mass = map(np.concatenate, zip(*(theory(length, count, shear) for length, count in zip((RESONATOR, SLIDER), modes))))
     near = np.arange(-1.2e-3, 1.2e-3, spacing)
     face, upper = peak(near), shapes(SLIDER, modes[1], SLIDER / 2 + near)
-    summit = shapes(SLIDER, modes[1], [SLIDER / 2])[0]
-    time = step * np.arange(round(DURATION * SPEED / speed / step))
-    found = np.zeros((len(time), 3))
-    for i, t in enumerate(time):
-        x = SLIDER / 2 + speed * t
+
+    def faces(time):
+        x = SLIDER / 2 + speed * time
         off = x - min(PEAKS, key=lambda at: abs(at - x))
-        force = 0.0
-        if abs(off) < 1.2e-3:
-            lower = shapes(RESONATOR, modes[0], x + near)
-            gap = 2 * HEIGHT - overlap - face - peak(near + off) - upper @ state[1][0] - lower @ state[0][0]
-            blows = STIFFNESS * spacing * np.maximum(0, -gap)
-            force = WIDTH * blows.sum()
-            for (_, velocity), shape, m in zip(state, (lower, upper), mass):
-                velocity -= step * (blows @ shape) / m
-        found[i] = t, summit @ state[1][0], force
-        for w, (cosine, sine), lost, each in zip(omega, turns, losses, state):
-            u, v = each
-            each[:] = lost * (cosine * u + sine / w * v), lost * (cosine * v - w * sine * u)
-    return found
+        if abs(off) > 1.2e-3:
+            return np.zeros((1, len(omega))), np.ones(1)
+        return np.hstack([shapes(RESONATOR, modes[0], x + near), upper]), 2 * HEIGHT - overlap - face - peak(near + off)
+    return omega, mass, np.append(np.zeros(modes[0]), shapes(SLIDER, modes[1], [SLIDER / 2])), faces
+
+
+def by_hand(shear, step=4e-7, spacing=2e-5, speed=SPEED, overlap=OVERLAP):
+    """The columns of six-shocks-*.csv: modes turn exactly over a step, forces are blows between."""
+    omega, mass, summit, faces = meeting(shear, TEN, spacing, speed, overlap)
+    cosine, sine = np.cos(omega * step), np.sin(omega * step)
+    u, v = np.zeros((2, len(omega)))
+    found = []
+    for time in step * np.arange(round(DURATION * SPEED / speed / step)):
+        shape, gap = faces(time)
+        pressure = STIFFNESS * np.maximum(0, shape @ u - gap)
+        v = v - step * spacing * (pressure @ shape) / mass
+        found.append((time, summit @ u, WIDTH * spacing * pressure.sum(), pressure.max()))
+        u, v = cosine * u + sine / omega * v, cosine * v - omega * sine * u
+    return np.array(found)
+
+
+def in_steps(step, modes=TEN, spacing=2e-5, alpha=-0.05):
+    """The same with shear, modes and contact in the implicit steps of CalculiX."""
+    omega, mass, summit, faces = meeting(True, modes, spacing)
+    beta, gamma = (1 - alpha)**2 / 4, 0.5 - alpha
+    share = (1 + alpha) * beta * step**2
+    u, v, a, force = np.zeros((4, len(omega)))
+    found = []
+    for time in step * np.arange(round(DURATION / step) + 1):
+        shape, gap = faces(time)
+        ahead, new, last = u + step * v + (0.5 - beta) * step**2 * a, a, force
+        for _ in range(50):  # Newton's
+            u = ahead + beta * step**2 * new
+            pressure = STIFFNESS * np.maximum(0, shape @ u - gap)
+            force = mass * omega**2 * u + spacing * (pressure @ shape)
+            touching = shape[pressure > 0]
+            change = np.linalg.solve(np.diag(mass * (1 + share * omega**2)) + share * STIFFNESS * spacing * touching.T @ touching,
+                                     mass * new + (1 + alpha) * force - alpha * last)
+            new = new - change
+            if np.abs(change).max() <= 1e-9 * np.abs(new).max():
+                break
+        v, a = v + step * ((1 - gamma) * a + gamma * new), new
+        found.append((time, summit @ u, WIDTH * spacing * pressure.sum(), pressure.max()))
+    return np.array(found)
 
 
 def shocks(found, speed=SPEED):
@@ -139,23 +152,27 @@ def shocks(found, speed=SPEED):
         part = found[np.abs(SLIDER / 2 + speed * found[:, 0] - at) <= PITCH / 2]
         time, force = part[:, 0], part[:, 2]
         impulse = np.trapz(force, time)
-        rows.append((np.trapz(force * time, time) / impulse if impulse else np.nan, impulse, force.max(), part[:, -1].max()))
+        rows.append((np.trapz(force * time, time) / impulse if impulse else np.nan, impulse, force.max(), part[:, 3].max()))
     return np.array(rows)
 
 
 def calculix(mesh):
-    """What CalculiX has found, and its processor time [s]."""
+    """What CalculiX has found, its processor time [s], its version."""
     with open(common.ROOT / "docs" / "validation" / f"six-shocks-{mesh}.csv") as file:
         (note,), _, *rows = csv.reader(file)
-    return np.array(rows, dtype=float), float(note.split(":")[1].split()[0])
+    return np.array(rows, dtype=float), float(note.split(":")[1].split()[0]), note.split()[-1]
+
+
+MEASURES = ("times, s", "impulses, over the largest", "pressures, over their own", "displacement of the summit, over the largest")
 
 
 def apart(first, second, many=len(PEAKS)):
-    """Largest difference of the times of so many shocks [s], and of their impulses over the second's largest; inf where one
-    is missing."""
-    off = np.abs(first - second)[:many]
-    found = off[:, 0].max(), off[:, 1].max() / second[:many, 1].max()
-    return tuple(np.inf if np.isnan(each) else each for each in found)
+    """Largest differences of so many shocks: of times [s], impulses over the second's largest, pressures over the second's
+    own; inf where a shock is missing."""
+    first, second = first[:many], second[:many]
+    off = np.abs(first - second)
+    found = off[:, 0].max(), off[:, 1].max() / second[:, 1].max(), (off[:, 3] / second[:, 3]).max()
+    return tuple(np.inf if np.isnan(off[:, 0]).any() else each for each in found)
 
 
 def displaced(first, second, many=len(PEAKS)):
@@ -166,6 +183,7 @@ def displaced(first, second, many=len(PEAKS)):
 
 
 def differences(first, second, many=len(PEAKS)):
+    """One of each of MEASURES."""
     return *apart(shocks(first), shocks(second), many), displaced(first, second, many)
 
 
@@ -173,45 +191,46 @@ def compare(case):
     kept = (common.ROOT / "docs" / "validation" / "six-shocks.inp").read_text().splitlines()
     case.check("CalculiX: lines of the input that are not those of its kept results",
                len(set(kept) ^ set(input_text(BEST).splitlines())), 0.5, "the results are of this scene")
-    best, coarse, fine = (calculix(mesh)[0] for mesh in (BEST, "280-elements-4us", "720-elements-4us"))
-    found = marched(case)
-    plain, shear, stepped = by_hand(False), by_hand(True), by_hand(True, MESHES[BEST][-1])
-    causes = {"shear and rotary inertia": (shear, plain), f"CalculiX's steps of {in_us(MESHES[BEST][-1])} us": (stepped, shear),
-              "720 elements instead of 280, at 4 us": (fine, coarse)}
-    rough = by_hand(False, step=8e-7, spacing=4e-5)
-    for i, what in enumerate(("times, s", "impulses, over the largest")):
-        case.check(f"ra2d beside the same modes by hand: {what}", apart(shocks(found), shocks(plain))[i],
-                   apart(shocks(rough), shocks(plain))[i], "what these move with twice their step and spacing")
-    answers = {"ra2d": (found, best), **causes}
-    for many, words in ((3, "first three shocks"), (len(PEAKS), "all six")):
-        moved = {what: differences(*pair, many) for what, pair in answers.items()}
-        ours = moved.pop("ra2d")
-        # by the end the displacements are a phase apart: a bound on them would say nothing
-        measures = ("times, s", "impulses, over the largest", "displacement of the summit, over the largest")
-        for i, what in enumerate(measures if many < len(PEAKS) else measures[:2]):
-            case.check(f"{words}: {what}", ours[i], sum(each[i] for each in moved.values()),
-                       "shear and rotary inertia, the peer's steps, its mesh: what each moves")
-    case.text("left", 1e6 * apart(shocks(stepped), shocks(best), 3)[0])
+    step, (best, coarse, fine) = MESHES[BEST][-1], (calculix(mesh)[0] for mesh in (BEST, *MESH_ALONE))
+    found, plain, shear, stepped = marched(case), by_hand(False), by_hand(True), in_steps(step)
+    rough = differences(by_hand(False, step=8e-7, spacing=4e-5), plain)
+    for what, ours, most in zip(MEASURES, differences(found, plain), rough):
+        case.check(f"ra2d beside the same modes by hand: {what}", ours, most, "what these move with twice their step and spacing")
+    causes = {"shear and rotary inertia": (shear, plain), f"CalculiX's steps of {in_us(step)} us": (stepped, shear),
+              f"{MORE[0]} modes of each beam instead of {TEN[0]}": (marched(case, MORE), found),
+              f"its mesh: {of_mesh(MESH_ALONE[1])}, instead of {of_mesh(MESH_ALONE[0])}": (fine, coarse)}
+    for many in (2, len(PEAKS)):
+        moved = {what: differences(*pair, many) for what, pair in causes.items()}
+        for i, (what, ours) in enumerate(zip(MEASURES, differences(found, best, many))):
+            case.check(f"first {many} shocks: {what}" if many < len(PEAKS) else f"all: {what}", ours,
+                       sum(each[i] for each in moved.values()), "what shear, the peer's steps, more modes and its mesh move")
+    shear_alone = moved.pop("shear and rotary inertia")
+    for i, (what, hand) in enumerate(zip(MEASURES, differences(shear, best))):
+        case.check(f"all, beams with shear by hand: {what}", hand, sum(each[i] for each in moved.values()),
+                   "what the peer's steps, more modes and its mesh move")
     if not case.short:
-        report(case, found, best, moved)
+        report(case, found, best, shear, {"shear and rotary inertia": shear_alone, **moved})
+
+
+def row(found, peer, many=len(PEAKS)):
+    """The differences as a table has them."""
+    times, *others = differences(found, peer, many)
+    return in_us(times), *map(percent, others)
 
 
 def of_answers(case, what, setting, best, many):
-    """A row of a table: how far ra2d's answer is from CalculiX's, and from its own with many modes."""
-    found, took = marched(case, **setting), seconds_of_last(case)
-    pressures = np.abs(shocks(found)[:, 3] / shocks(best)[:, 3] - 1).max()
-    return (what, *cells(found, best), percent(displaced(found, best)), percent(pressures), *cells(found, many), common.shown(took))
+    """A row of a table: how far ra2d's answer is from CalculiX's, and from its own with many modes; the processor time of a
+    run, the median of five."""
+    took = []
+    for _ in range(5):
+        before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+        found = marched(case, **setting)
+        took.append(resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before)
+    return what, *row(found, best), *row(found, many)[:2], common.shown(np.median(took))
 
 
-def seconds_of_last(case):
-    """What the last run of ra2d took, by the clock [s]."""
-    with h5py.File(case.scratch / "result.h5") as file:
-        return float(file.attrs["wall_seconds"])
-
-
-def cells(found, peer):
-    times, impulses = apart(shocks(found), shocks(peer))
-    return in_us(times), percent(impulses)
+def of_mesh(mesh):
+    return mesh.replace("-elements-", " elements at ").replace("us", " us")
 
 
 def in_us(seconds):
@@ -222,11 +241,9 @@ def percent(share):
     return common.shown(100 * share) if np.isfinite(share) else "a shock is missing"
 
 
-def report(case, found, best, moved):
-    marched(case)
-    took = seconds_of_last(case)
-    case.text("step", 1e6 * MESHES[BEST][-1], 1)
-    case.text("seconds-ra2d", took)
+def report(case, found, best, shear, moved):
+    case.text("audible", " and ".join(f"{(theory(length, 40, False)[0] < 2 * np.pi * 20e3).sum()} of the {which} beam"
+                                      for which, length in (("lower", RESONATOR), ("upper", SLIDER))))
     of = {"ra2d": shocks(found), "calculix": shocks(best), "audible": shocks(marched(case, AUDIBLE))}
     rows = []
     for i in range(len(PEAKS)):
@@ -238,39 +255,57 @@ def report(case, found, best, moved):
         ("peak", "CalculiX: time, us", "ra2d, ten modes, us", "audible modes, us", "CalculiX: impulse, uN s", "ra2d, %",
          "audible modes, %", "CalculiX: largest pressure, kPa", "ra2d, %"), rows))
     many = marched(case, MODES[-1])
-    for name in ("ten", "audible"):
-        times, impulses = cells(found if name == "ten" else marched(case, AUDIBLE), many)
-        case.text(f"{name}-times", times)
-        case.text(f"{name}-impulses", impulses)
-    head = ("", "times, us", "impulses, %", "displacement, %", "pressures, %",
+    for name, modes in (("ten", TEN), ("audible", AUDIBLE)):
+        case.text(f"{name}-times", row(marched(case, modes), many)[0])
+        case.text(f"{name}-impulses", row(marched(case, modes), many)[1])
+    head = ("", "times, us", "impulses, %", "pressures, %", "displacement, %",
             "from forty modes: times, us", "impulses, %", "takes, s")
-    case.text("modes", common.markdown(head, [
-        of_answers(case, f"{lower} and {upper} modes", {"modes": (lower, upper)}, best, many) for lower, upper in MODES]))
+    rows = {(lower, upper): of_answers(case, f"{lower} and {upper} modes", {"modes": (lower, upper)}, best, many)
+            for lower, upper in MODES}
+    case.text("modes", common.markdown(head, rows.values()))
+    case.text("seconds-ra2d", rows[TEN][-1])
     case.text("choices", common.markdown(head, [
-        of_answers(case, "ten modes, `adaptive`, 1e-9", {}, best, many),
+        ("ten modes, `adaptive`, 1e-9", *rows[TEN][1:]),
         of_answers(case, "`backward-euler`, 1e-7 s", {"scheme": "backward-euler", "setting": 1e-7}, best, many),
         of_answers(case, "`backward-euler`, 1e-8 s", {"scheme": "backward-euler", "setting": 1e-8}, best, many),
         of_answers(case, "E instead of E/(1 - nu²)", {"young": YOUNG}, best, many)]))
     case.text("steps", common.markdown(
-        ("CalculiX", *(f"{name}: {what}" for name in ("ra2d", "with shear", "with shear, in its steps")
-                       for what in ("times, us", "impulses, %"))),
-        [(mesh.replace("-elements-", " elements, ").replace("us", " us"),
-          *(cell for ours in (found, by_hand(True), by_hand(True, MESHES[mesh][-1])) for cell in cells(ours, calculix(mesh)[0])))
-         for mesh in MESHES]))
-    case.text("causes", common.markdown(("", "times, us", "impulses, % of the largest", "displacement, % of the largest"), [
-        (what, in_us(times), percent(impulses), percent(summit)) for what, (times, impulses, summit) in moved.items()]))
-    faster = [shocks(by_hand(shear, speed=10.0, overlap=2e-7), 10.0) for shear in (True, False)]
+        ("CalculiX", *(f"{name}: {what}" for name in ("ra2d", "with shear") for what in ("times, us", "impulses, %")),
+         "with shear, in its steps: times, us", "impulses, %", "pressures, %", "displacement, %"),
+        [(of_mesh(mesh), *row(found, peer)[:2], *row(shear, peer)[:2], *row(in_steps(MESHES[mesh][-1]), peer))
+         for mesh, peer in ((mesh, calculix(mesh)[0]) for mesh in MESHES)]))
+    coarse, fine = (calculix(f"{elements}-elements-2us")[0] for elements in (280, 720))
+    case.text("mesh", row(fine, coarse)[0])
+    for name, peer in (("coarse", coarse), ("fine", fine)):
+        case.text(f"{name}-left", row(in_steps(2e-6), peer)[0])
+    case.text("causes", common.markdown(("", "times, us", "impulses, %", "pressures, %", "displacement, %"), [
+        (what, in_us(times), *map(percent, others)) for what, (times, *others) in moved.items()]))
+    faster = [shocks(by_hand(each, speed=10.0, overlap=2e-7), 10.0) for each in (True, False)]
     case.text("faster-times", in_us(apart(*faster)[0]))
     case.text("faster-impulses", percent(apart(*faster)[1]))
-    times, impulses = apart(of["ra2d"], of["calculix"])
-    case.text("times", 1e6 * times)
-    case.text("impulses", 100 * impulses)
-    case.text("local", 100 * local_compliance(best[:, 2].max(), STIFFNESS))
-    case.text("local-stiff", 100 * local_compliance(best[:, 2].max(), 1e15))
+    for name, so_many in (("two", 2), ("five", 5), ("all", len(PEAKS))):
+        for measure, ours, hand in zip(("times", "impulses", "pressures", "displacement"), row(found, best, so_many),
+                                       row(shear, best, so_many)):
+            case.text(f"{name}-{measure}", ours)
+            case.text(f"{name}-{measure}-shear", hand)
+    touched = [best[(best[:, 2] > 0) & (np.abs(SLIDER / 2 + SPEED * best[:, 0] - at) <= PITCH / 2), 0] for at in PEAKS]
+    for name, at in (("shortest", 0), ("longest", -1)):
+        case.text(name, 1e6 * sorted(np.ptp(times) for times in touched)[at])
+    summits = [found[np.abs(SLIDER / 2 + SPEED * found[:, 0] - at) <= PITCH / 2, 4].max() for at in PEAKS]
+    case.text("summit", 1e-3 * max(summits))
+    case.text("bare", str(sum(pressure == 0 for pressure in summits)))
+    for name, stiffness in (("", STIFFNESS), ("-stiff", 1e15)):
+        share, wide = local_compliance(best[:, 2].max(), stiffness)
+        case.text(f"local{name}", 100 * share)
+        case.text(f"wide{name}", 1e6 * wide)
     case.text("peer-seconds", calculix(BEST)[1], 1)
-    text = input_text(BEST)
-    case.text("nodes", str(text.split("NSET=BEAMS\n")[1].split("*")[0].count("\n")))
-    case.text("elements", str(sum(part.split("*")[0].count("\n") - 1 for part in text.split("TYPE=CPE6")[1:])))
+    case.text("peer-minutes", sum(calculix(mesh)[1] for mesh in MESHES) / 60)
+    case.text("version", calculix(BEST)[2])
+    for name, mesh in (("", BEST), ("fine-", MESH_ALONE[1])):
+        text = input_text(mesh)
+        case.text(f"{name}nodes", str(text.split("NSET=BEAMS\n")[1].split("*")[0].count("\n")))
+        case.text(f"{name}elements", str(sum(part.split("*")[0].count("\n") - 1 for part in text.split("TYPE=CPE6")[1:])))
+        case.text(f"{name}step", 1e6 * MESHES[mesh][-1], 1)
     columns = ("time, s", "impulse, N s", "largest force, N", "largest pressure, Pa")
     case.table(("peak", *(f"{name}: {what}" for name in of for what in columns)),
                [(i + 1, *np.concatenate([of[name][i] for name in of])) for i in range(len(PEAKS))])
@@ -278,14 +313,14 @@ def report(case, found, best, moved):
 
 
 def local_compliance(force, stiffness):
-    """By how much the faces yield about the contact under a force [N], over what the contact's own spring yields.
+    """By how much the faces yield about the contact under a force [N], over what its own spring yields; its width [m].
     A strip of half-width a under a line load f yields by f/(pi E') (2 ln(2 d/a) - nu/(1 - nu)) as seen from a depth d
     (Johnson, Contact Mechanics, section 5.6); d is half the thickness, and there are two faces. Two parabolas that overlap
     by o touch over a = sqrt(o) half_width/sqrt(4 height), with the force kappa 4/3 o a."""
     load, width = force / WIDTH, HALF_WIDTH / np.sqrt(4 * HEIGHT)
     overlap = (0.75 * load / (stiffness * width))**(2 / 3)
     a = width * np.sqrt(overlap)
-    return 2 * load / (np.pi * PLANE_STRAIN) * (2 * np.log(THICKNESS / a) - POISSON / (1 - POISSON)) / overlap
+    return 2 * load / (np.pi * PLANE_STRAIN) * (2 * np.log(THICKNESS / a) - POISSON / (1 - POISSON)) / overlap, 2 * a
 
 
 def draw(case, found, best):
@@ -297,7 +332,7 @@ def draw(case, found, best):
     lines = ((best, "CalculiX", style.BLACK, "-", 1.8), (found, "ra2d, ten modes", style.SKY, "-", 1.0),
              (few, "ra2d, audible modes", style.RUST, ":", 1.2))
     for each, label, colour, line, width in lines:
-        axes.plot(1e3 * each[::4, 0], 1e9 * each[::4, 1], color=colour, ls=line, lw=width, label=label)
+        axes.plot(1e3 * each[::6, 0], 1e9 * each[::6, 1], color=colour, ls=line, lw=width, label=label)
     axes.set(title="Displacement of the summit", xlabel="ms", ylabel="nm")
     axes.legend(loc="upper left", ncols=3)
     first = None
