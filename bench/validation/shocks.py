@@ -262,7 +262,8 @@ def report(case):
     rates = [np.mean([each["rate"] for each in found]) for found in hard]
     case.text("least-rate", min(rates))
     case.text("most-rate", max(rates))
-    case.text("level-moves", max(abs(middle) + half for middle, half in (mean(changes(found, stiffest[1e15], "level")) for found in hard)))
+    moves = [mean(changes(found, stiffest[1e15], "level")) for found in hard]
+    case.text("level-moves", max(abs(middle) + half for middle, half in moves))
     case.text("level-soft", plus_minus(changes(stiffest[1e13], stiffest[1e15], "level")))
     sticking = np.mean([each["share"] for each in limits["backward-euler", 1e-7]])
     case.text("sticking", 100 * sticking)
@@ -287,7 +288,7 @@ def report(case):
 def draw(case, sweeps, regimes):
     plt, style = common.pictures()
     figure, (durations, forces, (of_kappa, contact, rates)) = plt.subplots(3, 3, figsize=(11, 10), layout="constrained")
-    part, larger = np.linspace(0, 1, 101), np.logspace(-4, 0, 101)
+    part, larger = np.linspace(0, 1, 41), np.logspace(-4, 0, 41)
     kinds = (("speed", "m/s", SPEEDS[:2:-1]), ("load", "weights", LOADS), ("roughness", "um", [1e6 * rq for rq in ROUGHNESS]))
     kappa = ("stiffness", "Pa/m", STIFFNESS)
     for axes, force, (name, unit, values) in (*zip(durations, [False] * 3, kinds), *zip(forces, [True] * 3, kinds), (of_kappa, False, kappa)):

@@ -200,7 +200,8 @@ def report(case, found, tones):
             less = mean(levels[2 * spacing] - levels[spacing]) if heard and 2 * spacing in levels else None
             part = 10**((levels[spacing] - np.array([each["lv"] for each in analyses])) / 10)
             away = passing(spacing) / NATURAL[np.abs(NATURAL - passing(spacing)).argmin()] - 1
-            rises = ([each["mesh_tone"]["rise"] for each in analyses], [rise(each, passing(spacing)) for each in by_spacing[SPACINGS[-1]]])
+            rises = ([each["mesh_tone"]["rise"] for each in analyses],
+                     [rise(each, passing(spacing)) for each in by_spacing[SPACINGS[-1]]])
             table.append((load, common.shown(1e6 * spacing), common.shown(passing(spacing)),
                           f"{100 * away:+.0f} %" if passing(spacing) < NATURAL[-1] else "above the last",
                           plus_minus(own, half) if heard else "lost in the noise", plus_minus(*less) if less else "",
@@ -215,8 +216,9 @@ def report(case, found, tones):
                 case.text(f"less-{load}-{1e6 * spacing:.0f}", plus_minus(*less))
         case.text(f"between-{load}", plus_minus(*mean(levels[16e-6] - levels[14e-6])))
     case.text("tone", common.markdown(
-        ("load / weight", "spacing, um", "tone, Hz", "from the nearest natural frequency", "tone, dB re 1 nm/s", "less than at twice the spacing, dB",
-         "part of the energy", "its line's rise, dB", f"the same line's rise at {1e6 * SPACINGS[-1]:.0f} um, dB", "level Lv, dB"), table))
+        ("load / weight", "spacing, um", "tone, Hz", "from the nearest natural frequency", "tone, dB re 1 nm/s",
+         "less than at twice the spacing, dB", "part of the energy", "its line's rise, dB",
+         f"the same line's rise at {1e6 * SPACINGS[-1]:.0f} um, dB", "level Lv, dB"), table))
     case.text("seeds", f"{SEEDS}")
     case.table(("what", "load over weight", "mode, or spacing, m", "frequency, Hz", "value",
                 "half of its 95 % interval"), rows)
@@ -258,7 +260,8 @@ def draw(case, found, curves):
         falling.errorbar([1e6 * spacing for spacing in SPACINGS], middle, yerr=half, color=colour, marker=mark, ms=4, lw=1.2,
                          capsize=2, label=f"{load} weights" if load != 1 else "its weight")
     falling.axvspan(0.1e6 / NATURAL[-1], 40, color=style.GREY, alpha=0.12, lw=0)
-    falling.set(title="Tone of the mesh (grey: within the plate's modes)", xlabel="spacing [um]", ylabel="dB re 1 nm/s", xlim=(1.7, 38), xscale="log")
+    falling.set(title="Tone of the mesh (grey: within the plate's modes)", xlabel="spacing [um]", ylabel="dB re 1 nm/s",
+                xlim=(1.7, 38), xscale="log")
     style.decades(falling.xaxis)
     falling.set_xticks([1e6 * spacing for spacing in SPACINGS if spacing != 14e-6])
     falling.legend(loc="lower right")
