@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
 """Shocks of the paper's scene: how many, how long, how hard; over load, speed and roughness, and towards rigid contact;
-beside what the paper's authors published later, and beside three things that must hold.
+over the spacing of two springs; beside what the paper's authors published later, and beside three things that must hold.
 
 Momentum: the slider is carried by shocks alone, so their impulses add up to load times time, less what the slider's
 mean velocity has gained. Duration: a node that meets a stiff spring leaves it after half a period of that spring on the
@@ -288,7 +288,7 @@ def report(case):
 def draw(case, sweeps, regimes):
     plt, style = common.pictures()
     figure, (durations, forces, (of_kappa, contact, rates)) = plt.subplots(3, 3, figsize=(11, 10), layout="constrained")
-    part, larger = np.linspace(0, 1, 41), np.logspace(-4, 0, 41)
+    part, larger = np.linspace(0.01, 0.99, 50), np.logspace(-4, 0, 41)
     kinds = (("speed", "m/s", SPEEDS[:2:-1]), ("load", "weights", LOADS), ("roughness", "um", [1e6 * rq for rq in ROUGHNESS]))
     kappa = ("stiffness", "Pa/m", STIFFNESS)
     for axes, force, (name, unit, values) in (*zip(durations, [False] * 3, kinds), *zip(forces, [True] * 3, kinds), (of_kappa, False, kappa)):
