@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The beam of the moving-load cases: the paper's plate, without damping, and its modes by the textbook."""
+"""The paper's plate, without damping, and its modes by the textbook: pinned, by Euler and Bernoulli."""
 import numpy as np
 
 LENGTH, THICKNESS, WIDTH, YOUNG, DENSITY = 0.3, 0.002, 0.2, 210e9, 7800.0  # m, m, m, Pa, kg/m^3

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
 """Shocks of the paper's scene: how many, how long, how hard; over load, speed and roughness, and towards rigid contact;
-beside what the paper's authors published later, and beside three things that must hold.
+over the spacing of two springs; beside what the paper's authors published later, and beside three things that must hold.
 
 Momentum: the slider is carried by shocks alone, so their impulses add up to load times time, less what the slider's
 mean velocity has gained. Duration: a node that meets a stiff spring leaves it after half a period of that spring on the
@@ -31,7 +31,8 @@ ROUGHNESS = (2e-6, 4e-6, 8e-6, 12e-6, 20e-6)             # m
 STIFFNESS = (1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19)   # Pa/m
 OTHER_STIFFNESS, FEWER_SEEDS = (1e13, 1e17), 4           # of the regimes
 MULTIPLIERS = (("backward-euler", 1e-6), ("backward-euler", 1e-7), ("backward-euler", 1e-8), ("midpoint", 1e-7))
-SPACINGS = (16e-6, 8e-6, 4e-6, 2e-6)                     # m
+SPACINGS = (16e-6, 8e-6, 4e-6, 2e-6, 1e-6)               # m
+STIFF = 1e18                                             # Pa/m, of the second sweep of the spacing
 PAPER = tomllib.loads((common.ROOT / "scenes" / "dang2012.toml").read_text())
 SLIDER = PAPER["slider"]
 MASS = SLIDER["density"] * SLIDER["length"] * SLIDER["thickness"] * SLIDER["width"]
@@ -132,13 +133,13 @@ PARTS = (1, 4, 10)  # of the speed that the spring holds
 
 
 def unbroken(case, stiffness, seeds, parts=PARTS):
-    """Share of the time without contact at parts of the speed that the spring holds."""
+    """Share of the time without contact at parts of the speed that the spring holds, of each run."""
     apart = []
     for part in parts:
         found = runs(case, seeds, speed=unbroken_below(stiffness) / part, stiffness=stiffness, duration=0.1 if case.short else 1.0)
-        apart.append(1 - np.mean([each["share"] for each in found]))
-    case.check("share of the time without contact, at a tenth of the speed that the spring holds", apart[-1], 2 * stats.norm.sf(10),
-               "slopes are normal: ten standard deviations")
+        apart.append([1 - each["share"] for each in found])
+    case.check("share of the time without contact, at a tenth of the speed that the spring holds", np.mean(apart[-1]),
+               2 * stats.norm.sf(10), "slopes are normal: ten standard deviations")
     return apart
 
 
@@ -153,7 +154,8 @@ def compare(case):
 
 
 WHAT = ("shocks a second", "duration, us: median", "10 to 90 %", "peak / weight: median", "99 %", "largest in a run",
-        "time in contact", "level, dB")
+        "impulse, uN s: median", "99 %", "time in contact", "level, dB")
+TENTHS = (0.1, 0.5, 0.9, 0.99)
 
 
 def plus_minus(values, digits=2):
@@ -167,22 +169,42 @@ def share(value):
     return f"{100 * value:.3g} %" if value < 0.9995 or value == 1 else f"{100 * value:.4f} %"
 
 
+def quantiles(found, name, unit=1.0):
+    """TENTHS of all shocks of several runs: each with the ends of its 95 % interval, by a bootstrap over the runs."""
+    run = np.repeat(np.arange(len(found)), [len(each[name]) for each in found])
+    values = over(found, name) / unit
+    order = np.argsort(values)
+    drawn = np.random.default_rng(0).multinomial(len(found), np.full(len(found), 1 / len(found)), 400)
+    summed = (np.cumsum(times[run[order]]) for times in (np.ones(len(found)), *drawn))
+    each = np.array([values[order[np.searchsorted(upto, np.multiply(TENTHS, upto[-1]))]] for upto in summed])
+    return np.column_stack([each[0], *np.quantile(each[1:], (0.025, 0.975), axis=0)])
+
+
+def within(quantile):
+    """A quantile with its interval."""
+    return "{} ({} to {})".format(*map(common.shown, quantile))
+
+
 def row(found):
     """What a table says of some runs."""
-    duration, peak = 1e6 * over(found, "duration"), over(found, "peak_force") / WEIGHT
-    low, high = np.quantile(duration, (0.1, 0.9))
-    return (plus_minus([each["rate"] for each in found]), common.shown(np.median(duration)),
-            f"{common.shown(low)} to {common.shown(high)}", common.shown(np.median(peak)), common.shown(np.quantile(peak, 0.99)),
-            plus_minus([each["peak_force"].max() / WEIGHT for each in found], 1), share(np.mean([each["share"] for each in found])),
-            plus_minus([each["level"] for each in found]))
+    duration, peak, impulse = (quantiles(found, *each) for each in (("duration", 1e-6), ("peak_force", WEIGHT), ("impulse", 1e-6)))
+    return (plus_minus([each["rate"] for each in found]), within(duration[1]),
+            f"{common.shown(duration[0, 0])} to {common.shown(duration[2, 0])}", within(peak[1]), within(peak[3]),
+            plus_minus([each["peak_force"].max() / WEIGHT for each in found], 1), within(impulse[1]), within(impulse[3]),
+            share(np.mean([each["share"] for each in found])), plus_minus([each["level"] for each in found]))
 
 
 def numbers(found):
     """The same for other programs."""
-    rates, levels = mean([each["rate"] for each in found]), mean([each["level"] for each in found])
-    return (*rates, *np.quantile(over(found, "duration"), (0.1, 0.5, 0.9, 0.99)),
-            *np.quantile(over(found, "peak_force") / WEIGHT, (0.1, 0.5, 0.9, 0.99, 1)),
-            np.mean([each["share"] for each in found]), *levels)
+    return (*mean([each["rate"] for each in found]), *(number for name in ("duration", "peak_force", "impulse")
+            for quantile in quantiles(found, name, WEIGHT if name == "peak_force" else 1.0) for number in quantile),
+            max(each["peak_force"].max() for each in found) / WEIGHT, np.mean([each["share"] for each in found]),
+            *mean([each["level"] for each in found]))
+
+
+def changes(found, base, name):
+    """What a quantity of a run changes by, on the same surfaces."""
+    return [each[name] - other[name] for each, other in zip(found, base)]
 
 
 def report(case):
@@ -192,6 +214,8 @@ def report(case):
         "load": ("load / weight", {load: base if load == 1 else runs(case, load=load) for load in LOADS}),
         "roughness": ("Rq, um", {1e6 * rq: base if rq == 8e-6 else runs(case, rq=rq) for rq in ROUGHNESS}),
         "spacing": ("spacing, um", {1e6 * spacing: runs(case, spacing=spacing, duration=0.5) for spacing in SPACINGS}),
+        "spacing-stiff": ("spacing, um", {1e6 * spacing: runs(case, spacing=spacing, stiffness=STIFF, duration=0.5)
+                                          for spacing in SPACINGS}),
         "stiffness": ("kappa, Pa/m", {stiffness: runs(case, stiffness=stiffness, duration=0.5) for stiffness in STIFFNESS}),
     }
     rows = []
@@ -223,49 +247,67 @@ def report(case):
     case.text("regimes", common.markdown(
         ("kappa, Pa/m", "the spring holds up to, mm/s", "time without contact at that speed", *(f"at 1/{part} of it" for part in PARTS[1:]),
          *(f"time in contact at {speed} m/s" for speed in SPEEDS[::2])),
-        [(common.shown(stiffness, 1), common.shown(1e3 * unbroken_below(stiffness)), *map(common.shown, apart[stiffness]),
+        [(common.shown(stiffness, 1), common.shown(1e3 * unbroken_below(stiffness)), *(common.shown(np.mean(each)) for each in apart[stiffness]),
           *(share(by_speed[speed][0]) for speed in SPEEDS[::2])) for stiffness, by_speed in sorted(regimes.items())]))
-    softer, harder = ([each["level"] for each in found] for found in (stiffest[1e18], limits["backward-euler", 1e-7]))
-    case.text("level-apart", plus_minus(np.subtract(softer, harder)))
+    case.text("level-apart", plus_minus(changes(stiffest[1e18], limits["backward-euler", 1e-7], "level")))
     case.text("rate", plus_minus([each["rate"] for each in base]))
     case.text("rigid-rate", plus_minus([each["rate"] for each in stiffest[1e19]]))
     case.text("largest", plus_minus([each["peak_force"].max() / WEIGHT for each in base], 1))
-    coarse, fine = (np.mean([each["rate"] for each in sweeps["spacing"][1][1e6 * spacing]]) for spacing in (8e-6, 4e-6))
-    case.text("finer", 100 * (1 - fine / coarse))
+    for name in ("spacing", "spacing-stiff"):
+        rates = {value: np.array([each["rate"] for each in found]) for value, found in sweeps[name][1].items()}
+        for coarse, fine in zip(rates, list(rates)[1:]):
+            case.text(f"{name}-{coarse:.0f}-to-{fine:.0f}", plus_minus(100 * (rates[fine] / rates[coarse] - 1)))
+    hard = [found for name in ("spacing", "spacing-stiff", "stiffness") for value, found in sweeps[name][1].items()
+            if name != "stiffness" or value >= 1e15]
+    rates = [np.mean([each["rate"] for each in found]) for found in hard]
+    case.text("least-rate", min(rates))
+    case.text("most-rate", max(rates))
+    moves = [mean(changes(found, stiffest[1e15], "level")) for found in hard]
+    case.text("level-moves", max(abs(middle) + half for middle, half in moves))
+    case.text("level-soft", plus_minus(changes(stiffest[1e13], stiffest[1e15], "level")))
     sticking = np.mean([each["share"] for each in limits["backward-euler", 1e-7]])
     case.text("sticking", 100 * sticking)
     case.text("median", 1e6 * np.median(over(base, "duration")))
     case.text("thesis-stiffness", 1e15 * (np.median(over(base, "duration")) / 1e-4)**2, 1)
+    quarter = np.array([apart[stiffness][1] for stiffness in sorted(apart)])
+    case.text("lost", f"{(quarter[0] > 0).sum()} of {quarter.shape[1]}")
     case.text("seeds", f"{SEEDS}")
+    case.text("stiff", STIFF, 1)
+    case.text("weight", WEIGHT)
     case.text("fewer", f"{FEWER_SEEDS}")
     case.text("momentum", max(found for what, (found, *_) in case.checks.items() if "impulses" in what))
     case.text("holds", 1e3 * unbroken_below(1e15))
     case.text("longer", longer(stiffest[1e19]))
-    names = ("rate, 1/s", "half of its 95 % interval", *(f"duration, {q} %, s" for q in (10, 50, 90, 99)),
-             *(f"peak over weight, {q} %" for q in (10, 50, 90, 99, 100)), "share of time in contact", "level, dB", "half of its 95 % interval")
+    names = ("rate, 1/s", "half of its 95 % interval", *(
+        f"{what}, {100 * part:.0f} %{end}" for what in ("duration, s", "peak over weight", "impulse, N s") for part in TENTHS
+        for end in ("", ", from", ", to")), "largest peak over weight", "share of time in contact", "level, dB", "half of its 95 % interval")
     case.table(("what is varied", "value", *names), rows)
     draw(case, sweeps, regimes)
 
 
 def draw(case, sweeps, regimes):
     plt, style = common.pictures()
-    figure, ((durations, forces), (contact, rates)) = plt.subplots(2, 2, figsize=(9, 7), layout="constrained")
-    part = np.linspace(0, 1, 201)
-    for (stiffness, found), colour, line in zip(sweeps["stiffness"][1].items(), style.SERIES, style.LINES):
-        durations.semilogx(1e6 * np.quantile(over(found, "duration"), part), part, color=colour, ls=line, lw=1.3,
-                           label=f"{common.shown(stiffness, 1)}")
-    durations.axvspan(1, 100, color=style.GREY, alpha=0.12, lw=0)
-    durations.set(title="Durations, by kappa [Pa/m]", xlabel="us (grey: the authors, 1 us to 0.1 ms)",
-                  ylabel="share that is shorter", xlim=(0.1, 1e4))
-    durations.legend(loc="lower right")
-    larger = np.logspace(-4, 0, 201)
-    for speed, colour, line in zip(SPEEDS[:2:-1], style.SERIES, style.LINES):
-        peak = over(sweeps["speed"][1][speed], "peak_force") / WEIGHT
-        forces.loglog(np.quantile(peak, 1 - larger), larger, color=colour, ls=line, lw=1.3, label=f"{speed:g} m/s")
-    forces.axvline(100, color=style.GREY, lw=1)
-    forces.set(title="Peak forces, by speed", xlabel="peak over weight (line: the authors' largest)",
-               ylabel="share that is larger", ylim=(1e-4, 1.5), xlim=(0.1, 1e3))
-    forces.legend(loc="lower left")
+    figure, (durations, forces, (of_kappa, contact, rates)) = plt.subplots(3, 3, figsize=(11, 10), layout="constrained")
+    part, larger = np.linspace(0.01, 0.99, 50), np.logspace(-4, 0, 41)
+    kinds = (("speed", "m/s", SPEEDS[:2:-1]), ("load", "weights", LOADS), ("roughness", "um", [1e6 * rq for rq in ROUGHNESS]))
+    kappa = ("stiffness", "Pa/m", STIFFNESS)
+    for axes, force, (name, unit, values) in (*zip(durations, [False] * 3, kinds), *zip(forces, [True] * 3, kinds), (of_kappa, False, kappa)):
+        for value, colour, line in zip(values, style.SERIES, style.LINES):
+            found, label = sweeps[name][1][value], f"{common.shown(value, 1)} {unit}"
+            if force:
+                peak = over(found, "peak_force") / WEIGHT
+                axes.loglog(np.quantile(peak, 1 - larger), larger, color=colour, ls=line, lw=1.3, label=label)
+            else:
+                axes.semilogx(1e6 * np.quantile(over(found, "duration"), part), part, color=colour, ls=line, lw=1.3, label=label)
+        if force:
+            axes.axvline(100, color=style.GREY, lw=1)
+            axes.set(title=f"Peak forces, by {name}", xlabel="peak over weight (line: the authors' largest)",
+                     ylabel="share that is larger", ylim=(1e-4, 1.5), xlim=(0.1, 1e3))
+        else:
+            axes.axvspan(1, 100, color=style.GREY, alpha=0.12, lw=0)
+            axes.set(title=f"Durations, by {name}", xlabel="us (grey: the authors, 1 us to 0.1 ms)",
+                     ylabel="share that is shorter", xlim=(0.1, 1e4))
+        axes.legend(loc="lower left" if force else "lower right", fontsize=7.5)
     for (stiffness, by_speed), colour, mark in zip(sorted(regimes.items()), style.SERIES, style.MARKS):
         speeds = sorted(by_speed)
         label = f"{common.shown(stiffness, 1)} Pa/m"
@@ -273,10 +315,10 @@ def draw(case, sweeps, regimes):
         contact.axvline(unbroken_below(stiffness), color=colour, lw=1, ls=":")
         rates.loglog(speeds, [by_speed[speed][1] for speed in speeds], color=colour, marker=mark, ms=4, lw=1.2, label=label)
     contact.set(title="Time in contact (dotted: what the spring holds)", xlabel="speed [m/s]", ylabel="%", ylim=(-3, 103))
-    contact.legend(loc="lower left")
+    contact.legend(loc="lower left", fontsize=7.5)
     rates.axhline(THESIS_RATE, color=style.GREY, lw=1)
     rates.set(title="Shocks a second (line: the authors')", xlabel="speed [m/s]")
-    rates.legend(loc="lower right")
+    rates.legend(loc="lower right", fontsize=7.5)
     case.figure(figure)
 
 

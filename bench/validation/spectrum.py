@@ -23,8 +23,8 @@ import plate
 SEEDS = 6
 LOADS = (0.01, 0.1, 0.3, 1, 3, 10, 100)       # of the weight
 DURATION, START = 2.0, 0.04                   # s, m: the slider's middle goes from 50 to 250 mm, at 0.1 m/s
-SPACINGS = (32e-6, 16e-6, 8e-6, 4e-6, 2e-6)   # m
-TONE_LOADS, TONE_SEEDS = (1, 100), 3
+SPACINGS = (32e-6, 16e-6, 14e-6, 8e-6, 4e-6, 2e-6)  # m: of 14 um the tone lies between two natural frequencies
+TONE_LOADS = (1, 100)
 PAPER = tomllib.loads((common.ROOT / "scenes" / "dang2012.toml").read_text())
 SLIDER = PAPER["slider"]
 MASS = SLIDER["density"] * SLIDER["length"] * SLIDER["thickness"] * SLIDER["width"]
@@ -33,6 +33,7 @@ WEIGHT = MASS * 9.80665
 MODES = int((plate.omegas(100) < 2 * np.pi * PAPER["resonator"]["max_frequency"]).sum())
 NATURAL = plate.omegas(MODES) / (2 * np.pi)   # Hz
 SHOWN = (2, 3, 4, 6, 8, 10, 13, 19)           # modes in the chapter's tables
+FREE = 7                                      # from here on a mode has lines enough in a second
 
 
 def papers(seed, load, duration=DURATION, start=START, spacing=8e-6, rate=50e3):
@@ -81,10 +82,10 @@ def mean(values, confidence=0.95):
 
 
 def undisturbed(case, found):
-    """A slider that hardly touches leaves the plate as it is. The lower modes have too few lines in a second."""
+    """A slider that hardly touches leaves the plate as it is."""
     for what, values, true in zip(("shift of the peaks", "half-power damping"), peaks(found), (0, SLIDER["damping"])):
-        middle, half = mean(values[:, 6:].mean(axis=1), 0.999)
-        case.check(f"load of {LOADS[0]} weights: {what}, mean over the modes, off by", abs(middle - true), half,
+        middle, half = mean(values[:, FREE - 1:].mean(axis=1), 0.999)
+        case.check(f"load of {LOADS[0]} weights: {what}, mean over modes {FREE} to {MODES}, off by", abs(middle - true), half,
                    "the seeds: Student's t, 99.9 %")
 
 
@@ -98,23 +99,57 @@ def riding(case, found):
                    "a quarter of its mass to all of it, and the seeds: 99.9 % for all modes together")
 
 
-def tone(analysis, scene):
+def passing(spacing):
+    """How often nodes pass nodes [Hz]."""
+    return PAPER["scene"]["speed"] / spacing
+
+
+def tone(analysis, frequency):
     """The tone's mean square velocity [(m/s)^2], without the noise under it: the mean of a density from its median."""
-    frequency, density = (np.array(analysis["spectrum"][name]) for name in ("frequency", "psd_mean"))
+    lines, density = (np.array(analysis["spectrum"][name]) for name in ("frequency", "psd_mean"))
     freedom = analysis["spectrum"]["degrees_of_freedom"]
-    line = round(scene["scene"]["speed"] / scene["scene"]["spacing"] / frequency[1])
+    line = round(frequency / lines[1])
     around = np.r_[density[line - 40:line - 8], density[line + 9:line + 41]]
-    return (density[line - 3:line + 4] - np.median(around) * freedom / stats.chi2.ppf(0.5, freedom)).sum() * frequency[1]
+    return (density[line - 3:line + 4] - np.median(around) * freedom / stats.chi2.ppf(0.5, freedom)).sum() * lines[1]
+
+
+def rise(analysis, frequency):
+    """`mesh_tone.rise` at another frequency [dB]: the highest of five lines above the median of the 36 about them."""
+    density = np.array(analysis["spectrum"]["psd_mean"])
+    line = round(frequency / analysis["spectrum"]["frequency"][1])
+    around = np.r_[density[line - 20:line - 2], density[line + 3:line + 21]]
+    return 10 * np.log10(density[line - 2:line + 3].max() / np.median(around))
+
+
+def with_spacing(case, load, spacing, duration=1.0):
+    rate = max(50e3, 0.25 / spacing)  # the tone must be within the spectrum
+    return [analysed(case, papers(seed, load, duration, 0.1, spacing, rate)) for seed in range(SEEDS)]
+
+
+def meshes(case, load, by_spacing):
+    """Within the plate's modes, the line at speed/spacing is that of the mesh: a finer one has it not."""
+    finest, missing = min(by_spacing), []
+    for spacing, found in by_spacing.items():
+        if spacing > finest and passing(spacing) < NATURAL[-1]:
+            drop, half = mean([rise(fine, passing(spacing)) - each["mesh_tone"]["rise"]
+                               for fine, each in zip(by_spacing[finest], found)], 0.99)
+            missing.append(drop + half)
+    case.check(f"load of {load} weights: how a spacing of {1e6 * finest:.0f} um changes the rise of the line at speed/spacing, dB, "
+               "upper end of the interval", max(missing), 0, "the line is the mesh's, so it falls. The seeds: Student's t, 99 %")
 
 
 def compare(case):
     if case.short:
         undisturbed(case, [analysed(case, papers(seed, LOADS[0], duration=1.0)) for seed in range(6)])
+        meshes(case, 1, {spacing: with_spacing(case, 1, spacing, 0.5) for spacing in (16e-6, 8e-6)})
         return
     found = {load: [analysed(case, papers(seed, load)) for seed in range(SEEDS)] for load in LOADS}
+    tones = {load: {spacing: with_spacing(case, load, spacing) for spacing in SPACINGS} for load in TONE_LOADS}
     undisturbed(case, found[LOADS[0]])
     riding(case, found[LOADS[-1]])
-    report(case, found)
+    for load, by_spacing in tones.items():
+        meshes(case, load, by_spacing)
+    report(case, found, tones)
 
 
 def plus_minus(middle, half, unit=1.0):
@@ -125,7 +160,7 @@ def plus_minus(middle, half, unit=1.0):
     return f"{middle / unit:.{places}f} ± {half / unit:.{places}f}"
 
 
-def report(case, found):
+def report(case, found, tones):
     rows, tables = [], {"shift": [], "damping": []}
     for load, analyses in found.items():
         rate, contact = np.mean([(each["shocks"]["rate"], each["contact_share"]) for each in analyses], axis=0)
@@ -134,44 +169,63 @@ def report(case, found):
             tables[name].append((load, common.shown(rate), f"{100 * contact:.3g} %",
                                  *(plus_minus(middle[mode - 1], half[mode - 1], 0.01) for mode in SHOWN)))
             rows += [(name, load, mode + 1, NATURAL[mode], middle[mode], half[mode]) for mode in range(MODES)]
-    header = ("load / weight", "shocks a second", "in contact", *(f"mode {mode}, {NATURAL[mode - 1]:.0f} Hz" for mode in SHOWN))
+    header = ("load / weight", "shocks a second", "time in contact", *(f"mode {mode}, {NATURAL[mode - 1]:.0f} Hz" for mode in SHOWN))
     forms = [(name, "", "", *(f"{100 * moved[mode - 1]:.1f}" for mode in SHOWN)) for name, moved in (
         ("closed form: a quarter of the mass rides along", carried(MASS / 4, 0)), ("closed form: all of it", carried(MASS, TILTING)))]
     case.text("shift", common.markdown(header, [*tables["shift"], *forms]))
     case.text("damping", common.markdown(header, tables["damping"]))
-    weight_shift, weight_damping = (mean(values)[0] for values in peaks(found[1]))
-    case.text("largest-shift", -100 * np.nanmin(weight_shift))
-    case.text("largest-damping", np.nanmax(weight_damping))
-    case.text("free-damping", mean(peaks(found[LOADS[0]])[1][:, 6:].mean(axis=1))[0], 3)
+    shift = mean(peaks(found[1])[0])[0]
+    most = np.nanargmin(shift)
+    case.text("largest-shift", -100 * shift[most])
+    case.text("largest-mode", f"{most + 1}")
+    case.text("quarter", -100 * carried(MASS / 4, 0)[most])
+    case.text("whole", -100 * carried(MASS, TILTING)[most])
+    middles, halves = zip(*(mean(peaks(analyses)[1]) for analyses in found.values()))
+    load, mode = np.unravel_index(np.nanargmax(middles), np.shape(middles))
+    case.text("largest-damping", plus_minus(middles[load][mode], halves[load][mode], 0.01))
+    case.text("largest-damping-at", f"mode {mode + 1}, {LOADS[load]} weights")
+    case.text("free-damping", plus_minus(*mean(peaks(found[LOADS[0]])[1][:, FREE - 1:].mean(axis=1)), 0.01))
+    case.text("free-from", f"{FREE}")
+    case.text("modes", f"{MODES}")
+    case.text("first", NATURAL[0])
+    case.text("first-width", 2 * SLIDER["damping"] * NATURAL[0])
     case.text("weight-contact", 100 * np.mean([each["contact_share"] for each in found[1]]))
-    tones, table = {}, []
-    for load in TONE_LOADS:
-        for spacing in SPACINGS:
-            rate = max(50e3, 0.25 / spacing)  # the tone must be within the spectrum
-            scenes = [papers(seed, load, duration=1.0, start=0.1, spacing=spacing, rate=rate) for seed in range(TONE_SEEDS)]
-            analyses = [analysed(case, scene) for scene in scenes]
-            powers = [tone(each, scene) for each, scene in zip(analyses, scenes)]
-            level = np.mean([each["lv"] for each in analyses])
-            tones[load, spacing], said, part = np.nan, "lost in the noise", "lost in the noise"
-            if min(powers) > 0:
-                tones[load, spacing] = 10 * np.log10(np.mean(powers) / 1e-18)
-                said = f"{tones[load, spacing]:.1f}"
-                part = common.shown(np.mean(powers) / np.mean([each["v_rms"]**2 for each in analyses]))
-            rise = np.mean([each["mesh_tone"]["rise"] for each in analyses])
-            table.append((load, common.shown(1e6 * spacing), common.shown(0.1 / spacing), said, part, f"{rise:.1f}", f"{level:.2f}"))
-            if load == 1 and spacing == 8e-6:
-                case.text("tone-part", part)
-            rows.append(("tone", load, spacing, 0.1 / spacing, tones[load, spacing], level))
-    case.text("tone", common.markdown(("load / weight", "spacing, um", "tone, Hz", "tone, dB re 1 nm/s", "of the energy",
-                                       "`mesh_tone.rise`, dB", "level Lv, dB"), table))
+    table, curves = [], {}
+    for load, by_spacing in tones.items():
+        levels = {spacing: 10 * np.log10(np.array([max(tone(each, passing(spacing)), 1e-30) for each in analyses]) / 1e-18)
+                  for spacing, analyses in by_spacing.items()}  # without a tone: far below any
+        for spacing, analyses in by_spacing.items():
+            own, half = mean(levels[spacing])
+            heard = levels[spacing].min() > 0
+            less = mean(levels[2 * spacing] - levels[spacing]) if heard and 2 * spacing in levels else None
+            part = 10**((levels[spacing] - np.array([each["lv"] for each in analyses])) / 10)
+            away = passing(spacing) / NATURAL[np.abs(NATURAL - passing(spacing)).argmin()] - 1
+            rises = ([each["mesh_tone"]["rise"] for each in analyses],
+                     [rise(each, passing(spacing)) for each in by_spacing[SPACINGS[-1]]])
+            table.append((load, common.shown(1e6 * spacing), common.shown(passing(spacing)),
+                          f"{100 * away:+.0f} %" if passing(spacing) < NATURAL[-1] else "above the last",
+                          plus_minus(own, half) if heard else "lost in the noise", plus_minus(*less) if less else "",
+                          common.shown(part.mean()) if heard else "", *(plus_minus(*mean(each)) for each in rises),
+                          plus_minus(*mean([each["lv"] for each in analyses]))))
+            curves[load, spacing] = (own, half) if heard else (np.nan, np.nan)
+            rows.append(("tone", load, spacing, passing(spacing), *curves[load, spacing]))
+            if load == 1 and spacing == PAPER["scene"]["spacing"]:
+                case.text("tone-part", part.mean())
+                case.text("tone-at", f"{passing(spacing) / 1e3:.1f}")
+            if less:
+                case.text(f"less-{load}-{1e6 * spacing:.0f}", plus_minus(*less))
+        case.text(f"between-{load}", plus_minus(*mean(levels[16e-6] - levels[14e-6])))
+    case.text("tone", common.markdown(
+        ("load / weight", "spacing, um", "tone, Hz", "from the nearest natural frequency", "tone, dB re 1 nm/s",
+         "less than at twice the spacing, dB", "part of the energy", "its line's rise, dB",
+         f"the same line's rise at {1e6 * SPACINGS[-1]:.0f} um, dB", "level Lv, dB"), table))
     case.text("seeds", f"{SEEDS}")
-    case.text("tone-seeds", f"{TONE_SEEDS}")
     case.table(("what", "load over weight", "mode, or spacing, m", "frequency, Hz", "value",
-                "half of its 95 % interval, or level, dB"), rows)
-    draw(case, found, tones)
+                "half of its 95 % interval"), rows)
+    draw(case, found, curves)
 
 
-def draw(case, found, tones):
+def draw(case, found, curves):
     plt, style = common.pictures()
     figure, ((density, falling), (shift, damping)) = plt.subplots(2, 2, figsize=(9, 7), layout="constrained")
     for load, colour in ((LOADS[0], style.SKY), (1, style.BLUE), (LOADS[-1], style.RUST)):
@@ -202,12 +256,14 @@ def draw(case, found, tones):
     damping.set(title="Half-power damping (line: the scene's)", xlim=(150, 22e3), ylim=(1.5, 6))
     shift.legend(loc="upper left", ncols=2, fontsize=7.5)
     for load, colour, mark in zip(TONE_LOADS, (style.BLUE, style.RUST), style.MARKS):
-        falling.semilogx([1e6 * spacing for spacing in SPACINGS], [tones[load, spacing] for spacing in SPACINGS], color=colour,
-                         marker=mark, ms=4, lw=1.2, label=f"{load} weights" if load != 1 else "its weight")
+        middle, half = zip(*(curves[load, spacing] for spacing in SPACINGS))
+        falling.errorbar([1e6 * spacing for spacing in SPACINGS], middle, yerr=half, color=colour, marker=mark, ms=4, lw=1.2,
+                         capsize=2, label=f"{load} weights" if load != 1 else "its weight")
     falling.axvspan(0.1e6 / NATURAL[-1], 40, color=style.GREY, alpha=0.12, lw=0)
-    falling.set(title="Tone of the mesh (grey: within the plate's modes)", xlabel="spacing [um]", ylabel="dB re 1 nm/s", xlim=(1.7, 38))
+    falling.set(title="Tone of the mesh (grey: within the plate's modes)", xlabel="spacing [um]", ylabel="dB re 1 nm/s",
+                xlim=(1.7, 38), xscale="log")
     style.decades(falling.xaxis)
-    falling.set_xticks([1e6 * spacing for spacing in SPACINGS])
+    falling.set_xticks([1e6 * spacing for spacing in SPACINGS if spacing != 14e-6])
     falling.legend(loc="lower right")
     case.figure(figure)
 
