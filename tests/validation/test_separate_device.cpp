@@ -182,7 +182,9 @@ TEST_F(SeparateDeviceTest, AContactWithoutMemoryToGrowEndsItsSceneAlone) {
 }
 
 // What a scene has grown by is beside the room of the batch; what it took at first stays taken.
-TEST(RoomOfABatch, IsNotGivenBackByWhatGrows) {
+TEST_F(SeparateDeviceTest, RoomIsNotGivenBackByWhatGrows) {
+  SeparateDevice device;
+  const MarchedThere there(device);  // where what is handed out does not count
   const Model model = make_model(forms()[3]);
   const ModalStart start = make_start(model);
   BatchOptions options{.room = {.nodes = 1}};
