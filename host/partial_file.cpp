@@ -202,10 +202,14 @@ PartialFile::PartialFile(const fs::path& target) : target_{replaced_file(target)
   for (int attempt = 0; descriptor_ < 0; ++attempt) {
     path_ = target_;
     path_.replace_filename(partial_name(name, host, attempt, longest));
+    place_ = take_place(path_.c_str());  // first: a signal may come as soon as the file is there
     descriptor_ = open(path_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (descriptor_ < 0 && errno != EEXIST) fail(errno);
-    if (descriptor_ < 0) continue;
-    place_ = take_place(path_.c_str());
+    if (descriptor_ < 0) {
+      const int error = errno;
+      leave_place(std::exchange(place_, nowhere));
+      if (error != EEXIST) fail(error);
+      continue;
+    }
     const int held = lock(descriptor_);  // where there are no locks, nobody cleans up either
     if (held == EAGAIN || held == EACCES || !stands_at(descriptor_, path_)) drop();
   }

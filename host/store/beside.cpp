@@ -61,7 +61,12 @@ ClaimedOutput::ClaimedOutput(const fs::path& output) : names_{names_beside(outpu
     throw write_failure("make the folder", names_.segments, std::strerror(error), error);
   };
   while (folder_ < 0) {
-    if (mkdir(names_.segments.c_str(), 0777) != 0 && errno != EEXIST) fail(errno);
+    partial_.emplace(names_.segments);  // first: a signal may come as soon as the folder is there
+    if (mkdir(names_.segments.c_str(), 0777) != 0) {
+      const int error = errno;
+      partial_.reset();  // it may be somebody else's
+      if (error != EEXIST) fail(error);
+    }
     folder_ = open(names_.segments.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
     if (folder_ < 0 && errno == ENOENT) continue;  // whoever had it is done
     if (folder_ < 0 && (errno == ENOTDIR || errno == ELOOP))
@@ -80,7 +85,7 @@ ClaimedOutput::ClaimedOutput(const fs::path& output) : names_{names_beside(outpu
                       "another output with -o",
                       names_.result.string()));
   }
-  partial_.emplace(names_.segments);
+  if (!partial_) partial_.emplace(names_.segments);
 }
 
 ClaimedOutput::~ClaimedOutput() {

@@ -7,6 +7,7 @@
 //   FAULTY_ERROR         the errno that they fail with; or
 //   FAULTY_SHORT         the same, but a write writes half of what it is given, as it may; or
 //   FAULTY_KILL          if set, the process is killed at that call, before it does anything
+//   FAULTY_TERM_AT       1, 2, ...: as soon as so many files and folders are made, SIGTERM comes
 //   FAULTY_TOLD          a file elsewhere that is made when a call has failed
 //   FAULTY_ROOM          bytes: a file has no room beyond (ENOSPC)
 //   FAULTY_DURABLE       a folder elsewhere on the same disk that is told what a power cut would leave: for each file
@@ -19,6 +20,7 @@
 #include <fcntl.h>
 #include <limits.h>
 #include <signal.h>
+#include <stdarg.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -62,6 +64,13 @@ static int fails(void) {
 /// Of a call that writes and whose turn it is: whether it writes half.
 static int half(size_t count) { return getenv("FAULTY_SHORT") != NULL && count > 1; }
 
+/// After a file or folder is made.
+static void told_to_end(void) {
+  static atomic_long made;
+  const char* at = getenv("FAULTY_TERM_AT");
+  if (at != NULL && ++made == atol(at)) raise(SIGTERM);
+}
+
 static int beyond_room(off_t end) {
   const char* room = getenv("FAULTY_ROOM");
   if (room == NULL || end <= atol(room)) return 0;
@@ -73,6 +82,32 @@ static int beyond_room(off_t end) {
   static __typeof__(&name) real;                                     \
   if (real == NULL) real = (__typeof__(&name))dlsym(RTLD_NEXT, #name)
 
+int open(const char* path, int flags, ...) {
+  REAL(open);
+  va_list more;
+  va_start(more, flags);
+  const int mode = flags & O_CREAT ? va_arg(more, int) : 0;
+  va_end(more);
+  const int file = real(path, flags, mode);
+  if (file >= 0 && flags & O_CREAT && in_folder(path)) told_to_end();
+  return file;
+}
+int open64(const char* path, int flags, ...) {
+  REAL(open64);
+  va_list more;
+  va_start(more, flags);
+  const int mode = flags & O_CREAT ? va_arg(more, int) : 0;
+  va_end(more);
+  const int file = real(path, flags, mode);
+  if (file >= 0 && flags & O_CREAT && in_folder(path)) told_to_end();
+  return file;
+}
+int mkdir(const char* path, mode_t mode) {
+  REAL(mkdir);
+  const int result = real(path, mode);
+  if (result == 0 && in_folder(path)) told_to_end();
+  return result;
+}
 ssize_t write(int file, const void* data, size_t count) {
   REAL(write);
   if (concerns(file)) {

@@ -122,6 +122,35 @@ void restore(const fs::path& durable, const std::string& inode, const fs::path& 
   }
 }
 
+TEST_F(Crash, ASignalAsAFileIsMadeLeavesNothingThatNoRunGoesOnFrom) {
+  if (faulty_disk().empty()) GTEST_SKIP() << "no calls are made to fail under sanitizers";
+  const std::vector<std::string> brief{"--set", "scene.duration=5e-3", "--checkpoint", "1e-5"};
+  int ended = 0, without_checkpoint = 0;
+  for (int made = 1;; ++made) {
+    SCOPED_TRACE(fmt::format("at file or folder {}", made));
+    std::vector<std::string> words{"env", "LD_PRELOAD=" + faulty_disk(),
+                                   "FAULTY_FOLDER=" + folder_.string(),
+                                   fmt::format("FAULTY_TERM_AT={}", made)};
+    const std::vector<std::string> rest = line(brief);
+    words.insert(words.end(), rest.begin(), rest.end());
+    const Ended broken = run_program(aside_.path(), words);
+    if (broken.status == 0) break;
+    ++ended;
+    ASSERT_EQ(broken.status, 128 + SIGTERM) << broken.err;
+    for (const std::string& name : beside()) EXPECT_THAT(name, testing::Not(HasSubstr(".partial")));
+    if (!fs::exists(checkpoint())) {
+      ++without_checkpoint;
+      EXPECT_EQ(beside(), std::vector<std::string>{});
+    }
+    ASSERT_EQ(run(brief).status, 0);
+    EXPECT_EQ(beside(), only_result);
+    fs::remove(out_);
+    ASSERT_LT(made, 100);
+  }
+  EXPECT_GE(without_checkpoint, 2);  // the folder of segments, the first file
+  EXPECT_GT(ended, without_checkpoint);
+}
+
 TEST_F(Crash, WhatAPowerCutLeavesIsGoneOnFromToTheSameBits) {
   if (faulty_disk().empty()) GTEST_SKIP() << "no calls are made to fail under sanitizers";
   const std::vector<std::string> brief{"--set", "scene.duration=5e-3", "--checkpoint", "1e-5"};
