@@ -20,7 +20,11 @@ METHODS = {"adaptive": "adaptive, 1e-6", "backward-euler": "backward Euler, 10 n
 
 def read(file):
     """What the file says of itself, and {(method, paper): {scenes: {counter: median}}}."""
-    content = json.loads(pathlib.Path(file).read_text())
+    try:
+        content = json.loads(pathlib.Path(file).read_text())
+        content["context"], content["benchmarks"]
+    except (OSError, ValueError, KeyError, TypeError) as fault:
+        sys.exit(f"{file}: not what --benchmark_out writes: {fault!r}")
     values = collections.defaultdict(lambda: collections.defaultdict(lambda: collections.defaultdict(list)))
     for case in content["benchmarks"]:
         name = re.match(r"([\w-]+)/(free|pinned)/(\d+)(/|$)", case["name"])
@@ -108,6 +112,8 @@ def main():
     words.add_argument("files", nargs="+", metavar="FILE.json")
     words.add_argument("--picture", help="draws it: .svg, .png or .pdf")
     asked = words.parse_args()
+    if asked.picture and pathlib.Path(asked.picture).suffix not in (".svg", ".png", ".pdf"):
+        words.error("--picture: a name that ends in .svg, .png or .pdf")
     if len(asked.files) > 3:
         words.error("three files at the most: of the GPU, of one core, of all cores")
     context, cases = read(asked.files[0])

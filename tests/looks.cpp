@@ -28,6 +28,22 @@ Outcome march(Model model, const ModalStart& start, Nodes nodes, const BatchOpti
   return out;
 }
 
+Variant SchemeUnderLaw::variant() const {
+  Variant of_it;
+  of_it.scheme = scheme;
+  of_it.adapt = [law = law](Scene& scene) { scene.contact.law = law; };
+  return of_it;
+}
+
+std::vector<SchemeUnderLaw> schemes_under_laws() {
+  std::vector<SchemeUnderLaw> all;
+  for (const Scheme& scheme : schemes_and_implicit()) all.push_back({scheme, ContactLaw::penalty});
+  for (const Scheme& scheme : schemes)
+    if (scheme.time.scheme != SchemeKind::explicit_euler)
+      all.push_back({scheme, ContactLaw::multiplier});
+  return all;
+}
+
 testing::AssertionResult same(const Outcome& a, const Outcome& b) {
   Comparison comparison;
   const auto lanes = static_cast<std::size_t>(a.lanes), row = 2 * lanes + sample::columns;

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <string>
 #include <vector>
 
 #include "tests/compare.hpp"
@@ -46,6 +47,30 @@ struct Variant {
   Scheme scheme{{{SchemeKind::backward_euler}}, "BackwardEuler"};
   double turn = 0;                    // omega tau of the fastest mode; 0: as it comes, well below 1
   std::function<void(Scene&)> adapt;  // last changes
+};
+
+/// A scheme under a contact law.
+struct SchemeUnderLaw {
+  Scheme scheme;
+  ContactLaw law;
+
+  std::string name() const {
+    return scheme.name + (law == ContactLaw::multiplier ? "Multiplier" : "Penalty");
+  }
+  Variant variant() const;
+};
+/// All that there are.
+std::vector<SchemeUnderLaw> schemes_under_laws();
+
+/// What the scenes of a test were like.
+struct Seen {
+  int scenes = 0, touching = 0, with_shocks = 0;
+
+  void count(std::int64_t contact_steps, std::int64_t shocks) {
+    ++scenes;
+    touching += contact_steps > 0;
+    with_shocks += shocks >= 3;
+  }
 };
 
 /// A scene of any kind that the march takes.

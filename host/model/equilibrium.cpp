@@ -97,8 +97,8 @@ struct NodeShapes {
   }
 };
 
-/// Those of the scenes before: the runs of a study mostly have equal bodies, and to find their shapes takes as
-/// long as a quarter of all else that makes a scene ready.
+/// Those of the scenes before: the runs of a study mostly have equal bodies, and their shapes take a sine for every
+/// node and mode.
 class KnownShapes {
  public:
   std::shared_ptr<const NodeShapes> of(const Model& model) {
@@ -325,8 +325,8 @@ ModalStart make_start(const Model& model) {
       u = rest->u;
       forces = rest->forces;
     }
-    overlap = potential.overlap_by_modes(u);
-  } else {
+    if (!multipliers) overlap = potential.overlap_by_modes(u);
+  } else if (!multipliers) {
     const std::vector<double> faces = overlaps(model, {}, {});
     overlap = Eigen::Map<const Eigen::VectorXd>(faces.data(), model.nodes());
   }

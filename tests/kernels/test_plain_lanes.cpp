@@ -44,20 +44,13 @@ bool fits(const Model& model, int packs) {
          static_cast<std::size_t>(packs * pack_width);
 }
 
-/// What the scenes of a test were like.
-struct Seen {
-  int scenes = 0, touching = 0, with_shocks = 0;
-};
-
 void expect_same(const Started& c, int packs, Seen& seen) {
   const BatchOptions padded{.room = {}, .least_packs = packs};
   const Outcome outcome = march(c.model, c.start, c.model.scene.time.nodes, padded);
   SeparateDevice device(std::size_t{1} << 40, plain_march_for);
   const MarchedThere there(device);
   EXPECT_TRUE(same(outcome, march(c.model, c.start, c.model.scene.time.nodes, padded)));
-  ++seen.scenes;
-  seen.touching += outcome.end.contact_steps > 0;
-  seen.with_shocks += outcome.end.shocks_begun >= 3;
+  seen.count(outcome.end.contact_steps, outcome.end.shocks_begun);
 }
 
 /// The first `steps` of it.
@@ -68,29 +61,13 @@ Started beginning(Started c, std::int64_t steps) {
   return c;
 }
 
-struct Case {
-  Scheme scheme;
-  ContactLaw law;
-};
-std::vector<Case> cases() {
-  std::vector<Case> all;
-  for (const Scheme& scheme : schemes_and_implicit()) all.push_back({scheme, ContactLaw::penalty});
-  for (const Scheme& scheme : schemes)
-    if (scheme.time.scheme != SchemeKind::explicit_euler)
-      all.push_back({scheme, ContactLaw::multiplier});
-  return all;
-}
-
-class PlainLanes : public testing::TestWithParam<Case> {};
+class PlainLanes : public testing::TestWithParam<SchemeUnderLaw> {};
 
 TEST_P(PlainLanes, GiveTheSameBits) {
-  Variant variant;
-  variant.scheme = GetParam().scheme;
-  variant.adapt = [](Scene& s) { s.contact.law = GetParam().law; };
   Seen seen;
   for (std::uint64_t seed = 1; seen.scenes < scenes_each; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
-    const Started c = random_scene(seed, variant);
+    const Started c = random_scene(seed, GetParam().variant());
     const int packs = plain_packs[seed % plain_packs.size()];
     if (fits(c.model, packs)) expect_same(beginning(c, 5000), packs, seen);
   }
@@ -98,10 +75,8 @@ TEST_P(PlainLanes, GiveTheSameBits) {
   EXPECT_GE(seen.with_shocks, 1);
 }
 
-INSTANTIATE_TEST_SUITE_P(Schemes, PlainLanes, testing::ValuesIn(cases()), [](const auto& info) {
-  return info.param.scheme.name +
-         (info.param.law == ContactLaw::multiplier ? "Multiplier" : "Penalty");
-});
+INSTANTIATE_TEST_SUITE_P(Schemes, PlainLanes, testing::ValuesIn(schemes_under_laws()),
+                         [](const auto& info) { return info.param.name(); });
 
 TEST(PlainLanes, GiveTheSameBitsOfTheAdaptiveScheme) {
   if (march_device() != nullptr)

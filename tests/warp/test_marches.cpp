@@ -29,11 +29,6 @@ bool fits(const Model& model) {
   return model.resonator.modes.size() + model.slider.modes.size() <= most_packs * warp_width;
 }
 
-/// What the scenes of a test were like.
-struct Seen {
-  int scenes = 0, touching = 0, with_shocks = 0;
-};
-
 /// Marches a scene on a pack and on a warp, in two launches, and compares.
 void expect_same(const Started& c, std::int64_t steps, Seen& seen) {
   const int least_packs = seen.scenes % 4 == 0 ? most_packs : 1;
@@ -46,44 +41,24 @@ void expect_same(const Started& c, std::int64_t steps, Seen& seen) {
   for (const std::int64_t target : targets)
     march_on_warp(warp, lanes.packs(), lanes.tables(), lanes.state(), target);
   EXPECT_EQ(lanes.differs_from(pack), "");
-  ++seen.scenes;
-  seen.touching += pack.state().contact_steps > 0;
-  seen.with_shocks += pack.state().shocks_begun >= 3;
+  seen.count(pack.state().contact_steps, pack.state().shocks_begun);
 }
 
-struct Case {
-  Scheme scheme;
-  ContactLaw law;
-};
-std::vector<Case> cases() {
-  std::vector<Case> all;
-  for (const Scheme& scheme : schemes_and_implicit()) all.push_back({scheme, ContactLaw::penalty});
-  for (const Scheme& scheme : schemes)
-    if (scheme.time.scheme != SchemeKind::explicit_euler)
-      all.push_back({scheme, ContactLaw::multiplier});
-  return all;
-}
-
-class MarchOnWarp : public testing::TestWithParam<Case> {};
+class MarchOnWarp : public testing::TestWithParam<SchemeUnderLaw> {};
 
 TEST_P(MarchOnWarp, RandomScenesHaveTheBitsOfAPack) {
-  Variant variant;
-  variant.scheme = GetParam().scheme;
-  variant.adapt = [](Scene& s) { s.contact.law = GetParam().law; };
   Seen seen;
   for (std::uint64_t seed = 1; seen.scenes < scenes_each; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
-    const Started c = random_scene(seed, variant);
+    const Started c = random_scene(seed, GetParam().variant());
     if (fits(c.model)) expect_same(c, longest, seen);
   }
   EXPECT_GE(seen.touching, scenes_each / 2);
   EXPECT_GE(seen.with_shocks, 1);
 }
 
-INSTANTIATE_TEST_SUITE_P(Schemes, MarchOnWarp, testing::ValuesIn(cases()), [](const auto& info) {
-  return info.param.scheme.name +
-         (info.param.law == ContactLaw::multiplier ? "Multiplier" : "Penalty");
-});
+INSTANTIATE_TEST_SUITE_P(Schemes, MarchOnWarp, testing::ValuesIn(schemes_under_laws()),
+                         [](const auto& info) { return info.param.name(); });
 
 /// Velocities of all modes.
 std::vector<double> velocities(const Snapshot& s) {
@@ -103,17 +78,14 @@ double distance(const std::vector<double>& a, const std::vector<double>& b) {
 
 // Sums over 32 lanes round otherwise than those over the lanes of a CPU. So a GPU's motion is off by a rounding
 // a step, each made as much larger by the shocks that follow as a nudge of the gap is.
-class PackBesideHost : public testing::TestWithParam<Case> {};
+class PackBesideHost : public testing::TestWithParam<SchemeUnderLaw> {};
 
 TEST_P(PackBesideHost, IsOffByRoundingsThatShocksEnlarge) {
   constexpr double nudge = 1e-10;  // of the largest height
-  Variant variant;
-  variant.scheme = GetParam().scheme;
-  variant.adapt = [](Scene& s) { s.contact.law = GetParam().law; };
   Seen seen;
   for (std::uint64_t seed = 1; seen.scenes < scenes_each; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
-    Started c = random_scene(seed, variant);
+    Started c = random_scene(seed, GetParam().variant());
     if (!fits(c.model)) continue;
     SceneOnLanes pack(c.model, c.start, 1);
     march_on_pack(pack.packs(), pack.tables(), pack.state(), longest);
@@ -130,17 +102,13 @@ TEST_P(PackBesideHost, IsOffByRoundingsThatShocksEnlarge) {
     EXPECT_EQ(host.snapshot(0).shocks_begun, pack.state().shocks_begun);
     const double found = distance(here, {pack.state().now_v, pack.state().now_v + here.size()});
     EXPECT_LE(found, steps * 0x1p-53 * std::max(1.0, enlarged));
-    ++seen.scenes;
-    seen.touching += pack.state().contact_steps > 0;
-    seen.with_shocks += pack.state().shocks_begun >= 3;
+    seen.count(pack.state().contact_steps, pack.state().shocks_begun);
   }
   EXPECT_GE(seen.touching, scenes_each / 2);
   EXPECT_GE(seen.with_shocks, 1);
 }
-INSTANTIATE_TEST_SUITE_P(Schemes, PackBesideHost, testing::ValuesIn(cases()), [](const auto& info) {
-  return info.param.scheme.name +
-         (info.param.law == ContactLaw::multiplier ? "Multiplier" : "Penalty");
-});
+INSTANTIATE_TEST_SUITE_P(Schemes, PackBesideHost, testing::ValuesIn(schemes_under_laws()),
+                         [](const auto& info) { return info.param.name(); });
 
 TEST(MarchOnWarp, AdaptiveScenesHaveTheBitsOfAPack) {
   Seen seen;
