@@ -20,18 +20,18 @@ METHODS = {"adaptive": "adaptive, 1e-6", "backward-euler": "backward Euler, 10 n
 
 def read(file):
     """What the file says of itself, and {(method, paper): {scenes: {counter: median}}}."""
+    values = collections.defaultdict(lambda: collections.defaultdict(lambda: collections.defaultdict(list)))
     try:
         content = json.loads(pathlib.Path(file).read_text())
-        content["context"], content["benchmarks"]
-    except (OSError, ValueError, KeyError, TypeError) as fault:
+        content["context"]
+        for case in content["benchmarks"]:
+            name = re.match(r"([\w-]+)/(free|pinned)/(\d+)(/|$)", case["name"])
+            if not name or case.get("run_type") == "aggregate" or case.get("error_occurred"):
+                continue
+            for counter in ("simulated", "shocks", "whole", "at_once"):
+                values[name[1], name[2]][int(name[3])][counter].append(float(case[counter]))
+    except (OSError, ValueError, KeyError, TypeError, AttributeError) as fault:
         sys.exit(f"{file}: not what --benchmark_out writes: {fault!r}")
-    values = collections.defaultdict(lambda: collections.defaultdict(lambda: collections.defaultdict(list)))
-    for case in content["benchmarks"]:
-        name = re.match(r"([\w-]+)/(free|pinned)/(\d+)(/|$)", case["name"])
-        if not name or case.get("run_type") == "aggregate" or case.get("error_occurred"):
-            continue
-        for counter in ("simulated", "shocks", "whole", "at_once"):
-            values[name[1], name[2]][int(name[3])][counter].append(case[counter])
     if not values:
         sys.exit(f"{file}: holds no case of bench_throughput")
     return content["context"], {scene: {count: {name: statistics.median(all) for name, all in counters.items()}

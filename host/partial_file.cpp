@@ -26,22 +26,24 @@ namespace fs = std::filesystem;
 
 // ---- what a signal handler finds ---------------------------------------------------------------
 
-/// One path in fixed storage. `owner`: 0, nobody's; -1, being filled; else the process, since a fork
-/// copies this but not what it stands for.
+/// One path in fixed storage, of a file or of a folder. `owner`: 0, nobody's; -1, being filled; else the
+/// process, since a fork copies this but not what it stands for.
 struct Place {
   std::atomic<pid_t> owner{0};
+  bool is_folder;
   char path[PATH_MAX];
 };
 constexpr std::size_t most_places = 64, nowhere = most_places;
 constinit std::array<Place, most_places> places{};
 static_assert(std::atomic<pid_t>::is_always_lock_free, "a signal handler reads it");
 
-std::size_t take_place(const char* path) {
+std::size_t take_place(const char* path, bool is_folder) {
   for (std::size_t i = 0; i < most_places; ++i) {
     pid_t nobody = 0;
     if (std::strlen(path) >= PATH_MAX || !places[i].owner.compare_exchange_strong(nobody, -1))
       continue;
     std::strcpy(places[i].path, path);
+    places[i].is_folder = is_folder;
     places[i].owner.store(getpid(), std::memory_order_release);
     return i;
   }
@@ -172,12 +174,12 @@ void sync_folder_of(const fs::path& file) {
 void drop_partials() noexcept {
   const int error = errno;
   for (const Place& place : places)
-    if (place.owner.load(std::memory_order_acquire) == getpid() && unlink(place.path) != 0)
-      rmdir(place.path);
+    if (place.owner.load(std::memory_order_acquire) == getpid())
+      (place.is_folder ? rmdir : unlink)(place.path);
   errno = error;
 }
 
-PartialFolder::PartialFolder(const fs::path& folder) : place_{take_place(folder.c_str())} {}
+PartialFolder::PartialFolder(const fs::path& folder) : place_{take_place(folder.c_str(), true)} {}
 PartialFolder::~PartialFolder() { leave_place(place_); }
 
 FileError write_failure(const std::string& doing, const fs::path& file, const std::string& reason,
@@ -197,12 +199,15 @@ PartialFile::PartialFile(const fs::path& target) : target_{replaced_file(target)
   const std::size_t longest = limit > 0 ? static_cast<std::size_t>(limit) : NAME_MAX;
   if (name.size() > longest) fail(ENAMETOOLONG);  // not only at the end
   remove_leftovers(folder, host);
+  std::error_code none;
   // Process numbers come back, a process may write several files of one name, and somebody who cleans
   // up may come between the making and the lock: hence more than one attempt.
   for (int attempt = 0; descriptor_ < 0; ++attempt) {
     path_ = target_;
     path_.replace_filename(partial_name(name, host, attempt, longest));
-    place_ = take_place(path_.c_str());  // first: a signal may come as soon as the file is there
+    if (fs::exists(fs::symlink_status(path_, none))) continue;  // not ours to remove
+    // before the file: a signal may come as soon as it is there
+    place_ = take_place(path_.c_str(), false);
     descriptor_ = open(path_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (descriptor_ < 0) {
       const int error = errno;

@@ -61,7 +61,9 @@ ClaimedOutput::ClaimedOutput(const fs::path& output) : names_{names_beside(outpu
     throw write_failure("make the folder", names_.segments, std::strerror(error), error);
   };
   while (folder_ < 0) {
-    partial_.emplace(names_.segments);  // first: a signal may come as soon as the folder is there
+    std::error_code none;
+    // before the folder: a signal may come as soon as it is there
+    if (!fs::exists(fs::symlink_status(names_.segments, none))) partial_.emplace(names_.segments);
     if (mkdir(names_.segments.c_str(), 0777) != 0) {
       const int error = errno;
       partial_.reset();  // it may be somebody else's

@@ -82,26 +82,19 @@ static int beyond_room(off_t end) {
   static __typeof__(&name) real;                                     \
   if (real == NULL) real = (__typeof__(&name))dlsym(RTLD_NEXT, #name)
 
-int open(const char* path, int flags, ...) {
-  REAL(open);
-  va_list more;
-  va_start(more, flags);
-  const int mode = flags & O_CREAT ? va_arg(more, int) : 0;
-  va_end(more);
-  const int file = real(path, flags, mode);
-  if (file >= 0 && flags & O_CREAT && in_folder(path)) told_to_end();
-  return file;
-}
-int open64(const char* path, int flags, ...) {
-  REAL(open64);
-  va_list more;
-  va_start(more, flags);
-  const int mode = flags & O_CREAT ? va_arg(more, int) : 0;
-  va_end(more);
-  const int file = real(path, flags, mode);
-  if (file >= 0 && flags & O_CREAT && in_folder(path)) told_to_end();
-  return file;
-}
+#define OPENS(name)                                                         \
+  int name(const char* path, int flags, ...) {                              \
+    REAL(name);                                                             \
+    va_list more;                                                           \
+    va_start(more, flags);                                                  \
+    const int mode = flags & O_CREAT ? va_arg(more, int) : 0;               \
+    va_end(more);                                                           \
+    const int file = real(path, flags, mode);                               \
+    if (file >= 0 && flags & O_CREAT && in_folder(path)) told_to_end();     \
+    return file;                                                            \
+  }
+OPENS(open)
+OPENS(open64)
 int mkdir(const char* path, mode_t mode) {
   REAL(mkdir);
   const int result = real(path, mode);

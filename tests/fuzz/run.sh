@@ -26,12 +26,13 @@ for name in clang++ clang++-{20..14}; do
 done
 [[ -n $clang ]] || { echo "no clang with libFuzzer here (Debian: clang-14, libclang-rt-14-dev): left out"; exit 0; }
 
+# a use after a return is looked for only where it is asked for
 export ASAN_OPTIONS=detect_stack_use_after_return=1
 flags=(-std=c++20 -O1 -g -Wall -Wextra -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all -I.)
 # toml++ 3.3 shifts by more than a number has, and takes no notice of what comes of it
 shifts() { grep -q 'toml.hpp\|reader.hpp' "$1" && echo -fno-sanitize=shift-exponent; return 0; }
 # what runs beside this script does not hear a Ctrl-C
-stop_all() { for pid in $(jobs -p); do pkill -P "$pid"; kill "$pid"; done 2> /dev/null; }
+stop_all() { for pid in $(jobs -p); do pkill -P "$pid" || true; kill "$pid" || true; done 2> /dev/null; }
 trap stop_all EXIT
 trap 'exit 130' INT TERM
 # COMMAND with each of the words, as many side by side as there are processors. Fails if any of them does.

@@ -122,7 +122,7 @@ void restore(const fs::path& durable, const std::string& inode, const fs::path& 
   }
 }
 
-TEST_F(Crash, ASignalAsAFileIsMadeLeavesNothingThatNoRunGoesOnFrom) {
+TEST_F(Crash, ASignalAsAFileIsMadeLeavesACheckpointOrNothing) {
   if (faulty_disk().empty()) GTEST_SKIP() << "no calls are made to fail under sanitizers";
   const std::vector<std::string> brief{"--set", "scene.duration=5e-3", "--checkpoint", "1e-5"};
   int ended = 0, without_checkpoint = 0;

@@ -658,6 +658,17 @@ TEST_F(Store, PartialFilesCanBeDroppedFromASignalHandler) {
   EXPECT_EQ(files().size(), 1u);
 }
 
+TEST_F(Store, AFileWhereAFolderIsToStandIsNotDropped) {
+  write_text(folder_ / "ours.parts", "x");
+  const int status = in_child([&] {
+    const PartialFolder parts(folder_ / "ours.parts");
+    drop_partials();
+    return 0;
+  });
+  EXPECT_EQ(status, 0);
+  EXPECT_THAT(files(), ElementsAre("ours.parts"));
+}
+
 TEST_F(Store, TheLongestNameThatASystemTakesWillDo) {
   const std::string name = std::string(252, 'x') + "\u0bb3";  // a letter of three bytes
   write_text(folder_ / name, "x");
