@@ -91,7 +91,16 @@ endif()
 FetchContent_Declare(Kokkos SYSTEM  # first: CMake 3.25 takes it for a value elsewhere
   ${source} DOWNLOAD_EXTRACT_TIMESTAMP ON OVERRIDE_FIND_PACKAGE)
 message(STATUS "Kokkos: building ${version} (${RA2D_BACKEND})")
-FetchContent_MakeAvailable(Kokkos)
+if(RA2D_BACKEND STREQUAL "CUDA")
+  FetchContent_MakeAvailable(Kokkos)
+else()
+  # Kokkos installs scripts that drive nvcc, and has no switch for it. Here nobody needs them: they go to a folder of
+  # their own, which the same installation removes again.
+  set(CMAKE_INSTALL_BINDIR ${CMAKE_INSTALL_LIBDIR}/kokkos-scripts)
+  FetchContent_MakeAvailable(Kokkos)
+  install(CODE "file(REMOVE_RECURSE \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_BINDIR}\")")
+  unset(CMAKE_INSTALL_BINDIR)  # the cache has the user's
+endif()
 set(Kokkos_VERSION ${version})
 
 if(RA2D_PORTABLE AND RA2D_BACKEND STREQUAL "CUDA")
