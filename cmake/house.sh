@@ -52,7 +52,7 @@ without_services() (
 )
 
 # quietly NAME COMMAND...: runs it with its output in build/NAME.log, which is shown only when it fails. After
-# a moment it says what it is at, on a terminal with the step that it has reached.
+# a moment it says what it is at and which step it has reached, in a file every 15 s.
 quietly() {
   local name=$1 log="$root/build/$1.log" watch status=0 begun=$SECONDS
   shift
@@ -71,10 +71,21 @@ quietly() {
   fi
   [[ $((SECONDS - begun)) -le 1 ]] || say "$name: $((SECONDS - begun)) s"
 }
+# What a log of ninja has reached: "212 of 407", else its last line.
+reached() {
+  tail -n 1 "$1" | sed -E 's/^\[([0-9]+)\/([0-9]+)\].*/\1 of \2/' | cut -c 1-60
+}
 follow() {
+  local begun=$SECONDS pause=15
   sleep 1 > /dev/null 2>&1
-  [[ -t 2 ]] || { say "$1 ..."; return; }
-  while kill -0 $$ 2> /dev/null && printf '\r\033[Kra2d: %s %s' "$1" "$(tail -n 1 "$2" | cut -c 1-60)" >&2; do
-    sleep 0.5 > /dev/null 2>&1
+  if [[ -t 2 ]]; then pause=0.5; else say "$1 ..."; fi
+  while kill -0 $$ 2> /dev/null; do
+    if [[ -t 2 ]]; then
+      printf '\r\033[Kra2d: %s: %s, %d s' "$1" "$(reached "$2")" $((SECONDS - begun)) >&2
+      sleep $pause > /dev/null 2>&1
+    else
+      sleep $pause > /dev/null 2>&1
+      say "$1: $(reached "$2")"
+    fi
   done
 }
