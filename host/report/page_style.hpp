@@ -11,9 +11,11 @@ inline constexpr char page_policy[] =
 
 inline constexpr char page_style[] = R"css(
 :root { color-scheme: light dark; --paper: #fff; --ink: #1b1f24; --soft: #57606a; --rule: #d0d7de;
-  --grid: #e6eaee; --fill: #2f6db5; --bar: #7fa8d6; --note: #fff4d6; }
+  --grid: #e6eaee; --fill: #2f6db5; --bar: #7fa8d6; --note: #fff4d6;
+  --s0: #2b45c8; --s1: #bb560f; --s2: #6b1170; --s3: #056545; --s4: #3f97e0; }
 @media (prefers-color-scheme: dark) { :root { --paper: #14181d; --ink: #e6e9ec; --soft: #a3adb8;
-  --rule: #3b434d; --grid: #2a3038; --fill: #8bbcf0; --bar: #3f6b9c; --note: #3d3214; } }
+  --rule: #3b434d; --grid: #2a3038; --fill: #8bbcf0; --bar: #3f6b9c; --note: #3d3214;
+  --s0: #8bbcf0; --s1: #f0a15a; --s2: #d59be0; --s3: #6fd0a8; --s4: #d8d060; } }
 * { box-sizing: border-box; }
 body { margin: 0 auto; padding: 1rem; max-width: 72rem; background: var(--paper); color: var(--ink);
   font: 16px/1.5 system-ui, sans-serif; overflow-wrap: anywhere; }
@@ -44,6 +46,11 @@ svg .line { stroke: var(--fill); stroke-width: 1.4; stroke-linejoin: round; }
 svg .bar { fill: var(--bar); }
 svg .dot { fill: var(--fill); }
 svg .whisker { stroke-width: 1.3; }
+svg .series0 { stroke: var(--s0); } svg circle.series0 { fill: var(--s0); } figcaption b.series0 { color: var(--s0); }
+svg .series1 { stroke: var(--s1); } svg circle.series1 { fill: var(--s1); } figcaption b.series1 { color: var(--s1); }
+svg .series2 { stroke: var(--s2); } svg circle.series2 { fill: var(--s2); } figcaption b.series2 { color: var(--s2); }
+svg .series3 { stroke: var(--s3); } svg circle.series3 { fill: var(--s3); } figcaption b.series3 { color: var(--s3); }
+svg .series4 { stroke: var(--s4); } svg circle.series4 { fill: var(--s4); } figcaption b.series4 { color: var(--s4); }
 svg .mark { stroke-width: 1.2; }
 svg .dashed { stroke-dasharray: 5 4; }
 svg .name { paint-order: stroke; stroke: var(--paper); stroke-width: 4px; }

@@ -111,8 +111,14 @@ void SvgChart::draw_axes() {
                .c_str());
 }
 
+void SvgChart::begin_series(std::size_t number, double aside) {
+  series_ = fmt::format(" series{}", number % 5);
+  aside_ = aside;
+}
+
 void SvgChart::dot(double x, double y) {
-  body_ += fmt::format("<circle class=\"dot\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3\"/>", px(x), py(y));
+  body_ += fmt::format("<circle class=\"dot{}\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3\"/>", series_,
+                       px(x) + aside_, py(y));
 }
 
 void SvgChart::line(const std::vector<double>& x, const std::vector<double>& y, bool dashed) {
@@ -130,7 +136,8 @@ void SvgChart::line(const std::vector<double>& x, const std::vector<double>& y, 
     if (next > i + 1) fmt::format_to(std::back_inserter(path), "V{:.1f}", py(low));
     i = next;
   }
-  body_ += fmt::format("<path class=\"line{}\" d=\"{}\"/>", dashed ? " dashed" : "", path);
+  body_ +=
+      fmt::format("<path class=\"line{}{}\" d=\"{}\"/>", dashed ? " dashed" : "", series_, path);
 }
 
 void SvgChart::column(double x_low, double x_high, double y) {
@@ -141,11 +148,11 @@ void SvgChart::column(double x_low, double x_high, double y) {
 }
 
 void SvgChart::whisker(double x, double low, double high) {
-  const double at = px(x), y1 = py(low), y2 = py(high);
+  const double at = px(x) + aside_, y1 = py(low), y2 = py(high);
   body_ += fmt::format(
-      "<path class=\"whisker\" d=\"M{0:.1f} {2:.1f}H{1:.1f}M{0:.1f} {3:.1f}H{1:.1f}M{4:.1f} "
+      "<path class=\"whisker{5}\" d=\"M{0:.1f} {2:.1f}H{1:.1f}M{0:.1f} {3:.1f}H{1:.1f}M{4:.1f} "
       "{2:.1f}V{3:.1f}\"/>",
-      at - 3, at + 3, y1, y2, at);
+      at - 3, at + 3, y1, y2, at, series_);
 }
 
 void SvgChart::mark_top(double x) { body_ += stroke("mark", px(x), top, px(x), top + 9); }

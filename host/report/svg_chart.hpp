@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <cstddef>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,6 +21,10 @@ class SvgChart {
  public:
   /// `summary`: what is to be seen, for who cannot see it. No markup in any text.
   SvgChart(ChartAxis x, ChartAxis y, std::string summary);
+
+  /// What is drawn from here on belongs to this series, from 0, and has its colour. Dots and whiskers stand `aside`
+  /// dots of the picture to the right of their place, so that those of several series do not hide each other.
+  void begin_series(std::size_t number, double aside);
 
   /// A line through points of ascending x. Of many within one dot of the screen the extent is drawn.
   void line(const std::vector<double>& x, const std::vector<double>& y, bool dashed = false);
@@ -44,6 +49,8 @@ class SvgChart {
 
   ChartAxis x_, y_;
   std::string summary_, axes_, body_;
+  std::string series_;  // its class in the page's style
+  double aside_ = 0;
 };
 
 /// Limits that hold all values, rounded to a multiple of `step`.

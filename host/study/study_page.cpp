@@ -112,6 +112,21 @@ ChartAxis axis_of(const StudyAxis& axis) {
   return out;
 }
 
+/// The levels, and the ends of their intervals as far as they leave the levels half of the axis. Those of two runs
+/// reach over tens of dB.
+std::vector<double> with_intervals(std::vector<double> levels,
+                                   const std::vector<CombinationMean>& means) {
+  const auto [lowest, highest] = std::minmax_element(levels.begin(), levels.end());
+  const double room = std::max(5.0, *highest - *lowest) / 2;
+  const double low = *lowest - room, high = *highest + room;
+  for (const CombinationMean& mean : means)
+    if (mean.level.count > 1) {
+      levels.push_back(std::max(low, mean.level.low));
+      levels.push_back(std::min(high, mean.level.high));
+    }
+  return levels;
+}
+
 /// The level against one dimension, a line of the law for each combination of the others.
 std::string chart_of(const StudyAnswers& answers, const std::vector<CombinationMean>& means,
                      const std::optional<StudyLaw>& law, std::size_t dimension) {
@@ -127,7 +142,7 @@ std::string chart_of(const StudyAnswers& answers, const std::vector<CombinationM
     series[others].push_back(&mean);
   }
   if (levels.empty()) return {};
-  const auto [low, high] = rounded_limits(levels, 10);
+  const auto [low, high] = rounded_limits(with_intervals(levels, means), 10);
   SvgChart chart(axis_of(axis), {low, high, false, "level, dB re 1 nm/s", {}},
                  "Level of the study against " + axis.name);
   std::vector<Place> all;
@@ -136,10 +151,14 @@ std::string chart_of(const StudyAnswers& answers, const std::vector<CombinationM
   std::vector<std::string> names;
   const ChartAxis across = axis_of(axis);
   const auto aside = [&](double x) {  // from a point to the number of its line
-    return across.logarithmic ? x * (std::pow(across.high / across.low, 0.02) - 1)
-                              : 0.02 * (across.high - across.low);
+    return across.logarithmic ? x * (std::pow(across.high / across.low, 0.05) - 1)
+                              : 0.05 * (across.high - across.low);
   };
+  std::size_t number = 0;
   for (const Place& others : chosen) {
+    chart.begin_series(
+        number, 8 * (static_cast<double>(number) - static_cast<double>(chosen.size() - 1) / 2));
+    ++number;
     std::vector<const CombinationMean*> members = series[others];
     const auto at = [&](const CombinationMean* mean) {
       const std::size_t value = mean->place[dimension];
@@ -172,7 +191,8 @@ std::string chart_of(const StudyAnswers& answers, const std::vector<CombinationM
       html(axis.name));
   if (law && axis.texts.empty()) caption += " Dashed: the law.";
   for (std::size_t i = 0; i < names.size(); ++i)
-    caption += fmt::format("{} <b>{}</b>: {}", i == 0 ? "" : ";", i + 1, html(names[i]));
+    caption += fmt::format("{} <b class=\"series{}\">{}</b>: {}", i == 0 ? "" : ";", i, i + 1,
+                           html(names[i]));
   if (!names.empty()) caption += ".";
   if (chosen.size() < all.size())
     caption += fmt::format(" {} of {} combinations are shown.", chosen.size(), all.size());

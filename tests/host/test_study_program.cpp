@@ -540,6 +540,11 @@ TEST_F(StudyProgram, ReportMakesAPage) {
     EXPECT_THAT(page, HasSubstr(fmt::format("<td>6</td><td>{:.2f}</td><td>{:.2f} to {:.2f}</td>",
                                             mean.level.mean, mean.level.low, mean.level.high)));
   EXPECT_THAT(page, HasSubstr("Level against speed"));
+  // each series has its colour, and is named in it
+  for (const std::string drawn :
+       {"circle class=\"dot series", "path class=\"whisker series", "b class=\"series"})
+    for (const int number : {0, 1})
+      EXPECT_THAT(page, HasSubstr(fmt::format("<{}{}\"", drawn, number)));
   EXPECT_THAT(page, HasSubstr("slider.damping=0.03"));
   EXPECT_THAT(page, HasSubstr("&lt;/pre&gt;&lt;script&gt;alert"));
   EXPECT_THAT(page, testing::Not(HasSubstr("<script>alert")));
