@@ -10,7 +10,7 @@ struct FaceBetweenNodes {
   Real left, right, theta;
 };
 
-/// Contact detection: the gap at a slider's node (paper, equation 10; model page, "Nodes and gap"),
+/// Contact detection: the gap at a slider's node (paper, equation 10; docs/model.md),
 ///
 ///   g_n = delta - h_1(s_n) - u_1(t, s_n) - h_2(x_n) - u_2(t, x_n),   contact: g_n <= 0,
 ///

@@ -10,7 +10,7 @@
 /// kernels run. Built and checked on the host (host/model/model.hpp); nothing is checked here again.
 ///
 /// Modes. Both bodies' modes stand in one list, one lane each: the resonator's, then the slider's;
-/// the rest of the last pack is zero. Signs are those of the model page, which treats both bodies
+/// the rest of the last pack is zero. Signs are those of docs/model.md, which treats both bodies
 /// alike: every mode closes the gap by U_k psi_k at a node, and a contact force f drives it with -f
 /// psi_k.
 ///

@@ -5,7 +5,7 @@
 
 #include "host/analysis/analysis.hpp"
 
-/// An analysis as text: for people, for programs (contract: "Analysis") and for tables.
+/// An analysis as text: for people, for programs (docs/analysis.md) and for tables.
 namespace ra2d {
 
 /// One screen.

@@ -4,7 +4,7 @@
 
 #include "host/scene/scene.hpp"
 
-/// Euler-Bernoulli beams and their modes (model page, "Bodies"; paper, equations 1 to 6).
+/// Euler-Bernoulli beams and their modes (docs/model.md; paper, equations 1 to 6).
 namespace ra2d {
 
 /// One mode, in a form that stays accurate for high mode numbers:

@@ -5,8 +5,7 @@
 #include <string>
 #include <vector>
 
-/// The subcommands of the program, one file each. They return the exit status (contract:
-/// "Commands").
+/// The subcommands of the program, one file each. They return the exit status (docs/results.md).
 namespace ra2d {
 
 enum ExitStatus : int {

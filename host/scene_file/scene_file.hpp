@@ -9,7 +9,7 @@
 /// Scenes as TOML, in and out.
 namespace ra2d {
 
-/// Reads and checks a scene (contract: "Scene"). `overrides` are "section.key=value" texts of
+/// Reads and checks a scene (docs/scene.md). `overrides` are "section.key=value" texts of
 /// --set. Throws RequestError that names every fault at once, FileError when the file cannot be
 /// read.
 Scene read_scene(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});

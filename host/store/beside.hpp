@@ -7,7 +7,7 @@
 #include "host/errors.hpp"
 #include "host/partial_file.hpp"
 
-/// What stands beside a result while it is made (contract: "Files beside a result").
+/// What stands beside a result while it is made (docs/results.md).
 namespace ra2d {
 
 struct OutputNames {

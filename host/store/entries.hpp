@@ -9,7 +9,7 @@
 #include "host/result/record.hpp"
 #include "host/store/store.hpp"
 
-/// Everything that a result file holds (contract: "Output").
+/// Everything that a result file holds (docs/results.md).
 namespace ra2d {
 
 /// Raised when a dataset changes its meaning or goes.

@@ -9,7 +9,7 @@
 
 #include "host/store/store.hpp"
 
-/// Result files, read again (contract: "Output").
+/// Result files, read again (docs/results.md).
 namespace ra2d {
 
 /// All that a result file holds but its samples.

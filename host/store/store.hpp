@@ -8,7 +8,7 @@
 #include "host/result/level.hpp"
 #include "host/result/record.hpp"
 
-/// The result file (contract: "Output").
+/// The result file (docs/results.md).
 namespace ra2d {
 
 /// A body's modes; it may have none.

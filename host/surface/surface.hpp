@@ -6,7 +6,7 @@
 
 #include "host/scene/scene.hpp"
 
-/// The rough faces (contract: `surface = {...}`).
+/// The rough faces (docs/scene.md).
 namespace ra2d {
 
 /// Number of nodes of a beam: n chi for n = 0 ... , the last one at or before its end.

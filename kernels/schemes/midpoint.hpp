@@ -5,7 +5,7 @@
 namespace ra2d {
 
 /// Midpoint scheme: central differences, the velocity staggered by half a step (paper, table 1;
-/// model page, misprint 4). With V0 at t - tau/2 and V1 at t + tau/2,
+/// docs/paper.md). With V0 at t - tau/2 and V1 at t + tau/2,
 ///
 ///   (V1 - V0)/tau = F0/m - 2 zeta omega (V0 + V1)/2 - omega^2 U0,   U1 = U0 + tau V1
 ///

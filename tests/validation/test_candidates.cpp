@@ -385,7 +385,7 @@ TEST(Candidates, CreepSlowerThanTheRoundingOfThePosition) {
 // ---- a march written plainly
 // -----------------------------------------------------------------------------
 
-/// All nodes, all modes, at every step: the model page and the scheme's definition, nothing else.
+/// All nodes, all modes, at every step: docs/model.md and the scheme's definition, nothing else.
 struct Plain {
   std::vector<double> u, v;                // (step, mode): the resonator's, then the slider's
   std::vector<std::vector<int>> nodes;     // in contact, at each step

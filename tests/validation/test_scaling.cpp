@@ -12,7 +12,7 @@
 #include "tests/simulate.hpp"
 
 /// Penalty contact is positively homogeneous: with a held slider, heights and gap times s give
-/// displacements, velocities and forces times s (model page, last section, point 6). A power of two
+/// displacements, velocities and forces times s (docs/validation.md). A power of two
 /// rounds nothing, so it holds to the last bit.
 namespace ra2d::test {
 namespace {
