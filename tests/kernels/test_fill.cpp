@@ -178,6 +178,24 @@ TEST(FilledProof, ACubicsExcessIsReachedByAnExponentialBehindTheEnd) {
   }
 }
 
+TEST(FilledProof, WhatCubicsLeaveOutIsReachedAboutACrest) {
+  // of a wave cos z, z = beta radius at the edge of a patch: z^4/24, and of its slope z^3/6, but for z^2/30
+  // and z^2/20 of that
+  for (const double spacing : {2e-5, 1e-4}) {
+    const Filled f(strip(Support::pinned, 16, spacing));
+    for (int k = 8; k < f.modes(); ++k) {
+      const double beta = f.mode(k).beta, z = beta * spacing / f.t.inverse_radius;
+      const double size = f.t.largest_shape[k];
+      const double value = size * (std::cos(z) - (1 - z * z / 2));
+      const double slope = size * beta * (z - std::sin(z));
+      EXPECT_GE(f.t.cubic_remainder[k], value * (1 - 1e-9)) << "mode " << k;
+      EXPECT_LE(f.t.cubic_remainder[k], value * (1 + z * z / 29)) << "mode " << k;
+      EXPECT_GE(f.t.cubic_slope_remainder[k], slope * (1 - 1e-9)) << "mode " << k;
+      EXPECT_LE(f.t.cubic_slope_remainder[k], slope * (1 + z * z / 19)) << "mode " << k;
+    }
+  }
+}
+
 TEST(FilledProof, SlopeAndCurvatureOfTheBeamAreReached) {
   for (const Support support : {Support::pinned, Support::free}) {
     const Filled f(strip(support, 6, 1e-3));
