@@ -19,16 +19,21 @@ namespace ra2d::test {
 /// and flat faces whose heights a test sets node by node. All masses are 1; lengths are in chi, here
 /// 1 m. Every bound in the tables is as tight as it can be.
 struct BodiesByHand {
-  static constexpr int resonator_nodes = 64, patch_nodes = 1;
-  static constexpr double radius = 0.5 * (patch_nodes + width) + 1;
+  /// Of a patch [chi].
+  static constexpr double radius_of(int patch_nodes) { return 0.5 * (patch_nodes + width) + 1; }
+  static constexpr double radius = 0.5 * (1 + width) + 1;  // radius_of(1)
   struct Wave {
     double beta, crest;
   };
   using Shape = std::vector<double>;  // at the slider's nodes
 
-  BodiesByHand(std::vector<Wave> waves, std::vector<Shape> shapes, int nodes)
+  /// Patches of one node keep close to what a test is about. Of wide ones the outermost nodes stand where
+  /// a bound on all of the patch is reached.
+  BodiesByHand(std::vector<Wave> waves, std::vector<Shape> shapes, int nodes, int patch_nodes = 1)
       : waves_{std::move(waves)}, shapes_{std::move(shapes)} {
+    const int resonator_nodes = 64 + 3 * patch_nodes;
     const int groups = (nodes + width - 1) / width, patches = resonator_nodes / patch_nodes + 1;
+    const double radius = radius_of(patch_nodes);
     const auto waving = static_cast<int>(waves_.size()), sliding = static_cast<int>(shapes_.size());
     for (std::vector<double>* row :
          {&reach, &slope, &curvature, &tail, &slope_tail, &zero, &push, &yield})

@@ -129,6 +129,45 @@ TEST(LargestWave, BoundsSlopeAndCurvatureOverTheBeamAndBehindIt) {
   EXPECT_GT(tightest_behind, 0.95);  // where the exponential is nearly all that counts
 }
 
+TEST(LargestParts, AreEachReachedWhereTheyAreAlone) {
+  // A sum of the sizes of a shape's parts: each part by itself comes to its size somewhere, and to that of
+  // both where two of them are largest at the same end.
+  Dice dice(15);
+  for (int trial = 0; trial < 60; ++trial) {
+    ModeShape shape;
+    const double length = dice.ratio(0.01, 1), beyond = length * dice.ratio(0.01, 0.1),
+                 size = dice.uniform(-2, 2);
+    shape.beta = 20 / length;
+    const int part = trial % 6;
+    (part == 0   ? shape.sine
+     : part == 1 ? shape.cosine
+     : part == 2 ? shape.left
+     : part == 3 ? shape.right
+     : part == 4 ? shape.constant
+                 : shape.slope) = size;
+    if (part == 2 && trial % 4 == 0) shape.cosine = shape.constant = size;  // all three at x = 0
+    const double most = part == 5 ? std::abs(size * length)
+                                  : std::abs(size) * (shape.constant == size && part == 2 ? 3 : 1);
+    EXPECT_NEAR(largest_shape(shape, length), most, 16 * eps * most) << "part " << part;
+    // of the derivatives: what is constant or a slope has no wave; the right exponential grows on
+    const double wave = part == 3   ? std::abs(size) * std::exp(shape.beta * beyond)
+                        : part >= 4 ? 0
+                                    : std::abs(size) * (shape.cosine == size && part == 2 ? 2 : 1);
+    EXPECT_NEAR(largest_wave(shape, beyond), wave, 16 * eps * wave) << "part " << part;
+    long double reached = 0, bent = 0;
+    const int places = 1000;
+    for (int i = 0; i <= places; ++i) {
+      reached = std::max(reached, std::abs(derivative(shape, length, length * i / places, 0)));
+      bent = std::max(bent, std::abs(derivative(shape, length, (length + beyond) * i / places, 4)));
+    }
+    // the wave's crest is less than (20/1000)^2/8 below what is between two places
+    EXPECT_NEAR(static_cast<double>(reached), most, 1e-4 * most) << "part " << part;
+    bent /= std::pow(shape.beta, 4);  // the fourth derivative is the wave again
+    const double between = part < 2 ? std::pow(shape.beta * (length + beyond) / places, 2) : 1e-9;
+    EXPECT_NEAR(static_cast<double>(bent), wave, between * wave) << "part " << part;
+  }
+}
+
 /// The largest shares of the bound that a mode's Taylor cubics leave out. The centres are those that
 /// patches can have: from the beam's beginning to a radius behind its end.
 struct LeftOut {

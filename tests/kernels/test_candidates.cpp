@@ -2,10 +2,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "kernels/candidates.hpp"
 #include "kernels/fixed/contact_step.hpp"
+#include "kernels/limits.hpp"
 #include "tests/bodies_by_hand.hpp"
 
 /// What a look ahead promises, against motions known in closed form: each case is one that a part of the
@@ -14,7 +16,7 @@ namespace {
 
 using namespace ra2d;
 using test::Amplitudes, test::BodiesByHand, test::Packs, test::lanes;
-using test::K, test::width;
+using test::K, test::modes, test::width;
 
 /// Two groups of slider nodes with wide gaps but for those that a test is about. Steps of a second.
 constexpr int nodes = 2 * width;
@@ -100,6 +102,247 @@ TEST(Candidates, AListUnderForcesYetToBeFoundCoversNoStepAtWhichAnotherNodeTouch
     }
   }
   EXPECT_GT(watched, 20);
+}
+
+// ---- the constants of the proof, each where it is reached (proofs.md)
+
+const std::vector<double> up(1, 1.0);  // shape of a slider of one node that moves as a whole
+constexpr int often = 1000;            // steps until the node touches
+/// Flights stop a little before that: a step or two short, and where squares of way were left out.
+constexpr double nearly = 0.95 * often;
+
+/// That a flight ends before the node touches, and not long before.
+testing::AssertionResult ends_in_time(const Outlook& plan, double least = nearly) {
+  if (plan.kind == Outlook::fly && plan.steps >= least && plan.steps <= often)
+    return testing::AssertionSuccess();
+  return testing::AssertionFailure() << (plan.kind == Outlook::fly ? "flies " : "does not fly, ")
+                                     << plan.steps << " steps, it touches at " << often;
+}
+
+/// A slider of one node over a flat face, which moves as a whole, the last mode, and waves of the beam.
+struct OneNode : BodiesByHand {
+  std::vector<double> omega = std::vector<double>(modes, 0.0), pull = omega;
+
+  explicit OneNode(std::vector<Wave> waves = {}, int wide = 1)
+      : BodiesByHand(std::move(waves), {up}, 1, wide) {
+    t.position = 8;
+    t.longest_look = 4 * often;
+    t.omega = omega.data(), t.pull = pull.data();
+  }
+};
+
+TEST(CandidatesProof, TheAccelerationIsReachedFromRest) {
+  // n (n + 1)/2 a after n steps that take the new velocity along
+  constexpr double a = 1e-9;
+  OneNode bodies;
+  bodies.push[0] = a;
+  const Amplitudes still{};
+  bodies.set_overlap(0, -0.5 * often * (often + 1.0) * a, still, 8);
+  EXPECT_TRUE(ends_in_time(look_ahead(bodies, still, still)));
+}
+
+TEST(CandidatesProof, TheAccelerationIsReachedByAModeThatSwingsBack) {
+  // V' = -omega^2 U is pull times the energy norm where V = 0
+  constexpr double omega = 1e-5;
+  OneNode bodies;
+  bodies.omega[0] = bodies.pull[0] = omega;
+  Amplitudes u{}, v{};
+  u[0] = -1;
+  bodies.set_overlap(0, std::cos(omega * often) - 1, u, 8);
+  EXPECT_TRUE(ends_in_time(look_ahead(bodies, u, v)));
+}
+
+TEST(CandidatesProof, TheAccelerationIsReachedByAModeThatIsTurnedRound) {
+  // V' = pull |V|, away from the face at first
+  constexpr double pull = 0.01, speed = 1e-6;
+  OneNode bodies;
+  bodies.pull[0] = pull;
+  Amplitudes u{}, v{};
+  v[0] = -speed;
+  bodies.set_overlap(0, often * speed - 0.5 * often * (often + 1.0) * pull * speed, u, 8);
+  EXPECT_TRUE(ends_in_time(look_ahead(bodies, u, v)));
+}
+
+TEST(CandidatesProof, TheWaysCurvatureIsReachedInATrough) {
+  constexpr double beta = 1e-3, size = 1, way = 0.25;
+  OneNode bodies({{beta, 8}});
+  bodies.t.advance = way / often;
+  Amplitudes u{}, v{};
+  u[0] = -size;
+  bodies.set_overlap(0, 0, u, 8 + way);
+  EXPECT_TRUE(ends_in_time(look_ahead(bodies, u, v)));
+}
+
+TEST(CandidatesProof, TheWaysCurvatureIsReachedOnAFlankThatGrows) {
+  // a wave that begins to swing about a place where it is 0: 2 V psi' U' is all of its acceleration
+  constexpr double beta = 0.02, rate = 1e-6, way = 0.25;
+  OneNode bodies({{beta, 8 + M_PI_2 / beta}});
+  bodies.t.advance = way / often;
+  Amplitudes u{}, v{}, there{};
+  v[0] = rate;
+  there[0] = often * rate;
+  bodies.set_overlap(0, 0, there, 8 + way);
+  EXPECT_TRUE(ends_in_time(look_ahead(bodies, u, v)));
+}
+
+/// A wave about the middle of a wide patch, and a node a chi short of the radius that the bounds on its cubic
+/// are for.
+constexpr int wide = 256;
+const double radius = BodiesByHand::radius_of(wide), beta_of_wide = 0.25 / radius;
+const double z = beta_of_wide * (radius - 1), left_out = std::cos(z) - (1 - z * z / 2);
+struct NodeAtTheEdge : OneNode {
+  NodeAtTheEdge() : OneNode({{beta_of_wide, 1.5 * wide}}, wide) {
+    t.position = wide - width / 2;
+    EXPECT_EQ(GroupPlace<HostLanes>(t, Place(t, 0), 0).patch, 1);
+  }
+};
+
+TEST(CandidatesProof, WhatACubicLeavesOutIsReachedAtTheEdgeOfAPatch) {
+  // the beam is bent and rests, the slider comes down
+  NodeAtTheEdge bodies;
+  Amplitudes u{}, v{};
+  u[0] = 1;
+  const double gap = 0.2 * bodies.tail[0];
+  v[1] = gap / often;
+  bodies.set_overlap(0, -gap, u, bodies.t.position);
+  EXPECT_TRUE(ends_in_time(look_ahead(bodies, u, v), 0.5 * often));
+  // ... and when it is looked for what touches
+  bodies.t.look_at = Nodes::all;
+  for (const double open : {0.0, 0.11 * bodies.tail[0]}) {
+    bodies.set_overlap(0, -open, u, bodies.t.position);
+    Candidates<HostLanes, K> candidates(lanes, bodies.t, bodies.s);
+    EXPECT_EQ(candidates.find_touching(Packs(u).u, Packs(v).u, Place(bodies.t, 0)),
+              open == 0 ? 1 : 0);
+  }
+}
+
+TEST(CandidatesProof, WhatACubicLeavesOutOfARateIsReachedAtTheEdgeOfAPatch) {
+  // the slider goes away as fast as the beam is seen to come
+  NodeAtTheEdge bodies;
+  Amplitudes u{}, v{};
+  v[0] = 1e-3;
+  v[1] = -v[0] * (1 - z * z / 2);
+  bodies.set_overlap(0, -often * v[0] * left_out, u, bodies.t.position);
+  EXPECT_TRUE(ends_in_time(look_ahead(bodies, u, v), 0.9 * often));
+}
+
+TEST(CandidatesProof, WhatACubicLeavesOutOfASlopeIsReachedAtTheEdgeOfAPatch) {
+  // The beam rests, the slider goes away as fast as the slope under it is seen to raise the node. What the
+  // cubic leaves out of the place itself is told apart: the node is seen where it is.
+  constexpr double way = 0.1;
+  NodeAtTheEdge bodies;
+  bodies.tail[0] = 0;
+  bodies.t.advance = way / often;
+  Amplitudes u{}, v{};
+  u[0] = -1;
+  const double begin = bodies.t.position, seen_rise = -way * beta_of_wide * z;
+  v[1] = -seen_rise / often;
+  const double rises =
+      bodies.overlap(u, begin + way, 0) - bodies.overlap(u, begin, 0) + often * v[1];
+  EXPECT_GT(rises, 0);
+  bodies.set_overlap(0, -rises - left_out, u, begin);
+  EXPECT_TRUE(ends_in_time(look_ahead(bodies, u, v), 0.9 * often));
+}
+
+TEST(CandidatesProof, AFlightGoesNoFartherThanTheNearListReaches) {
+  // The list is made for 300 steps of the slider's speed, and twice as far. A flight of more steps goes on
+  // from it, and a node that stands just beyond is nobody's.
+  constexpr double speed = 1e-6;
+  OneNode bodies;
+  Amplitudes u{}, v{};
+  v[0] = speed;
+  bodies.t.longest_look = often / 2;
+  bodies.set_overlap(0, -often * speed * (1 + 1e-6), u, 8);
+  Candidates<HostLanes, K> candidates(lanes, bodies.t, bodies.s);
+  EXPECT_EQ(candidates.look_ahead(Packs(u).u, Packs(v).u, 0, 1 << 20, 0).steps, often / 2);
+  bodies.t.longest_look = 4 * often;
+  EXPECT_TRUE(ends_in_time(candidates.look_ahead(Packs(u).u, Packs(v).u, 0, 1 << 20, 0)));
+}
+
+TEST(CandidatesProof, AWatchLastsUntilItsForcesReachTheLeeway) {
+  // Node 0 is pressed, f = kappa times its overlap, which tilts the slider: the last node comes down by
+  // f n (n + 1)/2. It stands just beyond what the list was made for.
+  constexpr double stiffness = 1e-6, overlap = 1, guess = 0.01 * stiffness;
+  constexpr int last = nodes - 1;
+  std::vector<double> tilt(nodes, 0.0);
+  tilt[0] = 1, tilt[last] = -1;
+  BodiesByHand bodies({}, {tilt}, nodes);
+  bodies.t.position = 8, bodies.t.longest_look = 4 * often;
+  bodies.t.node_stiffness = stiffness, bodies.t.least_reach = 0.01;
+  const Amplitudes still{};
+  for (int n = 0; n < nodes; ++n) bodies.height1[n] = n == 0 ? overlap : -9;
+  double listed = 0, not_listed = 1;
+  Outlook plan{};
+  for (int i = 0; i < 60; ++i) {
+    const double open = 0.5 * (listed + not_listed);
+    bodies.height1[last] = -open;
+    const Outlook found = look_ahead(bodies, still, still, guess);
+    ASSERT_EQ(found.kind, Outlook::watch);
+    if (bodies.watched(last, found.count))
+      listed = open;
+    else
+      not_listed = open, plan = found;
+  }
+  const double force = stiffness * overlap;
+  const auto comes = [&](double n) { return 0.5 * n * (n + 1) * force; };
+  EXPECT_GT(plan.steps, 20);
+  EXPECT_LE(comes(plan.steps), not_listed) << "it touches within the watch";
+  EXPECT_GE(comes(plan.steps + 2), not_listed) << "the watch could last longer";
+}
+
+TEST(CandidatesProof, AWatchListsWhatTheWaysCurvatureBrings) {
+  // A node in a trough, beside one that is watched: it rises by (beta way)^2/2 until the watch ends.
+  constexpr double beta = 1e-3, size = 1, way = 0.25;
+  constexpr int last = nodes - 1;
+  BodiesByHand bodies({{beta, 8.0 + last}}, {}, nodes);
+  bodies.t.position = 8, bodies.t.longest_look = 4 * often;
+  bodies.t.advance = way / watch_steps, bodies.t.least_leeway = 1e-12;
+  Amplitudes u{}, v{};
+  u[0] = -size;
+  for (int n = 0; n < nodes; ++n) bodies.set_overlap(n, n == 0 ? 1e-3 : -1, u, 8);
+  const double risen = size * (1 - std::cos(beta * way));
+  for (const double open : {risen, 1.1 * risen}) {
+    bodies.set_overlap(last, -open, u, 8);
+    const Outlook plan = look_ahead(bodies, u, v);
+    ASSERT_EQ(plan.kind, Outlook::watch);
+    EXPECT_EQ(plan.steps, watch_steps);
+    EXPECT_EQ(bodies.watched(last, plan.count), open == risen);
+  }
+}
+
+TEST(CandidatesProof, RoundingsReachHalfTheirBound) {
+  // A sum over all modes loses half an ulp for each (OverlapsProof has one that does), and so does each step
+  // that adds to a displacement.
+  constexpr double size = 1;
+  EXPECT_NEAR(rounding(0) * size / (most_modes * 0x1p-53), 2, 1e-12);
+  double displacement = size;
+  for (int n = 0; n < often; ++n) displacement += 0x1p-53;
+  EXPECT_EQ(displacement, size);
+  EXPECT_NEAR((rounding(often) - rounding(0)) * size / (often * 0x1p-53), 2, 1e-12);
+}
+
+TEST(CandidatesProof, ALookCountsTheRoundingsOfItsPlace) {
+  // a steep face under a place that is off by its roundings
+  OneNode bodies;
+  bodies.t.steepest = 0x1p50;
+  const Amplitudes still{};
+  Amplitudes v{};
+  v[0] = 1e-3;
+  const double off = position_rounding(Place(bodies.t, 0)) * bodies.t.steepest;
+  bodies.set_overlap(0, -often * v[0] - off, still, 8);
+  EXPECT_TRUE(ends_in_time(look_ahead(bodies, still, v)));
+}
+
+TEST(CandidatesProof, AStretchEndsAStepBeforeANodeIsPassed) {
+  OneNode bodies;
+  bodies.t.advance = 1.0 / often;
+  const Amplitudes u{};
+  Amplitudes v{};
+  v[0] = 1e-9;  // so that the near list is worth something
+  bodies.set_overlap(0, -1, u, 8);
+  const Outlook plan = look_ahead(bodies, u, v);
+  EXPECT_EQ(plan.kind, Outlook::fly);
+  EXPECT_EQ(plan.steps, often - 2) << "a step, and the roundings of the place";
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <vector>
 
+#include "host/model/bounds.hpp"
 #include "kernels/adaptive/flight.hpp"
 #include "kernels/contact/node_contact.hpp"
 #include "tests/dice.hpp"
@@ -107,6 +108,164 @@ TEST(FilledTables, BoundAFlightFromOneSideToTheOther) {
     EXPECT_GE(bounds.travel, way * (1 - 8 * eps)) << "mode " << k;
     EXPECT_LE(bounds.travel, way * (1 + 8 * eps)) << "mode " << k << ": it can be no more";
   }
+}
+
+// ---- the constants of the proofs, each where it is reached (proofs.md)
+
+Scene adaptive_strip(int modes, double spacing) {
+  Scene s = strip(Support::pinned, modes, spacing);
+  s.time.scheme = SchemeKind::adaptive;
+  s.speed = 0.5;
+  return s;
+}
+
+TEST(FilledProof, OneWindowLessWouldLeaveOutTooMuch) {
+  // of cos(beta x) over half a window: (beta width/2)^4/24
+  for (const double tolerance : {0.0, 1e-3, 1e-8, 1e-12}) {
+    Scene s = strip(Support::pinned, 16, 1e-3);
+    double allowed = 0x1p-51;
+    if (tolerance > 0) {
+      s = adaptive_strip(16, 1e-3);
+      s.time.tolerance = tolerance;
+      allowed = std::clamp(1e-4 * tolerance, 0x1p-51, 1e-13);
+    }
+    const Filled f(s);
+    const auto left_out = [&](int windows) {
+      return std::pow(0.5 * f.mode(f.modes() - 1).beta * s.spacing / windows, 4) / 24;
+    };
+    ASSERT_GE(f.t.windows, 20) << "so many that one of them is little";
+    EXPECT_LE(left_out(f.t.windows), allowed) << "tolerance " << tolerance;
+    EXPECT_GT(left_out(f.t.windows - 1), allowed) << "tolerance " << tolerance;
+    EXPECT_EQ(f.t.window_width * f.t.windows, 1);
+  }
+}
+
+TEST(FilledProof, FourTermsLessWouldLeaveOutTooMuch) {
+  // of a patch's series at its edge: z^terms/terms!, against half an ulp
+  for (const double spacing : {2e-5, 1e-4, 1e-3}) {
+    const Filled f(strip(Support::pinned, 16, spacing));
+    const double z = f.mode(f.modes() - 1).beta * spacing / f.t.inverse_radius;
+    const auto left_out = [&](int terms) { return std::pow(z, terms) / std::tgamma(terms + 1.0); };
+    EXPECT_LE(left_out(f.t.terms), 0x1p-53);
+    EXPECT_GT(left_out(f.t.terms - 4), 0x1p-53);
+    // the outermost node of a group stands a chi short of it
+    EXPECT_EQ(1 / f.t.inverse_radius, 0.5 * (f.t.patch_nodes + width) + 1);
+  }
+}
+
+TEST(FilledProof, ACubicsExcessIsReachedByAnExponentialBehindTheEnd) {
+  // exp(beta (x - L)) is 1 at the most on the beam. A patch about L + radius reaches to L + 2 radius, and its
+  // cubic there to nearly exp(2 beta radius). On the beam itself no cubic and no derivative of one is more than
+  // exp(beta radius): there the excess, 1.65 where nodes are fine, is wide by its root. That is 6 % of a
+  // step's length.
+  for (const double spacing : {2e-5, 1e-4, 1e-3}) {
+    const Filled f(adaptive_strip(16, spacing));
+    const double z = f.mode(f.modes() - 1).beta * spacing / f.t.inverse_radius;
+    const double at_the_edge = std::exp(z) * (1 + z * (1 + z / 2 * (1 + z / 3)));
+    EXPECT_GE(f.t.cubic_excess, at_the_edge);
+    EXPECT_LE(f.t.cubic_excess, at_the_edge * (1 + z * z * z * z / 24));
+    double on_the_beam = 0;
+    for (int i = 0; i <= 100; ++i)
+      for (int j = 0; j <= 100; ++j) {
+        // a centre so far behind the end, and from it back to a place on the beam
+        const double behind = z * i / 100, d = -z + (z - behind) * j / 100, e = std::exp(behind);
+        for (const double size :
+             {e * (1 + d * (1 + d / 2 * (1 + d / 3))), e * (1 + d * (1 + d / 2)), e * (1 + d), e})
+          on_the_beam = std::max(on_the_beam, std::abs(size));
+      }
+    EXPECT_NEAR(on_the_beam, std::exp(z), 1e-9);
+    EXPECT_NEAR(f.t.cubic_excess / (on_the_beam * on_the_beam), 1, 1e-9);
+  }
+}
+
+TEST(FilledProof, WhatCubicsLeaveOutIsReachedAboutACrest) {
+  // of a wave cos z, z = beta radius at the edge of a patch: z^4/24, and of its slope z^3/6, but for z^2/30
+  // and z^2/20 of that
+  for (const double spacing : {2e-5, 1e-4}) {
+    const Filled f(strip(Support::pinned, 16, spacing));
+    for (int k = 8; k < f.modes(); ++k) {
+      const double beta = f.mode(k).beta, z = beta * spacing / f.t.inverse_radius;
+      const double size = f.t.largest_shape[k];
+      const double value = size * (std::cos(z) - (1 - z * z / 2));
+      const double slope = size * beta * (z - std::sin(z));
+      EXPECT_GE(f.t.cubic_remainder[k], value * (1 - 1e-9)) << "mode " << k;
+      EXPECT_LE(f.t.cubic_remainder[k], value * (1 + z * z / 29)) << "mode " << k;
+      EXPECT_GE(f.t.cubic_slope_remainder[k], slope * (1 - 1e-9)) << "mode " << k;
+      EXPECT_LE(f.t.cubic_slope_remainder[k], slope * (1 + z * z / 19)) << "mode " << k;
+    }
+  }
+}
+
+TEST(FilledProof, SlopeAndCurvatureOfTheBeamAreReached) {
+  for (const Support support : {Support::pinned, Support::free}) {
+    const Filled f(strip(support, 6, 1e-3));
+    for (int k = 0; k < f.modes(); ++k) {
+      double slope = 0, curvature = 0;
+      for (int i = 0; i <= 4000; ++i) {
+        double d[3];
+        evaluate(f.mode(k), f.model.resonator.length, f.model.resonator.length * i / 4000, 3, d);
+        slope = std::max(slope, std::abs(d[1])), curvature = std::max(curvature, std::abs(d[2]));
+      }
+      EXPECT_GE(f.t.largest_slope[k], slope * (1 - 16 * eps)) << "mode " << k;
+      EXPECT_GE(f.t.largest_curvature[k], curvature * (1 - 16 * eps)) << "mode " << k;
+      // A free mode's parts are largest apart, and its exponential grows on behind the end: LargestParts has each
+      // alone.
+      const bool exact = support == Support::pinned || f.mode(k).beta == 0;
+      const double behind = 2 * f.mode(k).beta * f.t.spacing / f.t.inverse_radius;
+      const double parts = exact ? 1 + 1e-5 : 2.5 * std::exp(behind);
+      EXPECT_LE(f.t.largest_slope[k], slope * parts) << "mode " << k;
+      EXPECT_LE(f.t.largest_curvature[k], curvature * parts) << "mode " << k;
+    }
+  }
+}
+
+TEST(FilledProof, PushAndYieldAreReachedByTheFirstStep) {
+  // Semi-implicit, from rest: U is a force's u_f after a step, which the bound has as tau^2 of it. Of a slow mode
+  // that is 1/m, but for omega tau.
+  Scene s = strip(Support::pinned, 4, 1e-3);
+  s.time.scheme = SchemeKind::backward_euler;
+  s.resonator.load = 3;
+  s.resonator.moving_forces = {{.force = -7, .speed = 30, .start = 0}};
+  const Filled f(s);
+  for (int k = 0; k < f.modes(); ++k) {
+    const Beam& beam = f.model.resonator;
+    const double turn = f.mode(k).omega * s.time.step,
+                 largest = largest_shape(f.mode(k), beam.length);
+    ASSERT_LT(turn, 0.02);
+    const double per_force = 1 / (beam.mass_per_length * (1 + 2 * beam.zeta * turn + turn * turn));
+    const double force = std::abs(beam.load[k]) + 7 * largest;
+    EXPECT_GE(f.t.push[k], force * per_force * (1 - 16 * eps)) << "mode " << k;
+    EXPECT_LE(f.t.push[k], force * per_force * 1.03) << "mode " << k;
+    EXPECT_GE(f.t.yield[k], largest * per_force * (1 - 16 * eps)) << "mode " << k;
+    EXPECT_LE(f.t.yield[k], largest * per_force * 1.03) << "mode " << k;
+  }
+}
+
+TEST(FilledProof, TheFourthDerivativeOfWhatALoadBendsIsReached) {
+  // at rest under its load a pinned mode is a wave that the node passes: (beta speed)^4 of it at its crest
+  Scene s = adaptive_strip(1, 1e-3);
+  s.resonator.load = 3;
+  const Filled f(s);
+  const double rest = f.model.resonator.load[0] /
+                      (f.model.resonator.mass_per_length * std::pow(f.mode(0).omega, 2));
+  double crest;
+  evaluate(f.mode(0), s.resonator.length, 0.5 * s.resonator.length, 1, &crest);
+  const double fourth = std::pow(f.mode(0).beta * s.speed, 4) * std::abs(rest * crest);
+  EXPECT_GT(fourth, 0);
+  EXPECT_NEAR(f.t.fourth_rest, fourth, 64 * eps * fourth);
+  EXPECT_NEAR(f.t.rest[0], rest, 8 * eps * std::abs(rest));
+}
+
+TEST(FilledProof, FacesCountAsHighAsTheyAre) {
+  Scene s = strip(Support::pinned, 2, 1e-3);
+  s.gap = 0.25;
+  const Filled f(s);  // flat: h_1 - delta is all that there is
+  EXPECT_EQ(f.t.slack, face_rounding(0.25));
+  EXPECT_EQ(f.t.touch, f.t.slack);
+  // Five roundings of half an ulp are counted: of h_1 - delta, a face's two terms, its rise, and the sum of both
+  // faces. A bound of 32 leaves six times that to the sums that a displacement is added in.
+  EXPECT_NEAR(face_rounding(1) / (5 * 0x1p-53), 6.4, 1e-12);
+  EXPECT_EQ(f.t.top, -0.25);
 }
 
 }  // namespace

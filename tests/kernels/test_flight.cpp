@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host/device/flight_tables.hpp"
@@ -276,6 +277,89 @@ TEST(Flight, BoundsHold) {
   // they are not bounds that say nothing
   EXPECT_GT(nearest, 0.9);
   EXPECT_GT(nearest_fourth, 0.3);
+}
+
+// ---- the constants of the proof, each where it is reached (proofs.md)
+
+/// At rest, but for what a test moves.
+Flying::Lanes at_rest(const Flying& f) {
+  Flying::Lanes y;
+  for (int k = 0; k < modes; ++k) y.u[k] = f.rest[k];
+  return y;
+}
+
+TEST(FlightProof, TravelIsReachedByAModeThatPassesItsRest) {
+  Dice dice(6);
+  Flying f(dice, true);
+  std::fill(f.fall.begin(), f.fall.end(), 0.0);
+  for (int k = 0; k < modes; ++k) {
+    Flying::Lanes y = at_rest(f);
+    y.v[k] = -3;
+    const double time = 1e-6 / f.quickest;
+    const MotionBounds bounds = f.bounds(y, time);
+    const auto there = [&](int mode) {
+      return fly(f.mode[mode], f.omega[mode] > 0 ? f.load[mode] : 0.0, {y.u[mode], y.v[mode], 0},
+                 time);
+    };
+    const double way = std::abs(static_cast<double>(there(k).u - y.u[k]));
+    double size = 0, tail = 0;
+    for (int mode = 0; mode < modes; ++mode) {
+      const double out = std::abs(y.u[mode]) + (mode == k ? way : 0);  // it may as well go outwards
+      size += f.reach[mode] * out, tail += f.tail[mode] * out;
+    }
+    for (const auto& [bound, reached] : {std::pair{bounds.travel, f.reach[k] * way},
+                                         {bounds.size, size},
+                                         {bounds.cubic_remainder, tail}}) {
+      EXPECT_GE(bound, reached * (1 - 64 * eps)) << "mode " << k;
+      EXPECT_LE(bound, reached * (1 + 1e-5)) << "mode " << k;
+    }
+  }
+}
+
+TEST(FlightProof, SizeIsReachedByAModeThatFallsFromRest) {
+  // a t^2/2, and V t with it; nothing but this moves
+  Dice dice(7);
+  Flying f(dice, true);
+  std::fill(f.rest.begin(), f.rest.end(), 0.0);
+  const Flying::Lanes y = [&] {
+    Flying::Lanes at = at_rest(f);
+    for (int k = 0; k < modes; ++k)
+      if (f.omega[k] == 0) at.v[k] = 0.25 * f.fall[k];
+    return at;
+  }();
+  for (const double time : {0.01, 0.5, 20.0}) {
+    double travel = 0, tail = 0;
+    for (int k = 0; k < modes; ++k) {
+      const double way = std::abs(f.fall[k]) * time * (0.25 + 0.5 * time);
+      travel += f.reach[k] * way, tail += f.tail[k] * way;
+    }
+    const MotionBounds bounds = f.bounds(y, time);
+    EXPECT_NEAR(bounds.travel, travel, 64 * eps * travel);
+    EXPECT_NEAR(bounds.size, travel, 64 * eps * travel);
+    EXPECT_NEAR(bounds.cubic_remainder, tail, 64 * eps * tail);
+  }
+}
+
+TEST(FlightProof, TheFourthDerivativeIsReachedByAModeThatTurnsRound) {
+  // Without damping and at a node that does not move it is omega^4 (U - U_s), where U stands still.
+  Dice dice(8);
+  Flying f(dice, true);
+  int reached = 0;
+  for (int k = 0; k < modes; ++k) {
+    if (f.omega[k] == 0 || f.mode[k].zeta > 0) continue;
+    f.fourth[k] = f.reach[k] * std::pow(f.omega[k], 3);
+    Flying::Lanes y = at_rest(f);
+    y.u[k] += 1e-3;
+    const double fourth = f.reach[k] * std::pow(f.omega[k], 4) * (y.u[k] - f.rest[k]);
+    for (int other = 0; other < modes; ++other)
+      if (f.omega[other] == 0) y.v[other] = 5;  // rigid ones have none
+    f.t.fourth_rest = 0;
+    EXPECT_NEAR(f.bounds(y, 1e-9).fourth, fourth, 64 * eps * fourth) << "mode " << k;
+    f.t.fourth_rest = fourth;
+    EXPECT_NEAR(f.bounds(y, 1e-9).fourth, 2 * fourth, 64 * eps * fourth) << "mode " << k;
+    ++reached;
+  }
+  EXPECT_GT(reached, 0);
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "host/model/bounds.hpp"
 #include "kernels/gap.hpp"
 #include "kernels/near_groups.hpp"
+#include "tests/bodies_by_hand.hpp"
 #include "tests/dice.hpp"
 #include "tests/eight_modes.hpp"
 
@@ -278,6 +279,156 @@ TEST(NearGroups, AreAllOfThemWhereNothingIsKnown) {
     lists.find(some(dice, 0.2), bodies.place(3.5), reach);
     EXPECT_EQ(lists.groups.count(), Bodies::groups);
   }
+}
+
+// ---- the constants of the proof, each where it is reached (proofs.md)
+
+using test::BodiesByHand;
+
+/// A look for what is near, over bodies made by hand.
+struct Look {
+  double reach = 0, rounding = 0, back = 0;
+
+  bool lists(const BodiesByHand& bodies, const Amplitudes& u) const {
+    SceneState s = bodies.s;
+    NearGroups<HostLanes, K> near(lanes, bodies.t, s);
+    near.find(test::Packs(u).u, Place(bodies.t, 0), reach, rounding, back);
+    return near.count() > 0;
+  }
+  /// How far open the first node, which touches, may be and still be listed.
+  double widest(BodiesByHand& bodies, const Amplitudes& u) const {
+    double listed = 0, not_listed = 10;
+    const double touching = bodies.height1[0];
+    for (int i = 0; i < 60; ++i) {
+      const double open = 0.5 * (listed + not_listed);
+      bodies.height1[0] = touching - open;
+      (lists(bodies, u) ? listed : not_listed) = open;
+    }
+    bodies.height1[0] = touching;
+    return listed;
+  }
+};
+
+const std::vector<double> up(1, 1.0);  // shape of a slider of one node that moves as a whole
+
+TEST(NearGroupsProof, ReachRoundingsAndSlackCountInFull) {
+  const Amplitudes still{};
+  BodiesByHand bodies({}, {up}, 1);
+  bodies.t.position = 9;
+  EXPECT_NEAR((Look{.reach = 0.5}.widest(bodies, still)), 0.5, 1e-12);
+  EXPECT_NEAR((Look{.rounding = 0.25}.widest(bodies, still)), 0.25, 1e-12);
+  bodies.t.slack = 0.125;
+  EXPECT_NEAR(Look{}.widest(bodies, still), 0.125, 1e-12);
+}
+
+TEST(NearGroupsProof, TheWayThatIsLeftIsReachedByABentBeamsFlank) {
+  // a node a quarter of the way on, and the flank of a wave that rises under it
+  constexpr double beta = 1e-3, size = 100;
+  BodiesByHand bodies({{beta, 9.625 + M_PI_2 / beta}}, {}, 1);
+  bodies.t.position = 9.25;
+  Amplitudes u{};
+  u[0] = size;
+  bodies.set_overlap(0, 0, u, 9.25);
+  const double risen = bodies.overlap(u, 10, 0) - bodies.overlap(u, 9.25, 0);
+  const double widest = Look{}.widest(bodies, u);
+  EXPECT_GE(widest, risen * (1 - 1e-9));
+  EXPECT_LE(widest, risen * (1 + 1e-6));
+  // ... and back to where an earlier stage stood, if that is farther
+  const double before = bodies.overlap(u, 9.25, 0) - bodies.overlap(u, 8.35, 0);
+  const double back = (Look{.back = 0.9}.widest(bodies, u));
+  EXPECT_GE(back, before * (1 - 1e-9));
+  EXPECT_LE(back, before * (1 + 1e-6));
+}
+
+TEST(NearGroupsProof, TheWayThatIsLeftIsReachedOnTheFaces) {
+  const Amplitudes still{};
+  constexpr double on = 0.25;  // of the way to the next node
+  for (const double rise : {2.0, -2.0}) {
+    BodiesByHand bodies({}, {up}, 1);
+    bodies.height2[10] = rise;
+    fill_highest(bodies.height2.data(), static_cast<int>(bodies.height2.size()), width,
+                 bodies.highest2.data());
+    bodies.t.position = 9 + on;
+    bodies.height1[0] = -on * rise;  // touches where it stands
+    // ahead to the next node where the face rises, back to the last one where it falls
+    const double comes = rise > 0 ? (1 - on) * rise : -on * rise;
+    EXPECT_NEAR((Look{.back = on}.widest(bodies, still)), comes, 1e-12) << "rise " << rise;
+  }
+}
+
+TEST(NearGroupsProof, WhatACubicOverAPatchLeavesOutIsReachedAtItsEdge) {
+  // as in OverlapsProof: a node that touches, and is seen to be open by nearly all of the bound
+  constexpr int wide = 256;
+  const double radius = BodiesByHand::radius_of(wide), beta = 0.25 / radius;
+  BodiesByHand bodies({{beta, 1.5 * wide}}, {}, 1, wide);
+  bodies.t.position = std::nextafter(wide - width / 2 + 1.0, 0);  // no way is left
+  Amplitudes u{};
+  u[0] = 1;
+  bodies.slope[0] = 0;  // nor is any bend to be taken for it
+  bodies.set_overlap(0, 0, u, bodies.t.position);
+  const double z = beta * (radius - 2), left_out = std::cos(z) - (1 - z * z / 2);
+  EXPECT_GT(left_out, 0.9 * bodies.tail[0]);
+  EXPECT_TRUE(Look{}.lists(bodies, u));
+  EXPECT_NEAR(Look{}.widest(bodies, u), bodies.tail[0] - left_out, 1e-12);
+}
+
+TEST(NearGroupsProof, RoundingsOfAPositionReachHalfTheirBound) {
+  // A place is rounded once, by half an ulp, and so is the next: 2^-52 of the larger in all. Twice that is
+  // taken, for what is computed of them.
+  for (const double position : {1.0, 4096.0}) {
+    SceneTables t;
+    t.position = std::nextafter(position, 2 * position);
+    const Place place(t, 0);
+    const double ulp = std::nextafter(position, 2 * position) - position;
+    EXPECT_GE(position_rounding(place), 2 * ulp);
+    EXPECT_NEAR(position_rounding(place), 2 * 0x1p-52 * (position + 1), 1e-3 * ulp);
+  }
+  // the steepest face, under a place that is off by that
+  const Amplitudes still{};
+  BodiesByHand bodies({}, {up}, 1);
+  bodies.t.position = 9, bodies.t.steepest = 0x1p49;
+  EXPECT_NEAR(Look{}.widest(bodies, still), 2 * 10 * 0x1p-3, 1e-9);
+}
+
+TEST(NearGroupsProof, AFarListReachesAsFarAsAGroupGetsFromItsPatch) {
+  // The list is made where the slider stands first, from the middle of each patch, and still holds when
+  // it has come on by a group. By then the last node of the group stands on the flank of a wave.
+  constexpr int wide = 256, first = wide - width / 2 + wide - 1;  // its last place on patch 1
+  constexpr double beta = 1e-6;
+  BodiesByHand bodies({{beta, 1.5 * wide + M_PI_2 / beta}}, {}, width, wide);
+  for (int n = 0; n + 1 < width; ++n) bodies.height1[n] = -1e9;
+  Amplitudes u{};
+  u[0] = 1 / beta;  // rises by 1 per chi
+  SceneTables& t = bodies.t;
+  t.position = std::nextafter(first + width, 0);
+  bodies.set_overlap(width - 1, 0, u, t.position);  // it touches there
+  NearGroups<HostLanes, K> near(lanes, t, bodies.s);
+  t.position = first;
+  ASSERT_EQ(GroupPlace<HostLanes>(t, Place(t, 0), 0).patch, 1);
+  near.find(test::Packs(u).u, Place(t, 0), 0, 0, 0);
+  t.position = std::nextafter(first + width, 0);
+  near.find(test::Packs(u).u, Place(t, 0), 1e-6, 0, 0);
+  EXPECT_EQ(near.count(), 1);
+  // three chi less than where it stands would have done
+  const double stands = 0.5 * wide + 1.5 * width - 2;
+  const double bound = BodiesByHand::radius_of(wide) + width;
+  EXPECT_NEAR(bodies.s.far_top[0], bound - stands, 1e-3);
+  EXPECT_GT(stands, 0.9 * bound);
+}
+
+TEST(NearGroupsProof, AFarListCountsAllThatTheModesHaveMoved) {
+  // The slider has come nearer by 0.5 since the far list was made, and the near list is to reach 0.25 on.
+  BodiesByHand bodies({}, {up}, 1);
+  bodies.t.position = 9;
+  Amplitudes u{}, there{};
+  there[0] = 0.5;
+  bodies.set_overlap(0, -0.25 * (1 - 1e-9), there, 9);
+  NearGroups<HostLanes, K> near(lanes, bodies.t, bodies.s);
+  near.find(test::Packs(u).u, Place(bodies.t, 0), 0.25, 0, 0);
+  EXPECT_EQ(near.count(), 0);
+  near.find(test::Packs(there).u, Place(bodies.t, 0), 0.25, 0, 0);
+  EXPECT_EQ(near.count(), 1);
+  EXPECT_NEAR(bodies.s.far_top[0], -0.75, 1e-8) << "still the first list";
 }
 
 }  // namespace

@@ -464,4 +464,136 @@ TEST(ModalSeries, SumsTheSquareOfTheVelocity) {
   }
 }
 
+// ---- the constants of the proof, each where it is reached (proofs.md)
+
+/// One mode alone, without stiffness, damping and load, at a node of one unit of mass. What a test is about
+/// it sets itself. Times are in units of a second.
+struct OneMode : Bodies {
+  std::vector<double> push = std::vector<double>((most_order + 1) * modes, 0.0);
+  double reach0;
+
+  explicit OneMode(Dice& dice, int closed_nodes = 0) : Bodies(dice, 1e-13, 0.0, 0, closed_nodes) {
+    for (std::vector<double>* row : {&load, &omega, &decay, &turn, &wander, &tail})
+      std::fill(row->begin(), row->end(), 0.0);
+    std::fill(mass.begin(), mass.end(), 1.0), std::fill(light.begin(), light.end(), 1.0);
+    std::fill(shape.begin(), shape.end(), 0.0), std::fill(face.begin(), face.end(), 0.0);
+    u.fill(0), v.fill(0);
+    s.push_series = push.data();
+    reach0 = reach[0];
+  }
+  /// U = size x^d/d!: from the state, the load, and forces that grow.
+  void begin_with(int d, double size) {
+    if (d == 0) u[0] = size;
+    if (d == 1) v[0] = size;
+    if (d == 2) load[0] = size;
+    if (d >= 3) t.moving_forces = 1, push[(d - 2) * modes] = size / (d == 4 ? 2 : 1);
+    expand(1);
+  }
+  /// Of the force on it, where nodes that are in contact are `hull` deep.
+  MotionBounds under(const Hull& hull, double x) {
+    t.node_stiffness = 2;
+    s.closed_count = 0;
+    expand(1);
+    s.closed_count = 1, hulls[0] = hull;
+    std::copy(shape.begin(), shape.begin() + 4 * modes, closed_shape.begin());
+    return motion.bounds(x);
+  }
+};
+
+TEST(SeriesProof, EachTermOfAModeAtANodeThatMovesIsReached) {
+  // (d/dx + b)^4 of U psi, where one derivative of U is all there is. psi, a wave, may be as large as its
+  // bound in the derivative that it goes with.
+  constexpr double b = 0.5, size = 3;
+  const double binomial[] = {1, 4, 6, 4, 1};
+  for (int d = 0; d <= 4; ++d) {
+    Dice dice(20);
+    OneMode mode(dice);
+    mode.wander[0] = b;
+    mode.begin_with(d, size);
+    ASSERT_NEAR(static_cast<double>(mode.derivative(d, 0, 0)), size, 8 * eps * size);
+    const double x = 1e-9;
+    const double fourth = binomial[d] * std::pow(b, 4 - d) * size * mode.reach0;
+    const MotionBounds bounds = mode.motion.bounds(x);
+    EXPECT_GE(bounds.fourth, fourth * (1 - 64 * eps)) << "derivative " << d;
+    EXPECT_LE(bounds.fourth, fourth * (1 + 1e-6)) << "derivative " << d;
+  }
+}
+
+TEST(SeriesProof, TravelIsReachedByAModeWithoutForces) {
+  // U = size x^d/d! again, after a while. Each derivative is taken at the end of the stretch: x^d, which is
+  // d! times the way itself. It is reached for d = 1, and of a short stretch that is all.
+  constexpr double size = 3, x = 0.75;
+  for (int d = 1; d <= 4; ++d) {
+    Dice dice(21);
+    OneMode mode(dice);
+    mode.tail[0] = 0.25;
+    mode.begin_with(d, size);
+    const double way = size * std::pow(x, d);
+    const MotionBounds bounds = mode.motion.bounds(x);
+    EXPECT_NEAR(bounds.travel, mode.reach0 * way, 1e-12) << "derivative " << d;
+    EXPECT_NEAR(bounds.size, mode.reach0 * way, 1e-12) << "derivative " << d;
+    EXPECT_NEAR(bounds.cubic_remainder, 0.25 * way, 1e-12) << "derivative " << d;
+  }
+}
+
+TEST(SeriesProof, AFreeModesFourthDerivativeIsReachedWhereItTurnsRound) {
+  // omega^4 U, at a node that does not move
+  Dice dice(22);
+  OneMode mode(dice);
+  constexpr double omega = 7;
+  mode.omega[0] = mode.turn[0] = omega;
+  mode.u[0] = 0.5;
+  mode.expand(1);
+  const double fourth = std::pow(omega, 4) * 0.5 * mode.reach0;
+  EXPECT_NEAR(mode.motion.bounds(0).fourth, fourth, 64 * eps * fourth);
+}
+
+TEST(SeriesProof, EachShareOfAContactForceIsReached) {
+  // F'' = -kappa (o psi)'', with kappa = 2: o'' psi, 2 o' psi' and o psi''
+  constexpr double x = 0.5;
+  const auto fourth = [&](const Hull& hull, int term, double of_shape) {
+    Dice dice(23);
+    OneMode mode(dice);
+    mode.shape[term * modes] = of_shape;
+    return mode.under(hull, x).fourth / mode.reach0;
+  };
+  const Hull bent{0, 0, 0, 0, 3}, deep{-5, 4, 0, 0, 0}, high{-4, 5, 0, 0, 0};
+  const Hull falls{0, 0, -5, 4, 0}, rises{0, 0, -4, 5, 0};
+  EXPECT_NEAR(fourth(bent, 0, -7), 2 * 3 * 7, 1e-9);
+  for (const Hull& hull : {rises, falls}) EXPECT_NEAR(fourth(hull, 1, 7), 2 * 2 * 5 * 7, 1e-9);
+  for (const Hull& hull : {deep, high}) {
+    EXPECT_NEAR(fourth(hull, 2, -7), 2 * 5 * 2 * 7, 1e-9);
+    EXPECT_NEAR(fourth(hull, 3, 7), 2 * 5 * 6 * 7 * x, 1e-9);
+  }
+}
+
+TEST(SeriesProof, WhatIsNeglectedIsReachedAtACrestAndOnAFlank) {
+  // Over a step of two, a bent beam that rests: of cos(b x) the second term, (2 b)^2/2, of sin(b x) the third,
+  // (2 b)^3/6. Another mode moves enough for a tolerance that lets them go.
+  for (const int terms : {2, 3}) {
+    Dice dice(24);
+    OneMode mode(dice, 1);
+    constexpr double b = 1e-3, size = 3;
+    mode.t.advance = mode.t.step;  // a chi a second
+    mode.t.position = 0.5;         // the middle of the window
+    mode.wander[0] = b;
+    mode.u[0] = size;
+    mode.v[1] = 1;
+    const double left_out = terms == 2 ? 2 * b * b : 8.0 / 6 * b * b * b;
+    mode.shape[0] = terms == 2 ? 1 : 0, mode.shape[modes] = terms == 2 ? 0 : b;
+    mode.shape[2 * modes] = terms == 2 ? -0.5 * b * b : 0;
+    mode.shape[3 * modes] = terms == 2 ? 0 : -b * b * b / 6;
+    const double scale = mode.reach[0];
+    for (int m = 0; m < 4; ++m) mode.shape[m * modes] *= scale;
+    mode.t.tolerance = (terms == 2 ? 2.1 : 0.01) * scale * size * b * b / (0.03 * mode.reach[1]);
+    mode.expand(1);
+    ASSERT_EQ(mode.motion.wanted_terms(), terms);
+    const double off = std::abs(polynomial(mode.motion.overlap(0), mode.motion.degree(), 2) -
+                                static_cast<double>(mode.overlap(0, 2).over));
+    EXPECT_NEAR(off, scale * size * left_out, 1e-3 * off);
+    EXPECT_GE(mode.motion.neglected(), off * (1 - 1e-6)) << terms << " terms";
+    EXPECT_LE(mode.motion.neglected(), off * (1 + 1e-6)) << terms << " terms";
+  }
+}
+
 }  // namespace
