@@ -14,9 +14,9 @@ struct FaceBetweenNodes {
 ///
 ///   g_n = delta - h_1(s_n) - u_1(t, s_n) - h_2(x_n) - u_2(t, x_n),   contact: g_n <= 0,
 ///
-/// n the node, s_n its place on the slider, x_n that on the resonator, where it stands between two
-/// nodes. delta is the distance of the mean lines, h the faces' heights and u the bodies'
-/// displacements, all towards the other body.
+/// n the node, s_n its place on the slider, x_n = s_n + x0 + V t that on the resonator, between two
+/// nodes (the paper prints -g_n, and h_2(x - V t), which slides the other way). delta: the distance of
+/// the mean lines; h: the faces' heights, u: the bodies' displacements, all towards the other body.
 ///
 /// This is the plain form: a scene starts from it, and tests hold the kernels to it. These work with the
 /// overlap -g_n, in parts that are found once and used often (kernels/place.hpp,

@@ -12,9 +12,9 @@ namespace ra2d {
 ///
 ///   |R|^2 = 1 - 2 zeta x + 2 zeta^2 x^2 - zeta x^3 + x^4/4:
 ///
-/// stable up to the root of x^3/4 - zeta x^2 + 2 zeta^2 x - 2 zeta = 0, about 2 zeta^(1/3) for small
-/// zeta. Without damping it is unstable at every step (the paper's table says sqrt(2)/omega): its
-/// energy grows by x^4/4.
+/// stable up to the root of x^3/4 - zeta x^2 + 2 zeta^2 x - 2 zeta = 0: 2 zeta^(1/3) + 4 zeta/3, less
+/// 4/9 zeta^(5/3) and so on. Without damping it is unstable at every step (the paper's table says
+/// sqrt(2)/omega): its energy grows by x^4/4.
 ///
 /// The penalty spring is such a mode with omega_c^2 = k sum phi^2/m and the little damping that the
 /// modes bring to it. A shock, half a period, gives back exp(pi (omega_c tau)^3/4) of its energy;
