@@ -9,11 +9,11 @@
 namespace ra2d {
 namespace {
 
-/// The meaning of one of two words.
+/// The meaning of one of some words.
 template <class T>
-auto either(std::pair<const char*, T> first, std::pair<const char*, T> second) {
-  return [=](const std::string& text) -> std::optional<T> {
-    for (const auto& [word, meaning] : {first, second})
+auto either(std::vector<std::pair<const char*, T>> words) {
+  return [words = std::move(words)](const std::string& text) -> std::optional<T> {
+    for (const auto& [word, meaning] : words)
       if (text == word) return meaning;
     return {};
   };
@@ -61,7 +61,7 @@ std::vector<CLI::Option*> add_profile_options(CLI::App& command, ProfileOptions&
   index("--row", query.row, "the row of an areal file, from 1: a profile along x");
   word("--decimal", "MARK", "point or comma, where the file leaves it open [what the file tells]",
        "point or comma",
-       either<DecimalMark>({"point", DecimalMark::point}, {"comma", DecimalMark::comma}),
+       either<DecimalMark>({{"point", DecimalMark::point}, {"comma", DecimalMark::comma}}),
        [&query](DecimalMark mark) { query.decimal = mark; });
   word(
       "--form", "FORM",
@@ -70,9 +70,13 @@ std::vector<CLI::Option*> add_profile_options(CLI::App& command, ProfileOptions&
       [](const std::string& text) { return understand_form(text); },
       [&measure](ProfileForm form) { measure.form = form; });
   word("--filter", "KIND",
-       "gaussian, which gives the roughness profile, or none, for the primary profile [gaussian]",
-       "gaussian or none", either<bool>({"gaussian", true}, {"none", false}),
-       [&options](bool filter) {
+       "gaussian, which gives the roughness profile; done, where the instrument has filtered "
+       "already; none, for the primary profile [gaussian]",
+       "gaussian, done or none",
+       either<ProfileFilter>({{"gaussian", ProfileFilter::gaussian},
+                              {"done", ProfileFilter::done},
+                              {"none", ProfileFilter::none}}),
+       [&options](ProfileFilter filter) {
          options.measure.filter = filter;
          options.filter_told = true;
        });
@@ -91,10 +95,21 @@ std::vector<CLI::Option*> add_profile_options(CLI::App& command, ProfileOptions&
       "linear:WIDTH, with a width in metres, like linear:1e-5",
       [](const std::string& text) { return to_fill_width(text); },
       [&measure](double width) { measure.fill = width; });
-  word("--rsm", "RULE", "what counts as a profile element: iso21920 or iso4287 [iso21920]",
-       "iso21920 or iso4287",
-       either<ElementRule>({"iso21920", ElementRule::iso21920}, {"iso4287", ElementRule::iso4287}),
-       [&measure](ElementRule rule) { measure.rule = rule; });
+  const auto standard = either<RoughnessStandard>(
+      {{"iso21920", RoughnessStandard::iso21920}, {"iso4287", RoughnessStandard::iso4287}});
+  word("--standard", "NORM", "whose definitions are taken: iso21920 or iso4287 [iso21920]",
+       "iso21920 or iso4287", standard,
+       [&measure](RoughnessStandard norm) { measure.standard = norm; });
+  command
+      .add_option_function<std::string>(
+          "--rsm",
+          [](const std::string&) {
+            throw CLI::ValidationError(
+                "--rsm",
+                "is now --standard iso21920 or iso4287, which takes all definitions of a norm");
+          },
+          "")
+      ->group("");  // not in the help
   return added;
 }
 

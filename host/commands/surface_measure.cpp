@@ -38,7 +38,7 @@ std::string length_text(double length) {
   return fmt::format("{:.4g} nm", length * 1e9);
 }
 
-enum class Kind { length, number, share };
+enum class Kind { length, number, share };  // shares are printed in percent
 struct Named {
   const char* name;
   double Roughness::*value;
@@ -51,7 +51,8 @@ constexpr Named parameters[] = {
     {"Rsk", &Roughness::rsk, Kind::number}, {"Rku", &Roughness::rku, Kind::number},
     {"RSm", &Roughness::rsm, Kind::length}, {"Rdq", &Roughness::rdq, Kind::number},
     {"Rk", &Roughness::rk, Kind::length},   {"Rpk", &Roughness::rpk, Kind::length},
-    {"Rvk", &Roughness::rvk, Kind::length}};
+    {"Rvk", &Roughness::rvk, Kind::length}, {"Mr1", &Roughness::mr1, Kind::share},
+    {"Mr2", &Roughness::mr2, Kind::share}};
 
 nlohmann::ordered_json to_json(const std::string& file, const Measurement& m,
                                const MeasureOptions& options) {
@@ -61,20 +62,38 @@ nlohmann::ordered_json to_json(const std::string& file, const Measurement& m,
   json["spacing"] = m.spacing;
   json["length"] = m.length;
   json["missing"] = m.missing;
-  json["filter"] = options.filter ? "gaussian" : "none";
+  json["filter"] = options.filter == ProfileFilter::gaussian ? "gaussian"
+                   : options.filter == ProfileFilter::done   ? "done"
+                                                             : "none";
   json["cutoff"] = nullptr;
   if (m.cutoff) json["cutoff"] = *m.cutoff;
   json["sampling_lengths"] = m.sampling_lengths;
   for (const Named& p : parameters) json["parameters"][p.name] = m.parameters.*p.value;
   if (options.level) json["parameters"]["Rmr"] = m.material_ratio;
+  json["standard"] = options.standard == RoughnessStandard::iso4287 ? "iso4287" : "iso21920";
   return json;
 }
 
 void print_line(const char* what, const std::string& value) { print("  {:<11}{}\n", what, value); }
 
 void print_value(std::string name, bool filtered, const std::string& value) {
-  if (!filtered) name[0] = 'P';  // nothing was filtered off: those of the primary profile
+  // nothing was filtered off: those of the primary profile
+  if (!filtered && name[0] == 'R') name[0] = 'P';
   print("  {:<11}{}\n", name, value);
+}
+
+std::string filter_text(const Measurement& m, ProfileFilter filter) {
+  switch (filter) {
+    case ProfileFilter::gaussian:
+      return fmt::format("Gaussian, cut-off {}; half of it dropped at each end",
+                         length_text(*m.cutoff));
+    case ProfileFilter::done:
+      return fmt::format("done before, cut-off {}: nothing is filtered or dropped",
+                         length_text(*m.cutoff));
+    case ProfileFilter::none:
+      break;
+  }
+  return "none: parameters of the primary profile";
 }
 
 void print_table(const std::string& file, const Measurement& m, const MeasureOptions& options) {
@@ -84,10 +103,7 @@ void print_table(const std::string& file, const Measurement& m, const MeasureOpt
       fmt::format("{} points, {} apart: {}{}", m.nodes, length_text(m.spacing),
                   length_text(m.length),
                   m.missing > 0 ? fmt::format("; {} missing points filled", m.missing) : ""));
-  print_line("filter", options.filter
-                           ? fmt::format("Gaussian, cut-off {}; half of it dropped at each end",
-                                         length_text(*m.cutoff))
-                           : std::string("none: parameters of the primary profile"));
+  print_line("filter", filter_text(m, options.filter));
   const bool one = m.sampling_lengths == 1;
   print_line("evaluated",
              fmt::format("{} sampling length{} of {}{}", m.sampling_lengths, one ? "" : "s",
@@ -95,15 +111,18 @@ void print_table(const std::string& file, const Measurement& m, const MeasureOpt
                          m.fitting > m.sampling_lengths
                              ? fmt::format("; {} would fit (--sampling-lengths all)", m.fitting)
                              : ""));
+  print_line("standard", name_of(options.standard));
+  const bool filtered = options.filter != ProfileFilter::none;
   for (const Named& p : parameters) {
     const double value = m.parameters.*p.value;
-    print_value(p.name, options.filter,
+    print_value(p.name, filtered,
                 !std::isfinite(value)    ? "not defined"
                 : p.kind == Kind::length ? length_text(value)
+                : p.kind == Kind::share  ? fmt::format("{:.4g} %", 100 * value)
                                          : fmt::format("{:.4g}", value));
   }
   if (options.level)
-    print_value(fmt::format("Rmr({})", length_text(*options.level)), options.filter,
+    print_value(fmt::format("Rmr({})", length_text(*options.level)), filtered,
                 fmt::format("{:.4g} %", 100 * m.material_ratio));
 }
 
@@ -135,9 +154,10 @@ int measure_files(const Request& request) {
 void add_surface_measure(CLI::App& surface, Chosen& chosen) {
   const auto asked = std::make_shared<Request>();
   Request& request = *asked;
-  CLI::App* measure = surface.add_subcommand("measure",
-                                             "roughness parameters (ISO 21920-2) of measured "
-                                             "profiles: text of two columns, x and z, SDF or X3P");
+  CLI::App* measure =
+      surface.add_subcommand("measure",
+                             "roughness parameters (ISO 21920-2 or 4287) of measured "
+                             "profiles: text of two columns, x and z, SDF or X3P");
   measure->add_option("FILE", request.files, "profiles")->required()->check(path());
   add_profile_options(*measure, request.profile);
   measure

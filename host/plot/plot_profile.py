@@ -13,6 +13,7 @@ from picture_style import BLACK, BLUE, GREY, RUST, SKY, literal, number, numbers
 import numpy as np
 
 WITHOUT_UNIT = ("Rsk", "Rku", "Rdq")
+SHARES = ("Mr1", "Mr2")
 NO_PARAMETERS = "points are missing: no parameters (--fill puts straight lines through gaps)"
 
 
@@ -42,6 +43,8 @@ def draw_heights(axes, drawn, length, title, line=None, line_is=None):
 def roughness_title(data):
     n = data["sampling_lengths"]
     lengths = f"{n} sampling length{'s' if n != 1 else ''} of {quantity(data['sampling_length'], 'm')}"
+    if data["filtered_before"]:
+        return f"Roughness, filtered before: the first {lengths}"
     if data["filtered"]:
         return f"Roughness, cut-off {quantity(data['cutoff'], 'm')}: the first {lengths}"
     return f"Primary profile, no filter: {lengths}"
@@ -70,13 +73,15 @@ def draw_distribution(axes, data, unit, one):
 
 def write_parameters(axes, data):
     axes.axis("off")
-    axes.set_title("ISO 21920-2")
+    axes.set_title(data["standard"])
     lines = []
     for name, value in data["parameters"].items():
         value = number(value)
-        shown = name if data["filtered"] else "P" + name[1:]
+        shown = name if data["filtered"] or name in SHARES else "P" + name[1:]
         if not math.isfinite(value):
             text = "not defined"
+        elif name in SHARES:
+            text = f"{100 * value:.4g} %"
         else:
             text = f"{value:.4g}" if name in WITHOUT_UNIT else quantity(value, "m", 4)
         lines.append((shown, text))

@@ -59,7 +59,7 @@ Json distribution(std::span<const double> heights) {
 Json parameters_of(const Roughness& r) {
   return {{"Ra", r.ra}, {"Rq", r.rq},   {"Rz", r.rz},   {"Rt", r.rt},   {"Rp", r.rp},
           {"Rv", r.rv}, {"Rsk", r.rsk}, {"Rku", r.rku}, {"RSm", r.rsm}, {"Rdq", r.rdq},
-          {"Rk", r.rk}, {"Rpk", r.rpk}, {"Rvk", r.rvk}};
+          {"Rk", r.rk}, {"Rpk", r.rpk}, {"Rvk", r.rvk}, {"Mr1", r.mr1}, {"Mr2", r.mr2}};
 }
 
 /// The line that the evaluated heights are counted from, in the heights of the whole profile: the form,
@@ -69,7 +69,7 @@ std::vector<double> reference_line(const Profile& filled, const MeasureOptions& 
   std::vector<double> formless = filled.heights;
   remove_form(formless, options.form);
   std::vector<double> line(formless.size(), 0.0);
-  if (options.filter)
+  if (options.filter == ProfileFilter::gaussian)
     line = gaussian_mean_line(options.cutoff_s
                                   ? gaussian_mean_line(formless, filled.spacing, *options.cutoff_s)
                                   : formless,
@@ -82,18 +82,23 @@ std::vector<double> reference_line(const Profile& filled, const MeasureOptions& 
 void add_roughness(const Profile& profile, const ProfilePictureOptions& asked,
                    const std::string& name, Json& json, std::vector<std::string>* doubts) {
   MeasureOptions options = asked.measure;
-  if (asked.usual_filter) options.filter = profile.length() >= 2 * usual_cutoff;
+  if (asked.usual_filter &&
+      fitting_filtered(profile.heights.size(), profile.spacing, usual_cutoff) == 0)
+    options.filter = ProfileFilter::none;
   const Measurement m = measure_profile(profile, options, name);
   Profile filled = profile;
   fill_gaps(filled, options.fill);
   const bool has_form = options.form.degree != ProfileForm::none;
-  if (options.filter || has_form) {
+  const bool filters = options.filter == ProfileFilter::gaussian;
+  if (filters || has_form) {
     json["line"] = drawn(reference_line(filled, options, m.cutoff), 0, profile.spacing);
-    json["line_is"] = !options.filter ? "form"
-                      : has_form      ? "form, and mean line of the filter"
-                                      : "mean line of the filter";
+    json["line_is"] = !filters   ? "form"
+                      : has_form ? "form, and mean line of the filter"
+                                 : "mean line of the filter";
   }
-  json["filtered"] = options.filter;
+  json["filtered"] = options.filter != ProfileFilter::none;
+  json["filtered_before"] = options.filter == ProfileFilter::done;
+  json["standard"] = name_of(options.standard);
   if (m.cutoff) json["cutoff"] = *m.cutoff;
   json["roughness"] =
       drawn(m.heights, static_cast<double>(m.dropped) * profile.spacing, profile.spacing);

@@ -16,9 +16,10 @@ namespace ra2d {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-constexpr double fewest_steps = 5;  // to a sampling length
-constexpr double whole = 1e-9;      // of a sampling length: as many as fit
-constexpr double much_tilt = 0.5;   // of the mean square height
+constexpr double fewest_steps = 5;    // to a sampling length
+constexpr double short_share = 1e-3;  // that sampling lengths may be short of
+constexpr double much_tilt = 0.5;     // of the mean square height
+constexpr double much_offset = 0.1;   // of the root mean square height
 
 void check_lengths(const MeasureOptions& options, const Profile& profile, const std::string& name) {
   const auto refuse_with = [&](const std::string& why) { throw RequestError(name + ": " + why); };
@@ -26,7 +27,8 @@ void check_lengths(const MeasureOptions& options, const Profile& profile, const 
     refuse_with(
         fmt::format("--cutoff {:g}: at least {:g} steps of the profile are needed, {:.6g} m",
                     *options.cutoff, fewest_steps, fewest_steps * profile.spacing));
-  if (options.cutoff_s && options.cutoff && options.filter && *options.cutoff_s >= *options.cutoff)
+  if (options.cutoff_s && options.cutoff && options.filter != ProfileFilter::none &&
+      *options.cutoff_s >= *options.cutoff)
     refuse_with(fmt::format("--cutoff-s {:g} must be smaller than the cut-off, {:g} m",
                             *options.cutoff_s, *options.cutoff));
   if (options.cutoff_s && *options.cutoff_s > 0.5 * profile.length())
@@ -34,17 +36,62 @@ void check_lengths(const MeasureOptions& options, const Profile& profile, const 
                             profile.length()));
 }
 
+double mean_square(const std::vector<double>& z) {
+  return compensated_sum(z.size(), [&](std::size_t i) { return z[i] * z[i]; }) /
+         static_cast<double>(z.size());
+}
+
 bool is_tilted(const std::vector<double>& heights) {
-  const auto square = [](const std::vector<double>& z) {
-    return compensated_sum(z.size(), [&](std::size_t i) { return z[i] * z[i]; });
-  };
   std::vector<double> flat = heights, level = heights;
   remove_form(flat, {0});
   remove_form(level, {1});
-  return square(level) < (1 - much_tilt) * square(flat);
+  return mean_square(level) < (1 - much_tilt) * mean_square(flat);
 }
 
+/// What a filter that was here before would not have left.
+std::string doubt_of_filtered(const std::vector<double>& z) {
+  if (is_tilted(z))
+    return "most of the height is tilt, which no filter leaves: without --filter done it is "
+           "filtered "
+           "here";
+  std::vector<double> level = z;
+  const double mean = subtract_mean(level), square = mean_square(level);
+  if (mean * mean <= much_offset * much_offset * square) return {};
+  return fmt::format(
+      "the mean of the heights is {:.3g} m, and their Rq from there {:.3g} m. A filter leaves a "
+      "mean "
+      "near 0, and heights are counted from 0: try --form mean",
+      mean, std::sqrt(square));
+}
+
+void take_off(std::vector<double>& z, const std::vector<double>& line) {
+  for (std::size_t i = 0; i < z.size(); ++i) z[i] -= line[i];
+}
+
+/// Drops what the filter does not see whole, or everything.
+void drop_ends(std::vector<double>& z, double half) {
+  if (2 * half >= static_cast<double>(z.size())) return z.clear();
+  const auto dropped = static_cast<std::ptrdiff_t>(half);
+  z.erase(z.end() - dropped, z.end());
+  z.erase(z.begin(), z.begin() + dropped);
+}
+
+double half_of(double cutoff, double spacing) { return std::round(0.5 * cutoff / spacing); }
+
 }  // namespace
+
+std::size_t fitting_lengths(std::size_t left, double points) {
+  const double short_by = (1 - short_share) * points;
+  const auto lengths = static_cast<std::size_t>(static_cast<double>(left) / short_by);
+  // less than 0.1 %, not just as much
+  const bool just = static_cast<double>(lengths) * short_by >= static_cast<double>(left);
+  return lengths - (just && lengths > 0 ? 1 : 0);
+}
+
+std::size_t fitting_filtered(std::size_t nodes, double spacing, double cutoff) {
+  const double left = static_cast<double>(nodes) - 2 * half_of(cutoff, spacing);
+  return left > 0 ? fitting_lengths(static_cast<std::size_t>(left), cutoff / spacing) : 0;
+}
 
 void shape_profile(Profile& profile, ProfileForm form, std::optional<double> cutoff_s,
                    std::optional<double> cutoff) {
@@ -52,18 +99,16 @@ void shape_profile(Profile& profile, ProfileForm form, std::optional<double> cut
   remove_form(z, form);
   if (cutoff_s) z = gaussian_mean_line(z, profile.spacing, *cutoff_s);
   if (!cutoff) return;
-  const double half = std::round(0.5 * *cutoff / profile.spacing);
+  const double half = half_of(*cutoff, profile.spacing);
   if (2 * half >= static_cast<double>(z.size())) return z.clear();
-  const std::vector<double> line = gaussian_mean_line(z, profile.spacing, *cutoff);
-  for (std::size_t i = 0; i < z.size(); ++i) z[i] -= line[i];
-  const auto dropped = static_cast<std::ptrdiff_t>(half);
-  z.erase(z.end() - dropped, z.end());
-  z.erase(z.begin(), z.begin() + dropped);
+  take_off(z, gaussian_mean_line(z, profile.spacing, *cutoff));
+  drop_ends(z, half);
 }
 
 Measurement measure_profile(Profile profile, const MeasureOptions& asked, const std::string& name) {
   MeasureOptions options = asked;
-  if (options.filter && !options.cutoff) options.cutoff = usual_cutoff;
+  const bool filters = options.filter == ProfileFilter::gaussian;
+  if (options.filter != ProfileFilter::none && !options.cutoff) options.cutoff = usual_cutoff;
   check_lengths(options, profile, name);
   Measurement found{};
   found.nodes = profile.heights.size();
@@ -73,24 +118,31 @@ Measurement measure_profile(Profile profile, const MeasureOptions& asked, const 
   found.cutoff = options.cutoff;
   fill_gaps(profile, options.fill);
 
+  const auto doubt = [&](const std::string& what) {
+    if (!what.empty()) found.doubts.push_back(name + ": " + what);
+  };
   if (options.cutoff_s && *options.cutoff_s < profile.spacing)
-    found.doubts.push_back(
-        fmt::format("{}: --cutoff-s {:g} is less than a step of the profile and changes nothing",
-                    name, *options.cutoff_s));
-  shape_profile(profile, options.form, options.cutoff_s,
-                options.filter ? options.cutoff : std::nullopt);
+    doubt(fmt::format("--cutoff-s {:g} is less than a step of the profile and changes nothing",
+                      *options.cutoff_s));
+  shape_profile(profile, options.form, options.cutoff_s, std::nullopt);
   std::vector<double>& z = profile.heights;
+  std::vector<double> stratified;  // the profile of Rk, where that is another one
+  if (filters && options.standard == RoughnessStandard::iso4287) {
+    stratified = z;
+    take_off(stratified, mean_line_above_valleys(z, profile.spacing, *options.cutoff));
+    drop_ends(stratified, half_of(*options.cutoff, profile.spacing));
+  }
+  if (filters) shape_profile(profile, {}, std::nullopt, options.cutoff);
   found.dropped = (found.nodes - z.size()) / 2;
-  const auto left = static_cast<double>(z.size());
   const double points =  // of a sampling length
       options.cutoff ? *options.cutoff / profile.spacing : static_cast<double>(z.size());
-  found.fitting = static_cast<std::size_t>(left / points + whole);
+  found.fitting = fitting_lengths(z.size(), points);
   if (found.fitting == 0)
     throw RequestError(fmt::format(
         "{}: the profile is {:.6g} m long, and a cut-off of {:g} m needs {:g} m{}: give a smaller "
         "--cutoff, or --filter none",
-        name, found.length, *options.cutoff, *options.cutoff * (options.filter ? 2 : 1),
-        options.filter ? ", half of it being dropped at each end" : ""));
+        name, found.length, *options.cutoff, *options.cutoff * (filters ? 2 : 1),
+        filters ? ", half of it being dropped at each end" : ""));
   found.sampling_lengths = std::min(found.fitting, usual_sampling_lengths);
   if (options.sampling_lengths)
     found.sampling_lengths =
@@ -102,15 +154,21 @@ Measurement measure_profile(Profile profile, const MeasureOptions& asked, const 
   found.sampling_length = points * profile.spacing;
 
   const auto count = static_cast<std::size_t>(
-      std::min(left, std::round(points * static_cast<double>(found.sampling_lengths))));
+      std::min(static_cast<double>(z.size()),
+               std::round(points * static_cast<double>(found.sampling_lengths))));
   z.resize(count);
-  if (!options.filter) {
+  if (options.filter == ProfileFilter::none) {
     if (options.form.degree < 1 && is_tilted(z))
-      found.doubts.push_back(fmt::format(
-          "{}: most of the height is tilt, which no filter takes off: try --form line", name));
+      doubt("most of the height is tilt, which no filter takes off: try --form line");
     subtract_mean(z);
+  } else if (options.filter == ProfileFilter::done) {
+    doubt(doubt_of_filtered(z));
   }
-  found.parameters = roughness(z, profile.spacing, found.sampling_lengths, options.rule);
+  found.parameters = roughness(z, profile.spacing, found.sampling_lengths, options.standard);
+  if (!stratified.empty()) {
+    stratified.resize(count);
+    set_core(found.parameters, core(stratified));
+  }
   found.material_ratio = options.level ? material_ratio(z, *options.level) : nan;
   found.heights = std::move(z);
   return found;

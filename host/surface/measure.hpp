@@ -14,14 +14,20 @@ namespace ra2d {
 constexpr double usual_cutoff = 2.5e-3;            // m
 constexpr std::size_t usual_sampling_lengths = 5;  // where as many fit
 
+enum class ProfileFilter {
+  gaussian,  // of the cutoff
+  done,      // by the instrument: a roughness profile already
+  none       // the primary profile
+};
+
 struct MeasureOptions {
   ProfileForm form;
-  bool filter = true;                           // Gaussian, of the cutoff
-  std::optional<double> cutoff;                 // m; without a filter the sampling length alone
-  std::optional<double> cutoff_s;               // m, of the filter against short waves
+  ProfileFilter filter = ProfileFilter::gaussian;
+  std::optional<double> cutoff;    // m; without a filter here the sampling length alone
+  std::optional<double> cutoff_s;  // m, of the filter against short waves
   std::optional<std::size_t> sampling_lengths;  // 0: as many as fit
   double fill = 0;                              // m, the widest gap
-  ElementRule rule = ElementRule::iso21920;
+  RoughnessStandard standard = RoughnessStandard::iso21920;
   std::optional<double> level;  // m from the mean line, of Rmr
 };
 
@@ -38,14 +44,22 @@ struct Measurement {
   std::vector<std::string> doubts;  // what looks odd but may be meant
 };
 
+/// How many sampling lengths of `points` points (which need not be whole) fit into `left` of them. They
+/// may be short of it by less than 0.1 %: an instrument that cuts its profile into whole points drops
+/// the rest of a point at each sampling length.
+std::size_t fitting_lengths(std::size_t left, double points);
+
+/// The same of a profile of `nodes` points that is filtered first, and loses half a cutoff at each end.
+std::size_t fitting_filtered(std::size_t nodes, double spacing, double cutoff);
+
 /// Takes the form off, then what is shorter than `cutoff_s` and what is longer than `cutoff` [m]; leaves
 /// out half a cutoff at each end, which the filter does not see whole. Where that is everything, no
 /// height is left.
 void shape_profile(Profile& profile, ProfileForm form, std::optional<double> cutoff_s,
                    std::optional<double> cutoff);
 
-/// Fills gaps, takes the form off, filters, drops half a cutoff at each end and measures the first
-/// sampling lengths of what is left. `name` is the profile's in messages. Throws RequestError where
+/// Fills gaps, takes the form off, filters (and then drops half a cutoff at each end) and measures the
+/// first sampling lengths of what is left. `name` is the profile's in messages. Throws RequestError where
 /// the options do not fit the profile.
 Measurement measure_profile(Profile profile, const MeasureOptions& options,
                             const std::string& name);

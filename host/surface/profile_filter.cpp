@@ -209,4 +209,11 @@ std::vector<double> gaussian_mean_line(const std::vector<double>& heights, doubl
   return line;
 }
 
+std::vector<double> mean_line_above_valleys(const std::vector<double>& heights, double spacing,
+                                            double cutoff) {
+  std::vector<double> lifted = gaussian_mean_line(heights, spacing, cutoff);
+  for (std::size_t i = 0; i < lifted.size(); ++i) lifted[i] = std::max(lifted[i], heights[i]);
+  return gaussian_mean_line(lifted, spacing, cutoff);
+}
+
 }  // namespace ra2d

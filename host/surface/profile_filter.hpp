@@ -14,4 +14,9 @@ namespace ra2d {
 std::vector<double> gaussian_mean_line(const std::vector<double>& heights, double spacing,
                                        double cutoff);
 
+/// The mean line of ISO 13565-1:1996, which deep valleys do not pull down: what lies below the mean line
+/// of the Gaussian filter is lifted onto it, and the mean line of that is taken.
+std::vector<double> mean_line_above_valleys(const std::vector<double>& heights, double spacing,
+                                            double cutoff);
+
 }  // namespace ra2d

@@ -24,6 +24,21 @@ double mean(std::span<const double> heights, const Term& term) {
          static_cast<double>(heights.size());
 }
 
+/// Adds the parameters of the distribution of heights, each divided by `share`.
+void add_moments(Roughness& r, std::span<const double> heights, double share) {
+  const double rq = std::sqrt(mean(heights, [](double z) { return z * z; }));
+  const auto power = [&](double z) { return z / rq; };  // z^4 alone may be no double
+  r.ra += mean(heights, [](double z) { return std::abs(z); }) / share;
+  r.rq += rq / share;
+  r.rsk += mean(heights, [&](double z) { return power(z) * power(z) * power(z); }) / share;
+  r.rku += mean(heights,
+                [&](double z) {
+                  const double square = power(z) * power(z);
+                  return square * square;
+                }) /
+           share;
+}
+
 /// What lies between two crossings of the mean line. Positions in points.
 struct Part {
   double begin, end;
@@ -90,6 +105,10 @@ constexpr std::array<std::array<double, 7>, 4> slope_weights{{{-147, 360, -450, 
 
 }  // namespace
 
+const char* name_of(RoughnessStandard standard) {
+  return standard == RoughnessStandard::iso4287 ? "ISO 4287, ISO 13565-2" : "ISO 21920-2";
+}
+
 double mean_spacing(std::span<const double> heights, double spacing,
                     const ElementThresholds& thresholds, bool both_ways) {
   const std::vector<Part> parts = cut_at_mean_line(heights);
@@ -108,7 +127,8 @@ double mean_spacing(std::span<const double> heights, double spacing,
   return found.count > 0 ? found.length / static_cast<double>(found.count) * spacing : nan;
 }
 
-double rms_slope(std::span<const double> heights, double spacing) {
+double rms_slope(std::span<const double> heights, double spacing, std::size_t begin,
+                 std::size_t end) {
   const std::size_t count = heights.size();
   if (count < 7) return nan;
   const auto slope = [&](std::size_t i) {
@@ -119,8 +139,13 @@ double rms_slope(std::span<const double> heights, double spacing) {
     for (std::size_t k = 0; k < 7; ++k) sum += weights[k] * heights[right ? first - k : first + k];
     return sum;  // at the right end mirrored: another sign, which its square does not see
   };
-  const double squares = compensated_sum(count, [&](std::size_t i) { return slope(i) * slope(i); });
-  return std::sqrt(squares / static_cast<double>(count)) / (60 * spacing);
+  const double squares = compensated_sum(
+      end - begin, [&](std::size_t i) { return slope(begin + i) * slope(begin + i); });
+  return std::sqrt(squares / static_cast<double>(end - begin)) / (60 * spacing);
+}
+
+double rms_slope(std::span<const double> heights, double spacing) {
+  return rms_slope(heights, spacing, 0, heights.size());
 }
 
 Core core(std::span<const double> heights) {
@@ -183,17 +208,23 @@ double material_ratio(std::span<const double> heights, double level) {
   return static_cast<double>(above) / static_cast<double>(heights.size());
 }
 
+void set_core(Roughness& parameters, const Core& parts) {
+  parameters.rk = parts.rk;
+  parameters.rpk = parts.rpk;
+  parameters.rvk = parts.rvk;
+  parameters.mr1 = parts.peaks;
+  parameters.mr2 = 1 - parts.valleys;
+}
+
 Roughness roughness(std::span<const double> heights, double spacing, std::size_t sections,
-                    ElementRule rule) {
+                    RoughnessStandard standard) {
+  const bool by_section = standard == RoughnessStandard::iso4287;
+  const auto share = static_cast<double>(sections);
   Roughness r{};
-  r.ra = mean(heights, [](double z) { return std::abs(z); });
-  r.rq = std::sqrt(mean(heights, [](double z) { return z * z; }));
-  const auto power = [&](double z) { return z / r.rq; };  // z^4 alone may be no double
-  r.rsk = mean(heights, [&](double z) { return power(z) * power(z) * power(z); });
-  r.rku = mean(heights, [&](double z) {
-    const double square = power(z) * power(z);
-    return square * square;
-  });
+  if (!by_section) {
+    add_moments(r, heights, 1);
+    r.rdq = rms_slope(heights, spacing);
+  }
   const auto [lowest, highest] = std::minmax_element(heights.begin(), heights.end());
   r.rt = *highest - *lowest;
   for (std::size_t k = 0; k < sections; ++k) {
@@ -201,20 +232,18 @@ Roughness roughness(std::span<const double> heights, double spacing, std::size_t
     const std::size_t end = heights.size() * (k + 1) / sections;
     const auto part = heights.subspan(begin, end - begin);
     const auto [low, high] = std::minmax_element(part.begin(), part.end());
-    r.rp += *high / static_cast<double>(sections);
-    r.rv -= *low / static_cast<double>(sections);
+    r.rp += *high / share;
+    r.rv -= *low / share;
+    if (!by_section) continue;
+    add_moments(r, part, share);
+    r.rdq += rms_slope(heights, spacing, begin, end) / share;
   }
   r.rz = r.rp + r.rv;
-  const double section =
-      static_cast<double>(heights.size()) * spacing / static_cast<double>(sections);
-  r.rsm = rule == ElementRule::iso21920
-              ? mean_spacing(heights, spacing, {0.1 * r.rp, 0.1 * r.rv})
-              : mean_spacing(heights, spacing, {0.1 * r.rz, 0.1 * r.rz, 0.01 * section}, false);
-  r.rdq = rms_slope(heights, spacing);
-  const Core parts = core(heights);
-  r.rk = parts.rk;
-  r.rpk = parts.rpk;
-  r.rvk = parts.rvk;
+  const double section = static_cast<double>(heights.size()) * spacing / share;
+  r.rsm = by_section
+              ? mean_spacing(heights, spacing, {0.1 * r.rz, 0.1 * r.rz, 0.01 * section}, false)
+              : mean_spacing(heights, spacing, {0.1 * r.rp, 0.1 * r.rv});
+  set_core(r, core(heights));
   return r;
 }
 

@@ -3,15 +3,18 @@
 #include <cstddef>
 #include <span>
 
-/// Roughness parameters of ISO 21920-2, of heights at even steps that are counted from the mean line.
-/// docs/surfaces.md has every formula. NaN where a parameter has no meaning.
+/// Roughness parameters of heights at even steps that are counted from the mean line, by one of two
+/// standards. docs/surfaces.md has every formula. NaN where a parameter has no meaning.
 namespace ra2d {
 
-/// What counts as a profile element.
-enum class ElementRule {
-  iso21920,  // above 10 % of Rp and below 10 % of Rv; both ways through the profile
-  iso4287    // 10 % of Rz up and down, and 1 % of a sampling length wide; from the left
+/// Whose definitions are taken.
+enum class RoughnessStandard {
+  iso21920,  // ISO 21920-2:2021: over the evaluation length, but for Rz, Rp and Rv
+  iso4287  // ISO 4287:1997 and ISO 13565-2:1996: means over the sampling lengths, but for Rt and Rk
 };
+
+/// Its number, for people.
+const char* name_of(RoughnessStandard standard);
 
 struct Roughness {
   double ra, rq, rz, rt, rp, rv;  // m
@@ -19,11 +22,13 @@ struct Roughness {
   double rsm;           // m
   double rdq;           // m/m
   double rk, rpk, rvk;  // m
+  double mr1, mr2;      // shares of the length, where the core begins and ends
 };
 
 /// `heights` [m] are the evaluation length, divided into as many equal `sections` (sampling lengths).
+/// ISO 4287 counts from the mean line of the filter in each of them: they get no mean line of their own.
 Roughness roughness(std::span<const double> heights, double spacing, std::size_t sections,
-                    ElementRule rule = ElementRule::iso21920);
+                    RoughnessStandard standard = RoughnessStandard::iso21920);
 
 /// What a part of the profile above or below the mean line must reach in order to count.
 struct ElementThresholds {
@@ -35,8 +40,10 @@ struct ElementThresholds {
 double mean_spacing(std::span<const double> heights, double spacing,
                     const ElementThresholds& thresholds, bool both_ways = true);
 
-/// Root mean square of the slopes from six neighbours. At the three points at each end the seven
-/// outermost points serve.
+/// Root mean square of the slopes from six neighbours, at the points from `begin` to before `end`. At
+/// the three points at each end of all heights the seven outermost points serve.
+double rms_slope(std::span<const double> heights, double spacing, std::size_t begin,
+                 std::size_t end);
 double rms_slope(std::span<const double> heights, double spacing);
 
 /// What the material ratio curve is made of: a core, peaks above it, valleys below.
@@ -45,6 +52,9 @@ struct Core {
   double peaks, valleys;  // shares of the length: Mrk1 and 1 - Mrk2
 };
 Core core(std::span<const double> heights);
+
+/// Takes the parameters of a core.
+void set_core(Roughness& parameters, const Core& parts);
 
 /// Rmr(c): share of the heights at or above the level [m].
 double material_ratio(std::span<const double> heights, double level);

@@ -47,11 +47,11 @@ std::string fault(const Profile& profile, const MeasureOptions& options) {
 TEST(Measure, DropsHalfACutoffAtEachEndAndTakesFiveSamplingLengths) {
   const MeasureOptions options{.cutoff = 800e-6};
   for (const auto& [count, fitting] : {std::pair{1600, 1},
-                                       {2399, 1},
+                                       {2399, 2},
                                        {2400, 2},
                                        {4800, 5},
                                        {4801, 5},
-                                       {5599, 5},
+                                       {5599, 6},
                                        {5600, 6},
                                        {16000, 19}}) {
     const Measurement m = measure_profile(sine(count), options, "");
@@ -73,6 +73,102 @@ TEST(Measure, DropsHalfACutoffAtEachEndAndTakesFiveSamplingLengths) {
   EXPECT_THAT(fault(sine(16000), more), HasSubstr("--sampling-lengths 20: 19 of 0.0008 m fit"));
 }
 
+TEST(Measure, SamplingLengthsMayBeShortByLessThanAThousandth) {
+  EXPECT_EQ(fitting_lengths(6664, 2.5e-3 / 1.5e-6), 4);  // 1666 points each: short by 0.04 %
+  EXPECT_EQ(fitting_lengths(1666, 2.5e-3 / 1.5e-6), 1);
+  EXPECT_EQ(fitting_lengths(6660, 2.5e-3 / 1.5e-6), 3);  // short by 0.1 %
+  EXPECT_EQ(fitting_lengths(6661, 2.5e-3 / 1.5e-6), 4);
+  for (const std::size_t n : {1, 5, 999}) {
+    EXPECT_EQ(fitting_lengths(1000 * n, 1000), n);
+    EXPECT_EQ(fitting_lengths(999 * n, 1000), n - 1);
+    EXPECT_EQ(fitting_lengths(999 * n + 1, 1000), n);
+  }
+  EXPECT_EQ(fitting_lengths(0, 1000), 0);
+  EXPECT_EQ(fitting_filtered(6664 + 1666, 1.5e-6, 2.5e-3), 4);
+  EXPECT_EQ(fitting_filtered(1666, 1.5e-6, 2.5e-3), 0);
+  EXPECT_EQ(fitting_filtered(1000, 1.5e-6, 2.5e-3), 0);
+}
+
+/// Four sampling lengths of whole periods, of other amplitudes [um], as an instrument exports them.
+Profile exported() {
+  Profile profile;
+  profile.spacing = 1.5e-6;
+  for (const double amplitude : {1, 2, 4, 5})
+    for (int i = 0; i < 1666; ++i)
+      profile.heights.push_back(amplitude * 1e-6 * std::sin(2 * pi * (i + 0.5) * 7 / 1666));
+  return profile;
+}
+
+TEST(Measure, WhatTheInstrumentHasFilteredIsOnlyDivided) {
+  const double root = std::sqrt(0.5);
+  for (const std::optional<std::size_t> asked :
+       {std::optional<std::size_t>{}, std::optional<std::size_t>{0},
+        std::optional<std::size_t>{4}}) {
+    MeasureOptions options{.filter = ProfileFilter::done, .sampling_lengths = asked};
+    options.standard = RoughnessStandard::iso4287;
+    const Measurement m = measure_profile(exported(), options, "");
+    EXPECT_EQ(m.cutoff, 2.5e-3);
+    EXPECT_EQ(m.fitting, 4);
+    EXPECT_EQ(m.sampling_lengths, 4);
+    EXPECT_EQ(m.dropped, 0);
+    EXPECT_EQ(m.heights, exported().heights);
+    EXPECT_TRUE(m.doubts.empty());
+    EXPECT_NEAR(m.parameters.rq, 3e-6 * root, 1e-18);
+    EXPECT_NEAR(m.parameters.rku, 1.5, 1e-11);
+    options.standard = RoughnessStandard::iso21920;
+    const Roughness whole = measure_profile(exported(), options, "").parameters;
+    EXPECT_NEAR(whole.rq, 1e-6 * std::sqrt(46.0 / 4) * root, 1e-18);
+    EXPECT_NEAR(whole.rku, 1.5 * (898.0 / 4) / std::pow(46.0 / 4, 2), 1e-11);
+  }
+  EXPECT_THAT(fault(exported(), {.filter = ProfileFilter::done, .cutoff = 12e-3}),
+              AllOf(HasSubstr("a cut-off of 0.012 m needs 0.012 m"), Not(HasSubstr("dropped"))));
+}
+
+TEST(Measure, WhatNoFilterLeavesIsDoubted) {
+  const auto doubts = [](Profile profile, int degree = ProfileForm::none) {
+    return measure_profile(profile, {.form = {degree}, .filter = ProfileFilter::done}, "NAME")
+        .doubts;
+  };
+  Profile profile = exported();
+  for (double& z : profile.heights) z += 0.1e-6;  // of an Rq of 2.4 um
+  EXPECT_TRUE(doubts(profile).empty());
+  for (double& z : profile.heights) z += 1e-6;
+  EXPECT_THAT(doubts(profile),
+              testing::ElementsAre(AllOf(HasSubstr("NAME: the mean of the heights is 1.1e-06 m"),
+                                         HasSubstr("--form mean"))));
+  EXPECT_TRUE(doubts(profile, 0).empty());
+  for (std::size_t i = 0; i < profile.heights.size(); ++i)
+    profile.heights[i] += 1e-8 * static_cast<double>(i);
+  EXPECT_THAT(doubts(profile), testing::ElementsAre(HasSubstr("is tilt, which no filter leaves")));
+}
+
+TEST(Measure, Iso4287TakesRkOfAProfileWhoseValleysDoNotPullTheMeanLine) {
+  // Plateaus of a triangle wave 1 um high, a core alone, and valleys of 50 um that are 20 um deep.
+  Profile profile;
+  profile.spacing = 1e-6;
+  for (int i = 0; i < 20'000; ++i) {
+    const double x = (i % 50 + 0.5) / 50;
+    const double wave = x < 0.5 ? 2 * x - 0.5 : 1.5 - 2 * x;
+    profile.heights.push_back(1e-6 * (i % 4000 >= 2000 && i % 4000 < 2050 ? -20 : wave));
+  }
+  const auto measured = [&](RoughnessStandard standard, ProfileFilter filter) {
+    MeasureOptions options{.filter = filter, .cutoff = 800e-6, .sampling_lengths = 0};
+    options.standard = standard;
+    return measure_profile(profile, options, "").parameters;
+  };
+  const Roughness older = measured(RoughnessStandard::iso4287, ProfileFilter::gaussian);
+  const Roughness newer = measured(RoughnessStandard::iso21920, ProfileFilter::gaussian);
+  EXPECT_GT(newer.rk, 1.1e-6);  // the plateaus beside the valleys are lifted
+  EXPECT_GT(newer.rpk, 1.5e-6);
+  EXPECT_NEAR(older.rk, 1e-6, 0.03e-6);
+  EXPECT_LT(older.rpk, 0.5e-6);
+  EXPECT_EQ(older.rt, newer.rt);  // of the roughness profile all the same
+  // Filtered before, or not at all, the profile is taken as it is.
+  for (const ProfileFilter filter : {ProfileFilter::done, ProfileFilter::none})
+    EXPECT_EQ(measured(RoughnessStandard::iso4287, filter).rk,
+              measured(RoughnessStandard::iso21920, filter).rk);
+}
+
 TEST(Measure, FilterTakesOffWhatItsFormulaSays) {
   // Of wavelengths that are the cutoff, half is left; heights outside are of another sine.
   Profile profile = sine(20000);
@@ -88,28 +184,29 @@ TEST(Measure, FilterTakesOffWhatItsFormulaSays) {
 }
 
 TEST(Measure, WithoutAFilterIsThePrimaryProfile) {
-  const Measurement m = measure_profile(sine(10000), {.filter = false}, "");
+  const Measurement m = measure_profile(sine(10000), {.filter = ProfileFilter::none}, "");
   EXPECT_EQ(m.sampling_lengths, 1);
   EXPECT_FALSE(m.cutoff);
   EXPECT_NEAR(m.parameters.rq, 1e-6 * std::sqrt(0.5), 1e-19);
   EXPECT_DOUBLE_EQ(m.sampling_length, 0.01);
   // What an instrument has filtered already is divided alone.
-  EXPECT_EQ(measure_profile(sine(10000), {.filter = false, .cutoff = 2e-3}, "").sampling_lengths,
+  EXPECT_EQ(measure_profile(sine(10000), {.filter = ProfileFilter::none, .cutoff = 2e-3}, "")
+                .sampling_lengths,
             5);
   // Heights count from their mean, whatever they are counted from in the file.
   Profile far = sine(10000);
   for (double& z : far.heights) z += 5e-3;
-  EXPECT_NEAR(measure_profile(far, {.filter = false}, "").parameters.rq, 1e-6 * std::sqrt(0.5),
-              1e-17);
+  EXPECT_NEAR(measure_profile(far, {.filter = ProfileFilter::none}, "").parameters.rq,
+              1e-6 * std::sqrt(0.5), 1e-17);
 }
 
 TEST(Measure, FormIsTakenOffAndTiltIsDoubtedWhereItIsNot) {
   const Profile tilted = sine(10000, 1e-8);
-  const Measurement off = measure_profile(tilted, {.form = {1}, .filter = false}, "");
+  const Measurement off = measure_profile(tilted, {.form = {1}, .filter = ProfileFilter::none}, "");
   EXPECT_TRUE(off.doubts.empty());
   // The sine itself has a slope over 100 periods: 6/(pi 100) of its height at the ends.
   EXPECT_NEAR(off.parameters.rq, 1e-6 * std::sqrt(0.5), 1e-6 * std::pow(6 / (pi * 100), 2));
-  const Measurement on = measure_profile(tilted, {.filter = false}, "NAME");
+  const Measurement on = measure_profile(tilted, {.filter = ProfileFilter::none}, "NAME");
   EXPECT_GT(on.parameters.rq, 10e-6);
   ASSERT_EQ(on.doubts.size(), 1);
   EXPECT_THAT(on.doubts[0], HasSubstr("NAME: most of the height is tilt"));
@@ -134,14 +231,16 @@ TEST(Measure, GapsAreCountedAndFilled) {
 TEST(Measure, LengthsThatFitNothingAreRefused) {
   EXPECT_THAT(fault(sine(10000), {.cutoff = 4e-6}), HasSubstr("at least 5 steps"));
   EXPECT_THAT(fault(sine(10000), {.cutoff = 8e-4, .cutoff_s = 8e-4}), HasSubstr("--cutoff-s"));
-  EXPECT_THAT(fault(sine(10000), {.filter = false, .cutoff_s = 6e-3}), HasSubstr("--cutoff-s"));
+  EXPECT_THAT(fault(sine(10000), {.filter = ProfileFilter::none, .cutoff_s = 6e-3}),
+              HasSubstr("--cutoff-s"));
   EXPECT_THAT(fault(sine(10000), {.cutoff = 1e300}), HasSubstr("give a smaller --cutoff"));
   EXPECT_EQ(measure_profile(sine(10000), {.cutoff = 8e-4, .cutoff_s = 1e-7}, "").doubts.size(), 1);
 }
 
 TEST(Measure, MaterialRatioAtAHeight) {
   const auto ratio = [](double level) {
-    return measure_profile(sine(10000), {.filter = false, .level = level}, "").material_ratio;
+    return measure_profile(sine(10000), {.filter = ProfileFilter::none, .level = level}, "")
+        .material_ratio;
   };
   EXPECT_EQ(ratio(0), 0.5);
   EXPECT_EQ(ratio(2e-6), 0);
@@ -219,13 +318,28 @@ TEST_F(SurfaceMeasure, PrintsATable) {
   EXPECT_THAT(out, AllOf(HasSubstr("20000 points, 1 um apart: 20 mm"),
                          HasSubstr("Gaussian, cut-off 2.5 mm; half of it dropped at each end"),
                          HasSubstr("5 sampling lengths of 2.5 mm; 7 would fit"),
-                         HasSubstr("\n  Rq         0.7071 um\n"),
+                         HasSubstr("\n  standard   ISO 21920-2\n"),
+                         HasSubstr("\n  Rq         0.7071 um\n"), HasSubstr("\n  Mr2        "),
                          HasSubstr("\n  RSm        100 um\n"), HasSubstr("\n  Rku        1.5\n")));
   EXPECT_EQ(err, "");
   EXPECT_EQ(run({"sine.txt", "--filter", "none", "--rmr", "0"}), 0);
   EXPECT_THAT(out, AllOf(HasSubstr("none: parameters of the primary profile"),
                          HasSubstr("\n  Pq         0.7071 um\n"), HasSubstr("Pmr(0 um)"),
                          HasSubstr("50 %"), Not(HasSubstr("Rq"))));
+}
+
+TEST_F(SurfaceMeasure, SaysWhichFilterAndWhichStandard) {
+  EXPECT_EQ(run({"sine.txt", "--filter", "done", "--standard", "iso4287"}), 0);
+  EXPECT_THAT(out, AllOf(HasSubstr("done before, cut-off 2.5 mm: nothing is filtered or dropped"),
+                         HasSubstr("5 sampling lengths of 2.5 mm; 8 would fit"),
+                         HasSubstr("\n  standard   ISO 4287, ISO 13565-2\n"),
+                         HasSubstr("\n  Rq         0.7071 um\n")));
+  EXPECT_EQ(err, "");
+  EXPECT_EQ(run({"sine.txt", "--filter", "done", "--standard", "iso4287", "--json"}), 0);
+  EXPECT_THAT(out, AllOf(HasSubstr("\"filter\": \"done\",\n  \"cutoff\": 0.0025,\n"),
+                         HasSubstr("\"standard\": \"iso4287\""), HasSubstr("\"Mr1\": ")));
+  EXPECT_EQ(run({"sine.txt", "--rsm", "iso4287"}), 2);
+  EXPECT_THAT(err, HasSubstr("--standard"));
 }
 
 TEST_F(SurfaceMeasure, PrintsJsonInMetres) {
@@ -270,7 +384,7 @@ TEST_F(SurfaceMeasure, EndsWithWhatIsWrong) {
                                       {"--fill", "1e-6"},
                                       {"--fill", "linear:"},
                                       {"--fill", "linear:-1"},
-                                      {"--rsm", "4287"},
+                                      {"--standard", "4287"},
                                       {"--rmr", "inf"}}) {
     EXPECT_EQ(run({"sine.txt", fmt::format("{}={}", option, value)}), 2) << option << value;
     EXPECT_THAT(err, HasSubstr(std::string(option).substr(2))) << value;

@@ -321,7 +321,7 @@ TEST_F(Pictures, AProfileLosesItsForm) {
   write_text(file, text);
   ProfilePictureOptions options{.query = {}, .measure = {}, .usual_filter = false};
   options.measure.form.degree = 2;
-  options.measure.filter = false;
+  options.measure.filter = ProfileFilter::none;
   const json found = json::parse(profile_picture(file, options));
   EXPECT_EQ(found["line_is"], "form");
   EXPECT_EQ(found["filtered"], false);

@@ -169,6 +169,56 @@ TEST(RoughnessOf, SamplingLengthsOfTheirOwnHeights) {
   EXPECT_EQ(r.rq, std::sqrt(5.0));  // over all: the mean of the lengths' own would be 2
 }
 
+TEST(RoughnessByIso4287, TakesTheMeanOfTheSamplingLengthsOwn) {
+  // Heights of mean 0 and skewness 2/2^1.5, and three times as high: each sampling length has its own Rq.
+  std::vector<double> z = {2, -1, -1, 2, -1, -1};
+  for (int i = 0; i < 6; ++i) z.push_back(3 * z[i]);
+  const Roughness r = roughness(z, 1, 2, RoughnessStandard::iso4287);
+  EXPECT_NEAR(r.ra, (4.0 / 3 + 4) / 2, 4 * eps);
+  EXPECT_NEAR(r.rq, 2 * std::sqrt(2.0), 4 * eps);
+  EXPECT_NEAR(r.rsk, std::sqrt(0.5), 4 * eps);
+  EXPECT_NEAR(r.rku, 1.5, 4 * eps);  // (16 + 1 + 1)/3 over 2^2
+  EXPECT_EQ(r.rt, 9);                // of all
+  EXPECT_EQ(r.rz, 6);
+  const Roughness whole = roughness(z, 1, 2);
+  EXPECT_NEAR(whole.ra, r.ra, 4 * eps);  // of equal sampling lengths the same
+  EXPECT_NEAR(whole.rq, std::sqrt(10.0), 4 * eps);
+  EXPECT_NEAR(whole.rsk, 28 / std::pow(10, 1.5), 8 * eps);
+  EXPECT_NEAR(whole.rku, 246.0 / 100, 8 * eps);  // (6 + 486)/2 over 10^2
+  // One sampling length is the evaluation length.
+  const Roughness a = roughness(z, 1, 1), b = roughness(z, 1, 1, RoughnessStandard::iso4287);
+  EXPECT_EQ(a.rq, b.rq);
+  EXPECT_EQ(a.rsk, b.rsk);
+  EXPECT_EQ(a.rku, b.rku);
+  EXPECT_EQ(a.rdq, b.rdq);
+}
+
+TEST(RoughnessByIso4287, CountsFromTheFiltersMeanLineInEachSamplingLength) {
+  // Means of 1 and -1 in the sampling lengths: with a mean line of their own Rq and Rp would be 1.
+  const Roughness r =
+      roughness(std::vector<double>{2, 0, 2, 0, -2, 0, -2, 0}, 1, 2, RoughnessStandard::iso4287);
+  EXPECT_NEAR(r.rq, std::sqrt(2.0), 4 * eps);
+  EXPECT_EQ(r.rp, 1);  // 2 and 0
+  EXPECT_EQ(r.rsk, 0);
+}
+
+TEST(RoughnessByIso4287, TakesTheMeanOfSines) {
+  // Ten periods of amplitude 1, then ten of 3: sums over whole periods are exact but for roundings.
+  const std::size_t n = 1000;
+  std::vector<double> z = sample(10, n, sine);
+  for (const double height : sample(10, n, sine)) z.push_back(3 * height);
+  const Roughness r = roughness(z, 1e-3, 2, RoughnessStandard::iso4287);
+  const Roughness whole = roughness(z, 1e-3, 2);
+  EXPECT_NEAR(r.rq, 2 * std::sqrt(0.5), 40 * eps);
+  EXPECT_NEAR(whole.rq, std::sqrt(2.5), 40 * eps);
+  EXPECT_NEAR(r.rku, 1.5, 100 * eps);
+  EXPECT_NEAR(whole.rku, 0.375 * 41 / 6.25, 100 * eps);
+  // The slope breaks between the two: six of 20 000 slopes are other ones, by at most four times.
+  const double one = 2 * pi * std::sqrt(0.5);
+  EXPECT_NEAR(r.rdq, 2 * one, 2 * one * 16 * 6 / 20'000);
+  EXPECT_NEAR(whole.rdq, std::sqrt(5) * one, 2 * one * 16 * 6 / 20'000);
+}
+
 // ---- profile elements
 
 double spacing_of(const std::vector<double>& z, double up, double down, bool both = true,
@@ -242,13 +292,14 @@ TEST(MeanSpacing, OlderRuleOfAHundredthOfTheSamplingLength) {
   // Peaks of 0.15 Rz and pits of 0.85: the older rule asks 0.1 Rz of both, and takes them as well.
   std::vector<double> z;
   for (int i = 0; i < 40; ++i) z.insert(z.end(), {0.3, 0.3, 0.3, 0.3, -1.2});
-  EXPECT_NEAR(roughness(z, 1, 1, ElementRule::iso21920).rsm, 5, 1e-12);
-  EXPECT_TRUE(std::isnan(roughness(z, 1, 1, ElementRule::iso4287).rsm));  // pits of 1.6 in 200
-  EXPECT_NEAR(roughness(z, 1, 2, ElementRule::iso4287).rsm, 5, 1e-12);    // and in 100
+  EXPECT_NEAR(roughness(z, 1, 1, RoughnessStandard::iso21920).rsm, 5, 1e-12);
+  EXPECT_TRUE(
+      std::isnan(roughness(z, 1, 1, RoughnessStandard::iso4287).rsm));        // pits of 1.6 in 200
+  EXPECT_NEAR(roughness(z, 1, 2, RoughnessStandard::iso4287).rsm, 5, 1e-12);  // and in 100
   // Peaks of 0.05 Rz are 10 % of Rp and more, and not 10 % of Rz.
   for (double& height : z) height = height > 0 ? 0.05 : -0.95;
-  EXPECT_NEAR(roughness(z, 1, 4, ElementRule::iso21920).rsm, 5, 1e-12);
-  EXPECT_TRUE(std::isnan(roughness(z, 1, 4, ElementRule::iso4287).rsm));
+  EXPECT_NEAR(roughness(z, 1, 4, RoughnessStandard::iso21920).rsm, 5, 1e-12);
+  EXPECT_TRUE(std::isnan(roughness(z, 1, 4, RoughnessStandard::iso4287).rsm));
 }
 
 // ---- slopes, core, material ratio
@@ -302,6 +353,26 @@ TEST(MaterialRatio, IsTheShareAtOrAbove) {
   EXPECT_EQ(material_ratio(z, 2), 0.25);
   EXPECT_EQ(material_ratio(z, 0.5), 0.5);
   EXPECT_EQ(material_ratio(z, -1), 1);
+}
+
+TEST(MeanLineAboveValleys, IsLoweredByTheSquareOfTheirShare) {
+  // Grooves on a tenth of the length, 1 deep, far narrower than the cut-off: the first mean line is at
+  // -1/10, and with the grooves filled up to it the second at -1/100. 80 periods of a bell of 160: what it
+  // lets through of a period is 2^-(160^2).
+  std::vector<double> z;
+  for (int i = 0; i < 100'000; ++i) z.push_back(i % 100 < 10 ? -1 : 0);
+  const auto line = mean_line_above_valleys(z, 1, 16'000);
+  const auto plain = gaussian_mean_line(z, 1, 16'000);
+  for (std::size_t i = 30'000; i < 70'000; i += 1000) {  // two reaches of 1.6 from the ends' own
+    ASSERT_NEAR(plain[i], -0.1, 1e-12) << i;
+    ASSERT_NEAR(line[i], -0.01, 2e-4)
+        << i;  // the ends of the first line, which sees no whole periods
+  }
+  // Where there are no valleys but the mean line's own, as of a line, nothing is lifted.
+  std::vector<double> slope;
+  for (int i = 0; i < 1000; ++i) slope.push_back(0.25 * i);
+  const auto same = mean_line_above_valleys(slope, 1, 100);
+  for (std::size_t i = 0; i < slope.size(); ++i) ASSERT_NEAR(same[i], slope[i], 1e-10) << i;
 }
 
 // ---- what must not matter
