@@ -5,9 +5,9 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <fstream>
 
 #include "host/errors.hpp"
+#include "host/input_file.hpp"
 
 namespace ra2d {
 namespace {
@@ -39,7 +39,7 @@ struct Recognised {
 };
 
 Recognised recognise(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
+  InputStream in(file, "the table");
   std::size_t number = 0;
   const std::string line = first_line(in, number);
   for (const ChartKind* kind : {&stability_tables(), &accuracy_tables()})
@@ -49,7 +49,7 @@ Recognised recognise(const fs::path& file) {
 }
 
 void require_rows(const fs::path& file, const ChartKind& kind, const ChartTable& table) {
-  std::ifstream in(file, std::ios::binary);
+  InputStream in(file, "the table");
   std::size_t number = 0;
   first_line(in, number);
   const auto columns = std::count(table.columns.begin(), table.columns.end(), ',') + 1;

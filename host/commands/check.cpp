@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
-#include <fstream>
 #include <memory>
 #include <string>
 #include <vector>
@@ -10,6 +9,7 @@
 #include "host/commands/options.hpp"
 #include "host/commands/print.hpp"
 #include "host/errors.hpp"
+#include "host/input_file.hpp"
 #include "host/run/checked_checkpoint.hpp"
 #include "host/store/checked_file.hpp"
 #include "host/study/study_check.hpp"
@@ -40,11 +40,7 @@ Found check(const std::filesystem::path& file) {
     const CheckedStudy found = check_study(StudyFolder{file});
     return {found.faults, found.what};
   }
-  std::ifstream in(file, std::ios::binary);
-  if (!in) throw FileError(fmt::format("cannot read '{}'", file.string()));
-  std::string start(15, '\0');
-  in.read(start.data(), static_cast<std::streamsize>(start.size()));
-  if (start != "ra2d checkpoint") return check_file(file);
+  if (InputFile(file).beginning(15) != "ra2d checkpoint") return check_file(file);
   const CheckedCheckpoint found = check_checkpoint(file);
   return {found.faults, found.what};
 }

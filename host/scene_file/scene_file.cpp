@@ -3,15 +3,12 @@
 
 #include <fmt/format.h>
 
-#include <array>
-#include <cerrno>
-#include <cstring>
-#include <fstream>
 #include <limits>
 #include <map>
 #include <memory>
 
 #include "host/errors.hpp"
+#include "host/input_file.hpp"
 #include "host/scene/names.hpp"
 #include "host/scene/schemes.hpp"
 #include "host/scene_file/checks.hpp"
@@ -225,22 +222,7 @@ Scene parse_scene(const std::string& text, const std::filesystem::path& file,
 }
 
 Scene read_scene(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
-  const auto cannot = [&] {
-    return FileError(
-        fmt::format("{}: cannot read the scene: {}", file.string(), std::strerror(errno)));
-  };
-  errno = 0;
-  std::ifstream in{file, std::ios::binary};
-  if (!in) throw cannot();
-  std::string text;
-  std::array<char, 65536>
-      part;  // a scene is short: pages for the largest would take longer than it
-  while (in && text.size() <= largest_file) {
-    in.read(part.data(), part.size());
-    if (in.bad()) throw cannot();  // a folder opens, but does not read
-    text.append(part.data(), static_cast<std::size_t>(in.gcount()));
-  }
-  return parse_scene(text, file, overrides);
+  return parse_scene(InputFile(file, "the scene").beginning(largest_file + 1), file, overrides);
 }
 
 }  // namespace ra2d

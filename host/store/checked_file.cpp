@@ -8,6 +8,7 @@
 
 #include "host/errors.hpp"
 #include "host/hash.hpp"
+#include "host/input_file.hpp"
 #include "host/store/hdf5.hpp"
 #include "host/store/result_reader.hpp"
 #include "host/text.hpp"
@@ -94,6 +95,7 @@ herr_t look_at(hid_t file, const char* name, const H5O_info_t* info, void* data)
 
 CheckedFile check_hashes(const std::filesystem::path& path) {
   CheckedFile found;
+  const InputFile readable(path);  // before HDF5 is asked, which would wait for a pipe
   const auto library = h5::take_library();
   try {
     const h5::Properties access = h5::file_access();

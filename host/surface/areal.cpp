@@ -3,9 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <cerrno>
-#include <system_error>
-
 #include "host/errors.hpp"
 
 namespace ra2d {
@@ -70,24 +67,6 @@ void require_heights(const std::filesystem::path& file, const Profile& profile) 
     throw RequestError(fmt::format("{}: a profile of 1 point, expected at least 2", file.string()));
   if (profile.missing() == count)
     throw RequestError(fmt::format("{}: every height is missing", file.string()));
-}
-
-std::uintmax_t open_areal(const std::filesystem::path& file, std::ifstream& stream) {
-  const auto unreadable = [&](const std::string& why) {
-    return FileError(fmt::format("cannot read the profile {}: {}", file.string(), why));
-  };
-  std::error_code error;
-  const auto status = std::filesystem::status(file, error);
-  if (error) throw unreadable(error.message());
-  if (!std::filesystem::is_regular_file(status)) throw unreadable("it is not a regular file");
-  const std::uintmax_t size = std::filesystem::file_size(file, error);
-  if (error) throw unreadable(error.message());
-  if (size > largest_areal_file)
-    throw RequestError(
-        fmt::format("{}: the file has {} bytes, at most 1 GiB is read", file.string(), size));
-  stream.open(file, std::ios::binary);
-  if (!stream) throw unreadable(std::generic_category().message(errno));
-  return size;
 }
 
 }  // namespace ra2d

@@ -3,7 +3,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
 
 #include "host/surface/profile.hpp"
 
@@ -11,7 +10,6 @@
 namespace ra2d {
 
 constexpr std::uint64_t most_grid_points = 50'000'000;
-constexpr std::uintmax_t largest_areal_file = std::uintmax_t{1} << 30;  // bytes
 
 /// Heights in rows along x, row after row as the file has them.
 struct Grid {
@@ -33,9 +31,5 @@ GridLine choose_line(const std::filesystem::path& file, const char* format, cons
 
 /// Throws RequestError for a profile without heights.
 void require_heights(const std::filesystem::path& file, const Profile& profile);
-
-/// Opens a regular file of at most 1 GiB and tells its size. Throws FileError where it cannot be
-/// read, RequestError where it is too large.
-std::uintmax_t open_areal(const std::filesystem::path& file, std::ifstream& stream);
 
 }  // namespace ra2d

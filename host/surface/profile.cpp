@@ -5,9 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 
 #include "host/errors.hpp"
+#include "host/input_file.hpp"
 #include "host/surface/profile_lines.hpp"
 #include "host/surface/profile_sdf.hpp"
 #include "host/surface/profile_text.hpp"
@@ -26,15 +26,9 @@ std::string_view other_format(std::string_view bytes) {
   return {};
 }
 
-/// The first bytes; none where it cannot be read, which the reader of text refuses.
+/// The first bytes. Throws FileError.
 std::string beginning(const std::filesystem::path& file) {
-  std::string bytes(4096, '\0');
-  std::error_code error;
-  std::ifstream stream;
-  if (std::filesystem::is_regular_file(file, error)) stream.open(file, std::ios::binary);
-  stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  bytes.resize(static_cast<std::size_t>(stream.gcount()));
-  return bytes;
+  return InputFile(file, "the profile").beginning(4096);
 }
 
 }  // namespace

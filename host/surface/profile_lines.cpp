@@ -4,13 +4,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <iterator>
 #include <limits>
-#include <system_error>
 #include <utility>
 
 #include "host/errors.hpp"
@@ -18,29 +16,16 @@
 namespace ra2d {
 namespace {
 
-constexpr std::uintmax_t largest_file = std::uintmax_t{1} << 30;  // bytes
+constexpr std::uint64_t largest_file = std::uint64_t{1} << 30;  // bytes
 constexpr std::size_t most_points = 50'000'000;
 
-FileError unreadable(const std::filesystem::path& file, const std::string& why) {
-  return FileError(fmt::format("cannot read the profile {}: {}", file.string(), why));
-}
-
-std::ifstream open_profile(const std::filesystem::path& file) {
-  std::error_code error;
-  const auto status = std::filesystem::status(file, error);
-  if (error) throw unreadable(file, error.message());
-  if (!std::filesystem::is_regular_file(status)) throw unreadable(file, "it is not a regular file");
-  const std::uintmax_t size = std::filesystem::file_size(file, error);
-  if (error) throw unreadable(file, error.message());
-  if (size > largest_file)
-    throw RequestError(fmt::format(
-        "{}: the profile has {} bytes, at most 1 GiB is read; thin it out", file.string(), size));
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw unreadable(file, std::generic_category().message(errno));
-  return stream;
-}
-
 }  // namespace
+
+ProfileStream::ProfileStream(const std::filesystem::path& file) : InputStream(file, "the profile") {
+  if (size() > largest_file)
+    throw RequestError(fmt::format(
+        "{}: the profile has {} bytes, at most 1 GiB is read; thin it out", file.string(), size()));
+}
 
 void refuse(const std::filesystem::path& file, std::vector<LineFault> faults) {
   std::stable_sort(faults.begin(), faults.end(),
@@ -53,15 +38,15 @@ void refuse(const std::filesystem::path& file, std::vector<LineFault> faults) {
   throw RequestError(message);
 }
 
-ProfileLines::ProfileLines(std::filesystem::path file)
-    : file_(std::move(file)), stream_(open_profile(file_)), buffer_(longest + 1, '\0') {}
+ProfileLines::ProfileLines(const std::filesystem::path& file)
+    : stream_(file), buffer_(longest + 1, '\0') {}
 
 bool ProfileLines::next() {
   if (stream_.eof() || too_long_) return false;
   ++number_;
   stream_.getline(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
   const auto got = static_cast<std::size_t>(stream_.gcount());
-  if (stream_.bad()) throw unreadable(file_, "the reading stopped halfway");
+  if (stream_.bad()) throw stream_.file().unreadable("the reading stopped halfway");
   has_end_ = !stream_.eof();
   too_long_ = stream_.fail() && has_end_;
   text_ = {buffer_.data(), has_end_ && !too_long_ ? got - 1 : got};

@@ -3,11 +3,12 @@
 #include <cstddef>
 #include <deque>
 #include <filesystem>
-#include <fstream>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "host/input_file.hpp"
 
 /// What the readers of profiles in text share: lines of bounded length, numbers, points that know
 /// their lines, even steps.
@@ -25,13 +26,19 @@ struct LineFault {
 /// Throws RequestError that names up to ten faults in the order of their lines.
 [[noreturn]] void refuse(const std::filesystem::path& file, std::vector<LineFault> faults);
 
-/// The lines of a regular file of at most 1 GiB, one at a time. Throws FileError where it cannot be
-/// read, RequestError where it is too large.
+/// A profile of any format, of at most 1 GiB. Throws FileError where it cannot be read, RequestError
+/// where it is too large.
+class ProfileStream : public InputStream {
+ public:
+  explicit ProfileStream(const std::filesystem::path& file);
+};
+
+/// The lines of a ProfileStream, one at a time.
 class ProfileLines {
  public:
   static constexpr std::size_t longest = 1u << 16;  // bytes of a line
 
-  explicit ProfileLines(std::filesystem::path file);
+  explicit ProfileLines(const std::filesystem::path& file);
   /// Goes on to the next line. No line comes after one that is too long.
   bool next();
   /// Without its end and without a byte-order mark. Carriage returns stay: they are blanks.
@@ -41,8 +48,7 @@ class ProfileLines {
   bool too_long() const { return too_long_; }
 
  private:
-  std::filesystem::path file_;
-  std::ifstream stream_;
+  ProfileStream stream_;
   std::string buffer_;
   std::string_view text_;
   std::size_t number_ = 0;

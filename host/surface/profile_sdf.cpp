@@ -7,7 +7,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <fstream>
 #include <limits>
 #include <optional>
 #include <string>
@@ -109,8 +108,9 @@ Header binary_header(const char* bytes) {
   return header;
 }
 
-Profile read_binary(const std::filesystem::path& file, std::ifstream& stream, std::uintmax_t size,
+Profile read_binary(const std::filesystem::path& file, ProfileStream& stream,
                     const ProfileQuery& query) {
+  const std::uint64_t size = stream.size();
   std::array<char, header_bytes> bytes{};
   if (!stream.read(bytes.data(), bytes.size()))
     refuse_sdf(file, fmt::format("cut off in its header: {} bytes, which alone has {}", size,
@@ -272,8 +272,7 @@ bool begins_as_sdf(std::string_view bytes) {
 }
 
 Profile read_profile_sdf(const std::filesystem::path& file, const ProfileQuery& query) {
-  std::ifstream stream;
-  const std::uintmax_t size = open_areal(file, stream);
+  ProfileStream stream(file);
   std::string version(version_bytes, '\0');
   stream.read(version.data(), static_cast<std::streamsize>(version_bytes));
   const std::string_view norm = std::string_view(version).substr(1);
@@ -283,7 +282,7 @@ Profile read_profile_sdf(const std::filesystem::path& file, const ProfileQuery& 
   stream.clear();
   stream.seekg(0);
   Profile profile =
-      version[0] == 'b' ? read_binary(file, stream, size, query) : read_text(file, stream, query);
+      version[0] == 'b' ? read_binary(file, stream, query) : read_text(file, stream, query);
   require_heights(file, profile);
   return profile;
 }

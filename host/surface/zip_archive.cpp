@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "host/surface/zip_archive.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 #include <zip.h>
 
 #include <algorithm>
-#include <fstream>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -27,11 +28,10 @@ constexpr std::size_t part_bytes = 1u << 16;
 
 /// What is wrong with the directory, which the library reads as a whole; empty where nothing is.
 /// Every record that may be the end of the archive counts: the library chooses among them.
-std::string directory_fault(std::ifstream& stream, std::uintmax_t size) {
-  const std::uintmax_t most = 0xffff + end_bytes + locator_bytes;
-  std::string tail(static_cast<std::size_t>(std::min(size, most)), '\0');
-  stream.seekg(static_cast<std::streamoff>(size - tail.size()));
-  stream.read(tail.data(), static_cast<std::streamsize>(tail.size()));
+std::string directory_fault(const InputFile& file) {
+  const std::uint64_t most = 0xffff + end_bytes + locator_bytes;
+  std::string tail(static_cast<std::size_t>(std::min(file.size(), most)), '\0');
+  tail.resize(file.read(file.size() - tail.size(), tail.data(), tail.size()));
   for (std::size_t at = tail.find("PK\5\6"); at != tail.npos; at = tail.find("PK\5\6", at + 1)) {
     if (tail.size() - at < end_bytes) break;
     if (little_endian<std::uint32_t>(tail.data() + at + 12) > largest_directory)
@@ -49,13 +49,14 @@ void ZipArchive::refuse_archive(const std::string& why) const {
 }
 
 ZipArchive::ZipArchive(std::filesystem::path file) : file_(std::move(file)) {
-  std::ifstream stream;
-  const std::uintmax_t size = open_areal(file_, stream);
-  if (const std::string fault = directory_fault(stream, size); !fault.empty())
+  const ProfileStream stream(file_);
+  if (const std::string fault = directory_fault(stream.file()); !fault.empty())
     refuse_archive(fault);
   int code = 0;
-  archive_ = zip_open(file_.c_str(), ZIP_RDONLY, &code);
+  const int own = fcntl(stream.file().descriptor(), F_DUPFD_CLOEXEC, 0);
+  archive_ = zip_fdopen(own, 0, &code);  // which closes it in the end
   if (archive_ == nullptr) {
+    close(own);
     zip_error_t error;
     zip_error_init_with_code(&error, code);
     const std::string why = zip_error_strerror(&error);
