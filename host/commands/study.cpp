@@ -12,6 +12,7 @@
 #include <limits>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <system_error>
 #include <unordered_set>
@@ -29,6 +30,7 @@
 #include "host/interruption.hpp"
 #include "host/output_file.hpp"
 #include "host/partial_file.hpp"
+#include "host/store/result_reader.hpp"
 #include "host/study/study_checkpoints.hpp"
 #include "host/study/study_status.hpp"
 #include "host/study/study_table.hpp"
@@ -152,14 +154,27 @@ void say_unasked(const Known& known, const StudyFolder& folder) {
                   folder.path.string(), runs_text(names.size()), some));
 }
 
+/// Whether a run's own result is there, whole and of this run. Damage is said.
+bool has_its_result(const FinishedRun& run, const StudyFolder& folder, bool quiet) {
+  const std::string key = key_text(run.run);
+  const fs::path file = folder.path / StudyFolder::result(key);
+  try {
+    const std::optional<ResultStamp> stamp = stamp_of(file);
+    return stamp && stamp->key == key;
+  } catch (const FileError&) {
+    if (!quiet)
+      say(fmt::format("'{}' is damaged, or another program has changed it: its run is made again",
+                      file.string()));
+    return false;
+  }
+}
+
 /// Whether a run's own result is to be kept and is not there.
 std::function<bool(const FinishedRun&)> lacks_its_result(const Known& known,
-                                                         const StudyFolder& folder) {
+                                                         const StudyFolder& folder, bool quiet) {
   if (!known.points.study().keep_files) return {};
-  return [folder](const FinishedRun& run) {
-    std::error_code none;
-    return run.status != RunStatus::refused &&
-           !fs::exists(folder.path / StudyFolder::result(key_text(run.run)), none);
+  return [folder, quiet](const FinishedRun& run) {
+    return run.status != RunStatus::refused && !has_its_result(run, folder, quiet);
   };
 }
 
@@ -271,7 +286,7 @@ int march_study(Known& known, const StudyFolder& folder, const Shard& shard,
   });
   checkpoints.remove_those_of(known.finished);
   const StudyWork work = find_work(known.census, known.finished, shard, request.retry_failed,
-                                   lacks_its_result(known, folder));
+                                   lacks_its_result(known, folder, request.quiet));
 
   StatusFile status(folder.status(shard),
                     {.shard = shard, .progress = progress_after(work, {}), .started = now()});
@@ -389,7 +404,7 @@ int study_command(const StudyRequest& request) {
     if (request.list) return list_runs(known);
     return dry_run(known,
                    find_work(known.census, known.finished, shard, request.retry_failed,
-                             lacks_its_result(known, folder)),
+                             lacks_its_result(known, folder, request.quiet)),
                    threads);
   }
   return march_study(known, folder, shard, request, threads);

@@ -9,6 +9,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <string_view>
 
@@ -106,13 +107,14 @@ void write_all(int descriptor, std::string_view rest, const fs::path& path) {
 double round_full_scale(double peak) {
   if (!(peak > 0)) return 1;
   const int decade = static_cast<int>(std::floor(std::log10(peak)));
-  for (int power = decade - 1;; ++power)
+  for (int power = decade - 1; power <= std::numeric_limits<double>::max_exponent10; ++power)
     for (const int digit : {1, 2, 5}) {
       const std::string text = fmt::format("{}e{}", digit, power);
       double scale = 0;
       std::from_chars(text.data(), text.data() + text.size(), scale);
       if (scale >= peak) return scale;
     }
+  return peak;  // no double is rounder
 }
 
 std::string SoundFacts::place() const {

@@ -4,13 +4,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <sstream>
 #include <string_view>
+#include <system_error>
 
+#include "host/asked_child.hpp"
 #include "host/errors.hpp"
 #include "host/hash.hpp"
 #include "host/input_file.hpp"
 #include "host/store/hdf5.hpp"
 #include "host/store/result_reader.hpp"
+#include "host/store/seal.hpp"
+#include "host/store/table.hpp"
 #include "host/text.hpp"
 
 namespace ra2d {
@@ -19,6 +25,10 @@ namespace {
 using h5::check;
 
 constexpr hsize_t bytes_at_once = 1 << 16, longest_row = 1 << 28;
+
+// of the child that asks HDF5
+constexpr double least_memory = 512e6, least_seconds = 20;  // bytes, s
+constexpr double least_speed = 20e6;                        // bytes/s, at which a file is read
 
 /// The text of an attribute; empty where it is no single text.
 std::string text_of(hid_t object, const char* name) {
@@ -33,8 +43,40 @@ std::string text_of(hid_t object, const char* name) {
   return text;
 }
 
-/// Hash of the numbers of a dataset, block by block.
-std::string hash_of(hid_t dataset, double& bytes) {
+/// Numbers and texts among the attributes are read, and nothing made of them.
+herr_t read_attribute(hid_t object, const char* name, const H5A_info_t*, void*) {
+  const h5::Attribute attribute{H5Aopen(object, name, H5P_DEFAULT)};
+  if (!attribute.is_open()) return -1;
+  const h5::Type type{H5Aget_type(attribute)};
+  const h5::Space space{H5Aget_space(attribute)};
+  const H5T_class_t kind = H5Tget_class(type);
+  if (H5Sget_simple_extent_npoints(space) != 1) return 0;
+  if (H5Tis_variable_str(type) > 0) {
+    char* characters = nullptr;
+    if (H5Aread(attribute, type, &characters) < 0) return -1;
+    H5free_memory(characters);
+  } else if (kind == H5T_INTEGER || kind == H5T_FLOAT) {
+    double number = 0;
+    if (H5Aread(attribute, H5T_NATIVE_DOUBLE, &number) < 0) return -1;
+  }
+  return 0;
+}
+
+/// What the numbers of a dataset come to.
+struct ReadNumbers {
+  std::string hash;
+  double bytes = 0;
+  bool finite = true;
+  void note(const std::vector<double>& block) {
+    bytes += static_cast<double>(block.size() * sizeof(double));
+    finite = finite && std::all_of(block.begin(), block.end(),
+                                   [](double number) { return std::isfinite(number); });
+  }
+};
+
+/// Block by block.
+ReadNumbers read_numbers(hid_t dataset) {
+  ReadNumbers found;
   const h5::Space space{check(H5Dget_space(dataset))};
   const int rank = check(H5Sget_simple_extent_ndims(space));
   std::vector<hsize_t> extent(static_cast<std::size_t>(rank));
@@ -44,8 +86,9 @@ std::string hash_of(hid_t dataset, double& bytes) {
     double number = 0;
     check(H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, &number));
     hash.add(&number, 1);
-    bytes += sizeof number;
-    return hash.text();
+    found.note({number});
+    found.hash = hash.text();
+    return found;
   }
   hsize_t width = 1;  // numbers of a row
   for (std::size_t axis = 1; axis < extent.size(); ++axis) {
@@ -53,10 +96,10 @@ std::string hash_of(hid_t dataset, double& bytes) {
       throw h5::Failure{"its rows are too long"};
     width *= extent[axis];
   }
-  if (width == 0) return hash.text();
-  const hsize_t at_once = std::max<hsize_t>(1, bytes_at_once / (width * sizeof(double)));
+  const hsize_t at_once =
+      std::max<hsize_t>(1, bytes_at_once / std::max<hsize_t>(width * sizeof(double), 1));
   std::vector<double> block;
-  for (hsize_t first = 0; first < extent[0]; first += at_once) {
+  for (hsize_t first = 0; width > 0 && first < extent[0]; first += at_once) {
     std::vector<hsize_t> start(extent.size(), 0), count = extent;
     start[0] = first;
     count[0] = std::min(at_once, extent[0] - first);
@@ -65,35 +108,40 @@ std::string hash_of(hid_t dataset, double& bytes) {
     check(H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr));
     check(H5Dread(dataset, H5T_NATIVE_DOUBLE, memory, space, H5P_DEFAULT, block.data()));
     hash.add(block.data(), block.size());
-    bytes += static_cast<double>(block.size() * sizeof(double));
+    found.note(block);
   }
-  return hash.text();
+  found.hash = hash.text();
+  return found;
 }
 
 herr_t look_at(hid_t file, const char* name, const H5O_info_t* info, void* data) {
   auto& found = *static_cast<CheckedFile*>(data);
-  if (info->type != H5O_TYPE_DATASET) return 0;
   const std::string shown = printable(shortened(name, 80));
   try {
-    const h5::Dataset dataset{check(H5Dopen2(file, name, H5P_DEFAULT))};
+    const h5::Object object{check(H5Oopen(file, name, H5P_DEFAULT))};
+    check(H5Aiterate2(object, H5_INDEX_NAME, H5_ITER_NATIVE, nullptr, read_attribute, nullptr));
+    if (info->type != H5O_TYPE_DATASET) return 0;
     ++found.datasets;
-    const h5::Type type{check(H5Dget_type(dataset))};
+    const h5::Type type{check(H5Dget_type(object))};
     if (H5Tget_class(type) != H5T_FLOAT) return 0;  // texts carry no hash
-    if (check(H5Aexists(dataset, "xxh3_128")) == 0) {
+    if (check(H5Aexists(object, "xxh3_128")) == 0) {
       found.faults.push_back(fmt::format("/{} has no hash", shown));
       return 0;
     }
-    if (hash_of(dataset, found.bytes) != text_of(dataset, "xxh3_128"))
+    const ReadNumbers numbers = read_numbers(object);
+    found.bytes += numbers.bytes;
+    if (numbers.hash != text_of(object, "xxh3_128"))
       found.faults.push_back(fmt::format("/{} is damaged: its numbers have another hash", shown));
+    else if (!numbers.finite)
+      found.not_finite.push_back(shown);
   } catch (const h5::Failure& failure) {
     found.faults.push_back(fmt::format("/{} cannot be read: {}", shown, failure.reason));
   }
   return 0;
 }
 
-}  // namespace
-
-CheckedFile check_hashes(const std::filesystem::path& path) {
+/// For a child process alone: the bytes may be hostile.
+CheckedFile look_at_all(const std::filesystem::path& path) {
   CheckedFile found;
   const InputFile readable(path);  // before HDF5 is asked, which would wait for a pipe
   const auto library = h5::take_library();
@@ -108,11 +156,29 @@ CheckedFile check_hashes(const std::filesystem::path& path) {
   return found;
 }
 
-CheckedFile check_result(const std::filesystem::path& path) {
-  CheckedFile found = check_hashes(path);
+/// No more nodes touch than the slider has.
+void look_at_nodes(const ResultReader& reader, std::vector<std::string>& faults) {
+  const auto most = static_cast<double>(reader.rows("surface/slider/height"));
+  for (std::size_t first = 0; first < reader.contents().samples; first += rows_at_once) {
+    const std::size_t count = std::min(rows_at_once, reader.contents().samples - first);
+    for (const double nodes : reader.column("contact/nodes", first, count))
+      if (!(nodes >= 0 && nodes <= most) || nodes != std::floor(nodes)) {
+        faults.push_back(fmt::format(
+            "/contact/nodes has {} nodes in contact, and the slider has {}", nodes, most));
+        return;
+      }
+  }
+}
+
+CheckedFile look_at_result(const std::filesystem::path& path) {
+  CheckedFile found = look_at_all(path);
   if (found.datasets == 0 && !found.faults.empty()) return found;
+  for (const std::string& name : found.not_finite)
+    if (!name.ends_with("/lv"))  // -inf at rest
+      found.faults.push_back(fmt::format("/{} has values that are no numbers", name));
   try {
-    const ResultReader reader(path);
+    const ResultReader reader(path, Bytes::hostile);
+    look_at_nodes(reader, found.faults);
     const ResultSummary& summary = reader.contents().summary;
     found.what = summary.complete ? "a complete result"
                                   : fmt::format("a result that was cut short: {}",
@@ -122,5 +188,67 @@ CheckedFile check_result(const std::filesystem::path& path) {
   }
   return found;
 }
+
+// ---- a child's answer, as text ------------------------------------------------------------------
+
+/// Each part with its length before it.
+std::string packed(const CheckedFile& found) {
+  std::string text = fmt::format("{} {} ", found.datasets, found.bytes);
+  const auto put = [&](const std::string& part) {
+    text += fmt::format("{} {}", part.size(), part);
+  };
+  put(found.what);
+  for (const std::string& fault : found.faults) put(fault);
+  return text;
+}
+
+CheckedFile unpacked(const std::string& text) {
+  CheckedFile found;
+  std::istringstream in(text);
+  in >> found.datasets >> found.bytes;
+  std::vector<std::string> parts;
+  for (std::size_t size = 0; in >> size;) {
+    in.get();
+    std::string& part = parts.emplace_back(size, '\0');
+    in.read(part.data(), static_cast<std::streamsize>(size));
+  }
+  if (parts.empty()) return found;
+  found.what = parts.front();
+  found.faults.assign(parts.begin() + 1, parts.end());
+  return found;
+}
+
+/// The seal first, in this process. What HDF5 says comes from a child: a forger's seal fits, and of a file whose
+/// seal does not fit HDF5 may still say what is damaged.
+CheckedFile ask_of(const std::filesystem::path& path,
+                   CheckedFile (*look)(const std::filesystem::path&)) {
+  CheckedFile found;
+  std::string unsealed;
+  try {
+    require_seal(path);
+  } catch (const Unsealed& fault) {
+    unsealed = fault.what();
+  } catch (const Unreadable& fault) {
+    found.faults.emplace_back(fault.what());
+    return found;
+  }
+  std::error_code none;
+  const auto size = static_cast<double>(std::filesystem::file_size(path, none));
+  const ChildAnswer answer =
+      ask_in_child([&] { return packed(look(path)); }, least_memory + 4 * size,
+                   least_seconds + size / least_speed);
+  if (answer.fault.empty())
+    found = unpacked(answer.text);
+  else
+    found.faults.push_back(fmt::format("HDF5 cannot read it: it {}", answer.fault));
+  if (!unsealed.empty()) found.faults.insert(found.faults.begin(), unsealed);
+  return found;
+}
+
+}  // namespace
+
+CheckedFile check_hashes(const std::filesystem::path& path) { return ask_of(path, look_at_all); }
+
+CheckedFile check_result(const std::filesystem::path& path) { return ask_of(path, look_at_result); }
 
 }  // namespace ra2d

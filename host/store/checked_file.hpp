@@ -13,13 +13,15 @@ struct CheckedFile {
   std::vector<std::string> faults;  // a sentence each; none: it is whole
   std::string what;  // of a result: "a complete result", "a result that was cut short: interrupted"
   std::size_t datasets = 0;
-  double bytes = 0;  // of their numbers
+  double bytes = 0;                     // of their numbers
+  std::vector<std::string> not_finite;  // datasets with a number that is none, where they may
 };
 
-/// Reads every dataset of a file and compares it with its hash. Faults are found, not thrown, by both.
+/// Looks at the seal of a file, then reads its attributes and datasets and compares them with their hashes. HDF5 is
+/// asked in a child process, which it may crash. Faults are found, not thrown, by both.
 CheckedFile check_hashes(const std::filesystem::path& path);
 
-/// The same of a result or a segment; and what must be there with what is.
+/// Checks a result or a segment: also what must be there, and whether a run can have come to its numbers.
 CheckedFile check_result(const std::filesystem::path& path);
 
 }  // namespace ra2d

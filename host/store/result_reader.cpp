@@ -4,10 +4,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
 #include <cstdint>
-#include <fstream>
 #include <limits>
 #include <map>
 #include <string_view>
@@ -16,6 +14,8 @@
 #include "host/errors.hpp"
 #include "host/store/entries.hpp"
 #include "host/store/hdf5.hpp"
+#include "host/store/plausible.hpp"
+#include "host/store/seal.hpp"
 #include "host/store/table.hpp"
 #include "host/text.hpp"
 
@@ -26,8 +26,6 @@ using h5::check;
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double evenness = 1e-3;  // how far a sample may stand from its place, in samples
-constexpr double most_packed =
-    1100;  // numbers that a filter of HDF5 squeezes into the space of one
 
 /// What is wrong with a file; the path goes before it.
 struct Fault {
@@ -80,8 +78,9 @@ std::vector<hsize_t> extent_of(hid_t dataset, const char* path) {
   return extent;
 }
 
-/// Whether every dataset is there, and as long as its axes.
-void require_shapes(hid_t file, double most_numbers) {
+/// Whether every dataset is there, and as long as its axes. All together they hold no more numbers than the file
+/// has room for: nothing in it is compressed, and nothing left out.
+void require_shapes(hid_t file, double room) {
   std::map<std::string_view, hsize_t> length;  // of the scales
   for (const Entry& entry : entries()) {
     const bool is_scale = std::string_view{entry.rows} == entry.path;
@@ -101,7 +100,8 @@ void require_shapes(hid_t file, double most_numbers) {
     if (extent != expected)
       throw Fault{fmt::format("/{} is of the shape ({}), its axes of ({})", entry.path,
                               fmt::join(extent, ", "), fmt::join(expected, ", "))};
-    if (numbers > most_numbers)
+    room -= numbers;
+    if (!(room >= 0))
       throw Fault{
           fmt::format("/{} should hold more numbers than the file has room for", entry.path)};
   }
@@ -160,6 +160,11 @@ ResultSummary summary_of(hid_t file) {
   for (const Entry& entry : entries())
     if (const Final* member = source_of<Final>(entry))
       summary.** member = has(file, entry.path) ? all_of(file, entry.path).front() : nan;
+  for (const Entry& entry : entries())  // level and velocity stand there twice
+    if (const Final* member = source_of<Final>(entry);
+        member != nullptr && has(file, entry.path) &&
+        !(all_of(file, entry.path).front() == summary.**member))
+      throw Fault{fmt::format("/{} has another value than the file has elsewhere", entry.path)};
   summary.steps = number_attribute(file, "steps");
   summary.complete = number_attribute(file, "complete") != 0;
   summary.ended = text_attribute(file, "ended");
@@ -196,24 +201,18 @@ ResultContents contents_of(hid_t file) {
   contents.slider_probe_position = all_of(file, "slider_probes/position");
   contents.shocks = shocks_of(file);
   contents.summary = summary_of(file);
+  if (const std::string what = implausible(contents); !what.empty()) throw Fault{what};
   return contents;
 }
 
-/// Before HDF5 is asked: what the system says of files that cannot be read, and of folders.
-void require_readable(const std::filesystem::path& path) {
-  if (std::filesystem::is_directory(path)) throw Fault{"this is a folder"};
-  errno = 0;
-  if (!std::ifstream{path})
-    throw Fault{errno != 0 ? h5::system_failure(errno).reason : "unreadable"};
-}
-
-bool has_signature(const std::filesystem::path& path) { return H5Fis_hdf5(path.c_str()) > 0; }
-
-h5::File open(const std::filesystem::path& path) {
-  require_readable(path);
-  if (!has_signature(path)) throw Fault{"it is no HDF5 file: expected a result of 'ra2d run'"};
-  const h5::Properties access = h5::file_access();
-  h5::File file{check(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access))};
+h5::File open(const std::filesystem::path& path, Bytes bytes) {
+  h5::File file;
+  if (bytes == Bytes::sealed) {
+    file = open_sealed(path);
+  } else {
+    const h5::Properties access = h5::file_access();
+    file = h5::File{check(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access))};
+  }
   if (check(H5Aexists(file, "creator")) == 0 || text_attribute(file, "creator") != "ra2d" ||
       check(H5Aexists(file, "format")) == 0)
     throw Fault{"it is no result of ra2d: expected a file that 'ra2d run' wrote"};
@@ -224,9 +223,16 @@ h5::File open(const std::filesystem::path& path) {
   return file;
 }
 
+constexpr const char* cure_of_readers =
+    "Take a copy of it that is whole, or run its scene again with 'ra2d run --fresh'";
+constexpr const char* cure_of_run =
+    "It is left as it is: move it away, or have the run made again in its place with --fresh, or "
+    "choose another "
+    "output with -o";
+
 /// Runs what calls HDF5, and says of which file it was.
 template <class Body>
-auto guarded(const std::filesystem::path& path, Body body) {
+auto guarded(const std::filesystem::path& path, Body body, const char* cure = cure_of_readers) {
   const auto library = h5::take_library();
   const auto fault = [&](const std::string& what) {
     return FileError(fmt::format("cannot read '{}': {}", path.string(), shortened(what, 300)));
@@ -235,6 +241,10 @@ auto guarded(const std::filesystem::path& path, Body body) {
     return body();
   } catch (const Fault& found) {
     throw fault(found.text);
+  } catch (const Unsealed& found) {
+    throw fault(fmt::format("{}. {}", found.what(), cure));
+  } catch (const Unreadable& found) {
+    throw fault(found.what());
   } catch (const h5::Failure& failure) {
     throw fault(fmt::format("{}: it is cut short or damaged", failure.reason));
   }
@@ -242,24 +252,27 @@ auto guarded(const std::filesystem::path& path, Body body) {
 
 }  // namespace
 
-std::optional<ResultStamp> stamp_of(const std::filesystem::path& path) noexcept try {
-  return guarded(path, [&] {
-    const h5::File file = open(path);
-    ResultStamp stamp;
-    stamp.complete = number_attribute(file, "complete") == 1;
-    stamp.started = text_attribute(file, "started");
-    if (check(H5Aexists(file, "key")) > 0) stamp.key = text_attribute(file, "key");
-    return stamp;
-  });
-} catch (const std::exception&) {
-  return std::nullopt;
+std::optional<ResultStamp> stamp_of(const std::filesystem::path& path) {
+  std::error_code none;
+  if (!std::filesystem::is_regular_file(path, none)) return std::nullopt;
+  return guarded(
+      path,
+      [&]() -> std::optional<ResultStamp> {
+        if (!looks_like_hdf5(path)) return std::nullopt;
+        const h5::File file = open_sealed(path);
+        if (check(H5Aexists(file, "complete")) == 0 || check(H5Aexists(file, "started")) == 0)
+          return std::nullopt;
+        ResultStamp stamp;
+        stamp.complete = number_attribute(file, "complete") == 1;
+        stamp.started = text_attribute(file, "started");
+        if (check(H5Aexists(file, "key")) > 0) stamp.key = text_attribute(file, "key");
+        return stamp;
+      },
+      cure_of_run);
 }
 
 bool is_hdf5(const std::filesystem::path& file) {
-  return guarded(file, [&] {
-    require_readable(file);
-    return has_signature(file);
-  });
+  return guarded(file, [&] { return looks_like_hdf5(file); });
 }
 
 struct ResultReader::Impl {
@@ -268,12 +281,14 @@ struct ResultReader::Impl {
   ResultContents contents;
 };
 
-ResultReader::ResultReader(const std::filesystem::path& path) : impl_{std::make_unique<Impl>()} {
+ResultReader::ResultReader(const std::filesystem::path& path, Bytes bytes)
+    : impl_{std::make_unique<Impl>()} {
   impl_->path = path;
   guarded(path, [&] {
-    impl_->file = open(path);
-    const auto bytes = static_cast<double>(std::filesystem::file_size(path));
-    require_shapes(impl_->file, most_packed * bytes / sizeof(double));
+    impl_->file = open(path, bytes);
+    hsize_t size = 0;
+    check(H5Fget_filesize(impl_->file, &size));
+    require_shapes(impl_->file, static_cast<double>(size) / sizeof(double));
     impl_->contents = contents_of(impl_->file);
   });
 }

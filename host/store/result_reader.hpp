@@ -35,17 +35,23 @@ struct ResultStamp {
   bool complete = false;
 };
 
-/// None where the file is no result, or cannot be read.
-std::optional<ResultStamp> stamp_of(const std::filesystem::path& path) noexcept;
+/// None where the file is no result, or is not there. Throws FileError where it is damaged, or was changed by
+/// another program.
+std::optional<ResultStamp> stamp_of(const std::filesystem::path& path);
 
-/// Whether a file is HDF5, as results are. Throws FileError where it cannot be read.
+/// Whether a file is HDF5, as results are, or the rest of such a file. Throws FileError where it cannot be read.
 bool is_hdf5(const std::filesystem::path& file);
 
-/// A result file that is open for reading. Throws FileError where it is none, of another format, cut
-/// short, or where its datasets do not fit together.
+/// Whether the bytes of a file are known good (host/store/seal.hpp). HDF5 may crash on others: they are for a
+/// child process alone (host/store/checked_file.cpp).
+enum class Bytes { sealed, hostile };
+
+/// A result file that is open for reading. Throws FileError where it is none, of another format, cut short,
+/// damaged or changed by another program, where its datasets do not fit together, or where a number is none that
+/// a run can have come to.
 class ResultReader {
  public:
-  explicit ResultReader(const std::filesystem::path& path);
+  explicit ResultReader(const std::filesystem::path& path, Bytes bytes = Bytes::sealed);
   ~ResultReader();
   ResultReader(const ResultReader&) = delete;
   ResultReader& operator=(const ResultReader&) = delete;

@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "host/errors.hpp"
+#include "host/store/seal.hpp"
 #include "host/version.hpp"
 
 namespace ra2d {
@@ -189,8 +190,11 @@ double UnfinishedFile::finish(const ResultSummary& summary, const std::filesyste
     write_summary(summary);
     flush();
     h5::close(file_);
+    if (const int error = append_seal(partial_->descriptor()); error != 0)
+      throw h5::system_failure(error);
     partial_->sync();
     const Clock::time_point written = Clock::now();
+    require_as_given(has_fitting_seal(partial_->descriptor()));
     read_back(partial_->path(), given_);
     reading_back = Clock::now() - written;
     name.empty() ? partial_->publish() : partial_->publish(name);

@@ -28,8 +28,8 @@ class UnfinishedFile {
   void describe(const ResultHeader& header);
   /// Writes what the buffer holds, and empties it.
   void write(WriteBuffer& buffer);
-  /// Last: writes what is known after the last step, reads the file back and gives it its name, or
-  /// another one. Returns how long reading back took [s].
+  /// Last: writes what is known after the last step, seals the file (host/store/seal.hpp), reads it back and
+  /// gives it its name, or another one. Returns how long reading back took [s].
   double finish(const ResultSummary& summary, const std::filesystem::path& name = {});
 
  private:

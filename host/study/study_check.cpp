@@ -61,10 +61,18 @@ void check_kept(const StudyFolder& folder, const FinishedRun& run,
                     file.string(), run.point));
     return;
   }
-  for (const std::string& fault : check_result(file).faults)
+  const CheckedFile found = check_result(file);
+  for (const std::string& fault : found.faults)
     faults.push_back(fmt::format("'{}': {}", file.string(), fault));
-  if (const auto stamp = stamp_of(file); stamp && stamp->key != key)
+  if (!found.faults.empty()) return;
+  const ResultReader reader(file);
+  if (reader.contents().key != key)
     faults.push_back(fmt::format("'{}' is of another run", file.string()));
+  else if (run.status == RunStatus::done &&
+           !same(reader.contents().summary.v_rms, run.figures.v_rms))
+    faults.push_back(fmt::format("'{}' and the ledgers differ in v_rms: {} and {} m/s",
+                                 file.string(), reader.contents().summary.v_rms,
+                                 run.figures.v_rms));
 }
 
 /// Checkpoints of runs on their way; how many there are.

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <limits>
@@ -19,6 +20,7 @@
 #include "host/partial_file.hpp"
 #include "host/store/attributes.hpp"
 #include "host/store/hdf5.hpp"
+#include "host/store/seal.hpp"
 #include "host/version.hpp"
 
 namespace ra2d {
@@ -317,6 +319,26 @@ std::string read_text_attribute(hid_t file, const char* name) {
   return text;
 }
 
+/// Numbers that no study writes must not become a law.
+void require_plausible(const StudyAnswers& answers) {
+  for (const StudyAxis& axis : answers.axes)
+    for (const double number : axis.numbers)
+      if (!std::isfinite(number))
+        throw TableFault{fmt::format("/{} has a value that is no number", axis.name)};
+  for (std::size_t run = 0; run < answers.status.size(); ++run) {
+    const double status = answers.status[run];
+    if (status != std::floor(status) || !(status >= static_cast<double>(RunStatus::done)) ||
+        !(status <= static_cast<double>(RunStatus::failed)))
+      throw TableFault{fmt::format("/status says {} of a run, which means nothing", status)};
+    if (answers.v_rms.empty()) continue;
+    const double v_rms = answers.v_rms[run];
+    const bool is_done = status == static_cast<double>(RunStatus::done);
+    if (is_done ? !(v_rms >= 0 && std::isfinite(v_rms)) && !std::isnan(v_rms) : !std::isnan(v_rms))
+      throw TableFault{fmt::format("/v_rms has {} m/s for a run that {}", v_rms,
+                                   is_done ? "is done" : "did not end")};
+  }
+}
+
 StudyAnswers read_table(hid_t file) {
   StudyAnswers answers;
   answers.study = read_text_attribute(file, "study");
@@ -349,6 +371,7 @@ StudyAnswers read_table(hid_t file) {
   };
   answers.status = column("status");
   if (check(H5Lexists(file, "v_rms", H5P_DEFAULT)) > 0) answers.v_rms = column("v_rms");
+  require_plausible(answers);
   return answers;
 }
 
@@ -363,23 +386,27 @@ void write_study_table(const std::filesystem::path& file, const StudyPoints& poi
   } catch (const h5::Failure& failure) {
     throw write_failure("make", file, failure.reason, failure.error);
   }
-  write_text(file, bytes);
+  write_text(file, bytes + seal_of(bytes));
 }
 
 bool is_study_table(const std::filesystem::path& file) {
   std::error_code none;
   if (!std::filesystem::is_regular_file(file, none)) return false;
   const auto library = h5::take_library();
-  const h5::Properties access = h5::file_access();
-  const h5::File opened{H5Fopen(file.c_str(), H5F_ACC_RDONLY, access)};
-  return opened.is_open() && H5Aexists(opened, "study_format") > 0;
+  try {
+    return looks_like_hdf5(file) && H5Aexists(open_sealed(file), "study_format") > 0;
+  } catch (const Unreadable&) {
+    return false;
+  } catch (const h5::Failure&) {
+    return false;
+  }
 }
 
 std::filesystem::path study_table_of(const std::filesystem::path& file) {
   std::error_code none;
-  const std::filesystem::path table =
-      std::filesystem::is_directory(file, none) ? StudyFolder{file}.table() : file;
-  return is_study_table(table) ? table : std::filesystem::path();
+  if (!std::filesystem::is_directory(file, none)) return is_study_table(file) ? file : "";
+  const std::filesystem::path table = StudyFolder{file}.table();
+  return std::filesystem::exists(table, none) ? table : "";
 }
 
 StudyAnswers read_study_table(const std::filesystem::path& file) {
@@ -389,9 +416,15 @@ StudyAnswers read_study_table(const std::filesystem::path& file) {
                                 file.string()));
   const auto library = h5::take_library();
   try {
-    const h5::Properties access = h5::file_access();
-    const h5::File opened{check(H5Fopen(file.c_str(), H5F_ACC_RDONLY, access))};
-    return read_table(opened);
+    return read_table(open_sealed(file));
+  } catch (const Unsealed& fault) {
+    throw FileError(
+        fmt::format("cannot read '{}': {}. Take a copy of it that is whole, or make it anew from "
+                    "the ledgers with "
+                    "'ra2d study merge'",
+                    file.string(), fault.what()));
+  } catch (const Unreadable& fault) {
+    throw FileError(fmt::format("cannot read '{}': {}", file.string(), fault.what()));
   } catch (const h5::Failure& failure) {
     throw FileError(fmt::format("cannot read '{}': {}", file.string(), failure.reason));
   } catch (const TableFault& fault) {

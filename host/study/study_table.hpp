@@ -37,13 +37,13 @@ struct StudyAnswers {
   std::string origin;           // what wrote the table: "ra2d 0.1 (commit)"
 };
 
-/// Whether the file is one: false also for what cannot be opened.
+/// Whether the file is one: false also for what cannot be opened, or is damaged.
 bool is_study_table(const std::filesystem::path& file);
 
-/// The table of a study's folder, or the file itself where it is one; empty of anything else.
+/// The table of a study's folder, whole or not, or the file itself where it is one; empty of anything else.
 std::filesystem::path study_table_of(const std::filesystem::path& file);
 
-/// Throws FileError for what is no such table.
+/// Throws FileError for what is no such table, is damaged, or was changed by another program.
 StudyAnswers read_study_table(const std::filesystem::path& file);
 
 }  // namespace ra2d

@@ -4,7 +4,7 @@
 
     check_result.py OUT.h5
 
-Names, axes, units, long names, coordinates and shapes must be those of docs/results.md,
+The file must end in its seal. Names, axes, units, long names, coordinates and shapes must be those of docs/results.md,
 and the numbers those of their hashes.
 Times carry the unit "s": xarray makes time differences of "seconds", but leaves "s" as numbers.
 Every group has the values along its axes; the time of the samples is one dataset with a link in each.
@@ -50,6 +50,14 @@ ATTRIBUTES = {"creator": str, "format": np.integer, "version": str, "commit": st
 def expect(right, *what):
     if not right:
         sys.exit("check_result: " + " ".join(str(w) for w in what))
+
+
+def expect_seal(path):
+    """The line of docs/results.md, made anew by another library."""
+    with open(path, "rb") as file:
+        data = file.read()
+    sealed = data[:-64]
+    expect(data[-64:] == f"ra2d seal 1 {len(sealed):018} {xxhash.xxh3_128_hexdigest(sealed)}\n".encode(), "the seal", data[-64:])
 
 
 def same(a, b):
@@ -138,6 +146,7 @@ def check(path):
 if __name__ == "__main__":
     if len(sys.argv) != 2:
         sys.exit(__doc__)
+    expect_seal(sys.argv[1])
     v = check(sys.argv[1])
     print(f"{sys.argv[1]}: OK in h5py, netCDF4 and xarray: {v['time'].size} samples, {v['resonator/frequency'].size} + "
           f"{v['slider/frequency'].size} modes, {v['probes/position'].size} probes, {v['shocks/start'].size} shocks")

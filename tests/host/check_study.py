@@ -26,6 +26,10 @@ assert np.isnan(gone.v_rms).all() and np.isnan(gone.peak_force_median).all()
 # the mean over the seeds, as a user takes it
 assert table.level.mean("seed").shape == (3, 2)
 
+with open(sys.argv[1], "rb") as file:
+    data = file.read()
+assert data[-64:] == f"ra2d seal 1 {len(data) - 64:018} {xxhash.xxh3_128_hexdigest(data[:-64])}\n".encode()
+
 with h5py.File(sys.argv[1]) as file:
     assert file.attrs["creator"] == "ra2d" and file.attrs["complete"] == 1
     assert (file.attrs["runs"], file.attrs["done"], file.attrs["failed"]) == (12, 8, 4)

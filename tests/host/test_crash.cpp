@@ -491,6 +491,7 @@ TEST_F(Crash, CheckFindsEveryDamageAndNothingElse) {
   }
   Ended found = check(out_);
   EXPECT_EQ(found.status, 4);
+  EXPECT_THAT(found.err, HasSubstr("it has no seal at its end"));
   EXPECT_THAT(found.err, HasSubstr("/contact/force is damaged"));
   EXPECT_THAT(found.err, HasSubstr("/energy/elastic is missing"));
   for (const double part : {0.0, 0.1, 0.5, 0.999}) {

@@ -11,10 +11,13 @@
 #include <fstream>
 #include <functional>
 #include <limits>
+#include <random>
 
 #include "host/errors.hpp"
+#include "host/scene_file/scene_file.hpp"
 #include "host/store/store.hpp"
 #include "tests/child.hpp"
+#include "tests/reseal.hpp"
 
 namespace ra2d {
 namespace {
@@ -29,7 +32,7 @@ class Reader : public testing::Test {
   /// A file of two modes, three of the slider, one probe; sample j of mode k has the velocity 10 j + k.
   void write(std::size_t samples) const {
     ResultHeader header;
-    header.scene = "[scene]\n";
+    header.scene = scene_;
     header.started = "now";
     header.spacing = 8e-6;
     header.resonator.frequency = {0, 100};
@@ -64,8 +67,12 @@ class Reader : public testing::Test {
     summary.ended = "interrupted";
     file.close(summary);
   }
-  /// Changes the file as other programs might.
+  /// Changes the file as other programs might, and gives it a seal that fits, which they do not.
   void change(const std::function<void(hid_t)>& body) const {
+    change_unsealed(body);
+    test::reseal(path_);
+  }
+  void change_unsealed(const std::function<void(hid_t)>& body) const {
     const hid_t file = H5Fopen(path_.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
     ASSERT_GE(file, 0);
     body(file);
@@ -81,6 +88,7 @@ class Reader : public testing::Test {
     }
     return "no FileError";
   }
+  std::string scene_ = "[scene]\n";
   const test::Folder folder_;
   const fs::path path_ = folder_.path() / "out.h5";
 };
@@ -135,6 +143,8 @@ TEST_F(Reader, RefusesWhatIsNoResult) {
   std::ofstream(path_) << "[scene]\nduration = 1\n";
   EXPECT_THAT(refusal(), HasSubstr("it is no HDF5 file"));
   H5Fclose(H5Fcreate(path_.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT));
+  EXPECT_THAT(refusal(), HasSubstr("it has no seal at its end"));
+  test::reseal(path_);
   EXPECT_THAT(refusal(), HasSubstr("it is no result of ra2d"));
 }
 
@@ -156,7 +166,7 @@ TEST_F(Reader, RefusesWhatIsCutShort) {
   const auto whole = fs::file_size(path_);
   for (const double share : {0.999, 0.5, 0.01}) {
     fs::resize_file(path_, static_cast<std::uintmax_t>(share * static_cast<double>(whole)));
-    EXPECT_THAT(refusal(), HasSubstr("cut short or damaged")) << share;
+    EXPECT_THAT(refusal(), HasSubstr("it was cut short, or another program")) << share;
   }
 }
 
@@ -240,6 +250,132 @@ TEST_F(Reader, RefusesMoreNumbersThanTheFileHasRoomFor) {
   });
   EXPECT_THAT(refusal(),
               HasSubstr("/shocks/start should hold more numbers than the file has room"));
+}
+
+// ---- the seal, and what a forger's seal does not vouch for ----------------------------------------
+
+TEST_F(Reader, KnowsEveryByteOfAFile) {
+  write(2);
+  const std::string whole = test::read_file(path_);
+  const auto refuses = [&](const std::string& bytes) {
+    std::ofstream(path_, std::ios::binary) << bytes;
+    const std::string said = refusal();
+    return said.find("it is damaged") != said.npos || said.find("it has no seal") != said.npos ||
+           said.find("it is no HDF5 file") != said.npos;
+  };
+  // one bit of every byte of the seal, and of some before it, in turn: the file keeps its inode and size
+  std::mt19937 dice(1);
+  std::fstream file(path_, std::ios::binary | std::ios::in | std::ios::out);
+  for (std::size_t i = 0; i < 300; ++i) {
+    const std::size_t at = i < seal_size ? whole.size() - 1 - i : dice() % whole.size();
+    const auto put = [&](char byte) {
+      file.seekp(static_cast<std::streamoff>(at));
+      file.put(byte).flush();
+    };
+    put(static_cast<char>(whole[at] ^ (1 << i % 8)));
+    const std::string said = refusal();
+    EXPECT_TRUE(said.find("it is damaged") != said.npos || said.find("it has no seal") != said.npos)
+        << at << said;
+    put(whole[at]);
+  }
+  file.close();
+  for (std::size_t size : {std::size_t{0}, std::size_t{1}, seal_size, whole.size() / 2,
+                           whole.size() - seal_size, whole.size() - 1})
+    EXPECT_TRUE(refuses(whole.substr(0, size))) << size;
+  EXPECT_TRUE(refuses(whole + '\n'));
+  EXPECT_TRUE(refuses(whole + whole));
+  EXPECT_TRUE(refuses(whole + whole.substr(whole.size() - seal_size)));
+  EXPECT_TRUE(refuses(whole.substr(1)));
+  EXPECT_FALSE(refuses(whole));
+}
+
+/// The file of before must not vouch for the one that took its name, nor for itself once it was changed.
+TEST_F(Reader, LooksAgainAtWhatWasChanged) {
+  write(2);
+  std::string bytes = test::read_file(path_);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(refusal(), "no FileError");
+    bytes[bytes.size() / 2] ^= 1;
+    std::ofstream(path_, std::ios::binary) << bytes;  // the same inode and size
+    EXPECT_THAT(refusal(), HasSubstr("it is damaged"));
+    bytes[bytes.size() / 2] ^= 1;
+    std::ofstream(folder_.path() / "new.h5", std::ios::binary) << bytes;
+    fs::rename(folder_.path() / "new.h5", path_);
+  }
+}
+
+TEST_F(Reader, RefusesWhatAnotherProgramHasChanged) {
+  write(3);
+  const std::string whole = test::read_file(path_);
+  const auto changed = [&](const std::function<void(hid_t)>& body) {
+    std::ofstream(path_, std::ios::binary) << whole;
+    change_unsealed(body);
+    return refusal();
+  };
+  const auto text = [](hid_t object, const char* name, const char* characters) {
+    const hid_t attribute = H5Aopen(object, name, H5P_DEFAULT), type = H5Aget_type(attribute);
+    EXPECT_GE(H5Awrite(attribute, type, &characters), 0);
+    H5Tclose(type);
+    H5Aclose(attribute);
+  };
+  EXPECT_THAT(changed([&](hid_t f) { text(f, "scene", "[scenE]\n"); }),
+              HasSubstr("another program (h5py, h5repack, an editor) has changed it"));
+  EXPECT_THAT(changed([&](hid_t f) {
+                const hid_t force = H5Dopen2(f, "contact/force", H5P_DEFAULT);
+                text(force, "units", "kN");
+                H5Dclose(force);
+              }),
+              HasSubstr("another program"));
+  EXPECT_THAT(changed([](hid_t f) {
+                const hid_t v_rms = H5Dopen2(f, "summary/v_rms", H5P_DEFAULT);
+                const double other = 2e-3;
+                H5Dwrite(v_rms, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, &other);
+                H5Dclose(v_rms);
+              }),
+              HasSubstr("another program"));
+  EXPECT_THAT(changed([](hid_t f) { H5Lmove(f, "energy", f, "work", H5P_DEFAULT, H5P_DEFAULT); }),
+              HasSubstr("another program"));
+  EXPECT_THAT(changed([](hid_t f) { H5Ldelete(f, "shocks", H5P_DEFAULT); }),
+              HasSubstr("another program"));
+}
+
+TEST_F(Reader, TakesNoNumberThatNoRunComesTo) {
+  const auto with = [&](const char* path, double value) {
+    write(3);
+    change([&](hid_t file) {
+      const hid_t dataset = H5Dopen2(file, path, H5P_DEFAULT), space = H5Dget_space(dataset);
+      std::vector<double> values(static_cast<std::size_t>(H5Sget_simple_extent_npoints(space)));
+      H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data());
+      values.back() = value;
+      H5Dwrite(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data());
+      H5Sclose(space);
+      H5Dclose(dataset);
+    });
+    return refusal();
+  };
+  scene_ =
+      "[scene]\nduration = 0.01\nspeed = 0.1\nstart = 0.02\nspacing = 8e-6\n[resonator]\n"
+      "support = \"pinned\"\nlength = 0.5\nthickness = 2e-3\nwidth = 0.1\nyoung = 2e11\n"
+      "density = 7800\ndamping = 0.02\nmodes = 5\nsurface = { kind = \"flat\" }\n[slider]\n"
+      "support = \"free\"\nlength = 0.02\nthickness = 5e-3\nwidth = 0.02\nyoung = 2e11\n"
+      "density = 7800\ndamping = 0.02\nmodes = 1\nsurface = { kind = \"flat\" }\nload = 1\n"
+      "[contact]\nstiffness = 1e13\n[time]\nscheme = \"adaptive\"\n"
+      "[output]\nrate = 48000\nprobes = [0.5]\n";
+  write(3);
+  ASSERT_NO_THROW((void)parse_scene(scene_, "scene"));
+  ASSERT_EQ(refusal(), "no FileError");
+  EXPECT_THAT(with("shocks/duration", 1e300), HasSubstr("lasts 1e+300 s, which is beyond the run"));
+  EXPECT_THAT(with("shocks/duration", 0.0081), HasSubstr("beyond the run"));
+  EXPECT_THAT(with("shocks/duration", 0.0079), "no FileError");
+  EXPECT_THAT(with("shocks/start", 0.011), HasSubstr("which is no time of the run"));
+  EXPECT_THAT(with("shocks/start", -1e-9), HasSubstr("which is no time of the run"));
+  EXPECT_THAT(with("shocks/position", 0.51), HasSubstr("outside the resonator"));
+  EXPECT_THAT(with("probes/position", -0.1), HasSubstr("outside the resonator"));
+  EXPECT_THAT(with("resonator/frequency", HUGE_VAL), HasSubstr("no frequency"));
+  EXPECT_THAT(with("resonator/mean_square", -1), HasSubstr("no mean of squares"));
+  EXPECT_THAT(with("summary/v_rms", 2e-3), HasSubstr("another value than the file has elsewhere"));
+  EXPECT_THAT(with("summary/contact_share", 1.1), HasSubstr("expected at most 1"));
+  EXPECT_THAT(with("summary/shock_duration_90", -1), HasSubstr("which no run comes to"));
 }
 
 }  // namespace

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "host/errors.hpp"
+#include "host/result/level.hpp"
 #include "host/store/store.hpp"
 #include "tests/child.hpp"
 #include "tests/places.hpp"
@@ -202,6 +203,7 @@ class SoundFile : public testing::Test {
     }
     file.append(b);
     ResultSummary summary;
+    summary.lv = level(summary.v_rms);
     summary.ended = "complete";
     file.close(summary);
   }

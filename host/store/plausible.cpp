@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/store/plausible.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "host/errors.hpp"
+#include "host/result/level.hpp"
+#include "host/scene_file/scene_file.hpp"
+
+namespace ra2d {
+namespace {
+
+constexpr double slack = 1e-6;        // of the run's time, and of a body's length: for roundings
+constexpr double rate_slack = 1e-3;   // of the scene's rate, as of the places of samples
+constexpr double level_slack = 1e-9;  // dB: roundings of a logarithm of another library
+
+/// The scene that bounds times and places; none where this program does not understand it.
+std::optional<Scene> scene_in(const ResultContents& contents) try {
+  return parse_scene(contents.scene, "the scene of the result");
+} catch (const RequestError&) {
+  return std::nullopt;
+}
+
+bool within(double value, double low, double high) { return value >= low && value <= high; }
+
+bool are_finite_and_not_negative(const std::vector<double>& values) {
+  return std::all_of(values.begin(), values.end(),
+                     [](double value) { return value >= 0 && std::isfinite(value); });
+}
+
+/// Of modes and probes.
+std::string fault_of_bodies(const ResultContents& c, const std::optional<Scene>& scene) {
+  if (!are_finite_and_not_negative(c.resonator_frequency))
+    return "/resonator/frequency has a value that is no frequency";
+  if (!are_finite_and_not_negative(c.slider_frequency))
+    return "/slider/frequency has a value that is no frequency";
+  if (!are_finite_and_not_negative(c.mean_square))
+    return "/resonator/mean_square has a value that is no mean of squares";
+  const double unbounded = std::numeric_limits<double>::max();
+  const auto outside = [](const std::vector<double>& places, double length) {
+    return !std::all_of(places.begin(), places.end(),
+                        [&](double x) { return within(x, -slack * length, (1 + slack) * length); });
+  };
+  if (outside(c.probe_position, scene ? scene->resonator.length : unbounded))
+    return "/probes/position has a place outside the resonator";
+  if (outside(c.slider_probe_position, scene ? scene->slider.length : unbounded))
+    return "/slider_probes/position has a place outside the slider";
+  return {};
+}
+
+/// Of the samples' times and of shocks.
+std::string fault_of_times(const ResultContents& c, const std::optional<Scene>& scene) {
+  // steps may end one beyond the duration, and a shock lasts to the end of its last step
+  const double end = scene ? (1 + slack) * scene->duration + 2 * scene->time.step
+                           : std::numeric_limits<double>::max();
+  const double length = scene ? scene->resonator.length : std::numeric_limits<double>::max();
+  const double aside = scene ? scene->spacing : 0;
+  if (c.samples > 0 && !within(c.end, 0, end))
+    return fmt::format("its samples end at {} s, which is no time of the run", c.end);
+  if (scene && !std::isnan(c.rate) && std::abs(c.rate / scene->output.rate - 1) > rate_slack)
+    return fmt::format("it has {} samples a second, and its scene asks for {}", c.rate,
+                       scene->output.rate);
+  for (const Shock& shock : c.shocks) {
+    if (!within(shock.start, 0, end))
+      return fmt::format("a shock begins at {} s, which is no time of the run", shock.start);
+    if (!within(shock.duration, 0, end - shock.start + slack * end))
+      return fmt::format("a shock that begins at {} s lasts {} s, which is beyond the run",
+                         shock.start, shock.duration);
+    if (!within(shock.position, -aside - slack * length, (1 + slack) * length + aside))
+      return fmt::format("a shock is at {} m, outside the resonator", shock.position);
+  }
+  return {};
+}
+
+/// Of the figures: what there is none of is NaN. A run that failed may have come to infinities.
+std::string fault_of_summary(const ResultSummary& s) {
+  if (!(std::isnan(s.v_rms) || s.v_rms >= 0))
+    return fmt::format("its velocity is {} m/s: expected no negative number", s.v_rms);
+  if (const double expected = level(s.v_rms);
+      std::isnan(s.lv) != std::isnan(s.v_rms) ||
+      (std::isfinite(expected) ? std::abs(s.lv - expected) > level_slack
+                               : !std::isnan(s.lv) && s.lv != expected))
+    return fmt::format("its level is {} dB, and that of its velocity of {} m/s is {} dB", s.lv,
+                       s.v_rms, expected);
+  for (const auto& [name, value] : {std::pair{"shock_rate", s.shock_rate},
+                                    {"shock_duration_median", s.shock_duration_median},
+                                    {"shock_duration_90", s.shock_duration_90},
+                                    {"contact_share", s.contact_share},
+                                    {"wall_seconds", s.wall_seconds},
+                                    {"steps", static_cast<double>(s.steps)}})
+    if (!(std::isnan(value) || (value >= 0 && (!s.complete || std::isfinite(value)))))
+      return fmt::format("its {} is {}, which no run comes to", name, value);
+  if (s.contact_share > 1 + slack)
+    return fmt::format("its contact_share is {}: expected at most 1", s.contact_share);
+  return {};
+}
+
+}  // namespace
+
+std::string implausible(const ResultContents& contents) {
+  const std::optional<Scene> scene = scene_in(contents);
+  for (const std::string& fault :
+       {fault_of_bodies(contents, scene), fault_of_times(contents, scene),
+        fault_of_summary(contents.summary)})
+    if (!fault.empty()) return fault;
+  return {};
+}
+
+}  // namespace ra2d
