@@ -11,7 +11,7 @@ foreach(part kernels host)
   # but for those that need toml++, HDF5 or xxHash, which nobody else has to have
   install(DIRECTORY ${part} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/ra2d
           FILES_MATCHING PATTERN "*.hpp" PATTERN "scene/toml.hpp" EXCLUDE
-          REGEX "store/(attributes|hash|hdf5|read_back|shock_rows|table|unfinished_file)[.]hpp$" EXCLUDE)
+          REGEX "store/(attributes|hash|hdf5|read_back|seal|shock_rows|table|unfinished_file)[.]hpp$" EXCLUDE)
 endforeach()
 set(RA2D_PLOT_SCRIPTS host/plot/chart_style.py host/plot/plot_stability.py host/plot/plot_accuracy.py
     host/plot/picture_style.py host/plot/plot_result.py host/plot/plot_profile.py host/plot/plot_study.py)
