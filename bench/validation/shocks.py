@@ -24,7 +24,6 @@ GRAVITY = 9.80665  # m/s^2, the standard one
 TOLERANCE = 1e-6
 SEEDS = 10
 THESIS_RATE = 1e4  # 1/s
-ORDER = 0.5        # decades: what "of the order of" leaves open
 SPEEDS = (0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5)  # m/s
 LOADS = (0.1, 1, 10, 100)                                # of the weight
 ROUGHNESS = (2e-6, 4e-6, 8e-6, 12e-6, 20e-6)             # m
@@ -236,8 +235,6 @@ def report(case):
           common.shown(np.median(over(found, "impulse") / over(found, "peak_force") / over(found, "duration")), 4))
          for stiffness, found in stiffest.items()]))
     rigid(case, stiffest[1e18], stiffest[1e19], 1)
-    case.check("shocks a second at the paper's numbers, against the thesis, decades off",
-               abs(np.log10(np.mean([each["rate"] for each in base]) / THESIS_RATE)), ORDER, "\"of the order of\": half a decade")
     regimes = {1e15: sweeps["speed"][1]}
     for stiffness in OTHER_STIFFNESS:
         regimes[stiffness] = {speed: runs(case, FEWER_SEEDS, speed=speed, stiffness=stiffness, duration=0.5) for speed in SPEEDS[::2]}

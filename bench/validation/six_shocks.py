@@ -8,7 +8,9 @@ kept in docs/validation/six-shocks-*.csv, and the short form compares with these
 Two things part the two by theory. A beam of Euler and Bernoulli has neither shear nor rotary inertia, and finite elements
 have both. And the implicit steps of CalculiX (Hilber, Hughes and Taylor) lower the frequencies of the higher modes and
 damp them. How far each moves the shocks, a few lines here say: the same modes and contact, marched on their own, with the
-frequencies of either theory (Timoshenko's for pinned ends, in closed form), exactly or in those steps.
+frequencies of either theory (Timoshenko's for pinned ends, in closed form), exactly or in those steps. These are
+differences observed in this scene, no bounds. What is checked of the explanation is its direction: beams with shear must
+come nearer to the finite elements than ra2d's.
 """
 import csv
 import resource
@@ -191,25 +193,15 @@ def compare(case):
     kept = (common.ROOT / "docs" / "validation" / "six-shocks.inp").read_text().splitlines()
     case.check("CalculiX: lines of the input that are not those of its kept results",
                len(set(kept) ^ set(input_text(BEST).splitlines())), 0.5, "the results are of this scene")
-    step, (best, coarse, fine) = MESHES[BEST][-1], (calculix(mesh)[0] for mesh in (BEST, *MESH_ALONE))
-    found, plain, shear, stepped = marched(case), by_hand(False), by_hand(True), in_steps(step)
+    best, found, plain, shear = calculix(BEST)[0], marched(case), by_hand(False), by_hand(True)
     rough = differences(by_hand(False, step=8e-7, spacing=4e-5), plain)
     for what, ours, most in zip(MEASURES, differences(found, plain), rough):
         case.check(f"ra2d beside the same modes by hand: {what}", ours, most, "what these move with twice their step and spacing")
-    causes = {"shear and rotary inertia": (shear, plain), f"CalculiX's steps of {in_us(step)} us": (stepped, shear),
-              f"{MORE[0]} modes of each beam instead of {TEN[0]}": (marched(case, MORE), found),
-              f"its mesh: {of_mesh(MESH_ALONE[1])}, instead of {of_mesh(MESH_ALONE[0])}": (fine, coarse)}
-    for many in (2, len(PEAKS)):
-        moved = {what: differences(*pair, many) for what, pair in causes.items()}
-        for i, (what, ours) in enumerate(zip(MEASURES, differences(found, best, many))):
-            case.check(f"first {many} shocks: {what}" if many < len(PEAKS) else f"all: {what}", ours,
-                       sum(each[i] for each in moved.values()), "what shear, the peer's steps, more modes and its mesh move")
-    shear_alone = moved.pop("shear and rotary inertia")
-    for i, (what, hand) in enumerate(zip(MEASURES, differences(shear, best))):
-        case.check(f"all, beams with shear by hand: {what}", hand, sum(each[i] for each in moved.values()),
-                   "what the peer's steps, more modes and its mesh move")
+    for what, with_shear, without in zip(MEASURES, differences(shear, best), differences(found, best)):
+        case.check(f"beams with shear by hand, from CalculiX over ra2d from CalculiX: {what}", with_shear / without, 1,
+                   "if shear is the difference, beams that have it are nearer")
     if not case.short:
-        report(case, found, best, shear, {"shear and rotary inertia": shear_alone, **moved})
+        report(case, found, best, plain, shear)
 
 
 def row(found, peer, many=len(PEAKS)):
@@ -241,7 +233,11 @@ def percent(share):
     return common.shown(100 * share) if np.isfinite(share) else "a shock is missing"
 
 
-def report(case, found, best, shear, moved):
+def report(case, found, best, plain, shear):
+    step, (coarse, fine) = MESHES[BEST][-1], (calculix(mesh)[0] for mesh in MESH_ALONE)
+    causes = {"shear and rotary inertia": (shear, plain), f"CalculiX's steps of {in_us(step)} us": (in_steps(step), shear),
+              f"{MORE[0]} modes of each beam instead of {TEN[0]}": (marched(case, MORE), found),
+              f"its mesh: {of_mesh(MESH_ALONE[1])}, instead of {of_mesh(MESH_ALONE[0])}": (fine, coarse)}
     case.text("audible", " and ".join(f"{(theory(length, 40, False)[0] < 2 * np.pi * 20e3).sum()} of the {which} beam"
                                       for which, length in (("lower", RESONATOR), ("upper", SLIDER))))
     of = {"ra2d": shocks(found), "calculix": shocks(best), "audible": shocks(marched(case, AUDIBLE))}
@@ -279,7 +275,7 @@ def report(case, found, best, shear, moved):
     for name, peer in (("coarse", coarse), ("fine", fine)):
         case.text(f"{name}-left", row(in_steps(2e-6), peer)[0])
     case.text("causes", common.markdown(("", "times, us", "impulses, %", "pressures, %", "displacement, %"), [
-        (what, in_us(times), *map(percent, others)) for what, (times, *others) in moved.items()]))
+        (what, *row(*pair)) for what, pair in causes.items()]))
     faster = [shocks(by_hand(each, speed=10.0, overlap=2e-7), 10.0) for each in (True, False)]
     case.text("faster-times", in_us(apart(*faster)[0]))
     case.text("faster-impulses", percent(apart(*faster)[1]))

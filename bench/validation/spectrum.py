@@ -25,6 +25,8 @@ LOADS = (0.01, 0.1, 0.3, 1, 3, 10, 100)       # of the weight
 DURATION, START = 2.0, 0.04                   # s, m: the slider's middle goes from 50 to 250 mm, at 0.1 m/s
 SPACINGS = (32e-6, 16e-6, 14e-6, 8e-6, 4e-6, 2e-6)  # m: of 14 um the tone lies between two natural frequencies
 TONE_LOADS = (1, 100)
+BESIDE, NARROW = 50.0, 4.0                    # Hz: what counts as the tone, and its two lines alone
+LINES = 12.5                                  # Hz, from line to line, for all spacings
 PAPER = tomllib.loads((common.ROOT / "scenes" / "dang2012.toml").read_text())
 SLIDER = PAPER["slider"]
 MASS = SLIDER["density"] * SLIDER["length"] * SLIDER["thickness"] * SLIDER["width"]
@@ -47,10 +49,10 @@ def papers(seed, load, duration=DURATION, start=START, spacing=8e-6, rate=50e3):
     return scene
 
 
-def analysed(case, scene):
+def analysed(case, scene, *words):
     """What `ra2d analyze --json` says of a run."""
     case.run(scene)
-    return json.loads(case.call(case.program, "analyze", case.scratch / "result.h5", "--json"))
+    return json.loads(case.call(case.program, "analyze", case.scratch / "result.h5", "--json", *words))
 
 
 def attached(place, mass=MASS, tilting=TILTING):
@@ -104,13 +106,16 @@ def passing(spacing):
     return PAPER["scene"]["speed"] / spacing
 
 
-def tone(analysis, frequency):
-    """The tone's mean square velocity [(m/s)^2], without the noise under it: the mean of a density from its median."""
+def beside(analysis, frequency, most):
+    """Mean square velocity [(m/s)^2] of the lines that lie no further than `most` [Hz] from a frequency."""
     lines, density = (np.array(analysis["spectrum"][name]) for name in ("frequency", "psd_mean"))
-    freedom = analysis["spectrum"]["degrees_of_freedom"]
-    line = round(frequency / lines[1])
-    around = np.r_[density[line - 40:line - 8], density[line + 9:line + 41]]
-    return (density[line - 3:line + 4] - np.median(around) * freedom / stats.chi2.ppf(0.5, freedom)).sum() * lines[1]
+    return density[np.abs(lines - frequency) <= most].sum() * lines[1]
+
+
+def tone(analysis, finest, frequency):
+    """The tone's mean square velocity [(m/s)^2]: what the finest mesh has there, on the same surfaces, is noise. The lines to
+    either side would not do for it: the noise itself has a peak where the tone stands on a resonance."""
+    return beside(analysis, frequency, BESIDE) - beside(finest, frequency, BESIDE)
 
 
 def rise(analysis, frequency):
@@ -121,9 +126,9 @@ def rise(analysis, frequency):
     return 10 * np.log10(density[line - 2:line + 3].max() / np.median(around))
 
 
-def with_spacing(case, load, spacing, duration=1.0):
+def with_spacing(case, load, spacing, duration=1.0, lines=LINES):
     rate = max(50e3, 0.25 / spacing)  # the tone must be within the spectrum
-    return [analysed(case, papers(seed, load, duration, 0.1, spacing, rate)) for seed in range(SEEDS)]
+    return [analysed(case, papers(seed, load, duration, 0.1, spacing, rate), "--resolution", lines) for seed in range(SEEDS)]
 
 
 def meshes(case, load, by_spacing):
@@ -150,6 +155,11 @@ def compare(case):
     for load, by_spacing in tones.items():
         meshes(case, load, by_spacing)
     report(case, found, tones)
+
+
+def decibels(squares):
+    """Levels [dB re 1 nm/s] of mean square velocities."""
+    return 10 * np.log10(np.array(squares) / 1e-18)
 
 
 def plus_minus(middle, half, unit=1.0):
@@ -192,8 +202,9 @@ def report(case, found, tones):
     case.text("weight-contact", 100 * np.mean([each["contact_share"] for each in found[1]]))
     table, curves = [], {}
     for load, by_spacing in tones.items():
-        levels = {spacing: 10 * np.log10(np.array([max(tone(each, passing(spacing)), 1e-30) for each in analyses]) / 1e-18)
-                  for spacing, analyses in by_spacing.items()}  # without a tone: far below any
+        finest = by_spacing[min(by_spacing)]  # has no tone but the noise: far below any
+        levels = {spacing: decibels([max(tone(each, fine, passing(spacing)), 1e-30) for each, fine in zip(analyses, finest)])
+                  for spacing, analyses in by_spacing.items()}
         for spacing, analyses in by_spacing.items():
             own, half = mean(levels[spacing])
             heard = levels[spacing].min() > 0
@@ -215,6 +226,15 @@ def report(case, found, tones):
             if less:
                 case.text(f"less-{load}-{1e6 * spacing:.0f}", plus_minus(*less))
         case.text(f"between-{load}", plus_minus(*mean(levels[16e-6] - levels[14e-6])))
+        if load == 1:
+            case.text("tone-16", plus_minus(*mean(levels[16e-6])))
+    narrow = with_spacing(case, 1, 16e-6, lines=1.0)
+    case.text("tone-16-narrow", plus_minus(*mean(decibels([beside(each, passing(16e-6), NARROW) for each in narrow]))))
+    mode = np.abs(NATURAL - passing(16e-6)).argmin() + 1
+    case.text("split", mode * PAPER["scene"]["speed"] / (2 * plate.LENGTH))
+    case.text("split-mode", f"{mode}")
+    case.text("beside", f"{BESIDE:.0f}")
+    case.text("narrow", f"{NARROW:.0f}")
     case.text("tone", common.markdown(
         ("load / weight", "spacing, um", "tone, Hz", "from the nearest natural frequency", "tone, dB re 1 nm/s",
          "less than at twice the spacing, dB", "part of the energy", "its line's rise, dB",

@@ -63,7 +63,8 @@ TEST(ModeLimit, AgreesWithTheClosedForms) {
   for (const double zeta : {1e-9, 1e-6, 1e-4, 1e-3}) {
     // x = 2 y (1 + 2/3 y^2 - 2/9 y^4 + O(y^6)) solves the cubic, y = zeta^(1/3)
     const double y = std::cbrt(zeta), series = 2 * y * (1 + y * y / 1.5 - y * y * y * y / 4.5);
-    EXPECT_NEAR(mode_limit(SchemeKind::heun, zeta), series, series * std::pow(y, 6) + 16 * eps) << zeta;
+    EXPECT_NEAR(mode_limit(SchemeKind::heun, zeta), series, series * std::pow(y, 6) + 16 * eps)
+        << zeta;
   }
   EXPECT_NEAR(mode_limit(SchemeKind::rk4, 0), 2 * std::sqrt(2.0), 16 * eps);
   EXPECT_NEAR(mode_limit(SchemeKind::rk4, 1), 2.785293563405, 1e-12);  // Hairer and Wanner
