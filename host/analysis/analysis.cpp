@@ -198,6 +198,18 @@ void take_summary(const ResultSummary& summary, Analysis& a) {
 
 }  // namespace
 
+double last_mode(const Analysis& a) {
+  const auto last = std::max_element(a.natural_frequencies.begin(), a.natural_frequencies.end());
+  return last == a.natural_frequencies.end() ? nan : *last;
+}
+
+std::vector<bool> bands_above_modes(const Analysis& a) {
+  const double last = last_mode(a);
+  std::vector<bool> above;
+  for (const int number : a.bands.number) above.push_back(third_octave_low(number) > last);
+  return above;
+}
+
 Analysis analyze(const std::filesystem::path& file, const AnalysisOptions& options) {
   const ResultReader reader(file);
   const ResultContents& contents = reader.contents();

@@ -80,6 +80,13 @@ struct Analysis {
   MeshTone mesh;
 };
 
+/// The resonator's last elastic mode [Hz]; NaN where it has none.
+double last_mode(const Analysis& analysis);
+
+/// Of each of the bands, whether it lies above that mode: what stands there is the flank of modes below,
+/// and would be another level with more modes.
+std::vector<bool> bands_above_modes(const Analysis& analysis);
+
 /// Reads and analyses a result. Throws FileError of the file, and RequestError where the options ask for
 /// what it does not have.
 Analysis analyze(const std::filesystem::path& file, const AnalysisOptions& options);

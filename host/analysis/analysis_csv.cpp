@@ -11,9 +11,11 @@ namespace ra2d {
 namespace {
 
 /// A column for each probe, told by its number from 1 and its place.
-void name_probes(const Analysis& a, const char* quantity, const char* unit, std::string& text) {
+void name_probes(const Analysis& a, const char* quantity, const char* unit, std::string& text,
+                 const char* last = "") {
   for (std::size_t p = 0; p < a.probe_position.size(); ++p)
     text += fmt::format(",{}_probe{}_at_{:g}_m{}", quantity, p + 1, a.probe_position[p], unit);
+  text += last;
   text += '\n';
 }
 
@@ -40,13 +42,14 @@ std::string bands_csv(const Analysis& a) {
   const bool weighted = !b.level_a.empty();
   std::string text = "nominal_Hz,centre_Hz,level_dB,spread_dB";
   if (weighted) text += ",level_a_dB";
-  name_probes(a, "level", "_dB", text);
+  name_probes(a, "level", "_dB", text, ",above_last_mode");
+  const std::vector<bool> above = bands_above_modes(a);
   for (std::size_t i = 0; i < b.number.size(); ++i) {
     text += fmt::format("{},{},{},{}", third_octave_name(b.number[i]),
                         third_octave_centre(b.number[i]), b.level[i], b.spread[i]);
     if (weighted) add(b.level_a[i], text);
     for (const std::vector<double>& probe : b.level_probe) add(probe[i], text);
-    text += '\n';
+    text += above[i] ? ",1\n" : ",0\n";
   }
   return text;
 }

@@ -56,7 +56,8 @@ Json spectrum_json(const VelocitySpectrum& s) {
        {{"level", s.confidence.level}, {"low", s.confidence.low}, {"high", s.confidence.high}}}};
 }
 
-Json bands_json(const BandLevels& bands) {
+Json bands_json(const Analysis& a) {
+  const BandLevels& bands = a.bands;
   std::vector<double> centre;
   std::vector<std::string> nominal;
   for (const int number : bands.number) {
@@ -67,7 +68,9 @@ Json bands_json(const BandLevels& bands) {
             {"level", bands.level},
             {"nominal", nominal},
             {"spread", bands.spread},
-            {"level_probe", bands.level_probe}};
+            {"level_probe", bands.level_probe},
+            {"above_last_mode", bands_above_modes(a)},
+            {"last_mode", last_mode(a)}};
   if (!bands.level_a.empty()) json["level_a"] = bands.level_a;
   return json;
 }
@@ -102,7 +105,7 @@ Json analysis_json(const Analysis& a) {
             {"shocks", shocks_json(a.shocks)},
             {"energy", energy_json(a)},
             {"spectrum", spectrum_json(a.spectrum)},
-            {"bands", bands_json(a.bands)},
+            {"bands", bands_json(a)},
             {"natural_frequencies", a.natural_frequencies},
             {"aliased_modes", a.aliased_modes},
             {"modal_damping", a.modal_damping},

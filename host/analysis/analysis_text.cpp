@@ -137,12 +137,21 @@ std::string bands_text(const Analysis& a) {
                        weighted ? "A-weighted, " : "", third_octave_name(b.number.front()),
                        third_octave_name(b.number.back())));
   const std::vector<double>& levels = weighted ? b.level_a : b.level;
+  const std::vector<bool> above = bands_above_modes(a);
+  const bool marks = above.back();
   for (std::size_t first = 0; first < b.number.size(); first += bands_a_line) {
     std::string row;
     for (std::size_t i = first; i < std::min(first + bands_a_line, b.number.size()); ++i)
-      row += fmt::format("{:>7} {:6.1f}", third_octave_name(b.number[i]), levels[i]);
-    text += "  " + row + '\n';
+      row += fmt::format("{:>7} {:6.1f}{}", third_octave_name(b.number[i]), levels[i],
+                         above[i] ? "*"
+                         : marks  ? " "
+                                  : "");
+    text += "  " + row.substr(0, row.find_last_not_of(' ') + 1) + '\n';
   }
+  if (marks)
+    text += line("", fmt::format("* above the last mode that was kept, at {:.4g} kHz: no "
+                                 "information",
+                                 1e-3 * last_mode(a)));
   if (weighted)
     text += line("A-weighted", fmt::format("{:.2f} dB re 1 nm/s; a plate's velocity is no sound "
                                            "pressure: this is no dB(A) of sound",

@@ -59,6 +59,8 @@ void WholeSpectrum::add(std::span<const double> signal, double weight, std::vect
   for (std::size_t j = 0; j < power.size(); ++j) power[j] += scale * fourier_.power(j);
 }
 
+double third_octave_low(int number) { return 1000 * third_octaves(number - 0.5); }
+
 double third_octave_centre(int number) { return 1000 * third_octaves(number); }
 
 std::string third_octave_name(int number) {

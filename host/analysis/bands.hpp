@@ -34,6 +34,9 @@ class WholeSpectrum {
 /// Number x of a third octave: its midband frequency [Hz] is 1000 G^(x/3), with G = 10^(3/10).
 double third_octave_centre(int number);
 
+/// Its lower edge [Hz]: G^(1/6) below the midband frequency.
+double third_octave_low(int number);
+
 /// What people call it: "31.5", "1000", "12500".
 std::string third_octave_name(int number);
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,7 @@
 #include "host/output_file.hpp"
 #include "host/partial_file.hpp"
 #include "host/study/law.hpp"
+#include "host/study/study_csv.hpp"
 #include "host/study/study_folder.hpp"
 #include "host/text.hpp"
 
@@ -24,6 +26,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* tables[] = {"spectrum.csv", "bands.csv", "shocks.csv"};
+constexpr const char* study_tables[] = {"means.csv", "law.csv"};
 
 struct Request {
   std::vector<fs::path> files;
@@ -68,18 +71,39 @@ fs::path table_of(const fs::path& file) {
   return fs::is_directory(file) ? StudyFolder{file}.table() : file;
 }
 
+/// Whether there was a law to be written, too; an older one must not stand beside the means.
+bool write_study_tables(const std::string& prefix, const StudyAnswers& answers) {
+  write_text(prefix + study_tables[0], means_csv(answers));
+  std::optional<StudyLaw> law;
+  try {
+    law = fit_law(answers);
+  } catch (const RequestError&) {  // the text and the JSON say why
+  }
+  write_text(prefix + study_tables[1],
+             law ? law_csv(*law) : std::string("quantity,value,low,high\n"));
+  return law.has_value();
+}
+
 int analyze_study(const Request& request) {
   if (request.files.size() > 1)
     throw RequestError(
         "several files, and one of them a study's: expected one study, or results of 'ra2d run'");
   const AnalysisOptions& o = request.options;
-  if (!request.csv.empty() || o.resolution || o.segment || o.from || o.to || o.a_weighting)
+  if (o.resolution || o.segment || o.from || o.to || o.a_weighting)
     throw RequestError(
-        "--csv, --resolution, --segment, --from, --to and --a-weighting are of results of 'ra2d "
-        "run': a study takes --json alone");
-  const fs::path table = table_of(request.files.front());
+        "--resolution, --segment, --from, --to and --a-weighting are of results of 'ra2d run': a "
+        "study takes --json and --csv");
+  fs::path named = request.files.front().lexically_normal();
+  if (!named.has_filename()) named = named.parent_path();  // "study/"
+  const fs::path table = table_of(named);
+  const std::string prefix = request.csv.empty() ? "" : prefix_of(request.csv, named, false);
+  if (!prefix.empty())
+    for (const char* name : study_tables) require_output(prefix + name, {table});
   const StudyAnswers answers = read_study_table(table);
+  const bool has_law = !prefix.empty() && write_study_tables(prefix, answers);
   print_text(request.json ? study_json(answers) : describe_study(answers, table.string()));
+  if (!prefix.empty() && !request.json && !request.quiet)
+    print("  {:<17}{}{}.csv\n", "written", prefix, has_law ? "{means,law}" : "means");
   return done;
 }
 
@@ -124,8 +148,8 @@ void add_analyze(CLI::App& app, Chosen& chosen) {
   analyze->add_flag("--json", request.json, "prints everything as JSON");
   analyze
       ->add_option("--csv", request.csv,
-                   "writes spectrum, bands and histograms as tables: into this folder, or with "
-                   "names that begin like this")
+                   "writes spectrum, bands and histograms as tables, of a study its means and its "
+                   "law: into this folder, or with names that begin like this")
       ->type_name("PREFIX")
       ->check(path());
   AnalysisOptions& options = request.options;

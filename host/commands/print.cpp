@@ -4,7 +4,9 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <utility>
@@ -41,7 +43,8 @@ void say(std::string_view message) { to_stderr("ra2d: " + printable_lines(messag
 
 void say_doubts(const std::vector<std::string>& doubts, bool quiet) {
   if (quiet) return;
-  for (const std::string& doubt : doubts) say(doubt);
+  for (auto doubt = doubts.begin(); doubt != doubts.end(); ++doubt)
+    if (std::find(doubts.begin(), doubt, *doubt) == doubt) say(*doubt);
 }
 
 void show(std::string_view progress) {
@@ -52,6 +55,8 @@ void show(std::string_view progress) {
 int finish_printing(int status) {
   note_fault(std::fflush(stdout) == 0);
   if (fault_of_stdout == 0) return status;
+  // Whoever reads has enough, as `head` does: no fault, and the status of a filter that SIGPIPE ends.
+  if (fault_of_stdout == EPIPE) return status == done ? 128 + SIGPIPE : status;
   say(
       fmt::format("cannot write to the standard output: {}. What was to be printed is cut short, "
                   "files are not",

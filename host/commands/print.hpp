@@ -26,13 +26,14 @@ void print(fmt::format_string<T...> format, T&&... values) {
 /// A message on stderr, behind the name of the program. One that cannot be written is lost.
 void say(std::string_view message);
 
-/// What a user should look at, unless `quiet`.
+/// What a user should look at, unless `quiet`. What is the same of both faces is said once.
 void say_doubts(const std::vector<std::string>& doubts, bool quiet);
 
 /// On stderr, a terminal, over what was shown there before; no text clears it.
 void show(std::string_view progress);
 
-/// After the last print: the exit status, 4 for a run that was fine but could not be printed.
+/// After the last print: the exit status, 4 for a run that was fine but could not be printed; quietly 141
+/// where the reader of a pipe has closed it.
 int finish_printing(int status);
 
 }  // namespace ra2d

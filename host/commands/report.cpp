@@ -44,8 +44,13 @@ int make_page(PageRequest& request) {
   if (request.output.empty()) request.output = name_of(request.files.front()) + ".html";
   require_output(request.output, request.files);
   std::string command = "ra2d report";
-  for (const fs::path& file : request.files) command += ' ' + shell_word(file.string());
-  command += " -o " + shell_word(request.output.string());
+  // the page is sent to others: no folders of this disk
+  const auto named = [](const fs::path& file) {
+    return shell_word(
+        (file.is_absolute() && file.has_filename() ? file.filename() : file).string());
+  };
+  for (const fs::path& file : request.files) command += ' ' + named(file);
+  command += " -o " + named(request.output);
   const fs::path table =
       request.files.size() == 1 ? study_table_of(request.files.front()) : fs::path();
   const std::string page =

@@ -263,12 +263,13 @@ StudyProgress progress_after(const StudyWork& work, const StudyOutcome& outcome)
   progress.done = work.done + outcome.done;
   progress.failed = work.failed + outcome.failed;
   progress.elapsed = outcome.elapsed;
+  if (progress.done + progress.failed >= progress.runs) progress.left = 0;
   return progress;
 }
 
 void show_progress(const StudyProgress& p) {
   show(fmt::format("{} of {} runs   {} failed   {} running   {} left ", p.done + p.failed, p.runs,
-                   p.failed, p.running, clock_text(p.left)));
+                   p.failed, p.running, std::isnan(p.left) ? "?" : clock_text(p.left)));
 }
 
 int march_study(Known& known, const StudyFolder& folder, const Shard& shard,
@@ -293,7 +294,7 @@ int march_study(Known& known, const StudyFolder& folder, const Shard& shard,
   StudyOptions options;
   const bool terminal = isatty(STDERR_FILENO) != 0 && !request.quiet;
   Ranks* const ranks = joined_ranks();
-  double left = 0;  // s
+  double left = StudyProgress{}.left;  // s, when it was last looked at
   options.progress = [&](StudyProgress progress) {
     if (ranks != nullptr) add_others(*ranks, progress);
     left = progress.left;
@@ -326,7 +327,7 @@ int march_study(Known& known, const StudyFolder& folder, const Shard& shard,
       waited = seconds;
       StudyProgress now = progress_after(work, own);
       now.elapsed += waited;
-      now.left = std::max(0.0, left_here - waited);
+      now.left = std::max(left_here - waited, 0.0);  // of NaN NaN
       options.progress(now);
       if (interruption() != 0)  // mpirun gives its ranks a second to end in
         status.end(now, StudyEnd::interrupted);
@@ -341,7 +342,9 @@ int march_study(Known& known, const StudyFolder& folder, const Shard& shard,
   if (terminal && !work.jobs.empty()) show({});
   write_table(known, folder, folder.table());
   const bool cut = outcome.done + outcome.failed < work.jobs.size();
-  status.end(progress_after(work, outcome), cut ? StudyEnd::interrupted : StudyEnd::complete);
+  StudyProgress end = progress_after(work, outcome);
+  if (cut) end.left = left;
+  status.end(end, cut ? StudyEnd::interrupted : StudyEnd::complete);
 
   const std::vector<std::size_t> failed_now = failed_points(known);
   const std::size_t finished = outcome.done + outcome.failed;

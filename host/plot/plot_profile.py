@@ -61,9 +61,9 @@ def draw_distribution(axes, data, unit, one):
         return
     edges, shares = numbers(heights["edges"]) / one, 100 * numbers(heights["shares"])
     axes.stairs(shares, edges, orientation="horizontal", fill=True, color=SKY, ec=BLUE, lw=0.8)
-    rq = number(data["parameters"]["Rq"]) / one
+    rms = number(heights["rms"]) / one
     z = np.linspace(edges[0], edges[-1], 200)
-    normal = 100 * (edges[1] - edges[0]) / (rq * math.sqrt(2 * math.pi)) * np.exp(-0.5 * (z / rq) ** 2)
+    normal = 100 * (edges[1] - edges[0]) / (rms * math.sqrt(2 * math.pi)) * np.exp(-0.5 * (z / rms) ** 2)
     axes.plot(normal, z, color=BLACK, ls="--", lw=1.1, label="normal, as wide")
     axes.set_xlim(0, 1.12 * max(shares.max(), normal.max()))
     axes.set_xlabel(f"share per {edges[1] - edges[0]:.2g} {unit} [%]")

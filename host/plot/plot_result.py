@@ -309,8 +309,14 @@ def draw_bands(figure, panel, _):
     finite = levels[np.isfinite(levels)]
     bottom = 5 * math.floor((max(finite.min(), finite.max() - 80) - 5) / 5)
     place = np.arange(len(levels))
-    axes.bar(place, np.maximum(levels - bottom, 0), 0.85, bottom=bottom, color=SKY, ec=BLUE, lw=0.8,
-             yerr=numbers(panel["spread"]), error_kw={"ecolor": BLACK, "capsize": 2, "lw": 0.9})
+    bars = axes.bar(place, np.maximum(levels - bottom, 0), 0.85, bottom=bottom, color=SKY, ec=BLUE, lw=0.8,
+                    yerr=numbers(panel["spread"]), error_kw={"ecolor": BLACK, "capsize": 2, "lw": 0.9})
+    above = [bar for bar, is_above in zip(bars, panel["above"]) if is_above]
+    for bar in above:
+        bar.set(facecolor="white", hatch="////")
+    if above:
+        axes.legend(above[:1], [f"above the last mode that was kept, at {quantity(panel['last_mode'], 'Hz')}: "
+                                "no information"], loc="upper right")
     band_axis(axes, panel["names"])
     axes.set_ylim(bottom, finite.max() + 6)
     axes.set_ylabel(f"level [{LEVEL}]")
@@ -447,15 +453,21 @@ def draw_several_spectra(axes, found):
 
 def draw_several_bands(axes, found):
     names = max((panel["names"] for _, panel in found), key=len)
-    every = []
+    every, hollow = [], False
     for i, panel in found:
         levels = numbers(panel["level"])
         axes.plot([names.index(n) if n in names else math.nan for n in panel["names"]], levels, marker=style.MARKS[i],
                   ms=5, lw=1.2, **look(i))
+        above = [k for k, is_above in enumerate(panel["above"]) if is_above and panel["names"][k] in names]
+        axes.plot([names.index(panel["names"][k]) for k in above], levels[above], ls="none", marker=style.MARKS[i],
+                  ms=5, mfc="white", mec=look(i)["color"])
+        hollow = hollow or bool(above)
         every.append(levels[np.isfinite(levels)])
     every = np.concatenate(every)
     axes.set_ylim(max(every.min(), every.max() - 80) - 3, every.max() + 3)
     band_axis(axes, names)
+    if hollow:
+        axes.set_xlabel("midband frequency [Hz]  (hollow: above the last mode that was kept, no information)")
     axes.set_ylabel(f"level [{LEVEL}]")
 
 

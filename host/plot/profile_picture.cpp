@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <span>
 #include <vector>
 
@@ -53,7 +54,10 @@ Json distribution(std::span<const double> heights) {
     shares[static_cast<std::size_t>(std::min(bin, height_bins - 1.0))] +=
         1 / static_cast<double>(heights.size());
   }
-  return {{"edges", edges}, {"shares", shares}};
+  const double squares = std::inner_product(heights.begin(), heights.end(), heights.begin(), 0.0);
+  // of all heights together, which Rq need not be (ISO 4287)
+  const double rms = std::sqrt(squares / static_cast<double>(heights.size()));
+  return {{"edges", edges}, {"shares", shares}, {"rms", rms}};
 }
 
 Json parameters_of(const Roughness& r) {

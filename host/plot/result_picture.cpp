@@ -413,7 +413,12 @@ class ResultPanels {
     if (b.number.empty()) return nothing("the run is too short for third octaves");
     std::vector<std::string> names;
     for (const int number : b.number) names.push_back(third_octave_name(number));
-    return {{"names", names}, {"level", b.level}, {"spread", b.spread}, {"lv", analysis_.lv}};
+    return {{"names", names},
+            {"level", b.level},
+            {"spread", b.spread},
+            {"lv", analysis_.lv},
+            {"above", bands_above_modes(analysis_)},
+            {"last_mode", last_mode(analysis_)}};
   }
 
   /// Densities of pieces of the run, in dB re 1 (nm/s)^2/Hz, to a tenth.

@@ -79,15 +79,20 @@ Picture bands_picture(const Analysis& a) {
   for (const int number : b.number)
     if (number % 3 == 0) x.ticks.emplace_back(number, short_name(number));
   SvgChart chart(x, y, "Levels in third octaves");
+  const std::vector<bool> above = bands_above_modes(a);
   for (std::size_t i = 0; i < b.number.size(); ++i) {
     if (!std::isfinite(b.level[i])) continue;
-    chart.column(b.number[i] - 0.5, b.number[i] + 0.5, b.level[i]);
+    chart.column(b.number[i] - 0.5, b.number[i] + 0.5, b.level[i], above[i]);
     chart.whisker(b.number[i], b.level[i] - normal_95 * b.spread[i],
                   b.level[i] + normal_95 * b.spread[i]);
   }
-  return {chart.svg(),
-          "<b>Third octaves</b> (IEC 61260-1), mean over the resonator. Bars with ends: 95 %, were "
-          "the noise stationary and Gaussian."};
+  std::string caption =
+      "<b>Third octaves</b> (IEC 61260-1), mean over the resonator. Bars with ends: 95 %, were "
+      "the noise stationary and Gaussian.";
+  if (above.back())
+    caption += fmt::format(" Pale: above the last mode that was kept, at {} kHz: no information.",
+                           html_number(1e-3 * last_mode(a), 4));
+  return {chart.svg(), caption};
 }
 
 Picture history_picture(const Analysis& a, const LevelHistory& h) {

@@ -10,13 +10,16 @@
 #include "host/analysis/analysis.hpp"
 #include "host/analysis/bands.hpp"
 #include "host/analysis/several.hpp"
+#include "host/hash.hpp"
 #include "host/report/asked.hpp"
 #include "host/report/clips.hpp"
+#include "host/report/folders.hpp"
 #include "host/report/html.hpp"
 #include "host/report/level_history.hpp"
 #include "host/report/page.hpp"
 #include "host/report/pictures.hpp"
 #include "host/result/level.hpp"
+#include "host/store/result_reader.hpp"
 #include "host/text.hpp"
 
 namespace ra2d {
@@ -38,13 +41,32 @@ struct Told {
   Clips clips;
 };
 
+/// Of a scene with measured faces, which files they are of: their names alone, and the hash of what was
+/// made of them, by which who gets the page sees that a file is the one.
+std::string profiles_text(const ResultReader& reader, const std::optional<Scene>& scene) {
+  std::string text;
+  if (!scene) return text;
+  for (const auto& [body, surface] :
+       {std::pair{"resonator", &scene->resonator.surface}, {"slider", &scene->slider.surface}}) {
+    if (surface->kind != SurfaceKind::file) continue;
+    const std::string dataset = fmt::format("surface/{}/height", body);
+    const std::vector<double> heights =
+        reader.column(dataset.c_str(), 0, reader.rows(dataset.c_str()));
+    Hash hash;
+    hash.add(heights.data(), heights.size());
+    text += fmt::format("# {}: put it beside this scene. {} in the result: xxh3_128 {}\n",
+                        printable(surface->path.filename().string()), dataset, hash.text());
+  }
+  return text;
+}
+
 Told read(const fs::path& file) {
   Told told;
   told.analysis = analyze(file, {});
   const ResultReader reader(file);
   const ResultContents& contents = reader.contents();
   told.scene = scene_of(contents, file);
-  told.scene_text = contents.scene;
+  told.scene_text = profiles_text(reader, told.scene) + without_folders(contents.scene);
   told.beyond_limit = contents.beyond_limit;
   told.origin = contents.origin;
   told.history =
@@ -204,8 +226,9 @@ std::string section(const Told& told, std::size_t number, bool several) {
   const Analysis& a = told.analysis;
   std::string text = fmt::format("<section id=\"result{}\">\n", number);
   if (several) text += fmt::format("<h2>{}: {}</h2>\n", number, title_of(a));
-  text += fmt::format("<p class=\"lead\">{}, {} s to {} s. {}</p>\n", html(a.file.string()),
-                      html_number(a.from, 6), html_number(a.to, 6), html(told.origin));
+  text +=
+      fmt::format("<p class=\"lead\">{}, {} s to {} s. {}</p>\n", html(a.file.filename().string()),
+                  html_number(a.from, 6), html_number(a.to, 6), html(told.origin));
   text += doubts_box(told);
   text += "<h3>What came out</h3>\n" + table_of(found_facts(told));
   text +=

@@ -140,11 +140,11 @@ void SvgChart::line(const std::vector<double>& x, const std::vector<double>& y, 
       fmt::format("<path class=\"line{}{}\" d=\"{}\"/>", dashed ? " dashed" : "", series_, path);
 }
 
-void SvgChart::column(double x_low, double x_high, double y) {
+void SvgChart::column(double x_low, double x_high, double y, bool faint) {
   const double x1 = px(x_low), x2 = px(x_high), at = py(y);
   body_ += fmt::format(
-      "<rect class=\"bar\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\"/>",
-      x1 + 0.5, at, std::max(0.5, x2 - x1 - 1), base - at);
+      "<rect class=\"bar\"{} x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\"/>",
+      faint ? " opacity=\"0.3\"" : "", x1 + 0.5, at, std::max(0.5, x2 - x1 - 1), base - at);
 }
 
 void SvgChart::whisker(double x, double low, double high) {

@@ -29,8 +29,8 @@ class SvgChart {
   /// A line through points of ascending x. Of many within one dot of the screen the extent is drawn.
   void line(const std::vector<double>& x, const std::vector<double>& y, bool dashed = false);
   void dot(double x, double y);
-  /// A column from the bottom to `y`.
-  void column(double x_low, double x_high, double y);
+  /// A column from the bottom to `y`; `faint`, where it means little.
+  void column(double x_low, double x_high, double y, bool faint = false);
   /// A vertical bar with ends.
   void whisker(double x, double low, double high);
   /// A short tick from the top.

@@ -148,7 +148,6 @@ std::optional<Checkpoint> checkpoint_to_go_on_from(
 
 RunReport run(const Scene& scene, const RunOptions& options) {
   Model model = make_model(scene);
-  if (options.doubts) options.doubts(model.doubts);
   const std::string beyond_limit = checked_limit(model);
   if (const std::string overlap = overlap_at_start(model); !overlap.empty())
     throw refusal(scene, "scene.gap", overlap);
@@ -173,6 +172,7 @@ RunReport run(const Scene& scene, const RunOptions& options) {
   if (before)
     tell(fmt::format("goes on from t = {:.6g} s, where its last checkpoint is",
                      static_cast<double>(before->accounts.now.step) * model.tick));
+  if (options.doubts) options.doubts(model.doubts);
   ModalStart start = make_start(model);
 
   const bool goes_on = before.has_value();

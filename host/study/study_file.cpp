@@ -180,6 +180,7 @@ std::string read_values(const TomlValue& values, StudyDimension& dimension) {
                        shortened(values.toml));
   const std::size_t keys = dimension.keys.size();
   std::set<std::string> seen;
+  std::vector<TomlValue> coordinates;
   for (const TomlValue& value : values.list) {
     const bool is_list = value.kind == TomlValue::Kind::list;
     if (is_list && keys < 2)
@@ -196,22 +197,22 @@ std::string read_values(const TomlValue& values, StudyDimension& dimension) {
                          shortened(value.toml),
                          keys > 1 ? ", or lists of one for each of its keys" : "");
     const bool is_text = first.kind == TomlValue::Kind::text;
-    if (!dimension.values.empty() && is_text != dimension.is_text)
-      return fmt::format("{} is not allowed: expected all numbers or all texts",
-                         shortened(first.toml));
-    dimension.is_text = is_text;
-    if (is_text)
-      dimension.texts.push_back(first.text);
-    else
-      dimension.numbers.push_back(first.number);
+    dimension.is_text = dimension.is_text || is_text;
     // two that are one number are one place on the axis, however they are written
     if (!seen.insert(is_text ? first.text : toml_number(first.number + 0.0)).second)
       return fmt::format("{} stands twice: expected each value once", shortened(first.toml));
+    coordinates.push_back(first);
     std::vector<std::string> texts;
     for (std::size_t k = 0; k < keys; ++k)
       texts.push_back(is_list ? value.list[k].toml : value.toml);
     dimension.values.push_back(std::move(texts));
   }
+  // Some keys take a word or a number (slider.load): where one is a word, all stand there as words.
+  for (const TomlValue& at : coordinates)
+    if (!dimension.is_text)
+      dimension.numbers.push_back(at.number);
+    else
+      dimension.texts.push_back(at.kind == TomlValue::Kind::text ? at.text : at.toml);
   return {};
 }
 

@@ -17,7 +17,7 @@ struct StudyDimension {
   std::vector<std::vector<std::string>> values;  // (value, key), as TOML
   bool is_text = false;
   std::vector<double> numbers;     // the coordinates: of each value what its first key takes ...
-  std::vector<std::string> texts;  // ... where these are words
+  std::vector<std::string> texts;  // ... where one of these is a word
 
   std::size_t size() const { return values.size(); }
   /// A value as a message names it.

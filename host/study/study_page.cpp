@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "host/errors.hpp"
+#include "host/report/folders.hpp"
 #include "host/report/html.hpp"
 #include "host/report/page.hpp"
 #include "host/report/svg_chart.hpp"
@@ -258,10 +259,11 @@ std::string study_page(const StudyAnswers& answers, const std::string& name,
   body += text_to_copy(
       "The study. Save it as <code>study.toml</code>, and its base under the name that it "
       "has there; then <code>ra2d study study.toml</code> runs it again.",
-      "the study", "study", answers.study);
+      "the study", "study", without_folders(answers.study));
   if (!answers.given.empty())
-    body += text_to_copy("With these values of <code>--set</code>:", "them", "set", answers.given);
-  body += text_to_copy("Its base:", "the base", "base", answers.base);
+    body += text_to_copy("With these values of <code>--set</code>:", "them", "set",
+                         without_folders(answers.given));
+  body += text_to_copy("Its base:", "the base", "base", without_folders(answers.base));
   return whole_page("Study: " + html(name), body, command);
 }
 

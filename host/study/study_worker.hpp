@@ -34,7 +34,8 @@ StudyWork find_work(const PointCensus& census, const FinishedRuns& finished, con
 
 struct StudyProgress {
   std::size_t runs = 0, done = 0, failed = 0, running = 0;
-  double elapsed = 0, left = 0;  // s of wall time
+  double elapsed = 0;                                      // s of wall time
+  double left = std::numeric_limits<double>::quiet_NaN();  // the same; NaN where it is not known
 };
 
 struct StudyOptions {

@@ -28,6 +28,7 @@ constexpr double most_copies = 100;  // along a beam
 constexpr double largest_share = 0.5, large_share = 0.05;  // of the beam's thickness
 constexpr double steepest = 1, steep = 0.2;                // root mean square slope
 constexpr double coarse_nodes = 20;                        // to a step of the profile
+constexpr double much_change = 0.1;                        // of Rq, where a profile is repeated
 
 /// The readers speak of options of a command; in a scene they are keys.
 std::string in_keys(std::string text) {
@@ -210,13 +211,12 @@ std::vector<double> prepared_face(const SurfaceSpec& spec, const std::filesystem
     const auto own = std::min(count, static_cast<std::size_t>(there / spacing) + 1);
     const Shape before = shape_of(std::span(heights).first(std::max<std::size_t>(own, 2)), spacing);
     const Shape after = shape_of(heights, spacing);
-    doubts->push_back(fmt::format(
-        "{}: the profile is {:.4g} m long and the beam {:.4g} m: it is repeated every {:.4g} m, "
-        "with mirrored seams of {:.3g} m. At the nodes Rq was {:.4g} m and is {:.4g} m, the root "
-        "mean square slope was {:.3g} and is {:.3g}",
-        file.string(), there, length, static_cast<double>(last + repeated.seam()) * profile.spacing,
-        static_cast<double>(repeated.seam()) * profile.spacing, before.rq, after.rq, before.slope,
-        after.slope));
+    std::string doubt =
+        fmt::format("{}: {:.4g} m long, less than the beam: repeated every {:.4g} m", file.string(),
+                    there, static_cast<double>(last + repeated.seam()) * profile.spacing);
+    if (std::abs(after.rq - before.rq) > much_change * before.rq)
+      doubt += fmt::format(", which changes Rq from {:.3g} to {:.3g} m", before.rq, after.rq);
+    doubts->push_back(std::move(doubt));
   }
   subtract_mean(heights);
   return heights;

@@ -572,6 +572,37 @@ TEST_F(Analyze, SaysWhereModesLieAboveHalfTheRate) {
   EXPECT_THAT(ra2d({"analyze", "a.h5"}).out, HasSubstr("6 modes lie above half the rate"));
 }
 
+TEST_F(Analyze, BandsAboveTheLastModeAreMarked) {
+  run("a.h5", {"resonator.max_frequency=2000"});  // 6 modes, the last at 1882 Hz
+  const Analysis found = analyze(folder_.path() / "a.h5", {});
+  ASSERT_EQ(found.natural_frequencies.size(), 6u);  // pinned: as 1 to 36
+  EXPECT_NEAR(last_mode(found), 36 * found.natural_frequencies[0], 1e-6);
+  // The band of 2000 Hz begins at 1778 Hz, the next one at 2239 Hz.
+  const std::vector<bool> above = bands_above_modes(found);
+  for (std::size_t i = 0; i < above.size(); ++i)
+    EXPECT_EQ(above[i], found.bands.number[i] > 3) << third_octave_name(found.bands.number[i]);
+  const std::string text = ra2d({"analyze", "a.h5"}).out;
+  EXPECT_THAT(text, testing::ContainsRegex(" 2000 +-?[0-9.]+ .* 2500 +-?[0-9.]+\\*"));
+  EXPECT_THAT(text,
+              HasSubstr("* above the last mode that was kept, at 1.882 kHz: no information\n"));
+  EXPECT_EQ(text.find(" \n"), text.npos);
+  EXPECT_THAT(
+      ra2d({"analyze", "a.h5", "--json"}).out,
+      AllOf(HasSubstr("\"above_last_mode\":[false,"), HasSubstr(",true],\"last_mode\":188")));
+  EXPECT_EQ(ra2d({"analyze", "a.h5", "--csv", "x"}).status, 0);
+  const std::string table = test::read_file(folder_.path() / "x-bands.csv");
+  EXPECT_THAT(table,
+              AllOf(HasSubstr("_dB,above_last_mode\n"), testing::ContainsRegex("\n2000,[^\n]*,0\n"),
+                    testing::ContainsRegex("\n2500,[^\n]*,1\n")));
+  EXPECT_EQ(ra2d({"report", "a.h5", "-o", "a.html"}).status, 0);
+  EXPECT_THAT(test::read_file(folder_.path() / "a.html"),
+              AllOf(HasSubstr("opacity=\"0.3\""), HasSubstr("above the last mode that was kept")));
+  // With all modes below the samples' limit some bands are above them; without any there is no last.
+  Analysis none = found;
+  none.natural_frequencies.clear();
+  EXPECT_THAT(bands_above_modes(none), testing::Each(false));
+}
+
 TEST_F(Analyze, OfARunThatFailedSaysSoAndGoesAsFarAsItWent) {
   const test::Ended failed =
       ra2d({"run", test::scene_file("dang2012"), "-o", "a.h5", "--set",

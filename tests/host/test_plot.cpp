@@ -289,6 +289,7 @@ TEST_F(Pictures, AProfileHasItsParametersAndHeights) {
   EXPECT_EQ(long_one["line_is"], "mean line of the filter");
   const std::vector<double> shares = long_one["heights"]["shares"];
   EXPECT_NEAR(std::accumulate(shares.begin(), shares.end(), 0.0), 1, 1e-9);
+  EXPECT_NEAR(long_one["heights"]["rms"], long_one["parameters"]["Rq"], 1e-18);
   EXPECT_GT(shares.front(), shares[shares.size() / 2]);  // a sine stays longest at its ends
   const std::vector<double> high = long_one["profile"]["high"];
   EXPECT_NEAR(*std::max_element(high.begin(), high.end()), 1e-6, 1e-8);  // from its mean

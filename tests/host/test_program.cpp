@@ -186,6 +186,29 @@ TEST_F(Program, WhatCannotBePrintedEndsWithFourAndIsWrittenAllTheSame) {
   EXPECT_EQ(err_, "");
 }
 
+TEST_F(Program, AReaderThatHasGoneEndsItQuietly) {
+  const std::string p = '\'' + ra2d::test::program() + "' ",
+                    drop = '\'' + scene_file("drop") + "' --set scene.duration=1e-4";
+  // The program begins when nobody reads any more.
+  const auto status_of = [&](const std::string& words) {
+    fs::remove(folder_ / "gone");
+    Child child(folder_, {"/bin/sh", "-c",
+                          "(until [ -e gone ]; do sleep 0.01; done; " + p + words +
+                              "; echo $? >status) | (exec <&-; touch gone)"});
+    child.wait();
+    err_ = child.err();
+    return ra2d::test::read_file(folder_ / "status");
+  };
+  for (const std::string& words : {std::string("--help"), "plan " + drop, "run -o r.h5 " + drop,
+                                   std::string("analyze r.h5 --json")}) {
+    EXPECT_EQ(status_of(words), "141\n") << words;  // as of a program that SIGPIPE ends
+    EXPECT_EQ(err_, "") << words;
+  }
+  EXPECT_EQ(run({"check", "r.h5"}), 0) << err_;  // what is written is finished all the same
+  EXPECT_EQ(status_of("run --quiet -o q.h5 " + drop), "0\n");
+  EXPECT_EQ(status_of("run nowhere.toml"), "4\n");
+}
+
 TEST_F(Program, ALimitOfFileSizesIsAFault) {
   // HDF5 forgets the names of what it could not write, which only the leak sanitizer minds
   Child child(folder_, {"/bin/sh", "-c",
@@ -340,6 +363,33 @@ TEST_F(Program, WhatLooksOddInAProfileIsSaid) {
     EXPECT_EQ(run({command, scene_file("drop"), "--set", face, "--set", "scene.duration=1e-5"}), 0);
     EXPECT_THAT(err_, HasSubstr("cut.csv:5: the last line has no end")) << command;
   }
+}
+
+TEST_F(Program, ThatAProfileIsRepeatedIsSaidOnceAndNotWhereNothingRuns) {
+  std::string text = "x [mm]; z [um]\n";
+  for (int i = 0; i <= 400; ++i)
+    text += fmt::format("{:.2f};{:.6f}\n", 0.01 * i, std::sin(0.05 * i));
+  std::ofstream(folder_ / "short.csv") << text;
+  std::vector<std::string> words{"run", scene_file("dang2012"), "-o", "r.h5"};
+  for (const char* body : {"slider", "resonator"})
+    words.insert(words.end(), {"--set", fmt::format("{}.surface={{ kind = \"file\", path = \"{}\", "
+                                                    "short = \"repeat\" }}",
+                                                    body, (folder_ / "short.csv").string())});
+  for (const char* set : {"scene.duration=1e-4", "scene.spacing=4e-5", "time.scheme=adaptive",
+                          "contact.stiffness=1e12"})
+    words.insert(words.end(), {"--set", set});
+  EXPECT_EQ(run(words), 0) << err_;
+  const auto times = [&](const std::string& what) {
+    std::size_t count = 0;
+    for (std::size_t at = err_.find(what); at != err_.npos; at = err_.find(what, at + 1)) ++count;
+    return count;
+  };
+  EXPECT_EQ(times("repeated every"), 1) << err_;
+  EXPECT_THAT(err_,
+              HasSubstr("short.csv: 0.004 m long, less than the beam: repeated every 0.0044 m"));
+  EXPECT_EQ(run(words), 0);
+  EXPECT_THAT(out_, HasSubstr("nothing to do"));
+  EXPECT_EQ(times("repeated every"), 0) << err_;
 }
 
 TEST_F(Program, RefusalsAfterTheReadingNameFileLineAndKey) {

@@ -12,9 +12,12 @@
 #include <string>
 #include <vector>
 
+#include "host/hash.hpp"
+#include "host/report/folders.hpp"
 #include "host/report/html.hpp"
 #include "host/report/level_history.hpp"
 #include "host/report/svg_chart.hpp"
+#include "host/store/result_reader.hpp"
 #include "tests/child.hpp"
 #include "tests/places.hpp"
 
@@ -156,6 +159,46 @@ TEST_F(Report, EscapesWhatComesFromOutside) {
   EXPECT_EQ(times(text, "<img"), 0u);
   EXPECT_EQ(times(text, "\u202e"), 0u);
   expect_harmless(text);
+}
+
+TEST(WithoutFolders, LeavesNamesAlone) {
+  EXPECT_EQ(without_folders("path = \"/home/ann/a \\\"b\\\"/c.csv\" # \"/x\""),
+            "path = \"c.csv\" # \"x\"");
+  EXPECT_EQ(without_folders("base='/home/ann/b.toml'\nname = \"a/b\"\nx = \"/"),
+            "base='b.toml'\nname = \"a/b\"\nx = \"/");
+  EXPECT_EQ(without_folders("a = \"/it's/x\" b = \"/\" c = \"\\"), "a = \"x\" b = \"/\" c = \"\\");
+  EXPECT_EQ(without_folders("a = \"/open\nb = \"/home/x\""), "a = \"open\nb = \"x\"");
+}
+
+TEST_F(Report, ShowsNoFolderOfTheDisk) {
+  const std::filesystem::path folder = folder_.path() / "home-of-ann";
+  std::filesystem::create_directory(folder);
+  std::string text = "x [mm]; z [um]\n";
+  for (int i = 0; i <= 4000; ++i)
+    text += fmt::format("{:.2f};{:.6f}\n", 0.01 * i, 3 * std::sin(0.05 * i));
+  std::ofstream(folder / "ground.csv") << text;
+  const std::string face = "slider.surface={ kind = \"file\", path = \"" +
+                           (folder / "ground.csv").string() + "\", column = 2 }";
+  simulate((folder / "a.h5").string(), {face, "scene.duration=0.02"});
+  ASSERT_EQ(
+      ra2d({"report", (folder / "a.h5").string(), "-o", (folder / "page.html").string()}).status,
+      0);
+  const std::string made = page("home-of-ann/page.html");
+  EXPECT_THAT(made, Not(HasSubstr("home-of-ann")));
+  EXPECT_THAT(made, Not(HasSubstr(folder_.path().string())));
+  EXPECT_THAT(made, AllOf(HasSubstr("path = &quot;ground.csv&quot;"),
+                          HasSubstr("<code>ra2d report a.h5 -o page.html</code>")));
+  const ResultReader reader(folder / "a.h5");
+  Hash hash;
+  const std::vector<double> heights =
+      reader.column("surface/slider/height", 0, reader.rows("surface/slider/height"));
+  hash.add(heights.data(), heights.size());
+  EXPECT_THAT(made,
+              HasSubstr("# ground.csv: put it beside this scene. surface/slider/height in the "
+                        "result: xxh3_128 " +
+                        hash.text()));
+  // the result itself runs again from anywhere
+  EXPECT_THAT(reader.contents().scene, HasSubstr((folder / "ground.csv").string()));
 }
 
 TEST_F(Report, ShortensLongSoundsAndDoesWithout) {

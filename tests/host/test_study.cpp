@@ -113,7 +113,7 @@ a = { key = "scene.start", values = [] }
 b = { key = "scene.gap", values = [1e-6, 1e-6] }
 c = { key = "time.scheme", values = ["heun"] }
 d = { key = "scene.speed", values = [2] }
-e = { keys = ["contact.stiffness"], values = [1, "x"] }
+e = { keys = ["contact.stiffness"], values = [1, true] }
 "f-g" = { key = "slider.load", values = [1] }
 h = { keys = ["slider.young", "resonator.young"], values = [[1, 2, 3]] }
 i = { key = "slider.density", value = [1] }
@@ -131,7 +131,7 @@ j = { key = "slider.damping", values = [nan] }
   EXPECT_THAT(fault, HasSubstr("s.toml:10: vary.b.values: 1e-06 stands twice"));
   EXPECT_THAT(fault, HasSubstr("s.toml:11: vary.c.key: time.scheme is set by [set] already"));
   EXPECT_THAT(fault, HasSubstr("s.toml:12: vary.d.key: scene.speed is set by vary.level already"));
-  EXPECT_THAT(fault, HasSubstr("s.toml:13: vary.e.values: \"x\" is not allowed: expected all"));
+  EXPECT_THAT(fault, HasSubstr("s.toml:13: vary.e.values: true is not allowed: expected finite"));
   EXPECT_THAT(fault, HasSubstr("s.toml:14: vary.f-g: is no name of a dimension"));
   EXPECT_THAT(fault, HasSubstr("s.toml:15: vary.h.values: [1, 2, 3] has 3 values: expected 2"));
   EXPECT_THAT(fault, HasSubstr("vary.i.value: unknown key (did you mean `values`?)"));

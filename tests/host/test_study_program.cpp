@@ -574,11 +574,83 @@ TEST_F(StudyProgram, AnalyzeFitsTheLaw) {
             answer["law"]["exponents"]["speed"]["high"]);
   Child two(folder_, {test::program(), "analyze", "out", "out"});
   EXPECT_EQ(two.wait(), 2);
-  for (const char* option : {"--from=0", "--csv=x", "--a-weighting", "--segment=8"})
+  for (const char* option : {"--from=0", "--a-weighting", "--segment=8"})
     EXPECT_EQ(Child(folder_, {test::program(), "analyze", "out", option}).wait(), 2) << option;
   Child none(folder_, {test::program(), "analyze", "."});
   EXPECT_EQ(none.wait(), 4);
   EXPECT_THAT(none.err(), HasSubstr("'ra2d study' writes it"));
+}
+
+TEST_F(StudyProgram, AnalyzeWritesTheMeansAndTheLawAsTables) {
+  write_study(2);
+  ASSERT_EQ(run({"study.toml", "-o", "out"}), 0) << err_;
+  fs::create_directory(folder_ / "tables");
+  for (const auto& [given, prefix, study] :
+       {std::tuple{"x", "x-", "out"}, {"tables", "tables/out-", "out/"}}) {
+    const test::Ended said =
+        test::run_program(folder_, {test::program(), "analyze", study, "--csv", given});
+    ASSERT_EQ(said.status, 0) << said.err;
+    EXPECT_THAT(said.out, HasSubstr(fmt::format("written          {}{{means,law}}.csv", prefix)));
+    const StudyAnswers answers = read_study_table(folder_ / "out/results.h5");
+    const std::string means = test::read_file(folder_ / fmt::format("{}means.csv", prefix));
+    EXPECT_THAT(means, testing::StartsWith("speed,load,runs,v_rms_mean_m/s,v_rms_deviation_m/s,"));
+    EXPECT_EQ(std::count(means.begin(), means.end(), '\n'), 5);
+    const CombinationMean last = combination_means(answers).back();
+    EXPECT_THAT(
+        means, HasSubstr(fmt::format("\n0.2,0.5,2,{},{},", last.v_rms.mean, last.v_rms.deviation)));
+    EXPECT_THAT(means,
+                HasSubstr(fmt::format(",{},{},{},{}\n", last.level.mean, last.level.deviation,
+                                      last.level.low, last.level.high)));
+    const StudyLaw law = fit_law(answers);
+    const std::string table = test::read_file(folder_ / fmt::format("{}law.csv", prefix));
+    EXPECT_THAT(table, testing::StartsWith("quantity,value,low,high\n"));
+    EXPECT_THAT(
+        table,
+        AllOf(HasSubstr(fmt::format("\nexponent_load,{},{},{}\n", law.exponents[1].value,
+                                    law.exponents[1].low, law.exponents[1].high)),
+              HasSubstr(fmt::format("\nfactor,{},,\n", law.factor)), HasSubstr("\nruns,8,,\n")));
+  }
+  // never over the study's own table
+  fs::copy(folder_ / "out/results.h5", folder_ / "y-means.csv");
+  EXPECT_EQ(
+      test::run_program(folder_, {test::program(), "analyze", "y-means.csv", "--csv", "y"}).status,
+      2);
+}
+
+TEST_F(StudyProgram, AKeyThatTakesAWordOrANumberMayHaveBoth) {
+  std::ofstream(folder_ / "study.toml") << R"(
+base = "base.toml"
+[vary]
+load = { key = "slider.load", values = ["weight", 0.5, 2] }
+gap = { key = "scene.gap", values = [1e-5, "touching"] }
+)";
+  ASSERT_EQ(run({"study.toml", "-o", "out"}), 0) << err_;
+  EXPECT_EQ(status_of("out")["done"], 6);
+  const StudyAnswers answers = read_study_table(folder_ / "out/results.h5");
+  EXPECT_THAT(answers.axes[0].texts, testing::ElementsAre("weight", "0.5", "2"));
+  EXPECT_THAT(answers.axes[1].texts, testing::ElementsAre("1e-05", "touching"));
+  const test::Ended said =
+      test::run_program(folder_, {test::program(), "analyze", "out", "--csv", "x"});
+  ASSERT_EQ(said.status, 0) << said.err;
+  EXPECT_THAT(said.out, AllOf(HasSubstr("no law"), HasSubstr("x-means.csv")));
+  EXPECT_THAT(test::read_file(folder_ / "x-means.csv"), HasSubstr("\n\"weight\",\"touching\",1,"));
+  EXPECT_EQ(test::read_file(folder_ / "x-law.csv"), "quantity,value,low,high\n");
+  // what is given twice, is
+  std::ofstream(folder_ / "study.toml") << R"(
+base = "base.toml"
+[vary]
+load = { key = "slider.load", values = ["weight", 0.5, 0.50] }
+)";
+  EXPECT_EQ(run({"study.toml", "-o", "twice"}), 2);
+  EXPECT_THAT(err_, HasSubstr("stands twice"));
+}
+
+TEST_F(StudyProgram, OfAnInterruptedStudyNoTimeIsMadeUp) {
+  write_study(500);
+  EXPECT_EQ(run({"study.toml", "-o", "out", "--max-wall", "1e-9"}), 5) << err_;
+  const auto status = status_of("out");
+  EXPECT_EQ(status["state"], "interrupted");
+  EXPECT_TRUE(status["seconds_left"].is_null() || status["seconds_left"] > 0) << status;
 }
 
 TEST_F(StudyProgram, LinesThatAreWrongAreRefused) {

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/study/study_csv.hpp"
+
+#include <fmt/format.h>
+
+#include <iterator>
+
+#include "host/result/level.hpp"
+
+namespace ra2d {
+namespace {
+
+/// A text as RFC 4180 has it.
+std::string quoted(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return out + '"';
+}
+
+void add(const MeanOfRuns& mean, std::string& text) {
+  fmt::format_to(std::back_inserter(text), ",{},{},{},{}", mean.mean, mean.deviation, mean.low,
+                 mean.high);
+}
+
+}  // namespace
+
+std::string means_csv(const StudyAnswers& answers) {
+  const std::size_t dimensions = answers.axes.size() - 1;  // the last are the seeds
+  std::string text;
+  for (std::size_t a = 0; a < dimensions; ++a) text += answers.axes[a].name + ',';
+  text += "runs";
+  for (const auto& [name, unit] : {std::pair{"v_rms", "m/s"}, {"level", "dB"}})
+    for (const char* figure : {"mean", "deviation", "low", "high"})
+      text += fmt::format(",{}_{}_{}", name, figure, unit);
+  text += '\n';
+  for (const CombinationMean& mean : combination_means(answers)) {
+    for (std::size_t a = 0; a < dimensions; ++a) {
+      const StudyAxis& axis = answers.axes[a];
+      text += axis.texts.empty() ? fmt::format("{},", axis.numbers[mean.place[a]])
+                                 : quoted(axis.texts[mean.place[a]]) + ',';
+    }
+    text += fmt::format("{}", mean.v_rms.count);
+    add(mean.v_rms, text);
+    add(mean.level, text);
+    text += '\n';
+  }
+  return text;
+}
+
+std::string law_csv(const StudyLaw& law) {
+  std::string text = "quantity,value,low,high\n";
+  for (const Exponent& e : law.exponents)
+    text += fmt::format("exponent_{},{},{},{}\n", e.name, e.value, e.low, e.high);
+  for (const auto& [name, value] : {std::pair{"factor", law.factor},
+                                    {"constant_dB", level(law.factor)},
+                                    {"deviation_dB", law.deviation},
+                                    {"r_squared", law.explained},
+                                    {"runs", static_cast<double>(law.runs)},
+                                    {"left_out", static_cast<double>(law.left_out)}})
+    text += fmt::format("{},{},,\n", name, value);
+  return text;
+}
+
+}  // namespace ra2d

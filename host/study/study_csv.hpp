@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <string>
+
+#include "host/study/law.hpp"
+
+/// What the runs of a study say together, as tables for other programs (docs/analysis.md has the columns).
+namespace ra2d {
+
+/// A line for each combination: its values, and the means over its seeds.
+std::string means_csv(const StudyAnswers& answers);
+
+/// A line for each number of the law.
+std::string law_csv(const StudyLaw& law);
+
+}  // namespace ra2d
