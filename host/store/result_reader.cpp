@@ -7,13 +7,13 @@
 #include <cerrno>
 #include <cmath>
 #include <cstdint>
-#include <fstream>
 #include <limits>
 #include <map>
 #include <string_view>
 #include <utility>
 
 #include "host/errors.hpp"
+#include "host/input_file.hpp"
 #include "host/store/entries.hpp"
 #include "host/store/hdf5.hpp"
 #include "host/store/table.hpp"
@@ -199,18 +199,10 @@ ResultContents contents_of(hid_t file) {
   return contents;
 }
 
-/// Before HDF5 is asked: what the system says of files that cannot be read, and of folders.
-void require_readable(const std::filesystem::path& path) {
-  if (std::filesystem::is_directory(path)) throw Fault{"this is a folder"};
-  errno = 0;
-  if (!std::ifstream{path})
-    throw Fault{errno != 0 ? h5::system_failure(errno).reason : "unreadable"};
-}
-
 bool has_signature(const std::filesystem::path& path) { return H5Fis_hdf5(path.c_str()) > 0; }
 
 h5::File open(const std::filesystem::path& path) {
-  require_readable(path);
+  const InputFile readable(path);  // before HDF5 is asked, which would wait for a pipe
   if (!has_signature(path)) throw Fault{"it is no HDF5 file: expected a result of 'ra2d run'"};
   const h5::Properties access = h5::file_access();
   h5::File file{check(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access))};
@@ -242,22 +234,28 @@ auto guarded(const std::filesystem::path& path, Body body) {
 
 }  // namespace
 
-std::optional<ResultStamp> stamp_of(const std::filesystem::path& path) noexcept try {
+ResultStamp read_stamp(const std::filesystem::path& path) {
   return guarded(path, [&] {
     const h5::File file = open(path);
     ResultStamp stamp;
     stamp.complete = number_attribute(file, "complete") == 1;
     stamp.started = text_attribute(file, "started");
+    stamp.scene = text_attribute(file, "scene");
+    stamp.ended = text_attribute(file, "ended");
     if (check(H5Aexists(file, "key")) > 0) stamp.key = text_attribute(file, "key");
     return stamp;
   });
+}
+
+std::optional<ResultStamp> stamp_of(const std::filesystem::path& path) noexcept try {
+  return read_stamp(path);
 } catch (const std::exception&) {
   return std::nullopt;
 }
 
 bool is_hdf5(const std::filesystem::path& file) {
   return guarded(file, [&] {
-    require_readable(file);
+    const InputFile readable(file);
     return has_signature(file);
   });
 }

@@ -32,10 +32,14 @@ struct ResultContents {
 /// What a result file says of itself.
 struct ResultStamp {
   std::string key, started;  // empty in files of older programs
+  std::string scene, ended;  // as ResultContents has them
   bool complete = false;
 };
 
-/// None where the file is no result, or cannot be read.
+/// Throws FileError where the file is no result, or cannot be read.
+ResultStamp read_stamp(const std::filesystem::path& path);
+
+/// The same; none where the file is no result, or cannot be read.
 std::optional<ResultStamp> stamp_of(const std::filesystem::path& path) noexcept;
 
 /// Whether a file is HDF5, as results are. Throws FileError where it cannot be read.

@@ -16,6 +16,7 @@
 
 #include "host/errors.hpp"
 #include "host/hash.hpp"
+#include "host/input_file.hpp"
 #include "host/partial_file.hpp"
 #include "host/store/attributes.hpp"
 #include "host/store/hdf5.hpp"
@@ -375,6 +376,13 @@ bool is_study_table(const std::filesystem::path& file) {
   return opened.is_open() && H5Aexists(opened, "study_format") > 0;
 }
 
+bool is_damaged_hdf5(const std::filesystem::path& file) {
+  if (!InputFile(file).beginning(8).starts_with("\x89HDF\r\n\x1a\n")) return false;
+  const auto library = h5::take_library();
+  const h5::Properties access = h5::file_access();
+  return !h5::File{H5Fopen(file.c_str(), H5F_ACC_RDONLY, access)}.is_open();
+}
+
 std::filesystem::path study_table_of(const std::filesystem::path& file) {
   std::error_code none;
   const std::filesystem::path table =
@@ -384,9 +392,10 @@ std::filesystem::path study_table_of(const std::filesystem::path& file) {
 
 StudyAnswers read_study_table(const std::filesystem::path& file) {
   std::error_code none;
-  if (!std::filesystem::is_regular_file(file, none))
+  if (!std::filesystem::exists(file, none) && !std::filesystem::is_symlink(file, none))
     throw FileError(fmt::format("cannot read '{}': there is no such file. 'ra2d study' writes it",
                                 file.string()));
+  const InputFile readable(file);  // before HDF5 is asked, which would wait for a pipe
   const auto library = h5::take_library();
   try {
     const h5::Properties access = h5::file_access();

@@ -40,6 +40,9 @@ struct StudyAnswers {
 /// Whether the file is one: false also for what cannot be opened.
 bool is_study_table(const std::filesystem::path& file);
 
+/// Whether a file begins as HDF5 and cannot be opened as such. Throws FileError where it cannot be read.
+bool is_damaged_hdf5(const std::filesystem::path& file);
+
 /// The table of a study's folder, or the file itself where it is one; empty of anything else.
 std::filesystem::path study_table_of(const std::filesystem::path& file);
 
