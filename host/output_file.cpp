@@ -1,57 +1,77 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "host/output_file.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
+#include <string_view>
 #include <system_error>
 
 #include "host/errors.hpp"
+#include "host/input_file.hpp"
+#include "host/partial_file.hpp"
 
 namespace ra2d {
 namespace {
 
 namespace fs = std::filesystem;
 
-const char* kind_name(fs::file_type type) {
-  switch (type) {
-    case fs::file_type::directory:
-      return "a folder";
-    case fs::file_type::block:
-    case fs::file_type::character:
-      return "a device";
-    case fs::file_type::fifo:
-      return "a pipe";
-    case fs::file_type::socket:
-      return "a socket";
-    default:
-      return "no regular file";
-  }
+std::string refusal(const fs::path& path, const std::string& why) {
+  return fmt::format("cannot write to '{}': {}. Name a file with -o", path.string(), why);
 }
 
-/// Follows `path` to the file that is written; says why there can be none, or nothing.
+/// Follows `path` to the file that is written; says why there can be none, or nothing. Throws FileError
+/// for links in a ring.
 std::string follow(fs::path& path) {
   if (!path.has_filename()) return "this is a folder";
+  const fs::path asked = path;
   std::error_code unknown;
   // as the system follows it: also to a pipe behind /dev/stdout, which no link names
-  const fs::file_status end = fs::status(path, unknown);
+  const fs::file_status end = fs::status(asked, unknown);
+  if (unknown == std::errc::too_many_symbolic_link_levels)
+    throw FileError(refusal(asked, "its symbolic links lead in a ring"));
+  const char* const leads =
+      fs::is_symlink(fs::symlink_status(asked, unknown)) ? "it leads to " : "this is ";
   if (fs::exists(end) && !fs::is_regular_file(end))
-    return std::string(fs::is_symlink(fs::symlink_status(path, unknown)) ? "it leads to "
-                                                                         : "this is ") +
-           kind_name(end.type());
+    return std::string(leads) + kind_name(end.type());
   constexpr int most_links = 40;  // as many as the system follows
-  for (int links = 0;; ++links) {
-    if (!fs::is_symlink(fs::symlink_status(path, unknown))) return {};
-    if (links == most_links) return "its symbolic links lead in a ring";
+  for (int links = 0; fs::is_symlink(fs::symlink_status(path, unknown)); ++links) {
+    if (links == most_links) throw FileError(refusal(asked, "its symbolic links lead in a ring"));
     path = path.parent_path() /
            fs::read_symlink(path, unknown);  // an absolute one replaces the folder
   }
+  // Of an open file that was removed /proc still tells a name, with "(deleted)" behind it.
+  if (path != asked && fs::exists(end) && !is_same_file(asked, path))
+    return std::string(leads) + "a file that has lost its name";
+  return {};
 }
 
-std::string refusal(const fs::path& path, const std::string& why) {
-  return fmt::format("cannot write to '{}': {}. Name a file with -o", path.string(), why);
+fs::path folder_of(const fs::path& file) {
+  return file.has_parent_path() ? file.parent_path() : fs::path(".");
+}
+
+/// What a file is that cannot be made again from others in no time: "a result, or other HDF5 data".
+/// Empty for any other, and for one that cannot be read.
+std::string kind_of_kept(const fs::path& file) {
+  std::error_code none;
+  if (!fs::exists(file, none)) return {};
+  const std::string name = file.filename().string();
+  const fs::path folder = folder_of(file);
+  const bool of_study =
+      name == "study.json" || (name.starts_with("status") && name.ends_with(".json"));
+  if (of_study && fs::is_directory(folder / "ledger", none)) return "a study's own file";
+  try {
+    const std::string beginning = InputFile(file).beginning(16);
+    if (beginning.starts_with("\x89HDF\r\n\x1a\n")) return "a result, or other data in HDF5";
+    if (beginning.starts_with("ra2d checkpoint")) return "the checkpoint of a run";
+    if (beginning.starts_with("ra2dlog\n")) return "a study's ledger";
+  } catch (const FileError&) {  // nobody's result can be lost that nobody can read
+  }
+  return {};
 }
 
 }  // namespace
@@ -62,23 +82,66 @@ fs::path replaced_file(const fs::path& path) {
   return file;
 }
 
+bool is_same_file(const fs::path& a, const fs::path& b) {
+  std::error_code none;
+  if (fs::equivalent(a, b, none)) return true;
+  // where the numbers of inodes are not to be relied on
+  const fs::path whole_a = fs::canonical(a, none);
+  return !none && whole_a == fs::canonical(b, none) && !none;
+}
+
+void require_replaceable(const fs::path& file) {
+  struct stat status;
+  if (lstat(file.c_str(), &status) != 0) return;  // there is none
+  const auto fail = [&](const char* why) {
+    throw FileError(fmt::format(
+        "cannot write '{}': the file that is there may not be replaced: {}. Name another with -o",
+        file.string(), why));
+  };
+#ifdef STATX_ATTR_MOUNT_ROOT
+  struct statx more;
+  if (statx(AT_FDCWD, file.c_str(), AT_SYMLINK_NOFOLLOW, 0, &more) == 0 &&
+      (more.stx_attributes & STATX_ATTR_MOUNT_ROOT) != 0)
+    fail("it is mounted there");
+#endif
+  // rmdir never removes a file. It says so only after it has asked whether this process may remove what
+  // is there: whose it is in a folder like /tmp, and whether it is write-protected.
+  if (!S_ISDIR(status.st_mode) && rmdir(file.c_str()) != 0 && (errno == EPERM || errno == EACCES))
+    fail(std::strerror(errno));
+}
+
 void require_output(const fs::path& output, const std::vector<fs::path>& inputs) {
   fs::path file = output;
   if (const std::string why = follow(file); !why.empty()) throw RequestError(refusal(output, why));
   std::error_code none;
-  for (const fs::path& input : inputs)
-    if (fs::equivalent(file, input, none))
+  for (const fs::path& input : inputs) {
+    if (is_same_file(file, input))
       throw RequestError(
           fmt::format("'{}' would be overwritten with the output, and it is an input ('{}'): name "
                       "another file with -o",
                       output.string(), input.string()));
-  const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+    if (is_partial_name(input) || is_partial_name(fs::canonical(input, none)))
+      throw RequestError(
+          fmt::format("the input '{}' bears the name of a partial file of ra2d, and those are "
+                      "removed: rename it",
+                      input.string()));
+  }
+  const fs::path folder = folder_of(file);
   if (!fs::is_directory(folder, none))
     throw FileError(fmt::format("cannot write '{}': there is no folder '{}'", output.string(),
                                 folder.string()));
   if (access(folder.c_str(), W_OK | X_OK) != 0)
     throw FileError(fmt::format("cannot write '{}': the folder '{}': {}", output.string(),
                                 folder.string(), std::strerror(errno)));
+  require_replaceable(file);
+}
+
+void require_derived_output(const fs::path& output, const std::vector<fs::path>& inputs) {
+  require_output(output, inputs);
+  if (const std::string kind = kind_of_kept(replaced_file(output)); !kind.empty())
+    throw RequestError(
+        fmt::format("'{}' is {}: it is left as it is. Name another file with -o, or remove it",
+                    output.string(), kind));
 }
 
 }  // namespace ra2d

@@ -99,11 +99,13 @@ int lock(int descriptor) {
   return fcntl(descriptor, F_OFD_SETLK, &whole) == 0 ? 0 : errno;
 }
 
-/// Whether the open file still stands under this name.
-bool stands_at(int descriptor, const fs::path& path) {
-  struct stat opened, named;
-  return fstat(descriptor, &opened) == 0 && lstat(path.c_str(), &named) == 0 &&
-         opened.st_dev == named.st_dev && opened.st_ino == named.st_ino;
+/// stands_at, where it is enough not to know.
+bool has_name(int descriptor, const fs::path& path) noexcept {
+  try {
+    return stands_at(descriptor, path);
+  } catch (const FileError&) {
+    return false;
+  }
 }
 
 /// Removes the partial files in a folder whose processes are gone: whose lock can be had.
@@ -119,7 +121,7 @@ void remove_leftovers(const fs::path& folder, const std::string& host) {
     if (descriptor < 0) continue;
     struct stat status;
     if (fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode) && lock(descriptor) == 0 &&
-        stands_at(descriptor, path) && unlink(path.c_str()) == 0 &&
+        has_name(descriptor, path) && unlink(path.c_str()) == 0 &&
         status.st_size >
             0) {  // an empty one may be somebody's who has just made it, and makes it again
       ++removed;
@@ -134,6 +136,8 @@ void remove_leftovers(const fs::path& folder, const std::string& host) {
                    .c_str(),
                stderr);
 }
+
+constexpr int most_attempts = 1000;  // to find a name
 
 std::string cure(int error, const std::string& smaller) {
   const std::string or_smaller = smaller.empty() ? "" : ", or " + smaller;
@@ -158,6 +162,20 @@ std::string cure(int error, const std::string& smaller) {
 }
 
 }  // namespace
+
+bool is_partial_name(const fs::path& file) {
+  const std::string name = file.filename().string();
+  return !name.empty() && is_partial(name, host_name());
+}
+
+bool stands_at(int descriptor, const fs::path& path) {
+  struct stat opened, named;
+  if (fstat(descriptor, &opened) != 0)
+    throw write_failure("create", path, std::strerror(errno), errno);
+  if (lstat(path.c_str(), &named) != 0) return false;
+  // Some file systems tell another number of its inode each time. Who removes it takes its last link away.
+  return (opened.st_dev == named.st_dev && opened.st_ino == named.st_ino) || opened.st_nlink > 0;
+}
 
 void sync_folder_of(const fs::path& file) {
   const int descriptor = open(folder_of(file).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -203,6 +221,12 @@ PartialFile::PartialFile(const fs::path& target) : target_{replaced_file(target)
   // Process numbers come back, a process may write several files of one name, and somebody who cleans
   // up may come between the making and the lock: hence more than one attempt.
   for (int attempt = 0; descriptor_ < 0; ++attempt) {
+    if (attempt == most_attempts)
+      throw FileError(
+          fmt::format("cannot create '{}': its folder has {} files like '{}' already, or takes "
+                      "away what is made "
+                      "there. Remove them, or choose another folder with -o",
+                      target_.string(), most_attempts, path_.filename().string()));
     path_ = target_;
     path_.replace_filename(partial_name(name, host, attempt, longest));
     if (fs::exists(fs::symlink_status(path_, none))) continue;  // not ours to remove
@@ -215,8 +239,14 @@ PartialFile::PartialFile(const fs::path& target) : target_{replaced_file(target)
       if (error != EEXIST) fail(error);
       continue;
     }
-    const int held = lock(descriptor_);  // where there are no locks, nobody cleans up either
-    if (held == EAGAIN || held == EACCES || !stands_at(descriptor_, path_)) drop();
+    try {
+      const int held = lock(descriptor_);  // where there are no locks, nobody cleans up either
+      if (held == EAGAIN || held == EACCES || !stands_at(descriptor_, path_)) drop();
+    } catch (const FileError&) {
+      unlink(path_.c_str());  // it was made just now, under a name of this process
+      drop();
+      throw;
+    }
   }
 }
 
@@ -239,7 +269,7 @@ void PartialFile::publish(const fs::path& name) {
 
 void PartialFile::drop() noexcept {
   if (descriptor_ < 0) return;
-  if (stands_at(descriptor_, path_)) unlink(path_.c_str());
+  if (has_name(descriptor_, path_)) unlink(path_.c_str());
   leave_place(std::exchange(place_, nowhere));
   close(std::exchange(descriptor_, -1));
 }
@@ -247,10 +277,11 @@ void PartialFile::drop() noexcept {
 void PartialFile::write(std::string_view text) {
   while (!text.empty()) {
     const ssize_t count = ::write(descriptor_, text.data(), text.size());
-    if (count >= 0)
+    const int error = count == 0 ? EIO : errno;
+    if (count > 0)
       text.remove_prefix(static_cast<std::size_t>(count));
-    else if (errno != EINTR)
-      throw write_failure("write", target_, std::strerror(errno), errno);
+    else if (error != EINTR)
+      throw write_failure("write", target_, std::strerror(error), error);
   }
 }
 

@@ -44,6 +44,14 @@ class PartialFile {
   std::size_t place_;  // among those that drop_partials() knows
 };
 
+/// Whether a file has the name of a partial file of this machine: those are removed when their process
+/// is gone.
+bool is_partial_name(const std::filesystem::path& file);
+
+/// Whether an open file or folder still stands where `path` leads. Throws FileError where the system does
+/// not say.
+bool stands_at(int descriptor, const std::filesystem::path& path);
+
 /// A folder that drop_partials() removes if it is empty then.
 class PartialFolder {
  public:

@@ -24,7 +24,10 @@ using Clock = std::chrono::steady_clock;
 /// The programs that run, for signal handlers: each the leader of a process group; 0 where there is
 /// none.
 constinit std::array<std::atomic<pid_t>, 64> running{};
-static_assert(std::atomic<pid_t>::is_always_lock_free, "a signal handler reads it");
+/// Programs that are being started: between the fork and its entry above.
+constinit std::atomic<int> starting{0};
+static_assert(std::atomic<pid_t>::is_always_lock_free && std::atomic<int>::is_always_lock_free,
+              "a signal handler reads them");
 
 void put(pid_t from, pid_t to) {
   for (std::atomic<pid_t>& place : running)
@@ -80,16 +83,19 @@ ProgramRun run_program(std::vector<std::string> words, Output output, double lim
     close_all();
     return run;
   }
-  // from the fork until it is known here, no interrupt of this thread may end the parent alone
+  // from the fork until it is known here, no interrupt of this thread may end the parent alone; one of
+  // another thread waits (kill_programs)
   sigset_t all, unblocked;
   sigfillset(&all);
   pthread_sigmask(SIG_SETMASK, &all, &unblocked);
+  ++starting;
   const pid_t parent = getpid(), child = fork();
   if (child == 0) become(argv.data(), input, ends[1], failure[1], parent, unblocked);
   if (child > 0) {
     setpgid(child, child);  // both do, so that it is done for either
     put(0, child);
   }
+  --starting;
   pthread_sigmask(SIG_SETMASK, &unblocked, nullptr);
   close(std::exchange(ends[1], -1));
   close(std::exchange(failure[1], -1));
@@ -109,6 +115,8 @@ ProgramRun run_program(std::vector<std::string> words, Output output, double lim
 }
 
 void kill_programs() noexcept {
+  // a second at most: the thread that starts one goes on meanwhile
+  for (int i = 0; starting > 0 && i < 1000; ++i) usleep(1000);
   for (const std::atomic<pid_t>& child : running)
     if (const pid_t group = child.load(); group > 0) kill(-group, SIGKILL);
 }

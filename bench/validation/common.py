@@ -84,7 +84,7 @@ class Case:
     def run(self, scene, *datasets, sets=()):
         """Runs a scene and returns the datasets asked for, each an array; `sets`: section.key=value."""
         result = self.scratch / "result.h5"
-        self.call(self.program, "run", self.scene_file(scene), "-o", result, "--fresh", "--quiet",
+        self.call(self.program, "run", self.scene_file(scene), "-o", result, "--fresh", "--force", "--quiet",
                   *(word for each in sets for word in ("--set", each)))
         with h5py.File(result) as file:
             return [file[name][()] for name in datasets]

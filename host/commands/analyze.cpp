@@ -55,7 +55,7 @@ std::vector<std::string> choose_prefixes(const Request& request) {
           fmt::format("--csv {}: two results would write '{}{}': expected results of different "
                       "names",
                       request.csv, prefixes.back(), tables[0]));
-    for (const char* table : tables) require_output(prefixes.back() + table, request.files);
+    for (const char* table : tables) require_derived_output(prefixes.back() + table, request.files);
   }
   return prefixes;
 }

@@ -34,7 +34,7 @@ void require_outputs(std::vector<std::string> outputs,
                      const std::vector<std::filesystem::path>& inputs, bool plot,
                      const std::string& picture) {
   if (plot) outputs.push_back(picture);
-  for (const std::string& output : outputs) require_output(output, inputs);
+  for (const std::string& output : outputs) require_derived_output(output, inputs);
 }
 
 /// The scene that was asked for, or the paper's own.

@@ -27,7 +27,7 @@ struct CommonOptions {
 
 struct RunChoices {
   std::filesystem::path output;
-  bool fresh = false;
+  bool fresh = false, force = false;
   double checkpoint = 10;                                      // min between two checkpoints
   double most_wall = std::numeric_limits<double>::infinity();  // s
 };

@@ -2,8 +2,11 @@
 #include "host/commands/interrupt.hpp"
 
 #include <signal.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
+#include <csignal>
+#include <cstdint>
 #include <string_view>
 
 #include "host/interruption.hpp"
@@ -17,7 +20,22 @@ namespace {
 constexpr int interrupts[] = {SIGINT,    SIGQUIT, SIGTERM, SIGHUP,  SIGALRM,
                               SIGVTALRM, SIGPROF, SIGXCPU, SIGUSR2, SIGUSR1};
 bool on_terminal = false;
-bool is_silent = false;  // of several ranks the first says it for all
+bool is_silent = false;                     // of several ranks the first says it for all
+volatile std::sig_atomic_t keeps_none = 0;  // the command is one that keeps no checkpoints
+
+#ifdef __linux__
+/// SIGUSR1 asks for a checkpoint, and must not end a run that has not come as far as to catch it. So it is
+/// held back before all else, also before the constructors of the libraries that this program loads. That
+/// these are found and loaded comes earlier still: until then SIGUSR1 ends the process, unless who starts
+/// it has it ignored (in a shell: trap '' USR1), which changes nothing later.
+void hold_checkpoint_signal(int, char**, char**) {
+  static const std::uint64_t mask = std::uint64_t{1} << (SIGUSR1 - 1);
+  // by itself: sanitizers have their own sigprocmask, and are not ready
+  syscall(SYS_rt_sigprocmask, SIG_BLOCK, &mask, nullptr, sizeof mask);
+}
+[[gnu::section(".preinit_array"), gnu::used]] void (*before_all)(int, char**,
+                                                                 char**) = hold_checkpoint_signal;
+#endif
 
 void say(std::string_view text) {
   [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, text.data(), text.size());
@@ -26,6 +44,7 @@ void say(std::string_view text) {
 void on_signal(int signal) {
   const int before = interruption();
   if (signal == SIGUSR1 && keeps_checkpoints()) return request_checkpoint();
+  if (signal == SIGUSR1 && keeps_none == 0) return;
   if (before == 0 && ends_orderly()) return interrupt(signal);
   // a terminal that closes says so twice, by the system and by the shell
   if (before == SIGHUP && signal == SIGHUP) return;
@@ -56,6 +75,12 @@ void catch_interrupts() {
     sigaction(signal, &action, nullptr);
   }
   ::signal(SIGPIPE, SIG_IGN);
+  sigset_t held;
+  sigemptyset(&held);
+  sigaddset(&held, SIGUSR1);
+  sigprocmask(SIG_UNBLOCK, &held, nullptr);
 }
+
+void end_at_checkpoint_signal() { keeps_none = 1; }
 
 }  // namespace ra2d

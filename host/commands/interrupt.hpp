@@ -11,4 +11,8 @@ namespace ra2d {
 /// any more fails instead of ending the program (SIGPIPE).
 void catch_interrupts();
 
+/// Has SIGUSR1 end the process like the others: of a command that keeps no checkpoints. Until then, and
+/// before there is one to keep, it is ignored.
+void end_at_checkpoint_signal();
+
 }  // namespace ra2d

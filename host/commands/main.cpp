@@ -129,7 +129,9 @@ int dispatch(Words words) {
       ->type_name("OUT.h5")
       ->check(path());
   run->add_flag("--fresh", run_choices.fresh,
-                "start anew: go on from no checkpoint, and run again what is there");
+                "start anew: go on from no checkpoint, and run again where this run is there");
+  run->add_flag("--force", run_choices.force,
+                "replace what is there: the result of another run, or whatever file it is");
   add_checkpoints(*run, run_choices.checkpoint, run_choices.most_wall);
   CLI::App* plan =
       app.add_subcommand("plan",
@@ -230,6 +232,7 @@ int dispatch(Words words) {
     throw RequestError(err.str().substr(0, err.str().find_last_not_of('\n') + 1));
   }
   const CLI::App* const study = app.get_subcommand("study");
+  if (!run->parsed() && !study->parsed()) end_at_checkpoint_signal();
   if (!study->parsed() || !study->get_subcommands().empty()) require_one_process();
   if (chosen) return chosen();
   std::string lowered;
@@ -272,6 +275,9 @@ int answer(const Words& words) {
     return give_up(fault.what(), wrong_request);
   } catch (const FileError& fault) {
     return give_up(fault.what(), wrong_file);
+  } catch (const std::filesystem::filesystem_error& fault) {
+    return give_up(fmt::format("'{}': {}", fault.path1().string(), fault.code().message()).c_str(),
+                   wrong_file);
   } catch (const std::bad_alloc&) {
     return give_up("out of memory: fewer nodes or modes are needed (see 'ra2d plan')", failed);
   } catch (const std::exception& fault) {

@@ -18,7 +18,7 @@ int plan_accuracy_command(const CommonOptions& common, double accuracy, double b
                           std::filesystem::path output) {
   const Scene scene = read_scene(common.scene, common.overrides);
   if (output.empty()) output = common.scene.stem().string() + "-planned.toml";
-  require_output(output, files_of(scene));
+  require_derived_output(output, files_of(scene));
 
   SavingsOptions options;
   options.accuracy = accuracy;

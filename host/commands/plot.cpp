@@ -137,9 +137,9 @@ int plot_files(const Request& request) {
   const fs::path picture =
       request.output.empty() ? fs::path(name_of(request.files.front()) + ".png") : request.output;
   picture_kind(picture);
-  require_output(picture, request.files);
+  require_derived_output(picture, request.files);
   const Drawing drawing = choose_drawing(request);
-  require_output(picture, drawing.tables);
+  require_derived_output(picture, drawing.tables);
   make_picture(drawing, picture);
   if (!request.quiet) print("written: {}\n", printable(picture.string()));
   return done;

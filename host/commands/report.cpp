@@ -42,7 +42,7 @@ std::string shell_word(const std::string& word) {
 
 int make_page(PageRequest& request) {
   if (request.output.empty()) request.output = name_of(request.files.front()) + ".html";
-  require_output(request.output, request.files);
+  require_derived_output(request.output, request.files);
   std::string command = "ra2d report";
   // the page is sent to others: no folders of this disk
   const auto named = [](const fs::path& file) {

@@ -112,6 +112,7 @@ int run_command(const CommonOptions& common, RunChoices choices) {
   RunOptions options;
   options.output = output;
   options.fresh = choices.fresh;
+  options.force = choices.force;
   options.checkpoint = 60 * choices.checkpoint;
   options.most_wall = choices.most_wall;
   if (!common.quiet) options.tell = [&](const std::string& text) { say(text); };

@@ -48,7 +48,7 @@ int make_sound(Wanted& wanted) {
   if (wanted.output.empty()) wanted.output = wanted.result.stem().string() + ".wav";
   sound_format(wanted.output);
   for (const fs::path& file : {wanted.output, sidecar_of(wanted.output)})
-    require_output(file, {wanted.result});
+    require_derived_output(file, {wanted.result});
   const ProbeSound sound(wanted.result, wanted.options);
   const SoundFacts& facts = sound.facts();
   if (!facts.complete && !wanted.quiet)

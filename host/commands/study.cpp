@@ -28,10 +28,10 @@
 #include "host/errors.hpp"
 #include "host/format.hpp"
 #include "host/interruption.hpp"
-#include "host/output_file.hpp"
 #include "host/partial_file.hpp"
 #include "host/store/result_reader.hpp"
 #include "host/study/study_checkpoints.hpp"
+#include "host/study/study_outputs.hpp"
 #include "host/study/study_status.hpp"
 #include "host/study/study_table.hpp"
 #include "host/study/study_worker.hpp"
@@ -275,6 +275,7 @@ void show_progress(const StudyProgress& p) {
 int march_study(Known& known, const StudyFolder& folder, const Shard& shard,
                 const StudyRequest& request, int threads) {
   const bool keep_files = known.points.study().keep_files;
+  require_study_folder(folder, shard, inputs_of(known.points.study(), known.census.profiles));
   folder.make(keep_files);
   LedgerWriter ledger(folder.ledger(shard));  // before all reading: nobody else writes this part
   known.finished.add(folder);
@@ -464,7 +465,7 @@ int merge_command(const std::vector<fs::path>& folders, fs::path output, bool qu
         folders.front().string()));
   const StudyFolder home{folders.front()};
   if (output.empty()) output = home.table();
-  require_output(output, {});
+  require_merged_table(output, study, folders, inputs_of(study, known.census.profiles));
   write_table(known, home, output);
   const std::vector<std::size_t> bad = failed_points(known);
   if (!quiet)

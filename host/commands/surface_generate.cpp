@@ -194,7 +194,7 @@ int generate(Asked& asked) {
   for (const auto& [word, value] : exact_choices.words)
     if (word == asked.exact) asked.surface.exact = value;
   check(asked);
-  require_output(asked.output, {});
+  require_derived_output(asked.output, {});
   const RandomProfile profile = resolve_random(asked.surface, asked.length);
   std::vector<std::string> doubts;
   const std::vector<double> heights =

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <iterator>
-#include <sstream>
 #include <utility>
 
 #include "host/device/backend.hpp"
@@ -20,23 +19,6 @@ namespace {
 constexpr std::size_t most_bytes = std::size_t{1} << 32;
 
 // ---- whether it fits ---------------------------------------------------------------------------
-
-/// The first line of a text that another one does not have in its place.
-std::string first_difference(const std::string& there, const std::string& here) {
-  std::istringstream a(there), b(here);
-  std::string of_a, of_b;
-  while (true) {
-    const bool more_a = static_cast<bool>(std::getline(a, of_a));
-    const bool more_b = static_cast<bool>(std::getline(b, of_b));
-    if (!more_a && !more_b) return "a surface has other heights";
-    if (!more_a) of_a = "nothing";
-    if (!more_b) of_b = "nothing";
-    // its name and the place of its files make no other run
-    if (of_a != of_b && !(of_a.starts_with("name =") && of_b.starts_with("name =")))
-      return fmt::format("'{}' there, '{}' here", printable(shortened(of_a, 80)),
-                         printable(shortened(of_b, 80)));
-  }
-}
 
 bool fits(const Snapshot& s, const Model& model) {
   const std::size_t resonator = model.resonator.modes.size(), slider = model.slider.modes.size();
@@ -81,8 +63,10 @@ Checkpoint read_checkpoint(const std::filesystem::path& file) {
 std::string difference(const Checkpoint& checkpoint, const Identity& run, const Model& model,
                        Outputs outputs) {
   const Identity& there = checkpoint.identity;
-  if (there.key != run.key && there.arithmetic == run.arithmetic && there.program == run.program)
-    return "it is of another scene: " + first_difference(there.scene, run.scene);
+  if (there.key != run.key && there.arithmetic == run.arithmetic && there.program == run.program) {
+    const std::string words = first_difference(there.scene, run.scene);
+    return "it is of another scene: " + (words.empty() ? "a surface has other heights" : words);
+  }
   const auto other = [](const char* what, const std::string& there_, const std::string& here) {
     return fmt::format("it is of another {}: '{}' there, '{}' here", what,
                        printable(shortened(there_, 120)), here);

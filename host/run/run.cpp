@@ -8,6 +8,8 @@
 #include <cmath>
 #include <optional>
 #include <stdexcept>
+#include <string_view>
+#include <system_error>
 #include <utility>
 
 #include "host/errors.hpp"
@@ -17,7 +19,9 @@
 #include "host/run/run_files.hpp"
 #include "host/run/run_key.hpp"
 #include "host/run/simulation.hpp"
+#include "host/scene_file/scene_file.hpp"
 #include "host/store/result_reader.hpp"
+#include "host/text.hpp"
 
 namespace ra2d {
 namespace {
@@ -41,16 +45,57 @@ Progress progress_of(const SceneRun& run, std::int64_t first, double wall) {
   return progress;
 }
 
-/// Whether the output has this run already, complete; what of another run will be replaced is told.
-bool is_there(const std::filesystem::path& output, const std::string& key,
+/// What a scene is called in a result: "name = ..." of its text; empty where it has no name.
+std::string name_in(const std::string& scene) {
+  constexpr std::string_view key = "\nname = ";
+  const std::size_t at = scene.find(key);
+  if (at == scene.npos) return {};
+  const std::size_t begin = at + key.size();
+  return printable(shortened(scene.substr(begin, scene.find('\n', begin) - begin), 80));
+}
+
+/// "a finished run of another scene, "NAME", made TIME: 'speed = 0.1' there, 'speed = 0.2' here"
+std::string description(const ResultStamp& there, const Scene& scene) {
+  const std::string name = name_in(there.scene), words = first_difference(there.scene, echo(scene));
+  const std::string run = there.complete ? "a finished run"
+                                         : fmt::format("a run that was cut short ({})",
+                                                       printable(shortened(there.ended, 120)));
+  return fmt::format(
+      "{} of {}{}, made {}{}", run, words.empty() ? "this scene" : "another scene",
+      name.empty() ? "" : ", " + name, printable(shortened(there.started)),
+      words.empty() ? ", by another version or build of ra2d or with other heights" : ": " + words);
+}
+
+/// Whether a result is finished, or would be but for an interrupt. What failed would fail again.
+bool is_wanted(const ResultStamp& stamp) {
+  return stamp.complete || stamp.ended == ending_name(Ending::interrupted) ||
+         stamp.ended == ending_name(Ending::out_of_time);
+}
+
+/// Whether the output has this run already, complete. Throws RequestError where something else stands there
+/// that must not be lost unasked.
+bool is_there(const std::filesystem::path& output, const std::string& key, const Scene& scene,
               const RunOptions& options) {
-  const std::optional<ResultStamp> there = stamp_of(output);
-  if (!there || !there->complete) return false;
-  if (there->key == key) return true;
+  std::error_code none;
+  if (!std::filesystem::exists(output, none) || std::filesystem::file_size(output, none) == 0)
+    return false;
+  std::string what;
+  bool is_replaced = options.force;
+  try {
+    const ResultStamp there = read_stamp(output);
+    if (there.key == key && !is_segment_name(output)) return there.complete && !options.fresh;
+    what = is_segment_name(output) ? "a segment of a run" : description(there, scene);
+    is_replaced = is_replaced || !is_wanted(there);
+  } catch (const FileError& fault) {
+    what = fmt::format("no result that this ra2d reads ({})", fault.what());
+  }
+  if (!is_replaced)
+    throw RequestError(
+        fmt::format("'{}' is there already, {}. It is left as it is: name another file with -o, or "
+                    "say --force to replace it",
+                    output.string(), what));
   if (options.tell)
-    options.tell(
-        fmt::format("'{}' has a run of another scene or version, made {}: it will be replaced",
-                    output.string(), there->started));
+    options.tell(fmt::format("'{}' is {}: it will be replaced", output.string(), what));
   return false;
 }
 
@@ -129,12 +174,18 @@ class FiledRun {
 /// None where there is none. Throws FileError where all that there is is damaged, and RequestError where it
 /// is of another run.
 std::optional<Checkpoint> checkpoint_to_go_on_from(
-    RunFiles& files, const Model& model, const std::function<void(const std::string&)>& tell) {
+    RunFiles& files, const Model& model, bool force,
+    const std::function<void(const std::string&)>& tell) {
   FoundCheckpoint found = files.find(model, Outputs::kept);
-  if (!found.difference.empty())
+  if (!found.difference.empty() && !force)
     throw RequestError(found.difference +
                        ". It is left as it is: choose another output with -o, or --fresh to start "
                        "anew and have it removed");
+  if (!found.difference.empty()) {
+    tell(found.difference + ". It is removed");
+    files.remove();
+    return std::nullopt;
+  }
   if (!found.damage.empty() && !found.checkpoint)
     throw FileError(found.damage +
                     ". It is left as it is: --fresh starts the run anew and has it removed");
@@ -154,20 +205,21 @@ RunReport run(const Scene& scene, const RunOptions& options) {
 
   const std::string key = run_key(model);
   RunFiles files(options.output, key);
+  require_names_beside(names_beside(options.output), files_of(scene));
   files.claim();
   ResultHeader header = result_header(model, key);
   header.beyond_limit = beyond_limit;
-  if (options.fresh) files.remove();
-  if (!options.fresh && is_there(files.names().result, key, options)) {
+  if (is_there(files.names().result, key, model.scene, options)) {
     files.remove();
     RunReport report;
     report.ending = Ending::there;
     return report;
   }
+  if (options.fresh) files.remove();
   const auto tell = [&](const std::string& text) {
     if (options.tell) options.tell(text);
   };
-  std::optional<Checkpoint> before = checkpoint_to_go_on_from(files, model, tell);
+  std::optional<Checkpoint> before = checkpoint_to_go_on_from(files, model, options.force, tell);
   files.remove_after_checkpoint();
   if (before)
     tell(fmt::format("goes on from t = {:.6g} s, where its last checkpoint is",
@@ -187,7 +239,7 @@ RunReport run(const Scene& scene, const RunOptions& options) {
   } catch (const FileError& fault) {
     // what a failure to write has cost, and what it has not
     throw FileError(fault.what() +
-                    std::string(files.has_checkpoint()
+                    std::string(files.can_go_on()
                                     ? ". What was recorded up to the last checkpoint is kept: the "
                                       "same line goes on from there"
                                     : ""));

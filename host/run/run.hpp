@@ -25,7 +25,8 @@ struct Progress {
 
 struct RunOptions {
   std::filesystem::path output;
-  bool fresh = false;       // go on from no checkpoint, and run again what is there
+  bool fresh = false;       // go on from no checkpoint, and run this run again where it is there
+  bool force = false;       // replace what is there of another run, or whatever else it is
   double checkpoint = 600;  // s of wall time between two checkpoints
   double most_wall = std::numeric_limits<double>::infinity();  // s, after which a run is cut off
   std::function<void(const Progress&)> progress;               // called a few times a second
@@ -38,7 +39,9 @@ struct RunOptions {
 /// Runs a scene to its end, an interrupt (host/interruption.hpp), its wall time or a failure, and writes the
 /// result file in every case (marked when it was cut short). What an interrupt, the wall time, a kill or a
 /// disk cut short goes on from its last checkpoint when it is run again, to the same bits as if nothing had
-/// happened. A result that has this run already stays. Throws RequestError, also for a step beyond the limits
+/// happened. A result that has this run already stays. Any other that is finished, or that was interrupted,
+/// and any other file but an empty one is replaced by `force` alone; what failed is replaced, and that is
+/// told. All this is found before the first step. Throws RequestError, also for a step beyond the limits
 /// of stability that the scene does not force and for a checkpoint of another run, and FileError.
 RunReport run(const Scene& scene, const RunOptions& options);
 

@@ -2,6 +2,8 @@
 #include "host/run/run_files.hpp"
 
 #include <algorithm>
+#include <filesystem>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -52,6 +54,7 @@ double RunFiles::since_checkpoint() const {
 
 void RunFiles::keep(const SceneRun& run, SavedState state, double wall,
                     const std::function<ResultSummary()>& so_far) {
+  claimed_->hold();
   std::vector<Segment> segments;
   if (recording_) segments = recording_->close_segment(so_far(), start_after(run.accounts().now));
   const std::size_t count = segments.size();
@@ -62,7 +65,18 @@ void RunFiles::keep(const SceneRun& run, SavedState state, double wall,
   kept_ = std::chrono::steady_clock::now();
 }
 
-double RunFiles::close(const ResultSummary& summary) { return recording_->close(summary); }
+bool RunFiles::can_go_on() const {
+  std::error_code none;
+  if (!has_checkpoint_ || !std::filesystem::exists(names().checkpoint, none)) return false;
+  for (std::size_t number = 1; number <= vouched_; ++number)
+    if (!std::filesystem::exists(names().segment(number), none)) return false;
+  return true;
+}
+
+double RunFiles::close(const ResultSummary& summary) {
+  if (vouched_ > 0) claimed_->hold();  // for the last segment
+  return recording_->close(summary);
+}
 
 void RunFiles::remove_after_checkpoint() const { claimed_->remove_segments(vouched_ + 1); }
 

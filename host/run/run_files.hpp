@@ -39,6 +39,8 @@ class RunFiles {
   /// s of wall time since the last checkpoint, or since the run began here.
   double since_checkpoint() const;
   bool has_checkpoint() const { return has_checkpoint_; }
+  /// Whether the last checkpoint and all that it vouches for are there.
+  bool can_go_on() const;
   /// Of a claimed output: writes a checkpoint of a run between two launches, `wall` seconds after its
   /// start. `so_far` is asked for what a segment says of the run until now. Throws FileError.
   void keep(const SceneRun& run, SavedState state, double wall,

@@ -3,9 +3,12 @@
 
 #include <fmt/format.h>
 
+#include <sstream>
+
 #include "host/device/backend.hpp"
 #include "host/hash.hpp"
 #include "host/scene_file/scene_file.hpp"
+#include "host/text.hpp"
 
 namespace ra2d {
 
@@ -23,6 +26,22 @@ std::string run_key(const Model& model) {
     hash.add(height->data(), height->size());
   }
   return hash.text();
+}
+
+std::string first_difference(const std::string& there, const std::string& here) {
+  std::istringstream a(there), b(here);
+  std::string of_a, of_b;
+  while (true) {
+    const bool more_a = static_cast<bool>(std::getline(a, of_a));
+    const bool more_b = static_cast<bool>(std::getline(b, of_b));
+    if (!more_a && !more_b) return {};
+    if (!more_a) of_a = "nothing";
+    if (!more_b) of_b = "nothing";
+    // its name and the place of its files make no other run
+    if (of_a != of_b && !(of_a.starts_with("name =") && of_b.starts_with("name =")))
+      return fmt::format("'{}' there, '{}' here", printable(shortened(of_a, 80)),
+                         printable(shortened(of_b, 80)));
+  }
 }
 
 }  // namespace ra2d

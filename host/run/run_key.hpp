@@ -15,4 +15,8 @@ inline constexpr int numerics_version = 1;
 /// files is in it, nor the number of threads.
 std::string run_key(const Model& model);
 
+/// Where two scenes, as echo() writes them, differ first: "'speed = 0.1' there, 'speed = 0.2' here". Empty
+/// where they do not; their names are no difference.
+std::string first_difference(const std::string& there, const std::string& here);
+
 }  // namespace ra2d

@@ -130,6 +130,12 @@ RunReport report_on(const SceneRun& run, const std::vector<double>& mean_squares
   return report;
 }
 
+std::string ending_name(Ending ending) {
+  return ending == Ending::interrupted   ? "interrupted"
+         : ending == Ending::out_of_time ? "stopped by --max-wall"
+                                         : "complete";
+}
+
 ResultSummary summary_of(const RunReport& report) {
   ResultSummary summary;
   summary.v_rms = report.v_rms;
@@ -152,10 +158,7 @@ ResultSummary summary_of(const RunReport& report) {
   summary.wall_seconds = report.wall_seconds;
   summary.steps = static_cast<long>(report.steps);
   summary.complete = report.ending == Ending::complete;
-  summary.ended = report.ending == Ending::complete      ? "complete"
-                  : report.ending == Ending::interrupted ? "interrupted"
-                  : report.ending == Ending::out_of_time ? "stopped by --max-wall"
-                                                         : report.failure;
+  summary.ended = report.ending == Ending::failed ? report.failure : ending_name(report.ending);
   return summary;
 }
 

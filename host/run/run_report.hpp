@@ -50,6 +50,10 @@ std::string checked_limit(const Model& model);
 /// `mean_squares`: of the resonator's modes (MeanSquares).
 RunReport report_on(const SceneRun& run, const std::vector<double>& mean_squares);
 
+/// How a result file calls the ending of a run that did not fail: "complete", "interrupted", "stopped by
+/// --max-wall".
+std::string ending_name(Ending ending);
+
 /// The same as the file has it.
 ResultSummary summary_of(const RunReport& report);
 

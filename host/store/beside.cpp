@@ -13,9 +13,13 @@
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 #include "host/errors.hpp"
+#include "host/input_file.hpp"
 #include "host/output_file.hpp"
+#include "host/store/result_reader.hpp"
+#include "host/store/seal.hpp"
 
 namespace ra2d {
 namespace {
@@ -24,12 +28,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t digits = 6;
 
-/// Whether the open folder still stands under this name.
-bool stands_at(int descriptor, const fs::path& path) {
-  struct stat opened, named;
-  return fstat(descriptor, &opened) == 0 && lstat(path.c_str(), &named) == 0 &&
-         opened.st_dev == named.st_dev && opened.st_ino == named.st_ino;
-}
+constexpr int most_attempts = 1000;  // to make the folder, which others may remove
 
 /// The number of a segment's file name; 0 of any other.
 std::size_t number_of(const std::string& name) {
@@ -41,7 +40,58 @@ std::size_t number_of(const std::string& name) {
              : 0;
 }
 
+/// Whether a file that is there is a checkpoint, or was begun as one.
+bool is_checkpoint(const fs::path& file) {
+  constexpr std::string_view kind = "ra2d checkpoint";
+  return kind.starts_with(InputFile(file).beginning(kind.size()));
+}
+
+/// Throws where something has a name of ours that is not ours.
+void require_own(const fs::path& file, const fs::path& output, const char* what,
+                 bool (*is_own)(const fs::path&)) {
+  std::error_code none;
+  const fs::file_status status = fs::symlink_status(file, none);
+  if (!fs::exists(status)) return;
+  if (!fs::is_regular_file(status) || !is_own(file))
+    throw FileError(
+        fmt::format("'{}' stands where {} of '{}' goes, and is none: it is left as it is. Move it "
+                    "away, or choose "
+                    "another output with -o",
+                    file.string(), what, output.string()));
+  require_replaceable(file);
+}
+
 }  // namespace
+
+bool is_segment_name(const fs::path& file) {
+  return number_of(file.filename().string()) > 0 && file.parent_path().extension() == ".parts";
+}
+
+void require_names_beside(const OutputNames& names, const std::vector<fs::path>& inputs) {
+  std::error_code none;
+  for (const fs::path& input : inputs) {
+    const fs::path file = fs::canonical(input, none);
+    const bool is_segment =
+        number_of(file.filename().string()) > 0 && is_same_file(file.parent_path(), names.segments);
+    if (is_segment || is_same_file(input, names.checkpoint) || is_same_file(input, names.previous))
+      throw RequestError(
+          fmt::format("the input '{}' has the name of a file that a run to '{}' makes and removes: "
+                      "rename it, or choose another output with -o",
+                      input.string(), names.result.string()));
+  }
+  for (const fs::path& file : {names.checkpoint, names.previous})
+    require_own(file, names.result, "a checkpoint", is_checkpoint);
+  if (fs::is_directory(fs::symlink_status(names.segments, none)) &&
+      access(names.segments.c_str(), W_OK | X_OK) != 0)
+    throw write_failure("write to the folder", names.segments, std::strerror(errno), errno);
+  for (fs::directory_iterator entry(names.segments, none), end; !none && entry != end;
+       entry.increment(none))
+    if (number_of(entry->path().filename().string()) > 0)
+      require_own(entry->path(), names.result, "a segment", [](const fs::path& file) {
+        // a damaged one is for whoever goes on from it to find
+        return is_unsealed_with(file, "creator") || stamp_of(file).has_value();
+      });
+}
 
 OutputNames names_beside(const fs::path& output) {
   OutputNames names;
@@ -56,11 +106,27 @@ OutputNames names_beside(const fs::path& output) {
   return names;
 }
 
-ClaimedOutput::ClaimedOutput(const fs::path& output) : names_{names_beside(output)} {
+ClaimedOutput::ClaimedOutput(const fs::path& output) : names_{names_beside(output)} { take(); }
+
+ClaimedOutput::~ClaimedOutput() {
+  if (folder_ < 0) return;
+  rmdir(names_.segments.c_str());  // unless there is something in it
+  close(folder_);
+}
+
+void ClaimedOutput::hold() {
+  if (stands_at(folder_, names_.segments)) return;
+  close(std::exchange(folder_, -1));
+  take();
+}
+
+/// Makes the folder and takes its lock.
+void ClaimedOutput::take() {
   const auto fail = [&](int error) {
     throw write_failure("make the folder", names_.segments, std::strerror(error), error);
   };
-  while (folder_ < 0) {
+  for (int attempt = 0; folder_ < 0; ++attempt) {
+    if (attempt == most_attempts) fail(ENOENT);
     std::error_code none;
     // before the folder: a signal may come as soon as it is there
     if (!fs::exists(fs::symlink_status(names_.segments, none))) partial_.emplace(names_.segments);
@@ -78,9 +144,14 @@ ClaimedOutput::ClaimedOutput(const fs::path& output) : names_{names_beside(outpu
                       names_.segments.string(), names_.result.string()));
     if (folder_ < 0) fail(errno);
     const bool taken = flock(folder_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
-    if (!taken && stands_at(folder_, names_.segments)) break;
-    close(folder_);
-    folder_ = -1;
+    try {
+      if (!taken && stands_at(folder_, names_.segments)) break;
+    } catch (...) {
+      rmdir(names_.segments.c_str());
+      close(std::exchange(folder_, -1));
+      throw;
+    }
+    close(std::exchange(folder_, -1));
     if (taken)
       throw OutputTaken(
           fmt::format("another process writes '{}': wait until it is done, or choose "
@@ -88,11 +159,6 @@ ClaimedOutput::ClaimedOutput(const fs::path& output) : names_{names_beside(outpu
                       names_.result.string()));
   }
   if (!partial_) partial_.emplace(names_.segments);
-}
-
-ClaimedOutput::~ClaimedOutput() {
-  rmdir(names_.segments.c_str());  // unless there is something in it
-  close(folder_);
 }
 
 std::string segment_name(std::size_t number) { return fmt::format("{:0{}}.h5", number, digits); }

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "host/errors.hpp"
 #include "host/partial_file.hpp"
@@ -20,6 +21,12 @@ struct OutputNames {
 };
 OutputNames names_beside(const std::filesystem::path& output);
 
+/// To be asked before anything of an output is made. Throws RequestError where one of `inputs` has one of
+/// these names, or is a segment of the output; FileError where something else has one that is not
+/// ra2d's own, or that may not be replaced. Nothing of that is ever removed.
+void require_names_beside(const OutputNames& names,
+                          const std::vector<std::filesystem::path>& inputs);
+
 /// Another process writes an output.
 struct OutputTaken : FileError {
   using FileError::FileError;
@@ -27,6 +34,9 @@ struct OutputTaken : FileError {
 
 /// "000001.h5", "000002.h5", ...
 std::string segment_name(std::size_t number);
+
+/// Whether a file has the name of a segment, in a folder of segments.
+bool is_segment_name(const std::filesystem::path& file);
 
 /// The folder of the segments that a checkpoint (or the one before) vouches for.
 std::filesystem::path segments_of(const std::filesystem::path& checkpoint);
@@ -43,12 +53,16 @@ class ClaimedOutput {
   ClaimedOutput& operator=(const ClaimedOutput&) = delete;
 
   const OutputNames& names() const { return names_; }
+  /// Makes the folder anew where somebody has removed it, with its lock. Throws as the constructor.
+  void hold();
   /// Removes the segments from this number on: what no checkpoint vouches for.
   void remove_segments(std::size_t from) const;
   /// Removes the checkpoints, and then all segments.
   void remove_all() const;
 
  private:
+  void take();
+
   OutputNames names_;
   std::optional<PartialFolder> partial_;
   int folder_ = -1;

@@ -1,45 +1,54 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "host/store/recording.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
-#include <cstring>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include "host/errors.hpp"
 #include "host/hash.hpp"
+#include "host/input_file.hpp"
+#include "host/partial_file.hpp"
 #include "host/store/result_reader.hpp"
 #include "host/store/table.hpp"
 
 namespace ra2d {
 namespace {
 
+constexpr std::size_t most_held = 256;
+
+bool is_there(const std::filesystem::path& name) {
+  std::error_code none;
+  return std::filesystem::exists(std::filesystem::symlink_status(name, none));
+}
+
+/// Writes a segment once more, also where its folder is gone; its lock is taken again later
+/// (ClaimedOutput::hold).
+void copy(const InputFile& segment, const std::filesystem::path& name) {
+  std::error_code none;
+  std::filesystem::create_directory(name.parent_path(), none);
+  PartialFile file(name);
+  std::array<char, 1 << 18> block;
+  for (std::uint64_t at = 0; const std::size_t count = segment.read(at, block.data(), block.size());
+       at += count)
+    file.write(std::string_view(block.data(), count));
+  file.sync();
+  file.publish();
+}
+
 /// Bytes and hash of a file as it stands; no numbers of samples and shocks.
-Segment hashed(const std::filesystem::path& file) {
-  const auto fail = [&](int error) {
-    throw FileError(fmt::format("cannot read '{}': {}", file.string(), std::strerror(error)));
-  };
-  const int descriptor = open(file.c_str(), O_RDONLY | O_CLOEXEC);
-  if (descriptor < 0) fail(errno);
+Segment hashed(const InputFile& in) {
   Segment segment;
   Hash hash;
   std::array<char, 1 << 18> block;
-  ssize_t count = 0;
-  while ((count = read(descriptor, block.data(), block.size())) != 0) {
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) break;
-    hash.add(std::string_view(block.data(), static_cast<std::size_t>(count)));
-    segment.bytes += static_cast<std::uint64_t>(count);
+  while (const std::size_t count = in.read(segment.bytes, block.data(), block.size())) {
+    hash.add(std::string_view(block.data(), count));
+    segment.bytes += count;
   }
-  const int error = errno;
-  ::close(descriptor);
-  if (count < 0) fail(error);
   segment.xxh3_128 = hash.text();
   return segment;
 }
@@ -47,7 +56,7 @@ Segment hashed(const std::filesystem::path& file) {
 }  // namespace
 
 void require_segment(const std::filesystem::path& file, const Segment& segment) {
-  const Segment found = hashed(file);
+  const Segment found = hashed(InputFile(file));
   if (found.bytes != segment.bytes || found.xxh3_128 != segment.xxh3_128)
     throw FileError(
         fmt::format("'{}' is damaged: it has {} bytes of the hash {}, and was closed with {} "
@@ -56,8 +65,21 @@ void require_segment(const std::filesystem::path& file, const Segment& segment) 
 }
 
 Recording::Recording(OutputNames names, const ResultHeader& header, std::vector<Segment> before)
-    : names_{std::move(names)}, header_{header}, segments_{std::move(before)} {
+    : names_{std::move(names)}, header_{header} {
+  for (Segment& segment : before)
+    add(std::move(segment), std::make_unique<InputFile>(names_.segment(segments_.size() + 1)));
   begin();
+}
+
+void Recording::add(Segment segment, std::unique_ptr<InputFile> file) {
+  segments_.push_back(std::move(segment));
+  if (held_.size() < most_held) held_.push_back(std::move(file));
+}
+
+void Recording::restore() {
+  for (std::size_t i = 0; i < held_.size(); ++i)
+    if (const std::filesystem::path name = names_.segment(i + 1); !is_there(name))
+      copy(*held_[i], name);
 }
 
 void Recording::begin() {
@@ -78,16 +100,23 @@ void Recording::append(const std::vector<Shock>& shocks) {
 bool Recording::seal(const ResultSummary& so_far) {
   if (samples_ == 0 && shocks_ == 0) return false;
   const std::filesystem::path name = names_.segment(segments_.size() + 1);
-  file_->close(so_far, name);
-  Segment segment = hashed(name);
+  std::unique_ptr<InputFile> file;
+  try {
+    file_->close(so_far, name, file);
+  } catch (const FileError&) {
+    if (file == nullptr || is_there(names_.segments)) throw;
+    copy(*file, name);  // somebody has removed the folder at this moment
+  }
+  Segment segment = hashed(*file);
   segment.samples = samples_;
   segment.shocks = shocks_;
-  segments_.push_back(std::move(segment));
+  add(std::move(segment), std::move(file));
   return true;
 }
 
 const std::vector<Segment>& Recording::close_segment(const ResultSummary& so_far,
                                                      const SegmentStart& next) {
+  restore();
   if (seal(so_far)) {
     header_.segment = next;
     begin();
@@ -97,6 +126,7 @@ const std::vector<Segment>& Recording::close_segment(const ResultSummary& so_far
 
 double Recording::close(const ResultSummary& summary) {
   if (segments_.empty()) return file_->close(summary);
+  restore();
   seal(summary);
   file_.reset();
   header_.segment = {};

@@ -3,10 +3,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "host/input_file.hpp"
 #include "host/result/record.hpp"
 #include "host/store/beside.hpp"
 #include "host/store/store.hpp"
@@ -25,7 +27,9 @@ void require_segment(const std::filesystem::path& file, const Segment& segment);
 
 /// What a run records, on its way to its result: one file, or segments that are closed while the run goes on
 /// and joined at its end, to the same bits. A segment is whole and on the disk before it has its name, and
-/// is never opened for writing again. Every method throws FileError; the segments closed before stay.
+/// is never opened for writing again. Its file stays open, and what somebody removes is written once more
+/// from there (of the first 256 segments: a process may not have many more files open). Every method throws
+/// FileError; the segments closed before stay.
 class Recording {
  public:
   /// `before`: the segments that a run that goes on has closed, which were looked at (require_segment);
@@ -45,6 +49,10 @@ class Recording {
 
  private:
   void begin();
+  /// Adds a segment, and keeps its file.
+  void add(Segment segment, std::unique_ptr<InputFile> file);
+  /// Writes segments that are gone from their folder once more.
+  void restore();
   /// Gives what is in the present file its place among the segments, if there is anything.
   bool seal(const ResultSummary& so_far);
   void join(ResultFile& whole);
@@ -52,6 +60,7 @@ class Recording {
   OutputNames names_;
   ResultHeader header_;
   std::vector<Segment> segments_;
+  std::vector<std::unique_ptr<InputFile>> held_;  // the files of the first of them
   std::optional<ResultFile> file_;
   std::int64_t samples_ = 0, shocks_ = 0;  // in it
 };

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "host/errors.hpp"
+#include "host/input_file.hpp"
 #include "host/store/entries.hpp"
 #include "host/store/hdf5.hpp"
 #include "host/store/plausible.hpp"
@@ -252,23 +253,26 @@ auto guarded(const std::filesystem::path& path, Body body, const char* cure = cu
 
 }  // namespace
 
-std::optional<ResultStamp> stamp_of(const std::filesystem::path& path) {
-  std::error_code none;
-  if (!std::filesystem::is_regular_file(path, none)) return std::nullopt;
+ResultStamp read_stamp(const std::filesystem::path& path) {
   return guarded(
       path,
-      [&]() -> std::optional<ResultStamp> {
-        if (!looks_like_hdf5(path)) return std::nullopt;
-        const h5::File file = open_sealed(path);
-        if (check(H5Aexists(file, "complete")) == 0 || check(H5Aexists(file, "started")) == 0)
-          return std::nullopt;
+      [&] {
+        const h5::File file = open(path, Bytes::sealed);
         ResultStamp stamp;
         stamp.complete = number_attribute(file, "complete") == 1;
         stamp.started = text_attribute(file, "started");
+        stamp.scene = text_attribute(file, "scene");
+        stamp.ended = text_attribute(file, "ended");
         if (check(H5Aexists(file, "key")) > 0) stamp.key = text_attribute(file, "key");
         return stamp;
       },
       cure_of_run);
+}
+
+std::optional<ResultStamp> stamp_of(const std::filesystem::path& path) {
+  std::error_code none;
+  if (!std::filesystem::is_regular_file(path, none) || !is_hdf5(path)) return std::nullopt;
+  return read_stamp(path);
 }
 
 bool is_hdf5(const std::filesystem::path& file) {

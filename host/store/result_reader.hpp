@@ -32,11 +32,14 @@ struct ResultContents {
 /// What a result file says of itself.
 struct ResultStamp {
   std::string key, started;  // empty in files of older programs
+  std::string scene, ended;  // as ResultContents has them
   bool complete = false;
 };
 
-/// None where the file is no result, or is not there. Throws FileError where it is damaged, or was changed by
-/// another program.
+/// Throws FileError where the file is no result, is damaged, or was changed by another program.
+ResultStamp read_stamp(const std::filesystem::path& path);
+
+/// The same; none where the file is not there or is no HDF5 file.
 std::optional<ResultStamp> stamp_of(const std::filesystem::path& path);
 
 /// Whether a file is HDF5, as results are, or the rest of such a file. Throws FileError where it cannot be read.

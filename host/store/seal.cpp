@@ -16,6 +16,7 @@
 #include <set>
 #include <utility>
 
+#include "host/errors.hpp"
 #include "host/hash.hpp"
 
 namespace ra2d {
@@ -189,6 +190,16 @@ bool looks_like_hdf5(const std::filesystem::path& file) {
   const auto size = static_cast<std::uint64_t>(status_of(descriptor).st_size);
   return size >= seal_size &&
          read_part(descriptor, part.data(), part.size(), size - seal_size).starts_with(seal_begins);
+}
+
+bool is_unsealed_with(const std::filesystem::path& file, std::string_view text) try {
+  const Descriptor descriptor(open_regular(file));
+  std::string part(bytes_at_once, '\0');
+  const std::string_view begin = read_part(descriptor, part.data(), part.size(), 0);
+  return begin.starts_with(hdf5_begins) && begin.find(text) != begin.npos &&
+         !has_fitting_seal(descriptor);
+} catch (const Unreadable& fault) {
+  throw FileError(fmt::format("cannot read '{}': {}", file.string(), fault.what()));
 }
 
 void require_seal(const std::filesystem::path& file) {

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "host/store/sealed_file.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -14,6 +12,7 @@
 
 #include "host/errors.hpp"
 #include "host/hash.hpp"
+#include "host/input_file.hpp"
 #include "host/partial_file.hpp"
 
 namespace ra2d {
@@ -65,16 +64,6 @@ class Cursor {
  private:
   std::string_view rest_;
 };
-
-void write_all(int descriptor, std::string_view rest, const std::filesystem::path& path) {
-  while (!rest.empty()) {
-    const ssize_t count = write(descriptor, rest.data(), rest.size());
-    if (count >= 0)
-      rest.remove_prefix(static_cast<std::size_t>(count));
-    else if (errno != EINTR)
-      throw write_failure("write", path, std::strerror(errno), errno);
-  }
-}
 
 bool reads_back(int descriptor, std::string_view rest) {
   char block[65536];
@@ -133,7 +122,7 @@ std::vector<Section> unseal(const std::string& kind, std::uint32_t format,
 void write_sealed(const std::filesystem::path& path, const std::string& bytes,
                   const std::filesystem::path& previous) {
   PartialFile file(path);
-  write_all(file.descriptor(), bytes, path);
+  file.write(bytes);
   file.sync();
   if (!reads_back(file.descriptor(), bytes))
     throw write_failure("write", path, "what was written does not read back", EIO);
@@ -143,30 +132,9 @@ void write_sealed(const std::filesystem::path& path, const std::string& bytes,
 }
 
 std::string read_whole(const std::filesystem::path& path, std::size_t most) {
-  const auto fail = [&](const std::string& reason) {
-    return FileError(fmt::format("cannot read '{}': {}", path.string(), reason));
-  };
-  const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-  if (descriptor < 0) throw fail(std::strerror(errno));
-  struct Closer {
-    int descriptor;
-    ~Closer() { close(descriptor); }
-  } const closer{descriptor};
-  struct stat status;
-  if (fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) throw fail("it is no file");
-  if (static_cast<std::uint64_t>(status.st_size) > most) throw fail("it is too large");
-  std::string bytes(static_cast<std::size_t>(status.st_size), '\0');
-  for (std::size_t done = 0; done < bytes.size();) {
-    const ssize_t count = read(descriptor, bytes.data() + done, bytes.size() - done);
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) throw fail(std::strerror(errno));
-    if (count == 0) {
-      bytes.resize(done);
-      break;
-    }
-    done += static_cast<std::size_t>(count);
-  }
-  return bytes;
+  const InputFile file(path);
+  if (file.size() > most) throw file.unreadable("it is too large");
+  return file.beginning(most);
 }
 
 }  // namespace ra2d

@@ -24,7 +24,8 @@ struct ResultFile::Impl {
 
   void append(const SampleBlock& block);
   void append(const std::vector<Shock>& shocks);
-  double close(const ResultSummary& summary, const std::filesystem::path& name);
+  double close(const ResultSummary& summary, const std::filesystem::path& name,
+               std::unique_ptr<InputFile>* kept);
 
  private:
   template <class Body>
@@ -114,12 +115,13 @@ void ResultFile::Impl::hand_over() {
   writer_.start([this] { file_.write(writing_); });
 }
 
-double ResultFile::Impl::close(const ResultSummary& summary, const std::filesystem::path& name) {
+double ResultFile::Impl::close(const ResultSummary& summary, const std::filesystem::path& name,
+                               std::unique_ptr<InputFile>* kept) {
   double reading_back = 0;
   while_open([&] {
     writer_.wait();
     file_.write(filling_);
-    reading_back = file_.finish(summary, name);
+    reading_back = file_.finish(summary, name, kept);
   });
   open_ = false;
   return reading_back;
@@ -132,9 +134,12 @@ ResultFile::ResultFile(const std::filesystem::path& path, const ResultHeader& he
 ResultFile::~ResultFile() = default;
 void ResultFile::append(const SampleBlock& block) { impl_->append(block); }
 void ResultFile::append(const std::vector<Shock>& shocks) { impl_->append(shocks); }
-double ResultFile::close(const ResultSummary& summary) { return impl_->close(summary, {}); }
-double ResultFile::close(const ResultSummary& summary, const std::filesystem::path& name) {
-  return impl_->close(summary, name);
+double ResultFile::close(const ResultSummary& summary) {
+  return impl_->close(summary, {}, nullptr);
+}
+double ResultFile::close(const ResultSummary& summary, const std::filesystem::path& name,
+                         std::unique_ptr<InputFile>& kept) {
+  return impl_->close(summary, name, &kept);
 }
 
 }  // namespace ra2d

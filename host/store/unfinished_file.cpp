@@ -178,7 +178,8 @@ void UnfinishedFile::flush() { check(H5Fflush(file_, H5F_SCOPE_LOCAL)); }
 
 // ---- the end -----------------------------------------------------------------------------------
 
-double UnfinishedFile::finish(const ResultSummary& summary, const std::filesystem::path& name) {
+double UnfinishedFile::finish(const ResultSummary& summary, const std::filesystem::path& name,
+                              std::unique_ptr<InputFile>* kept) {
   using Clock = std::chrono::steady_clock;
   std::chrono::duration<double> reading_back{};
   guarded([&] {
@@ -197,6 +198,7 @@ double UnfinishedFile::finish(const ResultSummary& summary, const std::filesyste
     require_as_given(has_fitting_seal(partial_->descriptor()));
     read_back(partial_->path(), given_);
     reading_back = Clock::now() - written;
+    if (kept != nullptr) *kept = std::make_unique<InputFile>(partial_->path());
     name.empty() ? partial_->publish() : partial_->publish(name);
   });
   return reading_back.count();

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "host/input_file.hpp"
 #include "host/partial_file.hpp"
 #include "host/store/buffer.hpp"
 #include "host/store/hdf5.hpp"
@@ -29,8 +31,10 @@ class UnfinishedFile {
   /// Writes what the buffer holds, and empties it.
   void write(WriteBuffer& buffer);
   /// Last: writes what is known after the last step, seals the file (host/store/seal.hpp), reads it back and
-  /// gives it its name, or another one. Returns how long reading back took [s].
-  double finish(const ResultSummary& summary, const std::filesystem::path& name = {});
+  /// gives it its name, or another one. `kept` takes the whole file, open, before it has that. Returns how
+  /// long reading back took [s].
+  double finish(const ResultSummary& summary, const std::filesystem::path& name = {},
+                std::unique_ptr<InputFile>* kept = nullptr);
 
  private:
   template <class Body>

@@ -3,16 +3,14 @@
 
 #include <fmt/format.h>
 
-#include <cerrno>
 #include <charconv>
-#include <cstring>
-#include <fstream>
 #include <string_view>
 #include <vector>
 
 #include "host/device/backend.hpp"
 #include "host/errors.hpp"
 #include "host/hash.hpp"
+#include "host/input_file.hpp"
 #include "host/run/run_key.hpp"
 #include "host/scene_file/scene_file.hpp"
 
@@ -49,21 +47,24 @@ std::string key_text(const Key128& key) { return fmt::format("{:016x}{:016x}", k
 const std::string& FileHashes::of(const std::filesystem::path& file) {
   const auto [found, is_new] = known_.try_emplace(file);
   if (!is_new) return found->second;
-  errno = 0;
-  std::ifstream in{file, std::ios::binary};
-  std::vector<char> part(1 << 20);
-  Hash hash;
-  while (in) {
-    in.read(part.data(), static_cast<std::streamsize>(part.size()));
-    hash.add(std::string_view(part.data(), static_cast<std::size_t>(in.gcount())));
-  }
-  if (in.bad() || !in.eof()) {
-    const int fault = errno;
+  try {
+    const InputFile in(file, "the profile");
+    std::vector<char> part(1 << 20);
+    Hash hash;
+    for (std::uint64_t at = 0; const std::size_t count = in.read(at, part.data(), part.size());
+         at += count)
+      hash.add(std::string_view(part.data(), count));
+    return found->second = hash.text();
+  } catch (...) {
     known_.erase(found);
-    throw FileError(
-        fmt::format("{}: cannot read the profile: {}", file.string(), std::strerror(fault)));
+    throw;
   }
-  return found->second = hash.text();
+}
+
+std::vector<std::filesystem::path> FileHashes::names() const {
+  std::vector<std::filesystem::path> names;
+  for (const auto& [file, hash] : known_) names.push_back(file);
+  return names;
 }
 
 Key128 scene_key(const Scene& scene, FileHashes& files) {

@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "host/scene/scene.hpp"
 
@@ -26,6 +27,8 @@ class FileHashes {
  public:
   /// Throws FileError.
   const std::string& of(const std::filesystem::path& file);
+  /// The files that were read.
+  std::vector<std::filesystem::path> names() const;
 
  private:
   std::map<std::filesystem::path, std::string> known_;

@@ -6,13 +6,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <array>
 #include <cerrno>
 #include <cstring>
-#include <fstream>
 #include <system_error>
 
 #include "host/errors.hpp"
+#include "host/input_file.hpp"
 #include "host/partial_file.hpp"
 
 namespace ra2d {
@@ -46,22 +45,10 @@ void StudyFolder::make(bool with_results) const {
 }
 
 std::string read_text(const fs::path& file, const char* what, std::size_t most) {
-  const auto cannot = [&](const std::string& why) {
-    return FileError(fmt::format("{}: cannot read {}: {}", file.string(), what, why));
-  };
-  errno = 0;
-  std::ifstream in{file, std::ios::binary};
-  if (!in) throw cannot(std::strerror(errno));
-  std::string text;
-  std::array<char, 65536> part;
-  while (in) {
-    in.read(part.data(), part.size());
-    if (in.bad()) throw cannot(std::strerror(errno));  // a folder opens, but does not read
-    text.append(part.data(), static_cast<std::size_t>(in.gcount()));
-    if (text.size() > most)
-      throw cannot(fmt::format("it has more than {} MiB (is it another file?)", most >> 20));
-  }
-  return text;
+  const InputFile in(file, what);
+  if (in.size() > most)
+    throw in.unreadable(fmt::format("it has more than {} MiB (is it another file?)", most >> 20));
+  return in.beginning(most);
 }
 
 bool lock_file(int descriptor) {

@@ -132,6 +132,7 @@ PointCensus::PointCensus(const StudyPoints& points) {
       }
     }
   }
+  profiles = files.names();
   if (wrong > 0)
     throw RequestError(
         fmt::format("{}: {} of {} scenes {} wrong{}{}", points.study().file.string(), wrong,

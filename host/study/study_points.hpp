@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <cstddef>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -44,8 +45,9 @@ class StudyPoints {
 /// What is known of each point before it is run.
 struct PointCensus {
   std::vector<Key128> keys;
-  std::vector<float> costs;  // s of one thread, estimates (scene_cost)
-  bool has_seeds = true;     // whether a scene has a surface that a seed changes
+  std::vector<float> costs;                     // s of one thread, estimates (scene_cost)
+  bool has_seeds = true;                        // whether a scene has a surface that a seed changes
+  std::vector<std::filesystem::path> profiles;  // files that the scenes read
 
   /// Reads and checks the scene of every point. Throws RequestError that names those that are wrong,
   /// the first few of them; FileError for a profile that cannot be read.

@@ -17,6 +17,7 @@
 
 #include "host/errors.hpp"
 #include "host/hash.hpp"
+#include "host/input_file.hpp"
 #include "host/partial_file.hpp"
 #include "host/store/attributes.hpp"
 #include "host/store/hdf5.hpp"
@@ -402,6 +403,10 @@ bool is_study_table(const std::filesystem::path& file) {
   }
 }
 
+bool is_damaged_table(const std::filesystem::path& file) {
+  return is_unsealed_with(file, "study_format");
+}
+
 std::filesystem::path study_table_of(const std::filesystem::path& file) {
   std::error_code none;
   if (!std::filesystem::is_directory(file, none)) return is_study_table(file) ? file : "";
@@ -411,7 +416,7 @@ std::filesystem::path study_table_of(const std::filesystem::path& file) {
 
 StudyAnswers read_study_table(const std::filesystem::path& file) {
   std::error_code none;
-  if (!std::filesystem::is_regular_file(file, none))
+  if (!std::filesystem::exists(file, none) && !std::filesystem::is_symlink(file, none))
     throw FileError(fmt::format("cannot read '{}': there is no such file. 'ra2d study' writes it",
                                 file.string()));
   const auto library = h5::take_library();
