@@ -8,14 +8,16 @@
 #include "kernels/contact/node_contact.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/place.hpp"
+#include "kernels/shocks.hpp"
 #include "kernels/state.hpp"
 #include "kernels/tables.hpp"
 
 namespace ra2d {
 
 /// How the search for the contact forces of a step ended: found; no motion of the modes keeps the
-/// bodies apart; or more nodes carry force than there is room for.
-enum class Solution { solved, blocked, crowded };
+/// bodies apart; more nodes carry force than there is room for, or than a list of nodes is good for; or
+/// the launch is to end (is_interrupted), and nothing has been done.
+enum class Solution { solved, blocked, crowded, interrupted };
 
 /// Contact forces that are found together with the end of the step: Lagrange multipliers (paper,
 /// section 3, equation 11), and the penalty spring at the new time.
@@ -47,6 +49,11 @@ enum class Solution { solved, blocked, crowded };
 /// From step to step the same one or two nodes mostly carry the force: they are tried first, and
 /// taken when their forces are positive and nothing else overlaps, which are all the conditions there
 /// are.
+///
+/// Each node that comes in costs the square of how many there are, so n of them n^3. On springs (compliance >
+/// 0) there may be thousands, where faces lie flat on one another: from `many` on Newton's method in the
+/// modes takes over (newton()), whose steps cost the nodes times the square of the modes. It goes to the
+/// same end, which is unique there.
 ///
 /// What is left: overlaps of the order of the roundings of a gap (SceneTables::touch) and, where that
 /// is not to be had, of the modes' sums.
@@ -135,6 +142,8 @@ class Complementarity {
 
   /// More than any force or way.
   static constexpr double never = 1e300;
+  /// Nodes that carry force from which on newton() finds the forces, in a step or in the one before.
+  static constexpr int many = 256;
   /// Relative size of a pivot at which a node counts as depending on those that carry force.
   static constexpr double dependent = 1e-13;
 
@@ -142,14 +151,19 @@ class Complementarity {
   /// the nodes that carry force, in ascending order. `list(u)` gives the number of nodes to look at,
   /// listed in the state's `watch` and expanded: all that overlap at u must be among them. `most`
   /// is the largest total force [N] on the way, not less than what it comes with. `step` ends at
-  /// `place`.
+  /// `place`. `anywhere`: whether `list` is good for any u; if not, many nodes are left to a caller whose list
+  /// is (crowded).
   template <class List>
   KOKKOS_FORCEINLINE_FUNCTION Solution operator()(const Place& place, std::int64_t step, Real* u,
                                                   Real* v, const List& list,
-                                                  ContactTotals<Real>& totals, double& most) {
-    if (s_.contact_step == step - 1 && resume(place, u, v, list, totals, most))
-      return Solution::solved;
-    return seek(place, u, v, list, totals, most);
+                                                  ContactTotals<Real>& totals, double& most,
+                                                  bool anywhere = true) {
+    if (s_.contact_step == step - 1) {
+      if (resume(place, u, v, list, totals, most)) return Solution::solved;
+      if (t_.compliance > 0.0 && s_.contact_nodes > many)
+        return anywhere ? newton(place, u, v, list, totals, most) : Solution::crowded;
+    }
+    return seek(place, u, v, list, totals, most, anywhere);
   }
 
  private:
@@ -163,7 +177,7 @@ class Complementarity {
   /// The careful way, from no force on.
   template <class List>
   KOKKOS_FUNCTION Solution seek(const Place& place, Real* u, Real* v, const List& list,
-                                ContactTotals<Real>& totals, double& most) {
+                                ContactTotals<Real>& totals, double& most, bool anywhere) {
     Real now[K];
     for (int p = 0; p < K; ++p) now[p] = u[p];
     count_ = 0;
@@ -176,6 +190,14 @@ class Complementarity {
       double over = t_.touch + wide;
       const int worst = most_overlapping(place, now, nodes, over);
       if (worst < 0) break;
+      if (t_.compliance > 0.0 && count_ == many) {
+        release();
+        return anywhere ? newton(place, u, v, list, totals, most) : Solution::crowded;
+      }
+      if (round % 16 == 15 && is_interrupted(t_)) {
+        result = Solution::interrupted;
+        break;
+      }
       result = round < rounds ? press(place, worst, over) : Solution::blocked;
       if (result != Solution::solved) break;
       if (count_ > 1 || let_go_) settle(place, u);
@@ -187,10 +209,166 @@ class Complementarity {
       if (round == 4) wide = rounding_of(now, u);
     }
     if (result == Solution::solved && count_ > 0) finish(place, u, v, totals);
+    release();
+    return result;
+  }
+
+  KOKKOS_FUNCTION void release() {
     for (int j = 0; j < count_; ++j)
       if (lanes_.leader()) s_.pressed_place[s_.pressed[j]] = -1;
     lanes_.sync();
-    return result;
+    count_ = 0;
+  }
+
+  // ---- many nodes on springs
+
+  /// With u = U* + D w, D = sqrt(b), the end of the step is where the convex function
+  ///
+  ///   E(w) = w^2/2 + sum_n max(0, o_n(u))^2 / (2 compliance)
+  ///
+  /// is least: its slope is w + D sum_n f_n phi_n, f_n = max(0, o_n)/compliance. E is quadratic as long as
+  /// the same nodes overlap, so Newton's step with those goes to the end at once, or is shortened until E
+  /// falls (Armijo). It ends after two steps in a row that move no overlap by more than the roundings of a
+  /// gap or of the modes' sums: after the first, nodes may have come to touch or let go by as much.
+  template <class List>
+  KOKKOS_FUNCTION Solution newton(const Place& place, Real* u, Real* v, const List& list,
+                                  ContactTotals<Real>& totals, double& most) {
+    constexpr int rows = K * Lanes::width, rounds = 200, halvings = 40;
+    if (s_.pressed_capacity < (rows > many ? rows : many)) return Solution::crowded;
+    Real d[K], w[K], now[K], slope[K], next[K], at[K], next_slope[K];
+    for (int p = 0; p < K; ++p) {
+      d[p] = Kokkos::sqrt(receptance(p));
+      w[p] = Real(0.0);
+      now[p] = u[p];
+    }
+    bool rests = false;
+    int nodes = list(now);
+    double energy = descend(place, now, nodes, d, w, slope, most);
+    for (int round = 0; round < rounds; ++round) {
+      if (is_interrupted(t_)) return Solution::interrupted;
+      solve_newton(place, now, nodes, d, slope, next);
+      Real part = slope[0] * next[0];
+      for (int p = 1; p < K; ++p) part = multiply_add(slope[p], next[p], part);
+      const double fall = lanes_.sum(part);
+      double share = 1.0;
+      for (int half = 0; half < halvings; ++half, share *= 0.5) {
+        Real to[K];
+        for (int p = 0; p < K; ++p) {
+          to[p] = multiply_add(share, next[p], w[p]);
+          at[p] = multiply_add(d[p], to[p], u[p]);
+        }
+        nodes = list(at);
+        const double there = descend(place, at, nodes, d, to, next_slope, most);
+        // the second is what roundings do to sums of squares
+        if (there <= energy + 1e-4 * share * fall + 1e-13 * energy || half + 1 == halvings) {
+          energy = there;
+          for (int p = 0; p < K; ++p) w[p] = to[p];
+          break;
+        }
+      }
+      Real moved(0.0);
+      for (int p = 0; p < K; ++p) {
+        moved = multiply_add(lanes_.load(t_.largest_shape + p * Lanes::width),
+                             Kokkos::abs(at[p] - now[p]), moved);
+        now[p] = at[p];
+        slope[p] = next_slope[p];
+      }
+      const bool rested = rests;
+      rests = lanes_.sum(moved) <= t_.touch + rounding_of(now, u);
+      if (!rests || !rested) continue;
+      list_touching(place, now, nodes, totals);
+      end_step(place, u, v, totals);
+      return Solution::solved;
+    }
+    return Solution::blocked;
+  }
+
+  /// E at w, where the modes are at `now`, and its slope. `most` learns of the forces there.
+  KOKKOS_FUNCTION double descend(const Place& place, const Real* now, int nodes, const Real* d,
+                                 const Real* w, Real* slope, double& most) const {
+    const double stiffness = 1.0 / t_.compliance;
+    Real phi[K], square = w[0] * w[0];
+    for (int p = 0; p < K; ++p) slope[p] = Real(0.0);
+    for (int p = 1; p < K; ++p) square = multiply_add(w[p], w[p], square);
+    double work = 0.0, force = 0.0;
+    for (int e = 0; e < nodes; ++e) {
+      contact_.shape(s_.watch[e], place.offset, phi);
+      const double over = contact_.overlap(s_.watch[e], place.theta, phi, now);
+      if (!(over > 0.0)) continue;
+      const double f = stiffness * over;
+      work += f * over;
+      force += f;
+      for (int p = 0; p < K; ++p) slope[p] = multiply_add(f, phi[p], slope[p]);
+    }
+    for (int p = 0; p < K; ++p) slope[p] = multiply_add(d[p], slope[p], w[p]);
+    if (force > most) most = force;
+    return 0.5 * (lanes_.sum(square) + work);
+  }
+
+  /// Newton's step from a slope: with the nodes that overlap at `now` it solves
+  /// (I + D sum_n phi_n phi_n^T D / compliance) step = -slope.
+  KOKKOS_FUNCTION void solve_newton(const Place& place, const Real* now, int nodes, const Real* d,
+                                    const Real* slope, Real* step) {
+    constexpr int width = Lanes::width, rows = K * width;
+    const double stiffness = 1.0 / t_.compliance;
+    lanes_.sync();
+    for (int i = 0; i < rows; ++i)
+      for (int p = 0; p < K; ++p) lanes_.store(&factor(i, p * width), Real(0.0));
+    for (int p = 0; p < K; ++p) lanes_.store(s_.share + p * width, -slope[p]);
+    for (int e = 0; e < nodes; ++e) {
+      Real phi[K];
+      contact_.shape(s_.watch[e], place.offset, phi);
+      if (!(contact_.overlap(s_.watch[e], place.theta, phi, now) > 0.0)) continue;
+      lanes_.sync();
+      for (int p = 0; p < K; ++p) {
+        phi[p] = d[p] * phi[p];
+        lanes_.store(s_.across + p * width, phi[p]);
+      }
+      lanes_.sync();
+      for (int i = 0; i < rows; ++i) {
+        const double left = stiffness * s_.across[i];
+        if (left == 0.0) continue;  // of a lane without a mode
+        for (int p = 0; p < K; ++p)
+          lanes_.store(&factor(i, p * width),
+                       multiply_add(left, phi[p], lanes_.load(&factor(i, p * width))));
+      }
+    }
+    lanes_.sync();
+    count_ = rows;
+    if (lanes_.leader()) {
+      for (int i = 0; i < rows; ++i)  // Cholesky; the eigenvalues are 1 and more
+        for (int j = 0; j <= i; ++j) {
+          double sum = factor(i, j) + (i == j ? 1.0 : 0.0);
+          for (int l = 0; l < j; ++l) sum -= factor(i, l) * factor(j, l);
+          factor(i, j) = i == j ? Kokkos::sqrt(sum) : sum / factor(j, j);
+        }
+      solve_lower();
+      solve_upper();
+    }
+    count_ = 0;
+    lanes_.sync();
+    for (int p = 0; p < K; ++p) step[p] = lanes_.load(s_.share + p * width);
+    lanes_.sync();
+  }
+
+  /// The nodes that carry force where the modes are at `now`.
+  KOKKOS_FUNCTION void list_touching(const Place& place, const Real* now, int nodes,
+                                     ContactTotals<Real>& totals) {
+    Real phi[K];
+    totals.touched = 0;
+    lanes_.sync();
+    for (int e = 0; e < nodes; ++e) {
+      const int node = s_.watch[e];
+      contact_.shape(node, place.offset, phi);
+      const double over = contact_.overlap(node, place.theta, phi, now);
+      if (!(over > 0.0)) continue;
+      if (lanes_.leader()) {
+        s_.touched[totals.touched] = node;
+        s_.touched_force[totals.touched] = over / t_.compliance;
+      }
+      ++totals.touched;
+    }
+    lanes_.sync();
   }
 
   KOKKOS_FORCEINLINE_FUNCTION Real receptance(int p) const {
@@ -433,9 +611,14 @@ class Complementarity {
       }
     }
     lanes_.sync();
+    for (int j = 0; j < count_; ++j) totals.touched += s_.pressed_force[j] > 0.0 ? 1 : 0;
+    end_step(place, u, v, totals);
+  }
+
+  /// The end of the step under the forces of the nodes that are listed as touching.
+  KOKKOS_FUNCTION void end_step(const Place& place, Real* u, Real* v, ContactTotals<Real>& totals) {
     Real push[K], bend[K], phi[K], slope[K];
     for (int p = 0; p < K; ++p) push[p] = bend[p] = Real(0.0);
-    for (int j = 0; j < count_; ++j) totals.touched += s_.pressed_force[j] > 0.0 ? 1 : 0;
     for (int e = 0; e < totals.touched; ++e) {
       const int node = s_.touched[e];
       const double f = s_.touched_force[e];

@@ -99,7 +99,7 @@ class ContactStep {
         recorder_{recorder} {}
 
   /// From y on, which stands at `place`. False, with nothing done, when a list would not cover the
-  /// step, or (Form::implicit) when its forces cannot be found.
+  /// step, or (Form::implicit) when its forces cannot be found or the launch is to end.
   template <class NodesToLookAt>
   KOKKOS_FORCEINLINE_FUNCTION bool operator()(Motion<Lanes, K>& y, const Weights& w, Place& place,
                                               NodesToLookAt& nodes) {
@@ -191,7 +191,8 @@ class ContactStep {
     ContactTotals<Real> totals;
     double most = 0.0;
     const auto list = [&](const Real* at) { return nodes.find(at, v, place); };
-    const Solution found = solve_(place, y.step + 1, u, v, list, totals, most);
+    const Solution found =
+        solve_(place, y.step + 1, u, v, list, totals, most, !NodesToLookAt::may_end);
     if (found != Solution::solved) return NodesToLookAt::may_end ? false : fail(found);
     if (!nodes.covers(most, totals.force)) return false;
     if (t_.moving_forces > 0)
@@ -208,6 +209,7 @@ class ContactStep {
     return true;
   }
   KOKKOS_FUNCTION bool fail(Solution found) {
+    if (found == Solution::interrupted) return false;  // the launch ends before this step
     if (lanes_.leader()) s_.status = found == Solution::blocked ? Status::blocked : Status::crowded;
     lanes_.sync();
     return false;

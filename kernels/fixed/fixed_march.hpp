@@ -151,8 +151,11 @@ class FixedMarch {
           candidates_.look_ahead(now_.u, now_.v, now_.step, next, recorder_.usual_force());
       if (plan.kind == Outlook::fly)
         fly(plan.steps);
-      else if (plan.kind == Outlook::look || !watch(plan))
+      else if (plan.kind == Outlook::look || !watch(plan)) {
+        const std::int64_t before = now_.step;
         look(1);
+        if (now_.step == before) break;  // it failed, or was interrupted
+      }
     }
   }
 

@@ -137,6 +137,17 @@ class Solver {
     return solve();
   }
 
+  /// With so many that carried force then.
+  Answer after(int nodes) {
+    s_.contact_step = step - 1;
+    s_.contact_nodes = nodes;
+    return solve();
+  }
+  Solver& interrupted_by(const int* flag) {
+    t_.interrupted = flag;
+    return *this;
+  }
+
  private:
   static constexpr std::int64_t step = 7;
   const Problem& p_;
@@ -806,6 +817,81 @@ TEST(Complementarity, SpringsCarryForceAtMoreNodesThanThereAreModes) {
   // each force is a difference of displacements: wrong by the roundings of an overlap over c
   for (int n = 0; n < 300; ++n)
     EXPECT_NEAR(a.force[n], 1e-6 / (300 * 1e-9 + 1e-8), 2 * rounding_of(p, a) / p.compliance);
+}
+
+// ---- many nodes on springs ----------------------------------------------------------------------
+
+/// Looks at the nodes that are enough for any number of them: one for each node that is pressed before
+/// Newton's method takes over, and some for its steps.
+constexpr int enough_looks = Complementarity<HostLanes, K>::many + 100;
+
+TEST(Complementarity, ManyNodesOnSpringsMeetTheSameConditions) {
+  Dice dice(20261122);
+  int many = 0;
+  for (int trial = 0; trial < 12; ++trial) {
+    const int nodes = 700;
+    Made m = made_problem(dice, Shapes::mesh, nodes, 1 + dice.pick(most_modes), 500);
+    if (m.problem.compliance == 0) continue;
+    // where springs are softer than all nodes together, roundings of overlaps stay what they are
+    const double own = m.problem.across().diagonal().maxCoeff();
+    const double softer = own * nodes * std::pow(10, dice.uniform(0, 3));
+    m.problem.face += (softer - m.problem.compliance) * m.force;
+    m.problem.compliance = softer;
+    const Answer all = solve(m.problem), overlapping = solve(m.problem, Listing::overlapping);
+    expect_conditions(m.problem, all);
+    expect_near(m.problem, all, m.u, m.force);
+    EXPECT_LE(all.looks, enough_looks);
+    many += all.touched > Complementarity<HostLanes, K>::many;
+    // which nodes are looked at beside those that overlap changes no bit
+    EXPECT_EQ(all.u, overlapping.u);
+    EXPECT_EQ(all.force, overlapping.force);
+  }
+  EXPECT_GE(many, 4);
+}
+
+/// Flat on flat: n springs k under a plate that moves as a whole, u = (u* - n k b phi face)/(1 + n k b phi^2).
+Problem flat_on_flat(int nodes, double compliance) {
+  Problem p;
+  p.phi = Matrix::Constant(nodes, 1, 2.0);
+  p.face = Vector::Constant(nodes, -1e-6);
+  p.yield = Vector::Constant(1, 1e-3);
+  p.free = Vector::Constant(1, 2e-6);
+  p.compliance = compliance;
+  return p;
+}
+
+TEST(Complementarity, FlatOnFlatOnSpringsIsTheClosedForm) {
+  for (const double compliance : {1e-6, 1e-3, 1e3}) {
+    const Problem p = flat_on_flat(1000, compliance);
+    const Answer a = solve(p);
+    ASSERT_EQ(a.solution, Solution::solved);
+    const double k = 1000 / compliance, pull = k * 1e-3 * 2.0;
+    const double u = (2e-6 + pull * 1e-6) / (1 + 2 * pull);
+    EXPECT_NEAR(a.u[0], u,
+                (2 + pull) * 64 * ulp * 2e-6);  // roundings of 1000 overlaps, as stiff as they are
+    EXPECT_NEAR(a.total, k * (2 * u - 1e-6), k * (2 + pull) * 128 * ulp * 2e-6);
+    EXPECT_EQ(a.touched, 1000);
+    EXPECT_LE(a.looks, enough_looks);
+  }
+}
+
+TEST(Complementarity, ManyNodesOfTheStepBeforeAreNotPressedOneByOne) {
+  const Problem p = flat_on_flat(1000, 1.0);
+  Solver solver(p);
+  EXPECT_LE(solver.after(1000).looks, 10);
+  EXPECT_GT(solver.after(Complementarity<HostLanes, K>::many).looks, 256);
+}
+
+TEST(Complementarity, AnInterruptEndsTheSearch) {
+  const int interrupted = 1;
+  const Problem p = flat_on_flat(1000, 1.0), few = flat_on_flat(8, 1.0);
+  for (const int before : {0, 1000}) {
+    const Answer a = Solver(p).interrupted_by(&interrupted).after(before);
+    EXPECT_EQ(a.solution, Solution::interrupted);
+    EXPECT_EQ(a.u, p.free);  // nothing is done
+    EXPECT_LE(a.looks, 17);
+  }
+  EXPECT_EQ(Solver(few).interrupted_by(&interrupted).after(0).solution, Solution::solved);
 }
 
 }  // namespace
