@@ -17,7 +17,8 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double fewest_steps = 5;    // to a sampling length
-constexpr double short_share = 1e-3;  // that sampling lengths may be short of
+constexpr double short_share = 1e-3;  // that sampling lengths may be short of ...
+constexpr double largest_part = 0.5;  // ... and of thousands of them no whole one
 constexpr double much_tilt = 0.5;     // of the mean square height
 constexpr double much_offset = 0.1;   // of the root mean square height
 
@@ -81,11 +82,9 @@ double half_of(double cutoff, double spacing) { return std::round(0.5 * cutoff /
 }  // namespace
 
 std::size_t fitting_lengths(std::size_t left, double points) {
-  const double short_by = (1 - short_share) * points;
-  const auto lengths = static_cast<std::size_t>(static_cast<double>(left) / short_by);
-  // less than 0.1 %, not just as much
-  const bool just = static_cast<double>(lengths) * short_by >= static_cast<double>(left);
-  return lengths - (just && lengths > 0 ? 1 : 0);
+  const double lengths = static_cast<double>(left) / points, next = std::floor(lengths) + 1;
+  const bool is_nearly_next = next - lengths < std::min(short_share * next, largest_part);
+  return static_cast<std::size_t>(is_nearly_next ? next : next - 1);
 }
 
 std::size_t fitting_filtered(std::size_t nodes, double spacing, double cutoff) {

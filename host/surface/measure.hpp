@@ -45,8 +45,8 @@ struct Measurement {
 };
 
 /// How many sampling lengths of `points` points (which need not be whole) fit into `left` of them. They
-/// may be short of it by less than 0.1 %: an instrument that cuts its profile into whole points drops
-/// the rest of a point at each sampling length.
+/// may be short of it by less than 0.1 %, and half a sampling length: an instrument that cuts its profile
+/// into whole points drops the rest of a point at each sampling length.
 std::size_t fitting_lengths(std::size_t left, double points);
 
 /// The same of a profile of `nodes` points that is filtered first, and loses half a cutoff at each end.

@@ -76,13 +76,14 @@ TEST(Measure, DropsHalfACutoffAtEachEndAndTakesFiveSamplingLengths) {
 TEST(Measure, SamplingLengthsMayBeShortByLessThanAThousandth) {
   EXPECT_EQ(fitting_lengths(6664, 2.5e-3 / 1.5e-6), 4);  // 1666 points each: short by 0.04 %
   EXPECT_EQ(fitting_lengths(1666, 2.5e-3 / 1.5e-6), 1);
-  EXPECT_EQ(fitting_lengths(6660, 2.5e-3 / 1.5e-6), 3);  // short by 0.1 %
+  EXPECT_EQ(fitting_lengths(6659, 2.5e-3 / 1.5e-6), 3);  // 6660 would be short by 0.1 %
   EXPECT_EQ(fitting_lengths(6661, 2.5e-3 / 1.5e-6), 4);
-  for (const std::size_t n : {1, 5, 999}) {
+  for (const std::size_t n : {1, 5, 400}) {
     EXPECT_EQ(fitting_lengths(1000 * n, 1000), n);
-    EXPECT_EQ(fitting_lengths(999 * n, 1000), n - 1);
+    EXPECT_EQ(fitting_lengths(999 * n - 1, 1000), n - 1);
     EXPECT_EQ(fitting_lengths(999 * n + 1, 1000), n);
   }
+  EXPECT_EQ(fitting_lengths(2'000'000, 1000), 2000);  // 0.1 % of them would be two more
   EXPECT_EQ(fitting_lengths(0, 1000), 0);
   EXPECT_EQ(fitting_filtered(6664 + 1666, 1.5e-6, 2.5e-3), 4);
   EXPECT_EQ(fitting_filtered(1666, 1.5e-6, 2.5e-3), 0);
