@@ -74,10 +74,9 @@ class Build:
 
     def link(self, target, objects, made):
         """Links `target` as the file `made`, with faulty objects for sound ones."""
-        words = [objects.get(word, word) for word in self.link_of(target)]
-        # objects of a library: the program's own go first, so that the library's are not taken
-        words[words.index("-o") + 1 : words.index("-o") + 2] = [made, *(
-            mine for mine in objects.values() if mine not in words)]
+        words = [word for word in self.link_of(target) if word not in objects]
+        # First: of a function that stands in several objects, as those of templates do, the linker takes the first.
+        words[words.index("-o") + 1 : words.index("-o") + 2] = [made, *objects.values()]
         done = shell(words, self.folder, COMPILE_LIMIT)
         if done.returncode != 0:
             raise Broken("does not link: " + done.stdout[-300:])

@@ -189,7 +189,7 @@ TEST(CandidatesProof, TheWaysCurvatureIsReachedOnAFlankThatGrows) {
 /// are for.
 constexpr int wide = 256;
 const double radius = BodiesByHand::radius_of(wide), beta_of_wide = 0.25 / radius;
-const double z = beta_of_wide * (radius - 1), left_out = std::cos(z) - (1 - z * z / 2);
+const double z = beta_of_wide * (0.5 * wide + width / 2), left_out = std::cos(z) - (1 - z * z / 2);
 struct NodeAtTheEdge : OneNode {
   NodeAtTheEdge() : OneNode({{beta_of_wide, 1.5 * wide}}, wide) {
     t.position = wide - width / 2;
@@ -288,6 +288,52 @@ TEST(CandidatesProof, AWatchLastsUntilItsForcesReachTheLeeway) {
   EXPECT_GT(plan.steps, 20);
   EXPECT_LE(comes(plan.steps), not_listed) << "it touches within the watch";
   EXPECT_GE(comes(plan.steps + 2), not_listed) << "the watch could last longer";
+}
+
+TEST(CandidatesProof, AListUnderForcesYetToBeFoundCoversJustItsLeeway) {
+  // The same where the force is found with the end of a step: the list counts what it has done.
+  constexpr double force = 1e-6, guess = 0.01 * force, push = 1e-9;
+  constexpr int last = nodes - 1;
+  std::vector<double> tilt(nodes, 0.0);
+  tilt[0] = 1, tilt[last] = -1;
+  BodiesByHand bodies({}, {tilt}, nodes);
+  bodies.t.position = 8, bodies.t.longest_look = 4 * often, bodies.t.least_reach = 0.01;
+  bodies.t.form = Form::implicit;
+  const Amplitudes still{};
+  for (int n = 0; n < nodes; ++n) bodies.height1[n] = n == 0 ? 0 : -9;
+  double listed = 0, not_listed = 1;
+  Outlook plan{};
+  for (int i = 0; i < 60; ++i) {
+    const double open = 0.5 * (listed + not_listed);
+    bodies.height1[last] = -open;
+    const Outlook found = look_ahead(bodies, still, still, guess);
+    ASSERT_EQ(found.kind, Outlook::watch);
+    if (bodies.watched(last, found.count))
+      listed = open;
+    else
+      not_listed = open, plan = found;
+  }
+  ListedNodes nodes_listed(plan);
+  int n = 0;
+  while (nodes_listed.covers(force, force)) ++n;
+  EXPECT_GT(n, 20);
+  EXPECT_LE(0.5 * n * (n + 1) * force, not_listed) << "it touches at a step that is covered";
+  EXPECT_GE(0.5 * (n + 1) * (n + 2) * force, not_listed) << "more would have been covered";
+  // and what outer forces do beside it, in the same units
+  bodies.push[0] = push;
+  const Outlook pushed = look_ahead(bodies, still, still, guess);
+  ASSERT_EQ(pushed.kind, Outlook::watch);
+  EXPECT_NEAR(pushed.line / pushed.kick, 0.5 * push, 1e-12 * push);
+  for (const bool of_line : {true, false}) {
+    constexpr int exactly = 30;
+    Outlook outlook{Outlook::watch, 100, 1};
+    (of_line ? outlook.line : outlook.kick) =
+        (1 - 1e-9) / (exactly * (exactly + 1.0)) / (of_line ? 1 : 0.5 * force);
+    ListedNodes by_hand(outlook);
+    int covered = 0;
+    while (by_hand.covers(of_line ? 0 : force, of_line ? 0 : force)) ++covered;
+    EXPECT_EQ(covered, exactly);
+  }
 }
 
 TEST(CandidatesProof, AWatchListsWhatTheWaysCurvatureBrings) {

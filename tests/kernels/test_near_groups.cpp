@@ -366,7 +366,7 @@ TEST(NearGroupsProof, WhatACubicOverAPatchLeavesOutIsReachedAtItsEdge) {
   u[0] = 1;
   bodies.slope[0] = 0;  // nor is any bend to be taken for it
   bodies.set_overlap(0, 0, u, bodies.t.position);
-  const double z = beta * (radius - 2), left_out = std::cos(z) - (1 - z * z / 2);
+  const double z = beta * (0.5 * wide + width / 2 - 1), left_out = std::cos(z) - (1 - z * z / 2);
   EXPECT_GT(left_out, 0.9 * bodies.tail[0]);
   EXPECT_TRUE(Look{}.lists(bodies, u));
   EXPECT_NEAR(Look{}.widest(bodies, u), bodies.tail[0] - left_out, 1e-12);
@@ -410,7 +410,7 @@ TEST(NearGroupsProof, AFarListReachesAsFarAsAGroupGetsFromItsPatch) {
   near.find(test::Packs(u).u, Place(t, 0), 1e-6, 0, 0);
   EXPECT_EQ(near.count(), 1);
   // three chi less than where it stands would have done
-  const double stands = 0.5 * wide + 1.5 * width - 2;
+  const double stands = 0.5 * wide + 2 * width - width / 2 - 2;
   const double bound = BodiesByHand::radius_of(wide) + width;
   EXPECT_NEAR(bodies.s.far_top[0], bound - stands, 1e-3);
   EXPECT_GT(stands, 0.9 * bound);
