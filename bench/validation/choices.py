@@ -10,7 +10,6 @@ Two scenes must have the same shocks: heights and load, both four times as large
 times as large, and no time changes. A power of two rounds nothing.
 """
 import numpy as np
-import xarray
 from scipy import stats
 
 import common
