@@ -84,7 +84,7 @@ std::string ending_of(int status, double memory, double seconds) {
 
 ChildAnswer ask_in_child(const std::function<std::string()>& ask, double memory, double seconds) {
   int ends[2];
-  if (pipe2(ends, O_CLOEXEC) != 0) return {{}, std::strerror(errno)};
+  if (pipe2(ends, O_CLOEXEC) != 0) return {false, {}, std::strerror(errno)};
   const pid_t parent = getpid(), child = fork();
   if (child == 0) {
     close(ends[0]);
@@ -102,12 +102,12 @@ ChildAnswer ask_in_child(const std::function<std::string()>& ask, double memory,
       break;
   }
   close(ends[0]);
-  if (child < 0) return {{}, fmt::format("could not be started: {}", std::strerror(error))};
+  if (child < 0) return {false, {}, std::strerror(error)};
   int status = 0;
   while (waitpid(child, &status, 0) < 0)
-    if (errno != EINTR) return {{}, std::strerror(errno)};
+    if (errno != EINTR) return {true, {}, std::strerror(errno)};
   if (WIFEXITED(status) && WEXITSTATUS(status) == answered) return found;
-  return {{}, ending_of(status, memory, seconds)};
+  return {true, {}, ending_of(status, memory, seconds)};
 }
 
 }  // namespace ra2d

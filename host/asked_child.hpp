@@ -7,6 +7,7 @@ namespace ra2d {
 
 /// What a child process has answered, or how it came to its end without an answer.
 struct ChildAnswer {
+  bool asked = true;  // false: the system started no process
   std::string text;
   std::string fault;  // "ended by signal 11 (Segmentation fault)"; empty where it has answered
 };

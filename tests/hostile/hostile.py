@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Attempts on ra2d: scenes and profiles at fault, kills, signals; and whether runs that were cut off go on.
+"""Attempts on ra2d: scenes, profiles and results at fault, kills, signals; and whether runs that were cut off go on.
 
     hostile.py PROGRAM PART [--times N] [--share I/N] [--seed S] [--kills N]
 
-PART: scenes, profiles, kills, signals, resumes or studies. --times multiplies the random cases; --share runs every Nth case
+PART: scenes, profiles, kills, signals, resumes, studies or readers. --times multiplies the random cases; --share runs every Nth case
 from the Ith (from 1) on. Prints how many there were and how they ended. The status is 1 if there were fewer than --kills kills of those that
 go on, if they went on from checkpoints less than once a case, or if one of them
 
@@ -13,7 +13,9 @@ go on, if they went on from checkpoints less than once a case, or if one of them
 - harmed an earlier result: it stands byte for byte, or a whole new file does;
 - left anything else behind, or changed an input;
 - went on from a kill or a signal to other bits than a run that was left alone;
-- printed more than 20 kB on stderr, or a control character.
+- printed more than 20 kB on stderr, or a control character;
+- made anything of a result, a study's table or a kept result that was damaged or changed (part readers), or called it
+  complete or whole.
 """
 import argparse
 import hashlib
@@ -37,6 +39,7 @@ from pathlib import Path
 
 import h5py
 import numpy
+import xxhash
 
 EARLIER = b"an earlier result\n"
 BESIDE = ("out.h5.parts", "out.h5.checkpoint", "out.h5.checkpoint.previous")  # of a run that was cut off
@@ -661,9 +664,246 @@ def try_study(program, case, dice):
     return folder, status, found
 
 
+# ---- results that were damaged, changed or forged
+
+
+MADE = {}  # what the cases begin with, made once: the bytes of a result, and a study's folder
+READERS = {"analyze": ["analyze", "out.h5"], "json": ["analyze", "out.h5", "--json"], "report": ["report", "out.h5", "-o", "page.html"],
+           "sound": ["sound", "out.h5", "-o", "noise.wav"], "plot": ["plot", "out.h5", "-o", "picture.png"],
+           "check": ["check", "out.h5"], "run": ["run", "s.toml", "-o", "out.h5"],
+           "several": ["analyze", "whole.h5", "out.h5"]}
+SEAL = 64  # bytes
+
+
+def sealed(data):
+    """As a forger does it."""
+    return data + f"ra2d seal 1 {len(data):018} {xxhash.xxh3_128_hexdigest(data)}\n".encode()
+
+
+def make_once(program):
+    if MADE:
+        return
+    folder = Folder(PLAIN.replace("duration = 2e-5", "duration = 1e-3"))
+    (folder.path / "study.toml").write_text(
+        'base = "s.toml"\nkeep = ["level", "shocks", "files"]\nseeds = 2\n[vary]\nspeed = { key = "scene.speed", values = [0.2, 0.5] }\n')
+    for words in (["run", "s.toml", "-o", "whole.h5"], ["study", "study.toml", "-o", "study"]):
+        if end(start(program, words, folder)) != 0:
+            sys.exit(f"{words} failed: {printed(folder)[1][-300:]!r}")
+    MADE["result"] = (folder.path / "whole.h5").read_bytes()
+    MADE["study"] = {path.relative_to(folder.path): path.read_bytes()
+                     for path in sorted((folder.path / "study").rglob("*")) if path.is_file()}
+    MADE["inputs"] = {name: (folder.path / name).read_bytes() for name in ("s.toml", "study.toml")}
+    with open(folder.path / "whole.h5", "rb") as file:
+        MADE["metadata"] = places_of_metadata(file)
+    folder.close()
+
+
+def places_of_metadata(file):
+    """Bytes of a result that are neither samples nor zeros: where HDF5 may stumble."""
+    data = file.read()[:-SEAL]
+    is_meta = bytearray(b"\1" * len(data))
+    with h5py.File(file.name) as results:
+        def visit(_, node):
+            if not isinstance(node, h5py.Dataset):
+                return
+            chunks = [node.id.get_chunk_info(i) for i in range(node.id.get_num_chunks())] if node.chunks else []
+            parts = [(chunk.byte_offset, chunk.size) for chunk in chunks]
+            if not node.chunks and node.id.get_offset():
+                parts = [(node.id.get_offset(), node.id.get_storage_size())]
+            for at, size in parts:
+                is_meta[at:at + size] = bytes(size)
+        results.visititems(visit)
+    return [at for at, meta in enumerate(is_meta) if meta and data[at]]
+
+
+def spoil_bytes(data, way, dice):
+    """Damage that no program has made on purpose."""
+    data = bytearray(data)
+    at, size = dice.randrange(len(data)), dice.randrange(1, 5000)
+    if way == "bit":
+        data[at] ^= 1 << dice.randrange(8)
+    elif way == "bit of the metadata":
+        data[dice.choice(MADE["metadata"])] ^= 1 << dice.randrange(8)
+    elif way == "bit of the seal":
+        data[-1 - dice.randrange(SEAL)] ^= 1 << dice.randrange(8)
+    elif way == "cut":
+        del data[dice.choice([at, 5000, len(data) - 1, len(data) - SEAL, 8, 0]):]
+    elif way == "longer":
+        data += dice.choice([b"\n", bytes(size), data[-SEAL:], bytes(data)])
+    elif way == "zeros":
+        data[at:at + size] = bytes(len(data[at:at + size]))
+        data[0] ^= 1  # there may have been zeros
+    elif way == "moved":
+        other = dice.randrange(len(data))
+        part = data[other:other + size]
+        del data[other:other + size]
+        data[at % max(1, len(data)):0] = part
+        data[0] ^= 1
+    return bytes(data)
+
+
+def first_number(file):
+    return file["contact/force"] if "contact/force" in file else file["v_rms"]
+
+
+EDITS = {  # what h5py makes of a file, on purpose
+    "opened to be written": lambda file: None,
+    "scene": lambda file: file.attrs.modify("scene" if "scene" in file.attrs else "base", "x = 1\n"),
+    "complete": lambda file: file.attrs.modify("complete", 0),
+    "unit": lambda file: first_number(file).attrs.modify("units", "km"),
+    "value": lambda file: first_number(file).__setitem__(..., 0.25),
+    "added": lambda file: file.create_dataset("new", data=[1.0]),
+    "removed": lambda file: file.__delitem__("contact" if "contact" in file else "contact_share"),
+    "renamed": lambda file: file.move("energy" if "energy" in file else "energy_closure", "other"),
+}
+
+
+def edited(data, edit, path):
+    path.write_bytes(data)
+    with h5py.File(path, "r+") as file:
+        edit(file)
+    return path.read_bytes()
+
+
+def forge(name, value):
+    """One number of a dataset, and its hash, so that nothing but the number itself is wrong."""
+    def edit(file):
+        for dataset in (file[path] for path in name.split()):
+            values = dataset[()]
+            if dataset.shape:
+                values[-1] = value
+            else:
+                values = numpy.float64(value)
+            dataset[...] = values
+            dataset.attrs.modify("xxh3_128", xxhash.xxh3_128_hexdigest(numpy.ascontiguousarray(values).tobytes()))
+    return edit
+
+
+FORGED = {  # numbers that no run comes to
+    "a shock without end": forge("shocks/duration", 1e300), "a shock longer than the run": forge("shocks/duration", 2e-3),
+    "a shock after the end": forge("shocks/start", 1e6), "a shock of no duration": forge("shocks/duration", math.nan),
+    "a shock elsewhere": forge("shocks/position", 7.0), "a time after the end": forge("time", 5e300),
+    "a frequency": forge("resonator/frequency", -1.0), "a frequency without end": forge("slider/frequency", math.inf),
+    "a probe elsewhere": forge("probes/position", 1e9), "a level": forge("level/lv summary/lv", 200.0),
+    "a velocity": forge("level/v_rms summary/v_rms", 1.0), "one of two levels": forge("level/lv", 1.0),
+    "a share": forge("summary/contact_share", 2.0), "a number of steps": lambda file: file.attrs.modify("steps", -5),
+    "a size": lambda file: file["shocks/start"].resize((10 ** 12,)), "a large size": lambda file: file["time"].resize((10 ** 6,)),
+}
+
+SPOILT = ["bit", "bit of the metadata", "bit of the seal", "cut", "longer", "zeros", "moved"]
+
+
+def reader_cases(times, dice):
+    cases = [(f"{way} {i}", "spoilt", way) for i in range(4 * times) for way in SPOILT]
+    cases += [(f"changed: {name}", "changed", name) for name in EDITS]
+    cases += [(f"forged: {name}", "forged", name) for name in FORGED]
+    cases += [(f"forged bit {i}", "forged bit", "") for i in range(30 * times)]
+    cases += [(f"study's {what}: {way} {i}", f"study {what}", way) for i in range(times) for what in ("table", "kept result")
+              for way in [*SPOILT, *EDITS]]
+    dice.shuffle(cases)
+    return cases
+
+
+def ask(program, folder, words, allowed, made=()):
+    """What is wrong with how a command ends. It may leave nothing but `made`."""
+    before = set(os.listdir(folder.path))
+    process = start(program, words, folder)
+    status = end(process)
+    out, err = printed(folder)
+    found = []
+    if status not in allowed:
+        found.append(f"{words[0]} ended with {status}: {err[-300:]!r}")
+    if status == 4 and not err.strip():
+        found.append(f"{words[0]} ended with 4 without a word")
+    if b"complete: nothing to do" in out and 0 not in allowed:
+        found.append(f"{words[0]} calls it complete")
+    if b"Sanitizer" in err or b"runtime error" in err:
+        found.append(f"{words[0]}: a sanitizer spoke: {err[:600]!r}")
+    if raw := raw_characters(out + err):
+        found.append(f"{words[0]} printed {raw}")
+    left = set(os.listdir(folder.path)) - before - {".stdout", ".stderr"} - set(made)
+    if status == 4 and left:
+        found.append(f"{words[0]} left {left}")
+    return status, out, err, found
+
+
+def try_reader(program, case, dice):
+    make_once(program)
+    _, kind, way = case
+    if kind.startswith("study"):
+        return try_study_reader(program, kind, way, dice)
+    folder = Folder(MADE["inputs"]["s.toml"])
+    result, whole = folder.path / "out.h5", MADE["result"]
+    (folder.path / "whole.h5").write_bytes(whole)
+    allowed = (4,)
+    commands = list(READERS)
+    if kind == "spoilt":
+        data = spoil_bytes(whole, way, dice)
+    elif kind == "changed":
+        data = edited(whole, EDITS[way], result)
+    elif kind == "forged":
+        data = sealed(edited(whole, FORGED[way], result))
+        commands.remove("run")  # which does not look at numbers that it does not use
+    else:  # the seal fits, and HDF5 may be led astray
+        data = bytearray(whole[:-SEAL])
+        for _ in range(dice.choice([1, 1, 8])):
+            data[dice.choice(MADE["metadata"])] = dice.randrange(256)
+        data = sealed(bytes(data))
+        commands, allowed = ["check"], (0, 4)
+    if data == whole:
+        return folder, 0, ["the case changed nothing"]
+    result.write_bytes(data)
+    found, status = [], None
+    for name in commands:
+        words = READERS[name]
+        # what neither begins nor ends as a result does is no result: a profile, perhaps
+        foreign = not data.startswith(b"\x89HDF\r\n\x1a\n") and b"ra2d seal " != data[-SEAL:][:10]
+        if foreign and name in ("plot", "run"):
+            continue
+        status, _, _, wrong = ask(program, folder, words, allowed)
+        found += wrong
+        if result.read_bytes() != data:
+            found.append(f"{name} changed the file")
+    if kind != "forged" and commands != ["check"]:
+        again = ask(program, folder, ["run", "s.toml", "-o", "out.h5", "--fresh"], (0,))
+        found += again[3]
+        found += ask(program, folder, ["check", "out.h5"], (0,))[3]
+    return folder, status, found
+
+
+def try_study_reader(program, kind, way, dice):
+    folder = Folder(MADE["inputs"]["s.toml"], {"study.toml": MADE["inputs"]["study.toml"]})
+    for path, content in MADE["study"].items():
+        (folder.path / path).parent.mkdir(parents=True, exist_ok=True)
+        (folder.path / path).write_bytes(content)
+    of_table = kind == "study table"
+    file = folder.path / ("study/results.h5" if of_table else dice.choice([p for p in MADE["study"] if p.parts[1] == "runs"]))
+    whole = file.read_bytes()
+    if way in EDITS:
+        data = edited(whole, EDITS[way], file)
+    else:
+        data = spoil_bytes(whole, "bit" if way == "bit of the metadata" else way, dice)
+    if data == whole:
+        return folder, 0, ["the case changed nothing"]
+    file.write_bytes(data)
+    found = []
+    status, _, err, wrong = ask(program, folder, ["check", "study"], (4,))
+    found += wrong + ([] if file.name.encode() in err else [f"check does not name {file.name}: {err[:300]!r}"])
+    if of_table:
+        for words in (["analyze", "study"], ["report", "study", "-o", "page.html"], ["plot", "study", "-o", "picture.png"]):
+            found += ask(program, folder, words, (4,))[3]
+        found += ask(program, folder, ["study", "merge", "study"], (0,))[3]
+    else:
+        _, _, err, wrong = ask(program, folder, ["study", "study.toml", "-o", "study"], (0,))
+        found += wrong + ([] if b"its run is made again" in err or not data else [f"the study says nothing: {err[:300]!r}"])
+    found += [f"afterwards: {what}" for what in ask(program, folder, ["check", "study"], (0,))[3]]
+    return folder, status, found
+
+
 PARTS = {"resumes": (resume_cases, try_resume), "studies": (study_cases, try_study),
          "scenes": (scene_cases, try_scene), "profiles": (profile_cases, try_profile),
-         "kills": (kill_cases, try_kill), "signals": (signal_cases, try_signal)}
+         "kills": (kill_cases, try_kill), "signals": (signal_cases, try_signal),
+         "readers": (reader_cases, try_reader)}
 
 
 def main():
