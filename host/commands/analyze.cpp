@@ -23,6 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* figures = "figures.csv";
 constexpr const char* tables[] = {"spectrum.csv", "bands.csv", "shocks.csv"};
 
 struct Request {
@@ -41,6 +42,14 @@ std::string prefix_of(const std::string& asked, const fs::path& result, bool sev
   return several ? asked + '-' + name : asked + '-';
 }
 
+/// The one table of all results: in the folder, or under the prefix.
+std::string figures_file(const Request& request) {
+  if (request.files.size() == 1)
+    return prefix_of(request.csv, request.files.front(), false) + figures;
+  const bool folder = !fs::path(request.csv).has_filename() || fs::is_directory(request.csv);
+  return folder ? (fs::path(request.csv) / figures).string() : request.csv + '-' + figures;
+}
+
 /// One for each result; before any is read.
 std::vector<std::string> choose_prefixes(const Request& request) {
   std::vector<std::string> prefixes;
@@ -54,6 +63,7 @@ std::vector<std::string> choose_prefixes(const Request& request) {
                       request.csv, prefixes.back(), tables[0]));
     for (const char* table : tables) require_output(prefixes.back() + table, request.files);
   }
+  require_output(figures_file(request), request.files);
   return prefixes;
 }
 
@@ -73,12 +83,19 @@ int analyze_study(const Request& request) {
     throw RequestError(
         "several files, and one of them a study's: expected one study, or results of 'ra2d run'");
   const AnalysisOptions& o = request.options;
-  if (!request.csv.empty() || o.resolution || o.segment || o.from || o.to || o.a_weighting)
+  if (o.resolution || o.segment || o.from || o.to || o.a_weighting)
     throw RequestError(
-        "--csv, --resolution, --segment, --from, --to and --a-weighting are of results of 'ra2d "
-        "run': a study takes --json alone");
+        "--resolution, --segment, --from, --to and --a-weighting are of results of 'ra2d run': a "
+        "study takes --json and --csv");
   const fs::path table = table_of(request.files.front());
+  std::string csv = request.csv;
+  if (!csv.empty()) {
+    const bool folder = !fs::path(csv).has_filename() || fs::is_directory(csv);
+    csv = folder ? (fs::path(csv) / "means.csv").string() : csv + "-means.csv";
+    require_output(csv, {table});
+  }
   const StudyAnswers answers = read_study_table(table);
+  if (!csv.empty()) write_text(csv, study_csv(answers));
   print_text(request.json ? study_json(answers) : describe_study(answers, table.string()));
   return done;
 }
@@ -97,6 +114,7 @@ int run_analysis(const Request& request) {
       say(fmt::format("{}: the run was cut short: {}", file.string(), analysis.ended));
   }
   for (std::size_t i = 0; i < prefixes.size(); ++i) write_tables(prefixes[i], analyses[i]);
+  if (!prefixes.empty()) write_text(figures_file(request), figures_csv(analyses));
   if (request.json) {
     print_text(json_of(analyses));
     return done;
@@ -105,6 +123,7 @@ int run_analysis(const Request& request) {
   if (analyses.size() > 1) print_text(describe_means(analyses));
   for (const std::string& prefix : prefixes)
     if (!request.quiet) print("  {:<17}{}{{spectrum,bands,shocks}}.csv\n", "written", prefix);
+  if (!prefixes.empty() && !request.quiet) print("  {:<17}{}\n", "written", figures_file(request));
   return done;
 }
 

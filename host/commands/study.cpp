@@ -29,6 +29,7 @@
 #include "host/interruption.hpp"
 #include "host/output_file.hpp"
 #include "host/partial_file.hpp"
+#include "host/study/law.hpp"
 #include "host/study/study_checkpoints.hpp"
 #include "host/study/study_status.hpp"
 #include "host/study/study_table.hpp"
@@ -42,6 +43,7 @@ namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t most_named = 5;        // points in a message
+constexpr std::size_t most_means = 24;       // combinations at the end
 constexpr std::size_t longest_reason = 300;  // bytes of a failure, on a line of its own
 
 struct StudyRequest {
@@ -346,6 +348,7 @@ int march_study(Known& known, const StudyFolder& folder, const Shard& shard,
     if (!device.empty())
       print("  {:<17}{}, up to {} side by side\n", "device", device, runs_text(own.most_at_once));
     print("  {:<17}{}\n", "table", printable(folder.table().string()));
+    print_text(describe_study(read_study_table(folder.table()), folder.path.string(), most_means));
   }
   say_failed(known, failed_now);
   if (cut && all.signal != 0) {

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/run/run_watch.hpp"
 #include "host/scene_file/scene_file.hpp"
 
 namespace ra2d {
@@ -60,6 +61,12 @@ void RunFiles::keep(const SceneRun& run, SavedState state, double wall,
   vouched_ = count;
   has_checkpoint_ = true;
   kept_ = std::chrono::steady_clock::now();
+}
+
+void RunFiles::show_recorded(RunWatch& watch) const {
+  if (!recording_) return;
+  recording_->each_block([&](const SampleBlock& samples) { watch.look_at(samples); },
+                         [&](const std::vector<Shock>& shocks) { watch.look_at(shocks); });
 }
 
 double RunFiles::close(const ResultSummary& summary) { return recording_->close(summary); }
