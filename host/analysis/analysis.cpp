@@ -68,7 +68,11 @@ class VelocityAnalysis {
  public:
   VelocityAnalysis(const ResultReader& reader, const Stretch& stretch, std::size_t segment,
                    Analysis& analysis)
-      : reader_{reader}, stretch_{stretch}, a_{analysis}, whole_{stretch.count, analysis.rate} {
+      : reader_{reader},
+        stretch_{stretch},
+        a_{analysis},
+        whole_{stretch.count, analysis.rate},
+        parts_{stretch.first, stretch.count, analysis.rate, reader.contents().mean_square.size()} {
     if (segment > 0) welch_.emplace(half_overlapping(analysis.rate, segment));
   }
 
@@ -82,6 +86,7 @@ class VelocityAnalysis {
     each_column("resonator/velocity", weights.size(), [&](std::size_t k, const auto& velocity) {
       if (weights[k] == 0) return;
       square += weights[k] * mean_square(velocity);
+      parts_.add_column(k, velocity);
       if (welch_) add(welch_->density(velocity), weights[k], a_.spectrum.mean);
       std::vector<double> lines;
       whole_.add(velocity, 1, lines);
@@ -91,6 +96,8 @@ class VelocityAnalysis {
                      place_of_mode(reader_.contents().resonator_frequency, k, a_.modal_damping));
     });
     if (!a_.whole) a_.v_rms = std::sqrt(square);
+    for (const Shock& shock : reader_.contents().shocks) parts_.add_shock(shock.start);
+    a_.history = parts_.history(weights);
     power.resize(whole_.lines());
     choose_bands();
     a_.bands.level = levels(power);
@@ -164,6 +171,7 @@ class VelocityAnalysis {
   Stretch stretch_;
   Analysis& a_;
   WholeSpectrum whole_;
+  LevelParts parts_;
   std::optional<Welch> welch_;
   std::vector<HalfPower> half_power_;  // of each mode
 };
@@ -180,12 +188,16 @@ PowerBalance powers_of(const ResultReader& reader, const Stretch& stretch, doubl
 }
 
 MeshTone mesh_tone(const std::optional<Scene>& scene, const Analysis& a) {
-  MeshTone tone{nan, false, nan};
+  MeshTone tone{nan, false, nan, nan};
   if (!scene || !(scene->speed > 0)) return tone;
   tone.frequency = scene->speed / scene->spacing;
   tone.in_spectrum = tone.frequency < a.rate / 2;
-  if (tone.in_spectrum && !a.spectrum.mean.empty())
-    tone.rise = rise_at({a.spectrum.resolution, a.spectrum.mean}, tone.frequency);
+  if (!tone.in_spectrum || a.spectrum.mean.empty()) return tone;
+  tone.rise = rise_at({a.spectrum.resolution, a.spectrum.mean}, tone.frequency);
+  if (std::isfinite(tone.rise))
+    tone.by_chance = rise_by_chance(a.spectrum.degrees_of_freedom) +
+                     rise_of_a_mode(a.natural_frequencies, a.modal_damping, tone.frequency,
+                                    a.spectrum.resolution);
   return tone;
 }
 
@@ -238,6 +250,8 @@ Analysis analyze(const std::filesystem::path& file, const AnalysisOptions& optio
   a.lv = level(a.v_rms);
   a.shocks = shock_statistics(contents.shocks, a.from, a.to);
   if (a.whole) a.shocks.rate = contents.summary.shock_rate;  // by the time that was counted
+  a.intervals = intervals_of_run(a.history, a.lv, a.shocks.rate,
+                                 ringing_of(a.natural_frequencies, a.modal_damping));
   a.energy = powers_of(reader, stretch, a.rate);
   a.energy_per_shock = a.shocks.count > 0 ? a.energy.given / a.shocks.rate : nan;
   a.mesh = mesh_tone(scene, a);

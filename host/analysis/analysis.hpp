@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "host/analysis/level_history.hpp"
+#include "host/analysis/mesh_tone.hpp"
 #include "host/analysis/peaks.hpp"
 #include "host/analysis/power_balance.hpp"
 #include "host/analysis/shock_statistics.hpp"
@@ -44,13 +46,6 @@ struct BandLevels {
   std::vector<std::vector<double>> level_probe;  // of each probe, not weighted
 };
 
-/// The tone of the mesh itself: a node of the slider passes one of the resonator.
-struct MeshTone {
-  double frequency = 0;      // Hz, speed / spacing; NaN where the scene is not known
-  bool in_spectrum = false;  // below half the rate of the samples
-  double rise = 0;           // dB, above the spectrum around it; NaN where that cannot be told
-};
-
 struct Analysis {
   std::filesystem::path file;
   std::string title;
@@ -61,6 +56,8 @@ struct Analysis {
   std::size_t samples = 0;    // in it
   bool whole = true;          // all that the file's own summary counts
   double v_rms = 0, lv = 0;   // m/s, dB; NaN where there is none
+  LevelHistory history;       // of the stretch, in 200 parts or fewer
+  IntervalsOfRun intervals;   // of lv and shocks.rate, by chance within this run
   double lv_a = 0;            // dB, A-weighted; NaN unless it was asked for
   double contact_share = 0;   // of the time; NaN unless the stretch is whole
   double energy_closure = 0;  // of the file's summary; NaN unless the stretch is whole

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
+#include <cmath>
 #include <iterator>
+#include <string>
 #include <utility>
 
 #include "host/analysis/analysis_text.hpp"
 #include "host/analysis/bands.hpp"
+#include "host/analysis/several.hpp"
 
 namespace ra2d {
 namespace {
@@ -64,6 +67,33 @@ std::string shocks_csv(const Analysis& a) {
     for (std::size_t i = 0; i < bins->counts.size(); ++i)
       text +=
           fmt::format("{},{},{},{}\n", name, bins->edges[i], bins->edges[i + 1], bins->counts[i]);
+  return text;
+}
+
+std::string figures_csv(const std::vector<Analysis>& analyses) {
+  const auto number = [](double value) {
+    return std::isfinite(value) ? fmt::format("{}", value) : std::string();
+  };
+  std::string text =
+      "of,level_dB,level_low_dB,level_high_dB,shocks_1/s,shocks_low_1/s,shocks_high_1/s\n";
+  const auto add = [&](std::string of, double level, const Interval& levels, double rate,
+                       const Interval& rates) {
+    for (std::size_t at = 0; (at = of.find('"', at)) != of.npos; at += 2) of.insert(at, 1, '"');
+    text += fmt::format("\"{}\"", of);
+    for (const double value : {level, levels.low, levels.high, rate, rates.low, rates.high})
+      text += ',' + number(value);
+    text += '\n';
+  };
+  for (const Analysis& a : analyses)
+    add(a.file.string(), a.lv, a.intervals.level, a.shocks.rate, a.intervals.shock_rate);
+  if (analyses.size() < 2) return text;
+  MeanOfRuns level = mean_of_runs({}), rate = level;
+  for (const FigureOfRuns& figure : means_of(analyses))
+    if (figure.name == "lv")
+      level = figure.value;
+    else if (figure.name == "shocks.rate")
+      rate = figure.value;
+  add("mean", level.mean, {level.low, level.high}, rate.mean, {rate.low, rate.high});
   return text;
 }
 

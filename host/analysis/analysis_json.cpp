@@ -14,12 +14,18 @@ Json spread_json(const Spread& s) {
   return {{"median", s.median}, {"p10", s.p10}, {"p90", s.p90}, {"mean", s.mean}};
 }
 
+/// Of one run, by chance within it.
+Json interval_json(const Interval& interval) {
+  return {{"low", interval.low}, {"high", interval.high}};
+}
+
 Json bins_json(const LogBins& bins) {
   return {{"edges", bins.edges}, {"counts", bins.counts}, {"not_positive", bins.not_positive}};
 }
 
-Json shocks_json(const ShockStatistics& s) {
+Json shocks_json(const ShockStatistics& s, const Interval& rate) {
   return {{"rate", s.rate},
+          {"rate_interval", interval_json(rate)},
           {"duration", spread_json(s.duration)},
           {"peak_force", spread_json(s.peak_force)},
           {"impulse", spread_json(s.impulse)},
@@ -100,9 +106,11 @@ Json analysis_json(const Analysis& a) {
             {"samples", a.samples},
             {"rate", a.rate},
             {"lv", a.lv},
+            {"lv_interval", interval_json(a.intervals.level)},
+            {"no_interval", a.intervals.why_none},
             {"v_rms", a.v_rms},
             {"contact_share", a.contact_share},
-            {"shocks", shocks_json(a.shocks)},
+            {"shocks", shocks_json(a.shocks, a.intervals.shock_rate)},
             {"energy", energy_json(a)},
             {"spectrum", spectrum_json(a.spectrum)},
             {"bands", bands_json(a)},
@@ -113,7 +121,9 @@ Json analysis_json(const Analysis& a) {
             {"mesh_tone",
              {{"frequency", a.mesh.frequency},
               {"in_spectrum", a.mesh.in_spectrum},
-              {"rise", a.mesh.rise}}},
+              {"rise", a.mesh.rise},
+              {"rise_by_chance", a.mesh.by_chance},
+              {"stands_out", a.mesh.stands_out()}}},
             {"probes", a.probe_position},
             {"slider_probes", a.slider_probe_position}};
   if (!a.bands.level_a.empty()) json["lv_a"] = a.lv_a;

@@ -15,7 +15,6 @@ namespace ra2d {
 namespace {
 
 constexpr std::size_t longest_title = 200;  // bytes
-constexpr double least_rise = 5;  // dB, which chance hardly gives the highest of five lines
 constexpr std::size_t most_peaks = 8, bands_a_line = 6;
 
 std::string line(const char* what, const std::string& value) {
@@ -30,7 +29,8 @@ std::string level_text(const Analysis& a) {
   if (std::isnan(a.v_rms)) return "none: nothing was counted";
   if (!(a.v_rms > 0)) return "-inf dB: the resonator did not vibrate";
   return fmt::format("{:.2f} dB re 1 nm/s (v_rms {:.3e} m/s){}", a.lv, a.v_rms,
-                     a.whole ? "" : ", from the samples");
+                     a.whole ? "" : ", from the samples") +
+         interval_text(a.intervals);
 }
 
 /// Of quantities whose figures are given in another unit.
@@ -41,11 +41,12 @@ std::string spread_text(const Spread& s, double unit, const char* name) {
 
 std::string shocks_text(const Analysis& a) {
   const ShockStatistics& s = a.shocks;
-  std::string text =
-      line("shocks",
-           s.count == 0 ? std::string("none")
-                        : fmt::format("{:.0f} a second ({}); at once {:.3g} on average, {} at most",
-                                      s.rate, s.count, s.at_once_mean, s.at_once_most));
+  std::string text = line(
+      "shocks",
+      s.count == 0
+          ? std::string("none")
+          : fmt::format("{:.0f} a second ({}){}; at once {:.3g} on average, {} at most", s.rate,
+                        s.count, rate_interval_text(a.intervals), s.at_once_mean, s.at_once_most));
   if (s.count == 0) return text;
   text += line("  duration", spread_text(s.duration, 1e-6, "us"));
   text += line("  peak force", spread_text(s.peak_force, 1, "N"));
@@ -71,14 +72,10 @@ std::string energy_text(const Analysis& a) {
 }
 
 std::string mesh_text(const MeshTone& mesh) {
+  if (mesh.stands_out()) return mesh_tone_text(mesh);
   const std::string text = fmt::format("{:.6g} Hz (speed/spacing)", mesh.frequency);
   if (!mesh.in_spectrum) return text + ", beyond the spectrum";
-  if (std::isnan(mesh.rise)) return text;
-  if (mesh.rise < least_rise) return text + ": does not stand out";
-  return text + fmt::format(
-                    ": {:.1f} dB above what is around it; a line there is the mesh's, not "
-                    "the surface's",
-                    mesh.rise);
+  return std::isnan(mesh.rise) ? text : text + ": does not stand out";
 }
 
 std::string spectrum_text(const Analysis& a) {
@@ -161,6 +158,25 @@ std::string bands_text(const Analysis& a) {
 
 }  // namespace
 
+std::string interval_text(const IntervalsOfRun& intervals) {
+  const auto [low, high] = intervals.level;
+  return std::isfinite(low)
+             ? fmt::format("; 95 %: {:.1f} to {:.1f} dB, with these surfaces", low, high)
+             : fmt::format("; no interval: {}", intervals.why_none);
+}
+
+std::string rate_interval_text(const IntervalsOfRun& intervals) {
+  const auto [low, high] = intervals.shock_rate;
+  return std::isfinite(low) ? fmt::format("; 95 %: {:.0f} to {:.0f}", low, high) : "";
+}
+
+std::string mesh_tone_text(const MeshTone& mesh) {
+  return fmt::format(
+      "{:.6g} Hz (speed/spacing), {:.1f} dB above its surroundings: it belongs to the spacing, not "
+      "to the surface",
+      mesh.frequency, mesh.rise);
+}
+
 std::string describe(const Analysis& a) {
   std::string text =
       fmt::format("{}: {}, {:g} s to {:g} s, {} samples{}\n", printable(a.file.string()),
@@ -175,8 +191,9 @@ std::string describe(const Analysis& a) {
 }
 
 std::string describe_means(const std::vector<Analysis>& analyses) {
-  std::string text = fmt::format("mean of {} files, with its interval of {:.0f} % confidence\n",
-                                 analyses.size(), 100 * confidence_of_means);
+  std::string text = fmt::format(
+      "mean of {} files, with its interval of {:.0f} % confidence over runs like these\n",
+      analyses.size(), 100 * confidence_of_means);
   for (const FigureOfRuns& f : means_of(analyses))
     text += fmt::format(
         "  {:<26}{:>12.5g} {:<4} {:>12.5g} to {:<12.5g} deviation {:.3g}{}\n", f.name, f.value.mean,

@@ -8,6 +8,14 @@
 /// An analysis as text: for people, for programs (docs/analysis.md) and for tables.
 namespace ra2d {
 
+/// The intervals of one run, to stand behind its level and its rate of shocks: "; 95 %: ..." or why there
+/// is none.
+std::string interval_text(const IntervalsOfRun& intervals);
+std::string rate_interval_text(const IntervalsOfRun& intervals);
+
+/// Of a tone that stands out.
+std::string mesh_tone_text(const MeshTone& mesh);
+
 /// One screen.
 std::string describe(const Analysis& analysis);
 
@@ -23,5 +31,8 @@ std::string json_of(const std::vector<Analysis>& analyses);
 std::string spectrum_csv(const Analysis& analysis);
 std::string bands_csv(const Analysis& analysis);
 std::string shocks_csv(const Analysis& analysis);
+
+/// Level and rate of shocks of each result with its own interval, and of several their means with theirs.
+std::string figures_csv(const std::vector<Analysis>& analyses);
 
 }  // namespace ra2d

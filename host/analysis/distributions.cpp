@@ -81,4 +81,14 @@ double student_quantile(double p, double degrees_of_freedom) {
   return where([&](double t) { return 1 - beta_share(n / 2, 0.5, n / (n + t * t)) / 2; }, p);
 }
 
+double fisher_tail(double f, double above, double below) {
+  if (!(f > 0)) return std::isnan(f) ? f : 1;
+  if (std::isinf(f)) return 0;
+  return beta_share(below / 2, above / 2, below / (below + above * f));
+}
+
+double student_tail(double t, double degrees_of_freedom) {
+  return fisher_tail(t * t, 1, degrees_of_freedom);
+}
+
 }  // namespace ra2d

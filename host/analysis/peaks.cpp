@@ -88,18 +88,21 @@ void mark_mesh(std::vector<SpectralPeak>& peaks, double tone, double resolution)
 }
 
 double rise_at(const Lines& lines, double frequency) {
-  constexpr std::size_t near = 2, far = 20;
   const auto line =
       static_cast<std::size_t>(std::lround(std::max(0.0, frequency) / lines.resolution));
-  if (line <= far || line + far >= lines.density.size()) return nan;
+  if (line <= lines_around_tone || line + lines_around_tone >= lines.density.size()) return nan;
+  return rise_of(lines.density.subspan(line - lines_around_tone, 2 * lines_around_tone + 1));
+}
+
+double rise_of(std::span<const double> densities) {
   double highest = 0;
   std::vector<double> around;
-  for (std::size_t j = line - far; j <= line + far; ++j) {
-    if (!std::isfinite(lines.density[j])) return nan;
-    if (j + near >= line && j <= line + near)
-      highest = std::max(highest, lines.density[j]);
+  for (std::size_t j = 0; j < densities.size(); ++j) {
+    if (!std::isfinite(densities[j])) return nan;
+    if (j + lines_of_tone >= lines_around_tone && j <= lines_around_tone + lines_of_tone)
+      highest = std::max(highest, densities[j]);
     else
-      around.push_back(lines.density[j]);
+      around.push_back(densities[j]);
   }
   return 10 * std::log10(highest / median(std::move(around)));
 }

@@ -37,8 +37,14 @@ std::vector<SpectralPeak> find_peaks(const Lines& lines, const std::vector<doubl
 /// Marks what stands within two lines of a multiple of the mesh's tone [Hz].
 void mark_mesh(std::vector<SpectralPeak>& peaks, double tone, double resolution);
 
-/// How far the highest line at a frequency, to two lines on either side, rises above the median of those
-/// around [dB]; NaN where the spectrum does not reach so far.
+/// A tone is looked for in the lines up to so many away, and compared with those around, up to so many.
+inline constexpr std::size_t lines_of_tone = 2, lines_around_tone = 20;
+
+/// How far the highest line at a frequency rises above the median of those around [dB]; NaN where the
+/// spectrum does not reach so far.
 double rise_at(const Lines& lines, double frequency);
+
+/// That of densities in lines_around_tone on either side of the tone's.
+double rise_of(std::span<const double> densities);
 
 }  // namespace ra2d

@@ -14,26 +14,32 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 struct Figure {
   const char *name, *unit;
   double (*of)(const Analysis&);
+  Values kind;
 };
 
 constexpr Figure figures[] = {
-    {"lv", "dB", [](const Analysis& a) { return a.lv; }},
-    {"v_rms", "m/s", [](const Analysis& a) { return a.v_rms; }},
-    {"lv_a", "dB", [](const Analysis& a) { return a.lv_a; }},
-    {"contact_share", "1", [](const Analysis& a) { return a.contact_share; }},
-    {"shocks.rate", "1/s", [](const Analysis& a) { return a.shocks.rate; }},
-    {"shocks.duration.median", "s", [](const Analysis& a) { return a.shocks.duration.median; }},
-    {"shocks.peak_force.median", "N", [](const Analysis& a) { return a.shocks.peak_force.median; }},
-    {"shocks.impulse.median", "N s", [](const Analysis& a) { return a.shocks.impulse.median; }},
-    {"shocks.simultaneous.mean", "1", [](const Analysis& a) { return a.shocks.at_once_mean; }},
-    {"energy.sliding_power", "W", [](const Analysis& a) { return a.energy.sliding; }},
-    {"energy.damping_power", "W", [](const Analysis& a) { return a.energy.damping; }},
-    {"energy.per_shock", "J", [](const Analysis& a) { return a.energy_per_shock; }},
+    {"lv", "dB", [](const Analysis& a) { return a.lv; }, Values::any},
+    {"v_rms", "m/s", [](const Analysis& a) { return a.v_rms; }, Values::positive},
+    {"lv_a", "dB", [](const Analysis& a) { return a.lv_a; }, Values::any},
+    {"contact_share", "1", [](const Analysis& a) { return a.contact_share; }, Values::positive},
+    {"shocks.rate", "1/s", [](const Analysis& a) { return a.shocks.rate; }, Values::positive},
+    {"shocks.duration.median", "s", [](const Analysis& a) { return a.shocks.duration.median; },
+     Values::positive},
+    {"shocks.peak_force.median", "N", [](const Analysis& a) { return a.shocks.peak_force.median; },
+     Values::positive},
+    {"shocks.impulse.median", "N s", [](const Analysis& a) { return a.shocks.impulse.median; },
+     Values::positive},
+    {"shocks.simultaneous.mean", "1", [](const Analysis& a) { return a.shocks.at_once_mean; },
+     Values::positive},
+    {"energy.sliding_power", "W", [](const Analysis& a) { return a.energy.sliding; }, Values::any},
+    {"energy.damping_power", "W", [](const Analysis& a) { return a.energy.damping; },
+     Values::positive},
+    {"energy.per_shock", "J", [](const Analysis& a) { return a.energy_per_shock; }, Values::any},
 };
 
 }  // namespace
 
-MeanOfRuns mean_of_runs(const std::vector<double>& values, double level) {
+MeanOfRuns mean_of_runs(const std::vector<double>& values, Values kind) {
   MeanOfRuns m{0, 0, nan, nan, nan};
   double sum = 0, squares = 0;
   for (const double value : values)
@@ -47,9 +53,15 @@ MeanOfRuns mean_of_runs(const std::vector<double>& values, double level) {
   for (const double value : values)
     if (!std::isnan(value)) squares += (value - m.mean) * (value - m.mean);
   m.deviation = std::sqrt(squares / (n - 1));
-  const double half = student_quantile((1 + level) / 2, n - 1) * m.deviation / std::sqrt(n);
-  m.low = m.mean - half;
-  m.high = m.mean + half;
+  const double half =
+      student_quantile((1 + confidence_of_means) / 2, n - 1) * m.deviation / std::sqrt(n);
+  if (kind == Values::any) {
+    m.low = m.mean - half;
+    m.high = m.mean + half;
+  } else if (m.mean > 0) {
+    m.low = m.mean * std::exp(-half / m.mean);
+    m.high = m.mean * std::exp(half / m.mean);
+  }
   return m;
 }
 
@@ -58,7 +70,7 @@ std::vector<FigureOfRuns> means_of(const std::vector<Analysis>& analyses) {
   for (const Figure& figure : figures) {
     std::vector<double> values;
     for (const Analysis& analysis : analyses) values.push_back(figure.of(analysis));
-    const MeanOfRuns mean = mean_of_runs(values);
+    const MeanOfRuns mean = mean_of_runs(values, figure.kind);
     if (mean.count > 0) means.push_back({figure.name, figure.unit, mean});
   }
   return means;

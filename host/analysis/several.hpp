@@ -9,14 +9,22 @@
 /// Means of several results.
 namespace ra2d {
 
+/// Which intervals fit what is averaged.
+enum class Values {
+  any,      // of either sign, or levels in dB
+  positive  // rates, velocities, durations: skewed to the right, the more the wider they spread
+};
+
 /// Of independent runs that differ by chance alone, e.g. by their seeds: the mean and where the true one
-/// lies with this confidence, by Student's t. NaN where there are too few.
+/// lies with 95 % confidence, by Student's t; of positive values by Student's t of the mean's logarithm,
+/// mean exp(+-t deviation / (sqrt(count) mean)). bench/coverage.py measures how often they hold the truth.
+/// NaN where there are too few, and of positive values that are all 0.
 struct MeanOfRuns {
   std::size_t count = 0;  // of values that are there
   double mean = 0, deviation = 0, low = 0, high = 0;
 };
 inline constexpr double confidence_of_means = 0.95;
-MeanOfRuns mean_of_runs(const std::vector<double>& values, double level = confidence_of_means);
+MeanOfRuns mean_of_runs(const std::vector<double>& values, Values kind = Values::any);
 
 /// The figures that means are taken of.
 struct FigureOfRuns {

@@ -25,6 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* figures = "figures.csv";
 constexpr const char* tables[] = {"spectrum.csv", "bands.csv", "shocks.csv"};
 constexpr const char* study_tables[] = {"means.csv", "law.csv"};
 
@@ -44,6 +45,14 @@ std::string prefix_of(const std::string& asked, const fs::path& result, bool sev
   return several ? asked + '-' + name : asked + '-';
 }
 
+/// The one table of all results: in the folder, or under the prefix.
+std::string figures_file(const Request& request) {
+  if (request.files.size() == 1)
+    return prefix_of(request.csv, request.files.front(), false) + figures;
+  const bool folder = !fs::path(request.csv).has_filename() || fs::is_directory(request.csv);
+  return folder ? (fs::path(request.csv) / figures).string() : request.csv + '-' + figures;
+}
+
 /// One for each result; before any is read.
 std::vector<std::string> choose_prefixes(const Request& request) {
   std::vector<std::string> prefixes;
@@ -57,6 +66,7 @@ std::vector<std::string> choose_prefixes(const Request& request) {
                       request.csv, prefixes.back(), tables[0]));
     for (const char* table : tables) require_derived_output(prefixes.back() + table, request.files);
   }
+  require_derived_output(figures_file(request), request.files);
   return prefixes;
 }
 
@@ -121,6 +131,7 @@ int run_analysis(const Request& request) {
       say(fmt::format("{}: the run was cut short: {}", file.string(), analysis.ended));
   }
   for (std::size_t i = 0; i < prefixes.size(); ++i) write_tables(prefixes[i], analyses[i]);
+  if (!prefixes.empty()) write_text(figures_file(request), figures_csv(analyses));
   if (request.json) {
     print_text(json_of(analyses));
     return done;
@@ -129,6 +140,7 @@ int run_analysis(const Request& request) {
   if (analyses.size() > 1) print_text(describe_means(analyses));
   for (const std::string& prefix : prefixes)
     if (!request.quiet) print("  {:<17}{}{{spectrum,bands,shocks}}.csv\n", "written", prefix);
+  if (!prefixes.empty() && !request.quiet) print("  {:<17}{}\n", "written", figures_file(request));
   return done;
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/analysis/analysis_text.hpp"
 #include "host/commands/commands.hpp"
 #include "host/commands/print.hpp"
 #include "host/device/backend.hpp"
@@ -60,13 +61,16 @@ void print_report(const Scene& scene, const RunReport& r, const std::filesystem:
     print_line("level Lv", scene.output.from > 0 ? "none: the run ended before output.from"
                                                  : "none: the run ended at its first step");
   else if (r.v_rms > 0)
-    print_line("level Lv", fmt::format("{:.2f} dB re 1 nm/s (v_rms {:.3e} m/s){}", r.lv, r.v_rms,
-                                       scene.output.from > 0
-                                           ? fmt::format(", from {:g} s on", scene.output.from)
-                                           : ""));
+    print_line(
+        "level Lv",
+        fmt::format("{:.2f} dB re 1 nm/s (v_rms {:.3e} m/s){}{}", r.lv, r.v_rms,
+                    scene.output.from > 0 ? fmt::format(", from {:g} s on", scene.output.from) : "",
+                    interval_text(r.intervals)));
   else
     print_line("level Lv", "-inf dB: the resonator did not vibrate");
-  if (r.counted > 0) print_line("shocks", fmt::format("{:.0f} a second", r.shocks));
+  if (r.counted > 0)
+    print_line("shocks",
+               fmt::format("{:.0f} a second{}", r.shocks, rate_interval_text(r.intervals)));
   if (r.shocks > 0) {
     print_line("  duration", fmt::format("median {:.3g} us, 90 % up to {:.3g} us",
                                          r.duration_median * 1e6, r.duration_90 * 1e6));
@@ -76,6 +80,7 @@ void print_report(const Scene& scene, const RunReport& r, const std::filesystem:
   if (!r.beyond_limit.empty()) print_line("beyond limit", r.beyond_limit);
   if (r.counted > 0)
     print_line("in contact", fmt::format("{:.2f} % of the time", 100 * r.contact_share));
+  if (r.mesh.stands_out()) print_line("mesh's tone", mesh_tone_text(r.mesh));
   print_line("nodes evaluated", fmt::format("{:.2f} a step, on average", r.evaluated));
   print_line("energy",
              r.energy.samples < 2

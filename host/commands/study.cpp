@@ -30,6 +30,7 @@
 #include "host/interruption.hpp"
 #include "host/partial_file.hpp"
 #include "host/store/result_reader.hpp"
+#include "host/study/law.hpp"
 #include "host/study/study_checkpoints.hpp"
 #include "host/study/study_outputs.hpp"
 #include "host/study/study_status.hpp"
@@ -44,6 +45,7 @@ namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t most_named = 5;        // points in a message
+constexpr std::size_t most_means = 24;       // combinations at the end
 constexpr std::size_t longest_reason = 300;  // bytes of a failure, on a line of its own
 
 struct StudyRequest {
@@ -365,6 +367,7 @@ int march_study(Known& known, const StudyFolder& folder, const Shard& shard,
     if (!device.empty())
       print("  {:<17}{}, up to {} side by side\n", "device", device, runs_text(own.most_at_once));
     print("  {:<17}{}\n", "table", printable(folder.table().string()));
+    print_text(describe_study(read_study_table(folder.table()), folder.path.string(), most_means));
   }
   say_failed(known, failed_now);
   if (cut && all.signal != 0) {

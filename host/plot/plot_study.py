@@ -108,7 +108,9 @@ def law_lines(data):
     text = "v_rms ~ " + "  ".join(parts) + f";  R\u00b2 = {law['r_squared']:.4f}, {law['runs']} runs"
     if law["deviation_db"] is not None:
         text += f", {law['deviation_db']:.2f} dB from the law to a run"
-    return [text] + [f"All values of {name} are taken together in the law." for name in law["pooled"]]
+    shape = [f"A straight line does not fit (p = {law['straight_line']['p']:.2g}): see ra2d analyze"] \
+        if law["straight_line"]["fits"] is False else []
+    return [text] + shape + [f"All values of {name} are taken together in the law." for name in law["pooled"]]
 
 
 def main():

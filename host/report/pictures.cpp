@@ -18,7 +18,6 @@ namespace {
 constexpr double lowest_frequency = 10;          // Hz, that is drawn
 constexpr double most_decibels = 80;             // that an axis spans
 constexpr double normal_95 = 1.959963984540054;  // standard deviations
-constexpr double least_rise = 5;                 // dB, that chance hardly gives
 
 double decibels(double density) { return 10 * std::log10(density / 1e-18); }
 
@@ -53,7 +52,7 @@ Picture spectrum_picture(const Analysis& a) {
   std::string caption =
       "<b>Velocity spectrum</b>, mean over the resonator. Ticks at the top: natural frequencies "
       "of the free plate.";
-  if (a.mesh.in_spectrum && a.mesh.rise > least_rise) {
+  if (a.mesh.stands_out()) {
     chart.vertical(a.mesh.frequency, "mesh");
     caption += " A line at the dashed place is the mesh's own tone, not the surface's.";
   }

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "host/analysis/analysis.hpp"
-#include "host/report/level_history.hpp"
+#include "host/analysis/level_history.hpp"
 
 namespace ra2d {
 

@@ -8,14 +8,15 @@
 #include <optional>
 
 #include "host/analysis/analysis.hpp"
+#include "host/analysis/analysis_text.hpp"
 #include "host/analysis/bands.hpp"
 #include "host/analysis/several.hpp"
+#include "host/analysis/stretch.hpp"
 #include "host/hash.hpp"
 #include "host/report/asked.hpp"
 #include "host/report/clips.hpp"
 #include "host/report/folders.hpp"
 #include "host/report/html.hpp"
-#include "host/report/level_history.hpp"
 #include "host/report/page.hpp"
 #include "host/report/pictures.hpp"
 #include "host/result/level.hpp"
@@ -27,17 +28,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t parts_of_run = 200;
 constexpr std::size_t longest_title = 200;  // bytes
 constexpr double much_energy = 0.05;        // of what went through
-constexpr double least_rise = 5;            // dB, that chance hardly gives
 
 /// All that the page says of one result.
 struct Told {
   Analysis analysis;
   std::optional<Scene> scene;
   std::string scene_text, beyond_limit, origin;
-  LevelHistory history;
   Clips clips;
 };
 
@@ -69,8 +67,6 @@ Told read(const fs::path& file) {
   told.scene_text = profiles_text(reader, told.scene) + without_folders(contents.scene);
   told.beyond_limit = contents.beyond_limit;
   told.origin = contents.origin;
-  told.history =
-      level_history(reader, choose_stretch(contents, told.scene, file, {}, {}), parts_of_run);
   return told;
 }
 
@@ -84,22 +80,14 @@ std::string level_fact(const Told& told) {
   if (!(a.v_rms > 0)) return "−∞ dB: the resonator did not vibrate";
   std::string text = fmt::format("<b>{:.2f} dB</b> re 1 nm/s (v<sub>rms</sub> {} m/s)", a.lv,
                                  html_number(a.v_rms));
-  const MeanOfRuns mean = mean_of_parts(told.history.mean_square);
-  if (mean.low > 0)
-    text += fmt::format("; 95 %: {:.1f} to {:.1f} dB", level(std::sqrt(mean.low)),
-                        level(std::sqrt(mean.high)));
-  return text;
+  return text + html(interval_text(a.intervals));
 }
 
 std::string rate_fact(const Told& told) {
   const Analysis& a = told.analysis;
   if (a.shocks.count == 0) return "none";
-  std::string text =
-      fmt::format("<b>{:.0f} a second</b> ({} in all)", a.shocks.rate, a.shocks.count);
-  const MeanOfRuns mean = mean_of_parts(told.history.shocks);
-  if (std::isfinite(mean.low))
-    text += fmt::format("; 95 %: {:.0f} to {:.0f}", std::max(0.0, mean.low), mean.high);
-  return text;
+  return fmt::format("<b>{:.0f} a second</b> ({} in all){}", a.shocks.rate, a.shocks.count,
+                     rate_interval_text(a.intervals));
 }
 
 std::string spread_fact(const Spread& s, double unit, const char* name) {
@@ -177,10 +165,11 @@ std::vector<std::string> doubts_of(const Told& told) {
         "{} mode{} above half the rate of the samples: spectrum, third octaves and sound "
         "have their power in wrong places. A higher output.rate mends that.",
         a.aliased_modes, a.aliased_modes == 1 ? " lies" : "s lie"));
-  if (a.mesh.in_spectrum && a.mesh.rise > least_rise)
-    doubts.push_back(
-        fmt::format("The mesh's own tone at {} Hz stands {:.0f} dB above what is around it.",
-                    html_number(a.mesh.frequency, 5), a.mesh.rise));
+  if (a.mesh.stands_out())
+    doubts.push_back(fmt::format(
+        "The mesh's own tone at {} Hz stands {:.0f} dB above what is around it: it belongs to "
+        "the spacing, not to the surface.",
+        html_number(a.mesh.frequency, 5), a.mesh.rise));
   return doubts;
 }
 
@@ -194,7 +183,7 @@ std::string doubts_box(const Told& told) {
 
 std::string pictures_part(const Told& told) {
   std::string text;
-  for (const Picture& picture : pictures_of(told.analysis, told.history))
+  for (const Picture& picture : pictures_of(told.analysis, told.analysis.history))
     text += fmt::format("<figure>\n{}<figcaption>{}</figcaption>\n</figure>\n", picture.svg,
                         picture.caption);
   return text.empty() ? text : "<h3>Pictures</h3>\n<div class=\"columns\">\n" + text + "</div>\n";
@@ -232,8 +221,11 @@ std::string section(const Told& told, std::size_t number, bool several) {
   text += doubts_box(told);
   text += "<h3>What came out</h3>\n" + table_of(found_facts(told));
   text +=
-      "<p class=\"soft\">Intervals of 95 % are of chance alone: those of level and shocks from "
-      "ten parts of the run, taken as independent. Other seeds say more.</p>\n";
+      "<p class=\"soft\">The 95 % intervals of level and shocks are of this run: how far off it "
+      "is, had the "
+      "same slider gone on over more of the same plate. Other seeds draw other surfaces, which "
+      "differ by "
+      "more: only several runs tell.</p>\n";
   text += sound_part(told.clips) + pictures_part(told);
   if (told.scene) text += "<h3>What was asked</h3>\n" + table_of(asked_facts(*told.scene));
   return text + scene_part(told, number) + "</section>\n";
@@ -292,7 +284,7 @@ std::string means(const std::vector<Told>& results) {
                         html_number(times * f.value.deviation, 2));
   }
   return "<h2>Means</h2>\n<div class=\"wide\"><table class=\"means\">\n<tr><th>figure</th><th>mean"
-         "</th><th>95 % (Student's t)</th><th>deviation</th></tr>\n" +
+         "</th><th>95 %</th><th>deviation</th></tr>\n" +
          rows +
          "</table></div>\n<p class=\"soft\">They mean something where the results differ by chance "
          "alone, e.g. by their seeds.</p>\n";

@@ -18,6 +18,7 @@
 #include "host/run/result_header.hpp"
 #include "host/run/run_files.hpp"
 #include "host/run/run_key.hpp"
+#include "host/run/run_watch.hpp"
 #include "host/run/simulation.hpp"
 #include "host/scene_file/scene_file.hpp"
 #include "host/store/result_reader.hpp"
@@ -108,8 +109,11 @@ class FiledRun {
         files_{files},
         mean_squares_{mean_squares},
         wall_before_{before ? before->wall_seconds : 0.0},
-        way_{std::move(model), std::move(start), {}, files.sink()} {
-    if (before) way_.go_on(std::move(before->state), std::move(before->accounts));
+        watch_{model, files.sink()},
+        way_{std::move(model), std::move(start), {}, &watch_} {
+    if (!before) return;
+    files.show_recorded(watch_);
+    way_.go_on(std::move(before->state), std::move(before->accounts));
   }
 
   /// Marches the run to its end, or to where it is cut off.
@@ -135,6 +139,7 @@ class FiledRun {
   RunReport finish(const std::string& beyond_limit) {
     RunReport report = this->report();
     report.beyond_limit = beyond_limit;
+    watch_.add_to(report, mean_squares_.get());
     if (report.ending == Ending::interrupted && out_of_time_ && interruption() == 0)
       report.ending = Ending::out_of_time;
     report.resumable = files_.has_checkpoint() && report.ending != Ending::complete &&
@@ -165,6 +170,7 @@ class FiledRun {
   MeanSquares mean_squares_;
   double wall_before_;  // s, of what it goes on from
   bool out_of_time_ = false;
+  RunWatch watch_;
   SceneRun way_;
   std::size_t memory_ = 0;
   std::int64_t first_step_ = way_.accounts().now.step;

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/run/run_watch.hpp"
 #include "host/scene_file/scene_file.hpp"
 
 namespace ra2d {
@@ -76,6 +77,12 @@ bool RunFiles::can_go_on() const {
 double RunFiles::close(const ResultSummary& summary) {
   if (vouched_ > 0) claimed_->hold();  // for the last segment
   return recording_->close(summary);
+}
+
+void RunFiles::show_recorded(RunWatch& watch) const {
+  if (!recording_) return;
+  recording_->each_block([&](const SampleBlock& samples) { watch.look_at(samples); },
+                         [&](const std::vector<Shock>& shocks) { watch.look_at(shocks); });
 }
 
 void RunFiles::remove_after_checkpoint() const { claimed_->remove_segments(vouched_ + 1); }

@@ -17,6 +17,8 @@
 /// What a run has on the disk while it goes on: checkpoints, and what it records where that is kept.
 namespace ra2d {
 
+class RunWatch;
+
 class RunFiles {
  public:
   /// `output`: where the result goes, or would go if it were kept. `key`: run_key. Nothing is touched yet.
@@ -35,6 +37,9 @@ class RunFiles {
   bool records() const { return recording_.has_value(); }
   /// Takes what the run records; none where that is not kept.
   Sink* sink() { return sink_ ? &*sink_ : nullptr; }
+
+  /// Shows all that was recorded before this process went on with the run. Throws FileError.
+  void show_recorded(RunWatch& watch) const;
 
   /// s of wall time since the last checkpoint, or since the run began here.
   double since_checkpoint() const;

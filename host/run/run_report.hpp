@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "host/analysis/level_history.hpp"
+#include "host/analysis/mesh_tone.hpp"
 #include "host/result/energy.hpp"
 #include "host/run/simulation.hpp"
 #include "host/store/store.hpp"
@@ -27,8 +29,10 @@ struct RunReport {
   double counted = 0;        // s of them after output.from
   std::int64_t steps = 0;    // made, of fixed or of adaptive length
   // from output.from on; what there is none of is NaN
-  double v_rms = 0, lv = 0;                     // m/s, dB
-  double shocks = 0;                            // per simulated second
+  double v_rms = 0, lv = 0;  // m/s, dB
+  double shocks = 0;         // per simulated second
+  IntervalsOfRun intervals;  // of lv and shocks, by chance within this run
+  MeshTone mesh;
   double duration_median = 0, duration_90 = 0;  // s
   double force_median = 0, force_90 = 0;        // N, of the peak force
   double contact_share = 0;                     // of the time

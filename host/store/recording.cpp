@@ -131,17 +131,19 @@ double Recording::close(const ResultSummary& summary) {
   file_.reset();
   header_.segment = {};
   ResultFile whole(names_.result, header_);
-  join(whole);
+  each_block([&](const SampleBlock& samples) { whole.append(samples); },
+             [&](const std::vector<Shock>& shocks) { whole.append(shocks); });
   return whole.close(summary);
 }
 
-void Recording::join(ResultFile& whole) {
+void Recording::each_block(const std::function<void(const SampleBlock&)>& samples,
+                           const std::function<void(const std::vector<Shock>&)>& shocks) const {
   for (std::size_t i = 0; i < segments_.size(); ++i) {
     const ResultReader reader(names_.segment(i + 1), Bytes::own);
     const ResultContents& contents = reader.contents();
     for (std::size_t first = 0; first < contents.samples; first += rows_at_once)
-      whole.append(reader.samples(first, std::min(rows_at_once, contents.samples - first)));
-    whole.append(contents.shocks);
+      samples(reader.samples(first, std::min(rows_at_once, contents.samples - first)));
+    shocks(contents.shocks);
   }
 }
 

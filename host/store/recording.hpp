@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -44,6 +45,10 @@ class Recording {
   /// them.
   const std::vector<Segment>& close_segment(const ResultSummary& so_far, const SegmentStart& next);
 
+  /// Hands on what the segments hold that are closed, in order.
+  void each_block(const std::function<void(const SampleBlock&)>& samples,
+                  const std::function<void(const std::vector<Shock>&)>& shocks) const;
+
   /// Finishes the result and gives it its name; the segments stay. Returns how long reading back took [s].
   double close(const ResultSummary& summary);
 
@@ -55,7 +60,6 @@ class Recording {
   void restore();
   /// Gives what is in the present file its place among the segments, if there is anything.
   bool seal(const ResultSummary& so_far);
-  void join(ResultFile& whole);
 
   OutputNames names_;
   ResultHeader header_;

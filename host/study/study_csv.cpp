@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include <iterator>
+#include <cmath>
 
 #include "host/result/level.hpp"
 
@@ -11,15 +11,18 @@ namespace ra2d {
 namespace {
 
 /// A text as RFC 4180 has it.
-std::string quoted(const std::string& text) {
+std::string field(const std::string& text) {
+  if (text.find_first_of(",\"\n\r") == text.npos) return text;
   std::string out = "\"";
   for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
   return out + '"';
 }
 
+/// What there is none of is left empty.
+std::string column(double value) { return std::isfinite(value) ? fmt::format(",{}", value) : ","; }
+
 void add(const MeanOfRuns& mean, std::string& text) {
-  fmt::format_to(std::back_inserter(text), ",{},{},{},{}", mean.mean, mean.deviation, mean.low,
-                 mean.high);
+  for (const double value : {mean.mean, mean.deviation, mean.low, mean.high}) text += column(value);
 }
 
 }  // namespace
@@ -27,9 +30,10 @@ void add(const MeanOfRuns& mean, std::string& text) {
 std::string means_csv(const StudyAnswers& answers) {
   const std::size_t dimensions = answers.axes.size() - 1;  // the last are the seeds
   std::string text;
-  for (std::size_t a = 0; a < dimensions; ++a) text += answers.axes[a].name + ',';
+  for (std::size_t a = 0; a < dimensions; ++a) text += field(answers.axes[a].name) + ',';
   text += "runs";
-  for (const auto& [name, unit] : {std::pair{"v_rms", "m/s"}, {"level", "dB"}})
+  for (const auto& [name, unit] :
+       {std::pair{"v_rms", "m/s"}, {"level", "dB"}, {"shock_rate", "1/s"}})
     for (const char* figure : {"mean", "deviation", "low", "high"})
       text += fmt::format(",{}_{}_{}", name, figure, unit);
   text += '\n';
@@ -37,11 +41,12 @@ std::string means_csv(const StudyAnswers& answers) {
     for (std::size_t a = 0; a < dimensions; ++a) {
       const StudyAxis& axis = answers.axes[a];
       text += axis.texts.empty() ? fmt::format("{},", axis.numbers[mean.place[a]])
-                                 : quoted(axis.texts[mean.place[a]]) + ',';
+                                 : field(axis.texts[mean.place[a]]) + ',';
     }
     text += fmt::format("{}", mean.v_rms.count);
     add(mean.v_rms, text);
     add(mean.level, text);
+    add(mean.shock_rate, text);
     text += '\n';
   }
   return text;
@@ -50,14 +55,17 @@ std::string means_csv(const StudyAnswers& answers) {
 std::string law_csv(const StudyLaw& law) {
   std::string text = "quantity,value,low,high\n";
   for (const Exponent& e : law.exponents)
-    text += fmt::format("exponent_{},{},{},{}\n", e.name, e.value, e.low, e.high);
-  for (const auto& [name, value] : {std::pair{"factor", law.factor},
-                                    {"constant_dB", level(law.factor)},
-                                    {"deviation_dB", law.deviation},
-                                    {"r_squared", law.explained},
-                                    {"runs", static_cast<double>(law.runs)},
-                                    {"left_out", static_cast<double>(law.left_out)}})
-    text += fmt::format("{},{},,\n", name, value);
+    text += field("exponent_" + e.name) + column(e.value) + column(e.low) + column(e.high) + '\n';
+  for (const auto& [name, value] :
+       {std::pair{"factor", law.factor},
+        {"constant_dB", level(law.factor)},
+        {"deviation_dB", law.deviation},
+        {"r_squared", law.explained},
+        {"straight_line_p", law.line.why_not_tested.empty() ? law.line.p : std::nan("")},
+        {"seeds", static_cast<double>(law.seeds)},
+        {"runs", static_cast<double>(law.runs)},
+        {"left_out", static_cast<double>(law.left_out)}})
+    text += name + column(value) + ",,\n";
   return text;
 }
 

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -61,7 +62,7 @@ std::string law_part(const std::optional<StudyLaw>& law, const std::string& why)
     formula += fmt::format(" {}<sup>{:.3f}</sup>", html(e.name), e.value);
   text += fmt::format(
       "<p><b>{}</b></p>\n<div class=\"wide\"><table class=\"means\">\n<tr><th>of</th>"
-      "<th>exponent</th><th>95 % (Student's t)</th></tr>\n",
+      "<th>exponent</th><th>95 %</th></tr>\n",
       formula);
   for (const Exponent& e : law->exponents)
     text += fmt::format("<tr><td>{}</td><td>{:.3f}</td><td>{}</td></tr>\n", html(e.name), e.value,
@@ -77,7 +78,19 @@ std::string law_part(const std::optional<StudyLaw>& law, const std::string& why)
     text += fmt::format(" {} runs without a level are left out.", law->left_out);
   for (const std::string& name : law->pooled)
     text += fmt::format(" All values of {} are taken together.", html(name));
-  return text + " The intervals take the deviations for independent chance.</p>\n";
+  text += law->seeds > 1
+              ? fmt::format(
+                    " The intervals are by the {} seeds: runs of one seed share their surfaces.",
+                    law->seeds)
+              : std::string(" The intervals take each run's deviation for chance of its own.");
+  std::string shape = html(describe(law->line)) + ".";
+  for (const LocalExponent& change : law->line.changes)
+    shape += "<br>" + html(describe(change)) + ".";
+  shape.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(shape.front())));
+  const std::string paragraph = "<p>" + shape + "</p>\n";
+  return text + "</p>\n" +
+         (law->line.bends() ? "<div class=\"note\" role=\"note\">\n" + paragraph + "</div>\n"
+                            : paragraph);
 }
 
 // ---- pictures ----------------------------------------------------------------------------------
@@ -219,23 +232,27 @@ std::string levels_part(const StudyAnswers& answers, const std::vector<Combinati
   std::string text = "<h2>Levels</h2>\n<div class=\"wide\"><table class=\"means\">\n<tr>";
   for (std::size_t a = 0; a + 1 < answers.axes.size(); ++a)
     text += fmt::format("<th>{}</th>", html(axis_text(answers.axes[a])));
-  text += "<th>runs</th><th>Lv, dB</th><th>95 % (Student's t)</th></tr>\n";
+  text += "<th>runs</th><th>Lv, dB</th><th>95 %</th><th>shocks, 1/s</th><th>95 %</th></tr>\n";
   for (std::size_t i = 0; i < std::min(means.size(), most_rows); ++i) {
     const CombinationMean& mean = means[i];
     text += "<tr>";
     for (std::size_t a = 0; a < mean.place.size(); ++a)
       text += fmt::format("<td>{}</td>", html(value_text(answers.axes[a], mean.place[a])));
     text += fmt::format(
-        "<td>{}</td><td>{}</td><td>{}</td></tr>\n", mean.level.count,
+        "<td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n", mean.level.count,
         mean.level.count > 0 ? fmt::format("{:.2f}", mean.level.mean) : "–",
-        mean.level.count > 1 ? interval(mean.level.low, mean.level.high, "{:.2f} to {:.2f}") : "–");
+        mean.level.count > 1 ? interval(mean.level.low, mean.level.high, "{:.2f} to {:.2f}") : "–",
+        mean.shock_rate.count > 0 ? fmt::format("{:.4g}", mean.shock_rate.mean) : "–",
+        mean.shock_rate.count > 1
+            ? interval(mean.shock_rate.low, mean.shock_rate.high, "{:.4g} to {:.4g}")
+            : "–");
   }
   text += "</table></div>\n";
   if (means.size() > most_rows)
     text +=
         fmt::format("<p>The first {} of {} combinations; the table results.h5 has them all.</p>\n",
                     most_rows, means.size());
-  return text + "<p class=\"soft\">Means over the seeds, in dB re 1 nm/s.</p>\n";
+  return text + "<p class=\"soft\">Means over the seeds, the level's in dB re 1 nm/s.</p>\n";
 }
 
 }  // namespace

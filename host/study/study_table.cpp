@@ -372,6 +372,8 @@ StudyAnswers read_table(hid_t file) {
   };
   answers.status = column("status");
   if (check(H5Lexists(file, "v_rms", H5P_DEFAULT)) > 0) answers.v_rms = column("v_rms");
+  if (check(H5Lexists(file, "shock_rate", H5P_DEFAULT)) > 0)
+    answers.shock_rate = column("shock_rate");
   require_plausible(answers);
   return answers;
 }

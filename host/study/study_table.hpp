@@ -29,12 +29,13 @@ struct StudyAxis {
 
 /// What an analysis needs of a table.
 struct StudyAnswers {
-  std::vector<StudyAxis> axes;  // in the order of the table, the seeds last
-  std::vector<double> v_rms;    // in C order; NaN where there is none
-  std::vector<double> status;   // RunStatus
-  std::string study, base;      // their texts
-  std::string given;            // --set, a line each
-  std::string origin;           // what wrote the table: "ra2d 0.1 (commit)"
+  std::vector<StudyAxis> axes;     // in the order of the table, the seeds last
+  std::vector<double> v_rms;       // in C order; NaN where there is none
+  std::vector<double> shock_rate;  // 1/s, in the same order; empty where the table has none
+  std::vector<double> status;      // RunStatus
+  std::string study, base;         // their texts
+  std::string given;               // --set, a line each
+  std::string origin;              // what wrote the table: "ra2d 0.1 (commit)"
 };
 
 /// Whether the file is one: false also for what cannot be opened, or is damaged.

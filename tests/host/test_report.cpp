@@ -15,7 +15,7 @@
 #include "host/hash.hpp"
 #include "host/report/folders.hpp"
 #include "host/report/html.hpp"
-#include "host/report/level_history.hpp"
+#include "host/analysis/level_history.hpp"
 #include "host/report/svg_chart.hpp"
 #include "host/store/result_reader.hpp"
 #include "tests/child.hpp"
@@ -295,16 +295,6 @@ TEST_F(Report, StandsInABrowser) {
   EXPECT_THAT(shown.err, Not(HasSubstr("CONSOLE")));
   EXPECT_THAT(shown.out, HasSubstr("360 360 0 10 true 0.200 4.000 0.200 4.000; "
                                    "1200 1200 0 10 true 0.200 4.000 0.200 4.000"));
-}
-
-TEST(LevelHistory, PartsGiveAnInterval) {
-  std::vector<double> values(200);
-  for (std::size_t i = 0; i < values.size(); ++i) values[i] = i / 20 % 2 == 0 ? 1 : 3;
-  const MeanOfRuns mean = mean_of_parts(values);
-  EXPECT_EQ(mean.count, 10u);
-  EXPECT_DOUBLE_EQ(mean.mean, 2);
-  EXPECT_NEAR(mean.high - mean.mean, 2.262157 * std::sqrt(10.0 / 9) / std::sqrt(10), 1e-6);
-  EXPECT_EQ(mean_of_parts({1, 2}).count, 0u);
 }
 
 }  // namespace

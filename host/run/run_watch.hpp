@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <cstddef>
+#include <vector>
+
+#include "host/analysis/level_history.hpp"
+#include "host/analysis/mesh_tone.hpp"
+#include "host/run/run_report.hpp"
+#include "host/run/simulation.hpp"
+
+namespace ra2d {
+
+/// Looks at what a run records while it is at hand, and passes it on: so the report has intervals and the
+/// mesh's tone without reading the file again.
+class RunWatch : public Sink {
+ public:
+  /// `next` takes what was looked at; it may be none.
+  RunWatch(const Model& model, Sink* next);
+
+  void take(const SampleBlock& samples) override;
+  void take(const std::vector<Shock>& shocks) override;
+  /// What was passed on before.
+  void look_at(const SampleBlock& samples);
+  void look_at(const std::vector<Shock>& shocks);
+
+  /// `mean_squares`: of the resonator's modes.
+  void add_to(RunReport& report, const std::vector<double>& mean_squares) const;
+
+ private:
+  Sink* next_;
+  std::vector<double> frequencies_;  // Hz, of the resonator
+  double damping_;
+  std::size_t samples_ = 0;  // looked at
+  LevelParts parts_;
+  MeshToneWatch tone_;
+};
+
+}  // namespace ra2d
