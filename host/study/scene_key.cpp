@@ -67,8 +67,7 @@ const std::string& FileHashes::of(const std::filesystem::path& file) {
 }
 
 Key128 scene_key(const Scene& scene, FileHashes& files) {
-  Scene bare = scene;
-  bare.name.clear();
+  Scene bare = without_origins(scene);
   Hash hash;
   hash.add(fmt::format("numerics {}\n{}\n", numerics_version, arithmetic()));
   for (BodySpec* body : {&bare.resonator, &bare.slider}) {
