@@ -15,7 +15,7 @@ int plan_command(const CommonOptions& common) {
   const Model model = make_model(scene);
   const ModalStart start = make_start(model);
   const Batch batch({model}, {start});
-  const Plan plan = make_plan(model, batch.bytes(), static_cast<int>(start.loaded_nodes.size()));
+  const Plan plan = make_plan(model, batch.bytes(), start);
   say_doubts(model.doubts, common.quiet);
   if (!common.quiet) print("# {}, complete:\n{}\n", printable(common.scene.string()), echo(scene));
   print_text(describe(model, plan));

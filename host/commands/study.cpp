@@ -31,6 +31,7 @@
 #include "host/partial_file.hpp"
 #include "host/store/result_reader.hpp"
 #include "host/study/law.hpp"
+#include "host/study/study_advice.hpp"
 #include "host/study/study_checkpoints.hpp"
 #include "host/study/study_outputs.hpp"
 #include "host/study/study_status.hpp"
@@ -282,8 +283,6 @@ int march_study(Known& known, const StudyFolder& folder, const Shard& shard,
   LedgerWriter ledger(folder.ledger(shard));  // before all reading: nobody else writes this part
   known.finished.add(folder);
   if (!request.quiet) say_unasked(known, folder);
-  if (!request.quiet && !known.census.has_seeds && known.points.study().seeds.size() > 1)
-    say("no surface of this study has a seed: its runs of other seeds are one run");
   write_text(folder.snapshot(), snapshot_text(known.points.study()));
   StudyCheckpoints checkpoints(folder, 60 * request.checkpoint, [&](const std::string& text) {
     if (!request.quiet) say(text);
@@ -406,6 +405,10 @@ int study_command(const StudyRequest& request) {
   Known known(read_study(request.study, request.overrides));
   if (request.threads > 0 && !lowered.empty() && !request.quiet)
     say(fmt::format("{} thread{}: {}", threads, threads == 1 ? "" : "s", lowered));
+  if (!request.list) {
+    require_other_seeds(known.points, known.census);
+    say_doubts(study_doubts(known.points), request.quiet);
+  }
   if (request.list || request.dry_run) {
     known.finished.add(folder);
     if (request.list) return list_runs(known);

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "host/errors.hpp"
+#include "host/model/doubts.hpp"
 #include "host/scene/schemes.hpp"
 #include "host/surface/surface.hpp"
 #include "kernels/gap.hpp"
@@ -20,8 +21,12 @@ std::vector<double> surface_of(const std::string& body, const BodySpec& spec, co
                                std::vector<std::string>& doubts) {
   const std::string key = body + ".surface";
   try {
-    return make_surface(spec.surface, spec.length, scene.spacing, scene.file, spec.thickness,
-                        &doubts);
+    std::vector<std::string> odd;
+    std::vector<double> heights =
+        make_surface(spec.surface, spec.length, scene.spacing, scene.file, spec.thickness, &odd);
+    for (const std::string& what : odd)  // a measured face names its file
+      doubts.push_back(spec.surface.kind == SurfaceKind::file ? what : key + ": " + what);
+    return heights;
   } catch (const RequestError& fault) {
     throw refusal(scene, key, fault.what());
   } catch (const FileError& fault) {
@@ -96,7 +101,7 @@ Model make_model(const Scene& scene) {
   m.scene = scene;
   m.resonator = make_beam(scene.resonator);
   m.slider = make_beam(scene.slider);
-  m.doubts = warnings(scene);
+  m.doubts = scene_doubts(scene);
   m.resonator_height = surface_of("resonator", scene.resonator, scene, m.doubts);
   m.slider_height = surface_of("slider", scene.slider, scene, m.doubts);
   m.node_stiffness =
@@ -116,6 +121,7 @@ Model make_model(const Scene& scene) {
     m.delta = *std::max_element(overlap.begin(), overlap.end());
   }
   check_roundings(m);
+  doubt_faces(m, m.doubts);
   if (scene.contact.law == ContactLaw::penalty && scene.initial == Initial::rest)
     if (const double over = rest_overlap(m); over > 0)
       m.doubts.push_back(

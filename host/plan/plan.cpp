@@ -248,6 +248,31 @@ std::string ringing_text(const Model& model) {
                      scene.output.from > 0 ? seconds_text(scene.output.from) : "t = 0");
 }
 
+/// What the materials would give beside what the scene has.
+std::string asperities_text(const Scene& scene, const Asperities& a) {
+  if (a.radius == 0 || std::isinf(a.modulus)) return {};
+  const auto contact = [&](const AsperityContact& c) {
+    std::vector<std::string> parts;
+    if (c.stiffness > 0)
+      parts.push_back(fmt::format("{:.2g} N/m under {:.2g} N", c.stiffness, a.load));
+    if (c.shock > 0)
+      parts.push_back(fmt::format("{:.2g} N/m in a shock of {:.2g} N, {}", c.shock, c.peak,
+                                  seconds_text(c.duration)));
+    return parts.empty() ? "" : fmt::format(":\n           {}", fmt::join(parts, "; "));
+  };
+  std::string text = fmt::format(
+      "asperity   of the material (E* = {:.3g} GPa, summits of {:.2g} mm radius), by Hertz{}\n",
+      a.modulus * 1e-9, a.radius * 1e3, contact(a.material));
+  const bool spring = scene.contact.law == ContactLaw::penalty;
+  if (spring && !scene.contact.is_hertz && !contact(a.springs).empty())
+    text += fmt::format("           of contact.stiffness = {:.3g} Pa/m{}\n",
+                        scene.contact.stiffness, contact(a.springs));
+  return text + fmt::format(
+                    "           contact.stiffness = \"hertz\"{} {:.3g} Pa/m, makes it that of the "
+                    "material\n",
+                    scene.contact.is_hertz ? ", as here," : ",", a.hertz);
+}
+
 std::string cost_text(const Plan& plan) {
   std::string text =
       fmt::format("cost       {} without contact to {} with a node always in contact",
@@ -342,10 +367,12 @@ std::string step_cure(const Scene& scene, double holds) {
       fmt::join(keys, " with "));
 }
 
-Plan make_plan(const Model& model, std::size_t memory, int touching) {
+Plan make_plan(const Model& model, std::size_t memory, const ModalStart& start) {
   const Scene& scene = model.scene;
+  const auto touching = static_cast<int>(start.loaded_nodes.size());
   Plan plan;
   plan.touching = touching;
+  plan.asperities = asperities_of(model, start);
   plan.many_nodes = is_adaptive(scene)
                         ? std::min(model.nodes(), std::max(usual_many, touching_factor * touching))
                         : model.nodes();
@@ -400,6 +427,7 @@ std::string describe(const Model& model, const Plan& plan) {
         model.node_stiffness, seconds_text(plan.contact_period));
   else
     text += "contact    multiplier: each step ends without penetration; no spring\n";
+  text += asperities_text(scene, plan.asperities);
   const bool adaptive = is_adaptive(scene);
   text += adaptive ? adaptive_text(scene) : steps_text(scene, plan) + stability_text(scene, plan);
   text += fmt::format("looked at  {}\n",

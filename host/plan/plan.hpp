@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "host/plan/asperities.hpp"
 #include "host/plan/stability.hpp"
 
 /// What would be modelled, and why: modes, nodes, step, limits of stability, cost.
@@ -38,14 +39,14 @@ struct Plan {
   // `many_nodes` of them; and how many touch at the start
   double seconds_free = 0, seconds_one = 0, seconds_many = 0;
   int many_nodes = 0, touching = 0;
+  Asperities asperities;
   std::size_t memory = 0;          // bytes on the device, for tables and buffers
   std::size_t file = 0;            // bytes, without the shocks
   std::vector<std::string> notes;  // what a user may not expect
 };
 
-/// Runs nothing; `memory` is what the march would take (Batch::bytes), `touching` the number of nodes
-/// in contact at the start.
-Plan make_plan(const Model& model, std::size_t memory, int touching = 0);
+/// Runs nothing; `memory` is what the march would take (Batch::bytes), `start` where the scene starts.
+Plan make_plan(const Model& model, std::size_t memory, const ModalStart& start = {});
 
 /// The plan as text, a line a fact.
 std::string describe(const Model& model, const Plan& plan);

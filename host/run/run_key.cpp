@@ -13,8 +13,7 @@
 namespace ra2d {
 
 std::string run_key(const Model& model) {
-  Scene scene = model.scene;
-  scene.name.clear();
+  Scene scene = without_origins(model.scene);
   for (BodySpec* body : {&scene.resonator, &scene.slider})
     body->surface.path.clear();  // its heights tell more
   const std::string text =

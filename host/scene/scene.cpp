@@ -28,34 +28,19 @@ bool has_equilibrium(const Scene& scene) {
          scene.slider.load > 0;
 }
 
-std::vector<std::string> warnings(const Scene& scene) {
-  std::vector<std::string> out;
-  const auto moves_off = [&](const char* body, const char* load) {
-    out.push_back(
-        fmt::format("nothing holds the free {} against {}: it moves off as a whole. The level "
-                    "counts its elastic "
-                    "motion alone",
-                    body, load));
-  };
-  const bool pressed = scene.slider.load_is_weight || scene.slider.load > 0;
-  if (scene.slider.support == Support::free && scene.slider.load < 0)
-    moves_off("slider", "its load, which pulls it off the resonator (slider.load < 0)");
-  if (scene.resonator.support != Support::free) return out;
-  if (scene.slider.support == Support::free && pressed) moves_off("resonator", "the slider's load");
-  for (const MovingForce& force : scene.resonator.moving_forces)
-    if (force.force != 0) {
-      moves_off("resonator", "its moving force");
-      break;
-    }
-  return out;
-}
-
 std::vector<std::filesystem::path> files_of(const Scene& scene) {
   std::vector<std::filesystem::path> files{scene.file};
   for (const BodySpec* body : {&scene.resonator, &scene.slider})
     if (body->surface.kind == SurfaceKind::file)
       files.push_back(scene.file.parent_path() / body->surface.path);
   return files;
+}
+
+Scene without_origins(Scene scene) {
+  scene.name.clear();
+  scene.contact.is_hertz = false;
+  for (BodySpec* body : {&scene.resonator, &scene.slider}) body->poisson.reset();
+  return scene;
 }
 
 std::string title(const Scene& scene) {

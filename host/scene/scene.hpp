@@ -88,6 +88,7 @@ struct BodySpec {
   double width = 0;                     // m
   double young = 0;                     // Pa
   double density = 0;                   // kg/m^3
+  std::optional<double> poisson;        // of contact.stiffness = "hertz", 0.3 unless told
   double damping = 0;                   // modal damping ratio zeta
   std::optional<double> max_frequency;  // Hz, keep the elastic modes up to here ...
   std::optional<int> modes;             // ... or this many elastic modes
@@ -99,7 +100,8 @@ struct BodySpec {
 
 struct ContactSettings {
   ContactLaw law = ContactLaw::penalty;
-  double stiffness = 0;  // Pa/m, kappa
+  double stiffness = 0;   // Pa/m, kappa
+  bool is_hertz = false;  // stiffness = "hertz": found from the bodies' materials
 };
 
 /// Schemes that are compared with one another are named by it, too: `scheme` and `contact_force`,
@@ -150,9 +152,6 @@ inline constexpr double usual_tolerance = 1e-8;
 /// free slider that no load presses down.
 bool has_equilibrium(const Scene& scene);
 
-/// What a user should hear before a run: loads that nothing holds. A sentence each.
-std::vector<std::string> warnings(const Scene& scene);
-
 /// A fault of a scene that is found after it was read, at "section.key", in the same words as those
 /// that the reading finds.
 RequestError refusal(const Scene& scene, const std::string& key, const std::string& what);
@@ -163,6 +162,10 @@ std::string place_of(const Scene& scene, std::string key);
 
 /// The files that a scene is read from: its own, and its measured profiles.
 std::vector<std::filesystem::path> files_of(const Scene& scene);
+
+/// The scene without what changes no bit of its run: its name, and what its contact stiffness, a number
+/// by now, was found from.
+Scene without_origins(Scene scene);
 
 /// What people call it: its name, or that of its file.
 std::string title(const Scene& scene);

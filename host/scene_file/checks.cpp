@@ -253,6 +253,15 @@ void check_output(const Scene& s, Document& document) {
 /// The contact spring of a node: a number that can be worked with.
 void check_stiffness(const Scene& s, Document& document) {
   if (s.contact.law != ContactLaw::penalty) return;
+  if (s.contact.is_hertz && std::isinf(s.contact.stiffness))
+    return document.fault("contact.stiffness",
+                          "\"hertz\", and neither body has a Young's modulus: expected a number in "
+                          "Pa/m (or `young` of a body; one without does not yield)");
+  const auto flat = [](const BodySpec& body) { return body.surface.kind == SurfaceKind::flat; };
+  if (s.contact.is_hertz && flat(s.resonator) && flat(s.slider))
+    return document.fault("contact.stiffness",
+                          "\"hertz\" between two flat faces: there is no asperity that it would be "
+                          "of: expected a number in Pa/m (or a face that is not flat)");
   const double node = s.contact.stiffness * s.spacing * std::min(s.resonator.width, s.slider.width);
   constexpr double softest = 1e-100, stiffest = 1e20;
   if (node < softest || node > stiffest)

@@ -3,6 +3,7 @@
 
 #include <iterator>
 
+#include "host/scene/hertz.hpp"
 #include "host/scene/names.hpp"
 #include "host/scene/schemes.hpp"
 #include "host/scene_file/scene_file.hpp"
@@ -120,9 +121,14 @@ SurfaceWords words_of(const SurfaceSpec& surface, const std::filesystem::path& f
                                                         : surface_kinds.name(surface.kind))};
 }
 
-void write_body(const std::string& name, const BodySpec& body, const std::filesystem::path& folder,
-                Writer& out) {
-  const bool is_rigid = body.support == Support::rigid;
+/// Whether the bodies' elastic constants give the contact its stiffness.
+bool takes_hertz(const ContactSettings& contact) {
+  return contact.is_hertz && contact.law == ContactLaw::penalty;
+}
+
+void write_body(const std::string& name, const BodySpec& body, const ContactSettings& contact,
+                const std::filesystem::path& folder, Writer& out) {
+  const bool is_rigid = body.support == Support::rigid, hertz = takes_hertz(contact);
   const std::string unused = is_rigid ? "the body is rigid" : "";
   const auto material = [&](const char* key, double value) {
     if (!is_rigid || value != 0) out.key(key, value, unused);
@@ -132,8 +138,11 @@ void write_body(const std::string& name, const BodySpec& body, const std::filesy
   out.key("length", body.length);
   material("thickness", body.thickness);
   out.key("width", body.width);
-  material("young", body.young);
+  if (!is_rigid || body.young != 0) out.key("young", body.young, hertz ? "" : unused);
   material("density", body.density);
+  if (body.poisson || (hertz && body.young != 0))
+    out.key("poisson", body.poisson.value_or(usual_poisson),
+            hertz ? "" : "only contact.stiffness = \"hertz\" takes it");
   material("damping", body.damping);
   if (body.max_frequency) out.key("max_frequency", *body.max_frequency, unused);
   if (body.modes) out.raw("modes", fmt::format("{}", *body.modes), unused);
@@ -159,7 +168,7 @@ std::string echo(const Scene& scene) {
   out.key("initial", initial_states.name(scene.initial));
 
   const std::filesystem::path folder = scene.file.parent_path();
-  write_body("resonator", scene.resonator, folder, out);
+  write_body("resonator", scene.resonator, scene.contact, folder, out);
   for (const MovingForce& force : scene.resonator.moving_forces) {
     out.section("[[resonator.moving_force]]",
                 scene.resonator.support == Support::rigid ? "the body is rigid" : "");
@@ -168,7 +177,7 @@ std::string echo(const Scene& scene) {
     out.key("start", force.start);
   }
 
-  write_body("slider", scene.slider, folder, out);
+  write_body("slider", scene.slider, scene.contact, folder, out);
   out.raw("load",
           scene.slider.load_is_weight ? toml_string("weight") : toml_number(scene.slider.load),
           scene.slider.support == Support::rigid ? "the body is rigid" : "");
@@ -176,7 +185,10 @@ std::string echo(const Scene& scene) {
   out.section("[contact]");
   out.key("law", contact_laws.name(scene.contact.law));
   const bool spring = scene.contact.law == ContactLaw::penalty;
-  if (spring || scene.contact.stiffness != 0)
+  if (takes_hertz(scene.contact))
+    out.raw("stiffness", toml_number(scene.contact.stiffness) +
+                             "  # \"hertz\": of the young, poisson and width of both bodies");
+  else if (spring || scene.contact.stiffness != 0)
     out.key("stiffness", scene.contact.stiffness, spring ? "" : "multipliers have no spring");
 
   out.section("[time]");

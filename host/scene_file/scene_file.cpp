@@ -9,10 +9,12 @@
 
 #include "host/errors.hpp"
 #include "host/input_file.hpp"
+#include "host/scene/hertz.hpp"
 #include "host/scene/names.hpp"
 #include "host/scene/schemes.hpp"
 #include "host/scene_file/checks.hpp"
 #include "host/scene_file/reader.hpp"
+#include "host/scene_file/unit_doubts.hpp"
 #include "host/surface/form.hpp"
 #include "host/surface/profile.hpp"
 #include "host/text.hpp"
@@ -22,6 +24,8 @@ namespace {
 
 constexpr std::size_t largest_file = 16u << 20;  // bytes
 constexpr Range hurst_exponent{0, 1, false, "a number in (0, 1)"};
+constexpr Range poisson_ratio{-1, 0.5 + std::numeric_limits<double>::epsilon(), false,
+                              "a number over -1, at most 0.5"};
 constexpr int most_asked = 1'000'000;       // modes
 constexpr std::size_t longest_path = 4096;  // bytes, of a file that the system opens
 
@@ -125,6 +129,7 @@ BodySpec read_body(Reader in, const std::string& name, Document& document) {
   body.width = *in.number("width", positive, "m");
   body.young = in.number("young", positive, "Pa", material).value_or(0);
   body.density = in.number("density", positive, "kg/m^3", material).value_or(0);
+  body.poisson = in.number("poisson", poisson_ratio, "", Need::optional);
   body.damping = in.number("damping", ratio, "", material).value_or(0);
   body.max_frequency = in.number("max_frequency", positive, "Hz", Need::optional);
   if (const auto modes = in.integer("modes", 0, most_asked, Need::optional))
@@ -162,9 +167,11 @@ Scene read(Document& document, const std::filesystem::path& file) {
 
   in = document.section("contact");
   scene.contact.law = in.choice("law", contact_laws, Need::optional).value_or(ContactLaw::penalty);
+  const bool spring = scene.contact.law == ContactLaw::penalty;
+  scene.contact.is_hertz = in.says("stiffness", "hertz");
   scene.contact.stiffness =
-      in.number("stiffness", positive, "Pa/m", needed(scene.contact.law == ContactLaw::penalty))
-          .value_or(0);
+      in.number("stiffness", positive, "Pa/m", needed(spring), "hertz").value_or(0);
+  if (scene.contact.is_hertz) scene.contact.stiffness = hertz_stiffness(scene);
 
   in = document.section("time");
   const auto scheme = in.choice("scheme", schemes, Need::optional);
@@ -209,14 +216,22 @@ Scene parse_scene(const std::string& text, const std::filesystem::path& file,
   check(scene, document);
   const char* const drawn = "a seed means the same profile at every scene.spacing: drop the key";
   const char* const study = "this is a study: run it with 'ra2d study'";
-  document.finish({{"base", study},
-                   {"vary", study},
-                   {"resonator.surface.seed_spacing", drawn},
-                   {"slider.surface.seed_spacing", drawn},
-                   {"resonator.load",
-                    "only the slider takes a load (slider.load, or [[resonator.moving_force]])"},
-                   {"slider.moving_force",
-                    "only the resonator takes a moving force (slider.load loads the slider)"}});
+  const std::map<std::string, std::string> hints = {
+      {"base", study},
+      {"vary", study},
+      {"resonator.surface.seed_spacing", drawn},
+      {"slider.surface.seed_spacing", drawn},
+      {"resonator.load",
+       "only the slider takes a load (slider.load, or [[resonator.moving_force]])"},
+      {"slider.moving_force",
+       "only the resonator takes a moving force (slider.load loads the slider)"}};
+  try {
+    document.finish(hints);
+  } catch (const RequestError& fault) {  // what looks odd may be why
+    std::string text = fault.what();
+    for (const std::string& odd : unit_doubts(scene)) text += "\nlooks odd: " + odd;
+    throw RequestError(text);
+  }
   scene.places = std::make_shared<const std::map<std::string, std::string>>(document.places());
   return scene;
 }

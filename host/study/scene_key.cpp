@@ -68,8 +68,7 @@ std::vector<std::filesystem::path> FileHashes::names() const {
 }
 
 Key128 scene_key(const Scene& scene, FileHashes& files) {
-  Scene bare = scene;
-  bare.name.clear();
+  Scene bare = without_origins(scene);
   Hash hash;
   hash.add(fmt::format("numerics {}\n{}\n", numerics_version, arithmetic()));
   for (BodySpec* body : {&bare.resonator, &bare.slider}) {

@@ -202,13 +202,20 @@ std::vector<double> prepared_face(const SurfaceSpec& spec, const std::filesystem
                           [&](std::size_t i) { return repeated.at(i); })
                : at_nodes(count, stride, last, [&](std::size_t i) { return z[i]; });
   check_proportion(file, heights, length, spacing, thickness, doubts);
+  const std::size_t own = std::min(count, static_cast<std::size_t>(there / spacing) + 1);
+  if (doubts != nullptr && own > 1) {
+    const auto reach = static_cast<double>(own - 1) * stride;
+    const std::size_t points = std::min(z.size(), static_cast<std::size_t>(reach) + 2);
+    doubt_lost_slope(file, shape_of(std::span(z).first(points), profile.spacing).slope,
+                     profile.spacing, shape_of(std::span(heights).first(own), spacing).slope,
+                     spacing, doubts);
+  }
   if (doubts != nullptr && profile.spacing > coarse_nodes * spacing)
     doubts->push_back(
         fmt::format("{}: x steps by {:.6g} m, {:.0f} nodes of the scene, between which the face is "
                     "straight",
                     file.string(), profile.spacing, profile.spacing / spacing));
   if (doubts != nullptr && is_short) {
-    const auto own = std::min(count, static_cast<std::size_t>(there / spacing) + 1);
     const Shape before = shape_of(std::span(heights).first(std::max<std::size_t>(own, 2)), spacing);
     const Shape after = shape_of(heights, spacing);
     std::string doubt =

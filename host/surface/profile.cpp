@@ -72,6 +72,16 @@ Profile read_measured_profile(const std::filesystem::path& file, const ProfileQu
   return read_profile_text(file, query);
 }
 
+void doubt_lost_slope(const std::filesystem::path& file, double slope_of_points, double step,
+                      double slope_of_nodes, double spacing, std::vector<std::string>* doubts) {
+  if (doubts == nullptr || !(slope_of_nodes < (1 - most_slope_lost) * slope_of_points)) return;
+  doubts->push_back(fmt::format(
+      "{}: nodes {:.4g} m apart show a root mean square slope of {:.3g}, {:.0f} % less than the "
+      "points, {:.4g} m apart: shorter waves are cut. A scene.spacing nearer to the points shows "
+      "them, cutoff_s takes them off on purpose",
+      file.string(), spacing, slope_of_nodes, 100 * (1 - slope_of_nodes / slope_of_points), step));
+}
+
 std::optional<double> to_fill_width(std::string_view text) {
   constexpr std::string_view kind = "linear:";
   if (!text.starts_with(kind)) return {};

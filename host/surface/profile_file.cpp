@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "host/errors.hpp"
+#include "host/surface/profile.hpp"
 #include "host/surface/profile_lines.hpp"
 #include "host/surface/sum.hpp"
 
@@ -288,6 +289,11 @@ std::vector<double> read_profile(const std::filesystem::path& file, int nodes, d
     const std::size_t i = std::min(static_cast<std::size_t>(at), points.size() - 2);
     heights[n] = std::lerp(points[i].z, points[i + 1].z, at - static_cast<double>(i));
   }
+  double rises = 0;
+  for (std::size_t n = 1; n < heights.size(); ++n)
+    rises += (heights[n] - heights[n - 1]) * (heights[n] - heights[n - 1]);
+  doubt_lost_slope(file, relief.slope, step,
+                   std::sqrt(rises / static_cast<double>(nodes - 1)) / spacing, spacing, doubts);
   subtract_mean(heights);
   return heights;
 }

@@ -15,6 +15,7 @@
 #include "host/surface/bells.hpp"
 #include "host/surface/gaussian.hpp"
 #include "host/surface/height_map.hpp"
+#include "host/surface/profile.hpp"
 
 namespace ra2d {
 namespace {
@@ -130,6 +131,46 @@ double crossing_distance(const Waves& normal, const HeightMap& map) {
   return 2 * pi / std::sqrt(curvature) * std::exp(level * level / 2);
 }
 
+/// The slope between nodes over the slope at a point, root mean squares. A wave of number k has between
+/// nodes a distance d apart the share sin(k d/2)/(k d/2) of its slope.
+double slope_between_nodes(const RandomProfile& p, const Waves& waves, double spacing) {
+  if (p.correlation == Correlation::gaussian) {
+    // 2 (C(0) - C(d))/d^2 over -C''(0), C(x) = exp(-(x/l)^2)
+    const double x = spacing * spacing / (p.correlation_length * p.correlation_length);
+    return std::sqrt(-std::expm1(-x) / x);
+  }
+  double between = 0, at_point = 0;
+  for (std::size_t j = 1; j < waves.variance.size(); ++j) {
+    const double k = waves.turn(j) / waves.place, slope = waves.variance[j] * k * k;
+    const double half = k * spacing / 2, share = std::sin(half) / half;
+    at_point += slope;
+    between += slope * share * share;
+  }
+  return std::sqrt(between / at_point);
+}
+
+/// The spacing at which that is 1 - most_slope_lost.
+double fine_spacing(const RandomProfile& p, const Waves& waves, double spacing) {
+  double low = 0, high = spacing;
+  for (int halving = 0; halving < 12; ++halving) {
+    const double middle = (low + high) / 2;
+    (slope_between_nodes(p, waves, middle) < 1 - most_slope_lost ? high : low) = middle;
+  }
+  return low;
+}
+
+void doubt_spectrum(const RandomProfile& p, const Waves& waves, double spacing,
+                    std::vector<std::string>& doubts) {
+  const double lost = 1 - slope_between_nodes(p, waves, spacing);
+  if (!(lost > most_slope_lost)) return;
+  const bool smooth = p.correlation == Correlation::gaussian;
+  doubts.push_back(fmt::format(
+      "straight lines between nodes {:.4g} m apart lose {:.0f} % of the root mean square slope ({} "
+      "{:.4g} m). A spacing of {:.2g} m loses {:.0f} %",
+      spacing, 100 * lost, smooth ? "rsm" : "shortest wave", smooth ? p.rsm : p.shortest,
+      fine_spacing(p, waves, spacing), 100 * most_slope_lost));
+}
+
 // ---- the profile
 
 /// A function of x/place whose spread in expectation is `spread`.
@@ -154,9 +195,9 @@ Process bells_of_noise(const RandomProfile& p, double length, std::uint64_t seed
 }
 
 /// Wave j is s_j (a cos + b sin), a and b standard normal.
-Process bells_of_waves(const RandomProfile& p, const HeightMap& map, double length,
+Process bells_of_waves(const Waves& of_heights, const HeightMap& map, double length,
                        std::uint64_t seed) {
-  const Waves waves = before_map(waves_of(p, length), map);
+  const Waves waves = before_map(of_heights, map);
   std::vector<Complex> half(static_cast<std::size_t>(waves.places) / 2 + 1);
   for (std::size_t j = 1; j < waves.variance.size(); ++j) {
     const auto number = static_cast<std::int64_t>(2 * j);
@@ -419,19 +460,15 @@ std::vector<double> random_heights(const SurfaceSpec& spec, double length, int n
   const HeightMap map = map_of(spec);
   const RandomProfile p = resolve(spec, map, length);
   const bool bells_alone = spec.correlation == Correlation::gaussian && map.is_identity();
+  const Waves waves = bells_alone ? Waves{} : waves_of(p, length);
+  if (doubts != nullptr && spec.rq != 0) doubt_spectrum(p, waves, spacing, *doubts);
   if (bells_alone && spec.exact == Exactly::rq)
     return gaussian_heights(spec.rq, p.correlation_length, spec.seed, length, nodes, spacing);
   std::vector<double> heights(static_cast<std::size_t>(nodes), 0.0);
   if (spec.rq == 0) return heights;
   if (nodes < 2) throw RequestError("a rough surface needs a beam of at least 2 nodes");
-  if (doubts != nullptr && p.shortest < 2 * spacing)
-    doubts->push_back(
-        fmt::format("its shortest waves, {:.4g} m, fall between nodes {:.4g} m apart: what the "
-                    "nodes see of it depends on the spacing",
-                    p.shortest, spacing));
-
   Process process = bells_alone ? bells_of_noise(p, length, spec.seed)
-                                : bells_of_waves(p, map, length, spec.seed);
+                                : bells_of_waves(waves, map, length, spec.seed);
   double begin = 0;  // in places
   const auto evaluate = [&](std::vector<double>& x) {
     for (double& place : x) place += begin;

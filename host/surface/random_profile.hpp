@@ -29,7 +29,8 @@ RandomProfile resolve_random(const SurfaceSpec& spec, double length);
 ///   exponential  exp(-|x|/l), but for waves shorter than `shortest` (l/50 unless told), which are left out
 ///   self-affine  waves from `longest` to `shortest`, their density as k^-(1 + 2 hurst)
 /// With normal heights and the Gaussian correlation the same bits on every platform (gaussian.hpp), else
-/// within 1e-12 rq. `doubts` takes a sentence where nodes are too far apart to see the shortest waves.
+/// within 1e-12 rq. `doubts` takes a sentence where nodes are too far apart to show the shortest waves: where
+/// straight lines between them lose more than `most_slope_lost` of the root mean square slope.
 std::vector<double> random_heights(const SurfaceSpec& spec, double length, int nodes,
                                    double spacing, std::vector<std::string>* doubts = nullptr);
 

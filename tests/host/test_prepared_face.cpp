@@ -216,6 +216,30 @@ TEST_F(PreparedFace, AShortProfileIsRefusedOrRepeated) {
   EXPECT_THAT(doubts, IsEmpty());
 }
 
+/// Straight lines keep sin(pi d/L)/(pi d/L) of the slope of a wave L where points are d apart.
+TEST_F(PreparedFace, SaysWhatSlopeIsLostBetweenItsNodes) {
+  constexpr double wave = 20e-6, step = 1e-6;
+  const auto kept = [](double d) { return std::sin(pi * d / wave) / (pi * d / wave); };
+  std::string text;
+  for (int i = 0; i <= 8000; ++i)
+    text += fmt::format("{:.9g} {:.17g}\n", i * step, 0.1e-6 * std::sin(2 * pi * i * step / wave));
+  for (const bool as_it_stands : {true, false}) {
+    write(text);
+    how() = {};
+    if (!as_it_stands) how().x_unit = how().z_unit = FileUnit::m;
+    face(8e-3, 8e-6);
+    ASSERT_EQ(doubts.size(), 1u);
+    const std::size_t at = doubts[0].find(" % less than the points");
+    ASSERT_NE(at, std::string::npos) << doubts[0];
+    EXPECT_NEAR(std::stod(doubts[0].substr(doubts[0].rfind(' ', at - 1))),
+                100 * (1 - kept(8e-6) / kept(step)), 0.6);
+    face(8e-3, 2e-6);  // keeps 99 %
+    EXPECT_THAT(doubts, IsEmpty());
+    face(8e-3, 1e-6);
+    EXPECT_THAT(doubts, IsEmpty());
+  }
+}
+
 TEST(RepeatedProfileSeam, GoesFromTheLastHeightToTheFirst) {
   std::vector<double> z(101);
   for (std::size_t i = 0; i < z.size(); ++i) z[i] = i < 50 ? -1 : 1;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "host/scene/scene.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -13,6 +14,7 @@
 #include <vector>
 
 #include "host/errors.hpp"
+#include "host/model/doubts.hpp"
 #include "host/scene_file/scene_file.hpp"
 #include "host/text.hpp"
 #include "tests/child.hpp"
@@ -120,6 +122,7 @@ void expect_same(const BodySpec& a, const BodySpec& b) {
   EXPECT_EQ(a.width, b.width);
   EXPECT_EQ(a.young, b.young);
   EXPECT_EQ(a.density, b.density);
+  EXPECT_EQ(a.poisson, b.poisson);
   EXPECT_EQ(a.damping, b.damping);
   EXPECT_EQ(a.max_frequency, b.max_frequency);
   EXPECT_EQ(a.modes, b.modes);
@@ -147,6 +150,7 @@ void expect_same(const Scene& a, const Scene& b) {
   expect_same(a.slider, b.slider);
   EXPECT_EQ(a.contact.law, b.contact.law);
   EXPECT_EQ(a.contact.stiffness, b.contact.stiffness);
+  EXPECT_EQ(a.contact.is_hertz, b.contact.is_hertz);
   EXPECT_EQ(a.time.scheme, b.time.scheme);
   EXPECT_EQ(a.time.contact_force, b.time.contact_force);
   EXPECT_EQ(a.time.step, b.time.step);
@@ -177,6 +181,8 @@ TEST(Scene, MinimalOneReadsWithDefaults) {
   EXPECT_EQ(s.slider.surface.kind, SurfaceKind::flat);
   EXPECT_FALSE(s.slider.load_is_weight);
   EXPECT_EQ(s.slider.load, 0);
+  EXPECT_EQ(s.slider.poisson, std::nullopt);
+  EXPECT_FALSE(s.contact.is_hertz);
   EXPECT_THAT(s.resonator.moving_forces, IsEmpty());
   EXPECT_EQ(s.contact.law, ContactLaw::penalty);
   EXPECT_EQ(s.time.scheme, SchemeKind::backward_euler);
@@ -192,7 +198,8 @@ TEST(Scene, ValuesArriveWhereTheyBelong) {
       {"duration = 0.1",
        "name = \"a \\\"b\\\"\"\ngap = 2e-5\ninitial = \"static\"\nduration = 0.1"},
       {"max_frequency = 20e3",
-       "modes = 0\nload = \"weight\"\nsurface.kind = \"peaks\"\nsurface.peaks = [{ at = 0.01, "
+       "modes = 0\npoisson = 0.28\nload = \"weight\"\nsurface.kind = \"peaks\"\nsurface.peaks = [{ "
+       "at = 0.01, "
        "height = "
        "-1e-5, half_width = 2e-4 }]"},
       {"stiffness", "law = \"penalty\"\nstiffness"},
@@ -229,6 +236,7 @@ TEST(Scene, ValuesArriveWhereTheyBelong) {
   EXPECT_EQ(s.resonator.moving_forces[0].start, -1);
   EXPECT_EQ(s.slider.support, Support::free);
   EXPECT_EQ(s.slider.modes, 0);
+  EXPECT_EQ(s.slider.poisson, 0.28);
   EXPECT_TRUE(s.slider.load_is_weight);
   ASSERT_EQ(s.slider.surface.peaks.size(), 1);
   EXPECT_EQ(s.slider.surface.peaks[0].at, 0.01);
@@ -1242,9 +1250,46 @@ TEST(Scene, StartsFromEquilibriumWhereThereIsOne) {
   EXPECT_EQ(initial({weight, {"start", "initial = \"rest\"\nstart"}}), Initial::rest);
 }
 
+/// The number stands in the echo, with where it comes from. What reads it sees a number.
+TEST(SceneEcho, HertzIsANumberThatTellsItsOrigin) {
+  const Scene s = parse(scene_text({{"stiffness = 1e15", "stiffness = \"hertz\""},
+                                    {"modes = 19", "modes = 19\npoisson = 0.25"}}));
+  const std::string text = echo(s);
+  EXPECT_THAT(text, HasSubstr(fmt::format("\nstiffness = {}  # \"hertz\"",
+                                          toml_number(s.contact.stiffness))));
+  EXPECT_THAT(text, HasSubstr("\npoisson = 0.25\n"));
+  EXPECT_THAT(text, HasSubstr("\npoisson = 0.3\n"));
+  const Scene again = parse(text);
+  EXPECT_EQ(again.contact.stiffness, s.contact.stiffness);
+  EXPECT_EQ(again.slider.poisson, 0.3);
+  expect_round_trip(again);
+  EXPECT_THAT(echo(again), HasSubstr("poisson = 0.3  # not used: only contact.stiffness"));
+  // under multipliers there is no spring; one word changes the law
+  const Scene other =
+      parse(scene_text({{"stiffness = 1e15", "law = \"multiplier\"\nstiffness = \"hertz\""}}));
+  EXPECT_THAT(echo(other), HasSubstr("# not used: multipliers have no spring"));
+  // of rigid bodies the modulus serves
+  const Scene rigid =
+      parse(scene_text({{"stiffness = 1e15", "stiffness = \"hertz\""}, rigid_slider}));
+  EXPECT_THAT(echo(rigid), HasSubstr("density = 7800.0  # not used: the body is rigid"));
+  EXPECT_THAT(echo(rigid), testing::Not(HasSubstr("young = 21e10  # not used")));
+}
+
+/// A fault may be another number's: what looks odd is said with it.
+TEST(Scene, FaultsComeWithWhatLooksOdd) {
+  const std::string message = refusal(
+      scene_text({{"modes = 19", "max_frequency = 20e3"}, {"young = 210e9", "young = 210"}}));
+  EXPECT_THAT(message, HasSubstr("resonator.max_frequency: "));
+  EXPECT_THAT(
+      message,
+      HasSubstr(
+          "\nlooks odd: resonator.young = 210 Pa: softer than a gel: is it in GPa (2.1e+11 Pa)?"));
+}
+
 TEST(Scene, SaysWhichLoadsNothingHolds) {
-  const auto said = [](const std::vector<Change>& changes) {
-    return warnings(parse(scene_text(changes)));
+  const auto said = [](std::vector<Change> changes) {
+    changes.push_back({"1e15", "\"hertz\""});
+    return scene_doubts(parse(scene_text(changes)));
   };
   const Change pressed{"[slider]", "[slider]\nload = 1"};
   const Change pushed{"", "[[resonator.moving_force]]\nforce = 10\nspeed = 20\nstart = -1\n"};

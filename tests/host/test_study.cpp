@@ -23,6 +23,7 @@
 #include "host/run/simulation.hpp"
 #include "host/scene_file/scene_file.hpp"
 #include "host/study/law.hpp"
+#include "host/study/study_advice.hpp"
 #include "host/study/study_status.hpp"
 #include "host/study/study_table.hpp"
 #include "host/study/study_worker.hpp"
@@ -312,12 +313,70 @@ TEST(SceneKey, KeysThatAreNotUsedChangeNoBit) {
   EXPECT_EQ(a.steps, b.steps);
 }
 
+/// Where a stiffness comes from changes no bit: its number does.
+TEST(SceneKey, HertzIsTheNumberThatItTakes) {
+  FileHashes files;
+  const auto key = [&](const std::vector<std::string>& changes) {
+    return scene_key(parse_scene(test::quick_scene, "a.toml", changes), files);
+  };
+  const Scene hertz = parse_scene(test::quick_scene, "a.toml", {"contact.stiffness=hertz"});
+  const std::string number = fmt::format("contact.stiffness={:.17g}", hertz.contact.stiffness);
+  EXPECT_EQ(key({"contact.stiffness=hertz"}), key({number}));
+  EXPECT_EQ(key({number}), key({number, "slider.poisson=0.2"}));
+  EXPECT_NE(key({"contact.stiffness=hertz"}),
+            key({"contact.stiffness=hertz", "slider.poisson=0.2"}));
+  const auto run = [](const std::string& change) {
+    return run_key(make_model(parse_scene(test::quick_scene, "a.toml", {change})));
+  };
+  EXPECT_EQ(run("contact.stiffness=hertz"), run(number));
+}
+
+TEST(StudyPoints, SeedsThatChangeNothingAreRefused) {
+  const auto refused = [](const std::string& text) {
+    const StudyPoints points(study_of(text));
+    return refusal_of([&] { require_other_seeds(points, PointCensus(points)); });
+  };
+  const std::string flat = "slider.surface = { kind = \"flat\" }\n";
+  // one random face is enough, and so is one seed
+  EXPECT_EQ(refused("base = \"b\"\nseeds = 5\n[set]\n" + flat), "nothing was refused");
+  EXPECT_EQ(refused("base = \"b\"\nseeds = 1\n[set]\n" + flat + "resonator" + flat.substr(6)),
+            "nothing was refused");
+  // of several combinations the one without
+  EXPECT_THAT(refused("base = \"b\"\nseeds = 5\n[set]\n" + flat +
+                      "[vary]\nkind = { key = \"resonator.surface.kind\", values = [\"gaussian\", "
+                      "\"flat\"] }\n"),
+              AllOf(HasSubstr("of the scene with kind = \"flat\": neither face is random"),
+                    HasSubstr("Expected seeds = 1")));
+}
+
+TEST(StudyPoints, DoubtsAreSaidOnceForAllScenes) {
+  const auto said = [](const std::string& text) {
+    return study_doubts(StudyPoints(study_of(text)));
+  };
+  const std::vector<std::string> one = said(
+      "base = \"b\"\nseeds = 3\n[set]\nslider.density = 8.5\ncontact.stiffness = \"hertz\"\n"
+      "[vary]\nspeed = { key = \"scene.speed\", values = [0.1, 0.2] }\n");
+  ASSERT_EQ(one.size(), 1u) << fmt::format("{}", fmt::join(one, "\n"));
+  EXPECT_THAT(one[0], HasSubstr("slider.density = 8.5"));
+  EXPECT_THAT(said("base = \"b\"\n[set]\ncontact.stiffness = \"hertz\"\n[vary]\n"
+                   "rho = { key = \"slider.density\", values = [7800, 7.8] }\n"),
+              ElementsAre(HasSubstr("slider.density = 7.8")));
+}
+
 TEST(StudyPoints, ScenesWithoutASeedAreOneRunForAllSeeds) {
   const PointCensus census(
       StudyPoints(study_of("base = \"b\"\nseeds = 5\n[set]\nslider.surface = { kind = \"flat\" }\n"
                            "resonator.surface = { kind = \"flat\" }\n")));
   EXPECT_FALSE(census.has_seeds);
   EXPECT_THAT(census.different(), ElementsAre(0));
+  EXPECT_THAT(refusal_of([&] {
+                require_other_seeds(StudyPoints(study_of(
+                                        "base = \"b\"\nseeds = 5\n[set]\nslider.surface = { kind = "
+                                        "\"flat\" }\nresonator.surface = { kind = \"flat\" }\n")),
+                                    census);
+              }),
+              AllOf(HasSubstr("seeds: 5 runs of each combination"), HasSubstr("Expected seeds = 1"),
+                    HasSubstr("slider.surface.path")));
   EXPECT_TRUE(PointCensus(StudyPoints(study_of(two_by_three))).has_seeds);
 }
 

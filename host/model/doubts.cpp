@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/model/doubts.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/scene/hertz.hpp"
+#include "host/scene_file/unit_doubts.hpp"
+
+namespace ra2d {
+namespace {
+
+using Doubts = std::vector<std::string>;
+
+/// A stiffness against what the bodies' materials give.
+void doubt_stiffness(const Scene& scene, Doubts& doubts) {
+  const ContactSettings& contact = scene.contact;
+  if (contact.law != ContactLaw::penalty || contact.is_hertz) return;
+  constexpr double much_stiffer = 2, far_softer = 1e-3;
+  const auto kind = [&](SurfaceKind is) {
+    return scene.resonator.surface.kind == is || scene.slider.surface.kind == is;
+  };
+  const double hertz = hertz_stiffness(scene), most = stiffest_half_space(scene);
+  if (!std::isfinite(hertz)) return;  // neither body yields
+  const bool rough = kind(SurfaceKind::gaussian) || kind(SurfaceKind::file);
+  if (!rough && !kind(SurfaceKind::peaks)) return;  // flat on flat: no contact is narrow
+  const double ratio = std::pow(contact.stiffness / hertz, 2.0 / 3);  // of N/m, under one load
+  const std::string asked = fmt::format("contact.stiffness = {:g} Pa/m: ", contact.stiffness);
+  const std::string take = fmt::format("(\"hertz\" takes {:.3g} Pa/m)", hertz);
+  if (contact.stiffness > most)
+    doubts.push_back(asked +
+                     fmt::format("stiffer than the bodies' material, which gives a ridge as "
+                                 "wide as the slider at most {:.2g} Pa/m on this spacing {}",
+                                 most, take));
+  else if (rough && ratio > much_stiffer)
+    doubts.push_back(asked + fmt::format("asperities {:.2g} times as stiff as the half-spaces of "
+                                         "Hertz make them {}: shocks are too short and too hard",
+                                         ratio, take));
+  else if (contact.stiffness < far_softer * hertz)
+    doubts.push_back(
+        asked + fmt::format("far softer than the bodies' material {}: is it in MPa/mm ({:g} Pa/m)?",
+                            take, contact.stiffness * 1e9));
+}
+
+/// Loads that nothing holds.
+void doubt_held(const Scene& scene, Doubts& doubts) {
+  const auto moves_off = [&](const char* body, const char* load) {
+    doubts.push_back(
+        fmt::format("nothing holds the free {} against {}: it moves off as a whole. The level "
+                    "counts its elastic "
+                    "motion alone",
+                    body, load));
+  };
+  const bool pressed = scene.slider.load_is_weight || scene.slider.load > 0;
+  if (scene.slider.support == Support::free && scene.slider.load < 0)
+    moves_off("slider", "its load, which pulls it off the resonator (slider.load < 0)");
+  if (scene.resonator.support != Support::free) return;
+  if (scene.slider.support == Support::free && pressed) moves_off("resonator", "the slider's load");
+  for (const MovingForce& force : scene.resonator.moving_forces)
+    if (force.force != 0) {
+      moves_off("resonator", "its moving force");
+      break;
+    }
+}
+
+struct Relief {
+  double highest, lowest, rms;  // m
+  double slope;                 // root mean square, between nodes
+};
+
+Relief relief_of(const std::vector<double>& heights, double spacing) {
+  Relief relief{heights.front(), heights.front(), 0, 0};
+  for (std::size_t i = 0; i < heights.size(); ++i) {
+    relief.highest = std::max(relief.highest, heights[i]);
+    relief.lowest = std::min(relief.lowest, heights[i]);
+    relief.rms += heights[i] * heights[i];
+    if (i > 0) relief.slope += (heights[i] - heights[i - 1]) * (heights[i] - heights[i - 1]);
+  }
+  const auto count = static_cast<double>(heights.size());
+  relief.rms = std::sqrt(relief.rms / count);
+  relief.slope = std::sqrt(relief.slope / std::max(count - 1, 1.0)) / spacing;
+  return relief;
+}
+
+/// Of a random face; measured ones are looked at where they are read.
+void doubt_roughness(const std::string& name, const BodySpec& body, const Relief& relief,
+                     Doubts& doubts) {
+  constexpr double large_share = 0.05;  // of the thickness, as for measured ones
+  constexpr double steep = 0.5, smooth = 1e-4;
+  constexpr double most_millimetres = 0.1;  // m: larger numbers are of micrometres
+  const double rq = body.surface.rq, span = relief.highest - relief.lowest;
+  const std::string key = name + ".surface.rq";
+  if (body.thickness > 0 && span > large_share * body.thickness)
+    doubt(doubts, key, rq, "m",
+          fmt::format("the heights span {:.3g} m, and {}.thickness is {:g} m", span, name,
+                      body.thickness),
+          rq < most_millimetres ? millimetres : micrometres);
+  else if (relief.slope > steep)
+    doubt(doubts, key, rq, "m",
+          fmt::format("its slopes have a root mean square of {:.2g}, steeper than faces are",
+                      relief.slope),
+          too_large);
+  else if (relief.slope < smooth)
+    doubt(doubts, key, rq, "m",
+          fmt::format("its slopes have a root mean square of {:.2g}, smoother than faces are",
+                      relief.slope),
+          too_small);
+}
+
+/// An imposed gap against the heights that are to meet across it.
+void doubt_gap(const Model& model, const Relief& resonator, const Relief& slider, Doubts& doubts) {
+  constexpr double near = 0.05;              // of the root mean square of both faces
+  constexpr double held = 3, falling = 100;  // of the highest points of both
+  const Scene& scene = model.scene;
+  if (!scene.gap) return;
+  const double gap = *scene.gap,
+               heights = std::max(resonator.highest, 0.0) + std::max(slider.highest, 0.0);
+  const double rms = std::hypot(resonator.rms, slider.rms);
+  const double most = scene.slider.support == Support::free ? falling : held;
+  if (heights > 0 && gap > most * heights)
+    doubt(doubts, "scene.gap", gap, "m",
+          fmt::format("the faces rise no higher than {:.3g} m together", heights), millimetres);
+  else if (gap != 0 && std::abs(gap) < near * rms)
+    doubt(doubts, "scene.gap", gap, "m",
+          fmt::format("next to nothing beside faces of {:.3g} m, root mean square", rms),
+          too_small);
+}
+
+}  // namespace
+
+std::vector<std::string> scene_doubts(const Scene& scene) {
+  Doubts doubts = unit_doubts(scene);
+  doubt_held(scene, doubts);
+  doubt_stiffness(scene, doubts);
+  return doubts;
+}
+
+void doubt_faces(const Model& model, std::vector<std::string>& doubts) {
+  const Scene& scene = model.scene;
+  const Relief resonator = relief_of(model.resonator_height, scene.spacing);
+  const Relief slider = relief_of(model.slider_height, scene.spacing);
+  if (scene.resonator.surface.kind == SurfaceKind::gaussian)
+    doubt_roughness("resonator", scene.resonator, resonator, doubts);
+  if (scene.slider.surface.kind == SurfaceKind::gaussian)
+    doubt_roughness("slider", scene.slider, slider, doubts);
+  doubt_gap(model, resonator, slider, doubts);
+}
+
+}  // namespace ra2d

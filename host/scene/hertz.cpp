@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/scene/hertz.hpp"
+
+#include <algorithm>
+#include <numbers>
+
+namespace ra2d {
+
+double contact_modulus(const Scene& scene) {
+  double yielding = 0;  // 1/Pa
+  for (const BodySpec* body : {&scene.resonator, &scene.slider}) {
+    const double nu = body->poisson.value_or(usual_poisson);
+    if (body->young != 0) yielding += (1 - nu * nu) / body->young;
+  }
+  return 1 / yielding;
+}
+
+double hertz_stiffness(const Scene& scene) {
+  return contact_modulus(scene) /
+         (std::numbers::sqrt2 * std::min(scene.resonator.width, scene.slider.width));
+}
+
+double stiffest_half_space(const Scene& scene) {
+  constexpr double line_contact = 3 * std::numbers::pi / 8;
+  return line_contact * contact_modulus(scene) / (scene.spacing / 2);
+}
+
+}  // namespace ra2d

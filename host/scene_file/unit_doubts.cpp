@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/scene_file/unit_doubts.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "host/beam/beam.hpp"
+
+// The bounds are those of what is built and rubbed, from micromachines to bridges and from rubber to diamond,
+// with room to spare. What is off by a factor of a thousand lies beyond one of them in most scenes.
+namespace ra2d {
+
+void doubt(std::vector<std::string>& doubts, const std::string& key, double value, const char* unit,
+           const std::string& why, const Slip& slip) {
+  doubts.push_back(fmt::format("{} = {:g} {}: {}: {} ({:.4g} {})?", key, value, unit, why,
+                               slip.words, value * slip.factor, unit));
+}
+
+namespace {
+
+using Doubts = std::vector<std::string>;
+
+constexpr Slip giga{"is it in GPa", 1e9}, mega{"is it in MPa", 1e6}, grams{"is it in g/cm^3", 1e3},
+    kilohertz{"is it in kHz", 1e3}, millimetres_a_second{"is it in mm/s", 1e-3};
+
+/// How fast sound runs along a beam [m/s].
+double sound_speed(const BodySpec& body) { return std::sqrt(body.young / body.density); }
+
+void doubt_young(const std::string& name, const BodySpec& body, Doubts& doubts) {
+  constexpr double softest = 1e4, stiffest = 1.5e12;     // Pa: gels, and beyond diamond
+  constexpr double most_giga = 1500, most_mega = 1.5e6;  // numbers of GPa, of MPa
+  constexpr double dense = 2000, slow = 200;  // kg/m^3, m/s: no metal, glass or stone is slower
+  const Slip meant = body.young < most_giga ? giga : body.young < most_mega ? mega : too_small;
+  const std::string key = name + ".young";
+  if (body.young < softest)
+    doubt(doubts, key, body.young, "Pa", "softer than a gel", meant);
+  else if (body.young > stiffest)
+    doubt(doubts, key, body.young, "Pa", "stiffer than diamond", too_large);
+  else if (body.density > dense && sound_speed(body) < slow)
+    doubt(doubts, key, body.young, "Pa",
+          fmt::format("softer than anything of {:g} kg/m^3", body.density), meant);
+}
+
+void doubt_density(const std::string& name, const BodySpec& body, Doubts& doubts) {
+  constexpr double lightest = 10, heaviest = 23000;      // kg/m^3: foam, and beyond osmium
+  constexpr double most_in_grams = 25, fastest = 20000;  // m/s: sound in diamond takes 18 000
+  const std::string key = name + ".density";
+  if (body.density < lightest)
+    doubt(doubts, key, body.density, "kg/m^3", "lighter than foam", grams);
+  else if (body.density > heaviest)
+    doubt(doubts, key, body.density, "kg/m^3", "heavier than any metal", too_large);
+  else if (body.density < most_in_grams && sound_speed(body) > fastest)
+    doubt(doubts, key, body.density, "kg/m^3",
+          fmt::format("lighter than anything of {:g} Pa", body.young), grams);
+  else if (sound_speed(body) > fastest)
+    doubt(doubts, name + ".young", body.young, "Pa",
+          fmt::format("stiffer than anything of {:g} kg/m^3", body.density), too_large);
+}
+
+void doubt_section(const std::string& name, const BodySpec& body, bool is_slider, Doubts& doubts) {
+  constexpr double longest = 50, widest = 10, shortest = 1e-6, narrowest = 1e-7;  // m
+  constexpr double slender = 2e4, tall_block = 10, tall_edge = 8;                 // ratios
+  const auto far = [&](const char* key, double value, double low, double high) {
+    if (value > high)
+      doubt(doubts, name + key, value, "m", "larger than what is rubbed", millimetres);
+    else if (value < low)
+      doubt(doubts, name + key, value, "m", "smaller than what is rubbed", too_small);
+  };
+  far(".length", body.length, shortest, longest);
+  far(".width", body.width, narrowest, widest);
+  if (body.thickness == 0) return;  // rigid, and not told
+  // a block that slides may stand; what bends is longer than thick
+  const double most = (is_slider ? tall_block : 1) * body.length;
+  const std::string key = name + ".thickness";
+  if (body.thickness > most)
+    doubt(doubts, key, body.thickness, "m",
+          fmt::format("{:.3g} times {}.length = {:g} m, which is no beam",
+                      body.thickness / body.length, name, body.length),
+          millimetres);
+  else if (body.length > slender * body.thickness)
+    doubt(doubts, key, body.thickness, "m",
+          fmt::format("{}.length = {:g} m is {:.3g} times as much, more than a foil's", name,
+                      body.length, body.length / body.thickness),
+          too_small);
+  else if (body.thickness > tall_edge * body.width)
+    doubt(doubts, name + ".width", body.width, "m",
+          fmt::format("{}.thickness = {:g} m is {:.3g} times as much, a blade on its edge", name,
+                      body.thickness, body.thickness / body.width),
+          too_small);
+}
+
+void doubt_body(const std::string& name, const BodySpec& body, bool is_slider, Doubts& doubts) {
+  constexpr double most_damping = 0.5;
+  doubt_section(name, body, is_slider, doubts);
+  if (body.support == Support::rigid || body.young == 0 || body.density == 0 || body.thickness == 0)
+    return;  // the rest is not told
+  doubt_young(name, body, doubts);
+  doubt_density(name, body, doubts);
+  if (body.damping > most_damping)
+    doubts.push_back(
+        fmt::format("{}.damping = {:g}: more than half of critical damping, and its modes hardly "
+                    "swing: is it in per cent ({:g})?",
+                    name, body.damping, body.damping / 100));
+  if (body.max_frequency && !is_slider && elastic_frequency(body, 0) > *body.max_frequency)
+    doubt(doubts, name + ".max_frequency", *body.max_frequency, "Hz",
+          fmt::format("it keeps no mode, the first is at {:.4g} Hz", elastic_frequency(body, 0)),
+          kilohertz);
+}
+
+/// What the resonator gives way by under a force in its middle [m], by its first mode: 1.5 % more than the
+/// whole beam.
+double static_deflection(const BodySpec& body, double force) {
+  const double omega = 2 * M_PI * elastic_frequency(body, 0);
+  const double mass = body.density * body.thickness * body.width * body.length;
+  return 2 * std::abs(force) / (mass * omega * omega);
+}
+
+void doubt_loads(const Scene& scene, Doubts& doubts) {
+  constexpr double large = 0.1;    // of the length: theory of small deflections ends long before
+  constexpr double little = 0.02;  // of the weight
+  const BodySpec& slider = scene.slider;
+  const auto bends = [&](const std::string& key, double force) {
+    if (scene.resonator.support != Support::pinned) return false;
+    const double deflection = static_deflection(scene.resonator, force);
+    if (!(deflection > large * scene.resonator.length)) return false;
+    doubt(doubts, key, force, "N",
+          fmt::format("it bends the resonator by {:.3g} m of its {:g} m", deflection,
+                      scene.resonator.length),
+          too_large);
+    return true;
+  };
+  for (std::size_t i = 0; i < scene.resonator.moving_forces.size(); ++i) {
+    const MovingForce& force = scene.resonator.moving_forces[i];
+    const std::string key = fmt::format("resonator.moving_force[{}]", i);
+    bends(key + ".force", force.force);
+    constexpr double fastest = 1000;  // m/s
+    if (force.speed > fastest)
+      doubt(doubts, key + ".speed", force.speed, "m/s", "faster than a bullet",
+            millimetres_a_second);
+  }
+  if (slider.load_is_weight || slider.load == 0 || slider.support == Support::rigid) return;
+  if (bends("slider.load", slider.load)) return;
+  const double weight =
+      9.80665 * slider.density * slider.length * slider.thickness * slider.width;  // N
+  if (std::abs(slider.load) < little * weight)
+    doubt(doubts, "slider.load", slider.load, "N",
+          fmt::format("the slider alone weighs {:.3g} N", weight), too_small);
+}
+
+void doubt_motion(const Scene& scene, Doubts& doubts) {
+  constexpr double slowest = 2e-4, fastest = 50;  // m/s
+  if (scene.speed > fastest)
+    doubt(doubts, "scene.speed", scene.speed, "m/s", "faster than brakes and rails rub",
+          millimetres_a_second);
+  else if (scene.speed > 0 && scene.speed < slowest)
+    doubt(doubts, "scene.speed", scene.speed, "m/s", "so slow that little is heard", too_small);
+}
+
+/// Nodes against what they have to show: random faces and peaks. Measured ones are looked at where they are read.
+void doubt_spacing(const Scene& scene, const std::string& name, const BodySpec& body,
+                   Doubts& doubts) {
+  constexpr double most_to_wave = 1e4, most_to_peak = 2000, least_to_peak = 2;  // spacings
+  const SurfaceSpec& surface = body.surface;
+  const auto fine = [&](double length, const std::string& what) {
+    doubt(doubts, "scene.spacing", scene.spacing, "m",
+          fmt::format("{:.3g} nodes to {}, far more than show anything", length / scene.spacing,
+                      what),
+          too_small);
+  };
+  if (surface.kind == SurfaceKind::gaussian) {
+    const double wave =
+        surface.shortest.value_or(surface.rsm.value_or(surface.correlation_length.value_or(0)));
+    if (wave > most_to_wave * scene.spacing)
+      fine(wave, fmt::format("the {:g} m of {}.surface", wave, name));
+    if (surface.rsm.value_or(0) > body.length)
+      doubt(doubts, name + ".surface.rsm", *surface.rsm, "m",
+            "longer than the body, which is then "
+            "bent and not rough",
+            millimetres);
+  }
+  if (surface.kind != SurfaceKind::peaks) return;
+  double narrowest = std::numeric_limits<double>::infinity(), widest = 0;
+  for (const Peak& peak : surface.peaks) {
+    narrowest = std::min(narrowest, peak.half_width);
+    widest = std::max(widest, peak.half_width);
+  }
+  if (widest > body.length)
+    doubt(doubts, name + ".surface.peaks: half_width", widest, "m", "wider than the body is long",
+          millimetres);
+  if (narrowest < least_to_peak * scene.spacing)
+    doubts.push_back(
+        fmt::format("{}.surface: a peak of half_width {:g} m falls between nodes {:g} m "
+                    "apart, which see little of it: scene.spacing = {:g} sees it",
+                    name, narrowest, scene.spacing, narrowest / 10));
+  else if (!surface.peaks.empty() && narrowest > most_to_peak * scene.spacing)
+    fine(narrowest, fmt::format("the half_width of a peak, {:g} m", narrowest));
+}
+
+void doubt_peaks(const std::string& name, const BodySpec& body, Doubts& doubts) {
+  constexpr double large_share = 0.05, steep = 1, flat = 1e-4;
+  for (std::size_t i = 0; i < body.surface.peaks.size(); ++i) {
+    const Peak& peak = body.surface.peaks[i];
+    const std::string key = fmt::format("{}.surface.peaks[{}].height", name, i);
+    const double height = std::abs(peak.height);
+    if ((body.thickness > 0 && height > large_share * body.thickness) ||
+        height > steep * peak.half_width)
+      doubt(doubts, key, peak.height, "m",
+            fmt::format("a peak of half_width {:g} m that is so high", peak.half_width), too_large);
+    else if (height > 0 && height < flat * peak.half_width)
+      doubt(doubts, key, peak.height, "m",
+            fmt::format("a peak of half_width {:g} m that is so low", peak.half_width), too_small);
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> unit_doubts(const Scene& scene) {
+  Doubts doubts;
+  doubt_motion(scene, doubts);
+  for (const auto& [name, body] :
+       {std::pair{"resonator", &scene.resonator}, std::pair{"slider", &scene.slider}}) {
+    doubt_body(name, *body, body == &scene.slider, doubts);
+    doubt_spacing(scene, name, *body, doubts);
+    if (body->surface.kind == SurfaceKind::peaks) doubt_peaks(name, *body, doubts);
+  }
+  doubt_loads(scene, doubts);
+  return doubts;
+}
+
+}  // namespace ra2d

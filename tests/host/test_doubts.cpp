@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Numbers that are likely to be in another unit are doubted aloud, others are not.
+#include "host/model/doubts.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "host/errors.hpp"
+#include "host/scene_file/scene_file.hpp"
+#include "tests/places.hpp"
+
+namespace ra2d::test {
+namespace {
+
+using testing::AllOf;
+using testing::Contains;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+
+using Texts = std::vector<std::string>;
+
+/// What is doubted of a scene, or why it is refused.
+Texts said(const std::string& name, Texts changes) {
+  changes.insert(changes.begin(), "contact.stiffness=4e12");  // of the material, not of a doubt
+  try {
+    return make_model(read_scene(scene_file(name), changes)).doubts;
+  } catch (const RequestError& fault) {
+    return {fault.what()};
+  }
+}
+
+/// A key of the paper's scene, its value there, and what else must change for the scene to hold it.
+struct Key {
+  std::string name;
+  double value;
+  Texts along;
+  bool small = true;  // whether a thousandth is odd
+};
+
+void PrintTo(const Key& key, std::ostream* out) { *out << key.name; }
+
+struct ADoubt : testing::TestWithParam<Key> {};
+
+/// Off by a factor of a thousand, either way, is said with the key's name.
+TEST_P(ADoubt, NamesWhatIsOffByAThousand) {
+  const Key& key = GetParam();
+  const std::string scene = key.name == "scene.gap" ? "dang2012-pinned" : "dang2012";
+  const auto changed = [&](double factor) {
+    Texts changes = key.along;
+    changes.push_back(fmt::format("{}={}", key.name, key.value * factor));
+    return said(scene, changes);
+  };
+  EXPECT_THAT(changed(1), IsEmpty());
+  EXPECT_THAT(changed(1e3), Contains(HasSubstr(key.name)));
+  if (key.small) {
+    EXPECT_THAT(changed(1e-3), Contains(HasSubstr(key.name)));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    OfThePapersScene, ADoubt,
+    testing::Values(Key{"resonator.length", 0.3, {"scene.speed=0", "scene.start=0.1"}},
+                    Key{"resonator.thickness", 0.002, {}}, Key{"resonator.width", 0.2, {}},
+                    Key{"resonator.young", 210e9, {}}, Key{"resonator.density", 7800, {}},
+                    // a little damping is a fine number: bare steel has 1e-4
+                    Key{"resonator.damping", 0.02, {}, false},
+                    Key{"resonator.max_frequency", 20e3, {}},
+                    Key{"slider.length", 0.02, {"scene.speed=0"}},
+                    Key{"slider.thickness", 0.02, {}}, Key{"slider.width", 0.02, {}},
+                    Key{"slider.young", 210e9, {}}, Key{"slider.density", 7800, {}},
+                    Key{"slider.damping", 0.02, {}, false}, Key{"slider.load", 10, {}},
+                    Key{"slider.surface.rq", 8e-6, {}}, Key{"resonator.surface.rq", 8e-6, {}},
+                    Key{"resonator.surface.rsm", 1.55e-3, {}},
+                    Key{"slider.surface.rsm", 1.55e-3, {}}, Key{"scene.speed", 0.1, {}},
+                    Key{"scene.spacing", 8e-6, {}}, Key{"scene.gap", 20e-6, {}}),
+    [](const auto& info) {
+      std::string name = info.param.name;
+      for (char& c : name)
+        if (c == '.') c = '_';
+      return name;
+    });
+
+TEST(Doubts, TheIssuesOwnSlips) {
+  EXPECT_THAT(said("dang2012", {"resonator.thickness=3"}),
+              Contains(AllOf(HasSubstr("resonator.thickness = 3 m"), HasSubstr("is no beam"),
+                             HasSubstr("is it in mm (0.003 m)?"))));
+  EXPECT_THAT(said("dang2012", {"slider.density=8.5"}),
+              Contains(HasSubstr("slider.density = 8.5 kg/m^3: lighter than foam: is it in g/cm^3 "
+                                 "(8500 kg/m^3)?")));
+}
+
+TEST(Doubts, SayWhichUnitWasMeant) {
+  const auto of = [&](const std::string& change) { return said("dang2012", {change}); };
+  EXPECT_THAT(of("resonator.young=210"), Contains(HasSubstr("is it in GPa (2.1e+11 Pa)?")));
+  EXPECT_THAT(of("resonator.young=210e3"), Contains(HasSubstr("is it in MPa (2.1e+11 Pa)?")));
+  EXPECT_THAT(of("slider.density=19.3"), Contains(HasSubstr("is it in g/cm^3 (1.93e+04 kg/m^3)?")));
+  EXPECT_THAT(of("resonator.max_frequency=20"), Contains(HasSubstr("is it in kHz (2e+04 Hz)?")));
+  EXPECT_THAT(of("slider.thickness=20"), Contains(HasSubstr("is it in mm (0.02 m)?")));
+  EXPECT_THAT(of("slider.damping=0.9"), Contains(HasSubstr("is it in per cent (0.009)?")));
+  EXPECT_THAT(said("moving-force", {"resonator.moving_force=[{force=1e5,speed=20,start=0}]"}),
+              Contains(HasSubstr("resonator.moving_force[0].force = 100000 N: it bends")));
+  EXPECT_THAT(said("drop", {"scene.gap=0.02"}), Contains(HasSubstr("is it in mm (2e-05 m)?")));
+  EXPECT_THAT(
+      said("drop", {"slider.surface.peaks=[{at=0.01,height=0.01,half_width=2e-4}]", "scene.gap=1"}),
+      Contains(HasSubstr("slider.surface.peaks[0].height = 0.01 m")));
+  EXPECT_THAT(said("drop", {"slider.surface.peaks=[{at=0.01,height=1e-5,half_width=0.2}]"}),
+              Contains(HasSubstr("half_width = 0.2 m: wider than the body is long")));
+  EXPECT_THAT(said("drop", {"slider.surface.peaks=[{at=0.01,height=1e-5,half_width=2e-5}]"}),
+              Contains(HasSubstr("falls between nodes")));
+}
+
+TEST(Doubts, OfTheRepositorysScenesThereIsNoneButTheStiffness) {
+  for (const std::string name : {"dang2012", "dang2012-pinned", "drop", "peaks", "moving-force"}) {
+    const Texts doubts = make_model(read_scene(scene_file(name))).doubts;
+    for (const std::string& doubt : doubts) EXPECT_THAT(doubt, HasSubstr("contact.stiffness"));
+    EXPECT_EQ(doubts.size(), name.starts_with("dang2012") ? 1u : 0u) << name;
+  }
+}
+
+/// From micromachines to bridges, from rubber to diamond.
+TEST(Doubts, NoneOfWhatIsBuiltAndRubbed) {
+  struct Beam {
+    std::string what;
+    double length, thickness, width, young, density, rq, rsm;
+  };
+  for (const Beam& b : std::vector<Beam>{{"MEMS", 3e-4, 2e-6, 3e-5, 160e9, 2330, 5e-9, 5e-6},
+                                         {"rubber", 0.1, 0.01, 0.02, 2e6, 1100, 10e-6, 1e-3},
+                                         {"foam", 0.3, 0.03, 0.1, 5e6, 30, 50e-6, 3e-3},
+                                         {"lead", 0.3, 0.003, 0.1, 16e9, 11340, 5e-6, 1e-3},
+                                         {"diamond", 0.01, 0.5e-3, 5e-3, 1.2e12, 3520, 1e-7, 1e-4},
+                                         {"wood", 2, 0.03, 0.2, 11e9, 450, 30e-6, 3e-3},
+                                         {"brake lining", 0.1, 0.01, 0.05, 300e6, 2400, 8e-6, 1e-3},
+                                         {"tungsten", 0.2, 0.002, 0.02, 400e9, 19300, 1e-6, 2e-4},
+                                         {"rail", 10, 0.15, 0.07, 210e9, 7800, 20e-6, 0.05},
+                                         {"foil", 0.2, 2e-5, 0.05, 70e9, 2700, 1e-7, 1e-4}}) {
+    const auto body = [&](double length, const char* more) {
+      return fmt::format(
+          "length = {}\nthickness = {}\nwidth = {}\nyoung = {}\ndensity = {}\ndamping = 0.02\n"
+          "modes = 5\nsurface = {{ kind = \"gaussian\", rq = {}, rsm = {}, seed = 1 }}\n{}\n",
+          length, b.thickness, b.width, b.young, b.density, b.rq, b.rsm, more);
+    };
+    const std::string text = fmt::format(
+        "[scene]\nduration = 0.1\nspeed = {}\nstart = {}\nspacing = {}\n[resonator]\n"
+        "support = \"pinned\"\n{}[slider]\nsupport = \"free\"\n{}[contact]\n"
+        "stiffness = \"hertz\"\n[time]\nscheme = \"adaptive\"\n",
+        b.length, b.length / 10, b.rsm / 40, body(b.length, ""),
+        body(b.length / 5, "load = \"weight\""));
+    const Texts doubts = make_model(parse_scene(text, "s.toml")).doubts;
+    EXPECT_THAT(doubts, IsEmpty()) << b.what;
+  }
+}
+
+TEST(Doubts, AStiffnessBeyondTheHalfSpace) {
+  const auto of = [](const std::string& name, const std::string& value) {
+    Texts found;
+    for (const std::string& doubt :
+         make_model(read_scene(scene_file(name), {"contact.stiffness=" + value})).doubts)
+      if (doubt.find("contact.stiffness") != doubt.npos) found.push_back(doubt);
+    return found;
+  };
+  // the paper's material: 4.08e12 Pa/m for round asperities, 3.4e16 for a ridge of half a node
+  for (const char* fine : {"hertz", "1e11", "1e12", "4e12", "1e13"})
+    EXPECT_THAT(of("dang2012", fine), IsEmpty()) << fine;
+  EXPECT_THAT(of("dang2012", "1e15"),
+              Contains(AllOf(HasSubstr("asperities 39 times as stiff"), HasSubstr("4.08e+12"))));
+  EXPECT_THAT(of("dang2012", "1e17"), Contains(AllOf(HasSubstr("stiffer than the bodies' material"),
+                                                     HasSubstr("3.4e+16"))));
+  EXPECT_THAT(of("dang2012", "1e6"), Contains(HasSubstr("is it in MPa/mm (1e+15 Pa/m)?")));
+  // peaks are ridges on purpose
+  EXPECT_THAT(of("peaks", "1e15"), IsEmpty());
+  EXPECT_THAT(of("peaks", "1e18"), Contains(HasSubstr("stiffer than the bodies' material")));
+  // flat on flat no contact is narrow
+  EXPECT_THAT(of("moving-force", "1e18"), IsEmpty());
+}
+
+}  // namespace
+}  // namespace ra2d::test
