@@ -39,13 +39,19 @@ struct Plan {
   double seconds_free = 0, seconds_one = 0, seconds_many = 0;
   int many_nodes = 0, touching = 0;
   std::size_t memory = 0;          // bytes on the device, for tables and buffers
-  std::size_t file = 0;            // bytes, without the shocks
+  double file = 0;                 // bytes, without the shocks
   std::vector<std::string> notes;  // what a user may not expect
 };
 
 /// Runs nothing; `memory` is what the march would take (Batch::bytes), `touching` the number of nodes
 /// in contact at the start.
 Plan make_plan(const Model& model, std::size_t memory, int touching = 0);
+
+/// What a result will take of the disk, without its shocks [bytes].
+double result_bytes(const Model& model);
+
+/// For people: so many bytes, up to terabytes.
+std::string size_text(double bytes);
 
 /// The plan as text, a line a fact.
 std::string describe(const Model& model, const Plan& plan);

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <mutex>
 #include <string>
 
 #include "host/scene/scene.hpp"
@@ -21,13 +22,14 @@ struct Key128 {
 Key128 to_key(const std::string& digits);
 std::string key_text(const Key128& key);
 
-/// Hashes of files by what is in them, each read once.
+/// Hashes of files by what is in them, each read once. Threads may share it.
 class FileHashes {
  public:
   /// Throws FileError.
   const std::string& of(const std::filesystem::path& file);
 
  private:
+  std::mutex mutex_;
   std::map<std::filesystem::path, std::string> known_;
 };
 
