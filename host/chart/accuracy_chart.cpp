@@ -3,8 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
-
 #include "host/chart/chart_points.hpp"
 #include "host/chart/chart_reference.hpp"
 #include "host/chart/compared_states.hpp"
@@ -18,7 +16,6 @@ namespace ra2d {
 double Measured::wall_median() const { return median(wall); }
 
 AccuracyChart measure_accuracy(const Scene& scene, const AccuracyOptions& options) {
-  const auto begun = std::chrono::steady_clock::now();
   Survey survey(scene, options);
   std::vector<ChartPoint> points = list_points(survey);
   const StateReference reference = find_reference(survey);
@@ -27,12 +24,13 @@ AccuracyChart measure_accuracy(const Scene& scene, const AccuracyOptions& option
   PeerAnswers peers(survey, points, reference);
   for (int i = 1; i < options.repetitions; ++i) {
     survey.say(fmt::format("repetition {} of {}", i + 1, options.repetitions));
-    repeat_stretches(survey, points);
-    peers.repeat();
+    // in turns; each round has its part of the time
+    const double end = peer_end + (repeat_end - peer_end) * i / (options.repetitions - 1);
+    repeat_stretches(survey, points, end);
+    peers.repeat(end);
   }
   run_long(survey);
-  survey.chart.seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+  survey.chart.seconds = survey.elapsed();
   return survey.chart;
 }
 

@@ -49,15 +49,41 @@ bool stays_within(const AccuracyChart& chart, const Measured& point, std::size_t
          });
 }
 
-/// The cheapest point of those that `fits` within an error; null when there is none.
+/// Whether timings of one point may be as low as another's: their ranges meet. One or two timings say too
+/// little of their scatter, which is then taken for a quarter of them.
+bool may_cost_no_more(const Measured& point, const Measured& other) {
+  constexpr double scatter = 0.25;
+  const auto range = [](const Measured& p) {
+    const auto [least, most] = std::minmax_element(p.wall.begin(), p.wall.end());
+    const bool few = p.wall.size() < 3;
+    return std::pair{few ? *least / (1 + scatter) : *least, few ? *most * (1 + scatter) : *most};
+  };
+  return range(point).first <= range(other).second;
+}
+
+bool is_looser(const Method& a, const Method& b) {
+  return a.time.tolerance && b.time.tolerance ? *a.time.tolerance > *b.time.tolerance
+                                              : a.time.step > b.time.step;
+}
+
+/// The cheapest point of those that `fits` within an error; null when there is none. A looser setting of a
+/// method is not dearer: where the timings do not tell it from the one with the lowest median, it is taken.
 template <class Fits>
 const Measured* cheapest(const AccuracyChart& chart, std::size_t measure, double error,
                          const Fits& fits) {
-  const Measured* best = nullptr;
+  std::vector<const Measured*> fitting;
   for (const Measured& point : chart.points)
-    if (fits(point) && stays_within(chart, point, measure, error) &&
-        (best == nullptr || point.wall_median() < best->wall_median()))
-      best = &point;
+    if (!point.wall.empty() && fits(point) && stays_within(chart, point, measure, error))
+      fitting.push_back(&point);
+  if (fitting.empty()) return nullptr;
+  const Measured* const fastest = *std::min_element(
+      fitting.begin(), fitting.end(),
+      [](const Measured* a, const Measured* b) { return a->wall_median() < b->wall_median(); });
+  const Measured* best = fastest;
+  for (const Measured* point : fitting)
+    if (point->name.text == fastest->name.text && is_looser(point->setting, best->setting) &&
+        may_cost_no_more(*point, *fastest))
+      best = point;
   return best;
 }
 

@@ -76,8 +76,11 @@ StateReference find_reference(Survey& survey) {
       fmt::format("{}, {}", text(best), size_text(reference.setting));
   Scene searched = with(survey.scene, reference.setting);
   searched.output.rate = std::min(searched.output.rate, 1000.0);
-  const TimedRun search =
-      survey.march(searched, {.wall = reference_share * survey.budget, .shocks = shocks_asked[1]});
+  // at the two instants it is run again, and once more to a coarser tolerance
+  const double begun = survey.elapsed();
+  const TimedRun search = survey.march(
+      searched, {.wall = std::max(0.0, survey.left(reference_end)) / 4, .shocks = shocks_asked[1]});
+  const double took = survey.elapsed() - begun;
   if (failed(search))
     throw SimulationError(fmt::format("the reference, {}, ended at t = {:g} s: {}",
                                       survey.chart.reference, search.time,
@@ -89,6 +92,12 @@ StateReference find_reference(Survey& survey) {
   if (coarser.time.tolerance) *coarser.time.tolerance *= 10;
   survey.chart.reference_check = size_text(coarser);
   for (const Instant& instant : survey.chart.instants) {
+    const double expected = took * instant.time / std::max(search.time, instant.time);
+    if (!survey.fits(2 * expected, stretch_end)) {  // not even with the time of the next part
+      reference.states.push_back(std::nullopt);
+      survey.chart.reference_error.push_back(missing);
+      continue;
+    }
     const Scene scene = ending_at(survey.scene, reference.setting, instant.time);
     const Model model = make_model(scene);
     const TimedRun run = survey.march(scene);

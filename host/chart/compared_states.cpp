@@ -3,7 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
+#include <vector>
 
 #include "host/format.hpp"
 #include "host/scene/schemes.hpp"
@@ -11,35 +14,77 @@
 namespace ra2d {
 namespace {
 
-/// s of march that one comparison of states may take.
-double state_limit(const Survey& survey) { return 0.05 * state_share * survey.budget; }
+constexpr double beside = 0.02;  // s that a run takes beside its march
 
-StateReference own_reference(Survey& survey, const Method& method) {
+/// A state that could be compared, and what it is expected to take of the wall time [s].
+struct StateJob {
+  std::size_t point, instant;
+  double seconds;
+};
+
+/// Which of the states fit into the time of their part: the cheap ones first, so that most do.
+class StatePlan {
+ public:
+  StatePlan(const Survey& survey, const std::vector<ChartPoint>& points)
+      : chosen_(points.size(), std::vector<bool>(survey.chart.instants.size(), false)) {
+    std::vector<StateJob> jobs;
+    for (std::size_t p = 0; p < points.size(); ++p)
+      for (std::size_t i = 0; i < survey.chart.instants.size(); ++i)
+        jobs.push_back({p, i,
+                        beside + survey.chart.points[points[p].row].wall.front() *
+                                     survey.chart.instants[i].time});
+    std::stable_sort(jobs.begin(), jobs.end(),
+                     [](const StateJob& a, const StateJob& b) { return a.seconds < b.seconds; });
+    // what own references take is of the same time
+    double left = 0.7 * survey.left(state_end);
+    for (const StateJob& job : jobs) {
+      left -= job.seconds;
+      if (left < 0) break;
+      dearest_ = job.seconds;
+      chosen_[job.point][job.instant] = true;
+    }
+  }
+  bool has(std::size_t point, std::size_t instant) const { return chosen_[point][instant]; }
+  /// The most that one of them is expected to take [s].
+  double dearest() const { return dearest_; }
+
+ private:
+  std::vector<std::vector<bool>> chosen_;
+  double dearest_ = 0;
+};
+
+StateReference own_reference(Survey& survey, const Method& method, const StatePlan& plan) {
   StateReference own{survey.finest(method), {}, {}};
   // the finest whose rate is known, where one four times finer would take too long
   const Measured* known = nullptr;
   for (const double step : survey.options.steps)
     if (const Measured* point = survey.measured(sized(method, step))) known = point;
   if (known == nullptr) return own;
-  for (const Instant& instant : survey.chart.instants) {
-    const double expected =
-        known->wall.front() * known->setting.time.step / own.setting.time.step * instant.time;
-    if (expected > 2 * state_limit(survey)) own.setting = known->setting;
-  }
+  const auto expected = [&](const Instant& instant) {
+    return beside +
+           known->wall.front() * known->setting.time.step / own.setting.time.step * instant.time;
+  };
+  for (const Instant& instant : survey.chart.instants)
+    if (expected(instant) > 2 * plan.dearest()) own.setting = known->setting;
   own.text = fmt::format("its own finest, {}", size_text(own.setting));
   for (const Instant& instant : survey.chart.instants) {
-    const TimedRun run = survey.march(ending_at(survey.scene, own.setting, instant.time),
-                                      {.wall = 4 * state_limit(survey)});
-    own.states.push_back(run.status == Status::done ? std::optional(run.state) : std::nullopt);
+    std::optional<State> state;
+    if (survey.fits(expected(instant), state_end)) {
+      const TimedRun run = survey.march(ending_at(survey.scene, own.setting, instant.time),
+                                        {.wall = 2 * expected(instant)});
+      if (run.status == Status::done) state = run.state;
+    }
+    own.states.push_back(state);
   }
   return own;
 }
 
 /// The state of a point at one of the instants.
 StateError compare(Survey& survey, const ChartPoint& point, const StateReference& reference,
-                   std::size_t instant) {
+                   std::size_t instant, bool chosen) {
   const Measured& row = survey.chart.points[point.row];
-  const double time = survey.chart.instants[instant].time, limit = state_limit(survey);
+  const double time = survey.chart.instants[instant].time;
+  const double expected = beside + row.wall.front() * time;
   StateError state;
   if (row.setting.time.step >= 2 * time)
     state.note = "the step is longer than the time";
@@ -49,11 +94,11 @@ StateError compare(Survey& survey, const ChartPoint& point, const StateReference
     state.note = "no reference";
   else if (std::isnan(survey.chart.reference_error[instant]))
     state.note = "nothing has moved by then";
-  else if (const double expected = row.wall.front() * time; expected > limit)
-    state.note = fmt::format("would take {}", seconds_text(expected));
+  else if (!chosen || !survey.fits(expected, state_end))
+    state.note = fmt::format("not run: would take {} (--budget)", seconds_text(expected));
   if (!state.note.empty()) return state;
   const Scene scene = ending_at(survey.scene, row.setting, time);
-  const TimedRun run = survey.march(scene, {.wall = 4 * limit});
+  const TimedRun run = survey.march(scene, {.wall = 2 * expected});
   if (run.status == Status::done) {
     state.error = state_error(point.model, run.state, *reference.states[instant]);
     state.step = is_adaptive(scene) ? 0.0 : scene.time.step;
@@ -67,17 +112,19 @@ StateError compare(Survey& survey, const ChartPoint& point, const StateReference
 
 void compare_states(Survey& survey, const std::vector<ChartPoint>& points,
                     const StateReference& reference) {
+  const StatePlan plan(survey, points);
   for (const Method& method : survey.methods) {
     survey.say(fmt::format("states, {}", text(method)));
     // multipliers are another model of an impact, by every scheme its own
     const bool shared = method.law == reference.setting.law && method.law == ContactLaw::penalty;
-    const StateReference& against = shared ? reference : own_reference(survey, method);
-    for (const ChartPoint& point : points) {
+    const StateReference& against = shared ? reference : own_reference(survey, method, plan);
+    for (std::size_t p = 0; p < points.size(); ++p) {
+      const ChartPoint& point = points[p];
       Measured& row = survey.chart.points[point.row];
       if (row.name.text != text(method)) continue;
       row.against = against.text;
       for (std::size_t i = 0; i < survey.chart.instants.size(); ++i)
-        row.states.push_back(compare(survey, point, against, i));
+        row.states.push_back(compare(survey, point, against, i, plan.has(p, i)));
     }
   }
 }

@@ -129,7 +129,9 @@ void run_long(Survey& survey) {
     chart.long_notes = "no long run: nothing of the right kind could be measured";
     return;
   }
+  const double begun = survey.elapsed();
   const Surfaces surfaces = to_start_from(survey, settings);
+  const double making = survey.elapsed() - begun;  // s, of all models of one law
   chart.seeds = static_cast<int>(surfaces.seeds.size());
   if (!has_seeds(survey.scene)) chart.long_notes = "one run of each: the surfaces have no seeds";
   if (surfaces.seeds.empty()) {
@@ -138,22 +140,37 @@ void run_long(Survey& survey) {
   }
   double rates = 0;
   for (const Method& setting : settings) rates += survey.measured(setting)->wall_median();
-  chart.long_time =
-      std::min(survey.scene.duration, long_share * survey.budget / rates / chart.seeds);
+  const double marching =
+      0.9 * survey.left(long_end) - making * static_cast<double>(settings.size());
+  chart.long_time = std::min(survey.scene.duration, marching / rates / chart.seeds);
+  if (!(chart.long_time > 0)) {
+    chart.long_notes = "no long run: the time was up (--budget)";
+    chart.long_time = 0;
+    return;
+  }
 
   std::vector<Quantities> of_reference;
   for (const Method& setting : settings) {
     LongRun row{.name = name_of(setting), .setting = setting, .reference = setting == reference};
     survey.say(fmt::format("long runs, {}, {}", row.name.text, size_text(setting)));
+    const double each = survey.measured(setting)->wall_median() * chart.long_time;  // s
+    if (!survey.fits(each * chart.seeds, 1.05 * long_end)) {
+      row.note = "not run: the time was up (--budget)";
+      chart.long_runs.push_back(std::move(row));
+      continue;
+    }
     std::vector<Model> models;
     for (const int seed : surfaces.seeds)
       models.push_back(make_model(variant(with(survey.scene, setting), seed)));
-    const std::vector<TimedRun> runs =
-        timed_runs(models, surfaces.starts.at(setting.law), {.time = chart.long_time});
+    const std::vector<TimedRun> runs = timed_runs(models, surfaces.starts.at(setting.law),
+                                                  {.time = chart.long_time, .wall = 2 * each});
     std::vector<Quantities> found;
     double marched = 0;
     for (std::size_t i = 0; i < runs.size(); ++i) {
-      if (failed(runs[i])) row.note = status_text(runs[i].status);
+      if (failed(runs[i]))
+        row.note = status_text(runs[i].status);
+      else if (runs[i].time < 0.99 * chart.long_time)
+        row.note = "cut off: it took more than twice as long as its first stretch promised";
       marched += runs[i].time;
       found.push_back(quantities_of(models[i], runs[i]));
     }

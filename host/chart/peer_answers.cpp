@@ -15,7 +15,6 @@ namespace {
 
 constexpr const char* peer_integrators[] = {"cvode-adams", "cvode-bdf", "dopri5"};
 constexpr double peer_tolerances[] = {1e-4, 1e-6, 1e-8, 1e-10, 1e-12};
-constexpr double starting = 5;       // s that a peer may take beside the integration
 constexpr double peer_probe = 1e-5;  // s: what every peer is first asked for
 
 }  // namespace
@@ -30,34 +29,38 @@ PeerAnswers::PeerAnswers(Survey& survey, const std::vector<ChartPoint>& points,
                                   : "not confirmed: the peers know penalty alone";
     return;
   }
-  const double share = peer_share * survey_.options.budget;
   model_ = points.front().model;
   peers_.emplace(survey_.options.peers, with(survey_.scene, Method{}));
   survey_.say("the peers confirm the reference");
-  confirm(starting + 0.2 * share);
-  const double count = std::size(peer_integrators) * 2 * std::size(peer_tolerances);
-  // s of one integration; each is asked for the states and, half as long, for every timing
-  const double limit = 0.8 * share / count / (1 + 0.5 * survey_.options.repetitions);
+  confirm();
+  // s of wall time for each; a peer is asked for the states and, half as long, for a timing
+  std::size_t waiting = std::size(peer_integrators) * 2 * std::size(peer_tolerances);
   for (const char* integrator : peer_integrators)
     for (const char* nodes : {"candidates", "all"})
       for (const double tolerance : peer_tolerances)
-        first_answers({integrator, nodes, tolerance}, limit);
+        first_answers({integrator, nodes, tolerance},
+                      survey_.left(peer_end) / static_cast<double>(waiting--));
 }
 
-PeerRun PeerAnswers::ask(const Peer& peer, double until, double limit) const {
+PeerRun PeerAnswers::ask(const Peer& peer, double until, double limit) {
+  const double begun = survey_.elapsed();
   PeerRun run = peers_->run(peer, until, limit);
+  if (run.failure.empty()) starting_ = survey_.elapsed() - begun - run.seconds;
   if (run.failure.empty() && !fits(*model_, run.state))
     run.failure = "its state is not one of this scene";
   return run;
 }
 
 /// By the tightest that answers in time.
-void PeerAnswers::confirm(double limit) {
-  std::string failure;
+void PeerAnswers::confirm() {
+  std::string failure = "the time was up (--budget)";
+  const double end = survey_.elapsed() + 0.3 * survey_.left(peer_end);
   for (std::size_t t = std::size(peer_tolerances); t-- > 0;) {
     const Peer peer{peer_integrators[0], "candidates", peer_tolerances[t]};
     std::vector<std::string> parts;
     for (std::size_t i = 0; i < survey_.chart.instants.size(); ++i) {
+      const double limit = 0.5 * (end - survey_.elapsed());
+      if (!reference_.states[i] || !(limit > starting_)) continue;
       const PeerRun run = ask(peer, survey_.chart.instants[i].time, limit);
       if (run.failure.empty())
         parts.push_back(fmt::format("{:.1e} ({})",
@@ -74,8 +77,8 @@ void PeerAnswers::confirm(double limit) {
   survey_.chart.confirmed = fmt::format("not confirmed: {}", failure);
 }
 
-/// States, as far as they are to be had in `limit` seconds of integration each, and the first
-/// timing, over as much.
+/// States, as far as they are to be had in `limit` seconds of wall time, and the first timing, over half as
+/// long as is left.
 void PeerAnswers::first_answers(const Peer& peer, double limit) {
   survey_.say(fmt::format("{} {:g}, nodes {}", peer.integrator, peer.tolerance, peer.nodes));
   Measured row;
@@ -89,28 +92,46 @@ void PeerAnswers::first_answers(const Peer& peer, double limit) {
   row.setting.time.tolerance = peer.tolerance;
   row.against = survey_.chart.reference;
   double asked = std::min(peer_probe, survey_.chart.instants.front().time);
-  PeerRun run = ask(peer, asked, starting + limit);
+  const double end = survey_.elapsed() + limit;
+  const auto left = [&] { return end - survey_.elapsed(); };
+  PeerRun run, answer;  // the latest one
+  if (left() > with_start(0))
+    run = ask(peer, asked, left());
+  else
+    run.failure = "not run: the time was up (--budget)";
   row.left_out = run.failure;
+  answer = run;
   double rate = run.seconds / asked;
   for (std::size_t i = 0; i < survey_.chart.instants.size() && row.left_out.empty(); ++i) {
     StateError state;
     const double time = survey_.chart.instants[i].time;
-    if (rate * time > limit)
-      state.note = fmt::format("would take {}", seconds_text(rate * time));
+    if (!reference_.states[i])
+      state.note = "no reference";
+    else if (with_start(rate * time) > left())
+      state.note =
+          fmt::format("not run: would take {} (--budget)", seconds_text(with_start(rate * time)));
     else if (std::isnan(survey_.chart.reference_error[i]))
       state.note = "nothing has moved by then";
     else
-      state.note = (run = ask(peer, time, starting + 2 * limit)).failure;
+      state.note = (run = ask(peer, time, left())).failure;
     if (state.note.empty()) {
       state.error = state_error(*model_, run.state, *reference_.states[i]);
       asked = time;
+      answer = run;
       rate = run.seconds / time;
     }
     row.states.push_back(state);
   }
   if (row.left_out.empty()) {
-    row.stretch = std::clamp(0.5 * limit / rate, asked, survey_.scene.duration);
-    run = ask(peer, row.stretch, starting + 2 * limit);
+    const double march = 0.5 * (left() - starting_);  // s
+    row.stretch =
+        std::clamp(march / rate, std::min(asked, survey_.scene.duration), survey_.scene.duration);
+    if (left() > with_start(rate * row.stretch)) {
+      run = ask(peer, row.stretch, left());
+    } else {  // the latest answer is the timing
+      row.stretch = asked;
+      run = answer;
+    }
     row.left_out = run.failure;
   }
   if (row.left_out.empty()) {
@@ -120,10 +141,12 @@ void PeerAnswers::first_answers(const Peer& peer, double limit) {
   survey_.chart.points.push_back(std::move(row));
 }
 
-void PeerAnswers::repeat() {
+void PeerAnswers::repeat(double end) {
   for (const PeerPoint& point : points_) {
     Measured& row = survey_.chart.points[point.row];
-    const PeerRun run = ask(point.peer, row.stretch, peer_share * survey_.options.budget);
+    const double expected = with_start(row.wall.front() * row.stretch);
+    if (!survey_.fits(expected, end)) continue;  // the row says how many there are
+    const PeerRun run = ask(point.peer, row.stretch, 2 * expected);
     if (run.failure.empty()) row.wall.push_back(run.seconds / row.stretch);
   }
 }

@@ -11,9 +11,7 @@
 namespace ra2d {
 
 Survey::Survey(const Scene& scene_asked, const AccuracyOptions& asked)
-    : scene{scene_asked},
-      options{asked},
-      budget{asked.budget * (asked.peers.empty() ? 1.0 : 1.0 - peer_share)} {
+    : scene{scene_asked}, options{asked} {
   scene.time.nodes = Nodes::candidates;
   scene.time.force = false;
   scene.output.from = 0;  // the stretches are short: all of them counts
@@ -29,6 +27,17 @@ Survey::Survey(const Scene& scene_asked, const AccuracyOptions& asked)
 
 void Survey::say(const std::string& what) const {
   if (options.progress) options.progress(what);
+}
+
+double Survey::elapsed() const {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begun_).count();
+}
+
+double Survey::left(double end) const {
+  constexpr double peers = peer_end - state_end;
+  if (options.peers.empty())
+    end = (end > state_end ? std::max(state_end, end - peers) : end) / (1 - peers);
+  return options.budget * end - elapsed();
 }
 
 const ModalStart& Survey::start_of(ContactLaw law, const Model& model) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <chrono>
 #include <map>
 #include <optional>
 #include <string>
@@ -11,9 +12,11 @@
 /// A chart of accuracy in the making: what all of its parts use.
 namespace ra2d {
 
-// Shares of the budget; what the peers take comes off before.
-inline constexpr double peer_share = 0.25, reference_share = 0.1, state_share = 0.15,
-                        stretch_share = 0.5, long_share = 0.25;
+// Until when each part may go on, as shares of the budget. What a part would begin is begun only where it is
+// expected to end by then (Survey::fits); what one leaves, the next ones have. Without peers their share goes
+// to the others, in proportion.
+inline constexpr double reference_end = 0.15, stretch_end = 0.32, state_end = 0.45, peer_end = 0.65,
+                        repeat_end = 0.85, long_end = 1.0;
 
 inline constexpr const char* continuous_force = "continuous";  // where no steps are fixed
 
@@ -21,6 +24,11 @@ struct Survey {
   Survey(const Scene& scene, const AccuracyOptions& options);
 
   void say(const std::string& what) const;
+  /// s of wall time since the survey began, and until a part must end (one of the shares above).
+  double elapsed() const;
+  double left(double end) const;
+  /// Whether what is expected to take so many seconds may still begin.
+  bool fits(double seconds, double end) const { return seconds <= left(end); }
   /// Equilibrium of the scene under a law; found once, with the first model.
   const ModalStart& start_of(ContactLaw law, const Model& model);
   TimedRun march(const Scene& scene, const RunLimits& limits = {});
@@ -31,12 +39,12 @@ struct Survey {
 
   Scene scene;              // without what only files need
   AccuracyOptions options;  // steps, with the scene's own, and tolerances: the coarse ones first
-  double budget;            // s, without the peers'
   std::vector<Method> methods;
   AccuracyChart chart;
 
  private:
   std::map<ContactLaw, ModalStart> starts_;
+  const std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now();
 };
 
 /// A row of the chart that can be measured.

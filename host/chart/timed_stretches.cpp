@@ -10,6 +10,14 @@
 
 namespace ra2d {
 
+namespace {
+
+// s that a first stretch may take beside its march, at the least: its batch is made, and its first launch is
+// of some thousand steps.
+constexpr double least_share = 2e-3;
+
+}  // namespace
+
 // The coarse ones first: what they leave of their share goes to the fine ones.
 std::vector<ChartPoint> first_stretches(Survey& survey, std::vector<ChartPoint> points) {
   std::stable_sort(points.begin(), points.end(), [&](const ChartPoint& a, const ChartPoint& b) {
@@ -19,21 +27,25 @@ std::vector<ChartPoint> first_stretches(Survey& survey, std::vector<ChartPoint> 
     };
     return size(a) > size(b);
   });
-  double left = stretch_share * survey.budget;
   std::vector<ChartPoint> going;
   for (std::size_t i = 0; i < points.size(); ++i) {
     survey.say(fmt::format("stretch {} of {}", i + 1, points.size()));
     ChartPoint& point = points[i];
     Measured& row = survey.chart.points[point.row];
-    const double share = left / static_cast<double>(points.size() - i) / survey.options.repetitions;
-    const TimedRun run =
-        timed_run(point.model, survey.start_of(row.setting.law, point.model), {.wall = share});
-    left = std::max(0.0, left - run.seconds * survey.options.repetitions);
+    const double share = survey.left(stretch_end) / static_cast<double>(points.size() - i);
+    if (!(share > 0)) {
+      row.left_out = "not run: the time was up (--budget)";
+      continue;
+    }
+    const double begun = survey.elapsed();
+    const TimedRun run = timed_run(point.model, survey.start_of(row.setting.law, point.model),
+                                   {.wall = std::max(least_share, 0.7 * share)});
     if (failed(run)) {
       row.left_out = fmt::format("ended at t = {:.3g} s: {}", run.time, status_text(run.status));
       continue;
     }
     row.stretch = run.time;
+    row.took = survey.elapsed() - begun;
     row.wall.push_back(run.seconds / run.time);
     // before the shocks that the states are compared at, little has gone through
     if (run.time > 0.99 * survey.chart.instants.back().time && run.energy.turnover > 0)
@@ -43,12 +55,13 @@ std::vector<ChartPoint> first_stretches(Survey& survey, std::vector<ChartPoint> 
   return going;
 }
 
-void repeat_stretches(Survey& survey, const std::vector<ChartPoint>& points) {
+void repeat_stretches(Survey& survey, const std::vector<ChartPoint>& points, double end) {
   for (const ChartPoint& point : points) {
     Measured& row = survey.chart.points[point.row];
+    if (!survey.fits(row.took, end)) continue;  // the row says how many there are
     const TimedRun run = timed_run(point.model, survey.start_of(row.setting.law, point.model),
                                    {.time = row.stretch});
-    row.wall.push_back(run.seconds / run.time);
+    if (run.time > 0) row.wall.push_back(run.seconds / run.time);
   }
 }
 

@@ -9,7 +9,7 @@ namespace ra2d {
 /// points that came through, the coarse ones first.
 std::vector<ChartPoint> first_stretches(Survey& survey, std::vector<ChartPoint> points);
 
-/// Another timing of each, over the same stretch.
-void repeat_stretches(Survey& survey, const std::vector<ChartPoint>& points);
+/// Another timing of each that is expected to end by `end`, over the same stretch.
+void repeat_stretches(Survey& survey, const std::vector<ChartPoint>& points, double end);
 
 }  // namespace ra2d

@@ -28,7 +28,7 @@
 namespace {
 
 using Words = std::vector<std::string>;
-using ra2d::clock_time, ra2d::count, ra2d::number_from, ra2d::path;
+using ra2d::clock_time, ra2d::number_from, ra2d::path, ra2d::thread_count;
 
 std::string did_you_mean(const std::string& word, const Words& known) {
   const auto near = ra2d::nearest(word, known);
@@ -98,7 +98,7 @@ void add_common(CLI::App& command, ra2d::CommonOptions& common) {
       .add_option("--threads", common.threads,
                   "how many threads to use, at most one for each processor; a single scene uses "
                   "only one")
-      ->transform(count())
+      ->transform(thread_count())
       ->capture_default_str();
   ra2d::add_device(command, common.device);
   command.add_flag("--quiet", common.quiet, "print nothing but what was asked for and errors");

@@ -37,14 +37,36 @@ void add_device(CLI::App& command, int& device) {
       ->check(CLI::Range(0, 1023));
 }
 
+namespace {
+
+constexpr std::size_t most_digits = 9;  // of a count, so that it fits into an int
+
+/// Takes the zeros off the front of a whole number in digits, 1 or more; false for any other text.
+bool trim_count(std::string& text) {
+  const std::size_t first = text.find_first_not_of('0');
+  if (first == text.npos || text.find_first_not_of("0123456789") != text.npos) return false;
+  text.erase(0, first);
+  return true;
+}
+
+}  // namespace
+
 CLI::Validator count() {
   return {[](std::string& text) {
-            const std::size_t first = text.find_first_not_of('0');
-            if (first == text.npos || text.find_first_not_of("0123456789") != text.npos)
+            const std::string given = text;
+            if (trim_count(text) && text.size() <= most_digits) return std::string{};
+            return fmt::format("'{}': expected a whole number in digits, from 1 to {}",
+                               shortened(given), std::string(most_digits, '9'));
+          },
+          "1 or more"};
+}
+
+CLI::Validator thread_count() {
+  return {[](std::string& text) {
+            if (!trim_count(text))
               return fmt::format("'{}': expected a whole number in digits, 1 or more",
                                  shortened(text));
-            text.erase(0, first);
-            if (text.size() > 9) text = "1000000000";
+            if (text.size() > most_digits) text = std::string(most_digits, '9');
             return std::string{};
           },
           "1 or more"};

@@ -91,15 +91,32 @@ std::string first_of(std::string reason) {
   return shortened(reason, longest_reason);
 }
 
+/// Says how many runs of the study are known; nothing where nobody looks.
+std::function<void(std::size_t)> counter(bool shown) {
+  if (!shown) return {};
+  return
+      [](std::size_t points) { show(fmt::format("the study's scenes: {} runs listed ", points)); };
+}
+
 /// A study with all that is known of its runs.
 struct Known {
   StudyPoints points;
   PointCensus census;
   FinishedRuns finished;
 
-  explicit Known(Study study) : points{std::move(study)}, census{points} {}
+  explicit Known(Study study, bool shown = false)
+      : points{std::move(study)}, census{points, counter(shown)} {
+    if (shown) show({});
+  }
   const FinishedRun* run(std::size_t point) const { return finished.find(census.keys[point]); }
 };
+
+/// Reads what is finished; of a million runs that takes seconds.
+void add_finished(Known& known, const StudyFolder& folder, bool shown) {
+  if (shown) show("reading what is finished ");
+  known.finished.add(folder);
+  if (shown) show({});
+}
 
 /// "A, B and 3 more"
 std::string some_of(const StudyPoints& points, const std::vector<std::size_t>& chosen) {
@@ -135,7 +152,7 @@ int dry_run(const Known& known, const StudyWork& work, int threads) {
             std::min<double>(threads, std::max<double>(1, static_cast<double>(work.jobs.size())))),
         threads, threads == 1 ? "" : "s",
         work.measured > 0 ? fmt::format(", by the {} finished", runs_text(work.measured))
-                          : ", within a factor of five: no run has been measured yet");
+                          : ", within a factor of three: no run has been measured yet");
   return done;
 }
 
@@ -281,7 +298,7 @@ int march_study(Known& known, const StudyFolder& folder, const Shard& shard,
   require_study_folder(folder, shard, inputs_of(known.points.study(), known.census.profiles));
   folder.make(keep_files);
   LedgerWriter ledger(folder.ledger(shard));  // before all reading: nobody else writes this part
-  known.finished.add(folder);
+  add_finished(known, folder, isatty(STDERR_FILENO) != 0 && !request.quiet);
   if (!request.quiet) say_unasked(known, folder);
   write_text(folder.snapshot(), snapshot_text(known.points.study()));
   StudyCheckpoints checkpoints(folder, 60 * request.checkpoint, [&](const std::string& text) {
@@ -402,7 +419,9 @@ int study_command(const StudyRequest& request) {
                      .most_wall = request.most_wall});
     return done;
   }
-  Known known(read_study(request.study, request.overrides));
+  const bool shown = isatty(STDERR_FILENO) != 0 && !request.quiet;
+  if (shown) show("reading the study ");
+  Known known(read_study(request.study, request.overrides), shown);
   if (request.threads > 0 && !lowered.empty() && !request.quiet)
     say(fmt::format("{} thread{}: {}", threads, threads == 1 ? "" : "s", lowered));
   if (!request.list) {
@@ -410,7 +429,7 @@ int study_command(const StudyRequest& request) {
     say_doubts(study_doubts(known.points), request.quiet);
   }
   if (request.list || request.dry_run) {
-    known.finished.add(folder);
+    add_finished(known, folder, shown);
     if (request.list) return list_runs(known);
     return dry_run(known,
                    find_work(known.census, known.finished, shard, request.retry_failed,
@@ -430,7 +449,7 @@ int status_command(const fs::path& path) {
         work.done, work.failed, work.jobs.size());
   if (!work.jobs.empty())
     print("  {:<17}about {} of one thread{}\n", "left", seconds_text(work.cost),
-          work.measured > 0 ? "" : ", within a factor of five: no run has been measured yet");
+          work.measured > 0 ? "" : ", within a factor of three: no run has been measured yet");
   if (!work.jobs.empty()) {
     std::vector<std::size_t> missing = work.jobs;
     std::sort(missing.begin(), missing.end());
@@ -517,7 +536,7 @@ void add_study(CLI::App& app, Chosen& chosen) {
       ->add_option("--threads", request.threads,
                    "how many threads to use, at most one for each processor [all of them]")
       ->type_name("N")
-      ->transform(count());
+      ->transform(thread_count());
   add_device(*study, request.device);
   study
       ->add_option("--set", request.overrides,

@@ -2,6 +2,7 @@
 #include "host/device/batch.hpp"
 
 #include <fmt/format.h>
+#include <time.h>
 
 #include <algorithm>
 #include <atomic>
@@ -31,6 +32,13 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+/// Processor time of this thread [s].
+double thread_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
 const int width = backend_lanes();
 
 int packs_of(const Model& model, int least) {
@@ -53,7 +61,7 @@ struct Slot {
   SceneMemory memory;
   SceneTables tables;
   SceneState state;
-  double seconds = 0;
+  double seconds = 0, processor = 0;  // of the latest launch
 
   Slot(const Model& model_, const ModalStart& start, int packs_, const Room& room_,
        BatchMemory& batch)
@@ -230,9 +238,11 @@ void Batch::Impl::launch(const std::vector<int>& list, const std::vector<std::in
     Slot& scene = at(slot);
     if (memory.device == nullptr) {
       const auto begin = Clock::now();
+      const double processor = thread_seconds();
       march_of(scene.tables.form, scene.packs)(scene.tables, scene.state,
                                                goals[static_cast<std::size_t>(slot)]);
       scene.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+      scene.processor = thread_seconds() - processor;
     }
     scene.make_room();
     if (marched) marched(slot);
@@ -297,7 +307,7 @@ void Batch::Impl::launch_on_device(const std::vector<int>& list,
   queue.wait();
   for (const int slot : list) {
     at(slot).state = l.states_here[static_cast<std::size_t>(slot)];
-    at(slot).seconds = l.seconds_here[static_cast<std::size_t>(slot)];
+    at(slot).seconds = at(slot).processor = l.seconds_here[static_cast<std::size_t>(slot)];
   }
 }
 
@@ -336,6 +346,7 @@ void Batch::march(std::int64_t target) {
 }
 
 double Batch::seconds(int slot) const { return impl_->at(slot).seconds; }
+double Batch::processor_seconds(int slot) const { return impl_->at(slot).processor; }
 
 std::size_t Batch::bytes() const {
   std::size_t sum = impl_->memory.shared.bytes();

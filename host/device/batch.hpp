@@ -70,8 +70,11 @@ class Batch {
              const std::function<void(int slot)>& marched = {});
   /// ... all to one target.
   void march(std::int64_t target);
-  /// Seconds that the latest launch spent on a scene.
+  /// Seconds that the latest launch spent on a scene, by the clock ...
   double seconds(int slot) const;
+  /// ... and of the processor: of the thread that marched it, whatever else the machine did. On a GPU it is
+  /// the same as by the clock.
+  double processor_seconds(int slot) const;
 
   /// Hands out and empties a scene's buffers.
   Drained drain(int slot);

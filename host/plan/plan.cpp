@@ -22,6 +22,14 @@ constexpr double flight_ns = 5.0, contact_ns = 45.0, stage_ns = 50.0, held_ns = 
 /// Of the adaptive scheme (bench/bench_adaptive.cpp): a flight; a step with forces, for each order of
 /// its series, and what share of that each node more takes; a sample.
 constexpr double leap_ns = 600.0, order_ns = 130.0, more_share = 0.25, sample_ns = 40.0;
+/// Of forces that are found with the end of the step, at many nodes (kernels/contact/complementarity.hpp): each
+/// pressed one after the other, by the cube of how many; or, on springs, by Newton's method, some ten steps of a
+/// product over all modes and one of their squares for each node, and a factorisation.
+constexpr double pressed_ns = 0.7, newton_steps = 10, newton_node_ns = 100, newton_square_ns = 0.08,
+                 newton_cube_ns = 0.4;
+constexpr double pressed_at_most = 256;
+/// A force that travels, each time that it is looked at (bench/bench_march.cpp).
+constexpr double travelling_ns = 20;
 /// Nodes at once that an adaptive run may meet: this many, or so many times those that touch at the
 /// start. Fixed steps may come to look at all of them, where bodies are thrown about or lie flat on
 /// one another.
@@ -80,6 +88,23 @@ std::string body_text(const char* name, const Scene& scene, const BodySpec& spec
   return text;
 }
 
+/// Nanoseconds of a step whose forces are found at so many nodes, beside the looks at them.
+double solving_ns(const Model& model, int nodes) {
+  const double n = nodes, modes = modes_of(model);
+  if (model.scene.contact.law == ContactLaw::multiplier)  // no more than there are modes push
+    return std::min(n, modes) *
+           (pressed_ns * std::pow(std::min(n, modes), 2) + n * more_ns * std::max(8.0, modes));
+  if (n <= pressed_at_most) return pressed_ns * n * n * n;
+  return newton_steps * (n * (newton_node_ns + newton_square_ns * modes * modes) +
+                         newton_cube_ns * modes * modes * modes);
+}
+
+/// Nanoseconds that the forces which travel take, each time that they are looked at.
+double travelling(const Model& model) {
+  return width_of(model) * travelling_ns *
+         static_cast<double>(model.scene.resonator.moving_forces.size());
+}
+
 /// Of a scheme of fixed steps: what holds, how many there are, and what they cost.
 void plan_steps(const Model& model, const JoinedModes& place, Plan& plan) {
   const Scene& scene = model.scene;
@@ -98,9 +123,12 @@ void plan_steps(const Model& model, const JoinedModes& place, Plan& plan) {
                         : is_semi_implicit(scene.time.scheme) ? contact_ns
                                                               : stages * stage_ns;
   const double wide = width_of(model), each_ns = more_ns * std::max(8, modes_of(model));
-  plan.seconds_free = seconds * std::max(wide * flight_ns, look_ns);
-  plan.seconds_one = seconds * (wide * one_ns + look_ns);
-  plan.seconds_many = seconds * (wide * one_ns + (plan.many_nodes - 1) * looks * each_ns + look_ns);
+  const double moved_ns = stages * travelling(model);
+  const double solved_ns = held ? solving_ns(model, plan.many_nodes) : 0.0;
+  plan.seconds_free = seconds * (std::max(wide * flight_ns, look_ns) + moved_ns);
+  plan.seconds_one = seconds * (wide * one_ns + look_ns + moved_ns);
+  plan.seconds_many = seconds * (wide * one_ns + (plan.many_nodes - 1) * looks * each_ns + look_ns +
+                                 moved_ns + solved_ns);
 }
 
 /// Of the adaptive scheme: what can be said of its steps before it has made them. One ends where a
@@ -121,7 +149,7 @@ void plan_strides(const Model& model, double omega_c, Plan& plan) {
   // a look takes overlaps and their rates, at the end of a step and often at its beginning
   const double look_ns = scene.time.nodes == Nodes::all ? 4 * node_ns * model.nodes() : 0.0;
   const double wide = width_of(model), order = wide * order_ns;
-  const double flight = wide * leap_ns + look_ns, drive = order * n + look_ns;
+  const double flight = wide * leap_ns + look_ns, drive = (order + travelling(model)) * n + look_ns;
   const double alone = scene.resonator.moving_forces.empty()
                            ? crossings * flight
                            : (crossings + fastest / theta) * drive;
@@ -367,6 +395,23 @@ std::string step_cure(const Scene& scene, double holds) {
       fmt::join(keys, " with "));
 }
 
+std::string size_text(double bytes) {
+  if (bytes < 1e9) return bytes_text(static_cast<std::size_t>(bytes));
+  return bytes < 1e12 ? fmt::format("{:.3g} GB", bytes / 1e9)
+                      : fmt::format("{:.4g} TB", bytes / 1e12);
+}
+
+double result_bytes(const Model& model) {
+  constexpr double beside = 60000;  // bytes: attributes, texts, the library's own
+  const Scene& scene = model.scene;
+  const double columns =
+      1 + 2.0 * static_cast<double>(model.resonator.modes.size() + model.slider.modes.size()) + 2 +
+      2.0 * static_cast<double>(scene.output.probes.size() + scene.output.slider_probes.size()) + 6;
+  const auto heights =
+      static_cast<double>(model.resonator_height.size() + model.slider_height.size());
+  return 8 * (columns * static_cast<double>(model.samples) + 2 * heights) + beside;
+}
+
 Plan make_plan(const Model& model, std::size_t memory, const ModalStart& start) {
   const Scene& scene = model.scene;
   const auto touching = static_cast<int>(start.loaded_nodes.size());
@@ -391,12 +436,7 @@ Plan make_plan(const Model& model, std::size_t memory, const ModalStart& start) 
   else
     plan_steps(model, place, plan);
   plan.memory = memory;
-  const std::size_t columns =
-      1 + 2 * (model.resonator.modes.size() + model.slider.modes.size()) + 2 +
-      2 * (scene.output.probes.size() + scene.output.slider_probes.size()) + 6;
-  plan.file = 8 * (columns * static_cast<std::size_t>(model.samples) +
-                   2 * (model.resonator_height.size() + model.slider_height.size())) +
-              60000;
+  plan.file = result_bytes(model);
 
   if (model.slider.modes.empty() && model.slider.load_force != 0.0)
     plan.notes.push_back(fmt::format(
@@ -437,7 +477,7 @@ std::string describe(const Model& model, const Plan& plan) {
   text += ringing_text(model);
   text += cost_text(plan);
   text += fmt::format("memory     {}, whatever the duration; file {}, {} samples\n",
-                      bytes_text(plan.memory), bytes_text(plan.file), plan.samples);
+                      bytes_text(plan.memory), size_text(plan.file), plan.samples);
   for (const std::string& note : plan.notes) text += "note       " + note + "\n";
   return text;
 }

@@ -41,12 +41,18 @@ struct Plan {
   int many_nodes = 0, touching = 0;
   Asperities asperities;
   std::size_t memory = 0;          // bytes on the device, for tables and buffers
-  std::size_t file = 0;            // bytes, without the shocks
+  double file = 0;                 // bytes, without the shocks
   std::vector<std::string> notes;  // what a user may not expect
 };
 
 /// Runs nothing; `memory` is what the march would take (Batch::bytes), `start` where the scene starts.
 Plan make_plan(const Model& model, std::size_t memory, const ModalStart& start = {});
+
+/// What a result will take of the disk, without its shocks [bytes].
+double result_bytes(const Model& model);
+
+/// For people: so many bytes, up to terabytes.
+std::string size_text(double bytes);
 
 /// The plan as text, a line a fact.
 std::string describe(const Model& model, const Plan& plan);

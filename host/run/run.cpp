@@ -15,6 +15,7 @@
 #include "host/errors.hpp"
 #include "host/interruption.hpp"
 #include "host/plan/plan.hpp"
+#include "host/run/disk_room.hpp"
 #include "host/run/result_header.hpp"
 #include "host/run/run_files.hpp"
 #include "host/run/run_key.hpp"
@@ -231,6 +232,10 @@ RunReport run(const Scene& scene, const RunOptions& options) {
     tell(fmt::format("goes on from t = {:.6g} s, where its last checkpoint is",
                      static_cast<double>(before->accounts.now.step) * model.tick));
   if (options.doubts) options.doubts(model.doubts);
+  require_disk_room(
+      model, files.names().result,
+      before ? static_cast<double>(before->accounts.samples) / static_cast<double>(model.samples)
+             : 0.0);
   ModalStart start = make_start(model);
 
   const bool goes_on = before.has_value();

@@ -72,6 +72,7 @@ void SceneRun::begin(Batch& batch, int slot) {
 void SceneRun::take(Batch& batch, int slot, double wanted) {
   const double took = batch.seconds(slot);
   accounts_.march_seconds += took;
+  processor_seconds_ += batch.processor_seconds(slot);
   const Drained drained = batch.drain(slot);
   if (sink_ != nullptr) sink_->take_raw(drained);
   const std::int64_t before = accounts_.now.step;

@@ -65,6 +65,8 @@ class SceneRun {
   bool over() const;
   double time() const { return static_cast<double>(accounts_.now.step) * model_.tick; }  // s
   std::int64_t steps_made() const { return accounts_.now.strides; }
+  /// Processor time of the march in this process [s].
+  double processor_seconds() const { return processor_seconds_; }
 
  private:
   friend class Simulation;
@@ -86,6 +88,7 @@ class SceneRun {
   std::optional<SavedState> saved_;  // to go on from
   std::int64_t first_, last_;        // ticks: where statistics begin, and to march to at the most
   Accounts accounts_;
+  double processor_seconds_ = 0;
 };
 
 struct SimulationOptions {

@@ -80,14 +80,17 @@ std::vector<TimedRun> timed_runs(const std::vector<Model>& models,
   Simulation simulation({.seconds = std::clamp(0.1 * limits.wall, 1e-3, 0.2)});
   simulation.run(all);
   if (interruption() != 0) throw Interrupted{};
-  double processor = 0;
-  for (const auto& scene : scenes) processor += scene->accounts().march_seconds;
+  double marched = 0, processor = 0;
+  for (const auto& scene : scenes) {
+    marched += scene->accounts().march_seconds;
+    processor += scene->processor_seconds();
+  }
   const double side_by_side =
       std::min(static_cast<double>(scenes_at_once()), static_cast<double>(scenes.size()));
   std::vector<TimedRun> out;
   for (std::size_t i = 0; i < scenes.size(); ++i) {
     out.push_back(timed(*scenes[i], sinks[i]));
-    out.back().seconds = processor / side_by_side;
+    out.back().seconds = marched / side_by_side;
     out.back().processor = processor;
   }
   return out;

@@ -21,7 +21,7 @@ struct TimedRun {
   Status status = Status::running;  // running: a limit of RunLimits was met
   double time = 0;                  // s simulated
   double seconds = 0;               // in the march, of all scenes side by side
-  double processor = 0;             // s in the march, of each of them one after the other
+  double processor = 0;             // s of the processor in the march, of all of them together
   State state;                      // at the last sample, both at the same time
   EnergyBalance energy;             // from the first sample after output.from to the last
   std::vector<Shock> shocks;        // by start; those going on as long as they have lasted

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <optional>
 
@@ -40,6 +41,16 @@ std::vector<double> ladder(double largest, double smallest) {
   return steps;
 }
 
+/// The tolerances that are tried: the scene's own is among them.
+std::vector<double> tolerances_of(const Scene& scene) {
+  std::vector<double> list{1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8};
+  const double own = scene.time.tolerance.value_or(usual_tolerance);
+  if (is_adaptive(scene) && std::find(list.begin(), list.end(), own) == list.end())
+    list.push_back(own);
+  std::sort(list.begin(), list.end(), std::greater<>());
+  return list;
+}
+
 /// All schemes and steps that cost less than the reference, by what they cost.
 std::vector<Numerics> cheaper_than_reference(const SavingsSearch& search) {
   std::vector<Numerics> list;
@@ -47,9 +58,9 @@ std::vector<Numerics> cheaper_than_reference(const SavingsSearch& search) {
   const double probe = 0.002 * search.options.budget;
   Scene reference = search.out.reference;
   reference.time.nodes = Nodes::candidates;
-  double most = measure_cost(search.for_runs(reference), probe);
+  double most = std::max(measure_cost(search.for_runs(reference), probe), search.cost_written);
   if (spring)
-    for (const double tolerance : {1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8}) {
+    for (const double tolerance : tolerances_of(search.written)) {
       Numerics n{search.adaptive(tolerance)};
       n.cost = measure_cost(search.for_runs(search.marched(n.time)), probe);
       most = std::max(most, n.cost);
@@ -101,68 +112,99 @@ double shortening(const Trial& trial, double asked) {
   return std::min(0.6, std::sqrt(asked / std::min(most, std::max(0.3, asked))));
 }
 
+Trial attempt(SavingsSearch& search, const Numerics& n, double end) {
+  const auto change = [time = n.time](Scene& s) { s.time = time; };
+  Trial trial =
+      try_out(search, changed("time", text_of(search.marched(n.time)), change, search.written),
+              search.reference, end, n.cost);
+  trial.by_balance = trial.verdict == Verdict::open && trial.first.pairs > 0 &&
+                     trial.closure <= search.options.accuracy &&
+                     judge(trial.first, search.options.accuracy) == Verdict::kept;
+  return trial;
+}
+
+bool does(const Trial& trial) { return trial.verdict == Verdict::kept || trial.by_balance; }
+
+/// Whether a setting is the one that the scene has.
+bool is_own(const SavingsSearch& search, const TimeSettings& time) {
+  TimeSettings own = search.plain;
+  own.nodes = time.nodes;
+  return own == time;
+}
+
+/// A saving is cheaper than the scene as written by more than timings scatter.
+bool saves(const SavingsSearch& search, const Numerics& n) {
+  const double measured = search.last ? search.last->cost() : n.cost;
+  return (std::isnan(measured) ? n.cost : measured) < 0.98 * search.cost_written;
+}
+
 }  // namespace
+
+void find_base(SavingsSearch& search, double end) {
+  search.say("what the scene as written costs");
+  const double probe = 0.004 * search.options.budget;
+  search.cost_written = measure_cost(search.for_runs(search.written), probe);
+  search.base = search.reference;
+  const bool spring = search.written.contact.law == ContactLaw::penalty;
+  Numerics safe{is_adaptive(search.written) ? search.plain
+                : spring                    ? search.adaptive(usual_tolerance)
+                                            : search.plain};
+  safe.cost = measure_cost(search.for_runs(search.marched(safe.time)), probe);
+  Trial trial = attempt(search, safe, end);
+  if (does(trial)) {
+    search.base = search.last;
+    trial.taken = is_own(search, safe.time) || saves(search, safe);
+    if (trial.taken) trial.change(search.out.chosen);
+  }
+  search.out.trials.push_back(std::move(trial));
+}
 
 void find_numerics(SavingsSearch& search, double until) {
   search.say("what the schemes cost");
-  std::vector<Numerics> list = cheaper_than_reference(search);
-  std::optional<Trial> found;
-  const auto attempt = [&](const Numerics& n, double end) {
-    const auto change = [time = n.time](Scene& s) { s.time = time; };
-    Trial trial =
-        try_out(search, changed("time", text_of(search.marched(n.time)), change, search.written),
-                search.reference, end, n.cost);
-    trial.by_balance = trial.verdict == Verdict::open && trial.first.pairs > 0 &&
-                       trial.closure <= search.options.accuracy &&
-                       judge(trial.first, search.options.accuracy) == Verdict::kept;
-    const bool enough = trial.verdict == Verdict::kept || trial.by_balance;
-    if (enough && !(found && found->cheaper >= trial.cheaper)) {
-      found = trial;
-      search.base = search.last;
-    }
-    return trial;
-  };
-
-  // first what will do if anything does, so that there is time for it
-  Numerics safe{search.written.contact.law == ContactLaw::penalty ? search.adaptive(usual_tolerance)
-                                                                  : search.plain};
-  safe.cost =
-      measure_cost(search.for_runs(search.marched(safe.time)), 0.004 * search.options.budget);
-  search.out.trials.push_back(attempt(safe, search.spent() + 2 * numerics_share));
+  const std::vector<Numerics> list = cheaper_than_reference(search);
+  double cheapest = search.cost_written;  // of what does
+  for (const Trial& trial : search.out.trials)
+    if (trial.key == "time" && trial.taken) cheapest = std::fmin(cheapest, search.base->cost());
 
   std::map<std::string, double> longest;  // worth trying, by scheme
   std::size_t left_out = 0;
+  std::optional<std::size_t> found;
   for (const Numerics& n : list) {
-    if (n.cost >= safe.cost && found) break;
-    if (n.time == safe.time) continue;
-    if (found && found->what != search.out.trials.front().what)
-      break;  // by cost the first that does is the cheapest
+    if (n.cost >= cheapest || found) break;  // by cost the first that does is the cheapest
+    const std::string what = text_of(search.marched(n.time));
+    if (std::any_of(search.out.trials.begin(), search.out.trials.end(),
+                    [&](const Trial& t) { return t.key == "time" && t.what == what; }))
+      continue;
     const std::string name = fmt::format("{} {}", static_cast<int>(n.time.scheme),
                                          static_cast<int>(n.time.contact_force));
     if (longest.contains(name) && n.time.step > longest[name] * (1 + 1e-9)) continue;
     Trial trial;
     if (search.spent() < until)
-      trial = attempt(n, std::min(until, search.spent() + numerics_share));
+      trial = attempt(search, n, std::min(until, search.spent() + numerics_share));
     if (trial.moved[0].pairs == 0 && trial.verdict == Verdict::open) {
       ++left_out;
       continue;
     }
     if (!is_adaptive(n.time))
       longest[name] = n.time.step * shortening(trial, search.options.accuracy);
+    if (does(trial) && saves(search, n)) found = search.out.trials.size();
     search.out.trials.push_back(std::move(trial));
   }
   if (left_out > 0)
     search.out.notes.push_back(fmt::format(
         "{} more schemes and steps that may be cheaper were not tried for want of time (--budget)",
         left_out));
-  if (!found) {
-    search.base = search.reference;
+  if (found) {
+    for (Trial& trial : search.out.trials)
+      if (trial.key == "time") trial.taken = false;
+    Trial& best = search.out.trials[*found];
+    best.taken = true;
+    best.change(search.out.chosen);
+  } else if (std::none_of(search.out.trials.begin(), search.out.trials.end(),
+                          [](const Trial& trial) { return trial.key == "time" && trial.taken; })) {
     search.out.notes.push_back(
         "no cheaper scheme or step could be shown to do: the scene keeps its own (see --budget)");
-    return;
   }
-  found->change(search.out.chosen);
-  for (Trial& trial : search.out.trials) trial.taken = trial.what == found->what;
 }
 
 }  // namespace ra2d

@@ -28,9 +28,10 @@ struct SavingsSearch {
 
   const Scene written;
   const SavingsOptions options;
-  TimeSettings plain;    // the scene's own, as far as the answer goes
-  Runs reference, base;  // base: with the numerics that were chosen
-  Runs last;             // of the last trial
+  TimeSettings plain;       // the scene's own, as far as the answer goes
+  double cost_written = 0;  // as of Ensemble, before any trial: what a saving must be below
+  Runs reference, base;     // base: with the numerics that were chosen
+  Runs last;                // of the last trial
   Savings out;
 
  private:

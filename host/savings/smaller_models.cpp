@@ -82,9 +82,9 @@ void find_spacing(SavingsSearch& search, double end) {
   if (best) search.out.trials[*best].taken = true;
 }
 
-void look_beyond(SavingsSearch& search) {
+void look_beyond(SavingsSearch& search, double until) {
   std::vector<Trial> list;
-  const Scene& from = search.out.reference;
+  const Scene& from = search.base->scene();
   if (!is_adaptive(search.written))
     list.push_back(changed(
         "as written", text_of(search.written), [](Scene&) {}, search.written));
@@ -107,10 +107,14 @@ void look_beyond(SavingsSearch& search) {
   list.push_back(changed(
       "scene.spacing", spacing_text(spacing), [spacing](Scene& s) { s.spacing = spacing; }, from));
   for (std::size_t i = 0; i < list.size(); ++i) {
-    const double end = search.next_end(1, static_cast<double>(list.size() - i));
+    const double end = search.next_end(until, static_cast<double>(list.size() - i));
     const bool own = list[i].key == "as written";
-    Trial trial =
-        try_out(search, list[i], search.reference, end, own ? search.out.cost_written : 0);
+    // numerics are compared with the reference, models under the same numerics
+    Trial trial = try_out(search, list[i], own ? search.reference : search.base, end,
+                          own ? search.cost_written
+                          : list[i].key == "scene.spacing" && search.base->cost() > 0
+                              ? 2 * search.base->cost()  // twice as many nodes pass nodes
+                              : 0.0);
     trial.checked = true;
     search.out.trials.push_back(std::move(trial));
   }

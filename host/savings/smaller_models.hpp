@@ -9,7 +9,7 @@ namespace ra2d {
 void find_modes(SavingsSearch& search, BodySpec Scene::*body, double end);
 void find_spacing(SavingsSearch& search, double end);
 
-/// How the scene as written stands: its own numerics, more modes, a finer spacing.
-void look_beyond(SavingsSearch& search);
+/// How the scene as written stands: its own numerics, more modes, a finer spacing. Until `end`.
+void look_beyond(SavingsSearch& search, double end);
 
 }  // namespace ra2d

@@ -87,11 +87,12 @@ Trial try_out(SavingsSearch& search, Trial trial, const Runs& base, double end,
                         : "open: it moves about as far as is allowed";
         break;
       }
-      if (search.left(end) <= 0) {
+      const double more = std::clamp(std::ceil(1.1 * wanted), pairs + 1.0, 2.0 * pairs);
+      if (time_of(more) > std::max(search.left(end), 0.0)) {
         trial.why = "open: the time was up";
         break;
       }
-      pairs = static_cast<int>(std::clamp(std::ceil(1.1 * wanted), pairs + 1.0, 2.0 * pairs));
+      pairs = static_cast<int>(more);
     }
     trial.cheaper = base->cost() / runs->cost();
     trial.first = movement(base->answers(), runs->answers(), &Answer::first_duration);

@@ -24,6 +24,7 @@ constexpr double most_apart = 1e6;                               // runs between
 constexpr double least_tolerance = 1e-13, most_tolerance = 1e-2;
 constexpr double least_per_wave = 4;  // spacings in rsm or a correlation length
 constexpr double most_wide = 1e9;     // peaks, of the body's length: a face of one is flat
+constexpr double most_raised = 1e9;   // nodes under peaks: some 10 s
 constexpr double rounding = 1e-9;     // of a spacing, as for the number of nodes
 
 /// A positive bound, rounded down to six digits so that it can be copied into the scene.
@@ -31,6 +32,58 @@ std::string at_most(double bound) {
   const double unit = std::pow(10.0, std::floor(std::log10(bound)) - 5);
   // 1.7999999999999998 is 1.8: less is added than `rounding` forgives
   return fmt::format("{:.6g}", std::floor(bound / unit + 1e-5) * unit);
+}
+
+/// A number that has a part in a fault, and what such numbers are about.
+struct Part {
+  std::string key;
+  double value, usual;
+};
+
+/// Which of the numbers that make a fault together is to blame: the first one, unless another is more than a
+/// thousand times further from what is usual.
+std::string to_blame(const std::vector<Part>& parts) {
+  const auto away = [](const Part& part) {
+    return part.value != 0 ? std::abs(std::log10(std::abs(part.value) / part.usual)) : 0.0;
+  };
+  const Part* blamed = &parts.front();
+  double most = away(parts.front()) + 3;
+  for (const Part& part : parts) {
+    if (!(away(part) > most)) continue;
+    most = away(part);
+    blamed = &part;
+  }
+  return blamed->key;
+}
+
+Part duration_of(const Scene& s) { return {"scene.duration", s.duration, 1}; }
+Part speed_of(const Scene& s) { return {"scene.speed", s.speed, 0.1}; }
+Part spacing_of(const Scene& s) { return {"scene.spacing", s.spacing, 1e-5}; }
+Part length_of(const std::string& name, const BodySpec& body) {
+  return {name + ".length", body.length, 0.1};
+}
+Part thickness_of(const std::string& name, const BodySpec& body) {
+  return {name + ".thickness", body.thickness, 5e-3};
+}
+Part width_of(const std::string& name, const BodySpec& body) {
+  return {name + ".width", body.width, 5e-2};
+}
+Part density_of(const std::string& name, const BodySpec& body) {
+  return {name + ".density", body.density, 5e3};
+}
+Part young_of(const std::string& name, const BodySpec& body) {
+  return {name + ".young", body.young, 1e11};
+}
+
+/// More than a file could hold: a hundred terabytes of the fewest columns.
+void check_samples(const Scene& s, Document& document) {
+  constexpr double most_samples = 1e11;
+  const double samples = s.duration * s.output.rate;
+  if (samples > most_samples)
+    document.fault(to_blame({{"output.rate", s.output.rate, 1e5}, duration_of(s)}),
+                   fmt::format("{} Hz takes {:.3g} samples in {} s: expected at most {:g} samples "
+                               "(a lower rate or a shorter duration)",
+                               s.output.rate, samples, s.duration, most_samples));
 }
 
 /// Of fewer samples than one a run, none but that at t = 0 is taken; far fewer are a slip.
@@ -44,12 +97,6 @@ void check_rate(const Scene& s, Document& document) {
 
 /// The adaptive scheme has no step to fit, neither to the run nor to the rate.
 void check_adaptive(const Scene& s, Document& document) {
-  const double samples = s.duration * s.output.rate;
-  if (samples > most_steps)
-    document.fault("output.rate",
-                   fmt::format("{} Hz takes {:.3g} samples in {} s: expected at most {:g} samples "
-                               "(a lower rate or a shorter duration)",
-                               s.output.rate, samples, s.duration, most_steps));
   const double tolerance = s.time.tolerance.value_or(usual_tolerance);
   const bool small = tolerance < least_tolerance;
   if (small || tolerance > most_tolerance)
@@ -63,11 +110,12 @@ void check_adaptive(const Scene& s, Document& document) {
 
 void check_times(const Scene& s, Document& document) {
   check_rate(s, document);
+  check_samples(s, document);
   if (is_adaptive(s)) return check_adaptive(s, document);
   const double steps = s.duration / s.time.step;
   if (steps > most_steps)
-    document.fault("time.step",
-                   fmt::format("{} s makes {:.3g} steps of {} s: expected at most {:g} "
+    document.fault(to_blame({{"time.step", s.time.step, 1e-8}, duration_of(s)}),
+                   fmt::format("a step of {} s makes {:.3g} steps of {} s: expected at most {:g} "
                                "steps (a longer step or a shorter duration)",
                                s.time.step, steps, s.duration, most_steps));
   if (s.time.step > s.duration)
@@ -85,16 +133,22 @@ void check_times(const Scene& s, Document& document) {
 void check_nodes(const Scene& s, const std::string& name, const BodySpec& body,
                  Document& document) {
   const double nodes = body.length / s.spacing;
+  const std::string blamed = to_blame({spacing_of(s), length_of(name, body)});
+  const bool is_spacing = blamed == "scene.spacing";
   if (nodes < 1 - rounding)
-    document.fault("scene.spacing",
-                   fmt::format("{} m is larger than the {}, {} m: expected at least "
-                               "2 nodes on each body (refine the spacing)",
-                               s.spacing, name, body.length));
+    document.fault(blamed,
+                   is_spacing
+                       ? fmt::format("{} m is larger than the {}, {} m: expected at least "
+                                     "2 nodes on each body (refine the spacing)",
+                                     s.spacing, name, body.length)
+                       : fmt::format("{} m is shorter than scene.spacing, {} m: expected at least "
+                                     "2 nodes on each body (is it in metres?)",
+                                     body.length, s.spacing));
   if (nodes > most_nodes)
-    document.fault("scene.spacing",
-                   fmt::format("{} m puts {:.3g} nodes on the {}: expected at most "
-                               "{:g} (a wider spacing)",
-                               s.spacing, nodes, name, most_nodes));
+    document.fault(blamed, fmt::format("{}{} m puts {:.3g} nodes on the {}: expected at most "
+                                       "{:g} (a wider spacing)",
+                                       is_spacing ? "" : "scene.spacing = ", s.spacing, nodes, name,
+                                       most_nodes));
 }
 
 /// Where the slider stands, from the first moment to the last.
@@ -130,7 +184,7 @@ void check_path(const Scene& s, Document& document) {
   cure("start", room - travel, "m");
   if (cures.empty()) cures.emplace_back("start = 0 with speed = 0");  // no room to spare
   document.fault(
-      "scene.start",
+      to_blame({{"scene.start", s.start, 0.1}, speed_of(s), duration_of(s)}),
       fmt::format("the slider leaves the resonator's right end by {:.6g} m during the run: "
                   "expected start + slider.length + speed * duration <= "
                   "resonator.length, {} m ({} would fit)",
@@ -138,22 +192,28 @@ void check_path(const Scene& s, Document& document) {
 }
 
 /// What the numbers of a body make together: far from any body, roundings and the range of doubles
-/// would decide.
-void check_body(const std::string& name, const BodySpec& body, Document& document) {
-  if (body.support == Support::rigid) return;
+/// would decide. False where something is wrong.
+bool check_body(const std::string& name, const BodySpec& body, Document& document) {
+  if (body.support == Support::rigid) return true;
   const double mass = body.density * body.thickness * body.width;
-  if (mass < least_mass || mass > most_mass)
+  const bool heavy = mass < least_mass || mass > most_mass;
+  if (heavy)
     document.fault(
-        name + ".density",
-        fmt::format("{} kg/m^3 makes {:.3g} kg of each metre, with this thickness and width: "
-                    "expected {:g} to {:g} kg/m (check all three)",
-                    body.density, mass, least_mass, most_mass));
+        to_blame({density_of(name, body), thickness_of(name, body), width_of(name, body)}),
+        fmt::format("{} kg/m^3, {} m thick and {} m wide, makes {:.3g} kg of each metre: expected "
+                    "{:g} to {:g} kg/m (check all three)",
+                    body.density, body.thickness, body.width, mass, least_mass, most_mass));
   const double frequency = elastic_frequency(body, 0);
-  if (frequency < least_frequency || frequency > most_frequency)
-    document.fault(name + ".young",
-                   fmt::format("{} Pa makes {:.3g} Hz the first frequency, with this length, "
-                               "thickness and density: expected {:g} to {:g} Hz (check all four)",
-                               body.young, frequency, least_frequency, most_frequency));
+  const bool odd = frequency < least_frequency || frequency > most_frequency;
+  if (odd)
+    document.fault(
+        to_blame({young_of(name, body), length_of(name, body), thickness_of(name, body),
+                  density_of(name, body)}),
+        fmt::format("{} Pa makes {:.3g} Hz the first frequency, with {} m of length, {} m "
+                    "of thickness and {} kg/m^3: expected {:g} to {:g} Hz (check all four)",
+                    body.young, frequency, body.length, body.thickness, body.density,
+                    least_frequency, most_frequency));
+  return !heavy && !odd;
 }
 
 /// What both bodies keep has to fit into one march.
@@ -165,6 +225,7 @@ void check_modes(const Scene& s, Document& document) {
   if (total <= most) return;
   const bool first = resonator >= slider;
   const BodySpec& body = first ? s.resonator : s.slider;
+  const std::string name = first ? "resonator" : "slider";
   const int rigid = body.support == Support::free ? 2 : 0;
   const int room = most - std::min(resonator, slider) - rigid;
   std::string cure = fmt::format("at most {} here", room);
@@ -172,12 +233,25 @@ void check_modes(const Scene& s, Document& document) {
     cure = "fewer on each body";
   else if (!body.modes)
     cure = fmt::format("less than {} Hz", at_most(elastic_frequency(body, room)));
+  const std::string count =
+      total >= counted ? fmt::format("{} or more", counted) : fmt::format("{}", total);
+  const std::string key = name + (body.modes ? ".modes" : ".max_frequency");
+  // so many modes below a usual frequency are of a body that is none
+  const std::string blamed = body.modes ? key
+                                        : to_blame({{key, body.max_frequency.value_or(0), 2e4},
+                                                    thickness_of(name, body),
+                                                    length_of(name, body),
+                                                    young_of(name, body),
+                                                    density_of(name, body)});
   document.fault(
-      fmt::format("{}.{}", first ? "resonator" : "slider", body.modes ? "modes" : "max_frequency"),
-      fmt::format("{} modes in both bodies together, at most {} can be marched: expected "
-                  "{}",
-                  total >= counted ? fmt::format("{} or more", counted) : fmt::format("{}", total),
-                  most, cure));
+      blamed,
+      blamed == key
+          ? fmt::format("{} modes in both bodies together, at most {} can be marched: expected {}",
+                        count, most, cure)
+          : fmt::format("with {} m of length, {} m of thickness, {} Pa and {} kg/m^3 the {} has {} "
+                        "modes up to {} = {} Hz, at most {} can be marched: is it in another unit?",
+                        body.length, body.thickness, body.young, body.density, name, count, key,
+                        *body.max_frequency, most));
 }
 
 void check_preparation(const std::string& name, const FilePreparation& how, Document& document) {
@@ -216,6 +290,16 @@ void check_surface(const Scene& s, const std::string& name, const BodySpec& body
   }
   if (surface.kind == SurfaceKind::file) check_preparation(name, surface.prepared, document);
   if (surface.kind != SurfaceKind::peaks) return;
+  double raised = 0;  // nodes, each as often as a peak lies over it
+  for (const Peak& peak : surface.peaks)
+    raised += std::min(2 * peak.half_width, body.length) / s.spacing;
+  if (raised > most_raised)
+    document.fault(
+        fmt::format("{}.surface.peaks", name),
+        fmt::format("{} peaks raise {:.3g} nodes, each as often as a peak lies over it: "
+                    "expected at most {:g} (fewer or narrower peaks, or their sum as a profile: "
+                    "kind = \"file\")",
+                    surface.peaks.size(), raised, most_raised));
   for (std::size_t i = 0; i < surface.peaks.size(); ++i) {
     const Peak& peak = surface.peaks[i];
     if (peak.at + peak.half_width < 0 || peak.at - peak.half_width > body.length)
@@ -266,10 +350,14 @@ void check_stiffness(const Scene& s, Document& document) {
   constexpr double softest = 1e-100, stiffest = 1e20;
   if (node < softest || node > stiffest)
     document.fault(
-        "contact.stiffness",
-        fmt::format("{} Pa/m makes the spring of a node {:.3g} N/m: expected {:g} to {:g} "
-                    "N/m (steel: about 1e15 Pa/m)",
-                    s.contact.stiffness, node, softest, stiffest));
+        to_blame({{"contact.stiffness", s.contact.stiffness, 1e15},
+                  spacing_of(s),
+                  width_of("resonator", s.resonator),
+                  width_of("slider", s.slider)}),
+        fmt::format("{} Pa/m makes the spring of a node {:.3g} N/m, {} m apart and {} m wide: "
+                    "expected {:g} to {:g} N/m (steel: about 1e15 Pa/m)",
+                    s.contact.stiffness, node, s.spacing,
+                    std::min(s.resonator.width, s.slider.width), softest, stiffest));
 }
 
 void check_loads(const Scene& s, Document& document) {
@@ -329,13 +417,14 @@ void check_law(const Scene& s, Document& document) {
 void check(const Scene& scene, Document& document) {
   check_times(scene, document);
   check_path(scene, document);
+  bool bodies = true;
   for (const auto& [name, body] :
        {std::pair{"resonator", &scene.resonator}, std::pair{"slider", &scene.slider}}) {
     check_nodes(scene, name, *body, document);
-    check_body(name, *body, document);
+    bodies = check_body(name, *body, document) && bodies;
     check_surface(scene, name, *body, document);
   }
-  check_modes(scene, document);
+  if (bodies) check_modes(scene, document);
   check_loads(scene, document);
   check_law(scene, document);
   check_stiffness(scene, document);

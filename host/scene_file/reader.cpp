@@ -347,12 +347,38 @@ Document::Document(const std::string& text, const std::filesystem::path& file,
     parts_->add(at.line, fmt::format("{}:{}:{}: not TOML: {}", parts_->file, at.line, at.column,
                                      shortened(error.description(), longest_complaint)));
   }
-  for (const std::string& override_text : overrides) parts_->apply(override_text);
-  parts_->seen.push_back({"", &parts_->root, false, {}, {}});
+  override_with(overrides);
   if (!is_toml) {
     parts_->seen.clear();  // what stands after the error is not known: no word on missing keys
     finish({});
   }
+}
+
+struct ParsedText::Table {
+  toml::table root;
+};
+
+ParsedText::ParsedText(const std::string& text) {
+  const std::string no_toml = "not TOML";
+  if (deep_line(text) != 0) throw RequestError(no_toml);
+  try {
+    table_ = std::make_shared<const Table>(toml::parse(text));
+  } catch (const toml::parse_error&) {
+    throw RequestError(no_toml);
+  }
+}
+
+Document::Document(const ParsedText& text, const std::filesystem::path& file,
+                   const std::vector<std::string>& overrides)
+    : parts_{std::make_unique<Parts>()} {
+  parts_->file = file.string();
+  parts_->root = text.table_->root;
+  override_with(overrides);
+}
+
+void Document::override_with(const std::vector<std::string>& overrides) {
+  for (const std::string& text : overrides) parts_->apply(text);
+  parts_->seen.push_back({"", &parts_->root, false, {}, {}});
 }
 
 Document::~Document() = default;

@@ -90,9 +90,24 @@ class Reader {
   std::size_t index_;
 };
 
+/// A TOML text that is parsed once, for many documents that differ in their overrides. It has lost its
+/// line numbers: for a message read the text itself.
+class ParsedText {
+ public:
+  /// Throws RequestError for what is not TOML.
+  explicit ParsedText(const std::string& text);
+
+ private:
+  friend class Document;
+  struct Table;
+  std::shared_ptr<const Table> table_;
+};
+
 /// A TOML text with overrides applied, and the faults found in it so far.
 class Document {
  public:
+  Document(const ParsedText& text, const std::filesystem::path& file,
+           const std::vector<std::string>& overrides);
   /// Throws RequestError for what is not TOML at all.
   Document(const std::string& text, const std::filesystem::path& file,
            const std::vector<std::string>& overrides);
@@ -118,6 +133,7 @@ class Document {
  private:
   friend class Reader;
   struct Parts;
+  void override_with(const std::vector<std::string>& overrides);
   std::unique_ptr<Parts> parts_;
 };
 

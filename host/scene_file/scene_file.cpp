@@ -208,6 +208,15 @@ void require_size(std::size_t bytes, const std::filesystem::path& file) {
 
 }  // namespace
 
+Scene parse_scene(const ParsedText& text, const std::filesystem::path& file,
+                  const std::vector<std::string>& overrides) {
+  Document document{text, file, overrides};
+  Scene scene = read(document, file);
+  check(scene, document);
+  document.finish({});
+  return scene;
+}
+
 Scene parse_scene(const std::string& text, const std::filesystem::path& file,
                   const std::vector<std::string>& overrides) {
   require_size(text.size(), file);

@@ -9,6 +9,8 @@
 /// Scenes as TOML, in and out.
 namespace ra2d {
 
+class ParsedText;  // host/scene_file/reader.hpp
+
 /// Reads and checks a scene (docs/scene.md). `overrides` are "section.key=value" texts of
 /// --set. Throws RequestError that names every fault at once, FileError when the file cannot be
 /// read.
@@ -17,6 +19,11 @@ Scene read_scene(const std::filesystem::path& file, const std::vector<std::strin
 /// The same from a text; `file` is used in messages and to resolve relative paths.
 Scene parse_scene(const std::string& text, const std::filesystem::path& file,
                   const std::vector<std::string>& overrides = {});
+
+/// One of many scenes that differ in their overrides alone. It knows no places (Scene::places), and faults are
+/// without lines: for a message read its text.
+Scene parse_scene(const ParsedText& text, const std::filesystem::path& file,
+                  const std::vector<std::string>& overrides);
 
 /// The scene as TOML, complete (defaults included): reading it again gives the same scene, from any
 /// folder, since it names profiles by absolute path.

@@ -197,6 +197,17 @@ void ProbeSound::find_peak(const SoundOptions& options) {
   facts_.full_scale = options.full_scale                     ? asked
                       : options.normalize && facts_.peak > 0 ? facts_.peak
                                                              : round_full_scale(facts_.peak);
+  if (!(facts_.peak > 0)) return;
+  // a WAV holds floats, and nothing beyond them
+  const double share = facts_.peak / facts_.full_scale;
+  constexpr double most = std::numeric_limits<float>::max(),
+                   least = std::numeric_limits<float>::min();
+  if (share >= least && share <= most) return;
+  throw RequestError(
+      fmt::format("--full-scale {:g}: the peak is {:.4g} m/s, {:.3g} times that, and the numbers "
+                  "of a sound file "
+                  "go from {:.3g} to {:.3g}: expected a velocity near the peak",
+                  asked, facts_.peak, share, least, most));
 }
 
 void ProbeSound::play(const TakeSamples& take) const {
@@ -247,6 +258,12 @@ void ProbeSound::doubt_rate() {
 }
 
 void ProbeSound::doubt_clipping() {
+  constexpr double smallest = 0x1p-23;  // that a FLAC of 24 bits tells from 0
+  if (facts_.peak > 0 && facts_.peak < smallest * facts_.full_scale)
+    facts_.doubts.push_back(fmt::format(
+        "the peak, {:.4g} m/s, is {:.3g} of --full-scale {:g} m/s: a FLAC, whose 24 bits "
+        "hold nothing below {:.2g}, is silent, and a WAV is too soft to hear",
+        facts_.peak, facts_.peak / facts_.full_scale, facts_.full_scale, smallest));
   if (facts_.beyond == 0) return;
   facts_.doubts.push_back(fmt::format(
       "{} of {} samples are beyond --full-scale {:g} m/s, the peak is {:.4g} m/s: FLAC clips them, "

@@ -45,6 +45,7 @@ Key128 to_key(const std::string& digits) {
 std::string key_text(const Key128& key) { return fmt::format("{:016x}{:016x}", key.high, key.low); }
 
 const std::string& FileHashes::of(const std::filesystem::path& file) {
+  const std::lock_guard lock(mutex_);  // also while it is read: the others want the same file
   const auto [found, is_new] = known_.try_emplace(file);
   if (!is_new) return found->second;
   try {

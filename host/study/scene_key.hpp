@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -22,7 +23,7 @@ struct Key128 {
 Key128 to_key(const std::string& digits);
 std::string key_text(const Key128& key);
 
-/// Hashes of files by what is in them, each read once.
+/// Hashes of files by what is in them, each read once. Threads may share it.
 class FileHashes {
  public:
   /// Throws FileError.
@@ -31,6 +32,7 @@ class FileHashes {
   std::vector<std::filesystem::path> names() const;
 
  private:
+  std::mutex mutex_;
   std::map<std::filesystem::path, std::string> known_;
 };
 

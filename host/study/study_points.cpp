@@ -4,14 +4,22 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <map>
+#include <mutex>
+#include <optional>
 #include <unordered_set>
 #include <utility>
 
-#include "host/beam/beam.hpp"
+#include "host/blocks.hpp"
 #include "host/errors.hpp"
-#include "host/scene/schemes.hpp"
+#include "host/host_threads.hpp"
+#include "host/plan/expected_work.hpp"
+#include "host/scene_file/reader.hpp"
 #include "host/scene_file/scene_file.hpp"
 
 namespace ra2d {
@@ -98,46 +106,129 @@ std::string StudyPoints::in_words_of_the_study(std::string fault, std::size_t po
   return fault;
 }
 
-PointCensus::PointCensus(const StudyPoints& points) {
-  const std::size_t seeds = points.study().seeds.size();
-  FileHashes files;
-  std::string faults;
-  std::size_t wrong = 0;
-  keys.reserve(points.size());
-  costs.reserve(points.size());
-  has_seeds = false;
-  for (std::size_t c = 0; c < points.combinations(); ++c) {
-    try {
-      const Scene scene = points.combination(c * seeds);
-      has_seeds = has_seeds || has_seed(scene);
-      const auto cost = static_cast<float>(scene_cost(scene));
-      for (const std::int64_t k : points.study().seeds) {
-        // scenes without a seed are one run for all
-        if (k != points.study().seeds.front() && !has_seed(scene)) {
-          keys.push_back(keys.back());
-        } else {
-          Scene shifted = scene;
-          shift_seeds(shifted, k);
-          keys.push_back(scene_key(shifted, files));
-        }
-        costs.push_back(cost);
-      }
-    } catch (const RequestError& fault) {
-      if (++wrong <= most_told) {
-        const std::string name = points.name(c * seeds);
-        const std::size_t end = name.rfind(", seed ");
-        faults +=
-            fmt::format("\n{}:\n{}", end == name.npos ? "every run" : "with " + name.substr(0, end),
-                        points.in_words_of_the_study(fault.what(), c * seeds));
-      }
-    }
+namespace {
+
+/// Says about five times a second how far threads have come together.
+class SharedProgress {
+ public:
+  explicit SharedProgress(const std::function<void(std::size_t)>& tell) : tell_{tell} {}
+  void add(std::size_t points) {
+    if (!tell_) return;
+    const std::lock_guard lock(mutex_);
+    known_ += points;
+    const auto now = std::chrono::steady_clock::now();
+    if (now - told_ < std::chrono::milliseconds(200)) return;
+    told_ = now;
+    tell_(known_);
   }
-  profiles = files.names();
-  if (wrong > 0)
+
+ private:
+  const std::function<void(std::size_t)>& tell_;
+  std::mutex mutex_;
+  std::size_t known_ = 0;
+  std::chrono::steady_clock::time_point told_ = std::chrono::steady_clock::now();
+};
+
+/// Combinations whose scenes are wrong, and why the first few are.
+class WrongScenes {
+ public:
+  void add(std::size_t combination, const std::string& why) {
+    const std::lock_guard lock(mutex_);
+    ++count_;
+    why_.emplace(combination, why);
+    if (why_.size() > most_told) why_.erase(std::prev(why_.end()));
+  }
+  void refuse(const StudyPoints& points) const {
+    if (count_ == 0) return;
+    std::string text;
+    for (const auto& [combination, why] : why_) {
+      const std::size_t point = combination * points.study().seeds.size();
+      const std::string name = points.name(point);
+      const std::size_t end = name.rfind(", seed ");
+      text +=
+          fmt::format("\n{}:\n{}", end == name.npos ? "every run" : "with " + name.substr(0, end),
+                      points.in_words_of_the_study(why, point));
+    }
     throw RequestError(
-        fmt::format("{}: {} of {} scenes {} wrong{}{}", points.study().file.string(), wrong,
-                    points.combinations(), wrong == 1 ? "is" : "are", faults,
-                    wrong > most_told ? fmt::format("\nand {} more", wrong - most_told) : ""));
+        fmt::format("{}: {} of {} scenes {} wrong{}{}", points.study().file.string(), count_,
+                    points.combinations(), count_ == 1 ? "is" : "are", text,
+                    count_ > most_told ? fmt::format("\nand {} more", count_ - most_told) : ""));
+  }
+
+ private:
+  std::mutex mutex_;
+  std::size_t count_ = 0;
+  std::map<std::size_t, std::string> why_;
+};
+
+/// The base of a study, parsed once: its text takes longer to parse than all the rest of a scene.
+std::optional<ParsedText> parsed(const std::string& text) {
+  try {
+    return ParsedText(text);
+  } catch (const RequestError&) {
+    return {};  // the text itself will say what is wrong
+  }
+}
+
+}  // namespace
+
+PointCensus::PointCensus(const StudyPoints& points,
+                         const std::function<void(std::size_t)>& progress) {
+  constexpr std::size_t a_block = 64;  // combinations or seeds
+  const Study& study = points.study();
+  const std::vector<std::int64_t>& seeds = study.seeds;
+  const std::optional<ParsedText> base = parsed(study.base_text);
+  FileHashes files;
+  SharedProgress so_far(progress);
+  WrongScenes wrong;
+  std::atomic<bool> any_seed = false;
+  keys.resize(points.size());
+  costs.resize(points.size());
+
+  const auto scene_of = [&](std::size_t point) {
+    if (base) try {
+        return parse_scene(*base, study.base, points.overrides(points.place(point)));
+      } catch (const RequestError&) {  // once more, with the lines of the text
+      }
+    return points.combination(point);
+  };
+  const auto count = [&](const Scene& scene, std::size_t first_point, std::size_t first,
+                         std::size_t last) {
+    for (std::size_t k = first; k < last; ++k) {
+      Scene shifted = scene;
+      shift_seeds(shifted, seeds[k]);
+      keys[first_point + k] = scene_key(shifted, files);
+    }
+  };
+  const auto take = [&](std::size_t combination) {
+    const std::size_t point = combination * seeds.size();
+    const Scene scene = scene_of(point);
+    std::fill_n(costs.begin() + static_cast<std::ptrdiff_t>(point), seeds.size(),
+                static_cast<float>(expected_work(scene).seconds()));
+    if (has_seed(scene)) {
+      any_seed = true;
+      in_blocks(seeds.size(), a_block, [&](std::size_t, std::size_t first, std::size_t last) {
+        count(scene, point, first, last);
+        so_far.add(last - first);
+      });
+    } else {  // one run for all
+      count(scene, point, 0, 1);
+      std::fill_n(keys.begin() + static_cast<std::ptrdiff_t>(point), seeds.size(), keys[point]);
+      so_far.add(seeds.size());
+    }
+  };
+  const std::size_t combinations = points.combinations();
+  on_threads(host_threads(), (combinations + a_block - 1) / a_block, [&](std::size_t block) {
+    const std::size_t last = std::min(combinations, (block + 1) * a_block);
+    for (std::size_t c = block * a_block; c < last; ++c) try {
+        take(c);
+      } catch (const RequestError& fault) {
+        wrong.add(c, fault.what());
+      }
+  });
+  has_seeds = any_seed;
+  profiles = files.names();
+  wrong.refuse(points);
 }
 
 std::vector<std::size_t> PointCensus::different() const {
@@ -146,32 +237,6 @@ std::vector<std::size_t> PointCensus::different() const {
   for (std::size_t i = 0; i < keys.size(); ++i)
     if (seen.insert(keys[i]).second) points.push_back(i);
   return points;
-}
-
-double scene_cost(const Scene& scene) {
-  // As of 'ra2d plan', whose figures need the beams and faces (host/plan/plan.cpp): the mean, in ratio, of
-  // no contact and of a node in contact all the time.
-  constexpr double setup = 5e-3;                    // s: surfaces, tables
-  constexpr double flight = 5e-9, contact = 45e-9;  // s: a fixed step
-  constexpr double leap = 600e-9, drive = 2e-6;     // s: an adaptive one
-  constexpr int most_counted = 2000;                // modes
-  const int elastic = mode_count(scene.resonator, most_counted);
-  const int modes = elastic + mode_count(scene.slider, most_counted);
-  const double wide = std::max(1.0, modes / 24.0);
-  if (!is_adaptive(scene)) {
-    const double steps = scene.duration / scene.time.step;
-    const int stages = scheme_table(scene.time.scheme).stages;
-    const double each =
-        scene.time.nodes == Nodes::all ? 1e-9 * (scene.slider.length / scene.spacing) : 0.0;
-    return setup + steps * (wide * std::sqrt(flight * contact * stages) + stages * each);
-  }
-  const double crossings = scene.speed / scene.spacing;  // a second
-  const double highest =
-      elastic > 0 && scene.resonator.support != Support::rigid
-          ? elastic_frequency(scene.resonator, std::max(0, std::min(elastic, most_counted) - 1))
-          : 0.0;
-  const double free = crossings * leap, pressed = (crossings + 2 * M_PI * highest) * drive;
-  return setup + scene.duration * wide * std::sqrt(std::max(free, 1e-3) * std::max(pressed, 1e-3));
 }
 
 }  // namespace ra2d

@@ -2,6 +2,7 @@
 #pragma once
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -45,20 +46,18 @@ class StudyPoints {
 /// What is known of each point before it is run.
 struct PointCensus {
   std::vector<Key128> keys;
-  std::vector<float> costs;                     // s of one thread, estimates (scene_cost)
-  bool has_seeds = true;                        // whether a scene has a surface that a seed changes
+  std::vector<float> costs;  // s of one thread, estimates (host/plan/expected_work.hpp)
+  bool has_seeds = true;     // whether a scene has a surface that a seed changes
   std::vector<std::filesystem::path> profiles;  // files that the scenes read
 
-  /// Reads and checks the scene of every point. Throws RequestError that names those that are wrong,
-  /// the first few of them; FileError for a profile that cannot be read.
-  explicit PointCensus(const StudyPoints& points);
+  /// Reads and checks the scene of every point, on all threads. Throws RequestError that names those that
+  /// are wrong, the first few of them; FileError for a profile that cannot be read. `progress` is called
+  /// a few times a second with how many points are known, by one thread at a time.
+  explicit PointCensus(const StudyPoints& points,
+                       const std::function<void(std::size_t)>& progress = {});
 
   /// Points of which no earlier one is the same run, in their order.
   std::vector<std::size_t> different() const;
 };
-
-/// What a run takes of one thread [s], from the scene alone: within a factor of five or so. Measured runs
-/// tell how far off it is, and it is off by about the same in all runs of one study.
-double scene_cost(const Scene& scene);
 
 }  // namespace ra2d

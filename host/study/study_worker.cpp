@@ -28,6 +28,7 @@
 #include "host/model/model.hpp"
 #include "host/plan/plan.hpp"
 #include "host/result/level.hpp"
+#include "host/run/disk_room.hpp"
 #include "host/run/result_header.hpp"
 #include "host/run/run_files.hpp"
 #include "host/run/run_key.hpp"
@@ -290,6 +291,7 @@ class Worker {
                                           points_.name(point));
     ModalStart start = make_start(model);
     if (options_.keep_results) {
+      if (!before) require_disk_room(model, options_.folder / StudyFolder::result(key));
       ResultHeader header = result_header(model, key);
       header.beyond_limit = beyond_limit;
       files->record(std::move(header), before);

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -20,13 +21,20 @@ constexpr double pi = std::numbers::pi;
 /// Heights above the flat face the peaks stand on: that face, not their mean, is their mean line.
 std::vector<double> peak_heights(const std::vector<Peak>& peaks, int nodes, double spacing) {
   std::vector<double> heights(static_cast<std::size_t>(nodes), 0.0);
-  for (const Peak& peak : peaks)
-    for (int n = 0; n < nodes; ++n) {
+  for (const Peak& peak : peaks) {
+    // a node more on each side than roundings could leave out
+    const auto node_at = [&](double x) {
+      return static_cast<int>(std::clamp(x / spacing, -1.0, static_cast<double>(nodes)));
+    };
+    const int first = std::max(0, node_at(peak.at - peak.half_width) - 1);
+    const int last = std::min(nodes - 1, node_at(peak.at + peak.half_width) + 2);
+    for (int n = first; n <= last; ++n) {
       const double away = n * spacing - peak.at;
       if (std::abs(away) <= peak.half_width)
         heights[static_cast<std::size_t>(n)] +=
             peak.height / 2 * (1 + std::cos(pi * away / peak.half_width));
     }
+  }
   return heights;
 }
 

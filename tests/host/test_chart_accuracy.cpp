@@ -60,6 +60,50 @@ TEST(StateError, IsThatOfTheEnergy) {
   EXPECT_FALSE(fits(model, {{0.3}, {4.0}, {}, {}}));
 }
 
+/// A chart of the adaptive scheme: every tolerance within 1e-3 of the state, with these timings.
+AccuracyChart timed_chart(const std::vector<std::pair<double, std::vector<double>>>& timings) {
+  AccuracyChart chart;
+  chart.instants = {{"state-5", "the state", 1e-3}};
+  chart.reference_error = {1e-12};
+  for (const auto& [tolerance, wall] : timings) {
+    Measured point;
+    point.name = {.scheme = "adaptive", .law = "penalty", .text = "adaptive"};
+    point.setting.time.scheme = SchemeKind::adaptive;
+    point.setting.time.tolerance = tolerance;
+    point.states = {{.error = tolerance}};
+    point.closure = tolerance;
+    point.wall = wall;
+    chart.points.push_back(point);
+  }
+  return chart;
+}
+
+TEST(AccuracyChart, SaysWhatABudgetHasNoTimeFor) {
+  Scene s = read_scene(scene_file("peaks"), {"scene.duration=0.02"});
+  const AccuracyChart chart = measure_accuracy(s, {.budget = 0.2, .repetitions = 3});
+  // beside the budget one model is made for each setting, and for each surface of the long runs
+  EXPECT_LT(chart.seconds, 20);
+  const auto unsaid =
+      std::count_if(chart.points.begin(), chart.points.end(),
+                    [](const Measured& p) { return p.wall.empty() && p.left_out.empty(); });
+  EXPECT_EQ(unsaid, 0);
+  EXPECT_THAT(points_csv(chart, {}), HasSubstr("--budget"));
+}
+
+TEST(AccuracyChart, OneNoisyTimingChoosesNoTightTolerance) {
+  // 1e-10 has the lowest median by chance; its range is that of all others
+  EXPECT_THAT(
+      describe(timed_chart(
+          {{1e-4, {0.31, 0.36, 0.40}}, {1e-7, {0.33, 0.34, 0.45}}, {1e-10, {0.29, 0.30, 0.39}}})),
+      HasSubstr("to 0.001 adaptive at tol 0.0001"));
+  // of single timings nobody knows how they scatter
+  EXPECT_THAT(describe(timed_chart({{1e-4, {0.35}}, {1e-10, {0.30}}})),
+              HasSubstr("to 0.001 adaptive at tol 0.0001"));
+  // what is dearer by more than that is not chosen
+  EXPECT_THAT(describe(timed_chart({{1e-4, {0.60, 0.61, 0.62}}, {1e-10, {0.29, 0.30, 0.31}}})),
+              HasSubstr("to 0.001 adaptive at tol 1e-10"));
+}
+
 /// A load crosses a damped plate; nothing touches.
 Scene crossed_plate() {
   Scene s = lone_beam(4, 0.02);

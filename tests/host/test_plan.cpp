@@ -10,7 +10,11 @@
 #include <string>
 
 #include "host/format.hpp"
+#include "host/plan/expected_work.hpp"
+#include "host/scene_file/scene_file.hpp"
+#include "tests/places.hpp"
 #include "tests/scenes.hpp"
+#include "tests/simulate.hpp"
 
 namespace ra2d::test {
 namespace {
@@ -182,6 +186,78 @@ TEST(Plan, AnAdaptiveScenesCostIsOfTheRightSize) {
   EXPECT_NEAR(plan.seconds_free, 100 * 0.6e-6, 1e-6);
   const double steps = 100 + 5.52 * s.duration / plan.contact_period;
   EXPECT_NEAR(plan.seconds_one / (steps * 1.3e-6), 1, 2e-3);  // the figures are of three digits
+}
+
+/// Steps that lie on one another all the time: what a step costs at the worst [s].
+double worst_step(Scene s) {
+  const Model model = make_model(s);
+  const Plan plan = make_plan(model, 0);
+  return plan.seconds_many / static_cast<double>(plan.steps);
+}
+
+TEST(Plan, ForeseesWhatTheForcesOfManyNodesTake) {
+  Scene s = plate_scene(6, 0.004, 1e-3);
+  s.gap = 0;
+  s.contact.stiffness = 1e13;
+  s.time.contact_force = ForceTime::new_time;
+  const auto with_nodes = [&](double nodes) {
+    Scene out = s;
+    out.spacing = s.slider.length / (nodes - 1);
+    return worst_step(out);
+  };
+  // one after the other: eight times as long for twice as many
+  EXPECT_NEAR(with_nodes(241) / with_nodes(121), 8, 4);
+  EXPECT_GT(with_nodes(241), 240.0 * 240 * 240 * 0.1e-9);  // a tenth of a nanosecond for each pivot
+  // Newton's method: as many nodes, as long
+  EXPECT_NEAR(with_nodes(8001) / with_nodes(4001), 2, 0.2);
+  EXPECT_LT(with_nodes(5001), 0.1);  // s; it was 37 s
+}
+
+TEST(Plan, ForcesThatTravelAreInTheCost) {
+  Scene s = plate_scene(6, 0.004, 1e-3);
+  s.contact.stiffness = 1e13;
+  const Model few = make_model(s);
+  s.resonator.moving_forces.assign(1000, {.force = 1, .speed = 0, .start = 0});
+  const Model many = make_model(s);
+  const double seconds = make_plan(many, 0).seconds_free - make_plan(few, 0).seconds_free;
+  // each is a sum over the modes: some 10 ns, not a tenth and not ten times as much
+  EXPECT_NEAR(std::log10(seconds / (1000.0 * static_cast<double>(many.steps)) / 20e-9), 0, 0.5);
+}
+
+TEST(ExpectedWork, IsWithinAFactorOfThreeOfTheStridesMade) {
+  const Scene paper =
+      read_scene(scene_file("dang2012"), {"time.scheme=adaptive", "scene.duration=0.01"});
+  const auto check = [&](const std::string& what, const auto& change) {
+    Scene s = paper;
+    change(s);
+    const auto made = static_cast<double>(simulate(s).end.strides);
+    const double expected = expected_work(s).strides;
+    EXPECT_GT(expected, made / 3) << what << ": " << made << " made";
+    EXPECT_LT(expected, made * 3) << what << ": " << made << " made";
+    EXPECT_GT(expected_work(s).march, 0.3e-6 * made)
+        << what;  // s: a stride takes some microseconds
+    EXPECT_LT(expected_work(s).march, 30e-6 * made) << what;
+  };
+  check("as it is", [](Scene&) {});
+  for (const double speed : {0.0, 0.005, 0.02, 0.5})
+    check(fmt::format("{} m/s", speed), [&](Scene& s) { s.speed = speed; });
+  check("soft", [](Scene& s) { s.contact.stiffness = 1e13; });
+  check("loose", [](Scene& s) { s.time.tolerance = 1e-4; });
+  check("loaded", [](Scene& s) {
+    s.slider.load_is_weight = false;
+    s.slider.load = 10;
+  });
+  check("fine", [](Scene& s) { s.spacing = 2e-6; });
+}
+
+TEST(ExpectedWork, OfFixedStepsIsTheirNumber) {
+  Scene s = pressed_plate();
+  s.duration = 1e-3;
+  s.time.step = 1e-7;
+  EXPECT_NEAR(expected_work(s).strides, 1e4, 1e-6);
+  const double once = expected_work(s).march;
+  s.time.scheme = SchemeKind::rk4;
+  EXPECT_GT(expected_work(s).march, 3 * once);  // four stages
 }
 
 TEST(Plan, SaysWhatTheStepMakesOfTheHighestMode) {

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <time.h>
 
 #include <algorithm>
 #include <chrono>
@@ -272,6 +273,45 @@ TEST(Savings, OfARubbingSceneHoldForIt) {
     EXPECT_EQ(trial.verdict, moved ? Verdict::moved : kept ? Verdict::kept : Verdict::open);
     EXPECT_TRUE(kept || trial.by_balance || !trial.taken);
   }
+}
+
+TEST(Savings, AreNeverDearerThanTheSceneAndHaveItsOwnTolerance) {
+  Scene s = rubbing();
+  s.time.scheme = SchemeKind::adaptive;
+  s.time.tolerance = 3e-4;  // loose: all that is tighter is dearer
+  SavingsOptions options;
+  options.accuracy = 0.2;
+  options.budget = 3;
+  const Savings found = find_savings(s, options);
+  SCOPED_TRACE(describe(found));
+  EXPECT_LE(found.cost_chosen, found.cost_written);
+  EXPECT_TRUE(std::any_of(found.trials.begin(), found.trials.end(), [](const Trial& trial) {
+    return trial.key == "time" && trial.scene.time.tolerance == 3e-4;
+  }));
+  // what the answer hangs on has been looked at before the cheap things were refined
+  const auto place = [&](const std::string& key, bool checked) {
+    return std::find_if(found.trials.begin(), found.trials.end(), [&](const Trial& trial) {
+      return trial.key == key && trial.checked == checked;
+    });
+  };
+  EXPECT_LT(place("scene.spacing", true), place("scene.spacing", false));
+  EXPECT_LT(place("scene.spacing", false), place("resonator.modes", false));
+  EXPECT_GT(place("scene.spacing", true)->moved[0].pairs, 0);
+}
+
+TEST(Savings, ProcessorTimeIsThatOfTheThreads) {
+  // the process cannot have used more than it says of the whole
+  const Scene s = rubbing();
+  const Model model = make_model(s);
+  timespec before{}, after{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &before);
+  const TimedRun one = timed_run(model, make_start(model));
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &after);
+  const double process = static_cast<double>(after.tv_sec - before.tv_sec) +
+                         1e-9 * static_cast<double>(after.tv_nsec - before.tv_nsec);
+  EXPECT_GT(one.processor, 0);
+  EXPECT_LE(one.processor, process);
+  EXPECT_LE(one.processor, one.seconds * 1.05 + 1e-3);  // a thread has no more than the clock
 }
 
 TEST(Savings, UnderMultipliersTheReferenceIsTheOwnSchemeAtATenthOfTheStep) {

@@ -87,6 +87,71 @@ TEST_F(Program, HelpAndVersionSucceed) {
   EXPECT_THAT(out_, HasSubstr("ra2d 0."));
 }
 
+TEST_F(Program, ARunThatTheDiskHasNoRoomForIsNotBegun) {
+  // 1e10 samples of some 50 numbers: four terabytes
+  const fs::space_info disk = fs::space(folder_);
+  if (disk.available > 3'000'000'000'000) GTEST_SKIP() << "this disk has room for it";
+  EXPECT_EQ(run({"run", scene_file("dang2012"), "-o", "o.h5", "--set", "time.scheme=adaptive",
+                 "--set", "output.rate=1e10"}),
+            4);
+  EXPECT_THAT(err_, AllOf(HasSubstr("'o.h5'"), HasSubstr("TB"), HasSubstr("free on its disk"),
+                          HasSubstr("output.rate")));
+  EXPECT_FALSE(fs::exists(folder_ / "o.h5"));
+  // what no disk holds is refused as a request, and plan says what it would take
+  EXPECT_EQ(run({"run", scene_file("dang2012"), "--set", "time.scheme=adaptive", "--set",
+                 "output.rate=1e15"}),
+            2);
+  EXPECT_THAT(err_, HasSubstr("output.rate: 1000000000000000 Hz takes 1e+15 samples in 1 s"));
+  EXPECT_EQ(run({"plan", scene_file("dang2012"), "--set", "time.scheme=adaptive", "--set",
+                 "output.rate=1e10"}),
+            0);
+  EXPECT_THAT(out_, HasSubstr(" TB, 10000000001 samples"));
+}
+
+TEST_F(Program, AnInterruptIsObeyedWithinAStepOfThousandsOfNodes) {
+  // flat on flat, pressed 10 nm into one another: 5001 nodes carry force at once
+  std::ofstream(folder_ / "flat.toml") << R"([scene]
+duration = 1.0
+speed = 0.0
+start = 0.1
+spacing = 4e-6
+gap = -1e-8
+initial = "rest"
+[resonator]
+support = "pinned"
+length = 0.3
+thickness = 2e-3
+width = 2e-2
+young = 210e9
+density = 7800
+damping = 0.02
+max_frequency = 20e3
+[slider]
+support = "free"
+length = 2e-2
+thickness = 5e-3
+width = 2e-2
+young = 210e9
+density = 7800
+damping = 0.02
+modes = 0
+load = "weight"
+[contact]
+stiffness = 1e15
+[time]
+scheme = "backward-euler"
+contact_force = "new"
+step = 1e-7
+)";
+  Child child = start({"run", "flat.toml", "-o", "flat.h5", "--quiet"});
+  wait_until_it_marches();
+  const auto asked = std::chrono::steady_clock::now();
+  child.send(SIGINT);
+  EXPECT_EQ(child.wait(), 130) << child.err();
+  // a step took 37 s; generous, for machines that do other things as well
+  EXPECT_LT(std::chrono::steady_clock::now() - asked, std::chrono::seconds(20));
+}
+
 TEST_F(Program, WrongRequestsEndWithTwoAndSayWhy) {
   EXPECT_EQ(run({}), 2);
   EXPECT_EQ(run({"run"}), 2);

@@ -315,6 +315,30 @@ TEST_F(SoundFile, IsNormalisedOnlyWhenAsked) {
   EXPECT_EQ(std::max(-*low, *high), 1);
 }
 
+TEST_F(SoundFile, AFullScaleThatNoFloatCanFollowIsRefused) {
+  write({sine(3e-3, 1000)}, 10'001);
+  for (const char* scale : {"1e-300", "1e-42", "5e-324", "1e300"}) {
+    const test::Ended said = ra2d({"-o", "n.wav", "--full-scale", scale});
+    EXPECT_EQ(said.status, 2) << scale;
+    EXPECT_THAT(said.err,
+                AllOf(HasSubstr("--full-scale"), HasSubstr("expected a velocity near the peak")));
+    EXPECT_FALSE(fs::exists(folder_.path() / "n.wav"));
+  }
+  // what a float holds is written, and a FLAC that would be silent is doubted
+  EXPECT_EQ(ra2d({"-o", "n.wav", "--full-scale", "1e-38"}).status, 0);
+  for (const float value : heard("n.wav").values) ASSERT_TRUE(std::isfinite(value));
+  EXPECT_THAT(ra2d({"-o", "n.flac", "--full-scale", "1e6"}).err, HasSubstr("is silent"));
+}
+
+TEST_F(SoundFile, ANumberOfAProbeIsNotCutShortInItsMessage) {
+  write({sine(3e-3, 1000)}, 1'001);
+  const test::Ended said = ra2d({"--probe", "99999999999999999999"});
+  EXPECT_EQ(said.status, 2);
+  EXPECT_THAT(said.err,
+              AllOf(HasSubstr("'99999999999999999999'"), testing::Not(HasSubstr("1000000000"))));
+  EXPECT_THAT(ra2d({"--probe", "999999999"}).err, HasSubstr("999999999"));
+}
+
 TEST_F(SoundFile, SaysWhatIsBeyondFullScale) {
   write({sine(3e-3, 1000)}, 100'001);
   const SoundOptions options{.full_scale = 1e-3};

@@ -17,6 +17,7 @@
 #include "host/analysis/distributions.hpp"
 #include "host/errors.hpp"
 #include "host/partial_file.hpp"
+#include "host/plan/expected_work.hpp"
 #include "host/result/level.hpp"
 #include "host/run/run_key.hpp"
 #include "host/run/run_report.hpp"
@@ -241,6 +242,23 @@ TEST(StudyPoints, EveryCombinationStandsOnceInCOrderWithTheSeedLast) {
         EXPECT_EQ(scene.slider.surface.seed, 1 + 1000 * k);
       }
   EXPECT_EQ(points.name(3), "speed = 0.1, rq = 5e-06, seed 1");
+}
+
+TEST(StudyPoints, ACensusOnAllThreadsIsThatOfEachPoint) {
+  std::string values;
+  for (int i = 0; i < 300; ++i) values += fmt::format("{}{}", i > 0 ? ", " : "", 1e-6 * (i + 1));
+  const StudyPoints points(
+      study_of("base = \"b\"\nseeds = 3\n[vary]\nrq = { key = "
+               "\"slider.surface.rq\", values = [" +
+               values + "] }\n"));
+  const PointCensus census(points);
+  FileHashes files;
+  ASSERT_EQ(census.keys.size(), 900u);
+  for (std::size_t i = 0; i < points.size(); i += 7) {
+    EXPECT_EQ(census.keys[i], scene_key(points.scene(i), files)) << points.name(i);
+    EXPECT_EQ(census.costs[i], static_cast<float>(expected_work(points.scene(i)).seconds()));
+  }
+  EXPECT_EQ(census.different().size(), 900u);
 }
 
 TEST(StudyPoints, TheLastWordIsTheCommandLines) {
