@@ -76,10 +76,9 @@ void Recording::add(Segment segment, std::unique_ptr<InputFile> file) {
   if (held_.size() < most_held) held_.push_back(std::move(file));
 }
 
-void Recording::restore() {
-  for (std::size_t i = 0; i < held_.size(); ++i)
-    if (const std::filesystem::path name = names_.segment(i + 1); !is_there(name))
-      copy(*held_[i], name);
+void Recording::restore(std::size_t i) {
+  const std::filesystem::path name = names_.segment(i + 1);
+  if (i < held_.size() && !is_there(name)) copy(*held_[i], name);
 }
 
 void Recording::begin() {
@@ -116,7 +115,7 @@ bool Recording::seal(const ResultSummary& so_far) {
 
 const std::vector<Segment>& Recording::close_segment(const ResultSummary& so_far,
                                                      const SegmentStart& next) {
-  restore();
+  for (std::size_t i = 0; i < held_.size(); ++i) restore(i);
   if (seal(so_far)) {
     header_.segment = next;
     begin();
@@ -126,7 +125,6 @@ const std::vector<Segment>& Recording::close_segment(const ResultSummary& so_far
 
 double Recording::close(const ResultSummary& summary) {
   if (segments_.empty()) return file_->close(summary);
-  restore();
   seal(summary);
   file_.reset();
   header_.segment = {};
@@ -139,6 +137,7 @@ double Recording::close(const ResultSummary& summary) {
 void Recording::each_block(const std::function<void(const SampleBlock&)>& samples,
                            const std::function<void(const std::vector<Shock>&)>& shocks) const {
   for (std::size_t i = 0; i < segments_.size(); ++i) {
+    restore(i);
     const ResultReader reader(names_.segment(i + 1), Bytes::own);
     const ResultContents& contents = reader.contents();
     for (std::size_t first = 0; first < contents.samples; first += rows_at_once)

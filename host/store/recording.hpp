@@ -56,8 +56,8 @@ class Recording {
   void begin();
   /// Adds a segment, and keeps its file.
   void add(Segment segment, std::unique_ptr<InputFile> file);
-  /// Writes segments that are gone from their folder once more.
-  void restore();
+  /// Writes segment `i`, from 0, once more where it is gone from its folder.
+  void restore(std::size_t i);
   /// Gives what is in the present file its place among the segments, if there is anything.
   bool seal(const ResultSummary& so_far);
 

@@ -87,6 +87,8 @@ void require_study_folder(const StudyFolder& folder, const Shard& shard,
 
 void require_merged_table(const fs::path& output, const Study& study,
                           const std::vector<fs::path>& folders, std::vector<fs::path> inputs) {
+  std::error_code none;
+  if (!fs::exists(output, none)) return require_output(output, {});
   bool is_own = false;  // of one of the folders
   for (const fs::path& path : folders) {
     const StudyFolder folder{path};

@@ -10,6 +10,9 @@
 //   FAULTY_TERM_AT       1, 2, ...: as soon as so many files and folders are made, SIGTERM comes
 //   FAULTY_TOLD          a file elsewhere that is made when a call has failed
 //   FAULTY_ROOM          bytes: a file has no room beyond (ENOSPC)
+//   FAULTY_FSTAT         the errno that every fstat of a file fails with
+//   FAULTY_INODES        if set, each call tells another number of an inode, of whatever file
+//   FAULTY_USR1_FIRST    if set, SIGUSR1 comes before the program begins
 //   FAULTY_DURABLE       a folder elsewhere on the same disk that is told what a power cut would leave: for each file
 //                        that was synced INODE, its content then, and for each folder LIST-INODE, a line for each
 //                        entry then: d or f, its inode, its name
@@ -144,6 +147,39 @@ int ftruncate64(int file, off64_t length) {
   REAL(ftruncate64);
   if (concerns(file) && fails()) return -1;
   return real(file, length);
+}
+
+static void change_inode(struct stat* status) {
+  static atomic_long calls_for_inodes;
+  if (getenv("FAULTY_INODES") != NULL) status->st_ino += (ino_t)(7919 * ++calls_for_inodes);
+}
+
+int fstat(int file, struct stat* status) {
+  REAL(fstat);
+  const int result = real(file, status);
+  const char* error = getenv("FAULTY_FSTAT");
+  if (error != NULL && result == 0 && S_ISREG(status->st_mode) && concerns(file)) {
+    errno = atoi(error);
+    return -1;
+  }
+  if (result == 0) change_inode(status);
+  return result;
+}
+int stat(const char* path, struct stat* status) {
+  REAL(stat);
+  const int result = real(path, status);
+  if (result == 0) change_inode(status);
+  return result;
+}
+int lstat(const char* path, struct stat* status) {
+  REAL(lstat);
+  const int result = real(path, status);
+  if (result == 0) change_inode(status);
+  return result;
+}
+
+__attribute__((constructor)) static void signal_first(void) {
+  if (getenv("FAULTY_USR1_FIRST") != NULL) raise(SIGUSR1);
 }
 
 static void copy_content(int file, const char* to) {

@@ -47,7 +47,7 @@ TEST_P(Faults, EveryCallThatFailsIsReportedOrDoesNoHarm) {
   const std::string earlier = "an earlier result";
   std::vector<std::string> words{program(), "run"};
   words.insert(words.end(), trial.words.begin(), trial.words.end());
-  words.insert(words.end(), {"-o", out.string()});
+  words.insert(words.end(), {"-o", out.string(), "--force"});
   const Ended untouched = run_program(aside.path(), words);
   ASSERT_EQ(untouched.status, 0) << untouched.err;
   const Content expected = content_of(out);

@@ -42,6 +42,7 @@ import numpy
 import xxhash
 
 EARLIER = b"an earlier result\n"
+RUN, FORCE = ["run", "s.toml", "-o", "out.h5"], ["--force"]  # which alone replaces what is there
 BESIDE = ("out.h5.parts", "out.h5.checkpoint", "out.h5.checkpoint.previous")  # of a run that was cut off
 MEMORY = 4 << 30  # bytes, of each process
 PATIENCE = 20.0   # s
@@ -148,7 +149,7 @@ def end(process, seconds=PATIENCE):
 
 def planned_time(program, words, folder):
     """What a run takes at worst by its plan, in s; 0 where that says nothing."""
-    words = [b"plan", *(word for word in words[1:] if word not in (b"-o", b"out.h5"))]
+    words = [b"plan", *(word for word in words[1:] if word not in (b"-o", b"out.h5", b"--force"))]
     try:
         plan = subprocess.run([program, *words], cwd=folder.path, stdin=subprocess.DEVNULL, capture_output=True,
                               timeout=PATIENCE).stdout.decode()
@@ -396,12 +397,16 @@ def try_scene(program, case, dice):
     if name.startswith("chart "):
         status = end(start(program, given, folder))
         return folder, status, look(folder, status, (2, 4))
-    words = ["plan", "s.toml"] if dice.random() < 0.1 else ["run", "s.toml", "-o", "out.h5"]
+    way = dice.random()
+    words = ["plan", "s.toml"] if way < 0.1 else [*RUN, *(FORCE if way < 0.9 else [])]
     for one in given:
         words += ["--set", one]
     words = [os.fsencode(word) for word in words]
     status = end_scene(start(program, words, folder), program, words, folder)
-    return folder, status, look(folder, status, (0, 2, 3, 4, 130))
+    found = look(folder, status, (0, 2, 3, 4, 130) if way < 0.9 else (2, 3, 4))
+    if way >= 0.9 and (folder.path / "out.h5").read_bytes() != EARLIER:
+        found.append("what was there was replaced unasked")
+    return folder, status, found
 
 
 # ---- profiles
@@ -491,7 +496,7 @@ def try_profile(program, case, dice):
     scene = PLAIN.replace('surface = { kind = "gaussian", rq = 1e-6, rsm = 4e-4, seed = 1 }',
                           'surface = { kind = "file", path = "p.csv" }')
     folder = Folder(scene, {"p.csv": content})
-    words = ["plan", "s.toml"] if dice.random() < 0.1 else ["run", "s.toml", "-o", "out.h5"]
+    words = ["plan", "s.toml"] if dice.random() < 0.1 else RUN + FORCE
     status = end(start(program, words, folder))
     found = look(folder, status, (0, 2, 3, 4))
     if name.startswith("units") and status != 2:
@@ -514,14 +519,14 @@ def kill_cases(times, dice):
 
 def try_kill(program, case, dice):
     folder = Folder(LONG)
-    process = start(program, ["run", "s.toml", "-o", "out.h5"], folder)
+    process = start(program, RUN + FORCE, folder)
     time.sleep(case[1])
     process.kill()
     status = end(process)
     found = look(folder, status, (0, 128 + signal.SIGKILL), may_leave_partial=True)
     if dice.random() < 0.2:  # the next run into this folder cleans up
         (folder.path / "out.h5").write_bytes(EARLIER)
-        again = end(start(program, ["run", "s.toml", "-o", "out.h5", "--set", "scene.duration=1e-5"], folder))
+        again = end(start(program, [*RUN, *FORCE, "--set", "scene.duration=1e-5"], folder))
         found += [f"run again: {what}" for what in look(folder, again, (0,))]
     return folder, status, found
 
@@ -536,7 +541,7 @@ def signal_cases(times, dice):
 def try_signal(program, case, dice):
     _, kind, delay, twice, setup = case
     folder = Folder(LONG)
-    words = ["run", "s.toml", "-o", "out.h5"] + (["--set", setup] if setup else [])
+    words = RUN + FORCE + (["--set", setup] if setup else [])
     process = start(program, words, folder)
     time.sleep(delay)
     process.send_signal(kind)
@@ -593,12 +598,12 @@ def try_resume(program, case, dice):
     went_on = 0
     found = []
     for attempt in range(31):
-        process = start(program, [*words, "-o", "out.h5", "--checkpoint", "1e-5"], folder)
+        process = start(program, [*words, "-o", "out.h5", "--checkpoint", "1e-5", *FORCE], folder)
         cut = attempt < 30
         allowed = (0, 137, 143) if cut else (0,)
         if cut:
             time.sleep(SLOWER * dice.uniform(0.02, 0.08))
-            if dice.random() < 0.2:  # ends what has not come as far as to catch it
+            if dice.random() < 0.2:  # ends what the system has not loaded yet
                 process.send_signal(signal.SIGUSR1)
                 allowed += (128 + signal.SIGUSR1,)
             process.send_signal(dice.choice([signal.SIGKILL, signal.SIGKILL, signal.SIGTERM]))
