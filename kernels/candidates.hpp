@@ -51,7 +51,8 @@ inline constexpr int shortest_flight = 24;
 /// Under Form::implicit, more nodes than this cost less in looking at every state than on a list.
 inline constexpr int most_watched = 48;
 /// Bound on the rounding of a displacement, over sum max|psi_k| |U_k|: a sum over the modes of a
-/// polynomial, and one rounding of U_k for every step that is looked ahead.
+/// polynomial, and one rounding of U_k for every step that is looked ahead. Twice what one sum over
+/// most_modes reaches: what it is compared with is one, too.
 KOKKOS_INLINE_FUNCTION double rounding(int steps) { return (256 + steps) * 0x1p-52; }
 
 /// How to go on: fly, watch, or (when neither can be promised) look at every state anew.

@@ -24,7 +24,7 @@ KOKKOS_FORCEINLINE_FUNCTION double weighted_sum(const Lanes& lanes, const double
 }
 
 /// Roundings of two positions, in chi: below one of these the slider moves in stairs, not along a
-/// line.
+/// line. Twice what they reach, for what is computed of them.
 KOKKOS_FORCEINLINE_FUNCTION double position_rounding(const Place& place) {
   return 2 * 0x1p-52 * (place.position + 1.0);
 }

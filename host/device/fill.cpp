@@ -309,6 +309,7 @@ void Filler::adaptive() {
   t_.tolerance = scene_.time.tolerance.value_or(usual_tolerance);
   t_.order = series_order(t_.tolerance);
   t_.first_level = first_flight_level(model_);
+  // reached behind the beam's end; on the beam exp(beta radius) would do: wide by 1.28 where nodes are fine
   t_.cubic_excess = std::exp(2.0 * highest_beta(model_.resonator) * radius_);
   t_.longest_scale = std::min(scene_.duration, 64.0 / std::max(fastest_rate(model_), 1e-300));
   double* const gauss = host_(t_.gauss);

@@ -50,7 +50,7 @@ double steepest_rise(const double* height, int count);
 void fill_highest(const double* height, int count, int ahead, double* highest);
 
 /// Bound on the rounding of the rough faces' part of a gap whose terms add up to `scale` [m] at the
-/// most: some 16 roundings.
+/// most. Five roundings of half an ulp are counted; 32 leave room for the sums that they go into.
 double face_rounding(double scale);
 
 }  // namespace ra2d

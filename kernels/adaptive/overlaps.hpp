@@ -47,7 +47,8 @@ class Overlaps {
         before_{state.seen},
         after_{state.seen + 2 * tables.groups * width} {}
 
-  /// Bound on the roundings of an overlap at the displacements u [m].
+  /// Bound on the roundings of an overlap at the displacements u [m]: 128 of half an ulp. The longest chain,
+  /// over 256 modes and the terms of a series, has 83 in packs of four lanes and 53 in packs of eight.
   KOKKOS_FORCEINLINE_FUNCTION double touch(const Real* u) const {
     return t_.slack + 0x1p-46 * weighted_sum<Lanes, K>(lanes_, t_.largest_shape, u);
   }
@@ -171,7 +172,8 @@ class Overlaps {
     return t_.look_at == Nodes::all ? e : near_[e];
   }
 
-  /// Error of an overlap that is seen [m].
+  /// Error of an overlap that is seen [m]. Of the roundings one is of the value, up to a third of one of the
+  /// rate over the step, and one of the series that is searched.
   KOKKOS_FORCEINLINE_FUNCTION double blur(const MotionBounds& bounds) const {
     return bounds.cubic_remainder + 3.0 * bounds.rounding() + 2.0 * t_.slack;
   }

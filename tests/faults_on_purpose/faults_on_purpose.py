@@ -74,8 +74,13 @@ class Build:
 
     def link(self, target, objects, made):
         """Links `target` as the file `made`, with faulty objects for sound ones."""
-        words = [word for word in self.link_of(target) if word not in objects]
-        # First: of a function that stands in several objects, as those of templates do, the linker takes the first.
+        def has_tests(place):
+            return f"/{pathlib.Path(target).name}.dir/" in place and pathlib.Path(place).name.startswith("test_")
+        # Where tests are compiled with the fault, others stay out: of a template's function that stands in several
+        # objects, the linker takes one, and that may be a sound one.
+        alone = any(map(has_tests, objects))
+        words = [word for word in self.link_of(target) if word not in objects and not (alone and has_tests(word))]
+        # before the libraries that have the sound ones
         words[words.index("-o") + 1 : words.index("-o") + 2] = [made, *objects.values()]
         done = shell(words, self.folder, COMPILE_LIMIT)
         if done.returncode != 0:
