@@ -79,7 +79,7 @@ double RunFiles::close(const ResultSummary& summary) {
   return recording_->close(summary);
 }
 
-void RunFiles::show_recorded(RunWatch& watch) const {
+void RunFiles::show_recorded(RunWatch& watch) {
   if (!recording_) return;
   recording_->each_block([&](const SampleBlock& samples) { watch.look_at(samples); },
                          [&](const std::vector<Shock>& shocks) { watch.look_at(shocks); });

@@ -39,7 +39,7 @@ class RunFiles {
   Sink* sink() { return sink_ ? &*sink_ : nullptr; }
 
   /// Shows all that was recorded before this process went on with the run. Throws FileError.
-  void show_recorded(RunWatch& watch) const;
+  void show_recorded(RunWatch& watch);
 
   /// s of wall time since the last checkpoint, or since the run began here.
   double since_checkpoint() const;

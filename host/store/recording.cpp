@@ -135,7 +135,7 @@ double Recording::close(const ResultSummary& summary) {
 }
 
 void Recording::each_block(const std::function<void(const SampleBlock&)>& samples,
-                           const std::function<void(const std::vector<Shock>&)>& shocks) const {
+                           const std::function<void(const std::vector<Shock>&)>& shocks) {
   for (std::size_t i = 0; i < segments_.size(); ++i) {
     restore(i);
     const ResultReader reader(names_.segment(i + 1), Bytes::own);

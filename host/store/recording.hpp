@@ -47,7 +47,7 @@ class Recording {
 
   /// Hands on what the segments hold that are closed, in order.
   void each_block(const std::function<void(const SampleBlock&)>& samples,
-                  const std::function<void(const std::vector<Shock>&)>& shocks) const;
+                  const std::function<void(const std::vector<Shock>&)>& shocks);
 
   /// Finishes the result and gives it its name; the segments stay. Returns how long reading back took [s].
   double close(const ResultSummary& summary);

@@ -228,11 +228,7 @@ h5::File open(const std::filesystem::path& path, Bytes bytes) {
 }
 
 constexpr const char* cure_of_readers =
-    "Take a copy of it that is whole, or run its scene again with 'ra2d run --fresh'";
-constexpr const char* cure_of_run =
-    "It is left as it is: move it away, or have the run made again in its place with --fresh, or "
-    "choose another "
-    "output with -o";
+    "Take a copy of it that is whole, or run its scene again with 'ra2d run --force'";
 
 /// Runs what calls HDF5, and says of which file it was.
 template <class Body>
@@ -246,7 +242,7 @@ auto guarded(const std::filesystem::path& path, Body body, const char* cure = cu
   } catch (const Fault& found) {
     throw fault(found.text);
   } catch (const Unsealed& found) {
-    throw fault(fmt::format("{}. {}", found.what(), cure));
+    throw fault(*cure == '\0' ? found.what() : fmt::format("{}. {}", found.what(), cure));
   } catch (const Unreadable& found) {
     throw fault(found.what());
   } catch (const h5::Failure& failure) {
@@ -260,7 +256,7 @@ ResultStamp read_stamp(const std::filesystem::path& path) {
   return guarded(
       path,
       [&] {
-        const h5::File file = open(path, Bytes::sealed);
+        const h5::File file = open(path, Bytes::foreign);
         ResultStamp stamp;
         stamp.complete = number_attribute(file, "complete") == 1;
         stamp.started = text_attribute(file, "started");
@@ -269,7 +265,7 @@ ResultStamp read_stamp(const std::filesystem::path& path) {
         if (check(H5Aexists(file, "key")) > 0) stamp.key = text_attribute(file, "key");
         return stamp;
       },
-      cure_of_run);
+      "");  // whoever asks knows what can be done
 }
 
 std::optional<ResultStamp> stamp_of(const std::filesystem::path& path) {
