@@ -9,8 +9,10 @@
 #include <cmath>
 #include <csignal>
 #include <exception>
+#include <filesystem>
 #include <new>
 #include <sstream>
+#include <system_error>
 #include <tuple>
 #include <utility>
 
@@ -276,8 +278,12 @@ int answer(const Words& words) {
   } catch (const FileError& fault) {
     return give_up(fault.what(), wrong_file);
   } catch (const std::filesystem::filesystem_error& fault) {
-    return give_up(fmt::format("'{}': {}", fault.path1().string(), fault.code().message()).c_str(),
-                   wrong_file);
+    const std::string why = fault.code() == std::errc::too_many_symbolic_link_levels
+                                ? "its symbolic links lead in a ring"
+                                : fault.code().message();
+    return give_up(
+        fmt::format("cannot read or write '{}': {}", fault.path1().string(), why).c_str(),
+        wrong_file);
   } catch (const std::bad_alloc&) {
     return give_up("out of memory: fewer nodes or modes are needed (see 'ra2d plan')", failed);
   } catch (const std::exception& fault) {

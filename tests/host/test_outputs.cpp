@@ -47,7 +47,7 @@ class Outputs : public testing::Test {
   }
   /// The same with calls to the folder that fail.
   Ended faulty(const std::string& how, std::vector<std::string> words) const {
-    words.insert(words.begin(), {"env", "LD_PRELOAD=" + faulty_disk(),
+    words.insert(words.begin(), {"timeout", "20", "env", "LD_PRELOAD=" + faulty_disk(),
                                  "FAULTY_FOLDER=" + folder_.string(), how, program()});
     return run_program(said_.path(), in_folder(std::move(words)));
   }

@@ -405,7 +405,7 @@ TEST_F(Program, OnlyRegularFilesAreReplaced) {
   // a link to a file is followed, and stays
   std::ofstream(folder_ / "old.h5") << "an earlier result";
   fs::create_symlink("old.h5", folder_ / "latest.h5");
-  ASSERT_EQ(run({"run", scene_file("drop"), "-o", "latest.h5"}), 0) << err_;
+  ASSERT_EQ(run({"run", scene_file("drop"), "-o", "latest.h5", "--force"}), 0) << err_;
   EXPECT_TRUE(fs::is_symlink(folder_ / "latest.h5"));
   EXPECT_GT(fs::file_size(folder_ / "old.h5"), 1000u);
 }
@@ -543,8 +543,8 @@ TEST_F(Program, GeneratesTheProfileThatASceneHas) {
 
   // a scene takes either, and comes to the same
   const auto scene_with = [&](const std::string& surface) {
-    return run({"run", scene_file("drop"), "-o", "x.h5", "--set", "slider." + surface, "--set",
-                "scene.duration=1e-4", "--set", "scene.gap=touching"});
+    return run({"run", "--force", scene_file("drop"), "-o", "x.h5", "--set", "slider." + surface,
+                "--set", "scene.duration=1e-4", "--set", "scene.gap=touching"});
   };
   EXPECT_EQ(scene_with("surface={ kind = \"file\", path = \"" + (folder_ / "rough.csv").string() +
                        "\" }"),
@@ -721,7 +721,7 @@ std::vector<std::string> with(std::vector<std::string> words,
 
 TEST_F(Program, AStepBeyondTheLimitIsRefusedAndTheStepThatIsNamedHolds) {
   RA2D_SKIP_WITHOUT_PYTHON();
-  ASSERT_EQ(run(with({"run", scene_file("drop")}, too_long)), 2);
+  ASSERT_EQ(run(with({"run", "--force", scene_file("drop")}, too_long)), 2);
   EXPECT_THAT(err_,
               AllOf(HasSubstr("time.step:"), HasSubstr("a node in contact up to"),
                     HasSubstr("grows e-fold in"), HasSubstr("Take time.step = "),
@@ -729,12 +729,15 @@ TEST_F(Program, AStepBeyondTheLimitIsRefusedAndTheStepThatIsNamedHolds) {
   EXPECT_FALSE(fs::exists(folder_ / "drop.h5"));
   const std::size_t at = err_.find("Take time.step = ") + 17;
   const std::string step = err_.substr(at, err_.find(' ', at) - at);
-  EXPECT_EQ(
-      run({"run", scene_file("drop"), "--set", "time.step=" + step, "--set", "output.rate=1e3"}), 0)
+  EXPECT_EQ(run({"run", "--force", scene_file("drop"), "--set", "time.step=" + step, "--set",
+                 "output.rate=1e3"}),
+            0)
       << err_;
   EXPECT_THAT(out_, Not(HasSubstr("beyond limit")));
   EXPECT_EQ(python({"check_result.py", "drop.h5"}), 0) << out_ << err_;
-  EXPECT_EQ(run(with({"run", scene_file("drop"), "--set", "time.contact_force=new"}, too_long)), 0)
+  EXPECT_EQ(run(with({"run", "--force", scene_file("drop"), "--set", "time.contact_force=new"},
+                     too_long)),
+            0)
       << err_;
 }
 
@@ -782,7 +785,7 @@ TEST_F(Program, EveryFigureIsWhatItsDefinitionSays) {
       {"time.scheme=adaptive", "time.tolerance=1e-9"},
       {"time.scheme=adaptive", "output.from=1.05e-3", "slider.load=0.7"}};
   for (const std::vector<std::string>& changes : variants) {
-    std::vector<std::string> command{"run", scene, "-o", "figures.h5"};
+    std::vector<std::string> command{"run", scene, "-o", "figures.h5", "--force"};
     for (const std::string& change : changes) command.insert(command.end(), {"--set", change});
     EXPECT_EQ(run(command), 0) << err_;
     EXPECT_EQ(python({"check_figures.py", "figures.h5"}), 0) << out_ << err_;
@@ -791,12 +794,13 @@ TEST_F(Program, EveryFigureIsWhatItsDefinitionSays) {
 }
 
 TEST_F(Program, AnEnergyThatDoesNotCloseIsWarnedOf) {
-  EXPECT_EQ(run({"run", scene_file("drop")}), 0) << err_;
+  EXPECT_EQ(run({"run", "--force", scene_file("drop")}), 0) << err_;
   EXPECT_THAT(out_, Not(HasSubstr("warning")));
-  EXPECT_EQ(run({"run", scene_file("drop"), "--set", "time.step=5e-6"}), 0) << err_;
+  EXPECT_EQ(run({"run", "--force", scene_file("drop"), "--set", "time.step=5e-6"}), 0) << err_;
   EXPECT_THAT(out_, AllOf(HasSubstr("warning"), HasSubstr("of the energy is unaccounted for"),
                           HasSubstr("steps of 5e-06 s are too long here")));
-  EXPECT_EQ(run({"run", scene_file("drop"), "--set", "contact.law=multiplier"}), 0) << err_;
+  EXPECT_EQ(run({"run", "--force", scene_file("drop"), "--set", "contact.law=multiplier"}), 0)
+      << err_;
   EXPECT_THAT(out_, AllOf(HasSubstr("warning"), HasSubstr("under multipliers each impact takes")));
 }
 
@@ -804,8 +808,8 @@ TEST_F(Program, WhatIsCountedBeginsAtTheAskedTimeUnderAdaptiveToo) {
   // a plate that rings free after one touch: steps are long, and none goes beyond output.from
   const auto level_of = [&](const char* scheme, const char* from) {
     EXPECT_EQ(
-        run({"run", scene_file("drop"), "--set", "scene.gap=9.9e-6", "--set", "slider.load=0.0",
-             "--set", "scene.duration=0.1", "--set", "time.step=1e-7", "--set",
+        run({"run", "--force", scene_file("drop"), "--set", "scene.gap=9.9e-6", "--set",
+             "slider.load=0.0", "--set", "scene.duration=0.1", "--set", "time.step=1e-7", "--set",
              std::string("time.scheme=") + scheme, "--set", std::string("output.from=") + from}),
         0)
         << err_;
@@ -831,11 +835,11 @@ TEST_F(Program, FacesThatOverlapAtRestAreSaid) {
 }
 
 TEST_F(Program, ALoadThatNothingHoldsIsSaidBeforeTheRun) {
-  EXPECT_EQ(run({"run", scene_file("moving-force"), "--set", "resonator.support=free", "--set",
-                 "scene.duration=1e-4"}),
+  EXPECT_EQ(run({"run", "--force", scene_file("moving-force"), "--set", "resonator.support=free",
+                 "--set", "scene.duration=1e-4"}),
             0);
   EXPECT_THAT(err_, HasSubstr("nothing holds the free resonator against its moving force"));
-  EXPECT_EQ(run({"run", scene_file("moving-force"), "--set", "scene.duration=1e-4"}), 0);
+  EXPECT_EQ(run({"run", "--force", scene_file("moving-force"), "--set", "scene.duration=1e-4"}), 0);
   EXPECT_THAT(err_, Not(HasSubstr("nothing holds")));
 }
 

@@ -213,7 +213,7 @@ TEST_F(Report, ShortensLongSoundsAndDoesWithout) {
 
 TEST_F(Report, OfHardlyAnythingIsStillAPage) {
   const auto made = [&](const std::string& scene, std::vector<std::string> sets) {
-    std::vector<std::string> words{"run", test::scene_file(scene), "-o", "a.h5"};
+    std::vector<std::string> words{"run", test::scene_file(scene), "-o", "a.h5", "--force"};
     for (const std::string& set : sets) words.insert(words.end(), {"--set", set});
     EXPECT_EQ(ra2d(words).status, 0);
     const test::Ended said = ra2d({"report", "a.h5", "-o", "page.html"});
