@@ -107,7 +107,7 @@ double Recording::close(const ResultSummary& summary) {
 
 void Recording::join(ResultFile& whole) {
   for (std::size_t i = 0; i < segments_.size(); ++i) {
-    const ResultReader reader(names_.segment(i + 1), Bytes::own);
+    const ResultReader reader(names_.segment(i + 1));
     const ResultContents& contents = reader.contents();
     for (std::size_t first = 0; first < contents.samples; first += rows_at_once)
       whole.append(reader.samples(first, std::min(rows_at_once, contents.samples - first)));
