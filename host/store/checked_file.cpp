@@ -118,8 +118,13 @@ ReadNumbers read_numbers(hid_t dataset, double room) {
   return found;
 }
 
+struct Look {
+  CheckedFile found;
+  hsize_t size = 0;  // bytes of the file
+};
+
 herr_t look_at(hid_t file, const char* name, const H5O_info_t* info, void* data) {
-  auto& found = *static_cast<CheckedFile*>(data);
+  auto& [found, size] = *static_cast<Look*>(data);
   const std::string shown = printable(shortened(name, 80));
   try {
     const h5::Object object{check(H5Oopen(file, name, H5P_DEFAULT))};
@@ -132,8 +137,6 @@ herr_t look_at(hid_t file, const char* name, const H5O_info_t* info, void* data)
       found.faults.push_back(fmt::format("/{} has no hash", shown));
       return 0;
     }
-    hsize_t size = 0;
-    check(H5Fget_filesize(file, &size));
     const ReadNumbers numbers = read_numbers(object, static_cast<double>(size) - found.bytes);
     found.bytes += numbers.bytes;
     if (numbers.hash != text_of(object, "xxh3_128"))
@@ -148,18 +151,18 @@ herr_t look_at(hid_t file, const char* name, const H5O_info_t* info, void* data)
 
 /// For a child process alone: the bytes may be hostile.
 CheckedFile look_at_all(const std::filesystem::path& path) {
-  CheckedFile found;
-  const InputFile readable(path);  // before HDF5 is asked, which would wait for a pipe
+  Look look;
   const auto library = h5::take_library();
   try {
     const h5::Properties access = h5::file_access();
     const h5::File file{check(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access))};
-    check(H5Ovisit2(file, H5_INDEX_NAME, H5_ITER_NATIVE, look_at, &found, H5O_INFO_BASIC));
+    check(H5Fget_filesize(file, &look.size));
+    check(H5Ovisit2(file, H5_INDEX_NAME, H5_ITER_NATIVE, look_at, &look, H5O_INFO_BASIC));
   } catch (const h5::Failure& failure) {
-    found.faults.push_back(
+    look.found.faults.push_back(
         fmt::format("it cannot be read: {}: cut short, or damaged", failure.reason));
   }
-  return found;
+  return look.found;
 }
 
 /// No more nodes touch than the slider has.

@@ -138,7 +138,7 @@ void Recording::each_block(const std::function<void(const SampleBlock&)>& sample
                            const std::function<void(const std::vector<Shock>&)>& shocks) {
   for (std::size_t i = 0; i < segments_.size(); ++i) {
     restore(i);
-    const ResultReader reader(names_.segment(i + 1), Bytes::own);
+    const ResultReader reader(names_.segment(i + 1));
     const ResultContents& contents = reader.contents();
     for (std::size_t first = 0; first < contents.samples; first += rows_at_once)
       samples(reader.samples(first, std::min(rows_at_once, contents.samples - first)));

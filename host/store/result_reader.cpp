@@ -8,12 +8,9 @@
 #include <cstdint>
 #include <limits>
 #include <map>
-#include <mutex>
-#include <set>
 #include <string_view>
 #include <utility>
 
-#include "host/asked_child.hpp"
 #include "host/errors.hpp"
 #include "host/input_file.hpp"
 #include "host/store/entries.hpp"
@@ -284,43 +281,9 @@ struct ResultReader::Impl {
   ResultContents contents;
 };
 
-namespace {
-
-/// Reads in a child process what a reader begins with, and walks through the places of all samples, so that a
-/// forger's file crashes HDF5 there. Once for each file: later ones of one process find the same.
-void outlive(const std::filesystem::path& path) {
-  constexpr double memory = 512e6, seconds = 10, speed = 50e6;  // bytes, s, bytes/s
-  static std::mutex mutex;
-  static std::set<std::filesystem::path> outlived;
-  const std::lock_guard lock(mutex);
-  if (outlived.contains(path)) return;
-  std::error_code none;
-  const auto size = static_cast<double>(std::filesystem::file_size(path, none));
-  const ChildAnswer answer = ask_in_child(
-      [&]() -> std::string {
-        try {
-          ResultReader(path, Bytes::hostile).walk();
-        } catch (const FileError&) {  // which is found again
-        }
-        return {};
-      },
-      memory + 4 * size, seconds + size / speed);
-  if (answer.asked && !answer.fault.empty())
-    throw FileError(fmt::format(
-        "cannot read '{}': it is forged, or HDF5 is at fault: a process that read it {}",
-        path.string(), answer.fault));
-  outlived.insert(path);
-}
-
-}  // namespace
-
 ResultReader::ResultReader(const std::filesystem::path& path, Bytes bytes)
     : impl_{std::make_unique<Impl>()} {
   impl_->path = path;
-  if (bytes == Bytes::foreign) {
-    guarded(path, [&] { require_seal(path); });
-    outlive(path);
-  }
   guarded(path, [&] {
     impl_->file = open(path, bytes);
     hsize_t size = 0;
@@ -333,19 +296,6 @@ ResultReader::ResultReader(const std::filesystem::path& path, Bytes bytes)
 ResultReader::~ResultReader() {
   const auto library = h5::take_library();
   impl_.reset();
-}
-
-void ResultReader::walk() const {
-#if H5_VERSION_GE(1, 10, 5)
-  guarded(impl_->path, [&] {
-    for (const Entry& entry : entries()) {
-      if (source_of<Sampled>(entry) == nullptr) continue;
-      const h5::Dataset data{check(H5Dopen2(impl_->file, entry.path, H5P_DEFAULT))};
-      hsize_t chunks = 0;
-      check(H5Dget_num_chunks(data, H5S_ALL, &chunks));
-    }
-  });
-#endif
 }
 
 const ResultContents& ResultReader::contents() const { return impl_->contents; }

