@@ -569,7 +569,10 @@ TEST_F(StudyProgram, AnalyzeFitsTheLaw) {
             answer["law"]["exponents"]["speed"]["high"]);
   Child two(folder_, {test::program(), "analyze", "out", "out"});
   EXPECT_EQ(two.wait(), 2);
-  for (const char* option : {"--from=0", "--csv=x", "--a-weighting", "--segment=8"})
+  EXPECT_THAT(words.out(), AllOf(HasSubstr("shocks [1/s]"), HasSubstr("straight line")));
+  EXPECT_EQ(Child(folder_, {test::program(), "analyze", "out", "--csv=x"}).wait(), 0);
+  EXPECT_THAT(read_file(folder_ / "x-means.csv"), HasSubstr("speed,"));
+  for (const char* option : {"--from=0", "--a-weighting", "--segment=8"})
     EXPECT_EQ(Child(folder_, {test::program(), "analyze", "out", option}).wait(), 2) << option;
   Child none(folder_, {test::program(), "analyze", "."});
   EXPECT_EQ(none.wait(), 4);
