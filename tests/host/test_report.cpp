@@ -12,7 +12,6 @@
 #include <string>
 #include <vector>
 
-#include "host/analysis/level_history.hpp"
 #include "host/report/html.hpp"
 #include "host/report/svg_chart.hpp"
 #include "tests/child.hpp"

@@ -571,7 +571,7 @@ TEST_F(StudyProgram, AnalyzeFitsTheLaw) {
   EXPECT_EQ(two.wait(), 2);
   EXPECT_THAT(words.out(), AllOf(HasSubstr("shocks [1/s]"), HasSubstr("straight line")));
   EXPECT_EQ(Child(folder_, {test::program(), "analyze", "out", "--csv=x"}).wait(), 0);
-  EXPECT_THAT(read_file(folder_ / "x-means.csv"), HasSubstr("speed,"));
+  EXPECT_THAT(test::read_file(folder_ / "x-means.csv"), HasSubstr("speed,"));
   for (const char* option : {"--from=0", "--a-weighting", "--segment=8"})
     EXPECT_EQ(Child(folder_, {test::program(), "analyze", "out", option}).wait(), 2) << option;
   Child none(folder_, {test::program(), "analyze", "."});
