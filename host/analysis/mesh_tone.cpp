@@ -68,7 +68,7 @@ double rise_by_chance(double degrees_of_freedom) {
 double rise_of_a_mode(const std::vector<double>& natural, double damping, double tone,
                       double resolution) {
   const double reach = static_cast<double>(lines_around_tone) * resolution;
-  if (!(damping > 0) || std::none_of(natural.begin(), natural.end(), [&](double f) {
+  if (std::isnan(damping) || std::none_of(natural.begin(), natural.end(), [&](double f) {
         return f > 0 && std::abs(f - tone) <= reach;
       }))
     return 0;

@@ -12,7 +12,6 @@
 #include "host/asked_child.hpp"
 #include "host/errors.hpp"
 #include "host/hash.hpp"
-#include "host/input_file.hpp"
 #include "host/store/hdf5.hpp"
 #include "host/store/result_reader.hpp"
 #include "host/store/seal.hpp"

@@ -232,6 +232,7 @@ TEST(MeshToneWatch, AModeOfItsOwnIsNoTone) {
   // lines 11 and 12 away are the middle ones: half widths of 250 Hz
   const auto lorentz = [](double away) { return 1 / (1 + away * away / 250 / 250); };
   EXPECT_NEAR(coarse, -10 * std::log10((lorentz(11 * 97.7) + lorentz(12 * 97.7)) / 2), 1e-9);
+  EXPECT_TRUE(std::isinf(rise_of_a_mode({12.2e3}, 0, 12.5e3, 97.7)));  // a line of its own
   EXPECT_GT(coarse, 10);
   EXPECT_LT(fine, 2);
 }
@@ -243,6 +244,56 @@ TEST(MeshToneWatch, BeyondTheSpectrumOrInTooShortARunHasNone) {
     EXPECT_TRUE(std::isnan(watch.tone({1}, {}, 0.02).rise)) << tone;
     EXPECT_FALSE(watch.tone({1}, {}, 0.02).stands_out());
   }
+}
+
+// ---- what the program prints ---------------------------------------------------------------------
+
+std::string line_with(const std::string& text, const std::string& what, const std::string& from) {
+  const std::size_t at = text.find(from, text.find(what));
+  return at == text.npos ? "none" : text.substr(at, text.find_first_of(";\n", at + 2) - at);
+}
+
+/// The report of a run, also of one that went on from a checkpoint, the analysis and the page say the same.
+TEST(ErrorBars, OfOneRunAreTheSameWhereverTheyStand) {
+  const test::Folder folder;
+  const auto ra2d = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), test::program());
+    return test::run_program(folder.path(), words);
+  };
+  const auto simulate = [&](const std::string& file, const std::string& most_wall) {
+    std::vector<std::string> words{"run",          test::scene_file("dang2012"),
+                                   "-o",           file,
+                                   "--threads",    "1",
+                                   "--max-wall",   most_wall,
+                                   "--checkpoint", "0.001"};
+    for (const char* set : {"time.scheme=adaptive", "time.tolerance=1e-4", "scene.duration=0.9",
+                            "output.rate=4e4", "output.from=0.05"})
+      words.insert(words.end(), {"--set", set});
+    return ra2d(words);
+  };
+  const test::Ended whole = simulate("whole.h5", "600");
+  ASSERT_EQ(whole.status, 0) << whole.err;
+  simulate("cut.h5", "0.1");
+  const test::Ended cut = simulate("cut.h5", "600");
+  ASSERT_EQ(cut.status, 0) << cut.err;
+  const test::Ended said = ra2d({"analyze", "whole.h5"});
+  const std::string level = line_with(whole.out, "level Lv", "; 95 %"),
+                    rate = line_with(whole.out, "shocks", "; 95 %");
+  EXPECT_THAT(level, HasSubstr(" dB, with these surfaces"));
+  EXPECT_NE(rate, "none");
+  const std::string tone = line_with(whole.out, "mesh's tone", "12500 Hz");
+  EXPECT_THAT(tone, HasSubstr("belongs to the spacing"));
+  for (const std::string& text : {cut.out, said.out}) {
+    EXPECT_EQ(line_with(text, "level Lv", "; 95 %"), level);
+    EXPECT_EQ(line_with(text, "shocks", "; 95 %"), rate);
+  }
+  EXPECT_EQ(line_with(cut.out, "mesh's tone", "12500 Hz"), tone);
+  EXPECT_EQ(line_with(said.out, "mesh tone", "12500 Hz").substr(0, 34), tone.substr(0, 34));
+  ASSERT_EQ(ra2d({"report", "whole.h5"}).status, 0);
+  EXPECT_THAT(test::read_file(folder.path() / "whole.html"), HasSubstr(level));
+  ASSERT_EQ(ra2d({"analyze", "whole.h5", "--csv", "x"}).status, 0);
+  EXPECT_THAT(test::read_file(folder.path() / "x-figures.csv"),
+              testing::StartsWith("of,level_dB,level_low_dB,level_high_dB,shocks_1/s"));
 }
 
 // ---- clusters --------------------------------------------------------------------------------------

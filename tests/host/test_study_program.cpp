@@ -574,6 +574,7 @@ TEST_F(StudyProgram, AnalyzeFitsTheLaw) {
             answer["law"]["exponents"]["speed"]["high"]);
   Child two(folder_, {test::program(), "analyze", "out", "out"});
   EXPECT_EQ(two.wait(), 2);
+  EXPECT_THAT(words.out(), AllOf(HasSubstr("shocks [1/s]"), HasSubstr("straight line")));
   for (const char* option : {"--from=0", "--a-weighting", "--segment=8"})
     EXPECT_EQ(Child(folder_, {test::program(), "analyze", "out", option}).wait(), 2) << option;
   Child none(folder_, {test::program(), "analyze", "."});
