@@ -94,7 +94,7 @@ void doubt_section(const std::string& name, const BodySpec& body, bool is_slider
 }
 
 void doubt_body(const std::string& name, const BodySpec& body, bool is_slider, Doubts& doubts) {
-  constexpr double most_damping = 0.5;
+  constexpr double most_damping = 0.5, most_kilohertz = 1000;
   doubt_section(name, body, is_slider, doubts);
   if (body.support == Support::rigid || body.young == 0 || body.density == 0 || body.thickness == 0)
     return;  // the rest is not told
@@ -105,7 +105,9 @@ void doubt_body(const std::string& name, const BodySpec& body, bool is_slider, D
         fmt::format("{}.damping = {:g}: more than half of critical damping, and its modes hardly "
                     "swing: is it in per cent ({:g})?",
                     name, body.damping, body.damping / 100));
-  if (body.max_frequency && !is_slider && elastic_frequency(body, 0) > *body.max_frequency)
+  // of larger numbers it is the body that is odd
+  if (body.max_frequency && *body.max_frequency < most_kilohertz && !is_slider &&
+      elastic_frequency(body, 0) > *body.max_frequency)
     doubt(doubts, name + ".max_frequency", *body.max_frequency, "Hz",
           fmt::format("it keeps no mode, the first is at {:.4g} Hz", elastic_frequency(body, 0)),
           kilohertz);
