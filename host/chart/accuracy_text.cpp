@@ -49,14 +49,27 @@ bool stays_within(const AccuracyChart& chart, const Measured& point, std::size_t
          });
 }
 
+/// How far timings of one setting lie apart, largest over smallest: in the chart as a whole, from the settings
+/// that were timed three times or more. Where there are none it is taken for 1.5.
+double scatter_of(const AccuracyChart& chart) {
+  double scatter = 1.0;
+  bool known = false;
+  for (const Measured& point : chart.points) {
+    if (point.wall.size() < 3) continue;
+    const auto [least, most] = std::minmax_element(point.wall.begin(), point.wall.end());
+    scatter = std::max(scatter, *most / *least);
+    known = true;
+  }
+  return known ? scatter : 1.5;
+}
+
 /// Whether timings of one point may be as low as another's: their ranges meet. One or two timings say too
-/// little of their scatter, which is then taken for a quarter of them.
-bool may_cost_no_more(const Measured& point, const Measured& other) {
-  constexpr double scatter = 0.25;
-  const auto range = [](const Measured& p) {
+/// little of their own scatter: they have the chart's.
+bool may_cost_no_more(const Measured& point, const Measured& other, double scatter) {
+  const auto range = [&](const Measured& p) {
     const auto [least, most] = std::minmax_element(p.wall.begin(), p.wall.end());
-    const bool few = p.wall.size() < 3;
-    return std::pair{few ? *least / (1 + scatter) : *least, few ? *most * (1 + scatter) : *most};
+    const double few = p.wall.size() < 3 ? scatter : 1.0;
+    return std::pair{*least / few, *most * few};
   };
   return range(point).first <= range(other).second;
 }
@@ -80,9 +93,10 @@ const Measured* cheapest(const AccuracyChart& chart, std::size_t measure, double
       fitting.begin(), fitting.end(),
       [](const Measured* a, const Measured* b) { return a->wall_median() < b->wall_median(); });
   const Measured* best = fastest;
+  const double scatter = scatter_of(chart);
   for (const Measured* point : fitting)
     if (point->name.text == fastest->name.text && is_looser(point->setting, best->setting) &&
-        may_cost_no_more(*point, *fastest))
+        may_cost_no_more(*point, *fastest, scatter))
       best = point;
   return best;
 }
@@ -226,7 +240,7 @@ std::string setting_columns(const Name& name, const Method& setting) {
 
 std::string describe(const AccuracyChart& chart) {
   std::string text =
-      "Speed against accuracy: seconds of wall time per simulated second of the cheapest "
+      "Speed against accuracy: seconds of one thread per simulated second of the cheapest "
       "setting within an error\n";
   for (std::size_t i = 0; i < chart.instants.size(); ++i) {
     text += heading(chart.instants[i].text);

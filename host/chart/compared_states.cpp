@@ -16,6 +16,11 @@ namespace {
 
 constexpr double beside = 0.02;  // s that a run takes beside its march
 
+/// What a run of a setting to a time is expected to take by the clock [s].
+double expected_seconds(const Measured& row, double time) {
+  return beside + row.slowed * row.wall.front() * time;
+}
+
 /// A state that could be compared, and what it is expected to take of the wall time [s].
 struct StateJob {
   std::size_t point, instant;
@@ -30,9 +35,9 @@ class StatePlan {
     std::vector<StateJob> jobs;
     for (std::size_t p = 0; p < points.size(); ++p)
       for (std::size_t i = 0; i < survey.chart.instants.size(); ++i)
-        jobs.push_back({p, i,
-                        beside + survey.chart.points[points[p].row].wall.front() *
-                                     survey.chart.instants[i].time});
+        jobs.push_back(
+            {p, i,
+             expected_seconds(survey.chart.points[points[p].row], survey.chart.instants[i].time)});
     std::stable_sort(jobs.begin(), jobs.end(),
                      [](const StateJob& a, const StateJob& b) { return a.seconds < b.seconds; });
     // what own references take is of the same time
@@ -61,8 +66,8 @@ StateReference own_reference(Survey& survey, const Method& method, const StatePl
     if (const Measured* point = survey.measured(sized(method, step))) known = point;
   if (known == nullptr) return own;
   const auto expected = [&](const Instant& instant) {
-    return beside +
-           known->wall.front() * known->setting.time.step / own.setting.time.step * instant.time;
+    return expected_seconds(*known,
+                            known->setting.time.step / own.setting.time.step * instant.time);
   };
   for (const Instant& instant : survey.chart.instants)
     if (expected(instant) > 2 * plan.dearest()) own.setting = known->setting;
@@ -84,7 +89,7 @@ StateError compare(Survey& survey, const ChartPoint& point, const StateReference
                    std::size_t instant, bool chosen) {
   const Measured& row = survey.chart.points[point.row];
   const double time = survey.chart.instants[instant].time;
-  const double expected = beside + row.wall.front() * time;
+  const double expected = expected_seconds(row, time);
   StateError state;
   if (row.setting.time.step >= 2 * time)
     state.note = "the step is longer than the time";

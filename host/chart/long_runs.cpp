@@ -139,7 +139,11 @@ void run_long(Survey& survey) {
     return;
   }
   double rates = 0;
-  for (const Method& setting : settings) rates += survey.measured(setting)->wall_median();
+  const auto rate_of = [&](const Method& setting) {  // by the clock
+    const Measured& row = *survey.measured(setting);
+    return row.slowed * row.wall_median();
+  };
+  for (const Method& setting : settings) rates += rate_of(setting);
   const double marching =
       0.9 * survey.left(long_end) - making * static_cast<double>(settings.size());
   chart.long_time = std::min(survey.scene.duration, marching / rates / chart.seeds);
@@ -153,7 +157,7 @@ void run_long(Survey& survey) {
   for (const Method& setting : settings) {
     LongRun row{.name = name_of(setting), .setting = setting, .reference = setting == reference};
     survey.say(fmt::format("long runs, {}, {}", row.name.text, size_text(setting)));
-    const double each = survey.measured(setting)->wall_median() * chart.long_time;  // s
+    const double each = rate_of(setting) * chart.long_time;  // s
     if (!survey.fits(each * chart.seeds, 1.05 * long_end)) {
       row.note = "not run: the time was up (--budget)";
       chart.long_runs.push_back(std::move(row));

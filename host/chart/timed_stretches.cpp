@@ -16,6 +16,11 @@ namespace {
 // of some thousand steps.
 constexpr double least_share = 2e-3;
 
+/// s of the march for a simulated second: those of its thread, whatever else the machine does meanwhile.
+double rate_of(const TimedRun& run) {
+  return (run.processor > 0 ? std::min(run.processor, run.seconds) : run.seconds) / run.time;
+}
+
 }  // namespace
 
 // The coarse ones first: what they leave of their share goes to the fine ones.
@@ -46,7 +51,8 @@ std::vector<ChartPoint> first_stretches(Survey& survey, std::vector<ChartPoint> 
     }
     row.stretch = run.time;
     row.took = survey.elapsed() - begun;
-    row.wall.push_back(run.seconds / run.time);
+    row.wall.push_back(rate_of(run));
+    row.slowed = std::max(1.0, run.seconds / run.time / row.wall.back());
     // before the shocks that the states are compared at, little has gone through
     if (run.time > 0.99 * survey.chart.instants.back().time && run.energy.turnover > 0)
       row.closure = std::abs(run.energy.relative());
@@ -61,7 +67,7 @@ void repeat_stretches(Survey& survey, const std::vector<ChartPoint>& points, dou
     if (!survey.fits(row.took, end)) continue;  // the row says how many there are
     const TimedRun run = timed_run(point.model, survey.start_of(row.setting.law, point.model),
                                    {.time = row.stretch});
-    if (run.time > 0) row.wall.push_back(run.seconds / run.time);
+    if (run.time > 0) row.wall.push_back(rate_of(run));
   }
 }
 

@@ -176,10 +176,23 @@ void Ensemble::run(int first, int count) {
   seconds_ += seconds_since(begun);
 }
 
-double measure_cost(const Scene& scene, double enough) {
+namespace {
+
+TimedRun beginning_of(const Scene& scene, double enough) {
   const Model model = make_model(scene);
-  const TimedRun run = timed_run(model, make_start(model), {.wall = enough});
+  return timed_run(model, make_start(model), {.wall = enough});
+}
+
+}  // namespace
+
+double measure_cost(const Scene& scene, double enough) {
+  const TimedRun run = beginning_of(scene, enough);
   return run.time > 0 ? run.processor / run.time : no_number;
+}
+
+double measure_wall_cost(const Scene& scene, double enough) {
+  const TimedRun run = beginning_of(scene, enough);
+  return run.time > 0 ? run.seconds / run.time : no_number;
 }
 
 }  // namespace ra2d

@@ -46,7 +46,7 @@ void set_reference(SavingsSearch& search) {
   search.say("the reference");
   search.out.duration = search.written.duration;
   const double wall = reference_share * search.options.budget;
-  const double cost = measure_cost(search.for_runs(reference), 0.1 * wall);
+  const double cost = measure_wall_cost(search.for_runs(reference), 0.1 * wall);
   const double longest = wall * backend_threads() / (2 * sure_pairs * cost);
   if (longest < search.out.duration) {
     // whole milliseconds where there are any, for people

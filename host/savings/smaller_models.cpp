@@ -50,11 +50,13 @@ void find_modes(SavingsSearch& search, BodySpec Scene::*body, double end) {
     Trial trial = try_out(search,
                           changed(key, modes_text(search.written.*body, modes),
                                   with_modes(body, modes), search.base->scene()),
-                          search.base, search.next_end(end, std::max(1, tests)));
+                          search.base, search.next_end(end, std::max(1, tests)), 0, end);
     const bool enough = trial.verdict == Verdict::kept;
     (enough ? least : too_few) = modes;
     if (enough) best = search.out.trials.size();
+    const bool over = was_not_run(trial);  // the others take as long
     search.out.trials.push_back(std::move(trial));
+    if (over) break;
   }
   if (best) search.out.trials[*best].taken = true;
 }
@@ -68,11 +70,13 @@ void find_spacing(SavingsSearch& search, double end) {
     const auto change = [spacing](Scene& s) { s.spacing = spacing; };
     Trial trial = try_out(
         search, changed("scene.spacing", spacing_text(spacing), change, search.base->scene()),
-        search.base, search.next_end(end, 3));
+        search.base, search.next_end(end, 3), 0, end);
     const bool enough = trial.verdict == Verdict::kept;
     (enough ? wide : too_wide) = factor;
     if (enough) best = search.out.trials.size();
+    const bool over = was_not_run(trial);  // the others take as long
     search.out.trials.push_back(std::move(trial));
+    if (over) break;
     // upwards by two, then once between
     const bool between =
         factor == 1.5 * wide || factor == 1.5 * std::exp2(std::floor(std::log2(factor)));
@@ -85,9 +89,9 @@ void find_spacing(SavingsSearch& search, double end) {
 void look_beyond(SavingsSearch& search, double until) {
   std::vector<Trial> list;
   const Scene& from = search.base->scene();
-  if (!is_adaptive(search.written))
-    list.push_back(changed(
-        "as written", text_of(search.written), [](Scene&) {}, search.written));
+  const double spacing = search.written.spacing / 2;
+  list.push_back(changed(
+      "scene.spacing", spacing_text(spacing), [spacing](Scene& s) { s.spacing = spacing; }, from));
   const auto more = [&](const char* key, BodySpec Scene::*body, int modes) {
     list.push_back(
         changed(key, modes_text(search.written.*body, modes), with_modes(body, modes), from));
@@ -103,9 +107,9 @@ void look_beyond(SavingsSearch& search, double until) {
   }
   if (search.written.slider.support != Support::rigid)
     more("slider.modes", &Scene::slider, elastic_modes(model.slider) + 2);
-  const double spacing = search.written.spacing / 2;
-  list.push_back(changed(
-      "scene.spacing", spacing_text(spacing), [spacing](Scene& s) { s.spacing = spacing; }, from));
+  if (!is_adaptive(search.written))
+    list.push_back(changed(
+        "as written", text_of(search.written), [](Scene&) {}, search.written));
   for (std::size_t i = 0; i < list.size(); ++i) {
     const double end = search.next_end(until, static_cast<double>(list.size() - i));
     const bool own = list[i].key == "as written";
@@ -114,7 +118,8 @@ void look_beyond(SavingsSearch& search, double until) {
                           own ? search.cost_written
                           : list[i].key == "scene.spacing" && search.base->cost() > 0
                               ? 2 * search.base->cost()  // twice as many nodes pass nodes
-                              : 0.0);
+                              : 0.0,
+                          until);
     trial.checked = true;
     search.out.trials.push_back(std::move(trial));
   }

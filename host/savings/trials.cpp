@@ -47,8 +47,12 @@ Trial changed(const std::string& key, const std::string& what, std::function<voi
   return trial;
 }
 
+bool was_not_run(const Trial& trial) {
+  return trial.verdict == Verdict::open && trial.moved[0].pairs == 0;
+}
+
 Trial try_out(SavingsSearch& search, Trial trial, const Runs& base, double end,
-              double expected_cost) {
+              double expected_cost, double begin_by) {
   search.say(fmt::format("{}: {}", trial.key, trial.what));
   Runs runs;
   const auto time_of = [&](double pairs) {
@@ -59,7 +63,8 @@ Trial try_out(SavingsSearch& search, Trial trial, const Runs& base, double end,
     return std::max(0.0, pairs - (runs ? runs->runs() : 0)) * own +
            std::max(0.0, pairs - base->runs()) * base->seconds_per_run();
   };
-  if (time_of(first_pairs) > std::max(search.left(end), 0.0) + 0.02 * search.options.budget) {
+  const double room = std::max(0.0, search.left(std::max(begin_by, end)));
+  if (time_of(first_pairs) > room + 0.02 * search.options.budget) {
     trial.why = fmt::format("not run: {} pairs would take {}", first_pairs,
                             seconds_text(time_of(first_pairs)));
     return trial;

@@ -12,7 +12,12 @@ Trial changed(const std::string& key, const std::string& what, std::function<voi
 
 /// Runs both until the trial is judged, the time is up (`end`, as a share of the budget) or it takes
 /// too long to tell. The cost is what one expects; 0: as of the base.
+/// Where even the first pairs are not expected to end by `begin_by` (0: by `end`), nothing is run, and the trial
+/// says so.
 Trial try_out(SavingsSearch& search, Trial trial, const Runs& base, double end,
-              double expected_cost = 0);
+              double expected_cost = 0, double begin_by = 0);
+
+/// Whether there was no time for a trial.
+bool was_not_run(const Trial& trial);
 
 }  // namespace ra2d
