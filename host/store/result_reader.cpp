@@ -253,7 +253,7 @@ ResultStamp read_stamp(const std::filesystem::path& path) {
   return guarded(
       path,
       [&] {
-        const h5::File file = open(path, Bytes::foreign);
+        const h5::File file = open(path, Bytes::sealed);
         ResultStamp stamp;
         stamp.complete = number_attribute(file, "complete") == 1;
         stamp.started = text_attribute(file, "started");
