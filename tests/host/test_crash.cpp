@@ -232,12 +232,19 @@ TEST_F(Crash, FreshStartsTheSameRunAnew) {
 TEST_F(Crash, ACheckpointOfAnotherRunIsRefusedByNameAndLeftAlone) {
   cut_off();
   const std::string kept = read_file(checkpoint()), result = read_file(out_);
-  const Ended other = run({"--set", "scene.speed=0.2"});
+  const std::string words = "'speed = 0.1' there, 'speed = 0.2' here";
+  Ended other = run({"--set", "scene.speed=0.2"});
   EXPECT_EQ(other.status, 2);
-  EXPECT_THAT(other.err, HasSubstr("another scene: 'speed = 0.1' there, 'speed = 0.2' here"));
-  EXPECT_THAT(other.err, HasSubstr("--fresh"));
+  EXPECT_THAT(other.err, testing::AllOf(HasSubstr(words), HasSubstr("--force")));
   EXPECT_EQ(read_file(checkpoint()), kept);
   EXPECT_EQ(read_file(out_), result);
+  // as a kill leaves it, without a result
+  fs::remove(out_);
+  other = run({"--set", "scene.speed=0.2"});
+  EXPECT_EQ(other.status, 2);
+  EXPECT_THAT(other.err,
+              testing::AllOf(HasSubstr("another scene: " + words), HasSubstr("--fresh")));
+  EXPECT_EQ(read_file(checkpoint()), kept);
 
   // what a program of another version, build or backend has written
   const Checkpoint own = checkpoint_of(kept);
