@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <system_error>
 
 #include "host/errors.hpp"
 #include "host/input_file.hpp"
@@ -76,7 +77,8 @@ fs::path beside(const fs::path& file, const Recognised& known, std::size_t index
   const ChartTable& wanted = known.kind->tables[index];
   const auto prefix = prefix_of(file, known.kind->tables[known.table]);
   const fs::path found = prefix ? *prefix + wanted.suffix + ending : std::string{};
-  const Recognised there = prefix ? recognise(found) : Recognised{};
+  std::error_code none;
+  const Recognised there = prefix && fs::exists(found, none) ? recognise(found) : Recognised{};
   if (there.kind == known.kind && there.table == index) return found;
   throw RequestError(fmt::format(
       "{}: a chart of {} has {} tables, and the one with the columns '{},...' is not beside it{}: "

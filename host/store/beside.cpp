@@ -89,7 +89,7 @@ void require_names_beside(const OutputNames& names, const std::vector<fs::path>&
     if (number_of(entry->path().filename().string()) > 0)
       require_own(entry->path(), names.result, "a segment", [](const fs::path& file) {
         // a damaged one is for whoever goes on from it to find
-        return is_unsealed_with(file, "creator") || stamp_of(file).has_value();
+        return is_damaged_with(file, "creator") || stamp_of(file).has_value();
       });
 }
 

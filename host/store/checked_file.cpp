@@ -236,7 +236,7 @@ CheckedFile ask_of(const std::filesystem::path& path,
     require_seal(path);
   } catch (const Unsealed& fault) {
     unsealed = fault.what();
-  } catch (const Unreadable& fault) {
+  } catch (const std::runtime_error& fault) {  // FileError, Unreadable
     found.faults.emplace_back(fault.what());
     return found;
   }

@@ -16,8 +16,9 @@
 #include <set>
 #include <utility>
 
-#include "host/errors.hpp"
+#include "host/asked_child.hpp"
 #include "host/hash.hpp"
+#include "host/input_file.hpp"
 
 namespace ra2d {
 namespace {
@@ -26,21 +27,6 @@ constexpr std::string_view seal_begins = "ra2d seal ";
 constexpr std::string_view hdf5_begins = "\x89HDF\r\n\x1a\n";
 constexpr std::size_t bytes_at_once =
     1 << 18;  // which the cache near the processor keeps until they are hashed
-
-/// An open file; closed with this.
-class Descriptor {
- public:
-  explicit Descriptor(int descriptor) : descriptor_{descriptor} {}
-  ~Descriptor() {
-    if (descriptor_ >= 0) close(descriptor_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  operator int() const { return descriptor_; }
-
- private:
-  int descriptor_;
-};
 
 std::string seal_line(std::uint64_t size, const Hash& hash) {
   return fmt::format("{}1 {:018} {}\n", seal_begins, size, hash.text());
@@ -174,49 +160,44 @@ bool has_fitting_seal(int descriptor) try {
   return false;
 }
 
-int open_regular(const std::filesystem::path& file) {
-  const int descriptor = open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-  struct stat status {};
-  if (descriptor < 0) throw Unreadable(std::strerror(errno));
-  if (fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode)) return descriptor;
-  close(descriptor);
-  throw Unreadable(S_ISDIR(status.st_mode) ? "this is a folder" : "it is no regular file");
-}
-
 bool looks_like_hdf5(const std::filesystem::path& file) {
-  const Descriptor descriptor(open_regular(file));
+  const InputFile input(file);
   std::array<char, seal_size> part;
-  if (read_part(descriptor, part.data(), part.size(), 0).starts_with(hdf5_begins)) return true;
-  const auto size = static_cast<std::uint64_t>(status_of(descriptor).st_size);
-  return size >= seal_size &&
-         read_part(descriptor, part.data(), part.size(), size - seal_size).starts_with(seal_begins);
+  if (read_part(input.descriptor(), part.data(), part.size(), 0).starts_with(hdf5_begins))
+    return true;
+  return input.size() >= seal_size &&
+         read_part(input.descriptor(), part.data(), part.size(), input.size() - seal_size)
+             .starts_with(seal_begins);
 }
 
-bool is_unsealed_with(const std::filesystem::path& file, std::string_view text) try {
-  const Descriptor descriptor(open_regular(file));
-  std::string part(bytes_at_once, '\0');
-  const std::string_view begin = read_part(descriptor, part.data(), part.size(), 0);
-  return begin.starts_with(hdf5_begins) && begin.find(text) != begin.npos &&
-         !has_fitting_seal(descriptor);
-} catch (const Unreadable& fault) {
-  throw FileError(fmt::format("cannot read '{}': {}", file.string(), fault.what()));
+bool is_damaged_with(const std::filesystem::path& file, const char* attribute) {
+  const InputFile input(file);
+  if (input.beginning(hdf5_begins.size()) != hdf5_begins || has_fitting_seal(input.descriptor()))
+    return false;
+  constexpr double memory = 256e6, seconds = 5;  // bytes, s
+  const ChildAnswer answer = ask_in_child(
+      [&] {
+        const h5::Properties how = h5::file_access();
+        const h5::File opened{H5Fopen(file.c_str(), H5F_ACC_RDONLY, how)};
+        return std::string(opened.is_open() && H5Aexists(opened, attribute) <= 0 ? "foreign" : "");
+      },
+      memory, seconds);
+  return answer.text != "foreign";
 }
 
-void require_seal(const std::filesystem::path& file) {
-  require_fit(Descriptor(open_regular(file)));
-}
+void require_seal(const std::filesystem::path& file) { require_fit(InputFile(file).descriptor()); }
 
 h5::File open_sealed(const std::filesystem::path& file) {
-  const Descriptor descriptor(open_regular(file));
-  require_fit(descriptor);
+  const InputFile input(file);
+  require_fit(input.descriptor());
   // HDF5 opens by names alone. It may not come to another file than the one that was looked at.
-  std::string name = fmt::format("/proc/self/fd/{}", static_cast<int>(descriptor));
+  std::string name = fmt::format("/proc/self/fd/{}", input.descriptor());
   if (access(name.c_str(), R_OK) != 0) name = file.string();
   const h5::Properties how = h5::file_access();
   h5::File opened{h5::check(H5Fopen(name.c_str(), H5F_ACC_RDONLY, how))};
   void* handle = nullptr;
   h5::check(H5Fget_vfd_handle(opened, H5P_DEFAULT, &handle));
-  if (mark_of(status_of(*static_cast<int*>(handle))) != mark_of(status_of(descriptor)))
+  if (mark_of(status_of(*static_cast<int*>(handle))) != mark_of(status_of(input.descriptor())))
     throw Unsealed("another file took its place while it was read");
   return opened;
 }

@@ -33,15 +33,12 @@ struct Unsealed : Unreadable {
   using Unreadable::Unreadable;
 };
 
-/// A regular file, open for reading. Throws Unreadable, also for a pipe or a device, which might never end.
-int open_regular(const std::filesystem::path& file);
-
 /// Whether a file looks like HDF5, or like what is left of a sealed file. Throws Unreadable.
 bool looks_like_hdf5(const std::filesystem::path& file);
 
-/// Whether a file begins as HDF5, has no fitting seal, and names `text` among its first bytes, where attributes stand:
-/// so a damaged file of ours is told from a stranger's without giving it to HDF5. Throws FileError where it cannot be read.
-bool is_unsealed_with(const std::filesystem::path& file, std::string_view text);
+/// Whether a file begins as HDF5, has no fitting seal, and is likely to be one of ours: HDF5 has its root's `attribute`
+/// or cannot open it. A child process asks. Throws FileError where it cannot be read.
+bool is_damaged_with(const std::filesystem::path& file, const char* attribute);
 
 /// Whether a file may be given to HDF5. One process reads the bytes of a file for that once, as long as the system
 /// says that nobody changed it. Throws Unreadable, and Unsealed where it may not.

@@ -398,6 +398,8 @@ bool is_study_table(const std::filesystem::path& file) {
   const auto library = h5::take_library();
   try {
     return looks_like_hdf5(file) && H5Aexists(open_sealed(file), "study_format") > 0;
+  } catch (const FileError&) {
+    return false;
   } catch (const Unreadable&) {
     return false;
   } catch (const h5::Failure&) {
@@ -406,7 +408,7 @@ bool is_study_table(const std::filesystem::path& file) {
 }
 
 bool is_damaged_table(const std::filesystem::path& file) {
-  return is_unsealed_with(file, "study_format");
+  return is_damaged_with(file, "study_format");
 }
 
 std::filesystem::path study_table_of(const std::filesystem::path& file) {

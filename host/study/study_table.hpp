@@ -41,8 +41,7 @@ struct StudyAnswers {
 /// Whether the file is one: false also for what cannot be opened, or is damaged.
 bool is_study_table(const std::filesystem::path& file);
 
-/// Whether a file is what is left of a table: it has no fitting seal, but names a table's attribute. Throws FileError
-/// where it cannot be read.
+/// Whether a file is a table that was damaged or changed. Throws FileError where it cannot be read.
 bool is_damaged_table(const std::filesystem::path& file);
 
 /// The table of a study's folder, whole or not, or the file itself where it is one; empty of anything else.

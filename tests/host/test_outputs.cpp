@@ -116,7 +116,7 @@ TEST_F(Outputs, WhatARunDoesNotKnowIsReplacedByForceAlone) {
   for (const auto& [name, content, what] :
        {std::tuple<std::string, std::string, std::string>{"o.h5", "notes of mine\n",
                                                           "no HDF5 file"},
-        {"o.h5", whole.substr(0, 5000), "cut short or damaged"},
+        {"o.h5", whole.substr(0, 5000), "it was cut short"},
         {"o.toml", quick_scene, "no HDF5 file"},
         {"x.h5.parts/000001.h5", whole, "a segment of a run"}}) {
     write(name, content);

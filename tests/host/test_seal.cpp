@@ -42,7 +42,7 @@ TEST(Seal, WaitsForNoPipeAndReadsNoDevice) {
   const fs::path pipe = folder.path() / "pipe";
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
   for (const fs::path& file : {pipe, fs::path("/dev/zero"), folder.path()})
-    EXPECT_THROW(require_seal(file), Unreadable) << file;
+    EXPECT_THROW(require_seal(file), FileError) << file;
 }
 
 // ---- the child that HDF5 may crash ---------------------------------------------------------------
@@ -107,13 +107,14 @@ TEST_F(SealedResult, OfADamagedOneTheSameLineSaysNotThatItIsComplete) {
   for (const std::string& bytes : {bit, whole_.substr(0, 5000), whole_ + "x"}) {
     put(bytes);
     const test::Ended ended = ra2d({"run", scene_, "-o", "out.h5"});
-    EXPECT_EQ(ended.status, 4);
-    EXPECT_THAT(ended.err, AllOf(HasSubstr("out.h5"), HasSubstr("--fresh")));
+    EXPECT_EQ(ended.status, 2);
+    EXPECT_THAT(ended.err, AllOf(HasSubstr("out.h5"), HasSubstr("--force")));
     EXPECT_THAT(ended.out, Not(HasSubstr("complete")));
     EXPECT_TRUE(test::read_file(path_) == bytes) << "it is not lost without being asked";
     EXPECT_FALSE(fs::exists(folder_.path() / "out.h5.parts"));
   }
-  EXPECT_EQ(ra2d({"run", scene_, "-o", "out.h5", "--fresh"}).status, 0);
+  EXPECT_EQ(ra2d({"run", scene_, "-o", "out.h5", "--fresh"}).status, 2);
+  EXPECT_EQ(ra2d({"run", scene_, "-o", "out.h5", "--force"}).status, 0);
   EXPECT_EQ(ra2d({"check", "out.h5"}).status, 0);
 }
 
