@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "host/asked_child.hpp"
+#include "host/errors.hpp"
 #include "tests/child.hpp"
 #include "tests/places.hpp"
 #include "tests/reseal.hpp"
