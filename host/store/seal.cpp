@@ -172,8 +172,8 @@ bool looks_like_hdf5(const std::filesystem::path& file) {
 
 bool is_damaged_with(const std::filesystem::path& file, const char* attribute) {
   const InputFile input(file);
-  if (input.beginning(hdf5_begins.size()) != hdf5_begins || has_fitting_seal(input.descriptor()))
-    return false;
+  if (!looks_like_hdf5(file) || has_fitting_seal(input.descriptor())) return false;
+  if (input.beginning(hdf5_begins.size()) != hdf5_begins) return true;  // it had a seal
   constexpr double memory = 256e6, seconds = 5;  // bytes, s
   const ChildAnswer answer = ask_in_child(
       [&] {

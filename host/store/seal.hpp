@@ -36,8 +36,8 @@ struct Unsealed : Unreadable {
 /// Whether a file looks like HDF5, or like what is left of a sealed file. Throws Unreadable.
 bool looks_like_hdf5(const std::filesystem::path& file);
 
-/// Whether a file begins as HDF5, has no fitting seal, and is likely to be one of ours: HDF5 has its root's `attribute`
-/// or cannot open it. A child process asks. Throws FileError where it cannot be read.
+/// Whether a file looks like HDF5, has no fitting seal, and is likely to be one of ours: HDF5 finds its root's
+/// `attribute` or cannot open it. A child process asks. Throws FileError where it cannot be read.
 bool is_damaged_with(const std::filesystem::path& file, const char* attribute);
 
 /// Whether a file may be given to HDF5. One process reads the bytes of a file for that once, as long as the system
