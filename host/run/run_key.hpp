@@ -8,7 +8,7 @@
 namespace ra2d {
 
 /// Raised by whoever changes the bits of an answer on purpose (CONTRIBUTING.md).
-inline constexpr int numerics_version = 1;
+inline constexpr int numerics_version = 2;
 
 /// XXH3-128, as 32 hexadecimal digits, of the scene with all its keys, of both bodies' heights, of the
 /// version of the numerics and of the build's arithmetic. Neither the scene's name nor the place of its
