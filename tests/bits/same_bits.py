@@ -459,7 +459,6 @@ def scenes_that_fail():
         ("not finite", "dang2012", "time.force=true", "time.scheme=explicit-euler", "time.step=1e-3", "output.rate=1"),
         ("not finite", "dang2012", "time.force=true", "time.scheme=rk4", "time.step=1e-3", "output.rate=1"),
         ("not finite", "moving-force", "time.force=true", "time.scheme=midpoint", "time.step=1e-4", "output.rate=70"),
-        ("crowded", "dang2012", "time.contact_force=new", "time.step=1e-6", "scene.duration=1e-3", *smooth),
         ("crowded", "dang2012", "time.scheme=adaptive", "scene.duration=1e-2", "slider.load=5", *smooth),
         # beyond the limit of stability, and yet to the end
         ("complete", "dang2012-pinned", "time.force=true", "time.step=1e-6", "scene.duration=5e-3"),
