@@ -54,6 +54,25 @@ fs::path folder_of(const fs::path& file) {
   return file.has_parent_path() ? file.parent_path() : fs::path(".");
 }
 
+/// A name in a study's folder of ledgers, where every file is taken for one.
+bool is_among_ledgers(const fs::path& file) {
+  std::error_code none;
+  const fs::path folder = fs::weakly_canonical(folder_of(file), none);
+  return folder.filename() == "ledger" && fs::exists(folder.parent_path() / "study.json", none);
+}
+
+/// Whether what is printed goes to this file.
+bool is_printed_to(const fs::path& file) {
+  struct stat output {
+  }, printed{};
+  if (stat(file.c_str(), &output) != 0) return false;
+  for (const int stream : {STDOUT_FILENO, STDERR_FILENO})
+    if (fstat(stream, &printed) == 0 && S_ISREG(printed.st_mode) &&
+        printed.st_dev == output.st_dev && printed.st_ino == output.st_ino)
+      return true;
+  return false;
+}
+
 /// What a file is that cannot be made again from others in no time: "a result, or other HDF5 data".
 /// Empty for any other, and for one that cannot be read.
 std::string kind_of_kept(const fs::path& file) {
@@ -65,10 +84,14 @@ std::string kind_of_kept(const fs::path& file) {
       name == "study.json" || (name.starts_with("status") && name.ends_with(".json"));
   if (of_study && fs::is_directory(folder / "ledger", none)) return "a study's own file";
   try {
-    const std::string beginning = InputFile(file).beginning(16);
+    const std::string beginning = InputFile(file).beginning(200);
     if (beginning.starts_with("\x89HDF\r\n\x1a\n")) return "a result, or other data in HDF5";
     if (beginning.starts_with("ra2d checkpoint")) return "the checkpoint of a run";
     if (beginning.starts_with("ra2dlog\n")) return "a study's ledger";
+    const bool is_planned = beginning.starts_with("# ") &&
+                            beginning.find(" with no more than level, ") != beginning.npos;
+    if (file.extension() == ".toml" && !beginning.empty() && !is_planned)
+      return "a scene or a study";
   } catch (const FileError&) {  // nobody's result can be lost that nobody can read
   }
   return {};
@@ -126,6 +149,14 @@ void require_output(const fs::path& output, const std::vector<fs::path>& inputs)
                       "removed: rename it",
                       input.string()));
   }
+  if (is_among_ledgers(file))
+    throw RequestError(
+        fmt::format("'{}' would stand among the ledgers of a study, which is left as it is: name a "
+                    "file elsewhere with -o",
+                    output.string()));
+  if (is_printed_to(file))
+    throw RequestError(fmt::format(
+        "'{}' is also where this program prints to: name another file with -o", output.string()));
   const fs::path folder = folder_of(file);
   if (!fs::is_directory(folder, none))
     throw FileError(fmt::format("cannot write '{}': there is no folder '{}'", output.string(),

@@ -14,14 +14,14 @@ namespace ra2d {
 std::filesystem::path replaced_file(const std::filesystem::path& path);
 
 /// To be asked before the work whose outcome goes to `output`. Throws RequestError when that is one of
-/// `inputs`, by whatever name, or no regular file; FileError when it leads in a ring, when its folder
+/// `inputs`, by whatever name, no regular file, where this program prints to, or among the ledgers of a study; FileError when it leads in a ring, when its folder
 /// cannot be written to, or when the file that is there may not be replaced.
 void require_output(const std::filesystem::path& output,
                     const std::vector<std::filesystem::path>& inputs);
 
 /// As require_output, of an output that is made from files at hand: a picture, a table, a page, a
 /// sound. An earlier one is replaced. Throws RequestError also where a file stands that cannot be made
-/// again so easily: a result, a checkpoint, a study's own.
+/// again so easily: a result, a checkpoint, a scene, a study's own.
 void require_derived_output(const std::filesystem::path& output,
                             const std::vector<std::filesystem::path>& inputs);
 

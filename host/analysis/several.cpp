@@ -21,7 +21,7 @@ constexpr Figure figures[] = {
     {"lv", "dB", [](const Analysis& a) { return a.lv; }, Values::any},
     {"v_rms", "m/s", [](const Analysis& a) { return a.v_rms; }, Values::positive},
     {"lv_a", "dB", [](const Analysis& a) { return a.lv_a; }, Values::any},
-    {"contact_share", "1", [](const Analysis& a) { return a.contact_share; }, Values::positive},
+    {"contact_share", "1", [](const Analysis& a) { return a.contact_share; }, Values::share},
     {"shocks.rate", "1/s", [](const Analysis& a) { return a.shocks.rate; }, Values::positive},
     {"shocks.duration.median", "s", [](const Analysis& a) { return a.shocks.duration.median; },
      Values::positive},
@@ -58,6 +58,12 @@ MeanOfRuns mean_of_runs(const std::vector<double>& values, Values kind) {
   if (kind == Values::any) {
     m.low = m.mean - half;
     m.high = m.mean + half;
+  } else if (kind == Values::share) {
+    const double room = m.mean * (1 - m.mean);  // a logit changes by 1/room of what its share does
+    const double odds = m.mean / (1 - m.mean), factor = room > 0 ? std::exp(half / room) : 1;
+    m.low = half > 0 ? odds / (odds + factor) : m.mean;
+    m.high = half > 0 ? odds * factor / (1 + odds * factor) : m.mean;
+    if (std::isinf(factor)) m.low = 0, m.high = 1;
   } else if (m.mean > 0) {
     m.low = m.mean * std::exp(-half / m.mean);
     m.high = m.mean * std::exp(half / m.mean);

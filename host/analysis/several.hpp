@@ -11,13 +11,14 @@ namespace ra2d {
 
 /// Which intervals fit what is averaged.
 enum class Values {
-  any,      // of either sign, or levels in dB
-  positive  // rates, velocities, durations: skewed to the right, the more the wider they spread
+  any,       // of either sign, or levels in dB
+  positive,  // rates, velocities, durations: skewed to the right, the more the wider they spread
+  share      // from 0 to 1
 };
 
 /// Of independent runs that differ by chance alone, e.g. by their seeds: the mean and where the true one
 /// lies with 95 % confidence, by Student's t; of positive values by Student's t of the mean's logarithm,
-/// mean exp(+-t deviation / (sqrt(count) mean)). bench/coverage.py measures how often they hold the truth.
+/// mean exp(+-t deviation / (sqrt(count) mean)), and of shares of its logit. bench/coverage.py measures how often they hold the truth.
 /// NaN where there are too few, and of positive values that are all 0.
 struct MeanOfRuns {
   std::size_t count = 0;  // of values that are there

@@ -108,7 +108,7 @@ int analyze_study(const Request& request) {
   const fs::path table = table_of(named);
   const std::string prefix = request.csv.empty() ? "" : prefix_of(request.csv, named, false);
   if (!prefix.empty())
-    for (const char* name : study_tables) require_output(prefix + name, {table});
+    for (const char* name : study_tables) require_derived_output(prefix + name, {table});
   const StudyAnswers answers = read_study_table(table);
   const bool has_law = !prefix.empty() && write_study_tables(prefix, answers);
   print_text(request.json ? study_json(answers) : describe_study(answers, table.string()));

@@ -130,10 +130,13 @@ int dispatch(Words words) {
                   "result file [SCENE's name with .h5, in the current folder]")
       ->type_name("OUT.h5")
       ->check(path());
-  run->add_flag("--fresh", run_choices.fresh,
-                "start anew: go on from no checkpoint, and run again where this run is there");
-  run->add_flag("--force", run_choices.force,
-                "replace what is there: the result of another run, or whatever file it is");
+  run->add_flag(
+      "--fresh", run_choices.fresh,
+      "start anew: ignore the checkpoint, and run again if the result of this same run is "
+      "there");
+  run->add_flag(
+      "--force", run_choices.force,
+      "replace whatever file is there, also the result of another run (of this one: --fresh)");
   add_checkpoints(*run, run_choices.checkpoint, run_choices.most_wall);
   CLI::App* plan =
       app.add_subcommand("plan",

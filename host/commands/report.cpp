@@ -43,6 +43,9 @@ std::string shell_word(const std::string& word) {
 int make_page(PageRequest& request) {
   if (request.output.empty()) request.output = name_of(request.files.front()) + ".html";
   require_derived_output(request.output, request.files);
+  if (const fs::path ending = request.output.extension(); ending != ".html" && ending != ".htm")
+    throw RequestError(
+        fmt::format("'{}': expected a name of a page that ends in .html", request.output.string()));
   std::string command = "ra2d report";
   // the page is sent to others: no folders of this disk
   const auto named = [](const fs::path& file) {

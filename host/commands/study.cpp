@@ -307,6 +307,7 @@ int march_study(Known& known, const StudyFolder& folder, const Shard& shard,
   checkpoints.remove_those_of(known.finished);
   const StudyWork work = find_work(known.census, known.finished, shard, request.retry_failed,
                                    lacks_its_result(known, folder, request.quiet));
+  if (!work.jobs.empty()) say_doubts(study_doubts(known.points), request.quiet);
 
   StatusFile status(folder.status(shard),
                     {.shard = shard, .progress = progress_after(work, {}), .started = now()});
@@ -424,17 +425,14 @@ int study_command(const StudyRequest& request) {
   Known known(read_study(request.study, request.overrides), shown);
   if (request.threads > 0 && !lowered.empty() && !request.quiet)
     say(fmt::format("{} thread{}: {}", threads, threads == 1 ? "" : "s", lowered));
-  if (!request.list) {
-    require_other_seeds(known.points, known.census);
-    say_doubts(study_doubts(known.points), request.quiet);
-  }
+  if (!request.list) require_other_seeds(known.points, known.census);
   if (request.list || request.dry_run) {
     add_finished(known, folder, shown);
     if (request.list) return list_runs(known);
-    return dry_run(known,
-                   find_work(known.census, known.finished, shard, request.retry_failed,
-                             lacks_its_result(known, folder, request.quiet)),
-                   threads);
+    const StudyWork work = find_work(known.census, known.finished, shard, request.retry_failed,
+                                     lacks_its_result(known, folder, request.quiet));
+    if (!work.jobs.empty()) say_doubts(study_doubts(known.points), request.quiet);
+    return dry_run(known, work, threads);
   }
   return march_study(known, folder, shard, request, threads);
 }
@@ -447,6 +445,9 @@ int status_command(const fs::path& path) {
   const std::vector<std::size_t> bad = failed_points(known);
   print("{}: {}, {} done, {} failed, {} missing\n", printable(path.string()), runs_text(work.runs),
         work.done, work.failed, work.jobs.size());
+  if (work.done + work.failed == 0 && !known.finished.runs.empty())
+    print("  {:<17}{} of another version or build of ra2d\n", "kept",
+          runs_text(known.finished.runs.size()));
   if (!work.jobs.empty())
     print("  {:<17}about {} of one thread{}\n", "left", seconds_text(work.cost),
           work.measured > 0 ? "" : ", within a factor of three: no run has been measured yet");

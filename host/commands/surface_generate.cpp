@@ -16,6 +16,7 @@
 #include "host/commands/options.hpp"
 #include "host/commands/print.hpp"
 #include "host/errors.hpp"
+#include "host/input_file.hpp"
 #include "host/output_file.hpp"
 #include "host/partial_file.hpp"
 #include "host/scene/names.hpp"
@@ -195,6 +196,14 @@ int generate(Asked& asked) {
     if (word == asked.exact) asked.surface.exact = value;
   check(asked);
   require_derived_output(asked.output, {});
+  std::error_code none;
+  if (std::filesystem::exists(asked.output, none) &&
+      std::filesystem::file_size(asked.output, none) > 0 &&
+      InputFile(asked.output).beginning(23) != "# ra2d surface generate")
+    throw RequestError(fmt::format(
+        "'{}' is there already, and 'ra2d surface generate' has not made it: it is left "
+        "as it is. Name another file with -o, or remove it",
+        asked.output.string()));
   const RandomProfile profile = resolve_random(asked.surface, asked.length);
   std::vector<std::string> doubts;
   const std::vector<double> heights =

@@ -36,7 +36,10 @@ std::size_t check_table(const StudyFolder& folder, const StudyPoints& points,
                     table.status.size(), points.size()));
     return 0;
   }
-  std::size_t behind = 0;
+  std::size_t behind = 0, known = 0;
+  for (const Key128& key : census.keys) known += finished.find(key) != nullptr;
+  if (known == 0 && !finished.runs.empty())
+    return 0;  // all of another version: check_study says so
   for (std::size_t point = 0; point < points.size(); ++point) {
     const FinishedRun* run = finished.find(census.keys[point]);
     const bool is_missing = table.status[point] == static_cast<double>(RunStatus::missing);
@@ -107,6 +110,10 @@ CheckedStudy check_study(const StudyFolder& folder) {
         fmt::format("a study of {} runs: {} done, {} failed, {} not run yet; all hashes agree",
                     asked.size(), done, failed, missing);
     if (kept > 0) found.what += fmt::format(", also of {} results", kept);
+    if (missing == asked.size() && !finished.runs.empty())
+      found.what +=
+          fmt::format("; the ledgers hold {} finished runs of another version or build of ra2d",
+                      finished.runs.size());
     if (const std::size_t count = check_checkpoints(folder, found.faults); count > 0)
       found.what += fmt::format(", and of {} checkpoint{}", count, count == 1 ? "" : "s");
     if (std::filesystem::exists(folder.table())) {

@@ -75,7 +75,7 @@ void require_study_folder(const StudyFolder& folder, const Shard& shard,
   const fs::path table = folder.table(), snapshot = folder.snapshot(),
                  status = folder.status(shard);
   for (const fs::path& file : {table, snapshot, status, folder.ledger(shard)})
-    if (is_filled(file)) require_output(file, inputs);
+    if (file != folder.ledger(shard) && is_filled(file)) require_output(file, inputs);
   if (is_filled(snapshot) && !begins_with(snapshot, snapshot_begins))
     throw not_ours(snapshot, "snapshot of a study");
   const bool is_ours = is_filled(snapshot) || has_ledger(folder);
@@ -88,6 +88,17 @@ void require_study_folder(const StudyFolder& folder, const Shard& shard,
 void require_merged_table(const fs::path& output, const Study& study,
                           const std::vector<fs::path>& folders, std::vector<fs::path> inputs) {
   std::error_code none;
+  for (const fs::path& path : folders) {
+    const StudyFolder folder{path};
+    const fs::path parent = output.has_parent_path() ? output.parent_path() : fs::path(".");
+    const std::string name = output.filename().string();
+    if (fs::equivalent(parent, folder.results(), none) ||
+        (fs::equivalent(parent, folder.path, none) &&
+         (name == folder.snapshot().filename() || name.starts_with("status"))))
+      throw RequestError(
+          fmt::format("'{}' lies among the files of the study '{}': name a file elsewhere with -o",
+                      output.string(), path.string()));
+  }
   if (!fs::exists(output, none)) return require_output(output, {});
   bool is_own = false;  // of one of the folders
   for (const fs::path& path : folders) {

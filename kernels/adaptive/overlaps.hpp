@@ -47,10 +47,12 @@ class Overlaps {
         before_{state.seen},
         after_{state.seen + 2 * tables.groups * width} {}
 
-  /// Bound on the roundings of an overlap at the displacements u [m]: 128 of half an ulp. The longest chain,
-  /// over 256 modes and the terms of a series, has 83 in packs of four lanes and 53 in packs of eight.
+  /// Bound on the roundings of an overlap at the displacements u [m]: 128 of half an ulp, in packs of two lanes
+  /// 256, of one 512. The longest chain, over 256 modes and the terms of a series, has 53 in packs of eight lanes,
+  /// 83 of four, 146 of two and 273 of one.
   KOKKOS_FORCEINLINE_FUNCTION double touch(const Real* u) const {
-    return t_.slack + 0x1p-46 * weighted_sum<Lanes, K>(lanes_, t_.largest_shape, u);
+    constexpr double roundings = width >= 4 ? 0x1p-46 : width == 2 ? 0x1p-45 : 0x1p-44;
+    return t_.slack + roundings * weighted_sum<Lanes, K>(lanes_, t_.largest_shape, u);
   }
 
   /// What an overlap can rise by within a step from u on [m], and twice the error of seeing it.

@@ -43,6 +43,20 @@ TEST(MeanOfPositive, IsStudentsOfTheLogarithm) {
   EXPECT_NEAR(m.low, 2 * std::exp(-half), 1e-9);
   EXPECT_NEAR(m.high, 2 * std::exp(half), 1e-9);
   EXPECT_TRUE(std::isnan(mean_of_runs({0, 0, 0}, Values::positive).low));
+  // shares stay between 0 and 1, and those of the rest are the rest of theirs
+  for (const std::vector<double>& shares :
+       {std::vector<double>{0.5, 0.9}, {0.01, 0.99}, {1e-9, 0.3, 0.2}, {0.999, 1, 1}}) {
+    std::vector<double> rest = shares;
+    for (double& share : rest) share = 1 - share;
+    const MeanOfRuns of = mean_of_runs(shares, Values::share),
+                     other = mean_of_runs(rest, Values::share);
+    EXPECT_GE(of.low, 0);
+    EXPECT_LE(of.low, of.mean);
+    EXPECT_GE(of.high, of.mean);
+    EXPECT_LE(of.high, 1);
+    EXPECT_NEAR(other.low, 1 - of.high, 1e-12);
+  }
+  EXPECT_EQ(mean_of_runs({1, 1, 1}, Values::share).low, 1);
   EXPECT_GT(mean_of_runs({0, 0, 1}, Values::positive).low, 0);
 }
 

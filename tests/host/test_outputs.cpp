@@ -189,6 +189,8 @@ TEST_F(Outputs, NothingThatIsMadeOfAResultReplacesOne) {
   write("study/study.json", "{}");
   write("study/ledger/all.log", "ra2dlog\nand so on");
   write("o.h5.checkpoint", "ra2d checkpoint and so on");
+  write("measured.txt", "0 1e-6\n1e-6 2e-6\n");
+  write("scene-of-mine.toml", quick_scene);
   for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
            {"analyze", "o.h5", "--csv", "p"},
            {"plot", "o.h5", "-o", "p.png"},
@@ -197,7 +199,12 @@ TEST_F(Outputs, NothingThatIsMadeOfAResultReplacesOne) {
            {"report", "o.h5", "-o", "link.html"},
            {"report", "o.h5", "-o", "study/study.json"},
            {"report", "o.h5", "-o", "study/ledger/all.log"},
+           {"report", "o.h5", "-o", "study/ledger/new.html"},
            {"report", "o.h5", "-o", "o.h5.checkpoint"},
+           {"report", "o.h5", "-o", "s.toml"},
+           {"surface", "generate", "--length", "1e-3", "--spacing", "1e-6", "--rq", "1e-6", "--rsm",
+            "1e-4", "-o", "measured.txt"},
+           {"plan", "--accuracy", "0.1", "s.toml", "-o", "scene-of-mine.toml"},
            {"surface", "generate", "--length", "1e-3", "--spacing", "1e-6", "--rq", "1e-6", "--rsm",
             "1e-4", "-o", "p.csv"},
            {"chart", "stability", "-o", "p", "--no-plot"},
@@ -212,6 +219,13 @@ TEST_F(Outputs, NothingThatIsMadeOfAResultReplacesOne) {
     if (entry.path().filename().string().starts_with("p")) {
       EXPECT_TRUE(read_file(entry.path()) == result) << entry.path();
     }
+  EXPECT_EQ(read("s.toml"), quick_scene);
+  EXPECT_EQ(ra2d({"report", "o.h5", "-o", "page.txt"}).status, 2) << "a page is no text";
+  EXPECT_EQ(ra2d({"run", "s.toml", "-o", "study/ledger/new.h5"}).status, 2);
+  // where the program prints to
+  const Ended printed = test::run_program(
+      folder_, {"/bin/sh", "-c", "'" + test::program() + "' run s.toml -o /dev/stdout > both.h5"});
+  EXPECT_EQ(printed.status, 2) << printed.err;
   // an earlier page gives way to the next
   write("old.html", "<html>");
   EXPECT_EQ(ra2d({"report", "o.h5", "-o", "old.html"}).status, 0);
@@ -421,6 +435,10 @@ TEST_F(StudyOutputs, AMergeReplacesNothingButATableOfItsStudy) {
     EXPECT_TRUE(read(name) == before) << name;
   }
   EXPECT_EQ(ra2d({"study", "merge", "d", "-o", "d/ledger"}).status, 2);
+  for (const char* name : {"d/ledger/new.log", "dd/ledger/new.h5", "d/status-shard-1-of-2.json"}) {
+    EXPECT_EQ(ra2d({"study", "merge", "d", "-o", name}).status, 2) << name;
+    EXPECT_FALSE(fs::exists(folder_ / name)) << name;
+  }
   EXPECT_EQ(ra2d({"study", "status", "d"}).status, 0);
   // its own table, an earlier one of it, a new one
   for (const std::vector<std::string>& more : {std::vector<std::string>{},

@@ -132,7 +132,9 @@ TEST_F(SealedResult, CheckOutlivesHdf5OnAForgersBytes) {
   test::reseal(path_);
   const test::Ended ended = ra2d({"check", "out.h5"});
   EXPECT_EQ(ended.status, 4);
-  EXPECT_THAT(ended.err, HasSubstr("HDF5 cannot read it: it ended by signal"));
+  // the address sanitizer ends a process that crashes by itself
+  EXPECT_THAT(ended.err, testing::AnyOf(HasSubstr("HDF5 cannot read it: it ended by signal"),
+                                        HasSubstr("HDF5 cannot read it: it gave no answer")));
 }
 
 }  // namespace
