@@ -151,8 +151,8 @@ void require_output(const fs::path& output, const std::vector<fs::path>& inputs)
   }
   if (is_among_ledgers(file))
     throw RequestError(
-        fmt::format("'{}' would stand among the ledgers of a study, which is left as it is: name a "
-                    "file elsewhere with -o",
+        fmt::format("'{}' is a place among the ledgers of a study: it is left as it is. Name a file "
+                    "elsewhere with -o",
                     output.string()));
   if (is_printed_to(file))
     throw RequestError(fmt::format(

@@ -47,6 +47,12 @@ Stretch choose_stretch(const ResultContents& contents, const std::optional<Scene
   const auto beyond = static_cast<std::size_t>(std::floor(place(s.to) + time_slack)) + 1;
   s.first = std::min(s.first, contents.samples);
   s.count = std::max(s.first, std::min(beyond, contents.samples)) - s.first;
+  if (!s.whole && s.count < 2)
+    throw RequestError(fmt::format(
+        "{}: from {:g} s to {:g} s there {}: expected a stretch of two samples or more, which are "
+        "{:g} s apart",
+        file.string(), s.from, s.to, s.count == 0 ? "is no sample" : "is one sample",
+        1 / contents.rate));
   return s;
 }
 

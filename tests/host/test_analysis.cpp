@@ -662,6 +662,7 @@ TEST_F(Analyze, RefusesWhatTheFileDoesNotHave) {
            {{"a.h5", "--from", "0.2"}, 2, "there is nothing"},
            {{"a.h5", "--from", "0.05", "--to", "0.05"}, 2, "there is nothing"},
            {{"a.h5", "--to", "0.2"}, 2, "the run ends at 0.1 s"},
+           {{"a.h5", "--to", "1e-9"}, 2, "there is one sample"},
            {{"a.h5", "--segment", "10002"}, 2, "expected 4 to 10001"},
            {{"a.h5", "--resolution", "1"}, 2, "expected 4 to 10001"},
            {{"a.h5", "--resolution", "nan"}, 2, "--resolution"},
