@@ -150,10 +150,10 @@ void require_output(const fs::path& output, const std::vector<fs::path>& inputs)
                       input.string()));
   }
   if (is_among_ledgers(file))
-    throw RequestError(
-        fmt::format("'{}' is a place among the ledgers of a study: it is left as it is. Name a file "
-                    "elsewhere with -o",
-                    output.string()));
+    throw RequestError(fmt::format(
+        "'{}' is a place among the ledgers of a study: it is left as it is. Name a file "
+        "elsewhere with -o",
+        output.string()));
   if (is_printed_to(file))
     throw RequestError(fmt::format(
         "'{}' is also where this program prints to: name another file with -o", output.string()));

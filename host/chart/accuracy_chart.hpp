@@ -57,9 +57,9 @@ struct Measured {
   double closure = missing;        // of the energy, relative
   double stretch = 0;              // s simulated, of each repetition
   double took = 0;                 // s of wall time, the first one with all that belongs to it
-  std::vector<double> wall;        // s of march per simulated second, one a repetition; of its thread
-  double slowed = 1;               // by the clock it took so many times as long: other programs ran, too
-  double wall_median() const;      // NaN without any
+  std::vector<double> wall;  // s of march per simulated second, one a repetition; of its thread
+  double slowed = 1;         // by the clock it took so many times as long: other programs ran, too
+  double wall_median() const;  // NaN without any
 };
 
 /// Mean over the seeds, its standard error (NaN of a single run), and how far it is from that of

@@ -72,7 +72,7 @@ class Batch {
   void march(std::int64_t target);
   /// Seconds that the latest launch spent on a scene, by the clock ...
   double seconds(int slot) const;
-  /// ... and of the processor: of the thread that marched it, whatever else the machine did. On a GPU it is
+  /// Processor seconds of the thread that marched it, whatever else the machine did. On a GPU it is
   /// the same as by the clock.
   double processor_seconds(int slot) const;
 

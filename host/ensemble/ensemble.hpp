@@ -100,7 +100,7 @@ class Ensemble {
 
 /// Cost as of Ensemble, measured on the beginning of one run for about so much wall time.
 double measure_cost(const Scene& scene, double enough);
-/// The same by the clock, for what has to end in time whatever else the machine does.
+/// Cost in wall time, for what has to end in time whatever else the machine does.
 double measure_wall_cost(const Scene& scene, double enough);
 
 }  // namespace ra2d

@@ -39,7 +39,7 @@ struct ResultStamp {
 /// Throws FileError where the file is no result, is damaged, or was changed by another program.
 ResultStamp read_stamp(const std::filesystem::path& path);
 
-/// The same; none where the file is not there or is no HDF5 file.
+/// The stamp of a result; none where the file is not there or is no HDF5 file.
 std::optional<ResultStamp> stamp_of(const std::filesystem::path& path);
 
 /// Whether a file is HDF5, as results are, or the rest of such a file. Throws FileError where it cannot be read.

@@ -174,7 +174,7 @@ bool is_damaged_with(const std::filesystem::path& file, const char* attribute) {
   const InputFile input(file);
   if (!looks_like_hdf5(file) || has_fitting_seal(input.descriptor())) return false;
   if (input.beginning(hdf5_begins.size()) != hdf5_begins) return true;  // it had a seal
-  constexpr double memory = 256e6, seconds = 5;  // bytes, s
+  constexpr double memory = 256e6, seconds = 5;                         // bytes, s
   const ChildAnswer answer = ask_in_child(
       [&] {
         const h5::Properties how = h5::file_access();

@@ -76,7 +76,7 @@ class ResultFile {
   void append(const std::vector<Shock>& shocks);
   /// Finishes the file, reads it back and gives it its name; returns how long reading back took [s].
   double close(const ResultSummary& summary);
-  /// ... or another name in the same file system. `kept` takes the whole file, open, before it has that.
+  /// Finishes it under another name in the same file system. `kept` takes the whole file, open, before it has that.
   double close(const ResultSummary& summary, const std::filesystem::path& name,
                std::unique_ptr<InputFile>& kept);
 

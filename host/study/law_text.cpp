@@ -125,8 +125,7 @@ std::string means_text(const StudyAnswers& answers, std::size_t most_rows) {
     text += row + '\n';
   }
   if (means.size() > most_rows)
-    text += fmt::format("  and {} more: 'ra2d analyze' has them all\n",
-                        means.size() - most_rows);
+    text += fmt::format("  and {} more: 'ra2d analyze' has them all\n", means.size() - most_rows);
   return text;
 }
 

@@ -54,7 +54,7 @@ constexpr double most_slope_lost = 0.05;
 /// Says how much of a measured profile's root mean square slope the nodes of a scene lose, where that is more:
 /// its slope from point to point, `step` [m] apart, and from node to node, `spacing` [m] apart.
 void doubt_lost_slope(const std::filesystem::path& file, double slope_of_points, double step,
-                 double slope_of_nodes, double spacing, std::vector<std::string>* doubts);
+                      double slope_of_nodes, double spacing, std::vector<std::string>* doubts);
 
 /// The width of `linear:WIDTH` [m]; nothing for another text.
 std::optional<double> to_fill_width(std::string_view text);
