@@ -362,7 +362,7 @@ ParsedText::ParsedText(const std::string& text) {
   const std::string no_toml = "not TOML";
   if (deep_line(text) != 0) throw RequestError(no_toml);
   try {
-    table_ = std::make_shared<const Table>(toml::parse(text));
+    table_ = std::make_shared<const Table>(Table{toml::parse(text)});
   } catch (const toml::parse_error&) {
     throw RequestError(no_toml);
   }
