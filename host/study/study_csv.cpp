@@ -18,7 +18,7 @@ std::string field(const std::string& text) {
   return out + '"';
 }
 
-/// What there is none of is left empty.
+/// One column of a line; empty where there is no number.
 std::string column(double value) { return std::isfinite(value) ? fmt::format(",{}", value) : ","; }
 
 void add(const MeanOfRuns& mean, std::string& text) {

@@ -49,7 +49,7 @@ struct Measurement {
 /// into whole points drops the rest of a point at each sampling length.
 std::size_t fitting_lengths(std::size_t left, double points);
 
-/// The same of a profile of `nodes` points that is filtered first, and loses half a cutoff at each end.
+/// How many sampling lengths fit into a profile of `nodes` points once the filter has taken half a cutoff off each end.
 std::size_t fitting_filtered(std::size_t nodes, double spacing, double cutoff);
 
 /// Takes the form off, then what is shorter than `cutoff_s` and what is longer than `cutoff` [m]; leaves

@@ -45,7 +45,7 @@ class Outputs : public testing::Test {
     words.insert(words.begin(), {"timeout", "20", program()});
     return run_program(said_.path(), in_folder(std::move(words)));
   }
-  /// The same with calls to the folder that fail.
+  /// Runs ra2d while calls to the folder fail.
   Ended faulty(const std::string& how, std::vector<std::string> words) const {
     words.insert(words.begin(), {"timeout", "20", "env", "LD_PRELOAD=" + faulty_disk(),
                                  "FAULTY_FOLDER=" + folder_.string(), how, program()});

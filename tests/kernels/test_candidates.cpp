@@ -206,7 +206,7 @@ TEST(CandidatesProof, WhatACubicLeavesOutIsReachedAtTheEdgeOfAPatch) {
   v[1] = gap / often;
   bodies.set_overlap(0, -gap, u, bodies.t.position);
   EXPECT_TRUE(ends_in_time(look_ahead(bodies, u, v), 0.5 * often));
-  // ... and when it is looked for what touches
+  // a search for the nodes that touch has to see it, too
   bodies.t.look_at = Nodes::all;
   for (const double open : {0.0, 0.11 * bodies.tail[0]}) {
     bodies.set_overlap(0, -open, u, bodies.t.position);
@@ -291,7 +291,7 @@ TEST(CandidatesProof, AWatchLastsUntilItsForcesReachTheLeeway) {
 }
 
 TEST(CandidatesProof, AListUnderForcesYetToBeFoundCoversJustItsLeeway) {
-  // The same where the force is found with the end of a step: the list counts what it has done.
+  // Where the force is found with the end of a step, the list counts what the force has done.
   constexpr double force = 1e-6, guess = 0.01 * force, push = 1e-9;
   constexpr int last = nodes - 1;
   std::vector<double> tilt(nodes, 0.0);

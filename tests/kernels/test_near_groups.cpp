@@ -333,7 +333,7 @@ TEST(NearGroupsProof, TheWayThatIsLeftIsReachedByABentBeamsFlank) {
   const double widest = Look{}.widest(bodies, u);
   EXPECT_GE(widest, risen * (1 - 1e-9));
   EXPECT_LE(widest, risen * (1 + 1e-6));
-  // ... and back to where an earlier stage stood, if that is farther
+  // and back to where an earlier stage stood, if that is farther
   const double before = bodies.overlap(u, 9.25, 0) - bodies.overlap(u, 8.35, 0);
   const double back = (Look{.back = 0.9}.widest(bodies, u));
   EXPECT_GE(back, before * (1 - 1e-9));
