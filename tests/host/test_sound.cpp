@@ -421,7 +421,7 @@ TEST_F(SoundFile, RefusesWhatItCannotDoAndLeavesNothing) {
   refused({"--full-scale", "1", "--normalize"}, "--normalize");
   refused({"--from", "0.005", "--to", "0.004"}, "there is nothing");
   refused({"--to", "7"}, "the run ends at 0.01 s");
-  refused({"--from", "0.009995"}, "nothing to listen to: 1 sample");
+  refused({"--from", "0.009995"}, "there is one sample");
   refused({"-o", "noise.mp3"}, "expected a name that ends in .wav or .flac");
   refused({"-o", "out.h5"}, "expected a name that ends in .wav or .flac");
 }
