@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "bench/scenes.hpp"
+#include "host/base/version.hpp"
 #include "host/chart/context.hpp"
 #include "host/device/backend.hpp"
-#include "host/version.hpp"
 
 /// How a march is timed.
 namespace ra2d::bench {

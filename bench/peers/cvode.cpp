@@ -17,7 +17,7 @@
 #include "bench/peers/integrators.hpp"
 #include "bench/peers/shock_log.hpp"
 #include "bench/peers/watched.hpp"
-#include "host/errors.hpp"
+#include "host/base/errors.hpp"
 
 /// Contact as a sequence of smooth pieces. Within a piece the set of touching nodes stays: their
 /// springs pull where they would, the other nodes carry nothing. CVODE steps beyond the piece's end,

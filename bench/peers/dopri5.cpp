@@ -10,7 +10,7 @@
 
 #include "bench/peers/integrators.hpp"
 #include "bench/peers/watched.hpp"
-#include "host/errors.hpp"
+#include "host/base/errors.hpp"
 
 namespace ra2d::peers {
 namespace {

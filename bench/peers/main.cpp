@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "bench/peers/peers.hpp"
-#include "host/errors.hpp"
+#include "host/base/errors.hpp"
 #include "host/scene_file/scene_file.hpp"
 
 namespace {

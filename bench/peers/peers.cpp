@@ -9,7 +9,7 @@
 #include <limits>
 
 #include "bench/peers/integrators.hpp"
-#include "host/errors.hpp"
+#include "host/base/errors.hpp"
 
 namespace ra2d::peers {
 namespace {

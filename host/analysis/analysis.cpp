@@ -11,7 +11,7 @@
 
 #include "host/analysis/bands.hpp"
 #include "host/analysis/stretch.hpp"
-#include "host/errors.hpp"
+#include "host/base/errors.hpp"
 #include "host/result/level.hpp"
 #include "host/store/result_reader.hpp"
 

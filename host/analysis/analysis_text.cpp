@@ -8,8 +8,8 @@
 
 #include "host/analysis/bands.hpp"
 #include "host/analysis/several.hpp"
-#include "host/format.hpp"
-#include "host/text.hpp"
+#include "host/base/format.hpp"
+#include "host/base/text.hpp"
 
 namespace ra2d {
 namespace {

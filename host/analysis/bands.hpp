@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "host/fourier.hpp"
+#include "host/base/fourier.hpp"
 
 /// Third-octave bands (IEC 61260-1:2014, base ten, class 1), and the weighting A (IEC 61672-1).
 namespace ra2d {

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "host/fourier.hpp"
+#include "host/base/fourier.hpp"
 
 /// Power spectral densities by Welch's method: segments that overlap, each under a window, their powers
 /// averaged.

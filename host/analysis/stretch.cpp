@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/errors.hpp"
+#include "host/base/errors.hpp"
 #include "host/scene_file/scene_file.hpp"
 
 namespace ra2d {

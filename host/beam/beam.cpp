@@ -6,7 +6,7 @@
 #include <numbers>
 #include <string>
 
-#include "host/errors.hpp"
+#include "host/base/errors.hpp"
 
 namespace ra2d {
 namespace {

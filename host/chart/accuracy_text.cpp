@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/base/format.hpp"
+#include "host/base/text.hpp"
 #include "host/chart/accuracy_chart.hpp"
 #include "host/chart/chart_files.hpp"
 #include "host/chart/context.hpp"
-#include "host/format.hpp"
-#include "host/text.hpp"
 
 namespace ra2d {
 namespace {

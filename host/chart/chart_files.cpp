@@ -7,8 +7,8 @@
 #include <cstddef>
 #include <system_error>
 
-#include "host/errors.hpp"
-#include "host/input_file.hpp"
+#include "host/base/errors.hpp"
+#include "host/system/input_file.hpp"
 
 namespace ra2d {
 namespace {

@@ -5,8 +5,8 @@
 
 #include <cmath>
 
-#include "host/errors.hpp"
-#include "host/format.hpp"
+#include "host/base/errors.hpp"
+#include "host/base/format.hpp"
 #include "host/plan/plan.hpp"
 #include "host/scene/schemes.hpp"
 

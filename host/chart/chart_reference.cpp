@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/errors.hpp"
-#include "host/format.hpp"
+#include "host/base/errors.hpp"
+#include "host/base/format.hpp"
 #include "host/scene/schemes.hpp"
 
 namespace ra2d {

@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "host/format.hpp"
+#include "host/base/format.hpp"
 #include "host/scene/schemes.hpp"
 
 namespace ra2d {

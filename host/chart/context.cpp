@@ -8,8 +8,8 @@
 #include <fstream>
 #include <thread>
 
+#include "host/base/version.hpp"
 #include "host/device/backend.hpp"
-#include "host/version.hpp"
 
 namespace ra2d {
 namespace {

@@ -8,8 +8,8 @@
 #include <cmath>
 #include <map>
 
+#include "host/base/errors.hpp"
 #include "host/ensemble/ensemble.hpp"
-#include "host/errors.hpp"
 #include "host/plan/plan.hpp"
 #include "host/result/level.hpp"
 #include "host/scene/schemes.hpp"

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <iterator>
 
-#include "host/format.hpp"
+#include "host/base/format.hpp"
 #include "host/scene/names.hpp"
 
 namespace ra2d {

@@ -11,10 +11,10 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
-#include "host/errors.hpp"
-#include "host/process.hpp"
+#include "host/base/errors.hpp"
+#include "host/base/text.hpp"
 #include "host/scene_file/scene_file.hpp"
-#include "host/text.hpp"
+#include "host/system/process.hpp"
 
 namespace ra2d {
 namespace {

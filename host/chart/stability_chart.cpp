@@ -9,11 +9,11 @@
 #include <limits>
 #include <optional>
 
+#include "host/base/text.hpp"
 #include "host/chart/chart_files.hpp"
 #include "host/chart/growth.hpp"
 #include "host/scene/names.hpp"
 #include "host/scene/schemes.hpp"
-#include "host/text.hpp"
 
 namespace ra2d {
 namespace {

@@ -9,16 +9,16 @@
 #include <vector>
 
 #include "host/analysis/analysis_text.hpp"
+#include "host/base/errors.hpp"
+#include "host/base/text.hpp"
 #include "host/commands/commands.hpp"
 #include "host/commands/options.hpp"
 #include "host/commands/print.hpp"
-#include "host/errors.hpp"
-#include "host/output_file.hpp"
-#include "host/partial_file.hpp"
 #include "host/study/law.hpp"
 #include "host/study/study_csv.hpp"
 #include "host/study/study_folder.hpp"
-#include "host/text.hpp"
+#include "host/system/output_file.hpp"
+#include "host/system/partial_file.hpp"
 
 namespace ra2d {
 namespace {

@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "host/base/errors.hpp"
+#include "host/base/text.hpp"
 #include "host/chart/accuracy_chart.hpp"
 #include "host/chart/chart_files.hpp"
 #include "host/chart/peers.hpp"
@@ -9,12 +11,10 @@
 #include "host/commands/commands.hpp"
 #include "host/commands/print.hpp"
 #include "host/device/backend.hpp"
-#include "host/errors.hpp"
-#include "host/output_file.hpp"
-#include "host/partial_file.hpp"
 #include "host/plot/draw.hpp"
 #include "host/scene_file/scene_file.hpp"
-#include "host/text.hpp"
+#include "host/system/output_file.hpp"
+#include "host/system/partial_file.hpp"
 #include "paper_scene.hpp"
 
 namespace ra2d {

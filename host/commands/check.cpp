@@ -5,15 +5,15 @@
 #include <string>
 #include <vector>
 
+#include "host/base/errors.hpp"
+#include "host/base/text.hpp"
 #include "host/commands/commands.hpp"
 #include "host/commands/options.hpp"
 #include "host/commands/print.hpp"
-#include "host/errors.hpp"
-#include "host/input_file.hpp"
 #include "host/run/checked_checkpoint.hpp"
 #include "host/store/checked_file.hpp"
 #include "host/study/study_check.hpp"
-#include "host/text.hpp"
+#include "host/system/input_file.hpp"
 
 namespace ra2d {
 namespace {

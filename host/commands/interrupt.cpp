@@ -9,10 +9,10 @@
 #include <cstdint>
 #include <string_view>
 
-#include "host/interruption.hpp"
-#include "host/partial_file.hpp"
-#include "host/process.hpp"
 #include "host/ranks/ranks.hpp"
+#include "host/system/interruption.hpp"
+#include "host/system/partial_file.hpp"
+#include "host/system/process.hpp"
 
 namespace ra2d {
 namespace {

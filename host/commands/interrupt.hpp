@@ -5,7 +5,7 @@ namespace ra2d {
 
 /// From now on SIGINT, SIGQUIT, SIGTERM, SIGHUP, SIGUSR1, SIGUSR2, SIGXCPU and the timers' SIGALRM,
 /// SIGVTALRM and SIGPROF end the program with the status 128 + n and without a partial file or a child
-/// process left: at once, wherever it is, but for a run that marches (host/interruption.hpp), which
+/// process left: at once, wherever it is, but for a run that marches (host/system/interruption.hpp), which
 /// writes what it has first. There it is the second one that ends it at once. A SIGHUP that is ignored,
 /// as under nohup, stays ignored, and a profiler keeps its SIGPROF. A write to a pipe that nobody reads
 /// any more fails instead of ending the program (SIGPIPE).

@@ -16,16 +16,16 @@
 #include <tuple>
 #include <utility>
 
+#include "host/base/errors.hpp"
+#include "host/base/text.hpp"
+#include "host/base/version.hpp"
 #include "host/chart/accuracy_chart.hpp"
 #include "host/commands/commands.hpp"
 #include "host/commands/interrupt.hpp"
 #include "host/commands/options.hpp"
 #include "host/commands/print.hpp"
 #include "host/commands/threads.hpp"
-#include "host/errors.hpp"
 #include "host/ranks/ranks.hpp"
-#include "host/text.hpp"
-#include "host/version.hpp"
 
 namespace {
 

@@ -8,7 +8,7 @@
 #include <optional>
 #include <string>
 
-#include "host/text.hpp"
+#include "host/base/text.hpp"
 
 /// What the commands' options take.
 namespace ra2d {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "host/plan/plan.hpp"
+#include "host/base/text.hpp"
 #include "host/commands/commands.hpp"
 #include "host/commands/print.hpp"
 #include "host/device/backend.hpp"
 #include "host/device/batch.hpp"
 #include "host/scene_file/scene_file.hpp"
-#include "host/text.hpp"
 
 namespace ra2d {
 

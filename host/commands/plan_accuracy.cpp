@@ -2,15 +2,15 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "host/base/errors.hpp"
+#include "host/base/text.hpp"
 #include "host/commands/commands.hpp"
 #include "host/commands/print.hpp"
 #include "host/device/backend.hpp"
-#include "host/errors.hpp"
-#include "host/output_file.hpp"
-#include "host/partial_file.hpp"
 #include "host/savings/savings.hpp"
 #include "host/scene_file/scene_file.hpp"
-#include "host/text.hpp"
+#include "host/system/output_file.hpp"
+#include "host/system/partial_file.hpp"
 
 namespace ra2d {
 

@@ -8,21 +8,21 @@
 #include <string>
 #include <vector>
 
+#include "host/base/errors.hpp"
+#include "host/base/text.hpp"
 #include "host/chart/chart_files.hpp"
 #include "host/commands/commands.hpp"
 #include "host/commands/options.hpp"
 #include "host/commands/print.hpp"
 #include "host/commands/profile_options.hpp"
-#include "host/errors.hpp"
-#include "host/output_file.hpp"
-#include "host/partial_file.hpp"
 #include "host/plot/draw.hpp"
 #include "host/plot/profile_picture.hpp"
 #include "host/plot/result_picture.hpp"
 #include "host/store/result_reader.hpp"
 #include "host/study/law.hpp"
 #include "host/study/study_table.hpp"
-#include "host/text.hpp"
+#include "host/system/output_file.hpp"
+#include "host/system/partial_file.hpp"
 
 namespace ra2d {
 namespace {

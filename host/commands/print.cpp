@@ -11,8 +11,8 @@
 #include <cstring>
 #include <utility>
 
+#include "host/base/text.hpp"
 #include "host/commands/commands.hpp"
-#include "host/text.hpp"
 
 namespace ra2d {
 namespace {

@@ -7,15 +7,15 @@
 #include <string>
 #include <vector>
 
+#include "host/base/format.hpp"
+#include "host/base/text.hpp"
 #include "host/commands/commands.hpp"
 #include "host/commands/options.hpp"
 #include "host/commands/print.hpp"
-#include "host/format.hpp"
-#include "host/output_file.hpp"
-#include "host/partial_file.hpp"
 #include "host/study/study_page.hpp"
 #include "host/study/study_table.hpp"
-#include "host/text.hpp"
+#include "host/system/output_file.hpp"
+#include "host/system/partial_file.hpp"
 
 namespace ra2d {
 namespace {

@@ -6,17 +6,17 @@
 #include <cmath>
 
 #include "host/analysis/analysis_text.hpp"
+#include "host/base/format.hpp"
+#include "host/base/text.hpp"
 #include "host/commands/commands.hpp"
 #include "host/commands/print.hpp"
 #include "host/device/backend.hpp"
-#include "host/format.hpp"
-#include "host/interruption.hpp"
-#include "host/output_file.hpp"
 #include "host/result/energy.hpp"
 #include "host/run/run.hpp"
 #include "host/scene/schemes.hpp"
 #include "host/scene_file/scene_file.hpp"
-#include "host/text.hpp"
+#include "host/system/interruption.hpp"
+#include "host/system/output_file.hpp"
 
 namespace ra2d {
 namespace {

@@ -8,12 +8,12 @@
 #include <memory>
 #include <string>
 
+#include "host/base/format.hpp"
+#include "host/base/text.hpp"
 #include "host/commands/commands.hpp"
 #include "host/commands/options.hpp"
 #include "host/commands/print.hpp"
-#include "host/format.hpp"
-#include "host/output_file.hpp"
-#include "host/text.hpp"
+#include "host/system/output_file.hpp"
 
 namespace ra2d {
 namespace {

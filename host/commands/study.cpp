@@ -19,16 +19,15 @@
 #include <utility>
 #include <vector>
 
+#include "host/base/errors.hpp"
+#include "host/base/format.hpp"
+#include "host/base/text.hpp"
 #include "host/commands/commands.hpp"
 #include "host/commands/options.hpp"
 #include "host/commands/print.hpp"
 #include "host/commands/study_ranks.hpp"
 #include "host/commands/threads.hpp"
 #include "host/device/backend.hpp"
-#include "host/errors.hpp"
-#include "host/format.hpp"
-#include "host/interruption.hpp"
-#include "host/partial_file.hpp"
 #include "host/store/result_reader.hpp"
 #include "host/study/law.hpp"
 #include "host/study/study_advice.hpp"
@@ -37,7 +36,8 @@
 #include "host/study/study_status.hpp"
 #include "host/study/study_table.hpp"
 #include "host/study/study_worker.hpp"
-#include "host/text.hpp"
+#include "host/system/interruption.hpp"
+#include "host/system/partial_file.hpp"
 
 namespace ra2d {
 namespace {

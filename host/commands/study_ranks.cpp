@@ -9,11 +9,11 @@
 #include <thread>
 #include <utility>
 
+#include "host/base/errors.hpp"
 #include "host/commands/commands.hpp"
 #include "host/commands/print.hpp"
 #include "host/device/backend.hpp"
-#include "host/errors.hpp"
-#include "host/interruption.hpp"
+#include "host/system/interruption.hpp"
 
 namespace ra2d {
 namespace {

@@ -11,19 +11,19 @@
 #include <string>
 #include <vector>
 
-#include "host/blocks.hpp"
+#include "host/base/errors.hpp"
+#include "host/base/text.hpp"
 #include "host/commands/commands.hpp"
 #include "host/commands/options.hpp"
 #include "host/commands/print.hpp"
-#include "host/errors.hpp"
-#include "host/input_file.hpp"
-#include "host/output_file.hpp"
-#include "host/partial_file.hpp"
 #include "host/scene/names.hpp"
 #include "host/scene_file/scene_file.hpp"
 #include "host/surface/random_profile.hpp"
 #include "host/surface/surface.hpp"
-#include "host/text.hpp"
+#include "host/system/blocks.hpp"
+#include "host/system/input_file.hpp"
+#include "host/system/output_file.hpp"
+#include "host/system/partial_file.hpp"
 
 namespace ra2d {
 namespace {

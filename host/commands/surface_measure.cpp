@@ -12,13 +12,13 @@
 #include <utility>
 #include <vector>
 
+#include "host/base/errors.hpp"
+#include "host/base/text.hpp"
 #include "host/commands/commands.hpp"
 #include "host/commands/options.hpp"
 #include "host/commands/print.hpp"
 #include "host/commands/profile_options.hpp"
-#include "host/errors.hpp"
 #include "host/surface/measure.hpp"
-#include "host/text.hpp"
 
 namespace ra2d {
 namespace {

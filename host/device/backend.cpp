@@ -11,11 +11,11 @@
 #include <omp.h>
 #endif
 
+#include "host/base/errors.hpp"
 #include "host/device/cuda_device.hpp"
 #include "host/device/device.hpp"
 #include "host/device/launch.hpp"
-#include "host/errors.hpp"
-#include "host/host_threads.hpp"
+#include "host/system/host_threads.hpp"
 #include "kernels/lanes.hpp"
 
 namespace ra2d {

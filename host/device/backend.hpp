@@ -32,7 +32,7 @@ std::size_t backend_room();
 /// Scenes that are marched at one moment: as many as there are threads, on a GPU as its registers hold.
 int scenes_at_once();
 
-/// Calls `work` for 0, ..., count - 1 on the host's threads (host/host_threads.hpp): who is done takes the next.
+/// Calls `work` for 0, ..., count - 1 on the host's threads (host/system/host_threads.hpp): who is done takes the next.
 /// Rethrows the first exception once all that were begun have ended.
 void side_by_side(int count, const std::function<void(int)>& work);
 

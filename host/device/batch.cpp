@@ -17,14 +17,14 @@
 #include <type_traits>
 #include <utility>
 
+#include "host/base/errors.hpp"
 #include "host/device/backend.hpp"
 #include "host/device/device.hpp"
 #include "host/device/fill.hpp"
 #include "host/device/marches.hpp"
 #include "host/device/memory.hpp"
 #include "host/device/scene_memory.hpp"
-#include "host/errors.hpp"
-#include "host/interruption.hpp"
+#include "host/system/interruption.hpp"
 #include "kernels/limits.hpp"
 
 namespace ra2d {

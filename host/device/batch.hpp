@@ -62,7 +62,7 @@ class Batch {
   void empty(int slot);
 
   /// One launch: each running scene goes on to its own target, its end, a full buffer, an interrupt
-  /// (host/interruption.hpp; not on a GPU, which finishes its launch) or a failure. `marched` is called
+  /// (host/system/interruption.hpp; not on a GPU, which finishes its launch) or a failure. `marched` is called
   /// for each of them once it has been marched, on a CPU by the thread that did: it may drain the slot
   /// and fill it anew. A scene without room for its contacts has stopped short, and has more room the
   /// next time. Rethrows what `marched` throws.

@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "host/errors.hpp"
+#include "host/base/errors.hpp"
 
 #if defined(KOKKOS_ENABLE_CUDA)
 #include <algorithm>

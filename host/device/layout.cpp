@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/errors.hpp"
+#include "host/base/errors.hpp"
 #include "host/model/bounds.hpp"
 #include "host/scene/schemes.hpp"
 

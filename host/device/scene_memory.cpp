@@ -8,7 +8,7 @@
 #include <fstream>
 #include <string_view>
 
-#include "host/hash.hpp"
+#include "host/base/hash.hpp"
 
 namespace ra2d {
 

@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "host/base/errors.hpp"
 #include "host/device/backend.hpp"
-#include "host/errors.hpp"
 #include "host/plan/plan.hpp"
 #include "host/result/level.hpp"
 #include "host/result/record.hpp"

@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/errors.hpp"
+#include "host/base/errors.hpp"
 #include "host/model/contact_program.hpp"
 #include "host/model/model.hpp"
 

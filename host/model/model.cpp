@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "host/errors.hpp"
+#include "host/base/errors.hpp"
 #include "host/model/doubts.hpp"
 #include "host/scene/schemes.hpp"
 #include "host/surface/surface.hpp"

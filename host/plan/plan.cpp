@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "host/format.hpp"
+#include "host/base/format.hpp"
 #include "host/scene/names.hpp"
 #include "host/scene/schemes.hpp"
 

@@ -6,10 +6,10 @@
 #include <cctype>
 #include <system_error>
 
-#include "host/errors.hpp"
-#include "host/partial_file.hpp"
-#include "host/process.hpp"
-#include "host/text.hpp"
+#include "host/base/errors.hpp"
+#include "host/base/text.hpp"
+#include "host/system/partial_file.hpp"
+#include "host/system/process.hpp"
 
 namespace ra2d {
 namespace {

@@ -10,10 +10,10 @@
 #include <span>
 #include <vector>
 
+#include "host/base/text.hpp"
 #include "host/plot/envelope.hpp"
 #include "host/surface/form.hpp"
 #include "host/surface/profile_filter.hpp"
-#include "host/text.hpp"
 
 namespace ra2d {
 namespace {

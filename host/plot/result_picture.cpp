@@ -12,12 +12,12 @@
 
 #include "host/analysis/analysis.hpp"
 #include "host/analysis/bands.hpp"
-#include "host/errors.hpp"
+#include "host/base/errors.hpp"
+#include "host/base/text.hpp"
 #include "host/plot/envelope.hpp"
 #include "host/result/level.hpp"
 #include "host/scene_file/scene_file.hpp"
 #include "host/store/result_reader.hpp"
-#include "host/text.hpp"
 
 namespace ra2d {
 namespace {

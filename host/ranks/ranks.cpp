@@ -10,8 +10,8 @@
 #include <filesystem>
 #include <system_error>
 
-#include "host/errors.hpp"
-#include "host/process.hpp"
+#include "host/base/errors.hpp"
+#include "host/system/process.hpp"
 
 namespace ra2d {
 namespace {

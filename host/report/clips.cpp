@@ -8,7 +8,7 @@
 #include <memory>
 #include <optional>
 
-#include "host/errors.hpp"
+#include "host/base/errors.hpp"
 #include "host/report/html.hpp"
 #include "host/sound/sound.hpp"
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "host/text.hpp"
+#include "host/base/text.hpp"
 
 namespace ra2d {
 namespace {

@@ -3,9 +3,9 @@
 
 #include <fmt/format.h>
 
+#include "host/base/version.hpp"
 #include "host/report/html.hpp"
 #include "host/report/page_style.hpp"
-#include "host/version.hpp"
 
 namespace ra2d {
 

@@ -12,7 +12,8 @@
 #include "host/analysis/bands.hpp"
 #include "host/analysis/several.hpp"
 #include "host/analysis/stretch.hpp"
-#include "host/hash.hpp"
+#include "host/base/hash.hpp"
+#include "host/base/text.hpp"
 #include "host/report/asked.hpp"
 #include "host/report/clips.hpp"
 #include "host/report/folders.hpp"
@@ -21,7 +22,6 @@
 #include "host/report/pictures.hpp"
 #include "host/result/level.hpp"
 #include "host/store/result_reader.hpp"
-#include "host/text.hpp"
 
 namespace ra2d {
 namespace {

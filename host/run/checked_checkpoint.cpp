@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "host/errors.hpp"
+#include "host/base/errors.hpp"
 #include "host/run/checkpoint.hpp"
 #include "host/store/checked_file.hpp"
 #include "host/store/sealed_file.hpp"

@@ -6,12 +6,12 @@
 #include <iterator>
 #include <utility>
 
+#include "host/base/errors.hpp"
+#include "host/base/text.hpp"
+#include "host/base/version.hpp"
 #include "host/device/backend.hpp"
-#include "host/errors.hpp"
 #include "host/run/run_key.hpp"
 #include "host/store/sealed_file.hpp"
-#include "host/text.hpp"
-#include "host/version.hpp"
 
 namespace ra2d {
 namespace {

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <system_error>
 
-#include "host/errors.hpp"
+#include "host/base/errors.hpp"
 #include "host/plan/plan.hpp"
 
 namespace ra2d {

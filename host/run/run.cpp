@@ -12,8 +12,8 @@
 #include <system_error>
 #include <utility>
 
-#include "host/errors.hpp"
-#include "host/interruption.hpp"
+#include "host/base/errors.hpp"
+#include "host/base/text.hpp"
 #include "host/plan/plan.hpp"
 #include "host/run/disk_room.hpp"
 #include "host/run/result_header.hpp"
@@ -23,7 +23,7 @@
 #include "host/run/simulation.hpp"
 #include "host/scene_file/scene_file.hpp"
 #include "host/store/result_reader.hpp"
-#include "host/text.hpp"
+#include "host/system/interruption.hpp"
 
 namespace ra2d {
 namespace {

@@ -36,7 +36,7 @@ struct RunOptions {
   std::function<void(const std::string&)> tell;
 };
 
-/// Runs a scene to its end, an interrupt (host/interruption.hpp), its wall time or a failure, and writes the
+/// Runs a scene to its end, an interrupt (host/system/interruption.hpp), its wall time or a failure, and writes the
 /// result file in every case (marked when it was cut short). What an interrupt, the wall time, a kill or a
 /// disk cut short goes on from its last checkpoint when it is run again, to the same bits as if nothing had
 /// happened. A result that has this run already stays. Any other that is finished, or that was interrupted,

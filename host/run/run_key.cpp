@@ -5,10 +5,10 @@
 
 #include <sstream>
 
+#include "host/base/hash.hpp"
+#include "host/base/text.hpp"
 #include "host/device/backend.hpp"
-#include "host/hash.hpp"
 #include "host/scene_file/scene_file.hpp"
-#include "host/text.hpp"
 
 namespace ra2d {
 

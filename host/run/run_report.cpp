@@ -7,8 +7,8 @@
 #include <cmath>
 #include <limits>
 
-#include "host/errors.hpp"
-#include "host/format.hpp"
+#include "host/base/errors.hpp"
+#include "host/base/format.hpp"
 #include "host/plan/plan.hpp"
 #include "host/result/level.hpp"
 #include "host/scene/schemes.hpp"

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "host/device/backend.hpp"
-#include "host/interruption.hpp"
+#include "host/system/interruption.hpp"
 
 namespace ra2d {
 namespace {

@@ -99,7 +99,7 @@ struct SimulationOptions {
 };
 
 /// Marches scenes side by side, each on its own clock, until all are over or the program is
-/// interrupted (host/interruption.hpp). A scene for which there is no memory beside the others waits for
+/// interrupted (host/system/interruption.hpp). A scene for which there is no memory beside the others waits for
 /// theirs.
 class Simulation {
  public:

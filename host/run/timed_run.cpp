@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "host/device/backend.hpp"
-#include "host/interruption.hpp"
 #include "host/result/energy.hpp"
+#include "host/system/interruption.hpp"
 
 namespace ra2d {
 namespace {

@@ -9,8 +9,8 @@
 #include <map>
 #include <optional>
 
-#include "host/errors.hpp"
-#include "host/format.hpp"
+#include "host/base/errors.hpp"
+#include "host/base/format.hpp"
 #include "host/plan/plan.hpp"
 #include "host/savings/trials.hpp"
 #include "host/scene/schemes.hpp"

@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/base/errors.hpp"
+#include "host/base/format.hpp"
 #include "host/device/backend.hpp"
-#include "host/errors.hpp"
-#include "host/format.hpp"
 #include "host/plan/plan.hpp"
 #include "host/savings/trials.hpp"
 #include "host/scene/schemes.hpp"

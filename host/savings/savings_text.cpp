@@ -6,13 +6,13 @@
 #include <sstream>
 #include <utility>
 
-#include "host/format.hpp"
+#include "host/base/format.hpp"
+#include "host/base/text.hpp"
 #include "host/plan/plan.hpp"
 #include "host/savings/savings.hpp"
 #include "host/scene/names.hpp"
 #include "host/scene/schemes.hpp"
 #include "host/scene_file/scene_file.hpp"
-#include "host/text.hpp"
 
 namespace ra2d {
 namespace {

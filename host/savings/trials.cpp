@@ -7,9 +7,9 @@
 #include <cmath>
 #include <utility>
 
+#include "host/base/errors.hpp"
+#include "host/base/format.hpp"
 #include "host/device/backend.hpp"
-#include "host/errors.hpp"
-#include "host/format.hpp"
 
 namespace ra2d {
 namespace {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "host/errors.hpp"
+#include "host/base/errors.hpp"
 #include "kernels/nodes.hpp"
 
 /// A scene: what the user asked for, complete and checked. All in SI units.

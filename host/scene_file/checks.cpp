@@ -6,11 +6,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/base/text.hpp"
 #include "host/beam/beam.hpp"
 #include "host/scene/names.hpp"
 #include "host/scene/schemes.hpp"
 #include "host/surface/measure.hpp"
-#include "host/text.hpp"
 #include "kernels/limits.hpp"
 
 namespace ra2d {

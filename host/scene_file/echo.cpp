@@ -3,11 +3,11 @@
 
 #include <iterator>
 
+#include "host/base/text.hpp"
 #include "host/scene/hertz.hpp"
 #include "host/scene/names.hpp"
 #include "host/scene/schemes.hpp"
 #include "host/scene_file/scene_file.hpp"
-#include "host/text.hpp"
 
 namespace ra2d {
 namespace {

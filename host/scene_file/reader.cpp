@@ -9,9 +9,9 @@
 #include <sstream>
 #include <utility>
 
-#include "host/errors.hpp"
+#include "host/base/errors.hpp"
+#include "host/base/text.hpp"
 #include "host/scene_file/toml.hpp"
-#include "host/text.hpp"
 
 namespace ra2d {
 namespace {

@@ -7,8 +7,8 @@
 #include <map>
 #include <memory>
 
-#include "host/errors.hpp"
-#include "host/input_file.hpp"
+#include "host/base/errors.hpp"
+#include "host/base/text.hpp"
 #include "host/scene/hertz.hpp"
 #include "host/scene/names.hpp"
 #include "host/scene/schemes.hpp"
@@ -17,7 +17,7 @@
 #include "host/scene_file/unit_doubts.hpp"
 #include "host/surface/form.hpp"
 #include "host/surface/profile.hpp"
-#include "host/text.hpp"
+#include "host/system/input_file.hpp"
 
 namespace ra2d {
 namespace {

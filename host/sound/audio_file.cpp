@@ -11,7 +11,7 @@
 #include <cstring>
 #include <utility>
 
-#include "host/partial_file.hpp"
+#include "host/system/partial_file.hpp"
 
 namespace ra2d {
 namespace {

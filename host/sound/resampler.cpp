@@ -9,7 +9,7 @@
 #include <new>
 #include <stdexcept>
 
-#include "host/errors.hpp"
+#include "host/base/errors.hpp"
 
 namespace ra2d {
 namespace {

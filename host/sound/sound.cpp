@@ -13,10 +13,10 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
-#include "host/errors.hpp"
-#include "host/partial_file.hpp"
-#include "host/text.hpp"
-#include "host/version.hpp"
+#include "host/base/errors.hpp"
+#include "host/base/text.hpp"
+#include "host/base/version.hpp"
+#include "host/system/partial_file.hpp"
 
 namespace ra2d {
 namespace {

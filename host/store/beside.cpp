@@ -15,11 +15,11 @@
 #include <system_error>
 #include <utility>
 
-#include "host/errors.hpp"
-#include "host/input_file.hpp"
-#include "host/output_file.hpp"
+#include "host/base/errors.hpp"
 #include "host/store/result_reader.hpp"
 #include "host/store/seal.hpp"
+#include "host/system/input_file.hpp"
+#include "host/system/output_file.hpp"
 
 namespace ra2d {
 namespace {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "host/errors.hpp"
-#include "host/partial_file.hpp"
+#include "host/base/errors.hpp"
+#include "host/system/partial_file.hpp"
 
 /// What stands beside a result while it is made (docs/results.md).
 namespace ra2d {

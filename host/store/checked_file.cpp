@@ -9,14 +9,14 @@
 #include <string_view>
 #include <system_error>
 
-#include "host/asked_child.hpp"
-#include "host/errors.hpp"
-#include "host/hash.hpp"
+#include "host/base/errors.hpp"
+#include "host/base/hash.hpp"
+#include "host/base/text.hpp"
 #include "host/store/hdf5.hpp"
 #include "host/store/result_reader.hpp"
 #include "host/store/seal.hpp"
 #include "host/store/table.hpp"
-#include "host/text.hpp"
+#include "host/system/asked_child.hpp"
 
 namespace ra2d {
 namespace {

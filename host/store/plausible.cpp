@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/errors.hpp"
+#include "host/base/errors.hpp"
 #include "host/result/level.hpp"
 #include "host/scene_file/scene_file.hpp"
 

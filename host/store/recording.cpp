@@ -9,12 +9,12 @@
 #include <system_error>
 #include <utility>
 
-#include "host/errors.hpp"
-#include "host/hash.hpp"
-#include "host/input_file.hpp"
-#include "host/partial_file.hpp"
+#include "host/base/errors.hpp"
+#include "host/base/hash.hpp"
 #include "host/store/result_reader.hpp"
 #include "host/store/table.hpp"
+#include "host/system/input_file.hpp"
+#include "host/system/partial_file.hpp"
 
 namespace ra2d {
 namespace {

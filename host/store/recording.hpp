@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "host/input_file.hpp"
 #include "host/result/record.hpp"
 #include "host/store/beside.hpp"
 #include "host/store/store.hpp"
+#include "host/system/input_file.hpp"
 
 namespace ra2d {
 

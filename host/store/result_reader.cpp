@@ -11,14 +11,14 @@
 #include <string_view>
 #include <utility>
 
-#include "host/errors.hpp"
-#include "host/input_file.hpp"
+#include "host/base/errors.hpp"
+#include "host/base/text.hpp"
 #include "host/store/entries.hpp"
 #include "host/store/hdf5.hpp"
 #include "host/store/plausible.hpp"
 #include "host/store/seal.hpp"
 #include "host/store/table.hpp"
-#include "host/text.hpp"
+#include "host/system/input_file.hpp"
 
 namespace ra2d {
 namespace {

@@ -16,9 +16,9 @@
 #include <set>
 #include <utility>
 
-#include "host/asked_child.hpp"
-#include "host/hash.hpp"
-#include "host/input_file.hpp"
+#include "host/base/hash.hpp"
+#include "host/system/asked_child.hpp"
+#include "host/system/input_file.hpp"
 
 namespace ra2d {
 namespace {

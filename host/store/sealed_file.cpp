@@ -10,10 +10,10 @@
 #include <cstring>
 #include <string_view>
 
-#include "host/errors.hpp"
-#include "host/hash.hpp"
-#include "host/input_file.hpp"
-#include "host/partial_file.hpp"
+#include "host/base/errors.hpp"
+#include "host/base/hash.hpp"
+#include "host/system/input_file.hpp"
+#include "host/system/partial_file.hpp"
 
 namespace ra2d {
 namespace {

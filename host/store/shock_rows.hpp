@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/hash.hpp"
+#include "host/base/hash.hpp"
 #include "host/result/record.hpp"
 #include "host/store/store.hpp"
 #include "host/store/table.hpp"

@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "host/errors.hpp"
+#include "host/base/errors.hpp"
 #include "host/store/buffer.hpp"
 #include "host/store/entries.hpp"
 #include "host/store/unfinished_file.hpp"

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "host/input_file.hpp"
 #include "host/result/level.hpp"
 #include "host/result/record.hpp"
+#include "host/system/input_file.hpp"
 
 /// The result file (docs/results.md).
 namespace ra2d {

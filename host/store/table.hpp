@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/hash.hpp"
+#include "host/base/hash.hpp"
 #include "host/store/attributes.hpp"
 #include "host/store/entries.hpp"
 #include "host/store/hdf5.hpp"

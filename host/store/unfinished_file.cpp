@@ -13,9 +13,9 @@
 #include <cstdint>
 #include <utility>
 
-#include "host/errors.hpp"
+#include "host/base/errors.hpp"
+#include "host/base/version.hpp"
 #include "host/store/seal.hpp"
-#include "host/version.hpp"
 
 namespace ra2d {
 namespace {

@@ -6,14 +6,14 @@
 #include <string>
 #include <vector>
 
-#include "host/input_file.hpp"
-#include "host/partial_file.hpp"
 #include "host/store/buffer.hpp"
 #include "host/store/hdf5.hpp"
 #include "host/store/read_back.hpp"
 #include "host/store/shock_rows.hpp"
 #include "host/store/store.hpp"
 #include "host/store/table.hpp"
+#include "host/system/input_file.hpp"
+#include "host/system/partial_file.hpp"
 
 namespace ra2d {
 

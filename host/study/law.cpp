@@ -11,7 +11,7 @@
 #include <numeric>
 
 #include "host/analysis/distributions.hpp"
-#include "host/errors.hpp"
+#include "host/base/errors.hpp"
 #include "host/result/level.hpp"
 #include "host/study/clusters.hpp"
 #include "host/study/straight_line.hpp"

@@ -6,10 +6,10 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "host/errors.hpp"
+#include "host/base/errors.hpp"
+#include "host/base/text.hpp"
 #include "host/result/level.hpp"
 #include "host/study/law.hpp"
-#include "host/text.hpp"
 
 namespace ra2d {
 namespace {

@@ -13,10 +13,10 @@
 #include <system_error>
 #include <utility>
 
-#include "host/errors.hpp"
-#include "host/hash.hpp"
-#include "host/partial_file.hpp"
-#include "host/text.hpp"
+#include "host/base/errors.hpp"
+#include "host/base/hash.hpp"
+#include "host/base/text.hpp"
+#include "host/system/partial_file.hpp"
 
 namespace ra2d {
 namespace {
@@ -29,7 +29,7 @@ constexpr std::size_t head_size = 16, hash_size = 16;
 constexpr std::size_t most_body = 1 << 20, longest_text = 8000;
 constexpr std::size_t most_bytes = std::size_t{1} << 34;
 
-/// Numbers as they stand in memory: little-endian (host/hash.hpp).
+/// Numbers as they stand in memory: little-endian (host/base/hash.hpp).
 template <class Number>
 void put(std::string& bytes, Number number) {
   const auto raw = std::bit_cast<std::array<char, sizeof number>>(number);

@@ -7,12 +7,12 @@
 #include <string_view>
 #include <vector>
 
+#include "host/base/errors.hpp"
+#include "host/base/hash.hpp"
 #include "host/device/backend.hpp"
-#include "host/errors.hpp"
-#include "host/hash.hpp"
-#include "host/input_file.hpp"
 #include "host/run/run_key.hpp"
 #include "host/scene_file/scene_file.hpp"
+#include "host/system/input_file.hpp"
 
 namespace ra2d {
 namespace {

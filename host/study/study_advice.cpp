@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "host/errors.hpp"
+#include "host/base/errors.hpp"
 #include "host/model/doubts.hpp"
 
 namespace ra2d {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <filesystem>
 
-#include "host/errors.hpp"
+#include "host/base/errors.hpp"
 #include "host/run/checked_checkpoint.hpp"
 #include "host/store/checked_file.hpp"
 #include "host/store/result_reader.hpp"

@@ -10,9 +10,9 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "host/errors.hpp"
+#include "host/base/errors.hpp"
+#include "host/base/text.hpp"
 #include "host/scene_file/reader.hpp"
-#include "host/text.hpp"
 
 namespace ra2d {
 namespace {

@@ -10,9 +10,9 @@
 #include <cstring>
 #include <system_error>
 
-#include "host/errors.hpp"
-#include "host/input_file.hpp"
-#include "host/partial_file.hpp"
+#include "host/base/errors.hpp"
+#include "host/system/input_file.hpp"
+#include "host/system/partial_file.hpp"
 
 namespace ra2d {
 

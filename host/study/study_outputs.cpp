@@ -9,11 +9,11 @@
 #include <system_error>
 #include <utility>
 
-#include "host/errors.hpp"
-#include "host/input_file.hpp"
-#include "host/output_file.hpp"
+#include "host/base/errors.hpp"
 #include "host/study/ledger.hpp"
 #include "host/study/study_table.hpp"
+#include "host/system/input_file.hpp"
+#include "host/system/output_file.hpp"
 
 namespace ra2d {
 namespace {

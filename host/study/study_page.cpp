@@ -10,7 +10,7 @@
 #include <optional>
 #include <vector>
 
-#include "host/errors.hpp"
+#include "host/base/errors.hpp"
 #include "host/report/folders.hpp"
 #include "host/report/html.hpp"
 #include "host/report/page.hpp"

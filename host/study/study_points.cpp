@@ -15,12 +15,12 @@
 #include <unordered_set>
 #include <utility>
 
-#include "host/blocks.hpp"
-#include "host/errors.hpp"
-#include "host/host_threads.hpp"
+#include "host/base/errors.hpp"
 #include "host/plan/expected_work.hpp"
 #include "host/scene_file/reader.hpp"
 #include "host/scene_file/scene_file.hpp"
+#include "host/system/blocks.hpp"
+#include "host/system/host_threads.hpp"
 
 namespace ra2d {
 namespace {

@@ -15,14 +15,14 @@
 #include <system_error>
 #include <utility>
 
-#include "host/errors.hpp"
-#include "host/hash.hpp"
-#include "host/input_file.hpp"
-#include "host/partial_file.hpp"
+#include "host/base/errors.hpp"
+#include "host/base/hash.hpp"
+#include "host/base/version.hpp"
 #include "host/store/attributes.hpp"
 #include "host/store/hdf5.hpp"
 #include "host/store/seal.hpp"
-#include "host/version.hpp"
+#include "host/system/input_file.hpp"
+#include "host/system/partial_file.hpp"
 
 namespace ra2d {
 namespace {

@@ -22,9 +22,8 @@
 #include <stdexcept>
 #include <thread>
 
+#include "host/base/errors.hpp"
 #include "host/device/backend.hpp"
-#include "host/errors.hpp"
-#include "host/interruption.hpp"
 #include "host/model/model.hpp"
 #include "host/plan/plan.hpp"
 #include "host/result/level.hpp"
@@ -34,6 +33,7 @@
 #include "host/run/run_key.hpp"
 #include "host/run/run_report.hpp"
 #include "host/run/simulation.hpp"
+#include "host/system/interruption.hpp"
 #include "kernels/limits.hpp"
 
 namespace ra2d {

@@ -61,7 +61,7 @@ struct StudyOutcome {
   bool out_of_time = false;      // cut off by StudyOptions::most_wall
 };
 
-/// Runs the jobs to their end, an interrupt (host/interruption.hpp) or the wall time, on each of the backend's
+/// Runs the jobs to their end, an interrupt (host/system/interruption.hpp) or the wall time, on each of the backend's
 /// threads one after the other: threads that shared launches would wait for one another at the end of
 /// each. What ends goes to the ledger at once. A run that fails is recorded and stops nothing. Throws
 /// FileError where that cannot be kept, and what `tick` throws.

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "host/errors.hpp"
+#include "host/base/errors.hpp"
 
 namespace ra2d {
 namespace {

@@ -7,9 +7,9 @@
 #include <numbers>
 #include <utility>
 
-#include "host/blocks.hpp"
 #include "host/surface/portable.hpp"
 #include "host/surface/sum.hpp"
+#include "host/system/blocks.hpp"
 
 namespace ra2d {
 

@@ -7,9 +7,9 @@
 #include <cstddef>
 #include <string>
 
-#include "host/errors.hpp"
+#include "host/base/errors.hpp"
+#include "host/base/text.hpp"
 #include "host/surface/sum.hpp"
-#include "host/text.hpp"
 
 namespace ra2d {
 

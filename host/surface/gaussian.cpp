@@ -9,10 +9,10 @@
 
 #include <cmath>
 
-#include "host/blocks.hpp"
-#include "host/errors.hpp"
+#include "host/base/errors.hpp"
 #include "host/surface/bells.hpp"
 #include "host/surface/portable.hpp"
+#include "host/system/blocks.hpp"
 
 namespace ra2d {
 namespace {

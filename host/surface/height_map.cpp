@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "host/errors.hpp"
+#include "host/base/errors.hpp"
 
 namespace ra2d {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <array>
 
-#include "host/errors.hpp"
+#include "host/base/errors.hpp"
 
 namespace ra2d {
 namespace {

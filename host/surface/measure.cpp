@@ -8,7 +8,7 @@
 #include <span>
 #include <utility>
 
-#include "host/errors.hpp"
+#include "host/base/errors.hpp"
 #include "host/surface/profile_filter.hpp"
 #include "host/surface/sum.hpp"
 

@@ -10,7 +10,7 @@
 #include <span>
 #include <utility>
 
-#include "host/errors.hpp"
+#include "host/base/errors.hpp"
 #include "host/scene/names.hpp"
 #include "host/surface/form.hpp"
 #include "host/surface/measure.hpp"

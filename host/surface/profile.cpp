@@ -6,12 +6,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/errors.hpp"
-#include "host/input_file.hpp"
+#include "host/base/errors.hpp"
 #include "host/surface/profile_lines.hpp"
 #include "host/surface/profile_sdf.hpp"
 #include "host/surface/profile_text.hpp"
 #include "host/surface/profile_x3p.hpp"
+#include "host/system/input_file.hpp"
 
 namespace ra2d {
 namespace {

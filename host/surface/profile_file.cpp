@@ -13,7 +13,7 @@
 #include <string_view>
 #include <utility>
 
-#include "host/errors.hpp"
+#include "host/base/errors.hpp"
 #include "host/surface/profile.hpp"
 #include "host/surface/profile_lines.hpp"
 #include "host/surface/sum.hpp"

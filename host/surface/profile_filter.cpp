@@ -10,7 +10,7 @@
 #include <numbers>
 #include <span>
 
-#include "host/fourier.hpp"
+#include "host/base/fourier.hpp"
 #include "host/surface/sum.hpp"
 
 namespace ra2d {

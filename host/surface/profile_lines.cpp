@@ -11,7 +11,7 @@
 #include <limits>
 #include <utility>
 
-#include "host/errors.hpp"
+#include "host/base/errors.hpp"
 
 namespace ra2d {
 namespace {

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "host/input_file.hpp"
+#include "host/system/input_file.hpp"
 
 /// What the readers of profiles in text share: lines of bounded length, numbers, points that know
 /// their lines, even steps.

@@ -14,7 +14,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "host/errors.hpp"
+#include "host/base/errors.hpp"
 #include "host/surface/areal.hpp"
 #include "host/surface/numbers_in_bytes.hpp"
 #include "host/surface/profile_lines.hpp"

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <utility>
 
-#include "host/errors.hpp"
+#include "host/base/errors.hpp"
 #include "host/surface/profile_lines.hpp"
 
 namespace ra2d {

@@ -10,8 +10,8 @@
 #include <numbers>
 #include <utility>
 
-#include "host/errors.hpp"
-#include "host/fourier.hpp"
+#include "host/base/errors.hpp"
+#include "host/base/fourier.hpp"
 #include "host/surface/bells.hpp"
 #include "host/surface/gaussian.hpp"
 #include "host/surface/height_map.hpp"

@@ -8,7 +8,7 @@
 #include <limits>
 #include <numbers>
 
-#include "host/errors.hpp"
+#include "host/base/errors.hpp"
 #include "host/surface/prepared_face.hpp"
 #include "host/surface/profile_file.hpp"
 #include "host/surface/random_profile.hpp"

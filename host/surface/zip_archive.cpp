@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/errors.hpp"
+#include "host/base/errors.hpp"
 #include "host/surface/areal.hpp"
 #include "host/surface/md5.hpp"
 #include "host/surface/numbers_in_bytes.hpp"

@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "host/errors.hpp"
+#include "host/base/errors.hpp"
 #include "host/study/ledger.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

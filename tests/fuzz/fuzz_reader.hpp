@@ -10,7 +10,7 @@
 #include <filesystem>
 #include <string>
 
-#include "host/errors.hpp"
+#include "host/base/errors.hpp"
 #include "host/surface/profile.hpp"
 
 /// What the fuzzers share: a file in memory, the questions that are asked of it, and what every answer

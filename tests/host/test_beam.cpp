@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "host/base/errors.hpp"
 #include "host/beam/beam.hpp"
-#include "host/errors.hpp"
 #include "host/result/level.hpp"
 
 namespace {

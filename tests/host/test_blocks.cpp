@@ -6,7 +6,7 @@
 #include <thread>
 #include <vector>
 
-#include "host/blocks.hpp"
+#include "host/system/blocks.hpp"
 
 namespace {
 

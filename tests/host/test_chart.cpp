@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
+#include "host/base/errors.hpp"
 #include "host/chart/growth.hpp"
 #include "host/chart/stability_chart.hpp"
-#include "host/errors.hpp"
-#include "host/partial_file.hpp"
 #include "host/plot/draw.hpp"
+#include "host/system/partial_file.hpp"
 #include "tests/child.hpp"
 #include "tests/csv.hpp"
 #include "tests/places.hpp"

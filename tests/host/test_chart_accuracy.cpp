@@ -17,9 +17,9 @@
 
 #include "host/chart/accuracy_chart.hpp"
 #include "host/chart/peers.hpp"
-#include "host/partial_file.hpp"
 #include "host/run/timed_run.hpp"
 #include "host/scene_file/scene_file.hpp"
+#include "host/system/partial_file.hpp"
 #include "tests/child.hpp"
 #include "tests/csv.hpp"
 #include "tests/looks.hpp"

@@ -16,7 +16,7 @@
 #include <thread>
 #include <vector>
 
-#include "host/errors.hpp"
+#include "host/base/errors.hpp"
 #include "host/run/checkpoint.hpp"
 #include "host/store/result_reader.hpp"
 #include "host/store/sealed_file.hpp"

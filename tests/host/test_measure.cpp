@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "host/errors.hpp"
+#include "host/base/errors.hpp"
 #include "host/surface/measure.hpp"
 #include "host/surface/surface.hpp"
 #include "tests/child.hpp"

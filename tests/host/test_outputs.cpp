@@ -20,10 +20,10 @@
 #include <string>
 #include <vector>
 
-#include "host/errors.hpp"
-#include "host/input_file.hpp"
-#include "host/output_file.hpp"
+#include "host/base/errors.hpp"
 #include "host/store/result_reader.hpp"
+#include "host/system/input_file.hpp"
+#include "host/system/output_file.hpp"
 #include "tests/child.hpp"
 #include "tests/places.hpp"
 #include "tests/studies.hpp"

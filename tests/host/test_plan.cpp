@@ -9,7 +9,7 @@
 #include <sstream>
 #include <string>
 
-#include "host/format.hpp"
+#include "host/base/format.hpp"
 #include "host/plan/expected_work.hpp"
 #include "host/scene_file/scene_file.hpp"
 #include "tests/places.hpp"

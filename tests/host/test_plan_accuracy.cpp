@@ -12,13 +12,13 @@
 #include <limits>
 #include <thread>
 
+#include "host/base/errors.hpp"
 #include "host/ensemble/ensemble.hpp"
-#include "host/errors.hpp"
-#include "host/interruption.hpp"
 #include "host/result/level.hpp"
 #include "host/savings/savings.hpp"
 #include "host/scene/schemes.hpp"
 #include "host/scene_file/scene_file.hpp"
+#include "host/system/interruption.hpp"
 #include "tests/child.hpp"
 #include "tests/dice.hpp"
 #include "tests/places.hpp"

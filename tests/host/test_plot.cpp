@@ -14,13 +14,13 @@
 #include <vector>
 
 #include "host/analysis/analysis.hpp"
+#include "host/base/errors.hpp"
 #include "host/chart/chart_files.hpp"
-#include "host/errors.hpp"
-#include "host/partial_file.hpp"
 #include "host/plot/envelope.hpp"
 #include "host/plot/profile_picture.hpp"
 #include "host/plot/result_picture.hpp"
 #include "host/store/store.hpp"
+#include "host/system/partial_file.hpp"
 #include "tests/child.hpp"
 #include "tests/places.hpp"
 

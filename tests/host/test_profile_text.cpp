@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "host/errors.hpp"
+#include "host/base/errors.hpp"
 #include "host/surface/profile.hpp"
 #include "tests/child.hpp"
 

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "host/errors.hpp"
+#include "host/base/errors.hpp"
 #include "host/surface/height_map.hpp"
 
 /// Random profiles against the theory of what was asked for: over many seeds, and on each.

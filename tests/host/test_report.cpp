@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "host/hash.hpp"
+#include "host/base/hash.hpp"
 #include "host/report/folders.hpp"
 #include "host/report/html.hpp"
 #include "host/report/svg_chart.hpp"

@@ -13,7 +13,7 @@
 #include <limits>
 #include <random>
 
-#include "host/errors.hpp"
+#include "host/base/errors.hpp"
 #include "host/scene_file/scene_file.hpp"
 #include "host/store/store.hpp"
 #include "tests/child.hpp"

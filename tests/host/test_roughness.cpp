@@ -11,7 +11,7 @@
 #include <random>
 #include <vector>
 
-#include "host/errors.hpp"
+#include "host/base/errors.hpp"
 #include "host/surface/form.hpp"
 #include "host/surface/profile_filter.hpp"
 #include "host/surface/roughness.hpp"

@@ -13,10 +13,10 @@
 #include <string>
 #include <vector>
 
-#include "host/errors.hpp"
+#include "host/base/errors.hpp"
+#include "host/base/text.hpp"
 #include "host/model/doubts.hpp"
 #include "host/scene_file/scene_file.hpp"
-#include "host/text.hpp"
 #include "tests/child.hpp"
 #include "tests/places.hpp"
 

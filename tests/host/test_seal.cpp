@@ -16,8 +16,8 @@
 #include <string>
 #include <vector>
 
-#include "host/asked_child.hpp"
-#include "host/errors.hpp"
+#include "host/base/errors.hpp"
+#include "host/system/asked_child.hpp"
 #include "tests/child.hpp"
 #include "tests/places.hpp"
 #include "tests/reseal.hpp"

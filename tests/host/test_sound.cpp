@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "host/errors.hpp"
+#include "host/base/errors.hpp"
 #include "host/result/level.hpp"
 #include "host/store/store.hpp"
 #include "tests/child.hpp"

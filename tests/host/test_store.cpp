@@ -21,10 +21,10 @@
 #include <thread>
 #include <utility>
 
-#include "host/errors.hpp"
-#include "host/partial_file.hpp"
+#include "host/base/errors.hpp"
 #include "host/store/store.hpp"
 #include "host/store/writer_thread.hpp"
+#include "host/system/partial_file.hpp"
 #include "tests/child.hpp"
 #include "tests/places.hpp"
 

@@ -15,8 +15,7 @@
 #include <set>
 
 #include "host/analysis/distributions.hpp"
-#include "host/errors.hpp"
-#include "host/partial_file.hpp"
+#include "host/base/errors.hpp"
 #include "host/plan/expected_work.hpp"
 #include "host/result/level.hpp"
 #include "host/run/run_key.hpp"
@@ -28,6 +27,7 @@
 #include "host/study/study_status.hpp"
 #include "host/study/study_table.hpp"
 #include "host/study/study_worker.hpp"
+#include "host/system/partial_file.hpp"
 #include "tests/child.hpp"
 #include "tests/places.hpp"
 #include "tests/studies.hpp"

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "host/errors.hpp"
+#include "host/base/errors.hpp"
 #include "host/surface/gaussian.hpp"
 #include "host/surface/portable.hpp"
 #include "host/surface/surface.hpp"

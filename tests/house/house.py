@@ -15,8 +15,8 @@ import pathlib
 import re
 import sys
 
-# From the ground up. "." are the files of host/ itself.
-HOST = [".", "scene", "surface", "beam", "scene_file", "model", "device", "plan", "result", "store",
+# From the ground up.
+HOST = ["base", "system", "scene", "surface", "beam", "scene_file", "model", "device", "plan", "result", "store",
         "analysis", "sound", "report", "run", "ensemble", "study", "savings", "plot", "chart", "ranks", "commands"]
 KERNELS = ["check", "limits", "nodes", "schemes", "tables", "state", "lanes", "displacement", "gap", "place",
            "group_sweep", "near_groups", "candidates", "shocks", "contact", "fixed", "adaptive", "march"]

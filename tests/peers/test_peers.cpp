@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "bench/peers/peers.hpp"
-#include "host/errors.hpp"
+#include "host/base/errors.hpp"
 #include "host/scene_file/scene_file.hpp"
 #include "tests/places.hpp"
 #include "tests/scenes.hpp"

@@ -13,8 +13,8 @@
 #include <utility>
 #include <vector>
 
+#include "host/base/errors.hpp"
 #include "host/beam/beam.hpp"
-#include "host/errors.hpp"
 #include "kernels/gap.hpp"
 #include "kernels/limits.hpp"
 #include "tests/effort.hpp"

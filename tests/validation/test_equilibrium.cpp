@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "host/errors.hpp"
+#include "host/base/errors.hpp"
 #include "tests/effort.hpp"
 #include "tests/scenes.hpp"
 #include "tests/simulate.hpp"

@@ -14,9 +14,9 @@
 #include <vector>
 
 #include "host/device/device.hpp"
-#include "host/interruption.hpp"
 #include "host/run/launch_length.hpp"
 #include "host/run/simulation.hpp"
+#include "host/system/interruption.hpp"
 #include "tests/looks.hpp"
 #include "tests/scenes.hpp"
 #include "tests/simulate.hpp"

@@ -6,7 +6,7 @@
 namespace ra2d {
 
 /// Calls work(block, first, last) for the blocks of `size` that 0, ..., count - 1 fall into, the last one
-/// shorter, on the threads that the caller may use (host/host_threads.hpp), four at the most. Rethrows the first
+/// shorter, on the threads that the caller may use (host/system/host_threads.hpp), four at the most. Rethrows the first
 /// exception once all have ended.
 void in_blocks(
     std::size_t count, std::size_t size,

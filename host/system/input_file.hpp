@@ -8,7 +8,7 @@
 #include <streambuf>
 #include <string>
 
-#include "host/errors.hpp"
+#include "host/base/errors.hpp"
 
 /// Files that are read. Whoever opens an input opens it here.
 namespace ra2d {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "host/interruption.hpp"
+#include "host/system/interruption.hpp"
 
 #include <atomic>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "host/blocks.hpp"
+#include "host/system/blocks.hpp"
 
 #include <algorithm>
 
-#include "host/host_threads.hpp"
+#include "host/system/host_threads.hpp"
 
 namespace ra2d {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "host/host_threads.hpp"
+#include "host/system/host_threads.hpp"
 
 #include <sched.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "host/version.hpp"
+#include "host/base/version.hpp"
 
 #ifndef RA2D_VERSION
 #define RA2D_VERSION "unknown"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "host/fourier.hpp"
+#include "host/base/fourier.hpp"
 
 #include <fftw3.h>
 

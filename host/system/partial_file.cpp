@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "host/partial_file.hpp"
+#include "host/system/partial_file.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -17,7 +17,7 @@
 #include <system_error>
 #include <utility>
 
-#include "host/output_file.hpp"
+#include "host/system/output_file.hpp"
 
 namespace ra2d {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "host/text.hpp"
+#include "host/base/text.hpp"
 
 #include <fmt/format.h>
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "host/errors.hpp"
+#include "host/base/errors.hpp"
 
 /// Files that appear under their names whole or not at all.
 namespace ra2d {
@@ -16,7 +16,7 @@ namespace ra2d {
 /// Unless publish() is reached, nothing is left. Throws FileError.
 class PartialFile {
  public:
-  /// `target` is followed where it is a symbolic link (host/output_file.hpp).
+  /// `target` is followed where it is a symbolic link (host/system/output_file.hpp).
   explicit PartialFile(const std::filesystem::path& target);
   ~PartialFile() { drop(); }
   PartialFile(const PartialFile&) = delete;

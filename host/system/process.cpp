@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "host/process.hpp"
+#include "host/system/process.hpp"
 
 #include <fcntl.h>
 #include <poll.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "host/input_file.hpp"
+#include "host/system/input_file.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>

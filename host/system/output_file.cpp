@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "host/output_file.hpp"
+#include "host/system/output_file.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -11,9 +11,9 @@
 #include <string_view>
 #include <system_error>
 
-#include "host/errors.hpp"
-#include "host/input_file.hpp"
-#include "host/partial_file.hpp"
+#include "host/base/errors.hpp"
+#include "host/system/input_file.hpp"
+#include "host/system/partial_file.hpp"
 
 namespace ra2d {
 namespace {
