@@ -1,19 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What a simulated second costs with the adaptive scheme, with the error beside it:
 //
-//   OMP_NUM_THREADS=1 bench_adaptive --benchmark_repetitions=5 --benchmark_enable_random_interleaving=true
+//   OMP_NUM_THREADS=1 bench_adaptive --benchmark_repetitions=5
+//   --benchmark_enable_random_interleaving=true
 //
-// Cases, one scene on one thread: second/SCENE/METHOD, both readings of the paper, the adaptive scheme
-// at a ladder of tolerances and the paper's backward Euler and midpoint at its step of 1e-8 s beside
-// it. Counters: wall seconds per simulated second, steps per simulated second, and the relative error
-// of the state just before the 5th shock (energy norm, against a tolerance of 1e-12). `ra2d chart
-// accuracy` draws the whole picture, other integrators included.
+// Cases, one scene on one thread: second/SCENE/METHOD, both readings of the paper, the adaptive
+// scheme at a ladder of tolerances and the paper's backward Euler and midpoint at its step of 1e-8
+// s beside it. Counters: wall seconds per simulated second, steps per simulated second, and the
+// relative error of the state just before the 5th shock (energy norm, against a tolerance of
+// 1e-12). `ra2d chart accuracy` draws the whole picture, other integrators included.
 //
 // Predicted: some 50 000 events (a node that touches or lets go) a second under the free slider, a
-// step each and as many between them, at twenty terms of ten packed operations a node, 0.5 us: 0.05 to
-// 0.1 s. Came out, to 1e-6: 106 000 steps of 1.8 us. In a profile no part takes more than a seventh: the
-// series of the modes first, then looks at the gap, the nodes' expansions, searches for crossings and
-// hulls with about a twentieth each.
+// step each and as many between them, at twenty terms of ten packed operations a node, 0.5 us: 0.05
+// to 0.1 s. Came out, to 1e-6: 106 000 steps of 1.8 us. In a profile no part takes more than a
+// seventh: the series of the modes first, then looks at the gap, the nodes' expansions, searches
+// for crossings and hulls with about a twentieth each.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 

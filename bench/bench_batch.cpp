@@ -15,11 +15,12 @@
 #include "host/run/simulation.hpp"
 #include "host/scene_file/scene_file.hpp"
 
-/// Many scenes of very unequal cost side by side: how far the threads are from sharing the work evenly.
+/// Many scenes of very unequal cost side by side: how far the threads are from sharing the work
+/// evenly.
 ///
 /// 64 scenes, the paper's with the slider free and pinned in turn, adaptive, at speeds from 0.02 to
-/// 0.5 m/s. `work` is what the threads spent on scenes, one after the other [s]; `balance` is wall time
-/// times threads over that: 1 for perfect sharing.
+/// 0.5 m/s. `work` is what the threads spent on scenes, one after the other [s]; `balance` is wall
+/// time times threads over that: 1 for perfect sharing.
 namespace ra2d::bench {
 namespace {
 

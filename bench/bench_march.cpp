@@ -26,13 +26,12 @@
 // Every case but step/ and chain/ starts where the march stands after 20 ms (the small batch: at
 // 0), and makes the same steps at every repetition.
 //
-// On one core of a Zen 4 server, 8 lanes, GCC 12, in ns per step: free/plain 448000, tables 6600, all
-// 1760, candidates 25; pinned/plain 440000, tables 4700, all 1500, candidates 9. A step of flight
-// takes 4.4 where its chain of three operations takes 3.3: three packs nearly hide in one another's
-// wait. A step with two nodes in contact takes 40 where
-// the chain of one node takes 16, for 18 operations, the sum over lanes six of them. Beyond the
-// chain it has the second node, the shapes at the present place, the sliding work and the shock's
-// record.
+// On one core of a Zen 4 server, 8 lanes, GCC 12, in ns per step: free/plain 448000, tables 6600,
+// all 1760, candidates 25; pinned/plain 440000, tables 4700, all 1500, candidates 9. A step of
+// flight takes 4.4 where its chain of three operations takes 3.3: three packs nearly hide in one
+// another's wait. A step with two nodes in contact takes 40 where the chain of one node takes 16,
+// for 18 operations, the sum over lanes six of them. Beyond the chain it has the second node, the
+// shapes at the present place, the sliding work and the shock's record.
 //
 // Debian's benchmark library calls itself a debug build. That does not matter here: stretches of
 // many steps are timed, and the library does nothing within them.

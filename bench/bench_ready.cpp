@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What a scene costs before it is marched:
 //
-//   OMP_NUM_THREADS=1 bench_ready --benchmark_repetitions=5 --benchmark_enable_random_interleaving=true
+//   OMP_NUM_THREADS=1 bench_ready --benchmark_repetitions=5
+//   --benchmark_enable_random_interleaving=true
 //
-// Cases: both readings of the paper, adaptive, each time with other surfaces beside a scene that has the same
-// bodies, as the next run of a study finds it. Counters, in ms of one core: `model` (beams and surfaces), `start`
-// (where it starts: of the free slider the static equilibrium), `tables` (what the march reads) and `second`, the
-// march of one simulated second at a tolerance of 1e-6. `gpu` says how many times faster than this one core a GPU
-// may march beside 16 such cores before they fall behind with making scenes ready: 16 second / (model + start +
-// tables).
+// Cases: both readings of the paper, adaptive, each time with other surfaces beside a scene that
+// has the same bodies, as the next run of a study finds it. Counters, in ms of one core: `model`
+// (beams and surfaces), `start` (where it starts: of the free slider the static equilibrium),
+// `tables` (what the march reads) and `second`, the march of one simulated second at a tolerance of
+// 1e-6. `gpu` says how many times faster than this one core a GPU may march beside 16 such cores
+// before they fall behind with making scenes ready: 16 second / (model + start + tables).
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 

@@ -1,26 +1,27 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What every scheme and both contact laws cost, beside backward Euler in the same run:
 //
-//   OMP_NUM_THREADS=1 bench_schemes --benchmark_repetitions=5 --benchmark_enable_random_interleaving=true
+//   OMP_NUM_THREADS=1 bench_schemes --benchmark_repetitions=5
+//   --benchmark_enable_random_interleaving=true
 //
-// A table of medians stands at the end: nanoseconds per step, per force evaluation (a step's stages),
-// and both over backward Euler's. Cases, one scene on one thread, for each method:
+// A table of medians stands at the end: nanoseconds per step, per force evaluation (a step's
+// stages), and both over backward Euler's. Cases, one scene on one thread, for each method:
 //
 //   flight/...    nothing can touch: a step is one product a mode, whatever the scheme
 //   contact/...   a free slider that does not slide, held at the same two nodes at every step
 //   paper/...     scenes/dang2012.toml after 20 ms of the method's own
 //
-// Predicted before measuring: flight the same for all within the two more operations a mode that the
-// forms without U1 = U0 + tau V1 take; contact in proportion to the stages, a stage without the
+// Predicted before measuring: flight the same for all within the two more operations a mode that
+// the forms without U1 = U0 + tau V1 take; contact in proportion to the stages, a stage without the
 // record cheaper than the first, and dearer by what it sums of the stages before; the implicit
 // variant and multipliers two to three times the explicit force.
 //
 // What came out, on one core of a Zen 4 server with GCC 12: flight 4.4 for backward Euler and
 // midpoint, 4.6 for all others; contact 44 a force, RK8 52, which sums up to ten stages before; on
-// the paper's scene 22 to 26 a force, RK8 30; the implicit variant 2.8 to 3.0 and multipliers 2.45 to
-// 2.6 times backward Euler's step there. In contact runs differ: backward Euler 39 to 44, exact 47 and
-// at times 66. The first version of the staged step took 60 in contact where it now
-// takes 47: it kept room for eleven stages where there is one.
+// the paper's scene 22 to 26 a force, RK8 30; the implicit variant 2.8 to 3.0 and multipliers 2.45
+// to 2.6 times backward Euler's step there. In contact runs differ: backward Euler 39 to 44, exact
+// 47 and at times 66. The first version of the staged step took 60 in contact where it now takes
+// 47: it kept room for eleven stages where there is one.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 

@@ -4,18 +4,19 @@
 //   bench_throughput --benchmark_out=FILE.json             in a bundle: ra2d_bench throughput ...
 //   bench/throughput.py GPU.json ONE_CORE.json ALL_CORES.json
 //
-// Cases: METHOD/PAPER/SCENES, both readings of the paper with other surfaces in every scene, from t = 0 on: the
-// adaptive scheme at 1e-6 over a second, and the paper's backward Euler at 10 ns over 10 ms, with samples at 10 kHz;
-// and the former with samples at 100 kHz, which are 56 MB for each second that is simulated. They are run as a study
-// runs them: on a GPU two crews take turns, on a CPU each thread has its scenes.
-// Counters: `simulated`, seconds simulated in a second of wall time from the first launch to the last one; `shocks`
-// begun in such a second; `whole`, seconds simulated in a second of all that it takes, making scenes ready
-// included; `at_once`, scenes that one launch marched.
+// Cases: METHOD/PAPER/SCENES, both readings of the paper with other surfaces in every scene, from t
+// = 0 on: the adaptive scheme at 1e-6 over a second, and the paper's backward Euler at 10 ns over
+// 10 ms, with samples at 10 kHz; and the former with samples at 100 kHz, which are 56 MB for each
+// second that is simulated. They are run as a study runs them: on a GPU two crews take turns, on a
+// CPU each thread has its scenes. Counters: `simulated`, seconds simulated in a second of wall time
+// from the first launch to the last one; `shocks` begun in such a second; `whole`, seconds
+// simulated in a second of all that it takes, making scenes ready included; `at_once`, scenes that
+// one launch marched.
 //
-// Predicted for an H200 (nothing of it was run): it marches 1056 scenes at a moment. A step is a chain of some 1000
-// dependent operations of the adaptive scheme and of some 40 of a fixed step in flight, four times as long each as
-// on a core; so 1056/4 times one core, where memory and divergence let it. 150 times is asked for with the adaptive
-// scheme, 300 times with fixed steps.
+// Predicted for an H200 (nothing of it was run): it marches 1056 scenes at a moment. A step is a
+// chain of some 1000 dependent operations of the adaptive scheme and of some 40 of a fixed step in
+// flight, four times as long each as on a core; so 1056/4 times one core, where memory and
+// divergence let it. 150 times is asked for with the adaptive scheme, 300 times with fixed steps.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 

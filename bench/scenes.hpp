@@ -19,8 +19,8 @@ struct Prepared {
   ModalStart start;
 };
 
-/// The scene, marched the paper's own way unless another method is asked for. `variant` > 0 stands for the same
-/// with other surfaces.
+/// The scene, marched the paper's own way unless another method is asked for. `variant` > 0 stands
+/// for the same with other surfaces.
 Scene scene_of(Paper paper, int variant = 0, const Method& method = {});
 
 /// ... at t = 0.

@@ -21,22 +21,21 @@
 ///
 ///   A = sum_k max|psi_k| (pull_k (E_k + t push_k) + push_k),   E_k^2 = V_k^2 + omega_k^2 U_k^2,
 ///
-/// where the scheme's step gives pull_k, for backward Euler (1 + 2 zeta) omega_k at the most, and the
-/// outer forces with it push_k (host/model/step_bounds.hpp: the bound holds for a number of steps, at
-/// all their stages, of stable and unstable schemes); the node's own way over the bent beam adds the
-/// curvature
-/// B = 2 V sum_k max|psi_k'| |V_k| + V^2 sum_k max|psi_k''| |U_k|. So no node touches before the
-/// smallest root of o + rate t + (A + B) t^2/2 = 0. Until then the march flies: it advances the
-/// modes, nothing else.
+/// where the scheme's step gives pull_k, for backward Euler (1 + 2 zeta) omega_k at the most, and
+/// the outer forces with it push_k (host/model/step_bounds.hpp: the bound holds for a number of
+/// steps, at all their stages, of stable and unstable schemes); the node's own way over the bent
+/// beam adds the curvature B = 2 V sum_k max|psi_k'| |V_k| + V^2 sum_k max|psi_k''| |U_k|. So no
+/// node touches before the smallest root of o + rate t + (A + B) t^2/2 = 0. Until then the march
+/// flies: it advances the modes, nothing else.
 ///
 /// Watch: when that is too short, the nodes that could touch within N steps, if the modes stay
 /// within a leeway rho of their line, are evaluated at every step. While they stay, the contact
 /// force is at most f = kappa chi w sum_n max(0, overlap_n on the line + rho), so they leave the
 /// line by at most (A + f sum_k max|psi_k| yield_k (1 + pull_k t)) t^2/2, yield_k = max|psi_k|/m_k
 /// times the step's own factor: N is the last step at which this is still within rho. Forces that
-/// are found with the end of the step (Form::implicit) have no such bound: there the march sums up what
-/// they have done, and does a step again with every node that could touch when the list would not
-/// have covered it.
+/// are found with the end of the step (Form::implicit) have no such bound: there the march sums up
+/// what they have done, and does a step again with every node that could touch when the list would
+/// not have covered it.
 ///
 /// Near: both draw from a list of groups of nodes that can touch (kernels/near_groups.hpp).
 ///
@@ -200,8 +199,8 @@ class Candidates {
   KOKKOS_FORCEINLINE_FUNCTION double bound(const double* weight, const Real* x) const {
     return weighted_sum<Lanes, K>(lanes_, weight, x);
   }
-  /// The last group is filled up with nodes that do not exist: low as they are, a motion that has run
-  /// away, or is no longer a number, would reach them.
+  /// The last group is filled up with nodes that do not exist: low as they are, a motion that has
+  /// run away, or is no longer a number, would reach them.
   KOKKOS_FORCEINLINE_FUNCTION void list_nodes(int group, std::uint32_t bits, int& count) {
     const int left = t_.nodes - group * width;
     if (left < width) bits &= (1u << left) - 1u;
@@ -244,8 +243,8 @@ class Candidates {
     return b;
   }
 
-  /// Steps until the slider's nodes stand `edge` behind the resonator's, at the most `longest`; less
-  /// than one when they get there within this step.
+  /// Steps until the slider's nodes stand `edge` behind the resonator's, at the most `longest`;
+  /// less than one when they get there within this step.
   KOKKOS_FUNCTION int steps_to(double edge, const Place& place, int longest) const {
     if (t_.advance == 0.0) return longest;
     // short of the crossing by a step and by the roundings of the position

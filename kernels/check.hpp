@@ -2,8 +2,8 @@
 #pragma once
 #include <Kokkos_Core.hpp>
 
-/// RA2D_CHECK(condition): ends the program where a kernel is about to leave an array. In debug builds
-/// alone: what comes from outside was checked before, so a fault here is one of ours.
+/// RA2D_CHECK(condition): ends the program where a kernel is about to leave an array. In debug
+/// builds alone: what comes from outside was checked before, so a fault here is one of ours.
 #if defined(NDEBUG)
 #define RA2D_CHECK(condition) static_cast<void>(0)
 #else

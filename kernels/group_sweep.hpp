@@ -11,17 +11,17 @@
 
 namespace ra2d {
 
-/// Overlaps at groups of nodes, one group after the other: the faces, the slider's modes, and the cubic
-/// of the resonator's displacement on the patch where the group stands. Groups on one patch share the
-/// sums over the modes.
+/// Overlaps at groups of nodes, one group after the other: the faces, the slider's modes, and the
+/// cubic of the resonator's displacement on the patch where the group stands. Groups on one patch
+/// share the sums over the modes.
 template <class Lanes, int K>
 class GroupSweep {
   using Real = typename Lanes::Real;
   static constexpr int width = Lanes::width;
 
  public:
-  /// At the displacements u and, if their rates are asked for, the velocities v. `amplitudes` (two rows
-  /// of lanes) holds them one by one, for the slider's modes.
+  /// At the displacements u and, if their rates are asked for, the velocities v. `amplitudes` (two
+  /// rows of lanes) holds them one by one, for the slider's modes.
   KOKKOS_FORCEINLINE_FUNCTION GroupSweep(const Lanes& lanes, const SceneTables& tables,
                                          const Place& place, double* amplitudes, const Real* u,
                                          const Real* v = nullptr)

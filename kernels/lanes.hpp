@@ -15,16 +15,19 @@
 /// a SIMD register of one thread; on a GPU it is one double in each thread of a warp. A sum over
 /// lanes adds in one fixed tree, so a result does not depend on threads, batch or launch.
 ///
-/// What kernels keep to, so that the lanes of a warp, each of which runs them by itself, come to what a
-/// pack does (tests/warp holds them to it):
+/// What kernels keep to, so that the lanes of a warp, each of which runs them by itself, come to
+/// what a pack does (tests/warp holds them to it):
 ///
-///   Ways      What an `if` or a loop asks is the same in all lanes: it comes from the tables, the state or
-///             a reduction, never from a `Real`. So all lanes come to the same reductions and syncs in
-///             the same order.
-///   Rows      A row of lanes (`load`, `store`) is written by all, each its own place. A lane reads its
+///   Ways      What an `if` or a loop asks is the same in all lanes: it comes from the tables, the
+///   state or
+///             a reduction, never from a `Real`. So all lanes come to the same reductions and syncs
+///             in the same order.
+///   Rows      A row of lanes (`load`, `store`) is written by all, each its own place. A lane reads
+///   its
 ///             own place back as it likes, and another's after a sync.
 ///   Scalars   Any other value of the state is written by the leader alone.
-///   Syncs     One stands between a write and the reads of other lanes, and one between these reads and
+///   Syncs     One stands between a write and the reads of other lanes, and one between these reads
+///   and
 ///             the next write: a lane may be late. What was asked in an `if` was read, too.
 ///   Sums      A reduction brings the lanes together, but orders no memory: it is no sync.
 namespace ra2d {
@@ -107,8 +110,9 @@ struct HostLanes {
 };
 
 #if defined(KOKKOS_ENABLE_CUDA)
-/// Lanes of a GPU team: the threads of one warp. Kokkos' own reductions over them are loops of as many rounds as a
-/// launch says, with branches in them; these are five shuffles each. On the host it compiles and is never called.
+/// Lanes of a GPU team: the threads of one warp. Kokkos' own reductions over them are loops of as
+/// many rounds as a launch says, with branches in them; these are five shuffles each. On the host
+/// it compiles and is never called.
 template <class Member>
 struct WarpLanes {
   using Real = double;

@@ -35,8 +35,8 @@ KOKKOS_FORCEINLINE_FUNCTION double position_rounding(const Place& place) {
 /// Found in two passes. The first takes the highest that the resonator's face has to offer to each
 /// node over the next `width` spacings of the slider's way, and holds for as long; the second
 /// evaluates those of its groups that the modes can have brought near since, and holds until a node
-/// passes another. Neither leaves out a node that could touch, so what they hold sets the cost, never
-/// the answer.
+/// passes another. Neither leaves out a node that could touch, so what they hold sets the cost,
+/// never the answer.
 template <class Lanes, int K>
 class NearGroups {
   using Real = typename Lanes::Real;
@@ -119,7 +119,8 @@ class NearGroups {
     return weighted_sum<Lanes, K>(lanes_, t_.largest_shape, away);
   }
 
-  /// The groups that come within `below` of contact somewhere on the next `width` spacings of the way.
+  /// The groups that come within `below` of contact somewhere on the next `width` spacings of the
+  /// way.
   KOKKOS_FUNCTION void find_far(const Real* u, const Place& place, double below, double slope) {
     far_base_ = place.base;
     far_below_ = below;

@@ -6,8 +6,8 @@
 #include "kernels/lanes.hpp"
 #include "kernels/tables.hpp"
 
-/// Where the slider stands, and the parts of the gap (kernels/gap.hpp) as the kernels evaluate them: for
-/// groups of nodes, one a lane. They work with the overlap -g_n. Single nodes are in
+/// Where the slider stands, and the parts of the gap (kernels/gap.hpp) as the kernels evaluate
+/// them: for groups of nodes, one a lane. They work with the overlap -g_n. Single nodes are in
 /// kernels/contact/node_contact.hpp.
 namespace ra2d {
 

@@ -68,8 +68,8 @@ KOKKOS_INLINE_FUNCTION int merge_shocks(SceneState& s, int a, int b, int new_run
 }
 
 /// Takes in the contact from step `first` to step `last`, in which the same nodes touch: `count` of
-/// them in ascending order, with their forces [N], summed over those steps, and these forces' moments
-/// about the place that is `position` [chi] away from where shocks are measured from.
+/// them in ascending order, with their forces [N], summed over those steps, and these forces'
+/// moments about the place that is `position` [chi] away from where shocks are measured from.
 template <class Moment>
 KOKKOS_INLINE_FUNCTION void join_shocks(SceneState& s, std::int64_t first, std::int64_t last,
                                         double position, int count, const Moment& moment) {

@@ -9,8 +9,8 @@
 /// SceneTables. Five parts, by what becomes of them between two launches:
 ///
 ///   CarriedState   what the next step goes on from: kept, and all that a saved run keeps
-///   Marks          what the caches and the work space hold, -1: nothing, which is what they begin with
-///   Caches         what can be found anew from it: kept, or emptied, with the same answers
+///   Marks          what the caches and the work space hold, -1: nothing, which is what they begin
+///   with Caches         what can be found anew from it: kept, or emptied, with the same answers
 ///   WorkSpace      means nothing between two launches
 ///   HandOut        buffers of what is recorded: emptied after each launch
 namespace ra2d {
@@ -32,7 +32,8 @@ struct Hull {
   double curve;            // on the size of its second derivative
 };
 
-/// Integrals over a stretch of a node's overlap o(x) [m]: of o, x o, and o times its rise along the way.
+/// Integrals over a stretch of a node's overlap o(x) [m]: of o, x o, and o times its rise along the
+/// way.
 struct NodeSums {
   double overlap, moment, work;
 };
@@ -177,8 +178,9 @@ struct WorkSpace {
   double* seen = nullptr;  // (2, near group, 2, lane): overlap and its rate at both ends of a step
 };
 
-/// What is recorded, until the host takes it, and how the scene stands at the end of a launch. The host
-/// reads and a march writes it at one address, on a GPU over its bus: nothing here is read by a march.
+/// What is recorded, until the host takes it, and how the scene stands at the end of a launch. The
+/// host reads and a march writes it at one address, on a GPU over its bus: nothing here is read by
+/// a march.
 struct HandOut {
   double* sample_rows = nullptr;  // see sample::row
   int sample_capacity = 0, sample_count = 0;

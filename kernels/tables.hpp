@@ -7,7 +7,8 @@
 #include "kernels/schemes/mode_step.hpp"
 
 /// The tables of one scene, as the march reads them. Plain data: the pointers point to where the
-/// kernels run. Built and checked on the host (host/model/model.hpp); nothing is checked here again.
+/// kernels run. Built and checked on the host (host/model/model.hpp); nothing is checked here
+/// again.
 ///
 /// Modes. Both bodies' modes stand in one list, one lane each: the resonator's, then the slider's;
 /// the rest of the last pack is zero. Signs are those of docs/model.md, which treats both bodies
@@ -80,10 +81,10 @@ enum FlightRow : int {
 inline constexpr int most_order = 28;
 /// Terms of an overlap's series: the mode shapes along the way are cubics.
 inline constexpr int overlap_terms = most_order + 4;
-/// Points of the Gauss-Legendre rule over an adaptive step. Eight are exact to the 15th power, and off
-/// by 3.6e-10 of the 16th. A motion that carries most of the energy turns by no more than theta = 1.8
-/// as far as the error control lets a series go: of the product of two such the 16th power is below
-/// (2 theta)^16/16! = 4e-5. What turns further is too small a part to matter.
+/// Points of the Gauss-Legendre rule over an adaptive step. Eight are exact to the 15th power, and
+/// off by 3.6e-10 of the 16th. A motion that carries most of the energy turns by no more than theta
+/// = 1.8 as far as the error control lets a series go: of the product of two such the 16th power is
+/// below (2 theta)^16/16! = 4e-5. What turns further is too small a part to matter.
 inline constexpr int gauss_points = 8;
 /// Its places take this much room, padded to any number of lanes; then come the weights.
 inline constexpr int gauss_room = 32;
@@ -218,8 +219,8 @@ struct SceneTables {
 };
 
 /// Every array of the tables, once: its name, where its address stands, and how many values it has.
-/// Who makes room for them, sets their addresses or copies them goes by this list alone. First those that
-/// scenes with equal bodies, schemes and speeds have in common.
+/// Who makes room for them, sets their addresses or copies them goes by this list alone. First
+/// those that scenes with equal bodies, schemes and speeds have in common.
 template <class Visit>
 void visit_shared_arrays(SceneTables& t, const Extents& n, Visit&& visit) {
   const auto lanes = static_cast<std::size_t>(n.lanes);

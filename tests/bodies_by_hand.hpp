@@ -15,9 +15,9 @@
 
 namespace ra2d::test {
 
-/// A resonator whose modes are waves cos(beta (x - crest)), a slider whose modes are given at its nodes,
-/// and flat faces whose heights a test sets node by node. All masses are 1; lengths are in chi, here
-/// 1 m. Every bound in the tables is as tight as it can be.
+/// A resonator whose modes are waves cos(beta (x - crest)), a slider whose modes are given at its
+/// nodes, and flat faces whose heights a test sets node by node. All masses are 1; lengths are in
+/// chi, here 1 m. Every bound in the tables is as tight as it can be.
 struct BodiesByHand {
   /// Of a patch [chi].
   static constexpr double radius_of(int patch_nodes) { return 0.5 * (patch_nodes + width) + 1; }
@@ -27,8 +27,8 @@ struct BodiesByHand {
   };
   using Shape = std::vector<double>;  // at the slider's nodes
 
-  /// Patches of one node keep close to what a test is about. Of wide ones the outermost nodes stand where
-  /// a bound on all of the patch is reached.
+  /// Patches of one node keep close to what a test is about. Of wide ones the outermost nodes stand
+  /// where a bound on all of the patch is reached.
   BodiesByHand(std::vector<Wave> waves, std::vector<Shape> shapes, int nodes, int patch_nodes = 1)
       : waves_{std::move(waves)}, shapes_{std::move(shapes)} {
     const int resonator_nodes = 64 + 3 * patch_nodes;

@@ -31,7 +31,8 @@ class Child {
   /// Exit status, or 1000 + the signal that ended it.
   int wait();
   void send(int signal) const;
-  /// Waits until the process has a handler of its own for the signal; false when it has ended before.
+  /// Waits until the process has a handler of its own for the signal; false when it has ended
+  /// before.
   bool wait_until_it_catches(int signal) const;
   /// Whether it ignores the signal.
   bool ignores(int signal) const;

@@ -9,8 +9,8 @@
 
 #include "tests/simulate.hpp"
 
-/// Comparison to the last bit: also of zeros' signs, and of what is no number. Where two runs differ it
-/// says in which quantity, at which sample, and by how much.
+/// Comparison to the last bit: also of zeros' signs, and of what is no number. Where two runs
+/// differ it says in which quantity, at which sample, and by how much.
 namespace ra2d::test {
 
 inline std::uint64_t bits(double x) { return std::bit_cast<std::uint64_t>(x); }
@@ -26,8 +26,8 @@ struct Axes {
 /// Collects the quantities in which two runs differ.
 class Comparison {
  public:
-  /// Numbers row by row: where the first pair that differs stands, both numbers, how many doubles lie
-  /// between them, and how many pairs differ.
+  /// Numbers row by row: where the first pair that differs stands, both numbers, how many doubles
+  /// lie between them, and how many pairs differ.
   void add(const std::string& name, const std::vector<double>& a, const std::vector<double>& b,
            const Axes& axes = {});
   void add(const std::string& name, double a, double b);

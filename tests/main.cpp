@@ -8,8 +8,8 @@
 #include "tests/separate_device.hpp"
 
 /// One thread, but where threads are the subject (RA2D_TEST_THREADS): two tests that run at a time
-/// with two threads each would keep one another waiting on two cores. RA2D_TEST_SEPARATE_DEVICE: marched on a
-/// device that has memory of its own.
+/// with two threads each would keep one another waiting on two cores. RA2D_TEST_SEPARATE_DEVICE:
+/// marched on a device that has memory of its own.
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);
   const char* threads = std::getenv("RA2D_TEST_THREADS");

@@ -8,8 +8,8 @@
 
 #include "tests/reductions.hpp"
 
-/// Lanes on one thread that are nothing but doubles. To be included before any kernel: these call Kokkos'
-/// functions by their full names.
+/// Lanes on one thread that are nothing but doubles. To be included before any kernel: these call
+/// Kokkos' functions by their full names.
 namespace ra2d::test {
 
 #if defined(RA2D_TEST_PACK_WIDTH)

@@ -16,13 +16,15 @@ std::filesystem::path source_folder();
 /// A file of scenes/ by its name without .toml.
 std::string scene_file(const std::string& name);
 
-/// The library that makes calls to a disk fail and sets the wall clock (tests/faults); empty where none can be loaded.
+/// The library that makes calls to a disk fail and sets the wall clock (tests/faults); empty where
+/// none can be loaded.
 std::string faulty_disk();
 
 /// The mpirun of the MPI that the program was built with; empty where there is none.
 std::string mpirun();
 
-/// A Python with h5py, netCDF4, scipy, xarray and xxhash; empty when RA2D_PYTHON says that there is none.
+/// A Python with h5py, netCDF4, scipy, xarray and xxhash; empty when RA2D_PYTHON says that there is
+/// none.
 std::string python();
 #define RA2D_SKIP_WITHOUT_PYTHON()    \
   if (ra2d::test::python().empty()) { \

@@ -9,12 +9,13 @@
 #include "host/device/device.hpp"
 #include "host/device/marches.hpp"
 
-/// A device on the host, with memory of its own: so that what a batch does for a GPU is tested without one.
+/// A device on the host, with memory of its own: so that what a batch does for a GPU is tested
+/// without one.
 namespace ra2d::test {
 
-/// Its memory can be touched by its own work alone: who else does ends the program. It does nothing until
-/// it is waited for, and begins with any numbers but zeros in its memory. Scenes are marched one after the
-/// other by the marches of the host, so the bits are theirs, or by those of a test.
+/// Its memory can be touched by its own work alone: who else does ends the program. It does nothing
+/// until it is waited for, and begins with any numbers but zeros in its memory. Scenes are marched
+/// one after the other by the marches of the host, so the bits are theirs, or by those of a test.
 class SeparateDevice : public Device {
  public:
   /// Which march a form and a number of packs have.

@@ -44,8 +44,8 @@ step      = 2e-7
 rate = 1e5
 )";
 
-/// All that a study's table holds but how long each run took: its bytes, made anew with no times. Expects that
-/// the program's own table says the same.
+/// All that a study's table holds but how long each run took: its bytes, made anew with no times.
+/// Expects that the program's own table says the same.
 std::string timeless_table(const std::filesystem::path& folder);
 
 }  // namespace ra2d::test

@@ -20,10 +20,10 @@
 #include "host/base/errors.hpp"
 
 /// Contact as a sequence of smooth pieces. Within a piece the set of touching nodes stays: their
-/// springs pull where they would, the other nodes carry nothing. CVODE steps beyond the piece's end,
-/// undisturbed, and finds it as a root: the first open gap that closes or closed one that opens.
-/// From there the integration starts anew. In contact a piece ends at a node crossing, too, where
-/// the face's slope jumps; in flight nothing jumps there.
+/// springs pull where they would, the other nodes carry nothing. CVODE steps beyond the piece's
+/// end, undisturbed, and finds it as a root: the first open gap that closes or closed one that
+/// opens. From there the integration starts anew. In contact a piece ends at a node crossing, too,
+/// where the face's slope jumps; in flight nothing jumps there.
 ///
 /// Two root functions serve all nodes: the largest overlap of the open ones and the least of the
 /// touching ones. One for each would be thousands, each to be searched at every step.

@@ -57,8 +57,8 @@ class Equations {
   int nodes() const { return static_cast<int>(height1_.size()); }
 
   /// What an integrator's clock t lags behind the time that it has integrated [s]: the roundings of
-  /// t + h. Equal steps round alike: 1e5 of them sum to 1e-13 s, in which the faces move by 1e-7 of a
-  /// shock's overlap.
+  /// t + h. Equal steps round alike: 1e5 of them sum to 1e-13 s, in which the faces move by 1e-7 of
+  /// a shock's overlap.
   double lag = 0;
   /// How often the displacements of all nodes were summed.
   std::int64_t looks = 0;

@@ -76,8 +76,8 @@ class VelocityAnalysis {
     if (segment > 0) welch_.emplace(half_overlapping(analysis.rate, segment));
   }
 
-  /// The mean over the resonator is exact, mode by mode, as that of the level is (host/result/level.hpp):
-  /// sum_k mean(psi_k^2) density(V_k).
+  /// The mean over the resonator is exact, mode by mode, as that of the level is
+  /// (host/result/level.hpp): sum_k mean(psi_k^2) density(V_k).
   void run(bool a_weighting) {
     const std::vector<double>& weights = reader_.contents().mean_square;
     std::vector<double> power;

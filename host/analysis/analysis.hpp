@@ -23,8 +23,8 @@ struct AnalysisOptions {
   bool a_weighting = false;
 };
 
-/// Densities; of the velocity in (m/s)^2/Hz, of the contact force less its mean in N^2/Hz. Empty where
-/// the stretch is too short for a segment.
+/// Densities; of the velocity in (m/s)^2/Hz, of the contact force less its mean in N^2/Hz. Empty
+/// where the stretch is too short for a segment.
 struct VelocitySpectrum {
   double resolution = 0;  // Hz
   std::vector<double> frequency;
@@ -70,8 +70,8 @@ struct Analysis {
   std::vector<double> probe_position;         // m, on the resonator
   std::vector<double> slider_probe_position;  // m, on the slider
   std::vector<double> natural_frequencies;    // Hz, of the resonator's elastic modes
-  /// Elastic modes of the resonator above half the rate of the samples: their power stands in spectrum
-  /// and bands at frequencies that are not theirs.
+  /// Elastic modes of the resonator above half the rate of the samples: their power stands in
+  /// spectrum and bands at frequencies that are not theirs.
   std::size_t aliased_modes = 0;
   std::vector<SpectralPeak> peaks;
   MeshTone mesh;
@@ -80,12 +80,12 @@ struct Analysis {
 /// The resonator's last elastic mode [Hz]; NaN where it has none.
 double last_mode(const Analysis& analysis);
 
-/// Of each of the bands, whether it lies above that mode: what stands there is the flank of modes below,
-/// and would be another level with more modes.
+/// Of each of the bands, whether it lies above that mode: what stands there is the flank of modes
+/// below, and would be another level with more modes.
 std::vector<bool> bands_above_modes(const Analysis& analysis);
 
-/// Reads and analyses a result. Throws FileError of the file, and RequestError where the options ask for
-/// what it does not have.
+/// Reads and analyses a result. Throws FileError of the file, and RequestError where the options
+/// ask for what it does not have.
 Analysis analyze(const std::filesystem::path& file, const AnalysisOptions& options);
 
 }  // namespace ra2d

@@ -10,8 +10,8 @@
 /// Third-octave bands (IEC 61260-1:2014, base ten, class 1), and the weighting A (IEC 61672-1).
 namespace ra2d {
 
-/// The power of signals over a whole stretch, line by line: no window; zeros are added up to a length
-/// that is quick to transform, which changes no power.
+/// The power of signals over a whole stretch, line by line: no window; zeros are added up to a
+/// length that is quick to transform, which changes no power.
 class WholeSpectrum {
  public:
   WholeSpectrum(std::size_t samples, double rate);
@@ -22,7 +22,8 @@ class WholeSpectrum {
   double independent() const {
     return static_cast<double>(samples_) / static_cast<double>(fourier_.length());
   }
-  /// Adds `weight` times the power of a signal of that many samples: over all lines its mean square.
+  /// Adds `weight` times the power of a signal of that many samples: over all lines its mean
+  /// square.
   void add(std::span<const double> signal, double weight, std::vector<double>& power);
 
  private:
@@ -41,8 +42,9 @@ double third_octave_low(int number);
 std::string third_octave_name(int number);
 
 /// Share of a signal's power at this frequency that the band's filter passes:
-/// 1 / (1 + u^12), u = Q (f/f_m - f_m/f), a Butterworth filter's, which keeps the limits of class 1. Q is
-/// such that noise of a density like 1/f passes as through an ideal filter of a third octave.
+/// 1 / (1 + u^12), u = Q (f/f_m - f_m/f), a Butterworth filter's, which keeps the limits of
+/// class 1. Q is such that noise of a density like 1/f passes as through an ideal filter of a third
+/// octave.
 double third_octave_share(int number, double frequency);
 
 /// The bands that a stretch carries: below half the rate of its samples, and so wide that there are

@@ -10,8 +10,8 @@ namespace {
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
 constexpr int most_terms = 100'000;
 
-/// P(a, x), the share of the gamma function's integral up to x: its power series below a + 1, else 1
-/// less the continued fraction of the rest (Lentz).
+/// P(a, x), the share of the gamma function's integral up to x: its power series below a + 1, else
+/// 1 less the continued fraction of the rest (Lentz).
 double gamma_share(double a, double x) {
   if (!(x > 0)) return 0;
   const double front = std::exp(a * std::log(x) - x - std::lgamma(a));
@@ -32,8 +32,8 @@ double gamma_share(double a, double x) {
   return 1 - front * fraction;
 }
 
-/// The share of the beta function's integral up to x, by its continued fraction (Lentz), which is quick
-/// for x below (a + 1) / (a + b + 2).
+/// The share of the beta function's integral up to x, by its continued fraction (Lentz), which is
+/// quick for x below (a + 1) / (a + b + 2).
 double beta_share(double a, double b, double x) {
   if (x > (a + 1) / (a + b + 2)) return 1 - beta_share(b, a, 1 - x);
   if (!(x > 0)) return 0;

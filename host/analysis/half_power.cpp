@@ -38,8 +38,8 @@ struct Curve {
   }
 };
 
-/// How the logarithm of a curve changes with those of its top and its damping, and with its frequency
-/// in units of half its width.
+/// How the logarithm of a curve changes with those of its top and its damping, and with its
+/// frequency in units of half its width.
 std::array<double, 3> slopes(const Curve& curve, double f) {
   const double x = curve.place_of(f);
   const double turn = -(f / curve.frequency + curve.frequency / f) / 2;
@@ -173,8 +173,8 @@ std::optional<Curve> begin(const ModeLines& lines, const ModePlace& place) {
   return curve;
 }
 
-/// Whether the lines go along with the curve everywhere: in each eighth of them their mean is that of
-/// the curve, but for a quarter and for chance.
+/// Whether the lines go along with the curve everywhere: in each eighth of them their mean is that
+/// of the curve, but for a quarter and for chance.
 bool follows(const Groups& groups, const Curve& curve) {
   const std::size_t count = groups.power.size();
   for (std::size_t part = 0; part < parts; ++part) {

@@ -34,12 +34,12 @@ struct HalfPower {
 /// The velocity of a mode under a force of even density has the resonance curve
 ///     S(f) = top / (1 + x^2),   x = (f/f0 - f0/f) / (2 zeta),
 /// which is exactly 2 zeta f0 wide where it has half its height. A periodogram's lines are S times
-/// exponential variables, each its own: the curve is the one under which the lines are most likely. With
-/// lines over four times the width on both sides, zeta is known to 1.5/sqrt(pi width stretch).
+/// exponential variables, each its own: the curve is the one under which the lines are most likely.
+/// With lines over four times the width on both sides, zeta is known to 1.5/sqrt(pi width stretch).
 HalfPower half_power(const ModeLines& lines, const ModePlace& place);
 
-/// Of mode k of these natural frequencies: half way to its neighbours, and no further than a tenth of its
-/// own. `damping`: what is expected.
+/// Of mode k of these natural frequencies: half way to its neighbours, and no further than a tenth
+/// of its own. `damping`: what is expected.
 ModePlace place_of_mode(std::span<const double> natural, std::size_t k, double damping);
 
 /// A damping with a larger relative standard error is not told.

@@ -17,7 +17,8 @@ struct LevelHistory {
 /// Adds up a history while samples and shocks come, in any order.
 class LevelParts {
  public:
-  /// Of samples `first` to `first + count` of a run at `rate` [Hz], with so many modes of the resonator.
+  /// Of samples `first` to `first + count` of a run at `rate` [Hz], with so many modes of the
+  /// resonator.
   LevelParts(std::size_t first, std::size_t count, double rate, std::size_t modes);
 
   /// Velocities of all modes, sample by sample; the first of them is sample `at` of the run.
@@ -42,21 +43,23 @@ struct Interval {
   double low = 0, high = 0;
 };
 
-/// How far the figures of one run are off by chance: of its stretch of these two faces, as if the slider
-/// went on over more of the same plate. Which slider and which plate the seeds drew is not in it.
+/// How far the figures of one run are off by chance: of its stretch of these two faces, as if the
+/// slider went on over more of the same plate. Which slider and which plate the seeds drew is not
+/// in it.
 struct IntervalsOfRun {
   Interval level, shock_rate;  // dB; 1/s
   std::string why_none;        // empty where there is one of the level
 };
 
-/// From ten parts of the run: Student's t of the logarithm of their mean. Parts follow upon each other, and
-/// a mode rings on: the intervals are as much wider as they must be where the motion's power forgets as
-/// slowly as its slowest mode does, within `ringing` [s] to 1/e (ringing_of). None for a run shorter than
-/// ten times that.
+/// From ten parts of the run: Student's t of the logarithm of their mean. Parts follow upon each
+/// other, and a mode rings on: the intervals are as much wider as they must be where the motion's
+/// power forgets as slowly as its slowest mode does, within `ringing` [s] to 1/e (ringing_of). None
+/// for a run shorter than ten times that.
 IntervalsOfRun intervals_of_run(const LevelHistory& history, double level, double shock_rate,
                                 double ringing);
 
-/// 1 / (2 zeta omega) of the slowest elastic mode [s]: infinite without damping; 0 without elastic modes.
+/// 1 / (2 zeta omega) of the slowest elastic mode [s]: infinite without damping; 0 without elastic
+/// modes.
 double ringing_of(const std::vector<double>& frequencies, double damping);
 
 }  // namespace ra2d

@@ -32,7 +32,8 @@ Complex rotation(std::size_t turns, std::size_t whole) {
       1.0, -2 * std::numbers::pi * static_cast<double>(turns % whole) / static_cast<double>(whole));
 }
 
-/// The cubic splines over a place t of 0 to 1 in its block: the one that ends there first. They add up to 1.
+/// The cubic splines over a place t of 0 to 1 in its block: the one that ends there first. They add
+/// up to 1.
 std::array<double, splines> splines_at(double t) {
   const double s = 1 - t;
   return {s * s * s / 6, (4 + t * t * (3 * t - 6)) / 6, (4 + s * s * (3 * s - 6)) / 6,
@@ -59,7 +60,8 @@ double left_by_splines(std::size_t lines, std::size_t block, std::size_t segment
 }  // namespace
 
 double rise_by_chance(double degrees_of_freedom) {
-  // the median of the lines around is chance, too: for that the tail is a tenth of once in a thousand
+  // the median of the lines around is chance, too: for that the tail is a tenth of once in a
+  // thousand
   constexpr double tail = 1e-4 / (2 * lines_of_tone + 1);
   return 10 * std::log10(chi_square_quantile(1 - tail, degrees_of_freedom) /
                          chi_square_quantile(0.5, degrees_of_freedom));

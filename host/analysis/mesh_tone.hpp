@@ -17,26 +17,28 @@ struct MeshTone {
   bool stands_out() const { return rise > by_chance; }
 };
 
-/// How far the highest of five lines rises above the median of those around by chance [dB]: once in a
-/// thousand spectra of Gaussian noise without a tone, or in fewer. A density is chi-square of
+/// How far the highest of five lines rises above the median of those around by chance [dB]: once in
+/// a thousand spectra of Gaussian noise without a tone, or in fewer. A density is chi-square of
 /// `degrees_of_freedom`.
 double rise_by_chance(double degrees_of_freedom);
 
-/// How far a mode's own peak may rise there [dB], should it stand at the tone; 0 where no natural frequency
-/// [Hz] is among the lines around it. Contact moves modes, so that its place is not believed.
+/// How far a mode's own peak may rise there [dB], should it stand at the tone; 0 where no natural
+/// frequency [Hz] is among the lines around it. Contact moves modes, so that its place is not
+/// believed.
 double rise_of_a_mode(const std::vector<double>& natural, double damping, double tone,
                       double resolution);
 
-/// Finds the tone's rise while samples come, as the spectrum of the whole stretch (usual_segment) has it to
-/// within 0.05 dB, from the lines around it alone: the velocities are shifted by the tone's frequency and
-/// averaged under cubic splines so that some 128 values of a segment are left.
+/// Finds the tone's rise while samples come, as the spectrum of the whole stretch (usual_segment)
+/// has it to within 0.05 dB, from the lines around it alone: the velocities are shifted by the
+/// tone's frequency and averaged under cubic splines so that some 128 values of a segment are left.
 class MeshToneWatch {
  public:
   /// Of samples `first` to `first + count` of a run at `rate` [Hz].
   MeshToneWatch(double frequency, std::size_t first, std::size_t count, double rate,
                 std::size_t modes);
 
-  /// Velocities of all modes, sample by sample in order; the first of them is sample `at` of the run.
+  /// Velocities of all modes, sample by sample in order; the first of them is sample `at` of the
+  /// run.
   void add_rows(std::size_t at, std::span<const double> rows);
 
   /// As far as it went. `weights`: means of psi_k^2 over the resonator.

@@ -40,7 +40,8 @@ std::vector<double> smoothed(std::span<const double> density, std::size_t togeth
   return means;
 }
 
-/// The peak of a mode with neighbours at `below` and `above`; `width`: how wide it should be, in lines.
+/// The peak of a mode with neighbours at `below` and `above`; `width`: how wide it should be, in
+/// lines.
 SpectralPeak find_peak(const Lines& lines, double below, double natural, double above,
                        double width) {
   SpectralPeak peak{0, natural, nan, nan, {nan, nan, nan, Untold::lost}};

@@ -9,9 +9,10 @@ struct EnergyColumns {
   std::span<const double> kinetic, elastic, contact, damping_loss, sliding_work, load_work;
 };
 
-/// Mean powers over a stretch [W], and mean energies [J]; NaN without two samples. What is missing from
-/// the balance is storing + damping - sliding - load. `given` is what contact forces give to the beams'
-/// motion: what damping takes and what kinetic and elastic energy rise by, less what loads put in.
+/// Mean powers over a stretch [W], and mean energies [J]; NaN without two samples. What is missing
+/// from the balance is storing + damping - sliding - load. `given` is what contact forces give to
+/// the beams' motion: what damping takes and what kinetic and elastic energy rise by, less what
+/// loads put in.
 struct PowerBalance {
   double sliding = 0, load = 0, damping = 0, storing = 0, missing = 0, given = 0;
   double kinetic = 0, elastic = 0, contact = 0;

@@ -36,8 +36,8 @@ struct ShockStatistics {
   LogBins durations, peak_forces, impulses, intervals;
 };
 
-/// Of the shocks that begin in a stretch from `begin` to `end` [s]. Those at once are all that go on in
-/// it, whenever they began. `shocks` in order of start.
+/// Of the shocks that begin in a stretch from `begin` to `end` [s]. Those at once are all that go
+/// on in it, whenever they began. `shocks` in order of start.
 ShockStatistics shock_statistics(const std::vector<Shock>& shocks, double begin, double end);
 
 }  // namespace ra2d

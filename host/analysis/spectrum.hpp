@@ -6,8 +6,8 @@
 
 #include "host/base/fourier.hpp"
 
-/// Power spectral densities by Welch's method: segments that overlap, each under a window, their powers
-/// averaged.
+/// Power spectral densities by Welch's method: segments that overlap, each under a window, their
+/// powers averaged.
 namespace ra2d {
 
 enum class Window { hann, rectangular };
@@ -46,9 +46,9 @@ class Welch {
   /// mean square under the window; empty where no segment fits.
   std::vector<double> density(std::span<const double> signal);
 
-  /// Of an estimate from so many samples of Gaussian noise, were it chi-square: 2 for each segment, and
-  /// fewer where segments overlap, by what their windows have in common (Welch 1967). The first line has
-  /// half of them, and so has the last of an even length.
+  /// Of an estimate from so many samples of Gaussian noise, were it chi-square: 2 for each segment,
+  /// and fewer where segments overlap, by what their windows have in common (Welch 1967). The first
+  /// line has half of them, and so has the last of an even length.
   double degrees_of_freedom(std::size_t samples) const;
 
  private:

@@ -55,7 +55,8 @@ class BackFourier {
 /// The same of lines that are needed once.
 std::vector<double> from_lines(const std::vector<std::complex<double>>& lines, std::size_t length);
 
-/// The smallest length of at least `least` with no prime factor above 7, which are quick to transform.
+/// The smallest length of at least `least` with no prime factor above 7, which are quick to
+/// transform.
 std::size_t quick_length(std::size_t least);
 
 }  // namespace ra2d

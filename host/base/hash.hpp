@@ -13,7 +13,8 @@ namespace ra2d {
 static_assert(std::endian::native == std::endian::little,
               "numbers are hashed as they stand in the file: little-endian");
 
-/// XXH3-128 of what is given piece by piece: the numbers of a dataset in the order of its rows, or text.
+/// XXH3-128 of what is given piece by piece: the numbers of a dataset in the order of its rows, or
+/// text.
 class Hash {
  public:
   Hash() { XXH3_128bits_reset(&state_); }

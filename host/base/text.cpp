@@ -61,7 +61,8 @@ bool is_control(char32_t c) {
          (c >= 0x2028 && c <= 0x202E) || (c >= 0x2066 && c <= 0x2069) || c == 0xFEFF;
 }
 
-/// Takes the first character off the text and gives it back, escaped where a terminal would obey it.
+/// Takes the first character off the text and gives it back, escaped where a terminal would obey
+/// it.
 std::string take_character(std::string_view& text) {
   const std::size_t size = character_size(text);
   std::string out;

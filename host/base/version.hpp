@@ -6,8 +6,8 @@ namespace ra2d {
 
 /// "0.1.0"
 std::string version();
-/// The commit that this was built from, with "-dirty" where something was changed; "unknown" outside a
-/// repository.
+/// The commit that this was built from, with "-dirty" where something was changed; "unknown"
+/// outside a repository.
 std::string commit();
 /// "ra2d VERSION (COMMIT)": what made a file.
 std::string program_text();

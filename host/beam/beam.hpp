@@ -37,8 +37,8 @@ void evaluate(const ModeShape& mode, double length, double x, int derivatives, d
 /// number. Standard gravity 9.80665 m/s^2 for load = "weight".
 Beam make_beam(const BodySpec& body);
 
-/// How many modes a body keeps, its rigid ones among them; of max_frequency up to `most` elastic ones
-/// are counted.
+/// How many modes a body keeps, its rigid ones among them; of max_frequency up to `most` elastic
+/// ones are counted.
 int mode_count(const BodySpec& body, int most);
 
 /// Frequency in Hz of elastic mode k = 0, 1, ... of a body, whether it is kept or not.

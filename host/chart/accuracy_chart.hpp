@@ -21,8 +21,8 @@
 /// - level, rate of shocks and their median duration over a long stretch, as means over other
 ///   surfaces of the same kind, with their standard errors.
 ///
-/// Multipliers are another model of an impact, and each scheme makes its own of it: there a state is
-/// measured against the same scheme's own finest run, at the same instant.
+/// Multipliers are another model of an impact, and each scheme makes its own of it: there a state
+/// is measured against the same scheme's own finest run, at the same instant.
 namespace ra2d {
 
 inline constexpr double missing = std::numeric_limits<double>::quiet_NaN();
@@ -109,8 +109,8 @@ struct AccuracyOptions {
 /// where the scene itself cannot be run.
 AccuracyChart measure_accuracy(const Scene& scene, const AccuracyOptions& options = {});
 
-/// The chart for people: for each method the cheapest setting within a few errors; at the end what to
-/// choose.
+/// The chart for people: for each method the cheapest setting within a few errors; at the end what
+/// to choose.
 std::string describe(const AccuracyChart& chart);
 
 using Context = std::vector<std::pair<std::string, std::string>>;
@@ -118,8 +118,8 @@ using Context = std::vector<std::pair<std::string, std::string>>;
 /// What the files say before their first row: the machine (timing_context) and the references.
 Context chart_context(const Scene& scene, const AccuracyChart& chart);
 
-/// The same for programs, a row a setting and a measure of its error. Lines of `context` come first,
-/// each after a #.
+/// The same for programs, a row a setting and a measure of its error. Lines of `context` come
+/// first, each after a #.
 std::string points_csv(const AccuracyChart& chart, const Context& context);
 
 /// ... and a row a long run and quantity.

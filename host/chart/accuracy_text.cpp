@@ -49,8 +49,8 @@ bool stays_within(const AccuracyChart& chart, const Measured& point, std::size_t
          });
 }
 
-/// How far timings of one setting lie apart, largest over smallest: in the chart as a whole, from the settings
-/// that were timed three times or more. Where there are none it is taken for 1.5.
+/// How far timings of one setting lie apart, largest over smallest: in the chart as a whole, from
+/// the settings that were timed three times or more. Where there are none it is taken for 1.5.
 double scatter_of(const AccuracyChart& chart) {
   double scatter = 1.0;
   bool known = false;
@@ -63,8 +63,8 @@ double scatter_of(const AccuracyChart& chart) {
   return known ? scatter : 1.5;
 }
 
-/// Whether timings of one point may be as low as another's: their ranges meet. One or two timings say too
-/// little of their own scatter: they have the chart's.
+/// Whether timings of one point may be as low as another's: their ranges meet. One or two timings
+/// say too little of their own scatter: they have the chart's.
 bool may_cost_no_more(const Measured& point, const Measured& other, double scatter) {
   const auto range = [&](const Measured& p) {
     const auto [least, most] = std::minmax_element(p.wall.begin(), p.wall.end());
@@ -79,8 +79,9 @@ bool is_looser(const Method& a, const Method& b) {
                                               : a.time.step > b.time.step;
 }
 
-/// The cheapest point of those that `fits` within an error; null when there is none. A looser setting of a
-/// method is not dearer: where the timings do not tell it from the one with the lowest median, it is taken.
+/// The cheapest point of those that `fits` within an error; null when there is none. A looser
+/// setting of a method is not dearer: where the timings do not tell it from the one with the lowest
+/// median, it is taken.
 template <class Fits>
 const Measured* cheapest(const AccuracyChart& chart, std::size_t measure, double error,
                          const Fits& fits) {

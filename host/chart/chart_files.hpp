@@ -34,8 +34,8 @@ struct FoundChart {
   std::vector<std::filesystem::path> tables;
 };
 
-/// The chart that these files are of; nothing where none of them is a table of one. Tables that are not
-/// named are looked for beside the first, under the names that `ra2d chart` gives them. Throws
+/// The chart that these files are of; nothing where none of them is a table of one. Tables that are
+/// not named are looked for beside the first, under the names that `ra2d chart` gives them. Throws
 /// RequestError where one is missing, or where they do not belong together; FileError where one is
 /// damaged.
 std::optional<FoundChart> find_chart(const std::vector<std::filesystem::path>& files);

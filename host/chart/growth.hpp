@@ -36,8 +36,8 @@ struct GrowthTrial {
 /// at the start and n steps later give the matrix of n steps, and its spectral radius is the factor
 /// to the power n: what swings and comes back does not count as growth. n is the largest power of
 /// two up to `steps` for which the motions are still well above the roundings and, of a mode in
-/// contact, keep it closed (of a free one, stay clear of it). So growth by 1e-10 a step is told from
-/// none.
+/// contact, keep it closed (of a free one, stay clear of it). So growth by 1e-10 a step is told
+/// from none.
 std::vector<double> measure_growth(const std::vector<GrowthTrial>& trials, int steps);
 
 }  // namespace ra2d

@@ -8,8 +8,8 @@
 /// What a chart of accuracy compares: schemes under contact laws, with steps or tolerances.
 namespace ra2d {
 
-/// A scheme under a contact law. With a step or, of the adaptive scheme, with a tolerance it is also
-/// called a setting.
+/// A scheme under a contact law. With a step or, of the adaptive scheme, with a tolerance it is
+/// also called a setting.
 struct Method {
   TimeSettings time;
   ContactLaw law = ContactLaw::penalty;
@@ -20,7 +20,8 @@ struct Method {
 /// penalty.
 std::vector<Method> methods_of(const Scene& scene);
 
-/// The setting of a method whose step [s] is `size`, or, of the adaptive scheme, whose tolerance is.
+/// The setting of a method whose step [s] is `size`, or, of the adaptive scheme, whose tolerance
+/// is.
 Method sized(Method method, double size);
 
 /// The scene as the method marches it. What the method does not say, it keeps: its step, or its

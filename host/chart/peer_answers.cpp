@@ -77,8 +77,8 @@ void PeerAnswers::confirm() {
   survey_.chart.confirmed = fmt::format("not confirmed: {}", failure);
 }
 
-/// States, as far as they are to be had in `limit` seconds of wall time, and the first timing, over half as
-/// long as is left.
+/// States, as far as they are to be had in `limit` seconds of wall time, and the first timing, over
+/// half as long as is left.
 void PeerAnswers::first_answers(const Peer& peer, double limit) {
   survey_.say(fmt::format("{} {:g}, nodes {}", peer.integrator, peer.tolerance, peer.nodes));
   Measured row;

@@ -12,9 +12,9 @@
 /// A chart of accuracy in the making: what all of its parts use.
 namespace ra2d {
 
-// Until when each part may go on, as shares of the budget. What a part would begin is begun only where it is
-// expected to end by then (Survey::fits); what one leaves, the next ones have. Without peers their share goes
-// to the others, in proportion.
+// Until when each part may go on, as shares of the budget. What a part would begin is begun only
+// where it is expected to end by then (Survey::fits); what one leaves, the next ones have. Without
+// peers their share goes to the others, in proportion.
 inline constexpr double reference_end = 0.15, stretch_end = 0.32, state_end = 0.45, peer_end = 0.65,
                         repeat_end = 0.85, long_end = 1.0;
 

@@ -12,11 +12,12 @@ namespace ra2d {
 
 namespace {
 
-// s that a first stretch may take beside its march, at the least: its batch is made, and its first launch is
-// of some thousand steps.
+// s that a first stretch may take beside its march, at the least: its batch is made, and its first
+// launch is of some thousand steps.
 constexpr double least_share = 2e-3;
 
-/// s of the march for a simulated second: those of its thread, whatever else the machine does meanwhile.
+/// s of the march for a simulated second: those of its thread, whatever else the machine does
+/// meanwhile.
 double rate_of(const TimedRun& run) {
   return (run.processor > 0 ? std::min(run.processor, run.seconds) : run.seconds) / run.time;
 }

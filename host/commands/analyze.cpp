@@ -37,8 +37,8 @@ struct Request {
   bool quiet = false;
 };
 
-/// How the names of a result's tables begin: in a folder by the result's name; else by the prefix that
-/// was given, and the result's name where there are several.
+/// How the names of a result's tables begin: in a folder by the result's name; else by the prefix
+/// that was given, and the result's name where there are several.
 std::string prefix_of(const std::string& asked, const fs::path& result, bool several) {
   const std::string name = result.stem().string() + '-';
   if (!fs::path(asked).has_filename() || fs::is_directory(asked)) return fs::path(asked) / name;

@@ -50,8 +50,8 @@ int plan_accuracy_command(const CommonOptions& common, double accuracy, double b
 int chart_stability_command(const CommonOptions& common, const std::string& prefix, bool plot);
 
 /// `ra2d chart accuracy [SCENE] [-o PREFIX]`: the same for PREFIX.csv, PREFIX-long.csv and
-/// PREFIX.png. Takes about `budget` seconds. `peers`: the program ra2d_peers; empty: the one that was
-/// built beside this one, if there is one.
+/// PREFIX.png. Takes about `budget` seconds. `peers`: the program ra2d_peers; empty: the one that
+/// was built beside this one, if there is one.
 int chart_accuracy_command(const CommonOptions& common, const std::string& prefix, bool plot,
                            double budget, const std::filesystem::path& peers);
 

@@ -4,15 +4,16 @@
 namespace ra2d {
 
 /// From now on SIGINT, SIGQUIT, SIGTERM, SIGHUP, SIGUSR1, SIGUSR2, SIGXCPU and the timers' SIGALRM,
-/// SIGVTALRM and SIGPROF end the program with the status 128 + n and without a partial file or a child
-/// process left: at once, wherever it is, but for a run that marches (host/system/interruption.hpp), which
-/// writes what it has first. There it is the second one that ends it at once. A SIGHUP that is ignored,
-/// as under nohup, stays ignored, and a profiler keeps its SIGPROF. A write to a pipe that nobody reads
-/// any more fails instead of ending the program (SIGPIPE).
+/// SIGVTALRM and SIGPROF end the program with the status 128 + n and without a partial file or a
+/// child process left: at once, wherever it is, but for a run that marches
+/// (host/system/interruption.hpp), which writes what it has first. There it is the second one that
+/// ends it at once. A SIGHUP that is ignored, as under nohup, stays ignored, and a profiler keeps
+/// its SIGPROF. A write to a pipe that nobody reads any more fails instead of ending the program
+/// (SIGPIPE).
 void catch_interrupts();
 
-/// Has SIGUSR1 end the process like the others: of a command that keeps no checkpoints. Until then, and
-/// before there is one to keep, it is ignored.
+/// Has SIGUSR1 end the process like the others: of a command that keeps no checkpoints. Until then,
+/// and before there is one to keep, it is ignored.
 void end_at_checkpoint_signal();
 
 }  // namespace ra2d

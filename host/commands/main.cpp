@@ -298,8 +298,8 @@ int answer(const Words& words) {
 
 int main(int argc, char** argv) {
 #ifdef __GLIBC__
-  // Samples come in blocks of a megabyte or two. What is let go of stays with the process for the next:
-  // else every block has its pages taken from the system anew.
+  // Samples come in blocks of a megabyte or two. What is let go of stays with the process for the
+  // next: else every block has its pages taken from the system anew.
   mallopt(M_MMAP_THRESHOLD, 32 << 20);
   mallopt(M_TRIM_THRESHOLD, 64 << 20);
 #endif

@@ -38,8 +38,8 @@ CLI::Validator understood(const std::string& expected, Understand understand) {
 /// A count, up to 999999999.
 CLI::Validator count();
 
-/// How many threads: any number from 1 on. What no machine has is lowered to 999999999 here and to what
-/// the machine has later (usable_threads).
+/// How many threads: any number from 1 on. What no machine has is lowered to 999999999 here and to
+/// what the machine has later (usable_threads).
 CLI::Validator thread_count();
 
 /// A stretch of wall time, "90", "1:30", "0:01:30"; turns it into seconds.

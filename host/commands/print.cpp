@@ -55,7 +55,8 @@ void show(std::string_view progress) {
 int finish_printing(int status) {
   note_fault(std::fflush(stdout) == 0);
   if (fault_of_stdout == 0) return status;
-  // Whoever reads has enough, as `head` does: no fault, and the status of a filter that SIGPIPE ends.
+  // Whoever reads has enough, as `head` does: no fault, and the status of a filter that SIGPIPE
+  // ends.
   if (fault_of_stdout == EPIPE) return status == done ? 128 + SIGPIPE : status;
   say(
       fmt::format("cannot write to the standard output: {}. What was to be printed is cut short, "

@@ -32,8 +32,8 @@ void say_doubts(const std::vector<std::string>& doubts, bool quiet);
 /// On stderr, a terminal, over what was shown there before; no text clears it.
 void show(std::string_view progress);
 
-/// After the last print: the exit status, 4 for a run that was fine but could not be printed; quietly 141
-/// where the reader of a pipe has closed it.
+/// After the last print: the exit status, 4 for a run that was fine but could not be printed;
+/// quietly 141 where the reader of a pipe has closed it.
 int finish_printing(int status);
 
 }  // namespace ra2d

@@ -6,8 +6,8 @@
 #include "host/ranks/ranks.hpp"
 #include "host/study/study_worker.hpp"
 
-/// A study under mpirun: rank 0 decides what is to be done and writes the table; all take the runs from
-/// one list, each into a ledger of its own.
+/// A study under mpirun: rank 0 decides what is to be done and writes the table; all take the runs
+/// from one list, each into a ledger of its own.
 namespace ra2d {
 
 /// On rank 0, once the study is in its folder: the others get their work.
@@ -20,8 +20,8 @@ struct RankChoices {
   double most_wall = std::numeric_limits<double>::infinity();  // s
 };
 
-/// On the others: does its part, and waits for nobody. Throws FileError where this rank sees another
-/// folder than rank 0, or would run other scenes.
+/// On the others: does its part, and waits for nobody. Throws FileError where this rank sees
+/// another folder than rank 0, or would run other scenes.
 void help_with_study(Ranks& ranks, const StudyFolder& folder, const Shard& shard,
                      const RankChoices& choices);
 
@@ -39,8 +39,8 @@ struct SharedOutcome {
 /// Adds what the others have done.
 void add_others(Ranks& ranks, SharedOutcome& all);
 
-/// Sleeps until all ranks have done their part. `beside` is called at once and a few times a second, with
-/// the time waited [s]. Throws FileError on rank 0 where another has given up.
+/// Sleeps until all ranks have done their part. `beside` is called at once and a few times a
+/// second, with the time waited [s]. Throws FileError on rank 0 where another has given up.
 void wait_for_others(Ranks& ranks, const std::function<void(double waited)>& beside);
 
 }  // namespace ra2d

@@ -51,8 +51,8 @@ int packs_of(const Model& model, int least) {
   return compiled_packs(std::max({least, 1, (modes + width - 1) / width}));
 }
 
-/// A scene in its slot. On a CPU its tables and state are marched where they stand here, on a device in
-/// the batch's arrays of them.
+/// A scene in its slot. On a CPU its tables and state are marched where they stand here, on a
+/// device in the batch's arrays of them.
 struct Slot {
   Model model;
   Room room;
@@ -71,8 +71,9 @@ struct Slot {
     provide(start, false);
   }
 
-  /// The same scene at the same place, with room for more nodes: beside the room of the batch, for what is
-  /// under way comes first. What it has handed out stays. Throws std::bad_alloc and leaves all as it was.
+  /// The same scene at the same place, with room for more nodes: beside the room of the batch, for
+  /// what is under way comes first. What it has handed out stays. Throws std::bad_alloc and leaves
+  /// all as it was.
   void grow(int nodes) {
     const SavedState kept = save();
     const Room room_before = room;
@@ -137,8 +138,8 @@ struct Slot {
     show(saved);
   }
 
-  /// After a launch: what stopped for want of room goes on with twice as much. Where there is no memory for it, the
-  /// scene has come to its end.
+  /// After a launch: what stopped for want of room goes on with twice as much. Where there is no
+  /// memory for it, the scene has come to its end.
   void make_room() {
     if (state.status != Status::crowded) return;
     try {

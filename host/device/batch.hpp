@@ -41,9 +41,9 @@ struct BatchOptions {
   std::size_t memory = 0;  // bytes that its scenes may take together; 0: as many as there are
 };
 
-/// Scenes marched side by side, each in a slot of its own, in one team. The answer of a scene does not
-/// depend on the others. Slots may be filled, read and emptied side by side, each by one thread at a
-/// time.
+/// Scenes marched side by side, each in a slot of its own, in one team. The answer of a scene does
+/// not depend on the others. Slots may be filled, read and emptied side by side, each by one thread
+/// at a time.
 class Batch {
  public:
   /// Slots without a scene.
@@ -62,10 +62,10 @@ class Batch {
   void empty(int slot);
 
   /// One launch: each running scene goes on to its own target, its end, a full buffer, an interrupt
-  /// (host/system/interruption.hpp; not on a GPU, which finishes its launch) or a failure. `marched` is called
-  /// for each of them once it has been marched, on a CPU by the thread that did: it may drain the slot
-  /// and fill it anew. A scene without room for its contacts has stopped short, and has more room the
-  /// next time. Rethrows what `marched` throws.
+  /// (host/system/interruption.hpp; not on a GPU, which finishes its launch) or a failure.
+  /// `marched` is called for each of them once it has been marched, on a CPU by the thread that
+  /// did: it may drain the slot and fill it anew. A scene without room for its contacts has stopped
+  /// short, and has more room the next time. Rethrows what `marched` throws.
   void march(const std::vector<std::int64_t>& targets,
              const std::function<void(int slot)>& marched = {});
   /// ... all to one target.
@@ -80,8 +80,8 @@ class Batch {
   Drained drain(int slot);
   Snapshot snapshot(int slot) const;
   SavedState save(int slot) const;
-  /// Takes a scene that was put into this slot on to where it was saved. Throws std::invalid_argument where
-  /// the state does not fit the scene (fault_of).
+  /// Takes a scene that was put into this slot on to where it was saved. Throws
+  /// std::invalid_argument where the state does not fit the scene (fault_of).
   void restore(int slot, const SavedState& saved);
   /// Memory on the device.
   std::size_t bytes() const;

@@ -7,8 +7,8 @@
 /// The GPU that Kokkos was started with.
 namespace ra2d {
 
-/// Throws RequestError where there is no GPU of this number. In builds for CUDA, a number less than 0 stands
-/// for any; in the others for none.
+/// Throws RequestError where there is no GPU of this number. In builds for CUDA, a number less than
+/// 0 stands for any; in the others for none.
 void require_gpu(int device);
 
 // In builds for CUDA, once Kokkos has been started:

@@ -11,7 +11,8 @@
 /// A device with memory of its own. Nothing else in ra2d knows how bytes come there or back.
 namespace ra2d {
 
-/// Scenes of one form and one number of packs, to be marched in one launch. All addresses are of the device.
+/// Scenes of one form and one number of packs, to be marched in one launch. All addresses are of
+/// the device.
 struct ScenesToMarch {
   Form form = Form::semi_implicit;
   int packs = 0;
@@ -23,8 +24,8 @@ struct ScenesToMarch {
   double* seconds = nullptr;  // out: what each took
 };
 
-/// Work that a device does in the order in which it was given; several queues work side by side. May be
-/// called by several threads. Throws std::runtime_error with what the driver says.
+/// Work that a device does in the order in which it was given; several queues work side by side.
+/// May be called by several threads. Throws std::runtime_error with what the driver says.
 class DeviceQueue {
  public:
   virtual ~DeviceQueue() = default;

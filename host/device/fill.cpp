@@ -49,8 +49,8 @@ int longest_look(const Model& model) {
   return steps;
 }
 
-/// Parts of a node's width so narrow that a cubic over one, off by beta^4 (width/2)^4/4!, is right to
-/// two ulp, or far below the asked tolerance.
+/// Parts of a node's width so narrow that a cubic over one, off by beta^4 (width/2)^4/4!, is right
+/// to two ulp, or far below the asked tolerance.
 int count_windows(const Model& model) {
   const Scene& scene = model.scene;
   const double left_out =
@@ -309,7 +309,8 @@ void Filler::adaptive() {
   t_.tolerance = scene_.time.tolerance.value_or(usual_tolerance);
   t_.order = series_order(t_.tolerance);
   t_.first_level = first_flight_level(model_);
-  // reached behind the beam's end; on the beam exp(beta radius) would do: wide by 1.28 where nodes are fine
+  // reached behind the beam's end; on the beam exp(beta radius) would do: wide by 1.28 where nodes
+  // are fine
   t_.cubic_excess = std::exp(2.0 * highest_beta(model_.resonator) * radius_);
   t_.longest_scale = std::min(scene_.duration, 64.0 / std::max(fastest_rate(model_), 1e-300));
   double* const gauss = host_(t_.gauss);

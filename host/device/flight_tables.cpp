@@ -26,8 +26,8 @@ std::vector<std::array<double, flight_rows>> flight_tables(const Mode& mode, dou
                                                            double tick, int first_level,
                                                            int levels) {
   double time = std::ldexp(tick, first_level);
-  // the integral of V^2 as a quadratic form; over the first level by a Gauss rule that is far beyond
-  // the roundings there, then doubled: all its parts are positive, so nothing cancels
+  // the integral of V^2 as a quadratic form; over the first level by a Gauss rule that is far
+  // beyond the roundings there, then doubled: all its parts are positive, so nothing cancels
   Eigen::Matrix3d square = Eigen::Matrix3d::Zero();
   for (int g = 0; g < gauss_points; ++g) {
     const Eigen::RowVector3d v =

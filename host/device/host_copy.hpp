@@ -4,8 +4,8 @@
 
 namespace ra2d {
 
-/// Finds where the host writes what is to stand on the device: in a copy of a block, or, where both share
-/// their memory, at the same address.
+/// Finds where the host writes what is to stand on the device: in a copy of a block, or, where both
+/// share their memory, at the same address.
 class HostCopy {
  public:
   HostCopy() = default;

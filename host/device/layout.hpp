@@ -21,23 +21,23 @@ struct PatchSeries {
 
 /// Patches as wide as beta radius = 1/4 allows (four terms then leave out 2e-4 of the highest mode
 /// and far less of the others), or of a single node when the nodes are that coarse; and terms until
-/// what is left out, (beta radius)^terms/terms!, is below half an ulp. `width` is that of the lanes.
-/// Throws RequestError where no number of terms will do.
+/// what is left out, (beta radius)^terms/terms!, is below half an ulp. `width` is that of the
+/// lanes. Throws RequestError where no number of terms will do.
 PatchSeries choose_series(const Model& model, int width);
 
 /// The lowest level of the flight tables. Flights of less are a Taylor step of third order: of
 /// (fastest rate times time)^4/24 nothing is left there.
 int first_flight_level(const Model& model);
 
-/// Rows of samples and shocks that a launch can hand out, and nodes that can carry force at once: the
-/// march stops where it needs more, and goes on once there is more.
+/// Rows of samples and shocks that a launch can hand out, and nodes that can carry force at once:
+/// the march stops where it needs more, and goes on once there is more.
 struct Room {
   int samples = 4096;  // no more than the run has
   int shocks = 8192;   // beside what one step can end
   int nodes = 64;      // where forces are found together, and under the adaptive scheme
 };
-/// Of one of thousands on a GPU, where a launch makes a short way of each: what they hand out stands in memory of
-/// the host that cannot be swapped.
+/// Of one of thousands on a GPU, where a launch makes a short way of each: what they hand out
+/// stands in memory of the host that cannot be swapped.
 inline constexpr Room room_on_a_gpu{.samples = 1024, .shocks = 1024, .nodes = 64};
 
 /// Lengths of all arrays of a scene whose modes fill `lanes` lanes.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The march, backward Euler and midpoint with the penalty force of the old time: many packs of modes.
+// The march, backward Euler and midpoint with the penalty force of the old time: many packs of
+// modes.
 #include "host/device/march_instance.hpp"
 
 namespace ra2d {

@@ -17,7 +17,8 @@ Block::~Block() {
 }
 
 Block HostMemory::lend(std::size_t bytes) {
-  // calloc: the system's fresh pages are zero. What it gave stands before the line that is handed on.
+  // calloc: the system's fresh pages are zero. What it gave stands before the line that is handed
+  // on.
   auto* const given = static_cast<char*>(std::calloc(bytes + line + sizeof(char*), 1));
   if (given == nullptr) throw std::bad_alloc();
   char* const from = given + sizeof(char*);

@@ -54,8 +54,8 @@ class HostMemory : public MemorySource {
   void take_back(char* data, std::size_t bytes) noexcept override;
 };
 
-/// Blocks of a device that are used again: to get and to give back memory takes the driver as long as a
-/// launch, and stops all others meanwhile. What is in them is what the last user left.
+/// Blocks of a device that are used again: to get and to give back memory takes the driver as long
+/// as a launch, and stops all others meanwhile. What is in them is what the last user left.
 class DevicePool : public MemorySource {
  public:
   enum class Kind { on_device, on_host };
@@ -65,8 +65,8 @@ class DevicePool : public MemorySource {
   ~DevicePool() override { give_back(); }
   DevicePool(const DevicePool&) = delete;
   DevicePool& operator=(const DevicePool&) = delete;
-  /// One that is free and at the most a tenth too large (as much as backend_room leaves), or a new one. Where
-  /// that is more than it is to hold, or than there is, all that are free go back first.
+  /// One that is free and at the most a tenth too large (as much as backend_room leaves), or a new
+  /// one. Where that is more than it is to hold, or than there is, all that are free go back first.
   Block lend(std::size_t bytes) override;
   void take_back(char* data, std::size_t bytes) noexcept override;
 

@@ -15,9 +15,10 @@ struct SavedState {
   int room = 0;                                // Room::nodes, which may have grown
 };
 
-/// What a march could not go on from in a saved state, which may come from a file: empty where every length
-/// is that of the scene's arrays, and all that the kernels index with stays within them. `n`: lengths of the
-/// scene's arrays with the state's room; `steps`, `samples`: of the whole run.
+/// What a march could not go on from in a saved state, which may come from a file: empty where
+/// every length is that of the scene's arrays, and all that the kernels index with stays within
+/// them. `n`: lengths of the scene's arrays with the state's room; `steps`, `samples`: of the whole
+/// run.
 std::string fault_of(const SavedState& saved, const Extents& n, std::int64_t steps,
                      std::int64_t samples);
 

@@ -30,8 +30,9 @@ class SharedTables {
   };
   using Handle = std::shared_ptr<const Entry>;
 
-  /// The entry of this content (its hash, and its length), which `make` makes where no scene has it. Threads make
-  /// theirs side by side; of two that make the same, the one that comes second throws its own away.
+  /// The entry of this content (its hash, and its length), which `make` makes where no scene has
+  /// it. Threads make theirs side by side; of two that make the same, the one that comes second
+  /// throws its own away.
   template <class Make>
   Handle get(const std::string& hash, std::size_t bytes, const Make& make) {
     const std::pair key{hash, bytes};
@@ -80,13 +81,14 @@ struct BatchMemory {
   SharedTables shared;
 };
 
-/// The memory of one scene. Each array begins on a cache line, behind a gap that nothing may touch: on the
-/// host the address sanitizer watches it.
+/// The memory of one scene. Each array begins on a cache line, behind a gap that nothing may touch:
+/// on the host the address sanitizer watches it.
 class SceneMemory {
  public:
   explicit SceneMemory(BatchMemory& batch) : batch_{&batch} {}
 
-  /// Memory for what the scene hands out; sets its addresses. Throws std::bad_alloc, as do all of these.
+  /// Memory for what the scene hands out; sets its addresses. Throws std::bad_alloc, as do all of
+  /// these.
   void provide(HandOut& handed, const Extents& n) {
     const auto arrays = [&](auto&& visit) { visit_arrays(handed, n, visit); };
     const std::size_t bytes = lay_out(nullptr, arrays);
@@ -95,9 +97,10 @@ class SceneMemory {
     lay_out(handed_.data(), arrays);
   }
 
-  /// Memory for all other arrays, zero at first; sets their addresses, and brings there what `fill(HostCopy)`
-  /// writes into tables and carried state. `beyond_room`: whatever is left for others; its share of the room stays
-  /// what it was. Where it throws, the memory that it had is still its own.
+  /// Memory for all other arrays, zero at first; sets their addresses, and brings there what
+  /// `fill(HostCopy)` writes into tables and carried state. `beyond_room`: whatever is left for
+  /// others; its share of the room stays what it was. Where it throws, the memory that it had is
+  /// still its own.
   template <class Fill>
   void provide(SceneTables& tables, SceneState& state, const Extents& n, bool beyond_room,
                const Fill& fill) {
@@ -133,8 +136,8 @@ class SceneMemory {
     if (!beyond_room) std::swap(own_share_, room);
   }
 
-  /// Copies what stands where scenes are marched, or puts it there; `there` is an address of it. Done, and the
-  /// other address free again, after wait().
+  /// Copies what stands where scenes are marched, or puts it there; `there` is an address of it.
+  /// Done, and the other address free again, after wait().
   void read(void* to, const void* there, std::size_t bytes) const {
     if (on_host())
       std::memcpy(to, there, bytes);
@@ -159,8 +162,8 @@ class SceneMemory {
  private:
   static constexpr std::size_t line = 64;
 
-  /// Sets the addresses of arrays that stand one after the other from `base`, unless that is none; returns how
-  /// much they take.
+  /// Sets the addresses of arrays that stand one after the other from `base`, unless that is none;
+  /// returns how much they take.
   template <class Arrays>
   std::size_t lay_out(char* base, const Arrays& arrays) const {
     std::size_t at = line;

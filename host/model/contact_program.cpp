@@ -25,8 +25,9 @@ double softest(const ContactProgram& p) {
   return least;
 }
 
-/// Overlap that roundings alone may leave [m]: of the faces, of the displacements, and of those that
-/// the load would make where contact takes them back (a flat body on a flat one does not move at all).
+/// Overlap that roundings alone may leave [m]: of the faces, of the displacements, and of those
+/// that the load would make where contact takes them back (a flat body on a flat one does not move
+/// at all).
 double roundings(const ContactProgram& p, const VectorXd& u) {
   const double reference = softest(p);
   VectorXd size = u.cwiseAbs();

@@ -23,8 +23,9 @@
 /// to the asked value, each stage starting from the one before: a slider first settles as a whole,
 /// then onto its two or three highest asperities.
 ///
-/// Springs that are too stiff for that (the roundings of an overlap are forces then), and multipliers,
-/// whose springs do not yield at all, are solved as the quadratic programme that the minimum is.
+/// Springs that are too stiff for that (the roundings of an overlap are forces then), and
+/// multipliers, whose springs do not yield at all, are solved as the quadratic programme that the
+/// minimum is.
 namespace ra2d {
 namespace {
 
@@ -53,8 +54,9 @@ class OverlapsAlong {
   Eigen::Index count_ = 0;
   double reach_ = -1;  // they are all that overlap up to this length
 
-  /// A node that overlaps at neither end of a stretch overlaps nowhere within. They are taken or left
-  /// by as many as the sum takes in at a time, so that it adds up in the order of the sum of all.
+  /// A node that overlaps at neither end of a stretch overlaps nowhere within. They are taken or
+  /// left by as many as the sum takes in at a time, so that it adds up in the order of the sum of
+  /// all.
   void find(double length) {
     constexpr Eigen::Index together = 16;
     count_ = 0;
@@ -97,8 +99,8 @@ struct NodeShapes {
   }
 };
 
-/// Those of the scenes before: the runs of a study mostly have equal bodies, and their shapes take a sine for every
-/// node and mode.
+/// Those of the scenes before: the runs of a study mostly have equal bodies, and their shapes take
+/// a sine for every node and mode.
 class KnownShapes {
  public:
   std::shared_ptr<const NodeShapes> of(const Model& model) {
@@ -181,8 +183,8 @@ class Potential {
       hessian(k, k) = stiffness_[k];
       scale += std::abs(load_[k]) + std::abs(stiffness_[k] * u[k]);
     }
-    // By packs of modes, those above the diagonal in its own pack computed in vain. Each sum takes in one
-    // node after the other, but several of them between two ways to memory.
+    // By packs of modes, those above the diagonal in its own pack computed in vain. Each sum takes
+    // in one node after the other, but several of them between two ways to memory.
     Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(padded_modes(), modes());
     sum.topRows(modes()) = hessian;
     Eigen::Matrix<double, Eigen::Dynamic, together> pushed(padded_modes(), int{together});

@@ -40,8 +40,8 @@ std::int64_t first_counted(const Model& model);
 /// How far the undeformed faces overlap at t = 0 [m]; 0 where it is no more than roundings.
 double rest_overlap(const Model& model);
 
-/// Order of the power series of an adaptive step to a relative error of `tolerance`. Measured on the
-/// paper's scenes at 1e-6: one less costs up to 3 % more, one or two more cost the same.
+/// Order of the power series of an adaptive step to a relative error of `tolerance`. Measured on
+/// the paper's scenes at 1e-6: one less costs up to 3 % more, one or two more cost the same.
 int series_order(double tolerance);
 
 /// Modal displacements and rates of both bodies at one instant, and the energy of the contact

@@ -11,7 +11,8 @@
 namespace ra2d {
 namespace {
 
-/// Places along the path where summits are looked for, nodes in all of them, and nodes beside a summit.
+/// Places along the path where summits are looked for, nodes in all of them, and nodes beside a
+/// summit.
 constexpr int most_places = 200;
 constexpr double most_looks = 2e7;
 constexpr std::size_t most_reach = 4096;
@@ -29,8 +30,8 @@ void add_faces(const Model& m, double x0, std::vector<double>& sum) {
   }
 }
 
-/// Curvature [1/m] of the parabola through the 2 m + 1 nodes about one, by least squares. m grows to
-/// `half_width`, and is at least 1; nothing where the nodes end before.
+/// Curvature [1/m] of the parabola through the 2 m + 1 nodes about one, by least squares. m grows
+/// to `half_width`, and is at least 1; nothing where the nodes end before.
 std::optional<double> curvature_at(const std::vector<double>& face, std::size_t node,
                                    double half_width, double spacing) {
   const auto reach = static_cast<std::size_t>(
@@ -129,8 +130,8 @@ double half_width_under(double modulus, double radius, double load) {
   return std::cbrt(3 * load * radius / (4 * modulus));
 }
 
-/// By the law of Hertz with a modulus. `node`: N/m of one node, below which no contact's stiffness falls; 0 of
-/// a half-space.
+/// By the law of Hertz with a modulus. `node`: N/m of one node, below which no contact's stiffness
+/// falls; 0 of a half-space.
 AsperityContact contact_of(const Asperities& scene, double modulus, double node) {
   AsperityContact contact;
   if (!(modulus > 0) || std::isinf(modulus)) return contact;
@@ -138,7 +139,8 @@ AsperityContact contact_of(const Asperities& scene, double modulus, double node)
     contact.stiffness =
         std::max(node, 2 * modulus * half_width_under(modulus, scene.radius, scene.load));
   if (!(scene.closing > 0) || !(scene.inertia > 0)) return contact;
-  // Hertz's impact: M v^2/2 = 8/15 E sqrt(R) d^(5/2); it lasts 2.943 d/v, 2.943 = 2 int_0^1 dx/sqrt(1 - x^(5/2))
+  // Hertz's impact: M v^2/2 = 8/15 E sqrt(R) d^(5/2); it lasts 2.943 d/v, 2.943 = 2 int_0^1
+  // dx/sqrt(1 - x^(5/2))
   constexpr double lasts = 2.9432750;
   const double energy = scene.inertia * scene.closing * scene.closing / 2;
   const double depth = std::pow(15 * energy / (8 * modulus * std::sqrt(scene.radius)), 0.4);

@@ -2,12 +2,12 @@
 #pragma once
 #include "host/model/model.hpp"
 
-/// How stiff the asperities of a scene are, as Hertz has them of the bodies' materials and as the scene's springs
-/// make them, and how long their shocks last (docs/schemes.md, "What kappa?").
+/// How stiff the asperities of a scene are, as Hertz has them of the bodies' materials and as the
+/// scene's springs make them, and how long their shocks last (docs/schemes.md, "What kappa?").
 namespace ra2d {
 
-/// A contact that carries F = 4/3 E sqrt(R) d^(3/2) when it is pressed in by d, or k d where that is less stiff
-/// than nodes can show.
+/// A contact that carries F = 4/3 E sqrt(R) d^(3/2) when it is pressed in by d, or k d where that
+/// is less stiff than nodes can show.
 struct AsperityContact {
   double stiffness = 0;  // N/m, dF/dd under the static load; 0 without one
   double shock = 0;      // N/m, at the peak of a shock; 0 where nothing moves
@@ -26,10 +26,11 @@ struct Asperities {
   AsperityContact material, springs;
 };
 
-/// `start`: of the model. A radius is that of a parabola through the highest summit of both faces together, over
-/// the contact's own width and no less than three nodes, on average over places along the slider's path. Under
-/// a load that is known the static contact is that of the load over the number of contacts at the start, at
-/// least two of a free slider. A shock is one of the mean inertia at the closing speed (Hertz's impact).
+/// `start`: of the model. A radius is that of a parabola through the highest summit of both faces
+/// together, over the contact's own width and no less than three nodes, on average over places
+/// along the slider's path. Under a load that is known the static contact is that of the load over
+/// the number of contacts at the start, at least two of a free slider. A shock is one of the mean
+/// inertia at the closing speed (Hertz's impact).
 Asperities asperities_of(const Model& model, const ModalStart& start);
 
 }  // namespace ra2d

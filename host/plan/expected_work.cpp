@@ -11,7 +11,8 @@
 namespace ra2d {
 namespace {
 
-// Wall time on one core of a server processor of 2023, measured on the paper's scene and its variants.
+// Wall time on one core of a server processor of 2023, measured on the paper's scene and its
+// variants.
 constexpr double usual_readiness = 2e-3;                       // s: tables, files
 constexpr double surface_node = 6e-8, balanced_node = 7e-8;    // s a node; s a node and mode
 constexpr double flight = 5e-9, contact = 45e-9, held = 2e-7;  // s: a fixed step, by its form
@@ -20,8 +21,8 @@ constexpr double leap = 600e-9, order = 180e-9;                // s: a flight; a
 constexpr double travelling = 20e-9;                           // s: a force that travels, a look
 constexpr double counted_modes = 24;                           // that these times are of
 
-/// Steps of the adaptive scheme in a second: where a node passes another, and as often as the fastest mode
-/// turns, of which the contact of rough faces takes about 0.45 steps a radian.
+/// Steps of the adaptive scheme in a second: where a node passes another, and as often as the
+/// fastest mode turns, of which the contact of rough faces takes about 0.45 steps a radian.
 double strides_a_second(const Scene& scene, double highest) {
   constexpr double of_crossings = 1.2, of_turns = 0.45;
   return of_crossings * scene.speed / scene.spacing + of_turns * 2 * M_PI * highest;

@@ -2,8 +2,8 @@
 #pragma once
 #include "host/scene/scene.hpp"
 
-/// What a run is expected to take, from the scene alone: for a study, which has no time to make a million
-/// scenes ready before it says what they will cost.
+/// What a run is expected to take, from the scene alone: for a study, which has no time to make a
+/// million scenes ready before it says what they will cost.
 namespace ra2d {
 
 struct ExpectedWork {
@@ -13,10 +13,10 @@ struct ExpectedWork {
   double seconds() const { return march + readiness; }
 };
 
-/// With a node in contact half of the time, as rough faces have it. The strides of `adaptive` are right within a
-/// factor of 3 (tests/host/test_plan.cpp counts them), the seconds within as much on the machine that they
-/// were measured on. Where hundreds of nodes lie on one another all the time a run takes longer: 'ra2d plan'
-/// says how long at the worst.
+/// With a node in contact half of the time, as rough faces have it. The strides of `adaptive` are
+/// right within a factor of 3 (tests/host/test_plan.cpp counts them), the seconds within as much on
+/// the machine that they were measured on. Where hundreds of nodes lie on one another all the time
+/// a run takes longer: 'ra2d plan' says how long at the worst.
 ExpectedWork expected_work(const Scene& scene);
 
 }  // namespace ra2d

@@ -15,16 +15,17 @@ namespace ra2d {
 namespace {
 
 /// Wall time of a step on one core of a server processor of 2023, in ns (bench/bench_schemes.cpp,
-/// bench_march.cpp): in free flight; in contact at a node, by the form of the step, the staged ones a
-/// stage, and each node more, a mode; and where every node is looked at, a node and a look.
+/// bench_march.cpp): in free flight; in contact at a node, by the form of the step, the staged ones
+/// a stage, and each node more, a mode; and where every node is looked at, a node and a look.
 constexpr double flight_ns = 5.0, contact_ns = 45.0, stage_ns = 50.0, held_ns = 100.0,
                  more_ns = 1.7, node_ns = 0.7;
-/// Of the adaptive scheme (bench/bench_adaptive.cpp): a flight; a step with forces, for each order of
-/// its series, and what share of that each node more takes; a sample.
+/// Of the adaptive scheme (bench/bench_adaptive.cpp): a flight; a step with forces, for each order
+/// of its series, and what share of that each node more takes; a sample.
 constexpr double leap_ns = 600.0, order_ns = 130.0, more_share = 0.25, sample_ns = 40.0;
-/// Of forces that are found with the end of the step, at many nodes (kernels/contact/complementarity.hpp): each
-/// pressed one after the other, by the cube of how many; or, on springs, by Newton's method, some ten steps of a
-/// product over all modes and one of their squares for each node, and a factorisation.
+/// Of forces that are found with the end of the step, at many nodes
+/// (kernels/contact/complementarity.hpp): each pressed one after the other, by the cube of how
+/// many; or, on springs, by Newton's method, some ten steps of a product over all modes and one of
+/// their squares for each node, and a factorisation.
 constexpr double pressed_ns = 0.7, newton_steps = 10, newton_node_ns = 100, newton_square_ns = 0.08,
                  newton_cube_ns = 0.4;
 constexpr double pressed_at_most = 256;
@@ -132,9 +133,10 @@ void plan_steps(const Model& model, const JoinedModes& place, Plan& plan) {
 }
 
 /// Of the adaptive scheme: what can be said of its steps before it has made them. One ends where a
-/// node passes another; where forces act, before the fastest motion has turned by the theta at which
-/// the last terms of its velocity, about theta^(n-2)/(n-2)!, are the tolerance; and where a node
-/// touches or lets go, each once in half a period of the contact spring (`omega_c`) at the most.
+/// node passes another; where forces act, before the fastest motion has turned by the theta at
+/// which the last terms of its velocity, about theta^(n-2)/(n-2)!, are the tolerance; and where a
+/// node touches or lets go, each once in half a period of the contact spring (`omega_c`) at the
+/// most.
 void plan_strides(const Model& model, double omega_c, Plan& plan) {
   const Scene& scene = model.scene;
   const double tolerance = scene.time.tolerance.value_or(usual_tolerance);

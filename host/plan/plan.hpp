@@ -35,8 +35,8 @@ struct Plan {
   // of fixed steps; an adaptive scheme finds its own
   double steps_per_node = 0;  // steps while the slider moves on by one node
   std::int64_t steps = 0;
-  // of wall time, estimates (see plan.cpp): without contact, with a node in contact all the time, with
-  // `many_nodes` of them; and how many touch at the start
+  // of wall time, estimates (see plan.cpp): without contact, with a node in contact all the time,
+  // with `many_nodes` of them; and how many touch at the start
   double seconds_free = 0, seconds_one = 0, seconds_many = 0;
   int many_nodes = 0, touching = 0;
   Asperities asperities;
@@ -45,7 +45,8 @@ struct Plan {
   std::vector<std::string> notes;  // what a user may not expect
 };
 
-/// Runs nothing; `memory` is what the march would take (Batch::bytes), `start` where the scene starts.
+/// Runs nothing; `memory` is what the march would take (Batch::bytes), `start` where the scene
+/// starts.
 Plan make_plan(const Model& model, std::size_t memory, const ModalStart& start = {});
 
 /// What a result will take of the disk, without its shocks [bytes].
@@ -63,7 +64,8 @@ std::string scheme_text(const Scene& scene, const TimeSettings& choice);
 /// The same for tables, e.g. "backward-euler, new force".
 std::string short_text(const TimeSettings& choice);
 
-/// All schemes of fixed steps that a contact law can take, each with the times of its contact force.
+/// All schemes of fixed steps that a contact law can take, each with the times of its contact
+/// force.
 std::vector<TimeSettings> choices_under(ContactLaw law);
 
 /// The scene's own, of fixed steps or not, without its step.
@@ -75,7 +77,8 @@ std::string beyond_limit(const Model& model, const StepLimits& limits);
 /// What to write into the scene instead of a step that does not hold.
 std::string step_cure(const Scene& scene, double holds);
 
-/// What is wrong with a start at rest whose faces overlap, under multipliers; empty when nothing is.
+/// What is wrong with a start at rest whose faces overlap, under multipliers; empty when nothing
+/// is.
 std::string overlap_at_start(const Model& model);
 
 }  // namespace ra2d

@@ -40,8 +40,8 @@ std::complex<double> mode_increment(SchemeKind scheme, double zeta, double x) {
 }
 
 /// The p_k of |R|^2 - 1 = sum_k p_k x^k at z = x (-zeta + i sqrt(1 - zeta^2)), zeta <= 1: with the
-/// coefficients alpha of R and cos(theta) = -zeta, p_k = sum_{j + l = k} alpha_j alpha_l cos((j - l)
-/// theta). Up to the order of the scheme they are those of |exp(z)|^2, exactly.
+/// coefficients alpha of R and cos(theta) = -zeta, p_k = sum_{j + l = k} alpha_j alpha_l cos((j -
+/// l) theta). Up to the order of the scheme they are those of |exp(z)|^2, exactly.
 std::vector<double> growth_polynomial(const SchemeTable& table, double zeta) {
   const std::vector<double>& alpha = table.polynomial;
   const int degree = static_cast<int>(alpha.size()) - 1;
@@ -92,8 +92,8 @@ bool takes_new_force(const TimeSettings& choice) {
   return choice.scheme == SchemeKind::backward_euler && choice.contact_force == ForceTime::new_time;
 }
 
-/// The step of the joined modes less the identity, on (sigma U, V). Its columns are the answers to a
-/// one in each.
+/// The step of the joined modes less the identity, on (sigma U, V). Its columns are the answers to
+/// a one in each.
 Eigen::MatrixXd joined_increment(const TimeSettings& choice, const JoinedModes& joined,
                                  double stiffness, double tau) {
   const int n = static_cast<int>(joined.modes.size());

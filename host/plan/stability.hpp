@@ -6,8 +6,8 @@
 #include "host/model/model.hpp"
 #include "kernels/schemes/mode_step.hpp"
 
-/// Limits of stability, from theory (kernels/schemes/ has each scheme's own). Of a `choice` only the
-/// scheme and the time of its contact force are looked at: the step is given beside it.
+/// Limits of stability, from theory (kernels/schemes/ has each scheme's own). Of a `choice` only
+/// the scheme and the time of its contact force are looked at: the step is given beside it.
 namespace ra2d {
 
 /// Largest factor by which a step multiplies a free mode's amplitude, the spectral radius of its
@@ -42,9 +42,9 @@ double amplification(const TimeSettings& choice, const JoinedModes& joined, doub
 /// it is found by search and 0 stands for any below 1e-5/omega_c, omega_c^2 = k sum psi^2/m.
 double contact_limit(const TimeSettings& choice, const JoinedModes& joined, double stiffness);
 
-/// The motions of the joined modes with the spring closed: eigenvalues lambda [1/s] of m_j (U_j'' + 2
-/// zeta_j omega_j U_j' + omega_j^2 U_j) + k psi_j sum_l psi_l U_l = 0. Of conjugate pairs both, or
-/// without any damping the one that turns forwards.
+/// The motions of the joined modes with the spring closed: eigenvalues lambda [1/s] of m_j (U_j'' +
+/// 2 zeta_j omega_j U_j' + omega_j^2 U_j) + k psi_j sum_l psi_l U_l = 0. Of conjugate pairs both,
+/// or without any damping the one that turns forwards.
 std::vector<std::complex<double>> joined_eigenvalues(const JoinedModes& joined, double stiffness);
 
 /// The modes of both bodies where they yield most to a contact force.

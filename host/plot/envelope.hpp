@@ -6,20 +6,20 @@
 
 namespace ra2d {
 
-/// A series as a picture can hold it: neighbours are put together, and of each group stay the lowest,
-/// the highest and the mean value, so that no extreme is lost. Values that are no numbers do not count;
-/// a group of them alone is NaN.
+/// A series as a picture can hold it: neighbours are put together, and of each group stay the
+/// lowest, the highest and the mean value, so that no extreme is lost. Values that are no numbers
+/// do not count; a group of them alone is NaN.
 struct Envelope {
   std::vector<double> at, low, high, mean;  // at: mean place of the group
   std::size_t together = 0;                 // values of the largest group; 1: every value is there
 };
 
-/// Where groups begin, and the end: `values` in `most` groups of equal size. Up to twice as many values
-/// stay alone.
+/// Where groups begin, and the end: `values` in `most` groups of equal size. Up to twice as many
+/// values stay alone.
 std::vector<std::size_t> even_groups(std::size_t values, std::size_t most);
 
-/// The same for values at 0, 1, 2 ... of an axis of equal ratios, from 1 on: the one at 0 has no place
-/// there.
+/// The same for values at 0, 1, 2 ... of an axis of equal ratios, from 1 on: the one at 0 has no
+/// place there.
 std::vector<std::size_t> ratio_groups(std::size_t values, std::size_t most);
 
 Envelope envelope(std::span<const double> at, std::span<const double> values,

@@ -66,8 +66,8 @@ Json parameters_of(const Roughness& r) {
           {"Rk", r.rk}, {"Rpk", r.rpk}, {"Rvk", r.rvk}, {"Mr1", r.mr1}, {"Mr2", r.mr2}};
 }
 
-/// The line that the evaluated heights are counted from, in the heights of the whole profile: the form,
-/// and what is left of it the mean line of the filter.
+/// The line that the evaluated heights are counted from, in the heights of the whole profile: the
+/// form, and what is left of it the mean line of the filter.
 std::vector<double> reference_line(const Profile& filled, const MeasureOptions& options,
                                    std::optional<double> cutoff) {
   std::vector<double> formless = filled.heights;

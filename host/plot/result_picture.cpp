@@ -326,7 +326,8 @@ class ResultPanels {
             {"elastic", whole(elastic)}, {"contact", whole(contact)}};
   }
 
-  // ---- shocks and frequencies --------------------------------------------------------------------
+  // ---- shocks and frequencies
+  // --------------------------------------------------------------------
 
   static Json bins(const LogBins& bins, const Spread& spread) {
     return {{"edges", bins.edges},

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-/// What pictures of results show (docs/pictures.md): JSON for host/plot/plot_result.py, so small that a
-/// picture can hold all of it.
+/// What pictures of results show (docs/pictures.md): JSON for host/plot/plot_result.py, so small
+/// that a picture can hold all of it.
 namespace ra2d {
 
 /// What can be shown of a result, and of several over one another.

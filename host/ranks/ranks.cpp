@@ -31,8 +31,8 @@ int number_of(const char* name) {
   return number;
 }
 
-/// The library with MPI: beside the program where it was built, else where it was installed; empty where
-/// there is none.
+/// The library with MPI: beside the program where it was built, else where it was installed; empty
+/// where there is none.
 fs::path mpi_library() {
   std::error_code none;
   for (const fs::path& folder : {program_folder(), program_folder() / RA2D_MODULES_FROM_PROGRAM})

@@ -3,9 +3,9 @@
 #include <cstddef>
 #include <cstdint>
 
-/// Processes that share one piece of work: those that mpirun starts together, called ranks. MPI itself is
-/// in a library of its own (ranks/mpi), which is loaded where there are several ranks and nowhere else:
-/// it takes longer to start than a short run.
+/// Processes that share one piece of work: those that mpirun starts together, called ranks. MPI
+/// itself is in a library of its own (ranks/mpi), which is loaded where there are several ranks and
+/// nowhere else: it takes longer to start than a short run.
 namespace ra2d {
 
 /// This process among those that were started together; alone it is 0 of 1.
@@ -13,8 +13,9 @@ struct Launch {
   int rank = 0, size = 1;
 };
 
-/// What the environment says: it knows mpirun of Open MPI, of MPICH and of what descends from it, and
-/// srun with pmi2 or pmix. Processes that srun starts without either know nothing of one another.
+/// What the environment says: it knows mpirun of Open MPI, of MPICH and of what descends from it,
+/// and srun with pmi2 or pmix. Processes that srun starts without either know nothing of one
+/// another.
 Launch launch();
 
 /// What a rank tells rank 0 of its part of the work.
@@ -35,8 +36,8 @@ class Ranks {
   virtual ~Ranks() = default;
   virtual int rank() const = 0;
   virtual int size() const = 0;
-  /// Threads for this rank: the processors that it may use, divided among the ranks that may use the
-  /// same ones; at least 1.
+  /// Threads for this rank: the processors that it may use, divided among the ranks that may use
+  /// the same ones; at least 1.
   virtual int threads() const = 0;
   /// Every rank gets the bytes of rank 0. All must call it.
   virtual void broadcast(void* bytes, std::size_t count) = 0;
@@ -52,8 +53,8 @@ class Ranks {
   virtual void abort(int status) noexcept = 0;
 };
 
-/// Makes this process one of its ranks, once; null where it is alone. Throws RequestError where ra2d was
-/// built without MPI, FileError where MPI cannot be loaded or is not that of mpirun.
+/// Makes this process one of its ranks, once; null where it is alone. Throws RequestError where
+/// ra2d was built without MPI, FileError where MPI cannot be loaded or is not that of mpirun.
 Ranks* join_ranks();
 
 /// What join_ranks() gave; null before.

@@ -19,7 +19,8 @@ struct Clips {
 };
 
 /// The first probe's noise of each result, as it is and slowed down, all to one scale, so that what
-/// sounds louder is louder. Long ones are shortened; of many results the first ones alone have sounds.
+/// sounds louder is louder. Long ones are shortened; of many results the first ones alone have
+/// sounds.
 std::vector<Clips> clips_of(const std::vector<std::filesystem::path>& results);
 
 }  // namespace ra2d

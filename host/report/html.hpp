@@ -6,8 +6,8 @@
 /// Pieces of a page.
 namespace ra2d {
 
-/// A text from outside as a page may have it, of one line: nothing in it is markup, in an attribute's
-/// quotes neither, and control characters are written out.
+/// A text from outside as a page may have it, of one line: nothing in it is markup, in an
+/// attribute's quotes neither, and control characters are written out.
 std::string html(std::string_view text);
 
 /// The same of several lines.

@@ -9,8 +9,8 @@ namespace ra2d {
 
 std::string table_of(const FactTable& facts);
 
-/// A paragraph (markup), a button that copies, and the text itself (none). `what` it is to the button,
-/// `id` to the page.
+/// A paragraph (markup), a button that copies, and the text itself (none). `what` it is to the
+/// button, `id` to the page.
 std::string text_to_copy(const std::string& paragraph, const std::string& what,
                          const std::string& id, const std::string& text);
 

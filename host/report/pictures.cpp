@@ -113,7 +113,8 @@ Picture history_picture(const Analysis& a, const LevelHistory& h) {
               html_number(h.part_seconds * 1e3), a.lv)};
 }
 
-/// Bins from one to the other without the rare ones at the ends: less than a thousandth on either side.
+/// Bins from one to the other without the rare ones at the ends: less than a thousandth on either
+/// side.
 std::pair<std::size_t, std::size_t> usual_bins(const std::vector<std::size_t>& counts) {
   const double rare = 1e-3 * std::accumulate(counts.begin(), counts.end(), 0.0);
   std::size_t first = 0, beyond = counts.size();

@@ -39,8 +39,8 @@ struct Told {
   Clips clips;
 };
 
-/// Of a scene with measured faces, which files they are of: their names alone, and the hash of what was
-/// made of them, by which who gets the page sees that a file is the one.
+/// Of a scene with measured faces, which files they are of: their names alone, and the hash of what
+/// was made of them, by which who gets the page sees that a file is the one.
 std::string profiles_text(const ResultReader& reader, const std::optional<Scene>& scene) {
   std::string text;
   if (!scene) return text;

@@ -22,11 +22,13 @@ class SvgChart {
   /// `summary`: what is to be seen, for who cannot see it. No markup in any text.
   SvgChart(ChartAxis x, ChartAxis y, std::string summary);
 
-  /// What is drawn from here on belongs to this series, from 0, and has its colour. Dots and whiskers stand `aside`
-  /// dots of the picture to the right of their place, so that those of several series do not hide each other.
+  /// What is drawn from here on belongs to this series, from 0, and has its colour. Dots and
+  /// whiskers stand `aside` dots of the picture to the right of their place, so that those of
+  /// several series do not hide each other.
   void begin_series(std::size_t number, double aside);
 
-  /// A line through points of ascending x. Of many within one dot of the screen the extent is drawn.
+  /// A line through points of ascending x. Of many within one dot of the screen the extent is
+  /// drawn.
   void line(const std::vector<double>& x, const std::vector<double>& y, bool dashed = false);
   void dot(double x, double y);
   /// A column from the bottom to `y`; `faint`, where it means little.

@@ -10,15 +10,15 @@
 namespace ra2d {
 
 /// Root mean square velocity of the resonator's elastic motion [m/s] (paper, equation 13): over its
-/// nodes, and over the steps from `begin` (none: t = 0) to `end`; NaN where there is none. What a free
-/// body does as a whole is no noise.
-/// The mean over nodes is taken mode by mode; cross terms between modes vanish for pinned modes on
-/// a whole number of spacings, and are of the order of spacing/length otherwise.
+/// nodes, and over the steps from `begin` (none: t = 0) to `end`; NaN where there is none. What a
+/// free body does as a whole is no noise. The mean over nodes is taken mode by mode; cross terms
+/// between modes vanish for pinned modes on a whole number of spacings, and are of the order of
+/// spacing/length otherwise.
 double v_rms(const Model& model, const Snapshot& end, const Snapshot& begin = {});
 
-/// Means of psi_k^2 over a body's nodes, of each elastic mode [1/m], 0 of a rigid one. They are needed
-/// at the end of a run and take as long as a good part of a short one: they are found on a thread of
-/// their own, beside the march, where the system gives one, and else when somebody asks.
+/// Means of psi_k^2 over a body's nodes, of each elastic mode [1/m], 0 of a rigid one. They are
+/// needed at the end of a run and take as long as a good part of a short one: they are found on a
+/// thread of their own, beside the march, where the system gives one, and else when somebody asks.
 class MeanSquares {
  public:
   MeanSquares(std::vector<double> known = {});

@@ -34,7 +34,8 @@ class LogHistogram {
     ++total_;
   }
   std::int64_t total() const { return total_; }
-  /// Shows all that is kept to whoever saves it: bin, count, bin, count, ... of those that are not empty.
+  /// Shows all that is kept to whoever saves it: bin, count, bin, count, ... of those that are not
+  /// empty.
   template <class Archive>
   void visit(Archive& archive) {
     std::vector<std::int64_t> filled;

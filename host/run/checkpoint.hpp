@@ -35,8 +35,9 @@ struct Checkpoint {
 /// The run that this program is about to make.
 Identity identity_of(const std::string& key, const std::string& scene);
 
-/// As it stands in a file, and back. Throws Unbelieved (host/store/sealed_file.hpp) where a byte is not as
-/// it was. A state that does not fit its scene is found when it is gone on from (Batch::restore).
+/// As it stands in a file, and back. Throws Unbelieved (host/store/sealed_file.hpp) where a byte is
+/// not as it was. A state that does not fit its scene is found when it is gone on from
+/// (Batch::restore).
 std::string bytes_of(const Checkpoint& checkpoint);
 Checkpoint checkpoint_of(const std::string& bytes);
 
@@ -61,8 +62,8 @@ struct FoundCheckpoint {
   std::string difference;  // why the one that is whole is of another run; empty where it is not
 };
 
-/// Looks for the last checkpoint of an output that a run can go on from: the one before it where the last is
-/// damaged, or segments that it vouches for. Faults are found, not thrown.
+/// Looks for the last checkpoint of an output that a run can go on from: the one before it where
+/// the last is damaged, or segments that it vouches for. Faults are found, not thrown.
 FoundCheckpoint find_checkpoint(const OutputNames& names, const Identity& run, const Model& model,
                                 Outputs outputs);
 

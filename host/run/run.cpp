@@ -74,8 +74,8 @@ bool is_wanted(const ResultStamp& stamp) {
          stamp.ended == ending_name(Ending::out_of_time);
 }
 
-/// Whether the output has this run already, complete. Throws RequestError where something else stands there
-/// that must not be lost unasked.
+/// Whether the output has this run already, complete. Throws RequestError where something else
+/// stands there that must not be lost unasked.
 bool is_there(const std::filesystem::path& output, const std::string& key, const Scene& scene,
               const RunOptions& options) {
   std::error_code none;
@@ -178,8 +178,8 @@ class FiledRun {
   Clock::time_point begun_ = Clock::now(), shown_ = begun_;
 };
 
-/// None where there is none. Throws FileError where all that there is is damaged, and RequestError where it
-/// is of another run.
+/// None where there is none. Throws FileError where all that there is is damaged, and RequestError
+/// where it is of another run.
 std::optional<Checkpoint> checkpoint_to_go_on_from(
     RunFiles& files, const Model& model, bool force,
     const std::function<void(const std::string&)>& tell) {

@@ -36,13 +36,14 @@ struct RunOptions {
   std::function<void(const std::string&)> tell;
 };
 
-/// Runs a scene to its end, an interrupt (host/system/interruption.hpp), its wall time or a failure, and writes the
-/// result file in every case (marked when it was cut short). What an interrupt, the wall time, a kill or a
-/// disk cut short goes on from its last checkpoint when it is run again, to the same bits as if nothing had
-/// happened. A result that has this run already stays. Any other that is finished, or that was interrupted,
-/// and any other file but an empty one is replaced by `force` alone; what failed is replaced, and that is
-/// told. All this is found before the first step. Throws RequestError, also for a step beyond the limits
-/// of stability that the scene does not force and for a checkpoint of another run, and FileError.
+/// Runs a scene to its end, an interrupt (host/system/interruption.hpp), its wall time or a
+/// failure, and writes the result file in every case (marked when it was cut short). What an
+/// interrupt, the wall time, a kill or a disk cut short goes on from its last checkpoint when it is
+/// run again, to the same bits as if nothing had happened. A result that has this run already
+/// stays. Any other that is finished, or that was interrupted, and any other file but an empty one
+/// is replaced by `force` alone; what failed is replaced, and that is told. All this is found
+/// before the first step. Throws RequestError, also for a step beyond the limits of stability that
+/// the scene does not force and for a checkpoint of another run, and FileError.
 RunReport run(const Scene& scene, const RunOptions& options);
 
 }  // namespace ra2d

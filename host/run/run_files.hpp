@@ -14,14 +14,16 @@
 #include "host/store/beside.hpp"
 #include "host/store/recording.hpp"
 
-/// What a run has on the disk while it goes on: checkpoints, and what it records where that is kept.
+/// What a run has on the disk while it goes on: checkpoints, and what it records where that is
+/// kept.
 namespace ra2d {
 
 class RunWatch;
 
 class RunFiles {
  public:
-  /// `output`: where the result goes, or would go if it were kept. `key`: run_key. Nothing is touched yet.
+  /// `output`: where the result goes, or would go if it were kept. `key`: run_key. Nothing is
+  /// touched yet.
   RunFiles(std::filesystem::path output, std::string key);
 
   /// Makes the output this process' own, if it is not yet. Throws OutputTaken, FileError.
@@ -46,8 +48,8 @@ class RunFiles {
   bool has_checkpoint() const { return has_checkpoint_; }
   /// Whether the last checkpoint and all that it vouches for are there.
   bool can_go_on() const;
-  /// Of a claimed output: writes a checkpoint of a run between two launches, `wall` seconds after its
-  /// start. `so_far` is asked for what a segment says of the run until now. Throws FileError.
+  /// Of a claimed output: writes a checkpoint of a run between two launches, `wall` seconds after
+  /// its start. `so_far` is asked for what a segment says of the run until now. Throws FileError.
   void keep(const SceneRun& run, SavedState state, double wall,
             const std::function<ResultSummary()>& so_far);
 

@@ -10,13 +10,13 @@ namespace ra2d {
 /// Raised by whoever changes the bits of an answer on purpose (CONTRIBUTING.md).
 inline constexpr int numerics_version = 2;
 
-/// XXH3-128, as 32 hexadecimal digits, of the scene with all its keys, of both bodies' heights, of the
-/// version of the numerics and of the build's arithmetic. Neither the scene's name nor the place of its
-/// files is in it, nor the number of threads.
+/// XXH3-128, as 32 hexadecimal digits, of the scene with all its keys, of both bodies' heights, of
+/// the version of the numerics and of the build's arithmetic. Neither the scene's name nor the
+/// place of its files is in it, nor the number of threads.
 std::string run_key(const Model& model);
 
-/// Where two scenes, as echo() writes them, differ first: "'speed = 0.1' there, 'speed = 0.2' here". Empty
-/// where they do not; their names are no difference.
+/// Where two scenes, as echo() writes them, differ first: "'speed = 0.1' there, 'speed = 0.2'
+/// here". Empty where they do not; their names are no difference.
 std::string first_difference(const std::string& there, const std::string& here);
 
 }  // namespace ra2d

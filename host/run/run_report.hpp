@@ -47,14 +47,15 @@ struct RunReport {
   double step_seconds() const { return march_seconds / std::max(1.0, static_cast<double>(steps)); }
 };
 
-/// What the scene's step goes beyond, where time.force runs it all the same; empty when it holds. Throws
-/// RequestError where it does not hold and is not forced.
+/// What the scene's step goes beyond, where time.force runs it all the same; empty when it holds.
+/// Throws RequestError where it does not hold and is not forced.
 std::string checked_limit(const Model& model);
 
 /// `mean_squares`: of the resonator's modes (MeanSquares).
 RunReport report_on(const SceneRun& run, const std::vector<double>& mean_squares);
 
-/// How a result file calls the ending of a run that did not fail: "complete", "interrupted", "stopped by
+/// How a result file calls the ending of a run that did not fail: "complete", "interrupted",
+/// "stopped by
 /// --max-wall".
 std::string ending_name(Ending ending);
 

@@ -10,8 +10,8 @@
 
 namespace ra2d {
 
-/// Looks at what a run records while it is at hand, and passes it on: so the report has intervals and the
-/// mesh's tone without reading the file again.
+/// Looks at what a run records while it is at hand, and passes it on: so the report has intervals
+/// and the mesh's tone without reading the file again.
 class RunWatch : public Sink {
  public:
   /// `next` takes what was looked at; it may be none.

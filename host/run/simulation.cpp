@@ -144,8 +144,8 @@ void Simulation::run(const Make& make, const std::function<void(SceneRun&)>& don
     return static_cast<std::size_t>(std::count_if(
         scenes_.begin(), scenes_.end(), [](const SceneRun* scene) { return scene != nullptr; }));
   };
-  // Slots that a lack of memory left empty, once others have let go of theirs. Where none is left to wait
-  // for, what does not fit never will.
+  // Slots that a lack of memory left empty, once others have let go of theirs. Where none is left
+  // to wait for, what does not fit never will.
   const auto fill_empty = [&] {
     for (std::size_t slot = 0; slot < scenes_.size(); ++slot) {
       while (scenes_[slot] == nullptr && !(all_made && waiting.empty())) {

@@ -99,20 +99,20 @@ struct SimulationOptions {
 };
 
 /// Marches scenes side by side, each on its own clock, until all are over or the program is
-/// interrupted (host/system/interruption.hpp). A scene for which there is no memory beside the others waits for
-/// theirs.
+/// interrupted (host/system/interruption.hpp). A scene for which there is no memory beside the
+/// others waits for theirs.
 class Simulation {
  public:
-  /// Makes scene 0, 1, 2, ..., or says that there are no more. Threads make scenes side by side; a scene
-  /// must live until the run is over.
+  /// Makes scene 0, 1, 2, ..., or says that there are no more. Threads make scenes side by side; a
+  /// scene must live until the run is over.
   using Make = std::function<SceneRun*(std::size_t)>;
 
   explicit Simulation(const SimulationOptions& options = {});
 
-  /// `done` is called for each scene that is over, by the thread that marched it; `between` after each
-  /// launch; `too_large` for a scene for which there is no memory even alone, between two launches. Throws
-  /// RequestError where a scene cannot be marched, std::bad_alloc instead of calling a `too_large` that is
-  /// none, and what sinks throw.
+  /// `done` is called for each scene that is over, by the thread that marched it; `between` after
+  /// each launch; `too_large` for a scene for which there is no memory even alone, between two
+  /// launches. Throws RequestError where a scene cannot be marched, std::bad_alloc instead of
+  /// calling a `too_large` that is none, and what sinks throw.
   void run(const Make& make, const std::function<void(SceneRun&)>& done = {},
            const std::function<void()>& between = {},
            const std::function<void(SceneRun&)>& too_large = {});
@@ -120,8 +120,8 @@ class Simulation {
   void run(const std::vector<SceneRun*>& scenes, const std::function<void()>& between = {});
 
   // between launches:
-  /// Whether there will be another one, unless all scenes are over: neither was the program interrupted nor
-  /// stop() called.
+  /// Whether there will be another one, unless all scenes are over: neither was the program
+  /// interrupted nor stop() called.
   bool goes_on() const { return goes_on_; }
   /// Ends the run, as an interrupt does.
   void stop() { goes_on_ = false; }
@@ -136,8 +136,8 @@ class Simulation {
   std::size_t memory() const { return memory_; }
   /// Wall time of all launches [s].
   double seconds() const { return seconds_; }
-  /// What threads spent on scenes, all together: making them ready, marching them (on a CPU), and taking
-  /// in what they record [s].
+  /// What threads spent on scenes, all together: making them ready, marching them (on a CPU), and
+  /// taking in what they record [s].
   double busy_seconds() const { return busy_seconds_; }
   /// ... marching them alone.
   double marched_seconds() const { return marched_seconds_; }

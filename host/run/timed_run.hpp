@@ -28,7 +28,8 @@ struct TimedRun {
   Snapshot begin, end;              // where statistics begin (output.from), and where the run ended
 };
 
-/// Marches scenes side by side from t = 0, each to its own end or limit. Throws Interrupted (host/system/interruption.hpp).
+/// Marches scenes side by side from t = 0, each to its own end or limit. Throws Interrupted
+/// (host/system/interruption.hpp).
 std::vector<TimedRun> timed_runs(const std::vector<Model>& models,
                                  const std::vector<ModalStart>& starts,
                                  const RunLimits& limits = {});

@@ -15,9 +15,9 @@
 namespace ra2d {
 namespace {
 
-// Until when each part may go on, as shares of the budget. First what the answer hangs on most, whether the
-// scene's own modes and nodes are enough; then what saves most, a coarser spacing; schemes and steps, of
-// which most are cheap to try and save little beside one another, come last.
+// Until when each part may go on, as shares of the budget. First what the answer hangs on most,
+// whether the scene's own modes and nodes are enough; then what saves most, a coarser spacing;
+// schemes and steps, of which most are cheap to try and save little beside one another, come last.
 constexpr double base_end = 0.35, beyond_end = 0.52, spacing_end = 0.68, modes_end = 0.8,
                  slider_end = 0.83, numerics_end = 0.88, together_end = 0.97;
 

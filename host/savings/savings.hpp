@@ -10,15 +10,16 @@
 #include "host/ensemble/ensemble.hpp"
 #include "host/scene/scene.hpp"
 
-/// Model no more than a scene needs: the cheapest scheme and step, the fewest modes and the coarsest
-/// spacing that keep level, rate of shocks and their median duration within an accuracy.
+/// Model no more than a scene needs: the cheapest scheme and step, the fewest modes and the
+/// coarsest spacing that keep level, rate of shocks and their median duration within an accuracy.
 ///
-/// The reference is the scene as written, marched by the adaptive scheme to a tolerance of 1e-10, or
-/// under multipliers, which that does not know, by the scene's own scheme at a tenth of its step. One
-/// thing is changed at a time and compared with it on the same surfaces; what is kept is then taken
-/// together and compared again. A saving is taken
+/// The reference is the scene as written, marched by the adaptive scheme to a tolerance of 1e-10,
+/// or under multipliers, which that does not know, by the scene's own scheme at a tenth of its
+/// step. One thing is changed at a time and compared with it on the same surfaces; what is kept is
+/// then taken together and compared again. A saving is taken
 /// - where all three stay within the accuracy with 95 % confidence, or
-/// - of schemes and steps alone, which change no model: where chance leaves that open, but the energy
+/// - of schemes and steps alone, which change no model: where chance leaves that open, but the
+/// energy
 ///   closes within the accuracy and the first shock of the runs, before chaos parts them, lasts as
 ///   long within it. This is said.
 /// What is left open otherwise is not taken.
@@ -68,8 +69,8 @@ Savings find_savings(const Scene& scene, const SavingsOptions& options);
 /// What was tried and what the scene needs, for people.
 std::string describe(const Savings& savings);
 
-/// The scene with the choices in it, each with where it comes from. Reading it, from any folder, gives
-/// savings.chosen.
+/// The scene with the choices in it, each with where it comes from. Reading it, from any folder,
+/// gives savings.chosen.
 std::string planned_scene(const Savings& savings);
 
 }  // namespace ra2d

@@ -10,10 +10,10 @@ inline constexpr int first_pairs = 4, sure_pairs = 8;  // before a trial is judg
 Trial changed(const std::string& key, const std::string& what, std::function<void(Scene&)> change,
               const Scene& from);
 
-/// Runs both until the trial is judged, the time is up (`end`, as a share of the budget) or it takes
-/// too long to tell. The cost is what one expects; 0: as of the base.
-/// Where even the first pairs are not expected to end by `begin_by` (0: by `end`), nothing is run, and the trial
-/// says so.
+/// Runs both until the trial is judged, the time is up (`end`, as a share of the budget) or it
+/// takes too long to tell. The cost is what one expects; 0: as of the base. Where even the first
+/// pairs are not expected to end by `begin_by` (0: by `end`), nothing is run, and the trial says
+/// so.
 Trial try_out(SavingsSearch& search, Trial trial, const Runs& base, double end,
               double expected_cost = 0, double begin_by = 0);
 

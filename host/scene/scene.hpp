@@ -148,8 +148,8 @@ struct Scene {
 /// The tolerance of an adaptive scene that names none.
 inline constexpr double usual_tolerance = 1e-8;
 
-/// Whether loads and contact can hold the scene's bodies in equilibrium: not a free resonator, nor a
-/// free slider that no load presses down.
+/// Whether loads and contact can hold the scene's bodies in equilibrium: not a free resonator, nor
+/// a free slider that no load presses down.
 bool has_equilibrium(const Scene& scene);
 
 /// A fault of a scene that is found after it was read, at "section.key", in the same words as those
@@ -163,8 +163,8 @@ std::string place_of(const Scene& scene, std::string key);
 /// The files that a scene is read from: its own, and its measured profiles.
 std::vector<std::filesystem::path> files_of(const Scene& scene);
 
-/// The scene without what changes no bit of its run: its name, and what its contact stiffness, a number
-/// by now, was found from.
+/// The scene without what changes no bit of its run: its name, and what its contact stiffness, a
+/// number by now, was found from.
 Scene without_origins(Scene scene);
 
 /// What people call it: its name, or that of its file.

@@ -30,9 +30,9 @@ const SchemeTable& scheme_table(SchemeKind scheme);
 /// Whether U1 = U0 + tau V1: with the force of the old time the shortest form of a step.
 bool is_semi_implicit(SchemeKind scheme);
 
-/// Whether multipliers can keep the end of a step free of penetration: not where the force of a step
-/// does not move it (kernels/schemes/explicit_euler.hpp), nor where there is no step to decide what
-/// an impact gives back (adaptive).
+/// Whether multipliers can keep the end of a step free of penetration: not where the force of a
+/// step does not move it (kernels/schemes/explicit_euler.hpp), nor where there is no step to decide
+/// what an impact gives back (adaptive).
 bool takes_multipliers(SchemeKind scheme);
 
 /// Whether the scene's contact forces are found together with the end of the step

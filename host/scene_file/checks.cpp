@@ -40,8 +40,8 @@ struct Part {
   double value, usual;
 };
 
-/// Which of the numbers that make a fault together is to blame: the first one, unless another is more than a
-/// thousand times further from what is usual.
+/// Which of the numbers that make a fault together is to blame: the first one, unless another is
+/// more than a thousand times further from what is usual.
 std::string to_blame(const std::vector<Part>& parts) {
   const auto away = [](const Part& part) {
     return part.value != 0 ? std::abs(std::log10(std::abs(part.value) / part.usual)) : 0.0;

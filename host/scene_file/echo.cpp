@@ -44,8 +44,8 @@ class Writer {
   std::string text_;
 };
 
-/// The inline table of a surface: its kind, the keys of the kind, and those of others that stand; and
-/// which of them are not used, and why. `folder`: the scene's.
+/// The inline table of a surface: its kind, the keys of the kind, and those of others that stand;
+/// and which of them are not used, and why. `folder`: the scene's.
 struct SurfaceWords {
   std::string table, unused;
 };

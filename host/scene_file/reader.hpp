@@ -90,8 +90,8 @@ class Reader {
   std::size_t index_;
 };
 
-/// A TOML text that is parsed once, for many documents that differ in their overrides. It has lost its
-/// line numbers: for a message read the text itself.
+/// A TOML text that is parsed once, for many documents that differ in their overrides. It has lost
+/// its line numbers: for a message read the text itself.
 class ParsedText {
  public:
   /// Throws RequestError for what is not TOML.

@@ -20,8 +20,8 @@ Scene read_scene(const std::filesystem::path& file, const std::vector<std::strin
 Scene parse_scene(const std::string& text, const std::filesystem::path& file,
                   const std::vector<std::string>& overrides = {});
 
-/// One of many scenes that differ in their overrides alone. It knows no places (Scene::places), and faults are
-/// without lines: for a message read its text.
+/// One of many scenes that differ in their overrides alone. It knows no places (Scene::places), and
+/// faults are without lines: for a message read its text.
 Scene parse_scene(const ParsedText& text, const std::filesystem::path& file,
                   const std::vector<std::string>& overrides);
 

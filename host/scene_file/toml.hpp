@@ -6,10 +6,11 @@
 #pragma push_macro("NDEBUG")
 #undef NDEBUG  // under which the next line would have no effect
 #define TOML_ASSERT(expr) static_assert(true)
-/// Arrays and inline tables in one another; dotted keys are counted before toml++ sees them (reader.cpp).
+/// Arrays and inline tables in one another; dotted keys are counted before toml++ sees them
+/// (reader.cpp).
 #define TOML_MAX_NESTED_VALUES 32
-/// Texts that are not ASCII come to places that toml++ takes for unreachable (letters that it asks whether
-/// they are blanks): there, the answer is no.
+/// Texts that are not ASCII come to places that toml++ takes for unreachable (letters that it asks
+/// whether they are blanks): there, the answer is no.
 #include <toml++/impl/forward_declarations.h>
 #pragma push_macro("TOML_UNREACHABLE")
 #undef TOML_UNREACHABLE

@@ -10,8 +10,9 @@
 
 #include "host/beam/beam.hpp"
 
-// The bounds are those of what is built and rubbed, from micromachines to bridges and from rubber to diamond,
-// with room to spare. What is off by a factor of a thousand lies beyond one of them in most scenes.
+// The bounds are those of what is built and rubbed, from micromachines to bridges and from rubber
+// to diamond, with room to spare. What is off by a factor of a thousand lies beyond one of them in
+// most scenes.
 namespace ra2d {
 
 void doubt(std::vector<std::string>& doubts, const std::string& key, double value, const char* unit,
@@ -113,8 +114,8 @@ void doubt_body(const std::string& name, const BodySpec& body, bool is_slider, D
           kilohertz);
 }
 
-/// What the resonator gives way by under a force in its middle [m], by its first mode: 1.5 % more than the
-/// whole beam.
+/// What the resonator gives way by under a force in its middle [m], by its first mode: 1.5 % more
+/// than the whole beam.
 double static_deflection(const BodySpec& body, double force) {
   const double omega = 2 * M_PI * elastic_frequency(body, 0);
   const double mass = body.density * body.thickness * body.width * body.length;
@@ -162,7 +163,8 @@ void doubt_motion(const Scene& scene, Doubts& doubts) {
     doubt(doubts, "scene.speed", scene.speed, "m/s", "so slow that little is heard", too_small);
 }
 
-/// Nodes against what they have to show: random faces and peaks. Measured ones are looked at where they are read.
+/// Nodes against what they have to show: random faces and peaks. Measured ones are looked at where
+/// they are read.
 void doubt_spacing(const Scene& scene, const std::string& name, const BodySpec& body,
                    Doubts& doubts) {
   constexpr double most_to_wave = 1e4, most_to_peak = 2000, least_to_peak = 2;  // spacings

@@ -5,10 +5,12 @@
 
 #include "host/scene/scene.hpp"
 
-/// Numbers that are likely to be in another unit than the scene's. A sentence each; nothing is refused for it.
+/// Numbers that are likely to be in another unit than the scene's. A sentence each; nothing is
+/// refused for it.
 namespace ra2d {
 
-/// Of the scene's bodies, loads, speed, spacing and peaks. A NaN, which stands for a number at fault, is not doubted.
+/// Of the scene's bodies, loads, speed, spacing and peaks. A NaN, which stands for a number at
+/// fault, is not doubted.
 std::vector<std::string> unit_doubts(const Scene& scene);
 
 /// What a number may have been meant to be.

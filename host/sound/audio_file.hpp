@@ -58,7 +58,8 @@ struct AudioNotes {
 /// Most samples that a file of the format holds.
 double most_frames(AudioFormat format);
 
-/// Writes a sound whose full scale is 1. A float beyond that stays as it is; whole numbers are clipped.
+/// Writes a sound whose full scale is 1. A float beyond that stays as it is; whole numbers are
+/// clipped.
 class AudioWriter {
  public:
   /// `path` is what a FileError names.

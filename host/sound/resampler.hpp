@@ -11,10 +11,11 @@ namespace ra2d {
 /// Takes samples of a sound, some at a time.
 using TakeSamples = std::function<void(std::span<const double>)>;
 
-/// Another rate for a signal: without delay (sample i stands at i/`to`, the first where the first was), to
-/// the last sample that was fed, without aliases (what lies above half of either rate is at least 100 dB
-/// down) and even to 0.01 dB up to 0.91 of the lower half. Before and after the signal there is nothing.
-/// Equal rates change no bit. The memory it takes does not grow with the signal.
+/// Another rate for a signal: without delay (sample i stands at i/`to`, the first where the first
+/// was), to the last sample that was fed, without aliases (what lies above half of either rate is
+/// at least 100 dB down) and even to 0.01 dB up to 0.91 of the lower half. Before and after the
+/// signal there is nothing. Equal rates change no bit. The memory it takes does not grow with the
+/// signal.
 class Resampler {
  public:
   /// Rates in Hz.

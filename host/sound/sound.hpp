@@ -52,8 +52,9 @@ struct SoundFacts {
 /// The smallest of 1, 2, 5 times a power of ten that is not below; 1 for 0.
 double round_full_scale(double peak);
 
-/// The sound of a probe, found and scaled; its samples are read and resampled anew each time they are
-/// asked for, some at a time. Throws RequestError where the result has no such probe or stretch.
+/// The sound of a probe, found and scaled; its samples are read and resampled anew each time they
+/// are asked for, some at a time. Throws RequestError where the result has no such probe or
+/// stretch.
 class ProbeSound {
  public:
   ProbeSound(const std::filesystem::path& result, const SoundOptions& options);

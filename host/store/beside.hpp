@@ -21,9 +21,9 @@ struct OutputNames {
 };
 OutputNames names_beside(const std::filesystem::path& output);
 
-/// To be asked before anything of an output is made. Throws RequestError where one of `inputs` has one of
-/// these names, or is a segment of the output; FileError where something else has one that is not
-/// ra2d's own, or that may not be replaced. Nothing of that is ever removed.
+/// To be asked before anything of an output is made. Throws RequestError where one of `inputs` has
+/// one of these names, or is a segment of the output; FileError where something else has one that
+/// is not ra2d's own, or that may not be replaced. Nothing of that is ever removed.
 void require_names_beside(const OutputNames& names,
                           const std::vector<std::filesystem::path>& inputs);
 
@@ -41,12 +41,12 @@ bool is_segment_name(const std::filesystem::path& file);
 /// The folder of the segments that a checkpoint (or the one before) vouches for.
 std::filesystem::path segments_of(const std::filesystem::path& checkpoint);
 
-/// Makes an output one process' own, by a lock on the folder of its segments, which is made and, where it is
-/// empty at the end, removed. The system lets go of the lock with the process.
+/// Makes an output one process' own, by a lock on the folder of its segments, which is made and,
+/// where it is empty at the end, removed. The system lets go of the lock with the process.
 class ClaimedOutput {
  public:
-  /// Throws OutputTaken where another process of this machine writes the output, FileError where the folder
-  /// cannot be made.
+  /// Throws OutputTaken where another process of this machine writes the output, FileError where
+  /// the folder cannot be made.
   explicit ClaimedOutput(const std::filesystem::path& output);
   ~ClaimedOutput();
   ClaimedOutput(const ClaimedOutput&) = delete;

@@ -226,8 +226,8 @@ CheckedFile unpacked(const std::string& text) {
   return found;
 }
 
-/// The seal first, in this process. What HDF5 says comes from a child: a forger's seal fits, and of a file whose
-/// seal does not fit HDF5 may still say what is damaged.
+/// The seal first, in this process. What HDF5 says comes from a child: a forger's seal fits, and of
+/// a file whose seal does not fit HDF5 may still say what is damaged.
 CheckedFile ask_of(const std::filesystem::path& path,
                    CheckedFile (*look)(const std::filesystem::path&)) {
   CheckedFile found;

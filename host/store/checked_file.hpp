@@ -17,11 +17,13 @@ struct CheckedFile {
   std::vector<std::string> not_finite;  // datasets with a number that is none, where they may
 };
 
-/// Looks at the seal of a file, then reads its attributes and datasets and compares them with their hashes. HDF5 is
-/// asked in a child process, which it may crash. Faults are found, not thrown, by both.
+/// Looks at the seal of a file, then reads its attributes and datasets and compares them with their
+/// hashes. HDF5 is asked in a child process, which it may crash. Faults are found, not thrown, by
+/// both.
 CheckedFile check_hashes(const std::filesystem::path& path);
 
-/// Checks a result or a segment: also what must be there, and whether a run can have come to its numbers.
+/// Checks a result or a segment: also what must be there, and whether a run can have come to its
+/// numbers.
 CheckedFile check_result(const std::filesystem::path& path);
 
 }  // namespace ra2d

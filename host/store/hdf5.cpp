@@ -6,7 +6,8 @@ namespace ra2d::h5 {
 std::unique_lock<std::mutex> take_library() {
   static std::mutex mutex;
   std::unique_lock lock{mutex};
-  // Before all other calls: a file that a failed flush has spoilt must not crash the program's exit.
+  // Before all other calls: a file that a failed flush has spoilt must not crash the program's
+  // exit.
   [[maybe_unused]] static const herr_t once = H5dont_atexit();
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // its stack goes into our own messages
   return lock;

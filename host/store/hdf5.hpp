@@ -12,9 +12,9 @@
 #include <utility>
 
 /// What the result file needs around the HDF5 C API: handles that close themselves, failures with
-/// the reason that HDF5 or the system gives. What was written may reach the file with the close of its
-/// handle alone: there, close() is asked whether it succeeded (h5::close). Destructors are for what
-/// was only read, for handles in memory, and for what failed before.
+/// the reason that HDF5 or the system gives. What was written may reach the file with the close of
+/// its handle alone: there, close() is asked whether it succeeded (h5::close). Destructors are for
+/// what was only read, for handles in memory, and for what failed before.
 namespace ra2d::h5 {
 
 /// Owns one HDF5 identifier.
@@ -89,8 +89,8 @@ void close(Handle<Close>& handle) {
   check(handle.close());
 }
 
-/// Takes the library, which need not be built thread safe: a program may write several files at once.
-/// Whoever calls it holds this.
+/// Takes the library, which need not be built thread safe: a program may write several files at
+/// once. Whoever calls it holds this.
 std::unique_lock<std::mutex> take_library();
 
 /// How files are opened, to be written and to be read back.

@@ -26,30 +26,31 @@ struct Segment {
 /// Throws FileError where the file is not the segment that is vouched for.
 void require_segment(const std::filesystem::path& file, const Segment& segment);
 
-/// What a run records, on its way to its result: one file, or segments that are closed while the run goes on
-/// and joined at its end, to the same bits. A segment is whole and on the disk before it has its name, and
-/// is never opened for writing again. Its file stays open, and what somebody removes is written once more
-/// from there (of the first 256 segments: a process may not have many more files open). Every method throws
-/// FileError; the segments closed before stay.
+/// What a run records, on its way to its result: one file, or segments that are closed while the
+/// run goes on and joined at its end, to the same bits. A segment is whole and on the disk before
+/// it has its name, and is never opened for writing again. Its file stays open, and what somebody
+/// removes is written once more from there (of the first 256 segments: a process may not have many
+/// more files open). Every method throws FileError; the segments closed before stay.
 class Recording {
  public:
-  /// `before`: the segments that a run that goes on has closed, which were looked at (require_segment);
-  /// header.segment: where the next one begins.
+  /// `before`: the segments that a run that goes on has closed, which were looked at
+  /// (require_segment); header.segment: where the next one begins.
   Recording(OutputNames names, const ResultHeader& header, std::vector<Segment> before = {});
 
   void append(const SampleBlock& block);
   void append(const std::vector<Shock>& shocks);
 
-  /// Of an output that is claimed (ClaimedOutput): closes a segment, if there is anything to put into it;
-  /// what comes next begins at `next`. `so_far`: for whoever reads it while the run goes on. Returns all of
-  /// them.
+  /// Of an output that is claimed (ClaimedOutput): closes a segment, if there is anything to put
+  /// into it; what comes next begins at `next`. `so_far`: for whoever reads it while the run goes
+  /// on. Returns all of them.
   const std::vector<Segment>& close_segment(const ResultSummary& so_far, const SegmentStart& next);
 
   /// Hands on what the segments hold that are closed, in order.
   void each_block(const std::function<void(const SampleBlock&)>& samples,
                   const std::function<void(const std::vector<Shock>&)>& shocks);
 
-  /// Finishes the result and gives it its name; the segments stay. Returns how long reading back took [s].
+  /// Finishes the result and gives it its name; the segments stay. Returns how long reading back
+  /// took [s].
   double close(const ResultSummary& summary);
 
  private:

@@ -79,8 +79,8 @@ std::vector<hsize_t> extent_of(hid_t dataset, const char* path) {
   return extent;
 }
 
-/// Whether every dataset is there, and as long as its axes. All together they hold no more numbers than the file
-/// has room for: nothing in it is compressed, and nothing left out.
+/// Whether every dataset is there, and as long as its axes. All together they hold no more numbers
+/// than the file has room for: nothing in it is compressed, and nothing left out.
 void require_shapes(hid_t file, double room) {
   std::map<std::string_view, hsize_t> length;  // of the scales
   for (const Entry& entry : entries()) {

@@ -42,16 +42,17 @@ ResultStamp read_stamp(const std::filesystem::path& path);
 /// The stamp of a result; none where the file is not there or is no HDF5 file.
 std::optional<ResultStamp> stamp_of(const std::filesystem::path& path);
 
-/// Whether a file is HDF5, as results are, or the rest of such a file. Throws FileError where it cannot be read.
+/// Whether a file is HDF5, as results are, or the rest of such a file. Throws FileError where it
+/// cannot be read.
 bool is_hdf5(const std::filesystem::path& file);
 
-/// Whether the bytes of a file are known good (host/store/seal.hpp). HDF5 crashes on some that are not: those are
-/// for a child process alone (host/store/checked_file.cpp).
+/// Whether the bytes of a file are known good (host/store/seal.hpp). HDF5 crashes on some that are
+/// not: those are for a child process alone (host/store/checked_file.cpp).
 enum class Bytes { sealed, hostile };
 
-/// A result file that is open for reading. Throws FileError where it is none, of another format, cut short,
-/// damaged or changed by another program, where its datasets do not fit together, or where a number is none that
-/// a run can have come to.
+/// A result file that is open for reading. Throws FileError where it is none, of another format,
+/// cut short, damaged or changed by another program, where its datasets do not fit together, or
+/// where a number is none that a run can have come to.
 class ResultReader {
  public:
   explicit ResultReader(const std::filesystem::path& path, Bytes bytes = Bytes::sealed);
@@ -61,8 +62,9 @@ class ResultReader {
 
   const ResultContents& contents() const;
 
-  /// Samples of a dataset, e.g. "resonator/velocity": of `rows` samples from `first` on, `count` of its
-  /// columns from `column` on, each in a vector of its own. Takes the memory of these, and a block.
+  /// Samples of a dataset, e.g. "resonator/velocity": of `rows` samples from `first` on, `count` of
+  /// its columns from `column` on, each in a vector of its own. Takes the memory of these, and a
+  /// block.
   std::vector<std::vector<double>> columns(const char* dataset, std::size_t first, std::size_t rows,
                                            std::size_t column, std::size_t count) const;
   /// All that was recorded of `count` samples from `first` on.

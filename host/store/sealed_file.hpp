@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-/// Small files that are believed whole or not at all: named sections of bytes, each with its XXH3-128, and
-/// one of the whole.
+/// Small files that are believed whole or not at all: named sections of bytes, each with its
+/// XXH3-128, and one of the whole.
 namespace ra2d {
 
 struct Section {
@@ -25,14 +25,14 @@ struct Unbelieved : std::runtime_error {
 std::string seal(const std::string& kind, std::uint32_t format,
                  const std::vector<Section>& sections);
 
-/// What was sealed. Throws Unbelieved where a byte is not as it was, or the file is of another kind or
-/// format.
+/// What was sealed. Throws Unbelieved where a byte is not as it was, or the file is of another kind
+/// or format.
 std::vector<Section> unseal(const std::string& kind, std::uint32_t format,
                             const std::string& bytes);
 
-/// Writes a file aside, brings it to the disk, reads it back, and gives it its name; what had that name is
-/// then called `previous`, unless that is empty. Whatever happens on the way, one of the two is there and
-/// whole. Throws FileError.
+/// Writes a file aside, brings it to the disk, reads it back, and gives it its name; what had that
+/// name is then called `previous`, unless that is empty. Whatever happens on the way, one of the
+/// two is there and whole. Throws FileError.
 void write_sealed(const std::filesystem::path& path, const std::string& bytes,
                   const std::filesystem::path& previous = {});
 

@@ -79,8 +79,8 @@ std::size_t ShockRows::growth(const std::vector<Shock>& shocks) const {
   return (rows_with(shocks) - rows_) * tables_.size() * sizeof(double);
 }
 
-/// Window by window: what a window holds already is read, the new rows are put in, and it goes back in
-/// one piece, which is far quicker than a selection of single rows.
+/// Window by window: what a window holds already is read, the new rows are put in, and it goes back
+/// in one piece, which is far quicker than a selection of single rows.
 void ShockRows::write(std::vector<Shock>& shocks) {
   rows_ = rows_with(shocks);
   for (const Table& table : tables_) table.resize(rows_);

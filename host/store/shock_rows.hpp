@@ -11,8 +11,9 @@
 
 namespace ra2d {
 
-/// The shocks' datasets: one row a shock, in the order of their serials. They come in any order, and a
-/// later word on one takes the place of an earlier one. Memory does not grow with their number.
+/// The shocks' datasets: one row a shock, in the order of their serials. They come in any order,
+/// and a later word on one takes the place of an earlier one. Memory does not grow with their
+/// number.
 class ShockRows {
  public:
   /// Where the file begins: with rows for the shocks that are going on, and then for those to come.

@@ -17,8 +17,8 @@
 namespace ra2d {
 
 // What is given is written buffer by buffer on a thread beside the caller's, who fills the next one
-// meanwhile; so is what the file begins with. The file is touched by one thread at a time: by the writer
-// until it is waited for.
+// meanwhile; so is what the file begins with. The file is touched by one thread at a time: by the
+// writer until it is waited for.
 struct ResultFile::Impl {
   Impl(const std::filesystem::path& path, const ResultHeader& header);
 

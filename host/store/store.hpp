@@ -61,9 +61,9 @@ struct ResultSummary {
 
 /// Writes one HDF5 file, on a thread beside the caller's: what append() takes is on its way when it
 /// returns, and what goes wrong with it is thrown by a call after it. Until close() the file stands
-/// under a temporary name beside the final one, so a killed run leaves nothing under the final name;
-/// close() renames it. Destroyed without close(), it removes what it wrote. Every method throws
-/// FileError (disk full included) and then nothing is left.
+/// under a temporary name beside the final one, so a killed run leaves nothing under the final
+/// name; close() renames it. Destroyed without close(), it removes what it wrote. Every method
+/// throws FileError (disk full included) and then nothing is left.
 class ResultFile {
  public:
   ResultFile(const std::filesystem::path& path, const ResultHeader& header);
@@ -74,9 +74,11 @@ class ResultFile {
   void append(const SampleBlock& block);
   /// In any order: each goes to the row of its serial. Memory does not grow with their number.
   void append(const std::vector<Shock>& shocks);
-  /// Finishes the file, reads it back and gives it its name; returns how long reading back took [s].
+  /// Finishes the file, reads it back and gives it its name; returns how long reading back took
+  /// [s].
   double close(const ResultSummary& summary);
-  /// Finishes it under another name in the same file system. `kept` takes the whole file, open, before it has that.
+  /// Finishes it under another name in the same file system. `kept` takes the whole file, open,
+  /// before it has that.
   double close(const ResultSummary& summary, const std::filesystem::path& name,
                std::unique_ptr<InputFile>& kept);
 

@@ -17,8 +17,9 @@
 
 namespace ra2d {
 
-/// A result file on the disk, from its making until it has its name: all that calls HDF5. Its methods may
-/// be called by one thread after the other. Each throws FileError, and then nothing is left.
+/// A result file on the disk, from its making until it has its name: all that calls HDF5. Its
+/// methods may be called by one thread after the other. Each throws FileError, and then nothing is
+/// left.
 class UnfinishedFile {
  public:
   explicit UnfinishedFile(const std::filesystem::path& path);
@@ -30,9 +31,9 @@ class UnfinishedFile {
   void describe(const ResultHeader& header);
   /// Writes what the buffer holds, and empties it.
   void write(WriteBuffer& buffer);
-  /// Last: writes what is known after the last step, seals the file (host/store/seal.hpp), reads it back and
-  /// gives it its name, or another one. `kept` takes the whole file, open, before it has that. Returns how
-  /// long reading back took [s].
+  /// Last: writes what is known after the last step, seals the file (host/store/seal.hpp), reads it
+  /// back and gives it its name, or another one. `kept` takes the whole file, open, before it has
+  /// that. Returns how long reading back took [s].
   double finish(const ResultSummary& summary, const std::filesystem::path& name = {},
                 std::unique_ptr<InputFile>* kept = nullptr);
 

@@ -7,9 +7,9 @@
 
 namespace ra2d {
 
-/// Does one thing after the other beside who hands them over and can go on: a march, while its samples
-/// are written. One is under way at most, on a thread that ends with it. Where the system starts no
-/// thread, start() does it itself.
+/// Does one thing after the other beside who hands them over and can go on: a march, while its
+/// samples are written. One is under way at most, on a thread that ends with it. Where the system
+/// starts no thread, start() does it itself.
 class WriterThread {
  public:
   WriterThread() = default;
@@ -17,8 +17,8 @@ class WriterThread {
   WriterThread(const WriterThread&) = delete;
   WriterThread& operator=(const WriterThread&) = delete;
 
-  /// Begins with `task` when what is under way is done; throws what that has thrown, and then `task`
-  /// is not begun.
+  /// Begins with `task` when what is under way is done; throws what that has thrown, and then
+  /// `task` is not begun.
   void start(std::function<void()> task);
   /// Waits until nothing is under way, and throws what that has thrown.
   void wait();

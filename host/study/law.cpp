@@ -38,8 +38,8 @@ std::vector<std::size_t> seeds_of(const StudyAnswers& answers,
   return seeds;
 }
 
-/// Whether any two runs that differ in their seeds alone have other answers: where no surface has a seed
-/// they are one run.
+/// Whether any two runs that differ in their seeds alone have other answers: where no surface has a
+/// seed they are one run.
 bool seeds_differ(const StudyAnswers& answers) {
   const std::size_t seeds = answers.axes.back().size();
   double first = nan;

@@ -11,15 +11,15 @@
 /// What the runs of a study say together.
 namespace ra2d {
 
-/// An exponent, and where the true one lies in 95 of 100 studies (Student's t); NaN where there are no
-/// more runs than exponents.
+/// An exponent, and where the true one lies in 95 of 100 studies (Student's t); NaN where there are
+/// no more runs than exponents.
 struct Exponent {
   std::string name;
   double value = 0, low = 0, high = 0;
 };
 
-/// The exponent of one dimension at both ends of another, or of itself, the others in the middle of their
-/// logarithms: slopes of the parabola that each seed has.
+/// The exponent of one dimension at both ends of another, or of itself, the others in the middle of
+/// their logarithms: slopes of the parabola that each seed has.
 struct LocalExponent {
   std::string of, along;
   double from = 0, to = 0;  // values of the dimension `along`
@@ -38,9 +38,9 @@ struct StraightLine {
 
 /// v_rms = factor x_1^e_1 x_2^e_2 ..., so that
 ///   Lv = 20 e_1 log10 x_1 + 20 e_2 log10 x_2 + ... + constant,
-/// by least squares of log10 v_rms over all runs. Runs of one seed share their surfaces and deviate alike:
-/// the intervals are by clusters of seeds (clustered_errors). With one seed, or where seeds change nothing,
-/// each run's deviation is taken for chance of its own.
+/// by least squares of log10 v_rms over all runs. Runs of one seed share their surfaces and deviate
+/// alike: the intervals are by clusters of seeds (clustered_errors). With one seed, or where seeds
+/// change nothing, each run's deviation is taken for chance of its own.
 struct StudyLaw {
   std::vector<Exponent> exponents;  // of the dimensions that are positive numbers and vary
   std::vector<std::string> pooled;  // dimensions that are not: all of their values in one

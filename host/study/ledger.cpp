@@ -108,7 +108,8 @@ std::string body_of(const FinishedRun& run) {
   return body;
 }
 
-/// Whether the bytes are all of a run; what was hashed may still have been written by nobody of ours.
+/// Whether the bytes are all of a run; what was hashed may still have been written by nobody of
+/// ours.
 bool read_body(std::string_view body, FinishedRun& run) {
   Cursor in{body};
   run.scene = in.key();

@@ -15,13 +15,15 @@
 #include "host/study/scene_key.hpp"
 #include "host/study/study_folder.hpp"
 
-/// Runs that are over, on the disk: one file for each process that writes, to which records are appended.
+/// Runs that are over, on the disk: one file for each process that writes, to which records are
+/// appended.
 ///
-/// A file begins with 16 bytes: "ra2dlog", a line end, the format, and the low half of the XXH3-64 of
-/// these. A record is a head of 16 bytes, "run" and a line end, the length of its body, XXH3-64 of both;
-/// the body; and XXH3-128 of head and body. It is written by one call. A process that is killed, or a
-/// power cut, leaves at the end a record that is not whole: it is ignored, and cut off by the next who
-/// writes to the file. Anything else that is not as it was written is damage, and said.
+/// A file begins with 16 bytes: "ra2dlog", a line end, the format, and the low half of the XXH3-64
+/// of these. A record is a head of 16 bytes, "run" and a line end, the length of its body, XXH3-64
+/// of both; the body; and XXH3-128 of head and body. It is written by one call. A process that is
+/// killed, or a power cut, leaves at the end a record that is not whole: it is ignored, and cut off
+/// by the next who writes to the file. Anything else that is not as it was written is damage, and
+/// said.
 namespace ra2d {
 
 /// Why a run has no numbers. These are the numbers in the table.
@@ -67,8 +69,8 @@ struct ParsedLedger {
   std::vector<FinishedRun> runs;  // in order
   std::size_t whole = 0;          // bytes up to the end of the last whole record
 };
-/// Hands on each run, in order; returns the bytes up to the end of the last whole record. `file` is used in
-/// messages. Throws FileError that names the place of the damage.
+/// Hands on each run, in order; returns the bytes up to the end of the last whole record. `file` is
+/// used in messages. Throws FileError that names the place of the damage.
 std::size_t read_ledger(std::string_view bytes, const std::filesystem::path& file,
                         const std::function<void(FinishedRun)>& take);
 /// ... or all of them at once.
@@ -77,8 +79,8 @@ ParsedLedger parse_ledger(std::string_view bytes, const std::filesystem::path& f
 /// One process's own.
 class LedgerWriter {
  public:
-  /// Makes or opens the file, takes it for this process alone, and cuts off what is not whole. Throws
-  /// FileError, also where another process writes to it.
+  /// Makes or opens the file, takes it for this process alone, and cuts off what is not whole.
+  /// Throws FileError, also where another process writes to it.
   explicit LedgerWriter(const std::filesystem::path& file);
   ~LedgerWriter();
   LedgerWriter(const LedgerWriter&) = delete;
@@ -97,7 +99,8 @@ class LedgerWriter {
   bool synced_ = true;
 };
 
-/// All that ledgers hold, by scene: a run that is done rather than one that failed, else the latest.
+/// All that ledgers hold, by scene: a run that is done rather than one that failed, else the
+/// latest.
 struct FinishedRuns {
   std::unordered_map<Key128, FinishedRun> runs;
 

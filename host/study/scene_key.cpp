@@ -17,8 +17,8 @@
 namespace ra2d {
 namespace {
 
-/// The echo without the keys that the scene's choices do not use: they change no bit. A surface's line
-/// stays whole, for only some of its keys may be unused.
+/// The echo without the keys that the scene's choices do not use: they change no bit. A surface's
+/// line stays whole, for only some of its keys may be unused.
 std::string used_keys(const std::string& echoed) {
   std::string used;
   for (std::size_t at = 0; at < echoed.size();) {

@@ -36,10 +36,10 @@ class FileHashes {
   std::map<std::filesystem::path, std::string> known_;
 };
 
-/// XXH3-128 of all that decides the bits of a run: the scene with the keys it uses, what is in the files
-/// of its profiles, the version of the numerics and the build's arithmetic. Not of names and places.
-/// run_key() knows the heights themselves, which take milliseconds to make: of two scenes with one
-/// scene key it is one, too, as long as `numerics_version` is raised when heights change.
+/// XXH3-128 of all that decides the bits of a run: the scene with the keys it uses, what is in the
+/// files of its profiles, the version of the numerics and the build's arithmetic. Not of names and
+/// places. run_key() knows the heights themselves, which take milliseconds to make: of two scenes
+/// with one scene key it is one, too, as long as `numerics_version` is raised when heights change.
 Key128 scene_key(const Scene& scene, FileHashes& files);
 
 }  // namespace ra2d

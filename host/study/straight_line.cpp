@@ -84,7 +84,8 @@ Eigen::MatrixXd with_constant(const Eigen::MatrixXd& x) {
   return all;
 }
 
-/// Where the exponents change, by the parabola of each seed: all squares and products of two dimensions.
+/// Where the exponents change, by the parabola of each seed: all squares and products of two
+/// dimensions.
 std::vector<LocalExponent> changes_of(const StudyAnswers& answers,
                                       const std::vector<std::size_t>& fitted, const Grid& grid,
                                       const Eigen::MatrixXd& x, const Eigen::RowVectorXd& middle) {

@@ -7,9 +7,9 @@
 
 namespace ra2d {
 
-/// Whether log10 v_rms is a straight line in the logarithms of the `fitted` dimensions. Values of the
-/// others are averaged first. Only seeds that have all points count: those of two thirds of the seeds or
-/// more (a point may fail at all of them).
+/// Whether log10 v_rms is a straight line in the logarithms of the `fitted` dimensions. Values of
+/// the others are averaged first. Only seeds that have all points count: those of two thirds of the
+/// seeds or more (a point may fail at all of them).
 StraightLine test_straight_line(const StudyAnswers& answers,
                                 const std::vector<std::size_t>& fitted);
 

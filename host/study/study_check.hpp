@@ -13,8 +13,9 @@ struct CheckedStudy {
   std::string what;                 // "a study of 12 runs: 12 done, ..."
 };
 
-/// Reads the ledgers, the table, the results that are kept and the checkpoints, and compares them with their hashes and with
-/// one another. Faults are found, not thrown; runs that have not been made yet are none.
+/// Reads the ledgers, the table, the results that are kept and the checkpoints, and compares them
+/// with their hashes and with one another. Faults are found, not thrown; runs that have not been
+/// made yet are none.
 CheckedStudy check_study(const StudyFolder& folder);
 
 }  // namespace ra2d

@@ -14,7 +14,8 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t key_length = 32;  // hexadecimal digits
 
-/// Calls `visit` with each file beside a result, KEY.h5.checkpoint or KEY.h5.parts, and its run's key.
+/// Calls `visit` with each file beside a result, KEY.h5.checkpoint or KEY.h5.parts, and its run's
+/// key.
 template <class Visit>
 void visit_files(const StudyFolder& folder, const Visit& visit) {
   std::error_code none;  // no such folder: no such files

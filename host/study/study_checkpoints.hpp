@@ -14,31 +14,31 @@
 #include "host/study/study_folder.hpp"
 
 /// Checkpoints of a study's runs on their way: DIR/runs/KEY.h5.checkpoint, and beside it what
-/// host/store/beside.hpp names, also where results are not kept. A run that is over before its first
-/// checkpoint costs nothing here.
+/// host/store/beside.hpp names, also where results are not kept. A run that is over before its
+/// first checkpoint costs nothing here.
 namespace ra2d {
 
 class StudyCheckpoints {
  public:
-  /// `seconds`: of wall time between two checkpoints of a run. `tell` takes what a user should hear, from any
-  /// thread, one at a time.
+  /// `seconds`: of wall time between two checkpoints of a run. `tell` takes what a user should
+  /// hear, from any thread, one at a time.
   StudyCheckpoints(StudyFolder folder, double seconds,
                    std::function<void(const std::string&)> tell = {});
 
   /// Removes those of runs that are finished: their process was killed just before it did.
   void remove_those_of(const FinishedRuns& finished);
 
-  /// What a run goes on from; its files are then this process' own. None where there is none, or another process
-  /// runs it at this moment. One that is damaged or of another program is removed, and that is told of the
-  /// run `name`.
+  /// What a run goes on from; its files are then this process' own. None where there is none, or
+  /// another process runs it at this moment. One that is damaged or of another program is removed,
+  /// and that is told of the run `name`.
   std::optional<Checkpoint> last(RunFiles& files, const std::string& key, const Model& model,
                                  Outputs outputs, const std::string& name);
 
   double seconds() const { return seconds_; }
   /// Whether it is time for one.
   bool is_due(const RunFiles& files) const { return files.since_checkpoint() >= seconds_; }
-  /// Writes one of a run between two launches (RunFiles::keep), unless another process has the run's files.
-  /// Threads may call it. Throws FileError.
+  /// Writes one of a run between two launches (RunFiles::keep), unless another process has the
+  /// run's files. Threads may call it. Throws FileError.
   void keep(RunFiles& files, const SceneRun& run, SavedState state, double wall,
             const std::function<ResultSummary()>& so_far);
 

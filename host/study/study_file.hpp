@@ -40,8 +40,8 @@ struct Study {
 inline constexpr std::size_t most_study_runs = 1'000'000;
 
 /// Reads and checks a study (docs/studies.md) and the scene it begins with. `given`: texts of
-/// --set, which override the base and [set]. Throws RequestError that names every fault of the study at
-/// once, FileError when a file cannot be read. The scenes are checked by StudyPoints.
+/// --set, which override the base and [set]. Throws RequestError that names every fault of the
+/// study at once, FileError when a file cannot be read. The scenes are checked by StudyPoints.
 Study read_study(const std::filesystem::path& file, const std::vector<std::string>& given = {});
 
 /// The same from a text; the base is not read.

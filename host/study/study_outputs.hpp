@@ -14,14 +14,14 @@ std::vector<std::filesystem::path> inputs_of(const Study& study,
                                              std::vector<std::filesystem::path> profiles);
 
 /// To be asked before anything is written to a study's folder, which need not be there. Throws
-/// RequestError where its table, its snapshot or its status would replace an input, or what no study has
-/// written; FileError where one of them cannot be replaced.
+/// RequestError where its table, its snapshot or its status would replace an input, or what no
+/// study has written; FileError where one of them cannot be replaced.
 void require_study_folder(const StudyFolder& folder, const Shard& shard,
                           const std::vector<std::filesystem::path>& inputs);
 
 /// To be asked of the table that is made of several folders of one study. Throws RequestError where
-/// something else stands there than an earlier table of this study: an input, a file of one of the folders,
-/// somebody else's.
+/// something else stands there than an earlier table of this study: an input, a file of one of the
+/// folders, somebody else's.
 void require_merged_table(const std::filesystem::path& output, const Study& study,
                           const std::vector<std::filesystem::path>& folders,
                           std::vector<std::filesystem::path> inputs);

@@ -126,8 +126,8 @@ ChartAxis axis_of(const StudyAxis& axis) {
   return out;
 }
 
-/// The levels, and the ends of their intervals as far as they leave the levels half of the axis. Those of two runs
-/// reach over tens of dB.
+/// The levels, and the ends of their intervals as far as they leave the levels half of the axis.
+/// Those of two runs reach over tens of dB.
 std::vector<double> with_intervals(std::vector<double> levels,
                                    const std::vector<CombinationMean>& means) {
   const auto [lowest, highest] = std::minmax_element(levels.begin(), levels.end());

@@ -13,8 +13,8 @@
 /// The runs that a study asks for: every combination once.
 namespace ra2d {
 
-/// A point is one run. Points are numbered in C order of the dimensions as they stand, the seed last:
-/// so they lie in the table.
+/// A point is one run. Points are numbered in C order of the dimensions as they stand, the seed
+/// last: so they lie in the table.
 class StudyPoints {
  public:
   explicit StudyPoints(Study study);
@@ -31,8 +31,8 @@ class StudyPoints {
   std::string name(std::size_t point) const;
   /// Throws RequestError, with the name of the point.
   Scene scene(std::size_t point) const;
-  /// A fault of its scene: without the place of the base, and with the study's own changes told from
-  /// those of the command line.
+  /// A fault of its scene: without the place of the base, and with the study's own changes told
+  /// from those of the command line.
   std::string in_words_of_the_study(std::string fault, std::size_t point) const;
 
  private:
@@ -50,9 +50,10 @@ struct PointCensus {
   bool has_seeds = true;     // whether a scene has a surface that a seed changes
   std::vector<std::filesystem::path> profiles;  // files that the scenes read
 
-  /// Reads and checks the scene of every point, on all threads. Throws RequestError that names those that
-  /// are wrong, the first few of them; FileError for a profile that cannot be read. `progress` is called
-  /// a few times a second with how many points are known, by one thread at a time.
+  /// Reads and checks the scene of every point, on all threads. Throws RequestError that names
+  /// those that are wrong, the first few of them; FileError for a profile that cannot be read.
+  /// `progress` is called a few times a second with how many points are known, by one thread at a
+  /// time.
   explicit PointCensus(const StudyPoints& points,
                        const std::function<void(std::size_t)>& progress = {});
 

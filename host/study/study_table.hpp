@@ -44,7 +44,8 @@ bool is_study_table(const std::filesystem::path& file);
 /// Whether a file is a table that was damaged or changed. Throws FileError where it cannot be read.
 bool is_damaged_table(const std::filesystem::path& file);
 
-/// The table of a study's folder, whole or not, or the file itself where it is one; empty of anything else.
+/// The table of a study's folder, whole or not, or the file itself where it is one; empty of
+/// anything else.
 std::filesystem::path study_table_of(const std::filesystem::path& file);
 
 /// Throws FileError for what is no such table, is damaged, or was changed by another program.

@@ -83,8 +83,8 @@ class PointRun : public SceneRun {
   const double setup;  // s
 };
 
-/// Means over the nodes of the modes' squares: equal resonators share them, for they take as long to
-/// find as a short run.
+/// Means over the nodes of the modes' squares: equal resonators share them, for they take as long
+/// to find as a short run.
 class SharedMeanSquares {
  public:
   std::vector<double> of(const Model& model) {
@@ -188,8 +188,8 @@ class Worker {
   }
 
  private:
-  /// Two crews: what one has recorded leaves, and its slots are filled, by all threads of the host, while the
-  /// other's runs are marched.
+  /// Two crews: what one has recorded leaves, and its slots are filled, by all threads of the host,
+  /// while the other's runs are marched.
   void march_on_a_gpu(int jobs) {
     const int crews = std::min(2, jobs);
     const BatchOptions batch{.room = room_on_a_gpu,
@@ -368,8 +368,8 @@ class Worker {
   }
   bool out_of_time() const { return seconds_since(begun_) >= options_.most_wall; }
 
-  /// Between the launches of a crew, whose runs nobody marches now: leaves checkpoints of those for which it is
-  /// time, or of all.
+  /// Between the launches of a crew, whose runs nobody marches now: leaves checkpoints of those for
+  /// which it is time, or of all.
   void keep(int crew, const Simulation& simulation, bool all) {
     if (options_.checkpoints == nullptr) return;
     std::vector<PointRun*> due;

@@ -26,9 +26,9 @@ struct StudyWork {
   std::size_t measured = 0;  // runs that it is of
 };
 
-/// Deals the different runs out to the shards, the dearest first, in turn: every shard takes about as
-/// long. Of its own a shard takes those that are missing, the failed ones if asked, and those of which
-/// `lacks` says that something is gone.
+/// Deals the different runs out to the shards, the dearest first, in turn: every shard takes about
+/// as long. Of its own a shard takes those that are missing, the failed ones if asked, and those of
+/// which `lacks` says that something is gone.
 StudyWork find_work(const PointCensus& census, const FinishedRuns& finished, const Shard& shard,
                     bool retry_failed, const std::function<bool(const FinishedRun&)>& lacks = {});
 
@@ -43,8 +43,8 @@ struct StudyOptions {
   bool keep_results = false;                           // each run's own, in the folder:
   std::filesystem::path folder;                        // of the study
   std::function<void()> tick;  // a few times a second on a thread of its own, beside the march
-  /// Which of the jobs is next, from 0 on; beyond the last there are no more. Several processes that
-  /// share the jobs take each once. None: all are for this process.
+  /// Which of the jobs is next, from 0 on; beyond the last there are no more. Several processes
+  /// that share the jobs take each once. None: all are for this process.
   std::function<std::size_t()> next_job;
   StudyCheckpoints* checkpoints = nullptr;  // that runs go on from, and leave; none: neither
   double most_wall =
@@ -61,10 +61,10 @@ struct StudyOutcome {
   bool out_of_time = false;      // cut off by StudyOptions::most_wall
 };
 
-/// Runs the jobs to their end, an interrupt (host/system/interruption.hpp) or the wall time, on each of the backend's
-/// threads one after the other: threads that shared launches would wait for one another at the end of
-/// each. What ends goes to the ledger at once. A run that fails is recorded and stops nothing. Throws
-/// FileError where that cannot be kept, and what `tick` throws.
+/// Runs the jobs to their end, an interrupt (host/system/interruption.hpp) or the wall time, on
+/// each of the backend's threads one after the other: threads that shared launches would wait for
+/// one another at the end of each. What ends goes to the ledger at once. A run that fails is
+/// recorded and stops nothing. Throws FileError where that cannot be kept, and what `tick` throws.
 StudyOutcome run_study(const StudyPoints& points, const PointCensus& census, const StudyWork& work,
                        LedgerWriter& ledger, const StudyOptions& options = {});
 

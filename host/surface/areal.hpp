@@ -24,8 +24,8 @@ struct GridLine {
   bool along_y;    // a column
 };
 
-/// The line that is asked for, or the only one. Throws RequestError where that is none, and for what
-/// such a file does not leave open: units, spacing, decimal marks.
+/// The line that is asked for, or the only one. Throws RequestError where that is none, and for
+/// what such a file does not leave open: units, spacing, decimal marks.
 GridLine choose_line(const std::filesystem::path& file, const char* format, const Grid& grid,
                      const ProfileQuery& query);
 

@@ -7,9 +7,9 @@
 
 namespace ra2d {
 
-/// The smooth function sum_i c_i exp(-(x - i)^2/8): a bell about each of a row of places, at distances
-/// of 1. Waves of four places or longer show nothing of the places: what of such a wave in the
-/// coefficients appears as another is less than exp(-4 pi^2) of it.
+/// The smooth function sum_i c_i exp(-(x - i)^2/8): a bell about each of a row of places, at
+/// distances of 1. Waves of four places or longer show nothing of the places: what of such a wave
+/// in the coefficients appears as another is less than exp(-4 pi^2) of it.
 class Bells {
  public:
   /// Beyond this many places a bell is below the roundings of the sum.
@@ -18,18 +18,18 @@ class Bells {
   /// `coefficients` are those of the places -reach, 1 - reach, ...
   explicit Bells(std::vector<double> coefficients);
 
-  /// At every x of `x`, which are replaced: from 0 to the number of coefficients - 2 reach - 1. The same
-  /// bits on every platform and compiler, and whatever stands beside an x.
+  /// At every x of `x`, which are replaced: from 0 to the number of coefficients - 2 reach - 1. The
+  /// same bits on every platform and compiler, and whatever stands beside an x.
   void evaluate(std::vector<double>& x) const;
 
-  /// What a coefficient of 1 at every place, turned by `turn` [rad] from one to the next, makes of a wave:
-  /// its amplitude, for |turn| <= pi/2.
+  /// What a coefficient of 1 at every place, turned by `turn` [rad] from one to the next, makes of
+  /// a wave: its amplitude, for |turn| <= pi/2.
   static double gain(double turn);
 
  private:
-  /// Places computed side by side: the operations of one exp wait for each other, those of several do not.
-  /// Each place goes through the same operations in the same order as it would alone, so its bits do
-  /// not depend on its neighbours.
+  /// Places computed side by side: the operations of one exp wait for each other, those of several
+  /// do not. Each place goes through the same operations in the same order as it would alone, so
+  /// its bits do not depend on its neighbours.
   static constexpr std::size_t side_by_side = 16;
   using Group = std::array<double, side_by_side>;
 
@@ -40,9 +40,9 @@ class Bells {
   std::array<double, reach + 1> bell_{};
 };
 
-/// Mean and root mean square over (0, length), the latter about the former, of a function that shows
-/// nothing finer than waves of two (its square: of one): Gauss's rule of five points between places,
-/// which is off by 1e-11 for a square of bells. `evaluate` replaces places by values.
+/// Mean and root mean square over (0, length), the latter about the former, of a function that
+/// shows nothing finer than waves of two (its square: of one): Gauss's rule of five points between
+/// places, which is off by 1e-11 for a square of bells. `evaluate` replaces places by values.
 struct Moments {
   double mean, rms;
 };

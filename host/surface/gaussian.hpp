@@ -17,9 +17,10 @@ std::vector<double> noise_about(std::uint64_t seed, int places);
 inline constexpr double places_per_length = 4;
 
 /// Heights [m] at n spacing, n = 0 ... nodes - 1, of a Gaussian process with correlation
-/// exp(-(x/correlation_length)^2) along a beam of `length` [m]; its mean over the length is 0 and its
-/// root mean square rq [m]. The profile is a smooth function of x that the seed and the two lengths
-/// fix: other nodes see other points of the same one. The same bits on every platform and compiler.
+/// exp(-(x/correlation_length)^2) along a beam of `length` [m]; its mean over the length is 0 and
+/// its root mean square rq [m]. The profile is a smooth function of x that the seed and the two
+/// lengths fix: other nodes see other points of the same one. The same bits on every platform and
+/// compiler.
 std::vector<double> gaussian_heights(double rq, double correlation_length, std::uint64_t seed,
                                      double length, int nodes, double spacing);
 

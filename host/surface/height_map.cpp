@@ -12,8 +12,8 @@
 namespace ra2d {
 namespace {
 
-/// Points and weights of means over the standard normal distribution: the trapezoidal rule, which for
-/// smooth functions that fade is exact to roundings.
+/// Points and weights of means over the standard normal distribution: the trapezoidal rule, which
+/// for smooth functions that fade is exact to roundings.
 struct Normal {
   static constexpr int points = 225;
   std::array<double, points> at, weight;
@@ -71,8 +71,8 @@ constexpr double most_kurtosis = 30, least_beyond = 1.4;  // kurtosis - skewness
 
 }  // namespace
 
-/// With normal heights g: unbounded sinh((g + gamma)/delta), bounded 1/(1 + exp(-(g + gamma)/delta)),
-/// lognormal exp(g/delta), skewed to the high side; `sign_` turns them round.
+/// With normal heights g: unbounded sinh((g + gamma)/delta), bounded 1/(1 + exp(-(g +
+/// gamma)/delta)), lognormal exp(g/delta), skewed to the high side; `sign_` turns them round.
 double HeightMap::raw(double g) const {
   const double t = (g + gamma_) / delta_;
   switch (family_) {
@@ -129,7 +129,8 @@ HeightMap::HeightMap(double skewness, double kurtosis) {
     delta_ = 1 / std::sqrt(std::log(w));
   } else {
     family_ = kurtosis > lognormal ? Family::unbounded : Family::bounded;
-    // for a given delta the skewness rises with gamma (bounded: falls) from 0 towards the lognormal's
+    // for a given delta the skewness rises with gamma (bounded: falls) from 0 towards the
+    // lognormal's
     const auto settle = [&](double delta) {
       delta_ = delta;
       gamma_ = 0;

@@ -4,9 +4,10 @@
 
 namespace ra2d {
 
-/// Makes heights of an asked skewness and kurtosis from standard normal ones: a function that grows with
-/// its argument, from the system of N. L. Johnson (Biometrika 36, 1949), as Hu and Tonder used it for
-/// rough surfaces (Int. J. Mach. Tools Manufact. 32, 1992). Its values have mean 0 and variance 1.
+/// Makes heights of an asked skewness and kurtosis from standard normal ones: a function that grows
+/// with its argument, from the system of N. L. Johnson (Biometrika 36, 1949), as Hu and Tonder used
+/// it for rough surfaces (Int. J. Mach. Tools Manufact. 32, 1992). Its values have mean 0 and
+/// variance 1.
 class HeightMap {
  public:
   /// Normal heights left as they are.

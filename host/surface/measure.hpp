@@ -44,23 +44,24 @@ struct Measurement {
   std::vector<std::string> doubts;  // what looks odd but may be meant
 };
 
-/// How many sampling lengths of `points` points (which need not be whole) fit into `left` of them. They
-/// may be short of it by less than 0.1 %, and half a sampling length: an instrument that cuts its profile
-/// into whole points drops the rest of a point at each sampling length.
+/// How many sampling lengths of `points` points (which need not be whole) fit into `left` of them.
+/// They may be short of it by less than 0.1 %, and half a sampling length: an instrument that cuts
+/// its profile into whole points drops the rest of a point at each sampling length.
 std::size_t fitting_lengths(std::size_t left, double points);
 
-/// How many sampling lengths fit into a profile of `nodes` points once the filter has taken half a cutoff off each end.
+/// How many sampling lengths fit into a profile of `nodes` points once the filter has taken half a
+/// cutoff off each end.
 std::size_t fitting_filtered(std::size_t nodes, double spacing, double cutoff);
 
-/// Takes the form off, then what is shorter than `cutoff_s` and what is longer than `cutoff` [m]; leaves
-/// out half a cutoff at each end, which the filter does not see whole. Where that is everything, no
-/// height is left.
+/// Takes the form off, then what is shorter than `cutoff_s` and what is longer than `cutoff` [m];
+/// leaves out half a cutoff at each end, which the filter does not see whole. Where that is
+/// everything, no height is left.
 void shape_profile(Profile& profile, ProfileForm form, std::optional<double> cutoff_s,
                    std::optional<double> cutoff);
 
-/// Fills gaps, takes the form off, filters (and then drops half a cutoff at each end) and measures the
-/// first sampling lengths of what is left. `name` is the profile's in messages. Throws RequestError where
-/// the options do not fit the profile.
+/// Fills gaps, takes the form off, filters (and then drops half a cutoff at each end) and measures
+/// the first sampling lengths of what is left. `name` is the profile's in messages. Throws
+/// RequestError where the options do not fit the profile.
 Measurement measure_profile(Profile profile, const MeasureOptions& options,
                             const std::string& name);
 

@@ -24,10 +24,11 @@ inline constexpr auto inverses = [] {
   return of;
 }();
 
-/// x/n as IEEE 754 rounds it, for n from 1 to most_divisor and x = 0 or 1e-280 < |x| < 1e300, in three operations that
-/// take a fraction of a division's time (Markstein 1990). x times the rounded 1/n is off by two ulp at the most; what x
-/// then lacks is a double; and the last operation is off by 2^-50 ulp before it rounds, while no x/n is nearer than
-/// 1/(2n) of an ulp to the middle between two doubles.
+/// x/n as IEEE 754 rounds it, for n from 1 to most_divisor and x = 0 or 1e-280 < |x| < 1e300, in
+/// three operations that take a fraction of a division's time (Markstein 1990). x times the rounded
+/// 1/n is off by two ulp at the most; what x then lacks is a double; and the last operation is off
+/// by 2^-50 ulp before it rounds, while no x/n is nearer than 1/(2n) of an ulp to the middle
+/// between two doubles.
 inline double divide_by(int n, double x) {
 #if defined(__FP_FAST_FMA)
   const double divisor = n, quotient = x * inverses[n];

@@ -51,8 +51,9 @@ Profile read_measured_profile(const std::filesystem::path& file, const ProfileQu
 /// Share of a face's root mean square slope that straight lines between nodes may lose in silence.
 constexpr double most_slope_lost = 0.05;
 
-/// Says how much of a measured profile's root mean square slope the nodes of a scene lose, where that is more:
-/// its slope from point to point, `step` [m] apart, and from node to node, `spacing` [m] apart.
+/// Says how much of a measured profile's root mean square slope the nodes of a scene lose, where
+/// that is more: its slope from point to point, `step` [m] apart, and from node to node, `spacing`
+/// [m] apart.
 void doubt_lost_slope(const std::filesystem::path& file, double slope_of_points, double step,
                       double slope_of_nodes, double spacing, std::vector<std::string>* doubts);
 
@@ -60,8 +61,8 @@ void doubt_lost_slope(const std::filesystem::path& file, double slope_of_points,
 std::optional<double> to_fill_width(std::string_view text);
 
 /// Puts straight lines through gaps of missing points that are at most `width` [m] wide, of which
-/// each missing point is a spacing. Throws RequestError for wider ones and for those at the ends; with
-/// a width of 0 for any.
+/// each missing point is a spacing. Throws RequestError for wider ones and for those at the ends;
+/// with a width of 0 for any.
 void fill_gaps(Profile& profile, double width);
 
 }  // namespace ra2d

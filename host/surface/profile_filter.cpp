@@ -75,7 +75,8 @@ Moments sum_plainly(const std::vector<double>& heights, const Bell& bell) {
   return moments;
 }
 
-/// The transform of a kernel: at[0] about its middle, at[j] j points before and side * at[j] behind.
+/// The transform of a kernel: at[0] about its middle, at[j] j points before and side * at[j]
+/// behind.
 Transformed transfer(Fourier& fourier, const std::vector<double>& at, double side) {
   const std::span<double> kernel = fourier.input();
   std::fill(kernel.begin(), kernel.end(), 0.0);
@@ -126,9 +127,10 @@ Moments sum_by_fft(const std::vector<double>& heights, const Bell& bell) {
   return moments;
 }
 
-/// The same for a wide bell, all lengths in points. A bell of `cutoff` is one of `narrow` folded with
-/// one of `wide`: the first is followed at every `stride`th point only, and what the second makes of
-/// it is so smooth that eight points give all between them. Off by less than 1e-14 of the heights.
+/// The same for a wide bell, all lengths in points. A bell of `cutoff` is one of `narrow` folded
+/// with one of `wide`: the first is followed at every `stride`th point only, and what the second
+/// makes of it is so smooth that eight points give all between them. Off by less than 1e-14 of the
+/// heights.
 Moments sum_in_strides(const std::vector<double>& heights, double cutoff, double unit) {
   const auto stride =
       static_cast<std::size_t>(std::min(cutoff / strides, static_cast<double>(heights.size())));

@@ -26,8 +26,8 @@ struct LineFault {
 /// Throws RequestError that names up to ten faults in the order of their lines.
 [[noreturn]] void refuse(const std::filesystem::path& file, std::vector<LineFault> faults);
 
-/// A profile of any format, of at most 1 GiB. Throws FileError where it cannot be read, RequestError
-/// where it is too large.
+/// A profile of any format, of at most 1 GiB. Throws FileError where it cannot be read,
+/// RequestError where it is too large.
 class ProfileStream : public InputStream {
  public:
   explicit ProfileStream(const std::filesystem::path& file);

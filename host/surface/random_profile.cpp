@@ -102,8 +102,8 @@ Waves waves_of(const RandomProfile& p, double length) {
   return out;
 }
 
-/// The waves of normal heights that are mapped to heights with these waves. What no normal heights have is
-/// left out: a variance below 0, and waves shorter than the shortest.
+/// The waves of normal heights that are mapped to heights with these waves. What no normal heights
+/// have is left out: a variance below 0, and waves shorter than the shortest.
 Waves before_map(Waves waves, const HeightMap& map) {
   if (map.is_identity()) return waves;
   const auto places = static_cast<std::size_t>(waves.places);
@@ -131,8 +131,8 @@ double crossing_distance(const Waves& normal, const HeightMap& map) {
   return 2 * pi / std::sqrt(curvature) * std::exp(level * level / 2);
 }
 
-/// The slope between nodes over the slope at a point, root mean squares. A wave of number k has between
-/// nodes a distance d apart the share sin(k d/2)/(k d/2) of its slope.
+/// The slope between nodes over the slope at a point, root mean squares. A wave of number k has
+/// between nodes a distance d apart the share sin(k d/2)/(k d/2) of its slope.
 double slope_between_nodes(const RandomProfile& p, const Waves& waves, double spacing) {
   if (p.correlation == Correlation::gaussian) {
     // 2 (C(0) - C(d))/d^2 over -C''(0), C(x) = exp(-(x/l)^2)
@@ -231,8 +231,8 @@ struct Line {
       if (values[i] < std::min(values[i + 1], band) && values[i + 1] >= -band) up.push_back(i);
   }
 
-  /// Mean distance from the first to the last upward crossing of the mean over (begin, begin + length).
-  /// NaN where there are fewer than two.
+  /// Mean distance from the first to the last upward crossing of the mean over (begin, begin +
+  /// length). NaN where there are fewer than two.
   double element_spacing(std::size_t begin, double length) const {
     const auto whole = begin + static_cast<std::size_t>(length);
     const double share = static_cast<double>(begin) + length - static_cast<double>(whole);
@@ -259,9 +259,9 @@ struct Window {
   double begin, factor;  // in the function's units; by how much it is longer
 };
 
-/// Where the spacing of elements is `asked` exactly, if the window is brought to the length: near the
-/// beginning, and of nearly the length. With the window its mean line moves, elements come and go, and
-/// the spacing jumps: past what is asked for sometimes, then the next beginning is tried.
+/// Where the spacing of elements is `asked` exactly, if the window is brought to the length: near
+/// the beginning, and of nearly the length. With the window its mean line moves, elements come and
+/// go, and the spacing jumps: past what is asked for sometimes, then the next beginning is tried.
 Window window_of(const std::function<void(std::vector<double>&)>& evaluate, double length,
                  double asked) {
   constexpr int finer = 16;  // points to a place
@@ -315,8 +315,8 @@ double positive_length(const std::optional<double>& value, const char* name) {
   return value.value_or(0);
 }
 
-/// The x > 0 at which a function that grows reaches `value`, from a guess on; nothing where it does not
-/// within a factor of 1e6.
+/// The x > 0 at which a function that grows reaches `value`, from a guess on; nothing where it does
+/// not within a factor of 1e6.
 std::optional<double> solve_growing(double guess, double value,
                                     const std::function<double(double)>& function) {
   double low = guess, high = guess;
@@ -347,8 +347,8 @@ std::optional<double> solve_growing(double guess, double value,
   return x;
 }
 
-/// A Gaussian process crosses its mean line upwards every 2 pi sqrt(C(0)/-C''(0)) on average (Rice):
-/// sqrt(2) pi l for C(x) = exp(-(x/l)^2).
+/// A Gaussian process crosses its mean line upwards every 2 pi sqrt(C(0)/-C''(0)) on average
+/// (Rice): sqrt(2) pi l for C(x) = exp(-(x/l)^2).
 constexpr double rsm_per_length = std::numbers::sqrt2 * pi;
 
 void check_lengths(const RandomProfile& p) {

@@ -17,20 +17,21 @@ struct RandomProfile {
   double rsm = 0;                 // mean distance of its crossings of the mean line, upwards
 };
 
-/// The same words as `spec`, the lengths that it leaves open found. `length` of the beam [m]. Throws
-/// RequestError for what does not fit together, or cannot be.
+/// The same words as `spec`, the lengths that it leaves open found. `length` of the beam [m].
+/// Throws RequestError for what does not fit together, or cannot be.
 RandomProfile resolve_random(const SurfaceSpec& spec, double length);
 
-/// Heights [m] at n spacing, n = 0 ... nodes - 1, of a random profile along a beam of `length` [m]: a
-/// smooth function of x that the seed, the lengths and the moments fix; its mean over the beam is 0
-/// and its root mean square spec.rq. The correlation is of the heights as they come out, also where they
-/// are not normal:
+/// Heights [m] at n spacing, n = 0 ... nodes - 1, of a random profile along a beam of `length` [m]:
+/// a smooth function of x that the seed, the lengths and the moments fix; its mean over the beam is
+/// 0 and its root mean square spec.rq. The correlation is of the heights as they come out, also
+/// where they are not normal:
 ///   gaussian     exp(-(x/l)^2)
-///   exponential  exp(-|x|/l), but for waves shorter than `shortest` (l/50 unless told), which are left out
-///   self-affine  waves from `longest` to `shortest`, their density as k^-(1 + 2 hurst)
-/// With normal heights and the Gaussian correlation the same bits on every platform (gaussian.hpp), else
-/// within 1e-12 rq. `doubts` takes a sentence where nodes are too far apart to show the shortest waves: where
-/// straight lines between them lose more than `most_slope_lost` of the root mean square slope.
+///   exponential  exp(-|x|/l), but for waves shorter than `shortest` (l/50 unless told), which are
+///   left out self-affine  waves from `longest` to `shortest`, their density as k^-(1 + 2 hurst)
+/// With normal heights and the Gaussian correlation the same bits on every platform (gaussian.hpp),
+/// else within 1e-12 rq. `doubts` takes a sentence where nodes are too far apart to show the
+/// shortest waves: where straight lines between them lose more than `most_slope_lost` of the root
+/// mean square slope.
 std::vector<double> random_heights(const SurfaceSpec& spec, double length, int nodes,
                                    double spacing, std::vector<std::string>* doubts = nullptr);
 

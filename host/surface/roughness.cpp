@@ -83,7 +83,8 @@ Elements find_elements(Iterator part, Iterator end, const Counts& counts, const 
   for (; part != end; ++part) {
     if (!counts(*part)) continue;
     if (side * part->height < 0) {
-      // The first crossing opens an element, every second one after it closes one and opens the next.
+      // The first crossing opens an element, every second one after it closes one and opens the
+      // next.
       const double crossing = begin(*part);
       if (crossings == 0)
         first = crossing;

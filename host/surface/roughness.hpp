@@ -25,8 +25,9 @@ struct Roughness {
   double mr1, mr2;      // shares of the length, where the core begins and ends
 };
 
-/// `heights` [m] are the evaluation length, divided into as many equal `sections` (sampling lengths).
-/// ISO 4287 counts from the mean line of the filter in each of them: they get no mean line of their own.
+/// `heights` [m] are the evaluation length, divided into as many equal `sections` (sampling
+/// lengths). ISO 4287 counts from the mean line of the filter in each of them: they get no mean
+/// line of their own.
 Roughness roughness(std::span<const double> heights, double spacing, std::size_t sections,
                     RoughnessStandard standard = RoughnessStandard::iso21920);
 
@@ -40,8 +41,8 @@ struct ElementThresholds {
 double mean_spacing(std::span<const double> heights, double spacing,
                     const ElementThresholds& thresholds, bool both_ways = true);
 
-/// Root mean square of the slopes from six neighbours, at the points from `begin` to before `end`. At
-/// the three points at each end of all heights the seven outermost points serve.
+/// Root mean square of the slopes from six neighbours, at the points from `begin` to before `end`.
+/// At the three points at each end of all heights the seven outermost points serve.
 double rms_slope(std::span<const double> heights, double spacing, std::size_t begin,
                  std::size_t end);
 double rms_slope(std::span<const double> heights, double spacing);

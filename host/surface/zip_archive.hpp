@@ -11,9 +11,9 @@ struct zip;  // of libzip
 
 namespace ra2d {
 
-/// The entries of a zip archive that nobody has to trust: what they claim is checked before anything
-/// is inflated, and their names are compared, never used as paths. Throws RequestError for what is
-/// refused, FileError where the file cannot be read.
+/// The entries of a zip archive that nobody has to trust: what they claim is checked before
+/// anything is inflated, and their names are compared, never used as paths. Throws RequestError for
+/// what is refused, FileError where the file cannot be read.
 class ZipArchive {
  public:
   explicit ZipArchive(std::filesystem::path file);

@@ -12,9 +12,9 @@ struct ChildAnswer {
   std::string fault;  // "ended by signal 11 (Segmentation fault)"; empty where it has answered
 };
 
-/// Runs `ask` in a child process: for libraries that may crash on hostile bytes, or never end. It may take so many
-/// bytes of memory more than this process has, and so many seconds of processor time. It is heard by its answer
-/// alone: what it prints is lost. It does not outlive this process.
+/// Runs `ask` in a child process: for libraries that may crash on hostile bytes, or never end. It
+/// may take so many bytes of memory more than this process has, and so many seconds of processor
+/// time. It is heard by its answer alone: what it prints is lost. It does not outlive this process.
 ChildAnswer ask_in_child(const std::function<std::string()>& ask, double memory, double seconds);
 
 }  // namespace ra2d

@@ -13,7 +13,8 @@ int host_threads();
 /// From here on no more than these; 0: as many as there are processors.
 void limit_host_threads(int most);
 
-/// As long as it lives, the thread that made it has the share of one of `workers` in what its maker had.
+/// As long as it lives, the thread that made it has the share of one of `workers` in what its maker
+/// had.
 class ShareOfThreads {
  public:
   ShareOfThreads(int of_all, int workers);
@@ -25,8 +26,8 @@ class ShareOfThreads {
   int before_;
 };
 
-/// Calls work(0), ..., work(count - 1) on up to `most` threads, the caller among them: who is done takes the
-/// next. After a fault nothing new is begun; rethrows the first once all have ended.
+/// Calls work(0), ..., work(count - 1) on up to `most` threads, the caller among them: who is done
+/// takes the next. After a fault nothing new is begun; rethrows the first once all have ended.
 void on_threads(int most, std::size_t count, const std::function<void(std::size_t)>& work);
 
 }  // namespace ra2d

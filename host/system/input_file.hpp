@@ -13,12 +13,13 @@
 /// Files that are read. Whoever opens an input opens it here.
 namespace ra2d {
 
-/// An input, open for reading. Only a regular file is one: a folder, a device, a pipe or a socket is
-/// refused, also behind a link, and nothing that a name leads to makes the opening wait. No more is
-/// read than the file had when it was opened, so that no input is without an end.
+/// An input, open for reading. Only a regular file is one: a folder, a device, a pipe or a socket
+/// is refused, also behind a link, and nothing that a name leads to makes the opening wait. No more
+/// is read than the file had when it was opened, so that no input is without an end.
 class InputFile {
  public:
-  /// `what` it is to a message: "the scene". Throws FileError: "cannot read the scene 'x.toml': why".
+  /// `what` it is to a message: "the scene". Throws FileError: "cannot read the scene 'x.toml':
+  /// why".
   explicit InputFile(const std::filesystem::path& path, const std::string& what = {});
   ~InputFile();
   InputFile(const InputFile&) = delete;
@@ -27,7 +28,8 @@ class InputFile {
   int descriptor() const { return descriptor_; }
   std::uint64_t size() const { return size_; }  // bytes, when it was opened
 
-  /// Reads `count` bytes from byte `at` on, fewer only at the end; how many there were. Throws FileError.
+  /// Reads `count` bytes from byte `at` on, fewer only at the end; how many there were. Throws
+  /// FileError.
   std::size_t read(std::uint64_t at, char* to, std::size_t count) const;
   /// The first bytes, at most `most` of them. Throws FileError.
   std::string beginning(std::size_t most) const;

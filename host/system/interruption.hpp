@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-/// How a process is asked to end. Programs ask from their signal handlers (host/commands/interrupt.hpp
-/// does for ra2d); who uses the library may do the same from anywhere.
+/// How a process is asked to end. Programs ask from their signal handlers
+/// (host/commands/interrupt.hpp does for ra2d); who uses the library may do the same from anywhere.
 namespace ra2d {
 
 /// Asks all marches of this process to end soon: run() then writes what it has, what keeps nothing

@@ -24,8 +24,8 @@ std::string refusal(const fs::path& path, const std::string& why) {
   return fmt::format("cannot write to '{}': {}. Name a file with -o", path.string(), why);
 }
 
-/// Follows `path` to the file that is written; says why there can be none, or nothing. Throws FileError
-/// for links in a ring.
+/// Follows `path` to the file that is written; says why there can be none, or nothing. Throws
+/// FileError for links in a ring.
 std::string follow(fs::path& path) {
   if (!path.has_filename()) return "this is a folder";
   const fs::path asked = path;
@@ -127,8 +127,8 @@ void require_replaceable(const fs::path& file) {
       (more.stx_attributes & STATX_ATTR_MOUNT_ROOT) != 0)
     fail("it is mounted there");
 #endif
-  // rmdir never removes a file. It says so only after it has asked whether this process may remove what
-  // is there: whose it is in a folder like /tmp, and whether it is write-protected.
+  // rmdir never removes a file. It says so only after it has asked whether this process may remove
+  // what is there: whose it is in a folder like /tmp, and whether it is write-protected.
   if (!S_ISDIR(status.st_mode) && rmdir(file.c_str()) != 0 && (errno == EPERM || errno == EACCES))
     fail(std::strerror(errno));
 }

@@ -7,26 +7,27 @@
 /// Where files are written: only regular files are replaced, and never one that was read.
 namespace ra2d {
 
-/// The file that is replaced when `path` is written: `path` itself, or what it leads to where it is a
-/// symbolic link, so that the link stays. It need not be there yet. Throws FileError for anything
-/// that is there and no regular file (a folder, a device, a pipe, a socket), for an open file that has
-/// lost its name (/dev/stdout may lead to one), and for links in a ring.
+/// The file that is replaced when `path` is written: `path` itself, or what it leads to where it is
+/// a symbolic link, so that the link stays. It need not be there yet. Throws FileError for anything
+/// that is there and no regular file (a folder, a device, a pipe, a socket), for an open file that
+/// has lost its name (/dev/stdout may lead to one), and for links in a ring.
 std::filesystem::path replaced_file(const std::filesystem::path& path);
 
-/// To be asked before the work whose outcome goes to `output`. Throws RequestError when that is one of
-/// `inputs`, by whatever name, no regular file, where this program prints to, or among the ledgers of a study; FileError when it leads in a ring, when its folder
-/// cannot be written to, or when the file that is there may not be replaced.
+/// To be asked before the work whose outcome goes to `output`. Throws RequestError when that is one
+/// of `inputs`, by whatever name, no regular file, where this program prints to, or among the
+/// ledgers of a study; FileError when it leads in a ring, when its folder cannot be written to, or
+/// when the file that is there may not be replaced.
 void require_output(const std::filesystem::path& output,
                     const std::vector<std::filesystem::path>& inputs);
 
 /// As require_output, of an output that is made from files at hand: a picture, a table, a page, a
-/// sound. An earlier one is replaced. Throws RequestError also where a file stands that cannot be made
-/// again so easily: a result, a checkpoint, a scene, a study's own.
+/// sound. An earlier one is replaced. Throws RequestError also where a file stands that cannot be
+/// made again so easily: a result, a checkpoint, a scene, a study's own.
 void require_derived_output(const std::filesystem::path& output,
                             const std::vector<std::filesystem::path>& inputs);
 
-/// Throws FileError where a file stands that this process may not replace: another user's in a folder
-/// like /tmp, a write-protected one, one that is mounted there.
+/// Throws FileError where a file stands that this process may not replace: another user's in a
+/// folder like /tmp, a write-protected one, one that is mounted there.
 void require_replaceable(const std::filesystem::path& file);
 
 /// Whether two names lead to one file that is there.

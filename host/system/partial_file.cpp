@@ -26,8 +26,8 @@ namespace fs = std::filesystem;
 
 // ---- what a signal handler finds ---------------------------------------------------------------
 
-/// One path in fixed storage, of a file or of a folder. `owner`: 0, nobody's; -1, being filled; else the
-/// process, since a fork copies this but not what it stands for.
+/// One path in fixed storage, of a file or of a folder. `owner`: 0, nobody's; -1, being filled;
+/// else the process, since a fork copies this but not what it stands for.
 struct Place {
   std::atomic<pid_t> owner{0};
   bool is_folder;
@@ -173,7 +173,8 @@ bool stands_at(int descriptor, const fs::path& path) {
   if (fstat(descriptor, &opened) != 0)
     throw write_failure("create", path, std::strerror(errno), errno);
   if (lstat(path.c_str(), &named) != 0) return false;
-  // Some file systems tell another number of its inode each time. Who removes it takes its last link away.
+  // Some file systems tell another number of its inode each time. Who removes it takes its last
+  // link away.
   return (opened.st_dev == named.st_dev && opened.st_ino == named.st_ino) || opened.st_nlink > 0;
 }
 
@@ -218,8 +219,8 @@ PartialFile::PartialFile(const fs::path& target) : target_{replaced_file(target)
   if (name.size() > longest) fail(ENAMETOOLONG);  // not only at the end
   remove_leftovers(folder, host);
   std::error_code none;
-  // Process numbers come back, a process may write several files of one name, and somebody who cleans
-  // up may come between the making and the lock: hence more than one attempt.
+  // Process numbers come back, a process may write several files of one name, and somebody who
+  // cleans up may come between the making and the lock: hence more than one attempt.
   for (int attempt = 0; descriptor_ < 0; ++attempt) {
     if (attempt == most_attempts)
       throw FileError(

@@ -11,9 +11,9 @@
 namespace ra2d {
 
 /// A file while it is written: beside the one that it will be, as `.NAME.partial-HOST-PID`, under a
-/// lock that the system lets go of with the process. What processes of this machine that are gone have
-/// left in the folder is removed first, and that is said on stderr; others' files are never touched.
-/// Unless publish() is reached, nothing is left. Throws FileError.
+/// lock that the system lets go of with the process. What processes of this machine that are gone
+/// have left in the folder is removed first, and that is said on stderr; others' files are never
+/// touched. Unless publish() is reached, nothing is left. Throws FileError.
 class PartialFile {
  public:
   /// `target` is followed where it is a symbolic link (host/system/output_file.hpp).
@@ -30,8 +30,8 @@ class PartialFile {
   /// Brings what was written to the disk, and what was set aside for more back to it. What is read
   /// after this comes from the disk where the system can arrange that.
   void sync();
-  /// Gives the file, which was synced, its name. Fails also when it has its name and is whole, but the
-  /// folder could not be brought to the disk: the message says so.
+  /// Gives the file, which was synced, its name. Fails also when it has its name and is whole, but
+  /// the folder could not be brought to the disk: the message says so.
   void publish() { publish(target_); }
   /// ... or another one in the same file system.
   void publish(const std::filesystem::path& name);
@@ -44,12 +44,12 @@ class PartialFile {
   std::size_t place_;  // among those that drop_partials() knows
 };
 
-/// Whether a file has the name of a partial file of this machine: those are removed when their process
-/// is gone.
+/// Whether a file has the name of a partial file of this machine: those are removed when their
+/// process is gone.
 bool is_partial_name(const std::filesystem::path& file);
 
-/// Whether an open file or folder still stands where `path` leads. Throws FileError where the system does
-/// not say.
+/// Whether an open file or folder still stands where `path` leads. Throws FileError where the
+/// system does not say.
 bool stands_at(int descriptor, const std::filesystem::path& path);
 
 /// A folder that drop_partials() removes if it is empty then.
@@ -64,12 +64,12 @@ class PartialFolder {
   std::size_t place_;
 };
 
-/// Unlinks all partial files of this process, which ends, and removes its partial folders: signal handlers
-/// may call it. Of more than 64 at once it knows 64.
+/// Unlinks all partial files of this process, which ends, and removes its partial folders: signal
+/// handlers may call it. Of more than 64 at once it knows 64.
 void drop_partials() noexcept;
 
-/// Brings a file's name to the disk: it, too, should outlive a power cut. Some file systems cannot promise
-/// that, and a folder that may not be read cannot be asked. Throws FileError.
+/// Brings a file's name to the disk: it, too, should outlive a power cut. Some file systems cannot
+/// promise that, and a folder that may not be read cannot be asked. Throws FileError.
 void sync_folder_of(const std::filesystem::path& file);
 
 /// Writes a text under its name once it is complete. Throws FileError.

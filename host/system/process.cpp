@@ -50,8 +50,8 @@ bool read_all(int pipe, double limit, std::string& text) {
   }
 }
 
-/// The child's side of a fork, where only the simplest calls are allowed: becomes the program, with a
-/// group of its own, that ends with its parent. Does not return.
+/// The child's side of a fork, where only the simplest calls are allowed: becomes the program, with
+/// a group of its own, that ends with its parent. Does not return.
 void become(char** argv, int input, int output, int failure, pid_t parent,
             const sigset_t& unblocked) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -83,8 +83,8 @@ ProgramRun run_program(std::vector<std::string> words, Output output, double lim
     close_all();
     return run;
   }
-  // from the fork until it is known here, no interrupt of this thread may end the parent alone; one of
-  // another thread waits (kill_programs)
+  // from the fork until it is known here, no interrupt of this thread may end the parent alone; one
+  // of another thread waits (kill_programs)
   sigset_t all, unblocked;
   sigfillset(&all);
   pthread_sigmask(SIG_SETMASK, &all, &unblocked);

@@ -18,13 +18,13 @@ struct ProgramRun {
 enum class Output { shown, kept };
 
 /// Runs a program to its end, without a shell; after `limit` seconds it is killed with all that it
-/// started (output kept only). It does not outlive this process. `input`: an open file that it finds
-/// as its standard input; -1: this process's own.
+/// started (output kept only). It does not outlive this process. `input`: an open file that it
+/// finds as its standard input; -1: this process's own.
 ProgramRun run_program(std::vector<std::string> words, Output output = Output::shown,
                        double limit = std::numeric_limits<double>::infinity(), int input = -1);
 
-/// Kills the programs that run, with all that they started: signal handlers may call it. Of more than
-/// 64 it knows 64.
+/// Kills the programs that run, with all that they started: signal handlers may call it. Of more
+/// than 64 it knows 64.
 void kill_programs() noexcept;
 
 /// The folder of the program that runs; empty when the system does not tell.

@@ -119,8 +119,8 @@ class AdaptiveMarcher {
     return true;
   }
 
-  /// What was seen at the end of the step is what the next one begins with, unless a node has passed
-  /// another.
+  /// What was seen at the end of the step is what the next one begins with, unless a node has
+  /// passed another.
   KOKKOS_FUNCTION void pass_on(const Place& place) {
     if (way_.stand(step_).base == place.base)
       overlaps_.pass_on();
@@ -130,10 +130,10 @@ class AdaptiveMarcher {
 
   // ---- fly
   //
-  // A flight is exact at any length: what limits it is whether contact can be ruled out. Flights aim
-  // at 2^level ticks, about the length at which the cubics decide that by themselves: the next one is
-  // to be longer if they did so over all of it, shorter if they could not and a shorter one tells
-  // more.
+  // A flight is exact at any length: what limits it is whether contact can be ruled out. Flights
+  // aim at 2^level ticks, about the length at which the cubics decide that by themselves: the next
+  // one is to be longer if they did so over all of it, shorter if they could not and a shorter one
+  // tells more.
 
   static constexpr int longest_level = 60;
 
@@ -176,8 +176,8 @@ class AdaptiveMarcher {
     return true;
   }
 
-  /// A flight of which the cubics cannot rule out that one of the flagged nodes touches: their series
-  /// are searched, over no more than these hold for.
+  /// A flight of which the cubics cannot rule out that one of the flagged nodes touches: their
+  /// series are searched, over no more than these hold for.
   KOKKOS_FUNCTION bool fly_and_search(const Place& place, Modes& end, std::int64_t aimed,
                                       const MotionBounds& bounds, double rise, int flagged) {
     std::int64_t ticks = aimed;
@@ -325,8 +325,8 @@ class AdaptiveMarcher {
 
   // ---- both
 
-  /// Sees the end of a step of so many ticks, whose beginning has been seen, and flags the nodes that
-  /// could touch within it.
+  /// Sees the end of a step of so many ticks, whose beginning has been seen, and flags the nodes
+  /// that could touch within it.
   KOKKOS_FUNCTION int see_and_flag(const Place& place, const Modes& end, std::int64_t ticks,
                                    const MotionBounds& bounds, double rise) {
     overlaps_.see_end(way_.moved(place, step_ + ticks), end.u, end.v);

@@ -31,8 +31,8 @@ class AdaptiveRecorder {
                                    const ModalSeries<Lanes, K>& series, const Push<Lanes, K>& push)
       : lanes_{lanes}, t_{tables}, s_{state}, flight_{flight}, series_{series}, push_{push} {}
 
-  /// The samples within the `ticks` after `step`, of modes that fly from there. False when the buffer
-  /// is full.
+  /// The samples within the `ticks` after `step`, of modes that fly from there. False when the
+  /// buffer is full.
   KOKKOS_FUNCTION bool fly_samples(std::int64_t step, const Modes& now, std::int64_t ticks) const {
     if (is_complete() || sample_tick() >= step + ticks) return true;
     // each from the one before, those too that the launch before has written: what is flown in one
@@ -85,8 +85,8 @@ class AdaptiveRecorder {
     if (lanes_.leader() && s_.open_count > 0) end_shocks(s_, step);
     lanes_.sync();
   }
-  /// Takes in the `ticks` after `step`, up to `end` in units of the series, with the nodes in contact
-  /// and their hulls.
+  /// Takes in the `ticks` after `step`, up to `end` in units of the series, with the nodes in
+  /// contact and their hulls.
   KOKKOS_FUNCTION void add_drive(const Place& place, std::int64_t step, std::int64_t ticks,
                                  double end) const {
     if (ticks == 0) return;
@@ -233,8 +233,8 @@ class AdaptiveRecorder {
     }
   }
 
-  /// The largest sum of the forces that belong to open shock i, over the step [N]; 0 where it cannot
-  /// be more than the peak so far.
+  /// The largest sum of the forces that belong to open shock i, over the step [N]; 0 where it
+  /// cannot be more than the peak so far.
   KOKKOS_FUNCTION double highest_force(int i, double end) const {
     const int n = series_.degree();
     const double* sum = nullptr;

@@ -11,9 +11,9 @@
 
 namespace ra2d {
 
-/// The nodes in contact, in ascending order (CarriedState::closed): the same from the beginning of a
-/// step to its end. At its end some let go, and others come in: those that were flagged and searched
-/// (kernels/adaptive/overlaps.hpp).
+/// The nodes in contact, in ascending order (CarriedState::closed): the same from the beginning of
+/// a step to its end. At its end some let go, and others come in: those that were flagged and
+/// searched (kernels/adaptive/overlaps.hpp).
 template <class Lanes, int K>
 class Contacts {
  public:

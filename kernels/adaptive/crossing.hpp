@@ -37,8 +37,8 @@ KOKKOS_INLINE_FUNCTION ValueAndSlope polynomial_and_slope(const double* c, int n
   return {Kokkos::fma(odd, x, even), Kokkos::fma(2.0 * x, Kokkos::fma(of_odd, x, of_even), odd)};
 }
 
-/// The largest value on [0, end], right to within roundings if the slope changes its sign no more than
-/// once in each third.
+/// The largest value on [0, end], right to within roundings if the slope changes its sign no more
+/// than once in each third.
 KOKKOS_INLINE_FUNCTION double highest_value(const double* c, int n, double end) {
   const ValueAndSlope last = polynomial_and_slope(c, n, end);
   double highest = c[0] > last.value ? c[0] : last.value;
@@ -77,8 +77,8 @@ KOKKOS_INLINE_FUNCTION double highest_value(const double* c, int n, double end) 
 
 /// The first x in [0, end] at which sign p(x) comes to within `noise` of `level` or above it; a
 /// value beyond `end` when there is none. Nothing is stepped over: with |p''| <= bend on [0, end],
-/// the parabola through the present value and slope that bends up by `bend` meets the level no later
-/// than p does. Near a simple crossing the steps shrink quadratically, as Newton's.
+/// the parabola through the present value and slope that bends up by `bend` meets the level no
+/// later than p does. Near a simple crossing the steps shrink quadratically, as Newton's.
 KOKKOS_INLINE_FUNCTION double first_crossing(const double* c, int n, double sign, double level,
                                              double noise, double end, double bend) {
   double x = 0.0;
@@ -97,8 +97,9 @@ KOKKOS_INLINE_FUNCTION double first_crossing(const double* c, int n, double sign
   }
 }
 
-/// A polynomial over [0, x] lies between the smallest and the largest of its Bernstein coefficients,
-/// b_i = sum_j C(i, j)/C(n, j) c_j x^j, and its derivatives between their differences.
+/// A polynomial over [0, x] lies between the smallest and the largest of its Bernstein
+/// coefficients, b_i = sum_j C(i, j)/C(n, j) c_j x^j, and its derivatives between their
+/// differences.
 template <class Lanes>
 KOKKOS_INLINE_FUNCTION Hull hull_of(const Lanes& lanes, const SceneTables& t, const double* c,
                                     int n, double x, double* room) {

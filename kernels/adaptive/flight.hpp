@@ -14,10 +14,10 @@ namespace ra2d {
 ///
 ///   U'' + 2 zeta omega U' + omega^2 (U - U_s) = 0,   U_s = load/(m omega^2),
 ///
-/// and a rigid mode falls, U'' = load/m. What 2^l ticks do to (U - U_s, V, 1) is tabled for every l,
-/// together with the integral of V^2, a quadratic form of it; a flight is one product for each bit
-/// of its length. Lengths below the first table are one Taylor step: they are so short that what it
-/// leaves out is below the roundings.
+/// and a rigid mode falls, U'' = load/m. What 2^l ticks do to (U - U_s, V, 1) is tabled for every
+/// l, together with the integral of V^2, a quadratic form of it; a flight is one product for each
+/// bit of its length. Lengths below the first table are one Taylor step: they are so short that
+/// what it leaves out is below the roundings.
 template <class Lanes, int K>
 class Flight {
   using Real = typename Lanes::Real;
@@ -36,8 +36,8 @@ class Flight {
       leap(u, v, square, Kokkos::countr_zero(rest));
   }
 
-  /// What the modes can do within `time` [s]. The energy norm E^2 = V^2 + omega^2 (U - U_s)^2 does not
-  /// grow in free flight, and (omega U, V)' is at most omega (zeta + sqrt(1 + zeta^2)) E.
+  /// What the modes can do within `time` [s]. The energy norm E^2 = V^2 + omega^2 (U - U_s)^2 does
+  /// not grow in free flight, and (omega U, V)' is at most omega (zeta + sqrt(1 + zeta^2)) E.
   KOKKOS_FUNCTION MotionBounds bounds(const Real* u, const Real* v, double time) const {
     Real travel(0.0), fourth(0.0), tail(0.0), size(0.0);
     for (int p = 0; p < K; ++p) {

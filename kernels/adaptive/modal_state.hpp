@@ -18,7 +18,8 @@ struct MotionBounds {
   double fourth;           // m/s^4: fourth derivative of an overlap at a node, whose place moves
   double cubic_remainder;  // m: what the cubics over a patch leave out of a displacement
   double size;             // m: sum max|psi| |U|
-  /// Of a displacement [m]. Twice what one sum over most_modes reaches: what it is compared with is one, too.
+  /// Of a displacement [m]. Twice what one sum over most_modes reaches: what it is compared with is
+  /// one, too.
   KOKKOS_FORCEINLINE_FUNCTION double rounding() const { return 256 * 0x1p-52 * size; }
 };
 

@@ -21,10 +21,12 @@ namespace ra2d {
 ///
 ///   find_near  groups of nodes that cannot come near within the step are left out;
 ///   see        of the others the overlap and its rate are taken at both ends of the step;
-///   flag       the cubic through these four numbers is off by at most h^4/384 of the overlap's fourth
-///              derivative, for which there is a bound (MotionBounds). A node whose cubic stays below
-///              that is open throughout; every other open node is flagged;
-///   search     a flagged node's own series is searched for the first place where the overlap reaches
+///   flag       the cubic through these four numbers is off by at most h^4/384 of the overlap's
+///   fourth
+///              derivative, for which there is a bound (MotionBounds). A node whose cubic stays
+///              below that is open throughout; every other open node is flagged;
+///   search     a flagged node's own series is searched for the first place where the overlap
+///   reaches
 ///              zero (kernels/adaptive/crossing.hpp).
 ///
 /// To touch, an overlap must come to +touch, to let go to -touch (kernels/adaptive/contacts.hpp), a
@@ -47,9 +49,9 @@ class Overlaps {
         before_{state.seen},
         after_{state.seen + 2 * tables.groups * width} {}
 
-  /// Bound on the roundings of an overlap at the displacements u [m]: 128 of half an ulp, in packs of two lanes
-  /// 256, of one 512. The longest chain, over 256 modes and the terms of a series, has 53 in packs of eight lanes,
-  /// 83 of four, 146 of two and 273 of one.
+  /// Bound on the roundings of an overlap at the displacements u [m]: 128 of half an ulp, in packs
+  /// of two lanes 256, of one 512. The longest chain, over 256 modes and the terms of a series, has
+  /// 53 in packs of eight lanes, 83 of four, 146 of two and 273 of one.
   KOKKOS_FORCEINLINE_FUNCTION double touch(const Real* u) const {
     constexpr double roundings = width >= 4 ? 0x1p-46 : width == 2 ? 0x1p-45 : 0x1p-44;
     return t_.slack + roundings * weighted_sum<Lanes, K>(lanes_, t_.largest_shape, u);
@@ -85,8 +87,8 @@ class Overlaps {
   KOKKOS_FUNCTION void see_end(const Place& place, const Real* u, const Real* v) {
     if (groups() > 0) see(place, u, v, after_);
   }
-  /// What was seen at the end of a step is what the next one begins with; but where a node has passed
-  /// another, or a contact has begun, the present must be seen anew.
+  /// What was seen at the end of a step is what the next one begins with; but where a node has
+  /// passed another, or a contact has begun, the present must be seen anew.
   KOKKOS_FUNCTION void pass_on() {
     double* const swap = before_;
     before_ = after_;
@@ -94,8 +96,8 @@ class Overlaps {
   }
   KOKKOS_FUNCTION void forget() { seen_ = false; }
 
-  /// Whether the cubics of a step of `time` [s] are off by more than what is seen: if not, those of a
-  /// shorter step tell no more.
+  /// Whether the cubics of a step of `time` [s] are off by more than what is seen: if not, those of
+  /// a shorter step tell no more.
   KOKKOS_FORCEINLINE_FUNCTION bool shorter_tells_more(double time,
                                                       const MotionBounds& bounds) const {
     return cubic_error(bounds, time) > blur(bounds);
@@ -136,8 +138,8 @@ class Overlaps {
     return count;
   }
 
-  /// Where the first of the flagged nodes touches, in units of the series; beyond `end` if none. Each
-  /// one's own place is left in the list of roots.
+  /// Where the first of the flagged nodes touches, in units of the series; beyond `end` if none.
+  /// Each one's own place is left in the list of roots.
   KOKKOS_FUNCTION double search(const Place& place, int flagged, double end, double touch) const {
     contact_.expand(place, s_.watch, flagged);
     double first = 2.0 * end + 1.0;
@@ -174,8 +176,8 @@ class Overlaps {
     return t_.look_at == Nodes::all ? e : near_[e];
   }
 
-  /// Error of an overlap that is seen [m]. Of the roundings one is of the value, up to a third of one of the
-  /// rate over the step, and one of the series that is searched.
+  /// Error of an overlap that is seen [m]. Of the roundings one is of the value, up to a third of
+  /// one of the rate over the step, and one of the series that is searched.
   KOKKOS_FORCEINLINE_FUNCTION double blur(const MotionBounds& bounds) const {
     return bounds.cubic_remainder + 3.0 * bounds.rounding() + 2.0 * t_.slack;
   }

@@ -23,8 +23,8 @@ class Push {
   KOKKOS_FUNCTION Push(const Lanes& lanes, const SceneTables& tables, SceneState& state)
       : lanes_{lanes}, t_{tables}, s_{state} {}
 
-  /// The series from tick `step` on, in units of `scale` [s]. Returns the ticks for which they hold:
-  /// until a force enters or leaves the beam or a patch of it.
+  /// The series from tick `step` on, in units of `scale` [s]. Returns the ticks for which they
+  /// hold: until a force enters or leaves the beam or a patch of it.
   KOKKOS_FUNCTION std::int64_t expand(std::int64_t step, double scale) const {
     const Real zero(0.0);
     for (int j = 0; j <= t_.order; ++j)
@@ -69,8 +69,8 @@ class Push {
     return s_.push_series + (j * K + p) * width;
   }
 
-  /// Ticks until a force at x [m] comes to an end of the beam, or of the patch that it is on; without
-  /// end where it comes to none.
+  /// Ticks until a force at x [m] comes to an end of the beam, or of the patch that it is on;
+  /// without end where it comes to none.
   KOKKOS_FUNCTION double ticks_to_edge(const MovingForceTable& f, double x, bool on,
                                        int patch) const {
     const double width_of_patch = t_.patch_nodes * t_.spacing;

@@ -16,13 +16,14 @@ namespace ra2d {
 
 /// The motion of the modes as a power series in time, while the same nodes are in contact.
 ///
-/// Within a window (kernels/tables.hpp) the faces are linear in time and the modes' shapes at a node
-/// cubic, and the penalty force is linear in the overlap. So the coefficients of
-/// U_k(x) = sum_j c_kj x^j, x = (t - t_0)/scale, follow from one another without any approximation:
+/// Within a window (kernels/tables.hpp) the faces are linear in time and the modes' shapes at a
+/// node cubic, and the penalty force is linear in the overlap. So the coefficients of U_k(x) =
+/// sum_j c_kj x^j, x = (t - t_0)/scale, follow from one another without any approximation:
 ///
 ///   o_nj = face_nj + sum_{i<=3} sum_k phi_nki c_k(j-i)                        overlap of node n
 ///   F_kj = load_kj - kappa chi w sum_n sum_{i<=3} phi_nki o_n(j-i)
-///   (j + 1)(j + 2) c_k(j+2) = scale^2 (F_kj/m - omega^2 c_kj) - scale 2 zeta omega (j + 1) c_k(j+1)
+///   (j + 1)(j + 2) c_k(j+2) = scale^2 (F_kj/m - omega^2 c_kj) - scale 2 zeta omega (j + 1)
+///   c_k(j+1)
 ///
 /// The series of every overlap comes with them: where contact begins or ends is a root of a
 /// polynomial. All series converge at every x; the last terms kept tell how far they may be used.
@@ -58,8 +59,8 @@ class ModalSeries {
   /// The series from (u, v) on, with the closed nodes held closed, in units of `scale` [s].
   ///
   /// Of the shapes at a node as many terms are taken as the tolerance asks for: what the others add
-  /// to an overlap over the step is `neglected`, a small part of the tolerance times the way that the
-  /// modes make in the same time.
+  /// to an overlap over the step is `neglected`, a small part of the tolerance times the way that
+  /// the modes make in the same time.
   KOKKOS_FUNCTION void expand(const Real* u, const Real* v, const Place& place, double scale) {
     scale_ = scale;
     neglected_ = 0.0;
@@ -69,8 +70,8 @@ class ModalSeries {
     contact_.expand(place, s_.closed, closed);
     for (int e = 0; e < closed; ++e)
       place_shape(s_.closed[e], place.offset, way, s_.closed_shape + e * (4 * row));
-    // The modes at the beginning tell how many it takes; what contact makes of them within the step,
-    // of bodies at rest everything, only the series does.
+    // The modes at the beginning tell how many it takes; what contact makes of them within the
+    // step, of bodies at rest everything, only the series does.
     Real amplitude[K], travel[K];
     for (int p = 0; p < K; ++p) {
       amplitude[p] = Kokkos::abs(u[p]);
@@ -103,9 +104,9 @@ class ModalSeries {
   KOKKOS_FORCEINLINE_FUNCTION double neglected() const { return neglected_; }
 
   /// How far the series may be used for a local error of `tolerance`, relative, in x. The last two
-  /// terms stand for the error: what follows them is smaller by the ratio of neighbours, so the step
-  /// is on the safe side. Errors and state are measured in the energy norm,
-  /// sum m (V^2 + omega^2 U^2) and the springs'.
+  /// terms stand for the error: what follows them is smaller by the ratio of neighbours, so the
+  /// step is on the safe side. Errors and state are measured in the energy norm, sum m (V^2 +
+  /// omega^2 U^2) and the springs'.
   KOKKOS_FUNCTION double extent(double tolerance) const {
     const int order = t_.order;
     Real state(0.0), kick(0.0), before(0.0), last(0.0);
@@ -170,9 +171,10 @@ class ModalSeries {
     }
   }
 
-  /// What the modes can do up to x. The norm of y = (omega U, U') does not grow by itself, so that of
-  /// y'' is at most what it is at 0 and what the second derivative of the force adds to it:
-  ///   |U''''| <= turn (|y''(0)| + x g) + g,  g >= |F''|/m,  turn = omega (zeta + sqrt(1 + zeta^2)),
+  /// What the modes can do up to x. The norm of y = (omega U, U') does not grow by itself, so that
+  /// of y'' is at most what it is at 0 and what the second derivative of the force adds to it:
+  ///   |U''''| <= turn (|y''(0)| + x g) + g,  g >= |F''|/m,  turn = omega (zeta + sqrt(1 +
+  ///   zeta^2)),
   /// and the lower derivatives follow. (All in units of x.) Takes the closed nodes' hulls over a
   /// stretch that reaches at least as far.
   KOKKOS_FUNCTION MotionBounds bounds(double x) const {

@@ -9,9 +9,9 @@
 
 namespace ra2d {
 
-/// Where the slider stands at a tick, and when it comes to a place. As Place, but with a theta that is
-/// right to its own rounding and not only to that of the position: on it an overlap is a polynomial
-/// in time.
+/// Where the slider stands at a tick, and when it comes to a place. As Place, but with a theta that
+/// is right to its own rounding and not only to that of the position: on it an overlap is a
+/// polynomial in time.
 class SliderWay {
  public:
   KOKKOS_FUNCTION explicit SliderWay(const SceneTables& tables) : t_{tables} {}
@@ -43,8 +43,8 @@ class SliderWay {
  private:
   const SceneTables& t_;
 
-  /// from + step advance, rounded once at the end: a step has more digits than a double, and the two
-  /// parts may cancel.
+  /// from + step advance, rounded once at the end: a step has more digits than a double, and the
+  /// two parts may cancel.
   KOKKOS_FORCEINLINE_FUNCTION double way_to(std::int64_t step, double from) const {
     const std::int64_t low = step & 2047;
     return Kokkos::fma(static_cast<double>(low), t_.advance,

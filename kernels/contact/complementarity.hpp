@@ -15,31 +15,33 @@
 namespace ra2d {
 
 /// How the search for the contact forces of a step ended: found; no motion of the modes keeps the
-/// bodies apart; more nodes carry force than there is room for, or than a list of nodes is good for; or
-/// the launch is to end (is_interrupted), and nothing has been done.
+/// bodies apart; more nodes carry force than there is room for, or than a list of nodes is good
+/// for; or the launch is to end (is_interrupted), and nothing has been done.
 enum class Solution { solved, blocked, crowded, interrupted };
 
 /// Contact forces that are found together with the end of the step: Lagrange multipliers (paper,
 /// section 3, equation 11), and the penalty spring at the new time.
 ///
 /// A step without contact ends at U*. Contact forces f_n that are held over the step add -b_k sum_n
-/// f_n phi_nk to mode k, b_k = U1 of a unit force (SceneTables::receptance). With the overlap o_n = -g_n
-/// at the end of the step, o* without contact, and W_nm = sum_k b_k phi_nk phi_mk:
+/// f_n phi_nk to mode k, b_k = U1 of a unit force (SceneTables::receptance). With the overlap o_n =
+/// -g_n at the end of the step, o* without contact, and W_nm = sum_k b_k phi_nk phi_mk:
 ///
-///   0 <= f_n,   o_n = o*_n - sum_m W_nm f_m <= compliance f_n,   and f_n > 0 only where both agree.
+///   0 <= f_n,   o_n = o*_n - sum_m W_nm f_m <= compliance f_n,   and f_n > 0 only where both
+///   agree.
 ///
 /// With compliance 0 these are Signorini's conditions at the end of the step: no penetration, no
 /// adhesion, force only where the bodies touch. With compliance 1/(kappa chi w) it is the penalty
-/// law, f = kappa chi w max(0, o), of the new time; so penalty with growing kappa is the multiplier.
+/// law, f = kappa chi w max(0, o), of the new time; so penalty with growing kappa is the
+/// multiplier.
 ///
 /// W is positive semidefinite and of the rank of the modes at the most: of more nodes than modes,
 /// or of modes that do not tell two nodes apart, the f_n are not unique, but U1 is. It is the state
 /// without penetration that is nearest to U* in the metric 1/b, and the dual active set method of
-/// Goldfarb and Idnani (Math. Programming 27, 1983) goes there in steps that are all unique: take the
-/// node that penetrates most; raise its force until it is clear; where that would turn another
+/// Goldfarb and Idnani (Math. Programming 27, 1983) goes there in steps that are all unique: take
+/// the node that penetrates most; raise its force until it is clear; where that would turn another
 /// node's force negative, that node is let go first, and where the new node depends on those that
-/// carry force already (the Cholesky factor's next pivot vanishes), it takes one's place. At the most
-/// as many nodes as modes carry force. Nodes that touch without force never come in.
+/// carry force already (the Cholesky factor's next pivot vanishes), it takes one's place. At the
+/// most as many nodes as modes carry force. Nodes that touch without force never come in.
 ///
 /// Every node taken in moves U1 further from U*, so no set of nodes can come twice and the method
 /// ends; roundings are kept from turning it in circles by a bound of `rounds` on the work, which is
@@ -47,20 +49,20 @@ enum class Solution { solved, blocked, crowded, interrupted };
 /// slider pressed onto few modes from both sides of a vibration node), the method finds that, too.
 ///
 /// From step to step the same one or two nodes mostly carry the force: they are tried first, and
-/// taken when their forces are positive and nothing else overlaps, which are all the conditions there
-/// are.
+/// taken when their forces are positive and nothing else overlaps, which are all the conditions
+/// there are.
 ///
-/// Each node that comes in costs the square of how many there are, so n of them n^3. On springs (compliance >
-/// 0) there may be thousands, where faces lie flat on one another: from `many` on Newton's method in the
-/// modes takes over (newton()), whose steps cost the nodes times the square of the modes. It goes to the
-/// same end, which is unique there.
+/// Each node that comes in costs the square of how many there are, so n of them n^3. On springs
+/// (compliance > 0) there may be thousands, where faces lie flat on one another: from `many` on
+/// Newton's method in the modes takes over (newton()), whose steps cost the nodes times the square
+/// of the modes. It goes to the same end, which is unique there.
 ///
-/// What is left: overlaps of the order of the roundings of a gap (SceneTables::touch) and, where that
-/// is not to be had, of the modes' sums.
+/// What is left: overlaps of the order of the roundings of a gap (SceneTables::touch) and, where
+/// that is not to be had, of the modes' sums.
 ///
-/// An impact of a mass. Coming from a distance theta tau |V| (0 <= theta < 1), without force for the
-/// rest of the step it would penetrate. Backward Euler and midpoint (U1 = U0 + tau V1) leave it on
-/// the face and stop it in the next step: nothing comes back. The one-step schemes that hold the
+/// An impact of a mass. Coming from a distance theta tau |V| (0 <= theta < 1), without force for
+/// the rest of the step it would penetrate. Backward Euler and midpoint (U1 = U0 + tau V1) leave it
+/// on the face and stop it in the next step: nothing comes back. The one-step schemes that hold the
 /// force (exact, Heun, RK4, RK8: U1 of a force is tau/2 times V1 of it) leave with V1 = -(1 - 2
 /// theta) V: the share (1 - 2 theta)^2 of the energy, anything from 0 to 1, on average a third, and
 /// no limit for tau -> 0. No scheme gains energy from it; in lasting contact Heun may
@@ -142,17 +144,18 @@ class Complementarity {
 
   /// More than any force or way.
   static constexpr double never = 1e300;
-  /// Nodes that carry force from which on newton() finds the forces, in a step or in the one before.
+  /// Nodes that carry force from which on newton() finds the forces, in a step or in the one
+  /// before.
   static constexpr int many = 256;
   /// Relative size of a pivot at which a node counts as depending on those that carry force.
   static constexpr double dependent = 1e-13;
 
   /// Finds the contact forces of a step: corrects its end (u, v), lists in the state's work space
-  /// the nodes that carry force, in ascending order. `list(u)` gives the number of nodes to look at,
-  /// listed in the state's `watch` and expanded: all that overlap at u must be among them. `most`
-  /// is the largest total force [N] on the way, not less than what it comes with. `step` ends at
-  /// `place`. `anywhere`: whether `list` is good for any u; if not, many nodes are left to a caller whose list
-  /// is (crowded).
+  /// the nodes that carry force, in ascending order. `list(u)` gives the number of nodes to look
+  /// at, listed in the state's `watch` and expanded: all that overlap at u must be among them.
+  /// `most` is the largest total force [N] on the way, not less than what it comes with. `step`
+  /// ends at `place`. `anywhere`: whether `list` is good for any u; if not, many nodes are left to
+  /// a caller whose list is (crowded).
   template <class List>
   KOKKOS_FORCEINLINE_FUNCTION Solution operator()(const Place& place, std::int64_t step, Real* u,
                                                   Real* v, const List& list,
@@ -226,10 +229,11 @@ class Complementarity {
   ///
   ///   E(w) = w^2/2 + sum_n max(0, o_n(u))^2 / (2 compliance)
   ///
-  /// is least: its slope is w + D sum_n f_n phi_n, f_n = max(0, o_n)/compliance. E is quadratic as long as
-  /// the same nodes overlap, so Newton's step with those goes to the end at once, or is shortened until E
-  /// falls (Armijo). It ends after two steps in a row that move no overlap by more than the roundings of a
-  /// gap or of the modes' sums: after the first, nodes may have come to touch or let go by as much.
+  /// is least: its slope is w + D sum_n f_n phi_n, f_n = max(0, o_n)/compliance. E is quadratic as
+  /// long as the same nodes overlap, so Newton's step with those goes to the end at once, or is
+  /// shortened until E falls (Armijo). It ends after two steps in a row that move no overlap by
+  /// more than the roundings of a gap or of the modes' sums: after the first, nodes may have come
+  /// to touch or let go by as much.
   template <class List>
   KOKKOS_FUNCTION Solution newton(const Place& place, Real* u, Real* v, const List& list,
                                   ContactTotals<Real>& totals, double& most) {
@@ -378,8 +382,8 @@ class Complementarity {
     return s_.factor[static_cast<std::int64_t>(row) * s_.pressed_capacity + column];
   }
 
-  /// Bound on the rounding of an overlap's sum over the modes [m], and of the displacement `u` itself:
-  /// of what the forces make of `free`, roundings of the larger of the two are left.
+  /// Bound on the rounding of an overlap's sum over the modes [m], and of the displacement `u`
+  /// itself: of what the forces make of `free`, roundings of the larger of the two are left.
   KOKKOS_FUNCTION double rounding_of(const Real* u, const Real* free) const {
     Real part(0.0);
     for (int p = 0; p < K; ++p)

@@ -16,7 +16,8 @@
 
 namespace ra2d {
 
-/// Where a stretch of steps finds the nodes that could touch: on a list that holds for all of it ...
+/// Where a stretch of steps finds the nodes that could touch: on a list that holds for all of it
+/// ...
 class ListedNodes {
  public:
   KOKKOS_FORCEINLINE_FUNCTION explicit ListedNodes(const Outlook& plan)

@@ -18,16 +18,17 @@
 
 namespace ra2d {
 
-/// The time loop of the schemes with fixed steps: one team marches one scene through many steps inside
-/// one launch.
+/// The time loop of the schemes with fixed steps: one team marches one scene through many steps
+/// inside one launch.
 ///
 /// Every step is the paper's: contact detection, contact force, time integration. Which scheme
 /// integrates stands in the scene's tables (kernels/schemes/mode_step.hpp); the march knows three
 /// forms of a step (Form, kernels/tables.hpp).
 ///
 /// What differs between `Nodes::all` and `Nodes::candidates` is only which nodes are looked at
-/// (kernels/candidates.hpp). The arithmetic of a step does not depend on that, nor on where a launch
-/// ends: the results of all nodes and candidates, of one launch or many, are equal bit for bit.
+/// (kernels/candidates.hpp). The arithmetic of a step does not depend on that, nor on where a
+/// launch ends: the results of all nodes and candidates, of one launch or many, are equal bit for
+/// bit.
 template <class Lanes, Form form, int K>
 class FixedMarch {
   using Real = typename Lanes::Real;

@@ -23,9 +23,9 @@ inline constexpr double energy_factor = 10.0;
 
 /// The record of fixed steps: samples, sums, shocks, and the watch over the energy.
 ///
-/// It is that of the state at each step, whatever the scheme does within it: shocks and the work of the
-/// imposed motion are summed from the contact forces there (under Form::implicit from the force over
-/// the step that ends there), level and damping loss from the velocities.
+/// It is that of the state at each step, whatever the scheme does within it: shocks and the work of
+/// the imposed motion are summed from the contact forces there (under Form::implicit from the force
+/// over the step that ends there), level and damping loss from the velocities.
 template <class Lanes, Form form, int K>
 class FixedRecorder {
   using Real = typename Lanes::Real;
@@ -190,8 +190,8 @@ class FixedRecorder {
 
   enum class Part { whole, first, second };
 
-  /// The share `weight` of a sample that this step has in it: all of it, the first of two, which waits
-  /// for the second, or the second.
+  /// The share `weight` of a sample that this step has in it: all of it, the first of two, which
+  /// waits for the second, or the second.
   KOKKOS_FUNCTION void write_sample(Motion<Lanes, K>& now, double weight, Part part) {
     const bool add = part == Part::second;
     if (!add) close_parts(now);
@@ -233,12 +233,13 @@ class FixedRecorder {
     int nodes;
   };
 
-  /// The contact at the present state, and the velocity at its time: of a scheme whose velocity lags
-  /// behind, the mean of this step's and the next's.
+  /// The contact at the present state, and the velocity at its time: of a scheme whose velocity
+  /// lags behind, the mean of this step's and the next's.
   KOKKOS_FUNCTION SampledContact contact_at(const Motion<Lanes, K>& now, Real* v) {
     for (int p = 0; p < K; ++p) v[p] = now.v[p];
     if constexpr (form == Form::implicit) {
-      // a force over a step has no value within it: where there is one, the velocity is left as it is
+      // a force over a step has no value within it: where there is one, the velocity is left as it
+      // is
       if (s_.contact_step == now.step)
         return {s_.contact_force, s_.contact_energy, s_.contact_nodes};
       if (t_.velocity_lag > 0.0) {

@@ -27,8 +27,8 @@ namespace ra2d {
 /// O(omega_c tau) within a shock and comes back to first order in tau.
 ///
 /// Fully implicit (time.contact_force = "new"), F = F(U1), the contact is found together with the
-/// step (kernels/contact/complementarity.hpp). It is then stable for every step in contact, too, and
-/// the contact spring is damped like any mode: a shock, half a period of omega_c, gives back
+/// step (kernels/contact/complementarity.hpp). It is then stable for every step in contact, too,
+/// and the contact spring is damped like any mode: a shock, half a period of omega_c, gives back
 /// exp(-pi omega_c tau) of its energy.
 ///
 /// Multipliers: U1 = U0 + tau V1 puts a node that would penetrate on the face, and leaves it there:

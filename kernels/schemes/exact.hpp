@@ -11,8 +11,9 @@ namespace ra2d {
 ///   U1 = U0 + (F0/(m omega^2) - U0) q + V0 p/omega,   V1 = V0 (1 - q - 2 zeta p) + (F0/(m omega) -
 ///   omega U0) p
 ///
-/// where, at x = omega tau, p and q solve p'' + 2 zeta p' + p = 0 with p(0) = 0, p'(0) = 1 and q'' +
-/// 2 zeta q' + q = 1 with q(0) = q'(0) = 0: with zeta < 1, w = sqrt(1 - zeta^2), e = exp(-zeta x),
+/// where, at x = omega tau, p and q solve p'' + 2 zeta p' + p = 0 with p(0) = 0, p'(0) = 1 and q''
+/// + 2 zeta q' + q = 1 with q(0) = q'(0) = 0: with zeta < 1, w = sqrt(1 - zeta^2), e = exp(-zeta
+/// x),
 ///
 ///   p = e sin(w x)/w,   q = 1 - e (cos(w x) + zeta sin(w x)/w).
 ///
@@ -20,10 +21,10 @@ namespace ra2d {
 /// the force is that of the beginning. Free modes are stable at every step, with the energy that
 /// they should have.
 ///
-/// The penalty spring, held, lags by half a step on average and so pushes harder on the way out than
-/// on the way in: held in contact its energy grows by (omega_c tau)^2/2 a step, omega_c^2 = k sum
-/// phi^2/m, unless the modes damp it more. A shock, half a period, gives back exp(pi omega_c tau/2)
-/// of its energy.
+/// The penalty spring, held, lags by half a step on average and so pushes harder on the way out
+/// than on the way in: held in contact its energy grows by (omega_c tau)^2/2 a step, omega_c^2 = k
+/// sum phi^2/m, unless the modes damp it more. A shock, half a period, gives back exp(pi omega_c
+/// tau/2) of its energy.
 ///
 /// Multipliers: as for Heun; the force that is held over the step is the multiplier.
 struct Exact {

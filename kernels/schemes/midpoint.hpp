@@ -31,8 +31,8 @@ namespace ra2d {
 /// that onset and release within a step bring, O((omega_c tau)^2).
 ///
 /// Multipliers: U1 = U0 + tau V1 as for backward Euler, so an impact of a mass is inelastic
-/// (Carpenter, Taylor and Katona, Int. J. Numer. Meth. Eng. 32, 1991). While a node touches, samples
-/// hold the velocity half a step before.
+/// (Carpenter, Taylor and Katona, Int. J. Numer. Meth. Eng. 32, 1991). While a node touches,
+/// samples hold the velocity half a step before.
 struct Midpoint {
   static constexpr int order = 2, stages = 1;
   static constexpr double place[] = {0.0};

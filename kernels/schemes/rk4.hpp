@@ -18,9 +18,9 @@ namespace ra2d {
 /// of |R(x (-zeta + i sqrt(1 - zeta^2)))| = 1, lies between 2.62 (zeta = 0.53) and 2.96 (zeta =
 /// 0.15); it is 2.785 on the real axis (zeta = 1).
 ///
-/// The penalty spring adds omega_c^2 = k sum phi^2/m to the stiffest modes': omega_c tau <= 2.828. A
-/// smooth shock would lose pi (omega_c tau)^5/72 of its energy; onset and release within a step are
-/// kinks of the force and bring an error of O((omega_c tau)^2) of either sign.
+/// The penalty spring adds omega_c^2 = k sum phi^2/m to the stiffest modes': omega_c tau <= 2.828.
+/// A smooth shock would lose pi (omega_c tau)^5/72 of its energy; onset and release within a step
+/// are kinks of the force and bring an error of O((omega_c tau)^2) of either sign.
 ///
 /// Multipliers: as for Heun.
 struct Rk4 {

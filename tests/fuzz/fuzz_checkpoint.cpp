@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Checkpoints. Run by run.sh. No fuzzer would get past their hashes: the input is the sections' bytes, each after two
-// bytes that tell how many, and is sealed with hashes that are right. A state that is believed must be one that the
-// kernels could index with.
+// Checkpoints. Run by run.sh. No fuzzer would get past their hashes: the input is the sections'
+// bytes, each after two bytes that tell how many, and is sealed with hashes that are right. A state
+// that is believed must be one that the kernels could index with.
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>

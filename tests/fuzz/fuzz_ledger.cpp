@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Ledgers of studies. Run by run.sh. What begins with "ra2dlog" is taken as a ledger; no fuzzer would get past
-// its hashes. Anything else is the bodies of records, each after two bytes that tell how long it is, and is
-// sealed with hashes that are right. What is believed must be what would be written of it.
+// Ledgers of studies. Run by run.sh. What begins with "ra2dlog" is taken as a ledger; no fuzzer
+// would get past its hashes. Anything else is the bodies of records, each after two bytes that tell
+// how long it is, and is sealed with hashes that are right. What is believed must be what would be
+// written of it.
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>

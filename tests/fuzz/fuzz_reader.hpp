@@ -13,8 +13,8 @@
 #include "host/base/errors.hpp"
 #include "host/surface/profile.hpp"
 
-/// What the fuzzers share: a file in memory, the questions that are asked of it, and what every answer
-/// must be.
+/// What the fuzzers share: a file in memory, the questions that are asked of it, and what every
+/// answer must be.
 namespace ra2d::fuzz {
 
 /// The path of a file with this content, until the next one. It lies in memory: nothing is written.

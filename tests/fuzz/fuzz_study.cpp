@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Studies as their users write them, and the snapshots that their folders keep. Run by run.sh. A text that
-// begins with a brace is taken as a snapshot.
+// Studies as their users write them, and the snapshots that their folders keep. Run by run.sh. A
+// text that begins with a brace is taken as a snapshot.
 #include <cstdint>
 #include <cstdlib>
 #include <string>

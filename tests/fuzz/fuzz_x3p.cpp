@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Profiles in X3P. Run by run.sh. What begins with PK is taken as an archive; no fuzzer would get past
-// its sums. Anything else is main.xml, a zero, a byte that tells how long the mask is, the data and the
-// mask. It is packed as an archive whose sums are right: MD5 in main.xml stands for that of the data.
+// Profiles in X3P. Run by run.sh. What begins with PK is taken as an archive; no fuzzer would get
+// past its sums. Anything else is main.xml, a zero, a byte that tells how long the mask is, the
+// data and the mask. It is packed as an archive whose sums are right: MD5 in main.xml stands for
+// that of the data.
 #include <zip.h>
 
 #include <algorithm>

@@ -307,9 +307,9 @@ TEST(RiseAt, IsAboveTheMedianAround) {
 
 // ---- half-power damping ------------------------------------------------------------------------
 
-/// The velocity of modes under white force: each sample is the last one after the free motion of a sample's
-/// time, and a normal impulse of the covariance that the force gives in that time (both exact). They
-/// begin with the motion that the force has given them, so that they are stationary.
+/// The velocity of modes under white force: each sample is the last one after the free motion of a
+/// sample's time, and a normal impulse of the covariance that the force gives in that time (both
+/// exact). They begin with the motion that the force has given them, so that they are stationary.
 class DrivenModes {
  public:
   DrivenModes(double natural, double zeta, double rate, unsigned seed) : engine_(seed) {
@@ -360,10 +360,10 @@ HalfPower half_power_of(const std::vector<double>& velocity, double rate, double
                     place_of_mode(std::vector<double>{natural}, 0, expected));
 }
 
-/// Two hundred seconds of a mode, one by one: the damping comes out, and the errors are what they are said
-/// to be. The mean may miss by 3.5 of its own standard errors, and by what one second turns the curve (a
-/// share of 1/(pi width)). ln(found/true) over its error is normal: the mean square of 200 is 1, give or
-/// take 4 sqrt(2/200).
+/// Two hundred seconds of a mode, one by one: the damping comes out, and the errors are what they
+/// are said to be. The mean may miss by 3.5 of its own standard errors, and by what one second
+/// turns the curve (a share of 1/(pi width)). ln(found/true) over its error is normal: the mean
+/// square of 200 is 1, give or take 4 sqrt(2/200).
 TEST(HalfPower, IsThatOfAnOscillatorUnderWhiteNoise) {
   constexpr double rate = 16'000;
   for (const auto& [natural, zeta] : {std::pair{1000.0, 0.02}, {3000.0, 0.01}, {900.0, 0.05}}) {
@@ -597,7 +597,8 @@ TEST_F(Analyze, BandsAboveTheLastModeAreMarked) {
   EXPECT_EQ(ra2d({"report", "a.h5", "-o", "a.html"}).status, 0);
   EXPECT_THAT(test::read_file(folder_.path() / "a.html"),
               AllOf(HasSubstr("opacity=\"0.3\""), HasSubstr("above the last mode that was kept")));
-  // With all modes below the samples' limit some bands are above them; without any there is no last.
+  // With all modes below the samples' limit some bands are above them; without any there is no
+  // last.
   Analysis none = found;
   none.natural_frequencies.clear();
   EXPECT_THAT(bands_above_modes(none), testing::Each(false));

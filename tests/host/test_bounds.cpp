@@ -18,8 +18,8 @@
 #include "tests/scenes.hpp"
 
 /// The bounds that the proofs rest on, each against what it bounds: never exceeded, and reached as
-/// nearly as theory says. What is bounded is computed in long double, so the roundings left are those
-/// of the bounds themselves: fewer than 16 each.
+/// nearly as theory says. What is bounded is computed in long double, so the roundings left are
+/// those of the bounds themselves: fewer than 16 each.
 namespace ra2d::test {
 namespace {
 
@@ -48,8 +48,8 @@ BodySpec random_body(Dice& dice, Support support) {
   return body;
 }
 
-/// Modes of beams of all kinds (rigid ones among them), and some whose parts are drawn at random, as
-/// the bounds know nothing of supports.
+/// Modes of beams of all kinds (rigid ones among them), and some whose parts are drawn at random,
+/// as the bounds know nothing of supports.
 struct RandomShape {
   double length;
   ModeShape shape;
@@ -98,8 +98,8 @@ TEST(LargestShape, IsReached) {
     if (psi.kind == RandomShape::drawn) continue;
     long double most = 0;
     psi.over(0, psi.length, [&](long double x) { most = std::max(most, std::abs(psi(x))); });
-    // A pinned or a rigid mode has one part. A free one is 2/sqrt(L) at its ends; its parts are a wave
-    // of sqrt(2)/sqrt(L) and two exponentials of 1/sqrt(L), all to exp(-beta L) < 0.009.
+    // A pinned or a rigid mode has one part. A free one is 2/sqrt(L) at its ends; its parts are a
+    // wave of sqrt(2)/sqrt(L) and two exponentials of 1/sqrt(L), all to exp(-beta L) < 0.009.
     const double parts =
         psi.rigid() || psi.kind == RandomShape::pinned ? 1.0 : 1.009 * (std::sqrt(2.0) + 2) / 2;
     EXPECT_LE(largest_shape(psi.shape, psi.length), parts * most * (1 + 3e-4)) << "trial " << trial;
@@ -130,8 +130,8 @@ TEST(LargestWave, BoundsSlopeAndCurvatureOverTheBeamAndBehindIt) {
 }
 
 TEST(LargestParts, AreEachReachedWhereTheyAreAlone) {
-  // A sum of the sizes of a shape's parts: each part by itself comes to its size somewhere, and to that of
-  // both where two of them are largest at the same end.
+  // A sum of the sizes of a shape's parts: each part by itself comes to its size somewhere, and to
+  // that of both where two of them are largest at the same end.
   Dice dice(15);
   for (int trial = 0; trial < 60; ++trial) {
     ModeShape shape;
@@ -168,8 +168,8 @@ TEST(LargestParts, AreEachReachedWhereTheyAreAlone) {
   }
 }
 
-/// The largest shares of the bound that a mode's Taylor cubics leave out. The centres are those that
-/// patches can have: from the beam's beginning to a radius behind its end.
+/// The largest shares of the bound that a mode's Taylor cubics leave out. The centres are those
+/// that patches can have: from the beam's beginning to a radius behind its end.
 struct LeftOut {
   long double value = 0, slope = 0;
 
@@ -286,8 +286,8 @@ TEST(FastestRate, IsThatOfTheFastestDirection) {
       most = std::max(most, std::hypot(mode.omega * d[1], d[2]));
     }
     ASSERT_LE(most, bound * own) << "zeta " << mode.zeta;
-    // the square is a constant and a cosine of twice the angle: between two directions it is higher by
-    // less than (pi/directions)^2 of itself
+    // the square is a constant and a cosine of twice the angle: between two directions it is higher
+    // by less than (pi/directions)^2 of itself
     ASSERT_GE(most, bound * (1 - std::pow(pi / directions, 2))) << "zeta " << mode.zeta;
   }
   EXPECT_EQ(fastest_rate(Mode{0, 0.02, 1}), 0) << "a rigid mode";
@@ -309,8 +309,8 @@ struct RandomJoint {
     model.node_stiffness = stiff * model.resonator.mass_per_length * model.resonator.length *
                            std::pow(model.resonator.modes.back().omega, 2);
   }
-  /// The largest |eigenvalue| of the motion, the node at these places of the two bodies: z^2 + D z + K
-  /// has it, with D and K those of the modes' coordinates over sqrt(m).
+  /// The largest |eigenvalue| of the motion, the node at these places of the two bodies: z^2 + D z
+  /// + K has it, with D and K those of the modes' coordinates over sqrt(m).
   double fastest(double x2, double x1) const {
     const auto count =
         static_cast<Eigen::Index>(model.resonator.modes.size() + model.slider.modes.size());
@@ -379,8 +379,8 @@ TEST(FourthDerivative, IsLeibnizRuleItself) {
     const long double x = psi.length * dice.uniform(0.3, 0.7);
     const double scale = fourth_derivative(mode, largest_shape(psi.shape, psi.length),
                                            passing_rate(psi.shape, psi.length, speed));
-    // central differences over seven places: off by 7 h^4/240 of the eighth derivative, 3e-10 of what
-    // the bound allows
+    // central differences over seven places: off by 7 h^4/240 of the eighth derivative, 3e-10 of
+    // what the bound allows
     const long double rate = fastest_rate(mode) + passing_rate(psi.shape, psi.length, speed);
     const long double h = 0.01L / rate;
     const auto value = [&](int n) { return fly(mode, 0, y, n * h).u * psi(x + speed * n * h); };
@@ -417,8 +417,8 @@ TEST(FourthDerivative, IsNeverExceededInFreeMotion) {
 }
 
 TEST(FourthDerivative, IsReachedToAFactorOfTwo) {
-  // Of a pinned mode without damping U psi is a sum and a difference of two waves: it reaches the mean
-  // of (omega + b)^4 and (omega - b)^4, over omega, where (omega + b)^4 is bounded.
+  // Of a pinned mode without damping U psi is a sum and a difference of two waves: it reaches the
+  // mean of (omega + b)^4 and (omega - b)^4, over omega, where (omega + b)^4 is bounded.
   Dice dice(12);
   for (int trial = 0; trial < 30; ++trial) {
     const Beam beam = make_beam(random_body(dice, Support::pinned));
@@ -449,7 +449,8 @@ TEST(FourthDerivative, IsReachedToAFactorOfTwo) {
 // ---- the clock of free flight
 
 TEST(FirstFlightLevel, IsTheLongestAtWhichATaylorStepLeavesNothingOut) {
-  // Flights of less than the first table are a Taylor step of third order (kernels/adaptive/flight.hpp).
+  // Flights of less than the first table are a Taylor step of third order
+  // (kernels/adaptive/flight.hpp).
   Dice dice(14);
   double of_four_times_the_length = 0;
   for (int trial = 0; trial < 200; ++trial) {

@@ -26,7 +26,8 @@
 #include "tests/places.hpp"
 #include "tests/schemes.hpp"
 
-/// The chart of accuracy: its errors against what theory says of them, and the files that it leaves.
+/// The chart of accuracy: its errors against what theory says of them, and the files that it
+/// leaves.
 namespace ra2d::test {
 namespace {
 
@@ -307,7 +308,8 @@ TEST(Peers, EndWithAllThatTheyStartedWhenTheProgramIsInterrupted) {
   const Folder folder, temporary;
   const fs::path peer =
       silent_peer(folder, "sleep 1000 &\necho $! > " + (folder.path() / "helper").string() + "\n");
-  // the chart of a scene of one shock comes to its peers soon; nothing is left in a temporary folder
+  // the chart of a scene of one shock comes to its peers soon; nothing is left in a temporary
+  // folder
   Child child(folder.path(),
               {"env", "TMPDIR=" + temporary.path().string(), program(), "chart", "accuracy",
                scene_file("peaks"), "--set", "scene.start=0.10485", "--set", "scene.duration=5e-4",

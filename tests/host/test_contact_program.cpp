@@ -94,8 +94,8 @@ TEST(ContactProgram, MeetsItsConditions) {
 }
 
 TEST(ContactProgram, MeetsItsConditionsWhereMoreNodesTouchThanPush) {
-  // Made around its answer: every node touches, a few push, and neighbours have nearly the same shape.
-  // Which of them push roundings may get wrong on the way, and must not in the end.
+  // Made around its answer: every node touches, a few push, and neighbours have nearly the same
+  // shape. Which of them push roundings may get wrong on the way, and must not in the end.
   std::mt19937_64 random(2);
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> uniform;

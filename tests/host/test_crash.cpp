@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Runs that are cut off at every call that writes, by an error or by a kill, and go on: to the same bits as
-// a run that was left alone. That they also go on from kills at any other instant, tests/hostile shows.
+// Runs that are cut off at every call that writes, by an error or by a kill, and go on: to the same
+// bits as a run that was left alone. That they also go on from kills at any other instant,
+// tests/hostile shows.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -110,7 +111,8 @@ TEST_F(Crash, ARunThatIsCutOffAnywhereGoesOnToTheSameBits) {
   EXPECT_GT(cut, 40);
 }
 
-/// Makes a folder as its inode stood on the disk, by what was synced of it (tests/faults/faulty_disk.c).
+/// Makes a folder as its inode stood on the disk, by what was synced of it
+/// (tests/faults/faulty_disk.c).
 void restore(const fs::path& durable, const std::string& inode, const fs::path& folder) {
   fs::create_directory(folder);
   std::ifstream list(durable / ("LIST-" + inode));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Runs onto a disk on which every call in turn fails: nothing is lost and nothing is swallowed. The small
-// scene passes through the same calls as the paper's, of which therefore every fourth or fifth fails here;
-// all of them do with RA2D_TEST_LONG.
+// Runs onto a disk on which every call in turn fails: nothing is lost and nothing is swallowed. The
+// small scene passes through the same calls as the paper's, of which therefore every fourth or
+// fifth fails here; all of them do with RA2D_TEST_LONG.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Hertz's contacts and the beds of springs that match them (docs/schemes.md, "What kappa?"), from the elastic
-// half-space up, by quadrature. Unit sizes: a = 1, E* = 1, largest pressure 1.
+// Hertz's contacts and the beds of springs that match them (docs/schemes.md, "What kappa?"), from
+// the elastic half-space up, by quadrature. Unit sizes: a = 1, E* = 1, largest pressure 1.
 #include "host/scene/hertz.hpp"
 
 #include <fmt/format.h>
@@ -27,8 +27,9 @@ using testing::Not;
 
 constexpr double pi = std::numbers::pi;
 
-/// Displacement of a half-space at a distance r < 1 from the middle of the pressure sqrt(1 - r^2): the integral of
-/// p/(pi E* distance), in polar coordinates about the point. Along each ray the pressure is half an ellipse.
+/// Displacement of a half-space at a distance r < 1 from the middle of the pressure sqrt(1 - r^2):
+/// the integral of p/(pi E* distance), in polar coordinates about the point. Along each ray the
+/// pressure is half an ellipse.
 double half_space_displacement(double r) {
   constexpr int turns = 400;
   double sum = 0;
@@ -40,8 +41,8 @@ double half_space_displacement(double r) {
   return sum / turns;
 }
 
-/// How far the middle of a strip under the pressure sqrt(1 - x^2) lies deeper than x: 2/(pi E*) times the integral of
-/// p(s) ln|(x - s)/s|.
+/// How far the middle of a strip under the pressure sqrt(1 - x^2) lies deeper than x: 2/(pi E*)
+/// times the integral of p(s) ln|(x - s)/s|.
 double line_depth(double x) {
   constexpr int points = 200'000;
   double sum = 0;
@@ -52,8 +53,8 @@ double line_depth(double x) {
   return 2 / pi * sum * pi / points;
 }
 
-/// What a bed of unit stiffness carries below a parabola of radius R that touches over the half-width a: depth
-/// (a^2 - x^2)/(2 R), of a unit width or of a round contact.
+/// What a bed of unit stiffness carries below a parabola of radius R that touches over the
+/// half-width a: depth (a^2 - x^2)/(2 R), of a unit width or of a round contact.
 double carried(double a, double radius, bool is_round) {
   constexpr int points = 100'000;
   double sum = 0;
@@ -114,9 +115,10 @@ TEST(Hertz, TheWordIsANumberOfTheMaterials) {
   EXPECT_DOUBLE_EQ(rigid("210e9"), steel / (std::sqrt(2.0) * 0.02));
 }
 
-/// The program's own springs below a ridge carry what Hertz gives a round asperity of the same radius, whatever the
-/// load. The ridge is a raised cosine: beside the parabola (pi a/b)^2/12 of a depth at the edge of the contact, and
-/// nodes see a sum for an integral: (chi/a)^2 together at the most.
+/// The program's own springs below a ridge carry what Hertz gives a round asperity of the same
+/// radius, whatever the load. The ridge is a raised cosine: beside the parabola (pi a/b)^2/12 of a
+/// depth at the edge of the contact, and nodes see a sum for an integral: (chi/a)^2 together at the
+/// most.
 TEST(Hertz, ARidgeOnItsBedIsARoundAsperity) {
   Scene s = plate_scene(1, 0.0045, 1e-3);
   s.spacing = 1e-6;
@@ -154,7 +156,8 @@ TEST(Asperities, OfThePapersSceneAreSoft) {
   EXPECT_NEAR(a.material.duration, 0.2e-3, 0.05e-3);
   EXPECT_NEAR(a.springs.stiffness, 1.6e8, 0.05e8);  // a node: 1e15 x 8 um x 20 mm
   EXPECT_LT(a.springs.duration, 0.2 * a.material.duration);
-  // highest summits of two Gaussian faces: their mean curvature is sqrt(pi/2 m4) and more, m4 = 12 rq^2/l^4 of each
+  // highest summits of two Gaussian faces: their mean curvature is sqrt(pi/2 m4) and more, m4 = 12
+  // rq^2/l^4 of each
   const double l = 1.55e-3 / (std::sqrt(2.0) * pi);
   const double mean = std::sqrt(pi / 2 * 2 * 12) * 8e-6 / (l * l);
   EXPECT_GT(1 / a.radius, mean);

@@ -34,7 +34,8 @@ double chance_of_share(double share, int trials) {
   return 4 * std::sqrt(share * (1 - share) / trials);
 }
 
-// ---- several runs --------------------------------------------------------------------------------
+// ---- several runs
+// --------------------------------------------------------------------------------
 
 TEST(MeanOfPositive, IsStudentsOfTheLogarithm) {
   const MeanOfRuns m = mean_of_runs({1, 2, 3}, Values::positive);
@@ -77,9 +78,11 @@ TEST(MeanOfPositive, OfSkewedRatesHoldsTheTruthMoreOftenThanStudents) {
   EXPECT_GT(positive, 0.92 * trials);
 }
 
-// ---- one run -------------------------------------------------------------------------------------
+// ---- one run
+// -------------------------------------------------------------------------------------
 
-/// The mean square of an oscillator that noise drives, in 200 parts: it forgets within 1/(2 zeta omega).
+/// The mean square of an oscillator that noise drives, in 200 parts: it forgets within 1/(2 zeta
+/// omega).
 LevelHistory ringing_history(std::mt19937_64& dice, double seconds, double ringing) {
   std::normal_distribution<double> normal;
   constexpr int steps_of_part = 10;
@@ -176,7 +179,8 @@ TEST(LevelParts, OfRowsAndOfColumnsAreTheSameBits) {
   EXPECT_NEAR(a.mean_square[0], sum / 5, 1e-14 * sum);
 }
 
-// ---- the mesh's tone -------------------------------------------------------------------------------
+// ---- the mesh's tone
+// -------------------------------------------------------------------------------
 
 struct Signal {
   std::vector<double> rows;  // of two modes
@@ -260,14 +264,16 @@ TEST(MeshToneWatch, BeyondTheSpectrumOrInTooShortARunHasNone) {
   }
 }
 
-// ---- what the program prints ---------------------------------------------------------------------
+// ---- what the program prints
+// ---------------------------------------------------------------------
 
 std::string line_with(const std::string& text, const std::string& what, const std::string& from) {
   const std::size_t at = text.find(from, text.find(what));
   return at == text.npos ? "none" : text.substr(at, text.find_first_of(";\n", at + 2) - at);
 }
 
-/// The report of a run, also of one that went on from a checkpoint, the analysis and the page say the same.
+/// The report of a run, also of one that went on from a checkpoint, the analysis and the page say
+/// the same.
 TEST(ErrorBars, OfOneRunAreTheSameWhereverTheyStand) {
   const test::Folder folder;
   const auto ra2d = [&](std::vector<std::string> words) {
@@ -310,7 +316,8 @@ TEST(ErrorBars, OfOneRunAreTheSameWhereverTheyStand) {
               testing::StartsWith("of,level_dB,level_low_dB,level_high_dB,shocks_1/s"));
 }
 
-// ---- clusters --------------------------------------------------------------------------------------
+// ---- clusters
+// --------------------------------------------------------------------------------------
 
 TEST(Tails, AreThoseOfTheTables) {
   // Abramowitz and Stegun, table 26.9: its last digit is rounded

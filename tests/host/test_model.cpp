@@ -149,7 +149,8 @@ TEST(Clock, GivesShocksTheirTimes) {
 }
 
 TEST(Touching, IsTheSmallestGapWithoutOverlap) {
-  // the highest place of both faces together is in the middle, where the peaks stand against each other
+  // the highest place of both faces together is in the middle, where the peaks stand against each
+  // other
   Scene s = plate_scene(3, 0.004, 1e-3);
   s.gap.reset();
   s.resonator.surface = peaks({{.at = 0.022, .height = 3e-6, .half_width = 3e-4}});
@@ -171,8 +172,8 @@ TEST(Level, IsOfTheElasticMotionAlone) {
   end.resonator_square = {10.0, 40.0, 0.0, 0.0, 0.0};  // it falls and turns
   EXPECT_EQ(v_rms(m, end), 0);
   EXPECT_EQ(level(0), -std::numeric_limits<double>::infinity());
-  // the mean square of a shape over the length is 1/L, over its nodes that but for the ends, where a
-  // free shape is 4/L
+  // the mean square of a shape over the length is 1/L, over its nodes that but for the ends, where
+  // a free shape is 4/L
   end.resonator_square = {10.0, 40.0, 0.0, 90.0, 0.0};
   const double L = s.resonator.length;
   EXPECT_NEAR(v_rms(m, end), 3 / std::sqrt(L), 4 * s.spacing / L * 3 / std::sqrt(L));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the program may write to and what it reads from: nothing finished is lost unasked, no output is an
-// input or somebody else's, and only regular files are opened.
+// What the program may write to and what it reads from: nothing finished is lost unasked, no output
+// is an input or somebody else's, and only regular files are opened.
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -493,8 +493,8 @@ TEST_F(StudyOutputs, AStudyReplacesNothingThatNoStudyHasWritten) {
 // ---- signals -----------------------------------------------------------------------------------
 
 TEST_F(Outputs, SigUsr1EndsNoRunThatHasNotBegun) {
-  // It comes again and again while the run begins. Only what the system does before the program has a word is
-  // kept from it here, as the manual says.
+  // It comes again and again while the run begins. Only what the system does before the program has
+  // a word is kept from it here, as the manual says.
   Child run(said_.path(),
             {"sh", "-c", "trap '' USR1; cd \"$0\" && touch ready && exec \"$@\"", folder_.string(),
              program(), "run", "s.toml", "-o", "o.h5", "--set", "scene.duration=0.1"});

@@ -88,7 +88,8 @@ TEST(Judge, WeighsTheMarginOnBothSides) {
 }
 
 TEST(Judge, SaysHowManyPairsWouldDo) {
-  // half a per cent of room takes a standard error of a quarter: four times smaller, 16 times as many
+  // half a per cent of room takes a standard error of a quarter: four times smaller, 16 times as
+  // many
   const Movement m{0.005, 0.01, 20};
   ASSERT_EQ(judge(m, 0.01), Verdict::open);
   EXPECT_NEAR(pairs_needed(m, 0.01), 20 * 16, 1e-6);

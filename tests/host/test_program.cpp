@@ -555,8 +555,8 @@ TEST_F(Program, GeneratesTheProfileThatASceneHas) {
   EXPECT_EQ(out_.substr(out_.find("level"), 60), by_file);
 }
 
-// In decimals where they are short, as doubles where they are not, a place is n times the spacing to a
-// rounding each.
+// In decimals where they are short, as doubles where they are not, a place is n times the spacing
+// to a rounding each.
 TEST_F(Program, GeneratesPlacesAsInstrumentsWriteThem) {
   for (const auto& [spacing, third] :
        std::vector<std::pair<std::string, std::string>>{{"2e-5", "0.00006"},

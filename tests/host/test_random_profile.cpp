@@ -186,7 +186,8 @@ std::vector<Kind> kinds() {
 
 TEST(RandomProfile, HasTheCorrelationThatIsAskedOverManySeeds) {
   // With `exact` nothing the mean line alone is exact: it takes the variance of the mean, below
-  // 2 memory/length = 1 % here, from every lag. The rest is scatter, which the seeds show themselves.
+  // 2 memory/length = 1 % here, from every lag. The rest is scatter, which the seeds show
+  // themselves.
   constexpr int seeds = 60;
   constexpr double spacing = 2e-5;
   for (const Kind& kind : kinds()) {
@@ -255,11 +256,11 @@ TEST(RandomProfile, CrossesItsMeanLineAsOftenAsRiceSays) {
 }
 
 TEST(RandomProfile, OfLognormalHeightsHasItsSpacingInClosedForm) {
-  // Heights exp(s g), w = exp(s^2), of a correlation C = exp(-(x/l)^2) = (w^rho - 1)/(w - 1): the normal
-  // ones have -rho''(0) = 2/l^2 (1 - 1/w)/ln w, and the mean line is at g = s/2. Two things are left out.
-  // What no normal heights have, a variance below 0: where a/2 sqrt(1/2) exp(-k^2/8) is above
-  // exp(-k^2/4), a = w - 1, in units of l beyond k = 5.7, 0.22 % of the curvature. And the wave without
-  // end, sqrt(pi) l/period of the variance. Of the spacing it is half of either.
+  // Heights exp(s g), w = exp(s^2), of a correlation C = exp(-(x/l)^2) = (w^rho - 1)/(w - 1): the
+  // normal ones have -rho''(0) = 2/l^2 (1 - 1/w)/ln w, and the mean line is at g = s/2. Two things
+  // are left out. What no normal heights have, a variance below 0: where a/2 sqrt(1/2) exp(-k^2/8)
+  // is above exp(-k^2/4), a = w - 1, in units of l beyond k = 5.7, 0.22 % of the curvature. And the
+  // wave without end, sqrt(pi) l/period of the variance. Of the spacing it is half of either.
   const double w = 1.05, l = 1e-4, left_out = 0.0022 + std::sqrt(pi) * l / length;
   const double skewness = (w + 2) * std::sqrt(w - 1), kurtosis = ((w + 2) * w + 3) * w * w - 3;
   for (const int side : {-1, 1}) {
@@ -272,7 +273,8 @@ TEST(RandomProfile, OfLognormalHeightsHasItsSpacingInClosedForm) {
 }
 
 TEST(RandomProfile, HasTheHeightsThatAreAsked) {
-  // Kolmogorov-Smirnov over places that have nothing to do with each other: P(z <= map(g)) = Phi(g).
+  // Kolmogorov-Smirnov over places that have nothing to do with each other: P(z <= map(g)) =
+  // Phi(g).
   const SurfaceSpec asked = with_moments(gaussian_wave(4e-4), -0.8, 4.5);
   SurfaceSpec surface = asked;
   surface.exact = Exactly::nothing;
@@ -360,8 +362,8 @@ double slope(const std::vector<double>& h, double spacing) {
   return std::sqrt(rises / static_cast<double>(h.size() - 1)) / spacing;
 }
 
-/// What is said to be lost is what nodes lose of the slope that nodes far finer show, within the scatter of one profile
-/// and the rounding to a per cent.
+/// What is said to be lost is what nodes lose of the slope that nodes far finer show, within the
+/// scatter of one profile and the rounding to a per cent.
 TEST(RandomProfile, SaysHowMuchSlopeNodesLose) {
   for (SurfaceSpec surface :
        {exponential_wave(4e-4, 4e-5), self_affine(0.8, 1e-3, 4e-5), gaussian_wave(6e-5)}) {

@@ -29,7 +29,8 @@ using testing::HasSubstr;
 
 class Reader : public testing::Test {
  protected:
-  /// A file of two modes, three of the slider, one probe; sample j of mode k has the velocity 10 j + k.
+  /// A file of two modes, three of the slider, one probe; sample j of mode k has the velocity 10 j
+  /// + k.
   void write(std::size_t samples) const {
     ResultHeader header;
     header.scene = scene_;
@@ -252,7 +253,8 @@ TEST_F(Reader, RefusesMoreNumbersThanTheFileHasRoomFor) {
               HasSubstr("/shocks/start should hold more numbers than the file has room"));
 }
 
-// ---- the seal, and what a forger's seal does not vouch for ----------------------------------------
+// ---- the seal, and what a forger's seal does not vouch for
+// ----------------------------------------
 
 TEST_F(Reader, KnowsEveryByteOfAFile) {
   write(2);
@@ -263,7 +265,8 @@ TEST_F(Reader, KnowsEveryByteOfAFile) {
     return said.find("it is damaged") != said.npos || said.find("it has no seal") != said.npos ||
            said.find("it is no HDF5 file") != said.npos;
   };
-  // one bit of every byte of the seal, and of some before it, in turn: the file keeps its inode and size
+  // one bit of every byte of the seal, and of some before it, in turn: the file keeps its inode and
+  // size
   std::mt19937 dice(1);
   std::fstream file(path_, std::ios::binary | std::ios::in | std::ios::out);
   for (std::size_t i = 0; i < 300; ++i) {
@@ -289,7 +292,8 @@ TEST_F(Reader, KnowsEveryByteOfAFile) {
   EXPECT_FALSE(refuses(whole));
 }
 
-/// The file of before must not vouch for the one that took its name, nor for itself once it was changed.
+/// The file of before must not vouch for the one that took its name, nor for itself once it was
+/// changed.
 TEST_F(Reader, LooksAgainAtWhatWasChanged) {
   write(2);
   std::string bytes = test::read_file(path_);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Roughness parameters, form and filter against closed forms. Where a profile is sampled at n points a
-// period, a tolerance of its sums is that of the rectangle rule: what is said at each.
+// Roughness parameters, form and filter against closed forms. Where a profile is sampled at n
+// points a period, a tolerance of its sums is that of the rectangle rule: what is said at each.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -57,8 +57,8 @@ TEST(RoughnessOf, ASine) {
   const auto z = sample(25, 1000, sine);
   const double step = 1e-3;
   const Roughness r = roughness(z, step, 5);
-  // Powers of a sine are trigonometric polynomials, which the sum gets exactly; |sin| has a kink at a
-  // zero between two points: relative error (pi/1000)^2/6.
+  // Powers of a sine are trigonometric polynomials, which the sum gets exactly; |sin| has a kink at
+  // a zero between two points: relative error (pi/1000)^2/6.
   EXPECT_NEAR(r.ra, 2 / pi, 2 / pi * 1.7e-6);
   EXPECT_NEAR(r.rq, std::sqrt(0.5), 20 * eps);
   EXPECT_NEAR(r.rsk, 0, 20 * eps);
@@ -69,11 +69,12 @@ TEST(RoughnessOf, ASine) {
   EXPECT_NEAR(r.rz, 2 * peak, 8 * eps);
   EXPECT_NEAR(r.rt, 2 * peak, 8 * eps);
   EXPECT_NEAR(r.rsm, 1, 1e-12);
-  // Six neighbours: relative error of a slope (2 pi/1000)^6/140 inside, (2 pi/1000)^6/7 at six points.
+  // Six neighbours: relative error of a slope (2 pi/1000)^6/140 inside, (2 pi/1000)^6/7 at six
+  // points.
   EXPECT_NEAR(r.rdq, 2 * pi * std::sqrt(0.5), 2e-14 / step);
-  // The material ratio curve is cos(pi p), its flattest 40 % are the first. Least squares of it over
-  // 0 ... w: with s = sin(pi w), c = cos(pi w), its mean is s/(pi w) and its slope
-  // 12/w^3 int (x - w/2) cos(pi x) dx = 12/w^3 (w s/(2 pi) + (c - 1)/pi^2).
+  // The material ratio curve is cos(pi p), its flattest 40 % are the first. Least squares of it
+  // over 0 ... w: with s = sin(pi w), c = cos(pi w), its mean is s/(pi w) and its slope 12/w^3 int
+  // (x - w/2) cos(pi x) dx = 12/w^3 (w s/(2 pi) + (c - 1)/pi^2).
   const double w = 0.4, s = std::sin(pi * w), c = std::cos(pi * w);
   const double slope = 12 / (w * w * w) * (w * s / (2 * pi) + (c - 1) / (pi * pi));
   const double top = s / (pi * w) - slope * w / 2, bottom = top + slope;
@@ -170,7 +171,8 @@ TEST(RoughnessOf, SamplingLengthsOfTheirOwnHeights) {
 }
 
 TEST(RoughnessByIso4287, TakesTheMeanOfTheSamplingLengthsOwn) {
-  // Heights of mean 0 and skewness 2/2^1.5, and three times as high: each sampling length has its own Rq.
+  // Heights of mean 0 and skewness 2/2^1.5, and three times as high: each sampling length has its
+  // own Rq.
   std::vector<double> z = {2, -1, -1, 2, -1, -1};
   for (int i = 0; i < 6; ++i) z.push_back(3 * z[i]);
   const Roughness r = roughness(z, 1, 2, RoughnessStandard::iso4287);
@@ -320,7 +322,8 @@ TEST(RmsSlope, IsExactForPolynomialsOfDegreeSix) {
 }
 
 TEST(Core, OfACurveOfThreeLines) {
-  // From the top: 10 % of slope -10, 70 % of slope -1, 20 % of slope -5. Shuffled: order is no matter.
+  // From the top: 10 % of slope -10, 70 % of slope -1, 20 % of slope -5. Shuffled: order is no
+  // matter.
   const std::size_t n = 10000;
   std::vector<double> z;
   for (std::size_t i = 0; i < n; ++i) {
@@ -340,8 +343,8 @@ TEST(Core, OfACurveOfThreeLines) {
 }
 
 TEST(Core, SecantsThatEndAtAPointAreTried) {
-  // 11 heights: 40 % are 4.4 points. Secants from point 5 fall by 7 - 0.6, from 4 by more; the one that
-  // ends at the last begins at 5.6 and falls by 5.2.
+  // 11 heights: 40 % are 4.4 points. Secants from point 5 fall by 7 - 0.6, from 4 by more; the one
+  // that ends at the last begins at 5.6 and falls by 5.2.
   const std::vector<double> z = {90, 80, 70, 60, 50, 7, 4, 3, 2, 1, 0};
   // Points 6 ... 10 lie in it: slope -1 a point, -11 over all.
   EXPECT_NEAR(core(z).rk, 11, 1e-12);
@@ -356,9 +359,9 @@ TEST(MaterialRatio, IsTheShareAtOrAbove) {
 }
 
 TEST(MeanLineAboveValleys, IsLoweredByTheSquareOfTheirShare) {
-  // Grooves on a tenth of the length, 1 deep, far narrower than the cut-off: the first mean line is at
-  // -1/10, and with the grooves filled up to it the second at -1/100. 80 periods of a bell of 160: what it
-  // lets through of a period is 2^-(160^2).
+  // Grooves on a tenth of the length, 1 deep, far narrower than the cut-off: the first mean line is
+  // at -1/10, and with the grooves filled up to it the second at -1/100. 80 periods of a bell of
+  // 160: what it lets through of a period is 2^-(160^2).
   std::vector<double> z;
   for (int i = 0; i < 100'000; ++i) z.push_back(i % 100 < 10 ? -1 : 0);
   const auto line = mean_line_above_valleys(z, 1, 16'000);
@@ -454,7 +457,8 @@ double transmission(double wavelength, double cutoff, double spacing, std::size_
   for (std::size_t i = 0; i < count; ++i)
     z.push_back(std::cos(2 * pi * static_cast<double>(i) * spacing / wavelength));
   const auto line = gaussian_mean_line(z, spacing, cutoff);
-  // Points three cutoffs from the ends see none of them. By projection on the sine, over whole periods.
+  // Points three cutoffs from the ends see none of them. By projection on the sine, over whole
+  // periods.
   const auto margin = static_cast<std::size_t>(std::ceil(3 * cutoff / spacing));
   const auto period = static_cast<std::size_t>(std::lround(wavelength / spacing));
   const std::size_t whole = (count - 2 * margin) / period * period;
@@ -497,7 +501,8 @@ TEST(GaussianFilter, IsTheSumOfItsWeights) {
 }
 
 TEST(GaussianFilter, OfLongCutoffsIsTheSumOfItsWeights) {
-  // From 1024 points on the sum goes in strides. Short profiles, whose ends it sees everywhere, too.
+  // From 1024 points on the sum goes in strides. Short profiles, whose ends it sees everywhere,
+  // too.
   const long double bell =
       std::pow(std::numbers::pi_v<long double>, 2) / std::numbers::ln2_v<long double>;
   for (const std::size_t count : {300u, 5000u, 30000u}) {

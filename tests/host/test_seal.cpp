@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The seal of result files, and who asks for it. That no reader takes a file that was damaged, tests/hostile
-// shows (readers).
+// The seal of result files, and who asks for it. That no reader takes a file that was damaged,
+// tests/hostile shows (readers).
 #include "host/store/seal.hpp"
 
 #include <gmock/gmock.h>
@@ -46,7 +46,8 @@ TEST(Seal, WaitsForNoPipeAndReadsNoDevice) {
     EXPECT_THROW(require_seal(file), FileError) << file;
 }
 
-// ---- the child that HDF5 may crash ---------------------------------------------------------------
+// ---- the child that HDF5 may crash
+// ---------------------------------------------------------------
 
 constexpr double much = 1e9, long_enough = 60;  // bytes, s
 
@@ -81,7 +82,8 @@ TEST(AskedChild, MayComeToAnyEnd) {
               HasSubstr("gave no answer"));
 }
 
-// ---- who asks for the seal -----------------------------------------------------------------------
+// ---- who asks for the seal
+// -----------------------------------------------------------------------
 
 class SealedResult : public testing::Test {
  protected:
@@ -119,8 +121,8 @@ TEST_F(SealedResult, OfADamagedOneTheSameLineSaysNotThatItIsComplete) {
   EXPECT_EQ(ra2d({"check", "out.h5"}).status, 0);
 }
 
-/// A text of an attribute stands behind its length in a heap. HDF5 1.10.8 crashes on a length beyond the heap's end;
-/// a forger's seal says that all is well.
+/// A text of an attribute stands behind its length in a heap. HDF5 1.10.8 crashes on a length
+/// beyond the heap's end; a forger's seal says that all is well.
 TEST_F(SealedResult, CheckOutlivesHdf5OnAForgersBytes) {
   const std::size_t heap = whole_.find("GCOL");
   ASSERT_NE(heap, whole_.npos);

@@ -71,8 +71,8 @@ double largest_error(const std::vector<double>& values, const Motion& motion, do
   return largest;
 }
 
-/// An error of 1e-3 of the amplitude would be 0.009 dB, or a delay of a thousandth of a radian; asked is
-/// a hundred times less.
+/// An error of 1e-3 of the amplitude would be 0.009 dB, or a delay of a thousandth of a radian;
+/// asked is a hundred times less.
 TEST(Resampler, KeepsAmplitudeAndTimeOfWhatIsBelowHalfTheRate) {
   for (const auto& [from, to] : rates)
     for (const double share : {0.01, 0.1, 0.5, 0.9}) {
@@ -164,7 +164,8 @@ Heard listen(const fs::path& file) {
 
 class SoundFile : public testing::Test {
  protected:
-  /// A result whose probes move like this, those of the slider at last; 100 kHz unless told otherwise.
+  /// A result whose probes move like this, those of the slider at last; 100 kHz unless told
+  /// otherwise.
   void write(const std::vector<Motion>& probes, std::size_t samples, double rate = 100e3,
              const std::vector<double>& modes = {100, 18.9e3},
              const std::vector<Motion>& on_slider = {}) const {

@@ -573,7 +573,8 @@ TEST_F(Store, AFullDiskIsReportedAndLeavesNothing) {
   }
 }
 
-// ---- what killed processes leave -----------------------------------------------------------------
+// ---- what killed processes leave
+// -----------------------------------------------------------------
 
 /// A process that has written some of a file, until it is ended.
 pid_t start_writing(const fs::path& path) {
@@ -677,7 +678,8 @@ TEST_F(Store, TheLongestNameThatASystemTakesWillDo) {
               HasSubstr("Choose a shorter name"));
 }
 
-// ---- hashes --------------------------------------------------------------------------------------
+// ---- hashes
+// --------------------------------------------------------------------------------------
 
 TEST_F(Store, DatasetsCarryTheHashOfTheirBytes) {
   ResultFile(path_, header(0, 1, 0)).close(summary());

@@ -813,7 +813,8 @@ TEST(StudyLaw, OfAPowerLawHasItsExponents) {
 }
 
 TEST(StudyLaw, OfOneDimensionIsTheTextbooksLine) {
-  // y = 1, 2, 2, 3 (of log10) at x = 0, 1, 2, 3: slope 0.6, residual sum 0.2, of 2 degrees of freedom
+  // y = 1, 2, 2, 3 (of log10) at x = 0, 1, 2, 3: slope 0.6, residual sum 0.2, of 2 degrees of
+  // freedom
   const std::vector<double> y = {1, 2, 2, 3};
   const StudyLaw law = fit_law(answers_of(
       {{"x", {1, 10, 100, 1000}, {}}, {"seed", {0}, {}}}, [&](const std::vector<double>& at) {

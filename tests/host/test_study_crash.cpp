@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Studies whose runs last longer than the time between two checkpoints, cut off in every way: each run goes on
-// where it was, and the table has the bytes of a study that was left alone.
+// Studies whose runs last longer than the time between two checkpoints, cut off in every way: each
+// run goes on where it was, and the table has the bytes of a study that was left alone.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -84,7 +84,8 @@ scheme = {{ keys = ["time.scheme", "contact.law"], values = [["heun", "penalty"]
       if (file.extension() == ".checkpoint") return file;
     return {};
   }
-  /// The results that are kept, by their names. Compare with ==: gtest would print them, and takes all memory.
+  /// The results that are kept, by their names. Compare with ==: gtest would print them, and takes
+  /// all memory.
   std::map<std::string, Content> results(const std::string& name) const {
     std::map<std::string, Content> found;
     for (const auto& entry : fs::directory_iterator(folder_ / name / "runs"))

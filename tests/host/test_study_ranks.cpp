@@ -45,8 +45,8 @@ class StudyRanks : public testing::Test {
         "speed = {{ key = \"scene.speed\", values = [0.1, 0.2] }}\n",
         seeds);
   }
-  /// mpirun of so many ranks of a line. Each rank writes the number of its process to pid-RANK, and does
-  /// what is to be done `before`.
+  /// mpirun of so many ranks of a line. Each rank writes the number of its process to pid-RANK, and
+  /// does what is to be done `before`.
   Child start(int ranks, const std::string& line, const std::string& before = "") const {
     const std::string rank = "RANK=${OMPI_COMM_WORLD_RANK:-$PMI_RANK}; echo $$ > pid-$RANK; " +
                              before + " exec " + test::program() + " " + line;

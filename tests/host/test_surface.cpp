@@ -151,9 +151,9 @@ TEST(WhiteNoise, IsStandardNormal) {
 }
 
 TEST(Gaussian, ASeedGivesTheSameBitsEverywhere) {
-  // Regression: stored on x86-64 (the noise from the first version of this generator, the heights from the
-  // first that has places of its own). They must never change,
-  // on any platform, compiler or optimisation level: results name their surfaces by the seed.
+  // Regression: stored on x86-64 (the noise from the first version of this generator, the heights
+  // from the first that has places of its own). They must never change, on any platform, compiler
+  // or optimisation level: results name their surfaces by the seed.
   EXPECT_EQ(white_noise(1, 0), -0x1.9bd3bf48bade4p-3);
   EXPECT_EQ(white_noise(1, -1), -0x1.19d1d2410220ep+0);
   EXPECT_EQ(white_noise(0xfedcba9876543210, 1234567890123), 0x1.45ab8e97816dbp+0);

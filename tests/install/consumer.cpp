@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Marches the first steps of a scene, and says what a penalty spring of its stiffness makes of a micron.
+// Marches the first steps of a scene, and says what a penalty spring of its stiffness makes of a
+// micron.
 #include <cstdio>
 
 #include "host/device/backend.hpp"

@@ -12,8 +12,8 @@ namespace ra2d::test {
 
 static_assert(pack_width == LanesOf<Space>::width);
 
-/// Numbers of packs that are compared: a few, so that sums go over several; and of a warp one, which is enough for
-/// the paper's scenes.
+/// Numbers of packs that are compared: a few, so that sums go over several; and of a warp one,
+/// which is enough for the paper's scenes.
 #if defined(KOKKOS_ENABLE_CUDA)
 inline constexpr std::array plain_packs{Packs::at(0), Packs::at(1)};
 #else

@@ -19,10 +19,10 @@
 #include "tests/free_motion.hpp"
 #include "tests/places.hpp"
 
-/// How near to the bounds of the proofs the motions of real scenes come: the scenes that come with the program
-/// are marched, and each step is done once more beside it, where what is bounded is measured at places in
-/// between. Nothing may exceed its bound. RA2D_TEST_TABLE=1 takes longer stretches and prints the table of
-/// docs/performance.md.
+/// How near to the bounds of the proofs the motions of real scenes come: the scenes that come with
+/// the program are marched, and each step is done once more beside it, where what is bounded is
+/// measured at places in between. Nothing may exceed its bound. RA2D_TEST_TABLE=1 takes longer
+/// stretches and prints the table of docs/performance.md.
 namespace ra2d::test {
 namespace {
 
@@ -80,8 +80,8 @@ struct Derivatives {
   double value, rate, fourth;
 };
 
-/// What a step's bounds say, and what a motion does of it. `overlap(node, share)` gives a node's derivatives a
-/// share of the step on; `moved(share)` and so on the sums over the modes.
+/// What a step's bounds say, and what a motion does of it. `overlap(node, share)` gives a node's
+/// derivatives a share of the step on; `moved(share)` and so on the sums over the modes.
 template <class Overlap, class Moved>
 void measure(const Marched& m, const std::string& kind, const MotionBounds& bounds, double rise,
              double time, int stride_of_nodes, const Overlap& overlap, const Moved& moved,

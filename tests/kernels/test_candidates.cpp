@@ -10,8 +10,8 @@
 #include "kernels/limits.hpp"
 #include "tests/bodies_by_hand.hpp"
 
-/// What a look ahead promises, against motions known in closed form: each case is one that a part of the
-/// proof is there for.
+/// What a look ahead promises, against motions known in closed form: each case is one that a part
+/// of the proof is there for.
 namespace {
 
 using namespace ra2d;
@@ -38,8 +38,8 @@ testing::AssertionResult sees(const BodiesByHand& bodies, const Outlook& plan, i
 }
 
 TEST(Candidates, ANodeThatComesNearerThanTheCubicsTellIsSeen) {
-  // Free flight at a constant rate: of a wave cos z about the patch's centre the cubics leave out z^4/24,
-  // and each step comes nearer by as much more.
+  // Free flight at a constant rate: of a wave cos z about the patch's centre the cubics leave out
+  // z^4/24, and each step comes nearer by as much more.
   for (int node = 0; node < nodes; ++node)
     for (const int step : {50, 500, 2000}) {
       const int patch = 8 + node / width * width + width / 2;
@@ -55,8 +55,8 @@ TEST(Candidates, ANodeThatComesNearerThanTheCubicsTellIsSeen) {
 }
 
 TEST(Candidates, ANodeThatPassesATroughIsSeen) {
-  // Bodies at rest: from the trough of a wave on the bent beam rises to the node, faster and faster. The
-  // slider passes a node in so many steps, and touches half way.
+  // Bodies at rest: from the trough of a wave on the bent beam rises to the node, faster and
+  // faster. The slider passes a node in so many steps, and touches half way.
   constexpr double beta = 0.02, size = 1e-3;
   for (const int steps : {60, 600, 4000})
     for (int node = 0; node < nodes; ++node) {
@@ -72,9 +72,10 @@ TEST(Candidates, ANodeThatPassesATroughIsSeen) {
 }
 
 TEST(Candidates, AListUnderForcesYetToBeFoundCoversNoStepAtWhichAnotherNodeTouches) {
-  // The slider comes down, a everywhere, and contact at node 0 tilts it, so that its last node comes
-  // down by f more. Backward Euler from rest: n (n + 1)/2 (a + f) after n steps. The list may be used
-  // as far as both together allow, not each by itself. What is guessed of the force is less than comes.
+  // The slider comes down, a everywhere, and contact at node 0 tilts it, so that its last node
+  // comes down by f more. Backward Euler from rest: n (n + 1)/2 (a + f) after n steps. The list may
+  // be used as far as both together allow, not each by itself. What is guessed of the force is less
+  // than comes.
   constexpr double a = 1e-9;
   constexpr int longest = 200, last = nodes - 1;
   std::vector<double> tilt(nodes, 0.0);
@@ -119,7 +120,8 @@ testing::AssertionResult ends_in_time(const Outlook& plan, double least = nearly
                                      << plan.steps << " steps, it touches at " << often;
 }
 
-/// A slider of one node over a flat face, which moves as a whole, the last mode, and waves of the beam.
+/// A slider of one node over a flat face, which moves as a whole, the last mode, and waves of the
+/// beam.
 struct OneNode : BodiesByHand {
   std::vector<double> omega = std::vector<double>(modes, 0.0), pull = omega;
 
@@ -185,8 +187,8 @@ TEST(CandidatesProof, TheWaysCurvatureIsReachedOnAFlankThatGrows) {
   EXPECT_TRUE(ends_in_time(look_ahead(bodies, u, v)));
 }
 
-/// A wave about the middle of a wide patch, and a node a chi short of the radius that the bounds on its cubic
-/// are for.
+/// A wave about the middle of a wide patch, and a node a chi short of the radius that the bounds on
+/// its cubic are for.
 constexpr int wide = 256;
 const double radius = BodiesByHand::radius_of(wide), beta_of_wide = 0.25 / radius;
 const double z = beta_of_wide * (0.5 * wide + width / 2), left_out = std::cos(z) - (1 - z * z / 2);
@@ -227,8 +229,8 @@ TEST(CandidatesProof, WhatACubicLeavesOutOfARateIsReachedAtTheEdgeOfAPatch) {
 }
 
 TEST(CandidatesProof, WhatACubicLeavesOutOfASlopeIsReachedAtTheEdgeOfAPatch) {
-  // The beam rests, the slider goes away as fast as the slope under it is seen to raise the node. What the
-  // cubic leaves out of the place itself is told apart: the node is seen where it is.
+  // The beam rests, the slider goes away as fast as the slope under it is seen to raise the node.
+  // What the cubic leaves out of the place itself is told apart: the node is seen where it is.
   constexpr double way = 0.1;
   NodeAtTheEdge bodies;
   bodies.tail[0] = 0;
@@ -245,8 +247,8 @@ TEST(CandidatesProof, WhatACubicLeavesOutOfASlopeIsReachedAtTheEdgeOfAPatch) {
 }
 
 TEST(CandidatesProof, AFlightGoesNoFartherThanTheNearListReaches) {
-  // The list is made for 300 steps of the slider's speed, and twice as far. A flight of more steps goes on
-  // from it, and a node that stands just beyond is nobody's.
+  // The list is made for 300 steps of the slider's speed, and twice as far. A flight of more steps
+  // goes on from it, and a node that stands just beyond is nobody's.
   constexpr double speed = 1e-6;
   OneNode bodies;
   Amplitudes u{}, v{};
@@ -260,8 +262,8 @@ TEST(CandidatesProof, AFlightGoesNoFartherThanTheNearListReaches) {
 }
 
 TEST(CandidatesProof, AWatchLastsUntilItsForcesReachTheLeeway) {
-  // Node 0 is pressed, f = kappa times its overlap, which tilts the slider: the last node comes down by
-  // f n (n + 1)/2. It stands just beyond what the list was made for.
+  // Node 0 is pressed, f = kappa times its overlap, which tilts the slider: the last node comes
+  // down by f n (n + 1)/2. It stands just beyond what the list was made for.
   constexpr double stiffness = 1e-6, overlap = 1, guess = 0.01 * stiffness;
   constexpr int last = nodes - 1;
   std::vector<double> tilt(nodes, 0.0);
@@ -337,7 +339,8 @@ TEST(CandidatesProof, AListUnderForcesYetToBeFoundCoversJustItsLeeway) {
 }
 
 TEST(CandidatesProof, AWatchListsWhatTheWaysCurvatureBrings) {
-  // A node in a trough, beside one that is watched: it rises by (beta way)^2/2 until the watch ends.
+  // A node in a trough, beside one that is watched: it rises by (beta way)^2/2 until the watch
+  // ends.
   constexpr double beta = 1e-3, size = 1, way = 0.25;
   constexpr int last = nodes - 1;
   BodiesByHand bodies({{beta, 8.0 + last}}, {}, nodes);
@@ -357,8 +360,8 @@ TEST(CandidatesProof, AWatchListsWhatTheWaysCurvatureBrings) {
 }
 
 TEST(CandidatesProof, RoundingsReachHalfTheirBound) {
-  // A sum over all modes loses half an ulp for each (OverlapsProof has one that does), and so does each step
-  // that adds to a displacement.
+  // A sum over all modes loses half an ulp for each (OverlapsProof has one that does), and so does
+  // each step that adds to a displacement.
   constexpr double size = 1;
   EXPECT_NEAR(rounding(0) * size / (most_modes * 0x1p-53), 2, 1e-12);
   double displacement = size;

@@ -213,9 +213,9 @@ Answer solve(const Problem& problem, Listing listing = Listing::all) {
 
 // ---- what an answer must be -------------------------------------------------------------------
 
-/// Overlap that roundings may leave [m]: what the solver lets pass at the worst (SceneTables::touch,
-/// and 256 roundings of the modes' sums: kernels/candidates.hpp, rounding), and those of the last
-/// look here, one for each mode and each node that pushes.
+/// Overlap that roundings may leave [m]: what the solver lets pass at the worst
+/// (SceneTables::touch, and 256 roundings of the modes' sums: kernels/candidates.hpp, rounding),
+/// and those of the last look here, one for each mode and each node that pushes.
 double rounding_of(const Problem& p, const Answer& a) {
   const Vector reach = p.phi.cwiseAbs().colwise().maxCoeff();
   const Vector push = p.phi.cwiseAbs().transpose() * a.force;
@@ -272,8 +272,8 @@ double distance(const Problem& p, const Vector& a, const Vector& b) {
 }
 
 /// Two states that meet the conditions but for an overlap of e, with forces f and f', are near:
-/// (U - U')^T (U - U')/b = -sum (o_n - o'_n)(f_n - f'_n) <= e sum (f_n + f'_n). No more can be had in
-/// general: where nodes have all but the same shape, roundings of the gaps weigh as their root.
+/// (U - U')^T (U - U')/b = -sum (o_n - o'_n)(f_n - f'_n) <= e sum (f_n + f'_n). No more can be had
+/// in general: where nodes have all but the same shape, roundings of the gaps weigh as their root.
 void expect_near(const Problem& p, const Answer& a, const Vector& u, const Vector& force) {
   const double roundings = 4 * ulp * distance(p, 2 * p.free, p.free);  // of the two ends themselves
   EXPECT_LE(distance(p, a.u, u),
@@ -543,8 +543,8 @@ TEST(Complementarity, FindsTheAnswerThatAProblemWasMadeAround) {
 }
 
 TEST(Complementarity, NodesThatPushTogetherTouchToTheRoundingsOfOneLook) {
-  // what the forces gather on their way is taken out of them: what counts as touching remains, and the
-  // roundings of a sum over the modes, there and here
+  // what the forces gather on their way is taken out of them: what counts as touching remains, and
+  // the roundings of a sum over the modes, there and here
   Dice dice(6);
   int several = 0;
   for (int i = 0; i < 8000; ++i) {
@@ -690,9 +690,10 @@ TEST(Complementarity, NodeThatWouldPullIsLetGo) {
 }
 
 TEST(Complementarity, OneNodeLetsGoOnTheWayAndNoOther) {
-  // W = (1 1 1; 1 2 0; 1 0 6). The second comes with 7/2, the third with 2/3. The first still overlaps by
-  // 11/6: at 4 N on it the third lets go and 1/2 of that is left, gone with 1 N more, as the second would
-  // let go only at 3 N more. So each comes once, and one goes: three looks and a last one.
+  // W = (1 1 1; 1 2 0; 1 0 6). The second comes with 7/2, the third with 2/3. The first still
+  // overlaps by 11/6: at 4 N on it the third lets go and 1/2 of that is left, gone with 1 N more,
+  // as the second would let go only at 3 N more. So each comes once, and one goes: three looks and
+  // a last one.
   const Answer a =
       solve(by_hand({{1, 0, 0}, {1, 0, -1}, {1, 2, 1}}, {6, 7, 4}, {1, 1, 1}, {0, 0, 0}));
   EXPECT_EQ(a.looks, 4);
@@ -821,8 +822,8 @@ TEST(Complementarity, SpringsCarryForceAtMoreNodesThanThereAreModes) {
 
 // ---- many nodes on springs ----------------------------------------------------------------------
 
-/// Looks at the nodes that are enough for any number of them: one for each node that is pressed before
-/// Newton's method takes over, and some for its steps.
+/// Looks at the nodes that are enough for any number of them: one for each node that is pressed
+/// before Newton's method takes over, and some for its steps.
 constexpr int enough_looks = Complementarity<HostLanes, K>::many + 100;
 
 TEST(Complementarity, ManyNodesOnSpringsMeetTheSameConditions) {
@@ -849,7 +850,8 @@ TEST(Complementarity, ManyNodesOnSpringsMeetTheSameConditions) {
   EXPECT_GE(many, 4);
 }
 
-/// Flat on flat: n springs k under a plate that moves as a whole, u = (u* - n k b phi face)/(1 + n k b phi^2).
+/// Flat on flat: n springs k under a plate that moves as a whole, u = (u* - n k b phi face)/(1 + n
+/// k b phi^2).
 Problem flat_on_flat(int nodes, double compliance) {
   Problem p;
   p.phi = Matrix::Constant(nodes, 1, 2.0);

@@ -42,8 +42,8 @@ double size(const Coefficients& c, double x, int d = 0) {
   for (double& each : positive) each = std::abs(each);
   return static_cast<double>(exactly(positive, x, d));
 }
-/// Horner in fused multiply-adds, over even and odd powers apart: no term goes through more roundings
-/// than there are terms.
+/// Horner in fused multiply-adds, over even and odd powers apart: no term goes through more
+/// roundings than there are terms.
 double rounding(const Coefficients& c, double x) { return (degree(c) + 1) * u * size(c, x); }
 
 Coefficients times(const Coefficients& a, const Coefficients& b) {
@@ -229,7 +229,8 @@ TEST(HighestValue, IsTheTopWhereverItIs) {
   for (int trial = 0; trial < 4000; ++trial) {
     const double end = dice.ratio(1e-3, 1e3), height = dice.ratio(1e-9, 1e3);
     const double top = end * (dice.one_in(8) ? dice.pick(4) / 3.0 : dice.uniform(-0.2, 1.2));
-    // height (1 - a y^2 - b y^3 - c y^4), y = (x - top)/end: the slope changes its sign at the top alone
+    // height (1 - a y^2 - b y^3 - c y^4), y = (x - top)/end: the slope changes its sign at the top
+    // alone
     const double a = dice.ratio(1e-3, 10), b = 0.3 * a * dice.uniform(-1, 1),
                  c = a * dice.uniform(0, 1);
     const double r = top / end;

@@ -15,8 +15,8 @@
 #include "tests/filled.hpp"
 #include "tests/scenes.hpp"
 
-/// The tables that the march reads, as the host fills them: that they are fine, long and wide enough
-/// for what the kernels make of them.
+/// The tables that the march reads, as the host fills them: that they are fine, long and wide
+/// enough for what the kernels make of them.
 namespace {
 
 using namespace ra2d;
@@ -38,9 +38,10 @@ Scene strip(Support support, int modes, double spacing) {
 }
 
 TEST(FilledTables, MakeANodesShapesToRoundings) {
-  // Through patches, series and windows, as the march goes, against the modes themselves. Each shape
-  // meets the roundings of its series (four for every term, and three of its place, which turn it by
-  // beta radius), two ulp that the window leaves out, and on the other side those of beta x.
+  // Through patches, series and windows, as the march goes, against the modes themselves. Each
+  // shape meets the roundings of its series (four for every term, and three of its place, which
+  // turn it by beta radius), two ulp that the window leaves out, and on the other side those of
+  // beta x.
   Dice dice(1);
   for (const Support support : {Support::pinned, Support::free})
     for (const double spacing : {2e-5, 1e-4, 1e-3}) {
@@ -154,10 +155,10 @@ TEST(FilledProof, FourTermsLessWouldLeaveOutTooMuch) {
 }
 
 TEST(FilledProof, ACubicsExcessIsReachedByAnExponentialBehindTheEnd) {
-  // exp(beta (x - L)) is 1 at the most on the beam. A patch about L + radius reaches to L + 2 radius, and its
-  // cubic there to nearly exp(2 beta radius). On the beam itself no cubic and no derivative of one is more than
-  // exp(beta radius): there the excess, 1.65 where nodes are fine, is wide by its root. That is 6 % of a
-  // step's length.
+  // exp(beta (x - L)) is 1 at the most on the beam. A patch about L + radius reaches to L + 2
+  // radius, and its cubic there to nearly exp(2 beta radius). On the beam itself no cubic and no
+  // derivative of one is more than exp(beta radius): there the excess, 1.65 where nodes are fine,
+  // is wide by its root. That is 6 % of a step's length.
   for (const double spacing : {2e-5, 1e-4, 1e-3}) {
     const Filled f(adaptive_strip(16, spacing));
     const double z = f.mode(f.modes() - 1).beta * spacing / f.t.inverse_radius;
@@ -179,8 +180,8 @@ TEST(FilledProof, ACubicsExcessIsReachedByAnExponentialBehindTheEnd) {
 }
 
 TEST(FilledProof, WhatCubicsLeaveOutIsReachedAboutACrest) {
-  // of a wave cos z, z = beta radius at the edge of a patch: z^4/24, and of its slope z^3/6, but for z^2/30
-  // and z^2/20 of that
+  // of a wave cos z, z = beta radius at the edge of a patch: z^4/24, and of its slope z^3/6, but
+  // for z^2/30 and z^2/20 of that
   for (const double spacing : {2e-5, 1e-4}) {
     const Filled f(strip(Support::pinned, 16, spacing));
     for (int k = 8; k < f.modes(); ++k) {
@@ -208,8 +209,8 @@ TEST(FilledProof, SlopeAndCurvatureOfTheBeamAreReached) {
       }
       EXPECT_GE(f.t.largest_slope[k], slope * (1 - 16 * eps)) << "mode " << k;
       EXPECT_GE(f.t.largest_curvature[k], curvature * (1 - 16 * eps)) << "mode " << k;
-      // A free mode's parts are largest apart, and its exponential grows on behind the end: LargestParts has each
-      // alone.
+      // A free mode's parts are largest apart, and its exponential grows on behind the end:
+      // LargestParts has each alone.
       const bool exact = support == Support::pinned || f.mode(k).beta == 0;
       const double behind = 2 * f.mode(k).beta * f.t.spacing / f.t.inverse_radius;
       const double parts = exact ? 1 + 1e-5 : 2.5 * std::exp(behind);
@@ -220,8 +221,8 @@ TEST(FilledProof, SlopeAndCurvatureOfTheBeamAreReached) {
 }
 
 TEST(FilledProof, PushAndYieldAreReachedByTheFirstStep) {
-  // Semi-implicit, from rest: U is a force's u_f after a step, which the bound has as tau^2 of it. Of a slow mode
-  // that is 1/m, but for omega tau.
+  // Semi-implicit, from rest: U is a force's u_f after a step, which the bound has as tau^2 of it.
+  // Of a slow mode that is 1/m, but for omega tau.
   Scene s = strip(Support::pinned, 4, 1e-3);
   s.time.scheme = SchemeKind::backward_euler;
   s.resonator.load = 3;
@@ -242,7 +243,8 @@ TEST(FilledProof, PushAndYieldAreReachedByTheFirstStep) {
 }
 
 TEST(FilledProof, TheFourthDerivativeOfWhatALoadBendsIsReached) {
-  // at rest under its load a pinned mode is a wave that the node passes: (beta speed)^4 of it at its crest
+  // at rest under its load a pinned mode is a wave that the node passes: (beta speed)^4 of it at
+  // its crest
   Scene s = adaptive_strip(1, 1e-3);
   s.resonator.load = 3;
   const Filled f(s);
@@ -262,8 +264,9 @@ TEST(FilledProof, FacesCountAsHighAsTheyAre) {
   const Filled f(s);  // flat: h_1 - delta is all that there is
   EXPECT_EQ(f.t.slack, face_rounding(0.25));
   EXPECT_EQ(f.t.touch, f.t.slack);
-  // Five roundings of half an ulp are counted: of h_1 - delta, a face's two terms, its rise, and the sum of both
-  // faces. A bound of 32 leaves six times that to the sums that a displacement is added in.
+  // Five roundings of half an ulp are counted: of h_1 - delta, a face's two terms, its rise, and
+  // the sum of both faces. A bound of 32 leaves six times that to the sums that a displacement is
+  // added in.
   EXPECT_NEAR(face_rounding(1) / (5 * 0x1p-53), 6.4, 1e-12);
   EXPECT_EQ(f.t.top, -0.25);
 }

@@ -242,7 +242,8 @@ TEST(StaticOverlap, TakesTheResonatorBetweenItsNodes) {
 }
 
 TEST(StaticOverlap, IsTheGapOfTheFacesToWhatRoundingsAreAllowed) {
-  // Both forms that the march evaluates, by groups and at single nodes, against the gap in long double.
+  // Both forms that the march evaluates, by groups and at single nodes, against the gap in long
+  // double.
   test::Dice dice(3);
   double worst = 0;
   for (int trial = 0; trial < 3000; ++trial) {

@@ -373,8 +373,8 @@ TEST(NearGroupsProof, WhatACubicOverAPatchLeavesOutIsReachedAtItsEdge) {
 }
 
 TEST(NearGroupsProof, RoundingsOfAPositionReachHalfTheirBound) {
-  // A place is rounded once, by half an ulp, and so is the next: 2^-52 of the larger in all. Twice that is
-  // taken, for what is computed of them.
+  // A place is rounded once, by half an ulp, and so is the next: 2^-52 of the larger in all. Twice
+  // that is taken, for what is computed of them.
   for (const double position : {1.0, 4096.0}) {
     SceneTables t;
     t.position = std::nextafter(position, 2 * position);
@@ -391,8 +391,9 @@ TEST(NearGroupsProof, RoundingsOfAPositionReachHalfTheirBound) {
 }
 
 TEST(NearGroupsProof, AFarListReachesAsFarAsAGroupGetsFromItsPatch) {
-  // The list is made where the slider stands first, from the middle of each patch, and still holds when
-  // it has come on by a group. By then the last node of the group stands on the flank of a wave.
+  // The list is made where the slider stands first, from the middle of each patch, and still holds
+  // when it has come on by a group. By then the last node of the group stands on the flank of a
+  // wave.
   constexpr int wide = 256, first = wide - width / 2 + wide - 1;  // its last place on patch 1
   constexpr double beta = 1e-6;
   BodiesByHand bodies({{beta, 1.5 * wide + M_PI_2 / beta}}, {}, width, wide);
@@ -417,7 +418,8 @@ TEST(NearGroupsProof, AFarListReachesAsFarAsAGroupGetsFromItsPatch) {
 }
 
 TEST(NearGroupsProof, AFarListCountsAllThatTheModesHaveMoved) {
-  // The slider has come nearer by 0.5 since the far list was made, and the near list is to reach 0.25 on.
+  // The slider has come nearer by 0.5 since the far list was made, and the near list is to reach
+  // 0.25 on.
   BodiesByHand bodies({}, {up}, 1);
   bodies.t.position = 9;
   Amplitudes u{}, there{};

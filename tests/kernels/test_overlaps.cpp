@@ -9,7 +9,8 @@
 #include "kernels/limits.hpp"
 #include "tests/bodies_by_hand.hpp"
 
-/// Nodes that touch within a step are flagged: each case is one that a part of the proof is there for.
+/// Nodes that touch within a step are flagged: each case is one that a part of the proof is there
+/// for.
 namespace {
 
 using namespace ra2d;
@@ -79,8 +80,8 @@ TEST(Overlaps, ANodeThatTouchesAndIsGoneByTheEndIsFlagged) {
 }
 
 TEST(Overlaps, ANodeThatPassesACrestIsFlagged) {
-  // bodies at rest, and a node that touches the bent beam's crest half way: nothing but the way brings
-  // it there
+  // bodies at rest, and a node that touches the bent beam's crest half way: nothing but the way
+  // brings it there
   constexpr double beta = 0.02, way = 0.9375, size = 1e-3;
   for (int node = 0; node < nodes; ++node) {
     BodiesByHand bodies({{beta, 8 + node + 0.5 * way}}, {}, nodes);
@@ -105,8 +106,8 @@ const std::vector<double> up(1, 1.0);  // shape of a slider of one node that mov
 constexpr double never_near = 1e300;
 
 TEST(OverlapsProof, TheErrorOfACubicIsReachedByAQuartic) {
-  // The overlap c t^2 (h - t)^2 - c h^4/16 touches half way. The cubic through its ends is constant: it
-  // misses c h^4/16, which is h^4/384 of the fourth derivative, 24 c.
+  // The overlap c t^2 (h - t)^2 - c h^4/16 touches half way. The cubic through its ends is
+  // constant: it misses c h^4/16, which is h^4/384 of the fourth derivative, 24 c.
   const Amplitudes still{};
   for (const double h : {0.5, 1.0, 2.0})
     for (const double excess : {1.0, 1.5}) {
@@ -122,8 +123,8 @@ TEST(OverlapsProof, TheErrorOfACubicIsReachedByAQuartic) {
 }
 
 TEST(OverlapsProof, ACubicsCoefficientsLieAThirdAboveAnArc) {
-  // The overlap s t (h - t)/h - g touches where g = s h/4. Bernstein's coefficients go up to s h/3 - g:
-  // they are wide by 4/3, which is what not looking for the top costs.
+  // The overlap s t (h - t)/h - g touches where g = s h/4. Bernstein's coefficients go up to s h/3
+  // - g: they are wide by 4/3, which is what not looking for the top costs.
   constexpr double h = 2, s = 3;
   BodiesByHand bodies({}, {up}, 1);
   bodies.t.position = 8, bodies.t.step = h;
@@ -167,8 +168,8 @@ TEST(OverlapsProof, ARiseIsReachedOnTheFlankOfABentBeam) {
 }
 
 TEST(OverlapsProof, WhatACubicOverAPatchLeavesOutIsReachedAtItsEdge) {
-  // The first node of a group on a wide patch is a chi short of the radius that the bound is for. It touches,
-  // and what is seen is open by nearly the whole bound.
+  // The first node of a group on a wide patch is a chi short of the radius that the bound is for.
+  // It touches, and what is seen is open by nearly the whole bound.
   constexpr int wide = 256;
   const double radius = BodiesByHand::radius_of(wide), beta = 0.25 / radius;
   BodiesByHand bodies({{beta, 1.5 * wide}}, {}, 1, wide);
@@ -187,8 +188,9 @@ TEST(OverlapsProof, WhatACubicOverAPatchLeavesOutIsReachedAtItsEdge) {
 }
 
 TEST(OverlapsProof, RoundingsOfASumOverAllModesReachHalfTheirBound) {
-  // A slider with all the modes that there is room for but one. Each adds half an ulp to 1, and none is
-  // seen: all that they come to is lost. The bound has room for the same again in what it is compared with.
+  // A slider with all the modes that there is room for but one. Each adds half an ulp to 1, and
+  // none is seen: all that they come to is lost. The bound has room for the same again in what it
+  // is compared with.
   constexpr int sliding = most_modes - 1;
   SceneTables t;
   t.groups = 1, t.resonator_modes = 1, t.slider_modes = sliding;
@@ -203,9 +205,9 @@ TEST(OverlapsProof, RoundingsOfASumOverAllModesReachHalfTheirBound) {
 }
 
 TEST(OverlapsProof, WhatIsSeenHasRoomForItsRoundings) {
-  // Of roundings of a displacement: one of the value, a third of one of the rate over the step, one of the
-  // series that is searched; three are taken. Of those of the faces: one when it is seen, one when it is
-  // searched.
+  // Of roundings of a displacement: one of the value, a third of one of the rate over the step, one
+  // of the series that is searched; three are taken. Of those of the faces: one when it is seen,
+  // one when it is searched.
   const Amplitudes still{};
   constexpr double slack = 0.125, size = 0x1p41;
   BodiesByHand bodies({}, {up}, 1);
@@ -220,8 +222,8 @@ TEST(OverlapsProof, WhatIsSeenHasRoomForItsRoundings) {
 }
 
 TEST(OverlapsProof, TouchIsMoreThanTheLongestChainOfRoundings) {
-  // The longest chain in an overlap's series: the packs of all modes one after the other, then the lanes,
-  // then every other term of the polynomial. Each may lose half an ulp; the packs do here.
+  // The longest chain in an overlap's series: the packs of all modes one after the other, then the
+  // lanes, then every other term of the polynomial. Each may lose half an ulp; the packs do here.
   constexpr int longest_chain = most_modes / width;
   std::vector<double> row(longest_chain * width, 1.0), amplitude(longest_chain * width, 0.0);
   std::array<Real, longest_chain> packs;

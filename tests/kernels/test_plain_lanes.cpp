@@ -14,10 +14,11 @@
 #include "tests/schemes.hpp"
 #include "tests/separate_device.hpp"
 
-/// The marches of production, on the lanes that march here (SIMD registers, on a GPU the threads of a warp) and on
-/// lanes that are nothing but doubles on one thread of the host: the same bits. So nothing but the reductions
-/// that PackLanes has is asked of the lanes, no instruction rounds otherwise, and on a GPU the compiler has
-/// fused no operations, and every thread has seen what the others wrote.
+/// The marches of production, on the lanes that march here (SIMD registers, on a GPU the threads of
+/// a warp) and on lanes that are nothing but doubles on one thread of the host: the same bits. So
+/// nothing but the reductions that PackLanes has is asked of the lanes, no instruction rounds
+/// otherwise, and on a GPU the compiler has fused no operations, and every thread has seen what the
+/// others wrote.
 namespace ra2d::test {
 namespace {
 

@@ -19,7 +19,8 @@ using test::Dice, test::Filled, test::lanes, test::packs, test::width;
 constexpr double eps = std::numeric_limits<double>::epsilon();
 
 TEST(Push, IsTheForceOnEachModeAsLongAsItSaysItIs) {
-  // F psi(x), x where the force is at that time: through patches and series, until it leaves the patch.
+  // F psi(x), x where the force is at that time: through patches and series, until it leaves the
+  // patch.
   Dice dice(1);
   for (const double speed : {30.0, -30.0}) {
     Scene s = test::strip_scene(16, 0, 0.14, 0.02);

@@ -227,8 +227,8 @@ TEST(ModalSeries, IsTheSameInOtherUnits) {
     for (int j = 0; j <= b.t.order; ++j)
       for (int k = 0; k < modes; ++k)
         ASSERT_EQ(std::ldexp(first[j * modes + k], 2 * j), b.coefficient(j, k));
-    // What the first terms come to over a unit counts for the size of all: 4^4 times in energy at the
-    // most, and of that a step sees the root of twice the order.
+    // What the first terms come to over a unit counts for the size of all: 4^4 times in energy at
+    // the most, and of that a step sees the root of twice the order.
     if (extent < 4) {
       EXPECT_NEAR(4 * b.motion.extent(1e-8) / extent, 1, std::pow(257, 0.5 / (b.t.order - 1)) - 1);
     }
@@ -236,8 +236,8 @@ TEST(ModalSeries, IsTheSameInOtherUnits) {
 }
 
 TEST(ModalSeries, OfOneModeOnASpringIsTheClosedForm) {
-  // At rest the slider's node stiffens a mode, omega'^2 = omega^2 + kappa phi^2/m, and presses it by
-  // what the faces overlap.
+  // At rest the slider's node stiffens a mode, omega'^2 = omega^2 + kappa phi^2/m, and presses it
+  // by what the faces overlap.
   Dice dice(3);
   for (int trial = 0; trial < 100; ++trial) {
     Bodies b(dice, 1e-12, 0.0, dice.ratio(1e5, 1e10), 1);
@@ -466,8 +466,8 @@ TEST(ModalSeries, SumsTheSquareOfTheVelocity) {
 
 // ---- the constants of the proof, each where it is reached (proofs.md)
 
-/// One mode alone, without stiffness, damping and load, at a node of one unit of mass. What a test is about
-/// it sets itself. Times are in units of a second.
+/// One mode alone, without stiffness, damping and load, at a node of one unit of mass. What a test
+/// is about it sets itself. Times are in units of a second.
 struct OneMode : Bodies {
   std::vector<double> push = std::vector<double>((most_order + 1) * modes, 0.0);
   double reach0;
@@ -501,8 +501,8 @@ struct OneMode : Bodies {
 };
 
 TEST(SeriesProof, EachTermOfAModeAtANodeThatMovesIsReached) {
-  // (d/dx + b)^4 of U psi, where one derivative of U is all there is. psi, a wave, may be as large as its
-  // bound in the derivative that it goes with.
+  // (d/dx + b)^4 of U psi, where one derivative of U is all there is. psi, a wave, may be as large
+  // as its bound in the derivative that it goes with.
   constexpr double b = 0.5, size = 3;
   const double binomial[] = {1, 4, 6, 4, 1};
   for (int d = 0; d <= 4; ++d) {
@@ -520,8 +520,8 @@ TEST(SeriesProof, EachTermOfAModeAtANodeThatMovesIsReached) {
 }
 
 TEST(SeriesProof, TravelIsReachedByAModeWithoutForces) {
-  // U = size x^d/d! again, after a while. Each derivative is taken at the end of the stretch: x^d, which is
-  // d! times the way itself. It is reached for d = 1, and of a short stretch that is all.
+  // U = size x^d/d! again, after a while. Each derivative is taken at the end of the stretch: x^d,
+  // which is d! times the way itself. It is reached for d = 1, and of a short stretch that is all.
   constexpr double size = 3, x = 0.75;
   for (int d = 1; d <= 4; ++d) {
     Dice dice(21);
@@ -568,8 +568,8 @@ TEST(SeriesProof, EachShareOfAContactForceIsReached) {
 }
 
 TEST(SeriesProof, WhatIsNeglectedIsReachedAtACrestAndOnAFlank) {
-  // Over a step of two, a bent beam that rests: of cos(b x) the second term, (2 b)^2/2, of sin(b x) the third,
-  // (2 b)^3/6. Another mode moves enough for a tolerance that lets them go.
+  // Over a step of two, a bent beam that rests: of cos(b x) the second term, (2 b)^2/2, of sin(b x)
+  // the third, (2 b)^3/6. Another mode moves enough for a tolerance that lets them go.
   for (const int terms : {2, 3}) {
     Dice dice(24);
     OneMode mode(dice, 1);

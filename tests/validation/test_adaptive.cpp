@@ -14,8 +14,8 @@
 #include "tests/effort.hpp"
 #include "tests/scenes.hpp"
 
-/// The adaptive scheme: what its answer may not depend on, what a sample holds, where it ends when it
-/// cannot go on. How far it is off: test_adaptive_errors.cpp.
+/// The adaptive scheme: what its answer may not depend on, what a sample holds, where it ends when
+/// it cannot go on. How far it is off: test_adaptive_errors.cpp.
 namespace ra2d::test {
 namespace {
 
@@ -79,7 +79,8 @@ TEST(AdaptiveInvariance, OneStepALaunch) {
     const Recording whole = simulate(scene);
     ASSERT_EQ(whole.end.status, Status::done);
     EXPECT_GT(whole.end.contact_steps, 0);
-    // a launch to the next tick makes one step, and those of no length before it: contacts that begin
+    // a launch to the next tick makes one step, and those of no length before it: contacts that
+    // begin
     Batch batch({whole.model}, {whole.start});
     Snapshot now = batch.snapshot(0);
     std::vector<double> rows;
@@ -153,8 +154,8 @@ TEST(AdaptiveSteps, EndWhereStatisticsBegin) {
 // ---- what a sample holds ----------------------------------------------------------------------
 
 TEST(AdaptiveSamples, HoldTheContactLaw) {
-  // The overlaps that follow from a sample's displacements, by direct sums: their springs' force and
-  // energy, and the number of nodes in contact.
+  // The overlaps that follow from a sample's displacements, by direct sums: their springs' force
+  // and energy, and the number of nodes in contact.
   int touching = 0, several = 0;
   for (int seed = 1; seed <= draws(40); ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
@@ -237,7 +238,8 @@ TEST(AdaptiveSamples, InFreeDecayAreTheClosedFormAtTheirTimes) {
       const double w = model.resonator.modes[k].omega, v0 = start.resonator_v[k];
       for (std::size_t i = 0; i < r.samples.time.size(); ++i) {
         const auto [u, v] = state(k, i * 3.0L / 1e5L);
-        // a leap rounds to 8 eps and omega t to 1/2; some thirty leaps to a sample. Time: an ulp of it
+        // a leap rounds to 8 eps and omega t to 1/2; some thirty leaps to a sample. Time: an ulp of
+        // it
         const double off = eps * (8 * 64 + 2 * w * r.samples.time[i]) * v0;
         EXPECT_NEAR(r.samples.resonator_velocity[4 * i + k], static_cast<double>(v), off);
         EXPECT_NEAR(r.samples.resonator_displacement[4 * i + k], static_cast<double>(u), off / w);
@@ -265,8 +267,8 @@ TEST(AdaptiveSamples, InFreeDecayAreTheClosedFormAtTheirTimes) {
 }
 
 TEST(AdaptiveSamples, HoldTheLossOfThousandsOfSteps) {
-  // Sums are closed every 4096 steps. A force that never comes keeps the march from flying: each window
-  // is a step, and the loss is what the modes miss of what they had.
+  // Sums are closed every 4096 steps. A force that never comes keeps the march from flying: each
+  // window is a step, and the loss is what the modes miss of what they had.
   Scene s = adaptive(lone_beam(8, 0.02), 1e-12);
   s.speed = 10;
   s.start = 0.05;
@@ -305,8 +307,8 @@ TEST(AdaptiveSamples, StaticEquilibriumStaysAtRest) {
     EXPECT_EQ(r.end.open_shocks[0].start, 0);
     const double force = r.samples.force[0];
     EXPECT_GT(force, 0);
-    // equilibrium is found to some 1e-11 of the displacements, a few micrometres, and the overlap is
-    // a hundredth of them or more: what it rings with
+    // equilibrium is found to some 1e-11 of the displacements, a few micrometres, and the overlap
+    // is a hundredth of them or more: what it rings with
     for (std::size_t i = 0; i < r.samples.time.size(); ++i)
       EXPECT_NEAR(r.samples.force[i], force, 1e-9 * force);
   }
@@ -328,8 +330,8 @@ TEST(AdaptiveRigid, NothingMovesThroughThousandsOfWindows) {
   for (std::size_t i = 1; i < r.samples.time.size(); ++i)
     gross += std::abs(r.samples.contact[i] - r.samples.contact[i - 1]);
   EXPECT_GT(gross, 0);
-  // What the springs hold is the work of the imposed motion. A step ends behind a kink of the face by
-  // 4 ulp of the position (a thousand chi) and two ticks, on each of some hundred kinks at once.
+  // What the springs hold is the work of the imposed motion. A step ends behind a kink of the face
+  // by 4 ulp of the position (a thousand chi) and two ticks, on each of some hundred kinks at once.
   // Samples within a step know of the work of its beginning.
   for (std::size_t i = 0; i < r.samples.time.size(); ++i)
     ASSERT_NEAR(r.samples.sliding_work[i], r.samples.contact[i] - r.samples.contact.front(),

@@ -13,8 +13,8 @@
 #include "tests/effort.hpp"
 #include "tests/scenes.hpp"
 
-/// How far the adaptive scheme is off: against closed forms, against itself at the smallest tolerance,
-/// and against small fixed steps.
+/// How far the adaptive scheme is off: against closed forms, against itself at the smallest
+/// tolerance, and against small fixed steps.
 namespace ra2d::test {
 namespace {
 
@@ -23,7 +23,8 @@ constexpr double pi = std::numbers::pi;
 
 // ---- one impact in closed form ----------------------------------------------------------------
 
-/// A rigid block, thrown at a rigid floor. Its one peak stands in the middle, so that it does not turn.
+/// A rigid block, thrown at a rigid floor. Its one peak stands in the middle, so that it does not
+/// turn.
 Scene thrown_block() {
   Scene s = plate_scene(0, 0.004, 0.004, 0.0);
   s.resonator = rigid(s.resonator);
@@ -67,8 +68,8 @@ TEST(AdaptiveErrors, ABlockReboundsAsASpringLetsIt) {
                           omega * std::abs(r.samples.slider_displacement[2 * i] / root - u) *
                               (in > 0 && turn < pi ? 1.0 : 0.0)});
       }
-      // Below the tolerance; at its smallest, roundings: of the gap, a difference of heights of 1e-5,
-      // in units of v/omega, times the number of steps that it enters
+      // Below the tolerance; at its smallest, roundings: of the gap, a difference of heights of
+      // 1e-5, in units of v/omega, times the number of steps that it enters
       const double rounding = 64 * eps * (1e-5 * omega / v + 1);
       EXPECT_LT(worst / v, tolerance + rounding);
       ASSERT_EQ(r.shocks.size(), 1u);
@@ -83,8 +84,8 @@ TEST(AdaptiveErrors, ABlockReboundsAsASpringLetsIt) {
 
 // ---- where flights end, in closed form ---------------------------------------------------------
 
-/// A strip with one mode and flat faces under two nodes of a rigid slider. The mode swings freely until
-/// one of them touches: U = u cos(omega t) + v/omega sin(omega t).
+/// A strip with one mode and flat faces under two nodes of a rigid slider. The mode swings freely
+/// until one of them touches: U = u cos(omega t) + v/omega sin(omega t).
 struct FirstTouch {
   Scene scene;
   double u, v;  // of the mode at t = 0
@@ -135,8 +136,8 @@ FirstTouch first_touch(double spacing, double start, double speed, double durati
 }
 
 TEST(AdaptiveErrors, AFlightThroughHundredsOfWindowsTouchesWhereItShould) {
-  // Nodes so far apart that a mode's shape is a cubic over a small part of a spacing only. A node slides
-  // up the beam, which hardly moves, and touches between two nodes.
+  // Nodes so far apart that a mode's shape is a cubic over a small part of a spacing only. A node
+  // slides up the beam, which hardly moves, and touches between two nodes.
   for (const double theta : {0.1, 0.35, 0.6, 0.9}) {
     SCOPED_TRACE(theta);
     FirstTouch touch = first_touch(0.02, 0.04, 60, 3.3e-4);
@@ -145,16 +146,16 @@ TEST(AdaptiveErrors, AFlightThroughHundredsOfWindowsTouchesWhereItShould) {
     touch.u = 1e-5;
     touch.scene.gap = touch.u * std::cos(mode.omega * time) * mode.sine *
                       std::sin(mode.beta * (0.06 + touch.scene.speed * time));
-    // Over a spacing the overlap grows by some tenth of U psi: an error of the tolerance, 1e-12, is ten
-    // of them in the time
+    // Over a spacing the overlap grows by some tenth of U psi: an error of the tolerance, 1e-12, is
+    // ten of them in the time
     const Model model = make_model(touch.scene);
     EXPECT_NEAR(touch.marched(model), touch.exact(model), 3e-11 * time / theta);
   }
 }
 
 TEST(AdaptiveErrors, AFlightOverManyNodesEndsWhereTheBeamComesUp) {
-  // The slider passes a node every 0.2 ms, a quarter of a swing takes 5 ms: what keeps a flight from
-  // going on is the beam alone, thrown upwards to more than the gap.
+  // The slider passes a node every 0.2 ms, a quarter of a swing takes 5 ms: what keeps a flight
+  // from going on is the beam alone, thrown upwards to more than the gap.
   for (const double share : {0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9}) {
     SCOPED_TRACE(share);
     FirstTouch touch = first_touch(1e-3, 0.14, 6, 6e-3);
@@ -226,9 +227,10 @@ TEST(AdaptiveErrors, AreBelowTheTolerance) {
     const Recording reference = simulate(adaptive(each.scene, 1e-13));
     ASSERT_EQ(reference.end.status, Status::done);
     ASSERT_GT(reference.end.contact_steps, 0);
-    // Largest factors found: 1.4 for Free, with 15 shocks; 0.2 for Settles and ThrownPlate; 0.04 for
-    // the others. Floors found: 2e-15 for a few shocks; for Free 2e-11, where a contact begins within
-    // 1e-14 of the amplitude of where it should, and fifteen shocks make a thousand times as much of it.
+    // Largest factors found: 1.4 for Free, with 15 shocks; 0.2 for Settles and ThrownPlate; 0.04
+    // for the others. Floors found: 2e-15 for a few shocks; for Free 2e-11, where a contact begins
+    // within 1e-14 of the amplitude of where it should, and fifteen shocks make a thousand times as
+    // much of it.
     const double factor = each.drifts ? 3.0 : 0.5, floor = each.drifts ? 1e-10 : 1e-14;
     double before = 1;
     for (const double tolerance : {1e-4, 1e-6, 1e-8, 1e-10, 1e-12}) {
@@ -248,8 +250,8 @@ TEST(AdaptiveErrors, AreBelowTheTolerance) {
 
 TEST(AdaptiveErrors, SmallFixedStepsComeToTheSame) {
   // where a contact begins or ends within a step, and at a face's kinks, rk8 is no better than of
-  // second order, with a factor that depends on where in the step that is: a sixteenth of the step leaves
-  // a 256th of the error, more or less
+  // second order, with a factor that depends on where in the step that is: a sixteenth of the step
+  // leaves a 256th of the error, more or less
   for (const Case& each : cases()) {
     if (each.scene.contact.stiffness > 1e15 || each.scene.resonator.damping > 1) continue;  // stiff
     SCOPED_TRACE(std::string(each.name) + ", kappa " +

@@ -186,8 +186,8 @@ TEST(Candidates, ModeSwingsTheFarEndIntoContact) {
 }
 
 TEST(Candidates, CubicsAreOffByManyStepsOfAFineMarch) {
-  // A peak above a plate that swings up in its only mode. Towards the edge of a patch its cubic, and the
-  // cubic's rate, are below the plate's by some 1e-3; a step is far less of the swing.
+  // A peak above a plate that swings up in its only mode. Towards the edge of a patch its cubic,
+  // and the cubic's rate, are below the plate's by some 1e-3; a step is far less of the swing.
   Scene s = plate_scene(1, 0.004, 0.001);
   s.spacing = 2e-5;
   s.speed = 0;
@@ -238,8 +238,8 @@ TEST(Candidates, ForceThatSetsOutFromRest) {
 }
 
 TEST(Candidates, PushAtOneEndLowersTheOther) {
-  // A spring under one end of a body at rest lifts that end and lets the other down by half as much,
-  // onto a second spring: nothing but the contact force itself tells of it.
+  // A spring under one end of a body at rest lifts that end and lets the other down by half as
+  // much, onto a second spring: nothing but the contact force itself tells of it.
   Scene s = plate_and_block();
   s.resonator = rigid(s.resonator);
   s.slider.support = Support::free;

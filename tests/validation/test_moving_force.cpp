@@ -259,8 +259,8 @@ TEST_P(MovingForceSpeeds, AdaptiveStepsKeepTheirTolerance) {
   for (const double tolerance : {1e-4, 1e-6, 1e-8, 1e-10, 1e-12}) {
     scene.time.tolerance = tolerance;
     const Errors e = errors_of(scene, speed);
-    // some fifty steps, and what they leave of each adds up at the worst; 1e-13: the force's place, in
-    // patches, and the time, each to some hundred ulp of what they are multiplied with
+    // some fifty steps, and what they leave of each adds up at the worst; 1e-13: the force's place,
+    // in patches, and the time, each to some hundred ulp of what they are multiplied with
     EXPECT_LT(e.deflection, (10 * tolerance + 1e-13) * most_u) << tolerance;
     EXPECT_LT(e.velocity, (10 * tolerance + 1e-13) * most_v) << tolerance;
     EXPECT_LT(e.work, (10 * tolerance + 1e-13) * most) << tolerance;

@@ -220,7 +220,8 @@ TEST_P(OrderOf, ModesUnderASmoothForce) {
 
 TEST_P(OrderOf, AMassUnderItsLoadOnASpringOfContact) {
   // One peak that never leaves the flat resonator: x'' = (L - k x)/m for its depth x, so
-  // x = L/k + (x0 - L/k) cos(omega t). The load acts at every stage, and so does the force at its depth.
+  // x = L/k + (x0 - L/k) cos(omega t). The load acts at every stage, and so does the force at its
+  // depth.
   const Case& c = GetParam();
   if (c.scheme.table().stages < 2)
     GTEST_SKIP() << "its contact force is that of the step's beginning";
@@ -255,8 +256,9 @@ TEST_P(OrderOf, AMassUnderItsLoadOnASpringOfContact) {
 }
 
 TEST_P(OrderOf, TheDampingLossOfWhatBeginsWithAVelocityIsAllThatGoes) {
-  // The loss is summed over the steps with half weights at both ends where the scheme's order allows:
-  // with the first velocity left out it would miss zeta omega tau of the energy at the start.
+  // The loss is summed over the steps with half weights at both ends where the scheme's order
+  // allows: with the first velocity left out it would miss zeta omega tau of the energy at the
+  // start.
   const Case& c = GetParam();
   if (c.scheme.table().order < 2) GTEST_SKIP() << "the scheme itself takes or gives as much";
   const double x = 0.02, zeta = 0.05;

@@ -11,12 +11,13 @@
 #include "tests/separate_device.hpp"
 #include "tests/simulate.hpp"
 
-/// What a batch does for a device with memory of its own, a GPU: the bits are those of the host. More tests
-/// run there once again (tests/CMakeLists.txt, "device.").
+/// What a batch does for a device with memory of its own, a GPU: the bits are those of the host.
+/// More tests run there once again (tests/CMakeLists.txt, "device.").
 namespace ra2d::test {
 namespace {
 
-/// On a GPU there are no marches for the host, and what is asked here is asked of it by all other tests.
+/// On a GPU there are no marches for the host, and what is asked here is asked of it by all other
+/// tests.
 class SeparateDeviceTest : public testing::Test {
  protected:
   void SetUp() override {
@@ -121,7 +122,8 @@ TEST_F(SeparateDeviceTest, ItsMemoryIsUsedAgain) {
     batch.march(model.steps);
     EXPECT_EQ(batch.snapshot(0).status, Status::done);
   }
-  // what is free goes back where it stands in the way of a larger one, and where that is the last one
+  // what is free goes back where it stands in the way of a larger one, and where that is the last
+  // one
   batch.put(0, other, start_of_other);
   batch.put(0, model, start);
   batch = Batch(2);

@@ -238,8 +238,8 @@ TEST(Stable, NoFalseAlarmForAnyDamping) {
 TEST(Stable, NoFalseAlarmWhenAPeakIsLiftedAndLetDownAgain) {
   // The imposed motion does work on the way up and gets nearly all of it back on the way down. What
   // is left is as small as the scheme's error of first order in the work that went through, and can
-  // come out negative. Whoever looks at every sample has seen the work at its most; whoever looks but
-  // at the ends has not.
+  // come out negative. Whoever looks at every sample has seen the work at its most; whoever looks
+  // but at the ends has not.
   for (const double rate : {5e5, 1e3})
     for (const double step : {4e-7, 2e-7, 1e-7, 2e-8}) {
       SCOPED_TRACE(testing::Message() << step << " s, " << rate << " Hz");
@@ -265,8 +265,8 @@ TEST(Stable, NoFalseAlarmWhenAPeakIsLiftedAndLetDownAgain) {
 }
 
 TEST(Stable, NoFalseAlarmWhenTheBentLineIsAllThatTheSliderClimbs) {
-  // Flat faces but for the peak that presses: a beam on two supports gets stiffer towards its end, as
-  // 1/(x (L - x))^2, so a peak that keeps its height and slides there does work on the bent line
+  // Flat faces but for the peak that presses: a beam on two supports gets stiffer towards its end,
+  // as 1/(x (L - x))^2, so a peak that keeps its height and slides there does work on the bent line
   // alone.
   Scene s = pressed_plate();
   s.start = 0.028;

@@ -15,9 +15,9 @@
 #include "tests/warp/marches.hpp"
 #include "tests/warp/scene_on_lanes.hpp"
 
-/// The very marches of production on the 32 lanes of a warp: the bits of a pack of 32, in whatever order
-/// the lanes come, and, as the thread sanitizer sees it, no read or write of the shared state that a
-/// `sync` does not order.
+/// The very marches of production on the 32 lanes of a warp: the bits of a pack of 32, in whatever
+/// order the lanes come, and, as the thread sanitizer sees it, no read or write of the shared state
+/// that a `sync` does not order.
 namespace ra2d::test {
 namespace {
 
@@ -76,8 +76,9 @@ double distance(const std::vector<double>& a, const std::vector<double>& b) {
   return size > 0 ? difference / size : difference;
 }
 
-// Sums over 32 lanes round otherwise than those over the lanes of a CPU. So a GPU's motion is off by a rounding
-// a step, each made as much larger by the shocks that follow as a nudge of the gap is.
+// Sums over 32 lanes round otherwise than those over the lanes of a CPU. So a GPU's motion is off
+// by a rounding a step, each made as much larger by the shocks that follow as a nudge of the gap
+// is.
 class PackBesideHost : public testing::TestWithParam<SchemeUnderLaw> {};
 
 TEST_P(PackBesideHost, IsOffByRoundingsThatShocksEnlarge) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Not to be compiled with a sanitizer: what lanes hand to one another here is no memory of the kernels. Where the
-// thread sanitizer is linked to the program, it is told of the fibers.
+// Not to be compiled with a sanitizer: what lanes hand to one another here is no memory of the
+// kernels. Where the thread sanitizer is linked to the program, it is told of the fibers.
 #include "tests/warp/warp.hpp"
 
 #include <fmt/format.h>

@@ -10,10 +10,11 @@
 
 /// A warp on a CPU: what WarpLanes (kernels/lanes.hpp) is on a GPU, for tests.
 ///
-/// Each lane is a fiber that runs by itself up to the next meeting: a `sync` or a reduction. When all have
-/// come, they go on one after the other, in an order that a test chooses: a kernel whose answer
-/// depends on it lacks a `sync`. A thread sanitizer sees each lane as a thread, and a `sync`, but no
-/// reduction, as what orders their reads and writes: a shuffle orders no memory either.
+/// Each lane is a fiber that runs by itself up to the next meeting: a `sync` or a reduction. When
+/// all have come, they go on one after the other, in an order that a test chooses: a kernel whose
+/// answer depends on it lacks a `sync`. A thread sanitizer sees each lane as a thread, and a
+/// `sync`, but no reduction, as what orders their reads and writes: a shuffle orders no memory
+/// either.
 namespace ra2d::test {
 
 /// Lanes went different ways: some ended, or came to another meeting than the others.
@@ -31,7 +32,8 @@ class Warp {
   Warp(const Warp&) = delete;
   Warp& operator=(const Warp&) = delete;
 
-  /// Runs `lane` for 0, ..., 31 side by side to their ends. Throws Diverged, and what a lane throws.
+  /// Runs `lane` for 0, ..., 31 side by side to their ends. Throws Diverged, and what a lane
+  /// throws.
   void run(const std::function<void(int lane)>& lane);
 
   /// Meetings of the latest run.
@@ -41,7 +43,8 @@ class Warp {
   // for FiberLanes
 
   enum class Meeting { sync, sum, min, at_least };
-  /// Hands in this lane's values, and returns with the reduction of all of them. `level` of at_least.
+  /// Hands in this lane's values, and returns with the reduction of all of them. `level` of
+  /// at_least.
   double meet(int lane, Meeting meeting, const std::source_location& where, double value = 0,
               double level = 0);
 

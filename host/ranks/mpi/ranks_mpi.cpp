@@ -135,8 +135,8 @@ class RanksOfMpi final : public Ranks {
     return std::max(1, processors / sharers + (before < processors % sharers ? 1 : 0));
   }
 
-  /// Between machines MPI answers the others' requests only while rank 0 is in a call of MPI, and its
-  /// threads march.
+  /// Between machines MPI answers the others' requests only while rank 0 is in a call of MPI, and
+  /// its threads march.
   void attend() {
     while (!over_) {
       {
@@ -159,7 +159,8 @@ class RanksOfMpi final : public Ranks {
 }  // namespace
 }  // namespace ra2d
 
-/// Starts MPI and gives the ranks. `size`: what mpirun says they are. Returns what is wrong, or null.
+/// Starts MPI and gives the ranks. `size`: what mpirun says they are. Returns what is wrong, or
+/// null.
 extern "C" __attribute__((visibility("default"))) const char* ra2d_join_ranks(int size,
                                                                               ra2d::Ranks** ranks) {
   static std::string fault;
