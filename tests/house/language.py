@@ -1,0 +1,85 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Whether comments and names keep to plain English and to one name for each thing (CONTRIBUTING.md).
+
+usage: language.py SOURCE_FOLDER [FOLDER_OR_FILE...]
+
+Of all .hpp and .cpp files below kernels, host, tests and bench, or of those named:
+
+- no comment line is longer than 100 columns;
+- no comment of a declaration (///) begins with "...", "The same", "What" or "Who": it begins with the thing;
+- no name is one of PRIVATE_NAMES: they once meant something to their authors alone.
+"""
+
+import pathlib
+import re
+import sys
+
+# name -> what the field calls it
+PRIVATE_NAMES = {
+    "pull": "a bound on an acceleration, named for what it bounds",
+    "push": "a force or an acceleration, named as such",
+    "yield": "acceleration_per_newton",
+    "yielding": "compliance",
+    "swing": "displacement_per_energy_norm",
+    "fourth": "the derivative that it is",
+    "light": "of small mass",
+    "told": "what is said, by its name",
+    "untold": "unreported",
+    "known": "the set that it is",
+    "asked": "options or requested",
+    "beside": "the relation that it is",
+    "together": "the relation that it is",
+    "several": "the number that it is",
+    "Untold": "an error, named for what is wrong",
+    "Unbelieved": "CorruptFile",
+    "t_": "tables_",
+    "s_": "state_",
+}
+FOLDERS = ["kernels", "host", "tests", "bench"]
+
+COMMENT = re.compile(r"^\s*(///|//)( ?)(.*)$")
+BEGINS = re.compile(r"^(\.\.\.|The same\b|What\b|Who\b)")
+STRING = re.compile(r'"(?:[^"\\\n]|\\.)*"' + r"|'(?:[^'\\\n]|\\.)'")
+RAW = re.compile(r'R"(\w*)\((?:.|\n)*?\)\1"')
+# a declaration: a name after a type, or before "(" where it is defined, or in a list of parameters
+DECLARED = re.compile(r"(?:[\w>\]&*]\s+[&*]?|[&*])(%s)\s*(?=[;,=({\[)])" % "|".join(PRIVATE_NAMES))
+NOT_TYPES = {"return", "else", "case", "goto", "throw", "new", "delete", "co_return", "co_yield", "and", "or", "not"}
+
+
+def faults_of(path, text):
+    text = RAW.sub(lambda raw: "\n" * raw.group(0).count("\n"), text)
+    begun = False  # in a block of ///
+    for number, line in enumerate(text.split("\n"), 1):
+        comment = COMMENT.match(line)
+        if comment and len(line) > 100 and "http" not in line:
+            yield f"{path}:{number}: a comment of {len(line)} columns"
+        if comment and comment.group(1) == "///":
+            if not begun and BEGINS.match(comment.group(3)):
+                yield f"{path}:{number}: begins with '{BEGINS.match(comment.group(3)).group(0)}': {line.strip()}"
+            begun = True
+            continue
+        begun = False
+        if comment:
+            continue
+        code = STRING.sub('""', line).split("//")[0]
+        for found in DECLARED.finditer(code):
+            before = re.search(r"(\w+)\s*$", code[:found.start(1)])
+            if before and before.group(1) in NOT_TYPES:
+                continue
+            yield f"{path}:{number}: '{found.group(1)}': {PRIVATE_NAMES[found.group(1)]}"
+
+
+def main():
+    root = pathlib.Path(sys.argv[1])
+    named = [root / name for name in sys.argv[2:]] or [root / folder for folder in FOLDERS]
+    files = [f for n in named for f in ([n] if n.is_file() else sorted(n.rglob("*.?pp")))]
+    if not files:
+        raise SystemExit(f"{root}: no files")
+    found = [fault for file in files for fault in faults_of(file.relative_to(root).as_posix(), file.read_text())]
+    print("\n".join(found) or f"{len(files)} files: no fault of language")
+    sys.exit(bool(found))
+
+
+if __name__ == "__main__":
+    main()
