@@ -166,8 +166,12 @@ void run_long(Survey& survey) {
     std::vector<Model> models;
     for (const int seed : surfaces.seeds)
       models.push_back(make_model(variant(with(survey.scene, setting), seed)));
-    const std::vector<TimedRun> runs = timed_runs(models, surfaces.starts.at(setting.law),
-                                                  {.time = chart.long_time, .wall = 2 * each});
+    // where the budget has room, a busy machine cuts no run off
+    const double share =
+        survey.left(long_end) / static_cast<double>(settings.size() * models.size());
+    const std::vector<TimedRun> runs =
+        timed_runs(models, surfaces.starts.at(setting.law),
+                   {.time = chart.long_time, .wall = std::max(2 * each, share)});
     std::vector<Quantities> found;
     double marched = 0;
     for (std::size_t i = 0; i < runs.size(); ++i) {
