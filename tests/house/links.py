@@ -1,19 +1,22 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Whether every relative link of every page (.md) leads to a file, and every anchor to a heading.
+"""Whether every relative link of every page (.md) leads to a file, every anchor to a heading, and every path of the
+repository that a page names in `code` to a file.
 
 usage: links.py SOURCE_FOLDER
 
 A heading's anchor is made as GitHub makes it: lower case, without punctuation, blanks as hyphens, -1, -2 for repeated
-headings. Links inside code are no links.
+headings. Links inside code are no links. A path begins with one of FOLDERS; capitals alone (NAME, CASE) stand for any.
 """
 import pathlib
 import re
 import sys
 
+FOLDERS = ["bench", "cmake", "docs", "host", "kernels", "scenes", "tests"]
 LINK = re.compile(r"\[[^\]]*\]\(([^()\s]+(?:\([^()]*\))?)\)|^\[[^\]]+\]:\s*(\S+)", re.MULTILINE)
 FENCE = re.compile(r"^(```|~~~).*?^\1", re.MULTILINE | re.DOTALL)
 CODE = re.compile(r"`[^`\n]*`")
+PATH = re.compile(r"`((?:%s)/[\w./-]+)`" % "|".join(FOLDERS))
 SKIPPED = {".git", "build"}  # folders of other people's files
 
 
@@ -32,7 +35,11 @@ def anchors_of(text):
 
 
 def faults_of(root, page, anchors):
-    text = CODE.sub("", FENCE.sub("", page.read_text()))
+    prose = FENCE.sub("", page.read_text())
+    for path in PATH.findall(prose):
+        if not re.search(r"(?<![A-Za-z])[A-Z]{3,}(?![A-Za-z])", path) and not (root / path).exists():
+            yield f"{page.relative_to(root)}: `{path}`: no such file"
+    text = CODE.sub("", prose)
     for inline, reference in LINK.findall(text):
         link = inline or reference
         if re.match(r"\w+:", link):
