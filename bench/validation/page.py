@@ -35,6 +35,8 @@ class Table:
 
     def __init__(self, text):
         head, _, *rows = ([cell.strip() for cell in line.strip().strip("|").split("|")] for line in text.split("\n"))
+        if any(len(row) != len(head) for row in rows):
+            sys.exit(f"a table has rows of another length than its head: {' | '.join(head)}. No cell may hold '|'")
         self.head, self.rows = head, rows
 
     def picked(self, rows, columns):
