@@ -19,7 +19,7 @@ install(FILES ${RA2D_PLOT_SCRIPTS} DESTINATION ${CMAKE_INSTALL_DATADIR}/ra2d)
 install(DIRECTORY scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/ra2d)
 # The pages, laid out as here, so that their links hold.
 install(FILES LICENSE README.md CHANGELOG.md CITATION.cff CONTRIBUTING.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
-install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR} FILES_MATCHING PATTERN "*.md" PATTERN "*.svg")
+install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR} FILES_MATCHING PATTERN "*.md" PATTERN "*.svg" PATTERN "*.csv")
 install(FILES bench/accuracy.png DESTINATION ${CMAKE_INSTALL_DOCDIR}/bench)
 
 configure_package_config_file(cmake/ra2dConfig.cmake.in ${PROJECT_BINARY_DIR}/ra2dConfig.cmake
