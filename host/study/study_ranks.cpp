@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "host/commands/study_ranks.hpp"
+#include "host/study/study_ranks.hpp"
 
 #include <fmt/format.h>
 
@@ -9,16 +9,16 @@
 #include <thread>
 #include <utility>
 
+#include "host/base/clock.hpp"
 #include "host/base/errors.hpp"
-#include "host/commands/commands.hpp"
-#include "host/commands/print.hpp"
+#include "host/base/exit_status.hpp"
 #include "host/device/backend.hpp"
 #include "host/system/interruption.hpp"
 
 namespace ra2d {
 namespace {
 
-/// What rank 0 has, all have afterwards.
+/// Gives all ranks the sequence of rank 0.
 template <class Sequence>
 void share(Ranks& ranks, Sequence& sequence) {
   std::uint64_t size = sequence.size();
@@ -29,11 +29,12 @@ void share(Ranks& ranks, Sequence& sequence) {
 
 std::int64_t microseconds(double seconds) { return static_cast<std::int64_t>(1e6 * seconds); }
 
-/// Who gives up ends all, but mpirun first asks them to end (SIGTERM), and who waits would wait on.
-void end_with_who_gave_up(Ranks& ranks) {
+/// Ends this rank where another one has given up. MPI ends all ranks then, but mpirun first asks
+/// them to end (SIGTERM), and a rank that waits would go on waiting.
+void end_if_another_gave_up(Ranks& ranks) {
   const auto gave_up = [&](int rank) { return ranks.report_of(rank).ended == RankReport::fault; };
   if (ranks.rank() > 0) {
-    if (gave_up(0)) ranks.abort(wrong_file);
+    if (gave_up(0)) ranks.abort(exit_status::wrong_file);
     return;
   }
   for (int rank = 1; rank < ranks.size(); ++rank)
@@ -41,9 +42,50 @@ void end_with_who_gave_up(Ranks& ranks) {
       throw FileError(fmt::format("rank {} has given up; what is finished is kept", rank));
 }
 
+/// The runs that this rank takes from the list. `text` and `keys`: the study and the keys of its
+/// points, as rank 0 has them.
+RankReport run_own_part(Ranks& ranks, const StudyFolder& folder, const Shard& shard,
+                        const RankOptions& choices, const std::string& text,
+                        const std::vector<Key128>& keys, const StudyWork& work) {
+  if (read_text(folder.snapshot(), "the study's snapshot", text.size() + 1) != text)
+    throw FileError(
+        fmt::format("'{}' is not the folder that rank 0 sees: all ranks need one that "
+                    "they share, by the same name",
+                    folder.path.string()));
+  const StudyPoints points(parse_snapshot(text, folder.snapshot()));
+  const PointCensus census(points);
+  if (census.keys != keys)
+    throw FileError(
+        "this machine would not run the scenes of rank 0: its processor computes with "
+        "other instructions, or it has another ra2d or other profiles. Take machines "
+        "that are alike, with one ra2d");
+  LedgerWriter ledger(folder.ledger(shard, ranks.rank()));
+  StudyCheckpoints checkpoints(folder, choices.checkpoint, choices.tell);
+  StudyOptions options;
+  options.checkpoints = &checkpoints;
+  options.most_wall = choices.most_wall;
+  options.keep_results = points.study().keep_files;
+  options.folder = folder.path;
+  options.next_job = [&] { return ranks.next_number(); };
+  options.progress = [&](const StudyProgress& now) {
+    ranks.report({.done = static_cast<std::int64_t>(now.done),
+                  .failed = static_cast<std::int64_t>(now.failed),
+                  .running = static_cast<std::int64_t>(now.running)});
+  };
+  const Backend backend(choices.threads, choices.device);
+  const StudyOutcome outcome = run_study(points, census, work, ledger, options);
+  return {.done = static_cast<std::int64_t>(outcome.done),
+          .failed = static_cast<std::int64_t>(outcome.failed),
+          .out_of_time = outcome.out_of_time,
+          .went_on = static_cast<std::int64_t>(checkpoints.went_on()),
+          .steps_saved = checkpoints.steps_saved(),
+          .busy = microseconds(outcome.busy),
+          .marched = microseconds(outcome.marched)};
+}
+
 }  // namespace
 
-void hand_out(Ranks& ranks, const Study& study, const PointCensus& census, const StudyWork& work) {
+void give_work(Ranks& ranks, const Study& study, const PointCensus& census, const StudyWork& work) {
   std::string text = snapshot_text(study);
   std::vector<Key128> keys = census.keys;
   std::vector<std::size_t> jobs = work.jobs;
@@ -53,7 +95,7 @@ void hand_out(Ranks& ranks, const Study& study, const PointCensus& census, const
 }
 
 void help_with_study(Ranks& ranks, const StudyFolder& folder, const Shard& shard,
-                     const RankChoices& choices) {
+                     const RankOptions& choices) {
   std::string text;
   std::vector<Key128> keys;
   StudyWork work;
@@ -61,50 +103,11 @@ void help_with_study(Ranks& ranks, const StudyFolder& folder, const Shard& shard
   share(ranks, keys);
   share(ranks, work.jobs);
   const OrderlyEnd orderly;
-  StudyOutcome outcome;
-  std::size_t went_on = 0;
-  std::int64_t steps_saved = 0;
-  if (!work.jobs.empty()) {
-    if (read_text(folder.snapshot(), "the study's snapshot", text.size() + 1) != text)
-      throw FileError(
-          fmt::format("'{}' is not the folder that rank 0 sees: all ranks need one that "
-                      "they share, by the same name",
-                      folder.path.string()));
-    const StudyPoints points(parse_snapshot(text, folder.snapshot()));
-    const PointCensus census(points);
-    if (census.keys != keys)
-      throw FileError(
-          "this machine would not run the scenes of rank 0: its processor computes with "
-          "other instructions, or it has another ra2d or other profiles. Take machines "
-          "that are alike, with one ra2d");
-    LedgerWriter ledger(folder.ledger(shard, ranks.rank()));
-    StudyOptions options;
-    StudyCheckpoints checkpoints(folder, choices.checkpoint,
-                                 [](const std::string& text) { say(text); });
-    options.checkpoints = &checkpoints;
-    options.most_wall = choices.most_wall;
-    options.keep_results = points.study().keep_files;
-    options.folder = folder.path;
-    options.next_job = [&] { return ranks.next_number(); };
-    options.progress = [&](const StudyProgress& now) {
-      ranks.report({.done = static_cast<std::int64_t>(now.done),
-                    .failed = static_cast<std::int64_t>(now.failed),
-                    .running = static_cast<std::int64_t>(now.running)});
-    };
-    const Backend backend(choices.threads, choices.device);
-    outcome = run_study(points, census, work, ledger, options);
-    went_on = checkpoints.went_on();
-    steps_saved = checkpoints.steps_saved();
-  }
-  ranks.report({.done = static_cast<std::int64_t>(outcome.done),
-                .failed = static_cast<std::int64_t>(outcome.failed),
-                .ended = interruption(),
-                .out_of_time = outcome.out_of_time,
-                .went_on = static_cast<std::int64_t>(went_on),
-                .steps_saved = steps_saved,
-                .threads = choices.threads,
-                .busy = microseconds(outcome.busy),
-                .marched = microseconds(outcome.marched)});
+  RankReport report;
+  if (!work.jobs.empty()) report = run_own_part(ranks, folder, shard, choices, text, keys, work);
+  report.ended = interruption();
+  report.threads = choices.threads;
+  ranks.report(report);
   wait_for_others(ranks, [](double) {});
 }
 
@@ -132,13 +135,12 @@ void add_others(Ranks& ranks, SharedOutcome& all) {
   }
 }
 
-void wait_for_others(Ranks& ranks, const std::function<void(double waited)>& beside) {
-  using Clock = std::chrono::steady_clock;
+void wait_for_others(Ranks& ranks, const std::function<void(double waited)>& on_wait) {
   const Clock::time_point begun = Clock::now();
   for (int i = 0; !ranks.all_are_here(); ++i) {
     if (i % 100 == 0) {
-      end_with_who_gave_up(ranks);
-      beside(std::chrono::duration<double>(Clock::now() - begun).count());
+      end_if_another_gave_up(ranks);
+      on_wait(seconds_since(begun));
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
