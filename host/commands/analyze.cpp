@@ -10,6 +10,7 @@
 
 #include "host/analysis/analysis_text.hpp"
 #include "host/base/errors.hpp"
+#include "host/base/exit_status.hpp"
 #include "host/base/text.hpp"
 #include "host/commands/commands.hpp"
 #include "host/commands/options.hpp"
@@ -114,7 +115,7 @@ int analyze_study(const Request& request) {
   print_text(request.json ? study_json(answers) : describe_study(answers, table.string()));
   if (!prefix.empty() && !request.json && !request.quiet)
     print("  {:<17}{}{}.csv\n", "written", prefix, has_law ? "{means,law}" : "means");
-  return done;
+  return exit_status::done;
 }
 
 int run_analysis(const Request& request) {
@@ -134,19 +135,19 @@ int run_analysis(const Request& request) {
   if (!prefixes.empty()) write_text(figures_file(request), figures_csv(analyses));
   if (request.json) {
     print_text(json_of(analyses));
-    return done;
+    return exit_status::done;
   }
   for (const Analysis& analysis : analyses) print_text(describe(analysis));
   if (analyses.size() > 1) print_text(describe_means(analyses));
   for (const std::string& prefix : prefixes)
     if (!request.quiet) print("  {:<17}{}{{spectrum,bands,shocks}}.csv\n", "written", prefix);
   if (!prefixes.empty() && !request.quiet) print("  {:<17}{}\n", "written", figures_file(request));
-  return done;
+  return exit_status::done;
 }
 
 }  // namespace
 
-void add_analyze(CLI::App& app, Chosen& chosen) {
+void add_analyze(CLI::App& app, ChosenCommand& chosen) {
   const auto asked = std::make_shared<Request>();
   Request& request = *asked;
   CLI::App* analyze = app.add_subcommand(
@@ -180,8 +181,8 @@ void add_analyze(CLI::App& app, Chosen& chosen) {
   analyze->add_flag("--a-weighting", options.a_weighting,
                     "weighs the bands as ears do (IEC 61672-1); a plate's velocity is no sound "
                     "pressure all the same");
-  analyze->add_flag("--quiet", request.quiet, "print nothing but what was asked for and errors");
-  analyze->callback([asked, &chosen] { chosen = [asked] { return run_analysis(*asked); }; });
+  analyze->add_flag("--quiet", request.quiet, "print results and errors only");
+  analyze->callback([asked, &chosen] { chosen.run = [asked] { return run_analysis(*asked); }; });
 }
 
 }  // namespace ra2d

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "host/base/errors.hpp"
+#include "host/base/exit_status.hpp"
 #include "host/base/text.hpp"
 #include "host/commands/commands.hpp"
 #include "host/commands/options.hpp"
@@ -55,12 +56,12 @@ int check_files(const Asked& asked) {
       print("{}: {}\n", printable(file.string()), found.whole);
     damaged = damaged || !found.faults.empty();
   }
-  return damaged ? wrong_file : done;
+  return damaged ? exit_status::wrong_file : exit_status::done;
 }
 
 }  // namespace
 
-void add_check(CLI::App& app, Chosen& chosen) {
+void add_check(CLI::App& app, ChosenCommand& chosen) {
   const auto asked = std::make_shared<Asked>();
   CLI::App* command = app.add_subcommand("check",
                                          "looks at every byte of results, segments, checkpoints "
@@ -71,7 +72,7 @@ void add_check(CLI::App& app, Chosen& chosen) {
       ->required()
       ->check(path());
   command->add_flag("--quiet", asked->quiet, "print nothing but faults");
-  command->callback([asked, &chosen] { chosen = [asked] { return check_files(*asked); }; });
+  command->callback([asked, &chosen] { chosen.run = [asked] { return check_files(*asked); }; });
 }
 
 }  // namespace ra2d

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host/base/errors.hpp"
+#include "host/base/exit_status.hpp"
 #include "host/base/text.hpp"
 #include "host/chart/chart_files.hpp"
 #include "host/commands/commands.hpp"
@@ -60,7 +61,7 @@ Drawing draw_profile(const Request& request) {
   const std::string data = profile_picture(request.files.front(),
                                            {.query = request.profile.query,
                                             .measure = request.profile.measure,
-                                            .usual_filter = !request.profile.filter_told},
+                                            .usual_filter = !request.profile.has_filter},
                                            &doubts);
   say_doubts(doubts, request.quiet);
   return {"plot_profile.py", data, {}};
@@ -142,12 +143,12 @@ int plot_files(const Request& request) {
   require_derived_output(picture, drawing.tables);
   make_picture(drawing, picture);
   if (!request.quiet) print("written: {}\n", printable(picture.string()));
-  return done;
+  return exit_status::done;
 }
 
 }  // namespace
 
-void add_plot(CLI::App& app, Chosen& chosen) {
+void add_plot(CLI::App& app, ChosenCommand& chosen) {
   const auto asked = std::make_shared<Request>();
   Request& request = *asked;
   CLI::App* plot = app.add_subcommand("plot",
@@ -178,7 +179,7 @@ void add_plot(CLI::App& app, Chosen& chosen) {
     for (const CLI::Option* option : of_profiles)
       if (option->count() > 0 && asked->of_profiles.empty())
         asked->of_profiles = option->get_name();
-    chosen = [asked] { return plot_files(*asked); };
+    chosen.run = [asked] { return plot_files(*asked); };
   });
 }
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "host/base/errors.hpp"
+#include "host/base/exit_status.hpp"
 #include "host/base/text.hpp"
 #include "host/commands/commands.hpp"
 #include "host/commands/options.hpp"
@@ -211,12 +212,12 @@ int generate(Asked& asked) {
   write_profile(asked, heights);
   say_doubts(doubts, asked.quiet);
   if (!asked.quiet) print_profile(asked, profile, heights);
-  return done;
+  return exit_status::done;
 }
 
 }  // namespace
 
-void add_surface_generate(CLI::App& surface, Chosen& chosen) {
+void add_surface_generate(CLI::App& surface, ChosenCommand& chosen) {
   const auto asked = std::make_shared<Asked>();
   CLI::App* command = surface.add_subcommand(
       "generate", "makes a random rough profile: the one that a scene with the same words has");
@@ -261,10 +262,11 @@ void add_surface_generate(CLI::App& surface, Chosen& chosen) {
                    "what holds exactly over this length; the rest holds in expectation")
       ->check(CLI::IsMember(exact))
       ->capture_default_str();
-  command->add_option("--seed", s.seed, "a seed means one profile, whatever the spacing")
+  command->add_option("--seed", s.seed, "a seed means one profile, at every spacing")
+      ->transform(whole_number())
       ->capture_default_str();
   command->add_flag("--quiet", asked->quiet, "print nothing but errors");
-  command->callback([asked, &chosen] { chosen = [asked] { return generate(*asked); }; });
+  command->callback([asked, &chosen] { chosen.run = [asked] { return generate(*asked); }; });
 }
 
 }  // namespace ra2d

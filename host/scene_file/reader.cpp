@@ -216,10 +216,20 @@ struct Document::Parts {
     std::optional<double> value;
     if (const auto* number = node.as_floating_point()) value = number->get();
     if (const auto* integer = node.as_integer()) value = static_cast<double>(integer->get());
-    if (value && std::isfinite(*value) && *value < range.high &&
-        (range.low_itself ? *value >= range.low : *value > range.low))
+    const bool is_fine = value && std::isfinite(*value) && *value < range.high &&
+                         (range.low_itself ? *value >= range.low : *value > range.low);
+    if (!is_fine)
+      wrong(node, path, expected);
+    else if (std::abs(*value) > largest_size)
+      fault(node, path,
+            fmt::format("{} is too large to compute with: expected at most {:g}", shown(node),
+                        largest_size));
+    else if (range.low == 0 && *value != 0 && *value < smallest_size)
+      fault(node, path,
+            fmt::format("{} is too small to compute with: expected at least {:g}", shown(node),
+                        smallest_size));
+    else
       return *value;
-    wrong(node, path, expected);
     return not_a_number;
   }
 
@@ -414,7 +424,9 @@ std::map<std::string, std::string> Document::places() const {
   return places;
 }
 
-bool Reader::stands() const { return document_->parts_->seen[index_].table != nullptr; }
+bool Reader::exists() const { return document_->parts_->seen[index_].table != nullptr; }
+
+std::size_t Reader::fault_count() const { return document_->parts_->count; }
 
 bool Reader::has(const std::string& key) const {
   const auto& at = document_->parts_->seen[index_];
@@ -433,7 +445,7 @@ std::optional<double> Reader::number(const std::string& key, const Range& range,
   std::string expected = of(range.words, unit);
   if (!or_word.empty()) expected += " or " + toml_string(or_word);
   const toml::node* node = parts.take(index_, key, need, expected);
-  if (node == nullptr) return need == Need::required ? std::optional(not_a_number) : std::nullopt;
+  if (node == nullptr) return need == Need::optional ? std::nullopt : std::optional(not_a_number);
   if (!or_word.empty() && says(key, or_word)) return std::nullopt;
   return parts.number(*node, join(parts.seen[index_].path, key), range, expected);
 }
