@@ -11,7 +11,7 @@ namespace ra2d {
 enum ExitStatus : int {
   done = 0,
   wrong_request = 2,
-  failed = 3,
+  run_failed = 3,
   wrong_file = 4,
   out_of_time = 5,
   interrupted = 128  // and the signal's number

@@ -288,9 +288,9 @@ int answer(const Words& words) {
         fmt::format("cannot read or write '{}': {}", fault.path1().string(), why).c_str(),
         wrong_file);
   } catch (const std::bad_alloc&) {
-    return give_up("out of memory: fewer nodes or modes are needed (see 'ra2d plan')", failed);
+    return give_up("out of memory: fewer nodes or modes are needed (see 'ra2d plan')", run_failed);
   } catch (const std::exception& fault) {
-    return give_up(fault.what(), failed);
+    return give_up(fault.what(), run_failed);
   }
 }
 

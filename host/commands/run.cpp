@@ -70,18 +70,18 @@ void print_report(const Scene& scene, const RunReport& r, const std::filesystem:
     print_line("level Lv", "-inf dB: the resonator did not vibrate");
   if (r.counted > 0)
     print_line("shocks",
-               fmt::format("{:.0f} a second{}", r.shocks, rate_interval_text(r.intervals)));
-  if (r.shocks > 0) {
+               fmt::format("{:.0f} a second{}", r.shock_rate, rate_interval_text(r.intervals)));
+  if (r.shock_rate > 0) {
     print_line("  duration", fmt::format("median {:.3g} us, 90 % up to {:.3g} us",
-                                         r.duration_median * 1e6, r.duration_90 * 1e6));
-    print_line("  peak force",
-               fmt::format("median {:.3g} N, 90 % up to {:.3g} N", r.force_median, r.force_90));
+                                         r.shock_duration_median * 1e6, r.shock_duration_90 * 1e6));
+    print_line("  peak force", fmt::format("median {:.3g} N, 90 % up to {:.3g} N",
+                                           r.peak_force_median, r.peak_force_90));
   }
   if (!r.beyond_limit.empty()) print_line("beyond limit", r.beyond_limit);
   if (r.counted > 0)
     print_line("in contact", fmt::format("{:.2f} % of the time", 100 * r.contact_share));
-  if (r.mesh.stands_out()) print_line("mesh's tone", mesh_tone_text(r.mesh));
-  print_line("nodes evaluated", fmt::format("{:.2f} a step, on average", r.evaluated));
+  if (r.mesh.stands_out()) print_line("mesh tone", mesh_tone_text(r.mesh));
+  print_line("nodes evaluated", fmt::format("{:.2f} a step, on average", r.nodes_evaluated));
   print_line("energy",
              r.energy.samples < 2
                  ? std::string("not known: fewer than two samples were counted (output.rate)")
@@ -140,7 +140,7 @@ int run_command(const CommonOptions& common, RunChoices choices) {
   if (report.ending == Ending::failed) {
     say(fmt::format("{}: {}. What was computed until then is in {}, marked as cut short",
                     common.scene.string(), report.failure, output.string()));
-    return failed;
+    return run_failed;
   }
   if (report.ending == Ending::interrupted) {
     say(fmt::format(

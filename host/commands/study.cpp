@@ -397,7 +397,7 @@ int march_study(Known& known, const StudyFolder& folder, const Shard& shard,
                     work.done + work.failed + finished, runs_text(work.runs)));
     return out_of_time;
   }
-  return failed_now.empty() ? done : failed;
+  return failed_now.empty() ? done : run_failed;
 }
 
 int study_command(const StudyRequest& request) {
@@ -498,7 +498,7 @@ int merge_command(const std::vector<fs::path>& folders, fs::path output, bool qu
     print("{} of {} folder{}\n  {:<17}{}\n", runs_text(known.census.different().size()),
           folders.size(), folders.size() == 1 ? "" : "s", "table", printable(output.string()));
   say_failed(known, bad);
-  return bad.empty() ? done : failed;
+  return bad.empty() ? done : run_failed;
 }
 
 }  // namespace
