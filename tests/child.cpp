@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <fstream>
@@ -80,6 +81,16 @@ void Child::send(int signal) const { kill(pid_, signal); }
 int Child::threads() const {
   const std::filesystem::directory_iterator tasks("/proc/" + std::to_string(pid_) + "/task");
   return static_cast<int>(std::distance(begin(tasks), end(tasks)));
+}
+
+double Child::processor_seconds() const {
+  std::string stat = read_file("/proc/" + std::to_string(pid_) + "/stat");
+  std::istringstream fields(stat.substr(std::min(stat.size(), stat.rfind(')') + 1)));
+  std::string skipped;
+  for (int i = 3; i < 14; ++i) fields >> skipped;  // proc(5): utime and stime are numbers 14 and 15
+  double user = 0, system = 0;
+  fields >> user >> system;
+  return (user + system) / static_cast<double>(sysconf(_SC_CLK_TCK));
 }
 
 Ended run_program(const std::filesystem::path& folder, std::vector<std::string> words) {

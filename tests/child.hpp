@@ -38,6 +38,8 @@ class Child {
   bool ignores(int signal) const;
   /// Threads that it has now.
   int threads() const;
+  /// Processor time that it has taken so far [s].
+  double processor_seconds() const;
   std::string out() const { return read_file(folder_ / "stdout"); }
   std::string err() const { return read_file(folder_ / "stderr"); }
 

@@ -6,19 +6,18 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <limits>
 #include <numeric>
 
 #include "host/analysis/bands.hpp"
 #include "host/analysis/stretch.hpp"
 #include "host/base/errors.hpp"
+#include "host/base/quiet_nan.hpp"
 #include "host/result/level.hpp"
 #include "host/store/result_reader.hpp"
 
 namespace ra2d {
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t columns_at_once = 32 << 20;  // bytes, of samples that are read together
 constexpr std::size_t most_samples = std::size_t{1} << 30;  // that a transform takes
 
@@ -41,16 +40,17 @@ Stretch analysed_stretch(const ResultContents& contents, const std::optional<Sce
 /// How long the segments of the spectrum are; 0 where the stretch is too short for one.
 std::size_t choose_segment(const AnalysisOptions& options, std::size_t samples, const Analysis& a) {
   if (!options.segment && !options.resolution) return usual_segment(samples);
-  const double asked = options.segment ? static_cast<double>(*options.segment)
-                                       : std::round(a.rate / *options.resolution);
-  if (asked >= 4 && asked <= static_cast<double>(samples)) return static_cast<std::size_t>(asked);
+  const double wanted = options.segment ? static_cast<double>(*options.segment)
+                                        : std::round(a.rate / *options.resolution);
+  if (wanted >= 4 && wanted <= static_cast<double>(samples))
+    return static_cast<std::size_t>(wanted);
   throw RequestError(fmt::format(
       "{}: {}: a segment of {:.0f} samples, expected 4 to {}, as many as the stretch has ({:g} Hz "
       "apart or more)",
       a.file.string(),
       options.segment ? fmt::format("--segment {}", *options.segment)
                       : fmt::format("--resolution {:g}", *options.resolution),
-      asked, samples, samples > 0 ? a.rate / static_cast<double>(samples) : nan));
+      wanted, samples, samples > 0 ? a.rate / static_cast<double>(samples) : quiet_nan));
 }
 
 void add(const std::vector<double>& values, double weight, std::vector<double>& sum) {
@@ -63,7 +63,7 @@ double mean_square(const std::vector<double>& values) {
          static_cast<double>(values.size());
 }
 
-/// What is found of the samples' velocity, mode by mode and probe by probe.
+/// Analyses the sampled velocities, mode by mode and probe by probe.
 class VelocityAnalysis {
  public:
   VelocityAnalysis(const ResultReader& reader, const Stretch& stretch, std::size_t segment,
@@ -121,10 +121,10 @@ class VelocityAnalysis {
   /// Calls `body` with each column's number and samples; several are read at a time.
   template <class Body>
   void each_column(const char* dataset, std::size_t count, Body body) {
-    const std::size_t together =
+    const std::size_t at_once =
         std::max<std::size_t>(1, columns_at_once / (stretch_.count * sizeof(double)));
-    for (std::size_t first = 0; first < count; first += together) {
-      const std::size_t now = std::min(together, count - first);
+    for (std::size_t first = 0; first < count; first += at_once) {
+      const std::size_t now = std::min(at_once, count - first);
       const auto columns = reader_.columns(dataset, stretch_.first, stretch_.count, first, now);
       for (std::size_t k = 0; k < now; ++k) body(first + k, columns[k]);
     }
@@ -188,7 +188,7 @@ PowerBalance powers_of(const ResultReader& reader, const Stretch& stretch, doubl
 }
 
 MeshTone mesh_tone(const std::optional<Scene>& scene, const Analysis& a) {
-  MeshTone tone{nan, false, nan, nan};
+  MeshTone tone{quiet_nan, false, quiet_nan, quiet_nan};
   if (!scene || !(scene->speed > 0)) return tone;
   tone.frequency = scene->speed / scene->spacing;
   tone.in_spectrum = tone.frequency < a.rate / 2;
@@ -201,7 +201,7 @@ MeshTone mesh_tone(const std::optional<Scene>& scene, const Analysis& a) {
   return tone;
 }
 
-/// What the file itself says of all that it counts.
+/// Takes the figures of the whole run from the file, which counted every step.
 void take_summary(const ResultSummary& summary, Analysis& a) {
   a.v_rms = summary.v_rms;
   a.contact_share = summary.contact_share;
@@ -212,7 +212,7 @@ void take_summary(const ResultSummary& summary, Analysis& a) {
 
 double last_mode(const Analysis& a) {
   const auto last = std::max_element(a.natural_frequencies.begin(), a.natural_frequencies.end());
-  return last == a.natural_frequencies.end() ? nan : *last;
+  return last == a.natural_frequencies.end() ? quiet_nan : *last;
 }
 
 std::vector<bool> bands_above_modes(const Analysis& a) {
@@ -232,8 +232,8 @@ Analysis analyze(const std::filesystem::path& file, const AnalysisOptions& optio
   a.complete = contents.summary.complete;
   a.ended = contents.summary.ended;
   a.rate = contents.rate;
-  a.lv_a = a.contact_share = a.energy_closure = nan;
-  a.modal_damping = scene ? scene->resonator.damping : nan;
+  a.lv_a = a.contact_share = a.energy_closure = quiet_nan;
+  a.modal_damping = scene ? scene->resonator.damping : quiet_nan;
   a.probe_position = contents.probe_position;
   a.slider_probe_position = contents.slider_probe_position;
   std::copy_if(contents.resonator_frequency.begin(), contents.resonator_frequency.end(),
@@ -243,7 +243,7 @@ Analysis analyze(const std::filesystem::path& file, const AnalysisOptions& optio
                     [&](double f) { return f > a.rate / 2; }));
 
   const Stretch stretch = analysed_stretch(contents, scene, options, a);
-  a.v_rms = nan;
+  a.v_rms = quiet_nan;
   if (a.whole) take_summary(contents.summary, a);
   const std::size_t segment = choose_segment(options, stretch.count, a);
   if (stretch.count > 0) VelocityAnalysis(reader, stretch, segment, a).run(options.a_weighting);
@@ -253,7 +253,7 @@ Analysis analyze(const std::filesystem::path& file, const AnalysisOptions& optio
   a.intervals = intervals_of_run(a.history, a.lv, a.shocks.rate,
                                  ringing_of(a.natural_frequencies, a.modal_damping));
   a.energy = powers_of(reader, stretch, a.rate);
-  a.energy_per_shock = a.shocks.count > 0 ? a.energy.given / a.shocks.rate : nan;
+  a.energy_per_shock = a.shocks.count > 0 ? a.energy.given / a.shocks.rate : quiet_nan;
   a.mesh = mesh_tone(scene, a);
   mark_mesh(a.peaks, a.mesh.frequency, a.spectrum.resolution);
   return a;

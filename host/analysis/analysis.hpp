@@ -13,7 +13,7 @@
 #include "host/analysis/shock_statistics.hpp"
 #include "host/analysis/spectrum.hpp"
 
-/// What a result says of the noise (docs/analysis.md): level, spectrum, bands, shocks, powers.
+/// The analysis of a result (docs/analysis.md): level, spectrum, bands, shocks, powers.
 namespace ra2d {
 
 struct AnalysisOptions {
@@ -80,8 +80,8 @@ struct Analysis {
 /// The resonator's last elastic mode [Hz]; NaN where it has none.
 double last_mode(const Analysis& analysis);
 
-/// Of each of the bands, whether it lies above that mode: what stands there is the flank of modes
-/// below, and would be another level with more modes.
+/// For each band, whether it lies above that mode: its level is that of the flank of lower modes,
+/// and would differ with more modes.
 std::vector<bool> bands_above_modes(const Analysis& analysis);
 
 /// Reads and analyses a result. Throws FileError of the file, and RequestError where the options

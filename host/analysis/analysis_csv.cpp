@@ -9,6 +9,7 @@
 #include "host/analysis/analysis_text.hpp"
 #include "host/analysis/bands.hpp"
 #include "host/analysis/several.hpp"
+#include "host/base/csv.hpp"
 
 namespace ra2d {
 namespace {
@@ -76,10 +77,9 @@ std::string figures_csv(const std::vector<Analysis>& analyses) {
   };
   std::string text =
       "of,level_dB,level_low_dB,level_high_dB,shocks_1/s,shocks_low_1/s,shocks_high_1/s\n";
-  const auto add = [&](std::string of, double level, const Interval& levels, double rate,
+  const auto add = [&](const std::string& of, double level, const Interval& levels, double rate,
                        const Interval& rates) {
-    for (std::size_t at = 0; (at = of.find('"', at)) != of.npos; at += 2) of.insert(at, 1, '"');
-    text += fmt::format("\"{}\"", of);
+    text += csv_field(of);
     for (const double value : {level, levels.low, levels.high, rate, rates.low, rates.high})
       text += ',' + number(value);
     text += '\n';

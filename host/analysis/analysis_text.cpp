@@ -96,11 +96,11 @@ std::string spectrum_text(const Analysis& a) {
   return text + line("mesh tone", mesh_text(a.mesh));
 }
 
-/// What is told of a peak's width. Words as in docs/analysis.md.
+/// The damping of a peak, or why there is none.
 std::string damping_text(const SpectralPeak& peak, const Analysis& a) {
   const HalfPower& h = peak.half_power;
   if (peak.of_mesh) return "on a tone of the mesh";
-  if (std::isnan(h.damping)) return fmt::format("damping: {}", word_of(h.why));
+  if (std::isnan(h.damping)) return fmt::format("no damping: {}", reason_of(h.why));
   return fmt::format(
       "damping {:.4f} +- {:.4f}{}", h.damping, h.error,
       std::isnan(a.modal_damping) ? "" : fmt::format(" (modal {:g})", a.modal_damping));

@@ -13,7 +13,7 @@ namespace ra2d {
 std::string interval_text(const IntervalsOfRun& intervals);
 std::string rate_interval_text(const IntervalsOfRun& intervals);
 
-/// Of a tone that stands out.
+/// The text for a tone that stands out.
 std::string mesh_tone_text(const MeshTone& mesh);
 
 /// One screen.

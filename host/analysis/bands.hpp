@@ -38,7 +38,7 @@ double third_octave_centre(int number);
 /// Its lower edge [Hz]: G^(1/6) below the midband frequency.
 double third_octave_low(int number);
 
-/// What people call it: "31.5", "1000", "12500".
+/// Its name in the standard: "31.5", "1000", "12500".
 std::string third_octave_name(int number);
 
 /// Share of a signal's power at this frequency that the band's filter passes:
@@ -62,7 +62,7 @@ double band_spread(int number, double seconds);
 /// The weighting A [dB]: 0 at 1 kHz.
 double a_weighting(double frequency);
 
-/// The same power spectrum, weighted.
+/// The A-weighted power spectrum.
 std::vector<double> a_weighted(const WholeSpectrum& spectrum, std::span<const double> power);
 
 }  // namespace ra2d

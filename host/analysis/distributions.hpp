@@ -8,7 +8,7 @@ namespace ra2d {
 /// be whole.
 double chi_square_quantile(double p, double degrees_of_freedom);
 
-/// The same of Student's t.
+/// The quantile of Student's t.
 double student_quantile(double p, double degrees_of_freedom);
 
 /// The probability that a variable of Fisher's F exceeds `f`; degrees of freedom of the mean

@@ -4,18 +4,18 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <vector>
+
+#include "host/base/quiet_nan.hpp"
 
 namespace ra2d {
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double usual_damping = 0.02;  // to begin with, where nothing is expected
 constexpr double around = 2;            // widths on either side of the top that are looked at
-constexpr double together = 50;    // a width has about so many groups of lines, where it has more
-constexpr std::size_t fewest = 8;  // groups
+constexpr double groups_a_width = 50;   // about, where a width has more lines
+constexpr std::size_t fewest = 8;       // groups
 constexpr int rounds = 30, steps = 50;
 constexpr std::size_t parts = 8;                           // in which the curve must fit
 constexpr double most_misfit = 0.25, misfit_errors = 3.5;  // beside what chance does
@@ -49,7 +49,7 @@ std::array<double, 3> slopes(const Curve& curve, double f) {
 Groups gather(const ModeLines& lines, const Curve& curve) {
   const double far = around * curve.width();
   const double width = curve.width() / lines.resolution;  // in lines
-  const auto size = static_cast<std::size_t>(std::max(1.0, std::floor(width / together)));
+  const auto size = static_cast<std::size_t>(std::max(1.0, std::floor(width / groups_a_width)));
   const auto first = static_cast<std::size_t>(
       std::max(1.0, std::ceil((curve.frequency - far) / lines.resolution)));
   const auto last = static_cast<std::size_t>(
@@ -95,7 +95,7 @@ double likelihood(const Groups& groups, const Curve& curve) {
   return sum;
 }
 
-/// What lines say of a curve: where a likelier one lies, and how far chance moves it.
+/// A step towards the likeliest curve, and how far chance moves that one.
 struct Step {
   std::array<double, 3> change{};
   double variance = 0;  // of ln(damping)
@@ -189,22 +189,38 @@ bool follows(const Groups& groups, const Curve& curve) {
   return true;
 }
 
-HalfPower untold(Untold why) { return {nan, nan, nan, why}; }
+HalfPower without_damping(NoDamping why) { return {quiet_nan, quiet_nan, quiet_nan, why}; }
 
 }  // namespace
 
-const char* word_of(Untold why) {
+const char* word_of(NoDamping why) {
   switch (why) {
-    case Untold::told:
+    case NoDamping::found:
       return "";
-    case Untold::short_run:
+    case NoDamping::short_run:
       return "short";
-    case Untold::shape:
+    case NoDamping::shape:
       return "shape";
-    case Untold::lost:
+    case NoDamping::lost:
       return "lost";
-    case Untold::mesh:
+    case NoDamping::mesh:
       return "mesh";
+  }
+  return "";
+}
+
+const char* reason_of(NoDamping why) {
+  switch (why) {
+    case NoDamping::found:
+      return "";
+    case NoDamping::short_run:
+      return "the run is too short";
+    case NoDamping::shape:
+      return "the peak has not the shape of one mode";
+    case NoDamping::lost:
+      return "no peak near the mode";
+    case NoDamping::mesh:
+      return "on a tone of the mesh";
   }
   return "";
 }
@@ -218,11 +234,11 @@ ModePlace place_of_mode(std::span<const double> natural, std::size_t k, double d
 
 HalfPower half_power(const ModeLines& lines, const ModePlace& place) {
   std::optional<Curve> curve = begin(lines, place);
-  if (!curve) return untold(Untold::lost);
+  if (!curve) return without_damping(NoDamping::lost);
   // the lines that are looked at follow the width, until they hardly change
   for (int round = 0; round < rounds && curve->damping < largest; ++round) {
     const Groups groups = gather(lines, *curve);
-    if (groups.power.size() < fewest) return untold(Untold::short_run);
+    if (groups.power.size() < fewest) return without_damping(NoDamping::short_run);
     Curve found = *curve;
     const std::optional<double> variance = fit(groups, place, found);
     const double most = 2 * curve->damping;
@@ -234,11 +250,11 @@ HalfPower half_power(const ModeLines& lines, const ModePlace& place) {
     const double change = std::abs(found.damping / curve->damping - 1);
     curve = found;
     if (change > 0.05 * error && round + 1 < rounds) continue;
-    if (error > most_uncertain) return untold(Untold::short_run);
-    if (!follows(groups, found)) return untold(Untold::shape);
-    return {found.frequency, found.damping, error * found.damping, Untold::told};
+    if (error > most_uncertain) return without_damping(NoDamping::short_run);
+    if (!follows(groups, found)) return without_damping(NoDamping::shape);
+    return {found.frequency, found.damping, error * found.damping, NoDamping::found};
   }
-  return untold(Untold::lost);
+  return without_damping(NoDamping::lost);
 }
 
 }  // namespace ra2d

@@ -6,9 +6,12 @@
 /// The half-power damping of a mode, from the lines of its own velocity over the whole stretch.
 namespace ra2d {
 
-/// Why there is no damping, in a word (docs/analysis.md).
-enum class Untold { told, short_run, shape, lost, mesh };
-const char* word_of(Untold why);
+/// Why a mode has no half-power damping (docs/analysis.md).
+enum class NoDamping { found, short_run, shape, lost, mesh };
+/// "the run is too short"
+const char* reason_of(NoDamping why);
+/// One word for tables and JSON: "short".
+const char* word_of(NoDamping why);
 
 /// The power of a mode's velocity, line by line from 0 Hz.
 struct ModeLines {
@@ -17,7 +20,7 @@ struct ModeLines {
   double independent = 1;  // share of the lines that chance moves by itself
 };
 
-/// Where a mode is looked for.
+/// The frequencies in which a mode is sought.
 struct ModePlace {
   double natural = 0;        // Hz
   double low = 0, high = 0;  // Hz
@@ -28,7 +31,7 @@ struct HalfPower {
   double frequency = 0;  // Hz, of the top; NaN where there is none
   double damping = 0;    // (f2 - f1) / (2 f); NaN where it cannot be told
   double error = 0;      // its standard error, were the force stationary Gaussian noise
-  Untold why = Untold::told;
+  NoDamping why = NoDamping::found;
 };
 
 /// The velocity of a mode under a force of even density has the resonance curve
@@ -38,8 +41,8 @@ struct HalfPower {
 /// With lines over four times the width on both sides, zeta is known to 1.5/sqrt(pi width stretch).
 HalfPower half_power(const ModeLines& lines, const ModePlace& place);
 
-/// Of mode k of these natural frequencies: half way to its neighbours, and no further than a tenth
-/// of its own. `damping`: what is expected.
+/// The place of mode k: half way to its neighbours, and no further than a tenth of its own
+/// frequency. `damping`: the expected one.
 ModePlace place_of_mode(std::span<const double> natural, std::size_t k, double damping);
 
 /// A damping with a larger relative standard error is not told.

@@ -9,11 +9,11 @@
 #include <numbers>
 
 #include "host/analysis/several.hpp"
+#include "host/base/quiet_nan.hpp"
 
 namespace ra2d {
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t most_parts = 200, independent_parts = 10;
 
 /// By how much chance of a mean is greater than ten parts let it seem, where what they are parts of
@@ -92,7 +92,7 @@ LevelHistory LevelParts::history(const std::vector<double>& weights) const {
 
 IntervalsOfRun intervals_of_run(const LevelHistory& history, double level, double shock_rate,
                                 double ringing) {
-  IntervalsOfRun found{{nan, nan}, {nan, nan}, {}};
+  IntervalsOfRun found{{quiet_nan, quiet_nan}, {quiet_nan, quiet_nan}, {}};
   const double seconds = history.part_seconds * static_cast<double>(history.mean_square.size());
   const double least = static_cast<double>(independent_parts) * ringing;
   if (!std::isfinite(level)) {

@@ -17,7 +17,7 @@ struct LevelHistory {
 /// Adds up a history while samples and shocks come, in any order.
 class LevelParts {
  public:
-  /// Of samples `first` to `first + count` of a run at `rate` [Hz], with so many modes of the
+  /// Divides the samples `first` to `first + count` of a run at `rate` [Hz]. `modes`: of the
   /// resonator.
   LevelParts(std::size_t first, std::size_t count, double rate, std::size_t modes);
 
@@ -27,7 +27,7 @@ class LevelParts {
   void add_column(std::size_t mode, std::span<const double> column);
   void add_shock(double start);  // s
 
-  /// Of the parts that are full; `weights`: means of psi_k^2 over the resonator [1/m].
+  /// The history of all full parts; `weights`: means of psi_k^2 over the resonator [1/m].
   LevelHistory history(const std::vector<double>& weights) const;
 
  private:
@@ -38,7 +38,7 @@ class LevelParts {
   std::vector<double> shocks_;   // counts
 };
 
-/// Where a quantity lies by chance, with 95 % confidence; NaN where that cannot be told.
+/// Holds the true value with 95 % confidence; NaN where there is no interval.
 struct Interval {
   double low = 0, high = 0;
 };
@@ -51,7 +51,7 @@ struct IntervalsOfRun {
   std::string why_none;        // empty where there is one of the level
 };
 
-/// From ten parts of the run: Student's t of the logarithm of their mean. Parts follow upon each
+/// Student's t of the logarithm of the mean of ten parts of the run. Parts follow upon each
 /// other, and a mode rings on: the intervals are as much wider as they must be where the motion's
 /// power forgets as slowly as its slowest mode does, within `ringing` [s] to 1/e (ringing_of). None
 /// for a run shorter than ten times that.

@@ -6,12 +6,12 @@
 #include <array>
 #include <cmath>
 #include <complex>
-#include <limits>
 #include <numbers>
 
 #include "host/analysis/distributions.hpp"
 #include "host/analysis/peaks.hpp"
 #include "host/analysis/spectrum.hpp"
+#include "host/base/quiet_nan.hpp"
 #include "host/result/statistics.hpp"
 
 namespace ra2d {
@@ -20,7 +20,6 @@ namespace {
 using Complex = std::complex<double>;
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using ComplexRows = Eigen::Matrix<Complex, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t blocks_of_segment = 128;
 constexpr std::size_t splines = 4, parts = 2 * splines;  // that a place lies under
 
@@ -40,7 +39,7 @@ std::array<double, splines> splines_at(double t) {
           t * t * t / 6};
 }
 
-/// What the average under a spline leaves of a tone so many lines away from the middle.
+/// The share of a tone that the average under a spline leaves, so many lines away from the middle.
 double left_by_splines(std::size_t lines, std::size_t block, std::size_t segment) {
   double sum = 0;
   for (std::size_t r = 0; r < block; ++r) {
@@ -132,7 +131,7 @@ void MeshToneWatch::end_block() {
 
 MeshTone MeshToneWatch::tone(const std::vector<double>& weights, const std::vector<double>& natural,
                              double damping) const {
-  MeshTone found{frequency_, frequency_ > 0 && frequency_ < rate_ / 2, nan, nan};
+  MeshTone found{frequency_, frequency_ > 0 && frequency_ < rate_ / 2, quiet_nan, quiet_nan};
   const std::size_t segments = block_ > 0 ? half_overlapping(rate_, segment_).count(row_) : 0;
   if (segments == 0) return found;
   const std::size_t length = segment_ / block_;  // averages of a segment

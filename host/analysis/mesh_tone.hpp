@@ -33,7 +33,7 @@ double rise_of_a_mode(const std::vector<double>& natural, double damping, double
 /// tone's frequency and averaged under cubic splines so that some 128 values of a segment are left.
 class MeshToneWatch {
  public:
-  /// Of samples `first` to `first + count` of a run at `rate` [Hz].
+  /// Watches the samples `first` to `first + count` of a run at `rate` [Hz].
   MeshToneWatch(double frequency, std::size_t first, std::size_t count, double rate,
                 std::size_t modes);
 

@@ -5,12 +5,11 @@
 #include <cmath>
 #include <limits>
 
+#include "host/base/quiet_nan.hpp"
 #include "host/result/statistics.hpp"
 
 namespace ra2d {
 namespace {
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 /// Lines in which a mode's peak is looked for.
 struct Reach {
@@ -29,13 +28,13 @@ Reach reach_of(const Lines& lines, double below, double natural, double above) {
 }
 
 /// The means of so many lines, an odd number; the outermost stay as they are.
-std::vector<double> smoothed(std::span<const double> density, std::size_t together) {
+std::vector<double> smoothed(std::span<const double> density, std::size_t width_of_mean) {
   std::vector<double> means(density.begin(), density.end());
-  const std::size_t aside = together / 2;
+  const std::size_t aside = width_of_mean / 2;
   for (std::size_t j = aside; aside > 0 && j + aside < density.size(); ++j) {
     double sum = 0;
     for (std::size_t i = j - aside; i <= j + aside; ++i) sum += density[i];
-    means[j] = sum / static_cast<double>(together);
+    means[j] = sum / static_cast<double>(width_of_mean);
   }
   return means;
 }
@@ -44,13 +43,14 @@ std::vector<double> smoothed(std::span<const double> density, std::size_t togeth
 /// lines.
 SpectralPeak find_peak(const Lines& lines, double below, double natural, double above,
                        double width) {
-  SpectralPeak peak{0, natural, nan, nan, {nan, nan, nan, Untold::lost}};
+  SpectralPeak peak{
+      0, natural, quiet_nan, quiet_nan, {quiet_nan, quiet_nan, quiet_nan, NoDamping::lost}};
   const double apart = std::min(below > 0 ? natural - below : natural, above - natural);
   if (!(apart >= least_apart * lines.resolution)) return peak;
   const Reach reach = reach_of(lines, below, natural, above);
   if (reach.first > reach.last) return peak;
-  const std::size_t together = width >= 15 ? 2 * static_cast<std::size_t>(width / 10) + 1 : 1;
-  const std::vector<double> density = smoothed(lines.density, together);
+  const std::size_t width_of_mean = width >= 15 ? 2 * static_cast<std::size_t>(width / 10) + 1 : 1;
+  const std::vector<double> density = smoothed(lines.density, width_of_mean);
   const auto highest =
       std::max_element(density.begin() + static_cast<std::ptrdiff_t>(reach.first),
                        density.begin() + static_cast<std::ptrdiff_t>(reach.last) + 1);
@@ -84,14 +84,15 @@ void mark_mesh(std::vector<SpectralPeak>& peaks, double tone, double resolution)
   for (SpectralPeak& peak : peaks) {
     const double away = std::abs(std::remainder(peak.frequency, tone));
     peak.of_mesh = peak.frequency > tone / 2 && away <= 2.5 * resolution;
-    if (peak.of_mesh) peak.half_power = {nan, nan, nan, Untold::mesh};
+    if (peak.of_mesh) peak.half_power = {quiet_nan, quiet_nan, quiet_nan, NoDamping::mesh};
   }
 }
 
 double rise_at(const Lines& lines, double frequency) {
   const auto line =
       static_cast<std::size_t>(std::lround(std::max(0.0, frequency) / lines.resolution));
-  if (line <= lines_around_tone || line + lines_around_tone >= lines.density.size()) return nan;
+  if (line <= lines_around_tone || line + lines_around_tone >= lines.density.size())
+    return quiet_nan;
   return rise_of(lines.density.subspan(line - lines_around_tone, 2 * lines_around_tone + 1));
 }
 
@@ -99,7 +100,7 @@ double rise_of(std::span<const double> densities) {
   double highest = 0;
   std::vector<double> around;
   for (std::size_t j = 0; j < densities.size(); ++j) {
-    if (!std::isfinite(densities[j])) return nan;
+    if (!std::isfinite(densities[j])) return quiet_nan;
     if (j + lines_of_tone >= lines_around_tone && j <= lines_around_tone + lines_of_tone)
       highest = std::max(highest, densities[j]);
     else

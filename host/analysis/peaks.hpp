@@ -28,24 +28,24 @@ struct SpectralPeak {
 
 inline constexpr double least_apart = 3;
 
-/// For each elastic mode within the spectrum, by frequency. `zeta`: their modal damping ratio,
-/// which says how wide peaks should be: over a fifth of that lines are averaged, so that fewer are
-/// high by chance. NaN where it is not known.
+/// The peak of each elastic mode within the spectrum, by frequency. `zeta`: their modal damping
+/// ratio, NaN where it is not known. It gives the expected width of a peak: lines are averaged over
+/// a fifth of it, so that fewer are high by chance.
 std::vector<SpectralPeak> find_peaks(const Lines& lines, const std::vector<double>& natural,
                                      double zeta);
 
 /// Marks what stands within two lines of a multiple of the mesh's tone [Hz].
 void mark_mesh(std::vector<SpectralPeak>& peaks, double tone, double resolution);
 
-/// A tone is looked for in the lines up to so many away, and compared with those around, up to so
-/// many.
+/// A tone is sought within lines_of_tone lines of its frequency, and compared with the lines up to
+/// lines_around_tone away.
 inline constexpr std::size_t lines_of_tone = 2, lines_around_tone = 20;
 
 /// How far the highest line at a frequency rises above the median of those around [dB]; NaN where
 /// the spectrum does not reach so far.
 double rise_at(const Lines& lines, double frequency);
 
-/// That of densities in lines_around_tone on either side of the tone's.
+/// The rise within densities that reach lines_around_tone to either side of the tone.
 double rise_of(std::span<const double> densities);
 
 }  // namespace ra2d

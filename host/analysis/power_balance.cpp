@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "host/analysis/power_balance.hpp"
 
-#include <limits>
 #include <numeric>
+
+#include "host/base/quiet_nan.hpp"
 
 namespace ra2d {
 namespace {
@@ -17,8 +18,8 @@ double rise(std::span<const double> values) { return values.back() - values.fron
 
 PowerBalance power_balance(const EnergyColumns& e, double seconds) {
   if (e.kinetic.size() < 2) {
-    constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-    return {nan, nan, nan, nan, nan, nan, nan, nan, nan};
+    return {quiet_nan, quiet_nan, quiet_nan, quiet_nan, quiet_nan,
+            quiet_nan, quiet_nan, quiet_nan, quiet_nan};
   }
   PowerBalance b;
   b.sliding = rise(e.sliding_work) / seconds;

@@ -18,7 +18,7 @@ struct PowerBalance {
   double kinetic = 0, elastic = 0, contact = 0;
 };
 
-/// From the first sample to the last, `seconds` later.
+/// The balance from the first sample to the last, `seconds` later.
 PowerBalance power_balance(const EnergyColumns& energy, double seconds);
 
 }  // namespace ra2d

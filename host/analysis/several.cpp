@@ -2,14 +2,12 @@
 #include "host/analysis/several.hpp"
 
 #include <cmath>
-#include <limits>
 
 #include "host/analysis/distributions.hpp"
+#include "host/base/quiet_nan.hpp"
 
 namespace ra2d {
 namespace {
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 struct Figure {
   const char *name, *unit;
@@ -40,7 +38,7 @@ constexpr Figure figures[] = {
 }  // namespace
 
 MeanOfRuns mean_of_runs(const std::vector<double>& values, Values kind) {
-  MeanOfRuns m{0, 0, nan, nan, nan};
+  MeanOfRuns m{0, 0, quiet_nan, quiet_nan, quiet_nan};
   double sum = 0, squares = 0;
   for (const double value : values)
     if (!std::isnan(value)) {

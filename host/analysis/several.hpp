@@ -16,8 +16,8 @@ enum class Values {
   share      // from 0 to 1
 };
 
-/// Of independent runs that differ by chance alone, e.g. by their seeds: the mean and where the
-/// true one lies with 95 % confidence, by Student's t; of positive values by Student's t of the
+/// The mean of independent runs that differ by chance alone, e.g. by their seeds, and its interval
+/// of 95 % confidence, by Student's t; of positive values by Student's t of the
 /// mean's logarithm, mean exp(+-t deviation / (sqrt(count) mean)), and of shares of its logit.
 /// bench/coverage.py measures how often they hold the truth. NaN where there are too few, and of
 /// positive values that are all 0.

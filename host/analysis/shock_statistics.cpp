@@ -5,10 +5,11 @@
 #include <cmath>
 #include <limits>
 
+#include "host/base/quiet_nan.hpp"
+
 namespace ra2d {
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr int bins_per_decade = 10;
 
 /// The lower edge of a bin; whole decades are exact.
@@ -30,16 +31,16 @@ int bin_of(double value) {
 void count_at_once(const std::vector<Shock>& shocks, double begin, double end,
                    ShockStatistics& statistics) {
   std::vector<double> starts, ends;
-  double together = 0;  // s, of all
+  double in_contact = 0;  // s, of all
   for (const Shock& shock : shocks) {
     const double from = std::max(begin, shock.start);
     const double to = std::min(end, shock.start + shock.duration);
     if (!(to > from)) continue;
     starts.push_back(from);
     ends.push_back(to);
-    together += to - from;
+    in_contact += to - from;
   }
-  statistics.at_once_mean = end > begin ? together / (end - begin) : nan;
+  statistics.at_once_mean = end > begin ? in_contact / (end - begin) : quiet_nan;
   std::sort(starts.begin(), starts.end());
   std::sort(ends.begin(), ends.end());
   for (std::size_t begun = 0, ended = 0; begun < starts.size(); ++begun) {
@@ -51,7 +52,7 @@ void count_at_once(const std::vector<Shock>& shocks, double begin, double end,
 }  // namespace
 
 double quantile(std::span<const double> sorted, double share) {
-  if (sorted.empty()) return nan;
+  if (sorted.empty()) return quiet_nan;
   const double place = share * static_cast<double>(sorted.size() - 1);
   const auto below = std::min(static_cast<std::size_t>(place), sorted.size() - 1);
   const std::size_t above = std::min(below + 1, sorted.size() - 1);
@@ -63,7 +64,7 @@ Spread spread_of(std::vector<double> values) {
   double sum = 0;
   for (const double value : values) sum += value;
   return {quantile(values, 0.5), quantile(values, 0.1), quantile(values, 0.9),
-          values.empty() ? nan : sum / static_cast<double>(values.size())};
+          values.empty() ? quiet_nan : sum / static_cast<double>(values.size())};
 }
 
 LogBins log_bins(std::span<const double> values) {
@@ -88,7 +89,7 @@ LogBins log_bins(std::span<const double> values) {
 
 ShockStatistics shock_statistics(const std::vector<Shock>& shocks, double begin, double end) {
   std::vector<double> durations, forces, impulses, intervals;
-  double last = nan;
+  double last = quiet_nan;
   for (const Shock& shock : shocks) {
     if (shock.start < begin || shock.start > end) continue;
     durations.push_back(shock.duration);
@@ -99,7 +100,7 @@ ShockStatistics shock_statistics(const std::vector<Shock>& shocks, double begin,
   }
   ShockStatistics statistics;
   statistics.count = durations.size();
-  statistics.rate = end > begin ? static_cast<double>(statistics.count) / (end - begin) : nan;
+  statistics.rate = end > begin ? static_cast<double>(statistics.count) / (end - begin) : quiet_nan;
   count_at_once(shocks, begin, end, statistics);
   statistics.durations = log_bins(durations);
   statistics.peak_forces = log_bins(forces);

@@ -6,10 +6,10 @@
 
 #include "host/result/record.hpp"
 
-/// What the shocks of a stretch have in common.
+/// Statistics of the shocks of a stretch.
 namespace ra2d {
 
-/// Of any number of values; NaN without any.
+/// Quantiles and mean of values; NaN where there are none.
 struct Spread {
   double median = 0, p10 = 0, p90 = 0, mean = 0;
 };

@@ -9,7 +9,7 @@
 
 namespace ra2d {
 
-/// The part of a run that is looked at, or listened to.
+/// The part of a run that is analysed or played.
 struct Stretch {
   double from = 0, to = 0;           // s
   bool whole = true;                 // all that the file's own summary counts

@@ -52,7 +52,7 @@ class BackFourier {
   std::unique_ptr<FourierPlan> plan_;
 };
 
-/// The same of lines that are needed once.
+/// The way back for lines that are needed once.
 std::vector<double> from_lines(const std::vector<std::complex<double>>& lines, std::size_t length);
 
 /// The smallest length of at least `least` with no prime factor above 7, which are quick to

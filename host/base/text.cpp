@@ -47,7 +47,7 @@ std::size_t character_size(std::string_view text) {
   return size;
 }
 
-/// The first character, of so many bytes.
+/// The first character. It has `size` bytes.
 char32_t code_point(std::string_view text, std::size_t size) {
   char32_t code = size == 1 ? byte(text, 0) : byte(text, 0) & (0xFFU >> (size + 1));
   for (std::size_t i = 1; i < size; ++i) code = code << 6U | (byte(text, i) & 0x3FU);

@@ -18,7 +18,7 @@ std::string toml_number(double value);
 /// the direction of writing, and bytes that are no UTF-8, escaped.
 std::string printable(std::string_view text);
 
-/// The same line by line: line ends stay.
+/// As printable(), line by line: line ends stay.
 std::string printable_lines(std::string_view text);
 
 /// `text`, or its beginning with "..." when it has more than `most` bytes.

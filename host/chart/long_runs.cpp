@@ -12,6 +12,7 @@
 #include "host/ensemble/ensemble.hpp"
 #include "host/plan/plan.hpp"
 #include "host/result/level.hpp"
+#include "host/run/v_rms.hpp"
 #include "host/scene/schemes.hpp"
 
 namespace ra2d {

@@ -79,12 +79,12 @@ void print_level(const Scene& scene, const RunReport& r) {
 void print_shocks(const RunReport& r) {
   if (r.counted > 0)
     print_line("shocks",
-               fmt::format("{:.0f} a second{}", r.shocks, rate_interval_text(r.intervals)));
-  if (!(r.shocks > 0)) return;
+               fmt::format("{:.0f} a second{}", r.shock_rate, rate_interval_text(r.intervals)));
+  if (!(r.shock_rate > 0)) return;
   print_line("  duration", fmt::format("median {:.3g} us, 90 % up to {:.3g} us",
-                                       r.duration_median * 1e6, r.duration_90 * 1e6));
+                                       r.shock_duration_median * 1e6, r.shock_duration_90 * 1e6));
   print_line("  peak force",
-             fmt::format("median {:.3g} N, 90 % up to {:.3g} N", r.force_median, r.force_90));
+             fmt::format("median {:.3g} N, 90 % up to {:.3g} N", r.peak_force_median, r.peak_force_90));
 }
 
 void print_energy(const Scene& scene, const EnergyBalance& energy) {
@@ -115,8 +115,8 @@ void print_report(const Scene& scene, const RunReport& r, const std::filesystem:
   if (!r.beyond_limit.empty()) print_line("beyond limit", r.beyond_limit);
   if (r.counted > 0)
     print_line("in contact", fmt::format("{:.2f} % of the time", 100 * r.contact_share));
-  if (r.mesh.stands_out()) print_line("mesh's tone", mesh_tone_text(r.mesh));
-  print_line("nodes evaluated", fmt::format("{:.2f} a step, on average", r.evaluated));
+  if (r.mesh.stands_out()) print_line("mesh tone", mesh_tone_text(r.mesh));
+  print_line("nodes evaluated", fmt::format("{:.2f} a step, on average", r.nodes_evaluated));
   print_energy(scene, r.energy);
   print_cost(r);
   print_line("file", printable(output.string()));

@@ -2,25 +2,20 @@
 #include "host/ensemble/ensemble.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 
+#include "host/base/clock.hpp"
 #include "host/base/errors.hpp"
 #include "host/device/backend.hpp"
 #include "host/plan/plan.hpp"
-#include "host/result/level.hpp"
 #include "host/result/record.hpp"
 #include "host/result/statistics.hpp"
+#include "host/run/v_rms.hpp"
 
 namespace ra2d {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-double seconds_since(Clock::time_point begin) {
-  return std::chrono::duration<double>(Clock::now() - begin).count();
-}
 
 constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
 

@@ -11,7 +11,7 @@ namespace ra2d {
 /// Names and values, as markup.
 using FactTable = std::vector<std::pair<std::string, std::string>>;
 
-/// What a scene asks for, for people.
+/// The settings of a scene, as rows of a table.
 FactTable asked_facts(const Scene& scene);
 
 }  // namespace ra2d

@@ -65,7 +65,7 @@ Clip make_clip(const std::filesystem::path& result, Cut c, double full_scale) {
   return {caption_of(sound.facts(), c), "data:audio/wav;base64," + base64(store.bytes())};
 }
 
-/// What the page plays of a result, and the largest full scale that it needs.
+/// The parts of a result that the page plays, and the largest full scale that they need.
 struct Choice {
   std::vector<Cut> cuts;
   double full_scale = 0;

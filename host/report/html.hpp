@@ -10,7 +10,7 @@ namespace ra2d {
 /// attribute's quotes neither, and control characters are written out.
 std::string html(std::string_view text);
 
-/// The same of several lines.
+/// As html(), of several lines.
 std::string html_lines(std::string_view text);
 
 /// Bytes as a data: address has them (RFC 4648).

@@ -4,7 +4,7 @@
 
 #include "host/report/asked.hpp"
 
-/// What all pages of `ra2d report` are made of.
+/// The parts of all pages of `ra2d report`.
 namespace ra2d {
 
 std::string table_of(const FactTable& facts);

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-/// What every page has: how it looks, and what its buttons do. Nothing is fetched from anywhere,
-/// and the policy forbids it.
+/// Style and script of every page. Nothing is fetched from anywhere: the policy forbids it.
 namespace ra2d {
 
 inline constexpr char page_policy[] =

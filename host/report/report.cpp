@@ -20,7 +20,6 @@
 #include "host/report/html.hpp"
 #include "host/report/page.hpp"
 #include "host/report/pictures.hpp"
-#include "host/result/level.hpp"
 #include "host/store/result_reader.hpp"
 
 namespace ra2d {
@@ -32,15 +31,15 @@ constexpr std::size_t longest_title = 200;  // bytes
 constexpr double much_energy = 0.05;        // of what went through
 
 /// All that the page says of one result.
-struct Told {
+struct ReportedResult {
   Analysis analysis;
   std::optional<Scene> scene;
   std::string scene_text, beyond_limit, origin;
   Clips clips;
 };
 
-/// Of a scene with measured faces, which files they are of: their names alone, and the hash of what
-/// was made of them, by which who gets the page sees that a file is the one.
+/// The names of the files of measured faces, and the hashes of the heights that were made of them:
+/// with these a reader of the page can recognise the files.
 std::string profiles_text(const ResultReader& reader, const std::optional<Scene>& scene) {
   std::string text;
   if (!scene) return text;
@@ -58,24 +57,24 @@ std::string profiles_text(const ResultReader& reader, const std::optional<Scene>
   return text;
 }
 
-Told read(const fs::path& file) {
-  Told told;
-  told.analysis = analyze(file, {});
+ReportedResult read(const fs::path& file) {
+  ReportedResult result;
+  result.analysis = analyze(file, {});
   const ResultReader reader(file);
   const ResultContents& contents = reader.contents();
-  told.scene = scene_of(contents, file);
-  told.scene_text = profiles_text(reader, told.scene) + without_folders(contents.scene);
-  told.beyond_limit = contents.beyond_limit;
-  told.origin = contents.origin;
-  return told;
+  result.scene = scene_of(contents, file);
+  result.scene_text = profiles_text(reader, result.scene) + without_folders(contents.scene);
+  result.beyond_limit = contents.beyond_limit;
+  result.origin = contents.origin;
+  return result;
 }
 
 std::string title_of(const Analysis& a) { return html(shortened(a.title, longest_title)); }
 
 // ---- what came out -----------------------------------------------------------------------------
 
-std::string level_fact(const Told& told) {
-  const Analysis& a = told.analysis;
+std::string level_fact(const ReportedResult& result) {
+  const Analysis& a = result.analysis;
   if (std::isnan(a.v_rms)) return "none: nothing was counted";
   if (!(a.v_rms > 0)) return "−∞ dB: the resonator did not vibrate";
   std::string text = fmt::format("<b>{:.2f} dB</b> re 1 nm/s (v<sub>rms</sub> {} m/s)", a.lv,
@@ -83,8 +82,8 @@ std::string level_fact(const Told& told) {
   return text + html(interval_text(a.intervals));
 }
 
-std::string rate_fact(const Told& told) {
-  const Analysis& a = told.analysis;
+std::string rate_fact(const ReportedResult& result) {
+  const Analysis& a = result.analysis;
   if (a.shocks.count == 0) return "none";
   return fmt::format("<b>{:.0f} a second</b> ({} in all){}", a.shocks.rate, a.shocks.count,
                      rate_interval_text(a.intervals));
@@ -102,27 +101,27 @@ std::string loudest_band(const BandLevels& b) {
                      b.level[at], 1.96 * b.spread[at]);
 }
 
-/// The least and the largest of the modes that tell one; empty without any.
+/// The smallest and the largest damping of all modes that have one; empty without any.
 std::string damping_fact(const Analysis& a) {
   double least = HUGE_VAL, most = 0;
-  std::size_t told = 0;
+  std::size_t count = 0;
   for (const SpectralPeak& peak : a.peaks)
-    if (peak.half_power.why == Untold::told) {
+    if (peak.half_power.why == NoDamping::found) {
       least = std::min(least, peak.half_power.damping);
       most = std::max(most, peak.half_power.damping);
-      ++told;
+      ++count;
     }
-  if (told == 0) return {};
-  return fmt::format("{} to {}, of {} of {} modes{}", html_number(least), html_number(most), told,
+  if (count == 0) return {};
+  return fmt::format("{} to {}, of {} of {} modes{}", html_number(least), html_number(most), count,
                      a.peaks.size(),
                      std::isfinite(a.modal_damping)
                          ? fmt::format("; modal damping {}", html_number(a.modal_damping))
                          : "");
 }
 
-FactTable found_facts(const Told& told) {
-  const Analysis& a = told.analysis;
-  FactTable facts{{"level Lv", level_fact(told)}, {"shocks", rate_fact(told)}};
+FactTable found_facts(const ReportedResult& result) {
+  const Analysis& a = result.analysis;
+  FactTable facts{{"level Lv", level_fact(result)}, {"shocks", rate_fact(result)}};
   if (a.shocks.count > 0) {
     facts.emplace_back("their duration", spread_fact(a.shocks.duration, 1e-6, "µs"));
     facts.emplace_back("their peak force", spread_fact(a.shocks.peak_force, 1, "N"));
@@ -149,14 +148,14 @@ FactTable found_facts(const Told& told) {
   return facts;
 }
 
-/// What a reader should not overlook.
-std::vector<std::string> doubts_of(const Told& told) {
-  const Analysis& a = told.analysis;
+/// Warnings for the reader.
+std::vector<std::string> doubts_of(const ReportedResult& result) {
+  const Analysis& a = result.analysis;
   std::vector<std::string> doubts;
   if (!a.complete) doubts.push_back("The run was cut short: " + html(shortened(a.ended, 300)));
-  if (!told.beyond_limit.empty())
+  if (!result.beyond_limit.empty())
     doubts.push_back("The step is beyond a limit of stability, on request: " +
-                     html(shortened(told.beyond_limit, 300)));
+                     html(shortened(result.beyond_limit, 300)));
   if (a.energy_closure > much_energy)
     doubts.push_back(
         fmt::format("{:.0f} % of the energy is unaccounted for.", 100 * a.energy_closure));
@@ -173,17 +172,17 @@ std::vector<std::string> doubts_of(const Told& told) {
   return doubts;
 }
 
-std::string doubts_box(const Told& told) {
+std::string doubts_box(const ReportedResult& result) {
   std::string text;
-  for (const std::string& doubt : doubts_of(told)) text += "<p>" + doubt + "</p>\n";
+  for (const std::string& doubt : doubts_of(result)) text += "<p>" + doubt + "</p>\n";
   return text.empty() ? text : "<div class=\"note\" role=\"note\">\n" + text + "</div>\n";
 }
 
 // ---- pictures, sound, scene --------------------------------------------------------------------
 
-std::string pictures_part(const Told& told) {
+std::string pictures_part(const ReportedResult& result) {
   std::string text;
-  for (const Picture& picture : pictures_of(told.analysis, told.analysis.history))
+  for (const Picture& picture : pictures_of(result.analysis, result.analysis.history))
     text += fmt::format("<figure>\n{}<figcaption>{}</figcaption>\n</figure>\n", picture.svg,
                         picture.caption);
   return text.empty() ? text : "<h3>Pictures</h3>\n<div class=\"columns\">\n" + text + "</div>\n";
@@ -203,37 +202,37 @@ std::string sound_part(const Clips& clips) {
   return text + "</div>\n</div>\n";
 }
 
-std::string scene_part(const Told& told, std::size_t number) {
+std::string scene_part(const ReportedResult& result, std::size_t number) {
   return "<h3>The scene</h3>\n" +
          text_to_copy(
              "Save it as <code>scene.toml</code> and run it again: <code>ra2d run scene.toml -o "
              "result.h5</code>",
-             "the scene", fmt::format("scene{}", number), told.scene_text);
+             "the scene", fmt::format("scene{}", number), result.scene_text);
 }
 
-std::string section(const Told& told, std::size_t number, bool several) {
-  const Analysis& a = told.analysis;
+std::string section(const ReportedResult& result, std::size_t number, bool one_of_many) {
+  const Analysis& a = result.analysis;
   std::string text = fmt::format("<section id=\"result{}\">\n", number);
-  if (several) text += fmt::format("<h2>{}: {}</h2>\n", number, title_of(a));
+  if (one_of_many) text += fmt::format("<h2>{}: {}</h2>\n", number, title_of(a));
   text +=
       fmt::format("<p class=\"lead\">{}, {} s to {} s. {}</p>\n", html(a.file.filename().string()),
-                  html_number(a.from, 6), html_number(a.to, 6), html(told.origin));
-  text += doubts_box(told);
-  text += "<h3>What came out</h3>\n" + table_of(found_facts(told));
+                  html_number(a.from, 6), html_number(a.to, 6), html(result.origin));
+  text += doubts_box(result);
+  text += "<h3>What came out</h3>\n" + table_of(found_facts(result));
   text +=
       "<p class=\"soft\">The 95 % intervals of level and shocks are of this run: how far off it "
       "is, had the "
       "same slider gone on over more of the same plate. Other seeds draw other surfaces, which "
       "differ by "
       "more: only several runs tell.</p>\n";
-  text += sound_part(told.clips) + pictures_part(told);
-  if (told.scene) text += "<h3>What was asked</h3>\n" + table_of(asked_facts(*told.scene));
-  return text + scene_part(told, number) + "</section>\n";
+  text += sound_part(result.clips) + pictures_part(result);
+  if (result.scene) text += "<h3>What was asked</h3>\n" + table_of(asked_facts(*result.scene));
+  return text + scene_part(result, number) + "</section>\n";
 }
 
 // ---- several results ---------------------------------------------------------------------------
 
-std::string comparison(const std::vector<Told>& results) {
+std::string comparison(const std::vector<ReportedResult>& results) {
   std::string rows;
   for (std::size_t i = 0; i < results.size(); ++i) {
     const Analysis& a = results[i].analysis;
@@ -249,7 +248,7 @@ std::string comparison(const std::vector<Told>& results) {
          rows + "</table></div>\n<p class=\"soft\">Durations and peak forces: medians.</p>\n";
 }
 
-/// What a figure of analyze's JSON is called on a page, and what it is multiplied by there.
+/// The name of a figure of analyze's JSON on a page, and the factor to the unit there.
 struct FigureWords {
   std::string name;
   double times = 1;
@@ -272,9 +271,9 @@ FigureWords words_of(const std::string& figure) {
   return {html(figure), 1};
 }
 
-std::string means(const std::vector<Told>& results) {
+std::string means(const std::vector<ReportedResult>& results) {
   std::vector<Analysis> analyses;
-  for (const Told& told : results) analyses.push_back(told.analysis);
+  for (const ReportedResult& result : results) analyses.push_back(result.analysis);
   std::string rows;
   for (const FigureOfRuns& f : means_of(analyses)) {
     const auto [name, times] = words_of(f.name);
@@ -293,16 +292,16 @@ std::string means(const std::vector<Told>& results) {
 }  // namespace
 
 std::string report_page(const std::vector<fs::path>& files, const std::string& command) {
-  std::vector<Told> results;
+  std::vector<ReportedResult> results;
   for (const fs::path& file : files) results.push_back(read(file));
   std::vector<Clips> clips = clips_of(files);
   for (std::size_t i = 0; i < results.size(); ++i) results[i].clips = std::move(clips[i]);
-  const bool several = results.size() > 1;
-  const std::string title = several ? fmt::format("Roughness noise: {} results", results.size())
-                                    : title_of(results.front().analysis);
+  const bool one_of_many = results.size() > 1;
+  const std::string title = one_of_many ? fmt::format("Roughness noise: {} results", results.size())
+                                        : title_of(results.front().analysis);
   std::string body;
-  if (several) body += comparison(results) + means(results);
-  for (std::size_t i = 0; i < results.size(); ++i) body += section(results[i], i + 1, several);
+  if (one_of_many) body += comparison(results) + means(results);
+  for (std::size_t i = 0; i < results.size(); ++i) body += section(results[i], i + 1, one_of_many);
   return whole_page(title, body, command);
 }
 

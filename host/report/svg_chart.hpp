@@ -22,7 +22,7 @@ class SvgChart {
   /// `summary`: what is to be seen, for who cannot see it. No markup in any text.
   SvgChart(ChartAxis x, ChartAxis y, std::string summary);
 
-  /// What is drawn from here on belongs to this series, from 0, and has its colour. Dots and
+  /// All drawn from here on belongs to this series, from 0, and has its colour. Dots and
   /// whiskers stand `aside` dots of the picture to the right of their place, so that those of
   /// several series do not hide each other.
   void begin_series(std::size_t number, double aside);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-#include <limits>
 
+#include "host/base/quiet_nan.hpp"
 #include "host/result/record.hpp"
 
 /// Whether the energy of a run closes.
@@ -15,7 +15,7 @@ struct EnergyBalance {
   int samples = 0;      // that it was taken between, no more than 2 counted
   /// NaN where there were no two samples to take it between.
   double relative() const {
-    if (samples < 2) return std::numeric_limits<double>::quiet_NaN();
+    if (samples < 2) return quiet_nan;
     return turnover > 0 ? residual / turnover : 0.0;
   }
 };
@@ -26,7 +26,7 @@ class EnergyAccount {
   explicit EnergyAccount(double from = 0) : from_{from} {}
   void add(const SampleBlock& block);
   EnergyBalance balance() const { return balance_; }
-  /// Shows all that is kept to whoever saves it.
+  /// Shows all that has to be saved to an archive.
   template <class Archive>
   void visit(Archive& archive) {
     archive(from_, begun_, start_, damping_loss_, sliding_work_, load_work_, balance_.residual,

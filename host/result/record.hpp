@@ -1,13 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-#include <cstdint>
-#include <limits>
 #include <vector>
 
-#include "host/device/batch.hpp"
-#include "host/model/model.hpp"
-
-/// From what the march hands out to what a file holds.
+/// The samples and shocks of a run: plain numbers, which need nothing of the device.
 namespace ra2d {
 
 /// Samples, any number at a time; every vector is row-major, one row a sample.
@@ -31,17 +26,7 @@ struct Shock {
   double position = 0;    // m on the resonator, mean weighted by force
 };
 
-/// The samples that were drained, the first of them being sample `first` of the run.
-SampleBlock make_samples(const Model& model, const ModalStart& start, const Drained& drained,
-                         std::int64_t first);
-
 /// Whether all values of the samples are numbers.
 bool is_finite(const SampleBlock& block);
-
-/// Shocks in SI units.
-std::vector<Shock> make_shocks(const Model& model, const std::vector<ShockRow>& rows);
-
-/// The shocks that are still going on: as long as they have lasted.
-std::vector<Shock> make_shocks(const Model& model, const std::vector<OpenShock>& open);
 
 }  // namespace ra2d

@@ -5,14 +5,15 @@
 #include <cstddef>
 #include <cstdint>
 #include <iterator>
-#include <limits>
 #include <vector>
+
+#include "host/base/quiet_nan.hpp"
 
 namespace ra2d {
 
 /// NaN without values.
 inline double median(std::vector<double> values) {
-  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
+  if (values.empty()) return quiet_nan;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   if (values.size() % 2 == 1) return *middle;
@@ -34,8 +35,8 @@ class LogHistogram {
     ++total_;
   }
   std::int64_t total() const { return total_; }
-  /// Shows all that is kept to whoever saves it: bin, count, bin, count, ... of those that are not
-  /// empty.
+  /// Shows all that has to be saved to an archive: bin, count, bin, count, ... of the bins that are
+  /// not empty.
   template <class Archive>
   void visit(Archive& archive) {
     std::vector<std::int64_t> filled;
@@ -59,7 +60,7 @@ class LogHistogram {
 
   /// The value that a share of all values does not exceed; NaN without values.
   double quantile(double share) const {
-    if (total_ == 0) return std::numeric_limits<double>::quiet_NaN();
+    if (total_ == 0) return quiet_nan;
     const auto rank =
         std::max<std::int64_t>(1, std::llround(std::ceil(share * static_cast<double>(total_))));
     std::int64_t seen = 0;

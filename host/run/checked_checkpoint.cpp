@@ -32,7 +32,7 @@ CheckedCheckpoint check_checkpoint(const std::filesystem::path& file) {
         "with their hashes",
         checkpoint.identity.program, checkpoint.accounts.now.strides, checkpoint.segments.size(),
         checkpoint.segments.size() == 1 ? "" : "s", bytes * 1e-6);
-  } catch (const Unbelieved& fault) {
+  } catch (const CorruptFile& fault) {
     found.faults.push_back(fmt::format("it is {}", fault.what()));
   }
   return found;

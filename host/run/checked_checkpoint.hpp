@@ -6,7 +6,7 @@
 
 namespace ra2d {
 
-/// What a look at every byte of a checkpoint, and of the segments that it vouches for, has found.
+/// The findings after every byte of a checkpoint and of its segments was read.
 struct CheckedCheckpoint {
   std::vector<std::string> faults;  // a sentence each; none: it is whole
   std::string what;                 // "a checkpoint of ra2d 0.1 ..., 31415 steps into its run; ..."

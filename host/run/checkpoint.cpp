@@ -27,7 +27,7 @@ bool fits(const Snapshot& s, const Model& model) {
          s.slider_v.size() == slider && s.step >= 0 && s.step <= model.steps && s.strides >= 0;
 }
 
-/// What in the accounts does not fit the scene, or the state; empty where nothing is found.
+/// The first of the accounts that does not fit the scene or the state; empty where all fit.
 std::string fault_of(const Checkpoint& c, const Model& model, Outputs outputs) {
   const Accounts& a = c.accounts;
   std::int64_t samples = 0;
@@ -98,7 +98,7 @@ FoundCheckpoint find_checkpoint(const OutputNames& names, const Identity& run, c
       found.file = *file;
       found.checkpoint = std::move(checkpoint);
       return found;
-    } catch (const Unbelieved& fault) {
+    } catch (const CorruptFile& fault) {
       if (found.damage.empty())
         found.damage = fmt::format("'{}' is {}", file->string(), fault.what());
     } catch (const FileError& fault) {

@@ -12,10 +12,10 @@
 #include "host/store/beside.hpp"
 #include "host/store/recording.hpp"
 
-/// What a run goes on from after it was cut off.
+/// Checkpoints: a run that was cut off goes on from one.
 namespace ra2d {
 
-/// What wrote a checkpoint, and of which run.
+/// The program that wrote a checkpoint, and the run that it belongs to.
 struct Identity {
   std::string program;     // version and commit
   std::string arithmetic;  // of the build (arithmetic())
@@ -35,19 +35,19 @@ struct Checkpoint {
 /// The run that this program is about to make.
 Identity identity_of(const std::string& key, const std::string& scene);
 
-/// As it stands in a file, and back. Throws Unbelieved (host/store/sealed_file.hpp) where a byte is
-/// not as it was. A state that does not fit its scene is found when it is gone on from
+/// As it stands in a file, and back. Throws CorruptFile (host/store/sealed_file.hpp) where a byte
+/// is not as it was. A state that does not fit its scene is found when it is gone on from
 /// (Batch::restore).
 std::string bytes_of(const Checkpoint& checkpoint);
 Checkpoint checkpoint_of(const std::string& bytes);
 
-/// Throws Unbelieved, and FileError where the file cannot be read.
+/// Throws CorruptFile, and FileError where the file cannot be read.
 Checkpoint read_checkpoint(const std::filesystem::path& file);
 
 /// Whether what a run records is kept, and so has to be there for it to go on.
 enum class Outputs { kept, not_kept };
 
-/// What a checkpoint differs in from the run that is asked for, in words: "it is of another scene:
+/// The difference between a checkpoint and the requested run, in words: "it is of another scene:
 /// 'speed = 0.1' there, 'speed = 0.2' here"; empty where a run can go on from it.
 std::string difference(const Checkpoint& checkpoint, const Identity& run, const Model& model,
                        Outputs outputs = Outputs::kept);

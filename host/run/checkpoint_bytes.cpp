@@ -62,12 +62,12 @@ class Unpacker {
     (get(values), ...);
   }
   void end() const {
-    if (!rest_.empty()) throw Unbelieved("longer than what it holds");
+    if (!rest_.empty()) throw CorruptFile("longer than what it holds");
   }
 
  private:
   std::string_view take(std::size_t count) {
-    if (count > rest_.size()) throw Unbelieved("shorter than what it holds");
+    if (count > rest_.size()) throw CorruptFile("shorter than what it holds");
     const std::string_view taken = rest_.substr(0, count);
     rest_.remove_prefix(count);
     return taken;
@@ -82,7 +82,7 @@ class Unpacker {
     std::size_t count = 0;
     get(count);
     if (count > rest_.size())
-      throw Unbelieved("shorter than what it holds");  // a byte each at least
+      throw CorruptFile("shorter than what it holds");  // a byte each at least
     return count;
   }
   void get(std::string& text) {
@@ -174,7 +174,7 @@ Checkpoint checkpoint_of(const std::string& bytes) {
   auto section = sections.begin();
   visit_sections(checkpoint, [&](const char* name, auto& members) {
     if (section == sections.end() || section->name != name)
-      throw Unbelieved(fmt::format("without its section '{}'", name));
+      throw CorruptFile(fmt::format("without its section '{}'", name));
     Unpacker unpack(section->bytes);
     unpack(members);
     unpack.end();

@@ -9,13 +9,13 @@
 #include <ctime>
 
 #include "host/device/backend.hpp"
-#include "host/result/level.hpp"
+#include "host/run/v_rms.hpp"
 #include "host/scene_file/scene_file.hpp"
 
 namespace ra2d {
 namespace {
 
-/// Shapes at every so many nodes, at 1001 places at the most.
+/// The shapes at evenly spaced nodes, at most 1001 of them.
 ModesHeader make_modes(const Beam& beam, std::size_t nodes, double spacing) {
   constexpr std::size_t most_places = 1001;
   const std::size_t stride =

@@ -7,7 +7,7 @@
 
 namespace ra2d {
 
-/// What a result file says of a run before its first step. `key`: run_key.
+/// The beginning of a run's result file. `key`: run_key.
 ResultHeader result_header(const Model& model, const std::string& key);
 
 }  // namespace ra2d

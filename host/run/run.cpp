@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <optional>
 #include <stdexcept>
@@ -12,6 +11,7 @@
 #include <system_error>
 #include <utility>
 
+#include "host/base/clock.hpp"
 #include "host/base/errors.hpp"
 #include "host/base/text.hpp"
 #include "host/plan/plan.hpp"
@@ -28,11 +28,6 @@
 namespace ra2d {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
 /// `first`: the step that this process began with, `wall` seconds ago.
 Progress progress_of(const SceneRun& run, std::int64_t first, double wall) {
   Progress progress;
@@ -47,7 +42,7 @@ Progress progress_of(const SceneRun& run, std::int64_t first, double wall) {
   return progress;
 }
 
-/// What a scene is called in a result: "name = ..." of its text; empty where it has no name.
+/// The name of a scene: "name = ..." of its text; empty where it has none.
 std::string name_in(const std::string& scene) {
   constexpr std::string_view key = "\nname = ";
   const std::size_t at = scene.find(key);
@@ -88,8 +83,10 @@ bool is_there(const std::filesystem::path& output, const std::string& key, const
     if (there.key == key && !is_segment_name(output)) return there.complete && !options.fresh;
     what = is_segment_name(output) ? "a segment of a run" : description(there, scene);
     is_replaced = is_replaced || !is_wanted(there);
+  } catch (const UnreadableResult& fault) {
+    what = "a file that cannot be read as a result: " + fault.reason;
   } catch (const FileError& fault) {
-    what = fmt::format("no result that this ra2d reads ({})", fault.what());
+    what = fmt::format("a file that cannot be read as a result: {}", fault.what());
   }
   if (!is_replaced)
     throw RequestError(

@@ -13,7 +13,7 @@
 namespace ra2d {
 namespace {
 
-/// Where in a run a segment begins that follows this moment.
+/// The beginning of the segment that follows this moment.
 SegmentStart start_after(const Snapshot& now) {
   SegmentStart start;
   for (const OpenShock& open : now.open_shocks) start.open_shocks.push_back(open.serial);

@@ -14,8 +14,7 @@
 #include "host/store/beside.hpp"
 #include "host/store/recording.hpp"
 
-/// What a run has on the disk while it goes on: checkpoints, and what it records where that is
-/// kept.
+/// The files of a run while it goes on: checkpoints, and its recorded data where that is kept.
 namespace ra2d {
 
 class RunWatch;
@@ -31,7 +30,7 @@ class RunFiles {
   bool is_claimed() const { return claimed_ != nullptr; }
   const OutputNames& names() const { return claimed_->names(); }  // once it is claimed
 
-  /// Of a claimed output: looks for the checkpoint that the run goes on from.
+  /// Looks for the checkpoint that the run goes on from. The output must be claimed.
   FoundCheckpoint find(const Model& model, Outputs outputs);
 
   /// Keeps what the run records from now on; `before`: what it goes on from. Throws FileError.
@@ -48,8 +47,8 @@ class RunFiles {
   bool has_checkpoint() const { return has_checkpoint_; }
   /// Whether the last checkpoint and all that it vouches for are there.
   bool can_go_on() const;
-  /// Of a claimed output: writes a checkpoint of a run between two launches, `wall` seconds after
-  /// its start. `so_far` is asked for what a segment says of the run until now. Throws FileError.
+  /// Writes a checkpoint of a run between two launches, `wall` seconds after its start. The output
+  /// must be claimed. `so_far` gives the figures until now, for a segment. Throws FileError.
   void keep(const SceneRun& run, SavedState state, double wall,
             const std::function<ResultSummary()>& so_far);
 
@@ -70,8 +69,8 @@ class RunFiles {
   std::chrono::steady_clock::time_point kept_ = std::chrono::steady_clock::now();
 };
 
-/// Wall time of a launch [s], short enough for checkpoints every so many seconds and for an end at
-/// `most_wall`.
+/// Wall time of a launch [s], short enough for a checkpoint every `checkpoint` seconds and for the
+/// end at `most_wall`.
 double launch_seconds(double checkpoint, double most_wall);
 
 }  // namespace ra2d

@@ -4,10 +4,10 @@
 
 #include "host/model/model.hpp"
 
-/// What tells one run from another: two runs of one key give the same bits.
+/// The key of a run: two runs of one key give the same bits.
 namespace ra2d {
 
-/// Raised by whoever changes the bits of an answer on purpose (CONTRIBUTING.md).
+/// To be raised with every change of the bits of an answer on purpose (CONTRIBUTING.md).
 inline constexpr int numerics_version = 2;
 
 /// XXH3-128, as 32 hexadecimal digits, of the scene with all its keys, of both bodies' heights, of
@@ -15,7 +15,7 @@ inline constexpr int numerics_version = 2;
 /// place of its files is in it, nor the number of threads.
 std::string run_key(const Model& model);
 
-/// Where two scenes, as echo() writes them, differ first: "'speed = 0.1' there, 'speed = 0.2'
+/// The first difference of two scenes, as echo() writes them: "'speed = 0.1' there, 'speed = 0.2'
 /// here". Empty where they do not; their names are no difference.
 std::string first_difference(const std::string& there, const std::string& here);
 

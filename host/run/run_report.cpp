@@ -5,12 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "host/base/errors.hpp"
 #include "host/base/format.hpp"
+#include "host/base/quiet_nan.hpp"
 #include "host/plan/plan.hpp"
 #include "host/result/level.hpp"
+#include "host/run/v_rms.hpp"
 #include "host/scene/schemes.hpp"
 #include "host/scene_file/scene_file.hpp"
 
@@ -116,15 +117,15 @@ RunReport report_on(const SceneRun& run, const std::vector<double>& mean_squares
   report.v_rms = v_rms(mean_squares, now, begin);
   report.lv = level(report.v_rms);
   // per nothing there is none, also where a shock began at once
-  report.shocks = report.counted > 0 ? static_cast<double>(a.durations.total()) / report.counted
-                                     : std::numeric_limits<double>::quiet_NaN();
-  report.duration_median = a.durations.quantile(0.5);
-  report.duration_90 = a.durations.quantile(0.9);
-  report.force_median = a.forces.quantile(0.5);
-  report.force_90 = a.forces.quantile(0.9);
+  report.shock_rate =
+      report.counted > 0 ? static_cast<double>(a.durations.total()) / report.counted : quiet_nan;
+  report.shock_duration_median = a.durations.quantile(0.5);
+  report.shock_duration_90 = a.durations.quantile(0.9);
+  report.peak_force_median = a.forces.quantile(0.5);
+  report.peak_force_90 = a.forces.quantile(0.9);
   report.contact_share = static_cast<double>(now.contact_steps - begin.contact_steps) / ticks;
-  report.evaluated = static_cast<double>(now.evaluated) /
-                     static_cast<double>(std::max<std::int64_t>(1, report.steps));
+  report.nodes_evaluated = static_cast<double>(now.evaluated) /
+                           static_cast<double>(std::max<std::int64_t>(1, report.steps));
   report.energy = a.energy.balance();
   report.march_seconds = a.march_seconds;
   return report;
@@ -138,15 +139,7 @@ std::string ending_name(Ending ending) {
 
 ResultSummary summary_of(const RunReport& report) {
   ResultSummary summary;
-  summary.v_rms = report.v_rms;
-  summary.lv = report.lv;
-  summary.shock_rate = report.shocks;
-  summary.shock_duration_median = report.duration_median;
-  summary.shock_duration_90 = report.duration_90;
-  summary.peak_force_median = report.force_median;
-  summary.peak_force_90 = report.force_90;
-  summary.contact_share = report.contact_share;
-  summary.nodes_evaluated = report.evaluated;
+  static_cast<NoiseFigures&>(summary) = report;
   summary.energy_closure = std::abs(report.energy.relative());
   if (report.energy.samples >= 2) {
     summary.energy_residual = report.energy.residual;

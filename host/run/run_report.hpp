@@ -7,10 +7,11 @@
 #include "host/analysis/level_history.hpp"
 #include "host/analysis/mesh_tone.hpp"
 #include "host/result/energy.hpp"
+#include "host/result/noise_figures.hpp"
 #include "host/run/simulation.hpp"
 #include "host/store/store.hpp"
 
-/// What a run has come to.
+/// The outcome of a run.
 namespace ra2d {
 
 enum class Ending {
@@ -21,22 +22,15 @@ enum class Ending {
   there  // the output has this run already, complete
 };
 
-struct RunReport {
+struct RunReport : NoiseFigures {
   Ending ending = Ending::complete;
   std::string failure;       // what, when, which limit, which cure; empty unless it failed
   std::string beyond_limit;  // what the step goes beyond (time.force); empty while it holds
   double time = 0;           // s simulated
   double counted = 0;        // s of them after output.from
   std::int64_t steps = 0;    // made, of fixed or of adaptive length
-  // from output.from on; what there is none of is NaN
-  double v_rms = 0, lv = 0;  // m/s, dB
-  double shocks = 0;         // per simulated second
-  IntervalsOfRun intervals;  // of lv and shocks, by chance within this run
+  IntervalsOfRun intervals;  // of lv and shock_rate, by chance within this run
   MeshTone mesh;
-  double duration_median = 0, duration_90 = 0;  // s
-  double force_median = 0, force_90 = 0;        // N, of the peak force
-  double contact_share = 0;                     // of the time
-  double evaluated = 0;                         // nodes a step, of the whole run
   EnergyBalance energy;
   double march_seconds = 0;  // in the kernels
   double wall_seconds = 0;
@@ -47,7 +41,8 @@ struct RunReport {
   double step_seconds() const { return march_seconds / std::max(1.0, static_cast<double>(steps)); }
 };
 
-/// What the scene's step goes beyond, where time.force runs it all the same; empty when it holds.
+/// The limit that the scene's step passes, where time.force runs it all the same; empty when it
+/// holds.
 /// Throws RequestError where it does not hold and is not forced.
 std::string checked_limit(const Model& model);
 
@@ -55,11 +50,10 @@ std::string checked_limit(const Model& model);
 RunReport report_on(const SceneRun& run, const std::vector<double>& mean_squares);
 
 /// How a result file calls the ending of a run that did not fail: "complete", "interrupted",
-/// "stopped by
-/// --max-wall".
+/// "stopped by --max-wall".
 std::string ending_name(Ending ending);
 
-/// The same as the file has it.
+/// The report as the figures of a file.
 ResultSummary summary_of(const RunReport& report);
 
 }  // namespace ra2d

@@ -8,7 +8,7 @@
 namespace ra2d {
 namespace {
 
-/// Of samples a second [Hz].
+/// Samples a second [Hz].
 double rate_of(const Model& model) { return 1 / (model.steps_per_sample * model.tick); }
 
 /// The first sample from output.from on.
@@ -17,7 +17,7 @@ std::size_t first_sample(const Model& model) {
       std::ceil(std::max(0.0, model.scene.output.from * rate_of(model)) - 1e-6));
 }
 
-/// Of those that are counted.
+/// The number of samples that are counted.
 std::size_t samples_of(const Model& model) {
   const auto all = static_cast<std::size_t>(model.samples);
   return all - std::min(all, first_sample(model));
@@ -56,7 +56,7 @@ void RunWatch::look_at(const std::vector<Shock>& shocks) {
 }
 
 void RunWatch::add_to(RunReport& report, const std::vector<double>& mean_squares) const {
-  report.intervals = intervals_of_run(parts_.history(mean_squares), report.lv, report.shocks,
+  report.intervals = intervals_of_run(parts_.history(mean_squares), report.lv, report.shock_rate,
                                       ringing_of(frequencies_, damping_));
   report.mesh = tone_.tone(mean_squares, frequencies_, damping_);
 }

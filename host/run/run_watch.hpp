@@ -19,7 +19,7 @@ class RunWatch : public Sink {
 
   void take(const SampleBlock& samples) override;
   void take(const std::vector<Shock>& shocks) override;
-  /// What was passed on before.
+  /// Counts data that was passed on before, by an earlier process.
   void look_at(const SampleBlock& samples);
   void look_at(const std::vector<Shock>& shocks);
 

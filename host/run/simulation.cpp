@@ -3,23 +3,18 @@
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <cmath>
 #include <mutex>
 #include <new>
 #include <utility>
 
+#include "host/base/clock.hpp"
 #include "host/device/backend.hpp"
+#include "host/run/samples.hpp"
 #include "host/system/interruption.hpp"
 
 namespace ra2d {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point begin) {
-  return std::chrono::duration<double>(Clock::now() - begin).count();
-}
 
 constexpr std::int64_t forever = std::numeric_limits<std::int64_t>::max();
 
@@ -34,6 +29,76 @@ bool is_finite(const std::vector<Shock>& shocks) {
            std::isfinite(shock.position);
   });
 }
+
+/// Fills the slots of a batch with scenes. Scenes that found no memory wait here for that of
+/// others. Threads may fill slots side by side.
+class SlotFiller {
+ public:
+  using Begin = std::function<void(SceneRun&, int slot)>;
+  SlotFiller(Batch& batch, std::vector<SceneRun*>& slots, const Simulation::Make& make, Begin begin)
+      : batch_{batch}, slots_{slots}, make_{make}, begin_{std::move(begin)} {}
+
+  /// Empties a slot and puts the next scene there, if there is one and memory for it.
+  void fill(int slot) {
+    SceneRun*& scene = slots_[static_cast<std::size_t>(slot)];
+    batch_.empty(slot);
+    scene = next();
+    if (scene == nullptr) return;
+    try {
+      begin_(*scene, slot);
+    } catch (const std::bad_alloc&) {
+      batch_.empty(slot);
+      const std::lock_guard lock(mutex_);
+      waiting_.push_back(std::exchange(scene, nullptr));
+    }
+  }
+
+  /// Tries again to fill the slots that a lack of memory left empty. Where no other scene could
+  /// free memory any more, a scene that does not fit never will: it is handed to `too_large`.
+  void fill_empty(const std::function<void(SceneRun&)>& too_large) {
+    for (std::size_t slot = 0; slot < slots_.size(); ++slot) {
+      while (slots_[slot] == nullptr && !(all_made_ && waiting_.empty())) {
+        fill(static_cast<int>(slot));
+        if (slots_[slot] != nullptr || waiting_.empty()) continue;
+        if (filled() > 0) return;
+        if (!too_large) throw std::bad_alloc();
+        SceneRun* const refused = waiting_.back();
+        waiting_.pop_back();
+        too_large(*refused);
+      }
+    }
+  }
+
+  std::size_t filled() const {
+    return slots_.size() -
+           static_cast<std::size_t>(std::count(slots_.begin(), slots_.end(), nullptr));
+  }
+
+ private:
+  /// A scene that waits, or a new one; none where all are made.
+  SceneRun* next() {
+    {
+      const std::lock_guard lock(mutex_);
+      if (!waiting_.empty()) {
+        SceneRun* const scene = waiting_.back();
+        waiting_.pop_back();
+        return scene;
+      }
+    }
+    SceneRun* const scene = make_(made_++);
+    if (scene == nullptr) all_made_ = true;
+    return scene;
+  }
+
+  Batch& batch_;
+  std::vector<SceneRun*>& slots_;
+  const Simulation::Make& make_;
+  Begin begin_;
+  std::atomic<std::size_t> made_ = 0;
+  std::atomic<bool> all_made_ = false;
+  std::mutex mutex_;
+  std::vector<SceneRun*> waiting_;  // for memory
+};
 
 }  // namespace
 
@@ -109,70 +174,23 @@ void Simulation::run(const Make& make, const std::function<void(SceneRun&)>& don
   Batch batch(options_.slots, options_.batch);
   batch_ = &batch;
   scenes_.assign(static_cast<std::size_t>(options_.slots), nullptr);
-  std::atomic<std::size_t> made = 0;
-  std::atomic<bool> all_made = false;
   std::atomic<double> busy = 0, in_march = 0;
-  std::vector<SceneRun*> waiting;  // for memory
-  std::mutex waiting_one;
-  const auto next = [&]() -> SceneRun* {
-    {
-      const std::lock_guard lock(waiting_one);
-      if (!waiting.empty()) {
-        SceneRun* const scene = waiting.back();
-        waiting.pop_back();
-        return scene;
-      }
-    }
-    SceneRun* const scene = make(made++);
-    if (scene == nullptr) all_made = true;
-    return scene;
-  };
-  const auto fill = [&](int slot) {
-    SceneRun*& scene = scenes_[static_cast<std::size_t>(slot)];
-    batch.empty(slot);
-    scene = next();
-    if (scene == nullptr) return;
-    try {
-      scene->begin(batch, slot);
-    } catch (const std::bad_alloc&) {
-      batch.empty(slot);
-      const std::lock_guard lock(waiting_one);
-      waiting.push_back(std::exchange(scene, nullptr));
-    }
-  };
-  const auto going = [&] {
-    return static_cast<std::size_t>(std::count_if(
-        scenes_.begin(), scenes_.end(), [](const SceneRun* scene) { return scene != nullptr; }));
-  };
-  // Slots that a lack of memory left empty, once others have let go of theirs. Where none is left
-  // to wait for, what does not fit never will.
-  const auto fill_empty = [&] {
-    for (std::size_t slot = 0; slot < scenes_.size(); ++slot) {
-      while (scenes_[slot] == nullptr && !(all_made && waiting.empty())) {
-        fill(static_cast<int>(slot));
-        if (scenes_[slot] != nullptr || waiting.empty()) continue;
-        if (going() > 0) return;
-        if (!too_large) throw std::bad_alloc();
-        SceneRun* const refused = waiting.back();
-        waiting.pop_back();
-        too_large(*refused);
-      }
-    }
-  };
+  SlotFiller filler(batch, scenes_, make,
+                    [&](SceneRun& scene, int slot) { scene.begin(batch, slot); });
   side_by_side(options_.slots, [&](int slot) {
     const Clock::time_point begin = Clock::now();
-    fill(slot);
+    filler.fill(slot);
     busy += seconds_since(begin);
   });
 
   std::vector<std::int64_t> targets(scenes_.size(), 0);
   for (goes_on_ = interruption() == 0; goes_on_;) {
-    fill_empty();
-    const std::size_t on_their_way = going();
+    filler.fill_empty(too_large);
+    const std::size_t on_their_way = filler.filled();
     if (on_their_way == 0) return;
     most_at_once_ = std::max(most_at_once_, on_their_way);
     memory_ = std::max(memory_, batch.bytes());
-    // on a CPU they take turns
+    // on a CPU they share the threads
     const double wanted =
         std::max(1e-3, options_.seconds * std::min(1.0, static_cast<double>(scenes_at_once()) /
                                                             static_cast<double>(on_their_way)));
@@ -188,7 +206,7 @@ void Simulation::run(const Make& make, const std::function<void(SceneRun&)>& don
       if (scene.over()) {
         scene.close();
         if (done) done(scene);
-        fill(slot);
+        filler.fill(slot);
       }
       busy += seconds_since(marched);
     });

@@ -15,7 +15,7 @@
 #include "host/result/statistics.hpp"
 #include "host/run/launch_length.hpp"
 
-/// The one loop of every run: march, drain, convert, account, hand on.
+/// The loop of every run: march, drain, convert, count, pass on.
 namespace ra2d {
 
 /// Takes in what a run records, in order.
@@ -25,18 +25,18 @@ class Sink {
   virtual void take(const SampleBlock& samples) = 0;
   /// Shocks that ended, and at the end those that go on, as long as they have lasted.
   virtual void take(const std::vector<Shock>& shocks) = 0;
-  /// The same as it came from the device, before the others: who wants ticks takes it here.
+  /// The drained rows as they came from the device, in ticks. Called before take().
   virtual void take_raw(const Drained&) {}
 };
 
-/// Where a run ends, unless its scene ends before.
+/// Limits at which a run ends, unless its scene ends before.
 struct RunLimits {
   double time = std::numeric_limits<double>::infinity();           // s simulated
   double wall = std::numeric_limits<double>::infinity();           // s in its march
   std::int64_t shocks = std::numeric_limits<std::int64_t>::max();  // begun
 };
 
-/// What is kept of a run beside its state: with that all that a saved run needs.
+/// The running sums of a scene. With the state of the march they are all that a saved run needs.
 struct Accounts {
   std::int64_t samples = 0;        // taken so far
   Snapshot begin, now;             // where statistics begin (output.from); after the latest launch
@@ -94,7 +94,7 @@ class SceneRun {
 struct SimulationOptions {
   int slots = 1;           // scenes side by side
   double seconds = 0.2;    // of a launch: so that progress and interrupts are prompt ...
-  std::int64_t ticks = 0;  // ... or so many ticks of each scene (for tests)
+  std::int64_t ticks = 0;  // of each scene in a launch, instead of `seconds` (for tests)
   BatchOptions batch;
 };
 
@@ -136,10 +136,10 @@ class Simulation {
   std::size_t memory() const { return memory_; }
   /// Wall time of all launches [s].
   double seconds() const { return seconds_; }
-  /// What threads spent on scenes, all together: making them ready, marching them (on a CPU), and
-  /// taking in what they record [s].
+  /// Time of all threads together for scenes [s]: making them ready, marching them (on a CPU), and
+  /// recording.
   double busy_seconds() const { return busy_seconds_; }
-  /// ... marching them alone.
+  /// Time of all threads together for marching alone [s].
   double marched_seconds() const { return marched_seconds_; }
 
  private:

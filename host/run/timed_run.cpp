@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <memory>
 #include <utility>
 
+#include "host/base/quiet_nan.hpp"
 #include "host/device/backend.hpp"
 #include "host/result/energy.hpp"
 #include "host/system/interruption.hpp"
@@ -131,7 +131,7 @@ double state_error(const Model& model, const State& state, const State& referenc
                      square_norm(model.slider, s.slider_u, s.slider_v));
   };
   const double size = norm(reference);
-  if (size == 0) return std::numeric_limits<double>::quiet_NaN();
+  if (size == 0) return quiet_nan;
   return norm({minus(state.resonator_u, reference.resonator_u),
                minus(state.resonator_v, reference.resonator_v),
                minus(state.slider_u, reference.slider_u),

@@ -34,7 +34,7 @@ std::vector<TimedRun> timed_runs(const std::vector<Model>& models,
                                  const std::vector<ModalStart>& starts,
                                  const RunLimits& limits = {});
 
-/// ... or one scene.
+/// Marches one scene.
 TimedRun timed_run(const Model& model, const ModalStart& start, const RunLimits& limits = {});
 
 /// Why a run ended before its end, for people; empty where it did not.

@@ -50,7 +50,7 @@ class MemoryStore : public ByteStore {
   std::string bytes_;
 };
 
-/// What a sound file says of itself. Printable, of one line each.
+/// The texts inside a sound file. Printable, one line each.
 struct AudioNotes {
   std::string title, comment, software;
 };

@@ -27,7 +27,7 @@ constexpr std::size_t rows_together = 1 << 16;
 constexpr double audible = 20e3;       // Hz, that the young hear
 constexpr double passed_share = 0.91;  // of half the rate of the sound (Resampler)
 
-/// What is told, and asked for, of the probes of a body.
+/// Words for the probes of a body in messages, and its dataset.
 struct ProbeWords {
   const char *body, *key, *option, *name, *velocity;
 };
@@ -187,14 +187,14 @@ void ProbeSound::each_sample(const TakeSamples& take) const {
 
 /// The peak of what is heard: between samples there may be more than in any.
 void ProbeSound::find_peak(const SoundOptions& options) {
-  const double asked = options.full_scale.value_or(0);
+  const double wanted = options.full_scale.value_or(0);
   each_sample([&](std::span<const double> samples) {
     for (const double v : samples) {
       facts_.peak = std::max(facts_.peak, std::abs(v));
-      facts_.beyond += asked > 0 && std::abs(v) > asked;
+      facts_.beyond += wanted > 0 && std::abs(v) > wanted;
     }
   });
-  facts_.full_scale = options.full_scale                     ? asked
+  facts_.full_scale = options.full_scale                     ? wanted
                       : options.normalize && facts_.peak > 0 ? facts_.peak
                                                              : round_full_scale(facts_.peak);
   if (!(facts_.peak > 0)) return;
@@ -207,7 +207,7 @@ void ProbeSound::find_peak(const SoundOptions& options) {
       fmt::format("--full-scale {:g}: the peak is {:.4g} m/s, {:.3g} times that, and the numbers "
                   "of a sound file "
                   "go from {:.3g} to {:.3g}: expected a velocity near the peak",
-                  asked, facts_.peak, share, least, most));
+                  wanted, facts_.peak, share, least, most));
 }
 
 void ProbeSound::play(const TakeSamples& take) const {
@@ -297,20 +297,20 @@ void write_sound(const ProbeSound& sound, const fs::path& file) {
   const SoundFacts& facts = sound.facts();
   const AudioFormat format = sound_format(file);
   require_room(facts, format, file);
-  const fs::path beside = sidecar_of(file);
-  PartialFile audio(file), sidecar(beside);
+  const fs::path sidecar_file = sidecar_of(file);
+  PartialFile audio(file), sidecar(sidecar_file);
   DescriptorStore store(audio.descriptor());
   AudioWriter writer(store, format, facts.rate, notes_of(facts), file);
   sound.play([&](std::span<const double> samples) { writer.write(samples); });
   writer.close();
-  write_all(sidecar.descriptor(), sidecar_text(facts, file), beside);
+  write_all(sidecar.descriptor(), sidecar_text(facts, file), sidecar_file);
   audio.sync();
   sidecar.sync();
   sidecar.publish();
   try {
     audio.publish();
   } catch (const FileError&) {
-    unlink(beside.c_str());
+    unlink(sidecar_file.c_str());
     throw;
   }
 }

@@ -26,7 +26,7 @@ struct SoundOptions {
   std::optional<double> from, to;    // s; else output.from, and the end of the run
 };
 
-/// What a sound is, and what it stands for.
+/// Facts about a sound: its source, its scale, its limits.
 struct SoundFacts {
   std::filesystem::path source;  // the result
   std::string title;
@@ -77,7 +77,7 @@ class ProbeSound {
   SoundFacts facts_;
 };
 
-/// What players show of it.
+/// The texts that players show.
 AudioNotes notes_of(const SoundFacts& facts);
 
 /// The format that a name asks for by its ending. Throws RequestError.

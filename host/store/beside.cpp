@@ -17,7 +17,7 @@
 
 #include "host/base/errors.hpp"
 #include "host/store/result_reader.hpp"
-#include "host/store/seal.hpp"
+#include "host/store/sealed_hdf5.hpp"
 #include "host/system/input_file.hpp"
 #include "host/system/output_file.hpp"
 
@@ -88,7 +88,7 @@ void require_names_beside(const OutputNames& names, const std::vector<fs::path>&
        entry.increment(none))
     if (number_of(entry->path().filename().string()) > 0)
       require_own(entry->path(), names.result, "a segment", [](const fs::path& file) {
-        // a damaged one is for whoever goes on from it to find
+        // damage is found by the run that goes on from it
         return is_damaged_with(file, "creator") || stamp_of(file).has_value();
       });
 }
@@ -136,7 +136,7 @@ void ClaimedOutput::take() {
       if (error != EEXIST) fail(error);
     }
     folder_ = open(names_.segments.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
-    if (folder_ < 0 && errno == ENOENT) continue;  // whoever had it is done
+    if (folder_ < 0 && errno == ENOENT) continue;  // the process that had it is done
     if (folder_ < 0 && (errno == ENOTDIR || errno == ELOOP))
       throw FileError(
           fmt::format("'{}' stands where the segments of '{}' go, and is no folder: move it, "

@@ -8,7 +8,7 @@
 #include "host/base/errors.hpp"
 #include "host/system/partial_file.hpp"
 
-/// What stands beside a result while it is made (docs/results.md).
+/// The files beside a result while it is made (docs/results.md).
 namespace ra2d {
 
 struct OutputNames {

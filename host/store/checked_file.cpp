@@ -42,7 +42,7 @@ std::string text_of(hid_t object, const char* name) {
   return text;
 }
 
-/// Numbers and texts among the attributes are read, and nothing made of them.
+/// Reads an attribute that is a number or a text, to see whether it can be read.
 herr_t read_attribute(hid_t object, const char* name, const H5A_info_t*, void*) {
   const h5::Attribute attribute{H5Aopen(object, name, H5P_DEFAULT)};
   if (!attribute.is_open()) return -1;
@@ -61,7 +61,7 @@ herr_t read_attribute(hid_t object, const char* name, const H5A_info_t*, void*) 
   return 0;
 }
 
-/// What the numbers of a dataset come to.
+/// Hash, size and soundness of the numbers of a dataset.
 struct ReadNumbers {
   std::string hash;
   double bytes = 0;
@@ -148,7 +148,7 @@ herr_t look_at(hid_t file, const char* name, const H5O_info_t* info, void* data)
   return 0;
 }
 
-/// For a child process alone: the bytes may be hostile.
+/// Only a child process may call this: the bytes may be hostile.
 CheckedFile look_at_all(const std::filesystem::path& path) {
   Look look;
   const auto library = h5::take_library();
@@ -245,7 +245,7 @@ CheckedFile ask_of(const std::filesystem::path& path,
   const ChildAnswer answer =
       ask_in_child([&] { return packed(look(path)); }, least_memory + 4 * size,
                    least_seconds + size / least_speed);
-  if (!answer.asked && unsealed.empty())
+  if (!answer.started && unsealed.empty())
     found = look(path);
   else if (answer.fault.empty())
     found = unpacked(answer.text);

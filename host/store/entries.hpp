@@ -40,10 +40,10 @@ std::span<const Entry> entries();
 /// Their groups, each after the one that it is in.
 std::span<const char* const> groups();
 
-/// Those that hold samples: the time stands in each, so that it can be read alone.
+/// The groups of samples: each has the time, so that it can be read alone.
 std::span<const char* const> sampled_groups();
 
-/// Where the entry's numbers come from, if it is of this kind.
+/// The source of the entry's numbers if it is of this kind, else null.
 template <class Source>
 const Source* source_of(const Entry& entry) {
   return std::get_if<Source>(&entry.source);

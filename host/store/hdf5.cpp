@@ -1,7 +1,44 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "host/store/hdf5.hpp"
 
+#include <cstdlib>
+#include <string_view>
+
+#include "host/store/seal.hpp"
+
 namespace ra2d::h5 {
+
+namespace {
+
+Failure last_failure() {
+  const auto collect = [](unsigned, const H5E_error2_t* entry, void* data) -> herr_t {
+    auto& failure = *static_cast<Failure*>(data);
+    const std::string_view text = entry->desc ? entry->desc : "";
+    constexpr std::string_view number = "errno = ";
+    if (const auto at = text.find(number); failure.error == 0 && at != text.npos) {
+      failure.error = std::atoi(text.data() + at + number.size());
+      failure.reason = std::strerror(failure.error);
+    } else if (failure.reason.empty()) {
+      failure.reason = text;
+    }
+    return 0;
+  };
+  Failure failure;
+  H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, collect, &failure);
+  if (failure.reason.empty()) failure.reason = "HDF5 gives no reason";
+  return failure;
+}
+
+}  // namespace
+
+void require_undamaged() {
+  if (last_failure().reason == damaged_text) throw Unsealed(damaged_text);
+}
+
+void throw_failure() {
+  require_undamaged();
+  throw last_failure();
+}
 
 std::unique_lock<std::mutex> take_library() {
   static std::mutex mutex;

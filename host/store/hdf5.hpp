@@ -3,18 +3,16 @@
 #include <hdf5.h>
 #include <hdf5_hl.h>
 
-#include <cerrno>
-#include <cstdlib>
 #include <cstring>
 #include <mutex>
 #include <string>
 #include <string_view>
 #include <utility>
 
-/// What the result file needs around the HDF5 C API: handles that close themselves, failures with
-/// the reason that HDF5 or the system gives. What was written may reach the file with the close of
-/// its handle alone: there, close() is asked whether it succeeded (h5::close). Destructors are for
-/// what was only read, for handles in memory, and for what failed before.
+/// The HDF5 C API with handles that close themselves and failures that have a reason. Data that was
+/// written may reach the file only when its handle is closed: close those with h5::close, which
+/// throws where that fails. The destructor is for handles that were only read, that are in memory,
+/// or whose writing has failed before.
 namespace ra2d::h5 {
 
 /// Owns one HDF5 identifier.
@@ -56,30 +54,18 @@ struct Failure {
 
 inline Failure system_failure(int error) { return {std::strerror(error), error}; }
 
-/// The deepest entry on HDF5's error stack; one that carries an errno is preferred.
-inline Failure hdf5_failure() {
-  const auto collect = [](unsigned, const H5E_error2_t* entry, void* data) -> herr_t {
-    auto& failure = *static_cast<Failure*>(data);
-    const std::string_view text = entry->desc ? entry->desc : "";
-    constexpr std::string_view number = "errno = ";
-    if (const auto at = text.find(number); failure.error == 0 && at != text.npos) {
-      failure.error = std::atoi(text.data() + at + number.size());
-      failure.reason = std::strerror(failure.error);
-    } else if (failure.reason.empty()) {
-      failure.reason = text;
-    }
-    return 0;
-  };
-  Failure failure;
-  H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, collect, &failure);
-  if (failure.reason.empty()) failure.reason = "HDF5 gives no reason";
-  return failure;
-}
+/// Throws what the last call of HDF5 failed for: Unsealed where it needed a damaged byte of a
+/// sealed file, else Failure. Of the entries on HDF5's error stack it takes the deepest, or the one
+/// with an errno.
+[[noreturn]] void throw_failure();
 
-/// Passes a result of HDF5 on, or throws Failure when it is negative.
+/// Throws Unsealed where the last call of HDF5, which failed, needed a damaged byte.
+void require_undamaged();
+
+/// Passes a result of HDF5 on, or calls throw_failure() when it is negative.
 template <class Result>
 Result check(Result result) {
-  if (result < 0) throw hdf5_failure();
+  if (result < 0) throw_failure();
   return result;
 }
 

@@ -35,7 +35,7 @@ bool are_finite_and_not_negative(const std::vector<double>& values) {
                      [](double value) { return value >= 0 && std::isfinite(value); });
 }
 
-/// Of modes and probes.
+/// The first fault of modes and probes.
 std::string fault_of_bodies(const ResultContents& c, const std::optional<Scene>& scene) {
   if (!are_finite_and_not_negative(c.resonator_frequency))
     return "/resonator/frequency has a value that is no frequency";
@@ -55,7 +55,7 @@ std::string fault_of_bodies(const ResultContents& c, const std::optional<Scene>&
   return {};
 }
 
-/// Of the samples' times and of shocks.
+/// The first fault of the samples' times and of the shocks.
 std::string fault_of_times(const ResultContents& c, const std::optional<Scene>& scene) {
   // steps may end one beyond the duration, and a shock lasts to the end of its last step
   const double end = scene ? (1 + slack) * scene->duration + 2 * scene->time.step
@@ -79,7 +79,7 @@ std::string fault_of_times(const ResultContents& c, const std::optional<Scene>& 
   return {};
 }
 
-/// Of the figures: what there is none of is NaN. A run that failed may have come to infinities.
+/// The first fault of the figures. Missing ones are NaN. A run that failed may have infinite ones.
 std::string fault_of_summary(const ResultSummary& s) {
   if (!(std::isnan(s.v_rms) || s.v_rms >= 0))
     return fmt::format("its velocity is {} m/s: expected no negative number", s.v_rms);

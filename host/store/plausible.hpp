@@ -6,11 +6,11 @@
 
 namespace ra2d {
 
-/// What in a result cannot have come from a run: a time outside it, a place outside the body, a
-/// shock longer than the run, a level that its velocity does not have. Empty where nothing is
-/// found. All readers ask this before they make anything of the numbers. Times and places are
-/// compared with the scene that the result carries; where this program does not understand the
-/// scene, they only have to be finite.
+/// The first thing in a result that cannot have come from a run: a time outside it, a place outside
+/// the body, a shock longer than the run, a level that its velocity does not have. Empty where
+/// nothing is found. All readers ask this before they make anything of the numbers. Times and
+/// places are compared with the scene that the result carries; where this program does not
+/// understand the scene, they only have to be finite.
 std::string implausible(const ResultContents& contents);
 
 }  // namespace ra2d

@@ -10,7 +10,7 @@
 
 namespace ra2d {
 
-/// What a finished file must hold.
+/// The attributes and datasets that a finished file must hold.
 struct GivenContent {
   struct Dataset {
     const Entry* entry;

@@ -26,11 +26,11 @@ struct Segment {
 /// Throws FileError where the file is not the segment that is vouched for.
 void require_segment(const std::filesystem::path& file, const Segment& segment);
 
-/// What a run records, on its way to its result: one file, or segments that are closed while the
-/// run goes on and joined at its end, to the same bits. A segment is whole and on the disk before
-/// it has its name, and is never opened for writing again. Its file stays open, and what somebody
-/// removes is written once more from there (of the first 256 segments: a process may not have many
-/// more files open). Every method throws FileError; the segments closed before stay.
+/// The recorded data of a run on its way to the result: one file, or segments that are closed while
+/// the run goes on and joined at its end, to the same bits. A segment is whole and on the disk
+/// before it has its name, and is never opened for writing again. Its file stays open, and what
+/// somebody removes is written once more from there (of the first 256 segments: a process may not
+/// have many more files open). Every method throws FileError; the segments closed before stay.
 class Recording {
  public:
   /// `before`: the segments that a run that goes on has closed, which were looked at
@@ -40,9 +40,9 @@ class Recording {
   void append(const SampleBlock& block);
   void append(const std::vector<Shock>& shocks);
 
-  /// Of an output that is claimed (ClaimedOutput): closes a segment, if there is anything to put
-  /// into it; what comes next begins at `next`. `so_far`: for whoever reads it while the run goes
-  /// on. Returns all of them.
+  /// Closes a segment if there is anything to put into it; the following data begin at `next`. The
+  /// output must be claimed (ClaimedOutput). `so_far`: the figures until now, for readers of the
+  /// segment. Returns all segments.
   const std::vector<Segment>& close_segment(const ResultSummary& so_far, const SegmentStart& next);
 
   /// Hands on what the segments hold that are closed, in order.

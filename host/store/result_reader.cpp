@@ -6,17 +6,18 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <map>
 #include <string_view>
 #include <utility>
 
 #include "host/base/errors.hpp"
+#include "host/base/quiet_nan.hpp"
 #include "host/base/text.hpp"
 #include "host/store/entries.hpp"
 #include "host/store/hdf5.hpp"
 #include "host/store/plausible.hpp"
 #include "host/store/seal.hpp"
+#include "host/store/sealed_hdf5.hpp"
 #include "host/store/table.hpp"
 #include "host/system/input_file.hpp"
 
@@ -25,10 +26,9 @@ namespace {
 
 using h5::check;
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double evenness = 1e-3;  // how far a sample may stand from its place, in samples
 
-/// What is wrong with a file; the path goes before it.
+/// A fault of a file, without its path.
 struct Fault {
   std::string text;
 };
@@ -41,7 +41,7 @@ h5::Attribute open_attribute(hid_t file, const char* name) {
   return h5::Attribute{check(H5Aopen(file, name, H5P_DEFAULT))};
 }
 
-/// Of any other number of values a read would fill more memory than there is for one.
+/// Reading more than one value would write beyond the memory for one.
 bool is_single(hid_t attribute) {
   const h5::Space space{check(H5Aget_space(attribute))};
   return check(H5Sget_simple_extent_npoints(space)) == 1;
@@ -88,7 +88,10 @@ void require_shapes(hid_t file, double room) {
     if ((source_of<Final>(entry) || entry.is_new) && !has(file, entry.path))
       continue;  // there was none
     const h5::Dataset dataset{H5Dopen2(file, entry.path, H5P_DEFAULT)};
-    if (!dataset.is_open()) throw Fault{fmt::format("/{} is missing", entry.path)};
+    if (!dataset.is_open()) {
+      h5::require_undamaged();
+      throw Fault{fmt::format("/{} is missing", entry.path)};
+    }
     const std::vector<hsize_t> extent = extent_of(dataset, entry.path);
     if (is_scale && extent.size() == 1) length[entry.path] = extent[0];
     std::vector<hsize_t> expected;
@@ -108,7 +111,7 @@ void require_shapes(hid_t file, double room) {
   }
 }
 
-/// What is not there reads as NaN, and no run writes what is not finite.
+/// Missing values read as NaN, and a run writes finite numbers alone.
 void require_finite(const std::vector<double>& data, const char* path) {
   if (!std::all_of(data.begin(), data.end(), [](double value) { return std::isfinite(value); }))
     throw Fault{fmt::format("/{} has values that are no numbers: it is damaged", path)};
@@ -160,7 +163,7 @@ ResultSummary summary_of(hid_t file) {
   ResultSummary summary;
   for (const Entry& entry : entries())
     if (const Final* member = source_of<Final>(entry))
-      summary.** member = has(file, entry.path) ? all_of(file, entry.path).front() : nan;
+      summary.** member = has(file, entry.path) ? all_of(file, entry.path).front() : quiet_nan;
   for (const Entry& entry : entries())  // level and velocity stand there twice
     if (const Final* member = source_of<Final>(entry);
         member != nullptr && has(file, entry.path) &&
@@ -174,7 +177,7 @@ ResultSummary summary_of(hid_t file) {
 
 /// The rate of samples that stand evenly; a whole one without the roundings of its times.
 double rate_of(const std::vector<double>& time) {
-  if (time.size() < 2) return nan;
+  if (time.size() < 2) return quiet_nan;
   const double rate = static_cast<double>(time.size() - 1) / (time.back() - time.front());
   for (std::size_t j = 0; j < time.size(); ++j)
     if (!(std::abs((time[j] - time.front()) * rate - static_cast<double>(j)) < evenness))
@@ -194,7 +197,7 @@ ResultContents contents_of(hid_t file) {
   const std::vector<double> time = all_of(file, "time");
   contents.samples = time.size();
   contents.rate = rate_of(time);
-  contents.end = time.empty() ? nan : time.back();
+  contents.end = time.empty() ? quiet_nan : time.back();
   contents.resonator_frequency = all_of(file, "resonator/frequency");
   contents.slider_frequency = all_of(file, "slider/frequency");
   contents.mean_square = all_of(file, "resonator/mean_square");
@@ -231,8 +234,9 @@ constexpr const char* cure_of_readers =
 template <class Body>
 auto guarded(const std::filesystem::path& path, Body body, const char* cure = cure_of_readers) {
   const auto library = h5::take_library();
+  const h5::CrashWatch watch(path);
   const auto fault = [&](const std::string& what) {
-    return FileError(fmt::format("cannot read '{}': {}", path.string(), shortened(what, 300)));
+    return UnreadableResult(path, shortened(what, 300));
   };
   try {
     return body();
@@ -249,10 +253,14 @@ auto guarded(const std::filesystem::path& path, Body body, const char* cure = cu
 
 }  // namespace
 
+UnreadableResult::UnreadableResult(const std::filesystem::path& file, const std::string& why)
+    : FileError(fmt::format("cannot read '{}': {}", file.string(), why)), reason{why} {}
+
 ResultStamp read_stamp(const std::filesystem::path& path) {
   return guarded(
       path,
       [&] {
+        require_seal(path);  // all of it: a damaged run is not complete
         const h5::File file = open(path, Bytes::sealed);
         ResultStamp stamp;
         stamp.complete = number_attribute(file, "complete") == 1;
@@ -262,7 +270,7 @@ ResultStamp read_stamp(const std::filesystem::path& path) {
         if (check(H5Aexists(file, "key")) > 0) stamp.key = text_attribute(file, "key");
         return stamp;
       },
-      "");  // whoever asks knows what can be done
+      "");  // callers know what can be done
 }
 
 std::optional<ResultStamp> stamp_of(const std::filesystem::path& path) {

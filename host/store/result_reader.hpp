@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "host/base/errors.hpp"
 #include "host/store/store.hpp"
 
 /// Result files, read again (docs/results.md).
@@ -29,14 +30,20 @@ struct ResultContents {
   ResultSummary summary;  // NaN where the file has none; complete and ended as it says
 };
 
-/// What a result file says of itself.
+/// The attributes by which a result is recognised.
 struct ResultStamp {
   std::string key, started;  // empty in files of older programs
   std::string scene, ended;  // as ResultContents has them
   bool complete = false;
 };
 
-/// Throws FileError where the file is no result, is damaged, or was changed by another program.
+/// A file that is no result, is damaged, or was changed by another program.
+struct UnreadableResult : FileError {
+  UnreadableResult(const std::filesystem::path& file, const std::string& why);
+  std::string reason;  // without the file's name: "it is no HDF5 file"
+};
+
+/// Compares every byte of the file with its seal. Throws FileError, UnreadableResult.
 ResultStamp read_stamp(const std::filesystem::path& path);
 
 /// The stamp of a result; none where the file is not there or is no HDF5 file.

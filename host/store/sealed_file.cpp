@@ -43,7 +43,7 @@ class Cursor {
  public:
   explicit Cursor(std::string_view rest) : rest_{rest} {}
   std::string_view take(std::uint64_t count) {
-    if (count > rest_.size()) throw Unbelieved("cut short");
+    if (count > rest_.size()) throw CorruptFile("cut short");
     const std::string_view taken = rest_.substr(0, count);
     rest_.remove_prefix(count);
     return taken;
@@ -100,9 +100,9 @@ std::string seal(const std::string& kind, std::uint32_t format,
 std::vector<Section> unseal(const std::string& kind, std::uint32_t format,
                             const std::string& bytes) {
   Cursor cursor(bytes);
-  if (cursor.take(kind_bytes) != padded(kind)) throw Unbelieved(fmt::format("no {}", kind));
+  if (cursor.take(kind_bytes) != padded(kind)) throw CorruptFile(fmt::format("no {}", kind));
   if (const auto found = cursor.number<std::uint32_t>(); found != format)
-    throw Unbelieved(fmt::format("of format {}, and this program writes {}", found, format));
+    throw CorruptFile(fmt::format("of format {}, and this program writes {}", found, format));
   std::vector<Section> sections;
   const auto count = cursor.number<std::uint32_t>();
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -111,11 +111,11 @@ std::vector<Section> unseal(const std::string& kind, std::uint32_t format,
     section.name = cursor.take(name_size);
     section.bytes = cursor.take(size);
     if (!cursor.has_hash_of(section.bytes))
-      throw Unbelieved(fmt::format("damaged in its section '{}'", section.name.substr(0, 40)));
+      throw CorruptFile(fmt::format("damaged in its section '{}'", section.name.substr(0, 40)));
     sections.push_back(std::move(section));
   }
   const std::size_t hashed = bytes.size() - std::min(bytes.size(), hash_bytes);
-  if (!cursor.has_hash_of(std::string_view(bytes).substr(0, hashed))) throw Unbelieved("damaged");
+  if (!cursor.has_hash_of(std::string_view(bytes).substr(0, hashed))) throw CorruptFile("damaged");
   return sections;
 }
 

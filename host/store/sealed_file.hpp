@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-/// Small files that are believed whole or not at all: named sections of bytes, each with its
-/// XXH3-128, and one of the whole.
+/// Small files that are read whole or not at all: named sections of bytes, each with its XXH3-128,
+/// and the hash of the whole.
 namespace ra2d {
 
 struct Section {
@@ -16,8 +16,8 @@ struct Section {
   std::string bytes;
 };
 
-/// Why a file is not believed: "cut short", "damaged in its section 'state'".
-struct Unbelieved : std::runtime_error {
+/// Why a file cannot be used: "cut short", "damaged in its section 'state'".
+struct CorruptFile : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
@@ -25,8 +25,8 @@ struct Unbelieved : std::runtime_error {
 std::string seal(const std::string& kind, std::uint32_t format,
                  const std::vector<Section>& sections);
 
-/// What was sealed. Throws Unbelieved where a byte is not as it was, or the file is of another kind
-/// or format.
+/// The sections of a sealed file. Throws CorruptFile where a byte has changed, or the file is of
+/// another kind or format.
 std::vector<Section> unseal(const std::string& kind, std::uint32_t format,
                             const std::string& bytes);
 

@@ -16,7 +16,7 @@ namespace ra2d {
 /// number.
 class ShockRows {
  public:
-  /// Where the file begins: with rows for the shocks that are going on, and then for those to come.
+  /// Makes rows for the shocks that are going on where the file begins; later shocks follow.
   void begin(const SegmentStart& start) { start_ = start; }
   void add(Table table) { tables_.push_back(std::move(table)); }
 
@@ -28,7 +28,7 @@ class ShockRows {
   /// were given, in order of start.
   void close_holes();
 
-  /// For what the file says of them at the end.
+  /// The datasets of shocks, to be closed at the end.
   std::vector<Table>& tables() { return tables_; }
   hsize_t rows() const { return rows_; }
 

@@ -16,9 +16,9 @@
 
 namespace ra2d {
 
-// What is given is written buffer by buffer on a thread beside the caller's, who fills the next one
-// meanwhile; so is what the file begins with. The file is touched by one thread at a time: by the
-// writer until it is waited for.
+// Data are written buffer by buffer on a thread of their own, while the caller fills the next
+// buffer. The beginning of the file is written there, too. One thread at a time touches the file:
+// the writer, until it was waited for.
 struct ResultFile::Impl {
   Impl(const std::filesystem::path& path, const ResultHeader& header);
 

@@ -5,7 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "host/result/level.hpp"
+#include "host/result/mean_squares.hpp"
+#include "host/result/noise_figures.hpp"
 #include "host/result/record.hpp"
 #include "host/system/input_file.hpp"
 
@@ -20,13 +21,13 @@ struct ModesHeader {
   MeanSquares mean_square;        // 1/m, of the shape over all the nodes; 0 of a rigid mode
 };
 
-/// Where in a run a file begins; at the start of the run, unless it holds a part of it alone.
+/// The place in a run where a file begins: its start, unless the file holds only a part of the run.
 struct SegmentStart {
   std::vector<long> open_shocks;  // serials of the shocks that are going on, in ascending order
   long shocks_begun = 0;          // serial of the next one
 };
 
-/// What is known before the first step.
+/// The part of a result that is known before the first step.
 struct ResultHeader {
   std::string scene;    // TOML text of the scene
   std::string key;      // of the run (run_key)
@@ -41,18 +42,11 @@ struct ResultHeader {
   SegmentStart segment;
 };
 
-/// What is known after the last step: the figures of the report, those of shocks NaN without any.
-struct ResultSummary {
-  double v_rms = 0;                                         // m/s
-  double lv = 0;                                            // dB re 1e-9 m/s; -inf at rest
-  double shock_rate = 0;                                    // 1/s
-  double shock_duration_median = 0, shock_duration_90 = 0;  // s
-  double peak_force_median = 0, peak_force_90 = 0;          // N
-  double contact_share = 0;                                 // of the time
-  double nodes_evaluated = 0;                               // a step
-  double energy_residual = 0, energy_turnover = 0;          // J
-  double energy_closure = 0;                                // residual over turnover, its size
-  double step_seconds = 0;                                  // of wall time, a step
+/// The figures of a run, known after its last step; those of shocks are NaN where there was none.
+struct ResultSummary : NoiseFigures {
+  double energy_residual = 0, energy_turnover = 0;  // J
+  double energy_closure = 0;                        // residual over turnover, its size
+  double step_seconds = 0;                          // of wall time, a step
   double wall_seconds = 0;
   long steps = 0;
   bool complete = true;  // false: cut short

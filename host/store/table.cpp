@@ -3,18 +3,18 @@
 
 #include <algorithm>
 #include <bit>
-#include <limits>
 #include <string_view>
+
+#include "host/base/quiet_nan.hpp"
 
 namespace ra2d {
 namespace {
 
 using h5::check;
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t chunk_bytes = 128 * 1024;
 
-/// Of datasets that grow, in rows of so many numbers.
+/// Rows of a chunk of a dataset that grows; a row has `width` numbers.
 hsize_t chunk_rows(hsize_t width) {
   return std::clamp<hsize_t>(std::bit_floor(chunk_bytes / (width * sizeof(double))), 1,
                              rows_at_once);
@@ -60,7 +60,7 @@ std::pair<h5::Space, h5::Space> Table::select(hsize_t first, hsize_t rows) const
 
 Table make_table(hid_t file, const Entry& entry, hsize_t rows, hsize_t columns) {
   const h5::Properties creation = h5::ordered(H5P_DATASET_CREATE);
-  check(H5Pset_fill_value(creation, H5T_NATIVE_DOUBLE, &nan));
+  check(H5Pset_fill_value(creation, H5T_NATIVE_DOUBLE, &quiet_nan));
 
   const bool has_columns = entry.has_columns();
   h5::Space space;

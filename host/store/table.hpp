@@ -11,7 +11,7 @@
 
 namespace ra2d {
 
-/// At most so many rows at a time are asked of a table: 64 KiB of one column.
+/// The most rows that are read from a table at once: 64 KiB of one column.
 inline constexpr std::size_t rows_at_once = 8192;
 
 /// A dataset, seen as rows of `width` numbers; the first axis may grow.
@@ -24,7 +24,7 @@ struct Table {
 
   void give(h5::GivenAttribute attribute);
   void resize(hsize_t rows) const;
-  /// Of datasets that grow. Whole chunks go to the file as they are, by no copy in HDF5's cache.
+  /// Writes rows of a dataset that grows. Whole chunks bypass HDF5's cache.
   void write(hsize_t first, hsize_t rows, const double* data) const;
   void read(hsize_t first, hsize_t rows, double* data) const;
 
@@ -32,7 +32,7 @@ struct Table {
   std::pair<h5::Space, h5::Space> select(hsize_t first, hsize_t rows) const;
 };
 
-/// Makes the dataset of an entry, with its scales, units and name, and so many rows for now.
+/// Makes the dataset of an entry with its scales, units and name. It has `rows` rows for now.
 Table make_table(hid_t file, const Entry& entry, hsize_t rows, hsize_t columns);
 
 }  // namespace ra2d

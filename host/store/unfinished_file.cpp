@@ -8,11 +8,11 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <utility>
 
+#include "host/base/clock.hpp"
 #include "host/base/errors.hpp"
 #include "host/base/version.hpp"
 #include "host/store/seal.hpp"
@@ -180,8 +180,7 @@ void UnfinishedFile::flush() { check(H5Fflush(file_, H5F_SCOPE_LOCAL)); }
 
 double UnfinishedFile::finish(const ResultSummary& summary, const std::filesystem::path& name,
                               std::unique_ptr<InputFile>* kept) {
-  using Clock = std::chrono::steady_clock;
-  std::chrono::duration<double> reading_back{};
+  double reading_back = 0;  // s
   guarded([&] {
     doing_ = "order the shocks of";
     shocks_.close_holes();
@@ -197,11 +196,11 @@ double UnfinishedFile::finish(const ResultSummary& summary, const std::filesyste
     const Clock::time_point written = Clock::now();
     require_as_given(has_fitting_seal(partial_->descriptor()));
     read_back(partial_->path(), given_);
-    reading_back = Clock::now() - written;
+    reading_back = seconds_since(written);
     if (kept != nullptr) *kept = std::make_unique<InputFile>(partial_->path());
     name.empty() ? partial_->publish() : partial_->publish(name);
   });
-  return reading_back.count();
+  return reading_back;
 }
 
 void UnfinishedFile::write_summary(const ResultSummary& summary) {

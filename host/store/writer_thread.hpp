@@ -7,9 +7,9 @@
 
 namespace ra2d {
 
-/// Does one thing after the other beside who hands them over and can go on: a march, while its
-/// samples are written. One is under way at most, on a thread that ends with it. Where the system
-/// starts no thread, start() does it itself.
+/// Runs one task after the other beside the caller: samples are written while the march goes on. At
+/// most one task runs at a time, on a thread that ends with it. Where the system starts no thread,
+/// start() runs the task itself.
 class WriterThread {
  public:
   WriterThread() = default;
@@ -22,9 +22,9 @@ class WriterThread {
   void start(std::function<void()> task);
   /// Waits until nothing is under way, and throws what that has thrown.
   void wait();
-  /// ... or keeps it to itself.
+  /// Waits, and keeps what was thrown for a later wait().
   void finish() noexcept;
-  /// Whether something was thrown that nobody has heard of yet.
+  /// Whether a task has thrown something that wait() has not rethrown yet.
   bool has_failed() const { return failed_; }
 
  private:

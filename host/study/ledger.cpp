@@ -16,6 +16,7 @@
 #include "host/base/errors.hpp"
 #include "host/base/hash.hpp"
 #include "host/base/text.hpp"
+#include "host/system/input_file.hpp"
 #include "host/system/partial_file.hpp"
 
 namespace ra2d {
@@ -47,12 +48,7 @@ void put(std::string& bytes, const Key128& key) {
   put(bytes, key.low);
 }
 
-std::uint64_t short_hash(std::string_view bytes) { return XXH3_64bits(bytes.data(), bytes.size()); }
-
-Key128 long_hash(std::string_view bytes) {
-  const XXH128_hash_t hash = XXH3_128bits(bytes.data(), bytes.size());
-  return {hash.high64, hash.low64};
-}
+Key128 long_hash(std::string_view bytes) { return to_key(hexadecimal(digest_of(bytes))); }
 
 /// Takes numbers from bytes; once they are at an end, nothing but zeros, and `fine` is false.
 struct Cursor {
@@ -326,18 +322,9 @@ void FinishedRuns::add(const StudyFolder& folder) {
     if (entry->path().extension() == ".log") files.push_back(entry->path());
   std::sort(files.begin(), files.end());
   for (const fs::path& file : files) {
-    const int descriptor = open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
-    if (descriptor < 0)
-      throw FileError(fmt::format("cannot read '{}': {}", file.string(), std::strerror(errno)));
-    std::string bytes;
-    try {
-      bytes = read_all(descriptor, file);
-    } catch (...) {
-      close(descriptor);
-      throw;
-    }
-    close(descriptor);
-    read_ledger(bytes, file, [&](FinishedRun run) { add(std::move(run), file); });
+    const InputFile input(file, "the ledger");
+    read_ledger(read_all(input.descriptor(), file), file,
+                [&](FinishedRun run) { add(std::move(run), file); });
   }
 }
 

@@ -5,18 +5,11 @@
 
 #include <cmath>
 
+#include "host/base/csv.hpp"
 #include "host/result/level.hpp"
 
 namespace ra2d {
 namespace {
-
-/// A text as RFC 4180 has it.
-std::string field(const std::string& text) {
-  if (text.find_first_of(",\"\n\r") == text.npos) return text;
-  std::string out = "\"";
-  for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return out + '"';
-}
 
 /// One column of a line; empty where there is no number.
 std::string column(double value) { return std::isfinite(value) ? fmt::format(",{}", value) : ","; }
@@ -30,7 +23,7 @@ void add(const MeanOfRuns& mean, std::string& text) {
 std::string means_csv(const StudyAnswers& answers) {
   const std::size_t dimensions = answers.axes.size() - 1;  // the last are the seeds
   std::string text;
-  for (std::size_t a = 0; a < dimensions; ++a) text += field(answers.axes[a].name) + ',';
+  for (std::size_t a = 0; a < dimensions; ++a) text += csv_field(answers.axes[a].name) + ',';
   text += "runs";
   for (const auto& [name, unit] :
        {std::pair{"v_rms", "m/s"}, {"level", "dB"}, {"shock_rate", "1/s"}})
@@ -41,7 +34,7 @@ std::string means_csv(const StudyAnswers& answers) {
     for (std::size_t a = 0; a < dimensions; ++a) {
       const StudyAxis& axis = answers.axes[a];
       text += axis.texts.empty() ? fmt::format("{},", axis.numbers[mean.place[a]])
-                                 : field(axis.texts[mean.place[a]]) + ',';
+                                 : csv_field(axis.texts[mean.place[a]]) + ',';
     }
     text += fmt::format("{}", mean.v_rms.count);
     add(mean.v_rms, text);
@@ -55,7 +48,8 @@ std::string means_csv(const StudyAnswers& answers) {
 std::string law_csv(const StudyLaw& law) {
   std::string text = "quantity,value,low,high\n";
   for (const Exponent& e : law.exponents)
-    text += field("exponent_" + e.name) + column(e.value) + column(e.low) + column(e.high) + '\n';
+    text +=
+        csv_field("exponent_" + e.name) + column(e.value) + column(e.low) + column(e.high) + '\n';
   for (const auto& [name, value] :
        {std::pair{"factor", law.factor},
         {"constant_dB", level(law.factor)},

@@ -15,7 +15,6 @@
 #include "host/report/html.hpp"
 #include "host/report/page.hpp"
 #include "host/report/svg_chart.hpp"
-#include "host/result/level.hpp"
 #include "host/study/law.hpp"
 #include "host/study/ledger.hpp"
 

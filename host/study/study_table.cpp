@@ -22,6 +22,7 @@
 #include "host/store/attributes.hpp"
 #include "host/store/hdf5.hpp"
 #include "host/store/seal.hpp"
+#include "host/store/sealed_hdf5.hpp"
 #include "host/system/input_file.hpp"
 #include "host/system/partial_file.hpp"
 
@@ -83,9 +84,9 @@ class Image {
   std::string bytes() {
     check(H5Fflush(file_, H5F_SCOPE_GLOBAL));
     const ssize_t size = H5Fget_file_image(file_, nullptr, 0);
-    if (size < 0) throw h5::hdf5_failure();
+    if (size < 0) h5::throw_failure();
     std::string bytes(static_cast<std::size_t>(size), '\0');
-    if (H5Fget_file_image(file_, bytes.data(), bytes.size()) != size) throw h5::hdf5_failure();
+    if (H5Fget_file_image(file_, bytes.data(), bytes.size()) != size) h5::throw_failure();
     h5::close(file_);
     return bytes;
   }
@@ -376,6 +377,7 @@ bool is_study_table(const std::filesystem::path& file) {
   std::error_code none;
   if (!std::filesystem::is_regular_file(file, none)) return false;
   const auto library = h5::take_library();
+  const h5::CrashWatch watch(file);
   try {
     return looks_like_hdf5(file) && H5Aexists(open_sealed(file), "study_format") > 0;
   } catch (const FileError&) {
@@ -404,6 +406,7 @@ StudyAnswers read_study_table(const std::filesystem::path& file) {
     throw FileError(fmt::format("cannot read '{}': there is no such file. 'ra2d study' writes it",
                                 file.string()));
   const auto library = h5::take_library();
+  const h5::CrashWatch watch(file);
   try {
     return read_table(open_sealed(file));
   } catch (const Unsealed& fault) {

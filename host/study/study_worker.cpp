@@ -22,28 +22,23 @@
 #include <stdexcept>
 #include <thread>
 
+#include "host/base/clock.hpp"
 #include "host/base/errors.hpp"
 #include "host/device/backend.hpp"
 #include "host/model/model.hpp"
 #include "host/plan/plan.hpp"
-#include "host/result/level.hpp"
 #include "host/run/disk_room.hpp"
 #include "host/run/result_header.hpp"
 #include "host/run/run_files.hpp"
 #include "host/run/run_key.hpp"
 #include "host/run/run_report.hpp"
 #include "host/run/simulation.hpp"
+#include "host/run/v_rms.hpp"
 #include "host/system/interruption.hpp"
 #include "kernels/limits.hpp"
 
 namespace ra2d {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point begin) {
-  return std::chrono::duration<double>(Clock::now() - begin).count();
-}
 
 constexpr int slots_of_a_gpu =
     4096;  // several times what it marches at a moment; memory may be for fewer
@@ -322,9 +317,9 @@ class Worker {
     } else {
       finished.figures = {.v_rms = report.v_rms,
                           .level = report.lv,
-                          .shock_rate = report.shocks,
-                          .shock_duration = report.duration_median,
-                          .peak_force = report.force_median,
+                          .shock_rate = report.shock_rate,
+                          .shock_duration = report.shock_duration_median,
+                          .peak_force = report.peak_force_median,
                           .contact_share = report.contact_share,
                           .energy_closure = std::abs(report.energy.relative()),
                           .wall_seconds = 0};

@@ -16,6 +16,8 @@
 #include <cstring>
 #include <new>
 
+#include "host/system/crash_message.hpp"
+
 namespace ra2d {
 namespace {
 
@@ -43,8 +45,8 @@ void limit(int resource, double most) {
                          double memory, double seconds) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(failed_to_answer);  // it ended before it could be watched
-  for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGXCPU})
-    std::signal(signal, SIG_DFL);
+  crash_plainly();
+  std::signal(SIGXCPU, SIG_DFL);
   std::signal(SIGPIPE, SIG_IGN);
   // what the C library says of a heap that is spoilt is no message of ours
   if (const int nowhere = open("/dev/null", O_RDWR | O_CLOEXEC); nowhere >= 0)

@@ -10,7 +10,7 @@ namespace ra2d {
 /// limit_host_threads said. Who is one of several that work side by side has its share of them.
 int host_threads();
 
-/// From here on no more than these; 0: as many as there are processors.
+/// Allows at most so many threads from now on; 0: as many as there are processors.
 void limit_host_threads(int most);
 
 /// As long as it lives, the thread that made it has the share of one of `workers` in what its maker
@@ -26,8 +26,8 @@ class ShareOfThreads {
   int before_;
 };
 
-/// Calls work(0), ..., work(count - 1) on up to `most` threads, the caller among them: who is done
-/// takes the next. After a fault nothing new is begun; rethrows the first once all have ended.
+/// Calls work(0), ..., work(count - 1) on up to `most` threads, the caller among them: a thread
+/// that is done takes the next. After a fault none is taken; rethrows the first one at the end.
 void on_threads(int most, std::size_t count, const std::function<void(std::size_t)>& work);
 
 }  // namespace ra2d

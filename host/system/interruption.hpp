@@ -2,7 +2,7 @@
 #pragma once
 
 /// How a process is asked to end. Programs ask from their signal handlers
-/// (host/commands/interrupt.hpp does for ra2d); who uses the library may do the same from anywhere.
+/// (host/commands/interrupt.hpp does for ra2d); users of the library may call it from anywhere.
 namespace ra2d {
 
 /// Asks all marches of this process to end soon: run() then writes what it has, what keeps nothing
@@ -12,7 +12,7 @@ void interrupt(int signal) noexcept;
 /// The signal that asked; 0 while none did.
 int interruption() noexcept;
 
-/// The same for the kernels of a host backend, which read it atomically.
+/// Where interruption() stands, for the kernels of a host backend: they read it atomically.
 const int* interruption_flag() noexcept;
 
 /// Asks those that keep checkpoints to write one and go on. Signal handlers may call it.

@@ -28,24 +28,24 @@ std::string refusal(const fs::path& path, const std::string& why) {
 /// FileError for links in a ring.
 std::string follow(fs::path& path) {
   if (!path.has_filename()) return "this is a folder";
-  const fs::path asked = path;
+  const fs::path given = path;
   std::error_code unknown;
   // as the system follows it: also to a pipe behind /dev/stdout, which no link names
-  const fs::file_status end = fs::status(asked, unknown);
+  const fs::file_status end = fs::status(given, unknown);
   if (unknown == std::errc::too_many_symbolic_link_levels)
-    throw FileError(refusal(asked, "its symbolic links lead in a ring"));
+    throw FileError(refusal(given, "its symbolic links lead in a ring"));
   const char* const leads =
-      fs::is_symlink(fs::symlink_status(asked, unknown)) ? "it leads to " : "this is ";
+      fs::is_symlink(fs::symlink_status(given, unknown)) ? "it leads to " : "this is ";
   if (fs::exists(end) && !fs::is_regular_file(end))
     return std::string(leads) + kind_name(end.type());
   constexpr int most_links = 40;  // as many as the system follows
   for (int links = 0; fs::is_symlink(fs::symlink_status(path, unknown)); ++links) {
-    if (links == most_links) throw FileError(refusal(asked, "its symbolic links lead in a ring"));
+    if (links == most_links) throw FileError(refusal(given, "its symbolic links lead in a ring"));
     path = path.parent_path() /
            fs::read_symlink(path, unknown);  // an absolute one replaces the folder
   }
   // Of an open file that was removed /proc still tells a name, with "(deleted)" behind it.
-  if (path != asked && fs::exists(end) && !is_same_file(asked, path))
+  if (path != given && fs::exists(end) && !is_same_file(given, path))
     return std::string(leads) + "a file that has lost its name";
   return {};
 }
@@ -73,8 +73,8 @@ bool is_printed_to(const fs::path& file) {
   return false;
 }
 
-/// What a file is that cannot be made again from others in no time: "a result, or other HDF5 data".
-/// Empty for any other, and for one that cannot be read.
+/// The kind of a file that is costly to make again: "a result, or other data in HDF5". Empty for
+/// other files, and for one that cannot be read.
 std::string kind_of_kept(const fs::path& file) {
   std::error_code none;
   if (!fs::exists(file, none)) return {};
@@ -92,7 +92,7 @@ std::string kind_of_kept(const fs::path& file) {
                             beginning.find(" with no more than level, ") != beginning.npos;
     if (file.extension() == ".toml" && !beginning.empty() && !is_planned)
       return "a scene or a study";
-  } catch (const FileError&) {  // nobody's result can be lost that nobody can read
+  } catch (const FileError&) {  // a file that cannot be read is no result that could be lost
   }
   return {};
 }

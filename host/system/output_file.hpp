@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-/// Where files are written: only regular files are replaced, and never one that was read.
+/// Rules for outputs: only regular files are replaced, and never one that was read.
 namespace ra2d {
 
 /// The file that is replaced when `path` is written: `path` itself, or what it leads to where it is

@@ -129,7 +129,7 @@ void remove_leftovers(const fs::path& folder, const std::string& host) {
     }
     close(descriptor);
   }
-  if (removed > 0)  // said if it can be: this fails for nobody
+  if (removed > 0)  // a message that cannot be printed is no failure
     std::fputs(fmt::format("ra2d: removed {} partial file{} ({:.1f} MB) that killed runs had left "
                            "beside the output\n",
                            removed, removed == 1 ? "" : "s", bytes * 1e-6)
@@ -241,7 +241,7 @@ PartialFile::PartialFile(const fs::path& target) : target_{replaced_file(target)
       continue;
     }
     try {
-      const int held = lock(descriptor_);  // where there are no locks, nobody cleans up either
+      const int held = lock(descriptor_);  // without locks no process cleans up either
       if (held == EAGAIN || held == EACCES || !stands_at(descriptor_, path_)) drop();
     } catch (const FileError&) {
       unlink(path_.c_str());  // it was made just now, under a name of this process

@@ -33,7 +33,7 @@ class PartialFile {
   /// Gives the file, which was synced, its name. Fails also when it has its name and is whole, but
   /// the folder could not be brought to the disk: the message says so.
   void publish() { publish(target_); }
-  /// ... or another one in the same file system.
+  /// Gives it another name in the same file system.
   void publish(const std::filesystem::path& name);
   /// Takes everything back.
   void drop() noexcept;

@@ -63,7 +63,7 @@ void become(char** argv, int input, int output, int failure, pid_t parent,
   sigprocmask(SIG_SETMASK, &unblocked, nullptr);
   execvp(argv[0], argv);
   const int error = errno;
-  [[maybe_unused]] const ssize_t told = write(failure, &error, sizeof error);
+  [[maybe_unused]] const ssize_t written = write(failure, &error, sizeof error);
   _exit(127);
 }
 

@@ -14,7 +14,7 @@ struct ProgramRun {
   std::string out;    // what it printed, where it was asked for
 };
 
-/// Where a program's standard output goes.
+/// The destination of a program's standard output.
 enum class Output { shown, kept };
 
 /// Runs a program to its end, without a shell; after `limit` seconds it is killed with all that it

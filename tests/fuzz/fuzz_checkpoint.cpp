@@ -47,7 +47,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
       if (fault_of(checkpoint.state, small_extents(adaptive), 1000, 100).empty() &&
           (checkpoint.state.values.closed_count > 4 || checkpoint.state.values.open_count > 20))
         std::abort();
-  } catch (const Unbelieved& fault) {
+  } catch (const CorruptFile& fault) {
     if (std::string(fault.what()).empty()) std::abort();
   }
   return 0;

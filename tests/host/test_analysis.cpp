@@ -292,7 +292,7 @@ TEST(Peaks, OnATonesMultiplesAreTheMeshs) {
   EXPECT_FALSE(peaks[0].of_mesh);
   mark_mesh(peaks, 499, 1);
   EXPECT_TRUE(peaks[0].of_mesh);
-  EXPECT_EQ(peaks[0].half_power.why, Untold::mesh);
+  EXPECT_EQ(peaks[0].half_power.why, NoDamping::mesh);
   EXPECT_TRUE(std::isnan(peaks[0].half_power.damping));
 }
 
@@ -372,7 +372,7 @@ TEST(HalfPower, IsThatOfAnOscillatorUnderWhiteNoise) {
     for (unsigned run = 0; run < runs; ++run) {
       const auto velocity = DrivenModes(natural, zeta, rate, 100 + run).velocity(16'003);
       const HalfPower h = half_power_of(velocity, rate, 1.03 * natural, run % 2 ? 0.02 : NAN);
-      ASSERT_EQ(h.why, Untold::told) << natural << ' ' << run;
+      ASSERT_EQ(h.why, NoDamping::found) << natural << ' ' << run;
       EXPECT_NEAR(h.frequency, natural, 4 * zeta * natural * h.error / h.damping) << run;
       sum += h.damping / zeta - 1;
       squares += std::pow(std::log(h.damping / zeta) * h.damping / h.error, 2);
@@ -392,7 +392,7 @@ TEST(HalfPower, OfACurveWithoutChanceIsExact) {
     const Lines lines = resonances(density, resolution, {600}, 0.03);
     const HalfPower h = half_power({resolution, lines.density, 1},
                                    place_of_mode(std::vector<double>{615}, 0, 0.02));
-    EXPECT_EQ(h.why, Untold::told);
+    EXPECT_EQ(h.why, NoDamping::found);
     EXPECT_NEAR(h.damping, 0.03, 0.03 * (resolution == 1.0 ? 1e-5 : 1e-3));
     EXPECT_NEAR(h.frequency, 600, 0.01);
   }
@@ -402,26 +402,26 @@ TEST(HalfPower, SaysWhyItCannotBeTold) {
   constexpr double rate = 16'000, natural = 1000, zeta = 0.02;
   const auto why = [&](const std::vector<double>& velocity, double place = 1000) {
     const HalfPower h = half_power_of(velocity, rate, place, zeta);
-    EXPECT_EQ(std::isnan(h.damping), h.why != Untold::told);
-    EXPECT_EQ(std::isnan(h.error), h.why != Untold::told);
+    EXPECT_EQ(std::isnan(h.damping), h.why != NoDamping::found);
+    EXPECT_EQ(std::isnan(h.error), h.why != NoDamping::found);
     return h.why;
   };
   DrivenModes mode(natural, zeta, rate, 7);
-  EXPECT_EQ(why(mode.velocity(800)), Untold::short_run);  // 2 lines wide
-  EXPECT_EQ(why(mode.velocity(16)), Untold::short_run);
-  EXPECT_EQ(why(std::vector<double>(16'000, 0.0)), Untold::lost);
-  EXPECT_EQ(why(mode.velocity(32'000), 2000), Untold::lost);  // the slope of another
+  EXPECT_EQ(why(mode.velocity(800)), NoDamping::short_run);  // 2 lines wide
+  EXPECT_EQ(why(mode.velocity(16)), NoDamping::short_run);
+  EXPECT_EQ(why(std::vector<double>(16'000, 0.0)), NoDamping::lost);
+  EXPECT_EQ(why(mode.velocity(32'000), 2000), NoDamping::lost);  // the slope of another
   for (const double beyond : {9e3, 1e300, HUGE_VAL})
-    EXPECT_EQ(why(mode.velocity(1600), beyond), Untold::lost);
+    EXPECT_EQ(why(mode.velocity(1600), beyond), NoDamping::lost);
   std::vector<double> two = mode.velocity(256'000);
   const std::vector<double> other = DrivenModes(1060, 0.01, rate, 8).velocity(two.size());
   for (std::size_t j = 0; j < two.size(); ++j) two[j] += other[j];
-  EXPECT_EQ(why(two), Untold::shape);
-  EXPECT_EQ(why(mode.velocity(64'000)), Untold::told);
-  for (const auto& [reason, word] : {std::pair{Untold::short_run, "short"},
-                                     {Untold::shape, "shape"},
-                                     {Untold::lost, "lost"},
-                                     {Untold::mesh, "mesh"}})
+  EXPECT_EQ(why(two), NoDamping::shape);
+  EXPECT_EQ(why(mode.velocity(64'000)), NoDamping::found);
+  for (const auto& [reason, word] : {std::pair{NoDamping::short_run, "short"},
+                                     {NoDamping::shape, "shape"},
+                                     {NoDamping::lost, "lost"},
+                                     {NoDamping::mesh, "mesh"}})
     EXPECT_STREQ(word_of(reason), word);
 }
 
@@ -561,7 +561,8 @@ TEST_F(Analyze, PrintsOneScreen) {
                               HasSubstr("highest peaks")));
   EXPECT_LT(std::count(said.out.begin(), said.out.end(), '\n'), 50);
   EXPECT_THAT(said.out, HasSubstr(" +- "));  // of a tenth of a second, too, at high frequencies
-  EXPECT_THAT(said.out, AllOf(HasSubstr("(modal 0.02)"), HasSubstr("damping: short")));
+  EXPECT_THAT(said.out,
+              AllOf(HasSubstr("(modal 0.02)"), HasSubstr("no damping: the run is too short")));
   EXPECT_THAT(ra2d({"analyze", "a.h5", "--a-weighting"}).out, HasSubstr("no sound pressure"));
 }
 

@@ -11,7 +11,7 @@
 
 #include "host/base/errors.hpp"
 #include "host/beam/beam.hpp"
-#include "host/result/level.hpp"
+#include "host/run/v_rms.hpp"
 
 namespace {
 

@@ -313,13 +313,13 @@ TEST_F(Crash, EveryTruncationAndEveryFlippedBitOfACheckpointIsRefused) {
   // the histograms are zeros for the most part: of them some
   const std::size_t stride = std::max<std::size_t>(1, bytes.size() / (4000 * draws(1)));
   for (std::size_t length = 0; length < bytes.size(); length += length < 4096 ? 7 : stride)
-    EXPECT_THROW(checkpoint_of(bytes.substr(0, length)), Unbelieved) << length;
-  EXPECT_THROW(checkpoint_of(bytes.substr(0, bytes.size() - 1)), Unbelieved);
-  EXPECT_THROW(checkpoint_of(bytes + "x"), Unbelieved);
+    EXPECT_THROW(checkpoint_of(bytes.substr(0, length)), CorruptFile) << length;
+  EXPECT_THROW(checkpoint_of(bytes.substr(0, bytes.size() - 1)), CorruptFile);
+  EXPECT_THROW(checkpoint_of(bytes + "x"), CorruptFile);
   for (std::size_t at = 0; at < bytes.size(); at += at < 4096 ? 3 : stride) {
     std::string flipped = bytes;
     flipped[at] = static_cast<char>(flipped[at] ^ (1 << (at % 8)));
-    EXPECT_THROW(checkpoint_of(flipped), Unbelieved) << at;
+    EXPECT_THROW(checkpoint_of(flipped), CorruptFile) << at;
   }
 }
 

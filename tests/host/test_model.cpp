@@ -11,6 +11,8 @@
 
 #include "host/result/level.hpp"
 #include "host/result/record.hpp"
+#include "host/run/samples.hpp"
+#include "host/run/v_rms.hpp"
 #include "tests/scenes.hpp"
 
 namespace ra2d::test {

@@ -14,7 +14,8 @@
 
 #include "host/base/errors.hpp"
 #include "host/ensemble/ensemble.hpp"
-#include "host/result/level.hpp"
+#include "host/run/samples.hpp"
+#include "host/run/v_rms.hpp"
 #include "host/savings/savings.hpp"
 #include "host/scene/schemes.hpp"
 #include "host/scene_file/scene_file.hpp"

@@ -10,6 +10,7 @@
 
 #include "host/model/model.hpp"
 #include "host/result/energy.hpp"
+#include "host/run/samples.hpp"
 #include "host/run/simulation.hpp"
 #include "tests/scenes.hpp"
 #include "tests/simulate.hpp"

@@ -15,6 +15,7 @@
 
 #include "host/base/errors.hpp"
 #include "host/scene_file/scene_file.hpp"
+#include "host/store/entries.hpp"
 #include "host/store/store.hpp"
 #include "tests/child.hpp"
 #include "tests/reseal.hpp"
@@ -79,10 +80,29 @@ class Reader : public testing::Test {
     body(file);
     H5Fclose(file);
   }
+  /// All numbers and texts that a reader gets.
+  std::string everything() const {
+    const ResultReader reader(path_);
+    const ResultContents& c = reader.contents();
+    std::string all = c.scene + c.origin + c.summary.ended;
+    const auto add = [&](const std::vector<double>& values) {
+      all.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(double));
+    };
+    for (const auto& values : {c.resonator_frequency, c.slider_frequency, c.mean_square})
+      add(values);
+    for (const Shock& shock : c.shocks)
+      add({shock.start, shock.duration, shock.peak_force, shock.impulse, shock.position});
+    add({c.rate, c.end, c.summary.v_rms, c.summary.lv, double(c.summary.steps)});
+    const SampleBlock block = reader.samples(0, c.samples);
+    for (const Entry& entry : entries())
+      if (const Sampled* member = source_of<Sampled>(entry)) add(block.**member);
+    return all;
+  }
   std::string refusal() const {
     try {
       const ResultReader reader(path_);
       reader.columns("resonator/velocity", 0, reader.contents().samples, 0, 2);
+      reader.samples(0, reader.contents().samples);
     } catch (const FileError& error) {
       EXPECT_THAT(error.what(), HasSubstr("cannot read '" + path_.string() + "': "));
       return error.what();
@@ -256,7 +276,39 @@ TEST_F(Reader, RefusesMoreNumbersThanTheFileHasRoomFor) {
 // ---- the seal, and what a forger's seal does not vouch for
 // ----------------------------------------
 
-TEST_F(Reader, KnowsEveryByteOfAFile) {
+/// What is read is what was written, or it is refused.
+TEST_F(Reader, TakesNoByteThatWasDamaged) {
+  write(2);
+  const std::string whole = test::read_file(path_), content = everything();
+  std::mt19937 dice(1);
+  std::fstream file(path_, std::ios::binary | std::ios::in | std::ios::out);
+  int refused = 0;
+  const std::size_t seal = whole.size() - test::without_seal(whole).size();
+  for (std::size_t i = 0; i < 400; ++i) {
+    // of the seal, and of the bytes before it
+    const std::size_t at = i < 100 ? whole.size() - 1 - dice() % seal : dice() % whole.size();
+    const auto put = [&](char byte) {
+      file.seekp(static_cast<std::streamoff>(at));
+      file.put(byte).flush();
+    };
+    put(static_cast<char>(whole[at] ^ (1 << i % 8)));
+    EXPECT_THROW(read_stamp(path_), FileError) << at;
+    const std::string said = refusal();
+    if (said == "no FileError") {
+      EXPECT_TRUE(everything() == content) << at;
+      EXPECT_GE(i, 100u) << "every byte of the seal counts";
+    } else {
+      ++refused;
+      EXPECT_TRUE(said.find("it is damaged") != said.npos ||
+                  said.find("it has no seal") != said.npos)
+          << at << said;
+    }
+    put(whole[at]);
+  }
+  EXPECT_GT(refused, 300);
+}
+
+TEST_F(Reader, TakesNoFileThatWasCutOrMadeLonger) {
   write(2);
   const std::string whole = test::read_file(path_);
   const auto refuses = [&](const std::string& bytes) {
@@ -265,29 +317,12 @@ TEST_F(Reader, KnowsEveryByteOfAFile) {
     return said.find("it is damaged") != said.npos || said.find("it has no seal") != said.npos ||
            said.find("it is no HDF5 file") != said.npos;
   };
-  // one bit of every byte of the seal, and of some before it, in turn: the file keeps its inode and
-  // size
-  std::mt19937 dice(1);
-  std::fstream file(path_, std::ios::binary | std::ios::in | std::ios::out);
-  for (std::size_t i = 0; i < 300; ++i) {
-    const std::size_t at = i < seal_size ? whole.size() - 1 - i : dice() % whole.size();
-    const auto put = [&](char byte) {
-      file.seekp(static_cast<std::streamoff>(at));
-      file.put(byte).flush();
-    };
-    put(static_cast<char>(whole[at] ^ (1 << i % 8)));
-    const std::string said = refusal();
-    EXPECT_TRUE(said.find("it is damaged") != said.npos || said.find("it has no seal") != said.npos)
-        << at << said;
-    put(whole[at]);
-  }
-  file.close();
-  for (std::size_t size : {std::size_t{0}, std::size_t{1}, seal_size, whole.size() / 2,
-                           whole.size() - seal_size, whole.size() - 1})
+  for (std::size_t size : {std::size_t{0}, std::size_t{1}, seal_line_size, whole.size() / 2,
+                           whole.size() - seal_line_size, whole.size() - 1})
     EXPECT_TRUE(refuses(whole.substr(0, size))) << size;
   EXPECT_TRUE(refuses(whole + '\n'));
   EXPECT_TRUE(refuses(whole + whole));
-  EXPECT_TRUE(refuses(whole + whole.substr(whole.size() - seal_size)));
+  EXPECT_TRUE(refuses(whole + whole.substr(whole.size() - seal_line_size)));
   EXPECT_TRUE(refuses(whole.substr(1)));
   EXPECT_FALSE(refuses(whole));
 }
@@ -297,12 +332,14 @@ TEST_F(Reader, KnowsEveryByteOfAFile) {
 TEST_F(Reader, LooksAgainAtWhatWasChanged) {
   write(2);
   std::string bytes = test::read_file(path_);
+  const std::size_t at = bytes.find("interrupted");  // an attribute that is read
+  ASSERT_NE(at, bytes.npos);
   for (int i = 0; i < 3; ++i) {
     EXPECT_EQ(refusal(), "no FileError");
-    bytes[bytes.size() / 2] ^= 1;
+    bytes[at] ^= 1;
     std::ofstream(path_, std::ios::binary) << bytes;  // the same inode and size
     EXPECT_THAT(refusal(), HasSubstr("it is damaged"));
-    bytes[bytes.size() / 2] ^= 1;
+    bytes[at] ^= 1;
     std::ofstream(folder_.path() / "new.h5", std::ios::binary) << bytes;
     fs::rename(folder_.path() / "new.h5", path_);
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The seal of result files, and who asks for it. That no reader takes a file that was damaged,
-// tests/hostile shows (readers).
+// The seal of result files, and the commands that compare with it. tests/hostile (readers) shows
+// that no reader uses a damaged byte.
 #include "host/store/seal.hpp"
 
 #include <gmock/gmock.h>
@@ -8,16 +8,24 @@
 #include <hdf5.h>
 #include <sys/stat.h>
 
+#include <algorithm>
+#include <array>
 #include <csignal>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <random>
 #include <stdexcept>
 #include <string>
+#include <thread>
+#include <utility>
 #include <vector>
 
 #include "host/base/errors.hpp"
 #include "host/system/asked_child.hpp"
+#include "host/system/crash_message.hpp"
+#include "host/system/input_file.hpp"
 #include "tests/child.hpp"
 #include "tests/places.hpp"
 #include "tests/reseal.hpp"
@@ -30,12 +38,137 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
-// The XXH3-128 of no bytes is known: it stands in xxHash's own tests.
+// The XXH3-128 of no bytes is that of xxHash's own tests.
 TEST(Seal, IsTheLineOfTheDocuments) {
-  EXPECT_EQ(seal_of(""), "ra2d seal 1 000000000000000000 99aa06d3014798d86001c324468d497f\n");
-  EXPECT_EQ(seal_of("").size(), seal_size);
-  EXPECT_EQ(seal_of(std::string(1'000'000, 'x')).size(), seal_size);
-  EXPECT_THAT(seal_of(std::string(1'000'000, 'x')), HasSubstr("ra2d seal 1 000000000001000000 "));
+  EXPECT_EQ(seal_of(""), "ra2d seal 2 000000000000000000 99aa06d3014798d86001c324468d497f\n");
+  EXPECT_EQ(seal_of("").size(), seal_line_size);
+  const std::string seal = seal_of(std::string(1'000'000, 'x'));
+  EXPECT_EQ(seal.size(), 245 * sizeof(Digest) + seal_line_size);  // 245 blocks of 4096
+  EXPECT_THAT(seal, HasSubstr("ra2d seal 2 000000000001000000 "));
+}
+
+/// A sealed file, and its bytes as SealedBytes reads them.
+class SealedFile : public testing::Test {
+ protected:
+  static constexpr std::size_t size = 100'000;  // 24 blocks and a part of one
+  void SetUp() override {
+    std::mt19937 dice(1);
+    for (std::size_t i = 0; i < size; ++i) bytes_ += static_cast<char>(dice());
+    put(bytes_ + seal_of(bytes_));
+  }
+  void put(const std::string& bytes) const { std::ofstream(path_, std::ios::binary) << bytes; }
+  /// Whether a part of the file reads, and then as it was written.
+  bool reads(std::size_t at, std::size_t count) const {
+    const InputFile input(path_);
+    SealedBytes sealed(input.descriptor());
+    std::string found(count, '?');
+    try {
+      sealed.read(at, found.data(), count);
+    } catch (const Unsealed&) {
+      return false;
+    }
+    EXPECT_TRUE(found == bytes_.substr(at, count)) << at << ' ' << count;
+    return true;
+  }
+  bool opens() const {
+    try {
+      const InputFile input(path_);
+      EXPECT_EQ(SealedBytes(input.descriptor()).size(), size);
+    } catch (const Unreadable&) {
+      return false;
+    }
+    return true;
+  }
+
+  const test::Folder folder_;
+  const fs::path path_ = folder_.path() / "sealed";
+  std::string bytes_;
+};
+
+TEST_F(SealedFile, ReadsWhatWasSealedFromAnyByteOn) {
+  std::mt19937 dice(2);
+  std::vector<std::pair<std::size_t, std::size_t>> parts = {
+      {0, size}, {0, 0}, {size, 0}, {4095, 2}, {4096, 4096}, {1, 3 * 4096}, {size - 1, 1}};
+  for (int i = 0; i < 200; ++i) {
+    const std::size_t at = dice() % size;
+    parts.emplace_back(at, dice() % (size - at));
+  }
+  for (const auto& [at, count] : parts) EXPECT_TRUE(reads(at, count)) << at << ' ' << count;
+  // one after the other, as HDF5 asks for them
+  const InputFile input(path_);
+  SealedBytes sealed(input.descriptor());
+  for (const auto& [at, count] : parts) {
+    std::string found(count, '?');
+    sealed.read(at, found.data(), count);
+    EXPECT_TRUE(found == bytes_.substr(at, count));
+  }
+}
+
+TEST_F(SealedFile, OfADamagedBlockNoByteIsRead) {
+  for (const std::size_t at : {std::size_t{0}, std::size_t{5000}, size - 1}) {
+    std::string damaged = bytes_;
+    damaged[at] ^= 1;
+    put(damaged + seal_of(bytes_));
+    EXPECT_TRUE(opens());
+    EXPECT_THROW(require_seal(path_), Unsealed);
+    const std::size_t block = at / sealed_block * sealed_block;
+    const std::size_t end = std::min(size, block + sealed_block);
+    for (const std::size_t place : {block, (block + end) / 2, end - 1})
+      EXPECT_FALSE(reads(place, 1)) << place;
+    EXPECT_FALSE(reads(0, size));
+    if (block > 0) {
+      EXPECT_TRUE(reads(0, block));
+    }
+    if (end < size) {
+      EXPECT_TRUE(reads(end, size - end));
+    }
+  }
+}
+
+TEST_F(SealedFile, EveryByteOfTheSealCounts) {
+  const std::string seal = seal_of(bytes_);
+  for (std::size_t i = 0; i < seal.size(); ++i) {
+    std::string damaged = seal;
+    damaged[i] ^= 1;
+    put(bytes_ + damaged);
+    EXPECT_FALSE(opens()) << i;
+  }
+  for (const std::string& whole :
+       {bytes_ + seal.substr(1), bytes_ + seal + "x", bytes_ + "x" + seal, bytes_.substr(1) + seal,
+        bytes_ + seal + seal, bytes_ + seal.substr(seal.size() - seal_line_size), seal}) {
+    put(whole);
+    EXPECT_FALSE(opens()) << whole.size();
+  }
+  put(bytes_ + seal);
+  EXPECT_TRUE(opens());
+}
+
+/// Results of the programs before this seal: one hash of all bytes.
+TEST_F(SealedFile, TheSealOfOlderProgramsIsReadToo) {
+  Hash hash;
+  hash.add(bytes_);
+  const std::string line = "ra2d seal 1 000000000000100000 " + hash.text() + "\n";
+  put(bytes_ + line);
+  EXPECT_TRUE(opens());
+  EXPECT_TRUE(reads(4000, 50'000));
+  std::string damaged = bytes_ + line;
+  damaged[5] ^= 1;
+  put(damaged);
+  EXPECT_FALSE(opens());
+  put(bytes_ + "x" + line);
+  EXPECT_FALSE(opens());
+}
+
+TEST_F(SealedFile, WhatChangesAfterTheOpeningIsNotRead) {
+  const InputFile input(path_);
+  SealedBytes sealed(input.descriptor());
+  std::string found(size, '?');
+  sealed.read(0, found.data(), 5000);
+  std::fstream file(path_, std::ios::binary | std::ios::in | std::ios::out);
+  file.seekp(9000).put(static_cast<char>(bytes_[9000] ^ 1)).flush();
+  EXPECT_THROW(sealed.read(0, found.data(), size), Unsealed);
+  fs::resize_file(path_, 20'000);
+  EXPECT_THROW(sealed.read(19'000, found.data(), 2000), Unsealed);
 }
 
 TEST(Seal, WaitsForNoPipeAndReadsNoDevice) {
@@ -137,6 +270,55 @@ TEST_F(SealedResult, CheckOutlivesHdf5OnAForgersBytes) {
   // the address sanitizer ends a process that crashes by itself
   EXPECT_THAT(ended.err, testing::AnyOf(HasSubstr("HDF5 cannot read it: it ended by signal"),
                                         HasSubstr("HDF5 cannot read it: it gave no answer")));
+#if !defined(__SANITIZE_ADDRESS__)  // which ends the process by itself
+  for (const std::vector<std::string>& words :
+       std::vector<std::vector<std::string>>{{"analyze", "out.h5"},
+                                             {"sound", "out.h5", "-o", "out.wav"},
+                                             {"report", "out.h5", "-o", "out.html"},
+                                             {"plot", "out.h5", "-o", "out.png"}}) {
+    const test::Ended reader = ra2d(words);
+    EXPECT_EQ(reader.status, 4) << words.front();
+    EXPECT_THAT(reader.err, AllOf(HasSubstr("cannot read 'out.h5': HDF5 crashed on it"),
+                                  HasSubstr("ra2d check out.h5")));
+    EXPECT_FALSE(fs::exists(folder_.path() / words.back()) && words.size() > 2);
+  }
+#endif
+}
+
+// ---- crashes ------------------------------------------------------------------------------------
+
+/// In a process of its own, for it ends.
+void crash(const std::function<void()>& body) {
+  const CrashMessage message("ra2d: cannot read 'x'\n");
+  body();
+}
+
+TEST(CrashMessage, ACrashEndsAsAFileThatCannotBeRead) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  const auto ends = testing::ExitedWithCode(4);
+  EXPECT_EXIT(crash([] { raise(SIGSEGV); }), ends, "ra2d: cannot read 'x'");
+  EXPECT_EXIT(crash([] { std::abort(); }), ends, "ra2d: cannot read 'x'");
+  // the stack itself
+  EXPECT_EXIT(crash([] {
+                static const std::function<int(int)> deeper = [](int n) {
+                  std::array<volatile char, 4096> much{};
+                  much[static_cast<std::size_t>(n) % much.size()] = 1;
+                  return deeper(n + 1) + much[0];
+                };
+                deeper(0);
+              }),
+              ends, "ra2d: cannot read 'x'");
+}
+
+TEST(CrashMessage, OtherCrashesStayWhatTheyAre) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  const auto after = [] {
+    crash([] {});
+    raise(SIGSEGV);
+  };
+  const auto other_thread = [] { crash([] { std::thread([] { raise(SIGABRT); }).join(); }); };
+  EXPECT_EXIT(after(), testing::KilledBySignal(SIGSEGV), "");
+  EXPECT_EXIT(other_thread(), testing::KilledBySignal(SIGABRT), "");
 }
 
 }  // namespace

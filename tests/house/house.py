@@ -5,6 +5,8 @@
 usage: house.py SOURCE_FOLDER
 
 - Every folder of host/ stands above all that it includes, and so does every header of kernels/.
+- What reads and writes results (OF_FILES) stands without Kokkos: it includes neither Kokkos nor host/device, and no
+  header that does.
 - No two headers have one name: an include by its last word would find either.
 - No two types have one name: two structs of one name in two files are undefined behaviour (of those
   in unnamed namespaces, which are no harm, a reader would confuse them: `allowed` lists these).
@@ -16,12 +18,15 @@ import re
 import sys
 
 # From the ground up.
-HOST = ["base", "system", "ranks", "scene", "surface", "beam", "scene_file", "model", "device", "plan", "result", "store",
-        "analysis", "sound", "report", "run", "ensemble", "study", "savings", "plot", "chart", "commands"]
+HOST = ["base", "system", "ranks", "scene", "surface", "beam", "scene_file", "result", "store", "analysis", "sound", "report",
+        "model", "device", "plan", "run", "ensemble", "study", "savings", "plot", "chart", "commands"]
+# What reads and writes files: it reaches neither Kokkos nor host/device, by no chain of includes.
+OF_FILES = ["result", "store", "analysis", "sound", "report"]
 KERNELS = ["check", "limits", "nodes", "schemes", "tables", "state", "lanes", "displacement", "gap", "place",
            "group_sweep", "near_groups", "candidates", "shocks", "contact", "fixed", "adaptive", "march"]
 
 INCLUDE = re.compile(r'^\s*#include "((?:host|kernels)/[^"]+)"', re.MULTILINE)
+KOKKOS = re.compile(r"^\s*#include <(Kokkos_[^>]+)>", re.MULTILINE)
 TYPE = re.compile(r"^(?:template <.*>\s*)?(?:struct|class|enum(?: class)?) (\w+)(?: final)?(?: ?:[^:;()][^;()]*)? \{", re.MULTILINE)
 
 
@@ -47,18 +52,36 @@ def named_types(text):
     return TYPE.findall(text)
 
 
+def path_to_device(path, includes):
+    """A chain of includes from a file to Kokkos or host/device; empty where there is none."""
+    chains, seen = [[path]], {path}
+    while chains:
+        chain = chains.pop(0)
+        for included in includes.get(chain[-1], []):
+            if included.startswith(("Kokkos_", "host/device/")):
+                return chain + [included]
+            if included not in seen:
+                seen.add(included)
+                chains.append(chain + [included])
+    return []
+
+
 def faults(root):
     files = sorted(p for folder in ("host", "kernels") for p in (root / folder).rglob("*.?pp"))
     if len(files) < 50:
         yield f"{root}: only {len(files)} files of host/ and kernels/ were found"
     headers, types = collections.defaultdict(list), collections.defaultdict(list)
+    texts = {file.relative_to(root).as_posix(): file.read_text() for file in files}
+    includes = {path: INCLUDE.findall(text) + KOKKOS.findall(text) for path, text in texts.items()}
     for file in files:
         path = file.relative_to(root).as_posix()
-        text = file.read_text()
+        text = texts[path]
         here = floor_of(path)
         if here is None:
             yield f"{path}: its folder is on no floor: name it in tests/house/house.py"
             continue
+        if here[0] == "host" and here[2] in OF_FILES and (chain := path_to_device(path, includes)):
+            yield "what is made of files reaches the device: " + " includes ".join(chain)
         for included in INCLUDE.findall(text):
             there = floor_of(included)
             if there is None or not (root / included).exists():

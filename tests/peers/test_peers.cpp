@@ -10,6 +10,7 @@
 
 #include "bench/peers/peers.hpp"
 #include "host/base/errors.hpp"
+#include "host/run/samples.hpp"
 #include "host/scene_file/scene_file.hpp"
 #include "tests/places.hpp"
 #include "tests/scenes.hpp"

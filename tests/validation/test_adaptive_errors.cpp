@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "host/run/samples.hpp"
 #include "tests/adaptive.hpp"
 #include "tests/effort.hpp"
 #include "tests/scenes.hpp"

@@ -12,6 +12,7 @@
 
 #include "host/device/batch.hpp"
 #include "host/result/record.hpp"
+#include "host/run/samples.hpp"
 #include "tests/scenes.hpp"
 
 /// Bodies that vibrate and touch nothing: every mode is a damped oscillator, known exactly, and so

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host/result/level.hpp"
+#include "host/run/v_rms.hpp"
 #include "tests/compare.hpp"
 #include "tests/scenes.hpp"
 #include "tests/simulate.hpp"

@@ -11,6 +11,7 @@
 
 #include "host/device/batch.hpp"
 #include "host/result/record.hpp"
+#include "host/run/samples.hpp"
 #include "tests/scenes.hpp"
 
 /// One node that strikes a beam. The motion is linear while the gap is open and, about another

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "host/result/level.hpp"
+#include "host/run/v_rms.hpp"
 
 #include <cmath>
-#include <limits>
-#include <utility>
+
+#include "host/base/quiet_nan.hpp"
 
 namespace ra2d {
 namespace {
@@ -22,23 +22,13 @@ std::vector<double> find_mean_squares(const Beam& beam, int nodes, double spacin
   return means;
 }
 
-std::shared_future<std::vector<double>> known_already(std::vector<double> values) {
-  std::promise<std::vector<double>> promise;
-  promise.set_value(std::move(values));
-  return promise.get_future().share();
-}
-
 }  // namespace
 
-MeanSquares::MeanSquares(std::vector<double> known) : found_{known_already(std::move(known))} {}
-
-MeanSquares::MeanSquares(const Beam& beam, int nodes, double spacing) {
-  constexpr double few = 20'000;  // shapes at nodes: as long as it takes to start a thread, or so
-  const bool worth_it = static_cast<double>(beam.modes.size()) * nodes > few;
-  // with both, a system that starts no more threads leaves it to who asks
-  const std::launch how =
-      worth_it ? std::launch::async | std::launch::deferred : std::launch::deferred;
-  found_ = std::async(how, find_mean_squares, beam, nodes, spacing).share();
+MeanSquares mean_squares(const Beam& beam, int nodes, double spacing) {
+  constexpr double few =
+      20'000;  // shapes at nodes: about the time that the start of a thread takes
+  const bool on_a_thread = static_cast<double>(beam.modes.size()) * nodes > few;
+  return {[=] { return find_mean_squares(beam, nodes, spacing); }, on_a_thread};
 }
 
 std::vector<double> mean_squares(const Model& model) {
@@ -47,7 +37,7 @@ std::vector<double> mean_squares(const Model& model) {
 }
 
 double v_rms(const std::vector<double>& mean_squares, const Snapshot& end, const Snapshot& begin) {
-  if (!(end.step > begin.step)) return std::numeric_limits<double>::quiet_NaN();
+  if (!(end.step > begin.step)) return quiet_nan;
   double sum = 0;
   for (std::size_t k = 0; k < mean_squares.size(); ++k) {
     const double before = begin.resonator_square.empty() ? 0.0 : begin.resonator_square[k];
@@ -59,7 +49,5 @@ double v_rms(const std::vector<double>& mean_squares, const Snapshot& end, const
 double v_rms(const Model& model, const Snapshot& end, const Snapshot& begin) {
   return v_rms(mean_squares(model), end, begin);
 }
-
-double level(double v_rms) { return 20.0 * std::log10(v_rms / 1e-9); }
 
 }  // namespace ra2d

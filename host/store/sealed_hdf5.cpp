@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/store/sealed_hdf5.hpp"
+
+#if __has_include(<H5FDdevelop.h>)
+#include <H5FDdevelop.h>  // where HDF5 1.14 has its drivers
+#endif
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <cstring>
+#include <exception>
+#include <memory>
+#include <new>
+#include <string>
+#include <utility>
+
+#include "host/base/text.hpp"
+#include "host/store/seal.hpp"
+#include "host/system/asked_child.hpp"
+#include "host/system/input_file.hpp"
+
+// HDF5 reads files through drivers: tables of functions that it calls. This one reads SealedBytes.
+// Its functions are called from C, so none of them throws.
+namespace ra2d {
+namespace {
+
+struct SealedFile {
+  explicit SealedFile(const std::filesystem::path& path) : input{path}, bytes{input.descriptor()} {}
+  InputFile input;
+  SealedBytes bytes;
+};
+
+/// An open file as HDF5 knows it. HDF5 fills in the base.
+struct DriverFile : H5FD_t {
+  std::unique_ptr<SealedFile> file;
+  haddr_t end_of_allocation = 0;
+};
+
+/// Carries the file from open_sealed() to the driver. HDF5 copies it byte by byte.
+struct DriverRequest {
+  std::unique_ptr<SealedFile>* file;
+};
+
+DriverFile& driver_file(H5FD_t* file) { return *static_cast<DriverFile*>(file); }
+const DriverFile& driver_file(const H5FD_t* file) { return *static_cast<const DriverFile*>(file); }
+
+void report(const char* reason) {
+  H5Epush2(H5E_DEFAULT, __FILE__, "ra2d", __LINE__, H5E_ERR_CLS, H5E_IO, H5E_READERROR, "%s",
+           reason);
+}
+
+H5FD_t* open_driver(const char*, unsigned flags, hid_t access, haddr_t) {
+  const auto* const request = static_cast<const DriverRequest*>(H5Pget_driver_info(access));
+  if (request == nullptr || *request->file == nullptr || (flags & H5F_ACC_RDWR) != 0)
+    return nullptr;
+  auto* const opened = new (std::nothrow) DriverFile{};
+  if (opened != nullptr) opened->file = std::move(*request->file);
+  return opened;
+}
+
+herr_t close_driver(H5FD_t* file) {
+  delete &driver_file(file);
+  return 0;
+}
+
+herr_t query_driver(const H5FD_t*, unsigned long* flags) {
+  if (flags != nullptr)
+    *flags = H5FD_FEAT_AGGREGATE_METADATA | H5FD_FEAT_ACCUMULATE_METADATA | H5FD_FEAT_DATA_SIEVE;
+  return 0;
+}
+
+haddr_t end_of_allocation(const H5FD_t* file, H5FD_mem_t) {
+  return driver_file(file).end_of_allocation;
+}
+
+herr_t set_end_of_allocation(H5FD_t* file, H5FD_mem_t, haddr_t end) {
+  driver_file(file).end_of_allocation = end;
+  return 0;
+}
+
+haddr_t end_of_file(const H5FD_t* file, H5FD_mem_t) { return driver_file(file).file->bytes.size(); }
+
+/// Zeros stand behind the end, as in HDF5's own drivers.
+herr_t read_driver(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t at, std::size_t count, void* to) try {
+  SealedBytes& bytes = driver_file(file).file->bytes;
+  const std::uint64_t behind = bytes.size() - std::min<std::uint64_t>(at, bytes.size());
+  const auto there = static_cast<std::size_t>(std::min<std::uint64_t>(count, behind));
+  if (there > 0) bytes.read(at, static_cast<char*>(to), there);
+  std::memset(static_cast<char*>(to) + there, 0, count - there);
+  return 0;
+} catch (const std::exception& fault) {
+  report(fault.what());
+  return -1;
+}
+
+herr_t refuse_to_write(H5FD_t*, H5FD_mem_t, hid_t, haddr_t, std::size_t, const void*) {
+  report("the file is open for reading alone");
+  return -1;
+}
+
+hid_t sealed_driver() {
+  static const hid_t driver = [] {
+    static H5FD_class_t functions{};
+#ifdef H5FD_CLASS_VERSION
+    functions.version = H5FD_CLASS_VERSION;
+    functions.value = static_cast<H5FD_class_value_t>(600);  // HDF5 leaves those from 512 on free
+#endif
+    functions.name = "ra2d_sealed";
+    functions.maxaddr = HADDR_MAX;
+    functions.fc_degree = H5F_CLOSE_WEAK;
+    functions.fapl_size = sizeof(DriverRequest);
+    functions.open = open_driver;
+    functions.close = close_driver;
+    functions.query = query_driver;
+    functions.get_eoa = end_of_allocation;
+    functions.set_eoa = set_end_of_allocation;
+    functions.get_eof = end_of_file;
+    functions.read = read_driver;
+    functions.write = refuse_to_write;
+    return h5::check(H5FDregister(&functions));
+  }();
+  return driver;
+}
+
+}  // namespace
+
+h5::CrashWatch::CrashWatch(const std::filesystem::path& file)
+    : message_(
+          fmt::format("ra2d: cannot read '{0}': HDF5 crashed on it, so it is damaged or forged, "
+                      "although its seal fits. 'ra2d check {0}' says where\n",
+                      printable(file.string()))) {}
+
+h5::File open_sealed(const std::filesystem::path& path) {
+  auto file = std::make_unique<SealedFile>(path);
+  const h5::Properties access{h5::check(H5Pcreate(H5P_FILE_ACCESS))};
+  const DriverRequest request{&file};
+  h5::check(H5Pset_driver(access, sealed_driver(), &request));
+  return h5::File{h5::check(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access))};
+}
+
+bool is_damaged_with(const std::filesystem::path& file, const char* attribute) {
+  const InputFile input(file);
+  if (!looks_like_hdf5(file) || has_fitting_seal(input.descriptor())) return false;
+  constexpr double memory = 256e6, seconds = 5;  // bytes, s
+  const ChildAnswer answer = ask_in_child(
+      [&] {
+        const h5::Properties how = h5::file_access();
+        const h5::File opened{H5Fopen(file.c_str(), H5F_ACC_RDONLY, how)};
+        return std::string(opened.is_open() && H5Aexists(opened, attribute) <= 0 ? "foreign" : "");
+      },
+      memory, seconds);
+  return answer.text != "foreign";
+}
+
+}  // namespace ra2d
