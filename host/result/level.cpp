@@ -8,17 +8,10 @@
 namespace ra2d {
 namespace {
 
-std::vector<double> find_mean_squares(const Beam& beam, int nodes, double spacing) {
+std::vector<double> find_mean_squares(const Body& body, int nodes, double spacing) {
   std::vector<double> means;
-  for (const ModeShape& mode : beam.modes) {
-    double square = 0;
-    for (int n = 0; mode.omega > 0 && n < nodes; ++n) {
-      double psi = 0;
-      evaluate(mode, beam.length, n * spacing, 1, &psi);
-      square += psi * psi;
-    }
-    means.push_back(square / nodes);
-  }
+  for (const BodyMode& mode : body.modes)
+    means.push_back(mode.omega > 0 ? mode.shape->mean_square(nodes, spacing) : 0.0);
   return means;
 }
 
@@ -32,13 +25,13 @@ std::shared_future<std::vector<double>> known_already(std::vector<double> values
 
 MeanSquares::MeanSquares(std::vector<double> known) : found_{known_already(std::move(known))} {}
 
-MeanSquares::MeanSquares(const Beam& beam, int nodes, double spacing) {
+MeanSquares::MeanSquares(const Body& body, int nodes, double spacing) {
   constexpr double few = 20'000;  // shapes at nodes: as long as it takes to start a thread, or so
-  const bool worth_it = static_cast<double>(beam.modes.size()) * nodes > few;
+  const bool worth_it = static_cast<double>(body.modes.size()) * nodes > few;
   // with both, a system that starts no more threads leaves it to who asks
   const std::launch how =
       worth_it ? std::launch::async | std::launch::deferred : std::launch::deferred;
-  found_ = std::async(how, find_mean_squares, beam, nodes, spacing).share();
+  found_ = std::async(how, find_mean_squares, body, nodes, spacing).share();
 }
 
 std::vector<double> mean_squares(const Model& model) {

@@ -22,14 +22,14 @@ double v_rms(const Model& model, const Snapshot& end, const Snapshot& begin = {}
 class MeanSquares {
  public:
   MeanSquares(std::vector<double> known = {});
-  MeanSquares(const Beam& beam, int nodes, double spacing);
+  MeanSquares(const Body& body, int nodes, double spacing);
   const std::vector<double>& get() const { return found_.get(); }
 
  private:
   std::shared_future<std::vector<double>> found_;
 };
-inline MeanSquares mean_squares(const Beam& beam, int nodes, double spacing) {
-  return {beam, nodes, spacing};
+inline MeanSquares mean_squares(const Body& body, int nodes, double spacing) {
+  return {body, nodes, spacing};
 }
 /// Those of the resonator, at once ...
 std::vector<double> mean_squares(const Model& model);
