@@ -943,18 +943,18 @@ TEST(Scene, ManyFaultsAreCountedAndTheFirstAreNamed) {
 
 TEST(Scene, LaterRefusalsNameFileLineAndKey) {
   const Scene s = parse(minimal, {"scene.speed=0.25", "resonator.surface.rq=4e-6"});
-  const auto told = [](const Scene& scene, const std::string& key) {
+  const auto message = [](const Scene& scene, const std::string& key) {
     return std::string(ra2d::refusal(scene, key, "no").what());
   };
-  EXPECT_EQ(told(s, "time.step"), "s.toml: 1 fault\ns.toml:28: time.step: no");
-  EXPECT_EQ(told(s, "scene.speed"), "s.toml: 1 fault\n--set scene.speed=0.25: scene.speed: no");
-  EXPECT_EQ(told(s, "resonator.surface.rsm"),
+  EXPECT_EQ(message(s, "time.step"), "s.toml: 1 fault\ns.toml:28: time.step: no");
+  EXPECT_EQ(message(s, "scene.speed"), "s.toml: 1 fault\n--set scene.speed=0.25: scene.speed: no");
+  EXPECT_EQ(message(s, "resonator.surface.rsm"),
             "s.toml: 1 fault\ns.toml:15: resonator.surface.rsm: no");
-  EXPECT_EQ(told(s, "scene.gap"), "s.toml: 1 fault\ns.toml:1: scene.gap: no");
-  EXPECT_EQ(told(s, "output.rate"), "s.toml: 1 fault\ns.toml:1: output.rate: no");
+  EXPECT_EQ(message(s, "scene.gap"), "s.toml: 1 fault\ns.toml:1: scene.gap: no");
+  EXPECT_EQ(message(s, "output.rate"), "s.toml: 1 fault\ns.toml:1: output.rate: no");
   Scene made;
   made.file = "m.toml";
-  EXPECT_EQ(told(made, "time.step"), "m.toml: 1 fault\nm.toml: time.step: no");
+  EXPECT_EQ(message(made, "time.step"), "m.toml: 1 fault\nm.toml: time.step: no");
 }
 
 TEST(Text, ForATerminalHasNoControlCharacters) {
