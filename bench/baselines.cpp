@@ -9,15 +9,14 @@
 
 namespace ra2d::bench {
 
-BaselineModes::BaselineModes(const Beam& beam, const std::vector<double>& u0,
+BaselineModes::BaselineModes(const Body& body, const std::vector<double>& u0,
                              const std::vector<double>& v0, double tau)
-    : u{u0}, v{v0}, square(beam.modes.size()), load{beam.load} {
-  u.resize(beam.modes.size());
-  v.resize(beam.modes.size());
-  load.resize(beam.modes.size());
-  for (const ModeShape& mode : beam.modes) {
-    const ModeStep step =
-        BackwardEuler::prepare({mode.omega, beam.zeta, beam.mass_per_length}, tau);
+    : u{u0}, v{v0}, square(body.modes.size()), load{body.load} {
+  u.resize(body.modes.size());
+  v.resize(body.modes.size());
+  load.resize(body.modes.size());
+  for (const BodyMode& mode : body.modes) {
+    const ModeStep step = BackwardEuler::prepare(mode, tau);
     c0.push_back(step.v_v);
     c1.push_back(step.v_u);
     c2.push_back(step.v_f[0]);
@@ -48,13 +47,9 @@ Plain::Plain(const Model& model, const ModalStart& start)
       force2_(model.resonator.modes.size()) {
   if (model.scene.resonator.support != Support::pinned)
     throw std::invalid_argument("the baselines are for pinned resonators");
-  for (const ModeShape& mode : model.resonator.modes) wave_.push_back(mode.beta);
-  for (const ModeShape& mode : model.slider.modes)
-    for (int n = 0; n < model.nodes(); ++n) {
-      double psi;
-      evaluate(mode, model.slider.length, n * spacing_, 1, &psi);
-      shapes1_.push_back(psi);
-    }
+  for (const BodyMode& mode : model.resonator.modes) wave_.push_back(mode.shape->wave_number());
+  for (const BodyMode& mode : model.slider.modes)
+    for (int n = 0; n < model.nodes(); ++n) shapes1_.push_back(shape_at(mode, n * spacing_));
 }
 
 void Plain::march(std::int64_t steps) {
@@ -93,12 +88,11 @@ Tables::Tables(const Model& model, const ModalStart& start)
       position_{model.position},
       advance_{model.advance},
       stiffness_{model.node_stiffness} {
-  const auto tabulate = [&](const Beam& beam, std::size_t nodes) {
-    Eigen::MatrixXd shapes(nodes, beam.modes.size());
+  const auto tabulate = [&](const Body& body, std::size_t nodes) {
+    Eigen::MatrixXd shapes(nodes, body.modes.size());
     for (Eigen::Index k = 0; k < shapes.cols(); ++k)
       for (Eigen::Index n = 0; n < shapes.rows(); ++n)
-        evaluate(beam.modes[k], beam.length, static_cast<double>(n) * model.scene.spacing, 1,
-                 &shapes(n, k));
+        shapes(n, k) = shape_at(body.modes[k], static_cast<double>(n) * model.scene.spacing);
     return shapes;
   };
   shapes1_ = tabulate(model.slider, model.slider_height.size());

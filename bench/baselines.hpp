@@ -6,10 +6,10 @@
 
 #include "host/model/model.hpp"
 
-/// What the march is measured against: the paper's method as one would write it first, and the best
-/// that a simple program does. Every node at every step, penalty contact, backward Euler; of the
-/// results they keep the state, the sum of V^2 and the number of steps in contact, which is less
-/// than the march records. For pinned resonators, as in the paper.
+/// Baselines for the march: the paper's method as one would first write it, and the best that a
+/// simple program does. Every node at every step, penalty contact, backward Euler. They keep the
+/// state, the sum of V^2 and the number of steps in contact, which is less than the march records.
+/// For pinned resonators, as in the paper.
 namespace ra2d::bench {
 
 /// The modes of one body and their step (kernels/schemes/backward_euler.hpp).
@@ -18,7 +18,7 @@ struct BaselineModes {
   std::vector<double> c0, c1, c2;  // V1 = c0 V0 + c1 U0 + c2 F0
   std::vector<double> load;        // N m^(-1/2)
 
-  BaselineModes(const Beam& beam, const std::vector<double>& u0, const std::vector<double>& v0,
+  BaselineModes(const Body& body, const std::vector<double>& u0, const std::vector<double>& v0,
                 double tau);
   void advance(const double* force, double tau);
 };

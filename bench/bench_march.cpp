@@ -168,7 +168,7 @@ bool baselines_agree() {
     check("plain", Plain(scene.model, scene.start), 1e-10);
     // psi interpolated linearly: (beta chi)^2 / 8 of the highest mode, and a factor of ten for what
     // the stiff contact makes of it over the stretch
-    const double turn = scene.model.resonator.modes.back().beta * scene.model.scene.spacing;
+    const double turn = highest_wave_number(scene.model.resonator) * scene.model.scene.spacing;
     check("tables", Tables(scene.model, scene.start), 10 * turn * turn / 8);
   }
   return agree;

@@ -41,8 +41,8 @@ void time_ready(benchmark::State& state, Paper paper, int scenes, double duratio
   int done = 0;
   for (auto _ : state) {
     Batch batch(2);
-    const Model beside = make_model(variant(0));
-    batch.put(0, beside, make_start(beside));
+    const Model other = make_model(variant(0));
+    batch.put(0, other, make_start(other));
     double seconds = 0;
     for (int i = 1; i <= scenes; ++i, ++done) {
       const Scene scene = variant(i);

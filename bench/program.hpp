@@ -5,8 +5,8 @@
 
 #include "bench/report.hpp"
 
-/// What the benchmark programs have in common, and what each has of its own. main.cpp is linked
-/// with one of them; in a bundle with all, and takes the name of one as its first argument.
+/// Interface of a benchmark program. main.cpp is linked with one of them. In a bundle it is linked
+/// with all, and its first argument names the one to run.
 namespace ra2d::bench {
 
 struct Program {

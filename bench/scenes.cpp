@@ -21,11 +21,11 @@ Scene read(Paper paper, const Method& method) {
               method);
 }
 
-double modal_energy(const Beam& beam, const std::vector<double>& u, const std::vector<double>& v) {
+double modal_energy(const Body& body, const std::vector<double>& u, const std::vector<double>& v) {
   double sum = 0;
   for (std::size_t k = 0; k < u.size(); ++k)
-    sum += v[k] * v[k] + std::pow(beam.modes[k].omega * u[k], 2);
-  return 0.5 * beam.mass_per_length * sum;
+    sum += 0.5 * body.modes[k].mass * (v[k] * v[k] + std::pow(body.modes[k].omega * u[k], 2));
+  return sum;
 }
 
 Prepared start_of(const Scene& scene) {
@@ -48,8 +48,8 @@ Prepared at_start(Paper paper, int variant, const Method& method) {
 }
 
 std::vector<Prepared> settled(Paper paper, int count, const Method& method) {
-  static std::map<std::pair<Paper, std::string>, std::vector<Prepared>> known;
-  std::vector<Prepared>& scenes = known[{paper, text(method)}];
+  static std::map<std::pair<Paper, std::string>, std::vector<Prepared>> cache;
+  std::vector<Prepared>& scenes = cache[{paper, text(method)}];
   std::vector<Prepared> missing;
   for (int i = static_cast<int>(scenes.size()); i < count; ++i)
     missing.push_back(at_start(paper, i, method));

@@ -23,7 +23,7 @@ struct Prepared {
 /// for the same with other surfaces.
 Scene scene_of(Paper paper, int variant = 0, const Method& method = {});
 
-/// ... at t = 0.
+/// A variant of a scene of the paper at t = 0.
 Prepared at_start(Paper paper, int variant = 0, const Method& method = {});
 
 /// Variants 0 to count - 1 after about 20 ms, when the start is forgotten. Marched once in a
@@ -43,7 +43,7 @@ Prepared in_flight(const Method& method = {});
 /// off.
 Prepared in_contact(const Method& method = {});
 
-/// The same scene with its gap looked at in another way.
+/// The scene with another choice of nodes whose gap is evaluated.
 Prepared looking_at(Prepared scene, Nodes nodes);
 
 Batch make_batch(const std::vector<Prepared>& scenes);

@@ -90,7 +90,7 @@ inline void add(const std::string& case_name, int stretches,
       ->Unit(benchmark::kMillisecond);
 }
 
-/// What a file of results has to say of where it comes from.
+/// Writes the origin of the results into their file.
 inline void add_context() {
   benchmark::AddCustomContext("ra2d", version() + " (" + commit() + ")");
   benchmark::AddCustomContext("backend", backend_name());

@@ -65,7 +65,7 @@ double most_energy(const Recording& r) {
 
 double distance(const Recording& a, const Recording& b) {
   double square = 0;
-  const auto add = [&](const Beam& beam, const std::vector<double>& u, const std::vector<double>& v,
+  const auto add = [&](const Body& beam, const std::vector<double>& u, const std::vector<double>& v,
                        const std::vector<double>& u1, const std::vector<double>& v1) {
     std::vector<double> du(u), dv(v);
     for (std::size_t k = 0; k < u.size(); ++k) du[k] -= u1[k], dv[k] -= v1[k];

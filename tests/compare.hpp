@@ -15,7 +15,7 @@ namespace ra2d::test {
 
 inline std::uint64_t bits(double x) { return std::bit_cast<std::uint64_t>(x); }
 
-/// What the rows and columns of a quantity are called.
+/// Names of the rows and columns of a quantity.
 struct Axes {
   std::string row = "place";
   std::vector<double> times;  // s, of the rows; none where they have no time
@@ -33,7 +33,7 @@ class Comparison {
   void add(const std::string& name, double a, double b);
   void add(const std::string& name, std::int64_t a, std::int64_t b);
 
-  /// What ended and open shocks have in common; `tick` in s, 0 where it is not known.
+  /// Compares the members common to ended and open shocks; `tick` in s, 0 where there is none.
   template <class Shock>
   void add_shocks(const std::string& name, const std::vector<Shock>& a, const std::vector<Shock>& b,
                   double tick) {
@@ -78,7 +78,7 @@ class Comparison {
 /// Whether two runs recorded the same: EXPECT_TRUE(same(a, b)).
 testing::AssertionResult same(const Recording& a, const Recording& b);
 
-/// ... and two lists of numbers.
+/// Compares two lists of numbers.
 testing::AssertionResult same(const std::string& name, const std::vector<double>& a,
                               const std::vector<double>& b);
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-/// What the charts write, read again.
+/// Reads the tables that the charts write.
 namespace ra2d::test {
 
 using Row = std::map<std::string, std::string>;

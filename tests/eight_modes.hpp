@@ -5,7 +5,7 @@
 
 #include "kernels/lanes.hpp"
 
-/// What kernel tests of eight modes (or as many more as fill the last pack) call kernels with.
+/// Arguments for kernel tests with eight modes, or as many more as fill the last pack.
 namespace ra2d::test {
 
 inline constexpr double eps = std::numeric_limits<double>::epsilon();

@@ -5,6 +5,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "host/body/beam.hpp"
 #include "host/device/fill.hpp"
 #include "kernels/tables.hpp"
 #include "tests/eight_modes.hpp"
@@ -37,10 +38,10 @@ struct Filled {
   Filled(const Filled&) = delete;
 
   int modes() const { return static_cast<int>(model.resonator.modes.size()); }
-  const ModeShape& mode(int k) const { return model.resonator.modes[k]; }
+  const BodyMode& mode(int k) const { return model.resonator.modes[k]; }
   /// Bound on |psi| that its derivatives keep, up to powers of beta, and as far as a patch reaches.
   double size(int k) const {
-    const ModeShape& m = mode(k);
+    const BeamShape& m = beam_shape(mode(k));
     const double parts = std::abs(m.constant) + std::abs(m.slope) * model.resonator.length +
                          std::hypot(m.sine, m.cosine) + std::abs(m.left) + std::abs(m.right);
     return parts * std::exp(2 * m.beta / t.inverse_radius * t.spacing);

@@ -6,8 +6,8 @@
 
 namespace ra2d::test {
 
-/// What a result file holds: every dataset's size, numbers and hash, and whether it says that it is
-/// complete. Empty for a file that is none.
+/// Content of a result file: size, numbers and hash of every dataset, and whether the file is
+/// marked complete. Empty for any other file.
 using Content = std::map<std::string, std::string>;
 
 /// Without the datasets of times, and of what depends on the launches (summary/nodes_evaluated).

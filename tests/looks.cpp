@@ -84,16 +84,16 @@ Outcome expect_both_same(const Model& model, const ModalStart& start) {
   return all;
 }
 
-double largest_shape(const Beam& beam) {
+double largest_shape(const Body& body) {
   double sum = 0;
-  for (const ModeShape& mode : beam.modes) sum += mode.largest * mode.largest;
-  return beam.modes.empty() ? 0 : sum / beam.mass_per_length;
+  for (const BodyMode& mode : body.modes) sum += std::pow(mode.shape->largest(), 2) / mode.mass;
+  return sum;
 }
 
 double stiffness_for(const Scene& scene, double z) {
-  const double yield =
-      largest_shape(make_beam(scene.resonator)) + largest_shape(make_beam(scene.slider));
-  return std::pow(z / scene.time.step, 2) / yield / scene.spacing /
+  const double mobility =
+      largest_shape(make_body(scene.resonator)) + largest_shape(make_body(scene.slider));
+  return std::pow(z / scene.time.step, 2) / mobility / scene.spacing /
          std::min(scene.resonator.width, scene.slider.width);
 }
 
@@ -131,7 +131,7 @@ Started random_scene(std::uint64_t seed, const Variant& variant) {
 
   double fastest = 0;
   for (const BodySpec* body : {&r, &b})
-    for (const ModeShape& mode : make_beam(*body).modes) fastest = std::max(fastest, mode.omega);
+    for (const BodyMode& mode : make_body(*body).modes) fastest = std::max(fastest, mode.omega);
   if (variant.turn > 0 && fastest > 0) s.time.step = variant.turn / fastest;
 
   // any of: at rest, a few nodes in all, a node in some steps, some nodes in a step
@@ -189,10 +189,10 @@ Started random_scene(std::uint64_t seed, const Variant& variant) {
   if (s.initial == Initial::rest) c.model.delta += dice.uniform(deepest, 0.3) * height;
   c.start = make_start(c.model);
   if (s.initial == Initial::rest && dice.one_in(2)) {
-    const auto kick = [&](const Beam& beam, std::vector<double>& v) {
+    const auto kick = [&](const Body& beam, std::vector<double>& v) {
       for (std::size_t k = 0; k < v.size(); ++k) {
         const double omega = std::max(beam.modes[k].omega, 10 / s.duration);
-        v[k] = dice.uniform(-1, 1) * height * omega / beam.modes[k].largest;
+        v[k] = dice.uniform(-1, 1) * height * omega / beam.modes[k].shape->largest();
       }
     };
     kick(c.model.resonator, c.start.resonator_v);

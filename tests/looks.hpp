@@ -32,7 +32,7 @@ testing::AssertionResult same(const Outcome& a, const Outcome& b);
 /// Marches both ways, compares, and returns the march over all the nodes.
 Outcome expect_both_same(const Model& model, const ModalStart& start);
 
-double largest_shape(const Beam& beam);
+double largest_shape(const Body& body);
 
 /// The kappa with which one node in contact has omega_c tau = z, at the most, anywhere on the
 /// bodies.
@@ -62,7 +62,7 @@ struct SchemeUnderLaw {
 /// All that there are.
 std::vector<SchemeUnderLaw> schemes_under_laws();
 
-/// What the scenes of a test were like.
+/// Counts over the scenes of a test.
 struct Seen {
   int scenes = 0, touching = 0, with_shocks = 0;
 

@@ -3,8 +3,8 @@
 #include <filesystem>
 #include <string>
 
-/// What tests run and read: this build's, or what the environment names (RA2D_PROGRAM,
-/// RA2D_SOURCE_DIR, RA2D_PYTHON, RA2D_FAULTY_DISK, RA2D_MPIRUN), as in a bundle.
+/// Programs and folders that tests use: this build's, or those that the environment names
+/// (RA2D_PROGRAM, RA2D_SOURCE_DIR, RA2D_PYTHON, RA2D_FAULTY_DISK, RA2D_MPIRUN), as in a bundle.
 namespace ra2d::test {
 
 /// The program ra2d.

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <limits>
 
-/// What reductions over lanes give, over the values of the lanes in their order.
+/// Reductions over lanes, computed from the values of the lanes in their order.
 namespace ra2d::test {
 
 inline constexpr int warp_width = 32;

@@ -5,7 +5,7 @@
 
 #include "host/scene/scene.hpp"
 
-/// What the tests' scenes have in common; each test changes on it what it is about.
+/// Scenes of the tests; each test changes the keys that it is about.
 namespace ra2d::test {
 
 /// A face of raised cosines.

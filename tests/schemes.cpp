@@ -24,10 +24,10 @@ void set_steps(Scene& s, double step, std::int64_t steps, std::int64_t samples) 
   s.output.rate = static_cast<double>(samples) / s.duration;
 }
 
-double modal_energy(const Beam& beam, const std::vector<double>& u, const std::vector<double>& v) {
+double modal_energy(const Body& beam, const std::vector<double>& u, const std::vector<double>& v) {
   double sum = 0;
   for (std::size_t k = 0; k < u.size(); ++k)
-    sum += 0.5 * beam.mass_per_length * (v[k] * v[k] + std::pow(beam.modes[k].omega * u[k], 2));
+    sum += 0.5 * beam.modes[k].mass * (v[k] * v[k] + std::pow(beam.modes[k].omega * u[k], 2));
   return sum;
 }
 

@@ -29,7 +29,7 @@ inline const std::vector<Scheme> schemes = {{{{SchemeKind::explicit_euler}}, "Ex
                                             {{{SchemeKind::rk4}}, "Rk4"},
                                             {{{SchemeKind::rk8}}, "Rk8"},
                                             {{{SchemeKind::exact}}, "Exact"}};
-/// ... and backward Euler with the contact force of the new time.
+/// All schemes, and backward Euler with the contact force of the new time.
 std::vector<Scheme> schemes_and_implicit();
 
 /// omega tau from 1e-4 to 1e2, damping from none to beyond critical.
@@ -55,7 +55,7 @@ Scene lone_beam(int modes, double damping);
 void set_steps(Scene& s, double step, std::int64_t steps, std::int64_t samples = 1);
 
 /// Kinetic and elastic energy of a body's modes [J].
-double modal_energy(const Beam& beam, const std::vector<double>& u, const std::vector<double>& v);
+double modal_energy(const Body& beam, const std::vector<double>& u, const std::vector<double>& v);
 
 /// The energy at t = 0 of a start whose modal state was set by hand: the watch over the energy asks
 /// for it.

@@ -30,7 +30,7 @@ std::vector<Recording> simulate(const std::vector<Model>& models,
                                 const std::vector<ModalStart>& starts,
                                 const Launches& launches = {});
 
-/// ... and each from where its scene says.
+/// Runs scenes in one batch, each from the start that it asks for.
 std::vector<Recording> simulate(const std::vector<Scene>& scenes, const Launches& launches = {});
 
 Recording simulate(const Scene& scene, const Launches& launches = {});

@@ -13,7 +13,7 @@ Eigen::MatrixXd lagged_step(const Scheme& scheme, const Joined& j, double tau) {
   const int stages = scheme.table().stages;
   std::vector<ModeStep> w;
   for (const Mode& mode : j.modes) w.push_back(scheme.table().prepare(mode, tau));
-  const Eigen::MatrixXd pull = -j.spring * j.phi.transpose() * j.phi;
+  const Eigen::MatrixXd contact_stiffness = -j.spring * j.phi.transpose() * j.phi;
   Eigen::MatrixXd map(2 * n, 2 * n);
   for (Eigen::Index column = 0; column < 2 * n; ++column) {
     const Eigen::VectorXd y = Eigen::VectorXd::Unit(2 * n, column);
@@ -24,7 +24,8 @@ Eigen::MatrixXd lagged_step(const Scheme& scheme, const Joined& j, double tau) {
         if (i > 0) at[k] += w[k].stage_u[i] * y[k] + w[k].stage_v[i] * y[n + k];
         for (int l = 0; l < i; ++l) at[k] += w[k].stage_f[i][l] * force[l][k];
       }
-      force.push_back(scheme.implicit() ? Eigen::VectorXd::Zero(n) : Eigen::VectorXd(pull * at));
+      force.push_back(scheme.implicit() ? Eigen::VectorXd::Zero(n)
+                                        : Eigen::VectorXd(contact_stiffness * at));
     }
     for (Eigen::Index k = 0; k < n; ++k) {
       map(k, column) = y[k] + w[k].u_u * y[k] + w[k].u_v * y[n + k];
@@ -36,15 +37,16 @@ Eigen::MatrixXd lagged_step(const Scheme& scheme, const Joined& j, double tau) {
     }
   }
   if (!scheme.implicit()) return map;
-  // U1 = U* + held_u F, V1 = V* + held_v F, F = pull U1
+  // U1 = U* + held_u F, V1 = V* + held_v F, F = contact_stiffness U1
   Eigen::VectorXd held_u(n), held_v(n);
   for (Eigen::Index k = 0; k < n; ++k) {
     held_u[k] = w[k].held_u();
     held_v[k] = w[k].held_v();
   }
-  const Eigen::MatrixXd left = Eigen::MatrixXd::Identity(n, n) - held_u.asDiagonal() * pull;
+  const Eigen::MatrixXd left =
+      Eigen::MatrixXd::Identity(n, n) - held_u.asDiagonal() * contact_stiffness;
   map.topRows(n) = left.partialPivLu().solve(Eigen::MatrixXd(map.topRows(n)));
-  map.bottomRows(n) += held_v.asDiagonal() * pull * map.topRows(n);
+  map.bottomRows(n) += held_v.asDiagonal() * contact_stiffness * map.topRows(n);
   return map;
 }
 

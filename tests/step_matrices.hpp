@@ -30,8 +30,8 @@ Eigen::MatrixXd step_matrix(const Scheme& scheme, const Joined& j, double tau);
 /// Spectral radius of a step.
 double radius(const Scheme& scheme, const Joined& j, double tau);
 
-/// What a step does to the motion that it multiplies most. The amplitude of that motion in any
-/// state, |left . y|, is multiplied by the radius at each step, whatever else moves.
+/// The motion that a step multiplies most. The amplitude of that motion in any state, |left . y|,
+/// is multiplied by the radius at each step; no other motion adds to it.
 struct Dominant {
   double radius;
   Eigen::VectorXcd left;

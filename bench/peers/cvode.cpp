@@ -20,10 +20,10 @@
 #include "host/base/errors.hpp"
 
 /// Contact as a sequence of smooth pieces. Within a piece the set of touching nodes stays: their
-/// springs pull where they would, the other nodes carry nothing. CVODE steps beyond the piece's
-/// end, undisturbed, and finds it as a root: the first open gap that closes or closed one that
-/// opens. From there the integration starts anew. In contact a piece ends at a node crossing, too,
-/// where the face's slope jumps; in flight nothing jumps there.
+/// springs stiffness where they would, the other nodes carry nothing. CVODE steps beyond the
+/// piece's end, undisturbed, and finds it as a root: the first open gap that closes or closed one
+/// that opens. From there the integration starts anew. In contact a piece ends at a node crossing,
+/// too, where the face's slope jumps; in flight nothing jumps there.
 ///
 /// Two root functions serve all nodes: the largest overlap of the open ones and the least of the
 /// touching ones. One for each would be thousands, each to be searched at every step.
@@ -113,7 +113,7 @@ class Cvode {
     look();
     list_changed();
     choose_touching(-1);
-    while (options_.until - equations_.lag - t_ > end_slack * options_.until) piece();
+    while (options_.until - equations_.lag - time_ > end_slack * options_.until) piece();
     result.steps = steps_;
     result.evaluations = evaluations_;
     result.looks = equations_.looks;
@@ -155,14 +155,14 @@ class Cvode {
     Eigen::Map<Eigen::MatrixXd> j(SUNDenseMatrix_Data(out), 2 * modes, 2 * modes);
     j.setZero();
     j.topRightCorner(modes, modes).setIdentity();
-    auto pull = j.bottomLeftCorner(modes, modes);
+    auto stiffness = j.bottomLeftCorner(modes, modes);
     if (!self.touching_.list.empty()) {
       const Place& place = self.equations_.place(t, self.window_);
       e.shapes(place, self.touching_, self.shapes_);
-      pull = -e.node_stiffness * self.shapes_.transpose() * self.shapes_;
-      pull = e.mass.inverse().matrix().asDiagonal() * Eigen::MatrixXd(pull);
+      stiffness = -e.node_stiffness * self.shapes_.transpose() * self.shapes_;
+      stiffness = e.mass.inverse().matrix().asDiagonal() * Eigen::MatrixXd(stiffness);
     }
-    pull.diagonal() -= e.omega.square().matrix();
+    stiffness.diagonal() -= e.omega.square().matrix();
     j.bottomRightCorner(modes, modes).diagonal() = -e.damping.matrix();
     return 0;
   }
@@ -174,18 +174,18 @@ class Cvode {
   void require(int flag, const char* what) const {
     if (flag < 0)
       throw SimulationError(
-          fmt::format("CVODE gave up at t = {:g} s: {}", t_, fault_.empty() ? what : fault_));
+          fmt::format("CVODE gave up at t = {:g} s: {}", time_, fault_.empty() ? what : fault_));
   }
 
   // ---- pieces
 
-  /// Where the piece ends, if nothing else ends it [s]. Not rounded as t_ is, so it shifts.
+  /// Where the piece ends, if nothing else ends it [s]. Not rounded as time_ is, so it shifts.
   double piece_end(bool& crossing) const {
     double end = options_.until - equations_.lag;
     crossing = false;
     for (const double jump : jumps_) {
       const double at = jump - equations_.lag;
-      if (at > t_ && at < end) end = at;
+      if (at > time_ && at < end) end = at;
     }
     if (touching_.list.empty() || equations_.rate() == 0) return end;
     const double next = equations_.time_at(window_ + 1);
@@ -193,30 +193,30 @@ class Cvode {
     return crossing ? next : end;
   }
 
-  /// From t_ to the next event.
+  /// From time_ to the next event.
   void piece() {
     for (bool begun = false;; begun = true) {
       bool crossing;
       const double end = piece_end(crossing);
-      if (end - t_ <= 16 * std::numeric_limits<double>::epsilon() * end) {
-        t_ = end;
+      if (end - time_ <= 16 * std::numeric_limits<double>::epsilon() * end) {
+        time_ = end;
         cross(crossing);
         return;
       }
       if (!begun) {
-        require(CVodeReInit(memory_.get(), t_, state_.get()), "CVodeReInit");
-        reached_ = t_;
+        require(CVodeReInit(memory_.get(), time_, state_.get()), "CVodeReInit");
+        reached_ = time_;
       }
       require(CVodeSetStopTime(memory_.get(), end), "CVodeSetStopTime");
       look();
       before_ = y_;
-      const double from = t_;
-      const int flag = CVode(memory_.get(), end, state_.get(), &t_, CV_ONE_STEP);
+      const double from = time_;
+      const int flag = CVode(memory_.get(), end, state_.get(), &time_, CV_ONE_STEP);
       require(flag, "CVode");
       ++steps_;
       count_time();
       if (!y_.allFinite())
-        throw SimulationError(fmt::format("CVODE's state is not finite at t = {:g} s", t_));
+        throw SimulationError(fmt::format("CVODE's state is not finite at t = {:g} s", time_));
       int missed = -1;
       if (find_missed(from, flag == CV_ROOT_RETURN, missed) || flag == CV_ROOT_RETURN) {
         record(from);
@@ -235,7 +235,7 @@ class Cvode {
     if (crossing) ++window_;
   }
 
-  /// What was lost when CVODE added the last step to its time.
+  /// Adds up the roundings that CVODE made when it added the last step to its time.
   void count_time() {
     double reached = 0, step = 0;
     require(CVodeGetCurrentTime(memory_.get(), &reached), "CVodeGetCurrentTime");
@@ -249,7 +249,7 @@ class Cvode {
   void look() {
     double step = 0;
     if (steps_ > 0) require(CVodeGetCurrentStep(memory_.get(), &step), "CVodeGetCurrentStep");
-    if (watched_.look_ahead(t_, y_.data(), step)) list_changed();
+    if (watched_.look_ahead(time_, y_.data(), step)) list_changed();
   }
   void list_changed() {
     open_.list.clear();
@@ -287,12 +287,12 @@ class Cvode {
   /// After an event: which nodes touch. `missed` is one that has just changed sides.
   void choose_touching(int missed) {
     if (touching_.list.empty())
-      window_ = static_cast<std::int64_t>(std::floor(equations_.position(t_)));
-    look_at_all(t_, y_.data());
+      window_ = static_cast<std::int64_t>(std::floor(equations_.position(time_)));
+    look_at_all(time_, y_.data());
     const auto rising = [&](int node) {
       one_.list = {node};
       one_.base = nowhere;
-      look_at(t_, window_, y_, one_, middle_);
+      look_at(time_, window_, y_, one_, middle_);
       return middle_.rate[0] > 0;
     };
     const auto touches = [&](int node, double overlap) {
@@ -309,8 +309,8 @@ class Cvode {
       if (node == missed || touches(node, open_overlap(i))) begun.push_back(node);
     }
     // the new ones first: where one takes over from its neighbour, the shock goes on
-    for (const int node : begun) log_.onset(node, t_);
-    for (const int node : ended) log_.release(node, t_);
+    for (const int node : begun) log_.onset(node, time_);
+    for (const int node : ended) log_.release(node, time_);
     onsets_ += static_cast<std::int64_t>(begun.size());
     for (const int node : begun) touches_[node] = 1;
     for (const int node : ended) touches_[node] = 0;
@@ -353,14 +353,14 @@ class Cvode {
   /// Whether a node changed sides in the step that began at `from` without CVODE's noticing (or, if
   /// `noticed`, before what it noticed). If so, goes back to where the first did.
   bool find_missed(double from, bool noticed, int& missed) {
-    const bool list_was_good = watched_.covered(from, before_.data(), t_, y_.data());
+    const bool list_was_good = watched_.covered(from, before_.data(), time_, y_.data());
     if (!list_was_good) list_changed();
     noticed = noticed && list_was_good;
     // no overlap changes by more
-    const double way = (t_ - from) * (1.5 * std::max(watched_.rate_bound(before_.data()),
-                                                     watched_.rate_bound(y_.data())) +
-                                      equations_.face_rate);
-    if (looked_at_ != t_) look_at_all(t_, y_.data());
+    const double way = (time_ - from) * (1.5 * std::max(watched_.rate_bound(before_.data()),
+                                                        watched_.rate_bound(y_.data())) +
+                                         equations_.face_rate);
+    if (looked_at_ != time_) look_at_all(time_, y_.data());
     suspects_ = touching_.list;
     if (most_open_ > -way) {
       const auto list = [&](const auto& overlaps, const auto& node) {
@@ -378,37 +378,37 @@ class Cvode {
       near_.base = nowhere;
     }
 
-    double first = t_;
+    double first = time_;
     missed = -1;
     before_piece_ = before_;
     for (double left = from; left < first && missed < 0;) {
       // up to the next crossing: there the rates jump
-      double right = t_;
+      double right = time_;
       std::int64_t window = window_;
       if (touching_.list.empty() && equations_.rate() > 0) {
         window = static_cast<std::int64_t>(std::floor(equations_.position(left) + 1e-9));
         right = std::min(right, equations_.time_at(window + 1));
-        if (right <= left) right = t_;
+        if (right <= left) right = time_;
       }
-      if (right < t_) state_at(right);
-      const Eigen::VectorXd& after = right < t_ ? after_piece_ = between_ : y_;
+      if (right < time_) state_at(right);
+      const Eigen::VectorXd& after = right < time_ ? after_piece_ = between_ : y_;
       look_at(left, window, before_piece_, near_, begin_);
       look_at(right, window, after, near_, end_);
       for (std::size_t i = 0; i < near_.list.size(); ++i) {
         const double found =
-            first_in(left, right, window, static_cast<Eigen::Index>(i), noticed && right == t_);
+            first_in(left, right, window, static_cast<Eigen::Index>(i), noticed && right == time_);
         if (!(found < first)) continue;
         first = found;
         missed = near_.list[i];
       }
-      if (right >= t_) break;
+      if (right >= time_) break;
       left = right;
       before_piece_ = after_piece_;
     }
     if (missed < 0) return false;
     state_at(first);
     y_ = between_;
-    t_ = first;
+    time_ = first;
     looked_at_ = -1;
     return true;
   }
@@ -452,7 +452,7 @@ class Cvode {
   void sum_forces() {
     sums_.clear();
     if (touching_.list.empty()) return;
-    look_at(t_, window_, y_, touching_, middle_);
+    look_at(time_, window_, y_, touching_, middle_);
     for (std::size_t i = 0; i < touching_.list.size(); ++i) {
       const auto at = static_cast<Eigen::Index>(i);
       const std::int64_t shock = log_.shock_of(touching_.list[i]);
@@ -473,7 +473,7 @@ class Cvode {
     if (touching_.list.empty()) return;
     std::swap(sums_, sums_before_);
     sum_forces();
-    const double h = t_ - from;
+    const double h = time_ - from;
     for (std::size_t i = 0; i < sums_.size(); ++i) {
       const Sum &a = sums_before_[i], &b = sums_[i];
       double most = std::max(a.force, b.force);
@@ -493,7 +493,7 @@ class Cvode {
   Eigen::VectorXd& y_;
   Eigen::VectorXd before_, between_, before_piece_, after_piece_, scale_;
   Eigen::VectorXd force_, spring_;
-  double t_ = 0, reached_ = 0;  // s; where CVODE itself stands
+  double time_ = 0, reached_ = 0;  // s; where CVODE itself stands
 
   Watched watched_;
   std::int64_t window_ = nowhere;  // in contact

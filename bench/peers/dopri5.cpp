@@ -97,13 +97,13 @@ void march_dopri5(Equations& equations, const PeerOptions& options, Eigen::Vecto
     step = std::min({step, longest, left});
     y = x.cwiseProduct(contact.scale());
     if (watched.look_ahead(t, y.data(), step)) contact.list_changed();
-    const double asked = step = std::min(step, watched.end() - t);
+    const double first_try = step = std::min(step, watched.end() - t);
     const double before = t;
     if (stepper.try_step(system, x, t, step) == odeint::success) {
       ++result.steps;
-      equations.lag += asked - (t - before);
+      equations.lag += first_try - (t - before);
     }
-    if (!x.allFinite() || !(step > 1e-14 * asked))
+    if (!x.allFinite() || !(step > 1e-14 * first_try))
       throw SimulationError(fmt::format("dopri5 gave up at t = {:g} s", t));
   }
   y = x.cwiseProduct(contact.scale());

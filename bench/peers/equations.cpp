@@ -17,6 +17,13 @@ double mean_square(const std::vector<double>& heights) {
   return square / static_cast<double>(heights.size());
 }
 
+/// The waves that these equations are made of are those of beams.
+std::vector<BeamShape> beam_shapes(const Body& body) {
+  std::vector<BeamShape> shapes;
+  for (const BodyMode& mode : body.modes) shapes.push_back(beam_shape(mode));
+  return shapes;
+}
+
 /// Columns that start on a cache line.
 Index padded(Index rows) { return (rows + 7) / 8 * 8; }
 
@@ -28,7 +35,7 @@ Equations::Equations(const Model& model)
       speed{model.scene.speed},
       position_{model.position},
       rate_{model.scene.speed / model.scene.spacing},
-      shapes_{model.resonator.modes},
+      shapes_{beam_shapes(model.resonator)},
       length_{model.resonator.length},
       modes2_{static_cast<Index>(model.resonator.modes.size())},
       modes1_{static_cast<Index>(model.slider.modes.size())},
@@ -37,21 +44,18 @@ Equations::Equations(const Model& model)
   for (Eigen::ArrayXd* each : {&omega, &damping, &mass, &largest, &steepest, &load_})
     *each = Eigen::ArrayXd::Zero(modes);
   Index k = 0;
-  for (const Beam* beam : {&model.resonator, &model.slider})
-    for (std::size_t i = 0; i < beam->modes.size(); ++i, ++k) {
-      const ModeShape& mode = beam->modes[i];
+  for (const Body* body : {&model.resonator, &model.slider})
+    for (std::size_t i = 0; i < body->modes.size(); ++i, ++k) {
+      const BodyMode& mode = body->modes[i];
       omega[k] = mode.omega;
-      damping[k] = 2 * beam->zeta * mode.omega;
-      mass[k] = beam->mass_per_length;
-      largest[k] = mode.largest;
-      load_[k] = beam->load[i];
-      if (k < modes2_)
-        steepest[k] =
-            std::abs(mode.slope) + mode.beta * (std::hypot(mode.sine, mode.cosine) +
-                                                std::abs(mode.left) + std::abs(mode.right));
+      damping[k] = 2 * mode.zeta * mode.omega;
+      mass[k] = mode.mass;
+      largest[k] = mode.shape->largest();
+      load_[k] = body->load[i];
+      if (k < modes2_) steepest[k] = mode.shape->largest_slope(0);
     }
 
-  for (const ModeShape& mode : shapes_) hyperbolic_ += mode.left != 0 || mode.right != 0;
+  for (const BeamShape& mode : shapes_) hyperbolic_ += mode.left != 0 || mode.right != 0;
   const Index waves = modes2_ + hyperbolic_;
   kappa_.resize(waves);
   for (Index w = 0; w < modes2_; ++w) kappa_[w] = -shapes_[w].beta * shapes_[w].beta;
@@ -80,11 +84,9 @@ Equations::Equations(const Model& model)
       }
     }
     for (Index m = 0; m < modes1_; ++m) {
-      double right, left;
-      evaluate(model.slider.modes[m], model.slider.length,
-               static_cast<double>(count / 2 + i) * spacing, 1, &right);
-      evaluate(model.slider.modes[m], model.slider.length,
-               static_cast<double>((count - 1) / 2 - i) * spacing, 1, &left);
+      const BodyMode& mode = model.slider.modes[m];
+      const double right = shape_at(mode, static_cast<double>(count / 2 + i) * spacing);
+      const double left = shape_at(mode, static_cast<double>((count - 1) / 2 - i) * spacing);
       even_(i, waves + m) = 0.5 * (right + left);
       odd_(i, waves + m) = 0.5 * (right - left);
     }
@@ -116,7 +118,7 @@ Equations::Half Equations::half_of(int node) const {
 void Equations::locate(Place& place) const {
   const double x = static_cast<double>(place.base) * spacing + reach_;
   for (Index w = 0; w < kappa_.size(); ++w) {
-    const ModeShape& mode = shapes_[w < modes2_ ? w : w - hyperbolic_];
+    const BeamShape& mode = shapes_[w < modes2_ ? w : w - hyperbolic_];
     const double beta = mode.beta;
     if (kappa_[w] > 0) {
       const double left = mode.left * std::exp(-beta * (x - reach_));
@@ -318,7 +320,7 @@ void Equations::outer_force(double t, double* force) const {
     if (x < 0 || x > length_) continue;
     double psi;
     for (Index k = 0; k < modes2_; ++k) {
-      evaluate(shapes_[k], length_, x, 1, &psi);
+      shapes_[k].evaluate(x, 1, &psi);
       force[k] += each.force * psi;
     }
   }

@@ -5,6 +5,7 @@
 #include <limits>
 #include <vector>
 
+#include "host/body/beam.hpp"
 #include "host/model/model.hpp"
 
 /// The equations of motion, written for speed with dense products, exact to roundings.
@@ -56,9 +57,9 @@ class Equations {
   int modes() const { return static_cast<int>(omega.size()); }
   int nodes() const { return static_cast<int>(height1_.size()); }
 
-  /// What an integrator's clock t lags behind the time that it has integrated [s]: the roundings of
-  /// t + h. Equal steps round alike: 1e5 of them sum to 1e-13 s, in which the faces move by 1e-7 of
-  /// a shock's overlap.
+  /// Lag of an integrator's clock t behind the time that it has integrated [s]: the roundings of
+  /// t + h. Equal steps round alike: those of 1e5 steps sum to 1e-13 s, in which the faces move by
+  /// 1e-7 of a shock's overlap.
   double lag = 0;
   /// How often the displacements of all nodes were summed.
   std::int64_t looks = 0;
@@ -122,7 +123,7 @@ class Equations {
   void displace(const Place& place, const double* u);
 
   double position_, rate_;
-  std::vector<ModeShape> shapes_;  // the resonator's
+  std::vector<BeamShape> shapes_;  // the resonator's
   double length_;                  // m, of the resonator
   Eigen::Index modes2_, modes1_;
   /// Trigonometric and straight waves, one a mode, then the hyperbolic ones of the last modes.

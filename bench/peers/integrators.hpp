@@ -5,7 +5,7 @@
 #include "bench/peers/equations.hpp"
 #include "bench/peers/peers.hpp"
 
-/// What the two integrators share. Both march `y` from t = 0 to options.until and fill in the
+/// The two integrators. Both march `y` from t = 0 to options.until and fill in the
 /// result's counts.
 namespace ra2d::peers {
 

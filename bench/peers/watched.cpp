@@ -12,7 +12,7 @@ namespace {
 
 /// Longest way that a list is made for: beyond, more nodes are listed than are left out.
 constexpr int most_windows = 32;
-/// ... and time, in periods of the fastest mode.
+/// Longest look ahead in time, in periods of the fastest mode.
 constexpr double periods = 2;
 
 }  // namespace
@@ -69,8 +69,8 @@ void Watched::make(double t, const double* y, double time, double reach) {
     lasting = std::min(lasting, end_ - t);
   }
   // what the modes do on their own in that time, and as much again for the contact forces
-  const Eigen::ArrayXd swing = (v.square() + (equations_.omega * u).square()).sqrt();
-  const Eigen::ArrayXd most = swing * (2 / equations_.omega).min(lasting);
+  const Eigen::ArrayXd energy_norm = (v.square() + (equations_.omega * u).square()).sqrt();
+  const Eigen::ArrayXd most = energy_norm * (2 / equations_.omega).min(lasting);
   reach_ = std::max({1.25 * (equations_.largest * most).sum(), reach, 1e-4 * equations_.roughness});
   reference_ = u;
   const double bend = windows * equations_.spacing * (equations_.steepest * u.abs()).sum();

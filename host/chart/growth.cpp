@@ -65,11 +65,11 @@ Model trial_model(const GrowthTrial& trial, const TrialMode& mode, Scene scene, 
 }  // namespace
 
 TrialMode::TrialMode(bool contact) : contact{contact} {
-  const Beam beam = make_beam(trial_scene(contact).resonator);
-  double psi = 0;
-  evaluate(beam.modes[0], beam.length, 0.5 * beam.length, 1, &psi);
-  omega_free = beam.modes[0].omega;
-  mass = beam.mass_per_length;
+  const Body body = make_body(trial_scene(contact).resonator);
+  const BodyMode& first = body.modes[0];
+  const double psi = shape_at(first, 0.5 * body.length);
+  omega_free = first.omega;
+  mass = first.mass;
   square = psi * psi;
   stiffness = contact ? spring_ratio * mass * omega_free * omega_free / square : 0.0;
   omega = contact ? std::sqrt(spring_ratio) * omega_free : omega_free;

@@ -341,13 +341,14 @@ std::string modes_csv(const Model& model) {
         fmt::format("{},{},{},{:.9g},{:.9g},{:.9g},{:.9g}\n", contact, body, k, size / (2 * M_PI),
                     size > 0 ? -value.real() / size : 0.0, z.real(), z.imag());
   };
-  for (const auto& [name, beam] :
-       {std::pair<const char*, const Beam&>{"resonator", model.resonator},
+  for (const auto& [name, body] :
+       {std::pair<const char*, const Body&>{"resonator", model.resonator},
         {"slider", model.slider}})
-    for (std::size_t k = 0; k < beam.modes.size(); ++k) {
+    for (std::size_t k = 0; k < body.modes.size(); ++k) {
+      const Mode& mode = body.modes[k];
       const std::complex<double> turn =
-          std::complex<double>(0, 1) * std::sqrt(std::complex<double>(1 - beam.zeta * beam.zeta));
-      add("open", name, k, beam.modes[k].omega * (-beam.zeta + turn));
+          std::complex<double>(0, 1) * std::sqrt(std::complex<double>(1 - mode.zeta * mode.zeta));
+      add("open", name, k, mode.omega * (-mode.zeta + turn));
     }
   if (model.scene.contact.law != ContactLaw::penalty) return text;
   const std::vector<std::complex<double>> coupled =

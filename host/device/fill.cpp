@@ -36,9 +36,8 @@ int longest_look(const Model& model) {
   const SchemeTable& scheme = scheme_table(model.scene.time.scheme);
   const double tau = model.scene.time.step;
   const auto grows = [&](int steps) {
-    for (const Beam* beam : {&model.resonator, &model.slider})
-      for (const ModeShape& shape : beam->modes) {
-        const Mode mode{shape.omega, beam->zeta, beam->mass_per_length};
+    for (const Body* body : {&model.resonator, &model.slider})
+      for (const BodyMode& mode : body->modes) {
         if (bound_step(mode, scheme.prepare(mode, tau), scheme.place, tau, steps).growth > 2.0)
           return true;
       }
@@ -57,21 +56,20 @@ int count_windows(const Model& model) {
       is_adaptive(scene)
           ? std::clamp(1e-4 * scene.time.tolerance.value_or(usual_tolerance), 0x1p-51, 1e-13)
           : 0x1p-51;
-  return static_cast<int>(std::ceil(std::max(
-      1.0, 0.5 * highest_beta(model.resonator) * scene.spacing / std::pow(24 * left_out, 0.25))));
+  return static_cast<int>(
+      std::ceil(std::max(1.0, 0.5 * highest_wave_number(model.resonator) * scene.spacing /
+                                  std::pow(24 * left_out, 0.25))));
 }
 
 /// One mode of either body, on its lane.
 struct ModeOnLane {
   int lane;
-  const Beam& beam;
+  const Mode& oscillator;
   const ModeShape& shape;
   double load;         // N m^(-1/2)
   bool of_resonator;   // its nodes move
   double largest;      // m^(-1/2), max |psi|
   double outer_force;  // N m^(-1/2), bound on the modal forces that do not come from contact
-
-  Mode oscillator() const { return {shape.omega, beam.zeta, beam.mass_per_length}; }
 };
 
 /// Fills the tables of one scene, part by part.
@@ -154,38 +152,38 @@ void Filler::modes() {
   for (const MovingForce& f : scene_.resonator.moving_forces) moving += std::abs(f.force);
   double kick = 0;  // J, see least_energy
   int lane = 0;
-  for (const Beam* beam : {&model_.resonator, &model_.slider})
-    for (std::size_t k = 0; k < beam->modes.size(); ++k, ++lane) {
-      const ModeShape& shape = beam->modes[k];
-      const bool of_resonator = beam == &model_.resonator;
-      const double largest = largest_shape(shape, beam->length);
+  for (const Body* body : {&model_.resonator, &model_.slider})
+    for (std::size_t k = 0; k < body->modes.size(); ++k, ++lane) {
+      const Mode& oscillator = body->modes[k];
+      const ModeShape& shape = *body->modes[k].shape;
+      const bool of_resonator = body == &model_.resonator;
+      const double largest = shape.size();
       const ModeOnLane mode{lane,
-                            *beam,
+                            oscillator,
                             shape,
-                            beam->load[k],
+                            body->load[k],
                             of_resonator,
                             largest,
-                            std::abs(beam->load[k]) + (of_resonator ? moving * largest : 0.0)};
+                            std::abs(body->load[k]) + (of_resonator ? moving * largest : 0.0)};
       host_(t_.load)[lane] = mode.load;
-      host_(t_.mass)[lane] = beam->mass_per_length;
-      host_(t_.omega)[lane] = shape.omega;
+      host_(t_.mass)[lane] = oscillator.mass;
+      host_(t_.omega)[lane] = oscillator.omega;
       host_(t_.damping)[lane] =
-          2.0 * beam->zeta * shape.omega * beam->mass_per_length * model_.tick;
+          2.0 * oscillator.zeta * oscillator.omega * oscillator.mass * model_.tick;
       host_(t_.largest_shape)[lane] = largest;
       if (is_adaptive(scene_))
         flight_of(mode);
       else
         step_of(mode);
-      kick += 0.5 * std::pow(model_.tick * mode.outer_force, 2) / beam->mass_per_length;
+      kick += 0.5 * std::pow(model_.tick * mode.outer_force, 2) / oscillator.mass;
       if (!of_resonator) continue;
-      // a patch may reach beyond the end of the beam
-      const double wave = largest_wave(shape, 2 * radius_);
-      const CubicRemainder remainder = cubic_remainder(shape, radius_);
-      host_(t_.largest_slope)[lane] = shape.beta * wave + std::abs(shape.slope);
-      host_(t_.largest_curvature)[lane] = shape.beta * shape.beta * wave;
+      // a patch may reach beyond the end of the body
+      const CubicRemainder remainder = shape.cubic_remainder(radius_);
+      host_(t_.largest_slope)[lane] = shape.largest_slope(2 * radius_);
+      host_(t_.largest_curvature)[lane] = shape.largest_curvature(2 * radius_);
       host_(t_.cubic_remainder)[lane] = remainder.value;
       host_(t_.cubic_slope_remainder)[lane] = remainder.slope;
-      host_(t_.quartic)[lane] = std::pow(shape.beta * radius_, 4);
+      host_(t_.quartic)[lane] = shape.fourth_factor(radius_);
     }
   // What the outer forces put in within a step: from rest the velocity is up to a step ahead of
   // their work, or (midpoint) half a step behind.
@@ -195,7 +193,7 @@ void Filler::modes() {
 /// The weights of a scheme of fixed steps, and the bounds that follow from them.
 void Filler::step_of(const ModeOnLane& mode) {
   const SchemeTable& scheme = scheme_table(scene_.time.scheme);
-  const ModeStep step = scheme.prepare(mode.oscillator(), model_.tick);
+  const ModeStep step = scheme.prepare(mode.oscillator, model_.tick);
   const int lane = mode.lane, lanes = n_.lanes;
   for (int i = 1; i < t_.stages; ++i) {
     double* const rows = host_(t_.stage) + t_.stage_row[i] * lanes + lane;
@@ -220,19 +218,18 @@ void Filler::step_of(const ModeOnLane& mode) {
   // shapes are right to some 1e-15 of their largest
   t_.least_yielding += 1e-26 * step.held_u() * std::pow(mode.largest, 2);
   const StepBounds bounds =
-      bound_step(mode.oscillator(), step, t_.place, model_.tick, t_.longest_look);
-  host_(t_.pull)[lane] = bounds.pull;
-  host_(t_.push)[lane] = mode.outer_force * bounds.force;
-  host_(t_.yield)[lane] = mode.largest * bounds.force;
+      bound_step(mode.oscillator, step, t_.place, model_.tick, t_.longest_look);
+  host_(t_.pull)[lane] = bounds.acceleration_per_energy_norm;
+  host_(t_.push)[lane] = mode.outer_force * bounds.acceleration_per_force;
+  host_(t_.yield)[lane] = mode.largest * bounds.acceleration_per_force;
 }
 
 /// The closed form of free flight, and the bounds that the adaptive steps rest on.
 void Filler::flight_of(const ModeOnLane& mode) {
-  const Mode oscillator = mode.oscillator();
+  const Mode& oscillator = mode.oscillator;
   const int lane = mode.lane, lanes = n_.lanes;
   const double omega = oscillator.omega;
-  const double passing =
-      mode.of_resonator ? passing_rate(mode.shape, mode.beam.length, scene_.speed) : 0.0;
+  const double passing = mode.of_resonator ? mode.shape.change_rate() * scene_.speed : 0.0;
   host_(t_.fastest_rate)[lane] = fastest_rate(oscillator);
   host_(t_.inverse_mass)[lane] = 1.0 / oscillator.mass;
   host_(t_.decay)[lane] = 2.0 * oscillator.zeta * omega;
@@ -262,7 +259,7 @@ void Filler::patches() {
     const double centre = (p + 0.5) * t_.patch_nodes * scene_.spacing;
     for (int k = 0; k < t_.resonator_modes; ++k) {
       double d[4];
-      evaluate(model_.resonator.modes[k], model_.resonator.length, centre, 4, d);
+      model_.resonator.modes[k].shape->evaluate(centre, 4, d);
       for (int j = 0; j < 4; ++j)
         rows[(static_cast<std::size_t>(p) * 4 + j) * n_.lanes + k] = d[j] * std::pow(radius_, j);
     }
@@ -275,7 +272,7 @@ void Filler::slider_shapes() {
     unit[static_cast<std::size_t>(k) * n_.lanes + t_.resonator_modes + k] = 1.0;
     double* const shape = host_(t_.slider_shape) + static_cast<std::size_t>(k) * n_.padded_nodes();
     for (int n = 0; n < n_.nodes; ++n)
-      evaluate(model_.slider.modes[k], model_.slider.length, n * scene_.spacing, 1, shape + n);
+      shape[n] = shape_at(model_.slider.modes[k], n * scene_.spacing);
   }
 }
 
@@ -309,9 +306,11 @@ void Filler::adaptive() {
   t_.tolerance = scene_.time.tolerance.value_or(usual_tolerance);
   t_.order = series_order(t_.tolerance);
   t_.first_level = first_flight_level(model_);
-  // reached behind the beam's end; on the beam exp(beta radius) would do: wide by 1.28 where nodes
-  // are fine
-  t_.cubic_excess = std::exp(2.0 * highest_beta(model_.resonator) * radius_);
+  // reached behind the body's end; on a beam growth(radius) would do: wide by 1.28 where nodes are
+  // fine
+  t_.cubic_excess = 1.0;
+  for (const BodyMode& mode : model_.resonator.modes)
+    t_.cubic_excess = std::max(t_.cubic_excess, mode.shape->growth(2.0 * radius_));
   t_.longest_scale = std::min(scene_.duration, 64.0 / std::max(fastest_rate(model_), 1e-300));
   double* const gauss = host_(t_.gauss);
   std::copy_n(gauss_place, gauss_points, gauss);

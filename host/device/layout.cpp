@@ -20,7 +20,7 @@ Form form_of(const Scene& scene) {
 }
 
 PatchSeries choose_series(const Model& model, int width) {
-  const double beta_chi = highest_beta(model.resonator) * model.scene.spacing;
+  const double beta_chi = highest_wave_number(model.resonator) * model.scene.spacing;
   const double widest = static_cast<double>(model.resonator_height.size());
   // radius = (patch_nodes + width)/2 + 1 in chi
   const double nodes = beta_chi > 0 ? std::min(widest, 0.5 / beta_chi - width - 2) : widest;

@@ -12,42 +12,13 @@ double fastest_rate(const Mode& mode) {
 
 double fastest_rate(const Model& model) {
   double square = 0, spring = 0;
-  for (const Beam* beam : {&model.resonator, &model.slider})
-    for (const ModeShape& shape : beam->modes) {
-      const double rate = fastest_rate(Mode{shape.omega, beam->zeta, beam->mass_per_length});
+  for (const Body* body : {&model.resonator, &model.slider})
+    for (const BodyMode& mode : body->modes) {
+      const double rate = fastest_rate(mode);
       square = std::max(square, rate * rate);
-      spring += model.node_stiffness * std::pow(shape.largest, 2) / beam->mass_per_length;
+      spring += model.node_stiffness * std::pow(mode.shape->largest(), 2) / mode.mass;
     }
   return std::sqrt(square + spring);
-}
-
-double highest_beta(const Beam& beam) {
-  double beta = 0;
-  for (const ModeShape& mode : beam.modes) beta = std::max(beta, mode.beta);
-  return beta;
-}
-
-double largest_shape(const ModeShape& shape, double length) {
-  const double wave =
-      std::hypot(shape.sine, shape.cosine) + std::abs(shape.left) + std::abs(shape.right);
-  const double rigid =
-      std::max(std::abs(shape.constant), std::abs(shape.constant + shape.slope * length));
-  return wave + rigid;
-}
-
-double largest_wave(const ModeShape& shape, double beyond) {
-  return std::hypot(shape.sine, shape.cosine) + std::abs(shape.left) +
-         std::abs(shape.right) * std::exp(shape.beta * beyond);
-}
-
-CubicRemainder cubic_remainder(const ModeShape& shape, double radius) {
-  const double wave = largest_wave(shape, 2 * radius);
-  return {wave * std::pow(shape.beta * radius, 4) / 24,
-          wave * shape.beta * std::pow(shape.beta * radius, 3) / 6};
-}
-
-double passing_rate(const ModeShape& shape, double length, double speed) {
-  return std::max(shape.beta, std::abs(shape.slope) / largest_shape(shape, length)) * speed;
 }
 
 double fourth_derivative(const Mode& mode, double largest_shape, double passing_rate) {

@@ -25,9 +25,9 @@ double softest(const ContactProgram& p) {
   return least;
 }
 
-/// Overlap that roundings alone may leave [m]: of the faces, of the displacements, and of those
-/// that the load would make where contact takes them back (a flat body on a flat one does not move
-/// at all).
+/// Overlap that roundings alone may leave [m]: those of the faces, of the displacements, and of the
+/// displacements that the load would make without contact (a flat body on a flat one does not
+/// move).
 double roundings(const ContactProgram& p, const VectorXd& u) {
   const double reference = softest(p);
   VectorXd size = u.cwiseAbs();
@@ -60,8 +60,8 @@ class ActiveSet {
   std::vector<double> forces_;  // N, of nodes_
 };
 
-/// Where the modes rest when the active nodes, and they alone, carry force; in units in which the
-/// stiffness of every mode that has one is 1. False where these nodes hold the modes in no balance.
+/// Finds the rest of the modes when the active nodes alone carry force, in units in which the
+/// stiffness of every elastic mode is 1. False where these nodes cannot balance the load.
 bool settle(const ContactProgram& p, ActiveSet& active, double reference, VectorXd& u) {
   const Eigen::Index modes = p.stiffness.size(), count = active.size();
   VectorXd unit(modes);  // of u_k
@@ -89,91 +89,121 @@ bool settle(const ContactProgram& p, ActiveSet& active, double reference, Vector
 
 enum class Outcome { solved, infeasible, endless };
 
-/// The programme with all stiffnesses positive, to overlaps of `tolerance` [m], from no contact on.
-Outcome find_active(const ContactProgram& p, double tolerance, ActiveSet& active, VectorXd& u) {
-  const VectorXd yielding = p.stiffness.cwiseInverse();
-  u = yielding.cwiseProduct(p.load);
-  bool fresh = true;  // u and the forces are without the roundings of the way
-  const int most_rounds = 20 * static_cast<int>(p.stiffness.size()) + 1000;
-  for (int round = 0; round < most_rounds; ++round) {
-    VectorXd overlap = p.faces + p.shapes * u;
-    for (int i = 0; i < active.size(); ++i) overlap[active.nodes()[i]] = -infinity;
-    int node = 0;
-    double over = overlap.maxCoeff(&node);
-    if (!(over > tolerance)) {
-      if (fresh || p.compliance > 0)
-        return Outcome::solved;  // what springs give is known well enough
-      // what roundings took for a push on the way may be a pull
-      Eigen::Index least = 0;
-      while (settle(p, active, 1.0, u) && active.size() > 0 &&
-             active.forces().minCoeff(&least) < -1e-12 * active.forces().maxCoeff())
-        active.drop(static_cast<int>(least));
-      fresh = true;
-      continue;
-    }
-    const VectorXd row = p.shapes.row(node).transpose();
-    const double own = row.dot(yielding.cwiseProduct(row));  // m/N, of the node alone
-    double force = 0;
-    for (bool taken = false; !taken; ++round) {
-      if (round >= most_rounds) return Outcome::endless;
-      // what a newton on the node does while the others keep their overlaps
-      const MatrixXd held = active.shapes();
-      VectorXd share(active.size());
-      if (active.size() > 0) {
-        MatrixXd across = held * yielding.asDiagonal() * held.transpose();
-        across.diagonal().array() += p.compliance;
-        share = -across.ldlt().solve(held * yielding.cwiseProduct(row));
+/// The programme with all stiffnesses positive, solved from no contact on.
+class DualMethod {
+ public:
+  /// To overlaps of `tolerance` [m].
+  DualMethod(const ContactProgram& program, double tolerance, ActiveSet& active, VectorXd& u)
+      : p_{program},
+        tolerance_{tolerance},
+        most_rounds_{20 * static_cast<int>(program.stiffness.size()) + 1000},
+        compliance_{program.stiffness.cwiseInverse()},
+        active_{active},
+        u_{u} {}
+
+  Outcome find() {
+    u_ = compliance_.cwiseProduct(p_.load);
+    bool fresh = true;  // u and the forces are without the roundings of earlier rounds
+    for (round_ = 0; round_ < most_rounds_; ++round_) {
+      VectorXd overlap = p_.faces + p_.shapes * u_;
+      for (const int node : active_.nodes()) overlap[node] = -infinity;
+      int node = 0;
+      const double over = overlap.maxCoeff(&node);
+      if (over > tolerance_) {
+        if (const Outcome outcome = add(node, over); outcome != Outcome::solved) return outcome;
+        fresh = false;
+      } else if (fresh || p_.compliance > 0) {
+        return Outcome::solved;  // roundings do not matter with springs
+      } else {
+        drop_pulling();
+        fresh = true;
       }
-      const VectorXd change = -yielding.cwiseProduct(row + held.transpose() * share);
-      const double parting = p.compliance - row.dot(change);  // m/N
-      const bool dependent = !(parting > 1e-13 * (own + p.compliance));
-      double most = infinity;
-      int first = -1;
-      for (int i = 0; i < active.size(); ++i)
-        if (share[i] < 0 && active.forces()[i] < -most * share[i]) {
-          most = -active.forces()[i] / share[i];
+    }
+    return Outcome::endless;
+  }
+
+ private:
+  /// Drops nodes whose force only roundings made positive.
+  void drop_pulling() {
+    Eigen::Index least = 0;
+    while (settle(p_, active_, 1.0, u_) && active_.size() > 0 &&
+           active_.forces().minCoeff(&least) < -1e-12 * active_.forces().maxCoeff())
+      active_.drop(static_cast<int>(least));
+  }
+
+  /// Raises the force of a node until its overlap of `over` [m] is gone. The active nodes keep
+  /// their overlaps; nodes that would have to pull are dropped.
+  Outcome add(int node, double over) {
+    const VectorXd row = p_.shapes.row(node).transpose();
+    const double own = row.dot(compliance_.cwiseProduct(row));  // m/N, of the node alone
+    double force = 0;
+    for (;; ++round_) {
+      if (round_ >= most_rounds_) return Outcome::endless;
+      // per newton on the node: what the other forces change by, and the modes
+      const MatrixXd held = active_.shapes();
+      const VectorXd share = shares(held, row);
+      const VectorXd change = -compliance_.cwiseProduct(row + held.transpose() * share);
+      const double parting = p_.compliance - row.dot(change);  // m/N
+      const bool dependent = !(parting > 1e-13 * (own + p_.compliance));
+      double most = infinity;  // N, before an active node pulls
+      int first = -1;          // that node
+      for (int i = 0; i < active_.size(); ++i)
+        if (share[i] < 0 && active_.forces()[i] < -most * share[i]) {
+          most = -active_.forces()[i] / share[i];
           first = i;
         }
       const double whole = dependent ? infinity : over / parting;
       const double step = std::min(most, whole);
       if (std::isinf(step)) return Outcome::infeasible;
       if (!dependent) {
-        u += step * change;
+        u_ += step * change;
         over -= step * parting;
       }
       force += step;
-      active.forces() += step * share;
+      active_.forces() += step * share;
       if (whole <= most) {
-        active.add(node, force);
-        taken = true;
-        fresh = false;
-      } else {
-        active.drop(first);
+        active_.add(node, force);
+        ++round_;
+        return Outcome::solved;
       }
+      active_.drop(first);
     }
   }
-  return Outcome::endless;
-}
+
+  /// Changes of the active nodes' forces per newton on a node, such that they keep their overlaps.
+  VectorXd shares(const MatrixXd& held, const VectorXd& row) const {
+    if (active_.size() == 0) return VectorXd(0);
+    MatrixXd across = held * compliance_.asDiagonal() * held.transpose();
+    across.diagonal().array() += p_.compliance;
+    return -across.ldlt().solve(held * compliance_.cwiseProduct(row));
+  }
+
+  const ContactProgram& p_;
+  double tolerance_;  // m
+  int round_ = 0, most_rounds_;
+  VectorXd compliance_;  // m/N, of the modes
+  ActiveSet& active_;
+  VectorXd& u_;
+};
 
 }  // namespace
 
 std::optional<RestingContact> solve(const ContactProgram& p) {
   const Eigen::Index modes = p.stiffness.size();
-  // a body that moves as a whole is first brought to where it touches
+  // a rigid mode that moves the body as a whole first brings it to where it touches
   VectorXd u = VectorXd::Zero(modes), settled;
   for (Eigen::Index k = 0; k < modes; ++k)
     if (!(p.stiffness[k] > 0) && p.shapes.col(k).minCoeff() == p.shapes.col(k).maxCoeff()) {
       u[k] = -p.faces.maxCoeff() / p.shapes(0, k);
       break;
     }
-  // how far it must move from there, and how far the load bends it: the weak springs give way by a
-  // hundred times that
+  // The weak springs yield by a hundred times the way from there and the bend under the load.
   const double most = p.load.cwiseAbs().maxCoeff(), shape = p.shapes.cwiseAbs().maxCoeff();
   const double stiffness = std::isinf(softest(p)) ? 1.0 : softest(p);
   const double way = (p.faces.maxCoeff() - p.faces.minCoeff()) / shape +
                      (std::isinf(softest(p)) ? 0.0 : most / stiffness);
   const double weak = most > 0 && way > 0 ? 1e-2 * most / way : stiffness;
-  // rigid and flat on flat there is no way at all
+  // rigid and flat on flat: no way
   const double least = way > 0 ? 0.0 : 16 * eps * shape * most / weak;
   ContactProgram held = p;
   for (Eigen::Index k = 0; k < modes; ++k)
@@ -183,7 +213,7 @@ std::optional<RestingContact> solve(const ContactProgram& p) {
   for (int round = 0; round < 100; ++round) {
     held.load = p.load + springs.cwiseProduct(u);
     ActiveSet active(p);
-    const Outcome outcome = find_active(held, roundings(p, u) + least, active, u);
+    const Outcome outcome = DualMethod(held, roundings(p, u) + least, active, u).find();
     if (outcome == Outcome::infeasible)
       return RestingContact{.feasible = false, .u = {}, .forces = {}};
     if (outcome == Outcome::endless) return std::nullopt;

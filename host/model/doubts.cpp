@@ -14,7 +14,7 @@ namespace {
 
 using Doubts = std::vector<std::string>;
 
-/// A stiffness against what the bodies' materials give.
+/// Compares the contact stiffness with that of the bodies' materials.
 void doubt_stiffness(const Scene& scene, Doubts& doubts) {
   const ContactSettings& contact = scene.contact;
   if (contact.law != ContactLaw::penalty || contact.is_hertz) return;
@@ -27,24 +27,26 @@ void doubt_stiffness(const Scene& scene, Doubts& doubts) {
   const bool rough = kind(SurfaceKind::gaussian) || kind(SurfaceKind::file);
   if (!rough && !kind(SurfaceKind::peaks)) return;  // flat on flat: no contact is narrow
   const double ratio = std::pow(contact.stiffness / hertz, 2.0 / 3);  // of N/m, under one load
-  const std::string asked = fmt::format("contact.stiffness = {:g} Pa/m: ", contact.stiffness);
+  const std::string stiffness = fmt::format("contact.stiffness = {:g} Pa/m: ", contact.stiffness);
   const std::string take = fmt::format("(\"hertz\" takes {:.3g} Pa/m)", hertz);
   if (contact.stiffness > most)
-    doubts.push_back(asked +
+    doubts.push_back(stiffness +
                      fmt::format("stiffer than the bodies' material, which gives a ridge as "
                                  "wide as the slider at most {:.2g} Pa/m on this spacing {}",
                                  most, take));
   else if (rough && ratio > much_stiffer)
-    doubts.push_back(asked + fmt::format("asperities {:.2g} times as stiff as the half-spaces of "
-                                         "Hertz make them {}: shocks are too short and too hard",
-                                         ratio, take));
+    doubts.push_back(stiffness +
+                     fmt::format("asperities {:.2g} times as stiff as the half-spaces of "
+                                 "Hertz make them {}: shocks are too short and too hard",
+                                 ratio, take));
   else if (contact.stiffness < far_softer * hertz)
     doubts.push_back(
-        asked + fmt::format("far softer than the bodies' material {}: is it in MPa/mm ({:g} Pa/m)?",
-                            take, contact.stiffness * 1e9));
+        stiffness +
+        fmt::format("far softer than the bodies' material {}: is it in MPa/mm ({:g} Pa/m)?", take,
+                    contact.stiffness * 1e9));
 }
 
-/// Loads that nothing holds.
+/// Finds loads that nothing holds.
 void doubt_held(const Scene& scene, Doubts& doubts) {
   const auto moves_off = [&](const char* body, const char* load) {
     doubts.push_back(
@@ -84,7 +86,7 @@ Relief relief_of(const std::vector<double>& heights, double spacing) {
   return relief;
 }
 
-/// Of a random face; measured ones are looked at where they are read.
+/// Checks a random face; measured ones are checked where they are read.
 void doubt_roughness(const std::string& name, const BodySpec& body, const Relief& relief,
                      Doubts& doubts) {
   constexpr double large_share = 0.05;  // of the thickness, as for measured ones
@@ -109,10 +111,10 @@ void doubt_roughness(const std::string& name, const BodySpec& body, const Relief
           too_small);
 }
 
-/// An imposed gap against the heights that are to meet across it.
+/// Compares an imposed gap with the heights that are to meet across it.
 void doubt_gap(const Model& model, const Relief& resonator, const Relief& slider, Doubts& doubts) {
   constexpr double near = 0.05;              // of the root mean square of both faces
-  constexpr double held = 3, falling = 100;  // of the highest points of both
+  constexpr double held = 3, falling = 100;  // of the highest points of both faces
   const Scene& scene = model.scene;
   if (!scene.gap) return;
   const double gap = *scene.gap,

@@ -5,15 +5,16 @@
 
 #include "host/model/model.hpp"
 
-/// What looks odd in a scene, but may be meant. A sentence each, said before a run; nothing is
-/// refused for it.
+/// Doubts: values of a scene that look wrong but may be intended. Each is a sentence that is
+/// printed before a run; nothing is refused.
 namespace ra2d {
 
-/// Of the scene alone: numbers that are likely to be in another unit, a contact stiffer than the
-/// bodies' materials, loads that nothing holds.
+/// Doubts of the scene alone: numbers that are likely to be in another unit, a contact stiffer than
+/// the bodies' materials, loads that nothing holds.
 std::vector<std::string> scene_doubts(const Scene& scene);
 
-/// Of a model's faces: heights and slopes that no face has, a gap that does not go with them.
+/// Appends doubts of a model's faces: heights and slopes that no face has, a gap that does not fit
+/// them.
 void doubt_faces(const Model& model, std::vector<std::string>& doubts);
 
 }  // namespace ra2d

@@ -19,24 +19,23 @@
 
 /// Static equilibrium under load and contact: the minimum of the convex potential
 ///   sum_k m omega_k^2 U_k^2 / 2 - load_k U_k  +  sum_n kappa chi w max(0, -g_n)^2 / 2,
-/// by Newton's method on its piecewise quadratic form. The contact springs are stiffened from soft
-/// to the asked value, each stage starting from the one before: a slider first settles as a whole,
-/// then onto its two or three highest asperities.
+/// by Newton's method on its piecewise quadratic form. The contact springs are stiffened step by
+/// step to their full stiffness, each step starting from the one before: a slider first settles as
+/// a whole, then onto its two or three highest asperities.
 ///
-/// Springs that are too stiff for that (the roundings of an overlap are forces then), and
-/// multipliers, whose springs do not yield at all, are solved as the quadratic programme that the
-/// minimum is.
+/// Springs that are too stiff for that (roundings of an overlap are then forces) and multipliers
+/// are solved as a quadratic programme (host/model/contact_program.hpp).
 namespace ra2d {
 namespace {
 
-/// How Newton's Hessian is kept regular: by the same stiffness for all modes, or by a share of each
-/// one's own, where the stiff modes' would be more than what holds the rigid ones.
+/// How Newton's Hessian is kept regular: by one stiffness for all modes, or by a share of each
+/// mode's own stiffness, where the share of stiff modes would exceed what holds the rigid ones.
 enum class Shift { common, own };
 
-/// The nodes that overlap anywhere on a line u + length step: few of all.
+/// The few nodes that overlap anywhere on a line u + length step.
 class OverlapsAlong {
  public:
-  /// Of all nodes: the overlaps at u, and how they change over a step [m].
+  /// `at`: overlaps of all nodes at u [m]; `change`: how they change over a step [m].
   OverlapsAlong(const Eigen::VectorXd& at, const Eigen::VectorXd& change)
       : all_at_{at}, all_change_{change}, at_(at.size()), change_(at.size()) {}
 
@@ -54,14 +53,13 @@ class OverlapsAlong {
   Eigen::Index count_ = 0;
   double reach_ = -1;  // they are all that overlap up to this length
 
-  /// A node that overlaps at neither end of a stretch overlaps nowhere within. They are taken or
-  /// left by as many as the sum takes in at a time, so that it adds up in the order of the sum of
-  /// all.
+  /// A node that overlaps at neither end of a stretch overlaps nowhere within. Nodes are kept or
+  /// dropped in blocks as wide as the sum's, so that the sum has the order of the one over all.
   void find(double length) {
-    constexpr Eigen::Index together = 16;
+    constexpr Eigen::Index block = 16;
     count_ = 0;
-    for (Eigen::Index n = 0; n < all_at_.size(); n += together) {
-      const Eigen::Index size = std::min(together, all_at_.size() - n);
+    for (Eigen::Index n = 0; n < all_at_.size(); n += block) {
+      const Eigen::Index size = std::min(block, all_at_.size() - n);
       const auto at = all_at_.segment(n, size), change = all_change_.segment(n, size);
       if (!(at.maxCoeff() > 0 || (at + length * change).maxCoeff() > 0)) continue;
       at_.segment(count_, size) = at;
@@ -87,10 +85,9 @@ struct NodeShapes {
     shapes.resize(model.nodes(), modes);
     for (int n = 0; n < model.nodes(); ++n) {
       int column = 0;
-      for (const ModeShape& mode : model.resonator.modes)
-        evaluate(mode, model.resonator.length, (model.position + n) * chi, 1, &shapes(n, column++));
-      for (const ModeShape& mode : model.slider.modes)
-        evaluate(mode, model.slider.length, n * chi, 1, &shapes(n, column++));
+      for (const BodyMode& mode : model.resonator.modes)
+        shapes(n, column++) = shape_at(mode, (model.position + n) * chi);
+      for (const BodyMode& mode : model.slider.modes) shapes(n, column++) = shape_at(mode, n * chi);
     }
     rows = Eigen::MatrixXd::Zero((modes + pack - 1) / pack * pack, model.nodes());
     rows.topRows(modes) = shapes.transpose();
@@ -99,60 +96,55 @@ struct NodeShapes {
   }
 };
 
-/// Those of the scenes before: the runs of a study mostly have equal bodies, and their shapes take
-/// a sine for every node and mode.
-class KnownShapes {
+/// Shapes of the last scenes. The runs of a study mostly have equal bodies, and shapes take a sine
+/// for every node and mode.
+class ShapeCache {
  public:
   std::shared_ptr<const NodeShapes> of(const Model& model) {
     const Key key = key_of(model);
     {
       const std::lock_guard lock(mutex_);
-      for (const auto& [known, shapes] : known_)
-        if (known == key) return shapes;
+      for (const auto& [cached, shapes] : cache_)
+        if (cached == key) return shapes;
     }
     const auto shapes = std::make_shared<const NodeShapes>(model);
     const std::lock_guard lock(mutex_);
     if (shapes->shapes.size() > most_values) return shapes;
-    known_.emplace_front(key, shapes);
-    if (known_.size() > most) known_.pop_back();
+    cache_.emplace_front(key, shapes);
+    if (cache_.size() > most) cache_.pop_back();
     return shapes;
   }
 
  private:
   static constexpr std::size_t most = 4;
-  static constexpr Eigen::Index most_values = 1 << 20;  // of larger ones the memory is worth more
+  static constexpr Eigen::Index most_values = 1 << 20;  // larger ones take too much memory
 
-  using Key = std::vector<double>;  // all that they depend on
+  using Key = std::vector<double>;  // all that the shapes depend on
   static Key key_of(const Model& model) {
     Key key{model.scene.spacing, model.position, static_cast<double>(model.nodes())};
-    for (const Beam* beam : {&model.resonator, &model.slider}) {
-      key.push_back(beam->length);
-      key.push_back(static_cast<double>(beam->modes.size()));
-      for (const ModeShape& m : beam->modes)
-        key.insert(key.end(), {m.beta, m.sine, m.cosine, m.left, m.right, m.constant, m.slope});
+    for (const Body* body : {&model.resonator, &model.slider}) {
+      key.push_back(static_cast<double>(body->modes.size()));
+      for (const BodyMode& mode : body->modes) mode.shape->append_parameters(key);
     }
     return key;
   }
   std::mutex mutex_;
-  std::list<std::pair<Key, std::shared_ptr<const NodeShapes>>> known_;
+  std::list<std::pair<Key, std::shared_ptr<const NodeShapes>>> cache_;
 };
 
 class Potential {
  public:
-  explicit Potential(const Model& model) : nodes_{known_shapes().of(model)} {
-    const auto add = [&](const Beam& beam) {
-      for (std::size_t k = 0; k < beam.modes.size(); ++k) {
-        stiffness_.push_back(beam.mass_per_length * beam.modes[k].omega * beam.modes[k].omega);
-        load_.push_back(beam.load[k]);
-      }
-    };
-    add(model.resonator);
-    add(model.slider);
+  explicit Potential(const Model& model) : nodes_{shape_cache().of(model)} {
+    for (const Body* body : {&model.resonator, &model.slider}) {
+      for (const BodyMode& mode : body->modes)
+        stiffness_.push_back(mode.mass * mode.omega * mode.omega);
+      load_.insert(load_.end(), body->load.begin(), body->load.end());
+    }
     const std::vector<double> faces = overlaps(model, {}, {});
     faces_ = Eigen::Map<const Eigen::VectorXd>(faces.data(), model.nodes());
   }
 
-  /// The same minimum as a programme, the springs' compliance in m/N.
+  /// The minimum as a quadratic programme. `compliance` of the springs in m/N.
   ContactProgram program(double compliance) const {
     return {.stiffness = Eigen::Map<const Eigen::VectorXd>(stiffness_.data(), modes()),
             .load = Eigen::Map<const Eigen::VectorXd>(load_.data(), modes()),
@@ -163,7 +155,7 @@ class Potential {
 
   int modes() const { return static_cast<int>(stiffness_.size()); }
   Eigen::VectorXd overlap(const Eigen::VectorXd& u) const { return faces_ + nodes_->shapes * u; }
-  /// ... as overlaps() sums them up, mode by mode.
+  /// Overlaps summed mode by mode, as overlaps() (host/model/model.hpp) does.
   Eigen::VectorXd overlap_by_modes(const Eigen::VectorXd& u) const {
     Eigen::VectorXd sum = faces_;
     for (int k = 0; k < modes(); ++k)
@@ -183,26 +175,26 @@ class Potential {
       hessian(k, k) = stiffness_[k];
       scale += std::abs(load_[k]) + std::abs(stiffness_[k] * u[k]);
     }
-    // By packs of modes, those above the diagonal in its own pack computed in vain. Each sum takes
-    // in one node after the other, but several of them between two ways to memory.
+    // By packs of modes; entries above the diagonal in its own pack are computed in vain. Each sum
+    // adds one node after the other, a block of nodes between two accesses to memory.
     Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(padded_modes(), modes());
     sum.topRows(modes()) = hessian;
-    Eigen::Matrix<double, Eigen::Dynamic, together> pushed(padded_modes(), int{together});
-    std::array<int, together> nodes;
+    Eigen::Matrix<double, Eigen::Dynamic, block> weighted(padded_modes(), int{block});
+    std::array<int, block> nodes;
     int count = 0;
     for (int n = 0; n < over.size(); ++n) {
       if (over[n] > 0) {
-        pushed.col(count) = spring * nodes_->rows.col(n);
+        weighted.col(count) = spring * nodes_->rows.col(n);
         force -= spring * over[n] * nodes_->rows.col(n).head(modes());
         scale += spring * over[n] * nodes_->sizes[n];
         nodes[count++] = n;
       }
-      if (count < together && n + 1 < over.size()) continue;
+      if (count < block && n + 1 < over.size()) continue;
       for (int k = 0; k < modes(); ++k)
         for (int i = k / pack * pack; i < padded_modes(); i += pack) {
           Eigen::Matrix<double, pack, 1> part = sum.col(k).segment<pack>(i);
           for (int e = 0; e < count; ++e)
-            part += nodes_->rows(k, nodes[e]) * pushed.col(e).segment<pack>(i);
+            part += nodes_->rows(k, nodes[e]) * weighted.col(e).segment<pack>(i);
           sum.col(k).segment<pack>(i) = part;
         }
       count = 0;
@@ -210,8 +202,8 @@ class Potential {
     hessian = sum.topRows(modes());
   }
 
-  /// The length along `step` at which the potential is least, from the sign of its slope: that,
-  /// unlike its value, is known to the last digits. The slope never falls, since the potential is
+  /// The length along `step` at which the potential is least, from the sign of its slope: the
+  /// slope, unlike the value, is exact to the last digits. It never falls, since the potential is
   /// convex. `over` are the overlaps at u.
   double best_length(const Eigen::VectorXd& u, const Eigen::VectorXd& over,
                      const Eigen::VectorXd& step, double spring) const {
@@ -259,8 +251,8 @@ class Potential {
         best_u = u;
       }
       if (best <= 1e-16) break;
-      // the shift keeps directions finite that nothing holds: a slider on one asperity may still
-      // tilt; of a mode that nothing holds at all yet, it is that of all nodes together
+      // The shift keeps directions finite that nothing holds: a slider on one asperity may tilt. A
+      // mode that nothing holds yet takes a share of the springs of all nodes.
       const double most = hessian.diagonal().maxCoeff();
       for (int k = 0; k < modes(); ++k) {
         const double own =
@@ -275,10 +267,10 @@ class Potential {
   }
 
  private:
-  static constexpr int together = 8;  // nodes that are summed up at a time
-  static KnownShapes& known_shapes() {
-    static KnownShapes known;
-    return known;
+  static constexpr int block = 8;  // nodes summed at a time
+  static ShapeCache& shape_cache() {
+    static ShapeCache cache;
+    return cache;
   }
   int padded_modes() const { return static_cast<int>(nodes_->rows.rows()); }
 
@@ -296,68 +288,81 @@ std::optional<Eigen::VectorXd> settle(const Potential& potential, double spring,
   return u;
 }
 
+/// Displacements at rest, and what the contact has there: overlaps under penalty, forces where the
+/// quadratic programme was solved.
+struct Rest {
+  Eigen::VectorXd u, overlap, forces;
+};
+
+Rest find_equilibrium(const Model& model) {
+  const bool multipliers = model.scene.contact.law == ContactLaw::multiplier;
+  const Potential potential(model);
+  std::optional<Eigen::VectorXd> settled;
+  if (!multipliers)
+    for (const Shift shift : {Shift::common, Shift::own})
+      if (!settled) settled = settle(potential, model.node_stiffness, shift);
+  Rest rest;
+  if (settled) {
+    rest.u = *settled;
+  } else {
+    const auto solved = solve(potential.program(multipliers ? 0.0 : 1 / model.node_stiffness));
+    if (!solved || !solved->feasible)
+      throw refusal(
+          model.scene, "scene.initial",
+          fmt::format("\"static\", and {} under this load and contact. {}",
+                      solved
+                          ? "no displacement of the kept modes keeps the faces apart: there is no "
+                            "static equilibrium"
+                          : "no static equilibrium was found",
+                      multipliers ? "Widen scene.gap, or keep more modes (max_frequency)"
+                                  : "Start from \"rest\", or lower contact.stiffness"));
+    rest.u = solved->u;
+    rest.forces = solved->forces;
+  }
+  if (!multipliers) rest.overlap = potential.overlap_by_modes(rest.u);
+  return rest;
+}
+
+double elastic_energy(const Body& body, const std::vector<double>& amplitude) {
+  double sum = 0;
+  for (std::size_t k = 0; k < amplitude.size(); ++k) {
+    const double stretch = body.modes[k].omega * amplitude[k];
+    sum += 0.5 * body.modes[k].mass * stretch * stretch;
+  }
+  return sum;
+}
+
 }  // namespace
 
 ModalStart make_start(const Model& model) {
-  const int modes2 = static_cast<int>(model.resonator.modes.size());
-  const int modes1 = static_cast<int>(model.slider.modes.size());
+  const auto modes2 = static_cast<Eigen::Index>(model.resonator.modes.size());
+  const auto modes1 = static_cast<Eigen::Index>(model.slider.modes.size());
   const bool multipliers = model.scene.contact.law == ContactLaw::multiplier;
-  Eigen::VectorXd u = Eigen::VectorXd::Zero(modes2 + modes1), forces;
-  Eigen::VectorXd overlap;  // without multipliers
-  if (model.scene.initial == Initial::statics && u.size() > 0) {
-    const Potential potential(model);
-    std::optional<Eigen::VectorXd> settled;
-    if (!multipliers)
-      for (const Shift shift : {Shift::common, Shift::own})
-        if (!settled) settled = settle(potential, model.node_stiffness, shift);
-    if (settled) {
-      u = *settled;
-    } else {
-      const auto rest = solve(potential.program(multipliers ? 0.0 : 1 / model.node_stiffness));
-      if (!rest || !rest->feasible)
-        throw refusal(
-            model.scene, "scene.initial",
-            fmt::format(
-                "\"static\", and {} under this load and contact. {}",
-                rest ? "no displacement of the kept modes keeps the faces apart: there is no "
-                       "static equilibrium"
-                     : "no static equilibrium was found",
-                multipliers ? "Widen scene.gap, or keep more modes (max_frequency)"
-                            : "Start from \"rest\", or lower contact.stiffness"));
-      u = rest->u;
-      forces = rest->forces;
-    }
-    if (!multipliers) overlap = potential.overlap_by_modes(u);
+  Rest rest{Eigen::VectorXd::Zero(modes2 + modes1), {}, {}};
+  if (model.scene.initial == Initial::statics && rest.u.size() > 0) {
+    rest = find_equilibrium(model);
   } else if (!multipliers) {
     const std::vector<double> faces = overlaps(model, {}, {});
-    overlap = Eigen::Map<const Eigen::VectorXd>(faces.data(), model.nodes());
+    rest.overlap = Eigen::Map<const Eigen::VectorXd>(faces.data(), model.nodes());
   }
   ModalStart start;
-  start.resonator_u.assign(u.data(), u.data() + modes2);
-  start.slider_u.assign(u.data() + modes2, u.data() + modes2 + modes1);
+  start.resonator_u.assign(rest.u.data(), rest.u.data() + modes2);
+  start.slider_u.assign(rest.u.data() + modes2, rest.u.data() + modes2 + modes1);
   start.resonator_v.assign(modes2, 0.0);
   start.slider_v.assign(modes1, 0.0);
-  const auto elastic = [](const Beam& beam, const std::vector<double>& amplitude) {
-    double sum = 0;
-    for (std::size_t k = 0; k < amplitude.size(); ++k) {
-      const double stretch = beam.modes[k].omega * amplitude[k];
-      sum += 0.5 * beam.mass_per_length * stretch * stretch;
-    }
-    return sum;
-  };
-  start.energy =
-      elastic(model.resonator, start.resonator_u) + elastic(model.slider, start.slider_u);
+  start.energy = elastic_energy(model.resonator, start.resonator_u) +
+                 elastic_energy(model.slider, start.slider_u);
   if (multipliers) {
-    for (int n = 0; n < forces.size(); ++n)
-      if (forces[n] > 0) start.loaded_nodes.push_back(n);
-    start.contact_force = forces.sum();
+    for (int n = 0; n < rest.forces.size(); ++n)
+      if (rest.forces[n] > 0) start.loaded_nodes.push_back(n);
+    start.contact_force = rest.forces.sum();
     return start;
   }
   for (int n = 0; n < model.nodes(); ++n) {
-    if (overlap[n] < 0) continue;
+    if (rest.overlap[n] < 0) continue;
     start.loaded_nodes.push_back(n);
-    start.contact_force += model.node_stiffness * overlap[n];
-    start.contact_energy += 0.5 * model.node_stiffness * overlap[n] * overlap[n];
+    start.contact_force += model.node_stiffness * rest.overlap[n];
+    start.contact_energy += 0.5 * model.node_stiffness * rest.overlap[n] * rest.overlap[n];
   }
   start.energy += start.contact_energy;
   return start;

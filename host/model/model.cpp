@@ -99,8 +99,8 @@ void check_roundings(const Model& m) {
 Model make_model(const Scene& scene) {
   Model m;
   m.scene = scene;
-  m.resonator = make_beam(scene.resonator);
-  m.slider = make_beam(scene.slider);
+  m.resonator = make_body(scene.resonator);
+  m.slider = make_body(scene.slider);
   m.doubts = scene_doubts(scene);
   m.resonator_height = surface_of("resonator", scene.resonator, scene, m.doubts);
   m.slider_height = surface_of("slider", scene.slider, scene, m.doubts);
@@ -159,16 +159,13 @@ std::vector<double> overlaps(const Model& m, const std::vector<double>& resonato
     const FaceBetweenNodes<double> h2{m.resonator_height[left], m.resonator_height[right], theta};
     // of the faces; then the modes' displacements, one by one
     double sum = -gap(m.delta, m.slider_height[n], 0.0, h2, 0.0);
-    double psi = 0;
     for (std::size_t k = 0; k < resonator_u.size(); ++k) {
       if (resonator_u[k] == 0.0) continue;
-      evaluate(m.resonator.modes[k], m.resonator.length, (m.position + n) * chi, 1, &psi);
-      sum += resonator_u[k] * psi;
+      sum += resonator_u[k] * shape_at(m.resonator.modes[k], (m.position + n) * chi);
     }
     for (std::size_t k = 0; k < slider_u.size(); ++k) {
       if (slider_u[k] == 0.0) continue;
-      evaluate(m.slider.modes[k], m.slider.length, n * chi, 1, &psi);
-      sum += slider_u[k] * psi;
+      sum += slider_u[k] * shape_at(m.slider.modes[k], n * chi);
     }
     overlap[n] = sum;
   }

@@ -4,40 +4,39 @@
 #include <string>
 #include <vector>
 
-#include "host/beam/beam.hpp"
+#include "host/body/body.hpp"
 #include "host/scene/scene.hpp"
 
-/// A scene made ready to march: beams, faces, and where everything starts. Host data, for any
+/// A scene made ready to march: bodies, faces, and where everything starts. Host data, for any
 /// number of lanes.
 namespace ra2d {
 
-/// Steps are numbered by ticks: of a scheme of fixed steps its step; of the adaptive one those of a
-/// clock, on which every sample falls and which is so fine that rounding to it changes nothing.
+/// Time is counted in ticks. With fixed steps a tick is a step. The adaptive scheme counts on a
+/// clock so fine that rounding to it changes nothing; every sample falls on one of its ticks.
 struct Model {
   Scene scene;
-  Beam resonator, slider;
+  Body resonator, slider;
   std::vector<double> resonator_height, slider_height;  // m, at the nodes
   double delta = 0;                                     // m, imposed distance of the mean lines
   double node_stiffness = 0;                            // N/m, kappa chi w
   double position = 0;                                  // of slider node 0 at t = 0, in chi
-  double tick = 0;                                      // s, what steps are counted in
+  double tick = 0;                                      // s
   double advance = 0;                                   // per tick, in chi
   std::int64_t steps = 0;                               // ticks of the whole run
   double steps_per_sample = 0;                          // ticks; a power of two when adaptive
   std::int64_t samples = 0;
-  std::vector<std::string> doubts;  // what looks odd, but may be meant
+  std::vector<std::string> doubts;  // values that look wrong but may be intended
 
   int nodes() const { return static_cast<int>(slider_height.size()); }
 };
 
-/// Builds beams and surfaces and places the slider. Throws RequestError where they do not fit
-/// together.
+/// Builds bodies and surfaces and places the slider. Throws RequestError where they do not fit.
 Model make_model(const Scene& scene);
 
-/// The step at which level and shock statistics begin: the first at or after `output.from`.
+/// Tick at which level and shock statistics begin: the first at or after `output.from`.
 std::int64_t first_counted(const Model& model);
 
-/// How far the undeformed faces overlap at t = 0 [m]; 0 where it is no more than roundings.
+/// Overlap of the undeformed faces at t = 0 [m]; 0 where it is no more than roundings.
 double rest_overlap(const Model& model);
 
 /// Order of the power series of an adaptive step to a relative error of `tolerance`. Measured on
@@ -54,8 +53,8 @@ struct ModalStart {
   double contact_energy = 0;      // J, of the contact springs, part of `energy`
 };
 
-/// Where the scene starts: at rest, or in static equilibrium under load and contact
-/// (scene.initial). Throws RequestError when no equilibrium can be found.
+/// State at t = 0: at rest, or in static equilibrium under load and contact (scene.initial). Throws
+/// RequestError when no equilibrium can be found.
 ModalStart make_start(const Model& model);
 
 /// Overlap -g_n [m] of every slider node at t = 0 for given modal displacements, by direct

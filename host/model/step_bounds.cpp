@@ -7,7 +7,7 @@
 namespace ra2d {
 namespace {
 
-constexpr double most_growth = 1e100;  // whose products are still numbers
+constexpr double most_growth = 1e100;  // products of such numbers are finite
 
 struct Matrix {
   double a, b, c, d;
@@ -28,7 +28,7 @@ double growth_of(Matrix m, int steps) {
     bound *= std::max(1.0, norm(m));
     m = square(m);
   }
-  // of the roundings in a product of matrices there are a few dozen
+  // a product of matrices has a few dozen roundings
   return bound < most_growth ? bound * (1.0 + 1e-14) : most_growth;
 }
 
@@ -37,18 +37,19 @@ double growth_of(Matrix m, int steps) {
 StepBounds bound_step(const Mode& mode, const ModeStep& step, const double* place, double tau,
                       int steps) {
   const double omega = mode.omega;
-  // a functional of (omega U, V); of a mode without stiffness, U does not act on anything
+  // norm of a functional of (omega U, V); U of a mode without stiffness acts on nothing
   const auto size = [&](double of_u, double of_v) {
     return std::hypot(omega > 0 ? of_u / omega : 0.0, of_v);
   };
   StepBounds b;
   if (omega > 0)
     b.growth = growth_of({1.0 + step.u_u, omega * step.u_v, step.v_u / omega, step.v_v}, steps);
-  double pull =
+  double acceleration =
       std::max(size(step.v_u, step.v_v - 1.0) / tau, size(step.u_u, step.u_v - tau) / (tau * tau));
   for (int i = 1; i < step.stages; ++i)
-    pull = std::max(pull, size(step.stage_u[i], step.stage_v[i] - place[i] * tau) / (tau * tau));
-  b.pull = b.growth * pull;
+    acceleration = std::max(acceleration,
+                            size(step.stage_u[i], step.stage_v[i] - place[i] * tau) / (tau * tau));
+  b.acceleration_per_energy_norm = b.growth * acceleration;
 
   double v = 0, u = 0, energy = 0;
   for (int j = 0; j < step.stages; ++j) {
@@ -62,7 +63,7 @@ StepBounds bound_step(const Mode& mode, const ModeStep& step, const double* plac
     for (int j = 0; j < i; ++j) stage += std::abs(step.stage_f[i][j]);
     force = std::max(force, stage / (tau * tau));
   }
-  b.force = b.growth * force;
+  b.acceleration_per_force = b.growth * force;
   return b;
 }
 

@@ -112,9 +112,8 @@ int contacts_of(const ModalStart& start) {
 /// 1/M of both bodies: each mode moves by psi^2/m, and psi^2 has the mean 1/L.
 double mean_mobility(const Model& m) {
   double sum = 0;
-  for (const Beam* beam : {&m.resonator, &m.slider})
-    if (!beam->modes.empty())
-      sum += static_cast<double>(beam->modes.size()) / (beam->mass_per_length * beam->length);
+  for (const Body* body : {&m.resonator, &m.slider})
+    sum += static_cast<double>(body->modes.size()) / body->mass;
   return sum;
 }
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/beam/beam.hpp"
+#include "host/body/body.hpp"
 #include "host/model/model.hpp"
 #include "host/scene/schemes.hpp"
 

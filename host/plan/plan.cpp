@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "host/base/format.hpp"
+#include "host/model/bounds.hpp"
 #include "host/scene/names.hpp"
 #include "host/scene/schemes.hpp"
 
@@ -43,20 +44,20 @@ int modes_of(const Model& model) {
 /// The times above are of 21 modes; fewer are hardly quicker, more take longer in proportion.
 double width_of(const Model& model) { return std::max(1.0, modes_of(model) / 24.0); }
 
-BodyPlan plan_body(const Beam& beam, const BodySpec& spec, int nodes, const Scene& scene) {
+BodyPlan plan_body(const Body& body, const BodySpec& spec, int nodes, const Scene& scene) {
   BodyPlan plan;
   plan.nodes = nodes;
-  double beta = 0;
-  for (const ModeShape& mode : beam.modes) {
+  double zeta = 0;  // of the highest mode
+  for (const BodyMode& mode : body.modes) {
     (mode.omega > 0 ? plan.elastic_modes : plan.rigid_modes)++;
-    plan.highest = std::max(plan.highest, mode.omega / (2 * M_PI));
-    beta = std::max(beta, mode.beta);
+    const double frequency = mode.omega / (2 * M_PI);
+    if (frequency > plan.highest) plan.highest = frequency, zeta = mode.zeta;
   }
+  const double beta = highest_wave_number(body);
   plan.next = spec.support == Support::rigid ? 0.0 : elastic_frequency(spec, plan.elastic_modes);
   plan.wavelength_nodes = beta > 0 ? 2 * M_PI / beta / scene.spacing : 0.0;
   if (plan.highest > 0 && !is_adaptive(scene))
-    plan.error =
-        step_error(scene.time.scheme, beam.zeta, 2 * M_PI * plan.highest * scene.time.step);
+    plan.error = step_error(scene.time.scheme, zeta, 2 * M_PI * plan.highest * scene.time.step);
   return plan;
 }
 
@@ -142,11 +143,9 @@ void plan_strides(const Model& model, double omega_c, Plan& plan) {
   const double tolerance = scene.time.tolerance.value_or(usual_tolerance);
   const int n = series_order(tolerance);
   const double theta = std::exp((std::lgamma(n - 1.0) + std::log(tolerance)) / (n - 2));
-  const auto turn = [](double highest, double zeta) {
-    return 2 * M_PI * highest * (zeta + std::hypot(1.0, zeta));
-  };
-  const double fastest = std::max(turn(plan.resonator.highest, model.resonator.zeta),
-                                  turn(plan.slider.highest, model.slider.zeta));
+  double fastest = 0;
+  for (const Body* body : {&model.resonator, &model.slider})
+    for (const BodyMode& mode : body->modes) fastest = std::max(fastest, fastest_rate(mode));
   const double crossings = scene.speed / scene.spacing;  // a second
   // a look takes overlaps and their rates, at the end of a step and often at its beginning
   const double look_ns = scene.time.nodes == Nodes::all ? 4 * node_ns * model.nodes() : 0.0;
@@ -258,11 +257,11 @@ std::string ringing_text(const Model& model) {
   const Scene& scene = model.scene;
   double slowest = std::numeric_limits<double>::infinity(), frequency = 0;  // 1/s, Hz
   const char* whose = "";
-  for (const auto& [name, beam] :
+  for (const auto& [name, body] :
        {std::pair{"resonator", &model.resonator}, std::pair{"slider", &model.slider}})
-    for (const ModeShape& mode : beam->modes)
-      if (mode.omega > 0 && beam->zeta * mode.omega < slowest) {
-        slowest = beam->zeta * mode.omega;
+    for (const BodyMode& mode : body->modes)
+      if (mode.omega > 0 && mode.zeta * mode.omega < slowest) {
+        slowest = mode.zeta * mode.omega;
         frequency = mode.omega / (2 * M_PI);
         whose = name;
       }

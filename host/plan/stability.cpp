@@ -187,23 +187,17 @@ double held_force_limit(const JoinedModes& joined, double stiffness) {
   return low;
 }
 
-Mode mode_of(const Beam& beam, const ModeShape& shape) {
-  return {.omega = shape.omega, .zeta = beam.zeta, .mass = beam.mass_per_length};
-}
-
 /// psi_k^2 of a body's modes at the place where their sum is largest.
-std::vector<double> largest_squares(const Beam& beam) {
-  std::vector<double> best(beam.modes.size(), 0.0), here(beam.modes.size());
+std::vector<double> largest_squares(const Body& body) {
+  std::vector<double> best(body.modes.size(), 0.0), here(body.modes.size());
   double most = -1;
-  const std::size_t places = 40 * beam.modes.size();  // tens to a wavelength, and both ends
+  const std::size_t places = 40 * body.modes.size();  // tens to a wavelength, and both ends
   for (std::size_t i = 0; i <= places; ++i) {
+    const double x = body.length * static_cast<double>(i) /
+                     static_cast<double>(std::max<std::size_t>(places, 1));
     double sum = 0;
-    for (std::size_t k = 0; k < beam.modes.size(); ++k) {
-      double psi = 0;
-      evaluate(beam.modes[k], beam.length,
-               beam.length * static_cast<double>(i) /
-                   static_cast<double>(std::max<std::size_t>(places, 1)),
-               1, &psi);
+    for (std::size_t k = 0; k < body.modes.size(); ++k) {
+      const double psi = shape_at(body.modes[k], x);
       here[k] = psi * psi;
       sum += here[k];
     }
@@ -334,10 +328,10 @@ JoinedModes most_yielding(const Model& model) {
   JoinedModes joined;
   Mode drifting{};
   double drifting_square = 0;
-  for (const Beam* beam : {&model.resonator, &model.slider}) {
-    const std::vector<double> squares = largest_squares(*beam);
+  for (const Body* body : {&model.resonator, &model.slider}) {
+    const std::vector<double> squares = largest_squares(*body);
     for (std::size_t k = 0; k < squares.size(); ++k) {
-      const Mode mode = mode_of(*beam, beam->modes[k]);
+      const Mode& mode = body->modes[k];
       if (mode.omega > 0) {
         joined.modes.push_back(mode);
         joined.square.push_back(squares[k]);
@@ -365,18 +359,18 @@ StepLimits step_limits(const Model& model, const TimeSettings& choice) {
 StepLimits step_limits(const Model& model, const TimeSettings& choice, const JoinedModes& place) {
   StepLimits limits;
   limits.modes = limits.contact_one = limits.contact_many = infinity;
-  for (const Beam* beam : {&model.resonator, &model.slider}) {
-    const double x = mode_limit(choice.scheme, beam->zeta);
-    double fastest = 0;
-    for (const ModeShape& mode : beam->modes) fastest = std::max(fastest, mode.omega);
-    if (fastest == 0 || std::isinf(x)) continue;
-    const double frequency = fastest / (2 * M_PI);
-    if (x / fastest < limits.modes ||
-        (x / fastest == limits.modes && frequency > limits.binding_frequency)) {
-      limits.modes = x / fastest;
-      limits.binding_frequency = frequency;
+  double zeta = -1, x = infinity;  // of the mode before: mostly they are all alike
+  for (const Body* body : {&model.resonator, &model.slider})
+    for (const Mode& mode : body->modes) {
+      if (mode.zeta != zeta) x = mode_limit(choice.scheme, zeta = mode.zeta);
+      if (mode.omega == 0 || std::isinf(x)) continue;
+      const double frequency = mode.omega / (2 * M_PI);
+      if (x / mode.omega < limits.modes ||
+          (x / mode.omega == limits.modes && frequency > limits.binding_frequency)) {
+        limits.modes = x / mode.omega;
+        limits.binding_frequency = frequency;
+      }
     }
-  }
   if (model.scene.contact.law == ContactLaw::penalty) {
     limits.contact_one = contact_limit(choice, place, model.node_stiffness);
     limits.contact_many = contact_limit(choice, place, limits.many * model.node_stiffness);
@@ -386,11 +380,11 @@ StepLimits step_limits(const Model& model, const TimeSettings& choice, const Joi
 
 double mode_growth(const Model& model, SchemeKind scheme, double tau) {
   double most = -infinity;
-  for (const Beam* beam : {&model.resonator, &model.slider})
-    for (const ModeShape& mode : beam->modes)
+  for (const Body* body : {&model.resonator, &model.slider})
+    for (const Mode& mode : body->modes)
       if (mode.omega > 0)
         most =
-            std::max(most, log_radius(mode_increment(scheme, beam->zeta, mode.omega * tau)) / tau);
+            std::max(most, log_radius(mode_increment(scheme, mode.zeta, mode.omega * tau)) / tau);
   return most;
 }
 

@@ -16,22 +16,18 @@ namespace ra2d {
 namespace {
 
 /// The shapes at evenly spaced nodes, at most 1001 of them.
-ModesHeader make_modes(const Beam& beam, std::size_t nodes, double spacing) {
+ModesHeader make_modes(const Body& body, std::size_t nodes, double spacing) {
   constexpr std::size_t most_places = 1001;
   const std::size_t stride =
       std::max<std::size_t>(1, (nodes + most_places - 3) / (most_places - 1));
   ModesHeader header;
   for (std::size_t n = 0; n < nodes; n += stride)
     header.position.push_back(static_cast<double>(n) * spacing);
-  for (const ModeShape& mode : beam.modes) {
+  for (const BodyMode& mode : body.modes) {
     header.frequency.push_back(mode.omega / (2 * M_PI));
-    for (const double x : header.position) {
-      double psi = 0;
-      evaluate(mode, beam.length, x, 1, &psi);
-      header.shape.push_back(psi);
-    }
+    for (const double x : header.position) header.shape.push_back(shape_at(mode, x));
   }
-  header.mean_square = mean_squares(beam, static_cast<int>(nodes), spacing);
+  header.mean_square = mean_squares(body, static_cast<int>(nodes), spacing);
   return header;
 }
 

@@ -31,7 +31,7 @@ RunWatch::RunWatch(const Model& model, Sink* next)
       parts_{first_sample(model), samples_of(model), rate_of(model), model.resonator.modes.size()},
       tone_{std::abs(model.scene.speed) / model.scene.spacing, first_sample(model),
             samples_of(model), rate_of(model), model.resonator.modes.size()} {
-  for (const ModeShape& mode : model.resonator.modes)
+  for (const BodyMode& mode : model.resonator.modes)
     frequencies_.push_back(mode.omega / (2 * std::numbers::pi));
 }
 

@@ -9,18 +9,19 @@ namespace ra2d {
 namespace {
 
 /// Kinetic and elastic energy of one body's modes [J].
-void add_energy(const Beam& beam, const double* u, const double* v, double& kinetic,
+void add_energy(const Body& body, const double* u, const double* v, double& kinetic,
                 double& elastic) {
-  for (std::size_t k = 0; k < beam.modes.size(); ++k) {
-    const double stretch = beam.modes[k].omega * u[k];
-    kinetic += 0.5 * beam.mass_per_length * v[k] * v[k];
-    elastic += 0.5 * beam.mass_per_length * stretch * stretch;
+  for (std::size_t k = 0; k < body.modes.size(); ++k) {
+    const Mode& mode = body.modes[k];
+    const double stretch = mode.omega * u[k];
+    kinetic += 0.5 * mode.mass * v[k] * v[k];
+    elastic += 0.5 * mode.mass * stretch * stretch;
   }
 }
 
-double load_work(const Beam& beam, const double* u, const std::vector<double>& start) {
+double load_work(const Body& body, const double* u, const std::vector<double>& start) {
   double work = 0;
-  for (std::size_t k = 0; k < beam.modes.size(); ++k) work += beam.load[k] * (u[k] - start[k]);
+  for (std::size_t k = 0; k < body.modes.size(); ++k) work += body.load[k] * (u[k] - start[k]);
   return work;
 }
 
@@ -54,13 +55,9 @@ void make_room(SampleBlock& block, const Model& model, std::size_t samples) {
 /// The displacement or velocity of a body at its probes, from its modes.
 class Probes {
  public:
-  Probes(const Beam& beam, const std::vector<double>& positions) : modes_{beam.modes.size()} {
+  Probes(const Body& body, const std::vector<double>& positions) : modes_{body.modes.size()} {
     for (const double x : positions)
-      for (const ModeShape& mode : beam.modes) {
-        double psi = 0;
-        evaluate(mode, beam.length, x, 1, &psi);
-        shapes_.push_back(psi);
-      }
+      for (const BodyMode& mode : body.modes) shapes_.push_back(shape_at(mode, x));
     count_ = positions.size();
   }
   /// Appends the sums over the modes, a probe each.

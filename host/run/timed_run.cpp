@@ -21,11 +21,11 @@ std::vector<double> last_row(const std::vector<double>& rows, std::size_t count)
 }
 
 /// Twice the energy per mass of a body's modes, weighted by the mass: sum m (V^2 + omega^2 U^2).
-double square_norm(const Beam& beam, const std::vector<double>& u, const std::vector<double>& v) {
+double square_norm(const Body& body, const std::vector<double>& u, const std::vector<double>& v) {
   double sum = 0;
   for (std::size_t k = 0; k < u.size(); ++k)
-    sum += v[k] * v[k] + std::pow(beam.modes[k].omega * u[k], 2);
-  return beam.mass_per_length * sum;
+    sum += body.modes[k].mass * (v[k] * v[k] + std::pow(body.modes[k].omega * u[k], 2));
+  return sum;
 }
 
 std::vector<double> minus(const std::vector<double>& a, const std::vector<double>& b) {

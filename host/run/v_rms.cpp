@@ -8,27 +8,20 @@
 namespace ra2d {
 namespace {
 
-std::vector<double> find_mean_squares(const Beam& beam, int nodes, double spacing) {
+std::vector<double> find_mean_squares(const Body& body, int nodes, double spacing) {
   std::vector<double> means;
-  for (const ModeShape& mode : beam.modes) {
-    double square = 0;
-    for (int n = 0; mode.omega > 0 && n < nodes; ++n) {
-      double psi = 0;
-      evaluate(mode, beam.length, n * spacing, 1, &psi);
-      square += psi * psi;
-    }
-    means.push_back(square / nodes);
-  }
+  for (const BodyMode& mode : body.modes)
+    means.push_back(mode.omega > 0 ? mode.shape->mean_square(nodes, spacing) : 0.0);
   return means;
 }
 
 }  // namespace
 
-MeanSquares mean_squares(const Beam& beam, int nodes, double spacing) {
+MeanSquares mean_squares(const Body& body, int nodes, double spacing) {
   constexpr double few =
       20'000;  // shapes at nodes: about the time that the start of a thread takes
-  const bool on_a_thread = static_cast<double>(beam.modes.size()) * nodes > few;
-  return {[=] { return find_mean_squares(beam, nodes, spacing); }, on_a_thread};
+  const bool on_a_thread = static_cast<double>(body.modes.size()) * nodes > few;
+  return {[=] { return find_mean_squares(body, nodes, spacing); }, on_a_thread};
 }
 
 std::vector<double> mean_squares(const Model& model) {

@@ -10,7 +10,7 @@
 namespace ra2d {
 
 /// Mean squares of a body's modes, found on a thread of their own where that is worth one.
-MeanSquares mean_squares(const Beam& beam, int nodes, double spacing);
+MeanSquares mean_squares(const Body& body, int nodes, double spacing);
 /// Mean squares of the resonator's modes, found at once.
 std::vector<double> mean_squares(const Model& model);
 

@@ -15,9 +15,9 @@
 namespace ra2d {
 namespace {
 
-int elastic_modes(const Beam& beam) {
-  return static_cast<int>(std::count_if(beam.modes.begin(), beam.modes.end(),
-                                        [](const ModeShape& m) { return m.omega > 0; }));
+int elastic_modes(const Body& body) {
+  return static_cast<int>(std::count_if(body.modes.begin(), body.modes.end(),
+                                        [](const Mode& mode) { return mode.omega > 0; }));
 }
 
 std::string modes_text(const BodySpec& body, int modes) {

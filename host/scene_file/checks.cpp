@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "host/base/text.hpp"
-#include "host/beam/beam.hpp"
+#include "host/body/body.hpp"
 #include "host/scene/names.hpp"
 #include "host/scene/schemes.hpp"
 #include "host/surface/measure.hpp"

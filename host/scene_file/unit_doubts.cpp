@@ -8,7 +8,7 @@
 #include <limits>
 #include <utility>
 
-#include "host/beam/beam.hpp"
+#include "host/body/body.hpp"
 
 // The bounds are those of what is built and rubbed, from micromachines to bridges and from rubber
 // to diamond, with room to spare. What is off by a factor of a thousand lies beyond one of them in

@@ -6,7 +6,7 @@
 
 #include "host/surface/profile.hpp"
 
-/// What the readers of SDF and of X3P share: grids of heights, of which a profile is a line.
+/// Grids of heights, of which a profile is one line: common to the readers of SDF and of X3P.
 namespace ra2d {
 
 constexpr std::uint64_t most_grid_points = 50'000'000;
@@ -24,8 +24,8 @@ struct GridLine {
   bool along_y;    // a column
 };
 
-/// The line that is asked for, or the only one. Throws RequestError where that is none, and for
-/// what such a file does not leave open: units, spacing, decimal marks.
+/// The line that the query names, or the only one. Throws RequestError where there is no such line,
+/// and for options that such a file has no use for: units, spacing, decimal marks.
 GridLine choose_line(const std::filesystem::path& file, const char* format, const Grid& grid,
                      const ProfileQuery& query);
 

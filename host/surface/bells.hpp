@@ -18,16 +18,16 @@ class Bells {
   /// `coefficients` are those of the places -reach, 1 - reach, ...
   explicit Bells(std::vector<double> coefficients);
 
-  /// At every x of `x`, which are replaced: from 0 to the number of coefficients - 2 reach - 1. The
-  /// same bits on every platform and compiler, and whatever stands beside an x.
+  /// Replaces every x by the function there; x from 0 to the number of coefficients - 2 reach - 1.
+  /// The bits are the same on every platform and compiler, and do not depend on the other places.
   void evaluate(std::vector<double>& x) const;
 
-  /// What a coefficient of 1 at every place, turned by `turn` [rad] from one to the next, makes of
-  /// a wave: its amplitude, for |turn| <= pi/2.
+  /// Amplitude of the wave that coefficients exp(i n turn) give, turn [rad] from one place to the
+  /// next, |turn| <= pi/2.
   static double gain(double turn);
 
  private:
-  /// Places computed side by side: the operations of one exp wait for each other, those of several
+  /// Places computed side by side: the operations of one exp wait for each other, those of sixteen
   /// do not. Each place goes through the same operations in the same order as it would alone, so
   /// its bits do not depend on its neighbours.
   static constexpr std::size_t side_by_side = 16;

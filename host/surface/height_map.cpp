@@ -66,7 +66,7 @@ double bisect(double low, double high, bool grows, double value, const Function&
   return 0.5 * (low + high);
 }
 
-// What is asked for: sharper than these, heights are hardly a surface's.
+// Limits of skewness and kurtosis: sharper heights are hardly a surface's.
 constexpr double most_kurtosis = 30, least_beyond = 1.4;  // kurtosis - skewness^2; 1: two heights
 
 }  // namespace
@@ -112,17 +112,17 @@ void HeightMap::standardise() {
 
 /// Of a lognormal height: w = exp(1/delta^2), skewness^2 = (w - 1)(w + 2)^2.
 HeightMap::HeightMap(double skewness, double kurtosis) {
-  const double asked = std::abs(skewness);
-  if (!(kurtosis - asked * asked >= least_beyond) || !(kurtosis <= most_kurtosis))
+  const double skew = std::abs(skewness);
+  if (!(kurtosis - skew * skew >= least_beyond) || !(kurtosis <= most_kurtosis))
     throw RequestError(
         fmt::format("no heights are made with a skewness of {:.10g} and a kurtosis of {:.10g}: "
                     "expected a kurtosis "
                     "from skewness^2 + {} to {} (normal heights: 0 and 3)",
                     skewness, kurtosis, least_beyond, most_kurtosis));
-  if (asked < 1e-6 && std::abs(kurtosis - 3) < 1e-5) return;
+  if (skew < 1e-6 && std::abs(kurtosis - 3) < 1e-5) return;
   sign_ = skewness < 0 ? -1 : 1;
   const double w =
-      bisect(1, 3, true, asked * asked, [](double v) { return (v - 1) * (v + 2) * (v + 2); });
+      bisect(1, 3, true, skew * skew, [](double v) { return (v - 1) * (v + 2) * (v + 2); });
   const double lognormal = ((w + 2) * w + 3) * w * w - 3;  // kurtosis
   if (std::abs(kurtosis - lognormal) < 1e-6) {
     family_ = Family::lognormal;
@@ -134,18 +134,17 @@ HeightMap::HeightMap(double skewness, double kurtosis) {
     const auto settle = [&](double delta) {
       delta_ = delta;
       gamma_ = 0;
-      if (asked > 0) {
+      if (skew > 0) {
         const double far = 14 * delta;
         const bool unbounded = family_ == Family::unbounded;
-        gamma_ =
-            bisect(unbounded ? 0 : -far, unbounded ? far : 0, unbounded, asked, [&](double at) {
-              gamma_ = at;
-              return shape_of([&](double g) { return raw(g); }).skewness;
-            });
+        gamma_ = bisect(unbounded ? 0 : -far, unbounded ? far : 0, unbounded, skew, [&](double at) {
+          gamma_ = at;
+          return shape_of([&](double g) { return raw(g); }).skewness;
+        });
       }
       return shape_of([&](double g) { return raw(g); }).kurtosis;
     };
-    const double most = asked > 1e-9 ? 1 / std::sqrt(std::log(w)) : 1000.0;
+    const double most = skew > 1e-9 ? 1 / std::sqrt(std::log(w)) : 1000.0;
     const double least = family_ == Family::unbounded ? 0.6 : 0.2;
     settle(bisect(least, most, family_ == Family::bounded, kurtosis, settle));
   }
@@ -192,13 +191,13 @@ double HeightMap::correlation(double normal) const {
   return sum / all;  // of equal heights: 1
 }
 
-double HeightMap::normal_correlation(double asked) const {
-  if (is_identity()) return asked;
-  if (asked >= 1) return 1;
-  if (asked <= correlation(-1)) return -1;
-  double low = -1, high = 1, at = asked;
+double HeightMap::normal_correlation(double of_heights) const {
+  if (is_identity()) return of_heights;
+  if (of_heights >= 1) return 1;
+  if (of_heights <= correlation(-1)) return -1;
+  double low = -1, high = 1, at = of_heights;
   for (int round = 0; round < 60; ++round) {  // Newton's steps, halved where they leave the bracket
-    const double miss = correlation(at) - asked;
+    const double miss = correlation(at) - of_heights;
     if (std::abs(miss) < 1e-15) break;
     (miss < 0 ? low : high) = at;
     double slope = 0;

@@ -4,13 +4,13 @@
 
 namespace ra2d {
 
-/// Makes heights of an asked skewness and kurtosis from standard normal ones: a function that grows
-/// with its argument, from the system of N. L. Johnson (Biometrika 36, 1949), as Hu and Tonder used
-/// it for rough surfaces (Int. J. Mach. Tools Manufact. 32, 1992). Its values have mean 0 and
-/// variance 1.
+/// Turns standard normal heights into heights of a given skewness and kurtosis: a function that
+/// grows with its argument, from the system of N. L. Johnson (Biometrika 36, 1949), as Hu and
+/// Tonder used it for rough surfaces (Int. J. Mach. Tools Manufact. 32, 1992). Its values have mean
+/// 0 and variance 1.
 class HeightMap {
  public:
-  /// Normal heights left as they are.
+  /// Leaves normal heights as they are.
   HeightMap() = default;
   /// Throws RequestError for moments that no such heights have, or only ones of nearly two values.
   HeightMap(double skewness, double kurtosis);
@@ -21,8 +21,8 @@ class HeightMap {
   double at_mean_line() const;
   /// The correlation of two heights whose normal heights have the correlation `normal`.
   double correlation(double normal) const;
-  /// The other way round. What no normal heights could give is -1.
-  double normal_correlation(double asked) const;
+  /// Inverse of correlation(): that of the normal heights. -1 where no normal heights have it.
+  double normal_correlation(double of_heights) const;
 
  private:
   enum class Family { normal, unbounded, bounded, lognormal };

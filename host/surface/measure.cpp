@@ -4,21 +4,20 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <limits>
 #include <span>
 #include <utility>
 
 #include "host/base/errors.hpp"
+#include "host/base/quiet_nan.hpp"
 #include "host/surface/profile_filter.hpp"
 #include "host/surface/sum.hpp"
 
 namespace ra2d {
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double fewest_steps = 5;    // to a sampling length
-constexpr double short_share = 1e-3;  // that sampling lengths may be short of ...
-constexpr double largest_part = 0.5;  // ... and of thousands of them no whole one
+constexpr double short_share = 1e-3;  // that sampling lengths may be short of
+constexpr double largest_part = 0.5;  // of one sampling length, however many there are
 constexpr double much_tilt = 0.5;     // of the mean square height
 constexpr double much_offset = 0.1;   // of the root mean square height
 
@@ -49,7 +48,7 @@ bool is_tilted(const std::vector<double>& heights) {
   return mean_square(level) < (1 - much_tilt) * mean_square(flat);
 }
 
-/// What a filter that was here before would not have left.
+/// Doubt of a profile that is said to be filtered: of heights that no filter leaves.
 std::string doubt_of_filtered(const std::vector<double>& z) {
   if (is_tilted(z))
     return "most of the height is tilt, which no filter leaves: without --filter done it is "
@@ -69,7 +68,7 @@ void take_off(std::vector<double>& z, const std::vector<double>& line) {
   for (std::size_t i = 0; i < z.size(); ++i) z[i] -= line[i];
 }
 
-/// Drops what the filter does not see whole, or everything.
+/// Drops `half` points at each end, where the filter reaches beyond the profile; or everything.
 void drop_ends(std::vector<double>& z, double half) {
   if (2 * half >= static_cast<double>(z.size())) return z.clear();
   const auto dropped = static_cast<std::ptrdiff_t>(half);
@@ -78,6 +77,29 @@ void drop_ends(std::vector<double>& z, double half) {
 }
 
 double half_of(double cutoff, double spacing) { return std::round(0.5 * cutoff / spacing); }
+
+/// Sampling lengths: as many as fit, and as many as are evaluated.
+void choose_lengths(const MeasureOptions& options, const Profile& profile, double points,
+                    const std::string& name, Measurement& found) {
+  found.fitting = fitting_lengths(profile.heights.size(), points);
+  if (found.fitting == 0) {
+    const bool filters = options.filter == ProfileFilter::gaussian;
+    throw RequestError(fmt::format(
+        "{}: the profile is {:.6g} m long, and a cut-off of {:g} m needs {:g} m{}: give a smaller "
+        "--cutoff, or --filter none",
+        name, found.length, *options.cutoff, *options.cutoff * (filters ? 2 : 1),
+        filters ? ", half of it being dropped at each end" : ""));
+  }
+  found.sampling_lengths = std::min(found.fitting, usual_sampling_lengths);
+  if (options.sampling_lengths)
+    found.sampling_lengths =
+        *options.sampling_lengths > 0 ? *options.sampling_lengths : found.fitting;
+  if (found.sampling_lengths > found.fitting)
+    throw RequestError(fmt::format("{}: --sampling-lengths {}: {} of {:g} m fit", name,
+                                   found.sampling_lengths, found.fitting,
+                                   points * profile.spacing));
+  found.sampling_length = points * profile.spacing;
+}
 
 }  // namespace
 
@@ -104,8 +126,8 @@ void shape_profile(Profile& profile, ProfileForm form, std::optional<double> cut
   drop_ends(z, half);
 }
 
-Measurement measure_profile(Profile profile, const MeasureOptions& asked, const std::string& name) {
-  MeasureOptions options = asked;
+Measurement measure_profile(Profile profile, const MeasureOptions& given, const std::string& name) {
+  MeasureOptions options = given;
   const bool filters = options.filter == ProfileFilter::gaussian;
   if (options.filter != ProfileFilter::none && !options.cutoff) options.cutoff = usual_cutoff;
   check_lengths(options, profile, name);
@@ -135,22 +157,7 @@ Measurement measure_profile(Profile profile, const MeasureOptions& asked, const 
   found.dropped = (found.nodes - z.size()) / 2;
   const double points =  // of a sampling length
       options.cutoff ? *options.cutoff / profile.spacing : static_cast<double>(z.size());
-  found.fitting = fitting_lengths(z.size(), points);
-  if (found.fitting == 0)
-    throw RequestError(fmt::format(
-        "{}: the profile is {:.6g} m long, and a cut-off of {:g} m needs {:g} m{}: give a smaller "
-        "--cutoff, or --filter none",
-        name, found.length, *options.cutoff, *options.cutoff * (filters ? 2 : 1),
-        filters ? ", half of it being dropped at each end" : ""));
-  found.sampling_lengths = std::min(found.fitting, usual_sampling_lengths);
-  if (options.sampling_lengths)
-    found.sampling_lengths =
-        *options.sampling_lengths > 0 ? *options.sampling_lengths : found.fitting;
-  if (found.sampling_lengths > found.fitting)
-    throw RequestError(fmt::format("{}: --sampling-lengths {}: {} of {:g} m fit", name,
-                                   found.sampling_lengths, found.fitting,
-                                   points * profile.spacing));
-  found.sampling_length = points * profile.spacing;
+  choose_lengths(options, profile, points, name, found);
 
   const auto count = static_cast<std::size_t>(
       std::min(static_cast<double>(z.size()),
@@ -168,7 +175,7 @@ Measurement measure_profile(Profile profile, const MeasureOptions& asked, const 
     stratified.resize(count);
     set_core(found.parameters, core(stratified));
   }
-  found.material_ratio = options.level ? material_ratio(z, *options.level) : nan;
+  found.material_ratio = options.level ? material_ratio(z, *options.level) : quiet_nan;
   found.heights = std::move(z);
   return found;
 }

@@ -38,19 +38,20 @@ struct Measurement {
   std::size_t sampling_lengths, fitting;  // evaluated, and as many as would fit
   double sampling_length;                 // m
   Roughness parameters;
-  double material_ratio;            // at the level; NaN where none was asked for
+  double material_ratio;            // at the level; NaN where options.level is empty
   std::vector<double> heights;      // that were evaluated, from their mean line
   std::size_t dropped;              // points before them
-  std::vector<std::string> doubts;  // what looks odd but may be meant
+  std::vector<std::string> doubts;  // values that look wrong but may be intended
 };
 
-/// How many sampling lengths of `points` points (which need not be whole) fit into `left` of them.
+/// Number of sampling lengths of `points` points (which need not be whole) that fit into `left`
+/// points.
 /// They may be short of it by less than 0.1 %, and half a sampling length: an instrument that cuts
 /// its profile into whole points drops the rest of a point at each sampling length.
 std::size_t fitting_lengths(std::size_t left, double points);
 
-/// How many sampling lengths fit into a profile of `nodes` points once the filter has taken half a
-/// cutoff off each end.
+/// Number of sampling lengths that fit into a profile of `nodes` points once the filter has taken
+/// half a cutoff off each end.
 std::size_t fitting_filtered(std::size_t nodes, double spacing, double cutoff);
 
 /// Takes the form off, then what is shorter than `cutoff_s` and what is longer than `cutoff` [m];

@@ -24,13 +24,13 @@ namespace {
 constexpr double fewest_steps = 5;   // to a cut-off
 constexpr double seam_share = 0.1;   // of the profile
 constexpr double most_copies = 100;  // along a beam
-// What no face is, and what few are, as for profiles that are taken as they stand.
+// Beyond any face, and beyond most faces: as in profile_file.cpp.
 constexpr double largest_share = 0.5, large_share = 0.05;  // of the beam's thickness
 constexpr double steepest = 1, steep = 0.2;                // root mean square slope
 constexpr double coarse_nodes = 20;                        // to a step of the profile
 constexpr double much_change = 0.1;                        // of Rq, where a profile is repeated
 
-/// The readers speak of options of a command; in a scene they are keys.
+/// Renames options of a command, as the readers have them in their messages, to keys of a scene.
 std::string in_keys(std::string text) {
   constexpr std::pair<std::string_view, std::string_view> words[] = {
       {"--decimal point", "decimal = \"point\""},
@@ -65,7 +65,7 @@ ProfileQuery query_of(const FilePreparation& how) {
   throw RequestError(fmt::format("{}: {}", file.string(), why));
 }
 
-/// What the filter needs of the profile.
+/// Throws RequestError where the profile is too short or too coarse for the filter.
 void check_cutoff(const std::filesystem::path& file, const Profile& profile, double cutoff) {
   if (cutoff < fewest_steps * profile.spacing)
     refuse_face(file, fmt::format("cutoff = {:g}: at least {:g} steps of the profile are needed, "
@@ -182,7 +182,7 @@ std::vector<double> prepared_face(const SurfaceSpec& spec, const std::filesystem
   const std::size_t last = z.size() - 1;
   const auto count = static_cast<std::size_t>(nodes);
   const double needed = static_cast<double>(count - 1) * spacing, there = profile.length();
-  // The same spacing, as far as roundings tell: the nodes are the points.
+  // equal spacings, but for roundings: the nodes are the points
   const bool same =
       std::abs(profile.spacing - spacing) * static_cast<double>(last) <= evenness * spacing;
   const double stride = same ? 1 : spacing / profile.spacing;

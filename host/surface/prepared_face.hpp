@@ -16,7 +16,7 @@ bool needs_preparation(const SurfaceSpec& spec, const std::filesystem::path& fil
 /// Heights [m] at n spacing, n = 0 ... nodes - 1, mean zero over the nodes: gaps are filled, the
 /// form and then the waves that the filters take are taken off, and half a cut-off at each end. The
 /// first point that is left is at n = 0. `length` and `thickness` [m] are the beam's (0: not
-/// known); `doubts` takes a sentence for each thing that looks odd but may be meant. Throws
+/// known); `doubts` takes a sentence for each value that looks wrong but may be intended. Throws
 /// RequestError for what cannot be used, FileError where the file cannot be read.
 std::vector<double> prepared_face(const SurfaceSpec& spec, const std::filesystem::path& file,
                                   int nodes, double length, double spacing, double thickness,

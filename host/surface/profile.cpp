@@ -18,7 +18,7 @@ namespace {
 
 constexpr double whole = 1e-9;  // of a spacing: a width that is a whole number of them
 
-/// What the first bytes say that is in no format that is read; empty for others.
+/// Format of a file that cannot be read here, from its first bytes; empty for others.
 std::string_view other_format(std::string_view bytes) {
   if (bytes.starts_with("\xff\xfe") || bytes.starts_with("\xfe\xff"))
     return "text in UTF-16: save it as UTF-8";

@@ -10,11 +10,11 @@
 /// Measured profiles, whatever file they come from.
 namespace ra2d {
 
-/// What every reader of a format gives.
+/// A profile as every reader gives it.
 struct Profile {
   double spacing = 0;           // m
   std::vector<double> heights;  // m, NaN where a point is missing
-  std::string first_missing;    // where it is told: "file:line"
+  std::string first_missing;    // "file:line"
 
   double length() const { return static_cast<double>(heights.size() - 1) * spacing; }
   std::size_t missing() const;
@@ -30,7 +30,7 @@ std::optional<LengthUnit> to_unit(std::string_view word);
 
 enum class DecimalMark { of_the_file, point, comma };
 
-/// What the user says about a file.
+/// Options of the user about a file.
 struct ProfileQuery {
   std::optional<LengthUnit> x_unit, z_unit;
   std::optional<double> spacing;  // m, of a file that has no x
@@ -41,11 +41,11 @@ struct ProfileQuery {
 
 enum class ProfileFormat { text, sdf, x3p };
 
-/// What the content of a file says that it is; text for anything else.
+/// Format of a file by its content; text for anything else.
 ProfileFormat format_of(const std::filesystem::path& file);
 
-/// Reads a file in the format that its content tells. Throws RequestError, with file and line, for
-/// what cannot be understood or is not told; FileError where it cannot be read.
+/// Reads a file in the format that its content has. Throws RequestError, with file and line, for
+/// what cannot be understood and for units that are missing; FileError where it cannot be read.
 Profile read_measured_profile(const std::filesystem::path& file, const ProfileQuery& query);
 
 /// Share of a face's root mean square slope that straight lines between nodes may lose in silence.

@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "host/base/errors.hpp"
+#include "host/base/quiet_nan.hpp"
 #include "host/surface/profile.hpp"
 #include "host/surface/profile_lines.hpp"
 #include "host/surface/sum.hpp"
@@ -21,11 +22,11 @@
 namespace ra2d {
 namespace {
 
-// What no face is, whatever made or measured it:
+// Beyond any face:
 constexpr double longest_share = 900;  // a profile so many times as long as the beam
 constexpr double largest_share = 0.5;  // of the beam's thickness, from the lowest to the highest
 constexpr double steepest = 1;         // root mean square slope: 45 degrees
-// What few faces are:
+// Beyond most faces:
 constexpr double large_share = 0.05, steep = 0.2;
 constexpr double inches = 1 / 0.0254, like_inches = 0.05;
 // A number that is cut off inside its exponent is off by powers of ten. No last height of a face is
@@ -35,7 +36,7 @@ constexpr double usual_height = 2e-5;  // m, peak to valley of a ground face
 constexpr double coarse_nodes = 20;    // of the scene, to a step of the profile
 constexpr std::size_t few_points = 100;
 
-/// What is wrong with the words of a line, and its point.
+/// Fault of a line, empty where there is none, and its point.
 std::string understand(const std::vector<std::string_view>& words,
                        const std::vector<std::optional<double>>& values, ProfilePoint& point) {
   if (values.size() != 2)
@@ -51,7 +52,7 @@ std::string understand(const std::vector<std::string_view>& words,
   return {};
 }
 
-/// Reads line by line: beside the points no more than one line is held.
+/// Reads line by line: no more than the points and one line is held.
 ProfilePoints read_points(const std::filesystem::path& file) {
   ProfileLines lines(file);
   ProfilePoints profile;
@@ -76,7 +77,7 @@ ProfilePoints read_points(const std::filesystem::path& file) {
     if (std::exchange(first, false) && names) continue;
 
     profile.has_end = lines.has_end();
-    ProfilePoint point{std::numeric_limits<double>::quiet_NaN(), 0};
+    ProfilePoint point{quiet_nan, 0};
     std::string fault = understand(words, values, point);
     if (!std::isnan(point.x)) profile.digits.see(words[0]);
     profile.add(file, lines.number(), point);
@@ -92,7 +93,7 @@ struct Span {
   double low = infinity, high = -infinity;
 
   double size() const { return high - low; }
-  /// How far a height lies outside.
+  /// Distance of a height from the span.
   double away(double z) const { return std::max({low - z, z - high, 0.0}); }
 
  private:
@@ -116,7 +117,7 @@ struct Unit {
 constexpr Unit units[] = {{"mm", "1e-3", 1e-3}, {"um", "1e-6", 1e-6}, {"nm", "1e-9", 1e-9}};
 constexpr Unit mils{"mils", "2.54e-5", 2.54e-5};
 
-/// In which unit such heights would be those of a face.
+/// Unit in which such heights would be those of a face.
 const Unit& likely_unit(double height) {
   const auto off = [&](const Unit& unit) {
     return std::abs(std::log(height * unit.metres / usual_height));
@@ -170,8 +171,8 @@ Relief measure(const std::deque<ProfilePoint>& points, std::size_t used, double 
   return relief;
 }
 
-/// What is out of all proportion to the beam, with the line where it is seen; no text where nothing
-/// is.
+/// Fault of a profile that is out of all proportion to the beam, with its line; no text where there
+/// is none.
 LineFault find_disproportion(const ProfilePoints& profile, double length, const Relief& relief) {
   const auto& points = profile.points;
   const std::size_t last = points.size() - 1;
@@ -214,7 +215,7 @@ LineFault find_disproportion(const ProfilePoints& profile, double length, const 
                             relief.slope, cure)};
 }
 
-/// The same of what is rare, but may be meant.
+/// Doubt of a profile that is rare but may be intended; no text where there is none.
 LineFault find_oddity(const ProfilePoints& profile, double length, const Relief& relief) {
   const auto& points = profile.points;
   const double range = points.back().x - points.front().x;
@@ -279,7 +280,7 @@ std::vector<double> read_profile(const std::filesystem::path& file, int nodes, d
                     "which the face is straight: is x in metres?",
                     file.string(), step, step / spacing));
 
-  // The same spacing, as far as the digits tell: the nodes are the points.
+  // equal spacings, as far as the digits show: the nodes are the points
   const bool same = std::abs(step - spacing) * static_cast<double>(points.size() - 1) <=
                     evenness * spacing + std::min(printed, spacing / 4);
   const double stride = same ? 1 : spacing / step;

@@ -21,7 +21,7 @@ const double alpha = std::sqrt(std::numbers::ln2 / pi);
 constexpr double reach = 1.6;      // cutoffs: beyond, there is erfc(reach sqrt(pi)/alpha) = 1e-17
 constexpr double strides = 256;    // of a wide bell's cutoff
 constexpr double narrowest = 7.5;  // strides: 2^-7.5^2 is what a stride mistakes for something slow
-constexpr double least_weight = 1e-17;   // of a point, beside 1
+constexpr double least_weight = 1e-17;   // of a point, against 1
 constexpr std::size_t few_weights = 32;  // which are summed plainly
 
 /// The bell's weights by the distance in points, and its moments up to there.
@@ -101,7 +101,7 @@ void convolve(std::span<const std::complex<double>> lines, const Transformed& ot
   back.transform();
 }
 
-/// The same as convolutions with the weights and with the moments, block by block.
+/// Sums of any bell: convolutions with the weights and with the moments, block by block.
 Moments sum_by_fft(const std::vector<double>& heights, const Bell& bell) {
   const std::size_t half = bell.half(), count = heights.size();
   const std::size_t block = std::min(std::bit_ceil(8 * half), std::bit_ceil(count + 2 * half));
@@ -127,10 +127,9 @@ Moments sum_by_fft(const std::vector<double>& heights, const Bell& bell) {
   return moments;
 }
 
-/// The same for a wide bell, all lengths in points. A bell of `cutoff` is one of `narrow` folded
-/// with one of `wide`: the first is followed at every `stride`th point only, and what the second
-/// makes of it is so smooth that eight points give all between them. Off by less than 1e-14 of the
-/// heights.
+/// Sums of a wide bell, all lengths in points. A bell of `cutoff` is one of `narrow` convolved with
+/// one of `wide`. The first is computed at every `stride`th point only. Its convolution with the
+/// second is so smooth that eight points interpolate all between them, to 1e-14 of the heights.
 Moments sum_in_strides(const std::vector<double>& heights, double cutoff, double unit) {
   const auto stride =
       static_cast<std::size_t>(std::min(cutoff / strides, static_cast<double>(heights.size())));

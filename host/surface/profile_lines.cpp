@@ -158,7 +158,7 @@ void ProfilePoints::check_steps(const char* unit) {
   for (std::size_t i = 1; i < points.size() && found < most_faults; ++i) {
     const double length = points[i].x - points[i - 1].x;
     if (std::isnan(length)) continue;
-    // what an even spacing may do, whatever was printed, is asked first: the digits cost a power
+    // an even spacing passes without a look at the digits, which cost a power
     if (length > 0 && std::abs(length - usual.length) <= evenness * usual.length) continue;
     const Step step = step_to(i);
     // However coarse the print, a quarter of a step is no rounding.

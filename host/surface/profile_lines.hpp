@@ -10,14 +10,14 @@
 
 #include "host/system/input_file.hpp"
 
-/// What the readers of profiles in text share: lines of bounded length, numbers, points that know
+/// Common to the readers of profiles in text: lines of bounded length, numbers, points that know
 /// their lines, even steps.
 namespace ra2d {
 
 constexpr double evenness = 1e-6;  // of the spacing
 constexpr std::size_t most_faults = 10;
 
-/// What is wrong in a line.
+/// Fault of a line, for a message.
 struct LineFault {
   std::size_t line;
   std::string text;

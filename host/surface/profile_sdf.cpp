@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "host/base/errors.hpp"
+#include "host/base/quiet_nan.hpp"
 #include "host/surface/areal.hpp"
 #include "host/surface/numbers_in_bytes.hpp"
 #include "host/surface/profile_lines.hpp"
@@ -25,7 +26,6 @@ namespace {
 constexpr std::size_t header_bytes = 81, version_bytes = 8;
 constexpr std::size_t longest_word = 400, longest_line = 4096;
 constexpr std::size_t most_lines = 1000;  // of a header
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 /// The types of the norm, by their numbers. What is most negative marks a missing point; unsigned
 /// types have no mark.
@@ -41,8 +41,9 @@ double value_of(const char* bytes) {
 }
 template <class T>
 constexpr Type type_of() {
-  return {sizeof(T), &value_of<T>,
-          std::is_unsigned_v<T> ? nan : static_cast<double>(std::numeric_limits<T>::lowest())};
+  return {
+      sizeof(T), &value_of<T>,
+      std::is_unsigned_v<T> ? quiet_nan : static_cast<double>(std::numeric_limits<T>::lowest())};
 }
 constexpr std::array<Type, 8> types{
     type_of<std::uint8_t>(), type_of<std::uint16_t>(), type_of<std::uint32_t>(), type_of<float>(),
@@ -81,7 +82,7 @@ GridLine check(const std::filesystem::path& file, const Header& header, const Pr
 /// A height [m] of a stored number, NaN for the mark of a missing point.
 double height(const std::filesystem::path& file, const Header& header, double stored,
               std::uint64_t place) {
-  if (std::isnan(stored) || stored == header.type().missing) return nan;
+  if (std::isnan(stored) || stored == header.type().missing) return quiet_nan;
   const double z = stored * header.z_scale;
   if (!std::isfinite(z))
     refuse_sdf(file, fmt::format("point {}: a height that is not a finite number", place + 1));
@@ -227,7 +228,7 @@ void next_word(const std::filesystem::path& file, std::istream& stream, std::str
 
 double stored_number(const std::filesystem::path& file, const std::string& word,
                      std::uint64_t place) {
-  if (word == "BAD" || word == "Bad" || word == "bad") return nan;
+  if (word == "BAD" || word == "Bad" || word == "bad") return quiet_nan;
   const auto value = to_number(word);
   if (!value)
     refuse_sdf(file, fmt::format("point {}: {} is not a number", place + 1, ra2d::quoted(word)));

@@ -5,12 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string>
 #include <string_view>
 #include <utility>
 
 #include "host/base/errors.hpp"
+#include "host/base/quiet_nan.hpp"
 #include "host/surface/profile_lines.hpp"
 
 namespace ra2d {
@@ -19,10 +19,9 @@ namespace {
 constexpr std::string_view blanks = " \t\r\v\f";
 constexpr std::size_t most_header_lines = 1000, longest_header = 2000;  // bytes
 constexpr std::size_t looked_at = 200;  // lines of numbers that tell how numbers are written
-// What no profile in metres is:
+// Beyond any profile in metres:
 constexpr double longest = 10, coarsest = 1e-4, highest = 1e-3;  // m
 constexpr double steepest = 1;  // root mean square slope: 45 degrees
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 using Fields = std::vector<std::string_view>;
 
@@ -78,13 +77,13 @@ struct Dialect {
   }
 };
 
-/// Where the units of the columns are told, and what nobody could assign.
+/// Units of the columns, where the header gives them, and one that belongs to no column.
 struct Header {
   struct Unit {
     std::string word;
     std::size_t line = 0;
   };
-  std::vector<Unit> units;  // by column; no word where none is told
+  std::vector<Unit> units;  // by column; an empty word where the header has none
   Unit loose;
   std::size_t lines = 0;  // before the first line of numbers
 };
@@ -104,10 +103,10 @@ bool is_numbers(std::string_view line) {
   return any;
 }
 
-/// What the marks in the first lines of numbers say.
+/// Marks between and in the numbers of the first lines.
 struct Marks {
   bool semicolon = false, tab = false, blank = false;      // between numbers
-  bool comma = false, comma_apart = false, point = false;  // apart: beside a blank or another one
+  bool comma = false, comma_apart = false, point = false;  // apart: next to a blank or a comma
   std::size_t commas = 0;                                  // most in a line
 
   void see(std::string_view line) {
@@ -132,7 +131,7 @@ struct Marks {
   }
 };
 
-/// What says how numbers are written, or why nobody can tell.
+/// How numbers are written, from the marks. Throws RequestError where they leave it open.
 Dialect understand_marks(const Marks& marks, const ProfileQuery& query, const std::string& where) {
   const char blank = marks.tab ? '\t' : ' ';
   const auto refuse_mark = [&](const char* why) {
@@ -177,7 +176,7 @@ std::vector<std::string_view> bracketed(std::string_view line) {
   }
 }
 
-/// "z [um]", "z_um", "z/um", "z um": the unit; nothing where none is told.
+/// "z [um]", "z_um", "z/um", "z um": the unit; nothing where the field has none.
 std::string_view unit_of(std::string_view field) {
   if (const auto units = bracketed(field); units.size() == 1) return units[0];
   const std::size_t mark = field.find_last_of(" \t_/");
@@ -212,13 +211,13 @@ void read_header_line(std::string_view line, std::size_t number, const Dialect& 
   for (std::size_t i = 0; i < units.size(); ++i) {
     if (units[i].empty()) continue;
     any = true;
-    Header::Unit& known = header.units[i];
-    const auto unit = to_unit(units[i]), before = to_unit(known.word);
+    Header::Unit& unit_here = header.units[i];
+    const auto unit = to_unit(units[i]), before = to_unit(unit_here.word);
     if (unit && before && unit->metres != before->metres)
       throw RequestError(fmt::format("{}:{}: column {} is in {} here and in {} in line {}",
                                      file.string(), number, i + 1, unit->name, before->name,
-                                     known.line));
-    if (unit || known.word.empty()) known = {std::string(units[i]), number};
+                                     unit_here.line));
+    if (unit || unit_here.word.empty()) unit_here = {std::string(units[i]), number};
   }
   if (any) return;
   for (const auto word : bracketed(line))
@@ -300,18 +299,18 @@ Columns choose_columns(const std::filesystem::path& file, const Dialect& dialect
   return columns;
 }
 
-/// The unit of a column in metres; nothing where neither the file nor the user tells it.
+/// Unit of a column; nothing where neither the file nor the user gives one.
 std::optional<LengthUnit> agreed_unit(const std::filesystem::path& file, const Header& header,
-                                      std::size_t column, const std::optional<LengthUnit>& told,
+                                      std::size_t column, const std::optional<LengthUnit>& option,
                                       const char* axis) {
   const Header::Unit& own = header.units[column];
   const auto unit = to_unit(own.word);
-  if (unit && told && unit->metres != told->metres)
+  if (unit && option && unit->metres != option->metres)
     throw RequestError(
         fmt::format("{}: {} is in {} by the header, and in {} by --{}-unit: mend "
                     "the header, or drop the option",
-                    place(file, own.line), axis, unit->name, told->name, axis));
-  if (unit || told) return unit ? unit : told;
+                    place(file, own.line), axis, unit->name, option->name, axis));
+  if (unit || option) return unit ? unit : option;
   if (!own.word.empty())
     throw RequestError(
         fmt::format("{}: {} is in {}, which is none of m, mm, um and nm: say with "
@@ -325,7 +324,7 @@ std::optional<LengthUnit> agreed_unit(const std::filesystem::path& file, const H
   return {};
 }
 
-/// What is wrong with a field that should be a number; empty where it is one.
+/// Fault of a field that should be a number; empty where it is one.
 std::string fault_of(std::string_view word, const std::optional<double>& value, const char* axis) {
   if (word.empty()) return fmt::format("{} is missing", axis);
   if (!value) return fmt::format("{} is not a number, expected {}", quoted(word), axis);
@@ -351,7 +350,7 @@ ProfilePoints read_points(const std::filesystem::path& file, const Dialect& dial
     dialect.split(lines.text(), fields);
     if (fields.empty()) continue;
     profile.has_end = lines.has_end();
-    ProfilePoint point{nan, nan};
+    ProfilePoint point{quiet_nan, quiet_nan};
     std::string fault;
     if (fields.size() != dialect.columns) {
       fault = fmt::format("{} columns, and {} in the lines before", fields.size(), dialect.columns);
@@ -381,16 +380,16 @@ ProfilePoints read_points(const std::filesystem::path& file, const Dialect& dial
 }
 
 /// Throws where numbers that nobody gave a unit cannot be metres.
-void require_metres(const std::filesystem::path& file, const Profile& profile, bool x_told,
-                    bool z_told) {
+void require_metres(const std::filesystem::path& file, const Profile& profile, bool x_has_unit,
+                    bool z_has_unit) {
   const double length = profile.length();
-  if (!x_told && (length > longest || profile.spacing > coarsest))
+  if (!x_has_unit && (length > longest || profile.spacing > coarsest))
     throw RequestError(fmt::format(
         "{}: x runs over {:.6g} in steps of {:.6g}, and no unit is told: metres they are not. Say "
         "with --x-unit what x is in (--x-unit m, if they are)",
         file.string(), length, profile.spacing));
-  if (z_told) return;
-  double low = nan, high = nan, squares = 0, steps = 0, before = nan;
+  if (z_has_unit) return;
+  double low = quiet_nan, high = quiet_nan, squares = 0, steps = 0, before = quiet_nan;
   for (const double z : profile.heights) {
     low = std::fmin(low, z);
     high = std::fmax(high, z);

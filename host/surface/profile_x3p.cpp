@@ -7,7 +7,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <pugixml.hpp>
 #include <string>
@@ -16,6 +15,7 @@
 #include <vector>
 
 #include "host/base/errors.hpp"
+#include "host/base/quiet_nan.hpp"
 #include "host/surface/areal.hpp"
 #include "host/surface/md5.hpp"
 #include "host/surface/numbers_in_bytes.hpp"
@@ -28,7 +28,6 @@ namespace {
 constexpr std::uint64_t largest_main = 8u << 20, largest_checksum = 4096;  // bytes
 // The parser takes 64 bytes for each tag and each text, whatever they say.
 constexpr std::ptrdiff_t most_marks = 250'000;
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 [[noreturn]] void refuse_x3p(const std::filesystem::path& file, const std::string& why) {
   throw RequestError(fmt::format("{}: X3P: {}", file.string(), why));
@@ -134,7 +133,7 @@ Axis read_axis(const Element& in) {
   return axis;
 }
 
-/// What main.xml tells.
+/// Axes and grid, from main.xml.
 struct Layout {
   std::array<Axis, 3> axes;  // x, y, z
   Grid grid;
@@ -216,12 +215,12 @@ class Collector {
 };
 
 void require_checksum(const std::filesystem::path& file, const std::string& found,
-                      std::string_view told, const std::string& name) {
-  if (!same_digits(found, told))
+                      std::string_view stored, const std::string& name) {
+  if (!same_digits(found, stored))
     refuse_x3p(file,
                fmt::format("the checksum of {} is {}, and {} is told: the file is damaged, or "
                            "was changed after it was measured",
-                           name, found, ra2d::quoted(told)));
+                           name, found, ra2d::quoted(stored)));
 }
 
 /// The mask has a bit for each point, the lowest first: 1 where it is valid.
@@ -239,7 +238,7 @@ void apply_mask(const std::filesystem::path& file, const ZipArchive& archive, co
           const std::uint64_t place = line.first + i * line.stride;
           if (place / 8 >= begun + count) break;
           if ((static_cast<unsigned char>(bytes[place / 8 - begun]) >> (place % 8) & 1) == 0)
-            heights[i] = nan;
+            heights[i] = quiet_nan;
         }
         begun += count;
       });
@@ -273,7 +272,7 @@ void read_binary(const std::filesystem::path& file, const ZipArchive& archive, c
 /// "x;y;z" of the axes that stand at every point; nothing in it where the point is missing.
 std::array<double, 3> read_datum(const std::filesystem::path& file, const Layout& layout,
                                  std::string_view text, std::uint64_t place) {
-  std::array<double, 3> stored{0, 0, nan};
+  std::array<double, 3> stored{0, 0, quiet_nan};
   text = trimmed(text);
   if (text.empty()) return stored;
   bool more = true;
@@ -336,8 +335,8 @@ std::string read_main(const std::filesystem::path& file, const ZipArchive& archi
   std::string text = archive.read("main.xml", largest_main);
   Md5 md5;
   md5.add(text.data(), text.size());
-  const std::string told = archive.read("md5checksum.hex", largest_checksum);
-  require_checksum(file, md5.hex(), trimmed(told).substr(0, 32), "main.xml");
+  const std::string stored = archive.read("md5checksum.hex", largest_checksum);
+  require_checksum(file, md5.hex(), trimmed(stored).substr(0, 32), "main.xml");
   if (std::count_if(text.begin(), text.end(), [](char c) { return c == '<' || c == '='; }) >
       most_marks)
     refuse_x3p(

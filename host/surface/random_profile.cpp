@@ -25,19 +25,19 @@ constexpr double pi = std::numbers::pi;
 /// Places to the shortest wave: as few as bells take (host/surface/bells.hpp).
 constexpr double places_per_wave = 4;
 constexpr double shortest_of_exponential = 0.02;  // of the correlation length
-constexpr double shortest_of_gaussian = 0.5;      // ... beyond, its density is below exp(-4 pi^2)
+constexpr double shortest_of_gaussian = 0.5;      // of it: below, the density is under exp(-4 pi^2)
 constexpr double most_places = 0x1p26;
 
-/// Where the spacing of elements is to be exact, up to this many lengths are pressed into one.
+/// To make the spacing of elements exact, up to this many lengths of the process are pressed into
+/// one length of the beam, from a start that is up to `most_moved` places later.
 constexpr double most_stretched = 1.25;
-/// ... and it begins up to this many places later.
 constexpr int most_moved = 64;
 
 using Complex = std::complex<double>;
 
 // ---- the process
 
-/// Waves that repeat after `period`, a variance for each of them; together 1.
+/// Waves that repeat after a period, a variance for each of them; the sum is 1.
 struct Waves {
   double place = 0;              // m
   int places = 0;                // of a period
@@ -51,7 +51,7 @@ double self_affine_part(double hurst, double a, double b) {
   return b > a ? (std::pow(a, -2 * hurst) - std::pow(b, -2 * hurst)) / (2 * hurst) : 0.0;
 }
 
-/// How far one place may still have to do with another.
+/// Distance beyond which two places are uncorrelated.
 double memory(const RandomProfile& p) {
   switch (p.correlation) {
     case Correlation::gaussian:
@@ -102,8 +102,8 @@ Waves waves_of(const RandomProfile& p, double length) {
   return out;
 }
 
-/// The waves of normal heights that are mapped to heights with these waves. What no normal heights
-/// have is left out: a variance below 0, and waves shorter than the shortest.
+/// Waves of the normal heights that the map turns into heights with these waves. Variances below 0
+/// and waves shorter than the shortest are left out: no normal heights have them.
 Waves before_map(Waves waves, const HeightMap& map) {
   if (map.is_identity()) return waves;
   const auto places = static_cast<std::size_t>(waves.places);
@@ -254,16 +254,16 @@ struct Line {
   }
 };
 
-/// What part of a function is pressed into (0, length).
+/// Part of a function that is pressed into (0, length).
 struct Window {
   double begin, factor;  // in the function's units; by how much it is longer
 };
 
-/// Where the spacing of elements is `asked` exactly, if the window is brought to the length: near
-/// the beginning, and of nearly the length. With the window its mean line moves, elements come and
-/// go, and the spacing jumps: past what is asked for sometimes, then the next beginning is tried.
+/// Window in which the spacing of elements is exactly `spacing` once it is brought to the length:
+/// near the beginning, and of nearly the length. The mean line moves with the window, elements come
+/// and go, and the spacing jumps. Where it jumps past `spacing`, the next beginning is tried.
 Window window_of(const std::function<void(std::vector<double>&)>& evaluate, double length,
-                 double asked) {
+                 double spacing) {
   constexpr int finer = 16;  // points to a place
   if (!(finer * length < most_places))
     throw RequestError(
@@ -279,7 +279,7 @@ Window window_of(const std::function<void(std::vector<double>&)>& evaluate, doub
     const auto miss = [&](double factor) {
       return line.element_spacing(static_cast<std::size_t>(finer * begin),
                                   finer * factor * length) /
-                 (finer * factor * asked) -
+                 (finer * factor * spacing) -
              1;
     };
     double near[2] = {1, 1}, at_near[2] = {miss(1), miss(1)};
@@ -302,7 +302,7 @@ Window window_of(const std::function<void(std::vector<double>&)>& evaluate, doub
       "longer beam, or leave exact = \"rq+rsm\" out");
 }
 
-// ---- what the words mean
+// ---- what the keys of a scene mean
 
 HeightMap map_of(const SurfaceSpec& spec) {
   if (!spec.skewness && !spec.kurtosis) return {};
@@ -363,102 +363,121 @@ void check_lengths(const RandomProfile& p) {
                     p.shortest, p.correlation_length));
 }
 
-RandomProfile resolve(const SurfaceSpec& spec, const HeightMap& map, double length) {
-  const double rsm = positive_length(spec.rsm, "rsm");
-  RandomProfile p;
-  p.correlation = spec.correlation;
-  p.correlation_length = positive_length(spec.correlation_length, "correlation_length");
-  p.longest = positive_length(spec.longest, "longest");
-  p.shortest = positive_length(spec.shortest, "shortest");
-  p.hurst = spec.hurst.value_or(0);
-  const auto crossing = [&](RandomProfile q) {
-    check_lengths(q);
-    return crossing_distance(before_map(waves_of(q, length), map), map);
-  };
-  const auto find = [&](double guess, const std::function<RandomProfile(double)>& with) {
-    const auto found = solve_growing(guess, rsm, [&](double x) { return crossing(with(x)); });
+/// Finds the lengths that a scene leaves open.
+class Resolver {
+ public:
+  Resolver(const SurfaceSpec& spec, const HeightMap& map, double length)
+      : spec_{spec}, map_{map}, length_{length}, rsm_{positive_length(spec.rsm, "rsm")} {}
+
+  RandomProfile resolve() {
+    p_.correlation = spec_.correlation;
+    p_.correlation_length = positive_length(spec_.correlation_length, "correlation_length");
+    p_.longest = positive_length(spec_.longest, "longest");
+    p_.shortest = positive_length(spec_.shortest, "shortest");
+    p_.hurst = spec_.hurst.value_or(0);
+    switch (p_.correlation) {
+      case Correlation::gaussian:
+        resolve_gaussian();
+        break;
+      case Correlation::exponential:
+        resolve_exponential();
+        break;
+      case Correlation::self_affine:
+        resolve_self_affine();
+        break;
+    }
+    check_lengths(p_);
+    p_.rsm = p_.correlation == Correlation::gaussian && map_.is_identity()
+                 ? rsm_per_length * p_.correlation_length
+                 : crossing(p_);
+    return p_;
+  }
+
+ private:
+  double crossing(const RandomProfile& p) const {
+    check_lengths(p);
+    return crossing_distance(before_map(waves_of(p, length_), map_), map_);
+  }
+  /// Solves for the length that gives the rsm; `with` makes the profile of a length.
+  void find(double guess, const std::function<RandomProfile(double)>& with) {
+    const auto found = solve_growing(guess, rsm_, [&](double x) { return crossing(with(x)); });
     if (!found)
       throw RequestError(
           fmt::format("no surface of this kind has an rsm of {:.10g} m: change what else is "
                       "asked of it",
-                      rsm));
-    p = with(*found);
-  };
-  switch (p.correlation) {
-    case Correlation::gaussian: {
-      const auto with = [&](double l) {
-        RandomProfile q = p;
-        q.correlation_length = l;
-        q.shortest = shortest_of_gaussian * l;
-        return q;
-      };
-      if (!(rsm > 0 || p.correlation_length > 0))
-        throw RequestError(
-            "a gaussian surface needs a positive rsm or correlation_length in metres");
-      if (p.correlation_length > 0)
-        p = with(p.correlation_length);
-      else if (map.is_identity())
-        p = with(rsm / rsm_per_length);
-      else
-        find(rsm / rsm_per_length, with);
-      break;
-    }
-    case Correlation::exponential: {
-      const auto with = [&](double l) {
-        RandomProfile q = p;
-        q.correlation_length = l;
-        if (!spec.shortest) q.shortest = shortest_of_exponential * l;
-        return q;
-      };
-      if (!(rsm > 0 || p.correlation_length > 0))
-        throw RequestError(
-            "an exponential correlation needs a positive rsm or correlation_length in metres");
-      if (p.correlation_length > 0)
-        p = with(p.correlation_length);
-      else
-        find(std::max(2 * rsm, 2 * p.shortest),
-             [&](double l) { return with(std::max(l, 1.01 * p.shortest)); });
-      break;
-    }
-    case Correlation::self_affine: {
-      if (!(p.hurst > 0 && p.hurst < 1))
-        throw RequestError("hurst: a self-affine surface needs an exponent between 0 and 1");
-      if ((rsm > 0) + (p.longest > 0) + (p.shortest > 0) != 2)
-        throw RequestError(
-            "a self-affine surface needs two of longest, shortest and rsm, in metres: the third "
-            "follows");
-      if (!(p.shortest > 0))
-        find(0.5 * rsm, [&](double shortest) {
-          RandomProfile q = p;
-          q.shortest = std::min(shortest, 0.99 * p.longest);
-          return q;
-        });
-      else if (!(p.longest > 0))
-        find(4 * rsm, [&](double longest) {
-          RandomProfile q = p;
-          q.longest = std::max(longest, 1.01 * p.shortest);
-          return q;
-        });
-      break;
-    }
+                      rsm_));
+    p_ = with(*found);
   }
-  check_lengths(p);
-  p.rsm = p.correlation == Correlation::gaussian && map.is_identity()
-              ? rsm_per_length * p.correlation_length
-              : crossing(p);
-  return p;
-}
+  void resolve_gaussian() {
+    const auto with = [&](double l) {
+      RandomProfile q = p_;
+      q.correlation_length = l;
+      q.shortest = shortest_of_gaussian * l;
+      return q;
+    };
+    if (!(rsm_ > 0 || p_.correlation_length > 0))
+      throw RequestError("a gaussian surface needs a positive rsm or correlation_length in metres");
+    if (p_.correlation_length > 0)
+      p_ = with(p_.correlation_length);
+    else if (map_.is_identity())
+      p_ = with(rsm_ / rsm_per_length);
+    else
+      find(rsm_ / rsm_per_length, with);
+  }
+  void resolve_exponential() {
+    const auto with = [&](double l) {
+      RandomProfile q = p_;
+      q.correlation_length = l;
+      if (!spec_.shortest) q.shortest = shortest_of_exponential * l;
+      return q;
+    };
+    if (!(rsm_ > 0 || p_.correlation_length > 0))
+      throw RequestError(
+          "an exponential correlation needs a positive rsm or correlation_length in metres");
+    if (p_.correlation_length > 0)
+      p_ = with(p_.correlation_length);
+    else
+      find(std::max(2 * rsm_, 2 * p_.shortest),
+           [&](double l) { return with(std::max(l, 1.01 * p_.shortest)); });
+  }
+  void resolve_self_affine() {
+    if (!(p_.hurst > 0 && p_.hurst < 1))
+      throw RequestError("hurst: a self-affine surface needs an exponent between 0 and 1");
+    if ((rsm_ > 0) + (p_.longest > 0) + (p_.shortest > 0) != 2)
+      throw RequestError(
+          "a self-affine surface needs two of longest, shortest and rsm, in metres: the third "
+          "follows");
+    if (!(p_.shortest > 0))
+      find(0.5 * rsm_, [&](double shortest) {
+        RandomProfile q = p_;
+        q.shortest = std::min(shortest, 0.99 * p_.longest);
+        return q;
+      });
+    else if (!(p_.longest > 0))
+      find(4 * rsm_, [&](double longest) {
+        RandomProfile q = p_;
+        q.longest = std::max(longest, 1.01 * p_.shortest);
+        return q;
+      });
+  }
+
+  const SurfaceSpec& spec_;
+  const HeightMap& map_;
+  double length_, rsm_;  // m; rsm 0 where the scene gives none
+  RandomProfile p_;
+};
 
 }  // namespace
 
 RandomProfile resolve_random(const SurfaceSpec& spec, double length) {
-  return resolve(spec, map_of(spec), length);
+  const HeightMap map = map_of(spec);
+  return Resolver(spec, map, length).resolve();
 }
 
 std::vector<double> random_heights(const SurfaceSpec& spec, double length, int nodes,
                                    double spacing, std::vector<std::string>* doubts) {
   const HeightMap map = map_of(spec);
-  const RandomProfile p = resolve(spec, map, length);
+  const RandomProfile p = Resolver(spec, map, length).resolve();
   const bool bells_alone = spec.correlation == Correlation::gaussian && map.is_identity();
   const Waves waves = bells_alone ? Waves{} : waves_of(p, length);
   if (doubts != nullptr && spec.rq != 0) doubt_spectrum(p, waves, spacing, *doubts);

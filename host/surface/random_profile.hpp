@@ -7,7 +7,7 @@
 
 namespace ra2d {
 
-/// What a random surface is made of, with what the scene left open: lengths in m.
+/// Parameters of a random surface, those that the scene left open found. Lengths in m.
 struct RandomProfile {
   Correlation correlation = Correlation::gaussian;
   double correlation_length = 0;  // gaussian, exponential: where the correlation is 1/e
@@ -17,8 +17,8 @@ struct RandomProfile {
   double rsm = 0;                 // mean distance of its crossings of the mean line, upwards
 };
 
-/// The same words as `spec`, the lengths that it leaves open found. `length` of the beam [m].
-/// Throws RequestError for what does not fit together, or cannot be.
+/// Parameters of `spec` on a beam of `length` [m]. Throws RequestError where they contradict each
+/// other or no surface has them.
 RandomProfile resolve_random(const SurfaceSpec& spec, double length);
 
 /// Heights [m] at n spacing, n = 0 ... nodes - 1, of a random profile along a beam of `length` [m]:
@@ -26,7 +26,7 @@ RandomProfile resolve_random(const SurfaceSpec& spec, double length);
 /// 0 and its root mean square spec.rq. The correlation is of the heights as they come out, also
 /// where they are not normal:
 ///   gaussian     exp(-(x/l)^2)
-///   exponential  exp(-|x|/l), but for waves shorter than `shortest` (l/50 unless told), which are
+///   exponential  exp(-|x|/l), but for waves shorter than `shortest` (default: l/50), which are
 ///   left out self-affine  waves from `longest` to `shortest`, their density as k^-(1 + 2 hurst)
 /// With normal heights and the Gaussian correlation the same bits on every platform (gaussian.hpp),
 /// else within 1e-12 rq. `doubts` takes a sentence where nodes are too far apart to show the

@@ -8,14 +8,14 @@
 #include <limits>
 #include <vector>
 
+#include "host/base/quiet_nan.hpp"
 #include "host/surface/sum.hpp"
 
 namespace ra2d {
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double core_share = 0.4;       // of the material ratio curve
-constexpr std::size_t few_heights = 10;  // from which no core is told
+constexpr std::size_t few_heights = 10;  // too few for a core
 constexpr double same_slope = 1e-9;      // of secants: the first of them is taken
 
 template <class Term>
@@ -39,7 +39,7 @@ void add_moments(Roughness& r, std::span<const double> heights, double share) {
            share;
 }
 
-/// What lies between two crossings of the mean line. Positions in points.
+/// Part between two crossings of the mean line. Positions in points.
 struct Part {
   double begin, end;
   double height;  // furthest from the mean line; its sign says on which side
@@ -125,13 +125,13 @@ double mean_spacing(std::span<const double> heights, double spacing,
         find_elements(parts.rbegin(), parts.rend(), counts, [](const Part& p) { return p.end; });
     found = {found.length + back.length, found.count + back.count};
   }
-  return found.count > 0 ? found.length / static_cast<double>(found.count) * spacing : nan;
+  return found.count > 0 ? found.length / static_cast<double>(found.count) * spacing : quiet_nan;
 }
 
 double rms_slope(std::span<const double> heights, double spacing, std::size_t begin,
                  std::size_t end) {
   const std::size_t count = heights.size();
-  if (count < 7) return nan;
+  if (count < 7) return quiet_nan;
   const auto slope = [&](std::size_t i) {
     const bool right = i + 3 >= count;
     const auto& weights = slope_weights[std::min({i, count - 1 - i, std::size_t{3}})];
@@ -151,7 +151,7 @@ double rms_slope(std::span<const double> heights, double spacing) {
 
 Core core(std::span<const double> heights) {
   const std::size_t count = heights.size();
-  if (count < few_heights) return {nan, nan, nan, nan, nan};
+  if (count < few_heights) return {quiet_nan, quiet_nan, quiet_nan, quiet_nan, quiet_nan};
   std::vector<double> curve(heights.begin(), heights.end());
   std::sort(curve.begin(), curve.end(), std::greater<>());
   const auto all = static_cast<double>(count);

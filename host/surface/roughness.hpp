@@ -31,7 +31,7 @@ struct Roughness {
 Roughness roughness(std::span<const double> heights, double spacing, std::size_t sections,
                     RoughnessStandard standard = RoughnessStandard::iso21920);
 
-/// What a part of the profile above or below the mean line must reach in order to count.
+/// Sizes that a part above or below the mean line must have in order to count.
 struct ElementThresholds {
   double up, down;   // m
   double width = 0;  // m
@@ -47,7 +47,7 @@ double rms_slope(std::span<const double> heights, double spacing, std::size_t be
                  std::size_t end);
 double rms_slope(std::span<const double> heights, double spacing);
 
-/// What the material ratio curve is made of: a core, peaks above it, valleys below.
+/// Parts of the material ratio curve: a core, peaks above it, valleys below.
 struct Core {
   double rk, rpk, rvk;    // m
   double peaks, valleys;  // shares of the length: Mrk1 and 1 - Mrk2

@@ -26,7 +26,7 @@ constexpr zip_int64_t most_entries = 100;
 constexpr std::uint64_t plainly_small = 1u << 22, largest_ratio = 100;
 constexpr std::size_t part_bytes = 1u << 16;
 
-/// What is wrong with the directory, which the library reads as a whole; empty where nothing is.
+/// Fault of the directory, which the library reads as a whole; empty where there is none.
 /// Every record that may be the end of the archive counts: the library chooses among them.
 std::string directory_fault(const InputFile& file) {
   const std::uint64_t most = 0xffff + end_bytes + locator_bytes;

@@ -388,7 +388,7 @@ TEST(HalfPower, IsThatOfAnOscillatorUnderWhiteNoise) {
 /// Lines that chance does not move are the curve itself.
 TEST(HalfPower, OfACurveWithoutChanceIsExact) {
   std::vector<double> density;
-  for (const double resolution : {1.0, 0.37}) {  // single lines, and some together
+  for (const double resolution : {1.0, 0.37}) {  // single lines, and groups of them
     const Lines lines = resonances(density, resolution, {600}, 0.03);
     const HalfPower h = half_power({resolution, lines.density, 1},
                                    place_of_mode(std::vector<double>{615}, 0, 0.02));

@@ -12,6 +12,7 @@
 #include <numbers>
 #include <vector>
 
+#include "host/body/beam.hpp"
 #include "host/device/layout.hpp"
 #include "tests/dice.hpp"
 #include "tests/free_motion.hpp"
@@ -29,14 +30,14 @@ constexpr double pi = std::numbers::pi;
 
 // ---- shapes
 
-/// The j-th derivative of a mode, of the form that ModeShape documents, anywhere.
-long double derivative(const ModeShape& mode, long double length, long double x, int j) {
+/// The j-th derivative of a mode, of the form that BeamShape documents, anywhere.
+long double derivative(const BeamShape& mode, long double x, int j) {
   const long double beta = mode.beta, phase = beta * x;
   const long double even = mode.sine * std::sin(phase) + mode.cosine * std::cos(phase);
   const long double odd = mode.sine * std::cos(phase) - mode.cosine * std::sin(phase);
   const long double wave[] = {even, odd, -even, -odd};
   const long double left = mode.left * std::exp(-phase) * (j % 2 == 0 ? 1 : -1);
-  const long double right = mode.right * std::exp(-beta * (length - x));
+  const long double right = mode.right * std::exp(-beta * (mode.length - x));
   const long double rigid = j == 0 ? mode.constant + mode.slope * x : j == 1 ? mode.slope : 0.0L;
   return std::pow(beta, j) * (wave[j % 4] + left + right) + rigid;
 }
@@ -52,14 +53,14 @@ BodySpec random_body(Dice& dice, Support support) {
 /// as the bounds know nothing of supports.
 struct RandomShape {
   double length;
-  ModeShape shape;
+  BeamShape shape;
   enum Kind { pinned, of_free, drawn, kinds } kind;
 
   explicit RandomShape(Dice& dice) : kind{static_cast<Kind>(dice.pick(kinds))} {
-    const Beam beam =
+    const Body beam =
         make_beam(random_body(dice, kind == pinned ? Support::pinned : Support::free));
     length = beam.length;
-    shape = beam.modes[dice.pick(static_cast<int>(beam.modes.size()))];
+    shape = beam_shape(beam.modes[dice.pick(static_cast<int>(beam.modes.size()))]);
     if (kind != drawn) return;
     shape.sine = dice.uniform(0.1, 1);
     for (double* part : {&shape.cosine, &shape.left, &shape.right})
@@ -69,7 +70,7 @@ struct RandomShape {
   }
   bool rigid() const { return shape.beta == 0; }
   bool elastic() const { return shape.beta > 0 && shape.constant == 0 && shape.slope == 0; }
-  long double operator()(long double x, int j = 0) const { return derivative(shape, length, x, j); }
+  long double operator()(long double x, int j = 0) const { return derivative(shape, x, j); }
   /// Places so dense that a peak between two of them is missed by less than (beta dx)^2/8, at most
   /// 2e-4 of the wave.
   template <class Each>
@@ -80,18 +81,18 @@ struct RandomShape {
   }
 };
 
-TEST(LargestShape, IsNeverExceeded) {
+TEST(ShapeSize, IsNeverExceeded) {
   Dice dice(1);
   for (int trial = 0; trial < 300; ++trial) {
     const RandomShape psi(dice);
-    const double bound = largest_shape(psi.shape, psi.length);
+    const double bound = psi.shape.size();
     psi.over(0, psi.length, [&](long double x) {
       ASSERT_LE(std::abs(psi(x)), bound * own) << "trial " << trial << ", x " << x;
     });
   }
 }
 
-TEST(LargestShape, IsReached) {
+TEST(ShapeSize, IsReached) {
   Dice dice(2);
   for (int trial = 0; trial < 300; ++trial) {
     const RandomShape psi(dice);
@@ -102,7 +103,7 @@ TEST(LargestShape, IsReached) {
     // wave of sqrt(2)/sqrt(L) and two exponentials of 1/sqrt(L), all to exp(-beta L) < 0.009.
     const double parts =
         psi.rigid() || psi.kind == RandomShape::pinned ? 1.0 : 1.009 * (std::sqrt(2.0) + 2) / 2;
-    EXPECT_LE(largest_shape(psi.shape, psi.length), parts * most * (1 + 3e-4)) << "trial " << trial;
+    EXPECT_LE(psi.shape.size(), parts * most * (1 + 3e-4)) << "trial " << trial;
   }
 }
 
@@ -113,7 +114,7 @@ TEST(LargestWave, BoundsSlopeAndCurvatureOverTheBeamAndBehindIt) {
     const RandomShape psi(dice);
     if (!psi.elastic()) continue;
     const double beta = psi.shape.beta, beyond = dice.one_in(4) ? 0.0 : dice.ratio(0.01, 4) / beta;
-    const double bound = largest_wave(psi.shape, beyond);
+    const double bound = psi.shape.largest_wave(beyond);
     psi.over(0, psi.length + beyond, [&](long double x) {
       for (const int j : {1, 2}) {
         const long double size = std::abs(psi(x, j)) / std::pow(static_cast<long double>(beta), j);
@@ -134,10 +135,10 @@ TEST(LargestParts, AreEachReachedWhereTheyAreAlone) {
   // that of both where two of them are largest at the same end.
   Dice dice(15);
   for (int trial = 0; trial < 60; ++trial) {
-    ModeShape shape;
+    BeamShape shape;
     const double length = dice.ratio(0.01, 1), beyond = length * dice.ratio(0.01, 0.1),
                  size = dice.uniform(-2, 2);
-    shape.beta = 20 / length;
+    shape.length = length, shape.beta = 20 / length;
     const int part = trial % 6;
     (part == 0   ? shape.sine
      : part == 1 ? shape.cosine
@@ -148,17 +149,20 @@ TEST(LargestParts, AreEachReachedWhereTheyAreAlone) {
     if (part == 2 && trial % 4 == 0) shape.cosine = shape.constant = size;  // all three at x = 0
     const double most = part == 5 ? std::abs(size * length)
                                   : std::abs(size) * (shape.constant == size && part == 2 ? 3 : 1);
-    EXPECT_NEAR(largest_shape(shape, length), most, 16 * eps * most) << "part " << part;
+    EXPECT_NEAR(shape.size(), most, 16 * eps * most) << "part " << part;
     // of the derivatives: what is constant or a slope has no wave; the right exponential grows on
     const double wave = part == 3   ? std::abs(size) * std::exp(shape.beta * beyond)
                         : part >= 4 ? 0
                                     : std::abs(size) * (shape.cosine == size && part == 2 ? 2 : 1);
-    EXPECT_NEAR(largest_wave(shape, beyond), wave, 16 * eps * wave) << "part " << part;
+    EXPECT_NEAR(shape.largest_wave(beyond), wave, 16 * eps * wave) << "part " << part;
+    if (part == 3) {  // the right exponential alone: nothing else is bounded
+      EXPECT_NEAR(shape.size() * shape.growth(beyond), wave, 16 * eps * wave);
+    }
     long double reached = 0, bent = 0;
     const int places = 1000;
     for (int i = 0; i <= places; ++i) {
-      reached = std::max(reached, std::abs(derivative(shape, length, length * i / places, 0)));
-      bent = std::max(bent, std::abs(derivative(shape, length, (length + beyond) * i / places, 4)));
+      reached = std::max(reached, std::abs(derivative(shape, length * i / places, 0)));
+      bent = std::max(bent, std::abs(derivative(shape, (length + beyond) * i / places, 4)));
     }
     // the wave's crest is less than (20/1000)^2/8 below what is between two places
     EXPECT_NEAR(static_cast<double>(reached), most, 1e-4 * most) << "part " << part;
@@ -174,7 +178,7 @@ struct LeftOut {
   long double value = 0, slope = 0;
 
   LeftOut(const RandomShape& psi, double radius) {
-    const CubicRemainder bound = cubic_remainder(psi.shape, radius);
+    const CubicRemainder bound = psi.shape.cubic_remainder(radius);
     constexpr int centres = 60, places = 8;
     for (int c = 0; c <= centres; ++c) {
       const long double centre = (psi.length + radius) * static_cast<long double>(c) / centres;
@@ -211,22 +215,25 @@ TEST(CubicRemainder, BoundsWhatTheTaylorCubicLeavesOut) {
 
 TEST(RigidModes, HaveNoWave) {
   Dice dice(6);
-  const Beam beam = make_beam(random_body(dice, Support::free));
+  const Body beam = make_beam(random_body(dice, Support::free));
   for (int k = 0; k < 2; ++k) {
-    const ModeShape& shape = beam.modes[k];
-    EXPECT_EQ(largest_wave(shape, 0.1), 0);
-    EXPECT_EQ(cubic_remainder(shape, 0.1).value, 0);
-    EXPECT_EQ(cubic_remainder(shape, 0.1).slope, 0);
+    const ModeShape& shape = *beam.modes[k].shape;
+    EXPECT_EQ(shape.wave_number(), 0);
+    EXPECT_EQ(shape.largest_curvature(0.1), 0);
+    EXPECT_EQ(shape.growth(0.1), 1);
+    EXPECT_EQ(shape.fourth_factor(0.1), 0);
+    EXPECT_EQ(shape.cubic_remainder(0.1).value, 0);
+    EXPECT_EQ(shape.cubic_remainder(0.1).slope, 0);
   }
 }
 
-TEST(PassingRate, BoundsTheDerivativesAlongTheWay) {
+TEST(ChangeRate, BoundsTheDerivativesAlongTheWay) {
   Dice dice(7);
   int reached = 0;
   for (int trial = 0; trial < 300; ++trial) {
     const RandomShape psi(dice);
-    const double speed = dice.ratio(1e-3, 1e2), largest = largest_shape(psi.shape, psi.length);
-    const double rate = passing_rate(psi.shape, psi.length, speed);
+    const double speed = dice.ratio(1e-3, 1e2), largest = psi.shape.size();
+    const double rate = psi.shape.change_rate() * speed;
     long double most = 0;
     psi.over(0, psi.length, [&](long double x) {
       for (int j = 1; j <= 4; ++j) {
@@ -300,14 +307,14 @@ struct RandomJoint {
   /// A spring that is `stiff` times as stiff as the resonator's mass makes of its fastest mode.
   RandomJoint(Dice& dice, double stiff) {
     const auto support = [&] { return dice.one_in(2) ? Support::free : Support::pinned; };
-    for (Beam* beam : {&model.resonator, &model.slider}) {
+    for (Body* beam : {&model.resonator, &model.slider}) {
       BodySpec body = random_body(dice, support());
       body.modes = 1 + dice.pick(8);
       body.damping = dice.one_in(3) ? 0.0 : dice.ratio(1e-3, 2);
-      *beam = make_beam(body);
+      *beam = make_body(body);
     }
-    model.node_stiffness = stiff * model.resonator.mass_per_length * model.resonator.length *
-                           std::pow(model.resonator.modes.back().omega, 2);
+    model.node_stiffness =
+        stiff * model.resonator.mass * std::pow(model.resonator.modes.back().omega, 2);
   }
   /// The largest |eigenvalue| of the motion, the node at these places of the two bodies: z^2 + D z
   /// + K has it, with D and K those of the modes' coordinates over sqrt(m).
@@ -318,12 +325,11 @@ struct RandomJoint {
     Eigen::MatrixXd rate = Eigen::MatrixXd::Zero(2 * count, 2 * count);
     Eigen::Index k = 0;
     for (const auto& [beam, x] : {std::pair{&model.resonator, x2}, std::pair{&model.slider, x1}})
-      for (const ModeShape& mode : beam->modes) {
-        phi[k] = static_cast<double>(derivative(mode, beam->length, x, 0)) /
-                 std::sqrt(beam->mass_per_length);
+      for (const BodyMode& mode : beam->modes) {
+        phi[k] = shape_at(mode, x) / std::sqrt(mode.mass);
         rate(k, count + k) = 1;
         rate(count + k, k) = -mode.omega * mode.omega;
-        rate(count + k, count + k) = -2 * beam->zeta * mode.omega;
+        rate(count + k, count + k) = -2 * mode.zeta * mode.omega;
         ++k;
       }
     rate.bottomLeftCorner(count, count) -= model.node_stiffness * phi * phi.transpose();
@@ -339,7 +345,7 @@ TEST(FastestRate, OfAModelBoundsAllMotionsWithANodeInContact) {
   Dice dice(9);
   double soft = 0, stiff = 0;
   for (int trial = 0; trial < 300; ++trial) {
-    // from a spring that is nothing beside the modes to one beside which they are nothing
+    // from a spring far softer than the modes to one far stiffer
     const double stiffness = dice.ratio(1e-4, 1e4);
     const RandomJoint joint(dice, stiffness);
     const double bound = fastest_rate(joint.model);
@@ -377,11 +383,10 @@ TEST(FourthDerivative, IsLeibnizRuleItself) {
     const State y = turned(mode, dice.uniform(0, 2 * pi));
     const double speed = mode.omega / psi.shape.beta * dice.ratio(1e-2, 1e2);
     const long double x = psi.length * dice.uniform(0.3, 0.7);
-    const double scale = fourth_derivative(mode, largest_shape(psi.shape, psi.length),
-                                           passing_rate(psi.shape, psi.length, speed));
+    const double scale = fourth_derivative(mode, psi.shape.size(), psi.shape.change_rate() * speed);
     // central differences over seven places: off by 7 h^4/240 of the eighth derivative, 3e-10 of
     // what the bound allows
-    const long double rate = fastest_rate(mode) + passing_rate(psi.shape, psi.length, speed);
+    const long double rate = fastest_rate(mode) + psi.shape.change_rate() * speed;
     const long double h = 0.01L / rate;
     const auto value = [&](int n) { return fly(mode, 0, y, n * h).u * psi(x + speed * n * h); };
     const long double weight[] = {28.0L / 3, -6.5L, 2, -1.0L / 6};
@@ -402,15 +407,14 @@ TEST(FourthDerivative, IsNeverExceededInFreeMotion) {
     const double speed = dice.one_in(8) ? 0.0
                                         : mode.omega / std::max(psi.shape.beta, 1 / psi.length) *
                                               dice.ratio(1e-3, 1e3);
-    const double bound = fourth_derivative(mode, largest_shape(psi.shape, psi.length),
-                                           passing_rate(psi.shape, psi.length, speed));
+    const double bound = fourth_derivative(mode, psi.shape.size(), psi.shape.change_rate() * speed);
     for (int i = 0; i < 20; ++i) {
       // a step is bounded by the energy at its beginning
       const State begin = turned(mode, dice.uniform(0, 2 * pi));
       const State y = fly(mode, 0, begin, i == 0 ? 0.0 : dice.ratio(1e-3, 10) / mode.omega);
-      const long double fourth =
+      const long double derivative_4 =
           fourth_of(psi, speed, dice.uniform(0, psi.length), free_derivatives(mode, y.u, y.v));
-      ASSERT_LE(std::abs(fourth), bound * own)
+      ASSERT_LE(std::abs(derivative_4), bound * own)
           << "trial " << trial << ", zeta " << mode.zeta << ", speed " << speed;
     }
   }
@@ -421,10 +425,10 @@ TEST(FourthDerivative, IsReachedToAFactorOfTwo) {
   // mean of (omega + b)^4 and (omega - b)^4, over omega, where (omega + b)^4 is bounded.
   Dice dice(12);
   for (int trial = 0; trial < 30; ++trial) {
-    const Beam beam = make_beam(random_body(dice, Support::pinned));
+    const Body beam = make_beam(random_body(dice, Support::pinned));
     RandomShape psi(dice);
     psi.length = beam.length,
-    psi.shape = beam.modes[dice.pick(static_cast<int>(beam.modes.size()))];
+    psi.shape = beam_shape(beam.modes[dice.pick(static_cast<int>(beam.modes.size()))]);
     const Mode mode{dice.ratio(1e2, 1e6), 0, 1};
     const double turns = dice.ratio(1e-4, 1e4);  // b/omega
     const double speed = turns * mode.omega / psi.shape.beta;
@@ -438,9 +442,8 @@ TEST(FourthDerivative, IsReachedToAFactorOfTwo) {
     }
     const double waves =
         0.5 * (std::pow(1 + turns, 4) + std::pow(1 - turns, 4)) / std::pow(1 + turns, 4);
-    const double share =
-        static_cast<double>(most) / fourth_derivative(mode, largest_shape(psi.shape, psi.length),
-                                                      passing_rate(psi.shape, psi.length, speed));
+    const double share = static_cast<double>(most) /
+                         fourth_derivative(mode, psi.shape.size(), psi.shape.change_rate() * speed);
     EXPECT_GE(waves, 0.5);
     EXPECT_NEAR(share, waves, 3e-4) << "b/omega " << turns;  // where U is largest, and psi
   }
@@ -460,10 +463,9 @@ TEST(FirstFlightLevel, IsTheLongestAtWhichATaylorStepLeavesNothingOut) {
     const auto left_out = [&](int at) {  // over the energy norm, of the modes of both bodies
       const long double t = std::ldexp(joint.model.tick, at);
       double most = 0;
-      for (const Beam* beam : {&joint.model.resonator, &joint.model.slider})
-        for (const ModeShape& shape : beam->modes) {
-          if (shape.omega == 0) continue;  // U'' is constant
-          const Mode mode{shape.omega, beam->zeta, beam->mass_per_length};
+      for (const Body* body : {&joint.model.resonator, &joint.model.slider})
+        for (const Mode& mode : body->modes) {
+          if (mode.omega == 0) continue;  // U'' is constant
           for (int angle = 0; angle < 8; ++angle) {
             const State y = turned(mode, pi * angle / 8), there = fly(mode, 0, y, t);
             const Derivatives u = free_derivatives(mode, y.u, y.v);

@@ -46,12 +46,9 @@ fs::path script(const Folder& folder, const std::string& name, const std::string
 
 TEST(StateError, IsThatOfTheEnergy) {
   Model model;
-  model.resonator.mass_per_length = 4.0;
-  model.resonator.modes.resize(1);
-  model.resonator.modes[0].omega = 10.0;
-  model.slider.mass_per_length = 1.0;
-  model.slider.modes.resize(1);                       // without stiffness
-  const State reference{{0.3}, {4.0}, {7.0}, {0.0}};  // 4 (16 + 9)
+  model.resonator.modes = {{{.omega = 10.0, .zeta = 0, .mass = 4.0}, nullptr}};
+  model.slider.modes = {{{.omega = 0, .zeta = 0, .mass = 1.0}, nullptr}};  // without stiffness
+  const State reference{{0.3}, {4.0}, {7.0}, {0.0}};                       // 4 (16 + 9)
   EXPECT_EQ(state_error(model, reference, reference), 0.0);
   EXPECT_NEAR(state_error(model, {{0.3}, {4.5}, {7.0}, {0.0}}, reference), 0.1, 1e-15);
   EXPECT_NEAR(state_error(model, {{0.35}, {4.0}, {7.0}, {0.0}}, reference), 0.1, 1e-15);
@@ -82,7 +79,7 @@ AccuracyChart timed_chart(const std::vector<std::pair<double, std::vector<double
 TEST(AccuracyChart, SaysWhatABudgetHasNoTimeFor) {
   Scene s = read_scene(scene_file("peaks"), {"scene.duration=0.02"});
   const AccuracyChart chart = measure_accuracy(s, {.budget = 0.2, .repetitions = 3});
-  // beside the budget one model is made for each setting, and for each surface of the long runs
+  // outside the budget one model is made for each setting, and for each surface of the long runs
   EXPECT_LT(chart.seconds, 20);
   const auto unsaid =
       std::count_if(chart.points.begin(), chart.points.end(),
@@ -263,7 +260,7 @@ bool is_gone(const std::string& process) {
   return status.empty() || status.find("State:\tZ") != std::string::npos;
 }
 
-/// What a script has written once it has written it.
+/// Waits until a script has written the file, and returns its text.
 std::string await(const fs::path& file) {
   std::string text;
   while (text.empty() || text.back() != '\n') {

@@ -9,7 +9,7 @@
 #include "tests/compare.hpp"
 #include "tests/looks.hpp"
 
-/// What the tests say of two runs that differ: a test of tests.
+/// Messages of the tests about two runs that differ: a test of tests.
 namespace ra2d::test {
 namespace {
 

@@ -52,7 +52,7 @@ class Crash : public testing::Test {
       ASSERT_EQ(ended.status, 5) << ended.err;
     }
   }
-  std::vector<std::string> beside() const {
+  std::vector<std::string> entries() const {
     std::vector<std::string> names;
     for (const auto& entry : fs::directory_iterator(folder_))
       names.push_back(entry.path().filename());
@@ -74,7 +74,7 @@ TEST_F(Crash, ARunThatIsCutOffAnywhereGoesOnToTheSameBits) {
   ASSERT_EQ(run(brief).status, 0);
   const Content expected = content_of(out_);
   ASSERT_EQ(expected.at("ended"), "complete");
-  const fs::path told = aside_.path() / "told";
+  const fs::path report = aside_.path() / "report";
   int cut = 0;
   for (const char* how :
        {"FAULTY_ERROR=5", "FAULTY_ERROR=28", "FAULTY_SHORT=28", "FAULTY_KILL=1"}) {
@@ -83,17 +83,17 @@ TEST_F(Crash, ARunThatIsCutOffAnywhereGoesOnToTheSameBits) {
     for (int call = 1 + (cut % stride);; call += stride) {
       SCOPED_TRACE(fmt::format("{} at call {}", how, call));
       fs::remove(out_);
-      fs::remove(told);
+      fs::remove(report);
       std::vector<std::string> words{"env",
                                      "LD_PRELOAD=" + faulty_disk(),
                                      "FAULTY_FOLDER=" + folder_.string(),
-                                     "FAULTY_TOLD=" + told.string(),
+                                     "FAULTY_TOLD=" + report.string(),
                                      fmt::format("FAULTY_CALL={}", call),
                                      how};
       const std::vector<std::string> rest = line(brief);
       words.insert(words.end(), rest.begin(), rest.end());
       const Ended broken = run_program(aside_.path(), words);
-      if (!fs::exists(told)) {
+      if (!fs::exists(report)) {
         EXPECT_EQ(broken.status, 0) << broken.err;
         EXPECT_EQ(content_of(out_), expected);
         break;
@@ -103,7 +103,7 @@ TEST_F(Crash, ARunThatIsCutOffAnywhereGoesOnToTheSameBits) {
       const Ended again = run(brief);
       ASSERT_EQ(again.status, 0) << broken.err << again.err;
       EXPECT_EQ(content_of(out_), expected);
-      EXPECT_EQ(beside(), only_result);
+      EXPECT_EQ(entries(), only_result);
       ASSERT_LT(call, 5000);
     }
   }
@@ -139,13 +139,14 @@ TEST_F(Crash, ASignalAsAFileIsMadeLeavesACheckpointOrNothing) {
     if (broken.status == 0) break;
     ++ended;
     ASSERT_EQ(broken.status, 128 + SIGTERM) << broken.err;
-    for (const std::string& name : beside()) EXPECT_THAT(name, testing::Not(HasSubstr(".partial")));
+    for (const std::string& name : entries())
+      EXPECT_THAT(name, testing::Not(HasSubstr(".partial")));
     if (!fs::exists(checkpoint())) {
       ++without_checkpoint;
-      EXPECT_EQ(beside(), std::vector<std::string>{});
+      EXPECT_EQ(entries(), std::vector<std::string>{});
     }
     ASSERT_EQ(run(brief).status, 0);
-    EXPECT_EQ(beside(), only_result);
+    EXPECT_EQ(entries(), only_result);
     fs::remove(out_);
     ASSERT_LT(made, 100);
   }
@@ -158,7 +159,7 @@ TEST_F(Crash, WhatAPowerCutLeavesIsGoneOnFromToTheSameBits) {
   const std::vector<std::string> brief{"--set", "scene.duration=5e-3", "--checkpoint", "1e-5"};
   ASSERT_EQ(run(brief).status, 0);
   const Content expected = content_of(out_);
-  const fs::path told = aside_.path() / "told", durable = aside_.path() / "durable";
+  const fs::path report = aside_.path() / "report", durable = aside_.path() / "durable";
   struct stat status {};
   ASSERT_EQ(stat(folder_.c_str(), &status), 0);
   const std::string inode = std::to_string(status.st_ino);
@@ -167,19 +168,19 @@ TEST_F(Crash, WhatAPowerCutLeavesIsGoneOnFromToTheSameBits) {
   for (int call = 1;; call += stride) {
     SCOPED_TRACE(fmt::format("power cut at call {}", call));
     for (const auto& entry : fs::directory_iterator(folder_)) fs::remove_all(entry.path());
-    for (const fs::path& old : {told, durable}) fs::remove_all(old);
+    for (const fs::path& old : {report, durable}) fs::remove_all(old);
     fs::create_directory(durable);
     std::vector<std::string> words{"env",
                                    "LD_PRELOAD=" + faulty_disk(),
                                    "FAULTY_FOLDER=" + folder_.string(),
-                                   "FAULTY_TOLD=" + told.string(),
+                                   "FAULTY_TOLD=" + report.string(),
                                    "FAULTY_DURABLE=" + durable.string(),
                                    "FAULTY_KILL=1",
                                    fmt::format("FAULTY_CALL={}", call)};
     const std::vector<std::string> rest = line(brief);
     words.insert(words.end(), rest.begin(), rest.end());
     const Ended broken = run_program(aside_.path(), words);
-    const bool cut = fs::exists(told);
+    const bool cut = fs::exists(report);
     ASSERT_EQ(broken.status, cut ? 1000 + SIGKILL : 0) << broken.err;
     ++cuts;
     const Folder after;
@@ -209,12 +210,12 @@ TEST_F(Crash, TheWallTimeEndsARunWithACheckpointThatTheSameLineGoesOnFrom) {
   fs::remove(out_);
   cut_off();
   EXPECT_EQ(content_of(out_).at("ended"), "stopped by --max-wall");
-  EXPECT_THAT(beside(), testing::IsSupersetOf({"out.h5", "out.h5.checkpoint", "out.h5.parts"}));
+  EXPECT_THAT(entries(), testing::IsSupersetOf({"out.h5", "out.h5.checkpoint", "out.h5.parts"}));
   const Ended again = run();
   EXPECT_EQ(again.status, 0);
   EXPECT_THAT(again.err, HasSubstr("goes on from t = "));
   EXPECT_EQ(content_of(out_), expected);
-  EXPECT_EQ(beside(), only_result);
+  EXPECT_EQ(entries(), only_result);
   // and once more: it is there
   const Ended third = run();
   EXPECT_EQ(third.status, 0);
@@ -278,7 +279,7 @@ TEST_F(Crash, OfADamagedCheckpointTheOneBeforeIsTaken) {
   EXPECT_THAT(again.err, HasSubstr("out.h5.checkpoint' is damaged"));
   EXPECT_THAT(again.err, HasSubstr("out.h5.checkpoint.previous', which is older"));
   EXPECT_EQ(content_of(out_), expected);
-  EXPECT_EQ(beside(), only_result);
+  EXPECT_EQ(entries(), only_result);
 }
 
 TEST_F(Crash, WithoutAnyWholeCheckpointTheRunIsRefusedAndNothingIsTouched) {
@@ -303,7 +304,7 @@ TEST_F(Crash, WithoutAnyWholeCheckpointTheRunIsRefusedAndNothingIsTouched) {
   EXPECT_THAT(ended.err, HasSubstr("--fresh"));
   EXPECT_EQ(read_file(checkpoint()).size(), kept.size() - 1);
   EXPECT_EQ(run({"--fresh"}).status, 0);
-  EXPECT_EQ(beside(), only_result);
+  EXPECT_EQ(entries(), only_result);
 }
 
 TEST_F(Crash, EveryTruncationAndEveryFlippedBitOfACheckpointIsRefused) {
@@ -390,7 +391,7 @@ TEST_F(Crash, AWallClockThatIsSetForthAndBackChangesNothing) {
     EXPECT_EQ(content_of(out_), expected);
     const double wall = ResultReader(out_).contents().summary.wall_seconds;
     EXPECT_TRUE(wall > 0 && wall < 60) << wall;
-    // ... and those that are asked for are there in time
+    // and the requested ones are there in time
     fs::remove(out_);
     const Ended cut = run_meanwhile({"--checkpoint", "1e-5", "--max-wall", "0.02"});
     EXPECT_EQ(cut.status, 5) << cut.err;
@@ -399,7 +400,7 @@ TEST_F(Crash, AWallClockThatIsSetForthAndBackChangesNothing) {
     EXPECT_EQ(again.status, 0) << again.err;
     EXPECT_THAT(again.err, HasSubstr("goes on from t = "));
     EXPECT_EQ(content_of(out_), expected);
-    EXPECT_EQ(beside(), only_result);
+    EXPECT_EQ(entries(), only_result);
   }
 }
 
@@ -448,7 +449,7 @@ TEST_F(Crash, SegmentsThatSomebodyRemovesAreWrittenOnceMore) {
   EXPECT_EQ(child.wait(), 0) << child.err();
   EXPECT_TRUE(removed);
   EXPECT_EQ(content_of(out_), expected);
-  EXPECT_EQ(beside(), only_result);
+  EXPECT_EQ(entries(), only_result);
 }
 
 TEST_F(Crash, SegmentsOfARunningResultCanBeRead) {

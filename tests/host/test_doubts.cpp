@@ -24,7 +24,7 @@ using testing::Not;
 
 using Texts = std::vector<std::string>;
 
-/// What is doubted of a scene, or why it is refused.
+/// Doubts of a scene, or the reason why it is refused.
 Texts said(const std::string& name, Texts changes) {
   changes.insert(changes.begin(), "contact.stiffness=4e12");  // of the material, not of a doubt
   try {

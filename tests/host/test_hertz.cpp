@@ -53,7 +53,7 @@ double line_depth(double x) {
   return 2 / pi * sum * pi / points;
 }
 
-/// What a bed of unit stiffness carries below a parabola of radius R that touches over the
+/// Load of a bed of unit stiffness below a parabola of radius R that touches over the
 /// half-width a: depth (a^2 - x^2)/(2 R), of a unit width or of a round contact.
 double carried(double a, double radius, bool is_round) {
   constexpr int points = 100'000;
@@ -116,7 +116,7 @@ TEST(Hertz, TheWordIsANumberOfTheMaterials) {
 }
 
 /// The program's own springs below a ridge carry what Hertz gives a round asperity of the same
-/// radius, whatever the load. The ridge is a raised cosine: beside the parabola (pi a/b)^2/12 of a
+/// radius, under any load. The ridge is a raised cosine: against the parabola (pi a/b)^2/12 of a
 /// depth at the edge of the contact, and nodes see a sum for an integral: (chi/a)^2 together at the
 /// most.
 TEST(Hertz, ARidgeOnItsBedIsARoundAsperity) {

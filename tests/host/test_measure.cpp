@@ -102,10 +102,10 @@ Profile exported() {
 
 TEST(Measure, WhatTheInstrumentHasFilteredIsOnlyDivided) {
   const double root = std::sqrt(0.5);
-  for (const std::optional<std::size_t> asked :
+  for (const std::optional<std::size_t> lengths :
        {std::optional<std::size_t>{}, std::optional<std::size_t>{0},
         std::optional<std::size_t>{4}}) {
-    MeasureOptions options{.filter = ProfileFilter::done, .sampling_lengths = asked};
+    MeasureOptions options{.filter = ProfileFilter::done, .sampling_lengths = lengths};
     options.standard = RoughnessStandard::iso4287;
     const Measurement m = measure_profile(exported(), options, "");
     EXPECT_EQ(m.cutoff, 2.5e-3);
@@ -159,7 +159,7 @@ TEST(Measure, Iso4287TakesRkOfAProfileWhoseValleysDoNotPullTheMeanLine) {
   };
   const Roughness older = measured(RoughnessStandard::iso4287, ProfileFilter::gaussian);
   const Roughness newer = measured(RoughnessStandard::iso21920, ProfileFilter::gaussian);
-  EXPECT_GT(newer.rk, 1.1e-6);  // the plateaus beside the valleys are lifted
+  EXPECT_GT(newer.rk, 1.1e-6);  // the plateaus next to the valleys are lifted
   EXPECT_GT(newer.rpk, 1.5e-6);
   EXPECT_NEAR(older.rk, 1e-6, 0.03e-6);
   EXPECT_LT(older.rpk, 0.5e-6);

@@ -151,7 +151,7 @@ TEST(Clock, GivesShocksTheirTimes) {
 }
 
 TEST(Touching, IsTheSmallestGapWithoutOverlap) {
-  // the highest place of both faces together is in the middle, where the peaks stand against each
+  // the highest place of the sum of both faces is in the middle, where the peaks stand against each
   // other
   Scene s = plate_scene(3, 0.004, 1e-3);
   s.gap.reset();

@@ -55,7 +55,7 @@ class Outputs : public testing::Test {
     std::ofstream(folder_ / name, std::ios::binary) << text;
   }
   std::string read(const std::string& name) const { return read_file(folder_ / name); }
-  /// What stands in the folder, by name.
+  /// Names of the files in the folder.
   std::vector<std::string> names() const {
     std::vector<std::string> found;
     for (const auto& entry : fs::directory_iterator(folder_))

@@ -99,7 +99,7 @@ TEST(Judge, SaysHowManyPairsWouldDo) {
 }
 
 TEST(Judge, IsWrongAboutNoMoreThanOneInTwenty) {
-  // what is moved by exactly what is asked is called kept, or moved, by chance alone
+  // a level that moves by exactly the limit is called kept, or moved, by chance alone
   Dice dice(7);
   const auto normal = [&] {
     double sum = 0;
@@ -177,7 +177,7 @@ TEST(Ensemble, AnswersAreThoseOfTheRuns) {
       if (shock.start > 0 && shock.start < begin) begin = shock.start, first = shock.duration;
     EXPECT_EQ(a.first_duration, first);
   }
-  // it does not matter how they were asked for
+  // the way in which they are requested does not matter
   Ensemble others(s);
   for (int n = 1; n <= 3; ++n) others.extend(n);
   for (int i = 0; i < 3; ++i) EXPECT_EQ(others.answers()[i].v_rms, runs.answers()[i].v_rms);
@@ -239,7 +239,7 @@ TEST(Savings, WhatModesMoveIsWhatTheyCarry) {
     EXPECT_LT(fewest, 8);
     EXPECT_LT(1 - share(fewest), 1.25 * accuracy);
     EXPECT_GT(1 - share(fewest - 1), 0.75 * accuracy);
-    // whatever goes together holds together
+    // savings that are combined hold in combination
     const Scene& chosen = found.chosen;
     EXPECT_GE(*chosen.resonator.modes, fewest);
     const Recording again = simulate(chosen);

@@ -72,8 +72,8 @@ TEST(Envelope, LeavesFewValuesAlone) {
   EXPECT_THAT(e.at, ElementsAre(0, 1, 2, 3));
   EXPECT_EQ(e.mean[0], 5);
   EXPECT_TRUE(std::isnan(e.mean[1]));
-  const json told = e;
-  EXPECT_FALSE(told.contains("low"));
+  const json written = e;
+  EXPECT_FALSE(written.contains("low"));
   EXPECT_TRUE(envelope({}, {}, even_groups(0, 10)).at.empty());
 }
 
@@ -369,7 +369,7 @@ class Plot : public testing::Test {
   }                                              \
   static_assert(true)
 
-/// What can be read in an SVG, a line each.
+/// Texts of an SVG, a line each.
 std::string texts_of(const std::string& svg) {
   std::string texts;
   for (std::size_t at = 0; (at = svg.find("<text", at)) != svg.npos;) {
@@ -436,8 +436,8 @@ TEST_F(Plot, PdfSeveralResultsAndProfiles) {
   make_profile(file("sine.csv"), 501);
   EXPECT_EQ(plot({"a.h5", "-o", "a.pdf", "--what", "level"}).status, 0);
   EXPECT_EQ(read_file(file("a.pdf")).substr(0, 5), "%PDF-");
-  const Ended several = plot({"a.h5", "b$x^$.h5", "c.h5", "-o", "several.svg"});
-  EXPECT_EQ(several.status, 0) << several.err;
+  const Ended three = plot({"a.h5", "b$x^$.h5", "c.h5", "-o", "several.svg"});
+  EXPECT_EQ(three.status, 0) << three.err;
   EXPECT_THAT(texts_of(read_file(file("several.svg"))),
               AllOf(HasSubstr("a.h5: 123.01 dB"), HasSubstr("b$x^$.h5: at rest"),
                     HasSubstr("c.h5: The run was cut short"), HasSubstr("midband frequency [Hz]")));

@@ -86,9 +86,9 @@ TEST_F(PreparedFace, WithoutKeysATextIsReadAsBefore) {
   how().z_unit = FileUnit::m;
   how().x_unit = FileUnit::m;
   EXPECT_TRUE(needs_preparation(spec, folder.path() / "profile"));
-  const std::vector<double> told = face(2, 0.5);
-  ASSERT_EQ(plain.size(), told.size());
-  for (std::size_t n = 0; n < plain.size(); ++n) EXPECT_NEAR(plain[n], told[n], 1e-20);
+  const std::vector<double> with_units = face(2, 0.5);
+  ASSERT_EQ(plain.size(), with_units.size());
+  for (std::size_t n = 0; n < plain.size(); ++n) EXPECT_NEAR(plain[n], with_units[n], 1e-20);
 }
 
 TEST_F(PreparedFace, ALineOfAnArealFileByItsContent) {

@@ -149,11 +149,11 @@ step = 1e-7
 )";
   Child child = start({"run", "flat.toml", "-o", "flat.h5", "--quiet"});
   wait_until_it_marches(child);
-  const auto asked = std::chrono::steady_clock::now();
+  const auto signalled = std::chrono::steady_clock::now();
   child.send(SIGINT);
   EXPECT_EQ(child.wait(), 130) << child.err();
   // a step took 37 s; generous, for machines that do other things as well
-  EXPECT_LT(std::chrono::steady_clock::now() - asked, std::chrono::seconds(20));
+  EXPECT_LT(std::chrono::steady_clock::now() - signalled, std::chrono::seconds(20));
 }
 
 TEST_F(Program, WrongRequestsEndWithTwoAndSayWhy) {
@@ -247,7 +247,7 @@ TEST_F(Program, WhatCannotBePrintedEndsWithFourAndIsWrittenAllTheSame) {
     // nothing was to be printed
     EXPECT_EQ(shell(p + "run --quiet -o r.h5 " + drop + broken), 0) << err_;
   }
-  // a fault keeps its own status, wherever it can be told
+  // a fault keeps its own status wherever there is one
   EXPECT_EQ(shell(p + "run nowhere.toml >/dev/full 2>/dev/full"), 4);
   EXPECT_EQ(shell(p + "runn >&- 2>&-"), 2);
   // a reader who has seen enough
@@ -525,17 +525,17 @@ TEST_F(Program, GeneratesTheProfileThatASceneHas) {
       "--correlation", "exponential", "--shortest", "1e-4",      "--skewness", "-0.5",
       "--kurtosis",    "4",           "--seed",     "3"};
   ASSERT_EQ(run(words), 0) << err_;
-  const std::string asked =
+  const std::string words_of_surface =
       "surface = { kind = \"gaussian\", rq = 1e-06, rsm = 0.0004, correlation = \"exponential\", "
       "shortest = "
       "0.0001, skewness = -0.5, kurtosis = 4.0, seed = 3 }";
   EXPECT_THAT(out_,
               AllOf(HasSubstr("1001 nodes, 2e-05 m apart"), HasSubstr("Rq                  0.999"),
-                    HasSubstr(asked), HasSubstr("rough.csv")));
+                    HasSubstr(words_of_surface), HasSubstr("rough.csv")));
   std::ifstream file(folder_ / "rough.csv");
   std::string line;
   std::getline(file, line);
-  EXPECT_THAT(line, HasSubstr(asked));
+  EXPECT_THAT(line, HasSubstr(words_of_surface));
   std::getline(file, line);
   EXPECT_EQ(line, "x [m],z [m]");
   int lines = 0;
@@ -555,7 +555,7 @@ TEST_F(Program, GeneratesTheProfileThatASceneHas) {
             0)
       << err_;
   const std::string by_file = out_.substr(out_.find("level"), 60);
-  EXPECT_EQ(scene_with(asked), 0) << err_;
+  EXPECT_EQ(scene_with(words_of_surface), 0) << err_;
   EXPECT_EQ(out_.substr(out_.find("level"), 60), by_file);
 }
 

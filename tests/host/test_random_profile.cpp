@@ -14,7 +14,7 @@
 #include "host/base/errors.hpp"
 #include "host/surface/height_map.hpp"
 
-/// Random profiles against the theory of what was asked for: over many seeds, and on each.
+/// Random profiles against theory: over many seeds, and each by itself.
 namespace ra2d {
 namespace {
 
@@ -92,26 +92,26 @@ double crossing_distance(const std::vector<double>& h, double spacing) {
 
 // ---- heights that are not normal
 
-struct Asked {
+struct Wanted {
   double skewness, kurtosis;
 };
 // on both sides of the lognormal's line, and on it (skewness 1: kurtosis 4.8289)
-const std::vector<Asked> asked_moments{{0, 4},     {0, 2},    {-0.8, 4.2}, {0.5, 2.6}, {1, 3},
-                                       {1.5, 5.2}, {-2, 9.5}, {0, 3.001},  {0.3, 2.4}, {-0.2, 3.6},
-                                       {2.5, 15},  {0, 12},   {1, 4.83},   {1, 4.8290}};
+const std::vector<Wanted> wanted_moments{
+    {0, 4},     {0, 2},     {-0.8, 4.2}, {0.5, 2.6}, {1, 3},  {1.5, 5.2}, {-2, 9.5},
+    {0, 3.001}, {0.3, 2.4}, {-0.2, 3.6}, {2.5, 15},  {0, 12}, {1, 4.83},  {1, 4.8290}};
 
 TEST(HeightMap, HasTheMomentsThatAreAsked) {
-  for (const Asked& asked : asked_moments) {
-    SCOPED_TRACE(testing::Message() << asked.skewness << ", " << asked.kurtosis);
-    const HeightMap map(asked.skewness, asked.kurtosis);
+  for (const Wanted& wanted : wanted_moments) {
+    SCOPED_TRACE(testing::Message() << wanted.skewness << ", " << wanted.kurtosis);
+    const HeightMap map(wanted.skewness, wanted.kurtosis);
     const auto moment = [&](int power) {
       return integral(-13, 13, 20000,
                       [&](double g) { return normal_density(g) * std::pow(map(g), power); });
     };
     EXPECT_NEAR(moment(1), 0, 1e-9);
     EXPECT_NEAR(moment(2), 1, 1e-8);
-    EXPECT_NEAR(moment(3), asked.skewness, 1e-5);
-    EXPECT_NEAR(moment(4), asked.kurtosis, 1e-4);
+    EXPECT_NEAR(moment(3), wanted.skewness, 1e-5);
+    EXPECT_NEAR(moment(4), wanted.kurtosis, 1e-4);
     EXPECT_NEAR(map(map.at_mean_line()), 0, 1e-12);
     for (double g = -6; g < 6; g += 0.25) EXPECT_LT(map(g), map(g + 0.25));
   }
@@ -129,8 +129,8 @@ TEST(HeightMap, OfNormalMomentsLeavesHeightsAsTheyAre) {
 
 TEST(HeightMap, KnowsTheCorrelationOfItsHeights) {
   // E[z(g) z(rho g + sqrt(1 - rho^2) g')] by integration over the two of them
-  for (const Asked& asked : {Asked{-0.8, 4.2}, Asked{1, 3}, Asked{0, 6}}) {
-    const HeightMap map(asked.skewness, asked.kurtosis);
+  for (const Wanted& wanted : {Wanted{-0.8, 4.2}, Wanted{1, 3}, Wanted{0, 6}}) {
+    const HeightMap map(wanted.skewness, wanted.kurtosis);
     for (const double rho : {-0.9, -0.3, 0.2, 0.6, 0.95}) {
       const double by_integration = integral(-9, 9, 400, [&](double a) {
         return normal_density(a) * map(a) * integral(-9, 9, 400, [&](double b) {
@@ -146,10 +146,10 @@ TEST(HeightMap, KnowsTheCorrelationOfItsHeights) {
 }
 
 TEST(HeightMap, RefusesMomentsThatNoSurfaceHas) {
-  for (const Asked& asked : {Asked{0, 1}, Asked{1, 2.3}, Asked{0, 100}, Asked{3, 5},
-                             Asked{std::nan(""), 3}, Asked{0, std::nan("")}})
-    EXPECT_THROW(HeightMap(asked.skewness, asked.kurtosis), RequestError)
-        << asked.skewness << ", " << asked.kurtosis;
+  for (const Wanted& wanted : {Wanted{0, 1}, Wanted{1, 2.3}, Wanted{0, 100}, Wanted{3, 5},
+                               Wanted{std::nan(""), 3}, Wanted{0, std::nan("")}})
+    EXPECT_THROW(HeightMap(wanted.skewness, wanted.kurtosis), RequestError)
+        << wanted.skewness << ", " << wanted.kurtosis;
 }
 
 // ---- profiles, over many seeds
@@ -275,10 +275,10 @@ TEST(RandomProfile, OfLognormalHeightsHasItsSpacingInClosedForm) {
 TEST(RandomProfile, HasTheHeightsThatAreAsked) {
   // Kolmogorov-Smirnov over places that have nothing to do with each other: P(z <= map(g)) =
   // Phi(g).
-  const SurfaceSpec asked = with_moments(gaussian_wave(4e-4), -0.8, 4.5);
-  SurfaceSpec surface = asked;
+  const SurfaceSpec spec = with_moments(gaussian_wave(4e-4), -0.8, 4.5);
+  SurfaceSpec surface = spec;
   surface.exact = Exactly::nothing;
-  const HeightMap map(*asked.skewness, *asked.kurtosis);
+  const HeightMap map(*spec.skewness, *spec.kurtosis);
   std::vector<double> all;
   for (int seed = 0; seed < 40; ++seed)
     for (const double h : heights(surface, 1000 + static_cast<std::uint64_t>(seed), 2.5e-3))
@@ -362,7 +362,7 @@ double slope(const std::vector<double>& h, double spacing) {
   return std::sqrt(rises / static_cast<double>(h.size() - 1)) / spacing;
 }
 
-/// What is said to be lost is what nodes lose of the slope that nodes far finer show, within the
+/// The doubt names the share of the slope that nodes lose against far finer nodes, within the
 /// scatter of one profile and the rounding to a per cent.
 TEST(RandomProfile, SaysHowMuchSlopeNodesLose) {
   for (SurfaceSpec surface :

@@ -15,7 +15,7 @@
 #include "tests/scenes.hpp"
 #include "tests/simulate.hpp"
 
-/// What the march hands out, as it is in SI units, from hand-made rows.
+/// Samples and shocks in SI units, from hand-made rows of the march.
 namespace ra2d::test {
 namespace {
 

@@ -256,7 +256,7 @@ std::string chromium() {
   return {};
 }
 
-/// What the page is like once it is loaded, as an attribute of its body.
+/// Sets the state of the loaded page as an attribute of its body.
 constexpr char look[] = R"js(<script>addEventListener("load", () => {
   const sounds = [...document.querySelectorAll("audio")].map(a => a.duration.toFixed(3));
   const fetched = performance.getEntriesByType("resource").filter(e => !e.name.startsWith("data:"));

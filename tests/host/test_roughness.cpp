@@ -63,7 +63,7 @@ TEST(RoughnessOf, ASine) {
   EXPECT_NEAR(r.rq, std::sqrt(0.5), 20 * eps);
   EXPECT_NEAR(r.rsk, 0, 20 * eps);
   EXPECT_NEAR(r.rku, 1.5, 50 * eps);
-  const double peak = std::cos(pi / 1000);  // the points beside it
+  const double peak = std::cos(pi / 1000);  // the points next to it
   EXPECT_NEAR(r.rp, peak, 4 * eps);
   EXPECT_NEAR(r.rv, peak, 4 * eps);
   EXPECT_NEAR(r.rz, 2 * peak, 8 * eps);
@@ -565,8 +565,7 @@ TEST(Form, APolynomialOfItsDegreeIsGone) {
     for (const double height : left) ASSERT_NEAR(height, 0, 2 * 1e3 * eps) << degree;
     if (degree == 0) continue;
     remove_form(z, {degree - 1});
-    EXPECT_GT(*std::max_element(z.begin(), z.end()), 1e-4)
-        << degree;  // it takes no more than asked
+    EXPECT_GT(*std::max_element(z.begin(), z.end()), 1e-4) << degree;  // it takes no more than that
   }
 }
 

@@ -38,7 +38,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
-// The XXH3-128 of no bytes is that of xxHash's own tests.
+// The XXH3-128 of no bytes is the one in xxHash's own tests.
 TEST(Seal, IsTheLineOfTheDocuments) {
   EXPECT_EQ(seal_of(""), "ra2d seal 2 000000000000000000 99aa06d3014798d86001c324468d497f\n");
   EXPECT_EQ(seal_of("").size(), seal_line_size);

@@ -63,7 +63,7 @@ const std::vector<Rates> rates{{100e3, 48e3},     {100e3, 44.1e3}, {100e3, 96e3}
                                {51234.5, 48e3},   {44.1e3, 48e3},  {20e3, 48e3},  {5e3, 48e3},
                                {100e3 / 7, 48e3}, {250, 48e3}};
 
-/// What the middle of a signal is off from a motion, at most.
+/// Largest error of the middle of a signal against a motion.
 double largest_error(const std::vector<double>& values, const Motion& motion, double rate) {
   double largest = 0;
   for (std::size_t i = values.size() / 4; i < 3 * values.size() / 4; ++i)
@@ -95,7 +95,7 @@ TEST(Resampler, LetsNothingThroughFromAboveHalfTheNewRate) {
     }
 }
 
-/// What stands above half the old rate after resampling to a higher one are images.
+/// Anything above half the old rate after resampling to a higher one would be an image.
 TEST(Resampler, MakesNoImages) {
   for (const double frequency : {100.0, 2000.0, 2270.0}) {
     const auto out = resampled(sampled(sine(1, frequency), 4000, 5e3), 5e3, 48e3);

@@ -585,7 +585,7 @@ pid_t start_writing(const fs::path& path) {
     const ResultHeader h = header(4, 2, 1);
     ResultFile file(path, h);
     file.append(block(h, 0, 10'000));
-    [[maybe_unused]] const ssize_t told = write(ready[1], "x", 1);
+    [[maybe_unused]] const ssize_t written = write(ready[1], "x", 1);
     for (;;) pause();
   }
   char x;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Studies: what is asked for, what is kept of it, and what comes of it.
+// Studies: the file, the ledger, and the results.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -678,7 +678,7 @@ step = { key = "time.step", values = [1e-7, 1e-4, 2e-7] }
   EXPECT_THAT(answers.status, ElementsAre(0, 2, 0));
   EXPECT_TRUE(std::isnan(answers.v_rms[1]));
   EXPECT_GT(answers.v_rms[2], 0);
-  // it is not run again unless that is asked for
+  // it is not run again unless that is requested
   EXPECT_EQ(run(failing).failed, 0u);
   EXPECT_EQ(run(failing, {}, true).failed, 1u);
 

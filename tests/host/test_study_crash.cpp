@@ -267,7 +267,7 @@ TEST_F(StudyCrash, AWallClockThatIsSetForthAndBackChangesNothing) {
 TEST_F(StudyCrash, CutOffAtAnyCallItGoesOnToTheSameTable) {
   if (faulty_disk().empty()) GTEST_SKIP() << "no calls are made to fail under sanitizers";
   const std::vector<std::string> often{"--threads", "1", "--checkpoint", "1e-5"};
-  const fs::path told = folder_ / "told", out = folder_ / "out";
+  const fs::path report = folder_ / "report", out = folder_ / "out";
   int cut = 0, went_on = 0, kind = 0;
   for (const bool keep_results : {false, true}) {
     write_study(4e-3, keep_results, 1);
@@ -281,16 +281,16 @@ TEST_F(StudyCrash, CutOffAtAnyCallItGoesOnToTheSameTable) {
       for (int call = 1 + 29 * kind++ % stride;; call += stride) {
         SCOPED_TRACE(fmt::format("{} at call {}, results {}", how, call, keep_results));
         fs::remove_all(out);
-        fs::remove(told);
+        fs::remove(report);
         std::vector<std::string> words{"env",
                                        "LD_PRELOAD=" + faulty_disk(),
                                        "FAULTY_FOLDER=" + out.string(),
-                                       "FAULTY_TOLD=" + told.string(),
+                                       "FAULTY_TOLD=" + report.string(),
                                        fmt::format("FAULTY_CALL={}", call),
                                        how};
         for (const std::string& word : line("out", often)) words.push_back(word);
         const Ended broken = run_program(folder_, words);
-        if (!fs::exists(told)) {
+        if (!fs::exists(report)) {
           EXPECT_EQ(broken.status, 0) << broken.err;
           break;
         }

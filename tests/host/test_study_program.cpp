@@ -338,17 +338,17 @@ TEST_F(StudyProgram, WhicheverCallToTheDiskFailsNothingIsLost) {
   write_study(1);
   ASSERT_EQ(run({"study.toml", "-o", "whole"}), 0) << err_;
   const std::string whole = table("whole");
-  const fs::path told = folder_ / "told", out = fs::canonical(folder_) / "out";
+  const fs::path report = folder_ / "report", out = fs::canonical(folder_) / "out";
   int failed = 0;
   for (int call = 1; call < 200; ++call) {
     fs::remove_all(out);
-    fs::remove(told);
+    fs::remove(report);
     Child child(folder_, {"/usr/bin/env", "LD_PRELOAD=" + test::faulty_disk(),
                           "FAULTY_FOLDER=" + out.string(), fmt::format("FAULTY_CALL={}", call),
-                          "FAULTY_ERROR=28", "FAULTY_TOLD=" + told.string(), test::program(),
+                          "FAULTY_ERROR=28", "FAULTY_TOLD=" + report.string(), test::program(),
                           "study", "study.toml", "-o", "out", "--threads", "1"});
     const int status = child.wait();
-    if (!fs::exists(told)) break;  // all calls have had their turn
+    if (!fs::exists(report)) break;  // all calls have had their turn
     EXPECT_TRUE(status == 0 || status == 4) << "call " << call << ": " << child.err();
     EXPECT_EQ(status == 4, child.err().find("'out") != std::string::npos) << child.err();
     failed += status == 4 ? 1 : 0;

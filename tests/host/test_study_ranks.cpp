@@ -160,7 +160,7 @@ TEST_F(StudyRanks, AnErrorOnOneRankEndsAll) {
   EXPECT_EQ(ended.status, 4) << ended.err;
   EXPECT_THAT(ended.err, HasSubstr("ra2d: rank 1: another process runs this part of the study"));
   EXPECT_EQ(status_of("out")["state"], "failed");
-  // what is asked for is wrong: rank 0 says so, once
+  // a wrong request: rank 0 reports it, once
   time_to_end_ = 1;
   const Ended wrong = mpirun(3, "study base.toml -o out");
   EXPECT_EQ(wrong.status, 2) << wrong.err;

@@ -575,7 +575,7 @@ TEST_F(MeasuredProfile, InAnotherUnitIsRefusedWithThatUnit) {
               HasSubstr("is z in mm? Heights are read in metres: multiply z by 1e-3"));
   EXPECT_THAT(said(text(1, um)),
               AllOf(HasSubstr("on a beam 0.02 m thick"), HasSubstr("is z in um?")));
-  // of a rigid body no thickness is known
+  // a rigid body may have no thickness
   EXPECT_THAT(said(text(1, um), 0),
               AllOf(HasSubstr("on a beam 0.02 m long"), HasSubstr("is z in um?")));
   // too short in truth, but not as it is read

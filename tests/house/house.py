@@ -18,7 +18,7 @@ import re
 import sys
 
 # From the ground up.
-HOST = ["base", "system", "ranks", "scene", "surface", "beam", "scene_file", "result", "store", "analysis", "sound", "report",
+HOST = ["base", "system", "ranks", "scene", "surface", "body", "scene_file", "result", "store", "analysis", "sound", "report",
         "model", "device", "plan", "run", "ensemble", "study", "savings", "plot", "chart", "commands"]
 # What reads and writes files: it reaches neither Kokkos nor host/device, by no chain of includes.
 OF_FILES = ["result", "store", "analysis", "sound", "report"]

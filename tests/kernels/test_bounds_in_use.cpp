@@ -125,10 +125,10 @@ struct ModesAt {
 
   ModesAt(const Marched& m, double position, int node) {
     for (int k = 0; k < m.modes(); ++k) {
-      const ModeShape& mode = m.mode(k);
-      evaluate(mode, m.model.resonator.length, (position + node) * m.t.spacing, 4, shape[k].data());
-      const double rigid = mode.beta == 0 ? shape[k][0] : 0;
-      shape[k][4] = std::pow(mode.beta, 4) * (shape[k][0] - rigid);
+      const BodyMode& mode = m.mode(k);
+      mode.shape->evaluate((position + node) * m.t.spacing, 4, shape[k].data());
+      const double rigid = mode.shape->wave_number() == 0 ? shape[k][0] : 0;
+      shape[k][4] = std::pow(mode.shape->wave_number(), 4) * (shape[k][0] - rigid);
       const double speed = m.t.advance / m.t.step * m.t.spacing;
       for (int j = 1; j <= 4; ++j) shape[k][j] *= std::pow(speed, j);
     }

@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-#include "host/beam/beam.hpp"
+#include "host/body/beam.hpp"
 #include "kernels/displacement.hpp"
 #include "kernels/lanes.hpp"
 
@@ -73,8 +73,8 @@ TEST(Cubic, AgreesWithHornerInLongDouble) {
 
 // ---- over the modes of a beam -----------------------------------------------------------------
 
-/// The j-th derivative of a mode in long double, from the form that ModeShape documents.
-long double derivative(const ModeShape& mode, long double length, long double x, int j) {
+/// The j-th derivative of a mode in long double, from the form that BeamShape documents.
+long double derivative(const BeamShape& mode, long double length, long double x, int j) {
   if (mode.beta == 0) return j == 0 ? mode.constant + mode.slope * x : j == 1 ? mode.slope : 0.0L;
   const long double beta = mode.beta, phase = beta * x;
   const long double sine = std::sin(phase), cosine = std::cos(phase);
@@ -87,7 +87,7 @@ long double derivative(const ModeShape& mode, long double length, long double x,
 }
 
 /// Bound on |psi| that its derivatives keep, up to powers of beta.
-double size_of(const ModeShape& mode, double length) {
+double size_of(const BeamShape& mode, double length) {
   return std::hypot(mode.sine, mode.cosine) + std::abs(mode.left) + std::abs(mode.right) +
          std::max(std::abs(mode.constant), std::abs(mode.constant + mode.slope * length));
 }
@@ -95,7 +95,8 @@ double size_of(const ModeShape& mode, double length) {
 /// A beam's tables as the kernels read them, each entry rounded once.
 template <int K>
 struct Tables {
-  Beam beam;
+  std::vector<BeamShape> shapes;
+  double length = 0;
   double chi, radius;
   std::vector<double> quartic, patch, beta_radius, size;
   SceneTables t;
@@ -109,13 +110,14 @@ struct Tables {
     body.young = 210e9;
     body.density = 7800;
     body.modes = modes - (support == Support::free ? 2 : 0);
-    beam = make_beam(body);
+    length = body.length;
+    for (const BodyMode& mode : make_beam(body).modes) shapes.push_back(beam_shape(mode));
 
-    const double beta_chi = beam.modes.back().beta * chi;
+    const double beta_chi = shapes.back().beta * chi;
     t.resonator_modes = modes;
     t.patch_nodes = std::max(1, static_cast<int>(0.5 / beta_chi - width - 2));
     const double in_chi = 0.5 * (t.patch_nodes + width) + 1;
-    t.patches = static_cast<int>(beam.length / chi) / t.patch_nodes + 1;
+    t.patches = static_cast<int>(length / chi) / t.patch_nodes + 1;
     t.inverse_radius = 1 / in_chi;
     t.spacing = chi;
     radius = in_chi * chi;
@@ -127,15 +129,15 @@ struct Tables {
     quartic.assign(K * width, 0.0);
     patch.assign(static_cast<std::size_t>(t.patches) * 4 * K * width, 0.0);
     for (int k = 0; k < modes; ++k) {
-      const ModeShape& mode = beam.modes[k];
+      const BeamShape& mode = shapes[k];
       beta_radius.push_back(mode.beta * radius);
-      size.push_back(size_of(mode, beam.length));
+      size.push_back(size_of(mode, length));
       quartic[k] = static_cast<double>(std::pow(static_cast<long double>(mode.beta) * radius, 4));
       for (int p = 0; p < t.patches; ++p)
         for (int j = 0; j < 4; ++j)
           patch[(static_cast<std::size_t>(p) * 4 + j) * K * width + k] =
               static_cast<double>(std::pow(static_cast<long double>(radius), j) *
-                                  derivative(mode, beam.length, centre(p), j));
+                                  derivative(mode, length, centre(p), j));
     }
     t.quartic = quartic.data();
     t.patch = patch.data();
@@ -146,7 +148,7 @@ struct Tables {
   }
   /// Derivatives of mode k at a place on the resonator [chi], per chi^m.
   long double exact(int k, long double position, int m) const {
-    return derivative(beam.modes[k], beam.length, position * chi, m) *
+    return derivative(shapes[k], length, position * chi, m) *
            std::pow(static_cast<long double>(chi), m);
   }
 };
@@ -184,13 +186,13 @@ void cubic_keeps_its_bound(Support support, double chi) {
       if (wave > 0) tail += a * table.size[k] * std::pow(wave, 4) / 24;
       if (wave > 0) tail_slope += a * table.size[k] * std::pow(wave, 4) / 6;
       scale += a * grown;
-      steepness += a * (wave * grown + std::abs(table.beam.modes[k].slope) * table.radius);
+      steepness += a * (wave * grown + std::abs(table.shapes[k].slope) * table.radius);
     }
     for (int i = -8; i <= 8; ++i) {
       const double eta = i / 8.0;
       const long double position =
           (p + 0.5L) * table.t.patch_nodes + eta * static_cast<long double>(table.radius) / chi;
-      if (position < 0 || position * chi > table.beam.length) continue;  // on the beam alone
+      if (position < 0 || position * chi > table.length) continue;  // on the beam alone
       long double value = 0, slope = 0;
       for (int k = 0; k < Modes; ++k) {
         value += amplitude[k] * table.exact(k, position, 0);
@@ -229,7 +231,7 @@ TEST(SeriesCoefficients, RigidModesAreExact) {
   for (int i = 0; i < packs(2); ++i) modal[i] = lanes.load(amplitude.data() + i * width);
   double q[4];
   series_coefficients<HostLanes, packs(2)>(lanes, table.rows(0), modal, q);
-  const auto &translation = table.beam.modes[0], &rotation = table.beam.modes[1];
+  const auto &translation = table.shapes[0], &rotation = table.shapes[1];
   for (const double eta : {-0.5, 0.0, 0.25, 1.0}) {
     const long double x = table.centre(0) + eta * static_cast<long double>(table.radius);
     const long double exact =
@@ -247,14 +249,14 @@ void full_series_is_exact(Support support, double chi) {
   const SceneTables& t = table.t;
   // As wide as the march takes it: beta^4 (width/2)^4/4! is two ulp, four roundings.
   const double half_window =
-      std::min(0.5, std::pow(24 * 4 * u, 0.25) / (table.beam.modes.back().beta * chi));
+      std::min(0.5, std::pow(24 * 4 * u, 0.25) / (table.shapes.back().beta * chi));
   std::mt19937_64 random(6);
   for (int trial = 0; trial < 300; ++trial) {
     const int p = std::uniform_int_distribution<int>(0, t.patches - 1)(random);
     double eta = std::uniform_real_distribution<double>(-1, 1)(random);
     if (trial < 2) eta = 2 * trial - 1;
-    const double position = std::clamp((p + 0.5) * t.patch_nodes + eta / t.inverse_radius, 0.0,
-                                       table.beam.length / chi);
+    const double position =
+        std::clamp((p + 0.5) * t.patch_nodes + eta / t.inverse_radius, 0.0, table.length / chi);
     Real shape[4][K], value[K];
     expand_modes<HostLanes, K>(lanes, t, p, position, shape);
     mode_values<HostLanes, K>(lanes, t, position, value);
@@ -264,7 +266,7 @@ void full_series_is_exact(Support support, double chi) {
       lanes.store(direct.data() + i * width, value[i]);
     }
     for (int k = 0; k < Modes; ++k) {
-      const ModeShape& mode = table.beam.modes[k];
+      const BeamShape& mode = table.shapes[k];
       const double wave = table.beta_radius[k], grown = table.size[k] * std::exp(2 * wave);
       // Roundings: the table's, the factor's two, and four for every four terms; eta's three, which
       // turn psi by beta radius each; repeated synthetic division, `terms` for each derivative.

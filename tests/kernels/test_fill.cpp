@@ -58,9 +58,9 @@ TEST(FilledTables, MakeANodesShapesToRoundings) {
           const double x = (place.base + node + (place.part + 0.5) * at.window_width + o) * spacing;
           for (int k = 0; k < f.modes(); ++k) {
             const auto c = [&](int m) { return shape[m * packs * width + k]; };
-            double exact;
-            evaluate(f.mode(k), f.model.resonator.length, x, 1, &exact);
-            const double roundings = 4 * f.t.terms + 3 + 8 + 16 + 2 * f.mode(k).beta * x;
+            const double exact = shape_at(f.mode(k), x);
+            const double roundings =
+                4 * f.t.terms + 3 + 8 + 16 + 2 * f.mode(k).shape->wave_number() * x;
             ASSERT_NEAR(c(0) + o * (c(1) + o * (c(2) + o * c(3))), exact,
                         roundings * eps * f.size(k))
                 << "mode " << k << ", spacing " << spacing << ", x " << x;
@@ -132,7 +132,8 @@ TEST(FilledProof, OneWindowLessWouldLeaveOutTooMuch) {
     }
     const Filled f(s);
     const auto left_out = [&](int windows) {
-      return std::pow(0.5 * f.mode(f.modes() - 1).beta * s.spacing / windows, 4) / 24;
+      return std::pow(0.5 * f.mode(f.modes() - 1).shape->wave_number() * s.spacing / windows, 4) /
+             24;
     };
     ASSERT_GE(f.t.windows, 20) << "so many that one of them is little";
     EXPECT_LE(left_out(f.t.windows), allowed) << "tolerance " << tolerance;
@@ -145,7 +146,7 @@ TEST(FilledProof, FourTermsLessWouldLeaveOutTooMuch) {
   // of a patch's series at its edge: z^terms/terms!, against half an ulp
   for (const double spacing : {2e-5, 1e-4, 1e-3}) {
     const Filled f(strip(Support::pinned, 16, spacing));
-    const double z = f.mode(f.modes() - 1).beta * spacing / f.t.inverse_radius;
+    const double z = f.mode(f.modes() - 1).shape->wave_number() * spacing / f.t.inverse_radius;
     const auto left_out = [&](int terms) { return std::pow(z, terms) / std::tgamma(terms + 1.0); };
     EXPECT_LE(left_out(f.t.terms), 0x1p-53);
     EXPECT_GT(left_out(f.t.terms - 4), 0x1p-53);
@@ -161,7 +162,7 @@ TEST(FilledProof, ACubicsExcessIsReachedByAnExponentialBehindTheEnd) {
   // is wide by its root. That is 6 % of a step's length.
   for (const double spacing : {2e-5, 1e-4, 1e-3}) {
     const Filled f(adaptive_strip(16, spacing));
-    const double z = f.mode(f.modes() - 1).beta * spacing / f.t.inverse_radius;
+    const double z = f.mode(f.modes() - 1).shape->wave_number() * spacing / f.t.inverse_radius;
     const double at_the_edge = std::exp(z) * (1 + z * (1 + z / 2 * (1 + z / 3)));
     EXPECT_GE(f.t.cubic_excess, at_the_edge);
     EXPECT_LE(f.t.cubic_excess, at_the_edge * (1 + z * z * z * z / 24));
@@ -185,7 +186,7 @@ TEST(FilledProof, WhatCubicsLeaveOutIsReachedAboutACrest) {
   for (const double spacing : {2e-5, 1e-4}) {
     const Filled f(strip(Support::pinned, 16, spacing));
     for (int k = 8; k < f.modes(); ++k) {
-      const double beta = f.mode(k).beta, z = beta * spacing / f.t.inverse_radius;
+      const double beta = f.mode(k).shape->wave_number(), z = beta * spacing / f.t.inverse_radius;
       const double size = f.t.largest_shape[k];
       const double value = size * (std::cos(z) - (1 - z * z / 2));
       const double slope = size * beta * (z - std::sin(z));
@@ -204,15 +205,15 @@ TEST(FilledProof, SlopeAndCurvatureOfTheBeamAreReached) {
       double slope = 0, curvature = 0;
       for (int i = 0; i <= 4000; ++i) {
         double d[3];
-        evaluate(f.mode(k), f.model.resonator.length, f.model.resonator.length * i / 4000, 3, d);
+        f.mode(k).shape->evaluate(f.model.resonator.length * i / 4000, 3, d);
         slope = std::max(slope, std::abs(d[1])), curvature = std::max(curvature, std::abs(d[2]));
       }
       EXPECT_GE(f.t.largest_slope[k], slope * (1 - 16 * eps)) << "mode " << k;
       EXPECT_GE(f.t.largest_curvature[k], curvature * (1 - 16 * eps)) << "mode " << k;
       // A free mode's parts are largest apart, and its exponential grows on behind the end:
       // LargestParts has each alone.
-      const bool exact = support == Support::pinned || f.mode(k).beta == 0;
-      const double behind = 2 * f.mode(k).beta * f.t.spacing / f.t.inverse_radius;
+      const bool exact = support == Support::pinned || f.mode(k).shape->wave_number() == 0;
+      const double behind = 2 * f.mode(k).shape->wave_number() * f.t.spacing / f.t.inverse_radius;
       const double parts = exact ? 1 + 1e-5 : 2.5 * std::exp(behind);
       EXPECT_LE(f.t.largest_slope[k], slope * parts) << "mode " << k;
       EXPECT_LE(f.t.largest_curvature[k], curvature * parts) << "mode " << k;
@@ -229,12 +230,11 @@ TEST(FilledProof, PushAndYieldAreReachedByTheFirstStep) {
   s.resonator.moving_forces = {{.force = -7, .speed = 30, .start = 0}};
   const Filled f(s);
   for (int k = 0; k < f.modes(); ++k) {
-    const Beam& beam = f.model.resonator;
-    const double turn = f.mode(k).omega * s.time.step,
-                 largest = largest_shape(f.mode(k), beam.length);
+    const BodyMode& mode = f.mode(k);
+    const double turn = mode.omega * s.time.step, largest = mode.shape->size();
     ASSERT_LT(turn, 0.02);
-    const double per_force = 1 / (beam.mass_per_length * (1 + 2 * beam.zeta * turn + turn * turn));
-    const double force = std::abs(beam.load[k]) + 7 * largest;
+    const double per_force = 1 / (mode.mass * (1 + 2 * mode.zeta * turn + turn * turn));
+    const double force = std::abs(f.model.resonator.load[k]) + 7 * largest;
     EXPECT_GE(f.t.push[k], force * per_force * (1 - 16 * eps)) << "mode " << k;
     EXPECT_LE(f.t.push[k], force * per_force * 1.03) << "mode " << k;
     EXPECT_GE(f.t.yield[k], largest * per_force * (1 - 16 * eps)) << "mode " << k;
@@ -248,11 +248,10 @@ TEST(FilledProof, TheFourthDerivativeOfWhatALoadBendsIsReached) {
   Scene s = adaptive_strip(1, 1e-3);
   s.resonator.load = 3;
   const Filled f(s);
-  const double rest = f.model.resonator.load[0] /
-                      (f.model.resonator.mass_per_length * std::pow(f.mode(0).omega, 2));
-  double crest;
-  evaluate(f.mode(0), s.resonator.length, 0.5 * s.resonator.length, 1, &crest);
-  const double fourth = std::pow(f.mode(0).beta * s.speed, 4) * std::abs(rest * crest);
+  const double rest = f.model.resonator.load[0] / (f.mode(0).mass * std::pow(f.mode(0).omega, 2));
+  const double crest = shape_at(f.mode(0), 0.5 * s.resonator.length);
+  const double fourth =
+      std::pow(f.mode(0).shape->wave_number() * s.speed, 4) * std::abs(rest * crest);
   EXPECT_GT(fourth, 0);
   EXPECT_NEAR(f.t.fourth_rest, fourth, 64 * eps * fourth);
   EXPECT_NEAR(f.t.rest[0], rest, 8 * eps * std::abs(rest));

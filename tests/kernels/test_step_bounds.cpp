@@ -47,8 +47,11 @@ Shares follow(const Mode& mode, const SchemeTable& table, double tau, int steps,
   // in long double: what is bounded is the steps' exact answer
   long double u = u0, v = v0;
   for (int n = 0; n < steps; ++n) {
-    const double bound = tau * tau * (b.pull * (energy + n * tau * b.force * f) + b.force * f);
-    const double grown = b.growth * (energy + n * tau * b.force * f);
+    const double bound =
+        tau * tau *
+        (b.acceleration_per_energy_norm * (energy + n * tau * b.acceleration_per_force * f) +
+         b.acceleration_per_force * f);
+    const double grown = b.growth * (energy + n * tau * b.acceleration_per_force * f);
     // of the sums here, in long double; and of the stages' places, in double
     const long double rounding = (n + 1.0L) * (8 * std::numeric_limits<long double>::epsilon() *
                                                    (std::abs(u0) + (n + 1) * tau * std::abs(v0)) +
@@ -148,12 +151,13 @@ TEST_P(BoundsOf, AreNotMuchMoreThanWhatHappensForSmallSteps) {
     const ModeStep w = table.prepare(mode, tau);
     const StepBounds b = bound_step(mode, w, table.place, tau, steps);
     EXPECT_LE(b.growth, 1 + 8 * x);
-    EXPECT_GE(b.pull, mode.omega * (1 - x));
-    EXPECT_LE(b.pull, mode.omega * (1 + 8 * x));
-    EXPECT_GE(b.force, 1 / mass * (1 - x));
+    EXPECT_GE(b.acceleration_per_energy_norm, mode.omega * (1 - x));
+    EXPECT_LE(b.acceleration_per_energy_norm, mode.omega * (1 + 8 * x));
+    EXPECT_GE(b.acceleration_per_force, 1 / mass * (1 - x));
     // a force adds 1/m; but RK8's stages take differences of forces that its end does not, with
     // weights that add up to 14
-    EXPECT_LE(b.force * mass, GetParam().time.scheme == SchemeKind::rk8 ? 15 : 1 + 8 * x);
+    EXPECT_LE(b.acceleration_per_force * mass,
+              GetParam().time.scheme == SchemeKind::rk8 ? 15 : 1 + 8 * x);
     const Shares free =
         follow(mode, table, tau, steps, 1, 0, 0, [](int, int, auto&) { return 0.0; });
     // n (n - 1)/2 or n^2/2 or n (n + 1)/2, over n (n + 1)/2

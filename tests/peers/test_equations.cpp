@@ -9,6 +9,7 @@
 
 #include "bench/peers/equations.hpp"
 #include "bench/peers/watched.hpp"
+#include "host/body/beam.hpp"
 #include "tests/dice.hpp"
 #include "tests/scenes.hpp"
 
@@ -57,10 +58,10 @@ struct State {
   std::vector<double> u2, u1, y;
 
   State(const Model& model, test::Dice& dice) {
-    for (const ModeShape& mode : model.resonator.modes)
-      u2.push_back(dice.uniform(-1e-6, 1e-6) / mode.largest);
-    for (const ModeShape& mode : model.slider.modes)
-      u1.push_back(dice.uniform(-1e-6, 1e-6) / mode.largest);
+    for (const BodyMode& mode : model.resonator.modes)
+      u2.push_back(dice.uniform(-1e-6, 1e-6) / mode.shape->largest());
+    for (const BodyMode& mode : model.slider.modes)
+      u1.push_back(dice.uniform(-1e-6, 1e-6) / mode.shape->largest());
     y = u2;
     y.insert(y.end(), u1.begin(), u1.end());
     const std::size_t modes = y.size();
@@ -68,14 +69,15 @@ struct State {
   }
 };
 
-/// What roundings may do to an overlap: to each psi those of its phase beta x, a few more, and one
-/// for each term of the sum; to the faces those of their sum and of the position in chi.
+/// Bound on the roundings of an overlap: of each psi those of its phase beta x, a few more, and one
+/// for each term of the sum; of the faces those of their sum and of the position in chi.
 double overlap_roundings(const Model& model, const State& state) {
   double sum = 4 * (model.delta + 1e-4);
-  const auto add = [&](const Beam& beam, const std::vector<double>& u) {
+  const auto add = [&](const Body& beam, const std::vector<double>& u) {
     for (std::size_t k = 0; k < u.size(); ++k)
-      sum += std::abs(u[k]) * beam.modes[k].largest *
-             (2 * beam.modes[k].beta * beam.length + 16 + static_cast<double>(u.size()));
+      sum += std::abs(u[k]) * beam.modes[k].shape->largest() *
+             (2 * beam.modes[k].shape->wave_number() * beam.length + 16 +
+              static_cast<double>(u.size()));
   };
   add(model.resonator, state.u2);
   add(model.slider, state.u1);
@@ -153,26 +155,26 @@ TEST_P(PeerEquations, RatesAndForcesAreTheSumsThatDefineThem) {
       for (int k = 0; k < modes; ++k) {
         double psi[2];
         const bool on_slider = k >= modes2;
-        const ModeShape& mode =
+        const BodyMode& mode =
             on_slider ? model.slider.modes[k - modes2] : model.resonator.modes[k];
-        evaluate(mode, on_slider ? model.slider.length : model.resonator.length,
-                 (on_slider ? n : position + n) * chi, 2, psi);
-        const double phase = mode.beta * model.resonator.length;
-        const double tolerance = eps * mode.largest * (2 * phase + 16);
+        mode.shape->evaluate((on_slider ? n : position + n) * chi, 2, psi);
+        const double phase = mode.shape->wave_number() * model.resonator.length;
+        const double tolerance = eps * mode.shape->largest() * (2 * phase + 16);
         EXPECT_NEAR(shapes(i, k), psi[0], tolerance);
         expected[k] -= node_force[i] * psi[0];
         rate += v[k] * psi[0];
         if (!on_slider) rate += model.scene.speed * state.y[k] * psi[1];
-        size += (16 + phase) * (std::abs(v[k]) * mode.largest +
+        size += (16 + phase) * (std::abs(v[k]) * mode.shape->largest() +
                                 model.scene.speed * std::abs(state.y[k]) *
-                                    (mode.beta * 2 * mode.largest + std::abs(mode.slope)));
+                                    (mode.shape->wave_number() * 2 * mode.shape->largest() +
+                                     std::abs(beam_shape(mode).slope)));
       }
       EXPECT_NEAR(rates[i], rate, 8 * eps * size);
     }
     for (int k = 0; k < modes; ++k) {
-      const double most =
-          k < modes2 ? model.resonator.modes[k].largest : model.slider.modes[k - modes2].largest;
-      const double beta = k < modes2 ? model.resonator.modes[k].beta : 0;
+      const double most = k < modes2 ? model.resonator.modes[k].shape->largest()
+                                     : model.slider.modes[k - modes2].shape->largest();
+      const double beta = k < modes2 ? model.resonator.modes[k].shape->wave_number() : 0;
       const double tolerance = 6 * eps * most * (2 * beta * model.resonator.length + 16);
       EXPECT_NEAR(force[k], expected[k], tolerance);
       EXPECT_NEAR(one_by_one[k], expected[k], tolerance);

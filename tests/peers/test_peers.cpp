@@ -73,17 +73,16 @@ TEST_P(Peer, OneModeAgainstOneNodeIsTheClosedForm) {
   Scene s = test::strip_scene(1, 0.0, 0.14, 0.02);
   s.slider.surface = test::peaks({{node * s.spacing, 40e-6, 0.5 * s.spacing}});
   s.gap = 40e-6 + gap;
-  const Beam beam = make_beam(s.resonator);
+  const Body beam = make_body(s.resonator);
   const double omega = beam.modes[0].omega;
-  double phi;
-  evaluate(beam.modes[0], beam.length, s.start + node * s.spacing, 1, &phi);
-  const double spring = 200 * beam.mass_per_length * std::pow(omega / phi, 2);
+  const double phi = shape_at(beam.modes[0], s.start + node * s.spacing);
+  const double spring = 200 * beam.modes[0].mass * std::pow(omega / phi, 2);
   s.contact.stiffness = spring / (s.spacing * 0.2);
 
   const double touch = gap / phi, speed = 3 * touch * omega;  // U at contact, V at the start
   const double onset = std::asin(touch * omega / speed) / omega;
   const double v = speed * std::cos(omega * onset);
-  const double stiff = spring * phi * phi / beam.mass_per_length;
+  const double stiff = spring * phi * phi / beam.modes[0].mass;
   const double omega_c = std::sqrt(omega * omega + stiff),
                rest = stiff * touch / (omega_c * omega_c);
   const double away = touch - rest, swing = std::hypot(away, v / omega_c);
@@ -164,8 +163,8 @@ TEST_P(Peer, ARigidBodyFallsAndBounces) {
   s.contact.stiffness = 1e12;
   constexpr double g = 9.80665, height = 1e-5;
   const double fall = std::sqrt(2 * height / g);
-  const Beam slider = make_beam(s.slider);
-  const double mass = slider.mass_per_length * slider.length;
+  const Body slider = make_body(s.slider);
+  const double mass = slider.mass;
   const double omega_c = std::sqrt(s.contact.stiffness * s.spacing * 0.02 / mass);
   const double v = g * fall, depth = g / (omega_c * omega_c);
   const double contact = (2 * pi - 2 * std::atan2(v / omega_c, depth)) / omega_c;

@@ -14,8 +14,8 @@
 #include "tests/effort.hpp"
 #include "tests/scenes.hpp"
 
-/// The adaptive scheme: what its answer may not depend on, what a sample holds, where it ends when
-/// it cannot go on. How far it is off: test_adaptive_errors.cpp.
+/// The adaptive scheme: its answer depends on neither launches, batches nor candidates; samples
+/// hold the contact law; it ends where it cannot go on. Its errors: test_adaptive_errors.cpp.
 namespace ra2d::test {
 namespace {
 
@@ -79,8 +79,7 @@ TEST(AdaptiveInvariance, OneStepALaunch) {
     const Recording whole = simulate(scene);
     ASSERT_EQ(whole.end.status, Status::done);
     EXPECT_GT(whole.end.contact_steps, 0);
-    // a launch to the next tick makes one step, and those of no length before it: contacts that
-    // begin
+    // a launch to the next tick makes one step, after steps of no length at which contacts begin
     Batch batch({whole.model}, {whole.start});
     Snapshot now = batch.snapshot(0);
     std::vector<double> rows;
@@ -107,18 +106,18 @@ TEST(AdaptiveInvariance, OtherScenesBesideItChangeNothing) {
   scenes[3].resonator.modes = 20;
   scenes.push_back(rough_scene(Support::rigid));  // of fixed steps
   scenes.back().duration = 1e-4;
-  const std::vector<Recording> together = simulate(scenes);
+  const std::vector<Recording> batch = simulate(scenes);
   const std::vector<Recording> in_pieces =
-      simulate(scenes, {.steps = together[2].model.steps / 97, .batch = {.room = {.samples = 7}}});
+      simulate(scenes, {.steps = batch[2].model.steps / 97, .batch = {.room = {.samples = 7}}});
   for (std::size_t i = 0; i < scenes.size(); ++i) {
     const Recording alone = simulate(scenes[i]);
-    EXPECT_TRUE(same(alone, together[i])) << "scene " << i;
+    EXPECT_TRUE(same(alone, batch[i])) << "scene " << i;
     EXPECT_TRUE(same(alone, in_pieces[i])) << "scene " << i;
   }
 }
 
 TEST(AdaptiveInvariance, AFullBufferHoldsTheMarchUp) {
-  // ... and loses nothing while nobody empties it
+  // and loses nothing while nobody empties it
   const Recording whole = simulate(kinds()[0]);
   Batch batch({whole.model}, {whole.start}, {.room = {.samples = 10}});
   for (int i = 0; i < 3; ++i) {
@@ -135,7 +134,7 @@ TEST(AdaptiveInvariance, AFullBufferHoldsTheMarchUp) {
 }
 
 TEST(AdaptiveSteps, EndWhereStatisticsBegin) {
-  // a beam that nothing is near to: it could fly to the end at once
+  // a beam with nothing near it: it could fly to the end at once
   Scene s = adaptive(lone_beam(2, 0.02), 1e-8);
   s.duration = 0.1;
   s.output.rate = 1e3;
@@ -153,10 +152,29 @@ TEST(AdaptiveSteps, EndWhereStatisticsBegin) {
 
 // ---- what a sample holds ----------------------------------------------------------------------
 
+/// Bound on the error of an overlap: roundings of its faces and of its modes, and what the windows'
+/// cubics leave out of the modes, at most 1e-13 of them [m].
+double overlap_error(const Model& m, const std::vector<double>& u2, const std::vector<double>& u1) {
+  double size = 0;
+  for (const double h : m.slider_height) size = std::max(size, std::abs(h) + std::abs(m.delta));
+  double high = 0, steepest = 0;
+  for (std::size_t n = 0; n + 1 < m.resonator_height.size(); ++n) {
+    high = std::max(high, std::abs(m.resonator_height[n]));
+    steepest = std::max(steepest, std::abs(m.resonator_height[n + 1] - m.resonator_height[n]));
+  }
+  size += high;
+  double displacements = 0;
+  for (std::size_t k = 0; k < u2.size(); ++k)
+    displacements += std::abs(u2[k]) * m.resonator.modes[k].shape->largest();
+  for (std::size_t k = 0; k < u1.size(); ++k)
+    displacements += std::abs(u1[k]) * m.slider.modes[k].shape->largest();
+  return 16 * eps * size + 4 * eps * m.position * steepest + 2e-13 * displacements;
+}
+
 TEST(AdaptiveSamples, HoldTheContactLaw) {
   // The overlaps that follow from a sample's displacements, by direct sums: their springs' force
   // and energy, and the number of nodes in contact.
-  int touching = 0, several = 0;
+  int touching = 0, in_two_or_more = 0;
   for (int seed = 1; seed <= draws(40); ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     // at the smallest tolerance all the terms of the shapes along the way are kept
@@ -172,24 +190,7 @@ TEST(AdaptiveSamples, HoldTheContactLaw) {
       };
       const std::vector<double> u2 = part(s.resonator_displacement, modes2),
                                 u1 = part(s.slider_displacement, modes1);
-      // Roundings of an overlap, of its faces and of its modes, and what the windows' cubics leave
-      // out of the modes: 1e-13 of them at the most
-      double size = 0;
-      for (const double h : r.model.slider_height)
-        size = std::max(size, std::abs(h) + std::abs(there.delta));
-      double high = 0, steepest = 0;
-      for (std::size_t n = 0; n + 1 < there.resonator_height.size(); ++n) {
-        high = std::max(high, std::abs(there.resonator_height[n]));
-        steepest =
-            std::max(steepest, std::abs(there.resonator_height[n + 1] - there.resonator_height[n]));
-      }
-      size += high;
-      double swing = 0;
-      for (std::size_t k = 0; k < modes2; ++k)
-        swing += std::abs(u2[k]) * there.resonator.modes[k].largest;
-      for (std::size_t k = 0; k < modes1; ++k)
-        swing += std::abs(u1[k]) * there.slider.modes[k].largest;
-      const double off = 16 * eps * size + 4 * eps * there.position * steepest + 2e-13 * swing;
+      const double off = overlap_error(there, u2, u1);
       double force = 0, energy = 0, blur = 0;
       int certain = 0, possible = 0;
       for (const double overlap : overlaps(there, u2, u1)) {
@@ -208,12 +209,12 @@ TEST(AdaptiveSamples, HoldTheContactLaw) {
                   std::sqrt(2 * energy * blur * off) + blur * off + 8 * eps * energy)
           << "sample " << i;
       touching += certain > 0;
-      several += certain > 1;
+      in_two_or_more += certain > 1;
     }
   }
   if (!draws_enough()) return;
   EXPECT_GT(touching, 200);
-  EXPECT_GT(several, 50);
+  EXPECT_GT(in_two_or_more, 50);
 }
 
 TEST(AdaptiveSamples, InFreeDecayAreTheClosedFormAtTheirTimes) {
@@ -238,8 +239,8 @@ TEST(AdaptiveSamples, InFreeDecayAreTheClosedFormAtTheirTimes) {
       const double w = model.resonator.modes[k].omega, v0 = start.resonator_v[k];
       for (std::size_t i = 0; i < r.samples.time.size(); ++i) {
         const auto [u, v] = state(k, i * 3.0L / 1e5L);
-        // a leap rounds to 8 eps and omega t to 1/2; some thirty leaps to a sample. Time: an ulp of
-        // it
+        // a leap rounds to 8 eps and omega t to 1/2 eps; some thirty leaps to a sample; an ulp of
+        // the time
         const double off = eps * (8 * 64 + 2 * w * r.samples.time[i]) * v0;
         EXPECT_NEAR(r.samples.resonator_velocity[4 * i + k], static_cast<double>(v), off);
         EXPECT_NEAR(r.samples.resonator_displacement[4 * i + k], static_cast<double>(u), off / w);
@@ -247,8 +248,7 @@ TEST(AdaptiveSamples, InFreeDecayAreTheClosedFormAtTheirTimes) {
       // what was lost of the energy is the integral of 2 zeta omega m V^2
       const long double last = (r.samples.time.size() - 1) * 3.0L / 1e5L;
       const auto [at_u, at_v] = state(k, last);
-      loss +=
-          0.5L * model.resonator.mass_per_length * (v0 * v0 - at_v * at_v - w * w * at_u * at_u);
+      loss += 0.5L * model.resonator.modes[0].mass * (v0 * v0 - at_v * at_v - w * w * at_u * at_u);
       const auto [u, v] = state(k, s.duration);
       if (zeta > 0) {
         const double square =
@@ -267,8 +267,8 @@ TEST(AdaptiveSamples, InFreeDecayAreTheClosedFormAtTheirTimes) {
 }
 
 TEST(AdaptiveSamples, HoldTheLossOfThousandsOfSteps) {
-  // Sums are closed every 4096 steps. A force that never comes keeps the march from flying: each
-  // window is a step, and the loss is what the modes miss of what they had.
+  // Sums are closed every 4096 steps. A force that never comes keeps the march from flying, so each
+  // window is a step. The loss is the energy that the modes no longer have.
   Scene s = adaptive(lone_beam(8, 0.02), 1e-12);
   s.speed = 10;
   s.start = 0.05;
@@ -307,8 +307,8 @@ TEST(AdaptiveSamples, StaticEquilibriumStaysAtRest) {
     EXPECT_EQ(r.end.open_shocks[0].start, 0);
     const double force = r.samples.force[0];
     EXPECT_GT(force, 0);
-    // equilibrium is found to some 1e-11 of the displacements, a few micrometres, and the overlap
-    // is a hundredth of them or more: what it rings with
+    // Equilibrium is exact to some 1e-11 of the displacements, a few micrometres, and the overlap
+    // is a hundredth of them or more. The rest rings.
     for (std::size_t i = 0; i < r.samples.time.size(); ++i)
       EXPECT_NEAR(r.samples.force[i], force, 1e-9 * force);
   }
@@ -317,7 +317,7 @@ TEST(AdaptiveSamples, StaticEquilibriumStaysAtRest) {
 // ---- bodies without modes ---------------------------------------------------------------------
 
 TEST(AdaptiveRigid, NothingMovesThroughThousandsOfWindows) {
-  // two rough faces that no mode moves: the contact is what the faces say
+  // two rough faces that no mode moves: the overlaps are those of the faces
   Scene s = adaptive(rough_scene(Support::rigid), 1e-8);
   s.resonator.support = Support::rigid;
   s.resonator.modes = 0;
@@ -330,9 +330,9 @@ TEST(AdaptiveRigid, NothingMovesThroughThousandsOfWindows) {
   for (std::size_t i = 1; i < r.samples.time.size(); ++i)
     gross += std::abs(r.samples.contact[i] - r.samples.contact[i - 1]);
   EXPECT_GT(gross, 0);
-  // What the springs hold is the work of the imposed motion. A step ends behind a kink of the face
-  // by 4 ulp of the position (a thousand chi) and two ticks, on each of some hundred kinks at once.
-  // Samples within a step know of the work of its beginning.
+  // The energy of the springs is the work of the imposed motion. A step ends up to 4 ulp of the
+  // position (a thousand chi) and two ticks behind a kink of the face, at some hundred kinks at
+  // once. A sample within a step has the work up to the step's beginning.
   for (std::size_t i = 0; i < r.samples.time.size(); ++i)
     ASSERT_NEAR(r.samples.sliding_work[i], r.samples.contact[i] - r.samples.contact.front(),
                 1e-11 * gross)
@@ -390,7 +390,7 @@ TEST(AdaptiveRoom, GrowsWithTheNodesInContact) {
   s.duration = 2e-3;
   const Recording r = simulate(s);
   EXPECT_EQ(r.end.status, Status::done);
-  EXPECT_GT(r.end.most_nodes, 512);  // several times what there is room for at first
+  EXPECT_GT(r.end.most_nodes, 512);  // more than the room at first
   EXPECT_TRUE(same(simulate(s, {.batch = {.room = {.nodes = 1000}}}), r));
 }
 

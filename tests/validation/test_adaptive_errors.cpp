@@ -14,8 +14,8 @@
 #include "tests/effort.hpp"
 #include "tests/scenes.hpp"
 
-/// How far the adaptive scheme is off: against closed forms, against itself at the smallest
-/// tolerance, and against small fixed steps.
+/// Errors of the adaptive scheme: against closed forms, against itself at the smallest tolerance,
+/// and against small fixed steps.
 namespace ra2d::test {
 namespace {
 
@@ -55,7 +55,7 @@ TEST(AdaptiveErrors, ABlockReboundsAsASpringLetsIt) {
       count_energy(model, start);
       const Recording r = simulate({model}, {start})[0];
       ASSERT_EQ(r.end.status, Status::done);
-      const double mass = model.slider.mass_per_length * s.slider.length;
+      const double mass = model.slider.mass;
       const double omega = std::sqrt(model.node_stiffness / mass), gap = 1e-6, touch = gap / v;
       double worst = 0;
       for (std::size_t i = 0; i < r.samples.time.size(); ++i) {
@@ -93,15 +93,15 @@ struct FirstTouch {
 
   /// The time at which a node comes to the beam, found by halving: U psi(x) first reaches the gap.
   double exact(const Model& model) const {
-    const ModeShape& mode = model.resonator.modes[0];
+    const BodyMode& mode = model.resonator.modes[0];
     const auto over = [&](long double t) {
       const long double now =
           u * std::cos(mode.omega * t) + v / mode.omega * std::sin(mode.omega * t);
       long double highest = -1;
       for (const double node : {0.0, scene.slider.length})
-        highest =
-            std::max(highest, now * static_cast<long double>(mode.sine) *
-                                  std::sin(mode.beta * (scene.start + node + scene.speed * t)));
+        highest = std::max(highest, now * static_cast<long double>(mode.shape->largest()) *
+                                        std::sin(mode.shape->wave_number() *
+                                                 (scene.start + node + scene.speed * t)));
       return highest - model.delta;
     };
     long double low = 0, high = 0;
@@ -112,7 +112,7 @@ struct FirstTouch {
     }
     return static_cast<double>(high);
   }
-  /// ... and that at which the march has the first shock begin.
+  /// The time at which the march has the first shock begin.
   double marched(const Model& model) const {
     ModalStart start = make_start(model);
     start.resonator_u[0] = u, start.resonator_v[0] = v;
@@ -142,11 +142,11 @@ TEST(AdaptiveErrors, AFlightThroughHundredsOfWindowsTouchesWhereItShould) {
   for (const double theta : {0.1, 0.35, 0.6, 0.9}) {
     SCOPED_TRACE(theta);
     FirstTouch touch = first_touch(0.02, 0.04, 60, 3.3e-4);
-    const ModeShape mode = make_beam(touch.scene.resonator).modes[0];
+    const BodyMode mode = make_body(touch.scene.resonator).modes[0];
     const double time = theta * touch.scene.spacing / touch.scene.speed;
     touch.u = 1e-5;
-    touch.scene.gap = touch.u * std::cos(mode.omega * time) * mode.sine *
-                      std::sin(mode.beta * (0.06 + touch.scene.speed * time));
+    touch.scene.gap = touch.u * std::cos(mode.omega * time) * mode.shape->largest() *
+                      std::sin(mode.shape->wave_number() * (0.06 + touch.scene.speed * time));
     // Over a spacing the overlap grows by some tenth of U psi: an error of the tolerance, 1e-12, is
     // ten of them in the time
     const Model model = make_model(touch.scene);
@@ -155,14 +155,14 @@ TEST(AdaptiveErrors, AFlightThroughHundredsOfWindowsTouchesWhereItShould) {
 }
 
 TEST(AdaptiveErrors, AFlightOverManyNodesEndsWhereTheBeamComesUp) {
-  // The slider passes a node every 0.2 ms, a quarter of a swing takes 5 ms: what keeps a flight
-  // from going on is the beam alone, thrown upwards to more than the gap.
+  // The slider passes a node every 0.2 ms, and a quarter of the oscillation takes 5 ms. The beam,
+  // thrown upwards to more than the gap, is all that ends a flight.
   for (const double share : {0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9}) {
     SCOPED_TRACE(share);
     FirstTouch touch = first_touch(1e-3, 0.14, 6, 6e-3);
-    const ModeShape mode = make_beam(touch.scene.resonator).modes[0];
+    const BodyMode mode = make_body(touch.scene.resonator).modes[0];
     touch.v = 1e-5 * mode.omega;
-    touch.scene.gap = share * 1e-5 * mode.sine;
+    touch.scene.gap = share * 1e-5 * mode.shape->largest();
     const Model model = make_model(touch.scene);
     // at share the beam still has sqrt(1 - share^2) of its speed, at 0.9 less than a half
     EXPECT_NEAR(touch.marched(model), touch.exact(model), 1e-10 / mode.omega);
@@ -218,8 +218,8 @@ std::vector<Case> cases() {
   return all;
 }
 
-/// The error at a tolerance is below it; a hundredth of the tolerance makes it smaller; until it is
-/// roundings.
+/// The error at a tolerance is below it, and a hundredth of the tolerance makes it smaller, until
+/// roundings are left.
 TEST(AdaptiveErrors, AreBelowTheTolerance) {
   for (const Case& each : cases()) {
     SCOPED_TRACE(std::string(each.name) + ", kappa " +
@@ -240,7 +240,7 @@ TEST(AdaptiveErrors, AreBelowTheTolerance) {
       EXPECT_LT(error, factor * tolerance + floor) << tolerance;
       EXPECT_LT(error, before + floor) << tolerance;
       EXPECT_EQ(r.end.shocks_begun, reference.end.shocks_begun) << tolerance;
-      // What damping takes is known less well than the state: 40 tolerances at zeta = 2. And a step
+      // The damping loss is less exact than the state: 40 tolerances at zeta = 2. And a step
       // ends up to two ticks and 4 ulp of the position behind a kink of the face.
       const double kinks = 2 * r.model.advance + 4 * eps * (r.model.position + 1);
       EXPECT_LT(std::abs(r.energy.relative()), 100 * tolerance + 20 * kinks) << tolerance;

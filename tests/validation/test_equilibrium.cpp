@@ -32,7 +32,7 @@ Scene resting_block() {
   return s;
 }
 
-/// Forces at rest, found here from scratch.
+/// Forces at rest, computed here independently.
 struct Balance {
   double worst = 0;     // N m^(-1/2), largest residual of a mode's equation
   double rounding = 0;  // N m^(-1/2), what the roundings of the gaps make of it
@@ -46,13 +46,14 @@ Balance balance(const Model& m, const ModalStart& start) {
   Balance b;
   std::vector<double> residual2, residual1;
   double size = 0, heights = std::abs(m.delta), psi_sum = 0;
-  const auto elastic = [&](const Beam& beam, const std::vector<double>& u,
+  const auto elastic = [&](const Body& beam, const std::vector<double>& u,
                            std::vector<double>& residual) {
     for (std::size_t k = 0; k < u.size(); ++k) {
-      const double pull = beam.mass_per_length * beam.modes[k].omega * beam.modes[k].omega * u[k];
-      residual.push_back(beam.load[k] - pull);
-      size += std::abs(beam.load[k]) + std::abs(pull);
-      heights += std::abs(u[k]) * beam.modes[k].largest;
+      const double elastic_force =
+          beam.modes[k].mass * beam.modes[k].omega * beam.modes[k].omega * u[k];
+      residual.push_back(beam.load[k] - elastic_force);
+      size += std::abs(beam.load[k]) + std::abs(elastic_force);
+      heights += std::abs(u[k]) * beam.modes[k].shape->largest();
     }
   };
   elastic(m.resonator, start.resonator_u, residual2);
@@ -66,15 +67,15 @@ Balance balance(const Model& m, const ModalStart& start) {
     b.force += f;
     b.moment += f * (n * chi - m.scene.slider.length / 2);
     double psi = 0;
-    const auto push = [&](const Beam& beam, double x, std::vector<double>& residual) {
+    const auto add_contact_force = [&](const Body& beam, double x, std::vector<double>& residual) {
       for (std::size_t k = 0; k < residual.size(); ++k) {
-        evaluate(beam.modes[k], beam.length, x, 1, &psi);
+        beam.modes[k].shape->evaluate(x, 1, &psi);
         residual[k] -= f * psi;
         psi_sum += std::abs(psi);
       }
     };
-    push(m.resonator, m.scene.start + n * chi, residual2);
-    push(m.slider, n * chi, residual1);
+    add_contact_force(m.resonator, m.scene.start + n * chi, residual2);
+    add_contact_force(m.slider, n * chi, residual1);
   }
   for (const auto* residual : {&residual2, &residual1})
     for (const double r : *residual) b.worst = std::max(b.worst, std::abs(r));
@@ -91,7 +92,7 @@ void expect_balanced(const Model& model, const ModalStart& start) {
   EXPECT_NEAR(start.contact_force, b.force, 1e-12 * b.force);
   // Newton's method ends when the potential no longer feels a step: what is left of a residual is
   // then within 1e-9 of the forces, or their roundings.
-  EXPECT_LT(b.worst, b.rounding + 1e-9 * b.force * model.resonator.modes[0].largest);
+  EXPECT_LT(b.worst, b.rounding + 1e-9 * b.force * model.resonator.modes[0].shape->largest());
   if (model.scene.slider.support != Support::free) return;
   const double weight = model.slider.load_force, length = model.slider.length;
   // the rigid modes' residuals are force and moment, but for their norms
@@ -154,7 +155,7 @@ TEST(Equilibrium, BeginsWithTheEnergyOfItsModesAndItsSprings) {
   const ModalStart start = make_start(m);
   double elastic = 0, springs = 0;
   for (std::size_t k = 0; k < start.resonator_u.size(); ++k)
-    elastic += 0.5 * m.resonator.mass_per_length *
+    elastic += 0.5 * m.resonator.modes[0].mass *
                std::pow(m.resonator.modes[k].omega * start.resonator_u[k], 2);
   for (const double over : overlaps(m, start.resonator_u, start.slider_u))
     springs += 0.5 * m.node_stiffness * std::pow(std::max(0.0, over), 2);
@@ -176,9 +177,9 @@ TEST(Equilibrium, IsFoundUnderMultipliersOnAnyFaces) {
     const std::vector<double> over = overlaps(model, start.resonator_u, start.slider_u);
     double size = std::abs(model.delta);
     for (std::size_t k = 0; k < start.resonator_u.size(); ++k)
-      size += std::abs(start.resonator_u[k]) * model.resonator.modes[k].largest;
+      size += std::abs(start.resonator_u[k]) * model.resonator.modes[k].shape->largest();
     for (std::size_t k = 0; k < start.slider_u.size(); ++k)
-      size += std::abs(start.slider_u[k]) * model.slider.modes[k].largest;
+      size += std::abs(start.slider_u[k]) * model.slider.modes[k].shape->largest();
     // flat on flat nothing moves: a hundredth of an atom's nucleus will do
     EXPECT_LE(*std::max_element(over.begin(), over.end()), 1e-12 * size + 1e-17);
   }
@@ -204,7 +205,7 @@ TEST(Equilibrium, IsFoundUnderSpringsOfAnyStiffness) {
     // from overlaps that are right to the roundings of what they are the difference of
     double size = std::abs(model.delta);
     for (std::size_t k = 0; k < start.slider_u.size(); ++k)
-      size += std::abs(start.slider_u[k]) * model.slider.modes[k].largest;
+      size += std::abs(start.slider_u[k]) * model.slider.modes[k].shape->largest();
     const double rounding =
         64 * ulp * size * model.node_stiffness *
         static_cast<double>(std::max<std::size_t>(1, start.loaded_nodes.size()));
@@ -280,7 +281,7 @@ TEST(Equilibrium, PinnedSliderDeflectsAsABeamUnderEvenLoad) {
     EXPECT_EQ(start.loaded_nodes.size(), 0u);
     double middle = 0, psi = 0, series = 0;
     for (std::size_t k = 0; k < start.slider_u.size(); ++k) {
-      evaluate(model.slider.modes[k], s.slider.length, s.slider.length / 2, 1, &psi);
+      model.slider.modes[k].shape->evaluate(s.slider.length / 2, 1, &psi);
       middle += start.slider_u[k] * psi;
     }
     for (int n = 1; n <= modes; n += 2)
@@ -297,7 +298,7 @@ TEST(Equilibrium, PlateUnderOneContactDeflectsAsABeamUnderAPointForce) {
   Scene s = resting_block();
   s.start = 0.024;  // the block's middle over the plate's
   s.resonator.modes = 101;
-  // two peaks beside the middle, so that it stands
+  // two peaks next to the middle, so that the slider stands
   s.slider.surface = peaks({{.at = 0.006 - 4e-5, .height = 1e-5, .half_width = 3e-5},
                             {.at = 0.006 + 4e-5, .height = 1e-5, .half_width = 3e-5}});
   const Model model = make_model(s);
@@ -306,7 +307,7 @@ TEST(Equilibrium, PlateUnderOneContactDeflectsAsABeamUnderAPointForce) {
   EXPECT_EQ(start.loaded_nodes.size(), 2u);
   double middle = 0, psi = 0;
   for (std::size_t k = 0; k < start.resonator_u.size(); ++k) {
-    evaluate(model.resonator.modes[k], s.resonator.length, s.resonator.length / 2, 1, &psi);
+    model.resonator.modes[k].shape->evaluate(s.resonator.length / 2, 1, &psi);
     middle += start.resonator_u[k] * psi;
   }
   const double inertia = s.resonator.width * std::pow(s.resonator.thickness, 3) / 12;
@@ -338,20 +339,20 @@ TEST(Equilibrium, NothingMovesWhenNothingSlides) {
       // Each step's gaps are rounded anew; the force that this leaves accelerates the modes. At
       // worst it adds up over the whole run without anything to bring them back.
       const Balance b = balance(run.model, run.start);
-      const double light =
-          std::min(run.model.resonator.mass_per_length, run.model.slider.mass_per_length);
+      const double smallest_mass =
+          std::min(run.model.resonator.modes[0].mass, run.model.slider.modes[0].mass);
       const double time = s.duration;
-      const double drift = 0.5 * b.rounding / light * time * time;
+      const double drift = 0.5 * b.rounding / smallest_mass * time * time;
       const auto expect_still = [&](const std::vector<double>& u0, const std::vector<double>& u,
                                     const std::vector<double>& v) {
         for (std::size_t k = 0; k < u.size(); ++k) {
           EXPECT_NEAR(u[k], u0[k], drift);
-          EXPECT_NEAR(v[k], 0, b.rounding / light * time);
+          EXPECT_NEAR(v[k], 0, b.rounding / smallest_mass * time);
         }
       };
       expect_still(run.start.resonator_u, run.end.resonator_u, run.end.resonator_v);
       expect_still(run.start.slider_u, run.end.slider_u, run.end.slider_v);
-      // ... and that is nothing beside the deflection
+      // and that is negligible against the deflection
       EXPECT_LT(drift, 1e-3 * std::abs(run.start.resonator_u[0]));
       EXPECT_LT(run.end.energy - run.start.energy, 1e-9 * run.start.energy);
       // the contact force is still the same
@@ -381,16 +382,15 @@ TEST(Equilibrium, UnderMultipliersNothingOverlapsAndTheLoadedNodesAloneCarry) {
       // a gap's roundings: its terms' sum, and one for each mode
       double highest = 0;
       for (const double h : m.slider_height) highest = std::max(highest, std::abs(h));
-      double heights = std::abs(m.delta) + highest;
+      double heights = std::abs(m.delta) + highest, size = 0;
       std::vector<double> residual;
-      double size = 0;
-      const auto elastic = [&](const Beam& beam, const std::vector<double>& u) {
+      const auto elastic = [&](const Body& beam, const std::vector<double>& u) {
         for (std::size_t k = 0; k < u.size(); ++k) {
-          const double pull =
-              beam.mass_per_length * beam.modes[k].omega * beam.modes[k].omega * u[k];
-          residual.push_back(beam.load[k] - pull);
-          size = std::max({size, std::abs(beam.load[k]), std::abs(pull)});
-          heights += std::abs(u[k]) * beam.modes[k].largest;
+          const double elastic_force =
+              beam.modes[k].mass * beam.modes[k].omega * beam.modes[k].omega * u[k];
+          residual.push_back(beam.load[k] - elastic_force);
+          size = std::max({size, std::abs(beam.load[k]), std::abs(elastic_force)});
+          heights += std::abs(u[k]) * beam.modes[k].shape->largest();
         }
       };
       elastic(m.resonator, start.resonator_u);
@@ -406,10 +406,9 @@ TEST(Equilibrium, UnderMultipliersNothingOverlapsAndTheLoadedNodesAloneCarry) {
         const int n = start.loaded_nodes[e];
         EXPECT_NEAR(over[n], 0, rounding);
         Eigen::Index k = 0;
-        for (const ModeShape& mode : m.resonator.modes)
-          evaluate(mode, m.resonator.length, (m.position + n) * s.spacing, 1, &shapes(k++, e));
-        for (const ModeShape& mode : m.slider.modes)
-          evaluate(mode, m.slider.length, n * s.spacing, 1, &shapes(k++, e));
+        for (const BodyMode& mode : m.resonator.modes)
+          shapes(k++, e) = shape_at(mode, (m.position + n) * s.spacing);
+        for (const BodyMode& mode : m.slider.modes) shapes(k++, e) = shape_at(mode, n * s.spacing);
       }
       const Eigen::Map<const Eigen::VectorXd> missing(residual.data(), residual.size());
       const Eigen::VectorXd forces = shapes.colPivHouseholderQr().solve(missing);

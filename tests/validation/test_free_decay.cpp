@@ -15,8 +15,8 @@
 #include "host/run/samples.hpp"
 #include "tests/scenes.hpp"
 
-/// Bodies that vibrate and touch nothing: every mode is a damped oscillator, known exactly, and so
-/// is what backward Euler makes of it.
+/// Bodies that vibrate and touch nothing: every mode is a damped oscillator. Its motion, and the
+/// motion that backward Euler gives it, have closed forms.
 namespace {
 
 using namespace ra2d;
@@ -56,8 +56,8 @@ Scene scene_of(const Case& c) {
   return s;
 }
 
-/// So many steps of a length, with a sample at the beginning, at the end, and `samples` - 1
-/// between.
+/// Sets the number and the length of the steps, with a sample at the beginning, at the end, and
+/// `samples` - 1 between.
 void set_steps(Scene& s, double step, int steps, int samples = 1) {
   s.time.step = step;
   s.duration = steps * step;
@@ -76,13 +76,10 @@ std::vector<double> joined(const std::vector<double>& a, const std::vector<doubl
   out.insert(out.end(), b.begin(), b.end());
   return out;
 }
-std::vector<ModeShape> modes_of(const Model& m) {
-  std::vector<ModeShape> modes = m.resonator.modes;
+std::vector<BodyMode> modes_of(const Model& m) {
+  std::vector<BodyMode> modes = m.resonator.modes;
   modes.insert(modes.end(), m.slider.modes.begin(), m.slider.modes.end());
   return modes;
-}
-const Beam& body_of(const Model& m, std::size_t k) {
-  return k < m.resonator.modes.size() ? m.resonator : m.slider;
 }
 
 struct Start {
@@ -90,10 +87,10 @@ struct Start {
 };
 
 double energy_of(const Model& m, const std::vector<double>& u, const std::vector<double>& v) {
-  const std::vector<ModeShape> modes = modes_of(m);
+  const std::vector<BodyMode> modes = modes_of(m);
   double sum = 0;
   for (std::size_t k = 0; k < modes.size(); ++k)
-    sum += 0.5 * body_of(m, k).mass_per_length * (v[k] * v[k] + std::pow(modes[k].omega * u[k], 2));
+    sum += 0.5 * modes[k].mass * (v[k] * v[k] + std::pow(modes[k].omega * u[k], 2));
   return sum;
 }
 
@@ -123,7 +120,7 @@ Start random_start(const Model& m, unsigned seed) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> uniform(0.5, 1);
   Start start;
-  for (const ModeShape& mode : modes_of(m)) {
+  for (const BodyMode& mode : modes_of(m)) {
     start.u.push_back(mode.omega > 0 ? 1e-3 * uniform(random) / mode.omega : 1e-6);
     start.v.push_back(1e-3 * uniform(random));
   }
@@ -177,13 +174,12 @@ INSTANTIATE_TEST_SUITE_P(Decay, FreeDecay, testing::ValuesIn(cases),
 
 /// Distance of the run's end from the exact one: energy norm of mode k, or of all.
 double error_of(const March& run, const Start& start, double time) {
-  const std::vector<ModeShape> modes = modes_of(run.model);
+  const std::vector<BodyMode> modes = modes_of(run.model);
   const std::vector<double> u = u_of(run.end), v = v_of(run.end);
   double sum = 0;
   for (std::size_t k = 0; k < modes.size(); ++k) {
     if (modes[k].omega == 0) continue;
-    const State end =
-        exact(modes[k].omega, body_of(run.model, k).zeta, start.u[k], start.v[k], time);
+    const State end = exact(modes[k].omega, modes[k].zeta, start.u[k], start.v[k], time);
     sum += std::pow(norm(modes[k].omega, u[k] - end.u, v[k] - end.v), 2);
   }
   return std::sqrt(sum);
@@ -208,7 +204,7 @@ TEST_P(FreeDecay, SingleModesConvergeAtFirstOrder) {
   Scene scene = scene_of(GetParam());
   set_steps(scene, 1e-6, 1);
   const Model model = make_model(scene);
-  const std::vector<ModeShape> modes = modes_of(model);
+  const std::vector<BodyMode> modes = modes_of(model);
   for (std::size_t k = 0; k < modes.size(); ++k) {
     if (modes[k].omega == 0) continue;
     Start start = random_start(model, 1);
@@ -233,7 +229,7 @@ TEST_P(FreeDecay, SuperpositionConvergesAtFirstOrder) {
   set_steps(scene, 1e-6, 1);
   const Model model = make_model(scene);
   double lowest = 1e300, highest = 0;
-  for (const ModeShape& mode : modes_of(model)) {
+  for (const BodyMode& mode : modes_of(model)) {
     if (mode.omega > 0) lowest = std::min(lowest, mode.omega);
     highest = std::max(highest, mode.omega);
   }
@@ -252,10 +248,10 @@ TEST_P(FreeDecay, IsTheSchemesOwnClosedForm) {
   const Model model = make_model(scene);
   const Start start = random_start(model, 3);
   const March run = march(scene, start);
-  const std::vector<ModeShape> modes = modes_of(run.model);
+  const std::vector<BodyMode> modes = modes_of(run.model);
   const std::vector<double> u = u_of(run.end), v = v_of(run.end);
   for (std::size_t k = 0; k < modes.size(); ++k) {
-    const double omega = modes[k].omega, zeta = body_of(run.model, k).zeta;
+    const double omega = modes[k].omega, zeta = modes[k].zeta;
     const State end = discrete(omega, zeta, scene.time.step, steps, start.u[k], start.v[k]);
     if (omega == 0) {
       EXPECT_EQ(v[k], start.v[k]);  // a rigid mode drifts, and nothing rounds its velocity
@@ -280,7 +276,7 @@ TEST_P(FreeDecay, EnergyGoesWhereItShould) {
   const Model model = make_model(scene);
   const Start start = random_start(model, 4);
   const March run = march(scene, start);
-  const std::vector<ModeShape> modes = modes_of(run.model);
+  const std::vector<BodyMode> modes = modes_of(run.model);
   ASSERT_EQ(run.samples.time.size(), samples + 1);
 
   std::vector<State> y;
@@ -294,7 +290,7 @@ TEST_P(FreeDecay, EnergyGoesWhereItShould) {
       const std::size_t i = static_cast<std::size_t>(step) * samples / steps;
       long double kinetic = 0, elastic = 0;
       for (std::size_t k = 0; k < modes.size(); ++k) {
-        const double m = body_of(run.model, k).mass_per_length;
+        const double m = modes[k].mass;
         kinetic += 0.5L * m * y[k].v * y[k].v;
         elastic += 0.5L * m * std::pow(modes[k].omega * y[k].u, 2);
       }
@@ -309,15 +305,15 @@ TEST_P(FreeDecay, EnergyGoesWhereItShould) {
       EXPECT_EQ(run.samples.load_work[i], 0);
     }
     for (std::size_t k = 0; k < modes.size(); ++k) {
-      const Beam& body = body_of(run.model, k);
+      const BodyMode& mode = modes[k];
       const State old = y[k];
-      const Matrix map = one_step(modes[k].omega, body.zeta, scene.time.step);
+      const Matrix map = one_step(mode.omega, mode.zeta, scene.time.step);
       y[k] = {map.a[0][0] * old.u + map.a[0][1] * old.v, map.a[1][0] * old.u + map.a[1][1] * old.v};
       if (step == steps) continue;
-      damping += 2 * static_cast<long double>(body.zeta) * modes[k].omega * body.mass_per_length *
+      damping += 2 * static_cast<long double>(mode.zeta) * mode.omega * mode.mass *
                  scene.time.step * y[k].v * y[k].v;
-      scheme += 0.5L * body.mass_per_length *
-                (std::pow(y[k].v - old.v, 2) + std::pow(modes[k].omega * (y[k].u - old.u), 2));
+      scheme += 0.5L * mode.mass *
+                (std::pow(y[k].v - old.v, 2) + std::pow(mode.omega * (y[k].u - old.u), 2));
       if (k < run.model.resonator.modes.size()) square += y[k].v * y[k].v;
     }
   }
@@ -335,11 +331,10 @@ TEST_P(FreeDecay, DampingLossConvergesToTheEnergyLost) {
   const Start start = random_start(model, 5);
   constexpr double time = 2e-3;
   double lost = energy_of(model, start.u, start.v);
-  const std::vector<ModeShape> modes = modes_of(model);
+  const std::vector<BodyMode> modes = modes_of(model);
   for (std::size_t k = 0; k < modes.size(); ++k) {
-    const State end = exact(modes[k].omega, body_of(model, k).zeta, start.u[k], start.v[k], time);
-    lost -=
-        0.5 * body_of(model, k).mass_per_length * std::pow(norm(modes[k].omega, end.u, end.v), 2);
+    const State end = exact(modes[k].omega, modes[k].zeta, start.u[k], start.v[k], time);
+    lost -= 0.5 * modes[k].mass * std::pow(norm(modes[k].omega, end.u, end.v), 2);
   }
   double coarse = 0;
   int steps = 50'000;
@@ -363,10 +358,10 @@ TEST(RigidModes, OfASliderDriftUniformlyAndFallUnderALoad) {
   const March run = march(scene, {{0, 2e-6, -1e-6}, {0, 1e-3, 2e-3}});
   // translation: V = V0 + n tau F/m, U = U0 + n tau V0 + n (n + 1)/2 tau^2 F/m; a rounding a step
   // in each, V's carried on by U, and three in the coefficient
-  const long double push = static_cast<long double>(scene.time.step) * model.slider.load[0] /
-                           model.slider.mass_per_length;
-  const long double n = steps, v = 1e-3L + n * push;
-  const long double u = 2e-6L + scene.time.step * (n * 1e-3L + n * (n + 1) / 2 * push);
+  const long double velocity_per_step =
+      static_cast<long double>(scene.time.step) * model.slider.load[0] / model.slider.modes[0].mass;
+  const long double n = steps, v = 1e-3L + n * velocity_per_step;
+  const long double u = 2e-6L + scene.time.step * (n * 1e-3L + n * (n + 1) / 2 * velocity_per_step);
   EXPECT_NEAR(run.end.slider_v[0], static_cast<double>(v), steps * eps * static_cast<double>(v));
   EXPECT_NEAR(run.end.slider_u[0], static_cast<double>(u),
               2 * steps * eps * static_cast<double>(u));

@@ -14,8 +14,8 @@
 #include "tests/schemes.hpp"
 #include "tests/simulate.hpp"
 
-/// Impacts on a penalty spring: what the kinks of the force at onset and release cost each scheme,
-/// in state and in energy. And contact where a scheme takes it inside a step: leaving out the nodes
+/// Impacts on a penalty spring: the errors in state and energy that the kinks of the force at onset
+/// and release give each scheme. And contact at the stages inside a step: leaving out the nodes
 /// that cannot touch still changes nothing.
 namespace ra2d::test {
 namespace {
@@ -28,10 +28,10 @@ INSTANTIATE_TEST_SUITE_P(Schemes, EveryScheme, testing::ValuesIn(schemes_and_imp
 
 // ---- one impact
 
-/// A rigid body on a peak of a rigid face: a mass m L that comes with a speed, is on the spring for
-/// half a period, and leaves with the speed that it came with. Nothing else moves, and free flight
-/// is exact in all schemes; so the errors are those of the impact. In units of the speed and of
-/// omega_c: everything depends on z = omega_c tau and on where in a step the onset falls.
+/// A rigid body that falls on a peak of a rigid face: a mass m L that stays on the spring for half
+/// a period and leaves at the speed at which it came. Nothing else moves, and free flight is exact
+/// in all schemes, so all errors are those of the impact. In units of the speed and of omega_c they
+/// depend on z = omega_c tau and on where in a step the onset falls.
 struct Bounce {
   Model model;
   ModalStart start;
@@ -40,8 +40,8 @@ struct Bounce {
 };
 constexpr double speed = 0.01;  // m/s
 
-/// Coming from `steps_before` steps, not a whole number, away; for 1.5 radians after the half
-/// period.
+/// Starts `steps_before` steps (not a whole number) before the onset, and ends 1.5 radians after
+/// the half period.
 Bounce bounce(const Scheme& scheme, double z, double steps_before) {
   Scene s = with(strip_scene(0, 0, 0.1, 0.02), scheme);
   s.resonator = rigid(s.resonator);
@@ -50,7 +50,7 @@ Bounce bounce(const Scheme& scheme, double z, double steps_before) {
   const auto steps = static_cast<std::int64_t>(std::ceil(steps_before + (pi + 1.5) / z));
   set_steps(s, 1e-6, steps);
   s.gap = 40e-6 + speed * s.time.step * steps_before;
-  const double mass = make_beam(s.slider).mass_per_length * s.slider.length;
+  const double mass = make_body(s.slider).mass;
   Bounce b;
   b.omega = z / s.time.step;
   s.contact.stiffness = b.omega * b.omega * mass / (s.spacing * s.slider.width);
@@ -64,13 +64,13 @@ Bounce bounce(const Scheme& scheme, double z, double steps_before) {
   return b;
 }
 
-/// What an impact does wrong: the state (energy norm, over the speed), and the energy that it gives
-/// back, the logarithm of its share.
+/// Errors of an impact: of the state (energy norm, over the speed), and of the energy that it gives
+/// back (logarithm of its share).
 struct Wrong {
   double state, energy;
 };
-/// Over onsets all over a step and, with slightly different z, all over a step for the release: the
-/// root of the mean square, and every one.
+/// Errors over onsets all over a step and, as z varies slightly, over releases all over a step:
+/// root mean square, and each of them.
 std::vector<Wrong> impacts(const Scheme& scheme, double z) {
   std::vector<Model> models;
   std::vector<ModalStart> starts;
@@ -179,7 +179,7 @@ TEST_P(EveryScheme, RandomScenesAreTheSameBitForBitOverAllNodesAndCandidates) {
   EXPECT_LT(evaluated, 0.95 * steps_nodes);
 }
 
-/// Steep faces and a plate that hardly moves: what decides is where the nodes stand.
+/// Steep faces and a plate that hardly moves: the places of the nodes decide which of them touch.
 TEST_P(EveryScheme, NodesThatPassSteepPlacesWithinAStepAreTheSame) {
   for (const double advance : {0.013, 0.17, 0.31, 0.5, 0.77, 0.99, 1.3, 4.7}) {
     SCOPED_TRACE(advance);
@@ -200,8 +200,8 @@ TEST_P(EveryScheme, NodesThatPassSteepPlacesWithinAStepAreTheSame) {
   }
 }
 
-/// The slider's position, some 20 000 chi, is rounded to 3.6e-12 chi: here it stands still for tens
-/// of steps, then moves by one rounding; and stages stand in between.
+/// The slider's position, some 20 000 chi, is rounded to 3.6e-12 chi. Here it stays for tens of
+/// steps, then moves by one rounding, with stages in between.
 TEST_P(EveryScheme, CreepSlowerThanTheRoundingOfThePositionIsTheSame) {
   Scene s = with(plate_scene(1, 2e-4, 0.004), GetParam());
   s.spacing = 1e-5;
@@ -223,8 +223,8 @@ TEST_P(EveryScheme, CreepSlowerThanTheRoundingOfThePositionIsTheSame) {
     }
 }
 
-/// The first steps from rest: where outer forces have hardly done any work yet, nothing looks like
-/// energy out of nowhere.
+/// The first steps from rest: outer forces have hardly done any work yet, and nothing is taken for
+/// energy from nowhere.
 TEST_P(EveryScheme, NoFalseAlarmFromRestUnderALoadAndAMovingForce) {
   for (const bool free : {true, false}) {
     Scene s = with(plate_scene(3, 0.004, 0.004, 0.3), GetParam());
@@ -279,9 +279,9 @@ TEST(Batches, SchemesBesideEachOtherGiveTheSameBitsAsAlone) {
   std::vector<Scene> scenes;
   for (const Scheme& scheme : schemes_and_implicit())
     for (const Scene& scene : rough_scenes(scheme)) scenes.push_back(scene);
-  const std::vector<Recording> together = simulate(scenes, {.steps = 211, .batch = {}});
+  const std::vector<Recording> batch = simulate(scenes, {.steps = 211, .batch = {}});
   for (std::size_t i = 0; i < scenes.size(); ++i)
-    EXPECT_TRUE(same(simulate(scenes[i]), together[i])) << "scene " << i;
+    EXPECT_TRUE(same(simulate(scenes[i]), batch[i])) << "scene " << i;
 }
 
 }  // namespace

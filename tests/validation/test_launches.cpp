@@ -21,8 +21,8 @@
 #include "tests/scenes.hpp"
 #include "tests/simulate.hpp"
 
-/// The answer of a scene does not depend on where a run is cut into launches, on the buffers, on
-/// padding, or on the scenes beside it: bit for bit.
+/// The answer of a scene does not depend, to the last bit, on where a run is cut into launches, on
+/// buffers, on padding, or on the other scenes of its batch.
 namespace ra2d::test {
 namespace {
 
@@ -89,7 +89,7 @@ TEST(Launches, TheFirstIsShortWhereStepsAreCostly) {
   EXPECT_LE(LaunchLength(make_model(scene)).steps(), std::max<std::int64_t>(1, usual / 20'000));
 }
 
-/// What a batch of one scene hands out.
+/// Results of a batch of one scene.
 void take(Outcome& out, Batch& batch) {
   const Drained drained = batch.drain(0);
   out.lanes = drained.lanes;
@@ -163,12 +163,12 @@ TEST(Launches, OtherScenesBesideItChangeNothing) {
   scenes[4].slider.length = 0.02;
   scenes[5].spacing = 1e-5;
   scenes[5].duration = 1e-4;
-  const std::vector<Recording> together = simulate(scenes);
+  const std::vector<Recording> batch = simulate(scenes);
   for (std::size_t i = 0; i < scenes.size(); ++i)
-    EXPECT_TRUE(same(simulate(scenes[i]), together[i])) << "scene " << i;
+    EXPECT_TRUE(same(simulate(scenes[i]), batch[i])) << "scene " << i;
   const std::vector<Recording> in_pieces = simulate(scenes, {.steps = 777, .batch = {}});
   for (std::size_t i = 0; i < scenes.size(); ++i)
-    EXPECT_TRUE(same(together[i], in_pieces[i])) << "scene " << i;
+    EXPECT_TRUE(same(batch[i], in_pieces[i])) << "scene " << i;
 }
 
 TEST(Launches, SamplesBetweenTwoStepsAreInterpolatedLinearly) {

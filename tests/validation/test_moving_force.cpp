@@ -41,11 +41,12 @@ void set_steps(Scene& s, double duration, int steps, int samples = 1) {
   s.output.rate = samples / duration;
 }
 
-/// (pi/L) sqrt(D/m): a force of this speed passes a half wave of the first mode in half its period.
+/// (pi/L) sqrt(D/m) = omega L/pi of the first mode: a force of this speed passes a half wave of the
+/// first mode in half its period.
 double critical_speed() {
   Scene s = crossing(1);
-  const Beam beam = make_beam(s.resonator);
-  return pi / beam.length * std::sqrt(beam.stiffness / beam.mass_per_length);
+  const Body beam = make_body(s.resonator);
+  return beam.modes[0].omega * beam.length / pi;
 }
 
 struct State {
@@ -54,9 +55,9 @@ struct State {
 
 /// Mode k (from 0) at a time: U'' + omega^2 U = p sin(Omega t), from rest, until the force leaves
 /// at L/v.
-State mode_at(const Beam& beam, int k, double speed, double time) {
+State mode_at(const Body& beam, int k, double speed, double time) {
   const double omega = beam.modes[k].omega, drive = (k + 1) * pi * speed / beam.length;
-  const double p = force / beam.mass_per_length * std::sqrt(2 / beam.length);
+  const double p = force / beam.modes[0].mass * std::sqrt(2 / beam.length);
   const double left = beam.length / speed, t = std::min(time, left);
   State y;
   if (std::abs(drive - omega) < 1e-9 * omega) {
@@ -72,7 +73,7 @@ State mode_at(const Beam& beam, int k, double speed, double time) {
   return {y.u * c + y.v / omega * s, y.v * c - omega * y.u * s};
 }
 
-double deflection(const Beam& beam, double x, double speed, double time) {
+double deflection(const Body& beam, double x, double speed, double time) {
   double sum = 0;
   for (int k = 0; k < modes; ++k)
     sum += mode_at(beam, k, speed, time).u * std::sqrt(2 / beam.length) *
@@ -80,18 +81,18 @@ double deflection(const Beam& beam, double x, double speed, double time) {
   return sum;
 }
 
-double energy(const Beam& beam, double speed, double time) {
+double energy(const Body& beam, double speed, double time) {
   double sum = 0;
   for (int k = 0; k < modes; ++k) {
     const State y = mode_at(beam, k, speed, time);
-    sum += 0.5 * beam.mass_per_length * (y.v * y.v + std::pow(beam.modes[k].omega * y.u, 2));
+    sum += 0.5 * beam.modes[k].mass * (y.v * y.v + std::pow(beam.modes[k].omega * y.u, 2));
   }
   return sum;
 }
 
 TEST(MovingForceSeries, SolvesTheEquationOfMotion) {
   // The reference itself, by central differences: h^2/12 omega_max^4 U and the rounding eps U/h^2.
-  const Beam beam = make_beam(crossing(1).resonator);
+  const Body beam = make_body(crossing(1).resonator);
   for (const double ratio : {0.4, 1.0, 1.7}) {
     const double speed = ratio * critical_speed(), left = beam.length / speed;
     for (int k = 0; k < modes; ++k)
@@ -101,10 +102,10 @@ TEST(MovingForceSeries, SolvesTheEquationOfMotion) {
         const State y = mode_at(beam, k, speed, time);
         const double before = mode_at(beam, k, speed, time - h).u;
         const double after = mode_at(beam, k, speed, time + h).u;
-        const double p = time < left ? force / beam.mass_per_length * std::sqrt(2 / beam.length) *
+        const double p = time < left ? force / beam.modes[0].mass * std::sqrt(2 / beam.length) *
                                            std::sin(drive * time)
                                      : 0.0;
-        const double top = force / beam.mass_per_length * std::sqrt(2 / beam.length);
+        const double top = force / beam.modes[0].mass * std::sqrt(2 / beam.length);
         // all terms are of the order p (secular ones times the angle passed, below 10); h omega =
         // 1e-3
         EXPECT_NEAR((after - 2 * y.u + before) / (h * h) + omega * omega * y.u, p, 1e-5 * top);
@@ -131,7 +132,7 @@ Errors errors_of(const Scene& scene, double speed) {
   const test::Recording run = test::simulate(scene);
   EXPECT_EQ(run.end.status, Status::done);
   EXPECT_EQ(run.end.contact_steps, 0);
-  const Beam& beam = run.model.resonator;
+  const Body& beam = run.model.resonator;
   const double middle = 0.5 * beam.length;
   Errors e;
   for (std::size_t i = 0; i < run.samples.time.size(); ++i) {
@@ -174,7 +175,7 @@ struct ByHand {
   long double work = 0, dissipation = 0;
 };
 ByHand march_by_hand(const Model& model, const std::vector<MovingForce>& forces, int steps) {
-  const Beam& beam = model.resonator;
+  const Body& beam = model.resonator;
   ByHand y{std::vector<long double>(modes, 0), std::vector<long double>(modes, 0)};
   const long double tau = model.scene.time.step;
   for (int n = 0; n < steps; ++n)
@@ -184,15 +185,15 @@ ByHand march_by_hand(const Model& model, const std::vector<MovingForce>& forces,
       for (const MovingForce& each : forces) {
         const long double x = each.start + n * (each.speed * tau);
         if (x >= 0 && x <= beam.length)
-          f += each.force * static_cast<long double>(beam.modes[k].sine) *
-               std::sin(static_cast<long double>(beam.modes[k].beta) * x);
+          f += each.force * static_cast<long double>(beam.modes[k].shape->largest()) *
+               std::sin(static_cast<long double>(beam.modes[k].shape->wave_number()) * x);
       }
       const long double v1 =
-          (y.v[k] - tau * omega * omega * y.u[k] + tau * f / beam.mass_per_length) /
+          (y.v[k] - tau * omega * omega * y.u[k] + tau * f / beam.modes[0].mass) /
           (1 + omega * omega * tau * tau);
       y.work += tau * f * v1;
       y.dissipation +=
-          0.5L * beam.mass_per_length * (std::pow(v1 - y.v[k], 2) + std::pow(omega * tau * v1, 2));
+          0.5L * beam.modes[0].mass * (std::pow(v1 - y.v[k], 2) + std::pow(omega * tau * v1, 2));
       y.u[k] += tau * v1;
       y.v[k] = v1;
     }
@@ -213,8 +214,8 @@ TEST_P(MovingForceSpeeds, IsBackwardEulerToTheLastRoundings) {
   for (int k = 0; k < modes; ++k)
     scale += std::hypot(static_cast<double>(hand.v[k]),
                         run.model.resonator.modes[k].omega * static_cast<double>(hand.u[k]));
-  const double reach = force / run.model.resonator.mass_per_length *
-                       run.model.resonator.modes[0].sine * scene.time.step;
+  const double reach = force / run.model.resonator.modes[0].mass *
+                       run.model.resonator.modes[0].shape->largest() * scene.time.step;
   const double tolerance = steps * eps * (4 * scale + 20 * reach);
   for (int k = 0; k < modes; ++k) {
     EXPECT_NEAR(run.end.resonator_v[k], static_cast<double>(hand.v[k]), tolerance);
@@ -248,14 +249,14 @@ TEST_P(MovingForceSpeeds, AdaptiveStepsKeepTheirTolerance) {
   Scene scene = crossing(speed);
   set_steps(scene, 1.5 * scene.resonator.length / speed, 1, 200);
   scene.time.scheme = SchemeKind::adaptive;
-  const Beam beam = make_beam(scene.resonator);
+  const Body beam = make_body(scene.resonator);
   double most_u = 0, most_v = 0, most = 0;
   for (int i = 0; i <= 200; ++i) {
     const double t = scene.duration * i / 200;
     most_u = std::max(most_u, std::abs(deflection(beam, 0.15, speed, t)));
     most = std::max(most, energy(beam, speed, t));
   }
-  most_v = std::sqrt(2 * most / beam.mass_per_length) * std::sqrt(2 / beam.length);
+  most_v = std::sqrt(2 * most / beam.modes[0].mass) * std::sqrt(2 / beam.length);
   for (const double tolerance : {1e-4, 1e-6, 1e-8, 1e-10, 1e-12}) {
     scene.time.tolerance = tolerance;
     const Errors e = errors_of(scene, speed);
@@ -313,8 +314,8 @@ TEST(MovingForce, TwoForcesSuperpose) {
     for (int k = 0; k < modes; ++k)
       scale += std::hypot(runs[i].end.resonator_v[k],
                           runs[i].model.resonator.modes[k].omega * runs[i].end.resonator_u[k]);
-  const double reach = 14 / runs[0].model.resonator.mass_per_length *
-                       runs[0].model.resonator.modes[0].sine * one.time.step;
+  const double reach = 14 / runs[0].model.resonator.modes[0].mass *
+                       runs[0].model.resonator.modes[0].shape->largest() * one.time.step;
   const double tolerance = steps * eps * (4 * scale + 20 * reach);  // as above
   for (int k = 0; k < modes; ++k) {
     EXPECT_NEAR(runs[0].end.resonator_v[k] + runs[1].end.resonator_v[k], runs[2].end.resonator_v[k],

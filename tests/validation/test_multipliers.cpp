@@ -20,8 +20,8 @@
 #include "tests/schemes.hpp"
 #include "tests/simulate.hpp"
 
-/// Contact forces that are found with the end of the step: Lagrange multipliers with every scheme
-/// that takes them, and backward Euler with the penalty force of the new time.
+/// Contact forces that are solved for with the end of the step: Lagrange multipliers with every
+/// scheme that allows them, and backward Euler with the penalty force of the new time.
 namespace ra2d::test {
 namespace {
 
@@ -53,7 +53,7 @@ const auto kind_name = [](const auto& info) { return std::string(kinds[info.para
 INSTANTIATE_TEST_SUITE_P(Schemes, Multipliers, testing::Range(0, multipliers), kind_name);
 INSTANTIATE_TEST_SUITE_P(Schemes, HeldForces, testing::Range(0, all_kinds), kind_name);
 
-/// The rough scene, pressed together, sampled at every step.
+/// The rough scene under a load, sampled at every step.
 Scene pressed_scene(Support slider, const Scheme& kind) {
   Scene s = with(rough_scene(slider), kind);
   s.resonator.modes = 12;
@@ -67,7 +67,7 @@ Scene pressed_scene(Support slider, const Scheme& kind) {
 
 // ---- the conditions, over whole runs ------------------------------------------------------------
 
-/// Gaps by direct evaluation, and how far from zero roundings may leave them.
+/// Gaps by direct evaluation, and a bound on their roundings.
 class Gaps {
  public:
   explicit Gaps(const Model& model) : m_{model} {
@@ -79,9 +79,9 @@ class Gaps {
       steepest_ =
           std::max(steepest_, std::abs(m_.resonator_height[n + 1] - m_.resonator_height[n]));
     for (int n = 0; n < m_.nodes(); ++n)
-      for (const ModeShape& mode : m_.slider.modes) {
+      for (const BodyMode& mode : m_.slider.modes) {
         slider_.push_back(0);
-        evaluate(mode, m_.slider.length, n * m_.scene.spacing, 1, &slider_.back());
+        mode.shape->evaluate(n * m_.scene.spacing, 1, &slider_.back());
       }
   }
   /// Largest overlap, and the number of nodes that touch to within `bound`.
@@ -97,9 +97,7 @@ class Gaps {
       const std::size_t next = std::min<std::size_t>(base + n + 1, m_.resonator_height.size() - 1);
       long double u1_n = 0, u2_n = 0;
       for (std::size_t k = 0; k < m_.resonator.modes.size(); ++k) {
-        double psi = 0;
-        evaluate(m_.resonator.modes[k], m_.resonator.length, (position + n) * m_.scene.spacing, 1,
-                 &psi);
+        const double psi = shape_at(m_.resonator.modes[k], (position + n) * m_.scene.spacing);
         u2_n += static_cast<long double>(psi) * u2[k];
       }
       for (std::size_t k = 0; k < modes1; ++k)
@@ -118,9 +116,9 @@ class Gaps {
   double bound(const std::vector<double>& ends) const {
     double sum = 0;
     for (std::size_t k = 0; k < m_.resonator.modes.size(); ++k)
-      sum += m_.resonator.modes[k].largest * ends[k];
+      sum += m_.resonator.modes[k].shape->largest() * ends[k];
     for (std::size_t k = 0; k < m_.slider.modes.size(); ++k)
-      sum += m_.slider.modes[k].largest * ends[m_.resonator.modes.size() + k];
+      sum += m_.slider.modes[k].shape->largest() * ends[m_.resonator.modes.size() + k];
     const double positions = static_cast<double>(m_.resonator_height.size());
     return ulp * (16 * highest_ + 64 * sum + 2 * positions * steepest_);
   }
@@ -160,7 +158,7 @@ void expect_momentum(const Recording& r) {
   const Model& m = r.model;
   const SampleBlock& s = r.samples;
   const std::size_t modes1 = m.slider.modes.size();
-  const double inertia = m.slider.mass_per_length * std::sqrt(m.slider.length) / m.scene.time.step;
+  const double inertia = m.slider.modes[0].mass * std::sqrt(m.slider.length) / m.scene.time.step;
   const double load = m.slider.load[0] * std::sqrt(m.slider.length);
   // midpoint's velocity half a step before: samples without contact hold that of their own time
   const double lead = m.scene.time.scheme == SchemeKind::midpoint ? 0.5 * load / inertia : 0.0;
@@ -176,9 +174,9 @@ void expect_momentum(const Recording& r) {
   }
 }
 
-/// Stored energy and losses never exceed what was put in: the contact takes f times the gap before
+/// Stored energy and losses never exceed the work put in: the contact takes f times the gap before
 /// the step, and gives nothing. The work of the imposed motion is summed from the rise of the faces
-/// at the end of each step, which leaves the square of its way.
+/// at the end of each step, which leaves an error of the square of the step's way.
 void expect_no_energy_from_nowhere(const Recording& r) {
   const SampleBlock& s = r.samples;
   double turnover = 0;
@@ -190,7 +188,7 @@ void expect_no_energy_from_nowhere(const Recording& r) {
   }
 }
 
-/// Nothing touches: the law must not be felt. Every scheme of second order or more falls exactly.
+/// Nothing touches: the law has no effect. Every scheme of second order or more falls exactly.
 TEST(MultipliersInFlight, MidpointFallsAsItDoesUnderPenalty) {
   for (const ContactLaw law : {ContactLaw::penalty, ContactLaw::multiplier}) {
     SCOPED_TRACE(law == ContactLaw::penalty ? "penalty" : "multiplier");
@@ -203,7 +201,7 @@ TEST(MultipliersInFlight, MidpointFallsAsItDoesUnderPenalty) {
     s.gap = 1;
     s.output.rate = 1e5;
     const Recording r = simulate(s);
-    const double acceleration = r.model.slider.load[0] / r.model.slider.mass_per_length;
+    const double acceleration = r.model.slider.load[0] / r.model.slider.modes[0].mass;
     const std::size_t modes = r.model.slider.modes.size();
     ASSERT_GT(r.samples.time.size(), 2u);
     for (std::size_t i = 0; i < r.samples.time.size(); ++i) {
@@ -272,10 +270,9 @@ Scene resting_scene(const std::vector<int>& nodes, const Scheme& kind) {
   return with(s, kind);
 }
 
-/// What roundings of the gaps may do to a resting slider: of its weight, an overlap off by e moves
-/// the slider's mass by e in a step, 2 M e/tau^2 at the most; twice that when the step before had
-/// the other sign. And the kinetic energy of what such a force f moves in a step, of any mode:
-/// (tau f phi)^2/2m.
+/// Bounds on the effect of roundings of the gaps on a resting slider. Force: an overlap off by e
+/// moves the slider's mass by e in a step, at most 2 M e/tau^2; twice that when the step before had
+/// the other sign. Kinetic energy: such a force f gives a mode (tau f phi)^2/2m in a step.
 void expect_rest(const Recording& r) {
   ASSERT_EQ(r.end.status, Status::done);
   const Model& m = r.model;
@@ -284,13 +281,13 @@ void expect_rest(const Recording& r) {
   for (const double u : r.start.resonator_u) ends.push_back(std::abs(u));
   for (const double u : r.start.slider_u) ends.push_back(std::abs(u));
   const double off = gaps.bound(ends), tau = m.scene.time.step;
-  const double mass = m.slider.mass_per_length * m.slider.length;
+  const double mass = m.slider.mass;
   const double weight = m.slider.load[0] * std::sqrt(m.slider.length);
   const double shaken = 4 * mass * off / (tau * tau);
-  const double yield = largest_shape(m.slider) + largest_shape(m.resonator);
+  const double compliance = largest_shape(m.slider) + largest_shape(m.resonator);
   for (std::size_t i = 0; i < r.samples.time.size(); ++i) {
     ASSERT_NEAR(r.samples.force[i], weight, shaken) << "sample " << i;
-    ASSERT_LE(r.samples.kinetic[i], 0.5 * std::pow(tau * shaken, 2) * yield) << "sample " << i;
+    ASSERT_LE(r.samples.kinetic[i], 0.5 * std::pow(tau * shaken, 2) * compliance) << "sample " << i;
   }
   EXPECT_EQ(r.end.contact_steps, m.steps);
 }
@@ -318,9 +315,9 @@ TEST(MultipliersOfHeun, StiffModeShakesARestingSlider) {
   s.duration = 3e-3;
   const Recording shaken = simulate(s);
   ASSERT_EQ(shaken.end.status, Status::done);
-  const Beam& slider = shaken.model.slider;
-  EXPECT_GT(slider.modes[2].omega * s.time.step, 8 * slider.zeta);
-  const double mass = slider.mass_per_length * slider.length;
+  const Body& slider = shaken.model.slider;
+  EXPECT_GT(slider.modes[2].omega * s.time.step, 8 * slider.modes[0].zeta);
+  const double mass = slider.mass;
   const double rate = slider.load[0] * std::sqrt(slider.length) / mass * s.time.step;
   const auto& kinetic = shaken.samples.kinetic;
   const double most = *std::max_element(kinetic.begin(), kinetic.end());
@@ -329,7 +326,7 @@ TEST(MultipliersOfHeun, StiffModeShakesARestingSlider) {
 
   s.time.step = 1e-8;
   s.output.rate = 1e7;
-  EXPECT_LT(slider.modes[2].omega * s.time.step, 2 * slider.zeta);
+  EXPECT_LT(slider.modes[2].omega * s.time.step, 2 * slider.modes[0].zeta);
   expect_rest(simulate(s));
 }
 
@@ -401,15 +398,14 @@ Started plate_on_a_peak(int modes, double duration, int steps, const Scheme& kin
   s = with(s, kind);
   Started c{make_model(s), {}};
   c.start = make_start(c.model);
-  c.start.resonator_v[0] = 0.02 / c.model.resonator.modes[0].largest;
+  c.start.resonator_v[0] = 0.02 / c.model.resonator.modes[0].shape->largest();
   count_energy(c.model, c.start);
   return c;
 }
 Vector shape_at_the_peak(const Model& m) {
   Vector phi(m.resonator.modes.size());
   for (int k = 0; k < phi.size(); ++k)
-    evaluate(m.resonator.modes[k], m.resonator.length, m.scene.start + 10 * m.scene.spacing, 1,
-             &phi[k]);
+    m.resonator.modes[k].shape->evaluate(m.scene.start + 10 * m.scene.spacing, 1, &phi[k]);
   return phi;
 }
 /// (omega U, V) at the end.
@@ -451,8 +447,8 @@ TEST_P(Multipliers, ImpactOfAPlateKeepsWhatTheProjectionLeaves) {
     const Vector phi = shape_at_the_peak(c.model);
     const double omega = c.model.resonator.modes[0].omega, rate = c.start.resonator_v[0];
     // sine of the first mode's phase when it meets the peak: so much of its energy is elastic
-    const double swing = omega * (*c.model.scene.gap - 1e-5) / (phi[0] * rate);
-    const double expected = 1 - (1 - swing * swing) * phi[0] * phi[0] / phi.squaredNorm();
+    const double sine = omega * (*c.model.scene.gap - 1e-5) / (phi[0] * rate);
+    const double expected = 1 - (1 - sine * sine) * phi[0] * phi[0] / phi.squaredNorm();
     for (const double share : left) EXPECT_LE(share, 1 + 1e-6);
     if (!stops_on_the_face(kind())) continue;
     // taken to tau = 0 along the first order; the second is a hundredth of that here
@@ -464,17 +460,17 @@ TEST_P(Multipliers, ImpactOfAPlateKeepsWhatTheProjectionLeaves) {
 
 TEST(ImplicitPenalty, BecomesTheMultiplier) {
   // One impact of a plate of six modes, at a fixed step: with the compliance c = 1/(kappa chi w)
-  // beside W of the node, f = o/(W + c), so what is left falls like c/W, as 1/kappa.
+  // against W of the node, f = o/(W + c), so the difference falls like c/W, as 1/kappa.
   constexpr double duration = 1.2e-4;
   const Vector hard = end_of(plate_on_a_peak(6, duration, 1200, backward_euler));
   double softer = 0;
   for (int decade = 3; decade <= 8; ++decade) {
     Started c = plate_on_a_peak(6, duration, 1200, implicit);
     const Vector phi = shape_at_the_peak(c.model);
-    const double yield = std::pow(c.model.scene.time.step, 2) / c.model.resonator.mass_per_length *
-                         phi.squaredNorm();
+    const double compliance =
+        std::pow(c.model.scene.time.step, 2) / c.model.resonator.modes[0].mass * phi.squaredNorm();
     const double ratio = std::pow(10.0, -decade);
-    c.model.node_stiffness = 1 / (ratio * yield);
+    c.model.node_stiffness = 1 / (ratio * compliance);
     const double error = (end_of(c) - hard).norm() / hard.norm();
     // the next term is c/W smaller, with the number of steps in contact before it
     if (decade > 3) {
@@ -519,20 +515,20 @@ TEST_P(Multipliers, BlockedSceneIsReportedAndTheOthersGoOn) {
     models.push_back(c.model);
     starts.push_back(c.start);
   }
-  Batch together(models, starts);
-  together.march(free.model.steps);
-  EXPECT_EQ(together.snapshot(1).status, Status::blocked);
-  EXPECT_EQ(together.snapshot(1).step, 0);
-  EXPECT_EQ(together.snapshot(2).status, Status::done);
-  EXPECT_GT(together.snapshot(2).contact_steps, 0);
+  Batch batch(models, starts);
+  batch.march(free.model.steps);
+  EXPECT_EQ(batch.snapshot(1).status, Status::blocked);
+  EXPECT_EQ(batch.snapshot(1).step, 0);
+  EXPECT_EQ(batch.snapshot(2).status, Status::done);
+  EXPECT_GT(batch.snapshot(2).contact_steps, 0);
   Batch alone({free.model}, {free.start});
   alone.march(free.model.steps);
   for (const int scene : {0, 3}) {
-    EXPECT_EQ(together.snapshot(scene).status, Status::done);
+    EXPECT_EQ(batch.snapshot(scene).status, Status::done);
     EXPECT_TRUE(
-        same("slider displacement", alone.snapshot(0).slider_u, together.snapshot(scene).slider_u));
+        same("slider displacement", alone.snapshot(0).slider_u, batch.snapshot(scene).slider_u));
     EXPECT_TRUE(same("resonator velocity", alone.snapshot(0).resonator_v,
-                     together.snapshot(scene).resonator_v));
+                     batch.snapshot(scene).resonator_v));
   }
 }
 
@@ -541,7 +537,7 @@ TEST_P(Multipliers, BlockedSceneIsReportedAndTheOthersGoOn) {
 TEST_P(HeldForces, RandomScenesAreTheSameBitForBit) {
   // at rest, creeping, up to several nodes a step; schemes within their limits and far beyond
   const int scenes = draws(60);
-  int touching = 0, several = 0;
+  int touching = 0, in_two_or_more = 0;
   double evaluated = 0, steps_nodes = 0;
   for (int seed = 1; seed <= scenes; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
@@ -556,14 +552,14 @@ TEST_P(HeldForces, RandomScenesAreTheSameBitForBit) {
     const Outcome some = march(c.model, c.start, Nodes::candidates);
     EXPECT_TRUE(same(all, some));
     touching += all.end.contact_steps > 0;
-    several += all.end.most_nodes > 1;
+    in_two_or_more += all.end.most_nodes > 1;
     if (all.end.status != Status::done) continue;
     evaluated += static_cast<double>(some.end.evaluated);
     steps_nodes += static_cast<double>(all.end.evaluated);
   }
   if (!draws_enough()) return;
   EXPECT_GE(touching, scenes / 2);
-  EXPECT_GE(several, scenes / 5);
+  EXPECT_GE(in_two_or_more, scenes / 5);
   EXPECT_LT(evaluated, 0.7 * steps_nodes);
 }
 
@@ -658,9 +654,9 @@ TEST_P(HeldForces, LaunchesBuffersAndPaddingGiveTheSameBits) {
 
 TEST_P(HeldForces, OtherScenesBesideItChangeNothing) {
   const std::vector<Scene> scenes = pressed_scenes(kind());
-  const std::vector<Recording> together = simulate(scenes);
+  const std::vector<Recording> batch = simulate(scenes);
   for (std::size_t i = 0; i < scenes.size(); ++i)
-    EXPECT_TRUE(same(simulate(scenes[i]), together[i])) << "scene " << i;
+    EXPECT_TRUE(same(simulate(scenes[i]), batch[i])) << "scene " << i;
 }
 
 }  // namespace

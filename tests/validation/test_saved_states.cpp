@@ -9,8 +9,8 @@
 #include "tests/looks.hpp"
 #include "tests/schemes.hpp"
 
-/// What a march carries is all that it needs: whatever else is thrown away between launches, the
-/// answer keeps its bits. And room that runs out in the middle of a run changes nothing either.
+/// The saved state is all that a march needs: the rest is thrown away between launches, and the
+/// answer keeps its bits. It also keeps them where room runs out in the middle of a run.
 namespace ra2d::test {
 namespace {
 
@@ -88,7 +88,7 @@ TEST(Room, RunsOutAndGrowsWithTheSameBits) {
     ASSERT_GT(expected.end.most_nodes, 1);
     for (const int nodes : {1, 2, 3})
       EXPECT_TRUE(same(expected, simulate(scene, {.batch = {.room = {.nodes = nodes}}})))
-          << nodes << " nodes at first, found together: " << found_together;
+          << nodes << " nodes at first, found at once: " << found_together;
   }
 }
 

@@ -65,8 +65,8 @@ Errors errors_of(const Recording& run, const std::vector<Oscillator>& modes) {
   return most;
 }
 
-/// A scheme with where its order is looked for: so that errors are small against the motion and
-/// large against roundings, over `levels` halvings.
+/// A scheme and the steps at which its order is measured, over `levels` halvings: errors there are
+/// small against the motion and large against roundings.
 struct Case {
   Scheme scheme;
   double x;    // omega tau at the coarsest, of the fastest mode
@@ -85,7 +85,7 @@ INSTANTIATE_TEST_SUITE_P(Schemes, OrderOf,
                                          Case{schemes_and_implicit()[7], 0.02, 1, 1}),
                          [](const auto& info) { return info.param.scheme.name; });
 
-/// Marches the scenes that `prepare(level)` makes, side by side.
+/// Marches the scenes that `prepare(level)` makes, in one batch.
 template <class Prepare>
 std::vector<Recording> at_all_levels(const Prepare& prepare) {
   std::vector<Model> models;
@@ -113,19 +113,20 @@ void expect_order(const std::vector<double>& errors, int order, double x, const 
       << what;
 }
 
-/// The beam, swinging; `turns` in radians of the fastest mode, a sample about every radian.
-struct Swing {
+/// A vibrating beam; `turns` in radians of the fastest mode, a sample about every radian.
+struct Vibrating {
   Model model;
   ModalStart start;
 };
-Swing swing(const Scheme& scheme, int modes, double zeta, double x, double turns, int level) {
+Vibrating vibrating(const Scheme& scheme, int modes, double zeta, double x, double turns,
+                    int level) {
   Scene s = with(lone_beam(modes, zeta), scheme);
-  const Beam beam = make_beam(s.resonator);
+  const Body beam = make_body(s.resonator);
   const double apart = std::max(1.0, x);
   const int samples = static_cast<int>(std::round(turns / apart));
   const int steps = samples * static_cast<int>(std::round(apart / x)) << level;
   set_steps(s, turns / beam.modes.back().omega / steps, steps, samples);
-  Swing out{make_model(s), {}};
+  Vibrating out{make_model(s), {}};
   out.start = make_start(out.model);
   for (int k = 0; k < modes; ++k) {
     out.start.resonator_u[k] = 1e-3 / beam.modes[k].omega;
@@ -136,7 +137,7 @@ Swing swing(const Scheme& scheme, int modes, double zeta, double x, double turns
 std::vector<Oscillator> oscillators(const Model& model, const ModalStart& start) {
   std::vector<Oscillator> out;
   for (std::size_t k = 0; k < model.resonator.modes.size(); ++k)
-    out.push_back({model.resonator.modes[k].omega, model.resonator.zeta, 0, 0, 0,
+    out.push_back({model.resonator.modes[k].omega, model.resonator.modes[0].zeta, 0, 0, 0,
                    start.resonator_u[k], start.resonator_v[k]});
   return out;
 }
@@ -147,7 +148,7 @@ TEST_P(OrderOf, FreeDampedModes) {
   for (const double zeta : {0.02, 0.3}) {
     SCOPED_TRACE(zeta);
     const auto runs = at_all_levels(
-        [&](int level) { return swing(c.scheme, exact ? 4 : 1, zeta, c.x, 12, level); });
+        [&](int level) { return vibrating(c.scheme, exact ? 4 : 1, zeta, c.x, 12, level); });
     std::vector<double> u, v;
     for (const Recording& run : runs) {
       const Errors e = errors_of(run, oscillators(run.model, run.start));
@@ -170,7 +171,7 @@ TEST(ExactScheme, IsExactAtLargeStepsToo) {
       SCOPED_TRACE(testing::Message() << "zeta " << zeta << ", x " << x);
       Scene s = with(lone_beam(3, zeta), schemes[6]);
       const int steps = 1000;
-      set_steps(s, x / make_beam(s.resonator).modes.back().omega, steps, 100);
+      set_steps(s, x / make_body(s.resonator).modes.back().omega, steps, 100);
       const Model model = make_model(s);
       ModalStart start = make_start(model);
       start.resonator_u = {1e-6, -1e-6, 1e-7};
@@ -191,9 +192,9 @@ TEST_P(OrderOf, ModesUnderASmoothForce) {
   constexpr double force = 2, from = 0.05;
   double speed = 0;
   const auto runs = at_all_levels([&](int level) {
-    Swing out = swing(c.scheme, modes, 0.02, c.x, 15, level);
+    Vibrating out = vibrating(c.scheme, modes, 0.02, c.x, 15, level);
     Scene s = out.model.scene;
-    const Beam beam = make_beam(s.resonator);
+    const Body beam = make_body(s.resonator);
     // from 0.05 m to 0.25 m of 0.3 m while the fastest mode turns by 15: mode 3 is driven at 0.42
     // of its frequency, mode 2 at 0.6, mode 1 at 1.3
     speed = 0.2 / s.duration;
@@ -204,9 +205,9 @@ TEST_P(OrderOf, ModesUnderASmoothForce) {
   std::vector<double> u, v;
   for (const Recording& run : runs) {
     std::vector<Oscillator> reference = oscillators(run.model, run.start);
-    const Beam& beam = run.model.resonator;
+    const Body& beam = run.model.resonator;
     for (int k = 0; k < modes; ++k) {
-      reference[k].p = force / beam.mass_per_length * std::sqrt(2 / beam.length);
+      reference[k].p = force / beam.modes[0].mass * std::sqrt(2 / beam.length);
       reference[k].drive = (k + 1) * pi * speed / beam.length;
       reference[k].phase = (k + 1) * pi * from / beam.length;
     }
@@ -233,8 +234,8 @@ TEST_P(OrderOf, AMassUnderItsLoadOnASpringOfContact) {
   s.slider.load = load;
   s.slider.surface = peaks({{.at = 0.002, .height = height, .half_width = s.spacing}});
   s.initial = Initial::rest;
-  const Beam slider = make_beam(s.slider);
-  const double mass = slider.mass_per_length * s.slider.length, k = mass * omega * omega;
+  const Body slider = make_body(s.slider);
+  const double mass = slider.mass, k = mass * omega * omega;
   s.contact.stiffness = k / s.spacing / s.slider.width;
   const double rest = load / k, begin = 0.5 * rest, end = 7.0;
   s.gap = height - begin;
@@ -263,7 +264,7 @@ TEST_P(OrderOf, TheDampingLossOfWhatBeginsWithAVelocityIsAllThatGoes) {
   if (c.scheme.table().order < 2) GTEST_SKIP() << "the scheme itself takes or gives as much";
   const double x = 0.02, zeta = 0.05;
   Scene s = with(lone_beam(1, zeta), c.scheme);
-  set_steps(s, x / make_beam(s.resonator).modes[0].omega, 500);
+  set_steps(s, x / make_body(s.resonator).modes[0].omega, 500);
   const Model model = make_model(s);
   ModalStart start = make_start(model);
   start.resonator_v = {1e-3};
@@ -281,7 +282,8 @@ TEST_P(OrderOf, EnergyAndLevelOfAFreeDecay) {
   // half steps (order 2), or over backward Euler's new velocities (order 1).
   const Case& c = GetParam();
   const double x = std::min(c.x, 0.05);
-  const auto runs = at_all_levels([&](int level) { return swing(c.scheme, 1, 0.3, x, 11, level); });
+  const auto runs =
+      at_all_levels([&](int level) { return vibrating(c.scheme, 1, 0.3, x, 11, level); });
   std::vector<double> residual, level_error;
   for (const Recording& run : runs) {
     EXPECT_GT(run.samples.damping_loss.back(), 0.3 * run.energy.turnover);

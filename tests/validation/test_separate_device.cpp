@@ -11,13 +11,12 @@
 #include "tests/separate_device.hpp"
 #include "tests/simulate.hpp"
 
-/// What a batch does for a device with memory of its own, a GPU: the bits are those of the host.
-/// More tests run there once again (tests/CMakeLists.txt, "device.").
+/// Batches on a device with memory of its own, as a GPU has: the bits are those of the host. More
+/// tests run there a second time (tests/CMakeLists.txt, "device.").
 namespace ra2d::test {
 namespace {
 
-/// On a GPU there are no marches for the host, and what is asked here is asked of it by all other
-/// tests.
+/// On a GPU there are no marches for the host, and all other tests check it.
 class SeparateDeviceTest : public testing::Test {
  protected:
   void SetUp() override {
@@ -88,7 +87,7 @@ TEST_F(SeparateDeviceTest, AStateSavedThereGoesOnHere) {
   }
 }
 
-/// What a batch of one slot takes there of this scene.
+/// Memory that a batch of one slot takes there for this scene.
 std::size_t taken_by(const Model& model, const ModalStart& start) {
   SeparateDevice device;
   const MarchedThere there(device);
@@ -183,7 +182,7 @@ TEST_F(SeparateDeviceTest, AContactWithoutMemoryToGrowEndsItsSceneAlone) {
   EXPECT_EQ(batch.snapshot(1).resonator_u, other.resonator_u);
 }
 
-// What a scene has grown by is beside the room of the batch; what it took at first stays taken.
+// A scene that grows takes memory outside the room of the batch, and keeps what it had at first.
 TEST_F(SeparateDeviceTest, RoomIsNotGivenBackByWhatGrows) {
   SeparateDevice device;
   const MarchedThere there(device);  // where what is handed out does not count
@@ -229,7 +228,7 @@ TEST(SharedTables, ScenesWithEqualBodiesHaveThemOnce) {
                     with_unequal = bytes_of({scene, third});
   EXPECT_EQ(with_unequal, 2 * one);
   EXPECT_LT(with_equal, 2 * one);
-  // what they share are the modes' shapes at the least
+  // they share at least the shapes of the modes
   const Model model = make_model(scene);
   EXPECT_GT(2 * one - with_equal, model.slider.modes.size() * model.slider_height.size() * 8);
 }

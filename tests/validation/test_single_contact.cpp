@@ -14,16 +14,16 @@
 #include "host/run/samples.hpp"
 #include "tests/scenes.hpp"
 
-/// One node that strikes a beam. The motion is linear while the gap is open and, about another
-/// equilibrium, while it is closed: pieces of closed form, joined where the gap changes sign.
+/// One node that hits a beam. The motion is linear while the gap is open and, about another
+/// equilibrium, while it is closed: pieces in closed form, joined where the gap changes sign.
 ///
-/// Two references. The exact one, which backward Euler approaches to first order in the step tau.
-/// And that of the scheme's modified equation (Hairer, Lubich, Wanner, Geometric Numerical
-/// Integration, chapter IX): with y' = f = (A + B) y + const, A the free modes taken implicitly and
-/// B the contact spring taken explicitly,
+/// There are two references: the exact motion, which backward Euler approaches to first order in
+/// the step tau, and that of the scheme's modified equation (Hairer, Lubich, Wanner, Geometric
+/// Numerical Integration, chapter IX): with y' = f = (A + B) y + const, A the free modes taken
+/// implicitly and B the contact spring taken explicitly,
 ///   y1 = y0 + tau (A y1 + B y0 + const)   follows   y' = (1 + tau (A - B)/2) f + O(tau^2),
-/// again linear in pieces. What is left against it is of second order, so it tells where a shock
-/// begins and ends to a small part of a step.
+/// again linear in pieces. The error against it is of second order, so it gives the beginning and
+/// the end of a shock to a small part of a step.
 namespace {
 
 using namespace ra2d;
@@ -65,7 +65,7 @@ struct Impactor {
 
 // ---- motion in pieces -------------------------------------------------------------------------
 
-/// From a state at one piece's start to the state a time later.
+/// Maps the state at the start of a piece to the state some time later.
 using Flow = std::function<Vector(const Vector& y, double time, bool contact)>;
 
 struct Impact {
@@ -146,9 +146,9 @@ struct Linear {
     free.bottomLeftCorner(n, n).diagonal() = -body.omega.cwiseAbs2();
     free.bottomRightCorner(n, n).diagonal() = -2 * body.zeta * body.omega;
     spring.bottomLeftCorner(n, n) = -body.spring / body.mass * body.phi * body.phi.transpose();
-    Vector push = Vector::Zero(2 * n);  // of the closed gap: spring gap phi/mass
-    push.tail(n) = body.spring / body.mass * body.gap * body.phi;
-    rest = -(free + spring).fullPivLu().solve(push);
+    Vector constant_force = Vector::Zero(2 * n);  // of the closed gap: spring gap phi/mass
+    constant_force.tail(n) = body.spring / body.mass * body.gap * body.phi;
+    rest = -(free + spring).fullPivLu().solve(constant_force);
   }
 };
 
@@ -181,7 +181,7 @@ Flow exact_flow(const Impactor& body) {
   const Linear l(body);
   return flow_of(l.free, l.free + l.spring, l.rest);
 }
-/// Of the modified equation.
+/// Pieces of the modified equation.
 Flow modified_flow(const Impactor& body, double tau) {
   const Linear l(body);
   const Matrix one = Matrix::Identity(l.free.rows(), l.free.cols());
@@ -213,7 +213,7 @@ struct Case {
   int modes;
   double start;      // m, of the slider: its node stands 10 mm further
   double stiffness;  // of the spring, over that of the lowest mode at the node
-  double swing;      // amplitude of the first swing, over the gap
+  double amplitude;  // first amplitude, over the gap
   double periods;    // of the lowest mode
 };
 
@@ -227,24 +227,25 @@ struct Prepared {
 Prepared prepare(const Case& c, int steps, Nodes nodes = Nodes::candidates) {
   Prepared out;
   out.scene = one_node(c.modes, c.start, nodes);
-  const Beam beam = make_beam(out.scene.resonator);
+  const Body beam = make_body(out.scene.resonator);
   Impactor& body = out.body;
-  body.zeta = beam.zeta;
-  body.mass = beam.mass_per_length;
+  body.zeta = beam.modes[0].zeta;
+  body.mass = beam.modes[0].mass;
   body.gap = open_gap;
   body.omega.resize(c.modes);
   body.phi.resize(c.modes);
   const double place = c.start + peak_node * out.scene.spacing;
   for (int k = 0; k < c.modes; ++k) {
     body.omega[k] = beam.modes[k].omega;
-    evaluate(beam.modes[k], beam.length, place, 1, &body.phi[k]);
+    beam.modes[k].shape->evaluate(place, 1, &body.phi[k]);
   }
-  body.spring = c.stiffness * beam.mass_per_length * std::pow(body.omega[0] / body.phi[0], 2);
+  body.spring = c.stiffness * beam.modes[0].mass * std::pow(body.omega[0] / body.phi[0], 2);
   out.scene.contact.stiffness = body.spring / (out.scene.spacing * out.scene.slider.width);
   // upwards, most of it in the lowest mode
   body.start = Vector::Zero(2 * c.modes);
   for (int k = 0; k < c.modes; ++k)
-    body.start[c.modes + k] = c.swing * open_gap * body.omega[0] / body.phi[0] * std::pow(-0.3, k);
+    body.start[c.modes + k] =
+        c.amplitude * open_gap * body.omega[0] / body.phi[0] * std::pow(-0.3, k);
   out.start.resonator_u.assign(c.modes, 0.0);
   out.start.resonator_v.assign(body.start.data() + c.modes, body.start.data() + 2 * c.modes);
   out.start.energy = 0.5 * body.mass * body.start.squaredNorm();

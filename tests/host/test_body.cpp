@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/body/body.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "tests/scenes.hpp"
+
+/// The promises of host/body/body.hpp, on which the march and its proofs rest, of every kind of
+/// body. A new kind adds itself to `kinds`.
+namespace ra2d::test {
+namespace {
+
+constexpr double eps = std::numeric_limits<double>::epsilon();
+/// Roundings of the bounds and of psi: psi is good to an ulp of its phase, at most 100 here.
+constexpr double roundings = 1 + 200 * eps;
+
+struct Kind {
+  const char* name;
+  Support support;
+};
+constexpr Kind kinds[] = {{"PinnedBeam", Support::pinned}, {"FreeBeam", Support::free}};
+
+class Bodies : public testing::TestWithParam<Kind> {
+ protected:
+  static constexpr int derivatives = 6, places = 4000;
+
+  Bodies() : body_{make_body(spec())} {}
+  BodySpec spec() const {
+    BodySpec spec = steel(0.3, 0.002, 0.2, 0.02, 25);
+    spec.support = GetParam().support;
+    return spec;
+  }
+  double at(int place) const { return body_.length * place / places; }
+  static std::array<double, derivatives> derive(const BodyMode& mode, double x) {
+    std::array<double, derivatives> d{};
+    mode.shape->evaluate(x, derivatives, d.data());
+    return d;
+  }
+
+  Body body_;
+};
+INSTANTIATE_TEST_SUITE_P(Body, Bodies, testing::ValuesIn(kinds),
+                         [](const auto& info) { return info.param.name; });
+
+TEST_P(Bodies, RigidModesComeFirstAndCountsAgree) {
+  ASSERT_EQ(body_.modes.size(), static_cast<std::size_t>(mode_count(spec(), 100)));
+  ASSERT_EQ(body_.load.size(), body_.modes.size());
+  const auto rigid = static_cast<std::size_t>(mode_count(spec(), 100) - 25);
+  for (std::size_t k = 0; k < body_.modes.size(); ++k) {
+    const Mode& mode = body_.modes[k];
+    EXPECT_GT(mode.mass, 0);
+    EXPECT_EQ(mode.zeta, spec().damping);
+    const double expected =
+        k < rigid ? 0 : 2 * M_PI * elastic_frequency(spec(), static_cast<int>(k - rigid));
+    EXPECT_DOUBLE_EQ(mode.omega, expected) << "mode " << k;
+  }
+}
+
+TEST_P(Bodies, ModesHaveTheBodysMass) {
+  // psi^2 integrates to 1 over the body: a mode's mass over the mean of psi^2 is the body's mass.
+  // The mean over nodes counts both ends in full, where the trapezoidal rule takes half of each.
+  for (const BodyMode& mode : body_.modes) {
+    const double ends = 2 * std::pow(mode.shape->largest(), 2) * body_.length / places;
+    EXPECT_NEAR(mode.mass / mode.shape->mean_square(places + 1, at(1)), body_.mass,
+                ends * body_.mass);
+  }
+}
+
+TEST_P(Bodies, ShapesKeepTheirBounds) {
+  double highest = 0;
+  for (const BodyMode& mode : body_.modes) {
+    const ModeShape& shape = *mode.shape;
+    double most = 0;
+    for (int place = 0; place <= places; ++place) {
+      const auto psi = derive(mode, at(place));
+      EXPECT_EQ(shape_at(mode, at(place)), psi[0]);
+      most = std::max(most, std::abs(psi[0]));
+      ASSERT_LE(std::abs(psi[1]), shape.largest_slope(0) * roundings);
+      ASSERT_LE(std::abs(psi[2]), shape.largest_curvature(0) * roundings);
+      for (int j = 1; j < derivatives; ++j)
+        ASSERT_LE(std::abs(psi[j]), std::pow(shape.change_rate(), j) * shape.size() * roundings);
+      for (int j = 2; j < derivatives; ++j)
+        ASSERT_LE(std::abs(psi[j]), std::pow(shape.wave_number(), j) * shape.size() * roundings);
+    }
+    EXPECT_LE(most, shape.largest() * roundings);
+    EXPECT_GE(most, 0.95 * shape.largest());
+    EXPECT_LE(shape.largest(), shape.size() * roundings);
+    highest = std::max(highest, shape.wave_number());
+  }
+  EXPECT_EQ(highest_wave_number(body_), highest);
+}
+
+TEST_P(Bodies, ShapesKeepTheirBoundsBehindTheEnd) {
+  const double beyond = 0.5 / highest_wave_number(body_);
+  for (const BodyMode& mode : body_.modes)
+    for (int i = 0; i <= 100; ++i) {
+      const ModeShape& shape = *mode.shape;
+      const auto psi = derive(mode, body_.length + beyond * i / 100);
+      ASSERT_LE(std::abs(psi[1]), shape.largest_slope(beyond) * roundings);
+      ASSERT_LE(std::abs(psi[2]), shape.largest_curvature(beyond) * roundings);
+      for (int j = 2; j < derivatives; ++j)
+        ASSERT_LE(std::abs(psi[j]), std::pow(shape.wave_number(), j) * shape.size() *
+                                        shape.growth(beyond) * roundings);
+    }
+}
+
+TEST_P(Bodies, FourDerivativesGiveTheSeries) {
+  // what the kernels do on a patch: the value and three derivatives, continued by the factor
+  const double unit = 0.5 / highest_wave_number(body_);
+  for (const BodyMode& mode : body_.modes)
+    for (int place = 100; place < places - 100; place += 37) {
+      const double factor = mode.shape->fourth_factor(unit);
+      std::array<double, 20> terms{};
+      mode.shape->evaluate(at(place), 4, terms.data());
+      for (int j = 0; j < 4; ++j) terms[j] *= std::pow(unit, j);
+      for (int j = 4; j < 20; ++j) terms[j] = factor * terms[j - 4];
+      for (const double way : {-1.0, -0.4, 0.7, 1.0}) {
+        double sum = 0, cubic = 0, power = 1;
+        for (int j = 0; j < 20; ++j) {
+          sum += terms[j] * power;
+          if (j == 3) cubic = sum;
+          power *= way / (j + 1);
+        }
+        const double psi = shape_at(mode, at(place) + way * unit);
+        ASSERT_NEAR(sum, psi, 400 * eps * mode.shape->size());
+        ASSERT_LE(std::abs(psi - cubic), mode.shape->cubic_remainder(unit).value * (1 + 1e-9) +
+                                             400 * eps * mode.shape->size());
+      }
+    }
+}
+
+TEST_P(Bodies, EqualParametersMeanEqualShapes) {
+  const Body same = make_body(spec());
+  BodySpec longer = spec();
+  longer.length *= 1.5;
+  const Body other = make_body(longer);
+  const auto parameters = [](const BodyMode& mode) {
+    std::vector<double> out;
+    mode.shape->append_parameters(out);
+    return out;
+  };
+  for (std::size_t k = 0; k < body_.modes.size(); ++k) {
+    EXPECT_EQ(parameters(body_.modes[k]), parameters(same.modes[k]));
+    EXPECT_NE(parameters(body_.modes[k]), parameters(other.modes[k]));
+    if (k > 0) {
+      EXPECT_NE(parameters(body_.modes[k]), parameters(body_.modes[k - 1]));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace ra2d::test
