@@ -83,8 +83,8 @@ void print_shocks(const RunReport& r) {
   if (!(r.shock_rate > 0)) return;
   print_line("  duration", fmt::format("median {:.3g} us, 90 % up to {:.3g} us",
                                        r.shock_duration_median * 1e6, r.shock_duration_90 * 1e6));
-  print_line("  peak force",
-             fmt::format("median {:.3g} N, 90 % up to {:.3g} N", r.peak_force_median, r.peak_force_90));
+  print_line("  peak force", fmt::format("median {:.3g} N, 90 % up to {:.3g} N",
+                                         r.peak_force_median, r.peak_force_90));
 }
 
 void print_energy(const Scene& scene, const EnergyBalance& energy) {
