@@ -1,28 +1,32 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Whether the tests would notice: puts faults of one line into the code, one at a time, and runs the tests that ought
-to fail.
+"""Whether the tests would notice: puts small faults into the code, one at a time, and runs the tests that ought to
+fail.
 
-usage: faults_on_purpose.py BUILD_FOLDER [--only TEXT] [--share I/N] [--jobs N] [--list]
+usage: faults_on_purpose.py BUILD_FOLDER [--only TEXT] [--share I/N] [--jobs N]
+       faults_on_purpose.py --list [--only TEXT] [--share I/N]
+       faults_on_purpose.py --check [SOURCE_FOLDER]
 
-faults.toml beside this file has the faults:
+faults.toml in this folder has the faults, in groups [[faults_of]]. A group has
 
-  id       a name
-  file     where, from the root
-  find     text that stands there once
-  replace  what it becomes
+  file     from the root
   compile  the sources compiled with it, where `file` is a header
-  tests    a test program and a filter, as `test_kernels Gap.*`; more than one of these are tried in turn
+  tests    a test program and a filter, as `test_kernels Gap.*`; several such are tried in turn
   program  true: the tests run the program ra2d, which is then linked with the fault, too
-  unseen   of a fault that changes nothing that anyone could see: why
+  faults   a list of
+    id       a name
+    in       name of a function: only its body is searched (default: the whole file)
+    find     a regular expression that matches once. A blank in it matches any white space
+    replace  what it becomes, as for re.sub
+
+A fault may have `tests` of its own. --check only verifies that each pattern matches exactly once: it takes a second.
 
 Neither the sources nor the build folder change: the faulty file stands in a folder of its own that is searched first,
 only the sources named are compiled with it, and their objects take the place of the sound ones when the test program is
 linked. The build folder must be up to date.
 
-A fault is killed when a test fails, crashes or does not end. One that survives is a test that is missing, unless the
-table says why nobody can see it; that is a failure of this script, as is a fault that does not compile, whose text is
-not there, or that is marked as unseen and killed.
+A fault is killed when a test fails, crashes or does not end. One that survives is a test that is missing; that is a
+failure of this script, as is a fault that does not compile or whose pattern does not match once.
 """
 
 import argparse
@@ -50,6 +54,72 @@ class Broken(Exception):
 def shell(command, folder, limit):
     return subprocess.run(command, cwd=folder, timeout=limit, text=True, errors="replace",
                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+
+
+MASKED = re.compile(r'//[^\n]*|/\*.*?\*/|"(?:[^"\\\n]|\\.)*"' + r"|'(?:[^'\\\n]|\\.)'", re.DOTALL)
+
+
+def end_of(text, begin, open, close):
+    """The place behind the bracket that closes the one at `begin`."""
+    depth = 0
+    for at in range(begin, len(text)):
+        depth += (text[at] == open) - (text[at] == close)
+        if depth == 0:
+            return at + 1
+    return len(text)
+
+
+def bodies_of(text, function):
+    """Where the bodies of the functions of a name stand: [(begin, end)]."""
+    masked = MASKED.sub(lambda found: " " * len(found.group(0)), text)
+    bodies = []
+    for named in re.finditer(rf"\b{function}\s*\(", masked):
+        behind = end_of(masked, named.end() - 1, "(", ")")
+        if body := re.compile(r"[\s\w:&*<>,]*(?:->[\s\w:&*<>,]*)?\{").match(masked, behind):
+            bodies.append((body.end(), end_of(masked, body.end() - 1, "{", "}")))
+    return bodies
+
+
+def changed(text, fault):
+    """The text with the fault in it."""
+    pattern = re.compile(re.sub(" +", r"\\s+", fault["find"]))
+    ranges = bodies_of(text, fault["in"]) if "in" in fault else [(0, len(text))]
+    if not ranges:
+        raise Broken(f"{fault['file']} defines no function {fault['in']}")
+    found = [match for begin, end in ranges for match in pattern.finditer(text, begin, end)]
+    if len(found) != 1:
+        raise Broken(f"its pattern matches {len(found)} times in {fault['file']}")
+    made = found[0].expand(fault["replace"])
+    if made == found[0].group(0):
+        raise Broken("it changes nothing")
+    return text[: found[0].start()] + made + text[found[0].end() :]
+
+
+def read_faults():
+    """All faults, each with the keys of its group."""
+    faults = []
+    for group in tomllib.loads((HERE / "faults.toml").read_text())["faults_of"]:
+        shared = {key: value for key, value in group.items() if key != "faults"}
+        faults += [{**shared, **fault} for fault in group["faults"]]
+    ids = [fault["id"] for fault in faults]
+    if twice := {name for name in ids if ids.count(name) > 1}:
+        sys.exit(f"more than one fault is called {', '.join(sorted(twice))}")
+    return faults
+
+
+def check(faults, root):
+    """What is wrong with the table, a line each."""
+    for fault in faults:
+        named = [fault["file"], *fault.get("compile", [])]
+        if missing := [name for name in named if not (root / name).exists() and "_few." not in name]:
+            yield f"{fault['id']}: there is no {', '.join(missing)}"
+        elif fault["file"].endswith(".hpp") and "compile" not in fault:
+            yield f"{fault['id']}: a header needs `compile`"
+        else:
+            try:
+                changed((root / fault["file"]).read_text(), fault)
+            except Broken as what:
+                yield f"{fault['id']}: {what}"
 
 
 class Build:
@@ -129,12 +199,9 @@ def concerns(source, program):
 
 def apply(build, fault, folder):
     """(what came of it, more of that)."""
-    text = (ROOT / fault["file"]).read_text()
-    if text.count(fault["find"]) != 1:
-        raise Broken(f"its text stands {text.count(fault['find'])} times in {fault['file']}")
-    changed = folder / "changed" / fault["file"]
-    changed.parent.mkdir(parents=True)
-    changed.write_text(text.replace(fault["find"], fault["replace"]))
+    faulty = folder / "changed" / fault["file"]
+    faulty.parent.mkdir(parents=True)
+    faulty.write_text(changed((ROOT / fault["file"]).read_text(), fault))
     made = {}
 
     def objects_for(program):
@@ -146,7 +213,7 @@ def apply(build, fault, folder):
             arguments, place = next((each for each in compiled if f"/{program}.dir/" in each[1]), compiled[0])
             if place not in made:
                 mine = f"{folder}/{place.replace('/', '_')}"
-                names = {place: mine, f"{ROOT}/{fault['file']}": str(changed)}
+                names = {place: mine, f"{ROOT}/{fault['file']}": str(faulty)}
                 done = shell([*(names.get(word, word) for word in arguments), "-iquote", f"{folder}/changed",
                               "-Wno-error"], build.folder, COMPILE_LIMIT)
                 if done.returncode != 0:
@@ -180,26 +247,19 @@ def judge(build, fault):
             outcome, more = "broken", str(what)
         except subprocess.TimeoutExpired:
             outcome, more = "broken", "takes too long to compile"
-    unseen = fault.get("unseen")
-    if unseen and outcome == "survived":
-        outcome, more = "unseen", unseen
-    elif unseen and outcome == "killed":
-        outcome, more = "broken", f"marked as unseen, and seen by {more}"
     return fault, outcome, more, time.time() - begin
 
 
 def main():
     arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    arguments.add_argument("build", type=pathlib.Path)
+    arguments.add_argument("build", type=pathlib.Path, nargs="?", help="build folder; of --check the sources")
     arguments.add_argument("--only", action="append", help="those whose id or file contains this; may be repeated")
     arguments.add_argument("--share", default="1/1", help="every N-th of them, from the I-th on")
     arguments.add_argument("--jobs", type=int, default=1, help="faults at a time")
-    arguments.add_argument("--list", action="store_true", help="say which, and do nothing")
+    arguments.add_argument("--list", action="store_true", help="print their names and files")
+    arguments.add_argument("--check", action="store_true", help="only verify that each pattern matches once")
     options = arguments.parse_args()
-    faults = tomllib.loads((HERE / "faults.toml").read_text())["fault"]
-    ids = [fault["id"] for fault in faults]
-    if twice := {name for name in ids if ids.count(name) > 1}:
-        sys.exit(f"more than one fault is called {', '.join(sorted(twice))}")
+    faults = read_faults()
     if options.only:
         faults = [f for f in faults if any(text in f["id"] or text in f["file"] for text in options.only)]
     first, of = map(int, options.share.split("/"))
@@ -207,6 +267,12 @@ def main():
     if options.list:
         print("\n".join(f"{fault['id']:<32} {fault['file']}" for fault in faults))
         return 0
+    if options.check:
+        wrong = list(check(faults, options.build or ROOT))
+        print("\n".join(wrong) or f"{len(faults)} faults: each pattern matches once")
+        return 1 if wrong else 0
+    if options.build is None:
+        arguments.error("a build folder is needed")
     if not faults:
         sys.exit("no such fault")
     build = Build(options.build)
@@ -217,7 +283,7 @@ def main():
             counts[outcome] = counts.get(outcome, 0) + 1
             print(f"{outcome:<9} {fault['id']:<32} {took:4.0f} s  {fault['file']}: {more}", flush=True)
     print(", ".join(f"{number} {outcome}" for outcome, number in sorted(counts.items())))
-    return 1 if counts.keys() - {"killed", "unseen"} else 0
+    return 1 if counts.keys() - {"killed"} else 0
 
 
 if __name__ == "__main__":
