@@ -48,7 +48,15 @@ void put(std::string& bytes, const Key128& key) {
   put(bytes, key.low);
 }
 
-Key128 long_hash(std::string_view bytes) { return to_key(hexadecimal(digest_of(bytes))); }
+Key128 long_hash(std::string_view bytes) {
+  const Digest digest = digest_of(bytes);
+  Key128 key;
+  for (std::size_t i = 0; i < digest.size(); ++i) {
+    std::uint64_t& half = i < digest.size() / 2 ? key.high : key.low;
+    half = half << 8 | static_cast<unsigned char>(digest[i]);
+  }
+  return key;
+}
 
 /// Takes numbers from bytes; once they are at an end, nothing but zeros, and `fine` is false.
 struct Cursor {

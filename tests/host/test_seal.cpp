@@ -254,6 +254,15 @@ TEST_F(SealedResult, OfADamagedOneTheSameLineSaysNotThatItIsComplete) {
   EXPECT_EQ(ra2d({"check", "out.h5"}).status, 0);
 }
 
+TEST_F(SealedResult, ARunSaysWhyItDoesNotReplaceAForeignFile) {
+  put("notes of a year\n");
+  const test::Ended ended = ra2d({"run", scene_, "-o", "out.h5"});
+  EXPECT_EQ(ended.status, 2);
+  EXPECT_THAT(ended.err, HasSubstr("'out.h5' is there already, a file that cannot be read as a "
+                                   "result: it is no HDF5 file: expected one that ra2d wrote. It "
+                                   "is left as it is"));
+}
+
 /// A text of an attribute stands behind its length in a heap. HDF5 1.10.8 crashes on a length
 /// beyond the heap's end; a forger's seal says that all is well.
 TEST_F(SealedResult, CheckOutlivesHdf5OnAForgersBytes) {
