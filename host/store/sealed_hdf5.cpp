@@ -129,7 +129,7 @@ hid_t sealed_driver() {
 h5::CrashWatch::CrashWatch(const std::filesystem::path& file)
     : message_(
           fmt::format("ra2d: cannot read '{0}': HDF5 crashed on it, so it is damaged or forged, "
-                      "although its seal fits. 'ra2d check {0}' says where\n",
+                      "although its seal fits. 'ra2d check {0}' has details\n",
                       printable(file.string()))) {}
 
 h5::File open_sealed(const std::filesystem::path& path) {
