@@ -10,13 +10,13 @@
 #include <utility>
 
 #include "host/base/errors.hpp"
+#include "host/base/quiet_nan.hpp"
 #include "host/base/text.hpp"
 #include "host/scene_file/toml.hpp"
 
 namespace ra2d {
 namespace {
 
-constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t most_parts = 16;          // of a dotted key
 constexpr std::size_t most_shown = 20;          // faults
 constexpr std::size_t longest_override = 200;   // bytes, in a message
@@ -150,7 +150,7 @@ struct Document::Parts {
     std::string path;
     const toml::table* table;         // null: missing or no table, then nothing more is said of it
     bool missing;                     // and this once, with the keys it needs
-    std::vector<std::string> keys;    // asked for
+    std::vector<std::string> keys;    // that were read
     std::vector<std::string> needed;  // while the table is missing
   };
 
@@ -216,11 +216,21 @@ struct Document::Parts {
     std::optional<double> value;
     if (const auto* number = node.as_floating_point()) value = number->get();
     if (const auto* integer = node.as_integer()) value = static_cast<double>(integer->get());
-    if (value && std::isfinite(*value) && *value < range.high &&
-        (range.low_itself ? *value >= range.low : *value > range.low))
+    const bool is_fine = value && std::isfinite(*value) && *value < range.high &&
+                         (range.low_itself ? *value >= range.low : *value > range.low);
+    if (!is_fine)
+      wrong(node, path, expected);
+    else if (std::abs(*value) > largest_size)
+      fault(node, path,
+            fmt::format("{} is too large to compute with: expected at most {:g}", shown(node),
+                        largest_size));
+    else if (range.low == 0 && *value != 0 && *value < smallest_size)
+      fault(node, path,
+            fmt::format("{} is too small to compute with: expected at least {:g}", shown(node),
+                        smallest_size));
+    else
       return *value;
-    wrong(node, path, expected);
-    return not_a_number;
+    return quiet_nan;
   }
 
   Reader reader(Document& document, std::string path, const toml::node* node) {
@@ -230,7 +240,7 @@ struct Document::Parts {
     return {document, seen.size() - 1};
   }
 
-  /// The node of a key that is asked for; null when there is none.
+  /// The node of a key that is read; null when there is none.
   const toml::node* take(std::size_t index, const std::string& key, Need need,
                          const std::string& expected) {
     Seen& at = seen[index];
@@ -414,7 +424,9 @@ std::map<std::string, std::string> Document::places() const {
   return places;
 }
 
-bool Reader::stands() const { return document_->parts_->seen[index_].table != nullptr; }
+bool Reader::exists() const { return document_->parts_->seen[index_].table != nullptr; }
+
+std::size_t Reader::fault_count() const { return document_->parts_->count; }
 
 bool Reader::has(const std::string& key) const {
   const auto& at = document_->parts_->seen[index_];
@@ -433,7 +445,7 @@ std::optional<double> Reader::number(const std::string& key, const Range& range,
   std::string expected = of(range.words, unit);
   if (!or_word.empty()) expected += " or " + toml_string(or_word);
   const toml::node* node = parts.take(index_, key, need, expected);
-  if (node == nullptr) return need == Need::required ? std::optional(not_a_number) : std::nullopt;
+  if (node == nullptr) return need == Need::optional ? std::nullopt : std::optional(quiet_nan);
   if (!or_word.empty() && says(key, or_word)) return std::nullopt;
   return parts.number(*node, join(parts.seen[index_].path, key), range, expected);
 }

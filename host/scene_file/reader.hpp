@@ -14,7 +14,10 @@
 /// Reads a TOML text key by key, and collects every fault on the way.
 namespace ra2d {
 
-/// The finite numbers that a key takes, and how a message calls them.
+/// The finite numbers that a key takes, and how a message calls them. Beyond these bounds none is
+/// taken: products and quotients of a few numbers of a scene stay finite between them.
+inline constexpr double smallest_size = 1e-30;  // of a number that cannot be negative, and is not 0
+inline constexpr double largest_size = 1e30;
 struct Range {
   double low, high;  // low <= x < high
   bool low_itself;   // false: low < x
@@ -26,11 +29,13 @@ inline constexpr Range positive{0, infinite, false, "a number > 0"};
 inline constexpr Range not_negative{0, infinite, true, "a number >= 0"};
 inline constexpr Range ratio{0, 1, true, "a number in [0, 1)"};
 
-enum class Need { required, optional };
+/// `uncertain`: whether it is required depends on a key at fault. A missing number then reads as
+/// NaN, without a fault of its own.
+enum class Need { required, optional, uncertain };
 
 class Document;
 
-/// A value as it stands, where a key may hold any.
+/// A value of any type.
 struct TomlValue {
   enum class Kind { number, text, list, other };
   Kind kind = Kind::other;
@@ -40,19 +45,20 @@ struct TomlValue {
   std::vector<TomlValue> list;  // of an array
 };
 
-/// One table of the document. Each key is asked for once, by the call that reads it; what nobody
-/// asked for is unknown. A value at fault reads as NaN, so that comparisons with it find no further
-/// fault.
+/// One table of the document. Each key is read once; a key that no call reads is unknown. A value
+/// at fault reads as NaN, so that comparisons with it find no further fault.
 class Reader {
  public:
   Reader(Document& document, std::size_t index) : document_{&document}, index_{index} {}
 
-  bool stands() const;  // the table is there
+  bool exists() const;
   bool has(const std::string& key) const;
+  /// Faults of the whole document so far.
+  std::size_t fault_count() const;
 
   std::optional<double> number(const std::string& key, const Range& range, const std::string& unit,
                                Need need = Need::required, const std::string& or_word = {});
-  /// Whether the key is this word (a number else: ask `number` too).
+  /// Whether the key's value is this word.
   bool says(const std::string& key, const std::string& word) const;
   std::optional<std::int64_t> integer(const std::string& key, std::int64_t low, std::int64_t high,
                                       Need need);
@@ -72,7 +78,7 @@ class Reader {
     return std::nullopt;
   }
 
-  /// The names of all its keys, in the order in which they stand. Nothing is asked for by it.
+  /// The names of all its keys, in the order in which they stand. It reads none of them.
   std::vector<std::string> names() const;
   /// Whether the key is a section of its own, written as [a.b] or with dots, and no value.
   bool is_section(const std::string& key) const;
@@ -115,19 +121,18 @@ class Document {
   Document(const Document&) = delete;
   Document& operator=(const Document&) = delete;
 
-  /// What stands outside all sections.
+  /// The keys outside all sections.
   Reader root() { return {*this, 0}; }
   Reader section(const std::string& name);
 
-  /// A fault at "section.key", or at what is there of that path: a missing key's section.
+  /// A fault at "section.key". Of a missing key the message has the line of its section.
   void fault(const std::string& path, const std::string& what);
 
-  /// Ends the reading: finds the keys that nobody asked for, and throws all faults as one
-  /// RequestError that names the first of them. `hints` says for some unknown "section.key" why it
-  /// is none.
+  /// Ends the reading: finds the keys that were not read, and throws all faults as one RequestError
+  /// that names the first of them. `hints`: for some unknown "section.key" the reason.
   void finish(const std::map<std::string, std::string>& hints);
 
-  /// Where each "section.key" stands, and each section: "FILE:LINE", or the override.
+  /// The place of each "section.key" and of each section: "FILE:LINE", or the override.
   std::map<std::string, std::string> places() const;
 
  private:

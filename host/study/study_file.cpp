@@ -225,7 +225,7 @@ void read_vary(Reader vary, Study& study, Users& users) {
                                    longest_name));
     else if (std::find(taken.begin(), taken.end(), name) != taken.end())
       vary.fault(name, "is a name that the table has for itself: choose another");
-    if (!in || !in->stands()) continue;
+    if (!in || !in->exists()) continue;
     StudyDimension dimension;
     dimension.name = name;
     dimension.keys = read_keys(*in, name, users);

@@ -18,6 +18,7 @@
 #include "host/base/errors.hpp"
 #include "host/base/hash.hpp"
 #include "host/base/version.hpp"
+#include "host/scene_file/key_facts.hpp"
 #include "host/store/attributes.hpp"
 #include "host/store/hdf5.hpp"
 #include "host/store/seal.hpp"
@@ -55,37 +56,16 @@ constexpr Column columns[] = {
      nullptr},
 };
 
-/// What a key of a scene is measured in; by its last word.
-const char* units_of(const std::string& key) {
-  const std::string word = key.substr(key.rfind('.') + 1);
-  constexpr std::pair<const char*, const char*> known[] = {
-      {"duration", "s"},
-      {"speed", "m s-1"},
-      {"start", "m"},
-      {"gap", "m"},
-      {"spacing", "m"},
-      {"length", "m"},
-      {"thickness", "m"},
-      {"width", "m"},
-      {"young", "Pa"},
-      {"density", "kg m-3"},
-      {"max_frequency", "Hz"},
-      {"rq", "m"},
-      {"rsm", "m"},
-      {"correlation_length", "m"},
-      {"longest", "m"},
-      {"shortest", "m"},
-      {"stiffness", "Pa m-1"},
-      {"step", "s"},
-      {"load", "N"},
-      {"rate", "Hz"},
-      {"from", "s"},
-      {"cutoff", "m"},
-      {"cutoff_s", "m"},
-  };
-  for (const auto& [name, units] : known)
-    if (word == name) return units;
-  return "1";
+/// The unit of an axis. Throws for a key that no scene has: a study's folder may be forged.
+std::string units_of(const StudyDimension& dimension) {
+  if (dimension.is_text) return "1";
+  const KeyFacts* const key = find_key(dimension.keys.front());
+  if (key == nullptr)
+    throw FileError(
+        fmt::format("the study varies {}, and a scene has no such key: expected a key "
+                    "of docs/scene.md",
+                    dimension.keys.front()));
+  return udunits(key->unit);
 }
 
 /// HDF5 in memory: it reaches the disk as bytes, whole or not at all.
@@ -191,7 +171,7 @@ void write_axes(Writer& out, const Study& study) {
     const char* const name = dimension.name.c_str();
     out.add_scale(dimension.is_text ? out.words(name, dimension.texts, extent)
                                     : out.numbers(name, dimension.numbers, extent),
-                  dimension.name, dimension.is_text ? "1" : units_of(dimension.keys.front()),
+                  dimension.name, units_of(dimension),
                   fmt::format("{}", fmt::join(dimension.keys, ", ")), dimension.size());
   }
   out.add_scale(
@@ -260,7 +240,7 @@ std::string table_bytes(const std::filesystem::path& file, const StudyPoints& po
 
 // ---- reading -----------------------------------------------------------------------------------
 
-/// What is wrong with a file; its name goes before it.
+/// A fault of a file; its name goes before it.
 struct TableFault {
   std::string text;
 };
