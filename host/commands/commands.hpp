@@ -1,58 +1,42 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-#include <filesystem>
-#include <limits>
-#include <string>
-#include <vector>
+#include <CLI/CLI.hpp>
+#include <functional>
 
-/// The subcommands of the program, one file each. They return the exit status (docs/results.md).
+/// The commands of the program. Each is a file of its own: its options, what they are read into,
+/// and the run. It adds itself to the command line, and stands in `commands`.
 namespace ra2d {
 
-enum ExitStatus : int {
-  done = 0,
-  wrong_request = 2,
-  failed = 3,
-  wrong_file = 4,
-  out_of_time = 5,
-  interrupted = 128  // and the signal's number
+/// The command that a line names, ready to be run. Its callback on the command line fills it in.
+struct ChosenCommand {
+  std::function<int()> run;        // returns the exit status (host/base/exit_status.hpp)
+  bool takes_checkpoints = false;  // SIGUSR1 asks for one, and does not end the command
+  bool takes_ranks = false;        // under mpirun all processes take part in it
 };
 
-struct CommonOptions {
-  std::filesystem::path scene;
-  std::vector<std::string> overrides;
-  int threads = 1;
-  int device = -1;  // less than 0: left to Kokkos
-  bool quiet = false;
-};
+/// Adds a command with its options. Where a line names it, it sets `chosen`.
+using AddCommand = void (*)(CLI::App& app, ChosenCommand& chosen);
 
-struct RunChoices {
-  std::filesystem::path output;
-  bool fresh = false, force = false;
-  double checkpoint = 10;                                      // min between two checkpoints
-  double most_wall = std::numeric_limits<double>::infinity();  // s
-};
+void add_run(CLI::App& app, ChosenCommand& chosen);
+void add_plan(CLI::App& app, ChosenCommand& chosen);
+void add_analyze(CLI::App& app, ChosenCommand& chosen);
+void add_plot(CLI::App& app, ChosenCommand& chosen);
+void add_sound(CLI::App& app, ChosenCommand& chosen);
+void add_report(CLI::App& app, ChosenCommand& chosen);
+void add_check(CLI::App& app, ChosenCommand& chosen);
+void add_study(CLI::App& app, ChosenCommand& chosen);
+void add_chart(CLI::App& app, ChosenCommand& chosen);
+void add_surface(CLI::App& app, ChosenCommand& chosen);
 
-/// `ra2d run SCENE [-o OUT.h5]`
-int run_command(const CommonOptions& common, RunChoices choices);
+/// In the order of the help.
+inline constexpr AddCommand commands[] = {add_run,   add_plan,   add_analyze, add_plot,
+                                          add_sound, add_report, add_check,   add_study,
+                                          add_chart, add_surface};
 
-/// `ra2d plan SCENE`
-int plan_command(const CommonOptions& common);
-
-/// `ra2d plan --accuracy A SCENE [-o OUT.toml]`: what the scene could do without; writes the scene
-/// with those choices. `budget`: s of wall time.
-int plan_accuracy_command(const CommonOptions& common, double accuracy, double budget,
-                          std::filesystem::path output);
-
-/// `ra2d chart stability [SCENE] [-o PREFIX]`; without a scene, the paper's own. Writes PREFIX.csv,
-/// PREFIX-regions.csv, PREFIX-modes.csv and, unless `plot` is false, PREFIX.png. A picture that was
-/// asked for and cannot be drawn is a file that cannot be written: a script must not go on without
-/// it.
-int chart_stability_command(const CommonOptions& common, const std::string& prefix, bool plot);
-
-/// `ra2d chart accuracy [SCENE] [-o PREFIX]`: the same for PREFIX.csv, PREFIX-long.csv and
-/// PREFIX.png. Takes about `budget` seconds. `peers`: the program ra2d_peers; empty: the one that
-/// was built beside this one, if there is one.
-int chart_accuracy_command(const CommonOptions& common, const std::string& prefix, bool plot,
-                           double budget, const std::filesystem::path& peers);
+// Commands of commands.
+void add_study_status(CLI::App& study, ChosenCommand& chosen);
+void add_study_merge(CLI::App& study, ChosenCommand& chosen);
+void add_surface_generate(CLI::App& surface, ChosenCommand& chosen);
+void add_surface_measure(CLI::App& surface, ChosenCommand& chosen);
 
 }  // namespace ra2d

@@ -4,16 +4,46 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <limits>
+#include <system_error>
 
 namespace ra2d {
 
+void add_scene_options(CLI::App& command, SceneOptions& options) {
+  command
+      .add_option("--set", options.overrides,
+                  "overrides one value of the scene, e.g. --set contact.stiffness=1e14; repeatable")
+      ->type_name("SECTION.KEY=VALUE")
+      ->take_all()
+      ->expected(1);
+  command
+      .add_option("--threads", options.threads,
+                  "how many threads to use, at most one for each processor; a single scene uses "
+                  "only one")
+      ->transform(thread_count())
+      ->capture_default_str();
+  add_device(command, options.device);
+  command.add_flag("--quiet", options.quiet, "print results and errors only");
+}
+
+CLI::Option* add_scene(CLI::App& command, SceneOptions& options, const std::string& description) {
+  return command.add_option("SCENE", options.scene, description)->check(path());
+}
+
+std::optional<double> to_decimal(const std::string& text) {
+  if (text.empty() || text.find_first_not_of("0123456789+-.eE") != text.npos) return {};
+  const char *begin = text.data() + (text[0] == '+'), *const end = text.data() + text.size();
+  double value = 0;
+  const auto [rest, fault] = std::from_chars(begin, end, value);
+  return fault == std::errc() && rest == end ? std::optional(value) : std::nullopt;
+}
+
 CLI::Validator number_from(double low, double high, const std::string& words) {
   return {[=](std::string& text) {
-            double value = std::nan("");
-            const bool is_number = CLI::detail::lexical_cast(text, value);
-            return is_number && value >= low && value <= high
+            const std::optional<double> value = to_decimal(text);
+            return value && *value >= low && *value <= high
                        ? std::string{}
                        : fmt::format("'{}': expected {}", shortened(text), words);
           },
@@ -34,7 +64,8 @@ CLI::Validator length_in_metres() {
 void add_device(CLI::App& command, int& device) {
   command.add_option("--device", device, "the GPU to use, counted from 0, of a build for GPUs [0]")
       ->type_name("N")
-      ->check(CLI::Range(0, 1023));
+      ->transform(whole_number())
+      ->check(number_from(0, 1023, "from 0 to 1023"));
 }
 
 namespace {
@@ -61,6 +92,19 @@ CLI::Validator count() {
           "1 or more"};
 }
 
+CLI::Validator whole_number() {
+  return {[](std::string& text) {
+            const bool is_whole = !text.empty() && text.size() < 20 &&
+                                  text.find_first_not_of("0123456789") == text.npos;
+            // CLI11 reads a number that begins with a zero as an octal one
+            if (is_whole) text.erase(0, std::min(text.find_first_not_of('0'), text.size() - 1));
+            return is_whole ? std::string{}
+                            : fmt::format("'{}': expected a whole number in digits, 0 or more",
+                                          shortened(text));
+          },
+          {}};
+}
+
 CLI::Validator thread_count() {
   return {[](std::string& text) {
             if (!trim_count(text))
@@ -78,10 +122,9 @@ CLI::Validator clock_time() {
             std::size_t begin = 0;
             for (int part = 0; part < 3; ++part) {
               const std::size_t end = std::min(text.find(':', begin), text.size());
-              double value = std::nan("");
-              const std::string word = text.substr(begin, end - begin);
-              if (!CLI::detail::lexical_cast(word, value) || !(value >= 0 && value <= 1e9)) break;
-              seconds = 60 * seconds + value;
+              const std::optional<double> value = to_decimal(text.substr(begin, end - begin));
+              if (!value || !(*value >= 0 && *value <= 1e9)) break;
+              seconds = 60 * seconds + *value;
               if (end == text.size()) {
                 if (!(seconds > 0)) break;
                 text = fmt::format("{}", seconds);

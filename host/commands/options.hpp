@@ -4,25 +4,38 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
-#include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "host/base/text.hpp"
 
-/// What the commands' options take.
+/// The options that several commands have, and what values they take.
 namespace ra2d {
 
-/// The command that a line asks for, ready to be run: returns the exit status.
-using Chosen = std::function<int()>;
+/// The options of a command that reads a scene.
+struct SceneOptions {
+  std::filesystem::path scene;
+  std::vector<std::string> overrides;  // --set
+  int threads = 1;
+  int device = -1;  // less than 0: left to Kokkos
+  bool quiet = false;
+};
+void add_scene_options(CLI::App& command, SceneOptions& options);
+/// SCENE, the scene's file.
+CLI::Option* add_scene(CLI::App& command, SceneOptions& options, const std::string& description);
 
-/// Numbers from `low` to `high`, told as `words`. CLI11's own Range lets nan pass.
+/// A number in decimals, "12" or "-1.5e-3"; nothing for any other text, hexadecimal ones among
+/// them.
+std::optional<double> to_decimal(const std::string& text);
+
+/// Numbers from `low` to `high`; `words` say so in a message.
 CLI::Validator number_from(double low, double high, const std::string& words);
 
 /// Numbers > 0.
 CLI::Validator positive_number();
 
-/// The same, told as a length.
+/// Numbers > 0, which a message calls a length.
 CLI::Validator length_in_metres();
 
 /// Texts that `understand` makes something of; `expected` says which.
@@ -35,11 +48,14 @@ CLI::Validator understood(const std::string& expected, Understand understand) {
           {}};
 }
 
-/// A count, up to 999999999.
+/// A count, from 1 to 999999999.
 CLI::Validator count();
 
-/// How many threads: any number from 1 on. What no machine has is lowered to 999999999 here and to
-/// what the machine has later (usable_threads).
+/// A whole number >= 0, such as a seed.
+CLI::Validator whole_number();
+
+/// A number of threads, from 1 on. More than any machine has becomes 999999999 here;
+/// usable_threads() lowers it to what this machine has.
 CLI::Validator thread_count();
 
 /// A stretch of wall time, "90", "1:30", "0:01:30"; turns it into seconds.
@@ -48,26 +64,16 @@ CLI::Validator clock_time();
 /// --device, the number of a GPU.
 void add_device(CLI::App& command, int& device);
 
-/// A path that is given: an empty one comes from a variable that is not set.
+/// A path that is not empty. An empty one comes from a shell's variable that is not set.
 CLI::Validator path();
 
-/// --from and --to: the stretch of a run that is looked at.
+/// --from and --to: a stretch of a run.
 void add_stretch(CLI::App& command, std::optional<double>& from, std::optional<double>& to);
 
 /// --checkpoint, in minutes, and --max-wall, in seconds.
 void add_checkpoints(CLI::App& command, double& checkpoint, double& most_wall);
 
-/// What a file or a folder is called, without its ending: what is made of it takes that name.
+/// The name of a file or a folder without its ending. Files that are made of it take that name.
 std::string name_of(const std::filesystem::path& file);
-
-// Commands add themselves, each in a file of its own.
-void add_check(CLI::App& app, Chosen& chosen);
-void add_analyze(CLI::App& app, Chosen& chosen);
-void add_plot(CLI::App& app, Chosen& chosen);
-void add_report(CLI::App& app, Chosen& chosen);
-void add_sound(CLI::App& app, Chosen& chosen);
-void add_study(CLI::App& app, Chosen& chosen);
-void add_surface_generate(CLI::App& surface, Chosen& chosen);
-void add_surface_measure(CLI::App& surface, Chosen& chosen);
 
 }  // namespace ra2d

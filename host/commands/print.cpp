@@ -6,18 +6,19 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <utility>
 
+#include "host/base/exit_status.hpp"
 #include "host/base/text.hpp"
-#include "host/commands/commands.hpp"
 
 namespace ra2d {
 namespace {
 
-int fault_of_stdout = 0;  // errno of the first that was heard
+int fault_of_stdout = 0;  // errno of the first one
 
 void note_fault(bool written) {
   if (!written && fault_of_stdout == 0) fault_of_stdout = errno;
@@ -39,6 +40,10 @@ void print_text(std::string_view text) {
   note_fault(std::fwrite(safe.data(), 1, safe.size(), stdout) == safe.size());
 }
 
+void print_line(std::string_view name, std::string_view value) {
+  print("  {:<17}{}\n", name, value);
+}
+
 void say(std::string_view message) { to_stderr("ra2d: " + printable_lines(message) + '\n'); }
 
 void say_doubts(const std::vector<std::string>& doubts, bool quiet) {
@@ -52,17 +57,25 @@ void show(std::string_view progress) {
   std::fflush(stderr);
 }
 
+bool shows_progress(bool quiet) { return !quiet && isatty(STDERR_FILENO) != 0; }
+
+std::string clock_text(double seconds) {
+  if (!(seconds < 360000)) return "long";
+  const int s = static_cast<int>(std::ceil(seconds));
+  return s < 3600 ? fmt::format("{}:{:02}", s / 60, s % 60)
+                  : fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60);
+}
+
 int finish_printing(int status) {
   note_fault(std::fflush(stdout) == 0);
   if (fault_of_stdout == 0) return status;
-  // Whoever reads has enough, as `head` does: no fault, and the status of a filter that SIGPIPE
-  // ends.
-  if (fault_of_stdout == EPIPE) return status == done ? 128 + SIGPIPE : status;
+  // The reader has enough, as `head` does: no fault, and the status of a filter that SIGPIPE ends.
+  if (fault_of_stdout == EPIPE) return status == exit_status::done ? 128 + SIGPIPE : status;
   say(
       fmt::format("cannot write to the standard output: {}. What was to be printed is cut short, "
                   "files are not",
                   std::strerror(fault_of_stdout)));
-  return status == done ? wrong_file : status;
+  return status == exit_status::done ? exit_status::wrong_file : status;
 }
 
 }  // namespace ra2d

@@ -27,69 +27,89 @@ std::optional<std::size_t> sampling_lengths_of(const std::string& text) {
   return std::stoul(text);
 }
 
-}  // namespace
+/// Adds options one by one, and keeps a list of them.
+class ProfileOptionList {
+ public:
+  explicit ProfileOptionList(CLI::App& command) : command_{command} {}
 
-std::vector<CLI::Option*> add_profile_options(CLI::App& command, ProfileOptions& options) {
-  std::vector<CLI::Option*> added;
-  const auto note = [&](CLI::Option* option, const char* type) {
-    added.push_back(option->type_name(type));
-    return option;
-  };
-  const auto word = [&](const char* name, const char* type, const char* what, const char* expected,
-                        auto understand, auto take) {
-    note(command.add_option_function<std::string>(
-             name, [=](const std::string& text) { take(*understand(text)); }, what),
+  /// A word that `understand` gives a meaning; `take` is given that.
+  template <class Understand, class Take>
+  void word(const char* name, const char* type, const char* description, const char* expected,
+            Understand understand, Take take) {
+    note(command_.add_option_function<std::string>(
+             name, [=](const std::string& text) { take(*understand(text)); }, description),
          type)
         ->check(understood(expected, understand));
-  };
-  const auto length = [&](const char* name, std::optional<double>& value, const char* what) {
-    return note(command.add_option(name, value, what), "M")->check(length_in_metres());
-  };
-  const auto index = [&](const char* name, std::optional<int>& value, const char* what) {
-    note(command.add_option(name, value, what), "N")->transform(count());
-  };
-  ProfileQuery& query = options.query;
-  MeasureOptions& measure = options.measure;
+  }
+  CLI::Option* length(const char* name, std::optional<double>& value, const char* description) {
+    return note(command_.add_option(name, value, description), "M")->check(length_in_metres());
+  }
+  void index(const char* name, std::optional<int>& value, const char* description) {
+    note(command_.add_option(name, value, description), "N")->transform(count());
+  }
+  std::vector<CLI::Option*> all;
+
+ private:
+  CLI::Option* note(CLI::Option* option, const char* type) {
+    all.push_back(option->type_name(type));
+    return option;
+  }
+  CLI::App& command_;
+};
+
+/// How a file is read.
+void add_reading(ProfileOptionList& list, ProfileQuery& query) {
   const auto unit = [](const std::string& text) { return to_unit(text); };
-  word("--x-unit", "UNIT", "of x: m, mm, um or nm [the file's own, or m]", "m, mm, um or nm", unit,
-       [&query](const LengthUnit& u) { query.x_unit = u; });
-  word("--z-unit", "UNIT", "of the heights [the file's own, or m]", "m, mm, um or nm", unit,
-       [&query](const LengthUnit& u) { query.z_unit = u; });
-  length("--spacing", query.spacing, "step in metres, of a file that has no x");
-  index("--column", query.column,
-        "the column of heights, from 1 [the second, after x]; of an areal file a profile along y");
-  index("--row", query.row, "the row of an areal file, from 1: a profile along x");
-  word("--decimal", "MARK", "point or comma, where the file leaves it open [what the file tells]",
-       "point or comma",
-       either<DecimalMark>({{"point", DecimalMark::point}, {"comma", DecimalMark::comma}}),
-       [&query](DecimalMark mark) { query.decimal = mark; });
-  word(
+  list.word("--x-unit", "UNIT", "of x: m, mm, um or nm [the file's own, or m]", "m, mm, um or nm",
+            unit, [&query](const LengthUnit& u) { query.x_unit = u; });
+  list.word("--z-unit", "UNIT", "of the heights [the file's own, or m]", "m, mm, um or nm", unit,
+            [&query](const LengthUnit& u) { query.z_unit = u; });
+  list.length("--spacing", query.spacing, "step in metres, of a file that has no x");
+  list.index(
+      "--column", query.column,
+      "the column of heights, from 1 [the second, after x]; of an areal file a profile along y");
+  list.index("--row", query.row, "the row of an areal file, from 1: a profile along x");
+  list.word("--decimal", "MARK",
+            "point or comma, where the file leaves it open [what the file tells]", "point or comma",
+            either<DecimalMark>({{"point", DecimalMark::point}, {"comma", DecimalMark::comma}}),
+            [&query](DecimalMark mark) { query.decimal = mark; });
+}
+
+/// Form and filters.
+void add_filters(ProfileOptionList& list, ProfileOptions& options) {
+  MeasureOptions& measure = options.measure;
+  list.word(
       "--form", "FORM",
-      "form to be taken off first: none, mean, line or poly:N, by least squares [none]",
+      "form to be taken off first: none, mean, line or poly:N, by least squares "
+      "[none]",
       "none, mean, line or poly:N with N from 0 to 10",
       [](const std::string& text) { return understand_form(text); },
       [&measure](ProfileForm form) { measure.form = form; });
-  word("--filter", "KIND",
-       "gaussian, which gives the roughness profile; done, where the instrument has filtered "
-       "already; none, for the primary profile [gaussian]",
-       "gaussian, done or none",
-       either<ProfileFilter>({{"gaussian", ProfileFilter::gaussian},
-                              {"done", ProfileFilter::done},
-                              {"none", ProfileFilter::none}}),
-       [&options](ProfileFilter filter) {
-         options.measure.filter = filter;
-         options.filter_told = true;
-       });
-  length("--cutoff", measure.cutoff,
-         "cut-off, and sampling length, in metres [2.5e-3; one length with --filter none]")
-      ->each([&options](const std::string&) { options.filter_told = true; });
-  length("--cutoff-s", measure.cutoff_s,
-         "cut-off of the Gaussian filter against short waves, in metres [no such filter]");
-  word("--sampling-lengths", "N",
-       "how many sampling lengths are evaluated, or all [5, or as many as fit]",
-       "a number from 1 to 999999, or all", sampling_lengths_of,
-       [&measure](std::size_t number) { measure.sampling_lengths = number; });
-  word(
+  list.word("--filter", "KIND",
+            "gaussian, which gives the roughness profile; done, where the instrument has filtered "
+            "already; none, for the primary profile [gaussian]",
+            "gaussian, done or none",
+            either<ProfileFilter>({{"gaussian", ProfileFilter::gaussian},
+                                   {"done", ProfileFilter::done},
+                                   {"none", ProfileFilter::none}}),
+            [&options](ProfileFilter filter) {
+              options.measure.filter = filter;
+              options.has_filter = true;
+            });
+  list.length("--cutoff", measure.cutoff,
+              "cut-off, and sampling length, in metres [2.5e-3; one length with --filter none]")
+      ->each([&options](const std::string&) { options.has_filter = true; });
+  list.length("--cutoff-s", measure.cutoff_s,
+              "cut-off of the Gaussian filter against short waves, in metres [no such filter]");
+}
+
+/// The measures and their definitions.
+void add_measures(ProfileOptionList& list, MeasureOptions& measure) {
+  list.word("--sampling-lengths", "N",
+            "how many sampling lengths are evaluated, or all [5, or as many as fit]",
+            "a number from 1 to 999999, or all", sampling_lengths_of,
+            [&measure](std::size_t number) { measure.sampling_lengths = number; });
+  list.word(
       "--fill", "linear:M",
       "straight lines through missing points, over gaps up to M metres [they are refused]",
       "linear:WIDTH, with a width in metres, like linear:1e-5",
@@ -97,9 +117,18 @@ std::vector<CLI::Option*> add_profile_options(CLI::App& command, ProfileOptions&
       [&measure](double width) { measure.fill = width; });
   const auto standard = either<RoughnessStandard>(
       {{"iso21920", RoughnessStandard::iso21920}, {"iso4287", RoughnessStandard::iso4287}});
-  word("--standard", "NORM", "whose definitions are taken: iso21920 or iso4287 [iso21920]",
-       "iso21920 or iso4287", standard,
-       [&measure](RoughnessStandard norm) { measure.standard = norm; });
+  list.word("--standard", "NORM", "whose definitions are taken: iso21920 or iso4287 [iso21920]",
+            "iso21920 or iso4287", standard,
+            [&measure](RoughnessStandard norm) { measure.standard = norm; });
+}
+
+}  // namespace
+
+std::vector<CLI::Option*> add_profile_options(CLI::App& command, ProfileOptions& options) {
+  ProfileOptionList list(command);
+  add_reading(list, options.query);
+  add_filters(list, options);
+  add_measures(list, options.measure);
   command
       .add_option_function<std::string>(
           "--rsm",
@@ -110,7 +139,7 @@ std::vector<CLI::Option*> add_profile_options(CLI::App& command, ProfileOptions&
           },
           "")
       ->group("");  // not in the help
-  return added;
+  return list.all;
 }
 
 }  // namespace ra2d

@@ -8,11 +8,11 @@
 
 namespace ra2d {
 
-/// How a measured profile is read and what is made of it: the same words for all commands.
+/// How a measured profile is read and measured: the same options for all commands.
 struct ProfileOptions {
   ProfileQuery query;
   MeasureOptions measure;
-  bool filter_told = false;  // by --filter or --cutoff
+  bool has_filter = false;  // given by --filter or --cutoff
 };
 
 /// Adds the options that fill `options` in; returns them.

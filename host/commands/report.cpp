@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "host/base/exit_status.hpp"
 #include "host/base/format.hpp"
 #include "host/base/text.hpp"
 #include "host/commands/commands.hpp"
@@ -62,12 +63,12 @@ int make_page(PageRequest& request) {
   write_text(request.output, page);
   if (!request.quiet)
     print("  {:<17}{}, {}\n", "page", printable(request.output.string()), bytes_text(page.size()));
-  return done;
+  return exit_status::done;
 }
 
 }  // namespace
 
-void add_report(CLI::App& app, Chosen& chosen) {
+void add_report(CLI::App& app, ChosenCommand& chosen) {
   const auto request = std::make_shared<PageRequest>();
   CLI::App* report = app.add_subcommand(
       "report",
@@ -82,7 +83,7 @@ void add_report(CLI::App& app, Chosen& chosen) {
       ->type_name("PAGE.html")
       ->check(path());
   report->add_flag("--quiet", request->quiet, "print nothing but errors");
-  report->callback([request, &chosen] { chosen = [request] { return make_page(*request); }; });
+  report->callback([request, &chosen] { chosen.run = [request] { return make_page(*request); }; });
 }
 
 }  // namespace ra2d

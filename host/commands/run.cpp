@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <memory>
 
 #include "host/analysis/analysis_text.hpp"
+#include "host/base/exit_status.hpp"
 #include "host/base/format.hpp"
 #include "host/base/text.hpp"
 #include "host/commands/commands.hpp"
+#include "host/commands/options.hpp"
 #include "host/commands/print.hpp"
+#include "host/commands/threads.hpp"
 #include "host/device/backend.hpp"
 #include "host/result/energy.hpp"
 #include "host/run/run.hpp"
@@ -23,12 +27,13 @@ namespace {
 
 constexpr std::size_t longest_title = 200;  // bytes
 
-std::string clock_text(double seconds) {
-  if (!(seconds < 360000)) return "long";
-  const int s = static_cast<int>(std::ceil(seconds));
-  return s < 3600 ? fmt::format("{}:{:02}", s / 60, s % 60)
-                  : fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60);
-}
+struct RunRequest {
+  SceneOptions common;
+  std::filesystem::path output;
+  bool fresh = false, force = false;
+  double checkpoint = 10;                                      // min between two checkpoints
+  double most_wall = std::numeric_limits<double>::infinity();  // s
+};
 
 void show_progress(const Progress& p) {
   show(fmt::format("{:5.1f} %  {:.4f} of {:g} s   {:.3g} million steps/s   {} left ",
@@ -36,11 +41,9 @@ void show_progress(const Progress& p) {
                    clock_text(p.left)));
 }
 
-void print_line(const char* what, const std::string& value) { print("  {:<17}{}\n", what, value); }
-
 constexpr double much_energy = 0.05;  // of what went through
 
-/// Why a balance is as far off as it is.
+/// The likely reason of a balance that does not close.
 std::string energy_text(const Scene& scene, const EnergyBalance& energy) {
   const std::string far =
       fmt::format("{:.0f} % of the energy is unaccounted for: ", 100 * std::abs(energy.relative()));
@@ -51,12 +54,15 @@ std::string energy_text(const Scene& scene, const EnergyBalance& energy) {
                            scene.time.step);
 }
 
-void print_report(const Scene& scene, const RunReport& r, const std::filesystem::path& output) {
+void print_title(const Scene& scene, const RunReport& r) {
   print("{}: {:g} s of sliding at {:g} m/s, {} steps {}\n",
         printable(shortened(title(scene), longest_title)), r.time, scene.speed, r.steps,
         is_adaptive(scene)
             ? fmt::format("to a tolerance of {:g}", scene.time.tolerance.value_or(usual_tolerance))
             : fmt::format("of {:g} s", scene.time.step));
+}
+
+void print_level(const Scene& scene, const RunReport& r) {
   if (!(r.counted > 0))
     print_line("level Lv", scene.output.from > 0 ? "none: the run ended before output.from"
                                                  : "none: the run ended at its first step");
@@ -68,29 +74,31 @@ void print_report(const Scene& scene, const RunReport& r, const std::filesystem:
                     interval_text(r.intervals)));
   else
     print_line("level Lv", "-inf dB: the resonator did not vibrate");
+}
+
+void print_shocks(const RunReport& r) {
   if (r.counted > 0)
     print_line("shocks",
                fmt::format("{:.0f} a second{}", r.shocks, rate_interval_text(r.intervals)));
-  if (r.shocks > 0) {
-    print_line("  duration", fmt::format("median {:.3g} us, 90 % up to {:.3g} us",
-                                         r.duration_median * 1e6, r.duration_90 * 1e6));
-    print_line("  peak force",
-               fmt::format("median {:.3g} N, 90 % up to {:.3g} N", r.force_median, r.force_90));
-  }
-  if (!r.beyond_limit.empty()) print_line("beyond limit", r.beyond_limit);
-  if (r.counted > 0)
-    print_line("in contact", fmt::format("{:.2f} % of the time", 100 * r.contact_share));
-  if (r.mesh.stands_out()) print_line("mesh's tone", mesh_tone_text(r.mesh));
-  print_line("nodes evaluated", fmt::format("{:.2f} a step, on average", r.evaluated));
+  if (!(r.shocks > 0)) return;
+  print_line("  duration", fmt::format("median {:.3g} us, 90 % up to {:.3g} us",
+                                       r.duration_median * 1e6, r.duration_90 * 1e6));
+  print_line("  peak force",
+             fmt::format("median {:.3g} N, 90 % up to {:.3g} N", r.force_median, r.force_90));
+}
+
+void print_energy(const Scene& scene, const EnergyBalance& energy) {
   print_line("energy",
-             r.energy.samples < 2
+             energy.samples < 2
                  ? std::string("not known: fewer than two samples were counted (output.rate)")
-             : r.energy.turnover > 0
+             : energy.turnover > 0
                  ? fmt::format("closes to {:.1e} of what went through ({:.2e} of {:.2e} J)",
-                               std::abs(r.energy.relative()), r.energy.residual, r.energy.turnover)
+                               std::abs(energy.relative()), energy.residual, energy.turnover)
                  : std::string("none went through"));
-  if (std::abs(r.energy.relative()) > much_energy)
-    print_line("warning", energy_text(scene, r.energy));
+  if (std::abs(energy.relative()) > much_energy) print_line("warning", energy_text(scene, energy));
+}
+
+void print_cost(const RunReport& r) {
   print_line(
       "cost",
       fmt::format("{:.1f} ns a step; {:.2f} s in all, {:.3f} s of them to read the file back",
@@ -98,34 +106,63 @@ void print_report(const Scene& scene, const RunReport& r, const std::filesystem:
   if (const std::string device = backend_device(); !device.empty() && r.memory > 0)
     print_line("device", fmt::format("{}: this scene took {}, there is room for {} of them", device,
                                      bytes_text(r.memory), backend_room() / r.memory));
+}
+
+void print_report(const Scene& scene, const RunReport& r, const std::filesystem::path& output) {
+  print_title(scene, r);
+  print_level(scene, r);
+  print_shocks(r);
+  if (!r.beyond_limit.empty()) print_line("beyond limit", r.beyond_limit);
+  if (r.counted > 0)
+    print_line("in contact", fmt::format("{:.2f} % of the time", 100 * r.contact_share));
+  if (r.mesh.stands_out()) print_line("mesh's tone", mesh_tone_text(r.mesh));
+  print_line("nodes evaluated", fmt::format("{:.2f} a step, on average", r.evaluated));
+  print_energy(scene, r.energy);
+  print_cost(r);
   print_line("file", printable(output.string()));
 }
 
-std::string going_on(const RunReport& report) {
-  return report.resumable ? ". The same line goes on from here" : "";
+/// Says how a run ended that is not complete; returns the exit status.
+int say_ending(const SceneOptions& common, const RunReport& report,
+               const std::filesystem::path& output) {
+  const std::string kept =
+      fmt::format("the results so far are in {}, marked as cut short{}", output.string(),
+                  report.resumable ? ". The same line goes on from here" : "");
+  switch (report.ending) {
+    case Ending::failed:
+      say(fmt::format("{}: {}. What was computed until then is in {}, marked as cut short",
+                      common.scene.string(), report.failure, output.string()));
+      return exit_status::failed;
+    case Ending::interrupted:
+      say(fmt::format("interrupted at t = {:g} s: {}", report.time, kept));
+      return exit_status::interrupted + interruption();
+    case Ending::out_of_time:
+      say(fmt::format("stopped by --max-wall at t = {:g} s: {}", report.time, kept));
+      return exit_status::out_of_time;
+    default:
+      return exit_status::done;
+  }
 }
 
-}  // namespace
-
-int run_command(const CommonOptions& common, RunChoices choices) {
+int run_scene(RunRequest& request) {
   const CheckpointKeeper keeper;  // from here on SIGUSR1 ends nothing
+  const SceneOptions& common = request.common;
   const Scene scene = read_scene(common.scene, common.overrides);
-  std::filesystem::path& output = choices.output;
+  std::filesystem::path& output = request.output;
   if (output.empty()) output = common.scene.stem().string() + ".h5";
   require_output(output, files_of(scene));
 
   RunOptions options;
   options.output = output;
-  options.fresh = choices.fresh;
-  options.force = choices.force;
-  options.checkpoint = 60 * choices.checkpoint;
-  options.most_wall = choices.most_wall;
-  if (!common.quiet) options.tell = [&](const std::string& text) { say(text); };
+  options.fresh = request.fresh;
+  options.force = request.force;
+  options.checkpoint = 60 * request.checkpoint;
+  options.most_wall = request.most_wall;
+  if (!common.quiet) options.tell = [](const std::string& text) { say(text); };
   options.doubts = [&](const std::vector<std::string>& doubts) {
     say_doubts(doubts, common.quiet);
   };
-  const bool terminal = isatty(STDERR_FILENO) != 0;
-  if (terminal && !common.quiet) options.progress = show_progress;
+  if (shows_progress(common.quiet)) options.progress = show_progress;
 
   const Backend backend(common.threads, common.device);
   const RunReport report = run(scene, options);
@@ -134,28 +171,38 @@ int run_command(const CommonOptions& common, RunChoices choices) {
     if (!common.quiet)
       print("{} has this run already, complete: nothing to do (--fresh runs it again)\n",
             printable(output.string()));
-    return done;
+    return exit_status::done;
   }
   if (!common.quiet) print_report(scene, report, output);
-  if (report.ending == Ending::failed) {
-    say(fmt::format("{}: {}. What was computed until then is in {}, marked as cut short",
-                    common.scene.string(), report.failure, output.string()));
-    return failed;
-  }
-  if (report.ending == Ending::interrupted) {
-    say(fmt::format(
-        "interrupted at t = {:g} s: the results so far are in {}, marked as cut short{}",
-        report.time, output.string(), going_on(report)));
-    return interrupted + interruption();
-  }
-  if (report.ending == Ending::out_of_time) {
-    say(fmt::format(
-        "stopped by --max-wall at t = {:g} s: the results so far are in {}, marked as cut "
-        "short{}",
-        report.time, output.string(), going_on(report)));
-    return out_of_time;
-  }
-  return done;
+  return say_ending(common, report, output);
+}
+
+}  // namespace
+
+void add_run(CLI::App& app, ChosenCommand& chosen) {
+  const auto request = std::make_shared<RunRequest>();
+  CLI::App* command = app.add_subcommand("run", "simulates a scene and writes one HDF5 file");
+  add_scene(*command, request->common, "scene file (TOML)")->required();
+  add_scene_options(*command, request->common);
+  command
+      ->add_option("-o,--output", request->output,
+                   "result file [SCENE's name with .h5, in the current folder]")
+      ->type_name("OUT.h5")
+      ->check(path());
+  command->add_flag(
+      "--fresh", request->fresh,
+      "start anew: ignore the checkpoint, and run again if the result of this same run is there");
+  command->add_flag("--force", request->force,
+                    "replace any file that is there, also the result of another run (of this one: "
+                    "--fresh)");
+  add_checkpoints(*command, request->checkpoint, request->most_wall);
+  command->callback([request, &chosen] {
+    chosen.takes_checkpoints = true;
+    chosen.run = [request] {
+      limit_threads(request->common.threads, request->common.quiet);
+      return run_scene(*request);
+    };
+  });
 }
 
 }  // namespace ra2d

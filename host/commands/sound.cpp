@@ -8,6 +8,7 @@
 #include <memory>
 #include <string>
 
+#include "host/base/exit_status.hpp"
 #include "host/base/format.hpp"
 #include "host/base/text.hpp"
 #include "host/commands/commands.hpp"
@@ -29,19 +30,16 @@ struct Wanted {
 };
 
 void print_facts(const SoundFacts& f, const fs::path& file) {
-  const auto line = [](const char* what, const std::string& value) {
-    print("  {:<17}{}\n", what, value);
-  };
   print("velocity of {}, from {:g} s to {:g} s{}\n", f.place(), f.from, f.to,
         f.slow == 1 ? "" : fmt::format(", {:g} times slower", f.slow));
-  line("length",
-       fmt::format("{}, {} samples at {} Hz", seconds_text(f.seconds()), f.frames, f.rate));
-  line("full scale", fmt::format("1.0 in the file is {:g} m/s", f.full_scale));
+  print_line("length",
+             fmt::format("{}, {} samples at {} Hz", seconds_text(f.seconds()), f.frames, f.rate));
+  print_line("full scale", fmt::format("1.0 in the file is {:g} m/s", f.full_scale));
   if (f.peak > 0)
-    line("peak", fmt::format("{:.4g} m/s, {:.1f} dB of full scale", f.peak,
-                             20 * std::log10(f.peak / f.full_scale)));
-  line("file", printable(file.string()));
-  line("beside it", printable(sidecar_of(file).string()));
+    print_line("peak", fmt::format("{:.4g} m/s, {:.1f} dB of full scale", f.peak,
+                                   20 * std::log10(f.peak / f.full_scale)));
+  print_line("file", printable(file.string()));
+  print_line("beside it", printable(sidecar_of(file).string()));
 }
 
 int make_sound(Wanted& wanted) {
@@ -56,12 +54,12 @@ int make_sound(Wanted& wanted) {
   write_sound(sound, wanted.output);
   say_doubts(facts.doubts, wanted.quiet);
   if (!wanted.quiet) print_facts(facts, wanted.output);
-  return done;
+  return exit_status::done;
 }
 
 }  // namespace
 
-void add_sound(CLI::App& app, Chosen& chosen) {
+void add_sound(CLI::App& app, ChosenCommand& chosen) {
   const auto wanted = std::make_shared<Wanted>();
   SoundOptions& options = wanted->options;
   CLI::App* sound = app.add_subcommand(
@@ -111,7 +109,7 @@ void add_sound(CLI::App& app, Chosen& chosen) {
       ->excludes(normalize);
   add_stretch(*sound, options.from, options.to);
   sound->add_flag("--quiet", wanted->quiet, "print nothing but errors");
-  sound->callback([wanted, &chosen] { chosen = [wanted] { return make_sound(*wanted); }; });
+  sound->callback([wanted, &chosen] { chosen.run = [wanted] { return make_sound(*wanted); }; });
 }
 
 }  // namespace ra2d

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "host/base/errors.hpp"
+#include "host/base/exit_status.hpp"
 #include "host/base/text.hpp"
 #include "host/commands/commands.hpp"
 #include "host/commands/options.hpp"
@@ -146,14 +147,14 @@ int measure_files(const Request& request) {
     const auto& json = list.size() == 1 ? list[0] : list;
     print_text(json.dump(2, ' ', false, Handler::replace) + '\n');
   }
-  return done;
+  return exit_status::done;
 }
 
 }  // namespace
 
-void add_surface_measure(CLI::App& surface, Chosen& chosen) {
-  const auto asked = std::make_shared<Request>();
-  Request& request = *asked;
+void add_surface_measure(CLI::App& surface, ChosenCommand& chosen) {
+  const auto shared = std::make_shared<Request>();
+  Request& request = *shared;
   CLI::App* measure =
       surface.add_subcommand("measure",
                              "roughness parameters (ISO 21920-2 or 4287) of measured "
@@ -167,7 +168,8 @@ void add_surface_measure(CLI::App& surface, Chosen& chosen) {
       ->check(number_from(std::numeric_limits<double>::lowest(), std::numeric_limits<double>::max(),
                           "a height in metres above the mean line, like -1e-6"));
   measure->add_flag("--json", request.json, "print JSON, in SI units");
-  measure->callback([asked, &chosen] { chosen = [asked] { return measure_files(*asked); }; });
+  measure->callback(
+      [shared, &chosen] { chosen.run = [shared] { return measure_files(*shared); }; });
 }
 
 }  // namespace ra2d

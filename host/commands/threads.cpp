@@ -10,6 +10,8 @@
 #include <thread>
 #include <vector>
 
+#include "host/commands/print.hpp"
+
 namespace ra2d {
 namespace {
 
@@ -23,8 +25,8 @@ int processors_here() {
              : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
-/// Threads that the system starts beside this one, up to so many: the runtime of OpenMP ends the
-/// program where it gets one less than it wants.
+/// How many threads the system starts besides this one, up to so many. OpenMP ends the program
+/// where it gets fewer than it wants.
 int startable(int wanted) {
   std::latch all_tried(1);
   std::vector<std::thread> threads;
@@ -40,10 +42,10 @@ int startable(int wanted) {
 
 }  // namespace
 
-int usable_threads(int asked, std::string& why) {
+int usable_threads(int wanted, std::string& why) {
   const int processors = processors_here();
-  int threads = std::min({asked, processors, most_threads});
-  if (threads < asked)
+  int threads = std::min({wanted, processors, most_threads});
+  if (threads < wanted)
     why = threads == processors
               ? fmt::format("there {} {} processor{} here", processors == 1 ? "is" : "are",
                             processors, processors == 1 ? "" : "s")
@@ -53,6 +55,13 @@ int usable_threads(int asked, std::string& why) {
     why = "the system starts no more (ulimit -u)";
   }
   return threads;
+}
+
+void limit_threads(int& threads, bool quiet) {
+  std::string why;
+  threads = usable_threads(threads, why);
+  if (!why.empty() && !quiet)
+    say(fmt::format("{} thread{}: {}", threads, threads == 1 ? "" : "s", why));
 }
 
 }  // namespace ra2d

@@ -4,9 +4,11 @@
 
 namespace ra2d {
 
-/// How many of the threads that were asked for there can be: one for each processor that this
-/// process may use, as many as the march takes, as many as the system starts. `why` says what
-/// lowered them; it stays empty where nothing did.
-int usable_threads(int asked, std::string& why);
+/// How many of the wanted threads there can be: one for each processor that this process may use,
+/// as many as a march takes, as many as the system starts. `why`: the reason where there are fewer.
+int usable_threads(int wanted, std::string& why);
+
+/// Lowers the threads of a command to what there can be, and says so unless it is to be quiet.
+void limit_threads(int& threads, bool quiet);
 
 }  // namespace ra2d

@@ -12,14 +12,13 @@
 
 #include "host/analysis/distributions.hpp"
 #include "host/base/errors.hpp"
+#include "host/base/quiet_nan.hpp"
 #include "host/result/level.hpp"
 #include "host/study/clusters.hpp"
 #include "host/study/straight_line.hpp"
 
 namespace ra2d {
 namespace {
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 bool can_be_fitted(const StudyAxis& axis) {
   return axis.size() > 1 && axis.texts.empty() &&
@@ -42,10 +41,10 @@ std::vector<std::size_t> seeds_of(const StudyAnswers& answers,
 /// seed they are one run.
 bool seeds_differ(const StudyAnswers& answers) {
   const std::size_t seeds = answers.axes.back().size();
-  double first = nan;
+  double first = quiet_nan;
   for (std::size_t i = 0; i < answers.v_rms.size(); ++i) {
     const double value = answers.v_rms[i];
-    if (i % seeds == 0) first = nan;
+    if (i % seeds == 0) first = quiet_nan;
     if (!(value > 0 && std::isfinite(value))) continue;
     if (std::isnan(first)) first = value;
     if (std::abs(value - first) > 1e-9 * first) return true;
@@ -82,13 +81,42 @@ double law_level(const StudyLaw& law, const std::vector<StudyAxis>& axes,
   return sum;
 }
 
-StudyLaw fit_law(const StudyAnswers& answers) {
-  StudyLaw law;
+namespace {
+
+/// The equations log10(v_rms) = constant + sum of exponent * log10(value), a row for each run.
+struct LawEquations {
+  Eigen::MatrixXd x;  // the values less their means, for which far more digits are left
+  Eigen::VectorXd y;
+  Eigen::RowVectorXd centre;  // the means
+};
+
+LawEquations law_equations(const StudyAnswers& answers, const std::vector<std::size_t>& fitted,
+                           const std::vector<std::size_t>& runs) {
+  const auto rows = static_cast<Eigen::Index>(runs.size()),
+             terms = static_cast<Eigen::Index>(fitted.size()) + 1;
+  LawEquations e{Eigen::MatrixXd(rows, terms), Eigen::VectorXd(rows),
+                 Eigen::RowVectorXd::Zero(terms - 1)};
+  for (Eigen::Index row = 0; row < rows; ++row) {
+    const std::size_t run = runs[static_cast<std::size_t>(row)];
+    const std::vector<std::size_t> place = place_of_run(answers.axes, run);
+    e.x(row, 0) = 1;
+    for (std::size_t k = 0; k < fitted.size(); ++k)
+      e.x(row, static_cast<Eigen::Index>(k) + 1) =
+          std::log10(answers.axes[fitted[k]].numbers[place[fitted[k]]]);
+    e.y(row) = std::log10(answers.v_rms[run]);
+  }
+  if (rows > 0) e.centre = e.x.rightCols(terms - 1).colwise().mean();
+  e.x.rightCols(terms - 1).rowwise() -= e.centre;
+  return e;
+}
+
+/// The axes that the law has an exponent for; the names of the others go to `law.pooled`.
+std::vector<std::size_t> fitted_axes(const StudyAnswers& answers, StudyLaw& law) {
   std::vector<std::size_t> fitted;
   for (std::size_t a = 0; a + 1 < answers.axes.size(); ++a) {
     if (can_be_fitted(answers.axes[a])) {
       fitted.push_back(a);
-      law.exponents.push_back({answers.axes[a].name, nan, nan, nan});
+      law.exponents.push_back({answers.axes[a].name, quiet_nan, quiet_nan, quiet_nan});
     } else if (answers.axes[a].size() > 1) {
       law.pooled.push_back(answers.axes[a].name);
     }
@@ -97,56 +125,21 @@ StudyLaw fit_law(const StudyAnswers& answers) {
     throw RequestError("no law: no dimension of this study is of two positive numbers or more");
   if (answers.v_rms.empty())
     throw RequestError("no law: the table holds no v_rms (keep = [\"level\"])");
-  std::vector<std::size_t> runs;
-  for (std::size_t i = 0; i < answers.v_rms.size(); ++i)
-    if (answers.v_rms[i] > 0 && std::isfinite(answers.v_rms[i])) runs.push_back(i);
-  law.runs = runs.size();
-  law.left_out = answers.v_rms.size() - runs.size();
+  return fitted;
+}
 
-  const auto rows = static_cast<Eigen::Index>(runs.size()),
-             terms = static_cast<Eigen::Index>(fitted.size()) + 1;
-  Eigen::MatrixXd x(rows, terms);
-  Eigen::VectorXd y(rows);
-  for (Eigen::Index row = 0; row < rows; ++row) {
-    const std::size_t run = runs[static_cast<std::size_t>(row)];
-    const std::vector<std::size_t> place = place_of_run(answers.axes, run);
-    x(row, 0) = 1;
-    for (std::size_t k = 0; k < fitted.size(); ++k)
-      x(row, static_cast<Eigen::Index>(k) + 1) =
-          std::log10(answers.axes[fitted[k]].numbers[place[fitted[k]]]);
-    y(row) = std::log10(answers.v_rms[run]);
-  }
-  // about their means, for which far more digits are left
-  const Eigen::RowVectorXd centre =
-      rows > 0 ? Eigen::RowVectorXd(x.rightCols(terms - 1).colwise().mean())
-               : Eigen::RowVectorXd::Zero(terms - 1);
-  x.rightCols(terms - 1).rowwise() -= centre;
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> decomposed(x);
-  if (rows < terms || decomposed.rank() < terms)
-    throw RequestError(fmt::format(
-        "no law yet: the {} runs with a v_rms do not vary all of the dimensions by themselves",
-        runs.size()));
-  const Eigen::VectorXd solution = decomposed.solve(y);
-  const double residual = (y - x * solution).squaredNorm();
-  const double total = (y.array() - y.mean()).matrix().squaredNorm();
-  law.explained = total > 0 ? 1 - residual / total : 1;
-  const double constant = solution(0) - centre.dot(solution.tail(terms - 1));
-  law.factor = std::pow(10.0, constant);
-  for (std::size_t k = 0; k < fitted.size(); ++k)
-    law.exponents[k].value = solution(static_cast<Eigen::Index>(k) + 1);
-  law.deviation = nan;
-  law.line.why_not_tested = "it takes two seeds or more that differ";
-  const auto free = static_cast<double>(rows - terms);
-  if (!(free > 0)) return law;
-  law.deviation = 20 * std::sqrt(residual / free);
+/// The intervals of the exponents.
+void set_intervals(StudyLaw& law, const StudyAnswers& answers, const std::vector<std::size_t>& runs,
+                   const LawEquations& equations, const Eigen::VectorXd& deviations,
+                   double variance) {
   std::vector<std::size_t> clusters = seeds_of(answers, runs);
   law.seeds = 1 + *std::max_element(clusters.begin(), clusters.end());
   if (!seeds_differ(answers)) law.seeds = 1;
   if (law.seeds == 1) std::iota(clusters.begin(), clusters.end(), 0);
   const std::vector<CoefficientError> errors =
-      law.seeds == 1 ? independent_errors(x, residual / free)
-                     : clustered_errors(x, y - x * solution, clusters);
-  for (std::size_t k = 0; k < fitted.size(); ++k) {
+      law.seeds == 1 ? independent_errors(equations.x, variance)
+                     : clustered_errors(equations.x, deviations, clusters);
+  for (std::size_t k = 0; k < law.exponents.size(); ++k) {
     const CoefficientError& e = errors[k + 1];
     if (!(e.degrees_of_freedom > 0)) continue;
     const double half =
@@ -154,6 +147,41 @@ StudyLaw fit_law(const StudyAnswers& answers) {
     law.exponents[k].low = law.exponents[k].value - half;
     law.exponents[k].high = law.exponents[k].value + half;
   }
+}
+
+}  // namespace
+
+StudyLaw fit_law(const StudyAnswers& answers) {
+  StudyLaw law;
+  const std::vector<std::size_t> fitted = fitted_axes(answers, law);
+  std::vector<std::size_t> runs;
+  for (std::size_t i = 0; i < answers.v_rms.size(); ++i)
+    if (answers.v_rms[i] > 0 && std::isfinite(answers.v_rms[i])) runs.push_back(i);
+  law.runs = runs.size();
+  law.left_out = answers.v_rms.size() - runs.size();
+
+  const LawEquations equations = law_equations(answers, fitted, runs);
+  const auto& [x, y, centre] = equations;
+  const Eigen::Index rows = x.rows(), terms = x.cols();
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> decomposed(x);
+  if (rows < terms || decomposed.rank() < terms)
+    throw RequestError(fmt::format(
+        "no law yet: the {} runs with a v_rms do not vary all of the dimensions by themselves",
+        runs.size()));
+  const Eigen::VectorXd solution = decomposed.solve(y);
+  const Eigen::VectorXd deviations = y - x * solution;
+  const double residual = deviations.squaredNorm();
+  const double total = (y.array() - y.mean()).matrix().squaredNorm();
+  law.explained = total > 0 ? 1 - residual / total : 1;
+  law.factor = std::pow(10.0, solution(0) - centre.dot(solution.tail(terms - 1)));
+  for (std::size_t k = 0; k < fitted.size(); ++k)
+    law.exponents[k].value = solution(static_cast<Eigen::Index>(k) + 1);
+  law.deviation = quiet_nan;
+  law.line.why_not_tested = "it takes two seeds or more that differ";
+  const auto free = static_cast<double>(rows - terms);
+  if (!(free > 0)) return law;
+  law.deviation = 20 * std::sqrt(residual / free);
+  set_intervals(law, answers, runs, equations, deviations, residual / free);
   if (law.seeds > 1) law.line = test_straight_line(answers, fitted);
   return law;
 }
@@ -165,7 +193,7 @@ std::vector<CombinationMean> combination_means(const StudyAnswers& answers) {
     std::vector<double> values, levels, rates;
     for (std::size_t i = first; i < first + seeds; ++i) {
       values.push_back(answers.v_rms[i]);
-      levels.push_back(answers.v_rms[i] > 0 ? level(answers.v_rms[i]) : nan);
+      levels.push_back(answers.v_rms[i] > 0 ? level(answers.v_rms[i]) : quiet_nan);
       if (!answers.shock_rate.empty()) rates.push_back(answers.shock_rate[i]);
     }
     std::vector<std::size_t> place = place_of_run(answers.axes, first);

@@ -16,8 +16,8 @@ import re
 import sys
 
 # From the ground up.
-HOST = ["base", "system", "scene", "surface", "beam", "scene_file", "model", "device", "plan", "result", "store",
-        "analysis", "sound", "report", "run", "ensemble", "study", "savings", "plot", "chart", "ranks", "commands"]
+HOST = ["base", "system", "ranks", "scene", "surface", "beam", "scene_file", "model", "device", "plan", "result", "store",
+        "analysis", "sound", "report", "run", "ensemble", "study", "savings", "plot", "chart", "commands"]
 KERNELS = ["check", "limits", "nodes", "schemes", "tables", "state", "lanes", "displacement", "gap", "place",
            "group_sweep", "near_groups", "candidates", "shocks", "contact", "fixed", "adaptive", "march"]
 

@@ -2,33 +2,35 @@
 #pragma once
 #include <functional>
 #include <limits>
+#include <string>
 
 #include "host/ranks/ranks.hpp"
 #include "host/study/study_worker.hpp"
 
-/// A study under mpirun: rank 0 decides what is to be done and writes the table; all take the runs
-/// from one list, each into a ledger of its own.
+/// A study under mpirun. Rank 0 decides what is to be done and writes the table. All ranks take
+/// their runs from one list, and each writes a ledger of its own.
 namespace ra2d {
 
-/// On rank 0, once the study is in its folder: the others get their work.
-void hand_out(Ranks& ranks, const Study& study, const PointCensus& census, const StudyWork& work);
+/// On rank 0, once the study is in its folder: gives the other ranks the list of runs.
+void give_work(Ranks& ranks, const Study& study, const PointCensus& census, const StudyWork& work);
 
 /// How a rank marches its runs.
-struct RankChoices {
+struct RankOptions {
   int threads = 1, device = -1;
   double checkpoint = 600;                                     // s between two of a run
   double most_wall = std::numeric_limits<double>::infinity();  // s
+  std::function<void(const std::string&)> tell;                // of checkpoints
 };
 
-/// On the others: does its part, and waits for nobody. Throws FileError where this rank sees
+/// On the other ranks: takes runs until there are no more. Throws FileError where this rank sees
 /// another folder than rank 0, or would run other scenes.
 void help_with_study(Ranks& ranks, const StudyFolder& folder, const Shard& shard,
-                     const RankChoices& choices);
+                     const RankOptions& options);
 
 /// Adds the runs of the other ranks.
 void add_others(Ranks& ranks, StudyProgress& progress);
 
-/// What all ranks together have done.
+/// The sum over all ranks.
 struct SharedOutcome {
   StudyOutcome outcome;
   int threads = 0;
@@ -36,11 +38,11 @@ struct SharedOutcome {
   std::size_t went_on = 0;       // runs, from checkpoints
   std::int64_t steps_saved = 0;  // by that
 };
-/// Adds what the others have done.
+/// Adds the share of the other ranks.
 void add_others(Ranks& ranks, SharedOutcome& all);
 
-/// Sleeps until all ranks have done their part. `beside` is called at once and a few times a
+/// Sleeps until all ranks have done their part. `on_wait` is called at once and a few times a
 /// second, with the time waited [s]. Throws FileError on rank 0 where another has given up.
-void wait_for_others(Ranks& ranks, const std::function<void(double waited)>& beside);
+void wait_for_others(Ranks& ranks, const std::function<void(double waited)>& on_wait);
 
 }  // namespace ra2d
