@@ -3,17 +3,17 @@
 #include <array>
 #include <filesystem>
 #include <functional>
-#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "host/base/quiet_nan.hpp"
 #include "host/chart/methods.hpp"
 #include "host/result/energy.hpp"
 
-/// Speed against accuracy: what every scheme under every contact law costs and how far off it is.
+/// Speed against accuracy: the cost and the error of every scheme under every contact law.
 ///
-/// The motion is chaotic, so "how far off" is asked in three ways:
+/// The motion is chaotic, so the error is measured in three ways:
 /// - the state just before the 5th and the 20th shock, in the norm of the energy (state_error),
 ///   against a reference much finer than all that is compared;
 /// - the closure of the energy over a stretch as long as the time given allows, and no shorter than
@@ -25,9 +25,7 @@
 /// is measured against the same scheme's own finest run, at the same instant.
 namespace ra2d {
 
-inline constexpr double missing = std::numeric_limits<double>::quiet_NaN();
-
-/// When states are compared.
+/// A time at which states are compared.
 struct Instant {
   std::string kind;  // "state-5", "state-20", or "state-end" where there are not so many shocks
   std::string text;  // for people
@@ -36,12 +34,12 @@ struct Instant {
 
 /// A state that was compared, or why it was not.
 struct StateError {
-  double error = missing;  // relative
-  double step = 0;         // s, the whole part of the instant's time that was taken; 0: none
+  double error = quiet_nan;  // relative
+  double step = 0;           // s, the whole part of the instant's time that was taken; 0: none
   std::string note;
 };
 
-/// How a row is called.
+/// The name of a row.
 struct Name {
   std::string program = "ra2d", scheme, law, contact_force, nodes;
   std::string text;  // for people
@@ -53,8 +51,8 @@ struct Measured {
   Method setting;
   std::string left_out;            // why nothing was measured
   std::vector<StateError> states;  // one an instant
-  std::string against;             // what the states were measured against
-  double closure = missing;        // of the energy, relative
+  std::string against;             // the reference of the states
+  double closure = quiet_nan;      // of the energy, relative
   double stretch = 0;              // s simulated, of each repetition
   double took = 0;                 // s of wall time, the first one with all that belongs to it
   std::vector<double> wall;  // s of march per simulated second, one a repetition; of its thread
@@ -65,7 +63,7 @@ struct Measured {
 /// Mean over the seeds, its standard error (NaN of a single run), and how far it is from that of
 /// the reference on the same surfaces.
 struct Statistic {
-  double mean = missing, error = missing, difference = missing, difference_error = missing;
+  double mean = quiet_nan, error = quiet_nan, difference = quiet_nan, difference_error = quiet_nan;
 };
 
 enum Quantity { level_quantity, shock_rate, shock_duration, quantities };
@@ -76,7 +74,7 @@ struct LongRun {
   Name name;
   Method setting;
   bool reference = false;
-  double wall = missing;                         // s of march per simulated second
+  double wall = quiet_nan;                       // s of march per simulated second
   std::string note;                              // what went wrong
   std::array<Statistic, quantities> statistics;  // dB, 1/s, s
 };
@@ -96,13 +94,14 @@ struct AccuracyChart {
 };
 
 struct AccuracyOptions {
-  double budget = 150;  // s of wall time; what is not expected to fit is not begun, and said
-  int repetitions = 3;  // of each timing
-  int seeds = 8;        // of the long runs
+  double budget =
+      150;  // s of wall time; a run that is not expected to fit is not begun, and listed as such
+  int repetitions = 3;                                                  // of each timing
+  int seeds = 8;                                                        // of the long runs
   std::vector<double> steps{1e-6, 3e-7, 1e-7, 3e-8, 1e-8, 3e-9, 1e-9};  // s
   std::vector<double> tolerances{1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10};
   std::filesystem::path peers;                       // ra2d_peers; none: not confirmed
-  std::function<void(const std::string&)> progress;  // what is being done
+  std::function<void(const std::string&)> progress;  // is given the step that begins
 };
 
 /// Measures everything, repetitions alternating between all that is compared. Throws RequestError
@@ -115,14 +114,14 @@ std::string describe(const AccuracyChart& chart);
 
 using Context = std::vector<std::pair<std::string, std::string>>;
 
-/// What the files say before their first row: the machine (timing_context) and the references.
+/// The lines before the first row of the files: the machine (timing_context) and the references.
 Context chart_context(const Scene& scene, const AccuracyChart& chart);
 
-/// The same for programs, a row a setting and a measure of its error. Lines of `context` come
+/// The chart for programs, a row for each setting and measure of its error. Lines of `context` come
 /// first, each after a #.
 std::string points_csv(const AccuracyChart& chart, const Context& context);
 
-/// ... and a row a long run and quantity.
+/// The long runs for programs, a row for each setting and quantity.
 std::string long_runs_csv(const AccuracyChart& chart, const Context& context);
 
 }  // namespace ra2d

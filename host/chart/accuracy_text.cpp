@@ -19,8 +19,8 @@ constexpr double advised[] = {1e-3, 1e-6};              // ... and of the senten
 /// Measure `i` of an error: of the states, one an instant, and of the energy behind them. What
 /// impacts take under multipliers is no error.
 double error_of(const Measured& point, std::size_t i, std::size_t instants) {
-  if (i == instants) return point.name.law == "penalty" ? point.closure : missing;
-  return i < point.states.size() ? point.states[i].error : missing;
+  if (i == instants) return point.name.law == "penalty" ? point.closure : quiet_nan;
+  return i < point.states.size() ? point.states[i].error : quiet_nan;
 }
 
 std::string number(double value, const char* format = "{:.6g}") {
@@ -53,14 +53,14 @@ bool stays_within(const AccuracyChart& chart, const Measured& point, std::size_t
 /// the settings that were timed three times or more. Where there are none it is taken for 1.5.
 double scatter_of(const AccuracyChart& chart) {
   double scatter = 1.0;
-  bool known = false;
+  bool has_measure = false;
   for (const Measured& point : chart.points) {
     if (point.wall.size() < 3) continue;
     const auto [least, most] = std::minmax_element(point.wall.begin(), point.wall.end());
     scatter = std::max(scatter, *most / *least);
-    known = true;
+    has_measure = true;
   }
-  return known ? scatter : 1.5;
+  return has_measure ? scatter : 1.5;
 }
 
 /// Whether timings of one point may be as low as another's: their ranges meet. One or two timings
@@ -110,7 +110,7 @@ std::string measure_table(const AccuracyChart& chart, std::size_t measure) {
     if (std::find(done.begin(), done.end(), row.name.text) != done.end()) continue;
     done.push_back(row.name.text);
     const auto same = [&](const Measured& point) { return point.name.text == row.name.text; };
-    double least = missing;
+    double least = quiet_nan;
     for (const Measured& point : chart.points)
       if (same(point)) least = std::fmin(least, error_of(point, measure, chart.instants.size()));
     if (std::isnan(least)) continue;
@@ -180,7 +180,7 @@ std::string long_table(const AccuracyChart& chart) {
   return text;
 }
 
-/// What to take for an error in one measure.
+/// The setting to choose for an error in one measure.
 std::string advice(const AccuracyChart& chart, std::size_t measure, double error) {
   const auto ours = [](const Measured& point) {
     return point.name.program == "ra2d" && point.name.law == "penalty";
@@ -233,8 +233,8 @@ std::string comments(const Context& context) {
 std::string setting_columns(const Name& name, const Method& setting) {
   return fmt::format("{},{},{},{},{},{},{}", name.program, name.scheme, name.law,
                      name.contact_force, name.nodes,
-                     number(setting.time.step > 0 ? setting.time.step : missing),
-                     number(setting.time.tolerance.value_or(missing)));
+                     number(setting.time.step > 0 ? setting.time.step : quiet_nan),
+                     number(setting.time.tolerance.value_or(quiet_nan)));
 }
 
 }  // namespace
@@ -306,7 +306,7 @@ std::string points_csv(const AccuracyChart& chart, const Context& context) {
                       number(energy ? point.closure : error_of(point, i, chart.instants.size())),
                       cell(energy || !there ? "" : point.against), number(point.wall_median()),
                       there ? number(*least) : "", there ? number(*most) : "", point.wall.size(),
-                      number(there ? point.stretch : missing), cell(how));
+                      number(there ? point.stretch : quiet_nan), cell(how));
     }
   return text;
 }

@@ -73,24 +73,24 @@ std::optional<std::string> prefix_of(const fs::path& file, const ChartTable& tab
 }
 
 /// The table `index` beside `file`, a table of the same chart.
-fs::path beside(const fs::path& file, const Recognised& known, std::size_t index) {
-  const ChartTable& wanted = known.kind->tables[index];
-  const auto prefix = prefix_of(file, known.kind->tables[known.table]);
+fs::path sibling_of(const fs::path& file, const Recognised& table, std::size_t index) {
+  const ChartTable& wanted = table.kind->tables[index];
+  const auto prefix = prefix_of(file, table.kind->tables[table.table]);
   const fs::path found = prefix ? *prefix + wanted.suffix + ending : std::string{};
   std::error_code none;
   const Recognised there = prefix && fs::exists(found, none) ? recognise(found) : Recognised{};
-  if (there.kind == known.kind && there.table == index) return found;
+  if (there.kind == table.kind && there.table == index) return found;
   throw RequestError(fmt::format(
       "{}: a chart of {} has {} tables, and the one with the columns '{},...' is not beside it{}: "
       "name all of them (ra2d plot {})",
-      file.string(), known.kind->name, known.kind->tables.size(),
+      file.string(), table.kind->name, table.kind->tables.size(),
       wanted.columns.substr(0, wanted.columns.find(',', wanted.columns.find(',') + 1)),
       prefix ? fmt::format(", as '{}'", found.string()) : "",
       fmt::join(
           [&] {
             std::vector<std::string> names;
-            for (const ChartTable& table : known.kind->tables)
-              names.push_back("PREFIX" + table.suffix + ending);
+            for (const ChartTable& one : table.kind->tables)
+              names.push_back("PREFIX" + one.suffix + ending);
             return names;
           }(),
           " ")));
@@ -132,20 +132,20 @@ std::vector<fs::path> chart_files(const ChartKind& kind, const std::string& pref
 }
 
 std::optional<FoundChart> find_chart(const std::vector<fs::path>& files) {
-  std::vector<Recognised> known;
-  for (const fs::path& file : files) known.push_back(recognise(file));
-  const auto first =
-      std::find_if(known.begin(), known.end(), [](const Recognised& k) { return k.kind; });
-  if (first == known.end()) return {};
-  const fs::path& file = files[static_cast<std::size_t>(first - known.begin())];
+  std::vector<Recognised> recognised;
+  for (const fs::path& file : files) recognised.push_back(recognise(file));
+  const auto first = std::find_if(recognised.begin(), recognised.end(),
+                                  [](const Recognised& k) { return k.kind; });
+  if (first == recognised.end()) return {};
+  const fs::path& file = files[static_cast<std::size_t>(first - recognised.begin())];
   FoundChart chart{first->kind, std::vector<fs::path>(first->kind->tables.size())};
   for (std::size_t i = 0; i < files.size(); ++i) {
-    if (known[i].kind != chart.kind)
+    if (recognised[i].kind != chart.kind)
       throw RequestError(
           fmt::format("{}: no table of the chart of {} that {} is of: a chart has a picture of "
                       "its own",
                       files[i].string(), chart.kind->name, file.string()));
-    fs::path& place = chart.tables[known[i].table];
+    fs::path& place = chart.tables[recognised[i].table];
     if (!place.empty())
       throw RequestError(
           fmt::format("{} and {} are the same table of two charts: a chart has a "
@@ -154,7 +154,7 @@ std::optional<FoundChart> find_chart(const std::vector<fs::path>& files) {
     place = files[i];
   }
   for (std::size_t i = 0; i < chart.tables.size(); ++i) {
-    if (chart.tables[i].empty()) chart.tables[i] = beside(file, *first, i);
+    if (chart.tables[i].empty()) chart.tables[i] = sibling_of(file, *first, i);
     require_rows(chart.tables[i], *chart.kind, chart.kind->tables[i]);
   }
   return chart;

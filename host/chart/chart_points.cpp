@@ -18,7 +18,7 @@ std::vector<ChartPoint> list_points(Survey& survey) {
   for (const Method& method : survey.methods) {
     const bool chooses = is_adaptive(method.time);
     std::string hindrance;
-    double holds = missing;
+    double holds = quiet_nan;
     for (const double size : chooses ? survey.options.tolerances : survey.options.steps) {
       const Method setting = sized(method, size);
       Measured row{.name = name_of(setting), .setting = setting};

@@ -13,7 +13,7 @@
 namespace ra2d {
 namespace {
 
-constexpr std::size_t shocks_asked[] = {5, 20};
+constexpr std::size_t compared_shocks[] = {5, 20};
 
 /// The time with the fewest digits in the last tenth of what lies between two times.
 double round_time_before(double time, double after) {
@@ -26,7 +26,8 @@ double round_time_before(double time, double after) {
   return least;
 }
 
-/// Before the 5th and before the 20th shock; those that there are not, at the end of the search.
+/// Sets the instants: before the 5th and before the 20th shock. Where there are fewer shocks, the
+/// end of the search.
 void find_instants(Survey& survey, const TimedRun& search) {
   const bool whole = search.status == Status::done;
   const auto end = [&](std::size_t shocks) {
@@ -36,9 +37,9 @@ void find_instants(Survey& survey, const TimedRun& search) {
                                shocks == 1 ? "" : "s", whole ? ", the end" : ""),
                    time};
   };
-  for (const std::size_t asked : shocks_asked) {
-    // those that were there at t = 0 have no time before them
-    std::size_t i = asked - 1;
+  for (const std::size_t number : compared_shocks) {
+    // a shock that has begun at t = 0 has no time before it
+    std::size_t i = number - 1;
     while (i < search.shocks.size() && search.shocks[i].start == 0) ++i;
     if (i >= search.shocks.size()) {
       survey.chart.instants.push_back(end(search.shocks.size()));
@@ -49,8 +50,8 @@ void find_instants(Survey& survey, const TimedRun& search) {
       if (shock.start < search.shocks[i].start) after = std::max(after, shock.start);
     const double time = round_time_before(search.shocks[i].start, after);
     survey.chart.instants.push_back(
-        {fmt::format("state-{}", asked),
-         fmt::format("the state before the {}th shock (t = {} s)", asked, time), time});
+        {fmt::format("state-{}", number),
+         fmt::format("the state before the {}th shock (t = {} s)", number, time), time});
   }
 }
 
@@ -79,9 +80,10 @@ StateReference find_reference(Survey& survey) {
   // at the two instants it is run again, and once more to a coarser tolerance
   const double begun = survey.elapsed();
   const TimedRun search = survey.march(
-      searched, {.wall = std::max(0.0, survey.left(reference_end)) / 4, .shocks = shocks_asked[1]});
+      searched,
+      {.wall = std::max(0.0, survey.left(reference_end)) / 4, .shocks = compared_shocks[1]});
   const double took = survey.elapsed() - begun;
-  if (failed(search))
+  if (has_failed(search))
     throw SimulationError(fmt::format("the reference, {}, ended at t = {:g} s: {}",
                                       survey.chart.reference, search.time,
                                       status_text(search.status)));
@@ -95,15 +97,19 @@ StateReference find_reference(Survey& survey) {
     const double expected = took * instant.time / std::max(search.time, instant.time);
     if (!survey.fits(2 * expected, stretch_end)) {  // not even with the time of the next part
       reference.states.push_back(std::nullopt);
-      survey.chart.reference_error.push_back(missing);
+      survey.chart.reference_error.push_back(quiet_nan);
       continue;
     }
     const Scene scene = ending_at(survey.scene, reference.setting, instant.time);
-    const Model model = make_model(scene);
-    const TimedRun run = survey.march(scene);
-    reference.states.push_back(run.state);
-    survey.chart.reference_error.push_back(state_error(
-        model, survey.march(ending_at(survey.scene, coarser, instant.time)).state, run.state));
+    const auto march = [&](const Scene& marched) {
+      return survey.march(marched, {.wall = std::max(0.0, survey.left(stretch_end))});
+    };
+    const TimedRun run = march(scene);
+    const TimedRun check = march(ending_at(survey.scene, coarser, instant.time));
+    const bool is_whole = run.status == Status::done && check.status == Status::done;
+    reference.states.push_back(is_whole ? std::optional(run.state) : std::nullopt);
+    survey.chart.reference_error.push_back(
+        is_whole ? state_error(make_model(scene), check.state, run.state) : quiet_nan);
   }
   return reference;
 }

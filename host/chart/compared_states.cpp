@@ -14,14 +14,14 @@
 namespace ra2d {
 namespace {
 
-constexpr double beside = 0.02;  // s that a run takes beside its march
+constexpr double overhead = 0.02;  // s of a run outside its march
 
-/// What a run of a setting to a time is expected to take by the clock [s].
+/// The expected wall time of a run of a setting to a time [s].
 double expected_seconds(const Measured& row, double time) {
-  return beside + row.slowed * row.wall.front() * time;
+  return overhead + row.slowed * row.wall.front() * time;
 }
 
-/// A state that could be compared, and what it is expected to take of the wall time [s].
+/// A state that could be compared, and its expected wall time [s].
 struct StateJob {
   std::size_t point, instant;
   double seconds;
@@ -58,25 +58,31 @@ class StatePlan {
   double dearest_ = 0;
 };
 
+/// A march that takes much longer than expected is cut off, at the end of this part's time at the
+/// latest.
+RunLimits limits_for(const Survey& survey, double expected) {
+  return {.wall = std::min(2 * expected, std::max(survey.left(state_end), expected))};
+}
+
 StateReference own_reference(Survey& survey, const Method& method, const StatePlan& plan) {
   StateReference own{survey.finest(method), {}, {}};
   // the finest whose rate is known, where one four times finer would take too long
-  const Measured* known = nullptr;
+  const Measured* finest_measured = nullptr;
   for (const double step : survey.options.steps)
-    if (const Measured* point = survey.measured(sized(method, step))) known = point;
-  if (known == nullptr) return own;
+    if (const Measured* point = survey.measured(sized(method, step))) finest_measured = point;
+  if (finest_measured == nullptr) return own;
   const auto expected = [&](const Instant& instant) {
-    return expected_seconds(*known,
-                            known->setting.time.step / own.setting.time.step * instant.time);
+    return expected_seconds(*finest_measured, finest_measured->setting.time.step /
+                                                  own.setting.time.step * instant.time);
   };
   for (const Instant& instant : survey.chart.instants)
-    if (expected(instant) > 2 * plan.dearest()) own.setting = known->setting;
+    if (expected(instant) > 2 * plan.dearest()) own.setting = finest_measured->setting;
   own.text = fmt::format("its own finest, {}", size_text(own.setting));
   for (const Instant& instant : survey.chart.instants) {
     std::optional<State> state;
     if (survey.fits(expected(instant), state_end)) {
       const TimedRun run = survey.march(ending_at(survey.scene, own.setting, instant.time),
-                                        {.wall = 2 * expected(instant)});
+                                        limits_for(survey, expected(instant)));
       if (run.status == Status::done) state = run.state;
     }
     own.states.push_back(state);
@@ -103,12 +109,12 @@ StateError compare(Survey& survey, const ChartPoint& point, const StateReference
     state.note = fmt::format("not run: would take {} (--budget)", seconds_text(expected));
   if (!state.note.empty()) return state;
   const Scene scene = ending_at(survey.scene, row.setting, time);
-  const TimedRun run = survey.march(scene, {.wall = 2 * expected});
+  const TimedRun run = survey.march(scene, limits_for(survey, expected));
   if (run.status == Status::done) {
     state.error = state_error(point.model, run.state, *reference.states[instant]);
     state.step = is_adaptive(scene) ? 0.0 : scene.time.step;
   } else {
-    state.note = failed(run) ? status_text(run.status) : "took too long";
+    state.note = has_failed(run) ? status_text(run.status) : "took too long";
   }
   return state;
 }

@@ -10,7 +10,7 @@ namespace ra2d {
 /// The compiler of the program, with its version.
 std::string compiler_name();
 
-/// What a file of timings says of the program and the machine: what, and which.
+/// The program and the machine of a file of timings: names and values.
 std::vector<std::pair<std::string, std::string>> timing_context();
 
 }  // namespace ra2d

@@ -17,7 +17,7 @@ struct TrialMode {
   double omega_free;  // rad/s, of the mode
   double mass;        // kg/m
   double square;      // psi^2 at the spring, 1/m
-  /// The same for the theory.
+  /// The mode and its contact as the theory has them.
   JoinedModes joined(double zeta) const;
 };
 
@@ -36,8 +36,8 @@ struct GrowthTrial {
 /// at the start and n steps later give the matrix of n steps, and its spectral radius is the factor
 /// to the power n: what swings and comes back does not count as growth. n is the largest power of
 /// two up to `steps` for which the motions are still well above the roundings and, of a mode in
-/// contact, keep it closed (of a free one, stay clear of it). So growth by 1e-10 a step is told
-/// from none.
+/// contact, keep it closed (of a free one, stay clear of it). So growth by 1e-10 a step is
+/// distinguished from none.
 std::vector<double> measure_growth(const std::vector<GrowthTrial>& trials, int steps);
 
 }  // namespace ra2d

@@ -18,10 +18,12 @@
 namespace ra2d {
 namespace {
 
-/// What is run for long, of the settings whose rate is known; and which of them the others are
-/// compared with.
+/// The settings that are run for long, of those whose rate is known. `reference`: the one that the
+/// others are compared with.
 std::vector<Method> long_settings(const Survey& survey, Method& reference) {
-  const auto known = [&](const Method& setting) { return survey.measured(setting) != nullptr; };
+  const auto is_measured = [&](const Method& setting) {
+    return survey.measured(setting) != nullptr;
+  };
   const auto step_near = [&](double wanted) {
     return *std::min_element(
         survey.options.steps.begin(), survey.options.steps.end(), [&](double a, double b) {
@@ -36,7 +38,8 @@ std::vector<Method> long_settings(const Survey& survey, Method& reference) {
       inelastic{{SchemeKind::backward_euler}, ContactLaw::multiplier};
   std::vector<Method> settings;
   const auto add = [&](const Method& setting) {
-    if (known(setting) && std::find(settings.begin(), settings.end(), setting) == settings.end())
+    if (is_measured(setting) &&
+        std::find(settings.begin(), settings.end(), setting) == settings.end())
       settings.push_back(setting);
   };
   for (const Method& method : survey.methods)
@@ -52,7 +55,7 @@ std::vector<Method> long_settings(const Survey& survey, Method& reference) {
   add(sized(euler, step));
   add(sized(midpoint, step));
   for (const double coarse : {step_near(10 * step), step_near(3 * step)})
-    if (known(sized(midpoint, coarse))) {
+    if (is_measured(sized(midpoint, coarse))) {
       add(sized(midpoint, coarse));
       break;
     }
@@ -68,7 +71,9 @@ struct Surfaces {
 
 Surfaces to_start_from(const Survey& survey, const std::vector<Method>& settings) {
   Surfaces surfaces;
+  const double half = 0.5 * survey.left(long_end);  // s: the other half is for the march
   for (int seed = 0; seed < (has_seeds(survey.scene) ? survey.options.seeds : 1); ++seed) {
+    if (seed > 0 && survey.left(long_end) < half) break;
     std::map<ContactLaw, ModalStart> found;
     try {
       for (const Method& setting : settings)
@@ -98,7 +103,7 @@ Statistic statistic(const std::vector<double>& values, const std::vector<double>
     for (const double value : x) sum += value;
     mean = sum / count;
     for (const double value : x) square += (value - mean) * (value - mean);
-    error = x.size() > 1 ? std::sqrt(square / (count - 1) / count) : missing;
+    error = x.size() > 1 ? std::sqrt(square / (count - 1) / count) : quiet_nan;
   };
   Statistic s;
   mean_of(values, s.mean, s.error);
@@ -120,6 +125,58 @@ std::array<Statistic, quantities> statistics_of(const std::vector<Quantities>& f
   return statistics;
 }
 
+/// s of wall time of a setting for a simulated second.
+double rate_of(const Survey& survey, const Method& setting) {
+  const Measured& row = *survey.measured(setting);
+  return row.slowed * row.wall_median();
+}
+
+/// How long [s] every run can be; 0 where the time is up. `making`: s, of all models of one law.
+double time_of_each(const Survey& survey, const std::vector<Method>& settings, double making) {
+  double rates = 0;
+  for (const Method& setting : settings) rates += rate_of(survey, setting);
+  const double marching =
+      0.9 * survey.left(long_end) - making * static_cast<double>(settings.size());
+  return std::max(0.0, std::min(survey.scene.duration, marching / rates / survey.chart.seeds));
+}
+
+/// The long runs of one setting. `of_reference`: the reference's quantities on each surface, which
+/// its own row sets. `waiting`: settings that are not run yet, this one included.
+LongRun long_run(Survey& survey, const Method& setting, bool is_reference, const Surfaces& surfaces,
+                 std::size_t waiting, std::vector<Quantities>& of_reference) {
+  const AccuracyChart& chart = survey.chart;
+  LongRun row{.name = name_of(setting), .setting = setting, .reference = is_reference};
+  survey.say(fmt::format("long runs, {}, {}", row.name.text, size_text(setting)));
+  const double each = rate_of(survey, setting) * chart.long_time;  // s
+  if (!survey.fits(each * chart.seeds, 1.05 * long_end)) {
+    row.note = "not run: the time was up (--budget)";
+    return row;
+  }
+  std::vector<Model> models;
+  for (const int seed : surfaces.seeds)
+    models.push_back(make_model(variant(with(survey.scene, setting), seed)));
+  // s of one run: twice what is expected, or its share of the time that is left
+  const double left = std::max(0.0, survey.left(1.05 * long_end)) / chart.seeds;
+  const double longest = std::min(left, std::max(2 * each, left / static_cast<double>(waiting)));
+  const std::vector<TimedRun> runs = timed_runs(models, surfaces.starts.at(setting.law),
+                                                {.time = chart.long_time, .wall = longest});
+  std::vector<Quantities> found;
+  double marched = 0;
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    if (has_failed(runs[i]))
+      row.note = status_text(runs[i].status);
+    else if (runs[i].time < 0.99 * chart.long_time)
+      row.note = "cut off: it took much longer than its first stretch promised";
+    marched += runs[i].time;
+    found.push_back(quantities_of(models[i], runs[i]));
+  }
+  row.wall = runs.front().seconds / marched;
+  if (!row.note.empty()) return row;
+  row.statistics = statistics_of(found, of_reference);  // still empty for the reference itself
+  if (is_reference) of_reference = found;
+  return row;
+}
+
 }  // namespace
 
 void run_long(Survey& survey) {
@@ -132,64 +189,21 @@ void run_long(Survey& survey) {
   }
   const double begun = survey.elapsed();
   const Surfaces surfaces = to_start_from(survey, settings);
-  const double making = survey.elapsed() - begun;  // s, of all models of one law
   chart.seeds = static_cast<int>(surfaces.seeds.size());
   if (!has_seeds(survey.scene)) chart.long_notes = "one run of each: the surfaces have no seeds";
   if (surfaces.seeds.empty()) {
     chart.long_notes = "no long run: no surfaces were found to start from";
     return;
   }
-  double rates = 0;
-  const auto rate_of = [&](const Method& setting) {  // by the clock
-    const Measured& row = *survey.measured(setting);
-    return row.slowed * row.wall_median();
-  };
-  for (const Method& setting : settings) rates += rate_of(setting);
-  const double marching =
-      0.9 * survey.left(long_end) - making * static_cast<double>(settings.size());
-  chart.long_time = std::min(survey.scene.duration, marching / rates / chart.seeds);
+  chart.long_time = time_of_each(survey, settings, survey.elapsed() - begun);
   if (!(chart.long_time > 0)) {
     chart.long_notes = "no long run: the time was up (--budget)";
-    chart.long_time = 0;
     return;
   }
-
   std::vector<Quantities> of_reference;
-  for (const Method& setting : settings) {
-    LongRun row{.name = name_of(setting), .setting = setting, .reference = setting == reference};
-    survey.say(fmt::format("long runs, {}, {}", row.name.text, size_text(setting)));
-    const double each = rate_of(setting) * chart.long_time;  // s
-    if (!survey.fits(each * chart.seeds, 1.05 * long_end)) {
-      row.note = "not run: the time was up (--budget)";
-      chart.long_runs.push_back(std::move(row));
-      continue;
-    }
-    std::vector<Model> models;
-    for (const int seed : surfaces.seeds)
-      models.push_back(make_model(variant(with(survey.scene, setting), seed)));
-    // where the budget has room, a busy machine cuts no run off
-    const double share =
-        survey.left(long_end) / static_cast<double>(settings.size() * models.size());
-    const std::vector<TimedRun> runs =
-        timed_runs(models, surfaces.starts.at(setting.law),
-                   {.time = chart.long_time, .wall = std::max(2 * each, share)});
-    std::vector<Quantities> found;
-    double marched = 0;
-    for (std::size_t i = 0; i < runs.size(); ++i) {
-      if (failed(runs[i]))
-        row.note = status_text(runs[i].status);
-      else if (runs[i].time < 0.99 * chart.long_time)
-        row.note = "cut off: it took more than twice as long as its first stretch promised";
-      marched += runs[i].time;
-      found.push_back(quantities_of(models[i], runs[i]));
-    }
-    row.wall = runs.front().seconds / marched;
-    if (row.note.empty()) {
-      row.statistics = statistics_of(found, of_reference);  // still empty for the reference itself
-      if (row.reference) of_reference = found;
-    }
-    chart.long_runs.push_back(std::move(row));
-  }
+  for (const Method& setting : settings)
+    chart.long_runs.push_back(long_run(survey, setting, setting == reference, surfaces,
+                                       settings.size() - chart.long_runs.size(), of_reference));
 }
 
 }  // namespace ra2d

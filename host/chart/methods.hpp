@@ -5,7 +5,7 @@
 
 #include "host/plan/stability.hpp"
 
-/// What a chart of accuracy compares: schemes under contact laws, with steps or tolerances.
+/// The methods of a chart of accuracy: schemes under contact laws, with steps or tolerances.
 namespace ra2d {
 
 /// A scheme under a contact law. With a step or, of the adaptive scheme, with a tolerance it is
@@ -28,8 +28,8 @@ Method sized(Method method, double size);
 /// tolerance.
 Scene with(Scene scene, const Method& method);
 
-/// The same up to `time` alone, on a whole number of steps next to the setting's own, with samples
-/// at its beginning and its end.
+/// The scene with a setting, up to `time` alone, on a whole number of steps next to the setting's
+/// own, with samples at its beginning and its end.
 Scene ending_at(Scene scene, const Method& setting, double time);
 
 /// For people, e.g. "midpoint, multiplier".

@@ -15,13 +15,15 @@ namespace {
 
 constexpr const char* peer_integrators[] = {"cvode-adams", "cvode-bdf", "dopri5"};
 constexpr double peer_tolerances[] = {1e-4, 1e-6, 1e-8, 1e-10, 1e-12};
-constexpr double peer_probe = 1e-5;  // s: what every peer is first asked for
+constexpr double peer_probe = 1e-5;  // s simulated, of the first run of each peer
 
 }  // namespace
 
 PeerAnswers::PeerAnswers(Survey& survey, const std::vector<ChartPoint>& points,
                          const StateReference& reference)
-    : survey_{survey}, reference_{reference} {
+    : survey_{survey},
+      reference_{reference},
+      starting_{std::min(1.0, 0.01 * survey.options.budget)} {
   if (survey_.options.peers.empty() || points.empty() ||
       reference_.setting.law != ContactLaw::penalty) {
     survey_.chart.confirmed = survey_.options.peers.empty()
@@ -42,16 +44,16 @@ PeerAnswers::PeerAnswers(Survey& survey, const std::vector<ChartPoint>& points,
                       survey_.left(peer_end) / static_cast<double>(waiting--));
 }
 
-PeerRun PeerAnswers::ask(const Peer& peer, double until, double limit) {
+PeerRun PeerAnswers::run(const Peer& peer, double until, double limit) {
   const double begun = survey_.elapsed();
-  PeerRun run = peers_->run(peer, until, limit);
-  if (run.failure.empty()) starting_ = survey_.elapsed() - begun - run.seconds;
-  if (run.failure.empty() && !fits(*model_, run.state))
-    run.failure = "its state is not one of this scene";
-  return run;
+  PeerRun answer = peers_->run(peer, until, limit);
+  if (answer.failure.empty()) starting_ = survey_.elapsed() - begun - answer.seconds;
+  if (answer.failure.empty() && !fits(*model_, answer.state))
+    answer.failure = "its state is not one of this scene";
+  return answer;
 }
 
-/// By the tightest that answers in time.
+/// Compares the reference with the tightest peer that answers in time.
 void PeerAnswers::confirm() {
   std::string failure = "the time was up (--budget)";
   const double end = survey_.elapsed() + 0.3 * survey_.left(peer_end);
@@ -61,13 +63,13 @@ void PeerAnswers::confirm() {
     for (std::size_t i = 0; i < survey_.chart.instants.size(); ++i) {
       const double limit = 0.5 * (end - survey_.elapsed());
       if (!reference_.states[i] || !(limit > starting_)) continue;
-      const PeerRun run = ask(peer, survey_.chart.instants[i].time, limit);
-      if (run.failure.empty())
+      const PeerRun answer = run(peer, survey_.chart.instants[i].time, limit);
+      if (answer.failure.empty())
         parts.push_back(fmt::format("{:.1e} ({})",
-                                    state_error(*model_, run.state, *reference_.states[i]),
+                                    state_error(*model_, answer.state, *reference_.states[i]),
                                     survey_.chart.instants[i].kind));
       else
-        failure = run.failure;
+        failure = answer.failure;
     }
     if (parts.empty()) continue;
     survey_.chart.confirmed = fmt::format("{} at tolerance {:g} is apart from it by {}",
@@ -77,10 +79,39 @@ void PeerAnswers::confirm() {
   survey_.chart.confirmed = fmt::format("not confirmed: {}", failure);
 }
 
-/// States, as far as they are to be had in `limit` seconds of wall time, and the first timing, over
-/// half as long as is left.
+/// The states that the peer reaches in half of `limit` seconds of wall time, and its first timing
+/// in the rest.
 void PeerAnswers::first_answers(const Peer& peer, double limit) {
   survey_.say(fmt::format("{} {:g}, nodes {}", peer.integrator, peer.tolerance, peer.nodes));
+  Measured row = row_of(peer);
+  const double end = survey_.elapsed() + limit;
+  const auto left = [&] { return end - survey_.elapsed(); };
+  Answered latest{{}, std::min(peer_probe, survey_.chart.instants.front().time)};
+  if (left() > with_start(0))
+    latest.run = run(peer, latest.until, left());
+  else
+    latest.run.failure = "not run: the time was up (--budget)";
+  row.left_out = latest.run.failure;
+  for (std::size_t i = 0; i < survey_.chart.instants.size() && row.left_out.empty(); ++i)
+    row.states.push_back(state_at(peer, i, end, latest));
+  if (row.left_out.empty()) {
+    const double march = 0.5 * (left() - starting_);  // s
+    const double duration = survey_.scene.duration;
+    row.stretch = std::clamp(march / latest.rate(), std::min(latest.until, duration), duration);
+    // where a longer run does not fit, the latest answer is the timing
+    if (left() > with_start(latest.rate() * row.stretch))
+      latest = {run(peer, row.stretch, left()), row.stretch};
+    row.stretch = latest.until;
+    row.left_out = latest.run.failure;
+  }
+  if (row.left_out.empty()) {
+    row.wall.push_back(latest.run.seconds / row.stretch);
+    points_.push_back({survey_.chart.points.size(), peer});
+  }
+  survey_.chart.points.push_back(std::move(row));
+}
+
+Measured PeerAnswers::row_of(const Peer& peer) const {
   Measured row;
   const bool every = peer.nodes == node_choices.name(Nodes::all);
   row.name = {.program = "ra2d_peers",
@@ -91,54 +122,27 @@ void PeerAnswers::first_answers(const Peer& peer, double limit) {
               .text = peer.integrator + (every ? ", every node" : "")};
   row.setting.time.tolerance = peer.tolerance;
   row.against = survey_.chart.reference;
-  double asked = std::min(peer_probe, survey_.chart.instants.front().time);
-  const double end = survey_.elapsed() + limit;
-  const auto left = [&] { return end - survey_.elapsed(); };
-  PeerRun run, answer;  // the latest one
-  if (left() > with_start(0))
-    run = ask(peer, asked, left());
-  else
-    run.failure = "not run: the time was up (--budget)";
-  row.left_out = run.failure;
-  answer = run;
-  double rate = run.seconds / asked;
-  for (std::size_t i = 0; i < survey_.chart.instants.size() && row.left_out.empty(); ++i) {
-    StateError state;
-    const double time = survey_.chart.instants[i].time;
-    if (!reference_.states[i])
-      state.note = "no reference";
-    else if (with_start(rate * time) > left())
-      state.note =
-          fmt::format("not run: would take {} (--budget)", seconds_text(with_start(rate * time)));
-    else if (std::isnan(survey_.chart.reference_error[i]))
-      state.note = "nothing has moved by then";
-    else
-      state.note = (run = ask(peer, time, left())).failure;
-    if (state.note.empty()) {
-      state.error = state_error(*model_, run.state, *reference_.states[i]);
-      asked = time;
-      answer = run;
-      rate = run.seconds / time;
-    }
-    row.states.push_back(state);
-  }
-  if (row.left_out.empty()) {
-    const double march = 0.5 * (left() - starting_);  // s
-    row.stretch =
-        std::clamp(march / rate, std::min(asked, survey_.scene.duration), survey_.scene.duration);
-    if (left() > with_start(rate * row.stretch)) {
-      run = ask(peer, row.stretch, left());
-    } else {  // the latest answer is the timing
-      row.stretch = asked;
-      run = answer;
-    }
-    row.left_out = run.failure;
-  }
-  if (row.left_out.empty()) {
-    row.wall.push_back(run.seconds / row.stretch);
-    points_.push_back({survey_.chart.points.size(), peer});
-  }
-  survey_.chart.points.push_back(std::move(row));
+  return row;
+}
+
+StateError PeerAnswers::state_at(const Peer& peer, std::size_t instant, double end,
+                                 Answered& latest) {
+  const double time = survey_.chart.instants[instant].time;
+  const double expected = with_start(latest.rate() * time), left = end - survey_.elapsed();
+  StateError state;
+  if (!reference_.states[instant])
+    state.note = "no reference";
+  else if (expected > left)
+    state.note = fmt::format("not run: would take {} (--budget)", seconds_text(expected));
+  else if (std::isnan(survey_.chart.reference_error[instant]))
+    state.note = "nothing has moved by then";
+  if (!state.note.empty()) return state;
+  const PeerRun answer = run(peer, time, left);
+  state.note = answer.failure;
+  if (!state.note.empty()) return state;
+  state.error = state_error(*model_, answer.state, *reference_.states[instant]);
+  latest = {answer, time};
+  return state;
 }
 
 void PeerAnswers::repeat(double end) {
@@ -146,8 +150,8 @@ void PeerAnswers::repeat(double end) {
     Measured& row = survey_.chart.points[point.row];
     const double expected = with_start(row.wall.front() * row.stretch);
     if (!survey_.fits(expected, end)) continue;  // the row says how many there are
-    const PeerRun run = ask(point.peer, row.stretch, 2 * expected);
-    if (run.failure.empty()) row.wall.push_back(run.seconds / row.stretch);
+    const PeerRun answer = run(point.peer, row.stretch, std::min(2 * expected, survey_.left(end)));
+    if (answer.failure.empty()) row.wall.push_back(answer.seconds / row.stretch);
   }
 }
 

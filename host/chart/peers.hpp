@@ -6,7 +6,8 @@
 
 #include "host/run/timed_run.hpp"
 
-/// Other people's integrators on the same equations, run by the program ra2d_peers (bench/peers).
+/// Integrators of other libraries on the same equations, run by the program ra2d_peers
+/// (bench/peers).
 namespace ra2d {
 
 /// One of them, as ra2d_peers calls it.
@@ -23,10 +24,10 @@ struct PeerRun {
   std::vector<double> shock_start;  // s, in order
 };
 
-/// Where ra2d_peers was built beside the program that runs; empty when it was not.
+/// The program ra2d_peers of the build that this program is from; empty where there is none.
 std::filesystem::path find_peers();
 
-/// A scene in the hands of ra2d_peers.
+/// A scene that ra2d_peers runs.
 class Peers {
  public:
   /// Throws FileError.
@@ -40,7 +41,7 @@ class Peers {
 
  private:
   std::filesystem::path program_;
-  int scene_;  // a file without a name, so that nobody has to clean it up
+  int scene_;  // a file without a name, which the system removes
 };
 
 }  // namespace ra2d

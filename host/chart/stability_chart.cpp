@@ -19,10 +19,11 @@ namespace ra2d {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double least_growth = 1e-10;  // a step, what measure_growth tells from none
+constexpr double least_growth =
+    1e-10;  // a step, the least that measure_growth distinguishes from none
 constexpr double least_x = 0.01, most_x = 10.0;
 
-/// What is said of a scheme beside its numbers. Of the paper: Table 1, "" where it is blank.
+/// The texts of a scheme's row. Of the paper: Table 1, "" where it is blank.
 struct Row {
   TimeSettings choice;
   const char *name, *type, *free_limit, *contact_limit;

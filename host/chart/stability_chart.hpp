@@ -39,8 +39,8 @@ std::vector<Limit> make_limits(const ChartOptions& options = {});
 /// The chart for people.
 std::string describe(const std::vector<Limit>& limits);
 
-/// The same for programs, a row a limit. motion_zeta is the damping ratio of what x counts: in
-/// contact, what the mode's damping is to the spring.
+/// The limits for programs, a row for each. motion_zeta is the damping ratio of the motion that x
+/// counts: in contact, the mode's damping relative to the spring.
 std::string limits_csv(const std::vector<Limit>& limits);
 
 /// Boundaries of the stability regions: for damping ratios from 0 to 1, z = x (-zeta + i sqrt(1 -

@@ -10,8 +10,8 @@
 
 namespace ra2d {
 
-Survey::Survey(const Scene& scene_asked, const AccuracyOptions& asked)
-    : scene{scene_asked}, options{asked} {
+Survey::Survey(const Scene& base, const AccuracyOptions& requested)
+    : scene{base}, options{requested} {
   scene.time.nodes = Nodes::candidates;
   scene.time.force = false;
   scene.output.from = 0;  // the stretches are short: all of them counts
@@ -25,13 +25,11 @@ Survey::Survey(const Scene& scene_asked, const AccuracyOptions& asked)
   std::sort(options.tolerances.begin(), options.tolerances.end(), std::greater<>());
 }
 
-void Survey::say(const std::string& what) const {
-  if (options.progress) options.progress(what);
+void Survey::say(const std::string& text) const {
+  if (options.progress) options.progress(text);
 }
 
-double Survey::elapsed() const {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begun_).count();
-}
+double Survey::elapsed() const { return seconds_since(begun_); }
 
 double Survey::left(double end) const {
   constexpr double peers = peer_end - state_end;
@@ -76,7 +74,7 @@ Name name_of(const Method& setting) {
           .text = text(setting)};
 }
 
-bool failed(const TimedRun& run) {
+bool has_failed(const TimedRun& run) {
   return run.status != Status::running && run.status != Status::done;
 }
 

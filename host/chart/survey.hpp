@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-#include <chrono>
 #include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "host/base/clock.hpp"
 #include "host/chart/accuracy_chart.hpp"
 #include "host/run/timed_run.hpp"
 
-/// A chart of accuracy in the making: what all of its parts use.
+/// A chart of accuracy in the making: the state that all of its parts share.
 namespace ra2d {
 
-// Until when each part may go on, as shares of the budget. What a part would begin is begun only
-// where it is expected to end by then (Survey::fits); what one leaves, the next ones have. Without
-// peers their share goes to the others, in proportion.
+// The end of each part, as a share of the budget. A part begins a run only where it is expected to
+// end by then (Survey::fits). The next parts have the time that one leaves. Without peers their
+// share goes to the others, in proportion.
 inline constexpr double reference_end = 0.15, stretch_end = 0.32, state_end = 0.45, peer_end = 0.65,
                         repeat_end = 0.85, long_end = 1.0;
 
@@ -23,7 +23,7 @@ inline constexpr const char* continuous_force = "continuous";  // where no steps
 struct Survey {
   Survey(const Scene& scene, const AccuracyOptions& options);
 
-  void say(const std::string& what) const;
+  void say(const std::string& text) const;
   /// s of wall time since the survey began, and until a part must end (one of the shares above).
   double elapsed() const;
   double left(double end) const;
@@ -44,7 +44,7 @@ struct Survey {
 
  private:
   std::map<ContactLaw, ModalStart> starts_;
-  const std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now();
+  const Clock::time_point begun_ = Clock::now();
 };
 
 /// A row of the chart that can be measured.
@@ -60,10 +60,10 @@ struct StateReference {
   std::vector<std::optional<State>> states;  // one an instant; none where that took too long
 };
 
-/// What the chart calls a setting of ours.
+/// The name of one of our settings in the chart.
 Name name_of(const Method& setting);
 
 /// Whether a run ended neither at its end nor at one of its limits.
-bool failed(const TimedRun& run);
+bool has_failed(const TimedRun& run);
 
 }  // namespace ra2d

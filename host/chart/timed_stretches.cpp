@@ -12,12 +12,12 @@ namespace ra2d {
 
 namespace {
 
-// s that a first stretch may take beside its march, at the least: its batch is made, and its first
-// launch is of some thousand steps.
+// s that a first stretch may always take: its batch is made, and its first launch is of some
+// thousand steps.
 constexpr double least_share = 2e-3;
 
-/// s of the march for a simulated second: those of its thread, whatever else the machine does
-/// meanwhile.
+/// Seconds of the march for a simulated second, of its thread: other programs on the machine do not
+/// count.
 double rate_of(const TimedRun& run) {
   return (run.processor > 0 ? std::min(run.processor, run.seconds) : run.seconds) / run.time;
 }
@@ -46,7 +46,7 @@ std::vector<ChartPoint> first_stretches(Survey& survey, std::vector<ChartPoint> 
     const double begun = survey.elapsed();
     const TimedRun run = timed_run(point.model, survey.start_of(row.setting.law, point.model),
                                    {.wall = std::max(least_share, 0.7 * share)});
-    if (failed(run)) {
+    if (has_failed(run)) {
       row.left_out = fmt::format("ended at t = {:.3g} s: {}", run.time, status_text(run.status));
       continue;
     }
@@ -67,8 +67,8 @@ void repeat_stretches(Survey& survey, const std::vector<ChartPoint>& points, dou
     Measured& row = survey.chart.points[point.row];
     if (!survey.fits(row.took, end)) continue;  // the row says how many there are
     const TimedRun run = timed_run(point.model, survey.start_of(row.setting.law, point.model),
-                                   {.time = row.stretch});
-    if (run.time > 0) row.wall.push_back(rate_of(run));
+                                   {.time = row.stretch, .wall = survey.left(end)});
+    if (run.time > 0.99 * row.stretch) row.wall.push_back(rate_of(run));
   }
 }
 

@@ -38,12 +38,12 @@ struct Request {
   bool quiet = false;
 };
 
-/// How the names of a result's tables begin: in a folder by the result's name; else by the prefix
-/// that was given, and the result's name where there are several.
-std::string prefix_of(const std::string& asked, const fs::path& result, bool several) {
+/// How the names of a result's tables begin: in a folder with the result's name; else with the
+/// prefix that was given, and the result's name where there are other results.
+std::string prefix_of(const std::string& given, const fs::path& result, bool among_others) {
   const std::string name = result.stem().string() + '-';
-  if (!fs::path(asked).has_filename() || fs::is_directory(asked)) return fs::path(asked) / name;
-  return several ? asked + '-' + name : asked + '-';
+  if (!fs::path(given).has_filename() || fs::is_directory(given)) return fs::path(given) / name;
+  return among_others ? given + '-' + name : given + '-';
 }
 
 /// The one table of all results: in the folder, or under the prefix.
@@ -54,7 +54,7 @@ std::string figures_file(const Request& request) {
   return folder ? (fs::path(request.csv) / figures).string() : request.csv + '-' + figures;
 }
 
-/// One for each result; before any is read.
+/// A prefix for each result. It is chosen before any result is read.
 std::vector<std::string> choose_prefixes(const Request& request) {
   std::vector<std::string> prefixes;
   if (request.csv.empty()) return prefixes;
@@ -82,7 +82,7 @@ fs::path table_of(const fs::path& file) {
   return fs::is_directory(file) ? StudyFolder{file}.table() : file;
 }
 
-/// Whether there was a law to be written, too; an older one must not stand beside the means.
+/// Whether there was a law to be written, too. An older law must not stay next to new means.
 bool write_study_tables(const std::string& prefix, const StudyAnswers& answers) {
   write_text(prefix + study_tables[0], means_csv(answers));
   std::optional<StudyLaw> law;
@@ -148,8 +148,8 @@ int run_analysis(const Request& request) {
 }  // namespace
 
 void add_analyze(CLI::App& app, ChosenCommand& chosen) {
-  const auto asked = std::make_shared<Request>();
-  Request& request = *asked;
+  const auto shared = std::make_shared<Request>();
+  Request& request = *shared;
   CLI::App* analyze = app.add_subcommand(
       "analyze",
       "says what results hold: level, spectrum, third octaves, shocks, powers; of several files "
@@ -182,7 +182,7 @@ void add_analyze(CLI::App& app, ChosenCommand& chosen) {
                     "weighs the bands as ears do (IEC 61672-1); a plate's velocity is no sound "
                     "pressure all the same");
   analyze->add_flag("--quiet", request.quiet, "print results and errors only");
-  analyze->callback([asked, &chosen] { chosen.run = [asked] { return run_analysis(*asked); }; });
+  analyze->callback([shared, &chosen] { chosen.run = [shared] { return run_analysis(*shared); }; });
 }
 
 }  // namespace ra2d

@@ -19,12 +19,12 @@
 namespace ra2d {
 namespace {
 
-struct Asked {
+struct CheckRequest {
   std::vector<std::filesystem::path> files;
   bool quiet = false;
 };
 
-/// What was found of one file: its faults, or a line that says that it is whole.
+/// The result for one file: its faults, or a line that says that it is whole.
 struct Found {
   std::vector<std::string> faults;
   std::string whole;
@@ -46,13 +46,13 @@ Found check(const std::filesystem::path& file) {
   return {found.faults, found.what};
 }
 
-int check_files(const Asked& asked) {
+int check_files(const CheckRequest& request) {
   bool damaged = false;
-  for (const std::filesystem::path& file : asked.files) {
+  for (const std::filesystem::path& file : request.files) {
     const Found found = check(file);
     for (const std::string& fault : found.faults)
       say(fmt::format("{}: {}", printable(file.string()), fault));
-    if (found.faults.empty() && !asked.quiet)
+    if (found.faults.empty() && !request.quiet)
       print("{}: {}\n", printable(file.string()), found.whole);
     damaged = damaged || !found.faults.empty();
   }
@@ -62,17 +62,18 @@ int check_files(const Asked& asked) {
 }  // namespace
 
 void add_check(CLI::App& app, ChosenCommand& chosen) {
-  const auto asked = std::make_shared<Asked>();
+  const auto request = std::make_shared<CheckRequest>();
   CLI::App* command = app.add_subcommand("check",
                                          "looks at every byte of results, segments, checkpoints "
                                          "and studies: hashes, counts, what is missing");
   command
-      ->add_option("FILE", asked->files,
+      ->add_option("FILE", request->files,
                    "OUT.h5, OUT.h5.parts/000001.h5, OUT.h5.checkpoint, or a study's folder")
       ->required()
       ->check(path());
-  command->add_flag("--quiet", asked->quiet, "print nothing but faults");
-  command->callback([asked, &chosen] { chosen.run = [asked] { return check_files(*asked); }; });
+  command->add_flag("--quiet", request->quiet, "print nothing but faults");
+  command->callback(
+      [request, &chosen] { chosen.run = [request] { return check_files(*request); }; });
 }
 
 }  // namespace ra2d

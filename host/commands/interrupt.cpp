@@ -24,11 +24,10 @@ bool is_silent = false;                     // of several ranks the first says i
 volatile std::sig_atomic_t keeps_none = 0;  // the command is one that keeps no checkpoints
 
 #ifdef __linux__
-/// SIGUSR1 asks for a checkpoint, and must not end a run that has not come as far as to catch it.
-/// So it is held back before all else, also before the constructors of the libraries that this
-/// program loads. That these are found and loaded comes earlier still: until then SIGUSR1 ends the
-/// process, unless who starts it has it ignored (in a shell: trap '' USR1), which changes nothing
-/// later.
+/// SIGUSR1 requests a checkpoint. It must not end a run that does not catch it yet, so it is
+/// blocked first of all, also before the constructors of the libraries that this program loads.
+/// While these are being loaded SIGUSR1 still ends the process, unless the shell has it ignored
+/// (trap '' USR1), which changes nothing later.
 void hold_checkpoint_signal(int, char**, char**) {
   static const std::uint64_t mask = std::uint64_t{1} << (SIGUSR1 - 1);
   // by itself: sanitizers have their own sigprocmask, and are not ready

@@ -69,7 +69,7 @@ NamedCommand find_command(const CLI::App& app, const Words& words) {
   return named;
 }
 
-/// Of a line that CLI11 could not read: the first option that its command does not have.
+/// The first option of a line that its command does not have.
 std::string unknown_option(const NamedCommand& named, const Words& words) {
   Words names;
   for (const CLI::Option* option : named.command->get_options())

@@ -39,7 +39,7 @@ struct Request {
   bool quiet = false;
 };
 
-/// What a script is to draw.
+/// The script that draws, and its data.
 struct Drawing {
   std::string script;
   std::string data;              // text for it, or
@@ -79,7 +79,7 @@ Drawing draw_results(const Request& request) {
   return {"plot_result.py", results_picture(request.files, request.what), {}};
 }
 
-/// What is of profiles alone must not be read and ignored.
+/// Options of profiles alone are refused for other files: none is read and ignored.
 void refuse_profile_options(const Request& request, const char* what) {
   if (!request.of_profiles.empty())
     throw RequestError(fmt::format("{} is of profiles: {} needs none", request.of_profiles, what));
@@ -116,7 +116,8 @@ Drawing choose_drawing(const Request& request) {
   return draw_results(request);
 }
 
-/// Text for a script stands beside the picture while it is drawn, and is gone afterwards.
+/// The data for a script are in a file next to the picture while it is drawn, and removed
+/// afterwards.
 void make_picture(const Drawing& drawing, const fs::path& picture) try {
   if (!drawing.tables.empty()) {
     draw_picture(drawing.script, {drawing.tables.begin(), drawing.tables.end()}, picture);
@@ -149,8 +150,8 @@ int plot_files(const Request& request) {
 }  // namespace
 
 void add_plot(CLI::App& app, ChosenCommand& chosen) {
-  const auto asked = std::make_shared<Request>();
-  Request& request = *asked;
+  const auto shared = std::make_shared<Request>();
+  Request& request = *shared;
   CLI::App* plot = app.add_subcommand("plot",
                                       "makes a picture of a result, of several over one another, "
                                       "of a study, of a measured profile, "
@@ -175,11 +176,11 @@ void add_plot(CLI::App& app, ChosenCommand& chosen) {
   for (CLI::Option* option : of_profiles)
     option->group("Of a profile, as of 'ra2d surface measure'");
   plot->add_flag("--quiet", request.quiet, "print nothing but errors");
-  plot->callback([asked, of_profiles, &chosen] {
+  plot->callback([shared, of_profiles, &chosen] {
     for (const CLI::Option* option : of_profiles)
-      if (option->count() > 0 && asked->of_profiles.empty())
-        asked->of_profiles = option->get_name();
-    chosen.run = [asked] { return plot_files(*asked); };
+      if (option->count() > 0 && shared->of_profiles.empty())
+        shared->of_profiles = option->get_name();
+    chosen.run = [shared] { return plot_files(*shared); };
   });
 }
 

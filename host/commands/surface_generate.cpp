@@ -32,7 +32,7 @@ namespace {
 constexpr double most_nodes = 1e8;
 constexpr double least_per_wave = 4;  // spacings, as in a scene (host/scene_file/checks.cpp)
 
-struct Asked {
+struct GenerateRequest {
   std::filesystem::path output;
   double length = 0, spacing = 0;
   SurfaceSpec surface;
@@ -40,29 +40,29 @@ struct Asked {
   bool quiet = false;
 };
 
-void check(const Asked& asked) {
-  if (!(asked.length / asked.spacing <= most_nodes))
+void check(const GenerateRequest& request) {
+  if (!(request.length / request.spacing <= most_nodes))
     throw RequestError(
         fmt::format("--length {} with --spacing {} makes {:.3g} nodes: expected at most {:g}",
-                    asked.length, asked.spacing, asked.length / asked.spacing, most_nodes));
+                    request.length, request.spacing, request.length / request.spacing, most_nodes));
   for (const auto& [name, wave] :
-       {std::pair{"--rsm", asked.surface.rsm},
-        std::pair{"--correlation-length", asked.surface.correlation_length}})
-    if (wave && *wave < least_per_wave * asked.spacing)
+       {std::pair{"--rsm", request.surface.rsm},
+        std::pair{"--correlation-length", request.surface.correlation_length}})
+    if (wave && *wave < least_per_wave * request.spacing)
       throw RequestError(
           fmt::format("{} {} m is not resolved by --spacing {} m: expected at least {} "
                       "spacings",
-                      name, *wave, asked.spacing, least_per_wave));
-  if (asked.surface.exact == Exactly::rq_and_rsm && !asked.surface.rsm)
+                      name, *wave, request.spacing, least_per_wave));
+  if (request.surface.exact == Exactly::rq_and_rsm && !request.surface.rsm)
     throw RequestError("--exact rq+rsm: there is no --rsm to be exact");
-  if (asked.surface.seed > static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max()))
+  if (request.surface.seed > static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max()))
     throw RequestError(fmt::format("--seed {}: expected at most {}, as in a scene",
-                                   asked.surface.seed, std::numeric_limits<std::int64_t>::max()));
-  if (asked.surface.rq > asked.length)
+                                   request.surface.seed, std::numeric_limits<std::int64_t>::max()));
+  if (request.surface.rq > request.length)
     throw RequestError(
         fmt::format("--rq {} m is higher than the profile is long, {} m: expected a roughness "
                     "in metres",
-                    asked.surface.rq, asked.length));
+                    request.surface.rq, request.length));
 }
 
 /// The places n * spacing as text. In decimals they are exact, as instruments write them, where the
@@ -126,22 +126,22 @@ void write_rows(const std::vector<double>& heights, const Places& places, std::s
 }
 
 /// Two columns that a scene and `ra2d surface measure` read.
-void write_profile(const Asked& asked, const std::vector<double>& heights) {
-  constexpr std::size_t a_block = 1 << 13, together = 8 * a_block;  // nodes
-  PartialFile file(asked.output);
+void write_profile(const GenerateRequest& request, const std::vector<double>& heights) {
+  constexpr std::size_t a_block = 1 << 13, at_once = 8 * a_block;  // nodes
+  PartialFile file(request.output);
   file.write(fmt::format("# ra2d surface generate: surface = {}, {} m long\nx [m],z [m]\n",
-                         surface_text(asked.surface, {}), asked.length));
+                         surface_text(request.surface, {}), request.length));
   const auto write_all = [&](const std::vector<std::string>& parts) {
     for (const std::string& part : parts) file.write(part);
   };
-  const Places places(asked.spacing);
-  std::vector<std::string> texts(together / a_block), before(texts.size());
-  for (std::size_t begin = 0; begin < heights.size(); begin += together) {
-    const std::size_t end = std::min(begin + together, heights.size());
+  const Places places(request.spacing);
+  std::vector<std::string> texts(at_once / a_block), before(texts.size());
+  for (std::size_t begin = 0; begin < heights.size(); begin += at_once) {
+    const std::size_t end = std::min(begin + at_once, heights.size());
     const std::size_t blocks = (end - begin + a_block - 1) / a_block;
     for (std::size_t b = blocks; b < texts.size(); ++b) texts[b].clear();
     in_blocks(1 + blocks, 1, [&](std::size_t task, std::size_t, std::size_t) {
-      if (task == 0) return write_all(before);  // beside the making of the next
+      if (task == 0) return write_all(before);  // while the next ones are made
       const std::size_t first = begin + (task - 1) * a_block;
       write_rows(heights, places, first, std::min(first + a_block, end), texts[task - 1]);
     });
@@ -163,13 +163,13 @@ double moment(const std::vector<double>& heights, int power) {
   return sum / static_cast<double>(heights.size());
 }
 
-void print_profile(const Asked& asked, const RandomProfile& profile,
+void print_profile(const GenerateRequest& request, const RandomProfile& profile,
                    const std::vector<double>& heights) {
   const auto line = [](const char* what, const std::string& value) {
     print("  {:<20}{}\n", what, value);
   };
   const double rq = std::sqrt(moment(heights, 2));
-  print("{} nodes, {:g} m apart\n", heights.size(), asked.spacing);
+  print("{} nodes, {:g} m apart\n", heights.size(), request.spacing);
   line("Rq", fmt::format("{:.4g} um", rq * 1e6));
   line("skewness, kurtosis", fmt::format("{:.3f}, {:.3f}", moment(heights, 3) / std::pow(rq, 3),
                                          moment(heights, 4) / std::pow(rq, 4)));
@@ -184,55 +184,55 @@ void print_profile(const Asked& asked, const RandomProfile& profile,
     line("shortest wave", fmt::format("{:.4g} um", profile.shortest * 1e6));
   line("spacing of elements",
        fmt::format("{:.4g} um between upward crossings of the mean line{}", profile.rsm * 1e6,
-                   asked.surface.exact == Exactly::rq_and_rsm ? "" : ", in expectation"));
-  line("in a scene", "surface = " + surface_text(asked.surface, {}));
-  line("file", printable(asked.output.string()));
+                   request.surface.exact == Exactly::rq_and_rsm ? "" : ", in expectation"));
+  line("in a scene", "surface = " + surface_text(request.surface, {}));
+  line("file", printable(request.output.string()));
 }
 
-int generate(Asked& asked) {
-  asked.surface.kind = SurfaceKind::gaussian;
+int generate(GenerateRequest& request) {
+  request.surface.kind = SurfaceKind::gaussian;
   for (const auto& [word, value] : correlations.words)
-    if (word == asked.correlation) asked.surface.correlation = value;
+    if (word == request.correlation) request.surface.correlation = value;
   for (const auto& [word, value] : exact_choices.words)
-    if (word == asked.exact) asked.surface.exact = value;
-  check(asked);
-  require_derived_output(asked.output, {});
+    if (word == request.exact) request.surface.exact = value;
+  check(request);
+  require_derived_output(request.output, {});
   std::error_code none;
-  if (std::filesystem::exists(asked.output, none) &&
-      std::filesystem::file_size(asked.output, none) > 0 &&
-      InputFile(asked.output).beginning(23) != "# ra2d surface generate")
+  if (std::filesystem::exists(request.output, none) &&
+      std::filesystem::file_size(request.output, none) > 0 &&
+      InputFile(request.output).beginning(23) != "# ra2d surface generate")
     throw RequestError(fmt::format(
         "'{}' is there already, and 'ra2d surface generate' has not made it: it is left "
         "as it is. Name another file with -o, or remove it",
-        asked.output.string()));
-  const RandomProfile profile = resolve_random(asked.surface, asked.length);
+        request.output.string()));
+  const RandomProfile profile = resolve_random(request.surface, request.length);
   std::vector<std::string> doubts;
   const std::vector<double> heights =
-      make_surface(asked.surface, asked.length, asked.spacing, {}, 0, &doubts);
-  write_profile(asked, heights);
-  say_doubts(doubts, asked.quiet);
-  if (!asked.quiet) print_profile(asked, profile, heights);
+      make_surface(request.surface, request.length, request.spacing, {}, 0, &doubts);
+  write_profile(request, heights);
+  say_doubts(doubts, request.quiet);
+  if (!request.quiet) print_profile(request, profile, heights);
   return exit_status::done;
 }
 
 }  // namespace
 
 void add_surface_generate(CLI::App& surface, ChosenCommand& chosen) {
-  const auto asked = std::make_shared<Asked>();
+  const auto request = std::make_shared<GenerateRequest>();
   CLI::App* command = surface.add_subcommand(
       "generate", "makes a random rough profile: the one that a scene with the same words has");
   const auto length = [&](const char* name, auto& value, const char* words) {
     return command->add_option(name, value, words)->type_name("METRES")->check(positive_number());
   };
   command
-      ->add_option("-o,--output", asked->output,
+      ->add_option("-o,--output", request->output,
                    "the profile: two columns of text, x and z in metres")
       ->type_name("FILE")
       ->required()
       ->check(path());
-  length("--length", asked->length, "how long it is")->required();
-  length("--spacing", asked->spacing, "from node to node")->required();
-  SurfaceSpec& s = asked->surface;
+  length("--length", request->length, "how long it is")->required();
+  length("--spacing", request->spacing, "from node to node")->required();
+  SurfaceSpec& s = request->surface;
   length("--rq", s.rq, "root mean square height")->required();
   CLI::Option* rsm = length(
       "--rsm", s.rsm, "mean spacing of its elements: between upward crossings of the mean line");
@@ -241,7 +241,8 @@ void add_surface_generate(CLI::App& surface, ChosenCommand& chosen) {
   std::vector<std::string> words;
   for (const auto& named : correlations.words) words.push_back(named.first);
   command
-      ->add_option("--correlation", asked->correlation, "how heights hang together over a distance")
+      ->add_option("--correlation", request->correlation,
+                   "how heights hang at_once over a distance")
       ->check(CLI::IsMember(words))
       ->capture_default_str();
   command->add_option("--hurst", s.hurst, "self-affine: Hurst exponent")
@@ -258,15 +259,15 @@ void add_surface_generate(CLI::App& surface, ChosenCommand& chosen) {
   std::vector<std::string> exact;
   for (const auto& named : exact_choices.words) exact.push_back(named.first);
   command
-      ->add_option("--exact", asked->exact,
+      ->add_option("--exact", request->exact,
                    "what holds exactly over this length; the rest holds in expectation")
       ->check(CLI::IsMember(exact))
       ->capture_default_str();
   command->add_option("--seed", s.seed, "a seed means one profile, at every spacing")
       ->transform(whole_number())
       ->capture_default_str();
-  command->add_flag("--quiet", asked->quiet, "print nothing but errors");
-  command->callback([asked, &chosen] { chosen.run = [asked] { return generate(*asked); }; });
+  command->add_flag("--quiet", request->quiet, "print nothing but errors");
+  command->callback([request, &chosen] { chosen.run = [request] { return generate(*request); }; });
 }
 
 }  // namespace ra2d

@@ -153,8 +153,8 @@ int measure_files(const Request& request) {
 }  // namespace
 
 void add_surface_measure(CLI::App& surface, ChosenCommand& chosen) {
-  const auto asked = std::make_shared<Request>();
-  Request& request = *asked;
+  const auto shared = std::make_shared<Request>();
+  Request& request = *shared;
   CLI::App* measure =
       surface.add_subcommand("measure",
                              "roughness parameters (ISO 21920-2 or 4287) of measured "
@@ -168,7 +168,8 @@ void add_surface_measure(CLI::App& surface, ChosenCommand& chosen) {
       ->check(number_from(std::numeric_limits<double>::lowest(), std::numeric_limits<double>::max(),
                           "a height in metres above the mean line, like -1e-6"));
   measure->add_flag("--json", request.json, "print JSON, in SI units");
-  measure->callback([asked, &chosen] { chosen.run = [asked] { return measure_files(*asked); }; });
+  measure->callback(
+      [shared, &chosen] { chosen.run = [shared] { return measure_files(*shared); }; });
 }
 
 }  // namespace ra2d

@@ -8,6 +8,7 @@
 
 #include "host/base/clock.hpp"
 #include "host/base/errors.hpp"
+#include "host/base/quiet_nan.hpp"
 #include "host/device/backend.hpp"
 #include "host/plan/plan.hpp"
 #include "host/result/record.hpp"
@@ -16,8 +17,6 @@
 
 namespace ra2d {
 namespace {
-
-constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
 
 /// Runs side by side: enough for all threads, few enough to be stopped between.
 int runs_at_once() { return std::clamp(backend_threads(), 4, 64); }
@@ -65,21 +64,21 @@ Movement movement(const std::vector<Answer>& reference, const std::vector<Answer
                   double Answer::*quantity) {
   const auto list = [&](const std::vector<Answer>& answers) {
     std::vector<double> out;
-    for (const Answer& a : answers) out.push_back(a.failure.empty() ? a.*quantity : no_number);
+    for (const Answer& a : answers) out.push_back(a.failure.empty() ? a.*quantity : quiet_nan);
     return out;
   };
   return movement(list(reference), list(values));
 }
 
-Verdict judge(const Movement& m, double asked) {
+Verdict judge(const Movement& m, double accuracy) {
   const double away = std::abs(m.relative), margin = m.margin();
-  if (away + margin <= asked) return Verdict::kept;
-  return away - margin > asked ? Verdict::moved : Verdict::open;
+  if (away + margin <= accuracy) return Verdict::kept;
+  return away - margin > accuracy ? Verdict::moved : Verdict::open;
 }
 
-double pairs_needed(const Movement& m, double asked) {
-  if (judge(m, asked) != Verdict::open) return m.pairs;
-  const double room = std::abs(asked - std::abs(m.relative));
+double pairs_needed(const Movement& m, double accuracy) {
+  if (judge(m, accuracy) != Verdict::open) return m.pairs;
+  const double room = std::abs(accuracy - std::abs(m.relative));
   // close to the limit no number will do
   return room > 0 ? std::max(m.pairs + 1.0, m.pairs * std::pow(2 * m.error / room, 2))
                   : std::numeric_limits<double>::infinity();
@@ -94,7 +93,7 @@ Answer answer_of(const std::vector<double>& mean_squares, const TimedRun& run, d
   Answer a;
   if (run.status != Status::running) a.failure = status_text(run.status);
   a.v_rms = v_rms(mean_squares, run.end, run.begin);
-  a.first_duration = no_number;
+  a.first_duration = quiet_nan;
   std::vector<double> durations;
   for (const Shock& shock : run.shocks) {
     if (shock.start >= from) durations.push_back(shock.duration);
@@ -134,16 +133,22 @@ std::string Ensemble::failure() const {
   return {};
 }
 
-void Ensemble::extend(int runs) {
-  while (this->runs() < runs) run(this->runs(), std::min(runs - this->runs(), runs_at_once()));
+void Ensemble::extend(int runs, double seconds) {
+  const Clock::time_point begun = Clock::now();
+  while (this->runs() < runs) {
+    const double left = seconds - seconds_since(begun);
+    const int count = std::min(runs - this->runs(), runs_at_once());
+    if (!(left > 0) || !run(this->runs(), count, left)) return;
+  }
 }
 
-void Ensemble::run(int first, int count) {
+bool Ensemble::run(int first, int count, double seconds) {
   const Clock::time_point begun = Clock::now();
   std::vector<Model> models;
   std::vector<ModalStart> starts;
   std::vector<Answer> answers(static_cast<std::size_t>(count));
-  std::vector<std::size_t> who;
+  std::vector<std::size_t> numbers;  // of the answers that the models give
+  std::size_t whole = answers.size();
   for (int i = 0; i < count; ++i) {
     Model model = make_model(variant(scene_, first + i));
     // what is wrong with the start is a matter of these surfaces
@@ -156,19 +161,26 @@ void Ensemble::run(int first, int count) {
     }
     if (!failure.empty()) continue;
     models.push_back(std::move(model));
-    who.push_back(static_cast<std::size_t>(i));
+    numbers.push_back(static_cast<std::size_t>(i));
   }
   if (!models.empty()) {
     if (mean_squares_.empty()) mean_squares_ = mean_squares(models.front());
-    const std::vector<TimedRun> runs = timed_runs(models, starts);
+    // the threads share the scenes: each scene has as long a march
+    const double rounds = std::ceil(static_cast<double>(models.size()) / backend_threads());
+    const double left = std::max(0.0, seconds - seconds_since(begun));
+    const std::vector<TimedRun> runs = timed_runs(models, starts, {.wall = left / rounds});
     march_seconds_ += runs.front().processor;
     for (std::size_t i = 0; i < runs.size(); ++i) {
-      answers[who[i]] = answer_of(mean_squares_, runs[i], scene_.output.from);
+      answers[numbers[i]] = answer_of(mean_squares_, runs[i], scene_.output.from);
       time_ += runs[i].time;
+      // pairs are compared by their numbers: the runs behind one that was cut off do not count
+      if (runs[i].status == Status::running) whole = std::min(whole, numbers[i]);
     }
   }
-  answers_.insert(answers_.end(), answers.begin(), answers.end());
+  answers_.insert(answers_.end(), answers.begin(),
+                  answers.begin() + static_cast<std::ptrdiff_t>(whole));
   seconds_ += seconds_since(begun);
+  return whole == answers.size();
 }
 
 namespace {
@@ -182,12 +194,12 @@ TimedRun beginning_of(const Scene& scene, double enough) {
 
 double measure_cost(const Scene& scene, double enough) {
   const TimedRun run = beginning_of(scene, enough);
-  return run.time > 0 ? run.processor / run.time : no_number;
+  return run.time > 0 ? run.processor / run.time : quiet_nan;
 }
 
 double measure_wall_cost(const Scene& scene, double enough) {
   const TimedRun run = beginning_of(scene, enough);
-  return run.time > 0 ? run.seconds / run.time : no_number;
+  return run.time > 0 ? run.seconds / run.time : quiet_nan;
 }
 
 }  // namespace ra2d

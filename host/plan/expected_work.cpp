@@ -16,10 +16,10 @@ namespace {
 constexpr double usual_readiness = 2e-3;                       // s: tables, files
 constexpr double surface_node = 6e-8, balanced_node = 7e-8;    // s a node; s a node and mode
 constexpr double flight = 5e-9, contact = 45e-9, held = 2e-7;  // s: a fixed step, by its form
-constexpr double looked_at = 1e-9;                             // s: a node, where all are looked at
-constexpr double leap = 600e-9, order = 180e-9;                // s: a flight; a step, each order
-constexpr double travelling = 20e-9;                           // s: a force that travels, a look
-constexpr double counted_modes = 24;                           // that these times are of
+constexpr double evaluation = 1e-9;              // s, of a node, where all are evaluated
+constexpr double leap = 600e-9, order = 180e-9;  // s: a flight; a step, each order
+constexpr double travelling = 20e-9;             // s: a force that travels, at one time
+constexpr double counted_modes = 24;             // that these times are of
 
 /// Steps of the adaptive scheme in a second: where a node passes another, and as often as the
 /// fastest mode turns, of which the contact of rough faces takes about 0.45 steps a radian.
@@ -51,17 +51,17 @@ ExpectedWork expected_work(const Scene& scene) {
     const double highest = std::max(highest_of(scene.resonator), highest_of(scene.slider));
     const int terms = series_order(scene.time.tolerance.value_or(usual_tolerance));
     work.strides = 1 + scene.duration * strides_a_second(scene, highest);
-    const double look = scene.time.nodes == Nodes::all ? 4 * looked_at * nodes : 0.0;
-    work.march = work.strides * (wide * (terms * (order + forces * travelling)) + look) +
+    const double all_nodes = scene.time.nodes == Nodes::all ? 4 * evaluation * nodes : 0.0;
+    work.march = work.strides * (wide * (terms * (order + forces * travelling)) + all_nodes) +
                  scene.duration * scene.speed / scene.spacing * leap;
     return work;
   }
   work.strides = scene.duration / scene.time.step;
   const int stages = scheme_table(scene.time.scheme).stages;
-  const double look = scene.time.nodes == Nodes::all ? stages * looked_at * nodes : 0.0;
+  const double all_nodes = scene.time.nodes == Nodes::all ? stages * evaluation * nodes : 0.0;
   const double touching = holds_forces(scene) ? held : stages * contact;
-  work.march =
-      work.strides * (wide * (0.5 * (flight + touching) + stages * forces * travelling) + look);
+  work.march = work.strides *
+               (wide * (0.5 * (flight + touching) + stages * forces * travelling) + all_nodes);
   return work;
 }
 

@@ -2,8 +2,8 @@
 #pragma once
 #include "host/scene/scene.hpp"
 
-/// What a run is expected to take, from the scene alone: for a study, which has no time to make a
-/// million scenes ready before it says what they will cost.
+/// The expected cost of a run, from the scene alone. A study has no time to make the models of a
+/// million scenes before it says what they will cost.
 namespace ra2d {
 
 struct ExpectedWork {

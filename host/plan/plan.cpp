@@ -17,7 +17,8 @@ namespace {
 
 /// Wall time of a step on one core of a server processor of 2023, in ns (bench/bench_schemes.cpp,
 /// bench_march.cpp): in free flight; in contact at a node, by the form of the step, the staged ones
-/// a stage, and each node more, a mode; and where every node is looked at, a node and a look.
+/// a stage, and each node more, a mode; and where every node is evaluated, a node and an
+/// evaluation.
 constexpr double flight_ns = 5.0, contact_ns = 45.0, stage_ns = 50.0, held_ns = 100.0,
                  more_ns = 1.7, node_ns = 0.7;
 /// Of the adaptive scheme (bench/bench_adaptive.cpp): a flight; a step with forces, for each order
@@ -30,7 +31,7 @@ constexpr double leap_ns = 600.0, order_ns = 130.0, more_share = 0.25, sample_ns
 constexpr double pressed_ns = 0.7, newton_steps = 10, newton_node_ns = 100, newton_square_ns = 0.08,
                  newton_cube_ns = 0.4;
 constexpr double pressed_at_most = 256;
-/// A force that travels, each time that it is looked at (bench/bench_march.cpp).
+/// A force that travels, each time that it is evaluated (bench/bench_march.cpp).
 constexpr double travelling_ns = 20;
 /// Nodes at once that an adaptive run may meet: this many, or so many times those that touch at the
 /// start. Fixed steps may come to look at all of them, where bodies are thrown about or lie flat on
@@ -61,7 +62,7 @@ BodyPlan plan_body(const Body& body, const BodySpec& spec, int nodes, const Scen
   return plan;
 }
 
-/// What the step makes of a body's highest mode.
+/// The error of the step in a body's highest mode.
 std::string error_text(const Scene& scene, const StepError& error, double zeta) {
   if (scene.time.scheme == SchemeKind::exact) return "the step is exact for free modes";
   if (is_adaptive(scene)) return "free modes move in closed form";
@@ -90,7 +91,7 @@ std::string body_text(const char* name, const Scene& scene, const BodySpec& spec
   return text;
 }
 
-/// Nanoseconds of a step whose forces are found at so many nodes, beside the looks at them.
+/// Nanoseconds of a step whose forces are found at so many nodes, without their evaluation.
 double solving_ns(const Model& model, int nodes) {
   const double n = nodes, modes = modes_of(model);
   if (model.scene.contact.law == ContactLaw::multiplier)  // no more than there are modes push
@@ -101,7 +102,7 @@ double solving_ns(const Model& model, int nodes) {
                          newton_cube_ns * modes * modes * modes);
 }
 
-/// Nanoseconds that the forces which travel take, each time that they are looked at.
+/// Nanoseconds that the forces which travel take, each time that they are evaluated.
 double travelling(const Model& model) {
   return width_of(model) * travelling_ns *
          static_cast<double>(model.scene.resonator.moving_forces.size());
@@ -167,7 +168,7 @@ void plan_strides(const Model& model, double omega_c, Plan& plan) {
   plan.seconds_many = wall(std::max(alone, pressed(plan.many_nodes)));
 }
 
-/// What a user may not expect of the scene's step.
+/// Adds notes on the scene's step.
 void note_step(const Model& model, Plan& plan) {
   const Scene& scene = model.scene;
   const StepLimits& limits = plan.own.limits;
@@ -252,7 +253,7 @@ std::string adaptive_text(const Scene& scene) {
       scene.time.tolerance.value_or(usual_tolerance));
 }
 
-/// How long the start is heard, beside how long the run is.
+/// How long the start is heard, compared with the run.
 std::string ringing_text(const Model& model) {
   const Scene& scene = model.scene;
   double slowest = std::numeric_limits<double>::infinity(), frequency = 0;  // 1/s, Hz
@@ -277,7 +278,7 @@ std::string ringing_text(const Model& model) {
                      scene.output.from > 0 ? seconds_text(scene.output.from) : "t = 0");
 }
 
-/// What the materials would give beside what the scene has.
+/// The asperities that the materials would give, and those that the scene has.
 std::string asperities_text(const Scene& scene, const Asperities& a) {
   if (a.radius == 0 || std::isinf(a.modulus)) return {};
   const auto contact = [&](const AsperityContact& c) {
@@ -343,9 +344,9 @@ std::vector<TimeSettings> choices_under(ContactLaw law) {
 
 TimeSettings choice_of(const Scene& scene) {
   // the others take the force in one way only
-  const bool asked =
+  const bool has_choice =
       scene.time.scheme == SchemeKind::backward_euler && scene.contact.law == ContactLaw::penalty;
-  return {scene.time.scheme, asked ? scene.time.contact_force : ForceTime::old_time};
+  return {scene.time.scheme, has_choice ? scene.time.contact_force : ForceTime::old_time};
 }
 
 std::string beyond_limit(const Model& model, const StepLimits& limits) {
@@ -403,14 +404,14 @@ std::string size_text(double bytes) {
 }
 
 double result_bytes(const Model& model) {
-  constexpr double beside = 60000;  // bytes: attributes, texts, the library's own
+  constexpr double fixed_part = 60000;  // bytes: attributes, texts, the library's own
   const Scene& scene = model.scene;
   const double columns =
       1 + 2.0 * static_cast<double>(model.resonator.modes.size() + model.slider.modes.size()) + 2 +
       2.0 * static_cast<double>(scene.output.probes.size() + scene.output.slider_probes.size()) + 6;
   const auto heights =
       static_cast<double>(model.resonator_height.size() + model.slider_height.size());
-  return 8 * (columns * static_cast<double>(model.samples) + 2 * heights) + beside;
+  return 8 * (columns * static_cast<double>(model.samples) + 2 * heights) + fixed_part;
 }
 
 Plan make_plan(const Model& model, std::size_t memory, const ModalStart& start) {
@@ -471,10 +472,11 @@ std::string describe(const Model& model, const Plan& plan) {
   text += asperities_text(scene, plan.asperities);
   const bool adaptive = is_adaptive(scene);
   text += adaptive ? adaptive_text(scene) : steps_text(scene, plan) + stability_text(scene, plan);
-  text += fmt::format("looked at  {}\n",
+  text += fmt::format("evaluated  {}\n",
                       scene.time.nodes == Nodes::all
                           ? "every node at every step"
-                          : "the nodes that can touch, by proof (time.nodes = \"candidates\")");
+                          : "the nodes that can touch; the others are proven apart (time.nodes = "
+                            "\"candidates\")");
   text += ringing_text(model);
   text += cost_text(plan);
   text += fmt::format("memory     {}, whatever the duration; file {}, {} samples\n",

@@ -8,7 +8,7 @@
 #include "host/plan/asperities.hpp"
 #include "host/plan/stability.hpp"
 
-/// What would be modelled, and why: modes, nodes, step, limits of stability, cost.
+/// The model of a scene before it is run: modes, nodes, step, limits of stability, cost.
 namespace ra2d {
 
 struct BodyPlan {
@@ -49,7 +49,7 @@ struct Plan {
 /// starts.
 Plan make_plan(const Model& model, std::size_t memory, const ModalStart& start = {});
 
-/// What a result will take of the disk, without its shocks [bytes].
+/// The size of a result's file, without its shocks [bytes].
 double result_bytes(const Model& model);
 
 /// For people: so many bytes, up to terabytes.
@@ -61,7 +61,7 @@ std::string describe(const Model& model, const Plan& plan);
 /// A scheme as messages call it, e.g. "backward-euler with the contact force of the old time".
 std::string scheme_text(const Scene& scene, const TimeSettings& choice);
 
-/// The same for tables, e.g. "backward-euler, new force".
+/// A scheme and its contact force for tables, e.g. "backward-euler, new force".
 std::string short_text(const TimeSettings& choice);
 
 /// All schemes of fixed steps that a contact law can take, each with the times of its contact
@@ -71,14 +71,14 @@ std::vector<TimeSettings> choices_under(ContactLaw law);
 /// The scene's own, of fixed steps or not, without its step.
 TimeSettings choice_of(const Scene& scene);
 
-/// What the scene's step goes beyond and how fast that grows; empty while it holds.
+/// The limit that the scene's step exceeds, and how fast the motion grows then; empty while it
+/// holds.
 std::string beyond_limit(const Model& model, const StepLimits& limits);
 
-/// What to write into the scene instead of a step that does not hold.
+/// The step to write into the scene instead of one that does not hold.
 std::string step_cure(const Scene& scene, double holds);
 
-/// What is wrong with a start at rest whose faces overlap, under multipliers; empty when nothing
-/// is.
+/// The fault of a start at rest whose faces overlap, under multipliers; empty where there is none.
 std::string overlap_at_start(const Model& model);
 
 }  // namespace ra2d

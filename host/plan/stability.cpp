@@ -115,14 +115,15 @@ Eigen::MatrixXd joined_increment(const TimeSettings& choice, const JoinedModes& 
     double force[most_stages];  // over psi_j, of each stage
     for (int i = 0; i < stages; ++i) {
       const ModeStep& own = steps[mode];
-      double seen = psi[mode] * (u0 + own.stage_u[i] * u0 + own.stage_v[i] * v0), yield = 0;
-      if (takes_new_force(choice)) {  // f = -k (seen + yield f)
+      double seen = psi[mode] * (u0 + own.stage_u[i] * u0 + own.stage_v[i] * v0),
+             displacement_per_newton = 0;
+      if (takes_new_force(choice)) {  // f = -k (seen + displacement_per_newton f)
         seen = psi[mode] * (u0 + own.u_u * u0 + own.u_v * v0);
-        for (int j = 0; j < n; ++j) yield += joined.square[j] * steps[j].u_f[0];
+        for (int j = 0; j < n; ++j) displacement_per_newton += joined.square[j] * steps[j].u_f[0];
       }
       for (int j = 0; j < n; ++j)
         for (int l = 0; l < i; ++l) seen += joined.square[j] * steps[j].stage_f[i][l] * force[l];
-      force[i] = -stiffness * seen / (1 + stiffness * yield);
+      force[i] = -stiffness * seen / (1 + stiffness * displacement_per_newton);
     }
     for (int j = 0; j < n; ++j) {
       double du = 0, dv = 0;

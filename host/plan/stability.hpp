@@ -7,7 +7,7 @@
 #include "kernels/schemes/mode_step.hpp"
 
 /// Limits of stability, from theory (kernels/schemes/ has each scheme's own). Of a `choice` only
-/// the scheme and the time of its contact force are looked at: the step is given beside it.
+/// the scheme and the time of its contact force count: the step is a parameter of its own.
 namespace ra2d {
 
 /// Largest factor by which a step multiplies a free mode's amplitude, the spectral radius of its
@@ -26,7 +26,7 @@ struct JoinedModes {
   std::vector<double> square;  // psi_k^2 at the place, 1/m
 };
 
-/// What a step does to a free mode beside what the mode does by itself.
+/// The error of a step in the motion of a free mode.
 struct StepError {
   double damping = 0;  // damping ratio that the step adds to zeta; negative: it feeds the mode
   double period = 0;   // relative change of its period; 0 where the step lets it swing no more
@@ -54,7 +54,7 @@ JoinedModes most_yielding(const Model& model);
 /// omega_c^2 = kappa chi w sum psi^2/m.
 double contact_frequency(const Model& model, const JoinedModes& place);
 
-/// What a scheme's step may be in a scene, and what binds it.
+/// The longest step of a scheme in a scene, and the mode or contact that limits it.
 struct StepLimits {
   double modes = 0;              // s, of the free modes
   double binding_frequency = 0;  // Hz, of the mode that sets it
@@ -69,7 +69,7 @@ struct StepLimits {
 
 /// Under multipliers there is no contact spring: contact_one and contact_many are infinite.
 StepLimits step_limits(const Model& model, const TimeSettings& choice);
-/// The same with most_yielding(model) at hand.
+/// `place`: most_yielding(model), where it is known already.
 StepLimits step_limits(const Model& model, const TimeSettings& choice, const JoinedModes& place);
 
 /// Whether a step holds one node in contact, by the spectral radius of that very step (penalty).

@@ -12,11 +12,11 @@ namespace ra2d {
 /// install, when there is none or when the script fails.
 void draw(const std::string& script, const std::vector<std::string>& arguments);
 
-/// What the ending of a picture's name asks for: "png", "svg" or "pdf". Throws RequestError for
+/// The kind of a picture by the ending of its name: "png", "svg" or "pdf". Throws RequestError for
 /// another.
 std::string picture_kind(const std::filesystem::path& picture);
 
-/// The same with two more arguments, the file that is drawn into and what kind of picture it is.
+/// Runs a script with two more arguments, the file that is drawn into and the kind of the picture.
 /// The picture appears whole or not at all.
 void draw_picture(const std::string& script, std::vector<std::string> arguments,
                   const std::filesystem::path& picture);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "host/plot/envelope.hpp"
+#include "host/base/quiet_nan.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -29,10 +30,9 @@ std::vector<std::size_t> ratio_groups(std::size_t values, std::size_t most) {
 
 Envelope envelope(std::span<const double> at, std::span<const double> values,
                   const std::vector<std::size_t>& groups) {
-  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   Envelope e;
   for (std::size_t g = 0; g + 1 < groups.size(); ++g) {
-    double place = 0, sum = 0, low = nan, high = nan;
+    double place = 0, sum = 0, low = quiet_nan, high = quiet_nan;
     std::size_t numbers = 0;
     for (std::size_t i = groups[g]; i < groups[g + 1]; ++i) {
       place += at[i];
@@ -46,8 +46,8 @@ Envelope envelope(std::span<const double> at, std::span<const double> values,
     e.at.push_back(place / static_cast<double>(size));
     e.low.push_back(low);
     e.high.push_back(high);
-    e.mean.push_back(numbers > 0 ? sum / static_cast<double>(numbers) : nan);
-    e.together = std::max(e.together, size);
+    e.mean.push_back(numbers > 0 ? sum / static_cast<double>(numbers) : quiet_nan);
+    e.largest_group = std::max(e.largest_group, size);
   }
   return e;
 }

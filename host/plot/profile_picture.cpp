@@ -55,7 +55,7 @@ Json distribution(std::span<const double> heights) {
         1 / static_cast<double>(heights.size());
   }
   const double squares = std::inner_product(heights.begin(), heights.end(), heights.begin(), 0.0);
-  // of all heights together, which Rq need not be (ISO 4287)
+  // of all heights at once, which Rq need not be (ISO 4287)
   const double rms = std::sqrt(squares / static_cast<double>(heights.size()));
   return {{"edges", edges}, {"shares", shares}, {"rms", rms}};
 }
@@ -82,27 +82,27 @@ std::vector<double> reference_line(const Profile& filled, const MeasureOptions& 
   return line;
 }
 
-/// What was measured: the heights from their mean line, over the evaluation length.
-void add_roughness(const Profile& profile, const ProfilePictureOptions& asked,
+/// Adds the heights from their mean line, over the evaluation length.
+void add_roughness(const Profile& profile, const ProfilePictureOptions& options,
                    const std::string& name, Json& json, std::vector<std::string>* doubts) {
-  MeasureOptions options = asked.measure;
-  if (asked.usual_filter &&
+  MeasureOptions measure = options.measure;
+  if (options.usual_filter &&
       fitting_filtered(profile.heights.size(), profile.spacing, usual_cutoff) == 0)
-    options.filter = ProfileFilter::none;
-  const Measurement m = measure_profile(profile, options, name);
+    measure.filter = ProfileFilter::none;
+  const Measurement m = measure_profile(profile, measure, name);
   Profile filled = profile;
-  fill_gaps(filled, options.fill);
-  const bool has_form = options.form.degree != ProfileForm::none;
-  const bool filters = options.filter == ProfileFilter::gaussian;
+  fill_gaps(filled, measure.fill);
+  const bool has_form = measure.form.degree != ProfileForm::none;
+  const bool filters = measure.filter == ProfileFilter::gaussian;
   if (filters || has_form) {
-    json["line"] = drawn(reference_line(filled, options, m.cutoff), 0, profile.spacing);
+    json["line"] = drawn(reference_line(filled, measure, m.cutoff), 0, profile.spacing);
     json["line_is"] = !filters   ? "form"
                       : has_form ? "form, and mean line of the filter"
                                  : "mean line of the filter";
   }
-  json["filtered"] = options.filter != ProfileFilter::none;
-  json["filtered_before"] = options.filter == ProfileFilter::done;
-  json["standard"] = name_of(options.standard);
+  json["filtered"] = measure.filter != ProfileFilter::none;
+  json["filtered_before"] = measure.filter == ProfileFilter::done;
+  json["standard"] = name_of(measure.standard);
   if (m.cutoff) json["cutoff"] = *m.cutoff;
   json["roughness"] =
       drawn(m.heights, static_cast<double>(m.dropped) * profile.spacing, profile.spacing);

@@ -15,8 +15,8 @@ struct ProfilePictureOptions {
   bool usual_filter = true;  // of the usual cut-off; none where the profile is too short for it
 };
 
-/// What the picture of a measured profile shows, as JSON for host/plot/plot_profile.py: the
-/// profile, its roughness, its parameters, how its heights are distributed. `doubts` takes what
+/// The data of a measured profile's picture as JSON for host/plot/plot_profile.py: the profile, its
+/// roughness, its parameters, the distribution of its heights. `doubts` takes warnings of what
 /// looks odd but may be meant. Throws as read_measured_profile() and measure_profile() do.
 std::string profile_picture(const std::filesystem::path& file, const ProfilePictureOptions& options,
                             std::vector<std::string>* doubts = nullptr);

@@ -13,6 +13,7 @@
 #include "host/analysis/analysis.hpp"
 #include "host/analysis/bands.hpp"
 #include "host/base/errors.hpp"
+#include "host/base/quiet_nan.hpp"
 #include "host/base/text.hpp"
 #include "host/plot/envelope.hpp"
 #include "host/result/level.hpp"
@@ -24,7 +25,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;  // writes null for what is not finite
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t most_groups =
     1200;  // of a series: about as many as a picture has dots across
 constexpr std::size_t close_samples = 600;  // of a close-up
@@ -51,7 +51,7 @@ class ResultPanels {
       : reader_{file}, contents_{reader_.contents()}, analysis_{analyze(file, {})} {
     try {
       scene_ = parse_scene(contents_.scene, file);
-    } catch (const RequestError&) {  // of another version: what the scene alone tells is left out
+    } catch (const RequestError&) {  // of another version: the facts of the scene are left out
     }
   }
 
@@ -115,7 +115,8 @@ class ResultPanels {
     return part;
   }
 
-  /// How far the mean lines are apart at t = 0: as told, or until the first nodes touch.
+  /// The distance of the mean lines at t = 0: the scene's gap, or that at which the first nodes
+  /// touch.
   double gap_of(const Face& resonator, const Face& slider) const {
     if (scene_->gap) return *scene_->gap;
     double gap = -std::numeric_limits<double>::infinity();
@@ -353,7 +354,7 @@ class ResultPanels {
     return std::all_of(density.begin(), density.end(), [](double d) { return d == 0; });
   }
 
-  /// What all spectra say beside their lines.
+  /// The texts of all spectra.
   Json spectrum_facts(Json json) const {
     const VelocitySpectrum& s = analysis_.spectrum;
     std::vector<double> natural;
@@ -365,7 +366,7 @@ class ResultPanels {
     json["high"] = s.confidence.high;
     json["natural"] = natural;
     json["aliased"] = analysis_.aliased_modes;
-    json["mesh"] = analysis_.mesh.in_spectrum ? analysis_.mesh.frequency : nan;
+    json["mesh"] = analysis_.mesh.in_spectrum ? analysis_.mesh.frequency : quiet_nan;
     return json;
   }
 
@@ -451,7 +452,7 @@ class ResultPanels {
             {"frequency", welch.frequencies()},
             {"level", rows},
             {"window", static_cast<double>(piece) / contents_.rate},
-            {"mesh", analysis_.mesh.in_spectrum ? analysis_.mesh.frequency : nan}};
+            {"mesh", analysis_.mesh.in_spectrum ? analysis_.mesh.frequency : quiet_nan}};
   }
 
   ResultReader reader_;

@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
-/// What pictures of results show (docs/pictures.md): JSON for host/plot/plot_result.py, so small
+/// The data of results' pictures (docs/pictures.md): JSON for host/plot/plot_result.py, so small
 /// that a picture can hold all of it.
 namespace ra2d {
 
-/// What can be shown of a result, and of several over one another.
+/// The views of a result, and of several over one another.
 const std::vector<std::string>& result_views();
 const std::vector<std::string>& results_views();
 

@@ -46,12 +46,12 @@ Launch launch() {
   struct Names {
     const char *rank, *size;
   };
-  constexpr Names known[] = {
+  constexpr Names launchers[] = {
       {"OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"},  // Open MPI
       {"PMI_RANK", "PMI_SIZE"},              // MPICH, Intel MPI, MVAPICH; srun --mpi=pmi2
       {"PMIX_RANK", "SLURM_STEP_NUM_TASKS"}  // srun --mpi=pmix
   };
-  for (const Names& names : known)
+  for (const Names& names : launchers)
     if (const Launch found{number_of(names.rank), number_of(names.size)};
         found.rank >= 0 && found.rank < found.size)
       return found;

@@ -13,12 +13,11 @@ struct Launch {
   int rank = 0, size = 1;
 };
 
-/// What the environment says: it knows mpirun of Open MPI, of MPICH and of what descends from it,
-/// and srun with pmi2 or pmix. Processes that srun starts without either know nothing of one
-/// another.
+/// The launch by the environment variables of mpirun (Open MPI, MPICH and its descendants) and of
+/// srun with pmi2 or pmix. Processes that srun starts without either are each alone.
 Launch launch();
 
-/// What a rank tells rank 0 of its part of the work.
+/// A rank's report to rank 0 on its part of the work.
 struct RankReport {
   static constexpr std::int64_t fault = -1;
 
@@ -30,7 +29,7 @@ struct RankReport {
   std::int64_t busy = 0, marched = 0;  // us of all its threads together
 };
 
-/// All ranks at once. Any thread may call; who waits for the others sleeps.
+/// All ranks at once. Any thread may call; a thread that waits for other ranks sleeps.
 class Ranks {
  public:
   virtual ~Ranks() = default;
@@ -57,10 +56,10 @@ class Ranks {
 /// ra2d was built without MPI, FileError where MPI cannot be loaded or is not that of mpirun.
 Ranks* join_ranks();
 
-/// What join_ranks() gave; null before.
+/// The result of join_ranks(); null before.
 Ranks* joined_ranks();
 
-/// Throws RequestError where there are several ranks: what they all were to do, one does as well.
+/// Throws RequestError where there are several ranks: they would all do the same.
 void require_one_process();
 
 }  // namespace ra2d

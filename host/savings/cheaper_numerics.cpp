@@ -104,12 +104,12 @@ std::vector<Numerics> cheaper_than_reference(const SavingsSearch& search) {
 
 /// How much shorter a step must be before it is worth another run: across impacts no scheme gains
 /// more than the square of that.
-double shortening(const Trial& trial, double asked) {
-  double most = asked;
+double shortening(const Trial& trial, double accuracy) {
+  double most = accuracy;
   for (const Movement& m : trial.moved) most = std::max(most, std::abs(m.relative) - m.margin());
   if (trial.verdict == Verdict::open) most = std::max(most, trial.closure);
   // of what is far off altogether no more is known than that
-  return std::min(0.6, std::sqrt(asked / std::min(most, std::max(0.3, asked))));
+  return std::min(0.6, std::sqrt(accuracy / std::min(most, std::max(0.3, accuracy))));
 }
 
 Trial attempt(SavingsSearch& search, const Numerics& n, double end) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "host/savings/together.hpp"
+#include "host/savings/combination.hpp"
 
 #include <fmt/format.h>
 
@@ -11,8 +11,8 @@
 namespace ra2d {
 namespace {
 
-/// The least valuable goes back to the one before it that would do alone, or altogether; of equals
-/// the last, the spacing.
+/// Gives up the least valuable saving. The smaller one of its kind before it takes its place, if
+/// that would do alone. Of equals the last one is given up.
 void give_up_least(std::vector<Trial>& trials, std::vector<Trial*>& taken) {
   const auto gain = [](const Trial* t) { return std::isnan(t->cheaper) ? 1.0 : t->cheaper; };
   auto least = taken.begin();
@@ -20,7 +20,7 @@ void give_up_least(std::vector<Trial>& trials, std::vector<Trial*>& taken) {
     if (gain(*it) <= gain(*least)) least = it;
   Trial* given_up = *least;
   given_up->taken = false;
-  given_up->why = "given up: too much together with the others, or that could not be told";
+  given_up->why = "given up: with the others it moves too much, or that stays open";
   Trial* before = nullptr;
   for (Trial& other : trials) {
     if (&other == given_up) break;
@@ -36,7 +36,7 @@ void give_up_least(std::vector<Trial>& trials, std::vector<Trial*>& taken) {
 
 }  // namespace
 
-void take_together(SavingsSearch& search, double end) {
+void combine_savings(SavingsSearch& search, double end) {
   std::vector<Trial*> taken;
   for (Trial& trial : search.out.trials)
     if (trial.taken && trial.key != "time") taken.push_back(&trial);
@@ -53,10 +53,10 @@ void take_together(SavingsSearch& search, double end) {
                           changed("together", fmt::format("time, {}", fmt::join(names, ", ")),
                                   change, search.written),
                           search.reference, search.next_end(end, 2));
-    // alone the scheme is open to chance as well, and rests on the balance
+    // a scheme that was chosen by its energy is open to chance here, too
     trial.taken = trial.verdict == Verdict::kept;
     const bool enough = trial.taken;
-    search.out.together.push_back(std::move(trial));
+    search.out.combinations.push_back(std::move(trial));
     if (enough) {
       search.out.chosen = all;
       return;

@@ -2,11 +2,11 @@
 #pragma once
 #include "host/savings/savings_search.hpp"
 
-/// All that was taken alone, taken together.
+/// All savings at once.
 namespace ra2d {
 
-/// Gives up again, the least valuable first, what is too much together; until `end`, a share of the
-/// budget.
-void take_together(SavingsSearch& search, double end);
+/// Tries all savings at once. Where that moves the answer too far, it gives up one after the other,
+/// the least valuable first. `end`: the share of the budget until which it may go on.
+void combine_savings(SavingsSearch& search, double end);
 
 }  // namespace ra2d

@@ -7,26 +7,29 @@
 #include <vector>
 
 #include "host/savings/cheaper_numerics.hpp"
+#include "host/savings/combination.hpp"
 #include "host/savings/savings_reference.hpp"
 #include "host/savings/smaller_models.hpp"
-#include "host/savings/together.hpp"
 #include "host/scene_file/scene_file.hpp"
 
 namespace ra2d {
 namespace {
 
-// Until when each part may go on, as shares of the budget. First what the answer hangs on most,
-// whether the scene's own modes and nodes are enough; then what saves most, a coarser spacing;
-// schemes and steps, of which most are cheap to try and save little beside one another, come last.
+// The end of each part, as a share of the budget. First come the trials that the answer depends on
+// most: whether the scene's own modes and nodes are enough. Then comes a coarser spacing, which
+// saves most. Schemes and steps come last: most are cheap to try and differ little in cost.
 constexpr double base_end = 0.35, beyond_end = 0.52, spacing_end = 0.68, modes_end = 0.8,
-                 slider_end = 0.83, numerics_end = 0.88, together_end = 0.97;
+                 slider_end = 0.83, numerics_end = 0.88, combination_end = 0.97;
 
-/// In turns, so that what else the machine does meets both alike.
+/// Alternates the two, so that background load slows both equally.
 void measure_costs(SavingsSearch& search) {
   search.say("what it costs");
-  const double wall = 0.006 * search.options.budget;
+  constexpr int repetitions = 3;
+  const double share = 1.0 / (2 * repetitions);
+  const double wall = std::clamp(share * search.left(1), 0.001 * search.options.budget,
+                                 0.006 * search.options.budget);
   std::vector<double> written, chosen;
-  for (int i = 0; i < 3; ++i) {
+  for (int i = 0; i < repetitions; ++i) {
     written.push_back(measure_cost(search.written, wall));
     chosen.push_back(measure_cost(search.out.chosen, wall));
   }
@@ -36,7 +39,7 @@ void measure_costs(SavingsSearch& search) {
   search.out.cost_chosen = chosen[1];
 }
 
-/// A plan that is dearer than the scene is none.
+/// Keeps the scene as written where the plan is dearer than it.
 void keep_no_dearer(SavingsSearch& search) {
   Savings& out = search.out;
   if (!(out.cost_chosen > out.cost_written)) return;
@@ -49,7 +52,7 @@ void keep_no_dearer(SavingsSearch& search) {
                   out.cost_chosen / out.cost_written));
   out.chosen = out.written;
   out.cost_chosen = out.cost_written;
-  for (std::vector<Trial>* trials : {&out.trials, &out.together})
+  for (std::vector<Trial>* trials : {&out.trials, &out.combinations})
     for (Trial& trial : *trials) trial.taken = false;
 }
 
@@ -64,7 +67,7 @@ Savings find_savings(const Scene& scene, const SavingsOptions& options) {
   find_modes(search, &Scene::resonator, modes_end);
   find_modes(search, &Scene::slider, slider_end);
   find_numerics(search, numerics_end);
-  take_together(search, together_end);
+  combine_savings(search, combination_end);
   measure_costs(search);
   keep_no_dearer(search);
   take_answer(search);

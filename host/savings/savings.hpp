@@ -7,42 +7,42 @@
 #include <string>
 #include <vector>
 
+#include "host/base/quiet_nan.hpp"
 #include "host/ensemble/ensemble.hpp"
 #include "host/scene/scene.hpp"
 
-/// Model no more than a scene needs: the cheapest scheme and step, the fewest modes and the
+/// Finds how little of a scene will do: the cheapest scheme and step, the fewest modes and the
 /// coarsest spacing that keep level, rate of shocks and their median duration within an accuracy.
 ///
-/// The reference is the scene as written, marched by the adaptive scheme to a tolerance of 1e-10,
-/// or under multipliers, which that does not know, by the scene's own scheme at a tenth of its
-/// step. One thing is changed at a time and compared with it on the same surfaces; what is kept is
-/// then taken together and compared again. A saving is taken
-/// - where all three stay within the accuracy with 95 % confidence, or
+/// The reference is the scene as written, marched by the adaptive scheme to a tolerance of 1e-10.
+/// Multipliers have no adaptive scheme: there it is the scene's own at a tenth of its step. One
+/// thing is changed at a time and compared with the reference on the same surfaces. Then all
+/// changes that will do are made at once and compared again. A change is chosen
+/// - where all three quantities stay within the accuracy with 95 % confidence, or
 /// - of schemes and steps alone, which change no model: where chance leaves that open, but the
-/// energy
-///   closes within the accuracy and the first shock of the runs, before chaos parts them, lasts as
-///   long within it. This is said.
-/// What is left open otherwise is not taken.
+///   energy closes within the accuracy and the first shock of the runs, before chaos parts them,
+///   lasts as long within it. The text says so.
+/// A change that stays open otherwise is not chosen.
 namespace ra2d {
 
 struct SavingsOptions {
   double accuracy = 1e-3;                            // relative, of v_rms, shock rate and duration
   double budget = 60;                                // s of wall time, roughly
-  std::function<void(const std::string&)> progress;  // what is being done
+  std::function<void(const std::string&)> progress;  // is given the step that begins
 };
 
-/// One change of the scene, and what it did.
+/// One change of the scene, and its effect.
 struct Trial {
-  std::string key;   // what it changes, e.g. "resonator.modes"
-  std::string what;  // to what, for people
+  std::string key;   // that it changes, e.g. "resonator.modes"
+  std::string what;  // the new value, for people
   Scene scene;
   std::array<Movement, 3> moved;  // of quantities_of_answer
   Movement first;                 // of the first shock's duration
   double closure = 0;             // of the energy, relative, the mean over the runs
-  double cheaper = std::numeric_limits<double>::quiet_NaN();  // than what it is compared with
+  double cheaper = quiet_nan;     // than the scene that it is compared with
   Verdict verdict = Verdict::open;
   std::string why;          // why it could not be run, or stayed open
-  bool by_balance = false;  // taken though chance leaves it open
+  bool by_balance = false;  // chosen although chance leaves it open
   bool taken = false;
   bool checked = false;  // no saving: how the scene as written stands
   std::function<void(Scene&)> change;
@@ -51,13 +51,13 @@ struct Trial {
 struct Savings {
   double accuracy = 0;
   Scene written, reference, chosen;
-  double duration = 0;           // s, of each run
-  int runs = 0;                  // of the reference
-  Answer mean;                   // of the reference over its runs
-  std::array<double, 3> spread;  // standard deviation of one run, relative
-  double closure = 0;            // of the reference
-  std::vector<Trial> trials;     // in the order of the tables
-  std::vector<Trial> together;   // all that was taken; more where that had to be given up in part
+  double duration = 0;              // s, of each run
+  int runs = 0;                     // of the reference
+  Answer mean;                      // of the reference over its runs
+  std::array<double, 3> spread;     // standard deviation of one run, relative
+  double closure = 0;               // of the reference
+  std::vector<Trial> trials;        // in the order of the tables
+  std::vector<Trial> combinations;  // of all savings; more than one where some had to be given up
   double cost_written = 0, cost_chosen = 0;  // as of Ensemble
   std::vector<std::string> notes;
   double seconds = 0;  // that it took
@@ -66,7 +66,7 @@ struct Savings {
 /// Throws RequestError where the scene cannot be run, Interrupted.
 Savings find_savings(const Scene& scene, const SavingsOptions& options);
 
-/// What was tried and what the scene needs, for people.
+/// All trials and the result, for people.
 std::string describe(const Savings& savings);
 
 /// The scene with the choices in it, each with where it comes from. Reading it, from any folder,

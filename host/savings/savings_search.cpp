@@ -13,19 +13,15 @@
 
 namespace ra2d {
 
-using Clock = std::chrono::steady_clock;
-
-SavingsSearch::SavingsSearch(const Scene& scene, const SavingsOptions& asked)
-    : written{scene}, options{asked}, plain{scene.time}, begun_{Clock::now()} {
+SavingsSearch::SavingsSearch(const Scene& scene, const SavingsOptions& requested)
+    : written{scene}, options{requested}, plain{scene.time}, begun_{Clock::now()} {
   out.accuracy = options.accuracy;
   out.written = out.chosen = scene;
   plain.force = false;
   plain.nodes = Nodes::candidates;  // the answer is the same
 }
 
-double SavingsSearch::spent() const {
-  return std::chrono::duration<double>(Clock::now() - begun_).count() / options.budget;
-}
+double SavingsSearch::spent() const { return seconds_since(begun_) / options.budget; }
 
 double SavingsSearch::next_end(double end, double parts) const {
   return spent() + std::max(0.0, end - spent()) / parts;

@@ -1,21 +1,25 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-#include <chrono>
 #include <memory>
 #include <string>
 
+#include "host/base/clock.hpp"
 #include "host/savings/savings.hpp"
 
-/// A search for savings on its way: what all of its parts use.
+/// A search for savings on its way: the state that all of its parts share.
 namespace ra2d {
+
+/// The share of the budget at which runs are cut off. The rest is for the final timings.
+inline constexpr double runs_end = 0.96;
 
 using Runs = std::shared_ptr<Ensemble>;
 
 struct SavingsSearch {
   SavingsSearch(const Scene& scene, const SavingsOptions& options);
 
-  /// Share of the budget that is used up, and the s left until one of them is.
+  /// Share of the budget that is used up.
   double spent() const;
+  /// Seconds until that share is `end`.
   double left(double end) const { return (end - spent()) * options.budget; }
   /// When a part that may go on until `end` leaves the rest of its time to `parts` more like it.
   double next_end(double end, double parts) const;
@@ -35,7 +39,7 @@ struct SavingsSearch {
   Savings out;
 
  private:
-  const std::chrono::steady_clock::time_point begun_;
+  const Clock::time_point begun_;
 };
 
 /// For people: scheme and step.

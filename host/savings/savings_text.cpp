@@ -36,13 +36,13 @@ std::string level_text(const Movement& m) {
   return m.relative <= -1 ? "none" : fmt::format("{:+.3f}", decibels(m.relative));
 }
 
-std::string word(const Trial& trial) {
+std::string verdict_text(const Trial& trial) {
   if (trial.checked)
     return trial.verdict == Verdict::kept    ? "the same"
            : trial.verdict == Verdict::moved ? "differs"
                                              : "open";
-  if (trial.taken) return trial.by_balance ? "taken: balance" : "taken";
-  if (trial.by_balance) return "would do: balance";
+  if (trial.taken) return trial.by_balance ? "taken, by its energy" : "taken";
+  if (trial.by_balance) return "would do, by its energy";
   return trial.verdict == Verdict::kept    ? "would do"
          : trial.verdict == Verdict::moved ? "no"
                                            : "open";
@@ -53,20 +53,20 @@ std::string row(const Trial& trial, int digits, bool costs) {
   std::string text = fmt::format("  {:<32}", trial.what);
   if (ran) {
     const int pairs = std::max(trial.moved[0].pairs, trial.moved[1].pairs);
-    text +=
-        fmt::format("{:>7} {:>5} {:>8} {:>14} {:>14} {:>14}  {}",
-                    costs && trial.cheaper > 0 ? fmt::format("{:.3g}", trial.cheaper) : "", pairs,
-                    level_text(trial.moved[0]), percent(trial.moved[0], digits),
-                    percent(trial.moved[1], digits), percent(trial.moved[2], digits), word(trial));
+    text += fmt::format("{:>7} {:>5} {:>8} {:>14} {:>14} {:>14}  {}",
+                        costs && trial.cheaper > 0 ? fmt::format("{:.3g}", trial.cheaper) : "",
+                        pairs, level_text(trial.moved[0]), percent(trial.moved[0], digits),
+                        percent(trial.moved[1], digits), percent(trial.moved[2], digits),
+                        verdict_text(trial));
   } else {
-    text += fmt::format("  {}", word(trial));
+    text += fmt::format("  {}", verdict_text(trial));
   }
   text += '\n';
   if (!trial.why.empty()) text += fmt::format("      {}\n", trial.why);
   if (trial.by_balance && trial.taken)
     text += fmt::format(
-        "      taken on the balance: the energy closes to {:.1e}, and the first shocks, before "
-        "chaos\n      parts the runs, last as long within {} %; chance alone hides the rest\n",
+        "      taken although chance leaves it open: the energy closes to {:.1e}, and the first\n"
+        "      shocks, before chaos parts the runs, last as long within {} %\n",
         trial.closure, percent(trial.first, digits));
   return text;
 }
@@ -97,13 +97,13 @@ std::string choice_text(const Scene& scene) {
 
 /// The trial that the chosen scene rests on; null where it is the scene as written.
 const Trial* resting_on(const Savings& s) {
-  if (!s.together.empty() && s.together.back().taken) return &s.together.back();
+  if (!s.combinations.empty() && s.combinations.back().taken) return &s.combinations.back();
   for (const Trial& trial : s.trials)
     if (trial.taken && trial.key == "time") return &trial;
   return nullptr;
 }
 
-/// What a trial moved, in a line.
+/// The change of each quantity, in a line.
 std::string movement_text(const Trial& trial, double accuracy) {
   const int digits = digits_of(accuracy);
   std::string text = fmt::format("level {} dB ({} %)", level_text(trial.moved[0]),
@@ -121,25 +121,22 @@ std::string modes_of(const BodySpec& body) {
 
 std::string spacing_of(const Scene& scene) { return fmt::format("{:g} um", scene.spacing * 1e6); }
 
-}  // namespace
-
-std::string describe(const Savings& s) {
+/// The accuracy, the reference and its answer.
+std::string describe_reference(const Savings& s) {
   const int digits = digits_of(s.accuracy);
-  const std::string varied_by = varied(s.written);
   std::string text = fmt::format(
-      "asked      level, rate of shocks and their median duration within {:g} % (level: {:.2g} "
+      "accuracy   level, rate of shocks and their median duration within {:g} % (level: {:.2g} "
       "dB)\n",
       100 * s.accuracy, decibels(s.accuracy));
   text += fmt::format("reference  the scene as written, {}; its energy closes to {:.1e}\n",
                       choice_text(s.reference), s.closure);
   text += s.runs > 1 ? fmt::format("runs       {} of {}, {}; compared in pairs of the same\n",
-                                   s.runs, seconds_text(s.duration), varied_by)
+                                   s.runs, seconds_text(s.duration), varied(s.written))
                      : fmt::format("runs       one of {}: there is nothing to vary\n",
                                    seconds_text(s.duration));
-  if (s.mean.v_rms > 0)
-    text += fmt::format("answer     level {:.2f} dB", 20 * std::log10(s.mean.v_rms / 1e-9));
-  else
-    text += "answer     no level: the resonator does not move";
+  text += s.mean.v_rms > 0
+              ? fmt::format("answer     level {:.2f} dB", 20 * std::log10(s.mean.v_rms / 1e-9))
+              : "answer     no level: the resonator does not move";
   text += fmt::format(", {:.4g} shocks a second", s.mean.shock_rate);
   if (s.mean.shock_rate > 0)
     text += fmt::format(", median {}", seconds_text(s.mean.shock_duration));
@@ -148,37 +145,48 @@ std::string describe(const Savings& s) {
     text += fmt::format("           one run alone spreads by {:.{}f} %, {:.{}f} % and {:.{}f} %\n",
                         100 * s.spread[0], digits, 100 * s.spread[1], digits, 100 * s.spread[2],
                         digits);
-  text += "           below: what moved, ± the margin of 95 % (two standard errors, Student's t)\n";
+  return text +
+         "           below: what moved, ± the margin of 95 % (two standard errors, Student's t)\n";
+}
 
-  text += table(s, "time", "scheme and step", false);
+std::string describe_trials(const Savings& s) {
+  std::string text = table(s, "time", "scheme and step", false);
   text += table(s, "resonator.modes", "modes of the resonator", false);
   text += table(s, "slider.modes", "modes of the slider", false);
   text += table(s, "scene.spacing", "spacing", false);
-  if (!s.together.empty()) {
+  if (!s.combinations.empty()) {
     text += heading("together");
-    for (const Trial& trial : s.together) text += row(trial, digits, true);
+    for (const Trial& trial : s.combinations) text += row(trial, digits_of(s.accuracy), true);
   }
-  text += table(s, "", "beyond the scene as written", true);
+  return text + table(s, "", "beyond the scene as written", true);
+}
 
+/// How much of a part of the model will do.
+std::string describe_part(const Savings& s, const std::string& key, const std::string& all) {
+  const Trial *taken = nullptr, *any = nullptr;
+  for (const Trial& trial : s.trials)
+    if (trial.key == key && !trial.checked) (trial.taken ? taken : any) = &trial;
+  if (taken != nullptr)
+    return fmt::format("           {}: {} will do for {}\n", key, taken->what, all);
+  if (any == nullptr) return {};
+  return fmt::format("           {}: {} as written, nothing can be left out{}\n", key, all,
+                     any->verdict == Verdict::moved  ? ""
+                     : any->verdict == Verdict::kept ? " together with the rest"
+                                                     : " for sure");
+}
+
+}  // namespace
+
+std::string describe(const Savings& s) {
+  std::string text = describe_reference(s) + describe_trials(s);
   text += "\nneeded     " + choice_text(s.chosen) + '\n';
-  for (const auto& [key, all] : {std::pair{"resonator.modes", modes_of(s.written.resonator)},
-                                 std::pair{"slider.modes", modes_of(s.written.slider)},
-                                 std::pair{"scene.spacing", spacing_of(s.written)}}) {
-    const Trial *taken = nullptr, *any = nullptr;
-    for (const Trial& trial : s.trials)
-      if (trial.key == key && !trial.checked) (trial.taken ? taken : any) = &trial;
-    if (taken)
-      text += fmt::format("           {}: {} will do for {}\n", key, taken->what, all);
-    else if (any)
-      text += fmt::format("           {}: {} as written, nothing can be left out{}\n", key, all,
-                          any->verdict == Verdict::moved  ? ""
-                          : any->verdict == Verdict::kept ? " together with the rest"
-                                                          : " for sure");
-  }
+  text += describe_part(s, "resonator.modes", modes_of(s.written.resonator));
+  text += describe_part(s, "slider.modes", modes_of(s.written.slider));
+  text += describe_part(s, "scene.spacing", spacing_of(s.written));
   if (const Trial* rest = resting_on(s)) {
     text += fmt::format("which      moves {}\n", movement_text(*rest, s.accuracy));
     if (rest->by_balance)
-      text += "           (more than asked by chance alone; it rests on the energy balance)\n";
+      text += "           (by chance more than the accuracy; taken because its energy closes)\n";
   }
   text += fmt::format(
       "cost       {} of the processor a simulated second, {} as written: {:.3g} times cheaper\n",
@@ -186,9 +194,9 @@ std::string describe(const Savings& s) {
   for (const std::string& note : s.notes) text += "note       " + note + '\n';
   for (const Trial& trial : s.trials)
     if (trial.checked && trial.verdict == Verdict::moved && trial.why.empty())
-      text +=
-          fmt::format("note       the scene as written is itself further off than asked: {}, {}\n",
-                      trial.key == "as written" ? "its own" : trial.key, trial.what);
+      text += fmt::format(
+          "note       the scene as written is itself further off than the accuracy: {}, {}\n",
+          trial.key == "as written" ? "its own" : trial.key, trial.what);
   text += fmt::format("took       {}\n", seconds_text(s.seconds));
   return text;
 }
@@ -213,8 +221,9 @@ std::string planned_scene(const Savings& s) {
         if (trial.taken && trial.key == trial_key)
           return fmt::format(
               "# alone it moves {}{}", movement_text(trial, s.accuracy),
-              trial.by_balance ? fmt::format("; taken on the energy balance, {:.1e}", trial.closure)
-                               : "");
+              trial.by_balance
+                  ? fmt::format("; taken because its energy closes to {:.1e}", trial.closure)
+                  : "");
       return {};
     };
     if (section == "[time]" && key == "scheme")

@@ -7,12 +7,12 @@
 namespace ra2d {
 
 double contact_modulus(const Scene& scene) {
-  double yielding = 0;  // 1/Pa
+  double compliance = 0;  // 1/Pa
   for (const BodySpec* body : {&scene.resonator, &scene.slider}) {
     const double nu = body->poisson.value_or(usual_poisson);
-    if (body->young != 0) yielding += (1 - nu * nu) / body->young;
+    if (body->young != 0) compliance += (1 - nu * nu) / body->young;
   }
-  return 1 / yielding;
+  return 1 / compliance;
 }
 
 double hertz_stiffness(const Scene& scene) {

@@ -6,7 +6,7 @@
 
 #include "host/scene/scene.hpp"
 
-/// The words of a scene: what each choice is called in TOML.
+/// The words of a scene's choices in TOML.
 namespace ra2d {
 
 template <class E>

@@ -29,24 +29,25 @@ struct Peak {
   double half_width = 0;  // m
 };
 
-/// How the heights of a random surface hang together over a distance.
+/// The autocorrelation of a random surface.
 enum class Correlation { gaussian, exponential, self_affine };
-/// What a random surface has exactly over the beam's length, and not in expectation alone.
+/// The values that a random surface has exactly over the beam's length. The others hold in
+/// expectation.
 enum class Exactly { rq, rq_and_rsm, nothing };
 
-/// What the numbers of a file are in.
+/// The unit of the numbers in a file.
 enum class FileUnit { m, mm, um, nm };
-/// What stands before its decimals.
+/// The mark before the decimals of a file.
 enum class FileDecimal { point, comma };
 enum class FaceFilter { none, gaussian };
-/// What is done with a profile that is shorter than the beam.
+/// How a profile is treated that is shorter than the beam.
 enum class ShortProfile { refuse, repeat };
 
-/// How a measured profile is read and prepared, beyond what its file tells.
+/// How a measured profile is read and prepared, where its file does not say so.
 struct FilePreparation {
   std::optional<FileUnit> x_unit, z_unit;
   std::optional<double> spacing;       // m, of a file that has no x
-  std::optional<FileDecimal> decimal;  // else what the file tells
+  std::optional<FileDecimal> decimal;  // none: as the file has it
   std::optional<int> row, column;      // from 1
   std::string form, fill;              // "line", "linear:1e-5"; empty: none
   FaceFilter filter = FaceFilter::none;
@@ -62,14 +63,13 @@ struct SurfaceSpec {
   std::filesystem::path path;  // file: as written, relative to the scene's folder
   FilePreparation prepared;    // file
   // gaussian
-  double rq = 0;              // m, root mean square height
-  std::optional<double> rsm;  // m, mean spacing of the profile elements ...
-  std::optional<double>
-      correlation_length;  // ... or m, the distance at which the correlation is 1/e
+  double rq = 0;                             // m, root mean square height
+  std::optional<double> rsm;                 // m, mean spacing of the profile elements; or
+  std::optional<double> correlation_length;  // m, the distance at which the correlation is 1/e
   Correlation correlation = Correlation::gaussian;
   std::optional<double> hurst;               // self-affine: Hurst exponent
   std::optional<double> longest, shortest;   // m, waves; shortest: exponential, too
-  std::optional<double> skewness, kurtosis;  // of the heights; 0 and 3 unless told
+  std::optional<double> skewness, kurtosis;  // of the heights; none: 0 and 3
   Exactly exact = Exactly::rq;
   std::uint64_t seed = 0;
 };
@@ -88,10 +88,10 @@ struct BodySpec {
   double width = 0;                     // m
   double young = 0;                     // Pa
   double density = 0;                   // kg/m^3
-  std::optional<double> poisson;        // of contact.stiffness = "hertz", 0.3 unless told
+  std::optional<double> poisson;        // of contact.stiffness = "hertz"; none: 0.3
   double damping = 0;                   // modal damping ratio zeta
-  std::optional<double> max_frequency;  // Hz, keep the elastic modes up to here ...
-  std::optional<int> modes;             // ... or this many elastic modes
+  std::optional<double> max_frequency;  // Hz, keep the elastic modes up to here; or
+  std::optional<int> modes;             // keep this many elastic modes
   SurfaceSpec surface;
   bool load_is_weight = false;             // slider: load = "weight"
   double load = 0;                         // slider: N towards the resonator, when not its weight
@@ -104,13 +104,12 @@ struct ContactSettings {
   bool is_hertz = false;  // stiffness = "hertz": found from the bodies' materials
 };
 
-/// Schemes that are compared with one another are named by it, too: `scheme` and `contact_force`,
-/// with no step.
+/// Comparisons of schemes use it, too: with `scheme` and `contact_force`, and no step.
 struct TimeSettings {
   SchemeKind scheme = SchemeKind::backward_euler;
   ForceTime contact_force = ForceTime::old_time;
-  double step = 0;                  // s, tau; adaptive needs none: 0 where none stands
-  std::optional<double> tolerance;  // adaptive: relative local error per step; others need none
+  double step = 0;                  // s, tau; 0: none, which adaptive does without
+  std::optional<double> tolerance;  // adaptive: relative local error per step
   Nodes nodes = Nodes::candidates;
   bool force = false;  // run beyond the limit of stability, too
   bool operator==(const TimeSettings&) const = default;
@@ -126,7 +125,7 @@ struct OutputSettings {
 /// Its members are the sections of a scene's TOML, and those of [scene] itself.
 struct Scene {
   std::filesystem::path file;  // where it was read from; its folder anchors relative paths
-  /// Where each "section.key" stands, for faults that are found later; none: made in code.
+  /// The line of each "section.key", for faults that are found later; none: made in code.
   std::shared_ptr<const std::map<std::string, std::string>> places;
 
   std::string name;
@@ -136,7 +135,7 @@ struct Scene {
   std::optional<double> gap;  // m, delta between the mean lines; none: "touching"
   double spacing = 0;         // m, chi
   Initial initial =
-      Initial::rest;  // a text that names none: statics, where there is an equilibrium
+      Initial::rest;  // of a file without the key: statics, where there is an equilibrium
 
   BodySpec resonator, slider;
 
@@ -145,29 +144,29 @@ struct Scene {
   OutputSettings output;
 };
 
-/// The tolerance of an adaptive scene that names none.
+/// The tolerance of an adaptive scene without the key.
 inline constexpr double usual_tolerance = 1e-8;
 
 /// Whether loads and contact can hold the scene's bodies in equilibrium: not a free resonator, nor
 /// a free slider that no load presses down.
 bool has_equilibrium(const Scene& scene);
 
-/// A fault of a scene that is found after it was read, at "section.key", in the same words as those
-/// that the reading finds.
+/// A fault of a scene that is found after it was read, at "section.key". Its message is like those
+/// of the reading.
 RequestError refusal(const Scene& scene, const std::string& key, const std::string& what);
 
-/// ... and where that key stands: "FILE:LINE", or the override; the section of a key that is not
-/// there, or the file.
+/// The place of a key: "FILE:LINE", or the override. Of a key that is not there: the place of its
+/// section, or the file.
 std::string place_of(const Scene& scene, std::string key);
 
 /// The files that a scene is read from: its own, and its measured profiles.
 std::vector<std::filesystem::path> files_of(const Scene& scene);
 
-/// The scene without what changes no bit of its run: its name, and what its contact stiffness, a
-/// number by now, was found from.
+/// The scene without the values that change no bit of its run: its name, and those that its contact
+/// stiffness was found from.
 Scene without_origins(Scene scene);
 
-/// What people call it: its name, or that of its file.
+/// The scene's name, or that of its file.
 std::string title(const Scene& scene);
 
 }  // namespace ra2d

@@ -8,7 +8,7 @@
 /// The schemes by the names that a scene gives them.
 namespace ra2d {
 
-/// What kernels/schemes/ says of one, to be chosen at run time.
+/// A scheme of kernels/schemes/, to be chosen at run time.
 struct SchemeTable {
   int order, stages;
   const double* place;  // (stages)
@@ -19,8 +19,8 @@ struct SchemeTable {
   std::vector<double> polynomial;
 };
 
-/// Whether the steps are found on the way, to a tolerance, so that there is no step and no
-/// scheme_table.
+/// Whether the steps are found during the march, to a tolerance. There is no fixed step and no
+/// scheme_table() then.
 bool is_adaptive(const TimeSettings& time);
 bool is_adaptive(const Scene& scene);
 

@@ -34,14 +34,14 @@ std::string at_most(double bound) {
   return fmt::format("{:.6g}", std::floor(bound / unit + 1e-5) * unit);
 }
 
-/// A number that has a part in a fault, and what such numbers are about.
+/// A number that has a part in a fault, and the usual size of such numbers.
 struct Part {
   std::string key;
   double value, usual;
 };
 
-/// Which of the numbers that make a fault together is to blame: the first one, unless another is
-/// more than a thousand times further from what is usual.
+/// The number that is to blame for a fault: the first one, unless another is more than a thousand
+/// times further from its usual size.
 std::string to_blame(const std::vector<Part>& parts) {
   const auto away = [](const Part& part) {
     return part.value != 0 ? std::abs(std::log10(std::abs(part.value) / part.usual)) : 0.0;
@@ -191,8 +191,8 @@ void check_path(const Scene& s, Document& document) {
                   excess, s.resonator.length, any_of(cures, "")));
 }
 
-/// What the numbers of a body make together: far from any body, roundings and the range of doubles
-/// would decide. False where something is wrong.
+/// Mass and first frequency of a body. Far from those of any body, roundings and the range of
+/// doubles would decide. False where something is wrong.
 bool check_body(const std::string& name, const BodySpec& body, Document& document) {
   if (body.support == Support::rigid) return true;
   const double mass = body.density * body.thickness * body.width;
@@ -216,7 +216,7 @@ bool check_body(const std::string& name, const BodySpec& body, Document& documen
   return !heavy && !odd;
 }
 
-/// What both bodies keep has to fit into one march.
+/// The modes of both bodies have to fit into one march.
 void check_modes(const Scene& s, Document& document) {
   constexpr int counted = 1000;
   constexpr int most = most_modes;
@@ -388,7 +388,7 @@ void check_loads(const Scene& s, Document& document) {
         "expected \"rest\" (or slider.load = \"weight\")");
 }
 
-/// What multipliers ask of the scheme and of the bodies.
+/// The scheme and the bodies under multipliers.
 void check_law(const Scene& s, Document& document) {
   if (s.contact.law != ContactLaw::multiplier) return;
   if (is_adaptive(s))

@@ -5,7 +5,7 @@
 
 namespace ra2d {
 
-/// Names what is wrong between the values of a scene, each fine by itself. Values that were at
+/// Finds faults between the values of a scene, each of which is fine by itself. Values that were at
 /// fault already are NaN, and every check is written so that NaN passes it.
 void check(const Scene& scene, Document& document);
 

@@ -16,8 +16,8 @@
 #include "host/scene_file/key_facts.hpp"
 #include "host/scene_file/reader.hpp"
 
-/// What the table of keys is made of: how a value of each kind is read into a member of `Part`, a
-/// struct of the scene, and written as TOML again.
+/// The building blocks of the table of keys: how a value of each kind is read into a member of
+/// `Part`, a struct of the scene, and written as TOML again.
 namespace ra2d::keys {
 
 /// One kind of value, bound to a member.

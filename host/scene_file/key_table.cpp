@@ -103,7 +103,7 @@ Value<SurfaceSpec> profile_path() {
   return value;
 }
 
-/// Always written as the number that it is. A comment tells what "hertz" was found from.
+/// Always written as a number. A comment says that it comes from "hertz".
 Value<ContactSettings> contact_stiffness() {
   Value<ContactSettings> value = number_or_word(
       &ContactSettings::stiffness, &ContactSettings::is_hertz, "hertz", positive, "Pa/m");

@@ -10,13 +10,13 @@
 #include <utility>
 
 #include "host/base/errors.hpp"
+#include "host/base/quiet_nan.hpp"
 #include "host/base/text.hpp"
 #include "host/scene_file/toml.hpp"
 
 namespace ra2d {
 namespace {
 
-constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t most_parts = 16;          // of a dotted key
 constexpr std::size_t most_shown = 20;          // faults
 constexpr std::size_t longest_override = 200;   // bytes, in a message
@@ -150,7 +150,7 @@ struct Document::Parts {
     std::string path;
     const toml::table* table;         // null: missing or no table, then nothing more is said of it
     bool missing;                     // and this once, with the keys it needs
-    std::vector<std::string> keys;    // asked for
+    std::vector<std::string> keys;    // that were read
     std::vector<std::string> needed;  // while the table is missing
   };
 
@@ -230,7 +230,7 @@ struct Document::Parts {
                         smallest_size));
     else
       return *value;
-    return not_a_number;
+    return quiet_nan;
   }
 
   Reader reader(Document& document, std::string path, const toml::node* node) {
@@ -240,7 +240,7 @@ struct Document::Parts {
     return {document, seen.size() - 1};
   }
 
-  /// The node of a key that is asked for; null when there is none.
+  /// The node of a key that is read; null when there is none.
   const toml::node* take(std::size_t index, const std::string& key, Need need,
                          const std::string& expected) {
     Seen& at = seen[index];
@@ -445,7 +445,7 @@ std::optional<double> Reader::number(const std::string& key, const Range& range,
   std::string expected = of(range.words, unit);
   if (!or_word.empty()) expected += " or " + toml_string(or_word);
   const toml::node* node = parts.take(index_, key, need, expected);
-  if (node == nullptr) return need == Need::optional ? std::nullopt : std::optional(not_a_number);
+  if (node == nullptr) return need == Need::optional ? std::nullopt : std::optional(quiet_nan);
   if (!or_word.empty() && says(key, or_word)) return std::nullopt;
   return parts.number(*node, join(parts.seen[index_].path, key), range, expected);
 }

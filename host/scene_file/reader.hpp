@@ -35,7 +35,7 @@ enum class Need { required, optional, uncertain };
 
 class Document;
 
-/// A value as it stands, where a key may hold any.
+/// A value of any type.
 struct TomlValue {
   enum class Kind { number, text, list, other };
   Kind kind = Kind::other;
@@ -121,19 +121,18 @@ class Document {
   Document(const Document&) = delete;
   Document& operator=(const Document&) = delete;
 
-  /// What stands outside all sections.
+  /// The keys outside all sections.
   Reader root() { return {*this, 0}; }
   Reader section(const std::string& name);
 
-  /// A fault at "section.key", or at what is there of that path: a missing key's section.
+  /// A fault at "section.key". Of a missing key the message has the line of its section.
   void fault(const std::string& path, const std::string& what);
 
-  /// Ends the reading: finds the keys that nobody asked for, and throws all faults as one
-  /// RequestError that names the first of them. `hints` says for some unknown "section.key" why it
-  /// is none.
+  /// Ends the reading: finds the keys that were not read, and throws all faults as one RequestError
+  /// that names the first of them. `hints`: for some unknown "section.key" the reason.
   void finish(const std::map<std::string, std::string>& hints);
 
-  /// Where each "section.key" stands, and each section: "FILE:LINE", or the override.
+  /// The place of each "section.key" and of each section: "FILE:LINE", or the override.
   std::map<std::string, std::string> places() const;
 
  private:

@@ -16,12 +16,12 @@ class ParsedText;  // host/scene_file/reader.hpp
 /// read.
 Scene read_scene(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
 
-/// The same from a text; `file` is used in messages and to resolve relative paths.
+/// Reads and checks the text of a scene. `file` is used in messages and to resolve relative paths.
 Scene parse_scene(const std::string& text, const std::filesystem::path& file,
                   const std::vector<std::string>& overrides = {});
 
-/// One of many scenes that differ in their overrides alone. It knows no places (Scene::places), and
-/// faults are without lines: for a message read its text.
+/// Reads one of many scenes that differ in their overrides alone. Its faults have no lines, nor has
+/// Scene::places: for a message read its text.
 Scene parse_scene(const ParsedText& text, const std::filesystem::path& file,
                   const std::vector<std::string>& overrides);
 

@@ -9,8 +9,8 @@
 /// Arrays and inline tables in one another; dotted keys are counted before toml++ sees them
 /// (reader.cpp).
 #define TOML_MAX_NESTED_VALUES 32
-/// Texts that are not ASCII come to places that toml++ takes for unreachable (letters that it asks
-/// whether they are blanks): there, the answer is no.
+/// Texts that are not ASCII reach code that toml++ takes for unreachable (it tests letters for
+/// being blanks). The test returns false there.
 #include <toml++/impl/forward_declarations.h>
 #pragma push_macro("TOML_UNREACHABLE")
 #undef TOML_UNREACHABLE

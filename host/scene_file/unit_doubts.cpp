@@ -73,7 +73,7 @@ void doubt_section(const std::string& name, const BodySpec& body, bool is_slider
   };
   far(".length", body.length, shortest, longest);
   far(".width", body.width, narrowest, widest);
-  if (body.thickness == 0) return;  // rigid, and not told
+  if (body.thickness == 0) return;  // rigid, and not given
   // a block that slides may stand; what bends is longer than thick
   const double most = (is_slider ? tall_block : 1) * body.length;
   const std::string key = name + ".thickness";
@@ -98,7 +98,7 @@ void doubt_body(const std::string& name, const BodySpec& body, bool is_slider, D
   constexpr double most_damping = 0.5, most_kilohertz = 1000;
   doubt_section(name, body, is_slider, doubts);
   if (body.support == Support::rigid || body.young == 0 || body.density == 0 || body.thickness == 0)
-    return;  // the rest is not told
+    return;  // the rest is not given
   doubt_young(name, body, doubts);
   doubt_density(name, body, doubts);
   if (body.damping > most_damping)
@@ -114,8 +114,8 @@ void doubt_body(const std::string& name, const BodySpec& body, bool is_slider, D
           kilohertz);
 }
 
-/// What the resonator gives way by under a force in its middle [m], by its first mode: 1.5 % more
-/// than the whole beam.
+/// The resonator's deflection under a force in its middle [m], by its first mode: 1.5 % more than
+/// that of the whole beam.
 double static_deflection(const BodySpec& body, double force) {
   const double omega = 2 * M_PI * elastic_frequency(body, 0);
   const double mass = body.density * body.thickness * body.width * body.length;
@@ -163,8 +163,8 @@ void doubt_motion(const Scene& scene, Doubts& doubts) {
     doubt(doubts, "scene.speed", scene.speed, "m/s", "so slow that little is heard", too_small);
 }
 
-/// Nodes against what they have to show: random faces and peaks. Measured ones are looked at where
-/// they are read.
+/// Nodes against the waves and peaks that they have to show. Measured faces are checked where they
+/// are read.
 void doubt_spacing(const Scene& scene, const std::string& name, const BodySpec& body,
                    Doubts& doubts) {
   constexpr double most_to_wave = 1e4, most_to_peak = 2000, least_to_peak = 2;  // spacings

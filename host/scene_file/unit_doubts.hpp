@@ -13,7 +13,7 @@ namespace ra2d {
 /// fault, is not doubted.
 std::vector<std::string> unit_doubts(const Scene& scene);
 
-/// What a number may have been meant to be.
+/// The mistake that may have made a number, and the number that was meant.
 struct Slip {
   const char* words;
   double factor;  // from what stands to what was meant

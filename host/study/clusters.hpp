@@ -26,7 +26,7 @@ std::vector<CoefficientError> clustered_errors(const Eigen::MatrixXd& x,
 
 /// Whether what a line leaves is more than chance.
 struct LackOfFit {
-  double f = 0;  // mean square of what all clusters leave alike, over that of what differs
+  double f = 0;  // mean square of the common deviation of all clusters, over that of the rest
   double above = 0, below = 0;  // degrees of freedom
   double p = 0;                 // that chance gives as much
 };

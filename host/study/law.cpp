@@ -12,14 +12,13 @@
 
 #include "host/analysis/distributions.hpp"
 #include "host/base/errors.hpp"
+#include "host/base/quiet_nan.hpp"
 #include "host/result/level.hpp"
 #include "host/study/clusters.hpp"
 #include "host/study/straight_line.hpp"
 
 namespace ra2d {
 namespace {
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 bool can_be_fitted(const StudyAxis& axis) {
   return axis.size() > 1 && axis.texts.empty() &&
@@ -42,10 +41,10 @@ std::vector<std::size_t> seeds_of(const StudyAnswers& answers,
 /// seed they are one run.
 bool seeds_differ(const StudyAnswers& answers) {
   const std::size_t seeds = answers.axes.back().size();
-  double first = nan;
+  double first = quiet_nan;
   for (std::size_t i = 0; i < answers.v_rms.size(); ++i) {
     const double value = answers.v_rms[i];
-    if (i % seeds == 0) first = nan;
+    if (i % seeds == 0) first = quiet_nan;
     if (!(value > 0 && std::isfinite(value))) continue;
     if (std::isnan(first)) first = value;
     if (std::abs(value - first) > 1e-9 * first) return true;
@@ -117,7 +116,7 @@ std::vector<std::size_t> fitted_axes(const StudyAnswers& answers, StudyLaw& law)
   for (std::size_t a = 0; a + 1 < answers.axes.size(); ++a) {
     if (can_be_fitted(answers.axes[a])) {
       fitted.push_back(a);
-      law.exponents.push_back({answers.axes[a].name, nan, nan, nan});
+      law.exponents.push_back({answers.axes[a].name, quiet_nan, quiet_nan, quiet_nan});
     } else if (answers.axes[a].size() > 1) {
       law.pooled.push_back(answers.axes[a].name);
     }
@@ -177,7 +176,7 @@ StudyLaw fit_law(const StudyAnswers& answers) {
   law.factor = std::pow(10.0, solution(0) - centre.dot(solution.tail(terms - 1)));
   for (std::size_t k = 0; k < fitted.size(); ++k)
     law.exponents[k].value = solution(static_cast<Eigen::Index>(k) + 1);
-  law.deviation = nan;
+  law.deviation = quiet_nan;
   law.line.why_not_tested = "it takes two seeds or more that differ";
   const auto free = static_cast<double>(rows - terms);
   if (!(free > 0)) return law;
@@ -194,7 +193,7 @@ std::vector<CombinationMean> combination_means(const StudyAnswers& answers) {
     std::vector<double> values, levels, rates;
     for (std::size_t i = first; i < first + seeds; ++i) {
       values.push_back(answers.v_rms[i]);
-      levels.push_back(answers.v_rms[i] > 0 ? level(answers.v_rms[i]) : nan);
+      levels.push_back(answers.v_rms[i] > 0 ? level(answers.v_rms[i]) : quiet_nan);
       if (!answers.shock_rate.empty()) rates.push_back(answers.shock_rate[i]);
     }
     std::vector<std::size_t> place = place_of_run(answers.axes, first);

@@ -8,7 +8,7 @@
 #include "host/analysis/several.hpp"
 #include "host/study/study_table.hpp"
 
-/// What the runs of a study say together.
+/// The law of a study's runs: v_rms as a product of powers of the varied numbers.
 namespace ra2d {
 
 /// An exponent, and where the true one lies in 95 of 100 studies (Student's t); NaN where there are
@@ -74,7 +74,7 @@ double law_level(const StudyLaw& law, const std::vector<StudyAxis>& axes,
 /// A value as people read it.
 std::string value_text(const StudyAxis& axis, std::size_t value);
 
-/// What is to be said of the shape, as a sentence; and of each change, as one that follows.
+/// The shape of the law in a sentence, and each change in one that follows.
 std::string describe(const StraightLine& line);
 std::string describe(const LocalExponent& change);
 

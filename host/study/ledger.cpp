@@ -131,7 +131,7 @@ bool read_body(std::string_view body, FinishedRun& run) {
           status == static_cast<std::uint32_t>(RunStatus::failed));
 }
 
-/// What a power cut leaves of what had not reached the disk.
+/// Whether the bytes are zeros alone, which a power cut leaves where data had not reached the disk.
 bool is_empty(std::string_view bytes) {
   return bytes.find_first_not_of('\0') == std::string_view::npos;
 }
@@ -283,7 +283,7 @@ void LedgerWriter::append(const FinishedRun& run) {
     if (count < 0 && errno == EINTR) continue;
     if (count <= 0) {
       const int error = errno;
-      // should this fail, too, the next who opens the file cuts it off
+      // should this fail, too, the next process that opens the file cuts it off
       [[maybe_unused]] const int cut = ftruncate(descriptor_, static_cast<off_t>(size_));
       throw write_failure("write to", file_, std::strerror(error), error);
     }
@@ -312,14 +312,14 @@ void FinishedRuns::add(FinishedRun run, const fs::path& from) {
     runs.emplace(scene, std::move(run));
     return;
   }
-  FinishedRun& known = found->second;
-  const bool was_done = known.status == RunStatus::done, is_done = run.status == RunStatus::done;
-  if (was_done && is_done && !agree(known, run))
+  FinishedRun& before = found->second;
+  const bool was_done = before.status == RunStatus::done, is_done = run.status == RunStatus::done;
+  if (was_done && is_done && !agree(before, run))
     throw FileError(fmt::format(
         "two runs of one scene have other numbers: {} (v_rms {} and {} m/s), the second in '{}'. "
         "One of them is not of this build, or damaged: move that ledger away",
-        run.point, known.figures.v_rms, run.figures.v_rms, from.string()));
-  if (!was_done) known = std::move(run);
+        run.point, before.figures.v_rms, run.figures.v_rms, from.string()));
+  if (!was_done) before = std::move(run);
 }
 
 void FinishedRuns::add(const StudyFolder& folder) {

@@ -12,6 +12,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "host/base/quiet_nan.hpp"
 #include "host/study/scene_key.hpp"
 #include "host/study/study_folder.hpp"
 
@@ -22,11 +23,10 @@
 /// of these. A record is a head of 16 bytes, "run" and a line end, the length of its body, XXH3-64
 /// of both; the body; and XXH3-128 of head and body. It is written by one call. A process that is
 /// killed, or a power cut, leaves at the end a record that is not whole: it is ignored, and cut off
-/// by the next who writes to the file. Anything else that is not as it was written is damage, and
-/// said.
+/// by the next process that writes to the file. Any other change is damage, and reported.
 namespace ra2d {
 
-/// Why a run has no numbers. These are the numbers in the table.
+/// How a run has ended. These are the numbers in the table.
 enum class RunStatus : std::uint32_t {
   done = 0,
   missing = 1,  // in the table alone: it has not been run
@@ -34,7 +34,7 @@ enum class RunStatus : std::uint32_t {
   failed = 3    // while it was marched: unstable, not finite, ...
 };
 
-/// What a run has come to; NaN where there is none of it.
+/// The figures of a run; NaN where there is none.
 struct RunFigures {
   double v_rms, level;                            // m/s, dB
   double shock_rate, shock_duration, peak_force;  // 1/s; medians: s, N
@@ -43,11 +43,8 @@ struct RunFigures {
                                                   // numbers are made by the scene alone
   static constexpr std::size_t count = 8;
 };
-inline constexpr RunFigures no_figures{
-    std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN(),
-    std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN(),
-    std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN(),
-    std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
+inline constexpr RunFigures no_figures{quiet_nan, quiet_nan, quiet_nan, quiet_nan,
+                                       quiet_nan, quiet_nan, quiet_nan, quiet_nan};
 
 struct FinishedRun {
   Key128 scene, run;  // scene_key; run_key, 0 where the run was refused before that is known
@@ -69,11 +66,11 @@ struct ParsedLedger {
   std::vector<FinishedRun> runs;  // in order
   std::size_t whole = 0;          // bytes up to the end of the last whole record
 };
-/// Hands on each run, in order; returns the bytes up to the end of the last whole record. `file` is
-/// used in messages. Throws FileError that names the place of the damage.
+/// Gives `take` each run, in order; returns the bytes up to the end of the last whole record.
+/// `file` is used in messages. Throws FileError that names the place of the damage.
 std::size_t read_ledger(std::string_view bytes, const std::filesystem::path& file,
                         const std::function<void(FinishedRun)>& take);
-/// ... or all of them at once.
+/// Reads all runs at once.
 ParsedLedger parse_ledger(std::string_view bytes, const std::filesystem::path& file);
 
 /// One process's own.
@@ -86,8 +83,8 @@ class LedgerWriter {
   LedgerWriter(const LedgerWriter&) = delete;
   LedgerWriter& operator=(const LedgerWriter&) = delete;
 
-  /// What is appended outlives this process at once, and a power cut after the next sync(). Threads
-  /// may call both. Throw FileError; what could not be written whole is taken back.
+  /// Appends a record. It outlives this process at once, and a power cut after the next sync().
+  /// Threads may call both. Throws FileError; a record that could not be written whole is removed.
   void append(const FinishedRun& run);
   void sync();
 
@@ -99,13 +96,13 @@ class LedgerWriter {
   bool synced_ = true;
 };
 
-/// All that ledgers hold, by scene: a run that is done rather than one that failed, else the
+/// The runs of all ledgers, by scene: one that is done rather than one that failed, else the
 /// latest.
 struct FinishedRuns {
   std::unordered_map<Key128, FinishedRun> runs;
 
-  /// Those of a folder's ledgers, beside those that are there. Throws FileError for damage, and for
-  /// two runs of one scene with other numbers, which it names.
+  /// Adds those of a folder's ledgers. Throws FileError for damage, and for two runs of one scene
+  /// with other numbers, which it names.
   void add(const StudyFolder& folder);
   void add(FinishedRun run, const std::filesystem::path& from);
   const FinishedRun* find(const Key128& scene) const;

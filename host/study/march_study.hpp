@@ -22,7 +22,7 @@ struct StudyMarch {
   Ranks* ranks = nullptr;                                      // under mpirun, on rank 0
 };
 
-/// Who is told how a study goes. Each may be empty.
+/// Functions that are called while a study runs. Each may be empty.
 struct StudyListener {
   std::function<void(const std::string&)> tell;                 // a message
   std::function<void(const std::vector<std::string>&)> doubts;  // of the scenes

@@ -10,7 +10,7 @@
 
 #include "host/scene/scene.hpp"
 
-/// What tells one run of a study from another before its surfaces are made.
+/// The key of a run of a study, before its surfaces are made.
 namespace ra2d {
 
 /// 128 bits of a hash.
@@ -36,10 +36,11 @@ class FileHashes {
   std::map<std::filesystem::path, std::string> known_;
 };
 
-/// XXH3-128 of all that decides the bits of a run: the scene with the keys it uses, what is in the
-/// files of its profiles, the version of the numerics and the build's arithmetic. Not of names and
-/// places. run_key() knows the heights themselves, which take milliseconds to make: of two scenes
-/// with one scene key it is one, too, as long as `numerics_version` is raised when heights change.
+/// XXH3-128 of all that decides the bits of a run: the scene with the keys that it uses, the
+/// contents of its profiles' files, the version of the numerics and the build's arithmetic. Names
+/// and places do not count. run_key() hashes the heights themselves, which take milliseconds to
+/// make. Two scenes with one scene key have one run key, too, as long as `numerics_version` is
+/// raised when heights change.
 Key128 scene_key(const Scene& scene, FileHashes& files);
 
 }  // namespace ra2d

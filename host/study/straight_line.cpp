@@ -30,8 +30,8 @@ Grid complete_grid(const StudyAnswers& answers, const std::vector<std::size_t>& 
   };
   const std::size_t seeds = answers.axes.back().size();
   std::map<Place, std::vector<Sum>> points;
-  std::size_t together = answers.v_rms.size() / seeds;  // combinations that are averaged
-  for (const std::size_t axis : fitted) together /= answers.axes[axis].size();
+  std::size_t combinations = answers.v_rms.size() / seeds;  // combinations that are averaged
+  for (const std::size_t axis : fitted) combinations /= answers.axes[axis].size();
   for (std::size_t run = 0; run < answers.v_rms.size(); ++run) {
     const double value = answers.v_rms[run];
     const Place place = place_of_run(answers.axes, run);
@@ -39,10 +39,10 @@ Grid complete_grid(const StudyAnswers& answers, const std::vector<std::size_t>& 
     for (const std::size_t axis : fitted) point.push_back(place[axis]);
     std::vector<Sum>& sums = points.try_emplace(std::move(point), seeds).first->second;
     if (!(value > 0 && std::isfinite(value))) continue;
-    sums[run % seeds].sum += std::log10(value) / static_cast<double>(together);
+    sums[run % seeds].sum += std::log10(value) / static_cast<double>(combinations);
     ++sums[run % seeds].count;
   }
-  const auto is_there = [&](const Sum& sum) { return sum.count == together; };
+  const auto is_there = [&](const Sum& sum) { return sum.count == combinations; };
   std::erase_if(points, [&](const auto& point) {
     return 3 * std::count_if(point.second.begin(), point.second.end(), is_there) <
            2 * static_cast<std::ptrdiff_t>(seeds);
@@ -133,7 +133,7 @@ std::vector<LocalExponent> changes_of(const StudyAnswers& answers,
   }
   std::stable_sort(changes.begin(), changes.end(),
                    [](const LocalExponent& a, const LocalExponent& b) { return a.p < b.p; });
-  // of as many as are looked at together
+  // that any one of all these comparisons errs
   const double chance = (1 - confidence_of_means) / static_cast<double>(terms.size());
   while (changes.size() > 1 && !(changes.back().p < chance)) changes.pop_back();
   return changes;

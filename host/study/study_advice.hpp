@@ -5,7 +5,7 @@
 
 #include "host/study/study_points.hpp"
 
-/// What a user should know of a study before its runs are made.
+/// Warnings about a study before its runs are made.
 namespace ra2d {
 
 /// Throws RequestError where a combination is asked for with several seeds and no seed changes its

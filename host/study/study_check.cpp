@@ -20,7 +20,7 @@ namespace {
 
 bool same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
 
-/// The table beside what the ledgers hold; how many finished runs it does not have yet.
+/// Compares the table with the ledgers; returns how many finished runs it does not have yet.
 std::size_t check_table(const StudyFolder& folder, const StudyPoints& points,
                         const PointCensus& census, const FinishedRuns& finished,
                         std::vector<std::string>& faults) {
@@ -96,9 +96,9 @@ CheckedStudy check_study(const StudyFolder& folder) {
     const PointCensus census(points);
     FinishedRuns finished;
     finished.add(folder);
-    const std::vector<std::size_t> asked = census.different();
+    const std::vector<std::size_t> points_to_run = census.different();
     std::size_t done = 0, failed = 0, missing = 0, kept = 0;
-    for (const std::size_t point : asked) {
+    for (const std::size_t point : points_to_run) {
       const FinishedRun* run = finished.find(census.keys[point]);
       ++(run == nullptr ? missing : run->status == RunStatus::done ? done : failed);
       if (!points.study().keep_files || run == nullptr || run->status == RunStatus::refused)
@@ -108,9 +108,9 @@ CheckedStudy check_study(const StudyFolder& folder) {
     }
     found.what =
         fmt::format("a study of {} runs: {} done, {} failed, {} not run yet; all hashes agree",
-                    asked.size(), done, failed, missing);
+                    points_to_run.size(), done, failed, missing);
     if (kept > 0) found.what += fmt::format(", also of {} results", kept);
-    if (missing == asked.size() && !finished.runs.empty())
+    if (missing == points_to_run.size() && !finished.runs.empty())
       found.what +=
           fmt::format("; the ledgers hold {} finished runs of another version or build of ra2d",
                       finished.runs.size());

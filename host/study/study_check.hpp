@@ -7,7 +7,7 @@
 
 namespace ra2d {
 
-/// What a look at every byte of a study's folder has found.
+/// The result of a check of every byte in a study's folder.
 struct CheckedStudy {
   std::vector<std::string> faults;  // a sentence each; none: it is whole
   std::string what;                 // "a study of 12 runs: 12 done, ..."

@@ -43,7 +43,7 @@ void StudyCheckpoints::remove_those_of(const FinishedRuns& finished) {
     if (!there_.contains(key)) continue;
     try {
       ClaimedOutput(folder_.path / StudyFolder::result(key)).remove_all();
-    } catch (const OutputTaken&) {  // somebody runs it again
+    } catch (const OutputTaken&) {  // another process runs it again
     }
     there_.erase(key);
   }
@@ -86,7 +86,7 @@ void StudyCheckpoints::keep(RunFiles& files, const SceneRun& run, SavedState sta
     } catch (const OutputTaken&) {  // it keeps this run; here it ends without
       return;
     }
-    files.remove();  // of somebody who is gone, and came to this run after this process had begun
+    files.remove();  // of a process that is gone, and that ran this point after this one had begun
   }
   files.keep(run, std::move(state), wall, so_far);
 }

@@ -20,17 +20,17 @@ namespace ra2d {
 
 class StudyCheckpoints {
  public:
-  /// `seconds`: of wall time between two checkpoints of a run. `tell` takes what a user should
-  /// hear, from any thread, one at a time.
+  /// `seconds`: of wall time between two checkpoints of a run. `tell` is given messages for the
+  /// user, from any thread, one at a time.
   StudyCheckpoints(StudyFolder folder, double seconds,
                    std::function<void(const std::string&)> tell = {});
 
   /// Removes those of runs that are finished: their process was killed just before it did.
   void remove_those_of(const FinishedRuns& finished);
 
-  /// What a run goes on from; its files are then this process' own. None where there is none, or
-  /// another process runs it at this moment. One that is damaged or of another program is removed,
-  /// and that is told of the run `name`.
+  /// The checkpoint that a run goes on from; its files are then this process' own. None where there
+  /// is none, or where another process runs it at this moment. A checkpoint that is damaged or of
+  /// another program is removed, and `tell` is told so of the run `name`.
   std::optional<Checkpoint> last(RunFiles& files, const std::string& key, const Model& model,
                                  Outputs outputs, const std::string& name);
 

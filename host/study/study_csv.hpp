@@ -4,8 +4,7 @@
 
 #include "host/study/law.hpp"
 
-/// What the runs of a study say together, as tables for other programs (docs/analysis.md has the
-/// columns).
+/// Means and law of a study as tables for other programs (docs/analysis.md has the columns).
 namespace ra2d {
 
 /// A line for each combination: its values, and the means over its seeds.

@@ -16,8 +16,8 @@ struct StudyDimension {
   std::vector<std::string> keys;                 // "section.key", which change together
   std::vector<std::vector<std::string>> values;  // (value, key), as TOML
   bool is_text = false;
-  std::vector<double> numbers;     // the coordinates: of each value what its first key takes ...
-  std::vector<std::string> texts;  // ... where one of these is a word
+  std::vector<double> numbers;     // the coordinates: the first key's number in each value; or,
+  std::vector<std::string> texts;  // where one of these is a word, its texts
 
   std::size_t size() const { return values.size(); }
   /// A value as a message names it.
@@ -30,7 +30,7 @@ struct Study {
   std::filesystem::path base;       // the scene, an absolute path
   std::string base_text;            // what stood there
   std::vector<std::string> set;     // "section.key=value" of [set]
-  std::vector<std::string> given;   // ... and of --set
+  std::vector<std::string> given;   // and of --set
   std::vector<std::int64_t> seeds;  // run k takes both surfaces' seeds + 1000 k
   bool keep_level = true, keep_shocks = true, keep_files = false;
   std::vector<StudyDimension> dimensions;  // in the order in which they stand
@@ -44,11 +44,11 @@ inline constexpr std::size_t most_study_runs = 1'000'000;
 /// study at once, FileError when a file cannot be read. The scenes are checked by StudyPoints.
 Study read_study(const std::filesystem::path& file, const std::vector<std::string>& given = {});
 
-/// The same from a text; the base is not read.
+/// Reads and checks the text of a study; the base is not read.
 Study parse_study(const std::string& text, const std::filesystem::path& file,
                   const std::vector<std::string>& given = {});
 
-/// What a study's folder keeps of the study, so that it can be read without its files: JSON.
+/// The study as JSON. A study's folder keeps it, so that it can be read without the study's files.
 std::string snapshot_text(const Study& study);
 /// Throws FileError for what is no snapshot; `file` is used in messages.
 Study parse_snapshot(const std::string& text, const std::filesystem::path& file);

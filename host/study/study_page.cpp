@@ -141,76 +141,99 @@ std::vector<double> with_intervals(std::vector<double> levels,
 }
 
 /// The level against one dimension, a line of the law for each combination of the others.
-std::string chart_of(const StudyAnswers& answers, const std::vector<CombinationMean>& means,
-                     const std::optional<StudyLaw>& law, std::size_t dimension) {
-  const StudyAxis& axis = answers.axes[dimension];
-  std::map<Place, std::vector<const CombinationMean*>> series;  // by the place of the others
-  std::vector<double> levels;
-  for (const CombinationMean& mean : means) {
-    if (mean.level.count == 0) continue;
-    levels.push_back(mean.level.mean);
-    if (law && axis.texts.empty()) levels.push_back(law_level(*law, answers.axes, mean.place));
-    Place others = mean.place;
-    others[dimension] = 0;
-    series[others].push_back(&mean);
+class LevelChart {
+ public:
+  LevelChart(const StudyAnswers& answers, const std::vector<CombinationMean>& means,
+             const std::optional<StudyLaw>& law, std::size_t dimension)
+      : answers_{answers},
+        axis_{answers.axes[dimension]},
+        law_{axis_.texts.empty() ? law : std::nullopt},
+        dimension_{dimension} {
+    for (const CombinationMean& mean : means) {
+      if (mean.level.count == 0) continue;
+      levels_.push_back(mean.level.mean);
+      if (law_) levels_.push_back(law_level(*law_, answers.axes, mean.place));
+      Place others = mean.place;
+      others[dimension] = 0;
+      series_[others].push_back(&mean);
+    }
+    if (!levels_.empty()) levels_ = with_intervals(levels_, means);
   }
-  if (levels.empty()) return {};
-  const auto [low, high] = rounded_limits(with_intervals(levels, means), 10);
-  SvgChart chart(axis_of(axis), {low, high, false, "level, dB re 1 nm/s", {}},
-                 "Level of the study against " + axis.name);
-  std::vector<Place> all;
-  for (const auto& [others, members] : series) all.push_back(others);
-  const std::vector<Place> chosen = some(all, most_series);
-  std::vector<std::string> names;
-  const ChartAxis across = axis_of(axis);
-  const auto aside = [&](double x) {  // from a point to the number of its line
-    return across.logarithmic ? x * (std::pow(across.high / across.low, 0.05) - 1)
-                              : 0.05 * (across.high - across.low);
-  };
-  std::size_t number = 0;
-  for (const Place& others : chosen) {
-    chart.begin_series(
-        number, 8 * (static_cast<double>(number) - static_cast<double>(chosen.size() - 1) / 2));
-    ++number;
-    std::vector<const CombinationMean*> members = series[others];
-    const auto at = [&](const CombinationMean* mean) {
-      const std::size_t value = mean->place[dimension];
-      return axis.texts.empty() ? axis.numbers[value] : static_cast<double>(value);
-    };
+
+  /// The figure; empty where there are no levels.
+  std::string figure() {
+    if (levels_.empty()) return {};
+    const auto [low, high] = rounded_limits(levels_, 10);
+    SvgChart chart(axis_of(axis_), {low, high, false, "level, dB re 1 nm/s", {}},
+                   "Level of the study against " + axis_.name);
+    std::vector<Place> all;
+    for (const auto& [others, members] : series_) all.push_back(others);
+    const std::vector<Place> chosen = some(all, most_series);
+    for (std::size_t i = 0; i < chosen.size(); ++i) {
+      const double middle = static_cast<double>(chosen.size() - 1) / 2;
+      chart.begin_series(i, 8 * (static_cast<double>(i) - middle));
+      draw(chart, chosen[i], low, high);
+    }
+    return fmt::format("<figure>\n{}<figcaption>{}</figcaption>\n</figure>\n", chart.svg(),
+                       caption(chosen.size(), all.size()));
+  }
+
+ private:
+  double at(const CombinationMean& mean) const {
+    const std::size_t value = mean.place[dimension_];
+    return axis_.texts.empty() ? axis_.numbers[value] : static_cast<double>(value);
+  }
+
+  /// Draws the combinations in which the other dimensions have these places.
+  void draw(SvgChart& chart, const Place& others, double low, double high) {
+    std::vector<const CombinationMean*> members = series_[others];
     std::sort(members.begin(), members.end(),
-              [&](const auto* a, const auto* b) { return at(a) < at(b); });
+              [&](const auto* a, const auto* b) { return at(*a) < at(*b); });
     std::vector<double> x, y;
     for (const CombinationMean* mean : members) {
-      x.push_back(at(mean));
-      y.push_back(law && axis.texts.empty() ? law_level(*law, answers.axes, mean->place)
-                                            : mean->level.mean);
+      x.push_back(at(*mean));
+      y.push_back(law_ ? law_level(*law_, answers_.axes, mean->place) : mean->level.mean);
       if (mean->level.count > 1)
         chart.whisker(x.back(), std::max(low, mean->level.low), std::min(high, mean->level.high));
       chart.dot(x.back(), mean->level.mean);
     }
-    if (axis.texts.empty() && x.size() > 1) chart.line(x, y, true);
+    if (axis_.texts.empty() && x.size() > 1) chart.line(x, y, true);
     std::string name;
     for (std::size_t a = 0; a < others.size(); ++a)
-      if (a != dimension && answers.axes[a].size() > 1)
-        name += fmt::format("{}{} = {}", name.empty() ? "" : ", ", answers.axes[a].name,
-                            value_text(answers.axes[a], others[a]));
-    if (!name.empty()) names.push_back(name);
-    if (!name.empty())
-      chart.note(x.back() + aside(x.back()), y.back(), std::to_string(names.size()));
+      if (a != dimension_ && answers_.axes[a].size() > 1)
+        name += fmt::format("{}{} = {}", name.empty() ? "" : ", ", answers_.axes[a].name,
+                            value_text(answers_.axes[a], others[a]));
+    if (name.empty()) return;
+    names_.push_back(name);
+    const ChartAxis across = axis_of(axis_);
+    const double aside = across.logarithmic  // from the last point to the number of its line
+                             ? x.back() * (std::pow(across.high / across.low, 0.05) - 1)
+                             : 0.05 * (across.high - across.low);
+    chart.note(x.back() + aside, y.back(), std::to_string(names_.size()));
   }
-  std::string caption = fmt::format(
-      "<b>Level against {}</b>: means over the seeds with 95 % intervals, "
-      "which are cut at the ends of the axis.",
-      html(axis.name));
-  if (law && axis.texts.empty()) caption += " Dashed: the law.";
-  for (std::size_t i = 0; i < names.size(); ++i)
-    caption += fmt::format("{} <b class=\"series{}\">{}</b>: {}", i == 0 ? "" : ";", i, i + 1,
-                           html(names[i]));
-  if (!names.empty()) caption += ".";
-  if (chosen.size() < all.size())
-    caption += fmt::format(" {} of {} combinations are shown.", chosen.size(), all.size());
-  return fmt::format("<figure>\n{}<figcaption>{}</figcaption>\n</figure>\n", chart.svg(), caption);
-}
+
+  std::string caption(std::size_t drawn, std::size_t all) const {
+    std::string text = fmt::format(
+        "<b>Level against {}</b>: means over the seeds with 95 % intervals, "
+        "which are cut at the ends of the axis.",
+        html(axis_.name));
+    if (law_) text += " Dashed: the law.";
+    for (std::size_t i = 0; i < names_.size(); ++i)
+      text += fmt::format("{} <b class=\"series{}\">{}</b>: {}", i == 0 ? "" : ";", i, i + 1,
+                          html(names_[i]));
+    if (!names_.empty()) text += ".";
+    if (drawn < all) text += fmt::format(" {} of {} combinations are shown.", drawn, all);
+    return text;
+  }
+
+  const StudyAnswers& answers_;
+  const StudyAxis& axis_;
+  const std::optional<StudyLaw> law_;  // none: of a dimension of words, too
+  const std::size_t dimension_;
+  std::map<Place, std::vector<const CombinationMean*>> series_;  // by the place of the others
+  std::vector<double> levels_;
+  std::vector<std::string> names_;  // of the series that are drawn
+};
 
 std::string charts_part(const StudyAnswers& answers, const std::vector<CombinationMean>& means,
                         const std::optional<StudyLaw>& law) {
@@ -218,7 +241,7 @@ std::string charts_part(const StudyAnswers& answers, const std::vector<Combinati
   std::size_t drawn = 0;
   for (std::size_t a = 0; a + 1 < answers.axes.size() && drawn < most_charts; ++a)
     if (answers.axes[a].size() > 1) {
-      charts += chart_of(answers, means, law, a);
+      charts += LevelChart(answers, means, law, a).figure();
       ++drawn;
     }
   return charts.empty() ? charts
@@ -271,7 +294,7 @@ std::string study_page(const StudyAnswers& answers, const std::string& name,
       fmt::format("<p class=\"lead\">{}. {}</p>\n", count_text(answers), html(answers.origin));
   body += law_part(law, why) + charts_part(answers, means, law);
   if (!means.empty()) body += levels_part(answers, means);
-  body += "<h2>What was asked</h2>\n";
+  body += "<h2>The study</h2>\n";
   body += text_to_copy(
       "The study. Save it as <code>study.toml</code>, and its base under the name that it "
       "has there; then <code>ra2d study study.toml</code> runs it again.",

@@ -31,8 +31,8 @@ class StudyPoints {
   std::string name(std::size_t point) const;
   /// Throws RequestError, with the name of the point.
   Scene scene(std::size_t point) const;
-  /// A fault of its scene: without the place of the base, and with the study's own changes told
-  /// from those of the command line.
+  /// A fault of its scene, for a message: without the place of the base, and with the study's own
+  /// changes set apart from those of the command line.
   std::string in_words_of_the_study(std::string fault, std::size_t point) const;
 
  private:
@@ -43,7 +43,7 @@ class StudyPoints {
   std::size_t combinations_ = 1;
 };
 
-/// What is known of each point before it is run.
+/// Key and cost of each point, before it is run.
 struct PointCensus {
   std::vector<Key128> keys;
   std::vector<float> costs;  // s of one thread, estimates (host/plan/expected_work.hpp)
@@ -52,8 +52,8 @@ struct PointCensus {
 
   /// Reads and checks the scene of every point, on all threads. Throws RequestError that names
   /// those that are wrong, the first few of them; FileError for a profile that cannot be read.
-  /// `progress` is called a few times a second with how many points are known, by one thread at a
-  /// time.
+  /// `progress` is called a few times a second with the number of points that have been read, by
+  /// one thread at a time.
   explicit PointCensus(const StudyPoints& points,
                        const std::function<void(std::size_t)>& progress = {});
 

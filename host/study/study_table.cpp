@@ -241,7 +241,7 @@ std::string table_bytes(const std::filesystem::path& file, const StudyPoints& po
 
 // ---- reading -----------------------------------------------------------------------------------
 
-/// What is wrong with a file; its name goes before it.
+/// A fault of a file; its name goes before it.
 struct TableFault {
   std::string text;
 };

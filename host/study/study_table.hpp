@@ -27,7 +27,7 @@ struct StudyAxis {
   std::size_t size() const { return texts.empty() ? numbers.size() : texts.size(); }
 };
 
-/// What an analysis needs of a table.
+/// The contents of a table that an analysis needs.
 struct StudyAnswers {
   std::vector<StudyAxis> axes;     // in the order of the table, the seeds last
   std::vector<double> v_rms;       // in C order; NaN where there is none

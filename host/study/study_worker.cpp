@@ -198,24 +198,24 @@ class Worker {
     if (crews > 1) other.get();
   }
 
-  /// Takes runs until there are no more. `crew`: who does, a thread or half of a GPU.
+  /// Takes runs until there are no more. `crew`: the number of a thread, or of half of a GPU.
   void march(int crew, int slots, const BatchOptions& batch) {
     SimulationOptions options;
     options.slots = slots;
     options.batch = batch;
     options.seconds = launch_seconds(checkpoint_seconds(), options_.most_wall);
     Simulation simulation(options);
-    int answered = checkpoints_asked_;  // requests for a checkpoint that this crew has heeded
+    int answered = checkpoint_requests_;  // checkpoint requests that this crew has followed
     try {
       simulation.run([&](std::size_t) { return make(crew); },
                      [&](SceneRun& run) { take(static_cast<PointRun&>(run)); },
                      [&] {
                        look_up(crew);
                        if (out_of_time()) simulation.stop();
-                       if (take_checkpoint_request()) ++checkpoints_asked_;
-                       const int asked = checkpoints_asked_;
-                       keep(crew, simulation, asked != answered || !simulation.goes_on());
-                       answered = asked;
+                       if (take_checkpoint_request()) ++checkpoint_requests_;
+                       const int requests = checkpoint_requests_;
+                       keep(crew, simulation, requests != answered || !simulation.goes_on());
+                       answered = requests;
                      },
                      [&](SceneRun& run) { refuse(static_cast<PointRun&>(run)); });
     } catch (const GivenUp&) {  // the fault is another's
@@ -363,7 +363,7 @@ class Worker {
   }
   bool out_of_time() const { return seconds_since(begun_) >= options_.most_wall; }
 
-  /// Between the launches of a crew, whose runs nobody marches now: leaves checkpoints of those for
+  /// Between the launches of a crew, while its runs stand still: writes checkpoints of those for
   /// which it is time, or of all.
   void keep(int crew, const Simulation& simulation, bool all) {
     if (options_.checkpoints == nullptr) return;
@@ -384,7 +384,7 @@ class Worker {
     });
   }
 
-  /// Between the launches of a crew, whose runs nobody marches now.
+  /// Between the launches of a crew, while its runs stand still.
   void look_up(int crew) {
     if (given_up_) throw GivenUp();
     clerk_->rethrow();
@@ -428,7 +428,7 @@ class Worker {
   SharedMeanSquares squares_;
   std::atomic<std::size_t> next_ = 0;
   std::atomic<bool> given_up_ = false;
-  std::atomic<int> checkpoints_asked_ = 0;
+  std::atomic<int> checkpoint_requests_ = 0;
   Clerk* clerk_ = nullptr;
   std::mutex mutex_;  // of all below
   std::map<const SceneRun*, Running> running_;

@@ -8,15 +8,16 @@
 #include <utility>
 #include <vector>
 
+#include "host/base/quiet_nan.hpp"
 #include "host/study/ledger.hpp"
 #include "host/study/study_checkpoints.hpp"
 #include "host/study/study_folder.hpp"
 #include "host/study/study_points.hpp"
 
-/// Runs what a study asks for and nobody has run yet.
+/// Runs the points of a study that have not been run yet.
 namespace ra2d {
 
-/// What is to be done, and what is there.
+/// The runs of a study that are to be done, and the number of those that are finished.
 struct StudyWork {
   std::vector<std::size_t> jobs;  // points to run, the dearest first
   std::size_t runs = 0;           // different ones of this part of the study
@@ -26,23 +27,23 @@ struct StudyWork {
   std::size_t measured = 0;  // runs that it is of
 };
 
-/// Deals the different runs out to the shards, the dearest first, in turn: every shard takes about
-/// as long. Of its own a shard takes those that are missing, the failed ones if asked, and those of
-/// which `lacks` says that something is gone.
+/// Divides the different runs among the shards, the dearest first, one after the other, so that
+/// every shard takes about as long. Of its own a shard takes those that are missing, with
+/// `retry_failed` those that failed, and those for which `lacks` returns true.
 StudyWork find_work(const PointCensus& census, const FinishedRuns& finished, const Shard& shard,
                     bool retry_failed, const std::function<bool(const FinishedRun&)>& lacks = {});
 
 struct StudyProgress {
   std::size_t runs = 0, done = 0, failed = 0, running = 0;
-  double elapsed = 0;                                      // s of wall time
-  double left = std::numeric_limits<double>::quiet_NaN();  // the same; NaN where it is not known
+  double elapsed = 0;       // s of wall time
+  double left = quiet_nan;  // the same; NaN where it is not known
 };
 
 struct StudyOptions {
   std::function<void(const StudyProgress&)> progress;  // a few times a second
   bool keep_results = false;                           // each run's own, in the folder:
   std::filesystem::path folder;                        // of the study
-  std::function<void()> tick;  // a few times a second on a thread of its own, beside the march
+  std::function<void()> tick;  // a few times a second on a thread of its own, during the march
   /// Which of the jobs is next, from 0 on; beyond the last there are no more. Several processes
   /// that share the jobs take each once. None: all are for this process.
   std::function<std::size_t()> next_job;
@@ -56,7 +57,7 @@ struct StudyOutcome {
   std::vector<std::pair<std::string, std::string>> failures;  // names and reasons, the first few
   double elapsed = 0;                                         // s of wall time
   double busy = 0;     // s of all threads together, making scenes ready, marching and recording
-  double marched = 0;  // ... in the march alone
+  double marched = 0;  // of that in the march alone
   std::size_t most_at_once = 0;  // runs that were on their way side by side, at the most
   bool out_of_time = false;      // cut off by StudyOptions::most_wall
 };

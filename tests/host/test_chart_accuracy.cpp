@@ -129,7 +129,7 @@ TEST(Accuracy, ErrorsOfASmoothMotionFallAtTheOrders) {
   for (const Measured& point : chart.points) {
     SCOPED_TRACE(point.name.text + ", " + size_text(point.setting));
     const auto error = [](const Measured& p) {
-      return p.states.empty() ? missing : p.states[0].error;
+      return p.states.empty() ? quiet_nan : p.states[0].error;
     };
     // multipliers are measured against their own scheme's run at a quarter of the finest step
     const bool own = point.name.law == "multiplier";
@@ -317,6 +317,23 @@ TEST(Peers, EndWithAllThatTheyStartedWhenTheProgramIsInterrupted) {
   await_end(own);
   await_end(helper);
   EXPECT_TRUE(fs::is_empty(temporary.path()));
+}
+
+/// A peer that answers at first and then never again costs no more than its part of the budget.
+TEST(Peers, ThatFallSilentKeepTheBudget) {
+  const Folder folder;
+  const std::string count = folder.path() / "count";
+  const fs::path peer =
+      script(folder, "peers",
+             "echo x >> " + count + "\n[ $(wc -l < " + count +
+                 ") -gt 2 ] && exec sleep 1000\ncat << EOF\n" + answer + "\nEOF\n");
+  Scene peaks = read_scene(scene_file("peaks"),
+                           {"scene.start=0.10485", "scene.duration=5e-4", "scene.spacing=1e-4"});
+  constexpr double budget = 3;  // s
+  const AccuracyChart chart =
+      measure_accuracy(peaks, {.budget = budget, .repetitions = 2, .peers = peer});
+  EXPECT_LT(chart.seconds, 1.5 * budget);
+  EXPECT_FALSE(read_file(count).empty());
 }
 
 TEST(Peers, NeedNoTemporaryFolder) {

@@ -5,6 +5,7 @@
 #include <time.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <csignal>
@@ -190,6 +191,54 @@ TEST(Ensemble, EndsWhereItIsInterrupted) {
   interrupt(0);
   runs.extend(1);
   EXPECT_EQ(runs.runs(), 1);
+}
+
+/// A run that is cut off does not count; later it is run as if it had not been.
+TEST(Ensemble, KeepsToItsTime) {
+  Scene s = rubbing();
+  s.duration = 0.2;
+  s.speed = 0.02;
+  const auto begun = std::chrono::steady_clock::now();
+  Ensemble runs(s);
+  runs.extend(4, 0);
+  EXPECT_EQ(runs.runs(), 0);
+  runs.extend(1'000'000, 0.3);
+  EXPECT_LT(runs.runs(), 1'000'000);
+  EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::seconds(20));
+  s.duration = 4e-3;
+  Ensemble whole(s), hurried(s);
+  whole.extend(4);
+  for (int tries = 0; hurried.runs() < 4 && tries < 1000; ++tries) hurried.extend(4, 1e-4 * tries);
+  ASSERT_EQ(hurried.runs(), 4);
+  for (int i = 0; i < 4; ++i) EXPECT_EQ(hurried.answers()[i].v_rms, whole.answers()[i].v_rms);
+}
+
+/// The budget holds also where the machine becomes slower than the first measurements promised.
+TEST(Savings, KeepToTheBudgetUnderLoad) {
+  SavingsOptions options;
+  options.accuracy = 1e-3;  // which no number of runs can show in that time
+  options.budget = 4;
+  std::atomic<bool> over = false;
+  std::vector<std::thread> load;
+  options.progress = [&](const std::string& text) {
+    if (!load.empty() || text == "the reference") return;
+    for (unsigned i = 0; i < 2 * std::thread::hardware_concurrency(); ++i)
+      load.emplace_back([&] {
+        while (!over) continue;
+      });
+  };
+  Scene s = rubbing();
+  s.duration = 0.1;
+  s.speed = 0.04;
+  const auto begun = std::chrono::steady_clock::now();
+  const Savings found = find_savings(s, options);
+  const double took =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+  over = true;
+  for (std::thread& thread : load) thread.join();
+  SCOPED_TRACE(describe(found));
+  EXPECT_FALSE(load.empty());
+  EXPECT_LT(took, 1.15 * options.budget);
 }
 
 /// A force crosses an undamped strip that nothing touches: its modes are independent, so that

@@ -48,7 +48,7 @@ TEST(Envelope, KeepsEveryExtremeOfALongSeries) {
   const std::vector<std::size_t> groups = even_groups(values.size(), 1000);
   const Envelope e = envelope(at, values, groups);
   ASSERT_EQ(e.at.size(), 1000u);
-  EXPECT_EQ(e.together, 101u);
+  EXPECT_EQ(e.largest_group, 101u);
   EXPECT_EQ(groups.front(), 0u);
   EXPECT_EQ(groups.back(), values.size());
   EXPECT_EQ(e.low.front(), -8);
@@ -68,7 +68,7 @@ TEST(Envelope, KeepsEveryExtremeOfALongSeries) {
 TEST(Envelope, LeavesFewValuesAlone) {
   const std::vector<double> at{0, 1, 2, 3}, values{5, nan, -1, 2};
   const Envelope e = envelope(at, values, even_groups(4, 2));
-  EXPECT_EQ(e.together, 1u);
+  EXPECT_EQ(e.largest_group, 1u);
   EXPECT_THAT(e.at, ElementsAre(0, 1, 2, 3));
   EXPECT_EQ(e.mean[0], 5);
   EXPECT_TRUE(std::isnan(e.mean[1]));

@@ -211,6 +211,25 @@ TEST_F(Program, NumbersOfTheCommandLineAreRefusedBeforeAnythingRuns) {
     EXPECT_EQ(run({"plan", scene_file("peaks"), "--threads", threads}), 2) << threads;
     EXPECT_THAT(err_, AllOf(HasSubstr("--threads"), HasSubstr("whole number in digits")));
   }
+  // a number is one in decimals
+  for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
+           {"chart", "accuracy", "--budget", "0x10"},
+           {"plan", scene_file("peaks"), "--accuracy", "0x1p-3"},
+           {"run", scene_file("peaks"), "--checkpoint", "0x1p3"},
+           {"run", scene_file("peaks"), "--max-wall", "0x10"},
+           {"run", scene_file("peaks"), "--max-wall", "1:0x10"},
+           {"run", scene_file("peaks"), "--device", "0x1"},
+           {"sound", "x.h5", "--slow", "0x2"},
+           {"sound", "x.h5", "--rate", "0xbb80"},
+           {"analyze", "x.h5", "--from", "0x1"},
+           {"surface", "generate", "-o", "p", "--length", "0x1p-3", "--spacing", "1e-4", "--rq",
+            "1e-6", "--rsm", "1e-3"},
+           {"surface", "generate", "-o", "p", "--length", "0.1", "--spacing", "1e-4", "--rq",
+            "1e-6", "--rsm", "1e-3", "--seed", "0x10"}}) {
+    EXPECT_EQ(run(words), 2) << fmt::format("{}", fmt::join(words, " "));
+    EXPECT_THAT(err_, HasSubstr("0x")) << fmt::format("{}", fmt::join(words, " "));
+    EXPECT_THAT(err_, HasSubstr("expected")) << fmt::format("{}", fmt::join(words, " "));
+  }
   EXPECT_EQ(run({"chart", "stability", "--set", "resonator.max_frequency=1e9"}), 2);
   EXPECT_THAT(err_, AllOf(HasSubstr("resonator.max_frequency"), HasSubstr("at most 256")));
 }
