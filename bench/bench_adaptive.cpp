@@ -57,7 +57,7 @@ void add_case(const std::string& name, const Scene& scene, const Method& setting
       state.SetIterationTime(one.seconds);
       seconds += one.seconds;
       simulated += one.time;
-      steps += static_cast<double>(one.end.strides);
+      steps += static_cast<double>(one.end.steps_made);
     }
     state.counters["wall_per_second"] = seconds / simulated;
     state.counters["steps_per_second"] = steps / simulated;

@@ -96,8 +96,8 @@ void time_throughput(benchmark::State& state, Paper paper, const Method& method,
     double longest = 0;  // s, of all launches of a crew
     const auto march = [&](int) {
       SimulationOptions options{.slots = on_gpu ? (scenes + crews - 1) / crews : 1};
-      options.batch.memory = backend_room() / static_cast<std::size_t>(crews);
-      if (on_gpu) options.batch.room = room_on_a_gpu;
+      options.batch.memory = backend_memory() / static_cast<std::size_t>(crews);
+      if (on_gpu) options.batch.capacity = capacity_on_a_gpu;
       Simulation simulation(options);
       simulation.run([&](std::size_t) { return runs.next(); });
       at_once += simulation.most_at_once();

@@ -77,7 +77,7 @@ def main():
     if not listed.exists():
         raise SystemExit(f"{listed} is not there: configure a CUDA build first (cmake --preset cuda)")
     entries = [e for e in json.loads(listed.read_text())
-               if re.search(r"/device/march_\w+\.cpp$", e["file"]) and asked.only in e["file"]]
+               if re.search(r"/generated/march_\w+\.cpp$", e["file"]) and asked.only in e["file"]]
     if not entries or "-arch=" not in entries[0]["command"]:
         raise SystemExit(f"{asked.build} is not configured for CUDA: cmake --preset cuda")
     wrapper = asked.build.resolve() / "_deps/kokkos-src/bin/nvcc_wrapper"

@@ -13,31 +13,33 @@
 #include "kernels/state.hpp"
 #include "kernels/tables.hpp"
 
-/// Which nodes can touch, and for how long none can: a node is left out when, and only when, it
-/// provably cannot touch.
+/// Which nodes can come into contact, and for how long none can: a node is left out when, and only
+/// when, it provably cannot.
 ///
 /// Look (look_ahead): at a reference state the overlap o of a node and its rate along the straight
 /// line U + t V are known. In free flight the modes leave that line by at most A t^2/2 with
 ///
-///   A = sum_k max|psi_k| (pull_k (E_k + t push_k) + push_k),   E_k^2 = V_k^2 + omega_k^2 U_k^2,
+///   A = sum_k max|psi_k| (p_k (E_k + t a_k) + a_k),   E_k^2 = V_k^2 + omega_k^2 U_k^2,
 ///
-/// where the scheme's step gives pull_k, for backward Euler (1 + 2 zeta) omega_k at the most, and
-/// the outer forces with it push_k (host/model/step_bounds.hpp: the bound holds for a number of
-/// steps, at all their stages, of stable and unstable schemes); the node's own way over the bent
-/// beam adds the curvature B = 2 V sum_k max|psi_k'| |V_k| + V^2 sum_k max|psi_k''| |U_k|. So no
-/// node touches before the smallest root of o + rate t + (A + B) t^2/2 = 0. Until then the march
-/// flies: it advances the modes, nothing else.
+/// where p_k (MotionLimits::acceleration_per_energy_norm) follows from the scheme's step, for
+/// backward Euler (1 + 2 zeta) omega_k at the most, and a_k (outer_acceleration) from the outer
+/// forces and the step. host/model/step_bounds.hpp shows that this holds for a number of steps, at
+/// all their stages, of stable and unstable schemes. The path of the node over the bent beam adds
+/// the curvature B = 2 V sum_k max|psi_k'| |V_k| + V^2 sum_k max|psi_k''| |U_k|. So no contact
+/// begins before the smallest root of o + rate t + (A + B) t^2/2 = 0. Until then the march flies:
+/// it advances the modes, nothing else.
 ///
-/// Watch: when that is too short, the nodes that could touch within N steps, if the modes stay
-/// within a leeway rho of their line, are evaluated at every step. While they stay, the contact
-/// force is at most f = kappa chi w sum_n max(0, overlap_n on the line + rho), so they leave the
-/// line by at most (A + f sum_k max|psi_k| yield_k (1 + pull_k t)) t^2/2, yield_k = max|psi_k|/m_k
-/// times the step's own factor: N is the last step at which this is still within rho. Forces that
-/// are found with the end of the step (Form::implicit) have no such bound: there the march sums up
-/// what they have done, and does a step again with every node that could touch when the list would
-/// not have covered it.
+/// Watch: when that time is too short, the march evaluates at every step the nodes that could come
+/// into contact within N steps while the modes stay within a leeway rho of their line. While they
+/// do, the contact force is at most f = kappa chi w sum_n max(0, overlap_n on the line + rho). So
+/// they leave the line by at most (A + f sum_k max|psi_k| n_k (1 + p_k t)) t^2/2, where n_k
+/// (acceleration_per_newton) is max|psi_k|/m_k times the step's own factor. N is the last step at
+/// which this is still within rho. Forces that are found with the end of the step (Form::implicit)
+/// have no such bound. There the march sums the forces of the steps so far, and repeats a step with
+/// every node that could be in contact where the list would not have covered it.
 ///
-/// Near: both draw from a list of groups of nodes that can touch (kernels/near_groups.hpp).
+/// Near: both draw from a list of groups of nodes that can come into contact
+/// (kernels/near_groups.hpp).
 ///
 /// To every comparison belongs a slack for the roundings: of the faces, of the position, of sums
 /// over the modes and of the steps looked ahead.
@@ -54,71 +56,92 @@ inline constexpr int most_watched = 48;
 /// most_modes reaches: what it is compared with is one, too.
 KOKKOS_INLINE_FUNCTION double rounding(int steps) { return (256 + steps) * 0x1p-52; }
 
-/// How to go on: fly, watch, or (when neither can be promised) look at every state anew.
+/// How to go on: fly, watch, or, when neither is safe, search at every state anew.
 struct Outlook {
   enum Kind { fly, watch, look } kind;
   int steps;  // to fly, or to watch at the most
-  int count;  // nodes to watch, listed in the state's `watch`
+  int count;  // nodes to watch, listed in WorkSpace::watched
   /// While the nodes are watched, step n is covered by the list as long as line n (n + 1) + kick
   /// sum_{j<n} (n - j) f_j <= 1, f_j the contact force [N] of step j.
   double line = 0, kick = 0;
 };
 
-template <class Lanes, int K>
+template <class Lanes, int packs>
 class Candidates {
   using Real = typename Lanes::Real;
   static constexpr int width = Lanes::width;
 
  public:
-  KOKKOS_FUNCTION Candidates(const Lanes& lanes, const SceneTables& tables, SceneState& state)
-      : lanes_{lanes}, t_{tables}, s_{state}, near_{lanes, tables, state} {}
+  /// Lists nodes in `watched`; `evaluated` counts those whose gap was evaluated. `amplitudes`: work
+  /// space.
+  KOKKOS_FUNCTION Candidates(const Lanes& lanes, const ModeTables& modes,
+                             const SliderMotion& motion, const FaceTables& faces,
+                             const SliderShapes& slider, const PatchTables& patches,
+                             const ContactTables& contact, const SchemeWeights& scheme,
+                             const MotionLimits& bounds, NearLists& lists, double* amplitudes,
+                             int* watched, std::int64_t& evaluated)
+      : lanes_{lanes},
+        modes_{modes},
+        motion_{motion},
+        faces_{faces},
+        slider_{slider},
+        patches_{patches},
+        contact_{contact},
+        scheme_{scheme},
+        bounds_{bounds},
+        amplitudes_{amplitudes},
+        watched_{watched},
+        evaluated_{evaluated},
+        near_{lanes, motion, faces, slider, patches, bounds, lists, amplitudes, evaluated} {}
 
   /// Decides how to go on from the state at `step`, for no longer than until step `next`.
   /// `last_force`, of the latest contact, guesses how long a watch will hold.
   KOKKOS_FUNCTION Outlook look_ahead(const Real* u, const Real* v, std::int64_t step,
                                      std::int64_t next, double last_force) {
-    const Place place(t_, step);
-    int longest = steps_to(1.0, place, t_.longest_look);
+    const Place place(motion_, step);
+    int longest = steps_to(1.0, place, bounds_.valid_steps);
     if (longest < 1) {  // a node passes another within this step
       if (looks_ahead()) return {Outlook::look, 1, 0};
       longest = 1;
     }
     if (next - step < longest) longest = static_cast<int>(next - step);
-    const double tau = t_.step;
+    const double tau = motion_.time_step;
     const Bounds b = bounds(u, v, longest);
 
-    // the near list must hold for all the states that this look speaks of
-    int watched = steps_to((place.part + 1) * t_.window_width, place, watch_steps);
+    // the near list must hold for all states up to then
+    int watched = steps_to((place.part + 1) * motion_.window_width, place, watch_steps);
     if (longest < watched) watched = longest;
     const bool short_of_window = watched < 1;
     if (short_of_window) watched = 1;
     const double watch_time = watched * tau;
-    const double leeway = watch_time * watch_time * (0.75 * b.acceleration + b.yield * last_force) +
-                          0.5 * watch_time * tau * b.acceleration + t_.least_leeway;
+    const double leeway =
+        watch_time * watch_time * (0.75 * b.acceleration + b.acceleration_per_newton * last_force) +
+        0.5 * watch_time * tau * b.acceleration + bounds_.least_leeway;
     const double watch_travel = b.speed * watch_time + leeway;
     if (!near_.holds(u, place, watch_travel)) find_near(u, v, place);
-    const double room = near_.room(u);
-    if (room < watch_travel) return {Outlook::look, 1, 0};  // wild: step by step
+    const double remaining = near_.remaining_travel(u);
+    if (remaining < watch_travel) return {Outlook::look, 1, 0};  // wild: step by step
 
     const double half_curve = 0.5 * b.curvature * tau * tau;
-    // A node is left out of the watch when it stays open along the line, with leeway and its own
+    // A node is left out of the watch when it stays free along the line, with leeway and its own
     // motion.
-    const double slack = t_.slack + b.rounding + bound(t_.cubic_remainder, u) +
-                         position_rounding(place) * t_.steepest + 2.0 * half_curve;
+    const double slack = faces_.rounding + b.rounding + bound(bounds_.cubic_remainder, u) +
+                         position_rounding(place) * faces_.steepest_rise + 2.0 * half_curve;
     // what the cubics leave out of the closing per step
-    const double closing_slack = tau * bound(t_.cubic_remainder, v) +
-                                 t_.advance * t_.spacing * bound(t_.cubic_slope_remainder, u) +
-                                 2.0 * half_curve;
+    const double closing_slack =
+        tau * bound(bounds_.cubic_remainder, v) +
+        motion_.advance * motion_.spacing * bound(bounds_.cubic_slope_remainder, u) +
+        2.0 * half_curve;
     const double level = -(leeway + half_curve * watched * watched + slack);
-    GroupSweep<Lanes, K> sweep(lanes_, t_, place, s_.lanes, u, v);
+    GroupSweep<Lanes, packs> sweep(lanes_, faces_, slider_, patches_, place, amplitudes_, u, v);
     Real soonest(static_cast<double>(longest)), pressed(0.0);
     int count = 0;
     for (int e = 0; e < near_.count(); ++e) {
       const int group = near_[e];
-      const auto [overlap, modes, way] = sweep.overlap_and_rates(group);
-      // closing per step: the modes, and the node's way over the resonator's face
+      const auto [overlap, modes, slope] = sweep.overlap_and_rates(group);
+      // closing per step: the modes, and the node's path over the resonator's face
       const Real closing =
-          multiply_add(tau, modes, multiply_add(t_.advance, way, Real(closing_slack)));
+          multiply_add(tau, modes, multiply_add(motion_.advance, slope, Real(closing_slack)));
       const Real most =
           multiply_add(static_cast<double>(watched), Kokkos::max(closing, Real(0.0)), overlap);
       list_nodes(group, lanes_.at_least(most, level), count);
@@ -130,13 +153,14 @@ class Candidates {
           Kokkos::sqrt(multiply_add(linear, linear, Real(4.0 * half_curve) * open)) + linear;
       soonest = Kokkos::min(soonest, Real(2.0) * open / (root + Real(1e-300)));
     }
-    if (lanes_.leader()) s_.evaluated += static_cast<std::int64_t>(near_.count()) * width;
+    if (lanes_.leader()) evaluated_ += static_cast<std::int64_t>(near_.count()) * width;
     lanes_.sync();
     double flight = near_.count() > 0 ? lanes_.min(soonest) : longest;
     // ... and no further than the near list reaches
     const double linear = b.speed * tau + half_curve;
     const double reach =
-        2.0 * room / (Kokkos::sqrt(linear * linear + 4.0 * half_curve * room) + linear + 1e-300);
+        2.0 * remaining /
+        (Kokkos::sqrt(linear * linear + 4.0 * half_curve * remaining) + linear + 1e-300);
     if (reach < flight) flight = reach;
     if (!(flight >= 0.0)) flight = 0.0;  // the state is not a number
     if (flight >= shortest_flight || count == 0 || flight >= longest) {
@@ -145,17 +169,17 @@ class Candidates {
       if (steps < 1 && looks_ahead()) return {Outlook::look, 1, 0};
       return {Outlook::fly, steps < 1 ? 1 : steps, 0};
     }
-    if (t_.form == Form::implicit && count > most_watched) return {Outlook::look, 1, 0};
-    double pull = b.acceleration;
+    if (scheme_.form == Form::implicit && count > most_watched) return {Outlook::look, 1, 0};
+    double acceleration = b.acceleration;
     Outlook outlook{Outlook::watch, watched, count};
-    if (t_.form ==
+    if (scheme_.form ==
         Form::implicit) {  // no bound on the force: the march looks at what has come of it
       outlook.line = 0.5 * b.acceleration * tau * tau / leeway;
-      outlook.kick = b.yield * tau * tau / leeway;
+      outlook.kick = b.acceleration_per_newton * tau * tau / leeway;
     } else {
-      pull += b.yield * t_.node_stiffness * lanes_.sum(pressed);
+      acceleration += b.acceleration_per_newton * contact_.node_stiffness * lanes_.sum(pressed);
     }
-    const double lasting = Kokkos::sqrt(2.0 * leeway / (pull + 1e-300)) / tau - 1.0;
+    const double lasting = Kokkos::sqrt(2.0 * leeway / (acceleration + 1e-300)) / tau - 1.0;
     if (!(lasting >= watched)) outlook.steps = !(lasting >= 1.0) ? 0 : static_cast<int>(lasting);
     if (outlook.steps < 1 || short_of_window) {
       if (looks_ahead()) return {Outlook::look, 1, 0};
@@ -166,19 +190,19 @@ class Candidates {
 
   /// Whether contact is looked for at other states than that at which a step begins.
   KOKKOS_FORCEINLINE_FUNCTION bool looks_ahead() const {
-    return t_.stages > 1 || t_.form == Form::implicit;
+    return scheme_.stages > 1 || scheme_.form == Form::implicit;
   }
 
-  /// Lists in `watch` every node that touches at the present state, and perhaps a few that miss by
-  /// a rounding. Looks at all the nodes or at those near, as the scene asks.
-  KOKKOS_FUNCTION int find_touching(const Real* u, const Real* v, const Place& place) {
-    const bool all = t_.look_at == Nodes::all;
+  /// Lists in `watched` every node in contact at the present state, and perhaps a few that miss it
+  /// by a rounding. Evaluates all nodes or those near, as the scene says.
+  KOKKOS_FUNCTION int find_contacts(const Real* u, const Real* v, const Place& place) {
+    const bool all = bounds_.searched == Nodes::all;
     if (!all && !near_.holds(u, place, 0.0)) find_near(u, v, place);
-    const double level =
-        -(t_.slack + rounding(0) * bound(t_.largest_shape, u) + bound(t_.cubic_remainder, u));
-    GroupSweep<Lanes, K> sweep(lanes_, t_, place, s_.lanes, u);
+    const double level = -(faces_.rounding + rounding(0) * bound(bounds_.largest_shape, u) +
+                           bound(bounds_.cubic_remainder, u));
+    GroupSweep<Lanes, packs> sweep(lanes_, faces_, slider_, patches_, place, amplitudes_, u);
     int count = 0;
-    const int groups = all ? t_.groups : near_.count();
+    const int groups = all ? faces_.groups : near_.count();
     for (int e = 0; e < groups; ++e) {
       const int group = all ? e : near_[e];
       list_nodes(group, lanes_.at_least(sweep.overlap(group).overlap, level), count);
@@ -188,79 +212,88 @@ class Candidates {
   }
 
  private:
-  const Lanes& lanes_;
-  const SceneTables& t_;
-  SceneState& s_;
-  NearGroups<Lanes, K> near_;
+  Lanes lanes_;
+  const ModeTables& modes_;
+  const SliderMotion& motion_;
+  const FaceTables& faces_;
+  const SliderShapes& slider_;
+  const PatchTables& patches_;
+  const ContactTables& contact_;
+  const SchemeWeights& scheme_;
+  const MotionLimits& bounds_;
+  double* amplitudes_;
+  int* watched_;
+  std::int64_t& evaluated_;
+  NearGroups<Lanes, packs> near_;
 
-  KOKKOS_FORCEINLINE_FUNCTION Real load(const double* lanes, int pack) const {
-    return lanes_.load(lanes + pack * width);
-  }
   KOKKOS_FORCEINLINE_FUNCTION double bound(const double* weight, const Real* x) const {
-    return weighted_sum<Lanes, K>(lanes_, weight, x);
+    return weighted_sum<Lanes, packs>(lanes_, weight, x);
   }
-  /// The last group is filled up with nodes that do not exist: low as they are, a motion that has
-  /// run away, or is no longer a number, would reach them.
+  /// Lists the nodes of a group whose bits are set. The last group is padded with nodes that do not
+  /// exist: low as they are, a motion that diverges, or is not a number, would reach them.
   KOKKOS_FORCEINLINE_FUNCTION void list_nodes(int group, std::uint32_t bits, int& count) {
-    const int left = t_.nodes - group * width;
+    const int left = faces_.nodes - group * width;
     if (left < width) bits &= (1u << left) - 1u;
     for (; bits != 0; bits &= bits - 1) {
-      RA2D_CHECK(count < t_.nodes);
-      if (lanes_.leader()) s_.watch[count] = group * width + Kokkos::countr_zero(bits);
+      RA2D_CHECK(count < faces_.nodes);
+      if (lanes_.leader()) watched_[count] = group * width + Kokkos::countr_zero(bits);
       ++count;
     }
   }
 
   /// Bounds on what the modes can do within a number of steps.
   struct Bounds {
-    double rounding;      // of a displacement
-    double speed;         // sum max|psi| |V|
-    double acceleration;  // A of the header
-    double curvature;     // A + B
-    double yield;  // 1/kg, acceleration that a newton of contact force can add, as in the header
+    double rounding;                 // of a displacement
+    double speed;                    // sum max|psi| |V|
+    double acceleration;             // A of the header
+    double curvature;                // A + B
+    double acceleration_per_newton;  // 1/kg, of contact force, as in the header
   };
 
   KOKKOS_FUNCTION Bounds bounds(const Real* u, const Real* v, int steps) const {
-    const double time = steps * t_.step;
-    Real energy[K], acceleration[K], rate[K], displacement[K], yield[K];
-    for (int p = 0; p < K; ++p) {
-      const Real omega = load(t_.omega, p), push = load(t_.push, p);
-      const Real stretch = omega * u[p];
+    const double time = steps * motion_.time_step;
+    Real energy[packs], acceleration[packs], rate[packs], displacement[packs], per_newton[packs];
+    for (int p = 0; p < packs; ++p) {
+      const Real outer = load_pack(lanes_, bounds_.outer_acceleration, p);
+      const Real per_norm = load_pack(lanes_, bounds_.acceleration_per_energy_norm, p);
+      const Real stretch = load_pack(lanes_, modes_.omega, p) * u[p];
       energy[p] = Kokkos::sqrt(multiply_add(v[p], v[p], stretch * stretch));
-      acceleration[p] = multiply_add(load(t_.pull, p), multiply_add(time, push, energy[p]), push);
+      acceleration[p] = multiply_add(per_norm, multiply_add(time, outer, energy[p]), outer);
       rate[p] = multiply_add(time, acceleration[p], Kokkos::abs(v[p]));
       displacement[p] = multiply_add(time, rate[p], Kokkos::abs(u[p]));
-      yield[p] = load(t_.yield, p) * multiply_add(time, load(t_.pull, p), Real(1.0));
+      per_newton[p] = load_pack(lanes_, bounds_.acceleration_per_newton, p) *
+                      multiply_add(time, per_norm, Real(1.0));
     }
     Bounds b;
-    b.rounding = rounding(steps) * bound(t_.largest_shape, displacement);
-    b.speed = bound(t_.largest_shape, v);
-    b.acceleration = bound(t_.largest_shape, acceleration);
-    const double speed = t_.advance * t_.spacing / t_.step;
-    b.curvature = b.acceleration + 2.0 * speed * bound(t_.largest_slope, rate) +
-                  speed * speed * bound(t_.largest_curvature, displacement);
-    b.yield = bound(t_.largest_shape, yield);
+    b.rounding = rounding(steps) * bound(bounds_.largest_shape, displacement);
+    b.speed = bound(bounds_.largest_shape, v);
+    b.acceleration = bound(bounds_.largest_shape, acceleration);
+    const double speed = motion_.advance * motion_.spacing / motion_.time_step;
+    b.curvature = b.acceleration + 2.0 * speed * bound(bounds_.largest_slope, rate) +
+                  speed * speed * bound(bounds_.largest_curvature, displacement);
+    b.acceleration_per_newton = bound(bounds_.largest_shape, per_newton);
     return b;
   }
 
   /// Steps until the slider's nodes stand `edge` behind the resonator's, at the most `longest`;
   /// less than one when they get there within this step.
   KOKKOS_FUNCTION int steps_to(double edge, const Place& place, int longest) const {
-    if (t_.advance == 0.0) return longest;
+    if (motion_.advance == 0.0) return longest;
     // short of the crossing by a step and by the roundings of the position
-    const double steps = (edge - place.theta - position_rounding(place)) / t_.advance - 1.0;
+    const double steps = (edge - place.theta - position_rounding(place)) / motion_.advance - 1.0;
     return steps > longest ? longest : steps < 1.0 ? 0 : static_cast<int>(steps);
   }
 
-  /// Finds the groups that can touch. The reach is what the modes can be expected to travel until a
-  /// node passes another.
+  /// Finds the near groups. The reach is the travel that can be expected of the modes until a node
+  /// passes another.
   KOKKOS_FUNCTION void find_near(const Real* u, const Real* v, const Place& place) {
-    const int left = steps_to(1.0, place, t_.longest_look), steps = left < 1 ? 1 : left;
-    const double time = steps * t_.step;
+    const int left = steps_to(1.0, place, bounds_.valid_steps), steps = left < 1 ? 1 : left;
+    const double time = steps * motion_.time_step;
     const Bounds b = bounds(u, v, steps);
     // an earlier stage of this step may stand further back
-    const double back = t_.stages > 1 ? Kokkos::min(place.theta, t_.advance) : 0.0;
-    near_.find(u, place, 2.0 * (b.speed * time + 0.5 * b.curvature * time * time) + t_.least_reach,
+    const double back = scheme_.stages > 1 ? Kokkos::min(place.theta, motion_.advance) : 0.0;
+    near_.find(u, place,
+               2.0 * (b.speed * time + 0.5 * b.curvature * time * time) + bounds_.least_reach,
                b.rounding, back);
   }
 };

@@ -31,15 +31,15 @@ KOKKOS_FORCEINLINE_FUNCTION Real cubic_slope(const double* q, const Real& eta) {
 
 /// The first four terms of the displacement (or velocity) over a patch, q_j = sum_k U_k radius^j
 /// psi_k^(j)(centre)/j!. What they leave out is below sum_k |U_k| reach_tail_k.
-template <class Lanes, int K>
+template <class Lanes, int packs>
 KOKKOS_FORCEINLINE_FUNCTION void series_coefficients(const Lanes& lanes, const double* rows,
                                                      const typename Lanes::Real* amplitude,
                                                      double* q) {
   using Real = typename Lanes::Real;
   const auto part = [&](int j) {
-    Real sum = lanes.load(rows + j * K * Lanes::width) * amplitude[0];
-    for (int p = 1; p < K; ++p)
-      sum = multiply_add(lanes.load(rows + (j * K + p) * Lanes::width), amplitude[p], sum);
+    Real sum = lanes.load(rows + j * packs * Lanes::width) * amplitude[0];
+    for (int p = 1; p < packs; ++p)
+      sum = multiply_add(lanes.load(rows + (j * packs + p) * Lanes::width), amplitude[p], sum);
     return sum;
   };
   lanes.sum(part(0), part(1), q[0], q[1]);
@@ -48,54 +48,56 @@ KOKKOS_FORCEINLINE_FUNCTION void series_coefficients(const Lanes& lanes, const d
 }
 
 /// The whole series of pack p of the modes, to below the roundings: c_j = radius^j
-/// psi^(j)(centre)/j! for j = 0 ... t.terms - 1. Four derivatives are stored, psi'''' = beta^4 psi
+/// psi^(j)(centre)/j! for j = 0 ... terms - 1. Four derivatives are stored, psi'''' = beta^4 psi
 /// gives the others.
-template <class Lanes, int K>
-KOKKOS_INLINE_FUNCTION void full_series(const Lanes& lanes, const SceneTables& t,
+template <class Lanes, int packs>
+KOKKOS_INLINE_FUNCTION void full_series(const Lanes& lanes, const PatchTables& patches,
                                         const double* rows, int p, typename Lanes::Real* c) {
   using Real = typename Lanes::Real;
-  const Real quartic = lanes.load(t.quartic + p * Lanes::width);
+  const Real quartic = lanes.load(patches.quartic + p * Lanes::width);
   for (int j = 0; j < 4; ++j) {
-    c[j] = Real(inverse_factorial(j)) * lanes.load(rows + (j * K + p) * Lanes::width);
-    for (int i = j; i + 4 < t.terms; i += 4)
+    c[j] = Real(inverse_factorial(j)) * lanes.load(rows + (j * packs + p) * Lanes::width);
+    for (int i = j; i + 4 < patches.terms; i += 4)
       c[i + 4] = c[i] * quartic * Real(1.0 / ((i + 1.0) * (i + 2.0) * (i + 3.0) * (i + 4.0)));
   }
 }
 
 /// psi_k at a place of the resonator, for all packs of modes. `position` in chi, on the beam.
-template <class Lanes, int K>
-KOKKOS_INLINE_FUNCTION void mode_values(const Lanes& lanes, const SceneTables& t, double position,
-                                        typename Lanes::Real (&value)[K]) {
+template <class Lanes, int packs>
+KOKKOS_INLINE_FUNCTION void mode_values(const Lanes& lanes, const PatchTables& patches,
+                                        double position, typename Lanes::Real (&value)[packs]) {
   using Real = typename Lanes::Real;
-  const int patch = static_cast<int>(position) / t.patch_nodes;
-  RA2D_CHECK(patch >= 0 && patch < t.patches);
-  const Real eta((position - (patch + 0.5) * t.patch_nodes) * t.inverse_radius);
-  const double* rows = t.patch + static_cast<std::int64_t>(patch) * 4 * K * Lanes::width;
-  for (int p = 0; p < K; ++p) {
+  const int patch = static_cast<int>(position) / patches.nodes;
+  RA2D_CHECK(patch >= 0 && patch < patches.count);
+  const Real eta((position - (patch + 0.5) * patches.nodes) * patches.inverse_radius);
+  const double* rows =
+      patches.derivatives + static_cast<std::int64_t>(patch) * 4 * packs * Lanes::width;
+  for (int p = 0; p < packs; ++p) {
     Real c[most_terms];
-    full_series<Lanes, K>(lanes, t, rows, p, c);
-    value[p] = c[t.terms - 1];
-    for (int j = t.terms - 2; j >= 0; --j) value[p] = multiply_add(value[p], eta, c[j]);
+    full_series<Lanes, packs>(lanes, patches, rows, p, c);
+    value[p] = c[patches.terms - 1];
+    for (int j = patches.terms - 2; j >= 0; --j) value[p] = multiply_add(value[p], eta, c[j]);
   }
 }
 
 /// The cubics of all modes about a place of the resonator: shape[m][p] is the m-th derivative over
 /// m!, per chi^m, of pack p of the modes. `position` in chi; `patch` one whose series holds there.
-template <class Lanes, int K>
-KOKKOS_INLINE_FUNCTION void expand_modes(const Lanes& lanes, const SceneTables& t, int patch,
-                                         double position, typename Lanes::Real (&shape)[4][K]) {
+template <class Lanes, int packs>
+KOKKOS_INLINE_FUNCTION void expand_modes(const Lanes& lanes, const PatchTables& patches, int patch,
+                                         double position, typename Lanes::Real (&shape)[4][packs]) {
   using Real = typename Lanes::Real;
-  RA2D_CHECK(patch >= 0 && patch < t.patches);
-  const Real eta((position - (patch + 0.5) * t.patch_nodes) * t.inverse_radius);
-  const double* rows = t.patch + static_cast<std::int64_t>(patch) * 4 * K * Lanes::width;
-  for (int p = 0; p < K; ++p) {
+  RA2D_CHECK(patch >= 0 && patch < patches.count);
+  const Real eta((position - (patch + 0.5) * patches.nodes) * patches.inverse_radius);
+  const double* rows =
+      patches.derivatives + static_cast<std::int64_t>(patch) * 4 * packs * Lanes::width;
+  for (int p = 0; p < packs; ++p) {
     Real c[most_terms];
-    full_series<Lanes, K>(lanes, t, rows, p, c);
+    full_series<Lanes, packs>(lanes, patches, rows, p, c);
     double unit = 1.0;
     for (int m = 0; m < 4; ++m) {  // repeated synthetic division by (eta' - eta)
-      for (int j = t.terms - 2; j >= m; --j) c[j] = multiply_add(eta, c[j + 1], c[j]);
+      for (int j = patches.terms - 2; j >= m; --j) c[j] = multiply_add(eta, c[j + 1], c[j]);
       shape[m][p] = Real(unit) * c[m];
-      unit *= t.inverse_radius;
+      unit *= patches.inverse_radius;
     }
   }
 }

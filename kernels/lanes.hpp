@@ -15,21 +15,18 @@
 /// a SIMD register of one thread; on a GPU it is one double in each thread of a warp. A sum over
 /// lanes adds in one fixed tree, so a result does not depend on threads, batch or launch.
 ///
-/// What kernels keep to, so that the lanes of a warp, each of which runs them by itself, come to
-/// what a pack does (tests/warp holds them to it):
+/// Each lane of a warp runs a kernel by itself. Kernels keep these rules so that the lanes come to
+/// the bits of a pack (tests/warp checks them):
 ///
-///   Ways      What an `if` or a loop asks is the same in all lanes: it comes from the tables, the
-///   state or
-///             a reduction, never from a `Real`. So all lanes come to the same reductions and syncs
-///             in the same order.
-///   Rows      A row of lanes (`load`, `store`) is written by all, each its own place. A lane reads
-///   its
-///             own place back as it likes, and another's after a sync.
+///   Branches  The condition of an `if` or a loop is the same in all lanes: it comes from the
+///             tables, the state or a reduction, never from a `Real`. So all lanes come to the same
+///             reductions and syncs in the same order.
+///   Rows      A row of lanes (`load`, `store`) is written by all, each its own place. A lane may
+///             read its own place back at any time, and another's after a sync.
 ///   Scalars   Any other value of the state is written by the leader alone.
 ///   Syncs     One stands between a write and the reads of other lanes, and one between these reads
-///   and
-///             the next write: a lane may be late. What was asked in an `if` was read, too.
-///   Sums      A reduction brings the lanes together, but orders no memory: it is no sync.
+///             and the next write: a lane may be late. A condition counts as a read, too.
+///   Sums      A reduction synchronizes the lanes, but orders no memory: it is no sync.
 namespace ra2d {
 
 /// Lanes of a CPU thread: the SIMD register of the instruction set that Kokkos was built for.
@@ -196,6 +193,13 @@ template <class Real>
 requires(!std::is_same_v<Real, double>) KOKKOS_FORCEINLINE_FUNCTION Real
     multiply_add(double a, const Real& b, const Real& c) {
   return Kokkos::fma(Real(a), b, c);
+}
+
+/// Pack number `pack` of a row of lanes.
+template <class Lanes>
+KOKKOS_FORCEINLINE_FUNCTION typename Lanes::Real load_pack(const Lanes& lanes, const double* row,
+                                                           int pack) {
+  return lanes.load(row + pack * Lanes::width);
 }
 
 }  // namespace ra2d

@@ -3,11 +3,12 @@
 
 namespace ra2d {
 
-/// Modes of both bodies together, rigid ones among them, that a march has room for. Scenes that ask
+/// The most modes of both bodies, rigid ones included, that a march takes. Scenes that ask
 /// for more are refused.
 inline constexpr int most_modes = 256;
 
-/// Steps: the longest stretch that a look ahead covers, and between two looks at the energy.
+/// Steps: the longest flight that a look ahead can promise, and the most between two checks of the
+/// energy.
 inline constexpr int longest_flight = 4096;
 
 }  // namespace ra2d

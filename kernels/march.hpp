@@ -12,35 +12,35 @@
 /// The launch: one team marches one scene.
 namespace ra2d {
 
-/// Leaves where the host finds it how a scene stands.
-template <class Lanes, int K>
-KOKKOS_FUNCTION void hand_out(const Lanes& lanes, SceneState& s) {
+/// Copies what the host wants to know of a scene to where it reads it.
+template <class Lanes, int packs>
+KOKKOS_FUNCTION void publish(const Lanes& lanes, const CarriedState& carried, CarriedCopies& now) {
   constexpr int width = Lanes::width;
-  for (int p = 0; p < K; ++p) {
+  for (int p = 0; p < packs; ++p) {
     const int row = p * width;
-    lanes.store(s.now_u + row, lanes.load(s.u + row));
-    lanes.store(s.now_v + row, lanes.load(s.v + row));
-    lanes.store(s.now_square + row, lanes.load(s.square + row));
-    lanes.store(s.now_square_part + row, lanes.load(s.square_part + row));
+    lanes.store(now.u + row, lanes.load(carried.modal.u + row));
+    lanes.store(now.v + row, lanes.load(carried.modal.v + row));
+    lanes.store(now.square + row, lanes.load(carried.modal.square + row));
+    lanes.store(now.square_part + row, lanes.load(carried.modal.square_part + row));
   }
-  lanes.store(s.now_bend_part, lanes.load(s.bend_part));
+  lanes.store(now.bend_part, lanes.load(carried.sums.bend_part));
   if (lanes.leader())
-    for (int i = 0; i < s.open_count; ++i) s.now_open[i] = s.open[i];
+    for (int i = 0; i < carried.shocks.open_count; ++i) now.open[i] = carried.shocks.open[i];
 }
 
 /// Marches one scene to step `target`, its end, a full buffer, an interrupt or a failure.
-template <class Lanes, Form form, int K>
+template <class Lanes, Form form, int packs>
 KOKKOS_FUNCTION void march_scene(const Lanes& lanes, const SceneTables& tables, SceneState& state,
                                  std::int64_t target) {
   if constexpr (form == Form::adaptive)
-    AdaptiveMarcher<Lanes, K>(lanes, tables, state).run(target);
+    AdaptiveMarch<Lanes, packs>(lanes, tables, state).run(target);
   else
-    FixedMarch<Lanes, form, K>(lanes, tables, state).run(target);
-  hand_out<Lanes, K>(lanes, state);
+    FixedMarch<Lanes, form, packs>(lanes, tables, state).run(target);
+  publish<Lanes, packs>(lanes, state.carried, state.out.now);
 }
 
 /// A launch on a GPU: scenes of one form, a team each, to their targets. Addresses of the device.
-template <class Space, Form form, int K>
+template <class Space, Form form, int packs>
 struct March {
   using Policy = Kokkos::TeamPolicy<Space>;
   using Member = typename Policy::member_type;
@@ -56,7 +56,7 @@ struct March {
     const int scene = scenes[member.league_rank()];
     const Lanes lanes(member);
     const std::uint64_t begin = nanoseconds();
-    march_scene<Lanes, form, K>(lanes, tables[scene], states[scene], targets[scene]);
+    march_scene<Lanes, form, packs>(lanes, tables[scene], states[scene], targets[scene]);
     const std::uint64_t end = nanoseconds();
     if (lanes.leader())
       seconds[scene] = end > begin ? 1e-9 * static_cast<double>(end - begin) : 0.0;

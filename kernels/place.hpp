@@ -16,28 +16,29 @@ struct Place {
   double position;  // of slider node 0 on the resonator
   int base;         // whole nodes
   double theta;     // the rest: every slider node stands theta behind resonator node base + n
-  int part;         // of the node's width, in t.windows parts
+  int part;         // the window: part of the node's width, of SliderMotion::windows
   double offset;    // from the middle of that part
 
-  /// At a step, or at a share `behind` of the step after it.
-  KOKKOS_FORCEINLINE_FUNCTION Place(const SceneTables& t, std::int64_t step, double behind = 0.0) {
-    position = Kokkos::fma(static_cast<double>(step) + behind, t.advance, t.position);
+  /// At a step, or a share of a step later.
+  KOKKOS_FORCEINLINE_FUNCTION Place(const SliderMotion& motion, std::int64_t step,
+                                    double share = 0.0) {
+    position = Kokkos::fma(static_cast<double>(step) + share, motion.advance, motion.position);
     base = static_cast<int>(position);
     theta = position - base;
-    part = static_cast<int>(theta * t.windows);
-    offset = theta - (part + 0.5) * t.window_width;
+    part = static_cast<int>(theta * motion.windows);
+    offset = theta - (part + 0.5) * motion.window_width;
   }
-  /// The number of the window: a stretch of the way within which no node passes another and the
+  /// The number of the window: a part of the slider's path in which no node passes another and the
   /// modes' shapes at a node are cubic polynomials of the offset.
-  KOKKOS_FORCEINLINE_FUNCTION std::int64_t window(const SceneTables& t) const {
-    return static_cast<std::int64_t>(base) * t.windows + part;
+  KOKKOS_FORCEINLINE_FUNCTION std::int64_t window(const SliderMotion& motion) const {
+    return static_cast<std::int64_t>(base) * motion.windows + part;
   }
   /// On to another step of the same window.
-  KOKKOS_FORCEINLINE_FUNCTION void move_to(const SceneTables& t, std::int64_t step,
-                                           double behind = 0.0) {
-    position = Kokkos::fma(static_cast<double>(step) + behind, t.advance, t.position);
+  KOKKOS_FORCEINLINE_FUNCTION void move_to(const SliderMotion& motion, std::int64_t step,
+                                           double share = 0.0) {
+    position = Kokkos::fma(static_cast<double>(step) + share, motion.advance, motion.position);
     theta = position - base;
-    offset = theta - (part + 0.5) * t.window_width;
+    offset = theta - (part + 0.5) * motion.window_width;
   }
 };
 
@@ -47,11 +48,12 @@ struct GroupPlace {
   int patch;
   double eta;
 
-  KOKKOS_FORCEINLINE_FUNCTION GroupPlace(const SceneTables& t, const Place& place, int group) {
+  KOKKOS_FORCEINLINE_FUNCTION GroupPlace(const PatchTables& patches, const Place& place,
+                                         int group) {
     const int middle = place.base + group * Lanes::width + Lanes::width / 2;
-    patch = static_cast<int>((middle + 0.5) * t.inverse_patch);
-    eta = (place.position + (group * Lanes::width - (patch + 0.5) * t.patch_nodes)) *
-          t.inverse_radius;
+    patch = static_cast<int>((middle + 0.5) * patches.inverse_nodes);
+    eta = (place.position + (group * Lanes::width - (patch + 0.5) * patches.nodes)) *
+          patches.inverse_radius;
   }
 };
 
@@ -62,24 +64,26 @@ struct StaticOverlap {
   using Real = typename Lanes::Real;
   Real height, rise;
 
-  KOKKOS_FORCEINLINE_FUNCTION StaticOverlap(const Lanes& lanes, const SceneTables& t,
+  KOKKOS_FORCEINLINE_FUNCTION StaticOverlap(const Lanes& lanes, const FaceTables& faces,
                                             const Place& place, int group) {
-    const double* h2 = t.height2 + place.base + group * Lanes::width;
+    const double* h2 = faces.height2 + place.base + group * Lanes::width;
     const Real left = lanes.load(h2);
     rise = lanes.load(h2 + 1) - left;
-    height = lanes.load(t.height1 + group * Lanes::width) + multiply_add(place.theta, rise, left);
+    height =
+        lanes.load(faces.height1 + group * Lanes::width) + multiply_add(place.theta, rise, left);
   }
 };
 
-/// u_1 (or its rate) at the nodes of a group; `amplitude` holds all modes' amplitudes one by one.
+/// Adds u_1 (or its rate) at the nodes of a group to `value`; `amplitude` holds all modes'
+/// amplitudes one by one.
 template <class Lanes>
 KOKKOS_FORCEINLINE_FUNCTION typename Lanes::Real add_slider_displacement(
-    const Lanes& lanes, const SceneTables& t, const double* amplitude, int group,
+    const Lanes& lanes, const SliderShapes& slider, const double* amplitude, int group,
     typename Lanes::Real value) {
-  const std::int64_t stride = std::int64_t{t.groups} * Lanes::width;
-  for (int k = 0; k < t.slider_modes; ++k)
-    value = multiply_add(amplitude[t.resonator_modes + k],
-                         lanes.load(t.slider_shape + k * stride + group * Lanes::width), value);
+  const std::int64_t row = slider.row;
+  for (int k = 0; k < slider.modes; ++k)
+    value = multiply_add(amplitude[slider.first_lane + k],
+                         lanes.load(slider.shape + k * row + group * Lanes::width), value);
   return value;
 }
 

@@ -5,14 +5,16 @@
 
 #include "kernels/tables.hpp"
 
-/// What changes while a scene is marched, and what it hands out. Plain data, pointers as in
+/// The state of one scene, which changes while it is marched. Plain data, pointers as in
 /// SceneTables. Five parts, by what becomes of them between two launches:
 ///
-///   CarriedState   what the next step goes on from: kept, and all that a saved run keeps
-///   Marks          what the caches and the work space hold, -1: nothing, which is what they begin
-///   with Caches         what can be found anew from it: kept, or emptied, with the same answers
-///   WorkSpace      means nothing between two launches
-///   HandOut        buffers of what is recorded: emptied after each launch
+///   carried  what the next step goes on from: kept, and all that a checkpoint holds
+///   marks    what the caches and the work space hold, -1 for nothing, as at the beginning
+///   caches   what can be computed again from it: kept or emptied, with the same answers
+///   work     means nothing between two launches
+///   out      buffers of what is recorded: emptied after each launch
+///
+/// Kernels are handed the parts of these that they use, and those that they only read as const.
 namespace ra2d {
 
 enum class Status : int {
@@ -21,19 +23,19 @@ enum class Status : int {
   unstable,
   not_finite,
   blocked,  // Form::implicit: no motion of the modes keeps the bodies apart
-  crowded,  // more nodes carry force than there is room for: goes on once there is more
+  crowded,  // more nodes carry force than there is memory for: goes on once there is more
   stalled   // Form::adaptive: the motion is too fast for the clock
 };
 
-/// Bounds on a polynomial over a stretch (kernels/adaptive/crossing.hpp).
+/// Bounds on a polynomial over an interval (kernels/adaptive/crossing.hpp).
 struct Hull {
   double least, most;      // of the polynomial
   double falling, rising;  // of its slope: least and most
   double curve;            // on the size of its second derivative
 };
 
-/// Integrals over a stretch of a node's overlap o(x) [m]: of o, x o, and o times its rise along the
-/// way.
+/// Integrals over an interval of a node's overlap o(x) [m]: of o, of x o, and of o times its rise
+/// along the slider's path.
 struct NodeSums {
   double overlap, moment, work;
 };
@@ -69,21 +71,21 @@ enum Column : int { force, nodes, contact_energy, damping_loss, sliding_work, fo
 constexpr int row(int lanes) { return 2 * lanes + columns; }
 }  // namespace sample
 
-/// All that a march goes on from. A run that was saved and goes on from this gives the same bits.
-struct CarriedState {
-  Status status = Status::running;
-  std::int64_t step = 0;
+// ---- carried
 
-  // modes, one lane each
+/// The modes, one lane each.
+struct CarriedModes {
   double* u = nullptr;            // m^(3/2)
   double* v = nullptr;            // m^(3/2)/s
-  double* start = nullptr;        // u at t = 0
+  double* start_u = nullptr;      // u at t = 0
   double* start_v = nullptr;      // v at t = 0
-  bool begun = false;             // v has been brought to where the scheme has it
-  double* square = nullptr;       // sum of V^2 over the steps, but for ...
+  bool begun = false;             // v has been brought to the time at which the scheme has it
+  double* square = nullptr;       // sum of V^2 over the steps, except ...
   double* square_part = nullptr;  // ... those since the last sample (adaptive: in 4096)
+};
 
-  // sums over the steps, in the same two parts
+/// Sums over the steps, in the same two parts.
+struct RunningSums {
   double sliding_work = 0;                // J
   double gross_climb = 0;                 // N m: sum of |climb|
   double climb_part = 0;                  // N m: see ContactTotals
@@ -92,135 +94,217 @@ struct CarriedState {
   std::int64_t contact_steps = 0;         // steps with any node in contact
   std::int64_t most_nodes = 0;            // largest number of nodes in contact at once
   std::int64_t evaluated = 0;             // nodes whose gap was evaluated (a measure of cost)
+};
 
-  // energy at t = 0, and what the watch over it found
-  double energy_start = 0;  // J, kinetic + elastic + contact
-  double most_paid = 0;     // J, the most that loads and moving forces had put in at any look
-  double energy = 0;        // J, kinetic + elastic at the last look, or when it stopped
-  double energy_limit = 0;  // J, what it was not allowed to pass
+/// Energy at t = 0, and what the watch over it found.
+struct EnergyWatch {
+  double start = 0;          // J, kinetic + elastic + contact
+  double most_supplied = 0;  // J, the most that loads and moving forces had supplied at any check
+  double latest = 0;         // J, kinetic + elastic at the latest check, or when the march stopped
+  double limit = 0;          // J, which it was not allowed to pass
+};
 
-  std::int64_t next_sample = 0;
-  bool sample_pending = false;    // the next sample still misses its share of the next step ...
+struct Sampling {
+  std::int64_t next = 0;
+  bool pending = false;           // the next sample still lacks its share of the next step ...
   double* pending_row = nullptr;  // ... and this is the rest of it
+};
 
-  // shocks
+struct ShockTracking {
   ContactRun* runs = nullptr;  // of the step runs_step
   OpenShock* open = nullptr;
   int run_count = 0, open_count = 0;
   std::int64_t runs_step = -2;
-  std::int64_t shocks_begun = 0;
-
-  // Form::implicit: the contact at the end of the latest step with any
-  std::int64_t contact_step = -1;
-  double contact_force = 0;   // N
-  double contact_energy = 0;  // J
-  int contact_nodes = 0;
-  int contact_pair[2] = {};  // the first two of them
-
-  // Form::adaptive: the nodes in contact, in ascending order, and what the next step starts with
-  std::int64_t strides = 0;  // steps made
-  int closed_count = 0;
-  int* closed = nullptr;
-  int shape_terms = 2;  // of the shapes at a node, that the latest step with contact wanted
-  double stride = 0;    // s, guess at the length of the next step with forces
-  int level = 0;        // of the next flight: 2^level ticks
+  std::int64_t begun = 0;
 };
+
+/// Form::implicit: the contact at the end of the latest step with any.
+struct LatestContact {
+  std::int64_t step = -1;
+  double force = 0;   // N
+  double energy = 0;  // J
+  int nodes = 0;
+  int pair[2] = {};  // the first two of them
+};
+
+/// Form::adaptive: the nodes in contact, in ascending order.
+struct ContactSet {
+  int count = 0;
+  int* nodes = nullptr;
+};
+
+/// Form::adaptive: what the next step starts with.
+struct StepControl {
+  int shape_terms = 2;      // of the shapes at a node, which the latest step with contact needed
+  double series_scale = 0;  // s, guess at the length of the next step with forces
+  int flight_level = 0;     // of the next flight: 2^level ticks
+};
+
+/// All that a march goes on from. A saved run that goes on from this gives the same bits. A
+/// checkpoint holds its bytes, and its arrays.
+struct CarriedState {
+  Status status = Status::running;
+  std::int64_t step = 0;  // or tick
+  CarriedModes modal;
+  RunningSums sums;
+  EnergyWatch energy;
+  Sampling sampling;
+  ShockTracking shocks;
+  LatestContact latest_contact;
+  std::int64_t adaptive_steps = 0;  // made
+  ContactSet contacts;
+  StepControl control;
+};
+
+// ---- marks and caches
 
 /// Of each node.
 struct Marks {
   std::int64_t* node_window = nullptr;  // for which it is expanded (Caches)
-  int* pressed_place =
-      nullptr;  // Form::implicit: its place among those that carry force (WorkSpace)
+  int* active_index = nullptr;          // Form::implicit: its index in the active set
 };
 
-/// What is found once and read often.
+/// Expanded nodes.
 struct Caches {
-  // expanded nodes: shape (node, 4, lane), faces (node, 2)
-  double* node_shape = nullptr;
-  double* node_face = nullptr;
+  double* node_shape = nullptr;  // (node, 4, lane)
+  double* node_face = nullptr;   // (node, 2)
+};
+
+// ---- work
+
+/// The lists of kernels/near_groups.hpp.
+struct NearLists {
+  int* near = nullptr;            // groups that can come into contact while the near list holds
+  double* near_u = nullptr;       // modal displacements at which the near list was made
+  int* far = nullptr;             // groups from which the near list is drawn ...
+  double* far_highest = nullptr;  // ... the highest that each can come on the path ahead, m ...
+  double* far_u = nullptr;        // ... and the modal displacements at which they were found
+};
+
+/// The nodes in contact at a step, and their forces [N].
+struct ContactList {
+  int* nodes = nullptr;
+  double* forces = nullptr;
+};
+
+/// The next runs of neighbouring nodes.
+struct RunBuffer {
+  ContactRun* next = nullptr;
+  int capacity = 0;
+};
+
+/// Form::implicit: the nodes that carry force, in the order in which they came
+/// (kernels/contact/complementarity.hpp).
+struct ActiveSet {
+  int capacity = 0;
+  int* nodes = nullptr;
+  double* forces = nullptr;    // N
+  double* factor = nullptr;    // Cholesky factor, (row, column) with `capacity` columns
+  double* coupling = nullptr;  // m/N, of the next node with each of them
+  double* solution = nullptr;  // of a system with the factor, first its right-hand side
+};
+
+/// Form::adaptive: coefficients of power series (kernels/adaptive/series.hpp).
+struct SeriesBuffers {
+  double* modes = nullptr;      // (order, lane)
+  double* squares = nullptr;    // (order, lane): of the integral of V^2
+  double* forces = nullptr;     // (order, lane): of the moving forces
+  double* nodes = nullptr;      // (node in contact, 2, order): overlap, climb
+  double* shapes = nullptr;     // (node in contact, 4, lane)
+  double* one_shape = nullptr;  // (4, lane): of one more node
+};
+
+/// Form::adaptive: of each node in contact, over a step.
+struct ContactSpans {
+  int capacity = 0;
+  Hull* hulls = nullptr;     // of its overlap over the step
+  NodeSums* sums = nullptr;  // of it over a part of the step
+  double* ends = nullptr;    // where its contact ends, in units of the series
+};
+
+/// Form::adaptive: the search for contacts that begin (kernels/adaptive/overlaps.hpp).
+struct OnsetSearch {
+  double* seen = nullptr;        // (2, near group, 2, lane): overlap, rate at both ends of a step
+  double* onsets = nullptr;      // where the contact of a watched node begins
+  double* polynomial = nullptr;  // (order): of one node
+  double* bernstein = nullptr;   // one series and two values more
 };
 
 struct WorkSpace {
-  int* near = nullptr;              // groups that can touch while the near list holds
-  double* near_u = nullptr;         // modal displacements at which the near list was made
-  int* far = nullptr;               // groups from which the near list is drawn ...
-  double* far_top = nullptr;        // ... the highest that each can come in the way ahead, m ...
-  double* far_u = nullptr;          // ... and where they were found
-  double* lanes = nullptr;          // modal displacements and rates, to be read one by one
-  int* watch = nullptr;             // nodes evaluated at each step
-  int* touched = nullptr;           // nodes that touch at this step ...
-  double* touched_force = nullptr;  // ... and their forces, N
-  ContactRun* new_runs = nullptr;   // room for the next runs
-  int run_capacity = 0;
-
-  // Form::implicit: the nodes that carry force, in the order in which they came
-  int pressed_capacity = 0;
-  int* pressed = nullptr;
-  double* pressed_force = nullptr;  // N
-  double* factor = nullptr;         // Cholesky factor, (row, column) with pressed_capacity columns
-  double* across = nullptr;         // m/N, of the next node with each of them
-  double* share = nullptr;          // what each gives up for a newton on the next
-
-  // Form::adaptive
-  int closed_capacity = 0;
-  double* series = nullptr;         // (order, lane): of the modes
-  double* square_series = nullptr;  // (order, lane): of the integral of V^2
-  double* push_series = nullptr;    // (order, lane): of the moving forces
-  double* node_series = nullptr;    // (closed node, 2, order): overlap, climb
-  double* closed_shape = nullptr;   // (closed node, 4, lane)
-  double* scan_shape = nullptr;     // (4, lane)
-  double* scan = nullptr;           // (order): of one more node
-  double* hull_room = nullptr;      // one series and two values more
-  Hull* closed_hull = nullptr;      // of the overlaps of the nodes in contact over the step
-  NodeSums* closed_sums = nullptr;  // of them, over a part of the step
-  double* closed_roots = nullptr;   // where the nodes in contact let go, in units of the series ...
-  double* roots = nullptr;          // ... and where those that are looked at begin to touch
-  double* seen = nullptr;  // (2, near group, 2, lane): overlap and its rate at both ends of a step
+  NearLists near;
+  double* amplitudes = nullptr;  // modal displacements and rates, to be read one by one
+  int* watched = nullptr;        // nodes evaluated at each step
+  ContactList contact_list;
+  RunBuffer runs;
+  ActiveSet active;
+  SeriesBuffers series;
+  ContactSpans spans;
+  OnsetSearch search;
 };
 
-/// What is recorded, until the host takes it, and how the scene stands at the end of a launch. The
-/// host reads and a march writes it at one address, on a GPU over its bus: nothing here is read by
-/// a march.
-struct HandOut {
-  double* sample_rows = nullptr;  // see sample::row
-  int sample_capacity = 0, sample_count = 0;
-  ShockRow* shock_rows = nullptr;
-  int shock_capacity = 0, shock_count = 0;
+// ---- out
 
-  // of CarriedState
-  double* now_u = nullptr;
-  double* now_v = nullptr;
-  double* now_square = nullptr;
-  double* now_square_part = nullptr;
-  double* now_bend_part = nullptr;
-  OpenShock* now_open = nullptr;
+struct SampleBuffer {
+  double* rows = nullptr;  // see sample::row
+  int capacity = 0, count = 0;
 };
 
-struct SceneState : CarriedState, Marks, Caches, WorkSpace, HandOut {};
+struct ShockBuffer {
+  ShockRow* rows = nullptr;
+  int capacity = 0, count = 0;
+};
 
-// Every array of each part, once, as for the tables (kernels/tables.hpp).
+/// Copies of carried arrays.
+struct CarriedCopies {
+  double* u = nullptr;
+  double* v = nullptr;
+  double* square = nullptr;
+  double* square_part = nullptr;
+  double* bend_part = nullptr;
+  OpenShock* open = nullptr;
+};
+
+/// The record, until the host takes it, and how the scene stands at the end of a launch. The
+/// host reads it and a march writes it at one address, on a GPU over its bus: a march reads none
+/// of its arrays.
+struct RecordBuffers {
+  SampleBuffer samples;
+  ShockBuffer ended_shocks;
+  CarriedCopies now;
+};
+
+struct SceneState {
+  CarriedState carried;
+  Marks marks;
+  Caches caches;
+  WorkSpace work;
+  RecordBuffers out;
+};
+
+// Every array of each part, once, as for the tables (kernels/tables.hpp). A checkpoint holds the
+// carried ones in this order; messages name them as here.
 
 template <class Visit>
 void visit_arrays(CarriedState& s, const Extents& n, Visit&& visit) {
   const auto lanes = static_cast<std::size_t>(n.lanes);
-  visit("u", s.u, lanes);
-  visit("v", s.v, lanes);
-  visit("start", s.start, lanes);
-  visit("start_v", s.start_v, lanes);
-  visit("square", s.square, lanes);
-  visit("square_part", s.square_part, lanes);
-  visit("bend_part", s.bend_part, static_cast<std::size_t>(n.width));
-  visit("pending_row", s.pending_row, static_cast<std::size_t>(sample::row(n.lanes)));
-  visit("runs", s.runs, static_cast<std::size_t>(n.runs()));
-  visit("open", s.open, 2 * static_cast<std::size_t>(n.runs()));
-  if (n.adaptive()) visit("closed", s.closed, static_cast<std::size_t>(n.closed));
+  visit("u", s.modal.u, lanes);
+  visit("v", s.modal.v, lanes);
+  visit("start", s.modal.start_u, lanes);
+  visit("start_v", s.modal.start_v, lanes);
+  visit("square", s.modal.square, lanes);
+  visit("square_part", s.modal.square_part, lanes);
+  visit("bend_part", s.sums.bend_part, static_cast<std::size_t>(n.width));
+  visit("pending_row", s.sampling.pending_row, static_cast<std::size_t>(sample::row(n.lanes)));
+  visit("runs", s.shocks.runs, static_cast<std::size_t>(n.runs()));
+  visit("open", s.shocks.open, 2 * static_cast<std::size_t>(n.runs()));
+  if (n.adaptive()) visit("closed", s.contacts.nodes, static_cast<std::size_t>(n.contacts));
 }
 
 template <class Visit>
 void visit_arrays(Marks& s, const Extents& n, Visit&& visit) {
   const auto nodes = static_cast<std::size_t>(n.nodes);
   visit("node_window", s.node_window, nodes);
-  if (n.pressed > 0) visit("pressed_place", s.pressed_place, nodes);
+  if (n.active > 0) visit("active_index", s.active_index, nodes);
 }
 
 template <class Visit>
@@ -234,53 +318,53 @@ template <class Visit>
 void visit_arrays(WorkSpace& s, const Extents& n, Visit&& visit) {
   const auto lanes = static_cast<std::size_t>(n.lanes);
   const std::size_t nodes = n.padded_nodes(), groups = n.groups;
-  visit("near", s.near, groups);
-  visit("near_u", s.near_u, lanes);
-  visit("far", s.far, groups);
-  visit("far_top", s.far_top, groups);
-  visit("far_u", s.far_u, lanes);
-  visit("lanes", s.lanes, 2 * lanes);
-  visit("watch", s.watch, nodes);
-  visit("touched", s.touched, nodes);
-  visit("touched_force", s.touched_force, nodes);
-  visit("new_runs", s.new_runs, static_cast<std::size_t>(n.runs()));
-  if (n.pressed > 0) {
-    const auto pressed = static_cast<std::size_t>(n.pressed);
-    visit("pressed", s.pressed, pressed);
-    visit("pressed_force", s.pressed_force, pressed);
-    visit("factor", s.factor, (pressed + 1) * pressed);
-    visit("across", s.across, pressed);
-    visit("share", s.share, pressed);
+  visit("near", s.near.near, groups);
+  visit("near_u", s.near.near_u, lanes);
+  visit("far", s.near.far, groups);
+  visit("far_highest", s.near.far_highest, groups);
+  visit("far_u", s.near.far_u, lanes);
+  visit("amplitudes", s.amplitudes, 2 * lanes);
+  visit("watched", s.watched, nodes);
+  visit("contact_nodes", s.contact_list.nodes, nodes);
+  visit("contact_forces", s.contact_list.forces, nodes);
+  visit("next_runs", s.runs.next, static_cast<std::size_t>(n.runs()));
+  if (n.active > 0) {
+    const auto active = static_cast<std::size_t>(n.active);
+    visit("active_nodes", s.active.nodes, active);
+    visit("active_forces", s.active.forces, active);
+    visit("factor", s.active.factor, (active + 1) * active);
+    visit("coupling", s.active.coupling, active);
+    visit("solution", s.active.solution, active);
   }
   if (n.adaptive()) {
-    const auto closed = static_cast<std::size_t>(n.closed);
-    visit("series", s.series, (most_order + 1) * lanes);
-    visit("square_series", s.square_series, most_order * lanes);
-    visit("push_series", s.push_series, (most_order + 1) * lanes);
-    visit("node_series", s.node_series, closed * 2 * overlap_terms);
-    visit("closed_shape", s.closed_shape, closed * 4 * lanes);
-    visit("scan_shape", s.scan_shape, 4 * lanes);
-    visit("scan", s.scan, std::size_t{overlap_terms});
-    visit("hull_room", s.hull_room, std::size_t{2 * overlap_terms});
-    visit("closed_hull", s.closed_hull, closed);
-    visit("closed_sums", s.closed_sums, closed);
-    visit("closed_roots", s.closed_roots, closed);
-    visit("roots", s.roots, nodes);
-    visit("seen", s.seen, 4 * nodes);
+    const auto contacts = static_cast<std::size_t>(n.contacts);
+    visit("series", s.series.modes, (most_order + 1) * lanes);
+    visit("square_series", s.series.squares, most_order * lanes);
+    visit("force_series", s.series.forces, (most_order + 1) * lanes);
+    visit("node_series", s.series.nodes, contacts * 2 * overlap_terms);
+    visit("contact_shapes", s.series.shapes, contacts * 4 * lanes);
+    visit("one_shape", s.series.one_shape, 4 * lanes);
+    visit("polynomial", s.search.polynomial, std::size_t{overlap_terms});
+    visit("bernstein", s.search.bernstein, std::size_t{2 * overlap_terms});
+    visit("hulls", s.spans.hulls, contacts);
+    visit("sums", s.spans.sums, contacts);
+    visit("ends", s.spans.ends, contacts);
+    visit("onsets", s.search.onsets, nodes);
+    visit("seen", s.search.seen, 4 * nodes);
   }
 }
 
 template <class Visit>
-void visit_arrays(HandOut& s, const Extents& n, Visit&& visit) {
-  visit("sample_rows", s.sample_rows, static_cast<std::size_t>(n.samples) * sample::row(n.lanes));
-  visit("shock_rows", s.shock_rows, static_cast<std::size_t>(n.shocks));
+void visit_arrays(RecordBuffers& s, const Extents& n, Visit&& visit) {
+  visit("sample_rows", s.samples.rows, static_cast<std::size_t>(n.samples) * sample::row(n.lanes));
+  visit("shock_rows", s.ended_shocks.rows, static_cast<std::size_t>(n.shocks));
   const auto lanes = static_cast<std::size_t>(n.lanes);
-  visit("now_u", s.now_u, lanes);
-  visit("now_v", s.now_v, lanes);
-  visit("now_square", s.now_square, lanes);
-  visit("now_square_part", s.now_square_part, lanes);
-  visit("now_bend_part", s.now_bend_part, static_cast<std::size_t>(n.width));
-  visit("now_open", s.now_open, 2 * static_cast<std::size_t>(n.runs()));
+  visit("now_u", s.now.u, lanes);
+  visit("now_v", s.now.v, lanes);
+  visit("now_square", s.now.square, lanes);
+  visit("now_square_part", s.now.square_part, lanes);
+  visit("now_bend_part", s.now.bend_part, static_cast<std::size_t>(n.width));
+  visit("now_open", s.now.open, 2 * static_cast<std::size_t>(n.runs()));
 }
 
 }  // namespace ra2d

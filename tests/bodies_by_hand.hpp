@@ -35,13 +35,13 @@ struct BodiesByHand {
     const int groups = (nodes + width - 1) / width, patches = resonator_nodes / patch_nodes + 1;
     const double radius = radius_of(patch_nodes);
     const auto waving = static_cast<int>(waves_.size()), sliding = static_cast<int>(shapes_.size());
-    for (std::vector<double>* row :
-         {&reach, &slope, &curvature, &tail, &slope_tail, &zero, &push, &yield})
+    for (std::vector<double>* row : {&reach, &slope, &curvature, &tail, &slope_tail, &zero,
+                                     &outer_acceleration, &acceleration_per_newton})
       row->assign(modes, 0.0);
     patch.assign(static_cast<std::size_t>(patches) * 4 * modes, 0.0);
     for (int k = 0; k < waving; ++k) {
       const double b = waves_[k].beta, turn = b * radius;
-      reach[k] = yield[k] = 1, slope[k] = b, curvature[k] = b * b;
+      reach[k] = acceleration_per_newton[k] = 1, slope[k] = b, curvature[k] = b * b;
       tail[k] = std::pow(turn, 4) / 24, slope_tail[k] = b * std::pow(turn, 3) / 6;
       for (int p = 0; p < patches; ++p)
         for (int j = 0; j < 4; ++j)
@@ -54,29 +54,36 @@ struct BodiesByHand {
       for (int n = 0; n < nodes; ++n) {
         shape[k * groups * width + n] = shapes_[k][n];
         reach[waving + k] = std::max(reach[waving + k], std::abs(shapes_[k][n]));
-        yield[waving + k] = reach[waving + k];
+        acceleration_per_newton[waving + k] = reach[waving + k];
       }
     height1.assign(groups * width, -1e30);
     std::fill_n(height1.begin(), nodes, 0.0);
     height2.assign(resonator_nodes + groups * width + 2 * width, 0.0);
     highest2 = height2;
-    t.resonator_modes = waving, t.slider_modes = sliding;
-    t.nodes = nodes, t.groups = groups;
-    t.patches = patches, t.patch_nodes = patch_nodes, t.inverse_patch = 1.0 / patch_nodes;
-    t.inverse_radius = 1 / radius, t.spacing = 1, t.step = 1;
-    t.largest_shape = reach.data(), t.largest_slope = slope.data();
-    t.largest_curvature = curvature.data();
-    t.cubic_remainder = tail.data(), t.cubic_slope_remainder = slope_tail.data();
-    t.omega = t.pull = zero.data(), t.push = push.data(), t.yield = yield.data();
-    t.patch = patch.data(), t.slider_shape = shape.data();
-    t.height1 = height1.data(), t.height2 = height2.data(), t.highest2 = highest2.data();
+    t.slider.first_lane = waving, t.slider.modes = sliding, t.slider.row = groups * width;
+    t.faces.nodes = nodes, t.faces.groups = groups;
+    t.patches.count = patches, t.patches.nodes = patch_nodes,
+    t.patches.inverse_nodes = 1.0 / patch_nodes;
+    t.patches.inverse_radius = 1 / radius, t.motion.spacing = 1, t.motion.time_step = 1;
+    t.bounds.largest_shape = reach.data(), t.bounds.largest_slope = slope.data();
+    t.bounds.largest_curvature = curvature.data();
+    t.bounds.cubic_remainder = tail.data(), t.bounds.cubic_slope_remainder = slope_tail.data();
+    t.modes.omega = t.bounds.acceleration_per_energy_norm = zero.data(),
+    t.bounds.outer_acceleration = outer_acceleration.data(),
+    t.bounds.acceleration_per_newton = acceleration_per_newton.data();
+    t.patches.derivatives = patch.data(), t.slider.shape = shape.data();
+    t.faces.height1 = height1.data(), t.faces.height2 = height2.data(),
+    t.faces.highest2 = highest2.data();
     for (std::vector<int>* list : {&near_, &far_, &watch_, &closed_}) list->assign(nodes, 0);
     near_u_.assign(modes, 0.0), far_u_ = near_u_;
     amplitudes_.assign(2 * modes, 0.0), far_top_.assign(groups, 0.0);
     seen_.assign(4 * groups * width, 0.0);
-    s.near = near_.data(), s.far = far_.data(), s.far_top = far_top_.data();
-    s.near_u = near_u_.data(), s.far_u = far_u_.data(), s.lanes = amplitudes_.data();
-    s.watch = watch_.data(), s.closed = closed_.data(), s.seen = seen_.data();
+    s.work.near.near = near_.data(), s.work.near.far = far_.data(),
+    s.work.near.far_highest = far_top_.data();
+    s.work.near.near_u = near_u_.data(), s.work.near.far_u = far_u_.data(),
+    s.work.amplitudes = amplitudes_.data();
+    s.work.watched = watch_.data(), s.carried.contacts.nodes = closed_.data(),
+    s.work.search.seen = seen_.data();
   }
   BodiesByHand(const BodiesByHand&) = delete;
 
@@ -96,7 +103,8 @@ struct BodiesByHand {
     return std::find(watch_.begin(), watch_.begin() + count, node) != watch_.begin() + count;
   }
 
-  std::vector<double> reach, slope, curvature, tail, slope_tail, zero, push, yield;
+  std::vector<double> reach, slope, curvature, tail, slope_tail, zero, outer_acceleration,
+      acceleration_per_newton;
   std::vector<double> patch, shape, height1, height2, highest2;
   SceneTables t;
   SceneState s;

@@ -26,7 +26,7 @@ struct Filled {
   explicit Filled(const Scene& scene)
       : model{make_model(scene)},
         series{choose_series(model, width)},
-        n{extents_of(model, series, packs * width, width, Room())} {
+        n{extents_of(model, series, packs * width, width, Capacity())} {
     visit_arrays(t, n, [&](const char*, auto*& array, std::size_t count) {
       using Value = std::remove_reference_t<decltype(*array)>;
       static_assert(sizeof(Value) % sizeof(double) == 0);
@@ -44,7 +44,7 @@ struct Filled {
     const BeamShape& m = beam_shape(mode(k));
     const double parts = std::abs(m.constant) + std::abs(m.slope) * model.resonator.length +
                          std::hypot(m.sine, m.cosine) + std::abs(m.left) + std::abs(m.right);
-    return parts * std::exp(2 * m.beta / t.inverse_radius * t.spacing);
+    return parts * std::exp(2 * m.beta / t.patches.inverse_radius * t.motion.spacing);
   }
 };
 

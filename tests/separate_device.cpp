@@ -105,7 +105,7 @@ std::unique_ptr<DeviceQueue> SeparateDevice::make_queue() {
   return std::make_unique<SeparateQueue>(*this, marches_);
 }
 
-std::size_t SeparateDevice::room() const {
+std::size_t SeparateDevice::free_memory() const {
   const std::lock_guard lock(mutex_);
   return left_;
 }

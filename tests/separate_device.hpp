@@ -32,7 +32,7 @@ class SeparateDevice : public Device {
   std::unique_ptr<DeviceQueue> make_queue() override;
   int scenes_at_once() const override { return 8; }
   std::string name() const override { return "a device of the tests"; }
-  std::size_t room() const override;
+  std::size_t free_memory() const override;
 
   /// Blocks on the device that somebody has.
   std::size_t blocks() const;

@@ -104,7 +104,7 @@ std::vector<double> measure_growth(const std::vector<GrowthTrial>& trials, int s
       starts.push_back(start);
     }
   }
-  Batch batch(models, starts, {.room = {.samples = 1, .shocks = 16}, .least_packs = 0});
+  Batch batch(models, starts, {.capacity = {.samples = 1, .shocks = 16}, .least_packs = 0});
 
   // The states of a trial's two motions as they are now. False when one of them is past measuring.
   const auto look = [&](std::size_t i, std::int64_t step, Matrix& state) {

@@ -105,7 +105,7 @@ void print_cost(const RunReport& r) {
                   r.step_seconds() * 1e9, r.wall_seconds, r.read_back_seconds));
   if (const std::string device = backend_device(); !device.empty() && r.memory > 0)
     print_line("device", fmt::format("{}: this scene took {}, there is room for {} of them", device,
-                                     bytes_text(r.memory), backend_room() / r.memory));
+                                     bytes_text(r.memory), backend_memory() / r.memory));
 }
 
 void print_report(const Scene& scene, const RunReport& r, const std::filesystem::path& output) {

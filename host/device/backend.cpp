@@ -35,7 +35,7 @@ Device* march_device() { return where; }
 Device* march_on(Device* device) { return std::exchange(where, device); }
 
 std::string backend_device() { return where != nullptr ? where->name() : std::string(); }
-std::size_t backend_room() { return where != nullptr ? where->room() / 10 * 9 : 0; }
+std::size_t backend_memory() { return where != nullptr ? where->free_memory() / 10 * 9 : 0; }
 
 Backend::Backend(int threads, int device) {
   require_gpu(device);

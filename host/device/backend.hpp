@@ -27,7 +27,7 @@ std::string backend_device();
 
 /// Memory that scenes may take together [bytes]: nine tenths of what a GPU has free now; 0 on a
 /// CPU, where nothing is set aside.
-std::size_t backend_room();
+std::size_t backend_memory();
 
 /// Scenes that are marched at one moment: as many as there are threads, on a GPU as its registers
 /// hold.
@@ -37,7 +37,7 @@ int scenes_at_once();
 /// done takes the next. Rethrows the first exception once all that were begun have ended.
 void side_by_side(int count, const std::function<void(int)>& work);
 
-/// What a build computes with, as far as the bits of its answers know it: "avx512", "avx2",
+/// The arithmetic of a build, as far as the bits of its answers depend on it: "avx512", "avx2",
 /// "x86-64", "cuda", and the number of lanes.
 std::string arithmetic();
 

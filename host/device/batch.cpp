@@ -55,7 +55,7 @@ int packs_of(const Model& model, int least) {
 /// device in the batch's arrays of them.
 struct Slot {
   Model model;
-  Room room;
+  Capacity capacity;
   int packs = 0;
   Extents extents;
   SceneMemory memory;
@@ -63,32 +63,32 @@ struct Slot {
   SceneState state;
   double seconds = 0, processor = 0;  // of the latest launch
 
-  Slot(const Model& model_, const ModalStart& start, int packs_, const Room& room_,
+  Slot(const Model& model_, const ModalStart& start, int packs_, const Capacity& capacity_,
        BatchMemory& batch)
-      : model{model_}, room{room_}, packs{packs_}, memory{batch} {
+      : model{model_}, capacity{capacity_}, packs{packs_}, memory{batch} {
     find_extents();
-    memory.provide(static_cast<HandOut&>(state), extents);
+    memory.provide(state.out, extents);
     provide(start, false);
   }
 
-  /// The same scene at the same place, with room for more nodes: beside the room of the batch, for
-  /// what is under way comes first. What it has handed out stays. Throws std::bad_alloc and leaves
-  /// all as it was.
+  /// Takes memory for more nodes, beyond the limit of the batch: a scene that has begun comes
+  /// first. The scene stays where it is, and its record, too. Where it throws std::bad_alloc, all
+  /// is as it was.
   void grow(int nodes) {
     const SavedState kept = save();
-    const Room room_before = room;
+    const Capacity capacity_before = capacity;
     const Extents extents_before = extents;
     const SceneTables tables_before = tables;
     const SceneState state_before = state;
     try {
-      room.nodes = nodes;
+      capacity.nodes = nodes;
       find_extents();
       tables = SceneTables();
       state = SceneState();
-      static_cast<HandOut&>(state) = state_before;
+      state.out = state_before.out;
       provide(ModalStart(), true);
     } catch (const std::bad_alloc&) {
-      room = room_before;
+      capacity = capacity_before;
       extents = extents_before;
       tables = tables_before;
       state = state_before;
@@ -98,7 +98,7 @@ struct Slot {
   }
 
   SavedState save() const {
-    SavedState saved{state, {}, room.nodes};
+    SavedState saved{state.carried, {}, capacity.nodes};
     visit_arrays(saved.values, extents, [&](const char*, auto* array, std::size_t count) {
       auto& to = saved.arrays.emplace_back(count * sizeof(*array));
       memory.read(to.data(), array, to.size());
@@ -107,18 +107,18 @@ struct Slot {
     return saved;
   }
   void restore(const SavedState& saved) {
-    Room saved_room = room;
-    saved_room.nodes = std::max(1, saved.room);
+    Capacity saved_capacity = capacity;
+    saved_capacity.nodes = std::max(1, saved.node_capacity);
     const Extents n =
-        extents_of(model, choose_series(model, width), packs * width, width, saved_room);
+        extents_of(model, choose_series(model, width), packs * width, width, saved_capacity);
     if (const std::string fault = fault_of(saved, n, model.steps, model.samples); !fault.empty())
       throw std::invalid_argument(fault);
     take(saved);
   }
   /// Everything of a saved state but its addresses, which stay ours.
   void take(const SavedState& saved) {
-    if (saved.room > room.nodes) grow(saved.room);
-    CarriedState ours = state;
+    if (saved.node_capacity > capacity.nodes) grow(saved.node_capacity);
+    CarriedState ours = state.carried;
     auto bytes = saved.arrays.begin();
     std::vector<void*> addresses;
     visit_arrays(ours, extents, [&](const char* name, auto* array, std::size_t count) {
@@ -134,47 +134,47 @@ struct Slot {
       array = static_cast<std::remove_reference_t<decltype(array)>>(*address++);
     });
     memory.wait();
-    static_cast<CarriedState&>(state) = ours;
+    state.carried = ours;
     show(saved);
   }
 
-  /// After a launch: what stopped for want of room goes on with twice as much. Where there is no
-  /// memory for it, the scene has come to its end.
-  void make_room() {
-    if (state.status != Status::crowded) return;
+  /// After a launch: a scene that stopped because its nodes were too many for its memory goes on
+  /// with twice as much. Where there is no memory for that, the scene has come to its end.
+  void grow_if_crowded() {
+    if (state.carried.status != Status::crowded) return;
     try {
-      grow(2 * std::max(extents.pressed, extents.closed));
-      state.status = Status::running;
+      grow(2 * std::max(extents.active, extents.contacts));
+      state.carried.status = Status::running;
     } catch (const std::bad_alloc&) {
     }
   }
 
  private:
   void find_extents() {
-    extents = extents_of(model, choose_series(model, width), packs * width, width, room);
+    extents = extents_of(model, choose_series(model, width), packs * width, width, capacity);
   }
 
-  void provide(const ModalStart& start, bool beyond_room) {
-    memory.provide(tables, state, extents, beyond_room, [&](const HostCopy& copy) {
+  void provide(const ModalStart& start, bool beyond_limit) {
+    memory.provide(tables, state, extents, beyond_limit, [&](const HostCopy& copy) {
       fill(tables, model, choose_series(model, width), extents, copy);
       fill(state, model, start, extents, copy);
     });
     if (memory.on_host()) tables.interrupted = interruption_flag();
   }
 
-  /// What a march leaves at its end (hand_out), of a state that none has left.
+  /// Sets what a march publishes at its end, for a saved state.
   void show(const SavedState& saved) {
     auto bytes = saved.arrays.begin();
     CarriedState carried;
     visit_arrays(carried, extents, [&](const char* array, auto*, std::size_t) {
       const std::string_view name = array;
       const auto put = [&](auto* to) { std::memcpy(to, bytes->data(), bytes->size()); };
-      if (name == "u") put(state.now_u);
-      if (name == "v") put(state.now_v);
-      if (name == "square") put(state.now_square);
-      if (name == "square_part") put(state.now_square_part);
-      if (name == "bend_part") put(state.now_bend_part);
-      if (name == "open") put(state.now_open);
+      if (name == "u") put(state.out.now.u);
+      if (name == "v") put(state.out.now.v);
+      if (name == "square") put(state.out.now.square);
+      if (name == "square_part") put(state.out.now.square_part);
+      if (name == "bend_part") put(state.out.now.bend_part);
+      if (name == "open") put(state.out.now.open);
       ++bytes;
     });
   }
@@ -221,7 +221,7 @@ struct Batch::Impl {
   std::vector<int> running() const {
     std::vector<int> list;
     for (std::size_t i = 0; i < slots.size(); ++i)
-      if (slots[i] && slots[i]->state.status == Status::running)
+      if (slots[i] && slots[i]->state.carried.status == Status::running)
         list.push_back(static_cast<int>(i));
     return list;
   }
@@ -240,12 +240,12 @@ void Batch::Impl::launch(const std::vector<int>& list, const std::vector<std::in
     if (memory.device == nullptr) {
       const auto begin = Clock::now();
       const double processor = thread_seconds();
-      march_of(scene.tables.form, scene.packs)(scene.tables, scene.state,
-                                               goals[static_cast<std::size_t>(slot)]);
+      march_of(scene.tables.scheme.form, scene.packs)(scene.tables, scene.state,
+                                                      goals[static_cast<std::size_t>(slot)]);
       scene.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
       scene.processor = thread_seconds() - processor;
     }
-    scene.make_room();
+    scene.grow_if_crowded();
     if (marched) marched(slot);
   });
 }
@@ -260,7 +260,7 @@ void Batch::Impl::launch_on_device(const std::vector<int>& list,
     const auto i = static_cast<std::size_t>(slot);
     l.tables_here[i] = at(slot).tables;
     l.states_here[i] = at(slot).state;
-    groups[{at(slot).tables.form, at(slot).packs}].push_back(slot);
+    groups[{at(slot).tables.scheme.form, at(slot).packs}].push_back(slot);
   }
   l.scenes_here.clear();
   for (const auto& [kind, members] : groups)
@@ -330,7 +330,7 @@ int Batch::slots() const { return static_cast<int>(impl_->slots.size()); }
 void Batch::put(int slot, const Model& model, const ModalStart& start) {
   std::optional<Slot>& place = impl_->slots.at(static_cast<std::size_t>(slot));
   place.reset();
-  place.emplace(model, start, packs_of(model, impl_->options.least_packs), impl_->options.room,
+  place.emplace(model, start, packs_of(model, impl_->options.least_packs), impl_->options.capacity,
                 impl_->memory);
 }
 
@@ -360,12 +360,12 @@ Drained Batch::drain(int slot) {
   SceneState& s = scene.state;
   Drained out;
   out.lanes = scene.extents.lanes;
-  out.samples = s.sample_count;
+  out.samples = s.out.samples.count;
   const std::size_t values =
-      static_cast<std::size_t>(s.sample_count) * sample::row(scene.extents.lanes);
-  out.sample_rows.assign(s.sample_rows, s.sample_rows + values);
-  out.shocks.assign(s.shock_rows, s.shock_rows + s.shock_count);
-  s.sample_count = s.shock_count = 0;
+      static_cast<std::size_t>(s.out.samples.count) * sample::row(scene.extents.lanes);
+  out.sample_rows.assign(s.out.samples.rows, s.out.samples.rows + values);
+  out.shocks.assign(s.out.ended_shocks.rows, s.out.ended_shocks.rows + s.out.ended_shocks.count);
+  s.out.samples.count = s.out.ended_shocks.count = 0;
   return out;
 }
 
@@ -378,26 +378,27 @@ Snapshot Batch::snapshot(int slot) const {
     return std::vector<double>(from, from + count);
   };
   Snapshot out;
-  out.status = s.status;
-  out.step = s.step;
-  out.strides = scene.extents.adaptive() ? s.strides : s.step;
-  out.resonator_u = take(s.now_u, modes2);
-  out.resonator_v = take(s.now_v, modes2);
-  out.slider_u = take(s.now_u + modes2, modes1);
-  out.slider_v = take(s.now_v + modes2, modes1);
-  out.resonator_square = take(s.now_square, modes2);
-  for (std::size_t k = 0; k < modes2; ++k) out.resonator_square[k] += s.now_square_part[k];
-  out.contact_steps = s.contact_steps;
-  out.most_nodes = s.most_nodes;
-  out.evaluated = s.evaluated;
-  out.shocks_begun = s.shocks_begun;
-  out.energy = s.energy;
-  out.energy_limit = s.energy_limit;
+  out.status = s.carried.status;
+  out.step = s.carried.step;
+  out.steps_made = scene.extents.adaptive() ? s.carried.adaptive_steps : s.carried.step;
+  out.resonator_u = take(s.out.now.u, modes2);
+  out.resonator_v = take(s.out.now.v, modes2);
+  out.slider_u = take(s.out.now.u + modes2, modes1);
+  out.slider_v = take(s.out.now.v + modes2, modes1);
+  out.resonator_square = take(s.out.now.square, modes2);
+  for (std::size_t k = 0; k < modes2; ++k) out.resonator_square[k] += s.out.now.square_part[k];
+  out.contact_steps = s.carried.sums.contact_steps;
+  out.most_nodes = s.carried.sums.most_nodes;
+  out.evaluated = s.carried.sums.evaluated;
+  out.shocks_begun = s.carried.shocks.begun;
+  out.energy = s.carried.energy.latest;
+  out.energy_limit = s.carried.energy.limit;
   double bend = 0;
-  for (int lane = 0; lane < width; ++lane) bend += s.now_bend_part[lane];
-  out.sliding_work = s.sliding_work + scene.model.advance * (s.climb_part + bend);
-  out.force_work = s.force_work + s.force_part;
-  out.open_shocks.assign(s.now_open, s.now_open + s.open_count);
+  for (int lane = 0; lane < width; ++lane) bend += s.out.now.bend_part[lane];
+  out.sliding_work =
+      s.carried.sums.sliding_work + scene.model.advance * (s.carried.sums.climb_part + bend);
+  out.force_work = s.carried.sums.force_work + s.carried.sums.force_part;
+  out.open_shocks.assign(s.out.now.open, s.out.now.open + s.carried.shocks.open_count);
   return out;
 }
 

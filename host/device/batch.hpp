@@ -14,7 +14,7 @@
 /// Scenes on the device: tables, states, launches.
 namespace ra2d {
 
-/// What a scene handed out since the last time it was asked.
+/// Samples and shocks that a scene has recorded since it was last drained.
 struct Drained {
   int lanes = 0;  // modal lanes of a sample row
   int samples = 0;
@@ -32,11 +32,11 @@ struct Snapshot {
   double energy = 0, energy_limit = 0;
   double sliding_work = 0, force_work = 0;
   std::vector<OpenShock> open_shocks;
-  std::int64_t strides = 0;  // steps made: of adaptive length or fixed
+  std::int64_t steps_made = 0;  // of adaptive length or fixed
 };
 
 struct BatchOptions {
-  Room room;
+  Capacity capacity;
   int least_packs = 0;     // pad the modes to more packs than needed (for tests)
   std::size_t memory = 0;  // bytes that its scenes may take together; 0: as many as there are
 };
@@ -64,13 +64,13 @@ class Batch {
   /// One launch: each running scene goes on to its own target, its end, a full buffer, an interrupt
   /// (host/system/interruption.hpp; not on a GPU, which finishes its launch) or a failure.
   /// `marched` is called for each of them once it has been marched, on a CPU by the thread that
-  /// did: it may drain the slot and fill it anew. A scene without room for its contacts has stopped
-  /// short, and has more room the next time. Rethrows what `marched` throws.
+  /// did: it may drain the slot and fill it anew. A scene without memory for its contacts has
+  /// stopped short, and has more the next time. Rethrows what `marched` throws.
   void march(const std::vector<std::int64_t>& targets,
              const std::function<void(int slot)>& marched = {});
-  /// ... all to one target.
+  /// Marches all to one target.
   void march(std::int64_t target);
-  /// Seconds that the latest launch spent on a scene, by the clock ...
+  /// Seconds that the latest launch spent on a scene, by the clock.
   double seconds(int slot) const;
   /// Processor seconds of the thread that marched it, whatever else the machine did. On a GPU it is
   /// the same as by the clock.

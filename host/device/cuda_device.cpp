@@ -18,7 +18,7 @@
 namespace ra2d {
 namespace {
 
-/// What the driver says of a call, if it is no success.
+/// The driver's words on a call that failed; empty after a success.
 std::string fault_of(cudaError_t status) {
   return status == cudaSuccess
              ? std::string()
@@ -125,7 +125,7 @@ class CudaDevice : public Device {
   std::string name() const override {
     return "GPU " + std::to_string(Kokkos::device_id()) + ", " + properties_.name;
   }
-  std::size_t room() const override {
+  std::size_t free_memory() const override {
     std::size_t free = 0, all = 0;
     use_device();
     return cudaMemGetInfo(&free, &all) == cudaSuccess ? free : 0;

@@ -54,7 +54,7 @@ class Device {
   /// How it is called in reports.
   virtual std::string name() const = 0;
   /// Bytes that are free [now].
-  virtual std::size_t room() const = 0;
+  virtual std::size_t free_memory() const = 0;
 };
 
 /// Where scenes are marched; none: on the threads of the host, in its memory.

@@ -77,14 +77,14 @@ class Filler {
  public:
   Filler(SceneTables& tables, const Model& model, const PatchSeries& series, const Extents& n,
          const HostCopy& host)
-      : t_{tables},
+      : tables_{tables},
         model_{model},
         scene_{model.scene},
         n_{n},
         host_{host},
         radius_{series.radius(model, n.width)} {
-    t_.patch_nodes = series.patch_nodes;
-    t_.terms = series.terms;
+    tables_.patches.nodes = series.patch_nodes;
+    tables_.patches.terms = series.terms;
   }
 
   void numbers();
@@ -97,7 +97,7 @@ class Filler {
   void moving_forces();
 
  private:
-  SceneTables& t_;
+  SceneTables& tables_;
   const Model& model_;
   const Scene& scene_;
   const Extents& n_;
@@ -109,42 +109,43 @@ class Filler {
 };
 
 void Filler::numbers() {
-  t_.resonator_modes = static_cast<int>(model_.resonator.modes.size());
-  t_.slider_modes = static_cast<int>(model_.slider.modes.size());
-  t_.nodes = n_.nodes;
-  t_.groups = n_.groups;
-  t_.patches = n_.patches;
-  t_.heights = n_.heights;
-  t_.flight_levels = n_.flight_levels;
-  t_.inverse_patch = 1.0 / t_.patch_nodes;
-  t_.moving_forces = n_.moving_forces;
-  t_.look_at = scene_.time.nodes;
-  t_.form = form_of(scene_);
-  t_.position = model_.position;
-  t_.advance = model_.advance;
-  t_.spacing = scene_.spacing;
-  t_.step = model_.tick;
-  t_.inverse_radius = scene_.spacing / radius_;
-  t_.windows = count_windows(model_);
-  t_.window_width = 1.0 / t_.windows;
-  t_.resonator_length = scene_.resonator.length;
-  t_.node_stiffness = model_.node_stiffness;
-  t_.compliance = scene_.contact.law == ContactLaw::multiplier ? 0.0 : 1.0 / model_.node_stiffness;
-  t_.total_steps = model_.steps;
-  t_.counted_from = first_counted(model_);
-  t_.steps_per_sample = model_.steps_per_sample;
-  t_.samples = model_.samples;
+  tables_.slider.first_lane = static_cast<int>(model_.resonator.modes.size());
+  tables_.slider.modes = static_cast<int>(model_.slider.modes.size());
+  tables_.slider.row = n_.groups * n_.width;
+  tables_.faces.nodes = n_.nodes;
+  tables_.faces.groups = n_.groups;
+  tables_.patches.count = n_.patches;
+  tables_.flight.levels = n_.flight_levels;
+  tables_.patches.inverse_nodes = 1.0 / tables_.patches.nodes;
+  tables_.forces.count = n_.moving_forces;
+  tables_.bounds.searched = scene_.time.nodes;
+  tables_.scheme.form = form_of(scene_);
+  tables_.motion.position = model_.position;
+  tables_.motion.advance = model_.advance;
+  tables_.motion.spacing = scene_.spacing;
+  tables_.motion.time_step = model_.tick;
+  tables_.patches.inverse_radius = scene_.spacing / radius_;
+  tables_.motion.windows = count_windows(model_);
+  tables_.motion.window_width = 1.0 / tables_.motion.windows;
+  tables_.forces.resonator_length = scene_.resonator.length;
+  tables_.contact.node_stiffness = model_.node_stiffness;
+  tables_.contact.compliance =
+      scene_.contact.law == ContactLaw::multiplier ? 0.0 : 1.0 / model_.node_stiffness;
+  tables_.output.total_steps = model_.steps;
+  tables_.output.counted_from = first_counted(model_);
+  tables_.output.steps_per_sample = model_.steps_per_sample;
+  tables_.output.samples = model_.samples;
 }
 
 void Filler::scheme() {
   if (is_adaptive(scene_)) return;
   const SchemeTable& scheme = scheme_table(scene_.time.scheme);
-  t_.stages = scheme.stages;
-  std::copy_n(scheme.place, scheme.stages, t_.place);
-  for (int i = 1; i < t_.stages; ++i) t_.stage_row[i] = first_stage_row(i);
-  t_.velocity_lag = scheme.velocity_lag;
-  t_.loss_ends = is_semi_implicit(scene_.time.scheme) ? 0.0 : 0.5;
-  t_.longest_look = longest_look(model_);
+  tables_.scheme.stages = scheme.stages;
+  std::copy_n(scheme.place, scheme.stages, tables_.scheme.place);
+  for (int i = 1; i < tables_.scheme.stages; ++i) tables_.scheme.stage_row[i] = first_stage_row(i);
+  tables_.scheme.velocity_lag = scheme.velocity_lag;
+  tables_.scheme.loss_ends = is_semi_implicit(scene_.time.scheme) ? 0.0 : 0.5;
+  tables_.bounds.valid_steps = longest_look(model_);
 }
 
 void Filler::modes() {
@@ -165,12 +166,12 @@ void Filler::modes() {
                             of_resonator,
                             largest,
                             std::abs(body->load[k]) + (of_resonator ? moving * largest : 0.0)};
-      host_(t_.load)[lane] = mode.load;
-      host_(t_.mass)[lane] = oscillator.mass;
-      host_(t_.omega)[lane] = oscillator.omega;
-      host_(t_.damping)[lane] =
+      host_(tables_.modes.load)[lane] = mode.load;
+      host_(tables_.modes.mass)[lane] = oscillator.mass;
+      host_(tables_.modes.omega)[lane] = oscillator.omega;
+      host_(tables_.modes.damping)[lane] =
           2.0 * oscillator.zeta * oscillator.omega * oscillator.mass * model_.tick;
-      host_(t_.largest_shape)[lane] = largest;
+      host_(tables_.bounds.largest_shape)[lane] = largest;
       if (is_adaptive(scene_))
         flight_of(mode);
       else
@@ -179,15 +180,15 @@ void Filler::modes() {
       if (!of_resonator) continue;
       // a patch may reach beyond the end of the body
       const CubicRemainder remainder = shape.cubic_remainder(radius_);
-      host_(t_.largest_slope)[lane] = shape.largest_slope(2 * radius_);
-      host_(t_.largest_curvature)[lane] = shape.largest_curvature(2 * radius_);
-      host_(t_.cubic_remainder)[lane] = remainder.value;
-      host_(t_.cubic_slope_remainder)[lane] = remainder.slope;
-      host_(t_.quartic)[lane] = shape.fourth_factor(radius_);
+      host_(tables_.bounds.largest_slope)[lane] = shape.largest_slope(2 * radius_);
+      host_(tables_.bounds.largest_curvature)[lane] = shape.largest_curvature(2 * radius_);
+      host_(tables_.bounds.cubic_remainder)[lane] = remainder.value;
+      host_(tables_.bounds.cubic_slope_remainder)[lane] = remainder.slope;
+      host_(tables_.patches.quartic)[lane] = shape.fourth_factor(radius_);
     }
   // What the outer forces put in within a step: from rest the velocity is up to a step ahead of
   // their work, or (midpoint) half a step behind.
-  t_.least_energy = 1e-30 + 4.0 * kick;
+  tables_.output.least_energy = 1e-30 + 4.0 * kick;
 }
 
 /// The weights of a scheme of fixed steps, and the bounds that follow from them.
@@ -195,33 +196,34 @@ void Filler::step_of(const ModeOnLane& mode) {
   const SchemeTable& scheme = scheme_table(scene_.time.scheme);
   const ModeStep step = scheme.prepare(mode.oscillator, model_.tick);
   const int lane = mode.lane, lanes = n_.lanes;
-  for (int i = 1; i < t_.stages; ++i) {
-    double* const rows = host_(t_.stage) + t_.stage_row[i] * lanes + lane;
+  for (int i = 1; i < tables_.scheme.stages; ++i) {
+    double* const rows = host_(tables_.scheme.stage) + tables_.scheme.stage_row[i] * lanes + lane;
     rows[0] = step.stage_u[i];
     rows[lanes] = step.stage_v[i];
     rows[2 * lanes] = step.held_stage(i) * mode.load;
     for (int j = 0; j < i; ++j) rows[(3 + j) * lanes] = step.stage_f[i][j];
   }
-  double* const ends = host_(t_.end) + lane;
+  double* const ends = host_(tables_.scheme.end) + lane;
   ends[end_u_u * lanes] = step.u_u;
   ends[end_u_v * lanes] = step.u_v;
   ends[end_u_load * lanes] = step.held_u() * mode.load;
   ends[end_v_u * lanes] = step.v_u;
   ends[end_v_v * lanes] = step.v_v;
   ends[end_v_load * lanes] = step.held_v() * mode.load;
-  for (int j = 0; j < t_.stages; ++j) {
+  for (int j = 0; j < tables_.scheme.stages; ++j) {
     ends[(end_forces + 2 * j) * lanes] = step.u_f[j];
     ends[(end_forces + 2 * j + 1) * lanes] = step.v_f[j];
   }
-  host_(t_.receptance)[lane] = step.held_u();
-  host_(t_.mobility)[lane] = step.held_v();
+  host_(tables_.contact.receptance)[lane] = step.held_u();
+  host_(tables_.contact.mobility)[lane] = step.held_v();
   // shapes are right to some 1e-15 of their largest
-  t_.least_yielding += 1e-26 * step.held_u() * std::pow(mode.largest, 2);
-  const StepBounds bounds =
-      bound_step(mode.oscillator, step, t_.place, model_.tick, t_.longest_look);
-  host_(t_.pull)[lane] = bounds.acceleration_per_energy_norm;
-  host_(t_.push)[lane] = mode.outer_force * bounds.acceleration_per_force;
-  host_(t_.yield)[lane] = mode.largest * bounds.acceleration_per_force;
+  tables_.contact.least_compliance += 1e-26 * step.held_u() * std::pow(mode.largest, 2);
+  const StepBounds bounds = bound_step(mode.oscillator, step, tables_.scheme.place, model_.tick,
+                                       tables_.bounds.valid_steps);
+  host_(tables_.bounds.acceleration_per_energy_norm)[lane] = bounds.acceleration_per_energy_norm;
+  host_(tables_.bounds.outer_acceleration)[lane] = mode.outer_force * bounds.acceleration_per_force;
+  host_(tables_.bounds.acceleration_per_newton)[lane] =
+      mode.largest * bounds.acceleration_per_force;
 }
 
 /// The closed form of free flight, and the bounds that the adaptive steps rest on.
@@ -230,23 +232,25 @@ void Filler::flight_of(const ModeOnLane& mode) {
   const int lane = mode.lane, lanes = n_.lanes;
   const double omega = oscillator.omega;
   const double passing = mode.of_resonator ? mode.shape.change_rate() * scene_.speed : 0.0;
-  host_(t_.fastest_rate)[lane] = fastest_rate(oscillator);
-  host_(t_.inverse_mass)[lane] = 1.0 / oscillator.mass;
-  host_(t_.decay)[lane] = 2.0 * oscillator.zeta * omega;
-  host_(t_.passing_rate)[lane] = passing;
+  host_(tables_.adaptive.fastest_rate)[lane] = fastest_rate(oscillator);
+  host_(tables_.adaptive.inverse_mass)[lane] = 1.0 / oscillator.mass;
+  host_(tables_.adaptive.decay)[lane] = 2.0 * oscillator.zeta * omega;
+  host_(tables_.adaptive.passing_rate)[lane] = passing;
   if (omega == 0.0) {
-    host_(t_.free_acceleration)[lane] = mode.load / oscillator.mass;
-    host_(t_.swing)[lane] = 1e300;
+    host_(tables_.flight.free_acceleration)[lane] = mode.load / oscillator.mass;
+    host_(tables_.flight.displacement_per_energy_norm)[lane] = 1e300;
   } else {
     const double rest = mode.load / (oscillator.mass * omega * omega);
-    host_(t_.rest)[lane] = rest;
-    host_(t_.swing)[lane] = 2.0 / omega;
-    host_(t_.fourth)[lane] = fourth_derivative(oscillator, mode.largest, passing);
-    t_.fourth_rest += mode.largest * std::pow(passing, 4) * std::abs(rest);
+    host_(tables_.flight.rest)[lane] = rest;
+    host_(tables_.flight.displacement_per_energy_norm)[lane] = 2.0 / omega;
+    host_(tables_.flight.fourth_derivative_per_energy_norm)[lane] =
+        fourth_derivative(oscillator, mode.largest, passing);
+    tables_.flight.fourth_derivative_at_rest +=
+        mode.largest * std::pow(passing, 4) * std::abs(rest);
   }
-  const auto levels =
-      flight_tables(oscillator, mode.load, model_.tick, t_.first_level, n_.flight_levels);
-  double* const flight = host_(t_.flight) + lane;
+  const auto levels = flight_tables(oscillator, mode.load, model_.tick, tables_.flight.first_level,
+                                    n_.flight_levels);
+  double* const flight = host_(tables_.flight.rows) + lane;
   for (int level = 0; level < n_.flight_levels; ++level)
     for (int r = 0; r < flight_rows; ++r)
       flight[(static_cast<std::size_t>(level) * flight_rows + r) * lanes] = levels[level][r];
@@ -254,10 +258,10 @@ void Filler::flight_of(const ModeOnLane& mode) {
 
 /// The displacement series of the resonator's modes.
 void Filler::patches() {
-  double* const rows = host_(t_.patch);
+  double* const rows = host_(tables_.patches.derivatives);
   for (int p = 0; p < n_.patches; ++p) {
-    const double centre = (p + 0.5) * t_.patch_nodes * scene_.spacing;
-    for (int k = 0; k < t_.resonator_modes; ++k) {
+    const double centre = (p + 0.5) * tables_.patches.nodes * scene_.spacing;
+    for (int k = 0; k < tables_.slider.first_lane; ++k) {
       double d[4];
       model_.resonator.modes[k].shape->evaluate(centre, 4, d);
       for (int j = 0; j < 4; ++j)
@@ -267,60 +271,64 @@ void Filler::patches() {
 }
 
 void Filler::slider_shapes() {
-  double* const unit = host_(t_.unit);
-  for (int k = 0; k < t_.slider_modes; ++k) {
-    unit[static_cast<std::size_t>(k) * n_.lanes + t_.resonator_modes + k] = 1.0;
-    double* const shape = host_(t_.slider_shape) + static_cast<std::size_t>(k) * n_.padded_nodes();
+  double* const unit = host_(tables_.slider.unit);
+  for (int k = 0; k < tables_.slider.modes; ++k) {
+    unit[static_cast<std::size_t>(k) * n_.lanes + tables_.slider.first_lane + k] = 1.0;
+    double* const shape =
+        host_(tables_.slider.shape) + static_cast<std::size_t>(k) * n_.padded_nodes();
     for (int n = 0; n < n_.nodes; ++n)
       shape[n] = shape_at(model_.slider.modes[k], n * scene_.spacing);
   }
 }
 
 void Filler::faces() {
-  double* const h1 = host_(t_.height1);
+  double* const h1 = host_(tables_.faces.height1);
   double scale = 0;
   for (int n = 0; n < n_.groups * n_.width; ++n) {
     const bool real = n < n_.nodes;
     h1[n] = real ? model_.slider_height[n] - model_.delta : -1e30;
     if (real) scale = std::max(scale, std::abs(h1[n]));
   }
-  double* const h2 = host_(t_.height2);
+  double* const h2 = host_(tables_.faces.height2);
   double scale2 = 0;
   for (int n = 0; n < n_.heights; ++n) {
     h2[n] = model_.resonator_height[std::min<std::size_t>(n, model_.resonator_height.size() - 1)];
     scale2 = std::max(scale2, std::abs(h2[n]));
   }
   scale += scale2;
-  fill_highest(h2, n_.heights, n_.width, host_(t_.highest2));
-  t_.slack = face_rounding(scale);
-  t_.touch = t_.slack;
-  t_.steepest = steepest_rise(h2, n_.heights);
-  t_.top = *std::max_element(h1, h1 + n_.nodes) + *std::max_element(h2, h2 + n_.heights);
+  fill_highest(h2, n_.heights, n_.width, host_(tables_.faces.highest2));
+  tables_.faces.rounding = face_rounding(scale);
+  tables_.contact.tolerance = tables_.faces.rounding;
+  tables_.faces.steepest_rise = steepest_rise(h2, n_.heights);
+  tables_.faces.highest_overlap =
+      *std::max_element(h1, h1 + n_.nodes) + *std::max_element(h2, h2 + n_.heights);
   scale += 1e-6 * scene_.spacing;
-  t_.least_reach = 1e-4 * scale;
-  t_.least_leeway = 1e-8 * scale;
+  tables_.bounds.least_reach = 1e-4 * scale;
+  tables_.bounds.least_leeway = 1e-8 * scale;
 }
 
 void Filler::adaptive() {
   if (!is_adaptive(scene_)) return;
-  t_.tolerance = scene_.time.tolerance.value_or(usual_tolerance);
-  t_.order = series_order(t_.tolerance);
-  t_.first_level = first_flight_level(model_);
+  tables_.adaptive.tolerance = scene_.time.tolerance.value_or(usual_tolerance);
+  tables_.adaptive.order = series_order(tables_.adaptive.tolerance);
+  tables_.flight.first_level = first_flight_level(model_);
   // reached behind the body's end; on a beam growth(radius) would do: wide by 1.28 where nodes are
   // fine
-  t_.cubic_excess = 1.0;
+  tables_.adaptive.cubic_excess = 1.0;
   for (const BodyMode& mode : model_.resonator.modes)
-    t_.cubic_excess = std::max(t_.cubic_excess, mode.shape->growth(2.0 * radius_));
-  t_.longest_scale = std::min(scene_.duration, 64.0 / std::max(fastest_rate(model_), 1e-300));
-  double* const gauss = host_(t_.gauss);
+    tables_.adaptive.cubic_excess =
+        std::max(tables_.adaptive.cubic_excess, mode.shape->growth(2.0 * radius_));
+  tables_.adaptive.longest_scale =
+      std::min(scene_.duration, 64.0 / std::max(fastest_rate(model_), 1e-300));
+  double* const gauss = host_(tables_.adaptive.gauss);
   std::copy_n(gauss_place, gauss_points, gauss);
-  std::copy_n(gauss_weight, gauss_points, gauss + gauss_room);
-  fill_hull(host_(t_.hull), t_.order + 3);
+  std::copy_n(gauss_weight, gauss_points, gauss + gauss_row);
+  fill_hull(host_(tables_.adaptive.hull), tables_.adaptive.order + 3);
 }
 
 void Filler::moving_forces() {
-  MovingForceTable* const moving = host_(t_.moving_force);
-  for (int i = 0; i < t_.moving_forces; ++i) {
+  MovingForceTable* const moving = host_(tables_.forces.list);
+  for (int i = 0; i < tables_.forces.count; ++i) {
     const MovingForce& f = scene_.resonator.moving_forces[i];
     moving[i] = {f.force, f.start, f.speed * model_.tick};
   }
@@ -349,36 +357,38 @@ void fill(SceneState& state, const Model& model, const ModalStart& start, const 
     std::copy(resonator.begin(), resonator.end(), host(array));
     std::copy(slider.begin(), slider.end(), host(array) + modes2);
   };
-  put(state.u, start.resonator_u, start.slider_u);
-  put(state.start, start.resonator_u, start.slider_u);
-  put(state.v, start.resonator_v, start.slider_v);
-  put(state.start_v, start.resonator_v, start.slider_v);
-  for (double* const lanes : {state.now_u, state.now_v, state.now_square, state.now_square_part})
+  put(state.carried.modal.u, start.resonator_u, start.slider_u);
+  put(state.carried.modal.start_u, start.resonator_u, start.slider_u);
+  put(state.carried.modal.v, start.resonator_v, start.slider_v);
+  put(state.carried.modal.start_v, start.resonator_v, start.slider_v);
+  for (double* const lanes :
+       {state.out.now.u, state.out.now.v, state.out.now.square, state.out.now.square_part})
     std::fill_n(host(lanes), n.lanes, 0.0);  // this memory may be another scene's before
-  std::fill_n(host(state.now_bend_part), n.width, 0.0);
-  put(state.now_u, start.resonator_u, start.slider_u);
-  put(state.now_v, start.resonator_v, start.slider_v);
-  state.energy_start = start.energy;
-  state.sample_capacity = n.samples;
-  state.run_capacity = n.runs();
-  state.shock_capacity = n.shocks;
-  std::fill_n(host(state.node_window), n.nodes, -1);
-  state.pressed_capacity = n.pressed;
-  if (n.pressed > 0) {
-    std::fill_n(host(state.pressed_place), n.nodes, -1);
-    state.contact_step = start.loaded_nodes.empty() ? -1 : 0;
-    state.contact_force = start.contact_force;
-    state.contact_energy = start.contact_energy;
-    state.contact_nodes = static_cast<int>(start.loaded_nodes.size());
+  std::fill_n(host(state.out.now.bend_part), n.width, 0.0);
+  put(state.out.now.u, start.resonator_u, start.slider_u);
+  put(state.out.now.v, start.resonator_v, start.slider_v);
+  state.carried.energy.start = start.energy;
+  state.out.samples.capacity = n.samples;
+  state.work.runs.capacity = n.runs();
+  state.out.ended_shocks.capacity = n.shocks;
+  std::fill_n(host(state.marks.node_window), n.nodes, -1);
+  state.work.active.capacity = n.active;
+  if (n.active > 0) {
+    std::fill_n(host(state.marks.active_index), n.nodes, -1);
+    state.carried.latest_contact.step = start.loaded_nodes.empty() ? -1 : 0;
+    state.carried.latest_contact.force = start.contact_force;
+    state.carried.latest_contact.energy = start.contact_energy;
+    state.carried.latest_contact.nodes = static_cast<int>(start.loaded_nodes.size());
     for (std::size_t e = 0; e < 2 && e < start.loaded_nodes.size(); ++e)
-      state.contact_pair[e] = start.loaded_nodes[e];
+      state.carried.latest_contact.pair[e] = start.loaded_nodes[e];
   }
   if (n.adaptive()) {
-    state.closed_capacity = n.closed;
+    state.work.spans.capacity = n.contacts;
     // about as long as the fastest motion, with a node in contact, lets a series be
     const double rate = fastest_rate(model);
-    state.stride = rate > 0 ? 1.0 / rate : model.scene.duration;
-    state.level = std::clamp(std::ilogb(state.stride / model.tick), 0, 60);
+    state.carried.control.series_scale = rate > 0 ? 1.0 / rate : model.scene.duration;
+    state.carried.control.flight_level =
+        std::clamp(std::ilogb(state.carried.control.series_scale / model.tick), 0, 60);
   }
 }
 

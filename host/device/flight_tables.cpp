@@ -10,7 +10,7 @@
 namespace ra2d {
 namespace {
 
-/// What a flight of this step does to (U - rest, V, 1).
+/// The matrix that a flight of this step applies to (U - rest, V, 1).
 Eigen::Matrix3d transition(const Mode& mode, double load, const ModeStep& step) {
   const bool falls = mode.omega == 0.0;  // the others ring about where the load holds them
   Eigen::Matrix3d m;

@@ -8,8 +8,8 @@
 
 namespace ra2d {
 
-/// What 2^level ticks of free flight do to one mode under a constant modal force `load` [N
-/// m^(-1/2)], and to the integral of its V^2 (kernels/adaptive/flight.hpp): one set of rows for
+/// The effect of 2^level ticks of free flight on one mode under a constant modal force `load` [N
+/// m^(-1/2)], and on the integral of its V^2 (kernels/adaptive/flight.hpp): one set of rows for
 /// each level from `first_level` on.
 std::vector<std::array<double, flight_rows>> flight_tables(const Mode& mode, double load,
                                                            double tick, int first_level,

@@ -12,7 +12,7 @@
 #include "kernels/state.hpp"
 #include "kernels/tables.hpp"
 
-/// What the files that compile the marches need of Kokkos.
+/// For the files that compile the marches: their launch by Kokkos.
 namespace ra2d {
 
 using Space = Kokkos::DefaultExecutionSpace;

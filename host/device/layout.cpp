@@ -48,7 +48,7 @@ int first_flight_level(const Model& model) {
 }
 
 Extents extents_of(const Model& model, const PatchSeries& series, int lanes, int width,
-                   const Room& room) {
+                   const Capacity& capacity) {
   const Scene& scene = model.scene;
   Extents n;
   n.width = width;
@@ -64,15 +64,16 @@ Extents extents_of(const Model& model, const PatchSeries& series, int lanes, int
   if (is_adaptive(scene)) {
     const int levels = std::ilogb(static_cast<double>(model.steps)) + 1;
     n.flight_levels = std::max(1, levels - first_flight_level(model));
-    n.closed = std::min(n.nodes, room.nodes);
+    n.contacts = std::min(n.nodes, capacity.nodes);
   }
   n.moving_forces = static_cast<int>(scene.resonator.moving_forces.size());
-  n.samples = static_cast<int>(std::min<std::int64_t>(room.samples, model.samples));
-  n.shocks = room.shocks + n.runs();
+  n.samples = static_cast<int>(std::min<std::int64_t>(capacity.samples, model.samples));
+  n.shocks = capacity.shocks + n.runs();
   if (form_of(scene) == Form::implicit) {
     // under multipliers no more nodes than modes carry force
     const int modes = static_cast<int>(model.resonator.modes.size() + model.slider.modes.size());
-    n.pressed = std::min(n.nodes, scene.contact.law == ContactLaw::multiplier ? modes : room.nodes);
+    n.active =
+        std::min(n.nodes, scene.contact.law == ContactLaw::multiplier ? modes : capacity.nodes);
   }
   return n;
 }

@@ -6,7 +6,7 @@
 /// How a scene is laid out over the lanes and in memory.
 namespace ra2d {
 
-/// What a step of the scene is made of.
+/// The form of the scene's steps.
 Form form_of(const Scene& scene);
 
 /// The displacement series of a scene's resonator (kernels/tables.hpp, "Patches").
@@ -31,17 +31,17 @@ int first_flight_level(const Model& model);
 
 /// Rows of samples and shocks that a launch can hand out, and nodes that can carry force at once:
 /// the march stops where it needs more, and goes on once there is more.
-struct Room {
+struct Capacity {
   int samples = 4096;  // no more than the run has
   int shocks = 8192;   // beside what one step can end
   int nodes = 64;      // where forces are found together, and under the adaptive scheme
 };
 /// Of one of thousands on a GPU, where a launch makes a short way of each: what they hand out
 /// stands in memory of the host that cannot be swapped.
-inline constexpr Room room_on_a_gpu{.samples = 1024, .shocks = 1024, .nodes = 64};
+inline constexpr Capacity capacity_on_a_gpu{.samples = 1024, .shocks = 1024, .nodes = 64};
 
 /// Lengths of all arrays of a scene whose modes fill `lanes` lanes.
 Extents extents_of(const Model& model, const PatchSeries& series, int lanes, int width,
-                   const Room& room);
+                   const Capacity& capacity);
 
 }  // namespace ra2d

@@ -23,7 +23,7 @@ void march_one(const SceneTables& tables, SceneState& state, std::int64_t target
   template void march_one<form, Packs::at(i)>(const SceneTables&, SceneState&, std::int64_t)
 #endif
 
-/// ... for the lower and the upper half of these numbers: half a form a file.
+/// Compile it for the lower and the upper half of these numbers: half a form a file.
 #define RA2D_MARCH_FEW(form) \
   RA2D_MARCH(form, 0);       \
   RA2D_MARCH(form, 1)

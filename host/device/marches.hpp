@@ -6,7 +6,7 @@
 #include "kernels/tables.hpp"
 
 /// The marches, compiled for a few numbers of packs of modes in files of their own
-/// (host/device/march_*.cpp).
+/// (host/CMakeLists.txt makes them).
 namespace ra2d {
 
 /// The smallest number of packs of modes compiled for at least `needed`; 0 if there is none.

@@ -76,13 +76,13 @@ void DevicePool::give_back() noexcept {
   free_.clear();
 }
 
-ShareOfRoom::ShareOfRoom(RoomLeft* room, std::size_t bytes) {
+MemoryShare::MemoryShare(MemoryLeft* budget, std::size_t bytes) {
   const auto wanted = static_cast<std::int64_t>(bytes);
-  if (room != nullptr && room->fetch_sub(wanted) < wanted) {
-    *room += wanted;
+  if (budget != nullptr && budget->fetch_sub(wanted) < wanted) {
+    *budget += wanted;
     throw std::bad_alloc();
   }
-  room_ = room;
+  budget_ = budget;
   bytes_ = wanted;
 }
 

@@ -65,8 +65,9 @@ class DevicePool : public MemorySource {
   ~DevicePool() override { give_back(); }
   DevicePool(const DevicePool&) = delete;
   DevicePool& operator=(const DevicePool&) = delete;
-  /// One that is free and at the most a tenth too large (as much as backend_room leaves), or a new
-  /// one. Where that is more than it is to hold, or than there is, all that are free go back first.
+  /// One that is free and at the most a tenth too large (as much as backend_memory leaves), or a
+  /// new one. Where that is more than it is to hold, or than there is, all that are free go back
+  /// first.
   Block lend(std::size_t bytes) override;
   void take_back(char* data, std::size_t bytes) noexcept override;
 
@@ -84,26 +85,26 @@ class DevicePool : public MemorySource {
 };
 
 /// Bytes that all scenes of a batch have left.
-using RoomLeft = std::atomic<std::int64_t>;
+using MemoryLeft = std::atomic<std::int64_t>;
 
 /// A part of that, until it is destroyed.
-class ShareOfRoom {
+class MemoryShare {
  public:
-  ShareOfRoom() = default;
-  /// Throws std::bad_alloc where so much is not left. `room` may be none: then there is no limit.
-  ShareOfRoom(RoomLeft* room, std::size_t bytes);
-  ~ShareOfRoom() {
-    if (room_ != nullptr) *room_ += bytes_;
+  MemoryShare() = default;
+  /// Throws std::bad_alloc where so much is not left. `budget` may be none: then there is no limit.
+  MemoryShare(MemoryLeft* budget, std::size_t bytes);
+  ~MemoryShare() {
+    if (budget_ != nullptr) *budget_ += bytes_;
   }
-  ShareOfRoom(ShareOfRoom&& other) noexcept { *this = std::move(other); }
-  ShareOfRoom& operator=(ShareOfRoom&& other) noexcept {
-    std::swap(room_, other.room_);
+  MemoryShare(MemoryShare&& other) noexcept { *this = std::move(other); }
+  MemoryShare& operator=(MemoryShare&& other) noexcept {
+    std::swap(budget_, other.budget_);
     std::swap(bytes_, other.bytes_);
     return *this;
   }
 
  private:
-  RoomLeft* room_ = nullptr;
+  MemoryLeft* budget_ = nullptr;
   std::int64_t bytes_ = 0;
 };
 

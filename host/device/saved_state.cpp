@@ -33,7 +33,7 @@ std::string bind(const SavedState& saved, const Extents& n, CarriedState& bound)
   return fault;
 }
 
-/// What comes from a file may be neither true nor false.
+/// Whether a bool that may come from a file is true or false, and no other byte.
 bool is_truth(const bool& value) {
   unsigned char byte;
   std::memcpy(&byte, &value, 1);
@@ -42,9 +42,9 @@ bool is_truth(const bool& value) {
 
 bool has_sound_shocks(const CarriedState& s, const Extents& n) {
   std::vector<std::int64_t> serials;
-  for (int i = 0; i < s.open_count; ++i) {
-    const OpenShock& open = s.open[i];
-    if (!is_within(open.serial, 0, s.shocks_begun - 1) || !is_within(open.start, 0, open.last) ||
+  for (int i = 0; i < s.shocks.open_count; ++i) {
+    const OpenShock& open = s.shocks.open[i];
+    if (!is_within(open.serial, 0, s.shocks.begun - 1) || !is_within(open.start, 0, open.last) ||
         open.last > s.step)
       return false;
     serials.push_back(open.serial);
@@ -52,12 +52,14 @@ bool has_sound_shocks(const CarriedState& s, const Extents& n) {
   std::sort(serials.begin(), serials.end());
   if (std::adjacent_find(serials.begin(), serials.end()) != serials.end()) return false;
   // the next step that contact can be recorded at: implicit forms record it at a step's end
-  const std::int64_t next = n.pressed > 0 ? s.step + 1 : s.step;
-  for (int r = 0; r < s.run_count; ++r) {
-    const ContactRun& run = s.runs[r];
-    if (!is_within(run.first, r > 0 ? s.runs[r - 1].last + 1 : 0, run.last) || run.last >= n.nodes)
+  const std::int64_t next = n.active > 0 ? s.step + 1 : s.step;
+  for (int r = 0; r < s.shocks.run_count; ++r) {
+    const ContactRun& run = s.shocks.runs[r];
+    if (!is_within(run.first, r > 0 ? s.shocks.runs[r - 1].last + 1 : 0, run.last) ||
+        run.last >= n.nodes)
       return false;
-    if (s.runs_step >= next - 1 && !is_within(run.shock, 0, s.open_count - 1)) return false;
+    if (s.shocks.runs_step >= next - 1 && !is_within(run.shock, 0, s.shocks.open_count - 1))
+      return false;
   }
   return true;
 }
@@ -69,22 +71,23 @@ std::string fault_of(const SavedState& saved, const Extents& n, std::int64_t ste
   CarriedState s = saved.values;
   if (std::string fault = bind(saved, n, s); !fault.empty()) return fault;
   if (s.status != Status::running) return "it is of a run that has ended";
-  if (!is_truth(saved.values.begun) || !is_truth(saved.values.sample_pending))
+  if (!is_truth(saved.values.modal.begun) || !is_truth(saved.values.sampling.pending))
     return "it is no state";
   if (!is_within(s.step, 0, steps)) return "its step is beyond the run";
-  if (!is_within(s.next_sample, 0, samples)) return "its next sample is beyond the run";
-  if (!is_within(s.run_count, 0, n.runs()) || !is_within(s.open_count, 0, 2 * n.runs()) ||
-      s.shocks_begun < 0 || s.runs_step > s.step || !has_sound_shocks(s, n))
+  if (!is_within(s.sampling.next, 0, samples)) return "its next sample is beyond the run";
+  if (!is_within(s.shocks.run_count, 0, n.runs()) ||
+      !is_within(s.shocks.open_count, 0, 2 * n.runs()) || s.shocks.begun < 0 ||
+      s.shocks.runs_step > s.step || !has_sound_shocks(s, n))
     return "its shocks do not fit together";
-  if (!is_within(s.contact_nodes, 0, n.nodes)) return "its nodes in contact are too many";
-  for (const int node : s.contact_pair)
+  if (!is_within(s.latest_contact.nodes, 0, n.nodes)) return "its nodes in contact are too many";
+  for (const int node : s.latest_contact.pair)
     if (!is_within(node, 0, n.nodes - 1)) return "its nodes in contact are none of the slider's";
-  if (!is_within(s.closed_count, 0, n.closed)) return "its closed nodes are too many";
-  for (int e = 0; e < s.closed_count; ++e)
-    if (!is_within(s.closed[e], e > 0 ? s.closed[e - 1] + 1 : 0, n.nodes - 1))
+  if (!is_within(s.contacts.count, 0, n.contacts)) return "its closed nodes are too many";
+  for (int e = 0; e < s.contacts.count; ++e)
+    if (!is_within(s.contacts.nodes[e], e > 0 ? s.contacts.nodes[e - 1] + 1 : 0, n.nodes - 1))
       return "its closed nodes do not ascend";
-  if (!is_within(s.shape_terms, 1, 4)) return "its number of terms is none";
-  if (!is_within(s.level, 0, 60)) return "its flight is too long";
+  if (!is_within(s.control.shape_terms, 1, 4)) return "its number of terms is none";
+  if (!is_within(s.control.flight_level, 0, 60)) return "its flight is too long";
   return {};
 }
 

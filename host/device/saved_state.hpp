@@ -12,13 +12,13 @@ namespace ra2d {
 struct SavedState {
   CarriedState values;                         // its addresses mean nothing
   std::vector<std::vector<std::byte>> arrays;  // in the order in which visit_arrays names them
-  int room = 0;                                // Room::nodes, which may have grown
+  int node_capacity = 0;                       // Capacity::nodes, which may have grown
 };
 
-/// What a march could not go on from in a saved state, which may come from a file: empty where
-/// every length is that of the scene's arrays, and all that the kernels index with stays within
-/// them. `n`: lengths of the scene's arrays with the state's room; `steps`, `samples`: of the whole
-/// run.
+/// The fault for which a march cannot go on from a saved state, which may come from a file. Empty
+/// where every length is that of the scene's arrays, and all indices of the kernels stay within
+/// them. `n`: lengths of the scene's arrays with the state's capacity; `steps`, `samples`: of the
+/// whole run.
 std::string fault_of(const SavedState& saved, const Extents& n, std::int64_t steps,
                      std::int64_t samples);
 

@@ -14,7 +14,7 @@ namespace ra2d {
 
 namespace {
 
-/// What this process may have of the machine's memory: a container may have less than there is.
+/// Memory that this process may use: in a container less than the machine has.
 std::int64_t memory_of_machine() {
   std::int64_t most = std::int64_t{sysconf(_SC_PHYS_PAGES)} * sysconf(_SC_PAGESIZE);
   for (const char* file :
@@ -29,7 +29,7 @@ std::int64_t memory_of_machine() {
 BatchMemory::BatchMemory(Device* device_, std::size_t most)
     : device{device_},
       left{static_cast<std::int64_t>(most)},
-      room{most > 0 ? &left : nullptr},
+      budget{most > 0 ? &left : nullptr},
       left_on_host{memory_of_machine() / 8} {
   if (device == nullptr) {
     marched = std::make_unique<HostMemory>();
@@ -43,7 +43,7 @@ BatchMemory::BatchMemory(Device* device_, std::size_t most)
 }
 
 SharedTables::Handle SceneMemory::share(Block common, SceneTables& tables, const Extents& n,
-                                        bool beyond_room) const {
+                                        bool beyond_limit) const {
   Hash hash;
   visit_shared_arrays(tables, n, [&](const char*, const auto* array, std::size_t count) {
     hash.add(std::string_view(reinterpret_cast<const char*>(&count), sizeof count));
@@ -52,7 +52,7 @@ SharedTables::Handle SceneMemory::share(Block common, SceneTables& tables, const
   const std::size_t bytes = common.bytes();
   return batch_->shared.get(hash.text(), bytes, [&] {
     SharedTables::Entry entry;
-    entry.share = ShareOfRoom(beyond_room ? nullptr : batch_->room, bytes);
+    entry.share = MemoryShare(beyond_limit ? nullptr : batch_->budget, bytes);
     if (batch_->device == nullptr) {
       entry.block = std::move(common);
     } else {

@@ -26,7 +26,7 @@ class SharedTables {
  public:
   struct Entry {
     Block block;
-    ShareOfRoom share;
+    MemoryShare share;
   };
   using Handle = std::shared_ptr<const Entry>;
 
@@ -39,9 +39,9 @@ class SharedTables {
     if (Handle entry = find(key)) return entry;
     Handle made = std::make_shared<const Entry>(make());
     const std::lock_guard lock(mutex_);
-    std::weak_ptr<const Entry>& known = entries_[key];
-    if (Handle entry = known.lock()) return entry;
-    known = made;
+    std::weak_ptr<const Entry>& kept = entries_[key];
+    if (Handle entry = kept.lock()) return entry;
+    kept = made;
     std::erase_if(entries_, [](const auto& e) { return e.second.expired(); });
     return made;
   }
@@ -58,22 +58,22 @@ class SharedTables {
   using Key = std::pair<std::string, std::size_t>;
   Handle find(const Key& key) const {
     const std::lock_guard lock(mutex_);
-    const auto known = entries_.find(key);
-    return known == entries_.end() ? nullptr : known->second.lock();
+    const auto found = entries_.find(key);
+    return found == entries_.end() ? nullptr : found->second.lock();
   }
   mutable std::mutex mutex_;
   std::map<Key, std::weak_ptr<const Entry>> entries_;
 };
 
-/// What the scenes of a batch take their memory from.
+/// The memory of the scenes of a batch.
 struct BatchMemory {
   /// `most`: bytes for all of them together; 0: as many as there are. `device`: none for the host.
   BatchMemory(Device* device, std::size_t most);
 
   Device* device;
-  RoomLeft left;
-  RoomLeft* room;                         // none without a limit
-  RoomLeft left_on_host;                  // beside a device: memory that cannot be swapped
+  MemoryLeft left;
+  MemoryLeft* budget;                     // none without a limit
+  MemoryLeft left_on_host;                // beside a device: memory that cannot be swapped
   std::unique_ptr<DeviceQueue> queue;     // of the device
   std::unique_ptr<MemorySource> marched;  // where marches read and write
   std::unique_ptr<MemorySource> handed;   // where both do, marches and the host
@@ -87,38 +87,38 @@ class SceneMemory {
  public:
   explicit SceneMemory(BatchMemory& batch) : batch_{&batch} {}
 
-  /// Memory for what the scene hands out; sets its addresses. Throws std::bad_alloc, as do all of
+  /// Memory for the scene's record; sets its addresses. Throws std::bad_alloc, as do all of
   /// these.
-  void provide(HandOut& handed, const Extents& n) {
-    const auto arrays = [&](auto&& visit) { visit_arrays(handed, n, visit); };
+  void provide(RecordBuffers& out, const Extents& n) {
+    const auto arrays = [&](auto&& visit) { visit_arrays(out, n, visit); };
     const std::size_t bytes = lay_out(nullptr, arrays);
-    handed_share_ = ShareOfRoom(on_host() ? batch_->room : &batch_->left_on_host, bytes);
+    handed_share_ = MemoryShare(on_host() ? batch_->budget : &batch_->left_on_host, bytes);
     handed_ = batch_->handed->lend(bytes);
     lay_out(handed_.data(), arrays);
   }
 
   /// Memory for all other arrays, zero at first; sets their addresses, and brings there what
-  /// `fill(HostCopy)` writes into tables and carried state. `beyond_room`: whatever is left for
-  /// others; its share of the room stays what it was. Where it throws, the memory that it had is
+  /// `fill(HostCopy)` writes into tables and carried state. `beyond_limit`: whatever is left for
+  /// others; its share of the budget stays what it was. Where it throws, the memory that it had is
   /// still its own.
   template <class Fill>
-  void provide(SceneTables& tables, SceneState& state, const Extents& n, bool beyond_room,
+  void provide(SceneTables& tables, SceneState& state, const Extents& n, bool beyond_limit,
                const Fill& fill) {
     const auto shared = [&](auto&& visit) { visit_shared_arrays(tables, n, visit); };
     const auto filled = [&](auto&& visit) {
       visit_own_arrays(tables, n, visit);
-      visit_arrays(static_cast<CarriedState&>(state), n, visit);
-      visit_arrays(static_cast<Marks&>(state), n, visit);
+      visit_arrays(state.carried, n, visit);
+      visit_arrays(state.marks, n, visit);
     };
     const auto own = [&](auto&& visit) {
       filled(visit);
-      visit_arrays(static_cast<Caches&>(state), n, visit);
-      visit_arrays(static_cast<WorkSpace&>(state), n, visit);
+      visit_arrays(state.caches, n, visit);
+      visit_arrays(state.work, n, visit);
     };
     Block common = batch_->host.lend(lay_out(nullptr, shared));
     lay_out(common.data(), shared);
     const std::size_t bytes = lay_out(nullptr, own), filled_bytes = lay_out(nullptr, filled);
-    ShareOfRoom room(beyond_room ? nullptr : batch_->room, bytes);
+    MemoryShare taken(beyond_limit ? nullptr : batch_->budget, bytes);
     Block block = batch_->marched->lend(bytes);
     lay_out(block.data(), own);
     if (on_host()) {
@@ -130,10 +130,10 @@ class SceneMemory {
       batch_->queue->zero(block.data() + filled_bytes, bytes - filled_bytes);
       batch_->queue->wait();
     }
-    shared_ = share(std::move(common), tables, n, beyond_room);
+    shared_ = share(std::move(common), tables, n, beyond_limit);
     lay_out(shared_->block.data(), shared);
     std::swap(own_, block);
-    if (!beyond_room) std::swap(own_share_, room);
+    if (!beyond_limit) std::swap(own_share_, taken);
   }
 
   /// Copies what stands where scenes are marched, or puts it there; `there` is an address of it.
@@ -187,11 +187,11 @@ class SceneMemory {
 
   /// The tables in `common`, or those that another scene has and that are the same.
   SharedTables::Handle share(Block common, SceneTables& tables, const Extents& n,
-                             bool beyond_room) const;
+                             bool beyond_limit) const;
 
   BatchMemory* batch_;
-  // in this order: memory goes back before what it took of the room
-  ShareOfRoom handed_share_, own_share_;
+  // in this order: memory goes back before what it took of the budget
+  MemoryShare handed_share_, own_share_;
   Block handed_, own_;
   SharedTables::Handle shared_;
 };

@@ -25,7 +25,7 @@ double fourth_derivative(const Mode& mode, double largest_shape, double passing_
 /// The largest rise of a face from a node to the next [m].
 double steepest_rise(const double* height, int count);
 
-/// highest[n] = the highest of height[n] and the `ahead` after it (SceneTables::highest2).
+/// highest[n] = the highest of height[n] and the `ahead` after it (FaceTables::highest2).
 void fill_highest(const double* height, int count, int ahead, double* highest);
 
 /// Bound on the rounding of the rough faces' part of a gap whose terms add up to at most `scale`

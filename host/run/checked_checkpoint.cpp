@@ -30,7 +30,7 @@ CheckedCheckpoint check_checkpoint(const std::filesystem::path& file) {
     found.what = fmt::format(
         "a checkpoint of {}, {} steps into its run; {} segment{} of its outputs, {:.1f} MB, all "
         "with their hashes",
-        checkpoint.identity.program, checkpoint.accounts.now.strides, checkpoint.segments.size(),
+        checkpoint.identity.program, checkpoint.accounts.now.steps_made, checkpoint.segments.size(),
         checkpoint.segments.size() == 1 ? "" : "s", bytes * 1e-6);
   } catch (const CorruptFile& fault) {
     found.faults.push_back(fmt::format("it is {}", fault.what()));

@@ -24,7 +24,7 @@ bool fits(const Snapshot& s, const Model& model) {
   const std::size_t resonator = model.resonator.modes.size(), slider = model.slider.modes.size();
   return s.resonator_u.size() == resonator && s.resonator_v.size() == resonator &&
          s.resonator_square.size() == resonator && s.slider_u.size() == slider &&
-         s.slider_v.size() == slider && s.step >= 0 && s.step <= model.steps && s.strides >= 0;
+         s.slider_v.size() == slider && s.step >= 0 && s.step <= model.steps && s.steps_made >= 0;
 }
 
 /// The first of the accounts that does not fit the scene or the state; empty where all fit.
@@ -38,9 +38,9 @@ std::string fault_of(const Checkpoint& c, const Model& model, Outputs outputs) {
   }
   if (!fits(a.begin, model) || !fits(a.now, model)) return "its accounts are of another scene";
   if (a.now.step != c.state.values.step || a.now.status != Status::running ||
-      a.now.shocks_begun != c.state.values.shocks_begun ||
-      std::ssize(a.now.open_shocks) != c.state.values.open_count || a.begin.step > a.now.step ||
-      a.samples < 0 || a.samples > model.samples)
+      a.now.shocks_begun != c.state.values.shocks.begun ||
+      std::ssize(a.now.open_shocks) != c.state.values.shocks.open_count ||
+      a.begin.step > a.now.step || a.samples < 0 || a.samples > model.samples)
     return "its accounts and its state are of two moments";
   if (outputs == Outputs::kept && samples != a.samples)
     return "its outputs and its accounts do not agree";

@@ -115,13 +115,13 @@ void visit_members(Identity& i, Archive& archive) {
 }
 template <class Archive>
 void visit_members(SavedState& s, Archive& archive) {
-  archive(s.values, s.arrays, s.room);
+  archive(s.values, s.arrays, s.node_capacity);
 }
 template <class Archive>
 void visit_members(Snapshot& s, Archive& archive) {
   archive(s.status, s.step, s.resonator_u, s.resonator_v, s.slider_u, s.slider_v,
           s.resonator_square, s.contact_steps, s.most_nodes, s.evaluated, s.shocks_begun, s.energy,
-          s.energy_limit, s.sliding_work, s.force_work, s.open_shocks, s.strides);
+          s.energy_limit, s.sliding_work, s.force_work, s.open_shocks, s.steps_made);
 }
 template <class Archive>
 void visit_members(EnergyAccount& account, Archive& archive) {

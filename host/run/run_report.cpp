@@ -52,7 +52,7 @@ std::string describe_limit(const Model& model, int nodes) {
 
 std::string describe_failure(const Model& model, const Snapshot& end) {
   const std::string when = fmt::format("t = {:.6g} s (step {})",
-                                       static_cast<double>(end.step) * model.tick, end.strides);
+                                       static_cast<double>(end.step) * model.tick, end.steps_made);
   if (end.status == Status::blocked)
     return fmt::format(
         "no motion of the kept modes keeps the faces apart at {}: keep more modes (max_frequency), "

@@ -170,7 +170,7 @@ Simulation::Simulation(const SimulationOptions& options) : options_{options} {}
 void Simulation::run(const Make& make, const std::function<void(SceneRun&)>& done,
                      const std::function<void()>& between,
                      const std::function<void(SceneRun&)>& too_large) {
-  if (options_.batch.memory == 0) options_.batch.memory = backend_room();
+  if (options_.batch.memory == 0) options_.batch.memory = backend_memory();
   Batch batch(options_.slots, options_.batch);
   batch_ = &batch;
   scenes_.assign(static_cast<std::size_t>(options_.slots), nullptr);

@@ -64,7 +64,7 @@ class SceneRun {
   /// Whether it ended: by itself, or at one of its limits.
   bool over() const;
   double time() const { return static_cast<double>(accounts_.now.step) * model_.tick; }  // s
-  std::int64_t steps_made() const { return accounts_.now.strides; }
+  std::int64_t steps_made() const { return accounts_.now.steps_made; }
   /// Processor time of the march in this process [s].
   double processor_seconds() const { return processor_seconds_; }
 

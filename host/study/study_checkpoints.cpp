@@ -73,7 +73,7 @@ std::optional<Checkpoint> StudyCheckpoints::last(RunFiles& files, const std::str
   }
   files.remove_after_checkpoint();
   ++went_on_;
-  steps_saved_ += found.checkpoint->accounts.now.strides;
+  steps_saved_ += found.checkpoint->accounts.now.steps_made;
   return std::move(found.checkpoint);
 }
 

@@ -187,8 +187,8 @@ class Worker {
   /// while the other's runs are marched.
   void march_on_a_gpu(int jobs) {
     const int crews = std::min(2, jobs);
-    const BatchOptions batch{.room = room_on_a_gpu,
-                             .memory = backend_room() / static_cast<std::size_t>(crews)};
+    const BatchOptions batch{.capacity = capacity_on_a_gpu,
+                             .memory = backend_memory() / static_cast<std::size_t>(crews)};
     const auto begin = [&](int crew) {
       march(crew, std::min((jobs + crews - 1) / crews, slots_of_a_gpu / crews), batch);
     };

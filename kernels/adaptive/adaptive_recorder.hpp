@@ -6,7 +6,7 @@
 #include "kernels/adaptive/crossing.hpp"
 #include "kernels/adaptive/flight.hpp"
 #include "kernels/adaptive/modal_state.hpp"
-#include "kernels/adaptive/push.hpp"
+#include "kernels/adaptive/moving_force_series.hpp"
 #include "kernels/adaptive/series.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/place.hpp"
@@ -19,112 +19,150 @@ namespace ra2d {
 /// The record of the motion itself: samples at their own times, sums and shocks integrated over the
 /// series. Nothing of it depends on where a launch ends: when the samples of a step do not fit into
 /// their buffer, the step is done again in the next launch.
-template <class Lanes, int K>
+template <class Lanes, int packs>
 class AdaptiveRecorder {
   using Real = typename Lanes::Real;
-  using Modes = ModalState<Lanes, K>;
+  using Modes = ModalState<Lanes, packs>;
+  using Series = ModalSeries<Lanes, packs>;
   static constexpr int width = Lanes::width;
 
  public:
-  KOKKOS_FUNCTION AdaptiveRecorder(const Lanes& lanes, const SceneTables& tables, SceneState& state,
-                                   const Flight<Lanes, K>& flight,
-                                   const ModalSeries<Lanes, K>& series, const Push<Lanes, K>& push)
-      : lanes_{lanes}, t_{tables}, s_{state}, flight_{flight}, series_{series}, push_{push} {}
+  KOKKOS_FUNCTION AdaptiveRecorder(const Lanes& lanes, const ModeTables& modes,
+                                   const SliderMotion& motion, const ContactTables& contact,
+                                   const SeriesTables& adaptive, const RecordTables& output,
+                                   const Flight<Lanes, packs>& flight,
+                                   const MovingForceSeries<Lanes, packs>& moving_forces,
+                                   CarriedState& carried, ContactList& contact_list,
+                                   RunBuffer& runs, ContactSpans& spans, double* polynomial,
+                                   RecordBuffers& out)
+      : lanes_{lanes},
+        modes_{modes},
+        motion_{motion},
+        contact_{contact},
+        adaptive_{adaptive},
+        output_{output},
+        flight_{flight},
+        moving_forces_{moving_forces},
+        modal_{carried.modal},
+        sums_{carried.sums},
+        sampling_{carried.sampling},
+        shocks_{carried.shocks},
+        contacts_{carried.contacts},
+        contact_list_{contact_list},
+        runs_{runs},
+        spans_{spans},
+        polynomial_{polynomial},
+        samples_{out.samples},
+        ended_{out.ended_shocks} {}
 
-  /// The samples within the `ticks` after `step`, of modes that fly from there. False when the
+  /// The samples within the `ticks` after `tick`, of modes that fly from there. False when the
   /// buffer is full.
-  KOKKOS_FUNCTION bool fly_samples(std::int64_t step, const Modes& now, std::int64_t ticks) const {
-    if (is_complete() || sample_tick() >= step + ticks) return true;
+  KOKKOS_FUNCTION bool fly_samples(std::int64_t tick, const Modes& now, std::int64_t ticks) const {
+    if (is_complete() || sample_tick() >= tick + ticks) return true;
     // each from the one before, those too that the launch before has written: what is flown in one
     // leap and in two has other roundings
-    const auto apart = static_cast<std::int64_t>(t_.steps_per_sample);
-    std::int64_t at = step;
+    const auto apart = static_cast<std::int64_t>(output_.steps_per_sample);
+    std::int64_t at = tick;
     Modes there = now;
-    for (std::int64_t sample = (step + apart - 1) / apart * apart; sample < step + ticks;
+    for (std::int64_t sample = (tick + apart - 1) / apart * apart; sample < tick + ticks;
          sample += apart) {
       if (is_complete()) break;
       flight_(there.u, there.v, there.square, sample - at);
       at = sample;
       if (sample < sample_tick()) continue;
-      if (!has_room_for_sample()) return false;
+      if (!can_take_sample()) return false;
       write_sample(there, Contact{});
     }
     return true;
   }
 
-  /// ... of modes that follow their series, whose squares are found here.
-  KOKKOS_FUNCTION bool drive_samples(std::int64_t step, const Modes& now,
+  /// The samples of modes that follow their series, whose squares are expanded here.
+  KOKKOS_FUNCTION bool drive_samples(const Series& series, std::int64_t tick, const Modes& now,
                                      std::int64_t ticks) const {
-    series_.expand_squares();
-    while (!is_complete() && sample_tick() < step + ticks) {
-      if (!has_room_for_sample()) return false;
-      const double x = series_.x_at(sample_tick() - step);
+    series.expand_squares();
+    while (!is_complete() && sample_tick() < tick + ticks) {
+      if (!can_take_sample()) return false;
+      const double x = series.x_at(sample_tick() - tick);
       Modes there;
-      series_.state(x, there.u, there.v);
-      series_.squares(x, there.square);
-      for (int p = 0; p < K; ++p) there.square[p] = now.square[p] + there.square[p];
-      write_sample(there, contact_at(x));
+      series.state(x, there.u, there.v);
+      series.squares(x, there.square);
+      for (int p = 0; p < packs; ++p) there.square[p] = now.square[p] + there.square[p];
+      write_sample(there, contact_at(series, x));
     }
     return true;
   }
 
-  KOKKOS_FORCEINLINE_FUNCTION bool is_complete() const { return s_.next_sample >= t_.samples; }
-  KOKKOS_FORCEINLINE_FUNCTION bool has_room_for_sample() const {
-    return s_.sample_count < s_.sample_capacity;
+  KOKKOS_FORCEINLINE_FUNCTION bool is_complete() const { return sampling_.next >= output_.samples; }
+  KOKKOS_FORCEINLINE_FUNCTION bool can_take_sample() const {
+    return samples_.count < samples_.capacity;
   }
   /// The sample that falls on the end of the scene. If any node is in contact, the series are those
   /// from there on.
-  KOKKOS_FUNCTION void write_last_sample(const Modes& now) const {
+  KOKKOS_FUNCTION void write_last_sample(const Series& series, const Modes& now) const {
     Contact contact;
-    if (s_.closed_count > 0) contact = contact_at(0.0);
+    if (contacts_.count > 0) contact = contact_at(series, 0.0);
     write_sample(now, contact);
   }
 
-  /// Takes in a flight that ends at `step`.
-  KOKKOS_FUNCTION void add_flight(std::int64_t step) const {
-    if (lanes_.leader() && s_.open_count > 0) end_shocks(s_, step);
+  /// Takes in a flight that begins at `tick`.
+  KOKKOS_FUNCTION void add_flight(std::int64_t tick) const {
+    if (lanes_.leader() && shocks_.open_count > 0) end_shocks(shocks_, ended_, tick);
     lanes_.sync();
   }
-  /// Takes in the `ticks` after `step`, up to `end` in units of the series, with the nodes in
+  /// Takes in the `ticks` after `tick`, up to `end` in units of the series, with the nodes in
   /// contact and their hulls.
-  KOKKOS_FUNCTION void add_drive(const Place& place, std::int64_t step, std::int64_t ticks,
-                                 double end) const {
+  KOKKOS_FUNCTION void add_drive(const Series& series, const Place& place, std::int64_t tick,
+                                 std::int64_t ticks, double end) const {
     if (ticks == 0) return;
-    sum_nodes(end);
-    const double sliding = sliding_work(), moving = push_.work(series_, end);
+    sum_nodes(series, end);
+    const double sliding = sliding_work(), moving = moving_forces_.work(series, end);
     if (!lanes_.leader()) return;
-    s_.sliding_work += sliding;
-    s_.force_work += moving;
-    const int count = s_.closed_count;
+    sums_.sliding_work += sliding;
+    sums_.force_work += moving;
+    const int count = contacts_.count;
     if (count == 0) {
-      if (s_.open_count > 0) end_shocks(s_, step);
+      if (shocks_.open_count > 0) end_shocks(shocks_, ended_, tick);
       return;
     }
-    s_.contact_steps += ticks;
-    if (count > s_.most_nodes) s_.most_nodes = count;
-    add_shocks(place, step, ticks, end);
+    sums_.contact_steps += ticks;
+    if (count > sums_.most_nodes) sums_.most_nodes = count;
+    add_shocks(series, place, tick, ticks, end);
   }
 
   /// Sums are kept in two parts, so that many small terms are not added to one large number.
   KOKKOS_FUNCTION void close_parts(Modes& now) const {
-    for (int p = 0; p < K; ++p) {
-      lanes_.store(s_.square + p * width, lanes_.load(s_.square + p * width) + now.square[p]);
+    for (int p = 0; p < packs; ++p) {
+      lanes_.store(modal_.square + p * width,
+                   lanes_.load(modal_.square + p * width) + now.square[p]);
       now.square[p] = Real(0.0);
     }
   }
 
  private:
-  const Lanes& lanes_;
-  const SceneTables& t_;
-  SceneState& s_;
-  const Flight<Lanes, K>& flight_;
-  const ModalSeries<Lanes, K>& series_;
-  const Push<Lanes, K>& push_;
+  Lanes lanes_;
+  const ModeTables& modes_;
+  const SliderMotion& motion_;
+  const ContactTables& contact_;
+  const SeriesTables& adaptive_;
+  const RecordTables& output_;
+  Flight<Lanes, packs> flight_;
+  MovingForceSeries<Lanes, packs> moving_forces_;
+  CarriedModes& modal_;
+  RunningSums& sums_;
+  Sampling& sampling_;
+  ShockTracking& shocks_;
+  const ContactSet& contacts_;
+  ContactList& contact_list_;
+  RunBuffer& runs_;
+  ContactSpans& spans_;
+  double* polynomial_;
+  SampleBuffer& samples_;
+  ShockBuffer& ended_;
 
   // ---- samples
 
   KOKKOS_FORCEINLINE_FUNCTION std::int64_t sample_tick() const {
-    return s_.next_sample * static_cast<std::int64_t>(t_.steps_per_sample);
+    return sampling_.next * static_cast<std::int64_t>(output_.steps_per_sample);
   }
 
   /// A sample's contact, and the works since the step began.
@@ -132,42 +170,42 @@ class AdaptiveRecorder {
     double force = 0, energy = 0, sliding_work = 0, force_work = 0;
     int nodes = 0;
   };
-  KOKKOS_FUNCTION Contact contact_at(double x) const {
+  KOKKOS_FUNCTION Contact contact_at(const Series& series, double x) const {
     Contact contact;
-    for (int e = 0; e < s_.closed_count; ++e) {
-      const double over = polynomial(series_.overlap(e), series_.degree(), x);
-      contact.force += t_.node_stiffness * over;
-      contact.energy += 0.5 * t_.node_stiffness * over * over;
+    for (int e = 0; e < contacts_.count; ++e) {
+      const double over = polynomial(series.overlap(e), series.degree(), x);
+      contact.force += contact_.node_stiffness * over;
+      contact.energy += 0.5 * contact_.node_stiffness * over * over;
     }
-    contact.nodes = s_.closed_count;
-    sum_nodes(x);
+    contact.nodes = contacts_.count;
+    sum_nodes(series, x);
     contact.sliding_work = sliding_work();
-    contact.force_work = push_.work(series_, x);
+    contact.force_work = moving_forces_.work(series, x);
     return contact;
   }
 
   KOKKOS_FUNCTION void write_sample(const Modes& at, const Contact& contact) const {
-    double* row = s_.sample_rows +
-                  static_cast<std::int64_t>(s_.sample_count) * (2 * K * width + sample::columns);
+    double* row = samples_.rows +
+                  static_cast<std::int64_t>(samples_.count) * (2 * packs * width + sample::columns);
     Real loss(0.0);
-    for (int p = 0; p < K; ++p) {
+    for (int p = 0; p < packs; ++p) {
       lanes_.store(row + p * width, at.u[p]);
-      lanes_.store(row + (K + p) * width, at.v[p]);
-      loss = multiply_add(lanes_.load(t_.damping + p * width),
-                          lanes_.load(s_.square + p * width) + at.square[p], loss);
+      lanes_.store(row + (packs + p) * width, at.v[p]);
+      loss = multiply_add(lanes_.load(modes_.damping + p * width),
+                          lanes_.load(modal_.square + p * width) + at.square[p], loss);
     }
     const double damping_loss = lanes_.sum(loss);
     lanes_.sync();
     if (lanes_.leader()) {
-      double* column = row + 2 * K * width;
+      double* column = row + 2 * packs * width;
       column[sample::force] = contact.force;
       column[sample::nodes] = contact.nodes;
       column[sample::contact_energy] = contact.energy;
       column[sample::damping_loss] = damping_loss;
-      column[sample::sliding_work] = s_.sliding_work + contact.sliding_work;
-      column[sample::force_work] = s_.force_work + contact.force_work;
-      ++s_.sample_count;
-      ++s_.next_sample;
+      column[sample::sliding_work] = sums_.sliding_work + contact.sliding_work;
+      column[sample::force_work] = sums_.force_work + contact.force_work;
+      ++samples_.count;
+      ++sampling_.next;
     }
     lanes_.sync();
   }
@@ -175,25 +213,25 @@ class AdaptiveRecorder {
   // ---- sums over the nodes in contact
 
   /// Their integrals from the beginning of the step to x, by a Gauss rule.
-  KOKKOS_FUNCTION void sum_nodes(double x) const {
-    const int n = series_.degree();
-    for (int e = 0; e < s_.closed_count; ++e) {
-      const double *o = series_.overlap(e), *c = series_.climb(e);
-      constexpr int packs = (gauss_points + width - 1) / width;
-      Real at[packs], over[packs], climb[packs];
-      for (int g = 0; g < packs; ++g) {
-        at[g] = Real(x) * lanes_.load(t_.gauss + g * width);
+  KOKKOS_FUNCTION void sum_nodes(const Series& series, double x) const {
+    const int n = series.degree();
+    for (int e = 0; e < contacts_.count; ++e) {
+      const double *o = series.overlap(e), *c = series.climb(e);
+      constexpr int points = (gauss_points + width - 1) / width;  // packs of them
+      Real at[points], over[points], climb[points];
+      for (int g = 0; g < points; ++g) {
+        at[g] = Real(x) * lanes_.load(adaptive_.gauss + g * width);
         over[g] = Real(o[n]);
         climb[g] = Real(c[n]);
       }
       for (int j = n - 1; j >= 0; --j)
-        for (int g = 0; g < packs; ++g) {
+        for (int g = 0; g < points; ++g) {
           over[g] = multiply_add(over[g], at[g], Real(o[j]));
           climb[g] = multiply_add(climb[g], at[g], Real(c[j]));
         }
       Real sum(0.0), moment(0.0), work(0.0);
-      for (int g = 0; g < packs; ++g) {
-        const Real weighted = lanes_.load(t_.gauss + gauss_room + g * width) * over[g];
+      for (int g = 0; g < points; ++g) {
+        const Real weighted = lanes_.load(adaptive_.gauss + gauss_row + g * width) * over[g];
         sum = sum + weighted;
         moment = multiply_add(weighted, at[g], moment);
         work = multiply_add(weighted, climb[g], work);
@@ -201,61 +239,62 @@ class AdaptiveRecorder {
       double of_sum, of_moment;
       lanes_.sum(sum, moment, of_sum, of_moment);
       const NodeSums sums{x * of_sum, x * of_moment, x * lanes_.sum(work)};
-      if (lanes_.leader()) s_.closed_sums[e] = sums;
+      if (lanes_.leader()) spans_.sums[e] = sums;
     }
     lanes_.sync();
   }
   /// Work of the imposed motion, sum_n f_n V (dh_2/dx + du_2/dx) [J].
   KOKKOS_FUNCTION double sliding_work() const {
     double work = 0.0;
-    for (int e = 0; e < s_.closed_count; ++e) work += s_.closed_sums[e].work;
-    return t_.node_stiffness * work;
+    for (int e = 0; e < contacts_.count; ++e) work += spans_.sums[e].work;
+    return contact_.node_stiffness * work;
   }
 
   // ---- shocks; on the leader alone
 
-  KOKKOS_FUNCTION void add_shocks(const Place& place, std::int64_t step, std::int64_t ticks,
-                                  double end) const {
-    const int count = s_.closed_count;
-    const double newton_ticks = t_.node_stiffness * series_.scale() / t_.step;
-    const double way = t_.advance * (series_.scale() / t_.step);  // chi per x
+  KOKKOS_FUNCTION void add_shocks(const Series& series, const Place& place, std::int64_t tick,
+                                  std::int64_t ticks, double end) const {
+    const int count = contacts_.count;
+    const double newton_ticks = contact_.node_stiffness * series.scale() / motion_.time_step;
+    const double advance = motion_.advance * (series.scale() / motion_.time_step);  // chi per x
     for (int e = 0; e < count; ++e) {
-      s_.touched[e] = s_.closed[e];
-      s_.touched_force[e] = newton_ticks * s_.closed_sums[e].overlap;
+      contact_list_.nodes[e] = contacts_.nodes[e];
+      contact_list_.forces[e] = newton_ticks * spans_.sums[e].overlap;
     }
-    join_shocks(s_, step, step + ticks - 1, place.base + place.theta, count, [&](int e) {
-      return Kokkos::fma(s_.touched_force[e], s_.touched[e],
-                         newton_ticks * way * s_.closed_sums[e].moment);
-    });
-    for (int i = 0; i < s_.open_count; ++i) {
-      const double peak = highest_force(i, end);
-      if (peak > s_.open[i].peak) s_.open[i].peak = peak;
+    join_shocks(shocks_, runs_, ended_, contact_list_, count, tick, tick + ticks - 1,
+                place.base + place.theta, [&](int e) {
+                  return Kokkos::fma(contact_list_.forces[e], contact_list_.nodes[e],
+                                     newton_ticks * advance * spans_.sums[e].moment);
+                });
+    for (int i = 0; i < shocks_.open_count; ++i) {
+      const double peak = highest_force(series, i, end);
+      if (peak > shocks_.open[i].peak) shocks_.open[i].peak = peak;
     }
   }
 
   /// The largest sum of the forces that belong to open shock i, over the step [N]; 0 where it
   /// cannot be more than the peak so far.
-  KOKKOS_FUNCTION double highest_force(int i, double end) const {
-    const int n = series_.degree();
+  KOKKOS_FUNCTION double highest_force(const Series& series, int i, double end) const {
+    const int n = series.degree();
     const double* sum = nullptr;
     double falling = 0.0, rising = 0.0, most = 0.0;
     int e = 0;
-    for (int r = 0; r < s_.run_count; ++r)
-      for (; e < s_.closed_count && s_.closed[e] <= s_.runs[r].last; ++e) {
-        if (s_.runs[r].shock != i) continue;
-        const double* o = series_.overlap(e);
-        const Hull& hull = s_.closed_hull[e];
+    for (int r = 0; r < shocks_.run_count; ++r)
+      for (; e < contacts_.count && contacts_.nodes[e] <= shocks_.runs[r].last; ++e) {
+        if (shocks_.runs[r].shock != i) continue;
+        const double* o = series.overlap(e);
+        const Hull& hull = spans_.hulls[e];
         falling += hull.falling;
         rising += hull.rising;
         most += hull.most;
         if (sum == nullptr) {
           sum = o;
         } else {
-          for (int j = 0; j <= n; ++j) s_.scan[j] = sum[j] + o[j];
-          sum = s_.scan;
+          for (int j = 0; j <= n; ++j) polynomial_[j] = sum[j] + o[j];
+          sum = polynomial_;
         }
       }
-    if (sum == nullptr || t_.node_stiffness * most <= s_.open[i].peak) return 0.0;
+    if (sum == nullptr || contact_.node_stiffness * most <= shocks_.open[i].peak) return 0.0;
     double highest;
     if (rising <= 0.0)
       highest = sum[0];
@@ -263,7 +302,7 @@ class AdaptiveRecorder {
       highest = polynomial(sum, n, end);
     else
       highest = highest_value(sum, n, end);
-    return t_.node_stiffness * highest;
+    return contact_.node_stiffness * highest;
   }
 };
 

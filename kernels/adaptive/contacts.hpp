@@ -11,74 +11,89 @@
 
 namespace ra2d {
 
-/// The nodes in contact, in ascending order (CarriedState::closed): the same from the beginning of
-/// a step to its end. At its end some let go, and others come in: those that were flagged and
-/// searched (kernels/adaptive/overlaps.hpp).
-template <class Lanes, int K>
+/// The nodes in contact, in ascending order (CarriedState::contacts): the same from the beginning
+/// of a step to its end. At its end some contacts end, and others begin: at nodes that were flagged
+/// and searched (kernels/adaptive/overlaps.hpp).
+template <class Lanes, int packs>
 class Contacts {
  public:
-  KOKKOS_FUNCTION Contacts(const Lanes& lanes, const SceneTables& tables, SceneState& state,
-                           const ModalSeries<Lanes, K>& series)
-      : lanes_{lanes}, t_{tables}, s_{state}, series_{series} {}
+  /// `watched`: the nodes that Overlaps flags; `onsets`: where their contacts begin; `bernstein`:
+  /// work space.
+  KOKKOS_FUNCTION Contacts(const Lanes& lanes, const SeriesTables& adaptive, ContactSet& contacts,
+                           ContactSpans& spans, const int* watched, const double* onsets,
+                           double* bernstein)
+      : lanes_{lanes},
+        adaptive_{adaptive},
+        contacts_{contacts},
+        spans_{spans},
+        watched_{watched},
+        onsets_{onsets},
+        bernstein_{bernstein} {}
 
-  /// Where the first of them lets go, in units of the series; beyond `end` if none. To let go, an
-  /// overlap must come to -touch. Leaves the hulls of their overlaps up to `end`.
-  KOKKOS_FUNCTION double first_to_let_go(double end, double touch) const {
+  /// Where the first of these contacts ends, in units of the series; beyond `end` if none does. A
+  /// contact ends where its overlap comes to -tolerance. Leaves the hulls of the overlaps up to
+  /// `end`.
+  KOKKOS_FUNCTION double first_end(const ModalSeries<Lanes, packs>& series, double end,
+                                   double tolerance) const {
     double first = 2.0 * end + 1.0;
-    for (int e = 0; e < s_.closed_count; ++e) {
-      const double* o = series_.overlap(e);
-      const int n = series_.degree();
-      const Hull hull = hull_of(lanes_, t_, o, n, end, s_.hull_room);
+    for (int e = 0; e < contacts_.count; ++e) {
+      const double* o = series.overlap(e);
+      const int n = series.degree();
+      const Hull hull = hull_of(lanes_, adaptive_, o, n, end, bernstein_);
       double x = 2.0 * end + 1.0;
-      if (hull.least <= -0.75 * touch)
-        x = first_crossing(o, n, -1.0, touch, 0.25 * touch, end, hull.curve);
+      if (hull.least <= -0.75 * tolerance)
+        x = first_crossing(o, n, -1.0, tolerance, 0.25 * tolerance, end, hull.curve);
       if (lanes_.leader()) {
-        s_.closed_hull[e] = hull;
-        s_.closed_roots[e] = x;
+        spans_.hulls[e] = hull;
+        spans_.ends[e] = x;
       }
       if (x < first) first = x;
     }
     lanes_.sync();
     return first;
   }
-  /// Takes out those that have let go by x.
-  KOKKOS_FUNCTION void open(double x) const {
+  /// Takes out the nodes whose contact has ended by x.
+  KOKKOS_FUNCTION void end(double x) const {
     lanes_.sync();
     if (lanes_.leader()) {
       int kept = 0;
-      for (int e = 0; e < s_.closed_count; ++e)
-        if (!(s_.closed_roots[e] <= x)) s_.closed[kept++] = s_.closed[e];
-      s_.closed_count = kept;
+      for (int e = 0; e < contacts_.count; ++e)
+        if (!(spans_.ends[e] <= x)) contacts_.nodes[kept++] = contacts_.nodes[e];
+      contacts_.count = kept;
     }
     lanes_.sync();
   }
 
-  /// Whether there is room for the flagged nodes that touch by x. Asked before anything of the step
-  /// is kept, so that it can be done again once there is.
-  KOKKOS_FUNCTION bool have_room(int flagged, double x) const {
-    int count = s_.closed_count;
-    for (int e = 0; e < flagged; ++e) count += s_.roots[e] <= x ? 1 : 0;
-    return count <= s_.closed_capacity;
+  /// Whether there is memory for the flagged nodes whose contact begins by x. To be called before
+  /// anything of the step is kept, so that the step can be repeated with more memory.
+  KOKKOS_FUNCTION bool can_take(int flagged, double x) const {
+    int count = contacts_.count;
+    for (int e = 0; e < flagged; ++e) count += onsets_[e] <= x ? 1 : 0;
+    return count <= spans_.capacity;
   }
-  /// Takes in the flagged nodes that touch by x.
-  KOKKOS_FUNCTION void close(int flagged, double x) const {
+  /// Takes in the flagged nodes whose contact begins by x.
+  KOKKOS_FUNCTION void begin(int flagged, double x) const {
     lanes_.sync();
     if (lanes_.leader())
       for (int e = 0; e < flagged; ++e) {
-        if (!(s_.roots[e] <= x)) continue;
-        RA2D_CHECK(s_.closed_count < s_.closed_capacity);
-        int i = s_.closed_count++;
-        for (; i > 0 && s_.closed[i - 1] > s_.watch[e]; --i) s_.closed[i] = s_.closed[i - 1];
-        s_.closed[i] = s_.watch[e];
+        if (!(onsets_[e] <= x)) continue;
+        RA2D_CHECK(contacts_.count < spans_.capacity);
+        int i = contacts_.count++;
+        for (; i > 0 && contacts_.nodes[i - 1] > watched_[e]; --i)
+          contacts_.nodes[i] = contacts_.nodes[i - 1];
+        contacts_.nodes[i] = watched_[e];
       }
     lanes_.sync();
   }
 
  private:
-  const Lanes& lanes_;
-  const SceneTables& t_;
-  SceneState& s_;
-  const ModalSeries<Lanes, K>& series_;
+  Lanes lanes_;
+  const SeriesTables& adaptive_;
+  ContactSet& contacts_;
+  ContactSpans& spans_;
+  const int* watched_;
+  const double* onsets_;
+  double* bernstein_;
 };
 
 }  // namespace ra2d

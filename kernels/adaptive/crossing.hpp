@@ -76,7 +76,7 @@ KOKKOS_INLINE_FUNCTION double highest_value(const double* c, int n, double end) 
 }
 
 /// The first x in [0, end] at which sign p(x) comes to within `noise` of `level` or above it; a
-/// value beyond `end` when there is none. Nothing is stepped over: with |p''| <= bend on [0, end],
+/// value beyond `end` where there is none. Nothing is stepped over: with |p''| <= bend on [0, end],
 /// the parabola through the present value and slope that bends up by `bend` meets the level no
 /// later than p does. Near a simple crossing the steps shrink quadratically, as Newton's.
 KOKKOS_INLINE_FUNCTION double first_crossing(const double* c, int n, double sign, double level,
@@ -101,8 +101,8 @@ KOKKOS_INLINE_FUNCTION double first_crossing(const double* c, int n, double sign
 /// coefficients, b_i = sum_j C(i, j)/C(n, j) c_j x^j, and its derivatives between their
 /// differences.
 template <class Lanes>
-KOKKOS_INLINE_FUNCTION Hull hull_of(const Lanes& lanes, const SceneTables& t, const double* c,
-                                    int n, double x, double* room) {
+KOKKOS_INLINE_FUNCTION Hull hull_of(const Lanes& lanes, const SeriesTables& adaptive,
+                                    const double* c, int n, double x, double* bernstein) {
   using Real = typename Lanes::Real;
   constexpr int width = Lanes::width, packs = (overlap_terms + width - 1) / width;
   Real b[packs];
@@ -114,19 +114,20 @@ KOKKOS_INLINE_FUNCTION Hull hull_of(const Lanes& lanes, const SceneTables& t, co
     const Real term(c[j] * power);
     for (int g = 0; g < packs; ++g)
       if (g < used)
-        b[g] = multiply_add(lanes.load(t.hull + j * overlap_terms + g * width), term, b[g]);
+        b[g] = multiply_add(lanes.load(adaptive.hull + j * overlap_terms + g * width), term, b[g]);
   }
   for (int g = 0; g < packs; ++g)
-    if (g < used) lanes.store(room + g * width, b[g]);
+    if (g < used) lanes.store(bernstein + g * width, b[g]);
   lanes.sync();
-  const double* mask = t.hull + overlap_terms * overlap_terms;
-  const double first = room[1] - room[0];
+  const double* mask = adaptive.hull + overlap_terms * overlap_terms;
+  const double first = bernstein[1] - bernstein[0];
   Real least = b[0], most = b[0], falling(1e300), rising(-1e300), curve(0.0);
   for (int g = 0; g < packs; ++g) {
     if (g >= used) continue;
     least = Kokkos::min(least, b[g]);
     most = Kokkos::max(most, b[g]);
-    const Real b1 = lanes.load(room + g * width + 1), b2 = lanes.load(room + g * width + 2);
+    const Real b1 = lanes.load(bernstein + g * width + 1),
+               b2 = lanes.load(bernstein + g * width + 2);
     const Real d1 = b1 - b[g], d2 = (b2 - b1) - d1;
     // what is masked out repeats a difference
     const Real in = lanes.load(mask + g * width), d = in * d1 + (Real(1.0) - in) * Real(first);

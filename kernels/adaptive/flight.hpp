@@ -10,7 +10,7 @@
 
 namespace ra2d {
 
-/// Free flight in closed form, of any length: the modes ring about where the load holds them,
+/// Free flight in closed form, of any length: the modes oscillate about where the load holds them,
 ///
 ///   U'' + 2 zeta omega U' + omega^2 (U - U_s) = 0,   U_s = load/(m omega^2),
 ///
@@ -18,59 +18,71 @@ namespace ra2d {
 /// l, together with the integral of V^2, a quadratic form of it; a flight is one product for each
 /// bit of its length. Lengths below the first table are one Taylor step: they are so short that
 /// what it leaves out is below the roundings.
-template <class Lanes, int K>
+template <class Lanes, int packs>
 class Flight {
   using Real = typename Lanes::Real;
   static constexpr int width = Lanes::width;
 
  public:
-  KOKKOS_FUNCTION Flight(const Lanes& lanes, const SceneTables& tables)
-      : lanes_{lanes}, t_{tables} {}
+  KOKKOS_FUNCTION Flight(const Lanes& lanes, const ModeTables& modes, const SliderMotion& motion,
+                         const MotionLimits& bounds, const SeriesTables& adaptive,
+                         const FlightTables& flight)
+      : lanes_{lanes},
+        modes_{modes},
+        motion_{motion},
+        bounds_{bounds},
+        adaptive_{adaptive},
+        flight_{flight} {}
 
   /// On by `ticks`; adds the integral of V^2 over them, in ticks, to `square`.
   KOKKOS_FUNCTION void operator()(Real* u, Real* v, Real* square, std::int64_t ticks) const {
     const auto bits = static_cast<std::uint64_t>(ticks);
-    const std::uint64_t low = bits & ((std::uint64_t{1} << t_.first_level) - 1);
+    const std::uint64_t low = bits & ((std::uint64_t{1} << flight_.first_level) - 1);
     if (low != 0) little(u, v, square, static_cast<double>(low));
-    for (std::uint64_t rest = bits >> t_.first_level; rest != 0; rest &= rest - 1)
+    for (std::uint64_t rest = bits >> flight_.first_level; rest != 0; rest &= rest - 1)
       leap(u, v, square, Kokkos::countr_zero(rest));
   }
 
-  /// What the modes can do within `time` [s]. The energy norm E^2 = V^2 + omega^2 (U - U_s)^2 does
+  /// Bounds on the motion within `time` [s]. The energy norm E^2 = V^2 + omega^2 (U - U_s)^2 does
   /// not grow in free flight, and (omega U, V)' is at most omega (zeta + sqrt(1 + zeta^2)) E.
   KOKKOS_FUNCTION MotionBounds bounds(const Real* u, const Real* v, double time) const {
-    Real travel(0.0), fourth(0.0), tail(0.0), size(0.0);
-    for (int p = 0; p < K; ++p) {
-      const Real stretch = load(t_.omega, p) * (u[p] - load(t_.rest, p));
+    Real travel(0.0), fourth_derivative(0.0), tail(0.0), size(0.0);
+    for (int p = 0; p < packs; ++p) {
+      const Real stretch =
+          load_pack(lanes_, modes_.omega, p) * (u[p] - load_pack(lanes_, flight_.rest, p));
       const Real e = Kokkos::sqrt(multiply_add(v[p], v[p], stretch * stretch));
       // of a rigid mode, which may fall from rest, the first is the smaller
-      const Real mean = multiply_add(0.5 * time, Kokkos::abs(load(t_.free_acceleration, p)), e);
-      const Real way = Kokkos::min(Real(time) * mean, mean * load(t_.swing, p));
-      const Real amplitude = Kokkos::abs(u[p]) + way;
-      const Real reach = load(t_.largest_shape, p);
-      travel = multiply_add(reach, way, travel);
-      fourth = multiply_add(load(t_.fourth, p), e, fourth);
-      tail = multiply_add(load(t_.cubic_remainder, p), amplitude, tail);
+      const Real mean =
+          multiply_add(0.5 * time, Kokkos::abs(load_pack(lanes_, flight_.free_acceleration, p)), e);
+      const Real displacement = Kokkos::min(
+          Real(time) * mean, mean * load_pack(lanes_, flight_.displacement_per_energy_norm, p));
+      const Real amplitude = Kokkos::abs(u[p]) + displacement;
+      const Real reach = load_pack(lanes_, bounds_.largest_shape, p);
+      travel = multiply_add(reach, displacement, travel);
+      fourth_derivative = multiply_add(
+          load_pack(lanes_, flight_.fourth_derivative_per_energy_norm, p), e, fourth_derivative);
+      tail = multiply_add(load_pack(lanes_, bounds_.cubic_remainder, p), amplitude, tail);
       size = multiply_add(reach, amplitude, size);
     }
-    return {lanes_.sum(travel), lanes_.sum(fourth) + t_.fourth_rest, lanes_.sum(tail),
-            lanes_.sum(size)};
+    return {lanes_.sum(travel), lanes_.sum(fourth_derivative) + flight_.fourth_derivative_at_rest,
+            lanes_.sum(tail), lanes_.sum(size)};
   }
 
  private:
-  const Lanes& lanes_;
-  const SceneTables& t_;
-
-  KOKKOS_FORCEINLINE_FUNCTION Real load(const double* lanes, int pack) const {
-    return lanes_.load(lanes + pack * width);
-  }
+  Lanes lanes_;
+  const ModeTables& modes_;
+  const SliderMotion& motion_;
+  const MotionLimits& bounds_;
+  const SeriesTables& adaptive_;
+  const FlightTables& flight_;
 
   KOKKOS_FORCEINLINE_FUNCTION void leap(Real* u, Real* v, Real* square, int level) const {
-    RA2D_CHECK(level >= 0 && level < t_.flight_levels);
-    const double* rows = t_.flight + static_cast<std::int64_t>(level) * (flight_rows * K * width);
-    for (int p = 0; p < K; ++p) {
-      const auto row = [&](FlightRow r) { return lanes_.load(rows + (r * K + p) * width); };
-      const Real d = u[p] - load(t_.rest, p), w = v[p];
+    RA2D_CHECK(level >= 0 && level < flight_.levels);
+    const double* rows =
+        flight_.rows + static_cast<std::int64_t>(level) * (flight_rows * packs * width);
+    for (int p = 0; p < packs; ++p) {
+      const auto row = [&](FlightRow r) { return lanes_.load(rows + (r * packs + p) * width); };
+      const Real d = u[p] - load_pack(lanes_, flight_.rest, p), w = v[p];
       u[p] =
           u[p] + multiply_add(row(flight_u_u), d, multiply_add(row(flight_u_v), w, row(flight_u)));
       v[p] = multiply_add(row(flight_v_u), d, multiply_add(row(flight_v_v), w, row(flight_v)));
@@ -81,11 +93,13 @@ class Flight {
   }
 
   KOKKOS_FUNCTION void little(Real* u, Real* v, Real* square, double ticks) const {
-    const double time = ticks * t_.step;
-    for (int p = 0; p < K; ++p) {
-      const Real decay = load(t_.decay, p), omega = load(t_.omega, p), stiff = omega * omega;
-      const Real d = u[p] - load(t_.rest, p);
-      const Real a = load(t_.free_acceleration, p) - multiply_add(stiff, d, decay * v[p]);
+    const double time = ticks * motion_.time_step;
+    for (int p = 0; p < packs; ++p) {
+      const Real decay = load_pack(lanes_, adaptive_.decay, p),
+                 omega = load_pack(lanes_, modes_.omega, p), stiff = omega * omega;
+      const Real d = u[p] - load_pack(lanes_, flight_.rest, p);
+      const Real a =
+          load_pack(lanes_, flight_.free_acceleration, p) - multiply_add(stiff, d, decay * v[p]);
       const Real jerk = Real(-1.0) * multiply_add(stiff, v[p], decay * a);
       const Real snap = Real(-1.0) * multiply_add(stiff, a, decay * jerk);
       const Real dv =

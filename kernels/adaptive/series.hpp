@@ -26,60 +26,77 @@ namespace ra2d {
 ///   c_k(j+1)
 ///
 /// The series of every overlap comes with them: where contact begins or ends is a root of a
-/// polynomial. All series converge at every x; the last terms kept tell how far they may be used.
-template <class Lanes, int K>
+/// polynomial. All series converge at every x; the last terms kept show how far they may be used.
+template <class Lanes, int packs>
 class ModalSeries {
   using Real = typename Lanes::Real;
   static constexpr int width = Lanes::width;
-  static constexpr int row = K * width;
+  static constexpr int row = packs * width;
 
  public:
-  KOKKOS_FUNCTION ModalSeries(const Lanes& lanes, const SceneTables& tables, SceneState& state,
-                              const NodeContact<Lanes, K>& contact)
-      : lanes_{lanes}, t_{tables}, s_{state}, contact_{contact} {}
+  /// `shape_terms`: StepControl's. `hulls`: ContactSpans', read by bounds().
+  KOKKOS_FUNCTION ModalSeries(const Lanes& lanes, const ModeTables& modes,
+                              const SliderMotion& motion, const ContactTables& contact,
+                              const MotionLimits& bounds, const SeriesTables& adaptive,
+                              const MovingForces& forces,
+                              const NodeContact<Lanes, packs>& node_contact,
+                              const ContactSet& contacts, const int& shape_terms,
+                              SeriesBuffers& buffers, const Hull* hulls)
+      : lanes_{lanes},
+        modes_{modes},
+        motion_{motion},
+        contact_{contact},
+        bounds_{bounds},
+        adaptive_{adaptive},
+        forces_{forces},
+        node_contact_{node_contact},
+        contacts_{contacts},
+        shape_terms_{shape_terms},
+        buffers_{buffers},
+        hulls_{hulls} {}
 
   KOKKOS_FORCEINLINE_FUNCTION double scale() const { return scale_; }  // s
   /// Ticks in units of the series, ...
   KOKKOS_FORCEINLINE_FUNCTION double x_at(std::int64_t ticks) const {
-    return static_cast<double>(ticks) * t_.step / scale_;
+    return static_cast<double>(ticks) * motion_.time_step / scale_;
   }
-  /// ... and the first tick that is not before x, but `most` at the most.
+  /// The first tick that is not before x, but no more than `most`.
   KOKKOS_FORCEINLINE_FUNCTION std::int64_t ticks_to(double x, std::int64_t most) const {
-    const auto ticks = static_cast<std::int64_t>(Kokkos::ceil(x * (scale_ / t_.step)));
+    const auto ticks = static_cast<std::int64_t>(Kokkos::ceil(x * (scale_ / motion_.time_step)));
     return ticks < most ? ticks : most;
   }
-  /// Overlap of closed node e over x, and its change per x that is due to the slider's way alone.
+  /// Overlap of contact e over x, and its change per x that is due to the slider's motion alone.
   KOKKOS_FORCEINLINE_FUNCTION double* overlap(int e) const {
-    return s_.node_series + static_cast<std::int64_t>(e) * (2 * overlap_terms);
+    return buffers_.nodes + static_cast<std::int64_t>(e) * (2 * overlap_terms);
   }
   KOKKOS_FORCEINLINE_FUNCTION double* climb(int e) const { return overlap(e) + overlap_terms; }
-  /// Degree of an overlap: that of the modes and three more, from the shapes along the way.
-  KOKKOS_FORCEINLINE_FUNCTION int degree() const { return t_.order + 3; }
+  /// Degree of an overlap: that of the modes and three more, from the shapes along the path.
+  KOKKOS_FORCEINLINE_FUNCTION int degree() const { return adaptive_.order + 3; }
 
-  /// The series from (u, v) on, with the closed nodes held closed, in units of `scale` [s].
+  /// The series from (u, v) on, with the same nodes in contact, in units of `scale` [s].
   ///
   /// Of the shapes at a node as many terms are taken as the tolerance asks for: what the others add
-  /// to an overlap over the step is `neglected`, a small part of the tolerance times the way that
-  /// the modes make in the same time.
+  /// to an overlap over the step is `neglected`, a small part of the tolerance times the distance
+  /// that the modes make in the same time.
   KOKKOS_FUNCTION void expand(const Real* u, const Real* v, const Place& place, double scale) {
     scale_ = scale;
     neglected_ = 0.0;
-    const int closed = s_.closed_count;
-    if (closed == 0) return expand_terms<1>(u, v, place);
-    const double way = t_.advance * (scale / t_.step);  // chi per x
-    contact_.expand(place, s_.closed, closed);
-    for (int e = 0; e < closed; ++e)
-      place_shape(s_.closed[e], place.offset, way, s_.closed_shape + e * (4 * row));
-    // The modes at the beginning tell how many it takes; what contact makes of them within the
-    // step, of bodies at rest everything, only the series does.
-    Real amplitude[K], travel[K];
-    for (int p = 0; p < K; ++p) {
+    const int contacts = contacts_.count;
+    if (contacts == 0) return expand_terms<1>(u, v, place);
+    const double advance = motion_.advance * (scale / motion_.time_step);  // chi per x
+    node_contact_.expand(place, contacts_.nodes, contacts);
+    for (int e = 0; e < contacts; ++e)
+      place_shape(contacts_.nodes[e], place.offset, advance, buffers_.shapes + e * (4 * row));
+    // The modes at the beginning of the step suggest the number of terms. What contact makes of
+    // them within the step (of bodies at rest, everything) only the series shows.
+    Real amplitude[packs], travel[packs];
+    for (int p = 0; p < packs; ++p) {
       amplitude[p] = Kokkos::abs(u[p]);
       travel[p] = Real(scale) * Kokkos::abs(v[p]);
     }
     // most steps need as many as the one before
     int terms = enough_terms(amplitude, travel);
-    if (terms < s_.shape_terms) terms = s_.shape_terms;
+    if (terms < shape_terms_) terms = shape_terms_;
     while (true) {
       if (terms == 2)
         expand_terms<2>(u, v, place);
@@ -87,7 +104,7 @@ class ModalSeries {
         expand_terms<3>(u, v, place);
       else
         expand_terms<4>(u, v, place);
-      for (int p = 0; p < K; ++p) {  // over steps of up to two
+      for (int p = 0; p < packs; ++p) {  // over steps of up to two
         const Real c1 = Kokkos::abs(coefficient(1, p)), c2 = Kokkos::abs(coefficient(2, p));
         amplitude[p] = multiply_add(Real(4.0), c2, multiply_add(Real(2.0), c1, Kokkos::abs(u[p])));
         travel[p] = c1 + c2;
@@ -108,11 +125,12 @@ class ModalSeries {
   /// step is on the safe side. Errors and state are measured in the energy norm, sum m (V^2 +
   /// omega^2 U^2) and the springs'.
   KOKKOS_FUNCTION double extent(double tolerance) const {
-    const int order = t_.order;
+    const int order = adaptive_.order;
     Real state(0.0), kick(0.0), before(0.0), last(0.0);
     const double per = 1.0 / scale_;
-    for (int p = 0; p < K; ++p) {
-      const Real mass = load(t_.mass, p), omega = load(t_.omega, p);
+    for (int p = 0; p < packs; ++p) {
+      const Real mass = load_pack(lanes_, modes_.mass, p),
+                 omega = load_pack(lanes_, modes_.omega, p);
       const auto norm = [&](int j) {
         const Real x = coefficient(j, p), w = omega * x, rate = Real(j * per) * x;
         return mass * multiply_add(rate, rate, w * w);
@@ -123,8 +141,8 @@ class ModalSeries {
       last = last + norm(order);
     }
     double size = lanes_.sum(state);
-    for (int e = 0; e < s_.closed_count; ++e)
-      size += t_.node_stiffness * overlap(e)[0] * overlap(e)[0];
+    for (int e = 0; e < contacts_.count; ++e)
+      size += contact_.node_stiffness * overlap(e)[0] * overlap(e)[0];
     const double start = lanes_.sum(kick);
     if (start > size) size = start;
     // terms of the shapes were left out for steps of up to two
@@ -140,21 +158,21 @@ class ModalSeries {
     const double a = reach(lanes_.sum(before), order - 1), b = reach(lanes_.sum(last), order);
     return a < b ? a : b;
   }
-  /// A step grows by no more than this: terms that happen to vanish tell nothing about the next.
+  /// A step grows by no more than this: terms that happen to vanish say nothing about the next.
   static constexpr double longest_extent = 4.0;
 
   KOKKOS_FUNCTION void state(double x, Real* u, Real* v) const {
-    const int order = t_.order;
+    const int order = adaptive_.order;
     const Real at(x), per(1.0 / scale_);
-    for (int p = 0; p < K; ++p) u[p] = v[p] = coefficient(order, p);
-    for (int p = 0; p < K; ++p) v[p] = Real(static_cast<double>(order)) * v[p];
+    for (int p = 0; p < packs; ++p) u[p] = v[p] = coefficient(order, p);
+    for (int p = 0; p < packs; ++p) v[p] = Real(static_cast<double>(order)) * v[p];
     for (int j = order - 1; j >= 1; --j)
-      for (int p = 0; p < K; ++p) {
+      for (int p = 0; p < packs; ++p) {
         const Real c = coefficient(j, p);
         u[p] = multiply_add(u[p], at, c);
         v[p] = multiply_add(v[p], at, Real(static_cast<double>(j)) * c);
       }
-    for (int p = 0; p < K; ++p) {
+    for (int p = 0; p < packs; ++p) {
       u[p] = multiply_add(u[p], at, coefficient(0, p));
       v[p] = v[p] * per;
     }
@@ -163,85 +181,91 @@ class ModalSeries {
   /// Velocity alone.
   KOKKOS_FUNCTION void velocity(double x, Real* v) const {
     const Real at(x), per(1.0 / scale_);
-    for (int p = 0; p < K; ++p) {
-      v[p] = Real(static_cast<double>(t_.order)) * coefficient(t_.order, p);
-      for (int j = t_.order - 1; j >= 1; --j)
+    for (int p = 0; p < packs; ++p) {
+      v[p] = Real(static_cast<double>(adaptive_.order)) * coefficient(adaptive_.order, p);
+      for (int j = adaptive_.order - 1; j >= 1; --j)
         v[p] = multiply_add(v[p], at, Real(static_cast<double>(j)) * coefficient(j, p));
       v[p] = v[p] * per;
     }
   }
 
-  /// What the modes can do up to x. The norm of y = (omega U, U') does not grow by itself, so that
+  /// Bounds on the motion up to x. The norm of y = (omega U, U') does not grow by itself, so that
   /// of y'' is at most what it is at 0 and what the second derivative of the force adds to it:
   ///   |U''''| <= turn (|y''(0)| + x g) + g,  g >= |F''|/m,  turn = omega (zeta + sqrt(1 +
   ///   zeta^2)),
-  /// and the lower derivatives follow. (All in units of x.) Takes the closed nodes' hulls over a
-  /// stretch that reaches at least as far.
+  /// and the lower derivatives follow. (All in units of x.) Needs the hulls of the nodes in contact
+  /// over a stretch that reaches at least as far.
   KOKKOS_FUNCTION MotionBounds bounds(double x) const {
     const Real at(x);
-    Real force[K];  // bound on |F''|
-    for (int p = 0; p < K; ++p) force[p] = Real(0.0);
-    for (int e = 0; e < s_.closed_count; ++e) {
-      const Hull& h = s_.closed_hull[e];
+    Real force[packs];  // bound on |F''|
+    for (int p = 0; p < packs; ++p) force[p] = Real(0.0);
+    for (int e = 0; e < contacts_.count; ++e) {
+      const Hull& h = hulls_[e];
       const double o0 = Kokkos::max(h.most, -h.least), o1 = Kokkos::max(h.rising, -h.falling);
-      const double* phi = s_.closed_shape + e * (4 * row);
-      for (int p = 0; p < K; ++p) {
-        const Real q1 = Kokkos::abs(load(phi + row, p)), q2 = Kokkos::abs(load(phi + 2 * row, p)),
-                   q3 = Kokkos::abs(load(phi + 3 * row, p));
+      const double* phi = buffers_.shapes + e * (4 * row);
+      for (int p = 0; p < packs; ++p) {
+        const Real q1 = Kokkos::abs(load_pack(lanes_, phi + row, p)),
+                   q2 = Kokkos::abs(load_pack(lanes_, phi + 2 * row, p)),
+                   q3 = Kokkos::abs(load_pack(lanes_, phi + 3 * row, p));
         const Real p2 = multiply_add(Real(6.0) * q3, at, Real(2.0) * q2);
         const Real p1 = multiply_add(p2, at, q1);
-        const Real p0 = multiply_add(p1, at, Kokkos::abs(load(phi, p)));
-        force[p] = multiply_add(t_.node_stiffness * h.curve, p0, force[p]);
-        force[p] = multiply_add(2.0 * t_.node_stiffness * o1, p1, force[p]);
-        force[p] = multiply_add(t_.node_stiffness * o0, p2, force[p]);
+        const Real p0 = multiply_add(p1, at, Kokkos::abs(load_pack(lanes_, phi, p)));
+        force[p] = multiply_add(contact_.node_stiffness * h.curve, p0, force[p]);
+        force[p] = multiply_add(2.0 * contact_.node_stiffness * o1, p1, force[p]);
+        force[p] = multiply_add(contact_.node_stiffness * o0, p2, force[p]);
       }
     }
-    if (t_.moving_forces > 0)
-      for (int p = 0; p < K; ++p) {
+    if (forces_.count > 0)
+      for (int p = 0; p < packs; ++p) {
         Real sum(0.0);
-        for (int j = t_.order; j >= 2; --j)
-          sum = multiply_add(sum, at,
-                             Real(j * (j - 1.0)) * Kokkos::abs(load(s_.push_series + j * row, p)));
+        for (int j = adaptive_.order; j >= 2; --j)
+          sum = multiply_add(
+              sum, at,
+              Real(j * (j - 1.0)) * Kokkos::abs(load_pack(lanes_, buffers_.forces + j * row, p)));
         force[p] = force[p] + sum;
       }
-    Real travel(0.0), fourth(0.0), tail(0.0), size(0.0);
-    for (int p = 0; p < K; ++p) {
-      const Real g = Real(scale_ * scale_) * load(t_.inverse_mass, p) * force[p];
+    Real travel(0.0), fourth_derivative(0.0), tail(0.0), size(0.0);
+    for (int p = 0; p < packs; ++p) {
+      const Real g =
+          Real(scale_ * scale_) * load_pack(lanes_, adaptive_.inverse_mass, p) * force[p];
       const Real c0 = Kokkos::abs(coefficient(0, p)), c1 = Kokkos::abs(coefficient(1, p)),
                  c2 = Kokkos::abs(coefficient(2, p)), c3 = coefficient(3, p);
-      const Real twist = Real(2.0 * scale_) * load(t_.omega, p) * c2, jerk = Real(6.0) * c3;
+      const Real twist = Real(2.0 * scale_) * load_pack(lanes_, modes_.omega, p) * c2,
+                 jerk = Real(6.0) * c3;
       const Real d3 = multiply_add(g, at, Kokkos::sqrt(multiply_add(twist, twist, jerk * jerk)));
-      const Real d4 = multiply_add(Real(scale_) * load(t_.fastest_rate, p), d3, g);
+      const Real d4 =
+          multiply_add(Real(scale_) * load_pack(lanes_, adaptive_.fastest_rate, p), d3, g);
       const Real d2 = multiply_add(d3, at, Real(2.0) * c2);
       const Real d1 = multiply_add(d2, at, c1);
-      const Real way = at * d1;
-      const Real amplitude = c0 + way;
-      const Real b = Real(scale_) * load(t_.passing_rate, p), reach = load(t_.largest_shape, p);
+      const Real displacement = at * d1;
+      const Real amplitude = c0 + displacement;
+      const Real b = Real(scale_) * load_pack(lanes_, adaptive_.passing_rate, p),
+                 reach = load_pack(lanes_, bounds_.largest_shape, p);
       // a mode at a node that moves: (d/dx + b)^4
       Real all = multiply_add(b, amplitude, Real(4.0) * d1);
       all = multiply_add(b, all, Real(6.0) * d2);
       all = multiply_add(b, all, Real(4.0) * d3);
       all = multiply_add(b, all, d4);
-      travel = multiply_add(reach, way, travel);
-      fourth = multiply_add(reach, all, fourth);
-      tail = multiply_add(load(t_.cubic_remainder, p), amplitude, tail);
+      travel = multiply_add(reach, displacement, travel);
+      fourth_derivative = multiply_add(reach, all, fourth_derivative);
+      tail = multiply_add(load_pack(lanes_, bounds_.cubic_remainder, p), amplitude, tail);
       size = multiply_add(reach, amplitude, size);
     }
     const double per2 = 1.0 / (scale_ * scale_);
-    return {lanes_.sum(travel), per2 * per2 * lanes_.sum(fourth), lanes_.sum(tail),
+    return {lanes_.sum(travel), per2 * per2 * lanes_.sum(fourth_derivative), lanes_.sum(tail),
             lanes_.sum(size)};
   }
 
   /// The series of the overlap of any expanded node, to `c`.
   KOKKOS_FUNCTION void overlap_of(int node, const Place& place, double* c) const {
-    const double way = t_.advance * (scale_ / t_.step);
-    double* shape = s_.scan_shape;
-    place_shape(node, place.offset, way, shape);
+    const double advance = motion_.advance * (scale_ / motion_.time_step);
+    double* shape = buffers_.one_shape;
+    place_shape(node, place.offset, advance, shape);
     const auto product = [&](int j) {
       Real sum(0.0);
       for (int i = 0; i <= 3 && i <= j; ++i)
-        for (int p = 0; p < K && j - i <= t_.order; ++p)
-          sum = multiply_add(load(shape + i * row, p), coefficient(j - i, p), sum);
+        for (int p = 0; p < packs && j - i <= adaptive_.order; ++p)
+          sum = multiply_add(load_pack(lanes_, shape + i * row, p), coefficient(j - i, p), sum);
       return sum;
     };
     const int n = degree();
@@ -249,8 +273,8 @@ class ModalSeries {
       double even, odd;
       lanes_.sum(product(j), j < n ? product(j + 1) : Real(0.0), even, odd);
       if (j == 0) {
-        even += contact_.face(node, place.theta);
-        odd += contact_.rise(node) * way;
+        even += node_contact_.face(node, place.theta);
+        odd += node_contact_.rise(node) * advance;
       }
       if (!lanes_.leader()) continue;
       c[j] = even;
@@ -259,14 +283,15 @@ class ModalSeries {
     lanes_.sync();
   }
 
-  /// The series of the integral of V^2, in ticks: s_.square_series, without its factor x.
+  /// The series of the integral of V^2, in ticks: buffers_.squares, without its factor x.
   KOKKOS_FUNCTION void expand_squares() const {
-    const double ticks = 1.0 / (scale_ * t_.step);  // of V^2 = (dU/dx)^2/scale^2, scale/tick
-    for (int p = 0; p < K; ++p) {
+    const double ticks =
+        1.0 / (scale_ * motion_.time_step);  // of V^2 = (dU/dx)^2/scale^2, scale/tick
+    for (int p = 0; p < packs; ++p) {
       Real v[most_order + 1];
-      for (int i = 0; i < t_.order; ++i) v[i] = Real(i + 1.0) * coefficient(i + 1, p);
-      v[t_.order] = Real(0.0);
-      for (int n = 0; n < t_.order; n += 2) {  // by two: each value that is read serves both
+      for (int i = 0; i < adaptive_.order; ++i) v[i] = Real(i + 1.0) * coefficient(i + 1, p);
+      v[adaptive_.order] = Real(0.0);
+      for (int n = 0; n < adaptive_.order; n += 2) {  // by two: each value that is read serves both
         Real even(0.0), odd(0.0);
         for (int i = 0; 2 * i < n; ++i) {
           even = multiply_add(v[i], v[n - i], even);
@@ -275,54 +300,60 @@ class ModalSeries {
         const Real middle = v[n / 2];
         odd = multiply_add(middle, v[n / 2 + 1], odd);
         even = multiply_add(middle, middle, even + even);
-        double* to = s_.square_series + n * row + p * width;
+        double* to = buffers_.squares + n * row + p * width;
         lanes_.store(to, Real(ticks / (n + 1.0)) * even);
-        if (n + 1 < t_.order) lanes_.store(to + row, Real(ticks / (n + 2.0)) * (odd + odd));
+        if (n + 1 < adaptive_.order) lanes_.store(to + row, Real(ticks / (n + 2.0)) * (odd + odd));
       }
     }
   }
   KOKKOS_FUNCTION void squares(double x, Real* square) const {
     const Real at(x);
-    for (int p = 0; p < K; ++p) {
-      Real sum = load(s_.square_series + (t_.order - 1) * row, p);
-      for (int n = t_.order - 2; n >= 0; --n)
-        sum = multiply_add(sum, at, load(s_.square_series + n * row, p));
+    for (int p = 0; p < packs; ++p) {
+      Real sum = load_pack(lanes_, buffers_.squares + (adaptive_.order - 1) * row, p);
+      for (int n = adaptive_.order - 2; n >= 0; --n)
+        sum = multiply_add(sum, at, load_pack(lanes_, buffers_.squares + n * row, p));
       square[p] = sum * at;
     }
   }
 
  private:
-  const Lanes& lanes_;
-  const SceneTables& t_;
-  SceneState& s_;
-  const NodeContact<Lanes, K>& contact_;
+  Lanes lanes_;
+  const ModeTables& modes_;
+  const SliderMotion& motion_;
+  const ContactTables& contact_;
+  const MotionLimits& bounds_;
+  const SeriesTables& adaptive_;
+  const MovingForces& forces_;
+  NodeContact<Lanes, packs> node_contact_;
+  const ContactSet& contacts_;
+  const int& shape_terms_;
+  SeriesBuffers& buffers_;
+  const Hull* hulls_;
   double scale_ = 1.0, neglected_ = 0.0;
   int wanted_terms_ = 2;
 
-  KOKKOS_FORCEINLINE_FUNCTION Real load(const double* lanes, int pack) const {
-    return lanes_.load(lanes + pack * width);
-  }
   KOKKOS_FORCEINLINE_FUNCTION Real coefficient(int j, int p) const {
-    return lanes_.load(s_.series + j * row + p * width);
+    return lanes_.load(buffers_.modes + j * row + p * width);
   }
   KOKKOS_FORCEINLINE_FUNCTION void put(int j, int p, const Real& x) const {
-    lanes_.store(s_.series + j * row + p * width, x);
+    lanes_.store(buffers_.modes + j * row + p * width, x);
   }
 
   /// Terms of the shapes that will do for modes that get so far and move so much; sets `neglected`.
   KOKKOS_FUNCTION int enough_terms(const Real* amplitude, const Real* travel) {
     // (2 b)^2/2 and (2 b)^3/6 of a mode, b its turning over a unit of x, for steps of up to two
-    Real second(0.0), third(0.0), way(0.0);
-    for (int p = 0; p < K; ++p) {
-      const Real b = Real(2.0 * scale_) * load(t_.passing_rate, p);
-      const Real part = load(t_.largest_shape, p) * amplitude[p] * (b * b);
+    Real second(0.0), third(0.0), displacement(0.0);
+    for (int p = 0; p < packs; ++p) {
+      const Real b = Real(2.0 * scale_) * load_pack(lanes_, adaptive_.passing_rate, p);
+      const Real part = load_pack(lanes_, bounds_.largest_shape, p) * amplitude[p] * (b * b);
       second = multiply_add(Real(0.5), part, second);
       third = multiply_add(Real(1.0 / 6.0), part * b, third);
-      way = multiply_add(load(t_.largest_shape, p), travel[p], way);
+      displacement =
+          multiply_add(load_pack(lanes_, bounds_.largest_shape, p), travel[p], displacement);
     }
     double of_second, of_third;
     lanes_.sum(second, third, of_second, of_third);
-    const double bearable = 0.03 * t_.tolerance * lanes_.sum(way);
+    const double bearable = 0.03 * adaptive_.tolerance * lanes_.sum(displacement);
     neglected_ = of_second <= bearable ? of_second : of_third;
     return of_second <= bearable ? 2 : of_third <= bearable ? 3 : 4;
   }
@@ -330,56 +361,59 @@ class ModalSeries {
   template <int terms>
   KOKKOS_FUNCTION void expand_terms(const Real* u, const Real* v, const Place& place) {
     const double scale = scale_;
-    const int order = t_.order, closed = s_.closed_count;
-    const double way = t_.advance * (scale / t_.step);  // chi per x
-    Real c0[K], c1[K], c2[K], c3[K], next[K];           // of order j, j - 1, j - 2, j - 3, j + 1
-    Real stiff[K], decay[K], light[K];
-    for (int p = 0; p < K; ++p) {
+    const int order = adaptive_.order, contacts = contacts_.count;
+    const double advance = motion_.advance * (scale / motion_.time_step);  // chi per x
+    Real c0[packs], c1[packs], c2[packs], c3[packs],
+        next[packs];  // of order j, j - 1, j - 2, j - 3, j + 1
+    Real stiff[packs], decay[packs], inverse_mass[packs];
+    for (int p = 0; p < packs; ++p) {
       c0[p] = u[p];
       next[p] = Real(scale) * v[p];
       c1[p] = c2[p] = c3[p] = Real(0.0);
       put(0, p, c0[p]);
       put(1, p, next[p]);
-      const Real turn = Real(scale) * load(t_.omega, p);
+      const Real turn = Real(scale) * load_pack(lanes_, modes_.omega, p);
       stiff[p] = turn * turn;
-      decay[p] = Real(scale) * load(t_.decay, p);
-      light[p] = Real(scale * scale) * load(t_.inverse_mass, p);
+      decay[p] = Real(scale) * load_pack(lanes_, adaptive_.decay, p);
+      inverse_mass[p] = Real(scale * scale) * load_pack(lanes_, adaptive_.inverse_mass, p);
     }
-    const int last = closed > 0 ? degree() : order - 2;
+    const int last = contacts > 0 ? degree() : order - 2;
     for (int j = 0; j <= last; ++j) {
-      Real force[K];
-      for (int p = 0; p < K; ++p) force[p] = j == 0 ? load(t_.load, p) : Real(0.0);
-      if (t_.moving_forces > 0 && j <= order)
-        for (int p = 0; p < K; ++p) force[p] = force[p] + load(s_.push_series + j * row, p);
-      for (int e = 0; e < closed; ++e) {
-        const double* phi = s_.closed_shape + e * (4 * row);
+      Real force[packs];
+      for (int p = 0; p < packs; ++p)
+        force[p] = j == 0 ? load_pack(lanes_, modes_.load, p) : Real(0.0);
+      if (forces_.count > 0 && j <= order)
+        for (int p = 0; p < packs; ++p)
+          force[p] = force[p] + load_pack(lanes_, buffers_.forces + j * row, p);
+      for (int e = 0; e < contacts; ++e) {
+        const double* phi = buffers_.shapes + e * (4 * row);
         Real product(0.0), second(0.0), third(0.0);
         // the latest order last: it is the one to wait for
-        for (int p = 0; p < K; ++p) {
+        for (int p = 0; p < packs; ++p) {
           if constexpr (terms > 3) {
-            product = multiply_add(load(phi + 3 * row, p), c3[p], product);
-            third = multiply_add(load(phi + 3 * row, p), c2[p], third);
+            product = multiply_add(load_pack(lanes_, phi + 3 * row, p), c3[p], product);
+            third = multiply_add(load_pack(lanes_, phi + 3 * row, p), c2[p], third);
           }
           if constexpr (terms > 2) {
-            product = multiply_add(load(phi + 2 * row, p), c2[p], product);
-            second = multiply_add(load(phi + 2 * row, p), c1[p], second);
+            product = multiply_add(load_pack(lanes_, phi + 2 * row, p), c2[p], product);
+            second = multiply_add(load_pack(lanes_, phi + 2 * row, p), c1[p], second);
           }
-          product = multiply_add(load(phi + row, p), c1[p], product);
+          product = multiply_add(load_pack(lanes_, phi + row, p), c1[p], product);
         }
         Real rising = Real(2.0) * second;
         if constexpr (terms > 3) rising = multiply_add(Real(3.0), third, rising);
-        for (int p = 0; p < K; ++p) {
-          product = multiply_add(load(phi, p), c0[p], product);
-          rising = multiply_add(load(phi + row, p), c0[p], rising);
+        for (int p = 0; p < packs; ++p) {
+          product = multiply_add(load_pack(lanes_, phi, p), c0[p], product);
+          rising = multiply_add(load_pack(lanes_, phi + row, p), c0[p], rising);
         }
         double over, climbs;
         lanes_.sum(product, rising, over, climbs);
-        const int node = s_.closed[e];
+        const int node = contacts_.nodes[e];
         if (j == 0) {
-          over += contact_.face(node, place.theta);
-          climbs += contact_.rise(node) * way;
+          over += node_contact_.face(node, place.theta);
+          climbs += node_contact_.rise(node) * advance;
         } else if (j == 1) {
-          over += contact_.rise(node) * way;
+          over += node_contact_.rise(node) * advance;
         }
         double* o = overlap(e);
         if (lanes_.leader()) {
@@ -388,22 +422,26 @@ class ModalSeries {
         }
         lanes_.sync();
         if (j + 2 > order) continue;
-        const auto before = [&](int i) { return j >= i ? -t_.node_stiffness * o[j - i] : 0.0; };
-        const double f0 = -t_.node_stiffness * over, f1 = before(1);
+        const auto before = [&](int i) {
+          return j >= i ? -contact_.node_stiffness * o[j - i] : 0.0;
+        };
+        const double f0 = -contact_.node_stiffness * over, f1 = before(1);
         const double f2 = terms > 2 ? before(2) : 0.0, f3 = terms > 3 ? before(3) : 0.0;
-        for (int p = 0; p < K; ++p) {
-          if constexpr (terms > 3) force[p] = multiply_add(f3, load(phi + 3 * row, p), force[p]);
-          if constexpr (terms > 2) force[p] = multiply_add(f2, load(phi + 2 * row, p), force[p]);
-          force[p] = multiply_add(f1, load(phi + row, p), force[p]);
-          force[p] = multiply_add(f0, load(phi, p), force[p]);
+        for (int p = 0; p < packs; ++p) {
+          if constexpr (terms > 3)
+            force[p] = multiply_add(f3, load_pack(lanes_, phi + 3 * row, p), force[p]);
+          if constexpr (terms > 2)
+            force[p] = multiply_add(f2, load_pack(lanes_, phi + 2 * row, p), force[p]);
+          force[p] = multiply_add(f1, load_pack(lanes_, phi + row, p), force[p]);
+          force[p] = multiply_add(f0, load_pack(lanes_, phi, p), force[p]);
         }
       }
       const Real share(1.0 / ((j + 1.0) * (j + 2.0))), rank(j + 1.0);
-      for (int p = 0; p < K; ++p) {
+      for (int p = 0; p < packs; ++p) {
         Real after(0.0);  // of order j + 2; what is beyond the last is zero
         if (j + 2 <= order) {
           const Real pulled = multiply_add(stiff[p], c0[p], rank * decay[p] * next[p]);
-          after = share * multiply_add(light[p], force[p], Real(-1.0) * pulled);
+          after = share * multiply_add(inverse_mass[p], force[p], Real(-1.0) * pulled);
           put(j + 2, p, after);
         }
         c3[p] = c2[p];
@@ -415,20 +453,22 @@ class ModalSeries {
     }
   }
 
-  /// An expanded node's shapes about where it stands, the i-th times way^i.
-  KOKKOS_FORCEINLINE_FUNCTION void place_shape(int node, double offset, double way,
+  /// An expanded node's shapes about where it stands, the i-th times advance^i.
+  KOKKOS_FORCEINLINE_FUNCTION void place_shape(int node, double offset, double advance,
                                                double* shape) const {
-    const double* c = contact_.expanded(node);
+    const double* c = node_contact_.expanded(node);
     const Real x(offset);
-    for (int p = 0; p < K; ++p) {
-      const Real c3 = load(c + 3 * row, p), c2 = load(c + 2 * row, p), c1 = load(c + row, p);
+    for (int p = 0; p < packs; ++p) {
+      const Real c3 = load_pack(lanes_, c + 3 * row, p), c2 = load_pack(lanes_, c + 2 * row, p),
+                 c1 = load_pack(lanes_, c + row, p);
       const Real b2 = multiply_add(Real(3.0) * c3, x, c2);
       const Real b1 = multiply_add(multiply_add(Real(3.0) * c3, x, Real(2.0) * c2), x, c1);
-      const Real b0 = multiply_add(multiply_add(multiply_add(c3, x, c2), x, c1), x, load(c, p));
+      const Real b0 =
+          multiply_add(multiply_add(multiply_add(c3, x, c2), x, c1), x, load_pack(lanes_, c, p));
       lanes_.store(shape + p * width, b0);
-      lanes_.store(shape + row + p * width, Real(way) * b1);
-      lanes_.store(shape + 2 * row + p * width, Real(way * way) * b2);
-      lanes_.store(shape + 3 * row + p * width, Real(way * way * way) * c3);
+      lanes_.store(shape + row + p * width, Real(advance) * b1);
+      lanes_.store(shape + 2 * row + p * width, Real(advance * advance) * b2);
+      lanes_.store(shape + 3 * row + p * width, Real(advance * advance * advance) * c3);
     }
   }
 };

@@ -14,17 +14,18 @@
 
 namespace ra2d {
 
-/// How the search for the contact forces of a step ended: found; no motion of the modes keeps the
-/// bodies apart; more nodes carry force than there is room for, or than a list of nodes is good
-/// for; or the launch is to end (is_interrupted), and nothing has been done.
+/// How the search for the contact forces of a step ended. solved: they are found. blocked: no
+/// motion of the modes keeps the bodies apart. crowded: more nodes carry force than there is memory
+/// for, or than a list of nodes is good for. interrupted: the launch is to end (is_interrupted),
+/// and nothing has been done.
 enum class Solution { solved, blocked, crowded, interrupted };
 
 /// Contact forces that are found together with the end of the step: Lagrange multipliers (paper,
 /// section 3, equation 11), and the penalty spring at the new time.
 ///
 /// A step without contact ends at U*. Contact forces f_n that are held over the step add -b_k sum_n
-/// f_n phi_nk to mode k, b_k = U1 of a unit force (SceneTables::receptance). With the overlap o_n =
-/// -g_n at the end of the step, o* without contact, and W_nm = sum_k b_k phi_nk phi_mk:
+/// f_n phi_nk to mode k, b_k = U1 of a unit force (ContactTables::receptance). With the overlap o_n
+/// = -g_n at the end of the step, o* without contact, and W_nm = sum_k b_k phi_nk phi_mk:
 ///
 ///   0 <= f_n,   o_n = o*_n - sum_m W_nm f_m <= compliance f_n,   and f_n > 0 only where both
 ///   agree.
@@ -34,31 +35,31 @@ enum class Solution { solved, blocked, crowded, interrupted };
 /// law, f = kappa chi w max(0, o), of the new time; so penalty with growing kappa is the
 /// multiplier.
 ///
-/// W is positive semidefinite and of the rank of the modes at the most: of more nodes than modes,
-/// or of modes that do not tell two nodes apart, the f_n are not unique, but U1 is. It is the state
-/// without penetration that is nearest to U* in the metric 1/b, and the dual active set method of
-/// Goldfarb and Idnani (Math. Programming 27, 1983) goes there in steps that are all unique: take
-/// the node that penetrates most; raise its force until it is clear; where that would turn another
-/// node's force negative, that node is let go first, and where the new node depends on those that
-/// carry force already (the Cholesky factor's next pivot vanishes), it takes one's place. At the
-/// most as many nodes as modes carry force. Nodes that touch without force never come in.
+/// W is positive semidefinite, and its rank is that of the modes at the most. With more nodes than
+/// modes, or nodes that the modes cannot distinguish, the f_n are not unique, but U1 is. It is the
+/// state without penetration that is nearest to U* in the metric 1/b. The dual active set method of
+/// Goldfarb and Idnani (Math. Programming 27, 1983) reaches it in steps that are all unique: take
+/// the node that penetrates most and raise its force until it is clear. A node whose force this
+/// would turn negative leaves the active set first. Where the new node depends on those in the set
+/// (the Cholesky factor's next pivot vanishes), it takes the place of one of them. At the most as
+/// many nodes as modes carry force. Nodes in contact without force never enter the set.
 ///
-/// Every node taken in moves U1 further from U*, so no set of nodes can come twice and the method
-/// ends; roundings are kept from turning it in circles by a bound of `rounds` on the work, which is
-/// several times what is ever seen. When no motion of the modes keeps the bodies apart (a rigid
-/// slider pressed onto few modes from both sides of a vibration node), the method finds that, too.
+/// Every node that enters moves U1 further from U*, so no active set comes twice and the method
+/// ends. Roundings could make it cycle: `rounds` bounds the work, at a multiple of what was ever
+/// seen. Where no motion of the modes keeps the bodies apart (a rigid slider pressed onto few modes
+/// from both sides of a vibration node), the method finds that, too.
 ///
-/// From step to step the same one or two nodes mostly carry the force: they are tried first, and
-/// taken when their forces are positive and nothing else overlaps, which are all the conditions
-/// there are.
+/// From step to step the same one or two nodes mostly carry the force. They are tried first, and
+/// accepted when their forces are positive and no other node overlaps: there are no other
+/// conditions.
 ///
-/// Each node that comes in costs the square of how many there are, so n of them n^3. On springs
-/// (compliance > 0) there may be thousands, where faces lie flat on one another: from `many` on
-/// Newton's method in the modes takes over (newton()), whose steps cost the nodes times the square
-/// of the modes. It goes to the same end, which is unique there.
+/// With n nodes in the set the next one costs n^2, so all of them n^3. On springs (compliance > 0)
+/// there may be thousands, where faces lie flat on one another. From `many` on Newton's method in
+/// the modes takes over (newton()), whose steps cost the nodes times the square of the modes. It
+/// finds the same end of the step, which is unique there.
 ///
-/// What is left: overlaps of the order of the roundings of a gap (SceneTables::touch) and, where
-/// that is not to be had, of the modes' sums.
+/// What remains are overlaps of the order of the roundings of a gap (ContactTables::tolerance) or,
+/// where that cannot be reached, of the modes' sums.
 ///
 /// An impact of a mass. Coming from a distance theta tau |V| (0 <= theta < 1), without force for
 /// the rest of the step it would penetrate. Backward Euler and midpoint (U1 = U0 + tau V1) leave it
@@ -67,82 +68,98 @@ enum class Solution { solved, blocked, crowded, interrupted };
 /// theta) V: the share (1 - 2 theta)^2 of the energy, anything from 0 to 1, on average a third, and
 /// no limit for tau -> 0. No scheme gains energy from it; in lasting contact Heun may
 /// (kernels/schemes/heun.hpp).
-template <class Lanes, int K>
+template <class Lanes, int packs>
 class Complementarity {
   using Real = typename Lanes::Real;
 
  public:
-  KOKKOS_FUNCTION Complementarity(const Lanes& lanes, const SceneTables& tables, SceneState& state,
-                                  const NodeContact<Lanes, K>& contact)
-      : lanes_{lanes}, t_{tables}, s_{state}, contact_{contact} {}
+  /// `watched`: see operator(). `interrupted`: SceneTables::interrupted.
+  KOKKOS_FUNCTION Complementarity(const Lanes& lanes, const FaceTables& faces,
+                                  const ContactTables& contact, const MotionLimits& bounds,
+                                  const NodeContact<Lanes, packs>& node_contact,
+                                  const LatestContact& latest, int* active_index, ActiveSet& active,
+                                  ContactList& contact_list, const int* watched,
+                                  const int* interrupted)
+      : lanes_{lanes},
+        faces_{faces},
+        contact_{contact},
+        bounds_{bounds},
+        node_contact_{node_contact},
+        latest_contact_{latest},
+        active_index_{active_index},
+        active_{active},
+        contact_list_{contact_list},
+        watched_{watched},
+        interrupted_{interrupted} {}
 
   /// Tries the nodes that carried force at the end of the step before, one or two. True when they
   /// are the answer.
   template <class List>
   KOKKOS_FORCEINLINE_FUNCTION bool resume(const Place& place, Real* u, Real* v, const List& list,
                                           ContactTotals<Real>& totals, double& most) {
-    const int count = s_.contact_nodes;
+    const int count = latest_contact_.nodes;
     if (count < 1 || count > 2) return false;
-    const int first = s_.contact_pair[0], second = count > 1 ? s_.contact_pair[1] : first;
-    contact_.expand(place, s_.contact_pair, count);
-    Real phi[K], slope[K], weighted[K], other[K], other_slope[K];
-    contact_.shapes(first, place.offset, phi, slope);
-    for (int p = 0; p < K; ++p) weighted[p] = receptance(p) * phi[p];
-    const double own = yielding(weighted, phi) + t_.compliance;
-    const double over = contact_.overlap(first, place.theta, phi, u);
+    const int first = latest_contact_.pair[0], second = count > 1 ? latest_contact_.pair[1] : first;
+    node_contact_.expand(place, latest_contact_.pair, count);
+    Real phi[packs], slope[packs], weighted[packs], other[packs], other_slope[packs];
+    node_contact_.shapes(first, place.offset, phi, slope);
+    for (int p = 0; p < packs; ++p) weighted[p] = receptance(p) * phi[p];
+    const double own = compliance_of(weighted, phi) + contact_.compliance;
+    const double over = node_contact_.overlap(first, place.theta, phi, u);
     double force = over / own, other_force = 0.0;
     if (count > 1) {
-      contact_.shapes(second, place.offset, other, other_slope);
-      const double across = yielding(weighted, other);
-      for (int p = 0; p < K; ++p) weighted[p] = receptance(p) * other[p];
-      const double other_own = yielding(weighted, other) + t_.compliance;
-      const double other_over = contact_.overlap(second, place.theta, other, u);
-      const double share = across / own, pivot = other_own - share * across;
-      if (!(pivot > 1e-6 * other_own)) return false;  // leave it to the careful way
+      node_contact_.shapes(second, place.offset, other, other_slope);
+      const double coupling = compliance_of(weighted, other);
+      for (int p = 0; p < packs; ++p) weighted[p] = receptance(p) * other[p];
+      const double other_own = compliance_of(weighted, other) + contact_.compliance;
+      const double other_over = node_contact_.overlap(second, place.theta, other, u);
+      const double share = coupling / own, pivot = other_own - share * coupling;
+      if (!(pivot > 1e-6 * other_own)) return false;  // seek() is more careful
       other_force = (other_over - share * over) / pivot;
       force -= share * other_force;
       if (!(other_force > 0.0)) return false;
     }
     if (!(force > 0.0 && force < never)) return false;
-    Real push[K], now[K];
-    for (int p = 0; p < K; ++p) {
-      push[p] = Real(force) * phi[p];
-      if (count > 1) push[p] = multiply_add(other_force, other[p], push[p]);
-      now[p] = multiply_add(-receptance(p), push[p], u[p]);
+    Real force_on_modes[packs], now[packs];
+    for (int p = 0; p < packs; ++p) {
+      force_on_modes[p] = Real(force) * phi[p];
+      if (count > 1) force_on_modes[p] = multiply_add(other_force, other[p], force_on_modes[p]);
+      now[p] = multiply_add(-receptance(p), force_on_modes[p], u[p]);
     }
     most = force + other_force;
     const int nodes = list(now);
     for (int e = 0; e < nodes; ++e) {
-      const int node = s_.watch[e];
+      const int node = watched_[e];
       if (node == first || node == second) continue;
-      Real at[K];
-      contact_.shape(node, place.offset, at);
-      if (contact_.overlap(node, place.theta, at, now) > t_.touch) return false;
+      Real at[packs];
+      node_contact_.shape(node, place.offset, at);
+      if (node_contact_.overlap(node, place.theta, at, now) > contact_.tolerance) return false;
     }
-    totals.touched = count;
+    totals.nodes = count;
     totals.force = most;
-    totals.climb = force * contact_.rise(first) + other_force * contact_.rise(second);
-    for (int p = 0; p < K; ++p) {
+    totals.climb = force * node_contact_.rise(first) + other_force * node_contact_.rise(second);
+    for (int p = 0; p < packs; ++p) {
       Real bend = Real(force) * slope[p];
       if (count > 1) bend = multiply_add(other_force, other_slope[p], bend);
       totals.bend = multiply_add(bend, now[p], totals.bend);
       u[p] = now[p];
-      v[p] = multiply_add(-lanes_.load(t_.mobility + p * Lanes::width), push[p], v[p]);
+      v[p] =
+          multiply_add(-lanes_.load(contact_.mobility + p * Lanes::width), force_on_modes[p], v[p]);
     }
     lanes_.sync();
     if (lanes_.leader()) {
-      s_.touched[0] = first;
-      s_.touched_force[0] = force;
+      contact_list_.nodes[0] = first;
+      contact_list_.forces[0] = force;
       if (count > 1) {
-        s_.touched[1] = second;
-        s_.touched_force[1] = other_force;
+        contact_list_.nodes[1] = second;
+        contact_list_.forces[1] = other_force;
       }
     }
     lanes_.sync();
     return true;
   }
 
-  /// More than any force or way.
+  /// More than any force or distance.
   static constexpr double never = 1e300;
   /// Nodes that carry force from which on newton() finds the forces, in a step or in the one
   /// before.
@@ -151,60 +168,67 @@ class Complementarity {
   static constexpr double dependent = 1e-13;
 
   /// Finds the contact forces of a step: corrects its end (u, v), lists in the state's work space
-  /// the nodes that carry force, in ascending order. `list(u)` gives the number of nodes to look
-  /// at, listed in the state's `watch` and expanded: all that overlap at u must be among them.
-  /// `most` is the largest total force [N] on the way, not less than what it comes with. `step`
-  /// ends at `place`. `anywhere`: whether `list` is good for any u; if not, many nodes are left to
-  /// a caller whose list is (crowded).
+  /// the nodes that carry force, in ascending order. `list(u)` expands the nodes to evaluate, lists
+  /// them in `watched` and returns their number: all that overlap at u must be among them. `most`
+  /// becomes the largest total force [N] at any stage of the search, if it was less. `step` ends at
+  /// `place`. `anywhere`: whether `list` is good for any u; if not, the result with many nodes is
+  /// `crowded`, for a caller whose list is.
   template <class List>
   KOKKOS_FORCEINLINE_FUNCTION Solution operator()(const Place& place, std::int64_t step, Real* u,
                                                   Real* v, const List& list,
                                                   ContactTotals<Real>& totals, double& most,
                                                   bool anywhere = true) {
-    if (s_.contact_step == step - 1) {
+    if (latest_contact_.step == step - 1) {
       if (resume(place, u, v, list, totals, most)) return Solution::solved;
-      if (t_.compliance > 0.0 && s_.contact_nodes > many)
+      if (contact_.compliance > 0.0 && latest_contact_.nodes > many)
         return anywhere ? newton(place, u, v, list, totals, most) : Solution::crowded;
     }
     return seek(place, u, v, list, totals, most, anywhere);
   }
 
  private:
-  const Lanes& lanes_;
-  const SceneTables& t_;
-  SceneState& s_;
-  const NodeContact<Lanes, K>& contact_;
-  int count_ = 0;        // nodes that carry force
-  bool let_go_ = false;  // some no longer do since the forces were settled
+  Lanes lanes_;
+  const FaceTables& faces_;
+  const ContactTables& contact_;
+  const MotionLimits& bounds_;
+  NodeContact<Lanes, packs> node_contact_;
+  const LatestContact& latest_contact_;
+  int* active_index_;
+  ActiveSet& active_;
+  ContactList& contact_list_;
+  const int* watched_;
+  const int* interrupted_;
+  int count_ = 0;             // nodes that carry force
+  bool deactivated_ = false;  // some no longer do since the forces were settled
 
-  /// The careful way, from no force on.
+  /// The active set method, from no force on.
   template <class List>
   KOKKOS_FUNCTION Solution seek(const Place& place, Real* u, Real* v, const List& list,
                                 ContactTotals<Real>& totals, double& most, bool anywhere) {
-    Real now[K];
-    for (int p = 0; p < K; ++p) now[p] = u[p];
+    Real now[packs];
+    for (int p = 0; p < packs; ++p) now[p] = u[p];
     count_ = 0;
-    let_go_ = false;
+    deactivated_ = false;
     Solution result = Solution::solved;
-    const int rounds = 64 + 8 * t_.nodes;
+    const int rounds = 64 + 8 * faces_.nodes;
     double wide = 0.0;
     for (int round = 0;; ++round) {
       const int nodes = list(now);
-      double over = t_.touch + wide;
+      double over = contact_.tolerance + wide;
       const int worst = most_overlapping(place, now, nodes, over);
       if (worst < 0) break;
-      if (t_.compliance > 0.0 && count_ == many) {
-        release();
+      if (contact_.compliance > 0.0 && count_ == many) {
+        clear_active();
         return anywhere ? newton(place, u, v, list, totals, most) : Solution::crowded;
       }
-      if (round % 16 == 15 && is_interrupted(t_)) {
+      if (round % 16 == 15 && is_interrupted(interrupted_)) {
         result = Solution::interrupted;
         break;
       }
-      result = round < rounds ? press(place, worst, over) : Solution::blocked;
+      result = round < rounds ? activate(place, worst, over) : Solution::blocked;
       if (result != Solution::solved) break;
-      if (count_ > 1 || let_go_) settle(place, u);
-      let_go_ = false;
+      if (count_ > 1 || deactivated_) settle(place, u);
+      deactivated_ = false;
       end_of(place, u, now);
       const double sum = total();
       if (sum > most) most = sum;
@@ -212,13 +236,13 @@ class Complementarity {
       if (round == 4) wide = rounding_of(now, u);
     }
     if (result == Solution::solved && count_ > 0) finish(place, u, v, totals);
-    release();
+    clear_active();
     return result;
   }
 
-  KOKKOS_FUNCTION void release() {
+  KOKKOS_FUNCTION void clear_active() {
     for (int j = 0; j < count_; ++j)
-      if (lanes_.leader()) s_.pressed_place[s_.pressed[j]] = -1;
+      if (lanes_.leader()) active_index_[active_.nodes[j]] = -1;
     lanes_.sync();
     count_ = 0;
   }
@@ -232,15 +256,15 @@ class Complementarity {
   /// is least: its slope is w + D sum_n f_n phi_n, f_n = max(0, o_n)/compliance. E is quadratic as
   /// long as the same nodes overlap, so Newton's step with those goes to the end at once, or is
   /// shortened until E falls (Armijo). It ends after two steps in a row that move no overlap by
-  /// more than the roundings of a gap or of the modes' sums: after the first, nodes may have come
-  /// to touch or let go by as much.
+  /// more than the roundings of a gap or of the modes' sums: after the first, contacts may
+  /// have begun or ended by as much.
   template <class List>
   KOKKOS_FUNCTION Solution newton(const Place& place, Real* u, Real* v, const List& list,
                                   ContactTotals<Real>& totals, double& most) {
-    constexpr int rows = K * Lanes::width, rounds = 200, halvings = 40;
-    if (s_.pressed_capacity < (rows > many ? rows : many)) return Solution::crowded;
-    Real d[K], w[K], now[K], slope[K], next[K], at[K], next_slope[K];
-    for (int p = 0; p < K; ++p) {
+    constexpr int rows = packs * Lanes::width, rounds = 200, halvings = 40;
+    if (active_.capacity < (rows > many ? rows : many)) return Solution::crowded;
+    Real d[packs], w[packs], now[packs], slope[packs], next[packs], at[packs], next_slope[packs];
+    for (int p = 0; p < packs; ++p) {
       d[p] = Kokkos::sqrt(receptance(p));
       w[p] = Real(0.0);
       now[p] = u[p];
@@ -249,15 +273,15 @@ class Complementarity {
     int nodes = list(now);
     double energy = descend(place, now, nodes, d, w, slope, most);
     for (int round = 0; round < rounds; ++round) {
-      if (is_interrupted(t_)) return Solution::interrupted;
+      if (is_interrupted(interrupted_)) return Solution::interrupted;
       solve_newton(place, now, nodes, d, slope, next);
       Real part = slope[0] * next[0];
-      for (int p = 1; p < K; ++p) part = multiply_add(slope[p], next[p], part);
+      for (int p = 1; p < packs; ++p) part = multiply_add(slope[p], next[p], part);
       const double fall = lanes_.sum(part);
       double share = 1.0;
       for (int half = 0; half < halvings; ++half, share *= 0.5) {
-        Real to[K];
-        for (int p = 0; p < K; ++p) {
+        Real to[packs];
+        for (int p = 0; p < packs; ++p) {
           to[p] = multiply_add(share, next[p], w[p]);
           at[p] = multiply_add(d[p], to[p], u[p]);
         }
@@ -266,21 +290,21 @@ class Complementarity {
         // the second is what roundings do to sums of squares
         if (there <= energy + 1e-4 * share * fall + 1e-13 * energy || half + 1 == halvings) {
           energy = there;
-          for (int p = 0; p < K; ++p) w[p] = to[p];
+          for (int p = 0; p < packs; ++p) w[p] = to[p];
           break;
         }
       }
       Real moved(0.0);
-      for (int p = 0; p < K; ++p) {
-        moved = multiply_add(lanes_.load(t_.largest_shape + p * Lanes::width),
+      for (int p = 0; p < packs; ++p) {
+        moved = multiply_add(lanes_.load(bounds_.largest_shape + p * Lanes::width),
                              Kokkos::abs(at[p] - now[p]), moved);
         now[p] = at[p];
         slope[p] = next_slope[p];
       }
       const bool rested = rests;
-      rests = lanes_.sum(moved) <= t_.touch + rounding_of(now, u);
+      rests = lanes_.sum(moved) <= contact_.tolerance + rounding_of(now, u);
       if (!rests || !rested) continue;
-      list_touching(place, now, nodes, totals);
+      list_contacts(place, now, nodes, totals);
       end_step(place, u, v, totals);
       return Solution::solved;
     }
@@ -290,21 +314,21 @@ class Complementarity {
   /// E at w, where the modes are at `now`, and its slope. `most` learns of the forces there.
   KOKKOS_FUNCTION double descend(const Place& place, const Real* now, int nodes, const Real* d,
                                  const Real* w, Real* slope, double& most) const {
-    const double stiffness = 1.0 / t_.compliance;
-    Real phi[K], square = w[0] * w[0];
-    for (int p = 0; p < K; ++p) slope[p] = Real(0.0);
-    for (int p = 1; p < K; ++p) square = multiply_add(w[p], w[p], square);
+    const double stiffness = 1.0 / contact_.compliance;
+    Real phi[packs], square = w[0] * w[0];
+    for (int p = 0; p < packs; ++p) slope[p] = Real(0.0);
+    for (int p = 1; p < packs; ++p) square = multiply_add(w[p], w[p], square);
     double work = 0.0, force = 0.0;
     for (int e = 0; e < nodes; ++e) {
-      contact_.shape(s_.watch[e], place.offset, phi);
-      const double over = contact_.overlap(s_.watch[e], place.theta, phi, now);
+      node_contact_.shape(watched_[e], place.offset, phi);
+      const double over = node_contact_.overlap(watched_[e], place.theta, phi, now);
       if (!(over > 0.0)) continue;
       const double f = stiffness * over;
       work += f * over;
       force += f;
-      for (int p = 0; p < K; ++p) slope[p] = multiply_add(f, phi[p], slope[p]);
+      for (int p = 0; p < packs; ++p) slope[p] = multiply_add(f, phi[p], slope[p]);
     }
-    for (int p = 0; p < K; ++p) slope[p] = multiply_add(d[p], slope[p], w[p]);
+    for (int p = 0; p < packs; ++p) slope[p] = multiply_add(d[p], slope[p], w[p]);
     if (force > most) most = force;
     return 0.5 * (lanes_.sum(square) + work);
   }
@@ -313,26 +337,26 @@ class Complementarity {
   /// (I + D sum_n phi_n phi_n^T D / compliance) step = -slope.
   KOKKOS_FUNCTION void solve_newton(const Place& place, const Real* now, int nodes, const Real* d,
                                     const Real* slope, Real* step) {
-    constexpr int width = Lanes::width, rows = K * width;
-    const double stiffness = 1.0 / t_.compliance;
+    constexpr int width = Lanes::width, rows = packs * width;
+    const double stiffness = 1.0 / contact_.compliance;
     lanes_.sync();
     for (int i = 0; i < rows; ++i)
-      for (int p = 0; p < K; ++p) lanes_.store(&factor(i, p * width), Real(0.0));
-    for (int p = 0; p < K; ++p) lanes_.store(s_.share + p * width, -slope[p]);
+      for (int p = 0; p < packs; ++p) lanes_.store(&factor(i, p * width), Real(0.0));
+    for (int p = 0; p < packs; ++p) lanes_.store(active_.solution + p * width, -slope[p]);
     for (int e = 0; e < nodes; ++e) {
-      Real phi[K];
-      contact_.shape(s_.watch[e], place.offset, phi);
-      if (!(contact_.overlap(s_.watch[e], place.theta, phi, now) > 0.0)) continue;
+      Real phi[packs];
+      node_contact_.shape(watched_[e], place.offset, phi);
+      if (!(node_contact_.overlap(watched_[e], place.theta, phi, now) > 0.0)) continue;
       lanes_.sync();
-      for (int p = 0; p < K; ++p) {
+      for (int p = 0; p < packs; ++p) {
         phi[p] = d[p] * phi[p];
-        lanes_.store(s_.across + p * width, phi[p]);
+        lanes_.store(active_.coupling + p * width, phi[p]);
       }
       lanes_.sync();
       for (int i = 0; i < rows; ++i) {
-        const double left = stiffness * s_.across[i];
+        const double left = stiffness * active_.coupling[i];
         if (left == 0.0) continue;  // of a lane without a mode
-        for (int p = 0; p < K; ++p)
+        for (int p = 0; p < packs; ++p)
           lanes_.store(&factor(i, p * width),
                        multiply_add(left, phi[p], lanes_.load(&factor(i, p * width))));
       }
@@ -351,43 +375,43 @@ class Complementarity {
     }
     count_ = 0;
     lanes_.sync();
-    for (int p = 0; p < K; ++p) step[p] = lanes_.load(s_.share + p * width);
+    for (int p = 0; p < packs; ++p) step[p] = lanes_.load(active_.solution + p * width);
     lanes_.sync();
   }
 
   /// The nodes that carry force where the modes are at `now`.
-  KOKKOS_FUNCTION void list_touching(const Place& place, const Real* now, int nodes,
+  KOKKOS_FUNCTION void list_contacts(const Place& place, const Real* now, int nodes,
                                      ContactTotals<Real>& totals) {
-    Real phi[K];
-    totals.touched = 0;
+    Real phi[packs];
+    totals.nodes = 0;
     lanes_.sync();
     for (int e = 0; e < nodes; ++e) {
-      const int node = s_.watch[e];
-      contact_.shape(node, place.offset, phi);
-      const double over = contact_.overlap(node, place.theta, phi, now);
+      const int node = watched_[e];
+      node_contact_.shape(node, place.offset, phi);
+      const double over = node_contact_.overlap(node, place.theta, phi, now);
       if (!(over > 0.0)) continue;
       if (lanes_.leader()) {
-        s_.touched[totals.touched] = node;
-        s_.touched_force[totals.touched] = over / t_.compliance;
+        contact_list_.nodes[totals.nodes] = node;
+        contact_list_.forces[totals.nodes] = over / contact_.compliance;
       }
-      ++totals.touched;
+      ++totals.nodes;
     }
     lanes_.sync();
   }
 
   KOKKOS_FORCEINLINE_FUNCTION Real receptance(int p) const {
-    return lanes_.load(t_.receptance + p * Lanes::width);
+    return lanes_.load(contact_.receptance + p * Lanes::width);
   }
   KOKKOS_FORCEINLINE_FUNCTION double& factor(int row, int column) const {
-    return s_.factor[static_cast<std::int64_t>(row) * s_.pressed_capacity + column];
+    return active_.factor[static_cast<std::int64_t>(row) * active_.capacity + column];
   }
 
   /// Bound on the rounding of an overlap's sum over the modes [m], and of the displacement `u`
   /// itself: of what the forces make of `free`, roundings of the larger of the two are left.
   KOKKOS_FUNCTION double rounding_of(const Real* u, const Real* free) const {
     Real part(0.0);
-    for (int p = 0; p < K; ++p)
-      part = multiply_add(lanes_.load(t_.largest_shape + p * Lanes::width),
+    for (int p = 0; p < packs; ++p)
+      part = multiply_add(lanes_.load(bounds_.largest_shape + p * Lanes::width),
                           Kokkos::abs(u[p]) + Kokkos::abs(free[p]), part);
     return rounding(0) * lanes_.sum(part);
   }
@@ -397,11 +421,11 @@ class Complementarity {
                                        double& over) const {
     int worst = -1;
     for (int e = 0; e < nodes; ++e) {
-      const int node = s_.watch[e];
-      if (s_.pressed_place[node] >= 0) continue;
-      Real phi[K];
-      contact_.shape(node, place.offset, phi);
-      const double overlap = contact_.overlap(node, place.theta, phi, u);
+      const int node = watched_[e];
+      if (active_index_[node] >= 0) continue;
+      Real phi[packs];
+      node_contact_.shape(node, place.offset, phi);
+      const double overlap = node_contact_.overlap(node, place.theta, phi, u);
       if (!(overlap > over)) continue;
       over = overlap;
       worst = node;
@@ -410,56 +434,59 @@ class Complementarity {
   }
 
   /// W_nm plus, for a node with itself, the compliance.
-  KOKKOS_FUNCTION double yielding(const Real* weighted, const Real* phi) const {
+  KOKKOS_FUNCTION double compliance_of(const Real* weighted, const Real* phi) const {
     Real part = weighted[0] * phi[0];
-    for (int p = 1; p < K; ++p) part = multiply_add(weighted[p], phi[p], part);
+    for (int p = 1; p < packs; ++p) part = multiply_add(weighted[p], phi[p], part);
     return lanes_.sum(part);
   }
 
   /// share = L^-1 share and share = L^-T share, L the factor; one lane.
   KOKKOS_FUNCTION void solve_lower() const {
     for (int i = 0; i < count_; ++i) {
-      for (int j = 0; j < i; ++j) s_.share[i] -= factor(i, j) * s_.share[j];
-      s_.share[i] /= factor(i, i);
+      for (int j = 0; j < i; ++j) active_.solution[i] -= factor(i, j) * active_.solution[j];
+      active_.solution[i] /= factor(i, i);
     }
   }
   KOKKOS_FUNCTION void solve_upper() const {
     for (int i = count_ - 1; i >= 0; --i) {
-      for (int j = i + 1; j < count_; ++j) s_.share[i] -= factor(j, i) * s_.share[j];
-      s_.share[i] /= factor(i, i);
+      for (int j = i + 1; j < count_; ++j)
+        active_.solution[i] -= factor(j, i) * active_.solution[j];
+      active_.solution[i] /= factor(i, i);
     }
   }
 
-  /// Raises the force on `node` until its overlap `over` is gone, lets go what would have to pull.
-  KOKKOS_FUNCTION Solution press(const Place& place, int node, double over) {
-    Real weighted[K], phi[K];
-    contact_.shape(node, place.offset, phi);
-    for (int p = 0; p < K; ++p) weighted[p] = receptance(p) * phi[p];
-    const double own = yielding(weighted, phi) + t_.compliance;
+  /// Raises the force on `node` until its overlap `over` is gone. Nodes that would have to pull
+  /// leave the active set.
+  KOKKOS_FUNCTION Solution activate(const Place& place, int node, double over) {
+    Real weighted[packs], phi[packs];
+    node_contact_.shape(node, place.offset, phi);
+    for (int p = 0; p < packs; ++p) weighted[p] = receptance(p) * phi[p];
+    const double own = compliance_of(weighted, phi) + contact_.compliance;
     for (int j = 0; j < count_; ++j) {
-      contact_.shape(s_.pressed[j], place.offset, phi);
-      const double w = yielding(weighted, phi);
-      if (lanes_.leader()) s_.across[j] = w;
+      node_contact_.shape(active_.nodes[j], place.offset, phi);
+      const double w = compliance_of(weighted, phi);
+      if (lanes_.leader()) active_.coupling[j] = w;
     }
     lanes_.sync();
     double force = 0.0;
     for (;;) {
       // the pivot that the node would bring, and what the others give up for a newton on it
       if (lanes_.leader()) {
-        for (int j = 0; j < count_; ++j) s_.share[j] = s_.across[j];
+        for (int j = 0; j < count_; ++j) active_.solution[j] = active_.coupling[j];
         solve_lower();
       }
       lanes_.sync();
       double pivot = own;
-      for (int j = 0; j < count_; ++j) pivot -= s_.share[j] * s_.share[j];
-      const bool full = count_ == s_.pressed_capacity;
-      const bool depends = !(pivot > dependent * own) || !(own > t_.least_yielding) ||
-                           (full && t_.compliance == 0.0);
+      for (int j = 0; j < count_; ++j) pivot -= active_.solution[j] * active_.solution[j];
+      const bool full = count_ == active_.capacity;
+      const bool depends = !(pivot > dependent * own) || !(own > contact_.least_compliance) ||
+                           (full && contact_.compliance == 0.0);
       const double clear = depends ? never : over / pivot;
       if (count_ > 0) {
         lanes_.sync();
         if (lanes_.leader()) {
-          for (int j = 0; j < count_; ++j) factor(count_, j) = s_.share[j];  // its row, if it comes
+          for (int j = 0; j < count_; ++j)
+            factor(count_, j) = active_.solution[j];  // its row, if it comes
           solve_upper();
         }
         lanes_.sync();
@@ -467,8 +494,8 @@ class Complementarity {
       double most = never;
       int first = -1;
       for (int j = 0; j < count_; ++j) {
-        if (!(s_.share[j] > 0.0)) continue;
-        const double until = s_.pressed_force[j] / s_.share[j];
+        if (!(active_.solution[j] > 0.0)) continue;
+        const double until = active_.forces[j] / active_.solution[j];
         if (!(until < most)) continue;
         most = until;
         first = j;
@@ -478,18 +505,18 @@ class Complementarity {
       lanes_.sync();
       if (lanes_.leader())
         for (int j = 0; j < count_; ++j) {
-          const double left = s_.pressed_force[j] - more * s_.share[j];
-          s_.pressed_force[j] = left > 0.0 ? left : 0.0;
+          const double left = active_.forces[j] - more * active_.solution[j];
+          active_.forces[j] = left > 0.0 ? left : 0.0;
         }
       lanes_.sync();
       force += more;
       if (clear <= most) {
         if (full) return Solution::crowded;
         if (lanes_.leader()) {
-          RA2D_CHECK(count_ < s_.pressed_capacity);
-          s_.pressed[count_] = node;
-          s_.pressed_force[count_] = force;
-          s_.pressed_place[node] = count_;
+          RA2D_CHECK(count_ < active_.capacity);
+          active_.nodes[count_] = node;
+          active_.forces[count_] = force;
+          active_index_[node] = count_;
           factor(count_, count_) = Kokkos::sqrt(pivot);
         }
         ++count_;
@@ -497,33 +524,33 @@ class Complementarity {
         return Solution::solved;
       }
       if (!depends) over -= more * pivot;
-      let_go(place, first);
+      deactivate(place, first);
     }
   }
 
   /// Takes a node out, and factors what is left anew from there on.
-  KOKKOS_FUNCTION void let_go(const Place& place, int out) {
-    let_go_ = true;
+  KOKKOS_FUNCTION void deactivate(const Place& place, int out) {
+    deactivated_ = true;
     lanes_.sync();
     if (lanes_.leader()) {
-      s_.pressed_place[s_.pressed[out]] = -1;
+      active_index_[active_.nodes[out]] = -1;
       for (int j = out; j + 1 < count_; ++j) {
-        s_.pressed[j] = s_.pressed[j + 1];
-        s_.pressed_force[j] = s_.pressed_force[j + 1];
-        s_.pressed_place[s_.pressed[j]] = j;
-        s_.across[j] = s_.across[j + 1];
+        active_.nodes[j] = active_.nodes[j + 1];
+        active_.forces[j] = active_.forces[j + 1];
+        active_index_[active_.nodes[j]] = j;
+        active_.coupling[j] = active_.coupling[j + 1];
       }
     }
     --count_;
     lanes_.sync();
-    Real phi[K], weighted[K];
+    Real phi[packs], weighted[packs];
     for (int i = out; i < count_; ++i) {
-      contact_.shape(s_.pressed[i], place.offset, weighted);
-      for (int p = 0; p < K; ++p) weighted[p] = receptance(p) * weighted[p];
+      node_contact_.shape(active_.nodes[i], place.offset, weighted);
+      for (int p = 0; p < packs; ++p) weighted[p] = receptance(p) * weighted[p];
       for (int j = 0; j <= i; ++j) {
-        contact_.shape(s_.pressed[j], place.offset, phi);
-        double w = yielding(weighted, phi);
-        if (j == i) w += t_.compliance;
+        node_contact_.shape(active_.nodes[j], place.offset, phi);
+        double w = compliance_of(weighted, phi);
+        if (j == i) w += contact_.compliance;
         for (int l = 0; l < j; ++l) w -= factor(i, l) * factor(j, l);
         w = j == i ? Kokkos::sqrt(w > 0.0 ? w : 0.0) : w / factor(j, j);
         lanes_.sync();
@@ -533,68 +560,69 @@ class Complementarity {
     }
   }
 
-  /// Takes out of the forces what roundings have left in them: solves for what the overlaps at the
-  /// end of the step still miss. A node whose force that would turn negative is let go: with its
-  /// force merely cut off at zero, nodes that depend on it all but for roundings would keep what it
-  /// was to take from them.
+  /// Removes the roundings from the forces: solves for the overlaps that are left at the end of the
+  /// step. A node whose force that would turn negative leaves the active set. With its force merely
+  /// cut off at zero, nodes that depend on it all but for roundings would keep the part that it was
+  /// to take from them.
   KOKKOS_FUNCTION void settle(const Place& place, const Real* free) {
     for (int pass = 0; pass < 3;) {
-      Real now[K], phi[K];
+      Real now[packs], phi[packs];
       end_of(place, free, now);
       double worst = 0.0;
       for (int j = 0; j < count_; ++j) {
-        contact_.shape(s_.pressed[j], place.offset, phi);
-        const double missing = contact_.overlap(s_.pressed[j], place.theta, phi, now) -
-                               t_.compliance * s_.pressed_force[j];
-        if (lanes_.leader()) s_.share[j] = missing;
+        node_contact_.shape(active_.nodes[j], place.offset, phi);
+        const double missing = node_contact_.overlap(active_.nodes[j], place.theta, phi, now) -
+                               contact_.compliance * active_.forces[j];
+        if (lanes_.leader()) active_.solution[j] = missing;
         const double size = missing < 0.0 ? -missing : missing;
         if (size > worst) worst = size;
       }
       lanes_.sync();
-      if (!(worst > t_.touch)) return;
+      if (!(worst > contact_.tolerance)) return;
       if (lanes_.leader()) {
         solve_lower();
         solve_upper();
       }
       lanes_.sync();
-      double way = 1.0;
+      double fraction = 1.0;
       int first = -1;
       for (int j = 0; j < count_; ++j) {
-        if (!(s_.pressed_force[j] + s_.share[j] < 0.0)) continue;
-        const double until = -s_.pressed_force[j] / s_.share[j];
-        if (first >= 0 && !(until < way)) continue;
-        way = until;
+        if (!(active_.forces[j] + active_.solution[j] < 0.0)) continue;
+        const double until = -active_.forces[j] / active_.solution[j];
+        if (first >= 0 && !(until < fraction)) continue;
+        fraction = until;
         first = j;
       }
       lanes_.sync();
       if (lanes_.leader())
         for (int j = 0; j < count_; ++j) {
-          const double corrected = s_.pressed_force[j] + way * s_.share[j];
-          s_.pressed_force[j] = corrected > 0.0 ? corrected : 0.0;
+          const double corrected = active_.forces[j] + fraction * active_.solution[j];
+          active_.forces[j] = corrected > 0.0 ? corrected : 0.0;
         }
       lanes_.sync();
       if (first < 0)
         ++pass;
       else
-        let_go(place, first);
+        deactivate(place, first);
     }
   }
 
   /// Displacement at the end of the step under the present forces.
   KOKKOS_FUNCTION void end_of(const Place& place, const Real* free, Real* u) const {
-    Real push[K], phi[K];
-    for (int p = 0; p < K; ++p) push[p] = Real(0.0);
+    Real force_on_modes[packs], phi[packs];
+    for (int p = 0; p < packs; ++p) force_on_modes[p] = Real(0.0);
     for (int j = 0; j < count_; ++j) {
-      contact_.shape(s_.pressed[j], place.offset, phi);
-      const Real f(s_.pressed_force[j]);
-      for (int p = 0; p < K; ++p) push[p] = multiply_add(f, phi[p], push[p]);
+      node_contact_.shape(active_.nodes[j], place.offset, phi);
+      const Real f(active_.forces[j]);
+      for (int p = 0; p < packs; ++p)
+        force_on_modes[p] = multiply_add(f, phi[p], force_on_modes[p]);
     }
-    for (int p = 0; p < K; ++p) u[p] = multiply_add(-receptance(p), push[p], free[p]);
+    for (int p = 0; p < packs; ++p) u[p] = multiply_add(-receptance(p), force_on_modes[p], free[p]);
   }
 
   KOKKOS_FUNCTION double total() const {
     double sum = 0.0;
-    for (int j = 0; j < count_; ++j) sum += s_.pressed_force[j];
+    for (int j = 0; j < count_; ++j) sum += active_.forces[j];
     return sum;
   }
 
@@ -604,41 +632,42 @@ class Complementarity {
     if (lanes_.leader()) {
       int touched = 0;
       for (int j = 0; j < count_; ++j) {  // in ascending order
-        if (!(s_.pressed_force[j] > 0.0)) continue;
+        if (!(active_.forces[j] > 0.0)) continue;
         int at = touched++;
-        for (; at > 0 && s_.touched[at - 1] > s_.pressed[j]; --at) {
-          s_.touched[at] = s_.touched[at - 1];
-          s_.touched_force[at] = s_.touched_force[at - 1];
+        for (; at > 0 && contact_list_.nodes[at - 1] > active_.nodes[j]; --at) {
+          contact_list_.nodes[at] = contact_list_.nodes[at - 1];
+          contact_list_.forces[at] = contact_list_.forces[at - 1];
         }
-        s_.touched[at] = s_.pressed[j];
-        s_.touched_force[at] = s_.pressed_force[j];
+        contact_list_.nodes[at] = active_.nodes[j];
+        contact_list_.forces[at] = active_.forces[j];
       }
     }
     lanes_.sync();
-    for (int j = 0; j < count_; ++j) totals.touched += s_.pressed_force[j] > 0.0 ? 1 : 0;
+    for (int j = 0; j < count_; ++j) totals.nodes += active_.forces[j] > 0.0 ? 1 : 0;
     end_step(place, u, v, totals);
   }
 
-  /// The end of the step under the forces of the nodes that are listed as touching.
+  /// The end of the step under the forces in the list of contacts.
   KOKKOS_FUNCTION void end_step(const Place& place, Real* u, Real* v, ContactTotals<Real>& totals) {
-    Real push[K], bend[K], phi[K], slope[K];
-    for (int p = 0; p < K; ++p) push[p] = bend[p] = Real(0.0);
-    for (int e = 0; e < totals.touched; ++e) {
-      const int node = s_.touched[e];
-      const double f = s_.touched_force[e];
-      contact_.shapes(node, place.offset, phi, slope);
-      for (int p = 0; p < K; ++p) {
-        push[p] = multiply_add(f, phi[p], push[p]);
+    Real force_on_modes[packs], bend[packs], phi[packs], slope[packs];
+    for (int p = 0; p < packs; ++p) force_on_modes[p] = bend[p] = Real(0.0);
+    for (int e = 0; e < totals.nodes; ++e) {
+      const int node = contact_list_.nodes[e];
+      const double f = contact_list_.forces[e];
+      node_contact_.shapes(node, place.offset, phi, slope);
+      for (int p = 0; p < packs; ++p) {
+        force_on_modes[p] = multiply_add(f, phi[p], force_on_modes[p]);
         bend[p] = multiply_add(f, slope[p], bend[p]);
       }
-      totals.climb = Kokkos::fma(f, contact_.rise(node), totals.climb);
+      totals.climb = Kokkos::fma(f, node_contact_.rise(node), totals.climb);
       totals.force += f;
     }
-    for (int p = 0; p < K; ++p) {
-      u[p] = multiply_add(-receptance(p), push[p], u[p]);
-      v[p] = multiply_add(-lanes_.load(t_.mobility + p * Lanes::width), push[p], v[p]);
+    for (int p = 0; p < packs; ++p) {
+      u[p] = multiply_add(-receptance(p), force_on_modes[p], u[p]);
+      v[p] =
+          multiply_add(-lanes_.load(contact_.mobility + p * Lanes::width), force_on_modes[p], v[p]);
     }
-    for (int p = 0; p < K; ++p) totals.bend = multiply_add(bend[p], u[p], totals.bend);
+    for (int p = 0; p < packs; ++p) totals.bend = multiply_add(bend[p], u[p], totals.bend);
   }
 };
 

@@ -13,83 +13,98 @@
 
 namespace ra2d {
 
-/// What the contact did at one state.
+/// Sums over the nodes in contact at one state.
 template <class Real>
 struct ContactTotals {
   double force = 0;  // N
   double climb = 0;  // N m: forces times the rise of the resonator's face over one spacing
   Real bend{0.0};    // N m: the same for its bent line, still to be summed over the lanes
-  int touched = 0;   // nodes in contact, listed in the state's work space
+  int nodes = 0;     // in contact, listed in WorkSpace::contact_list
 };
 
-/// One slider node over one window: what its overlap and its modal force are made of.
+/// Expands one slider node over one window: the parts of its overlap and its modal force.
 /// Overlap -g = face + theta rise + sum_k U_k phi_k(offset), with phi_k cubic in the offset; phi
 /// holds both bodies' modes, so the modal force of a nodal force f is -f phi_k (paper, the line
-/// under equation 6). A pure function of node and window: whoever evaluates a node, for whatever
-/// reason, gets the same bits.
-template <class Lanes, int K>
-KOKKOS_INLINE_FUNCTION void expand_node(const Lanes& lanes, const SceneTables& t,
-                                        const Place& place, int node, double* shape, double* face) {
+/// under equation 6). A pure function of node and window: it gives the same bits whatever a
+/// node is evaluated for.
+template <class Lanes, int packs>
+KOKKOS_INLINE_FUNCTION void expand_node(const Lanes& lanes, const SliderMotion& motion,
+                                        const FaceTables& faces, const SliderShapes& slider,
+                                        const PatchTables& patches, const Place& place, int node,
+                                        double* shape, double* face) {
   using Real = typename Lanes::Real;
-  RA2D_CHECK(node >= 0 && node < t.nodes);
+  RA2D_CHECK(node >= 0 && node < faces.nodes);
   const int at = place.base + node;
-  Real c[4][K];
-  expand_modes<Lanes, K>(lanes, t, at / t.patch_nodes, at + (place.part + 0.5) * t.window_width, c);
-  const std::int64_t stride = std::int64_t{t.groups} * Lanes::width;
-  for (int k = 0; k < t.slider_modes; ++k)
-    for (int p = 0; p < K; ++p)
-      c[0][p] = multiply_add(t.slider_shape[k * stride + node],
-                             lanes.load(t.unit + (k * K + p) * Lanes::width), c[0][p]);
+  Real c[4][packs];
+  expand_modes<Lanes, packs>(lanes, patches, at / patches.nodes,
+                             at + (place.part + 0.5) * motion.window_width, c);
+  const std::int64_t row = slider.row;
+  for (int k = 0; k < slider.modes; ++k)
+    for (int p = 0; p < packs; ++p)
+      c[0][p] = multiply_add(slider.shape[k * row + node],
+                             lanes.load(slider.unit + (k * packs + p) * Lanes::width), c[0][p]);
   for (int m = 0; m < 4; ++m)
-    for (int p = 0; p < K; ++p) lanes.store(shape + (m * K + p) * Lanes::width, c[m][p]);
+    for (int p = 0; p < packs; ++p) lanes.store(shape + (m * packs + p) * Lanes::width, c[m][p]);
   if (lanes.leader()) {
-    face[0] = t.height1[node] + t.height2[at];
-    face[1] = t.height2[at + 1] - t.height2[at];
+    face[0] = faces.height1[node] + faces.height2[at];
+    face[1] = faces.height2[at + 1] - faces.height2[at];
   }
 }
 
 /// Contact detection and penalty contact force at single nodes, each one product over the modes.
-template <class Lanes, int K>
+template <class Lanes, int packs>
 class NodeContact {
   using Real = typename Lanes::Real;
   static constexpr int width = Lanes::width;
 
  public:
-  KOKKOS_FUNCTION NodeContact(const Lanes& lanes, const SceneTables& tables, SceneState& state)
-      : lanes_{lanes}, t_{tables}, s_{state}, penalty_{tables.node_stiffness} {}
+  KOKKOS_FUNCTION NodeContact(const Lanes& lanes, const SliderMotion& motion,
+                              const FaceTables& faces, const SliderShapes& slider,
+                              const PatchTables& patches, const ContactTables& contact,
+                              Marks& marks, Caches& caches, ContactList& contact_list)
+      : lanes_{lanes},
+        motion_{motion},
+        faces_{faces},
+        slider_{slider},
+        patches_{patches},
+        contact_{contact},
+        marks_{marks},
+        caches_{caches},
+        contact_list_{contact_list} {}
 
   /// Expands the listed nodes that are not expanded for this window yet.
   KOKKOS_FUNCTION void expand(const Place& place, const int* nodes, int count) const {
-    const std::int64_t window = place.window(t_);
+    const std::int64_t window = place.window(motion_);
     for (int e = 0; e < count; ++e) {
       const int node = nodes[e];
-      if (s_.node_window[node] == window) continue;
+      if (marks_.node_window[node] == window) continue;
       lanes_.sync();
-      expand_node<Lanes, K>(lanes_, t_, place, node, s_.node_shape + node_offset(node),
-                            s_.node_face + 2 * node);
-      if (lanes_.leader()) s_.node_window[node] = window;
+      expand_node<Lanes, packs>(lanes_, motion_, faces_, slider_, patches_, place, node,
+                                caches_.node_shape + node_offset(node),
+                                caches_.node_face + 2 * node);
+      if (lanes_.leader()) marks_.node_window[node] = window;
       lanes_.sync();
     }
   }
-  /// psi of both bodies at an expanded node, and its change over a spacing of the slider's way.
+  /// psi of both bodies at an expanded node, and its change over a spacing of the slider's path.
   KOKKOS_FORCEINLINE_FUNCTION void shapes(int node, double offset, Real* phi, Real* slope) const {
-    const double* c = s_.node_shape + node_offset(node);
+    const double* c = caches_.node_shape + node_offset(node);
     const Real x(offset);
-    for (int p = 0; p < K; ++p) {
-      const Real c3 = lanes_.load(c + width * (3 * K + p));
-      const Real c2 = multiply_add(c3, x, lanes_.load(c + width * (2 * K + p)));
-      const Real c1 = multiply_add(c2, x, lanes_.load(c + width * (K + p)));
+    for (int p = 0; p < packs; ++p) {
+      const Real c3 = lanes_.load(c + width * (3 * packs + p));
+      const Real c2 = multiply_add(c3, x, lanes_.load(c + width * (2 * packs + p)));
+      const Real c1 = multiply_add(c2, x, lanes_.load(c + width * (packs + p)));
       phi[p] = multiply_add(c1, x, lanes_.load(c + width * p));
       slope[p] = multiply_add(multiply_add(c3, x, c2), x, c1);
     }
   }
   KOKKOS_FORCEINLINE_FUNCTION void shape(int node, double offset, Real* phi) const {
-    const double* c = s_.node_shape + node_offset(node);
+    const double* c = caches_.node_shape + node_offset(node);
     const Real x(offset);
-    for (int p = 0; p < K; ++p) {
-      const Real c2 = multiply_add(lanes_.load(c + width * (3 * K + p)), x,
-                                   lanes_.load(c + width * (2 * K + p)));
-      const Real c1 = multiply_add(c2, x, lanes_.load(c + width * (K + p)));
+    for (int p = 0; p < packs; ++p) {
+      const Real c2 = multiply_add(lanes_.load(c + width * (3 * packs + p)), x,
+                                   lanes_.load(c + width * (2 * packs + p)));
+      const Real c1 = multiply_add(c2, x, lanes_.load(c + width * (packs + p)));
       phi[p] = multiply_add(c1, x, lanes_.load(c + width * p));
     }
   }
@@ -97,51 +112,54 @@ class NodeContact {
   KOKKOS_FORCEINLINE_FUNCTION double overlap(int node, double theta, const Real* phi,
                                              const Real* u) const {
     Real product = phi[0] * u[0];
-    for (int p = 1; p < K; ++p) product = multiply_add(phi[p], u[p], product);
+    for (int p = 1; p < packs; ++p) product = multiply_add(phi[p], u[p], product);
     return face(node, theta) + lanes_.sum(product);
   }
   /// The rough faces' part of the overlap of an expanded node [m].
   KOKKOS_FORCEINLINE_FUNCTION double face(int node, double theta) const {
-    return Kokkos::fma(theta, rise(node), s_.node_face[2 * node]);
+    return Kokkos::fma(theta, rise(node), caches_.node_face[2 * node]);
   }
   /// Cubics of all modes at an expanded node over the window: (derivative, lane).
   KOKKOS_FORCEINLINE_FUNCTION const double* expanded(int node) const {
-    return s_.node_shape + node_offset(node);
+    return caches_.node_shape + node_offset(node);
   }
   /// Rise of the resonator's face to its next node [m].
-  KOKKOS_FORCEINLINE_FUNCTION double rise(int node) const { return s_.node_face[2 * node + 1]; }
+  KOKKOS_FORCEINLINE_FUNCTION double rise(int node) const {
+    return caches_.node_face[2 * node + 1];
+  }
 
   /// Contact detection and contact force at a state: adds the modal contact force of the listed
-  /// nodes (in ascending order, expanded for this window) to `force`, and lists those that touch.
+  /// nodes (in ascending order, expanded for this window) to `force`, and lists those in contact.
   KOKKOS_FORCEINLINE_FUNCTION ContactTotals<Real> operator()(const Place& place, const Real* u,
                                                              const int* nodes, int count,
                                                              Real* force) const {
+    const Penalty penalty{contact_.node_stiffness};
     ContactTotals<Real> totals;
-    Real bend[K];  // sum_n f_n dphi/dx: the slope that the bent beam adds to the faces'
-    for (int p = 0; p < K; ++p) bend[p] = Real(0.0);
+    Real bend[packs];  // sum_n f_n dphi/dx: the slope that the bent beam adds to the faces'
+    for (int p = 0; p < packs; ++p) bend[p] = Real(0.0);
     for (int e = 0; e < count; ++e) {
       const int node = nodes[e];
-      Real phi[K], slope[K];
+      Real phi[packs], slope[packs];
       shapes(node, place.offset, phi, slope);
       const double over = overlap(node, place.theta, phi, u);
       if (!(over >= 0.0)) continue;
 
-      const double f = penalty_.force(over);
-      for (int p = 0; p < K; ++p) {
+      const double f = penalty.force(over);
+      for (int p = 0; p < packs; ++p) {
         force[p] = multiply_add(-f, phi[p], force[p]);
         bend[p] = multiply_add(f, slope[p], bend[p]);
       }
       totals.climb = Kokkos::fma(f, rise(node), totals.climb);
       totals.force += f;
-      RA2D_CHECK(totals.touched < t_.nodes);
+      RA2D_CHECK(totals.nodes < faces_.nodes);
       if (lanes_.leader()) {
-        s_.touched[totals.touched] = node;
-        s_.touched_force[totals.touched] = f;
+        contact_list_.nodes[totals.nodes] = node;
+        contact_list_.forces[totals.nodes] = f;
       }
-      ++totals.touched;
+      ++totals.nodes;
     }
-    if (totals.touched > 0) {
-      for (int p = 0; p < K; ++p) totals.bend = multiply_add(bend[p], u[p], totals.bend);
+    if (totals.nodes > 0) {
+      for (int p = 0; p < packs; ++p) totals.bend = multiply_add(bend[p], u[p], totals.bend);
       lanes_.sync();
     }
     return totals;
@@ -149,13 +167,18 @@ class NodeContact {
 
  private:
   KOKKOS_FORCEINLINE_FUNCTION static std::int64_t node_offset(int node) {
-    return static_cast<std::int64_t>(node) * (4 * K * width);
+    return static_cast<std::int64_t>(node) * (4 * packs * width);
   }
 
-  const Lanes& lanes_;
-  const SceneTables& t_;
-  SceneState& s_;
-  Penalty penalty_;
+  Lanes lanes_;
+  const SliderMotion& motion_;
+  const FaceTables& faces_;
+  const SliderShapes& slider_;
+  const PatchTables& patches_;
+  const ContactTables& contact_;
+  Marks& marks_;
+  Caches& caches_;
+  ContactList& contact_list_;
 };
 
 }  // namespace ra2d

@@ -16,8 +16,7 @@
 
 namespace ra2d {
 
-/// Where a stretch of steps finds the nodes that could touch: on a list that holds for all of it
-/// ...
+/// The nodes to evaluate, for a stretch of steps: a list that holds for all of it.
 class ListedNodes {
  public:
   KOKKOS_FORCEINLINE_FUNCTION explicit ListedNodes(const Outlook& plan)
@@ -27,13 +26,13 @@ class ListedNodes {
   KOKKOS_FORCEINLINE_FUNCTION int find(const Real*, const Real*, const Place&) const {
     return count_;
   }
-  KOKKOS_FORCEINLINE_FUNCTION void move(const SceneTables& t, Place& place, std::int64_t step,
-                                        double behind) const {
-    place.move_to(t, step, behind);
+  KOKKOS_FORCEINLINE_FUNCTION void move(const SliderMotion& motion, Place& place, std::int64_t step,
+                                        double share) const {
+    place.move_to(motion, step, share);
   }
   static constexpr bool may_end = true;
-  /// Form::implicit, once a step: whether all that was looked at on the way, under forces of up to
-  /// `most` [N], stayed where the list holds (Outlook); it ended with `force`.
+  /// Form::implicit, once a step, which ended with `force` [N] and had no more than `most` during
+  /// the search for it: whether every state evaluated stayed where the list holds (Outlook).
   KOKKOS_FORCEINLINE_FUNCTION bool covers(double most, double force) {
     pushed_ += most;
     pushes_ += pushed_;
@@ -50,145 +49,161 @@ class ListedNodes {
   double pushed_ = 0.0, pushes_ = 0.0;  // sums of the forces, and of these sums
 };
 
-/// ... or by looking, at every state.
-template <class Lanes, int K>
+/// The nodes to evaluate, searched for at every state.
+template <class Lanes, int packs>
 class LookedNodes {
   using Real = typename Lanes::Real;
 
  public:
-  KOKKOS_FORCEINLINE_FUNCTION LookedNodes(const SceneState& state, Candidates<Lanes, K>& candidates,
-                                          const NodeContact<Lanes, K>& contact)
-      : s_{state}, candidates_{candidates}, contact_{contact} {}
+  KOKKOS_FORCEINLINE_FUNCTION LookedNodes(const int* watched, Candidates<Lanes, packs>& candidates,
+                                          const NodeContact<Lanes, packs>& node_contact)
+      : watched_{watched}, candidates_{candidates}, node_contact_{node_contact} {}
 
   KOKKOS_FUNCTION int find(const Real* u, const Real* v, const Place& place) const {
-    const int count = candidates_.find_touching(u, v, place);
-    contact_.expand(place, s_.watch, count);
+    const int count = candidates_.find_contacts(u, v, place);
+    node_contact_.expand(place, watched_, count);
     return count;
   }
-  KOKKOS_FUNCTION void move(const SceneTables& t, Place& place, std::int64_t step,
-                            double behind) const {
-    place = Place(t, step, behind);
+  KOKKOS_FUNCTION void move(const SliderMotion& motion, Place& place, std::int64_t step,
+                            double share) const {
+    place = Place(motion, step, share);
   }
   static constexpr bool may_end = false;
   KOKKOS_FORCEINLINE_FUNCTION bool covers(double, double) const { return true; }
 
  private:
-  const SceneState& s_;
-  Candidates<Lanes, K>& candidates_;
-  const NodeContact<Lanes, K>& contact_;
+  const int* watched_;
+  Candidates<Lanes, packs>& candidates_;
+  NodeContact<Lanes, packs> node_contact_;
 };
 
 /// One fixed step with contact, in each of its forms: detection, force, integration.
-template <class Lanes, Form form, int K>
+template <class Lanes, Form form, int packs>
 class ContactStep {
   using Real = typename Lanes::Real;
-  using Weights = typename ModesStep<Lanes, form, K>::Weights;
+  using Weights = typename ModesStep<Lanes, form, packs>::Weights;
+  using Recorder = FixedRecorder<Lanes, form, packs>;
 
  public:
-  KOKKOS_FUNCTION ContactStep(const Lanes& lanes, const SceneTables& tables, SceneState& state,
-                              const OuterForces<Lanes, K>& outer,
-                              const ModesStep<Lanes, form, K>& modes,
-                              const NodeContact<Lanes, K>& contact,
-                              FixedRecorder<Lanes, form, K>& recorder)
+  /// `watched`: the nodes to evaluate, in WorkSpace.
+  KOKKOS_FUNCTION ContactStep(const Lanes& lanes, const SliderMotion& motion,
+                              const ContactTables& contact, const SchemeWeights& scheme,
+                              const OuterForces<Lanes, packs>& outer,
+                              const ModesStep<Lanes, form, packs>& integrate,
+                              const NodeContact<Lanes, packs>& node_contact,
+                              const Complementarity<Lanes, packs>& solve, Status& status,
+                              LatestContact& latest, const ContactList& contact_list,
+                              const int* watched)
       : lanes_{lanes},
-        t_{tables},
-        s_{state},
-        outer_{outer},
-        modes_{modes},
+        motion_{motion},
         contact_{contact},
-        solve_{lanes, tables, state, contact_},
-        recorder_{recorder} {}
+        scheme_{scheme},
+        outer_{outer},
+        integrate_{integrate},
+        node_contact_{node_contact},
+        solve_{solve},
+        status_{status},
+        latest_contact_{latest},
+        contact_list_{contact_list},
+        watched_{watched} {}
 
   /// From y on, which stands at `place`. False, with nothing done, when a list would not cover the
   /// step, or (Form::implicit) when its forces cannot be found or the launch is to end.
   template <class NodesToLookAt>
-  KOKKOS_FORCEINLINE_FUNCTION bool operator()(Motion<Lanes, K>& y, const Weights& w, Place& place,
-                                              NodesToLookAt& nodes) {
+  KOKKOS_FORCEINLINE_FUNCTION bool operator()(Motion<Lanes, packs>& y, const Weights& w,
+                                              Place& place, NodesToLookAt& nodes,
+                                              Recorder& recorder) {
     if constexpr (form == Form::semi_implicit) {
-      semi_implicit(y, w, place, nodes);
+      semi_implicit(y, w, place, nodes, recorder);
     } else if constexpr (form == Form::staged) {
-      if (t_.stages == 1)
-        staged<1>(y, w, place, nodes);
+      if (scheme_.stages == 1)
+        staged<1>(y, w, place, nodes, recorder);
       else
-        staged<most_stages>(y, w, place, nodes);
+        staged<most_stages>(y, w, place, nodes, recorder);
     } else {
-      if (!implicit(y, w, place, nodes)) return false;
+      if (!implicit(y, w, place, nodes, recorder)) return false;
     }
     ++y.step;
     return true;
   }
 
  private:
-  const Lanes& lanes_;
-  const SceneTables& t_;
-  SceneState& s_;
-  OuterForces<Lanes, K> outer_;  // copies of what does not change: that saves a way to it
-  ModesStep<Lanes, form, K> modes_;
-  NodeContact<Lanes, K> contact_;
-  Complementarity<Lanes, K> solve_;
-  FixedRecorder<Lanes, form, K>& recorder_;
+  Lanes lanes_;
+  const SliderMotion& motion_;
+  const ContactTables& contact_;
+  const SchemeWeights& scheme_;
+  // copies, for they hold nothing but addresses
+  OuterForces<Lanes, packs> outer_;
+  ModesStep<Lanes, form, packs> integrate_;
+  NodeContact<Lanes, packs> node_contact_;
+  Complementarity<Lanes, packs> solve_;
+  Status& status_;
+  LatestContact& latest_contact_;
+  const ContactList& contact_list_;
+  const int* watched_;
 
   /// U1 = U0 + tau V1 with the contact force of the old time.
   template <class NodesToLookAt>
-  KOKKOS_FORCEINLINE_FUNCTION void semi_implicit(Motion<Lanes, K>& y, const Weights& w,
-                                                 const Place& place, NodesToLookAt& nodes) {
-    Real force[K], moving[K];
+  KOKKOS_FORCEINLINE_FUNCTION void semi_implicit(Motion<Lanes, packs>& y, const Weights& w,
+                                                 const Place& place, NodesToLookAt& nodes,
+                                                 Recorder& recorder) {
+    Real force[packs], moving[packs];
     outer_(y.step, force, moving);
     const int count = nodes.find(y.u, y.v, place);
-    const ContactTotals<Real> totals = contact_(place, y.u, s_.watch, count, force);
-    recorder_.take_contact(totals, place, y.step);
+    const ContactTotals<Real> totals = node_contact_(place, y.u, watched_, count, force);
+    recorder.take_contact(totals, place, y.step);
     y.bend = y.bend + totals.bend;
     lanes_.sync();
-    modes_.advance(y.u, y.v, y.square, force, w);
-    if (t_.moving_forces > 0) recorder_.take_force_work(outer_.work(moving, y.v));
+    integrate_.advance(y.u, y.v, y.square, force, w);
+    if (outer_.any_move()) recorder.take_force_work(outer_.work(moving, y.v));
   }
 
   /// With the contact force at each stage, `most` of them.
   template <int most, class NodesToLookAt>
-  KOKKOS_FORCEINLINE_FUNCTION void staged(Motion<Lanes, K>& y, const Weights& w, Place& place,
-                                          NodesToLookAt& nodes) {
-    Real force[most][K];
+  KOKKOS_FORCEINLINE_FUNCTION void staged(Motion<Lanes, packs>& y, const Weights& w, Place& place,
+                                          NodesToLookAt& nodes, Recorder& recorder) {
+    Real force[most][packs];
     unsigned acting = 0;
-    const int stages = most == 1 ? 1 : t_.stages;
+    const int stages = most == 1 ? 1 : scheme_.stages;
     for (int i = 0; i < stages; ++i) {
-      Real at[K];
+      Real at[packs];
       if (i == 0) {
-        for (int p = 0; p < K; ++p) at[p] = y.u[p];
+        for (int p = 0; p < packs; ++p) at[p] = y.u[p];
       } else {
-        modes_.stage_displacement(i, y.u, y.v, acting, force, at);
-        nodes.move(t_, place, y.step, t_.place[i]);
+        integrate_.stage_displacement(i, y.u, y.v, acting, force, at);
+        nodes.move(motion_, place, y.step, scheme_.place[i]);
       }
-      if (t_.moving_forces > 0) {
-        outer_.moving(y.step, t_.place[i], force[i]);
-        if (i == 0) recorder_.take_force_work(outer_.work(force[0], y.v));
+      if (outer_.any_move()) {
+        outer_.moving(y.step, scheme_.place[i], force[i]);
+        if (i == 0) recorder.take_force_work(outer_.work(force[0], y.v));
         acting |= 1u << i;
       } else {
-        for (int p = 0; p < K; ++p) force[i][p] = Real(0.0);
+        for (int p = 0; p < packs; ++p) force[i][p] = Real(0.0);
       }
       const int count = nodes.find(at, y.v, place);
-      const ContactTotals<Real> totals = contact_(place, at, s_.watch, count, force[i]);
-      if (totals.touched > 0) acting |= 1u << i;
+      const ContactTotals<Real> totals = node_contact_(place, at, watched_, count, force[i]);
+      if (totals.nodes > 0) acting |= 1u << i;
       if (i == 0) {  // the record is that of the state at the step
-        recorder_.take_contact(totals, place, y.step);
+        recorder.take_contact(totals, place, y.step);
         y.bend = y.bend + totals.bend;
       }
       lanes_.sync();
     }
-    modes_.advance(y.u, y.v, w, acting, force);
+    integrate_.advance(y.u, y.v, w, acting, force);
     y.add_squares();
   }
 
   /// With contact forces that hold over the step and are found with its end.
   template <class NodesToLookAt>
-  KOKKOS_FUNCTION bool implicit(Motion<Lanes, K>& y, const Weights& w, Place& place,
-                                NodesToLookAt& nodes) {
-    Real u[K], v[K], outer[most_stages][K];
-    for (int p = 0; p < K; ++p) {
+  KOKKOS_FUNCTION bool implicit(Motion<Lanes, packs>& y, const Weights& w, Place& place,
+                                NodesToLookAt& nodes, Recorder& recorder) {
+    Real u[packs], v[packs], outer[most_stages][packs];
+    for (int p = 0; p < packs; ++p) {
       u[p] = y.u[p];
       v[p] = y.v[p];
     }
-    modes_.advance(u, v, w, modes_.stage_forces(y.step, outer), outer);
-    nodes.move(t_, place, y.step + 1, 0.0);
+    integrate_.advance(u, v, w, integrate_.stage_forces(y.step, outer), outer);
+    nodes.move(motion_, place, y.step + 1, 0.0);
     ContactTotals<Real> totals;
     double most = 0.0;
     const auto list = [&](const Real* at) { return nodes.find(at, v, place); };
@@ -196,13 +211,13 @@ class ContactStep {
         solve_(place, y.step + 1, u, v, list, totals, most, !NodesToLookAt::may_end);
     if (found != Solution::solved) return NodesToLookAt::may_end ? false : fail(found);
     if (!nodes.covers(most, totals.force)) return false;
-    if (t_.moving_forces > 0)
-      recorder_.take_force_work(outer_.work(outer[0], t_.loss_ends > 0.0 ? y.v : v));
-    recorder_.take_contact(totals, place, y.step + 1);
+    if (outer_.any_move())
+      recorder.take_force_work(outer_.work(outer[0], scheme_.loss_ends > 0.0 ? y.v : v));
+    recorder.take_contact(totals, place, y.step + 1);
     keep(totals, y.step + 1);
     y.bend = y.bend + totals.bend;
     lanes_.sync();
-    for (int p = 0; p < K; ++p) {
+    for (int p = 0; p < packs; ++p) {
       y.u[p] = u[p];
       y.v[p] = v[p];
     }
@@ -211,20 +226,22 @@ class ContactStep {
   }
   KOKKOS_FUNCTION bool fail(Solution found) {
     if (found == Solution::interrupted) return false;  // the launch ends before this step
-    if (lanes_.leader()) s_.status = found == Solution::blocked ? Status::blocked : Status::crowded;
+    if (lanes_.leader()) status_ = found == Solution::blocked ? Status::blocked : Status::crowded;
     lanes_.sync();
     return false;
   }
   /// The contact at the end of a step, for the next one and for samples.
   KOKKOS_FORCEINLINE_FUNCTION void keep(const ContactTotals<Real>& totals, std::int64_t step) {
-    if (!lanes_.leader() || totals.touched == 0) return;
+    if (!lanes_.leader() || totals.nodes == 0) return;
     double energy = 0.0;
-    for (int e = 0; e < totals.touched; ++e) energy += s_.touched_force[e] * s_.touched_force[e];
-    s_.contact_step = step;
-    s_.contact_force = totals.force;
-    s_.contact_energy = 0.5 * t_.compliance * energy;
-    s_.contact_nodes = totals.touched;
-    for (int e = 0; e < 2 && e < totals.touched; ++e) s_.contact_pair[e] = s_.touched[e];
+    for (int e = 0; e < totals.nodes; ++e)
+      energy += contact_list_.forces[e] * contact_list_.forces[e];
+    latest_contact_.step = step;
+    latest_contact_.force = totals.force;
+    latest_contact_.energy = 0.5 * contact_.compliance * energy;
+    latest_contact_.nodes = totals.nodes;
+    for (int e = 0; e < 2 && e < totals.nodes; ++e)
+      latest_contact_.pair[e] = contact_list_.nodes[e];
   }
 };
 

@@ -29,7 +29,7 @@ namespace ra2d {
 /// (kernels/candidates.hpp). The arithmetic of a step does not depend on that, nor on where a
 /// launch ends: the results of all nodes and candidates, of one launch or many, are equal bit for
 /// bit.
-template <class Lanes, Form form, int K>
+template <class Lanes, Form form, int packs>
 class FixedMarch {
   using Real = typename Lanes::Real;
   static constexpr int width = Lanes::width;
@@ -37,89 +37,124 @@ class FixedMarch {
  public:
   KOKKOS_FUNCTION FixedMarch(const Lanes& lanes, const SceneTables& tables, SceneState& state)
       : lanes_{lanes},
-        t_{tables},
-        s_{state},
-        outer_{lanes, tables},
-        modes_{lanes, tables, outer_},
-        contact_{lanes, tables, state},
-        candidates_{lanes, tables, state},
-        recorder_{lanes, tables, state, outer_, modes_, contact_, candidates_},
-        contact_step_{lanes, tables, state, outer_, modes_, contact_, recorder_} {
-    for (int p = 0; p < K; ++p) {
-      now_.u[p] = lanes_.load(s_.u + p * width);
-      now_.v[p] = lanes_.load(s_.v + p * width);
-      now_.square[p] = lanes_.load(s_.square_part + p * width);
+        tables_{tables},
+        state_{state},
+        outer_{lanes, tables.modes, tables.motion, tables.patches, tables.forces},
+        integrate_{lanes, tables.motion, tables.scheme, outer_},
+        node_contact_{lanes,         tables.motion,  tables.faces,
+                      tables.slider, tables.patches, tables.contact,
+                      state.marks,   state.caches,   state.work.contact_list},
+        candidates_{lanes,
+                    tables.modes,
+                    tables.motion,
+                    tables.faces,
+                    tables.slider,
+                    tables.patches,
+                    tables.contact,
+                    tables.scheme,
+                    tables.bounds,
+                    state.work.near,
+                    state.work.amplitudes,
+                    state.work.watched,
+                    state.carried.sums.evaluated},
+        recorder_{lanes,           tables.modes,       tables.motion,
+                  tables.contact,  tables.scheme,      tables.output,
+                  outer_,          integrate_,         node_contact_,
+                  state.carried,   state.work.watched, state.work.contact_list,
+                  state.work.runs, state.out},
+        contact_step_{lanes,
+                      tables.motion,
+                      tables.contact,
+                      tables.scheme,
+                      outer_,
+                      integrate_,
+                      node_contact_,
+                      {lanes, tables.faces, tables.contact, tables.bounds, node_contact_,
+                       state.carried.latest_contact, state.marks.active_index, state.work.active,
+                       state.work.contact_list, state.work.watched, tables.interrupted},
+                      state.carried.status,
+                      state.carried.latest_contact,
+                      state.work.contact_list,
+                      state.work.watched} {
+    for (int p = 0; p < packs; ++p) {
+      now_.u[p] = lanes_.load(state_.carried.modal.u + p * width);
+      now_.v[p] = lanes_.load(state_.carried.modal.v + p * width);
+      now_.square[p] = lanes_.load(state_.carried.modal.square_part + p * width);
     }
-    now_.bend = lanes_.load(s_.bend_part);
-    now_.step = s_.step;
+    now_.bend = lanes_.load(state_.carried.sums.bend_part);
+    now_.step = state_.carried.step;
     begin();
   }
 
   /// Marches until step `target`, the end of the scene, a full buffer, an interrupt or a failure,
   /// whichever is first.
-  KOKKOS_FUNCTION void run(std::int64_t target) {
-    const std::int64_t stop = target < t_.total_steps ? target : t_.total_steps;
-    while (s_.status == Status::running) {
-      if (!recorder_.take_sample(now_)) break;
-      if (now_.step % longest_flight == 0 || now_.step == t_.total_steps)
+  KOKKOS_FORCEINLINE_FUNCTION void run(std::int64_t target) {
+    const std::int64_t stop =
+        target < tables_.output.total_steps ? target : tables_.output.total_steps;
+    while (state_.carried.status == Status::running) {
+      if (!recorder_.take_sample(now_, candidates_)) break;
+      if (now_.step % longest_flight == 0 || now_.step == tables_.output.total_steps)
         recorder_.watch_energy(now_);
-      if (s_.status != Status::running || now_.step >= stop || !has_room_for_shocks(s_) ||
-          is_interrupted(t_))
+      if (state_.carried.status != Status::running || now_.step >= stop || !can_record_shocks() ||
+          is_interrupted(tables_.interrupted))
         break;
       const std::int64_t next = recorder_.next_event(now_.step, stop);
-      if (t_.look_at == Nodes::all)
+      if (tables_.bounds.searched == Nodes::all)
         march_all(next);
       else
         march_candidates(next);
     }
-    const bool done =
-        s_.status == Status::running && now_.step == t_.total_steps && recorder_.is_complete();
+    const bool done = state_.carried.status == Status::running &&
+                      now_.step == tables_.output.total_steps && recorder_.is_complete();
     lanes_.sync();
-    if (done && lanes_.leader()) s_.status = Status::done;
+    if (done && lanes_.leader()) state_.carried.status = Status::done;
     save();
   }
 
  private:
-  const Lanes& lanes_;
-  const SceneTables& t_;
-  SceneState& s_;
-  OuterForces<Lanes, K> outer_;
-  ModesStep<Lanes, form, K> modes_;
-  NodeContact<Lanes, K> contact_;
-  Candidates<Lanes, K> candidates_;
-  FixedRecorder<Lanes, form, K> recorder_;
-  ContactStep<Lanes, form, K> contact_step_;
-  Motion<Lanes, K> now_;
+  Lanes lanes_;
+  const SceneTables& tables_;
+  SceneState& state_;
+  OuterForces<Lanes, packs> outer_;
+  ModesStep<Lanes, form, packs> integrate_;
+  NodeContact<Lanes, packs> node_contact_;
+  Candidates<Lanes, packs> candidates_;
+  FixedRecorder<Lanes, form, packs> recorder_;
+  ContactStep<Lanes, form, packs> contact_step_;
+  Motion<Lanes, packs> now_;
 
+  KOKKOS_FORCEINLINE_FUNCTION bool can_record_shocks() const {
+    return ra2d::can_record_shocks(state_.out.ended_shocks, state_.work.runs);
+  }
   KOKKOS_FUNCTION void save() {
     lanes_.sync();
-    for (int p = 0; p < K; ++p) {
-      lanes_.store(s_.u + p * width, now_.u[p]);
-      lanes_.store(s_.v + p * width, now_.v[p]);
-      lanes_.store(s_.square_part + p * width, now_.square[p]);
+    for (int p = 0; p < packs; ++p) {
+      lanes_.store(state_.carried.modal.u + p * width, now_.u[p]);
+      lanes_.store(state_.carried.modal.v + p * width, now_.v[p]);
+      lanes_.store(state_.carried.modal.square_part + p * width, now_.square[p]);
     }
-    lanes_.store(s_.bend_part, now_.bend);
-    if (lanes_.leader()) s_.step = now_.step;
+    lanes_.store(state_.carried.sums.bend_part, now_.bend);
+    if (lanes_.leader()) state_.carried.step = now_.step;
   }
 
   /// Once a scene: takes the velocity of t = 0 to where the scheme has it.
   KOKKOS_FUNCTION void begin() {
-    if (s_.begun) return;
-    // what rests under contact forces that are yet to be found is not pushed
-    const bool pushed_freely = form != Form::implicit || s_.contact_nodes == 0;
-    if (t_.velocity_lag > 0.0 && pushed_freely) {
-      Real force[K], moving[K];
+    if (state_.carried.modal.begun) return;
+    // a body at rest under contact forces that are yet to be found is not accelerated
+    const bool pushed_freely = form != Form::implicit || state_.carried.latest_contact.nodes == 0;
+    if (tables_.scheme.velocity_lag > 0.0 && pushed_freely) {
+      Real force[packs], moving[packs];
       outer_(now_.step, force, moving);
       if constexpr (form != Form::implicit) {
-        const Place place(t_, now_.step);
-        const int count = candidates_.find_touching(now_.u, now_.v, place);
-        contact_.expand(place, s_.watch, count);
-        contact_(place, now_.u, s_.watch, count, force);
+        const Place place(tables_.motion, now_.step);
+        const int count = candidates_.find_contacts(now_.u, now_.v, place);
+        node_contact_.expand(place, state_.work.watched, count);
+        node_contact_(place, now_.u, state_.work.watched, count, force);
       }
-      modes_.lag(now_.u, now_.v, force);
+      integrate_.lag(now_.u, now_.v, force);
     }
     lanes_.sync();
-    if (lanes_.leader()) s_.begun = true;
+    if (lanes_.leader()) state_.carried.modal.begun = true;
     lanes_.sync();
   }
 
@@ -128,26 +163,26 @@ class FixedMarch {
   KOKKOS_FUNCTION void march_all(std::int64_t next) {
     const std::int64_t first = now_.step;
     look(static_cast<int>(next - first));
-    if (lanes_.leader()) s_.evaluated += (now_.step - first) * t_.nodes;
+    if (lanes_.leader()) state_.carried.sums.evaluated += (now_.step - first) * tables_.faces.nodes;
     lanes_.sync();
   }
 
-  /// Steps that look at every state anew.
+  /// Steps that search for contact at every state.
   KOKKOS_FUNCTION void look(int steps) {
-    const auto w = modes_.weights();
-    Motion<Lanes, K> y = now_;
-    LookedNodes<Lanes, K> nodes(s_, candidates_, contact_);
-    for (int i = 0; i < steps && has_room_for_shocks(s_); ++i) {
-      Place place(t_, y.step);
-      if (!contact_step_(y, w, place, nodes)) break;
+    const auto w = integrate_.weights();
+    Motion<Lanes, packs> y = now_;
+    LookedNodes<Lanes, packs> nodes(state_.work.watched, candidates_, node_contact_);
+    for (int i = 0; i < steps && can_record_shocks(); ++i) {
+      Place place(tables_.motion, y.step);
+      if (!contact_step_(y, w, place, nodes, recorder_)) break;
     }
     now_ = y;
   }
 
-  // ---- only what can touch
+  // ---- only nodes that can come into contact
 
   KOKKOS_FUNCTION void march_candidates(std::int64_t next) {
-    while (now_.step < next && has_room_for_shocks(s_) && s_.status == Status::running) {
+    while (now_.step < next && can_record_shocks() && state_.carried.status == Status::running) {
       const Outlook plan =
           candidates_.look_ahead(now_.u, now_.v, now_.step, next, recorder_.usual_force());
       if (plan.kind == Outlook::fly)
@@ -163,7 +198,7 @@ class FixedMarch {
   /// Steps that provably have no contact.
   KOKKOS_FUNCTION void fly(int steps) {
     recorder_.take_flight(now_.step);
-    if (t_.moving_forces == 0)
+    if (tables_.forces.count == 0)
       fly_under_load(steps);
     else
       fly_under_moving_forces(steps);
@@ -171,43 +206,44 @@ class FixedMarch {
     lanes_.sync();
   }
   KOKKOS_FORCEINLINE_FUNCTION void fly_under_load(int steps) {
-    const auto w = modes_.weights();
+    const auto w = integrate_.weights();
     // arrays of their own, so that they stay in registers
-    Real u[K], v[K], square[K], force[K];
-    for (int p = 0; p < K; ++p) {
+    Real u[packs], v[packs], square[packs], force[packs];
+    for (int p = 0; p < packs; ++p) {
       u[p] = now_.u[p];
       v[p] = now_.v[p];
       square[p] = now_.square[p];
-      force[p] = outer_.load()[p];
+      force[p] = outer_.load(p);
     }
     for (int i = 0; i < steps; ++i) {
       if constexpr (form == Form::semi_implicit) {
-        modes_.advance(u, v, square, force, w);
+        integrate_.advance(u, v, square, force, w);
       } else {
-        modes_.advance(u, v, w, 0u, nullptr);
-        for (int p = 0; p < K; ++p) square[p] = multiply_add(v[p], v[p], square[p]);
+        integrate_.advance(u, v, w, 0u, nullptr);
+        for (int p = 0; p < packs; ++p) square[p] = multiply_add(v[p], v[p], square[p]);
       }
     }
-    for (int p = 0; p < K; ++p) {
+    for (int p = 0; p < packs; ++p) {
       now_.u[p] = u[p];
       now_.v[p] = v[p];
       now_.square[p] = square[p];
     }
   }
   KOKKOS_FUNCTION void fly_under_moving_forces(int steps) {
-    const auto w = modes_.weights();
+    const auto w = integrate_.weights();
     for (int i = 0; i < steps; ++i) {
       if constexpr (form == Form::semi_implicit) {
-        Real force[K], moving[K];
+        Real force[packs], moving[packs];
         outer_(now_.step + i, force, moving);
-        modes_.advance(now_.u, now_.v, now_.square, force, w);
+        integrate_.advance(now_.u, now_.v, now_.square, force, w);
         recorder_.take_force_work(outer_.work(moving, now_.v));
       } else {
-        Real force[most_stages][K];
-        const unsigned acting = modes_.stage_forces(now_.step + i, force);
-        const bool before = t_.loss_ends > 0.0;  // work is taken with the velocity before the step
+        Real force[most_stages][packs];
+        const unsigned acting = integrate_.stage_forces(now_.step + i, force);
+        const bool before =
+            tables_.scheme.loss_ends > 0.0;  // work is taken with the velocity before the step
         if (before) recorder_.take_force_work(outer_.work(force[0], now_.v));
-        modes_.advance(now_.u, now_.v, w, acting, force);
+        integrate_.advance(now_.u, now_.v, w, acting, force);
         if (!before) recorder_.take_force_work(outer_.work(force[0], now_.v));
         now_.add_squares();
       }
@@ -216,20 +252,21 @@ class FixedMarch {
 
   /// Steps with the watched nodes evaluated. False when not even one was covered by the list.
   KOKKOS_FUNCTION bool watch(const Outlook& plan) {
-    const auto w = modes_.weights();
-    Motion<Lanes, K> y = now_;
-    Place place(t_, y.step);
-    contact_.expand(place, s_.watch, plan.count);
+    const auto w = integrate_.weights();
+    Motion<Lanes, packs> y = now_;
+    Place place(tables_.motion, y.step);
+    node_contact_.expand(place, state_.work.watched, plan.count);
     ListedNodes nodes(plan);
     int done = 0;
-    while (done < plan.steps && has_room_for_shocks(s_)) {
-      place.move_to(t_, y.step);
-      if (!contact_step_(y, w, place, nodes)) break;
+    while (done < plan.steps && can_record_shocks()) {
+      place.move_to(tables_.motion, y.step);
+      if (!contact_step_(y, w, place, nodes, recorder_)) break;
       ++done;
     }
     now_ = y;
-    const int states = form == Form::implicit ? 1 : t_.stages;  // looked at in a step
-    if (lanes_.leader()) s_.evaluated += static_cast<std::int64_t>(done) * plan.count * states;
+    const int states = form == Form::implicit ? 1 : tables_.scheme.stages;  // looked at in a step
+    if (lanes_.leader())
+      state_.carried.sums.evaluated += static_cast<std::int64_t>(done) * plan.count * states;
     lanes_.sync();
     return done > 0;
   }

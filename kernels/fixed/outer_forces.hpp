@@ -10,48 +10,53 @@
 namespace ra2d {
 
 /// Modal forces that do not depend on the state: the load, and the forces that travel.
-template <class Lanes, int K>
+template <class Lanes, int packs>
 class OuterForces {
   using Real = typename Lanes::Real;
 
  public:
-  KOKKOS_FUNCTION OuterForces(const Lanes& lanes, const SceneTables& tables)
-      : lanes_{lanes}, t_{tables} {
-    for (int p = 0; p < K; ++p) load_[p] = lanes.load(t_.load + p * Lanes::width);
-  }
+  KOKKOS_FUNCTION OuterForces(const Lanes& lanes, const ModeTables& modes,
+                              const SliderMotion& motion, const PatchTables& patches,
+                              const MovingForces& forces)
+      : lanes_{lanes}, modes_{modes}, motion_{motion}, patches_{patches}, forces_{forces} {}
 
-  KOKKOS_FORCEINLINE_FUNCTION const Real* load() const { return load_; }
+  /// Pack p of the constant load.
+  KOKKOS_FORCEINLINE_FUNCTION Real load(int p) const { return load_pack(lanes_, modes_.load, p); }
+  /// Whether there are moving forces.
+  KOKKOS_FORCEINLINE_FUNCTION bool any_move() const { return forces_.count > 0; }
 
-  /// Both at a step; the second by themselves in `moving`, where there are any.
+  /// The sum of both at a step; the moving forces alone in `moving`, where there are any.
   KOKKOS_FORCEINLINE_FUNCTION void operator()(std::int64_t step, Real* force, Real* moving) const {
-    for (int p = 0; p < K; ++p) force[p] = load_[p];
-    if (t_.moving_forces == 0) return;
+    for (int p = 0; p < packs; ++p) force[p] = load(p);
+    if (forces_.count == 0) return;
     this->moving(step, 0.0, moving);
-    for (int p = 0; p < K; ++p) force[p] = force[p] + moving[p];
+    for (int p = 0; p < packs; ++p) force[p] = force[p] + moving[p];
   }
-  /// The forces that travel, at a share `behind` of the step after `step`.
-  KOKKOS_FUNCTION void moving(std::int64_t step, double behind, Real* moving) const {
-    for (int p = 0; p < K; ++p) moving[p] = Real(0.0);
-    for (int i = 0; i < t_.moving_forces; ++i) {
-      const MovingForceTable& f = t_.moving_force[i];
-      const double x = Kokkos::fma(static_cast<double>(step) + behind, f.advance, f.position);
-      if (x < 0.0 || x > t_.resonator_length) continue;
-      Real psi[K];
-      mode_values<Lanes, K>(lanes_, t_, x / t_.spacing, psi);
-      for (int p = 0; p < K; ++p) moving[p] = multiply_add(f.force, psi[p], moving[p]);
+  /// The moving forces, a share of a step after `step`.
+  KOKKOS_FUNCTION void moving(std::int64_t step, double share, Real* moving) const {
+    for (int p = 0; p < packs; ++p) moving[p] = Real(0.0);
+    for (int i = 0; i < forces_.count; ++i) {
+      const MovingForceTable& f = forces_.list[i];
+      const double x = Kokkos::fma(static_cast<double>(step) + share, f.advance, f.position);
+      if (x < 0.0 || x > forces_.resonator_length) continue;
+      Real psi[packs];
+      mode_values<Lanes, packs>(lanes_, patches_, x / motion_.spacing, psi);
+      for (int p = 0; p < packs; ++p) moving[p] = multiply_add(f.force, psi[p], moving[p]);
     }
   }
   /// Their work over a step in which the modes move at v [J].
   KOKKOS_FORCEINLINE_FUNCTION double work(const Real* moving, const Real* v) const {
     Real power(0.0);
-    for (int p = 0; p < K; ++p) power = multiply_add(moving[p], v[p], power);
-    return t_.step * lanes_.sum(power);
+    for (int p = 0; p < packs; ++p) power = multiply_add(moving[p], v[p], power);
+    return motion_.time_step * lanes_.sum(power);
   }
 
  private:
-  const Lanes& lanes_;
-  const SceneTables& t_;
-  Real load_[K];
+  Lanes lanes_;
+  const ModeTables& modes_;
+  const SliderMotion& motion_;
+  const PatchTables& patches_;
+  const MovingForces& forces_;
 };
 
 }  // namespace ra2d

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-/// What a time scheme is to the march: a table.
+/// A time scheme, as a table for the march.
 ///
 /// A mode is linear, m (U'' + 2 zeta omega U' + omega^2 U) = F, and so is every scheme here: the
 /// displacement at a stage and the state at the end of a step are sums of U0, V0 and the forces at

@@ -125,13 +125,19 @@ def check(faults, root):
 class Build:
     def __init__(self, folder):
         self.folder = folder.resolve()
-        self.commands = {}  # of every source: path from the root -> (arguments, object) for each program that has it
+        # of every source: path from the root (of a march, which CMake makes, generated/NAME) -> (arguments, object) for
+        # each program that has it
+        self.commands = {}
         for entry in json.loads((folder / "compile_commands.json").read_text()):
             path = pathlib.Path(entry["file"])
-            if path.is_relative_to(ROOT):
-                arguments = shlex.split(entry["command"])
-                self.commands.setdefault(path.relative_to(ROOT).as_posix(), []).append(
-                    (arguments, arguments[arguments.index("-o") + 1]))
+            if path.is_relative_to(self.folder / "host"):
+                name = path.relative_to(self.folder / "host").as_posix()
+            elif path.is_relative_to(ROOT):
+                name = path.relative_to(ROOT).as_posix()
+            else:
+                continue
+            arguments = shlex.split(entry["command"])
+            self.commands.setdefault(name, []).append((arguments, arguments[arguments.index("-o") + 1]))
         self.links, self.sound, self.lock = {}, {}, threading.Lock()
 
     def link_of(self, target):
@@ -194,7 +200,7 @@ def concerns(source, program):
     run it: the tests of the kernels include what they test."""
     if source.startswith("tests/"):
         return program == "test_" + source.split("/")[1]
-    return program != "test_kernels" or not source.startswith("host/device/march_")
+    return program != "test_kernels" or not source.startswith("generated/march_")
 
 
 def apply(build, fault, folder):

@@ -336,11 +336,12 @@ TEST_F(Crash, AStateThatDoesNotFitItsSceneIsRefused) {
     EXPECT_EQ(ended.status == 4 || ended.status == 2, true) << why << ended.status << ended.err;
     EXPECT_THAT(ended.err, HasSubstr(why));
   };
-  refused([](Checkpoint& c) { c.state.values.open_count = 1 << 30; }, "two moments");
-  refused([](Checkpoint& c) { c.state.values.run_count = -1; }, "shocks do not fit");
-  refused([](Checkpoint& c) { c.state.values.contact_pair[1] = -5; }, "none of the slider's");
-  refused([](Checkpoint& c) { c.state.values.closed_count = 7; }, "closed nodes");
-  refused([](Checkpoint& c) { c.state.values.level = 61; }, "flight");
+  refused([](Checkpoint& c) { c.state.values.shocks.open_count = 1 << 30; }, "two moments");
+  refused([](Checkpoint& c) { c.state.values.shocks.run_count = -1; }, "shocks do not fit");
+  refused([](Checkpoint& c) { c.state.values.latest_contact.pair[1] = -5; },
+          "none of the slider's");
+  refused([](Checkpoint& c) { c.state.values.contacts.count = 7; }, "closed nodes");
+  refused([](Checkpoint& c) { c.state.values.control.flight_level = 61; }, "flight");
   refused([](Checkpoint& c) { c.state.values.shape_terms = 9; }, "terms");
   refused([](Checkpoint& c) { c.state.values.next_sample = -1; }, "next sample");
   refused([](Checkpoint& c) { c.state.arrays[0].pop_back(); }, "another length");

@@ -230,7 +230,7 @@ TEST(ExpectedWork, IsWithinAFactorOfThreeOfTheStridesMade) {
   const auto check = [&](const std::string& what, const auto& change) {
     Scene s = paper;
     change(s);
-    const auto made = static_cast<double>(simulate(s).end.strides);
+    const auto made = static_cast<double>(simulate(s).end.steps_made);
     const double expected = expected_work(s).strides;
     EXPECT_GT(expected, made / 3) << what << ": " << made << " made";
     EXPECT_LT(expected, made * 3) << what << ": " << made << " made";

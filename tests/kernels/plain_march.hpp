@@ -25,7 +25,7 @@ template <Form form, int i>
 void plain_march(const SceneTables& tables, SceneState& state, std::int64_t target) {
   march_scene<PackLanes, form, plain_packs[i]>(PackLanes(), tables, state, target);
 }
-/// ... with any of them.
+/// The march with `packs` packs, one of plain_packs.
 template <Form form>
 MarchScene plain_march_of(int packs);
 

@@ -17,6 +17,7 @@
 #include "kernels/march.hpp"
 #include "tests/filled.hpp"
 #include "tests/free_motion.hpp"
+#include "tests/kernels_of.hpp"
 #include "tests/places.hpp"
 
 /// How near to the bounds of the proofs the motions of real scenes come: the scenes that come with
@@ -26,7 +27,7 @@
 namespace ra2d::test {
 namespace {
 
-using Marcher = AdaptiveMarcher<HostLanes, packs>;
+using March = AdaptiveMarch<HostLanes, packs>;
 using RealPacks = std::array<HostLanes::Real, packs>;
 constexpr int row = packs * width;
 constexpr int between = 12;  // places within a step
@@ -47,7 +48,7 @@ struct Marched : Filled {
   std::vector<std::vector<std::max_align_t>> room;
 
   explicit Marched(const Scene& scene) : Filled(scene) {
-    const auto make_room = [&](auto& part) {
+    const auto allocate = [&](auto& part) {
       visit_arrays(part, n, [&](const char*, auto*& array, std::size_t count) {
         using Value = std::remove_reference_t<decltype(*array)>;
         room.emplace_back(count * sizeof(Value) / sizeof(std::max_align_t) + 1);
@@ -56,12 +57,11 @@ struct Marched : Filled {
         array = reinterpret_cast<Value*>(room.back().data());
       });
     };
-    make_room(static_cast<CarriedState&>(s)), make_room(static_cast<Marks&>(s));
-    make_room(static_cast<Caches&>(s)), make_room(static_cast<WorkSpace&>(s));
-    make_room(static_cast<HandOut&>(s));
+    allocate(s.carried), allocate(s.marks), allocate(s.caches);
+    allocate(s.work), allocate(s.out);
     fill(s, model, make_start(model), n, HostCopy());
   }
-  void forget_what_was_recorded() { s.sample_count = s.shock_count = 0; }
+  void forget_what_was_recorded() { s.out.samples.count = s.out.ended_shocks.count = 0; }
 
   RealPacks load(const double* lanes_of) const {
     RealPacks r;
@@ -77,19 +77,19 @@ struct Marched : Filled {
 
 /// A motion over a step: the overlap of a node, its rate, and its fourth derivative.
 struct Derivatives {
-  double value, rate, fourth;
+  double value, rate, fourth_derivative;
 };
 
-/// What a step's bounds say, and what a motion does of it. `overlap(node, share)` gives a node's
-/// derivatives a share of the step on; `moved(share)` and so on the sums over the modes.
+/// Compares a motion over a step with the bounds on it. `overlap(node, share)` gives a node's
+/// derivatives after a share of the step; `moved(share)` and so on the sums over the modes.
 template <class Overlap, class Moved>
 void measure(const Marched& m, const std::string& kind, const MotionBounds& bounds, double rise,
              double time, int stride_of_nodes, const Overlap& overlap, const Moved& moved,
              Shares& shares) {
-  double travel = 0, fourth = 0, cubic = 0, risen = 0;
+  double travel = 0, fourth_derivative = 0, cubic = 0, risen = 0;
   for (int i = 1; i <= between; ++i)
     travel = std::max(travel, moved(static_cast<double>(i) / between));
-  for (int node = 0; node < m.t.nodes; node += stride_of_nodes) {
+  for (int node = 0; node < m.t.faces.nodes; node += stride_of_nodes) {
     const Derivatives first = overlap(node, 0.0), last = overlap(node, 1.0);
     for (int i = 0; i <= between; ++i) {
       const double x = static_cast<double>(i) / between;
@@ -98,14 +98,15 @@ void measure(const Marched& m, const std::string& kind, const MotionBounds& boun
                    b2 = b3 - last.rate * time / 3, y = 1 - x;
       const double through =
           y * y * y * b0 + 3 * y * y * x * b1 + 3 * y * x * x * b2 + x * x * x * b3;
-      fourth = std::max(fourth, std::abs(now.fourth));
+      fourth_derivative = std::max(fourth_derivative, std::abs(now.fourth_derivative));
       cubic = std::max(cubic, std::abs(now.value - through));
       risen = std::max(risen, now.value - first.value);
     }
   }
-  const double allowed = m.t.cubic_excess * bounds.fourth * std::pow(time, 4) / 384;
+  const double allowed =
+      m.t.adaptive.cubic_excess * bounds.fourth_derivative * std::pow(time, 4) / 384;
   // of the sums here
-  const double rounding = 64 * eps * (bounds.size + m.t.slack / eps);
+  const double rounding = 64 * eps * (bounds.size + m.t.faces.rounding / eps);
   const auto add = [&](const char* what, double part, double whole) {
     if (!(whole > 1e3 * rounding)) return;
     shares[kind + what].push_back(part / whole);
@@ -115,8 +116,8 @@ void measure(const Marched& m, const std::string& kind, const MotionBounds& boun
   add("rise", risen, rise);
   add("cubic error", cubic, allowed);
   if (allowed > 1e3 * rounding)
-    add("fourth derivative", fourth * std::pow(time, 4) / 384,
-        bounds.fourth * std::pow(time, 4) / 384);
+    add("fourth derivative", fourth_derivative * std::pow(time, 4) / 384,
+        bounds.fourth_derivative * std::pow(time, 4) / 384);
 }
 
 /// psi_k at a node and its four derivatives in time as the node passes, and U_k with its own.
@@ -126,15 +127,15 @@ struct ModesAt {
   ModesAt(const Marched& m, double position, int node) {
     for (int k = 0; k < m.modes(); ++k) {
       const BodyMode& mode = m.mode(k);
-      mode.shape->evaluate((position + node) * m.t.spacing, 4, shape[k].data());
+      mode.shape->evaluate((position + node) * m.t.motion.spacing, 4, shape[k].data());
       const double rigid = mode.shape->wave_number() == 0 ? shape[k][0] : 0;
       shape[k][4] = std::pow(mode.shape->wave_number(), 4) * (shape[k][0] - rigid);
-      const double speed = m.t.advance / m.t.step * m.t.spacing;
+      const double speed = m.t.motion.advance / m.t.motion.time_step * m.t.motion.spacing;
       for (int j = 1; j <= 4; ++j) shape[k][j] *= std::pow(speed, j);
     }
-    const std::int64_t stride = std::int64_t{m.t.groups} * width;
-    for (int k = 0; k < m.t.slider_modes; ++k)
-      shape[m.modes() + k][0] = m.t.slider_shape[k * stride + node];
+    const std::int64_t stride = std::int64_t{m.t.faces.groups} * width;
+    for (int k = 0; k < m.t.slider.modes; ++k)
+      shape[m.modes() + k][0] = m.t.slider.shape[k * stride + node];
   }
 };
 
@@ -145,13 +146,15 @@ struct FreeModes {
   FreeModes(const Marched& m, const RealPacks& u0, const RealPacks& v0, std::int64_t ticks) {
     RealPacks now = u0, rate = v0, square;
     square.fill(0.0);
-    Flight<HostLanes, packs>(lanes, m.t)(now.data(), rate.data(), square.data(), ticks);
-    const int all = m.modes() + m.t.slider_modes;
+    flight_of<packs>(m.t)(now.data(), rate.data(), square.data(), ticks);
+    const int all = m.modes() + m.t.slider.modes;
     for (int k = 0; k < all; ++k) {
-      const double w = m.t.omega[k];
+      const double w = m.t.modes.omega[k];
       u[k][0] = m.at(now, k), u[k][1] = m.at(rate, k);
-      u[k][2] = m.t.free_acceleration[k] - m.t.decay[k] * u[k][1] - w * w * (u[k][0] - m.t.rest[k]);
-      for (int j = 3; j <= 4; ++j) u[k][j] = -m.t.decay[k] * u[k][j - 1] - w * w * u[k][j - 2];
+      u[k][2] = m.t.flight.free_acceleration[k] - m.t.adaptive.decay[k] * u[k][1] -
+                w * w * (u[k][0] - m.t.flight.rest[k]);
+      for (int j = 3; j <= 4; ++j)
+        u[k][j] = -m.t.adaptive.decay[k] * u[k][j - 1] - w * w * u[k][j - 2];
     }
   }
 };
@@ -159,76 +162,78 @@ struct FreeModes {
 /// A flight and what its bounds say of it.
 void measure_flight(const Marched& m, std::int64_t step, std::int64_t ticks, const RealPacks& u0,
                     const RealPacks& v0, SceneState& work, Shares& shares) {
-  const SliderWay way(m.t);
-  const Place place = way.stand(step);
-  if (static_cast<double>(ticks) * m.t.advance > 1 - place.theta) return;  // where nothing is near
-  const NodeContact<HostLanes, packs> contact(lanes, m.t, work);
-  const ModalSeries<HostLanes, packs> series(lanes, m.t, work, contact);
-  const Overlaps<HostLanes, packs> overlaps(lanes, m.t, work, contact, series);
-  const double time = static_cast<double>(ticks) * m.t.step;
-  const MotionBounds bounds =
-      Flight<HostLanes, packs>(lanes, m.t).bounds(u0.data(), v0.data(), time);
+  const SliderPath path(m.t.motion);
+  const Place place = path.at(step);
+  if (static_cast<double>(ticks) * m.t.motion.advance > 1 - place.theta)
+    return;  // where nothing is near
+  const auto overlaps = overlaps_of<packs>(m.t, work);
+  const double time = static_cast<double>(ticks) * m.t.motion.time_step;
+  const MotionBounds bounds = flight_of<packs>(m.t).bounds(u0.data(), v0.data(), time);
   std::vector<FreeModes> modes;
   std::vector<double> share;
   for (int i = 0; i <= between; ++i)
     modes.emplace_back(m, u0, v0, ticks / between * i + ticks % between * i / between);
-  const int all = m.modes() + m.t.slider_modes;
+  const int all = m.modes() + m.t.slider.modes;
   const auto of = [&](double x) -> const FreeModes& {
     return modes[static_cast<int>(std::lround(x * between))];
   };
   const auto overlap = [&](int node, double x) {
     const std::int64_t on = static_cast<std::int64_t>(std::lround(x * between));
     const std::int64_t at = ticks / between * on + ticks % between * on / between;
-    const Place there = way.moved(place, step + at);
+    const Place there = path.moved(place, step + at);
     const ModesAt shape(m, there.base + there.theta, node);
     const FreeModes& now = of(x);
-    const double rise = m.t.height2[place.base + node + 1] - m.t.height2[place.base + node];
-    Derivatives d{m.t.height1[node] + m.t.height2[place.base + node] + there.theta * rise,
-                  m.t.advance / m.t.step * rise, 0};
+    const double rise =
+        m.t.faces.height2[place.base + node + 1] - m.t.faces.height2[place.base + node];
+    Derivatives d{
+        m.t.faces.height1[node] + m.t.faces.height2[place.base + node] + there.theta * rise,
+        m.t.motion.advance / m.t.motion.time_step * rise, 0};
     constexpr int binomial[] = {1, 4, 6, 4, 1};
     for (int k = 0; k < all; ++k) {
       d.value += shape.shape[k][0] * now.u[k][0];
       d.rate += shape.shape[k][0] * now.u[k][1] + shape.shape[k][1] * now.u[k][0];
-      for (int j = 0; j <= 4; ++j) d.fourth += binomial[j] * shape.shape[k][j] * now.u[k][4 - j];
+      for (int j = 0; j <= 4; ++j)
+        d.fourth_derivative += binomial[j] * shape.shape[k][j] * now.u[k][4 - j];
     }
     return d;
   };
   const auto moved = [&](double x) {
     double sum = 0;
     for (int k = 0; k < all; ++k)
-      sum += m.t.largest_shape[k] * std::abs(of(x).u[k][0] - m.at(u0, k));
+      sum += m.t.bounds.largest_shape[k] * std::abs(of(x).u[k][0] - m.at(u0, k));
     return sum;
   };
   if (ticks < 1000 * between) return;  // its parts would not be where they are looked for
   measure(m, "flight: ", bounds, overlaps.longest_rise(u0.data(), bounds, ticks), time,
-          std::max(1, m.t.nodes / 24), overlap, moved, shares);
+          std::max(1, m.t.faces.nodes / 24), overlap, moved, shares);
   // what the cubics over patches leave out, of the groups as they stand
-  GroupSweep<HostLanes, packs> sweep(lanes, m.t, place, work.lanes, u0.data());
+  GroupSweep<HostLanes, packs> sweep(lanes, m.t.faces, m.t.slider, m.t.patches, place,
+                                     work.work.amplitudes, u0.data());
   double left_out = 0;
-  for (int group = 0; group < m.t.groups; group += std::max(1, m.t.groups / 24)) {
+  for (int group = 0; group < m.t.faces.groups; group += std::max(1, m.t.faces.groups / 24)) {
     std::array<double, width> seen;
     lanes.store(seen.data(), sweep.overlap(group).overlap);
-    for (int lane = 0; lane < width && group * width + lane < m.t.nodes; ++lane)
+    for (int lane = 0; lane < width && group * width + lane < m.t.faces.nodes; ++lane)
       left_out = std::max(left_out, std::abs(seen[lane] - overlap(group * width + lane, 0).value));
   }
-  if (bounds.cubic_remainder > 1e3 * 64 * eps * bounds.size + 1e3 * m.t.slack) {
+  if (bounds.cubic_remainder > 1e3 * 64 * eps * bounds.size + 1e3 * m.t.faces.rounding) {
     shares["flight: cubic remainder"].push_back(left_out / bounds.cubic_remainder);
-    ASSERT_LE(left_out, bounds.cubic_remainder + 64 * eps * bounds.size + m.t.slack);
+    ASSERT_LE(left_out, bounds.cubic_remainder + 64 * eps * bounds.size + m.t.faces.rounding);
   }
 }
 
 /// A step with contact. The nodes in contact at its beginning are in the state.
 void measure_drive(const Marched& m, std::int64_t step, std::int64_t ticks, double scale,
                    const RealPacks& u0, const RealPacks& v0, SceneState& work, Shares& shares) {
-  const Place place = SliderWay(m.t).stand(step);
-  const NodeContact<HostLanes, packs> contact(lanes, m.t, work);
-  ModalSeries<HostLanes, packs> series(lanes, m.t, work, contact);
-  const Contacts<HostLanes, packs> contacts(lanes, m.t, work, series);
-  const Overlaps<HostLanes, packs> overlaps(lanes, m.t, work, contact, series);
+  const Place place = SliderPath(m.t.motion).at(step);
+  const auto contact = node_contact_of<packs>(m.t, work);
+  auto series = series_of<packs>(m.t, work);
+  const auto contacts = contacts_of<packs>(m.t, work);
+  const auto overlaps = overlaps_of<packs>(m.t, work);
   series.expand(u0.data(), v0.data(), place, scale);
-  const double end = series.x_at(ticks), time = static_cast<double>(ticks) * m.t.step;
+  const double end = series.x_at(ticks), time = static_cast<double>(ticks) * m.t.motion.time_step;
   if (!(end > 1e-3)) return;
-  contacts.first_to_let_go(end, overlaps.touch(u0.data()));
+  contacts.first_end(series, end, overlaps.tolerance(u0.data()));
   const MotionBounds bounds = series.bounds(end);
   std::map<int, std::array<double, overlap_terms>> expanded;
   const auto polynomial_of = [&](int node) -> const double* {
@@ -244,22 +249,23 @@ void measure_drive(const Marched& m, std::int64_t step, std::int64_t ticks, doub
     const double* c = polynomial_of(node);
     const double x = share * end;
     const ValueAndSlope p = polynomial_and_slope(c, degree, x);
-    double fourth = 0;
+    double fourth_derivative = 0;
     for (int j = degree; j >= 4; --j)
-      fourth = fourth * x + j * (j - 1.0) * (j - 2) * (j - 3) * c[j];
-    return Derivatives{p.value, p.slope / scale, fourth * std::pow(scale, -4)};
+      fourth_derivative = fourth_derivative * x + j * (j - 1.0) * (j - 2) * (j - 3) * c[j];
+    return Derivatives{p.value, p.slope / scale, fourth_derivative * std::pow(scale, -4)};
   };
-  const int all = m.modes() + m.t.slider_modes;
+  const int all = m.modes() + m.t.slider.modes;
   const auto moved = [&](double share) {
     RealPacks u, v;
     series.state(share * end, u.data(), v.data());
     double sum = 0;
-    for (int k = 0; k < all; ++k) sum += m.t.largest_shape[k] * std::abs(m.at(u, k) - m.at(u0, k));
+    for (int k = 0; k < all; ++k)
+      sum += m.t.bounds.largest_shape[k] * std::abs(m.at(u, k) - m.at(u0, k));
     return sum;
   };
   measure(m, "contact: ", bounds, overlaps.longest_rise(u0.data(), bounds, ticks), time,
-          std::max(1, m.t.nodes / 8), overlap, moved, shares);
-  for (int e = 0; e < work.closed_count; ++e) {
+          std::max(1, m.t.faces.nodes / 8), overlap, moved, shares);
+  for (int e = 0; e < work.carried.contacts.count; ++e) {
     const double* c = series.overlap(e);
     double curve = 0, rounding = 0, power = 1;
     for (int j = 0; j <= degree; ++j, power *= end) rounding += 64 * eps * std::abs(c[j]) * power;
@@ -269,9 +275,9 @@ void measure_drive(const Marched& m, std::int64_t step, std::int64_t ticks, doub
       curve = std::max(curve, std::abs(bend));
     }
     rounding *= degree * degree / (end * end);
-    if (!(work.closed_hull[e].curve > 1e3 * rounding)) continue;
-    shares["contact: curve of a hull"].push_back(curve / work.closed_hull[e].curve);
-    ASSERT_LE(curve, work.closed_hull[e].curve + rounding);
+    if (!(work.work.spans.hulls[e].curve > 1e3 * rounding)) continue;
+    shares["contact: curve of a hull"].push_back(curve / work.work.spans.hulls[e].curve);
+    ASSERT_LE(curve, work.work.spans.hulls[e].curve + rounding);
   }
 }
 
@@ -279,22 +285,26 @@ void measure_drive(const Marched& m, std::int64_t step, std::int64_t ticks, doub
 Shares use(const Scene& scene, int steps, int every) {
   Marched m(scene);
   Shares shares;
-  for (int i = 0; i < steps && m.s.status == Status::running && m.s.step < m.t.total_steps; ++i) {
-    const std::int64_t step = m.s.step;
-    const double scale = m.s.stride;
-    const RealPacks u0 = m.load(m.s.u), v0 = m.load(m.s.v);
-    const std::vector<int> closed(m.s.closed, m.s.closed + m.s.closed_count);
-    const int shape_terms = m.s.shape_terms;
-    Marcher(lanes, m.t, m.s).run(step + 1);
+  for (int i = 0; i < steps && m.s.carried.status == Status::running &&
+                  m.s.carried.step < m.t.output.total_steps;
+       ++i) {
+    const std::int64_t step = m.s.carried.step;
+    const double scale = m.s.carried.control.series_scale;
+    const RealPacks u0 = m.load(m.s.carried.modal.u), v0 = m.load(m.s.carried.modal.v);
+    const std::vector<int> closed(m.s.carried.contacts.nodes,
+                                  m.s.carried.contacts.nodes + m.s.carried.contacts.count);
+    const int shape_terms = m.s.carried.control.shape_terms;
+    March(lanes, m.t, m.s).run(step + 1);
     m.forget_what_was_recorded();
-    const std::int64_t ticks = m.s.step - step;
+    const std::int64_t ticks = m.s.carried.step - step;
     if (i % every != 0 || ticks < 1) continue;
     // as it was before the step, in a state that shares the room for work alone
     SceneState work = m.s;
     std::vector<int> in_contact(closed);
-    in_contact.resize(std::max<std::size_t>(1, m.n.closed));
-    work.closed = in_contact.data(), work.closed_count = static_cast<int>(closed.size());
-    work.shape_terms = shape_terms;
+    in_contact.resize(std::max<std::size_t>(1, m.n.contacts));
+    work.carried.contacts.nodes = in_contact.data(),
+    work.carried.contacts.count = static_cast<int>(closed.size());
+    work.carried.control.shape_terms = shape_terms;
     if (closed.empty())
       measure_flight(m, step, ticks, u0, v0, work, shares);
     else
@@ -335,23 +345,27 @@ INSTANTIATE_TEST_SUITE_P(Scenes, BoundsInUse,
 
 // ---- looks ahead of steps of fixed length
 
-/// What the modes do in free flight of so many steps, against what a look ahead bounds it by.
+/// Compares free flight over so many steps with the bounds of a look ahead.
 void measure_look(const Marched& m, int steps, Shares& shares) {
-  const double tau = m.t.step, time = steps * tau;
-  const int all = m.modes() + m.t.slider_modes;
+  const double tau = m.t.motion.time_step, time = steps * tau;
+  const int all = m.modes() + m.t.slider.modes;
   double acceleration = 0, departed = 0, size = 0;
   std::vector<double> off(all);
   for (int k = 0; k < all; ++k) {
-    const double u = m.s.u[k], v = m.s.v[k], w = m.t.omega[k], energy = std::hypot(v, w * u);
+    const double u = m.s.carried.modal.u[k], v = m.s.carried.modal.v[k], w = m.t.modes.omega[k],
+                 energy = std::hypot(v, w * u);
     acceleration +=
-        m.t.largest_shape[k] * (m.t.pull[k] * (energy + time * m.t.push[k]) + m.t.push[k]);
-    const double zeta = w > 0 ? m.t.damping[k] / (2 * w * m.t.mass[k] * tau) : 0;
-    const State there = fly({w, zeta, m.t.mass[k]}, m.t.load[k], {u, v, 0}, time);
+        m.t.bounds.largest_shape[k] * (m.t.bounds.acceleration_per_energy_norm[k] *
+                                           (energy + time * m.t.bounds.outer_acceleration[k]) +
+                                       m.t.bounds.outer_acceleration[k]);
+    const double zeta = w > 0 ? m.t.modes.damping[k] / (2 * w * m.t.modes.mass[k] * tau) : 0;
+    const State there = fly({w, zeta, m.t.modes.mass[k]}, m.t.modes.load[k], {u, v, 0}, time);
     off[k] = static_cast<double>(there.u - u - static_cast<long double>(time) * v);
-    size += m.t.largest_shape[k] * std::abs(u);
+    size += m.t.bounds.largest_shape[k] * std::abs(u);
   }
-  for (int node = 0; node < m.t.nodes; node += std::max(1, m.t.nodes / 24)) {
-    const ModesAt shape(m, m.t.position + static_cast<double>(m.s.step) * m.t.advance, node);
+  for (int node = 0; node < m.t.faces.nodes; node += std::max(1, m.t.faces.nodes / 24)) {
+    const ModesAt shape(
+        m, m.t.motion.position + static_cast<double>(m.s.carried.step) * m.t.motion.advance, node);
     double way = 0;
     for (int k = 0; k < all; ++k) way += shape.shape[k][0] * off[k];
     departed = std::max(departed, std::abs(way));
@@ -369,7 +383,7 @@ std::int64_t march_fixed(const Scene& scene, std::int64_t steps, int looks, Shar
   change(m);
   for (int i = 1; i <= looks; ++i) {
     const std::int64_t target = steps * i / looks;
-    while (m.s.status == Status::running && m.s.step < target) {
+    while (m.s.carried.status == Status::running && m.s.carried.step < target) {
       FixedMarch<HostLanes, Form::semi_implicit, packs>(lanes, m.t, m.s).run(target);
       m.forget_what_was_recorded();
     }
@@ -377,7 +391,7 @@ std::int64_t march_fixed(const Scene& scene, std::int64_t steps, int looks, Shar
     for (const int ahead : {shortest_flight, watch_steps, longest_flight})
       measure_look(m, ahead, *shares);
   }
-  return m.s.evaluated;
+  return m.s.carried.sums.evaluated;
 }
 
 TEST(BoundsInUse, OfLooksAheadAreNeverExceeded) {
@@ -400,11 +414,15 @@ TEST(BoundsInUse, OfLooksAheadAreNeverExceeded) {
       if (table) std::cout << fmt::format("| {} | {} | | {:.2f} |\n", name, what, less / now);
     };
     if (!table) continue;
-    with("acceleration", [&](Marched& m) { lower(m.t.pull, row, 0.1), lower(m.t.push, row, 0.1); });
-    with("cubic remainder", [&](Marched& m) {
-      lower(m.t.cubic_remainder, row, 0.1), lower(m.t.cubic_slope_remainder, row, 0.1);
+    with("acceleration", [&](Marched& m) {
+      lower(m.t.bounds.acceleration_per_energy_norm, row, 0.1),
+          lower(m.t.bounds.outer_acceleration, row, 0.1);
     });
-    with("slope of the beam", [&](Marched& m) { lower(m.t.largest_slope, row, 0.1); });
+    with("cubic remainder", [&](Marched& m) {
+      lower(m.t.bounds.cubic_remainder, row, 0.1),
+          lower(m.t.bounds.cubic_slope_remainder, row, 0.1);
+    });
+    with("slope of the beam", [&](Marched& m) { lower(m.t.bounds.largest_slope, row, 0.1); });
   }
 }
 
@@ -412,18 +430,19 @@ TEST(BoundsInUse, OfLooksAheadAreNeverExceeded) {
 
 /// Steps and nodes looked at over the same stretch, with a bound that is `factor` of itself.
 struct Cost {
-  double strides, nodes;
+  double steps, nodes;
 };
 template <class Change>
 Cost cost_of(const Scene& scene, double duration, const Change& change) {
   Marched m(scene);
   change(m);
-  const auto stop = static_cast<std::int64_t>(duration / m.t.step);
-  while (m.s.status == Status::running && m.s.step < stop) {
-    Marcher(lanes, m.t, m.s).run(stop);
+  const auto stop = static_cast<std::int64_t>(duration / m.t.motion.time_step);
+  while (m.s.carried.status == Status::running && m.s.carried.step < stop) {
+    March(lanes, m.t, m.s).run(stop);
     m.forget_what_was_recorded();
   }
-  return {static_cast<double>(m.s.strides), static_cast<double>(m.s.evaluated)};
+  return {static_cast<double>(m.s.carried.adaptive_steps),
+          static_cast<double>(m.s.carried.sums.evaluated)};
 }
 
 TEST(BoundsInUse, WhatTheirWidthCosts) {
@@ -434,15 +453,15 @@ TEST(BoundsInUse, WhatTheirWidthCosts) {
     const Cost now = cost_of(scene, duration, [](Marched&) {});
     const auto with = [&](const char* what, const auto& change) {
       const Cost less = cost_of(scene, duration, change);
-      EXPECT_GT(less.strides, 0);
+      EXPECT_GT(less.steps, 0);
       if (table)
         std::cout << fmt::format("| {} | {} | {:.2f} | {:.2f} |\n", name, what,
-                                 less.strides / now.strides, less.nodes / now.nodes);
+                                 less.steps / now.steps, less.nodes / now.nodes);
     };
-    with("error of a cubic", [&](Marched& m) { m.t.cubic_excess *= 0.1; });
-    with("cubic remainder", [&](Marched& m) { lower(m.t.cubic_remainder, row, 0.1); });
-    with("slope of the beam", [&](Marched& m) { lower(m.t.largest_slope, row, 0.1); });
-    with("steepest rise", [&](Marched& m) { m.t.steepest *= 0.1; });
+    with("error of a cubic", [&](Marched& m) { m.t.adaptive.cubic_excess *= 0.1; });
+    with("cubic remainder", [&](Marched& m) { lower(m.t.bounds.cubic_remainder, row, 0.1); });
+    with("slope of the beam", [&](Marched& m) { lower(m.t.bounds.largest_slope, row, 0.1); });
+    with("steepest rise", [&](Marched& m) { m.t.faces.steepest_rise *= 0.1; });
   }
 }
 

@@ -9,9 +9,10 @@
 #include "kernels/fixed/contact_step.hpp"
 #include "kernels/limits.hpp"
 #include "tests/bodies_by_hand.hpp"
+#include "tests/kernels_of.hpp"
 
-/// What a look ahead promises, against motions known in closed form: each case is one that a part
-/// of the proof is there for.
+/// A look ahead against motions that are known in closed form: each case needs one part of the
+/// proof.
 namespace {
 
 using namespace ra2d;
@@ -23,7 +24,7 @@ constexpr int nodes = 2 * width;
 
 Outlook look_ahead(BodiesByHand& bodies, const Amplitudes& u, const Amplitudes& v,
                    double last_force = 0) {
-  Candidates<HostLanes, K> candidates(lanes, bodies.t, bodies.s);
+  auto candidates = test::candidates_of<K>(bodies.t, bodies.s);
   return candidates.look_ahead(Packs(u).u, Packs(v).u, 0, 1 << 20, last_force);
 }
 
@@ -44,8 +45,8 @@ TEST(Candidates, ANodeThatComesNearerThanTheCubicsTellIsSeen) {
     for (const int step : {50, 500, 2000}) {
       const int patch = 8 + node / width * width + width / 2;
       BodiesByHand bodies({{1 / BodiesByHand::radius, patch + 0.5}}, {}, nodes);
-      bodies.t.position = 8;
-      bodies.t.longest_look = 4000;
+      bodies.t.motion.position = 8;
+      bodies.t.bounds.valid_steps = 4000;
       Amplitudes u{}, v{}, there{};
       v[0] = 1e-9;
       there[0] = step * v[0];
@@ -61,9 +62,9 @@ TEST(Candidates, ANodeThatPassesATroughIsSeen) {
   for (const int steps : {60, 600, 4000})
     for (int node = 0; node < nodes; ++node) {
       BodiesByHand bodies({{beta, 8.0 + node}}, {}, nodes);
-      bodies.t.position = 8;
-      bodies.t.advance = 1.0 / steps;
-      bodies.t.longest_look = 2 * steps;
+      bodies.t.motion.position = 8;
+      bodies.t.motion.advance = 1.0 / steps;
+      bodies.t.bounds.valid_steps = 2 * steps;
       Amplitudes u{}, v{};
       u[0] = -size;
       for (int n = 0; n < nodes; ++n) bodies.set_overlap(n, n == node ? 0 : -1, u, 8.5);
@@ -84,11 +85,11 @@ TEST(Candidates, AListUnderForcesYetToBeFoundCoversNoStepAtWhichAnotherNodeTouch
   for (double share = 0.1; share < 4; share *= 1.1) {
     const double f = share * a;
     BodiesByHand bodies({}, {std::vector<double>(nodes, 1.0), tilt}, nodes);
-    bodies.t.position = 8;
-    bodies.t.form = Form::implicit;
-    bodies.t.longest_look = longest;
-    bodies.push[0] = a;
-    bodies.yield[0] = 0;  // this force turns it and does no more
+    bodies.t.motion.position = 8;
+    bodies.t.scheme.form = Form::implicit;
+    bodies.t.bounds.valid_steps = longest;
+    bodies.outer_acceleration[0] = a;
+    bodies.acceleration_per_newton[0] = 0;  // this force turns it and does no more
     const Amplitudes u{}, v{};
     for (int step = 20; step <= longest; step += 20) {
       const double way = 0.5 * step * (step + 1.0) * (a + f);
@@ -123,13 +124,13 @@ testing::AssertionResult ends_in_time(const Outlook& plan, double least = nearly
 /// A slider of one node over a flat face, which moves as a whole, the last mode, and waves of the
 /// beam.
 struct OneNode : BodiesByHand {
-  std::vector<double> omega = std::vector<double>(modes, 0.0), pull = omega;
+  std::vector<double> omega = std::vector<double>(modes, 0.0), per_norm = omega;
 
   explicit OneNode(std::vector<Wave> waves = {}, int wide = 1)
       : BodiesByHand(std::move(waves), {up}, 1, wide) {
-    t.position = 8;
-    t.longest_look = 4 * often;
-    t.omega = omega.data(), t.pull = pull.data();
+    t.motion.position = 8;
+    t.bounds.valid_steps = 4 * often;
+    t.modes.omega = omega.data(), t.bounds.acceleration_per_energy_norm = per_norm.data();
   }
 };
 
@@ -137,7 +138,7 @@ TEST(CandidatesProof, TheAccelerationIsReachedFromRest) {
   // n (n + 1)/2 a after n steps that take the new velocity along
   constexpr double a = 1e-9;
   OneNode bodies;
-  bodies.push[0] = a;
+  bodies.outer_acceleration[0] = a;
   const Amplitudes still{};
   bodies.set_overlap(0, -0.5 * often * (often + 1.0) * a, still, 8);
   EXPECT_TRUE(ends_in_time(look_ahead(bodies, still, still)));
@@ -147,7 +148,7 @@ TEST(CandidatesProof, TheAccelerationIsReachedByAModeThatSwingsBack) {
   // V' = -omega^2 U is pull times the energy norm where V = 0
   constexpr double omega = 1e-5;
   OneNode bodies;
-  bodies.omega[0] = bodies.pull[0] = omega;
+  bodies.omega[0] = bodies.per_norm[0] = omega;
   Amplitudes u{}, v{};
   u[0] = -1;
   bodies.set_overlap(0, std::cos(omega * often) - 1, u, 8);
@@ -156,19 +157,19 @@ TEST(CandidatesProof, TheAccelerationIsReachedByAModeThatSwingsBack) {
 
 TEST(CandidatesProof, TheAccelerationIsReachedByAModeThatIsTurnedRound) {
   // V' = pull |V|, away from the face at first
-  constexpr double pull = 0.01, speed = 1e-6;
+  constexpr double per_norm = 0.01, speed = 1e-6;
   OneNode bodies;
-  bodies.pull[0] = pull;
+  bodies.per_norm[0] = per_norm;
   Amplitudes u{}, v{};
   v[0] = -speed;
-  bodies.set_overlap(0, often * speed - 0.5 * often * (often + 1.0) * pull * speed, u, 8);
+  bodies.set_overlap(0, often * speed - 0.5 * often * (often + 1.0) * per_norm * speed, u, 8);
   EXPECT_TRUE(ends_in_time(look_ahead(bodies, u, v)));
 }
 
 TEST(CandidatesProof, TheWaysCurvatureIsReachedInATrough) {
   constexpr double beta = 1e-3, size = 1, way = 0.25;
   OneNode bodies({{beta, 8}});
-  bodies.t.advance = way / often;
+  bodies.t.motion.advance = way / often;
   Amplitudes u{}, v{};
   u[0] = -size;
   bodies.set_overlap(0, 0, u, 8 + way);
@@ -179,7 +180,7 @@ TEST(CandidatesProof, TheWaysCurvatureIsReachedOnAFlankThatGrows) {
   // a wave that begins to swing about a place where it is 0: 2 V psi' U' is all of its acceleration
   constexpr double beta = 0.02, rate = 1e-6, way = 0.25;
   OneNode bodies({{beta, 8 + M_PI_2 / beta}});
-  bodies.t.advance = way / often;
+  bodies.t.motion.advance = way / often;
   Amplitudes u{}, v{}, there{};
   v[0] = rate;
   there[0] = often * rate;
@@ -194,8 +195,8 @@ const double radius = BodiesByHand::radius_of(wide), beta_of_wide = 0.25 / radiu
 const double z = beta_of_wide * (0.5 * wide + width / 2), left_out = std::cos(z) - (1 - z * z / 2);
 struct NodeAtTheEdge : OneNode {
   NodeAtTheEdge() : OneNode({{beta_of_wide, 1.5 * wide}}, wide) {
-    t.position = wide - width / 2;
-    EXPECT_EQ(GroupPlace<HostLanes>(t, Place(t, 0), 0).patch, 1);
+    t.motion.position = wide - width / 2;
+    EXPECT_EQ(GroupPlace<HostLanes>(t.patches, Place(t.motion, 0), 0).patch, 1);
   }
 };
 
@@ -206,14 +207,14 @@ TEST(CandidatesProof, WhatACubicLeavesOutIsReachedAtTheEdgeOfAPatch) {
   u[0] = 1;
   const double gap = 0.2 * bodies.tail[0];
   v[1] = gap / often;
-  bodies.set_overlap(0, -gap, u, bodies.t.position);
+  bodies.set_overlap(0, -gap, u, bodies.t.motion.position);
   EXPECT_TRUE(ends_in_time(look_ahead(bodies, u, v), 0.5 * often));
   // a search for the nodes that touch has to see it, too
-  bodies.t.look_at = Nodes::all;
+  bodies.t.bounds.searched = Nodes::all;
   for (const double open : {0.0, 0.11 * bodies.tail[0]}) {
-    bodies.set_overlap(0, -open, u, bodies.t.position);
-    Candidates<HostLanes, K> candidates(lanes, bodies.t, bodies.s);
-    EXPECT_EQ(candidates.find_touching(Packs(u).u, Packs(v).u, Place(bodies.t, 0)),
+    bodies.set_overlap(0, -open, u, bodies.t.motion.position);
+    auto candidates = test::candidates_of<K>(bodies.t, bodies.s);
+    EXPECT_EQ(candidates.find_contacts(Packs(u).u, Packs(v).u, Place(bodies.t.motion, 0)),
               open == 0 ? 1 : 0);
   }
 }
@@ -224,7 +225,7 @@ TEST(CandidatesProof, WhatACubicLeavesOutOfARateIsReachedAtTheEdgeOfAPatch) {
   Amplitudes u{}, v{};
   v[0] = 1e-3;
   v[1] = -v[0] * (1 - z * z / 2);
-  bodies.set_overlap(0, -often * v[0] * left_out, u, bodies.t.position);
+  bodies.set_overlap(0, -often * v[0] * left_out, u, bodies.t.motion.position);
   EXPECT_TRUE(ends_in_time(look_ahead(bodies, u, v), 0.9 * often));
 }
 
@@ -234,10 +235,10 @@ TEST(CandidatesProof, WhatACubicLeavesOutOfASlopeIsReachedAtTheEdgeOfAPatch) {
   constexpr double way = 0.1;
   NodeAtTheEdge bodies;
   bodies.tail[0] = 0;
-  bodies.t.advance = way / often;
+  bodies.t.motion.advance = way / often;
   Amplitudes u{}, v{};
   u[0] = -1;
-  const double begin = bodies.t.position, seen_rise = -way * beta_of_wide * z;
+  const double begin = bodies.t.motion.position, seen_rise = -way * beta_of_wide * z;
   v[1] = -seen_rise / often;
   const double rises =
       bodies.overlap(u, begin + way, 0) - bodies.overlap(u, begin, 0) + often * v[1];
@@ -253,11 +254,11 @@ TEST(CandidatesProof, AFlightGoesNoFartherThanTheNearListReaches) {
   OneNode bodies;
   Amplitudes u{}, v{};
   v[0] = speed;
-  bodies.t.longest_look = often / 2;
+  bodies.t.bounds.valid_steps = often / 2;
   bodies.set_overlap(0, -often * speed * (1 + 1e-6), u, 8);
-  Candidates<HostLanes, K> candidates(lanes, bodies.t, bodies.s);
+  auto candidates = test::candidates_of<K>(bodies.t, bodies.s);
   EXPECT_EQ(candidates.look_ahead(Packs(u).u, Packs(v).u, 0, 1 << 20, 0).steps, often / 2);
-  bodies.t.longest_look = 4 * often;
+  bodies.t.bounds.valid_steps = 4 * often;
   EXPECT_TRUE(ends_in_time(candidates.look_ahead(Packs(u).u, Packs(v).u, 0, 1 << 20, 0)));
 }
 
@@ -269,8 +270,8 @@ TEST(CandidatesProof, AWatchLastsUntilItsForcesReachTheLeeway) {
   std::vector<double> tilt(nodes, 0.0);
   tilt[0] = 1, tilt[last] = -1;
   BodiesByHand bodies({}, {tilt}, nodes);
-  bodies.t.position = 8, bodies.t.longest_look = 4 * often;
-  bodies.t.node_stiffness = stiffness, bodies.t.least_reach = 0.01;
+  bodies.t.motion.position = 8, bodies.t.bounds.valid_steps = 4 * often;
+  bodies.t.contact.node_stiffness = stiffness, bodies.t.bounds.least_reach = 0.01;
   const Amplitudes still{};
   for (int n = 0; n < nodes; ++n) bodies.height1[n] = n == 0 ? overlap : -9;
   double listed = 0, not_listed = 1;
@@ -294,13 +295,14 @@ TEST(CandidatesProof, AWatchLastsUntilItsForcesReachTheLeeway) {
 
 TEST(CandidatesProof, AListUnderForcesYetToBeFoundCoversJustItsLeeway) {
   // Where the force is found with the end of a step, the list counts what the force has done.
-  constexpr double force = 1e-6, guess = 0.01 * force, push = 1e-9;
+  constexpr double force = 1e-6, guess = 0.01 * force, acceleration = 1e-9;
   constexpr int last = nodes - 1;
   std::vector<double> tilt(nodes, 0.0);
   tilt[0] = 1, tilt[last] = -1;
   BodiesByHand bodies({}, {tilt}, nodes);
-  bodies.t.position = 8, bodies.t.longest_look = 4 * often, bodies.t.least_reach = 0.01;
-  bodies.t.form = Form::implicit;
+  bodies.t.motion.position = 8, bodies.t.bounds.valid_steps = 4 * often,
+  bodies.t.bounds.least_reach = 0.01;
+  bodies.t.scheme.form = Form::implicit;
   const Amplitudes still{};
   for (int n = 0; n < nodes; ++n) bodies.height1[n] = n == 0 ? 0 : -9;
   double listed = 0, not_listed = 1;
@@ -322,10 +324,10 @@ TEST(CandidatesProof, AListUnderForcesYetToBeFoundCoversJustItsLeeway) {
   EXPECT_LE(0.5 * n * (n + 1) * force, not_listed) << "it touches at a step that is covered";
   EXPECT_GE(0.5 * (n + 1) * (n + 2) * force, not_listed) << "more would have been covered";
   // and what outer forces do beside it, in the same units
-  bodies.push[0] = push;
+  bodies.outer_acceleration[0] = acceleration;
   const Outlook pushed = look_ahead(bodies, still, still, guess);
   ASSERT_EQ(pushed.kind, Outlook::watch);
-  EXPECT_NEAR(pushed.line / pushed.kick, 0.5 * push, 1e-12 * push);
+  EXPECT_NEAR(pushed.line / pushed.kick, 0.5 * acceleration, 1e-12 * acceleration);
   for (const bool of_line : {true, false}) {
     constexpr int exactly = 30;
     Outlook outlook{Outlook::watch, 100, 1};
@@ -344,8 +346,8 @@ TEST(CandidatesProof, AWatchListsWhatTheWaysCurvatureBrings) {
   constexpr double beta = 1e-3, size = 1, way = 0.25;
   constexpr int last = nodes - 1;
   BodiesByHand bodies({{beta, 8.0 + last}}, {}, nodes);
-  bodies.t.position = 8, bodies.t.longest_look = 4 * often;
-  bodies.t.advance = way / watch_steps, bodies.t.least_leeway = 1e-12;
+  bodies.t.motion.position = 8, bodies.t.bounds.valid_steps = 4 * often;
+  bodies.t.motion.advance = way / watch_steps, bodies.t.bounds.least_leeway = 1e-12;
   Amplitudes u{}, v{};
   u[0] = -size;
   for (int n = 0; n < nodes; ++n) bodies.set_overlap(n, n == 0 ? 1e-3 : -1, u, 8);
@@ -373,18 +375,18 @@ TEST(CandidatesProof, RoundingsReachHalfTheirBound) {
 TEST(CandidatesProof, ALookCountsTheRoundingsOfItsPlace) {
   // a steep face under a place that is off by its roundings
   OneNode bodies;
-  bodies.t.steepest = 0x1p50;
+  bodies.t.faces.steepest_rise = 0x1p50;
   const Amplitudes still{};
   Amplitudes v{};
   v[0] = 1e-3;
-  const double off = position_rounding(Place(bodies.t, 0)) * bodies.t.steepest;
+  const double off = position_rounding(Place(bodies.t.motion, 0)) * bodies.t.faces.steepest_rise;
   bodies.set_overlap(0, -often * v[0] - off, still, 8);
   EXPECT_TRUE(ends_in_time(look_ahead(bodies, still, v)));
 }
 
 TEST(CandidatesProof, AStretchEndsAStepBeforeANodeIsPassed) {
   OneNode bodies;
-  bodies.t.advance = 1.0 / often;
+  bodies.t.motion.advance = 1.0 / often;
   const Amplitudes u{};
   Amplitudes v{};
   v[0] = 1e-9;  // so that the near list is worth something

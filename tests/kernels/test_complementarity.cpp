@@ -14,6 +14,7 @@
 #include "kernels/contact/complementarity.hpp"
 #include "kernels/lanes.hpp"
 #include "tests/dice.hpp"
+#include "tests/kernels_of.hpp"
 
 /// The contact forces of one step, on nodes and modes made up here, against an exhaustive search
 /// and against the conditions that they must meet.
@@ -41,15 +42,15 @@ const HostLanes lanes{NoTeam{}};
 struct Problem {
   Matrix phi;             // (node, mode)
   Vector face;            // overlap of the faces alone
-  Vector yield;           // U1 of a unit force
+  Vector receptance;      // U1 of a unit force
   Vector free;            // U1 without contact
   double compliance = 0;  // of a node
 
   int nodes() const { return static_cast<int>(phi.rows()); }
   int modes() const { return static_cast<int>(phi.cols()); }
   Vector overlap(const Vector& u) const { return face + phi * u; }
-  Matrix across() const { return phi * yield.asDiagonal() * phi.transpose(); }
-  /// The same scene with other numbers for the nodes.
+  Matrix across() const { return phi * receptance.asDiagonal() * phi.transpose(); }
+  /// The scene with its nodes numbered otherwise.
   Problem ordered(const std::vector<int>& order) const {
     Problem out = *this;
     for (int n = 0; n < nodes(); ++n) {
@@ -68,7 +69,7 @@ struct Answer {
   Vector force;  // of every node
   double most = 0;
   int looks = 0;  // how often the nodes were looked at
-  int touched = 0;
+  int contacts = 0;
   double total = 0, climb = 0, bend = 0;
 };
 
@@ -81,17 +82,18 @@ class Solver {
       : p_{problem}, listing_{listing} {
     const int nodes = p_.nodes(), modes = p_.modes();
     EXPECT_LE(modes, stride);
-    t_.nodes = nodes;
-    t_.compliance = p_.compliance;
-    t_.touch = p_.touch();
+    tables_.faces.nodes = nodes;
+    tables_.contact.compliance = p_.compliance;
+    tables_.contact.tolerance = p_.touch();
     held_u_.assign(stride, 0.0);
     held_v_ = reach_ = held_u_;
     for (int k = 0; k < modes; ++k) {
-      held_u_[k] = p_.yield[k];
+      held_u_[k] = p_.receptance[k];
       held_v_[k] = velocity(k);
       reach_[k] = p_.phi.col(k).cwiseAbs().maxCoeff();
     }
-    t_.receptance = held_u_.data(), t_.mobility = held_v_.data(), t_.largest_shape = reach_.data();
+    tables_.contact.receptance = held_u_.data(), tables_.contact.mobility = held_v_.data(),
+    tables_.bounds.largest_shape = reach_.data();
     shape_.assign(static_cast<std::size_t>(nodes) * 4 * stride, 0.0);
     face_.assign(2 * nodes, 0.0);
     window_.assign(nodes, 0);
@@ -105,20 +107,21 @@ class Solver {
     }
     const int room = p_.compliance > 0 ? nodes : std::min(nodes, modes);  // host/device/batch.cpp
     watch_.assign(nodes, -1);
-    touched_ = watch_;
+    contact_nodes_ = watch_;
     place_ = watch_;
-    touched_force_.assign(nodes, 0.0);
-    pressed_.assign(room, 0);
-    pressed_force_.assign(room, 0.0);
-    across_ = share_ = pressed_force_;
+    contact_forces_.assign(nodes, 0.0);
+    active_nodes_.assign(room, 0);
+    active_forces_.assign(room, 0.0);
+    across_ = share_ = active_forces_;
     factor_.assign(static_cast<std::size_t>(room + 1) * room, 0.0);
-    s_.node_shape = shape_.data(), s_.node_face = face_.data(), s_.node_window = window_.data();
-    s_.watch = watch_.data(), s_.touched = touched_.data(),
-    s_.touched_force = touched_force_.data();
-    s_.pressed_capacity = room;
-    s_.pressed = pressed_.data(), s_.pressed_place = place_.data();
-    s_.pressed_force = pressed_force_.data(), s_.factor = factor_.data();
-    s_.across = across_.data(), s_.share = share_.data();
+    state_.caches.node_shape = shape_.data(), state_.caches.node_face = face_.data(),
+    state_.marks.node_window = window_.data();
+    state_.work.watched = watch_.data(), state_.work.contact_list.nodes = contact_nodes_.data(),
+    state_.work.contact_list.forces = contact_forces_.data();
+    state_.work.active.capacity = room;
+    state_.work.active.nodes = active_nodes_.data(), state_.marks.active_index = place_.data();
+    state_.work.active.forces = active_forces_.data(), state_.work.active.factor = factor_.data();
+    state_.work.active.coupling = across_.data(), state_.work.active.solution = share_.data();
   }
   static double rise(int node) { return 0.25 * node - 1; }
   static double slope(int node, int mode) { return 0.5 * node - mode; }
@@ -126,25 +129,26 @@ class Solver {
   static double start_velocity(int mode) { return 1 - 0.5 * mode; }
 
   Answer operator()() {
-    s_.contact_step = -1;
+    state_.carried.latest_contact.step = -1;
     return solve();
   }
   /// With these nodes as those that carried force at the end of the step before.
   Answer resumed(std::initializer_list<int> nodes) {
-    s_.contact_step = step - 1;
-    s_.contact_nodes = static_cast<int>(nodes.size());
-    std::copy_n(nodes.begin(), std::min<std::size_t>(2, nodes.size()), s_.contact_pair);
+    state_.carried.latest_contact.step = step - 1;
+    state_.carried.latest_contact.nodes = static_cast<int>(nodes.size());
+    std::copy_n(nodes.begin(), std::min<std::size_t>(2, nodes.size()),
+                state_.carried.latest_contact.pair);
     return solve();
   }
 
   /// With so many that carried force then.
   Answer after(int nodes) {
-    s_.contact_step = step - 1;
-    s_.contact_nodes = nodes;
+    state_.carried.latest_contact.step = step - 1;
+    state_.carried.latest_contact.nodes = nodes;
     return solve();
   }
   Solver& interrupted_by(const int* flag) {
-    t_.interrupted = flag;
+    tables_.interrupted = flag;
     return *this;
   }
 
@@ -152,12 +156,12 @@ class Solver {
   static constexpr std::int64_t step = 7;
   const Problem& p_;
   Listing listing_;
-  SceneTables t_;
-  SceneState s_;
-  std::vector<double> held_u_, held_v_, reach_, shape_, face_, touched_force_, pressed_force_,
+  SceneTables tables_;
+  SceneState state_;
+  std::vector<double> held_u_, held_v_, reach_, shape_, face_, contact_forces_, active_forces_,
       factor_, across_, share_;
   std::vector<std::int64_t> window_;
-  std::vector<int> watch_, touched_, place_, pressed_;
+  std::vector<int> watch_, contact_nodes_, place_, active_nodes_;
 
   Answer solve() {
     Answer out;
@@ -171,9 +175,9 @@ class Solver {
       packs_u[p] = lanes.load(u.data() + p * width);
       packs_v[p] = lanes.load(v.data() + p * width);
     }
-    Place place(t_, 0);
+    Place place(tables_.motion, 0);
     place.offset = 0;  // where the shapes are those of the problem
-    const NodeContact<HostLanes, K> contact(lanes, t_, s_);
+    const auto contact = test::node_contact_of<K>(tables_, state_);
     const auto list = [&](const Real* at) {
       ++out.looks;
       int count = 0;
@@ -186,7 +190,7 @@ class Solver {
       return count;
     };
     ContactTotals<Real> totals;
-    Complementarity<HostLanes, K> solve(lanes, t_, s_, contact);
+    auto solve = test::complementarity_of<K>(tables_, state_);
     out.solution = solve(place, step, packs_u, packs_v, list, totals, out.most);
     for (int p = 0; p < K; ++p) {
       lanes.store(u.data() + p * width, packs_u[p]);
@@ -194,12 +198,12 @@ class Solver {
     }
     out.u = Eigen::Map<const Vector>(u.data(), p_.modes());
     out.v = Eigen::Map<const Vector>(v.data(), p_.modes());
-    out.touched = totals.touched;
+    out.contacts = totals.nodes;
     out.total = totals.force, out.climb = totals.climb, out.bend = lanes.sum(totals.bend);
     out.force = Vector::Zero(p_.nodes());
-    for (int e = 0; e < totals.touched; ++e) {
-      EXPECT_TRUE(e == 0 || touched_[e - 1] < touched_[e]) << "not in ascending order";
-      out.force[touched_[e]] = touched_force_[e];
+    for (int e = 0; e < totals.nodes; ++e) {
+      EXPECT_TRUE(e == 0 || contact_nodes_[e - 1] < contact_nodes_[e]) << "not in ascending order";
+      out.force[contact_nodes_[e]] = contact_forces_[e];
     }
     // the work space is left as it was found
     EXPECT_EQ(std::count(place_.begin(), place_.end(), -1), p_.nodes());
@@ -214,14 +218,15 @@ Answer solve(const Problem& problem, Listing listing = Listing::all) {
 // ---- what an answer must be -------------------------------------------------------------------
 
 /// Overlap that roundings may leave [m]: what the solver lets pass at the worst
-/// (SceneTables::touch, and 256 roundings of the modes' sums: kernels/candidates.hpp, rounding),
-/// and those of the last look here, one for each mode and each node that pushes.
+/// (ContactTables::tolerance, and 256 roundings of the modes' sums: kernels/candidates.hpp,
+/// rounding), and those of the last look here, one for each mode and each node that pushes.
 double rounding_of(const Problem& p, const Answer& a) {
   const Vector reach = p.phi.cwiseAbs().colwise().maxCoeff();
-  const Vector push = p.phi.cwiseAbs().transpose() * a.force;
+  const Vector modal_force = p.phi.cwiseAbs().transpose() * a.force;
   const Vector ends = p.free.cwiseAbs() + a.u.cwiseAbs();
   return p.touch() + 256 * ulp * reach.dot(ends) +
-         (p.modes() + p.nodes() + 4) * ulp * reach.dot(ends + p.yield.cwiseProduct(push));
+         (p.modes() + p.nodes() + 4) * ulp *
+             reach.dot(ends + p.receptance.cwiseProduct(modal_force));
 }
 
 /// The conditions, each to the roundings, and what the answer says of itself.
@@ -238,18 +243,18 @@ void expect_conditions(const Problem& p, const Answer& a) {
     }
   }
   // the end of the step is that of these forces
-  const Vector push = p.phi.transpose() * a.force;
+  const Vector modal_force = p.phi.transpose() * a.force;
   const Vector size = p.phi.cwiseAbs().transpose() * a.force;
   for (int k = 0; k < p.modes(); ++k) {
     const double count = 2 * p.nodes() + 4;  // products, sums, and the last difference
-    EXPECT_NEAR(a.u[k], p.free[k] - p.yield[k] * push[k],
-                count * ulp * (p.yield[k] * size[k] + std::abs(p.free[k])));
+    EXPECT_NEAR(a.u[k], p.free[k] - p.receptance[k] * modal_force[k],
+                count * ulp * (p.receptance[k] * size[k] + std::abs(p.free[k])));
     const double start = Solver::start_velocity(k);
-    EXPECT_NEAR(a.v[k], start - Solver::velocity(k) * push[k],
+    EXPECT_NEAR(a.v[k], start - Solver::velocity(k) * modal_force[k],
                 count * ulp * (Solver::velocity(k) * size[k] + std::abs(start)));
   }
   // and so is the record
-  EXPECT_EQ(a.touched, (a.force.array() > 0).count());
+  EXPECT_EQ(a.contacts, (a.force.array() > 0).count());
   const double count = 2 * p.nodes();
   EXPECT_NEAR(a.total, a.force.sum(), count * ulp * a.force.sum());
   EXPECT_GE(a.most, a.total * (1 - count * ulp));
@@ -268,7 +273,7 @@ void expect_conditions(const Problem& p, const Answer& a) {
 
 /// Distance of two ends of a step in the metric in which the answer is nearest to the free one.
 double distance(const Problem& p, const Vector& a, const Vector& b) {
-  return std::sqrt(((a - b).array().square() / p.yield.array()).sum());
+  return std::sqrt(((a - b).array().square() / p.receptance.array()).sum());
 }
 
 /// Two states that meet the conditions but for an overlap of e, with forces f and f', are near:
@@ -296,7 +301,7 @@ class Exhaustive {
   explicit Exhaustive(const Problem& p)
       : p_{p},
         phi_{p.phi.cast<long double>()},
-        w_{phi_ * p.yield.cast<long double>().asDiagonal() * phi_.transpose()},
+        w_{phi_ * p.receptance.cast<long double>().asDiagonal() * phi_.transpose()},
         free_{p.face.cast<long double>() + phi_ * p.free.cast<long double>()},
         scale_{free_.cwiseAbs().maxCoeff()} {
     for (int n = 0; n < p.nodes(); ++n) w_(n, n) += p.compliance;
@@ -305,8 +310,9 @@ class Exhaustive {
     grow(0, 1.0L);
     out_.breach = static_cast<double>(best_);
     out_.feasible = best_ < 1e-12L;
-    out_.u = p.free - (p.yield.cast<long double>().asDiagonal() * (phi_.transpose() * best_force_))
-                          .cast<double>();
+    out_.u =
+        p.free - (p.receptance.cast<long double>().asDiagonal() * (phi_.transpose() * best_force_))
+                     .cast<double>();
     out_.force = best_force_.cast<double>();
   }
   const Reference& operator()() const { return out_; }
@@ -382,11 +388,11 @@ Problem random_problem(Dice& dice, Shapes shapes, int nodes, int modes) {
   Problem p;
   p.phi.resize(nodes, modes);
   p.face.resize(nodes);
-  p.yield.resize(modes);
+  p.receptance.resize(modes);
   p.free.resize(modes);
   const double scale = std::pow(10, dice.uniform(-18, -8));
   for (int k = 0; k < modes; ++k) {
-    p.yield[k] = scale * std::pow(10, dice.uniform(-1.5, 0));
+    p.receptance[k] = scale * std::pow(10, dice.uniform(-1.5, 0));
     p.free[k] = dice.uniform(-1e-6, 1e-6) / std::sqrt(modes);
   }
   const double first = dice.uniform(0.1, 0.8);
@@ -467,7 +473,7 @@ Made made_problem(Dice& dice, Shapes shapes, int nodes, int modes, int carrying)
     p.compliance = own * std::pow(10, dice.uniform(-6, 8));
     p.face += p.compliance * m.force;
   }
-  p.free += p.yield.cwiseProduct(p.phi.transpose() * m.force);
+  p.free += p.receptance.cwiseProduct(p.phi.transpose() * m.force);
   return m;
 }
 
@@ -488,7 +494,7 @@ Problem any_problem(Dice& dice) {
 
 TEST(Complementarity, AgreesWithAnExhaustiveSearch) {
   Dice dice(1);
-  int blocked = 0, several = 0, unique = 0;
+  int blocked = 0, with_two_or_more = 0, unique = 0;
   for (int i = 0; i < 4000; ++i) {
     SCOPED_TRACE(i);
     const Problem p = any_problem(dice);
@@ -501,7 +507,7 @@ TEST(Complementarity, AgreesWithAnExhaustiveSearch) {
     if (!best.feasible) continue;
     expect_conditions(p, a);
     expect_near(p, a, best.u, best.force);
-    several += a.touched > 1;
+    with_two_or_more += a.contacts > 1;
 
     // Where no other set of nodes comes near, the same ones carry force: U - U' is then
     // b Phi^T W^-1 (o - o') on them, so its square in the metric is (o - o')^T W^-1 (o - o').
@@ -521,7 +527,7 @@ TEST(Complementarity, AgreesWithAnExhaustiveSearch) {
   }
   // the problems are what they are for
   EXPECT_GE(blocked, 20);
-  EXPECT_GE(several, 1000);
+  EXPECT_GE(with_two_or_more, 1000);
   EXPECT_GE(unique, 1000);
 }
 
@@ -546,7 +552,7 @@ TEST(Complementarity, NodesThatPushTogetherTouchToTheRoundingsOfOneLook) {
   // what the forces gather on their way is taken out of them: what counts as touching remains, and
   // the roundings of a sum over the modes, there and here
   Dice dice(6);
-  int several = 0;
+  int with_two_or_more = 0;
   for (int i = 0; i < 8000; ++i) {
     SCOPED_TRACE(i);
     const Made m = made_problem(dice, all_shapes[dice.pick(5)], 2 + dice.pick(100),
@@ -554,17 +560,18 @@ TEST(Complementarity, NodesThatPushTogetherTouchToTheRoundingsOfOneLook) {
     const Problem& p = m.problem;
     const Answer a = solve(p);
     ASSERT_EQ(a.solution, Solution::solved);
-    if (a.touched < 2) continue;
-    ++several;
-    const Vector over = p.overlap(a.u), push = p.phi.cwiseAbs().transpose() * a.force;
-    const Vector size = p.phi.cwiseAbs() * (p.free.cwiseAbs() + p.yield.cwiseProduct(push));
+    if (a.contacts < 2) continue;
+    ++with_two_or_more;
+    const Vector over = p.overlap(a.u), modal_force = p.phi.cwiseAbs().transpose() * a.force;
+    const Vector size =
+        p.phi.cwiseAbs() * (p.free.cwiseAbs() + p.receptance.cwiseProduct(modal_force));
     for (int n = 0; n < p.nodes(); ++n)
       if (a.force[n] > 0) {
         EXPECT_NEAR(over[n], p.compliance * a.force[n], p.touch() + (p.modes() + 4) * ulp * size[n])
             << "node " << n;
       }
   }
-  EXPECT_GE(several, 2000);
+  EXPECT_GE(with_two_or_more, 2000);
 }
 
 TEST(Complementarity, OrderOfTheNodesDoesNotMatter) {
@@ -617,8 +624,8 @@ TEST(Complementarity, NodesOfTheStepBeforeGiveTheSameAnswer) {
       expect_conditions(p, b);
       expect_near(p, b, a.u, a.force);
       // the look that a guess costs: it was taken when there is no other
-      taken += b.touched > 0 && b.looks == 1;
-      refused += b.touched > 0 && b.looks > 1;
+      taken += b.contacts > 0 && b.looks == 1;
+      refused += b.contacts > 0 && b.looks > 1;
     };
     // those that carry force now, and some that need not
     std::vector<int> carrying;
@@ -640,23 +647,23 @@ TEST(Complementarity, NodesOfTheStepBeforeGiveTheSameAnswer) {
 
 /// Nodes with one row of shapes each.
 Problem by_hand(std::initializer_list<std::initializer_list<double>> phi,
-                std::initializer_list<double> face, std::initializer_list<double> yield,
+                std::initializer_list<double> face, std::initializer_list<double> receptance,
                 std::initializer_list<double> free) {
   const auto vector = [](std::initializer_list<double> from) -> Vector {
     return Eigen::Map<const Vector>(from.begin(), static_cast<int>(from.size()));
   };
   Problem p;
-  p.phi.resize(static_cast<int>(phi.size()), static_cast<int>(yield.size()));
+  p.phi.resize(static_cast<int>(phi.size()), static_cast<int>(receptance.size()));
   int n = 0;
   for (const auto& row : phi) p.phi.row(n++) = vector(row);
-  p.face = vector(face), p.yield = vector(yield), p.free = vector(free);
+  p.face = vector(face), p.receptance = vector(receptance), p.free = vector(free);
   return p;
 }
 
 TEST(Complementarity, OpenGapsLeaveTheStepAsItIs) {
   const Answer a = solve(by_hand({{1, 0}, {1, 1}}, {-2, -4}, {1, 0.5}, {1, 2}));
   EXPECT_EQ(a.solution, Solution::solved);
-  EXPECT_EQ(a.touched, 0);
+  EXPECT_EQ(a.contacts, 0);
   EXPECT_EQ(a.looks, 1);
   EXPECT_EQ(a.most, 0);
   EXPECT_EQ(a.u, (Vector{{1, 2}}));
@@ -664,11 +671,11 @@ TEST(Complementarity, OpenGapsLeaveTheStepAsItIs) {
 }
 
 TEST(Complementarity, TouchingAtExactlyZeroCarriesNoForce) {
-  EXPECT_EQ(solve(by_hand({{1, 0}, {1, 1}}, {-1, -3}, {1, 0.5}, {1, 2})).touched, 0);
+  EXPECT_EQ(solve(by_hand({{1, 0}, {1, 1}}, {-1, -3}, {1, 0.5}, {1, 2})).contacts, 0);
   // one node is pushed clear, and the other then touches: W = 1.5, f = 3/1.5, U = (0, 1)
   const Answer a = solve(by_hand({{1, 1}, {0, 1}}, {-1, -1}, {1, 0.5}, {2, 2}));
   EXPECT_EQ(a.force, (Vector{{2, 0}}));
-  EXPECT_EQ(a.touched, 1);
+  EXPECT_EQ(a.contacts, 1);
   EXPECT_EQ(a.u, (Vector{{0, 1}}));
   EXPECT_EQ(a.v, (Vector{{Solver::start_velocity(0) - 2 * Solver::velocity(0),
                           Solver::start_velocity(1) - 2 * Solver::velocity(1)}}));
@@ -760,12 +767,12 @@ TEST(Complementarity, FreeSliderFlatOnFlat) {
         p.phi.row(n) = Eigen::RowVector2d(1, std::sqrt(12) * x);
       }
       p.face = Vector::Constant(nodes, face);
-      p.yield = Vector{{1e-3, 1e-3}};
+      p.receptance = Vector{{1e-3, 1e-3}};
       p.free = Vector{{face > 0 ? 0.0 : 0.3, 0.0}};
       const double drop = face + p.free[0];
       const Answer a = solve(p);
       expect_conditions(p, a);
-      EXPECT_LE(a.touched, 2);
+      EXPECT_LE(a.contacts, 2);
       if (nodes == 1) {  // off the middle it turns, too: W = 1e-3 (1 + 12/16)
         EXPECT_NEAR(a.total, drop / 1.75e-3, 8 * ulp * a.total);
       } else {  // the forces balance: it stays level
@@ -787,7 +794,7 @@ TEST(Complementarity, RigidSliderPressedOntoFewModes) {
         for (int k = 0; k < modes; ++k)
           p.phi(n, k) = std::sqrt(2) * std::sin((k + 1) * M_PI * (0.3 + 0.4 * n / (nodes - 1)));
       p.face = Vector::Constant(nodes, 1e-3);
-      p.yield = Vector::Constant(modes, 1e-6);
+      p.receptance = Vector::Constant(modes, 1e-6);
       p.free = Vector::Zero(modes);
       const Answer a = solve(p);
       expect_conditions(p, a);
@@ -799,7 +806,7 @@ TEST(Complementarity, RigidSliderPressedOntoFewModes) {
       seesaw.phi = Matrix(nodes, 1);
       for (int n = 0; n < nodes; ++n)
         seesaw.phi(n, 0) = std::sqrt(2) * std::sin(2 * M_PI * (0.3 + 0.4 * n / (nodes - 1)));
-      seesaw.yield = p.yield.head(1), seesaw.free = p.free.head(1);
+      seesaw.receptance = p.receptance.head(1), seesaw.free = p.free.head(1);
       EXPECT_EQ(solve(seesaw).solution, Solution::blocked);
     }
 }
@@ -809,12 +816,12 @@ TEST(Complementarity, SpringsCarryForceAtMoreNodesThanThereAreModes) {
   Problem p;
   p.phi = Matrix::Constant(300, 1, 2.0);
   p.face = Vector::Constant(300, 1e-6);
-  p.yield = Vector{{0.25e-9}};
+  p.receptance = Vector{{0.25e-9}};
   p.free = Vector{{0.0}};
   p.compliance = 1e-8;
   const Answer a = solve(p);
   expect_conditions(p, a);
-  EXPECT_EQ(a.touched, 300);
+  EXPECT_EQ(a.contacts, 300);
   // each force is a difference of displacements: wrong by the roundings of an overlap over c
   for (int n = 0; n < 300; ++n)
     EXPECT_NEAR(a.force[n], 1e-6 / (300 * 1e-9 + 1e-8), 2 * rounding_of(p, a) / p.compliance);
@@ -842,7 +849,7 @@ TEST(Complementarity, ManyNodesOnSpringsMeetTheSameConditions) {
     expect_conditions(m.problem, all);
     expect_near(m.problem, all, m.u, m.force);
     EXPECT_LE(all.looks, enough_looks);
-    many += all.touched > Complementarity<HostLanes, K>::many;
+    many += all.contacts > Complementarity<HostLanes, K>::many;
     // which nodes are looked at beside those that overlap changes no bit
     EXPECT_EQ(all.u, overlapping.u);
     EXPECT_EQ(all.force, overlapping.force);
@@ -856,7 +863,7 @@ Problem flat_on_flat(int nodes, double compliance) {
   Problem p;
   p.phi = Matrix::Constant(nodes, 1, 2.0);
   p.face = Vector::Constant(nodes, -1e-6);
-  p.yield = Vector::Constant(1, 1e-3);
+  p.receptance = Vector::Constant(1, 1e-3);
   p.free = Vector::Constant(1, 2e-6);
   p.compliance = compliance;
   return p;
@@ -867,12 +874,13 @@ TEST(Complementarity, FlatOnFlatOnSpringsIsTheClosedForm) {
     const Problem p = flat_on_flat(1000, compliance);
     const Answer a = solve(p);
     ASSERT_EQ(a.solution, Solution::solved);
-    const double k = 1000 / compliance, pull = k * 1e-3 * 2.0;
-    const double u = (2e-6 + pull * 1e-6) / (1 + 2 * pull);
-    EXPECT_NEAR(a.u[0], u,
-                (2 + pull) * 64 * ulp * 2e-6);  // roundings of 1000 overlaps, as stiff as they are
-    EXPECT_NEAR(a.total, k * (2 * u - 1e-6), k * (2 + pull) * 128 * ulp * 2e-6);
-    EXPECT_EQ(a.touched, 1000);
+    const double k = 1000 / compliance, stiffening = k * 1e-3 * 2.0;
+    const double u = (2e-6 + stiffening * 1e-6) / (1 + 2 * stiffening);
+    EXPECT_NEAR(
+        a.u[0], u,
+        (2 + stiffening) * 64 * ulp * 2e-6);  // roundings of 1000 overlaps, as stiff as they are
+    EXPECT_NEAR(a.total, k * (2 * u - 1e-6), k * (2 + stiffening) * 128 * ulp * 2e-6);
+    EXPECT_EQ(a.contacts, 1000);
     EXPECT_LE(a.looks, enough_looks);
   }
 }

@@ -252,9 +252,9 @@ TEST(HighestValue, OfTwoTopsTheHigher) {
   // tops at 1/6 and 5/6, a hollow between them: in three thirds
   for (const double tilt : {-0.05, 0.05}) {
     Coefficients p{0, tilt};
-    const Coefficients y{-0.5, 1}, square = times(y, y), fourth = times(square, square);
+    const Coefficients y{-0.5, 1}, square = times(y, y), quartic = times(square, square);
     p.resize(5, 0.0);
-    for (int j = 0; j <= 4; ++j) p[j] -= 9 * fourth[j];
+    for (int j = 0; j <= 4; ++j) p[j] -= 9 * quartic[j];
     for (int j = 0; j <= 2; ++j) p[j] += 2 * square[j];
     double highest = -none;
     for (int i = 0; i <= 100000; ++i)
@@ -267,7 +267,7 @@ TEST(HighestValue, OfTwoTopsTheHigher) {
 
 // ---- hulls ------------------------------------------------------------------------------------
 
-/// C(i, j)/C(n, j) and the two masks, as SceneTables::hull has them.
+/// C(i, j)/C(n, j) and the two masks, as SeriesTables::hull has them.
 std::vector<double> hull_table(int n) {
   std::vector<double> table((overlap_terms + 2) * overlap_terms, 0.0);
   const auto choose = [](int a, int b) {
@@ -288,10 +288,10 @@ std::vector<double> hull_table(int n) {
 Hull hull(const Coefficients& c, double x) {
   const std::vector<double> table = hull_table(degree(c));
   SceneTables t;
-  t.hull = table.data();
+  t.adaptive.hull = table.data();
   // what a longer series left behind must not count
   std::vector<double> room(2 * overlap_terms, 1e30);
-  return hull_of(lanes, t, c.data(), degree(c), x, room.data());
+  return hull_of(lanes, t.adaptive, c.data(), degree(c), x, room.data());
 }
 
 TEST(HullOf, OfALineAndAParabola) {

@@ -114,35 +114,36 @@ struct Tables {
     for (const BodyMode& mode : make_beam(body).modes) shapes.push_back(beam_shape(mode));
 
     const double beta_chi = shapes.back().beta * chi;
-    t.resonator_modes = modes;
-    t.patch_nodes = std::max(1, static_cast<int>(0.5 / beta_chi - width - 2));
-    const double in_chi = 0.5 * (t.patch_nodes + width) + 1;
-    t.patches = static_cast<int>(length / chi) / t.patch_nodes + 1;
-    t.inverse_radius = 1 / in_chi;
-    t.spacing = chi;
+    t.slider.first_lane = modes;
+    t.patches.nodes = std::max(1, static_cast<int>(0.5 / beta_chi - width - 2));
+    const double in_chi = 0.5 * (t.patches.nodes + width) + 1;
+    t.patches.count = static_cast<int>(length / chi) / t.patches.nodes + 1;
+    t.patches.inverse_radius = 1 / in_chi;
+    t.motion.spacing = chi;
     radius = in_chi * chi;
     // the first term left out, (beta radius)^terms/terms!, is below half an ulp
-    t.terms = 4;
-    while (std::pow(beta_chi * in_chi, t.terms) > u * std::tgamma(t.terms + 1.0)) t.terms += 4;
-    EXPECT_LE(t.terms, most_terms) << "the test's spacing is too wide";
+    t.patches.terms = 4;
+    while (std::pow(beta_chi * in_chi, t.patches.terms) > u * std::tgamma(t.patches.terms + 1.0))
+      t.patches.terms += 4;
+    EXPECT_LE(t.patches.terms, most_terms) << "the test's spacing is too wide";
 
     quartic.assign(K * width, 0.0);
-    patch.assign(static_cast<std::size_t>(t.patches) * 4 * K * width, 0.0);
+    patch.assign(static_cast<std::size_t>(t.patches.count) * 4 * K * width, 0.0);
     for (int k = 0; k < modes; ++k) {
       const BeamShape& mode = shapes[k];
       beta_radius.push_back(mode.beta * radius);
       size.push_back(size_of(mode, length));
       quartic[k] = static_cast<double>(std::pow(static_cast<long double>(mode.beta) * radius, 4));
-      for (int p = 0; p < t.patches; ++p)
+      for (int p = 0; p < t.patches.count; ++p)
         for (int j = 0; j < 4; ++j)
           patch[(static_cast<std::size_t>(p) * 4 + j) * K * width + k] =
               static_cast<double>(std::pow(static_cast<long double>(radius), j) *
                                   derivative(mode, length, centre(p), j));
     }
-    t.quartic = quartic.data();
-    t.patch = patch.data();
+    t.patches.quartic = quartic.data();
+    t.patches.derivatives = patch.data();
   }
-  long double centre(int p) const { return (p + 0.5L) * t.patch_nodes * chi; }
+  long double centre(int p) const { return (p + 0.5L) * t.patches.nodes * chi; }
   const double* rows(int p) const {
     return patch.data() + static_cast<std::size_t>(p) * 4 * K * width;
   }
@@ -165,7 +166,7 @@ void cubic_keeps_its_bound(Support support, double chi) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> uniform(-1, 1);
   double tightest = 0;
-  for (int p = 0; p < table.t.patches; ++p) {
+  for (int p = 0; p < table.t.patches.count; ++p) {
     std::array<double, K * width> amplitude{};
     if (p % 2 == 0)
       for (int k = 0; k < Modes; ++k) amplitude[k] = uniform(random);
@@ -191,12 +192,12 @@ void cubic_keeps_its_bound(Support support, double chi) {
     for (int i = -8; i <= 8; ++i) {
       const double eta = i / 8.0;
       const long double position =
-          (p + 0.5L) * table.t.patch_nodes + eta * static_cast<long double>(table.radius) / chi;
+          (p + 0.5L) * table.t.patches.nodes + eta * static_cast<long double>(table.radius) / chi;
       if (position < 0 || position * chi > table.length) continue;  // on the beam alone
       long double value = 0, slope = 0;
       for (int k = 0; k < Modes; ++k) {
         value += amplitude[k] * table.exact(k, position, 0);
-        slope += amplitude[k] * table.exact(k, position, 1) / table.t.inverse_radius;
+        slope += amplitude[k] * table.exact(k, position, 1) / table.t.patches.inverse_radius;
       }
       const double error = std::abs(cubic(q, eta) - static_cast<double>(value));
       ASSERT_LE(error, tail + roundings * u * scale) << "patch " << p << ", eta " << eta;
@@ -252,14 +253,14 @@ void full_series_is_exact(Support support, double chi) {
       std::min(0.5, std::pow(24 * 4 * u, 0.25) / (table.shapes.back().beta * chi));
   std::mt19937_64 random(6);
   for (int trial = 0; trial < 300; ++trial) {
-    const int p = std::uniform_int_distribution<int>(0, t.patches - 1)(random);
+    const int p = std::uniform_int_distribution<int>(0, t.patches.count - 1)(random);
     double eta = std::uniform_real_distribution<double>(-1, 1)(random);
     if (trial < 2) eta = 2 * trial - 1;
-    const double position =
-        std::clamp((p + 0.5) * t.patch_nodes + eta / t.inverse_radius, 0.0, table.length / chi);
+    const double position = std::clamp((p + 0.5) * t.patches.nodes + eta / t.patches.inverse_radius,
+                                       0.0, table.length / chi);
     Real shape[4][K], value[K];
-    expand_modes<HostLanes, K>(lanes, t, p, position, shape);
-    mode_values<HostLanes, K>(lanes, t, position, value);
+    expand_modes<HostLanes, K>(lanes, t.patches, p, position, shape);
+    mode_values<HostLanes, K>(lanes, t.patches, position, value);
     std::array<double, K * width> c[4], direct;
     for (int i = 0; i < K; ++i) {
       for (int m = 0; m < 4; ++m) lanes.store(c[m].data() + i * width, shape[m][i]);
@@ -275,7 +276,7 @@ void full_series_is_exact(Support support, double chi) {
       // each for what follows.
       double error[4], unit = 1, factorial = 1, binomial = 1;
       for (int m = 0; m < 4; ++m) {
-        const int roundings = 1 + 2 + (t.terms - 4) + 3 + t.terms * (m + 1);
+        const int roundings = 1 + 2 + (t.patches.terms - 4) + 3 + t.patches.terms * (m + 1);
         const double rigid = m == 1 ? std::abs(mode.slope) * table.radius : 0;
         const double terms = wave > 0 ? std::pow(wave, m) * grown / factorial
                              : m == 0 ? grown
@@ -284,9 +285,9 @@ void full_series_is_exact(Support support, double chi) {
         const long double exact = table.exact(k, position, m) / factorial;
         ASSERT_NEAR(c[m][k], static_cast<double>(exact), error[m])
             << "mode " << k << ", derivative " << m << ", position " << position;
-        unit *= t.inverse_radius;
+        unit *= t.patches.inverse_radius;
         factorial *= m + 1;
-        binomial *= static_cast<double>(t.terms - m) / (m + 1);
+        binomial *= static_cast<double>(t.patches.terms - m) / (m + 1);
       }
       ASSERT_NEAR(direct[k], static_cast<double>(table.exact(k, position, 0)), error[0])
           << "mode " << k << ", position " << position;
@@ -326,22 +327,22 @@ TEST(FullSeries, LongestThatAResonatorMayNeed) {
   const double radius_in_chi = 0.5 * (1 + width) + 1;
   const double chi = 2.0 / radius_in_chi * 0.3 / (40 * std::numbers::pi);
   const Tables<packs(40)> table(Support::pinned, 40, chi);
-  EXPECT_EQ(table.t.patch_nodes, 1);
-  EXPECT_EQ(table.t.terms, most_terms);
+  EXPECT_EQ(table.t.patches.nodes, 1);
+  EXPECT_EQ(table.t.patches.terms, most_terms);
   full_series_is_exact<40>(Support::pinned, chi);
 }
 
 TEST(FullSeries, TermsAreScaledDerivatives) {
   // psi^(j+4) = beta^4 psi^(j): c_j j! repeats every four but for the quartic, here 2.
   SceneTables t;
-  t.terms = 12;
+  t.patches.terms = 12;
   const std::vector<double> quartic(width, 2.0);
-  t.quartic = quartic.data();
+  t.patches.quartic = quartic.data();
   std::vector<double> rows(4 * width);
   for (int j = 0; j < 4; ++j)
     for (int lane = 0; lane < width; ++lane) rows[j * width + lane] = (j + 1) * (lane + 1);
   Real c[most_terms];
-  full_series<HostLanes, 1>(lanes, t, rows.data(), 0, c);
+  full_series<HostLanes, 1>(lanes, t.patches, rows.data(), 0, c);
   for (int j = 0; j < 12; ++j) {
     std::array<double, width> out;
     lanes.store(out.data(), c[j]);
@@ -357,11 +358,11 @@ TEST(FullSeries, APlaceOnTwoPatchesHasOneShape) {
   // A node near an edge may be evaluated on either side: both hold it, to their roundings.
   constexpr int modes = 19, K = packs(modes);
   const Tables<K> table(Support::pinned, modes, 2e-5);
-  const double position = 3.0 * table.t.patch_nodes;  // between patches 2 and 3
+  const double position = 3.0 * table.t.patches.nodes;  // between patches 2 and 3
   Real left[4][K], right[4][K];
-  expand_modes<HostLanes, K>(lanes, table.t, 2, position, left);
-  expand_modes<HostLanes, K>(lanes, table.t, 3, position, right);
-  const int roundings = 1 + 2 + (table.t.terms - 4) + 3 + table.t.terms + 2;
+  expand_modes<HostLanes, K>(lanes, table.t.patches, 2, position, left);
+  expand_modes<HostLanes, K>(lanes, table.t.patches, 3, position, right);
+  const int roundings = 1 + 2 + (table.t.patches.terms - 4) + 3 + table.t.patches.terms + 2;
   for (int i = 0; i < K; ++i) {
     std::array<double, width> a, b;
     lanes.store(a.data(), left[0][i]);

@@ -13,6 +13,7 @@
 #include "kernels/contact/node_contact.hpp"
 #include "tests/dice.hpp"
 #include "tests/filled.hpp"
+#include "tests/kernels_of.hpp"
 #include "tests/scenes.hpp"
 
 /// The tables that the march reads, as the host fills them: that they are fine, long and wide
@@ -48,19 +49,22 @@ TEST(FilledTables, MakeANodesShapesToRoundings) {
       const Filled f(strip(support, 16, spacing));
       std::vector<double> shape(4 * packs * width), face(2);
       for (int trial = 0; trial < 300; ++trial) {
-        const int node = dice.pick(f.t.nodes);
+        const int node = dice.pick(f.t.faces.nodes);
         SceneTables at = f.t;
-        at.position = dice.uniform(0, f.model.resonator_height.size() - f.t.nodes - 1.0);
-        const Place place(at, 0);
-        expand_node<HostLanes, packs>(lanes, at, place, node, shape.data(), face.data());
+        at.motion.position =
+            dice.uniform(0, f.model.resonator_height.size() - f.t.faces.nodes - 1.0);
+        const Place place(at.motion, 0);
+        expand_node<HostLanes, packs>(lanes, at.motion, at.faces, at.slider, at.patches, place,
+                                      node, shape.data(), face.data());
         for (const double side : {-0.5, 0.5}) {
-          const double o = side * at.window_width;
-          const double x = (place.base + node + (place.part + 0.5) * at.window_width + o) * spacing;
+          const double o = side * at.motion.window_width;
+          const double x =
+              (place.base + node + (place.part + 0.5) * at.motion.window_width + o) * spacing;
           for (int k = 0; k < f.modes(); ++k) {
             const auto c = [&](int m) { return shape[m * packs * width + k]; };
             const double exact = shape_at(f.mode(k), x);
             const double roundings =
-                4 * f.t.terms + 3 + 8 + 16 + 2 * f.mode(k).shape->wave_number() * x;
+                4 * f.t.patches.terms + 3 + 8 + 16 + 2 * f.mode(k).shape->wave_number() * x;
             ASSERT_NEAR(c(0) + o * (c(1) + o * (c(2) + o * c(3))), exact,
                         roundings * eps * f.size(k))
                 << "mode " << k << ", spacing " << spacing << ", x " << x;
@@ -79,13 +83,14 @@ TEST(FilledTables, HaveAPatchUnderEveryGroup) {
         s.slider.length = (nodes - 1) * spacing;
         s.start = 0;
         const Filled f(s);
-        ASSERT_EQ(f.t.nodes, nodes);
+        ASSERT_EQ(f.t.faces.nodes, nodes);
         const int last = static_cast<int>(f.model.resonator_height.size()) - nodes;
         for (int base = 0; base <= last; ++base) {
           SceneTables at = f.t;
-          at.position = base;
-          for (int group = 0; group < f.t.groups; ++group)
-            ASSERT_LT(GroupPlace<HostLanes>(at, Place(at, 0), group).patch, f.n.patches)
+          at.motion.position = base;
+          for (int group = 0; group < f.t.faces.groups; ++group)
+            ASSERT_LT(GroupPlace<HostLanes>(at.patches, Place(at.motion, 0), group).patch,
+                      f.n.patches)
                 << modes << " modes, " << nodes << " nodes at " << base;
         }
       }
@@ -97,7 +102,7 @@ TEST(FilledTables, BoundAFlightFromOneSideToTheOther) {
   s.resonator.damping = 0;
   s.time.scheme = SchemeKind::adaptive;
   const Filled f(s);
-  const Flight<HostLanes, packs> flight(lanes, f.t);
+  const auto flight = test::flight_of<packs>(f.t);
   for (int k = 0; k < f.modes(); ++k) {
     std::array<double, packs * width> amplitude{};
     amplitude[k] = 1e-6;
@@ -105,7 +110,7 @@ TEST(FilledTables, BoundAFlightFromOneSideToTheOther) {
     for (int p = 0; p < packs; ++p) u[p] = lanes.load(amplitude.data() + p * width), v[p] = 0.0;
     const double half_a_period = std::numbers::pi / f.mode(k).omega;
     const MotionBounds bounds = flight.bounds(u, v, half_a_period);
-    const double way = 2 * amplitude[k] * f.t.largest_shape[k];
+    const double way = 2 * amplitude[k] * f.t.bounds.largest_shape[k];
     EXPECT_GE(bounds.travel, way * (1 - 8 * eps)) << "mode " << k;
     EXPECT_LE(bounds.travel, way * (1 + 8 * eps)) << "mode " << k << ": it can be no more";
   }
@@ -135,10 +140,10 @@ TEST(FilledProof, OneWindowLessWouldLeaveOutTooMuch) {
       return std::pow(0.5 * f.mode(f.modes() - 1).shape->wave_number() * s.spacing / windows, 4) /
              24;
     };
-    ASSERT_GE(f.t.windows, 20) << "so many that one of them is little";
-    EXPECT_LE(left_out(f.t.windows), allowed) << "tolerance " << tolerance;
-    EXPECT_GT(left_out(f.t.windows - 1), allowed) << "tolerance " << tolerance;
-    EXPECT_EQ(f.t.window_width * f.t.windows, 1);
+    ASSERT_GE(f.t.motion.windows, 20) << "so many that one of them is little";
+    EXPECT_LE(left_out(f.t.motion.windows), allowed) << "tolerance " << tolerance;
+    EXPECT_GT(left_out(f.t.motion.windows - 1), allowed) << "tolerance " << tolerance;
+    EXPECT_EQ(f.t.motion.window_width * f.t.motion.windows, 1);
   }
 }
 
@@ -146,12 +151,13 @@ TEST(FilledProof, FourTermsLessWouldLeaveOutTooMuch) {
   // of a patch's series at its edge: z^terms/terms!, against half an ulp
   for (const double spacing : {2e-5, 1e-4, 1e-3}) {
     const Filled f(strip(Support::pinned, 16, spacing));
-    const double z = f.mode(f.modes() - 1).shape->wave_number() * spacing / f.t.inverse_radius;
+    const double z =
+        f.mode(f.modes() - 1).shape->wave_number() * spacing / f.t.patches.inverse_radius;
     const auto left_out = [&](int terms) { return std::pow(z, terms) / std::tgamma(terms + 1.0); };
-    EXPECT_LE(left_out(f.t.terms), 0x1p-53);
-    EXPECT_GT(left_out(f.t.terms - 4), 0x1p-53);
+    EXPECT_LE(left_out(f.t.patches.terms), 0x1p-53);
+    EXPECT_GT(left_out(f.t.patches.terms - 4), 0x1p-53);
     // the outermost node of a group stands a chi short of it
-    EXPECT_EQ(1 / f.t.inverse_radius, 0.5 * (f.t.patch_nodes + width) + 1);
+    EXPECT_EQ(1 / f.t.patches.inverse_radius, 0.5 * (f.t.patches.nodes + width) + 1);
   }
 }
 
@@ -162,10 +168,11 @@ TEST(FilledProof, ACubicsExcessIsReachedByAnExponentialBehindTheEnd) {
   // is wide by its root. That is 6 % of a step's length.
   for (const double spacing : {2e-5, 1e-4, 1e-3}) {
     const Filled f(adaptive_strip(16, spacing));
-    const double z = f.mode(f.modes() - 1).shape->wave_number() * spacing / f.t.inverse_radius;
+    const double z =
+        f.mode(f.modes() - 1).shape->wave_number() * spacing / f.t.patches.inverse_radius;
     const double at_the_edge = std::exp(z) * (1 + z * (1 + z / 2 * (1 + z / 3)));
-    EXPECT_GE(f.t.cubic_excess, at_the_edge);
-    EXPECT_LE(f.t.cubic_excess, at_the_edge * (1 + z * z * z * z / 24));
+    EXPECT_GE(f.t.adaptive.cubic_excess, at_the_edge);
+    EXPECT_LE(f.t.adaptive.cubic_excess, at_the_edge * (1 + z * z * z * z / 24));
     double on_the_beam = 0;
     for (int i = 0; i <= 100; ++i)
       for (int j = 0; j <= 100; ++j) {
@@ -176,7 +183,7 @@ TEST(FilledProof, ACubicsExcessIsReachedByAnExponentialBehindTheEnd) {
           on_the_beam = std::max(on_the_beam, std::abs(size));
       }
     EXPECT_NEAR(on_the_beam, std::exp(z), 1e-9);
-    EXPECT_NEAR(f.t.cubic_excess / (on_the_beam * on_the_beam), 1, 1e-9);
+    EXPECT_NEAR(f.t.adaptive.cubic_excess / (on_the_beam * on_the_beam), 1, 1e-9);
   }
 }
 
@@ -186,14 +193,15 @@ TEST(FilledProof, WhatCubicsLeaveOutIsReachedAboutACrest) {
   for (const double spacing : {2e-5, 1e-4}) {
     const Filled f(strip(Support::pinned, 16, spacing));
     for (int k = 8; k < f.modes(); ++k) {
-      const double beta = f.mode(k).shape->wave_number(), z = beta * spacing / f.t.inverse_radius;
-      const double size = f.t.largest_shape[k];
+      const double beta = f.mode(k).shape->wave_number(),
+                   z = beta * spacing / f.t.patches.inverse_radius;
+      const double size = f.t.bounds.largest_shape[k];
       const double value = size * (std::cos(z) - (1 - z * z / 2));
       const double slope = size * beta * (z - std::sin(z));
-      EXPECT_GE(f.t.cubic_remainder[k], value * (1 - 1e-9)) << "mode " << k;
-      EXPECT_LE(f.t.cubic_remainder[k], value * (1 + z * z / 29)) << "mode " << k;
-      EXPECT_GE(f.t.cubic_slope_remainder[k], slope * (1 - 1e-9)) << "mode " << k;
-      EXPECT_LE(f.t.cubic_slope_remainder[k], slope * (1 + z * z / 19)) << "mode " << k;
+      EXPECT_GE(f.t.bounds.cubic_remainder[k], value * (1 - 1e-9)) << "mode " << k;
+      EXPECT_LE(f.t.bounds.cubic_remainder[k], value * (1 + z * z / 29)) << "mode " << k;
+      EXPECT_GE(f.t.bounds.cubic_slope_remainder[k], slope * (1 - 1e-9)) << "mode " << k;
+      EXPECT_LE(f.t.bounds.cubic_slope_remainder[k], slope * (1 + z * z / 19)) << "mode " << k;
     }
   }
 }
@@ -208,15 +216,16 @@ TEST(FilledProof, SlopeAndCurvatureOfTheBeamAreReached) {
         f.mode(k).shape->evaluate(f.model.resonator.length * i / 4000, 3, d);
         slope = std::max(slope, std::abs(d[1])), curvature = std::max(curvature, std::abs(d[2]));
       }
-      EXPECT_GE(f.t.largest_slope[k], slope * (1 - 16 * eps)) << "mode " << k;
-      EXPECT_GE(f.t.largest_curvature[k], curvature * (1 - 16 * eps)) << "mode " << k;
+      EXPECT_GE(f.t.bounds.largest_slope[k], slope * (1 - 16 * eps)) << "mode " << k;
+      EXPECT_GE(f.t.bounds.largest_curvature[k], curvature * (1 - 16 * eps)) << "mode " << k;
       // A free mode's parts are largest apart, and its exponential grows on behind the end:
       // LargestParts has each alone.
       const bool exact = support == Support::pinned || f.mode(k).shape->wave_number() == 0;
-      const double behind = 2 * f.mode(k).shape->wave_number() * f.t.spacing / f.t.inverse_radius;
+      const double behind =
+          2 * f.mode(k).shape->wave_number() * f.t.motion.spacing / f.t.patches.inverse_radius;
       const double parts = exact ? 1 + 1e-5 : 2.5 * std::exp(behind);
-      EXPECT_LE(f.t.largest_slope[k], slope * parts) << "mode " << k;
-      EXPECT_LE(f.t.largest_curvature[k], curvature * parts) << "mode " << k;
+      EXPECT_LE(f.t.bounds.largest_slope[k], slope * parts) << "mode " << k;
+      EXPECT_LE(f.t.bounds.largest_curvature[k], curvature * parts) << "mode " << k;
     }
   }
 }
@@ -235,10 +244,11 @@ TEST(FilledProof, PushAndYieldAreReachedByTheFirstStep) {
     ASSERT_LT(turn, 0.02);
     const double per_force = 1 / (mode.mass * (1 + 2 * mode.zeta * turn + turn * turn));
     const double force = std::abs(f.model.resonator.load[k]) + 7 * largest;
-    EXPECT_GE(f.t.push[k], force * per_force * (1 - 16 * eps)) << "mode " << k;
-    EXPECT_LE(f.t.push[k], force * per_force * 1.03) << "mode " << k;
-    EXPECT_GE(f.t.yield[k], largest * per_force * (1 - 16 * eps)) << "mode " << k;
-    EXPECT_LE(f.t.yield[k], largest * per_force * 1.03) << "mode " << k;
+    EXPECT_GE(f.t.bounds.outer_acceleration[k], force * per_force * (1 - 16 * eps)) << "mode " << k;
+    EXPECT_LE(f.t.bounds.outer_acceleration[k], force * per_force * 1.03) << "mode " << k;
+    EXPECT_GE(f.t.bounds.acceleration_per_newton[k], largest * per_force * (1 - 16 * eps))
+        << "mode " << k;
+    EXPECT_LE(f.t.bounds.acceleration_per_newton[k], largest * per_force * 1.03) << "mode " << k;
   }
 }
 
@@ -253,21 +263,21 @@ TEST(FilledProof, TheFourthDerivativeOfWhatALoadBendsIsReached) {
   const double fourth =
       std::pow(f.mode(0).shape->wave_number() * s.speed, 4) * std::abs(rest * crest);
   EXPECT_GT(fourth, 0);
-  EXPECT_NEAR(f.t.fourth_rest, fourth, 64 * eps * fourth);
-  EXPECT_NEAR(f.t.rest[0], rest, 8 * eps * std::abs(rest));
+  EXPECT_NEAR(f.t.flight.fourth_derivative_at_rest, fourth, 64 * eps * fourth);
+  EXPECT_NEAR(f.t.flight.rest[0], rest, 8 * eps * std::abs(rest));
 }
 
 TEST(FilledProof, FacesCountAsHighAsTheyAre) {
   Scene s = strip(Support::pinned, 2, 1e-3);
   s.gap = 0.25;
   const Filled f(s);  // flat: h_1 - delta is all that there is
-  EXPECT_EQ(f.t.slack, face_rounding(0.25));
-  EXPECT_EQ(f.t.touch, f.t.slack);
+  EXPECT_EQ(f.t.faces.rounding, face_rounding(0.25));
+  EXPECT_EQ(f.t.contact.tolerance, f.t.faces.rounding);
   // Five roundings of half an ulp are counted: of h_1 - delta, a face's two terms, its rise, and
   // the sum of both faces. A bound of 32 leaves six times that to the sums that a displacement is
   // added in.
   EXPECT_NEAR(face_rounding(1) / (5 * 0x1p-53), 6.4, 1e-12);
-  EXPECT_EQ(f.t.top, -0.25);
+  EXPECT_EQ(f.t.faces.highest_overlap, -0.25);
 }
 
 }  // namespace

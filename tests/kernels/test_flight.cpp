@@ -16,6 +16,7 @@
 #include "kernels/lanes.hpp"
 #include "tests/dice.hpp"
 #include "tests/free_motion.hpp"
+#include "tests/kernels_of.hpp"
 
 /// Free flight of any length against the closed form in long double.
 namespace {
@@ -35,7 +36,7 @@ const HostLanes lanes{NoTeam{}};
 struct Flying {
   std::vector<Mode> mode;
   std::vector<double> load;
-  std::vector<double> flight, rest, fall, omega, decay, swing, reach, fourth, tail;
+  std::vector<double> flight, rest, fall, omega, decay, swing, reach, fourth_derivative, tail;
   SceneTables t;
   double quickest = 0;
 
@@ -48,14 +49,15 @@ struct Flying {
       load.push_back(loaded ? dice.uniform(-1, 1) : 0.0);
       quickest = std::max(quickest, m.omega * (m.zeta + std::hypot(1.0, m.zeta)));
     }
-    t.step = 0x1p-51;
+    t.motion.time_step = 0x1p-51;
     // what host/device/batch.cpp chooses: turn time below 2e-4 on the first level
-    t.first_level = std::ilogb(2e-4 / (quickest * t.step));
-    const int levels = 51 - t.first_level;  // up to a second
-    t.flight_levels = levels;
+    t.flight.first_level = std::ilogb(2e-4 / (quickest * t.motion.time_step));
+    const int levels = 51 - t.flight.first_level;  // up to a second
+    t.flight.levels = levels;
     flight.assign(static_cast<std::size_t>(levels) * flight_rows * modes, 0.0);
     for (int k = 0; k < modes; ++k) {
-      const auto rows = flight_tables(mode[k], load[k], t.step, t.first_level, levels);
+      const auto rows =
+          flight_tables(mode[k], load[k], t.motion.time_step, t.flight.first_level, levels);
       for (int level = 0; level < levels; ++level)
         for (int r = 0; r < flight_rows; ++r)
           flight[(static_cast<std::size_t>(level) * flight_rows + r) * modes + k] = rows[level][r];
@@ -68,10 +70,14 @@ struct Flying {
       reach.push_back(dice.uniform(0.5, 2));
       tail.push_back(dice.uniform(0, 1e-3));
     }
-    fourth.assign(modes, 0.0);
-    t.flight = flight.data(), t.rest = rest.data(), t.free_acceleration = fall.data();
-    t.omega = omega.data(), t.decay = decay.data(), t.swing = swing.data();
-    t.largest_shape = reach.data(), t.fourth = fourth.data(), t.cubic_remainder = tail.data();
+    fourth_derivative.assign(modes, 0.0);
+    t.flight.rows = flight.data(), t.flight.rest = rest.data(),
+    t.flight.free_acceleration = fall.data();
+    t.modes.omega = omega.data(), t.adaptive.decay = decay.data(),
+    t.flight.displacement_per_energy_norm = swing.data();
+    t.bounds.largest_shape = reach.data(),
+    t.flight.fourth_derivative_per_energy_norm = fourth_derivative.data(),
+    t.bounds.cubic_remainder = tail.data();
   }
   Flying(const Flying&) = delete;
 
@@ -93,7 +99,7 @@ struct Flying {
       v[p] = lanes.load(y.v.data() + p * width);
       square[p] = lanes.load(y.square.data() + p * width);
     }
-    Flight<HostLanes, K>{lanes, t}(u, v, square, ticks);
+    test::flight_of<K>(t)(u, v, square, ticks);
     for (int p = 0; p < K; ++p) {
       lanes.store(y.u.data() + p * width, u[p]);
       lanes.store(y.v.data() + p * width, v[p]);
@@ -107,7 +113,7 @@ struct Flying {
       u[p] = lanes.load(y.u.data() + p * width);
       v[p] = lanes.load(y.v.data() + p * width);
     }
-    return Flight<HostLanes, K>{lanes, t}.bounds(u, v, time);
+    return test::flight_of<K>(t).bounds(u, v, time);
   }
   /// The norm that free flight does not let grow, of speed.
   double norm(const Lanes& y, int k) const {
@@ -115,13 +121,13 @@ struct Flying {
   }
   /// Leaps of a flight.
   int leaps(std::int64_t ticks) const {
-    return std::popcount(static_cast<std::uint64_t>(ticks) >> t.first_level) + 1;
+    return std::popcount(static_cast<std::uint64_t>(ticks) >> t.flight.first_level) + 1;
   }
 
-  /// What roundings may make of a flight, in units of speed: each leap rounds its four entries and
+  /// Bound on the roundings of a flight, in units of speed: each leap rounds its four entries and
   /// four products, to a few ulp of the norm, and omega t, to half an ulp.
   double rounding(const Lanes& y, int k, std::int64_t ticks) const {
-    const double time = static_cast<double>(ticks) * t.step;
+    const double time = static_cast<double>(ticks) * t.motion.time_step;
     if (omega[k] == 0)
       return eps * (leaps(ticks) + 4) * (std::abs(y.v[k]) + std::abs(fall[k]) * time);
     return eps * (8.0 * leaps(ticks) + (1 + mode[k].zeta) * omega[k] * time) * norm(y, k);
@@ -130,7 +136,7 @@ struct Flying {
 
 std::int64_t random_length(Dice& dice, const Flying& f) {
   // from a tick to a hundredth of a second
-  return static_cast<std::int64_t>(dice.ratio(1, 1e-2 / f.t.step));
+  return static_cast<std::int64_t>(dice.ratio(1, 1e-2 / f.t.motion.time_step));
 }
 
 TEST(Flight, OfAnyLengthIsTheClosedForm) {
@@ -140,7 +146,7 @@ TEST(Flight, OfAnyLengthIsTheClosedForm) {
     const Flying::Lanes y = f.random_state(dice);
     const std::int64_t ticks = trial == 0 ? 0 : random_length(dice, f);
     const Flying::Lanes z = f.after(y, ticks);
-    const long double time = static_cast<long double>(ticks) * f.t.step;
+    const long double time = static_cast<long double>(ticks) * f.t.motion.time_step;
     for (int k = 0; k < modes; ++k) {
       SCOPED_TRACE("trial " + std::to_string(trial) + ", omega " + std::to_string(f.omega[k]) +
                    ", zeta " + std::to_string(f.mode[k].zeta) + ", " + std::to_string(ticks));
@@ -176,19 +182,21 @@ TEST(Flight, SumsTheSquareOfTheVelocity) {
   for (int trial = 0; trial < 60; ++trial) {
     const Flying f(dice, trial % 2 == 1);
     const Flying::Lanes y = f.random_state(dice);
-    const std::int64_t ticks = static_cast<std::int64_t>(dice.ratio(1, 1e-3 / f.t.step));
+    const std::int64_t ticks =
+        static_cast<std::int64_t>(dice.ratio(1, 1e-3 / f.t.motion.time_step));
     const Flying::Lanes z = f.after(y, ticks);
-    const double time = static_cast<double>(ticks) * f.t.step;
+    const double time = static_cast<double>(ticks) * f.t.motion.time_step;
     for (int k = 0; k < modes; ++k) {
       const State exact = fly(f.mode[k], f.load[k], {y.u[k], y.v[k], 0}, time, true);
       const double norm =
           f.omega[k] > 0 ? f.norm(y, k) : std::abs(y.v[k]) + std::abs(f.fall[k]) * time;
       // V is off by rounding() at the most; the form has been doubled some 30 times, with four
       // roundings each; and a little flight leaves out (turn t)^3 of its own, below 2e-4
-      const double little = std::min(time, std::ldexp(f.t.step, f.t.first_level));
+      const double little =
+          std::min(time, std::ldexp(f.t.motion.time_step, f.t.flight.first_level));
       const double off = 2 * f.rounding(y, k, ticks) * norm * time +
                          8 * 30 * eps * norm * norm * time + 8e-12 * norm * norm * little;
-      ASSERT_NEAR(z.square[k] * f.t.step, static_cast<double>(exact.square), off)
+      ASSERT_NEAR(z.square[k] * f.t.motion.time_step, static_cast<double>(exact.square), off)
           << "trial " << trial << ", omega " << f.omega[k] << ", zeta " << f.mode[k].zeta << ", "
           << ticks << " ticks";
     }
@@ -217,17 +225,17 @@ TEST(Flight, BoundsHold) {
     // a node that moves over the modes: psi_k = reach sin(b_k t + phase)
     std::vector<double> b(modes), phase(modes);
     const double speed = dice.one_in(3) ? 0.0 : dice.ratio(1e2, 1e5);
-    f.t.fourth_rest = 0;
+    f.t.flight.fourth_derivative_at_rest = 0;
     for (int k = 0; k < modes; ++k) {
       b[k] = f.omega[k] > 0 ? speed * dice.uniform(0, 1) : 0.0;
       phase[k] = dice.uniform(0, 6.3);
       const double w = f.omega[k], turn = w * (f.mode[k].zeta + std::hypot(1, f.mode[k].zeta));
       // (turn + b)^4 term by term, see host/device/batch.cpp
       if (w > 0)
-        f.fourth[k] =
+        f.fourth_derivative[k] =
             f.reach[k] * (std::pow(turn, 3) + 4 * turn * turn * b[k] + 6 * turn * b[k] * b[k] +
                           4 * std::pow(b[k], 3) + std::pow(b[k], 4) / w);
-      f.t.fourth_rest += f.reach[k] * std::pow(b[k], 4) * std::abs(f.rest[k]);
+      f.t.flight.fourth_derivative_at_rest += f.reach[k] * std::pow(b[k], 4) * std::abs(f.rest[k]);
     }
     Flying::Lanes y = f.random_state(dice);
     if (trial % 4 == 3)  // one mode alone, so that the bound can be met
@@ -237,10 +245,11 @@ TEST(Flight, BoundsHold) {
     const MotionBounds bounds = f.bounds(y, time);
     double tails = 0, rounding = 0;  // of the derivatives, where all but the rest cancels
     for (int k = 0; k < modes; ++k)
-      rounding += 16 * eps * f.fourth[k] * f.omega[k] * (std::abs(y.u[k]) + std::abs(f.rest[k]));
+      rounding +=
+          16 * eps * f.fourth_derivative[k] * f.omega[k] * (std::abs(y.u[k]) + std::abs(f.rest[k]));
     for (int i = 0; i <= 40; ++i) {
       const long double at = static_cast<long double>(time) * i / 40;
-      double travel = 0, size = 0, fourth = 0, tail = 0;
+      double travel = 0, size = 0, fourth_derivative = 0, tail = 0;
       for (int k = 0; k < modes; ++k) {
         const long double w = f.omega[k], z = f.mode[k].zeta, a = f.load[k] / f.mode[k].mass;
         // U and its derivatives, U^(n+2) = -2 zeta omega U^(n+1) - omega^2 U^(n) + [n = 0] load/m
@@ -256,7 +265,7 @@ TEST(Flight, BoundsHold) {
         const int choose[] = {1, 4, 6, 4, 1};
         for (int n = 0; n <= 4; ++n)
           sum += choose[n] * d[4 - n] * std::pow(static_cast<long double>(b[k]), n) * psi[n];
-        fourth += static_cast<double>(f.reach[k] * sum);
+        fourth_derivative += static_cast<double>(f.reach[k] * sum);
         travel += f.reach[k] * static_cast<double>(std::abs(now.u - y.u[k]));
         size += f.reach[k] * static_cast<double>(std::abs(now.u));
         tail += f.tail[k] * static_cast<double>(std::abs(now.u));
@@ -265,11 +274,12 @@ TEST(Flight, BoundsHold) {
       ASSERT_LE(travel, bounds.travel * more + 4 * eps * bounds.size) << "trial " << trial;
       ASSERT_LE(size, bounds.size * more) << "trial " << trial;
       ASSERT_LE(tail, bounds.cubic_remainder * more) << "trial " << trial;
-      ASSERT_LE(std::abs(fourth), bounds.fourth * more + rounding)
+      ASSERT_LE(std::abs(fourth_derivative), bounds.fourth_derivative * more + rounding)
           << "trial " << trial << " speed " << speed;
       nearest = std::max(nearest, travel / bounds.travel);
-      if (bounds.fourth > rounding)
-        nearest_fourth = std::max(nearest_fourth, std::abs(fourth) / bounds.fourth);
+      if (bounds.fourth_derivative > rounding)
+        nearest_fourth =
+            std::max(nearest_fourth, std::abs(fourth_derivative) / bounds.fourth_derivative);
       tails += tail;
     }
     EXPECT_GT(tails, 0);
@@ -347,16 +357,20 @@ TEST(FlightProof, TheFourthDerivativeIsReachedByAModeThatTurnsRound) {
   int reached = 0;
   for (int k = 0; k < modes; ++k) {
     if (f.omega[k] == 0 || f.mode[k].zeta > 0) continue;
-    f.fourth[k] = f.reach[k] * std::pow(f.omega[k], 3);
+    f.fourth_derivative[k] = f.reach[k] * std::pow(f.omega[k], 3);
     Flying::Lanes y = at_rest(f);
     y.u[k] += 1e-3;
-    const double fourth = f.reach[k] * std::pow(f.omega[k], 4) * (y.u[k] - f.rest[k]);
+    const double fourth_derivative = f.reach[k] * std::pow(f.omega[k], 4) * (y.u[k] - f.rest[k]);
     for (int other = 0; other < modes; ++other)
       if (f.omega[other] == 0) y.v[other] = 5;  // rigid ones have none
-    f.t.fourth_rest = 0;
-    EXPECT_NEAR(f.bounds(y, 1e-9).fourth, fourth, 64 * eps * fourth) << "mode " << k;
-    f.t.fourth_rest = fourth;
-    EXPECT_NEAR(f.bounds(y, 1e-9).fourth, 2 * fourth, 64 * eps * fourth) << "mode " << k;
+    f.t.flight.fourth_derivative_at_rest = 0;
+    EXPECT_NEAR(f.bounds(y, 1e-9).fourth_derivative, fourth_derivative,
+                64 * eps * fourth_derivative)
+        << "mode " << k;
+    f.t.flight.fourth_derivative_at_rest = fourth_derivative;
+    EXPECT_NEAR(f.bounds(y, 1e-9).fourth_derivative, 2 * fourth_derivative,
+                64 * eps * fourth_derivative)
+        << "mode " << k;
     ++reached;
   }
   EXPECT_GT(reached, 0);

@@ -15,6 +15,7 @@
 #include "kernels/lanes.hpp"
 #include "kernels/place.hpp"
 #include "tests/dice.hpp"
+#include "tests/kernels_of.hpp"
 #include "tests/simulate.hpp"
 
 namespace {
@@ -29,10 +30,10 @@ const HostLanes lanes{NoTeam{}};
 
 SceneTables moving(double position, double advance, int windows = 1) {
   SceneTables t;
-  t.position = position;
-  t.advance = advance;
-  t.windows = windows;
-  t.window_width = 1.0 / windows;
+  t.motion.position = position;
+  t.motion.advance = advance;
+  t.motion.windows = windows;
+  t.motion.window_width = 1.0 / windows;
   return t;
 }
 
@@ -54,29 +55,29 @@ TEST(Gap, TakesTheResonatorsFaceOnTheLineBetweenItsNodes) {
 
 TEST(Place, BetweenTwoNodes) {
   const SceneTables t = moving(10.25, 0.125, 4);
-  const Place start(t, 0);
+  const Place start(t.motion, 0);
   EXPECT_EQ(start.position, 10.25);
   EXPECT_EQ(start.base, 10);
   EXPECT_EQ(start.theta, 0.25);
   EXPECT_EQ(start.part, 1);
   EXPECT_EQ(start.offset, 0.25 - 0.375);
-  EXPECT_EQ(start.window(t), 41);
-  const Place later(t, 5);
+  EXPECT_EQ(start.window(t.motion), 41);
+  const Place later(t.motion, 5);
   EXPECT_EQ(later.position, 10.875);
   EXPECT_EQ(later.part, 3);
   EXPECT_EQ(later.offset, 0);
-  EXPECT_EQ(later.window(t), 43);
+  EXPECT_EQ(later.window(t.motion), 43);
 }
 
 TEST(Place, OnANode) {
   const SceneTables t = moving(7, 0.25, 2);
   for (const std::int64_t step : {0, 4, 8}) {
-    const Place place(t, step);
+    const Place place(t.motion, step);
     EXPECT_EQ(place.base, 7 + step / 4);
     EXPECT_EQ(place.theta, 0);
     EXPECT_EQ(place.part, 0);
     EXPECT_EQ(place.offset, -0.25);
-    EXPECT_EQ(place.window(t), 2 * place.base);
+    EXPECT_EQ(place.window(t.motion), 2 * place.base);
   }
 }
 
@@ -86,28 +87,29 @@ TEST(Place, JustBeforeAndAfterACrossing) {
     for (const double node : {1.0, 2.0, 11.0, 15000.0}) {
       const SceneTables before = moving(std::nextafter(node, 0), 0, windows);
       const SceneTables after = moving(std::nextafter(node, 1e9), 0, windows);
-      const Place left(before, 0), on(moving(node, 0, windows), 0), right(after, 0);
+      const Place left(before.motion, 0), on(moving(node, 0, windows).motion, 0),
+          right(after.motion, 0);
       ASSERT_EQ(left.base, node - 1);
       ASSERT_LT(left.theta, 1);
       ASSERT_EQ(left.part, windows - 1);
-      ASSERT_EQ(left.window(before), node * windows - 1);
-      ASSERT_EQ(on.window(before), node * windows);
+      ASSERT_EQ(left.window(before.motion), node * windows - 1);
+      ASSERT_EQ(on.window(before.motion), node * windows);
       ASSERT_EQ(right.base, node);
       ASSERT_GT(right.theta, 0);
-      ASSERT_EQ(right.window(after), node * windows);
+      ASSERT_EQ(right.window(after.motion), node * windows);
     }
 }
 
 TEST(Place, WindowsFollowOneAnotherAndHoldTheirOffsets) {
   for (const int windows : {1, 2, 3, 7, 10}) {
     const SceneTables t = moving(3.7, 0.0123, windows);
-    std::int64_t last = Place(t, 0).window(t);
+    std::int64_t last = Place(t.motion, 0).window(t.motion);
     for (std::int64_t step = 1; step < 2000; ++step) {
-      const Place place(t, step);
-      const std::int64_t window = place.window(t);
+      const Place place(t.motion, step);
+      const std::int64_t window = place.window(t.motion);
       ASSERT_TRUE(window == last || window == last + 1);
       // roundings of theta windows and of the offset itself
-      ASSERT_LE(std::abs(place.offset), 0.5 * t.window_width * (1 + 0x1p-50));
+      ASSERT_LE(std::abs(place.offset), 0.5 * t.motion.window_width * (1 + 0x1p-50));
       last = window;
     }
     EXPECT_EQ(last, std::floor((3.7 + 1999 * 0.0123) * windows));
@@ -118,16 +120,16 @@ TEST(Place, MovingOnIsTheSameAsStandingThere) {
   // To the last bit: results must not depend on where a watch began.
   const SceneTables t = moving(3.7, 0.00123, 5);
   for (std::int64_t step = 0; step < 3000; ++step) {
-    const Place here(t, step);
+    const Place here(t.motion, step);
     for (std::int64_t next = step; next < step + 200; next += 13) {
-      const Place there(t, next);
-      if (there.window(t) != here.window(t)) break;
+      const Place there(t.motion, next);
+      if (there.window(t.motion) != here.window(t.motion)) break;
       Place moved = here;
-      moved.move_to(t, next);
+      moved.move_to(t.motion, next);
       ASSERT_EQ(moved.position, there.position);
       ASSERT_EQ(moved.theta, there.theta);
       ASSERT_EQ(moved.offset, there.offset);
-      ASSERT_EQ(moved.window(t), there.window(t));
+      ASSERT_EQ(moved.window(t.motion), there.window(t.motion));
     }
   }
 }
@@ -136,8 +138,8 @@ TEST(Place, ManyStepsAreRoundedOnce) {
   // A product and a sum, one rounding: half an ulp, whatever the number of steps.
   const SceneTables t = moving(1234.567, 1.0 / 3e5);
   for (const std::int64_t step : {1LL, 99'999'999LL, 1'234'567'891LL}) {
-    const long double exact = static_cast<long double>(step) * t.advance + t.position;
-    const Place place(t, step);
+    const long double exact = static_cast<long double>(step) * t.motion.advance + t.motion.position;
+    const Place place(t.motion, step);
     EXPECT_LE(std::abs(place.position - exact),
               0.5000001L * (std::nextafter(place.position, 1e9) - place.position));
   }
@@ -153,21 +155,21 @@ template <class Lanes>
 void every_node_lies_on_its_patch() {
   for (int patch_nodes = 1; patch_nodes <= 70; ++patch_nodes) {
     SceneTables t;
-    t.patch_nodes = patch_nodes;
-    t.inverse_patch = 1.0 / patch_nodes;
+    t.patches.nodes = patch_nodes;
+    t.patches.inverse_nodes = 1.0 / patch_nodes;
     const double radius = 0.5 * (patch_nodes + Lanes::width) + 1;
-    t.inverse_radius = 1 / radius;
+    t.patches.inverse_radius = 1 / radius;
     for (int base = 0; base < 3 * patch_nodes; ++base)
       for (const double theta : {0.0, 0.5, 1 - 0x1p-40})
         for (int group = 0; group < 4; ++group) {
-          t.position = base + theta;
-          const GroupPlace<Lanes> at(t, Place(t, 0), group);
+          t.motion.position = base + theta;
+          const GroupPlace<Lanes> at(t.patches, Place(t.motion, 0), group);
           ASSERT_GE(at.patch, 0);
           const double first = base + theta + group * Lanes::width - (at.patch + 0.5) * patch_nodes;
           ASSERT_NEAR(at.eta * radius, first, 4 * 0x1p-52 * radius);  // four roundings
           // the group's first and last node, and the resonator's next node behind the last
           ASSERT_GE(at.eta, -1);
-          ASSERT_LE(at.eta + Lanes::width * t.inverse_radius, 1 + 0x1p-50);
+          ASSERT_LE(at.eta + Lanes::width * t.patches.inverse_radius, 1 + 0x1p-50);
         }
   }
 }
@@ -179,29 +181,30 @@ TEST(GroupPlace, EveryNodeLiesOnItsPatch) {
 
 TEST(GroupPlace, PatchUnderTheGroupsMiddle) {
   SceneTables t;
-  t.patch_nodes = 10;
-  t.inverse_patch = 0.1;
-  t.inverse_radius = 0.125;
-  t.position = 20 - width / 2;  // the middle stands on node 20: the first of patch 2
-  const GroupPlace<HostLanes> at(t, Place(t, 0), 0);
+  t.patches.nodes = 10;
+  t.patches.inverse_nodes = 0.1;
+  t.patches.inverse_radius = 0.125;
+  t.motion.position = 20 - width / 2;  // the middle stands on node 20: the first of patch 2
+  const GroupPlace<HostLanes> at(t.patches, Place(t.motion, 0), 0);
   EXPECT_EQ(at.patch, 2);
-  EXPECT_EQ(at.eta, (t.position - 25) / 8);
-  t.position = 19 - width / 2;
-  EXPECT_EQ(GroupPlace<HostLanes>(t, Place(t, 0), 0).patch, 1);
+  EXPECT_EQ(at.eta, (t.motion.position - 25) / 8);
+  t.motion.position = 19 - width / 2;
+  EXPECT_EQ(GroupPlace<HostLanes>(t.patches, Place(t.motion, 0), 0).patch, 1);
 }
 
 TEST(GroupPlace, PatchOfAnyNodeOfALongBeam) {
   // a product with the inverse, for speed, and yet the whole quotient: right and left of every edge
   SceneTables t;
   for (const int patch_nodes : {1, 3, 7, 10, 49, 304, 1023}) {
-    t.patch_nodes = patch_nodes;
-    t.inverse_patch = 1.0 / patch_nodes;
+    t.patches.nodes = patch_nodes;
+    t.patches.inverse_nodes = 1.0 / patch_nodes;
     for (int patch = 1; patch < 1000000; patch += 997)
       for (const int side : {-1, 0}) {
         const int node = patch * patch_nodes + side;
-        t.position = node - width / 2;
-        if (t.position < 0) continue;
-        ASSERT_EQ(GroupPlace<HostLanes>(t, Place(t, 0), 0).patch, node / patch_nodes);
+        t.motion.position = node - width / 2;
+        if (t.motion.position < 0) continue;
+        ASSERT_EQ(GroupPlace<HostLanes>(t.patches, Place(t.motion, 0), 0).patch,
+                  node / patch_nodes);
       }
   }
 }
@@ -215,11 +218,11 @@ struct Faces {
   SceneTables t;
 
   Faces() {
-    t.groups = 2;
+    t.faces.groups = 2;
     for (int n = 0; n < 2 * width; ++n) height1.push_back(-100 - n);
     for (int n = 0; n < 2 * width + 4; ++n) height2.push_back(n * n);
-    t.height1 = height1.data();
-    t.height2 = height2.data();
+    t.faces.height1 = height1.data();
+    t.faces.height2 = height2.data();
   }
 };
 
@@ -227,8 +230,8 @@ TEST(StaticOverlap, TakesTheResonatorBetweenItsNodes) {
   Faces faces;
   for (const double theta : {0.0, 0.25, 0.75})
     for (int group = 0; group < 2; ++group) {
-      faces.t.position = 3 + theta;
-      const StaticOverlap<HostLanes> overlap(lanes, faces.t, Place(faces.t, 0), group);
+      faces.t.motion.position = 3 + theta;
+      const StaticOverlap<HostLanes> overlap(lanes, faces.t.faces, Place(faces.t.motion, 0), group);
       std::array<double, width> height, rise;
       lanes.store(height.data(), overlap.height);
       lanes.store(rise.data(), overlap.rise);
@@ -262,16 +265,16 @@ TEST(StaticOverlap, IsTheGapOfTheFacesToWhatRoundingsAreAllowed) {
     }
     const double bound = face_rounding(most1 + most2);
     SceneTables t = moving(dice.uniform(0, 1), 0);
-    t.groups = 1;
-    t.height1 = height1.data(), t.height2 = height2.data();
-    const Place place(t, 0);
+    t.faces.groups = 1;
+    t.faces.height1 = height1.data(), t.faces.height2 = height2.data();
+    const Place place(t.motion, 0);
     std::array<double, width> height;
-    lanes.store(height.data(), StaticOverlap<HostLanes>(lanes, t, place, 0).height);
+    lanes.store(height.data(), StaticOverlap<HostLanes>(lanes, t.faces, place, 0).height);
     for (int n = 0; n < width; ++n) {
       std::array<double, 2> face{height1[n] + height2[n], height2[n + 1] - height2[n]};
       SceneState s;
-      s.node_face = face.data();
-      const NodeContact<HostLanes, 1> contact(lanes, t, s);
+      s.caches.node_face = face.data();
+      const auto contact = test::node_contact_of<1>(t, s);
       const long double exact =
           -gap<long double>(delta, h1[n], 0, {height2[n], height2[n + 1], place.theta}, 0);
       for (const double overlap : {height[n], contact.face(0, place.theta)}) {
@@ -288,17 +291,17 @@ TEST(StaticOverlap, IsTheGapOfTheFacesToWhatRoundingsAreAllowed) {
 
 TEST(SliderDisplacement, AddsModeByMode) {
   SceneTables t;
-  t.groups = 2;
-  t.resonator_modes = 1;
-  t.slider_modes = 2;
+  t.slider.row = 2 * width;
+  t.slider.first_lane = 1;
+  t.slider.modes = 2;
   std::vector<double> shape;
   for (int k = 0; k < 2; ++k)
     for (int n = 0; n < 2 * width; ++n) shape.push_back(k == 0 ? 1 : n);
-  t.slider_shape = shape.data();
+  t.slider.shape = shape.data();
   const double amplitude[] = {1e6, 0.5, 0.25};  // the resonator's stands first and is not its own
   for (int group = 0; group < 2; ++group) {
     std::array<double, width> out;
-    lanes.store(out.data(), add_slider_displacement(lanes, t, amplitude, group, Real(4.0)));
+    lanes.store(out.data(), add_slider_displacement(lanes, t.slider, amplitude, group, Real(4.0)));
     for (int lane = 0; lane < width; ++lane)
       EXPECT_EQ(out[lane], 4.5 + 0.25 * (group * width + lane));
   }

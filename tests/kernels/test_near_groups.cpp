@@ -12,6 +12,7 @@
 #include "tests/bodies_by_hand.hpp"
 #include "tests/dice.hpp"
 #include "tests/eight_modes.hpp"
+#include "tests/kernels_of.hpp"
 
 /// Near lists against a look at every node, over a wavy beam with rough faces.
 namespace {
@@ -56,22 +57,25 @@ struct Bodies {
       height2.push_back(dice.uniform(-1, 0) + (dice.one_in(40) ? 2 : 0));
     highest2.resize(resonator_nodes);
     fill_highest(height2.data(), resonator_nodes, width, highest2.data());
-    t.steepest = steepest_rise(height2.data(), resonator_nodes);
-    t.resonator_modes = waves, t.slider_modes = 1;
-    t.nodes = slider_nodes, t.groups = groups;
-    t.patches = patches, t.patch_nodes = patch_nodes, t.inverse_patch = 1.0 / patch_nodes;
-    t.inverse_radius = 1 / radius, t.spacing = 1;
-    t.slack = 16 * eps * 5;
-    t.largest_shape = reach.data(), t.largest_slope = slope.data(), t.cubic_remainder = tail.data();
-    t.patch = patch.data(), t.slider_shape = tilt.data();
-    t.height1 = height1.data(), t.height2 = height2.data(), t.highest2 = highest2.data();
+    t.faces.steepest_rise = steepest_rise(height2.data(), resonator_nodes);
+    t.slider.first_lane = waves, t.slider.modes = 1, t.slider.row = groups * width;
+    t.faces.nodes = slider_nodes, t.faces.groups = groups;
+    t.patches.count = patches, t.patches.nodes = patch_nodes,
+    t.patches.inverse_nodes = 1.0 / patch_nodes;
+    t.patches.inverse_radius = 1 / radius, t.motion.spacing = 1;
+    t.faces.rounding = 16 * eps * 5;
+    t.bounds.largest_shape = reach.data(), t.bounds.largest_slope = slope.data(),
+    t.bounds.cubic_remainder = tail.data();
+    t.patches.derivatives = patch.data(), t.slider.shape = tilt.data();
+    t.faces.height1 = height1.data(), t.faces.height2 = height2.data(),
+    t.faces.highest2 = highest2.data();
   }
   Bodies(const Bodies&) = delete;
 
   Place place(double position) const {
     SceneTables at = t;
-    at.position = position;
-    return {at, 0};
+    at.motion.position = position;
+    return {at.motion, 0};
   }
   double overlap(const Amplitudes& u, double position, int node) const {
     const double x = position + node;
@@ -97,15 +101,19 @@ struct Lists {
   NearGroups<HostLanes, K> groups;
 
   explicit Lists(const SceneTables& t)
-      : near(t.groups),
-        far(t.groups),
+      : near(t.faces.groups),
+        far(t.faces.groups),
         near_u(modes),
         far_u(modes),
-        far_top(t.groups),
+        far_top(t.faces.groups),
         amplitudes(modes),
-        groups{lanes, t, s} {
-    s.near = near.data(), s.far = far.data(), s.far_top = far_top.data();
-    s.near_u = near_u.data(), s.far_u = far_u.data(), s.lanes = amplitudes.data();
+        groups{lanes,       t.motion,          t.faces,
+               t.slider,    t.patches,         t.bounds,
+               s.work.near, amplitudes.data(), s.carried.sums.evaluated} {
+    s.work.near.near = near.data(), s.work.near.far = far.data(),
+    s.work.near.far_highest = far_top.data();
+    s.work.near.near_u = near_u.data(), s.work.near.far_u = far_u.data(),
+    s.work.amplitudes = amplitudes.data();
   }
   Lists(const Lists&) = delete;
 
@@ -122,7 +130,7 @@ struct Lists {
   bool holds(const Amplitudes& u, const Place& place, double travel) const {
     return groups.holds(Packs(u).u, place, travel);
   }
-  double room(const Amplitudes& u) const { return groups.room(Packs(u).u); }
+  double remaining_travel(const Amplitudes& u) const { return groups.remaining_travel(Packs(u).u); }
   std::vector<int> listed() const {
     std::vector<int> out;
     for (int e = 0; e < groups.count(); ++e) out.push_back(groups[e]);
@@ -220,7 +228,8 @@ TEST(NearGroups, AreThoseThatOneLookAtEverythingFinds) {
         u[modes - 1] += dice.one_in(2) ? way : -way;
       position += dice.uniform(0, 1);
     }
-    EXPECT_LT(kept.s.evaluated, 0.5 * 60 * Bodies::groups * width) << "what the first pass saves";
+    EXPECT_LT(kept.s.carried.sums.evaluated, 0.5 * 60 * Bodies::groups * width)
+        << "what the first pass saves";
   }
 }
 
@@ -262,10 +271,10 @@ TEST(NearGroups, HoldUntilANodeIsPassedOrTheModesHaveGoneTooFar) {
   EXPECT_TRUE(lists.holds(u, bodies.place(7.99), 0.125));
   EXPECT_FALSE(lists.holds(u, bodies.place(8), 0));
   EXPECT_FALSE(lists.holds(u, bodies.place(6.99), 0));
-  EXPECT_EQ(lists.room(u), 0.125);
+  EXPECT_EQ(lists.remaining_travel(u), 0.125);
   Amplitudes there = u;
   there[0] = u[0] + 0.0625;
-  EXPECT_NEAR(lists.room(there), 0.0625, 4 * eps);
+  EXPECT_NEAR(lists.remaining_travel(there), 0.0625, 4 * eps);
   EXPECT_TRUE(lists.holds(there, bodies.place(7.25), 0.0624));
   EXPECT_FALSE(lists.holds(there, bodies.place(7.25), 0.0626));
 }
@@ -291,8 +300,8 @@ struct Look {
 
   bool lists(const BodiesByHand& bodies, const Amplitudes& u) const {
     SceneState s = bodies.s;
-    NearGroups<HostLanes, K> near(lanes, bodies.t, s);
-    near.find(test::Packs(u).u, Place(bodies.t, 0), reach, rounding, back);
+    auto near = test::near_groups_of<K>(bodies.t, s);
+    near.find(test::Packs(u).u, Place(bodies.t.motion, 0), reach, rounding, back);
     return near.count() > 0;
   }
   /// How far open the first node, which touches, may be and still be listed.
@@ -314,10 +323,10 @@ const std::vector<double> up(1, 1.0);  // shape of a slider of one node that mov
 TEST(NearGroupsProof, ReachRoundingsAndSlackCountInFull) {
   const Amplitudes still{};
   BodiesByHand bodies({}, {up}, 1);
-  bodies.t.position = 9;
+  bodies.t.motion.position = 9;
   EXPECT_NEAR((Look{.reach = 0.5}.widest(bodies, still)), 0.5, 1e-12);
   EXPECT_NEAR((Look{.rounding = 0.25}.widest(bodies, still)), 0.25, 1e-12);
-  bodies.t.slack = 0.125;
+  bodies.t.faces.rounding = 0.125;
   EXPECT_NEAR(Look{}.widest(bodies, still), 0.125, 1e-12);
 }
 
@@ -325,7 +334,7 @@ TEST(NearGroupsProof, TheWayThatIsLeftIsReachedByABentBeamsFlank) {
   // a node a quarter of the way on, and the flank of a wave that rises under it
   constexpr double beta = 1e-3, size = 100;
   BodiesByHand bodies({{beta, 9.625 + M_PI_2 / beta}}, {}, 1);
-  bodies.t.position = 9.25;
+  bodies.t.motion.position = 9.25;
   Amplitudes u{};
   u[0] = size;
   bodies.set_overlap(0, 0, u, 9.25);
@@ -348,7 +357,7 @@ TEST(NearGroupsProof, TheWayThatIsLeftIsReachedOnTheFaces) {
     bodies.height2[10] = rise;
     fill_highest(bodies.height2.data(), static_cast<int>(bodies.height2.size()), width,
                  bodies.highest2.data());
-    bodies.t.position = 9 + on;
+    bodies.t.motion.position = 9 + on;
     bodies.height1[0] = -on * rise;  // touches where it stands
     // ahead to the next node where the face rises, back to the last one where it falls
     const double comes = rise > 0 ? (1 - on) * rise : -on * rise;
@@ -361,11 +370,11 @@ TEST(NearGroupsProof, WhatACubicOverAPatchLeavesOutIsReachedAtItsEdge) {
   constexpr int wide = 256;
   const double radius = BodiesByHand::radius_of(wide), beta = 0.25 / radius;
   BodiesByHand bodies({{beta, 1.5 * wide}}, {}, 1, wide);
-  bodies.t.position = std::nextafter(wide - width / 2 + 1.0, 0);  // no way is left
+  bodies.t.motion.position = std::nextafter(wide - width / 2 + 1.0, 0);  // no way is left
   Amplitudes u{};
   u[0] = 1;
   bodies.slope[0] = 0;  // nor is any bend to be taken for it
-  bodies.set_overlap(0, 0, u, bodies.t.position);
+  bodies.set_overlap(0, 0, u, bodies.t.motion.position);
   const double z = beta * (0.5 * wide + width / 2 - 1), left_out = std::cos(z) - (1 - z * z / 2);
   EXPECT_GT(left_out, 0.9 * bodies.tail[0]);
   EXPECT_TRUE(Look{}.lists(bodies, u));
@@ -377,8 +386,8 @@ TEST(NearGroupsProof, RoundingsOfAPositionReachHalfTheirBound) {
   // that is taken, for what is computed of them.
   for (const double position : {1.0, 4096.0}) {
     SceneTables t;
-    t.position = std::nextafter(position, 2 * position);
-    const Place place(t, 0);
+    t.motion.position = std::nextafter(position, 2 * position);
+    const Place place(t.motion, 0);
     const double ulp = std::nextafter(position, 2 * position) - position;
     EXPECT_GE(position_rounding(place), 2 * ulp);
     EXPECT_NEAR(position_rounding(place), 2 * 0x1p-52 * (position + 1), 1e-3 * ulp);
@@ -386,7 +395,7 @@ TEST(NearGroupsProof, RoundingsOfAPositionReachHalfTheirBound) {
   // the steepest face, under a place that is off by that
   const Amplitudes still{};
   BodiesByHand bodies({}, {up}, 1);
-  bodies.t.position = 9, bodies.t.steepest = 0x1p49;
+  bodies.t.motion.position = 9, bodies.t.faces.steepest_rise = 0x1p49;
   EXPECT_NEAR(Look{}.widest(bodies, still), 2 * 10 * 0x1p-3, 1e-9);
 }
 
@@ -401,19 +410,19 @@ TEST(NearGroupsProof, AFarListReachesAsFarAsAGroupGetsFromItsPatch) {
   Amplitudes u{};
   u[0] = 1 / beta;  // rises by 1 per chi
   SceneTables& t = bodies.t;
-  t.position = std::nextafter(first + width, 0);
-  bodies.set_overlap(width - 1, 0, u, t.position);  // it touches there
-  NearGroups<HostLanes, K> near(lanes, t, bodies.s);
-  t.position = first;
-  ASSERT_EQ(GroupPlace<HostLanes>(t, Place(t, 0), 0).patch, 1);
-  near.find(test::Packs(u).u, Place(t, 0), 0, 0, 0);
-  t.position = std::nextafter(first + width, 0);
-  near.find(test::Packs(u).u, Place(t, 0), 1e-6, 0, 0);
+  t.motion.position = std::nextafter(first + width, 0);
+  bodies.set_overlap(width - 1, 0, u, t.motion.position);  // it touches there
+  auto near = test::near_groups_of<K>(t, bodies.s);
+  t.motion.position = first;
+  ASSERT_EQ(GroupPlace<HostLanes>(t.patches, Place(t.motion, 0), 0).patch, 1);
+  near.find(test::Packs(u).u, Place(t.motion, 0), 0, 0, 0);
+  t.motion.position = std::nextafter(first + width, 0);
+  near.find(test::Packs(u).u, Place(t.motion, 0), 1e-6, 0, 0);
   EXPECT_EQ(near.count(), 1);
   // three chi less than where it stands would have done
   const double stands = 0.5 * wide + 2 * width - width / 2 - 2;
   const double bound = BodiesByHand::radius_of(wide) + width;
-  EXPECT_NEAR(bodies.s.far_top[0], bound - stands, 1e-3);
+  EXPECT_NEAR(bodies.s.work.near.far_highest[0], bound - stands, 1e-3);
   EXPECT_GT(stands, 0.9 * bound);
 }
 
@@ -421,16 +430,16 @@ TEST(NearGroupsProof, AFarListCountsAllThatTheModesHaveMoved) {
   // The slider has come nearer by 0.5 since the far list was made, and the near list is to reach
   // 0.25 on.
   BodiesByHand bodies({}, {up}, 1);
-  bodies.t.position = 9;
+  bodies.t.motion.position = 9;
   Amplitudes u{}, there{};
   there[0] = 0.5;
   bodies.set_overlap(0, -0.25 * (1 - 1e-9), there, 9);
-  NearGroups<HostLanes, K> near(lanes, bodies.t, bodies.s);
-  near.find(test::Packs(u).u, Place(bodies.t, 0), 0.25, 0, 0);
+  auto near = test::near_groups_of<K>(bodies.t, bodies.s);
+  near.find(test::Packs(u).u, Place(bodies.t.motion, 0), 0.25, 0, 0);
   EXPECT_EQ(near.count(), 0);
-  near.find(test::Packs(there).u, Place(bodies.t, 0), 0.25, 0, 0);
+  near.find(test::Packs(there).u, Place(bodies.t.motion, 0), 0.25, 0, 0);
   EXPECT_EQ(near.count(), 1);
-  EXPECT_NEAR(bodies.s.far_top[0], -0.75, 1e-8) << "still the first list";
+  EXPECT_NEAR(bodies.s.work.near.far_highest[0], -0.75, 1e-8) << "still the first list";
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "kernels/contact/node_contact.hpp"
 #include "kernels/gap.hpp"
 #include "kernels/lanes.hpp"
+#include "tests/kernels_of.hpp"
 
 namespace {
 
@@ -26,15 +27,16 @@ TEST(ExpandNode, CubicAboutTheWindowsMiddle) {
   // and one slider mode: every number is dyadic, so the expansion is exact.
   constexpr int patch_nodes = 14 - width, radius = 8;  // (patch_nodes + width)/2 + 1
   SceneTables t;
-  t.position = patch_nodes + 1.25;
-  t.windows = 2;
-  t.window_width = 0.5;
-  t.patch_nodes = patch_nodes;
-  t.patches = 2;
-  t.inverse_radius = 1.0 / radius;
-  t.resonator_modes = t.slider_modes = 1;
-  t.groups = K;
-  t.nodes = stride;
+  t.motion.position = patch_nodes + 1.25;
+  t.motion.windows = 2;
+  t.motion.window_width = 0.5;
+  t.patches.nodes = patch_nodes;
+  t.patches.count = 2;
+  t.patches.inverse_radius = 1.0 / radius;
+  t.slider.first_lane = t.slider.modes = 1;
+  t.slider.row = stride;
+  t.faces.groups = K;
+  t.faces.nodes = stride;
   std::vector<double> quartic(stride, 0.0), patch(2 * 4 * stride, 0.0), unit(stride, 0.0);
   std::vector<double> slider_shape(stride), height1(stride), height2(patch_nodes + 4);
   const double cubic[] = {5, -3, 2, 1}, factorial[] = {1, 1, 2, 6};
@@ -43,17 +45,20 @@ TEST(ExpandNode, CubicAboutTheWindowsMiddle) {
   unit[1] = 1;
   for (int n = 0; n < stride; ++n) slider_shape[n] = 0.5 * n, height1[n] = -10 - n;
   for (std::size_t n = 0; n < height2.size(); ++n) height2[n] = static_cast<double>(n * n);
-  t.quartic = quartic.data(), t.patch = patch.data(), t.unit = unit.data();
-  t.slider_shape = slider_shape.data(), t.height1 = height1.data(), t.height2 = height2.data();
+  t.patches.quartic = quartic.data(), t.patches.derivatives = patch.data(),
+  t.slider.unit = unit.data();
+  t.slider.shape = slider_shape.data(), t.faces.height1 = height1.data(),
+  t.faces.height2 = height2.data();
 
-  const Place place(t, 0);
+  const Place place(t.motion, 0);
   ASSERT_EQ(place.part, 0);
   for (int node = 0; node < 2; ++node) {
     const int at = patch_nodes + 1 + node;
     ASSERT_EQ(at / patch_nodes, 1) << "the test means patch 1";
     std::array<double, 4 * stride> shape;
     double face[2];
-    expand_node<HostLanes, K>(lanes, t, place, node, shape.data(), face);
+    expand_node<HostLanes, K>(lanes, t.motion, t.faces, t.slider, t.patches, place, node,
+                              shape.data(), face);
     const double y = at + 0.25 - 1.5 * patch_nodes;  // the middle of the first half chi
     EXPECT_EQ(shape[0], y * y * y + 2 * y * y - 3 * y + 5);
     EXPECT_EQ(shape[stride], 3 * y * y + 4 * y - 3);
@@ -88,11 +93,12 @@ struct ByHand {
       shape[n * 4 * stride + 1] = 0.5;
       face[2 * n + 1] = 4;  // rise
     }
-    t.nodes = count;
-    t.node_stiffness = 1024;
-    t.position = 0.5;  // theta 1/2
-    s.node_shape = shape.data(), s.node_face = face.data(), s.node_window = window.data();
-    s.touched = touched.data(), s.touched_force = force.data();
+    t.faces.nodes = count;
+    t.contact.node_stiffness = 1024;
+    t.motion.position = 0.5;  // theta 1/2
+    s.caches.node_shape = shape.data(), s.caches.node_face = face.data(),
+    s.marks.node_window = window.data();
+    s.work.contact_list.nodes = touched.data(), s.work.contact_list.forces = force.data();
     std::vector<double> amplitude(stride, 0.0), outer(stride, 0.0);
     amplitude[0] = 0.25, amplitude[1] = 1;
     outer[0] = 7, outer[1] = 9;  // modal forces that are there already
@@ -102,9 +108,9 @@ struct ByHand {
     }
   }
   ContactTotals<Real> contact(int nodes) {
-    Place place(t, 0);
+    Place place(t.motion, 0);
     place.offset = 0.5;  // phi = 2 + 3/2 + 1/4 + 1/4 = 4, its slope 3 + 1 + 3/2 = 11/2
-    return NodeContact<HostLanes, K>(lanes, t, s)(place, u, listed.data(), nodes, modal);
+    return test::node_contact_of<K>(t, s)(place, u, listed.data(), nodes, modal);
   }
   std::vector<double> modal_force() const {
     std::vector<double> out(stride);
@@ -119,7 +125,7 @@ TEST(NodeContact, ForceOnBothBodiesAndWorkOfTheWay) {
   ByHand nodes;
   nodes.face[0] = -3;
   const auto totals = nodes.contact(1);
-  EXPECT_EQ(totals.touched, 1);
+  EXPECT_EQ(totals.nodes, 1);
   EXPECT_EQ(nodes.touched[0], 0);
   EXPECT_EQ(nodes.force[0], 512);
   EXPECT_EQ(totals.force, 512);
@@ -133,7 +139,7 @@ TEST(NodeContact, OpenGapTouchesNothing) {
   ByHand nodes;
   nodes.face[0] = -4;
   const auto totals = nodes.contact(1);
-  EXPECT_EQ(totals.touched, 0);
+  EXPECT_EQ(totals.nodes, 0);
   EXPECT_EQ(totals.force, 0);
   EXPECT_EQ(totals.climb, 0);
   EXPECT_EQ(lanes.sum(totals.bend), 0);
@@ -146,7 +152,7 @@ TEST(NodeContact, TouchingAtExactlyZeroIsListedWithoutForce) {
   nodes.face[0] = -3.5;
   nodes.force[0] = -1;
   const auto totals = nodes.contact(1);
-  EXPECT_EQ(totals.touched, 1);
+  EXPECT_EQ(totals.nodes, 1);
   EXPECT_EQ(nodes.force[0], 0);
   EXPECT_EQ(nodes.modal_force()[0], 7);
 }
@@ -158,7 +164,7 @@ TEST(NodeContact, SumsOverTheNodesThatTouchAndListsThemInOrder) {
   nodes.face[4] = -100;
   nodes.face[6] = -2.5;  // 1 over
   const auto totals = nodes.contact(4);
-  ASSERT_EQ(totals.touched, 2);
+  ASSERT_EQ(totals.nodes, 2);
   EXPECT_EQ(nodes.touched[0], 0);
   EXPECT_EQ(nodes.touched[1], 3);
   EXPECT_EQ(nodes.force[0], 256);
@@ -175,23 +181,23 @@ TEST(NodeContact, ExpandsOnceAWindow) {
   std::vector<double> quartic(stride, 0.0), patch(4 * stride, 0.0), heights(64);
   patch[0] = 5;  // the mode is 5 everywhere
   for (int n = 0; n < 64; ++n) heights[n] = n;
-  t.patches = 1, t.patch_nodes = 64, t.inverse_radius = 1.0 / 64;
-  t.resonator_modes = 1, t.groups = ByHand::count;
-  t.quartic = quartic.data(), t.patch = patch.data();
-  t.height1 = t.height2 = heights.data();
-  t.advance = 1;
+  t.patches.count = 1, t.patches.nodes = 64, t.patches.inverse_radius = 1.0 / 64;
+  t.slider.first_lane = 1, t.faces.groups = ByHand::count;
+  t.patches.quartic = quartic.data(), t.patches.derivatives = patch.data();
+  t.faces.height1 = t.faces.height2 = heights.data();
+  t.motion.advance = 1;
   nodes.window = {-1, -1, -1, -1};
-  NodeContact<HostLanes, K> contact(lanes, t, nodes.s);
+  auto contact = test::node_contact_of<K>(t, nodes.s);
   const int listed[] = {1, 3};
-  contact.expand(Place(t, 0), listed, 2);
+  contact.expand(Place(t.motion, 0), listed, 2);
   EXPECT_EQ(nodes.window, (std::vector<std::int64_t>{-1, 0, -1, 0}));
   EXPECT_EQ(nodes.shape[1 * 4 * stride], 5);
   EXPECT_EQ(nodes.face[2 * 3], 3 + 3);
   EXPECT_EQ(nodes.shape[0], 2) << "not listed";
   nodes.shape[1 * 4 * stride] = -1;
-  contact.expand(Place(t, 0), listed, 2);
+  contact.expand(Place(t.motion, 0), listed, 2);
   EXPECT_EQ(nodes.shape[1 * 4 * stride], -1) << "expanded again without need";
-  contact.expand(Place(t, 1), listed, 2);
+  contact.expand(Place(t.motion, 1), listed, 2);
   EXPECT_EQ(nodes.window, (std::vector<std::int64_t>{-1, 1, -1, 1}));
   EXPECT_EQ(nodes.shape[1 * 4 * stride], 5);
   EXPECT_EQ(nodes.face[2 * 3], 3 + 4);

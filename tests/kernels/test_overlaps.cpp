@@ -8,6 +8,7 @@
 #include "kernels/adaptive/overlaps.hpp"
 #include "kernels/limits.hpp"
 #include "tests/bodies_by_hand.hpp"
+#include "tests/kernels_of.hpp"
 
 /// Nodes that touch within a step are flagged: each case is one that a part of the proof is there
 /// for.
@@ -21,16 +22,14 @@ using test::K, test::width;
 int flag(BodiesByHand& bodies, const MotionBounds& bounds, const Amplitudes& u0,
          const Amplitudes& v0, const Amplitudes& u1, const Amplitudes& v1) {
   SceneTables& t = bodies.t;
-  t.look_at = Nodes::all;
-  const NodeContact<HostLanes, K> contact(lanes, t, bodies.s);
-  const ModalSeries<HostLanes, K> series(lanes, t, bodies.s, contact);
-  Overlaps<HostLanes, K> overlaps(lanes, t, bodies.s, contact, series);
+  t.bounds.searched = Nodes::all;
+  auto overlaps = test::overlaps_of<K>(t, bodies.s);
   const Packs u(u0), v(v0);
   ModalState<HostLanes, K> now;
   for (int p = 0; p < K; ++p) now.u[p] = u.u[p], now.v[p] = v.u[p], now.square[p] = Real(0.0);
-  overlaps.see_beginning(Place(t, 0), now);
-  overlaps.see_end(Place(t, 1), Packs(u1).u, Packs(v1).u);
-  return overlaps.flag(t.step, bounds, overlaps.longest_rise(now.u, bounds, 1));
+  overlaps.see_beginning(Place(t.motion, 0), now);
+  overlaps.see_end(Place(t.motion, 1), Packs(u1).u, Packs(v1).u);
+  return overlaps.flag(t.motion.time_step, bounds, overlaps.longest_rise(now.u, bounds, 1));
 }
 
 /// How far open node 0 of a flat face may be at the beginning of a step and still be flagged.
@@ -39,7 +38,7 @@ double widest_flagged(BodiesByHand& bodies, const MotionBounds& bounds, const Am
   double flagged = 0, not_flagged = 10;
   for (int i = 0; i < 60; ++i) {
     const double open = 0.5 * (flagged + not_flagged);
-    bodies.set_overlap(0, -open, u0, bodies.t.position);
+    bodies.set_overlap(0, -open, u0, bodies.t.motion.position);
     (flag(bodies, bounds, u0, v0, u1, v1) == 1 ? flagged : not_flagged) = open;
   }
   return flagged;
@@ -53,12 +52,14 @@ TEST(Overlaps, ANodeThatTheCubicsTakeForOpenIsFlagged) {
   for (int node = 0; node < nodes; ++node) {
     const int patch = 8 + node / width * width + width / 2;
     BodiesByHand bodies({{1 / BodiesByHand::radius, patch + 0.5}}, {}, nodes);
-    bodies.t.position = 8;
+    bodies.t.motion.position = 8;
     Amplitudes u{}, v{};
     u[0] = 1e-6;
     for (int n = 0; n < nodes; ++n) bodies.set_overlap(n, n == node ? 0 : -1, u, 8);
-    const MotionBounds bounds{
-        .travel = 0, .fourth = 0, .cubic_remainder = bodies.tail[0] * u[0], .size = u[0]};
+    const MotionBounds bounds{.travel = 0,
+                              .fourth_derivative = 0,
+                              .cubic_remainder = bodies.tail[0] * u[0],
+                              .size = u[0]};
     EXPECT_EQ(flag(bodies, bounds, u, v, u, v), 1) << "node " << node;
     EXPECT_TRUE(bodies.watched(node, 1)) << "node " << node;
   }
@@ -69,11 +70,11 @@ TEST(Overlaps, ANodeThatTouchesAndIsGoneByTheEndIsFlagged) {
   constexpr double h = 1e-6;
   for (int node = 0; node < nodes; ++node) {
     BodiesByHand bodies({}, {std::vector<double>(nodes, 1.0)}, nodes);
-    bodies.t.position = 8;
+    bodies.t.motion.position = 8;
     Amplitudes u{}, v0{}, v1{};
     v0[0] = 4 * h, v1[0] = -4 * h;
     for (int n = 0; n < nodes; ++n) bodies.set_overlap(n, n == node ? -0.9 * h : -1, u, 8);
-    const MotionBounds bounds{.travel = h, .fourth = 0, .cubic_remainder = 0, .size = h};
+    const MotionBounds bounds{.travel = h, .fourth_derivative = 0, .cubic_remainder = 0, .size = h};
     EXPECT_EQ(flag(bodies, bounds, u, v0, u, v1), 1) << "node " << node;
     EXPECT_TRUE(bodies.watched(node, 1)) << "node " << node;
   }
@@ -85,13 +86,13 @@ TEST(Overlaps, ANodeThatPassesACrestIsFlagged) {
   constexpr double beta = 0.02, way = 0.9375, size = 1e-3;
   for (int node = 0; node < nodes; ++node) {
     BodiesByHand bodies({{beta, 8 + node + 0.5 * way}}, {}, nodes);
-    bodies.t.position = 8;
-    bodies.t.advance = way;
+    bodies.t.motion.position = 8;
+    bodies.t.motion.advance = way;
     Amplitudes u{}, v{};
     u[0] = size;
     for (int n = 0; n < nodes; ++n) bodies.set_overlap(n, n == node ? 0 : -1, u, 8 + 0.5 * way);
     const MotionBounds bounds{.travel = 0,
-                              .fourth = std::pow(beta * way, 4) * size,
+                              .fourth_derivative = std::pow(beta * way, 4) * size,
                               .cubic_remainder = bodies.tail[0] * size,
                               .size = size};
     ASSERT_GT(-bodies.overlap(u, 8, node), 4 * bounds.cubic_remainder) << "it is seen to be open";
@@ -113,8 +114,10 @@ TEST(OverlapsProof, TheErrorOfACubicIsReachedByAQuartic) {
     for (const double excess : {1.0, 1.5}) {
       constexpr double c = 3;
       BodiesByHand bodies({}, {up}, 1);
-      bodies.t.position = 8, bodies.t.step = h, bodies.t.cubic_excess = excess;
-      const MotionBounds bounds{.travel = 9, .fourth = 24 * c, .cubic_remainder = 0, .size = 0};
+      bodies.t.motion.position = 8, bodies.t.motion.time_step = h,
+      bodies.t.adaptive.cubic_excess = excess;
+      const MotionBounds bounds{
+          .travel = 9, .fourth_derivative = 24 * c, .cubic_remainder = 0, .size = 0};
       const double exact = c * std::pow(h, 4) / 16;
       EXPECT_NEAR(widest_flagged(bodies, bounds, still, still, still, still), exact * excess,
                   1e-12 * exact)
@@ -127,10 +130,10 @@ TEST(OverlapsProof, ACubicsCoefficientsLieAThirdAboveAnArc) {
   // - g: they are wide by 4/3, which is what not looking for the top costs.
   constexpr double h = 2, s = 3;
   BodiesByHand bodies({}, {up}, 1);
-  bodies.t.position = 8, bodies.t.step = h;
+  bodies.t.motion.position = 8, bodies.t.motion.time_step = h;
   Amplitudes u{}, v0{}, v1{};
   v0[0] = s, v1[0] = -s;
-  const MotionBounds bounds{.travel = 9, .fourth = 0, .cubic_remainder = 0, .size = 0};
+  const MotionBounds bounds{.travel = 9, .fourth_derivative = 0, .cubic_remainder = 0, .size = 0};
   EXPECT_NEAR(widest_flagged(bodies, bounds, u, v0, u, v1), 4.0 / 3 * (s * h / 4), 1e-12);
 }
 
@@ -138,9 +141,9 @@ TEST(OverlapsProof, ARiseIsReachedByWhatTheModesTravel) {
   const Amplitudes still{};
   constexpr double travel = 0.75;
   BodiesByHand bodies({}, {up}, 1);
-  bodies.t.position = 8;
+  bodies.t.motion.position = 8;
   const MotionBounds bounds{
-      .travel = travel, .fourth = never_near, .cubic_remainder = 0, .size = 0};
+      .travel = travel, .fourth_derivative = never_near, .cubic_remainder = 0, .size = 0};
   EXPECT_NEAR(widest_flagged(bodies, bounds, still, still, still, still), travel, 1e-12);
 }
 
@@ -148,8 +151,9 @@ TEST(OverlapsProof, ARiseIsReachedOnASteepFace) {
   const Amplitudes still{};
   constexpr double way = 0.25, rise = 2;
   BodiesByHand bodies({}, {up}, 1);
-  bodies.t.position = 8, bodies.t.advance = way, bodies.t.steepest = rise;
-  const MotionBounds bounds{.travel = 0, .fourth = never_near, .cubic_remainder = 0, .size = 0};
+  bodies.t.motion.position = 8, bodies.t.motion.advance = way, bodies.t.faces.steepest_rise = rise;
+  const MotionBounds bounds{
+      .travel = 0, .fourth_derivative = never_near, .cubic_remainder = 0, .size = 0};
   EXPECT_NEAR(widest_flagged(bodies, bounds, still, still, still, still), way * rise, 1e-12);
 }
 
@@ -157,11 +161,12 @@ TEST(OverlapsProof, ARiseIsReachedOnTheFlankOfABentBeam) {
   // the steepest place of a wave comes when the node is half way
   constexpr double beta = 1e-3, way = 0.5, size = 100;
   BodiesByHand bodies({{beta, 8 + 0.5 * way + M_PI_2 / beta}}, {}, 1);
-  bodies.t.position = 8, bodies.t.advance = way;
+  bodies.t.motion.position = 8, bodies.t.motion.advance = way;
   Amplitudes u{}, v{};
   u[0] = size;
   const double risen = bodies.overlap(u, 8 + way, 0) - bodies.overlap(u, 8, 0);
-  const MotionBounds bounds{.travel = 0, .fourth = never_near, .cubic_remainder = 0, .size = 0};
+  const MotionBounds bounds{
+      .travel = 0, .fourth_derivative = never_near, .cubic_remainder = 0, .size = 0};
   const double widest = widest_flagged(bodies, bounds, u, v, u, v);
   EXPECT_GE(widest, risen * (1 - 1e-9));
   EXPECT_LE(widest, risen * (1 + 1e-6));  // (beta way)^2/24
@@ -173,17 +178,18 @@ TEST(OverlapsProof, WhatACubicOverAPatchLeavesOutIsReachedAtItsEdge) {
   constexpr int wide = 256;
   const double radius = BodiesByHand::radius_of(wide), beta = 0.25 / radius;
   BodiesByHand bodies({{beta, 1.5 * wide}}, {}, 1, wide);
-  bodies.t.position = wide - width / 2;
-  ASSERT_EQ(GroupPlace<HostLanes>(bodies.t, Place(bodies.t, 0), 0).patch, 1);
+  bodies.t.motion.position = wide - width / 2;
+  ASSERT_EQ(GroupPlace<HostLanes>(bodies.t.patches, Place(bodies.t.motion, 0), 0).patch, 1);
   Amplitudes u{}, v{};
   u[0] = 1;
-  bodies.set_overlap(0, 0, u, bodies.t.position);
+  bodies.set_overlap(0, 0, u, bodies.t.motion.position);
   const double z = beta * (0.5 * wide + width / 2), left_out = std::cos(z) - (1 - z * z / 2);
   EXPECT_GT(left_out, 0.9 * bodies.tail[0]);
   EXPECT_LE(left_out, bodies.tail[0]);
-  const MotionBounds bounds{.travel = 0, .fourth = 0, .cubic_remainder = bodies.tail[0], .size = 0};
+  const MotionBounds bounds{
+      .travel = 0, .fourth_derivative = 0, .cubic_remainder = bodies.tail[0], .size = 0};
   EXPECT_EQ(flag(bodies, bounds, u, v, u, v), 1);
-  bodies.set_overlap(0, left_out - 1.001 * bodies.tail[0], u, bodies.t.position);
+  bodies.set_overlap(0, left_out - 1.001 * bodies.tail[0], u, bodies.t.motion.position);
   EXPECT_EQ(flag(bodies, bounds, u, v, u, v), 0) << "and no more than the bound";
 }
 
@@ -193,14 +199,15 @@ TEST(OverlapsProof, RoundingsOfASumOverAllModesReachHalfTheirBound) {
   // is compared with.
   constexpr int sliding = most_modes - 1;
   SceneTables t;
-  t.groups = 1, t.resonator_modes = 1, t.slider_modes = sliding;
+  t.faces.groups = 1, t.slider.first_lane = 1, t.slider.modes = sliding, t.slider.row = width;
   std::vector<double> shape(sliding * width, 1.0), amplitude(most_modes, -0x1p-53);
-  t.slider_shape = shape.data();
+  t.slider.shape = shape.data();
   std::array<double, width> sum;
-  lanes.store(sum.data(), add_slider_displacement(lanes, t, amplitude.data(), 0, Real(-1.0)));
+  lanes.store(sum.data(),
+              add_slider_displacement(lanes, t.slider, amplitude.data(), 0, Real(-1.0)));
   constexpr double lost = sliding * 0x1p-53;
   EXPECT_EQ(sum[0], -1.0);
-  const MotionBounds bounds{.travel = 0, .fourth = 0, .cubic_remainder = 0, .size = 1};
+  const MotionBounds bounds{.travel = 0, .fourth_derivative = 0, .cubic_remainder = 0, .size = 1};
   EXPECT_NEAR(bounds.rounding() / lost, 2, 0.01);
 }
 
@@ -211,13 +218,14 @@ TEST(OverlapsProof, WhatIsSeenHasRoomForItsRoundings) {
   const Amplitudes still{};
   constexpr double slack = 0.125, size = 0x1p41;
   BodiesByHand bodies({}, {up}, 1);
-  bodies.t.position = 8;
-  const MotionBounds of_modes{.travel = 9, .fourth = 0, .cubic_remainder = 0, .size = size};
+  bodies.t.motion.position = 8;
+  const MotionBounds of_modes{
+      .travel = 9, .fourth_derivative = 0, .cubic_remainder = 0, .size = size};
   EXPECT_NEAR(widest_flagged(bodies, of_modes, still, still, still, still), 3 * of_modes.rounding(),
               1e-12);
   EXPECT_GE(3, 1 + 1.0 / 3 + 1);
-  bodies.t.slack = slack;
-  const MotionBounds of_faces{.travel = 9, .fourth = 0, .cubic_remainder = 0, .size = 0};
+  bodies.t.faces.rounding = slack;
+  const MotionBounds of_faces{.travel = 9, .fourth_derivative = 0, .cubic_remainder = 0, .size = 0};
   EXPECT_NEAR(widest_flagged(bodies, of_faces, still, still, still, still), 2 * slack, 1e-12);
 }
 
@@ -239,15 +247,13 @@ TEST(OverlapsProof, TouchIsMoreThanTheLongestChainOfRoundings) {
   BodiesByHand bodies({{1, 0}}, {}, 1);
   Amplitudes u{};
   u[0] = 1;
-  const NodeContact<HostLanes, K> contact(lanes, bodies.t, bodies.s);
-  const ModalSeries<HostLanes, K> series(lanes, bodies.t, bodies.s, contact);
-  const Overlaps<HostLanes, K> overlaps(lanes, bodies.t, bodies.s, contact, series);
-  const double touch = overlaps.touch(Packs(u).u);
+  const auto overlaps = test::overlaps_of<K>(bodies.t, bodies.s);
+  const double touch = overlaps.tolerance(Packs(u).u);
   EXPECT_GE(touch, lost + others);
   // a count of roundings, in packs of four 64 + 2 + 17 of 128
   EXPECT_EQ(touch / 0x1p-53, width >= 4 ? 128 : width == 2 ? 256 : 512);
-  bodies.t.slack = 0.5;
-  EXPECT_EQ(overlaps.touch(Packs(u).u), 0.5 + touch) << "and those of the faces";
+  bodies.t.faces.rounding = 0.5;
+  EXPECT_EQ(overlaps.tolerance(Packs(u).u), 0.5 + touch) << "and those of the faces";
 }
 
 TEST(OverlapsProof, TheNearListReachesAsFarAsANodeCanRise) {
@@ -257,20 +263,19 @@ TEST(OverlapsProof, TheNearListReachesAsFarAsANodeCanRise) {
   for (const double open : {travel * (1 - 1e-9), 1.5 * travel * (1 - 1e-9), 1.6 * travel}) {
     BodiesByHand bodies({}, {up}, 1);
     SceneTables& t = bodies.t;
-    t.position = 8;
+    t.motion.position = 8;
     bodies.set_overlap(0, -open, still, 8);
-    const NodeContact<HostLanes, K> contact(lanes, t, bodies.s);
-    const ModalSeries<HostLanes, K> series(lanes, t, bodies.s, contact);
-    Overlaps<HostLanes, K> overlaps(lanes, t, bodies.s, contact, series);
+    auto overlaps = test::overlaps_of<K>(t, bodies.s);
     ModalState<HostLanes, K> now;
     for (int p = 0; p < K; ++p) now.u[p] = now.v[p] = now.square[p] = Real(0.0);
     const MotionBounds bounds{
-        .travel = travel, .fourth = never_near, .cubic_remainder = 0, .size = 0};
+        .travel = travel, .fourth_derivative = never_near, .cubic_remainder = 0, .size = 0};
     const double rise = overlaps.longest_rise(now.u, bounds, 1);
-    overlaps.find_near(Place(t, 0), now, bounds, rise, 0);
-    overlaps.see_beginning(Place(t, 0), now);
-    overlaps.see_end(Place(t, 1), now.u, now.v);
-    EXPECT_EQ(overlaps.flag(t.step, bounds, 2 * rise), open < 1.5 * travel ? 1 : 0) << open;
+    overlaps.find_near(Place(t.motion, 0), now, bounds, rise, 0);
+    overlaps.see_beginning(Place(t.motion, 0), now);
+    overlaps.see_end(Place(t.motion, 1), now.u, now.v);
+    EXPECT_EQ(overlaps.flag(t.motion.time_step, bounds, 2 * rise), open < 1.5 * travel ? 1 : 0)
+        << open;
   }
 }
 

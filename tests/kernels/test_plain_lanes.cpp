@@ -46,7 +46,7 @@ bool fits(const Model& model, int packs) {
 }
 
 void expect_same(const Started& c, int packs, Seen& seen) {
-  const BatchOptions padded{.room = {}, .least_packs = packs};
+  const BatchOptions padded{.capacity = {}, .least_packs = packs};
   const Outcome outcome = march(c.model, c.start, c.model.scene.time.nodes, padded);
   SeparateDevice device(std::size_t{1} << 40, plain_march_for);
   const MarchedThere there(device);

@@ -19,7 +19,7 @@
 #include "kernels/schemes/rk4.hpp"
 #include "kernels/schemes/rk8.hpp"
 
-/// What the headers of the schemes say of them.
+/// The schemes against the claims in their headers.
 namespace ra2d::test {
 namespace {
 

@@ -14,6 +14,7 @@
 #include "tests/dice.hpp"
 #include "tests/eight_modes.hpp"
 #include "tests/free_motion.hpp"
+#include "tests/kernels_of.hpp"
 
 /// The power series of the modes: against the closed form where there is one, else against the
 /// equations that it solves.
@@ -42,7 +43,8 @@ struct Bodies {
 
   /// `speed` [chi/s], `stiffness` of a node [N/m]; the first `touching` nodes are closed.
   Bodies(Dice& dice, double tolerance, double speed, double stiffness, int touching)
-      : contact{lanes, t, s}, motion{lanes, t, s, contact} {
+      : contact{test::node_contact_of<K>(t, s)},
+        motion{(s.work.spans.hulls = hulls.data(), test::series_of<K>(t, s))} {
     const double zetas[] = {0.0, 0.02, 1e-3, 0.3, 1.0, 2.0};
     for (int k = 0; k < modes; ++k) {
       Mode m{dice.ratio(1e3, 1e5), zetas[dice.pick(6)], dice.ratio(0.1, 10)};
@@ -73,28 +75,32 @@ struct Bodies {
       face.push_back(dice.uniform(-1, 1) * 1e-4);
       face.push_back(speed > 0 ? dice.uniform(-1, 1) / speed : 0.0);
     }
-    t.step = 0x1p-45;
-    t.position = 0.25, t.advance = speed * t.step, t.spacing = 1;
-    t.node_stiffness = stiffness;
-    t.tolerance = tolerance;
-    t.order = series_order(tolerance);
-    t.load = load.data(), t.mass = mass.data(), t.omega = omega.data(), t.decay = decay.data();
-    t.inverse_mass = light.data(), t.passing_rate = wander.data(), t.fastest_rate = turn.data();
-    t.largest_shape = reach.data(), t.cubic_remainder = tail.data();
+    t.motion.time_step = 0x1p-45;
+    t.motion.position = 0.25, t.motion.advance = speed * t.motion.time_step, t.motion.spacing = 1;
+    t.contact.node_stiffness = stiffness;
+    t.adaptive.tolerance = tolerance;
+    t.adaptive.order = series_order(tolerance);
+    t.modes.load = load.data(), t.modes.mass = mass.data(), t.modes.omega = omega.data(),
+    t.adaptive.decay = decay.data();
+    t.adaptive.inverse_mass = light.data(), t.adaptive.passing_rate = wander.data(),
+    t.adaptive.fastest_rate = turn.data();
+    t.bounds.largest_shape = reach.data(), t.bounds.cubic_remainder = tail.data();
     series.resize((most_order + 1) * modes), squares.resize(most_order * modes);
     node_series.resize(nodes * 2 * overlap_terms), closed_shape.resize(nodes * 4 * modes);
     scan_shape.resize(4 * modes), scan.resize(overlap_terms);
     for (int n = 0; n < touching; ++n) closed.push_back(n);
     closed.resize(nodes);
-    s.node_shape = shape.data(), s.node_face = face.data(), s.node_window = window.data();
-    s.series = series.data(), s.square_series = squares.data();
-    s.node_series = node_series.data(), s.closed_shape = closed_shape.data();
-    s.scan_shape = scan_shape.data(), s.scan = scan.data();
-    s.closed = closed.data(), s.closed_count = touching, s.closed_hull = hulls.data();
+    s.caches.node_shape = shape.data(), s.caches.node_face = face.data(),
+    s.marks.node_window = window.data();
+    s.work.series.modes = series.data(), s.work.series.squares = squares.data();
+    s.work.series.nodes = node_series.data(), s.work.series.shapes = closed_shape.data();
+    s.work.series.one_shape = scan_shape.data(), s.work.search.polynomial = scan.data();
+    s.carried.contacts.nodes = closed.data(), s.carried.contacts.count = touching,
+    s.work.spans.hulls = hulls.data();
   }
   Bodies(const Bodies&) = delete;
 
-  Place place() const { return {t, 0}; }
+  Place place() const { return {t.motion, 0}; }
   void expand(double scale) {
     Real pu[K], pv[K];
     for (int p = 0; p < K; ++p) {
@@ -120,7 +126,7 @@ struct Bodies {
   /// The d-th derivative of U_k by x.
   long double derivative(int d, int k, double x) const {
     long double sum = 0;
-    for (int j = t.order; j >= d; --j) {
+    for (int j = t.adaptive.order; j >= d; --j) {
       long double c = coefficient(j, k);
       for (int i = 0; i < d; ++i) c *= j - i;
       sum = sum * x + c;
@@ -134,7 +140,7 @@ struct Bodies {
     const auto c = [&](int m) -> long double { return shape[(node * 4 + m) * modes + k]; };
     return {c(0) + o * (c(1) + o * (c(2) + o * c(3))), c(1) + o * (2 * c(2) + o * 3 * c(3))};
   }
-  double way() const { return t.advance * (motion.scale() / t.step); }
+  double way() const { return t.motion.advance * (motion.scale() / t.motion.time_step); }
   /// A node's overlap from its definition, its change per x that is due to the way alone, and the
   /// size of what they are sums of.
   struct Overlap {
@@ -150,7 +156,7 @@ struct Bodies {
       const long double now = derivative(0, k, x);
       modes_part += psi * now;
       o.climb += slope * way() * now;
-      for (int j = 0; j <= t.order; ++j)
+      for (int j = 0; j <= t.adaptive.order; ++j)
         o.size += reach[k] * std::abs(coefficient(j, k)) * std::pow(x, j);
     }
     o.over = -gap<long double>(0, face[2 * node], 0, {0, rise, theta}, modes_part);
@@ -224,13 +230,14 @@ TEST(ModalSeries, IsTheSameInOtherUnits) {
     const std::vector<double> first = b.series;
     const double extent = b.motion.extent(1e-8);
     b.expand(4 * scale);
-    for (int j = 0; j <= b.t.order; ++j)
+    for (int j = 0; j <= b.t.adaptive.order; ++j)
       for (int k = 0; k < modes; ++k)
         ASSERT_EQ(std::ldexp(first[j * modes + k], 2 * j), b.coefficient(j, k));
     // What the first terms come to over a unit counts for the size of all: 4^4 times in energy at
     // the most, and of that a step sees the root of twice the order.
     if (extent < 4) {
-      EXPECT_NEAR(4 * b.motion.extent(1e-8) / extent, 1, std::pow(257, 0.5 / (b.t.order - 1)) - 1);
+      EXPECT_NEAR(4 * b.motion.extent(1e-8) / extent, 1,
+                  std::pow(257, 0.5 / (b.t.adaptive.order - 1)) - 1);
     }
   }
 }
@@ -247,7 +254,8 @@ TEST(ModalSeries, OfOneModeOnASpringIsTheClosedForm) {
         if (k != only) b.shape[m * modes + k] = 0;
     const Mode& m = b.mode[only];
     const double phi = static_cast<double>(b.shape_at(0, only, 0)[0]);
-    const double kappa = b.t.node_stiffness, w2 = m.omega * m.omega + kappa * phi * phi / m.mass;
+    const double kappa = b.t.contact.node_stiffness,
+                 w2 = m.omega * m.omega + kappa * phi * phi / m.mass;
     const Mode stiffer{std::sqrt(w2), m.zeta * m.omega / std::sqrt(w2), m.mass};
     const long double start = b.face[0] + phi * static_cast<long double>(b.u[only]);
     const long double press = b.load[only] - kappa * phi * static_cast<long double>(b.face[0]);
@@ -257,15 +265,15 @@ TEST(ModalSeries, OfOneModeOnASpringIsTheClosedForm) {
     for (const double x : {0.0, 0.1, 0.5, 1.0}) {
       const State exact = fly(stiffer, press, {b.u[only], b.v[only], 0}, x * b.motion.scale());
       // the remainder of the motion about its rest, x^19/19! and what follows: below 1e-16 of it
-      const double swing =
+      const double amplitude =
           static_cast<double>(std::abs(exact.u) + std::abs(start)) + std::abs(b.u[only]) +
           (std::abs(b.v[only]) + static_cast<double>(std::abs(press)) / m.mass * b.motion.scale()) *
               b.motion.scale();
       const Bodies::Lanes y = b.at(x);
-      EXPECT_NEAR(y.u[only], static_cast<double>(exact.u), rounding * swing);
-      EXPECT_NEAR(y.v[only], static_cast<double>(exact.v), rounding * swing / b.motion.scale());
+      EXPECT_NEAR(y.u[only], static_cast<double>(exact.u), rounding * amplitude);
+      EXPECT_NEAR(y.v[only], static_cast<double>(exact.v), rounding * amplitude / b.motion.scale());
       const double over = polynomial(b.motion.overlap(0), b.motion.degree(), x);
-      EXPECT_NEAR(over, static_cast<double>(b.face[0] + phi * exact.u), rounding * swing * 2);
+      EXPECT_NEAR(over, static_cast<double>(b.face[0] + phi * exact.u), rounding * amplitude * 2);
     }
   }
 }
@@ -279,8 +287,8 @@ TEST(ModalSeries, SolvesTheEquationsOfSlidingContact) {
     // stiff springs turn faster than any mode
     double fastest = b.quickest;
     for (int k = 0; k < modes; ++k)
-      fastest =
-          std::max(fastest, std::sqrt(3 * modes * b.t.node_stiffness / b.mass[k]) * b.reach[k]);
+      fastest = std::max(
+          fastest, std::sqrt(3 * modes * b.t.contact.node_stiffness / b.mass[k]) * b.reach[k]);
     b.expand(1 / fastest);
     for (const double x : {0.0, 0.05, 0.1}) {  // what is beyond the last term is x^19 of it
       const double scale = b.motion.scale();
@@ -297,15 +305,16 @@ TEST(ModalSeries, SolvesTheEquationsOfSlidingContact) {
         long double force = b.load[k], size = std::abs(force);
         for (int e = 0; e < touching; ++e) {
           const auto [psi, slope] = b.shape_at(e, k, x);
-          force -= b.t.node_stiffness * psi * o[e].over;
-          size += b.t.node_stiffness * b.reach[k] * o[e].size;
+          force -= b.t.contact.node_stiffness * psi * o[e].over;
+          size += b.t.contact.node_stiffness * b.reach[k] * o[e].size;
         }
         const long double w = b.omega[k];
-        const long double pull = w * w * b.derivative(0, k, x) + b.decay[k] * rate;
+        const long double acceleration = w * w * b.derivative(0, k, x) + b.decay[k] * rate;
         size = size / b.mass[k] + std::abs(w * w * b.u[k]) + std::abs(b.decay[k] * b.v[k]);
-        EXPECT_NEAR(static_cast<double>(bend), static_cast<double>(force / b.mass[k] - pull),
-                    256 * eps * static_cast<double>(size) +
-                        b.t.node_stiffness * b.motion.neglected() / b.mass[k] * touching * 2)
+        EXPECT_NEAR(
+            static_cast<double>(bend), static_cast<double>(force / b.mass[k] - acceleration),
+            256 * eps * static_cast<double>(size) +
+                b.t.contact.node_stiffness * b.motion.neglected() / b.mass[k] * touching * 2)
             << "trial " << trial << ", mode " << k << ", x " << x;
       }
     }
@@ -347,7 +356,7 @@ TEST(ModalSeries, KnowsWhatItsOverlapsNeglect) {
     double way = 0;
     for (int k = 0; k < modes; ++k)
       way += b.reach[k] * (std::abs(b.coefficient(1, k)) + std::abs(b.coefficient(2, k)));
-    EXPECT_LE(b.motion.neglected(), 0.03 * b.t.tolerance * way * (1 + 16 * eps));
+    EXPECT_LE(b.motion.neglected(), 0.03 * b.t.adaptive.tolerance * way * (1 + 16 * eps));
   }
   EXPECT_GT(seen[2], 0);
   EXPECT_GT(seen[3], 0);
@@ -390,17 +399,18 @@ TEST(ModalSeries, BoundsHold) {
         size += b.reach[k] * std::abs(now);
         tail += b.tail[k] * std::abs(now);
       }
-      double fourth = 0;
+      double fourth_derivative = 0;
       for (int j = b.motion.degree(); j >= 4; --j)
-        fourth = fourth * at + j * (j - 1.0) * (j - 2) * (j - 3) * b.scan[j];
-      fourth = std::abs(fourth) * per4;
+        fourth_derivative = fourth_derivative * at + j * (j - 1.0) * (j - 2) * (j - 3) * b.scan[j];
+      fourth_derivative = std::abs(fourth_derivative) * per4;
       const double more = 1 + 1e-9;  // the series ends, and the sums round
       ASSERT_LE(travel, bounds.travel * more + 8 * eps * bounds.size) << "trial " << trial;
       ASSERT_LE(size, bounds.size * more) << "trial " << trial;
       ASSERT_LE(tail, bounds.cubic_remainder * more) << "trial " << trial;
-      ASSERT_LE(fourth, bounds.fourth * more) << "trial " << trial << " at " << at / x;
+      ASSERT_LE(fourth_derivative, bounds.fourth_derivative * more)
+          << "trial " << trial << " at " << at / x;
       nearest = std::max(nearest, travel / bounds.travel);
-      nearest_fourth = std::max(nearest_fourth, fourth / bounds.fourth);
+      nearest_fourth = std::max(nearest_fourth, fourth_derivative / bounds.fourth_derivative);
     }
   }
   EXPECT_GT(nearest, 0.9);
@@ -424,11 +434,12 @@ TEST(ModalSeries, BoundOnTheFourthDerivativeOfAModeThatIsPushedFromRest) {
     b.expand(1e-9);
     const double x = 1e-3;
     b.motion.overlap_of(2, b.place(), b.scan.data());
-    const double fourth = 24 * std::abs(b.scan[4]) * std::pow(b.motion.scale(), -4);
-    EXPECT_NEAR(fourth, 6 * b.reach[pushed] * 1e12, 64 * eps * fourth) << "that it is";
+    const double fourth_derivative = 24 * std::abs(b.scan[4]) * std::pow(b.motion.scale(), -4);
+    EXPECT_NEAR(fourth_derivative, 6 * b.reach[pushed] * 1e12, 64 * eps * fourth_derivative)
+        << "that it is";
     const MotionBounds bounds = b.motion.bounds(x);
-    EXPECT_LE(fourth, bounds.fourth * (1 + 64 * eps)) << "trial " << trial;
-    EXPECT_GE(fourth, 0.9 * bounds.fourth) << "trial " << trial;
+    EXPECT_LE(fourth_derivative, bounds.fourth_derivative * (1 + 64 * eps)) << "trial " << trial;
+    EXPECT_GE(fourth_derivative, 0.9 * bounds.fourth_derivative) << "trial " << trial;
   }
 }
 
@@ -453,9 +464,9 @@ TEST(ModalSeries, SumsTheSquareOfTheVelocity) {
           exact += gauss_weight[g] / 4 * rate * rate;
           largest = std::max(largest, rate * rate);
         }
-      const double ticks = x * b.motion.scale() / b.t.step;
+      const double ticks = x * b.motion.scale() / b.t.motion.time_step;
       // half way to where the last terms are the tolerance of all, 2^-(order - 2) of that is left
-      const double left = tolerance * std::ldexp(1, 2 - b.t.order) * b.norm(b.u, b.v) *
+      const double left = tolerance * std::ldexp(1, 2 - b.t.adaptive.order) * b.norm(b.u, b.v) *
                           b.norm(b.u, b.v) / b.mass[k];
       EXPECT_NEAR(sum[k], static_cast<double>(exact) * ticks,
                   (64 * eps * static_cast<double>(largest) + 4 * left) * ticks)
@@ -469,7 +480,7 @@ TEST(ModalSeries, SumsTheSquareOfTheVelocity) {
 /// One mode alone, without stiffness, damping and load, at a node of one unit of mass. What a test
 /// is about it sets itself. Times are in units of a second.
 struct OneMode : Bodies {
-  std::vector<double> push = std::vector<double>((most_order + 1) * modes, 0.0);
+  std::vector<double> modal_force = std::vector<double>((most_order + 1) * modes, 0.0);
   double reach0;
 
   explicit OneMode(Dice& dice, int closed_nodes = 0) : Bodies(dice, 1e-13, 0.0, 0, closed_nodes) {
@@ -478,7 +489,7 @@ struct OneMode : Bodies {
     std::fill(mass.begin(), mass.end(), 1.0), std::fill(light.begin(), light.end(), 1.0);
     std::fill(shape.begin(), shape.end(), 0.0), std::fill(face.begin(), face.end(), 0.0);
     u.fill(0), v.fill(0);
-    s.push_series = push.data();
+    s.work.series.forces = modal_force.data();
     reach0 = reach[0];
   }
   /// U = size x^d/d!: from the state, the load, and forces that grow.
@@ -486,15 +497,15 @@ struct OneMode : Bodies {
     if (d == 0) u[0] = size;
     if (d == 1) v[0] = size;
     if (d == 2) load[0] = size;
-    if (d >= 3) t.moving_forces = 1, push[(d - 2) * modes] = size / (d == 4 ? 2 : 1);
+    if (d >= 3) t.forces.count = 1, modal_force[(d - 2) * modes] = size / (d == 4 ? 2 : 1);
     expand(1);
   }
   /// Of the force on it, where nodes that are in contact are `hull` deep.
   MotionBounds under(const Hull& hull, double x) {
-    t.node_stiffness = 2;
-    s.closed_count = 0;
+    t.contact.node_stiffness = 2;
+    s.carried.contacts.count = 0;
     expand(1);
-    s.closed_count = 1, hulls[0] = hull;
+    s.carried.contacts.count = 1, hulls[0] = hull;
     std::copy(shape.begin(), shape.begin() + 4 * modes, closed_shape.begin());
     return motion.bounds(x);
   }
@@ -512,10 +523,10 @@ TEST(SeriesProof, EachTermOfAModeAtANodeThatMovesIsReached) {
     mode.begin_with(d, size);
     ASSERT_NEAR(static_cast<double>(mode.derivative(d, 0, 0)), size, 8 * eps * size);
     const double x = 1e-9;
-    const double fourth = binomial[d] * std::pow(b, 4 - d) * size * mode.reach0;
+    const double fourth_derivative = binomial[d] * std::pow(b, 4 - d) * size * mode.reach0;
     const MotionBounds bounds = mode.motion.bounds(x);
-    EXPECT_GE(bounds.fourth, fourth * (1 - 64 * eps)) << "derivative " << d;
-    EXPECT_LE(bounds.fourth, fourth * (1 + 1e-6)) << "derivative " << d;
+    EXPECT_GE(bounds.fourth_derivative, fourth_derivative * (1 - 64 * eps)) << "derivative " << d;
+    EXPECT_LE(bounds.fourth_derivative, fourth_derivative * (1 + 1e-6)) << "derivative " << d;
   }
 }
 
@@ -544,26 +555,28 @@ TEST(SeriesProof, AFreeModesFourthDerivativeIsReachedWhereItTurnsRound) {
   mode.omega[0] = mode.turn[0] = omega;
   mode.u[0] = 0.5;
   mode.expand(1);
-  const double fourth = std::pow(omega, 4) * 0.5 * mode.reach0;
-  EXPECT_NEAR(mode.motion.bounds(0).fourth, fourth, 64 * eps * fourth);
+  const double fourth_derivative = std::pow(omega, 4) * 0.5 * mode.reach0;
+  EXPECT_NEAR(mode.motion.bounds(0).fourth_derivative, fourth_derivative,
+              64 * eps * fourth_derivative);
 }
 
 TEST(SeriesProof, EachShareOfAContactForceIsReached) {
   // F'' = -kappa (o psi)'', with kappa = 2: o'' psi, 2 o' psi' and o psi''
   constexpr double x = 0.5;
-  const auto fourth = [&](const Hull& hull, int term, double of_shape) {
+  const auto fourth_derivative = [&](const Hull& hull, int term, double of_shape) {
     Dice dice(23);
     OneMode mode(dice);
     mode.shape[term * modes] = of_shape;
-    return mode.under(hull, x).fourth / mode.reach0;
+    return mode.under(hull, x).fourth_derivative / mode.reach0;
   };
   const Hull bent{0, 0, 0, 0, 3}, deep{-5, 4, 0, 0, 0}, high{-4, 5, 0, 0, 0};
   const Hull falls{0, 0, -5, 4, 0}, rises{0, 0, -4, 5, 0};
-  EXPECT_NEAR(fourth(bent, 0, -7), 2 * 3 * 7, 1e-9);
-  for (const Hull& hull : {rises, falls}) EXPECT_NEAR(fourth(hull, 1, 7), 2 * 2 * 5 * 7, 1e-9);
+  EXPECT_NEAR(fourth_derivative(bent, 0, -7), 2 * 3 * 7, 1e-9);
+  for (const Hull& hull : {rises, falls})
+    EXPECT_NEAR(fourth_derivative(hull, 1, 7), 2 * 2 * 5 * 7, 1e-9);
   for (const Hull& hull : {deep, high}) {
-    EXPECT_NEAR(fourth(hull, 2, -7), 2 * 5 * 2 * 7, 1e-9);
-    EXPECT_NEAR(fourth(hull, 3, 7), 2 * 5 * 6 * 7 * x, 1e-9);
+    EXPECT_NEAR(fourth_derivative(hull, 2, -7), 2 * 5 * 2 * 7, 1e-9);
+    EXPECT_NEAR(fourth_derivative(hull, 3, 7), 2 * 5 * 6 * 7 * x, 1e-9);
   }
 }
 
@@ -574,8 +587,8 @@ TEST(SeriesProof, WhatIsNeglectedIsReachedAtACrestAndOnAFlank) {
     Dice dice(24);
     OneMode mode(dice, 1);
     constexpr double b = 1e-3, size = 3;
-    mode.t.advance = mode.t.step;  // a chi a second
-    mode.t.position = 0.5;         // the middle of the window
+    mode.t.motion.advance = mode.t.motion.time_step;  // a chi a second
+    mode.t.motion.position = 0.5;                     // the middle of the window
     mode.wander[0] = b;
     mode.u[0] = size;
     mode.v[1] = 1;
@@ -585,7 +598,8 @@ TEST(SeriesProof, WhatIsNeglectedIsReachedAtACrestAndOnAFlank) {
     mode.shape[3 * modes] = terms == 2 ? 0 : -b * b * b / 6;
     const double scale = mode.reach[0];
     for (int m = 0; m < 4; ++m) mode.shape[m * modes] *= scale;
-    mode.t.tolerance = (terms == 2 ? 2.1 : 0.01) * scale * size * b * b / (0.03 * mode.reach[1]);
+    mode.t.adaptive.tolerance =
+        (terms == 2 ? 2.1 : 0.01) * scale * size * b * b / (0.03 * mode.reach[1]);
     mode.expand(1);
     ASSERT_EQ(mode.motion.wanted_terms(), terms);
     const double off = std::abs(polynomial(mode.motion.overlap(0), mode.motion.degree(), 2) -

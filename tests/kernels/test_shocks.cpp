@@ -67,20 +67,20 @@ struct Pattern {
 class Tracker {
  public:
   explicit Tracker(int nodes, int shock_capacity = 1000) {
-    s.run_capacity = nodes / 2 + 2;
-    s.shock_capacity = shock_capacity;
-    runs_.resize(s.run_capacity);
-    new_runs_.resize(s.run_capacity);
-    open_.resize(2 * s.run_capacity);
+    s.work.runs.capacity = nodes / 2 + 2;
+    s.out.ended_shocks.capacity = shock_capacity;
+    runs_.resize(s.work.runs.capacity);
+    new_runs_.resize(s.work.runs.capacity);
+    open_.resize(2 * s.work.runs.capacity);
     rows_.resize(shock_capacity);
     touched_.resize(nodes);
     forces_.resize(nodes);
-    s.runs = runs_.data();
-    s.new_runs = new_runs_.data();
-    s.open = open_.data();
-    s.shock_rows = rows_.data();
-    s.touched = touched_.data();
-    s.touched_force = forces_.data();
+    s.carried.shocks.runs = runs_.data();
+    s.work.runs.next = new_runs_.data();
+    s.carried.shocks.open = open_.data();
+    s.out.ended_shocks.rows = rows_.data();
+    s.work.contact_list.nodes = touched_.data();
+    s.work.contact_list.forces = forces_.data();
   }
   Tracker(const Tracker&) = delete;
 
@@ -89,38 +89,47 @@ class Tracker {
     int count = 0;
     for (int node = 0; node < pattern.nodes; ++node)
       if (pattern.touches(step, node)) {
-        s.touched[count] = node;
-        s.touched_force[count++] = pattern.at(step, node);
+        s.work.contact_list.nodes[count] = node;
+        s.work.contact_list.forces[count++] = pattern.at(step, node);
       }
     if (count == 0) {
-      if (s.open_count > 0) end_shocks(s, step);
+      if (s.carried.shocks.open_count > 0) end_shocks(s.carried.shocks, s.out.ended_shocks, step);
       return false;
     }
     if (may_continue) {
       const auto open = open_shocks();
       const auto runs = contact_runs();
-      const auto ended = s.shock_count;
-      if (continue_shocks(s, step, Pattern::position(step), count)) return true;
+      const auto ended = s.out.ended_shocks.count;
+      if (continue_shocks(s.carried.shocks, s.work.runs, s.work.contact_list, count, step,
+                          Pattern::position(step)))
+        return true;
       EXPECT_EQ(open, open_shocks()) << "changed by a continuation that failed";
       EXPECT_EQ(runs, contact_runs());
-      EXPECT_EQ(ended, s.shock_count);
+      EXPECT_EQ(ended, s.out.ended_shocks.count);
     }
-    track_shocks(s, step, Pattern::position(step), count);
+    track_shocks(s.carried.shocks, s.work.runs, s.out.ended_shocks, s.work.contact_list, count,
+                 step, Pattern::position(step));
     return false;
   }
   void take_all(const Pattern& pattern, bool may_continue = false) {
     for (int step = 0; step <= pattern.steps; ++step) take(pattern, step, may_continue);
   }
 
-  std::vector<ShockRow> rows() const { return {s.shock_rows, s.shock_rows + s.shock_count}; }
+  std::vector<ShockRow> rows() const {
+    return {s.out.ended_shocks.rows, s.out.ended_shocks.rows + s.out.ended_shocks.count};
+  }
   std::vector<ShockRow> rows_by_serial() const {
     std::vector<ShockRow> sorted = rows();
     std::sort(sorted.begin(), sorted.end(),
               [](const ShockRow& a, const ShockRow& b) { return a.serial < b.serial; });
     return sorted;
   }
-  std::vector<OpenShock> open_shocks() const { return {s.open, s.open + s.open_count}; }
-  std::vector<ContactRun> contact_runs() const { return {s.runs, s.runs + s.run_count}; }
+  std::vector<OpenShock> open_shocks() const {
+    return {s.carried.shocks.open, s.carried.shocks.open + s.carried.shocks.open_count};
+  }
+  std::vector<ContactRun> contact_runs() const {
+    return {s.carried.shocks.runs, s.carried.shocks.runs + s.carried.shocks.run_count};
+  }
 
   SceneState s;
 
@@ -282,8 +291,8 @@ TEST(Shocks, OneNodeOneStep) {
   tracker.take_all(pattern);
   // position of node 1 at step 1: 100.25 + 1
   EXPECT_EQ(tracker.rows(), std::vector<ShockRow>({{0, 1, 1, 3, 3, 3 * 101.25}}));
-  EXPECT_EQ(tracker.s.open_count, 0);
-  EXPECT_EQ(tracker.s.shocks_begun, 1);
+  EXPECT_EQ(tracker.s.carried.shocks.open_count, 0);
+  EXPECT_EQ(tracker.s.carried.shocks.begun, 1);
 }
 
 TEST(Shocks, PeakImpulseAndMomentAreSumsOverNodesAndSteps) {
@@ -326,7 +335,7 @@ TEST(Shocks, MergedPeakIsTheLargerUntilTheyMetAndTheSumSince) {
     const Pattern pattern(rows);
     Tracker tracker(pattern.nodes);
     tracker.take_all(pattern);
-    EXPECT_EQ(tracker.s.shock_count, 1);
+    EXPECT_EQ(tracker.s.out.ended_shocks.count, 1);
     return tracker.rows().at(0).peak;
   };
   EXPECT_EQ(peak({"5.7", "111"}), 7);
@@ -357,15 +366,15 @@ TEST(Shocks, EndedOnesAreHandedOutAtTheStepAfter) {
   const Pattern pattern({"1.1", "1..", "..."});
   Tracker tracker(3);
   tracker.take(pattern, 0, false);
-  EXPECT_EQ(tracker.s.shock_count, 0);
-  EXPECT_EQ(tracker.s.open_count, 2);
+  EXPECT_EQ(tracker.s.out.ended_shocks.count, 0);
+  EXPECT_EQ(tracker.s.carried.shocks.open_count, 2);
   tracker.take(pattern, 1, false);
   EXPECT_EQ(tracker.rows(), std::vector<ShockRow>({{1, 0, 0, 1, 1, 102}}));
-  ASSERT_EQ(tracker.s.open_count, 1);
-  EXPECT_EQ(tracker.s.open[0].serial, 0);
+  ASSERT_EQ(tracker.s.carried.shocks.open_count, 1);
+  EXPECT_EQ(tracker.s.carried.shocks.open[0].serial, 0);
   tracker.take(pattern, 2, false);
-  EXPECT_EQ(tracker.s.shock_count, 2);
-  EXPECT_EQ(tracker.s.open_count, 0);
+  EXPECT_EQ(tracker.s.out.ended_shocks.count, 2);
+  EXPECT_EQ(tracker.s.carried.shocks.open_count, 0);
 }
 
 TEST(Shocks, AllNodesAtOnce) {
@@ -393,13 +402,13 @@ TEST_P(RandomShocks, AreTheConnectedPiecesOfContact) {
     tracker.take_all(pattern);
     const std::vector<ShockRow> expected = expected_shocks(pattern);
     ASSERT_EQ(tracker.rows_by_serial(), expected) << picture(pattern);
-    EXPECT_EQ(tracker.s.open_count, 0);
+    EXPECT_EQ(tracker.s.carried.shocks.open_count, 0);
     const std::vector<ShockRow> rows = tracker.rows();
     EXPECT_TRUE(std::is_sorted(rows.begin(), rows.end(), [](const ShockRow& a, const ShockRow& b) {
       return a.last < b.last;
     })) << "in order of their end";
     shocks += static_cast<int>(expected.size());
-    merged += static_cast<int>(tracker.s.shocks_begun) - static_cast<int>(expected.size());
+    merged += static_cast<int>(tracker.s.carried.shocks.begun) - static_cast<int>(expected.size());
   }
   EXPECT_GT(shocks, 1500);  // the patterns must not be so dense, or so thin, that nothing is tried
   EXPECT_GT(merged, 100);
@@ -437,7 +446,7 @@ TEST_P(RandomShocks, ContinuingAgreesWithTracking) {
     Tracker one(pattern.nodes), other(pattern.nodes);
     for (int step = 0; step <= pattern.steps; ++step) {
       const bool usual = pairs_off(pattern, step) && !runs_at(pattern, step).empty() &&
-                         other.s.open_count == other.s.run_count;
+                         other.s.carried.shocks.open_count == other.s.carried.shocks.run_count;
       one.take(pattern, step, false);
       ASSERT_EQ(other.take(pattern, step, true), usual) << "step " << step << '\n'
                                                         << picture(pattern);
@@ -446,10 +455,10 @@ TEST_P(RandomShocks, ContinuingAgreesWithTracking) {
       ASSERT_EQ(one.open_shocks(), other.open_shocks()) << "step " << step << '\n'
                                                         << picture(pattern);
       ASSERT_EQ(one.rows(), other.rows());
-      ASSERT_EQ(one.s.shocks_begun, other.s.shocks_begun);
+      ASSERT_EQ(one.s.carried.shocks.begun, other.s.carried.shocks.begun);
       if (runs_at(pattern, step).empty()) continue;  // the runs are then of no step that counts
       ASSERT_EQ(one.contact_runs(), other.contact_runs());
-      ASSERT_EQ(one.s.runs_step, other.s.runs_step);
+      ASSERT_EQ(one.s.carried.shocks.runs_step, other.s.carried.shocks.runs_step);
     }
   }
   EXPECT_GT(continued, contact / 50);  // both ways are tried
@@ -482,21 +491,22 @@ TEST_P(RandomShocks, StretchesAreTheirSteps) {
           force += pattern.at(step, node);
           moment += pattern.at(step, node) * (node + Pattern::position(step) - 100);
         }
-        s.touched[count] = node;
-        s.touched_force[count++] = force;
+        s.work.contact_list.nodes[count] = node;
+        s.work.contact_list.forces[count++] = force;
         moments.push_back(moment);
       }
       if (count == 0)
-        end_shocks(s, first);
+        end_shocks(s.carried.shocks, s.out.ended_shocks, first);
       else
-        join_shocks(s, first, last, 100, count, [&](int e) { return moments[e]; });
+        join_shocks(s.carried.shocks, s.work.runs, s.out.ended_shocks, s.work.contact_list, count,
+                    first, last, 100, [&](int e) { return moments[e]; });
       longer += count > 0 && last > first;
     }
     std::vector<ShockRow> expected = expected_shocks(pattern);
     for (ShockRow& row : expected) row.peak = 0;
     ASSERT_EQ(tracker.rows_by_serial(), expected) << picture(pattern);
-    EXPECT_EQ(tracker.s.open_count, 0);
-    merged += static_cast<int>(tracker.s.shocks_begun) - static_cast<int>(expected.size());
+    EXPECT_EQ(tracker.s.carried.shocks.open_count, 0);
+    merged += static_cast<int>(tracker.s.carried.shocks.begun) - static_cast<int>(expected.size());
   }
   EXPECT_GT(longer, 300);
   EXPECT_GT(merged, 100);
@@ -510,16 +520,16 @@ TEST_P(RandomShocks, NothingIsLostThroughTheSmallestBuffer) {
     std::vector<ShockRow> drained;
     int drains = 0;
     for (int step = 0; step <= pattern.steps; ++step) {
-      if (!has_room_for_shocks(tracker.s)) {
+      if (!can_record_shocks(tracker.s.out.ended_shocks, tracker.s.work.runs)) {
         const auto rows = tracker.rows();
         drained.insert(drained.end(), rows.begin(), rows.end());
-        tracker.s.shock_count = 0;
+        tracker.s.out.ended_shocks.count = 0;
         ++drains;
-        ASSERT_TRUE(has_room_for_shocks(tracker.s));
+        ASSERT_TRUE(can_record_shocks(tracker.s.out.ended_shocks, tracker.s.work.runs));
       }
       tracker.take(pattern, step, step % 2 == 0);
-      ASSERT_LE(tracker.s.shock_count, tracker.s.shock_capacity);
-      ASSERT_LE(tracker.s.open_count, tracker.s.run_capacity);
+      ASSERT_LE(tracker.s.out.ended_shocks.count, tracker.s.out.ended_shocks.capacity);
+      ASSERT_LE(tracker.s.carried.shocks.open_count, tracker.s.work.runs.capacity);
     }
     const auto rows = tracker.rows();
     drained.insert(drained.end(), rows.begin(), rows.end());
@@ -533,11 +543,11 @@ TEST_P(RandomShocks, NothingIsLostThroughTheSmallestBuffer) {
 TEST(Shocks, AStepCanEndEveryOtherNodesShock) {
   const Pattern pattern({"1.1.1.1.1", ".........", "1.1.1.1.1", "........."});
   Tracker tracker(9, 9 / 2 + 2 + 1);
-  ASSERT_TRUE(has_room_for_shocks(tracker.s));
+  ASSERT_TRUE(can_record_shocks(tracker.s.out.ended_shocks, tracker.s.work.runs));
   tracker.take(pattern, 0, true);
   tracker.take(pattern, 1, true);
-  EXPECT_EQ(tracker.s.shock_count, 5);
-  EXPECT_FALSE(has_room_for_shocks(tracker.s));
+  EXPECT_EQ(tracker.s.out.ended_shocks.count, 5);
+  EXPECT_FALSE(can_record_shocks(tracker.s.out.ended_shocks, tracker.s.work.runs));
 }
 
 }  // namespace

@@ -28,7 +28,7 @@ INSTANTIATE_TEST_SUITE_P(Schemes, BoundsOf, testing::ValuesIn(schemes),
 /// Beyond this the bounds do not count (host/model/step_bounds.cpp).
 constexpr double most_growth = 1e99;
 
-/// What a sequence of steps does against its bounds: the largest shares of them that are reached.
+/// A sequence of steps against its bounds: the largest shares of them that are reached.
 struct Shares {
   double displacement = 0, stage = 0, energy = 0;
 };

@@ -15,8 +15,8 @@ mkdir -p $database
 sed -E 's/-Winvalid-pch -include [^ ]*cmake_pch\.hxx//' $commands > $database/compile_commands.json
 files=("$@")
 if ((${#files[@]} == 0)); then
-  mapfile -t files < <(git ls-files 'host/*.cpp' | grep -v '/march_')
-  files+=(host/device/march_implicit_few.cpp host/device/march_adaptive_few.cpp)
+  mapfile -t files < <(git ls-files 'host/*.cpp')
+  files+=(build/release/host/generated/march_{implicit,adaptive}_few.cpp)
 fi
 status=0
 printf '%s\n' "${files[@]}" |

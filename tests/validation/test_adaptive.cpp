@@ -52,7 +52,7 @@ TEST(AdaptiveInvariance, RandomScenesAreTheSameBitForBit) {
     const Recording some = run(c);
     EXPECT_TRUE(same(all, some)) << "candidates";
     for (const int samples : {1, 3}) {
-      const BatchOptions buffers{.room = {.samples = samples, .shocks = samples}};
+      const BatchOptions buffers{.capacity = {.samples = samples, .shocks = samples}};
       EXPECT_TRUE(same(all, run(c, Nodes::candidates, {.batch = buffers})))
           << samples << " samples and shocks";
     }
@@ -90,11 +90,11 @@ TEST(AdaptiveInvariance, OneStepALaunch) {
       const Drained drained = batch.drain(0);
       rows.insert(rows.end(), drained.sample_rows.begin(), drained.sample_rows.end());
     }
-    EXPECT_GT(2 * launches, whole.end.strides);
-    EXPECT_EQ(now.strides, whole.end.strides);
+    EXPECT_GT(2 * launches, whole.end.steps_made);
+    EXPECT_EQ(now.steps_made, whole.end.steps_made);
     EXPECT_TRUE(same("last resonator displacement", whole.end.resonator_u, now.resonator_u));
     EXPECT_TRUE(same("last slider velocity", whole.end.slider_v, now.slider_v));
-    Batch again({whole.model}, {whole.start}, {.room = {.samples = 1'000'000}});
+    Batch again({whole.model}, {whole.start}, {.capacity = {.samples = 1'000'000}});
     again.march(whole.model.steps);
     EXPECT_TRUE(same("samples", again.drain(0).sample_rows, rows));
   }
@@ -108,7 +108,7 @@ TEST(AdaptiveInvariance, OtherScenesBesideItChangeNothing) {
   scenes.back().duration = 1e-4;
   const std::vector<Recording> batch = simulate(scenes);
   const std::vector<Recording> in_pieces =
-      simulate(scenes, {.steps = batch[2].model.steps / 97, .batch = {.room = {.samples = 7}}});
+      simulate(scenes, {.steps = batch[2].model.steps / 97, .batch = {.capacity = {.samples = 7}}});
   for (std::size_t i = 0; i < scenes.size(); ++i) {
     const Recording alone = simulate(scenes[i]);
     EXPECT_TRUE(same(alone, batch[i])) << "scene " << i;
@@ -119,7 +119,7 @@ TEST(AdaptiveInvariance, OtherScenesBesideItChangeNothing) {
 TEST(AdaptiveInvariance, AFullBufferHoldsTheMarchUp) {
   // and loses nothing while nobody empties it
   const Recording whole = simulate(kinds()[0]);
-  Batch batch({whole.model}, {whole.start}, {.room = {.samples = 10}});
+  Batch batch({whole.model}, {whole.start}, {.capacity = {.samples = 10}});
   for (int i = 0; i < 3; ++i) {
     batch.march(whole.model.steps);
     const Snapshot now = batch.snapshot(0);
@@ -281,8 +281,8 @@ TEST(AdaptiveSamples, HoldTheLossOfThousandsOfSteps) {
   count_energy(model, start);
   const Recording r = simulate({model}, {start})[0];
   ASSERT_EQ(r.end.status, Status::done);
-  ASSERT_GT(r.end.strides, 2 * 4096);
-  const double most = static_cast<double>(r.end.strides) * 2e-12 * start.energy;
+  ASSERT_GT(r.end.steps_made, 2 * 4096);
+  const double most = static_cast<double>(r.end.steps_made) * 2e-12 * start.energy;
   for (std::size_t i = 0; i < r.samples.time.size(); ++i)
     EXPECT_NEAR(r.samples.damping_loss[i],
                 start.energy - r.samples.kinetic[i] - r.samples.elastic[i], most)
@@ -391,7 +391,7 @@ TEST(AdaptiveRoom, GrowsWithTheNodesInContact) {
   const Recording r = simulate(s);
   EXPECT_EQ(r.end.status, Status::done);
   EXPECT_GT(r.end.most_nodes, 512);  // more than the room at first
-  EXPECT_TRUE(same(simulate(s, {.batch = {.room = {.nodes = 1000}}}), r));
+  EXPECT_TRUE(same(simulate(s, {.batch = {.capacity = {.nodes = 1000}}}), r));
 }
 
 TEST(AdaptiveFailures, TooStiffForTheClock) {

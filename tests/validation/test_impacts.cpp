@@ -270,7 +270,7 @@ TEST_P(EveryScheme, LaunchesAndBuffersOfAnyLengthGiveTheSameBits) {
     EXPECT_GT(whole.end.contact_steps, 0);
     for (const std::int64_t steps : {1, 7, 333})
       EXPECT_TRUE(same(whole, simulate(scene, {.steps = steps, .batch = {}}))) << steps << " steps";
-    const BatchOptions small{.room = {.samples = 2, .shocks = 1}, .least_packs = 3};
+    const BatchOptions small{.capacity = {.samples = 2, .shocks = 1}, .least_packs = 3};
     EXPECT_TRUE(same(whole, simulate(scene, {.batch = small})));
   }
 }

@@ -125,7 +125,7 @@ TEST(Launches, SmallBuffersGiveTheSameBits) {
     const Recording expected = simulate(scene);
     for (const int samples : {1, 2, 17})
       for (const int shocks : {1, 5}) {
-        const BatchOptions options{.room = {.samples = samples, .shocks = shocks}};
+        const BatchOptions options{.capacity = {.samples = samples, .shocks = shocks}};
         EXPECT_TRUE(same(expected, simulate(scene, {.steps = 1'000'000, .batch = options})))
             << samples << " samples, " << shocks << " shocks";
       }
@@ -136,7 +136,7 @@ TEST(Launches, AFullBufferHoldsTheMarchUp) {
   // ... and loses nothing while nobody empties it
   Scene scene = rough_scene(Support::free);
   const Model model = make_model(scene);
-  Batch batch({model}, {make_start(model)}, {.room = {.samples = 10}});
+  Batch batch({model}, {make_start(model)}, {.capacity = {.samples = 10}});
   for (int i = 0; i < 3; ++i) {
     batch.march(model.steps);
     EXPECT_EQ(batch.snapshot(0).step, 100);  // sample 10 is due here and finds no room
@@ -277,7 +277,7 @@ TEST(Launches, MemoryOfABatchIsGivenBack) {
   const Model model = make_model(rough_scene(Support::free));
   const ModalStart start = make_start(model);
   const std::size_t one = Batch({model}, {start}).bytes();
-  Batch batch(2, {.room = {}, .least_packs = 0, .memory = one + one / 2});
+  Batch batch(2, {.capacity = {}, .least_packs = 0, .memory = one + one / 2});
   for (int time = 0; time < 3; ++time) {
     batch.put(0, model, start);
     EXPECT_EQ(batch.bytes(), one);

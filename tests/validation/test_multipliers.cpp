@@ -111,8 +111,9 @@ class Gaps {
     }
     return largest;
   }
-  /// 16 roundings of the faces (SceneTables::touch), 64 of the sum over the modes, of polynomials
-  /// there and of sines here, and two of the position, which the face's slope turns into heights.
+  /// 16 roundings of the faces (ContactTables::tolerance), 64 of the sum over the modes, of
+  /// polynomials there and of sines here, and two of the position, which the face's slope turns
+  /// into heights.
   double bound(const std::vector<double>& ends) const {
     double sum = 0;
     for (std::size_t k = 0; k < m_.resonator.modes.size(); ++k)
@@ -647,7 +648,7 @@ TEST_P(HeldForces, LaunchesBuffersAndPaddingGiveTheSameBits) {
     for (const int packs : {3, 8})
       EXPECT_TRUE(same(whole, simulate(scene, {.batch = {.least_packs = packs}})))
           << packs << " packs";
-    const BatchOptions small{.room = {.samples = 2, .shocks = 1}};
+    const BatchOptions small{.capacity = {.samples = 2, .shocks = 1}};
     EXPECT_TRUE(same(whole, simulate(scene, {.steps = 1'000'000, .batch = small})));
   }
 }

@@ -76,7 +76,7 @@ TEST(SavedStates, OfTheAdaptiveScheme) {
   EXPECT_GT(shocks, 10);
 }
 
-TEST(Room, RunsOutAndGrowsWithTheSameBits) {
+TEST(Capacity, RunsOutAndGrowsWithTheSameBits) {
   for (const bool found_together : {false, true}) {
     Scene scene = rough_scene(Support::free);
     if (found_together)
@@ -87,7 +87,7 @@ TEST(Room, RunsOutAndGrowsWithTheSameBits) {
     ASSERT_EQ(expected.end.status, Status::done);
     ASSERT_GT(expected.end.most_nodes, 1);
     for (const int nodes : {1, 2, 3})
-      EXPECT_TRUE(same(expected, simulate(scene, {.batch = {.room = {.nodes = nodes}}})))
+      EXPECT_TRUE(same(expected, simulate(scene, {.batch = {.capacity = {.nodes = nodes}}})))
           << nodes << " nodes at first, found at once: " << found_together;
   }
 }

@@ -91,10 +91,10 @@ TEST_F(SeparateDeviceTest, AStateSavedThereGoesOnHere) {
 std::size_t taken_by(const Model& model, const ModalStart& start) {
   SeparateDevice device;
   const MarchedThere there(device);
-  const std::size_t before = device.room();
+  const std::size_t before = device.free_memory();
   Batch batch(1);
   batch.put(0, model, start);
-  return before - device.room();
+  return before - device.free_memory();
 }
 
 TEST_F(SeparateDeviceTest, ItsMemoryIsUsedAgain) {
@@ -113,7 +113,7 @@ TEST_F(SeparateDeviceTest, ItsMemoryIsUsedAgain) {
   for (int i = 0; i < 3; ++i) {
     batch.put(0, model, start);
     EXPECT_EQ(device.blocks(), blocks);
-    EXPECT_EQ(device.room(), of_large - of_small / 2);
+    EXPECT_EQ(device.free_memory(), of_large - of_small / 2);
     // nothing of the scene before is left
     const Snapshot at_start = batch.snapshot(0);
     EXPECT_EQ(at_start.resonator_square, std::vector<double>(at_start.resonator_u.size(), 0.0));
@@ -141,7 +141,7 @@ TEST_F(SeparateDeviceTest, AContactWithoutMemoryToGrowEndsItsSceneAlone) {
     models.push_back(make_model(scene));
     starts.push_back(make_start(models.back()));
   }
-  const BatchOptions one_node{.room = {.nodes = 1}};
+  const BatchOptions one_node{.capacity = {.nodes = 1}};
   const std::vector<std::int64_t> ends{models[0].steps, models[1].steps};
   const auto march_to_end = [&](Batch& batch) {
     for (const int slot : {0, 1})
@@ -157,15 +157,15 @@ TEST_F(SeparateDeviceTest, AContactWithoutMemoryToGrowEndsItsSceneAlone) {
   {
     SeparateDevice device;
     const MarchedThere there(device);
-    const std::size_t before = device.room();
+    const std::size_t before = device.free_memory();
     Batch batch(models, starts, one_node);
-    taken = before - device.room();
-    while (batch.snapshot(0).status == Status::running && batch.save(0).room == 1) {
+    taken = before - device.free_memory();
+    while (batch.snapshot(0).status == Status::running && batch.save(0).node_capacity == 1) {
       batch.march({batch.snapshot(0).step + ends[0] / 50, 0});
       batch.drain(0);
     }
     grown = batch.save(0);
-    ASSERT_GT(grown.room, 1);
+    ASSERT_GT(grown.node_capacity, 1);
     march_to_end(batch);
     ASSERT_EQ(batch.snapshot(0).status, Status::done);
     other = batch.snapshot(1);
@@ -174,7 +174,7 @@ TEST_F(SeparateDeviceTest, AContactWithoutMemoryToGrowEndsItsSceneAlone) {
   const MarchedThere there(device);
   Batch batch(models, starts, one_node);
   EXPECT_THROW(batch.restore(0, grown), std::bad_alloc);
-  EXPECT_EQ(batch.save(0).room, 1);  // and it goes on as if it had not been tried
+  EXPECT_EQ(batch.save(0).node_capacity, 1);  // and it goes on as if it had not been tried
   march_to_end(batch);
   EXPECT_EQ(batch.snapshot(0).status, Status::crowded);
   EXPECT_GT(batch.snapshot(0).step, 0);
@@ -188,7 +188,7 @@ TEST_F(SeparateDeviceTest, RoomIsNotGivenBackByWhatGrows) {
   const MarchedThere there(device);  // where what is handed out does not count
   const Model model = make_model(forms()[3]);
   const ModalStart start = make_start(model);
-  BatchOptions options{.room = {.nodes = 1}};
+  BatchOptions options{.capacity = {.nodes = 1}};
   options.memory = Batch({model}, {start}, options).bytes();
   Batch batch(2, options);
   batch.put(0, model, start);

@@ -21,13 +21,13 @@ void with_form(Form form, const Use& use) {
 }  // namespace
 
 void march_on_pack(int packs, const SceneTables& tables, SceneState& state, std::int64_t target) {
-  with_form(tables.form,
+  with_form(tables.scheme.form,
             [&]<Form form>() { march_form_on_pack<form>(packs, tables, state, target); });
 }
 
 void march_on_warp(Warp& warp, int packs, const SceneTables& tables, SceneState& state,
                    std::int64_t target) {
-  with_form(tables.form,
+  with_form(tables.scheme.form,
             [&]<Form form>() { march_form_on_warp<form>(warp, packs, tables, state, target); });
 }
 

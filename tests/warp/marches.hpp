@@ -15,7 +15,7 @@ inline constexpr int most_packs = 2;
 
 /// Marches a scene of `packs` packs on a thread whose packs are as wide as a warp.
 void march_on_pack(int packs, const SceneTables& tables, SceneState& state, std::int64_t target);
-/// ... and on 32 lanes.
+/// Marches it on 32 lanes.
 void march_on_warp(Warp& warp, int packs, const SceneTables& tables, SceneState& state,
                    std::int64_t target);
 

@@ -25,7 +25,7 @@ int packs_for(const Model& model) {
 SceneOnLanes::SceneOnLanes(const Model& model, const ModalStart& start, int least_packs)
     : packs_{std::max(packs_for(model), least_packs)} {
   const PatchSeries series = choose_series(model, warp_width);
-  n_ = extents_of(model, series, packs_ * warp_width, warp_width, Room());
+  n_ = extents_of(model, series, packs_ * warp_width, warp_width, Capacity());
   // padding between members is compared, too
   std::memset(static_cast<void*>(&state_), 0, sizeof state_);
   new (&state_) SceneState();
@@ -37,11 +37,11 @@ SceneOnLanes::SceneOnLanes(const Model& model, const ModalStart& start, int leas
     });
   };
   provide(tables_);
-  provide(static_cast<CarriedState&>(state_));
-  provide(static_cast<Marks&>(state_));
-  provide(static_cast<Caches&>(state_));
-  provide(static_cast<WorkSpace&>(state_));
-  provide(static_cast<HandOut&>(state_));
+  provide(state_.carried);
+  provide(state_.marks);
+  provide(state_.caches);
+  provide(state_.work);
+  provide(state_.out);
   const HostCopy here;
   fill(tables_, model, series, n_, here);
   fill(state_, model, start, n_, here);
@@ -49,14 +49,14 @@ SceneOnLanes::SceneOnLanes(const Model& model, const ModalStart& start, int leas
 
 std::string SceneOnLanes::differs_from(const SceneOnLanes& other) const {
   CarriedState a, b;
-  std::memcpy(static_cast<void*>(&a), static_cast<const CarriedState*>(&state_), sizeof a);
-  std::memcpy(static_cast<void*>(&b), static_cast<const CarriedState*>(&other.state_), sizeof b);
+  std::memcpy(static_cast<void*>(&a), &state_.carried, sizeof a);
+  std::memcpy(static_cast<void*>(&b), &other.state_.carried, sizeof b);
   std::vector<const void*> of_other;
   const auto note = [&](const char*, auto*& array, std::size_t) {
     of_other.push_back(array);
     array = nullptr;
   };
-  HandOut given = state_, others_given = other.state_;
+  RecordBuffers given = state_.out, others_given = other.state_.out;
   visit_arrays(b, n_, note);
   visit_arrays(others_given, n_, note);
   std::size_t at = 0;

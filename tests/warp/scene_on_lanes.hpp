@@ -21,8 +21,8 @@ class SceneOnLanes {
   const SceneTables& tables() const { return tables_; }
   SceneState& state() { return state_; }
 
-  /// What differs between the states, and between the samples and shocks handed out, of two marches
-  /// of one scene, bit for bit; empty: nothing.
+  /// The differences in bits between two marches of one scene: of their states, samples and shocks;
+  /// empty: none.
   std::string differs_from(const SceneOnLanes& other) const;
 
  private:

@@ -41,7 +41,7 @@ void expect_same(const Started& c, std::int64_t steps, Seen& seen) {
   for (const std::int64_t target : targets)
     march_on_warp(warp, lanes.packs(), lanes.tables(), lanes.state(), target);
   EXPECT_EQ(lanes.differs_from(pack), "");
-  seen.count(pack.state().contact_steps, pack.state().shocks_begun);
+  seen.count(pack.state().carried.sums.contact_steps, pack.state().carried.shocks.begun);
 }
 
 class MarchOnWarp : public testing::TestWithParam<SchemeUnderLaw> {};
@@ -100,10 +100,11 @@ TEST_P(PackBesideHost, IsOffByRoundingsThatShocksEnlarge) {
     const std::vector<double> here = velocities(host.snapshot(0));
     const double enlarged = distance(here, velocities(nudged.snapshot(0))) / nudge;
     const double steps = static_cast<double>(host.snapshot(0).step);
-    EXPECT_EQ(host.snapshot(0).shocks_begun, pack.state().shocks_begun);
-    const double found = distance(here, {pack.state().now_v, pack.state().now_v + here.size()});
+    EXPECT_EQ(host.snapshot(0).shocks_begun, pack.state().carried.shocks.begun);
+    const double found =
+        distance(here, {pack.state().out.now.v, pack.state().out.now.v + here.size()});
     EXPECT_LE(found, steps * 0x1p-53 * std::max(1.0, enlarged));
-    seen.count(pack.state().contact_steps, pack.state().shocks_begun);
+    seen.count(pack.state().carried.sums.contact_steps, pack.state().carried.shocks.begun);
   }
   EXPECT_GE(seen.touching, scenes_each / 2);
   EXPECT_GE(seen.with_shocks, 1);

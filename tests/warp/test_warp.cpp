@@ -24,7 +24,7 @@ constexpr LaneOrder all_orders[] = {LaneOrder::ascending, LaneOrder::descending,
 void run(Warp& warp, const Kernel& kernel) {
   warp.run([&](int lane) { kernel(FiberLanes{warp, lane}); });
 }
-/// What the lanes are caught at; empty: nothing.
+/// The fault that the lanes are caught at; empty: none.
 std::string caught(const Kernel& kernel) {
   Warp warp;
   try {
@@ -110,7 +110,7 @@ void read_after_write(bool in_order) {
   });
   EXPECT_THAT(read, testing::Each(1));
 }
-/// ... and writes what they have read.
+/// One lane writes a value that the others have read.
 void write_after_read(bool in_order) {
   Warp warp;
   double shared = 1;

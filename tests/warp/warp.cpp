@@ -137,7 +137,7 @@ struct Warp::Impl {
     ++reductions;
   }
   /// All lanes to where they meet or end. What went wrong is thrown once all have ended.
-  void together() {
+  void meet() {
     std::array<int, warp_width> turn;
     std::iota(turn.begin(), turn.end(), 0);
     if (order == LaneOrder::descending) std::reverse(turn.begin(), turn.end());
@@ -180,7 +180,7 @@ void Warp::run(const std::function<void(int lane)>& body) {
   for (int lane = 0; lane < warp_width; ++lane) warp.start(lane, body);
   std::exception_ptr fault;
   try {
-    warp.together();
+    warp.meet();
   } catch (...) {
     fault = std::current_exception();
   }

@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "kernels/adaptive/push.hpp"
+#include "kernels/adaptive/moving_force_series.hpp"
 #include "tests/dice.hpp"
 #include "tests/filled.hpp"
 #include "tests/scenes.hpp"
@@ -18,7 +18,7 @@ using test::Dice, test::Filled, test::lanes, test::packs, test::width;
 
 constexpr double eps = std::numeric_limits<double>::epsilon();
 
-TEST(Push, IsTheForceOnEachModeAsLongAsItSaysItIs) {
+TEST(MovingForceSeries, IsTheForceOnEachModeAsLongAsItSaysItIs) {
   // F psi(x), x where the force is at that time: through patches and series, until it leaves the
   // patch.
   Dice dice(1);
@@ -33,25 +33,29 @@ TEST(Push, IsTheForceOnEachModeAsLongAsItSaysItIs) {
     s.resonator.moving_forces = {{.force = 7, .speed = speed, .start = 0}};
     const Filled f(s);
     std::vector<double> series((most_order + 1) * packs * width);
-    SceneState state;
-    state.push_series = series.data();
     for (int trial = 0; trial < 300; ++trial) {
-      MovingForceTable force = f.t.moving_force[0];
+      MovingForceTable force = f.t.forces.list[0];
       force.position = dice.uniform(0, s.resonator.length);
       SceneTables t = f.t;
-      t.moving_force = &force;
-      const double scale = 0.5 * t.patch_nodes * s.spacing / std::abs(speed);
-      const std::int64_t room = Push<HostLanes, packs>(lanes, t, state).expand(0, scale);
-      ASSERT_GT(room, 0);
+      t.forces.list = &force;
+      const double scale = 0.5 * t.patches.nodes * s.spacing / std::abs(speed);
+      const std::int64_t valid =
+          MovingForceSeries<HostLanes, packs>(lanes, t.motion, t.patches, t.forces, t.adaptive,
+                                              series.data())
+              .expand(0, scale);
+      ASSERT_GT(valid, 0);
       for (const double share : {0.0, 0.3, 1.0}) {
-        const double ticks = std::floor(share * static_cast<double>(room - 1));
-        const double x = force.position + ticks * force.advance, at = ticks * t.step / scale;
+        const double ticks = std::floor(share * static_cast<double>(valid - 1));
+        const double x = force.position + ticks * force.advance,
+                     at = ticks * t.motion.time_step / scale;
         for (int k = 0; k < f.modes(); ++k) {
           double exact, push = 0;
           f.mode(k).shape->evaluate(x, 1, &exact);
-          for (int j = t.order; j >= 0; --j) push = push * at + series[j * packs * width + k];
+          for (int j = t.adaptive.order; j >= 0; --j)
+            push = push * at + series[j * packs * width + k];
           // as a node's shape: the roundings of the series, of the place, and of beta x there
-          const double roundings = 8 * t.terms + 40 + 2 * f.mode(k).shape->wave_number() * x;
+          const double roundings =
+              8 * t.patches.terms + 40 + 2 * f.mode(k).shape->wave_number() * x;
           ASSERT_NEAR(push, force.force * exact, roundings * eps * force.force * f.size(k))
               << "mode " << k << ", from " << force.position << ", " << share << " of the way";
         }
