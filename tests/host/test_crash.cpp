@@ -342,8 +342,8 @@ TEST_F(Crash, AStateThatDoesNotFitItsSceneIsRefused) {
           "none of the slider's");
   refused([](Checkpoint& c) { c.state.values.contacts.count = 7; }, "closed nodes");
   refused([](Checkpoint& c) { c.state.values.control.flight_level = 61; }, "flight");
-  refused([](Checkpoint& c) { c.state.values.shape_terms = 9; }, "terms");
-  refused([](Checkpoint& c) { c.state.values.next_sample = -1; }, "next sample");
+  refused([](Checkpoint& c) { c.state.values.control.shape_terms = 9; }, "terms");
+  refused([](Checkpoint& c) { c.state.values.sampling.next = -1; }, "next sample");
   refused([](Checkpoint& c) { c.state.arrays[0].pop_back(); }, "another length");
   refused([](Checkpoint& c) { c.state.arrays.pop_back(); }, "another length");
   refused([](Checkpoint& c) { c.state.arrays.emplace_back(); }, "more arrays");
