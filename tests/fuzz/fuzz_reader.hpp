@@ -13,8 +13,7 @@
 #include "host/base/errors.hpp"
 #include "host/surface/profile.hpp"
 
-/// What the fuzzers share: a file in memory, the questions that are asked of it, and what every
-/// answer must be.
+/// The common parts of the fuzzers: a file in memory, and a check of every answer about it.
 namespace ra2d::fuzz {
 
 /// The path of a file with this content, until the next one. It lies in memory: nothing is written.

@@ -6,13 +6,13 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   using namespace ra2d;
   const auto file = fuzz::file_of(bytes, size);
-  ProfileQuery told, heights, comma;
-  told.x_unit = to_unit("mm");
-  told.z_unit = to_unit("nm");
+  ProfileQuery units, heights, comma;
+  units.x_unit = to_unit("mm");
+  units.z_unit = to_unit("nm");
   heights.spacing = 1e-6;
   comma.decimal = DecimalMark::comma;
   comma.column = 2;
-  for (const ProfileQuery& query : {ProfileQuery{}, told, heights, comma})
+  for (const ProfileQuery& query : {ProfileQuery{}, units, heights, comma})
     fuzz::expect_profile_or_error(read_profile_text, file, query);
   return 0;
 }

@@ -276,7 +276,7 @@ TEST_F(Reader, RefusesMoreNumbersThanTheFileHasRoomFor) {
 // ---- the seal, and what a forger's seal does not vouch for
 // ----------------------------------------
 
-/// What is read is what was written, or it is refused.
+/// A reading gives the bytes that were written, or refuses.
 TEST_F(Reader, TakesNoByteThatWasDamaged) {
   write(2);
   const std::string whole = test::read_file(path_), content = everything();
