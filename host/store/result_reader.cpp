@@ -294,15 +294,21 @@ ResultReader::ResultReader(const std::filesystem::path& path, Bytes bytes)
   impl_->path = path;
   guarded(path, [&] {
     impl_->file = open(path, bytes);
-    hsize_t size = 0;
-    check(H5Fget_filesize(impl_->file, &size));
-    require_shapes(impl_->file, static_cast<double>(size) / sizeof(double));
-    impl_->contents = contents_of(impl_->file);
+    try {
+      hsize_t size = 0;
+      check(H5Fget_filesize(impl_->file, &size));
+      require_shapes(impl_->file, static_cast<double>(size) / sizeof(double));
+      impl_->contents = contents_of(impl_->file);
+    } catch (...) {
+      impl_->file = {};  // closed under the watch, too
+      throw;
+    }
   });
 }
 
 ResultReader::~ResultReader() {
   const auto library = h5::take_library();
+  const h5::CrashWatch watch(impl_->path);
   impl_.reset();
 }
 

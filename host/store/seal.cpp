@@ -153,9 +153,10 @@ SealedBytes::SealedBytes(int descriptor) : descriptor_{descriptor} {
       table_ = std::move(hashed->table);
     }
   } else {
-    table_.resize((size_ + sealed_block - 1) / sealed_block * sizeof(Digest));
-    if (table_.size() == before - size_ &&
-        read_part(descriptor, table_.data(), table_.size(), size_).size() == table_.size())
+    const std::uint64_t table_size = (size_ + sealed_block - 1) / sealed_block * sizeof(Digest);
+    if (table_size != before - size_) throw Unsealed(damaged_text);
+    table_.resize(table_size);
+    if (read_part(descriptor, table_.data(), table_.size(), size_).size() == table_.size())
       expected = seal_line(SealFormat::blocks, size_, digest_of(table_));
   }
   if (line != expected) throw Unsealed(damaged_text);

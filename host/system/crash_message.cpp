@@ -9,6 +9,7 @@
 #include <csignal>
 #include <cstddef>
 #include <cstring>
+#include <iterator>
 
 #include "host/system/partial_file.hpp"
 
@@ -26,11 +27,16 @@ static_assert(std::atomic<pid_t>::is_always_lock_free);
 
 /// The handler's stack: the thread's own may be what overflowed. One thread reads at a time.
 alignas(16) std::array<char, 1 << 16> handler_stack;
-std::atomic<bool> has_handlers{false};
+std::atomic<bool> is_plain{false};
+
+/// The state of the process and of the reading thread before a message: they get it back.
+std::array<struct sigaction, std::size(crashes)> actions_before;
+stack_t stack_before;
 
 void end_with_message(int signal) {
   if (reading_thread.load() != gettid()) {  // a fault of the program itself
-    std::signal(signal, SIG_DFL);
+    for (std::size_t i = 0; i < std::size(crashes); ++i)
+      if (crashes[i] == signal) sigaction(signal, &actions_before[i], nullptr);
     raise(signal);
     return;
   }
@@ -43,37 +49,36 @@ void end_with_message(int signal) {
   _exit(file_error);
 }
 
-void install_handlers() {
-  if (!has_handlers.exchange(true)) {
-    struct sigaction action {};
-    action.sa_handler = end_with_message;
-    action.sa_flags = SA_ONSTACK;
-    sigfillset(&action.sa_mask);
-    for (const int signal : crashes) sigaction(signal, &action, nullptr);
-  }
-  thread_local bool has_stack = false;
-  if (!has_stack) {
-    stack_t stack{};
-    stack.ss_sp = handler_stack.data();
-    stack.ss_size = handler_stack.size();
-    has_stack = sigaltstack(&stack, nullptr) == 0;
-  }
-}
-
 }  // namespace
 
 CrashMessage::CrashMessage(const std::string& text) {
-  install_handlers();
+  if (is_plain.load()) return;
   const std::size_t size = std::min(text.size(), message.size());
   std::memcpy(message.data(), text.data(), size);
   message_size.store(size);
   reading_thread.store(gettid());
+  stack_t stack{};
+  stack.ss_sp = handler_stack.data();
+  stack.ss_size = handler_stack.size();
+  sigaltstack(&stack, &stack_before);
+  struct sigaction action {};
+  action.sa_handler = end_with_message;
+  action.sa_flags = SA_ONSTACK;
+  sigfillset(&action.sa_mask);
+  for (std::size_t i = 0; i < std::size(crashes); ++i)
+    sigaction(crashes[i], &action, &actions_before[i]);
 }
 
-CrashMessage::~CrashMessage() { reading_thread.store(0); }
+CrashMessage::~CrashMessage() {
+  if (is_plain.load()) return;
+  for (std::size_t i = 0; i < std::size(crashes); ++i)
+    sigaction(crashes[i], &actions_before[i], nullptr);
+  sigaltstack(&stack_before, nullptr);
+  reading_thread.store(0);
+}
 
 void crash_plainly() {
-  has_handlers.store(true);  // so that none is installed
+  is_plain.store(true);
   for (const int signal : crashes) std::signal(signal, SIG_DFL);
 }
 

@@ -20,9 +20,9 @@ ra2d::Extents small_extents(bool adaptive) {
   n.nodes = 16;
   n.groups = 2;
   if (adaptive)
-    n.flight_levels = 3, n.closed = 4;
+    n.flight_levels = 3, n.contacts = 4;
   else
-    n.pressed = 4;
+    n.active = 4;
   return n;
 }
 
@@ -45,7 +45,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
       std::abort();
     for (const bool adaptive : {false, true})
       if (fault_of(checkpoint.state, small_extents(adaptive), 1000, 100).empty() &&
-          (checkpoint.state.values.closed_count > 4 || checkpoint.state.values.open_count > 20))
+          (checkpoint.state.values.contacts.count > 4 ||
+           checkpoint.state.values.shocks.open_count > 20))
         std::abort();
   } catch (const CorruptFile& fault) {
     if (std::string(fault.what()).empty()) std::abort();
