@@ -296,7 +296,7 @@ TEST_F(SealedResult, CheckOutlivesHdf5OnAForgersBytes) {
 
 // ---- crashes ------------------------------------------------------------------------------------
 
-/// In a process of its own, for it ends.
+/// Runs `body` while a message lives.
 void crash(const std::function<void()>& body) {
   const CrashMessage message("ra2d: cannot read 'x'\n");
   body();
@@ -322,12 +322,32 @@ TEST(CrashMessage, ACrashEndsAsAFileThatCannotBeRead) {
 TEST(CrashMessage, OtherCrashesStayWhatTheyAre) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   const auto after = [] {
+    std::signal(SIGSEGV, SIG_DFL);  // sanitizers have a handler of their own
     crash([] {});
     raise(SIGSEGV);
   };
   const auto other_thread = [] { crash([] { std::thread([] { raise(SIGABRT); }).join(); }); };
   EXPECT_EXIT(after(), testing::KilledBySignal(SIGSEGV), "");
   EXPECT_EXIT(other_thread(), testing::KilledBySignal(SIGABRT), "");
+}
+
+TEST(CrashMessage, GivesHandlersAndStackBack) {
+  struct sigaction own {
+  }, found{};
+  own.sa_handler = [](int) {};
+  struct sigaction before {};
+  ASSERT_EQ(sigaction(SIGFPE, &own, &before), 0);
+  stack_t stack_before{}, stack_after{};
+  ASSERT_EQ(sigaltstack(nullptr, &stack_before), 0);
+  crash([&] {
+    ASSERT_EQ(sigaction(SIGFPE, nullptr, &found), 0);
+    EXPECT_NE(found.sa_handler, own.sa_handler);
+  });
+  ASSERT_EQ(sigaction(SIGFPE, &before, &found), 0);
+  EXPECT_EQ(found.sa_handler, own.sa_handler);
+  ASSERT_EQ(sigaltstack(nullptr, &stack_after), 0);
+  EXPECT_EQ(stack_after.ss_sp, stack_before.ss_sp);
+  EXPECT_EQ(stack_after.ss_flags, stack_before.ss_flags);
 }
 
 }  // namespace
