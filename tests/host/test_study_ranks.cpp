@@ -134,7 +134,7 @@ TEST_F(StudyRanks, ARankThatIsKilledCostsTheRunsItHadBegun) {
 TEST_F(StudyRanks, InterruptedTheyKeepWhatIsFinished) {
   SKIP_WITHOUT_MPIRUN();
   write_study(5000);
-  time_to_end_ = 10;  // also where the machine is busy
+  time_to_end_ = 4;  // also where the machine is busy
   Child child = start(2, "study study.toml -o cut --threads 1");
   wait_for_runs("cut");
   for (int i = 0; i < 400 && status_of("cut")["done"] == 0; ++i)
@@ -153,7 +153,7 @@ TEST_F(StudyRanks, InterruptedTheyKeepWhatIsFinished) {
 TEST_F(StudyRanks, AnErrorOnOneRankEndsAll) {
   SKIP_WITHOUT_MPIRUN();
   write_study(5000);
-  time_to_end_ = 10;  // also where the machine is busy
+  time_to_end_ = 4;  // also where the machine is busy
   fs::create_directories(folder_ / "out/ledger");
   const LedgerWriter held(StudyFolder{folder_ / "out"}.ledger({}, 1));
   const Ended ended = mpirun(3, "study study.toml -o out --threads 1");
