@@ -85,8 +85,8 @@ haddr_t end_of_file(const H5FD_t* file, H5FD_mem_t) { return driver_file(file).f
 /// Zeros stand behind the end, as in HDF5's own drivers.
 herr_t read_driver(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t at, std::size_t count, void* to) try {
   SealedBytes& bytes = driver_file(file).file->bytes;
-  const std::uint64_t behind = bytes.size() - std::min<std::uint64_t>(at, bytes.size());
-  const auto there = static_cast<std::size_t>(std::min<std::uint64_t>(count, behind));
+  const std::uint64_t left = bytes.size() - std::min<std::uint64_t>(at, bytes.size());
+  const auto there = static_cast<std::size_t>(std::min<std::uint64_t>(count, left));
   if (there > 0) bytes.read(at, static_cast<char*>(to), there);
   std::memset(static_cast<char*>(to) + there, 0, count - there);
   return 0;

@@ -58,8 +58,9 @@ enum class Solution { solved, blocked, crowded, interrupted };
 /// the modes takes over (newton()), whose steps cost the nodes times the square of the modes. It
 /// finds the same end of the step, which is unique there.
 ///
-/// What remains are overlaps of the order of the roundings of a gap (ContactTables::tolerance) or,
-/// where that cannot be reached, of the modes' sums.
+/// The solution leaves small overlaps: as large as the rounding error of a gap
+/// (ContactTables::tolerance). Where that cannot be reached, they are as large as the rounding
+/// error of the sums over the modes.
 ///
 /// An impact of a mass. Coming from a distance theta tau |V| (0 <= theta < 1), without force for
 /// the rest of the step it would penetrate. Backward Euler and midpoint (U1 = U0 + tau V1) leave it
