@@ -53,7 +53,7 @@ std::size_t choose_segment(const AnalysisOptions& options, std::size_t samples, 
       wanted, samples, samples > 0 ? a.rate / static_cast<double>(samples) : quiet_nan));
 }
 
-void add(const std::vector<double>& values, double weight, std::vector<double>& sum) {
+void add_weighted(const std::vector<double>& values, double weight, std::vector<double>& sum) {
   sum.resize(values.size());
   for (std::size_t j = 0; j < values.size(); ++j) sum[j] += weight * values[j];
 }
@@ -87,10 +87,10 @@ class VelocityAnalysis {
       if (weights[k] == 0) return;
       square += weights[k] * mean_square(velocity);
       parts_.add_column(k, velocity);
-      if (welch_) add(welch_->density(velocity), weights[k], a_.spectrum.mean);
+      if (welch_) add_weighted(welch_->density(velocity), weights[k], a_.spectrum.mean);
       std::vector<double> lines;
       whole_.add(velocity, 1, lines);
-      add(lines, weights[k], power);
+      add_weighted(lines, weights[k], power);
       half_power_[k] =
           half_power({whole_.frequency(1), lines, whole_.independent()},
                      place_of_mode(reader_.contents().resonator_frequency, k, a_.modal_damping));

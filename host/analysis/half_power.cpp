@@ -17,7 +17,7 @@ constexpr double around = 2;            // widths on either side of the top that
 constexpr double groups_a_width = 50;   // about, where a width has more lines
 constexpr std::size_t fewest = 8;       // groups
 constexpr int rounds = 30, steps = 50;
-constexpr std::size_t parts = 8;                           // in which the curve must fit
+constexpr std::size_t curve_parts = 8;                     // in which the curve must fit
 constexpr double most_misfit = 0.25, misfit_errors = 3.5;  // beside what chance does
 constexpr double largest = 0.3;                            // a damping that is no peak any more
 
@@ -177,8 +177,8 @@ std::optional<Curve> begin(const ModeLines& lines, const ModePlace& place) {
 /// of the curve, but for a quarter and for chance.
 bool follows(const Groups& groups, const Curve& curve) {
   const std::size_t count = groups.power.size();
-  for (std::size_t part = 0; part < parts; ++part) {
-    const std::size_t first = part * count / parts, last = (part + 1) * count / parts;
+  for (std::size_t part = 0; part < curve_parts; ++part) {
+    const std::size_t first = part * count / curve_parts, last = (part + 1) * count / curve_parts;
     double sum = 0;
     for (std::size_t j = first; j < last; ++j)
       sum += groups.power[j] / curve.at(groups.frequency[j]);

@@ -129,6 +129,11 @@ std::string shortened(std::string_view text, std::size_t most) {
   return std::string(text.substr(0, end)) + "...";
 }
 
+std::string_view trimmed(std::string_view text, std::string_view blanks) {
+  text.remove_prefix(std::min(text.find_first_not_of(blanks), text.size()));
+  return text.substr(0, text.find_last_not_of(blanks) + 1);
+}
+
 std::string any_of(const std::vector<std::string>& words, std::string_view quote) {
   std::string out;
   for (std::size_t i = 0; i < words.size(); ++i) {

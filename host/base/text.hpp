@@ -24,6 +24,9 @@ std::string printable_lines(std::string_view text);
 /// `text`, or its beginning with "..." when it has more than `most` bytes.
 std::string shortened(std::string_view text, std::size_t most = 60);
 
+/// Without the blanks at both ends.
+std::string_view trimmed(std::string_view text, std::string_view blanks = " \t\r\n\v\f");
+
 /// "a, b or c", each between `quote`s.
 std::string any_of(const std::vector<std::string>& words, std::string_view quote);
 

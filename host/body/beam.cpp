@@ -14,7 +14,7 @@
 namespace ra2d {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr double gravity = 9.80665;  // m/s^2, standard
 /// Covers the roundings of a sum that reaches the largest |psi|, so that the bound stays one.
 constexpr double margin = 1 + 8 * std::numeric_limits<double>::epsilon();

@@ -40,12 +40,12 @@ Scene trial_scene(bool contact) {
   return s;
 }
 
-using State = Eigen::Vector2d;   // U, V/omega
-using Matrix = Eigen::Matrix2d;  // two of them
+using ModeState = Eigen::Vector2d;   // U, V/omega
+using ModeStates = Eigen::Matrix2d;  // two of them
 
 /// Of a matrix of n steps. Where its two eigenvalues cannot be told from a double one, n steps are
 /// a whole number of half periods: both have the size of their mean.
-double spectral_radius(const Matrix& m) {
+double spectral_radius(const ModeStates& m) {
   const double half = 0.5 * m.trace(), det = m.determinant(), apart = half * half - det;
   return apart <= 1e-8 * std::abs(det) ? std::sqrt(std::abs(det))
                                        : std::abs(half) + std::sqrt(apart);
@@ -107,19 +107,19 @@ std::vector<double> measure_growth(const std::vector<GrowthTrial>& trials, int s
   Batch batch(models, starts, {.capacity = {.samples = 1, .shocks = 16}, .least_packs = 0});
 
   // The states of a trial's two motions as they are now. False when one of them is past measuring.
-  const auto look = [&](std::size_t i, std::int64_t step, Matrix& state) {
+  const auto look = [&](std::size_t i, std::int64_t step, ModeStates& state) {
     bool measured = true;
     for (const int j : {0, 1}) {
       const Snapshot now = batch.snapshot(static_cast<int>(2 * i + j));
       state.col(j) =
-          State{now.resonator_u[0] - rest[i], now.resonator_v[0] / frequency[i]} / nudge[i];
+          ModeState{now.resonator_u[0] - rest[i], now.resonator_v[0] / frequency[i]} / nudge[i];
       measured = measured && now.step == step && state.col(j).allFinite() &&
                  now.contact_steps == (trials[i].contact ? step : 0);
     }
     return measured;
   };
   const std::size_t count = trials.size();
-  std::vector<Matrix> begin(count);
+  std::vector<ModeStates> begin(count);
   std::vector<double> growth(count, 0.0);
   std::vector<bool> going(count, true);
   batch.march(0);
@@ -128,9 +128,9 @@ std::vector<double> measure_growth(const std::vector<GrowthTrial>& trials, int s
     batch.march(step);
     for (std::size_t i = 0; i < count; ++i) {
       if (!going[i]) continue;
-      Matrix now;
+      ModeStates now;
       going[i] = look(i, step, now);
-      const Matrix taken = now * begin[i].inverse();
+      const ModeStates taken = now * begin[i].inverse();
       going[i] = going[i] && taken.norm() > well_above_roundings;
       if (going[i] || step == 1)
         growth[i] = std::log(spectral_radius(taken)) / static_cast<double>(step);

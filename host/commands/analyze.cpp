@@ -30,7 +30,7 @@ constexpr const char* figures = "figures.csv";
 constexpr const char* tables[] = {"spectrum.csv", "bands.csv", "shocks.csv"};
 constexpr const char* study_tables[] = {"means.csv", "law.csv"};
 
-struct Request {
+struct AnalyzeRequest {
   std::vector<fs::path> files;
   AnalysisOptions options;
   bool json = false;
@@ -47,7 +47,7 @@ std::string prefix_of(const std::string& given, const fs::path& result, bool amo
 }
 
 /// The one table of all results: in the folder, or under the prefix.
-std::string figures_file(const Request& request) {
+std::string figures_file(const AnalyzeRequest& request) {
   if (request.files.size() == 1)
     return prefix_of(request.csv, request.files.front(), false) + figures;
   const bool folder = !fs::path(request.csv).has_filename() || fs::is_directory(request.csv);
@@ -55,7 +55,7 @@ std::string figures_file(const Request& request) {
 }
 
 /// A prefix for each result. It is chosen before any result is read.
-std::vector<std::string> choose_prefixes(const Request& request) {
+std::vector<std::string> choose_prefixes(const AnalyzeRequest& request) {
   std::vector<std::string> prefixes;
   if (request.csv.empty()) return prefixes;
   for (const fs::path& file : request.files) {
@@ -95,7 +95,7 @@ bool write_study_tables(const std::string& prefix, const StudyAnswers& answers) 
   return law.has_value();
 }
 
-int analyze_study(const Request& request) {
+int analyze_study(const AnalyzeRequest& request) {
   if (request.files.size() > 1)
     throw RequestError(
         "several files, and one of them a study's: expected one study, or results of 'ra2d run'");
@@ -118,7 +118,7 @@ int analyze_study(const Request& request) {
   return exit_status::done;
 }
 
-int run_analysis(const Request& request) {
+int run_analysis(const AnalyzeRequest& request) {
   if (std::any_of(request.files.begin(), request.files.end(), [](const fs::path& file) {
         return fs::is_directory(file) || is_study_table(file);
       }))
@@ -148,8 +148,8 @@ int run_analysis(const Request& request) {
 }  // namespace
 
 void add_analyze(CLI::App& app, ChosenCommand& chosen) {
-  const auto shared = std::make_shared<Request>();
-  Request& request = *shared;
+  const auto shared = std::make_shared<AnalyzeRequest>();
+  AnalyzeRequest& request = *shared;
   CLI::App* analyze = app.add_subcommand(
       "analyze",
       "says what results hold: level, spectrum, third octaves, shocks, powers; of several files "

@@ -30,18 +30,18 @@ struct Found {
   std::string whole;
 };
 
-Found check_file(const std::filesystem::path& file) {
+Found find_fault(const std::filesystem::path& file) {
   const CheckedFile found = check_result(file);
   return {found.faults, fmt::format("{}; {} datasets, {:.1f} MB, all with their hashes", found.what,
                                     found.datasets, found.bytes * 1e-6)};
 }
 
-Found check(const std::filesystem::path& file) {
+Found find_any_fault(const std::filesystem::path& file) {
   if (std::filesystem::is_directory(file)) {
     const CheckedStudy found = check_study(StudyFolder{file});
     return {found.faults, found.what};
   }
-  if (InputFile(file).beginning(15) != "ra2d checkpoint") return check_file(file);
+  if (InputFile(file).beginning(15) != "ra2d checkpoint") return find_fault(file);
   const CheckedCheckpoint found = check_checkpoint(file);
   return {found.faults, found.what};
 }
@@ -49,7 +49,7 @@ Found check(const std::filesystem::path& file) {
 int check_files(const CheckRequest& request) {
   bool damaged = false;
   for (const std::filesystem::path& file : request.files) {
-    const Found found = check(file);
+    const Found found = find_any_fault(file);
     for (const std::string& fault : found.faults)
       say(fmt::format("{}: {}", printable(file.string()), fault));
     if (found.faults.empty() && !request.quiet)

@@ -37,7 +37,7 @@ void hold_checkpoint_signal(int, char**, char**) {
                                                                  char**) = hold_checkpoint_signal;
 #endif
 
-void say(std::string_view text) {
+void write_to_terminal(std::string_view text) {
   [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, text.data(), text.size());
 }
 
@@ -50,10 +50,11 @@ void on_signal(int signal) {
   if (before == SIGHUP && signal == SIGHUP) return;
   drop_partials();
   kill_programs();
-  if (on_terminal) say("\r\033[K");  // the line of progress
+  if (on_terminal) write_to_terminal("\r\033[K");  // the line of progress
   if (!is_silent)
-    say(before == 0 ? "ra2d: interrupted\n"
-                    : "ra2d: interrupted again: only what a checkpoint holds is kept\n");
+    write_to_terminal(before == 0
+                          ? "ra2d: interrupted\n"
+                          : "ra2d: interrupted again: only what a checkpoint holds is kept\n");
   _exit(128 + signal);
 }
 

@@ -30,7 +30,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Request {
+struct PlotRequest {
   std::vector<fs::path> files;
   fs::path output;
   std::string what = "overview";
@@ -55,7 +55,7 @@ void require_view(const std::string& what, const std::vector<std::string>& views
                      (near ? fmt::format(" (did you mean '{}'?)", *near) : ""));
 }
 
-Drawing draw_profile(const Request& request) {
+Drawing draw_profile(const PlotRequest& request) {
   require_view(request.what, {"overview"}, "a profile");
   std::vector<std::string> doubts;
   const std::string data = profile_picture(request.files.front(),
@@ -67,7 +67,7 @@ Drawing draw_profile(const Request& request) {
   return {"plot_profile.py", data, {}};
 }
 
-Drawing draw_results(const Request& request) {
+Drawing draw_results(const PlotRequest& request) {
   if (request.files.size() == 1) {
     require_view(request.what, result_views(), "a result");
     return {"plot_result.py", result_picture(request.files.front(), request.what), {}};
@@ -80,12 +80,12 @@ Drawing draw_results(const Request& request) {
 }
 
 /// Options of profiles alone are refused for other files: none is read and ignored.
-void refuse_profile_options(const Request& request, const char* what) {
+void refuse_profile_options(const PlotRequest& request, const char* what) {
   if (!request.of_profiles.empty())
     throw RequestError(fmt::format("{} is of profiles: {} needs none", request.of_profiles, what));
 }
 
-Drawing draw_study(const Request& request, const fs::path& table) {
+Drawing draw_study(const PlotRequest& request, const fs::path& table) {
   require_view(request.what, {"overview"}, "a study");
   refuse_profile_options(request, "a study");
   return {
@@ -94,7 +94,7 @@ Drawing draw_study(const Request& request, const fs::path& table) {
       {}};
 }
 
-Drawing choose_drawing(const Request& request) {
+Drawing choose_drawing(const PlotRequest& request) {
   if (request.files.size() == 1)
     if (const fs::path table = study_table_of(request.files.front()); !table.empty())
       return draw_study(request, table);
@@ -135,7 +135,7 @@ void make_picture(const Drawing& drawing, const fs::path& picture) try {
   throw FileError(fmt::format("the picture {} was not made: {}", picture.string(), fault.what()));
 }
 
-int plot_files(const Request& request) {
+int plot_files(const PlotRequest& request) {
   const fs::path picture =
       request.output.empty() ? fs::path(name_of(request.files.front()) + ".png") : request.output;
   picture_kind(picture);
@@ -150,8 +150,8 @@ int plot_files(const Request& request) {
 }  // namespace
 
 void add_plot(CLI::App& app, ChosenCommand& chosen) {
-  const auto shared = std::make_shared<Request>();
-  Request& request = *shared;
+  const auto shared = std::make_shared<PlotRequest>();
+  PlotRequest& request = *shared;
   CLI::App* plot = app.add_subcommand("plot",
                                       "makes a picture of a result, of several over one another, "
                                       "of a study, of a measured profile, "

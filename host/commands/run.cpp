@@ -35,7 +35,7 @@ struct RunRequest {
   double most_wall = std::numeric_limits<double>::infinity();  // s
 };
 
-void show_progress(const Progress& p) {
+void show_run_progress(const Progress& p) {
   show(fmt::format("{:5.1f} %  {:.4f} of {:g} s   {:.3g} million steps/s   {} left ",
                    100 * p.time / p.duration, p.time, p.duration, p.steps_per_second * 1e-6,
                    clock_text(p.left)));
@@ -123,8 +123,8 @@ void print_report(const Scene& scene, const RunReport& r, const std::filesystem:
 }
 
 /// Says how a run ended that is not complete; returns the exit status.
-int say_ending(const SceneOptions& common, const RunReport& report,
-               const std::filesystem::path& output) {
+int say_run_ending(const SceneOptions& common, const RunReport& report,
+                   const std::filesystem::path& output) {
   const std::string kept =
       fmt::format("the results so far are in {}, marked as cut short{}", output.string(),
                   report.resumable ? ". The same line goes on from here" : "");
@@ -162,7 +162,7 @@ int run_scene(RunRequest& request) {
   options.doubts = [&](const std::vector<std::string>& doubts) {
     say_doubts(doubts, common.quiet);
   };
-  if (shows_progress(common.quiet)) options.progress = show_progress;
+  if (shows_progress(common.quiet)) options.progress = show_run_progress;
 
   const Backend backend(common.threads, common.device);
   const RunReport report = run(scene, options);
@@ -174,7 +174,7 @@ int run_scene(RunRequest& request) {
     return exit_status::done;
   }
   if (!common.quiet) print_report(scene, report, output);
-  return say_ending(common, report, output);
+  return say_run_ending(common, report, output);
 }
 
 }  // namespace

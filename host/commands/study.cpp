@@ -89,7 +89,7 @@ int print_jobs(const StudyRuns& runs, const StudyWork& work, int threads) {
   return exit_status::done;
 }
 
-void show_progress(const StudyProgress& p) {
+void show_study_progress(const StudyProgress& p) {
   show(fmt::format("{} of {} runs   {} failed   {} running   {} left ", p.done + p.failed, p.runs,
                    p.failed, p.running, std::isnan(p.left) ? "?" : clock_text(p.left)));
 }
@@ -102,7 +102,7 @@ StudyListener listener_of(const StudyRequest& request) {
   };
   if (!shows_progress(request.quiet)) return listener;
   listener.stage = [](const std::string& text) { show(text); };
-  listener.progress = show_progress;
+  listener.progress = show_study_progress;
   return listener;
 }
 
@@ -131,7 +131,7 @@ void print_marched(const MarchedStudy& marched, const StudyFolder& folder) {
 }
 
 /// Says what is left to do; returns the exit status.
-int say_ending(const StudyRuns& runs, const MarchedStudy& marched) {
+int say_study_ending(const StudyRuns& runs, const MarchedStudy& marched) {
   const std::vector<std::size_t> failed = runs.failed_points();
   say_failed(runs, failed);
   const StudyWork& work = marched.work;
@@ -212,7 +212,7 @@ int run_study_file(const StudyRequest& request) {
                                             .ranks = ranks},
                                            listener_of(request));
   if (!request.quiet) print_marched(marched, folder);
-  return say_ending(runs, marched);
+  return say_study_ending(runs, marched);
 }
 
 /// Options on which runs are made, and how.

@@ -40,7 +40,7 @@ struct GenerateRequest {
   bool quiet = false;
 };
 
-void check(const GenerateRequest& request) {
+void check_request(const GenerateRequest& request) {
   if (!(request.length / request.spacing <= most_nodes))
     throw RequestError(
         fmt::format("--length {} with --spacing {} makes {:.3g} nodes: expected at most {:g}",
@@ -195,7 +195,7 @@ int generate(GenerateRequest& request) {
     if (word == request.correlation) request.surface.correlation = value;
   for (const auto& [word, value] : exact_choices.words)
     if (word == request.exact) request.surface.exact = value;
-  check(request);
+  check_request(request);
   require_derived_output(request.output, {});
   std::error_code none;
   if (std::filesystem::exists(request.output, none) &&

@@ -24,7 +24,7 @@
 namespace ra2d {
 namespace {
 
-struct Request {
+struct MeasureRequest {
   std::vector<std::filesystem::path> files;
   ProfileOptions profile;
   bool json = false;
@@ -127,7 +127,7 @@ void print_table(const std::string& file, const Measurement& m, const MeasureOpt
                 fmt::format("{:.4g} %", 100 * m.material_ratio));
 }
 
-int measure_files(const Request& request) {
+int measure_files(const MeasureRequest& request) {
   const ProfileQuery& query = request.profile.query;
   const MeasureOptions& options = request.profile.measure;
   std::vector<std::pair<std::string, Measurement>> measured;
@@ -153,8 +153,8 @@ int measure_files(const Request& request) {
 }  // namespace
 
 void add_surface_measure(CLI::App& surface, ChosenCommand& chosen) {
-  const auto shared = std::make_shared<Request>();
-  Request& request = *shared;
+  const auto shared = std::make_shared<MeasureRequest>();
+  MeasureRequest& request = *shared;
   CLI::App* measure =
       surface.add_subcommand("measure",
                              "roughness parameters (ISO 21920-2 or 4287) of measured "

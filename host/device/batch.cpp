@@ -51,9 +51,11 @@ int packs_of(const Model& model, int least) {
   return compiled_packs(std::max({least, 1, (modes + width - 1) / width}));
 }
 
+}  // namespace
+
 /// A scene in its slot. On a CPU its tables and state are marched where they stand here, on a
 /// device in the batch's arrays of them.
-struct Slot {
+struct BatchSlot {
   Model model;
   Capacity capacity;
   int packs = 0;
@@ -63,8 +65,8 @@ struct Slot {
   SceneState state;
   double seconds = 0, processor = 0;  // of the latest launch
 
-  Slot(const Model& model_, const ModalStart& start, int packs_, const Capacity& capacity_,
-       BatchMemory& batch)
+  BatchSlot(const Model& model_, const ModalStart& start, int packs_, const Capacity& capacity_,
+            BatchMemory& batch)
       : model{model_}, capacity{capacity_}, packs{packs_}, memory{batch} {
     find_extents();
     memory.provide(state.out, extents);
@@ -180,12 +182,10 @@ struct Slot {
   }
 };
 
-}  // namespace
-
 struct Batch::Impl {
   BatchOptions options;
   BatchMemory memory;  // outlives the slots
-  std::vector<std::optional<Slot>> slots;
+  std::vector<std::optional<BatchSlot>> slots;
 
   // on a device: of each slot, there and here
   struct Launched {
@@ -217,7 +217,7 @@ struct Batch::Impl {
     memory.queue->zero(launched->seconds.data(), n * sizeof(double));
   }
 
-  Slot& at(int slot) { return *slots.at(static_cast<std::size_t>(slot)); }
+  BatchSlot& at(int slot) { return *slots.at(static_cast<std::size_t>(slot)); }
   std::vector<int> running() const {
     std::vector<int> list;
     for (std::size_t i = 0; i < slots.size(); ++i)
@@ -236,7 +236,7 @@ void Batch::Impl::launch(const std::vector<int>& list, const std::vector<std::in
   if (memory.device != nullptr) launch_on_device(list, goals);
   side_by_side(static_cast<int>(list.size()), [&](int i) {
     const int slot = list[static_cast<std::size_t>(i)];
-    Slot& scene = at(slot);
+    BatchSlot& scene = at(slot);
     if (memory.device == nullptr) {
       const auto begin = Clock::now();
       const double processor = thread_seconds();
@@ -328,7 +328,7 @@ Batch& Batch::operator=(Batch&&) noexcept = default;
 int Batch::slots() const { return static_cast<int>(impl_->slots.size()); }
 
 void Batch::put(int slot, const Model& model, const ModalStart& start) {
-  std::optional<Slot>& place = impl_->slots.at(static_cast<std::size_t>(slot));
+  std::optional<BatchSlot>& place = impl_->slots.at(static_cast<std::size_t>(slot));
   place.reset();
   place.emplace(model, start, packs_of(model, impl_->options.least_packs), impl_->options.capacity,
                 impl_->memory);
@@ -351,12 +351,12 @@ double Batch::processor_seconds(int slot) const { return impl_->at(slot).process
 
 std::size_t Batch::bytes() const {
   std::size_t sum = impl_->memory.shared.bytes();
-  for (const std::optional<Slot>& slot : impl_->slots) sum += slot ? slot->memory.bytes() : 0;
+  for (const std::optional<BatchSlot>& slot : impl_->slots) sum += slot ? slot->memory.bytes() : 0;
   return sum;
 }
 
 Drained Batch::drain(int slot) {
-  Slot& scene = impl_->at(slot);
+  BatchSlot& scene = impl_->at(slot);
   SceneState& s = scene.state;
   Drained out;
   out.lanes = scene.extents.lanes;
@@ -370,7 +370,7 @@ Drained Batch::drain(int slot) {
 }
 
 Snapshot Batch::snapshot(int slot) const {
-  const Slot& scene = impl_->at(slot);
+  const BatchSlot& scene = impl_->at(slot);
   const SceneState& s = scene.state;
   const std::size_t modes2 = scene.model.resonator.modes.size(),
                     modes1 = scene.model.slider.modes.size();

@@ -280,7 +280,8 @@ class Potential {
 };
 
 /// Settles on springs that are stiffened to `spring`. Nothing when it does not.
-std::optional<Eigen::VectorXd> settle(const Potential& potential, double spring, Shift shift) {
+std::optional<Eigen::VectorXd> settled_bodies(const Potential& potential, double spring,
+                                              Shift shift) {
   Eigen::VectorXd u = Eigen::VectorXd::Zero(potential.modes());
   for (double soft = 1e-10; soft < 0.5; soft *= 10)
     if (!potential.minimise(u, soft * spring, shift)) return std::nullopt;
@@ -300,7 +301,7 @@ Rest find_equilibrium(const Model& model) {
   std::optional<Eigen::VectorXd> settled;
   if (!multipliers)
     for (const Shift shift : {Shift::common, Shift::own})
-      if (!settled) settled = settle(potential, model.node_stiffness, shift);
+      if (!settled) settled = settled_bodies(potential, model.node_stiffness, shift);
   Rest rest;
   if (settled) {
     rest.u = *settled;

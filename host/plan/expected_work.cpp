@@ -18,7 +18,7 @@ constexpr double surface_node = 6e-8, balanced_node = 7e-8;    // s a node; s a 
 constexpr double flight = 5e-9, contact = 45e-9, held = 2e-7;  // s: a fixed step, by its form
 constexpr double evaluation = 1e-9;              // s, of a node, where all are evaluated
 constexpr double leap = 600e-9, order = 180e-9;  // s: a flight; a step, each order
-constexpr double travelling = 20e-9;             // s: a force that travels, at one time
+constexpr double travelling_seconds = 20e-9;     // s: a force that travels, at one time
 constexpr double counted_modes = 24;             // that these times are of
 
 /// Steps of the adaptive scheme in a second: where a node passes another, and as often as the
@@ -52,16 +52,18 @@ ExpectedWork expected_work(const Scene& scene) {
     const int terms = series_order(scene.time.tolerance.value_or(usual_tolerance));
     work.strides = 1 + scene.duration * strides_a_second(scene, highest);
     const double all_nodes = scene.time.nodes == Nodes::all ? 4 * evaluation * nodes : 0.0;
-    work.march = work.strides * (wide * (terms * (order + forces * travelling)) + all_nodes) +
-                 scene.duration * scene.speed / scene.spacing * leap;
+    work.march =
+        work.strides * (wide * (terms * (order + forces * travelling_seconds)) + all_nodes) +
+        scene.duration * scene.speed / scene.spacing * leap;
     return work;
   }
   work.strides = scene.duration / scene.time.step;
   const int stages = scheme_table(scene.time.scheme).stages;
   const double all_nodes = scene.time.nodes == Nodes::all ? stages * evaluation * nodes : 0.0;
   const double touching = holds_forces(scene) ? held : stages * contact;
-  work.march = work.strides *
-               (wide * (0.5 * (flight + touching) + stages * forces * travelling) + all_nodes);
+  work.march =
+      work.strides *
+      (wide * (0.5 * (flight + touching) + stages * forces * travelling_seconds) + all_nodes);
   return work;
 }
 

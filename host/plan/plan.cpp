@@ -103,7 +103,7 @@ double solving_ns(const Model& model, int nodes) {
 }
 
 /// Nanoseconds that the forces which travel take, each time that they are evaluated.
-double travelling(const Model& model) {
+double travelling_forces_ns(const Model& model) {
   return width_of(model) * travelling_ns *
          static_cast<double>(model.scene.resonator.moving_forces.size());
 }
@@ -126,7 +126,7 @@ void plan_steps(const Model& model, const JoinedModes& place, Plan& plan) {
                         : is_semi_implicit(scene.time.scheme) ? contact_ns
                                                               : stages * stage_ns;
   const double wide = width_of(model), each_ns = more_ns * std::max(8, modes_of(model));
-  const double moved_ns = stages * travelling(model);
+  const double moved_ns = stages * travelling_forces_ns(model);
   const double solved_ns = held ? solving_ns(model, plan.many_nodes) : 0.0;
   plan.seconds_free = seconds * (std::max(wide * flight_ns, look_ns) + moved_ns);
   plan.seconds_one = seconds * (wide * one_ns + look_ns + moved_ns);
@@ -151,7 +151,8 @@ void plan_strides(const Model& model, double omega_c, Plan& plan) {
   // a look takes overlaps and their rates, at the end of a step and often at its beginning
   const double look_ns = scene.time.nodes == Nodes::all ? 4 * node_ns * model.nodes() : 0.0;
   const double wide = width_of(model), order = wide * order_ns;
-  const double flight = wide * leap_ns + look_ns, drive = (order + travelling(model)) * n + look_ns;
+  const double flight = wide * leap_ns + look_ns,
+               drive = (order + travelling_forces_ns(model)) * n + look_ns;
   const double alone = scene.resonator.moving_forces.empty()
                            ? crossings * flight
                            : (crossings + fastest / theta) * drive;

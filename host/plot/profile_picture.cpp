@@ -20,7 +20,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;  // writes null for what is not finite
 
-constexpr std::size_t most_groups =
+constexpr std::size_t most_points =
     1500;  // of a profile, about as many as a picture has dots across
 constexpr std::size_t height_bins = 60;
 
@@ -28,7 +28,7 @@ constexpr std::size_t height_bins = 60;
 Json drawn(std::span<const double> heights, double first, double spacing) {
   std::vector<double> at(heights.size());
   for (std::size_t i = 0; i < at.size(); ++i) at[i] = first + static_cast<double>(i) * spacing;
-  return envelope(at, heights, even_groups(heights.size(), most_groups));
+  return envelope(at, heights, even_groups(heights.size(), most_points));
 }
 
 double mean_of(std::span<const double> values) {

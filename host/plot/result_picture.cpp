@@ -25,7 +25,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;  // writes null for what is not finite
 
-constexpr std::size_t most_groups =
+constexpr std::size_t most_series_points =
     1200;  // of a series: about as many as a picture has dots across
 constexpr std::size_t close_samples = 600;  // of a close-up
 constexpr std::size_t most_lines = 6;       // of probes
@@ -102,7 +102,7 @@ class ResultPanels {
   }
 
   static Json drawn(const Face& face) {
-    return envelope(face.at, face.height, even_groups(face.at.size(), most_groups));
+    return envelope(face.at, face.height, even_groups(face.at.size(), most_series_points));
   }
 
   static Face part_of(const Face& face, const Extent& range) {
@@ -197,7 +197,7 @@ class ResultPanels {
   std::vector<double> times() const { return column("time"); }
 
   Json whole(const std::vector<double>& values) const {
-    return envelope(times(), values, even_groups(values.size(), most_groups));
+    return envelope(times(), values, even_groups(values.size(), most_series_points));
   }
 
   /// Samples around one of them, each by itself.
@@ -372,7 +372,7 @@ class ResultPanels {
 
   Json drawn_density(const std::vector<double>& density) const {
     const std::vector<double>& at = analysis_.spectrum.frequency;
-    return envelope(at, density, ratio_groups(at.size(), most_groups));
+    return envelope(at, density, ratio_groups(at.size(), most_series_points));
   }
 
   Json spectrum() const {

@@ -35,20 +35,20 @@ std::string at_most(double bound) {
 }
 
 /// A number that has a part in a fault, and the usual size of such numbers.
-struct Part {
+struct Quantity {
   std::string key;
   double value, usual;
 };
 
 /// The number that is to blame for a fault: the first one, unless another is more than a thousand
 /// times further from its usual size.
-std::string to_blame(const std::vector<Part>& parts) {
-  const auto away = [](const Part& part) {
+std::string to_blame(const std::vector<Quantity>& parts) {
+  const auto away = [](const Quantity& part) {
     return part.value != 0 ? std::abs(std::log10(std::abs(part.value) / part.usual)) : 0.0;
   };
-  const Part* blamed = &parts.front();
+  const Quantity* blamed = &parts.front();
   double most = away(parts.front()) + 3;
-  for (const Part& part : parts) {
+  for (const Quantity& part : parts) {
     if (!(away(part) > most)) continue;
     most = away(part);
     blamed = &part;
@@ -56,22 +56,22 @@ std::string to_blame(const std::vector<Part>& parts) {
   return blamed->key;
 }
 
-Part duration_of(const Scene& s) { return {"scene.duration", s.duration, 1}; }
-Part speed_of(const Scene& s) { return {"scene.speed", s.speed, 0.1}; }
-Part spacing_of(const Scene& s) { return {"scene.spacing", s.spacing, 1e-5}; }
-Part length_of(const std::string& name, const BodySpec& body) {
+Quantity duration_of(const Scene& s) { return {"scene.duration", s.duration, 1}; }
+Quantity speed_of(const Scene& s) { return {"scene.speed", s.speed, 0.1}; }
+Quantity spacing_of(const Scene& s) { return {"scene.spacing", s.spacing, 1e-5}; }
+Quantity length_of(const std::string& name, const BodySpec& body) {
   return {name + ".length", body.length, 0.1};
 }
-Part thickness_of(const std::string& name, const BodySpec& body) {
+Quantity thickness_of(const std::string& name, const BodySpec& body) {
   return {name + ".thickness", body.thickness, 5e-3};
 }
-Part width_of(const std::string& name, const BodySpec& body) {
+Quantity width_of(const std::string& name, const BodySpec& body) {
   return {name + ".width", body.width, 5e-2};
 }
-Part density_of(const std::string& name, const BodySpec& body) {
+Quantity density_of(const std::string& name, const BodySpec& body) {
   return {name + ".density", body.density, 5e3};
 }
-Part young_of(const std::string& name, const BodySpec& body) {
+Quantity young_of(const std::string& name, const BodySpec& body) {
   return {name + ".young", body.young, 1e11};
 }
 

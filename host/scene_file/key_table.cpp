@@ -123,11 +123,11 @@ Value<SurfaceSpec> prepared(const T& value) {
 
 // ---- what is wrong between the keys of one table
 
-void check_body(Reader& in, const BodySpec& body, bool is_certain) {
+void check_body_keys(Reader& in, const BodySpec& body, bool is_certain) {
   if (is_elastic(body) && is_certain) in.one_of("max_frequency", "modes");
 }
 
-void check_surface(Reader& in, const SurfaceSpec& surface, bool) {
+void check_surface_keys(Reader& in, const SurfaceSpec& surface, bool) {
   if (!is<SurfaceKind::gaussian>(surface)) return;
   if (surface.exact == Exactly::rq_and_rsm && !in.has("rsm"))
     in.fault("exact", "\"rq+rsm\", and there is no `rsm` to be exact");
@@ -262,7 +262,7 @@ const Keys<SurfaceSpec>& of_surface() {
                   "raised cosines on a flat face, `{ at, height, half_width }` in m: place along "
                   "the body, height, half of the width at the foot",
                   {"`\"peaks\"`", of_kind<SurfaceKind::peaks>}}},
-                check_surface};
+                check_surface_keys};
     for (const auto& more : {file_keys(), random_keys()})
       all.list.insert(all.list.end(), more.begin(), more.end());
     return all;
@@ -317,7 +317,7 @@ Keys<BodySpec> body_with(Key<BodySpec> own) {
         "the rough face, see below",
         {"", [](const B& body,
                 const Scene& scene) { return unused_keys(of_surface(), body.surface, scene); }}}},
-      check_body};
+      check_body_keys};
   keys.list.push_back(std::move(own));
   return keys;
 }

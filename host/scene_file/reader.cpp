@@ -22,13 +22,6 @@ constexpr std::size_t most_shown = 20;          // faults
 constexpr std::size_t longest_override = 200;   // bytes, in a message
 constexpr std::size_t longest_complaint = 400;  // of the TOML parser
 
-std::string trimmed(const std::string& text) {
-  constexpr auto blanks = " \t\r\n";
-  const auto first = text.find_first_not_of(blanks);
-  if (first == std::string::npos) return {};
-  return text.substr(first, text.find_last_not_of(blanks) - first + 1);
-}
-
 bool is_bare(std::string_view key) {
   return !key.empty() && std::all_of(key.begin(), key.end(), [](unsigned char c) {
     return std::isalnum(c) != 0 || c == '_' || c == '-';
@@ -261,7 +254,7 @@ struct Document::Parts {
     std::replace(where.begin(), where.end(), '\n', ' ');  // a fault is one line
     const auto equals = text.find('=');
     std::vector<std::string> path(1);
-    for (const char c : trimmed(text.substr(0, equals))) {
+    for (const char c : trimmed(std::string_view(text).substr(0, equals))) {
       if (c == '.')
         path.emplace_back();
       else
@@ -272,7 +265,8 @@ struct Document::Parts {
       return add(0, where + ": not an override: expected section.key=value");
     toml::table given;
     try {
-      given = parse_override(path, trimmed(text.substr(equals + 1)), where);
+      given = parse_override(path, std::string(trimmed(std::string_view(text).substr(equals + 1))),
+                             where);
     } catch (const toml::parse_error&) {
       return add(0, where + ": not UTF-8: expected a value that TOML can hold");
     }

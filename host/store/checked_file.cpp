@@ -23,7 +23,7 @@ namespace {
 
 using h5::check;
 
-constexpr hsize_t bytes_at_once = 1 << 16, longest_row = 1 << 28;
+constexpr hsize_t checked_at_once = 1 << 16, longest_row = 1 << 28;
 
 // of the child that asks HDF5
 constexpr double least_memory = 512e6, least_seconds = 10;  // bytes, s
@@ -100,7 +100,7 @@ ReadNumbers read_numbers(hid_t dataset, double room) {
     width *= extent[axis];
   }
   const hsize_t at_once =
-      std::max<hsize_t>(1, bytes_at_once / std::max<hsize_t>(width * sizeof(double), 1));
+      std::max<hsize_t>(1, checked_at_once / std::max<hsize_t>(width * sizeof(double), 1));
   std::vector<double> block;
   for (hsize_t first = 0; width > 0 && first < extent[0]; first += at_once) {
     std::vector<hsize_t> start(extent.size(), 0), count = extent;

@@ -14,7 +14,7 @@ namespace {
 
 using h5::check;
 
-constexpr std::size_t bytes_at_once = 1024 * 1024;  // which are still at hand when they are hashed
+constexpr std::size_t read_at_once = 1024 * 1024;  // which are still at hand when they are hashed
 
 void require_scales(hid_t file, const Table& table) {
   unsigned axis = 0;
@@ -38,7 +38,7 @@ void read_all(Table& table, const std::vector<hsize_t>& extent) {
   if (extent.size() == 2) table.width = extent[1];
   // whole chunks
   const hsize_t at_once = std::bit_floor(
-      std::max<hsize_t>(bytes_at_once / (std::max<hsize_t>(table.width, 1) * sizeof(double)), 1));
+      std::max<hsize_t>(read_at_once / (std::max<hsize_t>(table.width, 1) * sizeof(double)), 1));
   for (hsize_t first = 0; first < extent[0]; first += at_once) {
     const hsize_t count = std::min(at_once, extent[0] - first);
     rows.resize(count * table.width);

@@ -18,7 +18,7 @@
 namespace ra2d {
 namespace {
 
-constexpr std::size_t kind_bytes = 24, hash_bytes = 32;
+constexpr std::size_t kind_bytes = 24, hash_text_bytes = 32;
 
 template <class Number>
 void put(std::string& out, Number number) {
@@ -58,7 +58,7 @@ class Cursor {
   bool has_hash_of(std::string_view bytes) {
     Hash hash;
     hash.add(bytes);
-    return take(hash_bytes) == hash.text();
+    return take(hash_text_bytes) == hash.text();
   }
 
  private:
@@ -114,7 +114,7 @@ std::vector<Section> unseal(const std::string& kind, std::uint32_t format,
       throw CorruptFile(fmt::format("damaged in its section '{}'", section.name.substr(0, 40)));
     sections.push_back(std::move(section));
   }
-  const std::size_t hashed = bytes.size() - std::min(bytes.size(), hash_bytes);
+  const std::size_t hashed = bytes.size() - std::min(bytes.size(), hash_text_bytes);
   if (!cursor.has_hash_of(std::string_view(bytes).substr(0, hashed))) throw CorruptFile("damaged");
   return sections;
 }

@@ -90,7 +90,7 @@ void require_merged_table(const fs::path& output, const Study& study,
   std::error_code none;
   for (const fs::path& path : folders) {
     const StudyFolder folder{path};
-    const fs::path parent = output.has_parent_path() ? output.parent_path() : fs::path(".");
+    const fs::path parent = folder_of(output);
     const std::string name = output.filename().string();
     if (fs::equivalent(parent, folder.results(), none) ||
         (fs::equivalent(parent, folder.path, none) &&

@@ -43,7 +43,7 @@ double white_noise(std::uint64_t seed, std::int64_t index) {
 namespace {
 
 // correlation lengths, of beams: beyond it is no roughness, below it a slip, and slow
-constexpr double longest = 100, shortest = 1e-8;
+constexpr double longest_correlation = 100, shortest = 1e-8;
 
 }  // namespace
 
@@ -65,11 +65,11 @@ std::vector<double> gaussian_heights(double rq, double correlation_length, std::
   std::vector<double> heights(static_cast<std::size_t>(nodes), 0.0);
   if (rq == 0) return heights;
   if (nodes < 2) throw RequestError("a gaussian surface needs a beam of at least 2 nodes");
-  if (correlation_length > longest * length)
+  if (correlation_length > longest_correlation * length)
     throw RequestError(fmt::format(
         "a correlation length of {:.10g} m is more than {} times the beam's length: the "
         "beam would be bent, not rough; lower rsm or correlation_length",
-        correlation_length, longest));
+        correlation_length, longest_correlation));
   if (correlation_length < shortest * length)
     throw RequestError(
         fmt::format("a correlation length of {:.10g} m is less than {} of the beam's "

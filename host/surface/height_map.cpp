@@ -31,14 +31,14 @@ const Normal& normal() {
   return rule;
 }
 
-struct Shape {
+struct HeightMoments {
   double mean, spread, skewness, kurtosis;
 };
 /// Of the values of a function of a standard normal number.
 template <class Function>
-Shape shape_of(const Function& function) {
+HeightMoments height_moments(const Function& function) {
   std::array<double, Normal::points> value;
-  Shape s{};
+  HeightMoments s{};
   for (int i = 0; i < Normal::points; ++i) {
     value[i] = function(normal().at[i]);
     s.mean += normal().weight[i] * value[i];
@@ -105,7 +105,7 @@ double HeightMap::at_mean_line() const {
 }
 
 void HeightMap::standardise() {
-  const Shape shape = shape_of([&](double g) { return raw(g); });
+  const HeightMoments shape = height_moments([&](double g) { return raw(g); });
   mean_ = shape.mean;
   spread_ = shape.spread;
 }
@@ -139,17 +139,17 @@ HeightMap::HeightMap(double skewness, double kurtosis) {
         const bool unbounded = family_ == Family::unbounded;
         gamma_ = bisect(unbounded ? 0 : -far, unbounded ? far : 0, unbounded, skew, [&](double at) {
           gamma_ = at;
-          return shape_of([&](double g) { return raw(g); }).skewness;
+          return height_moments([&](double g) { return raw(g); }).skewness;
         });
       }
-      return shape_of([&](double g) { return raw(g); }).kurtosis;
+      return height_moments([&](double g) { return raw(g); }).kurtosis;
     };
     const double most = skew > 1e-9 ? 1 / std::sqrt(std::log(w)) : 1000.0;
     const double least = family_ == Family::unbounded ? 0.6 : 0.2;
     settle(bisect(least, most, family_ == Family::bounded, kurtosis, settle));
   }
   standardise();
-  const Shape made = shape_of([&](double g) { return (*this)(g); });
+  const HeightMoments made = height_moments([&](double g) { return (*this)(g); });
   if (!(std::abs(made.skewness - skewness) < 1e-6 && std::abs(made.kurtosis - kurtosis) < 1e-6))
     throw RequestError(fmt::format(
         "no heights were found with a skewness of {:.10g} and a kurtosis of {:.10g}: move "

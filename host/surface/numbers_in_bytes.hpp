@@ -22,4 +22,10 @@ T little_endian(const char* bytes) {
   return value;
 }
 
+/// As a double, whatever its type.
+template <class T>
+double little_endian_value(const char* bytes) {
+  return static_cast<double>(little_endian<T>(bytes));
+}
+
 }  // namespace ra2d

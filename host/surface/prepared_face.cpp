@@ -17,18 +17,15 @@
 #include "host/surface/profile.hpp"
 #include "host/surface/profile_lines.hpp"
 #include "host/surface/sum.hpp"
+#include "host/surface/usual_faces.hpp"
 
 namespace ra2d {
 namespace {
 
-constexpr double fewest_steps = 5;   // to a cut-off
-constexpr double seam_share = 0.1;   // of the profile
-constexpr double most_copies = 100;  // along a beam
-// Beyond any face, and beyond most faces: as in profile_file.cpp.
-constexpr double largest_share = 0.5, large_share = 0.05;  // of the beam's thickness
-constexpr double steepest = 1, steep = 0.2;                // root mean square slope
-constexpr double coarse_nodes = 20;                        // to a step of the profile
-constexpr double much_change = 0.1;                        // of Rq, where a profile is repeated
+constexpr double steps_to_cutoff = 5;  // to a cut-off
+constexpr double seam_share = 0.1;     // of the profile
+constexpr double most_copies = 100;    // along a beam
+constexpr double much_change = 0.1;    // of Rq, where a profile is repeated
 
 /// Renames options of a command, as the readers have them in their messages, to keys of a scene.
 std::string in_keys(std::string text) {
@@ -67,10 +64,10 @@ ProfileQuery query_of(const FilePreparation& how) {
 
 /// Throws RequestError where the profile is too short or too coarse for the filter.
 void check_cutoff(const std::filesystem::path& file, const Profile& profile, double cutoff) {
-  if (cutoff < fewest_steps * profile.spacing)
+  if (cutoff < steps_to_cutoff * profile.spacing)
     refuse_face(file, fmt::format("cutoff = {:g}: at least {:g} steps of the profile are needed, "
                                   "{:.6g} m",
-                                  cutoff, fewest_steps, fewest_steps * profile.spacing));
+                                  cutoff, steps_to_cutoff, steps_to_cutoff * profile.spacing));
   const double half = std::round(0.5 * cutoff / profile.spacing);
   if (2 * half + 2 > static_cast<double>(profile.heights.size()))
     refuse_face(file, fmt::format("cutoff = {:g}: half of it is dropped at each end, and the "
@@ -113,11 +110,11 @@ std::vector<double> at_nodes(std::size_t nodes, double stride, std::size_t last,
   return heights;
 }
 
-struct Shape {
+struct FaceShape {
   double rq, slope;  // m; root mean square
 };
 
-Shape shape_of(std::span<const double> z, double spacing) {
+FaceShape face_shape(std::span<const double> z, double spacing) {
   const auto count = static_cast<double>(z.size());
   const double mean = compensated_sum(z.size(), [&](std::size_t i) { return z[i]; }) / count;
   const double squares =
@@ -131,23 +128,23 @@ void check_proportion(const std::filesystem::path& file, const std::vector<doubl
                       double length, double spacing, double thickness,
                       std::vector<std::string>* doubts) {
   const auto [low, high] = std::minmax_element(z.begin(), z.end());
-  const double height = *high - *low, slope = shape_of(z, spacing).slope;
+  const double height = *high - *low, slope = face_shape(z, spacing).slope;
   const double depth = thickness > 0 ? thickness : length;
   const char* const what = thickness > 0 ? "thick" : "long";
-  if (height > depth * (thickness > 0 ? largest_share : 1))
+  if (height > depth * (thickness > 0 ? usual_faces::largest_share : 1))
     refuse_face(file,
                 fmt::format("the heights span {:.6g} m on a beam {:.6g} m {}: say with z_unit "
                             "what they are in, or take a form off",
                             height, depth, what));
-  if (slope > steepest)
+  if (slope > usual_faces::steepest)
     refuse_face(file, fmt::format("the slopes have a root mean square of {:.3g}, steeper than any "
                                   "face: say with x_unit and z_unit what x and z are in",
                                   slope));
   if (doubts == nullptr) return;
-  if (height > large_share * depth)
+  if (height > usual_faces::large_share * depth)
     doubts->push_back(fmt::format("{}: the heights span {:.3g} m on a beam {:.3g} m {}",
                                   file.string(), height, depth, what));
-  else if (slope > steep)
+  else if (slope > usual_faces::steep)
     doubts->push_back(
         fmt::format("{}: the slopes have a root mean square of {:.2g}, and few faces "
                     "are so steep",
@@ -206,18 +203,19 @@ std::vector<double> prepared_face(const SurfaceSpec& spec, const std::filesystem
   if (doubts != nullptr && own > 1) {
     const auto reach = static_cast<double>(own - 1) * stride;
     const std::size_t points = std::min(z.size(), static_cast<std::size_t>(reach) + 2);
-    doubt_lost_slope(file, shape_of(std::span(z).first(points), profile.spacing).slope,
-                     profile.spacing, shape_of(std::span(heights).first(own), spacing).slope,
+    doubt_lost_slope(file, face_shape(std::span(z).first(points), profile.spacing).slope,
+                     profile.spacing, face_shape(std::span(heights).first(own), spacing).slope,
                      spacing, doubts);
   }
-  if (doubts != nullptr && profile.spacing > coarse_nodes * spacing)
+  if (doubts != nullptr && profile.spacing > usual_faces::coarse_nodes * spacing)
     doubts->push_back(
         fmt::format("{}: x steps by {:.6g} m, {:.0f} nodes of the scene, between which the face is "
                     "straight",
                     file.string(), profile.spacing, profile.spacing / spacing));
   if (doubts != nullptr && is_short) {
-    const Shape before = shape_of(std::span(heights).first(std::max<std::size_t>(own, 2)), spacing);
-    const Shape after = shape_of(heights, spacing);
+    const FaceShape before =
+        face_shape(std::span(heights).first(std::max<std::size_t>(own, 2)), spacing);
+    const FaceShape after = face_shape(heights, spacing);
     std::string doubt =
         fmt::format("{}: {:.4g} m long, less than the beam: repeated every {:.4g} m", file.string(),
                     there, static_cast<double>(last + repeated.seam()) * profile.spacing);

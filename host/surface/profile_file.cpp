@@ -18,22 +18,18 @@
 #include "host/surface/profile.hpp"
 #include "host/surface/profile_lines.hpp"
 #include "host/surface/sum.hpp"
+#include "host/surface/usual_faces.hpp"
 
 namespace ra2d {
 namespace {
 
 // Beyond any face:
 constexpr double longest_share = 900;  // a profile so many times as long as the beam
-constexpr double largest_share = 0.5;  // of the beam's thickness, from the lowest to the highest
-constexpr double steepest = 1;         // root mean square slope: 45 degrees
-// Beyond most faces:
-constexpr double large_share = 0.05, steep = 0.2;
 constexpr double inches = 1 / 0.0254, like_inches = 0.05;
 // A number that is cut off inside its exponent is off by powers of ten. No last height of a face is
 // so many times its peak to valley away from all others.
 constexpr double far_off = 10;
 constexpr double usual_height = 2e-5;  // m, peak to valley of a ground face
-constexpr double coarse_nodes = 20;    // of the scene, to a step of the profile
 constexpr std::size_t few_points = 100;
 
 /// Fault of a line, empty where there is none, and its point.
@@ -142,7 +138,9 @@ struct Relief {
   double depth = 0;  // m, of the body: its thickness, or its length where it has none
   bool has_thickness = false;
 
-  bool odd() const { return height > large_share * depth || slope > steep; }
+  bool odd() const {
+    return height > usual_faces::large_share * depth || slope > usual_faces::steep;
+  }
 };
 
 Relief measure(const std::deque<ProfilePoint>& points, std::size_t used, double length,
@@ -178,7 +176,8 @@ LineFault find_disproportion(const ProfilePoints& profile, double length, const 
   const std::size_t last = points.size() - 1;
   if (!profile.has_end && last >= 3) {
     const Span others = span_of(points, last, last);
-    if (others.away(points[last].z) > std::max(far_off * others.size(), large_share * relief.depth))
+    if (others.away(points[last].z) >
+        std::max(far_off * others.size(), usual_faces::large_share * relief.depth))
       return {profile.line_of(last),
               fmt::format("the line has no end, and its height of {:.6g} m is far from all others "
                           "({:.6g} to {:.6g} m): the file was cut off inside this number. Complete "
@@ -194,8 +193,9 @@ LineFault find_disproportion(const ProfilePoints& profile, double length, const 
                         range, length, unit.name, unit.factor)};
   }
   // a rigid body's length says less about its faces than a thickness
-  const bool tall = relief.height > relief.depth * (relief.has_thickness ? largest_share : 1);
-  if (!tall && relief.slope <= steepest) return {0, {}};
+  const bool tall =
+      relief.height > relief.depth * (relief.has_thickness ? usual_faces::largest_share : 1);
+  if (!tall && relief.slope <= usual_faces::steepest) return {0, {}};
   if (relief.slip) {
     const Span others = span_of(points, points.size(), *relief.slip);
     return {profile.line_of(*relief.slip),
@@ -224,12 +224,12 @@ LineFault find_oddity(const ProfilePoints& profile, double length, const Relief&
             fmt::format("x runs over {:.6g} m for a beam of {:.6g} m, {:.3g} times as long: is it "
                         "in inches?",
                         range, length, range / length)};
-  if (relief.height > large_share * relief.depth)
+  if (relief.height > usual_faces::large_share * relief.depth)
     return {profile.line_of(relief.highest),
             fmt::format("the heights span {:.3g} m, {:.0f} % of the beam's {}: are they in metres?",
                         relief.height, 100 * relief.height / relief.depth,
                         relief.has_thickness ? "thickness" : "length")};
-  if (relief.slope > steep)
+  if (relief.slope > usual_faces::steep)
     return {profile.line_of(relief.highest),
             fmt::format("the slopes have a root mean square of {:.2g}, and few faces are so steep: "
                         "are x and z in metres?",
@@ -274,7 +274,7 @@ std::vector<double> read_profile(const std::filesystem::path& file, int nodes, d
         fmt::format("{}:{}: the last line has no end: if the file was cut off there, "
                     "its height of {:.6g} m is wrong",
                     file.string(), last_line, points.back().z));
-  if (doubts != nullptr && step > coarse_nodes * spacing && points.size() > few_points)
+  if (doubts != nullptr && step > usual_faces::coarse_nodes * spacing && points.size() > few_points)
     doubts->push_back(
         fmt::format("{}: x steps by {:.6g} m, {:.0f} nodes of the scene, between "
                     "which the face is straight: is x in metres?",

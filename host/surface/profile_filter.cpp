@@ -16,7 +16,7 @@
 namespace ra2d {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 const double alpha = std::sqrt(std::numbers::ln2 / pi);
 constexpr double reach = 1.6;      // cutoffs: beyond, there is erfc(reach sqrt(pi)/alpha) = 1e-17
 constexpr double strides = 256;    // of a wide bell's cutoff
@@ -53,11 +53,11 @@ struct Bell {
 };
 
 /// The heights' weighted sum (real part) and their first moment (imaginary part) about every point.
-using Moments = std::vector<std::complex<double>>;
+using BellMoments = std::vector<std::complex<double>>;
 using Transformed = std::vector<std::complex<double>>;
 
-Moments sum_plainly(const std::vector<double>& heights, const Bell& bell) {
-  Moments moments(heights.size());
+BellMoments sum_plainly(const std::vector<double>& heights, const Bell& bell) {
+  BellMoments moments(heights.size());
   for (std::size_t i = 0; i < heights.size(); ++i) {
     const std::size_t left = std::min(i, bell.half());
     const std::size_t right = std::min(heights.size() - 1 - i, bell.half());
@@ -102,7 +102,7 @@ void convolve(std::span<const std::complex<double>> lines, const Transformed& ot
 }
 
 /// Sums of any bell: convolutions with the weights and with the moments, block by block.
-Moments sum_by_fft(const std::vector<double>& heights, const Bell& bell) {
+BellMoments sum_by_fft(const std::vector<double>& heights, const Bell& bell) {
   const std::size_t half = bell.half(), count = heights.size();
   const std::size_t block = std::min(std::bit_ceil(8 * half), std::bit_ceil(count + 2 * half));
   const std::size_t fresh = block - 2 * half;  // points of a block that see no wrapping
@@ -111,7 +111,7 @@ Moments sum_by_fft(const std::vector<double>& heights, const Bell& bell) {
   const Transformed weights = transfer(fourier, bell.weight, 1),
                     moment = transfer(fourier, bell.moment, -1);
   const double scale = 1 / static_cast<double>(block);
-  Moments moments(count);
+  BellMoments moments(count);
   const std::span<double> values = fourier.input();
   for (std::size_t begin = 0; begin < count; begin += fresh) {
     for (std::size_t k = 0; k < block; ++k) {
@@ -130,7 +130,7 @@ Moments sum_by_fft(const std::vector<double>& heights, const Bell& bell) {
 /// Sums of a wide bell, all lengths in points. A bell of `cutoff` is one of `narrow` convolved with
 /// one of `wide`. The first is computed at every `stride`th point only. Its convolution with the
 /// second is so smooth that eight points interpolate all between them, to 1e-14 of the heights.
-Moments sum_in_strides(const std::vector<double>& heights, double cutoff, double unit) {
+BellMoments sum_in_strides(const std::vector<double>& heights, double cutoff, double unit) {
   const auto stride =
       static_cast<std::size_t>(std::min(cutoff / strides, static_cast<double>(heights.size())));
   const auto step = static_cast<double>(stride);
@@ -157,7 +157,7 @@ Moments sum_in_strides(const std::vector<double>& heights, double cutoff, double
           kernel[static_cast<std::size_t>(i - at + half)] * heights[static_cast<std::size_t>(i)];
   }
   const Bell bell(coarse, step, wide);
-  const Moments sums = sum_by_fft(smooth, bell);
+  const BellMoments sums = sum_by_fft(smooth, bell);
 
   const double scale = step * cutoff / (alpha * narrow * wide);
   const double first_scale = scale * std::pow(cutoff / wide, 2) * bell.unit() * step / unit;
@@ -171,7 +171,7 @@ Moments sum_in_strides(const std::vector<double>& heights, double cutoff, double
           lagrange[k][j] *=
               (x - static_cast<double>(m)) / (static_cast<double>(j) - static_cast<double>(m));
     }
-  Moments moments(heights.size());
+  BellMoments moments(heights.size());
   for (std::size_t i = 0; i < heights.size(); ++i) {
     const std::size_t first = i / stride + margin - 3;
     double sum = 0, moment = 0;
@@ -192,10 +192,10 @@ std::vector<double> gaussian_mean_line(const std::vector<double>& heights, doubl
   const Bell bell(heights.size(), spacing, cutoff);
   std::vector<double> line = heights;
   const double mean = subtract_mean(line);  // or the roundings would be those of a far offset
-  const Moments moments = bell.half() <= few_weights ? sum_plainly(line, bell)
-                          : cutoff >= 4 * strides * spacing
-                              ? sum_in_strides(line, cutoff / spacing, bell.unit())
-                              : sum_by_fft(line, bell);
+  const BellMoments moments = bell.half() <= few_weights ? sum_plainly(line, bell)
+                              : cutoff >= 4 * strides * spacing
+                                  ? sum_in_strides(line, cutoff / spacing, bell.unit())
+                                  : sum_by_fft(line, bell);
   for (std::size_t i = 0; i < line.size(); ++i) {
     const std::size_t left = std::min(i, bell.half());
     const std::size_t right = std::min(line.size() - 1 - i, bell.half());

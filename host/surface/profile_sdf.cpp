@@ -16,6 +16,7 @@
 
 #include "host/base/errors.hpp"
 #include "host/base/quiet_nan.hpp"
+#include "host/base/text.hpp"
 #include "host/surface/areal.hpp"
 #include "host/surface/numbers_in_bytes.hpp"
 #include "host/surface/profile_lines.hpp"
@@ -36,20 +37,16 @@ struct Type {
 };
 
 template <class T>
-double value_of(const char* bytes) {
-  return static_cast<double>(little_endian<T>(bytes));
-}
-template <class T>
 constexpr Type type_of() {
   return {
-      sizeof(T), &value_of<T>,
+      sizeof(T), &little_endian_value<T>,
       std::is_unsigned_v<T> ? quiet_nan : static_cast<double>(std::numeric_limits<T>::lowest())};
 }
 constexpr std::array<Type, 8> types{
     type_of<std::uint8_t>(), type_of<std::uint16_t>(), type_of<std::uint32_t>(), type_of<float>(),
     type_of<std::int8_t>(),  type_of<std::int16_t>(),  type_of<std::int32_t>(),  type_of<double>()};
 
-struct Header {
+struct SdfHeader {
   std::uint64_t points = 0, profiles = 0;
   double x_scale = 0, y_scale = 0, z_scale = 0;
   std::uint64_t compression = 0, data_type = 0, check_type = 0;
@@ -61,7 +58,8 @@ struct Header {
   throw RequestError(fmt::format("{}: SDF: {}", file.string(), why));
 }
 
-GridLine check(const std::filesystem::path& file, const Header& header, const ProfileQuery& query) {
+GridLine check(const std::filesystem::path& file, const SdfHeader& header,
+               const ProfileQuery& query) {
   const auto scale = [&](const char* name, double value, bool needed) {
     if (needed && !(value > 0 && std::isfinite(value)))
       refuse_sdf(file, fmt::format("{} = {}: expected a length in metres, > 0", name, value));
@@ -80,7 +78,7 @@ GridLine check(const std::filesystem::path& file, const Header& header, const Pr
 }
 
 /// A height [m] of a stored number, NaN for the mark of a missing point.
-double height(const std::filesystem::path& file, const Header& header, double stored,
+double height(const std::filesystem::path& file, const SdfHeader& header, double stored,
               std::uint64_t place) {
   if (std::isnan(stored) || stored == header.type().missing) return quiet_nan;
   const double z = stored * header.z_scale;
@@ -95,9 +93,9 @@ void add(Profile& profile, const std::filesystem::path& file, double z, std::uin
     profile.first_missing = fmt::format("{}: point {}", file.string(), place + 1);
 }
 
-Header binary_header(const char* bytes) {
+SdfHeader binary_header(const char* bytes) {
   const char* at = bytes + version_bytes + 10 + 12 + 12;  // the maker and two dates
-  Header header;
+  SdfHeader header;
   header.points = little_endian<std::uint16_t>(at);
   header.profiles = little_endian<std::uint16_t>(at + 2);
   header.x_scale = little_endian<double>(at + 4);
@@ -116,7 +114,7 @@ Profile read_binary(const std::filesystem::path& file, ProfileStream& stream,
   if (!stream.read(bytes.data(), bytes.size()))
     refuse_sdf(file, fmt::format("cut off in its header: {} bytes, which alone has {}", size,
                                  header_bytes));
-  const Header header = binary_header(bytes.data());
+  const SdfHeader header = binary_header(bytes.data());
   const GridLine line = check(file, header, query);
   const Type& type = header.type();
   const std::uint64_t needed = header_bytes + header.points * header.profiles * type.bytes;
@@ -151,22 +149,20 @@ bool next_line(const std::filesystem::path& file, std::istream& stream, std::str
   return !line.empty();
 }
 
-std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view blanks = " \t\r\v\f\0";
-  constexpr std::string_view all(blanks.data(), 6);  // what pads fields, too
-  text.remove_prefix(std::min(text.find_first_not_of(all), text.size()));
-  return text.substr(0, text.find_last_not_of(all) + 1);
+std::string_view without_padding(std::string_view text) {
+  using namespace std::string_view_literals;
+  return trimmed(text, " \t\r\v\f\0"sv);
 }
 
 struct Field {
   const char* name;
-  double Header::*length;
-  std::uint64_t Header::*count;
+  double SdfHeader::*length;
+  std::uint64_t SdfHeader::*count;
   bool needed;
   bool found = false;
 };
 
-void read_field(const std::filesystem::path& file, Header& header, Field& field,
+void read_field(const std::filesystem::path& file, SdfHeader& header, Field& field,
                 std::string_view word) {
   if (std::exchange(field.found, true))
     refuse_sdf(file, fmt::format("{} stands twice in the header", field.name));
@@ -183,29 +179,29 @@ void read_field(const std::filesystem::path& file, Header& header, Field& field,
   header.*field.count = static_cast<std::uint64_t>(*value);
 }
 
-Header text_header(const std::filesystem::path& file, std::istream& stream) {
-  Header header;
-  Field fields[] = {{"NumPoints", nullptr, &Header::points, true},
-                    {"NumProfiles", nullptr, &Header::profiles, true},
-                    {"Xscale", &Header::x_scale, nullptr, true},
-                    {"Yscale", &Header::y_scale, nullptr, false},
-                    {"Zscale", &Header::z_scale, nullptr, true},
-                    {"Compression", nullptr, &Header::compression, false},
-                    {"DataType", nullptr, &Header::data_type, true},
-                    {"CheckType", nullptr, &Header::check_type, false}};
+SdfHeader text_header(const std::filesystem::path& file, std::istream& stream) {
+  SdfHeader header;
+  Field fields[] = {{"NumPoints", nullptr, &SdfHeader::points, true},
+                    {"NumProfiles", nullptr, &SdfHeader::profiles, true},
+                    {"Xscale", &SdfHeader::x_scale, nullptr, true},
+                    {"Yscale", &SdfHeader::y_scale, nullptr, false},
+                    {"Zscale", &SdfHeader::z_scale, nullptr, true},
+                    {"Compression", nullptr, &SdfHeader::compression, false},
+                    {"DataType", nullptr, &SdfHeader::data_type, true},
+                    {"CheckType", nullptr, &SdfHeader::check_type, false}};
   std::string line;
   next_line(file, stream, line);  // the version
   for (std::size_t number = 2;; ++number) {
     if (number > most_lines || !next_line(file, stream, line))
       refuse_sdf(file, "no line * ends the header: was the file cut off?");
     std::string_view text = line;
-    text = trimmed(text.substr(0, text.find(';')));  // a comment
+    text = without_padding(text.substr(0, text.find(';')));  // a comment
     if (text == "*") break;
     const std::size_t mark = text.find('=');
     if (mark == text.npos) continue;
     for (Field& field : fields)
-      if (trimmed(text.substr(0, mark)) == field.name)
-        read_field(file, header, field, trimmed(text.substr(mark + 1)));
+      if (without_padding(text.substr(0, mark)) == field.name)
+        read_field(file, header, field, without_padding(text.substr(mark + 1)));
   }
   for (const Field& field : fields)
     if (field.needed && !field.found)
@@ -240,7 +236,7 @@ double stored_number(const std::filesystem::path& file, const std::string& word,
 
 Profile read_text(const std::filesystem::path& file, std::istream& stream,
                   const ProfileQuery& query) {
-  const Header header = text_header(file, stream);
+  const SdfHeader header = text_header(file, stream);
   const GridLine line = check(file, header, query);
   Profile profile;
   profile.spacing = line.spacing;
@@ -279,7 +275,7 @@ Profile read_profile_sdf(const std::filesystem::path& file, const ProfileQuery& 
   const std::string_view norm = std::string_view(version).substr(1);
   if (norm != "BCR-1.0" && norm != "ISO-1.0")
     refuse_sdf(file, fmt::format("version {}, which is not read: expected BCR-1.0 or ISO-1.0",
-                                 ra2d::quoted(trimmed(version))));
+                                 ra2d::quoted(without_padding(version))));
   stream.clear();
   stream.seekg(0);
   Profile profile =

@@ -11,7 +11,9 @@
 
 #include "host/base/errors.hpp"
 #include "host/base/quiet_nan.hpp"
+#include "host/base/text.hpp"
 #include "host/surface/profile_lines.hpp"
+#include "host/surface/usual_faces.hpp"
 
 namespace ra2d {
 namespace {
@@ -20,15 +22,9 @@ constexpr std::string_view blanks = " \t\r\v\f";
 constexpr std::size_t most_header_lines = 1000, longest_header = 2000;  // bytes
 constexpr std::size_t looked_at = 200;  // lines of numbers that tell how numbers are written
 // Beyond any profile in metres:
-constexpr double longest = 10, coarsest = 1e-4, highest = 1e-3;  // m
-constexpr double steepest = 1;  // root mean square slope: 45 degrees
+constexpr double longest_profile = 10, coarsest = 1e-4, highest = 1e-3;  // m
 
 using Fields = std::vector<std::string_view>;
-
-std::string_view trimmed(std::string_view text) {
-  text.remove_prefix(std::min(text.find_first_not_of(blanks), text.size()));
-  return text.substr(0, text.find_last_not_of(blanks) + 1);
-}
 
 bool is_missing(std::string_view word) {
   if (word.empty() || word.size() > 3) return word.empty();
@@ -78,7 +74,7 @@ struct Dialect {
 };
 
 /// Units of the columns, where the header gives them, and one that belongs to no column.
-struct Header {
+struct TextHeader {
   struct Unit {
     std::string word;
     std::size_t line = 0;
@@ -203,7 +199,7 @@ std::vector<std::string_view> units_of(std::string_view line, const Dialect& dia
 }
 
 void read_header_line(std::string_view line, std::size_t number, const Dialect& dialect,
-                      const std::filesystem::path& file, Header& header) {
+                      const std::filesystem::path& file, TextHeader& header) {
   line.remove_prefix(std::min(line.find_first_not_of(" \t\r#%/*"), line.size()));
   line = trimmed(line);
   const std::vector<std::string_view> units = units_of(line, dialect);
@@ -211,7 +207,7 @@ void read_header_line(std::string_view line, std::size_t number, const Dialect& 
   for (std::size_t i = 0; i < units.size(); ++i) {
     if (units[i].empty()) continue;
     any = true;
-    Header::Unit& unit_here = header.units[i];
+    TextHeader::Unit& unit_here = header.units[i];
     const auto unit = to_unit(units[i]), before = to_unit(unit_here.word);
     if (unit && before && unit->metres != before->metres)
       throw RequestError(fmt::format("{}:{}: column {} is in {} here and in {} in line {}",
@@ -229,7 +225,7 @@ std::string place(const std::filesystem::path& file, std::size_t line) {
 }
 
 /// A first pass over the beginning of the file.
-std::pair<Dialect, Header> look(const std::filesystem::path& file, const ProfileQuery& query) {
+std::pair<Dialect, TextHeader> look(const std::filesystem::path& file, const ProfileQuery& query) {
   ProfileLines lines(file);
   Marks marks;
   std::vector<std::pair<std::size_t, std::string>> before;
@@ -262,7 +258,7 @@ std::pair<Dialect, Header> look(const std::filesystem::path& file, const Profile
     fields.pop_back();
   }
   dialect.columns = fields.size();
-  Header header;
+  TextHeader header;
   header.units.resize(dialect.columns);
   header.lines = first_line - 1;
   for (const auto& [number, text] : before) read_header_line(text, number, dialect, file, header);
@@ -276,7 +272,7 @@ struct Columns {
 };
 
 Columns choose_columns(const std::filesystem::path& file, const Dialect& dialect,
-                       const Header& header, const ProfileQuery& query) {
+                       const TextHeader& header, const ProfileQuery& query) {
   const std::size_t first = query.spacing ? 1 : 2;  // that heights may have
   const std::string where = place(file, header.lines + 1);
   if (query.column && (*query.column < static_cast<int>(first) ||
@@ -300,10 +296,10 @@ Columns choose_columns(const std::filesystem::path& file, const Dialect& dialect
 }
 
 /// Unit of a column; nothing where neither the file nor the user gives one.
-std::optional<LengthUnit> agreed_unit(const std::filesystem::path& file, const Header& header,
+std::optional<LengthUnit> agreed_unit(const std::filesystem::path& file, const TextHeader& header,
                                       std::size_t column, const std::optional<LengthUnit>& option,
                                       const char* axis) {
-  const Header::Unit& own = header.units[column];
+  const TextHeader::Unit& own = header.units[column];
   const auto unit = to_unit(own.word);
   if (unit && option && unit->metres != option->metres)
     throw RequestError(
@@ -333,8 +329,8 @@ std::string fault_of(std::string_view word, const std::optional<double>& value, 
   return {};
 }
 
-ProfilePoints read_points(const std::filesystem::path& file, const Dialect& dialect,
-                          const Header& header, const Columns& columns) {
+ProfilePoints read_text_points(const std::filesystem::path& file, const Dialect& dialect,
+                               const TextHeader& header, const Columns& columns) {
   ProfileLines lines(file);
   ProfilePoints profile;
   Fields fields;
@@ -383,7 +379,7 @@ ProfilePoints read_points(const std::filesystem::path& file, const Dialect& dial
 void require_metres(const std::filesystem::path& file, const Profile& profile, bool x_has_unit,
                     bool z_has_unit) {
   const double length = profile.length();
-  if (!x_has_unit && (length > longest || profile.spacing > coarsest))
+  if (!x_has_unit && (length > longest_profile || profile.spacing > coarsest))
     throw RequestError(fmt::format(
         "{}: x runs over {:.6g} in steps of {:.6g}, and no unit is told: metres they are not. Say "
         "with --x-unit what x is in (--x-unit m, if they are)",
@@ -397,7 +393,7 @@ void require_metres(const std::filesystem::path& file, const Profile& profile, b
     before = z;
   }
   const double slope = steps > 0 ? std::sqrt(squares / steps) / profile.spacing : 0;
-  if (high - low > highest || slope > steepest)
+  if (high - low > highest || slope > usual_faces::steepest)
     throw RequestError(fmt::format(
         "{}: z spans {:.6g} with slopes of {:.3g}, and no unit is told: metres they are not. Say "
         "with --z-unit what z is in (--z-unit m, if they are)",
@@ -415,7 +411,7 @@ Profile read_profile_text(const std::filesystem::path& file, const ProfileQuery&
   if (columns.x) x_unit = agreed_unit(file, header, *columns.x, query.x_unit, "x");
   const auto z_unit = agreed_unit(file, header, columns.z, query.z_unit, "z");
 
-  ProfilePoints read = read_points(file, dialect, header, columns);
+  ProfilePoints read = read_text_points(file, dialect, header, columns);
   if (columns.x) read.check_steps(x_unit ? x_unit->name.data() : "m");
   if (!read.faults.empty()) refuse(file, std::move(read.faults));
   const auto& points = read.points;

@@ -16,6 +16,7 @@
 
 #include "host/base/errors.hpp"
 #include "host/base/quiet_nan.hpp"
+#include "host/base/text.hpp"
 #include "host/surface/areal.hpp"
 #include "host/surface/md5.hpp"
 #include "host/surface/numbers_in_bytes.hpp"
@@ -31,12 +32,6 @@ constexpr std::ptrdiff_t most_marks = 250'000;
 
 [[noreturn]] void refuse_x3p(const std::filesystem::path& file, const std::string& why) {
   throw RequestError(fmt::format("{}: X3P: {}", file.string(), why));
-}
-
-std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view blanks = " \t\r\n\v\f";
-  text.remove_prefix(std::min(text.find_first_not_of(blanks), text.size()));
-  return text.substr(0, text.find_last_not_of(blanks) + 1);
 }
 
 bool same_digits(std::string_view a, std::string_view b) {
@@ -89,11 +84,6 @@ class Element {
   std::string name_;
 };
 
-template <class T>
-double value_of(const char* bytes) {
-  return static_cast<double>(little_endian<T>(bytes));
-}
-
 struct Axis {
   bool absolute = false;  // its coordinate stands at every point
   double increment = 1, offset = 0;
@@ -108,13 +98,13 @@ struct Axis {
 void read_type(Axis& axis, const Element& type) {
   const std::string_view word = type.text();
   if (word == "I")
-    axis.bytes = 2, axis.value = &value_of<std::int16_t>, axis.whole = true;
+    axis.bytes = 2, axis.value = &little_endian_value<std::int16_t>, axis.whole = true;
   else if (word == "L")
-    axis.bytes = 4, axis.value = &value_of<std::int32_t>, axis.whole = true;
+    axis.bytes = 4, axis.value = &little_endian_value<std::int32_t>, axis.whole = true;
   else if (word == "F")
-    axis.bytes = 4, axis.value = &value_of<float>, axis.precision = 0x1p-24;
+    axis.bytes = 4, axis.value = &little_endian_value<float>, axis.precision = 0x1p-24;
   else if (word == "D")
-    axis.bytes = 8, axis.value = &value_of<double>, axis.precision = 0x1p-53;
+    axis.bytes = 8, axis.value = &little_endian_value<double>, axis.precision = 0x1p-53;
   else
     type.refuse_value("expected I, L, F or D");
 }
@@ -246,8 +236,9 @@ void apply_mask(const std::filesystem::path& file, const ZipArchive& archive, co
   if (sum.stands() && !sum.text().empty()) require_checksum(file, md5, sum.text(), name);
 }
 
-void read_binary(const std::filesystem::path& file, const ZipArchive& archive, const Element& link,
-                 const Layout& layout, const GridLine& line, Collector& points) {
+void read_heights_file(const std::filesystem::path& file, const ZipArchive& archive,
+                       const Element& link, const Layout& layout, const GridLine& line,
+                       Collector& points) {
   const std::string name(link.need("PointDataLink").text());
   const std::uint64_t all = layout.grid.points * layout.grid.profiles;
   const std::size_t record = layout.record();
@@ -374,7 +365,7 @@ Profile read_profile_x3p(const std::filesystem::path& file, const ProfileQuery& 
     refuse_x3p(file, "main.xml has no CY, along which the column would run");
   const Element record3 = root.need("Record3"), link = record3.child("DataLink");
   if (link.stands())
-    read_binary(file, archive, link, layout, line, points);
+    read_heights_file(file, archive, link, layout, line, points);
   else
     read_list(file, record3.need("DataList"), layout, points);
 

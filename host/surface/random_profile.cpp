@@ -20,7 +20,7 @@
 namespace ra2d {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// Places to the shortest wave: as few as bells take (host/surface/bells.hpp).
 constexpr double places_per_wave = 4;
@@ -351,7 +351,7 @@ std::optional<double> solve_growing(double guess, double value,
 /// (Rice): sqrt(2) pi l for C(x) = exp(-(x/l)^2).
 constexpr double rsm_per_length = std::numbers::sqrt2 * pi;
 
-void check_lengths(const RandomProfile& p) {
+void check_wave_lengths(const RandomProfile& p) {
   if (p.correlation == Correlation::self_affine && !(p.shortest < p.longest))
     throw RequestError(
         fmt::format("a shortest wave of {:.10g} m is not shorter than the longest, {:.10g} m",
@@ -386,7 +386,7 @@ class Resolver {
         resolve_self_affine();
         break;
     }
-    check_lengths(p_);
+    check_wave_lengths(p_);
     p_.rsm = p_.correlation == Correlation::gaussian && map_.is_identity()
                  ? rsm_per_length * p_.correlation_length
                  : crossing(p_);
@@ -395,7 +395,7 @@ class Resolver {
 
  private:
   double crossing(const RandomProfile& p) const {
-    check_lengths(p);
+    check_wave_lengths(p);
     return crossing_distance(before_map(waves_of(p, length_), map_), map_);
   }
   /// Solves for the length that gives the rsm; `with` makes the profile of a length.

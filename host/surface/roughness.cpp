@@ -39,15 +39,15 @@ void add_moments(Roughness& r, std::span<const double> heights, double share) {
            share;
 }
 
-/// Part between two crossings of the mean line. Positions in points.
-struct Part {
+/// ProfileElement between two crossings of the mean line. Positions in points.
+struct ProfileElement {
   double begin, end;
   double height;  // furthest from the mean line; its sign says on which side
 };
 
 /// A zero belongs to no side: a crossing is in the middle of the zeros between two sides.
-std::vector<Part> cut_at_mean_line(std::span<const double> heights) {
-  std::vector<Part> parts;
+std::vector<ProfileElement> cut_at_mean_line(std::span<const double> heights) {
+  std::vector<ProfileElement> parts;
   std::size_t last = heights.size();  // nonzero height
   for (std::size_t i = 0; i < heights.size(); ++i) {
     const double z = heights[i];
@@ -112,17 +112,17 @@ const char* name_of(RoughnessStandard standard) {
 
 double mean_spacing(std::span<const double> heights, double spacing,
                     const ElementThresholds& thresholds, bool both_ways) {
-  const std::vector<Part> parts = cut_at_mean_line(heights);
-  const auto counts = [&](const Part& part) {
+  const std::vector<ProfileElement> parts = cut_at_mean_line(heights);
+  const auto counts = [&](const ProfileElement& part) {
     const bool far =
         part.height > 0 ? part.height >= thresholds.up : -part.height >= thresholds.down;
     return far && (part.end - part.begin) * spacing >= thresholds.width;
   };
-  Elements found =
-      find_elements(parts.begin(), parts.end(), counts, [](const Part& p) { return p.begin; });
+  Elements found = find_elements(parts.begin(), parts.end(), counts,
+                                 [](const ProfileElement& p) { return p.begin; });
   if (both_ways) {
-    const Elements back =
-        find_elements(parts.rbegin(), parts.rend(), counts, [](const Part& p) { return p.end; });
+    const Elements back = find_elements(parts.rbegin(), parts.rend(), counts,
+                                        [](const ProfileElement& p) { return p.end; });
     found = {found.length + back.length, found.count + back.count};
   }
   return found.count > 0 ? found.length / static_cast<double>(found.count) * spacing : quiet_nan;

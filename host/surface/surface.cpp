@@ -16,7 +16,7 @@
 namespace ra2d {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// Heights above the flat face the peaks stand on: that face, not their mean, is their mean line.
 std::vector<double> peak_heights(const std::vector<Peak>& peaks, int nodes, double spacing) {

@@ -33,7 +33,7 @@ double own_memory() {
   return pages * static_cast<double>(sysconf(_SC_PAGESIZE));
 }
 
-void limit(int resource, double most) {
+void set_limit(int resource, double most) {
   rlimit now{};
   if (getrlimit(static_cast<__rlimit_resource_t>(resource), &now) != 0) return;
   if (most < static_cast<double>(now.rlim_max)) now.rlim_max = static_cast<rlim_t>(most);
@@ -51,9 +51,9 @@ void limit(int resource, double most) {
   // what the C library says of a heap that is spoilt is no message of ours
   if (const int nowhere = open("/dev/null", O_RDWR | O_CLOEXEC); nowhere >= 0)
     for (const int stream : {STDOUT_FILENO, STDERR_FILENO}) dup2(nowhere, stream);
-  limit(RLIMIT_CORE, 0);
-  limit(RLIMIT_CPU, std::max(1.0, seconds));
-  if (const double own = own_memory(); own > 0) limit(RLIMIT_AS, own + memory);
+  set_limit(RLIMIT_CORE, 0);
+  set_limit(RLIMIT_CPU, std::max(1.0, seconds));
+  if (const double own = own_memory(); own > 0) set_limit(RLIMIT_AS, own + memory);
   std::string text;
   try {
     text = ask();

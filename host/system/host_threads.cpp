@@ -14,8 +14,8 @@
 namespace ra2d {
 namespace {
 
-std::atomic<int> limit = 0;      // 0: none
-thread_local int own_share = 0;  // 0: all
+std::atomic<int> most_threads = 0;  // 0: none
+thread_local int own_share = 0;     // 0: all
 
 int processors() {
   cpu_set_t mine;
@@ -26,10 +26,10 @@ int processors() {
 
 int host_threads() {
   if (own_share > 0) return own_share;
-  return limit > 0 ? limit.load() : processors();
+  return most_threads > 0 ? most_threads.load() : processors();
 }
 
-void limit_host_threads(int most) { limit = most; }
+void limit_host_threads(int most) { most_threads = most; }
 
 ShareOfThreads::ShareOfThreads(int of_all, int workers) : before_{own_share} {
   own_share = std::max(1, of_all / std::max(1, workers));

@@ -16,6 +16,11 @@
 #include "host/system/partial_file.hpp"
 
 namespace ra2d {
+
+fs::path folder_of(const fs::path& file) {
+  return file.has_parent_path() ? file.parent_path() : fs::path(".");
+}
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -48,10 +53,6 @@ std::string follow(fs::path& path) {
   if (path != given && fs::exists(end) && !is_same_file(given, path))
     return std::string(leads) + "a file that has lost its name";
   return {};
-}
-
-fs::path folder_of(const fs::path& file) {
-  return file.has_parent_path() ? file.parent_path() : fs::path(".");
 }
 
 /// A name in a study's folder of ledgers, where every file is taken for one.

@@ -30,6 +30,9 @@ void require_derived_output(const std::filesystem::path& output,
 /// folder like /tmp, a write-protected one, one that is mounted there.
 void require_replaceable(const std::filesystem::path& file);
 
+/// The folder that a file stands in: "." of a name alone.
+std::filesystem::path folder_of(const std::filesystem::path& file);
+
 /// Whether two names lead to one file that is there.
 bool is_same_file(const std::filesystem::path& a, const std::filesystem::path& b);
 

@@ -64,10 +64,6 @@ std::string host_name() {
   return host;
 }
 
-fs::path folder_of(const fs::path& file) {
-  return file.has_parent_path() ? file.parent_path() : fs::path(".");
-}
-
 /// ".NAME.partial-HOST-PID", with a number behind it from the second attempt on; of a long NAME the
 /// beginning.
 std::string partial_name(const std::string& name, const std::string& host, int attempt,

@@ -1,0 +1,20 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# Compiles the .cpp files of a folder together, at most so many at once: headers and templates that they share are
+# compiled once. A name in the unnamed namespace of one file then stands for the whole folder.
+function(ra2d_compile_by_folder target most)
+  if(NOT RA2D_BY_FOLDER)
+    return()
+  endif()
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+  get_target_property(sources ${target} SOURCES)
+  foreach(source IN LISTS sources)
+    cmake_path(GET source PARENT_PATH path)
+    cmake_path(GET path FILENAME folder)
+    if(NOT source MATCHES "[.]cpp$")
+      continue()
+    endif()
+    math(EXPR part "0${count_${folder}} / ${most}")
+    math(EXPR count_${folder} "0${count_${folder}} + 1")
+    set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${folder}_${part})
+  endforeach()
+endfunction()

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+/// What faces look like. Profiles beyond it were most likely read in the wrong unit.
+namespace ra2d::usual_faces {
+
+// Beyond any face. Its root mean square slope of 1 is 45 degrees.
+inline constexpr double largest_share = 0.5;  // of the beam's thickness, peak to valley
+inline constexpr double steepest = 1;         // root mean square slope
+// Beyond most faces:
+inline constexpr double large_share = 0.05, steep = 0.2;
+inline constexpr double coarse_nodes = 20;  // of the scene, to a step of the profile
+
+}  // namespace ra2d::usual_faces
