@@ -7,7 +7,7 @@
 
 namespace ra2d::test {
 
-FreeState fly(const Mode& mode, long double load, FreeState y, long double t, bool sum) {
+State fly(const Mode& mode, long double load, State y, long double t, bool sum) {
   const long double w = mode.omega, z = mode.zeta, a = load / mode.mass;
   if (w == 0)
     return {y.u + y.v * t + a * t * t / 2, y.v + a * t,
@@ -31,7 +31,7 @@ FreeState fly(const Mode& mode, long double load, FreeState y, long double t, bo
     return y.v * ds - w * d * s;
   };
   const auto [s, ds] = answers(w * t);
-  FreeState out{rest + d * (ds + 2 * z * s) + y.v * s / w, v_at(t), 0};
+  State out{rest + d * (ds + 2 * z * s) + y.v * s / w, v_at(t), 0};
   if (!sum) return out;
   // the integral by ten-point Gauss rules over pieces of omega t = 1/4: off by less than 1e-30
   const long double place[] = {0.1488743389816312108848260L, 0.4333953941292471907992659L,

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "host/body/body.hpp"
-#include "tests/numbers.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "tests/scenes.hpp"
@@ -16,6 +16,7 @@
 namespace ra2d::test {
 namespace {
 
+constexpr double eps = std::numeric_limits<double>::epsilon();
 /// Roundings of the bounds and of psi: psi is good to an ulp of its phase, at most 100 here.
 constexpr double roundings = 1 + 200 * eps;
 

@@ -8,13 +8,14 @@
 #include <array>
 #include <cmath>
 #include <complex>
+#include <limits>
+#include <numbers>
 #include <vector>
 
 #include "host/body/beam.hpp"
 #include "host/device/layout.hpp"
 #include "tests/dice.hpp"
 #include "tests/free_motion.hpp"
-#include "tests/numbers.hpp"
 #include "tests/scenes.hpp"
 
 /// The bounds that the proofs rest on, each against what it bounds: never exceeded, and reached as
@@ -23,7 +24,9 @@
 namespace ra2d::test {
 namespace {
 
+constexpr double eps = std::numeric_limits<double>::epsilon();
 constexpr double own = 1 + 16 * eps;  // the bounds' own roundings
+constexpr double pi = std::numbers::pi;
 
 // ---- shapes
 
@@ -272,7 +275,7 @@ Derivatives free_derivatives(const Mode& mode, long double u, long double v) {
 }
 
 /// The state of energy norm 1 at an angle.
-FreeState turned(const Mode& mode, double angle) {
+State turned(const Mode& mode, double angle) {
   return {std::cos(static_cast<long double>(angle)) / mode.omega,
           std::sin(static_cast<long double>(angle)), 0};
 }
@@ -285,7 +288,7 @@ TEST(FastestRate, IsThatOfTheFastestDirection) {
     const double bound = fastest_rate(mode);
     long double most = 0;
     for (int i = 0; i < directions; ++i) {
-      const FreeState y = turned(mode, pi * i / directions);  // the opposite is as fast
+      const State y = turned(mode, pi * i / directions);  // the opposite is as fast
       const Derivatives d = free_derivatives(mode, y.u, y.v);
       most = std::max(most, std::hypot(mode.omega * d[1], d[2]));
     }
@@ -377,7 +380,7 @@ TEST(FourthDerivative, IsLeibnizRuleItself) {
     const RandomShape psi(dice);
     if (psi.rigid()) continue;
     const Mode mode = random_mode(dice);
-    const FreeState y = turned(mode, dice.uniform(0, 2 * pi));
+    const State y = turned(mode, dice.uniform(0, 2 * pi));
     const double speed = mode.omega / psi.shape.beta * dice.ratio(1e-2, 1e2);
     const long double x = psi.length * dice.uniform(0.3, 0.7);
     const double scale = fourth_derivative(mode, psi.shape.size(), psi.shape.change_rate() * speed);
@@ -407,8 +410,8 @@ TEST(FourthDerivative, IsNeverExceededInFreeMotion) {
     const double bound = fourth_derivative(mode, psi.shape.size(), psi.shape.change_rate() * speed);
     for (int i = 0; i < 20; ++i) {
       // a step is bounded by the energy at its beginning
-      const FreeState begin = turned(mode, dice.uniform(0, 2 * pi));
-      const FreeState y = fly(mode, 0, begin, i == 0 ? 0.0 : dice.ratio(1e-3, 10) / mode.omega);
+      const State begin = turned(mode, dice.uniform(0, 2 * pi));
+      const State y = fly(mode, 0, begin, i == 0 ? 0.0 : dice.ratio(1e-3, 10) / mode.omega);
       const long double derivative_4 =
           fourth_of(psi, speed, dice.uniform(0, psi.length), free_derivatives(mode, y.u, y.v));
       ASSERT_LE(std::abs(derivative_4), bound * own)
@@ -431,7 +434,7 @@ TEST(FourthDerivative, IsReachedToAFactorOfTwo) {
     const double speed = turns * mode.omega / psi.shape.beta;
     long double most = 0;
     for (int angle = 0; angle < 8; ++angle) {
-      const FreeState y = turned(mode, 2 * pi * angle / 8);
+      const State y = turned(mode, 2 * pi * angle / 8);
       const Derivatives u = free_derivatives(mode, y.u, y.v);
       psi.over(0, psi.length, [&](long double x) {
         most = std::max(most, std::abs(fourth_of(psi, speed, x, u)));
@@ -464,7 +467,7 @@ TEST(FirstFlightLevel, IsTheLongestAtWhichATaylorStepLeavesNothingOut) {
         for (const Mode& mode : body->modes) {
           if (mode.omega == 0) continue;  // U'' is constant
           for (int angle = 0; angle < 8; ++angle) {
-            const FreeState y = turned(mode, pi * angle / 8), there = fly(mode, 0, y, t);
+            const State y = turned(mode, pi * angle / 8), there = fly(mode, 0, y, t);
             const Derivatives u = free_derivatives(mode, y.u, y.v);
             const Derivatives v = free_derivatives(mode, u[1], u[2]);
             const auto taylor = [&](const Derivatives& d) {

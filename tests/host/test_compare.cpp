@@ -35,7 +35,7 @@ Recording small_recording() {
 
 double next(double x) { return std::nextafter(x, std::numeric_limits<double>::infinity()); }
 
-std::string text_of_result(const testing::AssertionResult& result) { return result.message(); }
+std::string said(const testing::AssertionResult& result) { return result.message(); }
 
 TEST(Compare, TheSameIsTheSame) {
   EXPECT_TRUE(same(small_recording(), small_recording()));
@@ -50,7 +50,7 @@ TEST(Compare, OneBitOfOneSampleIsNamed) {
   b.samples.resonator_velocity[5] = next(2.0);
   const testing::AssertionResult result = same(a, b);
   EXPECT_FALSE(result);
-  EXPECT_EQ(text_of_result(result),
+  EXPECT_EQ(said(result),
             "1 of 46 quantities differ:\n"
             "  resonator velocity: sample 2 (t = 2e-06 s), mode 1: 2 and 2.0000000000000004, 1 ulp "
             "apart; 1 of 8 differ");
@@ -63,7 +63,7 @@ TEST(Compare, TheEarliestIsSaidFirst) {
   b.samples.force[3] = 1;
   b.samples.slider_displacement = {1, 2, 2, 2};
   b.shocks[0].impulse = next(next(3.0));
-  const std::string text = text_of_result(same(a, b));
+  const std::string text = said(same(a, b));
   EXPECT_EQ(
       text,
       "4 of 46 quantities differ:\n"
@@ -78,13 +78,12 @@ TEST(Compare, TheEarliestIsSaidFirst) {
 
 TEST(Compare, ASignOfZeroAndWhatIsNoNumberDiffer) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THAT(text_of_result(same("x", {0.0}, {-0.0})),
-              HasSubstr("0 and -0, which is a zero's sign"));
-  EXPECT_THAT(text_of_result(same("x", {nan}, {1.0})), HasSubstr("nan and 1; 1 of 1"));
+  EXPECT_THAT(said(same("x", {0.0}, {-0.0})), HasSubstr("0 and -0, which is a zero's sign"));
+  EXPECT_THAT(said(same("x", {nan}, {1.0})), HasSubstr("nan and 1; 1 of 1"));
   EXPECT_FALSE(same("x", {nan}, {-nan}));
   // across zero
-  EXPECT_THAT(text_of_result(same("x", {-5e-324}, {5e-324})), HasSubstr("2 ulps apart"));
-  EXPECT_THAT(text_of_result(same("x", {1e308}, {-1e308})), HasSubstr("ulps apart"));
+  EXPECT_THAT(said(same("x", {-5e-324}, {5e-324})), HasSubstr("2 ulps apart"));
+  EXPECT_THAT(said(same("x", {1e308}, {-1e308})), HasSubstr("ulps apart"));
 }
 
 TEST(Compare, OneThatIsShorterIsSo) {
@@ -92,13 +91,12 @@ TEST(Compare, OneThatIsShorterIsSo) {
   Recording b = a;
   b.shocks.pop_back();
   b.samples.force.pop_back();
-  const std::string text = text_of_result(same(a, b));
+  const std::string text = said(same(a, b));
   EXPECT_THAT(text,
               HasSubstr("shocks: peak: 2 and 1 numbers; the same up to shock 1 (t = 1.2e-06 s)"));
   EXPECT_THAT(text, HasSubstr("force: 4 and 3 numbers; the same up to sample 3 (t = 3e-06 s)"));
   b.samples.force[0] = 1;
-  EXPECT_THAT(text_of_result(same(a, b)),
-              HasSubstr("force: 4 and 3 numbers; sample 0 (t = 0 s): 0 and 1"));
+  EXPECT_THAT(said(same(a, b)), HasSubstr("force: 4 and 3 numbers; sample 0 (t = 0 s): 0 and 1"));
 }
 
 TEST(Compare, WholeNumbersAreTold) {
@@ -106,7 +104,7 @@ TEST(Compare, WholeNumbersAreTold) {
   Recording b = a;
   b.shocks[1].start = (std::int64_t{1} << 60) + 1;
   b.end.status = Status::unstable;
-  const std::string text = text_of_result(same(a, b));
+  const std::string text = said(same(a, b));
   EXPECT_THAT(text,
               HasSubstr("shocks: start: shock 1 (t = 1.2e-06 s): 12 and 1152921504606846977"));
   EXPECT_THAT(text, HasSubstr("status: 0 and 2"));
@@ -121,7 +119,7 @@ TEST(Compare, WhatIsDrainedIsNamed) {
   EXPECT_TRUE(same(a, b));
   b.rows[10 + 3] = next(13.0);
   b.rows[20 + 4 + sample::sliding_work] = 0;
-  const std::string text = text_of_result(same(a, b));
+  const std::string text = said(same(a, b));
   EXPECT_THAT(text,
               HasSubstr("velocity: sample 1 (t = 1e-06 s), mode 1: 13 and 13.000000000000002"));
   EXPECT_THAT(text, HasSubstr("sliding work: sample 2 (t = 2e-06 s): 28 and 0"));

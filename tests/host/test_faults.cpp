@@ -92,17 +92,16 @@ TEST_P(Faults, EveryCallThatFailsIsReportedOrDoesNoHarm) {
   EXPECT_GT(reported, 10);
 }
 
-const std::vector<std::string> paper_words{scene_file("dang2012"), "--set", "scene.duration=1e-3",
-                                           "--set", "output.rate=4e6"};
+const std::vector<std::string> paper{scene_file("dang2012"), "--set", "scene.duration=1e-3",
+                                     "--set", "output.rate=4e6"};
 // the first of its shocks
-const std::vector<std::string> peaks_words{
-    scene_file("peaks"),   "--set", "scene.start=0.10485", "--set",
-    "scene.duration=4e-4", "--set", "scene.spacing=1e-4"};
+const std::vector<std::string> peaks{scene_file("peaks"),   "--set", "scene.start=0.10485", "--set",
+                                     "scene.duration=4e-4", "--set", "scene.spacing=1e-4"};
 INSTANTIATE_TEST_SUITE_P(Disk, Faults,
-                         testing::Values(Trial{"PaperOnce", paper_words, EIO, false, 4},
-                                         Trial{"PaperFromThenOn", paper_words, ENOSPC, true, 5},
-                                         Trial{"PeaksOnce", peaks_words, ENOSPC, false, 1},
-                                         Trial{"PeaksFromThenOn", peaks_words, EIO, true, 2}),
+                         testing::Values(Trial{"PaperOnce", paper, EIO, false, 4},
+                                         Trial{"PaperFromThenOn", paper, ENOSPC, true, 5},
+                                         Trial{"PeaksOnce", peaks, ENOSPC, false, 1},
+                                         Trial{"PeaksFromThenOn", peaks, EIO, true, 2}),
                          [](const auto& trial) { return trial.param.name; });
 
 }  // namespace

@@ -10,12 +10,12 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <numbers>
 
 #include "host/plan/asperities.hpp"
 #include "host/plan/plan.hpp"
 #include "host/scene_file/scene_file.hpp"
 #include "tests/child.hpp"
-#include "tests/numbers.hpp"
 #include "tests/places.hpp"
 #include "tests/scenes.hpp"
 
@@ -24,6 +24,8 @@ namespace {
 
 using testing::HasSubstr;
 using testing::Not;
+
+constexpr double pi = std::numbers::pi;
 
 /// Displacement of a half-space at a distance r < 1 from the middle of the pressure sqrt(1 - r^2):
 /// the integral of p/(pi E* distance), in polar coordinates about the point. Along each ray the
@@ -89,25 +91,24 @@ TEST(Hertz, BedsOfTheSameWidthAreThoseOfJohnson) {
     }
 }
 
-Scene paper_scene(const std::vector<std::string>& changes) {
+Scene paper(const std::vector<std::string>& changes) {
   return read_scene(scene_file("dang2012"), changes);
 }
 
 TEST(Hertz, TheWordIsANumberOfTheMaterials) {
   const double steel = 210e9 / (1 - 0.09) / 2;
-  EXPECT_DOUBLE_EQ(contact_modulus(paper_scene({})), steel);
-  EXPECT_DOUBLE_EQ(paper_scene({"contact.stiffness=hertz"}).contact.stiffness,
+  EXPECT_DOUBLE_EQ(contact_modulus(paper({})), steel);
+  EXPECT_DOUBLE_EQ(paper({"contact.stiffness=hertz"}).contact.stiffness,
                    steel / (std::sqrt(2.0) * 0.02));
   // the narrower body is the strip; the softer one yields
-  const Scene other =
-      paper_scene({"contact.stiffness=hertz", "slider.width=0.01", "slider.young=70e9",
-                   "slider.poisson=0.35", "resonator.poisson=0"});
+  const Scene other = paper({"contact.stiffness=hertz", "slider.width=0.01", "slider.young=70e9",
+                             "slider.poisson=0.35", "resonator.poisson=0"});
   EXPECT_DOUBLE_EQ(other.contact.stiffness,
                    1 / (1 / 210e9 + (1 - 0.35 * 0.35) / 70e9) / (std::sqrt(2.0) * 0.01));
   // a rigid body without a modulus does not yield, one with a modulus does
   const auto rigid = [](const std::string& young) {
-    return paper_scene({"contact.stiffness=hertz", "slider.support=rigid", "slider.young=" + young,
-                        "slider.load=0"})
+    return paper({"contact.stiffness=hertz", "slider.support=rigid", "slider.young=" + young,
+                  "slider.load=0"})
         .contact.stiffness;
   };
   EXPECT_DOUBLE_EQ(rigid("1e30"), 2 * steel / (std::sqrt(2.0) * 0.02));
@@ -145,7 +146,7 @@ Asperities asperities(const Scene& scene) {
 }
 
 TEST(Asperities, OfThePapersSceneAreSoft) {
-  const Asperities a = asperities(paper_scene({}));
+  const Asperities a = asperities(paper({}));
   // two contacts carry the weight; shocks are harder, and stiffer
   EXPECT_EQ(a.contacts, 2);
   EXPECT_NEAR(a.load, 0.02 * 0.02 * 0.02 * 7800 * 9.80665 / 2, 1e-12);
@@ -164,14 +165,14 @@ TEST(Asperities, OfThePapersSceneAreSoft) {
 }
 
 TEST(Asperities, TheWordGivesTheSceneWhatTheMaterialHas) {
-  const Asperities a = asperities(paper_scene({"contact.stiffness=hertz"}));
+  const Asperities a = asperities(paper({"contact.stiffness=hertz"}));
   EXPECT_NEAR(a.springs.stiffness, a.material.stiffness, 1e-12 * a.material.stiffness);
   EXPECT_NEAR(a.springs.duration, a.material.duration, 1e-12 * a.material.duration);
 }
 
 /// dF/dd, and the duration of an impact, against the motion itself.
 TEST(Asperities, AShockIsHertzsImpact) {
-  const Asperities a = asperities(paper_scene({"contact.stiffness=hertz"}));
+  const Asperities a = asperities(paper({"contact.stiffness=hertz"}));
   const double law = 4.0 / 3 * a.modulus * std::sqrt(a.radius);
   const double step = a.material.duration / 1e5;
   double x = 0, v = a.closing, t = 0, most = 0;
@@ -225,9 +226,9 @@ TEST(Asperities, NoiseBetweenNodesIsNoSummit) {
   EXPECT_NEAR(radius(5e-9), smooth, 0.2 * smooth);
 }
 
-std::string hertz_refusal(const std::vector<std::string>& changes) {
+std::string refusal_of(const std::vector<std::string>& changes) {
   try {
-    paper_scene(changes);
+    paper(changes);
   } catch (const RequestError& fault) {
     return fault.what();
   }
@@ -237,16 +238,16 @@ std::string hertz_refusal(const std::vector<std::string>& changes) {
 TEST(Hertz, IsRefusedWhereThereIsNoAsperityOrNoMaterial) {
   const std::string word = "contact.stiffness=hertz";
   EXPECT_THAT(
-      hertz_refusal({word, "slider.surface={kind=\"flat\"}", "resonator.surface={kind=\"flat\"}"}),
+      refusal_of({word, "slider.surface={kind=\"flat\"}", "resonator.surface={kind=\"flat\"}"}),
       HasSubstr("contact.stiffness: \"hertz\" between two flat faces"));
-  EXPECT_EQ(hertz_refusal({word, "slider.surface={kind=\"flat\"}"}), "accepted");
-  EXPECT_THAT(hertz_refusal({"contact.stiffness=herz"}),
+  EXPECT_EQ(refusal_of({word, "slider.surface={kind=\"flat\"}"}), "accepted");
+  EXPECT_THAT(refusal_of({"contact.stiffness=herz"}),
               HasSubstr("expected a number > 0 (Pa/m) or \"hertz\""));
   EXPECT_THAT(
-      hertz_refusal({word, "slider.poisson=0.6"}),
+      refusal_of({word, "slider.poisson=0.6"}),
       HasSubstr("slider.poisson: 0.6 is not allowed: expected a number over -1, at most 0.5"));
-  EXPECT_EQ(hertz_refusal({word, "slider.poisson=0.5"}), "accepted");
-  EXPECT_EQ(hertz_refusal({word, "contact.law=multiplier"}), "accepted");  // and not used
+  EXPECT_EQ(refusal_of({word, "slider.poisson=0.5"}), "accepted");
+  EXPECT_EQ(refusal_of({word, "contact.law=multiplier"}), "accepted");  // and not used
 }
 
 TEST(Hertz, NeitherBodyYields) {
@@ -280,7 +281,7 @@ step = 1e-6
 
 TEST(Hertz, APlanShowsWhatTheMaterialsGive) {
   const auto plan = [](const std::vector<std::string>& changes) {
-    const Model model = make_model(paper_scene(changes));
+    const Model model = make_model(paper(changes));
     return describe(model, make_plan(model, 0, make_start(model)));
   };
   const std::string text = plan({});

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <fstream>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -13,7 +14,6 @@
 #include "host/surface/measure.hpp"
 #include "host/surface/surface.hpp"
 #include "tests/child.hpp"
-#include "tests/numbers.hpp"
 #include "tests/places.hpp"
 
 namespace {
@@ -23,8 +23,10 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
+constexpr double pi = std::numbers::pi;
+
 /// Points 1 um apart; a sine of 1 um and wavelength 100 um.
-Profile sine_profile(std::size_t count, double tilt = 0) {
+Profile sine(std::size_t count, double tilt = 0) {
   Profile profile;
   profile.spacing = 1e-6;
   for (std::size_t i = 0; i < count; ++i)
@@ -52,24 +54,23 @@ TEST(Measure, DropsHalfACutoffAtEachEndAndTakesFiveSamplingLengths) {
                                        {5599, 6},
                                        {5600, 6},
                                        {16000, 19}}) {
-    const Measurement m = measure_profile(sine_profile(count), options, "");
+    const Measurement m = measure_profile(sine(count), options, "");
     EXPECT_EQ(m.fitting, fitting) << count;
     EXPECT_EQ(m.sampling_lengths, std::min(fitting, 5)) << count;
     EXPECT_EQ(m.nodes, count);
     EXPECT_DOUBLE_EQ(m.length, (count - 1) * 1e-6);
     EXPECT_EQ(m.cutoff, 800e-6);
   }
-  EXPECT_THAT(fault(sine_profile(1599), options),
+  EXPECT_THAT(fault(sine(1599), options),
               AllOf(HasSubstr("NAME: the profile is 0.001598 m long"), HasSubstr("needs 0.0016 m"),
                     HasSubstr("--filter none")));
   MeasureOptions more = options;
   more.sampling_lengths = 0;
-  EXPECT_EQ(measure_profile(sine_profile(16000), more, "").sampling_lengths, 19);
+  EXPECT_EQ(measure_profile(sine(16000), more, "").sampling_lengths, 19);
   more.sampling_lengths = 7;
-  EXPECT_EQ(measure_profile(sine_profile(16000), more, "").sampling_lengths, 7);
+  EXPECT_EQ(measure_profile(sine(16000), more, "").sampling_lengths, 7);
   more.sampling_lengths = 20;
-  EXPECT_THAT(fault(sine_profile(16000), more),
-              HasSubstr("--sampling-lengths 20: 19 of 0.0008 m fit"));
+  EXPECT_THAT(fault(sine(16000), more), HasSubstr("--sampling-lengths 20: 19 of 0.0008 m fit"));
 }
 
 TEST(Measure, SamplingLengthsMayBeShortByLessThanAThousandth) {
@@ -171,7 +172,7 @@ TEST(Measure, Iso4287TakesRkOfAProfileWhoseValleysDoNotPullTheMeanLine) {
 
 TEST(Measure, FilterTakesOffWhatItsFormulaSays) {
   // Of wavelengths that are the cutoff, half is left; heights outside are of another sine.
-  Profile profile = sine_profile(20000);
+  Profile profile = sine(20000);
   const double left = 1 - std::exp2(-1);
   const Measurement m = measure_profile(profile, {.cutoff = 100e-6, .sampling_lengths = 150}, "");
   // The ends, which the filter does not see whole, reach three cutoffs in: 3 of 150.
@@ -184,25 +185,24 @@ TEST(Measure, FilterTakesOffWhatItsFormulaSays) {
 }
 
 TEST(Measure, WithoutAFilterIsThePrimaryProfile) {
-  const Measurement m = measure_profile(sine_profile(10000), {.filter = ProfileFilter::none}, "");
+  const Measurement m = measure_profile(sine(10000), {.filter = ProfileFilter::none}, "");
   EXPECT_EQ(m.sampling_lengths, 1);
   EXPECT_FALSE(m.cutoff);
   EXPECT_NEAR(m.parameters.rq, 1e-6 * std::sqrt(0.5), 1e-19);
   EXPECT_DOUBLE_EQ(m.sampling_length, 0.01);
   // What an instrument has filtered already is divided alone.
-  EXPECT_EQ(
-      measure_profile(sine_profile(10000), {.filter = ProfileFilter::none, .cutoff = 2e-3}, "")
-          .sampling_lengths,
-      5);
+  EXPECT_EQ(measure_profile(sine(10000), {.filter = ProfileFilter::none, .cutoff = 2e-3}, "")
+                .sampling_lengths,
+            5);
   // Heights count from their mean, whatever they are counted from in the file.
-  Profile far = sine_profile(10000);
+  Profile far = sine(10000);
   for (double& z : far.heights) z += 5e-3;
   EXPECT_NEAR(measure_profile(far, {.filter = ProfileFilter::none}, "").parameters.rq,
               1e-6 * std::sqrt(0.5), 1e-17);
 }
 
 TEST(Measure, FormIsTakenOffAndTiltIsDoubtedWhereItIsNot) {
-  const Profile tilted = sine_profile(10000, 1e-8);
+  const Profile tilted = sine(10000, 1e-8);
   const Measurement off = measure_profile(tilted, {.form = {1}, .filter = ProfileFilter::none}, "");
   EXPECT_TRUE(off.doubts.empty());
   // The sine itself has a slope over 100 periods: 6/(pi 100) of its height at the ends.
@@ -214,13 +214,13 @@ TEST(Measure, FormIsTakenOffAndTiltIsDoubtedWhereItIsNot) {
   // The filter takes a line off, to the ends: no doubt is left.
   const MeasureOptions filtered{.cutoff = 800e-6};
   const Measurement a = measure_profile(tilted, filtered, "");
-  const Measurement b = measure_profile(sine_profile(10000), filtered, "");
+  const Measurement b = measure_profile(sine(10000), filtered, "");
   EXPECT_TRUE(a.doubts.empty());
   EXPECT_NEAR(a.parameters.rt, b.parameters.rt, 1e-12 * 1e-4);
 }
 
 TEST(Measure, GapsAreCountedAndFilled) {
-  Profile profile = sine_profile(10000);
+  Profile profile = sine(10000);
   profile.first_missing = "NAME:7";
   for (const int i : {100, 101, 102, 5000}) profile.heights[i] = std::nan("");
   EXPECT_THAT(fault(profile, {}), HasSubstr("NAME:7: a height is missing, the first of 4"));
@@ -230,20 +230,17 @@ TEST(Measure, GapsAreCountedAndFilled) {
 }
 
 TEST(Measure, LengthsThatFitNothingAreRefused) {
-  EXPECT_THAT(fault(sine_profile(10000), {.cutoff = 4e-6}), HasSubstr("at least 5 steps"));
-  EXPECT_THAT(fault(sine_profile(10000), {.cutoff = 8e-4, .cutoff_s = 8e-4}),
+  EXPECT_THAT(fault(sine(10000), {.cutoff = 4e-6}), HasSubstr("at least 5 steps"));
+  EXPECT_THAT(fault(sine(10000), {.cutoff = 8e-4, .cutoff_s = 8e-4}), HasSubstr("--cutoff-s"));
+  EXPECT_THAT(fault(sine(10000), {.filter = ProfileFilter::none, .cutoff_s = 6e-3}),
               HasSubstr("--cutoff-s"));
-  EXPECT_THAT(fault(sine_profile(10000), {.filter = ProfileFilter::none, .cutoff_s = 6e-3}),
-              HasSubstr("--cutoff-s"));
-  EXPECT_THAT(fault(sine_profile(10000), {.cutoff = 1e300}), HasSubstr("give a smaller --cutoff"));
-  EXPECT_EQ(
-      measure_profile(sine_profile(10000), {.cutoff = 8e-4, .cutoff_s = 1e-7}, "").doubts.size(),
-      1);
+  EXPECT_THAT(fault(sine(10000), {.cutoff = 1e300}), HasSubstr("give a smaller --cutoff"));
+  EXPECT_EQ(measure_profile(sine(10000), {.cutoff = 8e-4, .cutoff_s = 1e-7}, "").doubts.size(), 1);
 }
 
 TEST(Measure, MaterialRatioAtAHeight) {
   const auto ratio = [](double level) {
-    return measure_profile(sine_profile(10000), {.filter = ProfileFilter::none, .level = level}, "")
+    return measure_profile(sine(10000), {.filter = ProfileFilter::none, .level = level}, "")
         .material_ratio;
   };
   EXPECT_EQ(ratio(0), 0.5);

@@ -23,7 +23,6 @@
 #include "host/system/interruption.hpp"
 #include "tests/child.hpp"
 #include "tests/dice.hpp"
-#include "tests/numbers.hpp"
 #include "tests/places.hpp"
 #include "tests/scenes.hpp"
 #include "tests/simulate.hpp"
@@ -36,6 +35,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
+constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
 
 TEST(Movement, IsTheRatioOfTheMeans) {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <numeric>
 #include <string>
@@ -14,7 +15,6 @@
 
 #include "host/analysis/analysis.hpp"
 #include "host/base/errors.hpp"
-#include "host/base/quiet_nan.hpp"
 #include "host/chart/chart_files.hpp"
 #include "host/plot/envelope.hpp"
 #include "host/plot/profile_picture.hpp"
@@ -22,7 +22,6 @@
 #include "host/store/store.hpp"
 #include "host/system/partial_file.hpp"
 #include "tests/child.hpp"
-#include "tests/numbers.hpp"
 #include "tests/places.hpp"
 
 /// Pictures of results and profiles: what is handed to the scripts, and what comes out.
@@ -34,6 +33,8 @@ using nlohmann::json;
 using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 // ---- long series -------------------------------------------------------------------------------
 
@@ -65,7 +66,7 @@ TEST(Envelope, KeepsEveryExtremeOfALongSeries) {
 }
 
 TEST(Envelope, LeavesFewValuesAlone) {
-  const std::vector<double> at{0, 1, 2, 3}, values{5, quiet_nan, -1, 2};
+  const std::vector<double> at{0, 1, 2, 3}, values{5, nan, -1, 2};
   const Envelope e = envelope(at, values, even_groups(4, 2));
   EXPECT_EQ(e.largest_group, 1u);
   EXPECT_THAT(e.at, ElementsAre(0, 1, 2, 3));
@@ -77,7 +78,7 @@ TEST(Envelope, LeavesFewValuesAlone) {
 }
 
 TEST(Envelope, DoesNotCountWhatIsNoNumber) {
-  const std::vector<double> at{0, 1, 2, 3, 4, 5}, values{quiet_nan, 3, quiet_nan, quiet_nan, 1, -1};
+  const std::vector<double> at{0, 1, 2, 3, 4, 5}, values{nan, 3, nan, nan, 1, -1};
   const Envelope e = envelope(at, values, {0, 2, 4, 6});
   EXPECT_THAT(e.at, ElementsAre(0.5, 2.5, 4.5));
   EXPECT_EQ(e.low[0], 3);

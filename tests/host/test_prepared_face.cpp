@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <fstream>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -13,13 +14,14 @@
 #include "host/surface/prepared_face.hpp"
 #include "host/surface/surface.hpp"
 #include "tests/child.hpp"
-#include "tests/numbers.hpp"
 
 namespace {
 
 using namespace ra2d;
 using testing::HasSubstr;
 using testing::IsEmpty;
+
+constexpr double pi = std::numbers::pi;
 
 struct PreparedFace : testing::Test {
   const ra2d::test::Folder folder;

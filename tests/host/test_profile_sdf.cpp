@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "host/base/errors.hpp"
-#include "host/base/quiet_nan.hpp"
 #include "host/surface/profile.hpp"
 #include "tests/child.hpp"
 
@@ -22,6 +21,8 @@ namespace {
 using namespace ra2d;
 using testing::AllOf;
 using testing::HasSubstr;
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 /// The bytes of a number, the lowest first, whatever this machine does.
 template <class T>
@@ -122,22 +123,22 @@ TEST_F(ProfileSdf, EveryTypeInBinary) {
 
 TEST_F(ProfileSdf, TheMostNegativeNumberAndNanAreMissing) {
   Binary b;
-  expect_read(b.with<std::int8_t>(4, {0, -128, 1, -127}).text(), {0, quiet_nan, 1, -127});
-  expect_read(b.with<std::int16_t>(5, {0, -32768, 1, -32767}).text(), {0, quiet_nan, 1, -32767});
+  expect_read(b.with<std::int8_t>(4, {0, -128, 1, -127}).text(), {0, nan, 1, -127});
+  expect_read(b.with<std::int16_t>(5, {0, -32768, 1, -32767}).text(), {0, nan, 1, -32767});
   expect_read(b.with<std::int32_t>(6, {0, std::numeric_limits<int>::min(), 1, 2}).text(),
-              {0, quiet_nan, 1, 2});
+              {0, nan, 1, 2});
   expect_read(b.with<float>(3, {0, std::numeric_limits<float>::quiet_NaN(), 1, 2}).text(),
-              {0, quiet_nan, 1, 2});
-  expect_read(b.with<double>(7, {0, quiet_nan, std::numeric_limits<double>::lowest(), 2}).text(),
-              {0, quiet_nan, quiet_nan, 2});
+              {0, nan, 1, 2});
+  expect_read(b.with<double>(7, {0, nan, std::numeric_limits<double>::lowest(), 2}).text(),
+              {0, nan, nan, 2});
   EXPECT_EQ(read(b.text()).first_missing, file.string() + ": point 2");
-  EXPECT_THAT(fault(b.with<double>(7, {quiet_nan, quiet_nan, quiet_nan, quiet_nan}).text()),
+  EXPECT_THAT(fault(b.with<double>(7, {nan, nan, nan, nan}).text()),
               HasSubstr("every height is missing"));
 }
 
 TEST_F(ProfileSdf, Text) {
   expect_read(ascii("1 2.5\r\n-3e0 4\r\n*\r\nwhat else is told\r\n*\r\n"), {1, 2.5, -3, 4});
-  expect_read(ascii("1 BAD 3 4"), {1, quiet_nan, 3, 4});
+  expect_read(ascii("1 BAD 3 4"), {1, nan, 3, 4});
   expect_read(ascii("+1\n2\n3\n4\n*"), {1, 2, 3, 4});
 }
 
@@ -155,7 +156,7 @@ TEST_F(ProfileSdf, RowsAndColumnsOfAnArealFile) {
   for (const std::string& content :
        {b.text(), ascii("11 12 13 14\n21 22 23 24\n31 32 BAD 34\n*", "4", "3")}) {
     expect_read(content, {21, 22, 23, 24}, 5e-7, row2);
-    expect_read(content, {13, 23, quiet_nan}, 2e-6, column3);
+    expect_read(content, {13, 23, nan}, 2e-6, column3);
     EXPECT_THAT(fault(content),
                 AllOf(HasSubstr("--row (1 to 3, along x)"), HasSubstr("--column (1 to 4,")));
     EXPECT_THAT(fault(content, both), HasSubstr("expected one of them"));
@@ -202,7 +203,7 @@ TEST_F(ProfileSdf, LyingHeaders) {
   EXPECT_THAT(changed([](Binary& b) { b.points = 0; }), HasSubstr("0 by 1 points"));
   EXPECT_THAT(changed([](Binary& b) { b.points = 1; }), HasSubstr("1 point"));
   EXPECT_THAT(changed([](Binary& b) { b.x = 0; }), HasSubstr("Xscale = 0"));
-  EXPECT_THAT(changed([](Binary& b) { b.x = quiet_nan; }), HasSubstr("Xscale = nan"));
+  EXPECT_THAT(changed([](Binary& b) { b.x = nan; }), HasSubstr("Xscale = nan"));
   EXPECT_THAT(changed([](Binary& b) { b.z = -1; }), HasSubstr("Zscale = -1"));
   EXPECT_THAT(changed([](Binary& b) { b.z = 1e308; }), HasSubstr("point 2: a height that is not"));
   EXPECT_THAT(changed([](Binary& b) { b.compression = 1; }), HasSubstr("compressed"));

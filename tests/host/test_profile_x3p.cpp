@@ -16,16 +16,16 @@
 #include <vector>
 
 #include "host/base/errors.hpp"
-#include "host/base/quiet_nan.hpp"
 #include "host/surface/profile.hpp"
 #include "tests/child.hpp"
-#include "tests/numbers.hpp"
 
 namespace {
 
 using namespace ra2d;
 using testing::AllOf;
 using testing::HasSubstr;
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 std::string md5_of(const std::string& bytes) {
   unsigned char digest[EVP_MAX_MD_SIZE];
@@ -38,7 +38,7 @@ std::string md5_of(const std::string& bytes) {
 
 /// Bytes of numbers, the lowest of each first (the machines that tests run on do the same).
 template <class T>
-std::string raw_bytes(const std::vector<T>& values) {
+std::string bytes_of(const std::vector<T>& values) {
   std::string bytes(values.size() * sizeof(T), '\0');
   if (!values.empty()) std::memcpy(bytes.data(), values.data(), bytes.size());
   return bytes;
@@ -132,17 +132,17 @@ struct ProfileX3p : testing::Test {
 
 TEST_F(ProfileX3p, EveryTypeOfHeights) {
   const std::string axes = even_x + even_y;
-  expect_binary(axes + z_axis("I", in_nm), raw_bytes<std::int16_t>({0, -2, 258, 32767}),
+  expect_binary(axes + z_axis("I", in_nm), bytes_of<std::int16_t>({0, -2, 258, 32767}),
                 {0, -2, 258, 32767});
-  expect_binary(axes + z_axis("L", in_nm), raw_bytes<std::int32_t>({0, -2, 16909060, 2147483647}),
+  expect_binary(axes + z_axis("L", in_nm), bytes_of<std::int32_t>({0, -2, 16909060, 2147483647}),
                 {0, -2, 16909060, 2147483647});
-  expect_binary(axes + z_axis("F", in_nm), raw_bytes<float>({0, 1.5F, -2.25F, 3e4F}),
+  expect_binary(axes + z_axis("F", in_nm), bytes_of<float>({0, 1.5F, -2.25F, 3e4F}),
                 {0, 1.5, -2.25, 3e4F});
-  expect_binary(axes + z_axis("D", in_nm), raw_bytes<double>({0, 1.5, quiet_nan, 3e4}),
-                {0, 1.5, quiet_nan, 3e4});
-  expect_binary(axes + z_axis("D"), raw_bytes<double>({0, 1e-9, -2e-9}), {0, 1, -2});
+  expect_binary(axes + z_axis("D", in_nm), bytes_of<double>({0, 1.5, nan, 3e4}),
+                {0, 1.5, nan, 3e4});
+  expect_binary(axes + z_axis("D"), bytes_of<double>({0, 1e-9, -2e-9}), {0, 1, -2});
   expect_binary(axes + z_axis("I", in_nm + "<Offset>5e-9</Offset>"),
-                raw_bytes<std::int16_t>({0, -2}), {5, 3});
+                bytes_of<std::int16_t>({0, -2}), {5, 3});
 }
 
 TEST_F(ProfileX3p, AxesThatListTheirPlaces) {
@@ -152,8 +152,8 @@ TEST_F(ProfileX3p, AxesThatListTheirPlaces) {
   const auto both = [](auto first, auto second) {
     std::string bytes;
     for (std::size_t i = 0; i < first.size(); ++i)
-      bytes += raw_bytes<typename decltype(first)::value_type>({first[i]}) +
-               raw_bytes<typename decltype(second)::value_type>({second[i]});
+      bytes += bytes_of<typename decltype(first)::value_type>({first[i]}) +
+               bytes_of<typename decltype(second)::value_type>({second[i]});
     return bytes;
   };
   const std::vector<std::int16_t> z = {1, -2, 3};
@@ -173,7 +173,7 @@ TEST_F(ProfileX3p, PointsInTheDocument) {
   const auto list = [](const std::string& points) { return "<DataList>" + points + "</DataList>"; };
   const std::string axes = even_x + even_y + z_axis("D");
   pack(document(axes, matrix(3) + list("<Datum>1e-9</Datum><Datum/><Datum> -3E-9 </Datum>")), "");
-  expect_read({1, quiet_nan, -3});
+  expect_read({1, nan, -3});
   const std::string absolute =
       "<CX><AxisType>A</AxisType><DataType>D</DataType></CX>" + even_y + z_axis("D");
   pack(document(absolute, "<ListDimension>2</ListDimension>" +
@@ -192,7 +192,7 @@ TEST_F(ProfileX3p, PointsInTheDocument) {
 }
 
 TEST_F(ProfileX3p, TheMaskMakesPointsMissing) {
-  const std::string data = raw_bytes<std::int16_t>({0, 1, 2, 3, 4, 5, 6, 7, 8, 9});
+  const std::string data = bytes_of<std::int16_t>({0, 1, 2, 3, 4, 5, 6, 7, 8, 9});
   const std::string mask = "\xfb\x01";  // all but the third and the tenth
   const std::string valid = "<ValidPointsLink>bindata/valid.bin</ValidPointsLink>";
   const auto pack_masked = [&](const std::string& more, const std::string& bits, int rows) {
@@ -208,14 +208,14 @@ TEST_F(ProfileX3p, TheMaskMakesPointsMissing) {
   };
   for (const std::string& more : {std::string(), sum(md5_of(mask))}) {
     pack_masked(more, mask, 1);
-    expect_read({0, 1, quiet_nan, 3, 4, 5, 6, 7, 8, quiet_nan});
+    expect_read({0, 1, nan, 3, 4, 5, 6, 7, 8, nan});
   }
   ProfileQuery row2, column5;
   row2.row = 2;
   column5.column = 5;
   pack_masked("", mask, 2);
-  expect_read({5, 6, 7, 8, quiet_nan}, 5e-7, row2);
-  expect_read({4, quiet_nan}, 2e-6, column5);
+  expect_read({5, 6, 7, 8, nan}, 5e-7, row2);
+  expect_read({4, nan}, 2e-6, column5);
   pack_masked(sum(md5_of("other")), mask, 1);
   EXPECT_THAT(fault(), HasSubstr("the checksum of bindata/valid.bin"));
   pack_masked("", mask + "x", 1);
@@ -223,7 +223,7 @@ TEST_F(ProfileX3p, TheMaskMakesPointsMissing) {
 }
 
 TEST_F(ProfileX3p, RowsAndColumnsOfAnArealFile) {
-  const std::string data = raw_bytes<std::int16_t>({11, 12, 13, 21, 22, 23});
+  const std::string data = bytes_of<std::int16_t>({11, 12, 13, 21, 22, 23});
   pack(document(even_x + even_y + z_axis("I", in_nm), matrix(3, 2) + link(data)), data);
   ProfileQuery row2, column3, row3, mm;
   row2.row = 2;
@@ -241,7 +241,7 @@ TEST_F(ProfileX3p, RowsAndColumnsOfAnArealFile) {
 }
 
 TEST_F(ProfileX3p, ChecksumsAreVerified) {
-  const std::string data = raw_bytes<std::int16_t>({1, 2, 3});
+  const std::string data = bytes_of<std::int16_t>({1, 2, 3});
   const std::string main = document(even_x + even_y + z_axis("I", in_nm), matrix(3) + link(data));
   pack({{"main.xml", main}, {"md5checksum.hex", md5_of("other")}, {"bindata/data.bin", data}});
   EXPECT_THAT(fault(), HasSubstr("the checksum of main.xml is " + md5_of(main)));
@@ -249,7 +249,7 @@ TEST_F(ProfileX3p, ChecksumsAreVerified) {
   EXPECT_THAT(fault(), HasSubstr("the checksum of main.xml"));
   pack({{"main.xml", main}, {"bindata/data.bin", data}});
   EXPECT_THAT(fault(), HasSubstr("there is no \"md5checksum.hex\""));
-  pack(main, raw_bytes<std::int16_t>({1, 2, 4}));
+  pack(main, bytes_of<std::int16_t>({1, 2, 4}));
   EXPECT_THAT(fault(), HasSubstr("the checksum of bindata/data.bin"));
   std::string loud = md5_of(main);
   for (char& c : loud) c = static_cast<char>(std::toupper(c));
@@ -258,7 +258,7 @@ TEST_F(ProfileX3p, ChecksumsAreVerified) {
 }
 
 TEST_F(ProfileX3p, DocumentsAtFault) {
-  const std::string data = raw_bytes<std::int16_t>({1, 2, 3});
+  const std::string data = bytes_of<std::int16_t>({1, 2, 3});
   const std::string axes = even_x + even_y + z_axis("I", in_nm);
   const auto with = [&](const std::string& main) { return fault_of(main, data); };
   EXPECT_THAT(with("<a"), HasSubstr("main.xml, byte"));
@@ -285,7 +285,7 @@ TEST_F(ProfileX3p, DocumentsAtFault) {
               HasSubstr("CX/Increment = \"0\": expected a length"));
   EXPECT_THAT(with(document(axes + "<Rotation><r11>0</r11></Rotation>", matrix(3) + link(data))),
               HasSubstr("rotated"));
-  const std::string infinite = raw_bytes<double>({1, std::numeric_limits<double>::infinity(), 3});
+  const std::string infinite = bytes_of<double>({1, std::numeric_limits<double>::infinity(), 3});
   EXPECT_THAT(
       fault_of(document(even_x + even_y + z_axis("D"), matrix(3) + link(infinite)), infinite),
       HasSubstr("point 2: a height that is not a finite number"));
@@ -307,7 +307,7 @@ TEST_F(ProfileX3p, EntitiesAreNotExpanded) {
 }
 
 TEST_F(ProfileX3p, ArchivesAtFault) {
-  const std::string data = raw_bytes<std::int16_t>({1, 2, 3});
+  const std::string data = bytes_of<std::int16_t>({1, 2, 3});
   const std::string main = document(even_x + even_y + z_axis("I", in_nm), matrix(3) + link(data));
   pack({{"a.txt", "no profile"}});
   EXPECT_THAT(fault(), HasSubstr("there is no main.xml in it"));
@@ -342,7 +342,7 @@ TEST_F(ProfileX3p, ArchivesAtFault) {
 }
 
 TEST_F(ProfileX3p, CutOffAndSpoiltArchives) {
-  const std::string data = raw_bytes<std::int16_t>({1, 2, 3});
+  const std::string data = bytes_of<std::int16_t>({1, 2, 3});
   pack(document(even_x + even_y + z_axis("I", in_nm), matrix(3) + link(data)), data);
   expect_read({1, 2, 3});
   const std::string whole = ra2d::test::read_file(file);

@@ -739,15 +739,15 @@ TEST_F(Program, AKilledRunLeavesNothingUnderTheFinalName) {
 }
 
 const std::vector<std::string> too_long{"--set", "time.step=1e-4", "--set", "output.rate=1e3"};
-std::vector<std::string> with_words(std::vector<std::string> words,
-                                    const std::vector<std::string>& more) {
+std::vector<std::string> with(std::vector<std::string> words,
+                              const std::vector<std::string>& more) {
   words.insert(words.end(), more.begin(), more.end());
   return words;
 }
 
 TEST_F(Program, AStepBeyondTheLimitIsRefusedAndTheStepThatIsNamedHolds) {
   RA2D_SKIP_WITHOUT_PYTHON();
-  ASSERT_EQ(run(with_words({"run", "--force", scene_file("drop")}, too_long)), 2);
+  ASSERT_EQ(run(with({"run", "--force", scene_file("drop")}, too_long)), 2);
   EXPECT_THAT(err_,
               AllOf(HasSubstr("time.step:"), HasSubstr("a node in contact up to"),
                     HasSubstr("grows e-fold in"), HasSubstr("Take time.step = "),
@@ -761,10 +761,9 @@ TEST_F(Program, AStepBeyondTheLimitIsRefusedAndTheStepThatIsNamedHolds) {
       << err_;
   EXPECT_THAT(out_, Not(HasSubstr("beyond limit")));
   EXPECT_EQ(python({"check_result.py", "drop.h5"}), 0) << out_ << err_;
-  EXPECT_EQ(
-      run(with_words({"run", "--force", scene_file("drop"), "--set", "time.contact_force=new"},
+  EXPECT_EQ(run(with({"run", "--force", scene_file("drop"), "--set", "time.contact_force=new"},
                      too_long)),
-      0)
+            0)
       << err_;
 }
 
@@ -915,7 +914,7 @@ step = 1e-7
 
 TEST_F(Program, AnUnstableRunEndsWithThreeAndSaysWhichLimitItCrossed) {
   RA2D_SKIP_WITHOUT_PYTHON();
-  EXPECT_EQ(run(with_words({"run", scene_file("drop"), "--set", "time.force=true"}, too_long)), 3);
+  EXPECT_EQ(run(with({"run", scene_file("drop"), "--set", "time.force=true"}, too_long)), 3);
   EXPECT_THAT(err_, AllOf(HasSubstr("unstable"), HasSubstr("t ="), HasSubstr("contact spring of"),
                           HasSubstr("up to time.step ="), HasSubstr("Take time.step =")));
   EXPECT_EQ(python({"check_result.py", "drop.h5"}), 0) << out_ << err_;

@@ -7,12 +7,12 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numbers>
 #include <string>
 #include <vector>
 
 #include "host/base/errors.hpp"
 #include "host/surface/height_map.hpp"
-#include "tests/numbers.hpp"
 
 /// Random profiles against theory: over many seeds, and each by itself.
 namespace ra2d {
@@ -20,6 +20,7 @@ namespace {
 
 using testing::HasSubstr;
 
+constexpr double pi = std::numbers::pi;
 constexpr double length = 0.3, rq = 8e-6;
 
 SurfaceSpec random_surface() {
@@ -153,7 +154,7 @@ TEST(HeightMap, RefusesMomentsThatNoSurfaceHas) {
 
 // ---- profiles, over many seeds
 
-struct Correlated {
+struct Kind {
   std::string name;
   SurfaceSpec surface;
   std::function<double(double)> correlation;  // at a distance [m]
@@ -170,7 +171,7 @@ std::function<double(double)> of_waves(double least, double most,
   };
 }
 
-std::vector<Correlated> correlated_kinds() {
+std::vector<Kind> kinds() {
   const double l = 4e-4, shortest = 4e-5, longest = 4e-3, hurst = 0.7;
   const auto bell = [=](double x) { return std::exp(-x * x / l / l); };
   return {{"gaussian", gaussian_wave(l), bell},
@@ -189,7 +190,7 @@ TEST(RandomProfile, HasTheCorrelationThatIsAskedOverManySeeds) {
   // themselves.
   constexpr int seeds = 60;
   constexpr double spacing = 2e-5;
-  for (const Correlated& kind : correlated_kinds()) {
+  for (const Kind& kind : kinds()) {
     SCOPED_TRACE(kind.name);
     SurfaceSpec surface = kind.surface;
     surface.exact = Exactly::nothing;
@@ -219,7 +220,7 @@ TEST(RandomProfile, HasTheCorrelationThatIsAskedOverManySeeds) {
 TEST(RandomProfile, CrossesItsMeanLineAsOftenAsRiceSays) {
   constexpr int seeds = 20;
   std::vector<SurfaceSpec> surfaces;
-  for (const Correlated& kind : correlated_kinds()) surfaces.push_back(kind.surface);
+  for (const Kind& kind : kinds()) surfaces.push_back(kind.surface);
   for (SurfaceSpec s :
        {exponential_wave(4e-4, 4e-5), with_moments(gaussian_wave(4e-4), 1.2, 5.0)}) {
     s.correlation_length.reset();
@@ -298,7 +299,7 @@ TEST(RandomProfile, HasTheHeightsThatAreAsked) {
 // ---- profiles, each of them
 
 TEST(RandomProfile, IsTheSameAtAnySpacing) {
-  for (const Correlated& kind : correlated_kinds()) {
+  for (const Kind& kind : kinds()) {
     SCOPED_TRACE(kind.name);
     const std::vector<double> coarse = heights(kind.surface, 7, 4e-5),
                               fine = heights(kind.surface, 7, 1e-5);
@@ -307,14 +308,14 @@ TEST(RandomProfile, IsTheSameAtAnySpacing) {
 }
 
 TEST(RandomProfile, OfAnotherSeedIsAnother) {
-  for (const Correlated& kind : correlated_kinds())
+  for (const Kind& kind : kinds())
     EXPECT_GT(std::abs(heights(kind.surface, 7, 1e-4)[100] - heights(kind.surface, 8, 1e-4)[100]),
               1e-3 * rq);
 }
 
 TEST(RandomProfile, HasItsRqExactly) {
   // the trapezoidal rule over the nodes is off by what the two ends have, h^2 chi/length
-  for (const Correlated& kind : correlated_kinds())
+  for (const Kind& kind : kinds())
     for (const std::uint64_t seed : {1, 2, 3}) {
       const std::vector<double> h = heights(kind.surface, seed, 5e-6);
       EXPECT_NEAR(mean_of(h, [](double v) { return v; }), 0, 1e-4 * rq);

@@ -106,7 +106,7 @@ void expect_harmless(const std::string& page) {
     }
 }
 
-std::size_t occurrences(const std::string& text, const std::string& word) {
+std::size_t times(const std::string& text, const std::string& word) {
   std::size_t count = 0;
   for (std::size_t at = text.find(word); at != text.npos; at = text.find(word, at + 1)) ++count;
   return count;
@@ -124,8 +124,8 @@ TEST_F(Report, OfOneResultHasItAll) {
                           HasSubstr("Level in time"), HasSubstr("how long they last"),
                           HasSubstr("their peak force"), HasSubstr("nJ each, on average"),
                           HasSubstr("half-power damping"), HasSubstr("modal damping 0.02")));
-  EXPECT_EQ(occurrences(text, "<svg "), 5u);
-  EXPECT_EQ(occurrences(text, "src=\"data:audio/wav;base64,UklGR"), 2u);  // "RIFF"
+  EXPECT_EQ(times(text, "<svg "), 5u);
+  EXPECT_EQ(times(text, "src=\"data:audio/wav;base64,UklGR"), 2u);  // "RIFF"
   EXPECT_THAT(text, AllOf(HasSubstr("name = &quot;roughness noise&quot;"),
                           HasSubstr("<code>ra2d report a.h5 -o page.html</code>"),
                           HasSubstr("Made by ra2d 0."),
@@ -143,8 +143,8 @@ TEST_F(Report, OfSeveralResultsComparesThem) {
   const std::string text = page();
   EXPECT_THAT(text, AllOf(HasSubstr("Side by side"), HasSubstr("<h2>Means</h2>"),
                           HasSubstr("href=\"#result2\""), HasSubstr("id=\"result2\"")));
-  EXPECT_EQ(occurrences(text, "<audio "), 4u);
-  EXPECT_EQ(occurrences(text, "<svg "), 10u);
+  EXPECT_EQ(times(text, "<audio "), 4u);
+  EXPECT_EQ(times(text, "<svg "), 10u);
 }
 
 TEST_F(Report, EscapesWhatComesFromOutside) {
@@ -154,9 +154,9 @@ TEST_F(Report, EscapesWhatComesFromOutside) {
   fs::rename(folder_.path() / "a.h5", folder_.path() / "<img src=x>'\".h5");
   ASSERT_EQ(ra2d({"report", "<img src=x>'\".h5", "-o", "page.html"}).status, 0);
   const std::string text = page();
-  EXPECT_EQ(occurrences(text, "<script>"), 1u);  // the page's own
-  EXPECT_EQ(occurrences(text, "<img"), 0u);
-  EXPECT_EQ(occurrences(text, "\u202e"), 0u);
+  EXPECT_EQ(times(text, "<script>"), 1u);  // the page's own
+  EXPECT_EQ(times(text, "<img"), 0u);
+  EXPECT_EQ(times(text, "\u202e"), 0u);
   expect_harmless(text);
 }
 

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <random>
 #include <vector>
@@ -14,11 +15,13 @@
 #include "host/surface/form.hpp"
 #include "host/surface/profile_filter.hpp"
 #include "host/surface/roughness.hpp"
-#include "tests/numbers.hpp"
 
 namespace {
 
 using namespace ra2d;
+
+constexpr double eps = std::numeric_limits<double>::epsilon();
+constexpr double pi = std::numbers::pi;
 
 /// `periods` periods of a wave of amplitude 1, `points` points each, which lie half a step off.
 template <class Wave>

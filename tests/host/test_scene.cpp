@@ -274,8 +274,7 @@ std::string peaks(const std::string& list) {
   return "surface = { kind = \"peaks\", peaks = [" + list + "] }";
 }
 
-const std::string gaussian_face =
-    "surface = { kind = \"gaussian\", rq = 8e-6, rsm = 1.5e-3, seed = 2 }";
+const std::string gaussian = "surface = { kind = \"gaussian\", rq = 8e-6, rsm = 1.5e-3, seed = 2 }";
 const Change rigid_slider{"support = \"free\"", "support = \"rigid\""};
 const Change static_start{"start", "initial = \"static\"\nstart"};
 const Change free_resonator{"\"pinned\"", "\"free\""};
@@ -307,7 +306,7 @@ const std::vector<Refused> refused{
      {{"[scene]", "duration = 3\n[scene]"}},
      {"\ns.toml:1: duration: unknown key (did you mean `scene.duration`?)"}},
     {"KeyOfPeak",
-     {{gaussian_face, peaks("{ at = 0.1, height = 1e-6, halfwidth = 1, half_width = 1e-3 }")}},
+     {{gaussian, peaks("{ at = 0.1, height = 1e-6, halfwidth = 1, half_width = 1e-3 }")}},
      {"s.toml:15: resonator.surface.peaks[0].halfwidth: unknown key (did you mean `half_width`?)"}},
     {"QuotedKey", {{"step", "\"a\\nb\" = 3\nstep"}}, {"s.toml:28: time.\"a\\nb\": unknown key"}},
     {"Section",
@@ -341,13 +340,13 @@ const std::vector<Refused> refused{
      {{"kind = \"gaussian\", ", ""}},
      {"s.toml:15: resonator.surface.kind: missing"}},
     {"MissingPath",
-     {{gaussian_face, "surface = { kind = \"file\" }"}},
+     {{gaussian, "surface = { kind = \"file\" }"}},
      {"s.toml:15: resonator.surface.path: missing"}},
     {"MissingPeaks",
-     {{gaussian_face, "surface = { kind = \"peaks\" }"}},
+     {{gaussian, "surface = { kind = \"peaks\" }"}},
      {"s.toml:15: resonator.surface.peaks: missing: expected an array of tables"}},
     {"MissingPeakHeight",
-     {{gaussian_face, peaks("{ at = 0.1, half_width = 1e-3 }")}},
+     {{gaussian, peaks("{ at = 0.1, half_width = 1e-3 }")}},
      {"s.toml:15: resonator.surface.peaks[0].height: missing"}},
     {"MissingForce",
      {{"", "[[resonator.moving_force]]\nspeed = 1\nstart = 0\n"}},
@@ -367,7 +366,7 @@ const std::vector<Refused> refused{
      {{"step", "scheme = 3\nstep"}},
      {"s.toml:28: time.scheme: 3 is not allowed: expected " + all_schemes}},
     {"NumberForTable",
-     {{gaussian_face, "surface = 3"}},
+     {{gaussian, "surface = 3"}},
      {"s.toml:15: resonator.surface: 3 is not allowed: expected a table"}},
     {"TableForTables",
      {{"", "[resonator.moving_force]\nforce = 1\n"}},
@@ -412,16 +411,16 @@ const std::vector<Refused> refused{
      {"s.toml:15: resonator.surface.seed: -2 is not allowed: expected an integer >= 0"}},
     {"ZeroRq", {{"rq = 8e-6", "rq = 0"}}, {"s.toml:15: resonator.surface.rq: 0 is not allowed"}},
     {"ZeroHalfWidth",
-     {{gaussian_face, peaks("{ at = 0.1, height = 1e-6, half_width = 0 }")}},
+     {{gaussian, peaks("{ at = 0.1, height = 1e-6, half_width = 0 }")}},
      {"s.toml:15: resonator.surface.peaks[0].half_width: 0 is not allowed"}},
     {"EmptyPath",
-     {{gaussian_face, "surface = { kind = \"file\", path = \"\" }"}},
+     {{gaussian, "surface = { kind = \"file\", path = \"\" }"}},
      {"s.toml:15: resonator.surface.path: empty: expected the path of a profile"}},
     {"UnknownUnit",
-     {{gaussian_face, "surface = { kind = \"file\", path = \"a\", z_unit = \"inch\" }"}},
+     {{gaussian, "surface = { kind = \"file\", path = \"a\", z_unit = \"inch\" }"}},
      {"s.toml:15: resonator.surface.z_unit: \"inch\" is unknown: expected \"m\", \"mm\""}},
     {"UnknownFilter",
-     {{gaussian_face, "surface = { kind = \"file\", path = \"a\", filter = \"spline\" }"}},
+     {{gaussian, "surface = { kind = \"file\", path = \"a\", filter = \"spline\" }"}},
      {"s.toml:15: resonator.surface.filter: \"spline\" is unknown"}},
     {"NegativeForceSpeed",
      {{"", "[[resonator.moving_force]]\nforce = 1\nspeed = -1\nstart = 0\n"}},
@@ -544,7 +543,7 @@ const std::vector<Refused> refused{
      {{"length = 0.02", "length = 0.4"}},
      {"s.toml:18: slider.length: 0.4 m is longer than the resonator: expected at most"}},
     {"SpacingTooWide",
-     {{"spacing = 1e-4", "spacing = 0.03"}, {gaussian_face, ""}},
+     {{"spacing = 1e-4", "spacing = 0.03"}, {gaussian, ""}},
      {"s.toml:5: scene.spacing: 0.03 m is larger than the slider, 0.02 m", "2 nodes"}},
     {"SpacingTooFine",
      {{"spacing = 1e-4", "spacing = 1e-9"}},
@@ -559,10 +558,10 @@ const std::vector<Refused> refused{
      {{"rsm = 1.5e-3", "correlation_length = 1e-4"}},
      {"s.toml:15: resonator.surface.correlation_length: 0.0001 m is not resolved"}},
     {"PeakOffTheBody",
-     {{gaussian_face, peaks("{ at = 0.4, height = 1e-6, half_width = 1e-3 }")}},
+     {{gaussian, peaks("{ at = 0.4, height = 1e-6, half_width = 1e-3 }")}},
      {"s.toml:15: resonator.surface.peaks[0].at: the peak at 0.4 m lies off the body"}},
     {"PeakBeyondAllProportion",
-     {{gaussian_face, peaks("{ at = 0.1, height = 1e-6, half_width = 1.7e29 }")}},
+     {{gaussian, peaks("{ at = 0.1, height = 1e-6, half_width = 1.7e29 }")}},
      {"s.toml:15: resonator.surface.peaks[0].half_width: 1.7e+29 m is out of all proportion"}},
     {"ProbeOff",
      {{"", "[output]\nprobes = [0.1, 0.31]\n"}},
@@ -666,7 +665,7 @@ const std::vector<Refused> refused{
      {{"speed = 0.5", "a.b.c.d.e.f.g.h.i.j.k.l.m.n.o.p.q = 0.5"}},
      {"s.toml:3: a key of more than 16 parts"}},
     {"PathOfNoFile",
-     {{gaussian_face, "surface = { kind = \"file\", path = \"a\\u0000b\" }"}},
+     {{gaussian, "surface = { kind = \"file\", path = \"a\\u0000b\" }"}},
      {"s.toml:15: resonator.surface.path: \"a\\u0000b\" cannot be the name of a file"}},
 };
 
@@ -806,8 +805,8 @@ TEST(Scene, EndsAreInside) {
 
 TEST(Scene, PeaksOffTheBodyMayReachIn) {
   const auto with_peak_at = [](const std::string& at) {
-    return refusal(scene_text(
-        {{gaussian_face, peaks("{ at = " + at + ", height = 1e-6, half_width = 1e-3 }")}}));
+    return refusal(
+        scene_text({{gaussian, peaks("{ at = " + at + ", height = 1e-6, half_width = 1e-3 }")}}));
   };
   EXPECT_EQ(with_peak_at("-9e-4"), "accepted");
   EXPECT_EQ(with_peak_at("0.3009"), "accepted");

@@ -31,7 +31,7 @@ using testing::Not;
 /// A velocity over time, m/s at s.
 using Motion = std::function<double(double)>;
 
-Motion sine_motion(double amplitude, double frequency, double phase = 0.3) {
+Motion sine(double amplitude, double frequency, double phase = 0.3) {
   return [=](double t) { return amplitude * std::sin(2 * M_PI * frequency * t + phase); };
 }
 
@@ -76,7 +76,7 @@ double largest_error(const std::vector<double>& values, const Motion& motion, do
 TEST(Resampler, KeepsAmplitudeAndTimeOfWhatIsBelowHalfTheRate) {
   for (const auto& [from, to] : rates)
     for (const double share : {0.01, 0.1, 0.5, 0.9}) {
-      const Motion motion = sine_motion(1, share * std::min(from, to) / 2);
+      const Motion motion = sine(1, share * std::min(from, to) / 2);
       const auto samples = static_cast<std::size_t>(std::max(4000.0, 4000 * from / to));
       const std::vector<double> out = resampled(sampled(motion, samples, from), from, to);
       EXPECT_LT(largest_error(out, motion, to), 1e-5) << from << " to " << to << " Hz: " << share;
@@ -89,8 +89,8 @@ TEST(Resampler, LetsNothingThroughFromAboveHalfTheNewRate) {
       const double frequency = share * to / 2;
       if (frequency > from / 2) continue;
       const auto samples = static_cast<std::size_t>(4000 * from / to);
-      const auto out = resampled(sampled(sine_motion(1, frequency), samples, from), from, to);
-      EXPECT_LT(largest_error(out, sine_motion(0, 1), to), 1e-5)  // -100 dB
+      const auto out = resampled(sampled(sine(1, frequency), samples, from), from, to);
+      EXPECT_LT(largest_error(out, sine(0, 1), to), 1e-5)  // -100 dB
           << from << " to " << to << " Hz: " << frequency << " Hz";
     }
 }
@@ -98,8 +98,8 @@ TEST(Resampler, LetsNothingThroughFromAboveHalfTheNewRate) {
 /// Anything above half the old rate after resampling to a higher one would be an image.
 TEST(Resampler, MakesNoImages) {
   for (const double frequency : {100.0, 2000.0, 2270.0}) {
-    const auto out = resampled(sampled(sine_motion(1, frequency), 4000, 5e3), 5e3, 48e3);
-    EXPECT_LT(largest_error(out, sine_motion(1, frequency), 48e3), 1e-5) << frequency;
+    const auto out = resampled(sampled(sine(1, frequency), 4000, 5e3), 5e3, 48e3);
+    EXPECT_LT(largest_error(out, sine(1, frequency), 48e3), 1e-5) << frequency;
   }
 }
 
@@ -117,7 +117,7 @@ TEST(Resampler, GoesFromTheFirstSampleToTheLast) {
 }
 
 TEST(Resampler, LeavesASignalOfTheSameRateAsItIs) {
-  const std::vector<double> in = sampled(sine_motion(1, 777), 1234, 48e3);
+  const std::vector<double> in = sampled(sine(1, 777), 1234, 48e3);
   EXPECT_EQ(resampled(in, 48e3, 48e3), in);
 }
 
@@ -232,7 +232,7 @@ class SoundFile : public testing::Test {
 };
 
 TEST_F(SoundFile, IsTheVelocityOverFullScale) {
-  const Motion motion = sine_motion(3e-3, 1000);
+  const Motion motion = sine(3e-3, 1000);
   write({motion}, 100'001);
   const SoundFacts facts = make();
   EXPECT_EQ(facts.full_scale, 5e-3);
@@ -244,12 +244,12 @@ TEST_F(SoundFile, IsTheVelocityOverFullScale) {
   EXPECT_EQ(sound.info.samplerate, 48'000);
   EXPECT_EQ(sound.info.channels, 1);
   ASSERT_EQ(sound.values.size(), 48'001u);
-  EXPECT_LT(largest_error(sound.values, sine_motion(0.6, 1000), 48e3), 1e-5);
+  EXPECT_LT(largest_error(sound.values, sine(0.6, 1000), 48e3), 1e-5);
   EXPECT_THAT(sound.comment, HasSubstr("the value 1.0 is 0.005 m/s"));
 }
 
 TEST_F(SoundFile, IsTheSameInFlacToItsLastBit) {
-  write({sine_motion(3e-3, 1000)}, 50'001);
+  write({sine(3e-3, 1000)}, 50'001);
   make({}, "noise.wav");
   make({}, "NOISE.FLAC");
   const Heard wav = heard(), flac = heard("NOISE.FLAC");
@@ -262,19 +262,19 @@ TEST_F(SoundFile, IsTheSameInFlacToItsLastBit) {
 }
 
 TEST_F(SoundFile, OfASlowedRunIsLongerAndLower) {
-  const Motion motion = sine_motion(3e-3, 5000);
+  const Motion motion = sine(3e-3, 5000);
   write({motion}, 20'001);
   const SoundOptions options{.slow = 20};
   const SoundFacts facts = make(options);
   EXPECT_EQ(facts.frames, 192'001u);  // 0.2 s make 4 s
   const Heard sound = heard();
-  EXPECT_LT(largest_error(sound.values, sine_motion(0.6, 250), 48e3), 1e-5);
+  EXPECT_LT(largest_error(sound.values, sine(0.6, 250), 48e3), 1e-5);
   EXPECT_THAT(sound.comment, HasSubstr("20 times slower"));
 }
 
 TEST_F(SoundFile, TakesAProbeAPartAndARate) {
-  const Motion second = sine_motion(0.7, 440);
-  write({sine_motion(1, 1000), second}, 100'001);
+  const Motion second = sine(0.7, 440);
+  write({sine(1, 1000), second}, 100'001);
   SoundOptions options{.probe = 2, .rate = 44'100, .from = 0.25, .to = 0.75};
   const SoundFacts facts = make(options);
   EXPECT_EQ(facts.position, 0.2);
@@ -289,8 +289,8 @@ TEST_F(SoundFile, TakesAProbeAPartAndARate) {
 }
 
 TEST_F(SoundFile, OfTheSliderWhenAsked) {
-  const Motion second = sine_motion(0.3, 700);
-  write({sine_motion(1, 1000)}, 20'001, 100e3, {100, 60e3}, {sine_motion(1, 500), second});
+  const Motion second = sine(0.3, 700);
+  write({sine(1, 1000)}, 20'001, 100e3, {100, 60e3}, {sine(1, 500), second});
   const SoundFacts facts = make({.probe = 2, .body = ProbeOf::slider});
   EXPECT_EQ(facts.position, 0.01);
   EXPECT_THAT(facts.doubts, testing::IsEmpty());  // the resonator's modes are not in it
@@ -308,7 +308,7 @@ TEST_F(SoundFile, OfTheSliderWhenAsked) {
 }
 
 TEST_F(SoundFile, IsNormalisedOnlyWhenAsked) {
-  write({sine_motion(3e-3, 1000)}, 100'001);
+  write({sine(3e-3, 1000)}, 100'001);
   const SoundFacts facts = make({.normalize = true});
   EXPECT_EQ(facts.full_scale, facts.peak);
   const std::vector<double> values = heard().values;
@@ -317,7 +317,7 @@ TEST_F(SoundFile, IsNormalisedOnlyWhenAsked) {
 }
 
 TEST_F(SoundFile, AFullScaleThatNoFloatCanFollowIsRefused) {
-  write({sine_motion(3e-3, 1000)}, 10'001);
+  write({sine(3e-3, 1000)}, 10'001);
   for (const char* scale : {"1e-300", "1e-42", "1e300"}) {
     const test::Ended said = ra2d({"-o", "n.wav", "--full-scale", scale});
     EXPECT_EQ(said.status, 2) << scale;
@@ -332,7 +332,7 @@ TEST_F(SoundFile, AFullScaleThatNoFloatCanFollowIsRefused) {
 }
 
 TEST_F(SoundFile, ANumberOfAProbeIsNotCutShortInItsMessage) {
-  write({sine_motion(3e-3, 1000)}, 1'001);
+  write({sine(3e-3, 1000)}, 1'001);
   const test::Ended said = ra2d({"--probe", "99999999999999999999"});
   EXPECT_EQ(said.status, 2);
   EXPECT_THAT(said.err,
@@ -341,7 +341,7 @@ TEST_F(SoundFile, ANumberOfAProbeIsNotCutShortInItsMessage) {
 }
 
 TEST_F(SoundFile, SaysWhatIsBeyondFullScale) {
-  write({sine_motion(3e-3, 1000)}, 100'001);
+  write({sine(3e-3, 1000)}, 100'001);
   const SoundOptions options{.full_scale = 1e-3};
   const SoundFacts facts = make(options);
   make(options, "noise.flac");
@@ -359,7 +359,7 @@ TEST_F(SoundFile, SaysWhatIsBeyondFullScale) {
 }
 
 TEST_F(SoundFile, OfSilenceIsSilentAndSaysSo) {
-  write({sine_motion(0, 1)}, 10'001);
+  write({sine(0, 1)}, 10'001);
   const test::Ended said = ra2d({"-o", "noise.wav", "--normalize"});
   EXPECT_EQ(said.status, 0);
   EXPECT_THAT(said.err, HasSubstr("silence: the probe at 0.1 m does not move"));
@@ -367,19 +367,19 @@ TEST_F(SoundFile, OfSilenceIsSilentAndSaysSo) {
 }
 
 TEST_F(SoundFile, SaysWhatTheRatesLeaveOut) {
-  write({sine_motion(1, 100)}, 10'001, 20e3, {0, 100, 9e3, 12e3, 15e3});
+  write({sine(1, 100)}, 10'001, 20e3, {0, 100, 9e3, 12e3, 15e3});
   EXPECT_THAT(ra2d({}).err, AllOf(HasSubstr("2 of the resonator's modes ring above 10000 Hz"),
                                   HasSubstr("output.rate above 3e+04")));
-  write({sine_motion(1, 100)}, 10'001, 20e3, {0, 100, 9e3});
+  write({sine(1, 100)}, 10'001, 20e3, {0, 100, 9e3});
   EXPECT_THAT(ra2d({}).err, AllOf(HasSubstr("nothing above 10000 Hz"), HasSubstr("= 40000")));
   EXPECT_EQ(ra2d({"--quiet"}).err, "");
-  write({sine_motion(1, 100)}, 10'001, 100e3, {0, 100, 9e3});
+  write({sine(1, 100)}, 10'001, 100e3, {0, 100, 9e3});
   EXPECT_EQ(ra2d({}).err, "");
   EXPECT_THAT(ra2d({"--rate", "16000"}).err, HasSubstr("1 of the resonator's modes are left out"));
 }
 
 TEST_F(SoundFile, HasItsScaleBesideIt) {
-  write({sine_motion(3e-3, 1000)}, 10'001);
+  write({sine(3e-3, 1000)}, 10'001);
   const test::Ended said = ra2d({"-o", "noise.wav", "--slow", "2"});
   EXPECT_EQ(said.status, 0) << said.err;
   EXPECT_THAT(said.out, AllOf(HasSubstr("1.0 in the file is 0.005 m/s"), HasSubstr("200 ms, 9601 "),
@@ -407,11 +407,11 @@ TEST_F(SoundFile, RefusesWhatItCannotDoAndLeavesNothing) {
   };
   refused({}, "output.probes = [0.15]");
   refused({"--slider-probe", "1"}, "output.slider_probes = [0.01]");
-  write({}, 1001, 100e3, {100}, {sine_motion(1, 100)});
+  write({}, 1001, 100e3, {100}, {sine(1, 100)});
   refused({}, "(there is 1 of the slider: --slider-probe 1)");
   refused({"--slider-probe", "2"}, "--slider-probe 2: expected 1 to 1 (at 0 m)");
   refused({"--slider-probe", "1", "--probe", "1"}, "excludes");
-  write({sine_motion(1, 100), sine_motion(1, 100)}, 1001);
+  write({sine(1, 100), sine(1, 100)}, 1001);
   refused({"--probe", "3"}, "expected 1 to 2 (at 0.1, 0.2 m)");
   refused({"--probe", "0"}, "--probe");
   refused({"--slow", "0.5"}, "--slow");
@@ -428,7 +428,7 @@ TEST_F(SoundFile, RefusesWhatItCannotDoAndLeavesNothing) {
 }
 
 TEST_F(SoundFile, NeverReplacesTheResult) {
-  write({sine_motion(1, 100)}, 1001);
+  write({sine(1, 100)}, 1001);
   fs::rename(result_, folder_.path() / "result.wav");
   fs::copy(folder_.path() / "result.wav", folder_.path() / "x.wav.json");
   const auto run = [&](const char* in, const char* out) {
@@ -443,7 +443,7 @@ TEST_F(SoundFile, NeverReplacesTheResult) {
 }
 
 TEST_F(SoundFile, ThatCannotBeWrittenLeavesNothing) {
-  write({sine_motion(1, 100)}, 100'001);
+  write({sine(1, 100)}, 100'001);
   for (const char* name : {"noise.wav", "noise.flac"}) {
     const test::Ended said = test::run_program(
         folder_.path(),

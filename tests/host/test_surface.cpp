@@ -7,6 +7,8 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <limits>
+#include <numbers>
 #include <random>
 #include <string>
 #include <vector>
@@ -15,7 +17,6 @@
 #include "host/surface/gaussian.hpp"
 #include "host/surface/portable.hpp"
 #include "host/surface/surface.hpp"
-#include "tests/numbers.hpp"
 
 namespace {
 
@@ -23,6 +24,9 @@ using namespace ra2d;
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
+
+constexpr double eps = std::numeric_limits<double>::epsilon();
+constexpr double pi = std::numbers::pi;
 
 SurfaceSpec gaussian(double rq, double correlation_length, std::uint64_t seed) {
   SurfaceSpec spec;

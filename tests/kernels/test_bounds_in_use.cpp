@@ -359,7 +359,7 @@ void measure_look(const Marched& m, int steps, Shares& shares) {
                                            (energy + time * m.t.bounds.outer_acceleration[k]) +
                                        m.t.bounds.outer_acceleration[k]);
     const double zeta = w > 0 ? m.t.modes.damping[k] / (2 * w * m.t.modes.mass[k] * tau) : 0;
-    const FreeState there = fly({w, zeta, m.t.modes.mass[k]}, m.t.modes.load[k], {u, v, 0}, time);
+    const State there = fly({w, zeta, m.t.modes.mass[k]}, m.t.modes.load[k], {u, v, 0}, time);
     off[k] = static_cast<double>(there.u - u - static_cast<long double>(time) * v);
     size += m.t.bounds.largest_shape[k] * std::abs(u);
   }

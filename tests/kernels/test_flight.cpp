@@ -22,7 +22,7 @@
 namespace {
 
 using namespace ra2d;
-using test::Dice, test::FreeState, test::fly;
+using test::Dice, test::State, test::fly;
 
 constexpr double eps = std::numeric_limits<double>::epsilon();
 constexpr int width = HostLanes::width;
@@ -150,7 +150,7 @@ TEST(Flight, OfAnyLengthIsTheClosedForm) {
     for (int k = 0; k < modes; ++k) {
       SCOPED_TRACE("trial " + std::to_string(trial) + ", omega " + std::to_string(f.omega[k]) +
                    ", zeta " + std::to_string(f.mode[k].zeta) + ", " + std::to_string(ticks));
-      const FreeState exact = fly(f.mode[k], f.load[k], {y.u[k], y.v[k], 0}, time);
+      const State exact = fly(f.mode[k], f.load[k], {y.u[k], y.v[k], 0}, time);
       const double off = f.rounding(y, k, ticks), t1 = static_cast<double>(time);
       ASSERT_NEAR(z.v[k], static_cast<double>(exact.v), off);
       // ... and each sum for U rounds to what U is
@@ -187,7 +187,7 @@ TEST(Flight, SumsTheSquareOfTheVelocity) {
     const Flying::Lanes z = f.after(y, ticks);
     const double time = static_cast<double>(ticks) * f.t.motion.time_step;
     for (int k = 0; k < modes; ++k) {
-      const FreeState exact = fly(f.mode[k], f.load[k], {y.u[k], y.v[k], 0}, time, true);
+      const State exact = fly(f.mode[k], f.load[k], {y.u[k], y.v[k], 0}, time, true);
       const double norm =
           f.omega[k] > 0 ? f.norm(y, k) : std::abs(y.v[k]) + std::abs(f.fall[k]) * time;
       // V is off by rounding() at the most; the form has been doubled some 30 times, with four
@@ -254,7 +254,7 @@ TEST(Flight, BoundsHold) {
         const long double w = f.omega[k], z = f.mode[k].zeta, a = f.load[k] / f.mode[k].mass;
         // U and its derivatives, U^(n+2) = -2 zeta omega U^(n+1) - omega^2 U^(n) + [n = 0] load/m
         long double d[5];
-        const FreeState now = fly(f.mode[k], f.load[k], {y.u[k], y.v[k], 0}, at);
+        const State now = fly(f.mode[k], f.load[k], {y.u[k], y.v[k], 0}, at);
         d[0] = now.u, d[1] = now.v;
         for (int n = 0; n < 3; ++n)
           d[n + 2] = -2 * z * w * d[n + 1] - w * w * d[n] + (n == 0 ? a : 0);

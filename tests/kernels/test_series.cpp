@@ -21,7 +21,7 @@
 namespace {
 
 using namespace ra2d;
-using test::Dice, test::FreeState, test::fly, test::Amplitudes, test::Real, test::lanes;
+using test::Dice, test::State, test::fly, test::Amplitudes, test::Real, test::lanes;
 using test::K, test::eps, test::modes, test::width;
 
 /// Modes of all kinds, one a lane, and three nodes that slide over them. A node's shapes are the
@@ -203,8 +203,8 @@ TEST(ModalSeries, OfFreeModesIsTheClosedFormWithinItsTolerance) {
       const Bodies::Lanes y = b.at(x);
       Amplitudes du, dv;
       for (int k = 0; k < modes; ++k) {
-        const FreeState exact = fly(b.mode[k], b.load[k], {b.u[k], b.v[k], 0},
-                                    static_cast<long double>(x) * b.motion.scale());
+        const State exact = fly(b.mode[k], b.load[k], {b.u[k], b.v[k], 0},
+                                static_cast<long double>(x) * b.motion.scale());
         du[k] = static_cast<double>(y.u[k] - exact.u);
         dv[k] = static_cast<double>(y.v[k] - exact.v);
       }
@@ -263,7 +263,7 @@ TEST(ModalSeries, OfOneModeOnASpringIsTheClosedForm) {
     const double rounding =
         450 * eps;  // of twenty terms, each with up to twenty roundings behind it
     for (const double x : {0.0, 0.1, 0.5, 1.0}) {
-      const FreeState exact = fly(stiffer, press, {b.u[only], b.v[only], 0}, x * b.motion.scale());
+      const State exact = fly(stiffer, press, {b.u[only], b.v[only], 0}, x * b.motion.scale());
       // the remainder of the motion about its rest, x^19/19! and what follows: below 1e-16 of it
       const double amplitude =
           static_cast<double>(std::abs(exact.u) + std::abs(start)) + std::abs(b.u[only]) +

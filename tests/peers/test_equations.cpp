@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -10,7 +11,6 @@
 #include "bench/peers/watched.hpp"
 #include "host/body/beam.hpp"
 #include "tests/dice.hpp"
-#include "tests/numbers.hpp"
 #include "tests/scenes.hpp"
 
 /// The peers' equations against direct evaluation of every sum, psi by psi.
@@ -18,6 +18,8 @@ namespace {
 
 using namespace ra2d;
 using namespace ra2d::peers;
+
+constexpr double eps = std::numeric_limits<double>::epsilon();
 
 struct Case {
   std::string name;

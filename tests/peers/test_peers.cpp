@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -10,7 +12,6 @@
 #include "host/base/errors.hpp"
 #include "host/run/samples.hpp"
 #include "host/scene_file/scene_file.hpp"
-#include "tests/numbers.hpp"
 #include "tests/places.hpp"
 #include "tests/scenes.hpp"
 #include "tests/simulate.hpp"
@@ -23,6 +24,8 @@ using peers::Integrator;
 using peers::march_peer;
 using peers::PeerOptions;
 using peers::PeerResult;
+
+constexpr double pi = std::numbers::pi;
 
 double norm(const std::vector<double>& a) {
   double sum = 0;

@@ -5,12 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
+#include <numbers>
 #include <string>
 #include <vector>
 
 #include "tests/adaptive.hpp"
 #include "tests/effort.hpp"
-#include "tests/numbers.hpp"
 #include "tests/scenes.hpp"
 
 /// The adaptive scheme: its answer depends on neither launches, batches nor candidates; samples
@@ -18,10 +19,12 @@
 namespace ra2d::test {
 namespace {
 
+constexpr double eps = std::numeric_limits<double>::epsilon();
+
 // ---- invariance -------------------------------------------------------------------------------
 
 /// A scene of every form of contact, over candidates.
-std::vector<Scene> adaptive_scenes() {
+std::vector<Scene> kinds() {
   std::vector<Scene> scenes;
   for (const Support support : {Support::free, Support::pinned, Support::rigid})
     for (const double tolerance : {1e-5, 1e-10}) {
@@ -72,7 +75,7 @@ TEST(AdaptiveInvariance, RandomScenesAreTheSameBitForBit) {
 }
 
 TEST(AdaptiveInvariance, OneStepALaunch) {
-  for (const Scene& scene : adaptive_scenes()) {
+  for (const Scene& scene : kinds()) {
     const Recording whole = simulate(scene);
     ASSERT_EQ(whole.end.status, Status::done);
     EXPECT_GT(whole.end.contact_steps, 0);
@@ -98,7 +101,7 @@ TEST(AdaptiveInvariance, OneStepALaunch) {
 }
 
 TEST(AdaptiveInvariance, OtherScenesBesideItChangeNothing) {
-  std::vector<Scene> scenes = adaptive_scenes();
+  std::vector<Scene> scenes = kinds();
   scenes[1].duration /= 3;
   scenes[3].resonator.modes = 20;
   scenes.push_back(rough_scene(Support::rigid));  // of fixed steps
@@ -115,7 +118,7 @@ TEST(AdaptiveInvariance, OtherScenesBesideItChangeNothing) {
 
 TEST(AdaptiveInvariance, AFullBufferHoldsTheMarchUp) {
   // and loses nothing while nobody empties it
-  const Recording whole = simulate(adaptive_scenes()[0]);
+  const Recording whole = simulate(kinds()[0]);
   Batch batch({whole.model}, {whole.start}, {.capacity = {.samples = 10}});
   for (int i = 0; i < 3; ++i) {
     batch.march(whole.model.steps);

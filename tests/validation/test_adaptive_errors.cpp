@@ -5,19 +5,22 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <numbers>
 #include <string>
 #include <vector>
 
 #include "host/run/samples.hpp"
 #include "tests/adaptive.hpp"
 #include "tests/effort.hpp"
-#include "tests/numbers.hpp"
 #include "tests/scenes.hpp"
 
 /// Errors of the adaptive scheme: against closed forms, against itself at the smallest tolerance,
 /// and against small fixed steps.
 namespace ra2d::test {
 namespace {
+
+constexpr double eps = std::numeric_limits<double>::epsilon();
+constexpr double pi = std::numbers::pi;
 
 // ---- one impact in closed form ----------------------------------------------------------------
 
@@ -168,14 +171,14 @@ TEST(AdaptiveErrors, AFlightOverManyNodesEndsWhereTheBeamComesUp) {
 
 // ---- the tolerance is kept --------------------------------------------------------------------
 
-struct ErrorCase {
+struct Case {
   const char* name;
   Scene scene;
   bool drifts = false;  // chaotic: errors grow, and the roundings with them
 };
 
-std::vector<ErrorCase> error_cases() {
-  std::vector<ErrorCase> all;
+std::vector<Case> cases() {
+  std::vector<Case> all;
   Scene s = plate_scene(4, 0.004, 0.004);
   s.duration = 4e-4;
   s.start = 0.028;
@@ -218,7 +221,7 @@ std::vector<ErrorCase> error_cases() {
 /// The error at a tolerance is below it, and a hundredth of the tolerance makes it smaller, until
 /// roundings are left.
 TEST(AdaptiveErrors, AreBelowTheTolerance) {
-  for (const ErrorCase& each : error_cases()) {
+  for (const Case& each : cases()) {
     SCOPED_TRACE(std::string(each.name) + ", kappa " +
                  std::to_string(each.scene.contact.stiffness) + ", zeta " +
                  std::to_string(each.scene.resonator.damping));
@@ -250,7 +253,7 @@ TEST(AdaptiveErrors, SmallFixedStepsComeToTheSame) {
   // where a contact begins or ends within a step, and at a face's kinks, rk8 is no better than of
   // second order, with a factor that depends on where in the step that is: a sixteenth of the step
   // leaves a 256th of the error, more or less
-  for (const ErrorCase& each : error_cases()) {
+  for (const Case& each : cases()) {
     if (each.scene.contact.stiffness > 1e15 || each.scene.resonator.damping > 1) continue;  // stiff
     SCOPED_TRACE(std::string(each.name) + ", kappa " +
                  std::to_string(each.scene.contact.stiffness));

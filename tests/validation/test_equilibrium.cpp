@@ -4,6 +4,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <random>
 #include <string>
@@ -11,13 +12,14 @@
 
 #include "host/base/errors.hpp"
 #include "tests/effort.hpp"
-#include "tests/numbers.hpp"
 #include "tests/scenes.hpp"
 #include "tests/simulate.hpp"
 
 /// scene.initial = "static": the start is an equilibrium under load and contact, and stays one.
 namespace ra2d::test {
 namespace {
+
+constexpr double ulp = std::numeric_limits<double>::epsilon();
 
 Scene resting_block() {
   Scene s = plate_scene(8, 0.012, 0.012);
@@ -79,7 +81,7 @@ Balance balance(const Model& m, const ModalStart& start) {
     for (const double r : *residual) b.worst = std::max(b.worst, std::abs(r));
   // every gap in contact is right to 8 roundings of what it is the difference of, every sum to 64
   // of its terms
-  b.rounding = 8 * eps * heights * m.node_stiffness * psi_sum + 64 * eps * size;
+  b.rounding = 8 * ulp * heights * m.node_stiffness * psi_sum + 64 * ulp * size;
   return b;
 }
 
@@ -205,7 +207,7 @@ TEST(Equilibrium, IsFoundUnderSpringsOfAnyStiffness) {
     for (std::size_t k = 0; k < start.slider_u.size(); ++k)
       size += std::abs(start.slider_u[k]) * model.slider.modes[k].shape->largest();
     const double rounding =
-        64 * eps * size * model.node_stiffness *
+        64 * ulp * size * model.node_stiffness *
         static_cast<double>(std::max<std::size_t>(1, start.loaded_nodes.size()));
     EXPECT_NEAR(start.contact_force, load, 1e-7 * load + rounding);
   }
@@ -284,11 +286,11 @@ TEST(Equilibrium, PinnedSliderDeflectsAsABeamUnderEvenLoad) {
     }
     for (int n = 1; n <= modes; n += 2)
       series += (n % 4 == 1 ? 4 : -4) / std::pow(std::numbers::pi * n, 5) * scale;
-    EXPECT_NEAR(middle, series, 64 * eps * series);
+    EXPECT_NEAR(middle, series, 64 * ulp * series);
     // what a series of alternating, falling terms leaves out is below the first one left out
     const int next = modes % 2 == 0 ? modes + 1 : modes + 2;
     EXPECT_NEAR(middle, 5.0 / 384 * scale,
-                4 * scale / std::pow(std::numbers::pi * next, 5) + 64 * eps * scale);
+                4 * scale / std::pow(std::numbers::pi * next, 5) + 64 * ulp * scale);
   }
 }
 
@@ -393,7 +395,7 @@ TEST(Equilibrium, UnderMultipliersNothingOverlapsAndTheLoadedNodesAloneCarry) {
       };
       elastic(m.resonator, start.resonator_u);
       elastic(m.slider, start.slider_u);
-      const double rounding = 32 * eps * heights;
+      const double rounding = 32 * ulp * heights;
       const std::vector<double> over = overlaps(m, start.resonator_u, start.slider_u);
       EXPECT_LE(*std::max_element(over.begin(), over.end()), rounding);
 

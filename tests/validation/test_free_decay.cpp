@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <numbers>
 #include <random>
 #include <string>
 #include <vector>
@@ -11,7 +13,6 @@
 #include "host/device/batch.hpp"
 #include "host/result/record.hpp"
 #include "host/run/samples.hpp"
-#include "tests/numbers.hpp"
 #include "tests/scenes.hpp"
 
 /// Bodies that vibrate and touch nothing: every mode is a damped oscillator. Its motion, and the
@@ -19,6 +20,9 @@
 namespace {
 
 using namespace ra2d;
+
+constexpr double eps = std::numeric_limits<double>::epsilon();
+constexpr double pi = std::numbers::pi;
 
 /// A steel strip 300 mm long and a short one a metre above it.
 Scene far_apart() {
@@ -29,21 +33,21 @@ Scene far_apart() {
   return s;
 }
 
-struct DecayCase {
+struct Case {
   std::string name;
   Support resonator;
   int resonator_modes;
   Support slider;
   int slider_modes;
 };
-const DecayCase cases[] = {
+const Case cases[] = {
     {"PinnedResonator", Support::pinned, 4, Support::rigid, 0},
     {"FreeResonator", Support::free, 3, Support::rigid, 0},
     {"FreeSlider", Support::pinned, 1, Support::free, 3},
     {"PinnedSlider", Support::pinned, 2, Support::pinned, 2},
 };
 
-Scene scene_of(const DecayCase& c) {
+Scene scene_of(const Case& c) {
   Scene s = far_apart();
   s.resonator.support = c.resonator;
   s.resonator.modes = c.resonator_modes;
@@ -54,13 +58,13 @@ Scene scene_of(const DecayCase& c) {
 
 /// Sets the number and the length of the steps, with a sample at the beginning, at the end, and
 /// `samples` - 1 between.
-void set_decay_steps(Scene& s, double step, int steps, int samples = 1) {
+void set_steps(Scene& s, double step, int steps, int samples = 1) {
   s.time.step = step;
   s.duration = steps * step;
   s.output.rate = samples / s.duration;
 }
 
-struct DecayMarch {
+struct March {
   Model model;
   Snapshot end;
   SampleBlock samples;
@@ -90,8 +94,8 @@ double energy_of(const Model& m, const std::vector<double>& u, const std::vector
   return sum;
 }
 
-DecayMarch decay_march(const Scene& scene, const Start& start) {
-  DecayMarch run;
+March march(const Scene& scene, const Start& start) {
+  March run;
   run.model = make_model(scene);
   const auto split = static_cast<std::ptrdiff_t>(run.model.resonator.modes.size());
   ModalStart begin;
@@ -123,12 +127,12 @@ Start random_start(const Model& m, unsigned seed) {
   return start;
 }
 
-struct DecayState {
+struct State {
   long double u, v;
 };
 
 /// U'' + 2 zeta omega U' + omega^2 U = 0.
-DecayState exact(double omega, double zeta, double u, double v, double time) {
+State exact(double omega, double zeta, double u, double v, double time) {
   if (omega == 0) return {u + static_cast<long double>(v) * time, v};
   const long double decay = static_cast<long double>(zeta) * omega, t = time;
   const long double turn = omega * std::sqrt(1 - static_cast<long double>(zeta) * zeta);
@@ -138,23 +142,23 @@ DecayState exact(double omega, double zeta, double u, double v, double time) {
 }
 
 /// Backward Euler's step (U, V) -> (U + tau V1, V1), V1 = (V - tau omega^2 U)/s, as a matrix.
-struct DecayMatrix {
+struct Matrix {
   long double a[2][2];
 };
-DecayMatrix operator*(const DecayMatrix& x, const DecayMatrix& y) {
-  DecayMatrix out{};
+Matrix operator*(const Matrix& x, const Matrix& y) {
+  Matrix out{};
   for (int i = 0; i < 2; ++i)
     for (int j = 0; j < 2; ++j) out.a[i][j] = x.a[i][0] * y.a[0][j] + x.a[i][1] * y.a[1][j];
   return out;
 }
-DecayMatrix one_step(double omega, double zeta, double tau) {
+Matrix one_step(double omega, double zeta, double tau) {
   const long double w = omega, t = tau, s = 1 + 2 * zeta * w * t + w * w * t * t;
   const long double uv = -t * w * w / s;
   return {{{1 + t * uv, t / s}, {uv, 1 / s}}};
 }
 /// The matrix to the power `steps`, by squaring.
-DecayState discrete(double omega, double zeta, double tau, int steps, double u, double v) {
-  DecayMatrix power{{{1, 0}, {0, 1}}}, square = one_step(omega, zeta, tau);
+State discrete(double omega, double zeta, double tau, int steps, double u, double v) {
+  Matrix power{{{1, 0}, {0, 1}}}, square = one_step(omega, zeta, tau);
   for (; steps > 0; steps /= 2, square = square * square)
     if (steps % 2 == 1) power = power * square;
   return {power.a[0][0] * u + power.a[0][1] * v, power.a[1][0] * u + power.a[1][1] * v};
@@ -164,18 +168,18 @@ double norm(double omega, long double u, long double v) {
   return static_cast<double>(std::hypot(v, omega * u));
 }
 
-class FreeDecay : public testing::TestWithParam<DecayCase> {};
+class FreeDecay : public testing::TestWithParam<Case> {};
 INSTANTIATE_TEST_SUITE_P(Decay, FreeDecay, testing::ValuesIn(cases),
                          [](const auto& info) { return info.param.name; });
 
 /// Distance of the run's end from the exact one: energy norm of mode k, or of all.
-double error_of(const DecayMarch& run, const Start& start, double time) {
+double error_of(const March& run, const Start& start, double time) {
   const std::vector<BodyMode> modes = modes_of(run.model);
   const std::vector<double> u = u_of(run.end), v = v_of(run.end);
   double sum = 0;
   for (std::size_t k = 0; k < modes.size(); ++k) {
     if (modes[k].omega == 0) continue;
-    const DecayState end = exact(modes[k].omega, modes[k].zeta, start.u[k], start.v[k], time);
+    const State end = exact(modes[k].omega, modes[k].zeta, start.u[k], start.v[k], time);
     sum += std::pow(norm(modes[k].omega, u[k] - end.u, v[k] - end.v), 2);
   }
   return std::sqrt(sum);
@@ -187,8 +191,8 @@ void falls_at_first_order(Scene scene, const Start& start, double omega, double 
   int steps = static_cast<int>(std::ceil(omega * omega * time * time / 0.1));
   double coarse = 0;
   for (int level = 0; level < 5; ++level, steps *= 2) {
-    set_decay_steps(scene, time / steps, steps);
-    const double error = error_of(decay_march(scene, start), start, time);
+    set_steps(scene, time / steps, steps);
+    const double error = error_of(march(scene, start), start, time);
     if (level > 0) {
       EXPECT_NEAR(std::log2(coarse / error), 1.0, 0.1) << steps << " steps";
     }
@@ -198,7 +202,7 @@ void falls_at_first_order(Scene scene, const Start& start, double omega, double 
 
 TEST_P(FreeDecay, SingleModesConvergeAtFirstOrder) {
   Scene scene = scene_of(GetParam());
-  set_decay_steps(scene, 1e-6, 1);
+  set_steps(scene, 1e-6, 1);
   const Model model = make_model(scene);
   const std::vector<BodyMode> modes = modes_of(model);
   for (std::size_t k = 0; k < modes.size(); ++k) {
@@ -210,8 +214,8 @@ TEST_P(FreeDecay, SingleModesConvergeAtFirstOrder) {
     falls_at_first_order(scene, start, modes[k].omega, time);
 
     // Modes do not know of one another.
-    set_decay_steps(scene, time / 1000, 1000);
-    const DecayMarch run = decay_march(scene, start);
+    set_steps(scene, time / 1000, 1000);
+    const March run = march(scene, start);
     for (std::size_t l = 0; l < modes.size(); ++l) {
       if (l == k) continue;
       EXPECT_EQ(u_of(run.end)[l], 0);
@@ -222,7 +226,7 @@ TEST_P(FreeDecay, SingleModesConvergeAtFirstOrder) {
 
 TEST_P(FreeDecay, SuperpositionConvergesAtFirstOrder) {
   Scene scene = scene_of(GetParam());
-  set_decay_steps(scene, 1e-6, 1);
+  set_steps(scene, 1e-6, 1);
   const Model model = make_model(scene);
   double lowest = 1e300, highest = 0;
   for (const BodyMode& mode : modes_of(model)) {
@@ -240,15 +244,15 @@ TEST_P(FreeDecay, IsTheSchemesOwnClosedForm) {
   // there on.
   constexpr int steps = 100'000;
   Scene scene = scene_of(GetParam());
-  set_decay_steps(scene, 1e-7, steps, 10);
+  set_steps(scene, 1e-7, steps, 10);
   const Model model = make_model(scene);
   const Start start = random_start(model, 3);
-  const DecayMarch run = decay_march(scene, start);
+  const March run = march(scene, start);
   const std::vector<BodyMode> modes = modes_of(run.model);
   const std::vector<double> u = u_of(run.end), v = v_of(run.end);
   for (std::size_t k = 0; k < modes.size(); ++k) {
     const double omega = modes[k].omega, zeta = modes[k].zeta;
-    const DecayState end = discrete(omega, zeta, scene.time.step, steps, start.u[k], start.v[k]);
+    const State end = discrete(omega, zeta, scene.time.step, steps, start.u[k], start.v[k]);
     if (omega == 0) {
       EXPECT_EQ(v[k], start.v[k]);  // a rigid mode drifts, and nothing rounds its velocity
       EXPECT_NEAR(u[k], static_cast<double>(end.u), steps * eps / 2 * std::abs(u[k]));
@@ -268,14 +272,14 @@ TEST_P(FreeDecay, EnergyGoesWhereItShould) {
   // damping loss and what the scheme itself dissipates.
   constexpr int steps = 20'000, samples = 8;
   Scene scene = scene_of(GetParam());
-  set_decay_steps(scene, 2e-6, steps, samples);
+  set_steps(scene, 2e-6, steps, samples);
   const Model model = make_model(scene);
   const Start start = random_start(model, 4);
-  const DecayMarch run = decay_march(scene, start);
+  const March run = march(scene, start);
   const std::vector<BodyMode> modes = modes_of(run.model);
   ASSERT_EQ(run.samples.time.size(), samples + 1);
 
-  std::vector<DecayState> y;
+  std::vector<State> y;
   for (std::size_t k = 0; k < modes.size(); ++k) y.push_back({start.u[k], start.v[k]});
   long double damping = 0, scheme = 0, square = 0;
   const double before = energy_of(run.model, start.u, start.v);
@@ -302,8 +306,8 @@ TEST_P(FreeDecay, EnergyGoesWhereItShould) {
     }
     for (std::size_t k = 0; k < modes.size(); ++k) {
       const BodyMode& mode = modes[k];
-      const DecayState old = y[k];
-      const DecayMatrix map = one_step(mode.omega, mode.zeta, scene.time.step);
+      const State old = y[k];
+      const Matrix map = one_step(mode.omega, mode.zeta, scene.time.step);
       y[k] = {map.a[0][0] * old.u + map.a[0][1] * old.v, map.a[1][0] * old.u + map.a[1][1] * old.v};
       if (step == steps) continue;
       damping += 2 * static_cast<long double>(mode.zeta) * mode.omega * mode.mass *
@@ -322,21 +326,21 @@ TEST_P(FreeDecay, EnergyGoesWhereItShould) {
 
 TEST_P(FreeDecay, DampingLossConvergesToTheEnergyLost) {
   Scene scene = scene_of(GetParam());
-  set_decay_steps(scene, 1e-6, 1);
+  set_steps(scene, 1e-6, 1);
   const Model model = make_model(scene);
   const Start start = random_start(model, 5);
   constexpr double time = 2e-3;
   double lost = energy_of(model, start.u, start.v);
   const std::vector<BodyMode> modes = modes_of(model);
   for (std::size_t k = 0; k < modes.size(); ++k) {
-    const DecayState end = exact(modes[k].omega, modes[k].zeta, start.u[k], start.v[k], time);
+    const State end = exact(modes[k].omega, modes[k].zeta, start.u[k], start.v[k], time);
     lost -= 0.5 * modes[k].mass * std::pow(norm(modes[k].omega, end.u, end.v), 2);
   }
   double coarse = 0;
   int steps = 50'000;
   for (int level = 0; level < 4; ++level, steps *= 2) {
-    set_decay_steps(scene, time / steps, steps);
-    const double error = std::abs(decay_march(scene, start).samples.damping_loss.back() - lost);
+    set_steps(scene, time / steps, steps);
+    const double error = std::abs(march(scene, start).samples.damping_loss.back() - lost);
     if (level > 0) {
       EXPECT_NEAR(std::log2(coarse / error), 1.0, 0.1) << steps << " steps";
     }
@@ -349,9 +353,9 @@ TEST(RigidModes, OfASliderDriftUniformlyAndFallUnderALoad) {
   Scene scene = scene_of(cases[2]);
   scene.slider.modes = 0;
   scene.slider.load = 3;
-  set_decay_steps(scene, 1e-7, steps);
+  set_steps(scene, 1e-7, steps);
   const Model model = make_model(scene);
-  const DecayMarch run = decay_march(scene, {{0, 2e-6, -1e-6}, {0, 1e-3, 2e-3}});
+  const March run = march(scene, {{0, 2e-6, -1e-6}, {0, 1e-3, 2e-3}});
   // translation: V = V0 + n tau F/m, U = U0 + n tau V0 + n (n + 1)/2 tau^2 F/m; a rounding a step
   // in each, V's carried on by U, and three in the coefficient
   const long double velocity_per_step =

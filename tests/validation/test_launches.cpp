@@ -27,7 +27,7 @@ namespace ra2d::test {
 namespace {
 
 /// Sliders of all supports, over all nodes and candidates.
-std::vector<Scene> launched_scenes() {
+std::vector<Scene> kinds() {
   std::vector<Scene> scenes;
   for (const Support support : {Support::free, Support::pinned, Support::rigid})
     for (const Nodes nodes : {Nodes::candidates, Nodes::all}) {
@@ -40,7 +40,7 @@ std::vector<Scene> launched_scenes() {
 }
 
 TEST(Launches, AnyLengthGivesTheSameBits) {
-  std::vector<Scene> scenes = launched_scenes();
+  std::vector<Scene> scenes = kinds();
   for (Scene& scene : scenes) {
     const auto compare = [&](std::initializer_list<std::int64_t> lengths) {
       const Recording whole = simulate(scene);
@@ -98,7 +98,7 @@ void take(Outcome& out, Batch& batch) {
 }
 
 TEST(Launches, RandomLengthsGiveTheSameBits) {
-  for (const Scene& scene : launched_scenes()) {
+  for (const Scene& scene : kinds()) {
     const Model model = make_model(scene);
     const ModalStart start = make_start(model);
     Outcome out[2];
@@ -121,7 +121,7 @@ TEST(Launches, RandomLengthsGiveTheSameBits) {
 }
 
 TEST(Launches, SmallBuffersGiveTheSameBits) {
-  for (const Scene& scene : launched_scenes()) {
+  for (const Scene& scene : kinds()) {
     const Recording expected = simulate(scene);
     for (const int samples : {1, 2, 17})
       for (const int shocks : {1, 5}) {
@@ -148,7 +148,7 @@ TEST(Launches, AFullBufferHoldsTheMarchUp) {
 }
 
 TEST(Launches, PaddingGivesTheSameBits) {
-  for (const Scene& scene : launched_scenes()) {
+  for (const Scene& scene : kinds()) {
     const Recording expected = simulate(scene);
     for (const int packs : {2, 3, 4, 6, 8})
       EXPECT_TRUE(same(expected, simulate(scene, {.batch = {.least_packs = packs}})))
@@ -157,7 +157,7 @@ TEST(Launches, PaddingGivesTheSameBits) {
 }
 
 TEST(Launches, OtherScenesBesideItChangeNothing) {
-  std::vector<Scene> scenes = launched_scenes();
+  std::vector<Scene> scenes = kinds();
   scenes[1].duration /= 3;         // ends early
   scenes[3].resonator.modes = 20;  // pads the others
   scenes[4].slider.length = 0.02;
@@ -219,7 +219,7 @@ TEST(Launches, SamplesBetweenTwoStepsAreInterpolatedLinearly) {
 }
 
 TEST(Launches, ScenesWithoutMemoryBesideTheOthersWait) {
-  const std::vector<Scene> scenes = launched_scenes();
+  const std::vector<Scene> scenes = kinds();
   const std::vector<Recording> alone = simulate(scenes);
   std::size_t largest = 0;
   for (const Recording& r : alone) largest = std::max(largest, Batch({r.model}, {r.start}).bytes());
@@ -236,7 +236,7 @@ TEST(Launches, ScenesWithoutMemoryBesideTheOthersWait) {
 }
 
 TEST(Launches, ASceneThatDoesNotFitAloneStopsNoOther) {
-  const std::vector<Scene> scenes = launched_scenes();
+  const std::vector<Scene> scenes = kinds();
   std::vector<std::size_t> bytes;
   std::vector<std::unique_ptr<SceneRun>> runs;
   for (const Scene& scene : scenes) {

@@ -3,10 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numbers>
 #include <vector>
 
 #include "host/result/record.hpp"
-#include "tests/numbers.hpp"
 #include "tests/scenes.hpp"
 #include "tests/simulate.hpp"
 
@@ -17,6 +18,9 @@
 namespace {
 
 using namespace ra2d;
+
+constexpr double eps = std::numeric_limits<double>::epsilon();
+constexpr double pi = std::numbers::pi;
 
 constexpr int modes = 5;
 constexpr double force = 10;  // N
@@ -31,7 +35,7 @@ Scene crossing(double speed) {
   return s;
 }
 
-void set_force_steps(Scene& s, double duration, int steps, int samples = 1) {
+void set_steps(Scene& s, double duration, int steps, int samples = 1) {
   s.time.step = duration / steps;
   s.duration = duration;
   s.output.rate = samples / duration;
@@ -45,17 +49,17 @@ double critical_speed() {
   return beam.modes[0].omega * beam.length / pi;
 }
 
-struct ForceState {
+struct State {
   double u, v;
 };
 
 /// Mode k (from 0) at a time: U'' + omega^2 U = p sin(Omega t), from rest, until the force leaves
 /// at L/v.
-ForceState mode_at(const Body& beam, int k, double speed, double time) {
+State mode_at(const Body& beam, int k, double speed, double time) {
   const double omega = beam.modes[k].omega, drive = (k + 1) * pi * speed / beam.length;
   const double p = force / beam.modes[0].mass * std::sqrt(2 / beam.length);
   const double left = beam.length / speed, t = std::min(time, left);
-  ForceState y;
+  State y;
   if (std::abs(drive - omega) < 1e-9 * omega) {
     // at resonance the amplitude grows with time; 1e-9 off, the two forms differ by as little
     y.u = p / (2 * omega * omega) * (std::sin(omega * t) - omega * t * std::cos(omega * t));
@@ -80,7 +84,7 @@ double deflection(const Body& beam, double x, double speed, double time) {
 double energy(const Body& beam, double speed, double time) {
   double sum = 0;
   for (int k = 0; k < modes; ++k) {
-    const ForceState y = mode_at(beam, k, speed, time);
+    const State y = mode_at(beam, k, speed, time);
     sum += 0.5 * beam.modes[k].mass * (y.v * y.v + std::pow(beam.modes[k].omega * y.u, 2));
   }
   return sum;
@@ -95,7 +99,7 @@ TEST(MovingForceSeries, SolvesTheEquationOfMotion) {
       for (const double time : {0.3 * left, 0.9 * left, 1.4 * left}) {
         const double omega = beam.modes[k].omega, drive = (k + 1) * pi * speed / beam.length;
         const double h = 1e-3 / std::max(omega, drive);
-        const ForceState y = mode_at(beam, k, speed, time);
+        const State y = mode_at(beam, k, speed, time);
         const double before = mode_at(beam, k, speed, time - h).u;
         const double after = mode_at(beam, k, speed, time + h).u;
         const double p = time < left ? force / beam.modes[0].mass * std::sqrt(2 / beam.length) *
@@ -120,17 +124,17 @@ INSTANTIATE_TEST_SUITE_P(Speeds, MovingForceSpeeds,
                                          Speed{"Supercritical", 1.7}),
                          [](const auto& info) { return info.param.name; });
 
-/// ForceErrors over a run, each the largest over the samples.
-struct ForceErrors {
+/// Errors over a run, each the largest over the samples.
+struct Errors {
   double deflection = 0, velocity = 0, work = 0;
 };
-ForceErrors force_errors(const Scene& scene, double speed) {
+Errors errors_of(const Scene& scene, double speed) {
   const test::Recording run = test::simulate(scene);
   EXPECT_EQ(run.end.status, Status::done);
   EXPECT_EQ(run.end.contact_steps, 0);
   const Body& beam = run.model.resonator;
   const double middle = 0.5 * beam.length;
-  ForceErrors e;
+  Errors e;
   for (std::size_t i = 0; i < run.samples.time.size(); ++i) {
     const double t = run.samples.time[i];
     double rate = 0;
@@ -150,11 +154,11 @@ TEST_P(MovingForceSpeeds, DeflectionAndWorkConvergeAtFirstOrder) {
   const double speed = GetParam().ratio * critical_speed();
   Scene scene = crossing(speed);
   const double left = scene.resonator.length / speed;
-  ForceErrors coarse;
+  Errors coarse;
   int steps = 100'000;  // over one and a half crossings: the force leaves at two thirds
   for (int level = 0; level < 5; ++level, steps *= 2) {
-    set_force_steps(scene, 1.5 * left, steps, 200);
-    const ForceErrors fine = force_errors(scene, speed);
+    set_steps(scene, 1.5 * left, steps, 200);
+    const Errors fine = errors_of(scene, speed);
     if (level > 0) {
       EXPECT_NEAR(std::log2(coarse.deflection / fine.deflection), 1.0, 0.1) << steps << " steps";
       EXPECT_NEAR(std::log2(coarse.velocity / fine.velocity), 1.0, 0.1) << steps << " steps";
@@ -200,7 +204,7 @@ TEST_P(MovingForceSpeeds, IsBackwardEulerToTheLastRoundings) {
   const double speed = GetParam().ratio * critical_speed();
   constexpr int steps = 30'000;
   Scene scene = crossing(speed);
-  set_force_steps(scene, 1.5 * scene.resonator.length / speed, steps);
+  set_steps(scene, 1.5 * scene.resonator.length / speed, steps);
   const test::Recording run = test::simulate(scene);
   const ByHand hand = march_by_hand(run.model, scene.resonator.moving_forces, steps);
   // Eight roundings a step in each mode (see the free decay) and some forty in the force's shape:
@@ -226,7 +230,7 @@ TEST_P(MovingForceSpeeds, WorkClosesTheEnergy) {
   const double speed = GetParam().ratio * critical_speed();
   constexpr int steps = 30'000;
   Scene scene = crossing(speed);
-  set_force_steps(scene, 1.5 * scene.resonator.length / speed, steps);
+  set_steps(scene, 1.5 * scene.resonator.length / speed, steps);
   const test::Recording run = test::simulate(scene);
   const ByHand hand = march_by_hand(run.model, scene.resonator.moving_forces, steps);
   const double most = run.energy.turnover;
@@ -243,7 +247,7 @@ TEST_P(MovingForceSpeeds, WorkClosesTheEnergy) {
 TEST_P(MovingForceSpeeds, AdaptiveStepsKeepTheirTolerance) {
   const double speed = GetParam().ratio * critical_speed();
   Scene scene = crossing(speed);
-  set_force_steps(scene, 1.5 * scene.resonator.length / speed, 1, 200);
+  set_steps(scene, 1.5 * scene.resonator.length / speed, 1, 200);
   scene.time.scheme = SchemeKind::adaptive;
   const Body beam = make_body(scene.resonator);
   double most_u = 0, most_v = 0, most = 0;
@@ -255,7 +259,7 @@ TEST_P(MovingForceSpeeds, AdaptiveStepsKeepTheirTolerance) {
   most_v = std::sqrt(2 * most / beam.modes[0].mass) * std::sqrt(2 / beam.length);
   for (const double tolerance : {1e-4, 1e-6, 1e-8, 1e-10, 1e-12}) {
     scene.time.tolerance = tolerance;
-    const ForceErrors e = force_errors(scene, speed);
+    const Errors e = errors_of(scene, speed);
     // some fifty steps, and what they leave of each adds up at the worst; 1e-13: the force's place,
     // in patches, and the time, each to some hundred ulp of what they are multiplied with
     EXPECT_LT(e.deflection, (10 * tolerance + 1e-13) * most_u) << tolerance;
@@ -270,7 +274,7 @@ TEST(MovingForce, EnergyClosesAtFirstOrder) {
   double coarse = 0;
   int steps = 50'000;
   for (int level = 0; level < 5; ++level, steps *= 2) {
-    set_force_steps(scene, 1.5 * scene.resonator.length / speed, steps, 10);
+    set_steps(scene, 1.5 * scene.resonator.length / speed, steps, 10);
     const double residual = test::simulate(scene).energy.residual;
     EXPECT_LT(residual, 0);
     if (level > 0) {
@@ -284,7 +288,7 @@ TEST(MovingForce, BeamVibratesFreelyOnceItHasLeft) {
   const double speed = 0.7 * critical_speed();
   constexpr int steps = 40'000, samples = 40;
   Scene scene = crossing(speed);
-  set_force_steps(scene, 2 * scene.resonator.length / speed, steps, samples);
+  set_steps(scene, 2 * scene.resonator.length / speed, steps, samples);
   const test::Recording run = test::simulate(scene);
   const double work = run.samples.load_work[samples / 2 + 1];
   EXPECT_GT(work, 0);
@@ -302,7 +306,7 @@ TEST(MovingForce, TwoForcesSuperpose) {
   Scene one = crossing(speed), other = one, both = one;
   other.resonator.moving_forces = {{-4.0, -0.5 * speed, 0.25}};  // down, and towards the left
   both.resonator.moving_forces.push_back(other.resonator.moving_forces[0]);
-  for (Scene* s : {&one, &other, &both}) set_force_steps(*s, 0.3 / speed, steps);
+  for (Scene* s : {&one, &other, &both}) set_steps(*s, 0.3 / speed, steps);
   const auto runs = test::simulate(std::vector<Scene>{one, other, both});
   const ByHand hand = march_by_hand(runs[2].model, both.resonator.moving_forces, steps);
   double scale = 0;
@@ -325,7 +329,7 @@ TEST(MovingForce, BeforeTheBeamIsNoForce) {
   const double speed = 0.5 * critical_speed();
   Scene scene = crossing(speed);
   scene.resonator.moving_forces[0].start = -0.1;
-  set_force_steps(scene, 0.2 / speed, 2000, 4);
+  set_steps(scene, 0.2 / speed, 2000, 4);
   const test::Recording run = test::simulate(scene);
   for (int i = 0; i <= 1; ++i) {
     EXPECT_EQ(run.samples.kinetic[i], 0);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <random>
 #include <string>
 #include <vector>
@@ -14,7 +15,6 @@
 #include "kernels/gap.hpp"
 #include "tests/effort.hpp"
 #include "tests/looks.hpp"
-#include "tests/numbers.hpp"
 #include "tests/places.hpp"
 #include "tests/scenes.hpp"
 #include "tests/schemes.hpp"
@@ -26,8 +26,9 @@ namespace ra2d::test {
 namespace {
 
 using Vector = Eigen::VectorXd;
+constexpr double ulp = std::numeric_limits<double>::epsilon();
 
-const std::vector<Scheme> multiplier_schemes = {
+const std::vector<Scheme> kinds = {
     {{{SchemeKind::backward_euler}, ContactLaw::multiplier}, "BackwardEuler"},
     {{{SchemeKind::midpoint}, ContactLaw::multiplier}, "Midpoint"},
     {{{SchemeKind::heun}, ContactLaw::multiplier}, "Heun"},
@@ -36,8 +37,7 @@ const std::vector<Scheme> multiplier_schemes = {
     {{{SchemeKind::exact}, ContactLaw::multiplier}, "Exact"},
     {{{SchemeKind::backward_euler, ForceTime::new_time}}, "FullyImplicit"}};
 constexpr int multipliers = 6, all_kinds = 7;  // the first six are multipliers
-const Scheme &backward_euler = multiplier_schemes[0], &heun = multiplier_schemes[2],
-             &exact = multiplier_schemes[5], &implicit = multiplier_schemes[6];
+const Scheme &backward_euler = kinds[0], &heun = kinds[2], &exact = kinds[5], &implicit = kinds[6];
 
 /// U1 - U0 of a force is tau (V1 - V0), and not half of it.
 bool stops_on_the_face(const Scheme& kind) {
@@ -46,12 +46,10 @@ bool stops_on_the_face(const Scheme& kind) {
 
 class Multipliers : public testing::TestWithParam<int> {
  protected:
-  const Scheme& kind() const { return multiplier_schemes[GetParam()]; }
+  const Scheme& kind() const { return kinds[GetParam()]; }
 };
 class HeldForces : public Multipliers {};
-const auto kind_name = [](const auto& info) {
-  return std::string(multiplier_schemes[info.param].name);
-};
+const auto kind_name = [](const auto& info) { return std::string(kinds[info.param].name); };
 INSTANTIATE_TEST_SUITE_P(Schemes, Multipliers, testing::Range(0, multipliers), kind_name);
 INSTANTIATE_TEST_SUITE_P(Schemes, HeldForces, testing::Range(0, all_kinds), kind_name);
 
@@ -123,7 +121,7 @@ class Gaps {
     for (std::size_t k = 0; k < m_.slider.modes.size(); ++k)
       sum += m_.slider.modes[k].shape->largest() * ends[m_.resonator.modes.size() + k];
     const double positions = static_cast<double>(m_.resonator_height.size());
-    return eps * (16 * highest_ + 64 * sum + 2 * positions * steepest_);
+    return ulp * (16 * highest_ + 64 * sum + 2 * positions * steepest_);
   }
 
  private:
@@ -172,7 +170,7 @@ void expect_momentum(const Recording& r) {
     const double v0 = velocity(i - 1), v1 = velocity(i);
     const double force = load - inertia * (v1 - v0);
     ASSERT_NEAR(s.force[i], force,
-                8 * eps * (load + s.force[i] + inertia * (std::abs(v0) + std::abs(v1))))
+                8 * ulp * (load + s.force[i] + inertia * (std::abs(v0) + std::abs(v1))))
         << "sample " << i;
   }
 }
@@ -211,9 +209,9 @@ TEST(MultipliersInFlight, MidpointFallsAsItDoesUnderPenalty) {
       const double t = r.samples.time[i], steps = t / s.time.step;
       // a rounding a step, of each of the two
       EXPECT_NEAR(r.samples.slider_velocity[i * modes], acceleration * t,
-                  (8 + steps) * eps * acceleration * t);
+                  (8 + steps) * ulp * acceleration * t);
       EXPECT_NEAR(r.samples.slider_displacement[i * modes], 0.5 * acceleration * t * t,
-                  (8 + steps) * eps * acceleration * t * t);
+                  (8 + steps) * ulp * acceleration * t * t);
     }
   }
 }
@@ -256,7 +254,7 @@ TEST(MultipliersOfThePaper, NothingOverlapsInTheScenesOfThePaper) {
 // ---- rest -------------------------------------------------------------------------------------
 
 /// A free slider that rests on a plate, on these nodes alone (none: flat on flat).
-Scene scene_at_rest(const std::vector<int>& nodes, const Scheme& kind) {
+Scene resting_scene(const std::vector<int>& nodes, const Scheme& kind) {
   Scene s = plate_scene(6, 0.004, 1e-3);
   s.spacing = 2e-4;  // 21 nodes
   s.slider.support = Support::free;
@@ -298,12 +296,12 @@ void expect_rest(const Recording& r) {
 TEST_P(Multipliers, RestingSliderKeepsItsWeightAtEveryStep) {
   for (const std::vector<int>& nodes : {std::vector<int>{10}, {3, 16}, {2, 11, 12, 19}, {}}) {
     SCOPED_TRACE(std::to_string(nodes.size()) + " nodes");
-    expect_rest(simulate(scene_at_rest(nodes, kind())));
+    expect_rest(simulate(resting_scene(nodes, kind())));
   }
 }
 
 TEST_P(Multipliers, RestingSliderStaysAtRest) {
-  Scene s = scene_at_rest({3, 16}, kind());
+  Scene s = resting_scene({3, 16}, kind());
   s.duration = 1e5 * s.time.step;
   s.output.rate = 1e5;
   expect_rest(simulate(s));
@@ -313,7 +311,7 @@ TEST(MultipliersOfHeun, StiffModeShakesARestingSlider) {
   // The velocity of the node that is held grows by x^2/2 - 2 zeta x a step, x = omega tau of the
   // slider's mode, which yields the most (kernels/schemes/heun.hpp). That ends where the slider
   // leaves the face, at rates of g tau.
-  Scene s = scene_at_rest({10}, heun);
+  Scene s = resting_scene({10}, heun);
   s.slider.modes = 1;
   s.duration = 3e-3;
   const Recording shaken = simulate(s);
@@ -378,7 +376,7 @@ TEST_P(Multipliers, ImpactOfAMassGivesBackWhatTheSchemeSays) {
     // it leaves at once, or turns round in the next step, which begins on the face
     const double expected = stops_on_the_face(kind()) ? 0.0 : -std::abs(1 - 2 * theta);
     // roundings of the gap, over the way of a step
-    const double off = 8 * eps * 2e-6 / (impact_speed * models[i].scene.time.step);
+    const double off = 8 * ulp * 2e-6 / (impact_speed * models[i].scene.time.step);
     EXPECT_NEAR(back, expected, off) << "theta " << theta;
     EXPECT_NEAR(end.slider_v[1], 0, off * starts[i].slider_v[0]) << "it turns";
   }

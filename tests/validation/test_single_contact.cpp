@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numbers>
 #include <string>
 #include <vector>
 
 #include "host/device/batch.hpp"
 #include "host/result/record.hpp"
 #include "host/run/samples.hpp"
-#include "tests/numbers.hpp"
 #include "tests/scenes.hpp"
 
 /// One node that hits a beam. The motion is linear while the gap is open and, about another
@@ -29,6 +29,8 @@ namespace {
 using namespace ra2d;
 using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
+
+constexpr double pi = std::numbers::pi;
 
 // ---- the scene --------------------------------------------------------------------------------
 
@@ -206,7 +208,7 @@ Flow one_mode_flow(const Impactor& body) {
 
 // ---- cases and runs ---------------------------------------------------------------------------
 
-struct ContactCase {
+struct Case {
   std::string name;
   int modes;
   double start;      // m, of the slider: its node stands 10 mm further
@@ -222,7 +224,7 @@ struct Prepared {
   double duration;
 };
 
-Prepared prepare(const ContactCase& c, int steps, Nodes nodes = Nodes::candidates) {
+Prepared prepare(const Case& c, int steps, Nodes nodes = Nodes::candidates) {
   Prepared out;
   out.scene = one_node(c.modes, c.start, nodes);
   const Body beam = make_body(out.scene.resonator);
@@ -255,11 +257,11 @@ Prepared prepare(const ContactCase& c, int steps, Nodes nodes = Nodes::candidate
   return out;
 }
 
-struct ContactMarch {
+struct March {
   Vector end;
   std::vector<Shock> shocks;
 };
-ContactMarch contact_march(const Prepared& ready) {
+March march(const Prepared& ready) {
   const Model model = make_model(ready.scene);
   EXPECT_NEAR(model.delta - model.slider_height[peak_node], open_gap, 1e-20);
   EXPECT_NEAR(model.node_stiffness, ready.body.spring, 1e-12 * ready.body.spring);
@@ -269,7 +271,7 @@ ContactMarch contact_march(const Prepared& ready) {
   EXPECT_EQ(end.status, Status::done);
   EXPECT_EQ(end.most_nodes, 1);
   EXPECT_TRUE(end.open_shocks.empty());
-  ContactMarch out;
+  March out;
   out.end = Vector(2 * ready.body.modes());
   out.end << Eigen::Map<const Vector>(end.resonator_u.data(), ready.body.modes()),
       Eigen::Map<const Vector>(end.resonator_v.data(), ready.body.modes());
@@ -277,13 +279,12 @@ ContactMarch contact_march(const Prepared& ready) {
   return out;
 }
 
-class SingleContact : public testing::TestWithParam<ContactCase> {};
+class SingleContact : public testing::TestWithParam<Case> {};
 INSTANTIATE_TEST_SUITE_P(Modes, SingleContact,
-                         testing::Values(ContactCase{"OneMode", 1, 0.14, 100, 3, 4.3},
-                                         ContactCase{"OneModeStiffSpring", 1, 0.09, 2000, 3, 3.4},
-                                         ContactCase{"ThreeModes", 3, 0.08, 20, 2.5, 3.3},
-                                         ContactCase{"ThreeModesStiffSpring", 3, 0.11, 60, 2.5,
-                                                     3.3}),
+                         testing::Values(Case{"OneMode", 1, 0.14, 100, 3, 4.3},
+                                         Case{"OneModeStiffSpring", 1, 0.09, 2000, 3, 3.4},
+                                         Case{"ThreeModes", 3, 0.08, 20, 2.5, 3.3},
+                                         Case{"ThreeModesStiffSpring", 3, 0.11, 60, 2.5, 3.3}),
                          [](const auto& info) { return info.param.name; });
 
 /// The fastest of the modes while in contact [rad/s].
@@ -310,7 +311,7 @@ double spread(const std::vector<Shock>& found, const std::vector<Impact>& impact
   return std::sqrt(sum / static_cast<double>(impacts.size()));
 }
 
-constexpr int coarsest = 80'000, doublings = 5;  // steps, and how often they are doubled less one
+constexpr int coarsest = 80'000, levels = 5;  // steps, and how often they are doubled less one
 
 TEST_P(SingleContact, ReferencesAgreeAndBounceSeveralTimes) {
   const Prepared ready = prepare(GetParam(), coarsest);
@@ -330,9 +331,9 @@ TEST_P(SingleContact, ReferencesAgreeAndBounceSeveralTimes) {
 
 TEST_P(SingleContact, StateConvergesAtFirstOrder) {
   double coarse = 0;
-  for (int level = 0, steps = coarsest; level < doublings; ++level, steps *= 2) {
+  for (int level = 0, steps = coarsest; level < levels; ++level, steps *= 2) {
     const Prepared ready = prepare(GetParam(), steps);
-    const Vector end = contact_march(ready).end;
+    const Vector end = march(ready).end;
     const double error = ready.body.norm(end - exact_path(ready).end);
     if (level > 0) {
       EXPECT_NEAR(std::log2(coarse / error), 1.0, 0.1) << steps << " steps";
@@ -347,10 +348,10 @@ TEST_P(SingleContact, StateConvergesAtFirstOrder) {
 
 TEST_P(SingleContact, ForcesOfTheShocksConvergeAtFirstOrder) {
   double coarse_peak = 0, coarse_impulse = 0;
-  for (int level = 0, steps = coarsest; level < doublings; ++level, steps *= 2) {
+  for (int level = 0, steps = coarsest; level < levels; ++level, steps *= 2) {
     const Prepared ready = prepare(GetParam(), steps);
     const std::vector<Impact> impacts = exact_path(ready).impacts;
-    const std::vector<Shock> shocks = contact_march(ready).shocks;
+    const std::vector<Shock> shocks = march(ready).shocks;
     ASSERT_EQ(shocks.size(), impacts.size());
     const double peak = spread(shocks, impacts, [](const Shock& found, const Impact& exact) {
       return found.peak_force / exact.peak - 1;
@@ -371,12 +372,12 @@ TEST_P(SingleContact, TimesOfTheShocksConvergeAtFirstOrder) {
   // A shock starts at the first step in contact, up to one step late; the modified equation knows
   // the rest but for parts of second order, less than another step here.
   double coarse = 0;
-  for (int level = 0, steps = coarsest; level < doublings; ++level, steps *= 2) {
+  for (int level = 0, steps = coarsest; level < levels; ++level, steps *= 2) {
     const Prepared ready = prepare(GetParam(), steps);
     const double tau = ready.scene.time.step;
     const std::vector<Impact> exact = exact_path(ready).impacts;
     const std::vector<Impact> modified = modified_path(ready).impacts;
-    const std::vector<Shock> shocks = contact_march(ready).shocks;
+    const std::vector<Shock> shocks = march(ready).shocks;
     ASSERT_EQ(shocks.size(), exact.size());
     ASSERT_EQ(shocks.size(), modified.size());
     for (std::size_t i = 0; i < shocks.size(); ++i) {
@@ -409,8 +410,8 @@ TEST_P(SingleContact, TimesOfTheShocksConvergeAtFirstOrder) {
 }
 
 TEST_P(SingleContact, EveryNodeOrOnlyCandidatesGiveTheSameBits) {
-  const ContactMarch all = contact_march(prepare(GetParam(), coarsest, Nodes::all));
-  const ContactMarch some = contact_march(prepare(GetParam(), coarsest, Nodes::candidates));
+  const March all = march(prepare(GetParam(), coarsest, Nodes::all));
+  const March some = march(prepare(GetParam(), coarsest, Nodes::candidates));
   EXPECT_EQ(all.end, some.end);
   ASSERT_EQ(all.shocks.size(), some.shocks.size());
   for (std::size_t i = 0; i < all.shocks.size(); ++i) {
