@@ -100,7 +100,8 @@ TEST(AdaptiveInvariance, OneStepALaunch) {
     EXPECT_EQ(now.steps_made, whole.end.steps_made);
     EXPECT_TRUE(same("last resonator displacement", whole.end.resonator_u, now.resonator_u));
     EXPECT_TRUE(same("last slider velocity", whole.end.slider_v, now.slider_v));
-    Batch again({whole.model}, {whole.start}, {.capacity = {.samples = 1'000'000}});
+    const Capacity roomy{.samples = 1'000'000, .nodes = whole.model.nodes()};
+    Batch again({whole.model}, {whole.start}, {.capacity = roomy});
     again.march(whole.model.steps);
     EXPECT_TRUE(same("samples", again.drain(0).sample_rows, rows));
   }
