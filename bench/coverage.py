@@ -12,7 +12,7 @@ Of one run: the intervals that `ra2d analyze` prints for runs of a second, 24 sl
 hold the mean over the plates with the slider that the run has; how often they hold the mean over all is the other
 column, to show what they do not promise.
 
-Prints the tables of docs/analysis.md. FOLDER keeps the studies (a temporary one without it). Half an hour of one core.
+Prints how often the intervals of docs/analysis.md hold the truth. FOLDER keeps the studies (a temporary one without it). Half an hour of one core.
 Needs numpy, scipy and h5py.
 
     bench/coverage.py build/release/ra2d

@@ -242,7 +242,7 @@ void add_surface_generate(CLI::App& surface, ChosenCommand& chosen) {
   for (const auto& named : correlations.words) words.push_back(named.first);
   command
       ->add_option("--correlation", request->correlation,
-                   "how heights hang at_once over a distance")
+                   "how the correlation of the heights falls with distance")
       ->check(CLI::IsMember(words))
       ->capture_default_str();
   command->add_option("--hurst", s.hurst, "self-affine: Hurst exponent")

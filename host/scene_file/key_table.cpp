@@ -232,7 +232,7 @@ std::vector<Key<S>> random_keys() {
           {"correlation_length", number(&S::correlation_length, positive, "m"), may_stand<S>(),
            "distance at which the autocorrelation has fallen to 1/e", not_self_affine},
           {"correlation", choice(&S::correlation, correlations, Correlation::gaussian),
-           may_stand<S>(), "how heights hang together over a distance", gaussian},
+           may_stand<S>(), "how the correlation of the heights falls with distance", gaussian},
           {"hurst", number(&S::hurst, hurst_exponent, no_unit), may_stand<S>("required"),
            "Hurst exponent", self_affine},
           {"longest", number(&S::longest, positive, "m"),

@@ -28,8 +28,10 @@ namespace ra2d {
 ///   search     the series of a flagged node is searched for the first place where the overlap
 ///              reaches zero (kernels/adaptive/crossing.hpp).
 ///
-/// A contact begins at +tolerance and ends at -tolerance (kernels/adaptive/contacts.hpp), a
-/// bound on its roundings: otherwise a contact that has just begun could end by a rounding.
+/// A contact begins at +tolerance and ends at -tolerance (kernels/adaptive/contacts.hpp). The
+/// tolerance is more than an overlap's roundings, and never zero. So a contact that has just begun
+/// cannot end at the same tick, and the march makes headway: a step of no length begins or ends
+/// contacts, and at one tick each node can do only one of the two, once.
 template <class Lanes, int packs>
 class Overlaps {
   using Real = typename Lanes::Real;
@@ -63,11 +65,13 @@ class Overlaps {
 
   /// Bound on the roundings of an overlap at the displacements u [m]: 128 of half an ulp, in packs
   /// of two lanes 256, of one 512. The longest chain, over 256 modes and the terms of a series, has
-  /// 53 in packs of eight lanes, 83 of four, 146 of two and 273 of one.
+  /// 53 in packs of eight lanes, 83 of four, 146 of two and 273 of one. Not zero even where nothing
+  /// is rounded: between flat faces that touch, of bodies at rest.
   KOKKOS_FORCEINLINE_FUNCTION double tolerance(const Real* u) const {
     constexpr double roundings = width >= 4 ? 0x1p-46 : width == 2 ? 0x1p-45 : 0x1p-44;
-    return faces_.rounding +
-           roundings * weighted_sum<Lanes, packs>(lanes_, bounds_.largest_shape, u);
+    constexpr double least = 1e-100;
+    return Kokkos::max(least, faces_.rounding + roundings * weighted_sum<Lanes, packs>(
+                                                                lanes_, bounds_.largest_shape, u));
   }
 
   /// Bound on the rise of an overlap within a step from u on [m], and twice the error of its value.

@@ -23,7 +23,7 @@
 /// How near to the bounds of the proofs the motions of real scenes come: the scenes that come with
 /// the program are marched, and each step is done once more beside it, where what is bounded is
 /// measured at places in between. Nothing may exceed its bound. RA2D_TEST_TABLE=1 takes longer
-/// stretches and prints the table of docs/performance.md.
+/// stretches and prints how near each bound was reached.
 namespace ra2d::test {
 namespace {
 

@@ -256,6 +256,23 @@ TEST(OverlapsProof, TouchIsMoreThanTheLongestChainOfRoundings) {
   EXPECT_EQ(overlaps.tolerance(Packs(u).u), 0.5 + touch) << "and those of the faces";
 }
 
+TEST(Overlaps, AContactThatBeginsDoesNotEndAtTheSameTick) {
+  // Flat faces that touch, at rest: the overlap is zero, without any rounding. Where +tolerance and
+  // -tolerance were both zero, a contact would begin and end there for ever.
+  BodiesByHand bodies({}, {up}, 1);
+  const Amplitudes still{};
+  const auto overlaps = test::overlaps_of<K>(bodies.t, bodies.s);
+  const double tolerance = overlaps.tolerance(Packs(still).u);
+  // the slider is pressed on: o = x^2/2
+  const double pressed[] = {0.0, 0.0, 0.5};
+  const auto crossing = [&](double sign) {
+    return first_crossing(pressed, 2, sign, tolerance, 0.25 * tolerance, 1.0, 1.0);
+  };
+  EXPECT_GT(crossing(1.0), 0.0) << "begins";
+  EXPECT_LT(crossing(1.0), 1e-30) << "begins, with no delay";
+  EXPECT_GT(crossing(-1.0), 1.0) << "ends";
+}
+
 TEST(OverlapsProof, TheNearListReachesAsFarAsANodeCanRise) {
   // what the step can rise by, and half as much again so that the list lasts
   const Amplitudes still{};

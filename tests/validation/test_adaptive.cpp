@@ -37,6 +37,12 @@ std::vector<Scene> kinds() {
   scenes[3].slider.surface = {};  // flat: dozens of nodes touch
   scenes[3].contact.stiffness = 1e12;
   scenes[4].output.rate = 1e3;  // no sample but the first
+  // flat faces, let go where they touch
+  scenes.push_back(adaptive(plate_scene(4, 0.004, 0.004), 1e-8));
+  scenes.back().slider.support = Support::free;
+  scenes.back().slider.load = 5;
+  scenes.back().contact.stiffness = 1e12;
+  scenes.back().duration = 2e-4;
   return scenes;
 }
 
@@ -94,7 +100,8 @@ TEST(AdaptiveInvariance, OneStepALaunch) {
     EXPECT_EQ(now.steps_made, whole.end.steps_made);
     EXPECT_TRUE(same("last resonator displacement", whole.end.resonator_u, now.resonator_u));
     EXPECT_TRUE(same("last slider velocity", whole.end.slider_v, now.slider_v));
-    Batch again({whole.model}, {whole.start}, {.capacity = {.samples = 1'000'000}});
+    const Capacity roomy{.samples = 1'000'000, .nodes = whole.model.nodes()};
+    Batch again({whole.model}, {whole.start}, {.capacity = roomy});
     again.march(whole.model.steps);
     EXPECT_TRUE(same("samples", again.drain(0).sample_rows, rows));
   }
@@ -288,6 +295,33 @@ TEST(AdaptiveSamples, HoldTheLossOfThousandsOfSteps) {
                 start.energy - r.samples.kinetic[i] - r.samples.elastic[i], most)
         << i;
   EXPECT_GT(r.samples.damping_loss.back(), 0.1 * start.energy);
+}
+
+TEST(AdaptiveSamples, AFlatBlockLetGoOnAFlatFloorBobsOnItsSprings) {
+  // Both faces are exactly zero, and nothing moves: no overlap has any rounding. All nodes touch at
+  // once. Under its load F the block bobs on springs of stiffness K, m o'' = F - K o, so that they
+  // carry F (1 - cos(omega t)). At the end of each period the faces just touch again.
+  for (const double stiffness : {1e11, 1e14})
+    for (const double tolerance : {1e-6, 1e-10}) {
+      Scene s = adaptive(plate_scene(0, 0.004, 0.004, 0.0), tolerance);
+      s.resonator = rigid(s.resonator);
+      s.slider.support = Support::free;
+      s.slider.load = 5;
+      s.contact.stiffness = stiffness;
+      s.duration = 3e-4 * std::sqrt(1e11 / stiffness);
+      s.output.rate = 100 / s.duration;
+      const Recording r = simulate(s);
+      SCOPED_TRACE(std::to_string(stiffness) + ", " + std::to_string(r.end.steps_made) + " steps");
+      ASSERT_EQ(r.end.status, Status::done);
+      EXPECT_EQ(r.end.most_nodes, r.model.nodes());
+      const double omega =
+          std::sqrt(r.model.nodes() * r.model.node_stiffness / r.model.slider.mass);
+      ASSERT_GT(omega * s.duration, 2 * 2 * std::numbers::pi) << "two periods";
+      for (std::size_t i = 0; i < r.samples.time.size(); ++i)
+        EXPECT_NEAR(r.samples.force[i], 5 * (1 - std::cos(omega * r.samples.time[i])),
+                    5 * 30 * tolerance)
+            << i;
+    }
 }
 
 TEST(AdaptiveSamples, StaticEquilibriumStaysAtRest) {
