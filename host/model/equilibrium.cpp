@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/base/decompositions.hpp"
 #include "host/base/errors.hpp"
 #include "host/model/contact_program.hpp"
 #include "host/model/model.hpp"
@@ -259,7 +260,7 @@ class Potential {
             hessian(k, k) > 0 ? hessian(k, k) : spring * nodes_->shapes.col(k).squaredNorm();
         hessian(k, k) += 1e-14 * (shift == Shift::common && most > 0 ? most : own) + 1e-300;
       }
-      const Eigen::VectorXd step = hessian.ldlt().solve(force);
+      const Eigen::VectorXd step = solve_symmetric(hessian, force);
       u += best_length(u, over, step, spring) * step;
     }
     u = best_u;

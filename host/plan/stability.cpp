@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "host/plan/stability.hpp"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <complex>
 #include <functional>
 #include <limits>
 
+#include "host/base/decompositions.hpp"
 #include "host/scene/schemes.hpp"
 
 namespace ra2d {
@@ -146,10 +147,10 @@ Eigen::MatrixXd joined_increment(const TimeSettings& choice, const JoinedModes& 
 double log_amplification(const TimeSettings& choice, const JoinedModes& joined, double stiffness,
                          double tau) {
   if (joined.modes.empty()) return 0.0;
-  const Eigen::EigenSolver<Eigen::MatrixXd> solver(joined_increment(choice, joined, stiffness, tau),
-                                                   false);
   double most = -infinity;
-  for (const std::complex<double> mu : solver.eigenvalues()) most = std::max(most, log_radius(mu));
+  for (const std::complex<double> mu :
+       eigenvalues(joined_increment(choice, joined, stiffness, tau)))
+    most = std::max(most, log_radius(mu));
   return most;
 }
 
@@ -304,21 +305,20 @@ std::vector<std::complex<double>> joined_eigenvalues(const JoinedModes& joined, 
   square += q * q.transpose();
   // in the eigenbasis of the undamped motion the matrix is nearly normal, and slow motions keep
   // their digits beside the stiffest
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> undamped(square);
-  const Eigen::VectorXd nu = undamped.eigenvalues().cwiseMax(0.0).cwiseSqrt();
+  const SymmetricEigen undamped = symmetric_eigen(square);
+  const Eigen::VectorXd nu = undamped.values.cwiseMax(0.0).cwiseSqrt();
   std::vector<std::complex<double>> out;
   if (damping.isZero(0)) {
     for (const double frequency : nu) out.emplace_back(0.0, frequency);
     return out;
   }
-  const Eigen::MatrixXd& basis = undamped.eigenvectors();
+  const Eigen::MatrixXd& basis = undamped.vectors;
   Eigen::MatrixXd a = Eigen::MatrixXd::Zero(2 * n, 2 * n);
   a.topRightCorner(n, n) = nu.asDiagonal();
   a.bottomLeftCorner(n, n).diagonal() = -nu;
   a.bottomRightCorner(n, n) = -basis.transpose() * damping.asDiagonal() * basis;
   const double roundings = 4 * n * std::numeric_limits<double>::epsilon() * a.norm();
-  const Eigen::EigenSolver<Eigen::MatrixXd> solver(a, false);
-  for (std::complex<double> value : solver.eigenvalues()) {
+  for (std::complex<double> value : eigenvalues(a)) {
     if (std::abs(value.real()) < roundings) value.real(0.0);
     out.push_back(value);
   }

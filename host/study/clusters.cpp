@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "host/study/clusters.hpp"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "host/analysis/distributions.hpp"
+#include "host/base/decompositions.hpp"
 
 namespace ra2d {
 namespace {
@@ -42,17 +41,17 @@ std::vector<CoefficientError> clustered_errors(const Eigen::MatrixXd& x,
     score[c] += x.row(row).transpose() * residuals(row);
   }
   const Matrix root =  // of (x^T x)^-1
-      Eigen::SelfAdjointEigenSolver<Matrix>(x.transpose() * x).operatorInverseSqrt();
+      inverse_square_root(x.transpose() * x);
   // With A = (1 - x_c (x^T x)^-1 x_c^T)^-1/2 of a cluster, whose eigenvalues are those of `part`:
   Matrix variance = Matrix::Zero(terms, terms);
   Vector trace = Vector::Zero(terms), square = Vector::Zero(terms);  // of the form in the errors
   std::vector<Matrix> products(static_cast<std::size_t>(terms), Matrix::Zero(terms, terms));
   for (std::size_t c = 0; c < clusters; ++c) {
-    const Eigen::SelfAdjointEigenSolver<Matrix> part(root * gram[c] * root);
-    const Vector taken = part.eigenvalues().cwiseMax(0.0);
+    const SymmetricEigen part = symmetric_eigen(root * gram[c] * root);
+    const Vector taken = part.values.cwiseMax(0.0);
     // a direction that this cluster alone tells of leaves no residuals
     const Vector inverse = (1 - taken.array() > 1e-9).select((1 - taken.array()).inverse(), 0.0);
-    const Matrix& directions = part.eigenvectors();
+    const Matrix& directions = part.vectors;
     const Vector off = root * (directions * (inverse.cwiseSqrt().asDiagonal() *
                                              (directions.transpose() * (root * score[c]))));
     variance += off * off.transpose();
@@ -75,7 +74,7 @@ std::vector<CoefficientError> clustered_errors(const Eigen::MatrixXd& x,
 }
 
 LackOfFit lack_of_fit(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y) {
-  const Eigen::MatrixXd left = y - x * x.colPivHouseholderQr().solve(y);
+  const Eigen::MatrixXd left = y - x * LeastSquares(x).solve(y);
   const Eigen::VectorXd alike = left.rowwise().mean();
   const Eigen::MatrixXd differing = left.colwise() - alike;
   const auto terms = static_cast<double>(x.rows() - x.cols()),

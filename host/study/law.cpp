@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -11,6 +11,7 @@
 #include <numeric>
 
 #include "host/analysis/distributions.hpp"
+#include "host/base/decompositions.hpp"
 #include "host/base/errors.hpp"
 #include "host/base/quiet_nan.hpp"
 #include "host/result/level.hpp"
@@ -54,8 +55,8 @@ bool seeds_differ(const StudyAnswers& answers) {
 
 /// Of deviations that are chance of their own, of this variance.
 std::vector<CoefficientError> independent_errors(const Eigen::MatrixXd& x, double variance) {
-  const Eigen::MatrixXd inverse =
-      (x.transpose() * x).ldlt().solve(Eigen::MatrixXd::Identity(x.cols(), x.cols()));
+  const Eigen::MatrixXd inverse = solve_symmetric(
+      x.transpose() * x, Eigen::MatrixXd(Eigen::MatrixXd::Identity(x.cols(), x.cols())));
   std::vector<CoefficientError> errors;
   for (Eigen::Index k = 0; k < x.cols(); ++k)
     errors.push_back(
@@ -163,7 +164,7 @@ StudyLaw fit_law(const StudyAnswers& answers) {
   const LawEquations equations = law_equations(answers, fitted, runs);
   const auto& [x, y, centre] = equations;
   const Eigen::Index rows = x.rows(), terms = x.cols();
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> decomposed(x);
+  const LeastSquares decomposed(x);
   if (rows < terms || decomposed.rank() < terms)
     throw RequestError(fmt::format(
         "no law yet: the {} runs with a v_rms do not vary all of the dimensions by themselves",

@@ -3,13 +3,14 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <map>
 
 #include "host/analysis/distributions.hpp"
 #include "host/analysis/several.hpp"
+#include "host/base/decompositions.hpp"
 #include "host/study/clusters.hpp"
 
 namespace ra2d {
@@ -103,7 +104,7 @@ std::vector<LocalExponent> changes_of(const StudyAnswers& answers,
     curved.col(linear + static_cast<Eigen::Index>(t)) =
         x.col(static_cast<Eigen::Index>(terms[t].of))
             .cwiseProduct(x.col(static_cast<Eigen::Index>(terms[t].along)));
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> decomposed(curved);
+  const LeastSquares decomposed(curved);
   if (curved.rows() < curved.cols() || decomposed.rank() < curved.cols()) return {};
   const Eigen::MatrixXd of_seeds = decomposed.solve(grid.y);  // (term, seed)
   const Eigen::VectorXd mean = of_seeds.rowwise().mean();
@@ -155,7 +156,7 @@ StraightLine test_straight_line(const StudyAnswers& answers,
   }
   Eigen::RowVectorXd middle;
   const Eigen::MatrixXd x = logarithms(answers, fitted, grid.points, middle);
-  if (x.rows() <= x.cols() + 1 || with_constant(x).colPivHouseholderQr().rank() <= x.cols()) {
+  if (x.rows() <= x.cols() + 1 || LeastSquares(with_constant(x)).rank() <= x.cols()) {
     line.why_not_tested =
         fmt::format("it takes more than {} points, so that one is left over, there are {}",
                     x.cols() + 1, x.rows());

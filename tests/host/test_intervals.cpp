@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <cmath>
 #include <fstream>
 #include <functional>
@@ -18,6 +18,7 @@
 #include "host/analysis/peaks.hpp"
 #include "host/analysis/several.hpp"
 #include "host/analysis/spectrum.hpp"
+#include "host/base/decompositions.hpp"
 #include "host/study/clusters.hpp"
 #include "host/study/law.hpp"
 #include "host/study/study_csv.hpp"
@@ -352,7 +353,7 @@ TEST(ClusteredErrors, OfEqualClustersAreStudentsOfTheirSlopes) {
     }
     slopes.push_back(product);
   }
-  const Eigen::VectorXd residuals = y - x * x.colPivHouseholderQr().solve(y);
+  const Eigen::VectorXd residuals = y - x * LeastSquares(x).solve(y);
   const std::vector<CoefficientError> errors = clustered_errors(x, residuals, cluster);
   EXPECT_NEAR(errors[1].error, mean_of_runs(slopes).deviation / 2, 1e-12);
   EXPECT_NEAR(errors[1].degrees_of_freedom, 3, 1e-9);

@@ -386,9 +386,9 @@ def scene_cases(times, dice):
               for name, text in TEXTS.items()]
     cases += [(f"override {text[:40]!r}", PLAIN.encode(), [text]) for text in OVERRIDES]
     cases += [(f"chart {words}", PLAIN.encode(), ["chart", *words.split()]) for words in CHARTS]
-    for i in range(100 * times):
+    for i in range(50 * times):
         cases.append((f"damaged {i}", damaged(PLAIN, dice), []))
-    for i in range(100 * times):
+    for i in range(50 * times):
         given = random_overrides(dice)
         cases.append((f"random {i}: {' '.join(given)}", PLAIN.encode(), given))
     return cases
@@ -477,9 +477,9 @@ def profile_cases(times, dice):
     for x_unit in (1, 1e-3, 1e-6, 1e-9):
         for z_unit in (1e-3, 1e-6, 1e-9):
             cases.append((f"units {x_unit} {z_unit}", csv([(x / x_unit, z / z_unit) for x, z in rows])))
-    for i in range(40 * times):
+    for i in range(20 * times):
         cases.append((f"cut {i}", good[:dice.randrange(len(good))]))
-    for i in range(50 * times):
+    for i in range(25 * times):
         data = bytearray(good)
         for _ in range(dice.randrange(1, 4)):
             data[dice.randrange(len(data))] = dice.choice(b"0123456789eE+-., \n\t#x\x00\xff")
@@ -517,7 +517,7 @@ LONG = PLAIN.replace("duration = 2e-5", "duration = 0.05").replace("speed = 0.5"
 
 def kill_cases(times, dice):
     """When to kill, s after the start."""
-    return [(f"kill {i}", dice.uniform(0, 0.15)) for i in range(100 * times)]
+    return [(f"kill {i}", dice.uniform(0, 0.15)) for i in range(50 * times)]
 
 
 def try_kill(program, case, dice):
@@ -538,7 +538,7 @@ def signal_cases(times, dice):
     kinds = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT]
     setups = ["", "", "scene.spacing=2e-7", "resonator.modes=120", "scene.initial=static"]
     return [(f"{kinds[i % 4].name} {i} {setup}", kinds[i % 4], dice.uniform(0, 0.3), i % 3 == 2, setup)
-            for i in range(60 * times) for setup in [dice.choice(setups)]]
+            for i in range(15 * times) for setup in [dice.choice(setups)]]
 
 
 def try_signal(program, case, dice):
@@ -567,7 +567,7 @@ SCHEMES = [(scheme, law, force) for scheme in ("explicit-euler", "midpoint", "ba
            for law in ("penalty", "multiplier") for force in ("old", "new")
            if (force == "old" or (scheme, law) == ("backward-euler", "penalty"))
            and (law == "penalty" or scheme not in ("explicit-euler", "adaptive"))]
-RESUMED = PLAIN.replace("duration = 2e-5", "duration = 0.04").replace("speed = 0.5", "speed = 0.2")
+RESUMED = PLAIN.replace("duration = 2e-5", "duration = 0.02").replace("speed = 0.5", "speed = 0.2")
 SLOWER = 1  # than a release build
 CUTS = Counter()  # how runs that were to go on were cut off, and how often they went on from a checkpoint
 
@@ -592,7 +592,7 @@ def content(path):
 
 def try_resume(program, case, dice):
     _, (scheme, law, force), seed = case
-    folder = Folder(RESUMED if SLOWER == 1 else RESUMED.replace("duration = 0.04", "duration = 0.004"))
+    folder = Folder(RESUMED if SLOWER == 1 else RESUMED.replace("duration = 0.02", "duration = 0.004"))
     words = ["run", "s.toml", "--set", f"time.scheme={scheme}", "--set", f"contact.law={law}", "--set",
              f"time.contact_force={force}", "--set", "time.force=true", "--set", f"slider.surface.seed={seed}"]
     status = end(start(program, [*words, "-o", "whole.h5"], folder))
@@ -640,7 +640,7 @@ def study_content(folder):
 def try_study(program, case, dice):
     """Every scheme and law in one study, killed again and again."""
     _, threads, kept, seed = case
-    folder = Folder(RESUMED if SLOWER == 1 else RESUMED.replace("duration = 0.04", "duration = 0.004"))
+    folder = Folder(RESUMED if SLOWER == 1 else RESUMED.replace("duration = 0.02", "duration = 0.004"))
     values = ", ".join(f'["{scheme} {law} {force}", "{scheme}", "{law}", "{force}"]' for scheme, law, force in SCHEMES)
     (folder.path / "study.toml").write_text(
         f'base = "s.toml"\nkeep = {["level", "shocks", *["files"] * kept]}\n'
@@ -833,10 +833,10 @@ SPOILT = ["bit", "bit of the metadata", "bit of the seal", "cut", "longer", "zer
 
 
 def reader_cases(times, dice):
-    cases = [(f"{way} {i}", "spoilt", way) for i in range(4 * times) for way in SPOILT]
+    cases = [(f"{way} {i}", "spoilt", way) for i in range(2 * times) for way in SPOILT]
     cases += [(f"changed: {name}", "changed", name) for name in EDITS]
     cases += [(f"forged: {name}", "forged", name) for name in FORGED]
-    cases += [(f"forged bit {i}", "forged bit", "") for i in range(30 * times)]
+    cases += [(f"forged bit {i}", "forged bit", "") for i in range(15 * times)]
     cases += [(f"study's {what}: {way} {i}", f"study {what}", way) for i in range(times) for what in ("table", "kept result")
               for way in [*SPOILT, *EDITS]]
     dice.shuffle(cases)
