@@ -1,22 +1,19 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
 # clang-tidy (.clang-tidy) over host/ and, with it, the kernels that the device's files include: run.sh [FILE...]
-# It reads build/release/compile_commands.json (cmake --preset release). The marches are the same templates eight times:
-# two of them, one of each loop, stand for all.
+# The marches are the same templates eight times: two of them, one of each loop, stand for all.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 command -v clang-tidy > /dev/null || { echo "clang-tidy is not here: apt-get install clang-tidy"; exit 1; }
-commands=build/release/compile_commands.json
-[[ -e $commands ]] || { echo "$commands is not here: cmake --preset release"; exit 1; }
 started=$SECONDS
 database=build/tidy
-mkdir -p $database
+cmake --preset release -B $database -DRA2D_BY_FOLDER=OFF -DRA2D_TESTS=OFF -DRA2D_BENCH=OFF > /dev/null
 # without the precompiled headers, which are the other compiler's
-sed -E 's/-Winvalid-pch -include [^ ]*cmake_pch\.hxx//' $commands > $database/compile_commands.json
+sed -i -E 's/-Winvalid-pch -include [^ ]*cmake_pch\.hxx//' $database/compile_commands.json
 files=("$@")
 if ((${#files[@]} == 0)); then
   mapfile -t files < <(git ls-files 'host/*.cpp')
-  files+=(build/release/host/generated/march_{implicit,adaptive}_few.cpp)
+  files+=($database/host/generated/march_{implicit,adaptive}_few.cpp)
 fi
 status=0
 printf '%s\n' "${files[@]}" |
