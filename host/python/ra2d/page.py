@@ -106,10 +106,14 @@ def _clips(result: Result) -> list[tuple[str, Sound]]:
     return [("as it is", plain), ("20 times slower", slow)]
 
 
-def _write(path: pathlib.Path, **parts: Any) -> pathlib.Path:
-    """Fills the page and puts it in place whole. It replaces pages only."""
+def _require_page(path: pathlib.Path) -> None:
+    """Nothing but a page is replaced."""
     if path.suffix.lower() not in (".html", ".htm"):
         raise RequestError(f"{str(path)!r}: expected a name that ends in .html")
+
+
+def _write(path: pathlib.Path, **parts: Any) -> pathlib.Path:
+    """Fills the page and puts it in place whole."""
     environment = jinja2.Environment(loader=jinja2.PackageLoader("ra2d", "."), autoescape=True, trim_blocks=True,
                                      lstrip_blocks=True, undefined=jinja2.StrictUndefined)
     text = environment.get_template("page.html").render(parts)
@@ -126,6 +130,7 @@ def _write(path: pathlib.Path, **parts: Any) -> pathlib.Path:
 
 def of_result(result: Result, path: pathlib.Path) -> pathlib.Path:
     """The page of one result."""
+    _require_page(path)
     a = result.attrs
     return _write(path, title=result.title, subtitle=f"{result.path.name}: {result.duration:g} s of sliding, {a['steps']} steps",
                   doubts=_doubts(result), figures=_figures(result), damping=_damping(result), clips=_clips(result),
@@ -136,6 +141,7 @@ def of_result(result: Result, path: pathlib.Path) -> pathlib.Path:
 
 def of_study(study: Study, path: pathlib.Path) -> pathlib.Path:
     """The page of a study."""
+    _require_page(path)
     a, means = study.attrs, study.means()
     try:
         law = study.law()

@@ -325,12 +325,12 @@ def _probe_spectra(figure: Any, result: Result, _: bool) -> None:
 def _bands(figure: Any, result: Result, _: bool) -> None:
     axes, title = figure.subplots(), "Third octaves of the resonator's velocity"
     bands = result.bands()
-    finite = bands.level.values[np.isfinite(bands.level.values.astype(float))].astype(float)
+    levels = bands.level.values
+    finite = levels[np.isfinite(levels)]
     if why := _silence(result) or ("" if finite.size else "the run is too short for third octaves"):
         style.say_empty(axes, why, title)
         return
     bottom = 5 * math.floor((max(finite.min(), finite.max() - 80) - 5) / 5)
-    levels = bands.level.values.astype(float)
     bars = axes.bar(np.arange(levels.size), np.maximum(levels - bottom, 0), 0.85, bottom=bottom, color=SKY, ec=BLUE,
                     lw=0.8, yerr=bands.spread.values, error_kw={"ecolor": BLACK, "capsize": 2, "lw": 0.9})
     above = [bar for bar, is_above in zip(bars, bands.above_last_mode.values) if is_above]

@@ -23,6 +23,7 @@ from typing import Any
 from .errors import Notice, ProgramError, error_of
 
 OLDEST = (0, 1, 0)  # version of the program that this package reads
+_CLEARS = b"\x1b[K"  # the rest of a terminal's line: the end of each text of progress
 CURE = "install ra2d, put it on the PATH, or name it: export RA2D=/path/to/ra2d"
 
 
@@ -132,9 +133,9 @@ def _watch(screen: int, child: subprocess.Popen[bytes], show: Callable[[str], No
                 if not block:
                     break
                 *lines, rest = (rest + block).split(b"\n")
-                said += "".join(_plain(line) + "\n" for line in lines)
-                if rest.endswith(b"\x1b[K"):
-                    show(_plain(rest))
+                said += "".join(_pieces(line)[-1] + "\n" for line in lines)
+                if rest.endswith(_CLEARS) and (text := _pieces(rest)[-2]):
+                    show(text)
             except KeyboardInterrupt:
                 interrupted = True
                 child.send_signal(signal.SIGINT)
@@ -148,9 +149,10 @@ def _watch(screen: int, child: subprocess.Popen[bytes], show: Callable[[str], No
     return _messages(said), interrupted
 
 
-def _plain(line: bytes) -> str:
-    """What a line of a terminal shows at last, without control sequences."""
-    return line.rstrip(b"\r").split(b"\r")[-1].replace(b"\x1b[K", b"").decode(errors="replace").strip()
+def _pieces(line: bytes) -> list[str]:
+    """The texts that stood in a line of the terminal one after another; each replaced the one before."""
+    parts = re.split(rb"\r|" + re.escape(_CLEARS), line.rstrip(b"\r"))
+    return ["", *(part.decode(errors="replace").strip() for part in parts)]
 
 
 @contextlib.contextmanager

@@ -8,6 +8,7 @@ import pathlib
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
+import numpy.typing as npt
 import pandas as pd
 import xarray as xr
 
@@ -31,6 +32,11 @@ _MODES = {**_SAMPLED, "mode": ("mode",), "position": ("position",), "frequency":
           "mean_square": ("mode",), "shape": ("mode", "position"), "displacement": ("time", "mode"),
           "velocity": ("time", "mode")}
 _SHOCKS = ("start", "duration", "peak_force", "impulse", "position")
+
+
+def _rows(values: list[list[float | None]], columns: int) -> npt.NDArray[np.float64]:
+    """A table with a row for each probe, also where there is none; None is NaN."""
+    return np.array(values, dtype=float).reshape(len(values), columns)
 
 
 class Result:
@@ -125,9 +131,9 @@ class Result:
         lines = len(s["frequency"])
         return xr.Dataset(
             {"density": ("frequency", s["psd_mean"], {**velocity, "long_name": "density of the resonator's velocity"}),
-             "density_probe": (("position", "frequency"), np.reshape(s["psd_probe"], (-1, lines)),
+             "density_probe": (("position", "frequency"), _rows(s["psd_probe"], lines),
                                {**velocity, "long_name": "density of the velocity at the probes"}),
-             "density_slider_probe": (("slider_position", "frequency"), np.reshape(s["psd_slider_probe"], (-1, lines)),
+             "density_slider_probe": (("slider_position", "frequency"), _rows(s["psd_slider_probe"], lines),
                                       {**velocity, "long_name": "density of the velocity at the slider's probes"}),
              "density_force": ("frequency", s["psd_force"], force)},
             {"frequency": ("frequency", s["frequency"], {"units": "Hz", "long_name": "frequency"}),
@@ -152,10 +158,10 @@ class Result:
         found = self.analysis(**options)
         b = found["bands"]
         decibels = {"units": "dB", "long_name": "level re 1 nm/s"}
-        data = {"level": ("frequency", b["level"], decibels),
-                "spread": ("frequency", b["spread"], {"units": "dB", "long_name": "standard deviation over runs"}),
+        data = {"level": ("frequency", np.array(b["level"], dtype=float), decibels),
+                "spread": ("frequency", np.array(b["spread"], dtype=float), {"units": "dB", "long_name": "standard deviation over runs"}),
                 "above_last_mode": ("frequency", b["above_last_mode"]),
-                "level_probe": (("position", "frequency"), np.reshape(b["level_probe"], (-1, len(b["centre"]))), decibels)}
+                "level_probe": (("position", "frequency"), _rows(b["level_probe"], len(b["centre"])), decibels)}
         if "level_a" in b:
             data["level_a"] = ("frequency", b["level_a"], {"units": "dB", "long_name": "A-weighted level re 1 nm/s"})
         return xr.Dataset(

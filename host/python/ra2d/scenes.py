@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import copy
+import difflib
 import hashlib
 import html
+import itertools
 import os
 import pathlib
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any
 
 from . import program, toml
@@ -30,8 +32,8 @@ KEYS: dict[str, list[str]] = {
 
 
 def full_key(name: str) -> str:
-    """The key that a short name means. A name that only one section has is enough. The program
-    itself answers for a name that none has, with the nearest one.
+    """The key that a short name means. A name that only one section has is enough. Whole keys are
+    left to the program, which names the nearest one.
 
     >>> full_key("speed"), full_key("tolerance"), full_key("slider.surface.rq")
     ('scene.speed', 'time.tolerance', 'slider.surface.rq')
@@ -45,7 +47,8 @@ def full_key(name: str) -> str:
         if found:
             raise RequestError(f"{name}: {' and '.join(found)} have this name: give the whole key, as "
                                f"{{{found[-1]!r}: ...}}")
-    return name
+    near = difflib.get_close_matches(name, {key for keys in KEYS.values() for key in keys}, 1)
+    raise RequestError(f"{name}: no key of a scene has this name" + (f" (did you mean `{near[0]}`?)" if near else ""))
 
 
 def full_keys(changes: Mapping[str, Any] | None, short: Mapping[str, Any]) -> dict[str, Any]:
@@ -97,6 +100,10 @@ class Scene:
         """
         return Scene(self._source, self.changes | full_keys(changes, short))
 
+    def without(self, names: Collection[str]) -> Scene:
+        """A scene without the changes of these keys."""
+        return Scene(self._source, {name: value for name, value in self.changes.items() if name not in names})
+
     def text(self) -> str:
         """The scene as TOML, without the changes."""
         if isinstance(self._source, pathlib.Path):
@@ -118,6 +125,16 @@ class Scene:
                 inner = inner.setdefault(table, {})
             inner[last] = value
         return content
+
+    def complete(self) -> dict[str, Any]:
+        """The scene as nested dicts with the changes and all defaults, as the program reads it.
+
+        >>> import ra2d
+        >>> ra2d.scene("dang2012").complete()["time"]["nodes"]
+        'candidates'
+        """
+        parts = itertools.takewhile(lambda part: part.startswith(("#", "[")), self.plan().split("\n\n"))
+        return toml.parse("\n\n".join(parts))
 
     def __getitem__(self, name: str) -> Any:
         value: Any = self.content()

@@ -247,8 +247,10 @@ def study(source: str | os.PathLike[str] | Mapping[str, Any] | Scene,
     """
     what = scene(source)
     dimensions = _dimensions(vary)
-    if any("time.tolerance" in keys for keys, _ in dimensions.values()):
+    varied = {key for keys, _ in dimensions.values() for key in keys}
+    if "time.tolerance" in varied:
         what = what.change(scheme="adaptive")
+    what = what.without(varied)
     place = pathlib.Path(folder or "-".join([what.title, *dimensions])).resolve()
     base = what.file(place.parent).resolve()
     file = place.with_name(place.name + ".toml")
