@@ -113,8 +113,8 @@ def uncertainty(source: str | os.PathLike[str] | Mapping[str, Any] | Scene, seed
     runs = _run(what, cases, seeds, folder=folder or f"{what.title}-uncertainty", threads=threads, show=show)
     asked = runs.means().loc[ASKED]
     # Student's factor, as the program has used it for the interval of the level
-    deviation = float(runs.level.sel(name=ASKED).std("seed", ddof=1))
-    student = (float(asked["level_high"]) - float(asked["level"])) / (deviation / math.sqrt(seeds)) if deviation else math.nan
+    error = float(runs.level.sel(name=ASKED).std("seed", ddof=1)) / math.sqrt(seeds)
+    student = (float(asked["level_high"]) - float(asked["level"])) / error if error else math.nan
     rows = {CHANCE: f"{seeds} seeds", **{name: how for name, (how, _) in cases.items()}}
     table = pd.DataFrame({"changed to": rows}).reindex(rows)
     found: dict[str, Estimate] = {}

@@ -46,6 +46,6 @@ class Estimate(float):
             return f"none{f': {self.note}' if self.note else ''}"
         digits = ".1f" if self.unit.startswith("dB") else ".4g"
         interval = "no interval" if math.isnan(self.low) else f"95 %: {self.low:{digits}} to {self.high:{digits}}"
-        return f"{float(self):{digits}} {self.unit} ({interval})"
+        return " ".join(filter(None, [f"{float(self):{digits}}", self.unit, f"({interval})"]))
 
     __str__ = __repr__

@@ -54,11 +54,13 @@ def _figures(result: Result) -> list[tuple[str, str, str]]:
     rows = [("vibration level", f"{level:.2f} {DECIBEL}" if math.isfinite(level) else "none",
              _interval(level.low, level.high, ".1f") or level.note)]
     if found["v_rms"]:
-        rows.append(("root mean square velocity", quantity(found["v_rms"], "m/s", 4), "of the resonator's elastic motion"))
+        rows.append(("root mean square velocity", quantity(found["v_rms"], "m/s", 4),
+                     "of the resonator's elastic motion"))
     if rate > 0:
         digits = ".0f" if rate >= 1000 else ".3g"
         rows.append(("shocks", f"{rate:{digits}} a second", _interval(rate.low, rate.high, digits)))
-        rows += [(name, quantity(shocks[key]["median"], unit), f"median; nine of ten up to {quantity(shocks[key]['p90'], unit)}")
+        rows += [(name, quantity(shocks[key]["median"], unit),
+                  f"median; nine of ten up to {quantity(shocks[key]['p90'], unit)}")
                  for key, name, unit in (("duration", "duration of a shock", "s"), ("peak_force", "peak force", "N"),
                                          ("impulse", "impulse", "N s"))]
     if found["contact_share"] is not None:
@@ -83,8 +85,8 @@ def _doubts(result: Result) -> list[str]:
         doubts.append(f"{found['aliased_modes']} modes lie above half the rate of the samples: their power stands at "
                       "frequencies not theirs. A higher output.rate helps.")
     if tone["stands_out"]:
-        doubts.append(f"A tone at {quantity(tone['frequency'], 'Hz')} (speed/spacing) stands {tone['rise']:.1f} dB above "
-                      "its surroundings: it belongs to the spacing, not to the surface.")
+        doubts.append(f"A tone at {quantity(tone['frequency'], 'Hz')} (speed/spacing) stands {tone['rise']:.1f} dB "
+                      "above its surroundings: it belongs to the spacing, not to the surface.")
     return doubts
 
 
@@ -132,7 +134,8 @@ def of_result(result: Result, path: pathlib.Path) -> pathlib.Path:
     """The page of one result."""
     _require_page(path)
     a = result.attrs
-    return _write(path, title=result.title, subtitle=f"{result.path.name}: {result.duration:g} s of sliding, {a['steps']} steps",
+    return _write(path, title=result.title,
+                  subtitle=f"{result.path.name}: {result.duration:g} s of sliding, {a['steps']} steps",
                   doubts=_doubts(result), figures=_figures(result), damping=_damping(result), clips=_clips(result),
                   pictures=[_svg(plots.result(result, what, for_page=True)) for what in PICTURES], table=None,
                   texts=[("the scene", _scene_text(str(a["scene"])))],
@@ -145,7 +148,8 @@ def of_study(study: Study, path: pathlib.Path) -> pathlib.Path:
     a, means = study.attrs, study.means()
     try:
         law = study.law()
-        figures = [(f"exponent of {name}", f"{float(e):.3f}", _interval(e.low, e.high, ".3f")) for name, e in law.exponents.items()]
+        figures = [(f"exponent of {name}", f"{float(e):.3f}", _interval(e.low, e.high, ".3f"))
+                   for name, e in law.exponents.items()]
         figures.append(("law", f"R\u00b2 = {law.r_squared:.4f}", law.about["straight_line"]["says"]))
     except RequestError as why:
         figures = [("law", "none", str(why))]

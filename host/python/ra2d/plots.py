@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from .results import Body, Result
 
 NO_PROBES = "the scene names no probes (output.probes, output.slider_probes)"
+NO_SHOCKS = "there were no shocks: nothing touched"
+FEW_SAMPLES = "fewer than two samples: the run ended before, or output.rate is too low"
 MOST_LINES = 6   # that a panel keeps apart
 MOST_DOTS = 2000
 PLACES = 120     # bins along the track
@@ -67,7 +69,7 @@ def _draw_faces(axes: Any, result: Result) -> None:
 def _draw_places(axes: Any, result: Result) -> None:
     position = result.shocks["position"].to_numpy()
     if not position.size:
-        style.say_empty(axes, "there were no shocks: nothing touched", "Places of contact", keep_x=True)
+        style.say_empty(axes, NO_SHOCKS, "Places of contact", keep_x=True)
         return
     _, low, high = _track(result)
     counts, edges = np.histogram(position * 1e3, bins=PLACES, range=(low * 1e3, high * 1e3))
@@ -81,7 +83,7 @@ def _draw_places(axes: Any, result: Result) -> None:
 def _draw_strongest(axes: Any, result: Result) -> None:
     shocks = result.shocks
     if not len(shocks):
-        style.say_empty(axes, "there were no shocks: nothing touched", "Peak forces", keep_x=True)
+        style.say_empty(axes, NO_SHOCKS, "Peak forces", keep_x=True)
         return
     shown = shocks.nlargest(MOST_DOTS, "peak_force")
     unit, one = scale("N", shown["peak_force"])
@@ -193,10 +195,11 @@ def _level(figure: Any, result: Result, _: bool) -> None:
     axes.plot(time / one, levels, color=BLUE, lw=1.2, marker="o", ms=2.5)
     found = result.level
     begin = result.analysis()["from"]
+    since = f"from {quantity(begin, 's')} on" if begin else "whole"
     span = [begin / one, result.analysis()["to"] / one]
     if math.isfinite(found):
         axes.plot(span, [found, found], color=RUST, ls="--", lw=1.2, zorder=4,
-                  label=f"{f'from {quantity(begin, chr(115))} on' if begin else 'whole'}: {found:.2f} dB")
+                  label=f"{since}: {found:.2f} dB")
     if math.isfinite(found.low):
         axes.fill_between(span, found.low, found.high, color=RUST, alpha=0.12, lw=0, label="its 95 % interval")
     finite = levels[np.isfinite(levels)]
@@ -302,7 +305,8 @@ def _draw_densities(axes: Any, result: Result, lines: list[tuple[str | None, Arr
 
 def _spectrum(figure: Any, result: Result, _: bool) -> None:
     axes, title = figure.subplots(), "Velocity spectrum, mean over the resonator"
-    why = _silence(result) or ("" if result.spectrum().sizes["frequency"] > 2 else "the run is too short for a spectrum")
+    short = result.spectrum().sizes["frequency"] <= 2
+    why = _silence(result) or ("the run is too short for a spectrum" if short else "")
     if why:
         style.say_empty(axes, why, title)
     else:
@@ -376,14 +380,15 @@ def _draw_histogram(axes: Any, shocks: dict[str, Any], key: str, unit_name: str,
     axes.set_ylabel("share of shocks [%]")
     axes.set_ylim(0, 1.45 * share.max())
     for name, line, text in (("median", "-", "median"), ("p90", "--", "90 % up to")):
-        axes.axvline(spread[name] / one, ls=line, color=BLACK, lw=1, label=f"{text} {quantity(spread[name], unit_name)}")
+        value = spread[name]
+        axes.axvline(value / one, ls=line, color=BLACK, lw=1, label=f"{text} {quantity(value, unit_name)}")
     axes.legend(loc="upper right", handlelength=1.6, fontsize=8)
 
 
 def _shocks(figure: Any, result: Result, alone: bool) -> None:
     shocks = result.analysis()["shocks"]
     if not shocks["count"]:
-        why = "no shock began at or after output.from" if len(result.shocks) else "there were no shocks: nothing touched"
+        why = "no shock began at or after output.from" if len(result.shocks) else NO_SHOCKS
         style.say_empty(figure.subplots(), why, "Shocks")
         return
     kinds = KINDS if alone else KINDS[:2]
@@ -440,7 +445,7 @@ def _head(result: Result) -> list[tuple[str, float, str, str]]:
 
 def _draw(name: str, cell: Any, result: Result, alone: bool) -> None:
     if name in NEED_SAMPLES and result.samples < 2:
-        style.say_empty(cell.subplots(), "fewer than two samples: the run ended before, or output.rate is too low", name)
+        style.say_empty(cell.subplots(), FEW_SAMPLES, name)
     else:
         PANELS[name][0](cell, result, alone)
 

@@ -52,7 +52,8 @@ def find() -> pathlib.Path:
             _require_version(path)
             return path
     named = os.environ.get("RA2D")
-    where = f"RA2D names {named!r}, which is no program" if named else "it is neither beside the package nor on the PATH"
+    where = f"RA2D names {named!r}, which is no program" if named else \
+        "it is neither beside the package nor on the PATH"
     raise ProgramError(f"the program ra2d was not found: {where}. {CURE}")
 
 

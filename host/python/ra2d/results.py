@@ -159,7 +159,8 @@ class Result:
         b = found["bands"]
         decibels = {"units": "dB", "long_name": "level re 1 nm/s"}
         data = {"level": ("frequency", np.array(b["level"], dtype=float), decibels),
-                "spread": ("frequency", np.array(b["spread"], dtype=float), {"units": "dB", "long_name": "standard deviation over runs"}),
+                "spread": ("frequency", np.array(b["spread"], dtype=float), 
+                           {"units": "dB", "long_name": "standard deviation over runs"}),
                 "above_last_mode": ("frequency", b["above_last_mode"]),
                 "level_probe": (("position", "frequency"), _rows(b["level_probe"], len(b["centre"])), decibels)}
         if "level_a" in b:
@@ -361,8 +362,9 @@ class Result:
         return f"<ra2d.Result {self.path.name}: {self.duration:g} s of {self.title!r}, {self._headline()}{cut}>"
 
     def _repr_html_(self) -> str:
-        figures = "".join(f"<tr><td style='text-align:left'>{html.escape(of.attrs.get('long_name', str(name)))}</td>"
-                          f"<td>{float(of):.5g}</td><td style='text-align:left'>{html.escape(of.attrs['units'])}</td></tr>"
+        left = "<td style='text-align:left'>"
+        figures = "".join(f"<tr>{left}{html.escape(of.attrs.get('long_name', str(name)))}</td>"
+                          f"<td>{float(of):.5g}</td>{left}{html.escape(of.attrs['units'])}</td></tr>"
                           for name, of in self.summary.items())
         return f"<b>{html.escape(repr(self)[1:-1])}</b><table>{figures}</table>"
 

@@ -188,7 +188,8 @@ def _named(name: str) -> pathlib.Path:
             return folder / f"{name}.toml"
     known = sorted({file.stem for folder in folders for file in folder.glob("*.toml")
                     if "[resonator]" in file.read_text(encoding="utf-8")})
-    raise RequestError(f"there is no file and no scene {name!r}. Scenes that come with ra2d: {', '.join(known) or 'none found'}")
+    raise RequestError(f"there is no file and no scene {name!r}. Scenes that come with ra2d: "
+                       f"{', '.join(known) or 'none found'}")
 
 
 def _with_paths(content: Mapping[str, Any]) -> dict[str, Any]:

@@ -71,6 +71,8 @@ class Study(xr.Dataset):  # type: ignore[no-untyped-call]
     [s], `peak_force_median` [N], `contact_share`, `energy_closure`, `wall_seconds` [s], `status`
     (0 done), `message`. Runs that are missing or failed are NaN.
 
+    A dimension that has the name of a method, such as `load`, is `study["load"]`.
+
     `law`, `means` and `plot` are those of the whole study; a part of it, such as
     `study.sel(speed=0.2)`, has none.
 

@@ -49,7 +49,8 @@ class _Panel:
     """The level against one key. The key with the most values among the others has the colours;
     combinations of what is left have the marks."""
 
-    def __init__(self, axes: Any, study: Study, means: pd.DataFrame, law: Law | None, name: str, names: list[str]) -> None:
+    def __init__(self, axes: Any, study: Study, means: pd.DataFrame, law: Law | None, name: str,
+                 names: list[str]) -> None:
         self.axes, self.study, self.means, self.law, self.name = axes, study, means, law, name
         others = sorted((other for other in names if other != name), key=lambda other: -study.sizes[other])
         self.colour, self.marked = (others[0] if others else None), others[1:]
@@ -155,8 +156,8 @@ def _head(study: Study, law: Law | None, why_no_law: str) -> list[tuple[str, flo
     parts = [f"{name}^{float(e):.3f}" + ("" if math.isnan(e.low) else f" ({e.low:.3f} to {e.high:.3f})")
              for name, e in law.exponents.items()]
     spread = "" if math.isnan(law.deviation) else f", {law.deviation:.2f} dB from the law to a run"
-    lines.append((literal(f"v_rms ~ {'  '.join(parts)};  R\u00b2 = {law.r_squared:.4f}, {law.about['runs']} runs{spread}"),
-                  9.0, "normal", BLACK))
+    text = f"v_rms ~ {'  '.join(parts)};  R\u00b2 = {law.r_squared:.4f}, {law.about['runs']} runs{spread}"
+    lines.append((literal(text), 9.0, "normal", BLACK))
     if law.about["straight_line"]["fits"] is False:
         lines.append((literal(law.about["straight_line"]["says"]), 9.0, "normal", style.RUST))
     return lines

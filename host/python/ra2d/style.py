@@ -33,7 +33,8 @@ RC = {
     "legend.fontsize": 8.5, "legend.framealpha": 0.9, "axes.grid": True, "grid.alpha": 0.25, "grid.linewidth": 0.6,
     "axes.titlelocation": "left", "axes.formatter.useoffset": False, "axes.axisbelow": True,
     "figure.constrained_layout.w_pad": 0.08, "figure.dpi": 110,
-    "svg.fonttype": "none", "pdf.fonttype": 42, "svg.hashsalt": "ra2d"}  # text stays text; the same picture, the same bytes
+    "svg.fonttype": "none", "pdf.fonttype": 42,  # text stays text
+    "svg.hashsalt": "ra2d"}                      # the same picture has the same bytes
 
 PREFIXES = {-12: "p", -9: "n", -6: "\u00b5", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 
@@ -97,7 +98,7 @@ def unit_text(udunits: str) -> str:
     below: list[str] = []
     for part in udunits.split():
         name, _, power = part.partition("-")
-        (below if power else above).append(name.translate(powers) + (power.translate(powers) if power not in ("", "1") else ""))
+        (below if power else above).append(name.translate(powers) + (power if power != "1" else "").translate(powers))
     top = " ".join(above)
     return "" if udunits == "1" else top + "".join(f"/{name}" for name in below)
 

@@ -26,8 +26,6 @@ def test_the_notebook_goes_from_a_profile_to_a_level(tmp_path, monkeypatch):
     assert "dB re 1 nm/s (95 %: " in texts and "v_rms ~ speed^" in texts
     assert sum("image/png" in output["data"] for output in shown) >= 4
     assert any("<audio" in output["data"].get("text/html", "") for output in shown)
-    assert any("<progress" in output["data"].get("text/html", "") or output["output_type"] == "display_data"
-               for output in shown)  # the place of the progress bar
 
 
 def test_pip_installs_it_without_a_network(tmp_path):
@@ -37,11 +35,10 @@ def test_pip_installs_it_without_a_network(tmp_path):
     pip = [sys.executable, "-m", "pip"]
     if subprocess.run([*pip, "--version"], capture_output=True).returncode:
         pytest.skip("there is no pip")
-    subprocess.run([*pip, "install", "--no-index", "--no-build-isolation", "--no-deps", "--quiet", "--target", target, source],
-                   check=True, capture_output=True, env={**os.environ, "PIP_ROOT_USER_ACTION": "ignore"})
-    said = subprocess.run([sys.executable, "-c", "import ra2d; print(ra2d.__file__); print(ra2d.scene('dang2012').title); "
-                           "import jinja2; jinja2.PackageLoader('ra2d', '.').list_templates()"],
-                          env={**os.environ, "PYTHONPATH": str(target), "RA2D": str(ra2d.find())}, cwd=tmp_path, text=True,
-                          capture_output=True, check=True).stdout
+    options = ["--no-index", "--no-build-isolation", "--no-deps", "--quiet", "--target", target]
+    subprocess.run([*pip, "install", *options, source], check=True, capture_output=True)
+    said = subprocess.run([sys.executable, "-c", "import ra2d; print(ra2d.__file__, ra2d.scene('dang2012').title)"],
+                          env={**os.environ, "PYTHONPATH": str(target), "RA2D": str(ra2d.find())}, cwd=tmp_path,
+                          text=True, capture_output=True, check=True).stdout
     assert str(target) in said and "dang2012" in said
     assert (target / "ra2d/page.html").is_file() and (target / "ra2d/py.typed").is_file()

@@ -131,7 +131,8 @@ def test_names_from_outside_bring_no_markup_and_no_folders(base, folder, profile
     evil = "<script>alert(1)</script> $x$"
     heights = 2e-6 * np.sin(np.arange(2501) / 40)
     face = ra2d.surface.array(heights, 8e-6, folder / "secret-face.csv")
-    ran = ra2d.run(base, {"scene.name": evil, "slider.surface": face}, duration=0.01, output=folder / "evil.h5", show=False)
+    ran = ra2d.run(base, {"scene.name": evil, "slider.surface": face}, duration=0.01, output=folder / "evil.h5",
+                   show=False)
     text = page_of(ran.report(folder / "evil.html"))
     assert evil not in text and "&lt;script&gt;" in text
     assert "secret-face.csv" in text and str(folder) not in text

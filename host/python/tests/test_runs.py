@@ -140,3 +140,32 @@ def test_a_failed_simulation_is_an_exception_and_a_file(folder):
         ra2d.run("dang2012", {"time.scheme": "explicit-euler", "time.step": 5e-6, "time.force": True,
                               "scene.duration": 0.05}, output=folder / "unstable.h5", show=False)
     assert not ra2d.load(folder / "unstable.h5").complete
+
+
+def test_a_terminal_shows_one_line_and_clears_it(capsys, monkeypatch):
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True)
+    with progress.shown(True) as show:
+        show("7.5 %  of the run")
+    assert capsys.readouterr().err == "\r7.5 %  of the run\x1b[K\r\x1b[K"
+
+
+def test_a_notebook_shows_a_bar_and_clears_it(monkeypatch):
+    display = pytest.importorskip("IPython.display")
+    seen = []
+
+    class Handle:
+        def update(self, html):
+            seen.append(html.data)
+
+    monkeypatch.setattr(progress, "_in_notebook", lambda: True)
+    monkeypatch.setattr(display, "display", lambda html, display_id: Handle())
+    with pytest.raises(KeyboardInterrupt), progress.shown(True) as show:
+        show("3 of 12 runs   <failed>")
+        raise KeyboardInterrupt
+    assert 'value="0.2500"' in seen[0] and "&lt;failed&gt;" in seen[0] and seen[-1] == ""
+
+
+def test_nothing_is_shown_where_nobody_looks(capsys):
+    with progress.shown(True) as show:
+        show("7.5 %")
+    assert capsys.readouterr().err == ""

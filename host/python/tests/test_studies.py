@@ -13,7 +13,8 @@ BOTH = ("resonator.surface.rq", "slider.surface.rq")
 
 
 def told(study):
-    return json.loads(subprocess.run([ra2d.find(), "analyze", study.folder, "--json"], capture_output=True, check=True).stdout)
+    words = [ra2d.find(), "analyze", study.folder, "--json"]
+    return json.loads(subprocess.run(words, capture_output=True, check=True).stdout)
 
 
 def test_the_table_is_an_xarray_dataset_with_units(study):
@@ -60,7 +61,7 @@ def test_failed_runs_are_told_and_missing(base, folder):
 
 
 def test_a_wrong_combination_is_refused(base, folder):
-    with pytest.raises(ra2d.RequestError, match="(?s)^[^\\n]*refused.toml: 1 of 2.*with start = 0.29.*leaves the resonator"):
+    with pytest.raises(ra2d.RequestError, match="(?s)^[^\\n]*refused.toml: 1 of 2.*with start = 0.29"):
         ra2d.study(base.change(duration=0.01), {"start": [0.1, 0.29]}, folder=folder / "refused", show=False)
 
 
