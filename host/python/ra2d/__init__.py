@@ -9,6 +9,7 @@ tables; this package runs it, reads its results lazily, draws, listens and compa
 """
 from . import surface
 from .budget import Budget, uncertainty
+from .compare_plot import plot
 from .errors import Error, FileError, Interrupted, Notice, OutOfTime, ProgramError, RequestError, SimulationError
 from .estimate import Estimate
 from .program import find
@@ -22,4 +23,4 @@ from .surface import Surface
 __version__ = "0.1.0"
 __all__ = ["Budget", "Error", "Estimate", "FileError", "Interrupted", "Notice", "OutOfTime", "ProgramError",
            "RequestError", "Result", "Scene", "SimulationError", "Sound", "Study", "Surface", "find", "load",
-           "load_study", "run", "scene", "study", "surface", "uncertainty"]
+           "load_study", "plot", "run", "scene", "study", "surface", "uncertainty"]

@@ -178,16 +178,24 @@ def level_in_time(result: Result) -> tuple[Array, Array]:
     return modes.time.values[(edges[:-1] + edges[1:]) // 2], levels
 
 
-def _silence(result: Result) -> str:
-    """Why there is no noise to show; empty where there is."""
+def why_empty(result: Result, what: str) -> str:
+    """Why there is no noise to show as "spectrum", "bands" or "level"; empty where there is."""
+    if result.samples < 2:
+        return FEW_SAMPLES
     if not result.modes("resonator").mean_square.any():
         return "the resonator has no elastic modes: it makes no noise"
-    return "" if result.analysis()["v_rms"] else "the resonator is at rest: it did not vibrate"
+    if not result.analysis()["v_rms"]:
+        return "the resonator is at rest: it did not vibrate"
+    if what == "spectrum" and result.spectrum().sizes["frequency"] <= 2:
+        return "the run is too short for a spectrum"
+    if what == "bands" and not np.isfinite(result.bands().level).any():
+        return "the run is too short for third octaves"
+    return ""
 
 
 def _level(figure: Any, result: Result, _: bool) -> None:
     axes, title = figure.subplots(), "Level of the resonator's noise in time"
-    if why := _silence(result):
+    if why := why_empty(result, "level"):
         style.say_empty(axes, why, title)
         return
     time, levels = level_in_time(result)
@@ -250,7 +258,7 @@ def _energy(figure: Any, result: Result, alone: bool) -> None:
 
 # ---- frequencies -----------------------------------------------------------------------------------
 
-def _set_decades(axes: Any, values: Array, most: float = 9) -> None:
+def set_decades(axes: Any, values: Array, most: float = 9) -> None:
     """Limits of a density's axis: what lies more decades below its peak says nothing of the noise."""
     axes.set_yscale("log")
     positive = values[np.isfinite(values) & (values > 0)]
@@ -288,7 +296,7 @@ def _draw_densities(axes: Any, result: Result, lines: list[tuple[str | None, Arr
     at = spectrum.frequency.values[1:]
     for i, (label, density) in enumerate(lines):
         style.draw_series(axes, at, density[1:], style.SERIES[i], style.LINES[i], label, log=True)
-    _set_decades(axes, np.concatenate([density[1:] for _, density in lines]))
+    set_decades(axes, np.concatenate([density[1:] for _, density in lines]))
     style.frequency_axis(axes, at[0], at[-1])
     _mark_frequencies(axes, result, GREY if lines[0][0] else RUST)
     if axes.get_legend_handles_labels()[0]:
@@ -305,9 +313,7 @@ def _draw_densities(axes: Any, result: Result, lines: list[tuple[str | None, Arr
 
 def _spectrum(figure: Any, result: Result, _: bool) -> None:
     axes, title = figure.subplots(), "Velocity spectrum, mean over the resonator"
-    short = result.spectrum().sizes["frequency"] <= 2
-    why = _silence(result) or ("the run is too short for a spectrum" if short else "")
-    if why:
+    if why := why_empty(result, "spectrum"):
         style.say_empty(axes, why, title)
     else:
         _draw_densities(axes, result, [(None, result.spectrum().density.values)], title)
@@ -326,14 +332,23 @@ def _probe_spectra(figure: Any, result: Result, _: bool) -> None:
     _draw_densities(axes, result, lines, title + more)
 
 
+def band_axis(axes: Any, names: list[str]) -> None:
+    """An axis of bands: all their names, or every other one."""
+    step = max(1, math.ceil(len(names) / 32))
+    axes.set_xticks(range(0, len(names), step), names[::step], rotation=60 if len(names) > 12 else 0)
+    axes.grid(False, axis="x")
+    axes.set_xlim(-0.7, len(names) - 0.3)
+    axes.set_xlabel("midband frequency [Hz]")
+
+
 def _bands(figure: Any, result: Result, _: bool) -> None:
     axes, title = figure.subplots(), "Third octaves of the resonator's velocity"
+    if why := why_empty(result, "bands"):
+        style.say_empty(axes, why, title)
+        return
     bands = result.bands()
     levels = bands.level.values
     finite = levels[np.isfinite(levels)]
-    if why := _silence(result) or ("" if finite.size else "the run is too short for third octaves"):
-        style.say_empty(axes, why, title)
-        return
     bottom = 5 * math.floor((max(finite.min(), finite.max() - 80) - 5) / 5)
     bars = axes.bar(np.arange(levels.size), np.maximum(levels - bottom, 0), 0.85, bottom=bottom, color=SKY, ec=BLUE,
                     lw=0.8, yerr=bands.spread.values, error_kw={"ecolor": BLACK, "capsize": 2, "lw": 0.9})
@@ -343,12 +358,7 @@ def _bands(figure: Any, result: Result, _: bool) -> None:
     if above:
         axes.legend(above[:1], ["above the last mode that was kept, at "
                                 f"{quantity(bands.last_mode, 'Hz')}: no information"], loc="upper right")
-    names = bands.nominal.values
-    step = max(1, math.ceil(len(names) / 32))
-    axes.set_xticks(range(0, len(names), step), names[::step], rotation=60 if len(names) > 12 else 0)
-    axes.grid(False, axis="x")
-    axes.set_xlim(-0.7, len(names) - 0.3)
-    axes.set_xlabel("midband frequency [Hz]")
+    band_axis(axes, bands.nominal.values.tolist())
     axes.set_ylim(bottom, finite.max() + 6)
     axes.set_ylabel(f"level [{DECIBEL}]")
     axes.set_title(f"{title}; in all {result.level:.1f} dB; bars: one standard deviation over runs")

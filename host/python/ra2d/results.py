@@ -250,7 +250,7 @@ class Result:
         """
         modes = self.modes(body)
         amplitude = modes[what].sel(time=time, method=None if isinstance(time, slice) else "nearest").load()
-        found: xr.DataArray = xr.dot(amplitude, modes["shape"].load(), dims="mode")
+        found: xr.DataArray = amplitude.dot(modes["shape"].load())
         found.attrs = {"units": "m" if what == "displacement" else "m s-1", "long_name": f"{what} of the {body}"}
         return found.rename(what)
 

@@ -127,7 +127,7 @@ class Study(xr.Dataset):  # type: ignore[no-untyped-call]
         """Means over the seeds, a row for each combination: `runs`, then `level` [dB re 1 nm/s],
         `v_rms` [m/s] and `shock_rate` [1/s], each with `_low` and `_high` of its 95 % interval.
 
-        >>> getfixture("study").means().loc[(0.2, 8e-6), "runs"]
+        >>> int(getfixture("study").means().loc[(0.2, 8e-6), "runs"])
         2
         """
         answer = self._whole()

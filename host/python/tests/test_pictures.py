@@ -159,3 +159,17 @@ def test_sound_is_the_programs(result, folder):
         assert (read.getframerate(), read.getsampwidth(), read.getnframes()) == (48000, 2, 4801)
     with pytest.raises(ra2d.RequestError, match="probe"):
         result.listen(7)
+
+
+def test_several_results_lie_over_one_another(result, base, folder):
+    short = ra2d.run(base, duration=2e-4, output=folder / "very-short.h5", show=False)
+    figure = ra2d.plot([result, result, short])
+    spectrum, bands, level = figure.axes
+    assert "very-short: the run is too short for third octaves" in bands.texts[-1].get_text()
+    legend = next(text.get_text() for text in figure.findobj(lambda artist: type(artist).__name__ == "Text")
+                  if text.get_text().startswith("2: cube"))
+    assert f"{result.level:.2f} dB" in legend
+    assert {line.get_color() for line in level.lines} == set(style.SERIES[:3])
+    assert len(ra2d.plot([result] * 9, "bands").axes[0].lines) == 16  # eight, each with its hollow marks
+    with pytest.raises(ra2d.RequestError, match="no picture 'force' of 1 results"):
+        ra2d.plot([result], "force")
