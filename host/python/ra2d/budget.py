@@ -37,6 +37,11 @@ class Budget:
     - `study`: the runs, with a dimension `name` for the sources
 
     The interval of the whole adds chance and shifts as squares.
+
+    >>> import ra2d
+    >>> budget = ra2d.uncertainty(ra2d.scene("dang2012").change(duration=0.05, tolerance=1e-6), seeds=3)
+    >>> budget.level.unit, budget.table.attrs["units"]["shock_rate"]
+    ('dB re 1 nm/s', '%')
     """
 
     level: Estimate

@@ -83,7 +83,12 @@ class Scene:
 
     @property
     def title(self) -> str:
-        """The stem of the file; of a dict the scene's name and eight digits of its content."""
+        """The stem of the file; of a dict the scene's name and eight digits of its content.
+
+        >>> import ra2d
+        >>> ra2d.scene("peaks").title
+        'peaks'
+        """
         if isinstance(self._source, pathlib.Path):
             return self._source.stem
         digits = hashlib.sha256(toml.document(self._source).encode()).hexdigest()[:8]
@@ -101,11 +106,21 @@ class Scene:
         return Scene(self._source, self.changes | full_keys(changes, short))
 
     def without(self, names: Collection[str]) -> Scene:
-        """A scene without the changes of these keys."""
+        """A scene without the changes of these whole keys.
+
+        >>> import ra2d
+        >>> ra2d.scene("dang2012").change(speed=0.2, load=1.0).without(["scene.speed"]).changes
+        {'slider.load': 1.0}
+        """
         return Scene(self._source, {name: value for name, value in self.changes.items() if name not in names})
 
     def text(self) -> str:
-        """The scene as TOML, without the changes."""
+        """The scene as TOML, without the changes.
+
+        >>> import ra2d
+        >>> "[resonator]" in ra2d.scene("dang2012").text()
+        True
+        """
         if isinstance(self._source, pathlib.Path):
             return self._source.read_text(encoding="utf-8")
         return toml.document(self._source)
@@ -143,7 +158,12 @@ class Scene:
         return value
 
     def file(self, folder: pathlib.Path) -> pathlib.Path:
-        """The file that the program reads: the scene's own, or one written into `folder`."""
+        """The file that the program reads: the scene's own; of a dict one written into `folder`.
+
+        >>> import pathlib, ra2d
+        >>> ra2d.scene(ra2d.scene("peaks").content()).file(pathlib.Path(".")).suffix
+        '.toml'
+        """
         if isinstance(self._source, pathlib.Path):
             return self._source
         path = folder / f"{self.title}.toml"
@@ -151,7 +171,12 @@ class Scene:
         return path
 
     def options(self) -> list[str]:
-        """The changes as options of the program."""
+        """The changes as options of the program.
+
+        >>> import ra2d
+        >>> ra2d.scene("dang2012").change(speed=0.2).options()
+        ['--set', 'scene.speed=0.2']
+        """
         return [word for name, value in self.changes.items() for word in ("--set", f"{name}={toml.value(value)}")]
 
     def plan(self) -> str:

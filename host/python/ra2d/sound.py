@@ -24,6 +24,9 @@ class Sound:
     - `samples`: 1-D, velocity over full scale
     - `rate` [1/s]
     - `about`: what `ra2d sound` says of it (docs/sound.md): `full_scale_m_per_s`, `peak_m_per_s`, ...
+
+    >>> getfixture("result").listen()
+    <ra2d.Sound of the resonator at 0.15 m, 1 s; full scale 0.01 m/s>
     """
 
     samples: npt.NDArray[np.float64]
@@ -40,13 +43,21 @@ class Sound:
         return pathlib.Path(path)
 
     def wav(self) -> bytes:
-        """A WAV of 16 bits, which every browser plays."""
+        """A WAV of 16 bits, which every browser plays.
+
+        >>> getfixture("result").listen(stop=0.1).wav()[:4]
+        b'RIFF'
+        """
         out = io.BytesIO()
         soundfile.write(out, np.clip(self.samples, -1, 1), self.rate, format="WAV", subtype="PCM_16")
         return out.getvalue()
 
     def source(self) -> str:
-        """The WAV as an address that a page holds in itself."""
+        """The WAV as an address that a page holds in itself.
+
+        >>> getfixture("result").listen(stop=0.1).source()[:22]
+        'data:audio/wav;base64,'
+        """
         return "data:audio/wav;base64," + base64.b64encode(self.wav()).decode()
 
     def __repr__(self) -> str:

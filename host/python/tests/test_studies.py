@@ -52,6 +52,16 @@ def test_it_goes_on_and_grows(base, folder):
     assert ra2d.load_study(folder / "grows").sizes["speed"] == 3
 
 
+def test_a_study_that_was_cut_off_goes_on(folder):
+    slow = ra2d.scene("dang2012").change(duration=0.1)  # backward Euler
+    with pytest.raises(ra2d.OutOfTime):
+        ra2d.study(slow, {"speed": [0.1, 0.2, 0.3, 0.4]}, folder=folder / "cut", max_wall=0.3, show=False)
+    cut = ra2d.load_study(folder / "cut")
+    assert (cut.status == 1).any() and np.isnan(cut.level.where(cut.status == 1)).all()
+    whole = ra2d.study(slow, {"speed": [0.1, 0.2, 0.3, 0.4]}, folder=folder / "cut", show=False)
+    assert (whole.status == 0).all() and whole.attrs["complete"] == 1
+
+
 def test_failed_runs_are_told_and_missing(base, folder):
     forced = ra2d.scene("dang2012").change({"time.force": True}, scheme="explicit-euler", duration=0.01)
     with pytest.warns(ra2d.Notice, match="1 run failed"):
