@@ -13,7 +13,7 @@ from markupsafe import Markup
 
 from . import plots, study_plot
 from .errors import FileError, RequestError
-from .style import DECIBEL, SERIES, Picture, quantity
+from .style import DECIBEL, GREY, SERIES, Picture, quantity, unit_text
 
 if TYPE_CHECKING:
     from .results import Result
@@ -32,7 +32,8 @@ def _svg(picture: Picture) -> Markup:
     text = text[text.index("<svg"):]
     text = re.sub(r' id="[A-Za-z0-9.]+_\d+"', "", text)              # ids that two pictures would share
     text = re.sub(r"fill: #ffffff(?=[;\"])", "fill: var(--paper)", text)
-    for colour, name in zip(SERIES, COLOURS):
+    text = re.sub('fill="(?:white|#ffffff)"', 'style="fill: var(--paper)"', text)  # behind hatches
+    for colour, name in [*zip(SERIES, COLOURS), (GREY, "faint")]:
         text = text.replace(colour, f"var(--{name})")
     return Markup(re.sub(r'(<svg[^>]*?) (?:height|width)="[^"]*"', r"\1", re.sub(
         r'(<svg[^>]*?) (?:height|width)="[^"]*"', r"\1", text, 1), 1))
@@ -137,7 +138,7 @@ def of_result(result: Result, path: pathlib.Path) -> pathlib.Path:
     return _write(path, title=result.title,
                   subtitle=f"{result.path.name}: {result.duration:g} s of sliding, {a['steps']} steps",
                   doubts=_doubts(result), figures=_figures(result), damping=_damping(result), clips=_clips(result),
-                  pictures=[_svg(plots.result(result, what, for_page=True)) for what in PICTURES], table=None,
+                  pictures=[_svg(plots.result(result, what, for_page=True)) for what in PICTURES], paper="", table=None,
                   texts=[("the scene", _scene_text(str(a["scene"])))],
                   end=f"ra2d {a['version']} ({a['commit']}), {a['started']}")
 
@@ -154,9 +155,13 @@ def of_study(study: Study, path: pathlib.Path) -> pathlib.Path:
     except RequestError as why:
         figures = [("law", "none", str(why))]
     failed = [f"{a['failed']} of {a['runs']} runs failed."] * bool(a["failed"])
-    table = means.reset_index().to_html(index=False, float_format="{:.5g}".format, border=0, na_rep="")
+    units = means.attrs["units"] | {name: unit_text(study[name].units) for name in means.index.names if name in study}
+    heads = {name: f"{name} [{unit}]" for name, unit in units.items() if unit}
+    table = means.reset_index().rename(columns=heads).to_html(index=False, float_format="{:.5g}".format, border=0,
+                                                              na_rep="")
     return _write(path, title=f"study: {study.folder.name}", subtitle=f"{a['done']} of {a['runs']} runs done",
                   doubts=failed, figures=figures, damping=[], clips=[],
-                  pictures=[_svg(study_plot.picture(study, for_page=True))], table=Markup(table),
+                  pictures=[_svg(study_plot.picture(study, for_page=True))], paper="light",
+                  table=Markup(table),
                   texts=[("the study", _scene_text(str(a["study"]))), ("its base", _scene_text(str(a["base"])))],
                   end=f"ra2d {a['version']} ({a['commit']})")

@@ -142,6 +142,7 @@ def test_names_from_outside_bring_no_markup_and_no_folders(base, folder, profile
 
 def test_the_page_of_a_study(loads, folder):
     text = page_of(loads.report(folder / "loads.html"))
+    assert "<th>level [dB re 1 nm/s]</th>" in text and "<th>speed [m/s]</th>" in text
     assert "exponent of speed" in text and "means over the seeds" in text.lower() and text.count("<svg") == 1
 
 
