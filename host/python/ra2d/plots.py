@@ -16,7 +16,7 @@ from .errors import RequestError
 from .style import BLACK, BLUE, DECIBEL, GREEN, GREY, PLUM, RUST, SKY, Array, Picture, literal, quantity, scale
 
 if TYPE_CHECKING:
-    from .results import Body, Result
+    from .results import Result
 
 NO_PROBES = "the scene names no probes (output.probes, output.slider_probes)"
 NO_SHOCKS = "there were no shocks: nothing touched"

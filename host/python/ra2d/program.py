@@ -107,9 +107,10 @@ def follow(words: Sequence[object], show: Callable[[str], None]) -> None:
     The program shows progress on a terminal only, so it is given one of its own. When this process
     dies, that terminal hangs up, and the program ends in order with a checkpoint.
     """
+    command = [str(find()), *map(str, words)]
     ours, its = pty.openpty()
     with tempfile.TemporaryFile() as printed, os.fdopen(ours, "rb", buffering=0) as screen:
-        child = subprocess.Popen([find(), *map(str, words)], stdin=its, stdout=printed, stderr=its,
+        child = subprocess.Popen(command, stdin=its, stdout=printed, stderr=its,
                                  start_new_session=True,
                                  preexec_fn=lambda: fcntl.ioctl(2, termios.TIOCSCTTY, 0))
         os.close(its)

@@ -18,7 +18,7 @@ LONGEST_NAME = 120  # characters
 
 def output_name(what: Scene) -> str:
     """A name that tells the changes, so that runs of a notebook keep apart: dang2012-speed=0.2.h5."""
-    words = [f"{name.rsplit('.', 1)[-1]}={value}" for name, value in what.changes.items()]
+    words = [f"{name.rsplit('.', 1)[-1]}={value}" for name, value in sorted(what.changes.items())]
     name = re.sub(r"[^\w.=+-]+", "_", "-".join([what.title, *words]))
     if len(name) > LONGEST_NAME:
         name = f"{what.title[:60]}-{hashlib.sha256(' '.join(what.options()).encode()).hexdigest()[:12]}"
@@ -46,7 +46,7 @@ def run(source: str | os.PathLike[str] | Mapping[str, Any] | Scene, changes: Map
 
     >>> import ra2d
     >>> ra2d.run("dang2012", speed=0.2, duration=0.01, tolerance=1e-6).path.name
-    'dang2012-speed=0.2-duration=0.01-tolerance=1e-06-scheme=adaptive.h5'
+    'dang2012-duration=0.01-speed=0.2-scheme=adaptive-tolerance=1e-06.h5'
     """
     what = scene(source).change(changes, **short)
     path = pathlib.Path(output) if output else pathlib.Path(output_name(what))

@@ -103,7 +103,10 @@ class Scene:
         >>> ra2d.scene("dang2012").change({"slider.surface.seed": 7}, load=1.0).changes
         {'slider.surface.seed': 7, 'slider.load': 1.0}
         """
-        return Scene(self._source, self.changes | full_keys(changes, short))
+        given = full_keys(changes, short)
+        replaced = tuple(f"{name}." for name in given)  # a whole table takes the place of its keys
+        kept = {name: value for name, value in self.changes.items() if not f"{name}.".startswith(replaced)}
+        return Scene(self._source, kept | given)
 
     def without(self, names: Collection[str]) -> Scene:
         """A scene without the changes of these whole keys.

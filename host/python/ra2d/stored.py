@@ -50,17 +50,16 @@ def _units(dataset: Any) -> dict[str, str]:
     return {name: dataset.attrs[name] for name in ("units", "long_name") if name in dataset.attrs}
 
 
-def read(path: pathlib.Path, group: str, dims: Mapping[str, tuple[str, ...]],
-         names: Mapping[str, str] | None = None) -> xr.Dataset:
+def read(path: pathlib.Path, group: str, dims: Mapping[str, tuple[str, ...]]) -> xr.Dataset:
     """A group as a Dataset. `dims`: the dimensions of each dataset, by name; others are left out.
-    Datasets with the name of a dimension are its coordinates. `names`: other names for datasets."""
+    Datasets with the name of a dimension are its coordinates."""
     variables = {}
     with opened(path) as file:
         for name, of in dims.items():
             if name in file[group]:
                 stored = file[group][name]
                 values = _lazy(_Dataset(path, f"{group}/{name}", stored))
-                variables[(names or {}).get(name, name)] = _variable(of, values, _units(stored))
+                variables[name] = _variable(of, values, _units(stored))
     coordinates = {name: of for name, of in variables.items() if (name,) == of.dims}
     return xr.Dataset({name: of for name, of in variables.items() if name not in coordinates}, coordinates)
 

@@ -45,6 +45,14 @@ def test_a_tolerance_asks_for_the_scheme_that_takes_it():
     assert ra2d.scene("dang2012").change(tolerance=1e-5, scheme="rk4")["scheme"] == "rk4"
 
 
+def test_later_changes_take_the_place_of_earlier_ones():
+    seeded = ra2d.scene("dang2012").change({"slider.surface.seed": 7, "slider.length": 0.01})
+    flat = seeded.change({"slider.surface": {"kind": "flat"}})
+    assert flat.changes == {"slider.length": 0.01, "slider.surface": {"kind": "flat"}}
+    assert list(flat.change({"slider.surface.kind": "gaussian"}).changes)[-1] == "slider.surface.kind"
+    assert flat["slider.surface"] == {"kind": "flat"}
+
+
 def test_names_of_scenes():
     with pytest.raises(ra2d.RequestError, match="no scene 'dang2021'. Scenes .*dang2012, dang2012-pinned.*peaks"):
         ra2d.scene("dang2021")
@@ -63,6 +71,7 @@ def test_a_dict_runs_like_its_file(base, folder):
 def test_output_names_keep_runs_apart(base):
     from ra2d.runs import output_name
     assert output_name(base.change(speed=0.2)) != output_name(base.change(speed=0.3))
+    assert output_name(base.change(speed=0.2).change(load=1.0)) == output_name(base.change(load=1.0).change(speed=0.2))
     long = base.change({"output.probes": list(np.linspace(0, 0.3, 50))})
     assert len(output_name(long)) < 100 and output_name(long) != output_name(long.change(speed=1.0))
 

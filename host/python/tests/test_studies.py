@@ -9,8 +9,6 @@ import xarray as xr
 
 import ra2d
 
-BOTH = ("resonator.surface.rq", "slider.surface.rq")
-
 
 def told(study):
     words = [ra2d.find(), "analyze", study.folder, "--json"]
