@@ -32,7 +32,8 @@ class Budget:
       with the interval of the whole
     - `table`: a row for each source. `chance`: half of the 95 % interval of the mean over the
       seeds. The others: by how much the mean moves when the source is changed as the row says, and
-      95 % of chance in that (`_chance`). Level in dB, rate and duration in %
+      95 % of chance in that (`_chance`). Level in dB; rate and duration in hundredths of the natural
+      logarithm: small ones are per cent, -42 is a factor of exp(-0.42) = 0.66
     - `dominant`: for each quantity the source that moves it most
     - `study`: the runs, with a dimension `name` for the sources
 
@@ -41,7 +42,7 @@ class Budget:
     >>> import ra2d
     >>> budget = ra2d.uncertainty(ra2d.scene("dang2012").change(duration=0.05, tolerance=1e-6), seeds=3)
     >>> budget.level.unit, budget.table.attrs["units"]["shock_rate"]
-    ('dB re 1 nm/s', '%')
+    ('dB re 1 nm/s', 'ln/100')
     """
 
     level: Estimate
@@ -54,7 +55,9 @@ class Budget:
     def __repr__(self) -> str:
         lines = [f"{name:15}{getattr(self, name)!r}, mostly {self.dominant[name]}"
                  for name in ("level", "shock_rate", "shock_duration")]
-        return "\n".join([*lines, "", self.table.to_string(float_format="{:.2g}".format, na_rep="")])
+        heads = {name: f"{name} [{unit}]" for name, unit in self.table.attrs["units"].items()}
+        table = self.table.rename(columns=heads).to_string(float_format="{:.2g}".format, na_rep="")
+        return "\n".join([*lines, "", table])
 
     def _repr_html_(self) -> str:
         return f"<pre>{html.escape(repr(self))}</pre>"
@@ -139,5 +142,5 @@ def uncertainty(source: str | os.PathLike[str] | Mapping[str, Any] | Scene, seed
         value, low, high = (math.exp(end) if by_ratio else end for end in (mean, mean - reach, mean + reach))
         found[name] = Estimate(value, low, high, unit, "chance and shifts, as squares")
         dominant[name] = str(table[name].abs().idxmax()) if table[name].notna().any() else "unknown"
-    table.attrs["units"] = {"level": "dB", "shock_rate": "%", "shock_duration": "%"}
+    table.attrs["units"] = {"level": "dB", "shock_rate": "ln/100", "shock_duration": "ln/100"}
     return Budget(found["level"], found["shock_rate"], found["shock_duration"], table, dominant, runs)
