@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Several results over one another."""
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import matplotlib
+import numpy as np
+from matplotlib.lines import Line2D
+
+from . import plots, style
+from .errors import RequestError
+from .results import Result
+from .style import BLACK, DECIBEL, GREY, LINES, MARKS, RUST, SERIES, Picture, literal, scale
+
+MOST = len(SERIES)
+
+
+def _look(i: int) -> dict[str, Any]:
+    return {"color": SERIES[i], "ls": LINES[i]}
+
+
+def _spectra(axes: Any, shown: list[tuple[int, Result]]) -> None:
+    spectra = [result.spectrum() for _, result in shown]
+    for (i, _), spectrum in zip(shown, spectra):
+        style.draw_series(axes, spectrum.frequency.values[1:], spectrum.density.values[1:], SERIES[i], LINES[i],
+                          log=True, fill=0.12, width=1.1)
+    plots.set_decades(axes, np.concatenate([spectrum.density.values[1:] for spectrum in spectra]))
+    style.frequency_axis(axes, min(float(s.frequency[1]) for s in spectra), max(float(s.frequency[-1]) for s in spectra))
+    axes.set_ylabel("PSD of velocity [(m/s)\u00b2/Hz]")
+
+
+def _bands(axes: Any, shown: list[tuple[int, Result]]) -> None:
+    bands = [result.bands() for _, result in shown]
+    centres = sorted({float(centre) for one in bands for centre in one.frequency.values})
+    names = {float(centre): str(name) for one in bands for centre, name in zip(one.frequency.values, one.nominal.values)}
+    for (i, _), one in zip(shown, bands):
+        place = np.array([centres.index(centre) for centre in one.frequency.values])
+        above = one.above_last_mode.values
+        axes.plot(place, one.level.values, marker=MARKS[i], ms=5, lw=1.2, **_look(i))
+        axes.plot(place[above], one.level.values[above], ls="none", marker=MARKS[i], ms=5, mfc="white", mec=SERIES[i])
+    plots.band_axis(axes, [names[centre] for centre in centres])
+    if any(one.above_last_mode.any() for one in bands):
+        axes.set_xlabel("midband frequency [Hz]  (hollow: above the last mode that was kept, no information)")
+    _level_limits(axes, np.concatenate([one.level.values for one in bands]), 3)
+
+
+def _levels(axes: Any, shown: list[tuple[int, Result]]) -> None:
+    found = [plots.level_in_time(result) for _, result in shown]
+    end = max(result.duration for _, result in shown)
+    unit, one = scale("s", end)
+    for (i, _), (time, levels) in zip(shown, found):
+        axes.plot(time / one, levels, lw=1.2, marker=MARKS[i], ms=4, markevery=8, **_look(i))
+    axes.set_xlim(0, end / one)
+    axes.set_xlabel(f"time [{unit}]")
+    _level_limits(axes, np.concatenate([levels for _, levels in found]), 1)
+
+
+def _level_limits(axes: Any, levels: style.Array, room: float) -> None:
+    finite = levels[np.isfinite(levels)]
+    axes.set_ylim(max(finite.min(), finite.max() - 80) - room, finite.max() + room)
+    axes.set_ylabel(f"level [{DECIBEL}]")
+
+
+PANELS: dict[str, tuple[str, Callable[[Any, list[tuple[int, Result]]], None]]] = {
+    "spectrum": ("Velocity spectra of the resonators", _spectra),
+    "bands": ("Third octaves of the resonators' velocities", _bands),
+    "level": ("Levels in time", _levels)}
+
+
+def _names(results: Sequence[Result]) -> list[str]:
+    """File names; numbers before those that are the same."""
+    names = [literal(result.path.stem) for result in results]
+    return [f"{i + 1}: {name}" if names.count(name) > 1 else name for i, name in enumerate(names)]
+
+
+def _key(results: Sequence[Result], names: list[str]) -> list[Line2D]:
+    texts = [f"{name}: {result.level:.2f} {DECIBEL}" if math.isfinite(result.level) else f"{name}: no level"
+             for name, result in zip(names, results)]
+    return [Line2D([], [], marker=MARKS[i], ms=5, lw=1.4, label=text, **_look(i)) for i, text in enumerate(texts)]
+
+
+def plot(results: Sequence[Result], what: str = "overview") -> Picture:
+    """Several results over one another, as a matplotlib Figure: "spectrum", "bands", "level", or
+    "overview", which has all three. The first eight are drawn.
+
+    >>> import ra2d
+    >>> slow, fast = [ra2d.run("dang2012", speed=v, duration=0.02, tolerance=1e-6) for v in (0.1, 0.2)]
+    >>> len(ra2d.plot([slow, fast]).axes)
+    3
+    """
+    if what not in ("overview", *PANELS) or not results:
+        raise RequestError(f"there is no picture {what!r} of {len(results)} results. There are, of one or more: "
+                           f"overview, {', '.join(PANELS)}")
+    kinds = list(PANELS) if what == "overview" else [what]
+    drawn = list(results[:MOST])
+    names = _names(drawn)
+    head = f"{len(results)} results" + (f", the first {MOST} of them" if len(results) > MOST else "")
+    lines = [(head, 13.0, "bold", BLACK)]
+    lines += [(literal(f"{name}: {plots.doubts(result)}"), 9.5, "normal", RUST)
+              for name, result in zip(names, drawn) if plots.doubts(result)]
+    handles = _key(drawn, names)
+    columns = 2 if max(len(handle.get_label()) for handle in handles) < 62 else 1
+    key = 0.2 * math.ceil(len(drawn) / columns) + 0.1
+    with matplotlib.rc_context(style.RC):
+        figure, body = style.page(10, 4 * len(kinds) + key, lines)
+        upper, lower = body.subfigures(2, 1, height_ratios=[key, 4 * len(kinds)])
+        upper.legend(handles=handles, loc="upper left", ncol=columns, handlelength=4.5, frameon=False)
+        for cell, kind in zip(np.atleast_1d(lower.subfigures(len(kinds), 1)), kinds):
+            title, draw = PANELS[kind]
+            axes = cell.subplots()
+            without = {name: why for name, result in zip(names, drawn) if (why := plots.why_empty(result, kind))}
+            shown = [(i, result) for i, (name, result) in enumerate(zip(names, drawn)) if name not in without]
+            words = "; ".join(f"{name}: {why}" for name, why in without.items())
+            if not shown:
+                style.say_empty(axes, words, title)
+                continue
+            draw(axes, shown)
+            axes.set_title(title)
+            if without:
+                axes.text(0.01, 0.04, f"not drawn: {words}", transform=axes.transAxes, color=GREY, fontsize=8)
+        return figure

@@ -1,0 +1,481 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Pictures of a result (docs/pictures.md says how to read them)."""
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import matplotlib
+import numpy as np
+import xarray as xr
+from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
+
+from . import style
+from .errors import RequestError
+from .style import BLACK, BLUE, DECIBEL, GREEN, GREY, PLUM, RUST, SKY, Array, Picture, literal, quantity, scale
+
+if TYPE_CHECKING:
+    from .results import Result
+
+NO_PROBES = "the scene names no probes (output.probes, output.slider_probes)"
+NO_SHOCKS = "there were no shocks: nothing touched"
+FEW_SAMPLES = "fewer than two samples: the run ended before, or output.rate is too low"
+MOST_LINES = 6   # that a panel keeps apart
+MOST_DOTS = 2000
+PLACES = 120     # bins along the track
+WINDOWS = 100    # of the level in time
+CLOSE = 400      # samples of a close-up
+
+
+# ---- faces ---------------------------------------------------------------------------------------
+
+def _gap(result: Result, resonator: xr.DataArray, slider: xr.DataArray, start: float) -> float:
+    """Distance of the mean lines at t = 0: the scene's, or that at which the first nodes touch."""
+    gap = result.scene["gap"]
+    if isinstance(gap, float):
+        return gap
+    under = resonator.sel(position=start + slider.position, method="nearest").values
+    return float((slider.values + under).max())
+
+
+def _track(result: Result) -> tuple[float, float, float]:
+    """Where the slider starts, and the places that it passes, with some more on either side [m]."""
+    start = float(result.scene["start"])
+    end = start + float(result.scene["slider.length"]) + float(result.scene["speed"]) * result.duration
+    more = 0.04 * (end - start)
+    return start, max(0.0, start - more), min(float(result.scene["resonator.length"]), end + more)
+
+
+def _draw_faces(axes: Any, result: Result) -> None:
+    start, low, high = _track(result)
+    resonator, slider = result.profile("resonator").load(), result.profile("slider").load()
+    gap = _gap(result, resonator, slider, start)
+    resonator = resonator.sel(position=slice(low, high))
+    turned = gap - slider.values
+    unit, one = scale("m", resonator.values, turned)
+    style.draw_series(axes, resonator.position.values * 1e3, resonator.values / one, BLUE, label="resonator",
+                      mean=False, fill=0.9)
+    style.draw_series(axes, (start + slider.position.values) * 1e3, turned / one, RUST, mean=False, fill=0.9,
+                      label="slider at t = 0, face down")
+    axes.set_title("Faces at the start, where the slider passes (heights much enlarged); mean lines "
+                   f"{quantity(gap, 'm')} apart")
+    axes.set_ylabel(f"height [{unit}]")
+    axes.set_xlim(low * 1e3, high * 1e3)
+    style.room_above(axes, 0.22)
+    axes.legend(loc="upper right", ncol=2)
+
+
+def _draw_places(axes: Any, result: Result) -> None:
+    position = result.shocks["position"].to_numpy()
+    if not position.size:
+        style.say_empty(axes, NO_SHOCKS, "Places of contact", keep_x=True)
+        return
+    _, low, high = _track(result)
+    counts, edges = np.histogram(position * 1e3, bins=PLACES, range=(low * 1e3, high * 1e3))
+    axes.stairs(counts, edges, fill=True, color=PLUM, alpha=0.85)
+    axes.set_title(f"Places of contact: {position.size} shock{'s' if position.size != 1 else ''}")
+    axes.set_ylabel(f"shocks per\n{edges[1] - edges[0]:.2g} mm")
+    axes.yaxis.set_major_locator(MaxNLocator(4, integer=True))
+    axes.set_ylim(0, 1.1 * max(counts.max(), 1))
+
+
+def _draw_strongest(axes: Any, result: Result) -> None:
+    shocks = result.shocks
+    if not len(shocks):
+        style.say_empty(axes, NO_SHOCKS, "Peak forces", keep_x=True)
+        return
+    shown = shocks.nlargest(MOST_DOTS, "peak_force")
+    unit, one = scale("N", shown["peak_force"])
+    cloud = axes.scatter(shown["position"] * 1e3, shown["peak_force"] / one, c=shown["start"], s=9, cmap="viridis",
+                         lw=0, rasterized=len(shown) > 500)
+    axes.figure.colorbar(cloud, ax=axes, label="begins at [s]", pad=0.01, aspect=14)
+    axes.set_title("Peak forces: every shock" if len(shown) == len(shocks) else
+                   f"Peak forces: the {len(shown)} strongest of {len(shocks)} shocks")
+    axes.set_ylabel(f"peak force [{unit}]")
+    axes.set_ylim(0, None)
+
+
+def _profiles(figure: Any, result: Result, alone: bool) -> None:
+    draw = [_draw_faces, _draw_places] + [_draw_strongest] * alone
+    panels = figure.subplots(len(draw), 1, sharex=True, height_ratios=[1.5, 1, 1][:len(draw)])
+    for axes, one in zip(panels, draw):
+        one(axes, result)
+    panels[-1].set_xlabel("place on the resonator [mm]")
+
+
+# ---- in time -------------------------------------------------------------------------------------
+
+def _draw_lines(axes: Any, lines: list[tuple[str | None, xr.DataArray]], name: str, unit_name: str, title: str) -> None:
+    """Series over one time; each with its colour and line."""
+    time = lines[0][1].time.values
+    unit, one = scale(unit_name, *(values.values for _, values in lines))
+    seconds = scale("s", time[-1:])[1]
+    together = max(style.draw_series(axes, time / seconds, values.values / one, style.SERIES[i], style.LINES[i], label)
+                   for i, (label, values) in enumerate(lines))
+    style.time_axis(axes, time, f"  (band: extremes of {together} samples, line: mean)" if together > 1 else "")
+    axes.set_ylabel(f"{name} [{unit}]")
+    axes.set_title(title)
+    if lines[0][0]:
+        style.room_above(axes, 0.2)
+        axes.legend(loc="upper right", ncol=3)
+
+
+def _around_largest(force: xr.DataArray) -> slice:
+    """Samples around the largest force."""
+    first = max(0, min(int(np.argmax(force.values)) - CLOSE // 2, force.size - CLOSE))
+    return slice(first, first + CLOSE)
+
+
+def _force(figure: Any, result: Result, alone: bool) -> None:
+    force = result.contact.force.load()
+    if not force.any():
+        why = "the bodies never touched: no contact force" if not len(result.shocks) else \
+            "no sample fell into a contact: the shocks are shorter than the time from sample to sample"
+        style.say_empty(figure.subplots(), why, "Contact force")
+        return
+    panels = figure.subplots(2 if alone else 1, 1, squeeze=False)[:, 0]
+    _draw_lines(panels[0], [(None, force)], "force", "N", "Contact force")
+    if alone:
+        _draw_lines(panels[1], [(None, force.isel(time=_around_largest(force)))], "force", "N",
+                    "Around the largest sample, every sample")
+    for axes in panels:
+        axes.set_ylim(0, None)
+
+
+def _probe_lines(result: Result, what: str) -> list[tuple[str | None, xr.DataArray]]:
+    """A series for each probe of both bodies, with its name."""
+    return [(f"{body} at {1e3 * position:.6g} mm", probes[what].isel(position=i))
+            for body, probes in (("resonator", result.probes), ("slider", result.slider_probes))
+            for i, position in enumerate(probes.position.values)]
+
+
+def _displacement(figure: Any, result: Result, alone: bool) -> None:
+    title = "Displacement of probes"
+    lines = _probe_lines(result, "displacement")
+    if not lines:
+        style.say_empty(figure.subplots(), NO_PROBES, title)
+        return
+    more = f" ({len(lines) - MOST_LINES} more are not drawn)" if len(lines) > MOST_LINES else ""
+    lines = [(label, values.load()) for label, values in lines[:MOST_LINES]]
+    panels = figure.subplots(2 if alone else 1, 1, squeeze=False)[:, 0]
+    _draw_lines(panels[0], lines, "displacement", "m", title + more)
+    if alone:
+        close = _around_largest(result.contact.force.load())
+        _draw_lines(panels[1], [(label, values.isel(time=close)) for label, values in lines], "displacement", "m",
+                    "Around the largest force, every sample")
+
+
+def level_in_time(result: Result) -> tuple[Array, Array]:
+    """Middles [s] of a hundred windows, and the level [dB re 1 nm/s] in each: Σ <ψ²> V² over the
+    modes, by the formula of docs/analysis.md."""
+    modes = result.modes("resonator")
+    weight = modes.mean_square.values
+    edges = np.linspace(0, modes.sizes["time"], min(WINDOWS, modes.sizes["time"] // 2) + 1).astype(int)
+    square = [float((modes.velocity[a:b].values ** 2 @ weight).mean()) for a, b in zip(edges, edges[1:])]
+    with np.errstate(divide="ignore"):
+        levels = 10 * np.log10(np.array(square)) + 180
+    return modes.time.values[(edges[:-1] + edges[1:]) // 2], levels
+
+
+def why_empty(result: Result, what: str) -> str:
+    """Why there is no noise to show as "spectrum", "bands" or "level"; empty where there is."""
+    if result.samples < 2:
+        return FEW_SAMPLES
+    if not result.modes("resonator").mean_square.any():
+        return "the resonator has no elastic modes: it makes no noise"
+    if not result.analysis()["v_rms"]:
+        return "the resonator is at rest: it did not vibrate"
+    if what == "spectrum" and result.spectrum().sizes["frequency"] <= 2:
+        return "the run is too short for a spectrum"
+    if what == "bands" and not np.isfinite(result.bands().level).any():
+        return "the run is too short for third octaves"
+    return ""
+
+
+def _level(figure: Any, result: Result, _: bool) -> None:
+    axes, title = figure.subplots(), "Level of the resonator's noise in time"
+    if why := why_empty(result, "level"):
+        style.say_empty(axes, why, title)
+        return
+    time, levels = level_in_time(result)
+    one = style.time_axis(axes, np.array([0.0, result.duration]))
+    axes.plot(time / one, levels, color=BLUE, lw=1.2, marker="o", ms=2.5)
+    found = result.level
+    begin = result.analysis()["from"]
+    since = f"from {quantity(begin, 's')} on" if begin else "whole"
+    span = [begin / one, result.analysis()["to"] / one]
+    if math.isfinite(found):
+        axes.plot(span, [found, found], color=RUST, ls="--", lw=1.2, zorder=4,
+                  label=f"{since}: {found:.2f} dB")
+    if math.isfinite(found.low):
+        axes.fill_between(span, found.low, found.high, color=RUST, alpha=0.12, lw=0, label="its 95 % interval")
+    finite = levels[np.isfinite(levels)]
+    high = max([*finite, found if math.isfinite(found) else -math.inf])
+    low = max(finite.min(), high - 80)
+    margin = max(1.0, 0.08 * (high - low))
+    axes.set_ylim(low - 2.5 * margin, high + margin)
+    axes.legend(loc="lower right", ncol=2)
+    axes.set_ylabel(f"level [{DECIBEL}]")
+    axes.set_title(f"{title}, over {quantity(result.duration / len(levels), 's')} each")
+
+
+# what, its name, colour, line and width: where lines lie upon one another, the wider ones show
+FLOWS = [("load_work", "put in by loads", SKY, "-", 4.5), ("sliding_work", "put in by sliding", BLUE, "-", 2.2),
+         ("damping_loss", "lost to damping", RUST, "--", 1.7), ("stored", "stored since the start", GREEN, ":", 2),
+         ("missing", "missing", BLACK, (0, (1, 2)), 1.3)]
+STORES = [("kinetic", "kinetic", BLUE, "-", 1.6), ("elastic", "elastic", RUST, "--", 1.6),
+          ("contact", "in contacts", GREEN, ":", 1.8)]
+
+
+def _draw_energies(axes: Any, energy: xr.Dataset, kinds: list[Any], title: str) -> None:
+    time = energy.time.values
+    unit, one = scale("J", *(energy[key].values for key, *_ in kinds))
+    seconds = scale("s", time[-1:])[1]
+    together = [style.draw_series(axes, time / seconds, energy[key].values / one, colour, line, name, width, fill=0.25)
+                for key, name, colour, line, width in kinds]
+    style.time_axis(axes, time, f"  (band: extremes of {together[0]} samples, line: mean)" if together[0] > 1 else "")
+    axes.set_ylabel(f"energy [{unit}]")
+    axes.set_title(title)
+    style.room_above(axes, 0.42 if len(kinds) > 3 else 0.2)
+    axes.legend(loc="upper left", handlelength=3, ncol=2 if len(kinds) > 3 else 3)
+
+
+def _energy(figure: Any, result: Result, alone: bool) -> None:
+    title = "Energy: what went in and where it went"
+    energy = result.energy.load()
+    if not any(values.any() for values in energy.data_vars.values()):
+        style.say_empty(figure.subplots(), "no energy went through: nothing moved and nothing touched", title)
+        return
+    total = energy.kinetic + energy.elastic + energy.contact
+    energy["stored"] = total - total[0]
+    energy["missing"] = energy.stored + energy.damping_loss - energy.sliding_work - energy.load_work
+    panels = figure.subplots(2 if alone else 1, 1, squeeze=False)[:, 0]
+    _draw_energies(panels[0], energy, FLOWS, title)
+    if alone:
+        _draw_energies(panels[1], energy, STORES, "Energy that is there")
+
+
+# ---- frequencies -----------------------------------------------------------------------------------
+
+def set_decades(axes: Any, values: Array, most: float = 9) -> None:
+    """Limits of a density's axis: what lies more decades below its peak says nothing of the noise."""
+    axes.set_yscale("log")
+    positive = values[np.isfinite(values) & (values > 0)]
+    if positive.size:
+        low, high = max(positive.min(), positive.max() * 10.0 ** -most), positive.max()
+        axes.set_ylim(low / 2, high * 10 ** (0.1 * math.log10(high / low) + 0.5))
+
+
+def _mark_frequencies(axes: Any, result: Result, colour: str) -> None:
+    """Natural frequencies as ticks at the top, the tone of the mesh as a line."""
+    low, high = axes.get_xlim()
+    natural = [f for f in result.analysis()["natural_frequencies"] if low <= f <= high]
+    if natural:
+        axes.vlines(natural, 0.955, 1, transform=axes.get_xaxis_transform(), color=colour, lw=1.1,
+                    label="natural frequencies, free resonator")
+    tone = result.analysis()["mesh_tone"]
+    if tone["in_spectrum"]:
+        axes.axvline(tone["frequency"], ls=(0, (4, 2)), color=BLACK, lw=0.9,
+                     label=f"mesh, speed/spacing: {quantity(tone['frequency'], 'Hz')}")
+
+
+def _draw_confidence(axes: Any, low: float | None, high: float | None) -> None:
+    """A bar as high as 95 % of chance."""
+    if low is None or high is None:
+        return
+    bottom, top = axes.get_ylim()
+    middle, across = bottom * (top / bottom) ** 0.86, axes.get_yaxis_transform()
+    axes.errorbar([0.975], [middle], yerr=[[middle * (1 - low)], [middle * (high - 1)]], color=GREY, capsize=3, lw=1.2,
+                  transform=across, zorder=5)
+    axes.text(0.96, middle, "95 %", transform=across, ha="right", va="center", color=GREY, fontsize=8)
+
+
+def _draw_densities(axes: Any, result: Result, lines: list[tuple[str | None, Array]], title: str) -> None:
+    spectrum = result.spectrum()
+    at = spectrum.frequency.values[1:]
+    for i, (label, density) in enumerate(lines):
+        style.draw_series(axes, at, density[1:], style.SERIES[i], style.LINES[i], label, log=True)
+    set_decades(axes, np.concatenate([density[1:] for _, density in lines]))
+    style.frequency_axis(axes, at[0], at[-1])
+    _mark_frequencies(axes, result, GREY if lines[0][0] else RUST)
+    if axes.get_legend_handles_labels()[0]:
+        axes.legend(loc="lower left")
+    axes.set_ylabel("PSD of velocity [(m/s)\u00b2/Hz]")
+    axes.set_title(title)
+    axes.set_xlabel(f"frequency [Hz]  (a line every {spectrum.resolution:.3g} Hz; {spectrum.segments} segments)")
+    if aliased := result.analysis()["aliased_modes"]:
+        axes.text(0.02, 0.9, f"{aliased} modes lie above half the rate of the samples:\n"
+                  "their power stands at frequencies not theirs", transform=axes.transAxes, va="top", color=RUST,
+                  fontsize=8, weight="bold")
+    _draw_confidence(axes, spectrum.low, spectrum.high)
+
+
+def _spectrum(figure: Any, result: Result, _: bool) -> None:
+    axes, title = figure.subplots(), "Velocity spectrum, mean over the resonator"
+    if why := why_empty(result, "spectrum"):
+        style.say_empty(axes, why, title)
+    else:
+        _draw_densities(axes, result, [(None, result.spectrum().density.values)], title)
+
+
+def _probe_spectra(figure: Any, result: Result, _: bool) -> None:
+    axes, title = figure.subplots(), "Velocity spectra of probes"
+    s = result.spectrum()
+    densities = [*s.density_probe.values, *s.density_slider_probe.values]
+    names = [label for label, _ in _probe_lines(result, "velocity")]
+    lines = list(zip(names, densities))[:MOST_LINES]
+    if not lines:
+        style.say_empty(axes, NO_PROBES, title)
+        return
+    more = f" ({len(names) - MOST_LINES} more are not drawn)" if len(names) > MOST_LINES else ""
+    _draw_densities(axes, result, lines, title + more)
+
+
+def band_axis(axes: Any, names: list[str]) -> None:
+    """An axis of bands: all their names, or every other one."""
+    step = max(1, math.ceil(len(names) / 32))
+    axes.set_xticks(range(0, len(names), step), names[::step], rotation=60 if len(names) > 12 else 0)
+    axes.grid(False, axis="x")
+    axes.set_xlim(-0.7, len(names) - 0.3)
+    axes.set_xlabel("midband frequency [Hz]")
+
+
+def _bands(figure: Any, result: Result, _: bool) -> None:
+    axes, title = figure.subplots(), "Third octaves of the resonator's velocity"
+    if why := why_empty(result, "bands"):
+        style.say_empty(axes, why, title)
+        return
+    bands = result.bands()
+    levels = bands.level.values
+    finite = levels[np.isfinite(levels)]
+    bottom = 5 * math.floor((max(finite.min(), finite.max() - 80) - 5) / 5)
+    bars = axes.bar(np.arange(levels.size), np.maximum(levels - bottom, 0), 0.85, bottom=bottom, color=SKY, ec=BLUE,
+                    lw=0.8, yerr=bands.spread.values, error_kw={"ecolor": BLACK, "capsize": 2, "lw": 0.9})
+    above = [bar for bar, is_above in zip(bars, bands.above_last_mode.values) if is_above]
+    for bar in above:
+        bar.set(facecolor="white", hatch="////")
+    if above:
+        axes.legend(above[:1], ["above the last mode that was kept, at "
+                                f"{quantity(bands.last_mode, 'Hz')}: no information"], loc="upper right")
+    band_axis(axes, bands.nominal.values.tolist())
+    axes.set_ylim(bottom, finite.max() + 6)
+    axes.set_ylabel(f"level [{DECIBEL}]")
+    axes.set_title(f"{title}; in all {result.level:.1f} dB; bars: one standard deviation over runs")
+
+
+# ---- shocks ----------------------------------------------------------------------------------------
+
+KINDS = [("duration", "s", "duration"), ("peak_force", "N", "peak force"), ("impulse", "N s", "impulse"),
+         ("interval", "s", "time from start to start")]
+
+
+def _draw_histogram(axes: Any, shocks: dict[str, Any], key: str, unit_name: str, what: str) -> None:
+    found, spread = shocks["histograms"][key], shocks[key]
+    edges, counts = np.array(found["edges"], dtype=float), np.array(found["counts"], dtype=float)
+    if not counts.size:
+        style.say_empty(axes, f"no shock has a {what} above 0", what.capitalize())
+        return
+    unit, one = scale(unit_name, spread["median"])
+    share = 100 * counts / shocks["count"]
+    axes.stairs(share, edges / one, fill=True, color=SKY, ec=BLUE, lw=0.8)
+    axes.set_xscale("log")
+    low, high = edges[0] / one, edges[-1] / one
+    axes.set_xlim(low / 1.15, high * 1.15)
+    if high / low < 50:
+        axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axes.xaxis.set_minor_formatter(NullFormatter())
+    axes.set_xlabel(f"{what} [{unit}]")
+    axes.set_ylabel("share of shocks [%]")
+    axes.set_ylim(0, 1.45 * share.max())
+    for name, line, text in (("median", "-", "median"), ("p90", "--", "90 % up to")):
+        value = spread[name]
+        axes.axvline(value / one, ls=line, color=BLACK, lw=1, label=f"{text} {quantity(value, unit_name)}")
+    axes.legend(loc="upper right", handlelength=1.6, fontsize=8)
+
+
+def _shocks(figure: Any, result: Result, alone: bool) -> None:
+    shocks = result.analysis()["shocks"]
+    if not shocks["count"]:
+        why = "no shock began at or after output.from" if len(result.shocks) else NO_SHOCKS
+        style.say_empty(figure.subplots(), why, "Shocks")
+        return
+    kinds = KINDS if alone else KINDS[:2]
+    for axes, kind in zip(figure.subplots(len(kinds) // 2, 2, squeeze=False).flat, kinds):
+        _draw_histogram(axes, shocks, *kind)
+    begin = result.analysis()["from"]
+    figure.axes[0].set_title(f"{shocks['count']} shock{'s' if shocks['count'] != 1 else ''}"
+                             + (f" from {quantity(begin, 's')} on" if begin else "")
+                             + (", bins of equal ratio, ten to a decade" if alone else ""))
+
+
+# ---- pages ------------------------------------------------------------------------------------------
+
+PANELS: dict[str, tuple[Callable[[Any, Any, bool], None], float]] = {
+    "profiles": (_profiles, 7.5), "force": (_force, 6), "displacement": (_displacement, 6), "spectrum": (_spectrum, 5),
+    "probe-spectra": (_probe_spectra, 5.6), "shocks": (_shocks, 6), "level": (_level, 4.2), "energy": (_energy, 7),
+    "bands": (_bands, 4.6)}
+NEED_SAMPLES = ("force", "displacement", "spectrum", "probe-spectra", "level", "energy", "bands")
+
+
+def facts(result: Result) -> str:
+    """The figures of the report, in a line."""
+    found, level = result.analysis(), result.level
+    parts = []
+    if math.isfinite(level):
+        parts.append(f"level {level:.2f} {DECIBEL}"
+                     + (f" (95 %: {level.low:.1f} to {level.high:.1f})" if math.isfinite(level.low) else ""))
+    elif found["v_rms"] == 0:
+        parts.append("the resonator is at rest")
+    if rate := found["shocks"]["rate"]:
+        parts.append(f"{rate:.0f} shocks a second" if rate >= 1000 else f"{rate:.3g} shocks a second")
+    if found["contact_share"] is not None:
+        parts.append(f"in contact {100 * found['contact_share']:.3g} % of the time")
+    if found["energy"]["closure"] is not None:
+        parts.append(f"energy closes to {found['energy']['closure']:.1e}")
+    return "  \u00b7  ".join(parts)
+
+
+def doubts(result: Result) -> str:
+    """What should not be overlooked."""
+    found = []
+    if not result.complete:
+        found.append(f"The run was cut short after {quantity(result.duration, 's')}: {result.attrs['ended']}.")
+    if "beyond_limit" in result.attrs:
+        found.append("A step beyond the limit of stability was forced.")
+    return " ".join(found)
+
+
+def _head(result: Result) -> list[tuple[str, float, str, str]]:
+    lines = [(literal(f"{result.title}  \u2013  {result.path.name}"), 13.0, "bold", BLACK),
+             (facts(result), 9.5, "normal", BLACK)]
+    return lines + ([(literal(doubts(result)), 9.5, "bold", RUST)] if doubts(result) else [])
+
+
+def _draw(name: str, cell: Any, result: Result, alone: bool) -> None:
+    if name in NEED_SAMPLES and result.samples < 2:
+        style.say_empty(cell.subplots(), FEW_SAMPLES, name)
+    else:
+        PANELS[name][0](cell, result, alone)
+
+
+def result(of: Result, what: str = "overview", for_page: bool = False) -> Picture:
+    """The picture of a result: "overview", or one panel; for a page small, without a head."""
+    if what != "overview" and what not in PANELS:
+        raise RequestError(f"there is no picture {what!r}. There are: overview, {', '.join(PANELS)}")
+    lines = [] if for_page else _head(of)
+    with matplotlib.rc_context(style.RC):
+        if what != "overview":
+            figure, body = style.page(*((6.6, 3.6) if for_page else (10, PANELS[what][1])), lines)
+            _draw(what, body, of, not for_page)
+            if for_page:
+                style.wrap_titles(figure)
+            return figure
+        figure, body = style.page(11, 14, lines)
+        rows = body.subfigures(4, 1, height_ratios=[1.45, 1, 1.05, 1])
+        _draw("profiles", rows[0], of, False)
+        for row, names in zip(rows[1:], (("force", "displacement"), ("spectrum", "level"), ("shocks", "energy"))):
+            for cell, name in zip(row.subfigures(1, 2), names):
+                _draw(name, cell, of, False)
+        return figure

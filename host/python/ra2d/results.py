@@ -1,0 +1,382 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Results of a run: read lazily from their HDF5 file; what is computed from it, the program computes."""
+from __future__ import annotations
+
+import html
+import os
+import pathlib
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+import numpy.typing as npt
+import pandas as pd
+import xarray as xr
+
+from . import program, stored, toml
+from .errors import FileError, RequestError
+from .estimate import Estimate
+from .scenes import Scene
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from .sound import Sound
+
+Body = Literal["resonator", "slider"]
+FORMATS = (2,)  # of the file, that this package reads
+
+_SAMPLED: dict[str, tuple[str, ...]] = {"time": ("time",)}
+_PROBES = {**_SAMPLED, "position": ("position",), "displacement": ("time", "position"),
+           "velocity": ("time", "position")}
+_MODES = {**_SAMPLED, "mode": ("mode",), "position": ("position",), "frequency": ("mode",),
+          "mean_square": ("mode",), "shape": ("mode", "position"), "displacement": ("time", "mode"),
+          "velocity": ("time", "mode")}
+_SHOCKS = ("start", "duration", "peak_force", "impulse", "position")
+
+
+def _rows(values: list[list[float | None]], columns: int) -> npt.NDArray[np.float64]:
+    """A table with a row for each probe, also where there is none; None is NaN."""
+    return np.array(values, dtype=float).reshape(len(values), columns)
+
+
+class Result:
+    """A result of `ra2d run`: one HDF5 file. Opening reads nothing but its header; each property
+    reads what it shows.
+
+    >>> result = getfixture("result")
+    >>> result
+    <ra2d.Result cube.h5: 1 s of 'roughness noise', 116.3 dB re 1 nm/s>
+    """
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        self.path = pathlib.Path(path).resolve()
+        self.attrs = stored.attributes(self.path)  # of the file, as docs/results.md lists them
+        if self.attrs.get("creator") != "ra2d" or "key" not in self.attrs:
+            raise FileError(f"{str(path)!r} is no result of 'ra2d run'")
+        if self.attrs["format"] not in FORMATS:
+            raise FileError(f"{str(path)!r} has format {self.attrs['format']}, this package reads "
+                            f"{', '.join(map(str, FORMATS))}: take the package that came with the program")
+        self._analyses: dict[tuple[str, ...], dict[str, Any]] = {}
+
+    # ---- numbers ----------------------------------------------------------------------------------
+
+    def analysis(self, *, start: float | None = None, stop: float | None = None, resolution: float | None = None,
+                 segment: int | None = None, a_weighting: bool = False) -> dict[str, Any]:
+        """All that `ra2d analyze --json` says (docs/analysis.md), in SI units; None for what does
+        not exist. Asked once for each set of options, and kept.
+
+        - `start`, `stop` [s]: the stretch of the run; from `output.from` to the end
+        - `resolution` [Hz] or `segment` [samples]: of the spectrum
+        - `a_weighting`: also weigh the bands as ears do
+
+        >>> getfixture("result").analysis()["contact_share"] < 1
+        True
+        """
+        given = {"--from": start, "--to": stop, "--resolution": resolution, "--segment": segment}
+        options = [str(word) for name, value in given.items() if value is not None for word in (name, value)]
+        options += ["--a-weighting"] * a_weighting
+        if tuple(options) not in self._analyses:
+            self._analyses[tuple(options)] = program.ask("analyze", self.path, *options)
+        return self._analyses[tuple(options)]
+
+    @property
+    def level(self) -> Estimate:
+        """Vibration level of the resonator [dB re 1 nm/s] with its 95 % interval: chance within
+        this run, not the choice of seed.
+
+        >>> getfixture("result").level                           # doctest: +ELLIPSIS
+        116.3 dB re 1 nm/s (95 %: 11... to 11...)
+        """
+        found = self.analysis()
+        return Estimate.of(found["lv"], found["lv_interval"], "dB re 1 nm/s",
+                           found["no_interval"] or "chance within this run, with these surfaces")
+
+    @property
+    def shock_rate(self) -> Estimate:
+        """Shocks a second [1/s], with a 95 % interval as that of `level`.
+
+        >>> getfixture("result").shock_rate.unit
+        '1/s'
+        """
+        found = self.analysis()
+        return Estimate.of(found["shocks"]["rate"], found["shocks"]["rate_interval"], "1/s",
+                           found["no_interval"] or "chance within this run, with these surfaces")
+
+    @property
+    def summary(self) -> xr.Dataset:
+        """The figures of the report as scalars with units (docs/results.md, group `summary`).
+
+        >>> getfixture("result").summary.v_rms.units
+        'm s-1'
+        """
+        return stored.scalars(self.path, "summary")
+
+    def spectrum(self, **options: Any) -> xr.Dataset:
+        """One-sided power spectral densities over `frequency` [Hz]. Options: those of `analysis`.
+
+        - `density` [(m/s)^2/Hz]: of the velocity, mean over the resonator
+        - `density_probe` (position, frequency), `density_slider_probe` (slider_position, frequency):
+          of the probes' velocity
+        - `density_force` [N^2/Hz]: of the total contact force
+
+        `attrs`: `resolution` [Hz], `segments`, and `low`, `high`: a density times these holds the
+        true one with probability 0.95, for stationary noise.
+
+        >>> getfixture("result").spectrum(resolution=25.0).sizes["frequency"] > 1000
+        True
+        """
+        found = self.analysis(**options)
+        s = found["spectrum"]
+        velocity, force = {"units": "m2 s-2 Hz-1"}, {"units": "N2 Hz-1", "long_name": "density of the contact force"}
+        lines = len(s["frequency"])
+        return xr.Dataset(
+            {"density": ("frequency", s["psd_mean"], {**velocity, "long_name": "density of the resonator's velocity"}),
+             "density_probe": (("position", "frequency"), _rows(s["psd_probe"], lines),
+                               {**velocity, "long_name": "density of the velocity at the probes"}),
+             "density_slider_probe": (("slider_position", "frequency"), _rows(s["psd_slider_probe"], lines),
+                                      {**velocity, "long_name": "density of the velocity at the slider's probes"}),
+             "density_force": ("frequency", s["psd_force"], force)},
+            {"frequency": ("frequency", s["frequency"], {"units": "Hz", "long_name": "frequency"}),
+             "position": ("position", found["probes"], {"units": "m", "long_name": "place on the resonator"}),
+             "slider_position": ("slider_position", found["slider_probes"],
+                                 {"units": "m", "long_name": "place on the slider"})},
+            {"resolution": s["resolution"], "segments": s["segments"], "low": s["confidence"]["low"],
+             "high": s["confidence"]["high"]})
+
+    def bands(self, **options: Any) -> xr.Dataset:
+        """Third octaves over their midband `frequency` [Hz]. Options: those of `analysis`.
+
+        - `level` [dB re 1 nm/s]: of the resonator's elastic velocity; `level_probe` (position,
+          frequency): at the probes; with `a_weighting=True` also `level_a`
+        - `spread` [dB]: standard deviation over runs, for stationary noise
+        - `above_last_mode`: True where a band lies above the last mode, and says nothing
+
+        >>> bands = getfixture("result").bands()
+        >>> float(bands.level.sel(frequency=1000, method="nearest")) > 80
+        True
+        """
+        found = self.analysis(**options)
+        b = found["bands"]
+        decibels = {"units": "dB", "long_name": "level re 1 nm/s"}
+        data = {"level": ("frequency", np.array(b["level"], dtype=float), decibels),
+                "spread": ("frequency", np.array(b["spread"], dtype=float), 
+                           {"units": "dB", "long_name": "standard deviation over runs"}),
+                "above_last_mode": ("frequency", b["above_last_mode"]),
+                "level_probe": (("position", "frequency"), _rows(b["level_probe"], len(b["centre"])), decibels)}
+        if "level_a" in b:
+            data["level_a"] = ("frequency", b["level_a"], {"units": "dB", "long_name": "A-weighted level re 1 nm/s"})
+        return xr.Dataset(
+            data, {"frequency": ("frequency", b["centre"], {"units": "Hz", "long_name": "midband frequency"}),
+                   "nominal": ("frequency", b["nominal"]),
+                   "position": ("position", found["probes"], {"units": "m", "long_name": "place on the resonator"})},
+            {"last_mode": b["last_mode"]})
+
+    @property
+    def shocks(self) -> pd.DataFrame:
+        """Every shock, in order of start; its index counts them. Columns: `start` [s], `duration`
+        [s], `peak_force` [N], `impulse` [N s], `position` [m, on the resonator]; `attrs["units"]`
+        names the units.
+
+        >>> getfixture("result").shocks.columns.tolist()
+        ['start', 'duration', 'peak_force', 'impulse', 'position']
+        """
+        with stored.opened(self.path) as file:
+            group = file["shocks"]
+            table = pd.DataFrame({name: group[name][()] for name in _SHOCKS},
+                                 index=pd.Index(group["serial"][()].astype(np.int64), name="shock"))
+            table.attrs["units"] = {name: group[name].attrs["units"] for name in _SHOCKS}
+        return table
+
+    # ---- series -----------------------------------------------------------------------------------
+
+    @property
+    def probes(self) -> xr.Dataset:
+        """`displacement` [m] and `velocity` [m/s] of the resonator, dimensions (time, position).
+
+        >>> getfixture("result").probes.velocity.sel(position=0.15).dims
+        ('time',)
+        """
+        return stored.read(self.path, "probes", _PROBES)
+
+    @property
+    def slider_probes(self) -> xr.Dataset:
+        """The same of the slider's probes; `position` [m] counts from its left end.
+
+        >>> getfixture("result").slider_probes.sizes["position"]
+        0
+        """
+        return stored.read(self.path, "slider_probes", _PROBES)
+
+    @property
+    def contact(self) -> xr.Dataset:
+        """`force` [N], total normal force, and `nodes`, number in contact, over `time` [s].
+
+        >>> float(getfixture("result").contact.force.min()) >= 0
+        True
+        """
+        return stored.read(self.path, "contact", {**_SAMPLED, "force": ("time",), "nodes": ("time",)})
+
+    @property
+    def energy(self) -> xr.Dataset:
+        """Energies over `time` [s], in J: `kinetic`, `elastic`, `contact`; since t = 0
+        `damping_loss`, `sliding_work`, `load_work`.
+
+        >>> getfixture("result").energy.kinetic.units
+        'J'
+        """
+        names = ("kinetic", "elastic", "contact", "damping_loss", "sliding_work", "load_work")
+        series = stored.read(self.path, "energy", {name: ("time",) for name in names})
+        return series.assign_coords(stored.read(self.path, "/", _SAMPLED).coords)
+
+    def modes(self, body: Body = "resonator") -> xr.Dataset:
+        """The modes of a body: `frequency` [Hz], `shape` (mode, position) [m^-1/2], and over
+        (time, mode) the modal `displacement` [m^3/2] and `velocity` [m^3/2/s].
+
+        >>> getfixture("result").modes("slider").sizes["mode"]
+        2
+        """
+        return stored.read(self.path, body, _MODES)
+
+    def field(self, time: float | slice | Any, body: Body = "resonator",
+              what: Literal["displacement", "velocity"] = "displacement") -> xr.DataArray:
+        """Displacement [m] or velocity [m/s] along a body: modes times shapes. `time` [s]: an
+        instant (the nearest sample is taken), several, or a slice. Dimensions: (position), or
+        (time, position); up to 1001 places.
+
+        >>> getfixture("result").field(0.1).dims
+        ('position',)
+        >>> getfixture("result").field(slice(0.1, 0.11)).sizes["time"]
+        1001
+        """
+        modes = self.modes(body)
+        amplitude = modes[what].sel(time=time, method=None if isinstance(time, slice) else "nearest").load()
+        found: xr.DataArray = amplitude.dot(modes["shape"].load())
+        found.attrs = {"units": "m" if what == "displacement" else "m s-1", "long_name": f"{what} of the {body}"}
+        return found.rename(what)
+
+    def profile(self, body: Body = "resonator") -> xr.DataArray:
+        """Heights [m] of a face over `position` [m], as the run used them; positive towards the
+        other body.
+
+        >>> getfixture("result").profile("slider").sizes["position"]
+        2501
+        """
+        dims = {"position": ("position",), "height": ("position",)}
+        return stored.read(self.path, f"surface/{body}", dims)["height"]
+
+    # ---- what it was --------------------------------------------------------------------------------
+
+    @property
+    def scene(self) -> Scene:
+        """The complete scene of this run. It runs again: `ra2d.run(result.scene, speed=0.2)`.
+
+        >>> getfixture("result").scene["contact.law"]
+        'penalty'
+        """
+        return Scene(toml.parse(self.attrs["scene"]))
+
+    @property
+    def complete(self) -> bool:
+        """False where the run was cut short; `attrs["ended"]` says why.
+
+        >>> getfixture("result").complete
+        True
+        """
+        return bool(self.attrs["complete"])
+
+    # ---- looking and listening ----------------------------------------------------------------------
+
+    def plot(self, what: str = "overview") -> Figure:
+        """A picture as a matplotlib Figure: the whole page, or one panel of docs/pictures.md:
+        "profiles", "force", "displacement", "spectrum", "probe-spectra", "shocks", "level",
+        "energy", "bands".
+
+        >>> getfixture("result").plot("bands").axes[0].get_xlabel()
+        'midband frequency [Hz]'
+        """
+        from . import plots
+
+        return plots.result(self, what)
+
+    def listen(self, probe: int = 1, *, body: Body = "resonator", slow: float = 1, full_scale: float | None = None,
+               rate: int = 48000, start: float | None = None, stop: float | None = None) -> Sound:
+        """The velocity of a probe (from 1) as sound, which a notebook plays. `slow`: times longer
+        and lower; `full_scale` [m/s]: what the value 1 stands for; `rate`: samples a second of the
+        sound; `start`, `stop` [s] of the run.
+
+        >>> sound = getfixture("result").listen(slow=2)
+        >>> sound.rate, sound.samples.ndim
+        (48000, 1)
+        """
+        from .sound import of_probe
+
+        options = {"--slow": slow, "--rate": rate, "--full-scale": full_scale, "--from": start, "--to": stop}
+        return of_probe(self.path, probe, body, options)
+
+    def report(self, path: str | os.PathLike[str] | None = None) -> pathlib.Path:
+        """Writes one page to keep or to send, complete in itself: figures, pictures, sound, scene.
+        Without a path it stands beside the result. Returns where it is.
+
+        >>> getfixture("result").report("cube.html").name
+        'cube.html'
+        """
+        from . import page
+
+        return page.of_result(self, pathlib.Path(path or self.path.with_suffix(".html")))
+
+    def _headline(self) -> str:
+        lv = self.summary.get("lv")
+        return "no level" if lv is None else f"{float(lv):.1f} dB re 1 nm/s"
+
+    @property
+    def samples(self) -> int:
+        """How many samples there are.
+
+        >>> getfixture("result").samples
+        100001
+        """
+        with stored.opened(self.path) as file:
+            return int(file["time"].shape[0])
+
+    @property
+    def duration(self) -> float:
+        """Time of the last sample [s].
+
+        >>> getfixture("result").duration
+        1.0
+        """
+        with stored.opened(self.path) as file:
+            return float(file["time"][-1]) if file["time"].shape[0] else 0.0
+
+    @property
+    def title(self) -> str:
+        """The scene's name.
+
+        >>> getfixture("result").title
+        'roughness noise'
+        """
+        return str(toml.parse(self.attrs["scene"])["scene"].get("name", self.path.stem))
+
+    def __repr__(self) -> str:
+        cut = "" if self.complete else f", cut short: {self.attrs['ended']}"
+        return f"<ra2d.Result {self.path.name}: {self.duration:g} s of {self.title!r}, {self._headline()}{cut}>"
+
+    def _repr_html_(self) -> str:
+        left = "<td style='text-align:left'>"
+        figures = "".join(f"<tr>{left}{html.escape(of.attrs.get('long_name', str(name)))}</td>"
+                          f"<td>{float(of):.5g}</td>{left}{html.escape(of.attrs['units'])}</td></tr>"
+                          for name, of in self.summary.items())
+        return f"<b>{html.escape(repr(self)[1:-1])}</b><table>{figures}</table>"
+
+
+def load(path: str | os.PathLike[str]) -> Result:
+    """A result of `ra2d run`, by its file. A file of any size opens at once.
+
+    >>> import ra2d
+    >>> ra2d.load("cube.h5").complete
+    True
+    """
+    path = pathlib.Path(path)
+    if path.is_dir():
+        raise RequestError(f"{str(path)!r} is a folder: ra2d.load_study reads a study")
+    return Result(path)

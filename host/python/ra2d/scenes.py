@@ -1,0 +1,254 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Scenes: what is simulated (docs/scene.md)."""
+from __future__ import annotations
+
+import copy
+import difflib
+import hashlib
+import html
+import itertools
+import os
+import pathlib
+from collections.abc import Collection, Mapping
+from typing import Any
+
+from . import program, toml
+from .errors import RequestError
+
+_BODY = ("support length thickness width young density poisson damping max_frequency modes surface").split()
+_FACE = ("kind peaks path x_unit z_unit spacing decimal row column fill form cutoff_s filter cutoff short rq rsm "
+         "correlation_length correlation hurst longest shortest skewness kurtosis exact seed").split()
+# The keys of docs/scene.md, which the program makes from its own table. A test holds both together.
+KEYS: dict[str, list[str]] = {
+    "scene": "name duration speed start gap spacing initial".split(),
+    "resonator": [*_BODY, "moving_force"],
+    "slider": [*_BODY, "load"],
+    "contact": "law stiffness".split(),
+    "time": "scheme contact_force step tolerance nodes force".split(),
+    "output": "rate probes slider_probes from".split(),
+    "resonator.surface": _FACE,
+    "slider.surface": _FACE,
+}
+
+
+def full_key(name: str) -> str:
+    """The key that a short name means. A name that only one section has is enough. Whole keys are
+    left to the program, which names the nearest one.
+
+    >>> full_key("speed"), full_key("tolerance"), full_key("slider.surface.rq")
+    ('scene.speed', 'time.tolerance', 'slider.surface.rq')
+    """
+    if "." in name:
+        return name
+    for depth in (0, 1):  # sections before the tables within them
+        found = [f"{section}.{name}" for section, keys in KEYS.items() if section.count(".") == depth and name in keys]
+        if len(found) == 1:
+            return found[0]
+        if found:
+            raise RequestError(f"{name}: {' and '.join(found)} have this name: give the whole key, as "
+                               f"{{{found[-1]!r}: ...}}")
+    near = difflib.get_close_matches(name, {key for keys in KEYS.values() for key in keys}, 1)
+    raise RequestError(f"{name}: no key of a scene has this name" + (f" (did you mean `{near[0]}`?)" if near else ""))
+
+
+def full_keys(changes: Mapping[str, Any] | None, short: Mapping[str, Any]) -> dict[str, Any]:
+    """Both kinds of changes with whole keys. A tolerance alone asks for the scheme that takes it."""
+    given = {full_key(name): value for name, value in {**(changes or {}), **short}.items()}
+    if "time.tolerance" in given:
+        given.setdefault("time.scheme", "adaptive")
+    return given
+
+
+class Scene:
+    """What is simulated: a file or a dict, and changes to it. A scene never changes; `change`
+    makes another one.
+
+    - `title`: its name in results and in names of files
+    - `changes`: the values that differ from the file, by their whole keys
+    - `scene["speed"]`, `scene["resonator.length"]`: a value, in SI units; KeyError where the scene
+      leaves it to its default
+
+    >>> import ra2d
+    >>> cube = ra2d.scene("dang2012")
+    >>> cube["speed"]                                 # m/s
+    0.1
+    >>> cube.change(speed=0.2)["scene.speed"]
+    0.2
+    """
+
+    def __init__(self, source: pathlib.Path | Mapping[str, Any], changes: Mapping[str, Any] | None = None) -> None:
+        self._source: pathlib.Path | dict[str, Any]
+        self._source = source if isinstance(source, pathlib.Path) else copy.deepcopy(dict(source))
+        self.changes = dict(changes or {})
+
+    @property
+    def title(self) -> str:
+        """The stem of the file; of a dict the scene's name and eight digits of its content.
+
+        >>> import ra2d
+        >>> ra2d.scene("peaks").title
+        'peaks'
+        """
+        if isinstance(self._source, pathlib.Path):
+            return self._source.stem
+        digits = hashlib.sha256(toml.document(self._source).encode()).hexdigest()[:8]
+        return f"{self._source.get('scene', {}).get('name', 'scene')}-{digits}".replace("/", "_").replace(" ", "-")
+
+    def change(self, changes: Mapping[str, Any] | None = None, /, **short: Any) -> Scene:
+        """A scene with other values: by short names, or by whole keys in a mapping. SI units.
+
+        `tolerance` alone also sets `time.scheme = "adaptive"`, the one scheme that takes it.
+
+        >>> import ra2d
+        >>> ra2d.scene("dang2012").change({"slider.surface.seed": 7}, load=1.0).changes
+        {'slider.surface.seed': 7, 'slider.load': 1.0}
+        """
+        given = full_keys(changes, short)
+        replaced = tuple(f"{name}." for name in given)  # a whole table takes the place of its keys
+        kept = {name: value for name, value in self.changes.items() if not f"{name}.".startswith(replaced)}
+        return Scene(self._source, kept | given)
+
+    def without(self, names: Collection[str]) -> Scene:
+        """A scene without the changes of these whole keys.
+
+        >>> import ra2d
+        >>> ra2d.scene("dang2012").change(speed=0.2, load=1.0).without(["scene.speed"]).changes
+        {'slider.load': 1.0}
+        """
+        return Scene(self._source, {name: value for name, value in self.changes.items() if name not in names})
+
+    def text(self) -> str:
+        """The scene as TOML, without the changes.
+
+        >>> import ra2d
+        >>> "[resonator]" in ra2d.scene("dang2012").text()
+        True
+        """
+        if isinstance(self._source, pathlib.Path):
+            return self._source.read_text(encoding="utf-8")
+        return toml.document(self._source)
+
+    def content(self) -> dict[str, Any]:
+        """The scene as nested dicts, with the changes. Values in SI units; defaults are not in it.
+
+        >>> import ra2d
+        >>> ra2d.scene("dang2012").content()["resonator"]["thickness"]     # m
+        0.002
+        """
+        content = toml.parse(self.text())
+        for name, value in self.changes.items():
+            *tables, last = name.split(".")
+            inner = content
+            for table in tables:
+                inner = inner.setdefault(table, {})
+            inner[last] = value
+        return content
+
+    def complete(self) -> dict[str, Any]:
+        """The scene as nested dicts with the changes and all defaults, as the program reads it.
+
+        >>> import ra2d
+        >>> ra2d.scene("dang2012").complete()["time"]["nodes"]
+        'candidates'
+        """
+        parts = itertools.takewhile(lambda part: part.startswith(("#", "[")), self.plan().split("\n\n"))
+        return toml.parse("\n\n".join(parts))
+
+    def __getitem__(self, name: str) -> Any:
+        value: Any = self.content()
+        for part in full_key(name).split("."):
+            value = value[part]
+        return value
+
+    def file(self, folder: pathlib.Path) -> pathlib.Path:
+        """The file that the program reads: the scene's own; of a dict one written into `folder`.
+
+        >>> import pathlib, ra2d
+        >>> ra2d.scene(ra2d.scene("peaks").content()).file(pathlib.Path(".")).suffix
+        '.toml'
+        """
+        if isinstance(self._source, pathlib.Path):
+            return self._source
+        path = folder / f"{self.title}.toml"
+        path.write_text(toml.document(self._source), encoding="utf-8")
+        return path
+
+    def options(self) -> list[str]:
+        """The changes as options of the program.
+
+        >>> import ra2d
+        >>> ra2d.scene("dang2012").change(speed=0.2).options()
+        ['--set', 'scene.speed=0.2']
+        """
+        return [word for name, value in self.changes.items() for word in ("--set", f"{name}={toml.value(value)}")]
+
+    def plan(self) -> str:
+        """What the program would model, and why: modes, limits of stability, cost (`ra2d plan`).
+
+        >>> import ra2d
+        >>> print(ra2d.scene("dang2012").plan().split("stability")[0].splitlines()[-1])    # doctest: +ELLIPSIS
+        scheme     backward-euler ...
+        """
+        with program.scratch() as folder:
+            return program.call("plan", self.file(folder), *self.options())
+
+    def __repr__(self) -> str:
+        changed = "".join(f", {name}={value!r}" for name, value in self.changes.items())
+        return f"<ra2d.Scene {self.title}{changed}>"
+
+    def _repr_html_(self) -> str:
+        changed = "".join(f"{name} = {toml.value(value)}\n" for name, value in self.changes.items())
+        return (f"<b>{html.escape(self.title)}</b><pre>{html.escape(changed)}</pre>"
+                f"<details><summary>the scene</summary><pre>{html.escape(self.text())}</pre></details>")
+
+
+def _folders() -> list[pathlib.Path]:
+    """Where the scenes that come with the program are: of the installed one, and of the source."""
+    binary = program.find().resolve().parent
+    return [binary.parent / "share/ra2d/scenes", binary.parents[1] / "scenes",
+            pathlib.Path(__file__).resolve().parents[3] / "scenes"]
+
+
+def _named(name: str) -> pathlib.Path:
+    folders = [folder for folder in _folders() if folder.is_dir()]
+    for folder in folders:
+        if (folder / f"{name}.toml").is_file():
+            return folder / f"{name}.toml"
+    known = sorted({file.stem for folder in folders for file in folder.glob("*.toml")
+                    if "[resonator]" in file.read_text(encoding="utf-8")})
+    raise RequestError(f"there is no file and no scene {name!r}. Scenes that come with ra2d: "
+                       f"{', '.join(known) or 'none found'}")
+
+
+def _with_paths(content: Mapping[str, Any]) -> dict[str, Any]:
+    """A dict's relative paths of profiles count from the current folder."""
+    whole = copy.deepcopy(dict(content))
+    for body in ("resonator", "slider"):
+        face = whole.get(body, {}).get("surface", {})
+        if "path" in face:
+            whole[body]["surface"] = {**face, "path": str(pathlib.Path(face["path"]).resolve())}
+    return whole
+
+
+def scene(source: str | os.PathLike[str] | Mapping[str, Any] | Scene) -> Scene:
+    """A scene by the name of one that comes with ra2d, from a TOML file, or from a dict of
+    sections with values in SI units.
+
+    >>> import ra2d
+    >>> ra2d.scene("dang2012")
+    <ra2d.Scene dang2012>
+    >>> ball = {**ra2d.scene("drop").content(), "scene": {"name": "ball", "duration": 1e-3, "speed": 0.0,
+    ...                                                   "start": 0.1, "spacing": 8e-6}}
+    >>> ra2d.scene(ball)["duration"]                  # s
+    0.001
+    """
+    if isinstance(source, Scene):
+        return source
+    if isinstance(source, Mapping):
+        return Scene(_with_paths(source))
+    path = pathlib.Path(source)
+    if path.is_file():
+        return Scene(path.resolve())
+    if path.suffix or len(path.parts) != 1:
+        raise RequestError(f"cannot read the scene {str(path)!r}: there is no such file")
+    return Scene(_named(str(source)))

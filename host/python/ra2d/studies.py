@@ -1,0 +1,268 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Studies: every combination of what is varied, in one table (docs/studies.md)."""
+from __future__ import annotations
+
+import dataclasses
+import html
+import math
+import os
+import pathlib
+import warnings
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import pandas as pd
+import xarray as xr
+
+from . import program, progress, stored, toml
+from .errors import FileError, Notice, RequestError, SimulationError
+from .estimate import Estimate
+from .scenes import Scene, full_key, scene
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_MARK = "# Written by ra2d.study, which replaces it.\n"
+_VARIABLES = ("level", "v_rms", "shock_rate", "shock_duration_median", "peak_force_median", "contact_share",
+              "energy_closure", "wall_seconds", "status", "message", "file")
+_INTERVALS = {"level": ("lv", "dB re 1 nm/s"), "v_rms": ("v_rms", "m/s"), "shock_rate": ("shock_rate", "1/s")}
+
+
+@dataclasses.dataclass(frozen=True)
+class Law:
+    """v_rms = factor * x1^e1 * x2^e2 * ..., fitted by the program to all runs of a study.
+
+    - `exponents`: by dimension, each with its 95 % interval by the seeds
+    - `constant` [dB]: Lv = sum of 20 e log10 x, and this
+    - `deviation` [dB]: from the law to a run; `r_squared`
+    - `about`: all that `ra2d analyze --json` says of it
+
+    >>> getfixture("study").law()["speed"] > 0.5
+    True
+    """
+
+    exponents: dict[str, Estimate]
+    constant: float
+    deviation: float
+    r_squared: float
+    about: dict[str, Any]
+
+    def __getitem__(self, name: str) -> Estimate:
+        return self.exponents[name]
+
+    def level(self, **point: float) -> float:
+        """Level by the law [dB re 1 nm/s] at a value of each dimension, in SI units."""
+        return self.constant + sum(20 * e * math.log10(point[name]) for name, e in self.exponents.items())
+
+    def __repr__(self) -> str:
+        powers = " ".join(f"{name}^{float(e):.3f}" for name, e in self.exponents.items())
+        lines = [f"v_rms ~ {powers}   (R² = {self.r_squared:.4f}, {self.about['runs']} runs)"]
+        lines += [f"  {name}: {float(e):.3f}" + ("" if math.isnan(e.low) else f", 95 %: {e.low:.3f} to {e.high:.3f}")
+                  for name, e in self.exponents.items()]
+        return "\n".join([*lines, f"  {self.about['straight_line']['says']}"])
+
+    def _repr_html_(self) -> str:
+        return f"<pre>{html.escape(repr(self))}</pre>"
+
+
+class Study(xr.Dataset):  # type: ignore[no-untyped-call]
+    """The table of a study: an xarray Dataset with a dimension for each varied key, then `seed`.
+    Variables: `level` [dB re 1 nm/s], `v_rms` [m/s], `shock_rate` [1/s], `shock_duration_median`
+    [s], `peak_force_median` [N], `contact_share`, `energy_closure`, `wall_seconds` [s], `status`
+    (0 done), `message`. Runs that are missing or failed are NaN.
+
+    A dimension that has the name of a method, such as `load`, is `study["load"]`.
+
+    `law`, `means` and `plot` are those of the whole study; a part of it, such as
+    `study.sel(speed=0.2)`, has none.
+
+    >>> table = getfixture("study")
+    >>> dict(table.sizes)
+    {'speed': 3, 'rq': 2, 'seed': 2}
+    >>> table.level.mean("seed").sel(speed=0.2).dims
+    ('rq',)
+    """
+
+    __slots__ = ("_folder", "_answer")
+
+    @classmethod
+    def _of(cls, folder: pathlib.Path) -> Study:
+        """Reads the table, and asks the program for means and law."""
+        table = _table(folder / "results.h5")
+        made = cls(table.data_vars, table.coords, table.attrs)
+        made._folder, made._answer = folder, program.ask("analyze", folder)
+        return made
+
+    def _whole(self) -> dict[str, Any]:
+        if not hasattr(self, "_answer"):
+            raise RequestError("this is a part of a study: ask the whole one for its law, means and picture")
+        answer: dict[str, Any] = self._answer
+        return answer
+
+    @property
+    def folder(self) -> pathlib.Path:
+        """Where the study is kept.
+
+        >>> getfixture("study").folder.name
+        'small'
+        """
+        self._whole()
+        return pathlib.Path(self._folder)
+
+    def law(self) -> Law:
+        """The power law of v_rms. RequestError says why where there is none.
+
+        >>> sorted(getfixture("study").law().exponents)
+        ['rq', 'speed']
+        """
+        answer = self._whole()
+        found = answer["law"]
+        if not found:
+            raise RequestError(f"this study has no law: {answer['why_no_law']}")
+        note = "by the seeds" if found["seeds"] > 1 else "each run counts by itself: there is one seed"
+        exponents = {name: Estimate.of(e["value"], e, "", note) for name, e in found["exponents"].items()}
+        return Law(exponents, found["constant_db"], _number(found["deviation_db"]), _number(found["r_squared"]), found)
+
+    def means(self) -> pd.DataFrame:
+        """Means over the seeds, a row for each combination: `runs`, then `level` [dB re 1 nm/s],
+        `v_rms` [m/s] and `shock_rate` [1/s], each with `_low` and `_high` of its 95 % interval.
+
+        >>> int(getfixture("study").means().loc[(0.2, 8e-6), "runs"])
+        2
+        """
+        answer = self._whole()
+        names = [name for name in answer["dimensions"] if name != "seed"]
+        rows = []
+        for point in answer["points"]:
+            row = {name: point[name] for name in names} | {"runs": point["runs"]}
+            for name, (key, _) in _INTERVALS.items():
+                found = point.get(key) or {}
+                row |= {name: _number(found.get("mean")), f"{name}_low": _number(found.get("low")),
+                        f"{name}_high": _number(found.get("high"))}
+            rows.append(row)
+        table = pd.DataFrame(rows)
+        table.attrs["units"] = {name: unit for name, (_, unit) in _INTERVALS.items()}
+        return table.set_index(names) if names else table
+
+    def plot(self) -> Figure:  # type: ignore[override]
+        """Level against each varied key, with 95 % intervals and the law, as a matplotlib Figure.
+
+        >>> len(getfixture("study").plot().axes)
+        2
+        """
+        from .study_plot import picture
+
+        return picture(self)
+
+    def report(self, path: str | os.PathLike[str] | None = None) -> pathlib.Path:
+        """Writes one page: law, picture, means, and the texts of the study. Returns where it is.
+
+        >>> getfixture("study").report("study.html").name
+        'study.html'
+        """
+        from . import page
+
+        return page.of_study(self, pathlib.Path(path or f"{self.folder}.html"))
+
+
+def _number(value: float | None) -> float:
+    return math.nan if value is None else value
+
+
+def _table(path: pathlib.Path) -> xr.Dataset:
+    """The table of a study, read whole: it is small."""
+    attrs = stored.attributes(path)
+    if "study_format" not in attrs:
+        raise FileError(f"{str(path)!r} is no table of a study")
+    dims = tuple(str(attrs["dimensions"]).split())
+    variables: dict[str, tuple[str, ...]] = {name: (name,) for name in dims}
+    variables |= {name: dims for name in _VARIABLES}
+    return stored.read(path, "/", variables).load().assign_attrs(attrs)
+
+
+def load_study(folder: str | os.PathLike[str]) -> Study:
+    """A study that has been run, by its folder.
+
+    >>> import ra2d
+    >>> ra2d.load_study("small").sizes["seed"]
+    2
+    """
+    path = pathlib.Path(folder)
+    if not (path / "results.h5").is_file():
+        raise RequestError(f"{str(folder)!r} is no folder of a study: it holds no results.h5")
+    return Study._of(path.resolve())
+
+
+def _dimensions(vary: Mapping[str | tuple[str, ...], Iterable[Any]]) -> dict[str, tuple[list[str], list[Any]]]:
+    """The keys and values of each dimension, by its name in the table."""
+    found: dict[str, tuple[list[str], list[Any]]] = {}
+    for names, values in vary.items():
+        keys = [full_key(name) for name in ([names] if isinstance(names, str) else names)]
+        short = keys[0].rsplit(".", 1)[-1]
+        name = short if short not in found and short != "seed" else keys[0].replace(".", "_")
+        found[name] = (keys, list(values))
+        if not found[name][1]:
+            raise RequestError(f"{name}: there is no value to vary it over")
+    return found
+
+
+def _study_text(base: pathlib.Path, what: Scene, dimensions: Mapping[str, tuple[list[str], list[Any]]],
+                seeds: int | Sequence[int], keep_files: bool) -> str:
+    lines = [f"base = {toml.value(str(base))}", f"seeds = {toml.value(seeds)}"]
+    lines += ['keep = ["level", "shocks", "files"]'] * keep_files
+    lines += ["", "[set]", *(f"{toml.key(name)} = {toml.value(value)}" for name, value in what.changes.items())]
+    lines += ["", "[vary]", *(f"{name} = {toml.value({'keys': keys, 'values': values})}"
+                              for name, (keys, values) in dimensions.items())]
+    return _MARK + "\n".join(lines) + "\n"
+
+
+def _write(path: pathlib.Path, text: str) -> None:
+    """Replaces only a study file that was written here."""
+    if path.exists() and not path.read_text(encoding="utf-8").startswith(_MARK):
+        raise RequestError(f"{str(path)!r} was not written by ra2d.study: give another folder=")
+    path.write_text(text, encoding="utf-8")
+
+
+def study(source: str | os.PathLike[str] | Mapping[str, Any] | Scene,
+          vary: Mapping[str | tuple[str, ...], Iterable[Any]], seeds: int | Sequence[int] = 1, *,
+          folder: str | os.PathLike[str] | None = None, keep_files: bool = False, threads: int | None = None,
+          retry_failed: bool = False, max_wall: float | str | None = None, show: bool = True) -> Study:
+    """Runs every combination of what is varied, on all processors, and returns the table. The same
+    call goes on where it was cut off; with more values only what is new is run.
+
+    - `source`: a scene with its changes, or what `ra2d.scene` takes
+    - `vary`: values by key, {"speed": [0.1, 0.2]} [m/s]; a tuple of keys varies them together:
+      {("resonator.surface.rq", "slider.surface.rq"): [4e-6, 8e-6]} [m]
+    - `seeds`: runs of each combination with other random surfaces, or a list of their numbers
+    - `folder`: where it is kept; without it in the current folder under scene and dimensions. The
+      study's file stands beside it, as FOLDER.toml
+    - `keep_files`: keep each run's result in FOLDER/runs; `retry_failed`: run those again
+    - `max_wall` [s, or "H:M:S"]: wall time after which OutOfTime is raised
+
+    Failed runs are told in a Notice, and are NaN.
+
+    >>> import ra2d
+    >>> base = ra2d.scene("dang2012").change(duration=0.01, tolerance=1e-6, rate=1e4)
+    >>> table = ra2d.study(base, vary={"speed": [0.1, 0.2], "load": [0.5, 1.0]}, seeds=2)
+    >>> dict(table.sizes), table.speed.units
+    ({'speed': 2, 'load': 2, 'seed': 2}, 'm s-1')
+    """
+    what = scene(source)
+    dimensions = _dimensions(vary)
+    varied = {key for keys, _ in dimensions.values() for key in keys}
+    if "time.tolerance" in varied:
+        what = what.change(scheme="adaptive")
+    what = what.without(varied)
+    place = pathlib.Path(folder or "-".join([what.title, *dimensions])).resolve()
+    base = what.file(place.parent).resolve()
+    file = place.with_name(place.name + ".toml")
+    _write(file, _study_text(base, what, dimensions, seeds, keep_files))
+    options = [] if threads is None else ["--threads", str(threads)]
+    options += ["--retry-failed"] if retry_failed else []
+    options += [] if max_wall is None else ["--max-wall", str(max_wall)]
+    try:
+        with progress.shown(show) as shown:
+            program.follow(["study", file, "-o", place, *options], shown)
+    except SimulationError as failed:
+        warnings.warn(str(failed), Notice, stacklevel=2)
+    return Study._of(place)

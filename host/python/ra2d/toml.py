@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Values and scenes as TOML, as far as scenes and studies need it."""
+from __future__ import annotations
+
+import json
+import os
+import re
+import tomllib
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+
+def value(given: Any) -> str:
+    """One value: a number, a text, a path, a list or an inline table.
+
+    >>> value({"kind": "gaussian", "rq": 8e-6, "seed": 2})
+    '{ kind = "gaussian", rq = 8e-06, seed = 2 }'
+    """
+    if isinstance(given, np.generic | np.ndarray):
+        given = given.tolist()
+    if isinstance(given, bool):
+        return "true" if given else "false"
+    if isinstance(given, int | float):
+        return repr(given) if isinstance(given, int) else _number(given)
+    if isinstance(given, os.PathLike):  # counts from the current folder; a text, from the scene's file
+        given = os.path.abspath(given)
+    if isinstance(given, str):
+        return json.dumps(given, ensure_ascii=False).replace("\x7f", "\\u007F")
+    if isinstance(given, Mapping):
+        return "{ " + ", ".join(f"{key(k)} = {value(v)}" for k, v in given.items()) + " }"
+    if isinstance(given, list | tuple | range):
+        return "[" + ", ".join(map(value, given)) + "]"
+    raise TypeError(f"a scene holds numbers, texts, lists and tables, not {type(given).__name__}: {given!r}")
+
+
+def _number(given: float) -> str:
+    """As Python writes it: it always has a point or an exponent, and comes back to the same bits."""
+    return repr(float(given))
+
+
+def key(name: str) -> str:
+    """A key, in quotes where it needs them."""
+    return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else json.dumps(name)
+
+
+def document(sections: Mapping[str, Mapping[str, Any]]) -> str:
+    """A document of sections, in their order.
+
+    >>> print(document({"scene": {"speed": 0.1}}), end="")
+    [scene]
+    speed = 0.1
+    """
+    return "\n".join(f"[{key(name)}]\n" + "".join(f"{key(k)} = {value(v)}\n" for k, v in keys.items())
+                     for name, keys in sections.items())
+
+
+def parse(text: str) -> dict[str, Any]:
+    """A document as nested dicts.
+
+    >>> parse("[scene]\\nspeed = 0.1")
+    {'scene': {'speed': 0.1}}
+    """
+    return tomllib.loads(text)
