@@ -17,10 +17,6 @@
 
 namespace ra2d {
 
-fs::path folder_of(const fs::path& file) {
-  return file.has_parent_path() ? file.parent_path() : fs::path(".");
-}
-
 namespace {
 
 namespace fs = std::filesystem;
@@ -99,6 +95,10 @@ std::string kind_of_kept(const fs::path& file) {
 }
 
 }  // namespace
+
+fs::path folder_of(const fs::path& file) {
+  return file.has_parent_path() ? file.parent_path() : fs::path(".");
+}
 
 fs::path replaced_file(const fs::path& path) {
   fs::path file = path;
