@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-/// What faces look like. Profiles beyond it were most likely read in the wrong unit.
+/// The usual range of faces. Profiles beyond it were most likely read in the wrong unit.
 namespace ra2d::usual_faces {
 
 // Beyond any face. Its root mean square slope of 1 is 45 degrees.

@@ -22,7 +22,7 @@
 #include "host/system/partial_file.hpp"
 #include "tests/child.hpp"
 #include "tests/csv.hpp"
-#include "tests/looks.hpp"
+#include "tests/outcomes.hpp"
 #include "tests/places.hpp"
 #include "tests/schemes.hpp"
 
