@@ -140,29 +140,10 @@ class Candidates {
         motion_.advance * motion_.spacing * bound(bounds_.cubic_slope_remainder, u) +
         2.0 * half_curve;
     const double level = -(margin + half_curve * listed_steps * listed_steps + slack);
-    GroupSweep<Lanes, packs> sweep(lanes_, faces_, slider_, patches_, place, amplitudes_, u, v);
-    Real soonest(static_cast<double>(longest)), pressed(0.0);
     int count = 0;
-    for (int e = 0; e < groups_.count(); ++e) {
-      const int group = groups_[e];
-      const auto [overlap, modes, slope] = sweep.overlap_and_rates(group);
-      // closing per step: the modes, and the node's path over the resonator's face
-      const Real closing =
-          multiply_add(tau, modes, multiply_add(motion_.advance, slope, Real(closing_slack)));
-      const Real most =
-          multiply_add(static_cast<double>(listed_steps), Kokkos::max(closing, Real(0.0)), overlap);
-      list_nodes(group, lanes_.at_least(most, level), count);
-      pressed = pressed + Kokkos::max(most - Real(level), Real(0.0));
-      // the root of open = i closing + i (i + 1) half_curve
-      const Real open = Kokkos::max(-overlap - Real(slack), Real(0.0));
-      const Real linear = closing + Real(half_curve);
-      const Real root =
-          Kokkos::sqrt(multiply_add(linear, linear, Real(4.0 * half_curve) * open)) + linear;
-      soonest = Kokkos::min(soonest, Real(2.0) * open / (root + Real(1e-300)));
-    }
-    if (lanes_.leader()) evaluated_ += static_cast<std::int64_t>(groups_.count()) * width;
-    lanes_.sync();
-    double flight = groups_.count() > 0 ? lanes_.min(soonest) : longest;
+    Real pressed(0.0);
+    double flight = steps_to_contact(u, v, place, longest, listed_steps, half_curve, slack,
+                                     closing_slack, level, count, pressed);
     // ... and no longer than the candidate groups hold
     const double linear = b.speed * tau + half_curve;
     const double valid_steps =
@@ -179,23 +160,7 @@ class Candidates {
     }
     if (scheme_.form == Form::implicit && count > most_listed_nodes)
       return {ContactForecast::search, 1, 0};
-    double acceleration = b.acceleration;  // off the line
-    ContactForecast forecast{ContactForecast::listed, listed_steps, count};
-    if (scheme_.form == Form::implicit) {
-      // no bound on the force: the march counts what the forces have done
-      forecast.free_departure = 0.5 * b.acceleration * tau * tau / margin;
-      forecast.departure_per_newton = b.acceleration_per_newton * tau * tau / margin;
-    } else {
-      acceleration += b.acceleration_per_newton * contact_.node_stiffness * lanes_.sum(pressed);
-    }
-    const double lasting = Kokkos::sqrt(2.0 * margin / (acceleration + 1e-300)) / tau - 1.0;
-    if (!(lasting >= listed_steps))
-      forecast.steps = !(lasting >= 1.0) ? 0 : static_cast<int>(lasting);
-    if (forecast.steps < 1 || short_of_window) {
-      if (evaluates_later_states()) return {ContactForecast::search, 1, 0};
-      forecast.steps = 1;  // the list always covers the first step: the line begins there
-    }
-    return forecast;
+    return forecast_of_list(b, listed_steps, short_of_window, count, margin, pressed);
   }
 
   /// Whether a step evaluates the contact at a state later than its beginning.
@@ -259,6 +224,66 @@ class Candidates {
     double curvature;                // A + B
     double acceleration_per_newton;  // 1/kg, of contact force, as in the header
   };
+
+  /// Steps for which no node of the candidate groups comes into contact, `longest` at the most:
+  /// until the gap is closed by the closing speed, the curvature and what the cubics leave out.
+  /// Lists the nodes whose overlap may exceed `level` within `listed_steps`; `pressed`: the sum of
+  /// what they may exceed it by [m].
+  KOKKOS_FORCEINLINE_FUNCTION double steps_to_contact(const Real* u, const Real* v,
+                                                      const Place& place, int longest,
+                                                      int listed_steps, double half_curve,
+                                                      double slack, double closing_slack,
+                                                      double level, int& count, Real& pressed) {
+    const double tau = motion_.time_step;
+    GroupSweep<Lanes, packs> sweep(lanes_, faces_, slider_, patches_, place, amplitudes_, u, v);
+    Real soonest(static_cast<double>(longest));
+    for (int e = 0; e < groups_.count(); ++e) {
+      const int group = groups_[e];
+      const auto [overlap, modes, slope] = sweep.overlap_and_rates(group);
+      // closing per step: the modes, and the node's path over the resonator's face
+      const Real closing =
+          multiply_add(tau, modes, multiply_add(motion_.advance, slope, Real(closing_slack)));
+      const Real most =
+          multiply_add(static_cast<double>(listed_steps), Kokkos::max(closing, Real(0.0)), overlap);
+      list_nodes(group, lanes_.at_least(most, level), count);
+      pressed = pressed + Kokkos::max(most - Real(level), Real(0.0));
+      // the root of open = i closing + i (i + 1) half_curve
+      const Real open = Kokkos::max(-overlap - Real(slack), Real(0.0));
+      const Real linear = closing + Real(half_curve);
+      const Real root =
+          Kokkos::sqrt(multiply_add(linear, linear, Real(4.0 * half_curve) * open)) + linear;
+      soonest = Kokkos::min(soonest, Real(2.0) * open / (root + Real(1e-300)));
+    }
+    if (lanes_.leader()) evaluated_ += static_cast<std::int64_t>(groups_.count()) * width;
+    lanes_.sync();
+    return groups_.count() > 0 ? lanes_.min(soonest) : longest;
+  }
+
+  /// Steps for which the listed nodes hold: as long as forces and modes cannot move a node by more
+  /// than the margin off its line.
+  KOKKOS_FORCEINLINE_FUNCTION ContactForecast forecast_of_list(const Bounds& b, int listed_steps,
+                                                               bool short_of_window, int count,
+                                                               double margin,
+                                                               const Real& pressed) const {
+    const double tau = motion_.time_step;
+    double acceleration = b.acceleration;  // off the line
+    ContactForecast forecast{ContactForecast::listed, listed_steps, count};
+    if (scheme_.form == Form::implicit) {
+      // no bound on the force: the march counts what the forces have done
+      forecast.free_departure = 0.5 * b.acceleration * tau * tau / margin;
+      forecast.departure_per_newton = b.acceleration_per_newton * tau * tau / margin;
+    } else {
+      acceleration += b.acceleration_per_newton * contact_.node_stiffness * lanes_.sum(pressed);
+    }
+    const double lasting = Kokkos::sqrt(2.0 * margin / (acceleration + 1e-300)) / tau - 1.0;
+    if (!(lasting >= listed_steps))
+      forecast.steps = !(lasting >= 1.0) ? 0 : static_cast<int>(lasting);
+    if (forecast.steps < 1 || short_of_window) {
+      if (evaluates_later_states()) return {ContactForecast::search, 1, 0};
+      forecast.steps = 1;  // the list always covers the first step: the line begins there
+    }
+    return forecast;
+  }
 
   KOKKOS_FUNCTION Bounds bounds(const Real* u, const Real* v, int steps) const {
     const double time = steps * motion_.time_step;

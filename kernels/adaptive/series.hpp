@@ -362,6 +362,67 @@ class ModalSeries {
     return of_second <= bearable ? 2 : of_third <= bearable ? 3 : 4;
   }
 
+  /// Terms of order j of overlap(e), which is returned, and of sliding_rate(e), from the modes'
+  /// terms c0 to c3 of the orders j to j - 3.
+  template <int terms>
+  KOKKOS_FORCEINLINE_FUNCTION double expand_overlap(int e, int j, const Place& place,
+                                                    double advance, const Real* c0, const Real* c1,
+                                                    const Real* c2, const Real* c3) {
+    const double* phi = buffers_.shapes + e * (4 * row);
+    Real product(0.0), second(0.0), third(0.0);
+    // the latest order last: it is the one to wait for
+    for (int p = 0; p < packs; ++p) {
+      if constexpr (terms > 3) {
+        product = multiply_add(load_pack(lanes_, phi + 3 * row, p), c3[p], product);
+        third = multiply_add(load_pack(lanes_, phi + 3 * row, p), c2[p], third);
+      }
+      if constexpr (terms > 2) {
+        product = multiply_add(load_pack(lanes_, phi + 2 * row, p), c2[p], product);
+        second = multiply_add(load_pack(lanes_, phi + 2 * row, p), c1[p], second);
+      }
+      product = multiply_add(load_pack(lanes_, phi + row, p), c1[p], product);
+    }
+    Real rising = Real(2.0) * second;
+    if constexpr (terms > 3) rising = multiply_add(Real(3.0), third, rising);
+    for (int p = 0; p < packs; ++p) {
+      product = multiply_add(load_pack(lanes_, phi, p), c0[p], product);
+      rising = multiply_add(load_pack(lanes_, phi + row, p), c0[p], rising);
+    }
+    double over, sliding;
+    lanes_.sum(product, rising, over, sliding);
+    const int node = contacts_.nodes[e];
+    if (j == 0) {
+      over += node_contact_.face(node, place.theta);
+      sliding += node_contact_.rise(node) * advance;
+    } else if (j == 1) {
+      over += node_contact_.rise(node) * advance;
+    }
+    if (lanes_.leader()) {
+      overlap(e)[j] = over;
+      sliding_rate(e)[j] = sliding;
+    }
+    lanes_.sync();
+    return over;
+  }
+
+  /// Adds the spring's force at contact e, of order j, on the modes. `over`: the overlap's term.
+  template <int terms>
+  KOKKOS_FORCEINLINE_FUNCTION void add_node_force(int e, int j, double over, Real* force) const {
+    const double* phi = buffers_.shapes + e * (4 * row);
+    const double* o = overlap(e);
+    const auto before = [&](int i) { return j >= i ? -contact_.node_stiffness * o[j - i] : 0.0; };
+    const double f0 = -contact_.node_stiffness * over, f1 = before(1);
+    const double f2 = terms > 2 ? before(2) : 0.0, f3 = terms > 3 ? before(3) : 0.0;
+    for (int p = 0; p < packs; ++p) {
+      if constexpr (terms > 3)
+        force[p] = multiply_add(f3, load_pack(lanes_, phi + 3 * row, p), force[p]);
+      if constexpr (terms > 2)
+        force[p] = multiply_add(f2, load_pack(lanes_, phi + 2 * row, p), force[p]);
+      force[p] = multiply_add(f1, load_pack(lanes_, phi + row, p), force[p]);
+      force[p] = multiply_add(f0, load_pack(lanes_, phi, p), force[p]);
+    }
+  }
+
   template <int terms>
   KOKKOS_FUNCTION void expand_terms(const Real* u, const Real* v, const Place& place) {
     const double scale = scale_;
@@ -390,55 +451,8 @@ class ModalSeries {
         for (int p = 0; p < packs; ++p)
           force[p] = force[p] + load_pack(lanes_, buffers_.forces + j * row, p);
       for (int e = 0; e < contacts; ++e) {
-        const double* phi = buffers_.shapes + e * (4 * row);
-        Real product(0.0), second(0.0), third(0.0);
-        // the latest order last: it is the one to wait for
-        for (int p = 0; p < packs; ++p) {
-          if constexpr (terms > 3) {
-            product = multiply_add(load_pack(lanes_, phi + 3 * row, p), c3[p], product);
-            third = multiply_add(load_pack(lanes_, phi + 3 * row, p), c2[p], third);
-          }
-          if constexpr (terms > 2) {
-            product = multiply_add(load_pack(lanes_, phi + 2 * row, p), c2[p], product);
-            second = multiply_add(load_pack(lanes_, phi + 2 * row, p), c1[p], second);
-          }
-          product = multiply_add(load_pack(lanes_, phi + row, p), c1[p], product);
-        }
-        Real rising = Real(2.0) * second;
-        if constexpr (terms > 3) rising = multiply_add(Real(3.0), third, rising);
-        for (int p = 0; p < packs; ++p) {
-          product = multiply_add(load_pack(lanes_, phi, p), c0[p], product);
-          rising = multiply_add(load_pack(lanes_, phi + row, p), c0[p], rising);
-        }
-        double over, sliding;
-        lanes_.sum(product, rising, over, sliding);
-        const int node = contacts_.nodes[e];
-        if (j == 0) {
-          over += node_contact_.face(node, place.theta);
-          sliding += node_contact_.rise(node) * advance;
-        } else if (j == 1) {
-          over += node_contact_.rise(node) * advance;
-        }
-        double* o = overlap(e);
-        if (lanes_.leader()) {
-          o[j] = over;
-          sliding_rate(e)[j] = sliding;
-        }
-        lanes_.sync();
-        if (j + 2 > order) continue;
-        const auto before = [&](int i) {
-          return j >= i ? -contact_.node_stiffness * o[j - i] : 0.0;
-        };
-        const double f0 = -contact_.node_stiffness * over, f1 = before(1);
-        const double f2 = terms > 2 ? before(2) : 0.0, f3 = terms > 3 ? before(3) : 0.0;
-        for (int p = 0; p < packs; ++p) {
-          if constexpr (terms > 3)
-            force[p] = multiply_add(f3, load_pack(lanes_, phi + 3 * row, p), force[p]);
-          if constexpr (terms > 2)
-            force[p] = multiply_add(f2, load_pack(lanes_, phi + 2 * row, p), force[p]);
-          force[p] = multiply_add(f1, load_pack(lanes_, phi + row, p), force[p]);
-          force[p] = multiply_add(f0, load_pack(lanes_, phi, p), force[p]);
-        }
+        const double over = expand_overlap<terms>(e, j, place, advance, c0, c1, c2, c3);
+        if (j + 2 <= order) add_node_force<terms>(e, j, over, force);
       }
       const Real share(1.0 / ((j + 1.0) * (j + 2.0))), rank(j + 1.0);
       for (int p = 0; p < packs; ++p) {

@@ -128,14 +128,7 @@ class Complementarity {
       now[p] = multiply_add(-receptance(p), force_on_modes[p], u[p]);
     }
     most = force + other_force;
-    const int nodes = list(now);
-    for (int e = 0; e < nodes; ++e) {
-      const int node = listed_nodes_[e];
-      if (node == first || node == second) continue;
-      Real at[packs];
-      node_contact_.shape(node, place.offset, at);
-      if (node_contact_.overlap(node, place.theta, at, now) > contact_.tolerance) return false;
-    }
+    if (!others_stay_open(place, now, first, second, list(now))) return false;
     totals.nodes = count;
     totals.force = most;
     totals.face_work = force * node_contact_.rise(first) + other_force * node_contact_.rise(second);
@@ -493,14 +486,7 @@ class Complementarity {
         lanes_.sync();
       }
       double most = never;
-      int first = -1;
-      for (int j = 0; j < count_; ++j) {
-        if (!(active_.solution[j] > 0.0)) continue;
-        const double until = active_.forces[j] / active_.solution[j];
-        if (!(until < most)) continue;
-        most = until;
-        first = j;
-      }
+      const int first = first_released(most);
       if (first < 0 && !(clear < never)) return Solution::blocked;
       const double more = clear < most ? clear : most;
       lanes_.sync();
@@ -513,20 +499,52 @@ class Complementarity {
       force += more;
       if (clear <= most) {
         if (full) return Solution::crowded;
-        if (lanes_.leader()) {
-          RA2D_CHECK(count_ < active_.capacity);
-          active_.nodes[count_] = node;
-          active_.forces[count_] = force;
-          active_index_[node] = count_;
-          factor(count_, count_) = Kokkos::sqrt(pivot);
-        }
-        ++count_;
-        lanes_.sync();
+        append(node, force, pivot);
         return Solution::solved;
       }
       if (!depends) over -= more * pivot;
       deactivate(place, first);
     }
+  }
+
+  /// Whether no listed node but these two overlaps at the displacement `u`.
+  KOKKOS_FORCEINLINE_FUNCTION bool others_stay_open(const Place& place, const Real* u, int first,
+                                                    int second, int nodes) const {
+    for (int e = 0; e < nodes; ++e) {
+      const int node = listed_nodes_[e];
+      if (node == first || node == second) continue;
+      Real at[packs];
+      node_contact_.shape(node, place.offset, at);
+      if (node_contact_.overlap(node, place.theta, at, u) > contact_.tolerance) return false;
+    }
+    return true;
+  }
+
+  /// The active node whose force ends first while the forces fall by `solution` for each newton on
+  /// another node, and that node's force then (`most`); -1 where none ends.
+  KOKKOS_FORCEINLINE_FUNCTION int first_released(double& most) const {
+    int first = -1;
+    for (int j = 0; j < count_; ++j) {
+      if (!(active_.solution[j] > 0.0)) continue;
+      const double until = active_.forces[j] / active_.solution[j];
+      if (!(until < most)) continue;
+      most = until;
+      first = j;
+    }
+    return first;
+  }
+
+  /// Adds a node to the active set; its row of the factor stands there already.
+  KOKKOS_FORCEINLINE_FUNCTION void append(int node, double force, double pivot) {
+    if (lanes_.leader()) {
+      RA2D_CHECK(count_ < active_.capacity);
+      active_.nodes[count_] = node;
+      active_.forces[count_] = force;
+      active_index_[node] = count_;
+      factor(count_, count_) = Kokkos::sqrt(pivot);
+    }
+    ++count_;
+    lanes_.sync();
   }
 
   /// Takes a node out, and factors what is left anew from there on.
