@@ -88,7 +88,7 @@ void add_cases() {
       baseline("tables", time_baseline<Tables>, sized({4000, 4}, {500, 1}));
       const auto march = [&](const char* which, Nodes nodes, Work work) {
         add(scene + "/" + which + size, work.stretches, [=](auto& state) {
-          time_march(state, {looking_at(settled(paper, 1)[0], nodes)}, work);
+          time_march(state, {evaluating(settled(paper, 1)[0], nodes)}, work);
         });
       };
       march("all", Nodes::all, sized({2000, 20}, {500, 1}));

@@ -38,7 +38,7 @@ struct Packs {
 
 }  // namespace
 
-// U -> c1 U + kick -> V -> U: the packs wait for themselves alone.
+// U -> c1 U + dv -> V -> U: the packs wait for themselves alone.
 int flight_chain_operations() { return 3; }
 
 // U -> one product or fma a pack -> the sum over lanes, a shuffle and an addition for each halving
@@ -55,9 +55,9 @@ int contact_chain_operations() {
 double flight_chain(std::int64_t steps) {
   Packs modes;
   Real u = modes.u[0], v = modes.v[0];
-  const Real kick = Real(1e-3) * modes.c2[0];
+  const Real dv = Real(1e-3) * modes.c2[0];
   for (std::int64_t i = 0; i < steps; ++i)
-    advance_semi_implicit(u, v, modes.c0[0], modes.c1[0], kick, Real(tau));
+    advance_semi_implicit(u, v, modes.c0[0], modes.c1[0], dv, Real(tau));
   return Lanes::sum(u);
 }
 

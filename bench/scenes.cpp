@@ -72,7 +72,7 @@ Prepared taken_over(const Prepared& from, const Snapshot& now) {
   out.start.slider_u = now.slider_u;
   out.start.loaded_nodes.clear();  // multipliers are found anew
   out.start.slider_v = now.slider_v;
-  // what the watch over the energy goes by; the contact's share is small against its allowance
+  // for the check of the energy; the contact's share is small against its allowance
   out.start.energy = modal_energy(from.model.resonator, now.resonator_u, now.resonator_v) +
                      modal_energy(from.model.slider, now.slider_u, now.slider_v);
   return out;
@@ -112,7 +112,7 @@ Prepared in_contact(const Method& method) {
   return out;
 }
 
-Prepared looking_at(Prepared scene, Nodes nodes) {
+Prepared evaluating(Prepared scene, Nodes nodes) {
   scene.model.scene.time.nodes = nodes;
   return scene;
 }

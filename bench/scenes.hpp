@@ -44,7 +44,7 @@ Prepared in_flight(const Method& method = {});
 Prepared in_contact(const Method& method = {});
 
 /// The scene with another choice of nodes whose gap is evaluated.
-Prepared looking_at(Prepared scene, Nodes nodes);
+Prepared evaluating(Prepared scene, Nodes nodes);
 
 Batch make_batch(const std::vector<Prepared>& scenes);
 

@@ -3,67 +3,75 @@
 #include <Kokkos_Core.hpp>
 #include <cstdint>
 
+#include "kernels/candidate_groups.hpp"
 #include "kernels/check.hpp"
 #include "kernels/displacement.hpp"
 #include "kernels/group_sweep.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/limits.hpp"
-#include "kernels/near_groups.hpp"
 #include "kernels/place.hpp"
 #include "kernels/state.hpp"
 #include "kernels/tables.hpp"
 
-/// Which nodes can come into contact, and for how long none can: a node is left out when, and only
-/// when, it provably cannot.
+/// Which nodes can come into contact, and for how long none can. A node is left out if, and only
+/// if, it provably cannot.
 ///
-/// Look (look_ahead): at a reference state the overlap o of a node and its rate along the straight
-/// line U + t V are known. In free flight the modes leave that line by at most A t^2/2 with
+/// Flight: at the present state the overlap o of a node and its rate along the straight line U + t
+/// V are known. In free flight the modes depart from that line by at most A t^2/2 with
 ///
 ///   A = sum_k max|psi_k| (p_k (E_k + t a_k) + a_k),   E_k^2 = V_k^2 + omega_k^2 U_k^2,
 ///
 /// where p_k (MotionLimits::acceleration_per_energy_norm) follows from the scheme's step, for
 /// backward Euler (1 + 2 zeta) omega_k at the most, and a_k (outer_acceleration) from the outer
 /// forces and the step. host/model/step_bounds.hpp shows that this holds for a number of steps, at
-/// all their stages, of stable and unstable schemes. The path of the node over the bent beam adds
-/// the curvature B = 2 V sum_k max|psi_k'| |V_k| + V^2 sum_k max|psi_k''| |U_k|. So no contact
+/// all their stages, of stable and unstable schemes. The path of the node over the deflected beam
+/// adds the curvature B = 2 V sum_k max|psi_k'| |V_k| + V^2 sum_k max|psi_k''| |U_k|. So no contact
 /// begins before the smallest root of o + rate t + (A + B) t^2/2 = 0. Until then the march flies:
 /// it advances the modes, nothing else.
 ///
-/// Watch: when that time is too short, the march evaluates at every step the nodes that could come
-/// into contact within N steps while the modes stay within a leeway rho of their line. While they
-/// do, the contact force is at most f = kappa chi w sum_n max(0, overlap_n on the line + rho). So
-/// they leave the line by at most (A + f sum_k max|psi_k| n_k (1 + p_k t)) t^2/2, where n_k
-/// (acceleration_per_newton) is max|psi_k|/m_k times the step's own factor. N is the last step at
-/// which this is still within rho. Forces that are found with the end of the step (Form::implicit)
-/// have no such bound. There the march sums the forces of the steps so far, and repeats a step with
-/// every node that could be in contact where the list would not have covered it.
+/// Listed nodes: when that time is too short, the march evaluates a list of nodes at every step. It
+/// holds all nodes that could come into contact within N steps while the modes stay within a margin
+/// rho of their line. While they do, the contact force is at most f = kappa chi w sum_n max(0,
+/// overlap_n on the line + rho). So they depart from the line by at most (A + f sum_k max|psi_k|
+/// n_k (1 + p_k t)) t^2/2, where n_k (acceleration_per_newton) is max|psi_k|/m_k times the step's
+/// own factor. N is the last step at which this is still within rho. Forces that are found with the
+/// end of the step (Form::implicit) have no such bound. There the march sums the forces of the
+/// steps so far. Where the list would not have covered a step, the march repeats it and searches
+/// for the nodes in contact.
 ///
-/// Near: both draw from a list of groups of nodes that can come into contact
-/// (kernels/near_groups.hpp).
+/// Search: where neither is safe, the march searches for the nodes in contact at every state.
 ///
-/// To every comparison belongs a slack for the roundings: of the faces, of the position, of sums
-/// over the modes and of the steps looked ahead.
+/// All of them evaluate only groups of nodes that can come into contact
+/// (kernels/candidate_groups.hpp).
+///
+/// Every comparison has a slack for the roundings: of the faces, of the position, of sums over the
+/// modes and of the steps ahead.
 namespace ra2d {
 
-/// Steps for which the watch list is made, if nothing ends it earlier.
-inline constexpr int watch_steps = 256;
-/// A flight shorter than this costs more in looking than in evaluating the contact.
+/// Steps for which nodes are listed, if nothing ends the list earlier.
+inline constexpr int most_listed_steps = 256;
+/// A shorter flight is not worth its forecast: evaluating listed nodes costs less.
 inline constexpr int shortest_flight = 24;
-/// Under Form::implicit, more nodes than this cost less in looking at every state than on a list.
-inline constexpr int most_watched = 48;
-/// Bound on the rounding of a displacement, over sum max|psi_k| |U_k|: a sum over the modes of a
-/// polynomial, and one rounding of U_k for every step that is looked ahead. Twice what one sum over
-/// most_modes reaches: what it is compared with is one, too.
+/// Under Form::implicit: with more nodes than this, a search at every state costs less than a
+/// list.
+inline constexpr int most_listed_nodes = 48;
+/// Bound on the rounding of a displacement, relative to sum max|psi_k| |U_k|: of a sum of
+/// polynomials over the modes, and one rounding of U_k for every step ahead. Twice the rounding of
+/// one sum over most_modes, for the displacement is compared with another such sum.
 KOKKOS_INLINE_FUNCTION double rounding(int steps) { return (256 + steps) * 0x1p-52; }
 
-/// How to go on: fly, watch, or, when neither is safe, search at every state anew.
-struct Outlook {
-  enum Kind { fly, watch, look } kind;
-  int steps;  // to fly, or to watch at the most
-  int count;  // nodes to watch, listed in WorkSpace::watched
-  /// While the nodes are watched, step n is covered by the list as long as line n (n + 1) + kick
-  /// sum_{j<n} (n - j) f_j <= 1, f_j the contact force [N] of step j.
-  double line = 0, kick = 0;
+/// Where contact can begin in the next steps: nowhere (flight), at listed nodes alone (listed), or
+/// anywhere (search: for contact at every state anew).
+struct ContactForecast {
+  enum Kind { flight, listed, search } kind;
+  int steps;  // for which it holds at the most
+  int count;  // listed nodes, in WorkSpace::listed_nodes
+  /// The list covers step n as long as the departure of the modes from their line, over the margin,
+  ///
+  ///   free_departure n (n + 1) + departure_per_newton sum_{j<n} (n - j) f_j
+  ///
+  /// is at most 1. f_j is the contact force [N] of step j.
+  double free_departure = 0, departure_per_newton = 0;
 };
 
 template <class Lanes, int packs>
@@ -72,14 +80,13 @@ class Candidates {
   static constexpr int width = Lanes::width;
 
  public:
-  /// Lists nodes in `watched`; `evaluated` counts those whose gap was evaluated. `amplitudes`: work
-  /// space.
+  /// Lists nodes in `listed_nodes`; `evaluated` counts gaps. `amplitudes`: work space.
   KOKKOS_FUNCTION Candidates(const Lanes& lanes, const ModeTables& modes,
                              const SliderMotion& motion, const FaceTables& faces,
                              const SliderShapes& slider, const PatchTables& patches,
                              const ContactTables& contact, const SchemeWeights& scheme,
-                             const MotionLimits& bounds, NearLists& lists, double* amplitudes,
-                             int* watched, std::int64_t& evaluated)
+                             const MotionLimits& bounds, CandidateLists& lists, double* amplitudes,
+                             int* listed_nodes, std::int64_t& evaluated)
       : lanes_{lanes},
         modes_{modes},
         motion_{motion},
@@ -90,41 +97,41 @@ class Candidates {
         scheme_{scheme},
         bounds_{bounds},
         amplitudes_{amplitudes},
-        watched_{watched},
+        listed_nodes_{listed_nodes},
         evaluated_{evaluated},
-        near_{lanes, motion, faces, slider, patches, bounds, lists, amplitudes, evaluated} {}
+        groups_{lanes, motion, faces, slider, patches, bounds, lists, amplitudes, evaluated} {}
 
-  /// Decides how to go on from the state at `step`, for no longer than until step `next`.
-  /// `last_force`, of the latest contact, guesses how long a watch will hold.
-  KOKKOS_FUNCTION Outlook look_ahead(const Real* u, const Real* v, std::int64_t step,
-                                     std::int64_t next, double last_force) {
+  /// Forecasts contact from the state at `step` on, no further than step `next`. `last_force` [N],
+  /// of the latest contact, serves as a guess of the forces on listed nodes.
+  KOKKOS_FUNCTION ContactForecast forecast_contact(const Real* u, const Real* v, std::int64_t step,
+                                                   std::int64_t next, double last_force) {
     const Place place(motion_, step);
     int longest = steps_to(1.0, place, bounds_.valid_steps);
     if (longest < 1) {  // a node passes another within this step
-      if (looks_ahead()) return {Outlook::look, 1, 0};
+      if (evaluates_later_states()) return {ContactForecast::search, 1, 0};
       longest = 1;
     }
     if (next - step < longest) longest = static_cast<int>(next - step);
     const double tau = motion_.time_step;
     const Bounds b = bounds(u, v, longest);
 
-    // the near list must hold for all states up to then
-    int watched = steps_to((place.part + 1) * motion_.window_width, place, watch_steps);
-    if (longest < watched) watched = longest;
-    const bool short_of_window = watched < 1;
-    if (short_of_window) watched = 1;
-    const double watch_time = watched * tau;
-    const double leeway =
-        watch_time * watch_time * (0.75 * b.acceleration + b.acceleration_per_newton * last_force) +
-        0.5 * watch_time * tau * b.acceleration + bounds_.least_leeway;
-    const double watch_travel = b.speed * watch_time + leeway;
-    if (!near_.holds(u, place, watch_travel)) find_near(u, v, place);
-    const double remaining = near_.remaining_travel(u);
-    if (remaining < watch_travel) return {Outlook::look, 1, 0};  // wild: step by step
+    // the candidate groups must hold for all states up to then
+    int listed_steps = steps_to((place.part + 1) * motion_.window_width, place, most_listed_steps);
+    if (longest < listed_steps) listed_steps = longest;
+    const bool short_of_window = listed_steps < 1;
+    if (short_of_window) listed_steps = 1;
+    const double listed_time = listed_steps * tau;
+    const double margin = listed_time * listed_time *
+                              (0.75 * b.acceleration + b.acceleration_per_newton * last_force) +
+                          0.5 * listed_time * tau * b.acceleration + bounds_.least_margin;
+    const double listed_travel = b.speed * listed_time + margin;
+    if (!groups_.holds(u, place, listed_travel)) find_groups(u, v, place);
+    const double remaining = groups_.remaining_travel(u);
+    if (remaining < listed_travel)
+      return {ContactForecast::search, 1, 0};  // too fast: step by step
 
     const double half_curve = 0.5 * b.curvature * tau * tau;
-    // A node is left out of the watch when it stays free along the line, with leeway and its own
-    // motion.
+    // A node is not listed if it stays free along the line, with the margin and its own motion.
     const double slack = faces_.rounding + b.rounding + bound(bounds_.cubic_remainder, u) +
                          position_rounding(place) * faces_.steepest_rise + 2.0 * half_curve;
     // what the cubics leave out of the closing per step
@@ -132,79 +139,47 @@ class Candidates {
         tau * bound(bounds_.cubic_remainder, v) +
         motion_.advance * motion_.spacing * bound(bounds_.cubic_slope_remainder, u) +
         2.0 * half_curve;
-    const double level = -(leeway + half_curve * watched * watched + slack);
-    GroupSweep<Lanes, packs> sweep(lanes_, faces_, slider_, patches_, place, amplitudes_, u, v);
-    Real soonest(static_cast<double>(longest)), pressed(0.0);
+    const double level = -(margin + half_curve * listed_steps * listed_steps + slack);
     int count = 0;
-    for (int e = 0; e < near_.count(); ++e) {
-      const int group = near_[e];
-      const auto [overlap, modes, slope] = sweep.overlap_and_rates(group);
-      // closing per step: the modes, and the node's path over the resonator's face
-      const Real closing =
-          multiply_add(tau, modes, multiply_add(motion_.advance, slope, Real(closing_slack)));
-      const Real most =
-          multiply_add(static_cast<double>(watched), Kokkos::max(closing, Real(0.0)), overlap);
-      list_nodes(group, lanes_.at_least(most, level), count);
-      pressed = pressed + Kokkos::max(most - Real(level), Real(0.0));
-      // the root of open = i closing + i (i + 1) half_curve
-      const Real open = Kokkos::max(-overlap - Real(slack), Real(0.0));
-      const Real linear = closing + Real(half_curve);
-      const Real root =
-          Kokkos::sqrt(multiply_add(linear, linear, Real(4.0 * half_curve) * open)) + linear;
-      soonest = Kokkos::min(soonest, Real(2.0) * open / (root + Real(1e-300)));
-    }
-    if (lanes_.leader()) evaluated_ += static_cast<std::int64_t>(near_.count()) * width;
-    lanes_.sync();
-    double flight = near_.count() > 0 ? lanes_.min(soonest) : longest;
-    // ... and no further than the near list reaches
+    Real pressed(0.0);
+    double flight = steps_to_contact(u, v, place, longest, listed_steps, half_curve, slack,
+                                     closing_slack, level, count, pressed);
+    // ... and no longer than the candidate groups hold
     const double linear = b.speed * tau + half_curve;
-    const double reach =
+    const double valid_steps =
         2.0 * remaining /
         (Kokkos::sqrt(linear * linear + 4.0 * half_curve * remaining) + linear + 1e-300);
-    if (reach < flight) flight = reach;
+    if (valid_steps < flight) flight = valid_steps;
     if (!(flight >= 0.0)) flight = 0.0;  // the state is not a number
     if (flight >= shortest_flight || count == 0 || flight >= longest) {
       int steps = flight >= longest ? longest : static_cast<int>(flight);
-      if (count == 0 && steps < watched) steps = watched;  // nothing to watch: the same as flying
-      if (steps < 1 && looks_ahead()) return {Outlook::look, 1, 0};
-      return {Outlook::fly, steps < 1 ? 1 : steps, 0};
+      if (count == 0 && steps < listed_steps)
+        steps = listed_steps;  // no node to list: the same as a flight
+      if (steps < 1 && evaluates_later_states()) return {ContactForecast::search, 1, 0};
+      return {ContactForecast::flight, steps < 1 ? 1 : steps, 0};
     }
-    if (scheme_.form == Form::implicit && count > most_watched) return {Outlook::look, 1, 0};
-    double acceleration = b.acceleration;
-    Outlook outlook{Outlook::watch, watched, count};
-    if (scheme_.form ==
-        Form::implicit) {  // no bound on the force: the march looks at what has come of it
-      outlook.line = 0.5 * b.acceleration * tau * tau / leeway;
-      outlook.kick = b.acceleration_per_newton * tau * tau / leeway;
-    } else {
-      acceleration += b.acceleration_per_newton * contact_.node_stiffness * lanes_.sum(pressed);
-    }
-    const double lasting = Kokkos::sqrt(2.0 * leeway / (acceleration + 1e-300)) / tau - 1.0;
-    if (!(lasting >= watched)) outlook.steps = !(lasting >= 1.0) ? 0 : static_cast<int>(lasting);
-    if (outlook.steps < 1 || short_of_window) {
-      if (looks_ahead()) return {Outlook::look, 1, 0};
-      outlook.steps = 1;  // the first step may always be watched: the line begins there
-    }
-    return outlook;
+    if (scheme_.form == Form::implicit && count > most_listed_nodes)
+      return {ContactForecast::search, 1, 0};
+    return forecast_of_list(b, listed_steps, short_of_window, count, margin, pressed);
   }
 
-  /// Whether contact is looked for at other states than that at which a step begins.
-  KOKKOS_FORCEINLINE_FUNCTION bool looks_ahead() const {
+  /// Whether a step evaluates the contact at a state later than its beginning.
+  KOKKOS_FORCEINLINE_FUNCTION bool evaluates_later_states() const {
     return scheme_.stages > 1 || scheme_.form == Form::implicit;
   }
 
-  /// Lists in `watched` every node in contact at the present state, and perhaps a few that miss it
-  /// by a rounding. Evaluates all nodes or those near, as the scene says.
+  /// Lists in `listed_nodes` every node in contact at the present state, and perhaps a few that
+  /// miss contact by a rounding. Evaluates all nodes or the candidate groups, as the scene says.
   KOKKOS_FUNCTION int find_contacts(const Real* u, const Real* v, const Place& place) {
     const bool all = bounds_.searched == Nodes::all;
-    if (!all && !near_.holds(u, place, 0.0)) find_near(u, v, place);
+    if (!all && !groups_.holds(u, place, 0.0)) find_groups(u, v, place);
     const double level = -(faces_.rounding + rounding(0) * bound(bounds_.largest_shape, u) +
                            bound(bounds_.cubic_remainder, u));
     GroupSweep<Lanes, packs> sweep(lanes_, faces_, slider_, patches_, place, amplitudes_, u);
     int count = 0;
-    const int groups = all ? faces_.groups : near_.count();
+    const int groups = all ? faces_.groups : groups_.count();
     for (int e = 0; e < groups; ++e) {
-      const int group = all ? e : near_[e];
+      const int group = all ? e : groups_[e];
       list_nodes(group, lanes_.at_least(sweep.overlap(group).overlap, level), count);
     }
     lanes_.sync();
@@ -222,21 +197,21 @@ class Candidates {
   const SchemeWeights& scheme_;
   const MotionLimits& bounds_;
   double* amplitudes_;
-  int* watched_;
+  int* listed_nodes_;
   std::int64_t& evaluated_;
-  NearGroups<Lanes, packs> near_;
+  CandidateGroups<Lanes, packs> groups_;
 
   KOKKOS_FORCEINLINE_FUNCTION double bound(const double* weight, const Real* x) const {
     return weighted_sum<Lanes, packs>(lanes_, weight, x);
   }
   /// Lists the nodes of a group whose bits are set. The last group is padded with nodes that do not
-  /// exist: low as they are, a motion that diverges, or is not a number, would reach them.
+  /// exist. They lie low, but a motion that diverges, or is not a number, would reach them.
   KOKKOS_FORCEINLINE_FUNCTION void list_nodes(int group, std::uint32_t bits, int& count) {
     const int left = faces_.nodes - group * width;
     if (left < width) bits &= (1u << left) - 1u;
     for (; bits != 0; bits &= bits - 1) {
       RA2D_CHECK(count < faces_.nodes);
-      if (lanes_.leader()) watched_[count] = group * width + Kokkos::countr_zero(bits);
+      if (lanes_.leader()) listed_nodes_[count] = group * width + Kokkos::countr_zero(bits);
       ++count;
     }
   }
@@ -249,6 +224,66 @@ class Candidates {
     double curvature;                // A + B
     double acceleration_per_newton;  // 1/kg, of contact force, as in the header
   };
+
+  /// Steps for which no node of the candidate groups comes into contact, `longest` at the most:
+  /// until the gap is closed by the closing speed, the curvature and what the cubics leave out.
+  /// Lists the nodes whose overlap may exceed `level` within `listed_steps`; `pressed`: the sum of
+  /// what they may exceed it by [m].
+  KOKKOS_FORCEINLINE_FUNCTION double steps_to_contact(const Real* u, const Real* v,
+                                                      const Place& place, int longest,
+                                                      int listed_steps, double half_curve,
+                                                      double slack, double closing_slack,
+                                                      double level, int& count, Real& pressed) {
+    const double tau = motion_.time_step;
+    GroupSweep<Lanes, packs> sweep(lanes_, faces_, slider_, patches_, place, amplitudes_, u, v);
+    Real soonest(static_cast<double>(longest));
+    for (int e = 0; e < groups_.count(); ++e) {
+      const int group = groups_[e];
+      const auto [overlap, modes, slope] = sweep.overlap_and_rates(group);
+      // closing per step: the modes, and the node's path over the resonator's face
+      const Real closing =
+          multiply_add(tau, modes, multiply_add(motion_.advance, slope, Real(closing_slack)));
+      const Real most =
+          multiply_add(static_cast<double>(listed_steps), Kokkos::max(closing, Real(0.0)), overlap);
+      list_nodes(group, lanes_.at_least(most, level), count);
+      pressed = pressed + Kokkos::max(most - Real(level), Real(0.0));
+      // the root of open = i closing + i (i + 1) half_curve
+      const Real open = Kokkos::max(-overlap - Real(slack), Real(0.0));
+      const Real linear = closing + Real(half_curve);
+      const Real root =
+          Kokkos::sqrt(multiply_add(linear, linear, Real(4.0 * half_curve) * open)) + linear;
+      soonest = Kokkos::min(soonest, Real(2.0) * open / (root + Real(1e-300)));
+    }
+    if (lanes_.leader()) evaluated_ += static_cast<std::int64_t>(groups_.count()) * width;
+    lanes_.sync();
+    return groups_.count() > 0 ? lanes_.min(soonest) : longest;
+  }
+
+  /// Steps for which the listed nodes hold: as long as forces and modes cannot move a node by more
+  /// than the margin off its line.
+  KOKKOS_FORCEINLINE_FUNCTION ContactForecast forecast_of_list(const Bounds& b, int listed_steps,
+                                                               bool short_of_window, int count,
+                                                               double margin,
+                                                               const Real& pressed) const {
+    const double tau = motion_.time_step;
+    double acceleration = b.acceleration;  // off the line
+    ContactForecast forecast{ContactForecast::listed, listed_steps, count};
+    if (scheme_.form == Form::implicit) {
+      // no bound on the force: the march counts what the forces have done
+      forecast.free_departure = 0.5 * b.acceleration * tau * tau / margin;
+      forecast.departure_per_newton = b.acceleration_per_newton * tau * tau / margin;
+    } else {
+      acceleration += b.acceleration_per_newton * contact_.node_stiffness * lanes_.sum(pressed);
+    }
+    const double lasting = Kokkos::sqrt(2.0 * margin / (acceleration + 1e-300)) / tau - 1.0;
+    if (!(lasting >= listed_steps))
+      forecast.steps = !(lasting >= 1.0) ? 0 : static_cast<int>(lasting);
+    if (forecast.steps < 1 || short_of_window) {
+      if (evaluates_later_states()) return {ContactForecast::search, 1, 0};
+      forecast.steps = 1;  // the list always covers the first step: the line begins there
+    }
+    return forecast;
+  }
 
   KOKKOS_FUNCTION Bounds bounds(const Real* u, const Real* v, int steps) const {
     const double time = steps * motion_.time_step;
@@ -275,8 +310,8 @@ class Candidates {
     return b;
   }
 
-  /// Steps until the slider's nodes stand `edge` behind the resonator's, at the most `longest`;
-  /// less than one when they get there within this step.
+  /// Steps until the slider's nodes stand `edge` [chi] behind the resonator's, at the most
+  /// `longest`; less than one when they get there within this step.
   KOKKOS_FUNCTION int steps_to(double edge, const Place& place, int longest) const {
     if (motion_.advance == 0.0) return longest;
     // short of the crossing by a step and by the roundings of the position
@@ -284,17 +319,17 @@ class Candidates {
     return steps > longest ? longest : steps < 1.0 ? 0 : static_cast<int>(steps);
   }
 
-  /// Finds the near groups. The reach is the travel that can be expected of the modes until a node
-  /// passes another.
-  KOKKOS_FUNCTION void find_near(const Real* u, const Real* v, const Place& place) {
+  /// Finds the candidate groups. They hold for the travel that can be expected of the modes until a
+  /// node passes another.
+  KOKKOS_FUNCTION void find_groups(const Real* u, const Real* v, const Place& place) {
     const int left = steps_to(1.0, place, bounds_.valid_steps), steps = left < 1 ? 1 : left;
     const double time = steps * motion_.time_step;
     const Bounds b = bounds(u, v, steps);
     // an earlier stage of this step may stand further back
     const double back = scheme_.stages > 1 ? Kokkos::min(place.theta, motion_.advance) : 0.0;
-    near_.find(u, place,
-               2.0 * (b.speed * time + 0.5 * b.curvature * time * time) + bounds_.least_reach,
-               b.rounding, back);
+    groups_.find(u, place,
+                 2.0 * (b.speed * time + 0.5 * b.curvature * time * time) + bounds_.least_range,
+                 b.rounding, back);
   }
 };
 

@@ -30,7 +30,8 @@ KOKKOS_FORCEINLINE_FUNCTION Real cubic_slope(const double* q, const Real& eta) {
 }
 
 /// The first four terms of the displacement (or velocity) over a patch, q_j = sum_k U_k radius^j
-/// psi_k^(j)(centre)/j!. What they leave out is below sum_k |U_k| reach_tail_k.
+/// psi_k^(j)(centre)/j!. What they leave out is below sum_k |U_k|
+/// MotionLimits::cubic_remainder_k.
 template <class Lanes, int packs>
 KOKKOS_FORCEINLINE_FUNCTION void series_coefficients(const Lanes& lanes, const double* rows,
                                                      const typename Lanes::Real* amplitude,

@@ -7,7 +7,7 @@ namespace ra2d {
 /// for more are refused.
 inline constexpr int most_modes = 256;
 
-/// Steps: the longest flight that a look ahead can promise, and the most between two checks of the
+/// Steps: the longest flight that a forecast can promise, and the most between two checks of the
 /// energy.
 inline constexpr int longest_flight = 4096;
 

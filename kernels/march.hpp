@@ -23,7 +23,7 @@ KOKKOS_FUNCTION void publish(const Lanes& lanes, const CarriedState& carried, Ca
     lanes.store(now.square + row, lanes.load(carried.modal.square + row));
     lanes.store(now.square_part + row, lanes.load(carried.modal.square_part + row));
   }
-  lanes.store(now.bend_part, lanes.load(carried.sums.bend_part));
+  lanes.store(now.deflection_work_part, lanes.load(carried.sums.deflection_work_part));
   if (lanes.leader())
     for (int i = 0; i < carried.shocks.open_count; ++i) now.open[i] = carried.shocks.open[i];
 }

@@ -3,7 +3,7 @@
 
 namespace ra2d {
 
-/// Where contact is looked for: at every node, or where the proof says that it could be
+/// Where contact is searched for: at every node, or where the proof says that it could be
 /// (kernels/candidates.hpp). A scene's `time.nodes`.
 enum class Nodes : int { all, candidates };
 

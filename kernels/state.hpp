@@ -31,7 +31,7 @@ enum class Status : int {
 struct Hull {
   double least, most;      // of the polynomial
   double falling, rising;  // of its slope: least and most
-  double curve;            // on the size of its second derivative
+  double curvature;        // on the size of its second derivative
 };
 
 /// Integrals over an interval of a node's overlap o(x) [m]: of o, of x o, and of o times its rise
@@ -80,24 +80,24 @@ struct CarriedModes {
   double* start_u = nullptr;      // u at t = 0
   double* start_v = nullptr;      // v at t = 0
   bool begun = false;             // v has been brought to the time at which the scheme has it
-  double* square = nullptr;       // sum of V^2 over the steps, except ...
-  double* square_part = nullptr;  // ... those since the last sample (adaptive: in 4096)
+  double* square = nullptr;       // sum of V^2 over the steps up to the last sample
+  double* square_part = nullptr;  // sum since then (adaptive: within 4096 steps)
 };
 
 /// Sums over the steps, in the same two parts.
 struct RunningSums {
-  double sliding_work = 0;                // J
-  double gross_climb = 0;                 // N m: sum of |climb|
-  double climb_part = 0;                  // N m: see ContactTotals
-  double* bend_part = nullptr;            // N m, a lane each
-  double force_work = 0, force_part = 0;  // J, of the moving forces
-  std::int64_t contact_steps = 0;         // steps with any node in contact
-  std::int64_t most_nodes = 0;            // largest number of nodes in contact at once
-  std::int64_t evaluated = 0;             // nodes whose gap was evaluated (a measure of cost)
+  double sliding_work = 0;                 // J
+  double gross_face_work = 0;              // J/chi: sum of |ContactTotals::face_work|
+  double face_work_part = 0;               // J/chi: see ContactTotals
+  double* deflection_work_part = nullptr;  // J/chi, a lane each
+  double force_work = 0, force_part = 0;   // J, of the moving forces
+  std::int64_t contact_steps = 0;          // steps with any node in contact
+  std::int64_t most_nodes = 0;             // largest number of nodes in contact at once
+  std::int64_t evaluated = 0;              // nodes whose gap was evaluated (a measure of cost)
 };
 
-/// Energy at t = 0, and what the watch over it found.
-struct EnergyWatch {
+/// Energy at t = 0, and what its checks found.
+struct EnergyCheck {
   double start = 0;          // J, kinetic + elastic + contact
   double most_supplied = 0;  // J, the most that loads and moving forces had supplied at any check
   double latest = 0;         // J, kinetic + elastic at the latest check, or when the march stopped
@@ -106,8 +106,8 @@ struct EnergyWatch {
 
 struct Sampling {
   std::int64_t next = 0;
-  bool pending = false;           // the next sample still lacks its share of the next step ...
-  double* pending_row = nullptr;  // ... and this is the rest of it
+  bool pending = false;           // the next sample still lacks its share of the next step
+  double* pending_row = nullptr;  // what there is of that sample
 };
 
 struct ShockTracking {
@@ -147,7 +147,7 @@ struct CarriedState {
   std::int64_t step = 0;  // or tick
   CarriedModes modal;
   RunningSums sums;
-  EnergyWatch energy;
+  EnergyCheck energy;
   Sampling sampling;
   ShockTracking shocks;
   LatestContact latest_contact;
@@ -172,13 +172,13 @@ struct Caches {
 
 // ---- work
 
-/// The lists of kernels/near_groups.hpp.
-struct NearLists {
-  int* near = nullptr;            // groups that can come into contact while the near list holds
-  double* near_u = nullptr;       // modal displacements at which the near list was made
-  int* far = nullptr;             // groups from which the near list is drawn ...
-  double* far_highest = nullptr;  // ... the highest that each can come on the path ahead, m ...
-  double* far_u = nullptr;        // ... and the modal displacements at which they were found
+/// The lists of kernels/candidate_groups.hpp.
+struct CandidateLists {
+  int* groups = nullptr;                 // that can come into contact while the list holds
+  double* reference_u = nullptr;         // modal displacements at which it was made
+  int* coarse_groups = nullptr;          // of the coarse list, from which the other is drawn
+  double* coarse_highest = nullptr;      // m, largest overlap of each on the path ahead
+  double* coarse_reference_u = nullptr;  // modal displacements at which the coarse list was made
 };
 
 /// The nodes in contact at a step, and their forces [N].
@@ -209,7 +209,7 @@ struct SeriesBuffers {
   double* modes = nullptr;      // (order, lane)
   double* squares = nullptr;    // (order, lane): of the integral of V^2
   double* forces = nullptr;     // (order, lane): of the moving forces
-  double* nodes = nullptr;      // (node in contact, 2, order): overlap, climb
+  double* nodes = nullptr;      // (node in contact, 2, order): overlap, sliding rate
   double* shapes = nullptr;     // (node in contact, 4, lane)
   double* one_shape = nullptr;  // (4, lane): of one more node
 };
@@ -224,16 +224,16 @@ struct ContactSpans {
 
 /// Form::adaptive: the search for contacts that begin (kernels/adaptive/overlaps.hpp).
 struct OnsetSearch {
-  double* seen = nullptr;        // (2, near group, 2, lane): overlap, rate at both ends of a step
-  double* onsets = nullptr;      // where the contact of a watched node begins
+  double* overlaps = nullptr;    // (end of the step, candidate group, 2, lane): overlap, rate
+  double* onsets = nullptr;      // where the contact of a listed node begins
   double* polynomial = nullptr;  // (order): of one node
   double* bernstein = nullptr;   // one series and two values more
 };
 
 struct WorkSpace {
-  NearLists near;
+  CandidateLists candidates;
   double* amplitudes = nullptr;  // modal displacements and rates, to be read one by one
-  int* watched = nullptr;        // nodes evaluated at each step
+  int* listed_nodes = nullptr;   // evaluated at each step, or flagged for a search
   ContactList contact_list;
   RunBuffer runs;
   ActiveSet active;
@@ -260,7 +260,7 @@ struct CarriedCopies {
   double* v = nullptr;
   double* square = nullptr;
   double* square_part = nullptr;
-  double* bend_part = nullptr;
+  double* deflection_work_part = nullptr;
   OpenShock* open = nullptr;
 };
 
@@ -293,7 +293,7 @@ void visit_arrays(CarriedState& s, const Extents& n, Visit&& visit) {
   visit("start_v", s.modal.start_v, lanes);
   visit("square", s.modal.square, lanes);
   visit("square_part", s.modal.square_part, lanes);
-  visit("bend_part", s.sums.bend_part, static_cast<std::size_t>(n.width));
+  visit("deflection_work_part", s.sums.deflection_work_part, static_cast<std::size_t>(n.width));
   visit("pending_row", s.sampling.pending_row, static_cast<std::size_t>(sample::row(n.lanes)));
   visit("runs", s.shocks.runs, static_cast<std::size_t>(n.runs()));
   visit("open", s.shocks.open, 2 * static_cast<std::size_t>(n.runs()));
@@ -318,13 +318,13 @@ template <class Visit>
 void visit_arrays(WorkSpace& s, const Extents& n, Visit&& visit) {
   const auto lanes = static_cast<std::size_t>(n.lanes);
   const std::size_t nodes = n.padded_nodes(), groups = n.groups;
-  visit("near", s.near.near, groups);
-  visit("near_u", s.near.near_u, lanes);
-  visit("far", s.near.far, groups);
-  visit("far_highest", s.near.far_highest, groups);
-  visit("far_u", s.near.far_u, lanes);
+  visit("candidate_groups", s.candidates.groups, groups);
+  visit("candidate_reference_u", s.candidates.reference_u, lanes);
+  visit("coarse_groups", s.candidates.coarse_groups, groups);
+  visit("coarse_highest", s.candidates.coarse_highest, groups);
+  visit("coarse_reference_u", s.candidates.coarse_reference_u, lanes);
   visit("amplitudes", s.amplitudes, 2 * lanes);
-  visit("watched", s.watched, nodes);
+  visit("listed_nodes", s.listed_nodes, nodes);
   visit("contact_nodes", s.contact_list.nodes, nodes);
   visit("contact_forces", s.contact_list.forces, nodes);
   visit("next_runs", s.runs.next, static_cast<std::size_t>(n.runs()));
@@ -350,7 +350,7 @@ void visit_arrays(WorkSpace& s, const Extents& n, Visit&& visit) {
     visit("sums", s.spans.sums, contacts);
     visit("ends", s.spans.ends, contacts);
     visit("onsets", s.search.onsets, nodes);
-    visit("seen", s.search.seen, 4 * nodes);
+    visit("end_overlaps", s.search.overlaps, 4 * nodes);
   }
 }
 
@@ -363,7 +363,7 @@ void visit_arrays(RecordBuffers& s, const Extents& n, Visit&& visit) {
   visit("now_v", s.now.v, lanes);
   visit("now_square", s.now.square, lanes);
   visit("now_square_part", s.now.square_part, lanes);
-  visit("now_bend_part", s.now.bend_part, static_cast<std::size_t>(n.width));
+  visit("now_deflection_work_part", s.now.deflection_work_part, static_cast<std::size_t>(n.width));
   visit("now_open", s.now.open, 2 * static_cast<std::size_t>(n.runs()));
 }
 

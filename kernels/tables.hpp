@@ -193,8 +193,8 @@ struct MotionLimits {
   int valid_steps = 1;  // over which the bounds on the modes hold
 
   // these set the cost, never the answer
-  double least_reach = 0;   // m, of a near list
-  double least_leeway = 0;  // m, of a watch
+  double least_range = 0;   // m, of a list of candidate groups
+  double least_margin = 0;  // m, of a list of nodes
 
   // Form::adaptive: not of the first three
   const double* acceleration_per_energy_norm =
@@ -246,7 +246,7 @@ struct RecordTables {
   std::int64_t counted_from = 0;  // the step at which statistics begin: an adaptive step ends there
   double steps_per_sample = 0;
   std::int64_t samples = 0;
-  double least_energy = 0;  // J, below which energy is not watched
+  double least_energy = 0;  // J, below which energy is not checked
 };
 
 struct SceneTables {

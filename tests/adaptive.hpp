@@ -2,7 +2,7 @@
 #pragma once
 #include <cstdint>
 
-#include "tests/looks.hpp"
+#include "tests/outcomes.hpp"
 #include "tests/simulate.hpp"
 
 /// Scenes for the adaptive scheme, and how far two runs of one are apart.

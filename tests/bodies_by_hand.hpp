@@ -35,13 +35,13 @@ struct BodiesByHand {
     const int groups = (nodes + width - 1) / width, patches = resonator_nodes / patch_nodes + 1;
     const double radius = radius_of(patch_nodes);
     const auto waving = static_cast<int>(waves_.size()), sliding = static_cast<int>(shapes_.size());
-    for (std::vector<double>* row : {&reach, &slope, &curvature, &tail, &slope_tail, &zero,
+    for (std::vector<double>* row : {&largest_shape, &slope, &curvature, &tail, &slope_tail, &zero,
                                      &outer_acceleration, &acceleration_per_newton})
       row->assign(modes, 0.0);
     patch.assign(static_cast<std::size_t>(patches) * 4 * modes, 0.0);
     for (int k = 0; k < waving; ++k) {
       const double b = waves_[k].beta, turn = b * radius;
-      reach[k] = acceleration_per_newton[k] = 1, slope[k] = b, curvature[k] = b * b;
+      largest_shape[k] = acceleration_per_newton[k] = 1, slope[k] = b, curvature[k] = b * b;
       tail[k] = std::pow(turn, 4) / 24, slope_tail[k] = b * std::pow(turn, 3) / 6;
       for (int p = 0; p < patches; ++p)
         for (int j = 0; j < 4; ++j)
@@ -53,8 +53,8 @@ struct BodiesByHand {
     for (int k = 0; k < sliding; ++k)
       for (int n = 0; n < nodes; ++n) {
         shape[k * groups * width + n] = shapes_[k][n];
-        reach[waving + k] = std::max(reach[waving + k], std::abs(shapes_[k][n]));
-        acceleration_per_newton[waving + k] = reach[waving + k];
+        largest_shape[waving + k] = std::max(largest_shape[waving + k], std::abs(shapes_[k][n]));
+        acceleration_per_newton[waving + k] = largest_shape[waving + k];
       }
     height1.assign(groups * width, -1e30);
     std::fill_n(height1.begin(), nodes, 0.0);
@@ -65,7 +65,7 @@ struct BodiesByHand {
     t.patches.count = patches, t.patches.nodes = patch_nodes,
     t.patches.inverse_nodes = 1.0 / patch_nodes;
     t.patches.inverse_radius = 1 / radius, t.motion.spacing = 1, t.motion.time_step = 1;
-    t.bounds.largest_shape = reach.data(), t.bounds.largest_slope = slope.data();
+    t.bounds.largest_shape = largest_shape.data(), t.bounds.largest_slope = slope.data();
     t.bounds.largest_curvature = curvature.data();
     t.bounds.cubic_remainder = tail.data(), t.bounds.cubic_slope_remainder = slope_tail.data();
     t.modes.omega = t.bounds.acceleration_per_energy_norm = zero.data(),
@@ -74,16 +74,19 @@ struct BodiesByHand {
     t.patches.derivatives = patch.data(), t.slider.shape = shape.data();
     t.faces.height1 = height1.data(), t.faces.height2 = height2.data(),
     t.faces.highest2 = highest2.data();
-    for (std::vector<int>* list : {&near_, &far_, &watch_, &closed_}) list->assign(nodes, 0);
-    near_u_.assign(modes, 0.0), far_u_ = near_u_;
-    amplitudes_.assign(2 * modes, 0.0), far_top_.assign(groups, 0.0);
-    seen_.assign(4 * groups * width, 0.0);
-    s.work.near.near = near_.data(), s.work.near.far = far_.data(),
-    s.work.near.far_highest = far_top_.data();
-    s.work.near.near_u = near_u_.data(), s.work.near.far_u = far_u_.data(),
+    for (std::vector<int>* list : {&groups_, &coarse_groups_, &listed_nodes_, &contacts_})
+      list->assign(nodes, 0);
+    reference_u_.assign(modes, 0.0), coarse_reference_u_ = reference_u_;
+    amplitudes_.assign(2 * modes, 0.0), coarse_highest_.assign(groups, 0.0);
+    overlaps_.assign(4 * groups * width, 0.0);
+    s.work.candidates.groups = groups_.data(),
+    s.work.candidates.coarse_groups = coarse_groups_.data(),
+    s.work.candidates.coarse_highest = coarse_highest_.data();
+    s.work.candidates.reference_u = reference_u_.data(),
+    s.work.candidates.coarse_reference_u = coarse_reference_u_.data(),
     s.work.amplitudes = amplitudes_.data();
-    s.work.watched = watch_.data(), s.carried.contacts.nodes = closed_.data(),
-    s.work.search.seen = seen_.data();
+    s.work.listed_nodes = listed_nodes_.data(), s.carried.contacts.nodes = contacts_.data(),
+    s.work.search.overlaps = overlaps_.data();
   }
   BodiesByHand(const BodiesByHand&) = delete;
 
@@ -99,11 +102,12 @@ struct BodiesByHand {
   void set_overlap(int node, double by, const Amplitudes& u, double position) {
     height1[node] += by - overlap(u, position, node);
   }
-  bool watched(int node, int count) const {
-    return std::find(watch_.begin(), watch_.begin() + count, node) != watch_.begin() + count;
+  bool lists(int node, int count) const {
+    return std::find(listed_nodes_.begin(), listed_nodes_.begin() + count, node) !=
+           listed_nodes_.begin() + count;
   }
 
-  std::vector<double> reach, slope, curvature, tail, slope_tail, zero, outer_acceleration,
+  std::vector<double> largest_shape, slope, curvature, tail, slope_tail, zero, outer_acceleration,
       acceleration_per_newton;
   std::vector<double> patch, shape, height1, height2, highest2;
   SceneTables t;
@@ -112,8 +116,8 @@ struct BodiesByHand {
  private:
   std::vector<Wave> waves_;
   std::vector<Shape> shapes_;
-  std::vector<int> near_, far_, watch_, closed_;
-  std::vector<double> near_u_, far_u_, far_top_, amplitudes_, seen_;
+  std::vector<int> groups_, coarse_groups_, listed_nodes_, contacts_;
+  std::vector<double> reference_u_, coarse_reference_u_, coarse_highest_, amplitudes_, overlaps_;
 };
 
 /// Amplitudes as kernels take them.

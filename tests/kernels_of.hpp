@@ -4,10 +4,10 @@
 #include "kernels/adaptive/flight.hpp"
 #include "kernels/adaptive/overlaps.hpp"
 #include "kernels/adaptive/series.hpp"
+#include "kernels/candidate_groups.hpp"
 #include "kernels/candidates.hpp"
 #include "kernels/contact/complementarity.hpp"
 #include "kernels/contact/node_contact.hpp"
-#include "kernels/near_groups.hpp"
 #include "tests/eight_modes.hpp"
 
 /// Single kernels on the parts of a scene that they use, as a march hands them over.
@@ -20,10 +20,16 @@ NodeContact<HostLanes, packs> node_contact_of(const SceneTables& t, SceneState& 
 }
 
 template <int packs>
-NearGroups<HostLanes, packs> near_groups_of(const SceneTables& t, SceneState& s) {
-  return {lanes,       t.motion,          t.faces,
-          t.slider,    t.patches,         t.bounds,
-          s.work.near, s.work.amplitudes, s.carried.sums.evaluated};
+CandidateGroups<HostLanes, packs> candidate_groups_of(const SceneTables& t, SceneState& s) {
+  return {lanes,
+          t.motion,
+          t.faces,
+          t.slider,
+          t.patches,
+          t.bounds,
+          s.work.candidates,
+          s.work.amplitudes,
+          s.carried.sums.evaluated};
 }
 
 template <int packs>
@@ -37,9 +43,9 @@ Candidates<HostLanes, packs> candidates_of(const SceneTables& t, SceneState& s) 
           t.contact,
           t.scheme,
           t.bounds,
-          s.work.near,
+          s.work.candidates,
           s.work.amplitudes,
-          s.work.watched,
+          s.work.listed_nodes,
           s.carried.sums.evaluated};
 }
 
@@ -54,7 +60,7 @@ Complementarity<HostLanes, packs> complementarity_of(const SceneTables& t, Scene
           s.marks.active_index,
           s.work.active,
           s.work.contact_list,
-          s.work.watched,
+          s.work.listed_nodes,
           t.interrupted};
 }
 
@@ -90,17 +96,22 @@ Overlaps<HostLanes, packs> overlaps_of(const SceneTables& t, SceneState& s) {
           t.adaptive,
           node_contact_of<packs>(t, s),
           s.carried.contacts,
-          s.work.near,
+          s.work.candidates,
           s.work.amplitudes,
-          s.work.watched,
+          s.work.listed_nodes,
           s.work.search,
           s.carried.sums.evaluated};
 }
 
 template <int packs>
 Contacts<HostLanes, packs> contacts_of(const SceneTables& t, SceneState& s) {
-  return {lanes,          t.adaptive,           s.carried.contacts,     s.work.spans,
-          s.work.watched, s.work.search.onsets, s.work.search.bernstein};
+  return {lanes,
+          t.adaptive,
+          s.carried.contacts,
+          s.work.spans,
+          s.work.listed_nodes,
+          s.work.search.onsets,
+          s.work.search.bernstein};
 }
 
 }  // namespace ra2d::test

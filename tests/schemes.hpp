@@ -57,7 +57,7 @@ void set_steps(Scene& s, double step, std::int64_t steps, std::int64_t samples =
 /// Kinetic and elastic energy of a body's modes [J].
 double modal_energy(const Body& beam, const std::vector<double>& u, const std::vector<double>& v);
 
-/// The energy at t = 0 of a start whose modal state was set by hand: the watch over the energy asks
+/// The energy at t = 0 of a start whose modal state was set by hand: the check of the energy asks
 /// for it.
 void count_energy(const Model& model, ModalStart& start);
 

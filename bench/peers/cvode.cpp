@@ -14,9 +14,9 @@
 #include <string>
 #include <vector>
 
+#include "bench/peers/evaluated_nodes.hpp"
 #include "bench/peers/integrators.hpp"
 #include "bench/peers/shock_log.hpp"
-#include "bench/peers/watched.hpp"
 #include "host/base/errors.hpp"
 
 /// Contact as a sequence of smooth pieces. Within a piece the set of touching nodes stays: their
@@ -29,7 +29,7 @@
 /// touching ones. One for each would be thousands, each to be searched at every step.
 ///
 /// A node may touch and leave within one step, unseen by roots. Where the rates at both ends allow
-/// it, the extremum between is looked at on CVODE's interpolant.
+/// it, the extremum between is found on CVODE's interpolant.
 namespace ra2d::peers {
 namespace {
 
@@ -74,7 +74,7 @@ class Cvode {
         before_{y},
         between_{y},
         force_(equations.modes()),
-        watched_{equations, options.nodes},
+        evaluated_{equations, options.nodes},
         touches_(equations.nodes(), 0) {
     _SUNContext* context = nullptr;
     require(SUNContext_Create(nullptr, &context), "SUNContext_Create");
@@ -110,13 +110,13 @@ class Cvode {
 
   void march(PeerResult& result) {
     jumps_ = equations_.force_jumps();
-    look();
+    prepare_nodes();
     list_changed();
     choose_touching(-1);
     while (options_.until - equations_.lag - time_ > end_slack * options_.until) piece();
     result.steps = steps_;
     result.evaluations = evaluations_;
-    result.looks = equations_.looks;
+    result.displacement_sums = equations_.displacement_sums;
     result.onsets = onsets_;
     result.shocks = log_.finish(options_.until);
   }
@@ -141,7 +141,7 @@ class Cvode {
 
   static int roots(realtype t, N_Vector y, realtype* out, void* data) {
     auto& self = *static_cast<Cvode*>(data);
-    self.look_at_all(t, N_VGetArrayPointer(y));
+    self.evaluate_all(t, N_VGetArrayPointer(y));
     out[0] = self.most_open_ > -1 ? self.most_open_ : -1;
     out[1] = self.least_touching_ < 1 ? self.least_touching_ : 1;
     return 0;
@@ -205,10 +205,10 @@ class Cvode {
       }
       if (!begun) {
         require(CVodeReInit(memory_.get(), time_, state_.get()), "CVodeReInit");
-        reached_ = time_;
+        solver_time_ = time_;
       }
       require(CVodeSetStopTime(memory_.get(), end), "CVodeSetStopTime");
-      look();
+      prepare_nodes();
       before_ = y_;
       const double from = time_;
       const int flag = CVode(memory_.get(), end, state_.get(), &time_, CV_ONE_STEP);
@@ -239,36 +239,36 @@ class Cvode {
   void count_time() {
     double reached = 0, step = 0;
     require(CVodeGetCurrentTime(memory_.get(), &reached), "CVodeGetCurrentTime");
-    if (reached == reached_) return;
+    if (reached == solver_time_) return;
     require(CVodeGetLastStep(memory_.get(), &step), "CVodeGetLastStep");
-    equations_.lag += step - (reached - reached_);
-    reached_ = reached;
+    equations_.lag += step - (reached - solver_time_);
+    solver_time_ = reached;
   }
 
-  /// A list of watched nodes that is good for the next step.
-  void look() {
+  /// A list of evaluated nodes that is good for the next step.
+  void prepare_nodes() {
     double step = 0;
     if (steps_ > 0) require(CVodeGetCurrentStep(memory_.get(), &step), "CVodeGetCurrentStep");
-    if (watched_.look_ahead(time_, y_.data(), step)) list_changed();
+    if (evaluated_.prepare(time_, y_.data(), step)) list_changed();
   }
   void list_changed() {
     open_.list.clear();
-    for (const int node : watched_.list())
+    for (const int node : evaluated_.list())
       if (!touches_[node]) open_.list.push_back(node);
     open_.base = nowhere;
-    looked_at_ = -1;
+    evaluated_at_ = -1;
   }
 
-  /// The overlaps of all that is watched, and their extremes.
-  void look_at_all(double t, const double* u) {
-    looked_at_ = t;
+  /// The overlaps of all evaluated nodes, and their extremes.
+  void evaluate_all(double t, const double* u) {
+    evaluated_at_ = t;
     most_open_ = -std::numeric_limits<double>::infinity();
     least_touching_ = std::numeric_limits<double>::infinity();
     if (!touching_.list.empty()) {
       equations_.overlaps(equations_.place(t, window_), touching_, u, touching_overlap_);
       least_touching_ = touching_overlap_.minCoeff();
     }
-    if (watched_.all()) {
+    if (evaluated_.all()) {
       equations_.overlaps(equations_.place(t), u, overlap_);
       for (const int node : touching_.list) overlap_[node] = -1;
       most_open_ = overlap_.maxCoeff();
@@ -281,18 +281,18 @@ class Cvode {
   }
 
   double open_overlap(std::size_t i) const {
-    return watched_.all() ? overlap_[open_.list[i]] : open_overlap_[static_cast<Eigen::Index>(i)];
+    return evaluated_.all() ? overlap_[open_.list[i]] : open_overlap_[static_cast<Eigen::Index>(i)];
   }
 
   /// After an event: which nodes touch. `missed` is one that has just changed sides.
   void choose_touching(int missed) {
     if (touching_.list.empty())
       window_ = static_cast<std::int64_t>(std::floor(equations_.position(time_)));
-    look_at_all(time_, y_.data());
+    evaluate_all(time_, y_.data());
     const auto rising = [&](int node) {
       one_.list = {node};
       one_.base = nowhere;
-      look_at(time_, window_, y_, one_, middle_);
+      evaluate(time_, window_, y_, one_, middle_);
       return middle_.rate[0] > 0;
     };
     const auto touches = [&](int node, double overlap) {
@@ -328,14 +328,14 @@ class Cvode {
   }
 
   /// Overlaps of nodes and their rates at one moment.
-  struct Look {
+  struct Evaluation {
     Eigen::VectorXd overlap, rate;
   };
-  void look_at(double t, std::int64_t window, const Eigen::VectorXd& y, SomeNodes& nodes,
-               Look& look) {
+  void evaluate(double t, std::int64_t window, const Eigen::VectorXd& y, SomeNodes& nodes,
+                Evaluation& out) {
     const Place& place = equations_.place(t, window);
-    equations_.overlaps(place, nodes, y.data(), look.overlap);
-    equations_.rates(place, nodes, y.data(), y.data() + equations_.modes(), look.rate);
+    equations_.overlaps(place, nodes, y.data(), out.overlap);
+    equations_.rates(place, nodes, y.data(), y.data() + equations_.modes(), out.rate);
   }
 
   /// Bisection, to the last digit of time, of a function that is positive at `high` and not at
@@ -353,29 +353,29 @@ class Cvode {
   /// Whether a node changed sides in the step that began at `from` without CVODE's noticing (or, if
   /// `noticed`, before what it noticed). If so, goes back to where the first did.
   bool find_missed(double from, bool noticed, int& missed) {
-    const bool list_was_good = watched_.covered(from, before_.data(), time_, y_.data());
+    const bool list_was_good = evaluated_.covered(from, before_.data(), time_, y_.data());
     if (!list_was_good) list_changed();
     noticed = noticed && list_was_good;
     // no overlap changes by more
-    const double way = (time_ - from) * (1.5 * std::max(watched_.rate_bound(before_.data()),
-                                                        watched_.rate_bound(y_.data())) +
+    const double way = (time_ - from) * (1.5 * std::max(evaluated_.rate_bound(before_.data()),
+                                                        evaluated_.rate_bound(y_.data())) +
                                          equations_.face_rate);
-    if (looked_at_ != time_) look_at_all(time_, y_.data());
+    if (evaluated_at_ != time_) evaluate_all(time_, y_.data());
     suspects_ = touching_.list;
     if (most_open_ > -way) {
       const auto list = [&](const auto& overlaps, const auto& node) {
         for (Eigen::Index i = 0; i < overlaps.size(); ++i)
           if (overlaps[i] > -way) suspects_.push_back(node(i));
       };
-      if (watched_.all())
+      if (evaluated_.all())
         list(overlap_, [](Eigen::Index i) { return static_cast<int>(i); });
       else
         list(open_overlap_, [&](Eigen::Index i) { return open_.list[i]; });
     }
     if (suspects_.empty()) return false;
-    if (suspects_ != near_.list) {
-      near_.list = suspects_;
-      near_.base = nowhere;
+    if (suspects_ != suspected_.list) {
+      suspected_.list = suspects_;
+      suspected_.base = nowhere;
     }
 
     double first = time_;
@@ -392,14 +392,14 @@ class Cvode {
       }
       if (right < time_) state_at(right);
       const Eigen::VectorXd& after = right < time_ ? after_piece_ = between_ : y_;
-      look_at(left, window, before_piece_, near_, begin_);
-      look_at(right, window, after, near_, end_);
-      for (std::size_t i = 0; i < near_.list.size(); ++i) {
+      evaluate(left, window, before_piece_, suspected_, begin_);
+      evaluate(right, window, after, suspected_, end_);
+      for (std::size_t i = 0; i < suspected_.list.size(); ++i) {
         const double found =
             first_in(left, right, window, static_cast<Eigen::Index>(i), noticed && right == time_);
         if (!(found < first)) continue;
         first = found;
-        missed = near_.list[i];
+        missed = suspected_.list[i];
       }
       if (right >= time_) break;
       left = right;
@@ -409,7 +409,7 @@ class Cvode {
     state_at(first);
     y_ = between_;
     time_ = first;
-    looked_at_ = -1;
+    evaluated_at_ = -1;
     return true;
   }
 
@@ -418,7 +418,7 @@ class Cvode {
   double first_in(double left, double right, std::int64_t window, Eigen::Index i,
                   bool seen_at_end) {
     const double never = std::numeric_limits<double>::infinity();
-    const double side = touches_[near_.list[i]] ? -1 : 1;
+    const double side = touches_[suspected_.list[i]] ? -1 : 1;
     const double a = side * begin_.overlap[i], b = side * end_.overlap[i];
     if (a > 0) return never;
     const double rate_a = side * begin_.rate[i], rate_b = side * end_.rate[i];
@@ -428,17 +428,17 @@ class Cvode {
       // the largest value between, were the rate to stay as it is at either end until it turns
       if (std::max(a, b) + (right - left) * std::min(rate_a, -rate_b) <= 0) return never;
     }
-    one_.list = {near_.list[i]};
+    one_.list = {suspected_.list[i]};
     one_.base = nowhere;
-    const auto looked = [&](double t) -> const Look& {
+    const auto evaluated = [&](double t) -> const Evaluation& {
       state_at(t);
-      look_at(t, window, between_, one_, middle_);
+      evaluate(t, window, between_, one_, middle_);
       return middle_;
     };
-    const auto overlap = [&](double t) { return side * looked(t).overlap[0]; };
+    const auto overlap = [&](double t) { return side * evaluated(t).overlap[0]; };
     if (crosses) return first_positive(left, right, overlap);
     const double top =
-        first_positive(left, right, [&](double t) { return -side * looked(t).rate[0]; });
+        first_positive(left, right, [&](double t) { return -side * evaluated(t).rate[0]; });
     return overlap(top) > 0 ? first_positive(left, top, overlap) : never;
   }
 
@@ -452,7 +452,7 @@ class Cvode {
   void sum_forces() {
     sums_.clear();
     if (touching_.list.empty()) return;
-    look_at(time_, window_, y_, touching_, middle_);
+    evaluate(time_, window_, y_, touching_, middle_);
     for (std::size_t i = 0; i < touching_.list.size(); ++i) {
       const auto at = static_cast<Eigen::Index>(i);
       const std::int64_t shock = log_.shock_of(touching_.list[i]);
@@ -493,21 +493,21 @@ class Cvode {
   Eigen::VectorXd& y_;
   Eigen::VectorXd before_, between_, before_piece_, after_piece_, scale_;
   Eigen::VectorXd force_, spring_;
-  double time_ = 0, reached_ = 0;  // s; where CVODE itself stands
+  double time_ = 0, solver_time_ = 0;  // s; where CVODE itself stands
 
-  Watched watched_;
+  EvaluatedNodes evaluated_;
   std::int64_t window_ = nowhere;  // in contact
   std::vector<char> touches_;      // of each node
-  SomeNodes touching_, open_;      // open: the watched ones
+  SomeNodes touching_, open_;      // open: evaluated, not in contact
   std::vector<double> jumps_;      // of the outer force, s
 
-  double looked_at_ = -1;  // s
+  double evaluated_at_ = -1;  // s
   Eigen::ArrayXd overlap_;
   Eigen::VectorXd touching_overlap_, open_overlap_;
   double most_open_ = 0, least_touching_ = 0;
   std::vector<int> suspects_;
-  SomeNodes near_, one_;
-  Look begin_, end_, middle_;
+  SomeNodes suspected_, one_;
+  Evaluation begin_, end_, middle_;
   Rows shapes_;
 
   ShockLog log_;

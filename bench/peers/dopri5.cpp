@@ -8,8 +8,8 @@
 #include <cmath>
 #include <vector>
 
+#include "bench/peers/evaluated_nodes.hpp"
 #include "bench/peers/integrators.hpp"
-#include "bench/peers/watched.hpp"
 #include "host/base/errors.hpp"
 
 namespace ra2d::peers {
@@ -20,13 +20,13 @@ using State = Eigen::VectorXd;
 using Stepper =
     odeint::runge_kutta_dopri5<State, double, State, double, odeint::vector_space_algebra>;
 
-/// The right-hand side with the penalty force as it is: max(0, overlap) of every watched node.
+/// The right-hand side with the penalty force as it is: max(0, overlap) of every evaluated node.
 /// The state is in units of its natural scale: the error control has one absolute tolerance.
 class Contact {
  public:
-  Contact(Equations& equations, const Watched& watched)
+  Contact(Equations& equations, const EvaluatedNodes& evaluated)
       : equations_{equations},
-        watched_{watched},
+        nodes_evaluated_{evaluated},
         scale_{natural_scale(equations)},
         y_{State::Zero(scale_.size())},
         rate_{y_},
@@ -34,7 +34,7 @@ class Contact {
 
   const State& scale() const { return scale_; }
   void list_changed() {
-    nodes_.list = watched_.list();
+    nodes_.list = nodes_evaluated_.list();
     nodes_.base = nowhere;
   }
 
@@ -42,7 +42,7 @@ class Contact {
     ++evaluations;
     y_ = scaled.cwiseProduct(scale_);
     equations_.outer_force(t, force_.data());
-    if (watched_.all()) {
+    if (nodes_evaluated_.all()) {
       const Place& place = equations_.place(t);
       equations_.overlaps(place, y_.data(), overlap_);
       // listed first: a loop that does nothing else is the faster one
@@ -71,7 +71,7 @@ class Contact {
 
  private:
   Equations& equations_;
-  const Watched& watched_;
+  const EvaluatedNodes& nodes_evaluated_;
   State scale_, y_, rate_, force_;
   Eigen::ArrayXd overlap_;
   std::vector<int> touching_;
@@ -83,8 +83,8 @@ class Contact {
 
 void march_dopri5(Equations& equations, const PeerOptions& options, Eigen::VectorXd& y,
                   PeerResult& result) {
-  Watched watched(equations, options.nodes);
-  Contact contact(equations, watched);
+  EvaluatedNodes evaluated(equations, options.nodes);
+  Contact contact(equations, evaluated);
   const auto system = [&](const State& x, State& rate, double t) { contact(x, rate, t); };
   auto stepper = odeint::make_controlled<Stepper>(options.tolerance, options.tolerance);
 
@@ -96,8 +96,8 @@ void march_dopri5(Equations& equations, const PeerOptions& options, Eigen::Vecto
     if (left <= end_slack * options.until) break;
     step = std::min({step, longest, left});
     y = x.cwiseProduct(contact.scale());
-    if (watched.look_ahead(t, y.data(), step)) contact.list_changed();
-    const double first_try = step = std::min(step, watched.end() - t);
+    if (evaluated.prepare(t, y.data(), step)) contact.list_changed();
+    const double first_try = step = std::min(step, evaluated.end() - t);
     const double before = t;
     if (stepper.try_step(system, x, t, step) == odeint::success) {
       ++result.steps;
@@ -108,7 +108,7 @@ void march_dopri5(Equations& equations, const PeerOptions& options, Eigen::Vecto
   }
   y = x.cwiseProduct(contact.scale());
   result.evaluations = contact.evaluations;
-  result.looks = equations.looks;
+  result.displacement_sums = equations.displacement_sums;
 }
 
 }  // namespace ra2d::peers

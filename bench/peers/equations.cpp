@@ -180,7 +180,7 @@ void Equations::spread(const double* modes, Eigen::ArrayXd& waves) const {
 }
 
 void Equations::displace(const Place& place, const double* u) {
-  ++looks;
+  ++displacement_sums;
   const Index waves = kappa_.size();
   spread(u, u_waves_);
   even_u_.head(waves) = place.value_there * u_waves_;

@@ -62,7 +62,7 @@ class Equations {
   /// 1e-7 of a shock's overlap.
   double lag = 0;
   /// How often the displacements of all nodes were summed.
-  std::int64_t looks = 0;
+  std::int64_t displacement_sums = 0;
 
   /// Position of slider node 0 [chi], its rate [chi/s], and at which t it is at a node [s].
   double position(double t) const { return position_ + (t + lag) * rate_; }

@@ -22,7 +22,8 @@ using peers::Integrator;
 const std::map<std::string, Integrator> integrators = {{"cvode-adams", Integrator::cvode_adams},
                                                        {"cvode-bdf", Integrator::cvode_bdf},
                                                        {"dopri5", Integrator::dopri5}};
-const std::map<std::string, Nodes> looks = {{"all", Nodes::all}, {"candidates", Nodes::candidates}};
+const std::map<std::string, Nodes> searched = {{"all", Nodes::all},
+                                               {"candidates", Nodes::candidates}};
 
 template <class Value>
 std::vector<std::string> names(const std::map<std::string, Value>& map) {
@@ -50,8 +51,8 @@ int run(int argc, char** argv) {
   app.add_option("--integrator", integrator)
       ->check(CLI::IsMember(names(integrators)))
       ->capture_default_str();
-  app.add_option("--nodes", nodes, "which nodes are looked at")
-      ->check(CLI::IsMember(names(looks)))
+  app.add_option("--nodes", nodes, "which nodes are evaluated")
+      ->check(CLI::IsMember(names(searched)))
       ->capture_default_str();
   app.add_option("--tolerance", options.tolerance, "relative tolerance")->capture_default_str();
   app.add_option("--until", options.until, "s [scene.duration]");
@@ -65,7 +66,7 @@ int run(int argc, char** argv) {
     return app.exit(request) == 0 ? 0 : 2;
   }
   options.integrator = integrators.at(integrator);
-  options.nodes = looks.at(nodes);
+  options.nodes = searched.at(nodes);
 
   const Model model = make_model(read_scene(file, overrides));
   if (app.count("--until") == 0) options.until = model.scene.duration;
@@ -78,13 +79,13 @@ int run(int argc, char** argv) {
   }
   fmt::print(
       "{{\"integrator\": \"{}\", \"nodes\": \"{}\", \"tolerance\": {:.17g}, \"until\": {:.17g}, "
-      "\"march_seconds\": {:.17g}, \"steps\": {}, \"evaluations\": {}, \"looks\": {}, "
+      "\"march_seconds\": {:.17g}, \"steps\": {}, \"evaluations\": {}, \"displacement_sums\": {}, "
       "\"resonator_displacement\": {}, \"resonator_velocity\": {}, "
       "\"slider_displacement\": {}, \"slider_velocity\": {}, "
       "\"shock_start\": {}, \"shock_duration\": {}, \"shock_peak_force\": {}}}\n",
       integrator, nodes, options.tolerance, options.until, r.march_seconds, r.steps, r.evaluations,
-      r.looks, list(r.resonator_u), list(r.resonator_v), list(r.slider_u), list(r.slider_v),
-      list(start), list(duration), list(peak));
+      r.displacement_sums, list(r.resonator_u), list(r.resonator_v), list(r.slider_u),
+      list(r.slider_v), list(start), list(duration), list(peak));
   return 0;
 }
 

@@ -30,7 +30,7 @@ struct PeerOptions {
 struct PeerResult {
   std::vector<double> resonator_u, resonator_v, slider_u, slider_v;  // at `until`
   std::int64_t steps = 0, evaluations = 0;  // accepted steps; right-hand sides
-  std::int64_t looks = 0;                   // sums of the displacements of all nodes
+  std::int64_t displacement_sums = 0;       // sums of the displacements of all nodes
   double march_seconds = 0;                 // the integration alone
   /// CVODE only: in order of their start, with start, duration (until `until` at the most), peak
   /// force and serial; impulse and position are left at 0.
@@ -43,8 +43,8 @@ struct PeerResult {
 /// CVODE follows which nodes touch: in a step that set stays, so that the right-hand side is
 /// smooth; the step ends, and the integration starts anew, where a gap changes its sign.
 /// dopri5 takes the penalty force as it is and leaves its kinks to the error control.
-/// With Nodes::all CVODE looks at every gap after each step and dopri5 in each right-hand side;
-/// with Nodes::candidates at those that can touch (bench/peers/watched.hpp).
+/// With Nodes::all CVODE evaluates every gap after each step and dopri5 in each right-hand side;
+/// with Nodes::candidates at those that can touch (bench/peers/evaluated_nodes.hpp).
 ///
 /// Throws RequestError for what cannot be done (multipliers, a tolerance outside 1e-15 to 0.1, an
 /// `until` outside the scene), SimulationError when the integrator gives up.

@@ -163,7 +163,7 @@ class Crossing:
         together = time <= (self.duration if off is None else min(off, self.last_touch(marched, off)))
         return difference[together].max(), difference[~together].max(initial=0)
 
-    def kick(self, off, solution, kappa):
+    def blow_of_lift_off(self, off, solution, kappa):
         """What the middle's deflection may differ by after lift-off, over the largest: the weight for a period of the
         contact more or less is a blow, after which mode k swings by blow psi_k/(mu omega_k)."""
         blow = self.weight * self.period(kappa)
@@ -213,7 +213,7 @@ def beside(case, crossing, solution, kappas):
         late = crossing.last_touch(stiff, off) - off
         case.check("lift-off, in periods of the mass on its spring", abs(late) / crossing.period(kappas[1]), 1,
                    "the contact may open once a period where the mean force is small")
-        case.check("deflection after lift-off", after, crossing.kick(off, solution, kappas[1]) + of_stiff,
+        case.check("deflection after lift-off", after, crossing.blow_of_lift_off(off, solution, kappas[1]) + of_stiff,
                    "the weight for a period of the contact, more or less, as a blow")
     exact = crossing.deflection(solution, stiff[0])
     force = moving_load.middle(crossing.modes, crossing.speed, stiff[0], -crossing.weight)

@@ -68,9 +68,9 @@ double rise_by_chance(double degrees_of_freedom) {
 
 double rise_of_a_mode(const std::vector<double>& natural, double damping, double tone,
                       double resolution) {
-  const double reach = static_cast<double>(lines_around_tone) * resolution;
+  const double range = static_cast<double>(lines_around_tone) * resolution;
   if (std::isnan(damping) || std::none_of(natural.begin(), natural.end(), [&](double f) {
-        return f > 0 && std::abs(f - tone) <= reach;
+        return f > 0 && std::abs(f - tone) <= range;
       }))
     return 0;
   std::vector<double> around;

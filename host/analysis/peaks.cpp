@@ -11,13 +11,13 @@
 namespace ra2d {
 namespace {
 
-/// Lines in which a mode's peak is looked for.
-struct Reach {
+/// Lines in which a mode's peak is searched for.
+struct LineRange {
   std::size_t first = 0, last = 0;
 };
 
 /// Half way to the neighbours, and no further than a tenth of its frequency or two lines.
-Reach reach_of(const Lines& lines, double below, double natural, double above) {
+LineRange range_of(const Lines& lines, double below, double natural, double above) {
   const double far = std::max(natural / 10, 2 * lines.resolution);
   const double low = std::max(natural - far, (below + natural) / 2);
   const double high = std::min(natural + far, (natural + above) / 2);
@@ -47,13 +47,13 @@ SpectralPeak find_peak(const Lines& lines, double below, double natural, double 
       0, natural, quiet_nan, quiet_nan, {quiet_nan, quiet_nan, quiet_nan, NoDamping::lost}};
   const double apart = std::min(below > 0 ? natural - below : natural, above - natural);
   if (!(apart >= least_apart * lines.resolution)) return peak;
-  const Reach reach = reach_of(lines, below, natural, above);
-  if (reach.first > reach.last) return peak;
+  const LineRange range = range_of(lines, below, natural, above);
+  if (range.first > range.last) return peak;
   const std::size_t width_of_mean = width >= 15 ? 2 * static_cast<std::size_t>(width / 10) + 1 : 1;
   const std::vector<double> density = smoothed(lines.density, width_of_mean);
   const auto highest =
-      std::max_element(density.begin() + static_cast<std::ptrdiff_t>(reach.first),
-                       density.begin() + static_cast<std::ptrdiff_t>(reach.last) + 1);
+      std::max_element(density.begin() + static_cast<std::ptrdiff_t>(range.first),
+                       density.begin() + static_cast<std::ptrdiff_t>(range.last) + 1);
   if (!(*highest > highest[-1] && *highest > highest[1])) return peak;  // the slope of another
   const auto line = static_cast<std::size_t>(highest - density.begin());
   peak.frequency = static_cast<double>(line) * lines.resolution;

@@ -49,12 +49,12 @@ struct Name {
 struct Measured {
   Name name;
   Method setting;
-  std::string left_out;            // why nothing was measured
-  std::vector<StateError> states;  // one an instant
-  std::string against;             // the reference of the states
-  double closure = quiet_nan;      // of the energy, relative
-  double stretch = 0;              // s simulated, of each repetition
-  double took = 0;                 // s of wall time, the first one with all that belongs to it
+  std::string left_out;               // why nothing was measured
+  std::vector<StateError> states;     // one an instant
+  std::string against;                // the reference of the states
+  double energy_closure = quiet_nan;  // of the energy, relative
+  double stretch = 0;                 // s simulated, of each repetition
+  double took = 0;                    // s of wall time, the first one with all that belongs to it
   std::vector<double> wall;  // s of march per simulated second, one a repetition; of its thread
   double slowed = 1;         // by the clock it took so many times as long: other programs ran, too
   double wall_median() const;  // NaN without any

@@ -19,7 +19,7 @@ constexpr double advised[] = {1e-3, 1e-6};              // ... and of the senten
 /// Measure `i` of an error: of the states, one an instant, and of the energy behind them. What
 /// impacts take under multipliers is no error.
 double error_of(const Measured& point, std::size_t i, std::size_t instants) {
-  if (i == instants) return point.name.law == "penalty" ? point.closure : quiet_nan;
+  if (i == instants) return point.name.law == "penalty" ? point.energy_closure : quiet_nan;
   return i < point.states.size() ? point.states[i].error : quiet_nan;
 }
 
@@ -296,17 +296,17 @@ std::string points_csv(const AccuracyChart& chart, const Context& context) {
         if (!state.note.empty()) how += "; no state: " + state.note;
         if (state.step > 0) how += fmt::format("; state with a step of {:.9g} s", state.step);
       }
-      if (there && energy && std::isnan(point.closure)) how += "; too short for a closure";
+      if (there && energy && std::isnan(point.energy_closure)) how += "; too short for a closure";
       if (there && energy && point.name.law != "penalty")
         how += "; what impacts take is in it and no error";
       const auto [least, most] = std::minmax_element(point.wall.begin(), point.wall.end());
-      text +=
-          fmt::format("{},{},{},{},{},{},{},{},{},{}\n", setting_columns(point.name, point.setting),
-                      energy ? "energy" : chart.instants[i].kind,
-                      number(energy ? point.closure : error_of(point, i, chart.instants.size())),
-                      cell(energy || !there ? "" : point.against), number(point.wall_median()),
-                      there ? number(*least) : "", there ? number(*most) : "", point.wall.size(),
-                      number(there ? point.stretch : quiet_nan), cell(how));
+      text += fmt::format(
+          "{},{},{},{},{},{},{},{},{},{}\n", setting_columns(point.name, point.setting),
+          energy ? "energy" : chart.instants[i].kind,
+          number(energy ? point.energy_closure : error_of(point, i, chart.instants.size())),
+          cell(energy || !there ? "" : point.against), number(point.wall_median()),
+          there ? number(*least) : "", there ? number(*most) : "", point.wall.size(),
+          number(there ? point.stretch : quiet_nan), cell(how));
     }
   return text;
 }

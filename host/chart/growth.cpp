@@ -107,7 +107,7 @@ std::vector<double> measure_growth(const std::vector<GrowthTrial>& trials, int s
   Batch batch(models, starts, {.capacity = {.samples = 1, .shocks = 16}, .least_packs = 0});
 
   // The states of a trial's two motions as they are now. False when one of them is past measuring.
-  const auto look = [&](std::size_t i, std::int64_t step, ModeStates& state) {
+  const auto take_states = [&](std::size_t i, std::int64_t step, ModeStates& state) {
     bool measured = true;
     for (const int j : {0, 1}) {
       const Snapshot now = batch.snapshot(static_cast<int>(2 * i + j));
@@ -123,13 +123,13 @@ std::vector<double> measure_growth(const std::vector<GrowthTrial>& trials, int s
   std::vector<double> growth(count, 0.0);
   std::vector<bool> going(count, true);
   batch.march(0);
-  for (std::size_t i = 0; i < count; ++i) look(i, 0, begin[i]);
+  for (std::size_t i = 0; i < count; ++i) take_states(i, 0, begin[i]);
   for (std::int64_t step = 1; step <= steps; step *= 2) {
     batch.march(step);
     for (std::size_t i = 0; i < count; ++i) {
       if (!going[i]) continue;
       ModeStates now;
-      going[i] = look(i, step, now);
+      going[i] = take_states(i, step, now);
       const ModeStates taken = now * begin[i].inverse();
       going[i] = going[i] && taken.norm() > well_above_roundings;
       if (going[i] || step == 1)

@@ -92,7 +92,7 @@ using Quantities = std::array<double, quantities>;
 
 Quantities quantities_of(const Model& model, const TimedRun& run) {
   const Answer answer = answer_of(mean_squares(model), run, model.scene.output.from);
-  return {level(answer.v_rms), answer.shock_rate, answer.shock_duration};
+  return {level(answer.v_rms), answer.shock_rate, answer.shock_duration_median};
 }
 
 /// Mean and standard error of values; `apart` are their differences from the reference's.

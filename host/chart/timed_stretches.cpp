@@ -56,7 +56,7 @@ std::vector<ChartPoint> first_stretches(Survey& survey, std::vector<ChartPoint> 
     row.slowed = std::max(1.0, run.seconds / run.time / row.wall.back());
     // before the shocks that the states are compared at, little has gone through
     if (run.time > 0.99 * survey.chart.instants.back().time && run.energy.turnover > 0)
-      row.closure = std::abs(run.energy.relative());
+      row.energy_closure = run.energy.closure();
     going.push_back(std::move(point));
   }
   return going;

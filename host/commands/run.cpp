@@ -46,7 +46,7 @@ constexpr double much_energy = 0.05;  // of what went through
 /// The likely reason of a balance that does not close.
 std::string energy_text(const Scene& scene, const EnergyBalance& energy) {
   const std::string far =
-      fmt::format("{:.0f} % of the energy is unaccounted for: ", 100 * std::abs(energy.relative()));
+      fmt::format("{:.0f} % of the energy is unaccounted for: ", 100 * energy.closure());
   if (scene.contact.law == ContactLaw::multiplier && energy.residual < 0)
     return far + "under multipliers each impact takes some, and is meant to";
   if (is_adaptive(scene)) return far + "a smaller time.tolerance is needed";
@@ -93,9 +93,9 @@ void print_energy(const Scene& scene, const EnergyBalance& energy) {
                  ? std::string("not known: fewer than two samples were counted (output.rate)")
              : energy.turnover > 0
                  ? fmt::format("closes to {:.1e} of what went through ({:.2e} of {:.2e} J)",
-                               std::abs(energy.relative()), energy.residual, energy.turnover)
+                               energy.closure(), energy.residual, energy.turnover)
                  : std::string("none went through"));
-  if (std::abs(energy.relative()) > much_energy) print_line("warning", energy_text(scene, energy));
+  if (energy.closure() > much_energy) print_line("warning", energy_text(scene, energy));
 }
 
 void print_cost(const RunReport& r) {

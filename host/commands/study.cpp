@@ -62,8 +62,7 @@ Shard to_shard(const std::string& text) {
 
 std::string state_of(const FinishedRun* run) {
   if (run == nullptr) return "missing";
-  if (run->status == RunStatus::done)
-    return fmt::format("done     Lv {:.2f} dB", run->figures.level);
+  if (run->status == RunStatus::done) return fmt::format("done     Lv {:.2f} dB", run->figures.lv);
   return fmt::format("{}  {}", run->status == RunStatus::refused ? "refused" : "failed ",
                      reason_of(*run));
 }
@@ -163,8 +162,8 @@ StudyRuns read_runs(const StudyRequest& request) {
   return runs;
 }
 
-int look_ahead(StudyRuns& runs, const StudyRequest& request, const StudyFolder& folder,
-               const Shard& shard, int threads) {
+int preview_study(StudyRuns& runs, const StudyRequest& request, const StudyFolder& folder,
+                  const Shard& shard, int threads) {
   const StudyListener listener = listener_of(request);
   if (listener.stage) listener.stage("reading what is finished ");
   runs.finished.add(folder);
@@ -200,7 +199,7 @@ int run_study_file(const StudyRequest& request) {
   if (request.threads > 0 && !why_fewer.empty() && !request.quiet)
     say(fmt::format("{} thread{}: {}", threads, threads == 1 ? "" : "s", why_fewer));
   if (!request.list) require_other_seeds(runs.points, runs.census);
-  if (request.list || request.dry_run) return look_ahead(runs, request, folder, shard, threads);
+  if (request.list || request.dry_run) return preview_study(runs, request, folder, shard, threads);
   const MarchedStudy marched = march_study(runs,
                                            {.folder = folder,
                                             .shard = shard,

@@ -175,7 +175,7 @@ struct BatchSlot {
       if (name == "v") put(state.out.now.v);
       if (name == "square") put(state.out.now.square);
       if (name == "square_part") put(state.out.now.square_part);
-      if (name == "bend_part") put(state.out.now.bend_part);
+      if (name == "deflection_work_part") put(state.out.now.deflection_work_part);
       if (name == "open") put(state.out.now.open);
       ++bytes;
     });
@@ -393,10 +393,10 @@ Snapshot Batch::snapshot(int slot) const {
   out.shocks_begun = s.carried.shocks.begun;
   out.energy = s.carried.energy.latest;
   out.energy_limit = s.carried.energy.limit;
-  double bend = 0;
-  for (int lane = 0; lane < width; ++lane) bend += s.out.now.bend_part[lane];
-  out.sliding_work =
-      s.carried.sums.sliding_work + scene.model.advance * (s.carried.sums.climb_part + bend);
+  double deflection_work = 0;
+  for (int lane = 0; lane < width; ++lane) deflection_work += s.out.now.deflection_work_part[lane];
+  out.sliding_work = s.carried.sums.sliding_work +
+                     scene.model.advance * (s.carried.sums.face_work_part + deflection_work);
   out.force_work = s.carried.sums.force_work + s.carried.sums.force_part;
   out.open_shocks.assign(s.out.now.open, s.out.now.open + s.carried.shocks.open_count);
   return out;

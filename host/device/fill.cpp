@@ -30,9 +30,9 @@ void fill_hull(double* table, int n) {
   }
 }
 
-/// Steps over which bounds on the modes are worth anything: what a scheme beyond its limit makes of
-/// them in more is out of all proportion.
-int longest_look(const Model& model) {
+/// Steps over which bounds on the modes are of use. Beyond its limit a scheme lets them grow within
+/// more steps to many times what the motion is.
+int count_valid_steps(const Model& model) {
   const SchemeTable& scheme = scheme_table(model.scene.time.scheme);
   const double tau = model.scene.time.step;
   const auto grows = [&](int steps) {
@@ -145,13 +145,13 @@ void Filler::scheme() {
   for (int i = 1; i < tables_.scheme.stages; ++i) tables_.scheme.stage_row[i] = first_stage_row(i);
   tables_.scheme.velocity_lag = scheme.velocity_lag;
   tables_.scheme.loss_ends = is_semi_implicit(scene_.time.scheme) ? 0.0 : 0.5;
-  tables_.bounds.valid_steps = longest_look(model_);
+  tables_.bounds.valid_steps = count_valid_steps(model_);
 }
 
 void Filler::modes() {
   double moving = 0;  // N
   for (const MovingForce& f : scene_.resonator.moving_forces) moving += std::abs(f.force);
-  double kick = 0;  // J, see least_energy
+  double supplied = 0;  // J, by the outer forces within a step from rest
   int lane = 0;
   for (const Body* body : {&model_.resonator, &model_.slider})
     for (std::size_t k = 0; k < body->modes.size(); ++k, ++lane) {
@@ -176,7 +176,7 @@ void Filler::modes() {
         flight_of(mode);
       else
         step_of(mode);
-      kick += 0.5 * std::pow(model_.tick * mode.outer_force, 2) / oscillator.mass;
+      supplied += 0.5 * std::pow(model_.tick * mode.outer_force, 2) / oscillator.mass;
       if (!of_resonator) continue;
       // a patch may reach beyond the end of the body
       const CubicRemainder remainder = shape.cubic_remainder(radius_);
@@ -186,9 +186,9 @@ void Filler::modes() {
       host_(tables_.bounds.cubic_slope_remainder)[lane] = remainder.slope;
       host_(tables_.patches.quartic)[lane] = shape.fourth_factor(radius_);
     }
-  // What the outer forces put in within a step: from rest the velocity is up to a step ahead of
-  // their work, or (midpoint) half a step behind.
-  tables_.output.least_energy = 1e-30 + 4.0 * kick;
+  // from rest the velocity is up to a step ahead of the work of these forces, or (midpoint) half a
+  // step behind
+  tables_.output.least_energy = 1e-30 + 4.0 * supplied;
 }
 
 /// The weights of a scheme of fixed steps, and the bounds that follow from them.
@@ -303,8 +303,8 @@ void Filler::faces() {
   tables_.faces.highest_overlap =
       *std::max_element(h1, h1 + n_.nodes) + *std::max_element(h2, h2 + n_.heights);
   scale += 1e-6 * scene_.spacing;
-  tables_.bounds.least_reach = 1e-4 * scale;
-  tables_.bounds.least_leeway = 1e-8 * scale;
+  tables_.bounds.least_range = 1e-4 * scale;
+  tables_.bounds.least_margin = 1e-8 * scale;
 }
 
 void Filler::adaptive() {
@@ -364,7 +364,7 @@ void fill(SceneState& state, const Model& model, const ModalStart& start, const 
   for (double* const lanes :
        {state.out.now.u, state.out.now.v, state.out.now.square, state.out.now.square_part})
     std::fill_n(host(lanes), n.lanes, 0.0);  // this memory may be another scene's before
-  std::fill_n(host(state.out.now.bend_part), n.width, 0.0);
+  std::fill_n(host(state.out.now.deflection_work_part), n.width, 0.0);
   put(state.out.now.u, start.resonator_u, start.slider_u);
   put(state.out.now.v, start.resonator_v, start.slider_v);
   state.carried.energy.start = start.energy;

@@ -100,8 +100,8 @@ Answer answer_of(const std::vector<double>& mean_squares, const TimedRun& run, d
     if (shock.start > 0 && std::isnan(a.first_duration)) a.first_duration = shock.duration;
   }
   a.shock_rate = run.time > from ? static_cast<double>(durations.size()) / (run.time - from) : 0.0;
-  a.shock_duration = median(durations);
-  a.closure = std::abs(run.energy.relative());
+  a.shock_duration_median = median(durations);
+  a.energy_closure = run.energy.closure();
   return a;
 }
 

@@ -17,17 +17,17 @@ namespace ra2d {
 
 /// The answer of one run.
 struct Answer {
-  double v_rms = 0;           // m/s
-  double shock_rate = 0;      // 1/s
-  double shock_duration = 0;  // s, the median; NaN without shocks
+  double v_rms = 0;                  // m/s
+  double shock_rate = 0;             // 1/s
+  double shock_duration_median = 0;  // s, the median; NaN without shocks
   double first_duration = 0;  // s, of the first shock that begins after t = 0; NaN without one
-  double closure = 0;         // of the energy, relative (EnergyBalance)
+  double energy_closure = 0;  // of the energy, relative (EnergyBalance)
   std::string failure;        // why there is no answer; empty when there is
 };
 
 /// The quantities that are compared, in this order.
 inline constexpr std::array<double Answer::*, 3> quantities_of_answer{
-    &Answer::v_rms, &Answer::shock_rate, &Answer::shock_duration};
+    &Answer::v_rms, &Answer::shock_rate, &Answer::shock_duration_median};
 
 /// How far a mean is from another, relative to that one, from pairs of values.
 struct Movement {

@@ -95,17 +95,17 @@ void doubt_roughness(const std::string& name, const BodySpec& body, const Relief
   const double rq = body.surface.rq, span = relief.highest - relief.lowest;
   const std::string key = name + ".surface.rq";
   if (body.thickness > 0 && span > large_share * body.thickness)
-    doubt(doubts, key, rq, "m",
+    doubt(doubts, key, rq,
           fmt::format("the heights span {:.3g} m, and {}.thickness is {:g} m", span, name,
                       body.thickness),
           rq < most_millimetres ? millimetres : micrometres);
   else if (relief.slope > steep)
-    doubt(doubts, key, rq, "m",
+    doubt(doubts, key, rq,
           fmt::format("its slopes have a root mean square of {:.2g}, steeper than faces are",
                       relief.slope),
           too_large);
   else if (relief.slope < smooth)
-    doubt(doubts, key, rq, "m",
+    doubt(doubts, key, rq,
           fmt::format("its slopes have a root mean square of {:.2g}, smoother than faces are",
                       relief.slope),
           too_small);
@@ -122,10 +122,10 @@ void doubt_gap(const Model& model, const Relief& resonator, const Relief& slider
   const double rms = std::hypot(resonator.rms, slider.rms);
   const double most = scene.slider.support == Support::free ? falling : held;
   if (heights > 0 && gap > most * heights)
-    doubt(doubts, "scene.gap", gap, "m",
+    doubt(doubts, "scene.gap", gap,
           fmt::format("the faces rise no higher than {:.3g} m together", heights), millimetres);
   else if (gap != 0 && std::abs(gap) < near * rms)
-    doubt(doubts, "scene.gap", gap, "m",
+    doubt(doubts, "scene.gap", gap,
           fmt::format("next to nothing beside faces of {:.3g} m, root mean square", rms),
           too_small);
 }

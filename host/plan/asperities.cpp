@@ -11,11 +11,11 @@
 namespace ra2d {
 namespace {
 
-/// Places along the path where summits are looked for, nodes in all of them, and nodes beside a
+/// Places along the path where summits are searched for, nodes in all of them, and nodes beside a
 /// summit.
 constexpr int most_places = 200;
-constexpr double most_looks = 2e7;
-constexpr std::size_t most_reach = 4096;
+constexpr double most_nodes = 2e7;
+constexpr std::size_t most_half_nodes = 4096;
 
 /// Both faces together, where the slider's left end stands at `x0` [m].
 void add_faces(const Model& m, double x0, std::vector<double>& sum) {
@@ -34,17 +34,18 @@ void add_faces(const Model& m, double x0, std::vector<double>& sum) {
 /// to `half_width`, and is at least 1; nothing where the nodes end before.
 std::optional<double> curvature_at(const std::vector<double>& face, std::size_t node,
                                    double half_width, double spacing) {
-  const auto reach = static_cast<std::size_t>(
-      std::clamp(std::round(half_width / spacing), 1.0, static_cast<double>(most_reach)));
-  if (node < reach || node + reach >= face.size()) return std::nullopt;
-  const double mean = static_cast<double>(reach * (reach + 1)) / 3;  // of i^2, i = -m ... m
-  double bend = 0, weight = 0;
-  for (std::size_t j = node - reach; j <= node + reach; ++j) {
+  const auto half_nodes = static_cast<std::size_t>(
+      std::clamp(std::round(half_width / spacing), 1.0, static_cast<double>(most_half_nodes)));
+  if (node < half_nodes || node + half_nodes >= face.size()) return std::nullopt;
+  const double mean =
+      static_cast<double>(half_nodes * (half_nodes + 1)) / 3;  // of i^2, i = -m ... m
+  double second = 0, weight = 0;
+  for (std::size_t j = node - half_nodes; j <= node + half_nodes; ++j) {
     const double i = static_cast<double>(j) - static_cast<double>(node);
-    bend += (i * i - mean) * face[j];
+    second += (i * i - mean) * face[j];
     weight += (i * i - mean) * (i * i - mean);
   }
-  return -2 * bend / weight / (spacing * spacing);
+  return -2 * second / weight / (spacing * spacing);
 }
 
 /// Where both faces together are highest, and the nodes around.
@@ -68,7 +69,7 @@ std::size_t highest_summit(const std::vector<double>& face) {
 std::vector<Summit> find_summits(const Model& m) {
   const Scene& scene = m.scene;
   const double travel = scene.speed * scene.duration;
-  const double room = most_looks / static_cast<double>(m.nodes());
+  const double room = most_nodes / static_cast<double>(m.nodes());
   const int places = travel > 0 ? std::clamp(static_cast<int>(room), 1, most_places) : 1;
   std::vector<Summit> all, touching;
   std::vector<double> face;
@@ -76,8 +77,8 @@ std::vector<Summit> find_summits(const Model& m) {
     add_faces(m, scene.start + travel * i / places, face);
     const std::size_t node = highest_summit(face);
     if (node == 0) continue;
-    const std::size_t first = node - std::min(node, most_reach);
-    const std::size_t end = std::min(node + most_reach + 1, face.size());
+    const std::size_t first = node - std::min(node, most_half_nodes);
+    const std::size_t end = std::min(node + most_half_nodes + 1, face.size());
     // a slider that is held touches where the faces reach across the gap
     const bool reaches = scene.slider.support != Support::free && face[node] >= m.delta;
     (reaches ? touching : all)

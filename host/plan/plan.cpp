@@ -120,18 +120,19 @@ void plan_steps(const Model& model, const JoinedModes& place, Plan& plan) {
   const double seconds = 1e-9 * static_cast<double>(model.steps);
   const bool held = holds_forces(scene);
   const int stages = scheme_table(scene.time.scheme).stages;
-  const int looks = held ? 2 : stages;  // held: without and with the contact's force
-  const double look_ns = scene.time.nodes == Nodes::all ? looks * node_ns * model.nodes() : 0.0;
+  const int evaluations = held ? 2 : stages;  // held: without and with the contact's force
+  const double evaluation_ns =
+      scene.time.nodes == Nodes::all ? evaluations * node_ns * model.nodes() : 0.0;
   const double one_ns = held                                  ? held_ns
                         : is_semi_implicit(scene.time.scheme) ? contact_ns
                                                               : stages * stage_ns;
   const double wide = width_of(model), each_ns = more_ns * std::max(8, modes_of(model));
   const double moved_ns = stages * travelling_forces_ns(model);
   const double solved_ns = held ? solving_ns(model, plan.many_nodes) : 0.0;
-  plan.seconds_free = seconds * (std::max(wide * flight_ns, look_ns) + moved_ns);
-  plan.seconds_one = seconds * (wide * one_ns + look_ns + moved_ns);
-  plan.seconds_many = seconds * (wide * one_ns + (plan.many_nodes - 1) * looks * each_ns + look_ns +
-                                 moved_ns + solved_ns);
+  plan.seconds_free = seconds * (std::max(wide * flight_ns, evaluation_ns) + moved_ns);
+  plan.seconds_one = seconds * (wide * one_ns + evaluation_ns + moved_ns);
+  plan.seconds_many = seconds * (wide * one_ns + (plan.many_nodes - 1) * evaluations * each_ns +
+                                 evaluation_ns + moved_ns + solved_ns);
 }
 
 /// Of the adaptive scheme: what can be said of its steps before it has made them. One ends where a
@@ -148,11 +149,11 @@ void plan_strides(const Model& model, double omega_c, Plan& plan) {
   for (const Body* body : {&model.resonator, &model.slider})
     for (const BodyMode& mode : body->modes) fastest = std::max(fastest, fastest_rate(mode));
   const double crossings = scene.speed / scene.spacing;  // a second
-  // a look takes overlaps and their rates, at the end of a step and often at its beginning
-  const double look_ns = scene.time.nodes == Nodes::all ? 4 * node_ns * model.nodes() : 0.0;
+  // overlaps and their rates, at the end of a step and often at its beginning
+  const double evaluation_ns = scene.time.nodes == Nodes::all ? 4 * node_ns * model.nodes() : 0.0;
   const double wide = width_of(model), order = wide * order_ns;
-  const double flight = wide * leap_ns + look_ns,
-               drive = (order + travelling_forces_ns(model)) * n + look_ns;
+  const double flight = wide * leap_ns + evaluation_ns,
+               drive = (order + travelling_forces_ns(model)) * n + evaluation_ns;
   const double alone = scene.resonator.moving_forces.empty()
                            ? crossings * flight
                            : (crossings + fastest / theta) * drive;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <cmath>
 
 #include "host/base/quiet_nan.hpp"
 #include "host/result/record.hpp"
@@ -18,6 +19,8 @@ struct EnergyBalance {
     if (samples < 2) return quiet_nan;
     return turnover > 0 ? residual / turnover : 0.0;
   }
+  /// Its size.
+  double closure() const { return std::abs(relative()); }
 };
 
 /// Follows the energy through a run from a time [s] on, block after block.

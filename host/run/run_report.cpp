@@ -140,7 +140,7 @@ std::string ending_name(Ending ending) {
 ResultSummary summary_of(const RunReport& report) {
   ResultSummary summary;
   static_cast<NoiseFigures&>(summary) = report;
-  summary.energy_closure = std::abs(report.energy.relative());
+  summary.energy_closure = report.energy.closure();
   if (report.energy.samples >= 2) {
     summary.energy_residual = report.energy.residual;
     summary.energy_turnover = report.energy.turnover;

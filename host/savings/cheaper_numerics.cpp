@@ -107,7 +107,7 @@ std::vector<Numerics> cheaper_than_reference(const SavingsSearch& search) {
 double shortening(const Trial& trial, double accuracy) {
   double most = accuracy;
   for (const Movement& m : trial.moved) most = std::max(most, std::abs(m.relative) - m.margin());
-  if (trial.verdict == Verdict::open) most = std::max(most, trial.closure);
+  if (trial.verdict == Verdict::open) most = std::max(most, trial.energy_closure);
   // of what is far off altogether no more is known than that
   return std::min(0.6, std::sqrt(accuracy / std::min(most, std::max(0.3, accuracy))));
 }
@@ -118,7 +118,7 @@ Trial attempt(SavingsSearch& search, const Numerics& n, double end) {
       try_out(search, changed("time", text_of(search.marched(n.time)), change, search.written),
               search.reference, end, n.cost);
   trial.by_balance = trial.verdict == Verdict::open && trial.first.pairs > 0 &&
-                     trial.closure <= search.options.accuracy &&
+                     trial.energy_closure <= search.options.accuracy &&
                      judge(trial.first, search.options.accuracy) == Verdict::kept;
   return trial;
 }

@@ -38,7 +38,7 @@ struct Trial {
   Scene scene;
   std::array<Movement, 3> moved;  // of quantities_of_answer
   Movement first;                 // of the first shock's duration
-  double closure = 0;             // of the energy, relative, the mean over the runs
+  double energy_closure = 0;      // of the energy, relative, the mean over the runs
   double cheaper = quiet_nan;     // than the scene that it is compared with
   Verdict verdict = Verdict::open;
   std::string why;          // why it could not be run, or stayed open
@@ -55,7 +55,7 @@ struct Savings {
   int runs = 0;                     // of the reference
   Answer mean;                      // of the reference over its runs
   std::array<double, 3> spread;     // standard deviation of one run, relative
-  double closure = 0;               // of the reference
+  double energy_closure = 0;        // of the reference
   std::vector<Trial> trials;        // in the order of the tables
   std::vector<Trial> combinations;  // of all savings; more than one where some had to be given up
   double cost_written = 0, cost_chosen = 0;  // as of Ensemble

@@ -115,7 +115,7 @@ void take_answer(SavingsSearch& search) {
             : 0.0;
   }
   for (const Answer& a : answers)
-    search.out.closure += a.closure / static_cast<double>(answers.size());
+    search.out.energy_closure += a.energy_closure / static_cast<double>(answers.size());
 }
 
 }  // namespace ra2d

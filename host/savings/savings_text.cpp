@@ -67,7 +67,7 @@ std::string row(const Trial& trial, int digits, bool costs) {
     text += fmt::format(
         "      taken although chance leaves it open: the energy closes to {:.1e}, and the first\n"
         "      shocks, before chaos parts the runs, last as long within {} %\n",
-        trial.closure, percent(trial.first, digits));
+        trial.energy_closure, percent(trial.first, digits));
   return text;
 }
 
@@ -129,7 +129,7 @@ std::string describe_reference(const Savings& s) {
       "dB)\n",
       100 * s.accuracy, decibels(s.accuracy));
   text += fmt::format("reference  the scene as written, {}; its energy closes to {:.1e}\n",
-                      choice_text(s.reference), s.closure);
+                      choice_text(s.reference), s.energy_closure);
   text += s.runs > 1 ? fmt::format("runs       {} of {}, {}; compared in pairs of the same\n",
                                    s.runs, seconds_text(s.duration), varied(s.written))
                      : fmt::format("runs       one of {}: there is nothing to vary\n",
@@ -139,7 +139,7 @@ std::string describe_reference(const Savings& s) {
               : "answer     no level: the resonator does not move";
   text += fmt::format(", {:.4g} shocks a second", s.mean.shock_rate);
   if (s.mean.shock_rate > 0)
-    text += fmt::format(", median {}", seconds_text(s.mean.shock_duration));
+    text += fmt::format(", median {}", seconds_text(s.mean.shock_duration_median));
   text += '\n';
   if (s.runs > 1)
     text += fmt::format("           one run alone spreads by {:.{}f} %, {:.{}f} % and {:.{}f} %\n",
@@ -222,7 +222,7 @@ std::string planned_scene(const Savings& s) {
           return fmt::format(
               "# alone it moves {}{}", movement_text(trial, s.accuracy),
               trial.by_balance
-                  ? fmt::format("; taken because its energy closes to {:.1e}", trial.closure)
+                  ? fmt::format("; taken because its energy closes to {:.1e}", trial.energy_closure)
                   : "");
       return {};
     };

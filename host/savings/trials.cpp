@@ -117,7 +117,7 @@ Trial try_out(SavingsSearch& search, Trial trial, const Runs& base, double end,
     if (was_not_run(trial)) return trial;  // too few pairs to say anything of
     trial.cheaper = base->cost() / runs->cost();
     trial.first = movement(base->answers(), runs->answers(), &Answer::first_duration);
-    for (const Answer& a : runs->answers()) trial.closure += a.closure / runs->runs();
+    for (const Answer& a : runs->answers()) trial.energy_closure += a.energy_closure / runs->runs();
   } catch (const RequestError& fault) {
     trial.verdict = Verdict::moved;
     trial.why = "cannot be run: " + first_sentence(fault.what());

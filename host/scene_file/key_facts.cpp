@@ -65,6 +65,12 @@ const KeyFacts* find_key(const std::string& path) {
   return found;
 }
 
+const std::string& key_unit(const std::string& path) {
+  const KeyFacts* found = find_key(path);
+  if (found == nullptr) throw std::logic_error("a scene has no key " + path);
+  return found->unit;
+}
+
 std::string udunits(const std::string& unit) {
   if (unit.empty()) return "1";
   const std::size_t slash = unit.find('/'), power = unit.find('^');

@@ -24,6 +24,10 @@ const std::vector<KeyFacts>& scene_sections();
 /// scene has no such key.
 const KeyFacts* find_key(const std::string& path);
 
+/// The unit of a key by its path, "kg/m^3"; empty for none. Throws std::logic_error where a scene
+/// has no such key.
+const std::string& key_unit(const std::string& path);
+
 /// A unit as the CF conventions and UDUNITS write it: "kg m-3" for "kg/m^3", "1" for none.
 std::string udunits(const std::string& unit);
 

@@ -9,14 +9,16 @@
 #include <utility>
 
 #include "host/body/body.hpp"
+#include "host/scene_file/key_facts.hpp"
 
 // The bounds are those of what is built and rubbed, from micromachines to bridges and from rubber
 // to diamond, with room to spare. What is off by a factor of a thousand lies beyond one of them in
 // most scenes.
 namespace ra2d {
 
-void doubt(std::vector<std::string>& doubts, const std::string& key, double value, const char* unit,
+void doubt(std::vector<std::string>& doubts, const std::string& key, double value,
            const std::string& why, const Slip& slip) {
+  const std::string& unit = key_unit(key);
   doubts.push_back(fmt::format("{} = {:g} {}: {}: {} ({:.4g} {})?", key, value, unit, why,
                                slip.words, value * slip.factor, unit));
 }
@@ -38,12 +40,12 @@ void doubt_young(const std::string& name, const BodySpec& body, Doubts& doubts) 
   const Slip meant = body.young < most_giga ? giga : body.young < most_mega ? mega : too_small;
   const std::string key = name + ".young";
   if (body.young < softest)
-    doubt(doubts, key, body.young, "Pa", "softer than a gel", meant);
+    doubt(doubts, key, body.young, "softer than a gel", meant);
   else if (body.young > stiffest)
-    doubt(doubts, key, body.young, "Pa", "stiffer than diamond", too_large);
+    doubt(doubts, key, body.young, "stiffer than diamond", too_large);
   else if (body.density > dense && sound_speed(body) < slow)
-    doubt(doubts, key, body.young, "Pa",
-          fmt::format("softer than anything of {:g} kg/m^3", body.density), meant);
+    doubt(doubts, key, body.young, fmt::format("softer than anything of {:g} kg/m^3", body.density),
+          meant);
 }
 
 void doubt_density(const std::string& name, const BodySpec& body, Doubts& doubts) {
@@ -51,14 +53,14 @@ void doubt_density(const std::string& name, const BodySpec& body, Doubts& doubts
   constexpr double most_in_grams = 25, fastest = 20000;  // m/s: sound in diamond takes 18 000
   const std::string key = name + ".density";
   if (body.density < lightest)
-    doubt(doubts, key, body.density, "kg/m^3", "lighter than foam", grams);
+    doubt(doubts, key, body.density, "lighter than foam", grams);
   else if (body.density > heaviest)
-    doubt(doubts, key, body.density, "kg/m^3", "heavier than any metal", too_large);
+    doubt(doubts, key, body.density, "heavier than any metal", too_large);
   else if (body.density < most_in_grams && sound_speed(body) > fastest)
-    doubt(doubts, key, body.density, "kg/m^3",
-          fmt::format("lighter than anything of {:g} Pa", body.young), grams);
+    doubt(doubts, key, body.density, fmt::format("lighter than anything of {:g} Pa", body.young),
+          grams);
   else if (sound_speed(body) > fastest)
-    doubt(doubts, name + ".young", body.young, "Pa",
+    doubt(doubts, name + ".young", body.young,
           fmt::format("stiffer than anything of {:g} kg/m^3", body.density), too_large);
 }
 
@@ -67,9 +69,9 @@ void doubt_section(const std::string& name, const BodySpec& body, bool is_slider
   constexpr double slender = 2e4, tall_block = 10, tall_edge = 8;                 // ratios
   const auto far = [&](const char* key, double value, double low, double high) {
     if (value > high)
-      doubt(doubts, name + key, value, "m", "larger than what is rubbed", millimetres);
+      doubt(doubts, name + key, value, "larger than what is rubbed", millimetres);
     else if (value < low)
-      doubt(doubts, name + key, value, "m", "smaller than what is rubbed", too_small);
+      doubt(doubts, name + key, value, "smaller than what is rubbed", too_small);
   };
   far(".length", body.length, shortest, longest);
   far(".width", body.width, narrowest, widest);
@@ -78,17 +80,17 @@ void doubt_section(const std::string& name, const BodySpec& body, bool is_slider
   const double most = (is_slider ? tall_block : 1) * body.length;
   const std::string key = name + ".thickness";
   if (body.thickness > most)
-    doubt(doubts, key, body.thickness, "m",
+    doubt(doubts, key, body.thickness,
           fmt::format("{:.3g} times {}.length = {:g} m, which is no beam",
                       body.thickness / body.length, name, body.length),
           millimetres);
   else if (body.length > slender * body.thickness)
-    doubt(doubts, key, body.thickness, "m",
+    doubt(doubts, key, body.thickness,
           fmt::format("{}.length = {:g} m is {:.3g} times as much, more than a foil's", name,
                       body.length, body.length / body.thickness),
           too_small);
   else if (body.thickness > tall_edge * body.width)
-    doubt(doubts, name + ".width", body.width, "m",
+    doubt(doubts, name + ".width", body.width,
           fmt::format("{}.thickness = {:g} m is {:.3g} times as much, a blade on its edge", name,
                       body.thickness, body.thickness / body.width),
           too_small);
@@ -109,7 +111,7 @@ void doubt_body(const std::string& name, const BodySpec& body, bool is_slider, D
   // of larger numbers it is the body that is odd
   if (body.max_frequency && *body.max_frequency < most_kilohertz && !is_slider &&
       elastic_frequency(body, 0) > *body.max_frequency)
-    doubt(doubts, name + ".max_frequency", *body.max_frequency, "Hz",
+    doubt(doubts, name + ".max_frequency", *body.max_frequency,
           fmt::format("it keeps no mode, the first is at {:.4g} Hz", elastic_frequency(body, 0)),
           kilohertz);
 }
@@ -130,7 +132,7 @@ void doubt_loads(const Scene& scene, Doubts& doubts) {
     if (scene.resonator.support != Support::pinned) return false;
     const double deflection = static_deflection(scene.resonator, force);
     if (!(deflection > large * scene.resonator.length)) return false;
-    doubt(doubts, key, force, "N",
+    doubt(doubts, key, force,
           fmt::format("it bends the resonator by {:.3g} m of its {:g} m", deflection,
                       scene.resonator.length),
           too_large);
@@ -142,25 +144,24 @@ void doubt_loads(const Scene& scene, Doubts& doubts) {
     bends(key + ".force", force.force);
     constexpr double fastest = 1000;  // m/s
     if (force.speed > fastest)
-      doubt(doubts, key + ".speed", force.speed, "m/s", "faster than a bullet",
-            millimetres_a_second);
+      doubt(doubts, key + ".speed", force.speed, "faster than a bullet", millimetres_a_second);
   }
   if (slider.load_is_weight || slider.load == 0 || slider.support == Support::rigid) return;
   if (bends("slider.load", slider.load)) return;
   const double weight =
       9.80665 * slider.density * slider.length * slider.thickness * slider.width;  // N
   if (std::abs(slider.load) < little * weight)
-    doubt(doubts, "slider.load", slider.load, "N",
+    doubt(doubts, "slider.load", slider.load,
           fmt::format("the slider alone weighs {:.3g} N", weight), too_small);
 }
 
 void doubt_motion(const Scene& scene, Doubts& doubts) {
   constexpr double slowest = 2e-4, fastest = 50;  // m/s
   if (scene.speed > fastest)
-    doubt(doubts, "scene.speed", scene.speed, "m/s", "faster than brakes and rails rub",
+    doubt(doubts, "scene.speed", scene.speed, "faster than brakes and rails rub",
           millimetres_a_second);
   else if (scene.speed > 0 && scene.speed < slowest)
-    doubt(doubts, "scene.speed", scene.speed, "m/s", "so slow that little is heard", too_small);
+    doubt(doubts, "scene.speed", scene.speed, "so slow that little is heard", too_small);
 }
 
 /// Nodes against the waves and peaks that they have to show. Measured faces are checked where they
@@ -170,7 +171,7 @@ void doubt_spacing(const Scene& scene, const std::string& name, const BodySpec& 
   constexpr double most_to_wave = 1e4, most_to_peak = 2000, least_to_peak = 2;  // spacings
   const SurfaceSpec& surface = body.surface;
   const auto fine = [&](double length, const std::string& what) {
-    doubt(doubts, "scene.spacing", scene.spacing, "m",
+    doubt(doubts, "scene.spacing", scene.spacing,
           fmt::format("{:.3g} nodes to {}, far more than show anything", length / scene.spacing,
                       what),
           too_small);
@@ -181,20 +182,24 @@ void doubt_spacing(const Scene& scene, const std::string& name, const BodySpec& 
     if (wave > most_to_wave * scene.spacing)
       fine(wave, fmt::format("the {:g} m of {}.surface", wave, name));
     if (surface.rsm.value_or(0) > body.length)
-      doubt(doubts, name + ".surface.rsm", *surface.rsm, "m",
+      doubt(doubts, name + ".surface.rsm", *surface.rsm,
             "longer than the body, which is then "
             "bent and not rough",
             millimetres);
   }
   if (surface.kind != SurfaceKind::peaks) return;
   double narrowest = std::numeric_limits<double>::infinity(), widest = 0;
-  for (const Peak& peak : surface.peaks) {
-    narrowest = std::min(narrowest, peak.half_width);
-    widest = std::max(widest, peak.half_width);
+  std::size_t index = 0;  // of the widest
+  for (std::size_t i = 0; i < surface.peaks.size(); ++i) {
+    const double half_width = surface.peaks[i].half_width;
+    narrowest = std::min(narrowest, half_width);
+    if (!(half_width > widest)) continue;
+    widest = half_width;
+    index = i;
   }
   if (widest > body.length)
-    doubt(doubts, name + ".surface.peaks: half_width", widest, "m", "wider than the body is long",
-          millimetres);
+    doubt(doubts, fmt::format("{}.surface.peaks[{}].half_width", name, index), widest,
+          "wider than the body is long", millimetres);
   if (narrowest < least_to_peak * scene.spacing)
     doubts.push_back(
         fmt::format("{}.surface: a peak of half_width {:g} m falls between nodes {:g} m "
@@ -212,10 +217,10 @@ void doubt_peaks(const std::string& name, const BodySpec& body, Doubts& doubts) 
     const double height = std::abs(peak.height);
     if ((body.thickness > 0 && height > large_share * body.thickness) ||
         height > steep * peak.half_width)
-      doubt(doubts, key, peak.height, "m",
+      doubt(doubts, key, peak.height,
             fmt::format("a peak of half_width {:g} m that is so high", peak.half_width), too_large);
     else if (height > 0 && height < flat * peak.half_width)
-      doubt(doubts, key, peak.height, "m",
+      doubt(doubts, key, peak.height,
             fmt::format("a peak of half_width {:g} m that is so low", peak.half_width), too_small);
   }
 }

@@ -22,8 +22,9 @@ inline constexpr Slip millimetres{"is it in mm", 1e-3}, micrometres{"is it in um
     too_small{"was it divided by 1000 once too often", 1e3},
     too_large{"was it multiplied by 1000 once too often", 1e-3};
 
-/// Adds "slider.density = 8.5 kg/m^3: lighter than foam: is it in g/cm^3 (8500 kg/m^3)?"
-void doubt(std::vector<std::string>& doubts, const std::string& key, double value, const char* unit,
+/// Adds "slider.density = 8.5 kg/m^3: lighter than foam: is it in g/cm^3 (8500 kg/m^3)?" `key`: its
+/// path in the table of keys, which has its unit.
+void doubt(std::vector<std::string>& doubts, const std::string& key, double value,
            const std::string& why, const Slip& slip);
 
 }  // namespace ra2d

@@ -117,13 +117,13 @@ ReadNumbers read_numbers(hid_t dataset, double room) {
   return found;
 }
 
-struct Look {
+struct Reading {
   CheckedFile found;
   hsize_t size = 0;  // bytes of the file
 };
 
-herr_t look_at(hid_t file, const char* name, const H5O_info_t* info, void* data) {
-  auto& [found, size] = *static_cast<Look*>(data);
+herr_t read_object(hid_t file, const char* name, const H5O_info_t* info, void* data) {
+  auto& [found, size] = *static_cast<Reading*>(data);
   const std::string shown = printable(shortened(name, 80));
   try {
     const h5::Object object{check(H5Oopen(file, name, H5P_DEFAULT))};
@@ -149,23 +149,23 @@ herr_t look_at(hid_t file, const char* name, const H5O_info_t* info, void* data)
 }
 
 /// Only a child process may call this: the bytes may be hostile.
-CheckedFile look_at_all(const std::filesystem::path& path) {
-  Look look;
+CheckedFile read_objects(const std::filesystem::path& path) {
+  Reading reading;
   const auto library = h5::take_library();
   try {
     const h5::Properties access = h5::file_access();
     const h5::File file{check(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access))};
-    check(H5Fget_filesize(file, &look.size));
-    check(H5Ovisit2(file, H5_INDEX_NAME, H5_ITER_NATIVE, look_at, &look, H5O_INFO_BASIC));
+    check(H5Fget_filesize(file, &reading.size));
+    check(H5Ovisit2(file, H5_INDEX_NAME, H5_ITER_NATIVE, read_object, &reading, H5O_INFO_BASIC));
   } catch (const h5::Failure& failure) {
-    look.found.faults.push_back(
+    reading.found.faults.push_back(
         fmt::format("it cannot be read: {}: cut short, or damaged", failure.reason));
   }
-  return look.found;
+  return reading.found;
 }
 
 /// No more nodes touch than the slider has.
-void look_at_nodes(const ResultReader& reader, std::vector<std::string>& faults) {
+void check_nodes(const ResultReader& reader, std::vector<std::string>& faults) {
   const auto most = static_cast<double>(reader.rows("surface/slider/height"));
   for (std::size_t first = 0; first < reader.contents().samples; first += rows_at_once) {
     const std::size_t count = std::min(rows_at_once, reader.contents().samples - first);
@@ -178,15 +178,15 @@ void look_at_nodes(const ResultReader& reader, std::vector<std::string>& faults)
   }
 }
 
-CheckedFile look_at_result(const std::filesystem::path& path) {
-  CheckedFile found = look_at_all(path);
+CheckedFile read_as_result(const std::filesystem::path& path) {
+  CheckedFile found = read_objects(path);
   if (found.datasets == 0 && !found.faults.empty()) return found;
   for (const std::string& name : found.not_finite)
     if (!name.ends_with("/lv"))  // -inf at rest
       found.faults.push_back(fmt::format("/{} has values that are no numbers", name));
   try {
     const ResultReader reader(path, Bytes::hostile);
-    look_at_nodes(reader, found.faults);
+    check_nodes(reader, found.faults);
     const ResultSummary& summary = reader.contents().summary;
     found.what = summary.complete ? "a complete result"
                                   : fmt::format("a result that was cut short: {}",
@@ -229,7 +229,7 @@ CheckedFile unpacked(const std::string& text) {
 /// The seal first, in this process. What HDF5 says comes from a child: a forger's seal fits, and of
 /// a file whose seal does not fit HDF5 may still say what is damaged.
 CheckedFile ask_of(const std::filesystem::path& path,
-                   CheckedFile (*look)(const std::filesystem::path&)) {
+                   CheckedFile (*read)(const std::filesystem::path&)) {
   CheckedFile found;
   std::string unsealed;
   try {
@@ -243,10 +243,10 @@ CheckedFile ask_of(const std::filesystem::path& path,
   std::error_code none;
   const auto size = static_cast<double>(std::filesystem::file_size(path, none));
   const ChildAnswer answer =
-      ask_in_child([&] { return packed(look(path)); }, least_memory + 4 * size,
+      ask_in_child([&] { return packed(read(path)); }, least_memory + 4 * size,
                    least_seconds + size / least_speed);
   if (!answer.started && unsealed.empty())
-    found = look(path);
+    found = read(path);
   else if (answer.fault.empty())
     found = unpacked(answer.text);
   else
@@ -257,8 +257,8 @@ CheckedFile ask_of(const std::filesystem::path& path,
 
 }  // namespace
 
-CheckedFile check_hashes(const std::filesystem::path& path) { return ask_of(path, look_at_all); }
+CheckedFile check_hashes(const std::filesystem::path& path) { return ask_of(path, read_objects); }
 
-CheckedFile check_result(const std::filesystem::path& path) { return ask_of(path, look_at_result); }
+CheckedFile check_result(const std::filesystem::path& path) { return ask_of(path, read_as_result); }
 
 }  // namespace ra2d

@@ -34,13 +34,13 @@ enum class RunStatus : std::uint32_t {
   failed = 3    // while it was marched: unstable, not finite, ...
 };
 
-/// The figures of a run; NaN where there is none.
+/// The figures of a run as the ledger keeps them, named as in NoiseFigures and ResultSummary; NaN
+/// where there is none. The scene alone makes all but the last.
 struct RunFigures {
-  double v_rms, level;                            // m/s, dB
-  double shock_rate, shock_duration, peak_force;  // 1/s; medians: s, N
-  double contact_share, energy_closure;           // of the time; relative
-  double wall_seconds;                            // s of its thread, of all else than which the
-                                                  // numbers are made by the scene alone
+  double v_rms, lv;
+  double shock_rate, shock_duration_median, peak_force_median;
+  double contact_share, energy_closure;
+  double wall_seconds;  // of its thread
   static constexpr std::size_t count = 8;
 };
 inline constexpr RunFigures no_figures{quiet_nan, quiet_nan, quiet_nan, quiet_nan,

@@ -112,12 +112,13 @@ std::vector<LocalExponent> changes_of(const StudyAnswers& answers,
   std::vector<LocalExponent> changes;
   for (std::size_t t = 0; t < terms.size(); ++t) {
     const Eigen::Index row = linear + static_cast<Eigen::Index>(t);
-    const std::vector<double> bends(of_seeds.row(row).begin(), of_seeds.row(row).end());
-    const MeanOfRuns bend = mean_of_runs(bends);
-    const auto seeds = static_cast<double>(bend.count);
-    const double p = bend.mean == 0
-                         ? 1.0
-                         : student_tail(bend.mean * std::sqrt(seeds) / bend.deviation, seeds - 1);
+    const std::vector<double> coefficients(of_seeds.row(row).begin(), of_seeds.row(row).end());
+    const MeanOfRuns curvature = mean_of_runs(coefficients);
+    const auto seeds = static_cast<double>(curvature.count);
+    const double p =
+        curvature.mean == 0
+            ? 1.0
+            : student_tail(curvature.mean * std::sqrt(seeds) / curvature.deviation, seeds - 1);
     const auto add = [&](std::size_t of, std::size_t along) {
       const std::vector<double>& values = answers.axes[fitted[along]].numbers;
       const auto [low, high] = std::minmax_element(values.begin(), values.end());

@@ -316,12 +316,12 @@ class Worker {
       finished.status = RunStatus::failed;
     } else {
       finished.figures = {.v_rms = report.v_rms,
-                          .level = report.lv,
+                          .lv = report.lv,
                           .shock_rate = report.shock_rate,
-                          .shock_duration = report.shock_duration_median,
-                          .peak_force = report.peak_force_median,
+                          .shock_duration_median = report.shock_duration_median,
+                          .peak_force_median = report.peak_force_median,
                           .contact_share = report.contact_share,
-                          .energy_closure = std::abs(report.energy.relative()),
+                          .energy_closure = report.energy.closure(),
                           .wall_seconds = 0};
     }
     finished.figures.wall_seconds = report.wall_seconds;

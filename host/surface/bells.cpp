@@ -14,7 +14,7 @@
 namespace ra2d {
 
 Bells::Bells(std::vector<double> coefficients) : coefficients_{std::move(coefficients)} {
-  for (int i = 0; i <= reach; ++i) bell_[i] = portable::exp(-0.125 * i * i);
+  for (int i = 0; i <= half_width; ++i) bell_[i] = portable::exp(-0.125 * i * i);
 }
 
 void Bells::evaluate(std::vector<double>& x) const {
@@ -41,7 +41,7 @@ void Bells::sum(Group& x) const {
   std::array<std::ptrdiff_t, side_by_side> near;
   for (std::size_t k = 0; k < side_by_side; ++k) {
     const double place = std::floor(x[k] + 0.5), a = x[k] - place;
-    near[k] = reach + static_cast<std::ptrdiff_t>(place);
+    near[k] = half_width + static_cast<std::ptrdiff_t>(place);
     ahead[k] = 0.25 * a;
     middle[k] = -0.125 * a * a;
   }
@@ -52,7 +52,7 @@ void Bells::sum(Group& x) const {
       right[k] = left[k] = 1;
       sums[k] = coefficient(k, 0);
     }
-    for (int i = 1; i <= reach; ++i)
+    for (int i = 1; i <= half_width; ++i)
       for (std::size_t k = 0; k < side_by_side; ++k) {
         right[k] *= ahead[k];
         left[k] *= behind[k];

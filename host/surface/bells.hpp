@@ -13,13 +13,14 @@ namespace ra2d {
 class Bells {
  public:
   /// Beyond this many places a bell is below the roundings of the sum.
-  static constexpr int reach = 18;
+  static constexpr int half_width = 18;
 
-  /// `coefficients` are those of the places -reach, 1 - reach, ...
+  /// `coefficients` are those of the places -half_width, 1 - half_width, ...
   explicit Bells(std::vector<double> coefficients);
 
-  /// Replaces every x by the function there; x from 0 to the number of coefficients - 2 reach - 1.
-  /// The bits are the same on every platform and compiler, and do not depend on the other places.
+  /// Replaces every x by the function there; x from 0 to the number of coefficients - 2 half_width
+  /// - 1. The bits are the same on every platform and compiler, and do not depend on the other
+  /// places.
   void evaluate(std::vector<double>& x) const;
 
   /// Amplitude of the wave that coefficients exp(i n turn) give, turn [rad] from one place to the
@@ -37,7 +38,7 @@ class Bells {
   static void small_exp(Group& x, Group& y);
 
   std::vector<double> coefficients_;
-  std::array<double, reach + 1> bell_{};
+  std::array<double, half_width + 1> bell_{};
 };
 
 /// Mean and root mean square over (0, length), the latter about the former, of a function that

@@ -52,10 +52,10 @@ constexpr double longest_correlation = 100, shortest = 1e-8;
 /// places as at them, to 2 exp(-(pi l/2d)^2) = 1e-17: no spacing shows, neither d nor the scene's.
 std::vector<double> noise_about(std::uint64_t seed, int places) {
   constexpr std::size_t a_block = 1 << 14;
-  std::vector<double> noise(static_cast<std::size_t>(places) + 2 * Bells::reach + 1);
+  std::vector<double> noise(static_cast<std::size_t>(places) + 2 * Bells::half_width + 1);
   in_blocks(noise.size(), a_block, [&](std::size_t, std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i)
-      noise[i] = white_noise(seed, static_cast<std::int64_t>(i) - Bells::reach);
+      noise[i] = white_noise(seed, static_cast<std::int64_t>(i) - Bells::half_width);
   });
   return noise;
 }

@@ -9,7 +9,7 @@ namespace ra2d {
 /// too.
 double white_noise(std::uint64_t seed, std::int64_t index);
 
-/// The noise at the places -reach ... places + reach of Bells (host/surface/bells.hpp).
+/// The noise at the places -half_width ... places + half_width of Bells (host/surface/bells.hpp).
 std::vector<double> noise_about(std::uint64_t seed, int places);
 
 /// Bells at distances of a quarter of the correlation length, each of one white noise number, make

@@ -201,8 +201,8 @@ std::vector<double> prepared_face(const SurfaceSpec& spec, const std::filesystem
   check_proportion(file, heights, length, spacing, thickness, doubts);
   const std::size_t own = std::min(count, static_cast<std::size_t>(there / spacing) + 1);
   if (doubts != nullptr && own > 1) {
-    const auto reach = static_cast<double>(own - 1) * stride;
-    const std::size_t points = std::min(z.size(), static_cast<std::size_t>(reach) + 2);
+    const auto intervals = static_cast<double>(own - 1) * stride;
+    const std::size_t points = std::min(z.size(), static_cast<std::size_t>(intervals) + 2);
     doubt_lost_slope(file, face_shape(std::span(z).first(points), profile.spacing).slope,
                      profile.spacing, face_shape(std::span(heights).first(own), spacing).slope,
                      spacing, doubts);

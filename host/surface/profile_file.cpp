@@ -260,9 +260,9 @@ std::vector<double> read_profile(const std::filesystem::path& file, int nodes, d
                     "profile or a shorter beam",
                     file.string(), last_line, last - first, length));
 
-  const double reach = std::ceil(needed / step * (1 - evenness)) + 1;  // points along the beam
+  const double wanted = std::ceil(needed / step * (1 - evenness)) + 1;  // points along the beam
   const auto used =
-      static_cast<std::size_t>(std::clamp(reach, 2.0, static_cast<double>(points.size())));
+      static_cast<std::size_t>(std::clamp(wanted, 2.0, static_cast<double>(points.size())));
   const Relief relief = measure(points, used, length, thickness);
   if (LineFault fault = find_disproportion(profile, length, relief); !fault.text.empty())
     refuse(file, {std::move(fault)});

@@ -18,7 +18,8 @@ namespace {
 
 using std::numbers::pi;
 const double alpha = std::sqrt(std::numbers::ln2 / pi);
-constexpr double reach = 1.6;      // cutoffs: beyond, there is erfc(reach sqrt(pi)/alpha) = 1e-17
+/// In cutoffs. Beyond it there is erfc(bell_half_width sqrt(pi)/alpha) = 1e-17 of a bell.
+constexpr double bell_half_width = 1.6;
 constexpr double strides = 256;    // of a wide bell's cutoff
 constexpr double narrowest = 7.5;  // strides: 2^-7.5^2 is what a stride mistakes for something slow
 constexpr double least_weight = 1e-17;   // of a point, against 1
@@ -26,11 +27,11 @@ constexpr std::size_t few_weights = 32;  // which are summed plainly
 
 /// The bell's weights by the distance in points, and its moments up to there.
 struct Bell {
-  std::vector<double> weight, moment;  // moment: weight times distance, in units of the reach
+  std::vector<double> weight, moment;  // moment: weight times distance, in units of the half width
   std::vector<double> sum0, sum1, sum2;
 
   Bell(std::size_t points, double spacing, double cutoff) {
-    const double far = std::ceil(reach * cutoff / spacing);
+    const double far = std::ceil(bell_half_width * cutoff / spacing);
     const std::size_t half =
         far < static_cast<double>(points) ? static_cast<std::size_t>(far) : points - 1;
     const double unit = static_cast<double>(std::max<std::size_t>(half, 1));
@@ -136,7 +137,7 @@ BellMoments sum_in_strides(const std::vector<double>& heights, double cutoff, do
   const auto step = static_cast<double>(stride);
   const double narrow = narrowest * step;
   const double wide = cutoff * std::sqrt(1 - std::pow(narrow / cutoff, 2));
-  const auto far = static_cast<std::ptrdiff_t>(reach * narrow) + 1;
+  const auto far = static_cast<std::ptrdiff_t>(bell_half_width * narrow) + 1;
   const std::size_t margin = static_cast<std::size_t>(far) / stride + 5;
   const auto count = static_cast<std::ptrdiff_t>(heights.size());
   const std::size_t coarse = heights.size() / stride + 2 * margin;

@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::string_view blanks = " \t\r\v\f";
 constexpr std::size_t most_header_lines = 1000, longest_header = 2000;  // bytes
-constexpr std::size_t looked_at = 200;  // lines of numbers that tell how numbers are written
+constexpr std::size_t most_recognized = 200;  // lines of numbers that tell how numbers are written
 // Beyond any profile in metres:
 constexpr double longest_profile = 10, coarsest = 1e-4, highest = 1e-3;  // m
 
@@ -225,13 +225,14 @@ std::string place(const std::filesystem::path& file, std::size_t line) {
 }
 
 /// A first pass over the beginning of the file.
-std::pair<Dialect, TextHeader> look(const std::filesystem::path& file, const ProfileQuery& query) {
+std::pair<Dialect, TextHeader> recognize(const std::filesystem::path& file,
+                                         const ProfileQuery& query) {
   ProfileLines lines(file);
   Marks marks;
   std::vector<std::pair<std::size_t, std::string>> before;
   std::string first;
   std::size_t first_line = 0, seen = 0;
-  while (seen < looked_at && lines.next()) {
+  while (seen < most_recognized && lines.next()) {
     if (lines.too_long())
       throw RequestError(fmt::format("{}: a line of more than {} bytes (is it another file?)",
                                      place(file, lines.number()), ProfileLines::longest));
@@ -403,7 +404,7 @@ void require_metres(const std::filesystem::path& file, const Profile& profile, b
 }  // namespace
 
 Profile read_profile_text(const std::filesystem::path& file, const ProfileQuery& query) {
-  const auto [dialect, header] = look(file, query);
+  const auto [dialect, header] = recognize(file, query);
   const Columns columns = choose_columns(file, dialect, header, query);
   if (query.spacing && query.x_unit)
     throw RequestError("--x-unit has no x to act on: --spacing is in metres");

@@ -205,12 +205,12 @@ Process bells_of_waves(const Waves& of_heights, const HeightMap& map, double len
     half[j] = std::sqrt(waves.variance[j]) / 2 / Bells::gain(waves.turn(j)) * noise;
   }
   const std::vector<double> period = from_lines(half, static_cast<std::size_t>(waves.places));
-  const int last = last_place(length, waves.place) + 2 * Bells::reach;
+  const int last = last_place(length, waves.place) + 2 * Bells::half_width;
   std::vector<double> coefficients;
   coefficients.reserve(static_cast<std::size_t>(last) + 1);
   for (int i = 0; i <= last; ++i)
     coefficients.push_back(
-        period[static_cast<std::size_t>((i - Bells::reach + waves.places) % waves.places)]);
+        period[static_cast<std::size_t>((i - Bells::half_width + waves.places) % waves.places)]);
   return {Bells(std::move(coefficients)), waves.place, 1.0};
 }
 

@@ -69,16 +69,16 @@ class AdaptiveMarch {
                   tables.adaptive,
                   node_contact(),
                   state.carried.contacts,
-                  state.work.near,
+                  state.work.candidates,
                   state.work.amplitudes,
-                  state.work.watched,
+                  state.work.listed_nodes,
                   state.work.search,
                   state.carried.sums.evaluated},
         contacts_{lanes,
                   tables.adaptive,
                   state.carried.contacts,
                   state.work.spans,
-                  state.work.watched,
+                  state.work.listed_nodes,
                   state.work.search.onsets,
                   state.work.search.bernstein},
         recorder_{lanes,
@@ -172,70 +172,70 @@ class AdaptiveMarch {
     return true;
   }
 
-  /// Overlaps found at the end of this step serve as those at the beginning of the next, unless a
+  /// Keeps the overlaps at the end of this step as those at the beginning of the next, unless a
   /// node has passed another.
-  KOKKOS_FUNCTION void pass_on(const Place& place) {
+  KOKKOS_FUNCTION void keep_overlaps(const Place& place) {
     if (path_.at(tick_).base == place.base)
-      overlaps_.pass_on();
+      overlaps_.end_becomes_start();
     else
-      overlaps_.forget();
+      overlaps_.discard_start();
   }
 
   // ---- fly
   //
-  // A flight is exact at any length: what limits it is whether contact can be ruled out. A flight
-  // aims at 2^level ticks, about the longest for which the cubics alone decide. If they decide over
-  // all of it, the next flight is longer. If they do not, and would over a shorter flight, the next
-  // one is shorter.
+  // A flight is exact at any length, but contact must be ruled out over all of it. Flights are
+  // planned for 2^level ticks, about the longest for which the cubics alone rule it out. If they
+  // do, the next flight is longer. If they do not, and would over a shorter one, the next is
+  // shorter.
 
   static constexpr int longest_level = 60;
 
-  /// The length that a flight begins with.
-  struct Aim {
+  /// The length that is tried for a flight.
+  struct FlightPlan {
     std::int64_t ticks;
-    bool whole;  // it is the one aimed at: neither a node's passing nor the end comes before
-    bool clear;  // the bodies are so far apart that no node could come into contact anywhere
+    bool whole;  // it is the length planned: neither a node's passing nor the end cuts it
+    bool clear;  // the bodies are so longest apart that no node could come into contact
   };
-  KOKKOS_FUNCTION Aim take_aim(std::int64_t available) const {
+  KOKKOS_FUNCTION FlightPlan plan_flight(std::int64_t available) const {
     const std::int64_t length = std::int64_t{1} << state_.carried.control.flight_level;
     const std::int64_t whole = length - (tick_ & (length - 1));  // to a multiple of it
     if (whole <= available) return {whole, true, false};
-    // nodes may pass each other where faces and modes could not meet anywhere
+    // nodes may pass each other where the bodies are too far apart for any contact
     const std::int64_t left = end() - tick_;
-    const std::int64_t far = whole < left ? whole : left;
-    const MotionBounds bounds = flight_.bounds(now_.u, now_.v, far * tables_.motion.time_step);
+    const std::int64_t longest = whole < left ? whole : left;
+    const MotionBounds bounds = flight_.bounds(now_.u, now_.v, longest * tables_.motion.time_step);
     if (tables_.faces.highest_overlap + bounds.size + tables_.faces.rounding + bounds.rounding() <
         0.0)
-      return {far, far == whole, true};
+      return {longest, longest == whole, true};
     return {available, false, false};
   }
 
   KOKKOS_FUNCTION bool fly(const Place& place, std::int64_t available) {
-    const Aim aim = take_aim(available);
-    const int longer = aim.whole && state_.carried.control.flight_level < longest_level
+    const FlightPlan plan = plan_flight(available);
+    const int longer = plan.whole && state_.carried.control.flight_level < longest_level
                            ? state_.carried.control.flight_level + 1
                            : state_.carried.control.flight_level;
-    if (aim.clear) {
-      if (!land(aim.ticks, flown(aim.ticks), longer)) return false;
-      overlaps_.forget();
+    if (plan.clear) {
+      if (!end_flight(plan.ticks, flown(plan.ticks), longer)) return false;
+      overlaps_.discard_start();
       return true;
     }
     const MotionBounds bounds =
-        flight_.bounds(now_.u, now_.v, aim.ticks * tables_.motion.time_step);
-    const double rise = overlaps_.longest_rise(now_.u, bounds, aim.ticks);
-    overlaps_.find_near(place, now_, bounds, rise, available - aim.ticks);
-    overlaps_.see_beginning(place, now_);
+        flight_.bounds(now_.u, now_.v, plan.ticks * tables_.motion.time_step);
+    const double rise = overlaps_.longest_rise(now_.u, bounds, plan.ticks);
+    overlaps_.find_groups(place, now_, bounds, rise, available - plan.ticks);
+    overlaps_.evaluate_start(place, now_);
     if (!(bounds.size < 1e300)) return fail(Status::not_finite);
-    Modes end = flown(aim.ticks);
-    const int flagged = see_and_flag(place, end, aim.ticks, bounds, rise);
-    if (flagged > 0) return fly_and_search(place, end, aim.ticks, bounds, rise, flagged);
-    if (!land(aim.ticks, end, longer)) return false;
-    pass_on(place);
+    Modes end = flown(plan.ticks);
+    const int flagged = evaluate_and_flag(place, end, plan.ticks, bounds, rise);
+    if (flagged > 0) return fly_and_search(place, end, plan.ticks, bounds, rise, flagged);
+    if (!end_flight(plan.ticks, end, longer)) return false;
+    keep_overlaps(place);
     return true;
   }
 
-  /// A flight for which the cubics cannot rule out contact at the flagged nodes: their
-  /// series are searched, over no more than these hold for.
+  /// A flight for which the cubics cannot rule out contact at the flagged nodes: the series of
+  /// their overlaps are searched, over no longer than these hold.
   KOKKOS_FUNCTION bool fly_and_search(const Place& place, Modes& end, std::int64_t aimed,
                                       const MotionBounds& bounds, double rise, int flagged) {
     std::int64_t ticks = aimed;
@@ -244,34 +244,34 @@ class AdaptiveMarch {
     series_.expand(now_.u, now_.v, place, scale);
     const double extent = series_.extent(tables_.adaptive.tolerance);
     if (!(extent > 0.0)) return fail(Status::not_finite);
-    const double reach = extent * (scale / tables_.motion.time_step);
-    if (reach < static_cast<double>(ticks)) ticks = static_cast<std::int64_t>(reach);
+    const double usable = extent * (scale / tables_.motion.time_step);  // ticks
+    if (usable < static_cast<double>(ticks)) ticks = static_cast<std::int64_t>(usable);
     if (ticks < 1) return fail(Status::stalled);
     // a length at which the cubics may decide by themselves
     int level = state_.carried.control.flight_level;
     if (overlaps_.shorter_is_better(aimed * tables_.motion.time_step, bounds))
       level =
           Kokkos::max(ticks < aimed ? whole_level(ticks) : level - 1, tables_.flight.first_level);
-    // the nodes' shapes that the series are made of hold for a window
+    // the nodes' shapes in the series hold for a window
     const std::int64_t window = path_.ticks_to_next_window(place);
     if (window < ticks) ticks = window;
     if (ticks < aimed) {  // over a shorter flight the cubics are more accurate
       end = flown(ticks);
-      flagged = see_and_flag(place, end, ticks, bounds, rise);
+      flagged = evaluate_and_flag(place, end, ticks, bounds, rise);
     }
     if (flagged > 0) {
       const double x = series_.x_at(ticks);
       const double first =
           overlaps_.search(series_, place, flagged, x, overlaps_.tolerance(now_.u));
-      if (first <= x) return land_in_contact(series_.ticks_to(first, ticks), flagged);
+      if (first <= x) return end_flight_in_contact(series_.ticks_to(first, ticks), flagged);
     }
-    if (!land(ticks, end, level)) return false;
-    pass_on(place);
+    if (!end_flight(ticks, end, level)) return false;
+    keep_overlaps(place);
     return true;
   }
 
   /// Ends a flight in contact at those of the flagged nodes whose contact begins by then.
-  KOKKOS_FUNCTION bool land_in_contact(std::int64_t ticks, int flagged) {
+  KOKKOS_FUNCTION bool end_flight_in_contact(std::int64_t ticks, int flagged) {
     const double x = series_.x_at(ticks);
     if (!contacts_.can_take(flagged, x)) return fail(Status::crowded);
     if (!recorder_.fly_samples(tick_, now_, ticks)) return false;
@@ -280,13 +280,13 @@ class AdaptiveMarch {
     now_ = end;
     if (ticks > 0) recorder_.add_flight(tick_);
     tick_ += ticks;
-    overlaps_.forget();
+    overlaps_.discard_start();
     contacts_.begin(flagged, x);
     return true;
   }
 
-  /// Ends a flight without contact; the next one aims at 2^level ticks.
-  KOKKOS_FUNCTION bool land(std::int64_t ticks, const Modes& end, int level) {
+  /// Ends a flight without contact; the next one is planned for 2^level ticks.
+  KOKKOS_FUNCTION bool end_flight(std::int64_t ticks, const Modes& end, int level) {
     if (!recorder_.fly_samples(tick_, now_, ticks)) return false;
     now_ = end;
     recorder_.add_flight(tick_);
@@ -309,9 +309,9 @@ class AdaptiveMarch {
   // ---- drive
 
   KOKKOS_FORCEINLINE_FUNCTION bool drive(const Place& place, std::int64_t available) {
-    double reach;  // s
-    if (!expand(place, available, reach)) return false;
-    const double longest = reach / tables_.motion.time_step;
+    double usable_time;  // s
+    if (!expand(place, available, usable_time)) return false;
+    const double longest = usable_time / tables_.motion.time_step;
     std::int64_t ticks =
         longest < static_cast<double>(available) ? static_cast<std::int64_t>(longest) : available;
     double end = series_.x_at(ticks);
@@ -326,11 +326,11 @@ class AdaptiveMarch {
     // contacts that begin
     const MotionBounds bounds = series_.bounds(end);
     const double rise = overlaps_.longest_rise(now_.u, bounds, ticks);
-    overlaps_.find_near(place, now_, bounds, rise, available - ticks);
-    overlaps_.see_beginning(place, now_);
+    overlaps_.find_groups(place, now_, bounds, rise, available - ticks);
+    overlaps_.evaluate_start(place, now_);
     Modes there;
     series_.state(end, there.u, there.v);
-    const int flagged = see_and_flag(place, there, ticks, bounds, rise);
+    const int flagged = evaluate_and_flag(place, there, ticks, bounds, rise);
     bool onset = false;
     if (flagged > 0) {
       const double first = overlaps_.search(series_, place, flagged, end, tolerance);
@@ -353,20 +353,21 @@ class AdaptiveMarch {
     tick_ += ticks;
     if (release <= end) contacts_.end(end);
     if (onset) contacts_.begin(flagged, end);
-    // at rest it would grow for ever
+    // without the limit it would grow for ever at rest
     if (lanes_.leader())
-      state_.carried.control.series_scale = Kokkos::min(reach, tables_.adaptive.longest_scale);
+      state_.carried.control.series_scale =
+          Kokkos::min(usable_time, tables_.adaptive.longest_scale);
     lanes_.sync();
     if (onset)
-      overlaps_.forget();
+      overlaps_.discard_start();
     else
-      pass_on(place);
+      keep_overlaps(place);
     return true;
   }
 
-  /// Expands the motion, in units that suit it: `reach` is how far its series may be used [s]. Cuts
-  /// `available` to the ticks for which those of the moving forces hold.
-  KOKKOS_FUNCTION bool expand(const Place& place, std::int64_t& available, double& reach) {
+  /// Expands the motion, in units that suit it. `usable_time` becomes the time for which its series
+  /// may be used [s]; `available` is cut to the ticks for which those of the moving forces hold.
+  KOKKOS_FUNCTION bool expand(const Place& place, std::int64_t& available, double& usable_time) {
     while (true) {
       const double scale = state_.carried.control.series_scale;
       if (tables_.forces.count > 0) {
@@ -376,11 +377,11 @@ class AdaptiveMarch {
       series_.expand(now_.u, now_.v, place, scale);
       const double extent = series_.extent(tables_.adaptive.tolerance);
       if (!(extent > 0.0)) return fail(Status::not_finite);
-      reach = extent * scale;
-      if (!(reach >= tables_.motion.time_step)) return fail(Status::stalled);
+      usable_time = extent * scale;
+      if (!(usable_time >= tables_.motion.time_step)) return fail(Status::stalled);
       // the last step was a poor guess for this one: once more in better units
       lanes_.sync();
-      if (extent < 0.25 && lanes_.leader()) state_.carried.control.series_scale = reach;
+      if (extent < 0.25 && lanes_.leader()) state_.carried.control.series_scale = usable_time;
       lanes_.sync();
       if (!(extent < 0.25)) return true;
     }
@@ -390,9 +391,9 @@ class AdaptiveMarch {
 
   /// Finds the overlaps at the end of a step of so many ticks, and flags the nodes that could come
   /// into contact within it. Those at its beginning have been found.
-  KOKKOS_FUNCTION int see_and_flag(const Place& place, const Modes& end, std::int64_t ticks,
-                                   const MotionBounds& bounds, double rise) {
-    overlaps_.see_end(path_.moved(place, tick_ + ticks), end.u, end.v);
+  KOKKOS_FUNCTION int evaluate_and_flag(const Place& place, const Modes& end, std::int64_t ticks,
+                                        const MotionBounds& bounds, double rise) {
+    overlaps_.evaluate_end(path_.moved(place, tick_ + ticks), end.u, end.v);
     return overlaps_.flag(ticks * tables_.motion.time_step, bounds, rise);
   }
 

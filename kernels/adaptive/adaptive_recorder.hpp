@@ -59,8 +59,8 @@ class AdaptiveRecorder {
   /// buffer is full.
   KOKKOS_FUNCTION bool fly_samples(std::int64_t tick, const Modes& now, std::int64_t ticks) const {
     if (is_complete() || sample_tick() >= tick + ticks) return true;
-    // each from the one before, those too that the launch before has written: what is flown in one
-    // leap and in two has other roundings
+    // each from the one before, those too that the launch before has written: a flight in one
+    // piece and in two has other roundings
     const auto apart = static_cast<std::int64_t>(output_.steps_per_sample);
     std::int64_t at = tick;
     Modes there = now;
@@ -216,25 +216,25 @@ class AdaptiveRecorder {
   KOKKOS_FUNCTION void sum_nodes(const Series& series, double x) const {
     const int n = series.degree();
     for (int e = 0; e < contacts_.count; ++e) {
-      const double *o = series.overlap(e), *c = series.climb(e);
+      const double *o = series.overlap(e), *c = series.sliding_rate(e);
       constexpr int points = (gauss_points + width - 1) / width;  // packs of them
-      Real at[points], over[points], climb[points];
+      Real at[points], over[points], rate[points];
       for (int g = 0; g < points; ++g) {
         at[g] = Real(x) * lanes_.load(adaptive_.gauss + g * width);
         over[g] = Real(o[n]);
-        climb[g] = Real(c[n]);
+        rate[g] = Real(c[n]);
       }
       for (int j = n - 1; j >= 0; --j)
         for (int g = 0; g < points; ++g) {
           over[g] = multiply_add(over[g], at[g], Real(o[j]));
-          climb[g] = multiply_add(climb[g], at[g], Real(c[j]));
+          rate[g] = multiply_add(rate[g], at[g], Real(c[j]));
         }
       Real sum(0.0), moment(0.0), work(0.0);
       for (int g = 0; g < points; ++g) {
         const Real weighted = lanes_.load(adaptive_.gauss + gauss_row + g * width) * over[g];
         sum = sum + weighted;
         moment = multiply_add(weighted, at[g], moment);
-        work = multiply_add(weighted, climb[g], work);
+        work = multiply_add(weighted, rate[g], work);
       }
       double of_sum, of_moment;
       lanes_.sum(sum, moment, of_sum, of_moment);

@@ -17,16 +17,16 @@ namespace ra2d {
 template <class Lanes, int packs>
 class Contacts {
  public:
-  /// `watched`: the nodes that Overlaps flags; `onsets`: where their contacts begin; `bernstein`:
-  /// work space.
+  /// `listed_nodes`: the nodes that Overlaps flags; `onsets`: where their contacts begin;
+  /// `bernstein`: work space.
   KOKKOS_FUNCTION Contacts(const Lanes& lanes, const SeriesTables& adaptive, ContactSet& contacts,
-                           ContactSpans& spans, const int* watched, const double* onsets,
+                           ContactSpans& spans, const int* listed_nodes, const double* onsets,
                            double* bernstein)
       : lanes_{lanes},
         adaptive_{adaptive},
         contacts_{contacts},
         spans_{spans},
-        watched_{watched},
+        listed_nodes_{listed_nodes},
         onsets_{onsets},
         bernstein_{bernstein} {}
 
@@ -42,7 +42,7 @@ class Contacts {
       const Hull hull = hull_of(lanes_, adaptive_, o, n, end, bernstein_);
       double x = 2.0 * end + 1.0;
       if (hull.least <= -0.75 * tolerance)
-        x = first_crossing(o, n, -1.0, tolerance, 0.25 * tolerance, end, hull.curve);
+        x = first_crossing(o, n, -1.0, tolerance, 0.25 * tolerance, end, hull.curvature);
       if (lanes_.leader()) {
         spans_.hulls[e] = hull;
         spans_.ends[e] = x;
@@ -79,9 +79,9 @@ class Contacts {
         if (!(onsets_[e] <= x)) continue;
         RA2D_CHECK(contacts_.count < spans_.capacity);
         int i = contacts_.count++;
-        for (; i > 0 && contacts_.nodes[i - 1] > watched_[e]; --i)
+        for (; i > 0 && contacts_.nodes[i - 1] > listed_nodes_[e]; --i)
           contacts_.nodes[i] = contacts_.nodes[i - 1];
-        contacts_.nodes[i] = watched_[e];
+        contacts_.nodes[i] = listed_nodes_[e];
       }
     lanes_.sync();
   }
@@ -91,7 +91,7 @@ class Contacts {
   const SeriesTables& adaptive_;
   ContactSet& contacts_;
   ContactSpans& spans_;
-  const int* watched_;
+  const int* listed_nodes_;
   const double* onsets_;
   double* bernstein_;
 };

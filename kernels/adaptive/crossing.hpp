@@ -76,21 +76,22 @@ KOKKOS_INLINE_FUNCTION double highest_value(const double* c, int n, double end) 
 }
 
 /// The first x in [0, end] at which sign p(x) comes to within `noise` of `level` or above it; a
-/// value beyond `end` where there is none. Nothing is stepped over: with |p''| <= bend on [0, end],
-/// the parabola through the present value and slope that bends up by `bend` meets the level no
-/// later than p does. Near a simple crossing the steps shrink quadratically, as Newton's.
+/// value beyond `end` where there is none. Nothing is stepped over: with |p''| <= curvature on [0,
+/// end], the parabola through the present value and slope whose second derivative is `curvature`
+/// meets the level no later than p does. Near a simple crossing the steps shrink quadratically, as
+/// Newton's.
 KOKKOS_INLINE_FUNCTION double first_crossing(const double* c, int n, double sign, double level,
-                                             double noise, double end, double bend) {
+                                             double noise, double end, double curvature) {
   double x = 0.0;
   while (true) {
     const ValueAndSlope p = polynomial_and_slope(c, n, x);
     const double miss = level - sign * p.value, rate = sign * p.slope;
     if (!(miss > noise)) return x;
-    // the positive root of rate d + bend d^2/2 = miss, in the form that keeps its digits
-    const double root = Kokkos::sqrt(Kokkos::fma(rate, rate, 2.0 * bend * miss));
-    const double d = rate > 0.0 ? 2.0 * miss / (root + rate) : (root - rate) / (bend + 1e-300);
+    // the positive root of rate d + curvature d^2/2 = miss, in the form that keeps its digits
+    const double root = Kokkos::sqrt(Kokkos::fma(rate, rate, 2.0 * curvature * miss));
+    const double d = rate > 0.0 ? 2.0 * miss / (root + rate) : (root - rate) / (curvature + 1e-300);
     const double next = x + d;
-    // without slope and bend it stays where it is
+    // without slope and curvature it never comes to the level
     if (!(next <= end) || root == 0.0) return 2.0 * end + 1.0;
     if (next == x) return x;  // as near as roundings let it come
     x = next;
@@ -121,7 +122,7 @@ KOKKOS_INLINE_FUNCTION Hull hull_of(const Lanes& lanes, const SeriesTables& adap
   lanes.sync();
   const double* mask = adaptive.hull + overlap_terms * overlap_terms;
   const double first = bernstein[1] - bernstein[0];
-  Real least = b[0], most = b[0], falling(1e300), rising(-1e300), curve(0.0);
+  Real least = b[0], most = b[0], falling(1e300), rising(-1e300), curvature(0.0);
   for (int g = 0; g < packs; ++g) {
     if (g >= used) continue;
     least = Kokkos::min(least, b[g]);
@@ -133,12 +134,13 @@ KOKKOS_INLINE_FUNCTION Hull hull_of(const Lanes& lanes, const SeriesTables& adap
     const Real in = lanes.load(mask + g * width), d = in * d1 + (Real(1.0) - in) * Real(first);
     falling = Kokkos::min(falling, d);
     rising = Kokkos::max(rising, d);
-    curve = Kokkos::max(curve, Kokkos::abs(d2) * lanes.load(mask + overlap_terms + g * width));
+    curvature =
+        Kokkos::max(curvature, Kokkos::abs(d2) * lanes.load(mask + overlap_terms + g * width));
   }
   lanes.sync();
   const double per = n / x;
   return {lanes.min(least), lanes.max(most), per * lanes.min(falling), per * lanes.max(rising),
-          per * ((n - 1.0) / x) * lanes.max(curve)};
+          per * ((n - 1.0) / x) * lanes.max(curvature)};
 }
 
 }  // namespace ra2d

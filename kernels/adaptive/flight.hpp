@@ -38,9 +38,9 @@ class Flight {
   KOKKOS_FUNCTION void operator()(Real* u, Real* v, Real* square, std::int64_t ticks) const {
     const auto bits = static_cast<std::uint64_t>(ticks);
     const std::uint64_t low = bits & ((std::uint64_t{1} << flight_.first_level) - 1);
-    if (low != 0) little(u, v, square, static_cast<double>(low));
+    if (low != 0) taylor_step(u, v, square, static_cast<double>(low));
     for (std::uint64_t rest = bits >> flight_.first_level; rest != 0; rest &= rest - 1)
-      leap(u, v, square, Kokkos::countr_zero(rest));
+      advance_by_table(u, v, square, Kokkos::countr_zero(rest));
   }
 
   /// Bounds on the motion within `time` [s]. The energy norm E^2 = V^2 + omega^2 (U - U_s)^2 does
@@ -57,12 +57,12 @@ class Flight {
       const Real displacement = Kokkos::min(
           Real(time) * mean, mean * load_pack(lanes_, flight_.displacement_per_energy_norm, p));
       const Real amplitude = Kokkos::abs(u[p]) + displacement;
-      const Real reach = load_pack(lanes_, bounds_.largest_shape, p);
-      travel = multiply_add(reach, displacement, travel);
+      const Real largest = load_pack(lanes_, bounds_.largest_shape, p);
+      travel = multiply_add(largest, displacement, travel);
       fourth_derivative = multiply_add(
           load_pack(lanes_, flight_.fourth_derivative_per_energy_norm, p), e, fourth_derivative);
       tail = multiply_add(load_pack(lanes_, bounds_.cubic_remainder, p), amplitude, tail);
-      size = multiply_add(reach, amplitude, size);
+      size = multiply_add(largest, amplitude, size);
     }
     return {lanes_.sum(travel), lanes_.sum(fourth_derivative) + flight_.fourth_derivative_at_rest,
             lanes_.sum(tail), lanes_.sum(size)};
@@ -76,7 +76,8 @@ class Flight {
   const SeriesTables& adaptive_;
   const FlightTables& flight_;
 
-  KOKKOS_FORCEINLINE_FUNCTION void leap(Real* u, Real* v, Real* square, int level) const {
+  KOKKOS_FORCEINLINE_FUNCTION void advance_by_table(Real* u, Real* v, Real* square,
+                                                    int level) const {
     RA2D_CHECK(level >= 0 && level < flight_.levels);
     const double* rows =
         flight_.rows + static_cast<std::int64_t>(level) * (flight_rows * packs * width);
@@ -92,7 +93,7 @@ class Flight {
     }
   }
 
-  KOKKOS_FUNCTION void little(Real* u, Real* v, Real* square, double ticks) const {
+  KOKKOS_FUNCTION void taylor_step(Real* u, Real* v, Real* square, double ticks) const {
     const double time = ticks * motion_.time_step;
     for (int p = 0; p < packs; ++p) {
       const Real decay = load_pack(lanes_, adaptive_.decay, p),

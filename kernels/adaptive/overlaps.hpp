@@ -6,11 +6,11 @@
 #include "kernels/adaptive/crossing.hpp"
 #include "kernels/adaptive/modal_state.hpp"
 #include "kernels/adaptive/series.hpp"
+#include "kernels/candidate_groups.hpp"
 #include "kernels/check.hpp"
 #include "kernels/contact/node_contact.hpp"
 #include "kernels/group_sweep.hpp"
 #include "kernels/lanes.hpp"
-#include "kernels/near_groups.hpp"
 #include "kernels/place.hpp"
 #include "kernels/state.hpp"
 #include "kernels/tables.hpp"
@@ -20,13 +20,13 @@ namespace ra2d {
 /// The nodes whose contact can begin within a step of length h. That none begins unseen is proved,
 /// not sampled:
 ///
-///   find_near  groups of nodes that cannot come near within the step are left out;
-///   see        of the others the overlap and its rate are found at both ends of the step;
-///   flag       the cubic through these four numbers is off by at most h^4/384 of the overlap's
-///              fourth derivative, for which there is a bound (MotionBounds). A node whose cubic
-///              stays below that has no contact in the step; every other free node is flagged;
-///   search     the series of a flagged node is searched for the first place where the overlap
-///              reaches zero (kernels/adaptive/crossing.hpp).
+///   find_groups  leaves out groups of nodes that cannot come into contact within the step;
+///   evaluate     finds the overlap and its rate of the others at both ends of the step;
+///   flag         the cubic through these four numbers is off by at most h^4/384 of the overlap's
+///                fourth derivative, for which there is a bound (MotionBounds). A node whose cubic
+///                stays below that has no contact in the step; every other free node is flagged;
+///   search       searches the series of a flagged node for the first place where the overlap
+///                comes to zero (kernels/adaptive/crossing.hpp).
 ///
 /// A contact begins at +tolerance and ends at -tolerance (kernels/adaptive/contacts.hpp). The
 /// tolerance is more than an overlap's roundings, and never zero. So a contact that has just begun
@@ -38,14 +38,13 @@ class Overlaps {
   static constexpr int width = Lanes::width;
 
  public:
-  /// Lists nodes in `watched`; `evaluated` counts those whose gap was evaluated. `amplitudes`: work
-  /// space.
+  /// Lists nodes in `listed_nodes`; `evaluated` counts gaps. `amplitudes`: work space.
   KOKKOS_FUNCTION Overlaps(const Lanes& lanes, const SliderMotion& motion, const FaceTables& faces,
                            const SliderShapes& slider, const PatchTables& patches,
                            const MotionLimits& bounds, const SeriesTables& adaptive,
                            const NodeContact<Lanes, packs>& node_contact,
-                           const ContactSet& contacts, NearLists& lists, double* amplitudes,
-                           int* watched, OnsetSearch& search, std::int64_t& evaluated)
+                           const ContactSet& contacts, CandidateLists& lists, double* amplitudes,
+                           int* listed_nodes, OnsetSearch& search, std::int64_t& evaluated)
       : lanes_{lanes},
         motion_{motion},
         faces_{faces},
@@ -56,12 +55,12 @@ class Overlaps {
         node_contact_{node_contact},
         contacts_{contacts},
         amplitudes_{amplitudes},
-        watched_{watched},
+        listed_nodes_{listed_nodes},
         search_{search},
         evaluated_{evaluated},
-        near_{lanes, motion, faces, slider, patches, bounds, lists, amplitudes, evaluated},
-        before_{search.seen},
-        after_{search.seen + 2 * faces.groups * width} {}
+        candidates_{lanes, motion, faces, slider, patches, bounds, lists, amplitudes, evaluated},
+        start_{search.overlaps},
+        end_{search.overlaps + 2 * faces.groups * width} {}
 
   /// Bound on the roundings of an overlap at the displacements u [m]: 128 of half an ulp, in packs
   /// of two lanes 256, of one 512. The longest chain, over 256 modes and the terms of a series, has
@@ -81,60 +80,60 @@ class Overlaps {
     double slope = faces_.steepest_rise;
     if (distance > 0.0)
       slope += motion_.spacing * weighted_sum<Lanes, packs>(lanes_, bounds_.largest_slope, u);
-    return bounds.travel + distance * slope + 2.0 * blur(bounds);
+    return bounds.travel + distance * slope + 2.0 * overlap_error(bounds);
   }
 
-  /// A near list that holds over the step, and likely over the `later` ticks after it.
-  KOKKOS_FUNCTION void find_near(const Place& place, const ModalState<Lanes, packs>& now,
-                                 const MotionBounds& bounds, double rise, std::int64_t later) {
-    if (bounds_.searched == Nodes::all || near_.holds(now.u, place, rise)) return;
+  /// Finds candidate groups that hold over the step, and likely over the `later` ticks after it.
+  KOKKOS_FUNCTION void find_groups(const Place& place, const ModalState<Lanes, packs>& now,
+                                   const MotionBounds& bounds, double rise, std::int64_t later) {
+    if (bounds_.searched == Nodes::all || candidates_.holds(now.u, place, rise)) return;
     // what the modes may do within the step, and can be expected to do after it
     const double time = static_cast<double>(later) * motion_.time_step;
     const double expected =
         time < 1e30 ? time * weighted_sum<Lanes, packs>(lanes_, bounds_.largest_shape, now.v) : 0.0;
-    near_.find(now.u, place, 1.5 * rise + 0.5 * expected + bounds_.least_reach, bounds.rounding(),
-               0.0);
-    seen_ = false;
+    candidates_.find(now.u, place, 1.5 * rise + 0.5 * expected + bounds_.least_range,
+                     bounds.rounding(), 0.0);
+    start_is_known_ = false;
   }
 
-  /// Sees the beginning of the step, ...
-  KOKKOS_FUNCTION void see_beginning(const Place& place, const ModalState<Lanes, packs>& now) {
-    if (!seen_ && groups() > 0) see(place, now.u, now.v, before_);
-    seen_ = true;
+  /// Finds overlaps and rates at the beginning of the step, unless they are known.
+  KOKKOS_FUNCTION void evaluate_start(const Place& place, const ModalState<Lanes, packs>& now) {
+    if (!start_is_known_ && groups() > 0) evaluate(place, now.u, now.v, start_);
+    start_is_known_ = true;
   }
   /// Finds overlaps and rates at the end of the step.
-  KOKKOS_FUNCTION void see_end(const Place& place, const Real* u, const Real* v) {
-    if (groups() > 0) see(place, u, v, after_);
+  KOKKOS_FUNCTION void evaluate_end(const Place& place, const Real* u, const Real* v) {
+    if (groups() > 0) evaluate(place, u, v, end_);
   }
   /// Takes the overlaps at the end of a step for the beginning of the next. Where a node has passed
-  /// another, or a contact has begun, they must be found anew: forget().
-  KOKKOS_FUNCTION void pass_on() {
-    double* const swap = before_;
-    before_ = after_;
-    after_ = swap;
+  /// another, or a contact has begun, they must be found anew: discard_start().
+  KOKKOS_FUNCTION void end_becomes_start() {
+    double* const swap = start_;
+    start_ = end_;
+    end_ = swap;
   }
-  KOKKOS_FUNCTION void forget() { seen_ = false; }
+  KOKKOS_FUNCTION void discard_start() { start_is_known_ = false; }
 
   /// Whether the cubics of a step of `time` [s] are off by more than the overlaps that they go
   /// through: if not, those of a shorter step are no better.
   KOKKOS_FORCEINLINE_FUNCTION bool shorter_is_better(double time,
                                                      const MotionBounds& bounds) const {
-    return cubic_error(bounds, time) > blur(bounds);
+    return cubic_error(bounds, time) > overlap_error(bounds);
   }
 
   /// Lists the nodes whose contact could begin within a step of `time` [s].
-  /// Which they are must not depend on the near list: the length of the next step does on them. So
-  /// they are none of those that every near list may leave out.
+  /// The length of the next step depends on these nodes, so they must be the same whichever groups
+  /// are listed. Hence no node is flagged that a list of candidate groups may leave out.
   KOKKOS_FUNCTION int flag(double time, const MotionBounds& bounds, double rise) const {
     const int all = groups();
     if (all == 0) return 0;
-    const double level = -(cubic_error(bounds, time) + blur(bounds));
-    const double start = -(rise - blur(bounds));
+    const double level = -(cubic_error(bounds, time) + overlap_error(bounds));
+    const double start = -(rise - overlap_error(bounds));
     const double third = time / 3.0;
     int count = 0, at = 0;
     for (int e = 0; e < all; ++e) {
-      const double* first = before_ + 2 * e * width;
-      const double* last = after_ + 2 * e * width;
+      const double* first = start_ + 2 * e * width;
+      const double* last = end_ + 2 * e * width;
       // the cubic lies between the smallest and the largest of its Bernstein coefficients
       const Real b0 = lanes_.load(first), b3 = lanes_.load(last);
       const Real b1 = multiply_add(third, lanes_.load(first + width), b0);
@@ -149,7 +148,7 @@ class Overlaps {
         while (at < contacts_.count && contacts_.nodes[at] < node) ++at;
         if (at < contacts_.count && contacts_.nodes[at] == node) continue;
         RA2D_CHECK(count < faces_.nodes);
-        if (lanes_.leader()) watched_[count] = node;
+        if (lanes_.leader()) listed_nodes_[count] = node;
         ++count;
       }
     }
@@ -157,20 +156,20 @@ class Overlaps {
     return count;
   }
 
-  /// Where the first contact at a flagged node begins, in units of the series; beyond `end` if
-  /// none. Each one's own place is left in the list of roots.
+  /// Where the first contact at a flagged node begins, in units of the series; beyond `end` if none
+  /// does. OnsetSearch::onsets gets the place of each.
   KOKKOS_FUNCTION double search(const ModalSeries<Lanes, packs>& series, const Place& place,
                                 int flagged, double end, double tolerance) const {
-    node_contact_.expand(place, watched_, flagged);
+    node_contact_.expand(place, listed_nodes_, flagged);
     double first = 2.0 * end + 1.0;
     for (int e = 0; e < flagged; ++e) {
-      series.overlap_of(watched_[e], place, search_.polynomial);
+      series.overlap_of(listed_nodes_[e], place, search_.polynomial);
       const int n = series.degree();
       const Hull hull = hull_of(lanes_, adaptive_, search_.polynomial, n, end, search_.bernstein);
       double x = 2.0 * end + 1.0;
       if (hull.most >= 0.75 * tolerance)
         x = first_crossing(search_.polynomial, n, 1.0, tolerance, 0.25 * tolerance, end,
-                           hull.curve);
+                           hull.curvature);
       lanes_.sync();
       if (lanes_.leader()) search_.onsets[e] = x;
       if (x < first) first = x;
@@ -190,24 +189,24 @@ class Overlaps {
   NodeContact<Lanes, packs> node_contact_;
   const ContactSet& contacts_;
   double* amplitudes_;
-  int* watched_;
+  int* listed_nodes_;
   OnsetSearch& search_;
   std::int64_t& evaluated_;
-  NearGroups<Lanes, packs> near_;
+  CandidateGroups<Lanes, packs> candidates_;
   // overlaps and their rates at the beginning and at the end of a step
-  double *before_, *after_;
-  bool seen_ = false;  // `before_` is of the present state and near list
+  double *start_, *end_;
+  bool start_is_known_ = false;  // `start_` is of the present state and candidate groups
 
   KOKKOS_FORCEINLINE_FUNCTION int groups() const {
-    return bounds_.searched == Nodes::all ? faces_.groups : near_.count();
+    return bounds_.searched == Nodes::all ? faces_.groups : candidates_.count();
   }
   KOKKOS_FORCEINLINE_FUNCTION int group(int e) const {
-    return bounds_.searched == Nodes::all ? e : near_[e];
+    return bounds_.searched == Nodes::all ? e : candidates_[e];
   }
 
-  /// Error of an overlap that is seen [m]. Of the roundings one is of the value, up to a third of
-  /// one of the rate over the step, and one of the series that is searched.
-  KOKKOS_FORCEINLINE_FUNCTION double blur(const MotionBounds& bounds) const {
+  /// Error of an evaluated overlap [m]. Of the roundings one is of the value, up to a third of one
+  /// is of the rate over the step, and one is of the series that is searched.
+  KOKKOS_FORCEINLINE_FUNCTION double overlap_error(const MotionBounds& bounds) const {
     return bounds.cubic_remainder + 3.0 * bounds.rounding() + 2.0 * faces_.rounding;
   }
   /// Error of the cubic through overlaps and rates at both ends of a step [m].
@@ -216,8 +215,8 @@ class Overlaps {
     return adaptive_.cubic_excess * bounds.fourth_derivative * square * square / 384.0;
   }
 
-  /// Overlaps and their rates [m, m/s] of the near groups, to the cubics over their patches.
-  KOKKOS_FUNCTION void see(const Place& place, const Real* u, const Real* v, double* to) {
+  /// Overlaps and their rates [m, m/s] of the candidate groups, by the cubics over their patches.
+  KOKKOS_FUNCTION void evaluate(const Place& place, const Real* u, const Real* v, double* to) {
     GroupSweep<Lanes, packs> sweep(lanes_, faces_, slider_, patches_, place, amplitudes_, u, v);
     const double speed = motion_.advance / motion_.time_step;  // chi/s
     const int count = groups();

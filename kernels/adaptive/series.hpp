@@ -56,7 +56,7 @@ class ModalSeries {
         hulls_{hulls} {}
 
   KOKKOS_FORCEINLINE_FUNCTION double scale() const { return scale_; }  // s
-  /// Ticks in units of the series, ...
+  /// Ticks in units of the series.
   KOKKOS_FORCEINLINE_FUNCTION double x_at(std::int64_t ticks) const {
     return static_cast<double>(ticks) * motion_.time_step / scale_;
   }
@@ -65,11 +65,14 @@ class ModalSeries {
     const auto ticks = static_cast<std::int64_t>(Kokkos::ceil(x * (scale_ / motion_.time_step)));
     return ticks < most ? ticks : most;
   }
-  /// Overlap of contact e over x, and its change per x that is due to the slider's motion alone.
+  /// Series of the overlap of contact e over x [m], and of its rate per x that is due to the
+  /// sliding alone.
   KOKKOS_FORCEINLINE_FUNCTION double* overlap(int e) const {
     return buffers_.nodes + static_cast<std::int64_t>(e) * (2 * overlap_terms);
   }
-  KOKKOS_FORCEINLINE_FUNCTION double* climb(int e) const { return overlap(e) + overlap_terms; }
+  KOKKOS_FORCEINLINE_FUNCTION double* sliding_rate(int e) const {
+    return overlap(e) + overlap_terms;
+  }
   /// Degree of an overlap: that of the modes and three more, from the shapes along the path.
   KOKKOS_FORCEINLINE_FUNCTION int degree() const { return adaptive_.order + 3; }
 
@@ -94,7 +97,7 @@ class ModalSeries {
       amplitude[p] = Kokkos::abs(u[p]);
       travel[p] = Real(scale) * Kokkos::abs(v[p]);
     }
-    // most steps need as many as the one before
+    // most steps need as many terms as the one before
     int terms = enough_terms(amplitude, travel);
     if (terms < shape_terms_) terms = shape_terms_;
     while (true) {
@@ -126,7 +129,7 @@ class ModalSeries {
   /// omega^2 U^2) and the springs'.
   KOKKOS_FUNCTION double extent(double tolerance) const {
     const int order = adaptive_.order;
-    Real state(0.0), kick(0.0), before(0.0), last(0.0);
+    Real state(0.0), acceleration(0.0), before(0.0), last(0.0);
     const double per = 1.0 / scale_;
     for (int p = 0; p < packs; ++p) {
       const Real mass = load_pack(lanes_, modes_.mass, p),
@@ -136,18 +139,18 @@ class ModalSeries {
         return mass * multiply_add(rate, rate, w * w);
       };
       state = state + norm(0) + norm(1);
-      kick = kick + norm(2);
+      acceleration = acceleration + norm(2);
       before = before + norm(order - 1);
       last = last + norm(order);
     }
     double size = lanes_.sum(state);
     for (int e = 0; e < contacts_.count; ++e)
       size += contact_.node_stiffness * overlap(e)[0] * overlap(e)[0];
-    const double start = lanes_.sum(kick);
+    const double start = lanes_.sum(acceleration);
     if (start > size) size = start;
     // terms of the shapes were left out for steps of up to two
     const double longest = neglected_ > 0.0 ? 2.0 : longest_extent;
-    const auto reach = [&](double term, int j) {
+    const auto extent_of = [&](double term, int j) {
       // squares throughout; a term of V goes with x^(j - 1)
       if (!(term > 1e-300 * size)) return longest;
       const double x =
@@ -155,7 +158,8 @@ class ModalSeries {
       return x < longest ? x : longest;
     };
     if (!(size < 1e300)) return -1.0;  // not a number
-    const double a = reach(lanes_.sum(before), order - 1), b = reach(lanes_.sum(last), order);
+    const double a = extent_of(lanes_.sum(before), order - 1),
+                 b = extent_of(lanes_.sum(last), order);
     return a < b ? a : b;
   }
   /// A step grows by no more than this: terms that happen to vanish say nothing about the next.
@@ -210,7 +214,7 @@ class ModalSeries {
         const Real p2 = multiply_add(Real(6.0) * q3, at, Real(2.0) * q2);
         const Real p1 = multiply_add(p2, at, q1);
         const Real p0 = multiply_add(p1, at, Kokkos::abs(load_pack(lanes_, phi, p)));
-        force[p] = multiply_add(contact_.node_stiffness * h.curve, p0, force[p]);
+        force[p] = multiply_add(contact_.node_stiffness * h.curvature, p0, force[p]);
         force[p] = multiply_add(2.0 * contact_.node_stiffness * o1, p1, force[p]);
         force[p] = multiply_add(contact_.node_stiffness * o0, p2, force[p]);
       }
@@ -240,16 +244,16 @@ class ModalSeries {
       const Real displacement = at * d1;
       const Real amplitude = c0 + displacement;
       const Real b = Real(scale_) * load_pack(lanes_, adaptive_.passing_rate, p),
-                 reach = load_pack(lanes_, bounds_.largest_shape, p);
+                 largest = load_pack(lanes_, bounds_.largest_shape, p);
       // a mode at a node that moves: (d/dx + b)^4
       Real all = multiply_add(b, amplitude, Real(4.0) * d1);
       all = multiply_add(b, all, Real(6.0) * d2);
       all = multiply_add(b, all, Real(4.0) * d3);
       all = multiply_add(b, all, d4);
-      travel = multiply_add(reach, displacement, travel);
-      fourth_derivative = multiply_add(reach, all, fourth_derivative);
+      travel = multiply_add(largest, displacement, travel);
+      fourth_derivative = multiply_add(largest, all, fourth_derivative);
       tail = multiply_add(load_pack(lanes_, bounds_.cubic_remainder, p), amplitude, tail);
-      size = multiply_add(reach, amplitude, size);
+      size = multiply_add(largest, amplitude, size);
     }
     const double per2 = 1.0 / (scale_ * scale_);
     return {lanes_.sum(travel), per2 * per2 * lanes_.sum(fourth_derivative), lanes_.sum(tail),
@@ -358,6 +362,67 @@ class ModalSeries {
     return of_second <= bearable ? 2 : of_third <= bearable ? 3 : 4;
   }
 
+  /// Terms of order j of overlap(e), which is returned, and of sliding_rate(e), from the modes'
+  /// terms c0 to c3 of the orders j to j - 3.
+  template <int terms>
+  KOKKOS_FORCEINLINE_FUNCTION double expand_overlap(int e, int j, const Place& place,
+                                                    double advance, const Real* c0, const Real* c1,
+                                                    const Real* c2, const Real* c3) {
+    const double* phi = buffers_.shapes + e * (4 * row);
+    Real product(0.0), second(0.0), third(0.0);
+    // the latest order last: it is the one to wait for
+    for (int p = 0; p < packs; ++p) {
+      if constexpr (terms > 3) {
+        product = multiply_add(load_pack(lanes_, phi + 3 * row, p), c3[p], product);
+        third = multiply_add(load_pack(lanes_, phi + 3 * row, p), c2[p], third);
+      }
+      if constexpr (terms > 2) {
+        product = multiply_add(load_pack(lanes_, phi + 2 * row, p), c2[p], product);
+        second = multiply_add(load_pack(lanes_, phi + 2 * row, p), c1[p], second);
+      }
+      product = multiply_add(load_pack(lanes_, phi + row, p), c1[p], product);
+    }
+    Real rising = Real(2.0) * second;
+    if constexpr (terms > 3) rising = multiply_add(Real(3.0), third, rising);
+    for (int p = 0; p < packs; ++p) {
+      product = multiply_add(load_pack(lanes_, phi, p), c0[p], product);
+      rising = multiply_add(load_pack(lanes_, phi + row, p), c0[p], rising);
+    }
+    double over, sliding;
+    lanes_.sum(product, rising, over, sliding);
+    const int node = contacts_.nodes[e];
+    if (j == 0) {
+      over += node_contact_.face(node, place.theta);
+      sliding += node_contact_.rise(node) * advance;
+    } else if (j == 1) {
+      over += node_contact_.rise(node) * advance;
+    }
+    if (lanes_.leader()) {
+      overlap(e)[j] = over;
+      sliding_rate(e)[j] = sliding;
+    }
+    lanes_.sync();
+    return over;
+  }
+
+  /// Adds the spring's force at contact e, of order j, on the modes. `over`: the overlap's term.
+  template <int terms>
+  KOKKOS_FORCEINLINE_FUNCTION void add_node_force(int e, int j, double over, Real* force) const {
+    const double* phi = buffers_.shapes + e * (4 * row);
+    const double* o = overlap(e);
+    const auto before = [&](int i) { return j >= i ? -contact_.node_stiffness * o[j - i] : 0.0; };
+    const double f0 = -contact_.node_stiffness * over, f1 = before(1);
+    const double f2 = terms > 2 ? before(2) : 0.0, f3 = terms > 3 ? before(3) : 0.0;
+    for (int p = 0; p < packs; ++p) {
+      if constexpr (terms > 3)
+        force[p] = multiply_add(f3, load_pack(lanes_, phi + 3 * row, p), force[p]);
+      if constexpr (terms > 2)
+        force[p] = multiply_add(f2, load_pack(lanes_, phi + 2 * row, p), force[p]);
+      force[p] = multiply_add(f1, load_pack(lanes_, phi + row, p), force[p]);
+      force[p] = multiply_add(f0, load_pack(lanes_, phi, p), force[p]);
+    }
+  }
+
   template <int terms>
   KOKKOS_FUNCTION void expand_terms(const Real* u, const Real* v, const Place& place) {
     const double scale = scale_;
@@ -386,55 +451,8 @@ class ModalSeries {
         for (int p = 0; p < packs; ++p)
           force[p] = force[p] + load_pack(lanes_, buffers_.forces + j * row, p);
       for (int e = 0; e < contacts; ++e) {
-        const double* phi = buffers_.shapes + e * (4 * row);
-        Real product(0.0), second(0.0), third(0.0);
-        // the latest order last: it is the one to wait for
-        for (int p = 0; p < packs; ++p) {
-          if constexpr (terms > 3) {
-            product = multiply_add(load_pack(lanes_, phi + 3 * row, p), c3[p], product);
-            third = multiply_add(load_pack(lanes_, phi + 3 * row, p), c2[p], third);
-          }
-          if constexpr (terms > 2) {
-            product = multiply_add(load_pack(lanes_, phi + 2 * row, p), c2[p], product);
-            second = multiply_add(load_pack(lanes_, phi + 2 * row, p), c1[p], second);
-          }
-          product = multiply_add(load_pack(lanes_, phi + row, p), c1[p], product);
-        }
-        Real rising = Real(2.0) * second;
-        if constexpr (terms > 3) rising = multiply_add(Real(3.0), third, rising);
-        for (int p = 0; p < packs; ++p) {
-          product = multiply_add(load_pack(lanes_, phi, p), c0[p], product);
-          rising = multiply_add(load_pack(lanes_, phi + row, p), c0[p], rising);
-        }
-        double over, climbs;
-        lanes_.sum(product, rising, over, climbs);
-        const int node = contacts_.nodes[e];
-        if (j == 0) {
-          over += node_contact_.face(node, place.theta);
-          climbs += node_contact_.rise(node) * advance;
-        } else if (j == 1) {
-          over += node_contact_.rise(node) * advance;
-        }
-        double* o = overlap(e);
-        if (lanes_.leader()) {
-          o[j] = over;
-          climb(e)[j] = climbs;
-        }
-        lanes_.sync();
-        if (j + 2 > order) continue;
-        const auto before = [&](int i) {
-          return j >= i ? -contact_.node_stiffness * o[j - i] : 0.0;
-        };
-        const double f0 = -contact_.node_stiffness * over, f1 = before(1);
-        const double f2 = terms > 2 ? before(2) : 0.0, f3 = terms > 3 ? before(3) : 0.0;
-        for (int p = 0; p < packs; ++p) {
-          if constexpr (terms > 3)
-            force[p] = multiply_add(f3, load_pack(lanes_, phi + 3 * row, p), force[p]);
-          if constexpr (terms > 2)
-            force[p] = multiply_add(f2, load_pack(lanes_, phi + 2 * row, p), force[p]);
-          force[p] = multiply_add(f1, load_pack(lanes_, phi + row, p), force[p]);
-          force[p] = multiply_add(f0, load_pack(lanes_, phi, p), force[p]);
-        }
+        const double over = expand_overlap<terms>(e, j, place, advance, c0, c1, c2, c3);
+        if (j + 2 <= order) add_node_force<terms>(e, j, over, force);
       }
       const Real share(1.0 / ((j + 1.0) * (j + 2.0))), rank(j + 1.0);
       for (int p = 0; p < packs; ++p) {

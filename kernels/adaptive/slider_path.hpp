@@ -3,7 +3,7 @@
 #include <Kokkos_Core.hpp>
 #include <cstdint>
 
-#include "kernels/near_groups.hpp"
+#include "kernels/candidate_groups.hpp"
 #include "kernels/place.hpp"
 #include "kernels/tables.hpp"
 

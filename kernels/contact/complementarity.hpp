@@ -74,12 +74,12 @@ class Complementarity {
   using Real = typename Lanes::Real;
 
  public:
-  /// `watched`: see operator(). `interrupted`: SceneTables::interrupted.
+  /// `listed_nodes`: see operator(). `interrupted`: SceneTables::interrupted.
   KOKKOS_FUNCTION Complementarity(const Lanes& lanes, const FaceTables& faces,
                                   const ContactTables& contact, const MotionLimits& bounds,
                                   const NodeContact<Lanes, packs>& node_contact,
                                   const LatestContact& latest, int* active_index, ActiveSet& active,
-                                  ContactList& contact_list, const int* watched,
+                                  ContactList& contact_list, const int* listed_nodes,
                                   const int* interrupted)
       : lanes_{lanes},
         faces_{faces},
@@ -90,7 +90,7 @@ class Complementarity {
         active_index_{active_index},
         active_{active},
         contact_list_{contact_list},
-        watched_{watched},
+        listed_nodes_{listed_nodes},
         interrupted_{interrupted} {}
 
   /// Tries the nodes that carried force at the end of the step before, one or two. True when they
@@ -128,21 +128,14 @@ class Complementarity {
       now[p] = multiply_add(-receptance(p), force_on_modes[p], u[p]);
     }
     most = force + other_force;
-    const int nodes = list(now);
-    for (int e = 0; e < nodes; ++e) {
-      const int node = watched_[e];
-      if (node == first || node == second) continue;
-      Real at[packs];
-      node_contact_.shape(node, place.offset, at);
-      if (node_contact_.overlap(node, place.theta, at, now) > contact_.tolerance) return false;
-    }
+    if (!others_stay_open(place, now, first, second, list(now))) return false;
     totals.nodes = count;
     totals.force = most;
-    totals.climb = force * node_contact_.rise(first) + other_force * node_contact_.rise(second);
+    totals.face_work = force * node_contact_.rise(first) + other_force * node_contact_.rise(second);
     for (int p = 0; p < packs; ++p) {
-      Real bend = Real(force) * slope[p];
-      if (count > 1) bend = multiply_add(other_force, other_slope[p], bend);
-      totals.bend = multiply_add(bend, now[p], totals.bend);
+      Real slope_force = Real(force) * slope[p];
+      if (count > 1) slope_force = multiply_add(other_force, other_slope[p], slope_force);
+      totals.deflection_work = multiply_add(slope_force, now[p], totals.deflection_work);
       u[p] = now[p];
       v[p] =
           multiply_add(-lanes_.load(contact_.mobility + p * Lanes::width), force_on_modes[p], v[p]);
@@ -170,10 +163,10 @@ class Complementarity {
 
   /// Finds the contact forces of a step: corrects its end (u, v), lists in the state's work space
   /// the nodes that carry force, in ascending order. `list(u)` expands the nodes to evaluate, lists
-  /// them in `watched` and returns their number: all that overlap at u must be among them. `most`
-  /// becomes the largest total force [N] at any stage of the search, if it was less. `step` ends at
-  /// `place`. `anywhere`: whether `list` is good for any u; if not, the result with many nodes is
-  /// `crowded`, for a caller whose list is.
+  /// them in `listed_nodes` and returns their number: all that overlap at u must be among them.
+  /// `most` becomes the largest total force [N] at any stage of the search, if it was less. `step`
+  /// ends at `place`. `anywhere`: whether `list` is good for any u; if not, the answer with many
+  /// nodes is `crowded`: repeat it with a list that is.
   template <class List>
   KOKKOS_FORCEINLINE_FUNCTION Solution operator()(const Place& place, std::int64_t step, Real* u,
                                                   Real* v, const List& list,
@@ -197,7 +190,7 @@ class Complementarity {
   int* active_index_;
   ActiveSet& active_;
   ContactList& contact_list_;
-  const int* watched_;
+  const int* listed_nodes_;
   const int* interrupted_;
   int count_ = 0;             // nodes that carry force
   bool deactivated_ = false;  // some no longer do since the forces were settled
@@ -321,8 +314,8 @@ class Complementarity {
     for (int p = 1; p < packs; ++p) square = multiply_add(w[p], w[p], square);
     double work = 0.0, force = 0.0;
     for (int e = 0; e < nodes; ++e) {
-      node_contact_.shape(watched_[e], place.offset, phi);
-      const double over = node_contact_.overlap(watched_[e], place.theta, phi, now);
+      node_contact_.shape(listed_nodes_[e], place.offset, phi);
+      const double over = node_contact_.overlap(listed_nodes_[e], place.theta, phi, now);
       if (!(over > 0.0)) continue;
       const double f = stiffness * over;
       work += f * over;
@@ -346,8 +339,8 @@ class Complementarity {
     for (int p = 0; p < packs; ++p) lanes_.store(active_.solution + p * width, -slope[p]);
     for (int e = 0; e < nodes; ++e) {
       Real phi[packs];
-      node_contact_.shape(watched_[e], place.offset, phi);
-      if (!(node_contact_.overlap(watched_[e], place.theta, phi, now) > 0.0)) continue;
+      node_contact_.shape(listed_nodes_[e], place.offset, phi);
+      if (!(node_contact_.overlap(listed_nodes_[e], place.theta, phi, now) > 0.0)) continue;
       lanes_.sync();
       for (int p = 0; p < packs; ++p) {
         phi[p] = d[p] * phi[p];
@@ -387,7 +380,7 @@ class Complementarity {
     totals.nodes = 0;
     lanes_.sync();
     for (int e = 0; e < nodes; ++e) {
-      const int node = watched_[e];
+      const int node = listed_nodes_[e];
       node_contact_.shape(node, place.offset, phi);
       const double over = node_contact_.overlap(node, place.theta, phi, now);
       if (!(over > 0.0)) continue;
@@ -422,7 +415,7 @@ class Complementarity {
                                        double& over) const {
     int worst = -1;
     for (int e = 0; e < nodes; ++e) {
-      const int node = watched_[e];
+      const int node = listed_nodes_[e];
       if (active_index_[node] >= 0) continue;
       Real phi[packs];
       node_contact_.shape(node, place.offset, phi);
@@ -493,14 +486,7 @@ class Complementarity {
         lanes_.sync();
       }
       double most = never;
-      int first = -1;
-      for (int j = 0; j < count_; ++j) {
-        if (!(active_.solution[j] > 0.0)) continue;
-        const double until = active_.forces[j] / active_.solution[j];
-        if (!(until < most)) continue;
-        most = until;
-        first = j;
-      }
+      const int first = first_released(most);
       if (first < 0 && !(clear < never)) return Solution::blocked;
       const double more = clear < most ? clear : most;
       lanes_.sync();
@@ -513,20 +499,52 @@ class Complementarity {
       force += more;
       if (clear <= most) {
         if (full) return Solution::crowded;
-        if (lanes_.leader()) {
-          RA2D_CHECK(count_ < active_.capacity);
-          active_.nodes[count_] = node;
-          active_.forces[count_] = force;
-          active_index_[node] = count_;
-          factor(count_, count_) = Kokkos::sqrt(pivot);
-        }
-        ++count_;
-        lanes_.sync();
+        append(node, force, pivot);
         return Solution::solved;
       }
       if (!depends) over -= more * pivot;
       deactivate(place, first);
     }
+  }
+
+  /// Whether no listed node but these two overlaps at the displacement `u`.
+  KOKKOS_FORCEINLINE_FUNCTION bool others_stay_open(const Place& place, const Real* u, int first,
+                                                    int second, int nodes) const {
+    for (int e = 0; e < nodes; ++e) {
+      const int node = listed_nodes_[e];
+      if (node == first || node == second) continue;
+      Real at[packs];
+      node_contact_.shape(node, place.offset, at);
+      if (node_contact_.overlap(node, place.theta, at, u) > contact_.tolerance) return false;
+    }
+    return true;
+  }
+
+  /// The active node whose force ends first while the forces fall by `solution` for each newton on
+  /// another node, and that node's force then (`most`); -1 where none ends.
+  KOKKOS_FORCEINLINE_FUNCTION int first_released(double& most) const {
+    int first = -1;
+    for (int j = 0; j < count_; ++j) {
+      if (!(active_.solution[j] > 0.0)) continue;
+      const double until = active_.forces[j] / active_.solution[j];
+      if (!(until < most)) continue;
+      most = until;
+      first = j;
+    }
+    return first;
+  }
+
+  /// Adds a node to the active set; its row of the factor stands there already.
+  KOKKOS_FORCEINLINE_FUNCTION void append(int node, double force, double pivot) {
+    if (lanes_.leader()) {
+      RA2D_CHECK(count_ < active_.capacity);
+      active_.nodes[count_] = node;
+      active_.forces[count_] = force;
+      active_index_[node] = count_;
+      factor(count_, count_) = Kokkos::sqrt(pivot);
+    }
+    ++count_;
+    lanes_.sync();
   }
 
   /// Takes a node out, and factors what is left anew from there on.
@@ -650,17 +668,17 @@ class Complementarity {
 
   /// The end of the step under the forces in the list of contacts.
   KOKKOS_FUNCTION void end_step(const Place& place, Real* u, Real* v, ContactTotals<Real>& totals) {
-    Real force_on_modes[packs], bend[packs], phi[packs], slope[packs];
-    for (int p = 0; p < packs; ++p) force_on_modes[p] = bend[p] = Real(0.0);
+    Real force_on_modes[packs], slope_force[packs], phi[packs], slope[packs];
+    for (int p = 0; p < packs; ++p) force_on_modes[p] = slope_force[p] = Real(0.0);
     for (int e = 0; e < totals.nodes; ++e) {
       const int node = contact_list_.nodes[e];
       const double f = contact_list_.forces[e];
       node_contact_.shapes(node, place.offset, phi, slope);
       for (int p = 0; p < packs; ++p) {
         force_on_modes[p] = multiply_add(f, phi[p], force_on_modes[p]);
-        bend[p] = multiply_add(f, slope[p], bend[p]);
+        slope_force[p] = multiply_add(f, slope[p], slope_force[p]);
       }
-      totals.climb = Kokkos::fma(f, node_contact_.rise(node), totals.climb);
+      totals.face_work = Kokkos::fma(f, node_contact_.rise(node), totals.face_work);
       totals.force += f;
     }
     for (int p = 0; p < packs; ++p) {
@@ -668,7 +686,8 @@ class Complementarity {
       v[p] =
           multiply_add(-lanes_.load(contact_.mobility + p * Lanes::width), force_on_modes[p], v[p]);
     }
-    for (int p = 0; p < packs; ++p) totals.bend = multiply_add(bend[p], u[p], totals.bend);
+    for (int p = 0; p < packs; ++p)
+      totals.deflection_work = multiply_add(slope_force[p], u[p], totals.deflection_work);
   }
 };
 

@@ -17,9 +17,10 @@ namespace ra2d {
 template <class Real>
 struct ContactTotals {
   double force = 0;  // N
-  double climb = 0;  // N m: forces times the rise of the resonator's face over one spacing
-  Real bend{0.0};    // N m: the same for its bent line, still to be summed over the lanes
-  int nodes = 0;     // in contact, listed in WorkSpace::contact_list
+  // works of the imposed motion over one spacing of the slider's path [J/chi]
+  double face_work = 0;       // sum of f_n times the rise of the resonator's face
+  Real deflection_work{0.0};  // sum of f_n times the rise of its deflection; one part a lane
+  int nodes = 0;              // in contact, listed in WorkSpace::contact_list
 };
 
 /// Expands one slider node over one window: the parts of its overlap and its modal force.
@@ -135,8 +136,8 @@ class NodeContact {
                                                              Real* force) const {
     const Penalty penalty{contact_.node_stiffness};
     ContactTotals<Real> totals;
-    Real bend[packs];  // sum_n f_n dphi/dx: the slope that the bent beam adds to the faces'
-    for (int p = 0; p < packs; ++p) bend[p] = Real(0.0);
+    Real slope_force[packs];  // sum_n f_n dphi/dx
+    for (int p = 0; p < packs; ++p) slope_force[p] = Real(0.0);
     for (int e = 0; e < count; ++e) {
       const int node = nodes[e];
       Real phi[packs], slope[packs];
@@ -147,9 +148,9 @@ class NodeContact {
       const double f = penalty.force(over);
       for (int p = 0; p < packs; ++p) {
         force[p] = multiply_add(-f, phi[p], force[p]);
-        bend[p] = multiply_add(f, slope[p], bend[p]);
+        slope_force[p] = multiply_add(f, slope[p], slope_force[p]);
       }
-      totals.climb = Kokkos::fma(f, rise(node), totals.climb);
+      totals.face_work = Kokkos::fma(f, rise(node), totals.face_work);
       totals.force += f;
       RA2D_CHECK(totals.nodes < faces_.nodes);
       if (lanes_.leader()) {
@@ -159,7 +160,8 @@ class NodeContact {
       ++totals.nodes;
     }
     if (totals.nodes > 0) {
-      for (int p = 0; p < packs; ++p) totals.bend = multiply_add(bend[p], u[p], totals.bend);
+      for (int p = 0; p < packs; ++p)
+        totals.deflection_work = multiply_add(slope_force[p], u[p], totals.deflection_work);
       lanes_.sync();
     }
     return totals;

@@ -16,11 +16,13 @@
 
 namespace ra2d {
 
-/// The nodes to evaluate, for a stretch of steps: a list that holds for all of it.
+/// A list of nodes to evaluate at each of many steps.
 class ListedNodes {
  public:
-  KOKKOS_FORCEINLINE_FUNCTION explicit ListedNodes(const Outlook& plan)
-      : count_{plan.count}, line_{plan.line}, kick_{plan.kick} {}
+  KOKKOS_FORCEINLINE_FUNCTION explicit ListedNodes(const ContactForecast& plan)
+      : count_{plan.count},
+        free_departure_{plan.free_departure},
+        departure_per_newton_{plan.departure_per_newton} {}
 
   template <class Real>
   KOKKOS_FORCEINLINE_FUNCTION int find(const Real*, const Real*, const Place&) const {
@@ -31,37 +33,39 @@ class ListedNodes {
     place.move_to(motion, step, share);
   }
   static constexpr bool may_end = true;
-  /// Form::implicit, once a step, which ended with `force` [N] and had no more than `most` during
-  /// the search for it: whether every state evaluated stayed where the list holds (Outlook).
+  /// Form::implicit, once a step, which ended with `force` [N] and had no more than `most` [N]
+  /// during the search for it: whether the list held at every state evaluated (ContactForecast).
   KOKKOS_FORCEINLINE_FUNCTION bool covers(double most, double force) {
-    pushed_ += most;
-    pushes_ += pushed_;
+    force_sum_ += most;
+    double_force_sum_ += force_sum_;
     const double n = ++steps_;
-    const bool covered = line_ * n * (n + 1.0) + kick_ * pushes_ <= 1.0;
-    pushes_ += (force - most);
-    pushed_ += (force - most);
+    const bool covered =
+        free_departure_ * n * (n + 1.0) + departure_per_newton_ * double_force_sum_ <= 1.0;
+    double_force_sum_ += (force - most);
+    force_sum_ += (force - most);
     return covered;
   }
 
  private:
   int count_, steps_ = 0;
-  double line_, kick_;
-  double pushed_ = 0.0, pushes_ = 0.0;  // sums of the forces, and of these sums
+  double free_departure_, departure_per_newton_;
+  double force_sum_ = 0.0, double_force_sum_ = 0.0;  // N: of the forces, and of these sums
 };
 
-/// The nodes to evaluate, searched for at every state.
+/// The nodes to evaluate, searched for at every state anew.
 template <class Lanes, int packs>
-class LookedNodes {
+class SearchedNodes {
   using Real = typename Lanes::Real;
 
  public:
-  KOKKOS_FORCEINLINE_FUNCTION LookedNodes(const int* watched, Candidates<Lanes, packs>& candidates,
-                                          const NodeContact<Lanes, packs>& node_contact)
-      : watched_{watched}, candidates_{candidates}, node_contact_{node_contact} {}
+  KOKKOS_FORCEINLINE_FUNCTION SearchedNodes(const int* listed_nodes,
+                                            Candidates<Lanes, packs>& candidates,
+                                            const NodeContact<Lanes, packs>& node_contact)
+      : listed_nodes_{listed_nodes}, candidates_{candidates}, node_contact_{node_contact} {}
 
   KOKKOS_FUNCTION int find(const Real* u, const Real* v, const Place& place) const {
     const int count = candidates_.find_contacts(u, v, place);
-    node_contact_.expand(place, watched_, count);
+    node_contact_.expand(place, listed_nodes_, count);
     return count;
   }
   KOKKOS_FUNCTION void move(const SliderMotion& motion, Place& place, std::int64_t step,
@@ -72,7 +76,7 @@ class LookedNodes {
   KOKKOS_FORCEINLINE_FUNCTION bool covers(double, double) const { return true; }
 
  private:
-  const int* watched_;
+  const int* listed_nodes_;
   Candidates<Lanes, packs>& candidates_;
   NodeContact<Lanes, packs> node_contact_;
 };
@@ -85,7 +89,7 @@ class ContactStep {
   using Recorder = FixedRecorder<Lanes, form, packs>;
 
  public:
-  /// `watched`: the nodes to evaluate, in WorkSpace.
+  /// `listed_nodes`: the nodes to evaluate, in WorkSpace.
   KOKKOS_FUNCTION ContactStep(const Lanes& lanes, const SliderMotion& motion,
                               const ContactTables& contact, const SchemeWeights& scheme,
                               const OuterForces<Lanes, packs>& outer,
@@ -93,7 +97,7 @@ class ContactStep {
                               const NodeContact<Lanes, packs>& node_contact,
                               const Complementarity<Lanes, packs>& solve, Status& status,
                               LatestContact& latest, const ContactList& contact_list,
-                              const int* watched)
+                              const int* listed_nodes)
       : lanes_{lanes},
         motion_{motion},
         contact_{contact},
@@ -105,13 +109,13 @@ class ContactStep {
         status_{status},
         latest_contact_{latest},
         contact_list_{contact_list},
-        watched_{watched} {}
+        listed_nodes_{listed_nodes} {}
 
-  /// From y on, which stands at `place`. False, with nothing done, when a list would not cover the
-  /// step, or (Form::implicit) when its forces cannot be found or the launch is to end.
-  template <class NodesToLookAt>
+  /// A step from y, which stands at `place`. False, with nothing done, when a list would not cover
+  /// the step, or (Form::implicit) when its forces cannot be found or the launch is to end.
+  template <class NodesToEvaluate>
   KOKKOS_FORCEINLINE_FUNCTION bool operator()(Motion<Lanes, packs>& y, const Weights& w,
-                                              Place& place, NodesToLookAt& nodes,
+                                              Place& place, NodesToEvaluate& nodes,
                                               Recorder& recorder) {
     if constexpr (form == Form::semi_implicit) {
       semi_implicit(y, w, place, nodes, recorder);
@@ -132,7 +136,7 @@ class ContactStep {
   const SliderMotion& motion_;
   const ContactTables& contact_;
   const SchemeWeights& scheme_;
-  // copies, for they hold nothing but addresses
+  // copies: they hold nothing but addresses
   OuterForces<Lanes, packs> outer_;
   ModesStep<Lanes, form, packs> integrate_;
   NodeContact<Lanes, packs> node_contact_;
@@ -140,28 +144,28 @@ class ContactStep {
   Status& status_;
   LatestContact& latest_contact_;
   const ContactList& contact_list_;
-  const int* watched_;
+  const int* listed_nodes_;
 
   /// U1 = U0 + tau V1 with the contact force of the old time.
-  template <class NodesToLookAt>
+  template <class NodesToEvaluate>
   KOKKOS_FORCEINLINE_FUNCTION void semi_implicit(Motion<Lanes, packs>& y, const Weights& w,
-                                                 const Place& place, NodesToLookAt& nodes,
+                                                 const Place& place, NodesToEvaluate& nodes,
                                                  Recorder& recorder) {
     Real force[packs], moving[packs];
     outer_(y.step, force, moving);
     const int count = nodes.find(y.u, y.v, place);
-    const ContactTotals<Real> totals = node_contact_(place, y.u, watched_, count, force);
+    const ContactTotals<Real> totals = node_contact_(place, y.u, listed_nodes_, count, force);
     recorder.take_contact(totals, place, y.step);
-    y.bend = y.bend + totals.bend;
+    y.deflection_work = y.deflection_work + totals.deflection_work;
     lanes_.sync();
     integrate_.advance(y.u, y.v, y.square, force, w);
     if (outer_.any_move()) recorder.take_force_work(outer_.work(moving, y.v));
   }
 
   /// With the contact force at each stage, `most` of them.
-  template <int most, class NodesToLookAt>
+  template <int most, class NodesToEvaluate>
   KOKKOS_FORCEINLINE_FUNCTION void staged(Motion<Lanes, packs>& y, const Weights& w, Place& place,
-                                          NodesToLookAt& nodes, Recorder& recorder) {
+                                          NodesToEvaluate& nodes, Recorder& recorder) {
     Real force[most][packs];
     unsigned acting = 0;
     const int stages = most == 1 ? 1 : scheme_.stages;
@@ -181,11 +185,11 @@ class ContactStep {
         for (int p = 0; p < packs; ++p) force[i][p] = Real(0.0);
       }
       const int count = nodes.find(at, y.v, place);
-      const ContactTotals<Real> totals = node_contact_(place, at, watched_, count, force[i]);
+      const ContactTotals<Real> totals = node_contact_(place, at, listed_nodes_, count, force[i]);
       if (totals.nodes > 0) acting |= 1u << i;
       if (i == 0) {  // the record is that of the state at the step
         recorder.take_contact(totals, place, y.step);
-        y.bend = y.bend + totals.bend;
+        y.deflection_work = y.deflection_work + totals.deflection_work;
       }
       lanes_.sync();
     }
@@ -194,9 +198,9 @@ class ContactStep {
   }
 
   /// With contact forces that hold over the step and are found with its end.
-  template <class NodesToLookAt>
+  template <class NodesToEvaluate>
   KOKKOS_FUNCTION bool implicit(Motion<Lanes, packs>& y, const Weights& w, Place& place,
-                                NodesToLookAt& nodes, Recorder& recorder) {
+                                NodesToEvaluate& nodes, Recorder& recorder) {
     Real u[packs], v[packs], outer[most_stages][packs];
     for (int p = 0; p < packs; ++p) {
       u[p] = y.u[p];
@@ -208,14 +212,14 @@ class ContactStep {
     double most = 0.0;
     const auto list = [&](const Real* at) { return nodes.find(at, v, place); };
     const Solution found =
-        solve_(place, y.step + 1, u, v, list, totals, most, !NodesToLookAt::may_end);
-    if (found != Solution::solved) return NodesToLookAt::may_end ? false : fail(found);
+        solve_(place, y.step + 1, u, v, list, totals, most, !NodesToEvaluate::may_end);
+    if (found != Solution::solved) return NodesToEvaluate::may_end ? false : fail(found);
     if (!nodes.covers(most, totals.force)) return false;
     if (outer_.any_move())
       recorder.take_force_work(outer_.work(outer[0], scheme_.loss_ends > 0.0 ? y.v : v));
     recorder.take_contact(totals, place, y.step + 1);
     keep(totals, y.step + 1);
-    y.bend = y.bend + totals.bend;
+    y.deflection_work = y.deflection_work + totals.deflection_work;
     lanes_.sync();
     for (int p = 0; p < packs; ++p) {
       y.u[p] = u[p];

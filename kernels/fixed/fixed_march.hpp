@@ -25,7 +25,7 @@ namespace ra2d {
 /// integrates stands in the scene's tables (kernels/schemes/mode_step.hpp); the march knows three
 /// forms of a step (Form, kernels/tables.hpp).
 ///
-/// What differs between `Nodes::all` and `Nodes::candidates` is only which nodes are looked at
+/// `Nodes::all` and `Nodes::candidates` differ only in which nodes are evaluated
 /// (kernels/candidates.hpp). The arithmetic of a step does not depend on that, nor on where a
 /// launch ends: the results of all nodes and candidates, of one launch or many, are equal bit for
 /// bit.
@@ -53,15 +53,24 @@ class FixedMarch {
                     tables.contact,
                     tables.scheme,
                     tables.bounds,
-                    state.work.near,
+                    state.work.candidates,
                     state.work.amplitudes,
-                    state.work.watched,
+                    state.work.listed_nodes,
                     state.carried.sums.evaluated},
-        recorder_{lanes,           tables.modes,       tables.motion,
-                  tables.contact,  tables.scheme,      tables.output,
-                  outer_,          integrate_,         node_contact_,
-                  state.carried,   state.work.watched, state.work.contact_list,
-                  state.work.runs, state.out},
+        recorder_{lanes,
+                  tables.modes,
+                  tables.motion,
+                  tables.contact,
+                  tables.scheme,
+                  tables.output,
+                  outer_,
+                  integrate_,
+                  node_contact_,
+                  state.carried,
+                  state.work.listed_nodes,
+                  state.work.contact_list,
+                  state.work.runs,
+                  state.out},
         contact_step_{lanes,
                       tables.motion,
                       tables.contact,
@@ -71,17 +80,17 @@ class FixedMarch {
                       node_contact_,
                       {lanes, tables.faces, tables.contact, tables.bounds, node_contact_,
                        state.carried.latest_contact, state.marks.active_index, state.work.active,
-                       state.work.contact_list, state.work.watched, tables.interrupted},
+                       state.work.contact_list, state.work.listed_nodes, tables.interrupted},
                       state.carried.status,
                       state.carried.latest_contact,
                       state.work.contact_list,
-                      state.work.watched} {
+                      state.work.listed_nodes} {
     for (int p = 0; p < packs; ++p) {
       now_.u[p] = lanes_.load(state_.carried.modal.u + p * width);
       now_.v[p] = lanes_.load(state_.carried.modal.v + p * width);
       now_.square[p] = lanes_.load(state_.carried.modal.square_part + p * width);
     }
-    now_.bend = lanes_.load(state_.carried.sums.bend_part);
+    now_.deflection_work = lanes_.load(state_.carried.sums.deflection_work_part);
     now_.step = state_.carried.step;
     begin();
   }
@@ -94,7 +103,7 @@ class FixedMarch {
     while (state_.carried.status == Status::running) {
       if (!recorder_.take_sample(now_, candidates_)) break;
       if (now_.step % longest_flight == 0 || now_.step == tables_.output.total_steps)
-        recorder_.watch_energy(now_);
+        recorder_.check_energy(now_);
       if (state_.carried.status != Status::running || now_.step >= stop || !can_record_shocks() ||
           is_interrupted(tables_.interrupted))
         break;
@@ -133,7 +142,7 @@ class FixedMarch {
       lanes_.store(state_.carried.modal.v + p * width, now_.v[p]);
       lanes_.store(state_.carried.modal.square_part + p * width, now_.square[p]);
     }
-    lanes_.store(state_.carried.sums.bend_part, now_.bend);
+    lanes_.store(state_.carried.sums.deflection_work_part, now_.deflection_work);
     if (lanes_.leader()) state_.carried.step = now_.step;
   }
 
@@ -148,8 +157,8 @@ class FixedMarch {
       if constexpr (form != Form::implicit) {
         const Place place(tables_.motion, now_.step);
         const int count = candidates_.find_contacts(now_.u, now_.v, place);
-        node_contact_.expand(place, state_.work.watched, count);
-        node_contact_(place, now_.u, state_.work.watched, count, force);
+        node_contact_.expand(place, state_.work.listed_nodes, count);
+        node_contact_(place, now_.u, state_.work.listed_nodes, count, force);
       }
       integrate_.lag(now_.u, now_.v, force);
     }
@@ -162,16 +171,16 @@ class FixedMarch {
 
   KOKKOS_FUNCTION void march_all(std::int64_t next) {
     const std::int64_t first = now_.step;
-    look(static_cast<int>(next - first));
+    march_with_search(static_cast<int>(next - first));
     if (lanes_.leader()) state_.carried.sums.evaluated += (now_.step - first) * tables_.faces.nodes;
     lanes_.sync();
   }
 
   /// Steps that search for contact at every state.
-  KOKKOS_FUNCTION void look(int steps) {
+  KOKKOS_FUNCTION void march_with_search(int steps) {
     const auto w = integrate_.weights();
     Motion<Lanes, packs> y = now_;
-    LookedNodes<Lanes, packs> nodes(state_.work.watched, candidates_, node_contact_);
+    SearchedNodes<Lanes, packs> nodes(state_.work.listed_nodes, candidates_, node_contact_);
     for (int i = 0; i < steps && can_record_shocks(); ++i) {
       Place place(tables_.motion, y.step);
       if (!contact_step_(y, w, place, nodes, recorder_)) break;
@@ -183,13 +192,13 @@ class FixedMarch {
 
   KOKKOS_FUNCTION void march_candidates(std::int64_t next) {
     while (now_.step < next && can_record_shocks() && state_.carried.status == Status::running) {
-      const Outlook plan =
-          candidates_.look_ahead(now_.u, now_.v, now_.step, next, recorder_.usual_force());
-      if (plan.kind == Outlook::fly)
+      const ContactForecast plan =
+          candidates_.forecast_contact(now_.u, now_.v, now_.step, next, recorder_.usual_force());
+      if (plan.kind == ContactForecast::flight)
         fly(plan.steps);
-      else if (plan.kind == Outlook::look || !watch(plan)) {
+      else if (plan.kind == ContactForecast::search || !march_listed(plan)) {
         const std::int64_t before = now_.step;
-        look(1);
+        march_with_search(1);
         if (now_.step == before) break;  // it failed, or was interrupted
       }
     }
@@ -250,12 +259,12 @@ class FixedMarch {
     }
   }
 
-  /// Steps with the watched nodes evaluated. False when not even one was covered by the list.
-  KOKKOS_FUNCTION bool watch(const Outlook& plan) {
+  /// Steps that evaluate the listed nodes. False when the list did not cover even one.
+  KOKKOS_FUNCTION bool march_listed(const ContactForecast& plan) {
     const auto w = integrate_.weights();
     Motion<Lanes, packs> y = now_;
     Place place(tables_.motion, y.step);
-    node_contact_.expand(place, state_.work.watched, plan.count);
+    node_contact_.expand(place, state_.work.listed_nodes, plan.count);
     ListedNodes nodes(plan);
     int done = 0;
     while (done < plan.steps && can_record_shocks()) {
@@ -264,7 +273,7 @@ class FixedMarch {
       ++done;
     }
     now_ = y;
-    const int states = form == Form::implicit ? 1 : tables_.scheme.stages;  // looked at in a step
+    const int states = form == Form::implicit ? 1 : tables_.scheme.stages;  // evaluated in a step
     if (lanes_.leader())
       state_.carried.sums.evaluated += static_cast<std::int64_t>(done) * plan.count * states;
     lanes_.sync();

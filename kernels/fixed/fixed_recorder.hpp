@@ -21,7 +21,7 @@ namespace ra2d {
 /// without bound.
 inline constexpr double energy_factor = 10.0;
 
-/// The record of fixed steps: samples, sums, shocks, and the watch over the energy.
+/// The record of fixed steps: samples, sums, shocks, and the check of the energy.
 ///
 /// It is that of the state at each step, whatever the scheme does within it: shocks and the work of
 /// the imposed motion are summed from the contact forces there (under Form::implicit from the force
@@ -32,12 +32,12 @@ class FixedRecorder {
   static constexpr int width = Lanes::width;
 
  public:
-  /// `watched`: the nodes that Candidates list.
+  /// `listed_nodes`: the nodes that Candidates list.
   KOKKOS_FUNCTION FixedRecorder(
       const Lanes& lanes, const ModeTables& modes, const SliderMotion& motion,
       const ContactTables& contact, const SchemeWeights& scheme, const RecordTables& output,
       const OuterForces<Lanes, packs>& outer, const ModesStep<Lanes, form, packs>& integrate,
-      const NodeContact<Lanes, packs>& node_contact, CarriedState& carried, const int* watched,
+      const NodeContact<Lanes, packs>& node_contact, CarriedState& carried, const int* listed_nodes,
       const ContactList& contact_list, RunBuffer& runs, RecordBuffers& out)
       : lanes_{lanes},
         modes_{modes},
@@ -55,7 +55,7 @@ class FixedRecorder {
         sampling_{carried.sampling},
         shocks_{carried.shocks},
         latest_contact_{carried.latest_contact},
-        watched_{watched},
+        listed_nodes_{listed_nodes},
         contact_list_{contact_list},
         runs_{runs},
         samples_{out.samples},
@@ -97,7 +97,7 @@ class FixedRecorder {
     if (at != now.step) return true;
     if (samples_.count == samples_.capacity) return false;
     write_sample(now, candidates, 1.0 - share, share > 0.0 ? Part::first : Part::whole);
-    watch_energy(now);
+    check_energy(now);
     lanes_.sync();
     if (lanes_.leader()) {
       if (share > 0.0) {
@@ -118,7 +118,7 @@ class FixedRecorder {
 
   /// Kinetic + elastic energy against what was put in. Ends the scene when it is not finite or has
   /// grown without work to pay for it.
-  KOKKOS_FUNCTION void watch_energy(const Motion<Lanes, packs>& now) {
+  KOKKOS_FUNCTION void check_energy(const Motion<Lanes, packs>& now) {
     Real part(0.0), load_work(0.0);
     for (int p = 0; p < packs; ++p) {
       const Real stretch = load_pack(lanes_, modes_.omega, p) * now.u[p];
@@ -136,8 +136,8 @@ class FixedRecorder {
       // a load takes back at the top what it gave on the way down: the most counts
       if (total > energy_.most_supplied) energy_.most_supplied = total;
       energy_.latest = energy;
-      energy_.limit = energy_factor *
-                      (energy_.start + energy_.most_supplied + motion_.advance * sums_.gross_climb);
+      energy_.limit = energy_factor * (energy_.start + energy_.most_supplied +
+                                       motion_.advance * sums_.gross_face_work);
       if (!(energy <= 1e300))
         status_ = Status::not_finite;
       else if (energy > energy_.limit && energy > output_.least_energy)
@@ -157,8 +157,8 @@ class FixedRecorder {
       lanes_.sync();  // what ends is about to be written
     if (!lanes_.leader()) return;
     if (totals.nodes > 0) {
-      sums_.climb_part += totals.climb;
-      sums_.gross_climb += Kokkos::abs(totals.climb);
+      sums_.face_work_part += totals.face_work;
+      sums_.gross_face_work += Kokkos::abs(totals.face_work);
       ++sums_.contact_steps;
       if (totals.nodes > sums_.most_nodes) sums_.most_nodes = totals.nodes;
       if (!continue_shocks(shocks_, runs_, contact_list_, totals.nodes, step, place.position))
@@ -177,7 +177,7 @@ class FixedRecorder {
     if (lanes_.leader()) sums_.force_part += work;
   }
 
-  /// Total force [N] of the latest steps with contact: guesses how long a watch will hold.
+  /// Total force [N] of the latest steps with contact: a guess of the forces to come.
   KOKKOS_FORCEINLINE_FUNCTION double usual_force() const { return usual_force_; }
 
  private:
@@ -193,11 +193,11 @@ class FixedRecorder {
   Status& status_;
   CarriedModes& modal_;
   RunningSums& sums_;
-  EnergyWatch& energy_;
+  EnergyCheck& energy_;
   Sampling& sampling_;
   ShockTracking& shocks_;
   const LatestContact& latest_contact_;
-  const int* watched_;
+  const int* listed_nodes_;
   const ContactList& contact_list_;
   RunBuffer& runs_;
   SampleBuffer& samples_;
@@ -285,8 +285,8 @@ class FixedRecorder {
       const int count = candidates.find_contacts(now.u, now.v, place);
       Real force[packs], moving[packs];
       outer_(now.step, force, moving);
-      node_contact_.expand(place, watched_, count);
-      const ContactTotals<Real> totals = node_contact_(place, now.u, watched_, count, force);
+      node_contact_.expand(place, listed_nodes_, count);
+      const ContactTotals<Real> totals = node_contact_(place, now.u, listed_nodes_, count, force);
       double energy = 0.0;
       for (int e = 0; e < totals.nodes; ++e)
         energy += contact_list_.forces[e] * contact_list_.forces[e];
@@ -302,19 +302,19 @@ class FixedRecorder {
       now.square[p] = Real(0.0);
     }
     const double part = sliding_part(now);
-    now.bend = Real(0.0);
+    now.deflection_work = Real(0.0);
     lanes_.sync();
     if (lanes_.leader()) {
       sums_.sliding_work += part;
       sums_.force_work += sums_.force_part;
-      sums_.climb_part = sums_.force_part = 0.0;
+      sums_.face_work_part = sums_.force_part = 0.0;
     }
     lanes_.sync();
   }
 
   /// Work of the imposed motion since the last sample: sum_n f_n V tau (dh_2/dx + du_2/dx).
   KOKKOS_FUNCTION double sliding_part(const Motion<Lanes, packs>& now) const {
-    return motion_.advance * (sums_.climb_part + lanes_.sum(now.bend));
+    return motion_.advance * (sums_.face_work_part + lanes_.sum(now.deflection_work));
   }
 };
 

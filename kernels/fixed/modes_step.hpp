@@ -17,8 +17,8 @@ struct Motion {
   using Real = typename Lanes::Real;
   Real u[packs], v[packs];  // modal displacements and velocities
   Real square[packs];       // sum of V^2 since the last sample
-  Real bend;                // see RunningSums::bend_part
-  std::int64_t step;        // that it stands at
+  Real deflection_work;     // RunningSums::deflection_work_part
+  std::int64_t step;        // at which it stands
 
   Motion() = default;
   KOKKOS_FORCEINLINE_FUNCTION Motion(const Motion& other) { *this = other; }
@@ -29,7 +29,7 @@ struct Motion {
       v[p] = other.v[p];
       square[p] = other.square[p];
     }
-    bend = other.bend;
+    deflection_work = other.deflection_work;
     step = other.step;
     return *this;
   }

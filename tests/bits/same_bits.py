@@ -6,7 +6,7 @@
 
 Both programs run some hundred scenes of every scheme, law, support, surface and way to end. Every
 dataset of their result files is compared, and for runs that fail the exit status and the message. What a run
-cost (time, nodes looked at) and where it was built and ran may differ. Both programs must be built for the same
+cost (time, nodes evaluated) and where it was built and ran may differ. Both programs must be built for the same
 instruction set by the same compiler: between others nothing is promised (CONTRIBUTING.md).
 
 The scenes are drawn here, by a generator with a seed: they are the same at every call. --only takes the scenes

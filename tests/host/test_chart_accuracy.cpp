@@ -22,7 +22,7 @@
 #include "host/system/partial_file.hpp"
 #include "tests/child.hpp"
 #include "tests/csv.hpp"
-#include "tests/looks.hpp"
+#include "tests/outcomes.hpp"
 #include "tests/places.hpp"
 #include "tests/schemes.hpp"
 
@@ -69,7 +69,7 @@ AccuracyChart timed_chart(const std::vector<std::pair<double, std::vector<double
     point.setting.time.scheme = SchemeKind::adaptive;
     point.setting.time.tolerance = tolerance;
     point.states = {{.error = tolerance}};
-    point.closure = tolerance;
+    point.energy_closure = tolerance;
     point.wall = wall;
     chart.points.push_back(point);
   }
@@ -180,7 +180,7 @@ TEST(Accuracy, OfSixShocks) {
   }
   const Measured& midpoint = at(SchemeKind::midpoint, ContactLaw::penalty, 3e-7);
   EXPECT_LT(midpoint.states[0].error, 1e-3);
-  EXPECT_LT(midpoint.closure, 3e-2);
+  EXPECT_LT(midpoint.energy_closure, 3e-2);
   EXPECT_LT(midpoint.states[0].error,
             at(SchemeKind::backward_euler, ContactLaw::penalty, 3e-7).states[0].error);
   EXPECT_THAT(at(SchemeKind::midpoint, ContactLaw::multiplier, 1e-6).against,

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "tests/compare.hpp"
-#include "tests/looks.hpp"
+#include "tests/outcomes.hpp"
 
 /// Messages of the tests about two runs that differ: a test of tests.
 namespace ra2d::test {

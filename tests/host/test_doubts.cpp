@@ -109,7 +109,8 @@ TEST(Doubts, SayWhichUnitWasMeant) {
       said("drop", {"slider.surface.peaks=[{at=0.01,height=0.01,half_width=2e-4}]", "scene.gap=1"}),
       Contains(HasSubstr("slider.surface.peaks[0].height = 0.01 m")));
   EXPECT_THAT(said("drop", {"slider.surface.peaks=[{at=0.01,height=1e-5,half_width=0.2}]"}),
-              Contains(HasSubstr("half_width = 0.2 m: wider than the body is long")));
+              Contains(HasSubstr(
+                  "slider.surface.peaks[0].half_width = 0.2 m: wider than the body is long")));
   EXPECT_THAT(said("drop", {"slider.surface.peaks=[{at=0.01,height=1e-5,half_width=2e-5}]"}),
               Contains(HasSubstr("falls between nodes")));
 }

@@ -172,7 +172,7 @@ TEST(Ensemble, AnswersAreThoseOfTheRuns) {
     const auto shocks = make_shocks(one.model, one.shocks);
     EXPECT_EQ(a.shock_rate * s.duration,
               static_cast<double>(shocks.size() + one.end.open_shocks.size()));
-    EXPECT_NEAR(a.closure, std::abs(one.energy.relative()), 1e-15);
+    EXPECT_NEAR(a.energy_closure, std::abs(one.energy.relative()), 1e-15);
     double first = no_number, begin = infinity;
     for (const Shock& shock : shocks)
       if (shock.start > 0 && shock.start < begin) begin = shock.start, first = shock.duration;

@@ -315,10 +315,10 @@ TEST_F(Pictures, AProfileHasItsParametersAndHeights) {
 TEST_F(Pictures, AProfileLosesItsForm) {
   const fs::path file = folder_.path() / "bent.txt";
   std::string text = "x [mm];z [um]\n";
-  const auto bend = [](double x) { return 40 * (x - 0.5) * (x - 0.5); };  // um, of mm
+  const auto parabola = [](double x) { return 40 * (x - 0.5) * (x - 0.5); };  // um, of mm
   for (int i = 0; i < 1000; ++i)
     text += fmt::format("{:.4f};{:.9f}\n", 0.001 * i,
-                        bend(0.001 * i) + std::sin(2 * M_PI * (i + 0.5) / 20));
+                        parabola(0.001 * i) + std::sin(2 * M_PI * (i + 0.5) / 20));
   write_text(file, text);
   ProfilePictureOptions options{.query = {}, .measure = {}, .usual_filter = false};
   options.measure.form.degree = 2;

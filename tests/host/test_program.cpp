@@ -791,12 +791,12 @@ TEST_F(Program, AForcedStepRunsAndTheFileSaysSo) {
       << err_;
   EXPECT_THAT(out_, AllOf(HasSubstr("beyond limit"), HasSubstr("at no step does heun")));
   ASSERT_EQ(run({"run", scene_file("moving-force"), "-o", "fine.h5"}), 0) << err_;
-  std::ofstream(folder_ / "look.py")
+  std::ofstream(folder_ / "check.py")
       << "import h5py\n"
          "assert 'at no step does heun' in h5py.File('forced.h5').attrs['beyond_limit']\n"
          "assert 'beyond_limit' not in h5py.File('fine.h5').attrs\n";
-  Child look(folder_, {ra2d::test::python(), "look.py"});
-  EXPECT_EQ(look.wait(), 0) << look.err();
+  Child check(folder_, {ra2d::test::python(), "check.py"});
+  EXPECT_EQ(check.wait(), 0) << check.err();
 }
 
 TEST_F(Program, EveryFigureIsWhatItsDefinitionSays) {

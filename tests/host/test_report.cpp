@@ -13,9 +13,11 @@
 #include <vector>
 
 #include "host/base/hash.hpp"
+#include "host/report/asked.hpp"
 #include "host/report/folders.hpp"
 #include "host/report/html.hpp"
 #include "host/report/svg_chart.hpp"
+#include "host/scene_file/scene_file.hpp"
 #include "host/store/result_reader.hpp"
 #include "tests/child.hpp"
 #include "tests/places.hpp"
@@ -73,6 +75,23 @@ TEST(SvgChart, RoundsLimitsOutwards) {
   EXPECT_EQ(rounded_limits({3, 27, -HUGE_VAL}, 10), std::pair(0.0, 30.0));
   EXPECT_EQ(rounded_limits({20}, 10), std::pair(20.0, 30.0));
   EXPECT_EQ(rounded_limits({}, 10), std::pair(0.0, 10.0));
+}
+
+TEST(AskedFacts, HaveTheUnitsOfTheirKeys) {
+  const FactTable facts = asked_facts(read_scene(test::scene_file("moving-force")));
+  const auto of = [&](const std::string& name) {
+    for (const auto& [fact, text] : facts)
+      if (fact == name) return text;
+    return std::string();
+  };
+  EXPECT_EQ(of("sliding"), "0.015 s at 0 m/s, from 140 mm on");
+  EXPECT_EQ(of("resonator"),
+            "pinned beam, 300 mm long, 2 mm thick, 200 mm wide; 210 GPa, 7800 kg/m³, damping ratio "
+            "0; modes up to 20 kHz");
+  EXPECT_EQ(of("contact"), "penalty, 1\u00a0×\u00a010<sup>15</sup> Pa/m");
+  EXPECT_EQ(of("spacing"), "1 mm");
+  EXPECT_EQ(of("samples"), "100 kHz; counted from 0 s on");
+  EXPECT_EQ(of("moving force"), "10 N at 20 m/s");
 }
 
 class Report : public testing::Test {
@@ -257,7 +276,7 @@ std::string chromium() {
 }
 
 /// Sets the state of the loaded page as an attribute of its body.
-constexpr char look[] = R"js(<script>addEventListener("load", () => {
+constexpr char measure[] = R"js(<script>addEventListener("load", () => {
   const sounds = [...document.querySelectorAll("audio")].map(a => a.duration.toFixed(3));
   const fetched = performance.getEntriesByType("resource").filter(e => !e.name.startsWith("data:"));
   const root = document.documentElement;
@@ -269,8 +288,8 @@ constexpr char look[] = R"js(<script>addEventListener("load", () => {
 
 /// Windows have a least width; frames do not.
 constexpr char frames[] = R"html(<!DOCTYPE html>
-<iframe src="looked-at.html" style="width:360px;height:800px;border:0"></iframe>
-<iframe src="looked-at.html" style="width:1200px;height:800px;border:0"></iframe>
+<iframe src="measured.html" style="width:360px;height:800px;border:0"></iframe>
+<iframe src="measured.html" style="width:1200px;height:800px;border:0"></iframe>
 <script>addEventListener("load", () => document.body.append([...document.querySelectorAll("iframe")]
   .map(f => f.contentDocument.body.dataset.seen).join("; ")));</script>)html";
 
@@ -280,8 +299,8 @@ TEST_F(Report, StandsInABrowser) {
   simulate("b.h5", {"resonator.surface.seed=7"});
   ASSERT_EQ(ra2d({"report", "a.h5", "b.h5", "-o", "page.html"}).status, 0);
   std::string text = page();
-  text.insert(text.rfind("</body>"), look);
-  std::ofstream(folder_.path() / "looked-at.html") << text;
+  text.insert(text.rfind("</body>"), measure);
+  std::ofstream(folder_.path() / "measured.html") << text;
   std::ofstream(folder_.path() / "frames.html") << frames;
   const test::Ended shown = test::run_program(
       folder_.path(),

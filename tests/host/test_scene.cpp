@@ -1298,8 +1298,11 @@ TEST(SceneKeys, AreFoundByTheirPath) {
   EXPECT_EQ(find_key("resonator.moving_force[0].speed")->unit, "m/s");
   EXPECT_EQ(find_key("scene")->inner.front().name, "name");
   for (const char* path : {"", "scene.sped", "slider.moving_force", "resonator.load", "scene.",
-                           "scene.speed.x", "speed", ".speed"})
+                           "scene.speed.x", "speed", ".speed"}) {
     EXPECT_EQ(find_key(path), nullptr) << path;
+    EXPECT_THROW(key_unit(path), std::logic_error) << path;
+  }
+  EXPECT_EQ(key_unit("resonator.moving_force[0].speed"), "m/s");
 }
 
 TEST(SceneKeys, UnitsOfAStudysAxes) {

@@ -25,7 +25,7 @@ HOST = ["base", "system", "ranks", "scene", "surface", "body", "scene_file", "re
 IN_SCENES = ["kernels/nodes.hpp", "kernels/schemes/mode_step.hpp"]
 OF_FILES = ["result", "store", "analysis", "sound", "report"]
 KERNELS = ["check", "limits", "nodes", "schemes", "tables", "state", "lanes", "displacement", "gap", "place",
-           "group_sweep", "near_groups", "candidates", "shocks", "contact", "fixed", "adaptive", "march"]
+           "group_sweep", "candidate_groups", "candidates", "shocks", "contact", "fixed", "adaptive", "march"]
 
 INCLUDE = re.compile(r'^\s*#include "((?:host|kernels)/[^"]+)"', re.MULTILINE)
 KOKKOS = re.compile(r"^\s*#include <(Kokkos_[^>]+)>", re.MULTILINE)

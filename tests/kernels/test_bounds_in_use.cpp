@@ -165,7 +165,7 @@ void measure_flight(const Marched& m, std::int64_t step, std::int64_t ticks, con
   const SliderPath path(m.t.motion);
   const Place place = path.at(step);
   if (static_cast<double>(ticks) * m.t.motion.advance > 1 - place.theta)
-    return;  // where nothing is near
+    return;  // a node would pass another
   const auto overlaps = overlaps_of<packs>(m.t, work);
   const double time = static_cast<double>(ticks) * m.t.motion.time_step;
   const MotionBounds bounds = flight_of<packs>(m.t).bounds(u0.data(), v0.data(), time);
@@ -267,17 +267,19 @@ void measure_drive(const Marched& m, std::int64_t step, std::int64_t ticks, doub
           std::max(1, m.t.faces.nodes / 8), overlap, moved, shares);
   for (int e = 0; e < work.carried.contacts.count; ++e) {
     const double* c = series.overlap(e);
-    double curve = 0, rounding = 0, power = 1;
+    double curvature = 0, rounding = 0, power = 1;
     for (int j = 0; j <= degree; ++j, power *= end) rounding += 64 * eps * std::abs(c[j]) * power;
     for (int i = 0; i <= between; ++i) {
-      double bend = 0;
-      for (int j = degree; j >= 2; --j) bend = bend * (end * i / between) + j * (j - 1.0) * c[j];
-      curve = std::max(curve, std::abs(bend));
+      double second = 0;
+      for (int j = degree; j >= 2; --j)
+        second = second * (end * i / between) + j * (j - 1.0) * c[j];
+      curvature = std::max(curvature, std::abs(second));
     }
     rounding *= degree * degree / (end * end);
-    if (!(work.work.spans.hulls[e].curve > 1e3 * rounding)) continue;
-    shares["contact: curve of a hull"].push_back(curve / work.work.spans.hulls[e].curve);
-    ASSERT_LE(curve, work.work.spans.hulls[e].curve + rounding);
+    if (!(work.work.spans.hulls[e].curvature > 1e3 * rounding)) continue;
+    shares["contact: curvature of a hull"].push_back(curvature /
+                                                     work.work.spans.hulls[e].curvature);
+    ASSERT_LE(curvature, work.work.spans.hulls[e].curvature + rounding);
   }
 }
 
@@ -343,10 +345,10 @@ INSTANTIATE_TEST_SUITE_P(Scenes, BoundsInUse,
                            return name;
                          });
 
-// ---- looks ahead of steps of fixed length
+// ---- forecasts for steps of fixed length
 
-/// Compares free flight over so many steps with the bounds of a look ahead.
-void measure_look(const Marched& m, int steps, Shares& shares) {
+/// Compares free flight over so many steps with the bounds of a forecast.
+void measure_forecast(const Marched& m, int steps, Shares& shares) {
   const double tau = m.t.motion.time_step, time = steps * tau;
   const int all = m.modes() + m.t.slider.modes;
   double acceleration = 0, departed = 0, size = 0;
@@ -372,29 +374,30 @@ void measure_look(const Marched& m, int steps, Shares& shares) {
   }
   const double bound = 0.5 * steps * (steps + 1.0) * tau * tau * acceleration;
   if (!(bound > 1e3 * eps * size)) return;
-  shares[fmt::format("look of {} steps: way off the line", steps)].push_back(departed / bound);
+  shares[fmt::format("forecast of {} steps: departure from the line", steps)].push_back(departed /
+                                                                                        bound);
   ASSERT_LE(departed, bound * (1 + 1e-9) + 64 * eps * size);
 }
 
 template <class Change>
-std::int64_t march_fixed(const Scene& scene, std::int64_t steps, int looks, Shares* shares,
+std::int64_t march_fixed(const Scene& scene, std::int64_t steps, int forecasts, Shares* shares,
                          const Change& change) {
   Marched m(scene);
   change(m);
-  for (int i = 1; i <= looks; ++i) {
-    const std::int64_t target = steps * i / looks;
+  for (int i = 1; i <= forecasts; ++i) {
+    const std::int64_t target = steps * i / forecasts;
     while (m.s.carried.status == Status::running && m.s.carried.step < target) {
       FixedMarch<HostLanes, Form::semi_implicit, packs>(lanes, m.t, m.s).run(target);
       m.forget_what_was_recorded();
     }
     if (shares == nullptr) continue;
-    for (const int ahead : {shortest_flight, watch_steps, longest_flight})
-      measure_look(m, ahead, *shares);
+    for (const int ahead : {shortest_flight, most_listed_steps, longest_flight})
+      measure_forecast(m, ahead, *shares);
   }
   return m.s.carried.sums.evaluated;
 }
 
-TEST(BoundsInUse, OfLooksAheadAreNeverExceeded) {
+TEST(BoundsInUse, OfForecastsAreNeverExceeded) {
   const bool table = prints();
   for (const char* name : {"dang2012", "dang2012-pinned", "peaks"}) {
     const Scene scene = read_scene(scene_file(name), {"output.rate=1000"});
@@ -428,7 +431,7 @@ TEST(BoundsInUse, OfLooksAheadAreNeverExceeded) {
 
 // ---- what the width of a bound costs
 
-/// Steps and nodes looked at over the same stretch, with a bound that is `factor` of itself.
+/// Steps and evaluated nodes over the same stretch, with a bound that is changed.
 struct Cost {
   double steps, nodes;
 };

@@ -11,8 +11,8 @@
 #include "tests/bodies_by_hand.hpp"
 #include "tests/kernels_of.hpp"
 
-/// A look ahead against motions that are known in closed form: each case needs one part of the
-/// proof.
+/// Forecasts of contact against motions that are known in closed form. Each case needs one part of
+/// the proof.
 namespace {
 
 using namespace ra2d;
@@ -22,23 +22,25 @@ using test::K, test::modes, test::width;
 /// Two groups of slider nodes with wide gaps but for those that a test is about. Steps of a second.
 constexpr int nodes = 2 * width;
 
-Outlook look_ahead(BodiesByHand& bodies, const Amplitudes& u, const Amplitudes& v,
-                   double last_force = 0) {
+ContactForecast forecast_contact(BodiesByHand& bodies, const Amplitudes& u, const Amplitudes& v,
+                                 double last_force = 0) {
   auto candidates = test::candidates_of<K>(bodies.t, bodies.s);
-  return candidates.look_ahead(Packs(u).u, Packs(v).u, 0, 1 << 20, last_force);
+  return candidates.forecast_contact(Packs(u).u, Packs(v).u, 0, 1 << 20, last_force);
 }
 
-/// Whether a node that touches first at that step is looked at there.
-testing::AssertionResult sees(const BodiesByHand& bodies, const Outlook& plan, int node, int step) {
-  if (plan.kind == Outlook::look || plan.steps <= step) return testing::AssertionSuccess();
-  if (plan.kind == Outlook::watch && bodies.watched(node, plan.count))
+/// Whether a node that first touches at that step is evaluated there.
+testing::AssertionResult evaluates(const BodiesByHand& bodies, const ContactForecast& plan,
+                                   int node, int step) {
+  if (plan.kind == ContactForecast::search || plan.steps <= step)
+    return testing::AssertionSuccess();
+  if (plan.kind == ContactForecast::listed && bodies.lists(node, plan.count))
     return testing::AssertionSuccess();
   return testing::AssertionFailure()
-         << (plan.kind == Outlook::fly ? "flies " : "watches others for ") << plan.steps
+         << (plan.kind == ContactForecast::flight ? "flies " : "lists others for ") << plan.steps
          << " steps; node " << node << " touches at " << step;
 }
 
-TEST(Candidates, ANodeThatComesNearerThanTheCubicsTellIsSeen) {
+TEST(Candidates, ANodeThatComesCloserThanTheCubicsTellIsEvaluated) {
   // Free flight at a constant rate: of a wave cos z about the patch's centre the cubics leave out
   // z^4/24, and each step comes nearer by as much more.
   for (int node = 0; node < nodes; ++node)
@@ -51,12 +53,12 @@ TEST(Candidates, ANodeThatComesNearerThanTheCubicsTellIsSeen) {
       v[0] = 1e-9;
       there[0] = step * v[0];
       for (int n = 0; n < nodes; ++n) bodies.set_overlap(n, n == node ? 0 : -1, there, 8);
-      EXPECT_TRUE(sees(bodies, look_ahead(bodies, u, v), node, step));
+      EXPECT_TRUE(evaluates(bodies, forecast_contact(bodies, u, v), node, step));
     }
 }
 
-TEST(Candidates, ANodeThatPassesATroughIsSeen) {
-  // Bodies at rest: from the trough of a wave on the bent beam rises to the node, faster and
+TEST(Candidates, ANodeThatPassesATroughIsEvaluated) {
+  // Bodies at rest: from the trough of a wave on, the deflected beam rises to the node, faster and
   // faster. The slider passes a node in so many steps, and touches half way.
   constexpr double beta = 0.02, size = 1e-3;
   for (const int steps : {60, 600, 4000})
@@ -68,20 +70,20 @@ TEST(Candidates, ANodeThatPassesATroughIsSeen) {
       Amplitudes u{}, v{};
       u[0] = -size;
       for (int n = 0; n < nodes; ++n) bodies.set_overlap(n, n == node ? 0 : -1, u, 8.5);
-      EXPECT_TRUE(sees(bodies, look_ahead(bodies, u, v), node, steps / 2));
+      EXPECT_TRUE(evaluates(bodies, forecast_contact(bodies, u, v), node, steps / 2));
     }
 }
 
 TEST(Candidates, AListUnderForcesYetToBeFoundCoversNoStepAtWhichAnotherNodeTouches) {
-  // The slider comes down, a everywhere, and contact at node 0 tilts it, so that its last node
-  // comes down by f more. Backward Euler from rest: n (n + 1)/2 (a + f) after n steps. The list may
-  // be used as far as both together allow, not each by itself. What is guessed of the force is less
-  // than comes.
+  // The slider comes down with acceleration a, and contact at node 0 tilts it, so that its last
+  // node comes down with f more. Backward Euler from rest: n (n + 1)/2 (a + f) after n steps. The
+  // list may be used as far as both together allow, not each by itself. The guess of the force is
+  // too small.
   constexpr double a = 1e-9;
   constexpr int longest = 200, last = nodes - 1;
   std::vector<double> tilt(nodes, 0.0);
   tilt[0] = 1, tilt[last] = -1;
-  int watched = 0;
+  int covered_by_others = 0;
   for (double share = 0.1; share < 4; share *= 1.1) {
     const double f = share * a;
     BodiesByHand bodies({}, {std::vector<double>(nodes, 1.0), tilt}, nodes);
@@ -94,31 +96,32 @@ TEST(Candidates, AListUnderForcesYetToBeFoundCoversNoStepAtWhichAnotherNodeTouch
     for (int step = 20; step <= longest; step += 20) {
       const double way = 0.5 * step * (step + 1.0) * (a + f);
       for (int n = 0; n < nodes; ++n) bodies.height1[n] = n == 0 ? 0 : n == last ? -way : -1;
-      const Outlook plan = look_ahead(bodies, u, v, 0.2 * a);
-      if (plan.kind != Outlook::watch || bodies.watched(last, plan.count)) continue;
-      ++watched;
+      const ContactForecast plan = forecast_contact(bodies, u, v, 0.2 * a);
+      if (plan.kind != ContactForecast::listed || bodies.lists(last, plan.count)) continue;
+      ++covered_by_others;
       ListedNodes listed(plan);
       bool covered = plan.steps >= step;
       for (int n = 1; n <= step; ++n) covered = listed.covers(f, f) && covered;
       EXPECT_FALSE(covered) << "step " << step << ", force " << share;
     }
   }
-  EXPECT_GT(watched, 20);
+  EXPECT_GT(covered_by_others, 20);
 }
 
 // ---- the constants of the proof, each where it is reached (proofs.md)
 
 const std::vector<double> up(1, 1.0);  // shape of a slider of one node that moves as a whole
 constexpr int often = 1000;            // steps until the node touches
-/// Flights stop a little before that: a step or two short, and where squares of way were left out.
+/// Flights end a little before that: a step or two, or what squares of the distance make.
 constexpr double nearly = 0.95 * often;
 
 /// That a flight ends before the node touches, and not long before.
-testing::AssertionResult ends_in_time(const Outlook& plan, double least = nearly) {
-  if (plan.kind == Outlook::fly && plan.steps >= least && plan.steps <= often)
+testing::AssertionResult ends_in_time(const ContactForecast& plan, double least = nearly) {
+  if (plan.kind == ContactForecast::flight && plan.steps >= least && plan.steps <= often)
     return testing::AssertionSuccess();
-  return testing::AssertionFailure() << (plan.kind == Outlook::fly ? "flies " : "does not fly, ")
-                                     << plan.steps << " steps, it touches at " << often;
+  return testing::AssertionFailure()
+         << (plan.kind == ContactForecast::flight ? "flies " : "does not fly, ") << plan.steps
+         << " steps, it touches at " << often;
 }
 
 /// A slider of one node over a flat face, which moves as a whole, the last mode, and waves of the
@@ -141,29 +144,29 @@ TEST(CandidatesProof, TheAccelerationIsReachedFromRest) {
   bodies.outer_acceleration[0] = a;
   const Amplitudes still{};
   bodies.set_overlap(0, -0.5 * often * (often + 1.0) * a, still, 8);
-  EXPECT_TRUE(ends_in_time(look_ahead(bodies, still, still)));
+  EXPECT_TRUE(ends_in_time(forecast_contact(bodies, still, still)));
 }
 
 TEST(CandidatesProof, TheAccelerationIsReachedByAModeThatSwingsBack) {
-  // V' = -omega^2 U is pull times the energy norm where V = 0
+  // V' = -omega^2 U is per_norm times the energy norm where V = 0
   constexpr double omega = 1e-5;
   OneNode bodies;
   bodies.omega[0] = bodies.per_norm[0] = omega;
   Amplitudes u{}, v{};
   u[0] = -1;
   bodies.set_overlap(0, std::cos(omega * often) - 1, u, 8);
-  EXPECT_TRUE(ends_in_time(look_ahead(bodies, u, v)));
+  EXPECT_TRUE(ends_in_time(forecast_contact(bodies, u, v)));
 }
 
 TEST(CandidatesProof, TheAccelerationIsReachedByAModeThatIsTurnedRound) {
-  // V' = pull |V|, away from the face at first
+  // V' = per_norm |V|; it moves away from the face at first
   constexpr double per_norm = 0.01, speed = 1e-6;
   OneNode bodies;
   bodies.per_norm[0] = per_norm;
   Amplitudes u{}, v{};
   v[0] = -speed;
   bodies.set_overlap(0, often * speed - 0.5 * often * (often + 1.0) * per_norm * speed, u, 8);
-  EXPECT_TRUE(ends_in_time(look_ahead(bodies, u, v)));
+  EXPECT_TRUE(ends_in_time(forecast_contact(bodies, u, v)));
 }
 
 TEST(CandidatesProof, TheWaysCurvatureIsReachedInATrough) {
@@ -173,7 +176,7 @@ TEST(CandidatesProof, TheWaysCurvatureIsReachedInATrough) {
   Amplitudes u{}, v{};
   u[0] = -size;
   bodies.set_overlap(0, 0, u, 8 + way);
-  EXPECT_TRUE(ends_in_time(look_ahead(bodies, u, v)));
+  EXPECT_TRUE(ends_in_time(forecast_contact(bodies, u, v)));
 }
 
 TEST(CandidatesProof, TheWaysCurvatureIsReachedOnAFlankThatGrows) {
@@ -185,7 +188,7 @@ TEST(CandidatesProof, TheWaysCurvatureIsReachedOnAFlankThatGrows) {
   v[0] = rate;
   there[0] = often * rate;
   bodies.set_overlap(0, 0, there, 8 + way);
-  EXPECT_TRUE(ends_in_time(look_ahead(bodies, u, v)));
+  EXPECT_TRUE(ends_in_time(forecast_contact(bodies, u, v)));
 }
 
 /// A wave about the middle of a wide patch, and a node a chi short of the radius that the bounds on
@@ -208,7 +211,7 @@ TEST(CandidatesProof, WhatACubicLeavesOutIsReachedAtTheEdgeOfAPatch) {
   const double gap = 0.2 * bodies.tail[0];
   v[1] = gap / often;
   bodies.set_overlap(0, -gap, u, bodies.t.motion.position);
-  EXPECT_TRUE(ends_in_time(look_ahead(bodies, u, v), 0.5 * often));
+  EXPECT_TRUE(ends_in_time(forecast_contact(bodies, u, v), 0.5 * often));
   // a search for the nodes that touch has to see it, too
   bodies.t.bounds.searched = Nodes::all;
   for (const double open : {0.0, 0.11 * bodies.tail[0]}) {
@@ -226,7 +229,7 @@ TEST(CandidatesProof, WhatACubicLeavesOutOfARateIsReachedAtTheEdgeOfAPatch) {
   v[0] = 1e-3;
   v[1] = -v[0] * (1 - z * z / 2);
   bodies.set_overlap(0, -often * v[0] * left_out, u, bodies.t.motion.position);
-  EXPECT_TRUE(ends_in_time(look_ahead(bodies, u, v), 0.9 * often));
+  EXPECT_TRUE(ends_in_time(forecast_contact(bodies, u, v), 0.9 * often));
 }
 
 TEST(CandidatesProof, WhatACubicLeavesOutOfASlopeIsReachedAtTheEdgeOfAPatch) {
@@ -244,12 +247,12 @@ TEST(CandidatesProof, WhatACubicLeavesOutOfASlopeIsReachedAtTheEdgeOfAPatch) {
       bodies.overlap(u, begin + way, 0) - bodies.overlap(u, begin, 0) + often * v[1];
   EXPECT_GT(rises, 0);
   bodies.set_overlap(0, -rises - left_out, u, begin);
-  EXPECT_TRUE(ends_in_time(look_ahead(bodies, u, v), 0.9 * often));
+  EXPECT_TRUE(ends_in_time(forecast_contact(bodies, u, v), 0.9 * often));
 }
 
-TEST(CandidatesProof, AFlightGoesNoFartherThanTheNearListReaches) {
-  // The list is made for 300 steps of the slider's speed, and twice as far. A flight of more steps
-  // goes on from it, and a node that stands just beyond is nobody's.
+TEST(CandidatesProof, AFlightEndsWithTheRangeOfTheCandidateGroups) {
+  // The list is made for 500 steps at the slider's speed, and holds for twice the travel. A longer
+  // flight still uses it, and must not pass a node that stands just beyond.
   constexpr double speed = 1e-6;
   OneNode bodies;
   Amplitudes u{}, v{};
@@ -257,12 +260,12 @@ TEST(CandidatesProof, AFlightGoesNoFartherThanTheNearListReaches) {
   bodies.t.bounds.valid_steps = often / 2;
   bodies.set_overlap(0, -often * speed * (1 + 1e-6), u, 8);
   auto candidates = test::candidates_of<K>(bodies.t, bodies.s);
-  EXPECT_EQ(candidates.look_ahead(Packs(u).u, Packs(v).u, 0, 1 << 20, 0).steps, often / 2);
+  EXPECT_EQ(candidates.forecast_contact(Packs(u).u, Packs(v).u, 0, 1 << 20, 0).steps, often / 2);
   bodies.t.bounds.valid_steps = 4 * often;
-  EXPECT_TRUE(ends_in_time(candidates.look_ahead(Packs(u).u, Packs(v).u, 0, 1 << 20, 0)));
+  EXPECT_TRUE(ends_in_time(candidates.forecast_contact(Packs(u).u, Packs(v).u, 0, 1 << 20, 0)));
 }
 
-TEST(CandidatesProof, AWatchLastsUntilItsForcesReachTheLeeway) {
+TEST(CandidatesProof, AListLastsUntilItsForcesUseUpTheMargin) {
   // Node 0 is pressed, f = kappa times its overlap, which tilts the slider: the last node comes
   // down by f n (n + 1)/2. It stands just beyond what the list was made for.
   constexpr double stiffness = 1e-6, overlap = 1, guess = 0.01 * stiffness;
@@ -271,17 +274,17 @@ TEST(CandidatesProof, AWatchLastsUntilItsForcesReachTheLeeway) {
   tilt[0] = 1, tilt[last] = -1;
   BodiesByHand bodies({}, {tilt}, nodes);
   bodies.t.motion.position = 8, bodies.t.bounds.valid_steps = 4 * often;
-  bodies.t.contact.node_stiffness = stiffness, bodies.t.bounds.least_reach = 0.01;
+  bodies.t.contact.node_stiffness = stiffness, bodies.t.bounds.least_range = 0.01;
   const Amplitudes still{};
   for (int n = 0; n < nodes; ++n) bodies.height1[n] = n == 0 ? overlap : -9;
   double listed = 0, not_listed = 1;
-  Outlook plan{};
+  ContactForecast plan{};
   for (int i = 0; i < 60; ++i) {
     const double open = 0.5 * (listed + not_listed);
     bodies.height1[last] = -open;
-    const Outlook found = look_ahead(bodies, still, still, guess);
-    ASSERT_EQ(found.kind, Outlook::watch);
-    if (bodies.watched(last, found.count))
+    const ContactForecast found = forecast_contact(bodies, still, still, guess);
+    ASSERT_EQ(found.kind, ContactForecast::listed);
+    if (bodies.lists(last, found.count))
       listed = open;
     else
       not_listed = open, plan = found;
@@ -289,30 +292,31 @@ TEST(CandidatesProof, AWatchLastsUntilItsForcesReachTheLeeway) {
   const double force = stiffness * overlap;
   const auto comes = [&](double n) { return 0.5 * n * (n + 1) * force; };
   EXPECT_GT(plan.steps, 20);
-  EXPECT_LE(comes(plan.steps), not_listed) << "it touches within the watch";
-  EXPECT_GE(comes(plan.steps + 2), not_listed) << "the watch could last longer";
+  EXPECT_LE(comes(plan.steps), not_listed) << "it touches while the list holds";
+  EXPECT_GE(comes(plan.steps + 2), not_listed) << "the list could last longer";
 }
 
-TEST(CandidatesProof, AListUnderForcesYetToBeFoundCoversJustItsLeeway) {
-  // Where the force is found with the end of a step, the list counts what the force has done.
+TEST(CandidatesProof, AListUnderForcesYetToBeFoundCoversJustItsMargin) {
+  // Where the force is found with the end of a step, the list counts the forces of the steps so
+  // far.
   constexpr double force = 1e-6, guess = 0.01 * force, acceleration = 1e-9;
   constexpr int last = nodes - 1;
   std::vector<double> tilt(nodes, 0.0);
   tilt[0] = 1, tilt[last] = -1;
   BodiesByHand bodies({}, {tilt}, nodes);
   bodies.t.motion.position = 8, bodies.t.bounds.valid_steps = 4 * often,
-  bodies.t.bounds.least_reach = 0.01;
+  bodies.t.bounds.least_range = 0.01;
   bodies.t.scheme.form = Form::implicit;
   const Amplitudes still{};
   for (int n = 0; n < nodes; ++n) bodies.height1[n] = n == 0 ? 0 : -9;
   double listed = 0, not_listed = 1;
-  Outlook plan{};
+  ContactForecast plan{};
   for (int i = 0; i < 60; ++i) {
     const double open = 0.5 * (listed + not_listed);
     bodies.height1[last] = -open;
-    const Outlook found = look_ahead(bodies, still, still, guess);
-    ASSERT_EQ(found.kind, Outlook::watch);
-    if (bodies.watched(last, found.count))
+    const ContactForecast found = forecast_contact(bodies, still, still, guess);
+    ASSERT_EQ(found.kind, ContactForecast::listed);
+    if (bodies.lists(last, found.count))
       listed = open;
     else
       not_listed = open, plan = found;
@@ -323,41 +327,42 @@ TEST(CandidatesProof, AListUnderForcesYetToBeFoundCoversJustItsLeeway) {
   EXPECT_GT(n, 20);
   EXPECT_LE(0.5 * n * (n + 1) * force, not_listed) << "it touches at a step that is covered";
   EXPECT_GE(0.5 * (n + 1) * (n + 2) * force, not_listed) << "more would have been covered";
-  // and what outer forces do beside it, in the same units
+  // and the motion under outer forces, in the same units
   bodies.outer_acceleration[0] = acceleration;
-  const Outlook pushed = look_ahead(bodies, still, still, guess);
-  ASSERT_EQ(pushed.kind, Outlook::watch);
-  EXPECT_NEAR(pushed.line / pushed.kick, 0.5 * acceleration, 1e-12 * acceleration);
-  for (const bool of_line : {true, false}) {
+  const ContactForecast pushed = forecast_contact(bodies, still, still, guess);
+  ASSERT_EQ(pushed.kind, ContactForecast::listed);
+  EXPECT_NEAR(pushed.free_departure / pushed.departure_per_newton, 0.5 * acceleration,
+              1e-12 * acceleration);
+  for (const bool of_free_motion : {true, false}) {
     constexpr int exactly = 30;
-    Outlook outlook{Outlook::watch, 100, 1};
-    (of_line ? outlook.line : outlook.kick) =
-        (1 - 1e-9) / (exactly * (exactly + 1.0)) / (of_line ? 1 : 0.5 * force);
-    ListedNodes by_hand(outlook);
+    ContactForecast forecast{ContactForecast::listed, 100, 1};
+    (of_free_motion ? forecast.free_departure : forecast.departure_per_newton) =
+        (1 - 1e-9) / (exactly * (exactly + 1.0)) / (of_free_motion ? 1 : 0.5 * force);
+    ListedNodes by_hand(forecast);
     int covered = 0;
-    while (by_hand.covers(of_line ? 0 : force, of_line ? 0 : force)) ++covered;
+    while (by_hand.covers(of_free_motion ? 0 : force, of_free_motion ? 0 : force)) ++covered;
     EXPECT_EQ(covered, exactly);
   }
 }
 
-TEST(CandidatesProof, AWatchListsWhatTheWaysCurvatureBrings) {
-  // A node in a trough, beside one that is watched: it rises by (beta way)^2/2 until the watch
+TEST(CandidatesProof, AListHasTheNodesThatThePathsCurvatureBrings) {
+  // A node in a trough, beside one that is listed: it rises by (beta way)^2/2 until the list
   // ends.
   constexpr double beta = 1e-3, size = 1, way = 0.25;
   constexpr int last = nodes - 1;
   BodiesByHand bodies({{beta, 8.0 + last}}, {}, nodes);
   bodies.t.motion.position = 8, bodies.t.bounds.valid_steps = 4 * often;
-  bodies.t.motion.advance = way / watch_steps, bodies.t.bounds.least_leeway = 1e-12;
+  bodies.t.motion.advance = way / most_listed_steps, bodies.t.bounds.least_margin = 1e-12;
   Amplitudes u{}, v{};
   u[0] = -size;
   for (int n = 0; n < nodes; ++n) bodies.set_overlap(n, n == 0 ? 1e-3 : -1, u, 8);
   const double risen = size * (1 - std::cos(beta * way));
   for (const double open : {risen, 1.1 * risen}) {
     bodies.set_overlap(last, -open, u, 8);
-    const Outlook plan = look_ahead(bodies, u, v);
-    ASSERT_EQ(plan.kind, Outlook::watch);
-    EXPECT_EQ(plan.steps, watch_steps);
-    EXPECT_EQ(bodies.watched(last, plan.count), open == risen);
+    const ContactForecast plan = forecast_contact(bodies, u, v);
+    ASSERT_EQ(plan.kind, ContactForecast::listed);
+    EXPECT_EQ(plan.steps, most_listed_steps);
+    EXPECT_EQ(bodies.lists(last, plan.count), open == risen);
   }
 }
 
@@ -372,7 +377,7 @@ TEST(CandidatesProof, RoundingsReachHalfTheirBound) {
   EXPECT_NEAR((rounding(often) - rounding(0)) * size / (often * 0x1p-53), 2, 1e-12);
 }
 
-TEST(CandidatesProof, ALookCountsTheRoundingsOfItsPlace) {
+TEST(CandidatesProof, AForecastCountsTheRoundingsOfThePosition) {
   // a steep face under a place that is off by its roundings
   OneNode bodies;
   bodies.t.faces.steepest_rise = 0x1p50;
@@ -381,7 +386,7 @@ TEST(CandidatesProof, ALookCountsTheRoundingsOfItsPlace) {
   v[0] = 1e-3;
   const double off = position_rounding(Place(bodies.t.motion, 0)) * bodies.t.faces.steepest_rise;
   bodies.set_overlap(0, -often * v[0] - off, still, 8);
-  EXPECT_TRUE(ends_in_time(look_ahead(bodies, still, v)));
+  EXPECT_TRUE(ends_in_time(forecast_contact(bodies, still, v)));
 }
 
 TEST(CandidatesProof, AStretchEndsAStepBeforeANodeIsPassed) {
@@ -389,10 +394,10 @@ TEST(CandidatesProof, AStretchEndsAStepBeforeANodeIsPassed) {
   bodies.t.motion.advance = 1.0 / often;
   const Amplitudes u{};
   Amplitudes v{};
-  v[0] = 1e-9;  // so that the near list is worth something
+  v[0] = 1e-9;  // so that the candidate groups hold for a while
   bodies.set_overlap(0, -1, u, 8);
-  const Outlook plan = look_ahead(bodies, u, v);
-  EXPECT_EQ(plan.kind, Outlook::fly);
+  const ContactForecast plan = forecast_contact(bodies, u, v);
+  EXPECT_EQ(plan.kind, ContactForecast::flight);
   EXPECT_EQ(plan.steps, often - 2) << "a step, and the roundings of the place";
 }
 

@@ -69,12 +69,12 @@ struct Answer {
   Vector u, v;
   Vector force;  // of every node
   double most = 0;
-  int looks = 0;  // how often the nodes were looked at
+  int searches = 0;  // how often nodes were listed
   int contacts = 0;
-  double total = 0, climb = 0, bend = 0;
+  double total = 0, face_work = 0, deflection_work = 0;
 };
 
-/// Nodes that a look lists: all, or those that overlap, as the march lists them.
+/// Nodes that are listed: all, or those that overlap, as the march lists them.
 enum class Listing { all, overlapping };
 
 class Solver {
@@ -87,14 +87,14 @@ class Solver {
     tables_.contact.compliance = p_.compliance;
     tables_.contact.tolerance = p_.touch();
     held_u_.assign(stride, 0.0);
-    held_v_ = reach_ = held_u_;
+    held_v_ = largest_shape_ = held_u_;
     for (int k = 0; k < modes; ++k) {
       held_u_[k] = p_.receptance[k];
       held_v_[k] = velocity(k);
-      reach_[k] = p_.phi.col(k).cwiseAbs().maxCoeff();
+      largest_shape_[k] = p_.phi.col(k).cwiseAbs().maxCoeff();
     }
     tables_.contact.receptance = held_u_.data(), tables_.contact.mobility = held_v_.data(),
-    tables_.bounds.largest_shape = reach_.data();
+    tables_.bounds.largest_shape = largest_shape_.data();
     shape_.assign(static_cast<std::size_t>(nodes) * 4 * stride, 0.0);
     face_.assign(2 * nodes, 0.0);
     window_.assign(nodes, 0);
@@ -107,9 +107,9 @@ class Solver {
       face_[2 * n + 1] = rise(n);
     }
     const int room = p_.compliance > 0 ? nodes : std::min(nodes, modes);  // host/device/batch.cpp
-    watch_.assign(nodes, -1);
-    contact_nodes_ = watch_;
-    place_ = watch_;
+    listed_nodes_.assign(nodes, -1);
+    contact_nodes_ = listed_nodes_;
+    place_ = listed_nodes_;
     contact_forces_.assign(nodes, 0.0);
     active_nodes_.assign(room, 0);
     active_forces_.assign(room, 0.0);
@@ -117,7 +117,8 @@ class Solver {
     factor_.assign(static_cast<std::size_t>(room + 1) * room, 0.0);
     state_.caches.node_shape = shape_.data(), state_.caches.node_face = face_.data(),
     state_.marks.node_window = window_.data();
-    state_.work.watched = watch_.data(), state_.work.contact_list.nodes = contact_nodes_.data(),
+    state_.work.listed_nodes = listed_nodes_.data(),
+    state_.work.contact_list.nodes = contact_nodes_.data(),
     state_.work.contact_list.forces = contact_forces_.data();
     state_.work.active.capacity = room;
     state_.work.active.nodes = active_nodes_.data(), state_.marks.active_index = place_.data();
@@ -159,10 +160,10 @@ class Solver {
   Listing listing_;
   SceneTables tables_;
   SceneState state_;
-  std::vector<double> held_u_, held_v_, reach_, shape_, face_, contact_forces_, active_forces_,
-      factor_, across_, share_;
+  std::vector<double> held_u_, held_v_, largest_shape_, shape_, face_, contact_forces_,
+      active_forces_, factor_, across_, share_;
   std::vector<std::int64_t> window_;
-  std::vector<int> watch_, contact_nodes_, place_, active_nodes_;
+  std::vector<int> listed_nodes_, contact_nodes_, place_, active_nodes_;
 
   Answer solve() {
     Answer out;
@@ -180,13 +181,13 @@ class Solver {
     place.offset = 0;  // where the shapes are those of the problem
     const auto contact = test::node_contact_of<K>(tables_, state_);
     const auto list = [&](const Real* at) {
-      ++out.looks;
+      ++out.searches;
       int count = 0;
       for (int n = 0; n < p_.nodes(); ++n) {
         Real phi[K];
         contact.shape(n, 0.0, phi);
         if (listing_ == Listing::overlapping && !(contact.overlap(n, 0.0, phi, at) >= 0)) continue;
-        watch_[count++] = n;
+        listed_nodes_[count++] = n;
       }
       return count;
     };
@@ -200,7 +201,8 @@ class Solver {
     out.u = Eigen::Map<const Vector>(u.data(), p_.modes());
     out.v = Eigen::Map<const Vector>(v.data(), p_.modes());
     out.contacts = totals.nodes;
-    out.total = totals.force, out.climb = totals.climb, out.bend = lanes.sum(totals.bend);
+    out.total = totals.force, out.face_work = totals.face_work,
+    out.deflection_work = lanes.sum(totals.deflection_work);
     out.force = Vector::Zero(p_.nodes());
     for (int e = 0; e < totals.nodes; ++e) {
       EXPECT_TRUE(e == 0 || contact_nodes_[e - 1] < contact_nodes_[e]) << "not in ascending order";
@@ -220,14 +222,14 @@ Answer solve(const Problem& problem, Listing listing = Listing::all) {
 
 /// Overlap that roundings may leave [m]: what the solver lets pass at the worst
 /// (ContactTables::tolerance, and 256 roundings of the modes' sums: kernels/candidates.hpp,
-/// rounding), and those of the last look here, one for each mode and each node that pushes.
+/// rounding), and those of the last search here, one for each mode and each node that pushes.
 double rounding_of(const Problem& p, const Answer& a) {
-  const Vector reach = p.phi.cwiseAbs().colwise().maxCoeff();
+  const Vector largest_shape = p.phi.cwiseAbs().colwise().maxCoeff();
   const Vector modal_force = p.phi.cwiseAbs().transpose() * a.force;
   const Vector ends = p.free.cwiseAbs() + a.u.cwiseAbs();
-  return p.touch() + 256 * ulp * reach.dot(ends) +
+  return p.touch() + 256 * ulp * largest_shape.dot(ends) +
          (p.modes() + p.nodes() + 4) * ulp *
-             reach.dot(ends + p.receptance.cwiseProduct(modal_force));
+             largest_shape.dot(ends + p.receptance.cwiseProduct(modal_force));
 }
 
 /// The conditions, each to the roundings, and what the answer says of itself.
@@ -259,17 +261,18 @@ void expect_conditions(const Problem& p, const Answer& a) {
   const double count = 2 * p.nodes();
   EXPECT_NEAR(a.total, a.force.sum(), count * ulp * a.force.sum());
   EXPECT_GE(a.most, a.total * (1 - count * ulp));
-  double climb = 0, bend = 0, climbs = 0, bends = 0;
+  double face_work = 0, deflection_work = 0, face_work_size = 0, deflection_work_size = 0;
   for (int n = 0; n < p.nodes(); ++n) {
-    climb += a.force[n] * Solver::rise(n);
-    climbs += std::abs(a.force[n] * Solver::rise(n));
+    face_work += a.force[n] * Solver::rise(n);
+    face_work_size += std::abs(a.force[n] * Solver::rise(n));
     for (int k = 0; k < p.modes(); ++k) {
-      bend += a.force[n] * Solver::slope(n, k) * a.u[k];
-      bends += std::abs(a.force[n] * Solver::slope(n, k) * a.u[k]);
+      deflection_work += a.force[n] * Solver::slope(n, k) * a.u[k];
+      deflection_work_size += std::abs(a.force[n] * Solver::slope(n, k) * a.u[k]);
     }
   }
-  EXPECT_NEAR(a.climb, climb, count * ulp * climbs);
-  EXPECT_NEAR(a.bend, bend, (count + 2 * most_modes) * ulp * bends);
+  EXPECT_NEAR(a.face_work, face_work, count * ulp * face_work_size);
+  EXPECT_NEAR(a.deflection_work, deflection_work,
+              (count + 2 * most_modes) * ulp * deflection_work_size);
 }
 
 /// Distance of two ends of a step in the metric in which the answer is nearest to the free one.
@@ -545,11 +548,11 @@ TEST(Complementarity, FindsTheAnswerThatAProblemWasMadeAround) {
       expect_conditions(m.problem, a);
       expect_near(m.problem, a, m.u, m.force);
       // the rounds that it gives itself are 64 + 8 for each node: an eighth of that is not passed
-      EXPECT_LE(a.looks, 8 + nodes);
+      EXPECT_LE(a.searches, 8 + nodes);
     }
 }
 
-TEST(Complementarity, NodesThatPushTogetherTouchToTheRoundingsOfOneLook) {
+TEST(Complementarity, NodesThatPushTogetherTouchToTheRoundingsOfOneSearch) {
   // what the forces gather on their way is taken out of them: what counts as touching remains, and
   // the roundings of a sum over the modes, there and here
   Dice dice(6);
@@ -605,7 +608,7 @@ TEST(Complementarity, NodesThatDoNotOverlapNeedNotBeListed) {
     EXPECT_EQ(all.v, some.v);
     EXPECT_EQ(all.force, some.force);
     EXPECT_EQ(all.most, some.most);
-    EXPECT_EQ(all.looks, some.looks);
+    EXPECT_EQ(all.searches, some.searches);
   }
 }
 
@@ -624,9 +627,9 @@ TEST(Complementarity, NodesOfTheStepBeforeGiveTheSameAnswer) {
       if (a.solution != Solution::solved) return;
       expect_conditions(p, b);
       expect_near(p, b, a.u, a.force);
-      // the look that a guess costs: it was taken when there is no other
-      taken += b.contacts > 0 && b.looks == 1;
-      refused += b.contacts > 0 && b.looks > 1;
+      // a guess costs one search: it was right if there is no other
+      taken += b.contacts > 0 && b.searches == 1;
+      refused += b.contacts > 0 && b.searches > 1;
     };
     // those that carry force now, and some that need not
     std::vector<int> carrying;
@@ -665,7 +668,7 @@ TEST(Complementarity, OpenGapsLeaveTheStepAsItIs) {
   const Answer a = solve(by_hand({{1, 0}, {1, 1}}, {-2, -4}, {1, 0.5}, {1, 2}));
   EXPECT_EQ(a.solution, Solution::solved);
   EXPECT_EQ(a.contacts, 0);
-  EXPECT_EQ(a.looks, 1);
+  EXPECT_EQ(a.searches, 1);
   EXPECT_EQ(a.most, 0);
   EXPECT_EQ(a.u, (Vector{{1, 2}}));
   EXPECT_EQ(a.v[0], Solver::start_velocity(0));
@@ -694,17 +697,17 @@ TEST(Complementarity, NodeThatWouldPullIsLetGo) {
   // W = (1 2; 2 5): the first alone, f = 1.5 > 1, leaves 1.5 * 2 - 2.5 > 0 on the second.
   const Answer a = solve(by_hand({{1, 0}, {2, 1}}, {1.5, 2.5}, {1, 1}, {0, 0}));
   EXPECT_EQ(a.force, (Vector{{1.5, 0}}));
-  EXPECT_EQ(a.looks, 3);
+  EXPECT_EQ(a.searches, 3);
 }
 
 TEST(Complementarity, OneNodeLetsGoOnTheWayAndNoOther) {
   // W = (1 1 1; 1 2 0; 1 0 6). The second comes with 7/2, the third with 2/3. The first still
   // overlaps by 11/6: at 4 N on it the third lets go and 1/2 of that is left, gone with 1 N more,
-  // as the second would let go only at 3 N more. So each comes once, and one goes: three looks and
-  // a last one.
+  // as the second would let go only at 3 N more. So each comes once, and one goes: three searches
+  // and a last one.
   const Answer a =
       solve(by_hand({{1, 0, 0}, {1, 0, -1}, {1, 2, 1}}, {6, 7, 4}, {1, 1, 1}, {0, 0, 0}));
-  EXPECT_EQ(a.looks, 4);
+  EXPECT_EQ(a.searches, 4);
   for (int n = 0; n < 3; ++n)
     EXPECT_NEAR(a.force[n], (Vector{{5, 1, 0}})[n], 64 * ulp) << "node " << n;
 }
@@ -830,9 +833,9 @@ TEST(Complementarity, SpringsCarryForceAtMoreNodesThanThereAreModes) {
 
 // ---- many nodes on springs ----------------------------------------------------------------------
 
-/// Looks at the nodes that are enough for any number of them: one for each node that is pressed
+/// Searches that are enough for any number of nodes: one for each node that is pressed
 /// before Newton's method takes over, and some for its steps.
-constexpr int enough_looks = Complementarity<HostLanes, K>::many + 100;
+constexpr int enough_searches = Complementarity<HostLanes, K>::many + 100;
 
 TEST(Complementarity, ManyNodesOnSpringsMeetTheSameConditions) {
   Dice dice(20261122);
@@ -849,9 +852,9 @@ TEST(Complementarity, ManyNodesOnSpringsMeetTheSameConditions) {
     const Answer all = solve(m.problem), overlapping = solve(m.problem, Listing::overlapping);
     expect_conditions(m.problem, all);
     expect_near(m.problem, all, m.u, m.force);
-    EXPECT_LE(all.looks, enough_looks);
+    EXPECT_LE(all.searches, enough_searches);
     many += all.contacts > Complementarity<HostLanes, K>::many;
-    // which nodes are looked at beside those that overlap changes no bit
+    // which nodes are listed beside those that overlap changes no bit
     EXPECT_EQ(all.u, overlapping.u);
     EXPECT_EQ(all.force, overlapping.force);
   }
@@ -882,15 +885,15 @@ TEST(Complementarity, FlatOnFlatOnSpringsIsTheClosedForm) {
         (2 + stiffening) * 64 * ulp * 2e-6);  // roundings of 1000 overlaps, as stiff as they are
     EXPECT_NEAR(a.total, k * (2 * u - 1e-6), k * (2 + stiffening) * 128 * ulp * 2e-6);
     EXPECT_EQ(a.contacts, 1000);
-    EXPECT_LE(a.looks, enough_looks);
+    EXPECT_LE(a.searches, enough_searches);
   }
 }
 
 TEST(Complementarity, ManyNodesOfTheStepBeforeAreNotPressedOneByOne) {
   const Problem p = flat_on_flat(1000, 1.0);
   Solver solver(p);
-  EXPECT_LE(solver.after(1000).looks, 10);
-  EXPECT_GT(solver.after(Complementarity<HostLanes, K>::many).looks, 256);
+  EXPECT_LE(solver.after(1000).searches, 10);
+  EXPECT_GT(solver.after(Complementarity<HostLanes, K>::many).searches, 256);
 }
 
 TEST(Complementarity, AnInterruptEndsTheSearch) {
@@ -900,7 +903,7 @@ TEST(Complementarity, AnInterruptEndsTheSearch) {
     const Answer a = Solver(p).interrupted_by(&interrupted).after(before);
     EXPECT_EQ(a.solution, Solution::interrupted);
     EXPECT_EQ(a.u, p.free);  // nothing is done
-    EXPECT_LE(a.looks, 17);
+    EXPECT_LE(a.searches, 17);
   }
   EXPECT_EQ(Solver(few).interrupted_by(&interrupted).after(0).solution, Solution::solved);
 }

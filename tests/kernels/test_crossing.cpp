@@ -301,13 +301,13 @@ TEST(HullOf, OfALineAndAParabola) {
   EXPECT_NEAR(line.least, 0, 2 * u);
   EXPECT_NEAR(line.falling, -2, 4 * 7 * 2 * u);
   EXPECT_NEAR(line.rising, -2, 4 * 7 * 2 * u);
-  EXPECT_NEAR(line.curve, 0, 42 / 0.25 * 8 * u);
+  EXPECT_NEAR(line.curvature, 0, 42 / 0.25 * 8 * u);
   const Hull arc = hull({0, 0, 3, 0, 0, 0, 0, 0}, 2);
   EXPECT_EQ(arc.least, 0);
   EXPECT_NEAR(arc.most, 12, 12 * 4 * u);
   EXPECT_NEAR(arc.falling, 0, 7 / 2.0 * 12 * 8 * u);
   EXPECT_NEAR(arc.rising, 12, 7 / 2.0 * 12 * 8 * u);
-  EXPECT_NEAR(arc.curve, 6, 42 / 4.0 * 12 * 16 * u);
+  EXPECT_NEAR(arc.curvature, 6, 42 / 4.0 * 12 * 16 * u);
 }
 
 TEST(HullOf, IsExactForBernsteinsOwn) {
@@ -327,7 +327,7 @@ TEST(HullOf, IsExactForBernsteinsOwn) {
       EXPECT_NEAR(h.most, 1, off);
       EXPECT_NEAR(h.rising, k == 0 ? 0.0 : n / 2.0, n / 2.0 * 2 * off);
       EXPECT_NEAR(h.falling, k == n ? 0.0 : -n / 2.0, n / 2.0 * 2 * off);
-      EXPECT_NEAR(h.curve, n * (n - 1) / 4.0 * second, n * (n - 1) / 4.0 * 4 * off);
+      EXPECT_NEAR(h.curvature, n * (n - 1) / 4.0 * second, n * (n - 1) / 4.0 * 4 * off);
     }
 }
 
@@ -353,7 +353,7 @@ TEST(HullOf, Holds) {
     ASSERT_GE(h.most, most - off);
     ASSERT_LE(h.falling, falling + 2 * off * n / x);
     ASSERT_GE(h.rising, rising - 2 * off * n / x);
-    ASSERT_GE(h.curve, curve - 4 * off * n * n / (x * x));
+    ASSERT_GE(h.curvature, curve - 4 * off * n * n / (x * x));
     // and says something: no looser than the sums of sizes would be
     ASSERT_LE(h.most, size(c, x) + off);
     ASSERT_LE(h.rising, size(c, x, 1) + 2 * off * n / x);

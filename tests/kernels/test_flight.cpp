@@ -36,7 +36,8 @@ const HostLanes lanes{NoTeam{}};
 struct Flying {
   std::vector<Mode> mode;
   std::vector<double> load;
-  std::vector<double> flight, rest, fall, omega, decay, swing, reach, fourth_derivative, tail;
+  std::vector<double> flight, rest, fall, omega, decay, swing, largest_shape, fourth_derivative,
+      tail;
   SceneTables t;
   double quickest = 0;
 
@@ -67,7 +68,7 @@ struct Flying {
       omega.push_back(w);
       decay.push_back(2 * mode[k].zeta * w);
       swing.push_back(w > 0 ? 2 / w : 1e300);
-      reach.push_back(dice.uniform(0.5, 2));
+      largest_shape.push_back(dice.uniform(0.5, 2));
       tail.push_back(dice.uniform(0, 1e-3));
     }
     fourth_derivative.assign(modes, 0.0);
@@ -75,7 +76,7 @@ struct Flying {
     t.flight.free_acceleration = fall.data();
     t.modes.omega = omega.data(), t.adaptive.decay = decay.data(),
     t.flight.displacement_per_energy_norm = swing.data();
-    t.bounds.largest_shape = reach.data(),
+    t.bounds.largest_shape = largest_shape.data(),
     t.flight.fourth_derivative_per_energy_norm = fourth_derivative.data(),
     t.bounds.cubic_remainder = tail.data();
   }
@@ -222,7 +223,7 @@ TEST(Flight, BoundsHold) {
   double nearest = 0, nearest_fourth = 0;
   for (int trial = 0; trial < 100; ++trial) {
     Flying f(dice, trial % 2 == 1);
-    // a node that moves over the modes: psi_k = reach sin(b_k t + phase)
+    // a node that moves over the modes: psi_k = largest_shape sin(b_k t + phase)
     std::vector<double> b(modes), phase(modes);
     const double speed = dice.one_in(3) ? 0.0 : dice.ratio(1e2, 1e5);
     f.t.flight.fourth_derivative_at_rest = 0;
@@ -233,9 +234,11 @@ TEST(Flight, BoundsHold) {
       // (turn + b)^4 term by term, see host/device/batch.cpp
       if (w > 0)
         f.fourth_derivative[k] =
-            f.reach[k] * (std::pow(turn, 3) + 4 * turn * turn * b[k] + 6 * turn * b[k] * b[k] +
-                          4 * std::pow(b[k], 3) + std::pow(b[k], 4) / w);
-      f.t.flight.fourth_derivative_at_rest += f.reach[k] * std::pow(b[k], 4) * std::abs(f.rest[k]);
+            f.largest_shape[k] *
+            (std::pow(turn, 3) + 4 * turn * turn * b[k] + 6 * turn * b[k] * b[k] +
+             4 * std::pow(b[k], 3) + std::pow(b[k], 4) / w);
+      f.t.flight.fourth_derivative_at_rest +=
+          f.largest_shape[k] * std::pow(b[k], 4) * std::abs(f.rest[k]);
     }
     Flying::Lanes y = f.random_state(dice);
     if (trial % 4 == 3)  // one mode alone, so that the bound can be met
@@ -265,9 +268,9 @@ TEST(Flight, BoundsHold) {
         const int choose[] = {1, 4, 6, 4, 1};
         for (int n = 0; n <= 4; ++n)
           sum += choose[n] * d[4 - n] * std::pow(static_cast<long double>(b[k]), n) * psi[n];
-        fourth_derivative += static_cast<double>(f.reach[k] * sum);
-        travel += f.reach[k] * static_cast<double>(std::abs(now.u - y.u[k]));
-        size += f.reach[k] * static_cast<double>(std::abs(now.u));
+        fourth_derivative += static_cast<double>(f.largest_shape[k] * sum);
+        travel += f.largest_shape[k] * static_cast<double>(std::abs(now.u - y.u[k]));
+        size += f.largest_shape[k] * static_cast<double>(std::abs(now.u));
         tail += f.tail[k] * static_cast<double>(std::abs(now.u));
       }
       const double more = 1 + 64 * eps;  // roundings of the bounds themselves
@@ -315,9 +318,9 @@ TEST(FlightProof, TravelIsReachedByAModeThatPassesItsRest) {
     double size = 0, tail = 0;
     for (int mode = 0; mode < modes; ++mode) {
       const double out = std::abs(y.u[mode]) + (mode == k ? way : 0);  // it may as well go outwards
-      size += f.reach[mode] * out, tail += f.tail[mode] * out;
+      size += f.largest_shape[mode] * out, tail += f.tail[mode] * out;
     }
-    for (const auto& [bound, reached] : {std::pair{bounds.travel, f.reach[k] * way},
+    for (const auto& [bound, reached] : {std::pair{bounds.travel, f.largest_shape[k] * way},
                                          {bounds.size, size},
                                          {bounds.cubic_remainder, tail}}) {
       EXPECT_GE(bound, reached * (1 - 64 * eps)) << "mode " << k;
@@ -341,7 +344,7 @@ TEST(FlightProof, SizeIsReachedByAModeThatFallsFromRest) {
     double travel = 0, tail = 0;
     for (int k = 0; k < modes; ++k) {
       const double way = std::abs(f.fall[k]) * time * (0.25 + 0.5 * time);
-      travel += f.reach[k] * way, tail += f.tail[k] * way;
+      travel += f.largest_shape[k] * way, tail += f.tail[k] * way;
     }
     const MotionBounds bounds = f.bounds(y, time);
     EXPECT_NEAR(bounds.travel, travel, 64 * eps * travel);
@@ -357,10 +360,11 @@ TEST(FlightProof, TheFourthDerivativeIsReachedByAModeThatTurnsRound) {
   int reached = 0;
   for (int k = 0; k < modes; ++k) {
     if (f.omega[k] == 0 || f.mode[k].zeta > 0) continue;
-    f.fourth_derivative[k] = f.reach[k] * std::pow(f.omega[k], 3);
+    f.fourth_derivative[k] = f.largest_shape[k] * std::pow(f.omega[k], 3);
     Flying::Lanes y = at_rest(f);
     y.u[k] += 1e-3;
-    const double fourth_derivative = f.reach[k] * std::pow(f.omega[k], 4) * (y.u[k] - f.rest[k]);
+    const double fourth_derivative =
+        f.largest_shape[k] * std::pow(f.omega[k], 4) * (y.u[k] - f.rest[k]);
     for (int other = 0; other < modes; ++other)
       if (f.omega[other] == 0) y.v[other] = 5;  // rigid ones have none
     f.t.flight.fourth_derivative_at_rest = 0;

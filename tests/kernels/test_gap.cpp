@@ -117,7 +117,7 @@ TEST(Place, WindowsFollowOneAnotherAndHoldTheirOffsets) {
 }
 
 TEST(Place, MovingOnIsTheSameAsStandingThere) {
-  // To the last bit: results must not depend on where a watch began.
+  // To the last bit: results must not depend on where a list began.
   const SceneTables t = moving(3.7, 0.00123, 5);
   for (std::int64_t step = 0; step < 3000; ++step) {
     const Place here(t.motion, step);

@@ -129,9 +129,9 @@ TEST(NodeContact, ForceOnBothBodiesAndWorkOfTheWay) {
   EXPECT_EQ(nodes.touched[0], 0);
   EXPECT_EQ(nodes.force[0], 512);
   EXPECT_EQ(totals.force, 512);
-  EXPECT_EQ(totals.climb, 512 * 4);                     // on the face
-  EXPECT_EQ(lanes.sum(totals.bend), 512 * 5.5 * 0.25);  // on the bent line
-  EXPECT_EQ(nodes.modal_force()[0], 7 - 512 * 4);       // -f phi
+  EXPECT_EQ(totals.face_work, 512 * 4);                            // on the face
+  EXPECT_EQ(lanes.sum(totals.deflection_work), 512 * 5.5 * 0.25);  // on the deflection
+  EXPECT_EQ(nodes.modal_force()[0], 7 - 512 * 4);                  // -f phi
   EXPECT_EQ(nodes.modal_force()[1], 9 - 512 * 0.5);
 }
 
@@ -141,8 +141,8 @@ TEST(NodeContact, OpenGapTouchesNothing) {
   const auto totals = nodes.contact(1);
   EXPECT_EQ(totals.nodes, 0);
   EXPECT_EQ(totals.force, 0);
-  EXPECT_EQ(totals.climb, 0);
-  EXPECT_EQ(lanes.sum(totals.bend), 0);
+  EXPECT_EQ(totals.face_work, 0);
+  EXPECT_EQ(lanes.sum(totals.deflection_work), 0);
   EXPECT_EQ(nodes.modal_force()[0], 7);
   EXPECT_EQ(nodes.modal_force()[1], 9);
 }
@@ -170,8 +170,8 @@ TEST(NodeContact, SumsOverTheNodesThatTouchAndListsThemInOrder) {
   EXPECT_EQ(nodes.force[0], 256);
   EXPECT_EQ(nodes.force[1], 1024);
   EXPECT_EQ(totals.force, 1280);
-  EXPECT_EQ(totals.climb, 1280 * 4);
-  EXPECT_EQ(lanes.sum(totals.bend), 1280 * 5.5 * 0.25);
+  EXPECT_EQ(totals.face_work, 1280 * 4);
+  EXPECT_EQ(lanes.sum(totals.deflection_work), 1280 * 5.5 * 0.25);
   EXPECT_EQ(nodes.modal_force()[0], 7 - 1280 * 4);
 }
 

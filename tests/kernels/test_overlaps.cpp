@@ -18,7 +18,7 @@ using namespace ra2d;
 using test::Amplitudes, test::BodiesByHand, test::Packs, test::Real, test::lanes;
 using test::K, test::width;
 
-/// How many nodes the march flags in a step of a second between two states, listed in `watch`.
+/// How many nodes the march flags in a step of a second between two states; they are listed.
 int flag(BodiesByHand& bodies, const MotionBounds& bounds, const Amplitudes& u0,
          const Amplitudes& v0, const Amplitudes& u1, const Amplitudes& v1) {
   SceneTables& t = bodies.t;
@@ -27,8 +27,8 @@ int flag(BodiesByHand& bodies, const MotionBounds& bounds, const Amplitudes& u0,
   const Packs u(u0), v(v0);
   ModalState<HostLanes, K> now;
   for (int p = 0; p < K; ++p) now.u[p] = u.u[p], now.v[p] = v.u[p], now.square[p] = Real(0.0);
-  overlaps.see_beginning(Place(t.motion, 0), now);
-  overlaps.see_end(Place(t.motion, 1), Packs(u1).u, Packs(v1).u);
+  overlaps.evaluate_start(Place(t.motion, 0), now);
+  overlaps.evaluate_end(Place(t.motion, 1), Packs(u1).u, Packs(v1).u);
   return overlaps.flag(t.motion.time_step, bounds, overlaps.longest_rise(now.u, bounds, 1));
 }
 
@@ -61,7 +61,7 @@ TEST(Overlaps, ANodeThatTheCubicsTakeForOpenIsFlagged) {
                               .cubic_remainder = bodies.tail[0] * u[0],
                               .size = u[0]};
     EXPECT_EQ(flag(bodies, bounds, u, v, u, v), 1) << "node " << node;
-    EXPECT_TRUE(bodies.watched(node, 1)) << "node " << node;
+    EXPECT_TRUE(bodies.lists(node, 1)) << "node " << node;
   }
 }
 
@@ -76,13 +76,13 @@ TEST(Overlaps, ANodeThatTouchesAndIsGoneByTheEndIsFlagged) {
     for (int n = 0; n < nodes; ++n) bodies.set_overlap(n, n == node ? -0.9 * h : -1, u, 8);
     const MotionBounds bounds{.travel = h, .fourth_derivative = 0, .cubic_remainder = 0, .size = h};
     EXPECT_EQ(flag(bodies, bounds, u, v0, u, v1), 1) << "node " << node;
-    EXPECT_TRUE(bodies.watched(node, 1)) << "node " << node;
+    EXPECT_TRUE(bodies.lists(node, 1)) << "node " << node;
   }
 }
 
 TEST(Overlaps, ANodeThatPassesACrestIsFlagged) {
-  // bodies at rest, and a node that touches the bent beam's crest half way: nothing but the way
-  // brings it there
+  // bodies at rest, and a node that touches the deflected beam's crest half way: only the
+  // sliding brings it there
   constexpr double beta = 0.02, way = 0.9375, size = 1e-3;
   for (int node = 0; node < nodes; ++node) {
     BodiesByHand bodies({{beta, 8 + node + 0.5 * way}}, {}, nodes);
@@ -97,14 +97,14 @@ TEST(Overlaps, ANodeThatPassesACrestIsFlagged) {
                               .size = size};
     ASSERT_GT(-bodies.overlap(u, 8, node), 4 * bounds.cubic_remainder) << "it is seen to be open";
     EXPECT_EQ(flag(bodies, bounds, u, v, u, v), 1) << "node " << node;
-    EXPECT_TRUE(bodies.watched(node, 1)) << "node " << node;
+    EXPECT_TRUE(bodies.lists(node, 1)) << "node " << node;
   }
 }
 
 // ---- the constants of the proof, each where it is reached (proofs.md)
 
 const std::vector<double> up(1, 1.0);  // shape of a slider of one node that moves as a whole
-constexpr double never_near = 1e300;
+constexpr double always_unclear = 1e300;
 
 TEST(OverlapsProof, TheErrorOfACubicIsReachedByAQuartic) {
   // The overlap c t^2 (h - t)^2 - c h^4/16 touches half way. The cubic through its ends is
@@ -143,7 +143,7 @@ TEST(OverlapsProof, ARiseIsReachedByWhatTheModesTravel) {
   BodiesByHand bodies({}, {up}, 1);
   bodies.t.motion.position = 8;
   const MotionBounds bounds{
-      .travel = travel, .fourth_derivative = never_near, .cubic_remainder = 0, .size = 0};
+      .travel = travel, .fourth_derivative = always_unclear, .cubic_remainder = 0, .size = 0};
   EXPECT_NEAR(widest_flagged(bodies, bounds, still, still, still, still), travel, 1e-12);
 }
 
@@ -153,7 +153,7 @@ TEST(OverlapsProof, ARiseIsReachedOnASteepFace) {
   BodiesByHand bodies({}, {up}, 1);
   bodies.t.motion.position = 8, bodies.t.motion.advance = way, bodies.t.faces.steepest_rise = rise;
   const MotionBounds bounds{
-      .travel = 0, .fourth_derivative = never_near, .cubic_remainder = 0, .size = 0};
+      .travel = 0, .fourth_derivative = always_unclear, .cubic_remainder = 0, .size = 0};
   EXPECT_NEAR(widest_flagged(bodies, bounds, still, still, still, still), way * rise, 1e-12);
 }
 
@@ -166,7 +166,7 @@ TEST(OverlapsProof, ARiseIsReachedOnTheFlankOfABentBeam) {
   u[0] = size;
   const double risen = bodies.overlap(u, 8 + way, 0) - bodies.overlap(u, 8, 0);
   const MotionBounds bounds{
-      .travel = 0, .fourth_derivative = never_near, .cubic_remainder = 0, .size = 0};
+      .travel = 0, .fourth_derivative = always_unclear, .cubic_remainder = 0, .size = 0};
   const double widest = widest_flagged(bodies, bounds, u, v, u, v);
   EXPECT_GE(widest, risen * (1 - 1e-9));
   EXPECT_LE(widest, risen * (1 + 1e-6));  // (beta way)^2/24
@@ -211,7 +211,7 @@ TEST(OverlapsProof, RoundingsOfASumOverAllModesReachHalfTheirBound) {
   EXPECT_NEAR(bounds.rounding() / lost, 2, 0.01);
 }
 
-TEST(OverlapsProof, WhatIsSeenHasRoomForItsRoundings) {
+TEST(OverlapsProof, AnOverlapHasRoomForItsRoundings) {
   // Of roundings of a displacement: one of the value, a third of one of the rate over the step, one
   // of the series that is searched; three are taken. Of those of the faces: one when it is seen,
   // one when it is searched.
@@ -273,7 +273,7 @@ TEST(Overlaps, AContactThatBeginsDoesNotEndAtTheSameTick) {
   EXPECT_GT(crossing(-1.0), 1.0) << "ends";
 }
 
-TEST(OverlapsProof, TheNearListReachesAsFarAsANodeCanRise) {
+TEST(OverlapsProof, CandidateGroupsHoldForTheLongestRise) {
   // what the step can rise by, and half as much again so that the list lasts
   const Amplitudes still{};
   constexpr double travel = 0.75;
@@ -286,11 +286,11 @@ TEST(OverlapsProof, TheNearListReachesAsFarAsANodeCanRise) {
     ModalState<HostLanes, K> now;
     for (int p = 0; p < K; ++p) now.u[p] = now.v[p] = now.square[p] = Real(0.0);
     const MotionBounds bounds{
-        .travel = travel, .fourth_derivative = never_near, .cubic_remainder = 0, .size = 0};
+        .travel = travel, .fourth_derivative = always_unclear, .cubic_remainder = 0, .size = 0};
     const double rise = overlaps.longest_rise(now.u, bounds, 1);
-    overlaps.find_near(Place(t.motion, 0), now, bounds, rise, 0);
-    overlaps.see_beginning(Place(t.motion, 0), now);
-    overlaps.see_end(Place(t.motion, 1), now.u, now.v);
+    overlaps.find_groups(Place(t.motion, 0), now, bounds, rise, 0);
+    overlaps.evaluate_start(Place(t.motion, 0), now);
+    overlaps.evaluate_end(Place(t.motion, 1), now.u, now.v);
     EXPECT_EQ(overlaps.flag(t.motion.time_step, bounds, 2 * rise), open < 1.5 * travel ? 1 : 0)
         << open;
   }

@@ -10,7 +10,7 @@
 #include "host/device/device.hpp"
 #include "tests/adaptive.hpp"
 #include "tests/kernels/plain_march.hpp"
-#include "tests/looks.hpp"
+#include "tests/outcomes.hpp"
 #include "tests/schemes.hpp"
 #include "tests/separate_device.hpp"
 

@@ -25,11 +25,11 @@ using test::Dice, test::State, test::fly, test::Amplitudes, test::Real, test::la
 using test::K, test::eps, test::modes, test::width;
 
 /// Modes of all kinds, one a lane, and three nodes that slide over them. A node's shapes are the
-/// cubics of reach cos(beta o + phase), o its offset; in chi, here 1 m.
+/// cubics of a cos(beta o + phase), a the largest shape, o its offset; in chi, here 1 m.
 struct Bodies {
   static constexpr int nodes = 3;
   std::vector<Mode> mode;
-  std::vector<double> load, mass, omega, decay, light, wander, turn, reach, tail;
+  std::vector<double> load, mass, omega, decay, light, wander, turn, largest_shape, tail;
   std::vector<double> shape, face, series, squares, node_series, closed_shape, scan_shape, scan;
   std::vector<std::int64_t> window = std::vector<std::int64_t>(nodes, 0);
   std::vector<int> closed;
@@ -56,7 +56,7 @@ struct Bodies {
       omega.push_back(m.omega), decay.push_back(2 * m.zeta * m.omega);
       turn.push_back(m.omega * (m.zeta + std::hypot(1.0, m.zeta)));
       wander.push_back(beta * speed);
-      reach.push_back(dice.uniform(0.5, 2)), tail.push_back(1e-6);
+      largest_shape.push_back(dice.uniform(0.5, 2)), tail.push_back(1e-6);
       v[k] = dice.uniform(-1, 1);
       u[k] = dice.uniform(-1, 1) / std::max(m.omega, 1e3);
       quickest = std::max(quickest, turn[k]);
@@ -64,7 +64,7 @@ struct Bodies {
         shape.resize(nodes * 4 * modes);
         const double phase = dice.uniform(0, 6.3);
         double power =
-            0.99 * reach[k];  // beyond its middle a cubic is a little larger than the wave
+            0.99 * largest_shape[k];  // beyond its middle a cubic is a little larger than the wave
         for (int m4 = 0; m4 < 4; ++m4) {
           shape[(n * 4 + m4) * modes + k] = power * std::cos(phase + m4 * M_PI_2);
           power *= beta / (m4 + 1);
@@ -84,7 +84,7 @@ struct Bodies {
     t.adaptive.decay = decay.data();
     t.adaptive.inverse_mass = light.data(), t.adaptive.passing_rate = wander.data(),
     t.adaptive.fastest_rate = turn.data();
-    t.bounds.largest_shape = reach.data(), t.bounds.cubic_remainder = tail.data();
+    t.bounds.largest_shape = largest_shape.data(), t.bounds.cubic_remainder = tail.data();
     series.resize((most_order + 1) * modes), squares.resize(most_order * modes);
     node_series.resize(nodes * 2 * overlap_terms), closed_shape.resize(nodes * 4 * modes);
     scan_shape.resize(4 * modes), scan.resize(overlap_terms);
@@ -144,7 +144,7 @@ struct Bodies {
   /// A node's overlap from its definition, its change per x that is due to the way alone, and the
   /// size of what they are sums of.
   struct Overlap {
-    long double over, climb, size;
+    long double over, sliding_rate, size;
   };
   Overlap overlap(int node, double x) const {
     const long double theta = place().theta + static_cast<long double>(x) * way();
@@ -155,9 +155,9 @@ struct Bodies {
       const auto [psi, slope] = shape_at(node, k, x);
       const long double now = derivative(0, k, x);
       modes_part += psi * now;
-      o.climb += slope * way() * now;
+      o.sliding_rate += slope * way() * now;
       for (int j = 0; j <= t.adaptive.order; ++j)
-        o.size += reach[k] * std::abs(coefficient(j, k)) * std::pow(x, j);
+        o.size += largest_shape[k] * std::abs(coefficient(j, k)) * std::pow(x, j);
     }
     o.over = -gap<long double>(0, face[2 * node], 0, {0, rise, theta}, modes_part);
     return o;
@@ -287,8 +287,8 @@ TEST(ModalSeries, SolvesTheEquationsOfSlidingContact) {
     // stiff springs turn faster than any mode
     double fastest = b.quickest;
     for (int k = 0; k < modes; ++k)
-      fastest = std::max(
-          fastest, std::sqrt(3 * modes * b.t.contact.node_stiffness / b.mass[k]) * b.reach[k]);
+      fastest = std::max(fastest, std::sqrt(3 * modes * b.t.contact.node_stiffness / b.mass[k]) *
+                                      b.largest_shape[k]);
     b.expand(1 / fastest);
     for (const double x : {0.0, 0.05, 0.1}) {  // what is beyond the last term is x^19 of it
       const double scale = b.motion.scale();
@@ -301,18 +301,18 @@ TEST(ModalSeries, SolvesTheEquationsOfSlidingContact) {
       }
       for (int k = 0; k < modes; ++k) {
         const long double rate = b.derivative(1, k, x) / scale;
-        const long double bend = b.derivative(2, k, x) / (scale * scale);
+        const long double second = b.derivative(2, k, x) / (scale * scale);
         long double force = b.load[k], size = std::abs(force);
         for (int e = 0; e < touching; ++e) {
           const auto [psi, slope] = b.shape_at(e, k, x);
           force -= b.t.contact.node_stiffness * psi * o[e].over;
-          size += b.t.contact.node_stiffness * b.reach[k] * o[e].size;
+          size += b.t.contact.node_stiffness * b.largest_shape[k] * o[e].size;
         }
         const long double w = b.omega[k];
         const long double acceleration = w * w * b.derivative(0, k, x) + b.decay[k] * rate;
         size = size / b.mass[k] + std::abs(w * w * b.u[k]) + std::abs(b.decay[k] * b.v[k]);
         EXPECT_NEAR(
-            static_cast<double>(bend), static_cast<double>(force / b.mass[k] - acceleration),
+            static_cast<double>(second), static_cast<double>(force / b.mass[k] - acceleration),
             256 * eps * static_cast<double>(size) +
                 b.t.contact.node_stiffness * b.motion.neglected() / b.mass[k] * touching * 2)
             << "trial " << trial << ", mode " << k << ", x " << x;
@@ -325,8 +325,8 @@ TEST(ModalSeries, SolvesTheEquationsOfSlidingContact) {
 
 TEST(ModalSeries, KnowsWhatItsOverlapsNeglect) {
   // The modes' series times the shapes along the way, a cubic: the overlap's series is that to the
-  // last bit if it takes all terms of the shapes, and within `neglected` if not. Its climb is the
-  // share of the way alone.
+  // last bit if it takes all terms of the shapes, and within `neglected` if not. Its sliding_rate
+  // is the share of the way alone.
   Dice dice(5);
   std::array<int, 5> seen{};
   for (int trial = 0; trial < 200; ++trial) {
@@ -345,8 +345,8 @@ TEST(ModalSeries, KnowsWhatItsOverlapsNeglect) {
                     static_cast<double>(o.over), b.motion.neglected() + rounding)
             << "trial " << trial << ", x " << x;
         if (b.motion.wanted_terms() == 4) {
-          EXPECT_NEAR(polynomial(b.motion.climb(e), b.motion.degree(), x),
-                      static_cast<double>(o.climb), rounding * std::max(1.0, b.way()));
+          EXPECT_NEAR(polynomial(b.motion.sliding_rate(e), b.motion.degree(), x),
+                      static_cast<double>(o.sliding_rate), rounding * std::max(1.0, b.way()));
         }
         // of any node, closed or not: with all terms
         b.motion.overlap_of(e, b.place(), b.scan.data());
@@ -355,7 +355,7 @@ TEST(ModalSeries, KnowsWhatItsOverlapsNeglect) {
       }
     double way = 0;
     for (int k = 0; k < modes; ++k)
-      way += b.reach[k] * (std::abs(b.coefficient(1, k)) + std::abs(b.coefficient(2, k)));
+      way += b.largest_shape[k] * (std::abs(b.coefficient(1, k)) + std::abs(b.coefficient(2, k)));
     EXPECT_LE(b.motion.neglected(), 0.03 * b.t.adaptive.tolerance * way * (1 + 16 * eps));
   }
   EXPECT_GT(seen[2], 0);
@@ -367,7 +367,7 @@ TEST(ModalSeries, BoundsHold) {
   Dice dice(6);
   double nearest = 0, nearest_fourth = 0;
   for (int trial = 0; trial < 200; ++trial) {
-    const int touching = trial % 3;  // the last node stays open and is looked at
+    const int touching = trial % 3;  // the last node stays open and is evaluated
     Bodies b(dice, 1e-13, dice.one_in(3) ? 0.0 : dice.ratio(1e2, 1e5), dice.ratio(1e5, 1e8),
              touching);
     b.expand(dice.ratio(0.1, 0.5) / b.quickest);
@@ -378,14 +378,14 @@ TEST(ModalSeries, BoundsHold) {
       const double* c = b.motion.overlap(e);
       for (int i = 0; i <= 400; ++i) {
         const double at = x * i / 400;
-        double bend = 0;
-        for (int j = b.motion.degree(); j >= 2; --j) bend = bend * at + j * (j - 1) * c[j];
+        double second = 0;
+        for (int j = b.motion.degree(); j >= 2; --j) second = second * at + j * (j - 1) * c[j];
         const ValueAndSlope p = polynomial_and_slope(c, b.motion.degree(), at);
         h.least = std::min(h.least, p.value), h.most = std::max(h.most, p.value);
         h.falling = std::min(h.falling, p.slope), h.rising = std::max(h.rising, p.slope);
-        h.curve = std::max(h.curve, std::abs(bend));
+        h.curvature = std::max(h.curvature, std::abs(second));
       }
-      h.curve *= 1.001;  // between the places looked at
+      h.curvature *= 1.001;  // between the places evaluated
     }
     const MotionBounds bounds = b.motion.bounds(x);
     b.motion.overlap_of(2, b.place(), b.scan.data());
@@ -395,8 +395,8 @@ TEST(ModalSeries, BoundsHold) {
       double travel = 0, size = 0, tail = 0;
       for (int k = 0; k < modes; ++k) {
         const auto now = static_cast<double>(b.derivative(0, k, at));
-        travel += b.reach[k] * std::abs(now - b.u[k]);
-        size += b.reach[k] * std::abs(now);
+        travel += b.largest_shape[k] * std::abs(now - b.u[k]);
+        size += b.largest_shape[k] * std::abs(now);
         tail += b.tail[k] * std::abs(now);
       }
       double fourth_derivative = 0;
@@ -430,12 +430,12 @@ TEST(ModalSeries, BoundOnTheFourthDerivativeOfAModeThatIsPushedFromRest) {
     b.wander[pushed] = 0.1 * 1e7;
     for (int m = 0; m < 4; ++m)  // at its top it bends most
       b.shape[(2 * 4 + m) * modes + pushed] =
-          m % 2 == 1 ? 0 : b.reach[pushed] * (m == 0 ? 1 : -0.5 * 0.01);
+          m % 2 == 1 ? 0 : b.largest_shape[pushed] * (m == 0 ? 1 : -0.5 * 0.01);
     b.expand(1e-9);
     const double x = 1e-3;
     b.motion.overlap_of(2, b.place(), b.scan.data());
     const double fourth_derivative = 24 * std::abs(b.scan[4]) * std::pow(b.motion.scale(), -4);
-    EXPECT_NEAR(fourth_derivative, 6 * b.reach[pushed] * 1e12, 64 * eps * fourth_derivative)
+    EXPECT_NEAR(fourth_derivative, 6 * b.largest_shape[pushed] * 1e12, 64 * eps * fourth_derivative)
         << "that it is";
     const MotionBounds bounds = b.motion.bounds(x);
     EXPECT_LE(fourth_derivative, bounds.fourth_derivative * (1 + 64 * eps)) << "trial " << trial;
@@ -481,7 +481,7 @@ TEST(ModalSeries, SumsTheSquareOfTheVelocity) {
 /// is about it sets itself. Times are in units of a second.
 struct OneMode : Bodies {
   std::vector<double> modal_force = std::vector<double>((most_order + 1) * modes, 0.0);
-  double reach0;
+  double largest_shape0;
 
   explicit OneMode(Dice& dice, int closed_nodes = 0) : Bodies(dice, 1e-13, 0.0, 0, closed_nodes) {
     for (std::vector<double>* row : {&load, &omega, &decay, &turn, &wander, &tail})
@@ -490,7 +490,7 @@ struct OneMode : Bodies {
     std::fill(shape.begin(), shape.end(), 0.0), std::fill(face.begin(), face.end(), 0.0);
     u.fill(0), v.fill(0);
     s.work.series.forces = modal_force.data();
-    reach0 = reach[0];
+    largest_shape0 = largest_shape[0];
   }
   /// U = size x^d/d!: from the state, the load, and forces that grow.
   void begin_with(int d, double size) {
@@ -523,7 +523,7 @@ TEST(SeriesProof, EachTermOfAModeAtANodeThatMovesIsReached) {
     mode.begin_with(d, size);
     ASSERT_NEAR(static_cast<double>(mode.derivative(d, 0, 0)), size, 8 * eps * size);
     const double x = 1e-9;
-    const double fourth_derivative = binomial[d] * std::pow(b, 4 - d) * size * mode.reach0;
+    const double fourth_derivative = binomial[d] * std::pow(b, 4 - d) * size * mode.largest_shape0;
     const MotionBounds bounds = mode.motion.bounds(x);
     EXPECT_GE(bounds.fourth_derivative, fourth_derivative * (1 - 64 * eps)) << "derivative " << d;
     EXPECT_LE(bounds.fourth_derivative, fourth_derivative * (1 + 1e-6)) << "derivative " << d;
@@ -541,8 +541,8 @@ TEST(SeriesProof, TravelIsReachedByAModeWithoutForces) {
     mode.begin_with(d, size);
     const double way = size * std::pow(x, d);
     const MotionBounds bounds = mode.motion.bounds(x);
-    EXPECT_NEAR(bounds.travel, mode.reach0 * way, 1e-12) << "derivative " << d;
-    EXPECT_NEAR(bounds.size, mode.reach0 * way, 1e-12) << "derivative " << d;
+    EXPECT_NEAR(bounds.travel, mode.largest_shape0 * way, 1e-12) << "derivative " << d;
+    EXPECT_NEAR(bounds.size, mode.largest_shape0 * way, 1e-12) << "derivative " << d;
     EXPECT_NEAR(bounds.cubic_remainder, 0.25 * way, 1e-12) << "derivative " << d;
   }
 }
@@ -555,7 +555,7 @@ TEST(SeriesProof, AFreeModesFourthDerivativeIsReachedWhereItTurnsRound) {
   mode.omega[0] = mode.turn[0] = omega;
   mode.u[0] = 0.5;
   mode.expand(1);
-  const double fourth_derivative = std::pow(omega, 4) * 0.5 * mode.reach0;
+  const double fourth_derivative = std::pow(omega, 4) * 0.5 * mode.largest_shape0;
   EXPECT_NEAR(mode.motion.bounds(0).fourth_derivative, fourth_derivative,
               64 * eps * fourth_derivative);
 }
@@ -567,7 +567,7 @@ TEST(SeriesProof, EachShareOfAContactForceIsReached) {
     Dice dice(23);
     OneMode mode(dice);
     mode.shape[term * modes] = of_shape;
-    return mode.under(hull, x).fourth_derivative / mode.reach0;
+    return mode.under(hull, x).fourth_derivative / mode.largest_shape0;
   };
   const Hull bent{0, 0, 0, 0, 3}, deep{-5, 4, 0, 0, 0}, high{-4, 5, 0, 0, 0};
   const Hull falls{0, 0, -5, 4, 0}, rises{0, 0, -4, 5, 0};
@@ -596,10 +596,10 @@ TEST(SeriesProof, WhatIsNeglectedIsReachedAtACrestAndOnAFlank) {
     mode.shape[0] = terms == 2 ? 1 : 0, mode.shape[modes] = terms == 2 ? 0 : b;
     mode.shape[2 * modes] = terms == 2 ? -0.5 * b * b : 0;
     mode.shape[3 * modes] = terms == 2 ? 0 : -b * b * b / 6;
-    const double scale = mode.reach[0];
+    const double scale = mode.largest_shape[0];
     for (int m = 0; m < 4; ++m) mode.shape[m * modes] *= scale;
     mode.t.adaptive.tolerance =
-        (terms == 2 ? 2.1 : 0.01) * scale * size * b * b / (0.03 * mode.reach[1]);
+        (terms == 2 ? 2.1 : 0.01) * scale * size * b * b / (0.03 * mode.largest_shape[1]);
     mode.expand(1);
     ASSERT_EQ(mode.motion.wanted_terms(), terms);
     const double off = std::abs(polynomial(mode.motion.overlap(0), mode.motion.degree(), 2) -

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "bench/peers/equations.hpp"
-#include "bench/peers/watched.hpp"
+#include "bench/peers/evaluated_nodes.hpp"
 #include "host/body/beam.hpp"
 #include "tests/dice.hpp"
 #include "tests/scenes.hpp"
@@ -182,7 +182,7 @@ TEST_P(PeerEquations, RatesAndForcesAreTheSumsThatDefineThem) {
   }
 }
 
-TEST_P(PeerEquations, EveryNodeThatTouchesIsWatched) {
+TEST_P(PeerEquations, EveryNodeThatTouchesIsEvaluated) {
   const Model model = model_of(GetParam());
   Equations equations(model);
   test::Dice dice(3);
@@ -191,21 +191,21 @@ TEST_P(PeerEquations, EveryNodeThatTouchesIsWatched) {
   for (int i = 0; i < 40; ++i) {
     const State state(model, dice);
     const double t = times(model).back() * dice.uniform(0, 1);
-    Watched watched(equations, Nodes::candidates);
+    EvaluatedNodes evaluated(equations, Nodes::candidates);
     const double time = 2e-5;
-    EXPECT_TRUE(watched.look_ahead(t, state.y.data(), time));
-    listed += static_cast<int>(watched.list().size());
+    EXPECT_TRUE(evaluated.prepare(t, state.y.data(), time));
+    listed += static_cast<int>(evaluated.list().size());
     for (const double share : {0.1, 0.5, 1.0}) {
       // on along the velocities, faster than they are now, as far as the list promises
       std::vector<double> later = state.y;
       for (int k = 0; k < modes; ++k) later[k] += 1.5 * share * time * state.y[modes + k];
-      ASSERT_TRUE(watched.covered(t, state.y.data(), t + share * time, later.data()));
+      ASSERT_TRUE(evaluated.covered(t, state.y.data(), t + share * time, later.data()));
       Eigen::ArrayXd overlap;
       equations.overlaps(equations.place(t + share * time), later.data(), overlap);
       for (int n = 0; n < model.nodes(); ++n) {
         if (overlap[n] <= 0) continue;
         ++touching;
-        EXPECT_TRUE(std::binary_search(watched.list().begin(), watched.list().end(), n));
+        EXPECT_TRUE(std::binary_search(evaluated.list().begin(), evaluated.list().end(), n));
       }
     }
   }

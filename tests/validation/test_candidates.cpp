@@ -19,7 +19,7 @@
 #include "kernels/gap.hpp"
 #include "kernels/limits.hpp"
 #include "tests/effort.hpp"
-#include "tests/looks.hpp"
+#include "tests/outcomes.hpp"
 #include "tests/scenes.hpp"
 #include "tests/simulate.hpp"
 
@@ -111,7 +111,7 @@ TEST(Candidates, OneNodePeakArrivesAtHighSpeed) {
   }
 }
 
-TEST(Candidates, HugeVelocityCrossesALargeGapWithinOneLook) {
+TEST(Candidates, HugeVelocityCrossesALargeGapWithinOneForecast) {
   for (const double steps_to_cross : {0.5, 3.0, 30.0, 300.0, 3000.0}) {
     for (const int mode : {0, 1, 7, 11}) {
       SCOPED_TRACE(std::to_string(steps_to_cross) + " steps, mode " + std::to_string(mode));
@@ -197,8 +197,8 @@ TEST(Candidates, CubicsAreOffByManyStepsOfAFineMarch) {
   s.contact.stiffness = 1e13;
   const BodyMode mode = make_body(s.resonator).modes[0];
   const double amplitude = 1e-4;  // m, where the peak is
-  // the gap, as a share of the amplitude: far up, and as far as the plate moves in one look from
-  // rest
+  // the gap, as a share of the amplitude: far up, and as far as the plate moves in one forecast
+  // from rest
   for (const auto& [phase_of_a_step, gap] : {std::pair{1e-5, 0.3}, std::pair{1e-7, 3e-4}}) {
     s.time.step = phase_of_a_step / mode.omega;
     s.duration = 1.2 * gap / mode.omega;
@@ -218,7 +218,7 @@ TEST(Candidates, CubicsAreOffByManyStepsOfAFineMarch) {
 }
 
 TEST(Candidates, ForceThatSetsOutFromRest) {
-  // What moves nothing at first is further off after a look's time than what moves evenly would be.
+  // Motion that accelerates from rest is further off after a forecast's time than an even one.
   Scene s = plate_scene(1, 0.004, 0.001);
   s.spacing = 2e-5;
   s.speed = 0;
@@ -226,15 +226,15 @@ TEST(Candidates, ForceThatSetsOutFromRest) {
   s.contact.stiffness = 1e12;
   s.resonator.moving_forces = {{.force = 10, .speed = 0, .start = 0.03}};
   s.time.step = 1e-8;
-  const double look = longest_flight * s.time.step;
-  s.duration = 5 * look;
+  const double longest = longest_flight * s.time.step;
+  s.duration = 5 * longest;
   s.output.rate = 1 / s.duration;
   const Body plate = make_body(s.resonator);
   const double acceleration =
       10 * std::pow(plate.modes[0].shape->largest(), 2) / plate.modes[0].mass;
   for (const double share : {0.02, 0.2, 0.45, 0.7, 1.1, 1.3, 1.6, 1.9, 3.0, 5.0}) {
     SCOPED_TRACE(share);
-    s.gap = share * acceleration * look * look;
+    s.gap = share * acceleration * longest * longest;
     const Model model = make_model(s);
     EXPECT_GE(expect_both_same(model, make_start(model)).end.shocks_begun, 1);
   }

@@ -113,7 +113,7 @@ TEST(EnergyOrder, MovingForceWithoutContact) {
 
 TEST(EnergyOrder, MovingForceUnderSchemesOfStages) {
   // the force's work is that at the step, whatever the scheme asks of it within one, in free flight
-  // and where every state is looked at
+  // and where every state is searched
   for (const SchemeKind scheme :
        {SchemeKind::explicit_euler, SchemeKind::heun, SchemeKind::rk4, SchemeKind::rk8})
     for (const Nodes nodes : {Nodes::candidates, Nodes::all}) {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "tests/effort.hpp"
-#include "tests/looks.hpp"
+#include "tests/outcomes.hpp"
 #include "tests/scenes.hpp"
 #include "tests/schemes.hpp"
 #include "tests/simulate.hpp"
@@ -229,7 +229,7 @@ TEST_P(EveryScheme, NoFalseAlarmFromRestUnderALoadAndAMovingForce) {
   for (const bool free : {true, false}) {
     Scene s = with(plate_scene(3, 0.004, 0.004, 0.3), GetParam());
     s.duration = 1e-5;
-    s.output.rate = 1e7;  // the energy is looked at at each step
+    s.output.rate = 1e7;  // the energy is checked at each step
     s.gap = 1e-5;
     s.contact.stiffness = 1e12;
     if (free) {

@@ -17,7 +17,7 @@
 #include "host/run/launch_length.hpp"
 #include "host/run/simulation.hpp"
 #include "host/system/interruption.hpp"
-#include "tests/looks.hpp"
+#include "tests/outcomes.hpp"
 #include "tests/scenes.hpp"
 #include "tests/simulate.hpp"
 

@@ -214,9 +214,9 @@ TEST_P(MovingForceSpeeds, IsBackwardEulerToTheLastRoundings) {
   for (int k = 0; k < modes; ++k)
     scale += std::hypot(static_cast<double>(hand.v[k]),
                         run.model.resonator.modes[k].omega * static_cast<double>(hand.u[k]));
-  const double reach = force / run.model.resonator.modes[0].mass *
-                       run.model.resonator.modes[0].shape->largest() * scene.time.step;
-  const double tolerance = steps * eps * (4 * scale + 20 * reach);
+  const double velocity_a_step = force / run.model.resonator.modes[0].mass *
+                                 run.model.resonator.modes[0].shape->largest() * scene.time.step;
+  const double tolerance = steps * eps * (4 * scale + 20 * velocity_a_step);
   for (int k = 0; k < modes; ++k) {
     EXPECT_NEAR(run.end.resonator_v[k], static_cast<double>(hand.v[k]), tolerance);
     EXPECT_NEAR(run.model.resonator.modes[k].omega * run.end.resonator_u[k],
@@ -314,9 +314,9 @@ TEST(MovingForce, TwoForcesSuperpose) {
     for (int k = 0; k < modes; ++k)
       scale += std::hypot(runs[i].end.resonator_v[k],
                           runs[i].model.resonator.modes[k].omega * runs[i].end.resonator_u[k]);
-  const double reach = 14 / runs[0].model.resonator.modes[0].mass *
-                       runs[0].model.resonator.modes[0].shape->largest() * one.time.step;
-  const double tolerance = steps * eps * (4 * scale + 20 * reach);  // as above
+  const double velocity_a_step = 14 / runs[0].model.resonator.modes[0].mass *
+                                 runs[0].model.resonator.modes[0].shape->largest() * one.time.step;
+  const double tolerance = steps * eps * (4 * scale + 20 * velocity_a_step);  // as above
   for (int k = 0; k < modes; ++k) {
     EXPECT_NEAR(runs[0].end.resonator_v[k] + runs[1].end.resonator_v[k], runs[2].end.resonator_v[k],
                 tolerance);

@@ -14,7 +14,7 @@
 #include "host/scene_file/scene_file.hpp"
 #include "kernels/gap.hpp"
 #include "tests/effort.hpp"
-#include "tests/looks.hpp"
+#include "tests/outcomes.hpp"
 #include "tests/places.hpp"
 #include "tests/scenes.hpp"
 #include "tests/schemes.hpp"

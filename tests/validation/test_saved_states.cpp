@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "tests/adaptive.hpp"
-#include "tests/looks.hpp"
+#include "tests/outcomes.hpp"
 #include "tests/schemes.hpp"
 
 /// The saved state is all that a march needs: the rest is thrown away between launches, and the

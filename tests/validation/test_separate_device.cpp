@@ -6,7 +6,7 @@
 
 #include "host/device/batch.hpp"
 #include "host/device/device.hpp"
-#include "tests/looks.hpp"
+#include "tests/outcomes.hpp"
 #include "tests/scenes.hpp"
 #include "tests/separate_device.hpp"
 #include "tests/simulate.hpp"

@@ -65,8 +65,8 @@ Snapshot run_stiffened(Scene scene, double beyond, int node) {
   return run(make_model(scene), start);
 }
 
-// The energy is looked at every 4096 steps at the least (kernels/march.hpp, longest_flight).
-constexpr std::int64_t look = 4096;
+// The energy is checked every 4096 steps at the least (longest_flight, kernels/limits.hpp).
+constexpr std::int64_t steps_between_checks = 4096;
 
 TEST(Unstable, TheLimitIsWhereTheFormulaPutsIt) {
   // just beyond, the smallest nudge grows; just below, it does not
@@ -100,7 +100,7 @@ TEST(Unstable, NoticedWithinABoundedNumberOfStepsAtRest) {
     SCOPED_TRACE(beyond);
     const Snapshot end = run_stiffened(pressed_plate(), beyond, 50);
     EXPECT_TRUE(end.status == Status::unstable || end.status == Status::not_finite);
-    EXPECT_LE(end.step, 4 * look);
+    EXPECT_LE(end.step, 4 * steps_between_checks);
     EXPECT_FALSE(end.energy <= end.energy_limit);
   }
 }
@@ -115,7 +115,7 @@ TEST(Unstable, NoticedWithAFreeSlider) {
                             {.at = 0.003, .height = 1e-5, .half_width = 3e-5}});
   const Snapshot end = run_stiffened(s, 10, 25);
   EXPECT_TRUE(end.status == Status::unstable || end.status == Status::not_finite);
-  EXPECT_LE(end.step, 4 * look);
+  EXPECT_LE(end.step, 4 * steps_between_checks);
 }
 
 TEST(Unstable, NoticedWhileSliding) {
@@ -125,7 +125,7 @@ TEST(Unstable, NoticedWhileSliding) {
     s.speed = 0.2;
     const Snapshot end = run_stiffened(s, beyond, 50);
     EXPECT_TRUE(end.status == Status::unstable || end.status == Status::not_finite);
-    EXPECT_LE(end.step, 4 * look);
+    EXPECT_LE(end.step, 4 * steps_between_checks);
   }
 }
 
@@ -263,10 +263,10 @@ TEST(Stable, NoFalseAlarmWhenAPeakIsLiftedAndLetDownAgain) {
     }
 }
 
-TEST(Stable, NoFalseAlarmWhenTheBentLineIsAllThatTheSliderClimbs) {
+TEST(Stable, NoFalseAlarmWhereOnlyTheDeflectionDoesWork) {
   // Flat faces but for the peak that presses: a beam on two supports gets stiffer towards its end,
-  // as 1/(x (L - x))^2, so a peak that keeps its height and slides there does work on the bent line
-  // alone.
+  // as 1/(x (L - x))^2, so a peak that keeps its height and slides there does work on the
+  // deflection alone.
   Scene s = pressed_plate();
   s.start = 0.028;
   s.speed = 2;

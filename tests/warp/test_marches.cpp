@@ -10,7 +10,7 @@
 
 #include "host/device/batch.hpp"
 #include "tests/adaptive.hpp"
-#include "tests/looks.hpp"
+#include "tests/outcomes.hpp"
 #include "tests/schemes.hpp"
 #include "tests/warp/marches.hpp"
 #include "tests/warp/scene_on_lanes.hpp"

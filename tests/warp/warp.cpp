@@ -49,7 +49,7 @@ struct Abandoned {};
 
 struct Lane {
   context::fiber fiber;
-  void* watched = nullptr;  // the thread sanitizer's name of it
+  void* tsan_fiber = nullptr;  // the thread sanitizer's name of it
   bool ended = false;
   std::exception_ptr fault;
   // where it waits
@@ -77,8 +77,8 @@ struct Warp::Impl {
   LaneOrder order;
   std::mt19937 random{1};
   std::array<Lane, warp_width> lanes;
-  context::fiber back;      // to run(), from the lane that is on
-  void* watched = nullptr;  // run()
+  context::fiber back;         // to run(), from the lane that is on
+  void* tsan_fiber = nullptr;  // run()
   bool abandoned = false;
   double result = 0;
   std::int64_t syncs = 0, reductions = 0;
@@ -87,7 +87,7 @@ struct Warp::Impl {
   void start(int number, const std::function<void(int)>& body) {
     Lane& lane = lanes[static_cast<std::size_t>(number)];
     lane = Lane();
-    if (__tsan_create_fiber) lane.watched = __tsan_create_fiber(0);
+    if (__tsan_create_fiber) lane.tsan_fiber = __tsan_create_fiber(0);
     lane.fiber = context::fiber(std::allocator_arg, context::fixedsize_stack(stack_size),
                                 [this, &lane, number, &body](context::fiber&& from) {
                                   back = std::move(from);
@@ -100,18 +100,18 @@ struct Warp::Impl {
                                   }
                                   lane.ended = true;
                                   release(&over);
-                                  announce(watched);
+                                  announce(tsan_fiber);
                                   return std::move(back);
                                 });
   }
   /// On to its next meeting or its end.
   void go_on(Lane& lane) {
     if (lane.ended) return;
-    announce(lane.watched);
+    announce(lane.tsan_fiber);
     lane.fiber = std::move(lane.fiber).resume();
   }
   void wait() {
-    announce(watched);
+    announce(tsan_fiber);
     back = std::move(back).resume();
     if (abandoned) throw Abandoned();
   }
@@ -175,7 +175,7 @@ void Warp::run(const std::function<void(int lane)>& body) {
   Impl& warp = *impl_;
   warp.abandoned = false;
   warp.syncs = warp.reductions = 0;
-  if (__tsan_get_current_fiber) warp.watched = __tsan_get_current_fiber();
+  if (__tsan_get_current_fiber) warp.tsan_fiber = __tsan_get_current_fiber();
   release(&warp.begun);
   for (int lane = 0; lane < warp_width; ++lane) warp.start(lane, body);
   std::exception_ptr fault;
@@ -186,7 +186,7 @@ void Warp::run(const std::function<void(int lane)>& body) {
   }
   acquire(&warp.over);
   if (__tsan_destroy_fiber)
-    for (const Lane& lane : warp.lanes) __tsan_destroy_fiber(lane.watched);
+    for (const Lane& lane : warp.lanes) __tsan_destroy_fiber(lane.tsan_fiber);
   if (fault) std::rethrow_exception(fault);
 }
 

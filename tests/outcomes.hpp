@@ -11,8 +11,8 @@
 #include "tests/schemes.hpp"
 #include "tests/simulate.hpp"
 
-/// Marches over all the nodes and over candidates, compared bit for bit; and scenes of any kind to
-/// compare them on.
+/// Outcomes of marches over all nodes and over candidates, compared bit for bit; and scenes of any
+/// kind to compare them on.
 namespace ra2d::test {
 
 /// Everything that a scene hands out.

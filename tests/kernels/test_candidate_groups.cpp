@@ -7,14 +7,14 @@
 #include <vector>
 
 #include "host/model/bounds.hpp"
+#include "kernels/candidate_groups.hpp"
 #include "kernels/gap.hpp"
-#include "kernels/near_groups.hpp"
 #include "tests/bodies_by_hand.hpp"
 #include "tests/dice.hpp"
 #include "tests/eight_modes.hpp"
 #include "tests/kernels_of.hpp"
 
-/// Near lists against a look at every node, over a wavy beam with rough faces.
+/// Candidate groups against a search of every node, over a wavy beam with rough faces.
 namespace {
 
 using namespace ra2d;
@@ -29,17 +29,17 @@ struct Bodies {
   static constexpr int resonator_nodes = 480, slider_nodes = 157;
   static constexpr int groups = (slider_nodes + width - 1) / width;
   static constexpr double radius = 0.5 * (patch_nodes + width) + 1;
-  std::vector<double> beta, reach, slope, tail, patch, tilt, height1, height2, highest2;
+  std::vector<double> beta, largest_shape, slope, tail, patch, tilt, height1, height2, highest2;
   SceneTables t;
 
   explicit Bodies(Dice& dice, bool stiff = false) {
     for (int k = 0; k < waves; ++k) {
       beta.push_back(dice.uniform(0.05, 0.6) / radius * (stiff ? 1e-3 : 1));
-      reach.push_back(1);
+      largest_shape.push_back(1);
       slope.push_back(beta[k]);
       tail.push_back(std::pow(beta[k] * radius, 4) / 24);
     }
-    reach.push_back(1), slope.push_back(0), tail.push_back(0);  // of the slider
+    largest_shape.push_back(1), slope.push_back(0), tail.push_back(0);  // of the slider
     const int patches = resonator_nodes / patch_nodes + 1;
     patch.assign(static_cast<std::size_t>(patches) * 4 * modes, 0.0);
     for (int p = 0; p < patches; ++p)
@@ -64,7 +64,7 @@ struct Bodies {
     t.patches.inverse_nodes = 1.0 / patch_nodes;
     t.patches.inverse_radius = 1 / radius, t.motion.spacing = 1;
     t.faces.rounding = 16 * eps * 5;
-    t.bounds.largest_shape = reach.data(), t.bounds.largest_slope = slope.data(),
+    t.bounds.largest_shape = largest_shape.data(), t.bounds.largest_slope = slope.data(),
     t.bounds.cubic_remainder = tail.data();
     t.patches.derivatives = patch.data(), t.slider.shape = tilt.data();
     t.faces.height1 = height1.data(), t.faces.height2 = height2.data(),
@@ -93,26 +93,34 @@ struct Bodies {
   }
 };
 
-/// A near list with its work space.
+/// Candidate groups with their work space.
 struct Lists {
-  std::vector<int> near, far;
-  std::vector<double> near_u, far_u, far_top, amplitudes;
+  std::vector<int> fine_groups, coarse_groups;
+  std::vector<double> reference_u, coarse_reference_u, coarse_highest, amplitudes;
   SceneState s;
-  NearGroups<HostLanes, K> groups;
+  CandidateGroups<HostLanes, K> groups;
 
   explicit Lists(const SceneTables& t)
-      : near(t.faces.groups),
-        far(t.faces.groups),
-        near_u(modes),
-        far_u(modes),
-        far_top(t.faces.groups),
+      : fine_groups(t.faces.groups),
+        coarse_groups(t.faces.groups),
+        reference_u(modes),
+        coarse_reference_u(modes),
+        coarse_highest(t.faces.groups),
         amplitudes(modes),
-        groups{lanes,       t.motion,          t.faces,
-               t.slider,    t.patches,         t.bounds,
-               s.work.near, amplitudes.data(), s.carried.sums.evaluated} {
-    s.work.near.near = near.data(), s.work.near.far = far.data(),
-    s.work.near.far_highest = far_top.data();
-    s.work.near.near_u = near_u.data(), s.work.near.far_u = far_u.data(),
+        groups{lanes,
+               t.motion,
+               t.faces,
+               t.slider,
+               t.patches,
+               t.bounds,
+               s.work.candidates,
+               amplitudes.data(),
+               s.carried.sums.evaluated} {
+    s.work.candidates.groups = fine_groups.data(),
+    s.work.candidates.coarse_groups = coarse_groups.data(),
+    s.work.candidates.coarse_highest = coarse_highest.data();
+    s.work.candidates.reference_u = reference_u.data(),
+    s.work.candidates.coarse_reference_u = coarse_reference_u.data(),
     s.work.amplitudes = amplitudes.data();
   }
   Lists(const Lists&) = delete;
@@ -123,8 +131,8 @@ struct Lists {
       for (int p = 0; p < K; ++p) u[p] = lanes.load(of.data() + p * width);
     }
   };
-  void find(const Amplitudes& u, const Place& place, double reach) {
-    groups.find(Packs(u).u, place, reach,
+  void find(const Amplitudes& u, const Place& place, double range) {
+    groups.find(Packs(u).u, place, range,
                 256 * eps * Bodies::weigh(std::vector<double>(modes, 1), u), 0.0);
   }
   bool holds(const Amplitudes& u, const Place& place, double travel) const {
@@ -154,30 +162,30 @@ Amplitudes elsewhere(Dice& dice, Amplitudes u, double way) {
   return u;
 }
 
-TEST(NearGroups, LeaveOutNothingThatTouchesWhileTheyHold) {
+TEST(CandidateGroups, LeaveOutNothingThatTouchesWhileTheyHold) {
   Dice dice(1);
-  int touched = 0, listed = 0, looks = 0;
+  int touched = 0, listed = 0, searches = 0;
   for (int scene = 0; scene < 20; ++scene) {
     const Bodies bodies(dice, scene % 2 == 1);
     Lists lists(bodies.t);
     Amplitudes u = some(dice, 0.2);
     double position = dice.uniform(0, 10);
     for (int trial = 0; trial < 60; ++trial) {
-      const double reach = dice.ratio(1e-3, 0.5);
-      lists.find(u, bodies.place(position), reach);
-      const std::vector<int> near = lists.listed();
-      ASSERT_TRUE(std::is_sorted(near.begin(), near.end()));
-      listed += static_cast<int>(near.size()), ++looks;
+      const double range = dice.ratio(1e-3, 0.5);
+      lists.find(u, bodies.place(position), range);
+      const std::vector<int> candidates = lists.listed();
+      ASSERT_TRUE(std::is_sorted(candidates.begin(), candidates.end()));
+      listed += static_cast<int>(candidates.size()), ++searches;
       const double end = std::floor(position) + 1;
       for (int i = 0; i < 20; ++i) {
-        Amplitudes there = elsewhere(dice, u, reach);
-        if (i % 2 == 1) (there = u)[modes - 1] += reach * (1 - 1e-12);  // the slider comes nearer
+        Amplitudes there = elsewhere(dice, u, range);
+        if (i % 2 == 1) (there = u)[modes - 1] += range * (1 - 1e-12);  // the slider comes nearer
         const double at = i == 0 ? position : std::nextafter(dice.uniform(position, end), 0);
         ASSERT_TRUE(lists.holds(there, bodies.place(at), 0));
         for (int node = 0; node < Bodies::slider_nodes; ++node)
           if (bodies.overlap(there, at, node) >= 0) {
             ++touched;
-            ASSERT_TRUE(std::binary_search(near.begin(), near.end(), node / width))
+            ASSERT_TRUE(std::binary_search(candidates.begin(), candidates.end(), node / width))
                 << "scene " << scene << ", trial " << trial << ", node " << node;
           }
       }
@@ -186,12 +194,12 @@ TEST(NearGroups, LeaveOutNothingThatTouchesWhileTheyHold) {
     }
   }
   EXPECT_GT(touched, 1000);
-  // neither is everything near
-  EXPECT_LT(listed, 0.7 * looks * Bodies::groups);
+  // and they leave out many groups
+  EXPECT_LT(listed, 0.7 * searches * Bodies::groups);
 }
 
-TEST(NearGroups, LeaveOutNothingThatTheCubicsMiss) {
-  // one node touches, and just so; the list need not reach any further
+TEST(CandidateGroups, LeaveOutNothingThatTheCubicsMiss) {
+  // one node just touches; the list is to hold for no travel
   Dice dice(6);
   for (int trial = 0; trial < 300; ++trial) {
     Bodies bodies(dice);
@@ -206,9 +214,9 @@ TEST(NearGroups, LeaveOutNothingThatTheCubicsMiss) {
   }
 }
 
-TEST(NearGroups, AreThoseThatOneLookAtEverythingFinds) {
-  // The first pass is made once in many nodes' way: what it leaves to the second must not depend on
-  // when that was.
+TEST(CandidateGroups, AreThoseThatASearchOfEveryGroupFinds) {
+  // The coarse pass is made once in many spacings. The groups that the second pass then finds must
+  // not depend on when that was.
   Dice dice(2);
   for (int scene = 0; scene < 20; ++scene) {
     const Bodies bodies(dice, scene % 2 == 1);
@@ -216,10 +224,10 @@ TEST(NearGroups, AreThoseThatOneLookAtEverythingFinds) {
     Amplitudes u = some(dice, 0.2);
     double position = dice.uniform(0, 10);
     for (int trial = 0; trial < 60; ++trial) {
-      const double reach = dice.ratio(1e-3, 0.2);
+      const double range = dice.ratio(1e-3, 0.2);
       Lists anew(bodies.t);
-      kept.find(u, bodies.place(position), reach);
-      anew.find(u, bodies.place(position), reach);
+      kept.find(u, bodies.place(position), range);
+      anew.find(u, bodies.place(position), range);
       ASSERT_EQ(kept.listed(), anew.listed()) << "scene " << scene << ", trial " << trial;
       const double way = dice.ratio(1e-3, 0.1);
       if (trial % 2 == 0)
@@ -229,20 +237,20 @@ TEST(NearGroups, AreThoseThatOneLookAtEverythingFinds) {
       position += dice.uniform(0, 1);
     }
     EXPECT_LT(kept.s.carried.sums.evaluated, 0.5 * 60 * Bodies::groups * width)
-        << "what the first pass saves";
+        << "the work that the coarse pass saves";
   }
 }
 
-TEST(NearGroups, ListNoGroupThatCannotComeNear) {
+TEST(CandidateGroups, ListNoGroupThatCannotComeIntoContact) {
   Dice dice(3);
   for (int trial = 0; trial < 300; ++trial) {
     const Bodies bodies(dice);
     Lists lists(bodies.t);
     const Amplitudes u = some(dice, 0.2);
-    const double position = dice.uniform(0, 100), reach = dice.ratio(1e-3, 1);
+    const double position = dice.uniform(0, 100), range = dice.ratio(1e-3, 1);
     const Place place = bodies.place(position);
-    lists.find(u, place, reach);
-    // what the cubics leave out, and what the bent beam rises by over the rest of the spacing
+    lists.find(u, place, range);
+    // the error of the cubics, and the rise of the deflected beam over the rest of the spacing
     const double error = Bodies::weigh(bodies.tail, u) +
                          (place.base + 1 - position) * Bodies::weigh(bodies.slope, u) + 1e-12;
     for (const int group : lists.listed()) {
@@ -255,12 +263,12 @@ TEST(NearGroups, ListNoGroupThatCannotComeNear) {
               (position - place.base) * (bodies.height2[left + 1] - bodies.height2[left]);
           highest = std::max(highest, bodies.overlap(u, position, n) + face - now);
         }
-      EXPECT_GE(highest, -(reach + 2 * error)) << "trial " << trial << ", group " << group;
+      EXPECT_GE(highest, -(range + 2 * error)) << "trial " << trial << ", group " << group;
     }
   }
 }
 
-TEST(NearGroups, HoldUntilANodeIsPassedOrTheModesHaveGoneTooFar) {
+TEST(CandidateGroups, HoldUntilANodeIsPassedOrTheModesHaveGoneTooFar) {
   Dice dice(4);
   const Bodies bodies(dice);
   Lists lists(bodies.t);
@@ -279,13 +287,13 @@ TEST(NearGroups, HoldUntilANodeIsPassedOrTheModesHaveGoneTooFar) {
   EXPECT_FALSE(lists.holds(there, bodies.place(7.25), 0.0626));
 }
 
-TEST(NearGroups, AreAllOfThemWhereNothingIsKnown) {
+TEST(CandidateGroups, AreAllOfThemWhereNothingIsKnown) {
   Dice dice(5);
   const Bodies bodies(dice);
-  for (const double reach :
+  for (const double range :
        {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
     Lists lists(bodies.t);
-    lists.find(some(dice, 0.2), bodies.place(3.5), reach);
+    lists.find(some(dice, 0.2), bodies.place(3.5), range);
     EXPECT_EQ(lists.groups.count(), Bodies::groups);
   }
 }
@@ -294,15 +302,15 @@ TEST(NearGroups, AreAllOfThemWhereNothingIsKnown) {
 
 using test::BodiesByHand;
 
-/// A look for what is near, over bodies made by hand.
-struct Look {
-  double reach = 0, rounding = 0, back = 0;
+/// A search for candidate groups, over bodies made by hand.
+struct Search {
+  double range = 0, rounding = 0, back = 0;
 
   bool lists(const BodiesByHand& bodies, const Amplitudes& u) const {
     SceneState s = bodies.s;
-    auto near = test::near_groups_of<K>(bodies.t, s);
-    near.find(test::Packs(u).u, Place(bodies.t.motion, 0), reach, rounding, back);
-    return near.count() > 0;
+    auto groups = test::candidate_groups_of<K>(bodies.t, s);
+    groups.find(test::Packs(u).u, Place(bodies.t.motion, 0), range, rounding, back);
+    return groups.count() > 0;
   }
   /// How far open the first node, which touches, may be and still be listed.
   double widest(BodiesByHand& bodies, const Amplitudes& u) const {
@@ -320,17 +328,17 @@ struct Look {
 
 const std::vector<double> up(1, 1.0);  // shape of a slider of one node that moves as a whole
 
-TEST(NearGroupsProof, ReachRoundingsAndSlackCountInFull) {
+TEST(CandidateGroupsProof, RangeRoundingsAndSlackCountInFull) {
   const Amplitudes still{};
   BodiesByHand bodies({}, {up}, 1);
   bodies.t.motion.position = 9;
-  EXPECT_NEAR((Look{.reach = 0.5}.widest(bodies, still)), 0.5, 1e-12);
-  EXPECT_NEAR((Look{.rounding = 0.25}.widest(bodies, still)), 0.25, 1e-12);
+  EXPECT_NEAR((Search{.range = 0.5}.widest(bodies, still)), 0.5, 1e-12);
+  EXPECT_NEAR((Search{.rounding = 0.25}.widest(bodies, still)), 0.25, 1e-12);
   bodies.t.faces.rounding = 0.125;
-  EXPECT_NEAR(Look{}.widest(bodies, still), 0.125, 1e-12);
+  EXPECT_NEAR(Search{}.widest(bodies, still), 0.125, 1e-12);
 }
 
-TEST(NearGroupsProof, TheWayThatIsLeftIsReachedByABentBeamsFlank) {
+TEST(CandidateGroupsProof, TheRestOfTheSpacingCountsOnADeflectedBeamsFlank) {
   // a node a quarter of the way on, and the flank of a wave that rises under it
   constexpr double beta = 1e-3, size = 100;
   BodiesByHand bodies({{beta, 9.625 + M_PI_2 / beta}}, {}, 1);
@@ -339,17 +347,17 @@ TEST(NearGroupsProof, TheWayThatIsLeftIsReachedByABentBeamsFlank) {
   u[0] = size;
   bodies.set_overlap(0, 0, u, 9.25);
   const double risen = bodies.overlap(u, 10, 0) - bodies.overlap(u, 9.25, 0);
-  const double widest = Look{}.widest(bodies, u);
+  const double widest = Search{}.widest(bodies, u);
   EXPECT_GE(widest, risen * (1 - 1e-9));
   EXPECT_LE(widest, risen * (1 + 1e-6));
   // and back to where an earlier stage stood, if that is farther
   const double before = bodies.overlap(u, 9.25, 0) - bodies.overlap(u, 8.35, 0);
-  const double back = (Look{.back = 0.9}.widest(bodies, u));
+  const double back = (Search{.back = 0.9}.widest(bodies, u));
   EXPECT_GE(back, before * (1 - 1e-9));
   EXPECT_LE(back, before * (1 + 1e-6));
 }
 
-TEST(NearGroupsProof, TheWayThatIsLeftIsReachedOnTheFaces) {
+TEST(CandidateGroupsProof, TheRestOfTheSpacingCountsOnTheFaces) {
   const Amplitudes still{};
   constexpr double on = 0.25;  // of the way to the next node
   for (const double rise : {2.0, -2.0}) {
@@ -361,11 +369,11 @@ TEST(NearGroupsProof, TheWayThatIsLeftIsReachedOnTheFaces) {
     bodies.height1[0] = -on * rise;  // touches where it stands
     // ahead to the next node where the face rises, back to the last one where it falls
     const double comes = rise > 0 ? (1 - on) * rise : -on * rise;
-    EXPECT_NEAR((Look{.back = on}.widest(bodies, still)), comes, 1e-12) << "rise " << rise;
+    EXPECT_NEAR((Search{.back = on}.widest(bodies, still)), comes, 1e-12) << "rise " << rise;
   }
 }
 
-TEST(NearGroupsProof, WhatACubicOverAPatchLeavesOutIsReachedAtItsEdge) {
+TEST(CandidateGroupsProof, WhatACubicOverAPatchLeavesOutIsReachedAtItsEdge) {
   // as in OverlapsProof: a node that touches, and is seen to be open by nearly all of the bound
   constexpr int wide = 256;
   const double radius = BodiesByHand::radius_of(wide), beta = 0.25 / radius;
@@ -373,15 +381,15 @@ TEST(NearGroupsProof, WhatACubicOverAPatchLeavesOutIsReachedAtItsEdge) {
   bodies.t.motion.position = std::nextafter(wide - width / 2 + 1.0, 0);  // no way is left
   Amplitudes u{};
   u[0] = 1;
-  bodies.slope[0] = 0;  // nor is any bend to be taken for it
+  bodies.slope[0] = 0;  // nor is any rise allowed for it
   bodies.set_overlap(0, 0, u, bodies.t.motion.position);
   const double z = beta * (0.5 * wide + width / 2 - 1), left_out = std::cos(z) - (1 - z * z / 2);
   EXPECT_GT(left_out, 0.9 * bodies.tail[0]);
-  EXPECT_TRUE(Look{}.lists(bodies, u));
-  EXPECT_NEAR(Look{}.widest(bodies, u), bodies.tail[0] - left_out, 1e-12);
+  EXPECT_TRUE(Search{}.lists(bodies, u));
+  EXPECT_NEAR(Search{}.widest(bodies, u), bodies.tail[0] - left_out, 1e-12);
 }
 
-TEST(NearGroupsProof, RoundingsOfAPositionReachHalfTheirBound) {
+TEST(CandidateGroupsProof, RoundingsOfAPositionReachHalfTheirBound) {
   // A place is rounded once, by half an ulp, and so is the next: 2^-52 of the larger in all. Twice
   // that is taken, for what is computed of them.
   for (const double position : {1.0, 4096.0}) {
@@ -396,10 +404,10 @@ TEST(NearGroupsProof, RoundingsOfAPositionReachHalfTheirBound) {
   const Amplitudes still{};
   BodiesByHand bodies({}, {up}, 1);
   bodies.t.motion.position = 9, bodies.t.faces.steepest_rise = 0x1p49;
-  EXPECT_NEAR(Look{}.widest(bodies, still), 2 * 10 * 0x1p-3, 1e-9);
+  EXPECT_NEAR(Search{}.widest(bodies, still), 2 * 10 * 0x1p-3, 1e-9);
 }
 
-TEST(NearGroupsProof, AFarListReachesAsFarAsAGroupGetsFromItsPatch) {
+TEST(CandidateGroupsProof, ACoarseListCoversAllPlacesOfAGroup) {
   // The list is made where the slider stands first, from the middle of each patch, and still holds
   // when it has come on by a group. By then the last node of the group stands on the flank of a
   // wave.
@@ -412,34 +420,34 @@ TEST(NearGroupsProof, AFarListReachesAsFarAsAGroupGetsFromItsPatch) {
   SceneTables& t = bodies.t;
   t.motion.position = std::nextafter(first + width, 0);
   bodies.set_overlap(width - 1, 0, u, t.motion.position);  // it touches there
-  auto near = test::near_groups_of<K>(t, bodies.s);
+  auto groups = test::candidate_groups_of<K>(t, bodies.s);
   t.motion.position = first;
   ASSERT_EQ(GroupPlace<HostLanes>(t.patches, Place(t.motion, 0), 0).patch, 1);
-  near.find(test::Packs(u).u, Place(t.motion, 0), 0, 0, 0);
+  groups.find(test::Packs(u).u, Place(t.motion, 0), 0, 0, 0);
   t.motion.position = std::nextafter(first + width, 0);
-  near.find(test::Packs(u).u, Place(t.motion, 0), 1e-6, 0, 0);
-  EXPECT_EQ(near.count(), 1);
+  groups.find(test::Packs(u).u, Place(t.motion, 0), 1e-6, 0, 0);
+  EXPECT_EQ(groups.count(), 1);
   // three chi less than where it stands would have done
   const double stands = 0.5 * wide + 2 * width - width / 2 - 2;
   const double bound = BodiesByHand::radius_of(wide) + width;
-  EXPECT_NEAR(bodies.s.work.near.far_highest[0], bound - stands, 1e-3);
+  EXPECT_NEAR(bodies.s.work.candidates.coarse_highest[0], bound - stands, 1e-3);
   EXPECT_GT(stands, 0.9 * bound);
 }
 
-TEST(NearGroupsProof, AFarListCountsAllThatTheModesHaveMoved) {
-  // The slider has come nearer by 0.5 since the far list was made, and the near list is to reach
-  // 0.25 on.
+TEST(CandidateGroupsProof, ACoarseListCountsTheMotionSinceItWasMade) {
+  // The slider has come down by 0.5 since the coarse list was made, and the groups are to hold for
+  // 0.25 more.
   BodiesByHand bodies({}, {up}, 1);
   bodies.t.motion.position = 9;
   Amplitudes u{}, there{};
   there[0] = 0.5;
   bodies.set_overlap(0, -0.25 * (1 - 1e-9), there, 9);
-  auto near = test::near_groups_of<K>(bodies.t, bodies.s);
-  near.find(test::Packs(u).u, Place(bodies.t.motion, 0), 0.25, 0, 0);
-  EXPECT_EQ(near.count(), 0);
-  near.find(test::Packs(there).u, Place(bodies.t.motion, 0), 0.25, 0, 0);
-  EXPECT_EQ(near.count(), 1);
-  EXPECT_NEAR(bodies.s.work.near.far_highest[0], -0.75, 1e-8) << "still the first list";
+  auto groups = test::candidate_groups_of<K>(bodies.t, bodies.s);
+  groups.find(test::Packs(u).u, Place(bodies.t.motion, 0), 0.25, 0, 0);
+  EXPECT_EQ(groups.count(), 0);
+  groups.find(test::Packs(there).u, Place(bodies.t.motion, 0), 0.25, 0, 0);
+  EXPECT_EQ(groups.count(), 1);
+  EXPECT_NEAR(bodies.s.work.candidates.coarse_highest[0], -0.75, 1e-8) << "still the first list";
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "bench/peers/watched.hpp"
+#include "bench/peers/evaluated_nodes.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,14 +10,15 @@
 namespace ra2d::peers {
 namespace {
 
-/// Longest way that a list is made for: beyond, more nodes are listed than are left out.
+/// Longest path that a list is made for: with a longer one, more nodes are listed than left out.
 constexpr int most_windows = 32;
-/// Longest look ahead in time, in periods of the fastest mode.
+/// Longest time that a list is made for, in periods of the fastest mode.
 constexpr double periods = 2;
 
 }  // namespace
 
-Watched::Watched(Equations& equations, Nodes nodes) : equations_{equations}, nodes_{nodes} {
+EvaluatedNodes::EvaluatedNodes(Equations& equations, Nodes nodes)
+    : equations_{equations}, nodes_{nodes} {
   const double fastest = equations.modes() > 0 ? equations.omega.maxCoeff() : 0;
   horizon_ = fastest > 0 ? periods * 2 * std::numbers::pi / fastest : 1e-3;
   if (all()) {
@@ -27,32 +28,32 @@ Watched::Watched(Equations& equations, Nodes nodes) : equations_{equations}, nod
   }
 }
 
-double Watched::rate_bound(const double* y) const {
+double EvaluatedNodes::rate_bound(const double* y) const {
   const Eigen::Map<const Eigen::ArrayXd> v(y + equations_.modes(), equations_.modes());
   return (equations_.largest * v.abs()).sum();
 }
 
-double Watched::moved(const double* y) const {
+double EvaluatedNodes::moved(const double* y) const {
   const Eigen::Map<const Eigen::ArrayXd> u(y, equations_.modes());
   return (equations_.largest * (u - reference_).abs()).sum();
 }
 
-bool Watched::look_ahead(double t, const double* y, double time) {
+bool EvaluatedNodes::prepare(double t, const double* y, double time) {
   if (all()) return false;
   const double way = 1.5 * time * rate_bound(y);
-  if (t + time <= end_ && moved(y) + way <= reach_) return false;
+  if (t + time <= end_ && moved(y) + way <= range_) return false;
   make(t, y, time, 2 * way);
   return true;
 }
 
-bool Watched::covered(double t, const double* y, double t_end, const double* y_end) {
-  if (all() || (t_end <= end_ && moved(y_end) <= reach_)) return true;
+bool EvaluatedNodes::covered(double t, const double* y, double t_end, const double* y_end) {
+  if (all() || (t_end <= end_ && moved(y_end) <= range_)) return true;
   reference_ = Eigen::Map<const Eigen::ArrayXd>(y, equations_.modes());
   make(t, y, t_end - t, 2 * moved(y_end));
   return false;
 }
 
-void Watched::make(double t, const double* y, double time, double reach) {
+void EvaluatedNodes::make(double t, const double* y, double time, double range) {
   const int modes = equations_.modes();
   const Eigen::Map<const Eigen::ArrayXd> u(y, modes), v(y + modes, modes);
   const Place& place = equations_.place(t);
@@ -71,12 +72,12 @@ void Watched::make(double t, const double* y, double time, double reach) {
   // what the modes do on their own in that time, and as much again for the contact forces
   const Eigen::ArrayXd energy_norm = (v.square() + (equations_.omega * u).square()).sqrt();
   const Eigen::ArrayXd most = energy_norm * (2 / equations_.omega).min(lasting);
-  reach_ = std::max({1.25 * (equations_.largest * most).sum(), reach, 1e-4 * equations_.roughness});
+  range_ = std::max({1.25 * (equations_.largest * most).sum(), range, 1e-4 * equations_.roughness});
   reference_ = u;
-  const double bend = windows * equations_.spacing * (equations_.steepest * u.abs()).sum();
+  const double rise = windows * equations_.spacing * (equations_.steepest * u.abs()).sum();
   equations_.highest(place, windows, y, highest_);
   list_.resize(highest_.size());
-  const double level = -(reach_ + bend);
+  const double level = -(range_ + rise);
   std::size_t count = 0;
   for (Eigen::Index n = 0; n < highest_.size(); ++n) {
     list_[count] = static_cast<int>(n);

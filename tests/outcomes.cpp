@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tests/looks.hpp"
+#include "tests/outcomes.hpp"
 
 #include <gtest/gtest.h>
 
@@ -189,14 +189,14 @@ Started random_scene(std::uint64_t seed, const Variant& variant) {
   if (s.initial == Initial::rest) c.model.delta += dice.uniform(deepest, 0.3) * height;
   c.start = make_start(c.model);
   if (s.initial == Initial::rest && dice.one_in(2)) {
-    const auto kick = [&](const Body& beam, std::vector<double>& v) {
+    const auto set_velocities = [&](const Body& beam, std::vector<double>& v) {
       for (std::size_t k = 0; k < v.size(); ++k) {
         const double omega = std::max(beam.modes[k].omega, 10 / s.duration);
         v[k] = dice.uniform(-1, 1) * height * omega / beam.modes[k].shape->largest();
       }
     };
-    kick(c.model.resonator, c.start.resonator_v);
-    kick(c.model.slider, c.start.slider_v);
+    set_velocities(c.model.resonator, c.start.resonator_v);
+    set_velocities(c.model.slider, c.start.slider_v);
     count_energy(c.model, c.start);
   }
   return c;

@@ -23,31 +23,33 @@ KOKKOS_FORCEINLINE_FUNCTION double weighted_sum(const Lanes& lanes, const double
   return lanes.sum(part);
 }
 
-/// Roundings of two positions, in chi: below one of these the slider moves in stairs, not along a
-/// line. Twice what they reach, for what is computed of them.
+/// Bound on the roundings of two positions [chi]: over shorter distances the slider moves in
+/// stairs, not along a line. Twice the roundings themselves, for what is computed from them.
 KOKKOS_FORCEINLINE_FUNCTION double position_rounding(const Place& place) {
   return 2 * 0x1p-52 * (place.position + 1.0);
 }
 
 /// The groups of nodes that can come into contact while no node passes another and sum_k max|psi_k|
-/// |U_k - U_k^near| <= reach: all that a search for contact has to evaluate.
+/// |U_k - U_k^ref| <= range: all that a search for contact has to evaluate. U^ref are the modal
+/// displacements at which the list was made.
 ///
-/// Found in two passes. The first takes for each node the highest point of the resonator's face
-/// over the next `width` spacings of the slider's path, and holds for as long. The second evaluates
-/// those of its groups that the modes can have brought near since, and holds until a node passes
-/// another. Neither leaves out a node that could come into contact, so the lists set the cost,
-/// never the answer.
+/// Found in two passes. The first, coarse, takes for each node the highest point of the resonator's
+/// face over the next `width` spacings of the slider's path, and holds for as long. The second
+/// evaluates those of its groups that the modes can have brought close since, and holds until a
+/// node passes another. Neither leaves out a node that could come into contact, so the lists set
+/// the cost, never the answer.
 template <class Lanes, int packs>
-class NearGroups {
+class CandidateGroups {
   using Real = typename Lanes::Real;
   static constexpr int width = Lanes::width;
 
  public:
   /// `amplitudes`: work space; `evaluated` counts the nodes whose gap was evaluated.
-  KOKKOS_FUNCTION NearGroups(const Lanes& lanes, const SliderMotion& motion,
-                             const FaceTables& faces, const SliderShapes& slider,
-                             const PatchTables& patches, const MotionLimits& bounds,
-                             NearLists& lists, double* amplitudes, std::int64_t& evaluated)
+  KOKKOS_FUNCTION CandidateGroups(const Lanes& lanes, const SliderMotion& motion,
+                                  const FaceTables& faces, const SliderShapes& slider,
+                                  const PatchTables& patches, const MotionLimits& bounds,
+                                  CandidateLists& lists, double* amplitudes,
+                                  std::int64_t& evaluated)
       : lanes_{lanes},
         motion_{motion},
         faces_{faces},
@@ -59,23 +61,23 @@ class NearGroups {
         evaluated_{evaluated} {}
 
   KOKKOS_FORCEINLINE_FUNCTION int count() const { return count_; }
-  KOKKOS_FORCEINLINE_FUNCTION int operator[](int e) const { return lists_.near[e]; }
-  /// How far the modes may still go.
+  KOKKOS_FORCEINLINE_FUNCTION int operator[](int e) const { return lists_.groups[e]; }
+  /// How far the modes may still travel before the list no longer holds [m].
   KOKKOS_FORCEINLINE_FUNCTION double remaining_travel(const Real* u) const {
-    return reach_ - moved(lists_.near_u, u);
+    return range_ - moved(lists_.reference_u, u);
   }
-  /// Whether the list holds for all states within `travel` of this one.
+  /// Whether the list holds for all states within `travel` [m] of this one.
   KOKKOS_FUNCTION bool holds(const Real* u, const Place& place, double travel) const {
-    return place.base == base_ && moved(lists_.near_u, u) + travel <= reach_;
+    return place.base == base_ && moved(lists_.reference_u, u) + travel <= range_;
   }
-  /// Finds them anew about u. `rounding` bounds that of a displacement; `back` [chi] is how far the
-  /// list must reach back on the slider's path.
-  KOKKOS_FUNCTION void find(const Real* u, const Place& place, double reach, double rounding,
+  /// Finds them anew about u, to hold for a travel of `range` [m]. `rounding` bounds the rounding
+  /// of a displacement; `back` [chi] is how far back on the slider's path the list must hold.
+  KOKKOS_FUNCTION void find(const Real* u, const Place& place, double range, double rounding,
                             double back) {
     base_ = place.base;
-    reach_ = reach < 1e300 ? reach : 1e300;  // not a number, too: then everything is near
+    range_ = range < 1e300 ? range : 1e300;  // not a number, too: then all groups are listed
     for (int p = 0; p < packs; ++p) {
-      lanes_.store(lists_.near_u + p * width, u[p]);
+      lanes_.store(lists_.reference_u + p * width, u[p]);
       lanes_.store(amplitudes_ + p * width, u[p]);
     }
     lanes_.sync();
@@ -86,25 +88,26 @@ class NearGroups {
                          weighted_sum<Lanes, packs>(lanes_, bounds_.cubic_remainder, u) +
                          distance * motion_.spacing * slope +
                          position_rounding(place) * faces_.steepest_rise;
-    const double below = reach_ + error;
-    // of what has moved the roundings, too: they were those of another displacement
-    double far_below = (1.0 + 0x1p-43) * moved(lists_.far_u, u) + below + error;
-    if (!(place.base >= far_base_ && place.base < far_base_ + width && far_below <= far_below_)) {
-      find_far(u, place, 4.0 * below, slope);
-      far_below = below + error;
+    const double below = range_ + error;
+    // the motion counts with its roundings: they were those of another displacement
+    double coarse_below = (1.0 + 0x1p-43) * moved(lists_.coarse_reference_u, u) + below + error;
+    if (!(place.base >= coarse_base_ && place.base < coarse_base_ + width &&
+          coarse_below <= coarse_below_)) {
+      find_coarse(u, place, 4.0 * below, slope);
+      coarse_below = below + error;
     }
     GroupSweep<Lanes, packs> sweep(lanes_, faces_, slider_, patches_, place, amplitudes_, u);
     int count = 0, evaluated = 0;
-    for (int e = 0; e < far_count_; ++e) {
-      if (lists_.far_highest[e] < -far_below) continue;
+    for (int e = 0; e < coarse_count_; ++e) {
+      if (lists_.coarse_highest[e] < -coarse_below) continue;
       ++evaluated;
-      const int group = lists_.far[e];
+      const int group = lists_.coarse_groups[e];
       const auto now = sweep.overlap(group);
       const Real most = now.overlap + Kokkos::max(Kokkos::max(Real(to_end) * now.rise, Real(0.0)),
                                                   Real(-back) * now.rise);
       if (lanes_.at_least(most, -below) == 0) continue;
       RA2D_CHECK(count < faces_.groups);
-      if (lanes_.leader()) lists_.near[count] = group;
+      if (lanes_.leader()) lists_.groups[count] = group;
       ++count;
     }
     count_ = count;
@@ -119,19 +122,19 @@ class NearGroups {
   const SliderShapes& slider_;
   const PatchTables& patches_;
   const MotionLimits& bounds_;
-  NearLists& lists_;
+  CandidateLists& lists_;
   double* amplitudes_;
   std::int64_t& evaluated_;
   int count_ = 0, base_ = -1;
-  double reach_ = -1.0;
-  // the first pass
-  int far_count_ = 0, far_base_ = -2 * width;
-  double far_below_ = -1.0;
+  double range_ = -1.0;
+  // of the coarse pass
+  int coarse_count_ = 0, coarse_base_ = -2 * width;
+  double coarse_below_ = -1.0;
 
   KOKKOS_FORCEINLINE_FUNCTION const double* rows(int patch) const {
     return patches_.derivatives + static_cast<std::int64_t>(patch) * 4 * packs * width;
   }
-  /// Distance that a list's reference has been left behind by.
+  /// Distance between u and the displacements at which a list was made [m].
   KOKKOS_FORCEINLINE_FUNCTION double moved(const double* from, const Real* u) const {
     Real away[packs];
     for (int p = 0; p < packs; ++p) away[p] = u[p] - lanes_.load(from + p * width);
@@ -140,12 +143,12 @@ class NearGroups {
 
   /// The groups that come within `below` of contact somewhere on the next `width` spacings of the
   /// path.
-  KOKKOS_FUNCTION void find_far(const Real* u, const Place& place, double below, double slope) {
-    far_base_ = place.base;
-    far_below_ = below;
-    for (int p = 0; p < packs; ++p) lanes_.store(lists_.far_u + p * width, u[p]);
-    // bound on what the bent beam rises from a patch's centre to wherever a group gets
-    const double bend =
+  KOKKOS_FUNCTION void find_coarse(const Real* u, const Place& place, double below, double slope) {
+    coarse_base_ = place.base;
+    coarse_below_ = below;
+    for (int p = 0; p < packs; ++p) lanes_.store(lists_.coarse_reference_u + p * width, u[p]);
+    // bound on the rise of the deflected beam from a patch's centre to any place of a group on it
+    const double rise =
         (motion_.spacing / patches_.inverse_radius + width * motion_.spacing) * slope;
     int patch = -1, count = 0;
     double highest = 0.0;
@@ -156,22 +159,22 @@ class NearGroups {
         Real centre = lanes_.load(rows(patch)) * u[0];
         for (int p = 1; p < packs; ++p)
           centre = multiply_add(lanes_.load(rows(patch) + p * width), u[p], centre);
-        highest = lanes_.sum(centre) + bend;
+        highest = lanes_.sum(centre) + rise;
       }
       const Real face = lanes_.load(faces_.height1 + group * width) +
                         lanes_.load(faces_.highest2 + place.base + group * width);
       const Real top =
           add_slider_displacement(lanes_, slider_, amplitudes_, group, face) + Real(highest);
-      if (lanes_.at_least(top, -far_below_) == 0) continue;
+      if (lanes_.at_least(top, -coarse_below_) == 0) continue;
       const double most = lanes_.max(top);
       if (lanes_.leader()) {
         RA2D_CHECK(count < faces_.groups);
-        lists_.far[count] = group;
-        lists_.far_highest[count] = most;
+        lists_.coarse_groups[count] = group;
+        lists_.coarse_highest[count] = most;
       }
       ++count;
     }
-    far_count_ = count;
+    coarse_count_ = count;
     lanes_.sync();
   }
 };
