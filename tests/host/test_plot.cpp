@@ -331,7 +331,8 @@ TEST_F(Pictures, AProfileLosesItsForm) {
   ASSERT_EQ(line.size(), 1000u);
   // a sine of 50 whole periods leaves a parabola alone, but for 1/(pi 50) of its height
   for (std::size_t i = 0; i < line.size(); ++i)
-    ASSERT_NEAR(line[i] - line[500], 1e-6 * (bend(1e3 * at[i]) - bend(1e3 * at[500])), 2e-8) << i;
+    ASSERT_NEAR(line[i] - line[500], 1e-6 * (parabola(1e3 * at[i]) - parabola(1e3 * at[500])), 2e-8)
+        << i;
 }
 
 // ---- what the program makes --------------------------------------------------------------------
