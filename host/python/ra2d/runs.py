@@ -13,15 +13,15 @@ from . import program, progress
 from .results import Result
 from .scenes import Scene, scene
 
-LONGEST_NAME = 120  # characters
+LONGEST_NAME = 120  # bytes
 
 
 def output_name(what: Scene) -> str:
     """A name that tells the changes, so that runs of a notebook keep apart: dang2012-speed=0.2.h5."""
     words = [f"{name.rsplit('.', 1)[-1]}={value}" for name, value in sorted(what.changes.items())]
     name = re.sub(r"[^\w.=+-]+", "_", "-".join([what.title, *words]))
-    if len(name) > LONGEST_NAME:
-        name = f"{what.title[:60]}-{hashlib.sha256(' '.join(what.options()).encode()).hexdigest()[:12]}"
+    if len(name.encode(errors="replace")) > LONGEST_NAME:
+        name = f"{what.title[:24]}-{hashlib.sha256(' '.join(what.options()).encode()).hexdigest()[:12]}"
     return f"{name}.h5"
 
 

@@ -15,6 +15,7 @@ import numpy.typing as npt
 import soundfile
 
 from . import program
+from .errors import FileError, RequestError
 
 
 @dataclasses.dataclass(frozen=True, repr=False)
@@ -39,7 +40,14 @@ class Sound:
         >>> getfixture("result").listen().save("cube.flac").name
         'cube.flac'
         """
-        soundfile.write(path, self.samples, self.rate, subtype=subtype or "PCM_24")
+        try:
+            soundfile.write(path, self.samples, self.rate, subtype=subtype or "PCM_24")
+        except (TypeError, ValueError) as fault:
+            raise RequestError(f"cannot write {str(path)!r}: {fault}. Expected a name that ends in .wav or .flac, and "
+                               "a subtype such as PCM_16 or PCM_24") from fault
+        except (OSError, RuntimeError) as fault:
+            raise FileError(f"cannot write {str(path)!r}: {fault}. Is there such a folder, and may you write there?"
+                            ) from fault
         return pathlib.Path(path)
 
     def wav(self) -> bytes:
