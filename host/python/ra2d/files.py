@@ -18,10 +18,15 @@ def read(path: pathlib.Path) -> str:
         raise FileError(f"cannot read {str(path)!r}: {fault.strerror}") from fault
 
 
-def write(path: pathlib.Path, text: str) -> None:
-    """Writes a file and puts it in place whole: a reader sees the old one or the new one."""
+def require_folder(path: pathlib.Path) -> None:
+    """Raises FileError where a file cannot be written since its folder does not exist."""
     if not path.parent.is_dir():
         raise FileError(f"cannot write {str(path)!r}: there is no folder {str(path.parent)!r}. Make it first")
+
+
+def write(path: pathlib.Path, text: str) -> None:
+    """Writes a file and puts it in place whole: a reader sees the old one or the new one."""
+    require_folder(path)
     partial = path.with_name(f".{os.getpid()}.partial")
     try:
         partial.write_text(text, encoding="utf-8")

@@ -110,7 +110,8 @@ def _clips(result: Result) -> list[tuple[str, Sound]]:
 
 
 def _require_page(path: pathlib.Path) -> None:
-    """Nothing but a page is replaced."""
+    """Nothing but a page is replaced. Asked before the work."""
+    files.require_folder(path)
     if path.suffix.lower() not in (".html", ".htm"):
         raise RequestError(f"{str(path)!r}: expected a name that ends in .html")
 

@@ -14,7 +14,7 @@ from ra2d import program, progress
 
 LONG = """
 import sys, ra2d
-ra2d.run("dang2012", duration=0.5, output=sys.argv[1], checkpoint=0.002)
+ra2d.run("dang2012", duration=0.3, output=sys.argv[1], checkpoint=0.002)
 """
 
 
@@ -124,10 +124,10 @@ def test_an_interrupt_leaves_result_and_checkpoint(folder):
     assert "KeyboardInterrupt: interrupted at t = " in python.communicate(timeout=20)[1]
     assert python.returncode != 0
     cut = ra2d.load(output)
-    assert not cut.complete and cut.attrs["ended"] == "interrupted" and 0 < cut.duration < 0.5
+    assert not cut.complete and cut.attrs["ended"] == "interrupted" and 0 < cut.duration < 0.3
     assert pathlib.Path(f"{output}.checkpoint").exists()
     with pytest.warns(ra2d.Notice, match="goes on|going on|from t ="):
-        whole = ra2d.run("dang2012", duration=0.5, output=output, show=False)
+        whole = ra2d.run("dang2012", duration=0.3, output=output, show=False)
     assert whole.complete and not pathlib.Path(f"{output}.checkpoint").exists()
 
 
