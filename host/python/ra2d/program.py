@@ -17,7 +17,7 @@ import sys
 import tempfile
 import termios
 import warnings
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 from .errors import Error, Notice, ProgramError, error_of
@@ -84,6 +84,21 @@ def _finish(status: int, messages: list[str]) -> None:
         warnings.warn(message, Notice, stacklevel=4)
     if status:
         raise error_of(status, last)
+
+
+def options(given: Mapping[str, object]) -> list[str]:
+    """Options as the program takes them: None and False are left out, True stands without a value.
+
+    >>> options({"--fresh": True, "--device": None, "--max-wall": 60})
+    ['--fresh', '--max-wall', '60']
+    """
+    words: list[str] = []
+    for name, value in given.items():
+        if value is True:
+            words.append(name)
+        elif value is not None and value is not False:
+            words += [name, str(value)]
+    return words
 
 
 def call(*words: object) -> str:

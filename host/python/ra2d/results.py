@@ -112,13 +112,12 @@ class Result:
         >>> getfixture("result").analysis()["contact_share"] < 1
         True
         """
-        given = {"--from": start, "--to": stop, "--resolution": resolution, "--segment": segment}
-        options = [str(word) for name, value in given.items() if value is not None for word in (name, value)]
-        options += ["--a-weighting"] * a_weighting
+        options = tuple(program.options({"--from": start, "--to": stop, "--resolution": resolution, "--segment": segment,
+                                         "--a-weighting": bool(a_weighting)}))
         self._file.require_unchanged()
-        if tuple(options) not in self._analyses:
-            self._analyses[tuple(options)] = program.ask("analyze", self.path, *options)
-        return self._analyses[tuple(options)]
+        if options not in self._analyses:
+            self._analyses[options] = program.ask("analyze", self.path, *options)
+        return self._analyses[options]
 
     @property
     def level(self) -> Estimate:

@@ -50,10 +50,8 @@ def run(source: str | os.PathLike[str] | Mapping[str, Any] | Scene, changes: Map
     """
     what = scene(source).change(changes, **short)
     path = pathlib.Path(output) if output else pathlib.Path(output_name(what))
-    options = [word for word, given in (("--fresh", fresh), ("--force", force)) if given]
-    options += ["--checkpoint", str(checkpoint)]
-    options += [] if max_wall is None else ["--max-wall", str(max_wall)]
-    options += [] if device is None else ["--device", str(device)]
+    options = program.options({"--fresh": bool(fresh), "--force": bool(force), "--checkpoint": checkpoint,
+                               "--max-wall": max_wall, "--device": device})
     with program.scratch() as folder, progress.shown(show) as shown:
         program.follow(["run", what.file(folder), *what.options(), "-o", path, *options], shown)
     return Result(path)

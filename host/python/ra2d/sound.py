@@ -79,8 +79,7 @@ class Sound:
 
 def of_probe(result: pathlib.Path, probe: int, body: str, options: dict[str, float | None]) -> Sound:
     """The velocity of a probe, resampled by the program; options that are None are left out."""
-    given: dict[str, float | None] = {"--slider-probe" if body == "slider" else "--probe": probe, **options}
-    words = [word for name, value in given.items() if value is not None for word in (name, value)]
+    words = program.options({"--slider-probe" if body == "slider" else "--probe": probe, **options})
     with program.scratch() as folder:
         file = folder / "sound.wav"
         program.call("sound", result, "-o", file, *words)

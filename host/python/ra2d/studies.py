@@ -262,9 +262,7 @@ def study(source: str | os.PathLike[str] | Mapping[str, Any] | Scene,
     base = what.file(place.parent).resolve()
     file = place.with_name(place.name + ".toml")
     _write(file, _study_text(base, what, dimensions, seeds, keep_files))
-    options = [] if threads is None else ["--threads", str(threads)]
-    options += ["--retry-failed"] if retry_failed else []
-    options += [] if max_wall is None else ["--max-wall", str(max_wall)]
+    options = program.options({"--threads": threads, "--retry-failed": bool(retry_failed), "--max-wall": max_wall})
     try:
         with progress.shown(show) as shown:
             program.follow(["study", file, "-o", place, *options], shown)
