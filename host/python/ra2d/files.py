@@ -13,7 +13,8 @@ def read(path: pathlib.Path) -> str:
     try:
         return path.read_text(encoding="utf-8")
     except UnicodeDecodeError as fault:
-        raise FileError(f"cannot read {str(path)!r}: it is no text in UTF-8 ({fault.reason}, byte {fault.start})") from fault
+        raise FileError(f"cannot read {str(path)!r}: it is no text in UTF-8 ({fault.reason}, byte {fault.start})"
+                        ) from fault
     except OSError as fault:
         raise FileError(f"cannot read {str(path)!r}: {fault.strerror}") from fault
 

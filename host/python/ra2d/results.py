@@ -59,8 +59,8 @@ def _require_room(times: int, places: int) -> None:
     """A field that does not fit into half of the memory is refused before anything is read."""
     room = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") // 2
     if 8 * times * places > room:
-        raise RequestError(f"a field at {times} times and {places} places takes {8e-9 * times * places:.3g} GB, more than "
-                           f"half of the memory, {room / 1e9:.3g} GB: ask for a shorter time, as slice(0, 0.1)")
+        raise RequestError(f"a field at {times} times and {places} places takes {8e-9 * times * places:.3g} GB, more "
+                           f"than half of the memory, {room / 1e9:.3g} GB: ask for a shorter time, as slice(0, 0.1)")
 
 
 def _rows(values: list[list[float | None]], columns: int) -> npt.NDArray[np.float64]:

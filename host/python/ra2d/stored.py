@@ -75,8 +75,8 @@ class File:
         except Error:
             raise
         except _DAMAGE as fault:
-            raise FileError(f"cannot read {str(self.path)!r} as a result of ra2d: {fault}. 'ra2d check' says what of it "
-                            "is damaged") from fault
+            raise FileError(f"cannot read {str(self.path)!r} as a result of ra2d: {fault}. 'ra2d check' says what "
+                            "of it is damaged") from fault
 
     def read(self, group: str, dims: Mapping[str, tuple[str, ...]]) -> xr.Dataset:
         """A group as a Dataset. `dims`: the dimensions of each dataset, by name; others are left out.

@@ -152,7 +152,7 @@ def short_probes(file):
 
 @pytest.mark.parametrize("damage", [scalar_probes, short_probes])
 def test_damaged_groups(damaged, damage):
-    with pytest.raises(ra2d.FileError, match="'ra2d check' says"):
+    with pytest.raises(ra2d.FileError, match="'ra2d check' says what of it"):
         damaged(damage).probes
 
 
