@@ -18,9 +18,14 @@ set(RA2D_PLOT_SCRIPTS host/plot/chart_style.py host/plot/plot_stability.py host/
     host/plot/picture_style.py host/plot/plot_result.py host/plot/plot_profile.py host/plot/plot_study.py)
 install(FILES ${RA2D_PLOT_SCRIPTS} DESTINATION ${CMAKE_INSTALL_DATADIR}/ra2d)
 install(DIRECTORY scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/ra2d)
+# The Python package finds the program from where it stands: PYTHONPATH=PREFIX/share/ra2d.
+install(DIRECTORY host/python/ra2d DESTINATION ${CMAKE_INSTALL_DATADIR}/ra2d
+        FILES_MATCHING PATTERN "*.py" PATTERN "py.typed" PATTERN "page.html" PATTERN "__pycache__" EXCLUDE)
 # The pages, laid out as here, so that their links hold.
 install(FILES LICENSE README.md CHANGELOG.md CITATION.cff CONTRIBUTING.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
-install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR} FILES_MATCHING PATTERN "*.md" PATTERN "*.svg" PATTERN "*.csv")
+install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR} FILES_MATCHING PATTERN "*.md" PATTERN "*.svg" PATTERN "*.csv"
+        PATTERN "*.ipynb")
+install(FILES host/python/README.md DESTINATION ${CMAKE_INSTALL_DOCDIR}/host/python)
 install(FILES bench/accuracy.png DESTINATION ${CMAKE_INSTALL_DOCDIR}/bench)
 
 configure_package_config_file(cmake/ra2dConfig.cmake.in ${PROJECT_BINARY_DIR}/ra2dConfig.cmake

@@ -83,6 +83,15 @@ def _cases(complete: Mapping[str, Any]) -> dict[str, tuple[str, dict[str, Any]]]
     return cases
 
 
+def _require_chance(complete: Mapping[str, Any]) -> None:
+    """Of faces that are not random every seed is the same run."""
+    if not any("seed" in complete[body].get("surface", {}) for body in ("resonator", "slider")):
+        raise RequestError("chance is seen in runs of other faces, and neither face of this scene is random. Describe "
+                           "a measured face by its roughness, as {'slider.surface': ra2d.surface.gaussian(rq=..., "
+                           "rsm=..., seed=1)}. Or let the slider start elsewhere: ra2d.study(scene, "
+                           "{'start': [0.05, 0.06, 0.07]}) shows the scatter over parts of one face")
+
+
 def _run(what: Scene, cases: Mapping[str, tuple[str, dict[str, Any]]], seeds: int, **options: Any) -> Study:
     """All cases in one study. The scene's name tells them apart."""
     complete = what.complete()
@@ -117,7 +126,9 @@ def uncertainty(source: str | os.PathLike[str] | Mapping[str, Any] | Scene, seed
     if seeds < 2:
         raise RequestError(f"seeds = {seeds}: chance is seen in the difference of two runs or more (five are good)")
     what = scene(source)
-    cases = _cases(what.complete())
+    complete = what.complete()
+    _require_chance(complete)
+    cases = _cases(complete)
     runs = _run(what, cases, seeds, folder=folder or f"{what.title}-uncertainty", threads=threads, show=show)
     asked = runs.means().loc[ASKED]
     # Student's factor, as the program has used it for the interval of the level

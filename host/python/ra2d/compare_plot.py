@@ -82,7 +82,7 @@ def _key(results: Sequence[Result], names: list[str]) -> list[Line2D]:
     return [Line2D([], [], marker=MARKS[i], ms=5, lw=1.4, label=text, **_look(i)) for i, text in enumerate(texts)]
 
 
-def plot(results: Sequence[Result], what: str = "overview") -> Picture:
+def plot(results: Result | Sequence[Result], what: str = "overview") -> Picture:
     """Several results over one another, as a matplotlib Figure: "spectrum", "bands", "level", or
     "overview", which has all three. The first eight are drawn.
 
@@ -91,9 +91,11 @@ def plot(results: Sequence[Result], what: str = "overview") -> Picture:
     >>> len(ra2d.plot([slow, fast]).axes)
     3
     """
-    if what not in ("overview", *PANELS) or not results:
-        raise RequestError(f"there is no picture {what!r} of {len(results)} results. There are, of one or more: "
-                           f"overview, {', '.join(PANELS)}")
+    results = [results] if isinstance(results, Result) else list(results)
+    if not results or not all(isinstance(result, Result) for result in results):
+        raise RequestError("a picture takes one or more results of ra2d.run or ra2d.load")
+    if what not in ("overview", *PANELS):
+        raise RequestError(f"there is no picture {what!r} of several results. There are: overview, {', '.join(PANELS)}")
     kinds = list(PANELS) if what == "overview" else [what]
     drawn = list(results[:MOST])
     names = _names(drawn)

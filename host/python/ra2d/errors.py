@@ -2,6 +2,8 @@
 """Errors: one class for each way in which the program ends, with the program's own message."""
 from __future__ import annotations
 
+import re
+
 
 class Error(Exception):
     """Any error of the program or of this package. The message says the problem, why, and the cure."""
@@ -37,13 +39,31 @@ class Notice(UserWarning):
     """A message of the program beside its answer, such as a doubt about a number of the scene."""
 
 
+# what the program says of its options, and the same in Python
+_IN_PYTHON = ((r"duration <= ([\d.e-]+) s\b", r"duration=\1"), (r"--(force|fresh)\b", r"\1=True"),
+              (r"with -o\b", 'output="other.h5"'), (r"--max-wall\b", "max_wall=..."),
+              (r"--checkpoint\b", "checkpoint=..."))
+_MORE_HELP = "\nRun with --help for more information."
+
 BY_STATUS: dict[int, type[Error]] = {2: RequestError, 3: SimulationError, 4: FileError, 5: OutOfTime}
 
 
 def error_of(status: int, message: str) -> Error:
     """The exception for an exit status of the program (a negative one: killed by that signal)."""
+    message = _for_python(message)
     if status in BY_STATUS:
         return BY_STATUS[status](message)
     if status > 128:
         return Interrupted(message or f"signal {status - 128} ended the program")
     return ProgramError(f"ra2d ended with status {status}: {message or 'it said nothing'}")
+
+
+def _for_python(message: str) -> str:
+    """The program's message, and how the cures it names are written in Python.
+
+    >>> _for_python("it exists: --force replaces it")
+    'it exists: --force replaces it\\nIn Python: force=True'
+    """
+    message = message.removesuffix(_MORE_HELP)
+    found = [match.expand(cure) for words, cure in _IN_PYTHON if (match := re.search(words, message))]
+    return message + (f"\nIn Python: {', '.join(found)}" if found else "")

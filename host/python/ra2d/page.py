@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 import jinja2
 from markupsafe import Markup
 
-from . import plots, study_plot
-from .errors import FileError, RequestError
+from . import files, plots, study_plot
+from .errors import RequestError
 from .style import DECIBEL, GREY, SERIES, Picture, quantity, unit_text
 
 if TYPE_CHECKING:
@@ -110,7 +110,8 @@ def _clips(result: Result) -> list[tuple[str, Sound]]:
 
 
 def _require_page(path: pathlib.Path) -> None:
-    """Nothing but a page is replaced."""
+    """Nothing but a page is replaced. Asked before the work."""
+    files.require_folder(path)
     if path.suffix.lower() not in (".html", ".htm"):
         raise RequestError(f"{str(path)!r}: expected a name that ends in .html")
 
@@ -120,14 +121,7 @@ def _write(path: pathlib.Path, **parts: Any) -> pathlib.Path:
     environment = jinja2.Environment(loader=jinja2.PackageLoader("ra2d", "."), autoescape=True, trim_blocks=True,
                                      lstrip_blocks=True, undefined=jinja2.StrictUndefined)
     text = environment.get_template("page.html").render(parts)
-    partial = path.with_name(f".{path.name}.partial-{os.getpid()}")
-    try:
-        partial.write_text(text, encoding="utf-8")
-        partial.replace(path)
-    except OSError as fault:
-        raise FileError(f"cannot write the page {str(path)!r}: {fault.strerror}") from fault
-    finally:
-        partial.unlink(missing_ok=True)
+    files.write(path, text)
     return path
 
 

@@ -17,10 +17,10 @@ import sys
 import tempfile
 import termios
 import warnings
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
-from .errors import Notice, ProgramError, error_of
+from .errors import Error, Notice, ProgramError, error_of
 
 OLDEST = (0, 1, 0)  # version of the program that this package reads
 _CLEARS = b"\x1b[K"  # the rest of a terminal's line: the end of each text of progress
@@ -30,7 +30,7 @@ CURE = "install ra2d, put it on the PATH, or name it: export RA2D=/path/to/ra2d"
 def _candidates() -> list[pathlib.Path]:
     """Where the program may be. RA2D decides alone; then beside the package, then the PATH."""
     if named := os.environ.get("RA2D"):
-        return [pathlib.Path(named)]
+        return [pathlib.Path(named).absolute()]
     here = pathlib.Path(__file__).resolve().parent
     beside = [here.parents[2] / "build/release/ra2d",  # of the source: host/python/ra2d
               here.parents[2] / "bin/ra2d",            # installed: share/ra2d/ra2d
@@ -59,7 +59,10 @@ def find() -> pathlib.Path:
 
 @functools.lru_cache
 def _require_version(path: pathlib.Path) -> None:
-    said = subprocess.run([path, "--version"], capture_output=True, text=True).stdout
+    try:
+        said = subprocess.run([path, "--version"], capture_output=True, encoding="utf-8", errors="replace").stdout
+    except OSError as fault:
+        raise ProgramError(f"{path} does not start: {fault.strerror}. {CURE}") from fault
     found = re.match(r"ra2d (\d+)\.(\d+)\.(\d+)", said)
     oldest = ".".join(map(str, OLDEST))
     if not found:
@@ -83,13 +86,29 @@ def _finish(status: int, messages: list[str]) -> None:
         raise error_of(status, last)
 
 
+def options(given: Mapping[str, object]) -> list[str]:
+    """Options as the program takes them: None and False are left out, True stands without a value.
+
+    >>> options({"--fresh": True, "--device": None, "--max-wall": 60})
+    ['--fresh', '--max-wall', '60']
+    """
+    words: list[str] = []
+    for name, value in given.items():
+        if value is True:
+            words.append(name)
+        elif value is not None and value is not False:
+            words += [name, str(value)]
+    return words
+
+
 def call(*words: object) -> str:
     """Calls the program and returns what it prints.
 
     >>> call("--version").split()[0]
     'ra2d'
     """
-    ended = subprocess.run([find(), *map(str, words)], capture_output=True, text=True, stdin=subprocess.DEVNULL)
+    ended = subprocess.run([find(), *map(str, words)], capture_output=True, encoding="utf-8",
+                           errors="replace", stdin=subprocess.DEVNULL)
     _finish(ended.returncode, _messages(ended.stderr))
     return ended.stdout
 
@@ -159,6 +178,10 @@ def _pieces(line: bytes) -> list[str]:
 
 @contextlib.contextmanager
 def scratch() -> Iterator[pathlib.Path]:
-    """A folder for files that only one call needs."""
+    """A folder for files that only one call needs. Errors name them without it: it is gone by then."""
     with tempfile.TemporaryDirectory(prefix="ra2d-") as folder:
-        yield pathlib.Path(folder)
+        try:
+            yield pathlib.Path(folder)
+        except Error as fault:
+            fault.args = (str(fault).replace(f"{folder}/", ""),)
+            raise

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+import math
 import os
 import pathlib
 from typing import TYPE_CHECKING, Any, Literal
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
     from .sound import Sound
 
 Body = Literal["resonator", "slider"]
+BODIES = ("resonator", "slider")
+MOTIONS = ("displacement", "velocity")
 FORMATS = (2,)  # of the file, that this package reads
 
 _SAMPLED: dict[str, tuple[str, ...]] = {"time": ("time",)}
@@ -34,6 +37,32 @@ _MODES = {**_SAMPLED, "mode": ("mode",), "position": ("position",), "frequency":
 _SHOCKS = ("start", "duration", "peak_force", "impulse", "position")
 
 
+def _one_of(name: str, given: str, known: tuple[str, ...]) -> str:
+    if given not in known:
+        raise RequestError(f"{name} is {given!r}: expected {' or '.join(map(repr, known))}")
+    return given
+
+
+def _require_within(time: Any, samples: xr.DataArray) -> None:
+    """The nearest sample to a time outside of the run would be another time's."""
+    try:
+        asked = np.asarray(time, dtype=float)
+    except (TypeError, ValueError) as fault:
+        raise RequestError(f"time is {time!r}: expected numbers (s), or a slice of two") from fault
+    half = float(samples[1] - samples[0]) / 2 if samples.size > 1 else math.inf
+    low, high = float(samples[0]), float(samples[-1])
+    if not ((asked >= low - half) & (asked <= high + half)).all():
+        raise RequestError(f"time is {time!r}: the samples go from {low:g} to {high:g} s")
+
+
+def _require_room(times: int, places: int) -> None:
+    """A field that does not fit into half of the memory is refused before anything is read."""
+    room = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") // 2
+    if 8 * times * places > room:
+        raise RequestError(f"a field at {times} times and {places} places takes {8e-9 * times * places:.3g} GB, more "
+                           f"than half of the memory, {room / 1e9:.3g} GB: ask for a shorter time, as slice(0, 0.1)")
+
+
 def _rows(values: list[list[float | None]], columns: int) -> npt.NDArray[np.float64]:
     """A table with a row for each probe, also where there is none; None is NaN."""
     return np.array(values, dtype=float).reshape(len(values), columns)
@@ -41,7 +70,11 @@ def _rows(values: list[list[float | None]], columns: int) -> npt.NDArray[np.floa
 
 class Result:
     """A result of `ra2d run`: one HDF5 file. Opening reads nothing but its header; each property
-    reads what it shows.
+    reads what it shows. A file that has been replaced since then is an error.
+
+    - `title`: the scene's name
+    - `complete`: False where the run was cut short; `attrs["ended"]` says why
+    - `attrs`: the attributes of the file, as docs/results.md lists them
 
     >>> result = getfixture("result")
     >>> result
@@ -50,12 +83,19 @@ class Result:
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self.path = pathlib.Path(path).resolve()
-        self.attrs = stored.attributes(self.path)  # of the file, as docs/results.md lists them
+        self._file = stored.File(self.path)
+        self.attrs = self._file.attributes()  # of the file, as docs/results.md lists them
         if self.attrs.get("creator") != "ra2d" or "key" not in self.attrs:
             raise FileError(f"{str(path)!r} is no result of 'ra2d run'")
-        if self.attrs["format"] not in FORMATS:
-            raise FileError(f"{str(path)!r} has format {self.attrs['format']}, this package reads "
+        if self.attrs.get("format") not in FORMATS:
+            raise FileError(f"{str(path)!r} has format {self.attrs.get('format')}, this package reads "
                             f"{', '.join(map(str, FORMATS))}: take the package that came with the program")
+        try:
+            self._scene = toml.parse(str(self.attrs["scene"]))
+            self.title = str(self._scene["scene"].get("name", self.path.stem))  # the scene's name
+            self.complete = bool(self.attrs["complete"])  # False: cut short; attrs["ended"] says why
+        except (KeyError, TypeError, RequestError) as fault:
+            raise FileError(f"{str(path)!r} is damaged: {fault}") from fault
         self._analyses: dict[tuple[str, ...], dict[str, Any]] = {}
 
     # ---- numbers ----------------------------------------------------------------------------------
@@ -72,12 +112,12 @@ class Result:
         >>> getfixture("result").analysis()["contact_share"] < 1
         True
         """
-        given = {"--from": start, "--to": stop, "--resolution": resolution, "--segment": segment}
-        options = [str(word) for name, value in given.items() if value is not None for word in (name, value)]
-        options += ["--a-weighting"] * a_weighting
-        if tuple(options) not in self._analyses:
-            self._analyses[tuple(options)] = program.ask("analyze", self.path, *options)
-        return self._analyses[tuple(options)]
+        options = tuple(program.options({"--from": start, "--to": stop, "--resolution": resolution, "--segment": segment,
+                                         "--a-weighting": bool(a_weighting)}))
+        self._file.require_unchanged()
+        if options not in self._analyses:
+            self._analyses[options] = program.ask("analyze", self.path, *options)
+        return self._analyses[options]
 
     @property
     def level(self) -> Estimate:
@@ -109,7 +149,7 @@ class Result:
         >>> getfixture("result").summary.v_rms.units
         'm s-1'
         """
-        return stored.scalars(self.path, "summary")
+        return self._file.scalars("summary")
 
     def spectrum(self, **options: Any) -> xr.Dataset:
         """One-sided power spectral densities over `frequency` [Hz]. Options: those of `analysis`.
@@ -159,7 +199,7 @@ class Result:
         b = found["bands"]
         decibels = {"units": "dB", "long_name": "level re 1 nm/s"}
         data = {"level": ("frequency", np.array(b["level"], dtype=float), decibels),
-                "spread": ("frequency", np.array(b["spread"], dtype=float), 
+                "spread": ("frequency", np.array(b["spread"], dtype=float),
                            {"units": "dB", "long_name": "standard deviation over runs"}),
                 "above_last_mode": ("frequency", b["above_last_mode"]),
                 "level_probe": (("position", "frequency"), _rows(b["level_probe"], len(b["centre"])), decibels)}
@@ -180,12 +220,22 @@ class Result:
         >>> getfixture("result").shocks.columns.tolist()
         ['start', 'duration', 'peak_force', 'impulse', 'position']
         """
-        with stored.opened(self.path) as file:
+        with self._file.opened() as file:
             group = file["shocks"]
             table = pd.DataFrame({name: group[name][()] for name in _SHOCKS},
                                  index=pd.Index(group["serial"][()].astype(np.int64), name="shock"))
             table.attrs["units"] = {name: group[name].attrs["units"] for name in _SHOCKS}
         return table
+
+    def check(self) -> None:
+        """Compares the whole file with its seal and its hashes (`ra2d check`); FileError names what
+        is damaged. Numbers that the program computes are of checked bytes. Series, fields and
+        shocks are read as they are: check files that came a long way.
+
+        >>> getfixture("result").check()
+        """
+        self._file.require_unchanged()
+        program.call("check", self.path)
 
     # ---- series -----------------------------------------------------------------------------------
 
@@ -196,7 +246,7 @@ class Result:
         >>> getfixture("result").probes.velocity.sel(position=0.15).dims
         ('time',)
         """
-        return stored.read(self.path, "probes", _PROBES)
+        return self._file.read("probes", _PROBES)
 
     @property
     def slider_probes(self) -> xr.Dataset:
@@ -205,7 +255,7 @@ class Result:
         >>> getfixture("result").slider_probes.sizes["position"]
         0
         """
-        return stored.read(self.path, "slider_probes", _PROBES)
+        return self._file.read("slider_probes", _PROBES)
 
     @property
     def contact(self) -> xr.Dataset:
@@ -214,7 +264,7 @@ class Result:
         >>> float(getfixture("result").contact.force.min()) >= 0
         True
         """
-        return stored.read(self.path, "contact", {**_SAMPLED, "force": ("time",), "nodes": ("time",)})
+        return self._file.read("contact", {**_SAMPLED, "force": ("time",), "nodes": ("time",)})
 
     @property
     def energy(self) -> xr.Dataset:
@@ -225,8 +275,8 @@ class Result:
         'J'
         """
         names = ("kinetic", "elastic", "contact", "damping_loss", "sliding_work", "load_work")
-        series = stored.read(self.path, "energy", {name: ("time",) for name in names})
-        return series.assign_coords(stored.read(self.path, "/", _SAMPLED).coords)
+        series = self._file.read("energy", {name: ("time",) for name in names})
+        return series.assign_coords(self._file.read("/", _SAMPLED).coords)
 
     def modes(self, body: Body = "resonator") -> xr.Dataset:
         """The modes of a body: `frequency` [Hz], `shape` (mode, position) [m^-1/2], and over
@@ -235,7 +285,7 @@ class Result:
         >>> getfixture("result").modes("slider").sizes["mode"]
         2
         """
-        return stored.read(self.path, body, _MODES)
+        return self._file.read(_one_of("body", body, BODIES), _MODES)
 
     def field(self, time: float | slice | Any, body: Body = "resonator",
               what: Literal["displacement", "velocity"] = "displacement") -> xr.DataArray:
@@ -249,7 +299,12 @@ class Result:
         1001
         """
         modes = self.modes(body)
-        amplitude = modes[what].sel(time=time, method=None if isinstance(time, slice) else "nearest").load()
+        series = modes[_one_of("what", what, MOTIONS)]
+        if not isinstance(time, slice):
+            _require_within(time, modes.time)
+        chosen = series.sel(time=time, method=None if isinstance(time, slice) else "nearest")
+        _require_room(math.prod(chosen.sizes[name] for name in chosen.dims if name != "mode"), modes.sizes["position"])
+        amplitude = chosen.load()
         found: xr.DataArray = amplitude.dot(modes["shape"].load())
         found.attrs = {"units": "m" if what == "displacement" else "m s-1", "long_name": f"{what} of the {body}"}
         return found.rename(what)
@@ -262,7 +317,7 @@ class Result:
         2501
         """
         dims = {"position": ("position",), "height": ("position",)}
-        return stored.read(self.path, f"surface/{body}", dims)["height"]
+        return self._file.read(f"surface/{_one_of('body', body, BODIES)}", dims)["height"]
 
     # ---- what it was --------------------------------------------------------------------------------
 
@@ -273,16 +328,7 @@ class Result:
         >>> getfixture("result").scene["contact.law"]
         'penalty'
         """
-        return Scene(toml.parse(self.attrs["scene"]))
-
-    @property
-    def complete(self) -> bool:
-        """False where the run was cut short; `attrs["ended"]` says why.
-
-        >>> getfixture("result").complete
-        True
-        """
-        return bool(self.attrs["complete"])
+        return Scene(self._scene)
 
     # ---- looking and listening ----------------------------------------------------------------------
 
@@ -311,7 +357,8 @@ class Result:
         from .sound import of_probe
 
         options = {"--slow": slow, "--rate": rate, "--full-scale": full_scale, "--from": start, "--to": stop}
-        return of_probe(self.path, probe, body, options)
+        self._file.require_unchanged()
+        return of_probe(self.path, probe, _one_of("body", body, BODIES), options)
 
     def report(self, path: str | os.PathLike[str] | None = None) -> pathlib.Path:
         """Writes one page to keep or to send, complete in itself: figures, pictures, sound, scene.
@@ -335,7 +382,7 @@ class Result:
         >>> getfixture("result").samples
         100001
         """
-        with stored.opened(self.path) as file:
+        with self._file.opened() as file:
             return int(file["time"].shape[0])
 
     @property
@@ -345,26 +392,17 @@ class Result:
         >>> getfixture("result").duration
         1.0
         """
-        with stored.opened(self.path) as file:
+        with self._file.opened() as file:
             return float(file["time"][-1]) if file["time"].shape[0] else 0.0
 
-    @property
-    def title(self) -> str:
-        """The scene's name.
-
-        >>> getfixture("result").title
-        'roughness noise'
-        """
-        return str(toml.parse(self.attrs["scene"])["scene"].get("name", self.path.stem))
-
     def __repr__(self) -> str:
-        cut = "" if self.complete else f", cut short: {self.attrs['ended']}"
+        cut = "" if self.complete else f", cut short: {self.attrs.get('ended')}"
         return f"<ra2d.Result {self.path.name}: {self.duration:g} s of {self.title!r}, {self._headline()}{cut}>"
 
     def _repr_html_(self) -> str:
         left = "<td style='text-align:left'>"
         figures = "".join(f"<tr>{left}{html.escape(of.attrs.get('long_name', str(name)))}</td>"
-                          f"<td>{float(of):.5g}</td>{left}{html.escape(of.attrs['units'])}</td></tr>"
+                          f"<td>{float(of):.5g}</td>{left}{html.escape(of.attrs.get('units', ''))}</td></tr>"
                           for name, of in self.summary.items())
         return f"<b>{html.escape(repr(self)[1:-1])}</b><table>{figures}</table>"
 

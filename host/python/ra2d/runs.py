@@ -13,15 +13,15 @@ from . import program, progress
 from .results import Result
 from .scenes import Scene, scene
 
-LONGEST_NAME = 120  # characters
+LONGEST_NAME = 120  # bytes
 
 
 def output_name(what: Scene) -> str:
     """A name that tells the changes, so that runs of a notebook keep apart: dang2012-speed=0.2.h5."""
     words = [f"{name.rsplit('.', 1)[-1]}={value}" for name, value in sorted(what.changes.items())]
     name = re.sub(r"[^\w.=+-]+", "_", "-".join([what.title, *words]))
-    if len(name) > LONGEST_NAME:
-        name = f"{what.title[:60]}-{hashlib.sha256(' '.join(what.options()).encode()).hexdigest()[:12]}"
+    if len(name.encode(errors="replace")) > LONGEST_NAME:
+        name = f"{what.title[:24]}-{hashlib.sha256(' '.join(what.options()).encode()).hexdigest()[:12]}"
     return f"{name}.h5"
 
 
@@ -50,10 +50,8 @@ def run(source: str | os.PathLike[str] | Mapping[str, Any] | Scene, changes: Map
     """
     what = scene(source).change(changes, **short)
     path = pathlib.Path(output) if output else pathlib.Path(output_name(what))
-    options = [word for word, given in (("--fresh", fresh), ("--force", force)) if given]
-    options += ["--checkpoint", str(checkpoint)]
-    options += [] if max_wall is None else ["--max-wall", str(max_wall)]
-    options += [] if device is None else ["--device", str(device)]
+    options = program.options({"--fresh": bool(fresh), "--force": bool(force), "--checkpoint": checkpoint,
+                               "--max-wall": max_wall, "--device": device})
     with program.scratch() as folder, progress.shown(show) as shown:
         program.follow(["run", what.file(folder), *what.options(), "-o", path, *options], shown)
     return Result(path)

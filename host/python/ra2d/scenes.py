@@ -9,10 +9,11 @@ import html
 import itertools
 import os
 import pathlib
+import re
 from collections.abc import Collection, Mapping
 from typing import Any
 
-from . import program, toml
+from . import files, program, toml
 from .errors import RequestError
 
 _BODY = ("support length thickness width young density poisson damping max_frequency modes surface").split()
@@ -29,6 +30,7 @@ KEYS: dict[str, list[str]] = {
     "resonator.surface": _FACE,
     "slider.surface": _FACE,
 }
+LONGEST_TITLE = 48  # characters of a name within the names of files
 
 
 def full_key(name: str) -> str:
@@ -38,6 +40,8 @@ def full_key(name: str) -> str:
     >>> full_key("speed"), full_key("tolerance"), full_key("slider.surface.rq")
     ('scene.speed', 'time.tolerance', 'slider.surface.rq')
     """
+    if not isinstance(name, str):
+        raise RequestError(f"the keys of a scene are texts, not {type(name).__name__}: {name!r}")
     if "." in name:
         return name
     for depth in (0, 1):  # sections before the tables within them
@@ -92,7 +96,8 @@ class Scene:
         if isinstance(self._source, pathlib.Path):
             return self._source.stem
         digits = hashlib.sha256(toml.document(self._source).encode()).hexdigest()[:8]
-        return f"{self._source.get('scene', {}).get('name', 'scene')}-{digits}".replace("/", "_").replace(" ", "-")
+        name = str(self._source.get("scene", {}).get("name", "scene")).replace(" ", "-")
+        return re.sub(r"[^\w.=+-]+", "_", name)[:LONGEST_TITLE] + f"-{digits}"
 
     def change(self, changes: Mapping[str, Any] | None = None, /, **short: Any) -> Scene:
         """A scene with other values: by short names, or by whole keys in a mapping. SI units.
@@ -125,7 +130,7 @@ class Scene:
         True
         """
         if isinstance(self._source, pathlib.Path):
-            return self._source.read_text(encoding="utf-8")
+            return files.read(self._source)
         return toml.document(self._source)
 
     def content(self) -> dict[str, Any]:
@@ -135,12 +140,14 @@ class Scene:
         >>> ra2d.scene("dang2012").content()["resonator"]["thickness"]     # m
         0.002
         """
-        content = toml.parse(self.text())
+        content = toml.parse(self.text(), repr(str(self._source)) if isinstance(self._source, pathlib.Path) else "it")
         for name, value in self.changes.items():
             *tables, last = name.split(".")
             inner = content
             for table in tables:
                 inner = inner.setdefault(table, {})
+                if not isinstance(inner, dict):
+                    raise RequestError(f"{name}: {table} is a value of the scene, and holds no keys")
             inner[last] = value
         return content
 
@@ -157,6 +164,8 @@ class Scene:
     def __getitem__(self, name: str) -> Any:
         value: Any = self.content()
         for part in full_key(name).split("."):
+            if not isinstance(value, Mapping) or part not in value:
+                raise KeyError(f"{name}: the scene leaves it to its default, or has no such key: complete() holds all")
             value = value[part]
         return value
 
@@ -170,7 +179,7 @@ class Scene:
         if isinstance(self._source, pathlib.Path):
             return self._source
         path = folder / f"{self.title}.toml"
-        path.write_text(toml.document(self._source), encoding="utf-8")
+        files.write(path, toml.document(self._source))
         return path
 
     def options(self) -> list[str]:
@@ -215,17 +224,18 @@ def _named(name: str) -> pathlib.Path:
         if (folder / f"{name}.toml").is_file():
             return folder / f"{name}.toml"
     known = sorted({file.stem for folder in folders for file in folder.glob("*.toml")
-                    if "[resonator]" in file.read_text(encoding="utf-8")})
+                    if "[resonator]" in files.read(file)})
     raise RequestError(f"there is no file and no scene {name!r}. Scenes that come with ra2d: "
                        f"{', '.join(known) or 'none found'}")
 
 
 def _with_paths(content: Mapping[str, Any]) -> dict[str, Any]:
-    """A dict's relative paths of profiles count from the current folder."""
+    """A dict's relative paths of profiles count from the current folder. Wrong types are left to the program."""
     whole = copy.deepcopy(dict(content))
+    toml.document(whole)  # refuses what is no scene
     for body in ("resonator", "slider"):
-        face = whole.get(body, {}).get("surface", {})
-        if "path" in face:
+        face = whole.get(body, {}).get("surface")
+        if isinstance(face, Mapping) and isinstance(face.get("path"), str | os.PathLike):
             whole[body]["surface"] = {**face, "path": str(pathlib.Path(face["path"]).resolve())}
     return whole
 
@@ -246,7 +256,11 @@ def scene(source: str | os.PathLike[str] | Mapping[str, Any] | Scene) -> Scene:
         return source
     if isinstance(source, Mapping):
         return Scene(_with_paths(source))
+    if not isinstance(source, str | os.PathLike):
+        raise RequestError(f"a scene is a name, a file, a dict or a ra2d.Scene, not {type(source).__name__}")
     path = pathlib.Path(source)
+    if "\n" in str(path):
+        raise RequestError("a scene is a name, a file, a dict or a ra2d.Scene: write the text to a file first")
     if path.is_file():
         return Scene(path.resolve())
     if path.suffix or len(path.parts) != 1:

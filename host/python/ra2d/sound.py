@@ -15,6 +15,7 @@ import numpy.typing as npt
 import soundfile
 
 from . import program
+from .errors import FileError, RequestError
 
 
 @dataclasses.dataclass(frozen=True, repr=False)
@@ -39,7 +40,14 @@ class Sound:
         >>> getfixture("result").listen().save("cube.flac").name
         'cube.flac'
         """
-        soundfile.write(path, self.samples, self.rate, subtype=subtype or "PCM_24")
+        try:
+            soundfile.write(path, self.samples, self.rate, subtype=subtype or "PCM_24")
+        except (TypeError, ValueError) as fault:
+            raise RequestError(f"cannot write {str(path)!r}: {fault}. Expected a name that ends in .wav or .flac, and "
+                               "a subtype such as PCM_16 or PCM_24") from fault
+        except (OSError, RuntimeError) as fault:
+            raise FileError(f"cannot write {str(path)!r}: {fault}. Is there such a folder, and may you write there?"
+                            ) from fault
         return pathlib.Path(path)
 
     def wav(self) -> bytes:
@@ -71,8 +79,7 @@ class Sound:
 
 def of_probe(result: pathlib.Path, probe: int, body: str, options: dict[str, float | None]) -> Sound:
     """The velocity of a probe, resampled by the program; options that are None are left out."""
-    given: dict[str, float | None] = {"--slider-probe" if body == "slider" else "--probe": probe, **options}
-    words = [word for name, value in given.items() if value is not None for word in (name, value)]
+    words = program.options({"--slider-probe" if body == "slider" else "--probe": probe, **options})
     with program.scratch() as folder:
         file = folder / "sound.wav"
         program.call("sound", result, "-o", file, *words)

@@ -13,35 +13,29 @@ import xarray as xr
 from xarray.backends import BackendArray
 from xarray.core import indexing
 
-from .errors import FileError
+from .errors import Error, FileError
 
 # parts of xarray without types
 _lazy: Any = indexing.LazilyIndexedArray
 _variable: Any = xr.Variable
 
 
-@contextlib.contextmanager
-def opened(path: pathlib.Path) -> Iterator[Any]:
-    """The file, open for reading as long as the block runs."""
-    try:
-        with h5py.File(path, "r") as file:
-            yield file
-    except (OSError, KeyError) as fault:
-        raise FileError(f"cannot read {str(path)!r} as a result of ra2d: {fault}") from fault
+# what h5py and xarray raise on a damaged file
+_DAMAGE = (OSError, KeyError, RuntimeError, ValueError, TypeError, AttributeError)
 
 
 class _Dataset(BackendArray):
     """A dataset of a file, which is opened at each reading: nothing stays open, and parts alone are read."""
 
-    def __init__(self, path: pathlib.Path, name: str, dataset: Any) -> None:
-        self.path, self.name = path, name
+    def __init__(self, file: File, name: str, dataset: Any) -> None:
+        self.file, self.name = file, name
         self.shape, self.dtype = dataset.shape, np.dtype(dataset.dtype)
 
     def __getitem__(self, key: Any) -> Any:
         return indexing.explicit_indexing_adapter(key, self.shape, indexing.IndexingSupport.OUTER_1VECTOR, self._read)
 
     def _read(self, key: tuple[Any, ...]) -> Any:
-        with opened(self.path) as file:
+        with self.file.opened() as file:
             stored = file[self.name]
             return (stored.asstr() if h5py.check_string_dtype(stored.dtype) else stored)[key]
 
@@ -50,28 +44,61 @@ def _units(dataset: Any) -> dict[str, str]:
     return {name: dataset.attrs[name] for name in ("units", "long_name") if name in dataset.attrs}
 
 
-def read(path: pathlib.Path, group: str, dims: Mapping[str, tuple[str, ...]]) -> xr.Dataset:
-    """A group as a Dataset. `dims`: the dimensions of each dataset, by name; others are left out.
-    Datasets with the name of a dimension are its coordinates."""
-    variables = {}
-    with opened(path) as file:
-        for name, of in dims.items():
-            if name in file[group]:
-                stored = file[group][name]
-                values = _lazy(_Dataset(path, f"{group}/{name}", stored))
-                variables[name] = _variable(of, values, _units(stored))
-    coordinates = {name: of for name, of in variables.items() if (name,) == of.dims}
-    return xr.Dataset({name: of for name, of in variables.items() if name not in coordinates}, coordinates)
+class File:
+    """A file of ra2d as it is now. Once it is replaced, reading is an error: no numbers of another run."""
 
+    def __init__(self, path: pathlib.Path) -> None:
+        self.path = path
+        self._identity = self._now()
 
-def scalars(path: pathlib.Path, group: str) -> xr.Dataset:
-    """The single numbers of a group. Numbers that do not exist are not in it."""
-    with opened(path) as file:
-        return xr.Dataset({name: _variable((), stored[()], _units(stored)) for name, stored in file[group].items()
-                           if stored.shape == ()})
+    def _now(self) -> tuple[int, ...]:
+        try:
+            found = self.path.stat()
+        except (OSError, ValueError) as fault:
+            why = "there is no such file" if isinstance(fault, FileNotFoundError) else fault
+            raise FileError(f"cannot read {str(self.path)!r}: {why}") from fault
+        return found.st_dev, found.st_ino, found.st_size, found.st_mtime_ns
 
+    def require_unchanged(self) -> None:
+        """Raises FileError where the file is gone, or is another one by now."""
+        if self._now() != self._identity:
+            raise FileError(f"{str(self.path)!r} has been replaced since it was opened: open it again, "
+                            "with ra2d.load or ra2d.load_study")
 
-def attributes(path: pathlib.Path) -> dict[str, Any]:
-    """The attributes of the file: texts, and numbers."""
-    with opened(path) as file:
-        return {name: value.item() if isinstance(value, np.generic) else value for name, value in file.attrs.items()}
+    @contextlib.contextmanager
+    def opened(self) -> Iterator[Any]:
+        """The HDF5 file, open for reading as long as the block runs."""
+        self.require_unchanged()
+        try:
+            with h5py.File(self.path, "r") as file:
+                yield file
+        except Error:
+            raise
+        except _DAMAGE as fault:
+            raise FileError(f"cannot read {str(self.path)!r} as a result of ra2d: {fault}. 'ra2d check' says what "
+                            "of it is damaged") from fault
+
+    def read(self, group: str, dims: Mapping[str, tuple[str, ...]]) -> xr.Dataset:
+        """A group as a Dataset. `dims`: the dimensions of each dataset, by name; others are left out.
+        Datasets with the name of a dimension are its coordinates."""
+        variables = {}
+        with self.opened() as file:
+            for name, of in dims.items():
+                if name in file[group]:
+                    stored = file[group][name]
+                    values = _lazy(_Dataset(self, f"{group}/{name}", stored))
+                    variables[name] = _variable(of, values, _units(stored))
+            coordinates = {name: of for name, of in variables.items() if (name,) == of.dims}
+            return xr.Dataset({name: of for name, of in variables.items() if name not in coordinates}, coordinates)
+
+    def scalars(self, group: str) -> xr.Dataset:
+        """The single numbers of a group. Numbers that do not exist are not in it."""
+        with self.opened() as file:
+            return xr.Dataset({name: _variable((), stored[()], _units(stored)) for name, stored in file[group].items()
+                               if stored.shape == ()})
+
+    def attributes(self) -> dict[str, Any]:
+        """The attributes of the file: texts, and numbers."""
+        with self.opened() as file:
+            return {name: value.item() if isinstance(value, np.generic) else value
+                    for name, value in file.attrs.items()}

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import pandas as pd
 import xarray as xr
 
-from . import program, progress, stored, toml
+from . import files, program, progress, stored, toml
 from .errors import FileError, Notice, RequestError, SimulationError
 from .estimate import Estimate
 from .scenes import Scene, full_key, scene
@@ -171,13 +171,14 @@ def _number(value: float | None) -> float:
 
 def _table(path: pathlib.Path) -> xr.Dataset:
     """The table of a study, read whole: it is small."""
-    attrs = stored.attributes(path)
-    if "study_format" not in attrs:
-        raise FileError(f"{str(path)!r} is no table of a study")
+    file = stored.File(path)
+    attrs = file.attributes()
+    if not {"study_format", "dimensions"} <= set(attrs):
+        raise FileError(f"{str(path)!r} is no table of a study, or is damaged")
     dims = tuple(str(attrs["dimensions"]).split())
     variables: dict[str, tuple[str, ...]] = {name: (name,) for name in dims}
     variables |= {name: dims for name in _VARIABLES}
-    return stored.read(path, "/", variables).load().assign_attrs(attrs)
+    return file.read("/", variables).load().assign_attrs(attrs)
 
 
 def load_study(folder: str | os.PathLike[str]) -> Study:
@@ -195,8 +196,12 @@ def load_study(folder: str | os.PathLike[str]) -> Study:
 
 def _dimensions(vary: Mapping[str | tuple[str, ...], Iterable[Any]]) -> dict[str, tuple[list[str], list[Any]]]:
     """The keys and values of each dimension, by its name in the table."""
+    if not isinstance(vary, Mapping):
+        raise RequestError(f"vary: expected keys with their values, as {{'speed': [0.1, 0.2]}}, not {vary!r}")
     found: dict[str, tuple[list[str], list[Any]]] = {}
     for names, values in vary.items():
+        if isinstance(values, str) or not isinstance(values, Iterable):
+            raise RequestError(f"{names}: expected a list of values, as [{values!r}], not {values!r}")
         keys = [full_key(name) for name in ([names] if isinstance(names, str) else names)]
         short = keys[0].rsplit(".", 1)[-1]
         name = short if short not in found and short != "seed" else keys[0].replace(".", "_")
@@ -218,9 +223,9 @@ def _study_text(base: pathlib.Path, what: Scene, dimensions: Mapping[str, tuple[
 
 def _write(path: pathlib.Path, text: str) -> None:
     """Replaces only a study file that was written here."""
-    if path.exists() and not path.read_text(encoding="utf-8").startswith(_MARK):
+    if path.exists() and not files.read(path).startswith(_MARK):
         raise RequestError(f"{str(path)!r} was not written by ra2d.study: give another folder=")
-    path.write_text(text, encoding="utf-8")
+    files.write(path, text)
 
 
 def study(source: str | os.PathLike[str] | Mapping[str, Any] | Scene,
@@ -257,9 +262,7 @@ def study(source: str | os.PathLike[str] | Mapping[str, Any] | Scene,
     base = what.file(place.parent).resolve()
     file = place.with_name(place.name + ".toml")
     _write(file, _study_text(base, what, dimensions, seeds, keep_files))
-    options = [] if threads is None else ["--threads", str(threads)]
-    options += ["--retry-failed"] if retry_failed else []
-    options += [] if max_wall is None else ["--max-wall", str(max_wall)]
+    options = program.options({"--threads": threads, "--retry-failed": bool(retry_failed), "--max-wall": max_wall})
     try:
         with progress.shown(show) as shown:
             program.follow(["study", file, "-o", place, *options], shown)

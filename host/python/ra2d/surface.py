@@ -18,7 +18,7 @@ import numpy.typing as npt
 import pandas as pd
 import xarray as xr
 
-from . import program
+from . import files, program
 from .errors import FileError, RequestError
 from .results import Result
 from .scenes import Scene
@@ -110,15 +110,18 @@ def array(heights: npt.ArrayLike, spacing: float, path: str | os.PathLike[str] |
     >>> array([0.0, 1e-6, 0.0, 2e-6], spacing=8e-6)["path"].endswith(".csv")
     True
     """
-    z = np.asarray(heights, dtype=float)
+    try:
+        z = np.asarray(heights, dtype=float)
+    except (TypeError, ValueError) as fault:
+        raise RequestError(f"a face is a row of heights in metres: {fault}") from fault
     if z.ndim != 1 or z.size < 2 or not np.isfinite(z).all():
         raise RequestError(f"a face is a row of at least two finite heights in metres, not an array of shape {z.shape}"
                            f" with {np.count_nonzero(~np.isfinite(z))} values that are not finite")
-    if not spacing > 0:
-        raise RequestError(f"spacing is {spacing}: expected a number > 0 (m)")
-    text = "x [m],z [m]\n" + "".join(f"{i * spacing!r},{height!r}\n" for i, height in enumerate(z.tolist()))
+    if not (isinstance(spacing, int | float | np.number) and 0 < spacing < np.inf):
+        raise RequestError(f"spacing is {spacing!r}: expected a number > 0 (m)")
+    text = "x [m],z [m]\n" + "".join(f"{i * float(spacing)!r},{height!r}\n" for i, height in enumerate(z.tolist()))
     file = pathlib.Path(path or f"face-{hashlib.sha256(text.encode()).hexdigest()[:12]}.csv")
     if file.suffix in (".h5", ".toml"):
         raise RequestError(f"{str(file)!r}: a face is a text of two columns; expected a name that ends in .csv or .txt")
-    file.write_text(text)
+    files.write(file, text)
     return read(file, **words)

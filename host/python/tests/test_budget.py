@@ -41,5 +41,6 @@ def test_wrong_requests(base, folder):
     with pytest.raises(ra2d.RequestError, match="seeds = 1"):
         ra2d.uncertainty(base, seeds=1)
     smooth = base.change({"resonator.surface": {"kind": "flat"}, "slider.surface": {"kind": "flat"}}, duration=0.01)
-    with pytest.raises(ra2d.RequestError, match="random"):
+    with pytest.raises(ra2d.RequestError, match="neither face of this scene is random.*gaussian.*'start'"):
         ra2d.uncertainty(smooth, seeds=2, folder=folder / "smooth", show=False)
+    assert not (folder / "smooth.toml").exists()

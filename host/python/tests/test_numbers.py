@@ -97,7 +97,7 @@ def test_ten_gigabytes_open_at_once(result, folder):
     assert repr(opened)
     with h5py.File(big, "r") as file:
         from ra2d import stored
-        velocity = stored._Dataset(big, "resonator/velocity", file["resonator/velocity"])
+        velocity = stored._Dataset(stored.File(big), "resonator/velocity", file["resonator/velocity"])
     assert velocity.shape == (rows, 19)
     assert time.process_time() - before < 0.1
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - used < 50_000  # kB

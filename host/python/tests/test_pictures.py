@@ -124,8 +124,19 @@ def page_of(path):
     return pathlib.Path(path).read_text(encoding="utf-8")
 
 
-def test_the_page_is_complete_in_itself(result, folder):
-    text = page_of(result.report(folder / "page.html"))
+EVIL = "<script>alert(1)</script> $x$"
+
+
+@pytest.fixture(scope="module")
+def evil(base, folder):
+    """A result whose name and profile would do harm, with the text of its page."""
+    face = ra2d.surface.array(2e-6 * np.sin(np.arange(2501) / 40), 8e-6, folder / "secret-face.csv")
+    ran = ra2d.run(base, {"scene.name": EVIL, "slider.surface": face}, output=folder / "evil.h5", show=False)
+    return ran, page_of(ran.report())
+
+
+def test_the_page_is_complete_in_itself(evil):
+    result, text = evil
     links = re.findall(r'(?:src|href|url)\s*[=(]\s*["\']?([^"\')\s>]+)', text)
     assert links and all(link.startswith(("#", "data:audio/wav")) for link in links)
     assert "default-src 'none'" in text and 'name="viewport"' in text and "prefers-color-scheme: dark" in text
@@ -136,17 +147,12 @@ def test_the_page_is_complete_in_itself(result, folder):
     assert len(text) < 2_000_000
 
 
-def test_names_from_outside_bring_no_markup_and_no_folders(base, folder, profile):
-    evil = "<script>alert(1)</script> $x$"
-    heights = 2e-6 * np.sin(np.arange(2501) / 40)
-    face = ra2d.surface.array(heights, 8e-6, folder / "secret-face.csv")
-    ran = ra2d.run(base, {"scene.name": evil, "slider.surface": face}, duration=0.01, output=folder / "evil.h5",
-                   show=False)
-    text = page_of(ran.report(folder / "evil.html"))
-    assert evil not in text and "&lt;script&gt;" in text
+def test_names_from_outside_bring_no_markup_and_no_folders(evil, folder):
+    result, text = evil
+    assert EVIL not in text and "&lt;script&gt;" in text
     assert "secret-face.csv" in text and str(folder) not in text
-    assert evil not in ran._repr_html_()
-    assert ran.plot("level").drawn("png")
+    assert EVIL not in result._repr_html_()
+    assert result.plot("level").drawn("png", 30)
 
 
 def test_the_page_of_a_study(loads, folder):
@@ -181,5 +187,5 @@ def test_several_results_lie_over_one_another(result, base, folder):
     assert f"{result.level:.2f} dB" in legend
     assert {line.get_color() for line in level.lines} == set(style.SERIES[:3])
     assert len(ra2d.plot([result] * 9, "bands").axes[0].lines) == 16  # eight, each with its hollow marks
-    with pytest.raises(ra2d.RequestError, match="no picture 'force' of 1 results"):
+    with pytest.raises(ra2d.RequestError, match="no picture 'force' of several results"):
         ra2d.plot([result], "force")

@@ -14,7 +14,7 @@ from ra2d import program, progress
 
 LONG = """
 import sys, ra2d
-ra2d.run("dang2012", duration=0.5, output=sys.argv[1], checkpoint=0.002)
+ra2d.run("dang2012", duration=0.3, output=sys.argv[1], checkpoint=0.002)
 """
 
 
@@ -46,9 +46,20 @@ def test_a_program_that_is_too_old_is_named(fake):
     path = fake("ra2d 0.0.9 (abc)")
     with pytest.raises(ra2d.ProgramError, match=f"{path} is 0.0.9, this package needs 0.1.0 or later: install"):
         ra2d.find()
-    fake("something else")
+    broken = fake("something else")
     with pytest.raises(ra2d.ProgramError, match="does not say a version"):
         ra2d.find()
+    broken.write_bytes(b"\x7fELF")
+    program._require_version.cache_clear()
+    with pytest.raises(ra2d.ProgramError, match="does not start: Exec format error"):
+        ra2d.find()
+
+
+def test_a_program_beside_is_not_looked_for_on_the_path(fake, monkeypatch):
+    path = fake("ra2d 0.1.0 (x)")
+    monkeypatch.chdir(path.parent)
+    monkeypatch.setenv("RA2D", path.name)
+    assert ra2d.find() == path
 
 
 @pytest.mark.parametrize("status, kind", [(2, ra2d.RequestError), (3, ra2d.SimulationError), (4, ra2d.FileError),
@@ -113,10 +124,10 @@ def test_an_interrupt_leaves_result_and_checkpoint(folder):
     assert "KeyboardInterrupt: interrupted at t = " in python.communicate(timeout=20)[1]
     assert python.returncode != 0
     cut = ra2d.load(output)
-    assert not cut.complete and cut.attrs["ended"] == "interrupted" and 0 < cut.duration < 0.5
+    assert not cut.complete and cut.attrs["ended"] == "interrupted" and 0 < cut.duration < 0.3
     assert pathlib.Path(f"{output}.checkpoint").exists()
     with pytest.warns(ra2d.Notice, match="goes on|going on|from t ="):
-        whole = ra2d.run("dang2012", duration=0.5, output=output, show=False)
+        whole = ra2d.run("dang2012", duration=0.3, output=output, show=False)
     assert whole.complete and not pathlib.Path(f"{output}.checkpoint").exists()
 
 

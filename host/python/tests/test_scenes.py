@@ -84,11 +84,6 @@ def test_toml_comes_back(value):
     assert back == (value.tolist() if isinstance(value, np.ndarray) else value)
 
 
-def test_what_is_no_toml_is_refused():
-    with pytest.raises(TypeError, match="complex"):
-        ra2d.scene("dang2012").change(speed=1j).options()
-
-
 def test_a_path_counts_from_the_current_folder(profile):
     words = ra2d.surface.read("measured.txt", x_unit="mm", z_unit="um")
     assert words["path"] == str(profile)

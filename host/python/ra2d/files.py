@@ -1,0 +1,38 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Text files in and out. Every fault is an error of this package."""
+from __future__ import annotations
+
+import os
+import pathlib
+
+from .errors import FileError
+
+
+def read(path: pathlib.Path) -> str:
+    """The text of a file."""
+    try:
+        return path.read_text(encoding="utf-8")
+    except UnicodeDecodeError as fault:
+        raise FileError(f"cannot read {str(path)!r}: it is no text in UTF-8 ({fault.reason}, byte {fault.start})"
+                        ) from fault
+    except OSError as fault:
+        raise FileError(f"cannot read {str(path)!r}: {fault.strerror}") from fault
+
+
+def require_folder(path: pathlib.Path) -> None:
+    """Raises FileError where a file cannot be written since its folder does not exist."""
+    if not path.parent.is_dir():
+        raise FileError(f"cannot write {str(path)!r}: there is no folder {str(path.parent)!r}. Make it first")
+
+
+def write(path: pathlib.Path, text: str) -> None:
+    """Writes a file and puts it in place whole: a reader sees the old one or the new one."""
+    require_folder(path)
+    partial = path.with_name(f".{os.getpid()}.partial")
+    try:
+        partial.write_text(text, encoding="utf-8")
+        partial.replace(path)
+    except OSError as fault:
+        raise FileError(f"cannot write {str(path)!r}: {fault.strerror}") from fault
+    finally:
+        partial.unlink(missing_ok=True)

@@ -1,0 +1,274 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Wrong requests and damaged files: each is an error of this package, in a plain sentence with the cure."""
+import os
+import pathlib
+import shutil
+import signal
+import threading
+import time
+
+import h5py
+import numpy as np
+import pytest
+
+import ra2d
+from ra2d import files, program, toml
+
+
+@pytest.fixture(scope="module")
+def small(base, folder):
+    return ra2d.run(base, duration=0.01, output=folder / "hostile.h5", show=False)
+
+
+@pytest.fixture
+def damaged(small, tmp_path):
+    """A copy of a result, opened after something was done to it."""
+    def make(damage):
+        path = tmp_path / "damaged.h5"
+        shutil.copy(small.path, path)
+        with h5py.File(path, "r+") as file:
+            damage(file)
+        return ra2d.load(path)
+    return make
+
+
+def until(condition):
+    end = time.monotonic() + 20
+    while not condition() and time.monotonic() < end:
+        time.sleep(0.01)
+
+
+def test_the_program_s_cure_is_told_in_python():
+    with pytest.raises(ra2d.RequestError, match="right end(?s:.*)In Python: duration=0.9$"):
+        ra2d.run("dang2012", speed=0.2, tolerance=1e-6, show=False)
+    assert ra2d.scene("dang2012").change(speed=0.2, tolerance=1e-6, duration=0.9).plan()  # the cure cures
+
+
+def test_options_are_told_in_python(base, small):
+    with pytest.raises(ra2d.RequestError, match="In Python: .*force=True"):
+        ra2d.run(base, duration=0.005, output=small.path, show=False)
+    with pytest.raises(ra2d.RequestError, match="In Python: checkpoint=") as fault:
+        ra2d.run(base, checkpoint=-1, show=False)
+    assert "--help" not in str(fault.value)
+
+
+@pytest.mark.parametrize("value", [None, 1j, {1, 2}, object(), "\udcff"])
+def test_values_that_no_scene_holds(base, value):
+    with pytest.raises(ra2d.RequestError, match="a scene holds|cannot stand in a scene"):
+        ra2d.run(base, speed=value, show=False)
+
+
+@pytest.mark.parametrize("source, words", [
+    (3, "not int"), (None, "not NoneType"), ({"scene": 3}, "expected a section"), ({"speed": 0.1}, "expected a section"),
+    ({1: {}}, "keys of a scene are texts"), ("[scene]\nspeed = 1", "write the text to a file"), ("", "no such file")])
+def test_what_is_no_scene(source, words):
+    with pytest.raises(ra2d.RequestError, match=words):
+        ra2d.scene(source)
+
+
+def test_a_scene_from_numpy_runs(base, folder):
+    content = base.change(duration=1e-3).content()
+    content["scene"] |= {"speed": np.float64(0.1), "name": "räuber \"x\"/../\u65e5\n" + "y" * 400}
+    content["output"] = {"probes": np.array([0.1, 0.2])}
+    content["slider"]["surface"]["seed"] = np.int64(4)
+    ran = ra2d.run(content, show=False)
+    assert ran.probes.sizes["position"] == 2 and ran.scene["slider.surface.seed"] == 4
+    assert ran.path.parent == folder and len(ran.path.name.encode()) < 200
+
+
+def test_faults_of_a_dict_do_not_name_a_file_that_is_gone():
+    with pytest.raises(ra2d.RequestError, match=r"^scene-\w+.toml: 5 faults"):
+        ra2d.run({}, show=False)
+
+
+def test_keys_beyond_emoji_are_toml():
+    assert toml.parse(toml.document({"a": {"\U0001f600 x": 1}})) == {"a": {"\U0001f600 x": 1}}
+
+
+def test_scenes_that_cannot_be_read(tmp_path, base):
+    bad = tmp_path / "bad.toml"
+    bad.write_text("[scene\n")
+    with pytest.raises(ra2d.RequestError, match="bad.toml.* is no TOML"):
+        ra2d.scene(bad)["speed"]
+    bad.write_bytes(b"# \xe9\n")
+    with pytest.raises(ra2d.FileError, match="no text in UTF-8"):
+        ra2d.scene(bad).text()
+    with pytest.raises(KeyError, match="complete"):
+        base["time.nodes"]
+    with pytest.raises(ra2d.RequestError, match="speed is a value"):
+        base.change({"scene.speed.x": 3}).content()
+
+
+def test_other_alphabets_in_paths(base, tmp_path):
+    place = tmp_path / "ünï \u65e5\u672c"
+    place.mkdir()
+    ran = ra2d.run(base, duration=2e-3, output=place / "é.h5", show=False)
+    assert ran.level > 0 and ran.listen().save(place / "é.wav").is_file() and ra2d.load(place / "é.h5").complete
+
+
+def test_folders_that_are_not_there(base, small, tmp_path):
+    missing = tmp_path / "no"
+    for write in (lambda: ra2d.study(base, {"speed": [0.1]}, folder=missing / "study", show=False),
+                  lambda: ra2d.surface.array([0, 1e-6], 1e-6, missing / "x.csv"),
+                  lambda: small.report(missing / "x.html")):
+        with pytest.raises(ra2d.FileError, match="there is no folder .* Make it first"):
+            write()
+    with pytest.raises(ra2d.FileError, match="no folder 'no'"):
+        ra2d.run(base, output="no/x.h5", show=False)
+    with pytest.raises(ra2d.FileError, match="Is there such a folder"):
+        small.listen().save(missing / "x.wav")
+
+
+def test_a_folder_that_cannot_be_written():
+    with pytest.raises(ra2d.FileError, match="cannot write '/proc/x.toml'"):
+        files.write(pathlib.Path("/proc/x.toml"), "")
+
+
+@pytest.mark.parametrize("vary, words", [({"speed": 0.1}, "list of values"), ({"speed": "0.1"}, "list of values"),
+                                         (["speed"], "expected keys with their values")])
+def test_wrong_variations(base, vary, words):
+    with pytest.raises(ra2d.RequestError, match=words):
+        ra2d.study(base, vary, show=False)
+
+
+@pytest.mark.parametrize("damage", [
+    lambda file: file.attrs.__delitem__("format"), lambda file: file.attrs.__delitem__("scene"),
+    lambda file: file.attrs.__delitem__("complete"), lambda file: file.attrs.__setitem__("scene", "[x"),
+    lambda file: file.attrs.__setitem__("scene", "")])
+def test_damaged_headers(damaged, damage):
+    with pytest.raises(ra2d.FileError, match="is damaged|has format None"):
+        damaged(damage)
+
+
+def scalar_probes(file):
+    del file["probes"]
+    file["probes"] = 3
+
+
+def short_probes(file):
+    del file["probes/velocity"]
+    file["probes/velocity"] = np.zeros((3, 4))
+
+
+@pytest.mark.parametrize("damage", [scalar_probes, short_probes])
+def test_damaged_groups(damaged, damage):
+    with pytest.raises(ra2d.FileError, match="'ra2d check' says what of it"):
+        damaged(damage).probes
+
+
+def test_flipped_bits_and_cut_files(small, tmp_path):
+    whole, path = small.path.read_bytes(), tmp_path / "flipped.h5"
+    refused = 0
+    for at in range(0, 4000, 97):
+        path.write_bytes(whole[:at] + bytes([whole[at] ^ 255]) + whole[at + 1:])
+        try:
+            ra2d.load(path).probes.load()
+        except ra2d.FileError:
+            refused += 1
+    assert refused > 10
+    middle = len(whole) // 2
+    path.write_bytes(whole[:middle] + bytes([whole[middle] ^ 1]) + whole[middle + 1:])
+    with pytest.raises(ra2d.FileError, match="damaged"):
+        ra2d.load(path).check()
+    path.write_bytes(whole[:middle])
+    with pytest.raises(ra2d.FileError, match="truncated"):
+        ra2d.load(path)
+
+
+def test_a_file_that_was_deleted_or_replaced(base, small, tmp_path):
+    """Never the numbers of another run."""
+    path = tmp_path / "moving.h5"
+    shutil.copy(small.path, path)
+    opened = ra2d.load(path)
+    lazy = opened.probes
+    ra2d.run(base, duration=0.005, output=path, force=True, show=False)
+    for use in (lambda: opened.level, lambda: lazy.velocity.load(), lambda: opened.shocks, opened.listen):
+        with pytest.raises(ra2d.FileError, match="has been replaced since it was opened: open it again"):
+            use()
+    path.unlink()
+    with pytest.raises(ra2d.FileError, match="there is no such file"):
+        opened.probes
+
+
+def test_wrong_parts_of_a_result(small, monkeypatch):
+    for use in (lambda: small.modes("table"), lambda: small.field(0, body="table"), lambda: small.profile("table"),
+                lambda: small.listen(body="table"), lambda: small.field(0, what="table")):
+        with pytest.raises(ra2d.RequestError, match="'table': expected '"):
+            use()
+    for time_ in (99.0, -1.0, float("nan"), [0.001, 0.02]):
+        with pytest.raises(ra2d.RequestError, match="the samples go from 0 to 0.01 s"):
+            small.field(time_)
+    with pytest.raises(ra2d.RequestError, match="expected numbers"):
+        small.field("now")
+    monkeypatch.setattr("os.sysconf", lambda name: 1000)
+    with pytest.raises(ra2d.RequestError, match="ask for a shorter time"):
+        small.field(slice(None))
+
+
+def test_sounds_and_pictures_that_cannot_be(small):
+    for name, subtype in (("x.mp9", None), ("x.wav", "PCM_99")):
+        with pytest.raises(ra2d.RequestError, match="ends in .wav or .flac"):
+            small.listen().save(name, subtype)
+    for wrong in ([], ["hostile.h5"]):
+        with pytest.raises(ra2d.RequestError, match="one or more results"):
+            ra2d.plot(wrong)
+    assert ra2d.plot(small, "bands").axes
+
+
+def test_heights_that_are_none():
+    for heights, spacing, words in ((["a", "b"], 1e-6, "row of heights"), ([0, 1j], 1e-6, "row of heights"),
+                                    ([0, 1e-6], "a", "spacing is 'a'"), ([0, 1e-6], np.inf, "spacing is inf")):
+        with pytest.raises(ra2d.RequestError, match=words):
+            ra2d.surface.array(heights, spacing)
+
+
+def test_a_table_that_is_damaged(tmp_path):
+    with h5py.File(tmp_path / "results.h5", "w") as file:
+        file.attrs["study_format"] = 1
+    with pytest.raises(ra2d.FileError, match="no table of a study"):
+        ra2d.load_study(tmp_path)
+
+
+def test_an_interrupted_study_ends_in_order(folder):
+    """KeyboardInterrupt is raised, and no program is left behind."""
+    place = folder / "interrupted"
+
+    def interrupt():
+        until(place.is_dir)
+        os.kill(os.getpid(), signal.SIGINT)
+
+    slow = ra2d.scene("dang2012").change(duration=0.9)  # backward Euler: seconds
+    interrupter = threading.Thread(target=interrupt)
+    before = os.times().children_user
+    interrupter.start()
+    with pytest.raises(KeyboardInterrupt):
+        ra2d.study(slow, {"speed": [0.1, 0.11]}, folder=place, threads=1, show=False)
+    interrupter.join()
+    assert os.times().children_user - before < 1.5  # it did not run to its end
+    with pytest.raises(ChildProcessError):
+        os.waitpid(-1, os.WNOHANG)
+
+
+def test_a_second_interrupt_reaches_the_program(tmp_path, monkeypatch):
+    """A program that ends in order takes its time; the second Ctrl-C is handed on, too."""
+    slow = tmp_path / "slow-ra2d"
+    slow.write_text("""#!/bin/sh
+[ "$1" = --version ] && echo "ra2d 0.1.0 (x)" && exit
+trap 'n=x$n; touch "$2/$n"; [ $n = xx ] && exit 130' INT
+touch "$2/ready"
+while :; do sleep 0.02; done
+""")
+    slow.chmod(0o755)
+    monkeypatch.setenv("RA2D", str(slow))
+
+    def interrupt():
+        for sign in ("ready", "x"):
+            until((tmp_path / sign).exists)
+            os.kill(os.getpid(), signal.SIGINT)
+
+    interrupter = threading.Thread(target=interrupt)
+    interrupter.start()
+    with pytest.raises(KeyboardInterrupt):
+        program.follow(["run", tmp_path], lambda text: None)
+    interrupter.join()
+    assert (tmp_path / "xx").exists()
