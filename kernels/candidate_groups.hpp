@@ -89,7 +89,7 @@ class CandidateGroups {
                          distance * motion_.spacing * slope +
                          position_rounding(place) * faces_.steepest_rise;
     const double below = range_ + error;
-    // the motion counts with its roundings: they were those of another displacement
+    // the motion since then, raised by the roundings of both displacements
     double coarse_below = (1.0 + 0x1p-43) * moved(lists_.coarse_reference_u, u) + below + error;
     if (!(place.base >= coarse_base_ && place.base < coarse_base_ + width &&
           coarse_below <= coarse_below_)) {

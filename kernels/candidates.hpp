@@ -314,7 +314,7 @@ class Candidates {
   /// `longest`; less than one when they get there within this step.
   KOKKOS_FUNCTION int steps_to(double edge, const Place& place, int longest) const {
     if (motion_.advance == 0.0) return longest;
-    // short of the crossing by a step and by the roundings of the position
+    // one step less than to the crossing, and less the roundings of the position
     const double steps = (edge - place.theta - position_rounding(place)) / motion_.advance - 1.0;
     return steps > longest ? longest : steps < 1.0 ? 0 : static_cast<int>(steps);
   }

@@ -8,7 +8,7 @@
 /// The state of one scene, which changes while it is marched. Plain data, pointers as in
 /// SceneTables. Five parts, by what becomes of them between two launches:
 ///
-///   carried  what the next step goes on from: kept, and all that a checkpoint holds
+///   carried  what the next step goes on from: kept, and saved in a checkpoint
 ///   marks    what the caches and the work space hold, -1 for nothing, as at the beginning
 ///   caches   what can be computed again from it: kept or emptied, with the same answers
 ///   work     means nothing between two launches

@@ -12,7 +12,7 @@
 /// Everything that a result file holds (docs/results.md).
 namespace ra2d {
 
-/// Raised when a dataset changes its meaning or goes.
+/// Raised when a sampled dataset comes, or when any changes its meaning or goes.
 inline constexpr std::int64_t file_format = 2;
 
 // Where the numbers of a dataset come from, which also says when they are written.

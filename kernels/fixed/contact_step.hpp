@@ -9,8 +9,8 @@
 #include "kernels/fixed/fixed_recorder.hpp"
 #include "kernels/fixed/modes_step.hpp"
 #include "kernels/fixed/outer_forces.hpp"
-#include "kernels/gap.hpp"
 #include "kernels/lanes.hpp"
+#include "kernels/place.hpp"
 #include "kernels/state.hpp"
 #include "kernels/tables.hpp"
 

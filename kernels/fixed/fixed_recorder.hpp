@@ -8,8 +8,8 @@
 #include "kernels/contact/node_contact.hpp"
 #include "kernels/fixed/modes_step.hpp"
 #include "kernels/fixed/outer_forces.hpp"
-#include "kernels/gap.hpp"
 #include "kernels/lanes.hpp"
+#include "kernels/place.hpp"
 #include "kernels/shocks.hpp"
 #include "kernels/state.hpp"
 #include "kernels/tables.hpp"
@@ -295,7 +295,8 @@ class FixedRecorder {
     }
   }
 
-  /// Sums are kept in two parts, so that 1e8 small terms are not added to one large number.
+  /// Adds each sum's small part (`..._part`) to the whole, so that 1e8 small terms are not added to
+  /// one large number.
   KOKKOS_FUNCTION void close_parts(Motion<Lanes, packs>& now) {
     for (int p = 0; p < packs; ++p) {
       lanes_.store(modal_.square + p * width, load_pack(lanes_, modal_.square, p) + now.square[p]);

@@ -230,7 +230,7 @@ TEST(FilledProof, SlopeAndCurvatureOfTheBeamAreReached) {
   }
 }
 
-TEST(FilledProof, PushAndYieldAreReachedByTheFirstStep) {
+TEST(FilledProof, AccelerationsPerEnergyAndNewtonAreReachedByTheFirstStep) {
   // Semi-implicit, from rest: U is a force's u_f after a step, which the bound has as tau^2 of it.
   // Of a slow mode that is 1/m, but for omega tau.
   Scene s = strip(Support::pinned, 4, 1e-3);

@@ -229,7 +229,7 @@ TEST(OverlapsProof, AnOverlapHasRoomForItsRoundings) {
   EXPECT_NEAR(widest_flagged(bodies, of_faces, still, still, still, still), 2 * slack, 1e-12);
 }
 
-TEST(OverlapsProof, TouchIsMoreThanTheLongestChainOfRoundings) {
+TEST(OverlapsProof, ToleranceIsMoreThanTheLongestChainOfRoundings) {
   // The longest chain in an overlap's series: the packs of all modes one after the other, then the
   // lanes, then every other term of the polynomial. Each may lose half an ulp; the packs do here.
   constexpr int longest_chain = most_modes / width;
