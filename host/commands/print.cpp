@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <cmath>
 #include <csignal>
@@ -19,6 +20,7 @@ namespace ra2d {
 namespace {
 
 int fault_of_stdout = 0;  // errno of the first one
+std::atomic<bool> progress_is_shown = false;
 
 void note_fault(bool written) {
   if (!written && fault_of_stdout == 0) fault_of_stdout = errno;
@@ -44,7 +46,10 @@ void print_line(std::string_view name, std::string_view value) {
   print("  {:<17}{}\n", name, value);
 }
 
-void say(std::string_view message) { to_stderr("ra2d: " + printable_lines(message) + '\n'); }
+void say(std::string_view message) {
+  const std::string clear = progress_is_shown.exchange(false) ? "\r\033[K" : "";
+  to_stderr(clear + "ra2d: " + printable_lines(message) + '\n');
+}
 
 void say_doubts(const std::vector<std::string>& doubts, bool quiet) {
   if (quiet) return;
@@ -55,6 +60,7 @@ void say_doubts(const std::vector<std::string>& doubts, bool quiet) {
 void show(std::string_view progress) {
   to_stderr('\r' + printable(progress) + "\033[K");
   std::fflush(stderr);
+  progress_is_shown = !progress.empty();
 }
 
 bool shows_progress(bool quiet) { return !quiet && isatty(STDERR_FILENO) != 0; }

@@ -243,7 +243,7 @@ TEST_F(StudyProgram, InterruptedItKeepsWhatIsFinished) {
 }
 
 TEST_F(StudyProgram, WhileItRunsItSaysHowFarItIs) {
-  write_study(4000);
+  write_study(4000, "[set]\n\"slider.density\" = 8.5");  // which is doubted
   int terminal = -1;
   const pid_t child = forkpty(&terminal, nullptr, nullptr, nullptr);
   ASSERT_GE(child, 0);
@@ -282,6 +282,8 @@ TEST_F(StudyProgram, WhileItRunsItSaysHowFarItIs) {
   const std::size_t last = shown.rfind(" left "), cleared = shown.find("\r\033[K", last);
   ASSERT_NE(cleared, std::string::npos);
   EXPECT_LT(cleared, shown.find("runs finished in"));
+  // a message takes the place of the progress instead of its end
+  EXPECT_THAT(shown, HasSubstr("\r\033[Kra2d: slider.density = 8.5"));
 }
 
 TEST_F(StudyProgram, ASecondWriterIsRefused) {

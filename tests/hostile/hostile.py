@@ -567,7 +567,7 @@ SCHEMES = [(scheme, law, force) for scheme in ("explicit-euler", "midpoint", "ba
            for law in ("penalty", "multiplier") for force in ("old", "new")
            if (force == "old" or (scheme, law) == ("backward-euler", "penalty"))
            and (law == "penalty" or scheme not in ("explicit-euler", "adaptive"))]
-RESUMED = PLAIN.replace("duration = 2e-5", "duration = 0.02").replace("speed = 0.5", "speed = 0.2")
+RESUMED = PLAIN.replace("speed = 0.5", "speed = 0.2")
 SLOWER = 1  # than a release build
 CUTS = Counter()  # how runs that were to go on were cut off, and how often they went on from a checkpoint
 
@@ -592,7 +592,7 @@ def content(path):
 
 def try_resume(program, case, dice):
     _, (scheme, law, force), seed = case
-    folder = Folder(RESUMED if SLOWER == 1 else RESUMED.replace("duration = 0.02", "duration = 0.004"))
+    folder = Folder(RESUMED.replace("2e-5", "0.02" if SLOWER == 1 else "0.004"))
     words = ["run", "s.toml", "--set", f"time.scheme={scheme}", "--set", f"contact.law={law}", "--set",
              f"time.contact_force={force}", "--set", "time.force=true", "--set", f"slider.surface.seed={seed}"]
     status = end(start(program, [*words, "-o", "whole.h5"], folder))
@@ -640,7 +640,7 @@ def study_content(folder):
 def try_study(program, case, dice):
     """Every scheme and law in one study, killed again and again."""
     _, threads, kept, seed = case
-    folder = Folder(RESUMED if SLOWER == 1 else RESUMED.replace("duration = 0.02", "duration = 0.004"))
+    folder = Folder(RESUMED.replace("2e-5", "0.04" if SLOWER == 1 else "0.004"))
     values = ", ".join(f'["{scheme} {law} {force}", "{scheme}", "{law}", "{force}"]' for scheme, law, force in SCHEMES)
     (folder.path / "study.toml").write_text(
         f'base = "s.toml"\nkeep = {["level", "shocks", *["files"] * kept]}\n'
