@@ -21,7 +21,7 @@
 namespace ra2d::test {
 namespace {
 
-constexpr int scenes_each = 3;  // one for each order of the lanes
+constexpr int scenes_each = 3;          // one for each order of the lanes
 constexpr std::int64_t longest = 1500;  // steps
 constexpr LaneOrder orders[] = {LaneOrder::ascending, LaneOrder::descending, LaneOrder::shuffled};
 
