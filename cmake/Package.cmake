@@ -9,7 +9,7 @@ install(TARGETS ra2d)
 install(EXPORT ra2dTargets NAMESPACE ra2d:: DESTINATION ${package_dir})
 # All headers but the program's own and those that include toml++, HDF5 or Eigen: users of the library need none of
 # these. No other header may include one of them (tests/install looks).
-set(private_headers "/host/(commands$|scene_file/toml[.]|model/contact_program[.]|study/clusters[.]|store/(attributes|hdf5|read_back|sealed_hdf5|shock_rows|table|unfinished_file)[.])")
+set(private_headers "/host/(commands$|base/decompositions[.]|scene_file/toml[.]|model/contact_program[.]|study/clusters[.]|store/(attributes|hdf5|read_back|sealed_hdf5|shock_rows|table|unfinished_file)[.])")
 foreach(part kernels host)
   install(DIRECTORY ${part} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/ra2d
           FILES_MATCHING PATTERN "*.hpp" REGEX "${private_headers}" EXCLUDE)
