@@ -144,7 +144,7 @@ class Candidates {
     Real pressed(0.0);
     double flight = steps_to_contact(u, v, place, longest, listed_steps, half_curve, slack,
                                      closing_slack, level, count, pressed);
-    // ... and no longer than the candidate groups hold
+    // the list of candidate groups may end the flight earlier
     const double linear = b.speed * tau + half_curve;
     const double valid_steps =
         2.0 * remaining /

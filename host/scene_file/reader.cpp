@@ -253,8 +253,9 @@ struct Document::Parts {
     std::string where = "--set " + shortened(text, longest_override);
     std::replace(where.begin(), where.end(), '\n', ' ');  // a fault is one line
     const auto equals = text.find('=');
+    constexpr std::string_view blanks = " \t\r\n";
     std::vector<std::string> path(1);
-    for (const char c : trimmed(std::string_view(text).substr(0, equals))) {
+    for (const char c : trimmed(std::string_view(text).substr(0, equals), blanks)) {
       if (c == '.')
         path.emplace_back();
       else
@@ -265,8 +266,8 @@ struct Document::Parts {
       return add(0, where + ": not an override: expected section.key=value");
     toml::table given;
     try {
-      given = parse_override(path, std::string(trimmed(std::string_view(text).substr(equals + 1))),
-                             where);
+      given = parse_override(
+          path, std::string(trimmed(std::string_view(text).substr(equals + 1), blanks)), where);
     } catch (const toml::parse_error&) {
       return add(0, where + ": not UTF-8: expected a value that TOML can hold");
     }

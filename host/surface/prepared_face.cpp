@@ -22,7 +22,7 @@
 namespace ra2d {
 namespace {
 
-constexpr double steps_to_cutoff = 5;  // to a cut-off
+constexpr double steps_to_cutoff = 5;  // of the profile, at the least
 constexpr double seam_share = 0.1;     // of the profile
 constexpr double most_copies = 100;    // along a beam
 constexpr double much_change = 0.1;    // of Rq, where a profile is repeated

@@ -39,7 +39,7 @@ void add_moments(Roughness& r, std::span<const double> heights, double share) {
            share;
 }
 
-/// ProfileElement between two crossings of the mean line. Positions in points.
+/// Part of a profile between two crossings of the mean line. Positions in points.
 struct ProfileElement {
   double begin, end;
   double height;  // furthest from the mean line; its sign says on which side

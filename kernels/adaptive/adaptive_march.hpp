@@ -194,7 +194,7 @@ class AdaptiveMarch {
   struct FlightPlan {
     std::int64_t ticks;
     bool whole;  // it is the length planned: neither a node's passing nor the end cuts it
-    bool clear;  // the bodies are so longest apart that no node could come into contact
+    bool clear;  // the bodies are so far apart that no node could come into contact
   };
   KOKKOS_FUNCTION FlightPlan plan_flight(std::int64_t available) const {
     const std::int64_t length = std::int64_t{1} << state_.carried.control.flight_level;

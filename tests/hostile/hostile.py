@@ -538,7 +538,7 @@ def signal_cases(times, dice):
     kinds = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT]
     setups = ["", "", "scene.spacing=2e-7", "resonator.modes=120", "scene.initial=static"]
     return [(f"{kinds[i % 4].name} {i} {setup}", kinds[i % 4], dice.uniform(0, 0.3), i % 3 == 2, setup)
-            for i in range(15 * times) for setup in [dice.choice(setups)]]
+            for i in range(30 * times) for setup in [dice.choice(setups)]]
 
 
 def try_signal(program, case, dice):
