@@ -266,10 +266,10 @@ std::pair<unsigned, unsigned> size_of(const std::string& png) {
   return {number(16), number(20)};
 }
 
-TEST_F(Plot, MakesEveryView) {
+TEST_F(Plot, MakesPicturesOfAResult) {
   RA2D_SKIP_WITHOUT_MATPLOTLIB();
   simulate("peaks", "peaks.h5");
-  for (const std::string& what : result_views()) {
+  for (const std::string what : {"overview", "shocks"}) {  // host/python/tests has all
     const Ended run = plot({"peaks.h5", "--what", what, "-o", what + ".png"});
     ASSERT_EQ(run.status, 0) << what << ": " << run.err;
     EXPECT_EQ(run.err, "") << what;
@@ -314,8 +314,8 @@ TEST_F(Plot, PdfSeveralResultsAndProfiles) {
   const Ended three = plot({"a.h5", "b$x^$.h5", "c.h5", "-o", "several.svg"});
   EXPECT_EQ(three.status, 0) << three.err;
   EXPECT_THAT(texts_of(read_file(file("several.svg"))),
-              AllOf(HasSubstr("a.h5: 123.01 dB"), HasSubstr("b$x^$.h5: at rest"),
-                    HasSubstr("c.h5: The run was cut short"), HasSubstr("midband frequency [Hz]")));
+              AllOf(HasSubstr("a: 123.01 dB"), HasSubstr("b$x^$: at rest"),
+                    HasSubstr("c: The run was cut short"), HasSubstr("midband frequency [Hz]")));
   std::vector<std::string> many(9, "a.h5");
   many.insert(many.end(), {"--what", "spectrum"});
   const Ended nine = plot(many);

@@ -30,6 +30,9 @@ def main() -> int:
             raise
         print(*names, sep="\n")
         return LIBRARY_MISSING
+    except Exception as fault:  # a library that is broken
+        print(f"ra2d: the Python package does not start: {type(fault).__name__}: {fault}", file=sys.stderr)
+        return 4
     if len(sys.argv) > 1:
         program = importlib.import_module("ra2d.program").find()
         os.execv(program, [str(program), *sys.argv[1:]])

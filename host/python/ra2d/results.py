@@ -396,8 +396,9 @@ class Result:
             time = file["time"]
             if time.shape[0] < 2:
                 return math.nan
-            rate = (time.shape[0] - 1) / float(time[-1] - time[0])
-        return float(round(rate)) if abs(rate - round(rate)) < 1e-9 * rate else rate  # roundings of the last time
+            rate: float = (time.shape[0] - 1) / float(time[-1] - time[0])
+        whole = float(round(rate))
+        return whole if abs(rate - whole) < 1e-9 * rate else rate  # roundings of the last time
 
     @property
     def counted_from(self) -> float:
