@@ -85,7 +85,7 @@ class Result:
         self.path = pathlib.Path(path).resolve()
         self._file = stored.File(self.path)
         self.attrs = self._file.attributes()  # of the file, as docs/results.md lists them
-        if self.attrs.get("creator") != "ra2d" or "scene" not in self.attrs:
+        if self.attrs.get("creator") != "ra2d" or "steps" not in self.attrs:
             raise FileError(f"{str(path)!r} is no result of 'ra2d run'")
         if self.attrs.get("format") not in FORMATS:
             raise FileError(f"{str(path)!r} has format {self.attrs.get('format')}, this package reads "

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 import numpy.typing as npt
 import soundfile
+from scipy.interpolate import make_interp_spline
 from scipy.io import wavfile
 from scipy.signal import firwin, kaiser_beta, resample_poly
 
@@ -33,7 +34,9 @@ RATES, MOST_SLOW = (8000, 384000), 1e4
 AUDIBLE = 20e3               # Hz, that the young hear
 PASSED, STOPPED = 0.91, 1.0  # of half the lower rate: kept below the first, taken off above the second
 STOP_BAND = 180.0            # dB
-MOST_PHASES = 20000          # of a resampler: finer ratios of rates are rounded, to 3e-9 at most
+MOST_PHASES = 2000           # of a resampler whose rates are in the ratio of two whole numbers
+FINER = 8                    # times the old rate, between whose samples splines go, for other ratios
+SPLINE_BLOCK, SPLINE_MARGIN = 1 << 16, 100  # samples
 LARGEST_RATIO = 1e6          # of rates: beyond, a sound is one sample or an endless line
 WAV_BYTES = 2**32 - 2**13    # that its header can count
 _BITS: dict[str, int] = {"wav-16": 16, "wav-24": 24, "wav-32": 32, "flac-24": 24}
@@ -42,14 +45,26 @@ _BITS: dict[str, int] = {"wav-16": 16, "wav-24": 24, "wav-32": 32, "flac-24": 24
 # ---- resampling ------------------------------------------------------------------------------------
 
 @functools.lru_cache(maxsize=4)
-def _filter(up: int, down: int) -> Array:
-    """A low pass of linear phase at `up` times the old rate: Kaiser's window, whose error is that of
-    its stop band on both sides."""
+def _filter(up: int, ratio: Fraction) -> Array:
+    """A low pass of linear phase at `up` times the old rate, for a new rate of `ratio` old ones.
+    Kaiser's window: its error is that of the stop band on both sides."""
     middle, width = (PASSED + STOPPED) / 2, (STOPPED - PASSED) * math.pi
-    half = math.ceil((STOP_BAND - 7.95) / (2.285 * width) / 2)  # lower samples on either side
-    taps: Array = firwin(2 * half * max(up, down) + 1, middle / max(up, down),
-                         window=("kaiser", kaiser_beta(STOP_BAND)))
+    half = math.ceil((STOP_BAND - 7.95) / (2.285 * width) / 2)  # samples of the lower rate on either side
+    lower = float(up / min(ratio, Fraction(1)))
+    taps: Array = firwin(2 * math.ceil(half * lower) + 1, middle / lower, window=("kaiser", kaiser_beta(STOP_BAND)))
     return taps
+
+
+def _between_samples(finer: Array, at: Array) -> Array:
+    """Values at places that are counted in samples, by splines of degree 7. Of samples at eight times
+    the rate they are off by 1e-9. In blocks: far samples do not matter."""
+    found = np.empty(at.size)
+    for begin in range(0, at.size, SPLINE_BLOCK):
+        part = slice(begin, begin + SPLINE_BLOCK)
+        first = max(0, int(at[part][0]) - SPLINE_MARGIN)
+        piece = finer[first:int(at[part][-1]) + SPLINE_MARGIN + 1]
+        found[part] = make_interp_spline(np.arange(piece.size), piece, 7)(at[part] - first)
+    return found
 
 
 def resample(samples: npt.ArrayLike, old: float, new: float) -> Array:
@@ -68,13 +83,12 @@ def resample(samples: npt.ArrayLike, old: float, new: float) -> Array:
     if old == new or not x.size:
         return x
     count = math.floor((x.size - 1) * (new / old) * (1 + 1e-15) + 1e-9) + 1
-    share = Fraction(old).limit_denominator(10**6) / Fraction(new).limit_denominator(10**6)
-    share = (share if max(share.numerator, share.denominator) <= MOST_PHASES else
-             share.limit_denominator(MOST_PHASES) if share < 1 else 1 / (1 / share).limit_denominator(MOST_PHASES))
-    up, down = share.denominator, share.numerator
-    made: Array = resample_poly(x, up, down, window=_filter(up, down))
-    whole: Array = np.concatenate([made, np.zeros(max(0, count - made.size))])[:count]
-    return whole
+    ratio = Fraction(new / old).limit_denominator(MOST_PHASES)
+    if ratio.numerator <= MOST_PHASES and abs(float(ratio) * old / new - 1) < 1e-14:
+        made = resample_poly(x, ratio.numerator, ratio.denominator, window=_filter(ratio.numerator, ratio))
+        return np.concatenate([made, np.zeros(max(0, count - made.size))])[:count]
+    finer = resample_poly(x, FINER, 1, window=_filter(FINER, Fraction(new / old).limit_denominator(10**6)))
+    return _between_samples(finer, np.arange(count) * (FINER * old / new))
 
 
 def round_full_scale(peak: float) -> float:
@@ -148,22 +162,30 @@ class Sound:
         """
         return "data:audio/wav;base64," + base64.b64encode(self.encoded("wav-16")).decode()
 
-    def place(self) -> str:
+    def _place(self) -> str:
         a = self.about
         return f"{'slider ' if a['body'] == 'slider' else ''}probe {a['probe']} at {a['position']:g} m"
 
     def _comment(self) -> str:
         a = self.about
         slower = f"; {a['slow']:g} times slower" if a["slow"] != 1 else ""
-        return (f"velocity of {self.place()}, the value 1.0 is {a['full_scale_m_per_s']:g} m/s; {a['from']:g} s to "
+        return (f"velocity of {self._place()}, the value 1.0 is {a['full_scale_m_per_s']:g} m/s; {a['from']:g} s to "
                 f"{a['to']:g} s{slower}")
 
     def about_text(self, name: str) -> str:
-        """The text that stands beside the file `name`."""
+        """The text that stands beside the file `name` (docs/sound.md).
+
+        >>> "full_scale_m_per_s" in getfixture("result").listen(stop=0.1).about_text("cube.wav")
+        True
+        """
         return json.dumps({"file": name, **self.about}, indent=2) + "\n"
 
     def describe(self, name: str) -> str:
-        """The lines of the command."""
+        """The lines that `ra2d sound` prints of the file `name`.
+
+        >>> print(getfixture("result").listen(stop=0.1).describe("cube.wav").splitlines()[0])
+        velocity of probe 1 at 0.15 m, from 0 s to 0.1 s
+        """
         a = self.about
         lines = [("length", f"{quantity(len(self.samples) / self.rate, 's')}, {len(self.samples)} samples at "
                             f"{self.rate} Hz"),
@@ -173,7 +195,7 @@ class Sound:
                                   "scale"))
         lines += [("file", name), ("beside it", f"{name}.json")]
         slower = f", {a['slow']:g} times slower" if a["slow"] != 1 else ""
-        head = f"velocity of {self.place()}, from {a['from']:g} s to {a['to']:g} s{slower}\n"
+        head = f"velocity of {self._place()}, from {a['from']:g} s to {a['to']:g} s{slower}\n"
         return head + "".join(f"  {what:<17}{text}\n" for what, text in lines)
 
     def __repr__(self) -> str:

@@ -166,13 +166,9 @@ def test_a_page_never_replaces_a_result(result):
         result.report(result.path)
 
 
-def test_sound_is_the_programs(result, folder):
+def test_sound_of_a_part(result):
     sound = result.listen(2, full_scale=0.01, start=0.1, stop=0.2)
     assert sound.about["position"] == 0.152 and len(sound.samples) == 4801
-    assert abs(sound.samples).max() == pytest.approx(sound.about["peak_m_per_s"] / 0.01, rel=1e-6)
-    import wave
-    with wave.open(str(sound.save(folder / "s.wav", "PCM_16"))) as read:  # Python's own reader takes it
-        assert (read.getframerate(), read.getsampwidth(), read.getnframes()) == (48000, 2, 4801)
     with pytest.raises(ra2d.RequestError, match="probe"):
         result.listen(7)
 
