@@ -85,8 +85,9 @@ def resample(samples: npt.ArrayLike, old: float, new: float) -> Array:
     count = math.floor((x.size - 1) * (new / old) * (1 + 1e-15) + 1e-9) + 1
     ratio = Fraction(new / old).limit_denominator(MOST_PHASES)
     if ratio.numerator <= MOST_PHASES and abs(float(ratio) * old / new - 1) < 1e-14:
-        made = resample_poly(x, ratio.numerator, ratio.denominator, window=_filter(ratio.numerator, ratio))
-        return np.concatenate([made, np.zeros(max(0, count - made.size))])[:count]
+        made: Array = resample_poly(x, ratio.numerator, ratio.denominator, window=_filter(ratio.numerator, ratio))
+        made.resize(count, refcheck=False)  # zeros at the end, if any
+        return made
     finer = resample_poly(x, FINER, 1, window=_filter(FINER, Fraction(new / old).limit_denominator(10**6)))
     return _between_samples(finer, np.arange(count) * (FINER * old / new))
 

@@ -18,7 +18,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 Array = npt.NDArray[np.float64]
 
-# Eight colours that stay apart, also for eyes that lack one kind of cones (tests/test_style.py
+# Eight colours that stay apart, also for eyes that lack one kind of cones (tests/colours.py
 # measures it), each with a line and a mark of its own, so that nothing hangs on colour alone.
 BLUE, RUST, PLUM, SKY, BLACK, GREEN, AMBER, MOSS = SERIES = (
     "#2b45c8", "#bb560f", "#6b1170", "#6fb5f2", "#000000", "#056545", "#f0ac00", "#b2be80")
