@@ -90,7 +90,7 @@ Json study_request(const PlotRequest& request, const fs::path& table) {
   return {{"subject", "study"}, {"files", path_texts(request.files)}};
 }
 
-/// What is drawn, and of which files.
+/// The subject of the picture and its files.
 Json choose_subject(const PlotRequest& request, const fs::path& picture) {
   if (request.files.size() == 1)
     if (const fs::path table = study_table_of(request.files.front()); !table.empty())

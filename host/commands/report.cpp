@@ -54,21 +54,21 @@ int make_page(PageRequest& request) {
   };
   for (const fs::path& file : request.files) command += ' ' + named(file);
   command += " -o " + named(request.output);
-  nlohmann::ordered_json asked{{"command", "report"},
-                               {"quiet", request.quiet},
-                               {"made", path_text(request.output)},
-                               {"files", path_texts(request.files)},
-                               {"line", path_text(command)}};
+  nlohmann::ordered_json page_request{{"command", "report"},
+                                      {"quiet", request.quiet},
+                                      {"made", path_text(request.output)},
+                                      {"files", path_texts(request.files)},
+                                      {"line", path_text(command)}};
   const fs::path table =
       request.files.size() == 1 ? study_table_of(request.files.front()) : fs::path();
-  asked["subject"] = table.empty() ? "results" : "study";
+  page_request["subject"] = table.empty() ? "results" : "study";
   if (table.empty())
     for (const fs::path& file : request.files) read_stamp(file);
   else
     read_study_table(table);
   PartialFile page(request.output);
-  asked["output"] = path_text(page.path());
-  const int status = ask_python(asked);
+  page_request["output"] = path_text(page.path());
+  const int status = ask_python(page_request);
   if (status != exit_status::done) return status;
   page.sync();
   page.publish();

@@ -15,7 +15,7 @@ def missing() -> list[str]:
     for name in LIBRARIES:
         try:
             importlib.import_module(name)
-        except ImportError:
+        except Exception:  # or it is there, and broken
             found.append(name)
     return found
 
