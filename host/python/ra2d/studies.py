@@ -86,11 +86,12 @@ class Study(xr.Dataset):  # type: ignore[no-untyped-call]
     __slots__ = ("_folder", "_answer")
 
     @classmethod
-    def _of(cls, folder: pathlib.Path) -> Study:
-        """Reads the table, and asks the program for means and law."""
-        table = _table(folder / "results.h5")
+    def _of(cls, place: pathlib.Path) -> Study:
+        """Reads the table, by its folder or itself, and asks the program for means and law."""
+        table = _table(place / "results.h5" if place.is_dir() else place)
         made = cls(table.data_vars, table.coords, table.attrs)
-        made._folder, made._answer = folder, program.ask("analyze", folder)
+        made._folder = place if place.is_dir() else place.parent
+        made._answer = program.ask("analyze", place)
         return made
 
     def _whole(self) -> dict[str, Any]:
@@ -182,14 +183,14 @@ def _table(path: pathlib.Path) -> xr.Dataset:
 
 
 def load_study(folder: str | os.PathLike[str]) -> Study:
-    """A study that has been run, by its folder.
+    """A study that has been run, by its folder or its table.
 
     >>> import ra2d
     >>> ra2d.load_study("small").sizes["seed"]
     2
     """
     path = pathlib.Path(folder)
-    if not (path / "results.h5").is_file():
+    if not (path / "results.h5").is_file() and not path.is_file():
         raise RequestError(f"{str(folder)!r} is no folder of a study: it holds no results.h5")
     return Study._of(path.resolve())
 
