@@ -13,6 +13,7 @@ from collections.abc import Callable
 from typing import Any, TextIO
 
 from . import charts, compare_plot, page, plots, profile_plot, sound, study_plot
+from .__main__ import library_missing
 from .errors import BY_STATUS, Error, FileError, RequestError
 from .results import load
 from .studies import load_study
@@ -103,6 +104,8 @@ def main(requests: TextIO) -> int:
     except Error as fault:
         _say(fault if isinstance(fault, RequestError) else f"{made} was not made: {fault}")
         return _status(fault)
+    except ImportError:
+        return library_missing()
     except KeyboardInterrupt:
         return 130
     except MemoryError:
