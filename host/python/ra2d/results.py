@@ -319,6 +319,15 @@ class Result:
         dims = {"position": ("position",), "height": ("position",)}
         return self._file.read(f"surface/{_one_of('body', body, BODIES)}", dims)["height"]
 
+    def height_hash(self, body: Body = "resonator") -> str:
+        """The `xxh3_128` of a face's heights, by which a profile is recognised.
+
+        >>> len(getfixture("result").height_hash("slider"))
+        32
+        """
+        with self._file.opened() as file:
+            return str(file[f"surface/{_one_of('body', body, BODIES)}/height"].attrs["xxh3_128"])
+
     # ---- what it was --------------------------------------------------------------------------------
 
     @property
@@ -369,7 +378,7 @@ class Result:
         """
         from . import page
 
-        return page.of_result(self, pathlib.Path(path or self.path.with_suffix(".html")))
+        return page.of_results([self], pathlib.Path(path or self.path.with_suffix(".html")))
 
     def _headline(self) -> str:
         lv = self.summary.get("lv")
