@@ -17,10 +17,11 @@ from markupsafe import Markup
 from . import files, page_pictures, page_svg, program, study_plot
 from .errors import Notice, RequestError
 from .page_words import asked, html, number, printable, shortened, spread, without_folders
+from .results import BODIES
 from .style import quantity, unit_text
 
 if TYPE_CHECKING:
-    from .results import Body, Result
+    from .results import Result
     from .sound import Sound
     from .studies import Law, Study
 
@@ -38,8 +39,9 @@ MEANS = {"lv": ("level Lv, dB re 1 nm/s", 1), "v_rms": ("velocity, rms, mm/s", 1
          "contact_share": ("share of the time in contact", 1), "shocks.rate": ("shocks, 1/s", 1),
          "shocks.duration.median": ("median duration of shocks, \u00b5s", 1e-6),
          "shocks.peak_force.median": ("median peak force, N", 1),
-         "shocks.impulse.median": ("median impulse, \u00b5N s", 1e-6), "shocks.simultaneous.mean": ("shocks at once", 1),
-         "energy.sliding_power": ("power from sliding, mW", 1e-3), "energy.damping_power": ("power to damping, mW", 1e-3),
+         "shocks.impulse.median": ("median impulse, \u00b5N s", 1e-6),
+         "shocks.simultaneous.mean": ("shocks at once", 1), "energy.sliding_power": ("power from sliding, mW", 1e-3),
+         "energy.damping_power": ("power to damping, mW", 1e-3),
          "energy.per_shock": ("energy that a shock gives, nJ", 1e-9)}
 
 
@@ -197,8 +199,7 @@ def _asked(result: Result) -> Facts:
 def _scene_text(result: Result) -> str:
     """The scene to copy. Profiles have the hash of their heights: by it a reader knows the files."""
     scene, lines = result.scene.content(), []
-    bodies: tuple[Body, ...] = ("resonator", "slider")
-    for body in bodies:
+    for body in BODIES:
         face = scene.get(body, {}).get("surface", {})
         if face.get("kind") == "file":
             name = pathlib.PurePath(str(face.get("path", ""))).name
@@ -210,9 +211,10 @@ def _scene_text(result: Result) -> str:
 
 def _section(result: Result, sheet: page_svg.Sheet, sounds: dict[str, Any]) -> dict[str, Any]:
     found, a = result.analysis(), result.attrs
-    origin = f"ra2d {a['version']} ({a['commit']}), started {a['started']}"
+    stretch = html("{} s to {} s", number(found["from"], 6), number(found["to"], 6))
     return {"title": shortened(result.title, LONGEST_TITLE), "doubts": _doubts(result, found),
-            "lead": html("{}, {} s to {} s. {}", result.path.name, number(found["from"], 6), number(found["to"], 6), origin),
+            "lead": html("{}, {}. ra2d {} ({}), started {}", result.path.name, stretch, a["version"], a["commit"],
+                         a["started"]),
             "figures": _figures(found), "damping": _peaks(found), "sounds": sounds,
             "pictures": page_pictures.of_result(result, sheet), "asked": _asked(result), "scene": _scene_text(result)}
 
@@ -245,7 +247,7 @@ def _means(results: Sequence[Result]) -> list[list[Markup]]:
 def results_text(results: Sequence[Result], command: str = "") -> str:
     """The page of one result, or of several side by side. `command`: the line that made it, for its end."""
     if not results:
-        raise RequestError("a page takes one or more results")
+        raise RequestError("a page takes one or more results of ra2d.run or ra2d.load")
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", Notice)  # the page says it
         sheet, several = page_svg.Sheet(), len(results) > 1
@@ -264,13 +266,10 @@ def of_results(results: Sequence[Result], path: pathlib.Path, command: str = "")
 
 # ---- studies -------------------------------------------------------------------------------------------
 
-def _interval(low: float, high: float, digits: str) -> str:
-    return f"{low:{digits}} to {high:{digits}}" if math.isfinite(low) else "too few runs for one"
-
-
 def _law_note(law: Law) -> Markup:
     about = law.about
-    text = html("Least squares of log v<sub>rms</sub> over {} runs; R\u00b2 = {}", about["runs"], f"{law.r_squared:.4f}")
+    text = html("Least squares of log v<sub>rms</sub> over {} runs; R\u00b2 = {}", about["runs"],
+                f"{law.r_squared:.4f}")
     if math.isfinite(law.deviation):
         text += html(", {} dB from the law to a run", f"{law.deviation:.2f}")
     text += html(".")
@@ -281,21 +280,24 @@ def _law_note(law: Law) -> Markup:
                    if about["seeds"] > 1 else html(" The intervals take each run's deviation for chance of its own."))
 
 
-def _shape(law: Law) -> list[str]:
-    """Whether a straight line fits, and how the exponents change where it does not."""
-    line = law.about["straight_line"]
-    said = str(line["says"])
-    return [f"{said[:1].upper()}{said[1:]}."] + [
-        f"The exponent of {change['of']} {'falls' if change['exponent_to'] < change['exponent_from'] else 'rises'} from "
-        f"{change['exponent_from']:.3f} at {change['along']} = {change['from']:g} to {change['exponent_to']:.3f} at "
-        f"{change['to']:g}." for change in line["changes"]]
+def _change(of: dict[str, Any]) -> str:
+    """How an exponent changes along another key."""
+    word = "falls" if of["exponent_to"] < of["exponent_from"] else "rises"
+    return (f"The exponent of {of['of']} {word} from {of['exponent_from']:.3f} at {of['along']} = {of['from']:g} to "
+            f"{of['exponent_to']:.3f} at {of['to']:g}.")
+
+
+def _sentence(text: str) -> str:
+    return f"{text[:1].upper()}{text[1:].removesuffix('.')}."
 
 
 def _law(law: Law) -> dict[str, Any]:
     powers = Markup("").join(html(" {}<sup>{}</sup>", name, f"{float(e):.3f}") for name, e in law.exponents.items())
-    return {"formula": html("v<sub>rms</sub> \u221d{}", powers), "note": _law_note(law), "shape": _shape(law),
-            "bends": law.about["straight_line"]["fits"] is False,
-            "exponents": [(name, f"{float(e):.3f}", _interval(e.low, e.high, ".3f")) for name, e in law.exponents.items()]}
+    line = law.about["straight_line"]
+    return {"formula": html("v<sub>rms</sub> \u221d{}", powers), "note": _law_note(law),
+            "shape": [_sentence(line["says"]), *map(_change, line["changes"])], "bends": line["fits"] is False,
+            "exponents": [(name, f"{float(e):.3f}", _between(e.low, e.high, ".3f"))
+                          for name, e in law.exponents.items()]}
 
 
 def _large(value: float, form: str) -> str:
@@ -356,7 +358,7 @@ def study_text(study: Study, command: str = "") -> str:
     try:
         law = study.law()
     except RequestError as fault:
-        why = str(fault)
+        why = _sentence(str(fault).removeprefix("this study has no law: "))
     sheet = page_svg.Sheet()
     missing = int(a["runs"]) - int(a["done"]) - int(a["failed"])
     lead = (f"{a['runs']} runs: {a['done']} done, {a['failed']} failed, {missing} missing. "

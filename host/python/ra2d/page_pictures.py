@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 import matplotlib
 import numpy as np
 from markupsafe import Markup
-from matplotlib.axes import Axes
 
 from . import page_svg, plots, style, study_plot
 from .page_words import html, number, spread
@@ -21,7 +20,7 @@ if TYPE_CHECKING:
     from .results import Result
     from .studies import Law, Study
 
-WIDTH, HEIGHT = 3.9, 2.8  # inches: its letters are as large as the page's on a telephone
+WIDTH, HEIGHT = 3.6, 2.7  # inches: its letters are as large as the page's on a telephone
 LETTERS = dict(zip(MARKS, "\u25cf\u25a0\u25b2\u25c6\u25bc\u271a\u2716\u2605"))  # the marks as letters
 
 
@@ -38,7 +37,7 @@ def _small(draw: Callable[[Any], None], height: float = HEIGHT) -> Picture:
     with matplotlib.rc_context(style.RC):
         figure, body = style.page(WIDTH, height, [])
         draw(body)
-        for axes in figure.findobj(Axes):
+        for axes in figure.axes:
             axes.set_title("")
             if axes.get_legend():
                 axes.get_legend().remove()
@@ -56,7 +55,7 @@ def _svg(figure: Picture, sheet: page_svg.Sheet, about: str) -> Markup:
 def _spectrum(result: Result) -> tuple[Picture, str, Markup]:
     spectrum, tone = result.spectrum(), result.analysis()["mesh_tone"]
     figure = _small(lambda body: plots.PANELS["spectrum"][0](body, result, False))
-    for axes in figure.findobj(Axes):
+    for axes in figure.axes:
         axes.set_xlabel("frequency [Hz]")
         for text in axes.texts:  # which the doubts say
             text.set_visible(text.get_text() == "95 %")
@@ -77,7 +76,7 @@ def _bands(result: Result) -> tuple[Picture, str, Markup]:
     bands = result.bands()
     names = bands.nominal.values.tolist()
     figure = _small(lambda body: plots.PANELS["bands"][0](body, result, False))
-    axes = figure.findobj(Axes)[0]
+    axes = figure.axes[0]
     step = 6 if len(names) > 18 else 3
     named = [i for i, centre in enumerate(bands.frequency.values) if round(10 * math.log10(centre)) % step == 3 % step]
     axes.set_xticks(named, [style.plain_number(float(names[i])) for i in named], rotation=0)
@@ -108,7 +107,7 @@ def _histogram(result: Result, kind: tuple[str, str, str], heading: str) -> tupl
     shocks = result.analysis()["shocks"]
     name, one = style.scale(unit, shocks[key]["median"])
     figure = _small(lambda body: plots.draw_histogram(body.subplots(), shocks, *kind))
-    axes = figure.findobj(Axes)[0]
+    axes = figure.axes[0]
     axes.set_ylim(0, axes.get_ylim()[1] / 1.3)  # no legend
     caption = html("<b>Shocks: {}.</b> Line: {}. Dashed: nine of ten are below. Ten bins to a decade.", heading,
                    spread(shocks[key], one, name))
@@ -154,8 +153,8 @@ def _key(axes: Any, sheet: page_svg.Sheet) -> Markup:
         name = label.get_text().replace(r"\$", "$")
         mark = handle.get_marker()
         if handle.get_linestyle() != "None":
-            text += html(' <span class="name"><b style="color:{}">\u25ac</b> {}</span>', sheet.colour(handle.get_color()),
-                         name)
+            text += html(' <span class="name"><b style="color:{}">\u25ac</b> {}</span>',
+                         sheet.colour(handle.get_color()), name)
         elif mark in LETTERS:
             text += html(' <span class="name">{} {}</span>', LETTERS[mark], name)
         else:
@@ -170,7 +169,7 @@ def _against(study: Study, law: Law | None, name: str, sheet: page_svg.Sheet) ->
                    "the axis.", name)
     caption += html(" Lines: the law." if law and name in law.exponents else
                     " Lines join what differs in nothing else.")
-    caption += _key(figure.findobj(Axes)[0], sheet)
+    caption += _key(figure.axes[0], sheet)
     return Figure(_svg(figure, sheet, f"Level of the study against {name}"), caption)
 
 

@@ -222,8 +222,9 @@ class _Renderer(RendererBase):  # type: ignore[misc]
                       for colour, width in ((gc.get_rgb(), size + edge), (rgbFace, size - edge))]
             if styles[0].split(";")[0] == styles[1].split(";")[0]:
                 del styles[1]
+        marks = "".join(f"M{_joined(place)}{shape}" for place in np.rint(places).astype(int).tolist())
         for style in styles:
-            self._add(style, clip, "".join(f"M{_joined(place)}{shape}" for place in np.rint(places).astype(int).tolist()))
+            self._add(style, clip, marks)
 
     def draw_text(self, gc: Any, x: float, y: float, s: str, prop: Any, angle: float, ismath: Any = False,
                   mtext: Any = None) -> None:
@@ -265,7 +266,7 @@ def drawn(picture: Picture, sheet: Sheet, about: str) -> Markup:
     width, height = (float(inches) * 72 * DOTS for inches in picture.get_size_inches())
     renderer = _Renderer(sheet, width, height)
     with matplotlib.rc_context(RC):
-        for part in picture.findobj(lambda artist: hasattr(artist, "patch")):
+        for part in (picture, *picture.subfigs, *picture.axes):
             part.patch.set_visible(False)  # the page has its paper
         picture.draw(renderer)
     return renderer.picture(about)

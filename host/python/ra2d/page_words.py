@@ -84,7 +84,10 @@ def number(value: float | None, digits: int = 3) -> Markup:
     if math.isinf(value):
         return Markup("\u221e" if value > 0 else "\u2212\u221e")
     small = value != 0 and abs(value) < 1e-3
-    base, _, power = (f"{value:.{digits - 1}e}" if small else f"{value:.{digits}g}").partition("e")
+    text = f"{value:.{digits - 1}e}" if small else f"{value:.{digits}g}"
+    if abs(value) < 1e6 and "e+" in text:
+        text = f"{float(text):.0f}"
+    base, _, power = text.partition("e")
     base = f"{float(base):g}" if power else base
     raised = f"\u00a0\u00d7\u00a010<sup>{str(int(power)).replace('-', chr(0x2212))}</sup>" if power else ""
     return Markup(base.replace("-", "\u2212") + raised)

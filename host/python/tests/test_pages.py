@@ -73,7 +73,8 @@ def sounds(text):
 # ---- words and numbers -----------------------------------------------------------------------------
 
 def test_no_markup_goes_through():
-    assert page_words.html("<b>{}</b>", "<b a=\"1\" c='2'>&</b>") == "<b>&lt;b a=&#34;1&#34; c=&#39;2&#39;&gt;&amp;&lt;/b&gt;</b>"
+    shown = page_words.html("<b>{}</b>", "<b a=\"1\" c='2'>&</b>")
+    assert shown == "<b>&lt;b a=&#34;1&#34; c=&#39;2&#39;&gt;&amp;&lt;/b&gt;</b>"
     shown = str(page_words.html("{}", "a\x1b\nb\udcff\u2066\x85"))
     assert shown == r"a\u001B\u000Ab\xFF\u2066\u0085"
 
@@ -113,8 +114,8 @@ def test_what_was_asked_has_the_units_of_its_keys():
     facts = dict(page_words.asked(ra2d.scene("moving-force").complete()))
     assert facts == facts | {
         "sliding": "0.015 s at 0 m/s, from 140 mm on",
-        "resonator": "pinned beam, 300 mm long, 2 mm thick, 200 mm wide; 210 GPa, 7800 kg/m³, damping ratio 0; modes up "
-                     "to 20 kHz",
+        "resonator": "pinned beam, 300 mm long, 2 mm thick, 200 mm wide; 210 GPa, 7800 kg/m³, damping ratio 0; "
+                     "modes up to 20 kHz",
         "its face": "flat", "slider": "rigid beam, 20 mm long, 20 mm wide",
         "contact": "penalty, 1\u00a0×\u00a010<sup>15</sup> Pa/m", "spacing": "1 mm",
         "samples": "100 kHz; counted from 0 s on", "moving force": "10 N at 20 m/s"}
@@ -209,8 +210,9 @@ def test_results_share_their_full_scale(base, folder, result):
     text = page.results_text([result, loud])
     assert len(set(re.findall(r"Full scale is (\S+) m/s", text))) == 1
     scale = float(re.search(r"Full scale is (\S+) m/s", text)[1])
-    for (samples, _), sound in zip(sounds(text), [of.listen(slow=slow, rate=rate, full_scale=scale) for of in (result, loud)
-                                                 for slow, rate in ((1, 48_000), (20, 8000))]):
+    expected = [of.listen(slow=slow, rate=rate, full_scale=scale) for of in (result, loud)
+                for slow, rate in ((1, 48_000), (20, 8000))]
+    for (samples, _), sound in zip(sounds(text), expected, strict=True):
         np.testing.assert_allclose(samples, sound.samples, atol=2 ** -15)
         assert abs(samples).max() <= 1
 
@@ -236,7 +238,8 @@ def test_profiles_are_named_without_folders_and_with_their_hash(short, folder):
     with h5py.File(result.path) as file:
         seal = file["surface/slider/height"].attrs["xxh3_128"]
         assert str(folder) in file.attrs["scene"]  # the result itself runs again from anywhere
-    assert f"# secret&#39;s.csv: put it beside this scene. surface/slider/height in the result: xxh3_128 {seal}\n" in text
+    assert ("# secret&#39;s.csv: put it beside this scene. surface/slider/height in the result: "
+            f"xxh3_128 {seal}\n") in text
     assert "path = &#34;secret&#39;s.csv&#34;" in text and "measured: secret&#39;s.csv" in text
 
 
@@ -247,7 +250,8 @@ def test_the_level_has_a_reason_where_it_has_no_interval(short):
 
 def test_hardly_anything_is_still_a_page(folder):
     for scene, changes in (("peaks", {}), ("drop", {}), ("moving-force", {}), ("drop", {"duration": 1e-4}),
-                           ("drop", {"duration": 1e-7, "rate": 1e7})):
+                           ("drop", {"duration": 1e-7, "rate": 1e7}),
+                           ("drop", {"duration": 1e-3, "from": 0.99e-3})):
         ran = ra2d.run(scene, output=folder / "little.h5", force=True, show=False, **changes)
         text = page.results_text([ran])
         require_harmless(text)
@@ -293,7 +297,8 @@ def test_aliased_modes_the_meshs_tone_and_bands_without_modes(result, base, fold
 def test_several_results_stand_side_by_side(short, result):
     text = page.results_text([result, short[0]])
     require_harmless(text)
-    assert "<title>Roughness noise: 2 results</title>" in text and 'href="#result2">&lt;img src=x&gt;&#39;.h5</a>' in text
+    assert "<title>Roughness noise: 2 results</title>" in text
+    assert 'href="#result2">&lt;img src=x&gt;&#39;.h5</a>' in text
     assert text.count("<svg ") == 12 and text.count("<audio ") == 4 and text.count("<section ") == 2
     means = json.loads(program.call("analyze", result.path, short[0].path, "--json"))["mean"]
     table = text.split(">Means</h2>")[1].split("</table>")[0]
@@ -301,6 +306,13 @@ def test_several_results_stand_side_by_side(short, result):
     assert f"<td>level Lv, dB re 1 nm/s</td><td>{number(lv['mean'], 5)}</td><td>{number(lv['low'], 5)} to" in table
     assert f"<td>{number(1e6 * means['shocks.duration.median']['mean'], 5)}</td>" in table
     assert table.count("<tr>") == 1 + len(means)
+
+
+def test_several_results_from_python(short, folder):
+    made = ra2d.report([short[0], short[0]], folder / "both.html")
+    assert read(made).count("<section ") == 2
+    with pytest.raises(ra2d.RequestError, match="one or more results"):
+        ra2d.report(["a.h5"], folder / "none.html")
 
 
 def test_the_first_eight_are_heard(short):
@@ -344,7 +356,8 @@ seeds = 3
 load = {{ key = "slider.load", values = [0.2, 0.5, 1, 2, 5, 10] }}
 speed = {{ key = "scene.speed", values = [0.1, 0.2] }}
 """)
-    program.call("study", folder / "loads-page.toml", "-o", folder / "loads-page", "--quiet", "--set", "slider.damping=0.03")
+    program.call("study", folder / "loads-page.toml", "-o", folder / "loads-page", "--quiet",
+                 "--set", "slider.damping=0.03")
     return ra2d.load_study(folder / "loads-page")
 
 
@@ -355,7 +368,8 @@ def test_the_page_of_a_study(loads, folder):
     for name, e in law.exponents.items():
         assert f"<td>{name}</td><td>{float(e):.3f}</td><td>{e.low:.3f} to {e.high:.3f}</td>" in text
     for row in loads.means().to_dict("records"):
-        assert f"<td>3</td><td>{row['level']:.2f}</td><td>{row['level_low']:.2f} to {row['level_high']:.2f}</td>" in text
+        interval = f"{row['level_low']:.2f} to {row['level_high']:.2f}"
+        assert f"<td>3</td><td>{row['level']:.2f}</td><td>{interval}</td>" in text
     assert "36 runs: 36 done, 0 failed, 0 missing" in text and "The intervals are by the 3 seeds" in text
     assert "<th>load, N</th><th>speed, m/s</th><th>runs</th>" in text
     assert text.count("<svg ") == 2 and "Level against load" in text and "Level against speed" in text
@@ -379,17 +393,28 @@ def test_every_load_is_drawn_and_named_in_its_colour(loads):
 def test_studies_of_every_kind(base, folder):
     quick = base.change(duration=0.002, rate=1e4)
     words = ra2d.study(quick.without(["time.scheme", "time.tolerance"]),
-                       {"scheme": ["backward-euler", "exact"], "load": [1.0]}, seeds=2, folder=folder / "words", show=False)
+                       {"scheme": ["backward-euler", "exact"], "load": [1.0]}, seeds=2, folder=folder / "words",
+                       show=False)
     text = page.study_text(words)
     assert "<td>backward-euler</td><td>1</td><td>2</td>" in text and ">backward-euler</text>" in text
-    assert text.count("<svg ") == 1 and words.law.__self__ is words  # of the one key with two values
-    three = ra2d.study(quick, {"speed": [0.1, 0.2], "load": [0.5, 1.0], "rate": [1e4, 2e4]}, seeds=2, folder=folder / "three",
-                       show=False)
+    assert text.count("<svg ") == 1  # of the one key with two values
+    three = ra2d.study(quick, {"speed": [0.1, 0.2], "load": [0.5, 1.0], "rate": [1e4, 2e4]}, seeds=2,
+                       folder=folder / "three", show=False)
     text = page.study_text(three)
     assert text.count("<svg ") == 3 and text.count("● ") >= 3 and text.count("■ ") >= 3
     seeds = ra2d.study(quick, {}, seeds=2, folder=folder / "seeds", show=False)
     text = page.study_text(seeds)
     assert "<svg " not in text and "no law" in text.lower() and "<th>runs</th><th>Lv, dB</th>" in text
+
+
+def test_values_of_keys_stay_text(base, folder):
+    names = [EVIL[:40], "a\u202eb\u0001", "$x^2$ $", "\u65e5\u672c\u8a9e", "\\udc"]
+    named = ra2d.study(base.change(duration=0.001, rate=1e4), {"scene.name": names, "speed": [0.1, 0.2]}, seeds=2,
+                       folder=folder / "<i>named", show=False)
+    text = page.study_text(named)
+    require_harmless(text)
+    assert text.count(r"a\u202Eb\u0001") == 5  # two rows, an axis, a colour, and the study
+    assert "<h1>Study: &lt;i&gt;named</h1>" in text
 
 
 def study_of(folder, name, text, status=0, *options):
@@ -410,7 +435,7 @@ def test_a_study_without_levels_says_so(folder):
                     'speed = { key = "scene.speed", values = [0.1, 0.2] }\n')
     text = page.study_text(none)
     require_harmless(text)
-    assert "no law: the table holds no v_rms" in text and "<svg" not in text and ">Levels<" not in text
+    assert "<p>No law: the table holds no v_rms" in text and "<svg" not in text and ">Levels<" not in text
     assert none.means().empty and none.plot().axes
 
 
@@ -423,8 +448,9 @@ def test_an_unfinished_study_counts_what_is_missing(folder):
 
 
 def test_failed_runs_say_why(folder):
-    failed = study_of(folder, "failed", base_of(folder) + 'seeds = 2\n[set]\n"scene.duration" = 0.05\n"time.force" = true\n'
-                      '"time.step" = 1e-6\n"output.rate" = 1e4\n[vary]\nload = { key = "slider.load", values = [0.5, 1.0] }\n'
+    failed = study_of(folder, "failed", base_of(folder) + 'seeds = 2\n[set]\n"scene.duration" = 0.05\n'
+                      '"time.force" = true\n"time.step" = 1e-6\n"output.rate" = 1e4\n[vary]\n'
+                      'load = { key = "slider.load", values = [0.5, 1.0] }\n'
                       'scheme = { key = "time.scheme", values = ["backward-euler", "explicit-euler"] }\n', 3)
     text = page.study_text(failed)
     assert "8 runs: 4 done, 4 failed, 0 missing" in text and "<p>4 of 8 runs failed.</p>" in text and "unstable" in text
@@ -474,7 +500,8 @@ FRAMES = """<!DOCTYPE html>
 
 @pytest.mark.skipif(not CHROMIUM, reason="no Chromium here")
 def test_a_page_stands_in_a_browser(base, folder, short):
-    wide = ra2d.run(base, {"scene.name": "one long word: " + 150 * "x"}, duration=0.2, output=folder / "wide.h5", show=False)
+    wide = ra2d.run(base, {"scene.name": "one long word: " + 150 * "x"}, duration=0.2, output=folder / "wide.h5",
+                    show=False)
     text = page.results_text([wide, short[0]])
     place = folder / "browser"
     place.mkdir()
