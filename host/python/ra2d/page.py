@@ -16,7 +16,7 @@ from markupsafe import Markup
 
 from . import files, page_pictures, page_svg, program, study_plot
 from .errors import Notice, RequestError
-from .page_words import asked, html, number, printable, shortened, spread, without_folders
+from .page_words import html, number, printable, requested, shortened, spread, without_folders
 from .results import BODIES
 from .style import quantity, unit_text
 
@@ -188,10 +188,10 @@ def _clips(results: Sequence[Result]) -> list[dict[str, Any]]:
 
 # ---- results -------------------------------------------------------------------------------------------
 
-def _asked(result: Result) -> Facts:
+def _requested(result: Result) -> Facts:
     """Of a scene of another version, which has other keys, nothing: its text is on the page."""
     try:
-        return asked(result.scene.content())
+        return requested(result.scene.content())
     except (LookupError, TypeError, AttributeError, ValueError):
         return []
 
@@ -216,10 +216,11 @@ def _section(result: Result, sheet: page_svg.Sheet, sounds: dict[str, Any]) -> d
             "lead": html("{}, {}. ra2d {} ({}), started {}", result.path.name, stretch, a["version"], a["commit"],
                          a["started"]),
             "figures": _figures(found), "damping": _peaks(found), "sounds": sounds,
-            "pictures": page_pictures.of_result(result, sheet), "asked": _asked(result), "scene": _scene_text(result)}
+            "pictures": page_pictures.of_result(result, sheet), "requested": _requested(result),
+            "scene": _scene_text(result)}
 
 
-def _beside(results: Sequence[Result]) -> list[tuple[str, bool, list[Markup]]]:
+def _comparison(results: Sequence[Result]) -> list[tuple[str, bool, list[Markup]]]:
     """Name, whether it is complete, and figures of each result."""
     rows = []
     for result in results:
@@ -250,11 +251,11 @@ def results_text(results: Sequence[Result], command: str = "") -> str:
         raise RequestError("a page takes one or more results of ra2d.run or ra2d.load")
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", Notice)  # the page says it
-        sheet, several = page_svg.Sheet(), len(results) > 1
+        sheet, many = page_svg.Sheet(), len(results) > 1
         sections = [_section(result, sheet, sounds) for result, sounds in zip(results, _clips(results))]
-        return _page(f"Roughness noise: {len(results)} results" if several else sections[0]["title"], command, sheet,
-                     results=sections, beside=_beside(results) if several else [],
-                     means=_means(results) if several else [], study=None)
+        return _page(f"Roughness noise: {len(results)} results" if many else sections[0]["title"], command, sheet,
+                     results=sections, comparison=_comparison(results) if many else [],
+                     means=_means(results) if many else [], study=None)
 
 
 def of_results(results: Sequence[Result], path: pathlib.Path, command: str = "") -> pathlib.Path:
@@ -364,7 +365,7 @@ def study_text(study: Study, command: str = "") -> str:
     lead = (f"{a['runs']} runs: {a['done']} done, {a['failed']} failed, {missing} missing. "
             f"ra2d {a['version']} ({a['commit']})")
     heads, rows, count = _rows(study)
-    return _page(f"Study: {study.folder.name}", command, sheet, results=[], beside=[], means=[], study={
+    return _page(f"Study: {study.folder.name}", command, sheet, results=[], comparison=[], means=[], study={
         "lead": lead, "failures": _failures(study), "law": _law(law) if law else None, "why_no_law": why,
         "pictures": page_pictures.of_study(study, law, sheet), "heads": heads, "rows": rows, "count": count,
         "study": without_folders(str(a["study"])), "set": without_folders(str(a.get("set", ""))),
@@ -389,7 +390,7 @@ def _require_page(path: pathlib.Path) -> None:
 
 def _shown(value: object) -> object:
     """Texts from outside as they are shown."""
-    return value if isinstance(value, Markup) else printable(str(value), lines=True)
+    return value if isinstance(value, Markup) else printable(str(value).replace("\r\n", "\n"), lines=True)
 
 
 def _page(title: str, command: str, sheet: page_svg.Sheet, **parts: Any) -> str:

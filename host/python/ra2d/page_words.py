@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What pages say in words and numbers: texts from outside, quantities, and what a scene asks for."""
+"""What pages say in words and numbers: texts from outside, quantities, and the facts of a scene."""
 from __future__ import annotations
 
 import math
@@ -119,7 +119,7 @@ def _length(key: str, value: Any) -> Markup:
     return with_unit(key, value, 4)
 
 
-# ---- what was asked ------------------------------------------------------------------------------------
+# ---- what was requested ------------------------------------------------------------------------------------
 
 def _random_face(face: Mapping[str, Any]) -> Markup:
     text = html("random, {} correlation, Rq {}", face.get("correlation", "gaussian"), _length("rq", face["rq"]))
@@ -157,8 +157,8 @@ def _body(body: Mapping[str, Any]) -> Markup:
     return text
 
 
-def asked(scene: Mapping[str, Any]) -> list[tuple[str, Markup]]:
-    """What a complete scene asks for: names and texts."""
+def requested(scene: Mapping[str, Any]) -> list[tuple[str, Markup]]:
+    """The facts of a complete scene: names and texts."""
     run, slider, resonator = scene["scene"], scene["slider"], scene["resonator"]
     contact, time, output = scene["contact"], scene["time"], scene["output"]
     load = slider.get("load", 0.0)
