@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 import pathlib
+import re
 import warnings
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
@@ -343,14 +344,16 @@ def _rows(study: Study) -> tuple[list[str], list[list[str]], int]:
 
 
 def _failures(study: Study) -> list[str]:
-    """What the failed runs say, the most frequent first."""
-    said = [str(message) for message, status in zip(study.message.values.ravel(), study.status.values.ravel())
-            if status >= 2]
+    """What the failed runs say, the most frequent first; messages that differ in numbers alone once."""
+    said: dict[str, list[str]] = {}
+    for message, status in zip(study.message.values.ravel(), study.status.values.ravel()):
+        if status >= 2:
+            said.setdefault(re.sub(r"\d[\d.e+-]*", "", str(message)), []).append(str(message))
     if not said:
         return []
-    messages = sorted(set(said), key=lambda text: -said.count(text))[:MOST_MESSAGES]
-    return [f"{len(said)} of {study.status.size} runs failed.",
-            *(f"{said.count(text)}: {shortened(text, LONGEST_DOUBT)}" for text in messages)]
+    kinds = sorted(said.values(), key=len, reverse=True)[:MOST_MESSAGES]
+    return [f"{sum(map(len, said.values()))} of {study.status.size} runs failed.",
+            *(f"{len(texts)}: {shortened(texts[0], LONGEST_DOUBT)}" for texts in kinds)]
 
 
 def study_text(study: Study, command: str = "") -> str:

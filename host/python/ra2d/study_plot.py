@@ -50,7 +50,7 @@ class _Panel:
     """The level against one key. The key with the most values among the others has the colours;
     combinations of what is left have the marks."""
 
-    apart = 0.065  # of the axis, that labels of numbers stand at least
+    apart = 0.07  # of the axis, that labels of numbers stand at least
 
     def __init__(self, axes: Any, study: Study, means: pd.DataFrame, law: Law | None, name: str,
                  names: list[str]) -> None:
@@ -115,7 +115,10 @@ class _Panel:
         axes.set_xticklabels(labels, rotation=40 if turned else 0, ha="right" if turned else "center")
         axes.set_xlabel(_axis_name(self.name, unit))
         axes.set_ylabel(f"level [{DECIBEL}]")
-        axes.margins(x=0.06)
+        places = np.array(list(self.place.values()))  # also those without a run
+        room = 0.06 * np.ptp(np.log(places) if self.log else places) if self.numeric else 0.5
+        low, high = places.min(), places.max()
+        axes.set_xlim(*((low / np.exp(room), high * np.exp(room)) if self.log else (low - room, high + room)))
         handles = []
         if self.colour:
             shades, unit = words(by_colour, self.unit(self.colour))

@@ -376,7 +376,8 @@ def test_the_page_of_a_study(loads, folder):
     assert "36 runs: 36 done, 0 failed, 0 missing" in text and "The intervals are by the 3 seeds" in text
     assert "<th>load, N</th><th>speed, m/s</th><th>runs</th>" in text
     assert text.count("<svg ") == 2 and "Level against load" in text and "Level against speed" in text
-    assert "slider.damping=0.03" in text and "u000D" not in text and "\r" not in text and "&lt;/pre&gt;&lt;script&gt;alert" in text
+    assert "u000D" not in text and "\r" not in text
+    assert "slider.damping=0.03" in text and "&lt;/pre&gt;&lt;script&gt;alert" in text
     assert str(folder) not in text and "base = &#34;base of mine.toml&#34;" in text
     assert "<code>ra2d report loads-page/ -o out.html</code>" in text and "<h1>Study: loads-page</h1>" in text
 
@@ -457,6 +458,7 @@ def test_failed_runs_say_why(folder):
                       'scheme = { key = "time.scheme", values = ["backward-euler", "explicit-euler"] }\n', 3)
     text = page.study_text(failed)
     assert "8 runs: 4 done, 4 failed, 0 missing" in text and "<p>4 of 8 runs failed.</p>" in text and "unstable" in text
+    assert "<p>4: unstable" in text and ">explicit-euler</text>" in text  # its place on the axis, too
     assert "<td>explicit-euler</td><td>0</td><td>–</td><td>–</td>" in text
     assert " 4 runs without a level are left out. All values of scheme are taken together." in text
 
