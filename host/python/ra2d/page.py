@@ -123,7 +123,7 @@ def _doubts(result: Result, found: dict[str, Any]) -> list[str]:
     """What a reader should not overlook."""
     closure, aliased, tone, doubts = found["energy"]["closure"], found["aliased_modes"], found["mesh_tone"], []
     if not result.complete:
-        doubts.append(f"The run was cut short: {shortened(str(result.attrs['ended']), LONGEST_DOUBT)}")
+        doubts.append(f"The run was cut short: {shortened(str(result.attrs.get('ended', 'it does not say why')), LONGEST_DOUBT)}")
     if "beyond_limit" in result.attrs:
         doubts.append("The step is beyond a limit of stability, on request: "
                       + shortened(str(result.attrs["beyond_limit"]), LONGEST_DOUBT))
@@ -197,25 +197,33 @@ def _requested(result: Result) -> Facts:
         return []
 
 
+def _profile(scene: dict[str, Any], body: str) -> str | None:
+    """The name of a measured face's file."""
+    section = scene.get(body)
+    face = section.get("surface") if isinstance(section, dict) else None
+    measured = isinstance(face, dict) and face.get("kind") == "file"
+    return pathlib.PurePath(str(face.get("path"))).name if measured else None
+
+
 def _scene_text(result: Result) -> str:
     """The scene to copy. Profiles have the hash of their heights: by it a reader knows the files."""
-    scene, lines = result.scene.content(), []
-    for body in BODIES:
-        face = scene.get(body, {}).get("surface", {})
-        if face.get("kind") == "file":
-            name = pathlib.PurePath(str(face.get("path", ""))).name
-            seal = result.height_hash(body)
-            lines.append(f"# {printable(name)}: put it beside this scene. surface/{body}/height in the result: "
-                         f"xxh3_128 {seal}\n")
+    scene = result.scene.content()
+    lines = [f"# {printable(name)}: put it beside this scene. surface/{body}/height in the result: xxh3_128 "
+             f"{result.height_hash(body)}\n" for body in BODIES if (name := _profile(scene, body)) is not None]
     return "".join(lines) + without_folders(str(result.attrs["scene"]))
 
 
+def _origin(attrs: dict[str, Any]) -> str:
+    """The program that made a file, and when."""
+    started = f", started {attrs['started']}" if "started" in attrs else ""
+    return f"ra2d {attrs.get('version', '?')} ({attrs.get('commit', '?')}){started}"
+
+
 def _section(result: Result, sheet: page_svg.Sheet, sounds: dict[str, Any]) -> dict[str, Any]:
-    found, a = result.analysis(), result.attrs
-    stretch = html("{} s to {} s", number(found["from"], 6), number(found["to"], 6))
+    found = result.analysis()
     return {"title": shortened(result.title, LONGEST_TITLE), "doubts": _doubts(result, found),
-            "lead": html("{}, {}. ra2d {} ({}), started {}", result.path.name, stretch, a["version"], a["commit"],
-                         a["started"]),
+            "lead": html("{}, {} s to {} s. {}", result.path.name, number(found["from"], 6), number(found["to"], 6),
+                         _origin(result.attrs)),
             "figures": _figures(found), "damping": _peaks(found), "sounds": sounds,
             "pictures": page_pictures.of_result(result, sheet), "requested": _requested(result),
             "scene": _scene_text(result)}
@@ -365,8 +373,7 @@ def study_text(study: Study, command: str = "") -> str:
         why = _sentence(str(fault).removeprefix("this study has no law: "))
     sheet = page_svg.Sheet()
     missing = int(a["runs"]) - int(a["done"]) - int(a["failed"])
-    lead = (f"{a['runs']} runs: {a['done']} done, {a['failed']} failed, {missing} missing. "
-            f"ra2d {a['version']} ({a['commit']})")
+    lead = f"{a['runs']} runs: {a['done']} done, {a['failed']} failed, {missing} missing. {_origin(a)}"
     heads, rows, count = _rows(study)
     return _page(f"Study: {study.folder.name}", command, sheet, results=[], comparison=[], means=[], study={
         "lead": lead, "failures": _failures(study), "law": _law(law) if law else None, "why_no_law": why,

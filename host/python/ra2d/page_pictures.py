@@ -116,11 +116,12 @@ def _histogram(result: Result, kind: tuple[str, str, str], heading: str) -> tupl
 
 def _faces(result: Result) -> tuple[Picture, str, Markup]:
     figure = _small(lambda body: plots.PANELS["profiles"][0](body, result, False), 1.2 * HEIGHT)
-    caption = html("<b>Faces</b> at the start, where the slider passes, heights much enlarged: the resonator's (blue), "
-                   "and above it the slider's, face down (brown).")
+    caption = html("<b>Faces</b>, heights much enlarged: the resonator's (blue), where the slider passes")
+    if "start" in result.scene.content().get("scene", {}):  # not of other versions' scenes
+        caption += html(", and above it the slider's at the start, face down (brown)")
     if count := len(result.shocks):
-        caption += html(" Below: where the {} shocks fell on the resonator.", count)
-    return figure, "Faces at the start, and places of contact", caption
+        caption += html(". Below: where the {} shocks fell on the resonator", count)
+    return figure, "Faces at the start, and places of contact", caption + html(".")
 
 
 def _drawn(result: Result) -> Iterator[tuple[Picture, str, Markup]]:
