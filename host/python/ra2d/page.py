@@ -123,7 +123,8 @@ def _doubts(result: Result, found: dict[str, Any]) -> list[str]:
     """What a reader should not overlook."""
     closure, aliased, tone, doubts = found["energy"]["closure"], found["aliased_modes"], found["mesh_tone"], []
     if not result.complete:
-        doubts.append(f"The run was cut short: {shortened(str(result.attrs.get('ended', 'it does not say why')), LONGEST_DOUBT)}")
+        why = str(result.attrs.get("ended", "the file does not say why"))
+        doubts.append(f"The run was cut short: {shortened(why, LONGEST_DOUBT)}")
     if "beyond_limit" in result.attrs:
         doubts.append("The step is beyond a limit of stability, on request: "
                       + shortened(str(result.attrs["beyond_limit"]), LONGEST_DOUBT))
@@ -201,8 +202,9 @@ def _profile(scene: dict[str, Any], body: str) -> str | None:
     """The name of a measured face's file."""
     section = scene.get(body)
     face = section.get("surface") if isinstance(section, dict) else None
-    measured = isinstance(face, dict) and face.get("kind") == "file"
-    return pathlib.PurePath(str(face.get("path"))).name if measured else None
+    if isinstance(face, dict) and face.get("kind") == "file":
+        return pathlib.PurePath(str(face.get("path"))).name
+    return None
 
 
 def _scene_text(result: Result) -> str:
