@@ -120,7 +120,7 @@ def _peaks(found: dict[str, Any]) -> list[list[Markup]]:
 
 
 def _doubts(result: Result, found: dict[str, Any]) -> list[str]:
-    """What a reader should not overlook."""
+    """Doubts that a reader should not overlook."""
     closure, aliased, tone, doubts = found["energy"]["closure"], found["aliased_modes"], found["mesh_tone"], []
     if not result.complete:
         why = str(result.attrs.get("ended", "the file does not say why"))
@@ -165,7 +165,7 @@ def _cuts(result: Result) -> tuple[list[Sound], str]:
 
 
 def _about(result: Result, sound: Sound, full_scale: float) -> Markup:
-    """What a sound is."""
+    """The text above a sound."""
     about, found = sound.about, result.analysis()
     slow, whole = about["slow"], (found["to"] - found["from"]) * about["slow"]
     text = html("<b>{}</b>, at {} m: {} s to {} s of the run. Full scale is {} m/s.",
@@ -191,7 +191,7 @@ def _clips(results: Sequence[Result]) -> list[dict[str, Any]]:
 # ---- results -------------------------------------------------------------------------------------------
 
 def _requested(result: Result) -> Facts:
-    """Of a scene of another version, which has other keys, nothing: its text is on the page."""
+    """Facts of the scene. There are none of another version's scene, which has other keys."""
     try:
         return requested(result.scene.content())
     except (LookupError, TypeError, AttributeError, ValueError):
@@ -354,7 +354,7 @@ def _rows(study: Study) -> tuple[list[str], list[list[str]], int]:
 
 
 def _failures(study: Study) -> list[str]:
-    """What the failed runs say, the most frequent first; messages that differ in numbers alone once."""
+    """Messages of the failed runs, the most frequent first. Those that differ only in numbers are one."""
     said: dict[str, list[str]] = {}
     for message, status in zip(study.message.values.ravel(), study.status.values.ravel()):
         if status >= 2:

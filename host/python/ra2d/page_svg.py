@@ -102,7 +102,7 @@ def _line(points: Points) -> str:
 
 
 def _pieces(vertices: npt.NDArray[np.float64], codes: npt.NDArray[np.uint8] | None) -> str:
-    """The words of a path, each relative to the point before it."""
+    """The commands of a path, each relative to the point before it."""
     points = np.rint(vertices).astype(np.int64)
     if codes is None:
         codes = np.full(len(points), Path.LINETO, dtype=np.uint8)
@@ -134,14 +134,14 @@ def _pieces(vertices: npt.NDArray[np.float64], codes: npt.NDArray[np.uint8] | No
 
 
 class _Renderer(RendererBase):  # type: ignore[misc]
-    """What matplotlib draws on, in place of its own SVG."""
+    """Matplotlib draws on it, and it writes short SVG."""
 
     def __init__(self, sheet: Sheet, width: float, height: float) -> None:
         super().__init__()
         self.sheet, self.width, self.height = sheet, width, height
-        self.parts: list[tuple[str, str, list[str]]] = []  # style, clip, and paths; without style texts
+        self.parts: list[tuple[str, str, list[str]]] = []  # class, clip and paths; or, with an empty class, a text
         self.clips: dict[tuple[int, ...], str] = {}
-        self.axis: list[int] = []  # where the parts of an axis begin: their order counts nothing
+        self.axis: list[int] = []  # where the parts of an axis begin: their order does not matter
         self.flipped = Affine2D().scale(1, -1).translate(0, height)
 
     def get_canvas_width_height(self) -> tuple[float, float]:
@@ -205,8 +205,8 @@ class _Renderer(RendererBase):  # type: ignore[misc]
 
     def draw_path(self, gc: Any, path: Any, transform: Any, rgbFace: Any = None) -> None:
         drawn = path.cleaned(transform + self.flipped, remove_nans=True, curves=True, simplify=False)
-        held = drawn.vertices.clip(-8 * self.width, 8 * self.width)  # far points are outside anyway
-        ends = held[drawn.codes != Path.CLOSEPOLY][:-1] if len(held) > 1 else held  # the last one stops
+        held = drawn.vertices.clip(-8 * self.width, 8 * self.width)  # far points are outside of the picture anyway
+        ends = held[drawn.codes != Path.CLOSEPOLY][:-1] if len(held) > 1 else held  # the last one only ends the path
         self._add(self._style(gc, rgbFace), self._clip(gc, ends), _pieces(held, drawn.codes).replace("m", "M", 1))
 
     def draw_markers(self, gc: Any, marker_path: Any, marker_trans: Any, path: Any, trans: Any,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What pages say in words and numbers: texts from outside, quantities, and the facts of a scene."""
+"""Words and numbers of pages: texts from outside, quantities, and the facts of a scene."""
 from __future__ import annotations
 
 import math
@@ -26,7 +26,8 @@ _IN_COMMENT = re.compile(r"""(["'`])(/(?:[^"'`\n]*/)?)[^"'`/\n]+\1""")
 # ---- texts from outside ----------------------------------------------------------------------------
 
 def printable(text: str, lines: bool = False) -> str:
-    r"""A text without what would turn its direction or hide in it; with `lines` their ends stay.
+    r"""A text in which characters that turn its direction or hide in it are spelled out; `lines`: ends of
+    lines stay.
 
     >>> printable("a\u202eb\n"), printable("a\n", lines=True), printable("\udcff")
     ('a\\u202Eb\\u000A', 'a\n', '\\xFF')
