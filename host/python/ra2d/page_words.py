@@ -63,15 +63,6 @@ def without_folders(toml: str) -> str:
     return _TEXTS.sub(bare, toml)
 
 
-def shell_word(word: str) -> str:
-    """A word as a shell takes it.
-
-    >>> shell_word("it's.h5"), shell_word("a.h5")
-    ("'it'\\\\''s.h5'", 'a.h5')
-    """
-    return word if re.fullmatch(r"[A-Za-z0-9./_\-+=:,@%]+", word) else "'" + word.replace("'", "'\\''") + "'"
-
-
 # ---- numbers -----------------------------------------------------------------------------------------
 
 def number(value: float | None, digits: int = 3) -> Markup:
