@@ -13,7 +13,7 @@ from .compare_plot import plot
 from .errors import Error, FileError, Interrupted, Notice, OutOfTime, ProgramError, RequestError, SimulationError
 from .estimate import Estimate
 from .program import find
-from .results import Result, load
+from .results import Result, load, report
 from .runs import run
 from .scenes import Scene, scene
 from .sound import Sound
@@ -23,4 +23,4 @@ from .surface import Surface
 __version__ = "0.1.0"
 __all__ = ["Budget", "Error", "Estimate", "FileError", "Interrupted", "Notice", "OutOfTime", "ProgramError",
            "RequestError", "Result", "Scene", "SimulationError", "Sound", "Study", "Surface", "find", "load",
-           "load_study", "plot", "run", "scene", "study", "surface", "uncertainty"]
+           "load_study", "plot", "report", "run", "scene", "study", "surface", "uncertainty"]

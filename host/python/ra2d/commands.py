@@ -49,7 +49,7 @@ def plot(request: Request) -> str:
 def report(request: Request) -> str:
     """A page into the file `output`."""
     files = [_path(text) for text in request["files"]]
-    command = os.fspath(_path(request["line"]))
+    command = os.fsdecode(request["line"].encode("latin-1"))
     made = page.study_text(load_study(files[0]), command) if request["subject"] == "study" else \
         page.results_text([load(file) for file in files], command)
     _write(_path(request["output"]), made.encode("utf-8", "replace"))

@@ -383,7 +383,8 @@ KINDS = [("duration", "s", "duration"), ("peak_force", "N", "peak force"), ("imp
          ("interval", "s", "time from start to start")]
 
 
-def _draw_histogram(axes: Any, shocks: dict[str, Any], key: str, unit_name: str, what: str) -> None:
+def draw_histogram(axes: Any, shocks: dict[str, Any], key: str, unit_name: str, what: str) -> None:
+    """Shares of the shocks in bins of equal ratio, with the median and what nine of ten do not exceed."""
     found, spread = shocks["histograms"][key], shocks[key]
     edges, counts = np.array(found["edges"], dtype=float), np.array(found["counts"], dtype=float)
     if not counts.size:
@@ -416,7 +417,7 @@ def _shocks(figure: Any, result: Result, alone: bool) -> None:
         return
     kinds = KINDS if alone else KINDS[:2]
     for axes, kind in zip(figure.subplots(len(kinds) // 2, 2, squeeze=False).flat, kinds):
-        _draw_histogram(axes, shocks, *kind)
+        draw_histogram(axes, shocks, *kind)
     begin = result.analysis()["from"]
     figure.axes[0].set_title(f"{shocks['count']} shock{'s' if shocks['count'] != 1 else ''}"
                              + (f" from {quantity(begin, 's')} on" if begin else "")
@@ -473,19 +474,16 @@ def _draw(name: str, cell: Any, result: Result, alone: bool) -> None:
         PANELS[name][0](cell, result, alone)
 
 
-def result(of: Result, what: str = "overview", for_page: bool = False) -> Picture:
-    """The picture of a result: "overview", or one panel; for a page small, without a head."""
+def result(of: Result, what: str = "overview") -> Picture:
+    """The picture of a result: "overview", or one panel."""
     if what != "overview" and what not in PANELS:
         raise RequestError(f"there is no picture {what!r}. There are: overview, {', '.join(PANELS)}")
-    lines = [] if for_page else _head(of)
     with matplotlib.rc_context(style.RC):
         if what != "overview":
-            figure, body = style.page(*((6.6, 3.6) if for_page else (10, PANELS[what][1])), lines)
-            _draw(what, body, of, not for_page)
-            if for_page:
-                style.wrap_titles(figure)
+            figure, body = style.page(10, PANELS[what][1], _head(of))
+            _draw(what, body, of, True)
             return figure
-        figure, body = style.page(11, 14, lines)
+        figure, body = style.page(11, 14, _head(of))
         rows = body.subfigures(4, 1, height_ratios=[1.45, 1, 1.05, 1])
         _draw("profiles", rows[0], of, False)
         for row, names in zip(rows[1:], (("force", "displacement"), ("spectrum", "level"), ("shocks", "energy"))):

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 _MARK = "# Written by ra2d.study, which replaces it.\n"
 _VARIABLES = ("level", "v_rms", "shock_rate", "shock_duration_median", "peak_force_median", "contact_share",
               "energy_closure", "wall_seconds", "status", "message", "file")
+_ENDS = ("", "_low", "_high")  # of a mean: itself and its interval
 _INTERVALS = {"level": ("lv", "dB re 1 nm/s"), "v_rms": ("v_rms", "m/s"), "shock_rate": ("shock_rate", "1/s")}
 
 
@@ -141,7 +142,8 @@ class Study(xr.Dataset):  # type: ignore[no-untyped-call]
                 row |= {name: _number(found.get("mean")), f"{name}_low": _number(found.get("low")),
                         f"{name}_high": _number(found.get("high"))}
             rows.append(row)
-        table = pd.DataFrame(rows)
+        figures = [name + end for name in _INTERVALS for end in _ENDS]
+        table = pd.DataFrame(rows, columns=[*names, "runs", *figures]).astype(dict.fromkeys(figures, float))
         table.attrs["units"] = {name: unit for name, (_, unit) in _INTERVALS.items()}
         return table.set_index(names) if names else table
 
