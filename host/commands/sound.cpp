@@ -2,7 +2,9 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cctype>
+#include <cstddef>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -56,6 +58,19 @@ fs::path sidecar_of(const fs::path& sound) {
   return file += ".json";
 }
 
+/// Throws FileError where the file does not hold together, or where the probe's velocity is none
+/// that a run can have come to: what its seal does not tell.
+void require_velocity(const Wanted& wanted) {
+  constexpr std::size_t rows_together = 1 << 16;
+  const ResultReader reader(wanted.result);
+  const ResultContents& contents = reader.contents();
+  const auto& probes = wanted.of_slider ? contents.slider_probe_position : contents.probe_position;
+  if (wanted.probe < 1 || wanted.probe > probes.size()) return;  // which Python refuses
+  for (std::size_t first = 0; first < contents.samples; first += rows_together)
+    reader.columns(wanted.of_slider ? "slider_probes/velocity" : "probes/velocity", first,
+                   std::min(rows_together, contents.samples - first), wanted.probe - 1, 1);
+}
+
 /// Puts the sound and the text about it in place: both or neither.
 void publish(PartialFile& sound, PartialFile& sidecar, const fs::path& sidecar_name) {
   sound.sync();
@@ -76,6 +91,7 @@ int make_sound(Wanted& wanted, bool bits_given) {
   for (const fs::path& file : {wanted.output, sidecar_name})
     require_derived_output(file, {wanted.result});
   const ResultStamp stamp = read_stamp(wanted.result);
+  require_velocity(wanted);
   if (!stamp.complete && !wanted.quiet)
     say(fmt::format("{}: the run was cut short: {}", wanted.result.string(), stamp.ended));
   PartialFile sound(wanted.output), sidecar(sidecar_name);

@@ -155,7 +155,9 @@ class Sound:
         steps = 2.0 ** (bits - 1)
         whole = np.clip(np.rint(self.samples * steps), -steps, steps - 1) * 2.0 ** (32 - bits)
         with soundfile.SoundFile(out, "w", self.rate, 1, f"PCM_{bits}", format=encoding.split("-")[0].upper()) as file:
-            file.title, file.comment = self.about["title"], self._comment()
+            if title := "".join(c for c in self.about["title"] if c.isprintable()):  # an empty one is refused
+                file.title = title
+            file.comment = self._comment()
             file.software = f"ra2d {self.about['version']}"
             file.write(whole.astype(np.int32))
         return out.getvalue()

@@ -166,6 +166,13 @@ def test_the_same_sound_is_the_same_bytes():
         assert sound.of_probe(result).encoded(encoding) == sound.of_probe(result).encoded(encoding)
 
 
+@pytest.mark.parametrize("title, told", [("", ""), ("hiss\x1b[2J", "hiss[2J"), ("\u0001", ""), ("r\u00fch", "r\u00fch")])
+def test_titles_from_outside(title, told):
+    result = moving(sine(1000, 3e-3), count=1001)
+    result.title = title
+    assert read(sound.of_probe(result), "flac-24").title == told
+
+
 def test_what_the_rates_leave_out_is_said():
     def doubts(source, modes, **options):
         return " ".join(sound.of_probe(moving(sine(100), count=10001, rate=source, modes=modes), **options).doubts)
