@@ -60,6 +60,14 @@ Properties file_access() {
   return access;
 }
 
+double least_bytes(hid_t dataset, double numbers) {
+  constexpr double most_deflated = 1032;  // bytes from one: no more can be had of deflate
+  const Properties creation{check(H5Dget_create_plist(dataset))};
+  const Type type{check(H5Dget_type(dataset))};
+  return numbers * static_cast<double>(H5Tget_size(type)) /
+         (check(H5Pget_nfilters(creation)) > 0 ? most_deflated : 1);
+}
+
 Properties ordered(hid_t kind) {
   Properties properties{check(H5Pcreate(kind))};
   constexpr unsigned order = H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED;

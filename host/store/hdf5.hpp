@@ -82,6 +82,9 @@ std::unique_lock<std::mutex> take_library();
 /// How files are opened, to be written and to be read back.
 Properties file_access();
 
+/// The least bytes of a file that so many numbers of a dataset can take. Throws Failure.
+double least_bytes(hid_t dataset, double numbers);
+
 /// Properties for the creation of files, groups or datasets (H5P_FILE_CREATE, ...) whose parts are
 /// listed in the order in which they were made.
 Properties ordered(hid_t kind);
