@@ -296,7 +296,7 @@ TEST(Zoom, KeepsTheClock) {
       const Scene scene = read_scene(
           scene_file("dang2012"),
           {fmt::format("scene.duration={}", duration), fmt::format("output.rate={}", rate),
-           "resonator.max_frequency=300", "time.scheme=adaptive"});
+           "scene.speed=1e-6", "resonator.max_frequency=300", "time.scheme=adaptive"});
       const double begin = 0.5 * duration;
       const Scene zoom = zoomed(scene, {begin, begin + 1e-3, {}}, {});
       const Model a = make_model(scene), b = make_model(zoom);
