@@ -177,6 +177,7 @@ int run_zooms(const RunRequest& request, const Scene& scene, const ZoomRequest& 
                     strongest, strongest == 1 ? "" : "s"));
   for (std::size_t i = 0; i < windows.size(); ++i) {
     options.output = zoom_name(output, i + 1);
+    require_output(options.output, files_of(scene));
     options.doubts = {};  // they have been told
     options.most_wall = std::max(1e-3, request.most_wall - seconds_since(begun));
     const Scene zoom_scene = zoomed(scene, windows[i], zoom.rate);
