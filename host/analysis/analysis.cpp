@@ -233,7 +233,8 @@ void take_summary(const ResultSummary& summary, Analysis& a) {
 /// Those of the whole run, which saw the modes that the file does not have.
 void take_intervals(const ResultSummary& summary, Analysis& a) {
   a.intervals.why_none =
-      a.whole ? "the run found none" : "the file has no motion of the modes (output.modes)";
+      a.whole ? "the file has neither the motion of the modes (output.modes) nor an interval"
+              : "the file has no motion of the modes (output.modes)";
   if (!a.whole || std::isnan(summary.lv_low)) return;
   a.intervals = {
       {summary.lv_low, summary.lv_high}, {summary.shock_rate_low, summary.shock_rate_high}, {}};

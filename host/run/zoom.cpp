@@ -86,6 +86,9 @@ double zoom_rate(const Scene& scene, std::optional<double> requested) {
   if (is_adaptive(scene)) {
     double multiple = std::max(base, 0.5 / scene.duration);  // as the clock has it (make_model)
     while (multiple < rate * (1 - rounding)) multiple *= 2;
+    if (!(multiple > base))
+      throw RequestError(fmt::format(
+          "--zoom: output.rate is {:g} Hz already: expected --zoom-rate with more", base));
     return multiple;
   }
   const double most = 1 / scene.time.step;

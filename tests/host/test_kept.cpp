@@ -274,6 +274,7 @@ TEST_F(Kept, ZoomsThatCannotBeAreRefusedBeforeTheRun) {
            {{"--zoom", "0.1,0.2", "--zoom-rate", "1e9"}, "at most 1e+07 Hz"},
            {{"--zoom", "0.1,0.2", "--zoom-rate", "1e5"}, "more than output.rate"},
            {{"--zoom-rate", "1e6"}, "expected --zoom, too"},
+           {{"--set", "output.rate=2e6", "--zoom", "0.1,0.2"}, "is 2e+06 Hz already"},
            {{"--set", "time.scheme=backward-euler", "--set", "time.step=1e-6", "--zoom", "0.1,0.2",
              "--zoom-rate", "2e6"},
             "at most 1e+06 Hz, 1/time.step"},
