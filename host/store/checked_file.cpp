@@ -112,8 +112,8 @@ ReadNumbers read_numbers(hid_t dataset, double& room) {
   if (rank > 0) check(H5Sget_simple_extent_dims(space, extent.data(), nullptr));
   double numbers = 1;
   for (const hsize_t length : extent) numbers *= static_cast<double>(length);
-  room -= h5::least_bytes(dataset, numbers);
-  if (!(room >= 0)) throw h5::Failure{"it should hold more numbers than the file has room for"};
+  if (!h5::takes_room(dataset, numbers, room))
+    throw h5::Failure{"it should hold more numbers than the file has room for"};
   std::string block;
   if (rank == 0) {
     block.resize(found.size());

@@ -115,8 +115,7 @@ bool require_shapes(hid_t file, std::int64_t format, double room) {
     if (extent != expected)
       throw Fault{fmt::format("/{} is of the shape ({}), its axes of ({})", path,
                               fmt::join(extent, ", "), fmt::join(expected, ", "))};
-    room -= h5::least_bytes(dataset, numbers);
-    if (!(room >= 0))
+    if (!h5::takes_room(dataset, numbers, room))
       throw Fault{fmt::format("/{} should hold more numbers than the file has room for", path)};
   }
   return has_modes;
