@@ -40,6 +40,8 @@ herr_t add_dataset(hid_t file, const char* name, const H5O_info_t* info, void* c
 
 Content content_of(const std::filesystem::path& path) {
   Content content;
+  // as the program has it (host/store/hdf5.cpp): the first call of HDF5 decides
+  [[maybe_unused]] static const herr_t once = H5dont_atexit();
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
   if (file < 0) return content;

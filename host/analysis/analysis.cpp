@@ -63,6 +63,11 @@ double mean_square(const std::vector<double>& values) {
          static_cast<double>(values.size());
 }
 
+/// The number in its run, from t = 0 on, of a sample of the file.
+std::size_t sample_of_run(const ResultContents& contents, std::size_t sample) {
+  return sample + static_cast<std::size_t>(std::llround(contents.start * contents.rate));
+}
+
 /// Analyses the sampled velocities, mode by mode and probe by probe.
 class VelocityAnalysis {
  public:
@@ -72,7 +77,8 @@ class VelocityAnalysis {
         stretch_{stretch},
         a_{analysis},
         whole_{stretch.count, analysis.rate},
-        parts_{stretch.first, stretch.count, analysis.rate, reader.contents().mean_square.size()} {
+        parts_{sample_of_run(reader.contents(), stretch.first), stretch.count, analysis.rate,
+               reader.contents().mean_square.size()} {
     if (segment > 0) welch_.emplace(half_overlapping(analysis.rate, segment));
   }
 
@@ -80,6 +86,27 @@ class VelocityAnalysis {
   /// (host/result/level.hpp): sum_k mean(psi_k^2) density(V_k).
   void run(bool a_weighting) {
     const std::vector<double>& weights = reader_.contents().mean_square;
+    if (a_.has_modes)
+      run_modes(weights, a_weighting);
+    else
+      leave_out_modes(a_weighting);
+    each_column("probes/velocity", a_.probe_position.size(),
+                [&](std::size_t, const auto& velocity) {
+                  if (welch_) a_.spectrum.probe.push_back(welch_->density(velocity));
+                  std::vector<double> of_probe;
+                  whole_.add(velocity, 1, of_probe);
+                  a_.bands.level_probe.push_back(levels(of_probe));
+                });
+    if (!welch_) return;
+    each_column("slider_probes/velocity", a_.slider_probe_position.size(),
+                [&](std::size_t, const auto& velocity) {
+                  a_.spectrum.slider_probe.push_back(welch_->density(velocity));
+                });
+    finish_spectrum();
+  }
+
+ private:
+  void run_modes(const std::vector<double>& weights, bool a_weighting) {
     std::vector<double> power;
     double square = 0;
     half_power_.resize(weights.size());
@@ -102,22 +129,16 @@ class VelocityAnalysis {
     choose_bands();
     a_.bands.level = levels(power);
     if (a_weighting) weigh(power);
-    each_column("probes/velocity", a_.probe_position.size(),
-                [&](std::size_t, const auto& velocity) {
-                  if (welch_) a_.spectrum.probe.push_back(welch_->density(velocity));
-                  std::vector<double> of_probe;
-                  whole_.add(velocity, 1, of_probe);
-                  a_.bands.level_probe.push_back(levels(of_probe));
-                });
-    if (!welch_) return;
-    each_column("slider_probes/velocity", a_.slider_probe_position.size(),
-                [&](std::size_t, const auto& velocity) {
-                  a_.spectrum.slider_probe.push_back(welch_->density(velocity));
-                });
-    finish_spectrum();
   }
 
- private:
+  /// Where the file does not have the modes, the resonator as a whole has no numbers.
+  void leave_out_modes(bool a_weighting) {
+    choose_bands();
+    a_.bands.level.assign(a_.bands.number.size(), quiet_nan);
+    if (a_weighting) a_.bands.level_a = a_.bands.level;
+    if (welch_) a_.spectrum.mean.assign(welch_->frequencies().size(), quiet_nan);
+  }
+
   /// Calls `body` with each column's number and samples; several are read at a time.
   template <class Body>
   void each_column(const char* dataset, std::size_t count, Body body) {
@@ -162,6 +183,7 @@ class VelocityAnalysis {
     s.segments = welch_->segments().count(stretch_.count);
     s.degrees_of_freedom = welch_->degrees_of_freedom(stretch_.count);
     s.confidence = confidence_of_density(s.degrees_of_freedom);
+    if (!a_.has_modes) return;
     a_.peaks = find_peaks({s.resolution, s.mean}, reader_.contents().resonator_frequency,
                           a_.modal_damping);
     for (SpectralPeak& peak : a_.peaks) peak.half_power = half_power_[peak.mode];
@@ -192,7 +214,7 @@ MeshTone mesh_tone(const std::optional<Scene>& scene, const Analysis& a) {
   if (!scene || !(scene->speed > 0)) return tone;
   tone.frequency = scene->speed / scene->spacing;
   tone.in_spectrum = tone.frequency < a.rate / 2;
-  if (!tone.in_spectrum || a.spectrum.mean.empty()) return tone;
+  if (!tone.in_spectrum || a.spectrum.mean.empty() || !a.has_modes) return tone;
   tone.rise = rise_at({a.spectrum.resolution, a.spectrum.mean}, tone.frequency);
   if (std::isfinite(tone.rise))
     tone.by_chance = rise_by_chance(a.spectrum.degrees_of_freedom) +
@@ -206,6 +228,16 @@ void take_summary(const ResultSummary& summary, Analysis& a) {
   a.v_rms = summary.v_rms;
   a.contact_share = summary.contact_share;
   a.energy_closure = summary.energy_closure;
+}
+
+/// Those of the whole run, which saw the modes that the file does not have.
+void take_intervals(const ResultSummary& summary, Analysis& a) {
+  a.intervals.why_none =
+      a.whole ? "the file has neither the motion of the modes (output.modes) nor an interval"
+              : "the file has no motion of the modes (output.modes)";
+  if (!a.whole || std::isnan(summary.lv_low)) return;
+  a.intervals = {
+      {summary.lv_low, summary.lv_high}, {summary.shock_rate_low, summary.shock_rate_high}, {}};
 }
 
 }  // namespace
@@ -232,6 +264,7 @@ Analysis analyze(const std::filesystem::path& file, const AnalysisOptions& optio
   a.complete = contents.summary.complete;
   a.ended = contents.summary.ended;
   a.rate = contents.rate;
+  a.has_modes = contents.has_modes;
   a.lv_a = a.contact_share = a.energy_closure = quiet_nan;
   a.modal_damping = scene ? scene->resonator.damping : quiet_nan;
   a.probe_position = contents.probe_position;
@@ -252,6 +285,7 @@ Analysis analyze(const std::filesystem::path& file, const AnalysisOptions& optio
   if (a.whole) a.shocks.rate = contents.summary.shock_rate;  // by the time that was counted
   a.intervals = intervals_of_run(a.history, a.lv, a.shocks.rate,
                                  ringing_of(a.natural_frequencies, a.modal_damping));
+  if (!a.has_modes) take_intervals(contents.summary, a);
   a.energy = powers_of(reader, stretch, a.rate);
   a.energy_per_shock = a.shocks.count > 0 ? a.energy.given / a.shocks.rate : quiet_nan;
   a.mesh = mesh_tone(scene, a);

@@ -55,6 +55,7 @@ struct Analysis {
   double from = 0, to = 0;    // s, the stretch
   std::size_t samples = 0;    // in it
   bool whole = true;          // all that the file's own summary counts
+  bool has_modes = true;      // false: of the resonator as a whole the file tells no spectrum
   double v_rms = 0, lv = 0;   // m/s, dB; NaN where there is none
   LevelHistory history;       // of the stretch, in 200 parts or fewer
   IntervalsOfRun intervals;   // of lv and shocks.rate, by chance within this run

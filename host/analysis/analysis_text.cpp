@@ -26,7 +26,9 @@ std::string frequency_text(double hertz) {
 }
 
 std::string level_text(const Analysis& a) {
-  if (std::isnan(a.v_rms)) return "none: nothing was counted";
+  if (std::isnan(a.v_rms))
+    return a.has_modes || a.whole ? "none: nothing was counted"
+                                  : "none of a part of the run: " + a.intervals.why_none;
   if (!(a.v_rms > 0)) return "-inf dB: the resonator did not vibrate";
   return fmt::format("{:.2f} dB re 1 nm/s (v_rms {:.3e} m/s){}", a.lv, a.v_rms,
                      a.whole ? "" : ", from the samples") +
@@ -128,6 +130,8 @@ std::string bands_text(const Analysis& a) {
   const BandLevels& b = a.bands;
   const bool weighted = !b.level_a.empty();
   if (b.number.empty()) return line("third octaves", "none: the stretch is too short");
+  if (!a.has_modes)
+    return line("third octaves", "none: the file has no motion of the modes (output.modes)");
   std::string text =
       line("third octaves",
            fmt::format("{}dB re 1 nm/s, by midband frequency in Hz; {} to {} are carried",

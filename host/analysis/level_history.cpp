@@ -7,6 +7,8 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <stdexcept>
+#include <utility>
 
 #include "host/analysis/several.hpp"
 #include "host/base/quiet_nan.hpp"
@@ -46,8 +48,8 @@ LevelParts::LevelParts(std::size_t first, std::size_t count, double rate, std::s
     : first_{first}, modes_{modes}, rate_{rate} {
   parts_ = std::min(most_parts, count / 2);
   if (parts_ > 0) rows_ = count / parts_;
-  squares_.resize(parts_ * modes_);
-  shocks_.resize(parts_);
+  sums_.squares.resize(parts_ * modes_);
+  sums_.shocks.resize(parts_);
 }
 
 void LevelParts::add_rows(std::size_t at, std::span<const double> rows) {
@@ -56,24 +58,25 @@ void LevelParts::add_rows(std::size_t at, std::span<const double> rows) {
   for (std::size_t i = at < first_ ? first_ - at : 0; i < count; ++i) {
     const std::size_t row = at + i - first_;
     if (row >= parts_ * rows_) break;
-    double* const squares = squares_.data() + row / rows_ * modes_;
+    double* const squares = sums_.squares.data() + row / rows_ * modes_;
     const double* const v = rows.data() + i * modes_;
     for (std::size_t k = 0; k < modes_; ++k) squares[k] += v[k] * v[k];
-    filled_ = row + 1;
+    sums_.filled = row + 1;
   }
 }
 
 void LevelParts::add_column(std::size_t mode, std::span<const double> column) {
-  filled_ = std::min(column.size(), parts_ * rows_);
-  for (std::size_t row = 0; row < filled_; ++row)
-    squares_[row / rows_ * modes_ + mode] += column[row] * column[row];
+  sums_.filled = std::min(column.size(), parts_ * rows_);
+  for (std::size_t row = 0; row < sums_.filled; ++row)
+    sums_.squares[row / rows_ * modes_ + mode] += column[row] * column[row];
 }
 
 void LevelParts::add_shock(double start) {
   if (parts_ == 0) return;
   const double part =
       std::floor((start * rate_ - static_cast<double>(first_)) / static_cast<double>(rows_));
-  if (part >= 0 && part < static_cast<double>(parts_)) ++shocks_[static_cast<std::size_t>(part)];
+  if (part >= 0 && part < static_cast<double>(parts_))
+    ++sums_.shocks[static_cast<std::size_t>(part)];
 }
 
 LevelHistory LevelParts::history(const std::vector<double>& weights) const {
@@ -81,13 +84,20 @@ LevelHistory LevelParts::history(const std::vector<double>& weights) const {
   if (parts_ == 0) return history;
   history.from = static_cast<double>(first_) / rate_;
   history.part_seconds = static_cast<double>(rows_) / rate_;
-  for (std::size_t part = 0; part < filled_ / rows_; ++part) {
+  for (std::size_t part = 0; part < sums_.filled / rows_; ++part) {
     double sum = 0;
-    for (std::size_t k = 0; k < modes_; ++k) sum += weights[k] * squares_[part * modes_ + k];
+    for (std::size_t k = 0; k < modes_; ++k) sum += weights[k] * sums_.squares[part * modes_ + k];
     history.mean_square.push_back(sum / static_cast<double>(rows_));
-    history.shocks.push_back(shocks_[part] / history.part_seconds);
+    history.shocks.push_back(sums_.shocks[part] / history.part_seconds);
   }
   return history;
+}
+
+void LevelParts::go_on(Sums sums) {
+  if (sums.filled > parts_ * rows_ || sums.squares.size() != sums_.squares.size() ||
+      sums.shocks.size() != sums_.shocks.size())
+    throw std::invalid_argument("the history of its level is of another stretch");
+  sums_ = std::move(sums);
 }
 
 IntervalsOfRun intervals_of_run(const LevelHistory& history, double level, double shock_rate,

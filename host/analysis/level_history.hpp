@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "host/base/quiet_nan.hpp"
+
 namespace ra2d {
 
 /// A stretch in equal parts: what each has, from its samples and shocks.
@@ -30,17 +32,25 @@ class LevelParts {
   /// The history of all full parts; `weights`: means of psi_k^2 over the resonator [1/m].
   LevelHistory history(const std::vector<double>& weights) const;
 
+  /// All that it has added up, to be kept and gone on from.
+  struct Sums {
+    std::size_t filled = 0;       // rows of the stretch that were added
+    std::vector<double> squares;  // (part, mode), sums
+    std::vector<double> shocks;   // counts
+  };
+  const Sums& sums() const { return sums_; }
+  /// Throws std::invalid_argument where they are of another stretch or other modes.
+  void go_on(Sums sums);
+
  private:
   std::size_t first_, modes_, rows_ = 0, parts_ = 0;  // rows of a part
   double rate_;
-  std::size_t filled_ = 0;       // rows of the stretch that were added
-  std::vector<double> squares_;  // (part, mode), sums
-  std::vector<double> shocks_;   // counts
+  Sums sums_;
 };
 
 /// Holds the true value with 95 % confidence; NaN where there is no interval.
 struct Interval {
-  double low = 0, high = 0;
+  double low = quiet_nan, high = quiet_nan;
 };
 
 /// How far the figures of one run are off by chance: of its stretch of these two faces, as if the

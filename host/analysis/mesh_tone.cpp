@@ -7,6 +7,8 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <stdexcept>
+#include <utility>
 
 #include "host/analysis/distributions.hpp"
 #include "host/analysis/peaks.hpp"
@@ -98,41 +100,48 @@ MeshToneWatch::MeshToneWatch(double frequency, std::size_t first, std::size_t co
     for (const double w : splines_at(static_cast<double>(r) / static_cast<double>(block_)))
       kernel_.insert(kernel_.end(), {w * turned.real(), w * turned.imag()});
   }
-  sum_.resize(parts * modes_);
-  averages_.resize((count_ / block_ + splines) * modes_);
+  sums_.block.resize(parts * modes_);
+  sums_.averages.resize((count_ / block_ + splines) * modes_);
 }
 
 void MeshToneWatch::add_rows(std::size_t at, std::span<const double> rows) {
   if (block_ == 0) return;
   const std::size_t count = rows.size() / modes_;
   std::size_t i = at < first_ ? first_ - at : 0;
-  Eigen::Map<Rows> sum(sum_.data(), index(parts), index(modes_));
-  while (i < count && row_ < count_) {
-    const std::size_t in_block = row_ % block_;
-    const std::size_t now = std::min({block_ - in_block, count - i, count_ - row_});
+  Eigen::Map<Rows> sum(sums_.block.data(), index(parts), index(modes_));
+  while (i < count && sums_.rows < count_) {
+    const std::size_t in_block = sums_.rows % block_;
+    const std::size_t now = std::min({block_ - in_block, count - i, count_ - sums_.rows});
     const Eigen::Map<const Rows> some(rows.data() + i * modes_, index(now), index(modes_)),
         kernel(kernel_.data() + in_block * parts, index(now), index(parts));
     sum.noalias() += kernel.transpose() * some;
     i += now;
-    row_ += now;
-    if (row_ % block_ == 0) end_block();
+    sums_.rows += now;
+    if (sums_.rows % block_ == 0) end_block();
   }
 }
 
 void MeshToneWatch::end_block() {
-  const std::size_t block = row_ / block_ - 1;
+  const std::size_t block = sums_.rows / block_ - 1;
   const Complex turned = rotation(line_ * (block * block_ % segment_), segment_);
   for (std::size_t q = 0; q < splines; ++q)
     for (std::size_t k = 0; k < modes_; ++k)
-      averages_[(block + q) * modes_ + k] +=
-          turned * Complex(sum_[2 * q * modes_ + k], sum_[(2 * q + 1) * modes_ + k]);
-  std::fill(sum_.begin(), sum_.end(), 0.0);
+      sums_.averages[(block + q) * modes_ + k] +=
+          turned * Complex(sums_.block[2 * q * modes_ + k], sums_.block[(2 * q + 1) * modes_ + k]);
+  std::fill(sums_.block.begin(), sums_.block.end(), 0.0);
+}
+
+void MeshToneWatch::go_on(Sums sums) {
+  if (sums.rows > count_ || sums.block.size() != sums_.block.size() ||
+      sums.averages.size() != sums_.averages.size())
+    throw std::invalid_argument("the spectrum about its mesh tone is of another stretch");
+  sums_ = std::move(sums);
 }
 
 MeshTone MeshToneWatch::tone(const std::vector<double>& weights, const std::vector<double>& natural,
                              double damping) const {
   MeshTone found{frequency_, frequency_ > 0 && frequency_ < rate_ / 2, quiet_nan, quiet_nan};
-  const std::size_t segments = block_ > 0 ? half_overlapping(rate_, segment_).count(row_) : 0;
+  const std::size_t segments = block_ > 0 ? half_overlapping(rate_, segment_).count(sums_.rows) : 0;
   if (segments == 0) return found;
   const std::size_t length = segment_ / block_;  // averages of a segment
   constexpr std::size_t middle = lines_around_tone;
@@ -149,8 +158,8 @@ MeshTone MeshToneWatch::tone(const std::vector<double>& weights, const std::vect
   // average i + 1 is that about the beginning of block i
   std::vector<double> density(2 * middle + 1);
   for (std::size_t s = 0; s < segments; ++s) {
-    const Eigen::Map<const ComplexRows> part(averages_.data() + (s * (length / 2) + 1) * modes_,
-                                             index(length), index(modes_));
+    const Eigen::Map<const ComplexRows> part(
+        sums_.averages.data() + (s * (length / 2) + 1) * modes_, index(length), index(modes_));
     const ComplexRows lines = waves * part;
     for (std::size_t j = 0; j < density.size(); ++j)
       for (std::size_t k = 0; k < modes_; ++k)

@@ -45,16 +45,24 @@ class MeshToneWatch {
   MeshTone tone(const std::vector<double>& weights, const std::vector<double>& natural,
                 double damping) const;
 
+  /// All that it has added up, to be kept and gone on from.
+  struct Sums {
+    std::vector<double> block;                   // (part, mode), of the present block
+    std::size_t rows = 0;                        // of the stretch
+    std::vector<std::complex<double>> averages;  // (block, mode)
+  };
+  const Sums& sums() const { return sums_; }
+  /// Throws std::invalid_argument where they are of another stretch or other modes.
+  void go_on(Sums sums);
+
  private:
   void end_block();
 
   double frequency_, rate_;
   std::size_t first_, count_, modes_, segment_, line_ = 0, block_ = 0;  // samples of a block
   std::vector<double>
-      kernel_;               // (sample of a block, part): real and imaginary parts of four splines
-  std::vector<double> sum_;  // (part, mode), of the present block
-  std::size_t row_ = 0;      // of the stretch, the next
-  std::vector<std::complex<double>> averages_;  // (block, mode)
+      kernel_;  // (sample of a block, part): real and imaginary parts of four splines
+  Sums sums_;
 };
 
 }  // namespace ra2d

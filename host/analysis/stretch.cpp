@@ -26,13 +26,15 @@ std::optional<Scene> scene_of(const ResultContents& contents,
 Stretch choose_stretch(const ResultContents& contents, const std::optional<Scene>& scene,
                        const std::filesystem::path& file, std::optional<double> from,
                        std::optional<double> to) {
+  const bool has_window = scene && !scene->output.window.empty();
   const double counted_from = scene ? scene->output.from : 0.0;
-  const double end = contents.summary.complete && scene ? scene->duration
-                     : contents.samples > 0             ? contents.end
-                                                        : 0.0;
+  double end = contents.samples > 0 ? contents.end : 0.0;
+  if (contents.summary.complete && scene)
+    end = scene->output.window.empty() ? scene->duration : scene->output.window.back();
   Stretch s;
-  s.from = from.value_or(counted_from);
+  s.from = from.value_or(has_window ? scene->output.window.front() : counted_from);
   s.to = to.value_or(end);
+  // the summary counts from output.from on, which may be before the window
   s.whole = s.from == counted_from && s.to == end;
   if (s.to > end * (1 + 1e-12))
     throw RequestError(
@@ -42,7 +44,9 @@ Stretch choose_stretch(const ResultContents& contents, const std::optional<Scene
         fmt::format("{}: from {:g} s to {:g} s there is nothing: the run ends at {:g} s",
                     file.string(), s.from, s.to, end));
   if (std::isnan(contents.rate)) return s;
-  const auto place = [&](double time) { return std::max(0.0, time * contents.rate); };
+  const auto place = [&](double time) {
+    return std::max(0.0, (time - contents.start) * contents.rate);
+  };
   s.first = static_cast<std::size_t>(std::ceil(place(s.from) - time_slack));
   const auto beyond = static_cast<std::size_t>(std::floor(place(s.to) + time_slack)) + 1;
   s.first = std::min(s.first, contents.samples);

@@ -16,8 +16,8 @@ struct Stretch {
   std::size_t first = 0, count = 0;  // its samples
 };
 
-/// From `from` to `to` [s]; without them from output.from of the scene to the end of the run.
-/// Throws RequestError where the run has nothing there. `file` is named in that.
+/// From `from` to `to` [s]; without them from output.from of the scene to the end of the run, or
+/// its output.window. Throws RequestError where the run has nothing there. `file` is named in that.
 Stretch choose_stretch(const ResultContents& contents, const std::optional<Scene>& scene,
                        const std::filesystem::path& file, std::optional<double> from,
                        std::optional<double> to);

@@ -5,8 +5,12 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "host/analysis/analysis_text.hpp"
+#include "host/base/clock.hpp"
 #include "host/base/exit_status.hpp"
 #include "host/base/format.hpp"
 #include "host/base/text.hpp"
@@ -17,8 +21,10 @@
 #include "host/device/backend.hpp"
 #include "host/result/energy.hpp"
 #include "host/run/run.hpp"
+#include "host/run/zoom.hpp"
 #include "host/scene/schemes.hpp"
 #include "host/scene_file/scene_file.hpp"
+#include "host/store/result_reader.hpp"
 #include "host/system/interruption.hpp"
 #include "host/system/output_file.hpp"
 
@@ -33,6 +39,8 @@ struct RunRequest {
   bool fresh = false, force = false;
   double checkpoint = 10;                                      // min between two checkpoints
   double most_wall = std::numeric_limits<double>::infinity();  // s
+  std::vector<std::string> zooms;
+  std::optional<double> zoom_rate;  // Hz
 };
 
 void show_run_progress(const Progress& p) {
@@ -144,6 +152,45 @@ int say_run_ending(const SceneOptions& common, const RunReport& report,
   }
 }
 
+void print_zoom(std::size_t number, const ZoomWindow& window, double rate,
+                const std::filesystem::path& output) {
+  const std::string shock =
+      window.shock
+          ? fmt::format("shock {}: {:.3g} N, {:.3g} us, from {:.6f} s on; ", window.shock->serial,
+                        window.shock->peak_force, window.shock->duration * 1e6, window.shock->start)
+          : "";
+  print_line(fmt::format("zoom {}", number).c_str(),
+             fmt::format("{}{:.6f} to {:.6f} s at {:g} MHz in {}", shock, window.begin, window.end,
+                         rate * 1e-6, printable(output.string())));
+}
+
+/// Runs the windows that were asked for, each to a file of its own beside that of the whole run.
+int run_zooms(const RunRequest& request, const Scene& scene, const ZoomRequest& zoom,
+              RunOptions options) {
+  const Clock::time_point begun = Clock::now();
+  const std::filesystem::path output = options.output;
+  const std::vector<ZoomWindow> windows =
+      zoom_windows(scene, zoom, ResultReader(output).contents().shocks);
+  const std::size_t strongest = windows.size() - zoom.shocks.size() - zoom.windows.size();
+  if (strongest < zoom.strongest && !request.common.quiet)
+    say(fmt::format("--zoom strongest={}: all shocks have room in {} window{}", zoom.strongest,
+                    strongest, strongest == 1 ? "" : "s"));
+  for (std::size_t i = 0; i < windows.size(); ++i) {
+    options.output = zoom_name(output, i + 1);
+    require_output(options.output, files_of(scene));
+    options.doubts = {};  // they have been told
+    options.most_wall = std::max(1e-3, request.most_wall - seconds_since(begun));
+    const Scene zoom_scene = zoomed(scene, windows[i], zoom.rate);
+    const RunReport report = run(zoom_scene, options);
+    if (options.progress) show({});
+    if (report.ending != Ending::there && report.ending != Ending::complete)
+      return say_run_ending(request.common, report, options.output);
+    if (!request.common.quiet)
+      print_zoom(i + 1, windows[i], zoom_scene.output.rate, options.output);
+  }
+  return exit_status::done;
+}
+
 int run_scene(RunRequest& request) {
   const CheckpointKeeper keeper;  // from here on SIGUSR1 ends nothing
   const SceneOptions& common = request.common;
@@ -164,6 +211,12 @@ int run_scene(RunRequest& request) {
   };
   if (shows_progress(common.quiet)) options.progress = show_run_progress;
 
+  const ZoomRequest zoom = zoom_request(request.zooms, request.zoom_rate);
+  if (!zoom.is_empty()) {
+    require_zoom(scene, zoom, output);
+    require_output(zoom_name(output, 1), files_of(scene));
+  }
+
   const Backend backend(common.threads, common.device);
   const RunReport report = run(scene, options);
   if (options.progress) show({});
@@ -171,9 +224,11 @@ int run_scene(RunRequest& request) {
     if (!common.quiet)
       print("{} has this run already, complete: nothing to do (--fresh runs it again)\n",
             printable(output.string()));
-    return exit_status::done;
+    return zoom.is_empty() ? exit_status::done : run_zooms(request, scene, zoom, options);
   }
   if (!common.quiet) print_report(scene, report, output);
+  if (report.ending == Ending::complete && !zoom.is_empty())
+    return run_zooms(request, scene, zoom, options);
   return say_run_ending(common, report, output);
 }
 
@@ -196,6 +251,18 @@ void add_run(CLI::App& app, ChosenCommand& chosen) {
                     "replace any file that is there, also the result of another run (of this one: "
                     "--fresh)");
   add_checkpoints(*command, request->checkpoint, request->most_wall);
+  command
+      ->add_option("--zoom", request->zooms,
+                   "also sample a window at 1 MHz, to OUT.zoom-1.h5: strongest=N for those around "
+                   "the N strongest shocks, shock=NUMBER, or BEGIN,END (s); may be repeated")
+      ->type_name("WINDOW")
+      ->take_all()
+      ->expected(1);
+  command
+      ->add_option("--zoom-rate", request->zoom_rate,
+                   "samples a second in such windows, up to 1e7 [1e6]")
+      ->type_name("HZ")
+      ->check(positive_number());
   command->callback([request, &chosen] {
     chosen.takes_checkpoints = true;
     chosen.run = [request] {

@@ -368,6 +368,7 @@ void fill(SceneState& state, const Model& model, const ModalStart& start, const 
   put(state.out.now.u, start.resonator_u, start.slider_u);
   put(state.out.now.v, start.resonator_v, start.slider_v);
   state.carried.energy.start = start.energy;
+  state.carried.sampling.next = model.first_sample;
   state.out.samples.capacity = n.samples;
   state.work.runs.capacity = n.runs();
   state.out.ended_shocks.capacity = n.shocks;

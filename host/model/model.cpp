@@ -69,6 +69,20 @@ void set_clock(Model& m) {
   m.samples = 1 + static_cast<std::int64_t>(intervals);
 }
 
+/// Lets the run end where its window ends. The clock stays, and so does its end, for the length of
+/// steps depends on what is left: so the motion is that of the whole run, bit for bit.
+void cut_to_window(Model& m) {
+  m.end = m.steps;
+  const std::vector<double>& window = m.scene.output.window;
+  if (window.size() != 2) return;
+  constexpr double forgiven = 1e-9;  // of a sample, for roundings
+  m.end = std::min<std::int64_t>(m.steps, std::llround(std::ceil(window[1] / m.tick - forgiven)));
+  const auto sample = [&](double ticks) { return ticks / m.steps_per_sample; };
+  m.samples = 1 + static_cast<std::int64_t>(sample(static_cast<double>(m.end)) + forgiven);
+  m.first_sample = std::min<std::int64_t>(
+      m.samples, std::llround(std::ceil(sample(window[0] / m.tick) * (1 - 1e-15) - forgiven)));
+}
+
 /// The largest of the lengths that an overlap is the difference of [m].
 double largest_height(const Model& m) {
   double size = std::abs(m.delta);
@@ -111,6 +125,7 @@ Model make_model(const Scene& scene) {
     set_clock(m);
   else
     count_steps(m);
+  cut_to_window(m);
   m.advance = scene.speed * m.tick / scene.spacing;
 
   if (scene.gap) {

@@ -24,10 +24,13 @@ struct Model {
   double advance = 0;                                   // per tick, in chi
   std::int64_t steps = 0;                               // ticks of the whole run
   double steps_per_sample = 0;                          // ticks; a power of two when adaptive
-  std::int64_t samples = 0;
+  std::int64_t end = 0;             // tick that it ends at: `steps`, or the end of output.window
+  std::int64_t samples = 0;         // until then, from t = 0 on
+  std::int64_t first_sample = 0;    // the first that is kept (output.window)
   std::vector<std::string> doubts;  // values that look wrong but may be intended
 
   int nodes() const { return static_cast<int>(slider_height.size()); }
+  std::int64_t kept_samples() const { return samples - first_sample; }
 };
 
 /// Builds bodies and surfaces and places the slider. Throws RequestError where they do not fit.

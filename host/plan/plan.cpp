@@ -163,7 +163,8 @@ void plan_strides(const Model& model, double omega_c, Plan& plan) {
            (drive + (nodes - 1) * more_share * order * n);
   };
   const auto wall = [&](double nanoseconds) {
-    return 1e-9 * (nanoseconds * scene.duration + sample_ns * static_cast<double>(model.samples));
+    return 1e-9 *
+           (nanoseconds * scene.duration + sample_ns * static_cast<double>(model.kept_samples()));
   };
   plan.seconds_free = wall(alone);
   plan.seconds_one = wall(std::max(alone, pressed(1)));
@@ -408,12 +409,18 @@ std::string size_text(double bytes) {
 double result_bytes(const Model& model) {
   constexpr double fixed_part = 60000;  // bytes: attributes, texts, the library's own
   const Scene& scene = model.scene;
-  const double columns =
-      1 + 2.0 * static_cast<double>(model.resonator.modes.size() + model.slider.modes.size()) + 2 +
-      2.0 * static_cast<double>(scene.output.probes.size() + scene.output.slider_probes.size()) + 6;
+  const bool has_modes = scene.output.modes == KeptModes::all;
+  const double columns =  // that are stored in the asked precision
+      (has_modes
+           ? 2.0 * static_cast<double>(model.resonator.modes.size() + model.slider.modes.size())
+           : 0.0) +
+      2.0 * static_cast<double>(scene.output.probes.size() + scene.output.slider_probes.size()) + 7;
+  constexpr double time_and_nodes = 2 * 8;  // bytes
+  const double row =
+      time_and_nodes + (scene.output.precision == Precision::real32 ? 4 : 8) * columns;
   const auto heights =
       static_cast<double>(model.resonator_height.size() + model.slider_height.size());
-  return 8 * (columns * static_cast<double>(model.samples) + 2 * heights) + fixed_part;
+  return row * static_cast<double>(model.kept_samples()) + 8 * 2 * heights + fixed_part;
 }
 
 Plan make_plan(const Model& model, std::size_t memory, const ModalStart& start) {
@@ -434,7 +441,7 @@ Plan make_plan(const Model& model, std::size_t memory, const ModalStart& start) 
   const double omega_c = spring ? contact_frequency(model, place) : 0.0;
   plan.contact_period = omega_c > 0 ? M_PI / omega_c : 0.0;
   plan.own.choice = choice_of(scene);
-  plan.samples = model.samples;
+  plan.samples = model.kept_samples();
   if (is_adaptive(scene))
     plan_strides(model, omega_c, plan);
   else

@@ -32,7 +32,7 @@ std::string fault_of(const Checkpoint& c, const Model& model, Outputs outputs) {
   const Accounts& a = c.accounts;
   std::int64_t samples = 0;
   for (const Segment& segment : c.segments) {
-    if (segment.samples < 0 || segment.samples > model.samples - samples)
+    if (segment.samples < 0 || segment.samples > model.kept_samples() - samples)
       return "its outputs have more samples than the run";
     samples += segment.samples;
   }
@@ -40,7 +40,7 @@ std::string fault_of(const Checkpoint& c, const Model& model, Outputs outputs) {
   if (a.now.step != c.state.values.step || a.now.status != Status::running ||
       a.now.shocks_begun != c.state.values.shocks.begun ||
       std::ssize(a.now.open_shocks) != c.state.values.shocks.open_count ||
-      a.begin.step > a.now.step || a.samples < 0 || a.samples > model.samples)
+      a.begin.step > a.now.step || a.samples < 0 || a.samples > model.kept_samples())
     return "its accounts and its state are of two moments";
   if (outputs == Outputs::kept && samples != a.samples)
     return "its outputs and its accounts do not agree";

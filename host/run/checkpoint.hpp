@@ -8,6 +8,7 @@
 
 #include "host/device/saved_state.hpp"
 #include "host/model/model.hpp"
+#include "host/run/run_watch.hpp"
 #include "host/run/simulation.hpp"
 #include "host/store/beside.hpp"
 #include "host/store/recording.hpp"
@@ -28,6 +29,7 @@ struct Checkpoint {
   Identity identity;
   SavedState state;
   Accounts accounts;
+  RunWatch::Seen seen;            // of a run that keeps its outputs
   double wall_seconds = 0;        // of the run until then
   std::vector<Segment> segments;  // of its outputs, all that it covers
 };

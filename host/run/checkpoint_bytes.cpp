@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
+#include <complex>
 #include <cstring>
 #include <string_view>
 #include <type_traits>
@@ -12,12 +13,13 @@ namespace ra2d {
 namespace {
 
 constexpr const char* kind = "ra2d checkpoint";
-constexpr std::uint32_t format = 1;
+constexpr std::uint32_t format = 2;
 
 // One list of members serves both ways: a Packer appends what it is shown, an Unpacker fills it.
 
 template <class T>
-concept Plain = std::is_arithmetic_v<T> || std::is_enum_v<T>;
+concept Plain =
+    std::is_arithmetic_v<T> || std::is_enum_v<T> || std::is_same_v<T, std::complex<double>>;
 
 class Packer {
  public:
@@ -136,6 +138,11 @@ void visit_members(Accounts& a, Archive& archive) {
   archive(a.samples, a.begin, a.now, a.energy, a.durations, a.forces, a.march_seconds);
 }
 template <class Archive>
+void visit_members(RunWatch::Seen& s, Archive& archive) {
+  archive(s.samples, s.level.filled, s.level.squares, s.level.shocks, s.tone.block, s.tone.rows,
+          s.tone.averages);
+}
+template <class Archive>
 void visit_members(Segment& s, Archive& archive) {
   archive(s.bytes, s.xxh3_128, s.samples, s.shocks);
 }
@@ -146,6 +153,7 @@ void visit_sections(Checkpoint& c, Visit&& visit) {
   visit("identity", c.identity);
   visit("state", c.state);
   visit("accounts", c.accounts);
+  visit("seen", c.seen);
   visit("time", c.wall_seconds);
   visit("outputs", c.segments);
 }

@@ -24,7 +24,10 @@ void require_disk_room(const Model& model, const std::filesystem::path& result, 
       fmt::format("cannot write '{}': {} samples (output.rate = {:g} Hz over {:g} s) would take "
                   "{}, and {} are free "
                   "on its disk: lower output.rate or scene.duration, or write elsewhere with -o",
-                  result.string(), model.samples, model.scene.output.rate, model.scene.duration,
+                  result.string(), model.kept_samples(), model.scene.output.rate,
+                  model.scene.output.window.empty()
+                      ? model.scene.duration
+                      : model.scene.output.window[1] - model.scene.output.window[0],
                   size_text(needed), size_text(free)));
 }
 

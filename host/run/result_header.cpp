@@ -48,6 +48,9 @@ ResultHeader result_header(const Model& model, const std::string& key) {
   header.resonator_height = model.resonator_height;
   header.slider_height = model.slider_height;
   header.spacing = model.scene.spacing;
+  header.modes = model.scene.output.modes;
+  header.precision = model.scene.output.precision;
+  header.compression = model.scene.output.compression;
   return header;
 }
 

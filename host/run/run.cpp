@@ -32,12 +32,12 @@ namespace {
 Progress progress_of(const SceneRun& run, std::int64_t first, double wall) {
   Progress progress;
   progress.time = run.time();
-  progress.duration = run.model().scene.duration;
+  progress.duration = static_cast<double>(run.model().end) * run.model().tick;
   progress.wall = wall;
   progress.steps_per_second =
       static_cast<double>(run.steps_made()) / std::max(1e-9, run.accounts().march_seconds);
   const auto step = static_cast<double>(run.accounts().now.step);
-  progress.left = wall * (static_cast<double>(run.model().steps) - step) /
+  progress.left = wall * (static_cast<double>(run.model().end) - step) /
                   std::max(1.0, step - static_cast<double>(first));
   return progress;
 }
@@ -110,7 +110,9 @@ class FiledRun {
         watch_{model, files.sink()},
         way_{std::move(model), std::move(start), {}, &watch_} {
     if (!before) return;
-    files.show_recorded(watch_);
+    if (before->seen.samples != static_cast<std::uint64_t>(before->accounts.samples))
+      throw std::invalid_argument("its intervals and its accounts are of two moments");
+    watch_.go_on(std::move(before->seen));
     way_.go_on(std::move(before->state), std::move(before->accounts));
   }
 
@@ -128,7 +130,8 @@ class FiledRun {
       }
       if (take_checkpoint_request() || !simulation.goes_on() ||
           files_.since_checkpoint() >= options_.checkpoint)
-        files_.keep(way_, simulation.save(way_), wall(), [&] { return summary_of(report()); });
+        files_.keep(
+            way_, simulation.save(way_), wall(), [&] { return summary_of(report()); }, &watch_);
     });
     memory_ = simulation.memory();
   }
@@ -229,10 +232,10 @@ RunReport run(const Scene& scene, const RunOptions& options) {
     tell(fmt::format("goes on from t = {:.6g} s, where its last checkpoint is",
                      static_cast<double>(before->accounts.now.step) * model.tick));
   if (options.doubts) options.doubts(model.doubts);
-  require_disk_room(
-      model, files.names().result,
-      before ? static_cast<double>(before->accounts.samples) / static_cast<double>(model.samples)
-             : 0.0);
+  require_disk_room(model, files.names().result,
+                    before ? static_cast<double>(before->accounts.samples) /
+                                 static_cast<double>(model.kept_samples())
+                           : 0.0);
   ModalStart start = make_start(model);
 
   const bool goes_on = before.has_value();

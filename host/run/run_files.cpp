@@ -54,13 +54,14 @@ double RunFiles::since_checkpoint() const {
 }
 
 void RunFiles::keep(const SceneRun& run, SavedState state, double wall,
-                    const std::function<ResultSummary()>& so_far) {
+                    const std::function<ResultSummary()>& so_far, const RunWatch* watch) {
   claimed_->hold();
   std::vector<Segment> segments;
   if (recording_) segments = recording_->close_segment(so_far(), start_after(run.accounts().now));
   const std::size_t count = segments.size();
-  write_checkpoint(*claimed_, {identity_of(key_, echo(run.model().scene)), std::move(state),
-                               run.accounts(), wall, std::move(segments)});
+  write_checkpoint(
+      *claimed_, {identity_of(key_, echo(run.model().scene)), std::move(state), run.accounts(),
+                  watch != nullptr ? watch->seen() : RunWatch::Seen{}, wall, std::move(segments)});
   vouched_ = count;
   has_checkpoint_ = true;
   kept_ = std::chrono::steady_clock::now();
@@ -77,12 +78,6 @@ bool RunFiles::can_go_on() const {
 double RunFiles::close(const ResultSummary& summary) {
   if (vouched_ > 0) claimed_->hold();  // for the last segment
   return recording_->close(summary);
-}
-
-void RunFiles::show_recorded(RunWatch& watch) {
-  if (!recording_) return;
-  recording_->each_block([&](const SampleBlock& samples) { watch.look_at(samples); },
-                         [&](const std::vector<Shock>& shocks) { watch.look_at(shocks); });
 }
 
 void RunFiles::remove_after_checkpoint() const { claimed_->remove_segments(vouched_ + 1); }

@@ -17,8 +17,6 @@
 /// The files of a run while it goes on: checkpoints, and its recorded data where that is kept.
 namespace ra2d {
 
-class RunWatch;
-
 class RunFiles {
  public:
   /// `output`: where the result goes, or would go if it were kept. `key`: run_key. Nothing is
@@ -39,18 +37,16 @@ class RunFiles {
   /// Takes what the run records; none where that is not kept.
   Sink* sink() { return sink_ ? &*sink_ : nullptr; }
 
-  /// Shows all that was recorded before this process went on with the run. Throws FileError.
-  void show_recorded(RunWatch& watch);
-
   /// s of wall time since the last checkpoint, or since the run began here.
   double since_checkpoint() const;
   bool has_checkpoint() const { return has_checkpoint_; }
   /// Whether the last checkpoint and all that it vouches for are there.
   bool can_go_on() const;
   /// Writes a checkpoint of a run between two launches, `wall` seconds after its start. The output
-  /// must be claimed. `so_far` gives the figures until now, for a segment. Throws FileError.
+  /// must be claimed. `so_far` gives the figures until now, for a segment; `watch` may be none.
+  /// Throws FileError.
   void keep(const SceneRun& run, SavedState state, double wall,
-            const std::function<ResultSummary()>& so_far);
+            const std::function<ResultSummary()>& so_far, const RunWatch* watch = nullptr);
 
   /// Finishes a result that is kept and gives it its name. Returns how long reading back took [s].
   double close(const ResultSummary& summary);

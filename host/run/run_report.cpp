@@ -147,6 +147,10 @@ ResultSummary summary_of(const RunReport& report) {
   } else {
     summary.energy_residual = summary.energy_turnover = summary.energy_closure;
   }
+  summary.lv_low = report.intervals.level.low;
+  summary.lv_high = report.intervals.level.high;
+  summary.shock_rate_low = report.intervals.shock_rate.low;
+  summary.shock_rate_high = report.intervals.shock_rate.high;
   summary.step_seconds = report.step_seconds();
   summary.wall_seconds = report.wall_seconds;
   summary.steps = static_cast<long>(report.steps);

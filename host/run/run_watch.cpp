@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace ra2d {
 namespace {
@@ -13,8 +14,9 @@ double rate_of(const Model& model) { return 1 / (model.steps_per_sample * model.
 
 /// The first sample from output.from on.
 std::size_t first_sample(const Model& model) {
-  return static_cast<std::size_t>(
-      std::ceil(std::max(0.0, model.scene.output.from * rate_of(model)) - 1e-6));
+  return std::max(static_cast<std::size_t>(model.first_sample),
+                  static_cast<std::size_t>(
+                      std::ceil(std::max(0.0, model.scene.output.from * rate_of(model)) - 1e-6)));
 }
 
 /// The number of samples that are counted.
@@ -27,6 +29,7 @@ std::size_t samples_of(const Model& model) {
 
 RunWatch::RunWatch(const Model& model, Sink* next)
     : next_{next},
+      first_{static_cast<std::uint64_t>(model.first_sample)},
       damping_{model.scene.resonator.damping},
       parts_{first_sample(model), samples_of(model), rate_of(model), model.resonator.modes.size()},
       tone_{std::abs(model.scene.speed) / model.scene.spacing, first_sample(model),
@@ -46,13 +49,19 @@ void RunWatch::take(const std::vector<Shock>& shocks) {
 }
 
 void RunWatch::look_at(const SampleBlock& samples) {
-  parts_.add_rows(samples_, samples.resonator_velocity);
-  tone_.add_rows(samples_, samples.resonator_velocity);
+  parts_.add_rows(first_ + samples_, samples.resonator_velocity);
+  tone_.add_rows(first_ + samples_, samples.resonator_velocity);
   samples_ += samples.time.size();
 }
 
 void RunWatch::look_at(const std::vector<Shock>& shocks) {
   for (const Shock& shock : shocks) parts_.add_shock(shock.start);
+}
+
+void RunWatch::go_on(Seen seen) {
+  samples_ = seen.samples;
+  parts_.go_on(std::move(seen.level));
+  tone_.go_on(std::move(seen.tone));
 }
 
 void RunWatch::add_to(RunReport& report, const std::vector<double>& mean_squares) const {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-#include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "host/analysis/level_history.hpp"
@@ -19,18 +19,28 @@ class RunWatch : public Sink {
 
   void take(const SampleBlock& samples) override;
   void take(const std::vector<Shock>& shocks) override;
-  /// Counts data that was passed on before, by an earlier process.
-  void look_at(const SampleBlock& samples);
-  void look_at(const std::vector<Shock>& shocks);
+  /// All that it has taken so far. A checkpoint keeps it: the file need not hold all of it.
+  struct Seen {
+    std::uint64_t samples = 0;
+    LevelParts::Sums level;
+    MeshToneWatch::Sums tone;
+  };
+  Seen seen() const { return {samples_, parts_.sums(), tone_.sums()}; }
+  /// Throws std::invalid_argument where that is of another run.
+  void go_on(Seen seen);
 
   /// `mean_squares`: of the resonator's modes.
   void add_to(RunReport& report, const std::vector<double>& mean_squares) const;
 
  private:
+  void look_at(const SampleBlock& samples);
+  void look_at(const std::vector<Shock>& shocks);
+
   Sink* next_;
+  std::uint64_t first_;              // sample of the run that is kept
   std::vector<double> frequencies_;  // Hz, of the resonator
   double damping_;
-  std::size_t samples_ = 0;  // looked at
+  std::uint64_t samples_ = 0;  // looked at
   LevelParts parts_;
   MeshToneWatch tone_;
 };

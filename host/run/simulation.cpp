@@ -121,7 +121,10 @@ bool SceneRun::over() const {
 
 std::int64_t SceneRun::target(std::int64_t ticks) const {
   const std::int64_t step = accounts_.now.step;
-  const std::int64_t next = step + std::min(ticks > 0 ? ticks : launch_.steps(), last_ - step);
+  std::int64_t next = step + std::min(ticks > 0 ? ticks : launch_.steps(), last_ - step);
+  // a sample at the end of a window takes a step that begins there, and one more where it stands
+  // between two
+  if (model_.end < model_.steps) next = std::min(next, std::max(model_.end, step) + 2);
   // statistics begin at the end of a launch
   return step < first_ ? std::min(next, first_) : next;
 }
@@ -143,9 +146,14 @@ void SceneRun::take(Batch& batch, int slot, double wanted) {
   const std::int64_t before = accounts_.now.step;
   accounts_.now = batch.snapshot(slot);
   if (before < first_) accounts_.begin = accounts_.now;
+  const std::int64_t kept = accounts_.samples + drained.samples;
+  if (accounts_.now.status == Status::running && accounts_.now.step >= model_.end &&
+      model_.end < model_.steps && kept >= model_.kept_samples())
+    accounts_.now.status = Status::done;
   launch_.took(accounts_.now.step - before, took, wanted);
 
-  const SampleBlock block = make_samples(model_, start_, drained, accounts_.samples);
+  const SampleBlock block =
+      make_samples(model_, start_, drained, model_.first_sample + accounts_.samples);
   accounts_.samples += drained.samples;
   accounts_.energy.add(block);
   if (sink_ != nullptr) sink_->take(block);

@@ -53,6 +53,11 @@ inline const Choices<SchemeKind> schemes{{{"explicit-euler", SchemeKind::explici
                                           {"adaptive", SchemeKind::adaptive}}};
 inline const Choices<ForceTime> force_times{
     {{"old", ForceTime::old_time}, {"new", ForceTime::new_time}}};
+inline const Choices<KeptModes> kept_modes{{{"all", KeptModes::all}, {"none", KeptModes::none}}};
+inline const Choices<Precision> precisions{
+    {{"double", Precision::real64}, {"float", Precision::real32}}};
+inline const Choices<Compression> compressions{
+    {{"none", Compression::none}, {"deflate", Compression::deflate}}};
 inline const Choices<Nodes> node_choices{{{"candidates", Nodes::candidates}, {"all", Nodes::all}}};
 
 }  // namespace ra2d

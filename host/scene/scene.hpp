@@ -115,11 +115,20 @@ struct TimeSettings {
   bool operator==(const TimeSettings&) const = default;
 };
 
+enum class KeptModes { all, none };
+enum class Precision { real64, real32 };
+enum class Compression { none, deflate };
+
 struct OutputSettings {
   double rate = 0;                    // Hz, samples at t_j = j / rate
   std::vector<double> probes;         // m, on the resonator
   std::vector<double> slider_probes;  // m, on the slider
   double from = 0;                    // s: level, energy balance and shock statistics begin here
+  std::vector<double> window;         // s, beginning and end of what is sampled; empty: all
+  // of what is sampled, in a file:
+  KeptModes modes = KeptModes::all;
+  Precision precision = Precision::real64;
+  Compression compression = Compression::none;
 };
 
 /// Its members are the sections of a scene's TOML, and those of [scene] itself.

@@ -75,15 +75,23 @@ Quantity young_of(const std::string& name, const BodySpec& body) {
   return {name + ".young", body.young, 1e11};
 }
 
+/// Whether there is a window, and one that can be.
+bool is_window_of(const Scene& s) {
+  const std::vector<double>& window = s.output.window;
+  return window.size() == 2 && window[0] >= 0 && window[0] < window[1] && window[1] <= s.duration;
+}
+
 /// More than a file could hold: a hundred terabytes of the fewest columns.
 void check_samples(const Scene& s, Document& document) {
   constexpr double most_samples = 1e11;
-  const double samples = s.duration * s.output.rate;
+  const bool is_window = is_window_of(s);
+  const double sampled = is_window ? s.output.window[1] - s.output.window[0] : s.duration;
+  const double samples = sampled * s.output.rate;
   if (samples > most_samples)
     document.fault(to_blame({{"output.rate", s.output.rate, 1e5}, duration_of(s)}),
                    fmt::format("{} Hz takes {:.3g} samples in {} s: expected at most {:g} samples "
                                "(a lower rate or a shorter duration)",
-                               s.output.rate, samples, s.duration, most_samples));
+                               s.output.rate, samples, sampled, most_samples));
 }
 
 /// With less than one sample a run, only that at t = 0 is taken. Far less is a slip.
@@ -322,6 +330,17 @@ void check_output(const Scene& s, Document& document) {
                    fmt::format("{} s is not before the end of the run, {} s: expected "
                                "a time from 0 to scene.duration",
                                s.output.from, s.duration));
+  if (!s.output.window.empty() && !is_window_of(s))
+    document.fault("output.window",
+                   fmt::format("[{}] s is no stretch of the run: expected two times in "
+                               "ascending order, from 0 to scene.duration, {} s",
+                               fmt::join(s.output.window, ", "), s.duration));
+  else if (!s.output.window.empty() &&
+           (s.output.window[1] - s.output.window[0]) * s.output.rate < 1)
+    document.fault("output.window",
+                   fmt::format("[{}] s has no room for two samples at output.rate, {} Hz: expected "
+                               "{:g} s or more",
+                               fmt::join(s.output.window, ", "), s.output.rate, 1 / s.output.rate));
   const auto check_places = [&](const char* key, const std::vector<double>& places,
                                 const char* body, double length) {
     for (std::size_t i = 0; i < places.size(); ++i)

@@ -406,7 +406,17 @@ const Keys<OutputSettings>& of_output() {
         "such places on the slider"},
        {"from", number(&O::from, not_negative, "s", 0.0), has_default<O>(),
         "level, shock statistics and the energy balance of the report begin here. Samples begin at "
-        "0 all the same"}}};
+        "0 all the same"},
+       {"window", numbers(&O::window, "s"), may_stand<O>("the whole run"),
+        "`[begin, end]`: samples are kept from begin on alone, and the run ends at end. "
+        "[`ra2d run --zoom`](results.md#zoom) makes scenes with it"},
+       {"modes", choice(&O::modes, kept_modes, KeptModes::all), may_stand<O>(),
+        "`\"none\"`: the file lacks displacement and velocity of each mode, most of its bytes, and "
+        "[what needs them](results.md#less-in-a-file)"},
+       {"precision", choice(&O::precision, precisions, Precision::real64), may_stand<O>(),
+        "of samples in the file. Everything is computed in double precision all the same"},
+       {"compression", choice(&O::compression, compressions, Compression::none), may_stand<O>(),
+        "of samples in the file, by HDF5, without loss"}}};
   return keys;
 }
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <sstream>
 #include <string_view>
 #include <system_error>
@@ -62,35 +63,62 @@ herr_t read_attribute(hid_t object, const char* name, const H5A_info_t*, void*) 
 }
 
 /// Hash, size and soundness of the numbers of a dataset.
-struct ReadNumbers {
-  std::string hash;
+class ReadNumbers {
+ public:
+  explicit ReadNumbers(hid_t dataset) {
+    const h5::Type stored{check(H5Dget_type(dataset))};
+    is_real_ = H5Tget_class(stored) == H5T_FLOAT;
+    type_ = h5::Type{check(H5Tget_native_type(stored, H5T_DIR_ASCEND))};
+    size_ = H5Tget_size(type_);
+    if (size_ != H5Tget_size(stored) || size_ > sizeof(double) ||
+        (is_real_ && size_ < sizeof(float)))
+      throw h5::Failure{"its numbers are of a type that ra2d does not write"};
+  }
+  hid_t type() const { return type_; }
+  std::size_t size() const { return size_; }  // bytes of a number
+  void add(const std::string& block) {
+    hash_.add(std::string_view{block});
+    bytes += static_cast<double>(block.size());
+    if (is_real_)
+      finite = finite && (size_ == sizeof(float) ? all<float>(block) : all<double>(block));
+  }
+  std::string hash() const { return hash_.text(); }
+
   double bytes = 0;
   bool finite = true;
-  void note(const std::vector<double>& block) {
-    bytes += static_cast<double>(block.size() * sizeof(double));
-    finite = finite && std::all_of(block.begin(), block.end(),
-                                   [](double number) { return std::isfinite(number); });
+
+ private:
+  template <class Number>
+  static bool all(const std::string& block) {
+    for (std::size_t at = 0; at + sizeof(Number) <= block.size(); at += sizeof(Number)) {
+      Number number;
+      std::memcpy(&number, block.data() + at, sizeof number);
+      if (!std::isfinite(number)) return false;
+    }
+    return true;
   }
+  h5::Type type_;
+  std::size_t size_ = 0;
+  bool is_real_ = false;
+  Hash hash_;
 };
 
-/// Block by block. `room`: bytes that the file has for them.
-ReadNumbers read_numbers(hid_t dataset, double room) {
-  ReadNumbers found;
+/// Block by block. `room`: bytes that the file has for them, of which it takes its own.
+ReadNumbers read_numbers(hid_t dataset, double& room) {
+  ReadNumbers found(dataset);
   const h5::Space space{check(H5Dget_space(dataset))};
   const int rank = check(H5Sget_simple_extent_ndims(space));
   std::vector<hsize_t> extent(static_cast<std::size_t>(rank));
   if (rank > 0) check(H5Sget_simple_extent_dims(space, extent.data(), nullptr));
-  double claimed = sizeof(double);
-  for (const hsize_t length : extent) claimed *= static_cast<double>(length);
-  if (!(claimed <= room))
+  double numbers = 1;
+  for (const hsize_t length : extent) numbers *= static_cast<double>(length);
+  if (!h5::takes_room(dataset, numbers, room))
     throw h5::Failure{"it should hold more numbers than the file has room for"};
-  Hash hash;
+  std::string block;
   if (rank == 0) {
-    double number = 0;
-    check(H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, &number));
-    hash.add(&number, 1);
-    found.note({number});
-    found.hash = hash.text();
+    block.resize(found.size());
+    check(H5Dread(dataset, found.type(), H5S_ALL, H5S_ALL, H5P_DEFAULT, block.data()));
+    found.add(block);
     return found;
   }
   hsize_t width = 1;  // numbers of a row
@@ -100,30 +128,27 @@ ReadNumbers read_numbers(hid_t dataset, double room) {
     width *= extent[axis];
   }
   const hsize_t at_once =
-      std::max<hsize_t>(1, checked_at_once / std::max<hsize_t>(width * sizeof(double), 1));
-  std::vector<double> block;
+      std::max<hsize_t>(1, checked_at_once / std::max<hsize_t>(width * found.size(), 1));
   for (hsize_t first = 0; width > 0 && first < extent[0]; first += at_once) {
     std::vector<hsize_t> start(extent.size(), 0), count = extent;
     start[0] = first;
     count[0] = std::min(at_once, extent[0] - first);
-    block.resize(count[0] * width);
+    block.resize(count[0] * width * found.size());
     const h5::Space memory{check(H5Screate_simple(rank, count.data(), nullptr))};
     check(H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr));
-    check(H5Dread(dataset, H5T_NATIVE_DOUBLE, memory, space, H5P_DEFAULT, block.data()));
-    hash.add(block.data(), block.size());
-    found.note(block);
+    check(H5Dread(dataset, found.type(), memory, space, H5P_DEFAULT, block.data()));
+    found.add(block);
   }
-  found.hash = hash.text();
   return found;
 }
 
 struct Reading {
   CheckedFile found;
-  hsize_t size = 0;  // bytes of the file
+  double room = 0;  // bytes of the file that no dataset has taken yet
 };
 
 herr_t read_object(hid_t file, const char* name, const H5O_info_t* info, void* data) {
-  auto& [found, size] = *static_cast<Reading*>(data);
+  auto& [found, room] = *static_cast<Reading*>(data);
   const std::string shown = printable(shortened(name, 80));
   try {
     const h5::Object object{check(H5Oopen(file, name, H5P_DEFAULT))};
@@ -131,14 +156,15 @@ herr_t read_object(hid_t file, const char* name, const H5O_info_t* info, void* d
     if (info->type != H5O_TYPE_DATASET) return 0;
     ++found.datasets;
     const h5::Type type{check(H5Dget_type(object))};
-    if (H5Tget_class(type) != H5T_FLOAT) return 0;  // texts carry no hash
+    const H5T_class_t kind = H5Tget_class(type);
+    if (kind != H5T_FLOAT && kind != H5T_INTEGER) return 0;  // texts carry no hash
     if (check(H5Aexists(object, "xxh3_128")) == 0) {
       found.faults.push_back(fmt::format("/{} has no hash", shown));
       return 0;
     }
-    const ReadNumbers numbers = read_numbers(object, static_cast<double>(size) - found.bytes);
+    const ReadNumbers numbers = read_numbers(object, room);
     found.bytes += numbers.bytes;
-    if (numbers.hash != text_of(object, "xxh3_128"))
+    if (numbers.hash() != text_of(object, "xxh3_128"))
       found.faults.push_back(fmt::format("/{} is damaged: its numbers have another hash", shown));
     else if (!numbers.finite)
       found.not_finite.push_back(shown);
@@ -155,7 +181,9 @@ CheckedFile read_objects(const std::filesystem::path& path) {
   try {
     const h5::Properties access = h5::file_access();
     const h5::File file{check(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access))};
-    check(H5Fget_filesize(file, &reading.size));
+    hsize_t size = 0;
+    check(H5Fget_filesize(file, &size));
+    reading.room = static_cast<double>(size);
     check(H5Ovisit2(file, H5_INDEX_NAME, H5_ITER_NATIVE, read_object, &reading, H5O_INFO_BASIC));
   } catch (const h5::Failure& failure) {
     reading.found.faults.push_back(

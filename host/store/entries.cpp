@@ -22,18 +22,25 @@ constexpr PerShock per_shock{
       shock.*member = static_cast<std::remove_reference_t<decltype(shock.*member)>>(value);
     }};
 
-constexpr const char* all_groups[] = {
-    "resonator", "slider", "contact", "probes",  "slider_probes",  "energy",
-    "shocks",    "level",  "summary", "surface", "surface/slider", "surface/resonator"};
-
-constexpr const char* groups_of_samples[] = {"resonator", "slider",        "contact",
-                                             "probes",    "slider_probes", "energy"};
+constexpr Group all_groups[] = {
+    {"resonator", "modes of the resonator, and their motion over the time", true},
+    {"slider", "modes of the slider, and their motion over the time", true},
+    {"contact", "contact of the faces over the time", true},
+    {"probes", "motion of the resonator at its probes over the time", true},
+    {"slider_probes", "motion of the slider at its probes over the time", true},
+    {"energy", "energies over the time, and works and losses since t = 0", true},
+    {"shocks", "shocks, in order of start"},
+    {"level", "vibration level of the resonator"},
+    {"summary", "figures of the report"},
+    {"surface", "profiles of the faces, as the run used them"},
+    {"surface/slider", "profile of the slider, positive towards the resonator"},
+    {"surface/resonator", "profile of the resonator, positive towards the slider"}};
 
 // clang-format off
 const Entry all_entries[] = {
     {"time", "s", "time", "time", "", &SampleBlock::time},
     {"resonator/mode", "1", "numbers of the resonator's modes, rigid ones first", "resonator/mode", "",
-     [](const ResultHeader& h) { return numbers(h.resonator.frequency.size()); }},
+     [](const ResultHeader& h) { return numbers(h.resonator.frequency.size()); }, Numbers::whole},
     {"resonator/position", "m", "places on the resonator from its left end", "resonator/position", "",
      [](const ResultHeader& h) { return h.resonator.position; }},
     {"resonator/frequency", "Hz", "natural frequencies of the resonator", "resonator/mode", "",
@@ -45,7 +52,7 @@ const Entry all_entries[] = {
     {"resonator/displacement", "m1.5", "modal displacements of the resonator", "time", "resonator/mode", &SampleBlock::resonator_displacement},
     {"resonator/velocity", "m1.5 s-1", "modal velocities of the resonator", "time", "resonator/mode", &SampleBlock::resonator_velocity},
     {"slider/mode", "1", "numbers of the slider's modes, rigid ones first", "slider/mode", "",
-     [](const ResultHeader& h) { return numbers(h.slider.frequency.size()); }},
+     [](const ResultHeader& h) { return numbers(h.slider.frequency.size()); }, Numbers::whole},
     {"slider/position", "m", "places on the slider from its left end", "slider/position", "",
      [](const ResultHeader& h) { return h.slider.position; }},
     {"slider/frequency", "Hz", "natural frequencies of the slider", "slider/mode", "",
@@ -57,7 +64,7 @@ const Entry all_entries[] = {
     {"slider/displacement", "m1.5", "modal displacements of the slider", "time", "slider/mode", &SampleBlock::slider_displacement},
     {"slider/velocity", "m1.5 s-1", "modal velocities of the slider", "time", "slider/mode", &SampleBlock::slider_velocity},
     {"contact/force", "N", "total normal contact force", "time", "", &SampleBlock::force},
-    {"contact/nodes", "1", "number of nodes in contact", "time", "", &SampleBlock::nodes},
+    {"contact/nodes", "1", "number of nodes in contact", "time", "", &SampleBlock::nodes, Numbers::whole},
     {"probes/position", "m", "positions of the probes on the resonator", "probes/position", "",
      [](const ResultHeader& h) { return h.probe_position; }},
     {"probes/displacement", "m", "displacements of the resonator at the probes", "time", "probes/position", &SampleBlock::probe_displacement},
@@ -72,17 +79,21 @@ const Entry all_entries[] = {
     {"energy/damping_loss", "J", "energy lost to damping since t = 0", "time", "", &SampleBlock::damping_loss},
     {"energy/sliding_work", "J", "work done by the imposed sliding since t = 0", "time", "", &SampleBlock::sliding_work},
     {"energy/load_work", "J", "work done by the loads since t = 0", "time", "", &SampleBlock::load_work},
-    {"shocks/start", "s", "starts of the shocks", "shocks/start", "", per_shock<&Shock::start>},
-    {"shocks/duration", "s", "durations of the shocks", "shocks/start", "", per_shock<&Shock::duration>},
-    {"shocks/peak_force", "N", "peak forces of the shocks", "shocks/start", "", per_shock<&Shock::peak_force>},
-    {"shocks/impulse", "N s", "impulses of the shocks", "shocks/start", "", per_shock<&Shock::impulse>},
-    {"shocks/position", "m", "positions of the shocks on the resonator, weighted by force", "shocks/start", "", per_shock<&Shock::position>},
-    {"shocks/serial", "1", "numbers of the shocks in the order of their starts", "shocks/start", "", per_shock<&Shock::serial>, true},
+    {"shocks/shock", "1", "numbers of the shocks in the order of their starts", "shocks/shock", "", per_shock<&Shock::serial>, Numbers::whole, "shocks/serial"},
+    {"shocks/start", "s", "starts of the shocks", "shocks/shock", "", per_shock<&Shock::start>},
+    {"shocks/duration", "s", "durations of the shocks", "shocks/shock", "", per_shock<&Shock::duration>},
+    {"shocks/peak_force", "N", "peak forces of the shocks", "shocks/shock", "", per_shock<&Shock::peak_force>},
+    {"shocks/impulse", "N s", "impulses of the shocks", "shocks/shock", "", per_shock<&Shock::impulse>},
+    {"shocks/position", "m", "positions of the shocks on the resonator, weighted by force", "shocks/shock", "", per_shock<&Shock::position>},
     {"level/v_rms", "m s-1", "root mean square velocity of the resonator's elastic motion, over its nodes and the run from output.from on", "", "", &ResultSummary::v_rms},
     {"level/lv", "dB", "vibration velocity level re 1e-9 m s-1, over the run from output.from on", "", "", &ResultSummary::lv},
     {"summary/lv", "dB", "vibration velocity level re 1e-9 m s-1", "", "", &ResultSummary::lv},
+    {"summary/lv_low", "dB", "lower end of the level's 95 % interval", "", "", &ResultSummary::lv_low},
+    {"summary/lv_high", "dB", "upper end of the level's 95 % interval", "", "", &ResultSummary::lv_high},
     {"summary/v_rms", "m s-1", "root mean square velocity of the resonator's elastic motion", "", "", &ResultSummary::v_rms},
     {"summary/shock_rate", "s-1", "shocks a second", "", "", &ResultSummary::shock_rate},
+    {"summary/shock_rate_low", "s-1", "lower end of the 95 % interval of the shocks a second", "", "", &ResultSummary::shock_rate_low},
+    {"summary/shock_rate_high", "s-1", "upper end of the 95 % interval of the shocks a second", "", "", &ResultSummary::shock_rate_high},
     {"summary/shock_duration_median", "s", "median of the shocks' durations, to 0.1 %", "", "", &ResultSummary::shock_duration_median},
     {"summary/shock_duration_90", "s", "what 90 % of the shocks' durations do not exceed, to 0.1 %", "", "", &ResultSummary::shock_duration_90},
     {"summary/peak_force_median", "N", "median of the shocks' peak forces, to 0.1 %", "", "", &ResultSummary::peak_force_median},
@@ -108,8 +119,22 @@ const Entry all_entries[] = {
 }  // namespace
 
 std::span<const Entry> entries() { return all_entries; }
-std::span<const char* const> groups() { return all_groups; }
-std::span<const char* const> sampled_groups() { return groups_of_samples; }
+std::span<const Group> groups() { return all_groups; }
+
+bool Entry::is_modal() const {
+  return is_sampled() && std::string_view{columns}.ends_with("/mode");
+}
+
+bool is_kept(const Entry& entry, const ResultHeader& header) {
+  return !(entry.is_modal() && header.modes == KeptModes::none);
+}
+
+Stored stored_in(const Entry& entry, const ResultHeader& header) {
+  if (entry.numbers == Numbers::whole) return Stored::integer64;
+  const bool is_time = std::string_view{entry.path} == "time";  // a float cannot tell its samples
+  return entry.is_sampled() && !is_time && header.precision == Precision::real32 ? Stored::real32
+                                                                                 : Stored::real64;
+}
 
 std::size_t column_count(const Entry& entry, const ResultHeader& header) {
   for (const Entry& scale : all_entries)

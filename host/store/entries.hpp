@@ -13,7 +13,10 @@
 namespace ra2d {
 
 /// Raised when a sampled dataset comes, or when any changes its meaning or goes.
-inline constexpr std::int64_t file_format = 2;
+inline constexpr std::int64_t file_format = 3;
+/// The oldest format that is read. In format 2 the scale of the shocks is their start, counts are
+/// stored as doubles, and groups have no description.
+inline constexpr std::int64_t oldest_format = 2;
 
 // Where the numbers of a dataset come from, which also says when they are written.
 using Fixed = std::vector<double> (*)(const ResultHeader&);  // at the start, (rows, columns)
@@ -24,24 +27,45 @@ struct PerShock {                                            // one row a shock
 };
 using Final = double ResultSummary::*;  // at the end, scalar; NaN: left out
 
+/// How the numbers of a dataset stand in a file. In memory they are doubles.
+enum class Stored { real64, real32, integer64 };
+
+/// Whether a dataset counts or measures.
+enum class Numbers { real, whole };
+
 /// One dataset.
 struct Entry {
   const char *path, *units, *long_name;
   const char *rows, *columns;  // the scales of its axes; a scale is its own; "" where there is none
   std::variant<Fixed, Sampled, PerShock, Final> source;
-  bool is_new = false;  // results of older programs may lack it
+  Numbers numbers = Numbers::real;
+  const char* old_path = nullptr;  // in files of format 2, which may lack it
 
   bool has_columns() const { return *columns != '\0'; }
+  bool is_sampled() const { return std::holds_alternative<Sampled>(source); }
+  /// Whether it has a column for each mode of a body, which output.modes = "none" leaves out.
+  bool is_modal() const;
+  const char* path_in(std::int64_t format) const {
+    return format < file_format && old_path != nullptr ? old_path : path;
+  }
 };
 
 /// In the order readers list them. Scales come before the datasets that use them.
 std::span<const Entry> entries();
 
-/// Their groups, each after the one that it is in.
-std::span<const char* const> groups();
+struct Group {
+  const char *path, *description;
+  bool is_sampled = false;  // it has the time, so that it can be read alone
+};
 
-/// The groups of samples: each has the time, so that it can be read alone.
-std::span<const char* const> sampled_groups();
+/// Their groups, each after the one that it is in.
+std::span<const Group> groups();
+
+/// Whether the file of a header has the dataset.
+bool is_kept(const Entry& entry, const ResultHeader& header);
+
+/// How it stands there.
+Stored stored_in(const Entry& entry, const ResultHeader& header);
 
 /// The source of the entry's numbers if it is of this kind, else null.
 template <class Source>

@@ -60,6 +60,17 @@ Properties file_access() {
   return access;
 }
 
+bool takes_room(hid_t dataset, double numbers, double& room) {
+  constexpr double most_deflated = 1032;  // bytes from one: no more can be had of deflate
+  const Properties creation{check(H5Dget_create_plist(dataset))};
+  const Type type{check(H5Dget_type(dataset))};
+  const double bytes = numbers * static_cast<double>(H5Tget_size(type));
+  const bool is_packed = check(H5Pget_nfilters(creation)) > 0;
+  const double stored = is_packed ? static_cast<double>(H5Dget_storage_size(dataset)) : bytes;
+  room -= stored;
+  return room >= 0 && (!is_packed || bytes <= most_deflated * stored);
+}
+
 Properties ordered(hid_t kind) {
   Properties properties{check(H5Pcreate(kind))};
   constexpr unsigned order = H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED;

@@ -82,6 +82,10 @@ std::unique_lock<std::mutex> take_library();
 /// How files are opened, to be written and to be read back.
 Properties file_access();
 
+/// Whether `room` bytes of a file can hold so many numbers of a dataset. Takes theirs from it.
+/// Throws Failure.
+bool takes_room(hid_t dataset, double numbers, double& room);
+
 /// Properties for the creation of files, groups or datasets (H5P_FILE_CREATE, ...) whose parts are
 /// listed in the order in which they were made.
 Properties ordered(hid_t kind);

@@ -33,7 +33,7 @@ void read_all(Table& table, const std::vector<hsize_t>& extent) {
   std::vector<double> rows(1);
   if (extent.empty()) {
     check(H5Dread(table.dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, rows.data()));
-    return table.hash.add(rows.data(), 1);
+    return table.add_to_hash(rows.data(), 1);
   }
   if (extent.size() == 2) table.width = extent[1];
   // whole chunks
@@ -43,7 +43,7 @@ void read_all(Table& table, const std::vector<hsize_t>& extent) {
     const hsize_t count = std::min(at_once, extent[0] - first);
     rows.resize(count * table.width);
     table.read(first, count, rows.data());
-    table.hash.add(rows.data(), rows.size());
+    table.add_to_hash(rows.data(), rows.size());
   }
 }
 
@@ -58,14 +58,19 @@ void read_back(const std::filesystem::path& path, const GivenContent& given) {
   h5::File file{check(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access))};
   for (const h5::GivenAttribute& attribute : given.attributes)
     require_as_given(h5::holds(file, attribute));
+  for (const auto& [path_of_group, attribute] : given.of_groups) {
+    const h5::Group group{check(H5Gopen2(file, path_of_group.c_str(), H5P_DEFAULT))};
+    require_as_given(h5::holds(group, attribute));
+  }
 
   // Every number is read once: HDF5 may put them where they are wanted, without a copy of its own.
   const h5::Properties once{check(H5Pcreate(H5P_DATASET_ACCESS))};
   check(H5Pset_chunk_cache(once, 0, 0, 1));
   for (const GivenContent::Dataset& one : given.datasets) {
-    Table table{one.entry, h5::Dataset{check(H5Dopen2(file, one.entry->path, once))}, 1, {}};
+    Table table{one.entry, h5::Dataset{check(H5Dopen2(file, one.entry->path, once))}, 1,
+                one.stored};
     const h5::Type type{check(H5Dget_type(table.dataset))};
-    require_as_given(check(H5Tequal(type, H5T_IEEE_F64LE)) > 0);
+    require_as_given(check(H5Tequal(type, file_type(one.stored))) > 0);
     const h5::Space space{check(H5Dget_space(table.dataset))};
     std::vector<hsize_t> extent(check(H5Sget_simple_extent_ndims(space)));
     check(H5Sget_simple_extent_dims(space, extent.data(), nullptr));

@@ -3,6 +3,8 @@
 #include <hdf5.h>
 
 #include <filesystem>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "host/store/attributes.hpp"
@@ -14,10 +16,12 @@ namespace ra2d {
 struct GivenContent {
   struct Dataset {
     const Entry* entry;
+    Stored stored;
     std::vector<hsize_t> extent;
     std::vector<h5::GivenAttribute> attributes;  // among them the hash of its numbers
   };
-  std::vector<h5::GivenAttribute> attributes;  // of the file
+  std::vector<h5::GivenAttribute> attributes;                         // of the file
+  std::vector<std::pair<std::string, h5::GivenAttribute>> of_groups;  // by path
   std::vector<Dataset> datasets;
 };
 

@@ -45,16 +45,15 @@ class Recording {
   /// segment. Returns all segments.
   const std::vector<Segment>& close_segment(const ResultSummary& so_far, const SegmentStart& next);
 
-  /// Hands on what the segments hold that are closed, in order.
-  void each_block(const std::function<void(const SampleBlock&)>& samples,
-                  const std::function<void(const std::vector<Shock>&)>& shocks);
-
   /// Finishes the result and gives it its name; the segments stay. Returns how long reading back
   /// took [s].
   double close(const ResultSummary& summary);
 
  private:
   void begin();
+  /// Hands on what the segments hold that are closed, in order.
+  void each_block(const std::function<void(const SampleBlock&)>& samples,
+                  const std::function<void(const std::vector<Shock>&)>& shocks);
   /// Adds a segment, and keeps its file.
   void add(Segment segment, std::unique_ptr<InputFile> file);
   /// Writes segment `i`, from 0, once more where it is gone from its folder.

@@ -72,7 +72,8 @@ std::int64_t number_attribute(hid_t file, const char* name) {
 /// The extent of a dataset of numbers.
 std::vector<hsize_t> extent_of(hid_t dataset, const char* path) {
   const h5::Type type{check(H5Dget_type(dataset))};
-  if (H5Tget_class(type) != H5T_FLOAT) throw Fault{fmt::format("/{} holds no numbers", path)};
+  if (const H5T_class_t kind = H5Tget_class(type); kind != H5T_FLOAT && kind != H5T_INTEGER)
+    throw Fault{fmt::format("/{} holds no numbers", path)};
   const h5::Space space{check(H5Dget_space(dataset))};
   std::vector<hsize_t> extent(check(H5Sget_simple_extent_ndims(space)));
   check(H5Sget_simple_extent_dims(space, extent.data(), nullptr));
@@ -80,20 +81,30 @@ std::vector<hsize_t> extent_of(hid_t dataset, const char* path) {
 }
 
 /// Whether every dataset is there, and as long as its axes. All together they hold no more numbers
-/// than the file has room for: nothing in it is compressed, and nothing left out.
-void require_shapes(hid_t file, double room) {
+/// than a file of `room` bytes can. Returns whether the modes' motion is among them: all of it or
+/// nothing.
+bool require_shapes(hid_t file, std::int64_t format, double room) {
   std::map<std::string_view, hsize_t> length;  // of the scales
+  const bool has_modes = !has(file, "resonator") || has(file, "resonator/velocity");
   for (const Entry& entry : entries()) {
-    const bool is_scale = std::string_view{entry.rows} == entry.path;
-    if ((source_of<Final>(entry) || entry.is_new) && !has(file, entry.path))
-      continue;  // there was none
-    const h5::Dataset dataset{H5Dopen2(file, entry.path, H5P_DEFAULT)};
+    const char* const path = entry.path_in(format);
+    const bool may_be_missing =
+        source_of<Final>(entry) || (entry.is_modal() && !has_modes) || path == entry.old_path;
+    if (may_be_missing && !has(file, path)) continue;  // there was none
+    if (entry.is_modal() && !has_modes)
+      throw Fault{fmt::format("/{} is there, and /resonator/velocity is not", path)};
+    const h5::Dataset dataset{H5Dopen2(file, path, H5P_DEFAULT)};
     if (!dataset.is_open()) {
       h5::require_undamaged();
-      throw Fault{fmt::format("/{} is missing", entry.path)};
+      throw Fault{fmt::format("/{} is missing", path)};
     }
-    const std::vector<hsize_t> extent = extent_of(dataset, entry.path);
-    if (is_scale && extent.size() == 1) length[entry.path] = extent[0];
+    const std::vector<hsize_t> extent = extent_of(dataset, path);
+    const h5::Type type{check(H5Dget_type(dataset))};
+    if (H5Tget_class(type) !=
+        (entry.numbers == Numbers::whole && format >= file_format ? H5T_INTEGER : H5T_FLOAT))
+      throw Fault{fmt::format("/{} holds numbers of another type", path)};
+    // a scale comes first and says how long its axis is; format 2 may have no shocks/serial
+    if (extent.size() == 1) length.try_emplace(entry.rows, extent[0]);
     std::vector<hsize_t> expected;
     double numbers = 1;
     for (const std::string_view scale : {entry.rows, entry.columns})
@@ -102,13 +113,12 @@ void require_shapes(hid_t file, double room) {
         numbers *= static_cast<double>(expected.back());
       }
     if (extent != expected)
-      throw Fault{fmt::format("/{} is of the shape ({}), its axes of ({})", entry.path,
+      throw Fault{fmt::format("/{} is of the shape ({}), its axes of ({})", path,
                               fmt::join(extent, ", "), fmt::join(expected, ", "))};
-    room -= numbers;
-    if (!(room >= 0))
-      throw Fault{
-          fmt::format("/{} should hold more numbers than the file has room for", entry.path)};
+    if (!h5::takes_room(dataset, numbers, room))
+      throw Fault{fmt::format("/{} should hold more numbers than the file has room for", path)};
   }
+  return has_modes;
 }
 
 /// Missing values read as NaN, and a run writes finite numbers alone.
@@ -139,16 +149,17 @@ void require_serials(const std::vector<double>& serials, const char* path) {
   }
 }
 
-std::vector<Shock> shocks_of(hid_t file) {
+std::vector<Shock> shocks_of(hid_t file, std::int64_t format) {
   std::vector<Shock> shocks;
   bool numbered = false;
   for (const Entry& entry : entries())
     if (const PerShock* member = source_of<PerShock>(entry)) {
-      if (entry.is_new && !has(file, entry.path)) continue;
-      const std::vector<double> values = all_of(file, entry.path);
-      require_finite(values, entry.path);
-      if (entry.is_new) {
-        require_serials(values, entry.path);
+      const char* const path = entry.path_in(format);
+      if (path == entry.old_path && !has(file, path)) continue;
+      const std::vector<double> values = all_of(file, path);
+      require_finite(values, path);
+      if (entry.numbers == Numbers::whole) {
+        require_serials(values, path);
         numbered = true;
       }
       shocks.resize(values.size());
@@ -186,7 +197,7 @@ double rate_of(const std::vector<double>& time) {
   return std::abs(rate - whole) < 1e-9 * rate ? whole : rate;
 }
 
-ResultContents contents_of(hid_t file) {
+ResultContents contents_of(hid_t file, std::int64_t format) {
   ResultContents contents;
   contents.scene = text_attribute(file, "scene");
   contents.origin = fmt::format("ra2d {} ({}), started {}", text_attribute(file, "version"),
@@ -197,13 +208,14 @@ ResultContents contents_of(hid_t file) {
   const std::vector<double> time = all_of(file, "time");
   contents.samples = time.size();
   contents.rate = rate_of(time);
+  contents.start = time.empty() ? quiet_nan : time.front();
   contents.end = time.empty() ? quiet_nan : time.back();
   contents.resonator_frequency = all_of(file, "resonator/frequency");
   contents.slider_frequency = all_of(file, "slider/frequency");
   contents.mean_square = all_of(file, "resonator/mean_square");
   contents.probe_position = all_of(file, "probes/position");
   contents.slider_probe_position = all_of(file, "slider_probes/position");
-  contents.shocks = shocks_of(file);
+  contents.shocks = shocks_of(file, format);
   contents.summary = summary_of(file);
   if (const std::string what = implausible(contents); !what.empty()) throw Fault{what};
   return contents;
@@ -220,9 +232,10 @@ h5::File open(const std::filesystem::path& path, Bytes bytes) {
   if (check(H5Aexists(file, "creator")) == 0 || text_attribute(file, "creator") != "ra2d" ||
       check(H5Aexists(file, "format")) == 0)
     throw Fault{"it is no result of ra2d: expected a file that 'ra2d run' wrote"};
-  if (const std::int64_t format = number_attribute(file, "format"); format != file_format)
+  if (const std::int64_t format = number_attribute(file, "format");
+      format < oldest_format || format > file_format)
     throw Fault{fmt::format(
-        "its format is {}, and this program reads {}: {}", format, file_format,
+        "its format is {}, and this program reads {} to {}: {}", format, oldest_format, file_format,
         format > file_format ? "a newer ra2d wrote it" : "run its scene again with this program")};
   return file;
 }
@@ -297,8 +310,10 @@ ResultReader::ResultReader(const std::filesystem::path& path, Bytes bytes)
     try {
       hsize_t size = 0;
       check(H5Fget_filesize(impl_->file, &size));
-      require_shapes(impl_->file, static_cast<double>(size) / sizeof(double));
-      impl_->contents = contents_of(impl_->file);
+      const std::int64_t format = number_attribute(impl_->file, "format");
+      const bool has_modes = require_shapes(impl_->file, format, static_cast<double>(size));
+      impl_->contents = contents_of(impl_->file, format);
+      impl_->contents.has_modes = has_modes;
     } catch (...) {
       impl_->file = {};  // closed under the watch, too
       throw;
@@ -314,9 +329,19 @@ ResultReader::~ResultReader() {
 
 const ResultContents& ResultReader::contents() const { return impl_->contents; }
 
+void ResultReader::require_modes() const {
+  if (contents().has_modes) return;
+  throw RequestError(
+      fmt::format("'{}' has no motion of the modes: its scene has output.modes = \"none\". Run it "
+                  "again with --set output.modes=all",
+                  impl_->path.string()));
+}
+
 std::vector<std::vector<double>> ResultReader::columns(const char* dataset, std::size_t first,
                                                        std::size_t rows, std::size_t column,
                                                        std::size_t count) const {
+  for (const Entry& entry : entries())
+    if (entry.path == std::string_view{dataset} && entry.is_modal()) require_modes();
   std::vector<std::vector<double>> found(count, std::vector<double>(rows));
   guarded(impl_->path, [&] {
     const h5::Dataset data{check(H5Dopen2(impl_->file, dataset, H5P_DEFAULT))};
@@ -343,8 +368,8 @@ SampleBlock ResultReader::samples(std::size_t first, std::size_t count) const {
   guarded(impl_->path, [&] {
     for (const Entry& entry : entries())
       if (const Sampled* member = source_of<Sampled>(entry)) {
-        Table table{
-            &entry, h5::Dataset{check(H5Dopen2(impl_->file, entry.path, H5P_DEFAULT))}, 1, {}};
+        if (entry.is_modal() && !contents().has_modes) continue;
+        Table table{&entry, h5::Dataset{check(H5Dopen2(impl_->file, entry.path, H5P_DEFAULT))}};
         const std::vector<hsize_t> extent = extent_of(table.dataset, entry.path);
         if (entry.has_columns()) table.width = extent.back();
         std::vector<double>& rows = block.**member;

@@ -15,13 +15,14 @@ namespace ra2d {
 
 /// All that a result file holds but its samples.
 struct ResultContents {
-  std::string scene;         // TOML text of the scene
-  std::string key;           // of the run; empty in files of older programs
-  std::string origin;        // "ra2d 0.1 (commit), started ...": what wrote it, and when
-  std::string beyond_limit;  // empty where the step held
-  std::size_t samples = 0;   // T
-  double rate = 0;           // Hz, of the samples; NaN of fewer than two
-  double end = 0;            // s, time of the last sample; NaN of none
+  std::string scene;          // TOML text of the scene
+  std::string key;            // of the run; empty in files of older programs
+  std::string origin;         // "ra2d 0.1 (commit), started ...": what wrote it, and when
+  std::string beyond_limit;   // empty where the step held
+  std::size_t samples = 0;    // T
+  double rate = 0;            // Hz, of the samples; NaN of fewer than two
+  double start = 0, end = 0;  // s, times of the first and of the last sample; NaN of none
+  bool has_modes = true;      // whether the modes' motion is in it (output.modes)
   std::vector<double> resonator_frequency, slider_frequency;  // Hz, 0 of rigid modes
   std::vector<double> mean_square;            // 1/m, of the resonator's elastic modes
   std::vector<double> probe_position;         // m, on the resonator
@@ -69,9 +70,11 @@ class ResultReader {
 
   const ResultContents& contents() const;
 
+  /// Throws RequestError where the motion of the modes is not in the file.
+  void require_modes() const;
   /// Samples of a dataset, e.g. "resonator/velocity": of `rows` samples from `first` on, `count` of
   /// its columns from `column` on, each in a vector of its own. Takes the memory of these, and a
-  /// block.
+  /// block. Throws as require_modes where the dataset is of the modes.
   std::vector<std::vector<double>> columns(const char* dataset, std::size_t first, std::size_t rows,
                                            std::size_t column, std::size_t count) const;
   /// All that was recorded of `count` samples from `first` on.

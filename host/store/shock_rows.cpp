@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <string_view>
 
 #include "host/store/read_back.hpp"
 
@@ -15,7 +16,10 @@ namespace {
 class ShockWindow {
  public:
   explicit ShockWindow(const std::vector<Table>& tables)
-      : tables_{tables}, columns_(tables.size()), row_(tables.size()) {}
+      : tables_{tables}, columns_(tables.size()), row_(tables.size()) {
+    for (std::size_t k = 0; k < tables.size(); ++k)
+      if (tables[k].entry->path == std::string_view{"shocks/start"}) start_ = k;
+  }
 
   void read(hsize_t first, hsize_t rows) {
     for (std::size_t k = 0; k < tables_.size(); ++k) {
@@ -29,7 +33,7 @@ class ShockWindow {
   }
   std::size_t rows() const { return columns_.front().size(); }
   const double* column(std::size_t k) const { return columns_[k].data(); }
-  double start(std::size_t row) const { return columns_.front()[row]; }  // the first entry
+  double start(std::size_t row) const { return columns_[start_][row]; }
   bool is_full(std::size_t row) const { return !std::isnan(start(row)); }
   void put(std::size_t row, const Shock& shock) {
     for (std::size_t k = 0; k < tables_.size(); ++k)
@@ -55,6 +59,7 @@ class ShockWindow {
   const std::vector<Table>& tables_;
   std::vector<std::vector<double>> columns_;  // of tables_
   std::vector<double> row_;
+  std::size_t start_ = 0;  // the column of the starts
 };
 
 }  // namespace
@@ -121,7 +126,7 @@ void ShockRows::close_holes() {
       last = window.start(row);
     }
     for (std::size_t k = 0; k < tables_.size(); ++k)
-      tables_[k].hash.add(window.column(k), window.rows());
+      tables_[k].add_to_hash(window.column(k), window.rows());
     if (kept != first || window.rows() != count) window.write(kept);
     kept += window.rows();
   }

@@ -60,7 +60,7 @@ ResultFile::Impl::Impl(const std::filesystem::path& path, const ResultHeader& he
   constexpr std::size_t bytes = 4096 * 1024;  // of a buffer
   std::size_t row_bytes = 0;
   for (const Entry& entry : entries())
-    if (source_of<Sampled>(entry)) {
+    if (entry.is_sampled() && is_kept(entry, header)) {
       filling_.columns.push_back({&entry, column_count(entry, header), {}});
       row_bytes += filling_.columns.back().width * sizeof(double);
     }

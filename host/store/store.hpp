@@ -5,9 +5,11 @@
 #include <string>
 #include <vector>
 
+#include "host/base/quiet_nan.hpp"
 #include "host/result/mean_squares.hpp"
 #include "host/result/noise_figures.hpp"
 #include "host/result/record.hpp"
+#include "host/scene/scene.hpp"
 #include "host/system/input_file.hpp"
 
 /// The result file (docs/results.md).
@@ -39,6 +41,10 @@ struct ResultHeader {
   std::vector<double> probe_position, slider_probe_position;  // m; either may be empty
   std::vector<double> resonator_height, slider_height;        // m, the profiles used
   double spacing = 0;                                         // m, chi
+  // of what is sampled
+  KeptModes modes = KeptModes::all;
+  Precision precision = Precision::real64;
+  Compression compression = Compression::none;
   SegmentStart segment;
 };
 
@@ -46,7 +52,10 @@ struct ResultHeader {
 struct ResultSummary : NoiseFigures {
   double energy_residual = 0, energy_turnover = 0;  // J
   double energy_closure = 0;                        // residual over turnover, its size
-  double step_seconds = 0;                          // of wall time, a step
+  // bounds of 95 % intervals (IntervalsOfRun)
+  double lv_low = quiet_nan, lv_high = quiet_nan;                  // dB
+  double shock_rate_low = quiet_nan, shock_rate_high = quiet_nan;  // 1/s
+  double step_seconds = 0;                                         // of wall time, a step
   double wall_seconds = 0;
   long steps = 0;
   bool complete = true;  // false: cut short

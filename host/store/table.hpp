@@ -19,20 +19,29 @@ struct Table {
   const Entry* entry = nullptr;
   h5::Dataset dataset;
   hsize_t width = 1;
-  Hash hash;                                // of the rows that were given
+  Stored stored = Stored::real64;
+  bool is_compressed = false;
+  Hash hash{};                              // of the rows that were given, as they are stored
   std::vector<h5::GivenAttribute> given{};  // its attributes
 
   void give(h5::GivenAttribute attribute);
+  void add_to_hash(const double* data, std::size_t count);
   void resize(hsize_t rows) const;
   /// Writes rows of a dataset that grows. Whole chunks bypass HDF5's cache.
   void write(hsize_t first, hsize_t rows, const double* data) const;
   void read(hsize_t first, hsize_t rows, double* data) const;
+  /// Writes all the numbers of a dataset that does not grow.
+  void write_all(const double* data) const;
 
  private:
   std::pair<h5::Space, h5::Space> select(hsize_t first, hsize_t rows) const;
 };
 
+/// The type of stored numbers in a file.
+hid_t file_type(Stored stored);
+
 /// Makes the dataset of an entry with its scales, units and name. It has `rows` rows for now.
-Table make_table(hid_t file, const Entry& entry, hsize_t rows, hsize_t columns);
+Table make_table(hid_t file, const Entry& entry, const ResultHeader& header, hsize_t rows,
+                 hsize_t columns);
 
 }  // namespace ra2d

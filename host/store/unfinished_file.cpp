@@ -24,10 +24,6 @@ using h5::check;
 
 constexpr std::size_t least_slack = 4096 * 1024;  // bytes
 
-void write_all(const Table& table, const double* data) {
-  check(H5Dwrite(table.dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, data));
-}
-
 }  // namespace
 
 /// Runs what calls HDF5: whatever goes wrong, nothing is left on the disk.
@@ -81,29 +77,34 @@ void UnfinishedFile::describe(const ResultHeader& header) {
 
 void UnfinishedFile::make_datasets(const ResultHeader& header) {
   const h5::Properties creation = h5::ordered(H5P_GROUP_CREATE);
-  for (const char* path : groups()) {
-    h5::Group group{check(H5Gcreate2(file_, path, H5P_DEFAULT, creation, H5P_DEFAULT))};
+  for (const Group& one : groups()) {
+    h5::Group group{check(H5Gcreate2(file_, one.path, H5P_DEFAULT, creation, H5P_DEFAULT))};
+    const h5::GivenAttribute description{"description", one.description};
+    h5::set_attribute(group, description);
+    given_.of_groups.emplace_back(one.path, description);
     h5::close(group);
   }
   shocks_.begin(header.segment);
   for (const Entry& entry : entries()) {
+    if (!is_kept(entry, header)) continue;
     const hsize_t columns = column_count(entry, header);
     if (const Fixed* fixed = source_of<Fixed>(entry)) {
       const std::vector<double> data = (*fixed)(header);
       const hsize_t rows = data.size() / std::max<hsize_t>(columns, 1);
-      Table table = make_table(file_, entry, rows, columns);
-      table.hash.add(data.data(), data.size());
-      if (!data.empty()) write_all(table, data.data());
+      Table table = make_table(file_, entry, header, rows, columns);
+      table.add_to_hash(data.data(), data.size());
+      if (!data.empty()) table.write_all(data.data());
       close(table, rows);
     } else if (source_of<Sampled>(entry)) {
-      samples_.push_back(make_table(file_, entry, 0, columns));
+      samples_.push_back(make_table(file_, entry, header, 0, columns));
     } else if (source_of<PerShock>(entry)) {
-      shocks_.add(make_table(file_, entry, 0, columns));
+      shocks_.add(make_table(file_, entry, header, 0, columns));
     }
   }
-  for (const char* group : sampled_groups())
-    check(H5Lcreate_hard(file_, "time", file_, fmt::format("{}/time", group).c_str(), H5P_DEFAULT,
-                         H5P_DEFAULT));
+  for (const Group& group : groups())
+    if (group.is_sampled)
+      check(H5Lcreate_hard(file_, "time", file_, fmt::format("{}/time", group.path).c_str(),
+                           H5P_DEFAULT, H5P_DEFAULT));
 }
 
 /// Sets an attribute of the file, to be found there when it is read back.
@@ -119,7 +120,7 @@ void UnfinishedFile::close(Table& table, hsize_t rows) {
   std::vector<hsize_t> extent;
   if (source_of<Final>(*table.entry) == nullptr) extent.push_back(rows);
   if (table.entry->has_columns()) extent.push_back(table.width);
-  given_.datasets.push_back({table.entry, std::move(extent), std::move(table.given)});
+  given_.datasets.push_back({table.entry, table.stored, std::move(extent), std::move(table.given)});
 }
 
 // ---- samples and shocks ------------------------------------------------------------------------
@@ -141,7 +142,7 @@ void UnfinishedFile::write_samples(WriteBuffer& buffer) {
   for (std::size_t k = 0; k < samples_.size(); ++k) {
     std::vector<double>& rows = buffer.columns[k].rows;
     samples_[k].resize(sample_rows_ + buffer.rows);
-    samples_[k].hash.add(rows.data(), rows.size());
+    samples_[k].add_to_hash(rows.data(), rows.size());
     samples_[k].write(sample_rows_, buffer.rows, rows.data());
     rows.clear();
   }
@@ -207,9 +208,9 @@ void UnfinishedFile::write_summary(const ResultSummary& summary) {
   for (const Entry& entry : entries())
     if (const Final* value = source_of<Final>(entry)) {
       if (std::isnan(summary.**value)) continue;  // there is none
-      Table table = make_table(file_, entry, 1, 1);
-      table.hash.add(&(summary.**value), 1);
-      write_all(table, &(summary.**value));
+      Table table = make_table(file_, entry, {}, 1, 1);
+      table.add_to_hash(&(summary.**value), 1);
+      table.write_all(&(summary.**value));
       close(table, 1);
     }
   for (Table& table : samples_) close(table, sample_rows_);

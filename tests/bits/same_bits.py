@@ -40,8 +40,11 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 # ---- comparing two results -------------------------------------------------------------------------------------
 
 COST = {f"summary/{name}" for name in ("nodes_evaluated", "step_seconds", "wall_seconds")}
-PROVENANCE = {"commit", "version", "started", "wall_seconds", "threads", "backend", "key"}  # attributes of a file
-ADDED = {"shocks/serial"}  # which files of older programs lack
+PROVENANCE = {"commit", "version", "started", "wall_seconds", "threads", "backend", "key", "format"}  # attributes of a file
+# which files of older programs lack
+ADDED = {"shocks/shock", "summary/lv_low", "summary/lv_high", "summary/shock_rate_low", "summary/shock_rate_high"}
+RENAMED = {"shocks/serial": "shocks/shock"}  # since format 3
+COUNTS = {"shocks/shock", "contact/nodes", "resonator/mode", "slider/mode"}  # doubles in format 2, integers in 3
 
 
 def read(path):
@@ -53,7 +56,8 @@ def read(path):
             if isinstance(item, h5py.Group):
                 walk(item)
             elif item.name == "/time" or item != group.file.get("time"):
-                found[item.name[1:]] = item[()]
+                name = RENAMED.get(item.name[1:], item.name[1:])
+                found[name] = item[()].astype(np.float64) if name in COUNTS else item[()]
 
     with h5py.File(path, "r") as file:
         walk(file)

@@ -15,6 +15,7 @@
 
 #include "host/base/errors.hpp"
 #include "host/scene_file/scene_file.hpp"
+#include "host/store/checked_file.hpp"
 #include "host/store/entries.hpp"
 #include "host/store/store.hpp"
 #include "tests/child.hpp"
@@ -46,6 +47,7 @@ class Reader : public testing::Test {
     header.slider.shape = std::vector<double>(6);
     header.slider.mean_square = std::vector<double>{0, 0, 5};
     header.probe_position = {0.5};
+    header.compression = compression_;
     ResultFile file(path_, header);
     SampleBlock b;
     for (std::size_t j = 0; j < samples; ++j) {
@@ -110,6 +112,7 @@ class Reader : public testing::Test {
     return "no FileError";
   }
   std::string scene_ = "[scene]\n";
+  Compression compression_ = Compression::none;
   const test::Folder folder_;
   const fs::path path_ = folder_.path() / "out.h5";
 };
@@ -182,6 +185,100 @@ TEST_F(Reader, RefusesAnotherFormat) {
   }
 }
 
+/// Stores a dataset of integers as doubles under another name, as format 2 had it.
+void to_format_2(hid_t file, const char* path, const char* old_path) {
+  const hid_t dataset = H5Dopen2(file, path, H5P_DEFAULT), space = H5Dget_space(dataset);
+  std::vector<double> values(H5Sget_simple_extent_npoints(space));
+  H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data());
+  H5Dclose(dataset);
+  const hsize_t extent = values.size();
+  H5Sset_extent_simple(space, 1, &extent, &extent);
+  H5Ldelete(file, path, H5P_DEFAULT);
+  if (old_path != nullptr) {
+    const hid_t old =
+        H5Dcreate2(file, old_path, H5T_IEEE_F64LE, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+    H5Dwrite(old, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data());
+    H5Dclose(old);
+  }
+  H5Sclose(space);
+}
+
+TEST_F(Reader, ReadsTheFormatBefore) {
+  for (const char* serial : {"shocks/serial", static_cast<const char*>(nullptr)}) {
+    fs::remove(path_);
+    write(3);
+    const std::string content = everything();
+    change([&](hid_t file) {
+      for (const char* count : {"resonator/mode", "slider/mode", "contact/nodes"})
+        to_format_2(file, count, count);
+      to_format_2(file, "shocks/shock", serial);
+      const std::int64_t format = 2;
+      const hid_t attribute = H5Aopen(file, "format", H5P_DEFAULT);
+      H5Awrite(attribute, H5T_NATIVE_INT64, &format);
+      H5Aclose(attribute);
+    });
+    EXPECT_EQ(refusal(), "no FileError");
+    EXPECT_TRUE(everything() == content);
+    EXPECT_EQ(ResultReader(path_).contents().shocks[1].serial, 1);
+  }
+}
+
+TEST_F(Reader, WantsAllMotionOfTheModesOrNone) {
+  write(3);
+  const auto remove = [&](const char* path) {
+    change([&](hid_t file) { H5Ldelete(file, path, H5P_DEFAULT); });
+  };
+  remove("resonator/velocity");
+  EXPECT_THAT(refusal(), HasSubstr("/resonator/displacement is there, and /resonator/velocity"));
+  for (const char* path : {"resonator/displacement", "slider/displacement", "slider/velocity"})
+    remove(path);
+  const ResultReader reader(path_);
+  EXPECT_FALSE(reader.contents().has_modes);
+  EXPECT_THROW(reader.columns("resonator/velocity", 0, 3, 0, 2), RequestError);
+  EXPECT_THAT(reader.samples(0, 3).force, ElementsAre(0, 1, 2));
+}
+
+/// A compressed dataset may hold more numbers than the file has bytes, but not any number.
+TEST_F(Reader, RefusesMoreNumbersThanDeflateCanPack) {
+  compression_ = Compression::deflate;
+  write(20'000);
+  EXPECT_EQ(refusal(), "no FileError");
+  change([](hid_t file) {
+    const hid_t dataset = H5Dopen2(file, "time", H5P_DEFAULT);
+    const hsize_t many[] = {1'000'000'000'000};
+    EXPECT_GE(H5Dset_extent(dataset, many), 0);
+    H5Dclose(dataset);
+  });
+  EXPECT_THAT(refusal(), HasSubstr("/time should hold more numbers than the file has room"));
+}
+
+/// Bytes that are no deflated ones, in a seal that fits.
+TEST_F(Reader, RefusesDamagedChunksUnderAForgedSeal) {
+  compression_ = Compression::deflate;
+  write(20'000);
+  const std::string whole = test::without_seal(test::read_file(path_));
+  haddr_t at = 0;
+  hsize_t size = 0;
+  {
+    const hid_t file = H5Fopen(path_.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+    const hid_t dataset = H5Dopen2(file, "resonator/velocity", H5P_DEFAULT);
+    unsigned mask = 0;
+    hsize_t place[2];
+    const hid_t space = H5Dget_space(dataset);
+    ASSERT_GE(H5Dget_chunk_info(dataset, space, 1, place, &mask, &at, &size), 0);
+    H5Sclose(space);
+    H5Dclose(dataset);
+    H5Fclose(file);
+  }
+  for (const hsize_t into : {size / 2, size - 2}) {
+    std::string damaged = whole;
+    damaged[at + into] ^= 0x10;
+    std::ofstream(path_, std::ios::binary | std::ios::trunc) << damaged;
+    test::reseal(path_);
+    EXPECT_THAT(check_result(path_).faults, testing::Not(testing::IsEmpty())) << into;
+  }
+}
+
 TEST_F(Reader, RefusesWhatIsCutShort) {
   write(20'000);
   const auto whole = fs::file_size(path_);
@@ -214,7 +311,7 @@ TEST_F(Reader, RefusesWhatIsMissingOrOfTheWrongShape) {
               }),
               HasSubstr("/resonator/velocity is of the shape (5, 3), its axes of (5, 2)"));
   EXPECT_THAT(with([&](hid_t f) { replace(f, "shocks/impulse", {2}, H5T_NATIVE_INT64); }),
-              HasSubstr("/shocks/impulse holds no numbers"));
+              HasSubstr("/shocks/impulse holds numbers of another type"));
   EXPECT_THAT(with([&](hid_t f) { replace(f, "time", {5}, H5T_NATIVE_DOUBLE); }),
               HasSubstr("its samples do not stand evenly"));
   EXPECT_THAT(with([](hid_t f) { H5Adelete(f, "ended"); }),
@@ -264,13 +361,13 @@ TEST_F(Reader, RefusesNumbersThatAreNone) {
 TEST_F(Reader, RefusesMoreNumbersThanTheFileHasRoomFor) {
   write(5);
   change([](hid_t file) {
-    const hid_t dataset = H5Dopen2(file, "shocks/start", H5P_DEFAULT);
+    const hid_t dataset = H5Dopen2(file, "shocks/shock", H5P_DEFAULT);
     const hsize_t many[] = {1'000'000'000'000};
     EXPECT_GE(H5Dset_extent(dataset, many), 0);
     H5Dclose(dataset);
   });
   EXPECT_THAT(refusal(),
-              HasSubstr("/shocks/start should hold more numbers than the file has room"));
+              HasSubstr("/shocks/shock should hold more numbers than the file has room"));
 }
 
 // ---- the seal, and what a forger's seal does not vouch for

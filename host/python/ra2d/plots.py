@@ -195,6 +195,8 @@ def why_empty(result: Result, what: str) -> str:
     """Why there is no noise to show as "spectrum", "bands" or "level"; empty where there is."""
     if result.samples < 2:
         return FEW_SAMPLES
+    if "velocity" not in result.modes("resonator"):
+        return "the file has no motion of the modes (output.modes)"
     if not result.modes("resonator").mean_square.any():
         return "the resonator has no elastic modes: it makes no noise"
     if not result.analysis()["v_rms"]:

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 Body = Literal["resonator", "slider"]
 BODIES: tuple[Body, ...] = ("resonator", "slider")
 MOTIONS = ("displacement", "velocity")
-FORMATS = (2,)  # of the file, that this package reads
+FORMATS = (2, 3)  # of the file, that this package reads
 
 _SAMPLED: dict[str, tuple[str, ...]] = {"time": ("time",)}
 _PROBES = {**_SAMPLED, "position": ("position",), "displacement": ("time", "position"),
@@ -171,7 +171,8 @@ class Result:
         velocity, force = {"units": "m2 s-2 Hz-1"}, {"units": "N2 Hz-1", "long_name": "density of the contact force"}
         lines = len(s["frequency"])
         return xr.Dataset(
-            {"density": ("frequency", s["psd_mean"], {**velocity, "long_name": "density of the resonator's velocity"}),
+            {"density": ("frequency", np.array(s["psd_mean"], dtype=float),
+                         {**velocity, "long_name": "density of the resonator's velocity"}),
              "density_probe": (("position", "frequency"), _rows(s["psd_probe"], len(found["probes"]), lines),
                                {**velocity, "long_name": "density of the velocity at the probes"}),
              "density_slider_probe": (("slider_position", "frequency"), _rows(s["psd_slider_probe"],
@@ -207,7 +208,8 @@ class Result:
                 "level_probe": (("position", "frequency"), _rows(
                     b["level_probe"], len(found["probes"]), len(b["centre"])), decibels)}
         if "level_a" in b:
-            data["level_a"] = ("frequency", b["level_a"], {"units": "dB", "long_name": "A-weighted level re 1 nm/s"})
+            data["level_a"] = ("frequency", np.array(b["level_a"], dtype=float),
+                               {"units": "dB", "long_name": "A-weighted level re 1 nm/s"})
         return xr.Dataset(
             data, {"frequency": ("frequency", b["centre"], {"units": "Hz", "long_name": "midband frequency"}),
                    "nominal": ("frequency", b["nominal"]),
@@ -216,7 +218,7 @@ class Result:
 
     @property
     def shocks(self) -> pd.DataFrame:
-        """Every shock, in order of start; its index counts them. Columns: `start` [s], `duration`
+        """Every shock, in order of start; its index is its number. Columns: `start` [s], `duration`
         [s], `peak_force` [N], `impulse` [N s], `position` [m, on the resonator]; `attrs["units"]`
         names the units.
 
@@ -226,7 +228,8 @@ class Result:
         with self._file.opened() as file:
             group = file["shocks"]
             table = pd.DataFrame({name: group[name][()] for name in _SHOCKS},
-                                 index=pd.Index(group["serial"][()].astype(np.int64), name="shock"))
+                                 index=pd.Index(group["shock" if "shock" in group else "serial"][()].astype(np.int64),
+                                                name="shock"))
             table.attrs["units"] = {name: group[name].attrs["units"] for name in _SHOCKS}
         return table
 
@@ -283,7 +286,8 @@ class Result:
 
     def modes(self, body: Body = "resonator") -> xr.Dataset:
         """The modes of a body: `frequency` [Hz], `shape` (mode, position) [m^-1/2], and over
-        (time, mode) the modal `displacement` [m^3/2] and `velocity` [m^3/2/s].
+        (time, mode) the modal `displacement` [m^3/2] and `velocity` [m^3/2/s], which a run with
+        `output.modes = "none"` does not keep.
 
         >>> getfixture("result").modes("slider").sizes["mode"]
         2
@@ -302,7 +306,10 @@ class Result:
         1001
         """
         modes = self.modes(body)
-        series = modes[_one_of("what", what, MOTIONS)]
+        if _one_of("what", what, MOTIONS) not in modes:
+            raise RequestError(f"{str(self.path)!r} has no motion of the modes, of which a field is made: its scene has "
+                               "output.modes = \"none\"")
+        series = modes[what]
         if not isinstance(time, slice):
             _require_within(time, modes.time)
         chosen = series.sel(time=time, method=None if isinstance(time, slice) else "nearest")
@@ -341,6 +348,19 @@ class Result:
         'penalty'
         """
         return Scene(self._scene)
+
+    def zoom(self, number: int = 1) -> Result:
+        """A window of this run that `ra2d run --zoom` has sampled far more often (docs/results.md):
+        the file OUT.zoom-1.h5 beside OUT.h5.
+
+        >>> getfixture("result").zoom(1)
+        Traceback (most recent call last):
+        ra2d.errors.FileError: ... 'ra2d run --zoom' makes it
+        """
+        path = self.path.with_suffix(f".zoom-{number}{self.path.suffix}")
+        if not path.exists():
+            raise FileError(f"there is no window {number} of this run, {str(path)!r}: 'ra2d run --zoom' makes it")
+        return Result(path)
 
     # ---- looking and listening ----------------------------------------------------------------------
 

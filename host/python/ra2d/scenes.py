@@ -26,7 +26,7 @@ KEYS: dict[str, list[str]] = {
     "slider": [*_BODY, "load"],
     "contact": "law stiffness".split(),
     "time": "scheme contact_force step tolerance nodes force".split(),
-    "output": "rate probes slider_probes from".split(),
+    "output": "rate probes slider_probes from window modes precision compression".split(),
     "resonator.surface": _FACE,
     "slider.surface": _FACE,
 }
