@@ -12,6 +12,8 @@
 
 #include "host/base/errors.hpp"
 #include "host/base/text.hpp"
+#include "host/base/units.hpp"
+#include "host/scene_file/key_facts.hpp"
 #include "host/scene_file/reader.hpp"
 
 namespace ra2d {
@@ -173,6 +175,20 @@ std::vector<std::string> read_keys(Reader& in, const std::string& name, Users& u
   return keys;
 }
 
+/// A value with a unit as the number that its key takes; any other value as it stands. A unit that
+/// the key does not take is refused with the scene.
+TomlValue in_unit_of(const std::string& path, const TomlValue& value) {
+  const KeyFacts* key = find_key(path);
+  if (value.kind != TomlValue::Kind::text || key == nullptr || key->unit.empty()) return value;
+  const NumberWithUnit quantity = read_quantity(value.text, key->unit);
+  if (!quantity.value || !std::isfinite(*quantity.value)) return value;
+  TomlValue number;
+  number.kind = TomlValue::Kind::number;
+  number.number = *quantity.value;
+  number.toml = toml_number(number.number);
+  return number;
+}
+
 /// Fills the values and coordinates of a dimension whose keys are known; says what is wrong.
 std::string read_values(const TomlValue& values, StudyDimension& dimension) {
   if (values.kind != TomlValue::Kind::list || values.list.empty())
@@ -189,7 +205,8 @@ std::string read_values(const TomlValue& values, StudyDimension& dimension) {
     if (is_list && value.list.size() != keys)
       return fmt::format("{} has {} values: expected {}, one for each of its keys",
                          shortened(value.toml), value.list.size(), keys);
-    const TomlValue& first = is_list ? value.list.front() : value;
+    const TomlValue first =
+        in_unit_of(dimension.keys.front(), is_list ? value.list.front() : value);
     const bool fine =
         is_list ? std::all_of(value.list.begin(), value.list.end(), is_single) : is_single(value);
     if (!fine)
@@ -204,7 +221,7 @@ std::string read_values(const TomlValue& values, StudyDimension& dimension) {
     coordinates.push_back(first);
     std::vector<std::string> texts;
     for (std::size_t k = 0; k < keys; ++k)
-      texts.push_back(is_list ? value.list[k].toml : value.toml);
+      texts.push_back(in_unit_of(dimension.keys[k], is_list ? value.list[k] : value).toml);
     dimension.values.push_back(std::move(texts));
   }
   // Some keys take a word or a number (slider.load): where one is a word, all stand there as words.
