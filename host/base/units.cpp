@@ -305,7 +305,8 @@ NumberWithUnit read_quantity(std::string_view text, const std::string& unit) {
   in.skip_blanks();
   const std::string name(in.rest());
   if (name.empty()) return {{}, unit.empty() ? "is a text, no number" : "is a text without a unit"};
-  if (name == "%") return {{}, fmt::format("is in per cent: write {}", number->times_ten_to(-2))};
+  if (name == "%" && unit.empty())
+    return {{}, fmt::format("is in per cent: write {}", number->times_ten_to(-2))};
   if (!is_letter(name[0]) && !name.starts_with("1/")) return {};
   const std::optional<Unit> given = find_product(name), wanted = find_product(unit);
   if (!wanted) return {{}, "has a unit, and this number has none"};

@@ -35,7 +35,9 @@ int show_scenes() {
   list_scenes(scenes, false);
   print("studies there\n");
   list_scenes(scenes, true);
-  print("'ra2d scenes NAME' prints one, for a file of your own; 'ra2d run NAME' runs a scene\n");
+  print(
+      "'ra2d scenes NAME' prints one, for a file of your own; 'ra2d run NAME' or 'ra2d study NAME' "
+      "runs it\n");
   return exit_status::done;
 }
 

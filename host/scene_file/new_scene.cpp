@@ -14,6 +14,7 @@
 #include "host/base/text.hpp"
 #include "host/base/units.hpp"
 #include "host/body/body.hpp"
+#include "host/surface/measure.hpp"
 #include "host/surface/profile.hpp"
 
 namespace ra2d {
@@ -130,6 +131,39 @@ NewFace random_face(const std::string& answer, const std::vector<std::string>& p
   return face;
 }
 
+/// Root mean square slope of straight lines between points `step` apart.
+double slope_between(const Profile& profile, std::size_t step) {
+  double sum = 0;
+  for (std::size_t i = step; i < profile.heights.size(); ++i) {
+    const double rise = profile.heights[i] - profile.heights[i - step];
+    sum += rise * rise;
+  }
+  return std::sqrt(sum / static_cast<double>(profile.heights.size() - step)) /
+         (static_cast<double>(step) * profile.spacing);
+}
+
+/// The widest spacing of nodes that shows a profile: a share of the mean spacing of its elements,
+/// as of random faces, that keeps its slopes.
+double spacing_for(Profile profile) {
+  constexpr double least_slope = 0.98;  // of that from point to point
+  constexpr std::size_t fewest_points = 200;
+  if (profile.missing() > 0 || profile.heights.size() < fewest_points) return profile.spacing;
+  shape_profile(profile, ProfileForm{1}, {}, {});
+  std::size_t crossings = 0;
+  for (std::size_t i = 1; i < profile.heights.size(); ++i)
+    crossings += (profile.heights[i] > 0) != (profile.heights[i - 1] > 0);
+  const double rsm = 2 * profile.length() / std::max(2.0, static_cast<double>(crossings));
+  const double whole = slope_between(profile, 1);
+  std::size_t step = 1;
+  for (const std::size_t wider : {2, 3, 4, 5, 8, 10, 15, 20, 30, 40, 50, 80, 100})
+    if (static_cast<double>(wider) * profile.spacing * nodes_to_rsm <= rsm &&
+        slope_between(profile, wider) >= least_slope * whole)
+      step = wider;
+    else
+      break;
+  return static_cast<double>(step) * profile.spacing;
+}
+
 bool is_file(const std::string& name) {
   std::error_code none;
   return !name.empty() && name.find('\0') == name.npos && fs::is_regular_file(name, none);
@@ -165,7 +199,7 @@ NewFace face_of(const std::string& answer) {
           fmt::format("{} (units of a file that names none: FILE, mm, um)", fault.what()));
     }
   }();
-  face.spacing = profile.spacing;
+  face.spacing = spacing_for(profile);
   face.length = profile.length();
   return face;
 }

@@ -21,7 +21,7 @@ struct NewFace {
   GivenNumber rq, rsm;             // random
   std::filesystem::path file;      // profile
   std::string x_unit, z_unit;      // of the profile, where the file does not say them
-  double spacing = 0, length = 0;  // m, of the profile
+  double spacing = 0, length = 0;  // m, of the profile: the widest of nodes that show it
 };
 
 struct NewBody {

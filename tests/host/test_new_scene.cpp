@@ -219,6 +219,15 @@ TEST(NewScene, TakesAMeasuredProfile) {
   EXPECT_THAT(text, HasSubstr("short = \"repeat\""));
   const Ended ran = run_ra2d(folder.path(), {"run", "sub/case.toml"});
   EXPECT_EQ(ran.status, 0) << ran.err;
+  // nodes stand as wide as the profile's shape allows, on its points
+  EXPECT_THAT(text, HasSubstr("spacing  = \"2 um\""));
+  std::ofstream fine(folder.path() / "fine.csv");
+  for (int i = 0; i <= 40000; ++i)
+    fine << fmt::format("{:.6f} {:.6f}\n", i * 2e-4, 2 * std::sin(i * 0.005));
+  fine.close();
+  ASSERT_EQ(
+      run_ra2d(folder.path(), {"new", "fine.toml", "--slider-face", "fine.csv, mm, um"}).status, 0);
+  EXPECT_THAT(read_file(folder.path() / "fine.toml"), HasSubstr("spacing  = \"1.6 um\""));
   // a file without units
   EXPECT_THAT(run_ra2d(folder.path(), {"new", "b.toml", "--slider-face", "profile.csv"}).err,
               HasSubstr("FILE, mm, um"));
@@ -337,6 +346,7 @@ TEST(Scenes, AreRunByNameWhereNoFileHasIt) {
   EXPECT_EQ(run_ra2d(folder.path(), {"run", "peaks", "--set", "scene.duration=1 ms"}).status, 0);
   EXPECT_TRUE(fs::exists(folder.path() / "peaks.h5"));
   EXPECT_THAT(run_ra2d(folder.path(), {"plan", "drop"}).out, HasSubstr("[resonator]"));
+  EXPECT_EQ(run_ra2d(folder.path(), {"study", "study-small", "--list"}).status, 0);
   const Ended unknown = run_ra2d(folder.path(), {"run", "peeks"});
   EXPECT_EQ(unknown.status, 4);
   EXPECT_THAT(unknown.err, AllOf(HasSubstr("there is no such file"), HasSubstr("'peaks'")));

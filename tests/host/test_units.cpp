@@ -145,6 +145,7 @@ TEST(Units, HostileTextsAreNoNumbers) {
   EXPECT_EQ(fault_in("", "5"), "is a text, no number");
   EXPECT_EQ(fault_in("", "5 mm"), "has a unit, and this number has none");
   EXPECT_EQ(fault_in("", "2 %"), "is in per cent: write 0.02");
+  EXPECT_EQ(fault_in("m", "2 %"), "");
   EXPECT_THAT(fault_in("m", "0,5 mm"), HasSubstr("has a comma"));
   for (const char* text : {"0x10 m", "0X10 m", "-0b1 m", "0o7 m"})
     EXPECT_EQ(fault_in("m", text), "is not in decimals") << text;
