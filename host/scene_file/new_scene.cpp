@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <system_error>
@@ -94,13 +95,21 @@ void take_size(NewBody& body, const std::string& text) {
     const bool is_plain = parts[i].find_first_not_of("0123456789.+-_") == std::string::npos;
     const std::string number =
         i == 2 ? std::string(trimmed(std::string_view(last).substr(0, unit))) : parts[i];
-    *sizes[i] = with_unit(is_plain || i == 2 ? number + ' ' + unit_of_all : parts[i], "m");
+    *sizes[i] =
+        with_unit(is_plain || i == 2 ? fmt::format("{} {}", number, unit_of_all) : parts[i], "m");
   }
 }
 
-/// "steel, 500 x 20 x 3 mm", or one of the two.
+/// "steel, 500 x 20 x 3 mm", also without the comma, or one of the two.
 NewBody body_of(NewBody body, const std::string& answer) {
-  const std::vector<std::string> parts = split(answer, ',');
+  std::string with_comma = answer;
+  for (std::size_t i = 1; i < answer.size() && answer.find(',') == answer.npos; ++i)
+    if (answer[i - 1] == ' ' && std::isalpha(static_cast<unsigned char>(answer[0])) != 0 &&
+        std::isdigit(static_cast<unsigned char>(answer[i])) != 0) {
+      with_comma[i - 1] = ',';
+      break;
+    }
+  const std::vector<std::string> parts = split(with_comma, ',');
   if (parts.size() > 2)
     refuse(answer,
            "is not understood: expected a material and a size, such as steel, 500 x 20 x 3 "

@@ -170,6 +170,15 @@ TEST(NewScene, AnswersArriveWhereTheyBelong) {
   EXPECT_EQ(scene.duration, 0.5);
 }
 
+TEST(NewScene, TakesAMaterialAndASizeAsTheyAreTyped) {
+  const std::string usual = text_of({{"--resonator", "cast-iron, 500 x 20 x 3 mm"}});
+  for (const char* answer : {"cast iron,500x20x3mm", "Cast iron 500 x 20 x 3 mm",
+                             "grey-iron 500mm x 20mm x 3mm", " cast_iron , 500*20*3 mm "}) {
+    const Scene scene = parse_scene(text_of({{"--resonator", answer}}), "case.toml");
+    EXPECT_EQ(echo(scene), echo(parse_scene(usual, "case.toml"))) << answer;
+  }
+}
+
 TEST(NewScene, WrongAnswersAreExplained) {
   EXPECT_THAT(refusal_of_answer("--resonator", "stel, 500x20x3mm"),
               HasSubstr("did you mean 'steel'"));

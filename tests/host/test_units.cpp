@@ -329,6 +329,27 @@ TEST(StudyUnits, AnAxisKeepsSiNumbers) {
   EXPECT_EQ(PointCensus(StudyPoints(units)).keys, PointCensus(StudyPoints(plain)).keys);
 }
 
+/// Loads in weights are numbers of the table, for the law; beside newtons they are texts.
+TEST(StudyUnits, AnAxisMayCountWeights) {
+  const auto axis = [](const std::string& values) {
+    return parse_study("base = \"b.toml\"\n[vary]\nload = { key = \"slider.load\", values = [" +
+                           values + "] }\n",
+                       "study.toml")
+        .dimensions.at(0);
+  };
+  const StudyDimension weights = axis("\"0.5 weight\", \"weight\", \"2 weights\"");
+  EXPECT_TRUE(weights.in_weights);
+  EXPECT_FALSE(weights.is_text);
+  EXPECT_THAT(weights.numbers, ElementsAre(0.5, 1, 2));
+  EXPECT_THAT(weights.texts, IsEmpty());
+  EXPECT_EQ(weights.values[2][0], "\"2 weight\"");
+  const StudyDimension mixed = axis("\"2 weight\", \"5 N\"");
+  EXPECT_TRUE(mixed.is_text);
+  EXPECT_THAT(mixed.texts, ElementsAre("2 weight", "5.0"));
+  EXPECT_THAT(axis("\"weight\"").texts, ElementsAre("weight"));
+  EXPECT_THROW(axis("\"weight\", \"1 weight\""), RequestError);
+}
+
 TEST(StudyUnits, OneNumberInTwoUnitsStandsTwice) {
   try {
     parse_study(
