@@ -10,11 +10,12 @@ import itertools
 import os
 import pathlib
 import re
+import warnings
 from collections.abc import Collection, Mapping
 from typing import Any
 
 from . import files, program, toml
-from .errors import RequestError
+from .errors import Notice, RequestError
 
 _BODY = ("support length thickness width young density poisson damping max_frequency modes surface").split()
 _FACE = ("kind peaks path x_unit z_unit spacing decimal row column fill form cutoff_s filter cutoff short rq rsm "
@@ -193,7 +194,9 @@ class Scene:
             value = value[part]
         if not _has_unit(value):
             return value
-        read: Any = self.complete()
+        with warnings.catch_warnings():  # what is odd is said when the scene is run
+            warnings.simplefilter("ignore", Notice)
+            read: Any = self.complete()
         for part in path:
             read = read.get(part) if isinstance(read, Mapping) else None
         return _as_read(value, read)
