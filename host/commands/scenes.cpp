@@ -33,7 +33,9 @@ int show_scenes() {
       scenes.empty() ? "" : printable(scenes.front().file.parent_path().string());
   print("scenes in {}\n", folder);
   list_scenes(scenes, false);
-  print("studies there\n");
+  if (std::any_of(scenes.begin(), scenes.end(),
+                  [](const InstalledScene& scene) { return scene.is_study; }))
+    print("studies there\n");
   list_scenes(scenes, true);
   print(
       "'ra2d scenes NAME' prints one, for a file of your own; 'ra2d run NAME' or 'ra2d study NAME' "

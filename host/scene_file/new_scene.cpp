@@ -92,7 +92,8 @@ void take_size(NewBody& body, const std::string& text) {
   if (unit_of_all.empty()) refuse(text, fmt::format("is a size without a unit: {}", expected));
   GivenNumber* const sizes[] = {&body.length, &body.width, &body.thickness};
   for (std::size_t i = 0; i < 3; ++i) {
-    const bool is_plain = parts[i].find_first_not_of("0123456789.+-_") == std::string::npos;
+    const bool is_plain =
+        !parts[i].empty() && parts[i].find_last_of("0123456789.") + 1 == parts[i].size();
     const std::string number =
         i == 2 ? std::string(trimmed(std::string_view(last).substr(0, unit))) : parts[i];
     *sizes[i] =

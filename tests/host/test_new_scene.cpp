@@ -180,6 +180,9 @@ TEST(NewScene, TakesAMaterialAndASizeAsTheyAreTyped) {
 }
 
 TEST(NewScene, WrongAnswersAreExplained) {
+  EXPECT_EQ(refusal_of_answer("--resonator", "steel, 5e-1 x 2e-2 x 3e-3 m"), "taken");
+  EXPECT_THAT(refusal_of_answer("--resonator", "steel, 20xx3mm"),
+              HasSubstr("'' is not understood"));
   EXPECT_THAT(refusal_of_answer("--resonator", "stel, 500x20x3mm"),
               HasSubstr("did you mean 'steel'"));
   EXPECT_THAT(refusal_of_answer("--resonator", "unobtainium"), HasSubstr("there are steel, "));
