@@ -180,7 +180,7 @@ Body make_beam(const BodySpec& spec) {
   const double length = spec.length, m = mass_per_length(spec);
   beam.length = length;
   beam.mass = m * length;
-  beam.load_force = spec.load_is_weight ? beam.mass * gravity : spec.load;
+  beam.load_force = spec.load_is_weight ? spec.load_weights * (beam.mass * gravity) : spec.load;
   if (spec.support == Support::rigid) return beam;
 
   const auto add = [&](double omega, const BeamShape& shape) {

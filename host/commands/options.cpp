@@ -9,6 +9,8 @@
 #include <limits>
 #include <system_error>
 
+#include "host/scene_file/installed_scenes.hpp"
+
 namespace ra2d {
 
 void add_scene_options(CLI::App& command, SceneOptions& options) {
@@ -29,7 +31,9 @@ void add_scene_options(CLI::App& command, SceneOptions& options) {
 }
 
 CLI::Option* add_scene(CLI::App& command, SceneOptions& options, const std::string& description) {
-  return command.add_option("SCENE", options.scene, description)->check(path());
+  return command.add_option("SCENE", options.scene, description)
+      ->check(path())
+      ->transform(scene_or_name());
 }
 
 std::optional<double> to_decimal(const std::string& text) {
@@ -66,6 +70,14 @@ void add_device(CLI::App& command, int& device) {
       ->type_name("N")
       ->transform(whole_number())
       ->check(number_from(0, 1023, "from 0 to 1023"));
+}
+
+CLI::Validator scene_or_name() {
+  return {[](std::string& text) {
+            text = scene_file_of(text).string();  // throws FileError for a name that nothing has
+            return std::string{};
+          },
+          {}};
 }
 
 namespace {

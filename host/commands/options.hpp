@@ -25,6 +25,9 @@ void add_scene_options(CLI::App& command, SceneOptions& options);
 /// SCENE, the scene's file.
 CLI::Option* add_scene(CLI::App& command, SceneOptions& options, const std::string& description);
 
+/// Turns the name of a scene or study that comes with the program into its file.
+CLI::Validator scene_or_name();
+
 /// A number in decimals, "12" or "-1.5e-3"; nothing for any other text, hexadecimal ones among
 /// them.
 std::optional<double> to_decimal(const std::string& text);

@@ -259,7 +259,7 @@ void add_study(CLI::App& app, ChosenCommand& chosen) {
   study->require_subcommand(0, 1);
   CLI::Option* file = study->add_option(
       "STUDY.toml", request->study, "study: a base scene, keys to set, keys to vary, seeds (TOML)");
-  file->check(path());
+  file->check(path())->transform(scene_or_name());
   study
       ->add_option("-o,--output", request->output,
                    "folder of the study [STUDY's name without .toml, in the current folder]")

@@ -93,7 +93,8 @@ struct BodySpec {
   std::optional<double> max_frequency;  // Hz, keep the elastic modes up to here; or
   std::optional<int> modes;             // keep this many elastic modes
   SurfaceSpec surface;
-  bool load_is_weight = false;             // slider: load = "weight"
+  bool load_is_weight = false;             // slider: load = "weight", or "2 weight":
+  double load_weights = 1;                 // so many times its weight
   double load = 0;                         // slider: N towards the resonator, when not its weight
   std::vector<MovingForce> moving_forces;  // resonator
 };

@@ -116,6 +116,32 @@ Value<ContactSettings> contact_stiffness() {
   return value;
 }
 
+/// In newtons, or as a multiple of the slider's weight.
+Value<BodySpec> slider_load() {
+  const std::string weight = "weight";
+  Value<BodySpec> value =
+      number_or_word(&BodySpec::load, &BodySpec::load_is_weight, weight, any_number, "N");
+  value.type += " (`\"2 weight\"`)";
+  const auto read_force = value.read;
+  value.read = [=](Reader& in, const std::string& key, Need need, BodySpec& body) {
+    const std::optional<double> weights = in.multiple(key, weight);
+    if (!weights) return read_force(in, key, need, body);
+    in.text(key, "", need);
+    body.load_is_weight = true;
+    body.load_weights = *weights;
+    if (!(*weights >= smallest_size && *weights <= largest_size))
+      in.fault(key, fmt::format("{:g} times the weight is not allowed: expected a number > 0 of "
+                                "weights (a force that lifts is one in N, such as \"-5 N\")",
+                                *weights));
+  };
+  value.toml = [=](const BodySpec& body, const Scene&) {
+    if (!body.load_is_weight) return toml_number(body.load);
+    return toml_string(body.load_weights == 1 ? weight
+                                              : fmt::format("{} {}", body.load_weights, weight));
+  };
+  return value;
+}
+
 template <class T>
 Value<SurfaceSpec> prepared(const T& value) {
   return within(&SurfaceSpec::prepared, value);
@@ -338,12 +364,12 @@ const Keys<BodySpec>& of_resonator() {
 }
 
 const Keys<BodySpec>& of_slider() {
-  static const Keys<BodySpec> keys = body_with(
-      {"load",
-       number_or_word(&BodySpec::load, &BodySpec::load_is_weight, "weight", any_number, "N"),
-       has_default<BodySpec>("0"),
-       "pressed evenly onto the slider, towards the resonator",
-       {"slider", of_elastic_body}});
+  static const Keys<BodySpec> keys =
+      body_with({"load",
+                 slider_load(),
+                 has_default<BodySpec>("0"),
+                 "pressed evenly onto the slider, towards the resonator",
+                 {"slider", of_elastic_body}});
   return keys;
 }
 

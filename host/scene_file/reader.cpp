@@ -12,6 +12,7 @@
 #include "host/base/errors.hpp"
 #include "host/base/quiet_nan.hpp"
 #include "host/base/text.hpp"
+#include "host/base/units.hpp"
 #include "host/scene_file/toml.hpp"
 
 namespace ra2d {
@@ -28,10 +29,27 @@ bool is_bare(std::string_view key) {
   });
 }
 
+/// Whether an integer is written in hexadecimal, octal or binary.
+bool is_in_another_base(const toml::value<std::int64_t>& integer) {
+  return (integer.flags() & toml::value_flags::format_as_hexadecimal) != toml::value_flags::none;
+}
+
+/// An integer in the base in which it is written.
+std::string integer_text(const toml::value<std::int64_t>& integer) {
+  using Flags = toml::value_flags;
+  if (is_in_another_base(integer)) {
+    const Flags base = integer.flags() & Flags::format_as_hexadecimal;
+    if (base == Flags::format_as_hexadecimal) return fmt::format("{:#x}", integer.get());
+    return base == Flags::format_as_octal ? fmt::format("0o{:o}", integer.get())
+                                          : fmt::format("{:#b}", integer.get());
+  }
+  return fmt::format("{}", integer.get());
+}
+
 /// A value as a message shows it.
 std::string shown(const toml::node& node) {
   if (const auto* text = node.as_string()) return toml_string(shortened(text->get()));
-  if (const auto* integer = node.as_integer()) return fmt::format("{}", integer->get());
+  if (const auto* integer = node.as_integer()) return integer_text(*integer);
   if (const auto* number = node.as_floating_point()) return toml_number(number->get());
   if (const auto* truth = node.as_boolean()) return truth->get() ? "true" : "false";
   if (node.is_table()) return "a table";
@@ -101,7 +119,7 @@ TomlValue value_of(const toml::node& node) {
   } else if (const auto* integer = node.as_integer()) {
     value.kind = TomlValue::Kind::number;
     value.number = static_cast<double>(integer->get());
-    value.toml = fmt::format("{}", integer->get());
+    value.toml = integer_text(*integer);
   } else if (const auto* number = node.as_floating_point()) {
     value.kind = TomlValue::Kind::number;
     value.number = number->get();
@@ -204,11 +222,29 @@ struct Document::Parts {
     fault(node, path, fmt::format("{} is not allowed: expected {}", shown(node), expected));
   }
 
+  /// A number as it stands, in `unit`, or a text with a number and its unit.
   double number(const toml::node& node, const std::string& path, const Range& range,
-                const std::string& expected) {
+                const std::string& unit, const std::string& expected) {
     std::optional<double> value;
     if (const auto* number = node.as_floating_point()) value = number->get();
-    if (const auto* integer = node.as_integer()) value = static_cast<double>(integer->get());
+    if (const auto* integer = node.as_integer()) {
+      if (is_in_another_base(*integer)) {
+        wrong(node, path, expected + ", in decimals");
+        return quiet_nan;
+      }
+      value = static_cast<double>(integer->get());
+    }
+    if (const auto* text = node.as_string()) {
+      const NumberWithUnit quantity = read_quantity(text->get(), unit);
+      if (!quantity.fault.empty()) {
+        fault(node, path,
+              fmt::format("{} {}: expected {}{}", shown(node), quantity.fault, expected,
+                          unit.empty() ? "" : ", or with its unit, " + quantity_examples(unit)));
+        return quiet_nan;
+      }
+      constexpr double most = std::numeric_limits<double>::max();
+      if (quantity.value) value = std::clamp(*quantity.value, -most, most);
+    }
     const bool is_fine = value && std::isfinite(*value) && *value < range.high &&
                          (range.low_itself ? *value >= range.low : *value > range.low);
     if (!is_fine)
@@ -433,6 +469,13 @@ bool Reader::says(const std::string& key, const std::string& word) const {
   return at.table != nullptr && (*at.table)[key].value<std::string>() == word;
 }
 
+std::optional<double> Reader::multiple(const std::string& key, const std::string& word) const {
+  const auto& at = document_->parts_->seen[index_];
+  if (at.table == nullptr) return std::nullopt;
+  const auto text = (*at.table)[key].value<std::string>();
+  return text ? multiple_of(*text, word) : std::nullopt;
+}
+
 std::optional<double> Reader::number(const std::string& key, const Range& range,
                                      const std::string& unit, Need need,
                                      const std::string& or_word) {
@@ -442,7 +485,7 @@ std::optional<double> Reader::number(const std::string& key, const Range& range,
   const toml::node* node = parts.take(index_, key, need, expected);
   if (node == nullptr) return need == Need::optional ? std::nullopt : std::optional(quiet_nan);
   if (!or_word.empty() && says(key, or_word)) return std::nullopt;
-  return parts.number(*node, join(parts.seen[index_].path, key), range, expected);
+  return parts.number(*node, join(parts.seen[index_].path, key), range, unit, expected);
 }
 
 std::optional<std::int64_t> Reader::integer(const std::string& key, std::int64_t low,
@@ -508,7 +551,7 @@ std::vector<double> Reader::numbers(const std::string& key, const std::string& u
   std::vector<double> out;
   if (const auto* array = node->as_array()) {
     for (const toml::node& element : *array)
-      out.push_back(parts.number(element, fmt::format("{}[{}]", path, out.size()), any_number,
+      out.push_back(parts.number(element, fmt::format("{}[{}]", path, out.size()), any_number, unit,
                                  of(any_number.words, unit)));
   } else {
     parts.wrong(*node, path, expected);

@@ -56,10 +56,13 @@ class Reader {
   /// Faults of the whole document so far.
   std::size_t fault_count() const;
 
+  /// In `unit`: a number, or a text with another unit (host/base/units.hpp).
   std::optional<double> number(const std::string& key, const Range& range, const std::string& unit,
                                Need need = Need::required, const std::string& or_word = {});
   /// Whether the key's value is this word.
   bool says(const std::string& key, const std::string& word) const;
+  /// How often the key's value says this word: 2 for "2 weight", 1 for "weight".
+  std::optional<double> multiple(const std::string& key, const std::string& word) const;
   std::optional<std::int64_t> integer(const std::string& key, std::int64_t low, std::int64_t high,
                                       Need need);
   std::optional<std::string> text(const std::string& key, const std::string& what, Need need);

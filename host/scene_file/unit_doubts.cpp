@@ -19,16 +19,19 @@ namespace ra2d {
 void doubt(std::vector<std::string>& doubts, const std::string& key, double value,
            const std::string& why, const Slip& slip) {
   const std::string& unit = key_unit(key);
-  doubts.push_back(fmt::format("{} = {:g} {}: {}: {} ({:.4g} {})?", key, value, unit, why,
-                               slip.words, value * slip.factor, unit));
+  const std::string other = slip.unit;
+  doubts.push_back(
+      fmt::format("{} = {:g} {}: {}: {} ({:.4g} {})?{}", key, value, unit, why,
+                  other.empty() ? slip.words : "is it in " + other, value * slip.factor, unit,
+                  other.empty() ? "" : fmt::format(" Then write \"{:g} {}\"", value, other)));
 }
 
 namespace {
 
 using Doubts = std::vector<std::string>;
 
-constexpr Slip giga{"is it in GPa", 1e9}, mega{"is it in MPa", 1e6}, grams{"is it in g/cm^3", 1e3},
-    kilohertz{"is it in kHz", 1e3}, millimetres_a_second{"is it in mm/s", 1e-3};
+constexpr Slip giga{1e9, "GPa", ""}, mega{1e6, "MPa", ""}, grams{1e3, "g/cm^3", ""},
+    kilohertz{1e3, "kHz", ""}, millimetres_a_second{1e-3, "mm/s", ""};
 
 /// How fast sound runs along a beam [m/s].
 double sound_speed(const BodySpec& body) { return std::sqrt(body.young / body.density); }

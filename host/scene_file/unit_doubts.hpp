@@ -15,15 +15,16 @@ std::vector<std::string> unit_doubts(const Scene& scene);
 
 /// The mistake that may have made a number, and the number that was meant.
 struct Slip {
-  const char* words;
-  double factor;  // from what stands to what was meant
+  double factor;      // from what stands to what was meant
+  const char* unit;   // that the number may be in; empty: the mistake is another one,
+  const char* words;  // in words
 };
-inline constexpr Slip millimetres{"is it in mm", 1e-3}, micrometres{"is it in um", 1e-6},
-    too_small{"was it divided by 1000 once too often", 1e3},
-    too_large{"was it multiplied by 1000 once too often", 1e-3};
+inline constexpr Slip millimetres{1e-3, "mm", ""}, micrometres{1e-6, "um", ""},
+    too_small{1e3, "", "was it divided by 1000 once too often"},
+    too_large{1e-3, "", "was it multiplied by 1000 once too often"};
 
-/// Adds "slider.density = 8.5 kg/m^3: lighter than foam: is it in g/cm^3 (8500 kg/m^3)?" `key`: its
-/// path in the table of keys, which has its unit.
+/// Adds "slider.density = 8.5 kg/m^3: lighter than foam: is it in g/cm^3 (8500 kg/m^3)? Then write
+/// "8.5 g/cm^3"". `key`: its path in the table of keys, which has its unit.
 void doubt(std::vector<std::string>& doubts, const std::string& key, double value,
            const std::string& why, const Slip& slip);
 

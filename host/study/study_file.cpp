@@ -8,10 +8,13 @@
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
 
 #include "host/base/errors.hpp"
 #include "host/base/text.hpp"
+#include "host/base/units.hpp"
+#include "host/scene_file/key_facts.hpp"
 #include "host/scene_file/reader.hpp"
 
 namespace ra2d {
@@ -173,6 +176,32 @@ std::vector<std::string> read_keys(Reader& in, const std::string& name, Users& u
   return keys;
 }
 
+/// How often a value of a key is the slider's weight, "weight" or "2 weight"; nothing for others.
+std::optional<double> weights_of(const std::string& path, const TomlValue& value) {
+  if (path != "slider.load" || value.kind != TomlValue::Kind::text) return std::nullopt;
+  return multiple_of(value.text, "weight");
+}
+
+/// A value with a unit as the number that its key takes; any other value as it stands. A unit that
+/// the key does not take is refused with the scene.
+TomlValue in_unit_of(const std::string& path, const TomlValue& value) {
+  const KeyFacts* key = find_key(path);
+  if (const auto weights = weights_of(path, value)) {
+    TomlValue load = value;
+    load.text = *weights == 1 ? "weight" : fmt::format("{} weight", *weights);
+    load.toml = toml_string(load.text);
+    return load;
+  }
+  if (value.kind != TomlValue::Kind::text || key == nullptr || key->unit.empty()) return value;
+  const NumberWithUnit quantity = read_quantity(value.text, key->unit);
+  if (!quantity.value || !std::isfinite(*quantity.value)) return value;
+  TomlValue number;
+  number.kind = TomlValue::Kind::number;
+  number.number = *quantity.value;
+  number.toml = toml_number(number.number);
+  return number;
+}
+
 /// Fills the values and coordinates of a dimension whose keys are known; says what is wrong.
 std::string read_values(const TomlValue& values, StudyDimension& dimension) {
   if (values.kind != TomlValue::Kind::list || values.list.empty())
@@ -189,7 +218,8 @@ std::string read_values(const TomlValue& values, StudyDimension& dimension) {
     if (is_list && value.list.size() != keys)
       return fmt::format("{} has {} values: expected {}, one for each of its keys",
                          shortened(value.toml), value.list.size(), keys);
-    const TomlValue& first = is_list ? value.list.front() : value;
+    const TomlValue first =
+        in_unit_of(dimension.keys.front(), is_list ? value.list.front() : value);
     const bool fine =
         is_list ? std::all_of(value.list.begin(), value.list.end(), is_single) : is_single(value);
     if (!fine)
@@ -204,8 +234,18 @@ std::string read_values(const TomlValue& values, StudyDimension& dimension) {
     coordinates.push_back(first);
     std::vector<std::string> texts;
     for (std::size_t k = 0; k < keys; ++k)
-      texts.push_back(is_list ? value.list[k].toml : value.toml);
+      texts.push_back(in_unit_of(dimension.keys[k], is_list ? value.list[k] : value).toml);
     dimension.values.push_back(std::move(texts));
+  }
+  const std::string& key = dimension.keys.front();
+  dimension.in_weights =
+      coordinates.size() > 1 &&
+      std::all_of(coordinates.begin(), coordinates.end(),
+                  [&](const TomlValue& at) { return weights_of(key, at).has_value(); });
+  if (dimension.in_weights) {
+    dimension.is_text = false;
+    for (const TomlValue& at : coordinates) dimension.numbers.push_back(*weights_of(key, at));
+    return {};
   }
   // Some keys take a word or a number (slider.load): where one is a word, all stand there as words.
   for (const TomlValue& at : coordinates)

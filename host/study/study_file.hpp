@@ -16,6 +16,7 @@ struct StudyDimension {
   std::vector<std::string> keys;                 // "section.key", which change together
   std::vector<std::vector<std::string>> values;  // (value, key), as TOML
   bool is_text = false;
+  bool in_weights = false;         // numbers that count the slider's weight
   std::vector<double> numbers;     // the coordinates: the first key's number in each value; or,
   std::vector<std::string> texts;  // where one of these is a word, its texts
 

@@ -59,7 +59,7 @@ constexpr Column columns[] = {
 
 /// The unit of an axis. Throws for a key that no scene has: a study's folder may be forged.
 std::string units_of(const StudyDimension& dimension) {
-  if (dimension.is_text) return "1";
+  if (dimension.is_text || dimension.in_weights) return "1";
   const KeyFacts* const key = find_key(dimension.keys.front());
   if (key == nullptr)
     throw FileError(

@@ -10,11 +10,12 @@ import itertools
 import os
 import pathlib
 import re
+import warnings
 from collections.abc import Collection, Mapping
 from typing import Any
 
 from . import files, program, toml
-from .errors import RequestError
+from .errors import Notice, RequestError
 
 _BODY = ("support length thickness width young density poisson damping max_frequency modes surface").split()
 _FACE = ("kind peaks path x_unit z_unit spacing decimal row column fill form cutoff_s filter cutoff short rq rsm "
@@ -63,14 +64,34 @@ def full_keys(changes: Mapping[str, Any] | None, short: Mapping[str, Any]) -> di
     return given
 
 
+def _has_unit(value: Any) -> bool:
+    """Whether it is a text such as "500 mm", or holds one."""
+    if isinstance(value, str):
+        return re.match(r"\s*[-+\u2212]?\.?\d", value) is not None
+    if isinstance(value, Mapping):
+        return any(map(_has_unit, value.values()))
+    return isinstance(value, list | tuple) and any(map(_has_unit, value))
+
+
+def _as_read(value: Any, read: Any) -> Any:
+    """A value with the numbers that the program has read its units as."""
+    if isinstance(value, str):
+        return read if isinstance(read, int | float) else value
+    if isinstance(value, Mapping) and isinstance(read, Mapping):
+        return {key: _as_read(inner, read.get(key)) for key, inner in value.items()}
+    if isinstance(value, list | tuple) and isinstance(read, list) and len(read) == len(value):
+        return [_as_read(*both) for both in zip(value, read)]
+    return value
+
+
 class Scene:
     """What is simulated: a file or a dict, and changes to it. A scene never changes; `change`
     makes another one.
 
     - `title`: its name in results and in names of files
     - `changes`: the values that differ from the file, by their whole keys
-    - `scene["speed"]`, `scene["resonator.length"]`: a value, in SI units; KeyError where the scene
-      leaves it to its default
+    - `scene["speed"]`, `scene["resonator.length"]`: a value, in SI units also where the scene has
+      "100 mm/s"; KeyError where the scene leaves it to its default
 
     >>> import ra2d
     >>> cube = ra2d.scene("dang2012")
@@ -100,13 +121,16 @@ class Scene:
         return re.sub(r"[^\w.=+-]+", "_", name)[:LONGEST_TITLE] + f"-{digits}"
 
     def change(self, changes: Mapping[str, Any] | None = None, /, **short: Any) -> Scene:
-        """A scene with other values: by short names, or by whole keys in a mapping. SI units.
+        """A scene with other values: by short names, or by whole keys in a mapping. Numbers are in
+        SI units; texts say theirs, as "500 mm".
 
         `tolerance` alone also sets `time.scheme = "adaptive"`, the one scheme that takes it.
 
         >>> import ra2d
         >>> ra2d.scene("dang2012").change({"slider.surface.seed": 7}, load=1.0).changes
         {'slider.surface.seed': 7, 'slider.load': 1.0}
+        >>> ra2d.scene("dang2012").change(speed="50 mm/s")["speed"]
+        0.05
         """
         given = full_keys(changes, short)
         replaced = tuple(f"{name}." for name in given)  # a whole table takes the place of its keys
@@ -134,7 +158,7 @@ class Scene:
         return toml.document(self._source)
 
     def content(self) -> dict[str, Any]:
-        """The scene as nested dicts, with the changes. Values in SI units; defaults are not in it.
+        """The scene as nested dicts, with the changes. Values as they were given; defaults are not in it.
 
         >>> import ra2d
         >>> ra2d.scene("dang2012").content()["resonator"]["thickness"]     # m
@@ -162,12 +186,20 @@ class Scene:
         return toml.parse("\n\n".join(parts))
 
     def __getitem__(self, name: str) -> Any:
+        path = full_key(name).split(".")
         value: Any = self.content()
-        for part in full_key(name).split("."):
+        for part in path:
             if not isinstance(value, Mapping) or part not in value:
                 raise KeyError(f"{name}: the scene leaves it to its default, or has no such key: complete() holds all")
             value = value[part]
-        return value
+        if not _has_unit(value):
+            return value
+        with warnings.catch_warnings():  # what is odd is said when the scene is run
+            warnings.simplefilter("ignore", Notice)
+            read: Any = self.complete()
+        for part in path:
+            read = read.get(part) if isinstance(read, Mapping) else None
+        return _as_read(value, read)
 
     def file(self, folder: pathlib.Path) -> pathlib.Path:
         """The file that the program reads: the scene's own; of a dict one written into `folder`.

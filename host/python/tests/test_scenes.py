@@ -53,6 +53,21 @@ def test_later_changes_take_the_place_of_earlier_ones():
     assert flat["slider.surface"] == {"kind": "flat"}
 
 
+def test_a_text_with_a_unit_is_the_number_that_the_program_reads():
+    cube = ra2d.scene("dang2012")
+    inches = cube.change({"slider.surface": {"kind": "gaussian", "rq": "8 \u00b5m", "rsm": "1.55 mm", "seed": 1},
+                          "resonator.length": "30 cm", "output.probes": ["10 mm", 0.02]}, speed="100 mm/s",
+                         load="2 weight", name="3 balls")
+    assert inches["speed"] == 0.1 and inches["resonator.length"] == 0.3
+    assert inches["slider.surface"] == {"kind": "gaussian", "rq": 8e-6, "rsm": 1.55e-3, "seed": 1}
+    assert inches["slider.surface.rq"] == 8e-6 and inches["probes"] == [0.01, 0.02]
+    assert inches["load"] == "2 weight" and inches["name"] == "3 balls"
+    assert inches.changes["scene.speed"] == "100 mm/s"
+    assert {**inches.complete()["scene"], "name": ""} == {**cube.complete()["scene"], "name": ""}
+    with pytest.raises(ra2d.RequestError, match='"100 mm" is a length, not a speed.*"100 mm/s"'):
+        cube.change(speed="100 mm")["speed"]
+
+
 def test_names_of_scenes():
     with pytest.raises(ra2d.RequestError, match="no scene 'dang2021'. Scenes .*dang2012, dang2012-pinned.*peaks"):
         ra2d.scene("dang2021")

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <filesystem>
+#include <span>
+#include <string>
+
+#include "host/scene_file/materials.hpp"
+
+/// A commented scene of a user's case, from a few answers.
+namespace ra2d {
+
+/// A number as the scene will have it.
+struct GivenNumber {
+  double value = 0;  // SI
+  std::string toml;
+};
+
+struct NewFace {
+  enum class Kind { random, profile, flat };
+  Kind kind = Kind::flat;
+  GivenNumber rq, rsm;             // random
+  std::filesystem::path file;      // profile
+  std::string x_unit, z_unit;      // of the profile, where the file does not say them
+  double spacing = 0, length = 0;  // m, of the profile: the widest of nodes that show it
+};
+
+struct NewBody {
+  const Material* material = nullptr;
+  GivenNumber length, width, thickness;
+  NewFace face;
+};
+
+struct NewScene {
+  NewBody resonator, slider;
+  GivenNumber speed, damping,
+      duration;      // duration.value = 0: by the path
+  std::string load;  // as TOML
+};
+
+/// A question about a new scene. Its option takes the same answers.
+struct NewSceneQuestion {
+  const char* option;  // "--speed"
+  const char* type;    // of the option, for the help
+  const char* words;
+  const char* usual;  // the answer that is taken where none is given
+  /// Takes an answer. Throws RequestError that explains what is wrong with it; `scene` is then as
+  /// it was.
+  void (*take)(NewScene& scene, const std::string& answer);
+};
+
+/// In the order in which they are asked: a later answer may need the earlier ones.
+std::span<const NewSceneQuestion> new_scene_questions();
+
+/// With the usual answers.
+NewScene usual_new_scene();
+
+/// The scene as TOML, for a file of this name. Throws RequestError where the answers do not fit
+/// together.
+std::string new_scene_text(const NewScene& scene, const std::filesystem::path& file);
+
+}  // namespace ra2d
