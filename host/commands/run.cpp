@@ -17,6 +17,7 @@
 #include "host/device/backend.hpp"
 #include "host/result/energy.hpp"
 #include "host/run/run.hpp"
+#include "host/run/run_json.hpp"
 #include "host/scene/schemes.hpp"
 #include "host/scene_file/scene_file.hpp"
 #include "host/system/interruption.hpp"
@@ -30,7 +31,7 @@ constexpr std::size_t longest_title = 200;  // bytes
 struct RunRequest {
   SceneOptions common;
   std::filesystem::path output;
-  bool fresh = false, force = false;
+  bool fresh = false, force = false, json = false;
   double checkpoint = 10;                                      // min between two checkpoints
   double most_wall = std::numeric_limits<double>::infinity();  // s
 };
@@ -168,13 +169,17 @@ int run_scene(RunRequest& request) {
   const RunReport report = run(scene, options);
   if (options.progress) show({});
   if (report.ending == Ending::there) {
-    if (!common.quiet)
+    if (request.json)
+      print_text(run_json(scene, report_of_file(output), output, exit_status::done));
+    else if (!common.quiet)
       print("{} has this run already, complete: nothing to do (--fresh runs it again)\n",
             printable(output.string()));
     return exit_status::done;
   }
-  if (!common.quiet) print_report(scene, report, output);
-  return say_run_ending(common, report, output);
+  if (!common.quiet && !request.json) print_report(scene, report, output);
+  const int status = say_run_ending(common, report, output);
+  if (request.json) print_text(run_json(scene, report, output, status));
+  return status;
 }
 
 }  // namespace
@@ -196,6 +201,8 @@ void add_run(CLI::App& app, ChosenCommand& chosen) {
                     "replace any file that is there, also the result of another run (of this one: "
                     "--fresh)");
   add_checkpoints(*command, request->checkpoint, request->most_wall);
+  command->add_flag("--json", request->json,
+                    "prints the outcome as one JSON object, also where the run was cut short");
   command->callback([request, &chosen] {
     chosen.takes_checkpoints = true;
     chosen.run = [request] {
