@@ -25,10 +25,19 @@ struct Completed {
   Words words;
 };
 
+/// Whether a word stands for many, as "poly:N" does.
+bool is_pattern(const std::string& word) {
+  return std::any_of(word.begin(), word.end(), [](char c) { return c >= 'A' && c <= 'Z'; });
+}
+
 Completed completed(const OptionFacts& option) {
   const std::string& value = option.value;
   if (value.starts_with("SECTION.KEY")) return {Kind::scene_key, {}, {}};
-  if (!option.choices.empty()) return {Kind::words, {}, option.choices};
+  if (!option.choices.empty()) {
+    Words words = option.choices;
+    std::erase_if(words, is_pattern);
+    return {Kind::words, {}, words};
+  }
   if (value == "SCENE") return {Kind::file_with_ending, "toml", {}};
   if (value == "DIR") return {Kind::folder, {}, {}};
   if (const std::size_t dot = value.rfind('.'); dot != value.npos)
@@ -56,10 +65,7 @@ Words words_in(const std::string& type) {
     if (end == type.npos) break;
     std::string word = type.substr(begin + 1, end - begin - 1);
     std::erase(word, '"');
-    // "poly:N" stands for many
-    const bool is_pattern =
-        std::any_of(word.begin(), word.end(), [](char c) { return c >= 'A' && c <= 'Z'; });
-    if (!word.empty() && !is_pattern && word.find_first_of(" '\\$:") == word.npos)
+    if (!word.empty() && !is_pattern(word) && word.find_first_of(" '\\$:") == word.npos)
       words.push_back(word);
   }
   return words;

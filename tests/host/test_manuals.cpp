@@ -253,6 +253,9 @@ TEST_F(Manuals, BashCompletes) {
   EXPECT_THAT(offered("ra2d study status "), UnorderedElementsAre("share", "table"));
   EXPECT_THAT(offered("ra2d study --threads status st"), UnorderedElementsAre("status"));
   EXPECT_THAT(offered("ra2d surface generate --exact=n"), UnorderedElementsAre("none"));
+  EXPECT_THAT(offered("ra2d surface measure --x-unit u"), UnorderedElementsAre("um"));
+  EXPECT_THAT(offered("ra2d surface measure --form "),
+              UnorderedElementsAre("none", "mean", "line"));  // and poly:N, which stands for many
   for (const char* command : {"analyze", "plot", "report", "sound", "check"})
     EXPECT_THAT(offered(fmt::format("ra2d {} ", command)),
                 AllOf(Contains("r.h5"), Contains("table"), Not(Contains("a.toml"))));
