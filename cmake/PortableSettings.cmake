@@ -15,7 +15,7 @@ function(ra2d_write_portable_settings name)
       string(APPEND text "set(${setting} \"${${setting}}\" CACHE STRING \"\")\n")
     endif()
   endforeach()
-  foreach(setting RA2D_BACKEND RA2D_BUNDLE RA2D_ONE_MARCH RA2D_KOKKOS_ARCHIVE Kokkos_ROOT FETCHCONTENT_SOURCE_DIR_KOKKOS)
+  foreach(setting RA2D_MAINTAINER RA2D_BACKEND RA2D_BUNDLE RA2D_ONE_MARCH RA2D_KOKKOS_ARCHIVE Kokkos_ROOT FETCHCONTENT_SOURCE_DIR_KOKKOS)
     string(APPEND text "set(${setting} \"${${setting}}\" CACHE STRING \"\" FORCE)\n")  # empty ones, too
   endforeach()
   file(CONFIGURE OUTPUT ${settings} CONTENT "${text}" @ONLY)
