@@ -27,7 +27,6 @@ install(RUNTIME_DEPENDENCY_SET bundled_libraries
   PRE_EXCLUDE_REGEXES "^ld-linux" "^lib(c|m|mvec|dl|rt|pthread|resolv|util|anl)\\.so" "^libcuda\\.so"
   LIBRARY DESTINATION lib ${carried})
 install(DIRECTORY scenes DESTINATION share/ra2d ${carried})
-install(FILES ${RA2D_PLOT_SCRIPTS} DESTINATION share/ra2d ${carried})
 ra2d_install_python(${carried})
 install(DIRECTORY tests/host DESTINATION share/ra2d/tests ${carried} FILES_MATCHING PATTERN "*.py")
 install(PROGRAMS tests/bundle/check.sh DESTINATION . ${carried})

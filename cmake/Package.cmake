@@ -32,9 +32,6 @@ install(FILES ${PROJECT_BINARY_DIR}/ra2dConfig.cmake ${PROJECT_BINARY_DIR}/ra2dC
         DESTINATION ${package_dir} ${development})
 
 install(TARGETS ra2d RUNTIME_DEPENDENCY_SET packed_libraries RUNTIME ${runtime})
-set(RA2D_PLOT_SCRIPTS host/plot/chart_style.py host/plot/plot_stability.py host/plot/plot_accuracy.py
-    host/plot/picture_style.py host/plot/plot_result.py host/plot/plot_profile.py host/plot/plot_study.py)
-install(FILES ${RA2D_PLOT_SCRIPTS} DESTINATION ${CMAKE_INSTALL_DATADIR}/ra2d ${runtime})
 install(DIRECTORY scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/ra2d ${runtime})
 ra2d_install_python(${runtime})
 # The pages, laid out as here, so that their links hold.
