@@ -7,22 +7,8 @@ if(RA2D_SANITIZE OR NOT RA2D_TESTS OR NOT RA2D_BENCH)
 endif()
 
 if(NOT RA2D_PORTABLE)
-  # This build is for this machine's processor: a bundle has a build of its own, with the same compiler and libraries.
-  set(settings ${PROJECT_BINARY_DIR}/portable-settings.cmake)
-  set(text "set(CMAKE_BUILD_TYPE Release CACHE STRING \"\" FORCE)\n")
-  foreach(name CMAKE_PREFIX_PATH CMAKE_C_COMPILER CMAKE_CXX_COMPILER CMAKE_CXX_COMPILER_LAUNCHER HDF5_ROOT Eigen3_DIR
-          fmt_DIR CLI11_DIR tomlplusplus_DIR nlohmann_json_DIR GTest_DIR benchmark_DIR RANDOM123_INCLUDE_DIR XXHASH_INCLUDE_DIR
-          FFTW3_INCLUDE_DIR FFTW3_LIBRARY LIBZIP_INCLUDE_DIR LIBZIP_LIBRARY PUGIXML_INCLUDE_DIR PUGIXML_LIBRARY
-          CRYPTO_INCLUDE_DIR CRYPTO_LIBRARY
-          SUNDIALS_INCLUDE_DIR ODEINT_INCLUDE_DIR)
-    if(${name})
-      string(APPEND text "set(${name} \"${${name}}\" CACHE STRING \"\")\n")
-    endif()
-  endforeach()
-  foreach(name RA2D_BACKEND RA2D_BUNDLE RA2D_ONE_MARCH RA2D_KOKKOS_ARCHIVE Kokkos_ROOT FETCHCONTENT_SOURCE_DIR_KOKKOS)
-    string(APPEND text "set(${name} \"${${name}}\" CACHE STRING \"\" FORCE)\n")  # empty ones, too
-  endforeach()
-  file(CONFIGURE OUTPUT ${settings} CONTENT "${text}" @ONLY)
+  # This build is for this machine's processor: a bundle has a build of its own.
+  ra2d_write_portable_settings(settings)
   add_custom_target(bundle
     COMMAND ${CMAKE_COMMAND} -S ${PROJECT_SOURCE_DIR} -B ${PROJECT_BINARY_DIR}/portable -G ${CMAKE_GENERATOR}
             -C ${settings} -DRA2D_PORTABLE=ON -DRA2D_TESTS=ON -DRA2D_BENCH=ON
@@ -32,7 +18,7 @@ if(NOT RA2D_PORTABLE)
 endif()
 
 set(programs ra2d ra2d_tests ra2d_bench)
-set_target_properties(${programs} PROPERTIES INSTALL_RPATH "$ORIGIN/../lib")
+set_target_properties(${programs} PROPERTIES INSTALL_RPATH "$ORIGIN/../lib;$ORIGIN/../lib/ra2d")
 set(carried COMPONENT bundle EXCLUDE_FROM_ALL)
 install(TARGETS ${programs} RUNTIME_DEPENDENCY_SET bundled_libraries RUNTIME DESTINATION bin ${carried})
 install(TARGETS faulty_disk LIBRARY DESTINATION lib ${carried})
@@ -41,8 +27,7 @@ install(RUNTIME_DEPENDENCY_SET bundled_libraries
   PRE_EXCLUDE_REGEXES "^ld-linux" "^lib(c|m|mvec|dl|rt|pthread|resolv|util|anl)\\.so" "^libcuda\\.so"
   LIBRARY DESTINATION lib ${carried})
 install(DIRECTORY scenes DESTINATION share/ra2d ${carried})
-install(DIRECTORY host/python/ra2d DESTINATION share/ra2d ${carried}
-        FILES_MATCHING PATTERN "*.py" PATTERN "py.typed" PATTERN "page.html" PATTERN "__pycache__" EXCLUDE)
+ra2d_install_python(${carried})
 install(DIRECTORY tests/host DESTINATION share/ra2d/tests ${carried} FILES_MATCHING PATTERN "*.py")
 install(PROGRAMS tests/bundle/check.sh DESTINATION . ${carried})
 install(FILES LICENSE tests/bundle/README.txt DESTINATION . ${carried})

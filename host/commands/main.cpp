@@ -10,6 +10,7 @@
 #include <csignal>
 #include <exception>
 #include <filesystem>
+#include <memory>
 #include <new>
 #include <sstream>
 #include <system_error>
@@ -19,8 +20,10 @@
 #include "host/base/exit_status.hpp"
 #include "host/base/text.hpp"
 #include "host/base/version.hpp"
+#include "host/commands/command_facts.hpp"
 #include "host/commands/commands.hpp"
 #include "host/commands/interrupt.hpp"
+#include "host/commands/manual.hpp"
 #include "host/commands/print.hpp"
 #include "host/ranks/ranks.hpp"
 
@@ -95,13 +98,14 @@ int dispatch(Words words) {
       "ra2d"};
   app.set_version_flag("--version", program_text());
   app.require_subcommand(1);
-  app.footer(
-      "Exit status: 0 done; 2 the request is wrong; 3 the simulation failed; 4 a file could not be "
-      "read or "
-      "written; 5 --max-wall was reached; 128 + n ended by signal n (130: Ctrl-C).");
+  app.formatter(std::make_shared<HelpFormatter>());
   ChosenCommand chosen;
   for (const AddCommand add : commands) add(app, chosen);
 
+  if (words.size() == 3 && words[0] == "--write-manuals") {  // the build asks for it
+    write_manuals(facts_of(app), words[1], words[2]);
+    return exit_status::done;
+  }
   if (!words.empty() && words[0] == "help") {  // `ra2d help run` as `ra2d run --help`
     words.erase(words.begin());
     words.emplace_back("--help");

@@ -24,9 +24,11 @@ struct PlanRequest {
   SceneOptions common;
   double accuracy = 0, budget = 60;  // s of wall time
   std::filesystem::path output;      // the cheaper scene
+  bool json = false;
 };
 
-int plan_scene(const SceneOptions& common) {
+int plan_scene(const PlanRequest& request) {
+  const SceneOptions& common = request.common;
   const Scene scene = read_scene(common.scene, common.overrides);
   const Backend backend(common.threads, common.device);
   const Model model = make_model(scene);
@@ -34,6 +36,10 @@ int plan_scene(const SceneOptions& common) {
   const Batch batch({model}, {start});
   const Plan plan = make_plan(model, batch.bytes(), start);
   say_doubts(model.doubts, common.quiet);
+  if (request.json) {
+    print_text(plan_json(model, plan));
+    return exit_status::done;
+  }
   if (!common.quiet) print("# {}, complete:\n{}\n", printable(common.scene.string()), echo(scene));
   print_text(describe(model, plan));
   return exit_status::done;
@@ -55,9 +61,12 @@ int plan_accuracy(PlanRequest& request) {
   const Backend backend(common.threads, common.device);
   const Savings savings = find_savings(scene, options);
   if (shown) show({});
-  print_text(describe(savings));
+  if (!request.json) print_text(describe(savings));
   write_text(request.output, planned_scene(savings));
-  if (!common.quiet) print("written    {}\n", printable(request.output.string()));
+  if (request.json)
+    print_text(savings_json(savings, request.output));
+  else if (!common.quiet)
+    print("written    {}\n", printable(request.output.string()));
   return exit_status::done;
 }
 
@@ -78,23 +87,24 @@ void add_plan(CLI::App& app, ChosenCommand& chosen) {
           ->type_name("A")
           ->check(number_from(std::nextafter(0.0, 1.0), std::nextafter(1.0, 0.0),
                               "between 0 and 1, like 0.01"));
-  plan->add_option("--budget", request->budget, "with --accuracy: wall time it may take, roughly")
+  plan->add_option("--budget", request->budget, "wall time it may take, roughly")
       ->type_name("SECONDS")
       ->check(number_from(1e-3, 1e9, "from 1e-3 to 1e9"))
       ->capture_default_str()
       ->needs(accuracy);
   plan->add_option("-o,--output", request->output,
-                   "with --accuracy: the scene it writes [SCENE's name with -planned.toml, in the "
+                   "the scene it writes [SCENE's name with -planned.toml, in the "
                    "current folder]")
       ->type_name("OUT.toml")
       ->check(path())
       ->needs(accuracy);
+  plan->add_flag("--json", request->json, "prints everything as one JSON object, in SI units");
   add_scene_options(*plan, request->common);
   plan->callback([request, accuracy, &chosen] {
     const bool has_accuracy = accuracy->count() > 0;
     chosen.run = [request, has_accuracy] {
       limit_threads(request->common.threads, request->common.quiet);
-      return has_accuracy ? plan_accuracy(*request) : plan_scene(request->common);
+      return has_accuracy ? plan_accuracy(*request) : plan_scene(*request);
     };
   });
 }

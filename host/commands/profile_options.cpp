@@ -60,17 +60,17 @@ class ProfileOptionList {
 /// How a file is read.
 void add_reading(ProfileOptionList& list, ProfileQuery& query) {
   const auto unit = [](const std::string& text) { return to_unit(text); };
-  list.word("--x-unit", "UNIT", "of x: m, mm, um or nm [the file's own, or m]", "m, mm, um or nm",
-            unit, [&query](const LengthUnit& u) { query.x_unit = u; });
-  list.word("--z-unit", "UNIT", "of the heights [the file's own, or m]", "m, mm, um or nm", unit,
-            [&query](const LengthUnit& u) { query.z_unit = u; });
+  list.word("--x-unit", "UNIT:{m,mm,um,nm}", "of x [the file's own, or m]", "m, mm, um or nm", unit,
+            [&query](const LengthUnit& u) { query.x_unit = u; });
+  list.word("--z-unit", "UNIT:{m,mm,um,nm}", "of the heights [the file's own, or m]",
+            "m, mm, um or nm", unit, [&query](const LengthUnit& u) { query.z_unit = u; });
   list.length("--spacing", query.spacing, "step in metres, of a file that has no x");
   list.index(
       "--column", query.column,
       "the column of heights, from 1 [the second, after x]; of an areal file a profile along y");
   list.index("--row", query.row, "the row of an areal file, from 1: a profile along x");
-  list.word("--decimal", "MARK",
-            "point or comma, where the file leaves it open [what the file tells]", "point or comma",
+  list.word("--decimal", "MARK:{point,comma}",
+            "where the file leaves open what a comma is [what the file tells]", "point or comma",
             either<DecimalMark>({{"point", DecimalMark::point}, {"comma", DecimalMark::comma}}),
             [&query](DecimalMark mark) { query.decimal = mark; });
 }
@@ -79,13 +79,12 @@ void add_reading(ProfileOptionList& list, ProfileQuery& query) {
 void add_filters(ProfileOptionList& list, ProfileOptions& options) {
   MeasureOptions& measure = options.measure;
   list.word(
-      "--form", "FORM",
-      "form to be taken off first: none, mean, line or poly:N, by least squares "
-      "[none]",
+      "--form", "FORM:{none,mean,line,poly:N}",
+      "form to be taken off first, by least squares [none]",
       "none, mean, line or poly:N with N from 0 to 10",
       [](const std::string& text) { return understand_form(text); },
       [&measure](ProfileForm form) { measure.form = form; });
-  list.word("--filter", "KIND",
+  list.word("--filter", "KIND:{gaussian,done,none}",
             "gaussian, which gives the roughness profile; done, where the instrument has filtered "
             "already; none, for the primary profile [gaussian]",
             "gaussian, done or none",
@@ -117,7 +116,7 @@ void add_measures(ProfileOptionList& list, MeasureOptions& measure) {
       [&measure](double width) { measure.fill = width; });
   const auto standard = either<RoughnessStandard>(
       {{"iso21920", RoughnessStandard::iso21920}, {"iso4287", RoughnessStandard::iso4287}});
-  list.word("--standard", "NORM", "whose definitions are taken: iso21920 or iso4287 [iso21920]",
+  list.word("--standard", "NORM:{iso21920,iso4287}", "whose definitions are taken [iso21920]",
             "iso21920 or iso4287", standard,
             [&measure](RoughnessStandard norm) { measure.standard = norm; });
 }

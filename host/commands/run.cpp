@@ -21,7 +21,11 @@
 #include "host/device/backend.hpp"
 #include "host/result/energy.hpp"
 #include "host/run/run.hpp"
+<<<<<<< HEAD
 #include "host/run/zoom.hpp"
+=======
+#include "host/run/run_json.hpp"
+>>>>>>> pack
 #include "host/scene/schemes.hpp"
 #include "host/scene_file/scene_file.hpp"
 #include "host/store/result_reader.hpp"
@@ -36,7 +40,7 @@ constexpr std::size_t longest_title = 200;  // bytes
 struct RunRequest {
   SceneOptions common;
   std::filesystem::path output;
-  bool fresh = false, force = false;
+  bool fresh = false, force = false, json = false;
   double checkpoint = 10;                                      // min between two checkpoints
   double most_wall = std::numeric_limits<double>::infinity();  // s
   std::vector<std::string> zooms;
@@ -221,15 +225,24 @@ int run_scene(RunRequest& request) {
   const RunReport report = run(scene, options);
   if (options.progress) show({});
   if (report.ending == Ending::there) {
-    if (!common.quiet)
+    if (request.json)
+      print_text(run_json(scene, report_of_file(output), output, exit_status::done));
+    else if (!common.quiet)
       print("{} has this run already, complete: nothing to do (--fresh runs it again)\n",
             printable(output.string()));
     return zoom.is_empty() ? exit_status::done : run_zooms(request, scene, zoom, options);
   }
+<<<<<<< HEAD
   if (!common.quiet) print_report(scene, report, output);
   if (report.ending == Ending::complete && !zoom.is_empty())
     return run_zooms(request, scene, zoom, options);
   return say_run_ending(common, report, output);
+=======
+  if (!common.quiet && !request.json) print_report(scene, report, output);
+  const int status = say_run_ending(common, report, output);
+  if (request.json) print_text(run_json(scene, report, output, status));
+  return status;
+>>>>>>> pack
 }
 
 }  // namespace
@@ -251,6 +264,7 @@ void add_run(CLI::App& app, ChosenCommand& chosen) {
                     "replace any file that is there, also the result of another run (of this one: "
                     "--fresh)");
   add_checkpoints(*command, request->checkpoint, request->most_wall);
+<<<<<<< HEAD
   command
       ->add_option("--zoom", request->zooms,
                    "also sample a window at 1 MHz, to OUT.zoom-1.h5: strongest=N for those around "
@@ -263,6 +277,10 @@ void add_run(CLI::App& app, ChosenCommand& chosen) {
                    "samples a second in such windows, up to 1e7 [1e6]")
       ->type_name("HZ")
       ->check(positive_number());
+=======
+  command->add_flag("--json", request->json,
+                    "prints the outcome as one JSON object, also where the run was cut short");
+>>>>>>> pack
   command->callback([request, &chosen] {
     chosen.takes_checkpoints = true;
     chosen.run = [request] {

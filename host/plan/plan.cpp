@@ -256,25 +256,29 @@ std::string adaptive_text(const Scene& scene) {
       scene.time.tolerance.value_or(usual_tolerance));
 }
 
-/// How long the start is heard, compared with the run.
-std::string ringing_text(const Model& model) {
-  const Scene& scene = model.scene;
-  double slowest = std::numeric_limits<double>::infinity(), frequency = 0;  // 1/s, Hz
-  const char* whose = "";
+SlowestMode slowest_mode(const Model& model) {
+  double slowest = std::numeric_limits<double>::infinity();  // 1/s
+  SlowestMode found;
   for (const auto& [name, body] :
        {std::pair{"resonator", &model.resonator}, std::pair{"slider", &model.slider}})
     for (const BodyMode& mode : body->modes)
       if (mode.omega > 0 && mode.zeta * mode.omega < slowest) {
         slowest = mode.zeta * mode.omega;
-        frequency = mode.omega / (2 * M_PI);
-        whose = name;
+        found = {name, mode.omega / (2 * M_PI), std::log(1e3) / slowest};
       }
-  if (std::isinf(slowest)) return {};
-  std::string text = fmt::format(
-      "ringing    the {}'s mode at {:.4g} Hz {}; the run takes {}\n", whose, frequency,
-      slowest > 0 ? fmt::format("dies away by 60 dB in {}", seconds_text(std::log(1e3) / slowest))
-                  : std::string("never dies away"),
-      seconds_text(scene.duration));
+  return found;
+}
+
+/// How long the start is heard, compared with the run.
+std::string ringing_text(const Scene& scene, const SlowestMode& slowest) {
+  if (*slowest.body == '\0') return {};
+  std::string text =
+      fmt::format("ringing    the {}'s mode at {:.4g} Hz {}; the run takes {}\n", slowest.body,
+                  slowest.frequency,
+                  std::isinf(slowest.decay)
+                      ? std::string("never dies away")
+                      : fmt::format("dies away by 60 dB in {}", seconds_text(slowest.decay)),
+                  seconds_text(scene.duration));
   return text +
          fmt::format("           it starts {}; level and shocks count from {} on (output.from)\n",
                      scene.initial == Initial::statics ? "in equilibrium" : "from rest, and rings",
@@ -435,6 +439,7 @@ Plan make_plan(const Model& model, std::size_t memory, const ModalStart& start) 
   plan.resonator = plan_body(model.resonator, scene.resonator,
                              static_cast<int>(model.resonator_height.size()), scene);
   plan.slider = plan_body(model.slider, scene.slider, model.nodes(), scene);
+  plan.slowest = slowest_mode(model);
   plan.delta = model.delta;
   const JoinedModes place = most_yielding(model);
   const bool spring = scene.contact.law == ContactLaw::penalty;
@@ -486,7 +491,7 @@ std::string describe(const Model& model, const Plan& plan) {
                           ? "every node at every step"
                           : "the nodes that can touch; the others are proven apart (time.nodes = "
                             "\"candidates\")");
-  text += ringing_text(model);
+  text += ringing_text(scene, plan.slowest);
   text += cost_text(plan);
   text += fmt::format("memory     {}, whatever the duration; file {}, {} samples\n",
                       bytes_text(plan.memory), size_text(plan.file), plan.samples);

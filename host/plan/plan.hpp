@@ -25,8 +25,16 @@ struct SchemePlan {
   StepLimits limits;
 };
 
+/// The elastic mode that rings longest.
+struct SlowestMode {
+  const char* body = "";  // "resonator" or "slider"; empty where no mode is elastic
+  double frequency = 0;   // Hz
+  double decay = 0;       // s, in which it dies away by 60 dB; infinite without damping
+};
+
 struct Plan {
   BodyPlan resonator, slider;
+  SlowestMode slowest;
   double delta = 0;                 // m
   std::vector<SchemePlan> schemes;  // of fixed steps, all that the scene's contact law can take
   SchemePlan own;                   // the scene's choice
@@ -57,6 +65,10 @@ std::string size_text(double bytes);
 
 /// The plan as text, a line a fact.
 std::string describe(const Model& model, const Plan& plan);
+
+/// The plan and the complete scene as one JSON object, a line. Null stands for what there is not;
+/// as a limit of the step it says that every step holds.
+std::string plan_json(const Model& model, const Plan& plan);
 
 /// A scheme as messages call it, e.g. "backward-euler with the contact force of the old time".
 std::string scheme_text(const Scene& scene, const TimeSettings& choice);

@@ -69,6 +69,9 @@ Savings find_savings(const Scene& scene, const SavingsOptions& options);
 /// All trials and the result, for people.
 std::string describe(const Savings& savings);
 
+/// All of it as one JSON object, a line. `output` is where the scene is written.
+std::string savings_json(const Savings& savings, const std::filesystem::path& output);
+
 /// The scene with the choices in it, each with where it comes from. Reading it, from any folder,
 /// gives savings.chosen.
 std::string planned_scene(const Savings& savings);

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/run/run_json.hpp"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "host/analysis/analysis.hpp"
+#include "host/base/errors.hpp"
+#include "host/base/quiet_nan.hpp"
+#include "host/scene_file/scene_file.hpp"
+#include "host/store/result_reader.hpp"
+
+namespace ra2d {
+namespace {
+
+using Json = nlohmann::ordered_json;  // writes null for what is not finite
+
+Json interval_json(const Interval& interval) {
+  return {{"low", interval.low}, {"high", interval.high}};
+}
+
+Json shocks_json(const RunReport& r) {
+  return {{"rate", r.shock_rate},
+          {"rate_interval", interval_json(r.intervals.shock_rate)},
+          {"duration", {{"median", r.shock_duration_median}, {"p90", r.shock_duration_90}}},
+          {"peak_force", {{"median", r.peak_force_median}, {"p90", r.peak_force_90}}}};
+}
+
+Json energy_json(const EnergyBalance& energy) {
+  const bool is_known = energy.samples >= 2;
+  return {{"closure", energy.closure()},
+          {"residual", is_known ? energy.residual : quiet_nan},
+          {"turnover", is_known ? energy.turnover : quiet_nan}};
+}
+
+Json mesh_json(const MeshTone& mesh) {
+  return {{"frequency", mesh.frequency},
+          {"in_spectrum", mesh.in_spectrum},
+          {"rise", mesh.rise},
+          {"rise_by_chance", mesh.by_chance},
+          {"stands_out", mesh.stands_out()}};
+}
+
+}  // namespace
+
+std::string run_json(const Scene& scene, const RunReport& r, const std::filesystem::path& output,
+                     int exit_status) {
+  const bool is_there = r.ending == Ending::there;
+  const bool has_level = is_there || r.counted > 0;
+  const Json json{{"file", output.string()},
+                  {"title", title(scene)},
+                  {"complete", is_there || r.ending == Ending::complete},
+                  {"ended", r.ending == Ending::failed ? r.failure : ending_name(r.ending)},
+                  {"was_there", is_there},
+                  {"resumable", r.resumable},
+                  {"exit_status", exit_status},
+                  {"from", scene.output.from},
+                  {"to", r.time},
+                  {"duration", scene.duration},
+                  {"steps", r.steps},
+                  {"lv", has_level ? r.lv : quiet_nan},
+                  {"lv_interval", interval_json(r.intervals.level)},
+                  {"no_interval", r.intervals.why_none},
+                  {"v_rms", has_level ? r.v_rms : quiet_nan},
+                  {"contact_share", r.contact_share},
+                  {"shocks", shocks_json(r)},
+                  {"nodes_evaluated", r.nodes_evaluated},
+                  {"energy", energy_json(r.energy)},
+                  {"mesh_tone", mesh_json(r.mesh)},
+                  {"beyond_limit", r.beyond_limit.empty() ? Json() : Json(r.beyond_limit)},
+                  {"wall_seconds", r.wall_seconds},
+                  {"march_seconds", r.march_seconds},
+                  {"read_back_seconds", r.read_back_seconds},
+                  {"step_seconds", r.step_seconds()},
+                  {"memory_bytes", r.memory > 0 ? Json(r.memory) : Json()}};
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace) + '\n';
+}
+
+RunReport report_of_file(const std::filesystem::path& file) {
+  const ResultReader reader(file);
+  const ResultContents& contents = reader.contents();
+  const ResultSummary& summary = contents.summary;
+  RunReport report;
+  static_cast<NoiseFigures&>(report) = summary;
+  report.ending = Ending::there;
+  report.beyond_limit = contents.beyond_limit;
+  report.time = contents.end;
+  report.steps = summary.steps;
+  report.mesh.frequency = report.mesh.rise = report.mesh.by_chance = quiet_nan;
+  report.intervals.level = report.intervals.shock_rate = {quiet_nan, quiet_nan};
+  try {
+    const Analysis analysis = analyze(file, {});
+    report.intervals = analysis.intervals;
+    report.mesh = analysis.mesh;
+  } catch (const RequestError& too_short) {
+    report.intervals.why_none = too_short.what();
+  }
+  report.energy.residual = summary.energy_residual;
+  report.energy.turnover = summary.energy_turnover;
+  report.energy.samples = std::isfinite(summary.energy_turnover) ? 2 : 0;
+  report.march_seconds = summary.step_seconds * static_cast<double>(summary.steps);
+  report.wall_seconds = summary.wall_seconds;
+  report.read_back_seconds = quiet_nan;
+  return report;
+}
+
+}  // namespace ra2d

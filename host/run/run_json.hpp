@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <filesystem>
+#include <string>
+
+#include "host/run/run_report.hpp"
+
+/// The outcome of a run for other programs.
+namespace ra2d {
+
+/// One JSON object, a line. Names and units are those of `ra2d analyze --json` (docs/results.md);
+/// null for what there is not.
+std::string run_json(const Scene& scene, const RunReport& report,
+                     const std::filesystem::path& output, int exit_status);
+
+/// The report of a run that was found in its file, complete (Ending::there). Its ending stays
+/// `there`. What only the running program knew is NaN or 0. Throws FileError.
+RunReport report_of_file(const std::filesystem::path& file);
+
+}  // namespace ra2d
