@@ -128,7 +128,13 @@ class Budget:
         return found_dict
 
     def to_json(self) -> str:
-        """`to_dict` as text."""
+        """`to_dict` as text.
+
+        >>> import ra2d
+        >>> budget = ra2d.uncertainty(ra2d.scene("dang2012").change(duration=0.05, tolerance=1e-6), seeds=3)
+        >>> budget.to_json().splitlines()[1]
+        '  "quantities": {'
+        """
         return json.dumps(self.to_dict(), ensure_ascii=False, indent=2, allow_nan=False)
 
     def to_csv(self, path: str | os.PathLike[str]) -> pathlib.Path:
