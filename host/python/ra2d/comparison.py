@@ -26,6 +26,7 @@ from .style import quantity, unit_text
 
 PARTS = 10       # of a run; their scatter gives the chance within it
 FEWEST = 8       # parts or pairs with a value that a test within a run needs
+OTHER_FACES = "more than chance within these runs, but the faces differ"
 MARK = 0.05      # a difference that chance makes rarer than this is marked
 BANDS = "third octave"
 
@@ -66,8 +67,8 @@ class Comparison:
     - `scene`: a row for each key that differs: `a`, `b`, `unit`; None where a side does not have it
     - `answers`: a row for each quantity: `a`, `b`, `unit`; `difference`, b - a in dB for levels, and
       100 ln(b/a) for others (small ones are per cent); `chance`: how likely chance alone makes such
-      a difference or a greater one; `differs`: True where that is below 0.05, None without a test;
-      `why`: why there is no test
+      a difference or a greater one; `differs`: True where that is below 0.05, None where that is not
+      known; `why`: why it is not
     - `bands`: the same of third octaves [dB re 1 nm/s]; their `chance` is that of the whole family
       (Holm): in one of twenty comparisons of equal noises any band is marked
     - `test`: which test was used and how often it raises a false alarm
@@ -112,13 +113,14 @@ class Comparison:
         return "\n".join([*lines, *(["", self.test] if self.test else []), *self.notes])
 
     def _text_of_bands(self) -> list[str]:
-        marked = self.bands[self.bands.differs == True]  # noqa: E712: None is neither
         tested = int(self.bands.chance.notna().sum())
+        marked = self.bands[self.bands.chance < MARK]
         if not tested:
-            return [f"third octaves: no test: {self.bands.why.iloc[0]}"]
+            return [f"third octaves: not known: {self.bands.why.iloc[0]}"]
         if marked.empty:
             return [f"third octaves: none of {tested} differs by more than chance"]
-        return [f"third octaves that differ by more than chance, {len(marked)} of {tested}"] + _columns(
+        what = "more than chance" if marked.differs.all() else f"{OTHER_FACES}:"
+        return [f"third octaves that differ by {what}, {len(marked)} of {tested}"] + _columns(
             [("Hz", "A", "B", "B against A", "by chance")]
             + [(str(name), f"{row.a:.1f} dB", f"{row.b:.1f} dB", f"{row.difference:+.1f} dB", _chance(row.chance))
                for name, row in marked.iterrows()])
@@ -201,7 +203,7 @@ def _chance(chance: float) -> str:
 
 def _verdict(row: Any) -> str:
     if row.differs is None:
-        return f"no test: {row.why}"
+        return f"not known: {row.why}"
     return "more than chance" if row.differs else "within chance"
 
 
@@ -383,13 +385,18 @@ def _of_runs(a: Result, b: Result) -> tuple[pd.DataFrame, pd.DataFrame, str, lis
         low, high = (10 * math.log10(v) if v > 0 else math.nan for v in (x, y))
         bands[name] = _row(low, high, "dB re 1 nm/s", high - low, chance, why)
     _mark_family(bands)
+    if not same_faces:
+        for row in [*answers.values(), *bands.values()]:
+            if row["differs"]:
+                row |= {"differs": None, "why": OTHER_FACES}
     test = ("test: Student's t of ten equal parts of each run, "
             + ("in pairs: the same asperities meet in both" if paired else "Welch's for two runs")
             + ". Of twenty quantities that do not differ it marks one, and in one of twenty comparisons any of the "
               "third octaves (Holm).")
     notes = [] if same_faces else [
-        "The faces differ, and each side is one pair of them: the test knows chance within these runs alone, and other "
-        "faces change the answers by more. Compare runs of several seeds: ra2d.compare([a1, a2, ...], [b1, b2, ...])."]
+        "The faces differ, and each side is one pair of them: the test knows chance within these runs alone. Of runs that "
+        "differ by their seeds alone it would mark a third of all quantities. Compare runs of several seeds on both "
+        "sides: ra2d.compare([a1, a2, ...], [b1, b2, ...])."]
     return _table(answers, "quantity"), _table(bands, "band"), test, notes
 
 
