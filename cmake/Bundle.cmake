@@ -13,7 +13,7 @@ if(NOT RA2D_PORTABLE)
   foreach(name CMAKE_PREFIX_PATH CMAKE_C_COMPILER CMAKE_CXX_COMPILER CMAKE_CXX_COMPILER_LAUNCHER HDF5_ROOT Eigen3_DIR
           fmt_DIR CLI11_DIR tomlplusplus_DIR nlohmann_json_DIR GTest_DIR benchmark_DIR RANDOM123_INCLUDE_DIR XXHASH_INCLUDE_DIR
           FFTW3_INCLUDE_DIR FFTW3_LIBRARY LIBZIP_INCLUDE_DIR LIBZIP_LIBRARY PUGIXML_INCLUDE_DIR PUGIXML_LIBRARY
-          CRYPTO_INCLUDE_DIR CRYPTO_LIBRARY SNDFILE_INCLUDE_DIR SNDFILE_LIBRARY SOXR_INCLUDE_DIR SOXR_LIBRARY
+          CRYPTO_INCLUDE_DIR CRYPTO_LIBRARY
           SUNDIALS_INCLUDE_DIR ODEINT_INCLUDE_DIR)
     if(${name})
       string(APPEND text "set(${name} \"${${name}}\" CACHE STRING \"\")\n")
@@ -41,7 +41,8 @@ install(RUNTIME_DEPENDENCY_SET bundled_libraries
   PRE_EXCLUDE_REGEXES "^ld-linux" "^lib(c|m|mvec|dl|rt|pthread|resolv|util|anl)\\.so" "^libcuda\\.so"
   LIBRARY DESTINATION lib ${carried})
 install(DIRECTORY scenes DESTINATION share/ra2d ${carried})
-install(FILES ${RA2D_PLOT_SCRIPTS} DESTINATION share/ra2d ${carried})
+install(DIRECTORY host/python/ra2d DESTINATION share/ra2d ${carried}
+        FILES_MATCHING PATTERN "*.py" PATTERN "py.typed" PATTERN "page.html" PATTERN "__pycache__" EXCLUDE)
 install(DIRECTORY tests/host DESTINATION share/ra2d/tests ${carried} FILES_MATCHING PATTERN "*.py")
 install(PROGRAMS tests/bundle/check.sh DESTINATION . ${carried})
 install(FILES LICENSE tests/bundle/README.txt DESTINATION . ${carried})

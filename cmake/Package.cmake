@@ -14,9 +14,6 @@ foreach(part kernels host)
   install(DIRECTORY ${part} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/ra2d
           FILES_MATCHING PATTERN "*.hpp" REGEX "${private_headers}" EXCLUDE)
 endforeach()
-set(RA2D_PLOT_SCRIPTS host/plot/chart_style.py host/plot/plot_stability.py host/plot/plot_accuracy.py
-    host/plot/picture_style.py host/plot/plot_result.py host/plot/plot_profile.py host/plot/plot_study.py)
-install(FILES ${RA2D_PLOT_SCRIPTS} DESTINATION ${CMAKE_INSTALL_DATADIR}/ra2d)
 install(DIRECTORY scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/ra2d)
 # The Python package finds the program from where it stands: PYTHONPATH=PREFIX/share/ra2d.
 install(DIRECTORY host/python/ra2d DESTINATION ${CMAKE_INSTALL_DATADIR}/ra2d

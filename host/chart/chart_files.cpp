@@ -101,7 +101,6 @@ fs::path sibling_of(const fs::path& file, const Recognised& table, std::size_t i
 const ChartKind& stability_tables() {
   static const ChartKind kind{
       "stability",
-      "plot_stability.py",
       {{"",
         "scheme,contact_force,order,stages,contact,zeta,motion_zeta,theory,measured_low,"
         "measured_high,growth_x,growth_theory,growth_measured"},
@@ -113,7 +112,6 @@ const ChartKind& stability_tables() {
 const ChartKind& accuracy_tables() {
   static const ChartKind kind{
       "accuracy",
-      "plot_accuracy.py",
       {{"",
         "program,scheme,law,contact_force,nodes,step,tolerance,kind,error,against,wall_median,"
         "wall_min,wall_max,repetitions,stretch,how"},

@@ -16,7 +16,6 @@ struct ChartTable {
 
 struct ChartKind {
   std::string name;                // `ra2d chart NAME`
-  std::string script;              // draws it from its tables, in their order
   std::vector<ChartTable> tables;  // the first one is PREFIX.csv
 };
 

@@ -14,9 +14,9 @@
 #include "host/commands/commands.hpp"
 #include "host/commands/options.hpp"
 #include "host/commands/print.hpp"
+#include "host/commands/python.hpp"
 #include "host/commands/threads.hpp"
 #include "host/device/backend.hpp"
-#include "host/plot/draw.hpp"
 #include "host/scene_file/scene_file.hpp"
 #include "host/system/output_file.hpp"
 #include "host/system/partial_file.hpp"
@@ -64,15 +64,14 @@ std::vector<std::string> table_names(const ChartKind& kind, const std::string& p
   return names;
 }
 
-/// Draws a picture of tables that have been written.
-void draw_chart(const ChartKind& kind, const std::vector<std::string>& tables,
-                const std::string& picture, const std::string& texts) try {
-  draw_picture(kind.script, tables, picture);
-} catch (const FileError& fault) {
-  throw FileError(
-      fmt::format("the picture {} was not made: {}. The table is in {}; --no-plot asks for no "
-                  "picture",
-                  picture, fault.what(), texts));
+/// Draws a picture of tables that have been written. Returns the exit status.
+int draw_chart(const ChartKind& kind, const std::vector<std::string>& tables,
+               const std::string& picture, bool quiet) {
+  nlohmann::ordered_json request{{"subject", "chart"}, {"chart", kind.name}, {"quiet", quiet}};
+  for (const std::string& table : tables) request["files"].push_back(path_text(table));
+  const int status = make_picture(std::move(request), picture);
+  if (status != exit_status::done) say("the tables are written; --no-plot asks for no picture");
+  return status;
 }
 
 void print_written(const SceneOptions& common, const std::string& texts, bool plot,
@@ -105,9 +104,11 @@ int chart_stability(const ChartRequest& request) {
   write_text(tables[1], regions_csv());
   write_text(tables[2], modes);
   const std::string texts = fmt::format("{}, {} and {}", tables[0], tables[1], tables[2]);
-  if (!request.no_plot) draw_chart(stability_tables(), tables, picture, texts);
-  print_written(common, texts, !request.no_plot, picture);
-  return exit_status::done;
+  const int status = request.no_plot
+                         ? exit_status::done
+                         : draw_chart(stability_tables(), tables, picture, common.quiet);
+  if (status == exit_status::done) print_written(common, texts, !request.no_plot, picture);
+  return status;
 }
 
 int chart_accuracy(const ChartRequest& request) {
@@ -141,9 +142,10 @@ int chart_accuracy(const ChartRequest& request) {
   write_text(tables[0], points_csv(chart, context));
   write_text(tables[1], long_runs_csv(chart, context));
   const std::string texts = fmt::format("{} and {}", tables[0], tables[1]);
-  if (!request.no_plot) draw_chart(accuracy_tables(), tables, picture, texts);
-  print_written(common, texts, !request.no_plot, picture);
-  return exit_status::done;
+  const int status = request.no_plot ? exit_status::done
+                                     : draw_chart(accuracy_tables(), tables, picture, common.quiet);
+  if (status == exit_status::done) print_written(common, texts, !request.no_plot, picture);
+  return status;
 }
 
 /// Options of both charts.

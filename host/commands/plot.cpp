@@ -3,8 +3,8 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -16,19 +16,23 @@
 #include "host/commands/options.hpp"
 #include "host/commands/print.hpp"
 #include "host/commands/profile_options.hpp"
-#include "host/plot/draw.hpp"
-#include "host/plot/profile_picture.hpp"
-#include "host/plot/result_picture.hpp"
+#include "host/commands/python.hpp"
 #include "host/store/result_reader.hpp"
-#include "host/study/law.hpp"
 #include "host/study/study_table.hpp"
+#include "host/surface/profile_series.hpp"
 #include "host/system/output_file.hpp"
-#include "host/system/partial_file.hpp"
 
 namespace ra2d {
 namespace {
 
 namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+const std::vector<std::string> result_views{
+    "overview", "profiles", "force",  "displacement", "spectrum",   "probe-spectra",
+    "shocks",   "level",    "energy", "bands",        "spectrogram"};
+const std::vector<std::string> results_views{"overview", "spectrum", "bands", "level"};
+constexpr std::size_t most_results = 8;  // that a picture keeps apart
 
 struct PlotRequest {
   std::vector<fs::path> files;
@@ -37,13 +41,6 @@ struct PlotRequest {
   ProfileOptions profile;
   std::string of_profiles;  // the first of their options that was given; empty: none
   bool quiet = false;
-};
-
-/// The script that draws, and its data.
-struct Drawing {
-  std::string script;
-  std::string data;              // text for it, or
-  std::vector<fs::path> tables;  // files
 };
 
 void require_view(const std::string& what, const std::vector<std::string>& views,
@@ -55,28 +52,29 @@ void require_view(const std::string& what, const std::vector<std::string>& views
                      (near ? fmt::format(" (did you mean '{}'?)", *near) : ""));
 }
 
-Drawing draw_profile(const PlotRequest& request) {
+Json profile_request(const PlotRequest& request) {
   require_view(request.what, {"overview"}, "a profile");
   std::vector<std::string> doubts;
-  const std::string data = profile_picture(request.files.front(),
-                                           {.query = request.profile.query,
-                                            .measure = request.profile.measure,
-                                            .usual_filter = !request.profile.has_filter},
-                                           &doubts);
+  const std::string series = profile_series(request.files.front(),
+                                            {.query = request.profile.query,
+                                             .measure = request.profile.measure,
+                                             .usual_filter = !request.profile.has_filter},
+                                            &doubts);
   say_doubts(doubts, request.quiet);
-  return {"plot_profile.py", data, {}};
+  return {{"subject", "profile"}, {"profile", Json::parse(series)}};
 }
 
-Drawing draw_results(const PlotRequest& request) {
+Json results_request(const PlotRequest& request) {
   if (request.files.size() == 1) {
-    require_view(request.what, result_views(), "a result");
-    return {"plot_result.py", result_picture(request.files.front(), request.what), {}};
+    require_view(request.what, result_views, "a result");
+  } else {
+    require_view(request.what, results_views, "several results");
+    if (request.files.size() > most_results && !request.quiet)
+      say(fmt::format("a picture keeps {} results apart: the first {} of {} are drawn",
+                      most_results, most_results, request.files.size()));
   }
-  require_view(request.what, results_views(), "several results");
-  if (request.files.size() > most_results && !request.quiet)
-    say(fmt::format("a picture keeps {} results apart: the first {} of {} are drawn", most_results,
-                    most_results, request.files.size()));
-  return {"plot_result.py", results_picture(request.files, request.what), {}};
+  for (const fs::path& file : request.files) read_stamp(file);
+  return {{"subject", "results"}, {"what", request.what}, {"files", path_texts(request.files)}};
 }
 
 /// Options of profiles alone are refused for other files: none is read and ignored.
@@ -85,54 +83,36 @@ void refuse_profile_options(const PlotRequest& request, const char* what) {
     throw RequestError(fmt::format("{} is of profiles: {} needs none", request.of_profiles, what));
 }
 
-Drawing draw_study(const PlotRequest& request, const fs::path& table) {
+Json study_request(const PlotRequest& request, const fs::path& table) {
   require_view(request.what, {"overview"}, "a study");
   refuse_profile_options(request, "a study");
-  return {
-      "plot_study.py",
-      study_json(read_study_table(table), "study: " + printable(request.files.front().string())),
-      {}};
+  read_study_table(table);
+  return {{"subject", "study"}, {"files", path_texts(request.files)}};
 }
 
-Drawing choose_drawing(const PlotRequest& request) {
+/// The subject of the picture and its files.
+Json choose_subject(const PlotRequest& request, const fs::path& picture) {
   if (request.files.size() == 1)
     if (const fs::path table = study_table_of(request.files.front()); !table.empty())
-      return draw_study(request, table);
+      return study_request(request, table);
   std::vector<bool> results;
   for (const fs::path& file : request.files) results.push_back(is_hdf5(file));
   if (const auto chart = find_chart(request.files)) {
     require_view(request.what, {"overview"}, "a chart");
     refuse_profile_options(request, "a chart");
-    return {chart->kind->script, {}, chart->tables};
+    require_derived_output(picture, chart->tables);
+    return {
+        {"subject", "chart"}, {"chart", chart->kind->name}, {"files", path_texts(chart->tables)}};
   }
   const auto other = std::find(results.begin(), results.end(), false);
-  if (other != results.end() && request.files.size() == 1) return draw_profile(request);
+  if (other != results.end() && request.files.size() == 1) return profile_request(request);
   if (other != results.end())
     throw RequestError(
         fmt::format("{}: no result of 'ra2d run': several files in one picture must all be "
                     "results, or the tables of one chart; a profile has a picture of its own",
                     request.files[static_cast<std::size_t>(other - results.begin())].string()));
   refuse_profile_options(request, "a result");
-  return draw_results(request);
-}
-
-/// The data for a script are in a file next to the picture while it is drawn, and removed
-/// afterwards.
-void make_picture(const Drawing& drawing, const fs::path& picture) try {
-  if (!drawing.tables.empty()) {
-    draw_picture(drawing.script, {drawing.tables.begin(), drawing.tables.end()}, picture);
-    return;
-  }
-  const fs::path target = replaced_file(picture);
-  const PartialFile data(target.parent_path() / (target.filename().string() + ".json"));
-  {
-    std::ofstream out(data.path(), std::ios::binary);
-    if (!(out << drawing.data << std::flush))
-      throw FileError(fmt::format("cannot write '{}'", data.path().string()));
-  }
-  draw_picture(drawing.script, {data.path().string()}, picture);
-} catch (const FileError& fault) {
-  throw FileError(fmt::format("the picture {} was not made: {}", picture.string(), fault.what()));
+  return results_request(request);
 }
 
 int plot_files(const PlotRequest& request) {
@@ -140,11 +120,12 @@ int plot_files(const PlotRequest& request) {
       request.output.empty() ? fs::path(name_of(request.files.front()) + ".png") : request.output;
   picture_kind(picture);
   require_derived_output(picture, request.files);
-  const Drawing drawing = choose_drawing(request);
-  require_derived_output(picture, drawing.tables);
-  make_picture(drawing, picture);
-  if (!request.quiet) print("written: {}\n", printable(picture.string()));
-  return exit_status::done;
+  Json subject = choose_subject(request, picture);
+  subject["quiet"] = request.quiet;
+  const int status = make_picture(subject, picture);
+  if (status == exit_status::done && !request.quiet)
+    print("written: {}\n", printable(picture.string()));
+  return status;
 }
 
 }  // namespace
@@ -155,7 +136,7 @@ void add_plot(CLI::App& app, ChosenCommand& chosen) {
   CLI::App* plot = app.add_subcommand("plot",
                                       "makes a picture of a result, of several over one another, "
                                       "of a study, of a measured profile, "
-                                      "or of a chart; needs Python with matplotlib");
+                                      "or of a chart; needs Python");
   plot->add_option("FILE", request.files,
                    "results of 'ra2d run'; or a study's folder; or one profile; or a table of "
                    "'ra2d chart', with the "
@@ -168,7 +149,7 @@ void add_plot(CLI::App& app, ChosenCommand& chosen) {
       ->check(path());
   plot->add_option("--what", request.what,
                    fmt::format("what of a result is shown: {}; of several results: {}",
-                               any_of(result_views(), ""), any_of(results_views(), "")))
+                               any_of(result_views, ""), any_of(results_views, "")))
       ->type_name("NAME")
       ->check(path())
       ->capture_default_str();

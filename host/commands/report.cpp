@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "host/report/report.hpp"
-
 #include <algorithm>
 #include <filesystem>
 #include <memory>
@@ -13,7 +11,8 @@
 #include "host/commands/commands.hpp"
 #include "host/commands/options.hpp"
 #include "host/commands/print.hpp"
-#include "host/study/study_page.hpp"
+#include "host/commands/python.hpp"
+#include "host/store/result_reader.hpp"
 #include "host/study/study_table.hpp"
 #include "host/system/output_file.hpp"
 #include "host/system/partial_file.hpp"
@@ -55,15 +54,28 @@ int make_page(PageRequest& request) {
   };
   for (const fs::path& file : request.files) command += ' ' + named(file);
   command += " -o " + named(request.output);
+  nlohmann::ordered_json page_request{{"command", "report"},
+                                      {"quiet", request.quiet},
+                                      {"made", path_text(request.output)},
+                                      {"files", path_texts(request.files)},
+                                      {"line", path_text(command)}};
   const fs::path table =
       request.files.size() == 1 ? study_table_of(request.files.front()) : fs::path();
-  const std::string page =
-      table.empty() ? report_page(request.files, command)
-                    : study_page(read_study_table(table), name_of(request.files.front()), command);
-  write_text(request.output, page);
+  page_request["subject"] = table.empty() ? "results" : "study";
+  if (table.empty())
+    for (const fs::path& file : request.files) read_stamp(file);
+  else
+    read_study_table(table);
+  PartialFile page(request.output);
+  page_request["output"] = path_text(page.path());
+  const int status = ask_python(page_request);
+  if (status != exit_status::done) return status;
+  page.sync();
+  page.publish();
   if (!request.quiet)
-    print("  {:<17}{}, {}\n", "page", printable(request.output.string()), bytes_text(page.size()));
-  return exit_status::done;
+    print("  {:<17}{}, {}\n", "page", printable(request.output.string()),
+          bytes_text(fs::file_size(request.output)));
+  return status;
 }
 
 }  // namespace

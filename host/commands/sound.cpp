@@ -1,20 +1,24 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "host/sound/sound.hpp"
-
 #include <fmt/format.h>
+#include <unistd.h>
 
-#include <cmath>
+#include <cctype>
 #include <filesystem>
 #include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 
+#include "host/base/errors.hpp"
 #include "host/base/exit_status.hpp"
-#include "host/base/format.hpp"
 #include "host/base/text.hpp"
 #include "host/commands/commands.hpp"
 #include "host/commands/options.hpp"
 #include "host/commands/print.hpp"
+#include "host/commands/python.hpp"
+#include "host/store/result_reader.hpp"
 #include "host/system/output_file.hpp"
+#include "host/system/partial_file.hpp"
 
 namespace ra2d {
 namespace {
@@ -25,55 +29,97 @@ constexpr double least_rate = 8e3, most_rate = 384e3, most_slow = 1e4;
 
 struct Wanted {
   fs::path result, output;
-  SoundOptions options;
-  bool quiet = false;
+  std::string bits = "24";
+  std::size_t probe = 1;
+  bool of_slider = false, normalize = false, quiet = false;
+  double slow = 1;
+  int rate = 48'000;
+  std::optional<double> full_scale, from, to;
 };
 
-void print_facts(const SoundFacts& f, const fs::path& file) {
-  print("velocity of {}, from {:g} s to {:g} s{}\n", f.place(), f.from, f.to,
-        f.slow == 1 ? "" : fmt::format(", {:g} times slower", f.slow));
-  print_line("length",
-             fmt::format("{}, {} samples at {} Hz", seconds_text(f.seconds()), f.frames, f.rate));
-  print_line("full scale", fmt::format("1.0 in the file is {:g} m/s", f.full_scale));
-  if (f.peak > 0)
-    print_line("peak", fmt::format("{:.4g} m/s, {:.1f} dB of full scale", f.peak,
-                                   20 * std::log10(f.peak / f.full_scale)));
-  print_line("file", printable(file.string()));
-  print_line("beside it", printable(sidecar_of(file).string()));
+/// The encoding by the ending of the name and the bits that are asked for.
+std::string encoding_of(const Wanted& wanted, bool bits_given) {
+  std::string ending = wanted.output.extension().string();
+  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (ending == ".wav") return "wav-" + wanted.bits;
+  if (ending != ".flac")
+    throw RequestError(
+        fmt::format("'{}': expected a name that ends in .wav or .flac", wanted.output.string()));
+  if (bits_given && wanted.bits != "24")
+    throw RequestError(fmt::format("--bits {}: a FLAC has 24 bits", wanted.bits));
+  return "flac-24";
 }
 
-int make_sound(Wanted& wanted) {
+/// Where it is said what the values of a sound stand for: NAME.wav.json.
+fs::path sidecar_of(const fs::path& sound) {
+  fs::path file = sound;
+  return file += ".json";
+}
+
+/// Puts the sound and the text about it in place: both or neither.
+void publish(PartialFile& sound, PartialFile& sidecar, const fs::path& sidecar_name) {
+  sound.sync();
+  sidecar.sync();
+  sidecar.publish();
+  try {
+    sound.publish();
+  } catch (const FileError&) {
+    unlink(sidecar_name.c_str());
+    throw;
+  }
+}
+
+int make_sound(Wanted& wanted, bool bits_given) {
   if (wanted.output.empty()) wanted.output = wanted.result.stem().string() + ".wav";
-  sound_format(wanted.output);
-  for (const fs::path& file : {wanted.output, sidecar_of(wanted.output)})
+  const std::string encoding = encoding_of(wanted, bits_given);
+  const fs::path sidecar_name = sidecar_of(wanted.output);
+  for (const fs::path& file : {wanted.output, sidecar_name})
     require_derived_output(file, {wanted.result});
-  const ProbeSound sound(wanted.result, wanted.options);
-  const SoundFacts& facts = sound.facts();
-  if (!facts.complete && !wanted.quiet)
-    say(fmt::format("{}: the run was cut short: {}", wanted.result.string(), facts.ended));
-  write_sound(sound, wanted.output);
-  say_doubts(facts.doubts, wanted.quiet);
-  if (!wanted.quiet) print_facts(facts, wanted.output);
-  return exit_status::done;
+  const ResultStamp stamp = read_stamp(wanted.result);
+  if (!stamp.complete && !wanted.quiet)
+    say(fmt::format("{}: the run was cut short: {}", wanted.result.string(), stamp.ended));
+  PartialFile sound(wanted.output), sidecar(sidecar_name);
+  nlohmann::ordered_json options{{"probe", wanted.probe},
+                                 {"body", wanted.of_slider ? "slider" : "resonator"},
+                                 {"slow", wanted.slow},
+                                 {"rate", wanted.rate},
+                                 {"normalize", wanted.normalize}};
+  if (wanted.full_scale) options["full_scale"] = *wanted.full_scale;
+  if (wanted.from) options["start"] = *wanted.from;
+  if (wanted.to) options["stop"] = *wanted.to;
+  const int status = ask_python({{"command", "sound"},
+                                 {"quiet", wanted.quiet},
+                                 {"made", path_text(wanted.output)},
+                                 {"file", path_text(wanted.result)},
+                                 {"output", path_text(sound.path())},
+                                 {"sidecar", path_text(sidecar.path())},
+                                 {"encoding", encoding},
+                                 {"options", options}});
+  if (status == exit_status::done) publish(sound, sidecar, sidecar_name);
+  return status;
 }
 
 }  // namespace
 
 void add_sound(CLI::App& app, ChosenCommand& chosen) {
   const auto wanted = std::make_shared<Wanted>();
-  SoundOptions& options = wanted->options;
+  Wanted& options = *wanted;
   CLI::App* sound = app.add_subcommand(
       "sound",
       "the velocity of a probe as WAV or FLAC, to listen to; NAME.json beside it says what the "
       "values stand for");
   sound->add_option("OUT.h5", wanted->result, "result of 'ra2d run'")->required()->check(path());
   sound
-      ->add_option(
-          "-o,--output", wanted->output,
-          "sound file, .wav (32 bit, floating) or .flac (24 bit) [OUT's name with .wav, in "
-          "the current folder]")
+      ->add_option("-o,--output", wanted->output,
+                   "sound file, .wav or .flac (24 bit) [OUT's name with .wav, in "
+                   "the current folder]")
       ->type_name("NOISE.wav")
       ->check(path());
+  CLI::Option* bits =
+      sound->add_option("--bits", options.bits, "of a WAV's samples: 16, 24, 32, or float")
+          ->type_name("N")
+          ->check(CLI::IsMember({"16", "24", "32", "float"}))
+          ->capture_default_str();
   CLI::Option* probe = sound->add_option("--probe", options.probe, "which of output.probes, from 1")
                            ->type_name("N")
                            ->transform(count())
@@ -83,7 +129,7 @@ void add_sound(CLI::App& app, ChosenCommand& chosen) {
           "--slider-probe",
           [&options](std::size_t number) {
             options.probe = number;
-            options.body = ProbeOf::slider;
+            options.of_slider = true;
           },
           "instead of it: which of output.slider_probes, from 1")
       ->type_name("N")
@@ -109,7 +155,9 @@ void add_sound(CLI::App& app, ChosenCommand& chosen) {
       ->excludes(normalize);
   add_stretch(*sound, options.from, options.to);
   sound->add_flag("--quiet", wanted->quiet, "print nothing but errors");
-  sound->callback([wanted, &chosen] { chosen.run = [wanted] { return make_sound(*wanted); }; });
+  sound->callback([wanted, bits, &chosen] {
+    chosen.run = [wanted, given = bits->count() > 0] { return make_sound(*wanted, given); };
+  });
 }
 
 }  // namespace ra2d

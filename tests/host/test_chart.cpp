@@ -12,7 +12,6 @@
 #include "host/base/errors.hpp"
 #include "host/chart/growth.hpp"
 #include "host/chart/stability_chart.hpp"
-#include "host/plot/draw.hpp"
 #include "host/system/partial_file.hpp"
 #include "tests/child.hpp"
 #include "tests/csv.hpp"
@@ -208,31 +207,12 @@ TEST(Chart, WrongRequestsEndWithTwoAndSayWhy) {
                               HasSubstr("--set"), HasSubstr("--quiet")));
 }
 
-TEST(Chart, FilesThatCannotBeWrittenOrDrawnAreFileErrors) {
+TEST(Chart, FilesThatCannotBeWrittenAreFileErrors) {
   const Folder folder;
   EXPECT_THROW(write_text(folder.path() / "no" / "such.csv", "x"), FileError);
   write_text(folder.path() / "a.csv", "one\n");
   write_text(folder.path() / "a.csv", "two\n");
   EXPECT_EQ(read_file(folder.path() / "a.csv"), "two\n");
-  EXPECT_THROW(draw("no_such_script.py", {}), FileError);
-  const std::string none = (folder.path() / "none.csv").string();
-  testing::internal::CaptureStderr();
-  EXPECT_THROW(draw("plot_stability.py", {none, none, none, none, "title"}), FileError);
-  testing::internal::GetCapturedStderr();  // Python's
-}
-
-TEST(Chart, WithoutMatplotlibThePictureIsRefusedWithTheCure) {
-  const Folder folder;
-  write_text(folder.path() / "matplotlib.py", "raise ImportError\n");
-  ASSERT_EQ(setenv("PYTHONPATH", folder.path().c_str(), 1), 0);
-  std::string message;
-  try {
-    draw("plot_stability.py", {});
-  } catch (const FileError& fault) {
-    message = fault.what();
-  }
-  unsetenv("PYTHONPATH");
-  EXPECT_THAT(message, HasSubstr("python3-matplotlib"));
 }
 
 }  // namespace

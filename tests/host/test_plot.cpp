@@ -13,18 +13,16 @@
 #include <string>
 #include <vector>
 
-#include "host/analysis/analysis.hpp"
 #include "host/base/errors.hpp"
 #include "host/chart/chart_files.hpp"
-#include "host/plot/envelope.hpp"
-#include "host/plot/profile_picture.hpp"
-#include "host/plot/result_picture.hpp"
+#include "host/surface/envelope.hpp"
 #include "host/store/store.hpp"
+#include "host/surface/profile_series.hpp"
 #include "host/system/partial_file.hpp"
 #include "tests/child.hpp"
 #include "tests/places.hpp"
 
-/// Pictures of results and profiles: what is handed to the scripts, and what comes out.
+/// Pictures: the series of profiles that are handed to the Python package, and the command.
 namespace ra2d::test {
 namespace {
 
@@ -87,16 +85,6 @@ TEST(Envelope, DoesNotCountWhatIsNoNumber) {
   EXPECT_EQ(e.mean[2], 0);
 }
 
-TEST(Envelope, GroupsOfEqualRatioLeaveOutZeroAndMissNothing) {
-  const std::vector<std::size_t> groups = ratio_groups(4097, 300);
-  EXPECT_EQ(groups.front(), 1u);
-  EXPECT_EQ(groups.back(), 4097u);
-  EXPECT_LE(groups.size(), 301u);
-  EXPECT_EQ(groups[1], 2u);  // low lines stay alone
-  EXPECT_TRUE(std::is_sorted(groups.begin(), groups.end(), std::less_equal<>()));
-  EXPECT_EQ(ratio_groups(1, 10), std::vector<std::size_t>{1});
-}
-
 // ---- what is handed over -----------------------------------------------------------------------
 
 struct Made {
@@ -150,124 +138,10 @@ void make_result(const fs::path& path, const Made& made) {
   file.close(summary);
 }
 
-class Pictures : public testing::Test {
+class ProfileSeries : public testing::Test {
  protected:
-  json panel(const std::string& name, const Made& made = {}) const {
-    make_result(path_, made);
-    return json::parse(result_picture(path_, name))["panels"][name];
-  }
   const Folder folder_;
-  const fs::path path_ = folder_.path() / "out.h5";
 };
-
-TEST_F(Pictures, TheForceHasItsLargestSample) {
-  const json force = panel("force");
-  const std::vector<double> high = force["series"]["high"];
-  EXPECT_EQ(*std::max_element(high.begin(), high.end()), 7);
-  EXPECT_LE(high.size(), 2400u);
-  const std::vector<double> close = force["close"]["mean"], at = force["close"]["x"];
-  const auto top = std::max_element(close.begin(), close.end());
-  EXPECT_EQ(force["close"]["together"], 1);
-  EXPECT_EQ(*top, 7);
-  EXPECT_NEAR(at[static_cast<std::size_t>(top - close.begin())], 1234 / 48e3, 1e-12);
-}
-
-TEST_F(Pictures, TheLevelInTimeIsThatOfTheElasticMotion) {
-  const json found = panel("level", {.samples = 4800});  // windows of a period each
-  const std::vector<double> levels = found["level"];
-  EXPECT_LE(levels.size(), 100u);
-  const double expected = 20 * std::log10(1e-3 * std::sqrt(2.0) / 1e-9);
-  for (const double level : levels) EXPECT_NEAR(level, expected, 1e-6);
-  EXPECT_NEAR(found["lv"], expected, 1e-9);
-}
-
-TEST_F(Pictures, SpectrumAndSpectrogramHaveTheirPeakAtTheTone) {
-  const json spectrum = panel("spectrum");
-  const std::vector<double> density = spectrum["series"]["mean"], at = spectrum["series"]["x"];
-  const auto top = std::max_element(density.begin(), density.end()) - density.begin();
-  EXPECT_NEAR(at[static_cast<std::size_t>(top)], 1000, spectrum["resolution"]);
-  EXPECT_EQ(spectrum["natural"], json({1000.0}));
-  EXPECT_TRUE(spectrum["mesh"].is_null());  // no scene tells it
-  const json gram = panel("spectrogram");
-  ASSERT_EQ(gram["level"].size(), gram["x"].size());
-  const std::vector<double> frequency = gram["frequency"];
-  for (const auto& row : gram["level"]) {
-    const std::vector<double> levels = row;
-    ASSERT_EQ(levels.size(), frequency.size());
-    const auto peak = std::max_element(levels.begin(), levels.end()) - levels.begin();
-    EXPECT_NEAR(frequency[static_cast<std::size_t>(peak)], 1000, frequency[1]);
-  }
-  EXPECT_THAT(panel("bands")["names"], testing::Contains("1000"));
-}
-
-TEST_F(Pictures, SpectraOfProbesAreThoseOfTheAnalysis) {
-  const json found = panel("probe-spectra");
-  ASSERT_EQ(found["lines"].size(), 1u);
-  EXPECT_EQ(found["lines"][0]["label"], "resonator at 150 mm");
-  EXPECT_EQ(found["left_out"], 0);
-  const Analysis a = analyze(path_, {});
-  const json low = found["lines"][0]["series"]["mean"];
-  EXPECT_DOUBLE_EQ(low[0], a.spectrum.probe[0][1]);  // from the first line above 0 Hz on
-  EXPECT_DOUBLE_EQ(low[1], a.spectrum.probe[0][2]);
-  EXPECT_EQ(found["resolution"], a.spectrum.resolution);
-}
-
-TEST_F(Pictures, ShocksPlacesProbesAndEnergyAreThoseOfTheFile) {
-  const json shocks = panel("shocks");
-  EXPECT_EQ(shocks["count"], 2);
-  EXPECT_NEAR(shocks["peak_force"]["median"], 3.5, 1e-12);
-  const json profiles = panel("profiles");
-  EXPECT_EQ(profiles["shocks"], 2);
-  const std::vector<int> counts = profiles["places"]["counts"];
-  EXPECT_EQ(std::accumulate(counts.begin(), counts.end(), 0), 2);
-  EXPECT_THAT(profiles["resonator"]["mean"], ElementsAre(0, 1e-6, -2e-6, 0));
-  EXPECT_EQ(profiles["strongest"]["force"], json({4.0, 3.0}));
-  const json probe = panel("displacement")["lines"][0];
-  EXPECT_EQ(probe["label"], "resonator at 150 mm");
-  EXPECT_NEAR(probe["series"]["low"].back(), -3999 / 48e3, 1e-12);
-  const json missing = panel("energy")["missing"]["mean"];
-  EXPECT_NEAR(missing.back(), -3999 / 48e3, 1e-4);  // 2 t lost, 3 t put in
-}
-
-TEST_F(Pictures, EmptyPanelsSayWhy) {
-  const auto why = [&](const std::string& name, const Made& made) {
-    return panel(name, made).value("empty", "");
-  };
-  EXPECT_THAT(why("shocks", {.shocks = false}), HasSubstr("no shocks"));
-  EXPECT_THAT(why("force", {.force = 0, .shocks = false}), HasSubstr("never touched"));
-  EXPECT_THAT(why("force", {.force = 0}), HasSubstr("shorter than the time from sample to sample"));
-  for (const char* name : {"displacement", "probe-spectra"})
-    EXPECT_THAT(why(name, {.probes = false}), HasSubstr("output.probes"));
-  EXPECT_THAT(why("probe-spectra", {.samples = 12}), HasSubstr("too short"));
-  for (const char* name : {"spectrum", "level", "bands", "spectrogram"})
-    EXPECT_THAT(why(name, {.velocity = 0}), HasSubstr("at rest")) << name;
-  EXPECT_THAT(why("spectrogram", {.samples = 100}), HasSubstr("too short"));
-  for (const std::size_t samples : {0, 1})
-    for (const char* name : {"force", "displacement", "level", "energy", "bands"})
-      EXPECT_THAT(why(name, {.samples = samples}), HasSubstr("fewer than two samples"));
-  for (const std::size_t samples : {2, 3, 40, 257})  // whatever there is, nothing is thrown
-    for (const std::string& name : result_views())
-      if (name != "overview") {
-        EXPECT_TRUE(panel(name, {.samples = samples}).is_object()) << name;
-      }
-}
-
-TEST_F(Pictures, ALongRunIsHandedOverSmall) {
-  make_result(path_, {.samples = 200'000});
-  EXPECT_LT(result_picture(path_, "overview").size(), 2u << 20);
-  EXPECT_LT(result_picture(path_, "spectrogram").size(), 2u << 20);
-}
-
-TEST_F(Pictures, OfSeveralAsManyAsCanBeToldApart) {
-  make_result(path_, {.complete = false});
-  const json one = json::parse(result_picture(path_, "overview"));
-  EXPECT_EQ(one["head"]["complete"], false);
-  EXPECT_EQ(one["head"]["ended"], "interrupted");
-  const json many = json::parse(results_picture(std::vector<fs::path>(11, path_), "level"));
-  EXPECT_EQ(many["asked"], 11);
-  EXPECT_EQ(many["results"].size(), most_results);
-  EXPECT_FALSE(many["results"][0]["panels"].contains("bands"));
-}
 
 /// A sine of 1 um and 0.1 mm.
 void make_profile(const fs::path& file, int points, bool gap = false) {
@@ -279,10 +153,10 @@ void make_profile(const fs::path& file, int points, bool gap = false) {
   write_text(file, text);
 }
 
-TEST_F(Pictures, AProfileHasItsParametersAndHeights) {
+TEST_F(ProfileSeries, AProfileHasItsParametersAndHeights) {
   const fs::path file = folder_.path() / "sine.txt";
   make_profile(file, 10'001);
-  const json long_one = json::parse(profile_picture(file, {}));
+  const json long_one = json::parse(profile_series(file, {}));
   EXPECT_EQ(long_one["cutoff"], 2.5e-3);
   EXPECT_EQ(long_one["sampling_lengths"], 5);
   EXPECT_NEAR(long_one["parameters"]["Rq"], 1e-6 / std::sqrt(2.0), 1e-9);
@@ -295,24 +169,24 @@ TEST_F(Pictures, AProfileHasItsParametersAndHeights) {
   EXPECT_NEAR(*std::max_element(high.begin(), high.end()), 1e-6, 1e-8);  // from its mean
 
   make_profile(file, 501);  // 1 mm: no room for the usual cut-off
-  EXPECT_FALSE(json::parse(profile_picture(file, {})).contains("cutoff"));
-  const ProfilePictureOptions short_waves{
+  EXPECT_FALSE(json::parse(profile_series(file, {})).contains("cutoff"));
+  const ProfileSeriesOptions short_waves{
       .query = {}, .measure = {.cutoff = 2e-4}, .usual_filter = false};
-  EXPECT_EQ(json::parse(profile_picture(file, short_waves))["cutoff"], 2e-4);
+  EXPECT_EQ(json::parse(profile_series(file, short_waves))["cutoff"], 2e-4);
   make_profile(file, 501, true);
-  const json gap = json::parse(profile_picture(file, {}));
+  const json gap = json::parse(profile_series(file, {}));
   EXPECT_EQ(gap["missing"], 1);
   EXPECT_TRUE(gap["profile"]["mean"][7].is_null());
   EXPECT_FALSE(gap.contains("parameters"));
   const json filled = json::parse(
-      profile_picture(file, {.query = {}, .measure = {.fill = 1e-5}, .usual_filter = true}));
+      profile_series(file, {.query = {}, .measure = {.fill = 1e-5}, .usual_filter = true}));
   EXPECT_EQ(filled["missing"], 1);
   EXPECT_NEAR(filled["parameters"]["Rq"], 1e-6 / std::sqrt(2.0), 1e-9);
   EXPECT_TRUE(filled["profile"]["mean"][7].is_null());  // as measured
 }
 
 /// A sine on a parabola: the form is the parabola, and what is measured the sine.
-TEST_F(Pictures, AProfileLosesItsForm) {
+TEST_F(ProfileSeries, AProfileLosesItsForm) {
   const fs::path file = folder_.path() / "bent.txt";
   std::string text = "x [mm];z [um]\n";
   const auto parabola = [](double x) { return 40 * (x - 0.5) * (x - 0.5); };  // um, of mm
@@ -320,10 +194,10 @@ TEST_F(Pictures, AProfileLosesItsForm) {
     text += fmt::format("{:.4f};{:.9f}\n", 0.001 * i,
                         parabola(0.001 * i) + std::sin(2 * M_PI * (i + 0.5) / 20));
   write_text(file, text);
-  ProfilePictureOptions options{.query = {}, .measure = {}, .usual_filter = false};
+  ProfileSeriesOptions options{.query = {}, .measure = {}, .usual_filter = false};
   options.measure.form.degree = 2;
   options.measure.filter = ProfileFilter::none;
-  const json found = json::parse(profile_picture(file, options));
+  const json found = json::parse(profile_series(file, options));
   EXPECT_EQ(found["line_is"], "form");
   EXPECT_EQ(found["filtered"], false);
   EXPECT_NEAR(found["parameters"]["Rq"], 1e-6 / std::sqrt(2.0), 1e-9);
@@ -392,10 +266,10 @@ std::pair<unsigned, unsigned> size_of(const std::string& png) {
   return {number(16), number(20)};
 }
 
-TEST_F(Plot, MakesEveryView) {
+TEST_F(Plot, MakesPicturesOfAResult) {
   RA2D_SKIP_WITHOUT_MATPLOTLIB();
   simulate("peaks", "peaks.h5");
-  for (const std::string& what : result_views()) {
+  for (const std::string what : {"overview", "shocks"}) {  // host/python/tests has all
     const Ended run = plot({"peaks.h5", "--what", what, "-o", what + ".png"});
     ASSERT_EQ(run.status, 0) << what << ": " << run.err;
     EXPECT_EQ(run.err, "") << what;
@@ -440,8 +314,8 @@ TEST_F(Plot, PdfSeveralResultsAndProfiles) {
   const Ended three = plot({"a.h5", "b$x^$.h5", "c.h5", "-o", "several.svg"});
   EXPECT_EQ(three.status, 0) << three.err;
   EXPECT_THAT(texts_of(read_file(file("several.svg"))),
-              AllOf(HasSubstr("a.h5: 123.01 dB"), HasSubstr("b$x^$.h5: at rest"),
-                    HasSubstr("c.h5: The run was cut short"), HasSubstr("midband frequency [Hz]")));
+              AllOf(HasSubstr("a: 123.01 dB"), HasSubstr("b$x^$: at rest"),
+                    HasSubstr("c: The run was cut short"), HasSubstr("midband frequency [Hz]")));
   std::vector<std::string> many(9, "a.h5");
   many.insert(many.end(), {"--what", "spectrum"});
   const Ended nine = plot(many);

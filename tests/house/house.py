@@ -18,12 +18,12 @@ import re
 import sys
 
 # From the ground up.
-HOST = ["base", "system", "ranks", "scene", "surface", "body", "scene_file", "result", "store", "analysis", "sound", "report",
-        "model", "device", "plan", "run", "ensemble", "study", "savings", "plot", "chart", "commands"]
+HOST = ["base", "system", "ranks", "scene", "surface", "body", "scene_file", "result", "store", "analysis",
+        "model", "device", "plan", "run", "ensemble", "study", "savings", "chart", "commands"]
 # What reads and writes files: it reaches neither kernels/ nor host/device, by no chain of includes, but for what a
 # scene names of the kernels.
 IN_SCENES = ["kernels/nodes.hpp", "kernels/schemes/mode_step.hpp"]
-OF_FILES = ["result", "store", "analysis", "sound", "report"]
+OF_FILES = ["result", "store", "analysis"]
 KERNELS = ["check", "limits", "nodes", "schemes", "tables", "state", "lanes", "displacement", "gap", "place",
            "group_sweep", "candidate_groups", "candidates", "shocks", "contact", "fixed", "adaptive", "march"]
 

@@ -77,7 +77,8 @@ def _names(results: Sequence[Result]) -> list[str]:
 
 
 def _key(results: Sequence[Result], names: list[str]) -> list[Line2D]:
-    texts = [f"{name}: {result.level:.2f} {DECIBEL}" if math.isfinite(result.level) else f"{name}: no level"
+    texts = [f"{name}: " + (f"{result.level:.2f} {DECIBEL}" if math.isfinite(result.level) else
+                            "at rest" if result.analysis()["v_rms"] == 0 else "no level")
              for name, result in zip(names, results)]
     return [Line2D([], [], marker=MARKS[i], ms=5, lw=1.4, label=text, **_look(i)) for i, text in enumerate(texts)]
 
@@ -101,7 +102,7 @@ def plot(results: Result | Sequence[Result], what: str = "overview") -> Picture:
     names = _names(drawn)
     head = f"{len(results)} results" + (f", the first {MOST} of them" if len(results) > MOST else "")
     lines = [(head, 13.0, "bold", BLACK)]
-    lines += [(literal(f"{name}: {plots.doubts(result)}"), 9.5, "normal", RUST)
+    lines += [(f"{name}: {literal(plots.doubts(result))}", 9.5, "normal", RUST)
               for name, result in zip(names, drawn) if plots.doubts(result)]
     handles = _key(drawn, names)
     columns = 2 if max(len(handle.get_label()) for handle in handles) < 62 else 1

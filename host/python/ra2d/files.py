@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Text files in and out. Every fault is an error of this package."""
+"""Files in and out. Every fault is an error of this package."""
 from __future__ import annotations
 
 import os
@@ -26,11 +26,16 @@ def require_folder(path: pathlib.Path) -> None:
 
 
 def write(path: pathlib.Path, text: str) -> None:
+    """Writes a text and puts it in place whole: a reader sees the old one or the new one."""
+    write_bytes(path, text.encode("utf-8"))
+
+
+def write_bytes(path: pathlib.Path, data: bytes) -> None:
     """Writes a file and puts it in place whole: a reader sees the old one or the new one."""
     require_folder(path)
     partial = path.with_name(f".{os.getpid()}.partial")
     try:
-        partial.write_text(text, encoding="utf-8")
+        partial.write_bytes(data)
         partial.replace(path)
     except OSError as fault:
         raise FileError(f"cannot write {str(path)!r}: {fault.strerror}") from fault

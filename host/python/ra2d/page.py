@@ -6,6 +6,7 @@ import math
 import os
 import pathlib
 import re
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import jinja2
@@ -116,20 +117,33 @@ def _require_page(path: pathlib.Path) -> None:
         raise RequestError(f"{str(path)!r}: expected a name that ends in .html")
 
 
-def _write(path: pathlib.Path, **parts: Any) -> pathlib.Path:
-    """Fills the page and puts it in place whole."""
+def _render(**parts: Any) -> str:
+    """Fills the page."""
     environment = jinja2.Environment(loader=jinja2.PackageLoader("ra2d", "."), autoescape=True, trim_blocks=True,
                                      lstrip_blocks=True, undefined=jinja2.StrictUndefined)
-    text = environment.get_template("page.html").render(parts)
-    files.write(path, text)
-    return path
+    text: str = environment.get_template("page.html").render(parts)
+    return text
 
 
 def of_result(result: Result, path: pathlib.Path) -> pathlib.Path:
-    """The page of one result."""
+    """Writes the page of one result."""
     _require_page(path)
+    files.write(path, results_text([result]))
+    return path
+
+
+def of_study(study: Study, path: pathlib.Path) -> pathlib.Path:
+    """Writes the page of a study."""
+    _require_page(path)
+    files.write(path, study_text(study))
+    return path
+
+
+def results_text(results: Sequence[Result], command: str = "") -> str:
+    """The page of results."""
+    result = results[0]
     a = result.attrs
-    return _write(path, title=result.title,
+    return _render(title=result.title,
                   subtitle=f"{result.path.name}: {result.duration:g} s of sliding, {a['steps']} steps",
                   doubts=_doubts(result), figures=_figures(result), damping=_damping(result), clips=_clips(result),
                   pictures=[_svg(plots.result(result, what, for_page=True)) for what in PICTURES], paper="", table=None,
@@ -137,9 +151,8 @@ def of_result(result: Result, path: pathlib.Path) -> pathlib.Path:
                   end=f"ra2d {a['version']} ({a['commit']}), {a['started']}")
 
 
-def of_study(study: Study, path: pathlib.Path) -> pathlib.Path:
+def study_text(study: Study, command: str = "") -> str:
     """The page of a study."""
-    _require_page(path)
     a, means = study.attrs, study.means()
     try:
         law = study.law()
@@ -153,7 +166,7 @@ def of_study(study: Study, path: pathlib.Path) -> pathlib.Path:
     heads = {name: f"{name} [{unit}]" for name, unit in units.items() if unit}
     table = means.reset_index().rename(columns=heads).to_html(index=False, float_format="{:.5g}".format, border=0,
                                                               na_rep="")
-    return _write(path, title=f"study: {study.folder.name}", subtitle=f"{a['done']} of {a['runs']} runs done",
+    return _render(title=f"study: {study.folder.name}", subtitle=f"{a['done']} of {a['runs']} runs done",
                   doubts=failed, figures=figures, damping=[], clips=[],
                   pictures=[_svg(study_plot.picture(study, for_page=True))], paper="light",
                   table=Markup(table),

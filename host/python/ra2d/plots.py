@@ -30,6 +30,14 @@ CLOSE = 400      # samples of a close-up
 
 # ---- faces ---------------------------------------------------------------------------------------
 
+def _start(result: Result) -> float | None:
+    """Where the slider starts [m]; None of a scene that another version wrote."""
+    try:
+        return float(result.scene["start"])
+    except (KeyError, ValueError, TypeError):
+        return None
+
+
 def _gap(result: Result, resonator: xr.DataArray, slider: xr.DataArray, start: float) -> float:
     """Distance of the mean lines at t = 0: the scene's, or that at which the first nodes touch."""
     gap = result.scene["gap"]
@@ -39,27 +47,32 @@ def _gap(result: Result, resonator: xr.DataArray, slider: xr.DataArray, start: f
     return float((slider.values + under).max())
 
 
-def _track(result: Result) -> tuple[float, float, float]:
-    """Where the slider starts, and the places that it passes, with some more on either side [m]."""
-    start = float(result.scene["start"])
+def _track(result: Result) -> tuple[float, float]:
+    """The places that the slider passes, with some more on either side [m]."""
+    start, length = _start(result), float(result.profile("resonator").position[-1])
+    if start is None:
+        return 0.0, length
     end = start + float(result.scene["slider.length"]) + float(result.scene["speed"]) * result.duration
     more = 0.04 * (end - start)
-    return start, max(0.0, start - more), min(float(result.scene["resonator.length"]), end + more)
+    return max(0.0, start - more), min(length, end + more)
 
 
 def _draw_faces(axes: Any, result: Result) -> None:
-    start, low, high = _track(result)
+    start, (low, high) = _start(result), _track(result)
     resonator, slider = result.profile("resonator").load(), result.profile("slider").load()
-    gap = _gap(result, resonator, slider, start)
-    resonator = resonator.sel(position=slice(low, high))
-    turned = gap - slider.values
-    unit, one = scale("m", resonator.values, turned)
-    style.draw_series(axes, resonator.position.values * 1e3, resonator.values / one, BLUE, label="resonator",
-                      mean=False, fill=0.9)
-    style.draw_series(axes, (start + slider.position.values) * 1e3, turned / one, RUST, mean=False, fill=0.9,
-                      label="slider at t = 0, face down")
-    axes.set_title("Faces at the start, where the slider passes (heights much enlarged); mean lines "
-                   f"{quantity(gap, 'm')} apart")
+    title = "Faces at the start, where the slider passes (heights much enlarged)"
+    drawn = [resonator.sel(position=slice(low, high)).values]
+    if start is not None:
+        gap = _gap(result, resonator, slider, start)
+        drawn.append(gap - slider.values)
+        title += f"; mean lines {quantity(gap, 'm')} apart"
+    unit, one = scale("m", *drawn)
+    style.draw_series(axes, resonator.sel(position=slice(low, high)).position.values * 1e3, drawn[0] / one, BLUE,
+                      label="resonator", mean=False, fill=0.9)
+    if start is not None:
+        style.draw_series(axes, (start + slider.position.values) * 1e3, drawn[1] / one, RUST, mean=False, fill=0.9,
+                          label="slider at t = 0, face down")
+    axes.set_title(title)
     axes.set_ylabel(f"height [{unit}]")
     axes.set_xlim(low * 1e3, high * 1e3)
     style.room_above(axes, 0.22)
@@ -71,7 +84,7 @@ def _draw_places(axes: Any, result: Result) -> None:
     if not position.size:
         style.say_empty(axes, NO_SHOCKS, "Places of contact", keep_x=True)
         return
-    _, low, high = _track(result)
+    low, high = _track(result)
     counts, edges = np.histogram(position * 1e3, bins=PLACES, range=(low * 1e3, high * 1e3))
     axes.stairs(counts, edges, fill=True, color=PLUM, alpha=0.85)
     axes.set_title(f"Places of contact: {position.size} shock{'s' if position.size != 1 else ''}")

@@ -85,7 +85,7 @@ class Result:
         self.path = pathlib.Path(path).resolve()
         self._file = stored.File(self.path)
         self.attrs = self._file.attributes()  # of the file, as docs/results.md lists them
-        if self.attrs.get("creator") != "ra2d" or "key" not in self.attrs:
+        if self.attrs.get("creator") != "ra2d" or "steps" not in self.attrs:
             raise FileError(f"{str(path)!r} is no result of 'ra2d run'")
         if self.attrs.get("format") not in FORMATS:
             raise FileError(f"{str(path)!r} has format {self.attrs.get('format')}, this package reads "
@@ -345,10 +345,11 @@ class Result:
         return plots.result(self, what)
 
     def listen(self, probe: int = 1, *, body: Body = "resonator", slow: float = 1, full_scale: float | None = None,
-               rate: int = 48000, start: float | None = None, stop: float | None = None) -> Sound:
+               normalize: bool = False, rate: int = 48000, start: float | None = None,
+               stop: float | None = None) -> Sound:
         """The velocity of a probe (from 1) as sound, which a notebook plays. `slow`: times longer
-        and lower; `full_scale` [m/s]: what the value 1 stands for; `rate`: samples a second of the
-        sound; `start`, `stop` [s] of the run.
+        and lower; `full_scale` [m/s]: what the value 1 stands for, or `normalize`: the peak; `rate`:
+        samples a second of the sound; `start`, `stop` [s] of the run.
 
         >>> sound = getfixture("result").listen(slow=2)
         >>> sound.rate, sound.samples.ndim
@@ -356,9 +357,8 @@ class Result:
         """
         from .sound import of_probe
 
-        options = {"--slow": slow, "--rate": rate, "--full-scale": full_scale, "--from": start, "--to": stop}
-        self._file.require_unchanged()
-        return of_probe(self.path, probe, _one_of("body", body, BODIES), options)
+        return of_probe(self, probe, _one_of("body", body, BODIES), slow=slow, rate=rate, full_scale=full_scale,
+                        normalize=normalize, start=start, stop=stop)
 
     def report(self, path: str | os.PathLike[str] | None = None) -> pathlib.Path:
         """Writes one page to keep or to send, complete in itself: figures, pictures, sound, scene.
@@ -384,6 +384,30 @@ class Result:
         """
         with self._file.opened() as file:
             return int(file["time"].shape[0])
+
+    @property
+    def rate(self) -> float:
+        """Samples a second [1/s]; NaN of fewer than two.
+
+        >>> getfixture("result").rate
+        100000.0
+        """
+        with self._file.opened() as file:
+            time = file["time"]
+            if time.shape[0] < 2:
+                return math.nan
+            rate: float = (time.shape[0] - 1) / float(time[-1] - time[0])
+        whole = float(round(rate))
+        return whole if abs(rate - whole) < 1e-9 * rate else rate  # roundings of the last time
+
+    @property
+    def counted_from(self) -> float:
+        """Time [s] from which on levels and shocks are counted: `output.from` of the scene.
+
+        >>> getfixture("result").counted_from
+        0.0
+        """
+        return float(self._scene.get("output", {}).get("from", 0.0))
 
     @property
     def duration(self) -> float:

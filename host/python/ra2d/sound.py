@@ -1,22 +1,111 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Sounds of a result: `ra2d sound` resamples, a notebook plays."""
+"""Sound: the velocity of a probe, resampled, scaled, and written as WAV or FLAC (docs/sound.md)."""
 from __future__ import annotations
 
 import base64
 import dataclasses
+import functools
 import io
 import json
+import math
 import os
 import pathlib
-from typing import Any
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import numpy.typing as npt
 import soundfile
+from scipy.interpolate import make_interp_spline
+from scipy.io import wavfile
+from scipy.signal import firwin, kaiser_beta, resample_poly
 
-from . import program
+from . import files, program
 from .errors import FileError, RequestError
+from .style import quantity
 
+if TYPE_CHECKING:
+    from .results import Result
+
+Array = npt.NDArray[np.float64]
+Encoding = Literal["wav-16", "wav-24", "wav-32", "wav-float", "flac-24"]
+
+RATES, MOST_SLOW = (8000, 384000), 1e4
+AUDIBLE = 20e3               # Hz, that the young hear
+PASSED, STOPPED = 0.91, 1.0  # of half the lower rate: kept below the first, taken off above the second
+STOP_BAND = 180.0            # dB
+MOST_PHASES = 2000           # of a resampler whose rates are in the ratio of two whole numbers
+FINER = 8                    # times the old rate, between whose samples splines go, for other ratios
+SPLINE_BLOCK, SPLINE_MARGIN = 1 << 16, 100  # samples
+LARGEST_RATIO = 1e6          # of rates: beyond, a sound is one sample or an endless line
+WAV_BYTES = 2**32 - 2**13    # that its header can count
+_BITS: dict[str, int] = {"wav-16": 16, "wav-24": 24, "wav-32": 32, "flac-24": 24}
+
+
+# ---- resampling ------------------------------------------------------------------------------------
+
+@functools.lru_cache(maxsize=4)
+def _filter(up: int, ratio: Fraction) -> Array:
+    """A low pass of linear phase at `up` times the old rate, for a new rate of `ratio` old ones.
+    Kaiser's window: its error is that of the stop band on both sides."""
+    middle, width = (PASSED + STOPPED) / 2, (STOPPED - PASSED) * math.pi
+    half = math.ceil((STOP_BAND - 7.95) / (2.285 * width) / 2)  # samples of the lower rate on either side
+    lower = float(up / min(ratio, Fraction(1)))
+    taps: Array = firwin(2 * math.ceil(half * lower) + 1, middle / lower, window=("kaiser", kaiser_beta(STOP_BAND)))
+    return taps
+
+
+def _between_samples(finer: Array, at: Array) -> Array:
+    """Values at places that are counted in samples, by splines of degree 7. Of samples at eight times
+    the rate they are off by 1e-9. In blocks: far samples do not matter."""
+    found = np.empty(at.size)
+    for begin in range(0, at.size, SPLINE_BLOCK):
+        part = slice(begin, begin + SPLINE_BLOCK)
+        first = max(0, int(at[part][0]) - SPLINE_MARGIN)
+        piece = finer[first:int(at[part][-1]) + SPLINE_MARGIN + 1]
+        found[part] = make_interp_spline(np.arange(piece.size), piece, 7)(at[part] - first)
+    return found
+
+
+def resample(samples: npt.ArrayLike, old: float, new: float) -> Array:
+    """Samples of `old` Hz at `new` Hz: the first is at the same time, the last not after the old
+    last one. Up to 0.91 of half the lower rate amplitude and time are kept.
+
+    >>> t = np.arange(4000) / 8000
+    >>> y = resample(np.sin(2 * np.pi * 440 * t), 8000, 48000)
+    >>> bool(abs(y[12000] - np.sin(2 * np.pi * 440 * 12000 / 48000)) < 1e-6)
+    True
+    """
+    x = np.asarray(samples, dtype=float)
+    if not (old <= LARGEST_RATIO * new and new <= LARGEST_RATIO * old):
+        raise RequestError(f"samples of {old:g} Hz cannot become a sound of {new:g} Hz: the rates differ by more than "
+                           f"a factor of {LARGEST_RATIO:g} (slow, rate, or output.rate of the scene)")
+    if old == new or not x.size:
+        return x
+    count = math.floor((x.size - 1) * (new / old) * (1 + 1e-15) + 1e-9) + 1
+    ratio = Fraction(new / old).limit_denominator(MOST_PHASES)
+    if ratio.numerator <= MOST_PHASES and abs(float(ratio) * old / new - 1) < 1e-14:
+        made: Array = resample_poly(x, ratio.numerator, ratio.denominator, window=_filter(ratio.numerator, ratio))
+        made.resize(count, refcheck=False)  # zeros at the end, if any
+        return made
+    finer = resample_poly(x, FINER, 1, window=_filter(FINER, Fraction(new / old).limit_denominator(10**6)))
+    return _between_samples(finer, np.arange(count) * (FINER * old / new))
+
+
+def round_full_scale(peak: float) -> float:
+    """The smallest of 1, 2, 5 times a power of ten that is not below; 1 for 0.
+
+    >>> round_full_scale(0.0033)
+    0.005
+    """
+    if not peak > 0:
+        return 1.0
+    decade = math.floor(math.log10(peak))
+    steps = (float(f"{digit}e{power}") for power in range(decade - 1, 309) for digit in (1, 2, 5))
+    return next((step for step in steps if peak <= step < math.inf), peak)
+
+
+# ---- the sound ---------------------------------------------------------------------------------------
 
 @dataclasses.dataclass(frozen=True, repr=False)
 class Sound:
@@ -24,49 +113,91 @@ class Sound:
 
     - `samples`: 1-D, velocity over full scale
     - `rate` [1/s]
-    - `about`: what `ra2d sound` says of it (docs/sound.md): `full_scale_m_per_s`, `peak_m_per_s`, ...
+    - `about`: what docs/sound.md says of it: `full_scale_m_per_s`, `peak_m_per_s`, ...
+    - `doubts`: what a listener should know
 
     >>> getfixture("result").listen()
     <ra2d.Sound of the resonator at 0.15 m, 1 s; full scale 0.01 m/s>
     """
 
-    samples: npt.NDArray[np.float64]
+    samples: Array
     rate: int
     about: dict[str, Any]
+    doubts: tuple[str, ...] = ()
 
-    def save(self, path: str | os.PathLike[str], subtype: str | None = None) -> pathlib.Path:
-        """Writes WAV or FLAC, by the ending. `subtype` as in soundfile; 24 bit without it.
+    def save(self, path: str | os.PathLike[str], bits: Literal[16, 24, 32, "float"] = 24) -> pathlib.Path:
+        """Writes WAV or FLAC, by the ending; FLAC has 24 bits. A WAV of 16, 24 or 32 bits clips what
+        is beyond full scale, one of "float" holds it.
 
         >>> getfixture("result").listen().save("cube.flac").name
         'cube.flac'
         """
-        try:
-            soundfile.write(path, self.samples, self.rate, subtype=subtype or "PCM_24")
-        except (TypeError, ValueError) as fault:
-            raise RequestError(f"cannot write {str(path)!r}: {fault}. Expected a name that ends in .wav or .flac, and "
-                               "a subtype such as PCM_16 or PCM_24") from fault
-        except (OSError, RuntimeError) as fault:
-            raise FileError(f"cannot write {str(path)!r}: {fault}. Is there such a folder, and may you write there?"
-                            ) from fault
-        return pathlib.Path(path)
+        path = pathlib.Path(path)
+        files.write_bytes(path, self.encoded(encoding_of(path, bits)))
+        return path
 
-    def wav(self) -> bytes:
-        """A WAV of 16 bits, which every browser plays.
+    def encoded(self, encoding: Encoding = "wav-24") -> bytes:
+        """The bytes of a file.
 
-        >>> getfixture("result").listen(stop=0.1).wav()[:4]
-        b'RIFF'
+        >>> getfixture("result").listen(stop=0.1).encoded("flac-24")[:4]
+        b'fLaC'
         """
         out = io.BytesIO()
-        soundfile.write(out, np.clip(self.samples, -1, 1), self.rate, format="WAV", subtype="PCM_16")
+        if encoding == "wav-float":  # not libsndfile's: it writes the time of day into such files
+            wavfile.write(out, self.rate, self.samples.astype(np.float32))
+            return out.getvalue()
+        bits = _BITS[encoding]
+        steps = 2.0 ** (bits - 1)
+        whole = np.clip(np.rint(self.samples * steps), -steps, steps - 1) * 2.0 ** (32 - bits)
+        with soundfile.SoundFile(out, "w", self.rate, 1, f"PCM_{bits}", format=encoding.split("-")[0].upper()) as file:
+            file.title, file.comment = self.about["title"], self._comment()
+            file.software = f"ra2d {self.about['version']}"
+            file.write(whole.astype(np.int32))
         return out.getvalue()
 
     def source(self) -> str:
-        """The WAV as an address that a page holds in itself.
+        """A WAV of 16 bits, which every browser plays, as an address that a page holds in itself.
 
         >>> getfixture("result").listen(stop=0.1).source()[:22]
         'data:audio/wav;base64,'
         """
-        return "data:audio/wav;base64," + base64.b64encode(self.wav()).decode()
+        return "data:audio/wav;base64," + base64.b64encode(self.encoded("wav-16")).decode()
+
+    def _place(self) -> str:
+        a = self.about
+        return f"{'slider ' if a['body'] == 'slider' else ''}probe {a['probe']} at {a['position']:g} m"
+
+    def _comment(self) -> str:
+        a = self.about
+        slower = f"; {a['slow']:g} times slower" if a["slow"] != 1 else ""
+        return (f"velocity of {self._place()}, the value 1.0 is {a['full_scale_m_per_s']:g} m/s; {a['from']:g} s to "
+                f"{a['to']:g} s{slower}")
+
+    def about_text(self, name: str) -> str:
+        """The text that stands beside the file `name` (docs/sound.md).
+
+        >>> "full_scale_m_per_s" in getfixture("result").listen(stop=0.1).about_text("cube.wav")
+        True
+        """
+        return json.dumps({"file": name, **self.about}, indent=2) + "\n"
+
+    def describe(self, name: str) -> str:
+        """The lines that `ra2d sound` prints of the file `name`.
+
+        >>> print(getfixture("result").listen(stop=0.1).describe("cube.wav").splitlines()[0])
+        velocity of probe 1 at 0.15 m, from 0 s to 0.1 s
+        """
+        a = self.about
+        lines = [("length", f"{quantity(len(self.samples) / self.rate, 's')}, {len(self.samples)} samples at "
+                            f"{self.rate} Hz"),
+                 ("full scale", f"1.0 in the file is {a['full_scale_m_per_s']:g} m/s")]
+        if (peak := a["peak_m_per_s"]) > 0:
+            lines.append(("peak", f"{peak:.4g} m/s, {20 * math.log10(peak / a['full_scale_m_per_s']):.1f} dB of full "
+                                  "scale"))
+        lines += [("file", name), ("beside it", f"{name}.json")]
+        slower = f", {a['slow']:g} times slower" if a["slow"] != 1 else ""
+        head = f"velocity of {self._place()}, from {a['from']:g} s to {a['to']:g} s{slower}\n"
+        return head + "".join(f"  {what:<17}{text}\n" for what, text in lines)
 
     def __repr__(self) -> str:
         a = self.about
@@ -77,11 +208,148 @@ class Sound:
         return f'<audio controls src="{self.source()}"></audio><br><code>{repr(self)[1:-1]}</code>'
 
 
-def of_probe(result: pathlib.Path, probe: int, body: str, options: dict[str, float | None]) -> Sound:
-    """The velocity of a probe, resampled by the program; options that are None are left out."""
-    words = program.options({"--slider-probe" if body == "slider" else "--probe": probe, **options})
-    with program.scratch() as folder:
-        file = folder / "sound.wav"
-        program.call("sound", result, "-o", file, *words)
-        samples, rate = soundfile.read(file, dtype="float64")
-        return Sound(samples, rate, json.loads(file.with_name("sound.wav.json").read_text()))
+def encoding_of(path: pathlib.Path, bits: int | str = 24) -> Encoding:
+    """The encoding that a name asks for by its ending."""
+    ending = path.suffix.lower()
+    if ending == ".flac":
+        return "flac-24"
+    if ending != ".wav":
+        raise RequestError(f"{str(path)!r}: expected a name that ends in .wav or .flac")
+    found = f"wav-{bits}"
+    if found not in ("wav-16", "wav-24", "wav-32", "wav-float"):
+        raise RequestError(f"bits = {bits!r}: expected 16, 24, 32 or 'float'")
+    return found  # type: ignore[return-value]
+
+
+# ---- what is heard -----------------------------------------------------------------------------------
+
+def _require(name: str, value: float, low: float, high: float) -> None:
+    if not (isinstance(value, int | float) and low <= value <= high):
+        raise RequestError(f"{name} is {value!r}: expected a number from {low:g} to {high:g}")
+
+
+def _choose_probe(result: Result, body: str, probe: int) -> Any:
+    """The velocity of the probe, not read yet."""
+    positions = result.probes.position.values, result.slider_probes.position.values
+    slider = body == "slider"
+    here, others = positions[::-1] if slider else positions
+    words = (("probes", "0.15", "--probe"), ("slider_probes", "0.01", "--slider-probe"))
+    mine, other = words[::-1] if slider else words
+    if not here.size:
+        there = f" (there {'is' if others.size == 1 else 'are'} {others.size} of the " \
+                f"{'resonator' if slider else 'slider'}: {other[2]} 1)" if others.size else ""
+        raise RequestError(f"{result.path.name}: it has no {'slider ' if slider else ''}probe to listen to: name a "
+                           f"place on the {body} in the scene, as output.{mine[0]} = [{mine[1]}], and run it again"
+                           f"{there}")
+    if not 1 <= probe <= here.size:
+        places = ", ".join(f"{place:g}" for place in here[:8]) + (", ..." if here.size > 8 else "")
+        raise RequestError(f"{result.path.name}: {mine[2]} {probe}: expected 1 to {here.size} (at {places} m)")
+    return (result.slider_probes if slider else result.probes).velocity.isel(position=probe - 1)
+
+
+def _choose_stretch(result: Result, time: Array, start: float | None, stop: float | None) -> slice:
+    """The samples from `start` to `stop` [s]; from output.from to the end without them."""
+    end = float(time[-1]) if time.size else 0.0
+    apart = end / (time.size - 1) if time.size > 1 else math.inf
+    begin = result.counted_from if start is None else start
+    if stop is not None and not stop <= end * (1 + 1e-12) + 1e-6 * apart:
+        raise RequestError(f"{result.path.name}: to {stop:g} s: the run ends at {end:g} s")
+    first = int(np.searchsorted(time, begin - 1e-6 * apart))
+    beyond = int(np.searchsorted(time, (end if stop is None else stop) + 1e-6 * apart, side="right"))
+    if beyond - first < 2:
+        found = {0: "is no sample", 1: "is one sample"}.get(beyond - first, "is nothing")
+        raise RequestError(f"{result.path.name}: from {begin:g} s to {end if stop is None else stop:g} s there {found} "
+                           "to listen to: expected a stretch of two samples or more")
+    return slice(first, beyond)
+
+
+def _between(modes: Array, low: float, high: float) -> int:
+    return int(((modes > low) & (modes <= high)).sum())
+
+
+def _doubt_rates(about: dict[str, Any], modes: Array) -> list[str]:
+    doubts, body, rate, source = [], about["body"], about["rate"], about["source_rate"]
+    carried = source / 2
+    heard = min(carried, PASSED * rate / 2 * about["slow"])
+    highest = float(modes.max(initial=0))
+    if above := _between(modes, carried, math.inf):
+        doubts.append(f"output.rate is too low: {above} of the {body}'s modes ring above {carried:g} Hz, half the rate "
+                      f"of the samples, the highest at {highest:.4g} Hz. They are heard at frequencies that are not "
+                      f"theirs. Run with output.rate above {2 * highest:.3g}")
+    elif carried < AUDIBLE:
+        doubts.append(f"output.rate is low: nothing above {carried:g} Hz, half the rate of the samples, can be in this "
+                      f"sound, and ears go to {AUDIBLE:g} Hz. Run with output.rate = {2 * AUDIBLE:g} or more")
+    if lost := _between(modes, heard, min(carried, AUDIBLE)):
+        doubts.append(f"--rate {rate} passes what is below {heard:.4g} Hz: {lost} of the {body}'s modes are left out. "
+                      "Take --rate 48000")
+    return doubts
+
+
+def _doubt_scale(about: dict[str, Any], name: str) -> list[str]:
+    peak, scale, beyond = about["peak_m_per_s"], about["full_scale_m_per_s"], about["beyond_full_scale"]
+    if not peak > 0:
+        support = "; at a support there is nothing to hear" if about["position"] == 0 and about["body"] == "resonator" \
+            else ""
+        return [f"silence: the {name} does not move from {about['from']:g} s to {about['to']:g} s{support}"]
+    doubts = []
+    if peak < 2.0**-23 * scale:
+        doubts.append(f"the peak, {peak:.4g} m/s, is {peak / scale:.3g} of --full-scale {scale:g} m/s: a file of 24 "
+                      "bits, which hold nothing below 1.2e-07, is silent, and one of floats is too soft to hear")
+    if beyond:
+        doubts.append(f"{beyond} of {about['samples']} samples are beyond --full-scale {scale:g} m/s, the peak is "
+                      f"{peak:.4g} m/s: whole numbers clip them; in a WAV of floats they stand, and players clip them")
+    return doubts
+
+
+def _full_scale(peak: float, wanted: float | None, normalize: bool) -> float:
+    """The velocity that the value 1 stands for."""
+    if wanted is None:
+        return peak if normalize and peak > 0 else round_full_scale(peak)
+    _require("full_scale", wanted, math.ulp(0.0), 1.7e308)
+    share, limits = peak / wanted, np.finfo(np.float32)
+    if peak > 0 and not limits.tiny <= share <= limits.max:
+        raise RequestError(f"--full-scale {wanted:g}: the peak is {peak:.4g} m/s, {share:.3g} times that, and the "
+                           f"numbers of a sound file go from {limits.tiny:.3g} to {limits.max:.3g}: expected a velocity "
+                           "near the peak")
+    return wanted
+
+
+def _require_room(count: int, source: float, rate: int, result: Result) -> None:
+    """A sound that does not fit into a quarter of the memory is refused before anything is read."""
+    frames = count * rate / source
+    room = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 4
+    if 32 * frames > room or 4 * frames > WAV_BYTES:
+        raise RequestError(f"{result.path.name}: the sound would last {frames / rate:.4g} s: take a part of the run "
+                           "with --from and --to")
+
+
+def of_probe(result: Result, probe: int = 1, body: str = "resonator", *, slow: float = 1, rate: int = 48000,
+             full_scale: float | None = None, normalize: bool = False, start: float | None = None,
+             stop: float | None = None) -> Sound:
+    """The velocity of a probe as sound. `Result.listen` says what the options are."""
+    _require("slow", slow, 1, MOST_SLOW)
+    _require("rate", rate, *RATES)
+    velocity = _choose_probe(result, body, probe)
+    time = velocity.time.values
+    part = _choose_stretch(result, time, start, stop)
+    source = result.rate
+    _require_room(part.stop - part.start, source / slow, rate, result)
+    values = velocity.isel(time=part).values
+    if not np.isfinite(values).all():
+        raise FileError(f"{result.path.name}: the velocity of the probe has values that are no numbers. 'ra2d check' "
+                        "says what of the file is damaged")
+    heard = resample(values, source / slow, rate)
+    peak = float(np.abs(heard).max(initial=0))
+    scale = _full_scale(peak, full_scale, normalize)
+    version, _, commit = program.call("--version").strip().partition(" ")[2].partition(" ")
+    about = {"body": body, "probe": probe, "position": float(velocity.position), "quantity": "velocity",
+             "full_scale_m_per_s": scale, "peak_m_per_s": peak, "beyond_full_scale": int((np.abs(heard) > scale).sum()),
+             "rate": int(rate), "samples": heard.size, "slow": float(slow), "from": float(time[part.start]),
+             "to": float(time[part.stop - 1]), "source": result.path.name, "source_rate": source,
+             "title": result.title, "complete": result.complete, "ended": str(result.attrs.get("ended", "")),
+             "creator": "ra2d", "version": version, "commit": commit.strip("()")}
+    modes = result.modes("slider" if body == "slider" else "resonator").frequency.values
+    name = f"{'slider ' if body == 'slider' else ''}probe at {about['position']:g} m"
+    doubts = _doubt_scale(about, name)
+    doubts = (doubts if not peak else []) + _doubt_rates(about, modes) + (doubts if peak else [])
+    return Sound(heard / scale, int(rate), about, tuple(doubts))

@@ -18,7 +18,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 Array = npt.NDArray[np.float64]
 
-# Eight colours that stay apart, also for eyes that lack one kind of cones (tests/test_style.py
+# Eight colours that stay apart, also for eyes that lack one kind of cones (tests/colours.py
 # measures it), each with a line and a mark of its own, so that nothing hangs on colour alone.
 BLUE, RUST, PLUM, SKY, BLACK, GREEN, AMBER, MOSS = SERIES = (
     "#2b45c8", "#bb560f", "#6b1170", "#6fb5f2", "#000000", "#056545", "#f0ac00", "#b2be80")
@@ -27,6 +27,7 @@ LINES = ("-", (0, (5, 1.5)), (0, (1, 1)), (0, (5, 1.5, 1, 1.5)), (0, (8, 2)), (0
 MARKS = ("o", "s", "^", "D", "v", "P", "X", "*")
 GREY = "#555555"
 DECIBEL = "dB re 1 nm/s"
+DPI = 130  # of pictures in files
 
 RC = {
     "font.size": 9, "axes.titlesize": 10, "axes.labelsize": 9, "xtick.labelsize": 8.5, "ytick.labelsize": 8.5,
@@ -35,6 +36,9 @@ RC = {
     "figure.constrained_layout.w_pad": 0.08, "figure.dpi": 110,
     "svg.fonttype": "none", "pdf.fonttype": 42,  # text stays text
     "svg.hashsalt": "ra2d"}                      # the same picture has the same bytes
+
+# of the charts: matplotlib's own style
+CHART_RC = {name: RC[name] for name in ("svg.fonttype", "pdf.fonttype", "svg.hashsalt")}
 
 PREFIXES = {-12: "p", -9: "n", -6: "\u00b5", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 
@@ -60,7 +64,7 @@ class Picture(Figure):  # type: ignore[misc]
 
 def literal(text: object) -> str:
     """A text from outside, which is no formula to matplotlib."""
-    return str(text).replace("$", r"\$")
+    return str(text).encode("utf-8", "replace").decode().replace("$", r"\$")
 
 
 def scale(unit: str, *arrays: npt.ArrayLike, up: float = 1.3) -> tuple[str, float]:

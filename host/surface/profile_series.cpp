@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "host/plot/profile_picture.hpp"
+#include "host/surface/profile_series.hpp"
 
 #include <fmt/format.h>
 
@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "host/base/text.hpp"
-#include "host/plot/envelope.hpp"
+#include "host/surface/envelope.hpp"
 #include "host/surface/form.hpp"
 #include "host/surface/profile_filter.hpp"
 
@@ -20,7 +20,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;  // writes null for what is not finite
 
-constexpr std::size_t most_points =
+constexpr std::size_t most_drawn_points =
     1500;  // of a profile, about as many as a picture has dots across
 constexpr std::size_t height_bins = 60;
 
@@ -28,7 +28,7 @@ constexpr std::size_t height_bins = 60;
 Json drawn(std::span<const double> heights, double first, double spacing) {
   std::vector<double> at(heights.size());
   for (std::size_t i = 0; i < at.size(); ++i) at[i] = first + static_cast<double>(i) * spacing;
-  return envelope(at, heights, even_groups(heights.size(), most_points));
+  return envelope(at, heights, even_groups(heights.size(), most_drawn_points));
 }
 
 double mean_of(std::span<const double> values) {
@@ -83,7 +83,7 @@ std::vector<double> reference_line(const Profile& filled, const MeasureOptions& 
 }
 
 /// Adds the heights from their mean line, over the evaluation length.
-void add_roughness(const Profile& profile, const ProfilePictureOptions& options,
+void add_roughness(const Profile& profile, const ProfileSeriesOptions& options,
                    const std::string& name, Json& json, std::vector<std::string>* doubts) {
   MeasureOptions measure = options.measure;
   if (options.usual_filter &&
@@ -115,8 +115,8 @@ void add_roughness(const Profile& profile, const ProfilePictureOptions& options,
 
 }  // namespace
 
-std::string profile_picture(const std::filesystem::path& file, const ProfilePictureOptions& options,
-                            std::vector<std::string>* doubts) {
+std::string profile_series(const std::filesystem::path& file, const ProfileSeriesOptions& options,
+                           std::vector<std::string>* doubts) {
   Profile profile = read_measured_profile(file, options.query);
   Json json{{"file", printable(file.filename().string())},
             {"nodes", profile.heights.size()},

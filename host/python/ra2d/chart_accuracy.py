@@ -1,15 +1,16 @@
-#!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""plot_accuracy.py POINTS LONG PICTURE KIND: the chart of `ra2d chart accuracy` as a picture.
+"""The picture of `ra2d chart accuracy`, from its tables PREFIX.csv and PREFIX-long.csv."""
+from __future__ import annotations
 
-POINTS and LONG are the files that the command writes, PREFIX.csv and PREFIX-long.csv, KIND is png, svg or pdf. Ends
-with status 9 when there is no matplotlib.
-"""
 import math
+import pathlib
+from typing import Any
 
-from chart_style import NAMES, draw_tables, literal, read, read_context, save
-import matplotlib.pyplot as plt
+import matplotlib
 from matplotlib.lines import Line2D
+
+from .chart_tables import NAMES, Row, read, read_context
+from .style import CHART_RC, Picture, literal
 
 MARKS = {"explicit-euler": "v", "midpoint": "o", "backward-euler": "s", "heun": "^", "rk4": "D", "rk8": "P",
          "exact": "X", "adaptive": "*"}
@@ -18,7 +19,7 @@ PEERS = {"cvode-adams": ("CVODE Adams", "#e377c2", "<"), "cvode-bdf": ("CVODE BD
          "dopri5": ("DOPRI5", "#444444", "x")}
 
 
-def style(row):
+def _style(row: Row) -> tuple[str, str, str, str]:
     """Name, colour, mark and line of a row's method."""
     scheme, force = row["scheme"], row["contact_force"]
     if row["program"] != "ra2d":
@@ -33,45 +34,45 @@ def style(row):
     return name, colour, mark, "--" if multiplier else "-"
 
 
-def number(row, column):
+def _number(row: Row, column: str) -> float:
     return float(row[column]) if row[column] else math.nan
 
 
-def size(row):
-    return number(row, "step") if row["step"] else number(row, "tolerance")
+def _size(row: Row) -> float:
+    return _number(row, "step") if row["step"] else _number(row, "tolerance")
 
 
-def whole_decade(row):
-    return abs(math.log10(size(row)) - round(math.log10(size(row)))) < 0.01
+def _is_whole_decade(row: Row) -> bool:
+    return abs(math.log10(_size(row)) - round(math.log10(_size(row)))) < 0.01
 
 
-def draw_unknown(axes, wall, most, colour):
+def _draw_unknown(axes: Any, wall: float, most: float, colour: str) -> None:
     """A run that is nearer to the reference than the reference is to the truth: an arrow from the most it may err."""
     axes.annotate("", (wall, most / 12), (wall, most), zorder=3,
                   arrowprops={"arrowstyle": "->", "color": colour, "lw": 1.4, "shrinkA": 0, "shrinkB": 0})
     axes.plot(wall, most, "_", color=colour, ms=10, mew=1.6, zorder=3)
 
 
-def draw_errors(axes, rows, kind, title, reference, seen):
+def _draw_errors(axes: Any, rows: list[Row], kind: str, title: str, reference: float, seen: dict[str, Line2D]) -> None:
     """Error over cost; every other step of the ladder is a power of ten and drawn larger."""
-    curves = {}
+    curves: dict[tuple[str, str, str, str], list[Row]] = {}
     for row in rows:
         if kind == "energy" and row["law"] != "penalty":
             continue  # what impacts take there is no error
-        if row["kind"] == kind and row["error"] and number(row, "error") > 0 and row["wall_median"]:
-            curves.setdefault(style(row), []).append(row)
+        if row["kind"] == kind and row["error"] and _number(row, "error") > 0 and row["wall_median"]:
+            curves.setdefault(_style(row), []).append(row)
     for (name, colour, mark, line), points in curves.items():
-        points.sort(key=size, reverse=True)
+        points.sort(key=_size, reverse=True)
         for row in points:  # no further off than this, and nobody knows how far
-            if number(row, "error") <= KNOWN * reference:
-                draw_unknown(axes, number(row, "wall_median"), KNOWN * reference, colour)
-        points = [row for row in points if not number(row, "error") <= KNOWN * reference]
-        wall = [number(row, "wall_median") for row in points]
-        error = [number(row, "error") for row in points]
+            if _number(row, "error") <= KNOWN * reference:
+                _draw_unknown(axes, _number(row, "wall_median"), KNOWN * reference, colour)
+        points = [row for row in points if not _number(row, "error") <= KNOWN * reference]
+        wall = [_number(row, "wall_median") for row in points]
+        error = [_number(row, "error") for row in points]
         hollow = {"mfc": "white"} if line == "--" else {}
         axes.plot(wall, error, line, color=colour, lw=1.3, alpha=0.9, zorder=2)
         for row, x, y in zip(points, wall, error):
-            axes.plot(x, y, mark, color=colour, mec=colour, ms=7 if whole_decade(row) else 4, zorder=3, **hollow)
+            axes.plot(x, y, mark, color=colour, mec=colour, ms=7 if _is_whole_decade(row) else 4, zorder=3, **hollow)
         seen.setdefault(name, Line2D([], [], color=colour, marker=mark, ls=line, lw=1.3, ms=6, label=name, **hollow))
     axes.set_xscale("log")
     axes.set_yscale("log")
@@ -87,21 +88,26 @@ def draw_errors(axes, rows, kind, title, reference, seen):
     axes.set_title(title, fontsize=10.5)
 
 
-def size_text(row):
-    return f"{number(row, 'step'):g} s" if row["step"] else f"tol {number(row, 'tolerance'):g}"
+def _size_text(row: Row) -> str:
+    return f"{_number(row, 'step'):g} s" if row["step"] else f"tol {_number(row, 'tolerance'):g}"
 
 
-def plain(value, digits):
+def _plain(value: float, digits: int) -> str:
     return f"{value:.0f}" if abs(value) >= 1000 else f"{value:.{digits}g}"
 
 
-def draw_statistics(axes, rows, quantity, label, unit):
+def _draw_statistics(axes: Any, rows: list[Row], quantity: str, label: str, unit: float) -> None:
     """Mean over the surfaces with its standard error, thin; thick, how far from the reference on the same ones.
 
     Multipliers, another model, do not widen the axis: what lies beyond it is written at its edge."""
     rows = [row for row in rows if row["quantity"] == quantity]
-    value = lambda row, column: number(row, column) / unit
-    reach = lambda row: 0 if math.isnan(number(row, "standard_error")) else 1.3 * value(row, "standard_error")
+
+    def value(row: Row, column: str) -> float:
+        return _number(row, column) / unit
+
+    def reach(row: Row) -> float:
+        return 0 if math.isnan(_number(row, "standard_error")) else 1.3 * value(row, "standard_error")
+
     shown = [row for row in rows if row["mean"] and row["law"] == "penalty"] or [row for row in rows if row["mean"]]
     if shown:
         low = min(value(row, "mean") - reach(row) for row in shown)
@@ -110,7 +116,7 @@ def draw_statistics(axes, rows, quantity, label, unit):
         axes.set_xlim(low - margin, high + margin)
         axes.axvline(value(rows[0], "mean"), color="#555555", lw=0.9, ls=":", zorder=1)
     for i, row in enumerate(rows):
-        _, colour, mark, line = style(row)
+        _, colour, mark, line = _style(row)
         if not row["mean"]:
             axes.text(0.5, i, row["how"] or "none", transform=axes.get_yaxis_transform(), ha="center", va="center",
                       fontsize=8)
@@ -118,8 +124,8 @@ def draw_statistics(axes, rows, quantity, label, unit):
         mean, spread = value(row, "mean"), value(row, "standard_error")
         low, high = axes.get_xlim()
         if not low < mean < high:
-            several = "" if math.isnan(spread) else f" \u00b1 {plain(spread, 2)}"
-            axes.annotate(f"{plain(mean, 4)}{several}", (0.01 if mean < low else 0.99, i), (12 if mean < low else -12, 0),
+            several = "" if math.isnan(spread) else f" \u00b1 {_plain(spread, 2)}"
+            axes.annotate(f"{_plain(mean, 4)}{several}", (0.01 if mean < low else 0.99, i), (12 if mean < low else -12, 0),
                           xycoords=axes.get_yaxis_transform(), textcoords="offset points", color=colour, fontsize=9,
                           ha="left" if mean < low else "right", va="center",
                           arrowprops={"arrowstyle": "->", "color": colour})
@@ -133,12 +139,12 @@ def draw_statistics(axes, rows, quantity, label, unit):
     axes.locator_params(axis="x", nbins=6)
     axes.set_ylim(len(rows) - 0.4, -0.6)
     axes.set_yticks(range(len(rows)),
-                    [f"{style(row)[0]}, {size_text(row)}\n{number(row, 'wall'):.3g} s/s" for row in rows], fontsize=8)
+                    [f"{_style(row)[0]}, {_size_text(row)}\n{_number(row, 'wall'):.3g} s/s" for row in rows], fontsize=8)
     axes.set_xlabel(label)
     axes.grid(True, axis="x", alpha=0.3)
 
 
-def wrap(text, most=215):
+def _wrap(text: str, most: int = 215) -> str:
     lines = [""]
     for word in text.split(" "):
         if len(lines[-1]) + len(word) > most:
@@ -147,42 +153,44 @@ def wrap(text, most=215):
     return "\n".join(line.rstrip() for line in lines)
 
 
-def main(points, long_runs, picture, kind_of_picture):
+def picture(points: pathlib.Path, long_runs: pathlib.Path) -> Picture:
+    """Error over cost, and statistics of long runs with each method."""
+    with matplotlib.rc_context(CHART_RC):
+        return _draw(points, long_runs)
+
+
+def _draw(points: pathlib.Path, long_runs: pathlib.Path) -> Picture:
     context = read_context(points)
     rows, long_rows = read(points), read(long_runs)
-    kinds = [kind for kind in dict.fromkeys(row["kind"] for row in rows)]
+    kinds = list(dict.fromkeys(row["kind"] for row in rows))
     quantities = [("level", "level [dB re 1 nm/s]", 1), ("shock-rate", "shocks a second", 1),
                   ("shock-duration", "median duration of a shock [\u00b5s]", 1e-6)]
-    figure = plt.figure(figsize=(16, 11.2), layout="constrained")
+    figure = Picture(figsize=(16, 11.2), layout="constrained")
     upper, middle, lower = figure.subfigures(3, 1, height_ratios=[1.5, 0.22, 1])
-    seen = {}
+    seen: dict[str, Line2D] = {}
     for axes, kind in zip(upper.subplots(1, len(kinds), squeeze=False)[0], kinds):
         energy = kind == "energy"
         title = "closure of the energy (penalty)" if energy else context.get(kind, kind)
         reference = 0 if energy else float(context.get(f"{kind} of the reference") or "nan")
-        draw_errors(axes, rows, kind, title, reference, seen)
+        _draw_errors(axes, rows, kind, title, reference, seen)
         axes.set_ylabel("relative to what went through" if energy else "relative error in the norm of the energy")
     middle.legend(handles=list(seen.values()), loc="center", ncol=6, fontsize=9, frameon=False)
     if long_rows:
         panels = lower.subplots(1, 3, sharey=True)
         for axes, (quantity, label, unit) in zip(panels, quantities):
-            draw_statistics(axes, long_rows, quantity, label, unit)
+            _draw_statistics(axes, long_rows, quantity, label, unit)
         first = long_rows[0]
         several = int(first["seeds"]) > 1
         lower.suptitle(f"Over {float(first['duration']):.3g} s of sliding"
                        + (f", {first['seeds']} surfaces: mean and standard error (thin); difference from the first "
                           "line's on the same surfaces (thick)" if several else ", one run of each"), fontsize=10.5)
     figure.suptitle(f"Speed against accuracy. Scene: {literal(context.get('scene', ''))}", fontsize=12)
-    stretches = [number(row, "stretch") for row in rows if row["stretch"] and row["program"] == "ra2d"] or [math.nan]
-    figure.supxlabel(wrap(
+    stretches = [_number(row, "stretch") for row in rows if row["stretch"] and row["program"] == "ra2d"] or [math.nan]
+    figure.supxlabel(_wrap(
         f"Timed, and the energy followed, over {min(stretches):.2g} s (the finest) to {max(stretches):.2g} s. "
         f"States of penalty against {context.get('reference', '')}; {context.get('confirmed', '')}. Of multipliers, "
         "dashed, against each scheme's own finest run at the same time. Large marks: powers of ten of the step or the "
-        "tolerance. Arrows: nearer to the reference than it is known itself.") + "\n" + wrap("; ".join(f"{what} {context[what]}" for what in
+        "tolerance. Arrows: nearer to the reference than it is known itself.") + "\n" + _wrap("; ".join(f"{what} {context[what]}" for what in
                                              ("ra2d", "compiler", "processor", "backend", "date") if what in context)),
         fontsize=8, color="#444444")
-    save(figure, picture, kind_of_picture)
-
-
-if __name__ == "__main__":
-    draw_tables(main)
+    return figure

@@ -1,23 +1,45 @@
-#!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""plot_profile.py DATA PICTURE KIND: the picture of `ra2d plot` of a measured profile.
+"""The picture of a measured profile and its roughness. The program hands over the numbers
+(host/surface/profile_series.hpp); null is NaN, and long series come as the extremes of neighbours."""
+from __future__ import annotations
 
-DATA is what the command hands over (host/plot/profile_picture.cpp), KIND is png, svg or pdf. Ends with status 9 when
-there is no matplotlib.
-"""
 import math
-import sys
+from typing import Any
 
-import picture_style as style
-from picture_style import BLACK, BLUE, GREY, RUST, SKY, literal, number, numbers, quantity, scale, series
+import matplotlib
 import numpy as np
+import numpy.typing as npt
+
+from . import style
+from .style import BLACK, BLUE, GREY, RUST, SKY, Array, Picture, literal, quantity, scale
+
+Data = dict[str, Any]
 
 WITHOUT_UNIT = ("Rsk", "Rku", "Rdq")
 SHARES = ("Mr1", "Mr2")
 NO_PARAMETERS = "points are missing: no parameters (--fill puts straight lines through gaps)"
 
 
-def length_axis(axes, drawn, metres):
+def _numbers(values: list[float | None]) -> Array:
+    return np.array(values, dtype=float)
+
+
+def _number(value: float | None) -> float:
+    return math.nan if value is None else value
+
+
+def _draw(axes: Any, drawn: Data, colour: str, x_unit: float, y_unit: float, line: Any = "-", label: str | None = None,
+          width: float = 1.0, fill: float = 0.45, mean: bool = True) -> None:
+    """A line; of values that were put together, the band from their lowest to their highest, and their mean."""
+    x, middle = _numbers(drawn["x"]) / x_unit, _numbers(drawn["mean"]) / y_unit
+    if drawn["together"] > 1:
+        low, high = _numbers(drawn["low"]) / y_unit, _numbers(drawn["high"]) / y_unit
+        axes.fill_between(x, low, high, color=colour, alpha=fill, lw=0.4, zorder=2, label=None if mean else label)
+    if drawn["together"] <= 1 or mean:
+        axes.plot(x, middle, ls=line, color=colour, lw=width, label=label, zorder=3)
+
+
+def _length_axis(axes: Any, drawn: Data, metres: float) -> float:
     """In the unit that suits the whole profile; limits are those of what is drawn."""
     unit, one = scale("m", np.array([metres]))
     axes.set_xlim(drawn["x"][0] / one, drawn["x"][-1] / one)
@@ -26,12 +48,13 @@ def length_axis(axes, drawn, metres):
     return one
 
 
-def draw_heights(axes, drawn, length, title, line=None, line_is=None):
-    one = length_axis(axes, drawn, length)
-    unit, high = scale("m", style.extremes(drawn))
-    series(axes, drawn, BLUE, one, high, mean=False, fill=0.8, label="profile")
+def _draw_heights(axes: Any, drawn: Data, length: float, title: str, line: Data | None = None,
+                  line_is: str | None = None) -> tuple[str, float]:
+    one = _length_axis(axes, drawn, length)
+    unit, high = scale("m", *(_numbers(drawn[key]) for key in ("mean", "low", "high") if key in drawn))
+    _draw(axes, drawn, BLUE, one, high, mean=False, fill=0.8, label="profile")
     if line:
-        series(axes, line, RUST, one, high, line="--", width=1.6, mean=True, fill=0, label=line_is)
+        _draw(axes, line, RUST, one, high, line="--", width=1.6, mean=True, fill=0, label=line_is)
         axes.legend(loc="upper right", ncol=2)
     low, top = axes.get_ylim()
     axes.set_ylim(low, top + 0.15 * (top - low))  # for the legends
@@ -40,7 +63,7 @@ def draw_heights(axes, drawn, length, title, line=None, line_is=None):
     return unit, high
 
 
-def roughness_title(data):
+def _roughness_title(data: Data) -> str:
     n = data["sampling_lengths"]
     lengths = f"{n} sampling length{'s' if n != 1 else ''} of {quantity(data['sampling_length'], 'm')}"
     if data["filtered_before"]:
@@ -50,7 +73,7 @@ def roughness_title(data):
     return f"Primary profile, no filter: {lengths}"
 
 
-def draw_distribution(axes, data, unit, one):
+def _draw_distribution(axes: Any, data: Data, unit: str, one: float) -> None:
     """Lies beside the roughness and shares its axis of heights."""
     title = "Height distribution"
     heights = data["heights"]
@@ -59,9 +82,9 @@ def draw_distribution(axes, data, unit, one):
         axes.text(0.5, 0.5, heights["empty"], transform=axes.transAxes, ha="center", va="center", color=GREY)
         axes.set_xticks([])
         return
-    edges, shares = numbers(heights["edges"]) / one, 100 * numbers(heights["shares"])
+    edges, shares = _numbers(heights["edges"]) / one, 100 * _numbers(heights["shares"])
     axes.stairs(shares, edges, orientation="horizontal", fill=True, color=SKY, ec=BLUE, lw=0.8)
-    rms = number(heights["rms"]) / one
+    rms = _number(heights["rms"]) / one
     z = np.linspace(edges[0], edges[-1], 200)
     normal = 100 * (edges[1] - edges[0]) / (rms * math.sqrt(2 * math.pi)) * np.exp(-0.5 * (z / rms) ** 2)
     axes.plot(normal, z, color=BLACK, ls="--", lw=1.1, label="normal, as wide")
@@ -71,12 +94,12 @@ def draw_distribution(axes, data, unit, one):
     axes.legend(loc="upper right", fontsize=8)
 
 
-def write_parameters(axes, data):
+def _write_parameters(axes: Any, data: Data) -> None:
     axes.axis("off")
     axes.set_title(data["standard"])
     lines = []
     for name, value in data["parameters"].items():
-        value = number(value)
+        value = _number(value)
         shown = name if data["filtered"] or name in SHARES else "P" + name[1:]
         if not math.isfinite(value):
             text = "not defined"
@@ -91,7 +114,7 @@ def write_parameters(axes, data):
         axes.text(0.42, y, text, transform=axes.transAxes, va="top", fontsize=9.5)
 
 
-def facts(data):
+def _facts(data: Data) -> str:
     found = [f"{data['nodes']} points, {quantity(data['spacing'], 'm')} apart: {quantity(data['length'], 'm', 4)}"]
     if data["missing"]:
         filled = " and filled by straight lines" if "parameters" in data else ""
@@ -99,24 +122,21 @@ def facts(data):
     return "  \u00b7  ".join(found)
 
 
-def main(file, picture, kind):
-    data = style.read(file)
-    figure, body = style.page(11, 7, [(literal(f"profile  \u2013  {data['file']}"), 13, "bold", BLACK),
-                                      (facts(data), 9.5, "normal", BLACK)])
-    upper, lower = body.subfigures(2, 1)
-    draw_heights(upper.subplots(), data["profile"], data["length"], "As measured, from its mean",
-                 data.get("line"), data.get("line_is"))
-    if "parameters" not in data:
-        style.say_empty(lower.subplots(), f"{data['missing']} {NO_PARAMETERS}", "Roughness")
-    else:
+def picture(data: Data) -> Picture:
+    """As measured, above; below, what is left of it, with its heights and parameters."""
+    with matplotlib.rc_context(style.RC):
+        figure, body = style.page(11, 7, [(literal(f"profile  \u2013  {data['file']}"), 13, "bold", BLACK),
+                                          (_facts(data), 9.5, "normal", BLACK)])
+        upper, lower = body.subfigures(2, 1)
+        _draw_heights(upper.subplots(), data["profile"], data["length"], "As measured, from its mean",
+                      data.get("line"), data.get("line_is"))
+        if "parameters" not in data:
+            style.say_empty(lower.subplots(), f"{data['missing']} {NO_PARAMETERS}", "Roughness")
+            return figure
         panels = lower.subplots(1, 3, width_ratios=[3, 1.1, 0.75])
         panels[1].sharey(panels[0])
-        unit, one = draw_heights(panels[0], data["roughness"], data["length"], roughness_title(data))
-        draw_distribution(panels[1], data, unit, one)
+        unit, one = _draw_heights(panels[0], data["roughness"], data["length"], _roughness_title(data))
+        _draw_distribution(panels[1], data, unit, one)
         panels[1].tick_params(labelleft=False)
-        write_parameters(panels[2], data)
-    style.save(figure, picture, kind)
-
-
-if __name__ == "__main__":
-    main(*sys.argv[1:])
+        _write_parameters(panels[2], data)
+        return figure

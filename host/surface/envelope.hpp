@@ -18,14 +18,10 @@ struct Envelope {
 /// values stay alone.
 std::vector<std::size_t> even_groups(std::size_t values, std::size_t most);
 
-/// Groups of the values at 1, 2, 3, ... for an axis of equal ratios. The one at 0 has no place
-/// there.
-std::vector<std::size_t> ratio_groups(std::size_t values, std::size_t most);
-
 Envelope envelope(std::span<const double> at, std::span<const double> values,
                   const std::vector<std::size_t>& groups);
 
-/// As the scripts read it. For any JSON of nlohmann's, so that this header needs none.
+/// As the Python package reads it. For any JSON of nlohmann's, so that this header needs none.
 template <class Json>
 void to_json(Json& json, const Envelope& e) {
   json = {{"x", e.at}, {"mean", e.mean}, {"together", e.largest_group}};

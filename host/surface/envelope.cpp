@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "host/plot/envelope.hpp"
+#include "host/surface/envelope.hpp"
 #include "host/base/quiet_nan.hpp"
 
 #include <algorithm>
@@ -13,18 +13,6 @@ std::vector<std::size_t> even_groups(std::size_t values, std::size_t most) {
   std::vector<std::size_t> begins;
   for (std::size_t i = 0; i <= groups; ++i)
     begins.push_back(groups > 0 ? i * (values / groups) + i * (values % groups) / groups : 0);
-  return begins;
-}
-
-std::vector<std::size_t> ratio_groups(std::size_t values, std::size_t most) {
-  if (values < 2) return {values};
-  std::vector<std::size_t> begins{1};
-  const double ratio =
-      std::log(static_cast<double>(values)) / static_cast<double>(std::max<std::size_t>(most, 1));
-  for (double i = 1; begins.back() < values; ++i) {
-    const auto next = static_cast<std::size_t>(std::llround(std::exp(ratio * i)));
-    if (next > begins.back()) begins.push_back(std::min(next, values));
-  }
   return begins;
 }
 

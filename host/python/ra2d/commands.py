@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Commands of the program that this package answers. Each takes the request that the program made of
+the command line (host/commands), writes into the files that it names, and returns what is printed."""
+from __future__ import annotations
+
+import json
+import os
+import pathlib
+import sys
+import traceback
+import warnings
+from collections.abc import Callable
+from typing import Any, TextIO
+
+from . import charts, compare_plot, page, plots, profile_plot, sound, study_plot
+from .errors import BY_STATUS, Error, FileError, RequestError
+from .results import load
+from .studies import load_study
+from .style import DPI, Picture
+
+Request = dict[str, Any]
+
+
+def _path(text: str) -> pathlib.Path:
+    """A path of a request (host/commands/python.hpp): its bytes as characters."""
+    return pathlib.Path(os.fsdecode(text.encode("latin-1")))
+
+
+def _picture(request: Request) -> Picture:
+    files = [_path(text) for text in request.get("files", [])]
+    if request["subject"] == "chart":
+        return charts.picture(request["chart"], files)
+    if request["subject"] == "profile":
+        return profile_plot.picture(request["profile"])
+    if request["subject"] == "study":
+        return study_plot.picture(load_study(files[0]))
+    if len(files) == 1:
+        return plots.result(load(files[0]), request["what"])
+    return compare_plot.plot([load(file) for file in files], request["what"])
+
+
+def plot(request: Request) -> str:
+    """A picture into the file `output`, of the kind "png", "svg" or "pdf"."""
+    _write(_path(request["output"]), _picture(request).drawn(request["kind"], DPI))
+    return ""
+
+
+def report(request: Request) -> str:
+    """A page into the file `output`."""
+    files = [_path(text) for text in request["files"]]
+    command = os.fspath(_path(request["line"]))
+    made = page.study_text(load_study(files[0]), command) if request["subject"] == "study" else \
+        page.results_text([load(file) for file in files], command)
+    _write(_path(request["output"]), made.encode("utf-8", "replace"))
+    return ""
+
+
+def play(request: Request) -> str:
+    """A sound into the file `output`, and the text about it into `sidecar`."""
+    name = _path(request["made"])
+    made = sound.of_probe(load(_path(request["file"])), **request["options"])
+    _write(_path(request["output"]), made.encoded(request["encoding"]))
+    _write(_path(request["sidecar"]), made.about_text(name.name).encode("utf-8", "replace"))
+    for doubt in made.doubts:
+        warnings.warn(doubt, stacklevel=1)
+    return "" if request["quiet"] else made.describe(str(name))
+
+
+COMMANDS: dict[str, Callable[[Request], str]] = {"plot": plot, "report": report, "sound": play}
+
+
+def _write(path: pathlib.Path, data: bytes) -> None:
+    """Into a file that is there."""
+    try:
+        with open(path, "r+b", buffering=0) as file:
+            rest = memoryview(data)
+            while rest:
+                rest = rest[file.write(rest):]
+    except OSError as fault:
+        raise FileError(f"cannot write: {fault.strerror}") from fault
+
+
+def _say(message: object) -> None:
+    """A message of the program. Control characters stay out of terminals."""
+    text = "".join(c if c.isprintable() or c == "\n" else "?" for c in str(message))
+    print(f"ra2d: {text}", file=sys.stderr)
+
+
+def _status(fault: Error) -> int:
+    return next((status for status, kind in BY_STATUS.items() if isinstance(fault, kind)), 3)
+
+
+def main(requests: TextIO) -> int:
+    """Answers one request; returns the exit status."""
+    warnings.showwarning = lambda message, *rest: _say(message)
+    request = json.load(requests)
+    made = _path(request["made"]) if "made" in request else "the answer"
+    warnings.simplefilter("ignore" if request.get("quiet") else "always", UserWarning)
+    warnings.filterwarnings("ignore", message="Glyph .* missing")  # a name in letters that the font has not
+    try:
+        sys.stdout.write(COMMANDS[request["command"]](request))
+        sys.stdout.flush()
+    except Error as fault:
+        _say(fault if isinstance(fault, RequestError) else f"{made} was not made: {fault}")
+        return _status(fault)
+    except KeyboardInterrupt:
+        return 130
+    except MemoryError:
+        _say("out of memory")
+        return 3
+    except Exception as fault:  # noqa: BLE001: a fault of ours ends with a message, and with no picture
+        at = traceback.extract_tb(fault.__traceback__)[-1]
+        _say(f"{made} was not made: {type(fault).__name__}: {fault} "
+             f"({pathlib.Path(at.filename).name}, line {at.lineno})")
+        return 4
+    return 0

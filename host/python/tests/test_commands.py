@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""`ra2d plot`, `sound` and `report`: the program reads the line, this package answers it."""
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+
+import pytest
+import soundfile
+
+from ra2d import program
+
+
+def ra2d(folder, *words, environment=None, shell=None):
+    command = ["/bin/sh", "-c", shell, str(program.find()), *words] if shell else [program.find(), *words]
+    return subprocess.run(command, cwd=folder, capture_output=True, text=True, env=os.environ | (environment or {}))
+
+
+@pytest.fixture
+def place(small, tmp_path):
+    shutil.copy(small.path, tmp_path / "out.h5")
+    return tmp_path
+
+
+@pytest.fixture(scope="session")
+def small(base, folder):
+    import ra2d as package
+    return package.run(base, {"output.probes": [0.15]}, duration=0.01, output=folder / "small.h5", show=False)
+
+
+def names(place):
+    return sorted(file.name for file in place.iterdir())
+
+
+def test_sound_of_a_run(place):
+    said = ra2d(place, "sound", "out.h5", "--slow", "2")
+    assert said.returncode == 0 and said.stderr == ""
+    assert "m/s" in said.stdout and "20 ms, 961 samples" in said.stdout and "out.wav.json" in said.stdout
+    assert soundfile.info(place / "out.wav").frames == 961
+    assert json.loads((place / "out.wav.json").read_text())["file"] == "out.wav"
+    before = (place / "out.wav").read_bytes()
+    assert ra2d(place, "sound", "out.h5", "--slow", "2", "--quiet").stdout == ""
+    assert (place / "out.wav").read_bytes() == before
+    assert ra2d(place, "sound", "out.h5", "--bits", "float", "-o", "f.WAV").returncode == 0
+    assert soundfile.info(place / "f.WAV").subtype == "FLOAT"
+    for wrong in (("--bits", "16", "-o", "x.flac"), ("--bits", "8"), ("-o", "x.mp3"), ("--probe", "2"), ("--rate", "1"),
+                  ("--full-scale", "1", "--normalize"), ("--probe", "99999999999999999999"), ("--to", "7")):
+        said = ra2d(place, "sound", "out.h5", *wrong)
+        assert said.returncode == 2 and said.stdout == "" and wrong[1] in said.stderr or wrong[0] in said.stderr
+    assert names(place) == ["f.WAV", "f.WAV.json", "out.h5", "out.wav", "out.wav.json"]
+
+
+def test_a_sound_that_cannot_be_written_leaves_nothing(place):
+    for name in ("noise.wav", "noise.flac"):
+        said = ra2d(place, "sound", "out.h5", "-o", name, "--slow", "100",
+                    shell='ulimit -f 8; trap "" XFSZ; exec "$0" "$@"')
+        assert said.returncode == 4 and "File too large" in said.stderr and name in said.stderr
+        assert names(place) == ["out.h5"]
+    (place / "noise.wav.json").mkdir()
+    assert ra2d(place, "sound", "out.h5", "-o", "noise.wav").returncode == 2
+    assert names(place) == ["noise.wav.json", "out.h5"]
+
+
+def test_no_output_is_the_result_itself(place):
+    shutil.copy(place / "out.h5", place / "x.wav")
+    shutil.copy(place / "out.h5", place / "y.wav.json")
+    for words in (("sound", "x.wav", "-o", "x.wav"), ("sound", "y.wav.json", "-o", "y.wav"),
+                  ("sound", "out.h5", "-o", "x.wav"), ("plot", "out.h5", "-o", "out.h5"),
+                  ("report", "out.h5", "-o", "out.h5")):
+        assert ra2d(place, *words).returncode == 2
+    assert len({(place / name).read_bytes() for name in names(place)}) == 1
+
+
+def test_a_damaged_result_is_refused_before_anything_is_drawn(place):
+    whole = bytearray((place / "out.h5").read_bytes())
+    for at in (len(whole) // 3, len(whole) // 2, len(whole) - 3):
+        flipped = whole.copy()
+        flipped[at] ^= 1
+        (place / "out.h5").write_bytes(flipped)
+        for command in ("plot", "sound", "report"):
+            said = ra2d(place, command, "out.h5")
+            assert said.returncode == 4 and "out.h5" in said.stderr and names(place) == ["out.h5"]
+
+
+def test_a_page(place):
+    said = ra2d(place, "report", "out.h5")
+    assert said.returncode == 0 and said.stderr == "" and "out.html" in said.stdout
+    assert (place / "out.html").read_text().startswith("<!DOCTYPE html>")
+
+
+def test_a_name_that_is_no_utf_8(place):
+    name = b"\xff\xfe$x^$.h5"
+    os.rename(place / "out.h5", os.fsencode(place) + b"/" + name)
+    for words in ((b"plot", name, b"-o", b"\xff.svg"), (b"sound", name, b"-o", b"\xff.wav"),
+                  (b"report", name, b"-o", b"\xff.html")):
+        said = subprocess.run([os.fsencode(program.find()), *words], cwd=place, capture_output=True)
+        assert said.returncode == 0, said.stderr
+    assert sorted(os.listdir(os.fsencode(place))) == [b"\xff.html", b"\xff.svg", b"\xff.wav", b"\xff.wav.json", name]
+
+
+@pytest.mark.parametrize("library, package", [("matplotlib", "python3-matplotlib"), ("soundfile", "python3-soundfile")])
+def test_without_a_library_nothing_is_left_but_the_cure(place, library, package):
+    (place / f"{library}.py").write_text("raise ImportError\n")
+    for command in ("plot", "sound", "report"):
+        said = ra2d(place, command, "out.h5", environment={"PYTHONPATH": str(place), "PYTHONDONTWRITEBYTECODE": "1"})
+        assert said.returncode == 4 and f"apt-get install {package}" in said.stderr
+        assert said.stderr.count("\n") == 1 and names(place) == sorted([f"{library}.py", "out.h5"])
+
+
+def test_files_of_the_current_folder_are_no_modules(place):
+    for name in ("numpy", "json", "ra2d"):
+        (place / f"{name}.py").write_text("raise RuntimeError('this file was imported')\n")
+    assert ra2d(place, "plot", "out.h5", "--what", "level").returncode == 0
+
+
+def test_without_python(place):
+    said = ra2d(place, "plot", "out.h5", environment={"PATH": str(place)})
+    # Debian's own is found all the same
+    assert said.returncode == (0 if pathlib.Path("/usr/bin/python3").exists() else 4)
