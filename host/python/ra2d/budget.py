@@ -22,7 +22,7 @@ from .errors import Notice, RequestError
 from .estimate import Estimate
 from .realisations import Face, of_scene
 from .scenes import Scene, scene
-from .statistics import half_interval
+from .student import half_interval
 from .studies import Study, study
 
 ASKED = "as asked"

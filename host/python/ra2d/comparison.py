@@ -20,7 +20,7 @@ from . import toml
 from .errors import RequestError
 from .results import Result, load
 from .scenes import UNITS, Scene, scene
-from .statistics import Values, for_all, mean_differs, means_differ
+from .student import Values, for_all, mean_differs, means_differ
 from .studies import Study, load_study
 from .style import quantity, unit_text
 
@@ -307,8 +307,8 @@ def _test_of_runs(a: _Run, b: _Run, one: Values, other: Values, paired: bool) ->
     if paired:
         both = one - other
         known = both[np.isfinite(both)]
-        if known.size >= FEWEST:
-            return mean_differs(known, max(a.widening, b.widening)), ""
+        if known.size >= FEWEST:  # differences of the parts are free of one another: 60 pairs gave 18 alarms of 420
+            return mean_differs(known), ""
     else:
         x, y = one[np.isfinite(one)], other[np.isfinite(other)]
         if min(x.size, y.size) >= FEWEST:

@@ -63,9 +63,10 @@ def _require_room(times: int, places: int) -> None:
                            f"than half of the memory, {room / 1e9:.3g} GB: ask for a shorter time, as slice(0, 0.1)")
 
 
-def _rows(values: list[list[float | None]], columns: int) -> npt.NDArray[np.float64]:
-    """A table with a row for each probe, also where there is none; None is NaN."""
-    return np.array(values, dtype=float).reshape(len(values), columns)
+def _rows(values: list[list[float | None]], rows: int, columns: int) -> npt.NDArray[np.float64]:
+    """A table with a row for each probe, also where there is none; None, and what is missing, is NaN."""
+    found = np.array(values, dtype=float)
+    return found.reshape(rows, columns) if found.size == rows * columns else np.full((rows, columns), math.nan)
 
 
 class Result:
@@ -171,9 +172,9 @@ class Result:
         lines = len(s["frequency"])
         return xr.Dataset(
             {"density": ("frequency", s["psd_mean"], {**velocity, "long_name": "density of the resonator's velocity"}),
-             "density_probe": (("position", "frequency"), _rows(s["psd_probe"], lines),
+             "density_probe": (("position", "frequency"), _rows(s["psd_probe"], len(found["probes"]), lines),
                                {**velocity, "long_name": "density of the velocity at the probes"}),
-             "density_slider_probe": (("slider_position", "frequency"), _rows(s["psd_slider_probe"], lines),
+             "density_slider_probe": (("slider_position", "frequency"), _rows(s["psd_slider_probe"], len(found["slider_probes"]), lines),
                                       {**velocity, "long_name": "density of the velocity at the slider's probes"}),
              "density_force": ("frequency", s["psd_force"], force)},
             {"frequency": ("frequency", s["frequency"], {"units": "Hz", "long_name": "frequency"}),
@@ -202,7 +203,7 @@ class Result:
                 "spread": ("frequency", np.array(b["spread"], dtype=float),
                            {"units": "dB", "long_name": "standard deviation over runs"}),
                 "above_last_mode": ("frequency", b["above_last_mode"]),
-                "level_probe": (("position", "frequency"), _rows(b["level_probe"], len(b["centre"])), decibels)}
+                "level_probe": (("position", "frequency"), _rows(b["level_probe"], len(found["probes"]), len(b["centre"])), decibels)}
         if "level_a" in b:
             data["level_a"] = ("frequency", b["level_a"], {"units": "dB", "long_name": "A-weighted level re 1 nm/s"})
         return xr.Dataset(
@@ -332,17 +333,23 @@ class Result:
 
     # ---- looking and listening ----------------------------------------------------------------------
 
-    def plot(self, what: str = "overview") -> Figure:
+    def plot(self, what: str = "overview", *, start: float | None = None, stop: float | None = None,
+             shock: int | None = None) -> Figure:
         """A picture as a matplotlib Figure: the whole page, or one panel of docs/pictures.md:
         "profiles", "force", "displacement", "spectrum", "probe-spectra", "shocks", "level",
-        "energy", "bands".
+        "energy", "bands", "spectrogram" (or "waterfall"), "shock".
+
+        - `start`, `stop` [s]: of this stretch of the run alone
+        - `shock`: which one is shown as "shock", by its number in `shocks`; the strongest without it
 
         >>> getfixture("result").plot("bands").axes[0].get_xlabel()
         'midband frequency [Hz]'
+        >>> getfixture("result").plot("force", start=0.2, stop=0.21).axes[0].get_xlabel()
+        'time after 200 ms [ms]'
         """
         from . import plots
 
-        return plots.result(self, what)
+        return plots.result(self, what, start=start, stop=stop, shock=shock)
 
     def listen(self, probe: int = 1, *, body: Body = "resonator", slow: float = 1, full_scale: float | None = None,
                normalize: bool = False, rate: int = 48000, start: float | None = None,

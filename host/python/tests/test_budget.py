@@ -10,7 +10,7 @@ import pytest
 import ra2d
 from ra2d import budget as budgets
 from ra2d import realisations
-from ra2d.statistics import student_factor
+from ra2d.student import student_factor
 
 
 @pytest.fixture(scope="module")

@@ -70,10 +70,10 @@ def test_ten_parts_give_the_programs_interval(result):
     """Of one run: the scatter of its parts, widened, is the program's interval of level and rate."""
     run = comparison._Run(result)
     _, parts = run.series(comparison._FIGURES[0].kind, comparison._FIGURES[0].of)
-    half = 10 / math.log(10) * run.widening * ra2d.statistics.half_interval(parts)
+    half = 10 / math.log(10) * run.widening * ra2d.student.half_interval(parts)
     assert half == pytest.approx(result.level - result.level.low, rel=0.02)
     _, parts = run.series(comparison._FIGURES[1].kind, comparison._FIGURES[1].of)
-    factor = math.exp(run.widening * ra2d.statistics.half_interval(parts))
+    factor = math.exp(run.widening * ra2d.student.half_interval(parts))
     assert result.shock_rate.high / result.shock_rate == pytest.approx(factor, rel=0.02)
 
 
@@ -100,7 +100,7 @@ def test_sets_are_paired_by_their_faces_in_any_order(sets):
     assert "4 pairs" in found.test and found.answers.differs["level"] and found.scene.index.tolist() == ["scene.speed"]
     levels = np.array([[float(one.level) for one in side] for side in sets.values()])
     assert found.answers.difference["level"] == pytest.approx((levels[1] - levels[0]).mean(), abs=1e-6)
-    assert found.answers.chance["level"] == pytest.approx(ra2d.statistics.mean_differs(levels[0] - levels[1]), rel=1e-6)
+    assert found.answers.chance["level"] == pytest.approx(ra2d.student.mean_differs(levels[0] - levels[1]), rel=1e-6)
     unlike = ra2d.compare(sets[0.1][:3], sets[0.1][1:])
     assert "Welch" in unlike.test and not unlike.answers.differs.any()
 
