@@ -86,8 +86,8 @@ def resample(samples: npt.ArrayLike, old: float, new: float) -> Array:
     ratio = Fraction(new / old).limit_denominator(MOST_PHASES)
     if ratio.numerator <= MOST_PHASES and abs(float(ratio) * old / new - 1) < 1e-14:
         made: Array = resample_poly(x, ratio.numerator, ratio.denominator, window=_filter(ratio.numerator, ratio))
-        made.resize(count, refcheck=False)  # zeros at the end, if any
-        return made
+        found: Array = np.pad(made, (0, max(0, count - made.size)))[:count]
+        return found
     finer = resample_poly(x, FINER, 1, window=_filter(FINER, Fraction(new / old).limit_denominator(10**6)))
     return _between_samples(finer, np.arange(count) * (FINER * old / new))
 

@@ -2,6 +2,7 @@
 """Pictures and pages: nothing overlaps, nothing is dropped, nothing comes from elsewhere."""
 import itertools
 import math
+import pathlib
 import re
 import warnings
 
