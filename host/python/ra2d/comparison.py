@@ -220,6 +220,8 @@ def _flat(content: Mapping[str, Any], above: str = "") -> dict[str, Any]:
 
 
 def _scene_table(a: Mapping[str, Any], b: Mapping[str, Any]) -> pd.DataFrame:
+    if not ("program" in a and "program" in b):  # of a scene it is not known
+        a, b = ({name: value for name, value in side.items() if name != "program"} for side in (a, b))
     one, other = _flat(a), _flat(b)
     keys = [key for key in dict.fromkeys([*one, *other]) if key != "scene.name" and one.get(key) != other.get(key)]
     rows = []
@@ -396,7 +398,7 @@ def _of_runs(a: Result, b: Result) -> tuple[pd.DataFrame, pd.DataFrame, str, lis
     notes = [] if same_faces else [
         "The faces differ, and each side is one pair of them: the test knows chance within these runs alone. Of runs that "
         "differ by their seeds alone it would mark a third of all quantities. Compare runs of several seeds on both "
-        "sides: ra2d.compare([a1, a2, ...], [b1, b2, ...])."]
+        "sides: two studies, or in Python ra2d.compare([a1, a2, ...], [b1, b2, ...])."]
     return _table(answers, "quantity"), _table(bands, "band"), test, notes
 
 
