@@ -44,20 +44,20 @@ int make_budget(BudgetRequest& request) {
     require_derived_output(request.csv, read);
   }
   say_doubts(make_model(scene).doubts, request.quiet);
-  Json asked{{"command", "uncertainty"},
-             {"quiet", request.quiet},
-             {"scene", path_text(request.scene)},
-             {"set", path_texts({request.overrides.begin(), request.overrides.end()})},
-             {"seeds", request.seeds},
-             {"threads", request.threads > 0 ? Json(request.threads) : Json()},
-             {"folder", path_text(request.folder)},
-             {"json", request.json},
-             {"show", shows_progress(request.quiet)}};
-  if (request.csv.empty()) return ask_python(asked);
+  Json budget{{"command", "uncertainty"},
+              {"quiet", request.quiet},
+              {"scene", path_text(request.scene)},
+              {"set", path_texts({request.overrides.begin(), request.overrides.end()})},
+              {"seeds", request.seeds},
+              {"threads", request.threads > 0 ? Json(request.threads) : Json()},
+              {"folder", path_text(request.folder)},
+              {"json", request.json},
+              {"show", shows_progress(request.quiet)}};
+  if (request.csv.empty()) return ask_python(budget);
   PartialFile csv(request.csv);
-  asked["made"] = path_text(request.csv);
-  asked["csv"] = path_text(csv.path());
-  const int status = ask_python(asked);
+  budget["made"] = path_text(request.csv);
+  budget["csv"] = path_text(csv.path());
+  const int status = ask_python(budget);
   if (status != exit_status::done) return status;
   csv.sync();
   csv.publish();
@@ -79,7 +79,8 @@ void add_uncertainty(CLI::App& app, ChosenCommand& chosen) {
                    "overrides one value of the scene, e.g. --set contact.stiffness=1e14; "
                    "repeatable")
       ->type_name("SECTION.KEY=VALUE")
-      ->allow_extra_args(false);
+      ->take_all()
+      ->expected(1);
   command
       ->add_option("--seeds", request.seeds,
                    "how many pairs of faces; of measured faces other stretches of the trace, its "

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 NO_SHOCKS = "there were no shocks: nothing touched"
 ENOUGH = 10         # samples, that show a shock's shape
 DURATIONS = 4       # of the shock, before and after it
+LONGEST = 1e-3      # s before and after it, or half of a longer shock
 LEAST_SAMPLES = 12  # before and after it
 MOST_PROBES = 6
 
@@ -36,7 +37,7 @@ def choose(shocks: pd.DataFrame, number: int | None) -> int:
 
 def _window(result: Result, shock: pd.Series[float]) -> slice:
     """Times around a shock [s]."""
-    more = max(DURATIONS * shock["duration"], LEAST_SAMPLES / result.rate)
+    more = max(min(DURATIONS * shock["duration"], LONGEST), shock["duration"] / 2, LEAST_SAMPLES / result.rate)
     return slice(shock["start"] - more, shock["start"] + shock["duration"] + more)
 
 
