@@ -18,7 +18,7 @@ import pandas as pd
 
 from . import toml
 from .errors import RequestError
-from .results import Result, load
+from .results import Body, Result, load
 from .scenes import UNITS, Scene, scene
 from .student import Values, for_all, mean_differs, means_differ
 from .studies import Study, load_study
@@ -232,9 +232,29 @@ def _scene_table(a: Mapping[str, Any], b: Mapping[str, Any]) -> pd.DataFrame:
     return pd.DataFrame(rows, index=pd.Index(keys, name="key", dtype=object), columns=["a", "b", "unit"], dtype=object)
 
 
-def _faces(content: Mapping[str, Any]) -> str:
-    """The faces as text, to know whether two runs have the same ones."""
-    return repr([sorted(content.get(body, {}).get("surface", {}).items()) for body in ("resonator", "slider")])
+def _face(result: Result, body: Body) -> str:
+    """A face as text: of a measured one its heights, whatever its file is called."""
+    surface = result.scene.content().get(body, {}).get("surface", {})
+    if surface.get("kind") != "file":
+        return repr(sorted(surface.items()))
+    face = result.profile(body).load()
+    places = np.linspace(0, float(face.position[-1]), 1001)
+    return repr(np.round(np.interp(places, face.position.values, face.values), 12).tolist())
+
+
+def _faces(result: Result) -> str:
+    """Both faces as text, to know whether two runs have the same ones."""
+    return f"{_face(result, 'resonator')} {_face(result, 'slider')}"
+
+
+def _changed_profiles(a: Result, b: Result) -> list[str]:
+    """Profiles of one name whose content is another by now."""
+    contents = [result.scene.content() for result in (a, b)]
+    bodies: tuple[Body, Body] = ("resonator", "slider")
+    return [f"{body}.surface: the name is the same, the measured profile is not." for body in bodies
+            if contents[0].get(body, {}).get("surface", {}).get("path") is not None
+            and contents[0][body]["surface"] == contents[1].get(body, {}).get("surface")
+            and a.profile(body).sizes == b.profile(body).sizes and _face(a, body) != _face(b, body)]
 
 
 def _way(result: Result, found: Mapping[str, Any]) -> tuple[float, ...]:
@@ -368,7 +388,7 @@ def _shared_bands(sides: Sequence[Mapping[str, Any]]) -> list[tuple[str, float]]
 
 def _of_runs(a: Result, b: Result) -> tuple[pd.DataFrame, pd.DataFrame, str, list[str]]:
     one, other = _Run(a), _Run(b)
-    same_faces = _faces(a.scene.content()) == _faces(b.scene.content())
+    same_faces = _faces(a) == _faces(b)
     paired = same_faces and np.allclose(_way(a, one.whole), _way(b, other.whole), rtol=1e-9, atol=1e-12)
 
     def compare(unit: str, kind: str, of: Callable[[Mapping[str, Any]], Any]) -> dict[str, Any]:
@@ -395,7 +415,7 @@ def _of_runs(a: Result, b: Result) -> tuple[pd.DataFrame, pd.DataFrame, str, lis
             + ("in pairs: the same asperities meet in both" if paired else "Welch's for two runs")
             + ". Of twenty quantities that do not differ it marks one, and in one of twenty comparisons any of the "
               "third octaves (Holm).")
-    notes = [] if same_faces else [
+    notes = [] if same_faces else _changed_profiles(a, b) + [
         "The faces differ, and each side is one pair of them: the test knows chance within these runs alone. Of runs that "
         "differ by their seeds alone it would mark a third of all quantities. Compare runs of several seeds on both "
         "sides: two studies, or in Python ra2d.compare([a1, a2, ...], [b1, b2, ...])."]
@@ -444,10 +464,10 @@ def _logs(values: Sequence[float | None]) -> Values:
 
 
 def _of_sets(a: Sequence[Result], b: Sequence[Result]) -> tuple[pd.DataFrame, pd.DataFrame, str, list[str]]:
-    by_faces = [{_faces(result.scene.content()): result for result in side} for side in (a, b)]
+    by_faces = [{_faces(result): result for result in side} for side in (a, b)]
     paired = len(by_faces[0]) == len(a) == len(b) and set(by_faces[0]) == set(by_faces[1])
     sides = [[result.analysis() for result in side] for side in
-             ((list(a), [by_faces[1][_faces(result.scene.content())] for result in a]) if paired else (a, b))]
+             ((list(a), [by_faces[1][_faces(result)] for result in a]) if paired else (a, b))]
     to_db = 10 / math.log(10)
 
     def compare(unit: str, of: Callable[[Mapping[str, Any]], Any], offset: float = 180.0) -> dict[str, Any]:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from . import program
+from . import files, program
 from .errors import Error, RequestError
 from .scenes import Scene
 from .surface import MEASURED, Surface, array
@@ -145,9 +145,8 @@ class _Measured:
     first: float    # m, where the stretch begins that is touched
     width: float    # m, its length
 
-    def variants(self, count: int, folder: pathlib.Path) -> list[Face]:
+    def variants(self, heights: Heights, count: int, folder: pathlib.Path) -> list[Face]:
         """The face as it is and `count` - 1 others, each with its file."""
-        heights = np.asarray(self.face.heights(self.length, self.spacing).values)
         found = [self._written(AS_MEASURED, heights, folder)]
         trace = _whole_trace(self.face, self.spacing)
         for shift in (offsets((trace.size - 1) * self.spacing, self.first, self.width) if trace is not None else []):
@@ -196,13 +195,17 @@ def of_scene(what: Scene, complete: Mapping[str, Any], count: int, folder: pathl
             by_body.append([Face(f"seed {face['seed'] + NEXT_SEED * k}", f"{body}.surface.seed",
                                  face["seed"] + NEXT_SEED * k) for k in range(count)])
         elif is_measured(face):
-            folder.mkdir(parents=True, exist_ok=True)
-            faces = _measured(complete, body).variants(count, folder)
+            measured = _measured(complete, body)
+            heights = np.asarray(measured.face.heights(measured.length, measured.spacing).values)
+            if np.ptp(heights) == 0:  # as flat as a face that is not measured
+                continue
+            files.make_folder(folder)
+            faces = measured.variants(heights, count, folder)
             what = what.change({f"{body}.surface": {"kind": "file", "path": faces[0].value}})
             by_body.append(faces)
     if not by_body:
-        raise RequestError("chance is seen in runs of other faces, and neither face of this scene is random or "
-                           "measured. Describe one by its roughness, as {'slider.surface': "
+        raise RequestError("chance is seen in runs of other faces, and neither face of this scene is random, or "
+                           "measured and rough. Describe one by its roughness, as {'slider.surface': "
                            "ra2d.surface.gaussian(rq=..., rsm=..., seed=1)}, or take a measured one. Or let the slider "
                            "start elsewhere: ra2d.study(scene, {'start': [0.05, 0.06, 0.07]}) shows the scatter over "
                            "parts of one face")

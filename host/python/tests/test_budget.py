@@ -213,6 +213,15 @@ def test_wrong_requests(base, folder):
     smooth = base.change({"resonator.surface": {"kind": "flat"}, "slider.surface": {"kind": "flat"}}, duration=0.01)
     with pytest.raises(ra2d.RequestError, match="neither face of this scene is random.*gaussian.*'start'"):
         ra2d.uncertainty(smooth, seeds=2, folder=folder / "smooth", show=False)
+    level = ra2d.surface.array(np.zeros(20_000), 2e-6, folder / "level.csv")
+    with pytest.raises(ra2d.RequestError, match="measured and rough"):
+        ra2d.uncertainty(smooth.change({"slider.surface": level}), seeds=2, folder=folder / "smooth", show=False)
+    rough = ra2d.surface.array(1e-6 * np.sin(np.arange(20_000) / 90), 2e-6, folder / "rough.csv")
+    (folder / "taken").mkdir()
+    (folder / "taken" / "faces").write_text("a file")
+    for place in (folder / "taken", "/proc/budget"):
+        with pytest.raises(ra2d.FileError, match="cannot make the folder"):
+            ra2d.uncertainty(smooth.change({"slider.surface": rough}), seeds=2, folder=place, show=False)
     assert not (folder / "smooth.toml").exists() and not (folder / "smooth").exists()
     with pytest.raises(ra2d.FileError, match="there is no folder"):
         ra2d.uncertainty(base, folder=folder / "no" / "budget")

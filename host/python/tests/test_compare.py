@@ -89,6 +89,21 @@ def test_other_faces_are_told_and_not_taken_in_pairs(result, base, folder):
     assert "but the faces differ" in far.text() and not (far.bands.differs == True).any()  # noqa: E712
 
 
+def test_measured_faces_are_known_by_their_heights(base, folder):
+    """Not by their names: the same name may mean another profile by now, another name the same one."""
+    x = np.arange(15_000)
+
+    def ran(name, profile, height):
+        face = ra2d.surface.array(height * np.sin(x / 90), 2e-6, folder / profile)
+        return ra2d.run(base, {"slider.surface": face}, duration=0.01, output=folder / name, show=False)
+
+    one, copy = ran("m1.h5", "one.csv", 2e-6), ran("m2.h5", "two.csv", 2e-6)
+    assert ra2d.compare(one, copy).notes == [] and "in pairs" in ra2d.compare(one, copy).test
+    changed = ra2d.compare(one, ran("m3.h5", "one.csv", 3e-6))
+    assert changed.notes[0] == "slider.surface: the name is the same, the measured profile is not."
+    assert "Welch" in changed.test
+
+
 @pytest.fixture(scope="module")
 def sets(base, folder):
     return {v: [ra2d.run(base, {"slider.surface.seed": k}, speed=v, duration=0.05, output=folder / f"set-{v}-{k}.h5",
