@@ -44,7 +44,7 @@ class Budget:
       realisations, each with the interval of the whole
     - `table`: a row for each source. `chance`: half of the 95 % interval of the mean over the
       realisations. The others: by how much the mean moves when the source is changed as the row
-      says, and 95 % of chance in that (`_chance`). Level in dB; rate and duration in hundredths of
+      says, and 95 % of chance in that (`_chance`); both with twice the step where that is stable. Level in dB; rate and duration in hundredths of
       the natural logarithm: small ones are per cent, -42 is a factor of exp(-0.42) = 0.66
     - `realisations`: a row for each pair of faces: the `kind` of either face, and
       `distribution_error`, of surrogates: by how much their sorted heights are off, as a share of Rq
@@ -236,13 +236,22 @@ def _cases(what: Scene, complete: Mapping[str, Any]) -> dict[str, tuple[str, dic
     return cases
 
 
+def _reference(source: str, cases: Mapping[str, tuple[str, Any]]) -> str:
+    """The runs that a source's own are compared with. Where twice the step is stable, both take it: their
+    difference hardly feels the step, and costs half."""
+    return "step" if source != "step" and cases.get("step", ("",))[0] == "twice" else ASKED
+
+
 def _run(what: Scene, cases: Mapping[str, tuple[str, dict[str, Any]]], faces: list[list[Face]], **options: Any
          ) -> Study:
     """All runs in one study. The scene's name tells them apart."""
     complete = what.complete()
     keys = list(dict.fromkeys(key for _, changed in cases.values() for key in changed))
     asked = {key: complete[key.split(".")[0]].get(key.split(".")[1], 1e-8) for key in keys}
-    sources: dict[str, dict[str, Any]] = {ASKED: {}, **{name: changed for name, (_, changed) in cases.items()}}
+    sources: dict[str, dict[str, Any]] = {ASKED: {}}
+    for name, (_, changed) in cases.items():
+        reference = _reference(name, cases)
+        sources[name] = changed if reference == ASKED else {**cases[reference][1], **changed}
     values = []
     for source, changed in sources.items():
         for number, pair in enumerate(faces if source == ASKED else faces[:PAIRED], 1):
@@ -340,8 +349,9 @@ def _of_runs(runs: pd.DataFrame, cases: Mapping[str, tuple[str, dict[str, Any]]]
         by_case = {case: _by_realisation(runs, case, name) for case in (ASKED, *cases)}
         if by_ratio:
             by_case = {case: _logarithms(values) for case, values in by_case.items()}
-        base, percent = by_case.pop(ASKED), 100.0 if by_ratio else 1.0
-        shifts = {case: _finite(values - base.reindex(values.index)) for case, values in by_case.items()}
+        base, percent = by_case[ASKED], 100.0 if by_ratio else 1.0
+        shifts = {case: _finite(by_case[case] - by_case[_reference(case, cases)].reindex(by_case[case].index))
+                  for case in cases}
         known = _finite(base)
         moved = {case: percent * float(shift.mean()) if shift.size else math.nan for case, shift in shifts.items()}
         table[name] = pd.Series({CHANCE: percent * half_interval(known), **moved}, dtype=float)

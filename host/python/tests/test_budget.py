@@ -82,6 +82,19 @@ def test_the_other_step_is_twice_where_it_is_stable():
     assert budgets._other_step(samples, 1e-5)[0] == "half"  # fewer steps than samples are refused
 
 
+def test_sources_are_seen_at_twice_the_step(folder):
+    """Runs with fixed steps: each source against the runs at twice the step, the step against the scene's own."""
+    fixed = ra2d.scene("dang2012").change(scheme="backward-euler", step=1e-7, duration=0.005, rate=1e4)
+    found = ra2d.uncertainty(fixed, seeds=3, folder=folder / "fixed", show=False)
+    assert found.table["changed to"].to_dict() == {"chance": "3 realisations", "step": "twice", "spacing": "half",
+                                                   "modes": "half as many more", "stiffness": "twice"}
+    by = found.runs.set_index(["source", "realisation"]).level
+    assert found.table.level["step"] == pytest.approx((by["step"] - by["as asked"]).mean())
+    assert found.table.level["spacing"] == pytest.approx((by["spacing"] - by["step"]).mean())
+    one = ra2d.run(fixed, {"contact.stiffness": 2e15, "time.step": 2e-7}, output=folder / "stiff.h5", show=False)
+    assert by["stiffness", 1] == pytest.approx(one.level, abs=1e-9)
+
+
 def test_the_largest_step_is_what_the_plan_says():
     """Contact of one node on its spring, k = 2 pi f: no step beyond a period, none below a thousandth of it."""
     assert 0 < budgets._largest_step(ra2d.scene("dang2012").plan()) < 1e-4
