@@ -9,15 +9,18 @@ LIBRARIES = ("numpy", "h5py", "xarray", "pandas", "scipy", "matplotlib", "jinja2
 LIBRARY_MISSING = 9  # exit status
 
 
-def missing() -> list[str]:
-    """The libraries that cannot be imported."""
+def library_missing() -> int:
+    """Prints the libraries that cannot be imported; returns the exit status that says so."""
     found = []
     for name in LIBRARIES:
         try:
             importlib.import_module(name)
         except Exception:  # or it is there, and broken
             found.append(name)
-    return found
+    if not found:
+        raise  # noqa: PLE0704: the fault that is being handled
+    print(*found, sep="\n")
+    return LIBRARY_MISSING
 
 
 def main() -> int:
@@ -26,10 +29,7 @@ def main() -> int:
     try:
         commands = importlib.import_module("ra2d.commands")
     except ImportError:
-        if not (names := missing()):
-            raise
-        print(*names, sep="\n")
-        return LIBRARY_MISSING
+        return library_missing()
     except Exception as fault:  # a library that is broken
         print(f"ra2d: the Python package does not start: {type(fault).__name__}: {fault}", file=sys.stderr)
         return 4

@@ -13,6 +13,7 @@ from collections.abc import Callable
 from typing import Any, TextIO
 
 from . import budget, charts, compare_plot, comparison, page, plots, profile_plot, sound, study_plot, toml
+from .__main__ import library_missing
 from .errors import BY_STATUS, Error, FileError, Notice, RequestError
 from .results import load
 from .scenes import Scene
@@ -50,7 +51,7 @@ def plot(request: Request) -> str:
 def report(request: Request) -> str:
     """A page into the file `output`."""
     files = [_path(text) for text in request["files"]]
-    command = os.fspath(_path(request["line"]))
+    command = os.fsdecode(request["line"].encode("latin-1"))
     made = page.study_text(load_study(files[0]), command) if request["subject"] == "study" else \
         page.results_text([load(file) for file in files], command)
     _write(_path(request["output"]), made.encode("utf-8", "replace"))
@@ -136,6 +137,8 @@ def main(requests: TextIO) -> int:
     except Error as fault:
         _say(fault if isinstance(fault, RequestError) else f"{made} was not made: {fault}")
         return _status(fault)
+    except ImportError:
+        return library_missing()
     except KeyboardInterrupt:
         return 130
     except MemoryError:

@@ -403,7 +403,8 @@ KINDS = [("duration", "s", "duration"), ("peak_force", "N", "peak force"), ("imp
          ("interval", "s", "time from start to start")]
 
 
-def _draw_histogram(axes: Any, shocks: dict[str, Any], key: str, unit_name: str, what: str) -> None:
+def draw_histogram(axes: Any, shocks: dict[str, Any], key: str, unit_name: str, what: str) -> None:
+    """Shares of the shocks in bins of equal ratio, with the median and what nine of ten do not exceed."""
     found, spread = shocks["histograms"][key], shocks[key]
     edges, counts = np.array(found["edges"], dtype=float), np.array(found["counts"], dtype=float)
     if not counts.size:
@@ -436,7 +437,7 @@ def _shocks(figure: Any, result: Result, alone: bool) -> None:
         return
     kinds = KINDS if alone else KINDS[:2]
     for axes, kind in zip(figure.subplots(len(kinds) // 2, 2, squeeze=False).flat, kinds):
-        _draw_histogram(axes, shocks, *kind)
+        draw_histogram(axes, shocks, *kind)
     begin = 0 if isinstance(result, Stretch) else result.analysis()["from"]
     figure.axes[0].set_title(f"{shocks['count']} shock{'s' if shocks['count'] != 1 else ''}"
                              + (f" from {quantity(begin, 's')} on" if begin else "")
@@ -503,25 +504,23 @@ def views() -> list[str]:
     return ["overview", *PANELS, *SAME, SHOCK]
 
 
-def result(of: Result, what: str = "overview", for_page: bool = False, start: float | None = None,
-           stop: float | None = None, shock: int | None = None) -> Picture:
-    """The picture of a result: "overview", or one panel; for a page small, without a head. `start`,
-    `stop` [s]: of a stretch alone; `shock`: which one is shown as "shock", the strongest without it."""
+def result(of: Result, what: str = "overview", start: float | None = None, stop: float | None = None,
+           shock: int | None = None) -> Picture:
+    """The picture of a result: "overview", or one panel. `start`, `stop` [s]: of a stretch alone;
+    `shock`: which one is shown as "shock", the strongest without it."""
     what = SAME.get(what, what)
     if what not in views():
         raise RequestError(f"there is no picture {what!r}. There are: {', '.join(views())}")
     if shock is not None and what != SHOCK:
         raise RequestError(f"a shock is chosen for the picture 'shock', not for {what!r}")
     of = stretch.of(of, start, stop)
-    lines = [] if for_page else _head(of)
+    lines = _head(of)
     with matplotlib.rc_context(style.RC):
         if what == SHOCK:
             return shock_plot.picture(of, shock, lines)
         if what != "overview":
-            figure, body = style.page(*((6.6, 3.6) if for_page else (10, PANELS[what][1])), lines)
-            _draw(what, body, of, not for_page)
-            if for_page:
-                style.wrap_titles(figure)
+            figure, body = style.page(10, PANELS[what][1], lines)
+            _draw(what, body, of, True)
             return figure
         figure, body = style.page(11, 14, lines)
         rows = body.subfigures(4, 1, height_ratios=[1.45, 1, 1.05, 1])

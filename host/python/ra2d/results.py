@@ -6,6 +6,7 @@ import html
 import math
 import os
 import pathlib
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
     from .sound import Sound
 
 Body = Literal["resonator", "slider"]
-BODIES = ("resonator", "slider")
+BODIES: tuple[Body, ...] = ("resonator", "slider")
 MOTIONS = ("displacement", "velocity")
 FORMATS = (2,)  # of the file, that this package reads
 
@@ -64,9 +65,8 @@ def _require_room(times: int, places: int) -> None:
 
 
 def _rows(values: list[list[float | None]], rows: int, columns: int) -> npt.NDArray[np.float64]:
-    """A table with a row for each probe, also where there is none; None, and what is missing, is NaN."""
-    found = np.array(values, dtype=float)
-    return found.reshape(rows, columns) if found.size == rows * columns else np.full((rows, columns), math.nan)
+    """A table with a row for each probe, also where there is none, or nothing of them; None is NaN."""
+    return np.array(values, dtype=float).reshape(rows, columns)
 
 
 class Result:
@@ -174,7 +174,8 @@ class Result:
             {"density": ("frequency", s["psd_mean"], {**velocity, "long_name": "density of the resonator's velocity"}),
              "density_probe": (("position", "frequency"), _rows(s["psd_probe"], len(found["probes"]), lines),
                                {**velocity, "long_name": "density of the velocity at the probes"}),
-             "density_slider_probe": (("slider_position", "frequency"), _rows(s["psd_slider_probe"], len(found["slider_probes"]), lines),
+             "density_slider_probe": (("slider_position", "frequency"), _rows(s["psd_slider_probe"],
+                                                                              len(found["slider_probes"]), lines),
                                       {**velocity, "long_name": "density of the velocity at the slider's probes"}),
              "density_force": ("frequency", s["psd_force"], force)},
             {"frequency": ("frequency", s["frequency"], {"units": "Hz", "long_name": "frequency"}),
@@ -203,7 +204,8 @@ class Result:
                 "spread": ("frequency", np.array(b["spread"], dtype=float),
                            {"units": "dB", "long_name": "standard deviation over runs"}),
                 "above_last_mode": ("frequency", b["above_last_mode"]),
-                "level_probe": (("position", "frequency"), _rows(b["level_probe"], len(found["probes"]), len(b["centre"])), decibels)}
+                "level_probe": (("position", "frequency"), _rows(
+                    b["level_probe"], len(found["probes"]), len(b["centre"])), decibels)}
         if "level_a" in b:
             data["level_a"] = ("frequency", b["level_a"], {"units": "dB", "long_name": "A-weighted level re 1 nm/s"})
         return xr.Dataset(
@@ -320,6 +322,15 @@ class Result:
         dims = {"position": ("position",), "height": ("position",)}
         return self._file.read(f"surface/{_one_of('body', body, BODIES)}", dims)["height"]
 
+    def height_hash(self, body: Body = "resonator") -> str:
+        """The `xxh3_128` of a face's heights, by which a profile is recognised.
+
+        >>> len(getfixture("result").height_hash("slider"))
+        32
+        """
+        with self._file.opened() as file:
+            return str(file[f"surface/{_one_of('body', body, BODIES)}/height"].attrs["xxh3_128"])
+
     # ---- what it was --------------------------------------------------------------------------------
 
     @property
@@ -376,7 +387,7 @@ class Result:
         """
         from . import page
 
-        return page.of_result(self, pathlib.Path(path or self.path.with_suffix(".html")))
+        return page.of_results([self], pathlib.Path(path or self.path.with_suffix(".html")))
 
     def _headline(self) -> str:
         lv = self.summary.get("lv")
@@ -449,3 +460,19 @@ def load(path: str | os.PathLike[str]) -> Result:
     if path.is_dir():
         raise RequestError(f"{str(path)!r} is a folder: ra2d.load_study reads a study")
     return Result(path)
+
+
+def report(results: Result | Sequence[Result], path: str | os.PathLike[str]) -> pathlib.Path:
+    """Writes one page of several results side by side, with their means. Returns where it is.
+
+    >>> import ra2d
+    >>> slow, fast = [ra2d.run("dang2012", speed=v, duration=0.02, tolerance=1e-6) for v in (0.1, 0.2)]
+    >>> ra2d.report([slow, fast], "speeds.html").name
+    'speeds.html'
+    """
+    from . import page
+
+    several = [results] if isinstance(results, Result) else list(results)
+    if not all(isinstance(result, Result) for result in several):
+        raise RequestError("a page takes one or more results of ra2d.run or ra2d.load")
+    return page.of_results(several, pathlib.Path(path))

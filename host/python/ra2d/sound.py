@@ -16,9 +16,6 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 import numpy.typing as npt
 import soundfile
-from scipy.interpolate import make_interp_spline
-from scipy.io import wavfile
-from scipy.signal import firwin, kaiser_beta, resample_poly
 
 from . import files, program
 from .errors import FileError, RequestError
@@ -48,6 +45,8 @@ _BITS: dict[str, int] = {"wav-16": 16, "wav-24": 24, "wav-32": 32, "flac-24": 24
 def _filter(up: int, ratio: Fraction) -> Array:
     """A low pass of linear phase at `up` times the old rate, for a new rate of `ratio` old ones.
     Kaiser's window: its error is that of the stop band on both sides."""
+    from scipy.signal import firwin, kaiser_beta  # half a second, which pictures do without
+
     middle, width = (PASSED + STOPPED) / 2, (STOPPED - PASSED) * math.pi
     half = math.ceil((STOP_BAND - 7.95) / (2.285 * width) / 2)  # samples of the lower rate on either side
     lower = float(up / min(ratio, Fraction(1)))
@@ -58,6 +57,8 @@ def _filter(up: int, ratio: Fraction) -> Array:
 def _between_samples(finer: Array, at: Array) -> Array:
     """Values at places that are counted in samples, by splines of degree 7. Of samples at eight times
     the rate they are off by 1e-9. In blocks: far samples do not matter."""
+    from scipy.interpolate import make_interp_spline
+
     found = np.empty(at.size)
     for begin in range(0, at.size, SPLINE_BLOCK):
         part = slice(begin, begin + SPLINE_BLOCK)
@@ -76,6 +77,8 @@ def resample(samples: npt.ArrayLike, old: float, new: float) -> Array:
     >>> bool(abs(y[12000] - np.sin(2 * np.pi * 440 * 12000 / 48000)) < 1e-6)
     True
     """
+    from scipy.signal import resample_poly
+
     x = np.asarray(samples, dtype=float)
     if not (old <= LARGEST_RATIO * new and new <= LARGEST_RATIO * old):
         raise RequestError(f"samples of {old:g} Hz cannot become a sound of {new:g} Hz: the rates differ by more than "
@@ -144,6 +147,8 @@ class Sound:
         """
         out = io.BytesIO()
         if encoding == "wav-float":  # not libsndfile's: it writes the time of day into such files
+            from scipy.io import wavfile
+
             wavfile.write(out, self.rate, self.samples.astype(np.float32))
             return out.getvalue()
         bits = _BITS[encoding]

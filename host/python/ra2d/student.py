@@ -7,7 +7,6 @@ from collections.abc import Mapping
 
 import numpy as np
 import numpy.typing as npt
-from scipy import special
 
 Values = npt.NDArray[np.float64]
 
@@ -18,7 +17,9 @@ def chance_beyond(t: float, freedom: float) -> float:
     >>> round(chance_beyond(2.776445, 4), 6)
     0.05
     """
-    return float(2 * special.stdtr(freedom, -abs(t)))
+    from scipy.special import stdtr  # pictures do without scipy, and do not wait for it
+
+    return float(2 * stdtr(freedom, -abs(t)))
 
 
 def student_factor(freedom: float, share: float = 0.95) -> float:
@@ -27,7 +28,9 @@ def student_factor(freedom: float, share: float = 0.95) -> float:
     >>> round(student_factor(4), 4)
     2.7764
     """
-    return float(special.stdtrit(freedom, (1 + share) / 2))
+    from scipy.special import stdtrit
+
+    return float(stdtrit(freedom, (1 + share) / 2))
 
 
 def half_interval(values: Values) -> float:

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 _MARK = "# Written by ra2d.study, which replaces it.\n"
 _VARIABLES = ("level", "v_rms", "shock_rate", "shock_duration_median", "peak_force_median", "contact_share",
               "energy_closure", "wall_seconds", "status", "message", "file")
+_ENDS = ("", "_low", "_high")  # of a mean: itself and its interval
 _INTERVALS = {"level": ("lv", "dB re 1 nm/s"), "v_rms": ("v_rms", "m/s"), "shock_rate": ("shock_rate", "1/s")}
 
 
@@ -86,11 +87,12 @@ class Study(xr.Dataset):  # type: ignore[no-untyped-call]
     __slots__ = ("_folder", "_answer")
 
     @classmethod
-    def _of(cls, folder: pathlib.Path) -> Study:
-        """Reads the table, and asks the program for means and law."""
-        table = _table(folder / "results.h5")
+    def _of(cls, place: pathlib.Path) -> Study:
+        """Reads the table, by its folder or itself, and asks the program for means and law."""
+        table = _table(place / "results.h5" if place.is_dir() else place)
         made = cls(table.data_vars, table.coords, table.attrs)
-        made._folder, made._answer = folder, program.ask("analyze", folder)
+        made._folder = place if place.is_dir() else place.parent
+        made._answer = program.ask("analyze", place)
         return made
 
     def _whole(self) -> dict[str, Any]:
@@ -140,7 +142,8 @@ class Study(xr.Dataset):  # type: ignore[no-untyped-call]
                 row |= {name: _number(found.get("mean")), f"{name}_low": _number(found.get("low")),
                         f"{name}_high": _number(found.get("high"))}
             rows.append(row)
-        table = pd.DataFrame(rows)
+        figures = [name + end for name in _INTERVALS for end in _ENDS]
+        table = pd.DataFrame(rows, columns=[*names, "runs", *figures]).astype(dict.fromkeys(figures, float))
         table.attrs["units"] = {name: unit for name, (_, unit) in _INTERVALS.items()}
         return table.set_index(names) if names else table
 
@@ -182,14 +185,14 @@ def _table(path: pathlib.Path) -> xr.Dataset:
 
 
 def load_study(folder: str | os.PathLike[str]) -> Study:
-    """A study that has been run, by its folder.
+    """A study that has been run, by its folder or its table.
 
     >>> import ra2d
     >>> ra2d.load_study("small").sizes["seed"]
     2
     """
     path = pathlib.Path(folder)
-    if not (path / "results.h5").is_file():
+    if not (path / "results.h5").is_file() and not path.is_file():
         raise RequestError(f"{str(folder)!r} is no folder of a study: it holds no results.h5")
     return Study._of(path.resolve())
 

@@ -18,6 +18,7 @@ from .style import BLACK, DECIBEL, GREY, MARKS, Picture, literal, scale
 if TYPE_CHECKING:
     from .studies import Law, Study
 
+FULL_WIDTH = 5.6   # inches of a panel
 MOST_MARKS = 8
 MOST_COLOURS = 12  # above them the legend names every other one
 
@@ -26,7 +27,7 @@ def _is_number(values: Any) -> bool:
     return bool(np.issubdtype(np.asarray(values).dtype, np.number))
 
 
-def _words(values: list[Any], unit: str) -> tuple[list[str], str]:
+def words(values: list[Any], unit: str) -> tuple[list[str], str]:
     """Values as an axis shows them, with the prefix that suits the largest, and the unit."""
     if not _is_number(values):
         return [literal(str(value)[:18]) for value in values], ""
@@ -48,6 +49,8 @@ def _colours(count: int) -> list[Any]:
 class _Panel:
     """The level against one key. The key with the most values among the others has the colours;
     combinations of what is left have the marks."""
+
+    apart = 0.07  # of the axis, that labels of numbers stand at least
 
     def __init__(self, axes: Any, study: Study, means: pd.DataFrame, law: Law | None, name: str,
                  names: list[str]) -> None:
@@ -104,28 +107,31 @@ class _Panel:
         if self.log:
             axes.set_xscale("log")
         shown = self._ticks()
-        words, unit = _words([value for value, _ in shown], self.unit(self.name))
+        labels, unit = words([value for value, _ in shown], self.unit(self.name))
         axes.xaxis.set_major_locator(FixedLocator([at for _, at in shown]))
         axes.xaxis.set_minor_locator(NullLocator())
         axes.xaxis.set_minor_formatter(NullFormatter())
-        turned = sum(map(len, words)) > 48
-        axes.set_xticklabels(words, rotation=40 if turned else 0, ha="right" if turned else "center")
+        turned = sum(map(len, labels)) > 48
+        axes.set_xticklabels(labels, rotation=40 if turned else 0, ha="right" if turned else "center")
         axes.set_xlabel(_axis_name(self.name, unit))
         axes.set_ylabel(f"level [{DECIBEL}]")
-        axes.margins(x=0.06)
+        places = np.array(list(self.place.values()))  # also those without a run
+        room = 0.06 * np.ptp(np.log(places) if self.log else places) if self.numeric else 0.5
+        low, high = places.min(), places.max()
+        axes.set_xlim(*((low / np.exp(room), high * np.exp(room)) if self.log else (low - room, high + room)))
         handles = []
         if self.colour:
-            words, unit = _words(by_colour, self.unit(self.colour))
-            step = math.ceil(len(words) / MOST_COLOURS)
+            shades, unit = words(by_colour, self.unit(self.colour))
+            step = math.ceil(len(shades) / MOST_COLOURS)
             handles += [Line2D([], [], ls="none", label=_axis_name(self.colour, unit))]
             handles += [Line2D([], [], color=colour, lw=3, label=word)
-                        for colour, word in list(zip(colours, words))[::-step]]
+                        for colour, word in list(zip(colours, shades))[::-step]]
         if self.marked:
-            columns = [_words(list(values), self.unit(key)) for key, values in zip(self.marked, zip(*by_mark))]
+            columns = [words(list(values), self.unit(key)) for key, values in zip(self.marked, zip(*by_mark))]
             names = ", ".join(_axis_name(key, unit) for key, (_, unit) in zip(self.marked, columns))
             handles += [Line2D([], [], ls="none", label=names)]
-            handles += [Line2D([], [], color=GREY, marker=MARKS[j % MOST_MARKS], ls="none", label=", ".join(words))
-                        for j, words in enumerate(zip(*(words for words, _ in columns)))]
+            handles += [Line2D([], [], color=GREY, marker=MARKS[j % MOST_MARKS], ls="none", label=", ".join(texts))
+                        for j, texts in enumerate(zip(*(texts for texts, _ in columns)))]
         if handles:
             axes.legend(handles=handles, loc="upper left", bbox_to_anchor=(1.01, 1), borderaxespad=0, frameon=False,
                         fontsize=8, handlelength=1.2)
@@ -140,7 +146,7 @@ class _Panel:
         span = across(order[-1][1]) - across(order[0][1]) or 1.0
         shown = order[:1]
         for pair in order[1:]:
-            if across(pair[1]) - across(shown[-1][1]) > 0.065 * span:
+            if across(pair[1]) - across(shown[-1][1]) > self.apart * span:
                 shown.append(pair)
         return shown
 
@@ -163,31 +169,51 @@ def _head(study: Study, law: Law | None, why_no_law: str) -> list[tuple[str, flo
     return lines
 
 
-def picture(study: Study, for_page: bool = False) -> Picture:
-    """A panel for each key with two values or more; for a page below one another, without a head."""
+def varied(study: Study) -> list[str]:
+    """The keys with two values or more."""
+    return [name for name in str(study.attrs["dimensions"]).split() if name != "seed" and study.sizes[name] > 1]
+
+
+def _set_limits(axes: Any, means: pd.DataFrame) -> None:
+    """Intervals of few seeds reach far: the levels decide."""
+    low, high = means["level"].min(), means["level"].max()
+    room = max(2.0, 0.12 * (high - low))
+    axes.set_ylim(low - room, high + room)
+
+
+def panel(study: Study, law: Law | None, name: str, width: float, height: float) -> Picture:
+    """The level against one key alone, without a head."""
+    means = study.means().reset_index()
+    with matplotlib.rc_context(style.RC):
+        figure, body = style.page(width, height, [])
+        axes = body.subplots()
+        drawn = _Panel(axes, study, means, law, name, varied(study))
+        drawn.apart *= FULL_WIDTH / width
+        drawn.draw()
+        _set_limits(axes, means)
+    return figure
+
+
+def picture(study: Study) -> Picture:
+    """A panel for each key with two values or more."""
     why = ""
     try:
         law = study.law()
     except RequestError as fault:
         law, why = None, str(fault)
-    means = study.means().reset_index()
-    names = [str(name) for name in study.level.dims if name != "seed"]
-    varied = [name for name in names if study.sizes[name] > 1]
-    columns = 1 if for_page or len(varied) <= 1 else 2
-    rows = max(1, math.ceil(len(varied) / columns))
+    means, names = study.means().reset_index(), varied(study)
+    columns = 1 if len(names) <= 1 else 2
+    rows = max(1, math.ceil(len(names) / columns))
     with matplotlib.rc_context(style.RC):
-        figure, body = style.page(5.6 * columns + (1.5 if columns == 1 else 0), 3.7 * rows,
-                                  [] if for_page else _head(study, law, why))
+        figure, body = style.page(FULL_WIDTH * columns + (1.5 if columns == 1 else 0), 3.7 * rows, _head(study, law, why))
         grid = list(np.atleast_1d(body.subplots(rows, columns, squeeze=False, sharey=True)).ravel())
-        for axes in grid[max(len(varied), 1):]:
+        for axes in grid[max(len(names), 1):]:
             axes.set_visible(False)
-        if not varied or not np.isfinite(means["level"]).any():
-            style.say_empty(grid[0], "nothing but the seeds was varied" if not varied else
+        if not names or not np.isfinite(means["level"]).any():
+            style.say_empty(grid[0], "nothing but the seeds was varied" if not names else
                             "the table has no levels: none was kept, or no run is done", "Level")
             return figure
-        for axes, name in zip(grid, varied):
-            _Panel(axes, study, means, law, name, varied).draw()
-        low, high = means["level"].min(), means["level"].max()
-        room = max(2.0, 0.12 * (high - low))
-        grid[0].set_ylim(low - room, high + room)
+        for axes, name in zip(grid, names):
+            _Panel(axes, study, means, law, name, names).draw()
+        _set_limits(grid[0], means)
         return figure

@@ -11,7 +11,6 @@ from typing import Any
 import matplotlib
 import numpy as np
 import numpy.typing as npt
-from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
@@ -177,12 +176,6 @@ def room_above(axes: Any, share: float) -> None:
     """Room for a legend."""
     low, high = axes.get_ylim()
     axes.set_ylim(low, high + share * (high - low))
-
-
-def wrap_titles(figure: Any, most: int = 72) -> None:
-    """Long titles of panels in several lines."""
-    for axes in figure.findobj(Axes):
-        axes.set_title(textwrap.fill(axes.get_title(loc="left"), most))
 
 
 def say_empty(axes: Any, why: str, title: str, keep_x: bool = False) -> None:

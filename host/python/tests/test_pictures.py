@@ -3,7 +3,6 @@
 import itertools
 import math
 import pathlib
-import re
 import warnings
 
 import numpy as np
@@ -123,52 +122,6 @@ def test_envelopes_hold_the_extremes():
 def test_units_get_prefixes():
     assert style.scale("m", [3e-6, 2e-7]) == ("\u00b5m", 1e-6)
     assert style.quantity(math.nan, "s") == "not defined"
-
-
-def page_of(path):
-    return pathlib.Path(path).read_text(encoding="utf-8")
-
-
-EVIL = "<script>alert(1)</script> $x$"
-
-
-@pytest.fixture(scope="module")
-def evil(base, folder):
-    """A result whose name and profile would do harm, with the text of its page."""
-    face = ra2d.surface.array(2e-6 * np.sin(np.arange(2501) / 40), 8e-6, folder / "secret-face.csv")
-    ran = ra2d.run(base, {"scene.name": EVIL, "slider.surface": face}, output=folder / "evil.h5", show=False)
-    return ran, page_of(ran.report())
-
-
-def test_the_page_is_complete_in_itself(evil):
-    result, text = evil
-    links = re.findall(r'(?:src|href|url)\s*[=(]\s*["\']?([^"\')\s>]+)', text)
-    assert links and all(link.startswith(("#", "data:audio/wav")) for link in links)
-    assert "default-src 'none'" in text and 'name="viewport"' in text and "prefers-color-scheme: dark" in text
-    assert f"{result.level:.2f} dB" in text and text.count("<svg") == 5 and text.count("<audio") == 2
-    ids = re.findall(r'\bid="([^"]+)"', text)
-    used = set(re.findall(r'(?:url\(#|href="#)([^)"]+)', text))
-    assert used <= set(ids)
-    assert len(text) < 2_000_000
-
-
-def test_names_from_outside_bring_no_markup_and_no_folders(evil, folder):
-    result, text = evil
-    assert EVIL not in text and "&lt;script&gt;" in text
-    assert "secret-face.csv" in text and str(folder) not in text
-    assert EVIL not in result._repr_html_()
-    assert result.plot("level").drawn("png", 30)
-
-
-def test_the_page_of_a_study(loads, folder):
-    text = page_of(loads.report(folder / "loads.html"))
-    assert "<th>level [dB re 1 nm/s]</th>" in text and "<th>speed [m/s]</th>" in text
-    assert "exponent of speed" in text and "means over the seeds" in text.lower() and text.count("<svg") == 1
-
-
-def test_a_page_never_replaces_a_result(result):
-    with pytest.raises(ra2d.RequestError, match="ends in .html"):
-        result.report(result.path)
 
 
 def test_sound_of_a_part(result):
