@@ -22,6 +22,8 @@ void add_scenes(CLI::App& app, ChosenCommand& chosen);
 void add_run(CLI::App& app, ChosenCommand& chosen);
 void add_plan(CLI::App& app, ChosenCommand& chosen);
 void add_analyze(CLI::App& app, ChosenCommand& chosen);
+void add_compare(CLI::App& app, ChosenCommand& chosen);
+void add_uncertainty(CLI::App& app, ChosenCommand& chosen);
 void add_plot(CLI::App& app, ChosenCommand& chosen);
 void add_sound(CLI::App& app, ChosenCommand& chosen);
 void add_report(CLI::App& app, ChosenCommand& chosen);
@@ -31,9 +33,9 @@ void add_chart(CLI::App& app, ChosenCommand& chosen);
 void add_surface(CLI::App& app, ChosenCommand& chosen);
 
 /// In the order of the help.
-inline constexpr AddCommand commands[] = {add_run,   add_plan,    add_analyze, add_plot,
-                                          add_sound, add_report,  add_check,   add_study,
-                                          add_chart, add_surface, add_new,     add_scenes};
+inline constexpr AddCommand commands[] = {
+    add_new,  add_scenes, add_run,    add_plan,  add_uncertainty, add_analyze, add_compare,
+    add_plot, add_sound,  add_report, add_check, add_study,       add_chart,   add_surface};
 
 // Commands of commands.
 void add_study_status(CLI::App& study, ChosenCommand& chosen);

@@ -5,7 +5,9 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host/base/errors.hpp"
@@ -29,8 +31,8 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 const std::vector<std::string> result_views{
-    "overview", "profiles", "force",  "displacement", "spectrum",   "probe-spectra",
-    "shocks",   "level",    "energy", "bands",        "spectrogram"};
+    "overview", "profiles", "force", "displacement", "spectrum",  "probe-spectra", "shocks",
+    "level",    "energy",   "bands", "spectrogram",  "waterfall", "shock"};
 const std::vector<std::string> results_views{"overview", "spectrum", "bands", "level"};
 constexpr std::size_t most_results = 8;  // that a picture keeps apart
 
@@ -38,6 +40,8 @@ struct PlotRequest {
   std::vector<fs::path> files;
   fs::path output;
   std::string what = "overview";
+  std::optional<double> from, to;           // s
+  std::optional<unsigned long long> shock;  // its number
   ProfileOptions profile;
   std::string of_profiles;  // the first of their options that was given; empty: none
   bool quiet = false;
@@ -52,7 +56,16 @@ void require_view(const std::string& what, const std::vector<std::string>& views
                      (near ? fmt::format(" (did you mean '{}'?)", *near) : ""));
 }
 
+/// Options of results alone are refused for other files.
+void refuse_result_options(const PlotRequest& request, const char* what) {
+  for (const auto& [name, given] :
+       {std::pair{"--from", request.from.has_value()}, std::pair{"--to", request.to.has_value()},
+        std::pair{"--shock", request.shock.has_value()}})
+    if (given) throw RequestError(fmt::format("{} is of results: {} has none", name, what));
+}
+
 Json profile_request(const PlotRequest& request) {
+  refuse_result_options(request, "a profile");
   require_view(request.what, {"overview"}, "a profile");
   std::vector<std::string> doubts;
   const std::string series = profile_series(request.files.front(),
@@ -65,6 +78,7 @@ Json profile_request(const PlotRequest& request) {
 }
 
 Json results_request(const PlotRequest& request) {
+  if (request.shock && request.what != "shock") throw RequestError("--shock N is of --what shock");
   if (request.files.size() == 1) {
     require_view(request.what, result_views, "a result");
   } else {
@@ -74,7 +88,11 @@ Json results_request(const PlotRequest& request) {
                       most_results, most_results, request.files.size()));
   }
   for (const fs::path& file : request.files) read_stamp(file);
-  return {{"subject", "results"}, {"what", request.what}, {"files", path_texts(request.files)}};
+  Json json{{"subject", "results"}, {"what", request.what}, {"files", path_texts(request.files)}};
+  if (request.from) json["start"] = *request.from;
+  if (request.to) json["stop"] = *request.to;
+  if (request.shock) json["shock"] = *request.shock;
+  return json;
 }
 
 /// Options of profiles alone are refused for other files: none is read and ignored.
@@ -86,6 +104,7 @@ void refuse_profile_options(const PlotRequest& request, const char* what) {
 Json study_request(const PlotRequest& request, const fs::path& table) {
   require_view(request.what, {"overview"}, "a study");
   refuse_profile_options(request, "a study");
+  refuse_result_options(request, "a study");
   read_study_table(table);
   return {{"subject", "study"}, {"files", path_texts(request.files)}};
 }
@@ -100,6 +119,7 @@ Json choose_subject(const PlotRequest& request, const fs::path& picture) {
   if (const auto chart = find_chart(request.files)) {
     require_view(request.what, {"overview"}, "a chart");
     refuse_profile_options(request, "a chart");
+    refuse_result_options(request, "a chart");
     require_derived_output(picture, chart->tables);
     return {
         {"subject", "chart"}, {"chart", chart->kind->name}, {"files", path_texts(chart->tables)}};
@@ -153,6 +173,17 @@ void add_plot(CLI::App& app, ChosenCommand& chosen) {
       ->type_name("NAME")
       ->check(path())
       ->capture_default_str();
+  const auto add_time = [plot](const char* name, std::optional<double>& time, const char* what) {
+    plot->add_option(name, time, what)
+        ->type_name("SECONDS")
+        ->check(number_from(0, 1e12, "from 0 to 1e12"));
+  };
+  add_time("--from", request.from, "of results: where the picture begins [0]");
+  add_time("--to", request.to, "of results: where it ends [the end of the run]");
+  plot->add_option("--shock", request.shock,
+                   "with --what shock: which one, counted from 0 in order of start [the strongest]")
+      ->type_name("N")
+      ->check(whole_number());
   const auto of_profiles = add_profile_options(*plot, request.profile);
   for (CLI::Option* option : of_profiles)
     option->group("Of a profile, as of 'ra2d surface measure'");

@@ -21,11 +21,8 @@
 #include "host/device/backend.hpp"
 #include "host/result/energy.hpp"
 #include "host/run/run.hpp"
-<<<<<<< HEAD
-#include "host/run/zoom.hpp"
-=======
 #include "host/run/run_json.hpp"
->>>>>>> pack
+#include "host/run/zoom.hpp"
 #include "host/scene/schemes.hpp"
 #include "host/scene_file/scene_file.hpp"
 #include "host/store/result_reader.hpp"
@@ -168,9 +165,16 @@ void print_zoom(std::size_t number, const ZoomWindow& window, double rate,
                          rate * 1e-6, printable(output.string())));
 }
 
-/// Runs the windows that were asked for, each to a file of its own beside that of the whole run.
-int run_zooms(const RunRequest& request, const Scene& scene, const ZoomRequest& zoom,
-              RunOptions options) {
+struct ZoomsRun {
+  int status = exit_status::done;
+  std::vector<std::filesystem::path> files;  // that are complete
+};
+
+/// Runs the windows that were requested, each to a file of its own beside that of the whole run.
+ZoomsRun run_zooms(const RunRequest& request, const Scene& scene, const ZoomRequest& zoom,
+                   RunOptions options) {
+  ZoomsRun zooms;
+  if (zoom.is_empty()) return zooms;
   const Clock::time_point begun = Clock::now();
   const std::filesystem::path output = options.output;
   const std::vector<ZoomWindow> windows =
@@ -187,12 +191,15 @@ int run_zooms(const RunRequest& request, const Scene& scene, const ZoomRequest& 
     const Scene zoom_scene = zoomed(scene, windows[i], zoom.rate);
     const RunReport report = run(zoom_scene, options);
     if (options.progress) show({});
-    if (report.ending != Ending::there && report.ending != Ending::complete)
-      return say_run_ending(request.common, report, options.output);
-    if (!request.common.quiet)
+    if (report.ending != Ending::there && report.ending != Ending::complete) {
+      zooms.status = say_run_ending(request.common, report, options.output);
+      return zooms;
+    }
+    zooms.files.push_back(options.output);
+    if (!request.common.quiet && !request.json)
       print_zoom(i + 1, windows[i], zoom_scene.output.rate, options.output);
   }
-  return exit_status::done;
+  return zooms;
 }
 
 int run_scene(RunRequest& request) {
@@ -215,7 +222,7 @@ int run_scene(RunRequest& request) {
   };
   if (shows_progress(common.quiet)) options.progress = show_run_progress;
 
-  const ZoomRequest zoom = zoom_request(request.zooms, request.zoom_rate);
+  ZoomRequest zoom = zoom_request(request.zooms, request.zoom_rate);
   if (!zoom.is_empty()) {
     require_zoom(scene, zoom, output);
     require_output(zoom_name(output, 1), files_of(scene));
@@ -225,24 +232,21 @@ int run_scene(RunRequest& request) {
   const RunReport report = run(scene, options);
   if (options.progress) show({});
   if (report.ending == Ending::there) {
-    if (request.json)
-      print_text(run_json(scene, report_of_file(output), output, exit_status::done));
-    else if (!common.quiet)
+    if (!request.json && !common.quiet)
       print("{} has this run already, complete: nothing to do (--fresh runs it again)\n",
             printable(output.string()));
-    return zoom.is_empty() ? exit_status::done : run_zooms(request, scene, zoom, options);
+    const ZoomsRun zooms = run_zooms(request, scene, zoom, options);
+    if (request.json)
+      print_text(run_json(scene, report_of_file(output), output, zooms.status, zooms.files));
+    return zooms.status;
   }
-<<<<<<< HEAD
-  if (!common.quiet) print_report(scene, report, output);
-  if (report.ending == Ending::complete && !zoom.is_empty())
-    return run_zooms(request, scene, zoom, options);
-  return say_run_ending(common, report, output);
-=======
   if (!common.quiet && !request.json) print_report(scene, report, output);
-  const int status = say_run_ending(common, report, output);
-  if (request.json) print_text(run_json(scene, report, output, status));
+  if (report.ending != Ending::complete) zoom = {};
+  const ZoomsRun zooms = run_zooms(request, scene, zoom, options);
+  const int status =
+      zooms.status == exit_status::done ? say_run_ending(common, report, output) : zooms.status;
+  if (request.json) print_text(run_json(scene, report, output, status, zooms.files));
   return status;
->>>>>>> pack
 }
 
 }  // namespace
@@ -264,7 +268,6 @@ void add_run(CLI::App& app, ChosenCommand& chosen) {
                     "replace any file that is there, also the result of another run (of this one: "
                     "--fresh)");
   add_checkpoints(*command, request->checkpoint, request->most_wall);
-<<<<<<< HEAD
   command
       ->add_option("--zoom", request->zooms,
                    "also sample a window at 1 MHz, to OUT.zoom-1.h5: strongest=N for those around "
@@ -277,10 +280,8 @@ void add_run(CLI::App& app, ChosenCommand& chosen) {
                    "samples a second in such windows, up to 1e7 [1e6]")
       ->type_name("HZ")
       ->check(positive_number());
-=======
   command->add_flag("--json", request->json,
                     "prints the outcome as one JSON object, also where the run was cut short");
->>>>>>> pack
   command->callback([request, &chosen] {
     chosen.takes_checkpoints = true;
     chosen.run = [request] {

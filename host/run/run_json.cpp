@@ -44,10 +44,13 @@ Json mesh_json(const MeshTone& mesh) {
 }  // namespace
 
 std::string run_json(const Scene& scene, const RunReport& r, const std::filesystem::path& output,
-                     int exit_status) {
+                     int exit_status, const std::vector<std::filesystem::path>& zooms) {
+  std::vector<std::string> zoom_files;
+  for (const std::filesystem::path& zoom : zooms) zoom_files.push_back(zoom.string());
   const bool is_there = r.ending == Ending::there;
   const bool has_level = is_there || r.counted > 0;
   const Json json{{"file", output.string()},
+                  {"zooms", zoom_files},
                   {"title", title(scene)},
                   {"complete", is_there || r.ending == Ending::complete},
                   {"ended", r.ending == Ending::failed ? r.failure : ending_name(r.ending)},

@@ -2,6 +2,7 @@
 #pragma once
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "host/run/run_report.hpp"
 
@@ -9,9 +10,10 @@
 namespace ra2d {
 
 /// One JSON object, a line. Names and units are those of `ra2d analyze --json` (docs/results.md);
-/// null for what there is not.
+/// null for what there is not. `zooms`: the files of its windows.
 std::string run_json(const Scene& scene, const RunReport& report,
-                     const std::filesystem::path& output, int exit_status);
+                     const std::filesystem::path& output, int exit_status,
+                     const std::vector<std::filesystem::path>& zooms);
 
 /// The report of a run that was found in its file, complete (Ending::there). Its ending stays
 /// `there`. What only the running program knew is NaN or 0. Throws FileError.

@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import dataclasses
 import html
+import json
 import math
 import os
+import pathlib
+import re
+import warnings
 from collections.abc import Mapping
 from typing import Any
 
@@ -13,29 +17,42 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from .errors import RequestError
+from . import files
+from .errors import Notice, RequestError
 from .estimate import Estimate
+from .realisations import Face, of_scene
 from .scenes import Scene, scene
+from .student import half_interval
 from .studies import Study, study
 
 ASKED = "as asked"
 CHANCE = "chance"
-# variable of the study, its name and unit, and whether it is compared by ratios
-_QUANTITIES = {"level": ("dB re 1 nm/s", False), "shock_rate": ("1/s", True), "shock_duration_median": ("s", True)}
+PAIRED = 3  # realisations that each source is tried on: shifts of pairs scatter little
+# the quantity, its variable in the study, its unit, whether it is compared by ratios, and what it is called
+QUANTITIES = (("level", "level", "dB re 1 nm/s", False, "level"),
+              ("shock_rate", "shock_rate", "1/s", True, "rate of shocks"),
+              ("shock_duration", "shock_duration_median", "s", True, "duration of a shock"))
+UNITS = {"level": "dB", "shock_rate": "ln/100", "shock_duration": "ln/100"}
+_SECONDS = {"ns": 1e-9, "us": 1e-6, "ms": 1e-3, "s": 1.0}
 
 
 @dataclasses.dataclass(frozen=True)
 class Budget:
     """How well a scene's numbers are known.
 
-    - `level` [dB re 1 nm/s], `shock_rate` [1/s], `shock_duration` [s]: means over the seeds, each
-      with the interval of the whole
+    - `level` [dB re 1 nm/s], `shock_rate` [1/s], `shock_duration` [s, median]: means over the
+      realisations, each with the interval of the whole
     - `table`: a row for each source. `chance`: half of the 95 % interval of the mean over the
-      seeds. The others: by how much the mean moves when the source is changed as the row says, and
-      95 % of chance in that (`_chance`). Level in dB; rate and duration in hundredths of the natural
-      logarithm: small ones are per cent, -42 is a factor of exp(-0.42) = 0.66
+      realisations. The others: by how much the mean moves when the source is changed as the row
+      says, and 95 % of chance in that (`_chance`); both with twice the step where that is stable. Level in dB; rate and duration in hundredths of
+      the natural logarithm: small ones are per cent, -42 is a factor of exp(-0.42) = 0.66
+    - `realisations`: a row for each pair of faces: the `kind` of either face, and
+      `distribution_error`, of surrogates: by how much their sorted heights are off, as a share of Rq
+    - `runs`: a row for each run: `source`, `realisation`, the three quantities, and `message`, why a
+      run has none
     - `dominant`: for each quantity the source that moves it most
-    - `study`: the runs, with a dimension `name` for the sources
+    - `notes`: what is missing, and why
+    - `study`: the runs as `ra2d.study` keeps them
 
     The interval of the whole adds chance and shifts as squares.
 
@@ -43,34 +60,170 @@ class Budget:
     >>> budget = ra2d.uncertainty(ra2d.scene("dang2012").change(duration=0.05, tolerance=1e-6), seeds=3)
     >>> budget.level.unit, budget.table.attrs["units"]["shock_rate"]
     ('dB re 1 nm/s', 'ln/100')
+    >>> budget.realisations["slider"].tolist()
+    ['seed 1', 'seed 1001', 'seed 2001']
     """
 
     level: Estimate
     shock_rate: Estimate
     shock_duration: Estimate
     table: pd.DataFrame
+    realisations: pd.DataFrame
+    runs: pd.DataFrame
     dominant: dict[str, str]
+    notes: list[str]
     study: Study
 
+    def text(self) -> str:
+        """What `ra2d uncertainty` prints.
+
+        >>> import ra2d
+        >>> budget = ra2d.uncertainty(ra2d.scene("dang2012").change(duration=0.05, tolerance=1e-6), seeds=3)
+        >>> print(budget.text().splitlines()[0])                       # doctest: +ELLIPSIS
+        level                ... dB re 1 nm/s (95 %: ...), mostly ...
+        """
+        lines = [f"{words:21}{getattr(self, name)!r}" + (f", mostly {self.dominant[name]}" if name in self.dominant else "")
+                 for name, _, _, _, words in QUANTITIES]
+        heads = [f"{words} [{'dB' if not ratio else 'ln/100'}]" for _, _, _, ratio, words in QUANTITIES]
+        lines += ["", "half of the 95 % interval by chance; shifts, each \u00b1 95 % of chance in it:",
+                  f"{'':10} {'changed to':17}" + "".join(f"{head:>30}" for head in heads)]
+        for source, row in self.table.iterrows():
+            cells = [_cell(row[name], row[f"{name}_chance"], str(source)) for name, *_ in QUANTITIES]
+            lines.append(f"{source:10} {row['changed to']:17}" + "".join(f"{cell:>30}" for cell in cells))
+        lines += ["", "faces"] + [f"  {number}: " + ", ".join(f"{body} {kind}" for body, kind in kinds.items())
+                                  for number, kinds in self._kinds().items()]
+        worst = float(self.realisations["distribution_error"].max())
+        if worst > 0:
+            lines.append(f"  surrogates have the spectrum of the face; their sorted heights differ from its own by "
+                         f"{100 * worst:.2g} % of Rq at most")
+        return "\n".join([*lines, *(["", *self.notes] if self.notes else [])])
+
+    def _kinds(self) -> dict[int, dict[str, str]]:
+        bodies = [name for name in self.realisations if name != "distribution_error"]
+        return {int(number): {str(body): str(row[body]) for body in bodies}
+                for number, row in self.realisations.iterrows()}
+
+    def to_dict(self) -> dict[str, Any]:
+        """The budget as nested dicts in SI units, for JSON; None for what does not exist.
+
+        >>> import ra2d
+        >>> budget = ra2d.uncertainty(ra2d.scene("dang2012").change(duration=0.05, tolerance=1e-6), seeds=3)
+        >>> sorted(budget.to_dict())
+        ['dominant', 'notes', 'quantities', 'realisations', 'runs', 'sources']
+        """
+        quantities = {}
+        for name, *_ in QUANTITIES:
+            found: Estimate = getattr(self, name)
+            quantities[name] = {"value": float(found), "low": found.low, "high": found.high, "unit": found.unit,
+                                "note": found.note}
+        sources = [{"source": str(source), "changed_to": row["changed to"],
+                    **{name: {"shift": row[name], "chance": row[f"{name}_chance"], "unit": UNITS[name]}
+                       for name, *_ in QUANTITIES}} for source, row in self.table.iterrows()]
+        realisations = [{"number": number, "faces": kinds,
+                         "distribution_error": float(self.realisations.loc[number, "distribution_error"])}
+                        for number, kinds in self._kinds().items()]
+        found_dict: dict[str, Any] = _without_nan(
+            {"quantities": quantities, "dominant": self.dominant, "sources": sources, "realisations": realisations,
+             "runs": self.runs.to_dict("records"), "notes": self.notes})
+        return found_dict
+
+    def to_json(self) -> str:
+        """`to_dict` as text.
+
+        >>> import ra2d
+        >>> budget = ra2d.uncertainty(ra2d.scene("dang2012").change(duration=0.05, tolerance=1e-6), seeds=3)
+        >>> budget.to_json().splitlines()[1]
+        '  "quantities": {'
+        """
+        return json.dumps(self.to_dict(), ensure_ascii=False, indent=2, allow_nan=False)
+
+    def to_csv(self, path: str | os.PathLike[str]) -> pathlib.Path:
+        """Writes `table` as CSV, its units in the heads. Returns where it is.
+
+        >>> import ra2d
+        >>> budget = ra2d.uncertainty(ra2d.scene("dang2012").change(duration=0.05, tolerance=1e-6), seeds=3)
+        >>> budget.to_csv("budget.csv").name
+        'budget.csv'
+        """
+        place = pathlib.Path(path)
+        files.write(place, self.csv())
+        return place
+
+    def csv(self) -> str:
+        """`table` as text, its units in the heads.
+
+        >>> import ra2d
+        >>> budget = ra2d.uncertainty(ra2d.scene("dang2012").change(duration=0.05, tolerance=1e-6), seeds=3)
+        >>> budget.csv().splitlines()[0].split(",")[:3]
+        ['source', 'changed to', 'level_dB']
+        """
+        heads = {f"{name}{end}": f"{name}{end}_{unit}" for name, unit in UNITS.items() for end in ("", "_chance")}
+        return str(self.table.rename(columns=heads).to_csv(index_label="source"))
+
     def __repr__(self) -> str:
-        lines = [f"{name:15}{getattr(self, name)!r}, mostly {self.dominant[name]}"
-                 for name in ("level", "shock_rate", "shock_duration")]
-        heads = {name: f"{name} [{unit}]" for name, unit in self.table.attrs["units"].items()}
-        table = self.table.rename(columns=heads).to_string(float_format="{:.2g}".format, na_rep="")
-        return "\n".join([*lines, "", table])
+        return self.text()
 
     def _repr_html_(self) -> str:
-        return f"<pre>{html.escape(repr(self))}</pre>"
+        return f"<pre>{html.escape(self.text())}</pre>"
 
 
-def _cases(complete: Mapping[str, Any]) -> dict[str, tuple[str, dict[str, Any]]]:
+def _cell(shift: float, chance: float, source: str) -> str:
+    if math.isnan(shift):
+        return "unknown"
+    if source == CHANCE:
+        return _short(shift, 2)
+    return f"{'+' if shift >= 0 else '-'}{_short(abs(shift), 2)} \u00b1 {_short(chance, 1)}"
+
+
+def _short(value: float, digits: int) -> str:
+    """So many digits, and no exponent.
+
+    >>> _short(34.2, 1), _short(0.0123, 1)
+    ('34', '0.01')
+    """
+    if not math.isfinite(value):
+        return "unknown"
+    return f"{value:.0f}" if value >= 10 ** digits else f"{value:.{digits}g}"
+
+
+def _without_nan(of: Any) -> Any:
+    """Plain Python for JSON: None in the place of what is no finite number."""
+    if isinstance(of, Mapping):
+        return {str(name): _without_nan(value) for name, value in of.items()}
+    if isinstance(of, list | tuple):
+        return [_without_nan(value) for value in of]
+    if isinstance(of, np.generic):
+        of = of.item()
+    return None if isinstance(of, float) and not math.isfinite(of) else of
+
+
+def _largest_step(plan: str) -> float:
+    """The smallest of the limits that `ra2d plan` says of the scheme [s]; 0 where it says none."""
+    line = next((line for line in plan.splitlines() if line.lstrip().startswith("> ")), "")
+    limits = [float(number) * _SECONDS[unit] for number, unit in re.findall(r"([\d.e+-]+) (ns|us|ms|s)\b", line)]
+    return min(limits, default=math.inf if "every step" in line else 0.0)
+
+
+def _other_step(what: Scene, step: float) -> tuple[str, dict[str, Any]]:
+    """Twice the step costs a quarter of half of it, and moves a scheme of first order by its whole error
+    instead of half. Half the step is taken near the limit of stability, or of the samples."""
+    try:
+        plan = what.change({"time.step": 2 * step}).plan()
+    except RequestError:
+        plan = ""
+    if plan and 4 * step <= _largest_step(plan):
+        return "twice", {"time.step": 2 * step}
+    return "half", {"time.step": step / 2}
+
+
+def _cases(what: Scene, complete: Mapping[str, Any]) -> dict[str, tuple[str, dict[str, Any]]]:
     """Each source: what is done to it, and the keys with their other values."""
     time, contact = complete["time"], complete["contact"]
     cases: dict[str, tuple[str, dict[str, Any]]] = {}
     if time["scheme"] == "adaptive":
         cases["tolerance"] = ("a tenth", {"time.tolerance": max(time.get("tolerance", 1e-8) / 10, 1e-13)})
     else:
-        cases["step"] = ("half", {"time.step": time["step"] / 2})
+        cases["step"] = _other_step(what, time["step"])
     cases["spacing"] = ("half", {"scene.spacing": complete["scene"]["spacing"] / 2})
     bodies = [body for body in ("resonator", "slider") if complete[body]["support"] != "rigid"]
     modes: dict[str, Any] = {f"{body}.max_frequency": 1.5 * complete[body]["max_frequency"]
@@ -83,38 +236,86 @@ def _cases(complete: Mapping[str, Any]) -> dict[str, tuple[str, dict[str, Any]]]
     return cases
 
 
-def _require_chance(complete: Mapping[str, Any]) -> None:
-    """Of faces that are not random every seed is the same run."""
-    if not any("seed" in complete[body].get("surface", {}) for body in ("resonator", "slider")):
-        raise RequestError("chance is seen in runs of other faces, and neither face of this scene is random. Describe "
-                           "a measured face by its roughness, as {'slider.surface': ra2d.surface.gaussian(rq=..., "
-                           "rsm=..., seed=1)}. Or let the slider start elsewhere: ra2d.study(scene, "
-                           "{'start': [0.05, 0.06, 0.07]}) shows the scatter over parts of one face")
+def _reference(source: str, cases: Mapping[str, tuple[str, Any]]) -> str:
+    """The runs that a source's own are compared with. Where twice the step is stable, both take it: their
+    difference hardly feels the step, and costs half."""
+    return "step" if source != "step" and cases.get("step", ("",))[0] == "twice" else ASKED
 
 
-def _run(what: Scene, cases: Mapping[str, tuple[str, dict[str, Any]]], seeds: int, **options: Any) -> Study:
-    """All cases in one study. The scene's name tells them apart."""
+def _run(what: Scene, cases: Mapping[str, tuple[str, dict[str, Any]]], faces: list[list[Face]], **options: Any
+         ) -> Study:
+    """All runs in one study. The scene's name tells them apart."""
     complete = what.complete()
     keys = list(dict.fromkeys(key for _, changed in cases.values() for key in changed))
     asked = {key: complete[key.split(".")[0]].get(key.split(".")[1], 1e-8) for key in keys}
-    values = [[ASKED, *asked.values()]]
-    values += [[name, *{**asked, **changed}.values()] for name, (_, changed) in cases.items()]
-    return study(what, {("scene.name", *keys): values}, seeds, **options)
+    sources: dict[str, dict[str, Any]] = {ASKED: {}}
+    for name, (_, changed) in cases.items():
+        reference = _reference(name, cases)
+        sources[name] = changed if reference == ASKED else {**cases[reference][1], **changed}
+    values = []
+    for source, changed in sources.items():
+        for number, pair in enumerate(faces if source == ASKED else faces[:PAIRED], 1):
+            values.append([_name(source, number), *{**asked, **changed}.values(), *(face.value for face in pair)])
+    return study(what, {("scene.name", *keys, *(face.key for face in faces[0])): values}, **options)
 
 
-def _half(values: npt.NDArray[np.float64], student: float) -> float:
-    """Half of the 95 % interval of the mean over the seeds."""
-    return student * float(values.std(ddof=1)) / math.sqrt(values.size)
+def _name(source: str, number: int) -> str:
+    return f"{source} {number}"
+
+
+def _runs(table: Study, sources: list[str]) -> pd.DataFrame:
+    """A row for each run."""
+    rows = []
+    for name in table["name"].values.tolist():
+        source, _, number = str(name).rpartition(" ")
+        one = table.sel(name=name).squeeze()
+        rows.append({"source": source, "realisation": int(number),
+                     **{quantity: float(one[variable]) for quantity, variable, *_ in QUANTITIES},
+                     "message": str(one["message"].item()) if "message" in one else ""})
+    found = pd.DataFrame(rows)
+    order = {source: i for i, source in enumerate(sources)}
+    return found.sort_values(["source", "realisation"], key=lambda of: of.map(order) if of.name == "source" else of,
+                             ignore_index=True)
+
+
+def _by_realisation(runs: pd.DataFrame, source: str, quantity: str) -> pd.Series[float]:
+    found: pd.Series[float] = runs[runs.source == source].set_index("realisation")[quantity]
+    return found
+
+
+def _logarithms(values: pd.Series[float]) -> pd.Series[float]:
+    """NaN of what has none."""
+    return np.log(values.where(values > 0))
+
+
+def _notes(runs: pd.DataFrame) -> list[str]:
+    found = []
+    for source, of in runs[runs.message != ""].groupby("source", sort=False):
+        found.append(f"{source}: {len(of)} of {(runs.source == source).sum()} runs failed: {of.message.iloc[0]}")
+    return found
+
+
+def _finite(values: pd.Series[float]) -> npt.NDArray[np.float64]:
+    found: npt.NDArray[np.float64] = values.to_numpy(dtype=float)
+    finite: npt.NDArray[np.float64] = found[np.isfinite(found)]
+    return finite
 
 
 def uncertainty(source: str | os.PathLike[str] | Mapping[str, Any] | Scene, seeds: int = 5, *,
                 folder: str | os.PathLike[str] | None = None, threads: int | None = None, show: bool = True) -> Budget:
-    """The error budget of a scene: it runs `seeds` pairs of random faces as asked, then the same
-    with a finer tolerance (or step), a finer spacing, more modes and a stiffer contact. At least
-    one face must be random. The same call goes on where it was cut off.
+    """The error budget of a scene. It runs `seeds` realisations of its faces as asked, then three of
+    them with another tolerance (or step), a finer spacing, more modes and a stiffer contact. The
+    same call goes on where it was cut off.
+
+    Realisations of a random face are other seeds. Of a measured one they are other stretches of its
+    trace where it is long enough, then its mirror image, then surrogates: the same spectrum with
+    other phases, and nearly the same heights (`Budget.realisations`). All are of the heights as they
+    stand in a run, filtered and levelled. A mirror image keeps its highest asperities, and a
+    surrogate the amplitude of each wave: both scatter less than other traces would.
 
     - `source`: a scene, or what `ra2d.scene` takes
     - `folder`: where the study is kept; without it in the current folder, SCENE-uncertainty
+    - `threads`: all processors without it
 
     >>> import ra2d
     >>> budget = ra2d.uncertainty(ra2d.scene("dang2012").change(duration=0.05, tolerance=1e-6), seeds=3)
@@ -123,35 +324,56 @@ def uncertainty(source: str | os.PathLike[str] | Mapping[str, Any] | Scene, seed
     >>> budget.level.low < budget.level < budget.level.high
     True
     """
-    if seeds < 2:
-        raise RequestError(f"seeds = {seeds}: chance is seen in the difference of two runs or more (five are good)")
+    if not isinstance(seeds, int) or seeds < 2:
+        raise RequestError(f"seeds = {seeds!r}: chance is seen in the difference of two runs or more (five are good)")
     what = scene(source)
+    place = pathlib.Path(folder or f"{what.title}-uncertainty").resolve()
+    files.require_folder(place)
     complete = what.complete()
-    _require_chance(complete)
-    cases = _cases(complete)
-    runs = _run(what, cases, seeds, folder=folder or f"{what.title}-uncertainty", threads=threads, show=show)
-    asked = runs.means().loc[ASKED]
-    # Student's factor, as the program has used it for the interval of the level
-    error = float(runs.level.sel(name=ASKED).std("seed", ddof=1)) / math.sqrt(seeds)
-    student = (float(asked["level_high"]) - float(asked["level"])) / error if error else math.nan
-    rows = {CHANCE: f"{seeds} seeds", **{name: how for name, (how, _) in cases.items()}}
-    table = pd.DataFrame({"changed to": rows}).reindex(rows)
+    varied, faces = of_scene(what, complete, seeds, place / "faces")
+    cases = _cases(what, complete)
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", category=Notice, message=r"\d+ of \d+ runs failed")  # told in the notes
+        table = _run(varied, cases, faces, folder=place, threads=threads, show=show)
+    runs = _runs(table, [ASKED, *cases])
+    return _of_runs(runs, cases, faces, table)
+
+
+def _of_runs(runs: pd.DataFrame, cases: Mapping[str, tuple[str, dict[str, Any]]], faces: list[list[Face]],
+             table_of: Study) -> Budget:
+    rows = {CHANCE: f"{len(faces)} realisations", **{name: how for name, (how, _) in cases.items()}}
+    table = pd.DataFrame({"changed to": pd.Series(rows, dtype=object)}).reindex(list(rows))
     found: dict[str, Estimate] = {}
     dominant: dict[str, str] = {}
-    for variable, (unit, by_ratio) in _QUANTITIES.items():
-        name = variable.removesuffix("_median")
-        by_name = {case: runs[variable].sel(name=case).values for case in (ASKED, *cases)}
+    for name, _, unit, by_ratio, words in QUANTITIES:
+        by_case = {case: _by_realisation(runs, case, name) for case in (ASKED, *cases)}
         if by_ratio:
-            by_name = {case: np.log(values) for case, values in by_name.items()}
-        base, percent = by_name.pop(ASKED), 100.0 if by_ratio else 1.0
-        shifts = {case: values - base for case, values in by_name.items()}
-        table[name] = pd.Series({CHANCE: percent * _half(base, student),
-                                 **{case: percent * float(shift.mean()) for case, shift in shifts.items()}})
-        table[f"{name}_chance"] = pd.Series({case: percent * _half(shift, student) for case, shift in shifts.items()})
+            by_case = {case: _logarithms(values) for case, values in by_case.items()}
+        base, percent = by_case[ASKED], 100.0 if by_ratio else 1.0
+        shifts = {case: _finite(by_case[case] - by_case[_reference(case, cases)].reindex(by_case[case].index))
+                  for case in cases}
+        known = _finite(base)
+        moved = {case: percent * float(shift.mean()) if shift.size else math.nan for case, shift in shifts.items()}
+        table[name] = pd.Series({CHANCE: percent * half_interval(known), **moved}, dtype=float)
+        table[f"{name}_chance"] = pd.Series({case: percent * half_interval(shift) for case, shift in shifts.items()},
+                                            dtype=float)
+        if not known.size:
+            found[name] = Estimate(math.nan, unit=unit, note=f"no run has a {words}")
+            continue
         reach = math.sqrt(float((table[name] ** 2).sum(skipna=False))) / percent
-        mean = float(base.mean())
+        mean = float(known.mean())
         value, low, high = (math.exp(end) if by_ratio else end for end in (mean, mean - reach, mean + reach))
-        found[name] = Estimate(value, low, high, unit, "chance and shifts, as squares")
-        dominant[name] = str(table[name].abs().idxmax()) if table[name].notna().any() else "unknown"
-    table.attrs["units"] = {"level": "dB", "shock_rate": "ln/100", "shock_duration": "ln/100"}
-    return Budget(found["level"], found["shock_rate"], found["shock_duration"], table, dominant, runs)
+        note = "chance and shifts, as squares"
+        if known.size < len(faces):
+            note += f"; {known.size} of {len(faces)} realisations have one"
+        found[name] = Estimate(value, low, high, unit, note)
+        if table[name].notna().any():
+            dominant[name] = str(table[name].abs().idxmax())
+    table.attrs["units"] = UNITS
+    pairs: list[dict[str, Any]] = [{face.key.split(".")[0]: face.kind for face in pair} for pair in faces]
+    for row, pair in zip(pairs, faces):
+        row["distribution_error"] = max(face.distribution_error for face in pair)
+    realisations = pd.DataFrame(
+        pairs, index=pd.RangeIndex(1, len(faces) + 1, name="realisation"))
+    return Budget(found["level"], found["shock_rate"], found["shock_duration"], table, realisations, runs, dominant,
+                  _notes(runs), table_of)

@@ -12,10 +12,11 @@ import warnings
 from collections.abc import Callable
 from typing import Any, TextIO
 
-from . import charts, compare_plot, page, plots, profile_plot, sound, study_plot
+from . import budget, charts, compare_plot, comparison, page, plots, profile_plot, sound, study_plot, toml
 from .__main__ import library_missing
-from .errors import BY_STATUS, Error, FileError, RequestError
+from .errors import BY_STATUS, Error, FileError, Notice, RequestError
 from .results import load
+from .scenes import Scene
 from .studies import load_study
 from .style import DPI, Picture
 
@@ -35,9 +36,10 @@ def _picture(request: Request) -> Picture:
         return profile_plot.picture(request["profile"])
     if request["subject"] == "study":
         return study_plot.picture(load_study(files[0]))
+    stretch: dict[str, Any] = {name: request.get(name) for name in ("start", "stop")}
     if len(files) == 1:
-        return plots.result(load(files[0]), request["what"])
-    return compare_plot.plot([load(file) for file in files], request["what"])
+        return plots.result(load(files[0]), request["what"], shock=request.get("shock"), **stretch)
+    return compare_plot.plot([load(file) for file in files], request["what"], **stretch)
 
 
 def plot(request: Request) -> str:
@@ -67,7 +69,38 @@ def play(request: Request) -> str:
     return "" if request["quiet"] else made.describe(str(name))
 
 
-COMMANDS: dict[str, Callable[[Request], str]] = {"plot": plot, "report": report, "sound": play}
+def uncertainty(request: Request) -> str:
+    """The error budget of a scene as text or JSON; its table as CSV into the file `csv`."""
+    what = Scene(_path(request["scene"]).resolve(), _changes(request["set"]))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", Notice)  # the program has told its doubts of this scene
+        found = budget.uncertainty(what, request["seeds"], folder=_path(request["folder"]), threads=request["threads"],
+                                   show=request["show"])
+    if "csv" in request:
+        _write(_path(request["csv"]), found.csv().encode())
+    return (found.to_json() if request["json"] else found.text()) + "\n"
+
+
+def compare(request: Request) -> str:
+    """What differs between A and B, as text or JSON."""
+    found = comparison.compare(_path(request["a"]), _path(request["b"]))
+    return (found.to_json() if request["json"] else found.text()) + "\n"
+
+
+def _changes(words: list[str]) -> dict[str, Any]:
+    """Of `--set`, key by key: a value of TOML, or else a text. The program has checked them."""
+    found = {}
+    for word in words:
+        name, _, text = os.fsdecode(word.encode("latin-1")).partition("=")
+        try:
+            found[name.strip()] = toml.parse(f"value = {text}")["value"]
+        except RequestError:
+            found[name.strip()] = text
+    return found
+
+
+COMMANDS: dict[str, Callable[[Request], str]] = {"plot": plot, "report": report, "sound": play,
+                                                "uncertainty": uncertainty, "compare": compare}
 
 
 def _write(path: pathlib.Path, data: bytes) -> None:

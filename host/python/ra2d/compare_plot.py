@@ -10,7 +10,7 @@ import matplotlib
 import numpy as np
 from matplotlib.lines import Line2D
 
-from . import plots, style
+from . import plots, stretch, style
 from .errors import RequestError
 from .results import Result
 from .style import BLACK, DECIBEL, GREY, LINES, MARKS, RUST, SERIES, Picture, literal, scale
@@ -49,12 +49,10 @@ def _bands(axes: Any, shown: list[tuple[int, Result]]) -> None:
 
 def _levels(axes: Any, shown: list[tuple[int, Result]]) -> None:
     found = [plots.level_in_time(result) for _, result in shown]
-    end = max(result.duration for _, result in shown)
-    unit, one = scale("s", end)
+    place = style.time_axis(axes, np.array([min(stretch.first_time(result) for _, result in shown),
+                                            max(result.duration for _, result in shown)]))
     for (i, _), (time, levels) in zip(shown, found):
-        axes.plot(time / one, levels, lw=1.2, marker=MARKS[i], ms=4, markevery=8, **_look(i))
-    axes.set_xlim(0, end / one)
-    axes.set_xlabel(f"time [{unit}]")
+        axes.plot(place(time), levels, lw=1.2, marker=MARKS[i], ms=4, markevery=8, **_look(i))
     _level_limits(axes, np.concatenate([levels for _, levels in found]), 1)
 
 
@@ -83,9 +81,11 @@ def _key(results: Sequence[Result], names: list[str]) -> list[Line2D]:
     return [Line2D([], [], marker=MARKS[i], ms=5, lw=1.4, label=text, **_look(i)) for i, text in enumerate(texts)]
 
 
-def plot(results: Result | Sequence[Result], what: str = "overview") -> Picture:
+def plot(results: Result | Sequence[Result], what: str = "overview", *, start: float | None = None,
+         stop: float | None = None) -> Picture:
     """Several results over one another, as a matplotlib Figure: "spectrum", "bands", "level", or
-    "overview", which has all three. The first eight are drawn.
+    "overview", which has all three. The first eight are drawn. `start`, `stop` [s]: of this stretch
+    of the runs alone.
 
     >>> import ra2d
     >>> slow, fast = [ra2d.run("dang2012", speed=v, duration=0.02, tolerance=1e-6) for v in (0.1, 0.2)]
@@ -98,9 +98,10 @@ def plot(results: Result | Sequence[Result], what: str = "overview") -> Picture:
     if what not in ("overview", *PANELS):
         raise RequestError(f"there is no picture {what!r} of several results. There are: overview, {', '.join(PANELS)}")
     kinds = list(PANELS) if what == "overview" else [what]
-    drawn = list(results[:MOST])
+    drawn = [stretch.of(result, start, stop) for result in results[:MOST]]
     names = _names(drawn)
     head = f"{len(results)} results" + (f", the first {MOST} of them" if len(results) > MOST else "")
+    head += stretch.words(drawn[0])
     lines = [(head, 13.0, "bold", BLACK)]
     lines += [(f"{name}: {literal(plots.doubts(result))}", 9.5, "normal", RUST)
               for name, result in zip(names, drawn) if plots.doubts(result)]

@@ -25,6 +25,14 @@ def require_folder(path: pathlib.Path) -> None:
         raise FileError(f"cannot write {str(path)!r}: there is no folder {str(path.parent)!r}. Make it first")
 
 
+def make_folder(path: pathlib.Path) -> None:
+    """Makes a folder, and those above it."""
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as fault:
+        raise FileError(f"cannot make the folder {str(path)!r}: {fault.strerror}. Name another one") from fault
+
+
 def write(path: pathlib.Path, text: str) -> None:
     """Writes a text and puts it in place whole: a reader sees the old one or the new one."""
     write_bytes(path, text.encode("utf-8"))

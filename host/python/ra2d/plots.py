@@ -11,8 +11,9 @@ import numpy as np
 import xarray as xr
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 
-from . import style
+from . import shock_plot, spectrogram, stretch, style
 from .errors import RequestError
+from .stretch import Stretch
 from .style import BLACK, BLUE, DECIBEL, GREEN, GREY, PLUM, RUST, SKY, Array, Picture, literal, quantity, scale
 
 if TYPE_CHECKING:
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
 NO_PROBES = "the scene names no probes (output.probes, output.slider_probes)"
 NO_SHOCKS = "there were no shocks: nothing touched"
 FEW_SAMPLES = "fewer than two samples: the run ended before, or output.rate is too low"
+SHORT_SPECTRUM = "the run is too short for a spectrum"
 MOST_LINES = 6   # that a panel keeps apart
 MOST_DOTS = 2000
 PLACES = 120     # bins along the track
@@ -52,15 +54,19 @@ def _track(result: Result) -> tuple[float, float]:
     start, length = _start(result), float(result.profile("resonator").position[-1])
     if start is None:
         return 0.0, length
-    end = start + float(result.scene["slider.length"]) + float(result.scene["speed"]) * result.duration
+    speed = float(result.scene["speed"])
+    end = start + float(result.scene["slider.length"]) + speed * result.duration
+    start += speed * stretch.first_time(result)
     more = 0.04 * (end - start)
     return max(0.0, start - more), min(length, end + more)
 
 
 def _draw_faces(axes: Any, result: Result) -> None:
-    start, (low, high) = _start(result), _track(result)
+    start, (low, high) = None if stretch.first_time(result) else _start(result), _track(result)
     resonator, slider = result.profile("resonator").load(), result.profile("slider").load()
     title = "Faces at the start, where the slider passes (heights much enlarged)"
+    if stretch.first_time(result):
+        title = "Face of the resonator where the slider passes (heights much enlarged)"
     drawn = [resonator.sel(position=slice(low, high)).values]
     if start is not None:
         gap = _gap(result, resonator, slider, start)
@@ -123,10 +129,11 @@ def _draw_lines(axes: Any, lines: list[tuple[str | None, xr.DataArray]], name: s
     """Series over one time; each with its colour and line."""
     time = lines[0][1].time.values
     unit, one = scale(unit_name, *(values.values for _, values in lines))
-    seconds = scale("s", time[-1:])[1]
-    together = max(style.draw_series(axes, time / seconds, values.values / one, style.SERIES[i], style.LINES[i], label)
+    place = style.time_axis(axes, time)
+    together = max(style.draw_series(axes, place(time), values.values / one, style.SERIES[i], style.LINES[i], label)
                    for i, (label, values) in enumerate(lines))
-    style.time_axis(axes, time, f"  (band: extremes of {together} samples, line: mean)" if together > 1 else "")
+    if together > 1:
+        style.time_axis(axes, time, f"  (band: extremes of {together} samples, line: mean)")
     axes.set_ylabel(f"{name} [{unit}]")
     axes.set_title(title)
     if lines[0][0]:
@@ -202,7 +209,7 @@ def why_empty(result: Result, what: str) -> str:
     if not result.analysis()["v_rms"]:
         return "the resonator is at rest: it did not vibrate"
     if what == "spectrum" and result.spectrum().sizes["frequency"] <= 2:
-        return "the run is too short for a spectrum"
+        return SHORT_SPECTRUM
     if what == "bands" and not np.isfinite(result.bands().level).any():
         return "the run is too short for third octaves"
     return ""
@@ -214,12 +221,13 @@ def _level(figure: Any, result: Result, _: bool) -> None:
         style.say_empty(axes, why, title)
         return
     time, levels = level_in_time(result)
-    one = style.time_axis(axes, np.array([0.0, result.duration]))
-    axes.plot(time / one, levels, color=BLUE, lw=1.2, marker="o", ms=2.5)
+    first = stretch.first_time(result)
+    place = style.time_axis(axes, np.array([first, result.duration]))
+    axes.plot(place(time), levels, color=BLUE, lw=1.2, marker="o", ms=2.5)
     found = result.level
     begin = result.analysis()["from"]
-    since = f"from {quantity(begin, 's')} on" if begin else "whole"
-    span = [begin / one, result.analysis()["to"] / one]
+    since = "of these" if first else f"from {quantity(begin, 's')} on" if begin else "whole"
+    span = [place(begin), place(result.analysis()["to"])]
     if math.isfinite(found):
         axes.plot(span, [found, found], color=RUST, ls="--", lw=1.2, zorder=4,
                   label=f"{since}: {found:.2f} dB")
@@ -232,7 +240,7 @@ def _level(figure: Any, result: Result, _: bool) -> None:
     axes.set_ylim(low - 2.5 * margin, high + margin)
     axes.legend(loc="lower right", ncol=2)
     axes.set_ylabel(f"level [{DECIBEL}]")
-    axes.set_title(f"{title}, over {quantity(result.duration / len(levels), 's')} each")
+    axes.set_title(f"{title}, over {quantity((result.duration - first) / len(levels), 's')} each")
 
 
 # what, its name, colour, line and width: where lines lie upon one another, the wider ones show
@@ -246,10 +254,11 @@ STORES = [("kinetic", "kinetic", BLUE, "-", 1.6), ("elastic", "elastic", RUST, "
 def _draw_energies(axes: Any, energy: xr.Dataset, kinds: list[Any], title: str) -> None:
     time = energy.time.values
     unit, one = scale("J", *(energy[key].values for key, *_ in kinds))
-    seconds = scale("s", time[-1:])[1]
-    together = [style.draw_series(axes, time / seconds, energy[key].values / one, colour, line, name, width, fill=0.25)
+    place = style.time_axis(axes, time)
+    together = [style.draw_series(axes, place(time), energy[key].values / one, colour, line, name, width, fill=0.25)
                 for key, name, colour, line, width in kinds]
-    style.time_axis(axes, time, f"  (band: extremes of {together[0]} samples, line: mean)" if together[0] > 1 else "")
+    if together[0] > 1:
+        style.time_axis(axes, time, f"  (band: extremes of {together[0]} samples, line: mean)")
     axes.set_ylabel(f"energy [{unit}]")
     axes.set_title(title)
     style.room_above(axes, 0.42 if len(kinds) > 3 else 0.2)
@@ -336,6 +345,9 @@ def _spectrum(figure: Any, result: Result, _: bool) -> None:
 
 def _probe_spectra(figure: Any, result: Result, _: bool) -> None:
     axes, title = figure.subplots(), "Velocity spectra of probes"
+    if result.spectrum().sizes["frequency"] <= 2:
+        style.say_empty(axes, SHORT_SPECTRUM, title)
+        return
     s = result.spectrum()
     densities = [*s.density_probe.values, *s.density_slider_probe.values]
     names = [label for label, _ in _probe_lines(result, "velocity")]
@@ -379,6 +391,14 @@ def _bands(figure: Any, result: Result, _: bool) -> None:
     axes.set_title(f"{title}; in all {result.level:.1f} dB; bars: one standard deviation over runs")
 
 
+def _spectrogram(figure: Any, result: Result, _: bool) -> None:
+    axes = figure.subplots()
+    if why := why_empty(result, "spectrogram"):
+        style.say_empty(axes, why, spectrogram.TITLE)
+    else:
+        spectrogram.draw(figure, axes, result)
+
+
 # ---- shocks ----------------------------------------------------------------------------------------
 
 KINDS = [("duration", "s", "duration"), ("peak_force", "N", "peak force"), ("impulse", "N s", "impulse"),
@@ -420,7 +440,7 @@ def _shocks(figure: Any, result: Result, alone: bool) -> None:
     kinds = KINDS if alone else KINDS[:2]
     for axes, kind in zip(figure.subplots(len(kinds) // 2, 2, squeeze=False).flat, kinds):
         draw_histogram(axes, shocks, *kind)
-    begin = result.analysis()["from"]
+    begin = 0 if isinstance(result, Stretch) else result.analysis()["from"]
     figure.axes[0].set_title(f"{shocks['count']} shock{'s' if shocks['count'] != 1 else ''}"
                              + (f" from {quantity(begin, 's')} on" if begin else "")
                              + (", bins of equal ratio, ten to a decade" if alone else ""))
@@ -431,8 +451,11 @@ def _shocks(figure: Any, result: Result, alone: bool) -> None:
 PANELS: dict[str, tuple[Callable[[Any, Any, bool], None], float]] = {
     "profiles": (_profiles, 7.5), "force": (_force, 6), "displacement": (_displacement, 6), "spectrum": (_spectrum, 5),
     "probe-spectra": (_probe_spectra, 5.6), "shocks": (_shocks, 6), "level": (_level, 4.2), "energy": (_energy, 7),
-    "bands": (_bands, 4.6)}
-NEED_SAMPLES = ("force", "displacement", "spectrum", "probe-spectra", "level", "energy", "bands")
+    "bands": (_bands, 4.6), "spectrogram": (_spectrogram, 5.2)}
+SAME = {"waterfall": "spectrogram"}  # another word for a panel
+SHOCK = "shock"
+NEED_SAMPLES = ("force", "displacement", "spectrum", "probe-spectra", "level", "energy", "bands",
+                "spectrogram")
 
 
 def facts(result: Result) -> str:
@@ -457,14 +480,16 @@ def doubts(result: Result) -> str:
     """What should not be overlooked."""
     found = []
     if not result.complete:
-        found.append(f"The run was cut short after {quantity(result.duration, 's')}: {result.attrs['ended']}.")
+        found.append(f"The run was cut short after {quantity(stretch.whole_duration(result), 's')}: "
+                     f"{result.attrs['ended']}.")
     if "beyond_limit" in result.attrs:
         found.append("A step beyond the limit of stability was forced.")
     return " ".join(found)
 
 
 def _head(result: Result) -> list[tuple[str, float, str, str]]:
-    lines = [(literal(f"{result.title}  \u2013  {result.path.name}"), 13.0, "bold", BLACK),
+    words = f"{result.title}  \u2013  {result.path.name}{stretch.words(result)}"
+    lines = [(literal(words), 13.0, "bold", BLACK),
              (facts(result), 9.5, "normal", BLACK)]
     return lines + ([(literal(doubts(result)), 9.5, "bold", RUST)] if doubts(result) else [])
 
@@ -476,16 +501,30 @@ def _draw(name: str, cell: Any, result: Result, alone: bool) -> None:
         PANELS[name][0](cell, result, alone)
 
 
-def result(of: Result, what: str = "overview") -> Picture:
-    """The picture of a result: "overview", or one panel."""
-    if what != "overview" and what not in PANELS:
-        raise RequestError(f"there is no picture {what!r}. There are: overview, {', '.join(PANELS)}")
+def views() -> list[str]:
+    """All that can be asked of one result."""
+    return ["overview", *PANELS, *SAME, SHOCK]
+
+
+def result(of: Result, what: str = "overview", start: float | None = None, stop: float | None = None,
+           shock: int | None = None) -> Picture:
+    """The picture of a result: "overview", or one panel. `start`, `stop` [s]: of a stretch alone;
+    `shock`: which one is shown as "shock", the strongest without it."""
+    what = SAME.get(what, what)
+    if what not in views():
+        raise RequestError(f"there is no picture {what!r}. There are: {', '.join(views())}")
+    if shock is not None and what != SHOCK:
+        raise RequestError(f"a shock is chosen for the picture 'shock', not for {what!r}")
+    of = stretch.of(of, start, stop)
+    lines = _head(of)
     with matplotlib.rc_context(style.RC):
+        if what == SHOCK:
+            return shock_plot.picture(of, shock, lines)
         if what != "overview":
-            figure, body = style.page(10, PANELS[what][1], _head(of))
+            figure, body = style.page(10, PANELS[what][1], lines)
             _draw(what, body, of, True)
             return figure
-        figure, body = style.page(11, 14, _head(of))
+        figure, body = style.page(11, 14, lines)
         rows = body.subfigures(4, 1, height_ratios=[1.45, 1, 1.05, 1])
         _draw("profiles", rows[0], of, False)
         for row, names in zip(rows[1:], (("force", "displacement"), ("spectrum", "level"), ("shocks", "energy"))):

@@ -364,17 +364,23 @@ class Result:
 
     # ---- looking and listening ----------------------------------------------------------------------
 
-    def plot(self, what: str = "overview") -> Figure:
+    def plot(self, what: str = "overview", *, start: float | None = None, stop: float | None = None,
+             shock: int | None = None) -> Figure:
         """A picture as a matplotlib Figure: the whole page, or one panel of docs/pictures.md:
         "profiles", "force", "displacement", "spectrum", "probe-spectra", "shocks", "level",
-        "energy", "bands".
+        "energy", "bands", "spectrogram" (or "waterfall"), "shock".
+
+        - `start`, `stop` [s]: of this stretch of the run alone
+        - `shock`: which one is shown as "shock", by its number in `shocks`; the strongest without it
 
         >>> getfixture("result").plot("bands").axes[0].get_xlabel()
         'midband frequency [Hz]'
+        >>> getfixture("result").plot("force", start=0.2, stop=0.21).axes[0].get_xlabel()
+        'time after 200 ms [ms]'
         """
         from . import plots
 
-        return plots.result(self, what)
+        return plots.result(self, what, start=start, stop=stop, shock=shock)
 
     def listen(self, probe: int = 1, *, body: Body = "resonator", slow: float = 1, full_scale: float | None = None,
                normalize: bool = False, rate: int = 48000, start: float | None = None,

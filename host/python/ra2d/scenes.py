@@ -31,6 +31,12 @@ KEYS: dict[str, list[str]] = {
     "resonator.surface": _FACE,
     "slider.surface": _FACE,
 }
+# Units by the name of a key, as docs/scene.md has them; a test holds both together.
+UNITS: dict[str, str] = {name: unit for unit, names in {
+    "s": "duration step from", "m/s": "speed", "Hz": "max_frequency rate", "Pa": "young", "kg/m^3": "density",
+    "Pa/m": "stiffness", "N": "load force",
+    "m": "start gap spacing length thickness width cutoff_s cutoff rq rsm correlation_length longest shortest probes "
+         "slider_probes"}.items() for name in names.split()}
 LONGEST_TITLE = 48  # characters of a name within the names of files
 
 

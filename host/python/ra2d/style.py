@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import math
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import matplotlib
@@ -145,12 +145,31 @@ def frequency_axis(axes: Any, low: float, high: float) -> None:
     axes.set_xlabel("frequency [Hz]")
 
 
-def time_axis(axes: Any, time: Array, note: str = "") -> float:
-    """Sets limits and label; returns what one unit is [s]."""
-    unit, one = scale("s", time[-1:])
-    axes.set_xlim(time[0] / one, time[-1] / one)
-    axes.set_xlabel(f"time [{unit}]{note}")
-    return one
+def clock(time: Array) -> tuple[float, float, str]:
+    """What an axis over these times counts from [s], what one of its units is [s], and its label. A
+    short stretch of a long run counts from a round time before it: the numbers stay short.
+
+    >>> clock(np.array([0.0, 0.02]))
+    (0.0, 0.001, 'time [ms]')
+    >>> clock(np.array([0.123456, 0.123656]))
+    (0.1234, 1e-06, 'time after 123.4 ms [µs]')
+    """
+    first, last = float(time[0]), float(time[-1])
+    if first <= 0 or last - first > 0.05 * last or not last > first:
+        unit, one = scale("s", time[-1:])
+        return 0.0, one, f"time [{unit}]"
+    step = 10.0 ** math.floor(math.log10(last - first))
+    begin = round(math.floor(first / step + 1e-6) * step, 15)
+    unit, one = scale("s", last - begin)
+    return begin, one, f"time after {quantity(begin, 's', 12)} [{unit}]"
+
+
+def time_axis(axes: Any, time: Array, note: str = "") -> Callable[[Any], Any]:
+    """Sets limits and label; returns what makes times [s] to places on the axis."""
+    begin, one, label = clock(time)
+    axes.set_xlim((time[0] - begin) / one, (time[-1] - begin) / one)
+    axes.set_xlabel(f"{label}{note}")
+    return lambda at: (at - begin) / one
 
 
 def room_above(axes: Any, share: float) -> None:

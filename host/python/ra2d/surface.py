@@ -24,7 +24,7 @@ from .results import Result
 from .scenes import Scene
 
 # keys of a measured face that `ra2d surface measure` takes as options of the same name
-_MEASURED = ("x_unit", "z_unit", "spacing", "decimal", "row", "column", "fill", "form", "cutoff_s")
+MEASURED = ("x_unit", "z_unit", "spacing", "decimal", "row", "column", "fill", "form", "cutoff_s")
 
 
 class Surface(dict[str, Any]):
@@ -66,7 +66,7 @@ class Surface(dict[str, Any]):
         if self.get("kind") != "file":
             raise RequestError("roughness is measured of a file: give ra2d.surface.array(face.heights(...), spacing) "
                                "or ra2d.surface.read(...)")
-        words: dict[str, Any] = {name: self[name] for name in _MEASURED if name in self}
+        words: dict[str, Any] = {name: self[name] for name in MEASURED if name in self}
         words |= {"cutoff": cutoff, **options}
         given = [str(word) for name, value in words.items() for word in ("--" + name.replace("_", "-"), value)]
         answer = program.ask("surface", "measure", self["path"], *given)

@@ -118,3 +118,85 @@ def test_without_python(place):
     said = ra2d(place, "plot", "out.h5", environment={"PATH": str(place)})
     # Debian's own is found all the same
     assert said.returncode == (0 if pathlib.Path("/usr/bin/python3").exists() else 4)
+
+
+# ---- uncertainty and compare --------------------------------------------------------------------------
+
+SMALL = ("--set", "time.scheme=adaptive", "--set", "time.tolerance=1e-6", "--set", "scene.duration=0.02", "--set",
+         "output.rate=1e4")
+
+
+@pytest.fixture(scope="session")
+def dang():
+    from ra2d import scenes
+    return str(scenes._named("dang2012"))
+
+
+def test_uncertainty_prints_the_packages_budget(place, dang):
+    said = ra2d(place, "uncertainty", dang, "--seeds", "3", "--csv", "table.csv", "--quiet", *SMALL)
+    assert said.returncode == 0 and said.stderr == ""
+    import ra2d as package
+    same = package.uncertainty(package.scene("dang2012").change(duration=0.02, tolerance=1e-6, rate=1e4), seeds=3,
+                               folder=place / "again", show=False)
+    assert said.stdout == same.text() + "\n" and (place / "table.csv").read_text() == same.csv()
+    assert (place / "dang2012-uncertainty" / "results.h5").is_file()
+    told = ra2d(place, "uncertainty", dang, "--seeds", "3", "--json", "--threads", "1", *SMALL)
+    assert json.loads(told.stdout) == json.loads(same.to_json())
+    assert "stiffness" in told.stderr and told.stderr.count("half-spaces") <= 2  # doubts of the scene, told by the program
+
+
+def test_uncertainty_refuses_what_is_wrong(place, dang):
+    shutil.copy(dang, place / "s.toml")
+    before = names(place)
+    for words, status, said in ((("s.toml", "--seeds", "1"), 2, "from 2 to 1000"), (("no.toml",), 4, "no.toml"),
+                                (("s.toml", "--set", "scene.speed=fast"), 2, "number >= 0"),
+                                (("s.toml", "--csv", "s.toml"), 2, "overwritten"),
+                                (("s.toml", "-o", "no/folder"), 4, "Make it first"),
+                                (("s.toml", "--set", 'slider.surface={kind="flat"}', "--set",
+                                  'resonator.surface={kind="flat"}'), 2, "neither face")):
+        ended = ra2d(place, "uncertainty", *words)
+        assert ended.returncode == status and said in ended.stderr and ended.stdout == "", words
+    assert names(place) == before and (place / "s.toml").read_text() == pathlib.Path(dang).read_text()
+
+
+def test_compare_prints_the_packages_comparison(place, result, study):
+    import ra2d as package
+    said = ra2d(place, "compare", result.path, "out.h5")
+    assert said.returncode == 0 and said.stderr == ""
+    assert said.stdout == package.compare(result, place / "out.h5").text() + "\n"
+    assert "scene.duration [s]" in said.stdout and "the run is too short" in said.stdout
+    told = json.loads(ra2d(place, "compare", result.path, "out.h5", "--json").stdout)
+    assert told == json.loads(package.compare(result, place / "out.h5").to_json())
+    (place / "broken.h5").write_bytes((place / "out.h5").read_bytes()[:5000])
+    for other, status in (("no.h5", 4), ("broken.h5", 4), (str(study.folder), 2), (".", 2)):
+        ended = ra2d(place, "compare", "out.h5", other)
+        assert ended.returncode == status and ended.stderr.startswith("ra2d: ") and "Traceback" not in ended.stderr
+        assert ended.stdout == "", other
+
+
+def test_plot_takes_a_stretch_and_a_shock(place, result):
+    shutil.copy(result.path, place / "long.h5")
+    for words in (("--what", "waterfall", "--from", "0.2", "--to", "0.4"), ("--what", "shock", "--shock", "7")):
+        ended = ra2d(place, "plot", "long.h5", *words, "-o", "x.png")
+        assert ended.returncode == 0 and ended.stderr == "", ended.stderr
+        assert (place / "x.png").read_bytes().startswith(b"\x89PNG")
+    shown = package_picture(result, what="force", start=0.2, stop=0.3)
+    assert ra2d(place, "plot", "long.h5", "--what", "force", "--from", "0.2", "--to", "0.3", "-o", "f.svg").returncode == 0
+    assert (place / "f.svg").read_bytes() == shown.replace(b"cube.h5", b"long.h5")
+    (place / "x.png").unlink()
+    for words, said in ((("--from", "5"), "there is nothing"), (("--shock", "3"), "--what shock"),
+                        (("--what", "shock", "--shock", "999999"), "numbers 0 to"),
+                        (("--what", "shock", "--shock", "-1"), "--shock"), (("--from", "-1"), "--from")):
+        ended = ra2d(place, "plot", "long.h5", *words, "-o", "x.png")
+        assert ended.returncode == 2 and said in ended.stderr and not (place / "x.png").exists()
+
+
+def package_picture(of, **words):
+    return of.plot(**words).drawn("svg")
+
+
+def test_stretches_are_refused_where_there_is_no_time(place, study, profile):
+    for files, words in (((profile, "--x-unit", "mm", "--z-unit", "um"), ("--from", "0.1")), ((study.folder,), ("--to", "1")),
+                         ((study.folder,), ("--shock", "1"))):
+        ended = ra2d(place, "plot", *files, *words, "-o", "x.png")
+        assert ended.returncode == 2 and f"{words[0]} is of results" in ended.stderr

@@ -7,9 +7,10 @@ import warnings
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import ra2d
-from ra2d import plots, style
+from ra2d import plots, spectrogram, stretch, style
 from tests.colours import SEEN, lab, linear, times
 
 
@@ -142,3 +143,135 @@ def test_several_results_lie_over_one_another(result, base, folder):
     assert len(ra2d.plot([result] * 9, "bands").axes[0].lines) == 16  # eight, each with its hollow marks
     with pytest.raises(ra2d.RequestError, match="no picture 'force' of several results"):
         ra2d.plot([result], "force")
+
+
+# ---- stretches, the spectrogram, one shock ------------------------------------------------------------
+
+def test_a_stretch_has_the_numbers_of_the_stretch(result):
+    """Those of `ra2d analyze --from --to`; sums of energy count from its first sample."""
+    part = stretch.of(result, 0.2, 0.3)
+    told = result.analysis(start=0.2, stop=0.3)
+    assert part.level == told["lv"] and len(part.shocks) == told["shocks"]["count"] and part.samples == 10_001
+    assert float(part.contact.time[0]) == 0.2 and float(part.probes.time[-1]) == pytest.approx(0.3)
+    assert part.bands().level.values[-3] == told["bands"]["level"][-3]
+    assert float(part.energy.damping_loss[0]) == 0
+    lost = result.energy.damping_loss.sel(time=[0.2, 0.3], method="nearest").values
+    assert float(part.energy.damping_loss[-1]) == pytest.approx(lost[1] - lost[0], rel=1e-9)
+    assert stretch.of(result, None, None) is result
+
+
+@pytest.mark.parametrize("what", ["overview", *plots.PANELS, "shock"])
+@pytest.mark.parametrize("start, stop", [(0.2, 0.5), (0.9, None), (None, 0.001), (0.5, 0.50002)])
+def test_every_picture_of_a_stretch_draws_without_a_warning(result, what, start, stop):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        figure = result.plot(what, start=start, stop=stop)
+        assert figure.drawn("png", 30).startswith(b"\x89PNG")
+    words = [text.get_text() for text in figure.findobj(lambda artist: type(artist).__name__ == "Text")]
+    assert any(", from " in text for text in words)
+
+
+def test_axes_of_a_stretch_end_where_it_does(result):
+    for what in ("force", "displacement", "level", "energy"):
+        assert result.plot(what, start=0.25, stop=0.75).axes[0].get_xlim() == pytest.approx((250, 750), abs=1)
+    low, high = ra2d.plot([result, result], "level", start=0.25, stop=0.75).axes[0].get_xlim()
+    assert (low, high) == pytest.approx((250, 750), abs=1)
+    low, high = result.plot("profiles", start=0.5, stop=0.6).axes[0].get_xlim()  # mm: 0.1 m + 0.1 m/s t, 20 mm more
+    assert low == pytest.approx(150 - 1.2, abs=0.1) and high == pytest.approx(180 + 1.2, abs=0.1)
+
+
+@pytest.mark.parametrize("start, stop", [(2, None), (0.5, 0.5), (0.6, 0.5), (-1, None), (float("nan"), None),
+                                         ("now", None), (None, True), (0.5, 0.500001)])
+def test_stretches_that_are_none(result, start, stop):
+    with pytest.raises(ra2d.RequestError, match="there is nothing of|expected a time|fewer than two samples"):
+        result.plot("force", start=start, stop=stop)
+
+
+def test_a_spectrogram_has_the_power_of_the_spectrum(result):
+    """Parseval: the densities summed over the lines and meaned over time are the mean square velocity, but for the
+    windows' weights at both ends and 0 Hz."""
+    time, frequency, density, length = spectrogram.densities(result)
+    assert length == 2048 and frequency[1] == pytest.approx(1e5 / 2048) and (np.diff(time) > 0).all()
+    assert 0 < time[0] < 0.02 and 0.98 < time[-1] < 1
+    square = density.sum(axis=0).mean() * frequency[1]
+    assert 10 * np.log10(square) + 180 == pytest.approx(result.level, abs=0.3)
+
+
+def test_a_tone_stands_at_its_time_and_frequency():
+    """A mode that sounds in the second half: its line there carries a^2/2, spread over Hann's 1.5 lines."""
+    rate, n, amplitude = 1e4, 20_000, 3e-3
+    t = np.arange(n) / rate
+    velocity = amplitude * np.sin(2 * np.pi * 1250.0 * t) * (t >= 1)
+    tone = Tone(xr.Dataset({"velocity": (("time", "mode"), velocity[:, None]), "mean_square": ("mode", [2.0])},
+                           {"time": t}), rate)
+    time, frequency, density, length = spectrogram.densities(tone)
+    line = int(np.argmin(abs(frequency - 1250)))
+    after, before = density[:, time > 1.1], density[:, time < 0.9]
+    assert before.max() < 1e-12 * after.max() and (after.argmax(axis=0) == line).all()
+    assert (after.sum(axis=0) * frequency[1]).mean() == pytest.approx(2.0 * amplitude ** 2 / 2, rel=1e-6)
+    assert after[line].mean() == pytest.approx(2.0 * amplitude ** 2 / 2 / (1.5 * frequency[1]), rel=0.02)
+
+
+class Tone:
+    """What the spectrogram reads of a result."""
+
+    def __init__(self, modes, rate):
+        self._modes, self.rate = modes, rate
+
+    def modes(self, body):
+        return self._modes
+
+
+def test_long_runs_are_put_together():
+    t = np.arange(4_000_000) / 1e5
+    long = Tone(xr.Dataset({"velocity": (("time", "mode"), np.ones((t.size, 1))), "mean_square": ("mode", [1.0])},
+                           {"time": t}), 1e5)
+    time, frequency, density, length = spectrogram.densities(long)
+    assert length == spectrogram.MOST and time.size <= spectrogram.MOST_COLUMNS and 39 < time[-1] < 40
+    assert np.allclose(np.diff(time), np.diff(time)[0])
+
+
+def test_the_spectrograms_scale_says_what_it_is(result):
+    figure = result.plot("waterfall")
+    axes, bar = figure.axes
+    assert "dB re 1 (nm/s)²/Hz" in bar.get_ylabel() and "Hann" in axes.get_xlabel() and "48.8 Hz" in axes.get_xlabel()
+    colours = figure.findobj(lambda artist: type(artist).__name__ == "QuadMesh")[0]
+    assert colours.get_cmap().name == "viridis" and bar.get_ylim()[1] - bar.get_ylim()[0] == 70
+
+
+def test_the_strongest_shock_is_shown_with_its_samples(result):
+    figure = result.plot("shock")
+    strongest = result.shocks.peak_force.idxmax()
+    shock = result.shocks.loc[strongest]
+    words = " ".join(text.get_text() for text in figure.findobj(lambda artist: type(artist).__name__ == "Text"))
+    assert f"Shock {strongest}, the strongest of {len(result.shocks)}" in words
+    force = result.contact.force
+    count = int(((force.time >= shock.start) & (force.time <= shock.start + shock.duration)).sum())
+    assert count < 10 and f"{count} sample" in words and "ra2d run --zoom" in words
+    peak = figure.axes[0].lines[1].get_ydata()
+    assert peak[0] == pytest.approx(shock.peak_force) and len(figure.axes) == 3
+    low, high = figure.axes[0].get_xlim()
+    assert high - low > 8 * shock.duration * 1e6  # µs
+
+
+def test_a_chosen_shock_and_a_long_one(result):
+    lasting = result.shocks.duration.idxmax()
+    words = " ".join(text.get_text() for text in result.plot("shock", shock=int(lasting)).findobj(
+        lambda artist: type(artist).__name__ == "Text"))
+    assert f"Shock {lasting}, number" in words and "samples fall into it." in words and "--zoom" not in words
+    first = int(result.shocks.index[0])
+    assert len(result.plot("shock", shock=first).axes) == 3
+    for wrong in (-1, 10**9, 1.5, "strongest", True):
+        with pytest.raises(ra2d.RequestError, match="shock is .*numbers 0 to"):
+            result.plot("shock", shock=wrong)
+    with pytest.raises(ra2d.RequestError, match="for the picture 'shock'"):
+        result.plot("force", shock=3)
+
+
+def test_runs_with_no_shock_one_shock_and_no_probes(silent, base, folder):
+    assert "no shocks" in " ".join(text.get_text() for axes in silent.plot("shock").axes for text in axes.texts)
+    with pytest.raises(ra2d.RequestError, match="there were none"):
+        silent.plot("shock", shock=0)
+    drop = ra2d.run("drop", {"output.probes": []}, duration=2e-4, output=folder / "one.h5", show=False)
+    figure = drop.plot("shock")
+    assert figure.drawn("png", 30) and len(figure.axes) in (1, 3)

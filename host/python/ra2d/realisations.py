@@ -1,0 +1,212 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Other faces of the same roughness: seeds of random ones; of measured ones other stretches of the trace, the
+mirror image, and surrogates of equal spectrum."""
+from __future__ import annotations
+
+import dataclasses
+import math
+import pathlib
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from . import files, program
+from .errors import Error, RequestError
+from .scenes import Scene
+from .surface import MEASURED, Surface, array
+
+Heights = npt.NDArray[np.float64]
+BODIES = ("resonator", "slider")
+AS_MEASURED = "as measured"
+NEXT_SEED = 1000  # from the seed of one run to that of the next, as in `ra2d study`
+ROUNDS = 50       # of a surrogate
+
+
+@dataclasses.dataclass(frozen=True)
+class Face:
+    """One face of a realisation.
+
+    - `kind`: "seed 1002", "as measured", "offset 20 mm", "mirror image", "surrogate 1"
+    - `key`, `value`: the key of the scene that makes it, and its value
+    - `distribution_error`: of a surrogate: how far its sorted heights are from those of the measured
+      face, as a share of their root mean square; 0 of other faces
+    """
+
+    kind: str
+    key: str
+    value: Any
+    distribution_error: float = 0.0
+
+
+def surrogate(heights: Heights, seed: int) -> tuple[Heights, float]:
+    """A profile with the spectrum of another one and other phases, and how far its sorted heights are
+    from the other's (root mean square, as a share of that of the heights).
+
+    Iterated amplitude-adjusted Fourier transform (Schreiber and Schmitz 1996): the sorted heights
+    and the amplitudes are imposed in turn, the amplitudes last. So the spectrum is equal to
+    rounding, and no noise of the sorting stands between neighbouring nodes. The line from the
+    first to the last height is taken off before and put back after: a step from the end to the
+    beginning would be spread over the whole profile as roughness.
+
+    >>> z = np.sin(np.arange(1000) / 5.0) + np.sin(np.arange(1000) / 13.0)
+    >>> other, error = surrogate(z, seed=1)
+    >>> error < 0.1 and not np.allclose(z, other)
+    True
+    """
+    line = np.linspace(heights[0], heights[-1], heights.size)
+    wanted = heights - line
+    middle = float(wanted.mean())
+    wanted = wanted - middle
+    size = float(np.sqrt((wanted ** 2).mean()))
+    if size == 0:
+        return heights.copy(), 0.0
+    amplitude, ordered = np.abs(np.fft.rfft(wanted)), np.sort(wanted)
+
+    def impose(phases: npt.NDArray[np.complex128]) -> Heights:
+        made: Heights = np.fft.irfft(amplitude * phases, wanted.size)
+        return made
+
+    def error_of(made: Heights) -> float:
+        return float(np.sqrt(((np.sort(made) - ordered) ** 2).mean())) / size
+
+    random = np.exp(2j * np.pi * np.random.default_rng(seed).random(amplitude.size))
+    random[0] = 1
+    if wanted.size % 2 == 0:
+        random[-1] = 1  # the line at half the rate is real
+    best = impose(random)
+    error = error_of(best)
+    made = best
+    for _ in range(ROUNDS):
+        ranked = np.empty_like(made)
+        ranked[np.argsort(made, kind="stable")] = ordered
+        spectrum = np.fft.rfft(ranked)
+        lengths = np.abs(spectrum)
+        phases = np.where(lengths > 0, spectrum / np.where(lengths > 0, lengths, 1), 1)
+        made = impose(phases)
+        found = error_of(made)
+        if found < error:
+            best, error = made, found
+        elif found > 0.9999 * error:
+            break
+    return best + line + middle, error
+
+
+def offsets(trace: float, first: float, width: float) -> list[float]:
+    """Shifts [m] to other stretches of a trace, none of which overlaps another or the one that is
+    used, which begins at `first` and is `width` long.
+
+    >>> offsets(0.1, 0.0, 0.02)
+    [0.02, 0.04, 0.06, 0.08]
+    """
+    room = 1e-9 * trace
+    right = math.floor((trace - first - width + room) / width)
+    left = math.floor((first + room) / width)
+    return [k * width for k in range(1, right + 1)] + [-k * width for k in range(1, left + 1)]
+
+
+def _trace_length(face: Surface, spacing: float) -> float:
+    """Length of the whole measured trace after its filter [m], in whole spacings."""
+    words = [str(word) for name in MEASURED if name in face for word in ("--" + name.replace("_", "-"), face[name])]
+    found = program.ask("surface", "measure", face["path"], *words, "--filter", "none")
+    dropped = face.get("cutoff", 2.5e-3) if face.get("filter") == "gaussian" else 0.0  # half at each end
+    return float(math.floor((found["length"] - dropped) / spacing * (1 + 1e-12))) * spacing
+
+
+def _whole_trace(face: Surface, spacing: float) -> Heights | None:
+    """The heights of the whole trace as a run would have them; None where that cannot be found."""
+    if face.get("short") == "repeat":
+        return None
+    try:
+        length = _trace_length(face, spacing)
+        return np.asarray(face.heights(length, spacing).values) if length > 0 else None
+    except Error:
+        return None
+
+
+def _moved(trace: Heights, by: int, nodes: int) -> Heights:
+    """The stretch of the trace that begins `by` nodes further; mirrored where the trace has ended."""
+    at = np.abs(np.arange(nodes) + by)
+    last = trace.size - 1
+    folded = np.where(at <= last, at, np.maximum(2 * last - at, 0))
+    moved: Heights = trace[folded]
+    return moved
+
+
+@dataclasses.dataclass
+class _Measured:
+    """A measured face of a scene."""
+
+    body: str
+    face: Surface
+    length: float   # m, of the body
+    spacing: float  # m, of the heights: half of the scene's, so that every case has its nodes there
+    first: float    # m, where the stretch begins that is touched
+    width: float    # m, its length
+
+    def variants(self, heights: Heights, count: int, folder: pathlib.Path) -> list[Face]:
+        """The face as it is and `count` - 1 others, each with its file."""
+        found = [self._written(AS_MEASURED, heights, folder)]
+        trace = _whole_trace(self.face, self.spacing)
+        for shift in (offsets((trace.size - 1) * self.spacing, self.first, self.width) if trace is not None else []):
+            if len(found) < count and trace is not None:
+                name = f"offset {1e3 * shift:.6g} mm"
+                found.append(self._written(name, _moved(trace, round(shift / self.spacing), heights.size), folder))
+        if len(found) < count:
+            found.append(self._written("mirror image", heights[::-1], folder))
+        for number in range(1, count - len(found) + 1):
+            made, error = surrogate(heights, seed=2 * number + BODIES.index(self.body))
+            found.append(self._written(f"surrogate {number}", made, folder, error))
+        return found
+
+    def _written(self, kind: str, heights: Heights, folder: pathlib.Path, error: float = 0.0) -> Face:
+        name = f"{self.body}-{kind.replace(' ', '-').replace('.', '_')}.csv"
+        if (heights.size - 1) * self.spacing < self.length:  # the beam's end lies between two nodes
+            heights = np.append(heights, heights[-1])
+        return Face(kind, f"{self.body}.surface.path", array(heights, self.spacing, folder / name)["path"], error)
+
+
+def is_random(face: Mapping[str, Any]) -> bool:
+    return "seed" in face
+
+
+def is_measured(face: Mapping[str, Any]) -> bool:
+    return face.get("kind") == "file"
+
+
+def _measured(complete: Mapping[str, Any], body: str) -> _Measured:
+    section = complete["scene"]
+    face = Surface(complete[body]["surface"])
+    slider = float(complete["slider"]["length"])
+    first = float(section["start"]) if body == "resonator" else 0.0
+    width = slider + (float(section["speed"]) * float(section["duration"]) if body == "resonator" else 0.0)
+    return _Measured(body, face, float(complete[body]["length"]), float(section["spacing"]) / 2, first, width)
+
+
+def of_scene(what: Scene, complete: Mapping[str, Any], count: int, folder: pathlib.Path
+             ) -> tuple[Scene, list[list[Face]]]:
+    """The scene whose faces can be exchanged, and the faces of `count` realisations, the first as
+    asked. `folder`: where profiles are written, if any."""
+    by_body: list[list[Face]] = []
+    for body in BODIES:
+        face = complete[body].get("surface", {})
+        if is_random(face):
+            by_body.append([Face(f"seed {face['seed'] + NEXT_SEED * k}", f"{body}.surface.seed",
+                                 face["seed"] + NEXT_SEED * k) for k in range(count)])
+        elif is_measured(face):
+            measured = _measured(complete, body)
+            heights = np.asarray(measured.face.heights(measured.length, measured.spacing).values)
+            if np.ptp(heights) == 0:  # as flat as a face that is not measured
+                continue
+            files.make_folder(folder)
+            faces = measured.variants(heights, count, folder)
+            what = what.change({f"{body}.surface": {"kind": "file", "path": faces[0].value}})
+            by_body.append(faces)
+    if not by_body:
+        raise RequestError("chance is seen in runs of other faces, and neither face of this scene is random, or "
+                           "measured and rough. Describe one by its roughness, as {'slider.surface': "
+                           "ra2d.surface.gaussian(rq=..., rsm=..., seed=1)}, or take a measured one. Or let the slider "
+                           "start elsewhere: ra2d.study(scene, {'start': [0.05, 0.06, 0.07]}) shows the scatter over "
+                           "parts of one face")
+    return what, [list(faces) for faces in zip(*by_body)]
