@@ -10,10 +10,7 @@ from typing import Any
 
 from markupsafe import Markup, escape
 
-# The units of a scene's keys, where their sections do not matter. A test holds them to docs/scene.md.
-UNITS = {"duration": "s", "speed": "m/s", "start": "m", "spacing": "m", "length": "m", "thickness": "m", "width": "m",
-         "young": "Pa", "density": "kg/m\u00b3", "max_frequency": "Hz", "load": "N", "stiffness": "Pa/m", "step": "s",
-         "rate": "Hz", "from": "s", "rq": "m", "rsm": "m", "correlation_length": "m", "force": "N"}
+from .scenes import UNITS
 
 _CONTROLS = re.compile("[\x00-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ufeff\ud800-\udfff]")
 _TEXTS = re.compile(
@@ -101,7 +98,8 @@ def with_unit(key: str, value: Any, digits: int = 3, prefix: str = "", one: floa
     """A value of a scene's key with its unit. Texts and tables stay as they are written."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         return html("{}", value)
-    return html("{} {}{}", number(value / one, digits), prefix, UNITS[key.rsplit(".", 1)[-1]])
+    unit = UNITS[key.rsplit(".", 1)[-1]].replace("^3", "\u00b3")
+    return html("{} {}{}", number(value / one, digits), prefix, unit)
 
 
 def _length(key: str, value: Any) -> Markup:

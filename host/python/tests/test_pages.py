@@ -20,7 +20,6 @@ import ra2d
 from ra2d import page, page_svg, page_words, program, style
 from ra2d.page_words import number, without_folders
 
-DOCS = pathlib.Path(__file__).resolve().parents[3] / "docs"
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 EVIL = "</title><script>alert(1)</script>\"'><img src=x onerror=alert(2)>\u202e $x^2$"
 
@@ -97,17 +96,6 @@ def test_numbers_are_for_people(value, digits, text):
     ('a = ""\nb = "/home/x#y"', 'a = ""\nb = "x#y"')])
 def test_texts_lose_their_folders_and_keep_their_names(toml, bare):
     assert without_folders(toml) == bare
-
-
-def test_units_are_those_of_the_table_of_keys():
-    tables = re.findall(r"<!-- keys: \S+ -->\n(.*?)<!-- end of keys -->", read(DOCS / "scene.md"), re.DOTALL)
-    lines = [line.split("|") for table in tables for line in table.splitlines() if line.startswith("| `")]
-    units = {}
-    for line in lines:
-        kind = next((cell for cell in line[2:] if "number" in cell), None)
-        if kind and (found := re.search(r", (m/s|kg/m\^3|Pa/m|Pa|Hz|m|s|N)(?: or|,|$| *$)", kind.strip())):
-            units.setdefault(line[1].strip(" `"), found[1].replace("^3", "³"))
-    assert {key: units[key] for key in page_words.UNITS} == page_words.UNITS
 
 
 def test_what_was_asked_has_the_units_of_its_keys():
