@@ -15,8 +15,8 @@
 
 #include "host/base/errors.hpp"
 #include "host/chart/chart_files.hpp"
-#include "host/surface/envelope.hpp"
 #include "host/store/store.hpp"
+#include "host/surface/envelope.hpp"
 #include "host/surface/profile_series.hpp"
 #include "host/system/partial_file.hpp"
 #include "tests/child.hpp"
