@@ -122,6 +122,10 @@ int dispatch(Words words) {
     if (const std::string fault = unknown_option(named, words); !fault.empty())
       throw RequestError(fault);
     throw RequestError(err.str().substr(0, err.str().find_last_not_of('\n') + 1));
+  } catch (const FileError&) {  // the value of a mistyped option is no scene's name
+    if (const std::string fault = unknown_option(named, words); !fault.empty())
+      throw RequestError(fault);
+    throw;
   }
   if (!chosen.takes_checkpoints) end_at_checkpoint_signal();
   if (!chosen.takes_ranks) require_one_process();

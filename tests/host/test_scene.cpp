@@ -354,7 +354,8 @@ const std::vector<Refused> refused{
     // types
     {"TextForNumber",
      {{"speed = 0.5", "speed = \"0.5\""}},
-     {"s.toml:3: scene.speed: \"0.5\" is not allowed: expected a number >= 0 (m/s)"}},
+     {"s.toml:3: scene.speed: \"0.5\" is a text without a unit: expected a number >= 0 (m/s), or "
+      "with its unit"}},
     {"TruthForNumber", {{"speed = 0.5", "speed = true"}}, {"s.toml:3: scene.speed: true is not"}},
     {"FloatForInteger",
      {{"modes = 19", "modes = 19.0"}},
