@@ -408,6 +408,7 @@ StudyAnswers read_study_table(const std::filesystem::path& file) {
   const auto library = h5::take_library();
   const h5::CrashWatch watch(file);
   try {
+    require_seal(file);  // all of it: others read it, too, and do not look
     return read_table(open_sealed(file));
   } catch (const Unsealed& fault) {
     throw FileError(

@@ -83,6 +83,20 @@ def test_a_damaged_result_is_refused_before_anything_is_drawn(place):
             assert said.returncode == 4 and "out.h5" in said.stderr and names(place) == ["out.h5"]
 
 
+def test_a_damaged_table_is_refused_before_anything_is_drawn(study, tmp_path):
+    shutil.copy(study.folder / "results.h5", tmp_path / "table.h5")
+    assert ra2d(tmp_path, "plot", "table.h5", "-o", "law.png").returncode == 0
+    whole = bytearray((tmp_path / "table.h5").read_bytes())
+    for at in range(len(whole) // 9, len(whole), len(whole) // 9):
+        flipped = whole.copy()
+        flipped[at] ^= 4
+        (tmp_path / "table.h5").write_bytes(flipped)
+        for command, made in (("plot", "x.png"), ("report", "x.html")):
+            said = ra2d(tmp_path, command, "table.h5", "-o", made)
+            assert said.returncode == 4 and "table.h5" in said.stderr
+    assert names(tmp_path) == ["law.png", "table.h5"]
+
+
 def test_a_page(place):
     said = ra2d(place, "report", "out.h5")
     assert said.returncode == 0 and said.stderr == "" and "out.html" in said.stdout
