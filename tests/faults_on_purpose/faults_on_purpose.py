@@ -131,15 +131,22 @@ class Build:
         self.commands = {}
         for entry in json.loads((folder / "compile_commands.json").read_text()):
             path = pathlib.Path(entry["file"])
-            if path.is_relative_to(self.folder / "host"):
-                name = path.relative_to(self.folder / "host").as_posix()
-            elif path.is_relative_to(ROOT):
-                name = path.relative_to(ROOT).as_posix()
-            else:
-                continue
             arguments = shlex.split(entry["command"])
-            self.commands.setdefault(name, []).append((arguments, arguments[arguments.index("-o") + 1]))
+            for source in self.compiled_together(path) or [path]:
+                if source.is_relative_to(self.folder / "host"):
+                    name = source.relative_to(self.folder / "host").as_posix()
+                elif source.is_relative_to(ROOT):
+                    name = source.relative_to(ROOT).as_posix()
+                else:
+                    continue
+                self.commands.setdefault(name, []).append((arguments, arguments[arguments.index("-o") + 1]))
         self.links, self.sound, self.lock = {}, {}, threading.Lock()
+
+    def compiled_together(self, path):
+        """The sources that a file of CMake's includes, where those of a folder are compiled together (RA2D_BY_FOLDER)."""
+        if path.parent.name != "Unity" or not path.is_relative_to(self.folder):
+            return []
+        return [pathlib.Path(source) for source in re.findall(r'#include "(.*)"', path.read_text())]
 
     def link_of(self, target):
         """What links `target`, a path in the build folder."""
@@ -221,6 +228,11 @@ def apply(build, fault, folder):
             if place not in made:
                 mine = f"{folder}/{place.replace('/', '_')}"
                 names = {place: mine, f"{ROOT}/{fault['file']}": str(faulty)}
+                for word in arguments:  # of sources that are compiled together: the same, with the faulty one
+                    if build.compiled_together(pathlib.Path(word)):
+                        names[word] = f"{mine}.cxx"
+                        pathlib.Path(names[word]).write_text(
+                            pathlib.Path(word).read_text().replace(f"{ROOT}/{fault['file']}", str(faulty)))
                 done = shell([*(names.get(word, word) for word in arguments), "-iquote", f"{folder}/changed",
                               "-Wno-error"], build.folder, COMPILE_LIMIT)
                 if done.returncode != 0:
