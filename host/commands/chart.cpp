@@ -64,14 +64,18 @@ std::vector<std::string> table_names(const ChartKind& kind, const std::string& p
   return names;
 }
 
+constexpr const char* tables_are_written = "The tables are written; --no-plot asks for no picture";
+
 /// Draws a picture of tables that have been written. Returns the exit status.
 int draw_chart(const ChartKind& kind, const std::vector<std::string>& tables,
-               const std::string& picture, bool quiet) {
+               const std::string& picture, bool quiet) try {
   nlohmann::ordered_json request{{"subject", "chart"}, {"chart", kind.name}, {"quiet", quiet}};
   for (const std::string& table : tables) request["files"].push_back(path_text(table));
   const int status = make_picture(std::move(request), picture);
-  if (status != exit_status::done) say("the tables are written; --no-plot asks for no picture");
+  if (status != exit_status::done) say(tables_are_written);
   return status;
+} catch (const FileError& fault) {
+  throw FileError(fmt::format("{}. {}", fault.what(), tables_are_written));
 }
 
 void print_written(const SceneOptions& common, const std::string& texts, bool plot,

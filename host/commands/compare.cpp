@@ -45,8 +45,12 @@ void add_compare(CLI::App& app, ChosenCommand& chosen) {
                          "answers differ by more than chance; needs Python");
   command->add_option("A", request->a, "result of 'ra2d run', folder of a study, or scene")
       ->required()
-      ->check(path());
-  command->add_option("B", request->b, "what it is compared with")->required()->check(path());
+      ->check(path())
+      ->transform(scene_or_name());
+  command->add_option("B", request->b, "what it is compared with")
+      ->required()
+      ->check(path())
+      ->transform(scene_or_name());
   command->add_flag("--json", request->json, "print everything as JSON, in SI units");
   command->callback([request, &chosen] { chosen.run = [request] { return compare(*request); }; });
 }

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <cctype>
+#include <csignal>
 #include <cstdlib>
 #include <limits>
 #include <system_error>
@@ -62,6 +63,21 @@ class Input {
   int descriptor_;
 };
 
+/// Whether the package has said how the command ended: not where a signal or a fault of Python's
+/// own ended it.
+bool is_told(int status) {
+  return status == exit_status::done || status == exit_status::wrong_request ||
+         status == exit_status::failed || status == exit_status::wrong_file ||
+         status == exit_status::out_of_time || status == exit_status::interrupted + SIGINT;
+}
+
+/// This program, to be started again by the package.
+fs::path this_program() {
+  std::error_code none;
+  const fs::path found = fs::read_symlink("/proc/self/exe", none);
+  return none ? program_folder() / "ra2d" : found;
+}
+
 /// Names of libraries, a line each, as Debian's packages.
 std::string debian_packages(const std::string& lines) {
   std::string packages;
@@ -74,31 +90,39 @@ std::string debian_packages(const std::string& lines) {
 
 int ask_python(const nlohmann::ordered_json& request) {
   const std::string package = find_package().string();
+  // in ASCII, which Python reads alike in every locale
   const std::string text =
-      request.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+      request.dump(-1, ' ', true, nlohmann::ordered_json::error_handler_t::replace);
   // the package asks this program, and no other one, for numbers
-  setenv("RA2D", (program_folder() / "ra2d").c_str(), 1);
+  setenv("RA2D", this_program().c_str(), 1);
   std::string missing;
   for (const char* python : {"python3", "/usr/bin/python3"}) {
     const Input input(text);
     const ProgramRun run = run_program({python, package}, Output::kept,
                                        std::numeric_limits<double>::infinity(), input.descriptor());
     if (run.status < 0 || run.status == 127) continue;
-    if (run.status != library_missing) {
+    if (is_told(run.status)) {
       print_text(run.out);
       return run.status;
     }
+    if (run.status > exit_status::interrupted)
+      throw FileError(
+          fmt::format("signal {} ended Python before it was done: is there enough memory?",
+                      run.status - exit_status::interrupted));
+    if (run.status != library_missing)
+      throw FileError(fmt::format("{} ended with status {}: its message, if any, is above", python,
+                                  run.status));
     missing = debian_packages(run.out);
   }
-  const std::string wanted = missing.empty() ? "python3 python3-matplotlib python3-h5py "
-                                               "python3-xarray python3-scipy python3-jinja2 "
-                                               "python3-soundfile"
-                                             : missing;
+  if (missing.empty())
+    throw FileError(
+        "this needs Python, and there is no python3: install it (on Debian: apt-get install "
+        "python3 "
+        "python3-matplotlib python3-h5py python3-xarray python3-pandas python3-scipy "
+        "python3-jinja2 python3-soundfile)");
   throw FileError(fmt::format(
-      "'ra2d {}' needs Python: {}. Install it (on Debian: apt-get install {})",
-      request.value("command", ""),
-      missing.empty() ? "there is no python3" : "no python3 here has all of its libraries",
-      wanted));
+      "this needs libraries that no python3 here has: install them (on Debian: apt-get install {})",
+      missing));
 }
 
 std::string path_text(const fs::path& path) {

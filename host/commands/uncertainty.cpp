@@ -73,7 +73,10 @@ void add_uncertainty(CLI::App& app, ChosenCommand& chosen) {
       "uncertainty",
       "how well level, rate and duration of the shocks are known: chance of the faces, tolerance "
       "or step, spacing, modes, stiffness, and the interval of the whole; needs Python");
-  command->add_option("SCENE", request.scene, "scene file (TOML)")->required()->check(path());
+  command->add_option("SCENE", request.scene, "scene file (TOML), or the name of an installed one")
+      ->required()
+      ->check(path())
+      ->transform(scene_or_name());
   command
       ->add_option("--set", request.overrides,
                    "overrides one value of the scene, e.g. --set contact.stiffness=1e14; "

@@ -44,8 +44,9 @@ class Budget:
       realisations, each with the interval of the whole
     - `table`: a row for each source. `chance`: half of the 95 % interval of the mean over the
       realisations. The others: by how much the mean moves when the source is changed as the row
-      says, and 95 % of chance in that (`_chance`); both with twice the step where that is stable. Level in dB; rate and duration in hundredths of
-      the natural logarithm: small ones are per cent, -42 is a factor of exp(-0.42) = 0.66
+      says, and 95 % of chance in that (`_chance`); both with twice the step where that is stable.
+      Level in dB; rate and duration in hundredths of the natural logarithm: small ones are per
+      cent, -42 is a factor of exp(-0.42) = 0.66
     - `realisations`: a row for each pair of faces: the `kind` of either face, and
       `distribution_error`, of surrogates: by how much their sorted heights are off, as a share of Rq
     - `runs`: a row for each run: `source`, `realisation`, the three quantities, and `message`, why a

@@ -3,6 +3,7 @@
 the command line (host/commands), writes into the files that it names, and returns what is printed."""
 from __future__ import annotations
 
+import io
 import json
 import os
 import pathlib
@@ -126,6 +127,9 @@ def _status(fault: Error) -> int:
 
 def main(requests: TextIO) -> int:
     """Answers one request; returns the exit status."""
+    for stream in (sys.stdout, sys.stderr):  # as the program writes, in every locale
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(encoding="utf-8", errors="replace")
     warnings.showwarning = lambda message, *rest: _say(message)
     request = json.load(requests)
     made = _path(request["made"]) if "made" in request else "the answer"

@@ -128,6 +128,32 @@ def test_files_of_the_current_folder_are_no_modules(place):
     assert ra2d(place, "plot", "out.h5", "--what", "level").returncode == 0
 
 
+@pytest.mark.parametrize("locale", [{"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"},
+                                    {"PYTHONIOENCODING": "ascii"}])
+def test_every_locale_reads_and_prints_alike(place, locale):
+    assert ra2d(place, "sound", "out.h5", "-o", "r\u00fch.wav", environment=locale).returncode == 0
+    assert (place / "r\u00fch.wav").exists()
+    said = ra2d(place, "compare", "out.h5", "out.h5", environment=locale)
+    assert said.returncode == 0 and "\u00b5N s" in said.stdout
+
+
+@pytest.mark.parametrize("script, words", [("kill -9 $$", "signal 9 ended Python"), ("exit 1", "ended with status 1")])
+def test_python_that_ends_without_a_word(place, script, words):
+    (place / "python3").write_text(f"#!/bin/sh\n{script}\n")
+    (place / "python3").chmod(0o755)
+    for command, made in (("plot", "x.png"), ("sound", "x.wav"), ("report", "x.html")):
+        said = ra2d(place, command, "out.h5", "-o", made, environment={"PATH": f"{place}:{os.environ['PATH']}"})
+        assert said.returncode == 4 and words in said.stderr and names(place) == ["out.h5", "python3"]
+
+
+def test_scenes_by_name(place):
+    said = ra2d(place, "compare", "dang2012", "dang2012-pinned")
+    assert said.returncode == 0 and "slider.support" in said.stdout
+    for command in (("compare", "dang2013", "out.h5"), ("uncertainty", "dang2013")):
+        said = ra2d(place, *command)
+        assert said.returncode == 4 and "did you mean 'dang2012'" in said.stderr
+
+
 def test_without_python(place):
     said = ra2d(place, "plot", "out.h5", environment={"PATH": str(place)})
     # Debian's own is found all the same
