@@ -23,6 +23,14 @@ KOKKOS_FORCEINLINE_FUNCTION double weighted_sum(const Lanes& lanes, const double
   return lanes.sum(part);
 }
 
+/// Smooth faces: bound on what the overlap within a cell exceeds that at both its ends by [m].
+template <class Lanes, int packs>
+KOKKOS_FORCEINLINE_FUNCTION double cell_sag(const Lanes& lanes, const FaceTables& faces,
+                                            const MotionLimits& bounds,
+                                            const typename Lanes::Real* u) {
+  return faces.sag + weighted_sum<Lanes, packs>(lanes, bounds.cell_sag, u);
+}
+
 /// Bound on the roundings of two positions [chi]: over shorter distances the slider moves in
 /// stairs, not along a line. Twice the roundings themselves, for what is computed from them.
 KOKKOS_FORCEINLINE_FUNCTION double position_rounding(const Place& place) {
@@ -84,10 +92,13 @@ class CandidateGroups {
     const double to_end = place.base + 1 - place.position;  // until a node passes another, chi
     const double distance = Kokkos::max(to_end, back);
     const double slope = weighted_sum<Lanes, packs>(lanes_, bounds_.largest_slope, u);
-    const double error = faces_.rounding + rounding +
-                         weighted_sum<Lanes, packs>(lanes_, bounds_.cubic_remainder, u) +
-                         distance * motion_.spacing * slope +
-                         position_rounding(place) * faces_.steepest_rise;
+    double error = faces_.rounding + rounding +
+                   weighted_sum<Lanes, packs>(lanes_, bounds_.cubic_remainder, u) +
+                   distance * motion_.spacing * slope +
+                   position_rounding(place) * faces_.steepest_rise;
+    if (faces_.smooth)
+      error += cell_sag<Lanes, packs>(lanes_, faces_, bounds_, u) + faces_.sag_per_travel * range_ +
+               0.5 * distance * distance * faces_.sharpest_bend;
     const double below = range_ + error;
     // the motion since then, raised by the roundings of both displacements
     double coarse_below = (1.0 + 0x1p-43) * moved(lists_.coarse_reference_u, u) + below + error;

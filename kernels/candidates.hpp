@@ -130,17 +130,23 @@ class Candidates {
     if (remaining < listed_travel)
       return {ContactForecast::search, 1, 0};  // too fast: step by step
 
-    const double half_curve = 0.5 * b.curvature * tau * tau;
+    double half_curve = 0.5 * b.curvature * tau * tau;
+    if (faces_.smooth) half_curve += 0.5 * motion_.advance * motion_.advance * faces_.sharpest_bend;
     // A node is not listed if it stays free along the line, with the margin and its own motion.
-    const double slack = faces_.rounding + b.rounding + bound(bounds_.cubic_remainder, u) +
-                         position_rounding(place) * faces_.steepest_rise + 2.0 * half_curve;
+    double slack = faces_.rounding + b.rounding + bound(bounds_.cubic_remainder, u) +
+                   position_rounding(place) * faces_.steepest_rise + 2.0 * half_curve;
     // what the cubics leave out of the closing per step
-    const double closing_slack =
+    double closing_slack =
         tau * bound(bounds_.cubic_remainder, v) +
         motion_.advance * motion_.spacing * bound(bounds_.cubic_slope_remainder, u) +
         2.0 * half_curve;
+    if (faces_.smooth) {  // a cell may be closed where its ends are not
+      slack += cell_sag<Lanes, packs>(lanes_, faces_, bounds_, u) +
+               faces_.sag_per_travel * (listed_travel + remaining);
+    }
     const double level = -(margin + half_curve * listed_steps * listed_steps + slack);
     int count = 0;
+    last_listed_ = -1;
     Real pressed(0.0);
     double flight = steps_to_contact(u, v, place, longest, listed_steps, half_curve, slack,
                                      closing_slack, level, count, pressed);
@@ -173,10 +179,12 @@ class Candidates {
   KOKKOS_FUNCTION int find_contacts(const Real* u, const Real* v, const Place& place) {
     const bool all = bounds_.searched == Nodes::all;
     if (!all && !groups_.holds(u, place, 0.0)) find_groups(u, v, place);
-    const double level = -(faces_.rounding + rounding(0) * bound(bounds_.largest_shape, u) +
-                           bound(bounds_.cubic_remainder, u));
+    double level = -(faces_.rounding + rounding(0) * bound(bounds_.largest_shape, u) +
+                     bound(bounds_.cubic_remainder, u));
+    if (faces_.smooth) level -= cell_sag<Lanes, packs>(lanes_, faces_, bounds_, u);
     GroupSweep<Lanes, packs> sweep(lanes_, faces_, slider_, patches_, place, amplitudes_, u);
     int count = 0;
+    last_listed_ = -1;
     const int groups = all ? faces_.groups : groups_.count();
     for (int e = 0; e < groups; ++e) {
       const int group = all ? e : groups_[e];
@@ -200,20 +208,33 @@ class Candidates {
   int* listed_nodes_;
   std::int64_t& evaluated_;
   CandidateGroups<Lanes, packs> groups_;
+  int last_listed_ = -1;  // smooth faces: the latest node whose cells are listed
 
   KOKKOS_FORCEINLINE_FUNCTION double bound(const double* weight, const Real* x) const {
     return weighted_sum<Lanes, packs>(lanes_, weight, x);
   }
-  /// Lists the nodes of a group whose bits are set. The last group is padded with nodes that do not
-  /// exist. They lie low, but a motion that diverges, or is not a number, would reach them.
+  /// Lists the nodes of a group whose bits are set, or (smooth faces) the cells beside them. The
+  /// last group is padded with nodes that do not exist. They lie low, but a motion that diverges,
+  /// or is not a number, would reach them.
   KOKKOS_FORCEINLINE_FUNCTION void list_nodes(int group, std::uint32_t bits, int& count) {
     const int left = faces_.nodes - group * width;
     if (left < width) bits &= (1u << left) - 1u;
     for (; bits != 0; bits &= bits - 1) {
-      RA2D_CHECK(count < faces_.nodes);
-      if (lanes_.leader()) listed_nodes_[count] = group * width + Kokkos::countr_zero(bits);
-      ++count;
+      const int node = group * width + Kokkos::countr_zero(bits);
+      if (!faces_.smooth) {
+        list(node, count);
+        continue;
+      }
+      // the cells on both sides of the node
+      if (node > 0 && last_listed_ < node - 1) list(node - 1, count);
+      if (node < faces_.nodes - 1) list(node, count);
+      last_listed_ = node;
     }
+  }
+  KOKKOS_FORCEINLINE_FUNCTION void list(int node, int& count) {
+    RA2D_CHECK(count < faces_.nodes);
+    if (lanes_.leader()) listed_nodes_[count] = node;
+    ++count;
   }
 
   /// Bounds on what the modes can do within a number of steps.
@@ -273,7 +294,10 @@ class Candidates {
       forecast.free_departure = 0.5 * b.acceleration * tau * tau / margin;
       forecast.departure_per_newton = b.acceleration_per_newton * tau * tau / margin;
     } else {
-      acceleration += b.acceleration_per_newton * contact_.node_stiffness * lanes_.sum(pressed);
+      // a cell is pressed by no more than the two nodes at its ends
+      const double per_node =
+          faces_.smooth ? 2.0 * contact_.node_stiffness : contact_.node_stiffness;
+      acceleration += b.acceleration_per_newton * per_node * lanes_.sum(pressed);
     }
     const double lasting = Kokkos::sqrt(2.0 * margin / (acceleration + 1e-300)) / tau - 1.0;
     if (!(lasting >= listed_steps))

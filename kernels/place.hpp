@@ -57,8 +57,8 @@ struct GroupPlace {
   }
 };
 
-/// The rough faces alone: h_1 - delta + h_2 at the nodes of a group, and the resonator's rise to
-/// its next node.
+/// The rough faces alone: h_1 - delta + h_2 at the nodes of a group, and the resonator's slope
+/// there [m per chi], which between straight lines is its rise to the next node.
 template <class Lanes>
 struct StaticOverlap {
   using Real = typename Lanes::Real;
@@ -69,8 +69,20 @@ struct StaticOverlap {
     const double* h2 = faces.height2 + place.base + group * Lanes::width;
     const Real left = lanes.load(h2);
     rise = lanes.load(h2 + 1) - left;
-    height =
-        lanes.load(faces.height1 + group * Lanes::width) + multiply_add(place.theta, rise, left);
+    const Real own = lanes.load(faces.height1 + group * Lanes::width);
+    if (!faces.smooth) {
+      height = own + multiply_add(place.theta, rise, left);
+      return;
+    }
+    const double* bend = faces.bend2 + place.base + group * Lanes::width;
+    const Real b0 = lanes.load(bend), b1 = lanes.load(bend + 1), theta(place.theta);
+    // of the cubic between two nodes: slope at the left one, half its bend there, a sixth of the
+    // bend's change
+    const Real slope = multiply_add(-1.0 / 6.0, b0 + b0 + b1, rise);
+    const Real half = Real(0.5) * b0, sixth = Real(1.0 / 6.0) * (b1 - b0);
+    height = own + multiply_add(theta, multiply_add(theta, multiply_add(theta, sixth, half), slope),
+                                left);
+    rise = multiply_add(theta, multiply_add(Real(3.0) * theta, sixth, b0), slope);
   }
 };
 

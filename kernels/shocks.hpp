@@ -68,6 +68,11 @@ KOKKOS_INLINE_FUNCTION int merge_shocks(ShockTracking& shocks, RunBuffer& runs, 
   return keep == moved ? drop : keep;
 }
 
+/// Where a force acts on the slider [chi].
+KOKKOS_FORCEINLINE_FUNCTION double centre(const ContactList& list, int e) {
+  return list.centres == nullptr ? list.nodes[e] : list.centres[e];
+}
+
 /// Takes in the contact from step `first` to step `last`, with the same nodes in contact: `count`
 /// of them in ascending order, their forces [N] summed over those steps, and the moments of these
 /// forces about `position` [chi].
@@ -124,7 +129,7 @@ KOKKOS_INLINE_FUNCTION void track_shocks(ShockTracking& shocks, RunBuffer& runs,
                                          const ContactList& list, int count, std::int64_t step,
                                          double position) {
   join_shocks(shocks, runs, ended, list, count, step, step, position,
-              [&](int e) { return list.forces[e] * list.nodes[e]; });
+              [&](int e) { return list.forces[e] * centre(list, e); });
   for (int i = 0; i < shocks.open_count; ++i)
     if (shocks.open[i].force > shocks.open[i].peak) shocks.open[i].peak = shocks.open[i].force;
 }
@@ -140,11 +145,11 @@ KOKKOS_FORCEINLINE_FUNCTION bool continue_shocks(ShockTracking& shocks, RunBuffe
   for (; e < count && run < shocks.run_count; ++run) {
     const int first = list.nodes[e];
     int last = first;
-    double force = list.forces[e], moment = force * first;
+    double force = list.forces[e], moment = force * centre(list, e);
     while (++e < count && list.nodes[e] == last + 1) {
       ++last;
       force += list.forces[e];
-      moment += list.forces[e] * last;
+      moment += list.forces[e] * centre(list, e);
     }
     const ContactRun& before = shocks.runs[run];
     if (first > before.last + 1 || last < before.first - 1) return false;

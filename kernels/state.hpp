@@ -164,10 +164,10 @@ struct Marks {
   int* active_index = nullptr;          // Form::implicit: its index in the active set
 };
 
-/// Expanded nodes.
+/// Expanded nodes or cells.
 struct Caches {
-  double* node_shape = nullptr;  // (node, 4, lane)
-  double* node_face = nullptr;   // (node, 2)
+  double* node_shape = nullptr;  // (node, 4, lane); (cell, 7, lane)
+  double* node_face = nullptr;   // (node, 2); (cell, 12)
 };
 
 // ---- work
@@ -181,10 +181,11 @@ struct CandidateLists {
   double* coarse_reference_u = nullptr;  // modal displacements at which the coarse list was made
 };
 
-/// The nodes in contact at a step, and their forces [N].
+/// The nodes (smooth faces: cells) in contact at a step, and their forces [N].
 struct ContactList {
   int* nodes = nullptr;
   double* forces = nullptr;
+  double* centres = nullptr;  // smooth faces: where the force of a cell acts on the slider, chi
 };
 
 /// The next runs of neighbouring nodes.
@@ -310,8 +311,8 @@ void visit_arrays(Marks& s, const Extents& n, Visit&& visit) {
 template <class Visit>
 void visit_arrays(Caches& s, const Extents& n, Visit&& visit) {
   const auto nodes = static_cast<std::size_t>(n.nodes);
-  visit("node_shape", s.node_shape, nodes * 4 * n.lanes);
-  visit("node_face", s.node_face, nodes * 2);
+  visit("node_shape", s.node_shape, nodes * n.shape_rows() * n.lanes);
+  visit("node_face", s.node_face, nodes * n.face_numbers());
 }
 
 template <class Visit>
@@ -327,6 +328,7 @@ void visit_arrays(WorkSpace& s, const Extents& n, Visit&& visit) {
   visit("listed_nodes", s.listed_nodes, nodes);
   visit("contact_nodes", s.contact_list.nodes, nodes);
   visit("contact_forces", s.contact_list.forces, nodes);
+  if (n.smooth) visit("contact_centres", s.contact_list.centres, nodes);
   visit("next_runs", s.runs.next, static_cast<std::size_t>(n.runs()));
   if (n.active > 0) {
     const auto active = static_cast<std::size_t>(n.active);

@@ -26,6 +26,11 @@
 /// then evaluated to below the roundings with `terms` terms. All modes here satisfy psi'''' =
 /// beta^4 psi, so four derivatives are stored and the others follow with (beta radius)^4.
 ///
+/// Smooth faces. A face is a straight line between its nodes, or (FaceTables::bend2) a cubic spline
+/// through them. Between smooth faces contact is integrated over the cells of the slider, a cell
+/// from a node to the next (kernels/contact/cell_contact.hpp); lists of nodes to evaluate are then
+/// lists of cells, each called by its left node.
+///
 /// Windows. Over a fraction of chi (1/windows) a mode's shape at a moving node is a cubic of its
 /// offset, again to below the roundings. A node that is or could soon be in contact is expanded
 /// once a window. Its overlap and the modal force of its contact force are then one product over
@@ -99,6 +104,7 @@ struct Extents {
   int heights = 0;              // the resonator's nodes, padded beyond its end
   int patches = 0;              // of the resonator
   int slider_modes = 0;         //
+  bool smooth = false;          // faces
   int stage_rows = 0;           // of SchemeWeights::stage
   int end_rows = 0;             // of SchemeWeights::end
   int flight_levels = 0;        // 0: not adaptive
@@ -111,6 +117,9 @@ struct Extents {
   /// Runs of neighbouring nodes: at the most every other node.
   int runs() const { return nodes / 2 + 2; }
   bool adaptive() const { return flight_levels > 0; }
+  /// Rows of lanes, and numbers of the faces, of an expanded node or cell (Caches).
+  std::size_t shape_rows() const { return smooth ? 7 : 4; }
+  std::size_t face_numbers() const { return smooth ? 12 : 2; }
 };
 
 /// The modes as oscillators, one lane each (padded with zeros, as are all rows of lanes).
@@ -140,6 +149,13 @@ struct FaceTables {
   const double* height1 = nullptr;   // (group, lane): h_1 - delta; far below for the padding
   const double* height2 = nullptr;   // resonator node, padded beyond its end
   const double* highest2 = nullptr;  // max of height2 over a node and the `width` after it
+
+  bool smooth = false;            // what follows is of smooth faces, else null and 0
+  const double* bend1 = nullptr;  // (group, lane): h_1'' chi^2 at the nodes
+  const double* bend2 = nullptr;  // h_2'' chi^2 at the nodes, padded as height2
+  double sharpest_bend = 0;       // max |bend2|
+  double sag = 0;  // bound on what the faces' overlap within a cell exceeds that at its ends by
+  double sag_per_travel = 0;  // the same of the modes, over their travel
 };
 
 /// The slider's modes at its nodes.
@@ -149,6 +165,8 @@ struct SliderShapes {
   int row = 0;                    // length of a row of `shape`: nodes, padded to whole groups
   const double* shape = nullptr;  // (slider mode, group, lane): psi at the slider's nodes
   const double* unit = nullptr;   // (slider mode, lane): 1 at that mode's own lane
+  // smooth faces: (slider mode, 4, group, lane), chi^j psi^(j)/j! in the middle of the cells
+  const double* cell = nullptr;
 };
 
 /// The resonator's modes on patches.
@@ -204,6 +222,7 @@ struct MotionLimits {
   const double* largest_shape = nullptr;            // max |psi|
   const double* largest_slope = nullptr;            // max |psi'|, resonator only: its nodes move
   const double* largest_curvature = nullptr;        // max |psi''|, resonator only
+  const double* cell_sag = nullptr;  // smooth faces: what psi within a cell exceeds its ends by
   const double* cubic_remainder = nullptr;        // what a cubic over a patch leaves out, over |U|
   const double* cubic_slope_remainder = nullptr;  // 1/m, of its slope
 };
@@ -291,6 +310,10 @@ void visit_shared_arrays(SceneTables& t, const Extents& n, Visit&& visit) {
   visit("patch", t.patches.derivatives, n.patches * 4 * lanes);
   visit("slider_shape", t.slider.shape, n.slider_modes * n.padded_nodes());
   visit("unit", t.slider.unit, n.slider_modes * lanes);
+  if (n.smooth) {
+    visit("slider_cell", t.slider.cell, 4 * n.slider_modes * n.padded_nodes());
+    visit("cell_sag", t.bounds.cell_sag, lanes);
+  }
   if (!n.adaptive()) return;
   visit("flight", t.flight.rows, static_cast<std::size_t>(n.flight_levels) * flight_rows * lanes);
   visit("rest", t.flight.rest, lanes);
@@ -311,6 +334,10 @@ void visit_own_arrays(SceneTables& t, const Extents& n, Visit&& visit) {
   visit("height1", t.faces.height1, n.padded_nodes());
   visit("height2", t.faces.height2, heights);
   visit("highest2", t.faces.highest2, heights);
+  if (n.smooth) {
+    visit("bend1", t.faces.bend1, n.padded_nodes());
+    visit("bend2", t.faces.bend2, heights);
+  }
   visit("moving_force", t.forces.list, static_cast<std::size_t>(n.moving_forces));
 }
 template <class Visit>

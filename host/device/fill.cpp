@@ -93,6 +93,7 @@ class Filler {
   void patches();
   void slider_shapes();
   void faces();
+  void smooth_faces(const double* h2);
   void adaptive();
   void moving_forces();
 
@@ -114,6 +115,7 @@ void Filler::numbers() {
   tables_.slider.row = n_.groups * n_.width;
   tables_.faces.nodes = n_.nodes;
   tables_.faces.groups = n_.groups;
+  tables_.faces.smooth = n_.smooth;
   tables_.patches.count = n_.patches;
   tables_.flight.levels = n_.flight_levels;
   tables_.patches.inverse_nodes = 1.0 / tables_.patches.nodes;
@@ -177,6 +179,13 @@ void Filler::modes() {
       else
         step_of(mode);
       supplied += 0.5 * std::pow(model_.tick * mode.outer_force, 2) / oscillator.mass;
+      if (n_.smooth) {
+        const double eighth = 0.125 * scene_.spacing * scene_.spacing;
+        host_(tables_.bounds.cell_sag)[lane] =
+            eighth * shape.largest_curvature(of_resonator ? 2 * radius_ : 0.0);
+        tables_.faces.sag_per_travel =
+            std::max(tables_.faces.sag_per_travel, eighth * std::pow(shape.wave_number(), 2));
+      }
       if (!of_resonator) continue;
       // a patch may reach beyond the end of the body
       const CubicRemainder remainder = shape.cubic_remainder(radius_);
@@ -278,6 +287,17 @@ void Filler::slider_shapes() {
         host_(tables_.slider.shape) + static_cast<std::size_t>(k) * n_.padded_nodes();
     for (int n = 0; n < n_.nodes; ++n)
       shape[n] = shape_at(model_.slider.modes[k], n * scene_.spacing);
+    if (!n_.smooth) continue;
+    double* const cell =
+        host_(tables_.slider.cell) + 4 * static_cast<std::size_t>(k) * n_.padded_nodes();
+    for (int n = 0; n + 1 < n_.nodes; ++n) {
+      double d[4], unit_power = 1.0;
+      model_.slider.modes[k].shape->evaluate((n + 0.5) * scene_.spacing, 4, d);
+      for (int j = 0; j < 4; ++j) {
+        cell[j * n_.padded_nodes() + n] = d[j] * unit_power;
+        unit_power *= scene_.spacing / (j + 1.0);
+      }
+    }
   }
 }
 
@@ -297,14 +317,31 @@ void Filler::faces() {
   }
   scale += scale2;
   fill_highest(h2, n_.heights, n_.width, host_(tables_.faces.highest2));
-  tables_.faces.rounding = face_rounding(scale);
+  tables_.faces.rounding = face_rounding(scale, n_.smooth);
   tables_.contact.tolerance = tables_.faces.rounding;
   tables_.faces.steepest_rise = steepest_rise(h2, n_.heights);
   tables_.faces.highest_overlap =
       *std::max_element(h1, h1 + n_.nodes) + *std::max_element(h2, h2 + n_.heights);
+  if (n_.smooth) smooth_faces(h2);
   scale += 1e-6 * scene_.spacing;
   tables_.bounds.least_range = 1e-4 * scale;
   tables_.bounds.least_margin = 1e-8 * scale;
+}
+
+/// Splines instead of straight lines. `h2`: the resonator's heights, padded.
+void Filler::smooth_faces(const double* h2) {
+  std::copy(model_.slider_bend.begin(), model_.slider_bend.end(), host_(tables_.faces.bend1));
+  double* const bend = host_(tables_.faces.bend2);
+  std::fill_n(bend, n_.heights, 0.0);
+  std::copy_n(model_.resonator_bend.begin(),
+              std::min<std::size_t>(model_.resonator_bend.size(), n_.heights), bend);
+  FaceTables& faces = tables_.faces;
+  faces.sharpest_bend = sharpest_bend(bend, n_.heights);
+  faces.sag = 0.125 * (faces.sharpest_bend + sharpest_bend(host_(faces.bend1), n_.nodes));
+  faces.steepest_rise = steepest_rise(h2, bend, n_.heights);
+  faces.highest_overlap += faces.sag;
+  double* const highest = host_(faces.highest2);
+  for (int n = 0; n < n_.heights; ++n) highest[n] += 0.125 * faces.sharpest_bend;
 }
 
 void Filler::adaptive() {

@@ -58,6 +58,7 @@ Extents extents_of(const Model& model, const PatchSeries& series, int lanes, int
   n.heights = static_cast<int>(model.resonator_height.size()) + n.groups * width + 2 * width;
   n.patches = n.heights / series.patch_nodes + 1;
   n.slider_modes = static_cast<int>(model.slider.modes.size());
+  n.smooth = model.has_smooth_faces();
   const int stages = is_adaptive(scene) ? 1 : scheme_table(scene.time.scheme).stages;
   n.stage_rows = first_stage_row(stages);
   n.end_rows = end_rows(stages);

@@ -42,6 +42,20 @@ void fill_highest(const double* height, int count, int ahead, double* highest) {
   }
 }
 
-double face_rounding(double scale) { return 16 * 0x1p-52 * scale; }
+double steepest_rise(const double* height, const double* bend, int count) {
+  double steepest = 0;
+  for (int n = 0; n + 1 < count; ++n)
+    steepest = std::max(steepest, std::abs(height[n + 1] - height[n]) +
+                                      0.5 * std::max(std::abs(bend[n]), std::abs(bend[n + 1])));
+  return steepest;
+}
+
+double sharpest_bend(const double* bend, int count) {
+  double sharpest = 0;
+  for (int n = 0; n < count; ++n) sharpest = std::max(sharpest, std::abs(bend[n]));
+  return sharpest;
+}
+
+double face_rounding(double scale, bool smooth) { return (smooth ? 64 : 16) * 0x1p-52 * scale; }
 
 }  // namespace ra2d

@@ -25,11 +25,17 @@ double fourth_derivative(const Mode& mode, double largest_shape, double passing_
 /// The largest rise of a face from a node to the next [m].
 double steepest_rise(const double* height, int count);
 
+/// The same of smooth faces, a bound on their slope times the spacing, and on what they rise above
+/// both nodes of a cell by: they depart from straight lines by no more than an eighth of a bend.
+double steepest_rise(const double* height, const double* bend, int count);
+double sharpest_bend(const double* bend, int count);
+
 /// highest[n] = the highest of height[n] and the `ahead` after it (FaceTables::highest2).
 void fill_highest(const double* height, int count, int ahead, double* highest);
 
 /// Bound on the rounding of the rough faces' part of a gap whose terms add up to at most `scale`
-/// [m]. There are five roundings of half an ulp; 32 leave room for the sums that they go into.
-double face_rounding(double scale);
+/// [m]. There are five roundings of half an ulp, of smooth faces some twenty; 32, or 128, leave
+/// room for the sums that they go into.
+double face_rounding(double scale, bool smooth);
 
 }  // namespace ra2d

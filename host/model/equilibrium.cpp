@@ -17,6 +17,7 @@
 #include "host/base/errors.hpp"
 #include "host/model/contact_program.hpp"
 #include "host/model/model.hpp"
+#include "host/model/smooth_contact.hpp"
 
 /// Static equilibrium under load and contact: the minimum of the convex potential
 ///   sum_k m omega_k^2 U_k^2 / 2 - load_k U_k  +  sum_n kappa chi w max(0, -g_n)^2 / 2,
@@ -296,6 +297,14 @@ struct Rest {
   Eigen::VectorXd u, overlap, forces;
 };
 
+RequestError no_equilibrium(const Scene& scene, const std::string& why) {
+  return refusal(scene, "scene.initial",
+                 fmt::format("\"static\", and {} under this load and contact. {}", why,
+                             scene.contact.law == ContactLaw::multiplier
+                                 ? "Widen scene.gap, or keep more modes (max_frequency)"
+                                 : "Start from \"rest\", or lower contact.stiffness"));
+}
+
 Rest find_equilibrium(const Model& model) {
   const bool multipliers = model.scene.contact.law == ContactLaw::multiplier;
   const Potential potential(model);
@@ -309,15 +318,11 @@ Rest find_equilibrium(const Model& model) {
   } else {
     const auto solved = solve(potential.program(multipliers ? 0.0 : 1 / model.node_stiffness));
     if (!solved || !solved->feasible)
-      throw refusal(
-          model.scene, "scene.initial",
-          fmt::format("\"static\", and {} under this load and contact. {}",
-                      solved
-                          ? "no displacement of the kept modes keeps the faces apart: there is no "
-                            "static equilibrium"
-                          : "no static equilibrium was found",
-                      multipliers ? "Widen scene.gap, or keep more modes (max_frequency)"
-                                  : "Start from \"rest\", or lower contact.stiffness"));
+      throw no_equilibrium(
+          model.scene,
+          solved ? "no displacement of the kept modes keeps the faces apart: there is no static "
+                   "equilibrium"
+                 : "no static equilibrium was found");
     rest.u = solved->u;
     rest.forces = solved->forces;
   }
@@ -334,26 +339,48 @@ double elastic_energy(const Body& body, const std::vector<double>& amplitude) {
   return sum;
 }
 
+/// Static equilibrium, or the bodies at rest, and the contact there, between smooth faces.
+Eigen::VectorXd smooth_start(const Model& model, ModalStart& start) {
+  Eigen::VectorXd u = Eigen::VectorXd::Zero(
+      static_cast<Eigen::Index>(model.resonator.modes.size() + model.slider.modes.size()));
+  if (model.scene.initial == Initial::statics && u.size() > 0) {
+    const std::optional<Eigen::VectorXd> settled = smooth_equilibrium(model);
+    if (!settled) throw no_equilibrium(model.scene, "no static equilibrium was found");
+    u = *settled;
+  }
+  SmoothContact contact = smooth_contact(model, u);
+  start.contact_force = contact.force;
+  start.contact_energy = contact.energy;
+  start.loaded_nodes = std::move(contact.cells);
+  return u;
+}
+
 }  // namespace
 
 ModalStart make_start(const Model& model) {
   const auto modes2 = static_cast<Eigen::Index>(model.resonator.modes.size());
   const auto modes1 = static_cast<Eigen::Index>(model.slider.modes.size());
   const bool multipliers = model.scene.contact.law == ContactLaw::multiplier;
+  ModalStart start;
   Rest rest{Eigen::VectorXd::Zero(modes2 + modes1), {}, {}};
-  if (model.scene.initial == Initial::statics && rest.u.size() > 0) {
+  if (model.has_smooth_faces()) {
+    rest.u = smooth_start(model, start);
+  } else if (model.scene.initial == Initial::statics && rest.u.size() > 0) {
     rest = find_equilibrium(model);
   } else if (!multipliers) {
     const std::vector<double> faces = overlaps(model, {}, {});
     rest.overlap = Eigen::Map<const Eigen::VectorXd>(faces.data(), model.nodes());
   }
-  ModalStart start;
   start.resonator_u.assign(rest.u.data(), rest.u.data() + modes2);
   start.slider_u.assign(rest.u.data() + modes2, rest.u.data() + modes2 + modes1);
   start.resonator_v.assign(modes2, 0.0);
   start.slider_v.assign(modes1, 0.0);
   start.energy = elastic_energy(model.resonator, start.resonator_u) +
                  elastic_energy(model.slider, start.slider_u);
+  if (model.has_smooth_faces()) {
+    start.energy += start.contact_energy;
+    return start;
+  }
   if (multipliers) {
     for (int n = 0; n < rest.forces.size(); ++n)
       if (rest.forces[n] > 0) start.loaded_nodes.push_back(n);

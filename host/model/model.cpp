@@ -9,7 +9,9 @@
 
 #include "host/base/errors.hpp"
 #include "host/model/doubts.hpp"
+#include "host/model/smooth_contact.hpp"
 #include "host/scene/schemes.hpp"
+#include "host/surface/spline.hpp"
 #include "host/surface/surface.hpp"
 #include "kernels/gap.hpp"
 #include "kernels/tables.hpp"
@@ -91,6 +93,13 @@ double largest_height(const Model& m) {
   return size;
 }
 
+/// Of the undeformed faces at t = 0 [m].
+double largest_overlap(const Model& m) {
+  if (m.has_smooth_faces()) return largest_smooth_overlap(m);
+  const std::vector<double> overlap = overlaps(m, {}, {});
+  return *std::max_element(overlap.begin(), overlap.end());
+}
+
 /// Springs so stiff that the roundings of an overlap are forces like the load are refused.
 void check_roundings(const Model& m) {
   const Scene& scene = m.scene;
@@ -118,6 +127,10 @@ Model make_model(const Scene& scene) {
   m.doubts = scene_doubts(scene);
   m.resonator_height = surface_of("resonator", scene.resonator, scene, m.doubts);
   m.slider_height = surface_of("slider", scene.slider, scene, m.doubts);
+  if (m.has_smooth_faces()) {
+    m.resonator_bend = spline_bends(m.resonator_height);
+    m.slider_bend = spline_bends(m.slider_height);
+  }
   m.node_stiffness =
       scene.contact.stiffness * scene.spacing * std::min(scene.resonator.width, scene.slider.width);
   m.position = scene.start / scene.spacing;
@@ -132,8 +145,7 @@ Model make_model(const Scene& scene) {
     m.delta = *scene.gap;
   } else {
     // the smallest distance without overlap at t = 0
-    const std::vector<double> overlap = overlaps(m, {}, {});
-    m.delta = *std::max_element(overlap.begin(), overlap.end());
+    m.delta = largest_overlap(m);
   }
   check_roundings(m);
   doubt_faces(m, m.doubts);
@@ -153,8 +165,7 @@ std::int64_t first_counted(const Model& model) {
 }
 
 double rest_overlap(const Model& model) {
-  const std::vector<double> over = overlaps(model, {}, {});
-  const double most = *std::max_element(over.begin(), over.end());
+  const double most = largest_overlap(model);
   return most > 64 * std::numeric_limits<double>::epsilon() * largest_height(model) ? most : 0.0;
 }
 

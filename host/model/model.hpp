@@ -17,6 +17,7 @@ struct Model {
   Scene scene;
   Body resonator, slider;
   std::vector<double> resonator_height, slider_height;  // m, at the nodes
+  std::vector<double> resonator_bend, slider_bend;      // m, of smooth faces (spline_bends)
   double delta = 0;                                     // m, imposed distance of the mean lines
   double node_stiffness = 0;                            // N/m, kappa chi w
   double position = 0;                                  // of slider node 0 at t = 0, in chi
@@ -30,6 +31,7 @@ struct Model {
   std::vector<std::string> doubts;  // values that look wrong but may be intended
 
   int nodes() const { return static_cast<int>(slider_height.size()); }
+  bool has_smooth_faces() const { return scene.faces == Faces::smooth; }
   std::int64_t kept_samples() const { return samples - first_sample; }
 };
 
@@ -39,7 +41,7 @@ Model make_model(const Scene& scene);
 /// Tick at which level and shock statistics begin: the first at or after `output.from`.
 std::int64_t first_counted(const Model& model);
 
-/// Overlap of the undeformed faces at t = 0 [m]; 0 where it is no more than roundings.
+/// Largest overlap of the undeformed faces at t = 0 [m]; 0 where it is no more than roundings.
 double rest_overlap(const Model& model);
 
 /// Order of the power series of an adaptive step to a relative error of `tolerance`. Measured on

@@ -39,6 +39,7 @@ inline const Choices<FaceFilter> face_filters{
     {{"gaussian", FaceFilter::gaussian}, {"none", FaceFilter::none}}};
 inline const Choices<ShortProfile> short_profiles{
     {{"refuse", ShortProfile::refuse}, {"repeat", ShortProfile::repeat}}};
+inline const Choices<Faces> face_choices{{{"linear", Faces::linear}, {"smooth", Faces::smooth}}};
 inline const Choices<Initial> initial_states{
     {{"rest", Initial::rest}, {"static", Initial::statics}}};
 inline const Choices<ContactLaw> contact_laws{

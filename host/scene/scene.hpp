@@ -16,6 +16,8 @@ namespace ra2d {
 
 enum class Support { pinned, free, rigid };
 enum class SurfaceKind { flat, peaks, file, gaussian };
+/// A face between its nodes: straight lines, or a cubic spline.
+enum class Faces { linear, smooth };
 enum class Initial { rest, statics };  // "rest", "static"
 enum class ContactLaw { penalty, multiplier };
 enum class SchemeKind { explicit_euler, midpoint, backward_euler, heun, rk4, rk8, exact, adaptive };
@@ -144,6 +146,7 @@ struct Scene {
   double start = 0;           // m, the slider's left end on the resonator at t = 0
   std::optional<double> gap;  // m, delta between the mean lines; none: "touching"
   double spacing = 0;         // m, chi
+  Faces faces = Faces::linear;
   Initial initial =
       Initial::rest;  // of a file without the key: statics, where there is an equilibrium
 

@@ -431,9 +431,27 @@ void check_law(const Scene& s, Document& document) {
                    "by `modes` or a higher `max_frequency`)");
 }
 
+/// Schemes and laws that smooth faces do not have.
+void check_faces(const Scene& s, Document& document) {
+  if (s.faces != Faces::smooth) return;
+  constexpr const char* cure =
+      "expected \"linear\" faces (or law \"penalty\" with a scheme of fixed steps that takes the "
+      "force as it is: \"midpoint\", \"exact\", \"rk4\", ...)";
+  if (s.contact.law == ContactLaw::multiplier)
+    document.fault("scene.faces", fmt::format("\"smooth\" with contact.law = \"multiplier\", whose "
+                                              "forces act at nodes: {}",
+                                              cure));
+  else if (is_adaptive(s) || holds_forces(s))
+    document.fault(
+        "scene.faces",
+        fmt::format("\"smooth\" with time.scheme = \"{}\"{}: {}", schemes.name(s.time.scheme),
+                    is_adaptive(s) ? "" : " and forces that hold over a step", cure));
+}
+
 }  // namespace
 
 void check(const Scene& scene, Document& document) {
+  check_faces(scene, document);
   check_times(scene, document);
   check_path(scene, document);
   bool bodies = true;

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "kernels/check.hpp"
+#include "kernels/contact/cell_contact.hpp"
 #include "kernels/contact/penalty.hpp"
 #include "kernels/displacement.hpp"
 #include "kernels/lanes.hpp"
@@ -19,6 +20,7 @@ struct ContactTotals {
   double force = 0;  // N
   // works of the imposed motion over one spacing of the slider's path [J/chi]
   double face_work = 0;       // sum of f_n times the rise of the resonator's face
+  double energy = 0;          // J, of the springs; of smooth faces alone
   Real deflection_work{0.0};  // sum of f_n times the rise of its deflection; one part a lane
   int nodes = 0;              // in contact, listed in WorkSpace::contact_list
 };
@@ -52,7 +54,54 @@ KOKKOS_INLINE_FUNCTION void expand_node(const Lanes& lanes, const SliderMotion& 
   }
 }
 
-/// Contact detection and penalty contact force at single nodes, each one product over the modes.
+/// Rows of an expanded cell (expand_cell).
+enum CellRow : int { cell_path = 0, cell_slider = 4, cell_rows = 7 };
+inline constexpr int cell_numbers = 12;
+
+/// Expands one cell over one window, about its middle: as for a node the shapes of all modes there,
+/// resonator's as cubics of the offset (cell_path); then the slider's derivatives psi', psi''/2 and
+/// psi'''/6 along the cell (cell_slider). The resonator's follow from its cubics: offset and place
+/// in the cell add up. `face`: the cubics of CellFaces. A pure function of cell and window.
+template <class Lanes, int packs>
+KOKKOS_INLINE_FUNCTION void expand_cell(const Lanes& lanes, const SliderMotion& motion,
+                                        const FaceTables& faces, const SliderShapes& slider,
+                                        const PatchTables& patches, const Place& place, int cell,
+                                        double* shape, double* face) {
+  using Real = typename Lanes::Real;
+  RA2D_CHECK(cell >= 0 && cell < faces.nodes - 1);
+  const int at = place.base + cell;
+  Real c[cell_rows][packs];
+  Real path[4][packs];
+  expand_modes<Lanes, packs>(lanes, patches, at / patches.nodes,
+                             at + 0.5 + (place.part + 0.5) * motion.window_width, path);
+  for (int p = 0; p < packs; ++p) {
+    for (int m = 0; m < 4; ++m) c[m][p] = path[m][p];
+    for (int m = cell_slider; m < cell_rows; ++m) c[m][p] = Real(0.0);
+  }
+  const std::int64_t row = slider.row;
+  for (int k = 0; k < slider.modes; ++k)
+    for (int p = 0; p < packs; ++p) {
+      const Real unit = lanes.load(slider.unit + (k * packs + p) * Lanes::width);
+      const double* own = slider.cell + 4 * k * row + cell;
+      c[0][p] = multiply_add(own[0], unit, c[0][p]);
+      for (int m = 1; m < 4; ++m)
+        c[cell_slider + m - 1][p] = multiply_add(own[m * row], unit, c[cell_slider + m - 1][p]);
+    }
+  for (int m = 0; m < cell_rows; ++m)
+    for (int p = 0; p < packs; ++p) lanes.store(shape + (m * packs + p) * Lanes::width, c[m][p]);
+  if (lanes.leader()) {
+    const double *h1 = faces.height1 + cell, *b1 = faces.bend1 + cell;
+    const double *h2 = faces.height2 + at, *b2 = faces.bend2 + at;
+    const Cubic pieces[3] = {spline_piece(h1[0], h1[1], b1[0], b1[1]).about(0.5),
+                             spline_piece(h2[0], h2[1], b2[0], b2[1]),
+                             spline_piece(h2[1], h2[2], b2[1], b2[2])};
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 4; ++j) face[4 * i + j] = pieces[i].c[j];
+  }
+}
+
+/// Contact detection and penalty contact force at single nodes, each one product over the modes, or
+/// (smooth faces) in single cells.
 template <class Lanes, int packs>
 class NodeContact {
   using Real = typename Lanes::Real;
@@ -80,9 +129,13 @@ class NodeContact {
       const int node = nodes[e];
       if (marks_.node_window[node] == window) continue;
       lanes_.sync();
-      expand_node<Lanes, packs>(lanes_, motion_, faces_, slider_, patches_, place, node,
-                                caches_.node_shape + node_offset(node),
-                                caches_.node_face + 2 * node);
+      if (faces_.smooth)
+        expand_cell<Lanes, packs>(lanes_, motion_, faces_, slider_, patches_, place, node,
+                                  cell_shapes(node), cell_face(node));
+      else
+        expand_node<Lanes, packs>(lanes_, motion_, faces_, slider_, patches_, place, node,
+                                  caches_.node_shape + node_offset(node),
+                                  caches_.node_face + 2 * node);
       if (lanes_.leader()) marks_.node_window[node] = window;
       lanes_.sync();
     }
@@ -134,6 +187,7 @@ class NodeContact {
   KOKKOS_FORCEINLINE_FUNCTION ContactTotals<Real> operator()(const Place& place, const Real* u,
                                                              const int* nodes, int count,
                                                              Real* force) const {
+    if (faces_.smooth) return in_cells(place, u, nodes, count, force);
     const Penalty penalty{contact_.node_stiffness};
     ContactTotals<Real> totals;
     Real slope_force[packs];  // sum_n f_n dphi/dx
@@ -168,6 +222,80 @@ class NodeContact {
   }
 
  private:
+  KOKKOS_FORCEINLINE_FUNCTION double* cell_shapes(int cell) const {
+    return caches_.node_shape + static_cast<std::int64_t>(cell) * (cell_rows * packs * width);
+  }
+  KOKKOS_FORCEINLINE_FUNCTION double* cell_face(int cell) const {
+    return caches_.node_face + static_cast<std::int64_t>(cell) * cell_numbers;
+  }
+
+  /// The same between smooth faces, in the listed cells.
+  KOKKOS_FUNCTION ContactTotals<Real> in_cells(const Place& place, const Real* u, const int* cells,
+                                               int count, Real* force) const {
+    ContactTotals<Real> totals;
+    Real slope_force[packs];  // sum of the integrals of o dphi/dx
+    for (int p = 0; p < packs; ++p) slope_force[p] = Real(0.0);
+    const Real x(place.offset);
+    for (int e = 0; e < count; ++e) {
+      const int cell = cells[e];
+      const double* c = cell_shapes(cell);
+      // shapes along the cell, phi_j eta^j, and of these the resonator's share, which moves
+      Real phi[4][packs], path[4][packs], part[4];
+      for (int j = 0; j < 4; ++j) part[j] = Real(0.0);
+      for (int p = 0; p < packs; ++p) {
+        const auto row = [&](int m) { return lanes_.load(c + width * (m * packs + p)); };
+        const Real c1 = row(1), c2 = row(2), c3 = row(3);
+        phi[0][p] = multiply_add(multiply_add(multiply_add(c3, x, c2), x, c1), x, row(0));
+        path[1][p] = multiply_add(multiply_add(Real(3.0) * c3, x, Real(2.0) * c2), x, c1);
+        path[2][p] = multiply_add(Real(3.0) * c3, x, c2);
+        path[3][p] = c3;
+        for (int j = 1; j < 4; ++j) phi[j][p] = path[j][p] + row(cell_slider + j - 1);
+        for (int j = 0; j < 4; ++j) part[j] = multiply_add(phi[j][p], u[p], part[j]);
+      }
+      Cubic displacement;
+      lanes_.sum(part[0], part[1], displacement.c[0], displacement.c[1]);
+      lanes_.sum(part[2], part[3], displacement.c[2], displacement.c[3]);
+      const double* face = cell_face(cell);
+      CellFaces faces;
+      for (int j = 0; j < 4; ++j) {
+        faces.own.c[j] = face[j];
+        faces.passing[0].c[j] = face[4 + j];
+        faces.passing[1].c[j] = face[8 + j];
+      }
+      const CellContact contact = contact_in_cell(faces, place.theta, displacement);
+      const double* m = contact.moment;
+      if (!(m[0] > 0.0)) continue;
+
+      const double spring = contact_.node_stiffness;  // of a whole cell
+      const double f0 = spring * m[0], f1 = spring * m[1], f2 = spring * m[2], f3 = spring * m[3];
+      for (int p = 0; p < packs; ++p) {
+        Real sum = multiply_add(-f0, phi[0][p], force[p]);
+        sum = multiply_add(-f1, phi[1][p], sum);
+        sum = multiply_add(-f2, phi[2][p], sum);
+        force[p] = multiply_add(-f3, phi[3][p], sum);
+        sum = multiply_add(f0, path[1][p], slope_force[p]);
+        sum = multiply_add(2.0 * f1, path[2][p], sum);
+        slope_force[p] = multiply_add(3.0 * f2, path[3][p], sum);
+      }
+      totals.face_work = Kokkos::fma(spring, contact.face_work, totals.face_work);
+      totals.energy = Kokkos::fma(0.5 * spring, contact.square, totals.energy);
+      totals.force += f0;
+      RA2D_CHECK(totals.nodes < faces_.nodes);
+      if (lanes_.leader()) {
+        contact_list_.nodes[totals.nodes] = cell;
+        contact_list_.forces[totals.nodes] = f0;
+        contact_list_.centres[totals.nodes] = cell + 0.5 + m[1] / m[0];
+      }
+      ++totals.nodes;
+    }
+    if (totals.nodes > 0) {
+      for (int p = 0; p < packs; ++p)
+        totals.deflection_work = multiply_add(slope_force[p], u[p], totals.deflection_work);
+      lanes_.sync();
+    }
+    return totals;
+  }
+
   KOKKOS_FORCEINLINE_FUNCTION static std::int64_t node_offset(int node) {
     return static_cast<std::int64_t>(node) * (4 * packs * width);
   }

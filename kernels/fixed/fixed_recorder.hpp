@@ -287,11 +287,13 @@ class FixedRecorder {
       outer_(now.step, force, moving);
       node_contact_.expand(place, listed_nodes_, count);
       const ContactTotals<Real> totals = node_contact_(place, now.u, listed_nodes_, count, force);
-      double energy = 0.0;
+      double squares = 0.0;
       for (int e = 0; e < totals.nodes; ++e)
-        energy += contact_list_.forces[e] * contact_list_.forces[e];
+        squares += contact_list_.forces[e] * contact_list_.forces[e];
+      const double energy =
+          contact_list_.centres != nullptr ? totals.energy : 0.5 * contact_.compliance * squares;
       if (scheme_.velocity_lag > 0.0) integrate_.lead(now.u, v, force);
-      return {totals.force, 0.5 * contact_.compliance * energy, totals.nodes};
+      return {totals.force, energy, totals.nodes};
     }
   }
 

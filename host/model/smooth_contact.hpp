@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "host/model/model.hpp"
+
+/// Contact between smooth faces at t = 0, by quadrature: an independent form of what the march
+/// integrates in closed form (kernels/contact/cell_contact.hpp).
+namespace ra2d {
+
+/// Of the undeformed faces at t = 0 [m], anywhere along the slider.
+double largest_smooth_overlap(const Model& model);
+
+/// The contact at t = 0, summed over the cells.
+struct SmoothContact {
+  double force = 0, energy = 0;  // N, J
+  std::vector<int> cells;        // with any contact, in ascending order
+};
+
+/// Contact at the modal displacements u, the resonator's first.
+SmoothContact smooth_contact(const Model& model, const Eigen::VectorXd& u);
+
+/// Displacements in static equilibrium under load and contact: the minimum of the convex potential
+///   sum_k m omega_k^2 U_k^2 / 2 - load_k U_k  +  kappa w / 2 times the integral of max(0, o)^2,
+/// by Newton's method, with springs that are stiffened to their full stiffness. Nothing when it
+/// does not settle.
+std::optional<Eigen::VectorXd> smooth_equilibrium(const Model& model);
+
+}  // namespace ra2d

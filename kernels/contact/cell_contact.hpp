@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <Kokkos_Core.hpp>
+
+/// Contact of smooth faces, integrated over a cell of the slider: the stretch between two of its
+/// nodes. With eta the place in the cell, from its middle, in units of chi, the overlap
+///
+///   o(eta) = h_1(eta) - delta + h_2(eta) + u_1(eta) + u_2(eta)
+///
+/// is one cubic on each side of the resonator's node that stands within the cell. The penalty force
+/// on mode k is -kappa w times the integral of o psi_k over the places where o > 0. With psi_k a
+/// cubic of eta, too, all that contact needs are the moments
+///
+///   M_j = integral of o eta^j over o > 0,   j = 0 ... 3,
+///
+/// in closed form between the roots of o. So no force depends on where nodes stand.
+namespace ra2d {
+
+/// c_0 + c_1 eta + c_2 eta^2 + c_3 eta^3.
+struct Cubic {
+  double c[4];
+
+  KOKKOS_FORCEINLINE_FUNCTION double operator()(double eta) const {
+    return Kokkos::fma(eta, Kokkos::fma(eta, Kokkos::fma(eta, c[3], c[2]), c[1]), c[0]);
+  }
+  KOKKOS_FORCEINLINE_FUNCTION double slope(double eta) const {
+    return Kokkos::fma(eta, Kokkos::fma(3.0 * eta, c[3], 2.0 * c[2]), c[1]);
+  }
+  /// The same polynomial with `eta` at its origin.
+  KOKKOS_FORCEINLINE_FUNCTION Cubic about(double eta) const {
+    return {{(*this)(eta), slope(eta), Kokkos::fma(3.0 * eta, c[3], c[2]), c[3]}};
+  }
+  KOKKOS_FORCEINLINE_FUNCTION friend Cubic operator+(const Cubic& a, const Cubic& b) {
+    return {{a.c[0] + b.c[0], a.c[1] + b.c[1], a.c[2] + b.c[2], a.c[3] + b.c[3]}};
+  }
+};
+
+/// A spline between two nodes: heights there, and second derivatives times chi^2 [m]; about the
+/// left node.
+KOKKOS_FORCEINLINE_FUNCTION Cubic spline_piece(double left, double right, double bend_left,
+                                               double bend_right) {
+  return {{left, Kokkos::fma(-1.0 / 6.0, bend_left + bend_left + bend_right, right - left),
+           0.5 * bend_left, (1.0 / 6.0) * (bend_right - bend_left)}};
+}
+
+/// Integrals over the places of a cell where the overlap o is positive.
+struct CellContact {
+  double moment[4] = {};  // m, of o eta^j
+  double square = 0;      // m^2, of o^2
+  double face_work = 0;   // m^2, of o dh_2/deta
+};
+
+/// Adds the integrals over [from, to], where `overlap` is not negative. `face`: h_2.
+KOKKOS_INLINE_FUNCTION void add_closed(const Cubic& overlap, const Cubic& face, double from,
+                                       double to, CellContact& sum) {
+  const double middle = 0.5 * (from + to), half = 0.5 * (to - from);
+  if (!(half > 0.0)) return;
+  // about the middle: even powers alone are left, and narrow contacts keep their digits
+  const Cubic o = overlap.about(middle);
+  const double h2 = half * half, size = 2.0 * half;
+  const double third = 1.0 / 3.0, fifth = 0.2, seventh = 1.0 / 7.0;
+  const double m0 = size * Kokkos::fma(third * h2, o.c[2], o.c[0]);
+  const double m1 = size * h2 * Kokkos::fma(fifth * h2, o.c[3], third * o.c[1]);
+  const double m2 = size * h2 * Kokkos::fma(fifth * h2, o.c[2], third * o.c[0]);
+  const double m3 = size * h2 * h2 * Kokkos::fma(seventh * h2, o.c[3], fifth * o.c[1]);
+  const double c = middle;
+  sum.moment[0] += m0;
+  sum.moment[1] += Kokkos::fma(c, m0, m1);
+  sum.moment[2] += Kokkos::fma(c, Kokkos::fma(c, m0, 2.0 * m1), m2);
+  sum.moment[3] += Kokkos::fma(c, Kokkos::fma(c, Kokkos::fma(c, m0, 3.0 * m1), 3.0 * m2), m3);
+  sum.square +=
+      Kokkos::fma(o.c[3], m3, Kokkos::fma(o.c[2], m2, Kokkos::fma(o.c[1], m1, o.c[0] * m0)));
+  const Cubic f = face.about(middle);
+  sum.face_work += Kokkos::fma(3.0 * f.c[3], m2, Kokkos::fma(2.0 * f.c[2], m1, f.c[1] * m0));
+}
+
+/// The root of a cubic that is monotonic on [low, high] and changes its sign there: Newton's
+/// method, and halving where it leaves the interval.
+KOKKOS_INLINE_FUNCTION double root_between(const Cubic& p, double low, double high, double at_low,
+                                           double at_high) {
+  const bool rises = at_low < at_high;
+  double x = low + (high - low) * (at_low / (at_low - at_high));
+  for (int i = 0; i < 80; ++i) {
+    const double value = p(x);
+    if (value == 0.0) return x;
+    if ((value < 0.0) == rises)
+      low = x;
+    else
+      high = x;
+    double next = x - value / p.slope(x);
+    if (!(next > low && next < high)) next = 0.5 * (low + high);
+    if (Kokkos::abs(next - x) <= 0x1p-52) return next;  // of a cell
+    x = next;
+  }
+  return x;
+}
+
+/// Adds the integrals over the places in [from, to] where `overlap` is positive.
+KOKKOS_INLINE_FUNCTION void add_contact(const Cubic& overlap, const Cubic& face, double from,
+                                        double to, CellContact& sum) {
+  // between the roots of its slope a cubic is monotonic
+  double edge[4];
+  int edges = 0;
+  edge[edges++] = from;
+  const double a = 3.0 * overlap.c[3], b = overlap.c[2], c = overlap.c[1];  // a x^2 + 2 b x + c
+  const double discriminant = Kokkos::fma(b, b, -a * c);
+  if (discriminant > 0.0) {
+    const double q = -(b + Kokkos::copysign(Kokkos::sqrt(discriminant), b));
+    double first = c / q, second = q / a;  // infinite or not a number: in no interval
+    if (second < first) {
+      const double swap = first;
+      first = second;
+      second = swap;
+    }
+    if (first > from && first < to) edge[edges++] = first;
+    if (second > from && second < to) edge[edges++] = second;
+  }
+  edge[edges++] = to;
+  double left = overlap(from);
+  for (int i = 0; i + 1 < edges; ++i) {
+    const double right = overlap(edge[i + 1]);
+    if (left > 0.0 && right > 0.0) {
+      add_closed(overlap, face, edge[i], edge[i + 1], sum);
+    } else if (left > 0.0 || right > 0.0) {
+      const double root = root_between(overlap, edge[i], edge[i + 1], left, right);
+      if (left > 0.0)
+        add_closed(overlap, face, edge[i], root, sum);
+      else
+        add_closed(overlap, face, root, edge[i + 1], sum);
+    }
+    left = right;
+  }
+}
+
+/// The faces of a cell: the slider's, less delta, about the middle of the cell, and the two pieces
+/// of the resonator's that pass it, each about its left node.
+struct CellFaces {
+  Cubic own, passing[2];
+};
+
+/// The contact in a cell whose left node stands theta chi behind a node of the resonator.
+/// `displacement`: u_1 + u_2, about the middle of the cell.
+KOKKOS_INLINE_FUNCTION CellContact contact_in_cell(const CellFaces& faces, double theta,
+                                                   const Cubic& displacement) {
+  CellContact sum;
+  const Cubic moving = faces.own + displacement;
+  const double knot = 0.5 - theta;  // of the resonator
+  const Cubic before = faces.passing[0].about(theta + 0.5);
+  add_contact(moving + before, before, -0.5, knot, sum);
+  const Cubic after = faces.passing[1].about(theta - 0.5);
+  add_contact(moving + after, after, knot, 0.5, sum);
+  return sum;
+}
+
+}  // namespace ra2d
