@@ -36,6 +36,6 @@ void fill_highest(const double* height, int count, int ahead, double* highest);
 /// Bound on the rounding of the rough faces' part of a gap whose terms add up to at most `scale`
 /// [m]. There are five roundings of half an ulp, of smooth faces some twenty; 32, or 128, leave
 /// room for the sums that they go into.
-double face_rounding(double scale, bool smooth);
+double face_rounding(double scale, bool smooth = false);
 
 }  // namespace ra2d

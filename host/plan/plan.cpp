@@ -11,6 +11,7 @@
 #include "host/model/bounds.hpp"
 #include "host/scene/names.hpp"
 #include "host/scene/schemes.hpp"
+#include "host/surface/spline.hpp"
 
 namespace ra2d {
 namespace {
@@ -197,6 +198,7 @@ void note_step(const Model& model, Plan& plan) {
 
 /// The faces are straight between nodes: nodes that pass nodes make a tone of their own.
 void note_mesh(const Scene& scene, Plan& plan) {
+  if (scene.faces == Faces::smooth) return;
   const double tone = scene.speed / scene.spacing;  // Hz
   const double highest = std::max(plan.resonator.highest, plan.slider.highest);
   if (!(tone > 0 && tone < highest)) return;
@@ -205,6 +207,25 @@ void note_mesh(const Scene& scene, Plan& plan) {
                   "its multiples, "
                   "below the highest mode ({:.0f} Hz); beyond it with scene.spacing = {}",
                   tone, highest, rounded_down(scene.speed / highest)));
+}
+
+/// Between nodes that are too far apart for a face, its spline rings.
+void note_splines(const Model& model, Plan& plan) {
+  if (!model.has_smooth_faces()) return;
+  constexpr double share = 1e-4;  // of the root mean square height
+  for (const auto& [name, height] : {std::pair{"resonator", &model.resonator_height},
+                                     std::pair{"slider", &model.slider_height}}) {
+    double square = 0;
+    for (const double h : *height) square += h * h;
+    const double rms = std::sqrt(square / static_cast<double>(height->size()));
+    const double off = spline_miss(*height) / 16;
+    if (off <= share * rms) continue;
+    plan.notes.push_back(fmt::format(
+        "the {}'s face is not smooth on this spacing: a spline through every other node misses "
+        "those between by up to {:.2g} m, so that through all of them may be off by some {:.2g} m "
+        "between its nodes. A finer scene.spacing, or scene.faces = \"linear\"",
+        name, 16 * off, off));
+  }
 }
 
 /// A step [s] as the table and the messages give it: what holds, or how much of it.
@@ -464,6 +485,7 @@ Plan make_plan(const Model& model, std::size_t memory, const ModalStart& start) 
     plan.notes.push_back("the resonator keeps no mode: nothing vibrates and there is no level");
   if (!is_adaptive(scene)) note_step(model, plan);
   note_mesh(scene, plan);
+  note_splines(model, plan);
   if (const std::string overlap = overlap_at_start(model); !overlap.empty())
     plan.notes.push_back("'ra2d run' refuses this scene: " + overlap);
   return plan;
@@ -479,8 +501,9 @@ std::string describe(const Model& model, const Plan& plan) {
       plan.slider.nodes, plan.resonator.nodes, scene.spacing * 1e6, plan.delta * 1e6);
   if (scene.contact.law == ContactLaw::penalty)
     text += fmt::format(
-        "contact    penalty, {:.3g} N/m a node: a shock of one node lasts {} or longer\n",
-        model.node_stiffness, seconds_text(plan.contact_period));
+        "contact    penalty, {:.3g} N/m a {}: a shock of one {} lasts {} or longer\n",
+        model.node_stiffness, model.has_smooth_faces() ? "cell" : "node",
+        model.has_smooth_faces() ? "whole cell" : "node", seconds_text(plan.contact_period));
   else
     text += "contact    multiplier: each step ends without penetration; no spring\n";
   text += asperities_text(scene, plan.asperities);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "host/scene/schemes.hpp"
 
+#include <fmt/format.h>
+
 #include <stdexcept>
 
 #include "kernels/schemes/backward_euler.hpp"
@@ -81,6 +83,16 @@ bool holds_forces(const Scene& scene) {
   return scene.contact.law == ContactLaw::multiplier ||
          (scene.time.scheme == SchemeKind::backward_euler &&
           scene.time.contact_force == ForceTime::new_time);
+}
+bool takes_smooth_faces(const Scene& scene) { return !is_adaptive(scene) && !holds_forces(scene); }
+std::string smooth_faces_refused(const Scene& scene) {
+  return fmt::format(
+      "\"smooth\" with {}: so far only penalty forces at the stages of fixed steps are integrated "
+      "along a face: expected \"linear\" (or contact.law = \"penalty\" with time.scheme = "
+      "\"midpoint\", \"exact\", \"rk4\" or another of fixed steps, and contact_force = \"old\")",
+      scene.contact.law == ContactLaw::multiplier ? "contact.law = \"multiplier\""
+      : is_adaptive(scene)                        ? "time.scheme = \"adaptive\""
+                                                  : "time.contact_force = \"new\"");
 }
 
 }  // namespace ra2d

@@ -433,19 +433,8 @@ void check_law(const Scene& s, Document& document) {
 
 /// Schemes and laws that smooth faces do not have.
 void check_faces(const Scene& s, Document& document) {
-  if (s.faces != Faces::smooth) return;
-  constexpr const char* cure =
-      "expected \"linear\" faces (or law \"penalty\" with a scheme of fixed steps that takes the "
-      "force as it is: \"midpoint\", \"exact\", \"rk4\", ...)";
-  if (s.contact.law == ContactLaw::multiplier)
-    document.fault("scene.faces", fmt::format("\"smooth\" with contact.law = \"multiplier\", whose "
-                                              "forces act at nodes: {}",
-                                              cure));
-  else if (is_adaptive(s) || holds_forces(s))
-    document.fault(
-        "scene.faces",
-        fmt::format("\"smooth\" with time.scheme = \"{}\"{}: {}", schemes.name(s.time.scheme),
-                    is_adaptive(s) ? "" : " and forces that hold over a step", cure));
+  if (s.faces == Faces::smooth && !takes_smooth_faces(s))
+    document.fault("scene.faces", smooth_faces_refused(s));
 }
 
 }  // namespace

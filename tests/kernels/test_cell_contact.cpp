@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "kernels/contact/cell_contact.hpp"
+#include "tests/dice.hpp"
+
+/// Contact integrated over a cell, against closed forms and against sums over many small intervals.
+namespace {
+
+using namespace ra2d;
+using test::Dice;
+
+constexpr double eps = std::numeric_limits<double>::epsilon();
+
+Cubic random_cubic(Dice& dice) {
+  return {{dice.uniform(-1, 1), dice.uniform(-2, 2), dice.uniform(-4, 4), dice.uniform(-8, 8)}};
+}
+
+long double at(const Cubic& p, long double x) {
+  return p.c[0] + x * (p.c[1] + x * (p.c[2] + x * p.c[3]));
+}
+
+TEST(SplinePiece, GoesThroughItsNodesWithTheirBends) {
+  const Cubic p = spline_piece(3, 5, 0.5, -0.25);
+  EXPECT_EQ(p(0), 3);
+  EXPECT_NEAR(p(1), 5, 8 * eps);
+  EXPECT_EQ(2 * p.c[2], 0.5);
+  EXPECT_NEAR(2 * p.c[2] + 6 * p.c[3], -0.25, 4 * eps);
+  const Cubic q = p.about(0.25);
+  for (const double x : {-0.25, 0.0, 0.5}) EXPECT_NEAR(q(x), p(x + 0.25), 16 * eps);
+  EXPECT_NEAR(q.slope(0.1), p.slope(0.35), 16 * eps);
+}
+
+TEST(AddContact, IsTheSumOverManySmallIntervals) {
+  Dice dice(1);
+  int closed = 0, part = 0;
+  for (int trial = 0; trial < 400; ++trial) {
+    const Cubic o = random_cubic(dice), face = random_cubic(dice);
+    const double from = dice.uniform(-0.5, 0), to = dice.uniform(0, 0.5);
+    CellContact sum;
+    add_contact(o, face, from, to, sum);
+    std::array<long double, 6> expected{};
+    constexpr int parts = 4000;
+    const long double width = (static_cast<long double>(to) - from) / parts;
+    int positive = 0;
+    for (int i = 0; i < parts; ++i) {
+      const long double x = from + (i + 0.5L) * width, over = at(o, x);
+      if (over <= 0) continue;
+      ++positive;
+      for (int j = 0; j < 4; ++j) expected[j] += over * std::pow(x, j) * width;
+      expected[4] += over * over * width;
+      expected[5] += over * (face.c[1] + x * (2 * face.c[2] + x * 3 * face.c[3])) * width;
+    }
+    closed += positive == parts;
+    part += positive > 0 && positive < parts;
+    // the midpoint rule is off by width^2/24 of the second derivatives, below 600 in all of these,
+    // and by width^2 of the slope at each of up to four ends
+    const auto bound = static_cast<double>(40 * width * width);
+    for (int j = 0; j < 4; ++j)
+      EXPECT_NEAR(sum.moment[j], static_cast<double>(expected[j]), bound) << "trial " << trial;
+    EXPECT_NEAR(sum.square, static_cast<double>(expected[4]), 10 * bound);
+    EXPECT_NEAR(sum.face_work, static_cast<double>(expected[5]), 10 * bound);
+  }
+  EXPECT_GT(closed, 20);
+  EXPECT_GT(part, 100);
+}
+
+TEST(AddContact, OfAParabolaWhereverItStands) {
+  // o = depth - (eta - place)^2: 4/3 depth^(3/2), about its own middle
+  for (const double depth : {1e-12, 1e-6, 1e-3, 0.02})
+    for (const double place : {-0.3, -0.01, 0.0, 0.2}) {
+      const Cubic o{{depth - place * place, 2 * place, -1, 0}};
+      CellContact sum;
+      add_contact(o, Cubic{}, -0.5, 0.5, sum);
+      const double exact = 4.0 / 3 * depth * std::sqrt(depth);
+      // depth is a small difference: half an ulp of place^2 of it, and its root
+      const double bound = (8 * eps + 2 * eps * place * place / depth) * exact;
+      EXPECT_NEAR(sum.moment[0], exact, bound) << depth << " " << place;
+      EXPECT_NEAR(sum.moment[1], place * exact, 2 * bound + 8 * eps * exact);
+      EXPECT_NEAR(sum.square, 16.0 / 15 * depth * depth * std::sqrt(depth), 3 * depth * bound);
+    }
+}
+
+TEST(AddContact, NothingWhereItIsOpenAndAllWhereItIsClosed) {
+  CellContact none;
+  add_contact({{-1, 0, 0, 0}}, {{0, 1, 0, 0}}, -0.5, 0.5, none);
+  add_contact({{-1, 1.9, 0, 0}}, {{0, 1, 0, 0}}, -0.5, 0.5, none);
+  add_contact({{-0.26, 0, 1, 0}}, {{0, 1, 0, 0}}, -0.5, 0.5, none);
+  add_contact({{std::nan(""), 0, 0, 0}}, {{0, 1, 0, 0}}, -0.5, 0.5, none);
+  EXPECT_EQ(none.moment[0], 0);
+  EXPECT_EQ(none.square, 0);
+  CellContact all;
+  add_contact({{2, 0, 0, 0}}, {{0, 3, 0, 0}}, -0.5, 0.5, all);
+  EXPECT_EQ(all.moment[0], 2);
+  EXPECT_EQ(all.moment[1], 0);
+  EXPECT_NEAR(all.moment[2], 2.0 / 12, eps);
+  EXPECT_EQ(all.square, 4);
+  EXPECT_EQ(all.face_work, 6);
+}
+
+/// The force is the slope of the contact's energy: so energy can close.
+TEST(ContactInCell, ForceIsTheSlopeOfItsEnergy) {
+  Dice dice(2);
+  int touching = 0;
+  for (int trial = 0; trial < 200; ++trial) {
+    CellFaces faces;
+    faces.own = random_cubic(dice);
+    // two pieces of one spline: equal to the second derivative where they meet
+    const double h[3] = {dice.uniform(-1, 1), dice.uniform(-1, 1), dice.uniform(-1, 1)};
+    const double b[3] = {dice.uniform(-1, 1), dice.uniform(-1, 1), dice.uniform(-1, 1)};
+    faces.passing[0] = spline_piece(h[0], h[1], b[0], b[1]);
+    faces.passing[1] = spline_piece(h[1], h[2], b[1], b[2]);
+    const double theta = dice.uniform(0, 1);
+    const Cubic rest = random_cubic(dice);
+    const CellContact contact = contact_in_cell(faces, theta, rest);
+    touching += contact.moment[0] > 0;
+    for (int j = 0; j < 4; ++j) {
+      constexpr double step = 1e-5;
+      const auto energy = [&](double shift) {
+        Cubic moved = rest;
+        moved.c[j] += shift;
+        return 0.5 * contact_in_cell(faces, theta, moved).square;
+      };
+      // the energy's third derivative is some one over the slope at an end of the contact
+      EXPECT_NEAR((energy(step) - energy(-step)) / (2 * step), contact.moment[j], 1e-8)
+          << "trial " << trial << ", power " << j;
+    }
+  }
+  EXPECT_GT(touching, 100);
+}
+
+}  // namespace

@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "host/base/errors.hpp"
+#include "host/model/smooth_contact.hpp"
+#include "host/surface/spline.hpp"
+#include "tests/effort.hpp"
+#include "tests/filled.hpp"
+#include "tests/outcomes.hpp"
+#include "tests/scenes.hpp"
+#include "tests/schemes.hpp"
+#include "tests/simulate.hpp"
+
+/// Smooth faces (scene.faces): contact is integrated along splines, so no answer depends on where
+/// nodes stand.
+namespace ra2d::test {
+namespace {
+
+constexpr double eps = std::numeric_limits<double>::epsilon();
+
+Variant smooth(const Scheme& scheme, double turn = 0) {
+  return {.scheme = scheme, .turn = turn, .adapt = [](Scene& s) { s.faces = Faces::smooth; }};
+}
+
+struct SmoothFaces : testing::TestWithParam<Scheme> {};
+INSTANTIATE_TEST_SUITE_P(Schemes, SmoothFaces, testing::ValuesIn(schemes),
+                         [](const auto& tested) { return tested.param.name; });
+
+TEST_P(SmoothFaces, RandomScenesAreTheSameBitForBitOverAllCellsAndCandidates) {
+  Seen seen;
+  for (int seed = 1; seed <= draws(12); ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const Started c = random_scene(4000 + 7 * seed, smooth(GetParam()));
+    const Outcome all = march(c.model, c.start, Nodes::all);
+    const Outcome some = march(c.model, c.start, Nodes::candidates);
+    EXPECT_TRUE(same(all, some));
+    seen.count(all.end.contact_steps, all.end.shocks_begun);
+  }
+  if (!draws_enough()) return;
+  EXPECT_GE(seen.touching, seen.scenes / 2);
+  EXPECT_GE(seen.with_shocks, seen.scenes / 6);
+}
+
+/// In launches of any length, with all but the saved state thrown away between two.
+TEST_P(SmoothFaces, LaunchesAndSavedStatesGiveTheSameBits) {
+  for (const int seed : {3, 5}) {
+    const Started c = random_scene(4000 + 7 * seed, smooth(GetParam()));
+    const Outcome whole = march(c.model, c.start, Nodes::candidates);
+    Outcome pieces;
+    SavedState saved = Batch({c.model}, {c.start}).save(0);
+    for (int launch = 1;; ++launch) {
+      Batch batch({c.model}, {c.start});
+      batch.restore(0, saved);
+      batch.march(c.model.steps * launch / 7 + 1);
+      const Drained drained = batch.drain(0);
+      pieces.rows.insert(pieces.rows.end(), drained.sample_rows.begin(), drained.sample_rows.end());
+      pieces.shocks.insert(pieces.shocks.end(), drained.shocks.begin(), drained.shocks.end());
+      pieces.end = batch.snapshot(0);
+      if (pieces.end.status != Status::running) break;
+      saved = batch.save(0);
+    }
+    EXPECT_EQ(whole.rows, pieces.rows);
+    EXPECT_EQ(whole.shocks.size(), pieces.shocks.size());
+    EXPECT_EQ(whole.end.step, pieces.end.step);
+  }
+}
+
+/// A parabola of radius R pressed by d into a rigid flat face: kappa w 4/3 d sqrt(2 R d), wherever
+/// its summit stands between the nodes of either face.
+TEST(SmoothContact, OfAParabolaIsItsClosedFormWhereverItsSummitStands) {
+  constexpr double radius = 0.02, depth = 3e-9;
+  Scene s = plate_scene(1, 0.004, 0.004);
+  s.resonator = rigid(s.resonator);
+  s.faces = Faces::smooth;
+  s.spacing = 8e-6;
+  s.start = 0.01;
+  s.gap = 0;
+  s.contact.stiffness = 1e15;
+  s.time = {SchemeKind::exact};
+  s.time.step = 1e-7;
+  s.duration = 2e-7;
+  const double exact =
+      s.contact.stiffness * s.slider.width * 4 / 3 * depth * std::sqrt(2 * radius * depth);
+  for (const double share : {0.0, 0.1, 0.5, 0.77})
+    for (const double behind : {0.0, 0.3, 0.9}) {
+      s.start = (1250 + behind) * s.spacing;
+      Model m = make_model(s);
+      for (int n = 0; n < m.nodes(); ++n) {
+        const double x = (n - 250 - share) * s.spacing;
+        m.slider_height[n] = depth - x * x / (2 * radius);
+      }
+      m.slider_bend = spline_bends(m.slider_height);
+      const ModalStart start = make_start(m);
+      // roundings: of heights of up to 1e-4 m, over the depth
+      const double bound = 64 * eps * 1e-4 / depth * exact;
+      EXPECT_NEAR(start.contact_force, exact, bound) << share << " " << behind;
+      EXPECT_NEAR(start.contact_energy, 0.4 * exact * depth, depth * bound);
+      const Outcome run = march(m, start, Nodes::candidates);
+      ASSERT_GE(run.rows.size(), 2 * run.lanes + sample::columns);
+      const double* sample = run.rows.data() + 2 * run.lanes;
+      EXPECT_NEAR(sample[sample::force], exact, bound) << share << " " << behind;
+      EXPECT_NEAR(sample[sample::contact_energy], 0.4 * exact * depth, depth * bound);
+    }
+}
+
+/// Where the spacing is fine enough for the faces, hardly more is evaluated than between linear
+/// ones.
+TEST(SmoothContact, OnlyCellsThatCanTouchAreEvaluated) {
+  Scene s = rough_scene(Support::free);
+  s.spacing = 4e-6;
+  s.time = {SchemeKind::exact};
+  s.time.step = 1e-7;
+  double evaluated[2];
+  for (const Faces faces : {Faces::linear, Faces::smooth}) {
+    s.faces = faces;
+    const Model model = make_model(s);
+    const Outcome run = march(model, make_start(model), Nodes::candidates);
+    ASSERT_EQ(run.end.status, Status::done);
+    EXPECT_GT(run.end.contact_steps, 0);
+    evaluated[faces == Faces::smooth] = static_cast<double>(run.end.evaluated);
+  }
+  EXPECT_LT(evaluated[1], 1.5 * evaluated[0]);
+}
+
+/// Let go in equilibrium, nothing moves.
+TEST(SmoothContact, AStaticStartStaysAtRest) {
+  Scene s = plate_scene(8, 0.012, 0.012);
+  s.faces = Faces::smooth;
+  s.start = 0.021;
+  s.initial = Initial::statics;
+  s.slider.support = Support::free;
+  s.slider.load_is_weight = true;
+  s.contact.stiffness = 1e15;
+  s.resonator.surface = gaussian(2e-6, 8e-4, 3);
+  s.slider.surface = gaussian(2e-6, 8e-4, 4);
+  s.time = {SchemeKind::rk8};
+  s.time.step = 2e-7;
+  s.duration = 2e-3;
+  s.output.rate = 1e5;
+  const Recording run = simulate(s);
+  ASSERT_EQ(run.end.status, Status::done);
+  const double load = run.model.slider.load_force;
+  EXPECT_NEAR(run.start.contact_force, load, 1e-9 * load);
+  ASSERT_FALSE(run.samples.force.empty());
+  for (const double force : run.samples.force) EXPECT_NEAR(force, load, 1e-8 * load);
+}
+
+/// The energy closes better and better with shorter steps, through a contact that opens and closes.
+TEST(SmoothContact, EnergyCloses) {
+  Scene s = plate_scene(6, 0.004, 0.004, 0.0);
+  s.faces = Faces::smooth;
+  s.spacing = 2e-5;
+  s.speed = 2;
+  s.start = 0.0203;
+  s.gap = 1.995e-5;
+  s.slider.surface = peaks({{.at = 0.002, .height = 1e-5, .half_width = 7e-4}});
+  s.resonator.surface = peaks({{.at = 0.0230, .height = 1e-5, .half_width = 7e-4},
+                               {.at = 0.0238, .height = 1e-5, .half_width = 7e-4}});
+  s.contact.stiffness = 1e14;
+  s.time = {SchemeKind::rk4};
+  s.duration = 2e-3;
+  s.output.rate = 1e5;
+  std::vector<double> residual;
+  for (const double step : {1e-7, 2.5e-8, 6.25e-9}) {
+    s.time.step = step;
+    const Recording run = simulate(s);
+    ASSERT_EQ(run.end.status, Status::done);
+    EXPECT_GE(run.end.contact_steps, 100);
+    residual.push_back(std::abs(run.energy.relative()));
+  }
+  // the record's sums of forces at the steps are of second order where a contact begins and ends
+  EXPECT_LT(residual[0], 1e-4);
+  EXPECT_LT(residual[2], 0.05 * residual[0]);
+  EXPECT_LT(residual[2], 1e-6);
+}
+
+/// What a cell may exceed both its nodes by, and what is off between a step's ends.
+TEST(SmoothContactProof, TheSagOfACellIsReached) {
+  Scene s = plate_scene(3, 0.004, 0.004);
+  s.faces = Faces::smooth;
+  s.time = {SchemeKind::exact};
+  s.time.step = 1e-7;
+  s.gap = 0;
+  Model m = make_model(s);
+  // both faces parabolas of bend -2: each stands 1/4 above its chord half way
+  for (int n = 0; n < m.nodes(); ++n) m.slider_height[n] = -1e-7 * std::pow(n - 50.5, 2);
+  m.slider_bend = spline_bends(m.slider_height);
+  const PatchSeries series = choose_series(m, width);
+  const Extents n = extents_of(m, series, packs * width, width, Capacity());
+  SceneTables t;
+  std::vector<std::vector<double>> arrays;
+  visit_arrays(t, n, [&](const char*, auto*& array, std::size_t count) {
+    using Value = std::remove_reference_t<decltype(*array)>;
+    arrays.emplace_back(count * sizeof(Value) / sizeof(double) + 1, 0.0);
+    array = reinterpret_cast<Value*>(arrays.back().data());
+  });
+  fill(t, m, series, n, HostCopy());
+  const double summit = 0, ends = -1e-7 * 0.25;
+  EXPECT_GE(t.faces.sag, summit - ends);
+  EXPECT_LT(0.9 * t.faces.sag, summit - ends);
+  // a mode's, of a sine at its crest: its curvature over an eighth of a cell's square
+  const double beta = m.resonator.modes[2].shape->wave_number();
+  EXPECT_NEAR(t.bounds.cell_sag[2],
+              0.125 * std::pow(beta * s.spacing, 2) * m.resonator.modes[2].shape->largest(),
+              1e-6 * t.bounds.cell_sag[2] + 1e-30);
+  EXPECT_GE(t.faces.sag_per_travel, 0.125 * std::pow(beta * s.spacing, 2));
+}
+
+TEST(SmoothFacesRefuse, SchemesAndLawsThatDoNotTakeThem) {
+  Scene s = plate_scene(3, 0.004, 0.004);
+  s.faces = Faces::smooth;
+  s.contact.stiffness = 1e12;
+  s.time.step = 1e-7;
+  const auto message = [&] {
+    try {
+      make_model(s);
+    } catch (const RequestError& fault) {
+      return std::string(fault.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(message(), "");
+  s.time.scheme = SchemeKind::adaptive;
+  EXPECT_NE(message().find("scene.faces"), std::string::npos);
+  EXPECT_NE(message().find("adaptive"), std::string::npos);
+  s.time.scheme = SchemeKind::backward_euler;
+  s.time.contact_force = ForceTime::new_time;
+  EXPECT_NE(message().find("contact_force"), std::string::npos);
+  s.time.contact_force = ForceTime::old_time;
+  s.contact.law = ContactLaw::multiplier;
+  EXPECT_NE(message().find("multiplier"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace ra2d::test
