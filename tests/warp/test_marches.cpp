@@ -60,6 +60,19 @@ TEST_P(MarchOnWarp, RandomScenesHaveTheBitsOfAPack) {
 INSTANTIATE_TEST_SUITE_P(Schemes, MarchOnWarp, testing::ValuesIn(schemes_under_laws()),
                          [](const auto& info) { return info.param.name(); });
 
+TEST(MarchOnWarp, SmoothFacesHaveTheBitsOfAPack) {
+  for (const SchemeKind scheme : {SchemeKind::midpoint, SchemeKind::rk4}) {
+    Variant variant{.scheme = {{{scheme}}, ""}, .adapt = [](Scene& s) { s.faces = Faces::smooth; }};
+    Seen seen;
+    for (std::uint64_t seed = 1; seen.scenes < scenes_each; ++seed) {
+      SCOPED_TRACE("seed " + std::to_string(seed));
+      const Started c = random_scene(seed, variant);
+      if (fits(c.model)) expect_same(c, longest, seen);
+    }
+    EXPECT_GE(seen.touching, 1);
+  }
+}
+
 /// Velocities of all modes.
 std::vector<double> velocities(const Snapshot& s) {
   std::vector<double> all = s.resonator_v;
