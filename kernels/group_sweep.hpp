@@ -11,9 +11,9 @@
 
 namespace ra2d {
 
-/// Overlaps at groups of nodes, one group after the other: the faces, the slider's modes, and the
-/// cubic of the resonator's displacement on the patch where the group stands. Groups on one patch
-/// share the sums over the modes.
+/// Overlaps -g_n (kernels/gap.hpp, equation 10) at groups of nodes, one group after the other: the
+/// faces, the slider's modes, and the cubic of the resonator's displacement on the patch where the
+/// group stands. Groups on one patch share the sums over the modes.
 template <class Lanes, int packs>
 class GroupSweep {
   using Real = typename Lanes::Real;
