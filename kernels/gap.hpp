@@ -20,9 +20,10 @@ struct FaceBetweenNodes {
 /// body.
 ///
 /// This is the plain form: a scene starts from it, and tests hold the kernels to it. These work
-/// with the overlap -g_n, in parts that are found once and used often (kernels/place.hpp,
-/// kernels/contact/node_contact.hpp). The order of the sum stays as it is: the bits of a "touching"
-/// gap follow from it.
+/// with the overlap -g_n, in parts that are found once and used often: GroupSweep::overlap
+/// (kernels/group_sweep.hpp) at groups of nodes, NodeContact::overlap
+/// (kernels/contact/node_contact.hpp) at single ones. host/device/fill.cpp takes delta off h_1
+/// for them. The order of the sum stays as it is: the bits of a "touching" gap follow from it.
 template <class Real>
 constexpr Real gap(Real delta, Real h1, Real u1, const FaceBetweenNodes<Real>& h2, Real u2) {
   const Real faces = h1 - delta + h2.left + h2.theta * (h2.right - h2.left);

@@ -11,7 +11,8 @@
 
 namespace ra2d {
 
-/// Overlaps at groups of nodes, one group after the other: the faces, the slider's modes, and the
+/// Overlaps at groups of nodes, one group after the other: -g_n (kernels/gap.hpp, equation 10) is
+/// the faces' h_1 - delta + h_2 (StaticOverlap), u_1 from the slider's modes, and u_2 from the
 /// cubic of the resonator's displacement on the patch where the group stands. Groups on one patch
 /// share the sums over the modes.
 template <class Lanes, int packs>

@@ -188,9 +188,7 @@ const Keys<Scene>& of_scene() {
        {"spacing", number(&Scene::spacing, positive, "m"), required<Scene>(),
         "distance between two nodes, on both bodies"},
        {"faces", choice(&Scene::faces, face_choices, Faces::linear), may_stand<Scene>(),
-        "how a face runs from node to node: along straight lines, with contact at the slider's "
-        "nodes, or as a cubic spline, with contact integrated along it. See [schemes.md]"
-        "(schemes.md#smooth-faces)"},
+        "straight from node to node, or [splines](schemes.md#smooth-faces)"},
        {"initial", choice(&Scene::initial, initial_states, Initial::rest),
         has_default<Scene>("`\"static\"` where there is an equilibrium, else `\"rest\"`"),
         "how the bodies stand at t = 0"}}};

@@ -26,6 +26,11 @@ inline constexpr double energy_factor = 10.0;
 /// It is that of the state at each step, whatever the scheme does within it: shocks and the work of
 /// the imposed motion are summed from the contact forces there (under Form::implicit from the force
 /// over the step that ends there), level and damping loss from the velocities.
+///
+/// From a contact force to the energies of the file: NodeContact finds its works (ContactTotals),
+/// take_contact adds them to RunningSums, contact_at finds the springs' energy, write_sample puts
+/// all into the columns of a sample. make_samples (host/run/samples.cpp) makes a SampleBlock of
+/// these, and adds kinetic and elastic energy; host/store/entries.cpp names the datasets.
 template <class Lanes, Form form, int packs>
 class FixedRecorder {
   using Real = typename Lanes::Real;
