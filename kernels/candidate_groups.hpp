@@ -98,7 +98,7 @@ class CandidateGroups {
                    position_rounding(place) * faces_.steepest_rise;
     if (faces_.smooth)
       error += cell_sag<Lanes, packs>(lanes_, faces_, bounds_, u) + faces_.sag_per_travel * range_ +
-               0.5 * distance * distance * faces_.sharpest_bend;
+               0.5 * distance * distance * faces_.largest_face_curvature;
     const double below = range_ + error;
     // the motion since then, raised by the roundings of both displacements
     double coarse_below = (1.0 + 0x1p-43) * moved(lists_.coarse_reference_u, u) + below + error;

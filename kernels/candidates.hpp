@@ -131,7 +131,8 @@ class Candidates {
       return {ContactForecast::search, 1, 0};  // too fast: step by step
 
     double half_curve = 0.5 * b.curvature * tau * tau;
-    if (faces_.smooth) half_curve += 0.5 * motion_.advance * motion_.advance * faces_.sharpest_bend;
+    if (faces_.smooth)
+      half_curve += 0.5 * motion_.advance * motion_.advance * faces_.largest_face_curvature;
     // A node is not listed if it stays free along the line, with the margin and its own motion.
     double slack = faces_.rounding + b.rounding + bound(bounds_.cubic_remainder, u) +
                    position_rounding(place) * faces_.steepest_rise + 2.0 * half_curve;

@@ -74,10 +74,10 @@ struct StaticOverlap {
       height = own + multiply_add(place.theta, rise, left);
       return;
     }
-    const double* bend = faces.bend2 + place.base + group * Lanes::width;
-    const Real b0 = lanes.load(bend), b1 = lanes.load(bend + 1), theta(place.theta);
-    // of the cubic between two nodes: slope at the left one, half its bend there, a sixth of the
-    // bend's change
+    const double* curvature = faces.curvature2 + place.base + group * Lanes::width;
+    const Real b0 = lanes.load(curvature), b1 = lanes.load(curvature + 1), theta(place.theta);
+    // of the cubic between two nodes: slope at the left one, half its curvature there, a sixth of
+    // the curvature's change
     const Real slope = multiply_add(-1.0 / 6.0, b0 + b0 + b1, rise);
     const Real half = Real(0.5) * b0, sixth = Real(1.0 / 6.0) * (b1 - b0);
     height = own + multiply_add(theta, multiply_add(theta, multiply_add(theta, sixth, half), slope),

@@ -26,10 +26,10 @@
 /// then evaluated to below the roundings with `terms` terms. All modes here satisfy psi'''' =
 /// beta^4 psi, so four derivatives are stored and the others follow with (beta radius)^4.
 ///
-/// Smooth faces. A face is a straight line between its nodes, or (FaceTables::bend2) a cubic spline
-/// through them. Between smooth faces contact is integrated over the cells of the slider, a cell
-/// from a node to the next (kernels/contact/cell_contact.hpp); lists of nodes to evaluate are then
-/// lists of cells, each called by its left node.
+/// Smooth faces. A face is a straight line between its nodes, or (FaceTables::curvature2) a cubic
+/// spline through them. Between smooth faces contact is integrated over the cells of the slider, a
+/// cell from a node to the next (kernels/contact/cell_contact.hpp); lists of nodes to evaluate are
+/// then lists of cells, each called by its left node.
 ///
 /// Windows. Over a fraction of chi (1/windows) a mode's shape at a moving node is a cubic of its
 /// offset, again to below the roundings. A node that is or could soon be in contact is expanded
@@ -150,10 +150,10 @@ struct FaceTables {
   const double* height2 = nullptr;   // resonator node, padded beyond its end
   const double* highest2 = nullptr;  // max of height2 over a node and the `width` after it
 
-  bool smooth = false;            // what follows is of smooth faces, else null and 0
-  const double* bend1 = nullptr;  // (group, lane): h_1'' chi^2 at the nodes
-  const double* bend2 = nullptr;  // h_2'' chi^2 at the nodes, padded as height2
-  double sharpest_bend = 0;       // max |bend2|
+  bool smooth = false;                 // what follows is of smooth faces, else null and 0
+  const double* curvature1 = nullptr;  // (group, lane): h_1'' chi^2 at the nodes
+  const double* curvature2 = nullptr;  // h_2'' chi^2 at the nodes, padded as height2
+  double largest_face_curvature = 0;   // max |curvature2|
   double sag = 0;  // bound on what the faces' overlap within a cell exceeds that at its ends by
   double sag_per_travel = 0;  // the same of the modes, over their travel
 };
@@ -335,8 +335,8 @@ void visit_own_arrays(SceneTables& t, const Extents& n, Visit&& visit) {
   visit("height2", t.faces.height2, heights);
   visit("highest2", t.faces.highest2, heights);
   if (n.smooth) {
-    visit("bend1", t.faces.bend1, n.padded_nodes());
-    visit("bend2", t.faces.bend2, heights);
+    visit("curvature1", t.faces.curvature1, n.padded_nodes());
+    visit("curvature2", t.faces.curvature2, heights);
   }
   visit("moving_force", t.forces.list, static_cast<std::size_t>(n.moving_forces));
 }

@@ -330,18 +330,20 @@ void Filler::faces() {
 
 /// Splines instead of straight lines. `h2`: the resonator's heights, padded.
 void Filler::smooth_faces(const double* h2) {
-  std::copy(model_.slider_bend.begin(), model_.slider_bend.end(), host_(tables_.faces.bend1));
-  double* const bend = host_(tables_.faces.bend2);
-  std::fill_n(bend, n_.heights, 0.0);
-  std::copy_n(model_.resonator_bend.begin(),
-              std::min<std::size_t>(model_.resonator_bend.size(), n_.heights), bend);
+  std::copy(model_.slider_curvature.begin(), model_.slider_curvature.end(),
+            host_(tables_.faces.curvature1));
+  double* const curvature = host_(tables_.faces.curvature2);
+  std::fill_n(curvature, n_.heights, 0.0);
+  std::copy_n(model_.resonator_curvature.begin(),
+              std::min<std::size_t>(model_.resonator_curvature.size(), n_.heights), curvature);
   FaceTables& faces = tables_.faces;
-  faces.sharpest_bend = sharpest_bend(bend, n_.heights);
-  faces.sag = 0.125 * (faces.sharpest_bend + sharpest_bend(host_(faces.bend1), n_.nodes));
-  faces.steepest_rise = steepest_rise(h2, bend, n_.heights);
+  faces.largest_face_curvature = largest_face_curvature(curvature, n_.heights);
+  faces.sag = 0.125 * (faces.largest_face_curvature +
+                       largest_face_curvature(host_(faces.curvature1), n_.nodes));
+  faces.steepest_rise = steepest_rise(h2, curvature, n_.heights);
   faces.highest_overlap += faces.sag;
   double* const highest = host_(faces.highest2);
-  for (int n = 0; n < n_.heights; ++n) highest[n] += 0.125 * faces.sharpest_bend;
+  for (int n = 0; n < n_.heights; ++n) highest[n] += 0.125 * faces.largest_face_curvature;
 }
 
 void Filler::adaptive() {

@@ -42,17 +42,18 @@ void fill_highest(const double* height, int count, int ahead, double* highest) {
   }
 }
 
-double steepest_rise(const double* height, const double* bend, int count) {
+double steepest_rise(const double* height, const double* curvature, int count) {
   double steepest = 0;
   for (int n = 0; n + 1 < count; ++n)
-    steepest = std::max(steepest, std::abs(height[n + 1] - height[n]) +
-                                      0.5 * std::max(std::abs(bend[n]), std::abs(bend[n + 1])));
+    steepest =
+        std::max(steepest, std::abs(height[n + 1] - height[n]) +
+                               0.5 * std::max(std::abs(curvature[n]), std::abs(curvature[n + 1])));
   return steepest;
 }
 
-double sharpest_bend(const double* bend, int count) {
+double largest_face_curvature(const double* curvature, int count) {
   double sharpest = 0;
-  for (int n = 0; n < count; ++n) sharpest = std::max(sharpest, std::abs(bend[n]));
+  for (int n = 0; n < count; ++n) sharpest = std::max(sharpest, std::abs(curvature[n]));
   return sharpest;
 }
 

@@ -25,10 +25,10 @@ double fourth_derivative(const Mode& mode, double largest_shape, double passing_
 /// The largest rise of a face from a node to the next [m].
 double steepest_rise(const double* height, int count);
 
-/// The same of smooth faces, a bound on their slope times the spacing, and on what they rise above
-/// both nodes of a cell by: they depart from straight lines by no more than an eighth of a bend.
-double steepest_rise(const double* height, const double* bend, int count);
-double sharpest_bend(const double* bend, int count);
+/// Bound on the slope of a smooth face times the spacing, and its largest curvature times the
+/// square of the spacing [m]: it departs from straight lines by no more than an eighth of that.
+double steepest_rise(const double* height, const double* curvature, int count);
+double largest_face_curvature(const double* curvature, int count);
 
 /// highest[n] = the highest of height[n] and the `ahead` after it (FaceTables::highest2).
 void fill_highest(const double* height, int count, int ahead, double* highest);

@@ -130,8 +130,8 @@ Model make_model(const Scene& scene) {
   m.resonator_height = surface_of("resonator", scene.resonator, scene, m.doubts);
   m.slider_height = surface_of("slider", scene.slider, scene, m.doubts);
   if (m.has_smooth_faces()) {
-    m.resonator_bend = spline_bends(m.resonator_height);
-    m.slider_bend = spline_bends(m.slider_height);
+    m.resonator_curvature = spline_curvatures(m.resonator_height);
+    m.slider_curvature = spline_curvatures(m.slider_height);
   }
   m.node_stiffness =
       scene.contact.stiffness * scene.spacing * std::min(scene.resonator.width, scene.slider.width);

@@ -18,12 +18,12 @@ double value(const Polynomial& p, double x) { return p[0] + x * (p[1] + x * (p[2
 double slope(const Polynomial& p, double x) { return p[1] + x * (2 * p[2] + x * 3 * p[3]); }
 
 /// The spline between two nodes, with the origin `x` from the left one.
-Polynomial piece(const std::vector<double>& height, const std::vector<double>& bend,
+Polynomial piece(const std::vector<double>& height, const std::vector<double>& curvature,
                  std::size_t left, double x) {
   const std::size_t last = height.size() - 1, i = std::min(left, last),
                     j = std::min(left + 1, last);
-  const Polynomial p{height[i], height[j] - height[i] - (2 * bend[i] + bend[j]) / 6, bend[i] / 2,
-                     (bend[j] - bend[i]) / 6};
+  const Polynomial p{height[i], height[j] - height[i] - (2 * curvature[i] + curvature[j]) / 6,
+                     curvature[i] / 2, (curvature[j] - curvature[i]) / 6};
   return {value(p, x), slope(p, x), p[2] + 3 * x * p[3], p[3]};
 }
 
@@ -36,12 +36,12 @@ struct CellOverlap {
 CellOverlap faces_of(const Model& m, int cell) {
   const int base = static_cast<int>(m.position);
   const double theta = m.position - base;
-  Polynomial own = piece(m.slider_height, m.slider_bend, cell, 0.5);
+  Polynomial own = piece(m.slider_height, m.slider_curvature, cell, 0.5);
   own[0] -= m.delta;
   CellOverlap out{0.5 - theta, {}};
   for (int side = 0; side < 2; ++side) {
     const Polynomial other =
-        piece(m.resonator_height, m.resonator_bend, base + cell + side, theta + 0.5 - side);
+        piece(m.resonator_height, m.resonator_curvature, base + cell + side, theta + 0.5 - side);
     for (int j = 0; j < 4; ++j) out.sides[side][j] = own[j] + other[j];
   }
   return out;

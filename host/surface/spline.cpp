@@ -7,36 +7,37 @@
 
 namespace ra2d {
 
-std::vector<double> spline_bends(const std::vector<double>& height) {
+std::vector<double> spline_curvatures(const std::vector<double>& height) {
   const std::size_t n = height.size();
-  std::vector<double> bend(n, 0.0);
-  if (n < 3) return bend;
+  std::vector<double> curvature(n, 0.0);
+  if (n < 3) return curvature;
   const auto second_difference = [&](std::size_t i) {
     return (height[i + 1] - height[i]) - (height[i] - height[i - 1]);
   };
   // the condition at the ends makes the second derivative there the second difference
-  bend[1] = second_difference(1);
-  bend[n - 2] = second_difference(n - 2);
+  curvature[1] = second_difference(1);
+  curvature[n - 2] = second_difference(n - 2);
   // b[i-1] + 4 b[i] + b[i+1] = 6 second differences in between, by elimination
   std::vector<double> ratio(n, 0.0);
   for (std::size_t i = 2; i + 2 < n; ++i) {
     ratio[i] = 1.0 / (4.0 - ratio[i - 1]);
-    bend[i] = (6.0 * second_difference(i) - bend[i - 1]) * ratio[i];
+    curvature[i] = (6.0 * second_difference(i) - curvature[i - 1]) * ratio[i];
   }
-  for (std::size_t i = n - 3; i >= 2 && i + 2 < n; --i) bend[i] -= ratio[i] * bend[i + 1];
-  bend[0] = 2.0 * bend[1] - bend[std::min<std::size_t>(2, n - 1)];
-  bend[n - 1] = 2.0 * bend[n - 2] - bend[n >= 3 ? n - 3 : 0];
-  if (n == 3) bend[0] = bend[2] = bend[1];
-  return bend;
+  for (std::size_t i = n - 3; i >= 2 && i + 2 < n; --i) curvature[i] -= ratio[i] * curvature[i + 1];
+  curvature[0] = 2.0 * curvature[1] - curvature[std::min<std::size_t>(2, n - 1)];
+  curvature[n - 1] = 2.0 * curvature[n - 2] - curvature[n >= 3 ? n - 3 : 0];
+  if (n == 3) curvature[0] = curvature[2] = curvature[1];
+  return curvature;
 }
 
 double spline_miss(const std::vector<double>& height) {
   std::vector<double> coarse;
   for (std::size_t i = 0; i < height.size(); i += 2) coarse.push_back(height[i]);
-  const std::vector<double> bend = spline_bends(coarse);
+  const std::vector<double> curvature = spline_curvatures(coarse);
   double most = 0;
   for (std::size_t i = 0; i + 1 < coarse.size(); ++i) {
-    const double between = 0.5 * (coarse[i] + coarse[i + 1]) - 0.0625 * (bend[i] + bend[i + 1]);
+    const double between =
+        0.5 * (coarse[i] + coarse[i + 1]) - 0.0625 * (curvature[i] + curvature[i + 1]);
     most = std::max(most, std::abs(between - height[2 * i + 1]));
   }
   return most;

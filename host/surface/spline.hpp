@@ -9,7 +9,7 @@ namespace ra2d {
 /// through `height` [m]: continuous to its second derivative, and to its third at the second and
 /// the last node but one ("not a knot"). So cubics and parabolas are their own splines. Through two
 /// nodes it is a straight line.
-std::vector<double> spline_bends(const std::vector<double>& height);
+std::vector<double> spline_curvatures(const std::vector<double>& height);
 
 /// How far the spline through every other node misses those that it leaves out, at the most [m]:
 /// some sixteen times what the spline through all of them is off by between them, where the face is

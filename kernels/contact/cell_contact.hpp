@@ -26,7 +26,7 @@ struct Cubic {
   KOKKOS_FORCEINLINE_FUNCTION double slope(double eta) const {
     return Kokkos::fma(eta, Kokkos::fma(3.0 * eta, c[3], 2.0 * c[2]), c[1]);
   }
-  /// The same polynomial with `eta` at its origin.
+  /// This polynomial with its origin at `eta`.
   KOKKOS_FORCEINLINE_FUNCTION Cubic about(double eta) const {
     return {{(*this)(eta), slope(eta), Kokkos::fma(3.0 * eta, c[3], c[2]), c[3]}};
   }
@@ -37,10 +37,11 @@ struct Cubic {
 
 /// A spline between two nodes: heights there, and second derivatives times chi^2 [m]; about the
 /// left node.
-KOKKOS_FORCEINLINE_FUNCTION Cubic spline_piece(double left, double right, double bend_left,
-                                               double bend_right) {
-  return {{left, Kokkos::fma(-1.0 / 6.0, bend_left + bend_left + bend_right, right - left),
-           0.5 * bend_left, (1.0 / 6.0) * (bend_right - bend_left)}};
+KOKKOS_FORCEINLINE_FUNCTION Cubic spline_piece(double left, double right, double curvature_left,
+                                               double curvature_right) {
+  return {{left,
+           Kokkos::fma(-1.0 / 6.0, curvature_left + curvature_left + curvature_right, right - left),
+           0.5 * curvature_left, (1.0 / 6.0) * (curvature_right - curvature_left)}};
 }
 
 /// Integrals over the places of a cell where the overlap o is positive.

@@ -90,8 +90,8 @@ KOKKOS_INLINE_FUNCTION void expand_cell(const Lanes& lanes, const SliderMotion& 
   for (int m = 0; m < cell_rows; ++m)
     for (int p = 0; p < packs; ++p) lanes.store(shape + (m * packs + p) * Lanes::width, c[m][p]);
   if (lanes.leader()) {
-    const double *h1 = faces.height1 + cell, *b1 = faces.bend1 + cell;
-    const double *h2 = faces.height2 + at, *b2 = faces.bend2 + at;
+    const double *h1 = faces.height1 + cell, *b1 = faces.curvature1 + cell;
+    const double *h2 = faces.height2 + at, *b2 = faces.curvature2 + at;
     const Cubic pieces[3] = {spline_piece(h1[0], h1[1], b1[0], b1[1]).about(0.5),
                              spline_piece(h2[0], h2[1], b2[0], b2[1]),
                              spline_piece(h2[1], h2[2], b2[1], b2[2])};
@@ -229,7 +229,7 @@ class NodeContact {
     return caches_.node_face + static_cast<std::int64_t>(cell) * cell_numbers;
   }
 
-  /// The same between smooth faces, in the listed cells.
+  /// Contact between smooth faces, in the listed cells.
   KOKKOS_FUNCTION ContactTotals<Real> in_cells(const Place& place, const Real* u, const int* cells,
                                                int count, Real* force) const {
     ContactTotals<Real> totals;

@@ -29,7 +29,7 @@ double between(const std::vector<double>& h, const std::vector<double>& b, int i
 TEST(Spline, OfACubicIsTheCubic) {
   const auto cubic = [](double x) { return 0.01 * x * x * x - 0.3 * x * x + x - 2; };
   for (const int count : {4, 5, 6, 7, 30}) {
-    const std::vector<double> h = sampled(count, cubic), b = spline_bends(h);
+    const std::vector<double> h = sampled(count, cubic), b = spline_curvatures(h);
     for (int i = 0; i < count; ++i)
       EXPECT_NEAR(b[i], 0.06 * i - 0.6, 200 * eps * count * count) << count << " nodes, " << i;
     EXPECT_LT(count < 8 ? 0.0 : spline_miss(h), 1e-12);
@@ -37,17 +37,17 @@ TEST(Spline, OfACubicIsTheCubic) {
 }
 
 TEST(Spline, OfAParabolaThroughThreeNodesAndALineThroughTwo) {
-  const std::vector<double> three = spline_bends({1, 4, 9});
+  const std::vector<double> three = spline_curvatures({1, 4, 9});
   EXPECT_EQ(three, (std::vector<double>{2, 2, 2}));
-  EXPECT_EQ(spline_bends({1, 4}), (std::vector<double>{0, 0}));
-  EXPECT_EQ(spline_bends({1}), std::vector<double>{0});
-  EXPECT_EQ(spline_bends({}), std::vector<double>{});
+  EXPECT_EQ(spline_curvatures({1, 4}), (std::vector<double>{0, 0}));
+  EXPECT_EQ(spline_curvatures({1}), std::vector<double>{0});
+  EXPECT_EQ(spline_curvatures({}), std::vector<double>{});
 }
 
 /// Its first and second derivatives go on through each node, its third at the second one.
 TEST(Spline, GoesOnThroughItsNodes) {
   const std::vector<double> h{0, 3, -1, 4, 1, -5, 9, 2, -6};
-  const std::vector<double> b = spline_bends(h);
+  const std::vector<double> b = spline_curvatures(h);
   for (std::size_t i = 1; i + 1 < h.size(); ++i) {
     const double before = h[i] - h[i - 1] + (b[i - 1] + 2 * b[i]) / 6;
     const double after = h[i + 1] - h[i] - (2 * b[i] + b[i + 1]) / 6;
@@ -64,7 +64,7 @@ TEST(Spline, OfAWaveIsOffByTheFourthPowerOfTheSpacing) {
     const double k = 2 * std::numbers::pi / per_wave;
     const int count = 4 * per_wave + 1;
     const auto wave = [&](double x) { return std::sin(k * x + 0.4); };
-    const std::vector<double> h = sampled(count, wave), b = spline_bends(h);
+    const std::vector<double> h = sampled(count, wave), b = spline_curvatures(h);
     double off = 0;
     double everywhere = 0;
     for (int i = 0; i + 1 < count; ++i)

@@ -95,7 +95,7 @@ TEST(SmoothContact, OfAParabolaIsItsClosedFormWhereverItsSummitStands) {
         const double x = (n - 250 - share) * s.spacing;
         m.slider_height[n] = depth - x * x / (2 * radius);
       }
-      m.slider_bend = spline_bends(m.slider_height);
+      m.slider_curvature = spline_curvatures(m.slider_height);
       const ModalStart start = make_start(m);
       // roundings: of heights of up to 1e-4 m, over the depth
       const double bound = 64 * eps * 1e-4 / depth * exact;
@@ -180,7 +180,7 @@ TEST(SmoothContact, EnergyCloses) {
   EXPECT_LT(residual[2], 1e-6);
 }
 
-/// What a cell may exceed both its nodes by, and what is off between a step's ends.
+/// The bound on what a cell exceeds both its nodes by is reached.
 TEST(SmoothContactProof, TheSagOfACellIsReached) {
   Scene s = plate_scene(3, 0.004, 0.004);
   s.faces = Faces::smooth;
@@ -188,9 +188,9 @@ TEST(SmoothContactProof, TheSagOfACellIsReached) {
   s.time.step = 1e-7;
   s.gap = 0;
   Model m = make_model(s);
-  // both faces parabolas of bend -2: each stands 1/4 above its chord half way
+  // both faces parabolas of curvature -2: each stands 1/4 above its chord half way
   for (int n = 0; n < m.nodes(); ++n) m.slider_height[n] = -1e-7 * std::pow(n - 50.5, 2);
-  m.slider_bend = spline_bends(m.slider_height);
+  m.slider_curvature = spline_curvatures(m.slider_height);
   const PatchSeries series = choose_series(m, width);
   const Extents n = extents_of(m, series, packs * width, width, Capacity());
   SceneTables t;
