@@ -593,7 +593,7 @@ def content(path):
 
 def try_resume(program, case, dice):
     _, (scheme, law, force), seed = case
-    folder = Folder(RESUMED.replace("2e-5", "0.02" if SLOWER == 1 else "0.004"))
+    folder = Folder(RESUMED.replace("2e-5", "0.012" if SLOWER == 1 else "0.004"))
     words = ["run", "s.toml", "--set", f"time.scheme={scheme}", "--set", f"contact.law={law}", "--set",
              f"time.contact_force={force}", "--set", "time.force=true", "--set", f"slider.surface.seed={seed}"]
     status = end(start(program, [*words, "-o", "whole.h5"], folder))
