@@ -97,7 +97,11 @@ else()
   # Kokkos installs scripts that drive nvcc, and has no switch for it. Here nobody needs them: they go to a folder of
   # their own, which the same installation removes again.
   set(CMAKE_INSTALL_BINDIR ${CMAKE_INSTALL_LIBDIR}/kokkos-scripts)
+  set(CMAKE_UNITY_BUILD ${RA2D_BY_FOLDER})  # its headers take most of the time that its files take to compile
+  set(CMAKE_UNITY_BUILD_BATCH_SIZE 10)
   FetchContent_MakeAvailable(Kokkos)
+  unset(CMAKE_UNITY_BUILD)
+  unset(CMAKE_UNITY_BUILD_BATCH_SIZE)
   install(CODE "file(REMOVE_RECURSE \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_BINDIR}\")")
   unset(CMAKE_INSTALL_BINDIR)  # the cache has the user's
 endif()

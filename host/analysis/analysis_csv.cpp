@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <iterator>
 #include <string>
 #include <utility>
 
@@ -23,9 +22,7 @@ void name_probes(const Analysis& a, const char* quantity, const char* unit, std:
   text += '\n';
 }
 
-void add(double value, std::string& text) {
-  fmt::format_to(std::back_inserter(text), ",{}", value);
-}
+void add(double value, std::string& text) { text += fmt::format(",{}", value); }
 
 }  // namespace
 

@@ -31,7 +31,8 @@ struct LeastSquares::Decomposed {
 };
 
 LeastSquares::LeastSquares(const MatrixXd& a)
-    : decomposed_{std::make_unique<Decomposed>(Eigen::ColPivHouseholderQR<MatrixXd>(a))} {}
+    : decomposed_{
+          std::make_unique<Decomposed>(Decomposed{Eigen::ColPivHouseholderQR<MatrixXd>(a)})} {}
 LeastSquares::~LeastSquares() = default;
 Eigen::Index LeastSquares::rank() const { return decomposed_->qr.rank(); }
 VectorXd LeastSquares::solve(const VectorXd& b) const { return decomposed_->qr.solve(b); }

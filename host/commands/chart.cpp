@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "host/base/errors.hpp"
 #include "host/base/exit_status.hpp"

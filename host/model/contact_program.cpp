@@ -15,11 +15,11 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double eps = std::numeric_limits<double>::epsilon();
-constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double unbounded = std::numeric_limits<double>::infinity();
 
 /// The softest stiffness of a mode; infinite without any.
 double softest(const ContactProgram& p) {
-  double least = infinity;
+  double least = unbounded;
   for (Eigen::Index k = 0; k < p.stiffness.size(); ++k)
     if (p.stiffness[k] > 0) least = std::min(least, p.stiffness[k]);
   return least;
@@ -37,9 +37,9 @@ double roundings(const ContactProgram& p, const VectorXd& u) {
 }
 
 /// The nodes that carry force.
-class ActiveSet {
+class ActiveContacts {
  public:
-  explicit ActiveSet(const ContactProgram& program) : p_{&program} {}
+  explicit ActiveContacts(const ContactProgram& program) : p_{&program} {}
 
   int size() const { return static_cast<int>(nodes_.size()); }
   const std::vector<int>& nodes() const { return nodes_; }
@@ -62,7 +62,7 @@ class ActiveSet {
 
 /// Finds the rest of the modes when the active nodes alone carry force, in units in which the
 /// stiffness of every elastic mode is 1. False where these nodes cannot balance the load.
-bool settle(const ContactProgram& p, ActiveSet& active, double reference, VectorXd& u) {
+bool settle(const ContactProgram& p, ActiveContacts& active, double reference, VectorXd& u) {
   const Eigen::Index modes = p.stiffness.size(), count = active.size();
   VectorXd unit(modes);  // of u_k
   for (Eigen::Index k = 0; k < modes; ++k)
@@ -93,7 +93,7 @@ enum class Outcome { solved, infeasible, endless };
 class DualMethod {
  public:
   /// To overlaps of `tolerance` [m].
-  DualMethod(const ContactProgram& program, double tolerance, ActiveSet& active, VectorXd& u)
+  DualMethod(const ContactProgram& program, double tolerance, ActiveContacts& active, VectorXd& u)
       : p_{program},
         tolerance_{tolerance},
         most_rounds_{20 * static_cast<int>(program.stiffness.size()) + 1000},
@@ -106,7 +106,7 @@ class DualMethod {
     bool fresh = true;  // u and the forces are without the roundings of earlier rounds
     for (round_ = 0; round_ < most_rounds_; ++round_) {
       VectorXd overlap = p_.faces + p_.shapes * u_;
-      for (const int node : active_.nodes()) overlap[node] = -infinity;
+      for (const int node : active_.nodes()) overlap[node] = -unbounded;
       int node = 0;
       const double over = overlap.maxCoeff(&node);
       if (over > tolerance_) {
@@ -145,14 +145,14 @@ class DualMethod {
       const VectorXd change = -compliance_.cwiseProduct(row + held.transpose() * share);
       const double parting = p_.compliance - row.dot(change);  // m/N
       const bool dependent = !(parting > 1e-13 * (own + p_.compliance));
-      double most = infinity;  // N, before an active node pulls
-      int first = -1;          // that node
+      double most = unbounded;  // N, before an active node pulls
+      int first = -1;           // that node
       for (int i = 0; i < active_.size(); ++i)
         if (share[i] < 0 && active_.forces()[i] < -most * share[i]) {
           most = -active_.forces()[i] / share[i];
           first = i;
         }
-      const double whole = dependent ? infinity : over / parting;
+      const double whole = dependent ? unbounded : over / parting;
       const double step = std::min(most, whole);
       if (std::isinf(step)) return Outcome::infeasible;
       if (!dependent) {
@@ -182,7 +182,7 @@ class DualMethod {
   double tolerance_;  // m
   int round_ = 0, most_rounds_;
   VectorXd compliance_;  // m/N, of the modes
-  ActiveSet& active_;
+  ActiveContacts& active_;
   VectorXd& u_;
 };
 
@@ -212,7 +212,7 @@ std::optional<RestingContact> solve(const ContactProgram& p) {
 
   for (int round = 0; round < 100; ++round) {
     held.load = p.load + springs.cwiseProduct(u);
-    ActiveSet active(p);
+    ActiveContacts active(p);
     const Outcome outcome = DualMethod(held, roundings(p, u) + least, active, u).find();
     if (outcome == Outcome::infeasible)
       return RestingContact{.feasible = false, .u = {}, .forces = {}};

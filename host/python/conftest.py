@@ -3,16 +3,28 @@
 from __future__ import annotations
 
 import pathlib
+import sys
+from collections.abc import Iterator
 
 import numpy as np
 import pytest
 
 import ra2d
 
+sys.path.insert(0, str(pathlib.Path(__file__).parents[2] / "tests" / "host"))
+import warm_python  # noqa: E402
+
 
 @pytest.fixture(scope="session")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> pathlib.Path:
     return tmp_path_factory.mktemp("work")
+
+
+@pytest.fixture(scope="session")
+def warm() -> Iterator[dict[str, str]]:
+    """An environment in which the program finds a `python3` that starts quickly."""
+    with warm_python.started() as path:
+        yield {"PATH": path}
 
 
 @pytest.fixture(autouse=True)

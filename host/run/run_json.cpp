@@ -15,13 +15,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;  // writes null for what is not finite
 
-Json interval_json(const Interval& interval) {
+Json limits_json(const Interval& interval) {
   return {{"low", interval.low}, {"high", interval.high}};
 }
 
 Json shocks_json(const RunReport& r) {
   return {{"rate", r.shock_rate},
-          {"rate_interval", interval_json(r.intervals.shock_rate)},
+          {"rate_interval", limits_json(r.intervals.shock_rate)},
           {"duration", {{"median", r.shock_duration_median}, {"p90", r.shock_duration_90}}},
           {"peak_force", {{"median", r.peak_force_median}, {"p90", r.peak_force_90}}}};
 }
@@ -62,7 +62,7 @@ std::string run_json(const Scene& scene, const RunReport& r, const std::filesyst
                   {"duration", scene.duration},
                   {"steps", r.steps},
                   {"lv", has_level ? r.lv : quiet_nan},
-                  {"lv_interval", interval_json(r.intervals.level)},
+                  {"lv_interval", limits_json(r.intervals.level)},
                   {"no_interval", r.intervals.why_none},
                   {"v_rms", has_level ? r.v_rms : quiet_nan},
                   {"contact_share", r.contact_share},

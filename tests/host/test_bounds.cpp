@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,6 +11,7 @@
 #include <numbers>
 #include <vector>
 
+#include "host/base/decompositions.hpp"
 #include "host/body/beam.hpp"
 #include "host/device/layout.hpp"
 #include "tests/dice.hpp"
@@ -337,7 +337,7 @@ struct RandomJoint {
     const double unit = std::sqrt(rate.cwiseAbs().maxCoeff());
     rate.topRightCorner(count, count) *= unit;
     rate.bottomLeftCorner(count, count) /= unit;
-    return rate.eigenvalues().cwiseAbs().maxCoeff();
+    return eigenvalues(rate).cwiseAbs().maxCoeff();
   }
 };
 

@@ -79,7 +79,7 @@ TEST_F(Crash, ARunThatIsCutOffAnywhereGoesOnToTheSameBits) {
   for (const char* how :
        {"FAULTY_ERROR=5", "FAULTY_ERROR=28", "FAULTY_SHORT=28", "FAULTY_KILL=1"}) {
     // every call with RA2D_TEST_LONG; else some of each kind, others for each way to fail
-    const int stride = draws(1) > 1 ? 1 : 47;
+    const int stride = draws(1) > 1 ? 1 : 71;
     for (int call = 1 + (cut % stride);; call += stride) {
       SCOPED_TRACE(fmt::format("{} at call {}", how, call));
       fs::remove(out_);

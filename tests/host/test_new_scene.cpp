@@ -25,6 +25,7 @@
 #include "host/scene_file/materials.hpp"
 #include "host/scene_file/scene_file.hpp"
 #include "tests/child.hpp"
+#include "tests/effort.hpp"
 #include "tests/places.hpp"
 
 namespace ra2d::test {
@@ -194,8 +195,9 @@ TEST(NewScene, WrongAnswersAreExplained) {
               HasSubstr("'0 mm' is not allowed"));
   EXPECT_THAT(refusal_of_answer("--resonator", "steel, 1e999x20x3mm"), Not("taken"));
   EXPECT_THAT(refusal_of_answer("--resonator", "steel,500x20x3mm,5"), HasSubstr("not understood"));
-  EXPECT_THAT(refusal_of_answer("--resonator", std::string(1 << 20, 'x')),
-              testing::SizeIs(testing::Lt(1000u)));
+  EXPECT_THAT(
+      refusal_of_answer("--resonator", std::string(static_cast<std::size_t>(draws(16)) << 16, 'x')),
+      testing::SizeIs(testing::Lt(1000u)));
   EXPECT_THAT(refusal_of_answer("--resonator", "\x1b[31m"), Not(HasSubstr("\x1b")));
   EXPECT_THAT(refusal_of_answer("--slider", "400x20x20mm"),
               HasSubstr("shorter than the resonator"));

@@ -279,7 +279,7 @@ TEST_F(StudyCrash, CutOffAtAnyCallItGoesOnToTheSameTable) {
     for (const char* how :
          {"FAULTY_ERROR=5", "FAULTY_ERROR=28", "FAULTY_SHORT=28", "FAULTY_KILL=1"}) {
       // every call with RA2D_TEST_LONG; else some of each kind, others for each way to fail
-      const int stride = draws(1) > 1 ? 1 : keep_results ? 797 : 29;
+      const int stride = draws(1) > 1 ? 1 : keep_results ? 797 : 43;
       for (int call = 1 + 29 * kind++ % stride;; call += stride) {
         SCOPED_TRACE(fmt::format("{} at call {}, results {}", how, call, keep_results));
         fs::remove_all(out);

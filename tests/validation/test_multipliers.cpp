@@ -643,7 +643,8 @@ TEST_P(HeldForces, LaunchesBuffersAndPaddingGiveTheSameBits) {
     const Recording whole = simulate(scene);
     ASSERT_EQ(whole.end.status, Status::done);
     EXPECT_GT(whole.end.contact_steps, 0);
-    for (const std::int64_t steps : {1, 7, 97, 1000})
+    for (const std::int64_t steps : draws_enough() ? std::vector<std::int64_t>{1, 7, 97, 1000}
+                                                   : std::vector<std::int64_t>{7, 1000})
       EXPECT_TRUE(same(whole, simulate(scene, {.steps = steps, .batch = {}}))) << steps;
     for (const int packs : {3, 8})
       EXPECT_TRUE(same(whole, simulate(scene, {.batch = {.least_packs = packs}})))

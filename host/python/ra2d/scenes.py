@@ -33,7 +33,7 @@ KEYS: dict[str, list[str]] = {
 }
 # Units by the name of a key, as docs/scene.md has them; a test holds both together.
 UNITS: dict[str, str] = {name: unit for unit, names in {
-    "s": "duration step from", "m/s": "speed", "Hz": "max_frequency rate", "Pa": "young", "kg/m^3": "density",
+    "s": "duration step from window", "m/s": "speed", "Hz": "max_frequency rate", "Pa": "young", "kg/m^3": "density",
     "Pa/m": "stiffness", "N": "load force",
     "m": "start gap spacing length thickness width cutoff_s cutoff rq rsm correlation_length longest shortest probes "
          "slider_probes"}.items() for name in names.split()}

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""`ra2d plot`, `sound` and `report`: the program reads the line, this package answers it."""
+"""`ra2d plot`, `sound` and `report`: the program reads the line, this package answers it. Each command is tried with
+a Python of its own (`environment={}`), and all that is asked of it beside that with one that starts quickly."""
 import json
 import os
 import pathlib
@@ -12,9 +13,19 @@ import soundfile
 from ra2d import program
 
 
-def ra2d(folder, *words, environment=None, shell=None):
+WARM = {}
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _warm(warm):
+    WARM.update(warm)
+
+
+def ra2d(folder, *words, environment=None, shell=None, text=True):
     command = ["/bin/sh", "-c", shell, str(program.find()), *words] if shell else [program.find(), *words]
-    return subprocess.run(command, cwd=folder, capture_output=True, text=True, env=os.environ | (environment or {}))
+    if environment is None:
+        environment = {} if shell else WARM
+    return subprocess.run(command, cwd=folder, capture_output=True, text=text, env=os.environ | environment)
 
 
 @pytest.fixture
@@ -34,7 +45,7 @@ def names(place):
 
 
 def test_sound_of_a_run(place):
-    said = ra2d(place, "sound", "out.h5", "--slow", "2")
+    said = ra2d(place, "sound", "out.h5", "--slow", "2", environment={})
     assert said.returncode == 0 and said.stderr == ""
     assert "m/s" in said.stdout and "20 ms, 961 samples" in said.stdout and "out.wav.json" in said.stdout
     assert soundfile.info(place / "out.wav").frames == 961
@@ -98,7 +109,7 @@ def test_a_damaged_table_is_refused_before_anything_is_drawn(study, tmp_path):
 
 
 def test_a_page(place):
-    said = ra2d(place, "report", "out.h5")
+    said = ra2d(place, "report", "out.h5", environment={})
     assert said.returncode == 0 and said.stderr == "" and "out.html" in said.stdout
     assert (place / "out.html").read_text().startswith("<!DOCTYPE html>")
 
@@ -108,15 +119,16 @@ def test_a_name_that_is_no_utf_8(place):
     os.rename(place / "out.h5", os.fsencode(place) + b"/" + name)
     for words in ((b"plot", name, b"-o", b"\xff.svg"), (b"sound", name, b"-o", b"\xff.wav"),
                   (b"report", name, b"-o", b"\xff.html")):
-        said = subprocess.run([os.fsencode(program.find()), *words], cwd=place, capture_output=True)
+        said = ra2d(place, *words, text=False)
         assert said.returncode == 0, said.stderr
     assert sorted(os.listdir(os.fsencode(place))) == [b"\xff.html", b"\xff.svg", b"\xff.wav", b"\xff.wav.json", name]
 
 
-@pytest.mark.parametrize("library, package", [("matplotlib", "python3-matplotlib"), ("soundfile", "python3-soundfile")])
-def test_without_a_library_nothing_is_left_but_the_cure(place, library, package):
+@pytest.mark.parametrize("library, package, commands", [("matplotlib", "python3-matplotlib", ["sound", "report"]),
+                                                        ("soundfile", "python3-soundfile", ["plot"])])
+def test_without_a_library_nothing_is_left_but_the_cure(place, library, package, commands):
     (place / f"{library}.py").write_text("raise ImportError\n")
-    for command in ("plot", "sound", "report"):
+    for command in commands:
         said = ra2d(place, command, "out.h5", environment={"PYTHONPATH": str(place), "PYTHONDONTWRITEBYTECODE": "1"})
         assert said.returncode == 4 and f"apt-get install {package}" in said.stderr
         assert said.stderr.count("\n") == 1 and names(place) == sorted([f"{library}.py", "out.h5"])
@@ -125,7 +137,7 @@ def test_without_a_library_nothing_is_left_but_the_cure(place, library, package)
 def test_files_of_the_current_folder_are_no_modules(place):
     for name in ("numpy", "json", "ra2d"):
         (place / f"{name}.py").write_text("raise RuntimeError('this file was imported')\n")
-    assert ra2d(place, "plot", "out.h5", "--what", "level").returncode == 0
+    assert ra2d(place, "plot", "out.h5", "--what", "level", environment={}).returncode == 0
 
 
 @pytest.mark.parametrize("locale", [{"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"},
@@ -155,7 +167,7 @@ def test_scenes_by_name(place):
 
 
 def test_without_python(place):
-    said = ra2d(place, "plot", "out.h5", environment={"PATH": str(place)})
+    said = ra2d(place, "plot", "out.h5", "--what", "level", environment={"PATH": str(place)})
     # Debian's own is found all the same
     assert said.returncode == (0 if pathlib.Path("/usr/bin/python3").exists() else 4)
 
@@ -173,7 +185,7 @@ def dang():
 
 
 def test_uncertainty_prints_the_packages_budget(place, dang):
-    said = ra2d(place, "uncertainty", dang, "--seeds", "3", "--csv", "table.csv", "--quiet", *SMALL)
+    said = ra2d(place, "uncertainty", dang, "--seeds", "3", "--csv", "table.csv", "--quiet", *SMALL, environment={})
     assert said.returncode == 0 and said.stderr == ""
     import ra2d as package
     same = package.uncertainty(package.scene("dang2012").change(duration=0.02, tolerance=1e-6, rate=1e4), seeds=3,
@@ -201,7 +213,7 @@ def test_uncertainty_refuses_what_is_wrong(place, dang):
 
 def test_compare_prints_the_packages_comparison(place, result, study):
     import ra2d as package
-    said = ra2d(place, "compare", result.path, "out.h5")
+    said = ra2d(place, "compare", result.path, "out.h5", environment={})
     assert said.returncode == 0 and said.stderr == ""
     assert said.stdout == package.compare(result, place / "out.h5").text() + "\n"
     assert "scene.duration [s]" in said.stdout and "the run is too short" in said.stdout

@@ -135,17 +135,17 @@ def test_studies_are_compared_where_both_have_runs(study, folder, base):
 
 
 def test_false_alarms_in_runs_that_differ_by_rounding(base, folder):
-    """Eight pairs of the same faces whose contacts differ by 1e-7: trajectories part, statistics stay. Of 56
-    tests 5 % are 2.8; more than 9 are chance once in a thousand (binomial, were they independent)."""
+    """Five pairs of the same faces whose contacts differ by 1e-7: trajectories part, statistics stay. Of 35
+    tests 5 % are 1.75; more than 7 are chance once in two thousand (binomial, were they independent)."""
     alarms = 0
-    for k in range(8):
+    for k in range(5):
         pair = [ra2d.run(base, {"slider.surface.seed": 50 + k, "contact.stiffness": stiffness}, duration=0.8, rate=2e4,
                          output=folder / f"p{k}-{stiffness!r}.h5", show=False) for stiffness in (1e15, 1.0000001e15)]
         found = ra2d.compare(*pair)
         assert found.answers.chance.notna().all()
         alarms += int(found.answers.differs.sum())
         assert found.answers.difference["level"] != 0
-    assert alarms <= 9
+    assert alarms <= 7
 
 
 # ---- what goes wrong --------------------------------------------------------------------------------

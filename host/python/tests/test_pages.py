@@ -17,7 +17,7 @@ import pytest
 import soundfile
 
 import ra2d
-from ra2d import page, page_svg, page_words, program, style
+from ra2d import page, page_pictures, page_svg, page_words, program, style
 from ra2d.page_words import number, without_folders
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
@@ -154,8 +154,20 @@ def short(base, folder):
     return ran, page.results_text([ran], "ra2d report <img src=x>")
 
 
-def test_a_page_has_it_all(result):
-    text = page.results_text([result], "ra2d report cube.h5 -o page.html")
+@pytest.fixture(scope="module")
+def whole(result):
+    """The page of a second of sliding."""
+    return page.results_text([result], "ra2d report cube.h5 -o page.html")
+
+
+@pytest.fixture
+def undrawn(monkeypatch):
+    """Pages without their pictures, which take a second: for tests of what else stands there."""
+    monkeypatch.setattr(page_pictures, "of_result", lambda result, sheet: [])
+
+
+def test_a_page_has_it_all(result, whole):
+    text = whole
     require_harmless(text)
     facts = dict(rows(text, "What came out"))
     level = result.level
@@ -178,8 +190,8 @@ def test_a_page_has_it_all(result):
     assert len(text) < 900_000
 
 
-def test_two_sounds_on_one_scale(result):
-    text = page.results_text([result])
+def test_two_sounds_on_one_scale(result, whole):
+    text = whole
     (plain, rate), (slow, slow_rate) = sounds(text)
     assert (len(plain), rate) == (48_001, 48_000) and (len(slow), slow_rate) == (160_001, 8000)
     assert "Shortened" not in text and "What is heard at 1 kHz moves at 20 kHz." in text
@@ -189,7 +201,7 @@ def test_two_sounds_on_one_scale(result):
     assert abs(slow).max() == pytest.approx(peak, rel=0.05)
 
 
-def test_results_share_their_full_scale(base, folder, short):
+def test_results_share_their_full_scale(base, folder, short, undrawn):
     result, _ = short
     loud = ra2d.run(base, speed=0.5, duration=0.05, output=folder / "loud.h5", show=False)
     text = page.results_text([result, loud])
@@ -202,7 +214,7 @@ def test_results_share_their_full_scale(base, folder, short):
         assert abs(samples).max() <= 1
 
 
-def test_long_sounds_are_shortened(base, folder):
+def test_long_sounds_are_shortened(base, folder, undrawn):
     slow = ra2d.run(base, duration=1.2, speed=0.05, tolerance=1e-3, output=folder / "long.h5", show=False)
     text = page.results_text([slow])
     assert "Shortened: all of it would last 24 s." in text
@@ -272,12 +284,12 @@ def test_doubts_stand_on_top(folder, base):
     assert "% of the energy is unaccounted for." in box
 
 
-def test_aliased_modes_the_meshs_tone_and_bands_without_modes(result, base, folder):
-    few = ra2d.run(base, duration=0.2, rate=1e4, output=folder / "few.h5", show=False)
+def test_aliased_modes_the_meshs_tone_and_bands_without_modes(result, whole, base, folder):
+    few = ra2d.run(base, duration=0.02, rate=1e4, output=folder / "few.h5", show=False)
     assert f"{few.analysis()['aliased_modes']} modes lie above half the rate" in page.results_text([few])
     low = ra2d.run(base, {"resonator.max_frequency": 2000.0}, duration=0.2, output=folder / "low.h5", show=False)
     assert "Hollow: above the last mode that was kept, at 1.8" in page.results_text([low])
-    text = page.results_text([result])
+    text = whole
     assert ("The mesh&#39;s own tone at 12.5 kHz" in text) == result.analysis()["mesh_tone"]["stands_out"]
     assert "Dashed: speed/spacing, 12.5 kHz" in text
 
@@ -298,7 +310,7 @@ def test_several_results_stand_side_by_side(short, result):
     assert table.count("<tr>") == 1 + len(means)
 
 
-def test_several_results_from_python(short, folder):
+def test_several_results_from_python(short, folder, undrawn):
     made = ra2d.report([short[0], short[0]], folder / "both.html")
     assert read(made).count("<section ") == 2
     with pytest.raises(ra2d.RequestError, match="one or more results"):
@@ -325,7 +337,7 @@ def test_a_refusal_leaves_everything_as_it_was(result, folder):
     result.check()
 
 
-def test_an_earlier_page_gives_way(result, folder):
+def test_an_earlier_page_gives_way(result, folder, undrawn):
     (folder / "page.htm").write_text("<html>")
     assert read(result.report(folder / "page.htm")).endswith("</html>")
 
