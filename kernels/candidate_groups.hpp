@@ -96,7 +96,7 @@ class CandidateGroups {
                    weighted_sum<Lanes, packs>(lanes_, bounds_.cubic_remainder, u) +
                    distance * motion_.spacing * slope +
                    position_rounding(place) * faces_.steepest_rise;
-    if (faces_.smooth)
+    if (faces_.smooth) [[unlikely]]
       error += cell_sag<Lanes, packs>(lanes_, faces_, bounds_, u) + faces_.sag_per_travel * range_ +
                0.5 * distance * distance * faces_.largest_face_curvature;
     const double below = range_ + error;

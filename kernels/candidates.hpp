@@ -131,7 +131,7 @@ class Candidates {
       return {ContactForecast::search, 1, 0};  // too fast: step by step
 
     double half_curve = 0.5 * b.curvature * tau * tau;
-    if (faces_.smooth)
+    if (faces_.smooth) [[unlikely]]
       half_curve += 0.5 * motion_.advance * motion_.advance * faces_.largest_face_curvature;
     // A node is not listed if it stays free along the line, with the margin and its own motion.
     double slack = faces_.rounding + b.rounding + bound(bounds_.cubic_remainder, u) +
@@ -141,7 +141,7 @@ class Candidates {
         tau * bound(bounds_.cubic_remainder, v) +
         motion_.advance * motion_.spacing * bound(bounds_.cubic_slope_remainder, u) +
         2.0 * half_curve;
-    if (faces_.smooth) {  // a cell may be closed where its ends are not
+    if (faces_.smooth) [[unlikely]] {  // a cell may be closed where its ends are not
       slack += cell_sag<Lanes, packs>(lanes_, faces_, bounds_, u) +
                faces_.sag_per_travel * (listed_travel + remaining);
     }
@@ -182,7 +182,8 @@ class Candidates {
     if (!all && !groups_.holds(u, place, 0.0)) find_groups(u, v, place);
     double level = -(faces_.rounding + rounding(0) * bound(bounds_.largest_shape, u) +
                      bound(bounds_.cubic_remainder, u));
-    if (faces_.smooth) level -= cell_sag<Lanes, packs>(lanes_, faces_, bounds_, u);
+    if (faces_.smooth) [[unlikely]]
+      level -= cell_sag<Lanes, packs>(lanes_, faces_, bounds_, u);
     GroupSweep<Lanes, packs> sweep(lanes_, faces_, slider_, patches_, place, amplitudes_, u);
     int count = 0;
     last_listed_ = -1;
@@ -222,7 +223,7 @@ class Candidates {
     if (left < width) bits &= (1u << left) - 1u;
     for (; bits != 0; bits &= bits - 1) {
       const int node = group * width + Kokkos::countr_zero(bits);
-      if (!faces_.smooth) {
+      if (!faces_.smooth) [[likely]] {
         list(node, count);
         continue;
       }

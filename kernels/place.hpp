@@ -70,7 +70,7 @@ struct StaticOverlap {
     const Real left = lanes.load(h2);
     rise = lanes.load(h2 + 1) - left;
     const Real own = lanes.load(faces.height1 + group * Lanes::width);
-    if (!faces.smooth) {
+    if (!faces.smooth) [[likely]] {
       height = own + multiply_add(place.theta, rise, left);
       return;
     }

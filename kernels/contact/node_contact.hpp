@@ -129,7 +129,7 @@ class NodeContact {
       const int node = nodes[e];
       if (marks_.node_window[node] == window) continue;
       lanes_.sync();
-      if (faces_.smooth)
+      if (faces_.smooth) [[unlikely]]
         expand_cell<Lanes, packs>(lanes_, motion_, faces_, slider_, patches_, place, node,
                                   cell_shapes(node), cell_face(node));
       else
@@ -187,7 +187,8 @@ class NodeContact {
   KOKKOS_FORCEINLINE_FUNCTION ContactTotals<Real> operator()(const Place& place, const Real* u,
                                                              const int* nodes, int count,
                                                              Real* force) const {
-    if (faces_.smooth) return in_cells(place, u, nodes, count, force);
+    if (faces_.smooth) [[unlikely]]
+      return in_cells(place, u, nodes, count, force);
     const Penalty penalty{contact_.node_stiffness};
     ContactTotals<Real> totals;
     Real slope_force[packs];  // sum_n f_n dphi/dx

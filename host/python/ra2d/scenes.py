@@ -22,7 +22,7 @@ _FACE = ("kind peaks path x_unit z_unit spacing decimal row column fill form cut
          "correlation_length correlation hurst longest shortest skewness kurtosis exact seed").split()
 # The keys of docs/scene.md, which the program makes from its own table. A test holds both together.
 KEYS: dict[str, list[str]] = {
-    "scene": "name duration speed start gap spacing initial".split(),
+    "scene": "name duration speed start gap spacing faces initial".split(),
     "resonator": [*_BODY, "moving_force"],
     "slider": [*_BODY, "load"],
     "contact": "law stiffness".split(),
