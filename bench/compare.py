@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """compare.py OLD NEW [--filter REGEX] [--rounds N]: two builds of one benchmark, run in turns.
 
-A table of the cases: processor time a step of both, the ratio of the medians, and how far the medians
+A table of the cases: the time of both, the ratio of the medians, and how far the medians
 of two halves of one program's own rounds are apart. What is slower by more than that, and by more than
 2 %, is marked. Cases that fail are named and left out.
 """
@@ -15,6 +15,12 @@ import subprocess
 import tempfile
 
 
+def time_of(case):
+    """What the benchmark times: the march alone where it says so (manual time), else processor time. That of all
+    threads counts those that wait, too."""
+    return case.get("cpu_ns_per_step", case["real_time"] if "/manual_time" in case["name"] else case["cpu_time"])
+
+
 def times(program, pattern):
     """ns a step of every case, None of those that fail."""
     with tempfile.NamedTemporaryFile() as out:
@@ -25,7 +31,7 @@ def times(program, pattern):
         except ValueError:
             raise SystemExit(f"{program}: status {done.returncode}\n{done.stderr}")
     return {re.sub("/iterations:.*", "", case["name"]):
-            None if case.get("error_occurred") else case.get("cpu_ns_per_step", case["cpu_time"])
+            None if case.get("error_occurred") else time_of(case)
             for case in cases if case.get("run_type", "iteration") == "iteration"}
 
 

@@ -34,7 +34,7 @@ INSTANTIATE_TEST_SUITE_P(Schemes, SmoothFaces, testing::ValuesIn(schemes),
 
 TEST_P(SmoothFaces, RandomScenesAreTheSameBitForBitOverAllCellsAndCandidates) {
   Seen seen;
-  for (int seed = 1; seed <= draws(12); ++seed) {
+  for (int seed = 1; seed <= draws(6); ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     const Started c = random_scene(4000 + 7 * seed, smooth(GetParam()));
     const Outcome all = march(c.model, c.start, Nodes::all);
