@@ -22,6 +22,8 @@ namespace {
 /// evaluation.
 constexpr double flight_ns = 5.0, contact_ns = 45.0, stage_ns = 50.0, held_ns = 100.0,
                  more_ns = 1.7, node_ns = 0.7;
+/// Between smooth faces, a stage in contact, and each cell more.
+constexpr double cells_ns = 800.0, cell_ns = 150.0;
 /// Of the adaptive scheme (bench/bench_adaptive.cpp): a flight; a step with forces, for each order
 /// of its series, and what share of that each node more takes; a sample.
 constexpr double leap_ns = 600.0, order_ns = 130.0, more_share = 0.25, sample_ns = 40.0;
@@ -125,9 +127,12 @@ void plan_steps(const Model& model, const JoinedModes& place, Plan& plan) {
   const double evaluation_ns =
       scene.time.nodes == Nodes::all ? evaluations * node_ns * model.nodes() : 0.0;
   const double one_ns = held                                  ? held_ns
+                        : model.has_smooth_faces()            ? stages * cells_ns
                         : is_semi_implicit(scene.time.scheme) ? contact_ns
                                                               : stages * stage_ns;
-  const double wide = width_of(model), each_ns = more_ns * std::max(8, modes_of(model));
+  const double wide = width_of(model);
+  const double each_ns =
+      model.has_smooth_faces() ? wide * cell_ns : more_ns * std::max(8, modes_of(model));
   const double moved_ns = stages * travelling_forces_ns(model);
   const double solved_ns = held ? solving_ns(model, plan.many_nodes) : 0.0;
   plan.seconds_free = seconds * (std::max(wide * flight_ns, evaluation_ns) + moved_ns);

@@ -96,6 +96,14 @@ KOKKOS_INLINE_FUNCTION double root_between(const Cubic& p, double low, double hi
   return x;
 }
 
+/// Whether a cubic is negative everywhere within half a unit of its origin, told by its
+/// coefficients alone.
+KOKKOS_FORCEINLINE_FUNCTION bool is_open(const Cubic& o) {
+  return Kokkos::fma(0.125, Kokkos::abs(o.c[3]),
+                     Kokkos::fma(0.25, Kokkos::abs(o.c[2]),
+                                 Kokkos::fma(0.5, Kokkos::abs(o.c[1]), o.c[0]))) < 0.0;
+}
+
 /// Adds the integrals over the places in [from, to] where `overlap` is positive.
 KOKKOS_INLINE_FUNCTION void add_contact(const Cubic& overlap, const Cubic& face, double from,
                                         double to, CellContact& sum) {
@@ -147,9 +155,11 @@ KOKKOS_INLINE_FUNCTION CellContact contact_in_cell(const CellFaces& faces, doubl
   const Cubic moving = faces.own + displacement;
   const double knot = 0.5 - theta;  // of the resonator
   const Cubic before = faces.passing[0].about(theta + 0.5);
-  add_contact(moving + before, before, -0.5, knot, sum);
+  const Cubic on_the_left = moving + before;
+  if (!is_open(on_the_left)) add_contact(on_the_left, before, -0.5, knot, sum);
   const Cubic after = faces.passing[1].about(theta - 0.5);
-  add_contact(moving + after, after, knot, 0.5, sum);
+  const Cubic on_the_right = moving + after;
+  if (!is_open(on_the_right)) add_contact(on_the_right, after, knot, 0.5, sum);
   return sum;
 }
 
