@@ -341,10 +341,9 @@ double elastic_energy(const Body& body, const std::vector<double>& amplitude) {
 
 /// Static equilibrium, or the bodies at rest, and the contact there, between smooth faces.
 Eigen::VectorXd smooth_start(const Model& model, ModalStart& start) {
-  Eigen::VectorXd u = Eigen::VectorXd::Zero(
-      static_cast<Eigen::Index>(model.resonator.modes.size() + model.slider.modes.size()));
-  if (model.scene.initial == Initial::statics && u.size() > 0) {
-    const std::optional<Eigen::VectorXd> settled = smooth_equilibrium(model);
+  std::vector<double> u(model.resonator.modes.size() + model.slider.modes.size(), 0.0);
+  if (model.scene.initial == Initial::statics && !u.empty()) {
+    const std::optional<std::vector<double>> settled = smooth_equilibrium(model);
     if (!settled) throw no_equilibrium(model.scene, "no static equilibrium was found");
     u = *settled;
   }
@@ -352,7 +351,7 @@ Eigen::VectorXd smooth_start(const Model& model, ModalStart& start) {
   start.contact_force = contact.force;
   start.contact_energy = contact.energy;
   start.loaded_nodes = std::move(contact.cells);
-  return u;
+  return Eigen::Map<const Eigen::VectorXd>(u.data(), static_cast<Eigen::Index>(u.size()));
 }
 
 }  // namespace

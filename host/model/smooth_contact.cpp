@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "host/model/smooth_contact.hpp"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -247,10 +248,11 @@ double largest_smooth_overlap(const Model& m) {
   return largest;
 }
 
-SmoothContact smooth_contact(const Model& model, const Eigen::VectorXd& u) {
+SmoothContact smooth_contact(const Model& model, const std::vector<double>& u) {
   const SmoothPotential potential(model);
   SmoothContact sum;
-  for (const ContactPoint& at : potential.points(u)) {
+  const Eigen::Map<const Eigen::VectorXd> at_start(u.data(), static_cast<Eigen::Index>(u.size()));
+  for (const ContactPoint& at : potential.points(at_start)) {
     sum.force += potential.spring() * at.weight * at.overlap;
     sum.energy += 0.5 * potential.spring() * at.weight * at.overlap * at.overlap;
     if (sum.cells.empty() || sum.cells.back() != at.cell) sum.cells.push_back(at.cell);
@@ -258,12 +260,12 @@ SmoothContact smooth_contact(const Model& model, const Eigen::VectorXd& u) {
   return sum;
 }
 
-std::optional<Eigen::VectorXd> smooth_equilibrium(const Model& model) {
+std::optional<std::vector<double>> smooth_equilibrium(const Model& model) {
   const SmoothPotential potential(model);
   Eigen::VectorXd u = Eigen::VectorXd::Zero(potential.modes());
   for (double soft = 1e-10; soft < 2; soft *= 10)
     if (!potential.minimise(u, soft * potential.spring())) return std::nullopt;
-  return u;
+  return std::vector<double>(u.data(), u.data() + u.size());
 }
 
 }  // namespace ra2d

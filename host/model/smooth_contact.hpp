@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-#include <Eigen/Core>
 #include <optional>
 #include <vector>
 
@@ -20,12 +19,12 @@ struct SmoothContact {
 };
 
 /// Contact at the modal displacements u, the resonator's first.
-SmoothContact smooth_contact(const Model& model, const Eigen::VectorXd& u);
+SmoothContact smooth_contact(const Model& model, const std::vector<double>& u);
 
 /// Displacements in static equilibrium under load and contact: the minimum of the convex potential
 ///   sum_k m omega_k^2 U_k^2 / 2 - load_k U_k  +  kappa w / 2 times the integral of max(0, o)^2,
 /// by Newton's method, with springs that are stiffened to their full stiffness. Nothing when it
 /// does not settle.
-std::optional<Eigen::VectorXd> smooth_equilibrium(const Model& model);
+std::optional<std::vector<double>> smooth_equilibrium(const Model& model);
 
 }  // namespace ra2d
