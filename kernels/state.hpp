@@ -127,7 +127,8 @@ struct LatestContact {
   int pair[2] = {};  // the first two of them
 };
 
-/// Form::adaptive: the nodes in contact, in ascending order.
+/// Form::adaptive: the nodes in contact, in ascending order; smooth faces: the cells in contact, or
+/// in which it begins.
 struct ContactSet {
   int count = 0;
   int* nodes = nullptr;
@@ -138,6 +139,7 @@ struct StepControl {
   int shape_terms = 2;      // of the shapes at a node, which the latest step with contact needed
   double series_scale = 0;  // s, guess at the length of the next step with forces
   int flight_level = 0;     // of the next flight: 2^level ticks
+  bool contact_begins = false;  // smooth faces: at the beginning of the next step
 };
 
 /// All that a march goes on from. A saved run that goes on from this gives the same bits. A
@@ -215,6 +217,29 @@ struct SeriesBuffers {
   double* one_shape = nullptr;  // (4, lane): of one more node
 };
 
+/// A run of neighbouring cells in contact at some stage of a step between smooth faces.
+struct CellRun {
+  int first, last;
+  bool grown;         // from cells in contact at the beginning of the step
+  bool at_end;        // in contact at its end
+  std::int64_t ends;  // the tick of the step before which its contact ends
+};
+
+/// Form::adaptive, smooth faces: the stages of a step, and the motion over it
+/// (kernels/adaptive/smooth_step.hpp).
+struct StageBuffers {
+  double* velocity = nullptr;      // (stage, lane)
+  double* acceleration = nullptr;  // (stage, lane)
+  double* u = nullptr;             // (power of x, lane): the modes' displacement
+  double* v = nullptr;             // (power of x, lane): their velocity
+  double* power = nullptr;         // W: (stage) of the imposed motion, (stage) of the moving forces
+  int* cells = nullptr;            // evaluated
+  double* force = nullptr;         // N, (cell, stage)
+  double* moment = nullptr;        // N chi, (cell, stage): about slider node 0
+  CellRun* runs = nullptr;
+  int run_count = 0, listed = 0;
+};
+
 /// Form::adaptive: of each node in contact, over a step.
 struct ContactSpans {
   int capacity = 0;
@@ -239,6 +264,7 @@ struct WorkSpace {
   RunBuffer runs;
   ActiveSet active;
   SeriesBuffers series;
+  StageBuffers stages;
   ContactSpans spans;
   OnsetSearch search;
 };
@@ -353,6 +379,17 @@ void visit_arrays(WorkSpace& s, const Extents& n, Visit&& visit) {
     visit("ends", s.spans.ends, contacts);
     visit("onsets", s.search.onsets, nodes);
     visit("end_overlaps", s.search.overlaps, 4 * nodes);
+    if (n.smooth) {
+      visit("stage_velocity", s.stages.velocity, formula_stages * lanes);
+      visit("stage_acceleration", s.stages.acceleration, formula_stages * lanes);
+      visit("motion_u", s.stages.u, motion_terms * lanes);
+      visit("motion_v", s.stages.v, motion_terms * lanes);
+      visit("stage_power", s.stages.power, std::size_t{2 * formula_stages});
+      visit("stage_cells", s.stages.cells, contacts);
+      visit("stage_force", s.stages.force, contacts * formula_stages);
+      visit("stage_moment", s.stages.moment, contacts * formula_stages);
+      visit("cell_runs", s.stages.runs, contacts);
+    }
   }
 }
 

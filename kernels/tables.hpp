@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <Kokkos_Core.hpp>
 #include <cstddef>
 #include <cstdint>
 
@@ -94,6 +95,46 @@ inline constexpr int overlap_terms = most_order + 4;
 inline constexpr int gauss_points = 8;
 /// Length of each of the rule's two rows, points and weights, padded for any number of lanes.
 inline constexpr int gauss_row = 32;
+
+/// Stages of the Runge-Kutta formula of an adaptive step between smooth faces, with those of its
+/// continuous output; the last of the step itself stands at its end.
+inline constexpr int formula_stages = 16, last_stage = 12;
+/// Terms of the motion over such a step, a polynomial.
+inline constexpr int motion_terms = 8;
+
+/// How the time of such a step, as a share of its length, follows from the x of its formula. A
+/// contact force grows from its onset on as (t - t_0)^1.5, and dies as (t_1 - t)^1.5. Of the square
+/// root of the distance it is a smooth function.
+enum class Pace : int {
+  even,        // x
+  from_onset,  // x^2: a contact begins with the step
+  to_release   // 1 - (1 - x)^2: one ends with it, or nearly so
+};
+inline constexpr int paces = 3;
+KOKKOS_INLINE_FUNCTION double pace_share(Pace pace, double x) {
+  return pace == Pace::even ? x : pace == Pace::from_onset ? x * x : x * (2.0 - x);
+}
+KOKKOS_INLINE_FUNCTION double pace_rate(Pace pace, double x) {
+  return pace == Pace::even ? 1.0 : pace == Pace::from_onset ? 2.0 * x : 2.0 - 2.0 * x;
+}
+/// The x at which a share of the time has passed.
+KOKKOS_INLINE_FUNCTION double pace_x(Pace pace, double share) {
+  if (pace == Pace::even) return share;
+  if (pace == Pace::from_onset) return Kokkos::sqrt(share);
+  return share / (1.0 + Kokkos::sqrt(1.0 - share));
+}
+
+/// Rows of StageTables, for each pace, of a value for each stage. All but the places are weights
+/// of dy/dt, over the length of the step.
+enum StageRow : int {
+  stage_places,   // x of each stage
+  stage_weights,  // row i: of the stages before, for stage i
+  stage_fifth_order_error = stage_weights + formula_stages,  //
+  stage_third_order_error,                                   //
+  stage_output,                                              // row m: of x^m in y(x) - y(0)
+  stage_rows = stage_output + motion_terms
+};
+inline constexpr int pace_numbers = stage_rows * formula_stages;
 
 /// Lengths from which those of all arrays of a scene follow: see visit_arrays below, and those of
 /// kernels/state.hpp.
@@ -253,6 +294,12 @@ struct FlightTables {
   const double* fourth_derivative_per_energy_norm = nullptr;  // m^(-1/2)/s^3, of an overlap
 };
 
+/// The steps of the adaptive scheme in contact between smooth faces
+/// (kernels/adaptive/smooth_step.hpp).
+struct StageTables {
+  const double* paces = nullptr;  // (Pace, StageRow, stage)
+};
+
 struct MovingForces {
   int count = 0;
   double resonator_length = 0;  // m
@@ -279,6 +326,7 @@ struct SceneTables {
   MotionLimits bounds;
   SeriesTables adaptive;
   FlightTables flight;
+  StageTables stages;
   MovingForces forces;
   RecordTables output;
   const int* interrupted = nullptr;  // of host backends: not 0 when the launch is to end soon
@@ -326,6 +374,7 @@ void visit_shared_arrays(SceneTables& t, const Extents& n, Visit&& visit) {
   visit("inverse_mass", t.adaptive.inverse_mass, lanes);
   visit("hull", t.adaptive.hull, std::size_t{(overlap_terms + 2) * overlap_terms});
   visit("gauss", t.adaptive.gauss, std::size_t{2 * gauss_row});
+  if (n.smooth) visit("stages", t.stages.paces, std::size_t{paces * pace_numbers});
 }
 /// Then those of a scene's own.
 template <class Visit>

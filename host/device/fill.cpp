@@ -6,6 +6,7 @@
 
 #include "host/device/flight_tables.hpp"
 #include "host/device/gauss.hpp"
+#include "host/device/stage_tables.hpp"
 #include "host/model/bounds.hpp"
 #include "host/model/step_bounds.hpp"
 #include "host/scene/schemes.hpp"
@@ -363,6 +364,7 @@ void Filler::adaptive() {
   std::copy_n(gauss_place, gauss_points, gauss);
   std::copy_n(gauss_weight, gauss_points, gauss + gauss_row);
   fill_hull(host_(tables_.adaptive.hull), tables_.adaptive.order + 3);
+  if (n_.smooth) fill_stages(host_(tables_.stages.paces));
 }
 
 void Filler::moving_forces() {

@@ -71,7 +71,8 @@ std::string fault_of(const SavedState& saved, const Extents& n, std::int64_t ste
   CarriedState s = saved.values;
   if (std::string fault = bind(saved, n, s); !fault.empty()) return fault;
   if (s.status != Status::running) return "it is of a run that has ended";
-  if (!is_truth(saved.values.modal.begun) || !is_truth(saved.values.sampling.pending))
+  if (!is_truth(saved.values.modal.begun) || !is_truth(saved.values.sampling.pending) ||
+      !is_truth(saved.values.control.contact_begins))
     return "it is no state";
   if (!is_within(s.step, 0, steps)) return "its step is beyond the run";
   if (!is_within(s.sampling.next, 0, samples)) return "its next sample is beyond the run";
@@ -84,7 +85,8 @@ std::string fault_of(const SavedState& saved, const Extents& n, std::int64_t ste
     if (!is_within(node, 0, n.nodes - 1)) return "its nodes in contact are none of the slider's";
   if (!is_within(s.contacts.count, 0, n.contacts)) return "its closed nodes are too many";
   for (int e = 0; e < s.contacts.count; ++e)
-    if (!is_within(s.contacts.nodes[e], e > 0 ? s.contacts.nodes[e - 1] + 1 : 0, n.nodes - 1))
+    if (!is_within(s.contacts.nodes[e], e > 0 ? s.contacts.nodes[e - 1] + 1 : 0,
+                   n.nodes - (n.smooth ? 2 : 1)))
       return "its closed nodes do not ascend";
   if (!is_within(s.control.shape_terms, 1, 4)) return "its number of terms is none";
   if (!is_within(s.control.flight_level, 0, 60)) return "its flight is too long";

@@ -11,6 +11,7 @@
 #include "kernels/adaptive/overlaps.hpp"
 #include "kernels/adaptive/series.hpp"
 #include "kernels/adaptive/slider_path.hpp"
+#include "kernels/adaptive/smooth_drive.hpp"
 #include "kernels/contact/node_contact.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/place.hpp"
@@ -18,15 +19,16 @@
 #include "kernels/state.hpp"
 #include "kernels/tables.hpp"
 
-/// The adaptive scheme: steps of any length, each with the same nodes in contact from its beginning
-/// to its end. It knows two kinds of step.
+/// The adaptive scheme: steps of any length. It knows three kinds of step.
 ///
 ///   fly    no contact and no moving force: closed form (kernels/adaptive/flight.hpp)
-///   drive  everything else: a power series whose length the error control chooses
-///          (kernels/adaptive/series.hpp)
+///   drive  contact of nodes, moving forces: a power series whose length the error control chooses
+///          (kernels/adaptive/series.hpp), with the same nodes in contact from beginning to end
+///   drive_on_smooth_faces
+///          contact between smooth faces: a Runge-Kutta formula (kernels/adaptive/smooth_drive.hpp)
 ///
-/// A step ends at the latest where a node passes another (the faces have a kink there), and where a
-/// contact begins or ends. That none begins unseen is proved, not sampled
+/// A step ends at the latest where a node passes another (straight faces have a kink there), and
+/// where a contact begins or, of nodes, ends. That none begins unseen is proved, not sampled
 /// (kernels/adaptive/overlaps.hpp).
 ///
 /// The record is that of the motion itself (kernels/adaptive/adaptive_recorder.hpp). Nothing here
@@ -164,7 +166,11 @@ class AdaptiveMarch {
     std::int64_t available =
         free ? path_.ticks_to_next_node(place) : path_.ticks_to_next_window(place);
     if (end() - tick_ < available) available = end() - tick_;
-    if (!(free ? fly(place, available) : drive(place, available))) return false;
+    if (tables_.faces.smooth && state_.carried.contacts.count > 0) [[unlikely]] {
+      if (!drive_on_smooth_faces(place, available)) return false;
+    } else if (!(free ? fly(place, available) : drive(place, available))) {
+      return false;
+    }
     if (lanes_.leader()) ++state_.carried.adaptive_steps;
     lanes_.sync();
     if ((state_.carried.adaptive_steps & 4095) == 0) recorder_.close_parts(now_);
@@ -282,7 +288,14 @@ class AdaptiveMarch {
     tick_ += ticks;
     overlaps_.discard_start();
     contacts_.begin(flagged, x);
+    begin_smooth_contact();
     return true;
+  }
+  KOKKOS_FORCEINLINE_FUNCTION void begin_smooth_contact() {
+    if (!tables_.faces.smooth) [[likely]]
+      return;
+    if (lanes_.leader()) state_.carried.control.contact_begins = true;
+    lanes_.sync();
   }
 
   /// Ends a flight without contact; the next one is planned for 2^level ticks.
@@ -352,7 +365,10 @@ class AdaptiveMarch {
       state_.carried.control.shape_terms = series_.wanted_terms();
     tick_ += ticks;
     if (release <= end) contacts_.end(end);
-    if (onset) contacts_.begin(flagged, end);
+    if (onset) {
+      contacts_.begin(flagged, end);
+      begin_smooth_contact();
+    }
     // without the limit it would grow for ever at rest
     if (lanes_.leader())
       state_.carried.control.series_scale =
@@ -387,6 +403,26 @@ class AdaptiveMarch {
     }
   }
 
+  /// A step in contact between smooth faces.
+  KOKKOS_FUNCTION bool drive_on_smooth_faces(const Place& place, std::int64_t available) {
+    using Drive = SmoothDrive<Lanes, packs>;
+    Drive make_step(lanes_, tables_, state_, path_, node_contact(), moving_forces_, overlaps_,
+                    contacts_, recorder_, now_, place);
+    switch (make_step(now_, tick_, place, available)) {
+      case Drive::Outcome::made:
+        return true;
+      case Drive::Outcome::full:
+        return false;
+      case Drive::Outcome::crowded:
+        return fail(Status::crowded);
+      case Drive::Outcome::not_finite:
+        return fail(Status::not_finite);
+      case Drive::Outcome::stalled:
+        break;
+    }
+    return fail(Status::stalled);
+  }
+
   // ---- both
 
   /// Finds the overlaps at the end of a step of so many ticks, and flags the nodes that could come
@@ -394,13 +430,24 @@ class AdaptiveMarch {
   KOKKOS_FUNCTION int evaluate_and_flag(const Place& place, const Modes& end, std::int64_t ticks,
                                         const MotionBounds& bounds, double rise) {
     overlaps_.evaluate_end(path_.moved(place, tick_ + ticks), end.u, end.v);
-    return overlaps_.flag(ticks * tables_.motion.time_step, bounds, rise);
+    return overlaps_.flag(ticks * tables_.motion.time_step, bounds, rise,
+                          overlaps_.sag(now_.u, bounds.travel));
   }
 
   /// The sample that falls on the end of the scene. False when it is still to be written.
   KOKKOS_FUNCTION bool last_sample() {
     if (recorder_.is_complete()) return true;
     if (!recorder_.can_take_sample()) return false;
+    if (tables_.faces.smooth) [[unlikely]] {
+      const Place place = path_.at(tick_);
+      const NodeContact<Lanes, packs> contact = node_contact();
+      const ContactSet& set = state_.carried.contacts;
+      Real force[packs];
+      contact.expand(place, set.nodes, set.count);
+      for (int p = 0; p < packs; ++p) force[p] = Real(0.0);
+      recorder_.write_last_sample(contact(place, now_.u, set.nodes, set.count, force), now_);
+      return true;
+    }
     if (state_.carried.contacts.count > 0)
       series_.expand(now_.u, now_.v, path_.at(tick_), state_.carried.control.series_scale);
     recorder_.write_last_sample(series_, now_);

@@ -8,6 +8,7 @@
 #include "kernels/adaptive/modal_state.hpp"
 #include "kernels/adaptive/moving_force_series.hpp"
 #include "kernels/adaptive/series.hpp"
+#include "kernels/adaptive/smooth_step.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/place.hpp"
 #include "kernels/shocks.hpp"
@@ -80,21 +81,35 @@ class AdaptiveRecorder {
   KOKKOS_FUNCTION bool drive_samples(const Series& series, std::int64_t tick, const Modes& now,
                                      std::int64_t ticks) const {
     series.expand_squares();
-    while (!is_complete() && sample_tick() < tick + ticks) {
-      if (!can_take_sample()) return false;
-      const double x = series.x_at(sample_tick() - tick);
-      Modes there;
+    return samples(tick, now, ticks, [&](std::int64_t after, Modes& there) {
+      const double x = series.x_at(after);
       series.state(x, there.u, there.v);
       series.squares(x, there.square);
-      for (int p = 0; p < packs; ++p) there.square[p] = now.square[p] + there.square[p];
-      write_sample(there, contact_at(series, x));
-    }
-    return true;
+      return contact_at(series, x);
+    });
+  }
+  /// The samples within a step between smooth faces.
+  KOKKOS_FUNCTION bool contact_samples(const SmoothStep<Lanes, packs>& step, std::int64_t tick,
+                                       const Modes& now, std::int64_t ticks) const {
+    return samples(tick, now, ticks, [&](std::int64_t after, Modes& there) {
+      const double x = pace_x(step.pace(), static_cast<double>(after) / step.ticks());
+      const auto weights = step.weights(x);
+      step.state(x, there.u, there.v);
+      step.squares(weights, there.square);
+      Contact contact = contact_of(step.contact_at(x));
+      step.works(weights, contact.sliding_work, contact.force_work);
+      return contact;
+    });
   }
 
   KOKKOS_FORCEINLINE_FUNCTION bool is_complete() const { return sampling_.next >= output_.samples; }
   KOKKOS_FORCEINLINE_FUNCTION bool can_take_sample() const {
     return samples_.count < samples_.capacity;
+  }
+  /// The same between smooth faces.
+  KOKKOS_FUNCTION void write_last_sample(const ContactTotals<Real>& totals,
+                                         const Modes& now) const {
+    write_sample(now, contact_of(totals));
   }
   /// The sample that falls on the end of the scene. If any node is in contact, the series are those
   /// from there on.
@@ -127,6 +142,16 @@ class AdaptiveRecorder {
     sums_.contact_steps += ticks;
     if (count > sums_.most_nodes) sums_.most_nodes = count;
     add_shocks(series, place, tick, ticks, end);
+  }
+
+  /// Takes in the works of a step between smooth faces [J], and its time in contact.
+  KOKKOS_FUNCTION void add_contact(double sliding_work, double force_work,
+                                   std::int64_t ticks_in_contact, int cells) const {
+    if (!lanes_.leader()) return;
+    sums_.sliding_work += sliding_work;
+    sums_.force_work += force_work;
+    sums_.contact_steps += ticks_in_contact;
+    if (cells > sums_.most_nodes) sums_.most_nodes = cells;
   }
 
   /// Sums are kept in two parts, so that many small terms are not added to one large number.
@@ -170,6 +195,29 @@ class AdaptiveRecorder {
     double force = 0, energy = 0, sliding_work = 0, force_work = 0;
     int nodes = 0;
   };
+  KOKKOS_FUNCTION static Contact contact_of(const ContactTotals<Real>& totals) {
+    Contact contact;
+    contact.force = totals.force;
+    contact.energy = totals.energy;
+    contact.nodes = totals.nodes;
+    return contact;
+  }
+
+  /// The samples within the `ticks` after `tick`; at(ticks after it, modes) finds each one's modes,
+  /// with the squares since `tick`, and returns its contact. False when the buffer is full.
+  template <class At>
+  KOKKOS_FORCEINLINE_FUNCTION bool samples(std::int64_t tick, const Modes& now, std::int64_t ticks,
+                                           const At& at) const {
+    while (!is_complete() && sample_tick() < tick + ticks) {
+      if (!can_take_sample()) return false;
+      Modes there;
+      const Contact contact = at(sample_tick() - tick, there);
+      for (int p = 0; p < packs; ++p) there.square[p] = now.square[p] + there.square[p];
+      write_sample(there, contact);
+    }
+    return true;
+  }
+
   KOKKOS_FUNCTION Contact contact_at(const Series& series, double x) const {
     Contact contact;
     for (int e = 0; e < contacts_.count; ++e) {

@@ -121,14 +121,16 @@ class Overlaps {
     return cubic_error(bounds, time) > overlap_error(bounds);
   }
 
-  /// Lists the nodes whose contact could begin within a step of `time` [s].
+  /// Lists the nodes whose contact could begin within a step of `time` [s], or (smooth faces, none
+  /// in contact) the cells.
   /// The length of the next step depends on these nodes, so they must be the same whichever groups
   /// are listed. Hence no node is flagged that a list of candidate groups may leave out.
-  KOKKOS_FUNCTION int flag(double time, const MotionBounds& bounds, double rise) const {
+  KOKKOS_FUNCTION int flag(double time, const MotionBounds& bounds, double rise,
+                           double sag = 0.0) const {
     const int all = groups();
     if (all == 0) return 0;
-    const double level = -(cubic_error(bounds, time) + overlap_error(bounds));
-    const double start = -(rise - overlap_error(bounds));
+    const double level = -(cubic_error(bounds, time) + overlap_error(bounds) + sag);
+    const double start = -(rise - overlap_error(bounds) + sag);
     const double third = time / 3.0;
     int count = 0, at = 0;
     for (int e = 0; e < all; ++e) {
@@ -145,6 +147,10 @@ class Overlaps {
       if (left < width) bits &= (1u << left) - 1u;
       for (; bits != 0; bits &= bits - 1) {
         const int node = group(e) * width + Kokkos::countr_zero(bits);
+        if (faces_.smooth) [[unlikely]] {
+          list_cells(node, listed_nodes_, faces_.nodes, count, at);
+          continue;
+        }
         while (at < contacts_.count && contacts_.nodes[at] < node) ++at;
         if (at < contacts_.count && contacts_.nodes[at] == node) continue;
         RA2D_CHECK(count < faces_.nodes);
@@ -160,6 +166,11 @@ class Overlaps {
   /// does. OnsetSearch::onsets gets the place of each.
   KOKKOS_FUNCTION double search(const ModalSeries<Lanes, packs>& series, const Place& place,
                                 int flagged, double end, double tolerance) const {
+    if (faces_.smooth) [[unlikely]] {
+      const PolynomialMotion<Lanes, packs> motion = series.motion(end);
+      return search_cells(motion, motion.bounds(lanes_, bounds_, motion_.spacing).curvature, place,
+                          flagged, tolerance);
+    }
     node_contact_.expand(place, listed_nodes_, flagged);
     double first = 2.0 * end + 1.0;
     for (int e = 0; e < flagged; ++e) {
@@ -171,6 +182,106 @@ class Overlaps {
         x = first_crossing(search_.polynomial, n, 1.0, tolerance, 0.25 * tolerance, end,
                            hull.curvature);
       lanes_.sync();
+      if (lanes_.leader()) search_.onsets[e] = x;
+      if (x < first) first = x;
+    }
+    lanes_.sync();
+    return first;
+  }
+
+  // ---- smooth faces
+
+  /// Bound on what the overlap within a cell exceeds that at its ends by, over a step [m].
+  KOKKOS_FORCEINLINE_FUNCTION double sag(const Real* u, double travel) const {
+    if (!faces_.smooth) [[likely]]
+      return 0.0;
+    return cell_sag<Lanes, packs>(lanes_, faces_, bounds_, u) + faces_.sag_per_travel * travel;
+  }
+
+  /// Lists the cells in contact and those beside them. -1: more than `capacity`.
+  KOKKOS_FUNCTION int list_contacts(int* cells, int capacity) const {
+    int count = 0, last = 0;
+    lanes_.sync();
+    for (int e = 0; e < contacts_.count; ++e)
+      for (int cell = contacts_.nodes[e] - 1; cell <= contacts_.nodes[e] + 1; ++cell)
+        list_cell(cell, cells, capacity, count, last);
+    lanes_.sync();
+    return count <= capacity ? count : -1;
+  }
+  /// Lists in `cells` those that are likely to be in contact within a step of `time` [s] from the
+  /// beginning on, with the cells in contact and those beside them. What is missing is found by
+  /// flag_over(). -1: more than `capacity`.
+  KOKKOS_FUNCTION int list_likely(double time, double acceleration, double sag, double rise,
+                                  int* cells, int capacity) const {
+    const double level = -(0.5 * acceleration * time * time + sag), start = -(rise + sag);
+    int count = 0, last = 0, at = 0;
+    const auto take_contacts = [&](int before) {  // the cells in contact below a node
+      for (; at < contacts_.count && contacts_.nodes[at] < before; ++at)
+        for (int cell = contacts_.nodes[at] - 1; cell <= contacts_.nodes[at] + 1; ++cell)
+          list_cell(cell, cells, capacity, count, last);
+    };
+    const int all = groups();
+    for (int e = 0; e < all; ++e) {
+      const double* first = start_ + 2 * e * width;
+      const Real o = lanes_.load(first),
+                 then = multiply_add(time, Kokkos::max(lanes_.load(first + width), Real(0.0)), o);
+      std::uint32_t bits = lanes_.at_least(then, level);
+      if (bits != 0) bits &= lanes_.at_least(o, start);
+      const int left = faces_.nodes - group(e) * width;
+      if (left < width) bits &= (1u << left) - 1u;
+      for (; bits != 0; bits &= bits - 1) {
+        const int node = group(e) * width + Kokkos::countr_zero(bits);
+        take_contacts(node);
+        list_cells(node, cells, capacity, count, last);
+      }
+    }
+    take_contacts(faces_.nodes);
+    lanes_.sync();
+    return count <= capacity ? count : -1;
+  }
+
+  /// Lists the cells in which there could be contact within a step in which the modes follow
+  /// `motion`, not counting runs of cells around those in contact. At both ends overlaps and rates
+  /// are known; in between the second derivative is bounded.
+  KOKKOS_FUNCTION int flag_over(const PolynomialMotion<Lanes, packs>& motion,
+                                const typename PolynomialMotion<Lanes, packs>::Bounds& bounds,
+                                double ticks, const MotionBounds& motion_bounds, double sag) const {
+    const double way = motion.most_way();
+    const double curvature = bounds.curvature + way * way * faces_.largest_face_curvature +
+                             motion.change_of_way() * faces_.steepest_rise;
+    const double level = -(0.125 * curvature + overlap_error(motion_bounds) + sag);
+    const double time = ticks * motion_.time_step;
+    const double rate0 = 0.5 * time * pace_rate(motion.pace, 0.0),
+                 rate1 = -0.5 * time * pace_rate(motion.pace, 1.0);
+    int count = 0, last = 0;
+    const int all = groups();
+    for (int e = 0; e < all; ++e) {
+      const double* first = start_ + 2 * e * width;
+      const double* end = end_ + 2 * e * width;
+      const Real from_start =
+          lanes_.load(first) + Kokkos::max(Real(rate0) * lanes_.load(first + width), Real(0.0));
+      const Real from_end =
+          lanes_.load(end) + Kokkos::max(Real(rate1) * lanes_.load(end + width), Real(0.0));
+      std::uint32_t bits = lanes_.at_least(Kokkos::max(from_start, from_end), level);
+      const int left = faces_.nodes - group(e) * width;
+      if (left < width) bits &= (1u << left) - 1u;
+      for (; bits != 0; bits &= bits - 1)
+        list_cells(group(e) * width + Kokkos::countr_zero(bits), listed_nodes_, faces_.nodes, count,
+                   last);
+    }
+    lanes_.sync();
+    return count;
+  }
+
+  /// As search(), along a motion from `place` on, in the listed cells.
+  KOKKOS_FUNCTION double search_cells(const PolynomialMotion<Lanes, packs>& motion,
+                                      double curvature, const Place& place, int flagged,
+                                      double tolerance) const {
+    node_contact_.expand(place, listed_nodes_, flagged);
+    double first = 2.0 * motion.most + 1.0;
+    for (int e = 0; e < flagged; ++e) {
+      const double x = first_contact(lanes_, node_contact_, motion, place, listed_nodes_[e],
+                                     curvature, tolerance, 0.25 * tolerance);
       if (lanes_.leader()) search_.onsets[e] = x;
       if (x < first) first = x;
     }
@@ -196,6 +307,21 @@ class Overlaps {
   // overlaps and their rates at the beginning and at the end of a step
   double *start_, *end_;
   bool start_is_known_ = false;  // `start_` is of the present state and candidate groups
+
+  /// Lists the cells beside a node; the nodes come in ascending order. `last`: one beyond the
+  /// latest cell that is listed.
+  KOKKOS_FORCEINLINE_FUNCTION void list_cells(int node, int* cells, int capacity, int& count,
+                                              int& last) const {
+    list_cell(node - 1, cells, capacity, count, last);
+    list_cell(node, cells, capacity, count, last);
+  }
+  KOKKOS_FORCEINLINE_FUNCTION void list_cell(int cell, int* cells, int capacity, int& count,
+                                             int& last) const {
+    if (cell < last || cell < 0 || cell > faces_.nodes - 2) return;
+    if (lanes_.leader() && count < capacity) cells[count] = cell;
+    ++count;
+    last = cell + 1;
+  }
 
   KOKKOS_FORCEINLINE_FUNCTION int groups() const {
     return bounds_.searched == Nodes::all ? faces_.groups : candidates_.count();

@@ -5,6 +5,7 @@
 
 #include "kernels/adaptive/crossing.hpp"
 #include "kernels/adaptive/modal_state.hpp"
+#include "kernels/adaptive/onsets.hpp"
 #include "kernels/contact/node_contact.hpp"
 #include "kernels/displacement.hpp"
 #include "kernels/lanes.hpp"
@@ -180,6 +181,12 @@ class ModalSeries {
       u[p] = multiply_add(u[p], at, coefficient(0, p));
       v[p] = v[p] * per;
     }
+  }
+
+  /// The motion up to x = `most`, as a polynomial.
+  KOKKOS_FORCEINLINE_FUNCTION PolynomialMotion<Lanes, packs> motion(double most) const {
+    return {buffers_.modes, adaptive_.order, Pace::even,
+            motion_.advance * (scale_ / motion_.time_step), most};
   }
 
   /// Velocity alone.

@@ -5,6 +5,7 @@
 
 #include "kernels/check.hpp"
 #include "kernels/contact/cell_contact.hpp"
+#include "kernels/contact/moving_cell.hpp"
 #include "kernels/contact/penalty.hpp"
 #include "kernels/displacement.hpp"
 #include "kernels/lanes.hpp"
@@ -182,6 +183,54 @@ class NodeContact {
     return caches_.node_face[2 * node + 1];
   }
 
+  /// Smooth faces: the overlap along an expanded cell at the displacements u, and its rate where
+  /// these change by `rate` and the slider moves by `way` [chi].
+  KOKKOS_FUNCTION MovingCell moving_cell(int cell, const Place& place, const Real* u,
+                                         const Real* rate, double way) const {
+    const double* c = cell_shapes(cell);
+    const Real x(place.offset);
+    Real part[4], rising[4], slope[3];
+    for (int j = 0; j < 4; ++j) part[j] = rising[j] = Real(0.0);
+    for (int j = 0; j < 3; ++j) slope[j] = Real(0.0);
+    for (int p = 0; p < packs; ++p) {
+      Real phi[4], path[4];
+      along_cell(c, x, p, phi, path);
+      for (int j = 0; j < 4; ++j) {
+        part[j] = multiply_add(phi[j], u[p], part[j]);
+        rising[j] = multiply_add(phi[j], rate[p], rising[j]);
+      }
+      for (int j = 0; j < 3; ++j) slope[j] = multiply_add(path[j + 1], u[p], slope[j]);
+    }
+    Cubic displacement, modes;
+    double d1, d2, d3, none;
+    lanes_.sum(part[0], part[1], displacement.c[0], displacement.c[1]);
+    lanes_.sum(part[2], part[3], displacement.c[2], displacement.c[3]);
+    lanes_.sum(rising[0], rising[1], modes.c[0], modes.c[1]);
+    lanes_.sum(rising[2], rising[3], modes.c[2], modes.c[3]);
+    lanes_.sum(slope[0], slope[1], d1, d2);
+    lanes_.sum(slope[2], Real(0.0), d3, none);
+    const CellFaces faces = faces_of(cell);
+    MovingCell moving;
+    moving.knot = 0.5 - place.theta;
+    moving.curvature = moving.slope = 0.0;
+    for (int side = 0; side < 2; ++side) {
+      const Cubic& piece = faces.passing[side];
+      const Cubic face = piece.about(place.theta + 0.5 - side);
+      moving.overlap[side] = faces.own + displacement + face;
+      const double passing[4] = {d1 + face.c[1], 2.0 * (d2 + face.c[2]), 3.0 * (d3 + face.c[3]),
+                                 0.0};
+      for (int j = 0; j < 4; ++j) moving.rate[side].c[j] = Kokkos::fma(way, passing[j], modes.c[j]);
+      // a cubic's second derivative is largest at an end
+      moving.curvature = Kokkos::max(
+          moving.curvature,
+          Kokkos::max(2.0 * piece.c[2], Kokkos::fma(6.0, piece.c[3], 2.0 * piece.c[2])));
+      moving.slope =
+          Kokkos::max(moving.slope, Kokkos::abs(piece.c[1]) + 2.0 * Kokkos::abs(piece.c[2]) +
+                                        3.0 * Kokkos::abs(piece.c[3]));
+    }
+    return moving;
+  }
+
   /// Contact detection and contact force at a state: adds the modal contact force of the listed
   /// nodes (in ascending order, expanded for this window) to `force`, and lists those in contact.
   KOKKOS_FORCEINLINE_FUNCTION ContactTotals<Real> operator()(const Place& place, const Real* u,
@@ -226,6 +275,28 @@ class NodeContact {
   KOKKOS_FORCEINLINE_FUNCTION double* cell_shapes(int cell) const {
     return caches_.node_shape + static_cast<std::int64_t>(cell) * (cell_rows * packs * width);
   }
+  /// Shapes along a cell, phi_j eta^j, and of these the resonator's share, which moves (path_1 to
+  /// path_3); `c`: the expanded cell, x: the window's offset.
+  KOKKOS_FORCEINLINE_FUNCTION void along_cell(const double* c, const Real& x, int p, Real* phi,
+                                              Real* path) const {
+    const auto row = [&](int m) { return lanes_.load(c + width * (m * packs + p)); };
+    const Real c1 = row(1), c2 = row(2), c3 = row(3);
+    phi[0] = multiply_add(multiply_add(multiply_add(c3, x, c2), x, c1), x, row(0));
+    path[1] = multiply_add(multiply_add(Real(3.0) * c3, x, Real(2.0) * c2), x, c1);
+    path[2] = multiply_add(Real(3.0) * c3, x, c2);
+    path[3] = c3;
+    for (int j = 1; j < 4; ++j) phi[j] = path[j] + row(cell_slider + j - 1);
+  }
+  KOKKOS_FORCEINLINE_FUNCTION CellFaces faces_of(int cell) const {
+    const double* face = cell_face(cell);
+    CellFaces faces;
+    for (int j = 0; j < 4; ++j) {
+      faces.own.c[j] = face[j];
+      faces.passing[0].c[j] = face[4 + j];
+      faces.passing[1].c[j] = face[8 + j];
+    }
+    return faces;
+  }
   KOKKOS_FORCEINLINE_FUNCTION double* cell_face(int cell) const {
     return caches_.node_face + static_cast<std::int64_t>(cell) * cell_numbers;
   }
@@ -240,30 +311,21 @@ class NodeContact {
     for (int e = 0; e < count; ++e) {
       const int cell = cells[e];
       const double* c = cell_shapes(cell);
-      // shapes along the cell, phi_j eta^j, and of these the resonator's share, which moves
       Real phi[4][packs], path[4][packs], part[4];
       for (int j = 0; j < 4; ++j) part[j] = Real(0.0);
       for (int p = 0; p < packs; ++p) {
-        const auto row = [&](int m) { return lanes_.load(c + width * (m * packs + p)); };
-        const Real c1 = row(1), c2 = row(2), c3 = row(3);
-        phi[0][p] = multiply_add(multiply_add(multiply_add(c3, x, c2), x, c1), x, row(0));
-        path[1][p] = multiply_add(multiply_add(Real(3.0) * c3, x, Real(2.0) * c2), x, c1);
-        path[2][p] = multiply_add(Real(3.0) * c3, x, c2);
-        path[3][p] = c3;
-        for (int j = 1; j < 4; ++j) phi[j][p] = path[j][p] + row(cell_slider + j - 1);
-        for (int j = 0; j < 4; ++j) part[j] = multiply_add(phi[j][p], u[p], part[j]);
+        Real at[4], moving[4];
+        along_cell(c, x, p, at, moving);
+        for (int j = 0; j < 4; ++j) {
+          phi[j][p] = at[j];
+          if (j > 0) path[j][p] = moving[j];
+          part[j] = multiply_add(at[j], u[p], part[j]);
+        }
       }
       Cubic displacement;
       lanes_.sum(part[0], part[1], displacement.c[0], displacement.c[1]);
       lanes_.sum(part[2], part[3], displacement.c[2], displacement.c[3]);
-      const double* face = cell_face(cell);
-      CellFaces faces;
-      for (int j = 0; j < 4; ++j) {
-        faces.own.c[j] = face[j];
-        faces.passing[0].c[j] = face[4 + j];
-        faces.passing[1].c[j] = face[8 + j];
-      }
-      const CellContact contact = contact_in_cell(faces, place.theta, displacement);
+      const CellContact contact = contact_in_cell(faces_of(cell), place.theta, displacement);
       const double* m = contact.moment;
       if (!(m[0] > 0.0)) continue;
 

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <Kokkos_Core.hpp>
+
+namespace ra2d {
+
+/// The largest f(x) on [from, to], where f has one maximum; by parabolas through three values, and
+/// golden sections where these do not close in (Brent 1973, chapter 5). Right to within roundings.
+template <class Function>
+KOKKOS_INLINE_FUNCTION double highest_between(double from, double to, const Function& f) {
+  constexpr double golden = 0.3819660112501051;
+  const double close = 1e-8 * (to - from);
+  double x = from + golden * (to - from), w = x, v = x;
+  double fx = f(x), fw = fx, fv = fx, d = 0.0, before = 0.0;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (from + to);
+    if (Kokkos::abs(x - middle) <= 2.0 * close - 0.5 * (to - from)) break;
+    bool parabola = false;
+    if (Kokkos::abs(before) > close) {
+      const double r = (x - w) * (fx - fv), q = (x - v) * (fx - fw);
+      double top = (x - v) * q - (x - w) * r, bottom = 2.0 * (q - r);
+      if (bottom > 0.0) top = -top;
+      bottom = Kokkos::abs(bottom);
+      if (Kokkos::abs(top) < Kokkos::abs(0.5 * bottom * before) && top > bottom * (from - x) &&
+          top < bottom * (to - x)) {
+        before = d;
+        d = top / bottom;
+        parabola = true;
+      }
+    }
+    if (!parabola) {
+      before = x >= middle ? from - x : to - x;
+      d = golden * before;
+    }
+    const double next = x + (Kokkos::abs(d) >= close ? d : Kokkos::copysign(close, d));
+    const double value = f(next);
+    if (value >= fx) {
+      (next >= x ? from : to) = x;
+      v = w;
+      fv = fw;
+      w = x;
+      fw = fx;
+      x = next;
+      fx = value;
+    } else {
+      (next < x ? from : to) = next;
+      if (value >= fw || w == x) {
+        v = w;
+        fv = fw;
+        w = next;
+        fw = value;
+      } else if (value >= fv || v == x || v == w) {
+        v = next;
+        fv = value;
+      }
+    }
+  }
+  return fx;
+}
+
+}  // namespace ra2d

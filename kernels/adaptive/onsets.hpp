@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <Kokkos_Core.hpp>
+
+#include "kernels/candidate_groups.hpp"
+#include "kernels/contact/node_contact.hpp"
+#include "kernels/lanes.hpp"
+#include "kernels/place.hpp"
+#include "kernels/tables.hpp"
+
+namespace ra2d {
+
+/// A motion of the modes that is a polynomial in x, and the slider's way meanwhile: a flight by its
+/// series, or a step between smooth faces.
+template <class Lanes, int packs>
+struct PolynomialMotion {
+  using Real = typename Lanes::Real;
+  static constexpr int width = Lanes::width;
+
+  const double* rows;  // (power of x, lane)
+  int order;
+  Pace pace;
+  double advance;  // chi, over x from 0 to 1
+  double most;     // the x that it is used to
+
+  /// Displacements, and what they change by per x.
+  KOKKOS_FUNCTION void at(const Lanes& lanes, double x, Real* u, Real* rate) const {
+    const Real here(x);
+    for (int p = 0; p < packs; ++p) {
+      u[p] = load_row(lanes, order, p);
+      rate[p] = Real(static_cast<double>(order)) * u[p];
+    }
+    for (int j = order - 1; j >= 1; --j)
+      for (int p = 0; p < packs; ++p) {
+        const Real c = load_row(lanes, j, p);
+        u[p] = multiply_add(u[p], here, c);
+        rate[p] = multiply_add(rate[p], here, Real(static_cast<double>(j)) * c);
+      }
+    for (int p = 0; p < packs; ++p) u[p] = multiply_add(u[p], here, load_row(lanes, 0, p));
+  }
+  KOKKOS_FORCEINLINE_FUNCTION Real load_row(const Lanes& lanes, int j, int p) const {
+    return lanes.load(rows + (j * packs + p) * width);
+  }
+  KOKKOS_FORCEINLINE_FUNCTION Place place_at(const Place& start, double x) const {
+    Place place = start;
+    const double way = advance * pace_share(pace, x);
+    place.position += way;
+    place.theta += way;
+    place.offset += way;
+    return place;
+  }
+  /// chi per x: the slider's way, and the most that it and its change are.
+  KOKKOS_FORCEINLINE_FUNCTION double way(double x) const { return advance * pace_rate(pace, x); }
+  KOKKOS_FORCEINLINE_FUNCTION double most_way() const {
+    return pace == Pace::even ? advance : 2.0 * advance;
+  }
+  KOKKOS_FORCEINLINE_FUNCTION double change_of_way() const {
+    return pace == Pace::even ? 0.0 : 2.0 * advance;
+  }
+
+  /// Bounds on what the modes do up to `most`.
+  struct Bounds {
+    double travel;     // m: sum max|psi| |U - U_0|
+    double curvature;  // m per x^2: on the second derivative of their displacement at a place that
+                       // moves
+    double slope;      // of the deflected resonator, times chi [m]
+  };
+  KOKKOS_FUNCTION Bounds bounds(const Lanes& lanes, const MotionLimits& limits,
+                                double spacing) const {
+    const Real at(most);
+    const double first = most_way() * spacing, second = change_of_way() * spacing;
+    Real travel(0.0), curvature(0.0), slope(0.0);
+    for (int p = 0; p < packs; ++p) {
+      Real d0(0.0), d1(0.0), d2(0.0);  // of |c_j| x^j
+      for (int j = order; j >= 1; --j) {
+        const Real c = Kokkos::abs(load_row(lanes, j, p));
+        if (j >= 2) d2 = multiply_add(d2, at, Real(j * (j - 1.0)) * c);
+        d1 = multiply_add(d1, at, Real(static_cast<double>(j)) * c);
+        d0 = multiply_add(d0, at, c);
+      }
+      d0 = d0 * at;
+      const Real shape = load_pack(lanes, limits.largest_shape, p),
+                 rise = load_pack(lanes, limits.largest_slope, p),
+                 curve = load_pack(lanes, limits.largest_curvature, p);
+      const Real size = d0 + Kokkos::abs(load_row(lanes, 0, p));
+      travel = multiply_add(shape, d0, travel);
+      slope = multiply_add(rise, size, slope);
+      curvature = multiply_add(shape, d2, curvature);
+      curvature = multiply_add(Real(2.0 * first) * rise, d1, curvature);
+      curvature = multiply_add(Real(first * first) * curve, size, curvature);
+      curvature = multiply_add(Real(second) * rise, size, curvature);
+    }
+    double of_travel, of_curvature;
+    lanes.sum(travel, curvature, of_travel, of_curvature);
+    return {of_travel, of_curvature, spacing * lanes.sum(slope)};
+  }
+};
+
+/// Where the overlap anywhere in a cell first comes to within `noise` of `level` while the modes
+/// follow `motion` from `start` on: the x; beyond motion.most where it never does. `curvature`: of
+/// PolynomialMotion::bounds.
+///
+/// Nothing is stepped over. At each place the overlap is at most the parabola through its value and
+/// rate whose second derivative is the bound K. The largest of these parabolas over the cell is a
+/// convex function of time, so a chord between a time at which it is below the level and one at
+/// which it is not meets the level before it does.
+template <class Lanes, int packs>
+KOKKOS_FUNCTION double first_contact(const Lanes& lanes,
+                                     const NodeContact<Lanes, packs>& node_contact,
+                                     const PolynomialMotion<Lanes, packs>& motion,
+                                     const Place& start, int cell, double curvature, double level,
+                                     double noise) {
+  using Real = typename Lanes::Real;
+  const double beyond = 2.0 * motion.most + 1.0, way = motion.most_way();
+  double x = 0.0;
+  for (int i = 0; i < 200; ++i) {
+    Real u[packs], rate[packs];
+    motion.at(lanes, x, u, rate);
+    const MovingCell moving =
+        node_contact.moving_cell(cell, motion.place_at(start, x), u, rate, motion.way(x));
+    double rate_there;
+    const double miss = level - moving.highest(rate_there);
+    if (!(miss > noise)) return x;
+    const double bound = Kokkos::fma(way * way, moving.curvature,
+                                     Kokkos::fma(motion.change_of_way(), moving.slope, curvature));
+    const auto excess = [&](double s) {
+      return Kokkos::fma(0.5 * bound * s, s, moving.highest_after(s) - level);
+    };
+    double high = motion.most - x, of_high = excess(high);
+    if (of_high < 0.0) return beyond;
+    // the parabola at the highest place comes to the level no sooner than the largest of all
+    const double root = Kokkos::sqrt(Kokkos::fma(rate_there, rate_there, 2.0 * bound * miss));
+    const double sooner = rate_there > 0.0 ? 2.0 * miss / (root + rate_there)
+                                           : (root - rate_there) / (bound + 1e-300);
+    if (sooner < high) {
+      high = sooner;
+      of_high = excess(high);
+    }
+    double low = 0.0, of_low = -miss;
+    for (int chord = 0; chord < 2; ++chord) {
+      const double s = of_high > 0.0 ? low - (high - low) * (of_low / (of_high - of_low)) : high;
+      low = s;
+      of_low = excess(s);
+      if (!(of_low < 0.0)) break;
+    }
+    const double next = x + low;
+    if (!(next > x)) return x;  // as near as roundings let it come
+    x = next;
+  }
+  return x;
+}
+
+}  // namespace ra2d

@@ -1,0 +1,569 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <Kokkos_Core.hpp>
+#include <cstdint>
+
+#include "kernels/adaptive/adaptive_recorder.hpp"
+#include "kernels/adaptive/brent.hpp"
+#include "kernels/adaptive/contacts.hpp"
+#include "kernels/adaptive/modal_state.hpp"
+#include "kernels/adaptive/moving_force_series.hpp"
+#include "kernels/adaptive/overlaps.hpp"
+#include "kernels/adaptive/slider_path.hpp"
+#include "kernels/adaptive/smooth_step.hpp"
+#include "kernels/candidate_groups.hpp"
+#include "kernels/lanes.hpp"
+#include "kernels/place.hpp"
+#include "kernels/shocks.hpp"
+#include "kernels/state.hpp"
+#include "kernels/tables.hpp"
+
+namespace ra2d {
+
+/// Steps of the adaptive scheme in contact between smooth faces.
+///
+/// Such a step ends where a new contact begins, in a cell that is not beside one in contact; the
+/// next one begins there with the pace that suits an onset. That none begins unseen is proved for
+/// the motion that the step has found. Contacts that grow, wander from cell to cell or end are no
+/// events: force and its first derivative stay continuous, and the error control sees to them.
+/// Where it rejects a step because a contact ends in it, the next try ends with that contact.
+template <class Lanes, int packs>
+class SmoothDrive {
+  using Real = typename Lanes::Real;
+  using Modes = ModalState<Lanes, packs>;
+  using Motion = PolynomialMotion<Lanes, packs>;
+  static constexpr int width = Lanes::width;
+
+ public:
+  KOKKOS_FUNCTION SmoothDrive(const Lanes& lanes, const SceneTables& tables, SceneState& state,
+                              const SliderPath& path, const NodeContact<Lanes, packs>& node_contact,
+                              const MovingForceSeries<Lanes, packs>& moving_forces,
+                              Overlaps<Lanes, packs>& overlaps,
+                              const Contacts<Lanes, packs>& contacts,
+                              const AdaptiveRecorder<Lanes, packs>& recorder, const Modes& now,
+                              const Place& place)
+      : lanes_{lanes},
+        motion_{tables.motion},
+        bounds_{tables.bounds},
+        faces_{tables.faces},
+        adaptive_{tables.adaptive},
+        forces_{tables.forces},
+        path_{path},
+        node_contact_{node_contact},
+        moving_forces_{moving_forces},
+        overlaps_{overlaps},
+        contacts_{contacts},
+        recorder_{recorder},
+        set_{state.carried.contacts},
+        control_{state.carried.control},
+        shocks_{state.carried.shocks},
+        stages_{state.work.stages},
+        list_{state.work.contact_list},
+        runs_{state.work.runs},
+        ended_{state.out.ended_shocks},
+        listed_{state.work.listed_nodes},
+        onsets_{state.work.search.onsets},
+        capacity_{state.work.spans.capacity},
+        step_{lanes,
+              tables.modes,
+              tables.motion,
+              tables.adaptive,
+              tables.forces,
+              tables.stages,
+              node_contact,
+              state.work.contact_list,
+              state.work.series.forces,
+              state.carried.control.series_scale,
+              now,
+              place,
+              state.work.stages} {}
+
+  enum class Outcome { made, full, crowded, not_finite, stalled };
+
+  /// One step from `now` at `tick` on, of `available` ticks at the most.
+  KOKKOS_FUNCTION Outcome operator()(Modes& now, std::int64_t& tick, const Place& place,
+                                     std::int64_t available) {
+    if (forces_.count > 0) {
+      const std::int64_t valid = moving_forces_.expand(tick, control_.series_scale);
+      if (valid < available) available = valid;
+    }
+    const double guess = control_.series_scale / motion_.time_step;
+    std::int64_t ticks =
+        guess < static_cast<double>(available) ? static_cast<std::int64_t>(guess) : available;
+    if (control_.contact_begins) ticks /= 2;
+    if (ticks < 1) ticks = 1;
+    Pace pace = control_.contact_begins ? Pace::from_onset : Pace::even;
+    const Outcome listed = list_cells(now, place, available, ticks);
+    if (listed != Outcome::made) return listed;
+
+    bool cut = ticks == available;  // the step is shorter than the error control asks for
+    double next = 0.0;              // s, what it asks for
+    while (true) {
+      step_.make(ticks, pace, cells_, path_.moved(place, tick + ticks));
+      const double first = search(now, place, tick, ticks, available);
+      const bool is_smooth = pace == Pace::even && !any_begins_or_ends();
+      const double error = step_.error(is_smooth), power = is_smooth ? -1.0 / 8.0 : -1.0 / 7.0;
+      const bool onset = first <= 1.0;
+      if (error <= 1.0) {
+        const double growth =
+            error > 0.0 ? Kokkos::min(4.0, 0.9 * Kokkos::exp2(power * Kokkos::log2(error))) : 4.0;
+        next = growth * static_cast<double>(ticks) * motion_.time_step;
+        if (cut) next = Kokkos::max(next, control_.series_scale);
+        return keep(now, tick, place, ticks, onset, first, next);
+      }
+      // where a contact begins or ends within the step, the next try is to end there
+      double share = 2.0;
+      Pace then = pace == Pace::to_release ? Pace::even : pace;
+      if (onset) share = pace_share(pace, first);
+      const double released = first_release(place);
+      if (released <= 1.0 && pace_share(pace, released) < share) {
+        share = pace_share(pace, released);
+        if (pace == Pace::even) then = Pace::to_release;
+      }
+      std::int64_t shorter;
+      if (share > 0.1 && share < 0.97) {
+        shorter = static_cast<std::int64_t>(Kokkos::ceil(share * static_cast<double>(ticks)));
+        cut = true;
+      } else {
+        const double factor =
+            error < 1e30 ? Kokkos::max(0.2, 0.9 * Kokkos::exp2(power * Kokkos::log2(error))) : 0.2;
+        shorter = static_cast<std::int64_t>(factor * static_cast<double>(ticks));
+        cut = false;
+      }
+      if (shorter >= ticks) shorter = ticks - 1;
+      if (shorter < 1) return error == error ? Outcome::stalled : Outcome::not_finite;
+      ticks = shorter;
+      pace = then;
+    }
+  }
+
+ private:
+  Lanes lanes_;
+  const SliderMotion& motion_;
+  const MotionLimits& bounds_;
+  const FaceTables& faces_;
+  const SeriesTables& adaptive_;
+  const MovingForces& forces_;
+  const SliderPath& path_;
+  NodeContact<Lanes, packs> node_contact_;
+  const MovingForceSeries<Lanes, packs>& moving_forces_;
+  Overlaps<Lanes, packs>& overlaps_;
+  const Contacts<Lanes, packs>& contacts_;
+  const AdaptiveRecorder<Lanes, packs>& recorder_;
+  ContactSet& set_;
+  StepControl& control_;
+  ShockTracking& shocks_;
+  StageBuffers& stages_;
+  ContactList& list_;
+  RunBuffer& runs_;
+  ShockBuffer& ended_;
+  int* listed_;
+  const double* onsets_;
+  int capacity_;
+  SmoothStep<Lanes, packs> step_;
+  int cells_ = 0, flagged_ = 0;
+
+  KOKKOS_FORCEINLINE_FUNCTION double bound(const double* weight, const Real* x) const {
+    return weighted_sum<Lanes, packs>(lanes_, weight, x);
+  }
+
+  /// Lists the cells that the step evaluates, and finds the forces at its beginning.
+  KOKKOS_FUNCTION Outcome list_cells(const Modes& now, const Place& place, std::int64_t available,
+                                     std::int64_t ticks) {
+    cells_ = overlaps_.list_contacts(stages_.cells, capacity_);
+    if (cells_ < 0) return Outcome::crowded;
+    node_contact_.expand(place, stages_.cells, cells_);
+    step_.evaluate_start(cells_);
+    // how far nodes can be expected to get
+    Real acceleration[packs];
+    step_.acceleration(acceleration);
+    const double time = static_cast<double>(ticks) * motion_.time_step;
+    const double speed = motion_.advance / motion_.time_step;  // chi/s
+    const double a =
+        bound(bounds_.largest_shape, acceleration) + speed * speed * faces_.largest_face_curvature;
+    const double travel = time * (bound(bounds_.largest_shape, now.v) + time * a);
+    const double size = bound(bounds_.largest_shape, now.u) + travel;
+    if (!(size < 1e300)) return Outcome::not_finite;
+    const MotionBounds expected{travel, 0.0, bound(bounds_.cubic_remainder, now.u), size};
+    const double rise = overlaps_.longest_rise(now.u, expected, ticks);
+    overlaps_.find_groups(place, now, expected, rise, available - ticks);
+    overlaps_.evaluate_start(place, now);
+    cells_ = overlaps_.list_likely(time, a, overlaps_.sag(now.u, travel), rise, stages_.cells,
+                                   capacity_);
+    if (cells_ < 0) return Outcome::crowded;
+    node_contact_.expand(place, stages_.cells, cells_);
+    step_.keep_start(cells_);
+    return Outcome::made;
+  }
+
+  /// The x at which a contact first begins along the motion that the step has found; beyond 1 where
+  /// none does.
+  KOKKOS_FUNCTION double search(const Modes& now, const Place& place, std::int64_t tick,
+                                std::int64_t ticks, std::int64_t available) {
+    const Motion motion = step_.motion(1.0);
+    const auto b = motion.bounds(lanes_, bounds_, motion_.spacing);
+    const double size = bound(bounds_.largest_shape, now.u) + b.travel;
+    flagged_ = 0;
+    if (!(size < 1e300)) return 3.0;
+    const MotionBounds bounds{b.travel, 0.0, bound(bounds_.cubic_remainder, now.u), size};
+    const double rise = overlaps_.longest_rise(now.u, bounds, ticks);
+    overlaps_.find_groups(place, now, bounds, rise, available - ticks);
+    overlaps_.evaluate_start(place, now);
+    overlaps_.evaluate_end(path_.moved(place, tick + ticks), step_.end().u, step_.end().v);
+    const int flagged =
+        overlaps_.flag_over(motion, b, step_.ticks(), bounds, overlaps_.sag(now.u, b.travel));
+    find_runs(1.0);
+    flagged_ = leave_out_grown(flagged);
+    if (flagged_ == 0) return 3.0;
+    return overlaps_.search_cells(motion, b.curvature, place, flagged_, overlaps_.tolerance(now.u));
+  }
+
+  /// Keeps the step, or (onset) the part of it up to the x `first` where a contact begins.
+  KOKKOS_FUNCTION Outcome keep(Modes& now, std::int64_t& tick, const Place& place,
+                               std::int64_t ticks, bool onset, double first, double next) {
+    double x = 1.0;
+    std::int64_t made = ticks;
+    if (onset) {
+      if (cells_ + flagged_ > capacity_) return Outcome::crowded;
+      const double at = pace_share(step_.pace(), first) * static_cast<double>(ticks);
+      made = static_cast<std::int64_t>(Kokkos::ceil(at));
+      if (made < ticks)
+        x = pace_x(step_.pace(), static_cast<double>(made) / static_cast<double>(ticks));
+      else
+        made = ticks;
+    }
+    if (!recorder_.contact_samples(step_, tick, now, made)) return Outcome::full;
+    Modes end;
+    if (made == ticks) {
+      end = step_.end();
+    } else {
+      step_.state(x, end.u, end.v);
+      find_runs(pace_share(step_.pace(), x));
+    }
+    const auto weights = step_.weights(x);
+    step_.squares(weights, end.square);
+    for (int p = 0; p < packs; ++p) end.square[p] = now.square[p] + end.square[p];
+    double sliding, moving;
+    step_.works(weights, sliding, moving);
+    const std::int64_t in_contact = made > 0 ? add_shocks(place, tick, made, x, weights) : 0;
+    recorder_.add_contact(sliding, moving, in_contact, set_.count);
+    now = end;
+    tick += made;
+    if (onset) contacts_.begin(flagged_, first);
+    lanes_.sync();
+    if (lanes_.leader()) {
+      control_.contact_begins = onset;
+      control_.series_scale = Kokkos::min(next, adaptive_.longest_scale);
+    }
+    lanes_.sync();
+    // the overlaps at the end are those of a whole step, and of this side of a node
+    if (made == ticks && path_.at(tick).base == place.base)
+      overlaps_.end_becomes_start();
+    else
+      overlaps_.discard_start();
+    return Outcome::made;
+  }
+
+  // ---- runs of cells in contact
+
+  /// Finds the runs of cells in contact at any stage up to a share of the step's time.
+  KOKKOS_FUNCTION void find_runs(double share) const {
+    lanes_.sync();
+    if (lanes_.leader()) {
+      int count = 0;
+      for (int e = 0; e < cells_; ++e) {
+        const double* force = stages_.force + e * formula_stages;
+        bool touched = false;
+        for (int i = 0; i < formula_stages; ++i)
+          touched = touched || (force[i] > 0.0 && step_.share(i) <= share);
+        if (!touched) continue;
+        const int cell = stages_.cells[e];
+        if (count == 0 || stages_.runs[count - 1].last != cell - 1)
+          stages_.runs[count++] = {cell, cell, false, false, 0};
+        CellRun& run = stages_.runs[count - 1];
+        run.last = cell;
+        run.at_end = run.at_end || force[last_stage] > 0.0;
+      }
+      for (int r = 0, c = 0; r < count; ++r) {
+        CellRun& run = stages_.runs[r];
+        while (c < set_.count && set_.nodes[c] < run.first - 1) ++c;
+        run.grown = c < set_.count && set_.nodes[c] <= run.last + 1;
+      }
+      stages_.run_count = count;
+    }
+    lanes_.sync();
+  }
+  /// Takes out of the flagged cells those in or beside contact that has been there from the
+  /// beginning. Returns the number of those left.
+  KOKKOS_FUNCTION int leave_out_grown(int flagged) const {
+    lanes_.sync();
+    if (lanes_.leader()) {
+      int kept = 0, c = 0, r = 0;
+      for (int e = 0; e < flagged; ++e) {
+        const int cell = listed_[e];
+        while (c < set_.count && set_.nodes[c] < cell - 1) ++c;
+        if (c < set_.count && set_.nodes[c] <= cell + 1) continue;
+        while (r < stages_.run_count && (stages_.runs[r].last < cell - 1 || !stages_.runs[r].grown))
+          ++r;
+        if (r < stages_.run_count && stages_.runs[r].first <= cell + 1) continue;
+        listed_[kept++] = cell;
+      }
+      stages_.listed = kept;
+    }
+    lanes_.sync();
+    return stages_.listed;
+  }
+
+  /// The largest overlap in a run of cells and beside it, at x [m].
+  KOKKOS_FUNCTION double highest_overlap(const Place& place, const CellRun& run, double x) const {
+    const Motion motion = step_.motion(1.0);
+    Real u[packs], rate[packs];
+    motion.at(lanes_, x, u, rate);
+    const Place there = motion.place_at(place, x);
+    double highest = -1e300, ignored;
+    for (int e = 0; e < cells_; ++e) {
+      const int cell = stages_.cells[e];
+      if (cell < run.first - 1 || cell > run.last + 1) continue;
+      highest = Kokkos::max(
+          highest, node_contact_.moving_cell(cell, there, u, rate, motion.way(x)).highest(ignored));
+    }
+    return highest;
+  }
+  /// The x up to `end` at which the contact of a run ends that is free at `end`: to `closeness`.
+  KOKKOS_FUNCTION double release(const Place& place, const CellRun& run, double end,
+                                 double closeness) const {
+    double low = 0.0, high = end;
+    double of_low = highest_overlap(place, run, low), of_high = highest_overlap(place, run, high);
+    if (!(of_low > 0.0) ||
+        !(of_high < 0.0)) {  // it begins here, or is free by no more than roundings
+      of_low = Kokkos::max(of_low, 0.0);
+      if (!(of_high < 0.0)) return end;
+      low = 0.02 * end;
+      of_low = highest_overlap(place, run, low);
+      if (!(of_low > 0.0)) return low;
+    }
+    int side = 0;
+    for (int i = 0; i < 60 && high - low > closeness; ++i) {
+      double x = low + (high - low) * (of_low / (of_low - of_high));
+      if (!(x > low && x < high)) x = 0.5 * (low + high);
+      const double value = highest_overlap(place, run, x);
+      if (value > 0.0) {
+        low = x;
+        of_low = value;
+        if (side == 1) of_high *= 0.5;
+        side = 1;
+      } else {
+        high = x;
+        of_high = value;
+        if (value == 0.0) break;
+        if (side == -1) of_low *= 0.5;
+        side = -1;
+      }
+    }
+    return high;
+  }
+  /// Where the first of the runs that were in contact at the beginning ends; beyond 1 if none does.
+  KOKKOS_FUNCTION double first_release(const Place& place) const {
+    double first = 3.0;
+    for (int r = 0; r < stages_.run_count; ++r) {
+      const CellRun run = stages_.runs[r];
+      if (run.grown && !run.at_end) first = Kokkos::min(first, release(place, run, 1.0, 1e-3));
+    }
+    return first;
+  }
+
+  /// Whether a run begins or ends within the step.
+  KOKKOS_FUNCTION bool any_begins_or_ends() const {
+    bool any = false;
+    for (int r = 0; r < stages_.run_count; ++r)
+      any = any || !stages_.runs[r].grown || !stages_.runs[r].at_end;
+    return any;
+  }
+
+  // ---- shocks
+
+  /// Takes in the step up to x, of `ticks` ticks. Leaves the cells in contact at its end in the
+  /// contact set. Returns the ticks with any contact.
+  KOKKOS_FUNCTION std::int64_t add_shocks(
+      const Place& place, std::int64_t tick, std::int64_t ticks, double x,
+      const typename SmoothStep<Lanes, packs>::Weights& weights) {
+    keep_contacts_at_end(x);
+    const int runs = stages_.run_count;
+    std::int64_t last_end = 0;
+    int grown = 0;
+    for (int r = 0; r < runs; ++r) {
+      const CellRun run = stages_.runs[r];
+      if (!run.grown) continue;
+      ++grown;
+      std::int64_t ends = ticks;
+      if (!run.at_end) {
+        const double share = pace_share(step_.pace(), release(place, run, x, 1e-13));
+        ends = static_cast<std::int64_t>(Kokkos::ceil(share * step_.ticks()));
+        // what goes on in contact is taken in after it
+        const std::int64_t most = set_.count > 0 && ticks > 1 ? ticks - 1 : ticks;
+        if (ends > most) ends = most;
+        if (ends < 1) ends = 1;
+      }
+      if (ends > last_end) last_end = ends;
+      lanes_.sync();
+      if (lanes_.leader()) stages_.runs[r].ends = ends;
+      lanes_.sync();
+    }
+    if (grown == 0) {  // an onset that came to nothing
+      if (lanes_.leader() && shocks_.open_count > 0) end_shocks(shocks_, ended_, tick);
+      lanes_.sync();
+      return 0;
+    }
+    // all that was in contact, with what it carried, until the first of them ends; then the others
+    std::int64_t from = 0;
+    while (from < ticks) {
+      std::int64_t to = ticks;
+      bool any_ends = false;
+      for (int r = 0; r < runs; ++r) {
+        const CellRun run = stages_.runs[r];
+        if (!run.grown || run.at_end || run.ends <= from) continue;
+        any_ends = true;
+        if (run.ends < to) to = run.ends;
+      }
+      // at the very end only those that are still in contact: they are beside those of the next
+      // step
+      const bool ends_all = !any_ends && from > 0;
+      if (!any_ends && from == 0 && ticks > 1) to = ticks - 1;
+      lanes_.sync();
+      if (lanes_.leader()) {
+        const int count = ends_all ? list_set() : list_runs(from, weights);
+        if (count > 0)
+          join_shocks(shocks_, runs_, ended_, list_, count, tick + from, tick + to - 1,
+                      place.base + place.theta, [&](int e) { return list_.centres[e]; });
+      }
+      lanes_.sync();
+      if (from == 0) add_peaks(x);
+      from = to;
+      if (from < ticks && set_.count == 0 && !any_ends_after(from)) break;
+    }
+    return set_.count > 0 ? ticks : last_end;
+  }
+  KOKKOS_FUNCTION bool any_ends_after(std::int64_t from) const {
+    bool any = false;
+    for (int r = 0; r < stages_.run_count; ++r)
+      any =
+          any || (stages_.runs[r].grown && !stages_.runs[r].at_end && stages_.runs[r].ends > from);
+    return any;
+  }
+
+  /// Puts the cells in contact at x into the contact set: those of runs that have been there from
+  /// the beginning.
+  KOKKOS_FUNCTION void keep_contacts_at_end(double x) const {
+    const bool whole = x == 1.0;
+    int listed = 0;
+    if (!whole) listed = step_.contact_at(x).nodes;
+    lanes_.sync();
+    if (lanes_.leader()) {
+      int count = 0;
+      for (int r = 0; r < stages_.run_count; ++r) stages_.runs[r].at_end = false;
+      const auto keep = [&](int cell) {
+        for (int r = 0; r < stages_.run_count; ++r) {
+          CellRun& run = stages_.runs[r];
+          if (!run.grown || cell < run.first - 1 || cell > run.last + 1) continue;
+          run.at_end = true;
+          set_.nodes[count++] = cell;
+          return;
+        }
+      };
+      if (whole) {
+        for (int e = 0; e < cells_; ++e)
+          if (stages_.force[e * formula_stages + last_stage] > 0.0) keep(stages_.cells[e]);
+      } else {
+        for (int e = 0; e < listed; ++e) keep(list_.nodes[e]);
+      }
+      set_.count = count;
+    }
+    lanes_.sync();
+  }
+
+  /// Lists the cells of the runs that have not ended by `from` ticks; at 0 with what they carried
+  /// over the step. On the leader.
+  KOKKOS_FUNCTION int list_runs(std::int64_t from,
+                                const typename SmoothStep<Lanes, packs>::Weights& weights) const {
+    int count = 0, r = 0;
+    for (int e = 0; e < cells_; ++e) {
+      const int cell = stages_.cells[e];
+      while (r < stages_.run_count && stages_.runs[r].last < cell) ++r;
+      if (r == stages_.run_count || stages_.runs[r].first > cell) continue;
+      const CellRun& run = stages_.runs[r];
+      if (!run.grown || (!run.at_end && run.ends <= from)) continue;
+      double impulse = 0.0, moment = 0.0;
+      if (from == 0) {
+        const double *force = stages_.force + e * formula_stages,
+                     *about = stages_.moment + e * formula_stages;
+        for (int i = 0; i < formula_stages; ++i) {
+          if (!(force[i] > 0.0)) continue;
+          const double share = weights.of[i] * step_.ticks();
+          impulse = Kokkos::fma(share, force[i], impulse);
+          moment = Kokkos::fma(
+              share,
+              Kokkos::fma(force[i], motion_.advance * step_.ticks() * step_.share(i), about[i]),
+              moment);
+        }
+      }
+      list_.nodes[count] = cell;
+      list_.forces[count] = impulse;
+      list_.centres[count] = moment;
+      ++count;
+    }
+    return count;
+  }
+  /// Lists the cells of the contact set, without forces. On the leader.
+  KOKKOS_FUNCTION int list_set() const {
+    for (int e = 0; e < set_.count; ++e) {
+      list_.nodes[e] = set_.nodes[e];
+      list_.forces[e] = list_.centres[e] = 0.0;
+    }
+    return set_.count;
+  }
+
+  /// The largest force of each open shock up to x.
+  KOKKOS_FUNCTION void add_peaks(double x) const {
+    const double share = pace_share(step_.pace(), x);
+    for (int i = 0; i < shocks_.open_count; ++i) {
+      // the stages show where to look
+      double highest = 0.0, at = 0.0;
+      for (int s = 0; s <= last_stage; ++s) {
+        if (step_.share(s) > share) continue;
+        double force = 0.0;
+        for (int e = 0; e < cells_; ++e)
+          if (belongs(i, stages_.cells[e])) force += stages_.force[e * formula_stages + s];
+        if (force > highest) {
+          highest = force;
+          at = pace_x(step_.pace(), step_.share(s));
+        }
+      }
+      if (!(1.02 * highest > shocks_.open[i].peak)) continue;
+      const auto force_at = [&](double place) { return force_of(i, place); };
+      const double apart = 0.15 * x;
+      const double peak =
+          highest_between(Kokkos::max(0.0, at - apart), Kokkos::min(x, at + apart), force_at);
+      const double most = Kokkos::max(peak, Kokkos::max(force_at(0.0), force_at(x)));
+      lanes_.sync();
+      if (lanes_.leader() && most > shocks_.open[i].peak) shocks_.open[i].peak = most;
+      lanes_.sync();
+    }
+  }
+  KOKKOS_FUNCTION bool belongs(int shock, int cell) const {
+    for (int r = 0; r < shocks_.run_count; ++r)
+      if (shocks_.runs[r].shock == shock && cell >= shocks_.runs[r].first &&
+          cell <= shocks_.runs[r].last)
+        return true;
+    return false;
+  }
+  KOKKOS_FUNCTION double force_of(int shock, double x) const {
+    const int count = step_.contact_at(x).nodes;
+    double force = 0.0;
+    for (int e = 0; e < count; ++e)
+      if (belongs(shock, list_.nodes[e])) force += list_.forces[e];
+    lanes_.sync();
+    return force;
+  }
+};
+
+}  // namespace ra2d
