@@ -235,9 +235,9 @@ struct StageBuffers {
   double* power = nullptr;         // W: (stage) of the imposed motion, (stage) of the moving forces
   int* cells = nullptr;            // evaluated
   double* force = nullptr;         // N, (cell, stage)
-  double* moment = nullptr;        // N chi, (cell, stage): about slider node 0
+  double* centre = nullptr;        // chi, (cell, stage): where it acts on the slider
   CellRun* runs = nullptr;
-  int run_count = 0, listed = 0;
+  int cell_count = 0, run_count = 0, listed = 0;
 };
 
 /// Form::adaptive: of each node in contact, over a step.
@@ -387,7 +387,7 @@ void visit_arrays(WorkSpace& s, const Extents& n, Visit&& visit) {
       visit("stage_power", s.stages.power, std::size_t{2 * formula_stages});
       visit("stage_cells", s.stages.cells, contacts);
       visit("stage_force", s.stages.force, contacts * formula_stages);
-      visit("stage_moment", s.stages.moment, contacts * formula_stages);
+      visit("stage_centre", s.stages.centre, contacts * formula_stages);
       visit("cell_runs", s.stages.runs, contacts);
     }
   }

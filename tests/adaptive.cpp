@@ -15,10 +15,11 @@ Scene adaptive(Scene scene, double tolerance) {
   return scene;
 }
 
-Started random_adaptive_scene(std::uint64_t seed) {
+Started random_adaptive_scene(std::uint64_t seed, Faces faces) {
   Variant variant;
   variant.scheme = {{{SchemeKind::adaptive}}, "Adaptive"};
-  variant.adapt = [seed](Scene& s) {
+  variant.adapt = [seed, faces](Scene& s) {
+    s.faces = faces;
     Dice dice(seed * 7919 + 13);
     const double tolerances[] = {1e-4, 1e-6, 1e-8, 1e-10, 1e-12};
     s.time.tolerance = tolerances[dice.pick(5)];

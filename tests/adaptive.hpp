@@ -12,7 +12,7 @@ Scene adaptive(Scene scene, double tolerance);
 
 /// Of any kind: those of random_scene(), and more often what is odd: rigid bodies, sliders of one
 /// or two nodes, hardly any speed, a duration that is no whole number of samples.
-Started random_adaptive_scene(std::uint64_t seed);
+Started random_adaptive_scene(std::uint64_t seed, Faces faces = Faces::linear);
 
 Recording run(const Started& c, Nodes nodes = Nodes::candidates, const Launches& launches = {});
 Recording run(Started c, double tolerance);

@@ -140,6 +140,7 @@ class AdaptiveMarch {
   AdaptiveRecorder<Lanes, packs> recorder_;
   std::int64_t tick_;
   Modes now_;
+  typename SmoothDrive<Lanes, packs>::Start smooth_start_;
 
   KOKKOS_FUNCTION NodeContact<Lanes, packs> node_contact() const {
     return {lanes_,         tables_.motion,  tables_.faces,
@@ -408,7 +409,7 @@ class AdaptiveMarch {
     using Drive = SmoothDrive<Lanes, packs>;
     Drive make_step(lanes_, tables_, state_, path_, node_contact(), moving_forces_, overlaps_,
                     contacts_, recorder_, now_, place);
-    switch (make_step(now_, tick_, place, available)) {
+    switch (make_step(now_, tick_, place, available, smooth_start_)) {
       case Drive::Outcome::made:
         return true;
       case Drive::Outcome::full:

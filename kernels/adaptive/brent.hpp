@@ -5,11 +5,12 @@
 namespace ra2d {
 
 /// The largest f(x) on [from, to], where f has one maximum; by parabolas through three values, and
-/// golden sections where these do not close in (Brent 1973, chapter 5). Right to within roundings.
+/// golden sections where these do not close in (Brent 1973, chapter 5). The place is right to some
+/// 1e-4 of the interval, the value so to 1e-8 of its change.
 template <class Function>
 KOKKOS_INLINE_FUNCTION double highest_between(double from, double to, const Function& f) {
   constexpr double golden = 0.3819660112501051;
-  const double close = 1e-8 * (to - from);
+  const double close = 1e-4 * (to - from);
   double x = from + golden * (to - from), w = x, v = x;
   double fx = f(x), fw = fx, fv = fx, d = 0.0, before = 0.0;
   for (int i = 0; i < 60; ++i) {

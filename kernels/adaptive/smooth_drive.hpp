@@ -78,11 +78,17 @@ class SmoothDrive {
               place,
               state.work.stages} {}
 
+  /// Whether the forces at the beginning of the next step are those at the end of this one.
+  struct Start {
+    bool known = false;
+    double energy = 0.0;  // J, of the springs
+  };
+
   enum class Outcome { made, full, crowded, not_finite, stalled };
 
   /// One step from `now` at `tick` on, of `available` ticks at the most.
   KOKKOS_FUNCTION Outcome operator()(Modes& now, std::int64_t& tick, const Place& place,
-                                     std::int64_t available) {
+                                     std::int64_t available, Start& start) {
     if (forces_.count > 0) {
       const std::int64_t valid = moving_forces_.expand(tick, control_.series_scale);
       if (valid < available) available = valid;
@@ -93,10 +99,10 @@ class SmoothDrive {
     if (control_.contact_begins) ticks /= 2;
     if (ticks < 1) ticks = 1;
     Pace pace = control_.contact_begins ? Pace::from_onset : Pace::even;
-    const Outcome listed = list_cells(now, place, available, ticks);
+    const Outcome listed = list_cells(now, place, available, ticks, start);
     if (listed != Outcome::made) return listed;
 
-    bool cut = ticks == available;  // the step is shorter than the error control asks for
+    bool cut = ticks == available;  // shorter than the error control asks for
     double next = 0.0;              // s, what it asks for
     while (true) {
       step_.make(ticks, pace, cells_, path_.moved(place, tick + ticks));
@@ -108,8 +114,8 @@ class SmoothDrive {
         const double growth =
             error > 0.0 ? Kokkos::min(4.0, 0.9 * Kokkos::exp2(power * Kokkos::log2(error))) : 4.0;
         next = growth * static_cast<double>(ticks) * motion_.time_step;
-        if (cut) next = Kokkos::max(next, control_.series_scale);
-        return keep(now, tick, place, ticks, onset, first, next);
+        if (cut || pace != Pace::even) next = Kokkos::max(next, control_.series_scale);
+        return keep(now, tick, place, ticks, onset, first, next, start);
       }
       // where a contact begins or ends within the step, the next try is to end there
       double share = 2.0;
@@ -169,11 +175,16 @@ class SmoothDrive {
 
   /// Lists the cells that the step evaluates, and finds the forces at its beginning.
   KOKKOS_FUNCTION Outcome list_cells(const Modes& now, const Place& place, std::int64_t available,
-                                     std::int64_t ticks) {
-    cells_ = overlaps_.list_contacts(stages_.cells, capacity_);
-    if (cells_ < 0) return Outcome::crowded;
-    node_contact_.expand(place, stages_.cells, cells_);
-    step_.evaluate_start(cells_);
+                                     std::int64_t ticks, Start& start) {
+    if (start.known) {
+      step_.take_start(stages_.cell_count, start.energy);
+      start.known = false;
+    } else {
+      cells_ = overlaps_.list_contacts(stages_.cells, capacity_);
+      if (cells_ < 0) return Outcome::crowded;
+      node_contact_.expand(place, stages_.cells, cells_);
+      step_.evaluate_start(cells_);
+    }
     // how far nodes can be expected to get
     Real acceleration[packs];
     step_.acceleration(acceleration);
@@ -191,6 +202,8 @@ class SmoothDrive {
     cells_ = overlaps_.list_likely(time, a, overlaps_.sag(now.u, travel), rise, stages_.cells,
                                    capacity_);
     if (cells_ < 0) return Outcome::crowded;
+    lanes_.sync();
+    if (lanes_.leader()) stages_.cell_count = cells_;
     node_contact_.expand(place, stages_.cells, cells_);
     step_.keep_start(cells_);
     return Outcome::made;
@@ -220,7 +233,8 @@ class SmoothDrive {
 
   /// Keeps the step, or (onset) the part of it up to the x `first` where a contact begins.
   KOKKOS_FUNCTION Outcome keep(Modes& now, std::int64_t& tick, const Place& place,
-                               std::int64_t ticks, bool onset, double first, double next) {
+                               std::int64_t ticks, bool onset, double first, double next,
+                               Start& start) {
     double x = 1.0;
     std::int64_t made = ticks;
     if (onset) {
@@ -257,10 +271,14 @@ class SmoothDrive {
     }
     lanes_.sync();
     // the overlaps at the end are those of a whole step, and of this side of a node
-    if (made == ticks && path_.at(tick).base == place.base)
+    const Place there = path_.at(tick);
+    if (made == ticks && there.base == place.base)
       overlaps_.end_becomes_start();
     else
       overlaps_.discard_start();
+    start.known = made == ticks && !onset && forces_.count == 0 && there.base == place.base &&
+                  there.part == place.part;
+    start.energy = step_.energy_at_end();
     return Outcome::made;
   }
 
@@ -495,15 +513,12 @@ class SmoothDrive {
       double impulse = 0.0, moment = 0.0;
       if (from == 0) {
         const double *force = stages_.force + e * formula_stages,
-                     *about = stages_.moment + e * formula_stages;
+                     *centre = stages_.centre + e * formula_stages;
         for (int i = 0; i < formula_stages; ++i) {
-          if (!(force[i] > 0.0)) continue;
-          const double share = weights.of[i] * step_.ticks();
-          impulse = Kokkos::fma(share, force[i], impulse);
-          moment = Kokkos::fma(
-              share,
-              Kokkos::fma(force[i], motion_.advance * step_.ticks() * step_.share(i), about[i]),
-              moment);
+          const double share = weights.of[i] * step_.ticks() * force[i];
+          const double way = motion_.advance * step_.ticks() * step_.share(i);
+          impulse += share;
+          moment = Kokkos::fma(share, centre[i] + way, moment);
         }
       }
       list_.nodes[count] = cell;
@@ -540,10 +555,16 @@ class SmoothDrive {
       }
       if (!(1.02 * highest > shocks_.open[i].peak)) continue;
       const auto force_at = [&](double place) { return force_of(i, place); };
-      const double apart = 0.15 * x;
-      const double peak =
-          highest_between(Kokkos::max(0.0, at - apart), Kokkos::min(x, at + apart), force_at);
-      const double most = Kokkos::max(peak, Kokkos::max(force_at(0.0), force_at(x)));
+      const double near = 1e-3 * x;
+      double most = highest;
+      if (at >= x && force_at(x - near) <= (most = force_at(x))) {
+        // it rises to the end
+      } else if (at <= 0.0 && force_at(near) <= (most = force_at(0.0))) {
+        // it falls from the beginning
+      } else {
+        most = highest_between(Kokkos::max(0.0, at - 0.15 * x), Kokkos::min(x, at + 0.15 * x),
+                               force_at);
+      }
       lanes_.sync();
       if (lanes_.leader() && most > shocks_.open[i].peak) shocks_.open[i].peak = most;
       lanes_.sync();

@@ -36,7 +36,7 @@ class SmoothStep {
                              const SliderMotion& motion, const SeriesTables& adaptive,
                              const MovingForces& forces, const StageTables& stages,
                              const NodeContact<Lanes, packs>& node_contact,
-                             const ContactList& contact_list, const double* force_series,
+                             ContactList& contact_list, const double* force_series,
                              double force_scale, const Modes& now, const Place& place,
                              StageBuffers& buffers)
       : lanes_{lanes},
@@ -61,6 +61,35 @@ class SmoothStep {
     nodes_at_start_ = totals.nodes;
   }
 
+  /// Takes the forces at the end of the step before, in `cells` cells, for those at the beginning:
+  /// it is the same state in the same window, so they have the same bits.
+  KOKKOS_FUNCTION void take_start(int cells, double energy) {
+    for (int p = 0; p < packs; ++p) {
+      const int from = last_stage * row + p * width, to = p * width;
+      lanes_.store(buffers_.velocity + to, lanes_.load(buffers_.velocity + from));
+      lanes_.store(buffers_.acceleration + to, lanes_.load(buffers_.acceleration + from));
+    }
+    int count = 0;
+    for (int e = 0; e < cells; ++e) {
+      const double force = buffers_.force[e * formula_stages + last_stage];
+      if (!(force > 0.0)) continue;
+      if (lanes_.leader()) {
+        contact_list_.nodes[count] = buffers_.cells[e];
+        contact_list_.forces[count] = force;
+        contact_list_.centres[count] = buffers_.centre[e * formula_stages + last_stage];
+      }
+      ++count;
+    }
+    lanes_.sync();
+    if (lanes_.leader()) {
+      buffers_.power[0] = buffers_.power[last_stage];
+      buffers_.power[formula_stages] = buffers_.power[formula_stages + last_stage];
+    }
+    energy_ = energy;
+    nodes_at_start_ = count;
+    lanes_.sync();
+  }
+  KOKKOS_FORCEINLINE_FUNCTION double energy_at_end() const { return energy_at_end_; }
   /// Accelerations of the modes at the beginning.
   KOKKOS_FUNCTION void acceleration(Real* a) const {
     for (int p = 0; p < packs; ++p) a[p] = lanes_.load(buffers_.acceleration + p * width);
@@ -93,7 +122,7 @@ class SmoothStep {
           end_.v[p] = v[p];
         }
         const ContactTotals<Real> totals = evaluate(i, end_place, u, v, 1.0);
-        if (totals.energy > energy_) energy_ = totals.energy;
+        energy_at_end_ = totals.energy;
       } else {
         const double share = pace_share(pace_, x);
         evaluate(i, place_at_share(share), u, v, share);
@@ -138,7 +167,7 @@ class SmoothStep {
     double e5, e3, start, end;
     lanes_.sum(fifth, third, e5, e3);
     lanes_.sum(before, after, start, end);
-    const double size = Kokkos::max(start, end) + 2.0 * energy_;
+    const double size = Kokkos::max(start, end) + 2.0 * Kokkos::max(energy_, energy_at_end_);
     if (!(size < 1e300)) return size - size + 1e300;  // not a number, or too large
     if (!(e5 > 0.0)) return 0.0;
     const double extrapolated = e5 / Kokkos::sqrt(e5 + 0.01 * e3);
@@ -232,14 +261,14 @@ class SmoothStep {
   const MovingForces& forces_;
   const StageTables& stages_;
   NodeContact<Lanes, packs> node_contact_;
-  const ContactList& contact_list_;
+  ContactList& contact_list_;
   const double* force_series_;
   double force_scale_;  // s, unit of that series
   const Modes& now_;
   Place start_;
   StageBuffers& buffers_;
   Modes end_;
-  double energy_ = 0.0, ticks_ = 0.0, time_ = 0.0;
+  double energy_ = 0.0, energy_at_end_ = 0.0, ticks_ = 0.0, time_ = 0.0;
   Pace pace_ = Pace::even;
   const double* table_ = nullptr;
   int cells_ = 0, nodes_at_start_ = 0;
@@ -289,8 +318,7 @@ class SmoothStep {
       for (int e = 0, i = 0; e < cells_; ++e) {
         const bool in_contact = i < count && contact_list_.nodes[i] == buffers_.cells[e];
         buffers_.force[e * formula_stages + stage] = in_contact ? contact_list_.forces[i] : 0.0;
-        buffers_.moment[e * formula_stages + stage] =
-            in_contact ? contact_list_.forces[i] * contact_list_.centres[i] : 0.0;
+        buffers_.centre[e * formula_stages + stage] = in_contact ? contact_list_.centres[i] : 0.0;
         if (in_contact) ++i;
       }
     lanes_.sync();

@@ -75,22 +75,35 @@ KOKKOS_INLINE_FUNCTION void add_closed(const Cubic& overlap, const Cubic& face, 
   sum.face_work += Kokkos::fma(3.0 * f.c[3], m2, Kokkos::fma(2.0 * f.c[2], m1, f.c[1] * m0));
 }
 
-/// The root of a cubic that is monotonic on [low, high] and changes its sign there: Newton's
-/// method, and halving where it leaves the interval.
+/// The root of a cubic that is monotonic on [low, high] and changes its sign there: Newton's method
+/// from the root of the parabola in the middle, halving where it leaves the interval. An error d of
+/// a root changes the integrals below by d^2 alone: they have all their digits once it is below
+/// 1e-10 of a cell.
 KOKKOS_INLINE_FUNCTION double root_between(const Cubic& p, double low, double high, double at_low,
                                            double at_high) {
   const bool rises = at_low < at_high;
-  double x = low + (high - low) * (at_low / (at_low - at_high));
+  const double middle = 0.5 * (low + high);
+  const Cubic about = p.about(middle);
+  const double inside = Kokkos::fma(about.c[1], about.c[1], -4.0 * about.c[2] * about.c[0]);
+  double x = middle - 2.0 * about.c[0] /
+                          (about.c[1] + Kokkos::copysign(Kokkos::sqrt(Kokkos::max(inside, 0.0)),
+                                                         about.c[1]));
+  if (!(x > low && x < high)) x = middle;
   for (int i = 0; i < 80; ++i) {
-    const double value = p(x);
-    if (value == 0.0) return x;
+    const double value = p(x), inverse = 1.0 / p.slope(x);
     if ((value < 0.0) == rises)
       low = x;
     else
       high = x;
-    double next = x - value / p.slope(x);
-    if (!(next > low && next < high)) next = 0.5 * (low + high);
-    if (Kokkos::abs(next - x) <= 0x1p-52) return next;  // of a cell
+    const double step = value * inverse, next = x - step;
+    if (!(next > low && next < high)) {
+      if (value == 0.0 || high - low <= 0x1p-52) return x;
+      x = 0.5 * (low + high);
+      continue;
+    }
+    // the next one is off by some p''/(2 p') times the square of this step
+    const double curvature = Kokkos::fma(3.0 * x, p.c[3], p.c[2]);
+    if (Kokkos::abs(step * step * curvature * inverse) <= 1e-11) return next;
     x = next;
   }
   return x;

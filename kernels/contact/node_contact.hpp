@@ -311,16 +311,12 @@ class NodeContact {
     for (int e = 0; e < count; ++e) {
       const int cell = cells[e];
       const double* c = cell_shapes(cell);
-      Real phi[4][packs], path[4][packs], part[4];
+      Real part[4];
       for (int j = 0; j < 4; ++j) part[j] = Real(0.0);
       for (int p = 0; p < packs; ++p) {
-        Real at[4], moving[4];
-        along_cell(c, x, p, at, moving);
-        for (int j = 0; j < 4; ++j) {
-          phi[j][p] = at[j];
-          if (j > 0) path[j][p] = moving[j];
-          part[j] = multiply_add(at[j], u[p], part[j]);
-        }
+        Real phi[4], path[4];
+        along_cell(c, x, p, phi, path);
+        for (int j = 0; j < 4; ++j) part[j] = multiply_add(phi[j], u[p], part[j]);
       }
       Cubic displacement;
       lanes_.sum(part[0], part[1], displacement.c[0], displacement.c[1]);
@@ -332,13 +328,15 @@ class NodeContact {
       const double spring = contact_.node_stiffness;  // of a whole cell
       const double f0 = spring * m[0], f1 = spring * m[1], f2 = spring * m[2], f3 = spring * m[3];
       for (int p = 0; p < packs; ++p) {
-        Real sum = multiply_add(-f0, phi[0][p], force[p]);
-        sum = multiply_add(-f1, phi[1][p], sum);
-        sum = multiply_add(-f2, phi[2][p], sum);
-        force[p] = multiply_add(-f3, phi[3][p], sum);
-        sum = multiply_add(f0, path[1][p], slope_force[p]);
-        sum = multiply_add(2.0 * f1, path[2][p], sum);
-        slope_force[p] = multiply_add(3.0 * f2, path[3][p], sum);
+        Real phi[4], path[4];
+        along_cell(c, x, p, phi, path);
+        Real sum = multiply_add(-f0, phi[0], force[p]);
+        sum = multiply_add(-f1, phi[1], sum);
+        sum = multiply_add(-f2, phi[2], sum);
+        force[p] = multiply_add(-f3, phi[3], sum);
+        sum = multiply_add(f0, path[1], slope_force[p]);
+        sum = multiply_add(2.0 * f1, path[2], sum);
+        slope_force[p] = multiply_add(3.0 * f2, path[3], sum);
       }
       totals.face_work = Kokkos::fma(spring, contact.face_work, totals.face_work);
       totals.energy = Kokkos::fma(0.5 * spring, contact.square, totals.energy);

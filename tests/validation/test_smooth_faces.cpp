@@ -227,10 +227,10 @@ TEST(SmoothFacesRefuse, SchemesAndLawsThatDoNotTakeThem) {
   };
   EXPECT_EQ(message(), "");
   s.time.scheme = SchemeKind::adaptive;
-  EXPECT_NE(message().find("scene.faces"), std::string::npos);
-  EXPECT_NE(message().find("adaptive"), std::string::npos);
+  EXPECT_EQ(message(), "");
   s.time.scheme = SchemeKind::backward_euler;
   s.time.contact_force = ForceTime::new_time;
+  EXPECT_NE(message().find("scene.faces"), std::string::npos);
   EXPECT_NE(message().find("contact_force"), std::string::npos);
   s.time.contact_force = ForceTime::old_time;
   s.contact.law = ContactLaw::multiplier;

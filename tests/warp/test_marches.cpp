@@ -61,7 +61,7 @@ INSTANTIATE_TEST_SUITE_P(Schemes, MarchOnWarp, testing::ValuesIn(schemes_under_l
                          [](const auto& info) { return info.param.name(); });
 
 TEST(MarchOnWarp, SmoothFacesHaveTheBitsOfAPack) {
-  for (const SchemeKind scheme : {SchemeKind::midpoint, SchemeKind::rk4}) {
+  for (const SchemeKind scheme : {SchemeKind::midpoint, SchemeKind::rk4, SchemeKind::adaptive}) {
     Variant variant{.scheme = {{{scheme}}, ""}, .adapt = [](Scene& s) { s.faces = Faces::smooth; }};
     Seen seen;
     for (std::uint64_t seed = 1; seen.touching < 1; ++seed) {
