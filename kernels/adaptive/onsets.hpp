@@ -58,22 +58,25 @@ struct PolynomialMotion {
     return pace == Pace::even ? 0.0 : 2.0 * advance;
   }
 
-  /// Bounds on what the modes do up to `most`.
+  /// Bounds on what the modes do up to `most`, at a place that moves with the slider.
   struct Bounds {
     double travel;     // m: sum max|psi| |U - U_0|
-    double curvature;  // m per x^2: on the second derivative of their displacement at a place that
-                       // moves
-    double slope;      // of the deflected resonator, times chi [m]
+    double curvature;  // m per x^2: on the second derivative of their displacement
+    double remainder;  // m: of the cubic through their displacement and its rate at both ends
   };
+  /// The remainder of the modes at a fixed place is 1/384 of their fourth derivative. What the
+  /// place moves by is little; of a function with a bounded second derivative alone, the cubic is
+  /// off by less than a third of that bound: its own second derivative is 5/3 of it at the most.
   KOKKOS_FUNCTION Bounds bounds(const Lanes& lanes, const MotionLimits& limits,
                                 double spacing) const {
     const Real at(most);
     const double first = most_way() * spacing, second = change_of_way() * spacing;
-    Real travel(0.0), curvature(0.0), slope(0.0);
+    Real travel(0.0), still(0.0), moving(0.0), fourth(0.0);
     for (int p = 0; p < packs; ++p) {
-      Real d0(0.0), d1(0.0), d2(0.0);  // of |c_j| x^j
+      Real d0(0.0), d1(0.0), d2(0.0), d4(0.0);  // of |c_j| x^j
       for (int j = order; j >= 1; --j) {
         const Real c = Kokkos::abs(load_row(lanes, j, p));
+        if (j >= 4) d4 = multiply_add(d4, at, Real(j * (j - 1.0) * (j - 2.0) * (j - 3.0)) * c);
         if (j >= 2) d2 = multiply_add(d2, at, Real(j * (j - 1.0)) * c);
         d1 = multiply_add(d1, at, Real(static_cast<double>(j)) * c);
         d0 = multiply_add(d0, at, c);
@@ -84,15 +87,18 @@ struct PolynomialMotion {
                  curve = load_pack(lanes, limits.largest_curvature, p);
       const Real size = d0 + Kokkos::abs(load_row(lanes, 0, p));
       travel = multiply_add(shape, d0, travel);
-      slope = multiply_add(rise, size, slope);
-      curvature = multiply_add(shape, d2, curvature);
-      curvature = multiply_add(Real(2.0 * first) * rise, d1, curvature);
-      curvature = multiply_add(Real(first * first) * curve, size, curvature);
-      curvature = multiply_add(Real(second) * rise, size, curvature);
+      still = multiply_add(shape, d2, still);
+      fourth = multiply_add(shape, d4, fourth);
+      moving = multiply_add(Real(first) * rise, multiply_add(Real(2.0), d1, d2 * at), moving);
+      moving = multiply_add(Real(first * first) * curve, size, moving);
+      moving = multiply_add(Real(second) * rise, size, moving);
     }
-    double of_travel, of_curvature;
-    lanes.sum(travel, curvature, of_travel, of_curvature);
-    return {of_travel, of_curvature, spacing * lanes.sum(slope)};
+    double of_travel, of_still, of_moving, of_fourth;
+    lanes.sum(travel, still, of_travel, of_still);
+    lanes.sum(moving, fourth, of_moving, of_fourth);
+    const double square = most * most;
+    return {of_travel, of_still + of_moving,
+            square * (square * of_fourth / 384.0 + of_moving / 3.0)};
   }
 };
 

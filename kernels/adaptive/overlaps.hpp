@@ -168,8 +168,8 @@ class Overlaps {
                                 int flagged, double end, double tolerance) const {
     if (faces_.smooth) [[unlikely]] {
       const PolynomialMotion<Lanes, packs> motion = series.motion(end);
-      return search_cells(motion, motion.bounds(lanes_, bounds_, motion_.spacing).curvature, place,
-                          flagged, tolerance);
+      return search_cells(motion, motion.bounds(lanes_, bounds_, motion_.spacing), place, flagged,
+                          tolerance);
     }
     node_contact_.expand(place, listed_nodes_, flagged);
     double first = 2.0 * end + 1.0;
@@ -213,7 +213,7 @@ class Overlaps {
   /// flag_over(). -1: more than `capacity`.
   KOKKOS_FUNCTION int list_likely(double time, double acceleration, double sag, double rise,
                                   int* cells, int capacity) const {
-    const double level = -(0.5 * acceleration * time * time + sag), start = -(rise + sag);
+    const double level = -(0.1 * acceleration * time * time + sag), start = -(rise + sag);
     int count = 0, last = 0, at = 0;
     const auto take_contacts = [&](int before) {  // the cells in contact below a node
       for (; at < contacts_.count && contacts_.nodes[at] < before; ++at)
@@ -242,27 +242,28 @@ class Overlaps {
 
   /// Lists the cells in which there could be contact within a step in which the modes follow
   /// `motion`, not counting runs of cells around those in contact. At both ends overlaps and rates
-  /// are known; in between the second derivative is bounded.
+  /// are known; between them there is a bound on what the cubic through these leaves out.
   KOKKOS_FUNCTION int flag_over(const PolynomialMotion<Lanes, packs>& motion,
                                 const typename PolynomialMotion<Lanes, packs>::Bounds& bounds,
                                 double ticks, const MotionBounds& motion_bounds, double sag) const {
     const double way = motion.most_way();
-    const double curvature = bounds.curvature + way * way * faces_.largest_face_curvature +
-                             motion.change_of_way() * faces_.steepest_rise;
-    const double level = -(0.125 * curvature + overlap_error(motion_bounds) + sag);
-    const double time = ticks * motion_.time_step;
-    const double rate0 = 0.5 * time * pace_rate(motion.pace, 0.0),
-                 rate1 = -0.5 * time * pace_rate(motion.pace, 1.0);
+    const double of_face =
+        way * way * faces_.largest_face_curvature + motion.change_of_way() * faces_.steepest_rise;
+    const double level = -(bounds.remainder + of_face / 3.0 + overlap_error(motion_bounds) + sag);
+    const double third = ticks * motion_.time_step / 3.0;
+    const double rate0 = third * pace_rate(motion.pace, 0.0),
+                 rate1 = -third * pace_rate(motion.pace, 1.0);
     int count = 0, last = 0;
     const int all = groups();
     for (int e = 0; e < all; ++e) {
       const double* first = start_ + 2 * e * width;
       const double* end = end_ + 2 * e * width;
-      const Real from_start =
-          lanes_.load(first) + Kokkos::max(Real(rate0) * lanes_.load(first + width), Real(0.0));
-      const Real from_end =
-          lanes_.load(end) + Kokkos::max(Real(rate1) * lanes_.load(end + width), Real(0.0));
-      std::uint32_t bits = lanes_.at_least(Kokkos::max(from_start, from_end), level);
+      // the cubic lies between the smallest and the largest of its Bernstein coefficients
+      const Real b0 = lanes_.load(first), b3 = lanes_.load(end);
+      const Real b1 = multiply_add(rate0, lanes_.load(first + width), b0);
+      const Real b2 = multiply_add(rate1, lanes_.load(end + width), b3);
+      std::uint32_t bits =
+          lanes_.at_least(Kokkos::max(Kokkos::max(b0, b1), Kokkos::max(b2, b3)), level);
       const int left = faces_.nodes - group(e) * width;
       if (left < width) bits &= (1u << left) - 1u;
       for (; bits != 0; bits &= bits - 1)
@@ -275,13 +276,35 @@ class Overlaps {
 
   /// As search(), along a motion from `place` on, in the listed cells.
   KOKKOS_FUNCTION double search_cells(const PolynomialMotion<Lanes, packs>& motion,
-                                      double curvature, const Place& place, int flagged,
-                                      double tolerance) const {
+                                      const typename PolynomialMotion<Lanes, packs>::Bounds& bounds,
+                                      const Place& place, int flagged, double tolerance) const {
     node_contact_.expand(place, listed_nodes_, flagged);
+    Real u0[packs], rate0[packs], u1[packs], rate1[packs];
+    motion.at(lanes_, 0.0, u0, rate0);
+    motion.at(lanes_, motion.most, u1, rate1);
+    const Place end = motion.place_at(place, motion.most);
+    const double third = motion.most / 3.0, way = motion.most * motion.most_way(),
+                 change = motion.most * motion.most * motion.change_of_way();
     double first = 2.0 * motion.most + 1.0;
     for (int e = 0; e < flagged; ++e) {
-      const double x = first_contact(lanes_, node_contact_, motion, place, listed_nodes_[e],
-                                     curvature, tolerance, 0.25 * tolerance);
+      const int cell = listed_nodes_[e];
+      double x = 2.0 * motion.most + 1.0;
+      // at each place of the cell the overlap is at most the largest Bernstein coefficient of the
+      // cubic through both ends, but for what that leaves out
+      const MovingCell before = node_contact_.moving_cell(cell, place, u0, rate0, motion.way(0.0));
+      const double left_out =
+          bounds.remainder + (way * way * before.curvature + change * before.slope) / 3.0;
+      const double free = 0.5 * tolerance - left_out;
+      bool touches = before.highest_after(0.0) >= free || before.highest_after(third) >= free;
+      if (!touches) {
+        const MovingCell after =
+            node_contact_.moving_cell(cell, end, u1, rate1, motion.way(motion.most));
+        touches = after.highest_after(0.0) >= free || after.highest_after(-third) >= free;
+      }
+      if (touches)
+        x = first_contact(lanes_, node_contact_, motion, place, cell, bounds.curvature, tolerance,
+                          0.25 * tolerance);
+      lanes_.sync();
       if (lanes_.leader()) search_.onsets[e] = x;
       if (x < first) first = x;
     }

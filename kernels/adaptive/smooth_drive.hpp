@@ -106,9 +106,16 @@ class SmoothDrive {
     double next = 0.0;              // s, what it asks for
     while (true) {
       step_.make(ticks, pace, cells_, path_.moved(place, tick + ticks));
-      const double first = search(now, place, tick, ticks, available);
+      find_runs(1.0, last_stage);
       const bool is_smooth = pace == Pace::even && !any_begins_or_ends();
       const double error = step_.error(is_smooth), power = is_smooth ? -1.0 / 8.0 : -1.0 / 7.0;
+      // far from the tolerance the motion tells nothing
+      const bool tells = error <= 100.0;
+      double first = 3.0;
+      if (tells) {
+        step_.find_motion();
+        first = search(now, place, tick, ticks, available);
+      }
       const bool onset = first <= 1.0;
       if (error <= 1.0) {
         const double growth =
@@ -121,7 +128,7 @@ class SmoothDrive {
       double share = 2.0;
       Pace then = pace == Pace::to_release ? Pace::even : pace;
       if (onset) share = pace_share(pace, first);
-      const double released = first_release(place);
+      const double released = tells ? first_release(place) : 3.0;
       if (released <= 1.0 && pace_share(pace, released) < share) {
         share = pace_share(pace, released);
         if (pace == Pace::even) then = Pace::to_release;
@@ -225,10 +232,10 @@ class SmoothDrive {
     overlaps_.evaluate_end(path_.moved(place, tick + ticks), step_.end().u, step_.end().v);
     const int flagged =
         overlaps_.flag_over(motion, b, step_.ticks(), bounds, overlaps_.sag(now.u, b.travel));
-    find_runs(1.0);
+    find_runs(1.0, formula_stages - 1);
     flagged_ = leave_out_grown(flagged);
     if (flagged_ == 0) return 3.0;
-    return overlaps_.search_cells(motion, b.curvature, place, flagged_, overlaps_.tolerance(now.u));
+    return overlaps_.search_cells(motion, b, place, flagged_, overlaps_.tolerance(now.u));
   }
 
   /// Keeps the step, or (onset) the part of it up to the x `first` where a contact begins.
@@ -252,7 +259,7 @@ class SmoothDrive {
       end = step_.end();
     } else {
       step_.state(x, end.u, end.v);
-      find_runs(pace_share(step_.pace(), x));
+      find_runs(pace_share(step_.pace(), x), formula_stages - 1);
     }
     const auto weights = step_.weights(x);
     step_.squares(weights, end.square);
@@ -284,15 +291,16 @@ class SmoothDrive {
 
   // ---- runs of cells in contact
 
-  /// Finds the runs of cells in contact at any stage up to a share of the step's time.
-  KOKKOS_FUNCTION void find_runs(double share) const {
+  /// Finds the runs of cells in contact at any stage up to `last`, and up to a share of the step's
+  /// time.
+  KOKKOS_FUNCTION void find_runs(double share, int last) const {
     lanes_.sync();
     if (lanes_.leader()) {
       int count = 0;
       for (int e = 0; e < cells_; ++e) {
         const double* force = stages_.force + e * formula_stages;
         bool touched = false;
-        for (int i = 0; i < formula_stages; ++i)
+        for (int i = 0; i <= last; ++i)
           touched = touched || (force[i] > 0.0 && step_.share(i) <= share);
         if (!touched) continue;
         const int cell = stages_.cells[e];

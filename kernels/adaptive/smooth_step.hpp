@@ -108,26 +108,11 @@ class SmoothStep {
     pace_ = pace;
     table_ = stages_.paces + static_cast<int>(pace) * pace_numbers;
     cells_ = cells;
-    for (int i = 1; i < formula_stages; ++i) {
-      Real u[packs], v[packs];
-      sum(stage_weights + i, i, u, v);
-      for (int p = 0; p < packs; ++p) {
-        u[p] = multiply_add(time_, u[p], now_.u[p]);
-        v[p] = multiply_add(time_, v[p], now_.v[p]);
-      }
-      const double x = table_[stage_places * formula_stages + i];
-      if (i == last_stage) {
-        for (int p = 0; p < packs; ++p) {
-          end_.u[p] = u[p];
-          end_.v[p] = v[p];
-        }
-        const ContactTotals<Real> totals = evaluate(i, end_place, u, v, 1.0);
-        energy_at_end_ = totals.energy;
-      } else {
-        const double share = pace_share(pace_, x);
-        evaluate(i, place_at_share(share), u, v, share);
-      }
-    }
+    for (int i = 1; i <= last_stage; ++i) make_stage(i, end_place);
+  }
+  /// Finds the motion over the step.
+  KOKKOS_FUNCTION void find_motion() {
+    for (int i = last_stage + 1; i < formula_stages; ++i) make_stage(i, start_);
     for (int m = 0; m < motion_terms; ++m) {
       Real u[packs], v[packs];
       sum(stage_output + m, formula_stages, u, v);
@@ -254,6 +239,24 @@ class SmoothStep {
   }
 
  private:
+  KOKKOS_FUNCTION void make_stage(int i, const Place& end_place) {
+    Real u[packs], v[packs];
+    sum(stage_weights + i, i, u, v);
+    for (int p = 0; p < packs; ++p) {
+      u[p] = multiply_add(time_, u[p], now_.u[p]);
+      v[p] = multiply_add(time_, v[p], now_.v[p]);
+    }
+    if (i == last_stage) {
+      for (int p = 0; p < packs; ++p) {
+        end_.u[p] = u[p];
+        end_.v[p] = v[p];
+      }
+      energy_at_end_ = evaluate(i, end_place, u, v, 1.0).energy;
+    } else {
+      evaluate(i, place_at_share(share(i)), u, v, share(i));
+    }
+  }
+
   Lanes lanes_;
   const ModeTables& modes_;
   const SliderMotion& motion_;

@@ -75,10 +75,10 @@ KOKKOS_INLINE_FUNCTION void add_closed(const Cubic& overlap, const Cubic& face, 
   sum.face_work += Kokkos::fma(3.0 * f.c[3], m2, Kokkos::fma(2.0 * f.c[2], m1, f.c[1] * m0));
 }
 
-/// The root of a cubic that is monotonic on [low, high] and changes its sign there: Newton's method
-/// from the root of the parabola in the middle, halving where it leaves the interval. An error d of
-/// a root changes the integrals below by d^2 alone: they have all their digits once it is below
-/// 1e-10 of a cell.
+/// The root of a cubic that changes its sign on [low, high] and is monotonic or concave there:
+/// Newton's method from the root of the parabola in the middle, halving where it leaves the
+/// interval. An error d of a root changes the integrals below by d^2 alone: they have all their
+/// digits once it is below 1e-10 of a cell.
 KOKKOS_INLINE_FUNCTION double root_between(const Cubic& p, double low, double high, double at_low,
                                            double at_high) {
   const bool rises = at_low < at_high;
@@ -86,8 +86,8 @@ KOKKOS_INLINE_FUNCTION double root_between(const Cubic& p, double low, double hi
   const Cubic about = p.about(middle);
   const double inside = Kokkos::fma(about.c[1], about.c[1], -4.0 * about.c[2] * about.c[0]);
   double x = middle - 2.0 * about.c[0] /
-                          (about.c[1] + Kokkos::copysign(Kokkos::sqrt(Kokkos::max(inside, 0.0)),
-                                                         about.c[1]));
+                          (about.c[1] +
+                           Kokkos::copysign(Kokkos::sqrt(Kokkos::max(inside, 0.0)), about.c[1]));
   if (!(x > low && x < high)) x = middle;
   for (int i = 0; i < 80; ++i) {
     const double value = p(x), inverse = 1.0 / p.slope(x);
@@ -117,14 +117,35 @@ KOKKOS_FORCEINLINE_FUNCTION bool is_open(const Cubic& o) {
                                  Kokkos::fma(0.5, Kokkos::abs(o.c[1]), o.c[0]))) < 0.0;
 }
 
+/// Adds the integrals over [from, to], at one end of which `overlap` is positive and at the other
+/// not, and where it is monotonic or concave.
+KOKKOS_INLINE_FUNCTION void add_one_side(const Cubic& overlap, const Cubic& face, double from,
+                                         double to, double at_from, double at_to,
+                                         CellContact& sum) {
+  const double root = root_between(overlap, from, to, at_from, at_to);
+  if (at_from > 0.0)
+    add_closed(overlap, face, from, root, sum);
+  else
+    add_closed(overlap, face, root, to, sum);
+}
+
 /// Adds the integrals over the places in [from, to] where `overlap` is positive.
 KOKKOS_INLINE_FUNCTION void add_contact(const Cubic& overlap, const Cubic& face, double from,
                                         double to, CellContact& sum) {
+  const double a = 3.0 * overlap.c[3], b = overlap.c[2], c = overlap.c[1];  // a x^2 + 2 b x + c
+  double left = overlap(from);
+  const double last = overlap(to);
+  // the usual case, concave: closed at both ends it is so in between, and between two signs there
+  // is one root
+  if (Kokkos::fma(a, from, b) <= 0.0 && Kokkos::fma(a, to, b) <= 0.0) {
+    if (left > 0.0 && last > 0.0) return add_closed(overlap, face, from, to, sum);
+    if (left > 0.0 || last > 0.0) return add_one_side(overlap, face, from, to, left, last, sum);
+    if (overlap.slope(from) <= 0.0 || overlap.slope(to) >= 0.0) return;  // highest at an end
+  }
   // between the roots of its slope a cubic is monotonic
   double edge[4];
   int edges = 0;
   edge[edges++] = from;
-  const double a = 3.0 * overlap.c[3], b = overlap.c[2], c = overlap.c[1];  // a x^2 + 2 b x + c
   const double discriminant = Kokkos::fma(b, b, -a * c);
   if (discriminant > 0.0) {
     const double q = -(b + Kokkos::copysign(Kokkos::sqrt(discriminant), b));
@@ -138,18 +159,12 @@ KOKKOS_INLINE_FUNCTION void add_contact(const Cubic& overlap, const Cubic& face,
     if (second > from && second < to) edge[edges++] = second;
   }
   edge[edges++] = to;
-  double left = overlap(from);
   for (int i = 0; i + 1 < edges; ++i) {
-    const double right = overlap(edge[i + 1]);
-    if (left > 0.0 && right > 0.0) {
+    const double right = i + 2 < edges ? overlap(edge[i + 1]) : last;
+    if (left > 0.0 && right > 0.0)
       add_closed(overlap, face, edge[i], edge[i + 1], sum);
-    } else if (left > 0.0 || right > 0.0) {
-      const double root = root_between(overlap, edge[i], edge[i + 1], left, right);
-      if (left > 0.0)
-        add_closed(overlap, face, edge[i], root, sum);
-      else
-        add_closed(overlap, face, root, edge[i + 1], sum);
-    }
+    else if (left > 0.0 || right > 0.0)
+      add_one_side(overlap, face, edge[i], edge[i + 1], left, right, sum);
     left = right;
   }
 }

@@ -37,7 +37,7 @@ KOKKOS_INLINE_FUNCTION Highest highest_on(const Cubic& p, double from, double to
 struct MovingCell {
   Cubic overlap[2], rate[2];
   double knot;       // the place of that node
-  double curvature;  // m: the largest h_2'' chi^2 of the two pieces, at least 0
+  double curvature;  // m: the largest |h_2''| chi^2 of the two pieces
   double slope;      // m: bound on |h_2'| chi there
 
   /// The largest overlap, and its rate at that place.

@@ -221,9 +221,10 @@ class NodeContact {
                                  0.0};
       for (int j = 0; j < 4; ++j) moving.rate[side].c[j] = Kokkos::fma(way, passing[j], modes.c[j]);
       // a cubic's second derivative is largest at an end
+      const double left = 2.0 * piece.c[2];
       moving.curvature = Kokkos::max(
           moving.curvature,
-          Kokkos::max(2.0 * piece.c[2], Kokkos::fma(6.0, piece.c[3], 2.0 * piece.c[2])));
+          Kokkos::max(Kokkos::abs(left), Kokkos::abs(Kokkos::fma(6.0, piece.c[3], left))));
       moving.slope =
           Kokkos::max(moving.slope, Kokkos::abs(piece.c[1]) + 2.0 * Kokkos::abs(piece.c[2]) +
                                         3.0 * Kokkos::abs(piece.c[3]));
