@@ -23,13 +23,61 @@ KOKKOS_FORCEINLINE_FUNCTION double weighted_sum(const Lanes& lanes, const double
   return lanes.sum(part);
 }
 
-/// Smooth faces: bound on what the overlap within a cell exceeds that at both its ends by [m].
-template <class Lanes, int packs>
-KOKKOS_FORCEINLINE_FUNCTION double cell_sag(const Lanes& lanes, const FaceTables& faces,
-                                            const MotionLimits& bounds,
-                                            const typename Lanes::Real* u) {
-  return faces.sag + weighted_sum<Lanes, packs>(lanes, bounds.cell_sag, u);
+/// Smooth faces: bound on what the overlap in a cell exceeds that at its ends by [m], for both
+/// cells beside each node of a group and as long as no node passes another. The faces' part; the
+/// modes' is modes_sag, and both add up.
+///
+/// Let C >= 0 be a bound on -o'' over a cell, o the overlap and eta in units of chi. Then o + C
+/// eta^2/2 is convex (o' is continuous at the resonator's node, too), so it lies below its chord:
+///
+///   o(eta) <= chord(eta) + C/2 (1/4 - eta^2) <= max(o(-1/2), o(1/2)) + C/8.
+///
+/// A parabola whose ends are equal reaches that. Here -o'' is at most the largest -h_1'' of the
+/// cell plus the largest -h_2'' of the pieces that pass it. Between nodes a spline's second
+/// derivative is a straight line, so both are largest at nodes. Either may be negative: where one
+/// face is hollow the sum is less, and where it is negative the overlap is largest at an end.
+template <class Lanes>
+KOKKOS_FORCEINLINE_FUNCTION typename Lanes::Real cell_sag(const Lanes& lanes,
+                                                          const FaceTables& faces,
+                                                          const Place& place, int group) {
+  using Real = typename Lanes::Real;
+  return Kokkos::max(lanes.load(faces.sag1 + group * Lanes::width) +
+                         lanes.load(faces.sag2 + place.base + group * Lanes::width),
+                     Real(0.0));
 }
+/// The modes' part of that, at displacements that are at most `travel` [m] away from u.
+template <class Lanes, int packs>
+KOKKOS_FORCEINLINE_FUNCTION double modes_sag(const Lanes& lanes, const FaceTables& faces,
+                                             const MotionLimits& bounds,
+                                             const typename Lanes::Real* u, double travel) {
+  return weighted_sum<Lanes, packs>(lanes, bounds.cell_sag, u) + faces.sag_per_travel * travel;
+}
+
+/// Smooth faces: the resonator's piece under the nodes of a group.
+template <class Lanes>
+struct PiecePassed {
+  using Real = typename Lanes::Real;
+  Real left, right;  // h_2'' chi^2 at its ends, between which it is a straight line
+
+  KOKKOS_FORCEINLINE_FUNCTION PiecePassed(const Lanes& lanes, const FaceTables& faces,
+                                          const Place& place, int group) {
+    const double* curvature = faces.curvature2 + place.base + group * Lanes::width;
+    left = lanes.load(curvature);
+    right = lanes.load(curvature + 1);
+  }
+  /// Bound on what the face rises by up to the piece's end, `distance` [chi] from where the slope
+  /// is `slope`: to its end, or up to distance^2/8 C more in between (cell_sag).
+  KOKKOS_FORCEINLINE_FUNCTION Real rise(double distance, const Real& slope) const {
+    const Real here = multiply_add(distance, left - right, right), zero(0.0);
+    const Real to_end = Real(distance) * multiply_add(distance / 6.0, here + here + right, slope);
+    return multiply_add(0.125 * distance * distance, Kokkos::max(Kokkos::max(-left, -right), zero),
+                        Kokkos::max(to_end, zero));
+  }
+  /// Bound on the curvature that lifts a node off its straight path.
+  KOKKOS_FORCEINLINE_FUNCTION Real upward() const {
+    return Kokkos::max(Kokkos::max(left, right), Real(0.0));
+  }
+};
 
 /// Bound on the roundings of two positions [chi]: over shorter distances the slider moves in
 /// stairs, not along a line. Twice the roundings themselves, for what is computed from them.
@@ -97,8 +145,8 @@ class CandidateGroups {
                    distance * motion_.spacing * slope +
                    position_rounding(place) * faces_.steepest_rise;
     if (faces_.smooth) [[unlikely]]
-      error += cell_sag<Lanes, packs>(lanes_, faces_, bounds_, u) + faces_.sag_per_travel * range_ +
-               0.5 * distance * distance * faces_.largest_face_curvature;
+      error += modes_sag<Lanes, packs>(lanes_, faces_, bounds_, u, range_) +
+               0.5 * back * back * faces_.largest_face_curvature;
     const double below = range_ + error;
     // the motion since then, raised by the roundings of both displacements
     double coarse_below = (1.0 + 0x1p-43) * moved(lists_.coarse_reference_u, u) + below + error;
@@ -107,23 +155,10 @@ class CandidateGroups {
       find_coarse(u, place, 4.0 * below, slope);
       coarse_below = below + error;
     }
-    GroupSweep<Lanes, packs> sweep(lanes_, faces_, slider_, patches_, place, amplitudes_, u);
-    int count = 0, evaluated = 0;
-    for (int e = 0; e < coarse_count_; ++e) {
-      if (lists_.coarse_highest[e] < -coarse_below) continue;
-      ++evaluated;
-      const int group = lists_.coarse_groups[e];
-      const auto now = sweep.overlap(group);
-      const Real most = now.overlap + Kokkos::max(Kokkos::max(Real(to_end) * now.rise, Real(0.0)),
-                                                  Real(-back) * now.rise);
-      if (lanes_.at_least(most, -below) == 0) continue;
-      RA2D_CHECK(count < faces_.groups);
-      if (lanes_.leader()) lists_.groups[count] = group;
-      ++count;
-    }
-    count_ = count;
-    if (lanes_.leader()) evaluated_ += static_cast<std::int64_t>(evaluated) * width;
-    lanes_.sync();
+    if (!faces_.smooth) [[likely]]
+      find_fine<false>(u, place, below, coarse_below, to_end, back);
+    else
+      find_fine<true>(u, place, below, coarse_below, to_end, back);
   }
 
  private:
@@ -152,6 +187,34 @@ class CandidateGroups {
     return weighted_sum<Lanes, packs>(lanes_, bounds_.largest_shape, away);
   }
 
+  /// The groups of the coarse list that come within `below` of contact on the rest of this spacing.
+  template <bool smooth>
+  KOKKOS_FORCEINLINE_FUNCTION void find_fine(const Real* u, const Place& place, double below,
+                                             double coarse_below, double to_end, double back) {
+    GroupSweep<Lanes, packs> sweep(lanes_, faces_, slider_, patches_, place, amplitudes_, u);
+    int count = 0, evaluated = 0;
+    for (int e = 0; e < coarse_count_; ++e) {
+      if (lists_.coarse_highest[e] < -coarse_below) continue;
+      ++evaluated;
+      const int group = lists_.coarse_groups[e];
+      const auto now = sweep.overlap(group);
+      Real ahead;
+      if constexpr (smooth)
+        ahead = PiecePassed<Lanes>(lanes_, faces_, place, group).rise(to_end, now.rise);
+      else
+        ahead = Kokkos::max(Real(to_end) * now.rise, Real(0.0));
+      Real most = now.overlap + Kokkos::max(ahead, Real(-back) * now.rise);
+      if constexpr (smooth) most = most + cell_sag(lanes_, faces_, place, group);
+      if (lanes_.at_least(most, -below) == 0) continue;
+      RA2D_CHECK(count < faces_.groups);
+      if (lanes_.leader()) lists_.groups[count] = group;
+      ++count;
+    }
+    count_ = count;
+    if (lanes_.leader()) evaluated_ += static_cast<std::int64_t>(evaluated) * width;
+    lanes_.sync();
+  }
+
   /// The groups that come within `below` of contact somewhere on the next `width` spacings of the
   /// path.
   KOKKOS_FUNCTION void find_coarse(const Real* u, const Place& place, double below, double slope) {
@@ -174,8 +237,11 @@ class CandidateGroups {
       }
       const Real face = lanes_.load(faces_.height1 + group * width) +
                         lanes_.load(faces_.highest2 + place.base + group * width);
-      const Real top =
-          add_slider_displacement(lanes_, slider_, amplitudes_, group, face) + Real(highest);
+      Real top = add_slider_displacement(lanes_, slider_, amplitudes_, group, face) + Real(highest);
+      if (faces_.smooth) [[unlikely]]
+        top = top + Kokkos::max(lanes_.load(faces_.sag1 + group * width) +
+                                    lanes_.load(faces_.highest_sag2 + place.base + group * width),
+                                Real(0.0));
       if (lanes_.at_least(top, -coarse_below_) == 0) continue;
       const double most = lanes_.max(top);
       if (lanes_.leader()) {

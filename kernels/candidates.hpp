@@ -130,9 +130,7 @@ class Candidates {
     if (remaining < listed_travel)
       return {ContactForecast::search, 1, 0};  // too fast: step by step
 
-    double half_curve = 0.5 * b.curvature * tau * tau;
-    if (faces_.smooth) [[unlikely]]
-      half_curve += 0.5 * motion_.advance * motion_.advance * faces_.largest_face_curvature;
+    const double half_curve = 0.5 * b.curvature * tau * tau;
     // A node is not listed if it stays free along the line, with the margin and its own motion.
     double slack = faces_.rounding + b.rounding + bound(bounds_.cubic_remainder, u) +
                    position_rounding(place) * faces_.steepest_rise + 2.0 * half_curve;
@@ -141,16 +139,17 @@ class Candidates {
         tau * bound(bounds_.cubic_remainder, v) +
         motion_.advance * motion_.spacing * bound(bounds_.cubic_slope_remainder, u) +
         2.0 * half_curve;
-    if (faces_.smooth) [[unlikely]] {  // a cell may be closed where its ends are not
-      slack += cell_sag<Lanes, packs>(lanes_, faces_, bounds_, u) +
-               faces_.sag_per_travel * (listed_travel + remaining);
-    }
+    if (faces_.smooth) [[unlikely]]  // a cell may be closed where its ends are not
+      slack += modes_sag<Lanes, packs>(lanes_, faces_, bounds_, u, listed_travel + remaining);
     const double level = -(margin + half_curve * listed_steps * listed_steps + slack);
     int count = 0;
     last_listed_ = -1;
     Real pressed(0.0);
-    double flight = steps_to_contact(u, v, place, longest, listed_steps, half_curve, slack,
-                                     closing_slack, level, count, pressed);
+    double flight = faces_.smooth
+                        ? steps_to_contact<true>(u, v, place, longest, listed_steps, half_curve,
+                                                 slack, closing_slack, level, count, pressed)
+                        : steps_to_contact<false>(u, v, place, longest, listed_steps, half_curve,
+                                                  slack, closing_slack, level, count, pressed);
     // the list of candidate groups may end the flight earlier
     const double linear = b.speed * tau + half_curve;
     const double valid_steps =
@@ -183,14 +182,17 @@ class Candidates {
     double level = -(faces_.rounding + rounding(0) * bound(bounds_.largest_shape, u) +
                      bound(bounds_.cubic_remainder, u));
     if (faces_.smooth) [[unlikely]]
-      level -= cell_sag<Lanes, packs>(lanes_, faces_, bounds_, u);
+      level -= modes_sag<Lanes, packs>(lanes_, faces_, bounds_, u, 0.0);
     GroupSweep<Lanes, packs> sweep(lanes_, faces_, slider_, patches_, place, amplitudes_, u);
     int count = 0;
     last_listed_ = -1;
     const int groups = all ? faces_.groups : groups_.count();
     for (int e = 0; e < groups; ++e) {
       const int group = all ? e : groups_[e];
-      list_nodes(group, lanes_.at_least(sweep.overlap(group).overlap, level), count);
+      Real overlap = sweep.overlap(group).overlap;
+      if (faces_.smooth) [[unlikely]]
+        overlap = overlap + cell_sag(lanes_, faces_, place, group);
+      list_nodes(group, lanes_.at_least(overlap, level), count);
     }
     lanes_.sync();
     return count;
@@ -252,6 +254,7 @@ class Candidates {
   /// until the gap is closed by the closing speed, the curvature and what the cubics leave out.
   /// Lists the nodes whose overlap may exceed `level` within `listed_steps`; `pressed`: the sum of
   /// what they may exceed it by [m].
+  template <bool smooth>
   KOKKOS_FORCEINLINE_FUNCTION double steps_to_contact(const Real* u, const Real* v,
                                                       const Place& place, int longest,
                                                       int listed_steps, double half_curve,
@@ -262,19 +265,30 @@ class Candidates {
     Real soonest(static_cast<double>(longest));
     for (int e = 0; e < groups_.count(); ++e) {
       const int group = groups_[e];
-      const auto [overlap, modes, slope] = sweep.overlap_and_rates(group);
+      auto [overlap, modes, slope] = sweep.overlap_and_rates(group);
       // closing per step: the modes, and the node's path over the resonator's face
-      const Real closing =
+      Real closing =
           multiply_add(tau, modes, multiply_add(motion_.advance, slope, Real(closing_slack)));
-      const Real most =
+      Real curve(half_curve);
+      if constexpr (smooth) {  // the curvature of the path, with the slacks that it takes
+        const Real bend = Real(0.5 * motion_.advance * motion_.advance) *
+                          PiecePassed<Lanes>(lanes_, faces_, place, group).upward();
+        curve = curve + bend;
+        closing = multiply_add(2.0, bend, closing);
+        overlap = multiply_add(2.0, bend, overlap + cell_sag(lanes_, faces_, place, group));
+      }
+      Real most =
           multiply_add(static_cast<double>(listed_steps), Kokkos::max(closing, Real(0.0)), overlap);
+      if constexpr (smooth)
+        most = multiply_add(static_cast<double>(listed_steps) * listed_steps,
+                            curve - Real(half_curve), most);
       list_nodes(group, lanes_.at_least(most, level), count);
       pressed = pressed + Kokkos::max(most - Real(level), Real(0.0));
       // the root of open = i closing + i (i + 1) half_curve
       const Real open = Kokkos::max(-overlap - Real(slack), Real(0.0));
-      const Real linear = closing + Real(half_curve);
+      const Real linear = closing + curve;
       const Real root =
-          Kokkos::sqrt(multiply_add(linear, linear, Real(4.0 * half_curve) * open)) + linear;
+          Kokkos::sqrt(multiply_add(linear, linear, Real(4.0) * curve * open)) + linear;
       soonest = Kokkos::min(soonest, Real(2.0) * open / (root + Real(1e-300)));
     }
     if (lanes_.leader()) evaluated_ += static_cast<std::int64_t>(groups_.count()) * width;

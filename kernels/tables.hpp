@@ -189,14 +189,17 @@ struct FaceTables {
   double highest_overlap = 0;        // that the faces alone can have anywhere
   const double* height1 = nullptr;   // (group, lane): h_1 - delta; far below for the padding
   const double* height2 = nullptr;   // resonator node, padded beyond its end
-  const double* highest2 = nullptr;  // max of height2 over a node and the `width` after it
+  const double* highest2 = nullptr;  // bound on the face from a node to the `width`-th after it
 
   bool smooth = false;                 // what follows is of smooth faces, else null and 0
   const double* curvature1 = nullptr;  // (group, lane): h_1'' chi^2 at the nodes
   const double* curvature2 = nullptr;  // h_2'' chi^2 at the nodes, padded as height2
   double largest_face_curvature = 0;   // max |curvature2|
-  double sag = 0;  // bound on what the faces' overlap within a cell exceeds that at its ends by
-  double sag_per_travel = 0;  // the same of the modes, over their travel
+  // Each face's share of cell_sag (kernels/candidate_groups.hpp), of either sign.
+  const double* sag1 = nullptr;          // (group, lane)
+  const double* sag2 = nullptr;          // resonator node, padded as height2
+  const double* highest_sag2 = nullptr;  // max of sag2 over a node and the `width` after it
+  double sag_per_travel = 0;             // of the modes, over their travel
 };
 
 /// The slider's modes at its nodes.
@@ -386,6 +389,9 @@ void visit_own_arrays(SceneTables& t, const Extents& n, Visit&& visit) {
   if (n.smooth) {
     visit("curvature1", t.faces.curvature1, n.padded_nodes());
     visit("curvature2", t.faces.curvature2, heights);
+    visit("sag1", t.faces.sag1, n.padded_nodes());
+    visit("sag2", t.faces.sag2, heights);
+    visit("highest_sag2", t.faces.highest_sag2, heights);
   }
   visit("moving_force", t.forces.list, static_cast<std::size_t>(n.moving_forces));
 }

@@ -339,12 +339,18 @@ void Filler::smooth_faces(const double* h2) {
               std::min<std::size_t>(model_.resonator_curvature.size(), n_.heights), curvature);
   FaceTables& faces = tables_.faces;
   faces.largest_face_curvature = largest_face_curvature(curvature, n_.heights);
-  faces.sag = 0.125 * (faces.largest_face_curvature +
-                       largest_face_curvature(host_(faces.curvature1), n_.nodes));
   faces.steepest_rise = steepest_rise(h2, curvature, n_.heights);
-  faces.highest_overlap += faces.sag;
-  double* const highest = host_(faces.highest2);
-  for (int n = 0; n < n_.heights; ++n) highest[n] += 0.125 * faces.largest_face_curvature;
+  faces.highest_overlap += 0.125 * (faces.largest_face_curvature +
+                                    largest_face_curvature(host_(faces.curvature1), n_.nodes));
+  // Both cells beside a slider node reach from the one before it to the one after. While the left
+  // of these nodes stands in one spacing of the resonator, its pieces from the node before that
+  // under the slider's to the second after it pass them.
+  fill_sag(host_(faces.curvature1), n_.nodes, 1, 1, host_(faces.sag1));
+  fill_sag(curvature, n_.heights, 1, 2, host_(faces.sag2));
+  fill_highest(host_(faces.sag2), n_.heights, n_.width, host_(faces.highest_sag2));
+  std::vector<double> raised(n_.heights);
+  fill_raised(h2, curvature, n_.heights, raised.data());
+  fill_highest(raised.data(), n_.heights, n_.width, host_(faces.highest2));
 }
 
 void Filler::adaptive() {

@@ -51,6 +51,20 @@ double steepest_rise(const double* height, const double* curvature, int count) {
   return steepest;
 }
 
+void fill_sag(const double* curvature, int count, int before, int ahead, double* sag) {
+  for (int n = 0; n < count; ++n) {
+    double most = -curvature[n];
+    for (int m = std::max(0, n - before); m <= n + ahead && m < count; ++m)
+      most = std::max(most, -curvature[m]);
+    sag[n] = 0.125 * most;
+  }
+}
+
+void fill_raised(const double* height, const double* curvature, int count, double* raised) {
+  fill_sag(curvature, count, 1, 1, raised);
+  for (int n = 0; n < count; ++n) raised[n] = height[n] + std::max(0.0, 8.0 / 6.0 * raised[n]);
+}
+
 double largest_face_curvature(const double* curvature, int count) {
   double sharpest = 0;
   for (int n = 0; n < count; ++n) sharpest = std::max(sharpest, std::abs(curvature[n]));

@@ -33,6 +33,13 @@ double largest_face_curvature(const double* curvature, int count);
 /// highest[n] = the highest of height[n] and the `ahead` after it (FaceTables::highest2).
 void fill_highest(const double* height, int count, int ahead, double* highest);
 
+/// Smooth faces: sag[n] = an eighth of the largest -curvature from the `before` nodes before n to
+/// the `ahead` after it (FaceTables::sag1, sag2).
+void fill_sag(const double* curvature, int count, int before, int ahead, double* sag);
+/// Smooth faces: heights raised so that the higher of two neighbours is above the spline between
+/// them, and above all that CandidateGroups::find takes for it: by a sixth of the curvature.
+void fill_raised(const double* height, const double* curvature, int count, double* raised);
+
 /// Bound on the rounding of the rough faces' part of a gap whose terms add up to at most `scale`
 /// [m]. There are five roundings of half an ulp, of smooth faces some twenty; 32, or 128, leave
 /// room for the sums that they go into.
