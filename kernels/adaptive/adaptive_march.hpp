@@ -431,8 +431,7 @@ class AdaptiveMarch {
   KOKKOS_FUNCTION int evaluate_and_flag(const Place& place, const Modes& end, std::int64_t ticks,
                                         const MotionBounds& bounds, double rise) {
     overlaps_.evaluate_end(path_.moved(place, tick_ + ticks), end.u, end.v);
-    return overlaps_.flag(ticks * tables_.motion.time_step, bounds, rise,
-                          overlaps_.sag(now_.u, bounds.travel));
+    return overlaps_.flag(place, now_.u, ticks * tables_.motion.time_step, bounds, rise);
   }
 
   /// The sample that falls on the end of the scene. False when it is still to be written.

@@ -125,10 +125,11 @@ class Overlaps {
   /// in contact) the cells.
   /// The length of the next step depends on these nodes, so they must be the same whichever groups
   /// are listed. Hence no node is flagged that a list of candidate groups may leave out.
-  KOKKOS_FUNCTION int flag(double time, const MotionBounds& bounds, double rise,
-                           double sag = 0.0) const {
+  KOKKOS_FUNCTION int flag(const Place& place, const Real* u, double time,
+                           const MotionBounds& bounds, double rise) const {
     const int all = groups();
     if (all == 0) return 0;
+    const double sag = faces_.smooth ? modes_sag(u, bounds.travel) : 0.0;
     const double level = -(cubic_error(bounds, time) + overlap_error(bounds) + sag);
     const double start = -(rise - overlap_error(bounds) + sag);
     const double third = time / 3.0;
@@ -137,10 +138,16 @@ class Overlaps {
       const double* first = start_ + 2 * e * width;
       const double* last = end_ + 2 * e * width;
       // the cubic lies between the smallest and the largest of its Bernstein coefficients
-      const Real b0 = lanes_.load(first), b3 = lanes_.load(last);
+      Real b0 = lanes_.load(first);
+      const Real b3 = lanes_.load(last);
       const Real b1 = multiply_add(third, lanes_.load(first + width), b0);
       const Real b2 = multiply_add(-third, lanes_.load(last + width), b3);
-      const Real most = Kokkos::max(Kokkos::max(b0, b1), Kokkos::max(b2, b3));
+      Real most = Kokkos::max(Kokkos::max(b0, b1), Kokkos::max(b2, b3));
+      if (faces_.smooth) [[unlikely]] {
+        const Real in_cell = cell_sag(lanes_, faces_, place, group(e));
+        most = most + in_cell;
+        b0 = b0 + in_cell;
+      }
       std::uint32_t bits = lanes_.at_least(most, level);
       if (bits != 0) bits &= lanes_.at_least(b0, start);
       const int left = faces_.nodes - group(e) * width;
@@ -191,13 +198,6 @@ class Overlaps {
 
   // ---- smooth faces
 
-  /// Bound on what the overlap within a cell exceeds that at its ends by, over a step [m].
-  KOKKOS_FORCEINLINE_FUNCTION double sag(const Real* u, double travel) const {
-    if (!faces_.smooth) [[likely]]
-      return 0.0;
-    return cell_sag<Lanes, packs>(lanes_, faces_, bounds_, u) + faces_.sag_per_travel * travel;
-  }
-
   /// Lists the cells in contact and those beside them. -1: more than `capacity`.
   KOKKOS_FUNCTION int list_contacts(int* cells, int capacity) const {
     int count = 0, last = 0;
@@ -211,8 +211,10 @@ class Overlaps {
   /// Lists in `cells` those that are likely to be in contact within a step of `time` [s] from the
   /// beginning on, with the cells in contact and those beside them. What is missing is found by
   /// flag_over(). -1: more than `capacity`.
-  KOKKOS_FUNCTION int list_likely(double time, double acceleration, double sag, double rise,
-                                  int* cells, int capacity) const {
+  KOKKOS_FUNCTION int list_likely(const Place& place, const Real* u, double travel, double time,
+                                  double acceleration, double rise, int* cells,
+                                  int capacity) const {
+    const double sag = modes_sag(u, travel);
     const double level = -(0.1 * acceleration * time * time + sag), start = -(rise + sag);
     int count = 0, last = 0, at = 0;
     const auto take_contacts = [&](int before) {  // the cells in contact below a node
@@ -223,7 +225,7 @@ class Overlaps {
     const int all = groups();
     for (int e = 0; e < all; ++e) {
       const double* first = start_ + 2 * e * width;
-      const Real o = lanes_.load(first),
+      const Real o = lanes_.load(first) + cell_sag(lanes_, faces_, place, group(e)),
                  then = multiply_add(time, Kokkos::max(lanes_.load(first + width), Real(0.0)), o);
       std::uint32_t bits = lanes_.at_least(then, level);
       if (bits != 0) bits &= lanes_.at_least(o, start);
@@ -243,13 +245,15 @@ class Overlaps {
   /// Lists the cells in which there could be contact within a step in which the modes follow
   /// `motion`, not counting runs of cells around those in contact. At both ends overlaps and rates
   /// are known; between them there is a bound on what the cubic through these leaves out.
-  KOKKOS_FUNCTION int flag_over(const PolynomialMotion<Lanes, packs>& motion,
+  KOKKOS_FUNCTION int flag_over(const Place& place, const Real* u,
+                                const PolynomialMotion<Lanes, packs>& motion,
                                 const typename PolynomialMotion<Lanes, packs>::Bounds& bounds,
-                                double ticks, const MotionBounds& motion_bounds, double sag) const {
+                                double ticks, const MotionBounds& motion_bounds) const {
     const double way = motion.most_way();
     const double of_face =
         way * way * faces_.largest_face_curvature + motion.change_of_way() * faces_.steepest_rise;
-    const double level = -(bounds.remainder + of_face / 3.0 + overlap_error(motion_bounds) + sag);
+    const double level = -(bounds.remainder + of_face / 3.0 + overlap_error(motion_bounds) +
+                           modes_sag(u, bounds.travel));
     const double third = ticks * motion_.time_step / 3.0;
     const double rate0 = third * pace_rate(motion.pace, 0.0),
                  rate1 = -third * pace_rate(motion.pace, 1.0);
@@ -262,8 +266,9 @@ class Overlaps {
       const Real b0 = lanes_.load(first), b3 = lanes_.load(end);
       const Real b1 = multiply_add(rate0, lanes_.load(first + width), b0);
       const Real b2 = multiply_add(rate1, lanes_.load(end + width), b3);
-      std::uint32_t bits =
-          lanes_.at_least(Kokkos::max(Kokkos::max(b0, b1), Kokkos::max(b2, b3)), level);
+      const Real most = Kokkos::max(Kokkos::max(b0, b1), Kokkos::max(b2, b3)) +
+                        cell_sag(lanes_, faces_, place, group(e));
+      std::uint32_t bits = lanes_.at_least(most, level);
       const int left = faces_.nodes - group(e) * width;
       if (left < width) bits &= (1u << left) - 1u;
       for (; bits != 0; bits &= bits - 1)
@@ -344,6 +349,10 @@ class Overlaps {
     if (lanes_.leader() && count < capacity) cells[count] = cell;
     ++count;
     last = cell + 1;
+  }
+
+  KOKKOS_FORCEINLINE_FUNCTION double modes_sag(const Real* u, double travel) const {
+    return ra2d::modes_sag<Lanes, packs>(lanes_, faces_, bounds_, u, travel);
   }
 
   KOKKOS_FORCEINLINE_FUNCTION int groups() const {

@@ -206,8 +206,7 @@ class SmoothDrive {
     const double rise = overlaps_.longest_rise(now.u, expected, ticks);
     overlaps_.find_groups(place, now, expected, rise, available - ticks);
     overlaps_.evaluate_start(place, now);
-    cells_ = overlaps_.list_likely(time, a, overlaps_.sag(now.u, travel), rise, stages_.cells,
-                                   capacity_);
+    cells_ = overlaps_.list_likely(place, now.u, travel, time, a, rise, stages_.cells, capacity_);
     if (cells_ < 0) return Outcome::crowded;
     lanes_.sync();
     if (lanes_.leader()) stages_.cell_count = cells_;
@@ -230,8 +229,7 @@ class SmoothDrive {
     overlaps_.find_groups(place, now, bounds, rise, available - ticks);
     overlaps_.evaluate_start(place, now);
     overlaps_.evaluate_end(path_.moved(place, tick + ticks), step_.end().u, step_.end().v);
-    const int flagged =
-        overlaps_.flag_over(motion, b, step_.ticks(), bounds, overlaps_.sag(now.u, b.travel));
+    const int flagged = overlaps_.flag_over(place, now.u, motion, b, step_.ticks(), bounds);
     find_runs(1.0, formula_stages - 1);
     flagged_ = leave_out_grown(flagged);
     if (flagged_ == 0) return 3.0;
