@@ -84,15 +84,11 @@ bool holds_forces(const Scene& scene) {
          (scene.time.scheme == SchemeKind::backward_euler &&
           scene.time.contact_force == ForceTime::new_time);
 }
-bool takes_smooth_faces(const Scene& scene) { return !is_adaptive(scene) && !holds_forces(scene); }
-std::string smooth_faces_refused(const Scene& scene) {
-  return fmt::format(
-      "\"smooth\" with {}: so far only penalty forces at the stages of fixed steps are integrated "
-      "along a face: expected \"linear\" (or contact.law = \"penalty\" with time.scheme = "
-      "\"midpoint\", \"exact\", \"rk4\" or another of fixed steps, and contact_force = \"old\")",
-      scene.contact.law == ContactLaw::multiplier ? "contact.law = \"multiplier\""
-      : is_adaptive(scene)                        ? "time.scheme = \"adaptive\""
-                                                  : "time.contact_force = \"new\"");
+bool takes_smooth_faces(const Scene& scene) { return !is_adaptive(scene); }
+std::string smooth_faces_refused(const Scene&) {
+  return "\"smooth\" with time.scheme = \"adaptive\": so far only fixed steps integrate contact "
+         "along a face: expected \"linear\" (or time.scheme = \"midpoint\", \"exact\", \"rk4\" or "
+         "another of fixed steps)";
 }
 
 }  // namespace ra2d

@@ -104,9 +104,10 @@ KOKKOS_FORCEINLINE_FUNCTION bool is_open(const Cubic& o) {
                                  Kokkos::fma(0.5, Kokkos::abs(o.c[1]), o.c[0]))) < 0.0;
 }
 
-/// Adds the integrals over the places in [from, to] where `overlap` is positive.
-KOKKOS_INLINE_FUNCTION void add_contact(const Cubic& overlap, const Cubic& face, double from,
-                                        double to, CellContact& sum) {
+/// Calls visit(left, right) for each stretch of [from, to] where `overlap` is positive.
+template <class Visit>
+KOKKOS_INLINE_FUNCTION void visit_contact(const Cubic& overlap, double from, double to,
+                                          const Visit& visit) {
   // between the roots of its slope a cubic is monotonic
   double edge[4];
   int edges = 0;
@@ -129,16 +130,23 @@ KOKKOS_INLINE_FUNCTION void add_contact(const Cubic& overlap, const Cubic& face,
   for (int i = 0; i + 1 < edges; ++i) {
     const double right = overlap(edge[i + 1]);
     if (left > 0.0 && right > 0.0) {
-      add_closed(overlap, face, edge[i], edge[i + 1], sum);
+      visit(edge[i], edge[i + 1]);
     } else if (left > 0.0 || right > 0.0) {
       const double root = root_between(overlap, edge[i], edge[i + 1], left, right);
       if (left > 0.0)
-        add_closed(overlap, face, edge[i], root, sum);
+        visit(edge[i], root);
       else
-        add_closed(overlap, face, root, edge[i + 1], sum);
+        visit(root, edge[i + 1]);
     }
     left = right;
   }
+}
+
+/// Adds the integrals over the places in [from, to] where `overlap` is positive.
+KOKKOS_INLINE_FUNCTION void add_contact(const Cubic& overlap, const Cubic& face, double from,
+                                        double to, CellContact& sum) {
+  visit_contact(overlap, from, to,
+                [&](double left, double right) { add_closed(overlap, face, left, right, sum); });
 }
 
 /// The faces of a cell: the slider's, less delta, about the middle of the cell, and the two pieces
