@@ -168,7 +168,7 @@ class Cells {
   std::vector<CellOverlap> faces_;
 };
 
-/// What holds the modes of both bodies: stiffness [N/m], load [N].
+/// Stiffness [N/m] and load [N] of the modes of both bodies.
 struct ModalSprings {
   Eigen::VectorXd stiffness, load;
 

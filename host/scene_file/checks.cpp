@@ -431,7 +431,7 @@ void check_law(const Scene& s, Document& document) {
                    "by `modes` or a higher `max_frequency`)");
 }
 
-/// Schemes and laws that smooth faces do not have.
+/// Schemes that smooth faces do not have.
 void check_faces(const Scene& s, Document& document) {
   if (s.faces == Faces::smooth && !takes_smooth_faces(s))
     document.fault("scene.faces", smooth_faces_refused(s));

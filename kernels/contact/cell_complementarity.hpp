@@ -224,8 +224,8 @@ class CellComplementarity {
           const Real shape =
               lanes_.load(active_.rows + static_cast<std::int64_t>(j) * rows + p * Lanes::width);
           force_on_modes[p] = multiply_add(f, shape, force_on_modes[p]);
-          const Real bend = multiply_add(Real(3.0 * at), path[3][p], Real(2.0) * path[2][p]);
-          slope_force[p] = multiply_add(f, multiply_add(at, bend, path[1][p]), slope_force[p]);
+          const Real steeper = multiply_add(Real(3.0 * at), path[3][p], Real(2.0) * path[2][p]);
+          slope_force[p] = multiply_add(f, multiply_add(at, steeper, path[1][p]), slope_force[p]);
         }
       }
       totals.force += force;

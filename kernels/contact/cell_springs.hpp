@@ -58,7 +58,7 @@ class CellSprings {
                                       const List& list, ContactTotals<Real>& totals,
                                       double& most) const {
     constexpr int rounds = 200, halvings = 40;
-    Real d[packs], w[packs], now[packs], push[packs], next[packs], step[packs];
+    Real d[packs], w[packs], now[packs], pressing[packs], next[packs], step[packs];
     Scene scene;
     Real part(0.0);
     for (int p = 0; p < packs; ++p) {
@@ -76,21 +76,21 @@ class CellSprings {
         now[p] = multiply_add(d[p], w[p], u[p]);
       }
     int cells = list(now);
-    Found found = evaluate(place, now, cells, d, scene, push);
+    Found found = evaluate(place, now, cells, d, scene, pressing);
     if (guess == nullptr && !found.touches) return Solution::solved;
     for (int round = 0; round < rounds; ++round) {
       if (round % 16 == 15 && is_interrupted(interrupted_)) return Solution::interrupted;
       if (found.products > scene.modes || found.left_out > left_out)
-        solve_in_modes(place, now, cells, d, w, push, next);
+        solve_in_modes(place, now, cells, d, w, pressing, next);
       else
-        solve_by_products(found.products, w, push, next);
+        solve_by_products(found.products, w, pressing, next);
       Real moved(0.0), away(0.0), falling(0.0);
       for (int p = 0; p < packs; ++p) {
         const Real motion = d[p] * largest_shape(p);
         step[p] = next[p] - w[p];
         moved = multiply_add(motion, Kokkos::abs(step[p]), moved);
         away = multiply_add(motion, Kokkos::abs(next[p]), away);
-        falling = multiply_add(w[p] + push[p], step[p], falling);
+        falling = multiply_add(w[p] + pressing[p], step[p], falling);
       }
       double way, pushed;
       lanes_.sum(moved, away, way, pushed);
@@ -112,8 +112,8 @@ class CellSprings {
           now[p] = multiply_add(d[p], to[p], u[p]);
         }
         cells = list(now);
-        found = evaluate(place, now, cells, d, scene, push);
-        for (int p = 0; p < packs; ++p) part = multiply_add(to[p] + push[p], step[p], part);
+        found = evaluate(place, now, cells, d, scene, pressing);
+        for (int p = 0; p < packs; ++p) part = multiply_add(to[p] + pressing[p], step[p], part);
         if (lanes_.sum(part) <= -0.1 * fall || half == halvings) {
           for (int p = 0; p < packs; ++p) w[p] = to[p];
           break;
@@ -140,7 +140,7 @@ class CellSprings {
     int modes = 0;
     double most_compliance = 0;  // m/N, of any node: sum b max psi^2
   };
-  /// What a state has in contact: the products of its Hessian, and a bound on the size of those
+  /// The contact at a state: the products of its Hessian, and a bound on the size of those
   /// that it lacks.
   struct Found {
     int products;
@@ -176,8 +176,8 @@ class CellSprings {
   /// Where the modes are at `now`: the slope of E but for w, D times what pushes the modes, and the
   /// products of the Hessian.
   KOKKOS_FUNCTION Found evaluate(const Place& place, const Real* now, int cells, const Real* d,
-                                 const Scene& scene, Real* push) const {
-    for (int p = 0; p < packs; ++p) push[p] = Real(0.0);
+                                 const Scene& scene, Real* pressing) const {
+    for (int p = 0; p < packs; ++p) pressing[p] = Real(0.0);
     Found found{};
     for (int e = 0; e < cells; ++e) {
       Real phi[4][packs];
@@ -192,14 +192,14 @@ class CellSprings {
       if (stiffness[0] == 0.0) continue;
       found.touches = true;
       for (int p = 0; p < packs; ++p)
-        for (int j = 0; j < 4; ++j) push[p] = multiply_add(force[j], phi[j][p], push[p]);
+        for (int j = 0; j < 4; ++j) pressing[p] = multiply_add(force[j], phi[j][p], pressing[p]);
       const double most = stiffness[0] * scene.most_compliance;
       if (most <= small)
         found.left_out += most;
       else
         add_products(phi, d, stiffness, scene.modes, found);
     }
-    for (int p = 0; p < packs; ++p) push[p] = d[p] * push[p];
+    for (int p = 0; p < packs; ++p) pressing[p] = d[p] * pressing[p];
     lanes_.sync();
     return found;
   }
@@ -239,9 +239,9 @@ class CellSprings {
   }
 
   /// The end of Newton's step: (1 + A^T A)^-1 = 1 - A^T (1 + A A^T)^-1 A, A the products' rows. It
-  /// is found from the push alone: the roundings of w, which are those of a displacement, would be
-  /// more than those of the forces.
-  KOKKOS_FUNCTION void solve_by_products(int count, const Real* w, const Real* push,
+  /// is found from the pressing alone: the roundings of w, which are those of a displacement, would
+  /// be more than those of the forces.
+  KOKKOS_FUNCTION void solve_by_products(int count, const Real* w, const Real* pressing,
                                          Real* next) const {
     const auto row = [&](int i, int p) {
       return lanes_.load(products_.rows + i * rows + p * width);
@@ -252,7 +252,7 @@ class CellSprings {
       return lanes_.sum(part);
     };
     for (int i = 0; i < count; ++i) {
-      const double along = dot(i, [&](int p) { return w[p] + push[p]; });
+      const double along = dot(i, [&](int p) { return w[p] + pressing[p]; });
       if (lanes_.leader()) products_.solution[i] = along;
       for (int j = 0; j <= i; ++j) {
         const double product = dot(i, [&](int p) { return row(j, p); });
@@ -260,7 +260,7 @@ class CellSprings {
       }
     }
     solve(count);
-    for (int p = 0; p < packs; ++p) next[p] = -push[p];
+    for (int p = 0; p < packs; ++p) next[p] = -pressing[p];
     for (int i = 0; i < count; ++i)
       for (int p = 0; p < packs; ++p)
         next[p] = multiply_add(products_.solution[i], row(i, p), next[p]);
@@ -269,7 +269,7 @@ class CellSprings {
 
   /// The end of Newton's step where there are many products.
   KOKKOS_FUNCTION void solve_in_modes(const Place& place, const Real* now, int cells, const Real* d,
-                                      const Real* w, const Real* push, Real* next) const {
+                                      const Real* w, const Real* pressing, Real* next) const {
     for (int i = 0; i < rows; ++i)
       for (int p = 0; p < packs; ++p) lanes_.store(&factor(i, p * width), Real(0.0));
     for (int e = 0; e < cells; ++e) {
@@ -304,7 +304,8 @@ class CellSprings {
         }
       }
     }
-    for (int p = 0; p < packs; ++p) lanes_.store(products_.solution + p * width, -(w[p] + push[p]));
+    for (int p = 0; p < packs; ++p)
+      lanes_.store(products_.solution + p * width, -(w[p] + pressing[p]));
     solve(rows);
     for (int p = 0; p < packs; ++p) next[p] = w[p] + lanes_.load(products_.solution + p * width);
     lanes_.sync();

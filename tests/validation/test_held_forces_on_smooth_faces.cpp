@@ -47,7 +47,7 @@ Started random_smooth_scene(std::uint64_t seed, const Scheme& kind, double stiff
 
 TEST_P(HeldOnSmoothFaces, RandomScenesAreTheSameBitForBitOverAllCellsAndCandidates) {
   Seen seen;
-  int several = 0;
+  int in_two_or_more = 0;
   for (const double stiffer : {1.0, 1e4})
     for (int seed = 1; seed <= draws(5); ++seed) {
       SCOPED_TRACE("seed " + std::to_string(seed) + ", stiffer " + std::to_string(stiffer));
@@ -56,12 +56,12 @@ TEST_P(HeldOnSmoothFaces, RandomScenesAreTheSameBitForBitOverAllCellsAndCandidat
       const Outcome some = march(c.model, c.start, Nodes::candidates);
       EXPECT_TRUE(same(all, some));
       seen.count(all.end.contact_steps, all.end.shocks_begun);
-      several += all.end.most_nodes > 1;
+      in_two_or_more += all.end.most_nodes > 1;
     }
   if (!draws_enough()) return;
   EXPECT_GE(seen.touching, seen.scenes / 2);
   EXPECT_GE(seen.with_shocks, seen.scenes / 6);
-  EXPECT_GE(several, seen.scenes / 10);
+  EXPECT_GE(in_two_or_more, seen.scenes / 10);
 }
 
 /// In launches of any length, with all but the saved state thrown away between two.
