@@ -197,7 +197,7 @@ struct RunBuffer {
 };
 
 /// Form::implicit: the nodes that carry force, in the order in which they came
-/// (kernels/contact/complementarity.hpp).
+/// (kernels/contact/complementarity.hpp); of smooth faces, points in cells.
 struct ActiveSet {
   int capacity = 0;
   int* nodes = nullptr;
@@ -205,6 +205,8 @@ struct ActiveSet {
   double* factor = nullptr;    // Cholesky factor, (row, column) with `capacity` columns
   double* coupling = nullptr;  // m/N, of the next node with each of them
   double* solution = nullptr;  // of a system with the factor, first its right-hand side
+  double* places = nullptr;    // smooth faces: of a point, from the middle of its cell, chi
+  double* rows = nullptr;      // smooth faces: (point, lane), shapes of the modes there
 };
 
 /// Form::adaptive: coefficients of power series (kernels/adaptive/series.hpp).
@@ -363,6 +365,10 @@ void visit_arrays(WorkSpace& s, const Extents& n, Visit&& visit) {
     visit("factor", s.active.factor, (active + 1) * active);
     visit("coupling", s.active.coupling, active);
     visit("solution", s.active.solution, active);
+    if (n.smooth) {
+      visit("active_places", s.active.places, active);
+      visit("active_rows", s.active.rows, active * lanes);
+    }
   }
   if (n.adaptive()) {
     const auto contacts = static_cast<std::size_t>(n.contacts);

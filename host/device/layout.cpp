@@ -73,8 +73,11 @@ Extents extents_of(const Model& model, const PatchSeries& series, int lanes, int
   if (form_of(scene) == Form::implicit) {
     // under multipliers no more nodes than modes carry force
     const int modes = static_cast<int>(model.resonator.modes.size() + model.slider.modes.size());
-    n.active =
-        std::min(n.nodes, scene.contact.law == ContactLaw::multiplier ? modes : capacity.nodes);
+    const bool multipliers = scene.contact.law == ContactLaw::multiplier;
+    if (n.smooth)  // points, of which a cell may have several
+      n.active = std::max(1, multipliers ? modes : lanes);
+    else
+      n.active = std::min(n.nodes, multipliers ? modes : capacity.nodes);
   }
   return n;
 }

@@ -297,6 +297,9 @@ struct Rest {
   Eigen::VectorXd u, overlap, forces;
 };
 
+constexpr const char* no_rest =
+    "no displacement of the kept modes keeps the faces apart: there is no static equilibrium";
+
 RequestError no_equilibrium(const Scene& scene, const std::string& why) {
   return refusal(scene, "scene.initial",
                  fmt::format("\"static\", and {} under this load and contact. {}", why,
@@ -318,11 +321,7 @@ Rest find_equilibrium(const Model& model) {
   } else {
     const auto solved = solve(potential.program(multipliers ? 0.0 : 1 / model.node_stiffness));
     if (!solved || !solved->feasible)
-      throw no_equilibrium(
-          model.scene,
-          solved ? "no displacement of the kept modes keeps the faces apart: there is no static "
-                   "equilibrium"
-                 : "no static equilibrium was found");
+      throw no_equilibrium(model.scene, solved ? no_rest : "no static equilibrium was found");
     rest.u = solved->u;
     rest.forces = solved->forces;
   }
@@ -341,16 +340,29 @@ double elastic_energy(const Body& body, const std::vector<double>& amplitude) {
 
 /// Static equilibrium, or the bodies at rest, and the contact there, between smooth faces.
 Eigen::VectorXd smooth_start(const Model& model, ModalStart& start) {
-  std::vector<double> u(model.resonator.modes.size() + model.slider.modes.size(), 0.0);
-  if (model.scene.initial == Initial::statics && !u.empty()) {
-    const std::optional<std::vector<double>> settled = smooth_equilibrium(model);
-    if (!settled) throw no_equilibrium(model.scene, "no static equilibrium was found");
-    u = *settled;
+  const std::size_t modes = model.resonator.modes.size() + model.slider.modes.size();
+  const bool multipliers = model.scene.contact.law == ContactLaw::multiplier;
+  std::vector<double> u(modes, 0.0);
+  const char* const not_found = "no static equilibrium was found";
+  if (model.scene.initial == Initial::statics && modes > 0) {
+    if (multipliers) {
+      const std::optional<SmoothRest> rest = smooth_rest(model);
+      if (!rest || !rest->feasible) throw no_equilibrium(model.scene, rest ? no_rest : not_found);
+      u = rest->u;
+      start.contact_force = rest->force;
+      start.loaded_nodes = rest->cells;
+    } else {
+      const std::optional<std::vector<double>> settled = smooth_equilibrium(model);
+      if (!settled) throw no_equilibrium(model.scene, not_found);
+      u = *settled;
+    }
   }
-  SmoothContact contact = smooth_contact(model, u);
-  start.contact_force = contact.force;
-  start.contact_energy = contact.energy;
-  start.loaded_nodes = std::move(contact.cells);
+  if (!multipliers) {
+    SmoothContact contact = smooth_contact(model, u);
+    start.contact_force = contact.force;
+    start.contact_energy = contact.energy;
+    start.loaded_nodes = std::move(contact.cells);
+  }
   return Eigen::Map<const Eigen::VectorXd>(u.data(), static_cast<Eigen::Index>(u.size()));
 }
 

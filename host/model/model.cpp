@@ -122,8 +122,6 @@ void check_roundings(const Model& m) {
 Model make_model(const Scene& scene) {
   Model m;
   m.scene = scene;
-  if (m.has_smooth_faces() && !takes_smooth_faces(scene))  // a scheme that a command has chosen
-    throw refusal(scene, "scene.faces", smooth_faces_refused(scene));
   m.resonator = make_body(scene.resonator);
   m.slider = make_body(scene.slider);
   m.doubts = scene_doubts(scene);

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "host/base/decompositions.hpp"
+#include "host/model/contact_program.hpp"
 
 namespace ra2d {
 namespace {
@@ -109,12 +110,6 @@ Eigen::MatrixXd shapes_along_cells(const Model& m) {
   return shapes;
 }
 
-/// A point of a quadrature over the places in contact.
-struct ContactPoint {
-  int cell;
-  double place, overlap, weight;  // chi from the cell's middle, m, chi
-};
-
 /// Gauss-Legendre of four points, exact to the seventh power: for products of two cubics.
 constexpr std::array<std::pair<double, double>, 4> gauss{
     {{-0.8611363115940526, 0.3478548451374538},
@@ -122,63 +117,107 @@ constexpr std::array<std::pair<double, double>, 4> gauss{
      {0.3399810435848563, 0.6521451548625461},
      {0.8611363115940526, 0.3478548451374538}}};
 
-class SmoothPotential {
+/// Whether it is negative everywhere within half a unit of its origin, told by its coefficients.
+bool is_open(const Polynomial& o) {
+  return o[0] + 0.5 * std::abs(o[1]) + 0.25 * std::abs(o[2]) + 0.125 * std::abs(o[3]) < 0;
+}
+
+/// The faces along the slider, and how the modes move them.
+class Cells {
  public:
-  explicit SmoothPotential(const Model& model)
-      : model_{model}, shapes_{shapes_along_cells(model)}, spring_{model.node_stiffness} {
+  explicit Cells(const Model& model) : shapes_{shapes_along_cells(model)} {
     for (int n = 0; n + 1 < model.nodes(); ++n) faces_.push_back(faces_of(model, n));
-    const auto modes = shapes_.cols();
-    stiffness_.resize(modes);
-    load_.resize(modes);
+  }
+  int count() const { return static_cast<int>(faces_.size()); }
+  const Eigen::MatrixXd& shapes() const { return shapes_; }  // (4 cell + power of the place; mode)
+  /// The overlap in a cell that is moved by this polynomial.
+  CellOverlap overlap(int cell, const double* displacement) const {
+    CellOverlap moved = faces_[cell];
+    for (Polynomial& side : moved.sides)
+      for (int j = 0; j < 4; ++j) side[j] += displacement[j];
+    return moved;
+  }
+  /// Calls visit(place, overlap, weight) for the points of a quadrature over what overlaps of a
+  /// cell.
+  template <class Visit>
+  static void visit_points(const CellOverlap& cell, const Visit& visit) {
+    for (int side = 0; side < 2; ++side) {
+      const Polynomial& o = cell.sides[side];
+      if (is_open(o)) continue;
+      visit_positive(o, side == 0 ? -0.5 : cell.knot, side == 0 ? cell.knot : 0.5,
+                     [&](double from, double to) {
+                       const double half = 0.5 * (to - from), middle = 0.5 * (from + to);
+                       for (const auto& [at, weight] : gauss)
+                         visit(middle + half * at, value(o, middle + half * at), half * weight);
+                     });
+    }
+  }
+  /// The highest place of a cell, and its overlap.
+  static std::pair<double, double> highest(const CellOverlap& cell) {
+    std::pair<double, double> best{0, -std::numeric_limits<double>::infinity()};
+    for (int side = 0; side < 2; ++side)
+      for (const double edge : monotonic_between(cell.sides[side], side == 0 ? -0.5 : cell.knot,
+                                                 side == 0 ? cell.knot : 0.5))
+        if (const double over = value(cell.sides[side], edge); over > best.second)
+          best = {edge, over};
+    return best;
+  }
+
+ private:
+  Eigen::MatrixXd shapes_;
+  std::vector<CellOverlap> faces_;
+};
+
+/// Stiffness [N/m] and load [N] of the modes of both bodies.
+struct ModalSprings {
+  Eigen::VectorXd stiffness, load;
+
+  ModalSprings(const Model& model, Eigen::Index modes) : stiffness(modes), load(modes) {
     Eigen::Index k = 0;
     for (const Body* body : {&model.resonator, &model.slider})
       for (std::size_t i = 0; i < body->modes.size(); ++i, ++k) {
         const BodyMode& mode = body->modes[i];
-        stiffness_[k] = mode.mass * mode.omega * mode.omega;
-        load_[k] = body->load[i];
+        stiffness[k] = mode.mass * mode.omega * mode.omega;
+        load[k] = body->load[i];
       }
   }
-  Eigen::Index modes() const { return shapes_.cols(); }
-  double spring() const { return spring_; }
+};
 
-  std::vector<ContactPoint> points(const Eigen::VectorXd& u) const {
-    const Eigen::VectorXd displacement = shapes_ * u;
-    std::vector<ContactPoint> out;
-    for (int n = 0; n < static_cast<int>(faces_.size()); ++n)
-      for (int side = 0; side < 2; ++side) {
-        Polynomial o = faces_[n].sides[side];
-        for (int j = 0; j < 4; ++j) o[j] += displacement[4 * n + j];
-        visit_positive(o, side == 0 ? -0.5 : faces_[n].knot, side == 0 ? faces_[n].knot : 0.5,
-                       [&](double from, double to) {
-                         const double half = 0.5 * (to - from), middle = 0.5 * (from + to);
-                         for (const auto& [at, weight] : gauss) {
-                           const double x = middle + half * at;
-                           out.push_back({n, x, value(o, x), half * weight});
-                         }
-                       });
-      }
-    return out;
-  }
-  Eigen::VectorXd shape_at(const ContactPoint& at) const {
-    const auto rows = shapes_.middleRows<4>(4 * at.cell);
-    const double x = at.place;
-    return rows.transpose() * Eigen::Vector4d(1, x, x * x, x * x * x);
-  }
+class SmoothPotential {
+ public:
+  explicit SmoothPotential(const Model& model)
+      : cells_{model}, springs_{model, modes()}, spring_{model.node_stiffness} {}
+  Eigen::Index modes() const { return cells_.shapes().cols(); }
+  double spring() const { return spring_; }
+  const Cells& cells() const { return cells_; }
 
   /// Minimises from `u`; false when it does not settle.
   bool minimise(Eigen::VectorXd& u, double spring) const {
+    const Eigen::VectorXd &stiffness = springs_.stiffness, &load = springs_.load;
     Eigen::VectorXd best_u = u;
     double best = std::numeric_limits<double>::infinity();  // residual over the forces
     for (int round = 0, stalled = 0; round < 300 && stalled < 12; ++round) {
-      Eigen::VectorXd force = load_ - stiffness_.cwiseProduct(u);
-      double scale = load_.lpNorm<1>() + stiffness_.cwiseProduct(u).lpNorm<1>();
-      Eigen::MatrixXd hessian = stiffness_.asDiagonal();
-      for (const ContactPoint& at : points(u)) {
-        const Eigen::VectorXd shape = shape_at(at);
-        const double weight = spring * at.weight;
-        force -= weight * at.overlap * shape;
-        scale += weight * at.overlap * shape.lpNorm<1>();
-        hessian += weight * shape * shape.transpose();
+      Eigen::VectorXd force = load - stiffness.cwiseProduct(u);
+      double scale = load.lpNorm<1>() + stiffness.cwiseProduct(u).lpNorm<1>();
+      Eigen::MatrixXd hessian = stiffness.asDiagonal();
+      const Eigen::VectorXd displacement = cells_.shapes() * u;
+      for (int n = 0; n < cells_.count(); ++n) {
+        // moments of force and stiffness along the cell
+        Eigen::Vector4d pressed = Eigen::Vector4d::Zero();
+        Eigen::Matrix4d stiff = Eigen::Matrix4d::Zero();
+        Cells::visit_points(cells_.overlap(n, &displacement[4 * n]),
+                            [&](double x, double over, double weight) {
+                              const Eigen::Vector4d powers(1, x, x * x, x * x * x);
+                              pressed += spring * weight * over * powers;
+                              stiff += spring * weight * powers * powers.transpose();
+                            });
+        if (stiff(0, 0) == 0) continue;
+        const auto shapes = cells_.shapes().middleRows<4>(4 * n);
+        const Eigen::VectorXd on_modes = shapes.transpose() * pressed;
+        force -= on_modes;
+        scale += on_modes.lpNorm<1>();
+        const Eigen::MatrixXd held = stiff * shapes;
+        hessian.noalias() += shapes.transpose() * held;
       }
       const double residual = scale > 0 ? force.lpNorm<Eigen::Infinity>() / scale : 0.0;
       ++stalled;
@@ -190,31 +229,37 @@ class SmoothPotential {
       if (best <= 1e-16) break;
       // directions that nothing holds yet take a share of the springs of all cells
       for (Eigen::Index k = 0; k < modes(); ++k) {
-        const double all = spring * shapes_.col(k).squaredNorm();
+        const double all = spring * cells_.shapes().col(k).squaredNorm();
         hessian(k, k) += 1e-14 * (hessian(k, k) > 0 ? hessian(k, k) : all) + 1e-300;
       }
       const Eigen::VectorXd step = solve_symmetric(hessian, force);
-      u += best_length(u, step, spring) * step;
+      u += best_length(u, displacement, step, spring) * step;
     }
     u = best_u;
     return best <= 1e-10;
   }
 
  private:
-  const Model& model_;
-  Eigen::MatrixXd shapes_;
+  Cells cells_;
+  ModalSprings springs_;
   double spring_;  // N/m, of a whole cell
-  std::vector<CellOverlap> faces_;
-  Eigen::VectorXd stiffness_, load_;
 
   /// The length along `step` at which the potential is least, from the sign of its slope, which
-  /// never falls.
-  double best_length(const Eigen::VectorXd& u, const Eigen::VectorXd& step, double spring) const {
+  /// never falls. `displacement`: along the cells at u.
+  double best_length(const Eigen::VectorXd& u, const Eigen::VectorXd& displacement,
+                     const Eigen::VectorXd& step, double spring) const {
+    const Eigen::VectorXd change = cells_.shapes() * step;
     const auto slope = [&](double length) {
-      const Eigen::VectorXd at = u + length * step;
-      double sum = (stiffness_.cwiseProduct(at) - load_).dot(step);
-      for (const ContactPoint& point : points(at))
-        sum += spring * point.weight * point.overlap * shape_at(point).dot(step);
+      double sum = (springs_.stiffness.cwiseProduct(u + length * step) - springs_.load).dot(step);
+      for (int n = 0; n < cells_.count(); ++n) {
+        double moved[4];
+        for (int j = 0; j < 4; ++j) moved[j] = displacement[4 * n + j] + length * change[4 * n + j];
+        const Polynomial way{change[4 * n], change[4 * n + 1], change[4 * n + 2],
+                             change[4 * n + 3]};
+        Cells::visit_points(cells_.overlap(n, moved), [&](double x, double over, double weight) {
+          sum += spring * weight * over * value(way, x);
+        });
+      }
       return sum;
     };
     const double start = std::abs(slope(0.0));
@@ -249,14 +294,19 @@ double largest_smooth_overlap(const Model& m) {
 }
 
 SmoothContact smooth_contact(const Model& model, const std::vector<double>& u) {
-  const SmoothPotential potential(model);
+  const Cells cells(model);
+  const double spring = model.node_stiffness;
   SmoothContact sum;
-  const Eigen::Map<const Eigen::VectorXd> at_start(u.data(), static_cast<Eigen::Index>(u.size()));
-  for (const ContactPoint& at : potential.points(at_start)) {
-    sum.force += potential.spring() * at.weight * at.overlap;
-    sum.energy += 0.5 * potential.spring() * at.weight * at.overlap * at.overlap;
-    if (sum.cells.empty() || sum.cells.back() != at.cell) sum.cells.push_back(at.cell);
-  }
+  const Eigen::VectorXd displacement =
+      cells.shapes() *
+      Eigen::Map<const Eigen::VectorXd>(u.data(), static_cast<Eigen::Index>(u.size()));
+  for (int n = 0; n < cells.count(); ++n)
+    Cells::visit_points(cells.overlap(n, &displacement[4 * n]),
+                        [&](double, double over, double weight) {
+                          sum.force += spring * weight * over;
+                          sum.energy += 0.5 * spring * weight * over * over;
+                          if (sum.cells.empty() || sum.cells.back() != n) sum.cells.push_back(n);
+                        });
   return sum;
 }
 
@@ -266,6 +316,61 @@ std::optional<std::vector<double>> smooth_equilibrium(const Model& model) {
   for (double soft = 1e-10; soft < 2; soft *= 10)
     if (!potential.minimise(u, soft * potential.spring())) return std::nullopt;
   return std::vector<double>(u.data(), u.data() + u.size());
+}
+
+std::optional<SmoothRest> smooth_rest(const Model& model) {
+  constexpr int rounds = 200;
+  constexpr double eps = std::numeric_limits<double>::epsilon();
+  const Cells cells(model);
+  const Eigen::Index modes = cells.shapes().cols();
+  const ModalSprings springs(model, modes);
+  ContactProgram program{springs.stiffness, springs.load, Eigen::MatrixXd(0, modes),
+                         Eigen::VectorXd(0), 0.0};
+  std::vector<int> cell_of;  // of each place
+  Eigen::VectorXd u = Eigen::VectorXd::Zero(modes), forces;
+  double allowed = -std::numeric_limits<double>::infinity();  // at first a place of every cell
+  for (int round = 0; round < rounds; ++round) {
+    const Eigen::VectorXd displacement = cells.shapes() * u;
+    std::vector<std::pair<int, double>> added;
+    for (int n = 0; n < cells.count(); ++n)
+      if (const auto [at, over] = Cells::highest(cells.overlap(n, &displacement[4 * n]));
+          over > allowed)
+        added.emplace_back(n, at);
+    if (added.empty()) {
+      SmoothRest rest{.feasible = true,
+                      .u = {u.data(), u.data() + u.size()},
+                      .force = forces.sum(),
+                      .cells = {}};
+      for (Eigen::Index i = 0; i < forces.size(); ++i)
+        if (forces[i] > 0) rest.cells.push_back(cell_of[i]);
+      std::sort(rest.cells.begin(), rest.cells.end());
+      rest.cells.erase(std::unique(rest.cells.begin(), rest.cells.end()), rest.cells.end());
+      return rest;
+    }
+    Eigen::Index row = program.faces.size();
+    program.shapes.conservativeResize(row + static_cast<Eigen::Index>(added.size()), modes);
+    program.faces.conservativeResize(program.shapes.rows());
+    for (const auto& [cell, x] : added) {
+      const double still[4] = {};
+      const CellOverlap faces = cells.overlap(cell, still);
+      program.faces[row] = value(faces.sides[x > faces.knot ? 1 : 0], x);
+      program.shapes.row(row++) =
+          Eigen::RowVector4d(1, x, x * x, x * x * x) * cells.shapes().middleRows<4>(4 * cell);
+      cell_of.push_back(cell);
+    }
+    const std::optional<RestingContact> solved = solve(program);
+    if (!solved) return std::nullopt;
+    if (!solved->feasible) return SmoothRest{.feasible = false, .u = {}, .force = 0, .cells = {}};
+    u = solved->u;
+    // roundings, and what they leave of the places taken so far
+    const Eigen::VectorXd left = program.faces + program.shapes * u;
+    allowed = 2 * std::max(0.0, left.maxCoeff()) +
+              64 * eps *
+                  (program.faces.cwiseAbs().maxCoeff() +
+                   (program.shapes.cwiseAbs() * u.cwiseAbs()).maxCoeff());
+    forces = solved->forces;
+  }
+  return std::nullopt;
 }
 
 }  // namespace ra2d

@@ -27,4 +27,17 @@ SmoothContact smooth_contact(const Model& model, const std::vector<double>& u);
 /// does not settle.
 std::optional<std::vector<double>> smooth_equilibrium(const Model& model);
 
+/// Static equilibrium under multipliers.
+struct SmoothRest {
+  bool feasible = true;    // false: no displacement keeps the faces apart; the rest is empty
+  std::vector<double> u;   // displacements, the resonator's first
+  double force = 0;        // N
+  std::vector<int> cells;  // that carry force, in ascending order
+};
+
+/// The quadratic programme of host/model/contact_program.hpp with a condition at every place along
+/// the slider, by exchange: it is solved for some places, and those where the faces overlap then
+/// come in, until none is left. Nothing when it does not settle.
+std::optional<SmoothRest> smooth_rest(const Model& model);
+
 }  // namespace ra2d

@@ -17,6 +17,7 @@ constexpr double usual_readiness = 2e-3;                       // s: tables, fil
 constexpr double surface_node = 6e-8, balanced_node = 7e-8;    // s a node; s a node and mode
 constexpr double flight = 5e-9, contact = 45e-9, held = 2e-7;  // s: a fixed step, by its form
 constexpr double cells_contact = 800e-9;                       // s: the same between smooth faces
+constexpr double new_cells_contact = 2500e-9;    // s: with the penalty force of the new time
 constexpr double evaluation = 1e-9;              // s, of a node, where all are evaluated
 constexpr double leap = 600e-9, order = 180e-9;  // s: a flight; a step, each order
 constexpr double travelling_seconds = 20e-9;     // s: a force that travels, at one time
@@ -61,9 +62,12 @@ ExpectedWork expected_work(const Scene& scene) {
   work.strides = scene.duration / scene.time.step;
   const int stages = scheme_table(scene.time.scheme).stages;
   const double all_nodes = scene.time.nodes == Nodes::all ? stages * evaluation * nodes : 0.0;
-  const double touching = holds_forces(scene)
-                              ? held
-                              : stages * (scene.faces == Faces::smooth ? cells_contact : contact);
+  const bool new_force = holds_forces(scene) && scene.contact.law == ContactLaw::penalty;
+  const double touching =
+      scene.faces == Faces::smooth
+          ? (new_force ? new_cells_contact : (holds_forces(scene) ? 1 : stages) * cells_contact)
+      : holds_forces(scene) ? held
+                            : stages * contact;
   work.march =
       work.strides *
       (wide * (0.5 * (flight + touching) + stages * forces * travelling_seconds) + all_nodes);

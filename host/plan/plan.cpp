@@ -22,8 +22,9 @@ namespace {
 /// evaluation.
 constexpr double flight_ns = 5.0, contact_ns = 45.0, stage_ns = 50.0, held_ns = 100.0,
                  more_ns = 1.7, node_ns = 0.7;
-/// Between smooth faces, a stage in contact, and each cell more.
-constexpr double cells_ns = 800.0, cell_ns = 150.0;
+/// Between smooth faces, a stage in contact, and each cell more; the penalty force of the new time;
+/// and Newton's steps, where many cells touch.
+constexpr double cells_ns = 800.0, cell_ns = 150.0, new_cells_ns = 2500.0, cells_newton_steps = 4;
 /// Of the adaptive scheme (bench/bench_adaptive.cpp): a flight; a step with forces, for each order
 /// of its series, and what share of that each node more takes; a sample.
 constexpr double leap_ns = 600.0, order_ns = 130.0, more_share = 0.25, sample_ns = 40.0;
@@ -100,6 +101,9 @@ double solving_ns(const Model& model, int nodes) {
   if (model.scene.contact.law == ContactLaw::multiplier)  // no more than there are modes push
     return std::min(n, modes) *
            (pressed_ns * std::pow(std::min(n, modes), 2) + n * more_ns * std::max(8.0, modes));
+  if (model.has_smooth_faces())  // each cell twice a step, and four products
+    return cells_newton_steps * (n * (2 * cell_ns + 4 * newton_square_ns * modes * modes) +
+                                 newton_cube_ns * modes * modes * modes);
   if (n <= pressed_at_most) return pressed_ns * n * n * n;
   return newton_steps * (n * (newton_node_ns + newton_square_ns * modes * modes) +
                          newton_cube_ns * modes * modes * modes);
@@ -126,8 +130,11 @@ void plan_steps(const Model& model, const JoinedModes& place, Plan& plan) {
   const int evaluations = held ? 2 : stages;  // held: without and with the contact's force
   const double evaluation_ns =
       scene.time.nodes == Nodes::all ? evaluations * node_ns * model.nodes() : 0.0;
-  const double one_ns = held                                  ? held_ns
-                        : model.has_smooth_faces()            ? stages * cells_ns
+  const bool springs = scene.contact.law == ContactLaw::penalty;
+  const double one_ns = model.has_smooth_faces()              ? (!held     ? stages * cells_ns
+                                                                 : springs ? new_cells_ns
+                                                                           : cells_ns)
+                        : held                                ? held_ns
                         : is_semi_implicit(scene.time.scheme) ? contact_ns
                                                               : stages * stage_ns;
   const double wide = width_of(model);

@@ -84,13 +84,5 @@ bool holds_forces(const Scene& scene) {
          (scene.time.scheme == SchemeKind::backward_euler &&
           scene.time.contact_force == ForceTime::new_time);
 }
-bool takes_smooth_faces(const Scene& scene) { return !holds_forces(scene); }
-std::string smooth_faces_refused(const Scene& scene) {
-  return fmt::format(
-      "\"smooth\" with {}: so far only penalty forces of the state itself are integrated along a "
-      "face: expected \"linear\" (or contact.law = \"penalty\" and contact_force = \"old\")",
-      scene.contact.law == ContactLaw::multiplier ? "contact.law = \"multiplier\""
-                                                  : "time.contact_force = \"new\"");
-}
 
 }  // namespace ra2d

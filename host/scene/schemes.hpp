@@ -39,9 +39,5 @@ bool takes_multipliers(SchemeKind scheme);
 /// Whether the scene's contact forces are found together with the end of the step
 /// (kernels/contact/complementarity.hpp).
 bool holds_forces(const Scene& scene);
-/// Whether its scheme and law take smooth faces: penalty forces at the stages of fixed steps.
-bool takes_smooth_faces(const Scene& scene);
-/// Why it does not, and the cure.
-std::string smooth_faces_refused(const Scene& scene);
 
 }  // namespace ra2d

@@ -431,16 +431,9 @@ void check_law(const Scene& s, Document& document) {
                    "by `modes` or a higher `max_frequency`)");
 }
 
-/// Schemes and laws that smooth faces do not have.
-void check_faces(const Scene& s, Document& document) {
-  if (s.faces == Faces::smooth && !takes_smooth_faces(s))
-    document.fault("scene.faces", smooth_faces_refused(s));
-}
-
 }  // namespace
 
 void check(const Scene& scene, Document& document) {
-  check_faces(scene, document);
   check_times(scene, document);
   check_path(scene, document);
   bool bodies = true;

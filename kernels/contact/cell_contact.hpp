@@ -117,29 +117,25 @@ KOKKOS_FORCEINLINE_FUNCTION bool is_open(const Cubic& o) {
                                  Kokkos::fma(0.5, Kokkos::abs(o.c[1]), o.c[0]))) < 0.0;
 }
 
-/// Adds the integrals over [from, to], at one end of which `overlap` is positive and at the other
-/// not, and where it is monotonic or concave.
-KOKKOS_INLINE_FUNCTION void add_one_side(const Cubic& overlap, const Cubic& face, double from,
-                                         double to, double at_from, double at_to,
-                                         CellContact& sum) {
-  const double root = root_between(overlap, from, to, at_from, at_to);
-  if (at_from > 0.0)
-    add_closed(overlap, face, from, root, sum);
-  else
-    add_closed(overlap, face, root, to, sum);
-}
-
-/// Adds the integrals over the places in [from, to] where `overlap` is positive.
-KOKKOS_INLINE_FUNCTION void add_contact(const Cubic& overlap, const Cubic& face, double from,
-                                        double to, CellContact& sum) {
+/// Calls visit(left, right) for each stretch of [from, to] where `overlap` is positive.
+template <class Visit>
+KOKKOS_INLINE_FUNCTION void visit_contact(const Cubic& overlap, double from, double to,
+                                          const Visit& visit) {
   const double a = 3.0 * overlap.c[3], b = overlap.c[2], c = overlap.c[1];  // a x^2 + 2 b x + c
-  double left = overlap(from);
   const double last = overlap(to);
+  double left = overlap(from);
+  const auto visit_one_side = [&](double low, double high, double at_low, double at_high) {
+    const double root = root_between(overlap, low, high, at_low, at_high);
+    if (at_low > 0.0)
+      visit(low, root);
+    else
+      visit(root, high);
+  };
   // the usual case, concave: closed at both ends it is so in between, and between two signs there
   // is one root
   if (Kokkos::fma(a, from, b) <= 0.0 && Kokkos::fma(a, to, b) <= 0.0) {
-    if (left > 0.0 && last > 0.0) return add_closed(overlap, face, from, to, sum);
-    if (left > 0.0 || last > 0.0) return add_one_side(overlap, face, from, to, left, last, sum);
+    if (left > 0.0 && last > 0.0) return visit(from, to);
+    if (left > 0.0 || last > 0.0) return visit_one_side(from, to, left, last);
     if (overlap.slope(from) <= 0.0 || overlap.slope(to) >= 0.0) return;  // highest at an end
   }
   // between the roots of its slope a cubic is monotonic
@@ -162,11 +158,18 @@ KOKKOS_INLINE_FUNCTION void add_contact(const Cubic& overlap, const Cubic& face,
   for (int i = 0; i + 1 < edges; ++i) {
     const double right = i + 2 < edges ? overlap(edge[i + 1]) : last;
     if (left > 0.0 && right > 0.0)
-      add_closed(overlap, face, edge[i], edge[i + 1], sum);
+      visit(edge[i], edge[i + 1]);
     else if (left > 0.0 || right > 0.0)
-      add_one_side(overlap, face, edge[i], edge[i + 1], left, right, sum);
+      visit_one_side(edge[i], edge[i + 1], left, right);
     left = right;
   }
+}
+
+/// Adds the integrals over the places in [from, to] where `overlap` is positive.
+KOKKOS_INLINE_FUNCTION void add_contact(const Cubic& overlap, const Cubic& face, double from,
+                                        double to, CellContact& sum) {
+  visit_contact(overlap, from, to,
+                [&](double left, double right) { add_closed(overlap, face, left, right, sum); });
 }
 
 /// The faces of a cell: the slider's, less delta, about the middle of the cell, and the two pieces

@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "kernels/candidates.hpp"
-#include "kernels/check.hpp"
+#include "kernels/contact/active_forces.hpp"
 #include "kernels/contact/node_contact.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/place.hpp"
@@ -13,12 +13,6 @@
 #include "kernels/tables.hpp"
 
 namespace ra2d {
-
-/// How the search for the contact forces of a step ended. solved: they are found. blocked: no
-/// motion of the modes keeps the bodies apart. crowded: more nodes carry force than there is memory
-/// for, or than a list of nodes is good for. interrupted: the launch is to end (is_interrupted),
-/// and nothing has been done.
-enum class Solution { solved, blocked, crowded, interrupted };
 
 /// Contact forces that are found together with the end of the step: Lagrange multipliers (paper,
 /// section 3, equation 11), and the penalty spring at the new time.
@@ -73,6 +67,48 @@ template <class Lanes, int packs>
 class Complementarity {
   using Real = typename Lanes::Real;
 
+  /// The nodes as points of the active set.
+  class Nodes {
+   public:
+    using Point = int;
+    KOKKOS_FUNCTION Nodes(const Lanes& lanes, const NodeContact<Lanes, packs>& node_contact,
+                          ActiveSet& active, int* active_index)
+        : lanes_{lanes},
+          node_contact_{node_contact},
+          active_{active},
+          active_index_{active_index} {}
+
+    KOKKOS_FORCEINLINE_FUNCTION void shape(const Place& place, int node, Real* phi) const {
+      node_contact_.shape(node, place.offset, phi);
+    }
+    KOKKOS_FORCEINLINE_FUNCTION void active_shape(const Place& place, int j, Real* phi) const {
+      node_contact_.shape(active_.nodes[j], place.offset, phi);
+    }
+    KOKKOS_FORCEINLINE_FUNCTION double active_overlap(const Place& place, int j, const Real* phi,
+                                                      const Real* u) const {
+      return node_contact_.overlap(active_.nodes[j], place.theta, phi, u);
+    }
+    KOKKOS_FORCEINLINE_FUNCTION void put(const Place&, int j, int node) const {
+      if (!lanes_.leader()) return;
+      active_.nodes[j] = node;
+      active_index_[node] = j;
+    }
+    KOKKOS_FORCEINLINE_FUNCTION void move(int from, int to) const {
+      if (!lanes_.leader()) return;
+      active_.nodes[to] = active_.nodes[from];
+      active_index_[active_.nodes[to]] = to;
+    }
+    KOKKOS_FORCEINLINE_FUNCTION void leave(int j) const {
+      if (lanes_.leader()) active_index_[active_.nodes[j]] = -1;
+    }
+
+   private:
+    Lanes lanes_;
+    NodeContact<Lanes, packs> node_contact_;
+    ActiveSet& active_;
+    int* active_index_;
+  };
+
  public:
   /// `listed_nodes`: see operator(). `interrupted`: SceneTables::interrupted.
   KOKKOS_FUNCTION Complementarity(const Lanes& lanes, const FaceTables& faces,
@@ -89,6 +125,7 @@ class Complementarity {
         latest_contact_{latest},
         active_index_{active_index},
         active_{active},
+        forces_{lanes, contact, active, Nodes(lanes, node_contact, active, active_index)},
         contact_list_{contact_list},
         listed_nodes_{listed_nodes},
         interrupted_{interrupted} {}
@@ -105,14 +142,14 @@ class Complementarity {
     Real phi[packs], slope[packs], weighted[packs], other[packs], other_slope[packs];
     node_contact_.shapes(first, place.offset, phi, slope);
     for (int p = 0; p < packs; ++p) weighted[p] = receptance(p) * phi[p];
-    const double own = compliance_of(weighted, phi) + contact_.compliance;
+    const double own = forces_.compliance_of(weighted, phi) + contact_.compliance;
     const double over = node_contact_.overlap(first, place.theta, phi, u);
     double force = over / own, other_force = 0.0;
     if (count > 1) {
       node_contact_.shapes(second, place.offset, other, other_slope);
-      const double coupling = compliance_of(weighted, other);
+      const double coupling = forces_.compliance_of(weighted, other);
       for (int p = 0; p < packs; ++p) weighted[p] = receptance(p) * other[p];
-      const double other_own = compliance_of(weighted, other) + contact_.compliance;
+      const double other_own = forces_.compliance_of(weighted, other) + contact_.compliance;
       const double other_over = node_contact_.overlap(second, place.theta, other, u);
       const double share = coupling / own, pivot = other_own - share * coupling;
       if (!(pivot > 1e-6 * other_own)) return false;  // seek() is more careful
@@ -153,14 +190,10 @@ class Complementarity {
     return true;
   }
 
-  /// More than any force or distance.
-  static constexpr double never = 1e300;
+  static constexpr double never = ActiveForces<Lanes, packs, Nodes>::never;
   /// Nodes that carry force from which on newton() finds the forces, in a step or in the one
   /// before.
   static constexpr int many = 256;
-  /// Relative size of a pivot at which a node counts as depending on those that carry force.
-  static constexpr double dependent = 1e-13;
-
   /// Finds the contact forces of a step: corrects its end (u, v), lists in the state's work space
   /// the nodes that carry force, in ascending order. `list(u)` expands the nodes to evaluate, lists
   /// them in `listed_nodes` and returns their number: all that overlap at u must be among them.
@@ -189,11 +222,10 @@ class Complementarity {
   const LatestContact& latest_contact_;
   int* active_index_;
   ActiveSet& active_;
+  ActiveForces<Lanes, packs, Nodes> forces_;
   ContactList& contact_list_;
   const int* listed_nodes_;
   const int* interrupted_;
-  int count_ = 0;             // nodes that carry force
-  bool deactivated_ = false;  // some no longer do since the forces were settled
 
   /// The active set method, from no force on.
   template <class List>
@@ -201,8 +233,6 @@ class Complementarity {
                                 ContactTotals<Real>& totals, double& most, bool anywhere) {
     Real now[packs];
     for (int p = 0; p < packs; ++p) now[p] = u[p];
-    count_ = 0;
-    deactivated_ = false;
     Solution result = Solution::solved;
     const int rounds = 64 + 8 * faces_.nodes;
     double wide = 0.0;
@@ -211,34 +241,26 @@ class Complementarity {
       double over = contact_.tolerance + wide;
       const int worst = most_overlapping(place, now, nodes, over);
       if (worst < 0) break;
-      if (contact_.compliance > 0.0 && count_ == many) {
-        clear_active();
+      if (contact_.compliance > 0.0 && forces_.count() == many) {
+        forces_.clear();
         return anywhere ? newton(place, u, v, list, totals, most) : Solution::crowded;
       }
       if (round % 16 == 15 && is_interrupted(interrupted_)) {
         result = Solution::interrupted;
         break;
       }
-      result = round < rounds ? activate(place, worst, over) : Solution::blocked;
+      result = round < rounds ? forces_.activate(place, worst, over) : Solution::blocked;
       if (result != Solution::solved) break;
-      if (count_ > 1 || deactivated_) settle(place, u);
-      deactivated_ = false;
-      end_of(place, u, now);
-      const double sum = total();
+      forces_.settle_after_change(place, u);
+      forces_.end_of(place, u, now);
+      const double sum = forces_.total();
       if (sum > most) most = sum;
       // roundings of the modes' sums are rarely met, and could otherwise turn in circles
       if (round == 4) wide = rounding_of(now, u);
     }
-    if (result == Solution::solved && count_ > 0) finish(place, u, v, totals);
-    clear_active();
+    if (result == Solution::solved && forces_.count() > 0) finish(place, u, v, totals);
+    forces_.clear();
     return result;
-  }
-
-  KOKKOS_FUNCTION void clear_active() {
-    for (int j = 0; j < count_; ++j)
-      if (lanes_.leader()) active_index_[active_.nodes[j]] = -1;
-    lanes_.sync();
-    count_ = 0;
   }
 
   // ---- many nodes on springs
@@ -356,7 +378,6 @@ class Complementarity {
       }
     }
     lanes_.sync();
-    count_ = rows;
     if (lanes_.leader()) {
       for (int i = 0; i < rows; ++i)  // Cholesky; the eigenvalues are 1 and more
         for (int j = 0; j <= i; ++j) {
@@ -364,10 +385,9 @@ class Complementarity {
           for (int l = 0; l < j; ++l) sum -= factor(i, l) * factor(j, l);
           factor(i, j) = i == j ? Kokkos::sqrt(sum) : sum / factor(j, j);
         }
-      solve_lower();
-      solve_upper();
+      solve_lower(active_, rows);
+      solve_upper(active_, rows);
     }
-    count_ = 0;
     lanes_.sync();
     for (int p = 0; p < packs; ++p) step[p] = lanes_.load(active_.solution + p * width);
     lanes_.sync();
@@ -427,86 +447,6 @@ class Complementarity {
     return worst;
   }
 
-  /// W_nm plus, for a node with itself, the compliance.
-  KOKKOS_FUNCTION double compliance_of(const Real* weighted, const Real* phi) const {
-    Real part = weighted[0] * phi[0];
-    for (int p = 1; p < packs; ++p) part = multiply_add(weighted[p], phi[p], part);
-    return lanes_.sum(part);
-  }
-
-  /// share = L^-1 share and share = L^-T share, L the factor; one lane.
-  KOKKOS_FUNCTION void solve_lower() const {
-    for (int i = 0; i < count_; ++i) {
-      for (int j = 0; j < i; ++j) active_.solution[i] -= factor(i, j) * active_.solution[j];
-      active_.solution[i] /= factor(i, i);
-    }
-  }
-  KOKKOS_FUNCTION void solve_upper() const {
-    for (int i = count_ - 1; i >= 0; --i) {
-      for (int j = i + 1; j < count_; ++j)
-        active_.solution[i] -= factor(j, i) * active_.solution[j];
-      active_.solution[i] /= factor(i, i);
-    }
-  }
-
-  /// Raises the force on `node` until its overlap `over` is gone. Nodes that would have to pull
-  /// leave the active set.
-  KOKKOS_FUNCTION Solution activate(const Place& place, int node, double over) {
-    Real weighted[packs], phi[packs];
-    node_contact_.shape(node, place.offset, phi);
-    for (int p = 0; p < packs; ++p) weighted[p] = receptance(p) * phi[p];
-    const double own = compliance_of(weighted, phi) + contact_.compliance;
-    for (int j = 0; j < count_; ++j) {
-      node_contact_.shape(active_.nodes[j], place.offset, phi);
-      const double w = compliance_of(weighted, phi);
-      if (lanes_.leader()) active_.coupling[j] = w;
-    }
-    lanes_.sync();
-    double force = 0.0;
-    for (;;) {
-      // the pivot that the node would bring, and what the others give up for a newton on it
-      if (lanes_.leader()) {
-        for (int j = 0; j < count_; ++j) active_.solution[j] = active_.coupling[j];
-        solve_lower();
-      }
-      lanes_.sync();
-      double pivot = own;
-      for (int j = 0; j < count_; ++j) pivot -= active_.solution[j] * active_.solution[j];
-      const bool full = count_ == active_.capacity;
-      const bool depends = !(pivot > dependent * own) || !(own > contact_.least_compliance) ||
-                           (full && contact_.compliance == 0.0);
-      const double clear = depends ? never : over / pivot;
-      if (count_ > 0) {
-        lanes_.sync();
-        if (lanes_.leader()) {
-          for (int j = 0; j < count_; ++j)
-            factor(count_, j) = active_.solution[j];  // its row, if it comes
-          solve_upper();
-        }
-        lanes_.sync();
-      }
-      double most = never;
-      const int first = first_released(most);
-      if (first < 0 && !(clear < never)) return Solution::blocked;
-      const double more = clear < most ? clear : most;
-      lanes_.sync();
-      if (lanes_.leader())
-        for (int j = 0; j < count_; ++j) {
-          const double left = active_.forces[j] - more * active_.solution[j];
-          active_.forces[j] = left > 0.0 ? left : 0.0;
-        }
-      lanes_.sync();
-      force += more;
-      if (clear <= most) {
-        if (full) return Solution::crowded;
-        append(node, force, pivot);
-        return Solution::solved;
-      }
-      if (!depends) over -= more * pivot;
-      deactivate(place, first);
-    }
-  }
-
   /// Whether no listed node but these two overlaps at the displacement `u`.
   KOKKOS_FORCEINLINE_FUNCTION bool others_stay_open(const Place& place, const Real* u, int first,
                                                     int second, int nodes) const {
@@ -520,137 +460,12 @@ class Complementarity {
     return true;
   }
 
-  /// The active node whose force ends first while the forces fall by `solution` for each newton on
-  /// another node, and that node's force then (`most`); -1 where none ends.
-  KOKKOS_FORCEINLINE_FUNCTION int first_released(double& most) const {
-    int first = -1;
-    for (int j = 0; j < count_; ++j) {
-      if (!(active_.solution[j] > 0.0)) continue;
-      const double until = active_.forces[j] / active_.solution[j];
-      if (!(until < most)) continue;
-      most = until;
-      first = j;
-    }
-    return first;
-  }
-
-  /// Adds a node to the active set; its row of the factor stands there already.
-  KOKKOS_FORCEINLINE_FUNCTION void append(int node, double force, double pivot) {
-    if (lanes_.leader()) {
-      RA2D_CHECK(count_ < active_.capacity);
-      active_.nodes[count_] = node;
-      active_.forces[count_] = force;
-      active_index_[node] = count_;
-      factor(count_, count_) = Kokkos::sqrt(pivot);
-    }
-    ++count_;
-    lanes_.sync();
-  }
-
-  /// Takes a node out, and factors what is left anew from there on.
-  KOKKOS_FUNCTION void deactivate(const Place& place, int out) {
-    deactivated_ = true;
-    lanes_.sync();
-    if (lanes_.leader()) {
-      active_index_[active_.nodes[out]] = -1;
-      for (int j = out; j + 1 < count_; ++j) {
-        active_.nodes[j] = active_.nodes[j + 1];
-        active_.forces[j] = active_.forces[j + 1];
-        active_index_[active_.nodes[j]] = j;
-        active_.coupling[j] = active_.coupling[j + 1];
-      }
-    }
-    --count_;
-    lanes_.sync();
-    Real phi[packs], weighted[packs];
-    for (int i = out; i < count_; ++i) {
-      node_contact_.shape(active_.nodes[i], place.offset, weighted);
-      for (int p = 0; p < packs; ++p) weighted[p] = receptance(p) * weighted[p];
-      for (int j = 0; j <= i; ++j) {
-        node_contact_.shape(active_.nodes[j], place.offset, phi);
-        double w = compliance_of(weighted, phi);
-        if (j == i) w += contact_.compliance;
-        for (int l = 0; l < j; ++l) w -= factor(i, l) * factor(j, l);
-        w = j == i ? Kokkos::sqrt(w > 0.0 ? w : 0.0) : w / factor(j, j);
-        lanes_.sync();
-        if (lanes_.leader()) factor(i, j) = w;
-        lanes_.sync();
-      }
-    }
-  }
-
-  /// Removes the roundings from the forces: solves for the overlaps that are left at the end of the
-  /// step. A node whose force that would turn negative leaves the active set. With its force merely
-  /// cut off at zero, nodes that depend on it all but for roundings would keep the part that it was
-  /// to take from them.
-  KOKKOS_FUNCTION void settle(const Place& place, const Real* free) {
-    for (int pass = 0; pass < 3;) {
-      Real now[packs], phi[packs];
-      end_of(place, free, now);
-      double worst = 0.0;
-      for (int j = 0; j < count_; ++j) {
-        node_contact_.shape(active_.nodes[j], place.offset, phi);
-        const double missing = node_contact_.overlap(active_.nodes[j], place.theta, phi, now) -
-                               contact_.compliance * active_.forces[j];
-        if (lanes_.leader()) active_.solution[j] = missing;
-        const double size = missing < 0.0 ? -missing : missing;
-        if (size > worst) worst = size;
-      }
-      lanes_.sync();
-      if (!(worst > contact_.tolerance)) return;
-      if (lanes_.leader()) {
-        solve_lower();
-        solve_upper();
-      }
-      lanes_.sync();
-      double fraction = 1.0;
-      int first = -1;
-      for (int j = 0; j < count_; ++j) {
-        if (!(active_.forces[j] + active_.solution[j] < 0.0)) continue;
-        const double until = -active_.forces[j] / active_.solution[j];
-        if (first >= 0 && !(until < fraction)) continue;
-        fraction = until;
-        first = j;
-      }
-      lanes_.sync();
-      if (lanes_.leader())
-        for (int j = 0; j < count_; ++j) {
-          const double corrected = active_.forces[j] + fraction * active_.solution[j];
-          active_.forces[j] = corrected > 0.0 ? corrected : 0.0;
-        }
-      lanes_.sync();
-      if (first < 0)
-        ++pass;
-      else
-        deactivate(place, first);
-    }
-  }
-
-  /// Displacement at the end of the step under the present forces.
-  KOKKOS_FUNCTION void end_of(const Place& place, const Real* free, Real* u) const {
-    Real force_on_modes[packs], phi[packs];
-    for (int p = 0; p < packs; ++p) force_on_modes[p] = Real(0.0);
-    for (int j = 0; j < count_; ++j) {
-      node_contact_.shape(active_.nodes[j], place.offset, phi);
-      const Real f(active_.forces[j]);
-      for (int p = 0; p < packs; ++p)
-        force_on_modes[p] = multiply_add(f, phi[p], force_on_modes[p]);
-    }
-    for (int p = 0; p < packs; ++p) u[p] = multiply_add(-receptance(p), force_on_modes[p], free[p]);
-  }
-
-  KOKKOS_FUNCTION double total() const {
-    double sum = 0.0;
-    for (int j = 0; j < count_; ++j) sum += active_.forces[j];
-    return sum;
-  }
-
   /// The end of the step, and the record of the nodes that carry force.
   KOKKOS_FUNCTION void finish(const Place& place, Real* u, Real* v, ContactTotals<Real>& totals) {
     lanes_.sync();
     if (lanes_.leader()) {
       int touched = 0;
-      for (int j = 0; j < count_; ++j) {  // in ascending order
+      for (int j = 0; j < forces_.count(); ++j) {  // in ascending order
         if (!(active_.forces[j] > 0.0)) continue;
         int at = touched++;
         for (; at > 0 && contact_list_.nodes[at - 1] > active_.nodes[j]; --at) {
@@ -662,7 +477,7 @@ class Complementarity {
       }
     }
     lanes_.sync();
-    for (int j = 0; j < count_; ++j) totals.nodes += active_.forces[j] > 0.0 ? 1 : 0;
+    for (int j = 0; j < forces_.count(); ++j) totals.nodes += active_.forces[j] > 0.0 ? 1 : 0;
     end_step(place, u, v, totals);
   }
 

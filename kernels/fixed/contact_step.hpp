@@ -4,6 +4,8 @@
 #include <cstdint>
 
 #include "kernels/candidates.hpp"
+#include "kernels/contact/cell_complementarity.hpp"
+#include "kernels/contact/cell_springs.hpp"
 #include "kernels/contact/complementarity.hpp"
 #include "kernels/contact/node_contact.hpp"
 #include "kernels/fixed/fixed_recorder.hpp"
@@ -90,14 +92,13 @@ class ContactStep {
 
  public:
   /// `listed_nodes`: the nodes to evaluate, in WorkSpace.
-  KOKKOS_FUNCTION ContactStep(const Lanes& lanes, const SliderMotion& motion,
-                              const ContactTables& contact, const SchemeWeights& scheme,
-                              const OuterForces<Lanes, packs>& outer,
-                              const ModesStep<Lanes, form, packs>& integrate,
-                              const NodeContact<Lanes, packs>& node_contact,
-                              const Complementarity<Lanes, packs>& solve, Status& status,
-                              LatestContact& latest, const ContactList& contact_list,
-                              const int* listed_nodes)
+  KOKKOS_FUNCTION ContactStep(
+      const Lanes& lanes, const SliderMotion& motion, const ContactTables& contact,
+      const SchemeWeights& scheme, const OuterForces<Lanes, packs>& outer,
+      const ModesStep<Lanes, form, packs>& integrate, const NodeContact<Lanes, packs>& node_contact,
+      const Complementarity<Lanes, packs>& solve, const CellSprings<Lanes, packs>& springs,
+      const CellComplementarity<Lanes, packs>& clear, Status& status, LatestContact& latest,
+      const ContactList& contact_list, const int* listed_nodes)
       : lanes_{lanes},
         motion_{motion},
         contact_{contact},
@@ -106,6 +107,8 @@ class ContactStep {
         integrate_{integrate},
         node_contact_{node_contact},
         solve_{solve},
+        springs_{springs},
+        clear_{clear},
         status_{status},
         latest_contact_{latest},
         contact_list_{contact_list},
@@ -141,6 +144,8 @@ class ContactStep {
   ModesStep<Lanes, form, packs> integrate_;
   NodeContact<Lanes, packs> node_contact_;
   Complementarity<Lanes, packs> solve_;
+  CellSprings<Lanes, packs> springs_;
+  CellComplementarity<Lanes, packs> clear_;
   Status& status_;
   LatestContact& latest_contact_;
   const ContactList& contact_list_;
@@ -211,8 +216,11 @@ class ContactStep {
     ContactTotals<Real> totals;
     double most = 0.0;
     const auto list = [&](const Real* at) { return nodes.find(at, v, place); };
-    const Solution found =
-        solve_(place, y.step + 1, u, v, list, totals, most, !NodesToEvaluate::may_end);
+    Solution found;
+    if (!between_smooth_faces()) [[likely]]
+      found = solve_(place, y.step + 1, u, v, list, totals, most, !NodesToEvaluate::may_end);
+    else
+      found = press_cells(place, y, u, v, list, totals, most);
     if (found != Solution::solved) return NodesToEvaluate::may_end ? false : fail(found);
     if (!nodes.covers(most, totals.force)) return false;
     if (outer_.any_move())
@@ -228,6 +236,21 @@ class ContactStep {
     y.add_squares();
     return true;
   }
+  KOKKOS_FORCEINLINE_FUNCTION bool between_smooth_faces() const {
+    return contact_list_.centres != nullptr;
+  }
+  /// The contact forces of the step from y between smooth faces.
+  template <class List>
+  KOKKOS_FUNCTION Solution press_cells(const Place& place, const Motion<Lanes, packs>& y, Real* u,
+                                       Real* v, const List& list, ContactTotals<Real>& totals,
+                                       double& most) {
+    if (contact_.compliance == 0.0) return clear_(place, u, v, list, totals, most);
+    // in lasting contact the motion goes on as it was, but for the square of the step
+    Real guess[packs];
+    for (int p = 0; p < packs; ++p) guess[p] = multiply_add(motion_.time_step, y.v[p], y.u[p]);
+    return springs_(place, latest_contact_.step == y.step ? guess : nullptr, u, v, list, totals,
+                    most);
+  }
   KOKKOS_FUNCTION bool fail(Solution found) {
     if (found == Solution::interrupted) return false;  // the launch ends before this step
     if (lanes_.leader()) status_ = found == Solution::blocked ? Status::blocked : Status::crowded;
@@ -237,12 +260,13 @@ class ContactStep {
   /// The contact at the end of a step, for the next one and for samples.
   KOKKOS_FORCEINLINE_FUNCTION void keep(const ContactTotals<Real>& totals, std::int64_t step) {
     if (!lanes_.leader() || totals.nodes == 0) return;
-    double energy = 0.0;
+    double squares = 0.0;
     for (int e = 0; e < totals.nodes; ++e)
-      energy += contact_list_.forces[e] * contact_list_.forces[e];
+      squares += contact_list_.forces[e] * contact_list_.forces[e];
     latest_contact_.step = step;
     latest_contact_.force = totals.force;
-    latest_contact_.energy = 0.5 * contact_.compliance * energy;
+    latest_contact_.energy =
+        between_smooth_faces() ? totals.energy : 0.5 * contact_.compliance * squares;
     latest_contact_.nodes = totals.nodes;
     for (int e = 0; e < 2 && e < totals.nodes; ++e)
       latest_contact_.pair[e] = contact_list_.nodes[e];

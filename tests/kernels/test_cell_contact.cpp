@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "kernels/contact/cell_complementarity.hpp"
 #include "kernels/contact/cell_contact.hpp"
 #include "tests/dice.hpp"
 
@@ -101,6 +102,26 @@ TEST(AddContact, NothingWhereItIsOpenAndAllWhereItIsClosed) {
   EXPECT_NEAR(all.moment[2], 2.0 / 12, eps);
   EXPECT_EQ(all.square, 4);
   EXPECT_EQ(all.face_work, 6);
+}
+
+TEST(HighestPlace, IsAsHighAsAnyOfMany) {
+  Dice dice(3);
+  int within = 0;
+  for (int trial = 0; trial < 400; ++trial) {
+    const Cubic o = random_cubic(dice);
+    const double from = dice.uniform(-0.5, 0), to = dice.uniform(0, 0.5);
+    const double place = highest_place(o, from, to);
+    ASSERT_GE(place, from);
+    ASSERT_LE(place, to);
+    within += place > from && place < to;
+    constexpr int parts = 1000;
+    for (int i = 0; i <= parts; ++i)
+      EXPECT_LE(o(from + (to - from) * i / parts), o(place) + 8 * eps) << "trial " << trial;
+  }
+  EXPECT_GT(within, 60);
+  EXPECT_EQ(highest_place({{1, 0, 0, 0}}, -0.5, 0.25), -0.5);
+  EXPECT_EQ(highest_place({{1, 2, 0, 0}}, -0.5, 0.25), 0.25);
+  EXPECT_EQ(highest_place({{std::nan(""), 0, 0, 0}}, -0.5, 0.25), -0.5);
 }
 
 /// The force is the slope of the contact's energy: so energy can close.

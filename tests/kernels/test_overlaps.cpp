@@ -29,7 +29,8 @@ int flag(BodiesByHand& bodies, const MotionBounds& bounds, const Amplitudes& u0,
   for (int p = 0; p < K; ++p) now.u[p] = u.u[p], now.v[p] = v.u[p], now.square[p] = Real(0.0);
   overlaps.evaluate_start(Place(t.motion, 0), now);
   overlaps.evaluate_end(Place(t.motion, 1), Packs(u1).u, Packs(v1).u);
-  return overlaps.flag(t.motion.time_step, bounds, overlaps.longest_rise(now.u, bounds, 1));
+  return overlaps.flag(Place(t.motion, 0), now.u, t.motion.time_step, bounds,
+                       overlaps.longest_rise(now.u, bounds, 1));
 }
 
 /// How far open node 0 of a flat face may be at the beginning of a step and still be flagged.
@@ -291,7 +292,8 @@ TEST(OverlapsProof, CandidateGroupsHoldForTheLongestRise) {
     overlaps.find_groups(Place(t.motion, 0), now, bounds, rise, 0);
     overlaps.evaluate_start(Place(t.motion, 0), now);
     overlaps.evaluate_end(Place(t.motion, 1), now.u, now.v);
-    EXPECT_EQ(overlaps.flag(t.motion.time_step, bounds, 2 * rise), open < 1.5 * travel ? 1 : 0)
+    EXPECT_EQ(overlaps.flag(Place(t.motion, 0), now.u, t.motion.time_step, bounds, 2 * rise),
+              open < 1.5 * travel ? 1 : 0)
         << open;
   }
 }

@@ -249,6 +249,26 @@ TEST(AdaptiveErrors, AreBelowTheTolerance) {
   }
 }
 
+/// Between smooth faces, by the Runge-Kutta steps of contact.
+TEST(AdaptiveErrors, BetweenSmoothFacesAreBelowTheTolerance) {
+  for (Case& each : cases()) {
+    each.scene.faces = Faces::smooth;
+    SCOPED_TRACE(std::string(each.name) + ", kappa " +
+                 std::to_string(each.scene.contact.stiffness) + ", zeta " +
+                 std::to_string(each.scene.resonator.damping));
+    const Recording reference = simulate(adaptive(each.scene, 1e-13));
+    ASSERT_EQ(reference.end.status, Status::done);
+    const double factor = each.drifts ? 3.0 : 0.5, floor = each.drifts ? 1e-10 : 1e-14;
+    for (const double tolerance : {1e-4, 1e-6, 1e-8, 1e-10, 1e-12}) {
+      const Recording r = simulate(adaptive(each.scene, tolerance));
+      ASSERT_EQ(r.end.status, Status::done);
+      EXPECT_LT(distance(r, reference), factor * tolerance + floor) << tolerance;
+      EXPECT_EQ(r.end.shocks_begun, reference.end.shocks_begun) << tolerance;
+      EXPECT_LT(std::abs(r.energy.relative()), 100 * tolerance) << tolerance;
+    }
+  }
+}
+
 TEST(AdaptiveErrors, SmallFixedStepsComeToTheSame) {
   // where a contact begins or ends within a step, and at a face's kinks, rk8 is no better than of
   // second order, with a factor that depends on where in the step that is: a sixteenth of the step

@@ -235,30 +235,5 @@ TEST(SmoothContactProof, TheSagOfACellIsReached) {
   EXPECT_GE(t.faces.sag_per_travel, 0.125 * std::pow(beta * s.spacing, 2));
 }
 
-TEST(SmoothFacesRefuse, SchemesAndLawsThatDoNotTakeThem) {
-  Scene s = plate_scene(3, 0.004, 0.004);
-  s.faces = Faces::smooth;
-  s.contact.stiffness = 1e12;
-  s.time.step = 1e-7;
-  const auto message = [&] {
-    try {
-      make_model(s);
-    } catch (const RequestError& fault) {
-      return std::string(fault.what());
-    }
-    return std::string();
-  };
-  EXPECT_EQ(message(), "");
-  s.time.scheme = SchemeKind::adaptive;
-  EXPECT_EQ(message(), "");
-  s.time.scheme = SchemeKind::backward_euler;
-  s.time.contact_force = ForceTime::new_time;
-  EXPECT_NE(message().find("scene.faces"), std::string::npos);
-  EXPECT_NE(message().find("contact_force"), std::string::npos);
-  s.time.contact_force = ForceTime::old_time;
-  s.contact.law = ContactLaw::multiplier;
-  EXPECT_NE(message().find("multiplier"), std::string::npos);
-}
-
 }  // namespace
 }  // namespace ra2d::test

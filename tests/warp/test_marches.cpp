@@ -61,8 +61,15 @@ INSTANTIATE_TEST_SUITE_P(Schemes, MarchOnWarp, testing::ValuesIn(schemes_under_l
                          [](const auto& info) { return info.param.name(); });
 
 TEST(MarchOnWarp, SmoothFacesHaveTheBitsOfAPack) {
-  for (const SchemeKind scheme : {SchemeKind::midpoint, SchemeKind::rk4, SchemeKind::adaptive}) {
-    Variant variant{.scheme = {{{scheme}}, ""}, .adapt = [](Scene& s) { s.faces = Faces::smooth; }};
+  const std::vector<Scheme> kinds = {
+      {{{SchemeKind::midpoint}}, "midpoint"},
+      {{{SchemeKind::rk4}}, "rk4"},
+      {{{SchemeKind::adaptive}}, "adaptive"},
+      {{{SchemeKind::backward_euler, ForceTime::new_time}}, "new force"},
+      {{{SchemeKind::backward_euler}, ContactLaw::multiplier}, "multipliers"}};
+  for (const Scheme& kind : kinds) {
+    SCOPED_TRACE(kind.name);
+    const Variant variant{kind, 0, [](Scene& s) { s.faces = Faces::smooth; }};
     Seen seen;
     for (std::uint64_t seed = 1; seen.touching < 1; ++seed) {
       SCOPED_TRACE("seed " + std::to_string(seed));
