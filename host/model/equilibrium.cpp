@@ -352,7 +352,11 @@ Eigen::VectorXd smooth_start(const Model& model, ModalStart& start) {
       start.contact_force = rest->force;
       start.loaded_nodes = rest->cells;
     } else {
-      const std::optional<std::vector<double>> settled = smooth_equilibrium(model);
+      // the contact of the nodes alone is not far from it
+      const auto nodes = settled_bodies(Potential(model), model.node_stiffness, Shift::common);
+      const std::optional<std::vector<double>> settled = smooth_equilibrium(
+          model, nodes ? std::vector<double>(nodes->data(), nodes->data() + nodes->size())
+                       : std::vector<double>());
       if (!settled) throw no_equilibrium(model.scene, not_found);
       u = *settled;
     }

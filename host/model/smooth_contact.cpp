@@ -249,11 +249,27 @@ class SmoothPotential {
   double best_length(const Eigen::VectorXd& u, const Eigen::VectorXd& displacement,
                      const Eigen::VectorXd& step, double spring) const {
     const Eigen::VectorXd change = cells_.shapes() * step;
+    const auto displaced = [&](int n, double length, double* moved) {
+      for (int j = 0; j < 4; ++j) moved[j] = displacement[4 * n + j] + length * change[4 * n + j];
+    };
+    const auto opens = [&](int n, double length) {
+      double moved[4];
+      displaced(n, length, moved);
+      const CellOverlap cell = cells_.overlap(n, moved);
+      return is_open(cell.sides[0]) && is_open(cell.sides[1]);
+    };
+    // a cell that is open at both ends of the line, by a convex function of it, is so in between
+    std::vector<int> touching;
+    const auto list_touching = [&](double length) {
+      touching.clear();
+      for (int n = 0; n < cells_.count(); ++n)
+        if (!opens(n, 0.0) || !opens(n, length)) touching.push_back(n);
+    };
     const auto slope = [&](double length) {
       double sum = (springs_.stiffness.cwiseProduct(u + length * step) - springs_.load).dot(step);
-      for (int n = 0; n < cells_.count(); ++n) {
+      for (const int n : touching) {
         double moved[4];
-        for (int j = 0; j < 4; ++j) moved[j] = displacement[4 * n + j] + length * change[4 * n + j];
+        displaced(n, length, moved);
         const Polynomial way{change[4 * n], change[4 * n + 1], change[4 * n + 2],
                              change[4 * n + 3]};
         Cells::visit_points(cells_.overlap(n, moved), [&](double x, double over, double weight) {
@@ -262,12 +278,14 @@ class SmoothPotential {
       }
       return sum;
     };
+    list_touching(1.0);
     const double start = std::abs(slope(0.0));
     double low = 0.0, high = 1.0, at_high = slope(1.0);
     if (std::abs(at_high) <= 1e-3 * start) return 1.0;
     while (at_high < 0 && high < 1e6) {
       low = high;
       high *= 2;
+      list_touching(high);
       at_high = slope(high);
     }
     for (int halving = 0; halving < 40; ++halving) {
@@ -310,12 +328,19 @@ SmoothContact smooth_contact(const Model& model, const std::vector<double>& u) {
   return sum;
 }
 
-std::optional<std::vector<double>> smooth_equilibrium(const Model& model) {
+std::optional<std::vector<double>> smooth_equilibrium(const Model& model,
+                                                      const std::vector<double>& guess) {
   const SmoothPotential potential(model);
   Eigen::VectorXd u = Eigen::VectorXd::Zero(potential.modes());
+  const auto settled = [&] { return std::vector<double>(u.data(), u.data() + u.size()); };
+  if (!guess.empty()) {
+    u = Eigen::Map<const Eigen::VectorXd>(guess.data(), potential.modes());
+    if (potential.minimise(u, potential.spring())) return settled();
+    u.setZero();
+  }
   for (double soft = 1e-10; soft < 2; soft *= 10)
     if (!potential.minimise(u, soft * potential.spring())) return std::nullopt;
-  return std::vector<double>(u.data(), u.data() + u.size());
+  return settled();
 }
 
 std::optional<SmoothRest> smooth_rest(const Model& model) {

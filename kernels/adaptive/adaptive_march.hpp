@@ -430,8 +430,15 @@ class AdaptiveMarch {
   /// into contact within it. Those at its beginning have been found.
   KOKKOS_FUNCTION int evaluate_and_flag(const Place& place, const Modes& end, std::int64_t ticks,
                                         const MotionBounds& bounds, double rise) {
-    overlaps_.evaluate_end(path_.moved(place, tick_ + ticks), end.u, end.v);
-    return overlaps_.flag(place, now_.u, ticks * tables_.motion.time_step, bounds, rise);
+    const Place end_place = path_.moved(place, tick_ + ticks);
+    overlaps_.evaluate_end(end_place, end.u, end.v);
+    const int flagged =
+        overlaps_.flag(place, now_.u, ticks * tables_.motion.time_step, bounds, rise);
+    if (!tables_.faces.smooth || flagged == 0) [[likely]]
+      return flagged;
+    // cells are expanded for a window
+    if (ticks > path_.ticks_to_next_window(place)) return flagged;
+    return overlaps_.keep_close_in_flight(place, end_place, now_, end, ticks, bounds, flagged);
   }
 
   /// The sample that falls on the end of the scene. False when it is still to be written.

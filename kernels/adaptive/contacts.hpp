@@ -71,16 +71,17 @@ class Contacts {
     for (int e = 0; e < flagged; ++e) count += onsets_[e] <= x ? 1 : 0;
     return count <= spans_.capacity;
   }
-  /// Takes in the flagged nodes whose contact begins by x.
+  /// Takes in the flagged nodes whose contact begins by x, if they are not in contact already.
   KOKKOS_FUNCTION void begin(int flagged, double x) const {
     lanes_.sync();
     if (lanes_.leader())
       for (int e = 0; e < flagged; ++e) {
         if (!(onsets_[e] <= x)) continue;
+        int i = contacts_.count;
+        while (i > 0 && contacts_.nodes[i - 1] > listed_nodes_[e]) --i;
+        if (i > 0 && contacts_.nodes[i - 1] == listed_nodes_[e]) continue;
         RA2D_CHECK(contacts_.count < spans_.capacity);
-        int i = contacts_.count++;
-        for (; i > 0 && contacts_.nodes[i - 1] > listed_nodes_[e]; --i)
-          contacts_.nodes[i] = contacts_.nodes[i - 1];
+        for (int j = contacts_.count++; j > i; --j) contacts_.nodes[j] = contacts_.nodes[j - 1];
         contacts_.nodes[i] = listed_nodes_[e];
       }
     lanes_.sync();

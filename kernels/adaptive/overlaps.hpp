@@ -175,8 +175,8 @@ class Overlaps {
                                 int flagged, double end, double tolerance) const {
     if (faces_.smooth) [[unlikely]] {
       const PolynomialMotion<Lanes, packs> motion = series.motion(end);
-      return search_cells(motion, motion.bounds(lanes_, bounds_, motion_.spacing), place, flagged,
-                          tolerance);
+      return search_cells(motion, motion.bounds(lanes_, bounds_, motion_.spacing).curvature, place,
+                          flagged, tolerance);
     }
     node_contact_.expand(place, listed_nodes_, flagged);
     double first = 2.0 * end + 1.0;
@@ -197,6 +197,23 @@ class Overlaps {
   }
 
   // ---- smooth faces
+
+  /// Of the cells flagged for a flight, those that its cubics leave.
+  KOKKOS_FUNCTION int keep_close_in_flight(const Place& place, const Place& end_place,
+                                           const ModalState<Lanes, packs>& now,
+                                           const ModalState<Lanes, packs>& end, std::int64_t ticks,
+                                           const MotionBounds& bounds, int flagged) const {
+    const double time = static_cast<double>(ticks) * motion_.time_step,
+                 way = static_cast<double>(ticks) * motion_.advance;
+    Real rate0[packs], rate1[packs];
+    for (int p = 0; p < packs; ++p) {
+      rate0[p] = Real(time) * now.v[p];
+      rate1[p] = Real(time) * end.v[p];
+    }
+    return keep_close({place, now.u, rate0, way}, {end_place, end.u, rate1, way}, flagged,
+                      cubic_error(bounds, time) + overlap_error(bounds), way, 0.0,
+                      tolerance(now.u));
+  }
 
   /// Lists the cells in contact and those beside them. -1: more than `capacity`.
   KOKKOS_FUNCTION int list_contacts(int* cells, int capacity) const {
@@ -279,36 +296,53 @@ class Overlaps {
     return count;
   }
 
-  /// As search(), along a motion from `place` on, in the listed cells.
-  KOKKOS_FUNCTION double search_cells(const PolynomialMotion<Lanes, packs>& motion,
-                                      const typename PolynomialMotion<Lanes, packs>::Bounds& bounds,
-                                      const Place& place, int flagged, double tolerance) const {
-    node_contact_.expand(place, listed_nodes_, flagged);
-    Real u0[packs], rate0[packs], u1[packs], rate1[packs];
-    motion.at(lanes_, 0.0, u0, rate0);
-    motion.at(lanes_, motion.most, u1, rate1);
-    const Place end = motion.place_at(place, motion.most);
-    const double third = motion.most / 3.0, way = motion.most * motion.most_way(),
-                 change = motion.most * motion.most * motion.change_of_way();
-    double first = 2.0 * motion.most + 1.0;
+  /// The state of the modes at an end of a step, and the change of both bodies there per share of
+  /// the step.
+  struct End {
+    const Place& place;
+    const Real *u, *rate;
+    double way;  // chi
+  };
+  /// Takes out of the listed cells those whose cubics rule out contact over a step: at each place
+  /// of a cell the overlap is at most the largest Bernstein coefficient of the cubic through both
+  /// ends, but for what that leaves out. `modes_left_out` [m], and of the faces a third of their
+  /// second derivative: from the slider's way, and its change. Returns the number of those left.
+  KOKKOS_FUNCTION int keep_close(const End& start, const End& end, int flagged,
+                                 double modes_left_out, double way, double change,
+                                 double tolerance) const {
+    node_contact_.expand(start.place, listed_nodes_, flagged);
+    int kept = 0;
     for (int e = 0; e < flagged; ++e) {
       const int cell = listed_nodes_[e];
-      double x = 2.0 * motion.most + 1.0;
-      // at each place of the cell the overlap is at most the largest Bernstein coefficient of the
-      // cubic through both ends, but for what that leaves out
-      const MovingCell before = node_contact_.moving_cell(cell, place, u0, rate0, motion.way(0.0));
-      const double left_out =
-          bounds.remainder + (way * way * before.curvature + change * before.slope) / 3.0;
-      const double free = 0.5 * tolerance - left_out;
-      bool touches = before.highest_after(0.0) >= free || before.highest_after(third) >= free;
-      if (!touches) {
+      const MovingCell before =
+          node_contact_.moving_cell(cell, start.place, start.u, start.rate, start.way);
+      const double free = 0.5 * tolerance - modes_left_out -
+                          (way * way * before.curvature + change * before.slope) / 3.0;
+      bool close = before.highest_after(0.0) >= free || before.highest_after(1.0 / 3.0) >= free;
+      if (!close) {
         const MovingCell after =
-            node_contact_.moving_cell(cell, end, u1, rate1, motion.way(motion.most));
-        touches = after.highest_after(0.0) >= free || after.highest_after(-third) >= free;
+            node_contact_.moving_cell(cell, end.place, end.u, end.rate, end.way);
+        close = after.highest_after(0.0) >= free || after.highest_after(-1.0 / 3.0) >= free;
       }
-      if (touches)
-        x = first_contact(lanes_, node_contact_, motion, place, cell, bounds.curvature, tolerance,
-                          0.25 * tolerance);
+      lanes_.sync();
+      if (close) {
+        if (lanes_.leader()) listed_nodes_[kept] = cell;
+        ++kept;
+      }
+    }
+    lanes_.sync();
+    return kept;
+  }
+
+  /// As search(), along a motion from `place` on, in the listed cells.
+  KOKKOS_FUNCTION double search_cells(const PolynomialMotion<Lanes, packs>& motion,
+                                      double curvature, const Place& place, int flagged,
+                                      double tolerance) const {
+    node_contact_.expand(place, listed_nodes_, flagged);
+    double first = 2.0 * motion.most + 1.0;
+    for (int e = 0; e < flagged; ++e) {
+      const double x = first_contact(lanes_, node_contact_, motion, place, listed_nodes_[e],
+                                     curvature, tolerance, 0.25 * tolerance);
       lanes_.sync();
       if (lanes_.leader()) search_.onsets[e] = x;
       if (x < first) first = x;

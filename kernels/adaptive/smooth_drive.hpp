@@ -171,7 +171,7 @@ class SmoothDrive {
   RunBuffer& runs_;
   ShockBuffer& ended_;
   int* listed_;
-  const double* onsets_;
+  double* onsets_;
   int capacity_;
   SmoothStep<Lanes, packs> step_;
   int cells_ = 0, flagged_ = 0;
@@ -233,7 +233,16 @@ class SmoothDrive {
     find_runs(1.0, formula_stages - 1);
     flagged_ = leave_out_grown(flagged);
     if (flagged_ == 0) return 3.0;
-    return overlaps_.search_cells(motion, b, place, flagged_, overlaps_.tolerance(now.u));
+    const double tolerance = overlaps_.tolerance(now.u);
+    Real rate0[packs], u1[packs], rate1[packs], u0[packs];
+    motion.at(lanes_, 0.0, u0, rate0);
+    motion.at(lanes_, 1.0, u1, rate1);
+    const Place end_place = motion.place_at(place, 1.0);
+    flagged_ = overlaps_.keep_close({place, u0, rate0, motion.way(0.0)},
+                                    {end_place, u1, rate1, motion.way(1.0)}, flagged_, b.remainder,
+                                    motion.most_way(), motion.change_of_way(), tolerance);
+    if (flagged_ == 0) return 3.0;
+    return overlaps_.search_cells(motion, b.curvature, place, flagged_, tolerance);
   }
 
   /// Keeps the step, or (onset) the part of it up to the x `first` where a contact begins.
@@ -264,11 +273,15 @@ class SmoothDrive {
     for (int p = 0; p < packs; ++p) end.square[p] = now.square[p] + end.square[p];
     double sliding, moving;
     step_.works(weights, sliding, moving);
-    const std::int64_t in_contact = made > 0 ? add_shocks(place, tick, made, x, weights) : 0;
-    recorder_.add_contact(sliding, moving, in_contact, set_.count);
+    int listed = flagged_;
+    if (made > 0) {
+      listed = list_grazing(place, x, overlaps_.tolerance(now.u));
+      const std::int64_t in_contact = add_shocks(place, tick, made, x, weights);
+      recorder_.add_contact(sliding, moving, in_contact, set_.count);
+    }
     now = end;
     tick += made;
-    if (onset) contacts_.begin(flagged_, first);
+    if (onset || listed > flagged_) contacts_.begin(listed, onset ? first : 1.0);
     lanes_.sync();
     if (lanes_.leader()) {
       control_.contact_begins = onset;
@@ -285,6 +298,34 @@ class SmoothDrive {
                   there.part == place.part;
     start.energy = step_.energy_at_end();
     return Outcome::made;
+  }
+
+  /// Lists, after the flagged cells, those of the contact set that carry no force at x and are free
+  /// by less than the tolerance. They stay in the set: a contact begins at +tolerance and ends at
+  /// -tolerance, so that none begins twice at one place. Returns the number of cells listed.
+  KOKKOS_FUNCTION int list_grazing(const Place& place, double x, double tolerance) {
+    const Motion motion = step_.motion(1.0);
+    Real u[packs], rate[packs];
+    motion.at(lanes_, x, u, rate);
+    const Place there = motion.place_at(place, x);
+    int listed = flagged_, at = 0;
+    for (int e = 0; e < set_.count; ++e) {
+      const int cell = set_.nodes[e];
+      while (stages_.cells[at] < cell) ++at;  // all of the set are evaluated
+      if (x == 1.0 && stages_.force[at * formula_stages + last_stage] > 0.0) continue;
+      double ignored;
+      const double highest =
+          node_contact_.moving_cell(cell, there, u, rate, motion.way(x)).highest(ignored);
+      lanes_.sync();
+      if (!(highest > -tolerance) || listed == faces_.nodes) continue;
+      if (lanes_.leader()) {
+        listed_[listed] = cell;
+        onsets_[listed] = 0.0;
+      }
+      ++listed;
+    }
+    lanes_.sync();
+    return listed;
   }
 
   // ---- runs of cells in contact
