@@ -45,6 +45,24 @@ KOKKOS_FORCEINLINE_FUNCTION typename Lanes::Real cell_sag(const Lanes& lanes,
                          lanes.load(faces.sag2 + place.base + group * Lanes::width),
                      Real(0.0));
 }
+/// Smooth faces: bound on the faces' overlap in the cells that begin at the nodes of a group, but
+/// for the last one's. `ends`: bounds on the overlaps at the nodes, `sag`: cell_sag. On a flank the
+/// overlap hardly exceeds the higher end. With d = o(1/2) - o(-1/2), what cell_sag is derived from
+/// is largest at eta = d/C, if that is in the cell:
+///
+///   max(o(-1/2), o(1/2)) + C/8 (1 - 2 |d|/C)^2,   and without the second term if |d| > C/2.
+///
+/// It grows with each end and with C, so bounds on the three will do.
+template <class Lanes>
+KOKKOS_FORCEINLINE_FUNCTION typename Lanes::Real most_in_cells(const Lanes& lanes,
+                                                               const typename Lanes::Real& ends,
+                                                               const typename Lanes::Real& sag) {
+  using Real = typename Lanes::Real;
+  const Real other = lanes.next(ends), least = Kokkos::min(sag, lanes.next(sag));
+  const Real hidden = Kokkos::max(multiply_add(4.0, least, -Kokkos::abs(ends - other)), Real(0.0));
+  return Kokkos::max(ends, other) + hidden * hidden / multiply_add(16.0, least, Real(1e-300));
+}
+
 /// The modes' part of that, at displacements that are at most `travel` [m] away from u.
 template <class Lanes, int packs>
 KOKKOS_FORCEINLINE_FUNCTION double modes_sag(const Lanes& lanes, const FaceTables& faces,

@@ -189,10 +189,11 @@ class Candidates {
     const int groups = all ? faces_.groups : groups_.count();
     for (int e = 0; e < groups; ++e) {
       const int group = all ? e : groups_[e];
-      Real overlap = sweep.overlap(group).overlap;
-      if (faces_.smooth) [[unlikely]]
-        overlap = overlap + cell_sag(lanes_, faces_, place, group);
-      list_nodes(group, lanes_.at_least(overlap, level), count);
+      const Real overlap = sweep.overlap(group).overlap;
+      if (!faces_.smooth) [[likely]]
+        list_nodes(group, lanes_.at_least(overlap, level), count);
+      else
+        list_cells(group, overlap, cell_sag(lanes_, faces_, place, group), level, count);
     }
     lanes_.sync();
     return count;
@@ -212,27 +213,33 @@ class Candidates {
   int* listed_nodes_;
   std::int64_t& evaluated_;
   CandidateGroups<Lanes, packs> groups_;
-  int last_listed_ = -1;  // smooth faces: the latest node whose cells are listed
+  int last_listed_ = -1;  // smooth faces: the latest cell
 
   KOKKOS_FORCEINLINE_FUNCTION double bound(const double* weight, const Real* x) const {
     return weighted_sum<Lanes, packs>(lanes_, weight, x);
   }
-  /// Lists the nodes of a group whose bits are set, or (smooth faces) the cells beside them. The
-  /// last group is padded with nodes that do not exist. They lie low, but a motion that diverges,
-  /// or is not a number, would reach them.
+  /// Lists the nodes of a group whose bits are set. The last group is padded with nodes that do
+  /// not exist. They lie low, but a motion that diverges, or is not a number, would reach them.
   KOKKOS_FORCEINLINE_FUNCTION void list_nodes(int group, std::uint32_t bits, int& count) {
     const int left = faces_.nodes - group * width;
     if (left < width) bits &= (1u << left) - 1u;
+    for (; bits != 0; bits &= bits - 1) list(group * width + Kokkos::countr_zero(bits), count);
+  }
+  /// Smooth faces: lists the cells of a group, and the one before it, whose overlap may reach
+  /// `level`. `ends`: bounds on the overlaps at the nodes, `sag` as cell_sag.
+  KOKKOS_FUNCTION void list_cells(int group, const Real& ends, const Real& sag, double level,
+                                  int& count) {
+    constexpr std::uint32_t last = 1u << (width - 1);
+    // the nodes at both ends of a cell stand in this group, but for the cells at its borders
+    const std::uint32_t inside = lanes_.at_least(most_in_cells(lanes_, ends, sag), level);
+    const std::uint32_t reach = lanes_.at_least(ends + sag, level);
+    const int first = group * width, left = faces_.nodes - 1 - first;
+    if (group > 0 && (reach & 1u) != 0 && last_listed_ < first - 1) list(first - 1, count);
+    std::uint32_t bits = (inside & (last - 1)) | (reach & last);
+    if (left < width) bits &= (1u << left) - 1u;
     for (; bits != 0; bits &= bits - 1) {
-      const int node = group * width + Kokkos::countr_zero(bits);
-      if (!faces_.smooth) [[likely]] {
-        list(node, count);
-        continue;
-      }
-      // the cells on both sides of the node
-      if (node > 0 && last_listed_ < node - 1) list(node - 1, count);
-      if (node < faces_.nodes - 1) list(node, count);
-      last_listed_ = node;
+      last_listed_ = first + Kokkos::countr_zero(bits);
+      list(last_listed_, count);
     }
   }
   KOKKOS_FORCEINLINE_FUNCTION void list(int node, int& count) {
@@ -269,20 +276,26 @@ class Candidates {
       // closing per step: the modes, and the node's path over the resonator's face
       Real closing =
           multiply_add(tau, modes, multiply_add(motion_.advance, slope, Real(closing_slack)));
-      Real curve(half_curve);
+      Real curve(half_curve), sag(0.0);
       if constexpr (smooth) {  // the curvature of the path, with the slacks that it takes
         const Real bend = Real(0.5 * motion_.advance * motion_.advance) *
                           PiecePassed<Lanes>(lanes_, faces_, place, group).upward();
         curve = curve + bend;
         closing = multiply_add(2.0, bend, closing);
-        overlap = multiply_add(2.0, bend, overlap + cell_sag(lanes_, faces_, place, group));
+        overlap = multiply_add(2.0, bend, overlap);
+        sag = cell_sag(lanes_, faces_, place, group);
       }
       Real most =
           multiply_add(static_cast<double>(listed_steps), Kokkos::max(closing, Real(0.0)), overlap);
-      if constexpr (smooth)
+      if constexpr (smooth) {
         most = multiply_add(static_cast<double>(listed_steps) * listed_steps,
                             curve - Real(half_curve), most);
-      list_nodes(group, lanes_.at_least(most, level), count);
+        list_cells(group, most, sag, level, count);
+        most = most + sag;
+        overlap = overlap + sag;
+      } else {
+        list_nodes(group, lanes_.at_least(most, level), count);
+      }
       pressed = pressed + Kokkos::max(most - Real(level), Real(0.0));
       // the root of open = i closing + i (i + 1) half_curve
       const Real open = Kokkos::max(-overlap - Real(slack), Real(0.0));

@@ -89,6 +89,18 @@ struct HostLanes {
 #endif
   }
   static double max(const Real& x) { return -min(-x); }
+  /// Each lane that of the next one; the last keeps its own.
+  static Real next(const Real& x) {
+#if defined(RA2D_AVX512)
+    const auto a = static_cast<__m512d>(x);
+    return Real(_mm512_permutexvar_pd(_mm512_setr_epi64(1, 2, 3, 4, 5, 6, 7, 7), a));
+#else
+    double part[width + 1];
+    store(part, x);
+    part[width] = part[width - 1];
+    return load(part + 1);
+#endif
+  }
   /// One bit for each lane whose x is at least `level`.
   static std::uint32_t at_least(const Real& x, double level) {
     // written with <=: in Kokkos 5.0 the AVX-512 operators >= and > compare the wrong way round
@@ -145,6 +157,10 @@ struct WarpLanes {
     return of_first(x);  // of 0 and -0 each lane has its own
   }
   KOKKOS_FUNCTION double max(Real x) const { return -min(-x); }
+  KOKKOS_FUNCTION Real next([[maybe_unused]] Real x) const {
+    KOKKOS_IF_ON_DEVICE((return __shfl_down_sync(all, x, 1);))
+    KOKKOS_IF_ON_HOST((return x;))
+  }
   KOKKOS_FUNCTION std::uint32_t at_least([[maybe_unused]] Real x,
                                          [[maybe_unused]] double level) const {
     KOKKOS_IF_ON_DEVICE((return __ballot_sync(all, level <= x);))

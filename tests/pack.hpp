@@ -106,6 +106,10 @@ struct PackLanes {
   }
   static double min(const Real& x) { return smallest(x.x); }
   static double max(const Real& x) { return -min(-x); }
+  static Real next(const Real& x) {
+    const auto next = next_lanes(x.x);
+    return Pack::of([&](int lane) { return next[lane]; });
+  }
   static std::uint32_t at_least(const Real& x, double level) { return lanes_at_least(x.x, level); }
   static constexpr bool leader() { return true; }
   static void sync() {}

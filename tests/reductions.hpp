@@ -32,4 +32,10 @@ std::uint32_t lanes_at_least(const std::array<double, width>& values, double lev
   return word;
 }
 
+template <std::size_t width>
+std::array<double, width> next_lanes(std::array<double, width> values) {
+  for (std::size_t lane = 0; lane + 1 < width; ++lane) values[lane] = values[lane + 1];
+  return values;
+}
+
 }  // namespace ra2d::test

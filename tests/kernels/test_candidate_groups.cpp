@@ -2,12 +2,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <vector>
 
 #include "host/model/bounds.hpp"
+#include "host/surface/spline.hpp"
 #include "kernels/candidate_groups.hpp"
+#include "kernels/contact/cell_contact.hpp"
 #include "kernels/gap.hpp"
 #include "tests/bodies_by_hand.hpp"
 #include "tests/dice.hpp"
@@ -30,9 +33,13 @@ struct Bodies {
   static constexpr int groups = (slider_nodes + width - 1) / width;
   static constexpr double radius = 0.5 * (patch_nodes + width) + 1;
   std::vector<double> beta, largest_shape, slope, tail, patch, tilt, height1, height2, highest2;
+  // of smooth faces
+  std::vector<double> curvature1, curvature2, sag1, sag2, highest_sag2, modes_sag;
   SceneTables t;
 
-  explicit Bodies(Dice& dice, bool stiff = false) {
+  enum class Faces { linear, corners, wavy };  // the last two: splines, of noise or of its means
+
+  explicit Bodies(Dice& dice, bool stiff = false, Faces faces = Faces::linear) {
     for (int k = 0; k < waves; ++k) {
       beta.push_back(dice.uniform(0.05, 0.6) / radius * (stiff ? 1e-3 : 1));
       largest_shape.push_back(1);
@@ -69,8 +76,55 @@ struct Bodies {
     t.patches.derivatives = patch.data(), t.slider.shape = tilt.data();
     t.faces.height1 = height1.data(), t.faces.height2 = height2.data(),
     t.faces.highest2 = highest2.data();
+    if (faces != Faces::linear) make_smooth(faces == Faces::wavy ? 6 : 0);
   }
   Bodies(const Bodies&) = delete;
+
+  /// Splines through the nodes, averaged so many times, as the host fills their tables.
+  void make_smooth(int averages) {
+    for (int i = 0; i < averages; ++i)
+      for (std::vector<double>* height : {&height1, &height2}) {
+        const int last = height == &height1 ? slider_nodes - 1 : resonator_nodes - 1;
+        for (int n = 1; n < last; ++n)
+          (*height)[n] = 0.25 * ((*height)[n - 1] + (*height)[n + 1]) + 0.5 * (*height)[n];
+      }
+    curvature1 = spline_curvatures({height1.begin(), height1.begin() + slider_nodes});
+    curvature2 = spline_curvatures(height2);
+    for (std::vector<double>* row : {&sag2, &highest_sag2}) row->resize(resonator_nodes);
+    sag1.assign(height1.size(), 0.0);
+    fill_sag(curvature1.data(), slider_nodes, 1, 1, sag1.data());
+    fill_sag(curvature2.data(), resonator_nodes, 1, 2, sag2.data());
+    fill_highest(sag2.data(), resonator_nodes, width, highest_sag2.data());
+    std::vector<double> raised(resonator_nodes);
+    fill_raised(height2.data(), curvature2.data(), resonator_nodes, raised.data());
+    fill_highest(raised.data(), resonator_nodes, width, highest2.data());
+    t.faces.smooth = true;
+    t.faces.curvature1 = curvature1.data(), t.faces.curvature2 = curvature2.data();
+    t.faces.sag1 = sag1.data(), t.faces.sag2 = sag2.data();
+    t.faces.highest_sag2 = highest_sag2.data();
+    t.faces.largest_face_curvature = largest_face_curvature(curvature2.data(), resonator_nodes);
+    t.faces.steepest_rise = steepest_rise(height2.data(), curvature2.data(), resonator_nodes);
+    t.faces.rounding = face_rounding(10, true);
+    modes_sag.assign(modes, 0.0);
+    for (int k = 0; k < waves; ++k) {
+      modes_sag[k] = 0.125 * beta[k] * beta[k];
+      t.faces.sag_per_travel = std::max(t.faces.sag_per_travel, modes_sag[k]);
+    }
+    t.bounds.cell_sag = modes_sag.data();
+  }
+  static double on_spline(const std::vector<double>& h, const std::vector<double>& curvature,
+                          double x) {
+    const int left = static_cast<int>(x);
+    return spline_piece(h[left], h[left + 1], curvature[left], curvature[left + 1])(x - left);
+  }
+  /// Between smooth faces, `share` of the way along a cell.
+  double overlap_in_cell(const Amplitudes& u, double position, int cell, double share) const {
+    const double x = position + cell + share;
+    double sum = on_spline(height1, curvature1, cell + share) + on_spline(height2, curvature2, x) +
+                 u[waves] * ((1 - share) * tilt[cell] + share * tilt[cell + 1]);
+    for (int k = 0; k < waves; ++k) sum += u[k] * std::sin(beta[k] * x + k);
+    return sum;
+  }
 
   Place place(double position) const {
     SceneTables at = t;
@@ -198,6 +252,99 @@ TEST(CandidateGroups, LeaveOutNothingThatTouchesWhileTheyHold) {
   EXPECT_LT(listed, 0.7 * searches * Bodies::groups);
 }
 
+TEST(CandidateGroups, LeaveOutNoCellThatTouchesWhileTheyHold) {
+  Dice dice(7);
+  int touched = 0, between_nodes = 0, listed = 0, searches = 0;
+  for (int scene = 0; scene < 20; ++scene) {
+    const Bodies bodies(dice, scene % 2 == 1,
+                        scene % 4 < 2 ? Bodies::Faces::corners : Bodies::Faces::wavy);
+    Lists lists(bodies.t);
+    Amplitudes u = some(dice, 0.2);
+    double position = dice.uniform(0, 10);
+    for (int trial = 0; trial < 40; ++trial) {
+      const double range = dice.ratio(1e-3, 0.5);
+      lists.find(u, bodies.place(position), range);
+      const std::vector<int> candidates = lists.listed();
+      listed += static_cast<int>(candidates.size()), ++searches;
+      const double end = std::floor(position) + 1;
+      for (int i = 0; i < 8; ++i) {
+        Amplitudes there = elsewhere(dice, u, range);
+        if (i % 2 == 1) (there = u)[modes - 1] += range * (1 - 1e-12);  // the slider comes nearer
+        const double at = i == 0 ? position : std::nextafter(dice.uniform(position, end), 0);
+        for (int cell = 0; cell + 1 < Bodies::slider_nodes; ++cell) {
+          double most = -1e300;
+          for (int part = 0; part <= 8; ++part)
+            most = std::max(most, bodies.overlap_in_cell(there, at, cell, part / 8.0));
+          if (most < 0) continue;
+          ++touched;
+          between_nodes += bodies.overlap_in_cell(there, at, cell, 0) < 0 &&
+                           bodies.overlap_in_cell(there, at, cell, 1) < 0;
+          ASSERT_TRUE(std::binary_search(candidates.begin(), candidates.end(), cell / width) ||
+                      std::binary_search(candidates.begin(), candidates.end(), (cell + 1) / width))
+              << "scene " << scene << ", trial " << trial << ", cell " << cell;
+        }
+      }
+      u = elsewhere(dice, u, dice.ratio(1e-3, 1));
+      position += dice.one_in(8) ? dice.uniform(0, 3 * width) / 10 : dice.uniform(0, 1);
+    }
+  }
+  EXPECT_GT(touched, 1000);
+  EXPECT_GT(between_nodes, 50);
+  EXPECT_LT(listed, 0.9 * searches * Bodies::groups);
+}
+
+TEST(CandidateGroups, NoCellExceedsItsEndsByMoreThanItsSag) {
+  Dice dice(8);
+  double closest = 0;
+  std::vector<double> slack;  // of the bound that knows both ends
+  int hollow = 0, cells = 0;
+  for (int scene = 0; scene < 40; ++scene) {
+    const Bodies bodies(dice, true, scene % 2 ? Bodies::Faces::corners : Bodies::Faces::wavy);
+    const double position = dice.uniform(0, 100);
+    const Place place = bodies.place(position);
+    for (int group = 0; group < Bodies::groups; ++group) {
+      std::array<double, width> sag;
+      lanes.store(sag.data(), cell_sag(lanes, bodies.t.faces, place, group));
+      for (int lane = 0; lane < width; ++lane)
+        for (const int cell : {group * width + lane - 1, group * width + lane}) {
+          if (cell < 0 || cell + 1 >= Bodies::slider_nodes) continue;
+          const Amplitudes still{};
+          const auto overlap = [&](double share) {
+            return bodies.overlap_in_cell(still, position, cell, share);
+          };
+          const double ends = std::max(overlap(0), overlap(1));
+          ++cells, hollow += sag[lane] == 0;
+          std::array<double, width> inside;
+          if (cell % width + 1 < width && cell / width == group) {
+            std::array<double, width> at;
+            for (int i = 0; i < width; ++i) {
+              const int node = std::min(group * width + i, Bodies::slider_nodes - 1);
+              at[i] = node + 1 < Bodies::slider_nodes
+                          ? bodies.overlap_in_cell(still, position, node, 0)
+                          : bodies.overlap_in_cell(still, position, node - 1, 1);
+            }
+            lanes.store(inside.data(),
+                        most_in_cells(lanes, lanes.load(at.data()),
+                                      cell_sag(lanes, bodies.t.faces, place, group)));
+            double most = -1e300;
+            for (int part = 0; part <= 16; ++part) most = std::max(most, overlap(part / 16.0));
+            ASSERT_LE(most, inside[cell % width] + 64 * eps) << "cell " << cell;
+            slack.push_back(inside[cell % width] - most);
+          }
+          for (int part = 1; part < 16; ++part) {
+            const double excess = overlap(part / 16.0) - ends;
+            ASSERT_LE(excess, sag[lane] + 64 * eps) << "cell " << cell;
+            if (sag[lane] > 0) closest = std::max(closest, excess / sag[lane]);
+          }
+        }
+    }
+  }
+  EXPECT_GT(closest, 0.7);
+  EXPECT_GT(hollow, cells / 40);
+  std::sort(slack.begin(), slack.end());
+  EXPECT_LT(slack[slack.size() / 2], 0.1);
+}
+
 TEST(CandidateGroups, LeaveOutNothingThatTheCubicsMiss) {
   // one node just touches; the list is to hold for no travel
   Dice dice(6);
@@ -219,7 +366,8 @@ TEST(CandidateGroups, AreThoseThatASearchOfEveryGroupFinds) {
   // not depend on when that was.
   Dice dice(2);
   for (int scene = 0; scene < 20; ++scene) {
-    const Bodies bodies(dice, scene % 2 == 1);
+    const Bodies bodies(dice, scene % 2 == 1,
+                        scene % 3 == 1 ? Bodies::Faces::wavy : Bodies::Faces::linear);
     Lists kept(bodies.t);
     Amplitudes u = some(dice, 0.2);
     double position = dice.uniform(0, 10);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
@@ -81,6 +82,13 @@ TEST(Lanes, SmallestAndLargestInEveryLane) {
     }
   EXPECT_EQ(lanes.min(HostLanes::Real(-2.0)), -2);
   EXPECT_EQ(lanes.max(HostLanes::Real(-2.0)), -2);
+}
+
+TEST(Lanes, NextIsThatOfTheNextLane) {
+  Values x, next;
+  for (int lane = 0; lane < width; ++lane) x[lane] = lane + 0.25;
+  lanes.store(next.data(), lanes.next(pack(x)));
+  for (int lane = 0; lane < width; ++lane) EXPECT_EQ(next[lane], x[std::min(lane + 1, width - 1)]);
 }
 
 TEST(Lanes, AtLeastMarksEveryPattern) {

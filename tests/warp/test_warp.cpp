@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdlib>
 #include <functional>
@@ -44,11 +45,12 @@ TEST(Warp, ReductionsAreThoseOfAllLanes) {
       EXPECT_EQ(lanes.min(10 - lanes.index()), -21);
       EXPECT_EQ(lanes.max(10 - lanes.index()), 10);
       EXPECT_EQ(lanes.at_least(lanes.index(), 30), 3u << 30);
+      EXPECT_EQ(lanes.next(2 * lanes.index()), 2 * std::min(lanes.lane + 1, 31));
       lanes.sync();
       lanes.store(ended.data(), 1);
     });
     EXPECT_THAT(ended, testing::Each(1));
-    EXPECT_EQ(warp.reductions(), 4);
+    EXPECT_EQ(warp.reductions(), 5);
     EXPECT_EQ(warp.syncs(), 1);
   }
 }

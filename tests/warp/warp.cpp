@@ -64,7 +64,7 @@ struct Lane {
                       std::strcmp(where.file_name(), other.where.file_name()) == 0));
   }
   std::string place() const {
-    constexpr const char* names[] = {"sync", "sum", "min", "at_least"};
+    constexpr const char* names[] = {"sync", "sum", "min", "next", "at_least"};
     return ended ? "at its end"
                  : fmt::format("at a {} ({}:{})", names[static_cast<int>(meeting)],
                                where.file_name(), where.line());
@@ -81,6 +81,7 @@ struct Warp::Impl {
   void* tsan_fiber = nullptr;  // run()
   bool abandoned = false;
   double result = 0;
+  WarpValues next{};  // results of Meeting::next, one a lane
   std::int64_t syncs = 0, reductions = 0;
   char begun = 0, over = 0, met[2] = {};  // addresses by which the thread sanitizer knows an order
 
@@ -129,6 +130,9 @@ struct Warp::Impl {
         break;
       case Meeting::min:
         result = smallest(values);
+        break;
+      case Meeting::next:
+        next = next_lanes(values);
         break;
       case Meeting::at_least:
         result = lanes_at_least(values, first.level);
@@ -203,7 +207,7 @@ double Warp::meet(int number, Meeting meeting, const std::source_location& where
   if (meeting == Meeting::sync) release(order);
   warp.wait();
   if (meeting == Meeting::sync) acquire(order);
-  return warp.result;
+  return meeting == Meeting::next ? warp.next[static_cast<std::size_t>(number)] : warp.result;
 }
 
 }  // namespace ra2d::test

@@ -42,7 +42,7 @@ class Warp {
 
   // for FiberLanes
 
-  enum class Meeting { sync, sum, min, at_least };
+  enum class Meeting { sync, sum, min, next, at_least };
   /// Hands in this lane's values, and returns with the reduction of all of them. `level` of
   /// at_least.
   double meet(int lane, Meeting meeting, const std::source_location& where, double value = 0,
@@ -77,6 +77,9 @@ struct FiberLanes {
     return warp.meet(lane, Warp::Meeting::min, where, x);
   }
   double max(Real x, const Where& where = Where::current()) const { return -min(-x, where); }
+  Real next(Real x, const Where& where = Where::current()) const {
+    return warp.meet(lane, Warp::Meeting::next, where, x);
+  }
   std::uint32_t at_least(Real x, double level, const Where& where = Where::current()) const {
     return static_cast<std::uint32_t>(warp.meet(lane, Warp::Meeting::at_least, where, x, level));
   }
