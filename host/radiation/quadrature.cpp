@@ -43,7 +43,9 @@ void each_panel(double low, double high, double turning, double phase, Add add) 
 
 }  // namespace
 
-Points gauss_rule(int points) {
+namespace {
+
+Points find_gauss_rule(int points) {
   Points rule;
   rule.at.resize(static_cast<std::size_t>(points));
   rule.weight.resize(rule.at.size());
@@ -66,9 +68,20 @@ Points gauss_rule(int points) {
   return rule;
 }
 
+}  // namespace
+
+const Points& gauss_rule(int points) {
+  static const std::vector<Points> rules = [] {
+    std::vector<Points> found;
+    for (int n = 1; n <= most_points_of_rule; ++n) found.push_back(find_gauss_rule(n));
+    return found;
+  }();
+  return rules.at(static_cast<std::size_t>(points - 1));
+}
+
 Points graded_points(double low, double high, double turning, const Pole& pole,
                      const Fineness& fineness) {
-  const Points rule = gauss_rule(fineness.points);
+  const Points& rule = gauss_rule(fineness.points);
   Points points;
   each_panel(low, high, turning, fineness.phase, [&](double begin, double end) {
     add_halved(begin, end, pole, fineness.near, rule, points);
@@ -77,34 +90,41 @@ Points graded_points(double low, double high, double turning, const Pole& pole,
 }
 
 Points even_points(double low, double high, double turning, const Fineness& fineness) {
-  const Points rule = gauss_rule(fineness.points);
+  const Points& rule = gauss_rule(fineness.points);
   Points points;
   each_panel(low, high, turning, fineness.phase,
              [&](double begin, double end) { add_panel(begin, end, rule, points); });
   return points;
 }
 
-void SmoothTable::weigh(int points) {
-  const Points rule = gauss_rule(points);
+Interpolation::Interpolation(double high, double turning, const Fineness& fineness)
+    : points_{even_points(0, high, 5 * turning, fineness)},
+      panel_{high * fineness.points / static_cast<double>(points_.size())} {
+  const Points& rule = gauss_rule(fineness.points);
   for (std::size_t i = 0; i < rule.size(); ++i) {
     const double size = std::sqrt((1 - rule.at[i] * rule.at[i]) * rule.weight[i]);
     barycentric_.push_back(i % 2 == 0 ? size : -size);
   }
 }
 
-double SmoothTable::operator()(double x) const {
-  const std::size_t panels = points_.size() / order_;
+std::size_t Interpolation::weigh(double place, double* weights) const {
+  const std::size_t panels = points_.size() / order();
   const auto panel =
-      std::min(panels - 1, static_cast<std::size_t>(std::max(0.0, std::floor(x / panel_))));
-  double top = 0, below = 0;
-  for (std::size_t i = 0; i < order_; ++i) {
-    const double apart = x - points_.at[panel * order_ + i];
-    if (apart == 0) return values_[panel * order_ + i];
-    const double weight = barycentric_[i] / apart;
-    top += weight * values_[panel * order_ + i];
-    below += weight;
+      std::min(panels - 1, static_cast<std::size_t>(std::max(0.0, std::floor(place / panel_))));
+  const std::size_t first = panel * order();
+  double sum = 0;
+  for (std::size_t i = 0; i < order(); ++i) {
+    const double apart = place - points_.at[first + i];
+    if (apart == 0) {
+      std::fill_n(weights, order(), 0.0);
+      weights[i] = 1;
+      return first;
+    }
+    weights[i] = barycentric_[i] / apart;
+    sum += weights[i];
   }
-  return top / below;
+  for (std::size_t i = 0; i < order(); ++i) weights[i] /= sum;
+  return first;
 }
 
 }  // namespace ra2d

@@ -13,8 +13,9 @@ struct Points {
   std::size_t size() const { return at.size(); }
 };
 
-/// Gauss and Legendre's rule on [-1, 1].
-Points gauss_rule(int points);
+/// Gauss and Legendre's rule on [-1, 1], of 1 to `most_points_of_rule`.
+const Points& gauss_rule(int points);
+inline constexpr int most_points_of_rule = 32;
 
 /// How fine the panels are. The usual ones leave errors below 1e-9 of a pressure, 5e-9 of a power.
 struct Fineness {
@@ -35,29 +36,23 @@ Points graded_points(double low, double high, double turning, const Pole& pole,
 /// Without a pole.
 Points even_points(double low, double high, double turning, const Fineness& fineness = {});
 
-/// A smooth function from its values at Gauss's points of even panels: of `turning` as above.
-class SmoothTable {
+/// Where a place stands among Gauss's points of even panels, and the weights by which a smooth
+/// function follows from its values there (barycentric). To interpolate takes panels five times as
+/// short as to integrate.
+class Interpolation {
  public:
-  template <class Function>
-  SmoothTable(double high, double turning, Function f, const Fineness& fineness = {})
-      : points_{even_points(0, high, turning, fineness)},
-        order_{static_cast<std::size_t>(fineness.points)},
-        panel_{high * static_cast<double>(order_) / static_cast<double>(points_.size())} {
-    values_.reserve(points_.size());
-    for (const double at : points_.at) values_.push_back(f(at));
-    weigh(fineness.points);
-  }
+  Interpolation(double high, double turning, const Fineness& fineness = {});
 
-  /// The value at `x` from 0 to `high`.
-  double operator()(double x) const;
+  const Points& points() const { return points_; }
+  std::size_t order() const { return barycentric_.size(); }
+  /// For a place from 0 to `high`: the number of the first point of its panel; the weights of the
+  /// panel's points come to `weights`.
+  std::size_t weigh(double place, double* weights) const;
 
  private:
-  void weigh(int points);
-
   Points points_;
-  std::size_t order_;
   double panel_;  // its width
-  std::vector<double> values_, barycentric_;
+  std::vector<double> barycentric_;
 };
 
 }  // namespace ra2d

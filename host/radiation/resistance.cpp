@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <numeric>
 
 namespace ra2d {
 namespace {
@@ -42,69 +43,73 @@ RadiationResistance::RadiationResistance(const Radiator& radiator, const Air& ai
                                          const Fineness& fineness)
     : air_{air},
       highest_{2 * M_PI * highest / air.sound_speed},
-      turning_{radiator.length + radiator.width},  // of the transforms' products
+      turning_{radiator.length + radiator.width},
       fineness_{fineness},
-      across_count_{radiator.across.size()} {
-  along_ = even_points(0, radiator.length, highest_ + radiator.turning_along, fineness);
+      across_count_{radiator.across.size()},
+      along_{highest_, radiator.length / 2, fineness},
+      across_{highest_, radiator.width, fineness} {
+  const Points x = even_points(0, radiator.length, highest_ + radiator.turning_along, fineness);
+  std::vector<double> shapes;  // (mode, point), with the points' weights
   for (const RadiatingMode& mode : radiator.modes) {
     across_of_.push_back(mode.across);
-    for (std::size_t i = 0; i < along_.size(); ++i)
-      shapes_.push_back(along_.weight[i] * mode.along(along_.at[i]));
+    for (std::size_t i = 0; i < x.size(); ++i) shapes.push_back(x.weight[i] * mode.along(x.at[i]));
   }
-  for (double& x : along_.at) x -= radiator.length / 2;
+  std::vector<double> cosine(x.size()), sine(x.size());
+  for (const double p : along_.points().at) {
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      cosine[i] = std::cos(p * (x.at[i] - radiator.length / 2));
+      sine[i] = std::sin(p * (x.at[i] - radiator.length / 2));
+    }
+    const std::size_t modes = across_of_.size();
+    Transforms found{std::vector<double>(modes), std::vector<double>(modes)};
+    for (std::size_t k = 0; k < modes; ++k) {
+      const double* of_mode = &shapes[k * x.size()];
+      for (std::size_t i = 0; i < x.size(); ++i) {
+        found.re[k] += of_mode[i] * cosine[i];
+        found.im[k] -= of_mode[i] * sine[i];
+      }
+    }
+    transforms_.push_back(std::move(found));
+  }
   const Points y = even_points(0, radiator.width, highest_ + radiator.turning_across, fineness);
   for (std::size_t a = 0; a < across_count_; ++a)
-    for (std::size_t b = 0; b <= a; ++b)
-      tables_.emplace_back(
-          highest_, 5 * radiator.width,  // to interpolate takes more points than to integrate
-          [&](double rest) {
-            return across_power(radiator.across[a], radiator.across[b], y, radiator.width / 2, rest,
-                                radiator.width);
-          },
-          fineness);
-  panels_ = even_points(0, highest_, turning_, fineness);
-  for (const double p : panels_.at) at_panels_.push_back(transforms(p));
-}
-
-RadiationResistance::Transforms RadiationResistance::transforms(double wave_number) const {
-  const std::size_t points = along_.size(), modes = across_of_.size();
-  std::vector<double> cosine(points), sine(points);
-  for (std::size_t i = 0; i < points; ++i) {
-    cosine[i] = std::cos(wave_number * along_.at[i]);
-    sine[i] = std::sin(wave_number * along_.at[i]);
-  }
-  Transforms found{std::vector<double>(modes), std::vector<double>(modes)};
-  for (std::size_t k = 0; k < modes; ++k)
-    for (std::size_t i = 0; i < points; ++i) {
-      found.re[k] += shapes_[k * points + i] * cosine[i];
-      found.im[k] -= shapes_[k * points + i] * sine[i];
+    for (std::size_t b = 0; b <= a; ++b) {
+      tables_.emplace_back();
+      for (const double rest : across_.points().at)
+        tables_.back().push_back(across_power(radiator.across[a], radiator.across[b], y,
+                                              radiator.width / 2, rest, radiator.width));
     }
-  return found;
 }
 
 double RadiationResistance::across(std::size_t a, std::size_t b, double rest) const {
-  return tables_[in_lower_half(a, b)](std::min(rest, highest_));
+  double weights[most_points_of_rule];
+  const std::size_t first = across_.weigh(std::min(rest, highest_), weights);
+  const double* values = &tables_[in_lower_half(a, b)][first];
+  return std::inner_product(weights, weights + across_.order(), values, 0.0);
 }
 
-/// Calls `add` with weight, transforms and what is left across, for points from 0 to a wave number:
-/// those of the full panels below it, and of the rest of its own panel.
+/// Calls `add` with weight, transforms and what is left across, for points from 0 to a wave number.
 template <class Add>
 void RadiationResistance::each_point(double wave_number, Add add) const {
-  const auto order = static_cast<std::size_t>(fineness_.points);
-  const std::size_t panels = panels_.size() / order;
-  const double width = highest_ / static_cast<double>(panels);
-  const std::size_t full =
-      std::min(panels, static_cast<std::size_t>(std::floor(wave_number / width)));
-  const auto rest = [&](double p) {
-    return std::sqrt(std::max(0.0, (wave_number - p) * (wave_number + p)));
-  };
-  for (std::size_t i = 0; i < full * order; ++i)
-    add(panels_.weight[i], at_panels_[i], rest(panels_.at[i]));
-  const double begin = static_cast<double>(full) * width;
-  if (!(wave_number > begin)) return;
-  const Points own = even_points(begin, wave_number, turning_, fineness_);
-  for (std::size_t i = 0; i < own.size(); ++i)
-    add(own.weight[i], transforms(own.at[i]), rest(own.at[i]));
+  if (!(wave_number > 0)) return;
+  const Points points = even_points(0, wave_number, turning_, fineness_);
+  const std::size_t modes = across_of_.size();
+  Transforms here{std::vector<double>(modes), std::vector<double>(modes)};
+  double weights[most_points_of_rule];
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double p = points.at[i];
+    std::fill(here.re.begin(), here.re.end(), 0.0);
+    std::fill(here.im.begin(), here.im.end(), 0.0);
+    const std::size_t first = along_.weigh(p, weights);
+    for (std::size_t n = 0; n < along_.order(); ++n) {
+      const Transforms& known = transforms_[first + n];
+      for (std::size_t k = 0; k < modes; ++k) {
+        here.re[k] += weights[n] * known.re[k];
+        here.im[k] += weights[n] * known.im[k];
+      }
+    }
+    add(points.weight[i], here, std::sqrt((wave_number - p) * (wave_number + p)));
+  }
 }
 
 std::vector<double> RadiationResistance::lower_half(double frequency) const {

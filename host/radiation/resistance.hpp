@@ -31,22 +31,19 @@ class RadiationResistance {
   struct Transforms {
     std::vector<double> re, im;  // of each mode
   };
-  Transforms transforms(double wave_number) const;
   template <class Add>
   void each_point(double wave_number, Add add) const;
   double across(std::size_t a, std::size_t b, double rest) const;
 
   const Air air_;
   double highest_ = 0;  // wave number, rad/m
-  double turning_ = 0;
+  double turning_ = 0;  // of the transforms' products, m
   Fineness fineness_;
   std::vector<std::size_t> across_of_;  // of each mode
   std::size_t across_count_ = 0;
-  Points along_;                       // on the face, from its middle
-  std::vector<double> shapes_;         // (mode, point), with the points' weights
-  std::vector<SmoothTable> tables_;    // (across, across), lower half
-  Points panels_;                      // of wave numbers
-  std::vector<Transforms> at_panels_;  // at these
+  Interpolation along_, across_;             // over the wave number
+  std::vector<Transforms> transforms_;       // at along_'s points
+  std::vector<std::vector<double>> tables_;  // of (across, across), lower half: at across_'s points
 };
 
 /// Bound on the share by which the inertia of the air on both sides lowers a mode's frequency, for
