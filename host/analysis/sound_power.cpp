@@ -31,7 +31,7 @@ class ResistanceBetween {
   const std::vector<double>& operator()(double frequency) {
     const double place = frequency / apart_;
     const long cell = static_cast<long>(std::floor(place));
-    std::erase_if(known_, [&](const auto& known) { return known.first < cell - 2; });
+    std::erase_if(known_, [&](const auto& entry) { return entry.first < cell - 2; });
     std::fill(found_.begin(), found_.end(), 0.0);
     for (long i = cell - 2; i <= cell + 3; ++i) {
       double weight = 1;
@@ -46,8 +46,8 @@ class ResistanceBetween {
 
  private:
   const std::vector<double>& at(long i) {
-    const auto known = known_.find(i);
-    if (known != known_.end()) return known->second;
+    const auto old = known_.find(i);
+    if (old != known_.end()) return old->second;
     return known_.emplace(i, resistance_.lower_half(static_cast<double>(i) * apart_)).first->second;
   }
 
@@ -140,8 +140,7 @@ RadiatedPower radiated_power(const ResultReader& reader, const SoundingResonator
   for (std::size_t k = 0; k < modes.size(); ++k) {
     const double frequency = modes[k].omega / (2 * M_PI);
     if (!(frequency > 0)) continue;
-    const bool known = frequency <= highest;
-    const double r = known ? resistance.of_mode(k, frequency) : quiet_nan;
+    const double r = frequency <= highest ? resistance.of_mode(k, frequency) : quiet_nan;
     found.mode_frequency.push_back(frequency);
     found.mode_efficiency.push_back(
         r / (resonator.air.density * resonator.air.sound_speed * resonator.face.width));

@@ -13,7 +13,7 @@
 /// (docs/sound.md).
 namespace ra2d {
 
-/// What sound is asked for.
+/// The sound that is asked for.
 struct SoundRequest {
   std::vector<Position> microphones;  // m: from the resonator's left end, its edge, its plane
   bool power = false;

@@ -102,10 +102,10 @@ void RadiationResistance::each_point(double wave_number, Add add) const {
     std::fill(here.im.begin(), here.im.end(), 0.0);
     const std::size_t first = along_.weigh(p, weights);
     for (std::size_t n = 0; n < along_.order(); ++n) {
-      const Transforms& known = transforms_[first + n];
+      const Transforms& sample = transforms_[first + n];
       for (std::size_t k = 0; k < modes; ++k) {
-        here.re[k] += weights[n] * known.re[k];
-        here.im[k] += weights[n] * known.im[k];
+        here.re[k] += weights[n] * sample.re[k];
+        here.im[k] += weights[n] * sample.im[k];
       }
     }
     add(points.weight[i], here, std::sqrt((wave_number - p) * (wave_number + p)));
