@@ -240,6 +240,22 @@ void take_intervals(const ResultSummary& summary, Analysis& a) {
       {summary.lv_low, summary.lv_high}, {summary.shock_rate_low, summary.shock_rate_high}, {}};
 }
 
+void add_sound_levels(const ResultReader& reader, const std::optional<Scene>& scene,
+                      const Stretch& stretch, const SoundRequest& request, Analysis& a) {
+  const SoundingResonator resonator = sounding_resonator(reader, scene, a.file, request);
+  a.air = resonator.air;
+  const double ringing = ringing_of(a.natural_frequencies, a.modal_damping);
+  for (const HeardSound& sound : hear(reader, resonator, stretch, a.file, request)) {
+    a.microphones.push_back(levels_of(sound, a.rate, ringing));
+    a.microphones.back().arrives = sound.distances.least / a.air.sound_speed;
+  }
+  if (!request.power) return;
+  if (stretch.count < 2)
+    throw RequestError(
+        fmt::format("{}: it has no samples to find a sound power of", a.file.string()));
+  a.power = radiated_power(reader, resonator, stretch);
+}
+
 }  // namespace
 
 double last_mode(const Analysis& a) {
@@ -247,10 +263,10 @@ double last_mode(const Analysis& a) {
   return last == a.natural_frequencies.end() ? quiet_nan : *last;
 }
 
-std::vector<bool> bands_above_modes(const Analysis& a) {
+std::vector<bool> bands_above_modes(const Analysis& a, const std::vector<int>& numbers) {
   const double last = last_mode(a);
   std::vector<bool> above;
-  for (const int number : a.bands.number) above.push_back(third_octave_low(number) > last);
+  for (const int number : numbers) above.push_back(third_octave_low(number) > last);
   return above;
 }
 
@@ -290,6 +306,7 @@ Analysis analyze(const std::filesystem::path& file, const AnalysisOptions& optio
   a.energy_per_shock = a.shocks.count > 0 ? a.energy.given / a.shocks.rate : quiet_nan;
   a.mesh = mesh_tone(scene, a);
   mark_mesh(a.peaks, a.mesh.frequency, a.spectrum.resolution);
+  if (options.sound.asks()) add_sound_levels(reader, scene, stretch, options.sound, a);
   return a;
 }
 

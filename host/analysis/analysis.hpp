@@ -11,6 +11,8 @@
 #include "host/analysis/peaks.hpp"
 #include "host/analysis/power_balance.hpp"
 #include "host/analysis/shock_statistics.hpp"
+#include "host/analysis/sound_power.hpp"
+#include "host/analysis/sound_pressure.hpp"
 #include "host/analysis/spectrum.hpp"
 
 /// The analysis of a result (docs/analysis.md): level, spectrum, bands, shocks, powers.
@@ -21,6 +23,7 @@ struct AnalysisOptions {
   std::optional<std::size_t> segment;  // ... or samples of a segment; else usual_segment()
   std::optional<double> from, to;      // s; else output.from, and the end of the run
   bool a_weighting = false;
+  SoundRequest sound;
 };
 
 /// Densities; of the velocity in (m/s)^2/Hz, of the contact force less its mean in N^2/Hz. Empty
@@ -76,14 +79,17 @@ struct Analysis {
   std::size_t aliased_modes = 0;
   std::vector<SpectralPeak> peaks;
   MeshTone mesh;
+  Air air;  // of the sound, where some was asked for
+  std::vector<MicrophoneLevels> microphones;
+  std::optional<RadiatedPower> power;
 };
 
 /// The resonator's last elastic mode [Hz]; NaN where it has none.
 double last_mode(const Analysis& analysis);
 
-/// For each band, whether it lies above that mode: its level is that of the flank of lower modes,
-/// and would differ with more modes.
-std::vector<bool> bands_above_modes(const Analysis& analysis);
+/// For each third octave, whether it lies above that mode: its level is that of the flank of lower
+/// modes, and would differ with more modes.
+std::vector<bool> bands_above_modes(const Analysis& analysis, const std::vector<int>& numbers);
 
 /// Reads and analyses a result. Throws FileError of the file, and RequestError where the options
 /// ask for what it does not have.

@@ -44,7 +44,7 @@ std::string bands_csv(const Analysis& a) {
   std::string text = "nominal_Hz,centre_Hz,level_dB,spread_dB";
   if (weighted) text += ",level_a_dB";
   name_probes(a, "level", "_dB", text, ",above_last_mode");
-  const std::vector<bool> above = bands_above_modes(a);
+  const std::vector<bool> above = bands_above_modes(a, b.number);
   for (std::size_t i = 0; i < b.number.size(); ++i) {
     text += fmt::format("{},{},{},{}", third_octave_name(b.number[i]),
                         third_octave_centre(b.number[i]), b.level[i], b.spread[i]);

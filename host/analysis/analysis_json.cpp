@@ -75,7 +75,7 @@ Json bands_json(const Analysis& a) {
             {"nominal", nominal},
             {"spread", bands.spread},
             {"level_probe", bands.level_probe},
-            {"above_last_mode", bands_above_modes(a)},
+            {"above_last_mode", bands_above_modes(a, a.bands.number)},
             {"last_mode", last_mode(a)}};
   if (!bands.level_a.empty()) json["level_a"] = bands.level_a;
   return json;
@@ -94,6 +94,61 @@ Json peaks_json(const std::vector<SpectralPeak>& peaks) {
                     {"no_damping", word_of(p.half_power.why)},
                     {"of_mesh", p.of_mesh}});
   return list;
+}
+
+Json octaves_json(const Analysis& a, const std::vector<int>& numbers,
+                  const std::vector<double>& levels, const std::vector<double>& weighted,
+                  const std::vector<double>& spread) {
+  std::vector<double> centre;
+  std::vector<std::string> nominal;
+  for (const int number : numbers) {
+    centre.push_back(third_octave_centre(number));
+    nominal.push_back(third_octave_name(number));
+  }
+  return {{"centre", centre},   {"level", levels},
+          {"nominal", nominal}, {"level_a", weighted},
+          {"spread", spread},   {"above_last_mode", bands_above_modes(a, numbers)}};
+}
+
+Json microphones_json(const Analysis& a) {
+  Json list = Json::array();
+  for (const MicrophoneLevels& m : a.microphones)
+    list.push_back({{"position", m.position},
+                    {"lp", m.lp},
+                    {"lpa", m.lp_a},
+                    {"lp_interval", interval_json(m.intervals.level)},
+                    {"no_interval", m.intervals.why_none},
+                    {"p_rms", m.rms},
+                    {"p_peak", m.peak},
+                    {"from", m.from},
+                    {"to", m.to},
+                    {"distance", m.distance},
+                    {"arrives", m.arrives},
+                    {"bands", octaves_json(a, m.number, m.level, m.level_a, m.spread)},
+                    {"history",
+                     {{"from", m.history.from},
+                      {"part_seconds", m.history.part_seconds},
+                      {"mean_square", m.history.mean_square}}}});
+  return list;
+}
+
+Json power_json(const Analysis& a) {
+  const RadiatedPower& p = *a.power;
+  Json bands = octaves_json(a, p.number, p.level, p.level_a, p.spread);
+  bands["efficiency"] = p.band_efficiency;
+  return {{"lw", p.lw},
+          {"lwa", p.lw_a},
+          {"watts", p.watts},
+          {"efficiency", p.efficiency},
+          {"bands", bands},
+          {"modes",
+           {{"frequency", p.mode_frequency},
+            {"efficiency", p.mode_efficiency},
+            {"damping_of_air", p.mode_damping}}},
+          {"damping_power", p.damping_power},
+          {"share_of_damping", p.share_of_damping},
+          {"air_matters", p.air_matters()},
+          {"inertia_of_air", p.inertia}};
 }
 
 Json analysis_json(const Analysis& a) {
@@ -127,6 +182,10 @@ Json analysis_json(const Analysis& a) {
             {"probes", a.probe_position},
             {"slider_probes", a.slider_probe_position}};
   if (!a.bands.level_a.empty()) json["lv_a"] = a.lv_a;
+  if (!a.microphones.empty()) json["microphones"] = microphones_json(a);
+  if (a.power) json["power"] = power_json(a);
+  if (!a.microphones.empty() || a.power)
+    json["air"] = {{"sound_speed", a.air.sound_speed}, {"density", a.air.density}};
   return json;
 }
 

@@ -138,7 +138,7 @@ std::string bands_text(const Analysis& a) {
                        weighted ? "A-weighted, " : "", third_octave_name(b.number.front()),
                        third_octave_name(b.number.back())));
   const std::vector<double>& levels = weighted ? b.level_a : b.level;
-  const std::vector<bool> above = bands_above_modes(a);
+  const std::vector<bool> above = bands_above_modes(a, b.number);
   const bool marks = above.back();
   for (std::size_t first = 0; first < b.number.size(); first += bands_a_line) {
     std::string row;
@@ -191,7 +191,8 @@ std::string describe(const Analysis& a) {
   text += line("level Lv", level_text(a));
   if (!std::isnan(a.contact_share))
     text += line("in contact", fmt::format("{:.2f} % of the time", 100 * a.contact_share));
-  return text + shocks_text(a) + energy_text(a) + spectrum_text(a) + peaks_text(a) + bands_text(a);
+  return text + shocks_text(a) + energy_text(a) + spectrum_text(a) + peaks_text(a) + bands_text(a) +
+         describe_sound(a);
 }
 
 std::string describe_means(const std::vector<Analysis>& analyses) {

@@ -19,6 +19,9 @@ std::string mesh_tone_text(const MeshTone& mesh);
 /// One screen.
 std::string describe(const Analysis& analysis);
 
+/// The part of it about sound; nothing where none was asked for.
+std::string describe_sound(const Analysis& analysis);
+
 /// The means of several, a line a figure.
 std::string describe_means(const std::vector<Analysis>& analyses);
 
@@ -31,6 +34,8 @@ std::string json_of(const std::vector<Analysis>& analyses);
 std::string spectrum_csv(const Analysis& analysis);
 std::string bands_csv(const Analysis& analysis);
 std::string shocks_csv(const Analysis& analysis);
+/// Third octaves of each microphone, and of the sound power.
+std::string sound_csv(const Analysis& analysis);
 
 /// Level and rate of shocks of each result with its own interval, and of several their means with
 /// theirs.

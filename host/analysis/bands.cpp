@@ -96,6 +96,27 @@ std::vector<double> band_powers(const std::vector<int>& numbers, const WholeSpec
   return found;
 }
 
+std::vector<std::vector<double>> band_powers(const std::vector<int>& numbers,
+                                             const WholeSpectrum& spectrum,
+                                             const std::vector<std::span<const double>>& powers) {
+  // u = 10^(16/12) and more
+  const double u = std::pow(10.0, 16.0 / 12) / quality(), ratio = u / 2 + std::hypot(1, u / 2);
+  std::vector<std::vector<double>> found(powers.size());
+  for (const int number : numbers) {
+    const double centre = third_octave_centre(number), line = spectrum.frequency(1);
+    const auto first = static_cast<std::size_t>(std::max(1.0, std::floor(centre / ratio / line)));
+    const auto beyond =
+        std::min(spectrum.lines(), static_cast<std::size_t>(std::ceil(centre * ratio / line)) + 1);
+    std::vector<double> sums(powers.size());
+    for (std::size_t j = first; j < beyond; ++j) {
+      const double share = share_at(centre, spectrum.frequency(j));
+      for (std::size_t i = 0; i < powers.size(); ++i) sums[i] += powers[i][j] * share;
+    }
+    for (std::size_t i = 0; i < powers.size(); ++i) found[i].push_back(sums[i]);
+  }
+  return found;
+}
+
 double band_spread(int number, double seconds) {
   return 10 / std::log(10.0) / std::sqrt(third_octave_centre(number) * relative_width() * seconds);
 }

@@ -56,6 +56,12 @@ inline constexpr double least_product = 4;
 std::vector<double> band_powers(const std::vector<int>& numbers, const WholeSpectrum& spectrum,
                                 std::span<const double> power);
 
+/// Power in each band of several spectra at once: without what a band's filter takes down by 160
+/// dB, which is most lines.
+std::vector<std::vector<double>> band_powers(const std::vector<int>& numbers,
+                                             const WholeSpectrum& spectrum,
+                                             const std::vector<std::span<const double>>& powers);
+
 /// Standard deviation of a band's level over runs [dB], were the signal stationary Gaussian noise.
 double band_spread(int number, double seconds);
 

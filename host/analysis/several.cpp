@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "host/analysis/several.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "host/analysis/distributions.hpp"
@@ -34,6 +36,25 @@ constexpr Figure figures[] = {
      Values::positive},
     {"energy.per_shock", "J", [](const Analysis& a) { return a.energy_per_shock; }, Values::any},
 };
+
+/// Of each microphone, and of the power; all results were asked for the same ones.
+void add_means_of_sound(const std::vector<Analysis>& analyses, std::vector<FigureOfRuns>& means) {
+  const auto add = [&](const std::string& name, auto of) {
+    std::vector<double> values;
+    for (const Analysis& analysis : analyses) values.push_back(of(analysis));
+    means.push_back({name, "dB", mean_of_runs(values)});
+  };
+  if (analyses.empty()) return;
+  for (std::size_t i = 0; i < analyses.front().microphones.size(); ++i) {
+    add(fmt::format("microphones.{}.lp", i + 1),
+        [i](const Analysis& a) { return a.microphones[i].lp; });
+    add(fmt::format("microphones.{}.lpa", i + 1),
+        [i](const Analysis& a) { return a.microphones[i].lp_a; });
+  }
+  if (!analyses.front().power) return;
+  add("power.lw", [](const Analysis& a) { return a.power->lw; });
+  add("power.lwa", [](const Analysis& a) { return a.power->lw_a; });
+}
 
 }  // namespace
 
@@ -77,6 +98,7 @@ std::vector<FigureOfRuns> means_of(const std::vector<Analysis>& analyses) {
     const MeanOfRuns mean = mean_of_runs(values, figure.kind);
     if (mean.count > 0) means.push_back({figure.name, figure.unit, mean});
   }
+  add_means_of_sound(analyses, means);
   return means;
 }
 

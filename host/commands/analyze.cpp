@@ -28,6 +28,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* figures = "figures.csv";
 constexpr const char* tables[] = {"spectrum.csv", "bands.csv", "shocks.csv"};
+constexpr const char* sound_table = "sound.csv";
 constexpr const char* study_tables[] = {"means.csv", "law.csv"};
 
 struct AnalyzeRequest {
@@ -66,6 +67,8 @@ std::vector<std::string> choose_prefixes(const AnalyzeRequest& request) {
                       "names",
                       request.csv, prefixes.back(), tables[0]));
     for (const char* table : tables) require_derived_output(prefixes.back() + table, request.files);
+    if (request.options.sound.asks())
+      require_derived_output(prefixes.back() + sound_table, request.files);
   }
   require_derived_output(figures_file(request), request.files);
   return prefixes;
@@ -75,6 +78,8 @@ void write_tables(const std::string& prefix, const Analysis& analysis) {
   write_text(prefix + tables[0], spectrum_csv(analysis));
   write_text(prefix + tables[1], bands_csv(analysis));
   write_text(prefix + tables[2], shocks_csv(analysis));
+  if (!analysis.microphones.empty() || analysis.power)
+    write_text(prefix + sound_table, sound_csv(analysis));
 }
 
 /// The table of a study: a folder's, or the file itself.
@@ -100,10 +105,10 @@ int analyze_study(const AnalyzeRequest& request) {
     throw RequestError(
         "several files, and one of them a study's: expected one study, or results of 'ra2d run'");
   const AnalysisOptions& o = request.options;
-  if (o.resolution || o.segment || o.from || o.to || o.a_weighting)
+  if (o.resolution || o.segment || o.from || o.to || o.a_weighting || o.sound.asks())
     throw RequestError(
-        "--resolution, --segment, --from, --to and --a-weighting are of results of 'ra2d run': a "
-        "study takes --json and --csv");
+        "--resolution, --segment, --from, --to, --a-weighting, --at and --power are of results of "
+        "'ra2d run': a study takes --json and --csv");
   fs::path named = request.files.front().lexically_normal();
   if (!named.has_filename()) named = named.parent_path();  // "study/"
   const fs::path table = table_of(named);
@@ -119,6 +124,7 @@ int analyze_study(const AnalyzeRequest& request) {
 }
 
 int run_analysis(const AnalyzeRequest& request) {
+  request.options.sound.require_sense();
   if (std::any_of(request.files.begin(), request.files.end(), [](const fs::path& file) {
         return fs::is_directory(file) || is_study_table(file);
       }))
@@ -140,7 +146,9 @@ int run_analysis(const AnalyzeRequest& request) {
   for (const Analysis& analysis : analyses) print_text(describe(analysis));
   if (analyses.size() > 1) print_text(describe_means(analyses));
   for (const std::string& prefix : prefixes)
-    if (!request.quiet) print("  {:<17}{}{{spectrum,bands,shocks}}.csv\n", "written", prefix);
+    if (!request.quiet)
+      print("  {:<17}{}{{spectrum,bands,shocks{}}}.csv\n", "written", prefix,
+            request.options.sound.asks() ? ",sound" : "");
   if (!prefixes.empty() && !request.quiet) print("  {:<17}{}\n", "written", figures_file(request));
   return exit_status::done;
 }
@@ -180,7 +188,10 @@ void add_analyze(CLI::App& app, ChosenCommand& chosen) {
   add_stretch(*analyze, options.from, options.to);
   analyze->add_flag("--a-weighting", options.a_weighting,
                     "weighs the bands as ears do (IEC 61672-1); a plate's velocity is no sound "
-                    "pressure all the same");
+                    "pressure all the same: for dB(A) see --at");
+  add_microphones(*analyze, options.sound);
+  analyze->add_flag("--power", options.sound.power,
+                    "the sound power that the resonator radiates, by third octave");
   analyze->add_flag("--quiet", request.quiet, "print results and errors only");
   analyze->callback([shared, &chosen] { chosen.run = [shared] { return run_analysis(*shared); }; });
 }

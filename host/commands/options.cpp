@@ -9,6 +9,7 @@
 #include <limits>
 #include <system_error>
 
+#include "host/analysis/sound_pressure.hpp"
 #include "host/scene_file/installed_scenes.hpp"
 
 namespace ra2d {
@@ -166,6 +167,45 @@ void add_stretch(CLI::App& command, std::optional<double>& from, std::optional<d
   };
   add("--from", from, "where to begin [output.from of the scene]");
   add("--to", to, "where to end [the end of the run]");
+}
+
+std::optional<Position> to_position(const std::string& text) {
+  Position found{};
+  std::size_t from = 0;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const std::size_t comma = text.find(',', from);
+    if ((comma == text.npos) != (i + 1 == found.size())) return {};
+    const std::optional<double> value = to_decimal(text.substr(from, comma - from));
+    if (!value) return {};
+    found[i] = *value;
+    from = comma + 1;
+  }
+  return found;
+}
+
+CLI::Option* add_microphones(CLI::App& command, SoundRequest& request) {
+  CLI::Option* at =
+      command
+          .add_option_function<std::vector<std::string>>(
+              "--at",
+              [&request](const std::vector<std::string>& places) {
+                for (const std::string& place : places)
+                  request.microphones.push_back(*to_position(place));
+              },
+              "a microphone: along the resonator from its left end, across from its edge, and "
+              "above it [m]; may be repeated")
+          ->type_name("X,Y,Z")
+          ->check(understood("three numbers of metres, x,y,z, as 0.15,0.1,0.5",
+                             [](const std::string& text) { return to_position(text); }))
+          ->take_all()
+          ->expected(1);
+  command.add_option("--temperature", request.celsius, "of the air, degrees Celsius [20]")
+      ->type_name("C")
+      ->check(number_from(-50, 100, "from -50 to 100"));
+  command.add_option("--pressure", request.pascal, "of the still air, Pa [101325]")
+      ->type_name("PA")
+      ->check(number_from(1e4, 1e6, "from 10000 to 1000000"));
+  return at;
 }
 
 void add_checkpoints(CLI::App& command, double& checkpoint, double& most_wall) {

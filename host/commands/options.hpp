@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -12,6 +13,8 @@
 
 /// The options that several commands have, and what values they take.
 namespace ra2d {
+
+struct SoundRequest;
 
 /// The options of a command that reads a scene.
 struct SceneOptions {
@@ -72,6 +75,12 @@ CLI::Validator path();
 
 /// --from and --to: a stretch of a run.
 void add_stretch(CLI::App& command, std::optional<double>& from, std::optional<double>& to);
+
+/// The place that "x,y,z" names; nothing for any other text.
+std::optional<std::array<double, 3>> to_position(const std::string& text);
+
+/// --at, --temperature, --pressure: microphones, and the air that they stand in.
+CLI::Option* add_microphones(CLI::App& command, SoundRequest& request);
 
 /// --checkpoint, in minutes, and --max-wall, in seconds.
 void add_checkpoints(CLI::App& command, double& checkpoint, double& most_wall);

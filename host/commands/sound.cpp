@@ -6,11 +6,14 @@
 #include <cctype>
 #include <cstddef>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "host/analysis/sound_pressure.hpp"
 #include "host/base/errors.hpp"
 #include "host/base/exit_status.hpp"
 #include "host/base/text.hpp"
@@ -37,7 +40,10 @@ struct Wanted {
   double slow = 1;
   int rate = 48'000;
   std::optional<double> full_scale, from, to;
+  SoundRequest sound;
 };
+
+constexpr std::size_t most_channels = 2;
 
 /// The encoding by the ending of the name and the bits that are asked for.
 std::string encoding_of(const Wanted& wanted, bool bits_given) {
@@ -71,6 +77,39 @@ void require_velocity(const Wanted& wanted) {
                    std::min(rows_together, contents.samples - first), wanted.probe - 1, 1);
 }
 
+/// Writes the pressure at each microphone, one after the other, as numbers of eight bytes. Returns
+/// what Python is told of it.
+nlohmann::ordered_json write_pressure(const Wanted& wanted, PartialFile& file) {
+  const ResultReader reader(wanted.result);
+  const ResultContents& contents = reader.contents();
+  const std::optional<Scene> scene = scene_of(contents, wanted.result);
+  const SoundingResonator resonator =
+      sounding_resonator(reader, scene, wanted.result, wanted.sound);
+  const Stretch stretch = choose_stretch(contents, scene, wanted.result, wanted.from, wanted.to);
+  std::vector<HeardSound> heard = hear(reader, resonator, stretch, wanted.result, wanted.sound);
+  // both channels play the same time
+  std::size_t first = 0, beyond = std::numeric_limits<std::size_t>::max();
+  for (const HeardSound& sound : heard) {
+    first = std::max(first, sound.first);
+    beyond = std::min(beyond, sound.first + sound.pressure.size());
+  }
+  if (beyond < first + 2)
+    throw RequestError(fmt::format(
+        "{}: there is no time at which both microphones hear the record: take a longer stretch",
+        wanted.result.string()));
+  nlohmann::ordered_json places = nlohmann::ordered_json::array();
+  for (const HeardSound& sound : heard) {
+    const double* samples = sound.pressure.data() + (first - sound.first);
+    file.write({reinterpret_cast<const char*>(samples), (beyond - first) * sizeof(double)});
+    places.push_back(sound.position);
+  }
+  return {{"microphones", places},
+          {"sound_speed", resonator.air.sound_speed},
+          {"air_density", resonator.air.density},
+          {"from", static_cast<double>(first) / contents.rate},
+          {"to", static_cast<double>(beyond - 1) / contents.rate}};
+}
+
 /// Puts the sound and the text about it in place: both or neither.
 void publish(PartialFile& sound, PartialFile& sidecar, const fs::path& sidecar_name) {
   sound.sync();
@@ -85,32 +124,47 @@ void publish(PartialFile& sound, PartialFile& sidecar, const fs::path& sidecar_n
 }
 
 int make_sound(Wanted& wanted, bool bits_given) {
+  if (wanted.sound.microphones.size() > most_channels)
+    throw RequestError(
+        fmt::format("{} microphones (--at): a sound has one channel or two; "
+                    "'ra2d analyze' takes more",
+                    wanted.sound.microphones.size()));
   if (wanted.output.empty()) wanted.output = wanted.result.stem().string() + ".wav";
   const std::string encoding = encoding_of(wanted, bits_given);
   const fs::path sidecar_name = sidecar_of(wanted.output);
   for (const fs::path& file : {wanted.output, sidecar_name})
     require_derived_output(file, {wanted.result});
   const ResultStamp stamp = read_stamp(wanted.result);
-  require_velocity(wanted);
+  wanted.sound.require_sense();
+  const bool at_microphones = wanted.sound.asks();
+  if (!at_microphones) require_velocity(wanted);
   if (!stamp.complete && !wanted.quiet)
     say(fmt::format("{}: the run was cut short: {}", wanted.result.string(), stamp.ended));
   PartialFile sound(wanted.output), sidecar(sidecar_name);
-  nlohmann::ordered_json options{{"probe", wanted.probe},
-                                 {"body", wanted.of_slider ? "slider" : "resonator"},
-                                 {"slow", wanted.slow},
-                                 {"rate", wanted.rate},
-                                 {"normalize", wanted.normalize}};
+  nlohmann::ordered_json options{
+      {"slow", wanted.slow}, {"rate", wanted.rate}, {"normalize", wanted.normalize}};
   if (wanted.full_scale) options["full_scale"] = *wanted.full_scale;
-  if (wanted.from) options["start"] = *wanted.from;
-  if (wanted.to) options["stop"] = *wanted.to;
-  const int status = ask_python({{"command", "sound"},
+  nlohmann::ordered_json request{{"command", "sound"},
                                  {"quiet", wanted.quiet},
                                  {"made", path_text(wanted.output)},
                                  {"file", path_text(wanted.result)},
                                  {"output", path_text(sound.path())},
                                  {"sidecar", path_text(sidecar.path())},
-                                 {"encoding", encoding},
-                                 {"options", options}});
+                                 {"encoding", encoding}};
+  std::optional<PartialFile> pressure;  // for Python alone: it never gets a name
+  if (at_microphones) {
+    pressure.emplace(fs::path(wanted.output) += ".pressure");
+    request["heard"] = write_pressure(wanted, *pressure);
+    pressure->sync();
+    request["pressure"] = path_text(pressure->path());
+  } else {
+    options["probe"] = wanted.probe;
+    options["body"] = wanted.of_slider ? "slider" : "resonator";
+    if (wanted.from) options["start"] = *wanted.from;
+    if (wanted.to) options["stop"] = *wanted.to;
+  }
+  request["options"] = options;
+  const int status = ask_python(request);
   if (status == exit_status::done) publish(sound, sidecar, sidecar_name);
   return status;
 }
@@ -122,8 +176,8 @@ void add_sound(CLI::App& app, ChosenCommand& chosen) {
   Wanted& options = *wanted;
   CLI::App* sound = app.add_subcommand(
       "sound",
-      "the velocity of a probe as WAV or FLAC, to listen to; NAME.json beside it says what the "
-      "values stand for");
+      "the sound pressure at a microphone (--at), or the velocity of a probe, as WAV or FLAC; "
+      "NAME.json beside it says what the values stand for");
   sound->add_option("OUT.h5", wanted->result, "result of 'ra2d run'")->required()->check(path());
   sound
       ->add_option("-o,--output", wanted->output,
@@ -136,10 +190,14 @@ void add_sound(CLI::App& app, ChosenCommand& chosen) {
           ->type_name("N")
           ->check(CLI::IsMember({"16", "24", "32", "float"}))
           ->capture_default_str();
-  CLI::Option* probe = sound->add_option("--probe", options.probe, "which of output.probes, from 1")
-                           ->type_name("N")
-                           ->transform(count())
-                           ->capture_default_str();
+  CLI::Option* probe =
+      sound
+          ->add_option("--probe", options.probe,
+                       "plays the velocity of a probe, which is no sound pressure: which of "
+                       "output.probes, from 1")
+          ->type_name("N")
+          ->transform(count())
+          ->capture_default_str();
   sound
       ->add_option_function<std::size_t>(
           "--slider-probe",
@@ -151,6 +209,10 @@ void add_sound(CLI::App& app, ChosenCommand& chosen) {
       ->type_name("N")
       ->transform(count())
       ->excludes(probe);
+  CLI::Option* at = add_microphones(*sound, options.sound);
+  at->description(at->get_description() + ": two make a stereo sound");
+  at->excludes(probe);
+  at->excludes(sound->get_option("--slider-probe"));
   sound->add_option("--slow", options.slow, "how many times longer it lasts, and lower it sounds")
       ->type_name("N")
       ->check(number_from(1, most_slow, "from 1 to 10000"))
@@ -164,9 +226,9 @@ void add_sound(CLI::App& app, ChosenCommand& chosen) {
       sound->add_flag("--normalize", options.normalize, "the loudest sample is full scale");
   sound
       ->add_option("--full-scale", options.full_scale,
-                   "velocity that full scale stands for [1, 2 or 5 times a power of ten, the next "
-                   "above the peak]")
-      ->type_name("M_PER_S")
+                   "velocity (m/s), with --at pressure (Pa), that full scale stands for [1, 2 or 5 "
+                   "times a power of ten, the next above the peak]")
+      ->type_name("VALUE")
       ->check(positive_number())
       ->excludes(normalize);
   add_stretch(*sound, options.from, options.to);

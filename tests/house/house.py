@@ -18,7 +18,7 @@ import re
 import sys
 
 # From the ground up.
-HOST = ["base", "system", "ranks", "scene", "surface", "body", "scene_file", "result", "store", "analysis",
+HOST = ["base", "system", "ranks", "scene", "surface", "body", "radiation", "scene_file", "result", "store", "analysis",
         "model", "device", "plan", "run", "ensemble", "study", "savings", "chart", "commands"]
 # What reads and writes files: it reaches neither kernels/ nor host/device, by no chain of includes, but for what a
 # scene names of the kernels.

@@ -13,6 +13,8 @@ import warnings
 from collections.abc import Callable
 from typing import Any, TextIO
 
+import numpy as np
+
 from . import budget, charts, compare_plot, comparison, page, plots, profile_plot, sound, study_plot, toml
 from .__main__ import library_missing
 from .errors import BY_STATUS, Error, FileError, Notice, RequestError
@@ -62,7 +64,12 @@ def report(request: Request) -> str:
 def play(request: Request) -> str:
     """A sound into the file `output`, and the text about it into `sidecar`."""
     name = _path(request["made"])
-    made = sound.of_probe(load(_path(request["file"])), **request["options"])
+    result = load(_path(request["file"]))
+    if "pressure" in request:
+        heard = np.fromfile(_path(request["pressure"])).reshape(len(request["heard"]["microphones"]), -1)
+        made = sound.of_pressure(result, heard, request["heard"], **request["options"])
+    else:
+        made = sound.of_probe(result, **request["options"])
     _write(_path(request["output"]), made.encoded(request["encoding"]))
     _write(_path(request["sidecar"]), made.about_text(name.name).encode("utf-8", "replace"))
     for doubt in made.doubts:

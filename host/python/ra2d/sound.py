@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Sound: the velocity of a probe, resampled, scaled, and written as WAV or FLAC (docs/sound.md)."""
+"""Sound: the pressure at microphones, or the velocity of a probe, resampled, scaled, and written as WAV or FLAC
+(docs/sound.md)."""
 from __future__ import annotations
 
 import base64
@@ -36,6 +37,8 @@ FINER = 8                    # times the old rate, between whose samples splines
 SPLINE_BLOCK, SPLINE_MARGIN = 1 << 16, 100  # samples
 LARGEST_RATIO = 1e6          # of rates: beyond, a sound is one sample or an endless line
 WAV_BYTES = 2**32 - 2**13    # that its header can count
+PRESSURE = "sound pressure"
+_UNITS = {"velocity": ("m/s", "m_per_s"), PRESSURE: ("Pa", "pa")}  # and the names of a scale and a peak
 _BITS: dict[str, int] = {"wav-16": 16, "wav-24": 24, "wav-32": 32, "flac-24": 24}
 
 
@@ -114,9 +117,9 @@ def round_full_scale(peak: float) -> float:
 class Sound:
     """A sound. A notebook shows it with a player.
 
-    - `samples`: 1-D, velocity over full scale
+    - `samples`: velocity or sound pressure over full scale; of two microphones with a column each
     - `rate` [1/s]
-    - `about`: what docs/sound.md says of it: `full_scale_m_per_s`, `peak_m_per_s`, ...
+    - `about`: what docs/sound.md says of it: `full_scale_m_per_s` or `full_scale_pa`, ...
     - `doubts`: what a listener should know
 
     >>> getfixture("result").listen()
@@ -154,7 +157,7 @@ class Sound:
         bits = _BITS[encoding]
         steps = 2.0 ** (bits - 1)
         whole = np.clip(np.rint(self.samples * steps), -steps, steps - 1) * 2.0 ** (32 - bits)
-        with soundfile.SoundFile(out, "w", self.rate, 1, f"PCM_{bits}", format=encoding.split("-")[0].upper()) as file:
+        with soundfile.SoundFile(out, "w", self.rate, self.samples.ndim, f"PCM_{bits}", format=encoding.split("-")[0].upper()) as file:
             if title := "".join(c for c in self.about["title"] if c.isprintable()):  # an empty one is refused
                 file.title = title
             file.comment = self._comment()
@@ -170,15 +173,29 @@ class Sound:
         """
         return "data:audio/wav;base64," + base64.b64encode(self.encoded("wav-16")).decode()
 
+    def _unit(self) -> str:
+        return _UNITS[self.about["quantity"]][0]
+
+    def _scale(self) -> float:
+        return float(self.about[f"full_scale_{_UNITS[self.about['quantity']][1]}"])
+
+    def _peak(self) -> float:
+        return float(self.about[f"peak_{_UNITS[self.about['quantity']][1]}"])
+
     def _place(self) -> str:
         a = self.about
+        if a["quantity"] == PRESSURE:
+            return " and ".join(", ".join(f"{x:g}" for x in place) for place in a["microphones"]) + " m"
         return f"{'slider ' if a['body'] == 'slider' else ''}probe {a['probe']} at {a['position']:g} m"
 
     def _comment(self) -> str:
         a = self.about
         slower = f"; {a['slow']:g} times slower" if a["slow"] != 1 else ""
-        return (f"velocity of {self._place()}, the value 1.0 is {a['full_scale_m_per_s']:g} m/s; {a['from']:g} s to "
-                f"{a['to']:g} s{slower}")
+        return (f"{a['quantity']} {self._of()}{self._place()}, the value 1.0 is {self._scale():g} {self._unit()}; "
+                f"{a['from']:g} s to {a['to']:g} s{slower}")
+
+    def _of(self) -> str:
+        return "at " if self.about["quantity"] == PRESSURE else "of "
 
     def about_text(self, name: str) -> str:
         """The text that stands beside the file `name` (docs/sound.md).
@@ -197,19 +214,22 @@ class Sound:
         a = self.about
         lines = [("length", f"{quantity(len(self.samples) / self.rate, 's')}, {len(self.samples)} samples at "
                             f"{self.rate} Hz"),
-                 ("full scale", f"1.0 in the file is {a['full_scale_m_per_s']:g} m/s")]
-        if (peak := a["peak_m_per_s"]) > 0:
-            lines.append(("peak", f"{peak:.4g} m/s, {20 * math.log10(peak / a['full_scale_m_per_s']):.1f} dB of full "
+                 ("full scale", f"1.0 in the file is {self._scale():g} {self._unit()}")]
+        if (peak := self._peak()) > 0:
+            lines.append(("peak", f"{peak:.4g} {self._unit()}, {20 * math.log10(peak / self._scale()):.1f} dB of full "
                                   "scale"))
         lines += [("file", name), ("beside it", f"{name}.json")]
+        if a["quantity"] != PRESSURE:
+            lines.append(("what it is", "a velocity, no sound pressure: --at X,Y,Z plays what a microphone hears"))
         slower = f", {a['slow']:g} times slower" if a["slow"] != 1 else ""
-        head = f"velocity of {self._place()}, from {a['from']:g} s to {a['to']:g} s{slower}\n"
+        head = f"{a['quantity']} {self._of()}{self._place()}, from {a['from']:g} s to {a['to']:g} s{slower}\n"
         return head + "".join(f"  {what:<17}{text}\n" for what, text in lines)
 
     def __repr__(self) -> str:
         a = self.about
-        return (f"<ra2d.Sound of the {a['body']} at {a['position']:g} m, {len(self.samples) / self.rate:.3g} s; "
-                f"full scale {a['full_scale_m_per_s']:g} m/s>")
+        place = f"at {self._place()}" if a["quantity"] == PRESSURE else f"of the {a['body']} at {a['position']:g} m"
+        return (f"<ra2d.Sound {place}, {len(self.samples) / self.rate:.3g} s; full scale {self._scale():g} "
+                f"{self._unit()}>")
 
     def _repr_html_(self) -> str:
         return f'<audio controls src="{self.source()}"></audio><br><code>{repr(self)[1:-1]}</code>'
@@ -293,31 +313,34 @@ def _doubt_rates(about: dict[str, Any], modes: Array) -> list[str]:
 
 
 def _doubt_scale(about: dict[str, Any], name: str) -> list[str]:
-    peak, scale, beyond = about["peak_m_per_s"], about["full_scale_m_per_s"], about["beyond_full_scale"]
+    unit, key = _UNITS[about["quantity"]]
+    peak, scale, beyond = about[f"peak_{key}"], about[f"full_scale_{key}"], about["beyond_full_scale"]
+    if not peak > 0 and about["quantity"] == PRESSURE:
+        return [f"silence: the resonator does not move from {about['from']:g} s to {about['to']:g} s"]
     if not peak > 0:
         support = "; at a support there is nothing to hear" if about["position"] == 0 and about["body"] == "resonator" \
             else ""
         return [f"silence: the {name} does not move from {about['from']:g} s to {about['to']:g} s{support}"]
     doubts = []
     if peak < 2.0**-23 * scale:
-        doubts.append(f"the peak, {peak:.4g} m/s, is {peak / scale:.3g} of --full-scale {scale:g} m/s: a file of 24 "
+        doubts.append(f"the peak, {peak:.4g} {unit}, is {peak / scale:.3g} of --full-scale {scale:g} {unit}: a file of 24 "
                       "bits, which hold nothing below 1.2e-07, is silent, and one of floats is too soft to hear")
     if beyond:
-        doubts.append(f"{beyond} of {about['samples']} samples are beyond --full-scale {scale:g} m/s, the peak is "
-                      f"{peak:.4g} m/s: whole numbers clip them; in a WAV of floats they stand, and players clip them")
+        doubts.append(f"{beyond} of {about['samples']} samples are beyond --full-scale {scale:g} {unit}, the peak is "
+                      f"{peak:.4g} {unit}: whole numbers clip them; in a WAV of floats they stand, and players clip them")
     return doubts
 
 
-def _full_scale(peak: float, wanted: float | None, normalize: bool) -> float:
-    """The velocity that the value 1 stands for."""
+def _full_scale(peak: float, wanted: float | None, normalize: bool, unit: str = "m/s") -> float:
+    """The velocity or pressure that the value 1 stands for."""
     if wanted is None:
         return peak if normalize and peak > 0 else round_full_scale(peak)
     _require("full_scale", wanted, math.ulp(0.0), 1.7e308)
     share, limits = peak / wanted, np.finfo(np.float32)
     if peak > 0 and not limits.tiny <= share <= limits.max:
-        raise RequestError(f"--full-scale {wanted:g}: the peak is {peak:.4g} m/s, {share:.3g} times that, and the "
-                           f"numbers of a sound file go from {limits.tiny:.3g} to {limits.max:.3g}: expected a velocity "
-                           "near the peak")
+        raise RequestError(f"--full-scale {wanted:g}: the peak is {peak:.4g} {unit}, {share:.3g} times that, and the "
+                           f"numbers of a sound file go from {limits.tiny:.3g} to {limits.max:.3g}: expected a "
+                           f"{'pressure' if unit == 'Pa' else 'velocity'} near the peak")
     return wanted
 
 
@@ -328,6 +351,31 @@ def _require_room(count: int, source: float, rate: int, result: Result) -> None:
     if 32 * frames > room or 4 * frames > WAV_BYTES:
         raise RequestError(f"{result.path.name}: the sound would last {frames / rate:.4g} s: take a part of the run "
                            "with --from and --to")
+
+
+def _origin(result: Result) -> dict[str, Any]:
+    """What a sound says of the result and the program."""
+    version, _, commit = program.call("--version").strip().partition(" ")[2].partition(" ")
+    return {"source": result.path.name, "source_rate": result.rate, "title": result.title,
+            "complete": result.complete, "ended": str(result.attrs.get("ended", "")), "creator": "ra2d",
+            "version": version, "commit": commit.strip("()")}
+
+
+def of_pressure(result: Result, pressures: Array, heard_at: dict[str, Any], *, slow: float = 1, rate: int = 48000,
+                full_scale: float | None = None, normalize: bool = False) -> Sound:
+    """The pressure [Pa] at one microphone or two as sound: a row of samples for each, at the result's
+    rate. `heard_at` says where, when and in what air."""
+    source = result.rate
+    _require_room(pressures.size, source / slow, rate, result)
+    heard = np.stack([resample(row, source / slow, rate) for row in pressures], axis=-1)
+    peak = float(np.abs(heard).max(initial=0))
+    scale = _full_scale(peak, full_scale, normalize, "Pa")
+    about = {"body": "resonator", "quantity": PRESSURE, **heard_at, "full_scale_pa": scale, "peak_pa": peak,
+             "beyond_full_scale": int((np.abs(heard) > scale).sum()), "rate": int(rate), "samples": len(heard),
+             "slow": float(slow), **_origin(result)}
+    modes = result.modes("resonator").frequency.values
+    doubts = _doubt_scale(about, "") + _doubt_rates(about, modes)
+    return Sound((heard[:, 0] if len(pressures) == 1 else heard) / scale, int(rate), about, tuple(doubts))
 
 
 def of_probe(result: Result, probe: int = 1, body: str = "resonator", *, slow: float = 1, rate: int = 48000,
@@ -348,13 +396,10 @@ def of_probe(result: Result, probe: int = 1, body: str = "resonator", *, slow: f
     heard = resample(values, source / slow, rate)
     peak = float(np.abs(heard).max(initial=0))
     scale = _full_scale(peak, full_scale, normalize)
-    version, _, commit = program.call("--version").strip().partition(" ")[2].partition(" ")
     about = {"body": body, "probe": probe, "position": float(velocity.position), "quantity": "velocity",
              "full_scale_m_per_s": scale, "peak_m_per_s": peak, "beyond_full_scale": int((np.abs(heard) > scale).sum()),
              "rate": int(rate), "samples": heard.size, "slow": float(slow), "from": float(time[part.start]),
-             "to": float(time[part.stop - 1]), "source": result.path.name, "source_rate": source,
-             "title": result.title, "complete": result.complete, "ended": str(result.attrs.get("ended", "")),
-             "creator": "ra2d", "version": version, "commit": commit.strip("()")}
+             "to": float(time[part.stop - 1]), **_origin(result)}
     modes = result.modes("slider" if body == "slider" else "resonator").frequency.values
     name = f"{'slider ' if body == 'slider' else ''}probe at {about['position']:g} m"
     doubts = _doubt_scale(about, name)

@@ -211,3 +211,25 @@ def test_the_text_beside_it():
     about = json.loads(sound.of_probe(moving(sine(1000, 3e-3), count=10001), slow=2).about_text("noise.wav"))
     assert about["file"] == "noise.wav" and about["quantity"] == "velocity" and about["slow"] == 2
     assert (about["from"], about["to"], about["source"], about["creator"]) == (0, 0.1, "out.h5", "ra2d")
+
+
+# ---- at microphones ---------------------------------------------------------------------------------
+
+def test_it_is_the_pressure_over_full_scale():
+    time = np.arange(100001) / 100e3
+    motions = sine(1000, 0.3), sine(3000, 0.03)
+    heard_at = {"microphones": [[0.1, 0.2, 0.3], [1, 2, 3]], "from": 0.0, "to": 1.0}
+    made = sound.of_pressure(moving(), np.array([motion(time) for motion in motions]), heard_at)
+    assert made.about["full_scale_pa"] == 0.5 and made.samples.shape == (48001, 2) and not made.doubts
+    for channel, amplitude, frequency in ((0, 0.6, 1000), (1, 0.06, 3000)):
+        assert middle_error(made.samples[:, channel], sine(frequency, amplitude), 48e3) < 1e-6
+    for encoding in ("wav-24", "wav-float", "flac-24"):
+        assert read(made, encoding).channels == 2
+    assert "sound pressure at 0.1, 0.2, 0.3 and 1, 2, 3 m, the value 1.0 is 0.5 Pa" in read(made, "flac-24").comment
+    alone = sound.of_pressure(moving(), motions[0](time)[None, :], {**heard_at, "microphones": [[1, 2, 3]]}, slow=2)
+    assert alone.samples.ndim == 1 and "2 times slower" in alone.describe("x.wav")
+
+
+def test_silence_is_said():
+    made = sound.of_pressure(moving(), np.zeros((1, 1000)), {"microphones": [[1, 2, 3]], "from": 0.0, "to": 0.01})
+    assert made.doubts[0].startswith("silence: the resonator")

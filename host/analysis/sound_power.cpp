@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/analysis/sound_power.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <map>
+#include <numeric>
+
+#include "host/analysis/bands.hpp"
+#include "host/base/fourier.hpp"
+#include "host/base/quiet_nan.hpp"
+#include "host/radiation/resistance.hpp"
+
+namespace ra2d {
+namespace {
+
+constexpr double most_line_bytes = 256e6;  // of the lines of all modes in one piece
+constexpr double matters = 0.1;            // of the damping
+constexpr double turn = 0.35;  // rad from grid to grid: the polynomial is then right to 1e-5
+constexpr std::size_t least_piece = 1 << 14;  // samples
+
+/// Resistances at any frequency, by Lagrange's polynomial through six of an even grid. R has no
+/// component faster than the way over the face, and is even in frequency.
+class ResistanceBetween {
+ public:
+  ResistanceBetween(const RadiationResistance& resistance, double apart)
+      : resistance_{resistance}, apart_{apart} {}
+
+  /// Frequencies that rise from call to call: what is behind is forgotten.
+  const std::vector<double>& operator()(double frequency) {
+    const double place = frequency / apart_;
+    const long cell = static_cast<long>(std::floor(place));
+    std::erase_if(known_, [&](const auto& entry) { return entry.first < cell - 2; });
+    std::fill(found_.begin(), found_.end(), 0.0);
+    for (long i = cell - 2; i <= cell + 3; ++i) {
+      double weight = 1;
+      for (long j = cell - 2; j <= cell + 3; ++j)
+        if (j != i) weight *= (place - static_cast<double>(j)) / static_cast<double>(i - j);
+      const std::vector<double>& values = at(std::abs(i));
+      found_.resize(values.size());
+      for (std::size_t k = 0; k < values.size(); ++k) found_[k] += weight * values[k];
+    }
+    return found_;
+  }
+
+ private:
+  const std::vector<double>& at(long i) {
+    const auto old = known_.find(i);
+    if (old != known_.end()) return old->second;
+    return known_.emplace(i, resistance_.lower_half(static_cast<double>(i) * apart_)).first->second;
+  }
+
+  const RadiationResistance& resistance_;
+  double apart_;  // Hz
+  std::map<long, std::vector<double>> known_;
+  std::vector<double> found_;
+};
+
+}  // namespace
+
+double power_level(double watts) { return 10 * std::log10(watts / 1e-12); }
+
+bool RadiatedPower::air_matters() const { return share_of_damping > matters; }
+
+RadiatedPower radiated_power(const ResultReader& reader, const SoundingResonator& resonator,
+                             const Stretch& stretch) {
+  const double rate = reader.contents().rate;
+  const std::vector<BodyMode>& modes = resonator.body.modes;
+  const VelocityRecord record = velocity_record(reader);
+  // as many pieces as the memory asks for, each transformed as a whole
+  const double line_bytes = 8.0 * static_cast<double>(modes.size() * stretch.count);
+  const auto pieces = std::max<std::size_t>(
+      1, std::min(static_cast<std::size_t>(std::ceil(line_bytes / most_line_bytes)),
+                  stretch.count / least_piece));
+  const std::size_t length = stretch.count / pieces;
+  WholeSpectrum whole(length, rate);
+  Fourier fourier(quick_length(std::max<std::size_t>(2, length)));
+  const std::size_t lines = fourier.lines();
+  const double scale =
+      2 / (static_cast<double>(length) * static_cast<double>(fourier.length() * pieces));
+
+  RadiatedPower found;
+  const double highest = rate / 2;
+  const double apart = turn * resonator.air.sound_speed /
+                       (2 * M_PI * std::hypot(resonator.face.length, resonator.face.width));
+  const RadiationResistance resistance(resonator.face, resonator.air, highest + 4 * apart);
+  std::vector<double> power(lines), square(lines);
+  for (std::size_t piece = 0; piece < pieces; ++piece) {
+    ResistanceBetween between(resistance, apart);
+    const auto velocity = record.read(stretch.first + piece * length, length);
+    std::vector<std::complex<double>> spectrum(lines * modes.size());  // (line, mode)
+    for (std::size_t k = 0; k < modes.size(); ++k) {
+      const auto input = fourier.input();
+      std::fill(std::copy(velocity[k].begin(), velocity[k].end(), input.begin()), input.end(), 0.0);
+      fourier.transform();
+      for (std::size_t j = 0; j < lines; ++j) spectrum[j * modes.size() + k] = fourier.line(j);
+      const double mean =
+          std::inner_product(velocity[k].begin(), velocity[k].end(), velocity[k].begin(), 0.0) /
+          static_cast<double>(length * pieces);
+      found.damping_power += 2 * modes[k].zeta * modes[k].mass * modes[k].omega * mean;
+    }
+    for (std::size_t j = 1; j < lines; ++j) {
+      const std::vector<double>& r = between(whole.frequency(j));
+      const std::complex<double>* v = &spectrum[j * modes.size()];
+      const double* row = r.data();
+      double watts = 0, squares = 0;
+      for (std::size_t k = 0; k < modes.size(); row += ++k) {
+        double re = 0, im = 0;
+        for (std::size_t l = 0; l < k; ++l) {
+          re += row[l] * v[l].real();
+          im += row[l] * v[l].imag();
+        }
+        re = 2 * re + row[k] * v[k].real();
+        im = 2 * im + row[k] * v[k].imag();
+        watts += re * v[k].real() + im * v[k].imag();
+        squares += std::norm(v[k]);
+      }
+      const double own = 2 * j == fourier.length() ? scale / 2 : scale;
+      power[j] += own * watts;
+      square[j] += own * squares / resonator.face.length;
+    }
+  }
+
+  const double flow = resonator.air.density * resonator.air.sound_speed * resonator.face.area();
+  found.watts = std::accumulate(power.begin(), power.end(), 0.0);
+  found.lw = power_level(found.watts);
+  found.efficiency = found.watts / (flow * std::accumulate(square.begin(), square.end(), 0.0));
+  const std::vector<double> weighted = a_weighted(whole, power);
+  found.lw_a = power_level(std::accumulate(weighted.begin(), weighted.end(), 0.0));
+  found.number = carried_bands(rate, static_cast<double>(length) / rate);
+  const auto of_bands = band_powers(found.number, whole, {power, weighted, square});
+  for (std::size_t i = 0; i < found.number.size(); ++i) {
+    found.level.push_back(power_level(of_bands[0][i]));
+    found.level_a.push_back(power_level(of_bands[1][i]));
+    found.band_efficiency.push_back(of_bands[0][i] / (flow * of_bands[2][i]));
+    found.spread.push_back(
+        band_spread(found.number[i], static_cast<double>(length * pieces) / rate));
+  }
+  for (std::size_t k = 0; k < modes.size(); ++k) {
+    const double frequency = modes[k].omega / (2 * M_PI);
+    if (!(frequency > 0)) continue;
+    const double r = frequency <= highest ? resistance.of_mode(k, frequency) : quiet_nan;
+    found.mode_frequency.push_back(frequency);
+    found.mode_efficiency.push_back(
+        r / (resonator.air.density * resonator.air.sound_speed * resonator.face.width));
+    found.mode_damping.push_back(r / (modes[k].mass * modes[k].omega));
+  }
+  found.share_of_damping = 2 * found.watts / found.damping_power;
+  found.inertia = inertia_of_air(resonator.face, resonator.air, resonator.mass_per_area);
+  return found;
+}
+
+}  // namespace ra2d

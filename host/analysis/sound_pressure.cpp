@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/analysis/sound_pressure.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "host/analysis/bands.hpp"
+#include "host/base/errors.hpp"
+#include "host/base/quiet_nan.hpp"
+
+namespace ra2d {
+namespace {
+
+constexpr double most_bytes = 2e9;   // of filters and pressures
+constexpr double most_points = 2e8;  // of the face, for one microphone
+
+std::string place_text(const Position& at) {
+  return fmt::format("{:g},{:g},{:g}", at[0], at[1], at[2]);
+}
+
+void require_place(const Position& at, const Distances& ways) {
+  if (!(std::abs(at[2]) >= nearest_microphone))
+    throw RequestError(fmt::format(
+        "a microphone at {}: z is the height over the resonator's plane, of which the baffle is a "
+        "part: expected {:g} m or more above it, or below it with z < 0",
+        place_text(at), nearest_microphone));
+  if (!(ways.least <= farthest_microphone))
+    throw RequestError(fmt::format(
+        "a microphone at {}: it is {:.4g} m away from the resonator. Expected {:g} m at the most: "
+        "farther off the air absorbs sound, which is not in here",
+        place_text(at), ways.least, farthest_microphone));
+}
+
+/// Refuses what would take hours or more memory than there is.
+void require_size(const SoundingResonator& resonator, const Stretch& stretch, double rate,
+                  const std::filesystem::path& file, std::size_t microphones) {
+  const double bytes =
+      PressureFilters::bytes(resonator.face, resonator.air, microphones, rate, stretch.count);
+  if (bytes > most_bytes)
+    throw RequestError(fmt::format(
+        "{}: {} microphone{} would take {:.1f} GB of memory, and {:g} GB is the most: take fewer "
+        "at a time, or a shorter stretch with --from and --to",
+        file.string(), microphones, microphones == 1 ? "" : "s", bytes * 1e-9, most_bytes * 1e-9));
+  const double turning = M_PI * rate / resonator.air.sound_speed;
+  const double points =
+      (1 + resonator.face.length * turning / 20) * (1 + resonator.face.width * turning / 20) * 256;
+  if (points > most_points)
+    throw RequestError(fmt::format(
+        "{}: at a rate of {:g} Hz the resonator is {:.0f} wavelengths long: its integral takes "
+        "{:.1g} points, and {:g} is the most. Sample with a lower output.rate",
+        file.string(), rate, resonator.face.length * turning / (2 * M_PI), points, most_points));
+}
+
+double mean_square_of(const std::vector<double>& values) {
+  return std::inner_product(values.begin(), values.end(), values.begin(), 0.0) /
+         static_cast<double>(values.size());
+}
+
+}  // namespace
+
+void SoundRequest::require_sense() const {
+  if ((celsius || pascal) && !asks())
+    throw RequestError(
+        "--temperature and --pressure are those of the air: name a microphone with --at x,y,z, or "
+        "ask for --power");
+}
+
+SoundingResonator sounding_resonator(const ResultReader& reader, const std::optional<Scene>& scene,
+                                     const std::filesystem::path& file,
+                                     const SoundRequest& request) {
+  const ResultContents& contents = reader.contents();
+  reader.require_modes();
+  if (!scene)
+    throw RequestError(fmt::format(
+        "{}: its scene is one that this program does not understand, so that the resonator's "
+        "shapes are not known: take the program that made it ({})",
+        file.string(), contents.origin));
+  const BodySpec& spec = scene->resonator;
+  SoundingResonator found{
+      make_body(spec),
+      {},
+      air_of(request.celsius.value_or(usual_celsius), request.pascal.value_or(usual_pascal)),
+      spec.density * spec.thickness};
+  const std::vector<BodyMode>& modes = found.body.modes;
+  if (modes.empty() && contents.resonator_frequency.empty())
+    throw RequestError(
+        fmt::format("{}: its resonator has no modes, and makes no sound", file.string()));
+  bool same = modes.size() == contents.resonator_frequency.size();
+  for (std::size_t k = 0; same && k < modes.size(); ++k) {
+    const double frequency = modes[k].omega / (2 * M_PI);
+    same = std::abs(frequency - contents.resonator_frequency[k]) <= 1e-6 * frequency;
+  }
+  if (!same)
+    throw FileError(fmt::format("{}: its modes are not those of its scene: was the file changed?",
+                                file.string()));
+  found.face = strip(found.body, spec.width);
+  return found;
+}
+
+VelocityRecord velocity_record(const ResultReader& reader) {
+  const ResultContents& contents = reader.contents();
+  return {contents.samples, contents.start == 0, [&](std::size_t first, std::size_t count) {
+            return reader.columns("resonator/velocity", first, count, 0,
+                                  contents.resonator_frequency.size());
+          }};
+}
+
+std::vector<HeardSound> hear(const ResultReader& reader, const SoundingResonator& resonator,
+                             const Stretch& stretch, const std::filesystem::path& file,
+                             const SoundRequest& request) {
+  const ResultContents& contents = reader.contents();
+  std::vector<HeardSound> heard;
+  for (const Position& at : request.microphones) {
+    heard.push_back({at, distances(resonator.face, at), 0, 0, 0, {}});
+    require_place(at, heard.back().distances);
+  }
+  if (heard.empty()) return heard;
+  const VelocityRecord record = velocity_record(reader);
+  if (!(contents.rate > 0) || stretch.count == 0)
+    throw RequestError(fmt::format("{}: it has no samples to hear", file.string()));
+  require_size(resonator, stretch, contents.rate, file, heard.size());
+  const PressureFilters filters(resonator.face, resonator.air, request.microphones, contents.rate);
+  std::vector<PressureFilters::Range> ranges;
+  for (std::size_t i = 0; i < heard.size(); ++i) {
+    HeardSound& sound = heard[i];
+    const PressureFilters::Range carried = filters.carried(i, record);
+    ranges.push_back({std::max(carried.begin, stretch.first),
+                      std::min(carried.end, stretch.first + stretch.count)});
+    const PressureFilters::Range& range = ranges.back();
+    const double arrives = sound.distances.least / resonator.air.sound_speed;
+    const auto silent = contents.start == 0
+                            ? static_cast<std::size_t>(std::ceil(arrives * contents.rate))
+                            : std::size_t{0};
+    if (range.count() < 2 || range.end <= silent)
+      throw RequestError(fmt::format(
+          "{}: at {} there is nothing to hear from {:g} s to {:g} s: the sound takes {:.4g} s to "
+          "{:.4g} s to come there, and the record's last {:.2g} s are needed to filter it. Take a "
+          "longer stretch, or a nearer microphone",
+          file.string(), place_text(sound.position), stretch.from, stretch.to, arrives,
+          sound.distances.largest / resonator.air.sound_speed,
+          static_cast<double>(filter_reach) / contents.rate));
+    sound.first =
+        range.begin + static_cast<std::size_t>(std::llround(contents.start * contents.rate));
+    sound.from = contents.start + static_cast<double>(range.begin) / contents.rate;
+    sound.to = contents.start + static_cast<double>(range.end - 1) / contents.rate;
+  }
+  auto pressures = filters.pressures(record, ranges);
+  for (std::size_t i = 0; i < heard.size(); ++i) heard[i].pressure = std::move(pressures[i]);
+  return heard;
+}
+
+double pressure_level(double rms) { return 20 * std::log10(rms / 20e-6); }
+
+MicrophoneLevels levels_of(const HeardSound& sound, double rate, double ringing) {
+  MicrophoneLevels m;
+  m.position = sound.position;
+  m.distance = sound.distances.least;
+  m.from = sound.from;
+  m.to = sound.to;
+  const std::vector<double>& p = sound.pressure;
+  m.rms = std::sqrt(mean_square_of(p));
+  for (const double value : p) m.peak = std::max(m.peak, std::abs(value));
+  m.lp = pressure_level(m.rms);
+  WholeSpectrum whole(p.size(), rate);
+  std::vector<double> power;
+  whole.add(p, 1, power);
+  const std::vector<double> weighted = a_weighted(whole, power);
+  m.lp_a = pressure_level(std::sqrt(std::accumulate(weighted.begin(), weighted.end(), 0.0)));
+  const double seconds = static_cast<double>(p.size()) / rate;
+  m.number = carried_bands(passed * rate, seconds);
+  const auto of_bands = band_powers(m.number, whole, {power, weighted});
+  for (const double value : of_bands[0]) m.level.push_back(pressure_level(std::sqrt(value)));
+  for (const double value : of_bands[1]) m.level_a.push_back(pressure_level(std::sqrt(value)));
+  for (const int number : m.number) m.spread.push_back(band_spread(number, seconds));
+  LevelParts parts(sound.first, p.size(), rate, 1);
+  parts.add_column(0, p);
+  m.history = parts.history({1.0});
+  m.intervals = intervals_of_run(m.history, m.lp, quiet_nan, ringing);
+  return m;
+}
+
+}  // namespace ra2d

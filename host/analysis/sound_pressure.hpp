@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/analysis/level_history.hpp"
+#include "host/analysis/stretch.hpp"
+#include "host/radiation/pressure.hpp"
+#include "host/store/result_reader.hpp"
+
+/// The sound of a result's resonator in a rigid baffle: the pressure at microphones
+/// (docs/sound.md).
+namespace ra2d {
+
+/// The sound that is asked for.
+struct SoundRequest {
+  std::vector<Position> microphones;  // m: from the resonator's left end, its edge, its plane
+  bool power = false;
+  std::optional<double> celsius, pascal;  // of the air; none: the usual ones
+
+  bool asks() const { return power || !microphones.empty(); }
+  /// Throws RequestError where it names an air, and no sound.
+  void require_sense() const;
+};
+
+/// Places that microphones may have, from the resonator's face [m].
+inline constexpr double nearest_microphone = 1e-3, farthest_microphone = 100;
+
+/// The resonator of a result as it radiates. Throws RequestError where the file does not have what
+/// it takes, FileError where its scene is not that of its modes.
+struct SoundingResonator {
+  Body body;
+  Radiator face;
+  Air air;
+  double mass_per_area = 0;  // kg/m^2
+};
+SoundingResonator sounding_resonator(const ResultReader& reader, const std::optional<Scene>& scene,
+                                     const std::filesystem::path& file,
+                                     const SoundRequest& request);
+
+/// The samples of all modes' velocities.
+VelocityRecord velocity_record(const ResultReader& reader);
+
+/// Sound pressure at a microphone.
+struct HeardSound {
+  Position position{};
+  Distances distances;           // m, from the face
+  double from = 0, to = 0;       // s, what is heard
+  std::size_t first = 0;         // its first sample's number in the run
+  std::vector<double> pressure;  // Pa
+};
+
+/// At each microphone of the request, what of the stretch the record carries. Throws RequestError
+/// where a microphone cannot stand, or nothing of it is heard.
+std::vector<HeardSound> hear(const ResultReader& reader, const SoundingResonator& resonator,
+                             const Stretch& stretch, const std::filesystem::path& file,
+                             const SoundRequest& request);
+
+/// The level of a sound pressure [dB re 20 uPa].
+double pressure_level(double rms);
+
+/// Levels at a microphone.
+struct MicrophoneLevels {
+  Position position{};
+  double distance = 0;                         // m, the least one from the face
+  double arrives = 0;                          // s, that the sound takes from there
+  double from = 0, to = 0;                     // s, what is heard
+  double rms = 0, peak = 0;                    // Pa
+  double lp = 0, lp_a = 0;                     // dB re 20 uPa; A-weighted
+  IntervalsOfRun intervals;                    // of lp
+  std::vector<int> number;                     // of third octaves
+  std::vector<double> level, level_a, spread;  // dB
+  LevelHistory history;                        // of the pressure, in Pa^2
+};
+MicrophoneLevels levels_of(const HeardSound& sound, double rate, double ringing);
+
+}  // namespace ra2d

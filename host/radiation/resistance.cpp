@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/radiation/resistance.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numeric>
+
+namespace ra2d {
+namespace {
+
+/// Integral over the angle of b_a b_b* at q = rest sin(angle), from -pi/2 to pi/2. Its integrand
+/// has the period pi, so that equal steps converge as fast as Gauss's.
+double across_power(const LineShape& a, const LineShape& b, const Points& y, double middle,
+                    double rest, double width) {
+  const int steps = 24 + static_cast<int>(std::ceil(rest * width));
+  std::vector<double> weighted_a(y.size()), weighted_b(y.size());
+  for (std::size_t i = 0; i < y.size(); ++i) {
+    weighted_a[i] = y.weight[i] * a(y.at[i]);
+    weighted_b[i] = y.weight[i] * b(y.at[i]);
+  }
+  double sum = 0;
+  for (int step = 0; step < steps; ++step) {
+    const double q = rest * std::sin(M_PI * (step + 0.5) / steps - M_PI / 2);
+    std::complex<double> of_a, of_b;
+    for (std::size_t i = 0; i < y.size(); ++i) {
+      const std::complex<double> wave = std::polar(1.0, -q * (y.at[i] - middle));
+      of_a += weighted_a[i] * wave;
+      of_b += weighted_b[i] * wave;
+    }
+    sum += (of_a * std::conj(of_b)).real();
+  }
+  return sum * M_PI / steps;
+}
+
+std::size_t in_lower_half(std::size_t a, std::size_t b) {
+  return std::max(a, b) * (std::max(a, b) + 1) / 2 + std::min(a, b);
+}
+
+}  // namespace
+
+RadiationResistance::RadiationResistance(const Radiator& radiator, const Air& air, double highest,
+                                         const Fineness& fineness)
+    : air_{air},
+      highest_{2 * M_PI * highest / air.sound_speed},
+      turning_{radiator.length + radiator.width},
+      fineness_{fineness},
+      across_count_{radiator.across.size()},
+      along_{highest_, radiator.length / 2, fineness},
+      across_{highest_, radiator.width, fineness} {
+  const Points x = even_points(0, radiator.length, highest_ + radiator.turning_along, fineness);
+  std::vector<double> shapes;  // (mode, point), with the points' weights
+  for (const RadiatingMode& mode : radiator.modes) {
+    across_of_.push_back(mode.across);
+    for (std::size_t i = 0; i < x.size(); ++i) shapes.push_back(x.weight[i] * mode.along(x.at[i]));
+  }
+  std::vector<double> cosine(x.size()), sine(x.size());
+  for (const double p : along_.points().at) {
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      cosine[i] = std::cos(p * (x.at[i] - radiator.length / 2));
+      sine[i] = std::sin(p * (x.at[i] - radiator.length / 2));
+    }
+    const std::size_t modes = across_of_.size();
+    Transforms found{std::vector<double>(modes), std::vector<double>(modes)};
+    for (std::size_t k = 0; k < modes; ++k) {
+      const double* of_mode = &shapes[k * x.size()];
+      for (std::size_t i = 0; i < x.size(); ++i) {
+        found.re[k] += of_mode[i] * cosine[i];
+        found.im[k] -= of_mode[i] * sine[i];
+      }
+    }
+    transforms_.push_back(std::move(found));
+  }
+  const Points y = even_points(0, radiator.width, highest_ + radiator.turning_across, fineness);
+  for (std::size_t a = 0; a < across_count_; ++a)
+    for (std::size_t b = 0; b <= a; ++b) {
+      tables_.emplace_back();
+      for (const double rest : across_.points().at)
+        tables_.back().push_back(across_power(radiator.across[a], radiator.across[b], y,
+                                              radiator.width / 2, rest, radiator.width));
+    }
+}
+
+double RadiationResistance::across(std::size_t a, std::size_t b, double rest) const {
+  double weights[most_points_of_rule];
+  const std::size_t first = across_.weigh(std::min(rest, highest_), weights);
+  const double* values = &tables_[in_lower_half(a, b)][first];
+  return std::inner_product(weights, weights + across_.order(), values, 0.0);
+}
+
+/// Calls `add` with weight, transforms and what is left across, for points from 0 to a wave number.
+template <class Add>
+void RadiationResistance::each_point(double wave_number, Add add) const {
+  if (!(wave_number > 0)) return;
+  const Points points = even_points(0, wave_number, turning_, fineness_);
+  const std::size_t modes = across_of_.size();
+  Transforms here{std::vector<double>(modes), std::vector<double>(modes)};
+  double weights[most_points_of_rule];
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double p = points.at[i];
+    std::fill(here.re.begin(), here.re.end(), 0.0);
+    std::fill(here.im.begin(), here.im.end(), 0.0);
+    const std::size_t first = along_.weigh(p, weights);
+    for (std::size_t n = 0; n < along_.order(); ++n) {
+      const Transforms& sample = transforms_[first + n];
+      for (std::size_t k = 0; k < modes; ++k) {
+        here.re[k] += weights[n] * sample.re[k];
+        here.im[k] += weights[n] * sample.im[k];
+      }
+    }
+    add(points.weight[i], here, std::sqrt((wave_number - p) * (wave_number + p)));
+  }
+}
+
+std::vector<double> RadiationResistance::lower_half(double frequency) const {
+  const std::size_t modes = across_of_.size();
+  std::vector<double> found(modes * (modes + 1) / 2, 0.0), of_pair(tables_.size());
+  const double wave_number = 2 * M_PI * frequency / air_.sound_speed;
+  // omega density/(4 pi^2), twice: both signs of p give the same
+  const double scale = frequency * air_.density / M_PI;
+  each_point(wave_number, [&](double weight, const Transforms& t, double rest) {
+    for (std::size_t a = 0; a < across_count_; ++a)
+      for (std::size_t b = 0; b <= a; ++b)
+        of_pair[in_lower_half(a, b)] = scale * weight * across(a, b, rest);
+    double* to = found.data();
+    for (std::size_t k = 0; k < modes; to += ++k) {
+      const double re = t.re[k], im = t.im[k];
+      if (across_count_ == 1) {
+        for (std::size_t l = 0; l <= k; ++l) to[l] += of_pair[0] * (re * t.re[l] + im * t.im[l]);
+      } else {
+        for (std::size_t l = 0; l <= k; ++l)
+          to[l] +=
+              of_pair[in_lower_half(across_of_[k], across_of_[l])] * (re * t.re[l] + im * t.im[l]);
+      }
+    }
+  });
+  return found;
+}
+
+double RadiationResistance::of_mode(std::size_t mode, double frequency) const {
+  const double scale = frequency * air_.density / M_PI;
+  const std::size_t a = across_of_[mode];
+  double sum = 0;
+  each_point(2 * M_PI * frequency / air_.sound_speed, [&](double weight, const Transforms& t,
+                                                          double rest) {
+    sum += weight * across(a, a, rest) * (t.re[mode] * t.re[mode] + t.im[mode] * t.im[mode]);
+  });
+  return scale * sum;
+}
+
+double inertia_of_air(const Radiator& radiator, const Air& air, double mass_per_area) {
+  // The integral of 1/r over any region of this area is at most that over a disc about its centre,
+  // 2 pi radius. So is the norm of the integral operator (Schur), and |cos(k r)/r| <= 1/r.
+  const double radius = std::sqrt(radiator.area() / M_PI);
+  // Two sides add at most 2 density radius to the mass; half of that is taken off the frequency.
+  return air.density * radius / mass_per_area;
+}
+
+}  // namespace ra2d

@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "host/analysis/analysis.hpp"
+#include "host/analysis/analysis_text.hpp"
+#include "host/analysis/bands.hpp"
+#include "tests/child.hpp"
+#include "tests/places.hpp"
+
+/// The sound of results at microphones, by the program and by the library.
+namespace ra2d {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+class Sounds : public testing::Test {
+ protected:
+  test::Ended ra2d(std::vector<std::string> words) const {
+    words.insert(words.begin(), test::program());
+    return test::run_program(folder_.path(), words);
+  }
+  void run(const std::string& name, const std::vector<std::string>& sets = {}) const {
+    std::vector<std::string> words{"run", test::scene_file("dang2012"), "-o", name, "--quiet"};
+    for (const char* set : {"time.scheme=adaptive", "time.tolerance=1e-6", "scene.duration=0.1"})
+      words.insert(words.end(), {"--set", set});
+    for (const std::string& set : sets) words.insert(words.end(), {"--set", set});
+    const test::Ended ended = ra2d(words);
+    ASSERT_EQ(ended.status, 0) << ended.err;
+  }
+  const test::Folder folder_;
+};
+
+/// The power by the resistances is that which passes a hemisphere of microphones.
+TEST_F(Sounds, PowerIsWhatPassesAHemisphere) {
+  run("a.h5", {"scene.duration=0.5", "output.rate=10e3", "resonator.max_frequency=1e3"});
+  AnalysisOptions options;
+  options.from = 0.05;
+  options.sound.power = true;
+  constexpr double r = 3;
+  constexpr int around = 16;
+  const Points polar = even_points(0, M_PI / 2, 0, {12, 1, 1});
+  for (const double angle : polar.at)
+    for (int j = 0; j < around; ++j) {
+      const double turn = 2 * M_PI * j / around;
+      options.sound.microphones.push_back({0.15 + r * std::sin(angle) * std::cos(turn),
+                                           0.1 + r * std::sin(angle) * std::sin(turn),
+                                           r * std::cos(angle)});
+    }
+  const Analysis a = analyze(folder_.path() / "a.h5", options);
+  ASSERT_EQ(a.microphones.size(), polar.size() * around);
+  double passed_power = 0;
+  for (std::size_t i = 0; i < a.microphones.size(); ++i) {
+    const double angle = polar.at[i / around], weight = polar.weight[i / around];
+    passed_power += weight * std::sin(angle) * 2 * M_PI / around * r * r * a.microphones[i].rms *
+                    a.microphones[i].rms / (a.air.density * a.air.sound_speed);
+  }
+  EXPECT_NEAR(passed_power / a.power->watts, 1, 0.05);  // 9 ms of 0.45 s are others
+  EXPECT_NEAR(a.microphones[0].lp, 20 * std::log10(a.microphones[0].rms / 20e-6), 1e-12);
+  EXPECT_NEAR(a.microphones[0].arrives, a.microphones[0].distance / a.air.sound_speed, 1e-15);
+  EXPECT_NEAR(a.power->lw, 10 * std::log10(a.power->watts / 1e-12), 1e-12);
+  // a mode's damping by the air, 2 zeta m omega = R of both sides
+  const double stiff = 2 * M_PI * a.power->mode_frequency[0] * 7800 * 0.002;
+  EXPECT_NEAR(a.power->mode_damping[0],
+              a.power->mode_efficiency[0] * a.air.density * a.air.sound_speed / stiff, 1e-9);
+}
+
+/// Bands add up to the level, and weigh as the norm says.
+TEST_F(Sounds, BandsAddUpToTheLevel) {
+  run("a.h5", {"scene.duration=0.8"});
+  AnalysisOptions options;
+  options.sound.microphones = {{0.15, 0.1, 0.5}, {0.15, 0.1, -0.5}};
+  const Analysis a = analyze(folder_.path() / "a.h5", options);
+  const MicrophoneLevels& m = a.microphones[0];
+  double sum = 0, weighted = 0;
+  for (std::size_t i = 0; i < m.number.size(); ++i) {
+    sum += std::pow(10, m.level[i] / 10);
+    weighted += std::pow(10, m.level_a[i] / 10);
+    EXPECT_NEAR(m.level_a[i] - m.level[i], a_weighting(third_octave_centre(m.number[i])), 3);
+  }
+  EXPECT_NEAR(10 * std::log10(sum), m.lp, 0.3);
+  EXPECT_NEAR(10 * std::log10(weighted), m.lp_a, 0.3);
+  EXPECT_NEAR(m.lp, a.microphones[1].lp, 1e-9);  // below the plate the sign alone differs
+  EXPECT_EQ(m.from, 0);
+  EXPECT_NEAR(m.to, 0.8, 1e-12);  // the way of the sound covers what the filter needs
+  EXPECT_LT(m.intervals.level.low, m.lp);
+  EXPECT_GT(m.intervals.level.high, m.lp);
+}
+
+TEST_F(Sounds, HotThinAirIsQuieter) {
+  run("a.h5");
+  AnalysisOptions options;
+  options.sound.power = true;
+  const double usual = analyze(folder_.path() / "a.h5", options).power->lw;
+  options.sound.pascal = 50'662.5;
+  // half the density at the same speed of sound
+  EXPECT_NEAR(analyze(folder_.path() / "a.h5", options).power->lw, usual - 10 * std::log10(2.0),
+              1e-9);
+  options.sound.celsius = 80;
+  EXPECT_LT(analyze(folder_.path() / "a.h5", options).power->lw, usual - 10 * std::log10(2.0));
+}
+
+TEST_F(Sounds, SaysWhatTheLibraryFinds) {
+  run("a.h5");
+  run("b.h5", {"slider.surface.seed=7"});
+  AnalysisOptions options;
+  options.sound.microphones = {{0.15, 0.1, 0.5}, {-0.2, 0.1, 0.3}};
+  options.sound.power = true;
+  Analysis found = analyze(folder_.path() / "a.h5", options);
+  found.file = "a.h5";
+  const std::vector<std::string> options_of_sound{"--at", "0.15,0.1,0.5", "--at", "-0.2,0.1,0.3",
+                                                  "--power"};
+  const auto with = [&](std::vector<std::string> words) {
+    words.insert(words.end(), options_of_sound.begin(), options_of_sound.end());
+    return words;
+  };
+  const test::Ended json = ra2d(with({"analyze", "a.h5", "--json"}));
+  EXPECT_EQ(json.status, 0) << json.err;
+  EXPECT_EQ(json.out, json_of({found}));
+  const auto said = nlohmann::json::parse(json.out);
+  EXPECT_EQ(said["microphones"][1]["position"], (std::vector<double>{-0.2, 0.1, 0.3}));
+  EXPECT_EQ(said["microphones"][0]["lpa"], found.microphones[0].lp_a);
+  EXPECT_EQ(said["power"]["lw"], found.power->lw);
+  EXPECT_EQ(said["power"]["bands"]["efficiency"].size(), found.power->number.size());
+  const test::Ended text = ra2d(with({"analyze", "a.h5", "--csv", "x"}));
+  EXPECT_THAT(text.out,
+              AllOf(HasSubstr(fmt::format("{:.2f} dB(A), {:.2f} dB re 20 uPa",
+                                          found.microphones[1].lp_a, found.microphones[1].lp)),
+                    HasSubstr("sound power"), HasSubstr("without that of the slider")));
+  std::ifstream csv(folder_.path() / "x-sound.csv");
+  std::string header, first;
+  std::getline(csv, header);
+  std::getline(csv, first);
+  EXPECT_THAT(header, HasSubstr("level_dB"));
+  EXPECT_THAT(first, HasSubstr("microphone 1,0.15,0.1,0.5,"));
+  const auto means = nlohmann::json::parse(ra2d(with({"analyze", "a.h5", "b.h5", "--json"})).out);
+  const double a = means["files"][0]["microphones"][0]["lpa"],
+               b = means["files"][1]["microphones"][0]["lpa"];
+  EXPECT_NE(a, b);
+  EXPECT_NEAR(means["mean"]["microphones.1.lpa"]["mean"], (a + b) / 2, 1e-9);
+}
+
+TEST_F(Sounds, SaysWhatTheRecordCannotCarry) {
+  run("a.h5", {"output.rate=20e3"});
+  EXPECT_THAT(
+      ra2d({"analyze", "a.h5", "--at", "0.1,0.1,1"}).out,
+      AllOf(HasSubstr("nothing above 9100 Hz"), HasSubstr("modes lie above half the rate")));
+}
+
+TEST_F(Sounds, RefusesWhatCannotBeHeard) {
+  run("a.h5");
+  run("none.h5", {"output.modes=none"});
+  run("rigid.h5", {"resonator.support=rigid"});
+  for (const auto& [words, status, why] :
+       std::vector<std::tuple<std::vector<std::string>, int, std::string>>{
+           {{"a.h5", "--at", "0.1,0.1,0"}, 2, "expected 0.001 m or more above it"},
+           {{"a.h5", "--at", "0.1,0.1,-1e-4"}, 2, "expected 0.001 m or more above it"},
+           {{"a.h5", "--at", "0.1,0.1,300"}, 2, "100 m at the most"},
+           {{"a.h5", "--at", "0.1,0.1,50"}, 2, "nothing to hear"},
+           {{"a.h5", "--at", "0.1,0.1"}, 2, "three numbers"},
+           {{"a.h5", "--at", "0.1,0.1,nan"}, 2, "three numbers"},
+           {{"a.h5", "--at", "0.1,0.1,1,"}, 2, "three numbers"},
+           {{"a.h5", "--temperature", "30"}, 2, "--at x,y,z"},
+           {{"a.h5", "--at", "0.1,0.1,1", "--temperature", "-300"}, 2, "from -50 to 100"},
+           {{"none.h5", "--at", "0.1,0.1,1"}, 2, "output.modes"},
+           {{"rigid.h5", "--power"}, 2, "makes no sound"}}) {
+    std::vector<std::string> line{"analyze"};
+    line.insert(line.end(), words.begin(), words.end());
+    const test::Ended ended = ra2d(line);
+    EXPECT_EQ(ended.status, status) << fmt::format("{}: {}", fmt::join(words, " "), ended.err);
+    EXPECT_THAT(ended.err, HasSubstr(why)) << fmt::format("{}", fmt::join(words, " "));
+    EXPECT_EQ(ended.out, "");
+  }
+  std::vector<std::string> many{"analyze", "a.h5"};
+  for (int i = 0; i < 9000; ++i) many.insert(many.end(), {"--at", "0.1,0.1,1"});
+  EXPECT_THAT(ra2d(many).err, HasSubstr("take fewer at a time"));
+  EXPECT_THAT(ra2d({"sound", "a.h5", "--at", "0,0,1", "--at", "1,0,1", "--at", "2,0,1"}).err,
+              HasSubstr("one channel or two"));
+  EXPECT_THAT(ra2d({"sound", "a.h5", "--at", "0,0,1", "--probe", "1"}).err, HasSubstr("excludes"));
+}
+
+/// A WAV of floats: its values times full scale are pascals.
+TEST_F(Sounds, OfTwoMicrophonesIsStereoInPascals) {
+  RA2D_SKIP_WITHOUT_PYTHON();
+  run("a.h5", {"scene.duration=0.3"});
+  const test::Ended made = ra2d({"sound", "a.h5", "--at", "0.15,0.1,0.5", "--at", "0.3,0,0.2",
+                                 "--bits", "float", "--rate", "96000", "-o", "s.wav"});
+  ASSERT_EQ(made.status, 0) << made.err;
+  EXPECT_THAT(made.out, HasSubstr("sound pressure at 0.15, 0.1, 0.5 and 0.3, 0, 0.2 m"));
+  EXPECT_THAT(ra2d({"sound", "a.h5", "-o", "v.wav"}).out,
+              AllOf(HasSubstr("velocity of probe 1"), HasSubstr("no sound pressure")));
+  std::ifstream sidecar(folder_.path() / "s.wav.json");
+  const auto about = nlohmann::json::parse(sidecar);
+  const double scale = about["full_scale_pa"];
+  EXPECT_EQ(about["quantity"], "sound pressure");
+  EXPECT_EQ(about["microphones"][1], (std::vector<double>{0.3, 0, 0.2}));
+  std::ifstream file(folder_.path() / "s.wav", std::ios::binary);
+  const std::string bytes(std::istreambuf_iterator<char>(file), {});
+  EXPECT_EQ(bytes[22], 2);  // channels
+  const std::size_t data = bytes.find("data") + 8;
+  std::vector<float> values((bytes.size() - data) / sizeof(float));
+  std::memcpy(values.data(), bytes.data() + data, values.size() * sizeof(float));
+  AnalysisOptions options;
+  options.sound.microphones = {{0.15, 0.1, 0.5}, {0.3, 0, 0.2}};
+  const Analysis a = analyze(folder_.path() / "a.h5", options);
+  for (std::size_t channel = 0; channel < 2; ++channel) {
+    double sum = 0;
+    for (std::size_t n = channel; n < values.size(); n += 2)
+      sum += std::pow(static_cast<double>(values[n]) * scale, 2);
+    const double rms = std::sqrt(sum / (static_cast<double>(values.size()) / 2));
+    EXPECT_NEAR(rms / a.microphones[channel].rms, 1, 0.01) << channel;
+  }
+}
+
+}  // namespace
+}  // namespace ra2d
