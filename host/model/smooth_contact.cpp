@@ -191,8 +191,9 @@ class SmoothPotential {
   double spring() const { return spring_; }
   const Cells& cells() const { return cells_; }
 
-  /// Minimises from `u`; false when it does not settle.
-  bool minimise(Eigen::VectorXd& u, double spring) const {
+  /// Minimises from `u`, until the residual is `enough` of the forces; false when it does not
+  /// settle.
+  bool minimise(Eigen::VectorXd& u, double spring, double enough) const {
     const Eigen::VectorXd &stiffness = springs_.stiffness, &load = springs_.load;
     Eigen::VectorXd best_u = u;
     double best = std::numeric_limits<double>::infinity();  // residual over the forces
@@ -226,7 +227,7 @@ class SmoothPotential {
         best = residual;
         best_u = u;
       }
-      if (best <= 1e-16) break;
+      if (best <= enough) break;
       // directions that nothing holds yet take a share of the springs of all cells
       for (Eigen::Index k = 0; k < modes(); ++k) {
         const double all = spring * cells_.shapes().col(k).squaredNorm();
@@ -236,7 +237,7 @@ class SmoothPotential {
       u += best_length(u, displacement, step, spring) * step;
     }
     u = best_u;
-    return best <= 1e-10;
+    return best <= std::max(enough, 1e-10);
   }
 
  private:
@@ -335,11 +336,12 @@ std::optional<std::vector<double>> smooth_equilibrium(const Model& model,
   const auto settled = [&] { return std::vector<double>(u.data(), u.data() + u.size()); };
   if (!guess.empty()) {
     u = Eigen::Map<const Eigen::VectorXd>(guess.data(), potential.modes());
-    if (potential.minimise(u, potential.spring())) return settled();
+    if (potential.minimise(u, potential.spring(), 1e-16)) return settled();
     u.setZero();
   }
-  for (double soft = 1e-10; soft < 2; soft *= 10)
-    if (!potential.minimise(u, soft * potential.spring())) return std::nullopt;
+  for (double soft = 1e-10; soft < 0.5; soft *= 10)
+    if (!potential.minimise(u, soft * potential.spring(), 1e-6)) return std::nullopt;
+  if (!potential.minimise(u, potential.spring(), 1e-16)) return std::nullopt;
   return settled();
 }
 

@@ -228,11 +228,13 @@ class Overlaps {
   /// Lists in `cells` those that are likely to be in contact within a step of `time` [s] from the
   /// beginning on, with the cells in contact and those beside them. What is missing is found by
   /// flag_over(). -1: more than `capacity`.
-  KOKKOS_FUNCTION int list_likely(const Place& place, const Real* u, double travel, double time,
-                                  double acceleration, double rise, int* cells,
+  KOKKOS_FUNCTION int list_likely(const Place& place, const Real* u, const MotionBounds& expected,
+                                  double time, double acceleration, double rise, int* cells,
                                   int capacity) const {
-    const double sag = modes_sag(u, travel);
-    const double level = -(0.1 * acceleration * time * time + sag), start = -(rise + sag);
+    const double sag = modes_sag(u, expected.travel);
+    // as flag() does, none that a list of candidate groups may leave out
+    const double level = -(0.1 * acceleration * time * time + sag),
+                 start = -(rise - overlap_error(expected));
     int count = 0, last = 0, at = 0;
     const auto take_contacts = [&](int before) {  // the cells in contact below a node
       for (; at < contacts_.count && contacts_.nodes[at] < before; ++at)

@@ -32,6 +32,7 @@ class SmoothDrive {
   using Real = typename Lanes::Real;
   using Modes = ModalState<Lanes, packs>;
   using Motion = PolynomialMotion<Lanes, packs>;
+  using Course = typename SmoothStep<Lanes, packs>::Course;
   static constexpr int width = Lanes::width;
 
  public:
@@ -107,41 +108,47 @@ class SmoothDrive {
     while (true) {
       step_.make(ticks, pace, cells_, path_.moved(place, tick + ticks));
       find_runs(1.0, last_stage);
-      const bool is_smooth = pace == Pace::even && !any_begins_or_ends();
-      const double error = step_.error(is_smooth), power = is_smooth ? -1.0 / 8.0 : -1.0 / 7.0;
+      const auto errors = step_.errors();
+      Course course = Course::smooth;
+      if (any_begins_or_ends())
+        course = Course::kinked;
+      else if (pace != Pace::even)
+        course = Course::graded;
       // far from the tolerance the motion tells nothing
-      const bool tells = error <= 100.0;
-      double first = 3.0;
+      const bool tells = errors.of(course == Course::kinked ? Course::graded : course) <= 100.0;
+      double first = 3.0, released = 3.0;
       if (tells) {
         step_.find_motion();
         first = search(now, place, tick, ticks, available);
+        if (course == Course::kinked && errors.of(course) > 1.0) released = first_release(place);
       }
+      // a step graded towards a release that is where it should be
+      if (pace == Pace::to_release && released > 0.99 && released <= 1.0 && !any_begins())
+        course = Course::graded;
+      const double error = errors.of(course);
       const bool onset = first <= 1.0;
       if (error <= 1.0) {
-        const double growth =
-            error > 0.0 ? Kokkos::min(4.0, 0.9 * Kokkos::exp2(power * Kokkos::log2(error))) : 4.0;
+        const double growth = error > 0.0 ? Kokkos::min(4.0, errors.factor(course)) : 4.0;
         next = growth * static_cast<double>(ticks) * motion_.time_step;
-        if (cut || pace != Pace::even) next = Kokkos::max(next, control_.series_scale);
+        if (cut || pace != Pace::even || course == Course::kinked)
+          next = Kokkos::max(next, control_.series_scale);
         return keep(now, tick, place, ticks, onset, first, next, start);
       }
       // where a contact begins or ends within the step, the next try is to end there
       double share = 2.0;
       Pace then = pace == Pace::to_release ? Pace::even : pace;
       if (onset) share = pace_share(pace, first);
-      const double released = tells ? first_release(place) : 3.0;
       if (released <= 1.0 && pace_share(pace, released) < share) {
         share = pace_share(pace, released);
-        if (pace == Pace::even) then = Pace::to_release;
+        if (pace != Pace::from_onset) then = Pace::to_release;
       }
-      std::int64_t shorter;
-      if (share > 0.1 && share < 0.97) {
-        shorter = static_cast<std::int64_t>(Kokkos::ceil(share * static_cast<double>(ticks)));
-        cut = true;
-      } else {
-        const double factor =
-            error < 1e30 ? Kokkos::max(0.2, 0.9 * Kokkos::exp2(power * Kokkos::log2(error))) : 0.2;
-        shorter = static_cast<std::int64_t>(factor * static_cast<double>(ticks));
-        cut = false;
+      const double whole = static_cast<double>(ticks);
+      std::int64_t shorter = static_cast<std::int64_t>(Kokkos::ceil(share * whole));
+      cut = share > 0.0 && share < 0.9999 && shorter < ticks;
+      if (!cut) {
+        const double factor = error < 1e30 ? Kokkos::max(0.2, errors.factor(course)) : 0.2;
+        shorter = static_cast<std::int64_t>(factor * whole);
+        if (pace == Pace::to_release) then = Pace::even;
       }
       if (shorter >= ticks) shorter = ticks - 1;
       if (shorter < 1) return error == error ? Outcome::stalled : Outcome::not_finite;
@@ -206,7 +213,7 @@ class SmoothDrive {
     const double rise = overlaps_.longest_rise(now.u, expected, ticks);
     overlaps_.find_groups(place, now, expected, rise, available - ticks);
     overlaps_.evaluate_start(place, now);
-    cells_ = overlaps_.list_likely(place, now.u, travel, time, a, rise, stages_.cells, capacity_);
+    cells_ = overlaps_.list_likely(place, now.u, expected, time, a, rise, stages_.cells, capacity_);
     if (cells_ < 0) return Outcome::crowded;
     lanes_.sync();
     if (lanes_.leader()) stages_.cell_count = cells_;
@@ -432,16 +439,21 @@ class SmoothDrive {
     double first = 3.0;
     for (int r = 0; r < stages_.run_count; ++r) {
       const CellRun run = stages_.runs[r];
-      if (run.grown && !run.at_end) first = Kokkos::min(first, release(place, run, 1.0, 1e-3));
+      if (run.grown && !run.at_end) first = Kokkos::min(first, release(place, run, 1.0, 1e-6));
     }
     return first;
   }
 
+  /// Whether a run begins within the step.
+  KOKKOS_FUNCTION bool any_begins() const {
+    bool any = false;
+    for (int r = 0; r < stages_.run_count; ++r) any = any || !stages_.runs[r].grown;
+    return any;
+  }
   /// Whether a run begins or ends within the step.
   KOKKOS_FUNCTION bool any_begins_or_ends() const {
-    bool any = false;
-    for (int r = 0; r < stages_.run_count; ++r)
-      any = any || !stages_.runs[r].grown || !stages_.runs[r].at_end;
+    bool any = any_begins();
+    for (int r = 0; r < stages_.run_count; ++r) any = any || !stages_.runs[r].at_end;
     return any;
   }
 

@@ -128,11 +128,29 @@ class SmoothStep {
   /// Estimated local error over the tolerance: a step is good up to 1. In the energy norm, relative
   /// to the larger of both ends, the springs' energy included.
   ///
-  /// The formula's own estimate takes the errors of orders 5 and 3 and infers that of order 8.
-  /// Where a contact begins or ends, the motion is less smooth than that: then the estimate is the
-  /// geometric mean of the inferred error and that of order 5. (So chosen that the energy that such
-  /// steps lose is no larger than that of the others.)
-  KOKKOS_FUNCTION double error(bool is_smooth) const {
+  /// The formula's own estimate takes the errors of orders 5 and 3 and infers that of order 8. It
+  /// holds for a smooth motion. Graded towards an onset or a release, the estimate is the geometric
+  /// mean of the inferred error and that of order 5. (So chosen that the energy that such steps
+  /// lose is no larger than that of the others.) Where a contact begins or ends elsewhere in the
+  /// step, nothing may be inferred, and either error may vanish by chance: then it is both
+  /// together.
+  enum class Course { smooth, graded, kinked };
+  struct Errors {
+    double fifth, third;  // over the tolerance
+    KOKKOS_FUNCTION double of(Course course) const {
+      if (!(fifth > 0.0)) return course == Course::kinked ? 0.1 * third : fifth;
+      const double inferred = fifth * fifth / Kokkos::hypot(fifth, 0.1 * third);
+      return course == Course::smooth   ? inferred
+             : course == Course::graded ? Kokkos::sqrt(inferred * fifth)
+                                        : Kokkos::hypot(fifth, 0.1 * third);
+    }
+    /// How the step's length is to change for an error of 1.
+    KOKKOS_FUNCTION double factor(Course course) const {
+      const double order = course == Course::smooth ? 8.0 : course == Course::graded ? 7.0 : 3.0;
+      return 0.9 * Kokkos::exp2(-Kokkos::log2(of(course)) / order);
+    }
+  };
+  KOKKOS_FUNCTION Errors errors() const {
     Real u5[packs], v5[packs], u3[packs], v3[packs];
     sum(stage_fifth_order_error, last_stage, u5, v5);
     sum(stage_third_order_error, last_stage, u3, v3);
@@ -153,11 +171,11 @@ class SmoothStep {
     lanes_.sum(fifth, third, e5, e3);
     lanes_.sum(before, after, start, end);
     const double size = Kokkos::max(start, end) + 2.0 * Kokkos::max(energy_, energy_at_end_);
-    if (!(size < 1e300)) return size - size + 1e300;  // not a number, or too large
-    if (!(e5 > 0.0)) return 0.0;
-    const double extrapolated = e5 / Kokkos::sqrt(e5 + 0.01 * e3);
-    return time_ / (adaptive_.tolerance * Kokkos::sqrt(size)) *
-           (is_smooth ? extrapolated : Kokkos::sqrt(extrapolated * Kokkos::sqrt(e5)));
+    if (!(size < 1e300)) return {size - size + 1e300, 1e300};  // not a number, or too large
+    if (!(size > 0.0)) return {0.0, 0.0};
+    constexpr double share = 0.1;  // of the tolerance for a step, so that many keep it together
+    const double per = time_ / (share * adaptive_.tolerance * Kokkos::sqrt(size));
+    return {per * Kokkos::sqrt(e5), per * Kokkos::sqrt(e3)};
   }
 
   KOKKOS_FORCEINLINE_FUNCTION const Modes& end() const { return end_; }

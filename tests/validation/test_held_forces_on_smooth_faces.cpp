@@ -417,7 +417,7 @@ TEST(NewForceOnSmoothFaces, ForcesOfTheRecordAreThoseOfTheMotion) {
     const double inertia =
         r.model.slider.modes[0].mass * std::sqrt(r.model.slider.length) / s.time.step;
     const double load = r.model.slider.load[0] * std::sqrt(r.model.slider.length);
-    for (std::size_t i = 1; i < r.samples.time.size(); ++i) {
+    for (std::size_t i = 1; i < r.samples.time.size(); i += 7) {
       const double v0 = r.samples.slider_velocity[(i - 1) * modes1],
                    v1 = r.samples.slider_velocity[i * modes1];
       const double force = load - inertia * (v1 - v0);
@@ -453,7 +453,7 @@ std::vector<double> end_of(const Scheme& kind, double step) {
 
 /// Both forces of backward Euler go to the same motion, to first order in the step.
 TEST(NewForceOnSmoothFaces, ConvergesToTheMotionOfTheOldForce) {
-  const std::vector<double> exact = end_of({{{SchemeKind::rk8}, ContactLaw::penalty}, "Rk8"}, 1e-8);
+  const std::vector<double> exact = end_of({{{SchemeKind::rk4}, ContactLaw::penalty}, "Rk4"}, 1e-8);
   const auto error = [&](const Scheme& kind, double step) {
     const std::vector<double> found = end_of(kind, step);
     double sum = 0, size = 0;

@@ -74,7 +74,7 @@ TEST(MarchOnWarp, SmoothFacesHaveTheBitsOfAPack) {
     for (std::uint64_t seed = 1; seen.touching < 1; ++seed) {
       SCOPED_TRACE("seed " + std::to_string(seed));
       const Started c = random_scene(seed, variant);
-      if (fits(c.model)) expect_same(c, longest, seen);
+      if (fits(c.model)) expect_same(c, longest / 10, seen);
     }
   }
 }
