@@ -232,10 +232,10 @@ class Candidates {
     constexpr std::uint32_t last = 1u << (width - 1);
     // the nodes at both ends of a cell stand in this group, but for the cells at its borders
     const std::uint32_t inside = lanes_.at_least(most_in_cells(lanes_, ends, sag), level);
-    const std::uint32_t reach = lanes_.at_least(ends + sag, level);
+    const std::uint32_t at_either = lanes_.at_least(ends + sag, level);
     const int first = group * width, left = faces_.nodes - 1 - first;
-    if (group > 0 && (reach & 1u) != 0 && last_listed_ < first - 1) list(first - 1, count);
-    std::uint32_t bits = (inside & (last - 1)) | (reach & last);
+    if (group > 0 && (at_either & 1u) != 0 && last_listed_ < first - 1) list(first - 1, count);
+    std::uint32_t bits = (inside & (last - 1)) | (at_either & last);
     if (left < width) bits &= (1u << left) - 1u;
     for (; bits != 0; bits &= bits - 1) {
       last_listed_ = first + Kokkos::countr_zero(bits);
@@ -278,11 +278,11 @@ class Candidates {
           multiply_add(tau, modes, multiply_add(motion_.advance, slope, Real(closing_slack)));
       Real curve(half_curve), sag(0.0);
       if constexpr (smooth) {  // the curvature of the path, with the slacks that it takes
-        const Real bend = Real(0.5 * motion_.advance * motion_.advance) *
+        const Real lift = Real(0.5 * motion_.advance * motion_.advance) *
                           PiecePassed<Lanes>(lanes_, faces_, place, group).upward();
-        curve = curve + bend;
-        closing = multiply_add(2.0, bend, closing);
-        overlap = multiply_add(2.0, bend, overlap);
+        curve = curve + lift;
+        closing = multiply_add(2.0, lift, closing);
+        overlap = multiply_add(2.0, lift, overlap);
         sag = cell_sag(lanes_, faces_, place, group);
       }
       Real most =

@@ -520,5 +520,23 @@ TEST(FillHighest, LooksAsFarAheadAsItIsTold) {
     EXPECT_EQ(highest[n], n >= 15 ? 5 : n >= 8 && n <= 12 ? 3 : -1) << "node " << n;
 }
 
+TEST(FillSag, IsAnEighthOfTheSharpestSummitWithinReach) {
+  std::vector<double> curvature(20, 8.0), sag(20);
+  curvature[12] = -16;
+  fill_sag(curvature.data(), 20, 1, 2, sag.data());
+  for (int n = 0; n < 20; ++n) EXPECT_EQ(sag[n], n >= 10 && n <= 13 ? 2 : -1) << "node " << n;
+}
+
+TEST(FillRaised, IsAboveAParabolaAndTheBoundOnItsRise) {
+  // x (1 - x)/2 C is C/9 high at 1/3, and from there on rises by no more than (2/3)^2/8 C
+  constexpr double sharp = 18;
+  const std::vector<double> height(6, 1.0), curvature{0, 0, -sharp, -sharp, 0, 0};
+  std::vector<double> raised(6);
+  fill_raised(height.data(), curvature.data(), 6, raised.data());
+  EXPECT_NEAR(raised[2], 1 + sharp / 9 + sharp / 18, 1e-12);
+  EXPECT_EQ(raised[1], raised[2]) << "its left piece is curved, too";
+  EXPECT_EQ(raised[0], 1);
+}
+
 }  // namespace
 }  // namespace ra2d::test

@@ -505,6 +505,69 @@ TEST(CandidateGroupsProof, TheRestOfTheSpacingCountsOnADeflectedBeamsFlank) {
   EXPECT_LE(back, before * (1 + 1e-6));
 }
 
+/// Smooth faces of no curvature, but for the bounds that a test sets.
+struct SmoothByHand : BodiesByHand {
+  std::vector<double> curvature2, sag1, sag2, highest_sag2, modes_sag;
+
+  SmoothByHand() : BodiesByHand({}, {up}, 1) {
+    curvature2.assign(height2.size(), 0.0), sag1.assign(width, 0.0);
+    sag2 = highest_sag2 = curvature2;
+    modes_sag.assign(modes, 0.0);
+    t.faces.smooth = true;
+    t.faces.curvature2 = curvature2.data(), t.faces.sag1 = sag1.data();
+    t.faces.sag2 = sag2.data(), t.faces.highest_sag2 = highest_sag2.data();
+    t.bounds.cell_sag = modes_sag.data();
+    t.motion.position = 9;
+  }
+};
+
+TEST(CandidateGroupsProof, TheSagOfACellCountsInFull) {
+  Amplitudes u{};
+  SmoothByHand bodies;
+  EXPECT_NEAR(Search{}.widest(bodies, u), 0, 1e-12);
+  bodies.sag2[9] = bodies.highest_sag2[9] = 0.375;
+  EXPECT_NEAR(Search{}.widest(bodies, u), 0.375, 1e-12);
+  bodies.sag1[0] = -0.125;  // a hollow of one face counts against the other's summit
+  EXPECT_NEAR(Search{}.widest(bodies, u), 0.25, 1e-12);
+  bodies.sag1[0] = -0.5;
+  EXPECT_NEAR(Search{}.widest(bodies, u), 0, 1e-12);
+  // the modes', where they are and where they get to
+  bodies.modes_sag[0] = 0.25, u[0] = -0.5;
+  bodies.set_overlap(0, 0, u, 9);
+  EXPECT_NEAR(Search{}.widest(bodies, u), 0.125, 1e-12);
+  bodies.t.faces.sag_per_travel = 0.5;
+  EXPECT_NEAR((Search{.range = 1}.widest(bodies, u)), 1.625, 1e-12);
+}
+
+TEST(CandidateGroupsProof, TheRiseOfAPieceIsReached) {
+  Dice dice(9);
+  SmoothByHand bodies;
+  for (int trial = 0; trial < 2000; ++trial) {
+    const double left = dice.uniform(-1, 1), right = dice.uniform(-1, 1);
+    const Cubic piece = spline_piece(0, dice.uniform(-0.3, 0.3), left, right);
+    const double theta = trial % 3 == 0 ? 0 : dice.uniform(0, 1);
+    bodies.curvature2[9] = left, bodies.curvature2[10] = right;
+    const PiecePassed<HostLanes> passed(lanes, bodies.t.faces, Place(bodies.t.motion, 0), 0);
+    std::array<double, width> bound, upward;
+    lanes.store(bound.data(), passed.rise(1 - theta, Real(piece.slope(theta))));
+    lanes.store(upward.data(), passed.upward());
+    EXPECT_EQ(upward[0], std::max({left, right, 0.0}));
+    double rise = 0;
+    for (int part = 0; part <= 64; ++part)
+      rise = std::max(rise, piece(theta + (1 - theta) * part / 64.0) - piece(theta));
+    ASSERT_GE(bound[0], rise - 4 * eps);
+    if (left >= 0 && right >= 0) {
+      ASSERT_NEAR(bound[0], rise, 4 * eps) << "largest at an end";
+    }
+  }
+  // a parabola that ends as high as it begins
+  bodies.curvature2[9] = bodies.curvature2[10] = -1;
+  const PiecePassed<HostLanes> passed(lanes, bodies.t.faces, Place(bodies.t.motion, 0), 0);
+  std::array<double, width> bound;
+  lanes.store(bound.data(), passed.rise(1, Real(0.5)));
+  EXPECT_NEAR(bound[0], 0.125, eps);
+}
+
 TEST(CandidateGroupsProof, TheRestOfTheSpacingCountsOnTheFaces) {
   const Amplitudes still{};
   constexpr double on = 0.25;  // of the way to the next node
