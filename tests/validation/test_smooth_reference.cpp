@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "host/base/errors.hpp"
 #include "host/run/timed_run.hpp"
 #include "tests/outcomes.hpp"
 #include "tests/scenes.hpp"
@@ -142,6 +143,33 @@ TEST_P(SmoothReference, SchemesComeToItWithTheirOrder) {
         << scheme.name << ": " << testing::PrintToString(errors);
     if (is_high) {
       EXPECT_LT(errors.back(), 1e-7) << scheme.name;
+    }
+  }
+}
+
+TEST_P(SmoothReference, AdaptiveKeepsItsTolerance) {
+  Scene scene = smooth(GetParam().scene(), {SchemeKind::adaptive}, 0);
+  Reference r;
+  for (const double tolerance : {1e-4, 1e-6, 1e-8, 1e-10, 1e-12}) {
+    scene.time.tolerance = tolerance;
+    Model model;
+    try {
+      model = make_model(scene);
+    } catch (const RequestError& refused) {
+      GTEST_SKIP() << refused.what();  // of a program whose adaptive scheme wants linear faces
+    }
+    const ModalStart start = make_start(model);
+    if (r.states.empty()) r = smooth_reference(model, start, {scene.duration});
+    const TimedRun run = timed_run(model, start);
+    ASSERT_EQ(run.status, Status::done) << tolerance;
+    // a shock amplifies what came before it by up to some ten times
+    const double bound = 100 * tolerance + 1e-9;
+    EXPECT_LT(state_error(model, run.state, end_of(r)), bound) << tolerance;
+    ASSERT_EQ(run.shocks.size(), r.shocks.size()) << tolerance;
+    for (std::size_t i = 0; i < r.shocks.size(); ++i) {
+      const ReferenceShock& shock = r.shocks[i];
+      EXPECT_NEAR(run.shocks[i].start, shock.start, bound * scene.duration) << tolerance;
+      EXPECT_NEAR(run.shocks[i].impulse, shock.impulse, 10 * bound * shock.impulse) << tolerance;
     }
   }
 }
