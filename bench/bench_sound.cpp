@@ -7,6 +7,9 @@
 //
 // Predicted, for the paper's 19 modes: ten times 36 000 points of the face, spread over 13 samples
 // each, 60 ms; transforms of 60 blocks of 2048 samples, 20 ms; 13 million products of lines, 30 ms.
+// Came out, in processor time: 0.16 s; with 174 modes 0.78 s. Errors of 4, 6, 8, 10, 12 and 16
+// points, half a metre away: 2e-3, 2e-6, 9e-10, 1e-13, 3e-14, 2e-14; 1 mm away from the face: 4,
+// 0.3, 6e-3, 3e-5, 8e-8, 6e-14; of the resistance: 3, 0.03, 3e-5, 3e-6, 1e-6, 1e-9.
 #include <benchmark/benchmark.h>
 
 #include <fmt/format.h>

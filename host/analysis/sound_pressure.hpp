@@ -73,7 +73,7 @@ struct MicrophoneLevels {
   LevelHistory history;                        // of the pressure, in Pa^2
 };
 
-/// What the microphones of a scene hear of its result.
+/// The sound of a result at the microphones of its scene.
 struct SceneSound {
   std::vector<MicrophoneLevels> microphones;
   std::string why_none;  // empty where there are some, or none in the scene
