@@ -123,16 +123,18 @@ class Case:
         with open(self.folder / f"{self.name}.csv", "w", newline="") as file:
             csv.writer(file, lineterminator="\n").writerows(self.rows)
         if self.picture:
-            import chart_style
-            chart_style.save(self.picture, self.folder / f"{self.name}.svg", "svg")
+            _, style = pictures()
+            (self.folder / f"{self.name}.svg").write_bytes(style.Picture.drawn(self.picture, "svg"))
 
 
 def pictures():
-    """The style of the program's own pictures: (matplotlib.pyplot, picture_style)."""
-    sys.path.insert(0, str(ROOT / "host" / "plot"))
-    import picture_style
+    """The style of the program's own pictures: (matplotlib.pyplot, ra2d.style)."""
+    sys.path.insert(0, str(ROOT / "host" / "python"))
+    import matplotlib
+    matplotlib.use("Agg")
     import matplotlib.pyplot as plt
-    return plt, picture_style
+    from ra2d import style
+    return plt, style
 
 
 def main(name, compare):

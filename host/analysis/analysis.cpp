@@ -306,7 +306,16 @@ Analysis analyze(const std::filesystem::path& file, const AnalysisOptions& optio
   a.energy_per_shock = a.shocks.count > 0 ? a.energy.given / a.shocks.rate : quiet_nan;
   a.mesh = mesh_tone(scene, a);
   mark_mesh(a.peaks, a.mesh.frequency, a.spectrum.resolution);
-  if (options.sound.asks()) add_sound_levels(reader, scene, stretch, options.sound, a);
+  const SoundRequest sound = scene ? options.sound.completed(*scene) : options.sound;
+  if (options.sound.asks()) {
+    add_sound_levels(reader, scene, stretch, sound, a);
+  } else if (sound.asks()) {  // as the scene has it
+    try {
+      add_sound_levels(reader, scene, stretch, sound, a);
+    } catch (const RequestError& fault) {
+      a.no_sound = fault.what();
+    }
+  }
   return a;
 }
 

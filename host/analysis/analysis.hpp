@@ -82,6 +82,7 @@ struct Analysis {
   Air air;  // of the sound, where some was asked for
   std::vector<MicrophoneLevels> microphones;
   std::optional<RadiatedPower> power;
+  std::string no_sound;  // why the scene's own microphones hear nothing; empty: they do
 };
 
 /// The resonator's last elastic mode [Hz]; NaN where it has none.

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "host/analysis/distributions.hpp"
@@ -37,7 +38,7 @@ constexpr Figure figures[] = {
     {"energy.per_shock", "J", [](const Analysis& a) { return a.energy_per_shock; }, Values::any},
 };
 
-/// Of each microphone, and of the power; all results were asked for the same ones.
+/// Of each microphone that all have, and of the power.
 void add_means_of_sound(const std::vector<Analysis>& analyses, std::vector<FigureOfRuns>& means) {
   const auto add = [&](const std::string& name, auto of) {
     std::vector<double> values;
@@ -45,7 +46,9 @@ void add_means_of_sound(const std::vector<Analysis>& analyses, std::vector<Figur
     means.push_back({name, "dB", mean_of_runs(values)});
   };
   if (analyses.empty()) return;
-  for (std::size_t i = 0; i < analyses.front().microphones.size(); ++i) {
+  std::size_t microphones = analyses.front().microphones.size();
+  for (const Analysis& a : analyses) microphones = std::min(microphones, a.microphones.size());
+  for (std::size_t i = 0; i < microphones; ++i) {
     add(fmt::format("microphones.{}.lp", i + 1),
         [i](const Analysis& a) { return a.microphones[i].lp; });
     add(fmt::format("microphones.{}.lpa", i + 1),

@@ -68,6 +68,38 @@ void SoundRequest::require_sense() const {
         "ask for --power");
 }
 
+SoundRequest SoundRequest::completed(const Scene& scene) const {
+  SoundRequest found = *this;
+  if (microphones.empty())
+    for (const MicrophonePlace& at : scene.output.microphones)
+      found.microphones.push_back({at.x, at.y, at.z});
+  found.celsius = celsius.value_or(scene.air.celsius);
+  found.pascal = pascal.value_or(scene.air.pascal);
+  return found;
+}
+
+SceneSound sound_of_scene(const Scene& scene, const std::filesystem::path& file) try {
+  SceneSound found;
+  const SoundRequest request = SoundRequest{}.completed(scene);
+  if (!request.asks()) return found;
+  const ResultReader reader(file);
+  const ResultContents& contents = reader.contents();
+  const SoundingResonator resonator = sounding_resonator(reader, scene, file, request);
+  const double ringing = ringing_of(contents.resonator_frequency, scene.resonator.damping);
+  const Stretch stretch = choose_stretch(contents, scene, file, {}, {});
+  for (const HeardSound& sound : hear(reader, resonator, stretch, file, request))
+    found.microphones.push_back(levels_of(sound, contents.rate, ringing));
+  return found;
+} catch (const RequestError& fault) {
+  return {{}, fault.what()};
+}
+
+std::string level_text(const MicrophoneLevels& m) {
+  return m.rms > 0 ? fmt::format("{:.2f} dB(A), {:.2f} dB re 20 uPa at {:g}, {:g}, {:g} m", m.lp_a,
+                                 m.lp, m.position[0], m.position[1], m.position[2])
+                   : "silence at " + place_text(m.position);
+}
+
 SoundingResonator sounding_resonator(const ResultReader& reader, const std::optional<Scene>& scene,
                                      const std::filesystem::path& file,
                                      const SoundRequest& request) {

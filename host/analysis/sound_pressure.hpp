@@ -22,10 +22,9 @@ struct SoundRequest {
   bool asks() const { return power || !microphones.empty(); }
   /// Throws RequestError where it names an air, and no sound.
   void require_sense() const;
+  /// With the scene's microphones, where it has none of its own, and its air.
+  SoundRequest completed(const Scene& scene) const;
 };
-
-/// Places that microphones may have, from the resonator's face [m].
-inline constexpr double nearest_microphone = 1e-3, farthest_microphone = 100;
 
 /// The resonator of a result as it radiates. Throws RequestError where the file does not have what
 /// it takes, FileError where its scene is not that of its modes.
@@ -73,6 +72,17 @@ struct MicrophoneLevels {
   std::vector<double> level, level_a, spread;  // dB
   LevelHistory history;                        // of the pressure, in Pa^2
 };
+
+/// The sound of a result at the microphones of its scene.
+struct SceneSound {
+  std::vector<MicrophoneLevels> microphones;
+  std::string why_none;  // empty where there are some, or none in the scene
+};
+SceneSound sound_of_scene(const Scene& scene, const std::filesystem::path& file);
+
+/// "61.57 dB(A), 63.15 dB re 20 uPa at 0.15, 0.1, 0.5 m".
+std::string level_text(const MicrophoneLevels& microphone);
+
 MicrophoneLevels levels_of(const HeardSound& sound, double rate, double ringing);
 
 }  // namespace ra2d

@@ -6,6 +6,7 @@
 
 #include "host/analysis/analysis_text.hpp"
 #include "host/analysis/bands.hpp"
+#include "host/base/text.hpp"
 
 namespace ra2d {
 namespace {
@@ -39,15 +40,12 @@ std::string band_rows(const Analysis& a, const std::vector<int>& numbers,
 
 std::string microphone_text(const Analysis& a, std::size_t number) {
   const MicrophoneLevels& m = a.microphones[number];
-  const auto& [x, y, z] = m.position;
-  std::string text = sound_line(fmt::format("microphone {}", number + 1),
-                                m.rms > 0 ? fmt::format("{:.2f} dB(A), {:.2f} dB re 20 uPa{}",
-                                                        m.lp_a, m.lp, interval_text(m.intervals))
-                                          : std::string("silence"));
+  std::string text =
+      sound_line(fmt::format("microphone {}", number + 1),
+                 m.rms > 0 ? level_text(m) + interval_text(m.intervals) : level_text(m));
   text += sound_line(
-      "", fmt::format("at {:g}, {:g}, {:g} m{}; peak {:.4g} Pa; {:.6g} s to {:.6g} s, the sound "
-                      "takes {:.3g} ms or more",
-                      x, y, z, z < 0 ? ", below the plate" : "", m.peak, m.from, m.to,
+      "", fmt::format("{}peak {:.4g} Pa; {:.6g} s to {:.6g} s, the sound takes {:.3g} ms or more",
+                      m.position[2] < 0 ? "below the plate; " : "", m.peak, m.from, m.to,
                       1e3 * m.arrives));
   return text + band_rows(a, m.number, m.level, "20 uPa");
 }
@@ -74,6 +72,7 @@ std::string power_text(const Analysis& a) {
 }  // namespace
 
 std::string describe_sound(const Analysis& a) {
+  if (!a.no_sound.empty()) return sound_line("sound", "none: " + printable(a.no_sound));
   if (a.microphones.empty() && !a.power) return {};
   std::string text = sound_line(
       "sound", fmt::format("of the resonator in a rigid baffle, in air of {:.1f} m/s and {:.3f} "

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "host/analysis/analysis_text.hpp"
+#include "host/analysis/sound_pressure.hpp"
 #include "host/base/clock.hpp"
 #include "host/base/exit_status.hpp"
 #include "host/base/format.hpp"
@@ -202,6 +203,18 @@ ZoomsRun run_zooms(const RunRequest& request, const Scene& scene, const ZoomRequ
   return zooms;
 }
 
+/// The last lines of a report: the levels at the scene's microphones.
+SceneSound print_sound(const Scene& scene, const std::filesystem::path& output, bool shown) {
+  if (scene.output.microphones.empty()) return {};
+  SceneSound sound = sound_of_scene(scene, output);
+  if (!shown) return sound;
+  for (std::size_t i = 0; i < sound.microphones.size(); ++i)
+    print_line(fmt::format("microphone {}", i + 1).c_str(),
+               level_text(sound.microphones[i]) + interval_text(sound.microphones[i].intervals));
+  if (!sound.why_none.empty()) print_line("microphones", "none: " + printable(sound.why_none));
+  return sound;
+}
+
 int run_scene(RunRequest& request) {
   const CheckpointKeeper keeper;  // from here on SIGUSR1 ends nothing
   const SceneOptions& common = request.common;
@@ -235,17 +248,19 @@ int run_scene(RunRequest& request) {
     if (!request.json && !common.quiet)
       print("{} has this run already, complete: nothing to do (--fresh runs it again)\n",
             printable(output.string()));
+    const SceneSound sound = print_sound(scene, output, !request.json && !common.quiet);
     const ZoomsRun zooms = run_zooms(request, scene, zoom, options);
     if (request.json)
-      print_text(run_json(scene, report_of_file(output), output, zooms.status, zooms.files));
+      print_text(run_json(scene, report_of_file(output), output, zooms.status, zooms.files, sound));
     return zooms.status;
   }
   if (!common.quiet && !request.json) print_report(scene, report, output);
+  const SceneSound sound = print_sound(scene, output, !common.quiet && !request.json);
   if (report.ending != Ending::complete) zoom = {};
   const ZoomsRun zooms = run_zooms(request, scene, zoom, options);
   const int status =
       zooms.status == exit_status::done ? say_run_ending(common, report, output) : zooms.status;
-  if (request.json) print_text(run_json(scene, report, output, status, zooms.files));
+  if (request.json) print_text(run_json(scene, report, output, status, zooms.files, sound));
   return status;
 }
 

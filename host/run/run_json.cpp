@@ -44,38 +44,48 @@ Json mesh_json(const MeshTone& mesh) {
 }  // namespace
 
 std::string run_json(const Scene& scene, const RunReport& r, const std::filesystem::path& output,
-                     int exit_status, const std::vector<std::filesystem::path>& zooms) {
+                     int exit_status, const std::vector<std::filesystem::path>& zooms,
+                     const SceneSound& sound) {
   std::vector<std::string> zoom_files;
   for (const std::filesystem::path& zoom : zooms) zoom_files.push_back(zoom.string());
   const bool is_there = r.ending == Ending::there;
   const bool has_level = is_there || r.counted > 0;
-  const Json json{{"file", output.string()},
-                  {"zooms", zoom_files},
-                  {"title", title(scene)},
-                  {"complete", is_there || r.ending == Ending::complete},
-                  {"ended", r.ending == Ending::failed ? r.failure : ending_name(r.ending)},
-                  {"was_there", is_there},
-                  {"resumable", r.resumable},
-                  {"exit_status", exit_status},
-                  {"from", scene.output.from},
-                  {"to", r.time},
-                  {"duration", scene.duration},
-                  {"steps", r.steps},
-                  {"lv", has_level ? r.lv : quiet_nan},
-                  {"lv_interval", limits_json(r.intervals.level)},
-                  {"no_interval", r.intervals.why_none},
-                  {"v_rms", has_level ? r.v_rms : quiet_nan},
-                  {"contact_share", r.contact_share},
-                  {"shocks", shocks_json(r)},
-                  {"nodes_evaluated", r.nodes_evaluated},
-                  {"energy", energy_json(r.energy)},
-                  {"mesh_tone", mesh_json(r.mesh)},
-                  {"beyond_limit", r.beyond_limit.empty() ? Json() : Json(r.beyond_limit)},
-                  {"wall_seconds", r.wall_seconds},
-                  {"march_seconds", r.march_seconds},
-                  {"read_back_seconds", r.read_back_seconds},
-                  {"step_seconds", r.step_seconds()},
-                  {"memory_bytes", r.memory > 0 ? Json(r.memory) : Json()}};
+  Json json{{"file", output.string()},
+            {"zooms", zoom_files},
+            {"title", title(scene)},
+            {"complete", is_there || r.ending == Ending::complete},
+            {"ended", r.ending == Ending::failed ? r.failure : ending_name(r.ending)},
+            {"was_there", is_there},
+            {"resumable", r.resumable},
+            {"exit_status", exit_status},
+            {"from", scene.output.from},
+            {"to", r.time},
+            {"duration", scene.duration},
+            {"steps", r.steps},
+            {"lv", has_level ? r.lv : quiet_nan},
+            {"lv_interval", limits_json(r.intervals.level)},
+            {"no_interval", r.intervals.why_none},
+            {"v_rms", has_level ? r.v_rms : quiet_nan},
+            {"contact_share", r.contact_share},
+            {"shocks", shocks_json(r)},
+            {"nodes_evaluated", r.nodes_evaluated},
+            {"energy", energy_json(r.energy)},
+            {"mesh_tone", mesh_json(r.mesh)},
+            {"beyond_limit", r.beyond_limit.empty() ? Json() : Json(r.beyond_limit)},
+            {"wall_seconds", r.wall_seconds},
+            {"march_seconds", r.march_seconds},
+            {"read_back_seconds", r.read_back_seconds},
+            {"step_seconds", r.step_seconds()},
+            {"memory_bytes", r.memory > 0 ? Json(r.memory) : Json()}};
+  if (!scene.output.microphones.empty()) {
+    json["microphones"] = Json::array();
+    for (const MicrophoneLevels& m : sound.microphones)
+      json["microphones"].push_back({{"position", m.position},
+                                     {"lp", m.lp},
+                                     {"lpa", m.lp_a},
+                                     {"lp_interval", limits_json(m.intervals.level)}});
+    json["no_sound"] = sound.why_none;
+  }
   return json.dump(-1, ' ', false, Json::error_handler_t::replace) + '\n';
 }
 

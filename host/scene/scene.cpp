@@ -39,6 +39,8 @@ std::vector<std::filesystem::path> files_of(const Scene& scene) {
 Scene without_origins(Scene scene) {
   scene.name.clear();
   scene.contact.is_hertz = false;
+  scene.output.microphones.clear();
+  scene.air = {};
   for (BodySpec* body : {&scene.resonator, &scene.slider}) body->poisson.reset();
   return scene;
 }

@@ -122,12 +122,28 @@ enum class KeptModes { all, none };
 enum class Precision { real64, real32 };
 enum class Compression { none, deflate };
 
+/// A place above the resonator: along it from its left end, across it from its edge, above it.
+struct MicrophonePlace {
+  double x = 0, y = 0, z = 0;  // m
+  bool operator==(const MicrophonePlace&) const = default;
+};
+
+inline constexpr double nearest_microphone = 1e-3;  // m, from the resonator's plane
+inline constexpr double farthest_microphone = 100;  // m, from the resonator
+
+/// The air that carries the sound to the microphones.
+struct AirSettings {
+  double celsius = 20;
+  double pascal = 101'325;
+};
+
 struct OutputSettings {
   double rate = 0;                    // Hz, samples at t_j = j / rate
   std::vector<double> probes;         // m, on the resonator
   std::vector<double> slider_probes;  // m, on the slider
-  double from = 0;                    // s: level, energy balance and shock statistics begin here
-  std::vector<double> window;         // s, beginning and end of what is sampled; empty: all
+  std::vector<MicrophonePlace> microphones;
+  double from = 0;             // s: level, energy balance and shock statistics begin here
+  std::vector<double> window;  // s, beginning and end of what is sampled; empty: all
   // of what is sampled, in a file:
   KeptModes modes = KeptModes::all;
   Precision precision = Precision::real64;
@@ -155,6 +171,7 @@ struct Scene {
   ContactSettings contact;
   TimeSettings time;
   OutputSettings output;
+  AirSettings air;
 };
 
 /// The tolerance of an adaptive scene without the key.

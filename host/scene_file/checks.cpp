@@ -323,6 +323,34 @@ void check_surface(const Scene& s, const std::string& name, const BodySpec& body
   }
 }
 
+void check_microphones(const Scene& s, Document& document) {
+  const std::vector<MicrophonePlace>& places = s.output.microphones;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const auto [x, y, z] = places[i];
+    if (std::abs(z) < nearest_microphone)
+      document.fault(
+          fmt::format("output.microphones[{}].z", i),
+          fmt::format("{} m is in the plane of the resonator and its baffle: expected {} m or more "
+                      "above it (or below it, z < 0)",
+                      z, nearest_microphone));
+    const double away = std::hypot(std::max({-x, x - s.resonator.length, 0.0}),
+                                   std::max({-y, y - s.resonator.width, 0.0}), z);
+    if (away > farthest_microphone)
+      document.fault(fmt::format("output.microphones[{}]", i),
+                     fmt::format("is {:.4g} m away: expected {} m at the most, farther off the air "
+                                 "absorbs sound, which is left out",
+                                 away, farthest_microphone));
+  }
+  if (places.empty()) return;
+  if (s.output.modes == KeptModes::none)
+    document.fault("output.microphones",
+                   "need the motion of the modes, and output.modes is \"none\": expected \"all\"");
+  if (s.resonator.support == Support::rigid)
+    document.fault("output.microphones",
+                   "hear nothing of a rigid resonator: expected another resonator.support, or none "
+                   "of them");
+}
+
 void check_output(const Scene& s, Document& document) {
   if (s.output.from > 0 &&
       s.output.from > s.duration * (1 - rounding) - (is_adaptive(s) ? 0.0 : s.time.step))
@@ -351,6 +379,7 @@ void check_output(const Scene& s, Document& document) {
   };
   check_places("probes", s.output.probes, "resonator", s.resonator.length);
   check_places("slider_probes", s.output.slider_probes, "slider", s.slider.length);
+  check_microphones(s, document);
 }
 
 /// The contact spring of a node: a number that can be worked with.

@@ -22,6 +22,8 @@ std::string echo(const Scene& scene) {
   text += "\n[contact]\n" + keys::written(keys::of_contact(), scene.contact, scene);
   text += "\n[time]\n" + keys::written(keys::of_time(), scene.time, scene);
   text += "\n[output]\n" + keys::written(keys::of_output(), scene.output, scene);
+  if (const std::string air = keys::written(keys::of_air(), scene.air, scene); !air.empty())
+    text += "\n[air]\n" + air;
   return text;
 }
 

@@ -43,6 +43,7 @@ const std::vector<KeyFacts>& scene_sections() {
     add("contact", keys::facts_of(keys::of_contact()));
     add("time", keys::facts_of(keys::of_time()));
     add("output", keys::facts_of(keys::of_output()));
+    add("air", keys::facts_of(keys::of_air()));
     return all;
   }();
   return sections;

@@ -12,6 +12,8 @@
 namespace ra2d::keys {
 namespace {
 
+constexpr Range air_celsius{-50, 100, true, "a number in [-50, 100)"};
+constexpr Range air_pascal{1e4, 1e6, true, "a number in [1e4, 1e6)"};
 constexpr Range hurst_exponent{0, 1, false, "a number in (0, 1)"};
 constexpr Range poisson_ratio{-1, 0.5 + std::numeric_limits<double>::epsilon(), false,
                               "a number over -1, at most 0.5"};
@@ -422,6 +424,24 @@ const Keys<TimeSettings>& of_time() {
   return keys;
 }
 
+const Keys<MicrophonePlace>& of_microphone() {
+  using M = MicrophonePlace;
+  static const Keys<M> keys{
+      {{"x", number(&M::x, any_number, "m"), required<M>(), "along the resonator"},
+       {"y", number(&M::y, any_number, "m"), required<M>(), "across, from its edge"},
+       {"z", number(&M::z, any_number, "m"), required<M>(), "above it"}}};
+  return keys;
+}
+
+const Keys<AirSettings>& of_air() {
+  using A = AirSettings;
+  static const Keys<A> keys{{{"temperature", number(&A::celsius, air_celsius, no_unit, 20.0),
+                              may_stand<A>(), "degrees Celsius"},
+                             {"pressure", number(&A::pascal, air_pascal, "Pa", 101'325.0),
+                              may_stand<A>(), "of the still air"}}};
+  return keys;
+}
+
 const Keys<OutputSettings>& of_output() {
   using O = OutputSettings;
   static const Keys<O> keys{
@@ -432,6 +452,8 @@ const Keys<OutputSettings>& of_output() {
         "places on the resonator where displacement and velocity are written"},
        {"slider_probes", numbers(&O::slider_probes, "m"), has_default<O>(),
         "such places on the slider"},
+       {"microphones", tables(&O::microphones, of_microphone()), may_stand<O>("none"),
+        "places above the resonator, `{ x, y, z }` in m, whose [sound](sound.md) ends the report"},
        {"from", number(&O::from, not_negative, "s", 0.0), has_default<O>(),
         "level, shock statistics and the energy balance of the report begin here. Samples begin at "
         "0 all the same"},

@@ -15,6 +15,8 @@ const Keys<MovingForce>& of_moving_force();
 const Keys<ContactSettings>& of_contact();
 const Keys<TimeSettings>& of_time();
 const Keys<OutputSettings>& of_output();
+const Keys<MicrophonePlace>& of_microphone();
+const Keys<AirSettings>& of_air();
 
 /// Whether the bodies' elastic constants give the contact its stiffness.
 bool takes_hertz(const ContactSettings& contact);

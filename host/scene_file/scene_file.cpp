@@ -47,6 +47,7 @@ Scene read(Document& document, const std::filesystem::path& file) {
   read_section(document, "contact", keys::of_contact(), scene.contact);
   read_section(document, "time", keys::of_time(), scene.time);
   read_section(document, "output", keys::of_output(), scene.output);
+  read_section(document, "air", keys::of_air(), scene.air);
   complete(scene, first.has("initial"));
   return scene;
 }

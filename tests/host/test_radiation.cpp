@@ -353,12 +353,11 @@ TEST(Resistance, OfAShortWaveIsThatOfAPlaneWave) {
 }
 
 /// The power through a large hemisphere, of two modes that move together: cross terms count.
-TEST(Resistance, IsThePowerThatArrivesFarAway) {
-  const Radiator plate = supported_plate(0.3, 0.2, {{1, 1}, {3, 1}, {2, 2}});
+void expect_power_far_away(const Radiator& plate, const std::vector<double>& frequencies) {
   const RadiationResistance resistance(plate, air, 5e3);
   const std::vector<double> v{1.0, -0.7, 0.4};
   constexpr double far = 3e4;  // m
-  for (const double frequency : {200.0, 3000.0}) {
+  for (const double frequency : frequencies) {
     const std::vector<double> half = resistance.lower_half(frequency);
     double power = 0, alone = 0;
     for (std::size_t k = 0, at = 0; k < v.size(); ++k)
@@ -386,6 +385,14 @@ TEST(Resistance, IsThePowerThatArrivesFarAway) {
       EXPECT_GT(std::abs(alone / power - 1), 0.1) << "the modes' cross terms do not show";
     }
   }
+}
+
+TEST(Resistance, IsThePowerThatArrivesFarAway) {
+  expect_power_far_away(supported_plate(0.3, 0.2, {{1, 1}, {3, 1}, {2, 2}}), {200, 3000});
+  BodySpec spec = plate_spec();
+  spec.max_frequency.reset();
+  spec.modes = 3;
+  expect_power_far_away(strip(make_beam(spec), spec.width), {200});
 }
 
 TEST(Resistance, DoesNotDependOnItsPanels) {

@@ -207,10 +207,15 @@ TEST(Scene, ValuesArriveWhereTheyBelong) {
       {"step", "scheme = \"backward-euler\"\nnodes = \"all\"\ntolerance = 1e-8\nstep"},
       {"",
        "[output]\nrate = 50_000\nprobes = [0, 0.15, 0.3]\n"
-       "slider_probes = [0.02]\nfrom = 0.05\n[[resonator.moving_force]]\nforce = 10\n"
+       "slider_probes = [0.02]\nfrom = 0.05\nmicrophones = [{ x = 0.1, y = \"20 cm\", z = -3 "
+       "}]\n[air]\ntemperature = 15\npressure = \"900 hPa\"\n[[resonator.moving_force]]\nforce = "
+       "10\n"
        "speed = 20\nstart = -1\n"},
   }));
   EXPECT_EQ(s.name, "a \"b\"");
+  EXPECT_EQ(s.output.microphones, (std::vector<MicrophonePlace>{{0.1, 0.2, -3}}));
+  EXPECT_EQ(s.air.celsius, 15);
+  EXPECT_EQ(s.air.pascal, 9e4);
   EXPECT_EQ(s.gap, 2e-5);
   EXPECT_EQ(s.initial, Initial::statics);
   EXPECT_EQ(s.duration, 0.1);
@@ -315,7 +320,7 @@ const std::vector<Refused> refused{
     {"SectionFar",
      {{"", "[weather]\n"}},
      {"s.toml:29: weather: unknown section: expected `scene`, `resonator`, `slider`, `contact`, "
-      "`time` or `output`"}},
+      "`time`, `output` or `air`"}},
     {"ResonatorLoad",
      {{"modes = 19", "modes = 19\nload = 3"}},
      {"s.toml:15: resonator.load: unknown key", "only the slider", "moving_force"}},
@@ -590,6 +595,18 @@ const std::vector<Refused> refused{
     {"NoDuration",
      {{"duration = 0.1", "duration = 1e-320"}},
      {"s.toml:2: scene.duration: 1e-320 is too small to compute with: expected at least 1e-30"}},
+    {"MicrophoneInThePlane",
+     {{"", "[output]\nmicrophones = [{ x = 0, y = 0, z = 1e-4 }]\n"}},
+     {"output.microphones[0].z: 0.0001 m is in the plane of the resonator"}},
+    {"MicrophoneFarAway",
+     {{"", "[output]\nmicrophones = [{ x = 0, y = 0, z = 300 }]\n"}},
+     {"output.microphones[0]: is 300 m away: expected 100 m at the most"}},
+    {"MicrophoneWithoutModes",
+     {{"", "[output]\nmodes = \"none\"\nmicrophones = [{ x = 0, y = 0, z = 1 }]\n"}},
+     {"output.microphones: need the motion of the modes"}},
+    {"ColdAir",
+     {{"", "[air]\ntemperature = -100\n"}},
+     {"air.temperature: -100 is not allowed: expected a number in [-50, 100)"}},
     {"ShortDuration",
      {adaptive, {"duration = 0.1", "duration = 1e-29"}},
      {"s.toml:2: scene.duration: 100000 Hz takes no sample in 1e-29 s but that at t = 0: expected "
@@ -1052,7 +1069,9 @@ TEST(SceneEcho, ReadsBackAsTheSameScene) {
             {"scene.name=\"q\\\" b\\\\ \\t \\n \\u0001 \\u007f µ\"", "scene.gap=-1e-6",
              "resonator.surface.seed=9223372036854775807", "slider.load=weight",
              "slider.surface={ kind = \"file\", path = \"/a \\\"b\\\"/c.csv\" }", "time.nodes=all",
-             "time.tolerance=1e-8", "output.probes=[0, 0.1, 0.3]", "scene.initial=static"}));
+             "time.tolerance=1e-8", "output.probes=[0, 0.1, 0.3]", "scene.initial=static",
+             "output.microphones=[{ x = 0.1, y = 0.2, z = 1 }, { x = 1, y = -1, z = -2 }]",
+             "air.temperature=-3.5", "air.pressure=9e4"}));
   expect_round_trip(parse(
       minimal, {"resonator.surface={ kind = \"gaussian\", rq = 1e-6, correlation_length = 2e-3, "
                 "seed = 0 }",
@@ -1273,8 +1292,8 @@ TEST_F(SceneFile, OfThePaperHasItsNumbers) {
 
 /// Every number has a unit that a study's axis can be written with; that of others is "".
 void expect_units(const std::string& section, const std::vector<KeyFacts>& keys) {
-  const std::vector<std::string> without = {"damping",  "poisson",  "hurst",
-                                            "skewness", "kurtosis", "tolerance"};
+  const std::vector<std::string> without = {"damping",  "poisson",   "hurst",      "skewness",
+                                            "kurtosis", "tolerance", "temperature"};
   const std::vector<std::string> units = {"s", "m", "m/s", "Pa", "kg/m^3", "Hz", "N", "Pa/m"};
   for (const KeyFacts& key : keys) {
     SCOPED_TRACE(section + "." + key.name);

@@ -148,6 +148,42 @@ TEST_F(Sounds, SaysWhatTheLibraryFinds) {
   EXPECT_NEAR(means["mean"]["microphones.1.lpa"]["mean"], (a + b) / 2, 1e-9);
 }
 
+/// The scene's microphones end the report; they and the air change nothing of the run.
+TEST_F(Sounds, OfTheScenesMicrophonesEndTheReport) {
+  const std::vector<std::string> words{
+      "run",   test::scene_file("dang2012"), "-o",    "a.h5",
+      "--set", "time.scheme=adaptive",       "--set", "scene.duration=0.1"};
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), words.begin(), words.end());
+    return more;
+  };
+  const std::string place = "output.microphones=[{ x = 0.15, y = 0.1, z = 0.5 }]";
+  const test::Ended first = ra2d(with({"--set", place, "--set", "air.temperature=30"}));
+  ASSERT_EQ(first.status, 0) << first.err;
+  AnalysisOptions options;
+  options.sound.microphones = {{0.15, 0.1, 0.5}};
+  const auto level = [&] {
+    return analyze(folder_.path() / "a.h5", options).microphones.at(0).lp_a;
+  };
+  const std::string line = first.out.substr(first.out.find("microphone 1"));
+  EXPECT_THAT(line, HasSubstr(fmt::format("{:.2f} dB(A)", level())));  // in the scene's air
+  EXPECT_EQ(std::count(line.begin(), line.end(), '\n'), 1);
+  options.sound.celsius = 20;
+  const test::Ended again = ra2d(with({"--set", place, "--json"}));
+  const auto said = nlohmann::json::parse(again.out);
+  EXPECT_EQ(said["was_there"], true);
+  EXPECT_EQ(said["microphones"][0]["lpa"], level());
+  // the file's own scene has the first microphone: analyze needs no --at
+  options = {};
+  EXPECT_EQ(analyze(folder_.path() / "a.h5", options).microphones.size(), 1u);
+  // one that nothing reaches is said, and the run is done
+  const test::Ended far =
+      ra2d(with({"--set", "output.microphones=[{ x = 0.15, y = 0.1, z = 90 }]", "--fresh"}));
+  EXPECT_EQ(far.status, 0);
+  EXPECT_THAT(far.out, HasSubstr("microphones      none: "));
+  EXPECT_THAT(ra2d({"analyze", "a.h5"}).out, HasSubstr("sound            none: "));
+}
+
 TEST_F(Sounds, SaysWhatTheRecordCannotCarry) {
   run("a.h5", {"output.rate=20e3"});
   EXPECT_THAT(

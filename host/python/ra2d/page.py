@@ -106,6 +106,11 @@ def _figures(found: dict[str, Any]) -> Facts:
     if energy["sliding_power"] is not None:
         rows.append(("power", html("{} W from sliding, {} W from loads, {} W to damping", *(
             number(energy[key]) for key in ("sliding_power", "load_power", "damping_power")))))
+    for i, microphone in enumerate(found.get("microphones", []), 1):
+        if microphone["lpa"] is not None:
+            place = ", ".join(f"{x:g}" for x in microphone["position"])
+            rows.append((f"microphone {i}", html("<b>{} dB(A)</b>, {} dB re 20 \u00b5Pa at {} m",
+                                                 f"{microphone['lpa']:.1f}", f"{microphone['lp']:.1f}", place)))
     if energy["closure"] is not None:
         rows.append(("energy balance", html("closes to {} of what went through", number(energy["closure"], 2))))
     return rows

@@ -368,6 +368,24 @@ def band_axis(axes: Any, names: list[str]) -> None:
     axes.set_xlabel("midband frequency [Hz]")
 
 
+def _draw_pressures(axes: Any, result: Result, names: list[str]) -> None:
+    """Third octaves at the scene's microphones, over those of the velocity, on an axis of their own."""
+    heard = result.analysis().get("microphones", [])
+    if not heard:
+        return
+    beside = axes.twinx()
+    colours = (RUST, BLACK, GREY)
+    for i, microphone in enumerate(heard[:len(colours)]):
+        its = microphone["bands"]
+        shown = [(names.index(name), level) for name, level in zip(its["nominal"], its["level"]) if name in names and level]
+        place = ", ".join(f"{x:g}" for x in microphone["position"])
+        beside.plot(*zip(*shown), color=colours[i], marker=style.MARKS[i], ms=4, lw=1,
+                    label=f"pressure at {place} m: {microphone['lpa']:.1f} dB(A)")
+    beside.grid(False)
+    beside.set_ylabel("sound pressure [dB re 20 \u00b5Pa]")
+    beside.legend(loc="lower right")
+
+
 def _bands(figure: Any, result: Result, _: bool) -> None:
     axes, title = figure.subplots(), "Third octaves of the resonator's velocity"
     if why := why_empty(result, "bands"):
@@ -387,6 +405,7 @@ def _bands(figure: Any, result: Result, _: bool) -> None:
                                 f"{quantity(bands.last_mode, 'Hz')}: no information"], loc="upper right")
     band_axis(axes, bands.nominal.values.tolist())
     axes.set_ylim(bottom, finite.max() + 6)
+    _draw_pressures(axes, result, bands.nominal.values.tolist())
     axes.set_ylabel(f"level [{DECIBEL}]")
     axes.set_title(f"{title}; in all {result.level:.1f} dB; bars: one standard deviation over runs")
 

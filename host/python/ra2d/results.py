@@ -102,19 +102,26 @@ class Result:
     # ---- numbers ----------------------------------------------------------------------------------
 
     def analysis(self, *, start: float | None = None, stop: float | None = None, resolution: float | None = None,
-                 segment: int | None = None, a_weighting: bool = False) -> dict[str, Any]:
+                 segment: int | None = None, a_weighting: bool = False, at: Sequence[Sequence[float]] = (),
+                 power: bool = False) -> dict[str, Any]:
         """All that `ra2d analyze --json` says (docs/analysis.md), in SI units; None for what does
         not exist. Asked once for each set of options, and kept.
 
         - `start`, `stop` [s]: the stretch of the run; from `output.from` to the end
         - `resolution` [Hz] or `segment` [samples]: of the spectrum
         - `a_weighting`: also weigh the bands as ears do
+        - `at`: microphones, each (x, y, z) [m]; `power`: the sound power (docs/sound.md)
 
         >>> getfixture("result").analysis()["contact_share"] < 1
         True
+        >>> heard = getfixture("result").analysis(at=[(0.15, 0.1, 0.5)])["microphones"]
+        >>> 50 < heard[0]["lpa"] < 80
+        True
         """
         options = tuple(program.options({"--from": start, "--to": stop, "--resolution": resolution, "--segment": segment,
-                                         "--a-weighting": bool(a_weighting)}))
+                                         "--a-weighting": bool(a_weighting), "--power": bool(power)}))
+        for place in at:
+            options += ("--at", ",".join(repr(float(x)) for x in place))
         self._file.require_unchanged()
         if options not in self._analyses:
             self._analyses[options] = program.ask("analyze", self.path, *options)

@@ -27,13 +27,14 @@ KEYS: dict[str, list[str]] = {
     "slider": [*_BODY, "load"],
     "contact": "law stiffness".split(),
     "time": "scheme contact_force step tolerance nodes force".split(),
-    "output": "rate probes slider_probes from window modes precision compression".split(),
+    "output": "rate probes slider_probes microphones from window modes precision compression".split(),
+    "air": "temperature pressure".split(),
     "resonator.surface": _FACE,
     "slider.surface": _FACE,
 }
 # Units by the name of a key, as docs/scene.md has them; a test holds both together.
 UNITS: dict[str, str] = {name: unit for unit, names in {
-    "s": "duration step from window", "m/s": "speed", "Hz": "max_frequency rate", "Pa": "young", "kg/m^3": "density",
+    "s": "duration step from window", "m/s": "speed", "Hz": "max_frequency rate", "Pa": "young pressure", "kg/m^3": "density",
     "Pa/m": "stiffness", "N": "load force",
     "m": "start gap spacing length thickness width cutoff_s cutoff rq rsm correlation_length longest shortest probes "
          "slider_probes"}.items() for name in names.split()}

@@ -522,3 +522,16 @@ def test_a_page_stands_in_a_browser(base, folder, short):
     assert shown.returncode == 0 and "CONSOLE" not in shown.stderr, shown.stderr
     seen = "0 0 12 true 0.200 4.000 0.200 4.000"
     assert f"360 360 {seen}; 1200 1200 {seen}" in shown.stdout, re.findall("360 .*", shown.stdout)
+
+
+def test_the_scenes_microphones_stand_beside_the_vibration(base, folder):
+    places = [{"x": 0.15, "y": 0.1, "z": 0.5}, {"x": 0.0, "y": 0.1, "z": 1.0}]
+    heard = ra2d.run(base, {"output.microphones": places, "air.temperature": 25}, duration=0.2,
+                     output=folder / "heard.h5", show=False)
+    found = heard.analysis()["microphones"]
+    text = read(heard.report(folder / "heard.html"))
+    assert f"{found[1]['lpa']:.1f} dB(A)" in text and "0, 0.1, 1 m" in text
+    figure = heard.plot("bands")
+    drawn = figure.axes[1].get_lines()
+    assert len(drawn) == 2 and "pressure" in figure.axes[1].get_ylabel()
+    assert set(drawn[0].get_ydata()) <= set(found[0]["bands"]["level"]) and len(drawn[0].get_ydata()) > 10
