@@ -16,12 +16,13 @@ namespace {
 constexpr double usual_readiness = 2e-3;                       // s: tables, files
 constexpr double surface_node = 6e-8, balanced_node = 7e-8;    // s a node; s a node and mode
 constexpr double flight = 5e-9, contact = 45e-9, held = 2e-7;  // s: a fixed step, by its form
-constexpr double cells_contact = 800e-9;                       // s: the same between smooth faces
+constexpr double cells_contact = 500e-9;                       // s: the same between smooth faces
 constexpr double new_cells_contact = 2500e-9;    // s: with the penalty force of the new time
 constexpr double evaluation = 1e-9;              // s, of a node, where all are evaluated
 constexpr double leap = 600e-9, order = 180e-9;  // s: a flight; a step, each order
-constexpr double travelling_seconds = 20e-9;     // s: a force that travels, at one time
-constexpr double counted_modes = 24;             // that these times are of
+constexpr double smooth_over_nodes = 4.0;     // an order of a step: its stages between smooth faces
+constexpr double travelling_seconds = 20e-9;  // s: a force that travels, at one time
+constexpr double counted_modes = 24;          // that these times are of
 
 /// Steps of the adaptive scheme in a second: where a node passes another, and as often as the
 /// fastest mode turns, of which the contact of rough faces takes about 0.45 steps a radian.
@@ -54,9 +55,10 @@ ExpectedWork expected_work(const Scene& scene) {
     const int terms = series_order(scene.time.tolerance.value_or(usual_tolerance));
     work.strides = 1 + scene.duration * strides_a_second(scene, highest);
     const double all_nodes = scene.time.nodes == Nodes::all ? 4 * evaluation * nodes : 0.0;
-    work.march =
-        work.strides * (wide * (terms * (order + forces * travelling_seconds)) + all_nodes) +
-        scene.duration * scene.speed / scene.spacing * leap;
+    const double faces = scene.faces == Faces::smooth ? smooth_over_nodes : 1.0;
+    work.march = work.strides *
+                     (wide * (terms * (faces * order + forces * travelling_seconds)) + all_nodes) +
+                 scene.duration * scene.speed / scene.spacing * leap;
     return work;
   }
   work.strides = scene.duration / scene.time.step;

@@ -24,10 +24,13 @@ constexpr double flight_ns = 5.0, contact_ns = 45.0, stage_ns = 50.0, held_ns = 
                  more_ns = 1.7, node_ns = 0.7;
 /// Between smooth faces, a stage in contact, and each cell more; the penalty force of the new time;
 /// and Newton's steps, where many cells touch.
-constexpr double cells_ns = 800.0, cell_ns = 150.0, new_cells_ns = 2500.0, cells_newton_steps = 4;
+constexpr double cells_ns = 500.0, cell_ns = 120.0, new_cells_ns = 2500.0, cells_newton_steps = 4;
 /// Of the adaptive scheme (bench/bench_adaptive.cpp): a flight; a step with forces, for each order
 /// of its series, and what share of that each node more takes; a sample.
 constexpr double leap_ns = 600.0, order_ns = 130.0, more_share = 0.25, sample_ns = 40.0;
+/// Between smooth faces a step with contact has sixteen stages, of some cells each: over one with
+/// nodes in contact.
+constexpr double smooth_over_nodes = 4.0;
 /// Of forces that are found with the end of the step, at many nodes
 /// (kernels/contact/complementarity.hpp): each pressed one after the other, by the cube of how
 /// many; or, on springs, by Newton's method, some ten steps of a product over all modes and one of
@@ -172,7 +175,8 @@ void plan_strides(const Model& model, double omega_c, Plan& plan) {
                            : (crossings + fastest / theta) * drive;
   const auto pressed = [&](int nodes) {
     const double omega = omega_c * std::sqrt(nodes);  // their springs side by side
-    return (crossings + std::max(fastest, omega) / theta + 2 * omega / M_PI) *
+    return (model.has_smooth_faces() ? smooth_over_nodes : 1.0) *
+           (crossings + std::max(fastest, omega) / theta + 2 * omega / M_PI) *
            (drive + (nodes - 1) * more_share * order * n);
   };
   const auto wall = [&](double nanoseconds) {
@@ -281,12 +285,16 @@ std::string steps_text(const Scene& scene, const Plan& plan) {
 }
 
 std::string adaptive_text(const Scene& scene) {
+  const char* const contacts =
+      scene.faces == Faces::smooth
+          ? "           a Runge-Kutta formula of order 8, in steps as long as that allows\n"
+          : "           Taylor series as long as that allows, from where each begins to where it "
+            "ends\n";
   return fmt::format(
       "scheme     adaptive, to a relative error of {:g} a step: flights in closed form, contacts "
-      "by\n"
-      "           Taylor series as long as that allows, from where each begins to where it ends\n"
+      "by\n{}"
       "stability  no limit: no step is fixed beforehand\n",
-      scene.time.tolerance.value_or(usual_tolerance));
+      scene.time.tolerance.value_or(usual_tolerance), contacts);
 }
 
 SlowestMode slowest_mode(const Model& model) {

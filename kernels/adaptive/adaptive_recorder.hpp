@@ -106,7 +106,7 @@ class AdaptiveRecorder {
   KOKKOS_FORCEINLINE_FUNCTION bool can_take_sample() const {
     return samples_.count < samples_.capacity;
   }
-  /// The same between smooth faces.
+  /// The sample that falls on the end of the scene, between smooth faces.
   KOKKOS_FUNCTION void write_last_sample(const ContactTotals<Real>& totals,
                                          const Modes& now) const {
     write_sample(now, contact_of(totals));

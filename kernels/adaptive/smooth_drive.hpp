@@ -81,7 +81,7 @@ class SmoothDrive {
 
   /// Whether the forces at the beginning of the next step are those at the end of this one.
   struct Start {
-    bool known = false;
+    bool is_valid = false;
     double energy = 0.0;  // J, of the springs
   };
 
@@ -190,9 +190,9 @@ class SmoothDrive {
   /// Lists the cells that the step evaluates, and finds the forces at its beginning.
   KOKKOS_FUNCTION Outcome list_cells(const Modes& now, const Place& place, std::int64_t available,
                                      std::int64_t ticks, Start& start) {
-    if (start.known) {
+    if (start.is_valid) {
       step_.take_start(stages_.cell_count, start.energy);
-      start.known = false;
+      start.is_valid = false;
     } else {
       cells_ = overlaps_.list_contacts(stages_.cells, capacity_);
       if (cells_ < 0) return Outcome::crowded;
@@ -301,8 +301,8 @@ class SmoothDrive {
       overlaps_.end_becomes_start();
     else
       overlaps_.discard_start();
-    start.known = made == ticks && !onset && forces_.count == 0 && there.base == place.base &&
-                  there.part == place.part;
+    start.is_valid = made == ticks && !onset && forces_.count == 0 && there.base == place.base &&
+                     there.part == place.part;
     start.energy = step_.energy_at_end();
     return Outcome::made;
   }

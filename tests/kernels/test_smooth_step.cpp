@@ -12,7 +12,7 @@
 #include "kernels/contact/moving_cell.hpp"
 #include "tests/dice.hpp"
 
-/// What adaptive steps between smooth faces are made of: the weights of their stages, the highest
+/// The parts of adaptive steps between smooth faces: the weights of their stages, the highest
 /// place of a cell, and the highest value of a force.
 namespace ra2d::test {
 namespace {

@@ -84,7 +84,7 @@ TEST_P(AdaptiveInvariance, RandomScenesAreTheSameBitForBit) {
   if (!draws_enough()) return;
   EXPECT_GE(touching, scenes / 2);
   EXPECT_GE(in_and_out, scenes / 4);
-  EXPECT_LT(evaluated, 0.75 * all_evaluated);
+  EXPECT_LT(evaluated, (GetParam() == Faces::linear ? 0.75 : 0.9) * all_evaluated);
 }
 
 TEST_P(AdaptiveInvariance, OneStepALaunch) {
