@@ -20,7 +20,7 @@ constexpr double cells_contact = 500e-9;                       // s: the same be
 constexpr double new_cells_contact = 2500e-9;    // s: with the penalty force of the new time
 constexpr double evaluation = 1e-9;              // s, of a node, where all are evaluated
 constexpr double leap = 600e-9, order = 180e-9;  // s: a flight; a step, each order
-constexpr double smooth_over_nodes = 4.0;     // an order of a step: its stages between smooth faces
+constexpr double of_smooth_faces = 4.0;       // an order of a step: its stages between smooth faces
 constexpr double travelling_seconds = 20e-9;  // s: a force that travels, at one time
 constexpr double counted_modes = 24;          // that these times are of
 
@@ -55,7 +55,7 @@ ExpectedWork expected_work(const Scene& scene) {
     const int terms = series_order(scene.time.tolerance.value_or(usual_tolerance));
     work.strides = 1 + scene.duration * strides_a_second(scene, highest);
     const double all_nodes = scene.time.nodes == Nodes::all ? 4 * evaluation * nodes : 0.0;
-    const double faces = scene.faces == Faces::smooth ? smooth_over_nodes : 1.0;
+    const double faces = scene.faces == Faces::smooth ? of_smooth_faces : 1.0;
     work.march = work.strides *
                      (wide * (terms * (faces * order + forces * travelling_seconds)) + all_nodes) +
                  scene.duration * scene.speed / scene.spacing * leap;
