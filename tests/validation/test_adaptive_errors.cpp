@@ -266,8 +266,9 @@ TEST(AdaptiveErrors, BetweenSmoothFacesAreBelowTheTolerance) {
       const Recording r = simulate(adaptive(each.scene, tolerance));
       ASSERT_EQ(r.end.status, Status::done);
       EXPECT_LT(distance(r, reference), factor * tolerance + floor) << tolerance;
-      if (!each.drifts || tolerance < 1e-9)  // bodies that settle graze each other
+      if (!each.drifts || tolerance < 1e-9) {  // bodies that settle graze each other
         EXPECT_EQ(r.end.shocks_begun, reference.end.shocks_begun) << tolerance;
+      }
       EXPECT_LT(std::abs(r.energy.relative()), 100 * tolerance) << tolerance;
     }
   }
