@@ -73,14 +73,15 @@ def table(cases, one, all_cores):
 
 
 def draw(picture, cases, one, all_cores, title):
-    sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "host" / "plot"))
+    sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "host" / "python"))
     try:
-        import matplotlib  # noqa: F401 (before chart_style, which ends without a word where there is none)
+        import matplotlib
     except ImportError:
         sys.exit(f"{picture}: this Python has no matplotlib to draw it with (Debian: /usr/bin/python3, python3-matplotlib)")
-    import chart_style
+    matplotlib.use("Agg")
     import matplotlib.pyplot as plt
     from matplotlib.ticker import FuncFormatter
+    from ra2d import style
     figure, axes = plt.subplots(1, len(METHODS), figsize=(12, 4.4), layout="constrained")
     for axis, (method, words) in zip(axes, METHODS.items()):
         for paper, colour in (("free", "#1f77b4"), ("pinned", "#d62728")):
@@ -90,9 +91,9 @@ def draw(picture, cases, one, all_cores, title):
             counts = cases[scene]
             axis.loglog(list(counts), [each["simulated"] for each in counts.values()], "o-", color=colour,
                         label=f"slider {paper}")
-            for other, style in ((one, ":"), (all_cores, "--")):
+            for other, line in ((one, ":"), (all_cores, "--")):
                 if scene in other:
-                    axis.axhline(best(other[scene]), color=colour, linestyle=style)
+                    axis.axhline(best(other[scene]), color=colour, linestyle=line)
         axis.set(title=words, xlabel="scenes side by side", ylabel="seconds simulated in a second")
         axis.set_xscale("log", base=4)
         for scale in (axis.xaxis, axis.yaxis):
@@ -100,11 +101,11 @@ def draw(picture, cases, one, all_cores, title):
             scale.set_minor_formatter(FuncFormatter(lambda value, _: ""))
         axis.grid(alpha=0.3)
     handles, labels = axes[0].get_legend_handles_labels()
-    handles += [plt.Line2D([], [], color="grey", linestyle=style) for style, other in ((":", one), ("--", all_cores)) if other]
+    handles += [plt.Line2D([], [], color="grey", linestyle=line) for line, other in ((":", one), ("--", all_cores)) if other]
     labels += [words for words, other in (("one core", one), ("all cores", all_cores)) if other]
     axes[0].legend(handles, labels, fontsize=8)
-    figure.suptitle(chart_style.literal(f"Scenes by the thousand: {title}"))
-    chart_style.save(figure, picture, pathlib.Path(picture).suffix[1:])
+    figure.suptitle(style.literal(f"Scenes by the thousand: {title}"))
+    pathlib.Path(picture).write_bytes(style.Picture.drawn(figure, pathlib.Path(picture).suffix[1:]))
 
 
 def main():
