@@ -528,8 +528,7 @@ class SmoothDrive {
     return any;
   }
 
-  /// Puts the cells in contact at x into the contact set: those of runs that have been there from
-  /// the beginning.
+  /// Puts the cells in contact at x into the contact set, but for those in which it begins there.
   KOKKOS_FUNCTION void keep_contacts_at_end(double x) const {
     const bool whole = x == 1.0;
     int listed = 0;
@@ -539,13 +538,13 @@ class SmoothDrive {
       int count = 0;
       for (int r = 0; r < stages_.run_count; ++r) stages_.runs[r].at_end = false;
       const auto keep = [&](int cell) {
+        for (int e = 0; e < flagged_; ++e)  // what begins here is taken in later
+          if (listed_[e] == cell && onsets_[e] <= 1.0) return;
         for (int r = 0; r < stages_.run_count; ++r) {
           CellRun& run = stages_.runs[r];
-          if (!run.grown || cell < run.first - 1 || cell > run.last + 1) continue;
-          run.at_end = true;
-          set_.nodes[count++] = cell;
-          return;
+          if (run.grown && cell >= run.first - 1 && cell <= run.last + 1) run.at_end = true;
         }
+        set_.nodes[count++] = cell;
       };
       if (whole) {
         for (int e = 0; e < cells_; ++e)
