@@ -114,7 +114,7 @@ struct Bodies {
   }
   static double on_spline(const std::vector<double>& h, const std::vector<double>& curvature,
                           double x) {
-    const int left = static_cast<int>(x);
+    const int left = std::min(static_cast<int>(x), static_cast<int>(curvature.size()) - 2);
     return spline_piece(h[left], h[left + 1], curvature[left], curvature[left + 1])(x - left);
   }
   /// Between smooth faces, `share` of the way along a cell.
