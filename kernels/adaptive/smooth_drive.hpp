@@ -6,6 +6,7 @@
 #include "kernels/adaptive/adaptive_recorder.hpp"
 #include "kernels/adaptive/brent.hpp"
 #include "kernels/adaptive/contacts.hpp"
+#include "kernels/adaptive/expected_events.hpp"
 #include "kernels/adaptive/modal_state.hpp"
 #include "kernels/adaptive/moving_force_series.hpp"
 #include "kernels/adaptive/overlaps.hpp"
@@ -44,6 +45,7 @@ class SmoothDrive {
                               const AdaptiveRecorder<Lanes, packs>& recorder, const Modes& now,
                               const Place& place)
       : lanes_{lanes},
+        modes_{tables.modes},
         motion_{tables.motion},
         bounds_{tables.bounds},
         faces_{tables.faces},
@@ -97,13 +99,19 @@ class SmoothDrive {
     const double guess = control_.series_scale / motion_.time_step;
     std::int64_t ticks =
         guess < static_cast<double>(available) ? static_cast<std::int64_t>(guess) : available;
-    if (control_.contact_begins) ticks /= 2;
+    if (control_.contact_begins) ticks = static_cast<std::int64_t>(0.3 * static_cast<double>(ticks));
     if (ticks < 1) ticks = 1;
     Pace pace = control_.contact_begins ? Pace::from_onset : Pace::even;
     const Outcome listed = list_cells(now, place, available, ticks, start);
     if (listed != Outcome::made) return listed;
 
-    bool cut = ticks == available;  // shorter than the error control asks for
+    bool cut = false;  // shorter than the error control asks for
+    if (ticks < available && 2 * ticks > available) {
+      ticks = available / 2 + 1;
+      cut = true;
+    }
+    plan(now, place, ticks, pace, cut);
+    cut = cut || ticks == available;
     double next = 0.0;              // s, what it asks for
     while (true) {
       step_.make(ticks, pace, cells_, path_.moved(place, tick + ticks));
@@ -159,6 +167,7 @@ class SmoothDrive {
 
  private:
   Lanes lanes_;
+  const ModeTables& modes_;
   const SliderMotion& motion_;
   const MotionLimits& bounds_;
   const FaceTables& faces_;
@@ -185,6 +194,37 @@ class SmoothDrive {
 
   KOKKOS_FORCEINLINE_FUNCTION double bound(const double* weight, const Real* x) const {
     return weighted_sum<Lanes, packs>(lanes_, weight, x);
+  }
+
+  /// Ends the step where a contact is expected to begin or end.
+  KOKKOS_FUNCTION void plan(const Modes& now, const Place& place, std::int64_t& ticks, Pace& pace, bool& cut) const {
+    Real acceleration[packs];
+    step_.acceleration(acceleration);
+    const double whole = static_cast<double>(ticks);
+    const auto times = ExpectedEvents<Lanes, packs>(
+        lanes_, modes_, motion_, adaptive_, node_contact_, place)(
+        now.u, now.v, acceleration, stages_.cells, cells_, stages_.force, formula_stages,
+        whole * motion_.time_step);
+    double end = whole;
+    const double onset = times.onset / motion_.time_step,
+                 release = times.release / motion_.time_step;
+    if (release < 0.02 * whole) {
+      end = 1.05 * release;
+    } else if (release < 0.4 * whole && pace == Pace::even) {
+      end = 0.98 * release;
+      pace = Pace::to_release;
+    } else if (release < whole) {
+      end = release < 0.7 * whole ? 0.5 * release : release - 0.35 * whole;
+    }
+    const double until = onset < 0.3 * whole ? 1.005 * onset + 1e-3 * whole : 0.96 * onset;
+    if (until < end) {
+      end = until;
+      if (pace == Pace::to_release) pace = Pace::even;
+    }
+    const std::int64_t planned = static_cast<std::int64_t>(end) + 1;
+    if (planned >= ticks) return;
+    ticks = planned;
+    cut = true;
   }
 
   /// Lists the cells that the step evaluates, and finds the forces at its beginning.

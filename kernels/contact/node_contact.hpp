@@ -232,6 +232,49 @@ class NodeContact {
     return moving;
   }
 
+  /// Smooth faces: sum_k x_k psi_k along an expanded cell.
+  KOKKOS_FUNCTION Cubic along(int cell, const Place& place, const Real* x) const {
+    const double* c = cell_shapes(cell);
+    const Real offset(place.offset);
+    Real part[4];
+    for (int j = 0; j < 4; ++j) part[j] = Real(0.0);
+    for (int p = 0; p < packs; ++p) {
+      Real phi[4], path[4];
+      along_cell(c, offset, p, phi, path);
+      for (int j = 0; j < 4; ++j) part[j] = multiply_add(phi[j], x[p], part[j]);
+    }
+    Cubic sum;
+    lanes_.sum(part[0], part[1], sum.c[0], sum.c[1]);
+    lanes_.sum(part[2], part[3], sum.c[2], sum.c[3]);
+    return sum;
+  }
+  /// A piece of the resonator's face, about the middle of an expanded cell.
+  KOKKOS_FORCEINLINE_FUNCTION Cubic passing(int cell, const Place& place, int side) const {
+    return faces_of(cell).passing[side].about(place.theta + 0.5 - side);
+  }
+  /// Smooth faces: adds the rate [N/s] of the modal contact force of an expanded cell while the
+  /// displacements u change by v and the slider moves by `speed` [chi/s]. What the shapes change by
+  /// at a fixed force is left out.
+  KOKKOS_FUNCTION void add_force_rate(int cell, const Place& place, const Real* u, const Real* v,
+                                      double speed, Real* rate) const {
+    const MovingCell moving = moving_cell(cell, place, u, v, speed);
+    CellContact sum;
+    for (int side = 0; side < 2; ++side)
+      if (!is_open(moving.overlap[side]))
+        visit_contact(moving.overlap[side], side == 0 ? -0.5 : moving.knot,
+                      side == 0 ? moving.knot : 0.5, [&](double left, double right) {
+                        add_closed(moving.rate[side], Cubic{}, left, right, sum);
+                      });
+    const double* c = cell_shapes(cell);
+    const Real offset(place.offset);
+    for (int p = 0; p < packs; ++p) {
+      Real phi[4], path[4];
+      along_cell(c, offset, p, phi, path);
+      for (int j = 0; j < 4; ++j)
+        rate[p] = multiply_add(-contact_.node_stiffness * sum.moment[j], phi[j], rate[p]);
+    }
+  }
+
   /// Contact detection and contact force at a state: adds the modal contact force of the listed
   /// nodes (in ascending order, expanded for this window) to `force`, and lists those in contact.
   KOKKOS_FORCEINLINE_FUNCTION ContactTotals<Real> operator()(const Place& place, const Real* u,
