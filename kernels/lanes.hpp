@@ -211,6 +211,16 @@ requires(!std::is_same_v<Real, double>) KOKKOS_FORCEINLINE_FUNCTION Real
   return Kokkos::fma(Real(a), b, c);
 }
 
+/// a where `test` is positive, else b.
+KOKKOS_FORCEINLINE_FUNCTION double if_positive(double test, double a, double b) {
+  return test > 0.0 ? a : b;
+}
+inline HostLanes::Real if_positive(const HostLanes::Real& test, const HostLanes::Real& a,
+                                   const HostLanes::Real& b) {
+  // of the comparisons that Kokkos 5.0 has right for AVX-512 (see at_least)
+  return Kokkos::Experimental::condition(HostLanes::Real(0.0) < test, a, b);
+}
+
 /// Pack number `pack` of a row of lanes.
 template <class Lanes>
 KOKKOS_FORCEINLINE_FUNCTION typename Lanes::Real load_pack(const Lanes& lanes, const double* row,

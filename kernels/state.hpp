@@ -183,11 +183,15 @@ struct CandidateLists {
   double* coarse_reference_u = nullptr;  // modal displacements at which the coarse list was made
 };
 
+/// Rows of ContactList::cell_parts, each of a lane's width and of 2 at the least.
+inline constexpr int cell_part_rows = 17;
+
 /// The nodes (smooth faces: cells) in contact at a step, and their forces [N].
 struct ContactList {
   int* nodes = nullptr;
   double* forces = nullptr;
-  double* centres = nullptr;  // smooth faces: where the force of a cell acts on the slider, chi
+  double* centres = nullptr;     // smooth faces: where the force of a cell acts on the slider, chi
+  double* cell_parts = nullptr;  // smooth faces: (row, part), kernels/contact/cell_parts.hpp
 };
 
 /// The next runs of neighbouring nodes.
@@ -356,7 +360,11 @@ void visit_arrays(WorkSpace& s, const Extents& n, Visit&& visit) {
   visit("listed_nodes", s.listed_nodes, nodes);
   visit("contact_nodes", s.contact_list.nodes, nodes);
   visit("contact_forces", s.contact_list.forces, nodes);
-  if (n.smooth) visit("contact_centres", s.contact_list.centres, nodes);
+  if (n.smooth) {
+    visit("contact_centres", s.contact_list.centres, nodes);
+    visit("cell_parts", s.contact_list.cell_parts,
+          static_cast<std::size_t>(cell_part_rows) * (n.width < 2 ? 2 : n.width));
+  }
   visit("next_runs", s.runs.next, static_cast<std::size_t>(n.runs()));
   if (n.active > 0) {
     const auto active = static_cast<std::size_t>(n.active);

@@ -99,7 +99,8 @@ class SmoothDrive {
     const double guess = control_.series_scale / motion_.time_step;
     std::int64_t ticks =
         guess < static_cast<double>(available) ? static_cast<std::int64_t>(guess) : available;
-    if (control_.contact_begins) ticks = static_cast<std::int64_t>(0.3 * static_cast<double>(ticks));
+    if (control_.contact_begins)
+      ticks = static_cast<std::int64_t>(0.3 * static_cast<double>(ticks));
     if (ticks < 1) ticks = 1;
     Pace pace = control_.contact_begins ? Pace::from_onset : Pace::even;
     const Outcome listed = list_cells(now, place, available, ticks, start);
@@ -112,7 +113,7 @@ class SmoothDrive {
     }
     plan(now, place, ticks, pace, cut);
     cut = cut || ticks == available;
-    double next = 0.0;              // s, what it asks for
+    double next = 0.0;  // s, what it asks for
     while (true) {
       step_.make(ticks, pace, cells_, path_.moved(place, tick + ticks));
       find_runs(1.0, last_stage);
@@ -197,14 +198,15 @@ class SmoothDrive {
   }
 
   /// Ends the step where a contact is expected to begin or end.
-  KOKKOS_FUNCTION void plan(const Modes& now, const Place& place, std::int64_t& ticks, Pace& pace, bool& cut) const {
+  KOKKOS_FUNCTION void plan(const Modes& now, const Place& place, std::int64_t& ticks, Pace& pace,
+                            bool& cut) const {
     Real acceleration[packs];
     step_.acceleration(acceleration);
     const double whole = static_cast<double>(ticks);
-    const auto times = ExpectedEvents<Lanes, packs>(
-        lanes_, modes_, motion_, adaptive_, node_contact_, place)(
-        now.u, now.v, acceleration, stages_.cells, cells_, stages_.force, formula_stages,
-        whole * motion_.time_step);
+    const auto times =
+        ExpectedEvents<Lanes, packs>(lanes_, modes_, motion_, adaptive_, node_contact_, place)(
+            now.u, now.v, acceleration, stages_.cells, cells_, stages_.force, formula_stages,
+            whole * motion_.time_step);
     double end = whole;
     const double onset = times.onset / motion_.time_step,
                  release = times.release / motion_.time_step;

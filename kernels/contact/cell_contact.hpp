@@ -49,6 +49,13 @@ struct CellContact {
   double moment[4] = {};  // m, of o eta^j
   double square = 0;      // m^2, of o^2
   double face_work = 0;   // m^2, of o dh_2/deta
+
+  KOKKOS_FORCEINLINE_FUNCTION friend CellContact operator+(CellContact a, const CellContact& b) {
+    for (int j = 0; j < 4; ++j) a.moment[j] += b.moment[j];
+    a.square += b.square;
+    a.face_work += b.face_work;
+    return a;
+  }
 };
 
 /// Adds the integrals over [from, to], where `overlap` is not negative. `face`: h_2.
@@ -177,21 +184,5 @@ KOKKOS_INLINE_FUNCTION void add_contact(const Cubic& overlap, const Cubic& face,
 struct CellFaces {
   Cubic own, passing[2];
 };
-
-/// The contact in a cell whose left node stands theta chi behind a node of the resonator.
-/// `displacement`: u_1 + u_2, about the middle of the cell.
-KOKKOS_INLINE_FUNCTION CellContact contact_in_cell(const CellFaces& faces, double theta,
-                                                   const Cubic& displacement) {
-  CellContact sum;
-  const Cubic moving = faces.own + displacement;
-  const double knot = 0.5 - theta;  // of the resonator
-  const Cubic before = faces.passing[0].about(theta + 0.5);
-  const Cubic on_the_left = moving + before;
-  if (!is_open(on_the_left)) add_contact(on_the_left, before, -0.5, knot, sum);
-  const Cubic after = faces.passing[1].about(theta - 0.5);
-  const Cubic on_the_right = moving + after;
-  if (!is_open(on_the_right)) add_contact(on_the_right, after, knot, 0.5, sum);
-  return sum;
-}
 
 }  // namespace ra2d

@@ -5,6 +5,7 @@
 
 #include "kernels/check.hpp"
 #include "kernels/contact/cell_contact.hpp"
+#include "kernels/contact/cell_parts.hpp"
 #include "kernels/contact/moving_cell.hpp"
 #include "kernels/contact/penalty.hpp"
 #include "kernels/displacement.hpp"
@@ -351,47 +352,23 @@ class NodeContact {
     ContactTotals<Real> totals;
     Real slope_force[packs];  // sum of the integrals of o dphi/dx
     for (int p = 0; p < packs; ++p) slope_force[p] = Real(0.0);
-    const Real x(place.offset);
-    for (int e = 0; e < count; ++e) {
-      const int cell = cells[e];
-      const double* c = cell_shapes(cell);
-      Real part[4];
-      for (int j = 0; j < 4; ++j) part[j] = Real(0.0);
-      for (int p = 0; p < packs; ++p) {
-        Real phi[4], path[4];
-        along_cell(c, x, p, phi, path);
-        for (int j = 0; j < 4; ++j) part[j] = multiply_add(phi[j], u[p], part[j]);
+    CellParts<Lanes> parts(lanes_, contact_list_.cell_parts);
+    for (int e = 0; e < count;) {
+      // as many cells as there is room for
+      parts.clear();
+      for (; e < count && parts.has_room(); ++e)
+        parts.add_cell(cells[e], faces_of(cells[e]), place.theta, along(cells[e], place, u));
+      if (parts.count() == 0) continue;
+      parts.integrate();
+      for (int part = 0; part < parts.count();) {
+        const int cell = parts.cell(part);
+        CellContact contact;
+        for (; part < parts.count() && parts.cell(part) == cell; ++part)
+          contact = contact + parts.integrals(part);
+        if (contact.moment[0] > 0.0)
+          add_cell(cell, place.offset, contact, force, slope_force, totals);
       }
-      Cubic displacement;
-      lanes_.sum(part[0], part[1], displacement.c[0], displacement.c[1]);
-      lanes_.sum(part[2], part[3], displacement.c[2], displacement.c[3]);
-      const CellContact contact = contact_in_cell(faces_of(cell), place.theta, displacement);
-      const double* m = contact.moment;
-      if (!(m[0] > 0.0)) continue;
-
-      const double spring = contact_.node_stiffness;  // of a whole cell
-      const double f0 = spring * m[0], f1 = spring * m[1], f2 = spring * m[2], f3 = spring * m[3];
-      for (int p = 0; p < packs; ++p) {
-        Real phi[4], path[4];
-        along_cell(c, x, p, phi, path);
-        Real sum = multiply_add(-f0, phi[0], force[p]);
-        sum = multiply_add(-f1, phi[1], sum);
-        sum = multiply_add(-f2, phi[2], sum);
-        force[p] = multiply_add(-f3, phi[3], sum);
-        sum = multiply_add(f0, path[1], slope_force[p]);
-        sum = multiply_add(2.0 * f1, path[2], sum);
-        slope_force[p] = multiply_add(3.0 * f2, path[3], sum);
-      }
-      totals.face_work = Kokkos::fma(spring, contact.face_work, totals.face_work);
-      totals.energy = Kokkos::fma(0.5 * spring, contact.square, totals.energy);
-      totals.force += f0;
-      RA2D_CHECK(totals.nodes < faces_.nodes);
-      if (lanes_.leader()) {
-        contact_list_.nodes[totals.nodes] = cell;
-        contact_list_.forces[totals.nodes] = f0;
-        contact_list_.centres[totals.nodes] = cell + 0.5 + m[1] / m[0];
-      }
-      ++totals.nodes;
+      lanes_.sync();
     }
     if (totals.nodes > 0) {
       for (int p = 0; p < packs; ++p)
@@ -399,6 +376,36 @@ class NodeContact {
       lanes_.sync();
     }
     return totals;
+  }
+  KOKKOS_FORCEINLINE_FUNCTION void add_cell(int cell, double offset, const CellContact& contact,
+                                            Real* force, Real* slope_force,
+                                            ContactTotals<Real>& totals) const {
+    const double spring = contact_.node_stiffness;  // of a whole cell
+    const double* m = contact.moment;
+    const double f0 = spring * m[0], f1 = spring * m[1], f2 = spring * m[2], f3 = spring * m[3];
+    const double* c = cell_shapes(cell);
+    const Real x(offset);
+    for (int p = 0; p < packs; ++p) {
+      Real phi[4], path[4];
+      along_cell(c, x, p, phi, path);
+      Real sum = multiply_add(-f0, phi[0], force[p]);
+      sum = multiply_add(-f1, phi[1], sum);
+      sum = multiply_add(-f2, phi[2], sum);
+      force[p] = multiply_add(-f3, phi[3], sum);
+      sum = multiply_add(f0, path[1], slope_force[p]);
+      sum = multiply_add(2.0 * f1, path[2], sum);
+      slope_force[p] = multiply_add(3.0 * f2, path[3], sum);
+    }
+    totals.face_work = Kokkos::fma(spring, contact.face_work, totals.face_work);
+    totals.energy = Kokkos::fma(0.5 * spring, contact.square, totals.energy);
+    totals.force += f0;
+    RA2D_CHECK(totals.nodes < faces_.nodes);
+    if (lanes_.leader()) {
+      contact_list_.nodes[totals.nodes] = cell;
+      contact_list_.forces[totals.nodes] = f0;
+      contact_list_.centres[totals.nodes] = cell + 0.5 + m[1] / m[0];
+    }
+    ++totals.nodes;
   }
 
   KOKKOS_FORCEINLINE_FUNCTION static std::int64_t node_offset(int node) {

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <Kokkos_Core.hpp>
+
+#include "kernels/contact/moving_cell.hpp"
+#include "kernels/contact/node_contact.hpp"
+#include "kernels/lanes.hpp"
+#include "kernels/place.hpp"
+#include "kernels/state.hpp"
+#include "kernels/tables.hpp"
+
+namespace ra2d {
+
+/// When contacts between smooth faces will begin and end, foretold from the motion's first three
+/// derivatives at one state. A step that is planned by it seldom has to be rejected; whether it is
+/// good does not rest on it.
+template <class Lanes, int packs>
+class ExpectedEvents {
+  using Real = typename Lanes::Real;
+
+ public:
+  /// Times from now [s]; infinite where none is expected.
+  struct Times {
+    double onset = 1e300, release = 1e300;
+  };
+
+  KOKKOS_FUNCTION ExpectedEvents(const Lanes& lanes, const ModeTables& modes,
+                                 const SliderMotion& motion, const SeriesTables& adaptive,
+                                 const NodeContact<Lanes, packs>& node_contact, const Place& place)
+      : lanes_{lanes},
+        modes_{modes},
+        adaptive_{adaptive},
+        node_contact_{node_contact},
+        place_{place},
+        speed_{motion.advance / motion.time_step} {}
+
+  /// The first of each within `horizon` [s], in the listed cells. `force`: at the beginning, of
+  /// each listed cell, `stride` apart. Runs of cells are taken as one contact.
+  KOKKOS_FUNCTION Times operator()(const Real* u, const Real* v, const Real* acceleration,
+                                   const int* cells, int count, const double* force, int stride,
+                                   double horizon) const {
+    Real third[packs];
+    third_derivative(u, v, acceleration, cells, count, force, stride, third);
+    Times times;
+    for (int e = 0; e < count;) {
+      bool closed = false, ends = true;  // contact at the beginning; all are free at the end
+      double onset = 1e300, release = 0.0;
+      int last = cells[e];
+      for (; e < count && cells[e] <= last + 1; ++e) {
+        last = cells[e];
+        const Path path = path_of(cells[e], u, v, acceleration, third);
+        const double now = path.highest_at(0.0), then = path.highest_at(horizon);
+        closed = closed || force[e * stride] > 0.0;
+        ends = ends && then < 0.0;
+        if (now > 0.0 && then < 0.0)
+          release = Kokkos::max(release, path.crossing(horizon, now, then));
+        if (now < 0.0 && then > 0.0) onset = Kokkos::min(onset, path.crossing(horizon, now, then));
+      }
+      if (closed && ends && release > 0.0) times.release = Kokkos::min(times.release, release);
+      if (!closed) times.onset = Kokkos::min(times.onset, onset);
+    }
+    return times;
+  }
+
+ private:
+  Lanes lanes_;
+  const ModeTables& modes_;
+  const SeriesTables& adaptive_;
+  NodeContact<Lanes, packs> node_contact_;
+  Place place_;
+  double speed_;  // chi/s
+
+  /// The overlap along a cell, a cubic of the time.
+  struct Path {
+    MovingCell now;  // rates per second
+    Cubic second[2], third[2];
+
+    KOKKOS_FUNCTION double highest_at(double s) const {
+      double highest = -1e300;
+      for (int side = 0; side < 2; ++side) {
+        Cubic then;
+        for (int j = 0; j < 4; ++j)
+          then.c[j] = Kokkos::fma(
+              s,
+              Kokkos::fma(0.5 * s, Kokkos::fma(s / 3.0, third[side].c[j], second[side].c[j]),
+                          now.rate[side].c[j]),
+              now.overlap[side].c[j]);
+        highest = Kokkos::max(highest, side == 0 ? highest_on(then, -0.5, now.knot).value
+                                                 : highest_on(then, now.knot, 0.5).value);
+      }
+      return highest;
+    }
+    /// Where the highest overlap changes its sign between 0 and `high`: to 1e-4 of it.
+    KOKKOS_FUNCTION double crossing(double high, double of_low, double of_high) const {
+      const double close = 1e-4 * high;
+      double low = 0.0;
+      int side = 0;
+      const bool falls = of_low > 0.0;
+      for (int i = 0; i < 30 && high - low > close; ++i) {
+        double s = low + (high - low) * (of_low / (of_low - of_high));
+        if (!(s > low && s < high)) s = 0.5 * (low + high);
+        const double value = highest_at(s);
+        if ((value > 0.0) == falls) {
+          if (s - low < close && low > 0.0) return s;
+          low = s;
+          of_low = value;
+          if (side == 1) of_high *= 0.5;
+          side = 1;
+        } else {
+          if (high - s < close) return s;
+          high = s;
+          of_high = value;
+          if (side == -1) of_low *= 0.5;
+          side = -1;
+        }
+      }
+      return 0.5 * (low + high);
+    }
+  };
+  KOKKOS_FUNCTION Path path_of(int cell, const Real* u, const Real* v, const Real* acceleration,
+                               const Real* third) const {
+    Path path;
+    path.now = node_contact_.moving_cell(cell, place_, u, v, speed_);
+    const Cubic of_second = node_contact_.along(cell, place_, acceleration),
+                of_third = node_contact_.along(cell, place_, third);
+    for (int side = 0; side < 2; ++side) {
+      const Cubic face = node_contact_.passing(cell, place_, side);
+      path.second[side] = path.third[side] = of_third;
+      path.second[side] = of_second;
+      path.second[side].c[0] = Kokkos::fma(speed_ * speed_, 2.0 * face.c[2], of_second.c[0]);
+      path.second[side].c[1] = Kokkos::fma(speed_ * speed_, 6.0 * face.c[3], of_second.c[1]);
+    }
+    return path;
+  }
+
+  /// u''' = F'/m - 2 zeta omega u'' - omega^2 u'
+  KOKKOS_FUNCTION void third_derivative(const Real* u, const Real* v, const Real* acceleration,
+                                        const int* cells, int count, const double* force,
+                                        int stride, Real* third) const {
+    Real rate[packs];
+    for (int p = 0; p < packs; ++p) rate[p] = Real(0.0);
+    for (int e = 0; e < count; ++e)
+      if (force[e * stride] > 0.0)
+        node_contact_.add_force_rate(cells[e], place_, u, v, speed_, rate);
+    for (int p = 0; p < packs; ++p) {
+      const Real omega = load_pack(lanes_, modes_.omega, p);
+      third[p] = multiply_add(load_pack(lanes_, adaptive_.inverse_mass, p), rate[p],
+                              -multiply_add(load_pack(lanes_, adaptive_.decay, p), acceleration[p],
+                                            omega * omega * v[p]));
+    }
+  }
+};
+
+}  // namespace ra2d
