@@ -48,6 +48,9 @@ struct Pack {
   friend Pack operator-(const Pack& a) {
     return of([&](int i) { return -a.x[i]; });
   }
+  friend Pack if_positive(const Pack& test, const Pack& a, const Pack& b) {
+    return of([&](int i) { return test.x[i] > 0 ? a.x[i] : b.x[i]; });
+  }
 };
 
 }  // namespace ra2d::test

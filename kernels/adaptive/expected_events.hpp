@@ -48,8 +48,8 @@ class ExpectedEvents {
       int last = cells[e];
       for (; e < count && cells[e] <= last + 1; ++e) {
         last = cells[e];
-        const Path path = path_of(cells[e], u, v, acceleration, third);
-        const double now = path.highest_at(0.0), then = path.highest_at(horizon);
+        const ForeseenCell path = foresee(cells[e], u, v, acceleration, third);
+        const double now = path.highest_after(0.0), then = path.highest_after(horizon);
         closed = closed || force[e * stride] > 0.0;
         ends = ends && then < 0.0;
         if (now > 0.0 && then < 0.0)
@@ -70,65 +70,18 @@ class ExpectedEvents {
   Place place_;
   double speed_;  // chi/s
 
-  /// The overlap along a cell, a cubic of the time.
-  struct Path {
-    MovingCell now;  // rates per second
-    Cubic second[2], third[2];
-
-    KOKKOS_FUNCTION double highest_at(double s) const {
-      double highest = -1e300;
-      for (int side = 0; side < 2; ++side) {
-        Cubic then;
-        for (int j = 0; j < 4; ++j)
-          then.c[j] = Kokkos::fma(
-              s,
-              Kokkos::fma(0.5 * s, Kokkos::fma(s / 3.0, third[side].c[j], second[side].c[j]),
-                          now.rate[side].c[j]),
-              now.overlap[side].c[j]);
-        highest = Kokkos::max(highest, side == 0 ? highest_on(then, -0.5, now.knot).value
-                                                 : highest_on(then, now.knot, 0.5).value);
-      }
-      return highest;
-    }
-    /// Where the highest overlap changes its sign between 0 and `high`: to 1e-4 of it.
-    KOKKOS_FUNCTION double crossing(double high, double of_low, double of_high) const {
-      const double close = 1e-4 * high;
-      double low = 0.0;
-      int side = 0;
-      const bool falls = of_low > 0.0;
-      for (int i = 0; i < 30 && high - low > close; ++i) {
-        double s = low + (high - low) * (of_low / (of_low - of_high));
-        if (!(s > low && s < high)) s = 0.5 * (low + high);
-        const double value = highest_at(s);
-        if ((value > 0.0) == falls) {
-          if (s - low < close && low > 0.0) return s;
-          low = s;
-          of_low = value;
-          if (side == 1) of_high *= 0.5;
-          side = 1;
-        } else {
-          if (high - s < close) return s;
-          high = s;
-          of_high = value;
-          if (side == -1) of_low *= 0.5;
-          side = -1;
-        }
-      }
-      return 0.5 * (low + high);
-    }
-  };
-  KOKKOS_FUNCTION Path path_of(int cell, const Real* u, const Real* v, const Real* acceleration,
-                               const Real* third) const {
-    Path path;
+  KOKKOS_FUNCTION ForeseenCell foresee(int cell, const Real* u, const Real* v,
+                                       const Real* acceleration, const Real* third) const {
+    ForeseenCell path;
     path.now = node_contact_.moving_cell(cell, place_, u, v, speed_);
     const Cubic of_second = node_contact_.along(cell, place_, acceleration),
                 of_third = node_contact_.along(cell, place_, third);
     for (int side = 0; side < 2; ++side) {
       const Cubic face = node_contact_.passing(cell, place_, side);
-      path.second[side] = path.third[side] = of_third;
       path.second[side] = of_second;
       path.second[side].c[0] = Kokkos::fma(speed_ * speed_, 2.0 * face.c[2], of_second.c[0]);
       path.second[side].c[1] = Kokkos::fma(speed_ * speed_, 6.0 * face.c[3], of_second.c[1]);
+      path.third[side] = of_third;
     }
     return path;
   }

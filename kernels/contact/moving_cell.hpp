@@ -57,4 +57,53 @@ struct MovingCell {
   }
 };
 
+/// A moving cell with two derivatives more: its overlap as a cubic of the time.
+struct ForeseenCell {
+  MovingCell now;
+  Cubic second[2], third[2];
+
+  /// The largest overlap after a time s.
+  KOKKOS_FUNCTION double highest_after(double s) const {
+    Highest highest{-1e300, 0.0};
+    for (int side = 0; side < 2; ++side) {
+      Cubic then;
+      for (int j = 0; j < 4; ++j) {
+        const double change = Kokkos::fma(s / 3.0, third[side].c[j], second[side].c[j]);
+        then.c[j] = Kokkos::fma(s, Kokkos::fma(0.5 * s, change, now.rate[side].c[j]),
+                                now.overlap[side].c[j]);
+      }
+      const Highest here =
+          side == 0 ? highest_on(then, -0.5, now.knot) : highest_on(then, now.knot, 0.5);
+      highest.take(here.value, here.place);
+    }
+    return highest.value;
+  }
+  /// A time up to `end` at which the largest overlap changes its sign: to 1e-4 of `end`. Given
+  /// what it is at 0 and at `end`, of two signs.
+  KOKKOS_FUNCTION double crossing(double end, double at_start, double at_end) const {
+    const double close = 1e-4 * end;
+    double low = 0.0, high = end;
+    int side = 0;  // at which end the chord was kept the last time
+    for (int i = 0; i < 30 && high - low > close; ++i) {
+      double s = low + (high - low) * (at_start / (at_start - at_end));
+      if (!(s > low && s < high)) s = 0.5 * (low + high);
+      const double value = highest_after(s);
+      if ((value > 0.0) == (at_start > 0.0)) {
+        if (s - low < close && low > 0.0) return s;
+        low = s;
+        at_start = value;
+        if (side == 1) at_end *= 0.5;
+        side = 1;
+      } else {
+        if (high - s < close) return s;
+        high = s;
+        at_end = value;
+        if (side == -1) at_start *= 0.5;
+        side = -1;
+      }
+    }
+    return 0.5 * (low + high);
+  }
+};
+
 }  // namespace ra2d

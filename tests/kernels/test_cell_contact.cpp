@@ -8,6 +8,8 @@
 
 #include "kernels/contact/cell_complementarity.hpp"
 #include "kernels/contact/cell_contact.hpp"
+#include "kernels/contact/cell_parts.hpp"
+#include "kernels/contact/moving_cell.hpp"
 #include "tests/dice.hpp"
 
 /// Contact integrated over a cell, against closed forms and against sums over many small intervals.
@@ -20,6 +22,20 @@ constexpr double eps = std::numeric_limits<double>::epsilon();
 
 Cubic random_cubic(Dice& dice) {
   return {{dice.uniform(-1, 1), dice.uniform(-2, 2), dice.uniform(-4, 4), dice.uniform(-8, 8)}};
+}
+
+/// The contact in a cell, by the parts that the march evaluates side by side.
+CellContact contact_in_cell(const CellFaces& faces, double theta, const Cubic& displacement) {
+  std::array<double, cell_part_rows * CellParts<HostLanes>::capacity> memory;
+  CellParts<HostLanes> parts(HostLanes(), memory.data());
+  parts.add_cell(7, faces, theta, displacement);
+  parts.integrate();
+  CellContact sum;
+  for (int part = 0; part < parts.count(); ++part) {
+    EXPECT_EQ(parts.cell(part), 7);
+    sum = sum + parts.integrals(part);
+  }
+  return sum;
 }
 
 long double at(const Cubic& p, long double x) {
@@ -153,6 +169,113 @@ TEST(ContactInCell, ForceIsTheSlopeOfItsEnergy) {
     }
   }
   EXPECT_GT(touching, 100);
+}
+
+/// Cells of all kinds beside one another, each as it is by itself: concave ones, others, narrow
+/// contacts, ones without; as many as there is room for. And the same whatever stands beside them.
+TEST(CellParts, AreEachTheIntegralOverItself) {
+  using Parts = CellParts<HostLanes>;
+  Dice dice(4);
+  int touching = 0, narrow = 0;
+  for (int trial = 0; trial < 4000; ++trial) {
+    std::array<double, cell_part_rows * Parts::capacity> memory, other_memory;
+    memory.fill(std::nan("")), other_memory.fill(std::nan(""));
+    Parts parts(HostLanes(), memory.data());
+    const double size = dice.ratio(1e-12, 1), theta = dice.uniform(0, 1);
+    struct Cell {
+      CellFaces faces;
+      Cubic rest;
+    };
+    std::array<Cell, Parts::capacity> cells;
+    int count = 0;
+    for (; parts.has_room(); ++count) {
+      auto& [faces, rest] = cells[count];
+      const double h[3] = {dice.uniform(-1, 1), dice.uniform(-1, 1), dice.uniform(-1, 1)};
+      const double b[3] = {dice.uniform(-1, 1), dice.uniform(-1, 1), dice.uniform(-1, 1)};
+      faces.own = Cubic{};
+      faces.passing[0] = spline_piece(h[0], h[1], b[0], b[1]);
+      faces.passing[1] = spline_piece(h[1], h[2], b[1], b[2]);
+      rest = random_cubic(dice);
+      if (dice.one_in(2)) rest.c[2] = -std::abs(rest.c[2]) - 2;
+      if (dice.one_in(3)) {  // just in contact, or just not
+        const Cubic o = rest + faces.passing[0].about(theta + 0.5);
+        rest.c[0] +=
+            dice.uniform(-1, 3) * dice.ratio(1e-12, 1e-3) - o(highest_place(o, -0.5, 0.5 - theta));
+      }
+      for (Cubic* cubic : {&rest, &faces.passing[0], &faces.passing[1]})
+        for (double& c : cubic->c) c *= size;
+      parts.add_cell(count, faces, theta, rest);
+    }
+    parts.integrate();
+    for (int part = 0; part < parts.count();) {
+      const int cell = parts.cell(part);
+      const auto& [faces, rest] = cells[cell];
+      CellContact sum;
+      for (; part < parts.count() && parts.cell(part) == cell; ++part)
+        sum = sum + parts.integrals(part);
+      CellContact expected;
+      const Cubic before = faces.passing[0].about(theta + 0.5),
+                  after = faces.passing[1].about(theta - 0.5);
+      add_contact(rest + before, before, -0.5, 0.5 - theta, expected);
+      add_contact(rest + after, after, 0.5 - theta, 0.5, expected);
+      touching += expected.moment[0] > 0;
+      narrow += expected.moment[0] > 0 && expected.moment[0] < 1e-6 * size;
+      // by the roundings of the cubics, of a size near 10: over the whole cell, and at the summit
+      // of a narrow contact
+      const double bound = 64 * eps * 10 * size;
+      for (int j = 0; j < 4; ++j)
+        ASSERT_NEAR(sum.moment[j], expected.moment[j], bound) << "trial " << trial;
+      ASSERT_NEAR(sum.square, expected.square, 10 * bound * size) << "trial " << trial;
+      ASSERT_NEAR(sum.face_work, expected.face_work, 10 * bound * size) << "trial " << trial;
+      Parts alone(HostLanes(), other_memory.data());
+      alone.add_cell(cell, faces, theta, rest);
+      alone.integrate();
+      CellContact same;
+      for (int i = 0; i < alone.count(); ++i) same = same + alone.integrals(i);
+      for (int j = 0; j < 4; ++j) ASSERT_EQ(sum.moment[j], same.moment[j]) << "trial " << trial;
+      ASSERT_EQ(sum.square, same.square);
+      ASSERT_EQ(sum.face_work, same.face_work);
+    }
+  }
+  EXPECT_GT(touching, 3000);
+  EXPECT_GT(narrow, 300);
+}
+
+TEST(CellParts, OfParabolasHaveTheirDigitsHoweverNarrow) {
+  // o = depth - (eta - place)^2: 4/3 depth^(3/2), about its own middle
+  for (const double depth : {1e-12, 1e-6, 1e-3, 0.02})
+    for (const double place : {-0.3, -0.01, 0.0, 0.2}) {
+      CellFaces faces{};
+      const CellContact sum =
+          contact_in_cell(faces, 0, {{depth - place * place, 2 * place, -1, 0}});
+      const double exact = 4.0 / 3 * depth * std::sqrt(depth);
+      const double bound = (8 * eps + 2 * eps * place * place / depth) * exact;
+      EXPECT_NEAR(sum.moment[0], exact, bound) << depth << " " << place;
+      EXPECT_NEAR(sum.moment[1], place * exact, 2 * bound + 8 * eps * exact);
+      EXPECT_NEAR(sum.square, 16.0 / 15 * depth * depth * std::sqrt(depth), 3 * depth * bound);
+    }
+}
+
+/// A cubic of the time, alike all over the cell: its root.
+TEST(ForeseenCell, CrossesWhereItsOverlapIsNone) {
+  Dice dice(5);
+  for (int trial = 0; trial < 200; ++trial) {
+    const double root = dice.uniform(0.01, 0.99), sign = dice.one_in(2) ? 1 : -1;
+    const double a = dice.uniform(0.1, 3), b = dice.uniform(0.1, 3);
+    // (s - root) (s^2 + a s + b)
+    ForeseenCell cell{};
+    cell.now.knot = dice.uniform(-0.5, 0.5);
+    for (int side = 0; side < 2; ++side) {
+      cell.now.overlap[side].c[0] = -sign * root * b;
+      cell.now.rate[side].c[0] = sign * (b - root * a);
+      cell.second[side].c[0] = sign * 2 * (a - root);
+      cell.third[side].c[0] = sign * 6;
+      cell.now.overlap[side].c[2] = cell.now.overlap[side].c[1] = 0;
+    }
+    const double start = cell.highest_after(0), end = cell.highest_after(1);
+    EXPECT_NEAR(end, sign * (1 - root) * (1 + a + b), 64 * eps);
+    EXPECT_NEAR(cell.crossing(1, start, end), root, 2e-4) << "trial " << trial;
+  }
 }
 
 }  // namespace
