@@ -295,6 +295,7 @@ class AdaptiveMarch {
   KOKKOS_FORCEINLINE_FUNCTION void begin_smooth_contact() {
     if (!tables_.faces.smooth) [[likely]]
       return;
+    smooth_start_.is_valid = false;  // of a contact before
     if (lanes_.leader()) state_.carried.control.contact_begins = true;
     lanes_.sync();
   }

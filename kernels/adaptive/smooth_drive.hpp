@@ -408,13 +408,18 @@ class SmoothDrive {
     lanes_.sync();
   }
   /// Takes out of the flagged cells those in or beside contact that has been there from the
-  /// beginning. Returns the number of those left.
+  /// beginning, if the step evaluates them. Returns the number of those left.
   KOKKOS_FUNCTION int leave_out_grown(int flagged) const {
     lanes_.sync();
     if (lanes_.leader()) {
-      int kept = 0, c = 0, r = 0;
+      int kept = 0, c = 0, r = 0, at = 0;
       for (int e = 0; e < flagged; ++e) {
         const int cell = listed_[e];
+        while (at < cells_ && stages_.cells[at] < cell) ++at;
+        if (at == cells_ || stages_.cells[at] != cell) {
+          listed_[kept++] = cell;
+          continue;
+        }
         while (c < set_.count && set_.nodes[c] < cell - 1) ++c;
         if (c < set_.count && set_.nodes[c] <= cell + 1) continue;
         while (r < stages_.run_count && (stages_.runs[r].last < cell - 1 || !stages_.runs[r].grown))
