@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-#include <Kokkos_Core.hpp>
 #include <cstddef>
 #include <cstdint>
 
@@ -111,18 +110,6 @@ enum class Pace : int {
   to_release   // 1 - (1 - x)^2: one ends with it, or nearly so
 };
 inline constexpr int paces = 3;
-KOKKOS_INLINE_FUNCTION double pace_share(Pace pace, double x) {
-  return pace == Pace::even ? x : pace == Pace::from_onset ? x * x : x * (2.0 - x);
-}
-KOKKOS_INLINE_FUNCTION double pace_rate(Pace pace, double x) {
-  return pace == Pace::even ? 1.0 : pace == Pace::from_onset ? 2.0 * x : 2.0 - 2.0 * x;
-}
-/// The x at which a share of the time has passed.
-KOKKOS_INLINE_FUNCTION double pace_x(Pace pace, double share) {
-  if (pace == Pace::even) return share;
-  if (pace == Pace::from_onset) return Kokkos::sqrt(share);
-  return share / (1.0 + Kokkos::sqrt(1.0 - share));
-}
 
 /// Rows of StageTables, for each pace, of a value for each stage. All but the places are weights
 /// of dy/dt, over the length of the step.

@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "kernels/adaptive/pace.hpp"
+
 namespace ra2d {
 namespace {
 

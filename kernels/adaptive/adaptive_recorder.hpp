@@ -7,6 +7,7 @@
 #include "kernels/adaptive/flight.hpp"
 #include "kernels/adaptive/modal_state.hpp"
 #include "kernels/adaptive/moving_force_series.hpp"
+#include "kernels/adaptive/pace.hpp"
 #include "kernels/adaptive/series.hpp"
 #include "kernels/adaptive/smooth_step.hpp"
 #include "kernels/lanes.hpp"

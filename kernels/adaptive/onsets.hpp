@@ -2,6 +2,7 @@
 #pragma once
 #include <Kokkos_Core.hpp>
 
+#include "kernels/adaptive/pace.hpp"
 #include "kernels/candidate_groups.hpp"
 #include "kernels/contact/node_contact.hpp"
 #include "kernels/lanes.hpp"

@@ -5,6 +5,7 @@
 
 #include "kernels/adaptive/crossing.hpp"
 #include "kernels/adaptive/modal_state.hpp"
+#include "kernels/adaptive/pace.hpp"
 #include "kernels/adaptive/series.hpp"
 #include "kernels/candidate_groups.hpp"
 #include "kernels/check.hpp"

@@ -10,6 +10,7 @@
 #include "kernels/adaptive/modal_state.hpp"
 #include "kernels/adaptive/moving_force_series.hpp"
 #include "kernels/adaptive/overlaps.hpp"
+#include "kernels/adaptive/pace.hpp"
 #include "kernels/adaptive/slider_path.hpp"
 #include "kernels/adaptive/smooth_step.hpp"
 #include "kernels/candidate_groups.hpp"

@@ -5,6 +5,7 @@
 
 #include "kernels/adaptive/modal_state.hpp"
 #include "kernels/adaptive/onsets.hpp"
+#include "kernels/adaptive/pace.hpp"
 #include "kernels/check.hpp"
 #include "kernels/contact/node_contact.hpp"
 #include "kernels/lanes.hpp"

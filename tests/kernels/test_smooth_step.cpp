@@ -9,6 +9,7 @@
 
 #include "host/device/stage_tables.hpp"
 #include "kernels/adaptive/brent.hpp"
+#include "kernels/adaptive/pace.hpp"
 #include "kernels/contact/moving_cell.hpp"
 #include "tests/dice.hpp"
 
