@@ -107,7 +107,7 @@ class CellParts {
                tiny(1e-300);
     shift(o, middle, p);
     const Real slant = Real(3.0) * p[3];
-    const Real bend = p[2] + Kokkos::abs(slant) * half;  // half the largest second derivative
+    const Real half_curvature = p[2] + Kokkos::abs(slant) * half;  // the largest
     // the summit: where the slope falls through zero; at an end where it does not
     const Real inside = multiply_add(p[2], p[2], -(slant * p[1])),
                root = Kokkos::sqrt(Kokkos::max(inside, none));
@@ -123,8 +123,8 @@ class CellParts {
         Kokkos::sqrt(Kokkos::max(multiply_add(q[1], q[1], Real(-4.0) * top * q[2]), none));
     const Real twice = q[2] + q[2],
                inverse = Real(1.0) / Kokkos::min(size * twice, -tiny),  // neither may vanish
-        per_slope = twice * inverse, per_bend = size * inverse;
-    Real low = (size - q[1]) * per_bend, high = -((size + q[1]) * per_bend);
+        per_slope = twice * inverse, per_curvature = size * inverse;
+    Real low = (size - q[1]) * per_curvature, high = -((size + q[1]) * per_curvature);
     const auto moved = [&](const Real& x, const Real& by) {  // by no more than half of it
       return multiply_add(x, Kokkos::max(Real(-0.5), Kokkos::min(Real(0.5), by)), x);
     };
@@ -135,7 +135,7 @@ class CellParts {
     low = if_positive(at_lower, lower, low);
     high = if_positive(at_upper, upper, high);
     // positive where there is contact, and where a root is to be found
-    const Real concave = if_positive(bend, Real(-1.0), Real(1.0)),
+    const Real concave = if_positive(half_curvature, Real(-1.0), Real(1.0)),
                closed = Kokkos::min(concave, if_positive(top, Real(1.0), Real(-1.0)));
     Real seek_low = if_positive(at_lower, Real(-1.0), closed),
          seek_high = if_positive(at_upper, Real(-1.0), closed), seek(-1.0);
