@@ -18,7 +18,7 @@ fi
 need "${purposes[@]}"
 quietly configure cmake --preset release -DRA2D_TESTS=ON -DRA2D_BENCH=ON
 quietly build cmake --build --preset release
-ctest --preset release --parallel "$(nproc)" "$@"
+run_tests release "$@"
 if [[ $long ]]; then
   quietly bundle cmake --build --preset release --target bundle
   tests/bundle/inspect.sh build/release/bundle

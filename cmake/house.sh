@@ -89,3 +89,15 @@ follow() {
     fi
   done
 }
+
+# run_tests PRESET [OPTION of ctest]...: all tests of a build, as many at a time as there are processors, and which
+# cases of GoogleTest skipped themselves: ctest says so of whole tests alone.
+run_tests() {
+  local log="$root/build/$1/Testing/Temporary/LastTest.log" status=0
+  ctest --preset "$1" --parallel "$(nproc)" "${@:2}" || status=$?
+  if [[ -e $log ]]; then
+    echo "$(grep -c '^\[       OK \]' "$log") cases of GoogleTest passed. Skipped themselves:"
+    sed -n 's/^\[  SKIPPED \] \([^ ]*\)$/  \1/p' "$log" | sort -u
+  fi
+  return $status
+}

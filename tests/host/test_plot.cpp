@@ -21,6 +21,7 @@
 #include "host/system/partial_file.hpp"
 #include "tests/child.hpp"
 #include "tests/places.hpp"
+#include "tests/warm_python.hpp"
 
 /// Pictures: the series of profiles that are handed to the Python package, and the command.
 namespace ra2d::test {
@@ -223,8 +224,10 @@ class Plot : public testing::Test {
     ASSERT_EQ(run.status, 0) << run.err;
   }
   bool can_draw() const {
-    return !python().empty() &&
-           run_program(folder_.path(), {python(), "-c", "import matplotlib"}).status == 0;
+    static const bool imported =
+        !python().empty() &&
+        run_program(folder_.path(), {python(), "-c", "import matplotlib"}).status == 0;
+    return imported;
   }
   fs::path file(const std::string& name) const { return folder_.path() / name; }
   /// Names in the folder, but for what the tests themselves leave there.
@@ -288,6 +291,7 @@ TEST_F(Plot, MakesPicturesOfAResult) {
 
 TEST_F(Plot, SvgIsXmlThatHasItsLabelsAsText) {
   RA2D_SKIP_WITHOUT_MATPLOTLIB();
+  const WarmPython warm;
   simulate("drop", "drop.h5");
   ASSERT_EQ(plot({"drop.h5", "-o", "drop.SVG"}).status, 0);
   const Ended read = run_program(
@@ -305,6 +309,7 @@ TEST_F(Plot, SvgIsXmlThatHasItsLabelsAsText) {
 
 TEST_F(Plot, PdfSeveralResultsAndProfiles) {
   RA2D_SKIP_WITHOUT_MATPLOTLIB();
+  const WarmPython warm;
   make_result(file("a.h5"), {});
   make_result(file("b$x^$.h5"), {.velocity = 0});
   make_result(file("c.h5"), {.complete = false});
@@ -386,6 +391,7 @@ void make_charts(const fs::path& folder) {
 
 TEST_F(Plot, AChartIsDrawnAgainFromItsTables) {
   RA2D_SKIP_WITHOUT_MATPLOTLIB();
+  const WarmPython warm;
   make_charts(folder_.path());
   EXPECT_EQ(plot({"accuracy.csv"}).out, "written: accuracy.png\n");  // the other is beside it
   EXPECT_EQ(read_file(file("accuracy.png")).substr(0, 8), "\x89PNG\r\n\x1a\n");
@@ -406,6 +412,7 @@ TEST_F(Plot, AChartIsDrawnAgainFromItsTables) {
 }
 
 TEST_F(Plot, RefusesChartsThatAreNotWhole) {
+  const WarmPython warm;
   make_charts(folder_.path());
   make_result(file("a.h5"), {});
   const auto refused = [&](std::vector<std::string> words, int status) {

@@ -25,6 +25,7 @@
 #include "tests/child.hpp"
 #include "tests/places.hpp"
 #include "tests/studies.hpp"
+#include "tests/warm_python.hpp"
 
 namespace {
 
@@ -486,6 +487,7 @@ TEST_F(StudyProgram, CheckFindsEveryDamageOfAFolder) {
 
 TEST_F(StudyProgram, PlotDrawsTheLevelsAndTheLaw) {
   if (test::python().empty()) GTEST_SKIP() << "no Python";
+  const test::WarmPython warm;
   ASSERT_EQ(run({"study.toml", "-o", "out", "--quiet"}), 0) << err_;
   const auto plot = [&](std::vector<std::string> words) {
     words.insert(words.begin(), {test::program(), "plot"});
@@ -527,6 +529,7 @@ only = { key = "scene.speed", values = [0.1] }
 }
 
 TEST_F(StudyProgram, ReportMakesAPage) {
+  const test::WarmPython warm;
   write_study(6, "# </pre><script>alert(1)</script>");
   ASSERT_EQ(run({"study.toml", "-o", "out", "--quiet", "--set", "slider.damping=0.03"}), 0) << err_;
   const test::Ended ended = test::run_program(folder_, {test::program(), "report", "out/"});

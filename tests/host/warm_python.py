@@ -4,7 +4,7 @@
 Importing numpy, pandas and matplotlib takes a second. `started()` imports the package once, in a
 server; the `python3` that it puts into a folder hands its request, its three streams, its folder and
 its environment to the server, which answers it in a fork. Limits on resources are those of the server.
-Tests whose subject is the start of Python itself use the real one."""
+Tests whose subject is the start of Python itself use the real one. Tests in C++: tests/warm_python.hpp."""
 import contextlib
 import json
 import os
@@ -92,5 +92,15 @@ def started():
         server.communicate()
 
 
+def offer():
+    """Prints the PATH, for a program that is no Python, and serves until the standard input ends."""
+    with started() as path:
+        print(path, flush=True)
+        sys.stdin.read()
+
+
 if __name__ == "__main__":
-    serve(sys.argv[1])
+    if len(sys.argv) > 1:
+        serve(sys.argv[1])
+    else:
+        offer()

@@ -159,8 +159,10 @@ TEST(Impact, OfAMassIsTheSameInBackwardEulerAndMidpoint) {
 TEST_P(EveryScheme, RandomScenesAreTheSameBitForBitOverAllNodesAndCandidates) {
   int touching = 0, in_and_out = 0, marched = 0;
   double evaluated = 0, steps_nodes = 0;
+  // a step of the scheme of thirteen stages takes far longer than one of the others
+  const int seeds = draws(GetParam().time.scheme == SchemeKind::rk8 ? 3 : 8);
   for (const double turn : {0.0, 0.3, 1.9, 2.01, 2.9})
-    for (int seed = 1; seed <= draws(8); ++seed) {
+    for (int seed = 1; seed <= seeds; ++seed) {
       SCOPED_TRACE(testing::Message() << "omega tau " << turn << ", seed " << seed);
       const Started c = random_scene(1000 + 13 * seed, {GetParam(), turn});
       const Outcome all = march(c.model, c.start, Nodes::all);
