@@ -271,10 +271,10 @@ class SmoothPotential {
       for (const int n : touching) {
         double moved[4];
         displaced(n, length, moved);
-        const Polynomial way{change[4 * n], change[4 * n + 1], change[4 * n + 2],
-                             change[4 * n + 3]};
+        const Polynomial rate{change[4 * n], change[4 * n + 1], change[4 * n + 2],
+                              change[4 * n + 3]};
         Cells::visit_points(cells_.overlap(n, moved), [&](double x, double over, double weight) {
-          sum += spring * weight * over * value(way, x);
+          sum += spring * weight * over * value(rate, x);
         });
       }
       return sum;
