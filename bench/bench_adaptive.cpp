@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a simulated second costs with the adaptive scheme, with the error beside it:
+// Cost of a simulated second with the adaptive scheme, with the error beside it:
 //
 //   OMP_NUM_THREADS=1 bench_adaptive --benchmark_repetitions=5
 //   --benchmark_enable_random_interleaving=true

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a step costs, on the paper's scenes, against two baselines (bench/baselines.hpp):
+// Cost of a step on the paper's scenes, against two baselines (bench/baselines.hpp):
 //
 //   bench_march --benchmark_repetitions=10 --benchmark_enable_random_interleaving=true
 //

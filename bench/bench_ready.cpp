@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a scene costs before it is marched:
+// Cost of a scene before it is marched:
 //
 //   OMP_NUM_THREADS=1 bench_ready --benchmark_repetitions=5
 //   --benchmark_enable_random_interleaving=true

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What every scheme and both contact laws cost, beside backward Euler in the same run:
+// Costs of every scheme and both contact laws, beside backward Euler in the same run:
 //
 //   OMP_NUM_THREADS=1 bench_schemes --benchmark_repetitions=5
 //   --benchmark_enable_random_interleaving=true
@@ -16,7 +16,7 @@
 // record cheaper than the first, and dearer by what it sums of the stages before; the implicit
 // variant and multipliers two to three times the explicit force.
 //
-// What came out, on one core of a Zen 4 server with GCC 12: flight 4.4 for backward Euler and
+// Results on one core of a Zen 4 server with GCC 12: flight 4.4 for backward Euler and
 // midpoint, 4.6 for all others; contact 44 a force, RK8 52, which sums up to ten stages before; on
 // the paper's scene 22 to 26 a force, RK8 30; the implicit variant 2.8 to 3.0 and multipliers 2.45
 // to 2.6 times backward Euler's step there. In contact runs differ: backward Euler 39 to 44, exact

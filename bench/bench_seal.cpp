@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the seal costs those that read a result (host/store/seal.hpp):
+// Cost of the seal for readers of a result (host/store/seal.hpp):
 //
 //   bench_seal --benchmark_repetitions=9 --benchmark_enable_random_interleaving=true
 //

@@ -124,26 +124,26 @@ void time_throughput(benchmark::State& state, Paper paper, const Method& method,
 
 void add_cases() {
   const Method adaptive{{SchemeKind::adaptive}}, fixed{{SchemeKind::backward_euler}};
-  struct Way {
+  struct Setting {
     const char* name;
     Method method;
     double duration, rate;  // s, Hz
   };
-  const Way ways[] = {{"adaptive", adaptive, 1.0, 1e4},
-                      {"backward-euler", fixed, 0.01, 1e4},
-                      {"adaptive-100kHz", adaptive, 1.0, 1e5}};
+  const Setting settings[] = {{"adaptive", adaptive, 1.0, 1e4},
+                              {"backward-euler", fixed, 0.01, 1e4},
+                              {"adaptive-100kHz", adaptive, 1.0, 1e5}};
   // a GPU is full with some thousands; on a CPU more than a few for each thread tell nothing new
   const int most = backend_device().empty() ? 4 * backend_threads() : 16384;
-  for (const Way& way : ways)
+  for (const Setting& setting : settings)
     for (const Paper paper : {Paper::free_slider, Paper::pinned_slider}) {
       const std::string name =
-          fmt::format("{}/{}", way.name, paper == Paper::free_slider ? "free" : "pinned");
+          fmt::format("{}/{}", setting.name, paper == Paper::free_slider ? "free" : "pinned");
       for (int scenes = 1; scenes <= most; scenes *= 4)
         add(fmt::format("{}/{}", name, scenes), 1, [=](benchmark::State& state) {
-          time_throughput(state, paper, way.method, way.duration, way.rate, scenes);
+          time_throughput(state, paper, setting.method, setting.duration, setting.rate, scenes);
         });
       add(name + "/small", 1, [=](benchmark::State& state) {
-        time_throughput(state, paper, way.method, 1e-4, way.rate, 2);
+        time_throughput(state, paper, setting.method, 1e-4, setting.rate, 2);
       });
     }
 }

@@ -9,11 +9,11 @@
 #include "host/device/device.hpp"
 #include "host/device/marches.hpp"
 
-/// A device on the host, with memory of its own: so that what a batch does for a GPU is tested
+/// A device on the host, with memory of its own: tests see a batch work as for a GPU
 /// without one.
 namespace ra2d::test {
 
-/// Its memory can be touched by its own work alone: who else does ends the program. It does nothing
+/// Only its own work may touch its memory: any other access ends the program. It does nothing
 /// until it is waited for, and begins with any numbers but zeros in its memory. Scenes are marched
 /// one after the other by the marches of the host, so the bits are theirs, or by those of a test.
 class SeparateDevice : public Device {

@@ -357,15 +357,15 @@ class Cvode {
     if (!list_was_good) list_changed();
     noticed = noticed && list_was_good;
     // no overlap changes by more
-    const double way = (time_ - from) * (1.5 * std::max(evaluated_.rate_bound(before_.data()),
-                                                        evaluated_.rate_bound(y_.data())) +
-                                         equations_.face_rate);
+    const double travel = (time_ - from) * (1.5 * std::max(evaluated_.rate_bound(before_.data()),
+                                                           evaluated_.rate_bound(y_.data())) +
+                                            equations_.face_rate);
     if (evaluated_at_ != time_) evaluate_all(time_, y_.data());
     suspects_ = touching_.list;
-    if (most_open_ > -way) {
+    if (most_open_ > -travel) {
       const auto list = [&](const auto& overlaps, const auto& node) {
         for (Eigen::Index i = 0; i < overlaps.size(); ++i)
-          if (overlaps[i] > -way) suspects_.push_back(node(i));
+          if (overlaps[i] > -travel) suspects_.push_back(node(i));
       };
       if (evaluated_.all())
         list(overlap_, [](Eigen::Index i) { return static_cast<int>(i); });

@@ -40,9 +40,9 @@ double EvaluatedNodes::moved(const double* y) const {
 
 bool EvaluatedNodes::prepare(double t, const double* y, double time) {
   if (all()) return false;
-  const double way = 1.5 * time * rate_bound(y);
-  if (t + time <= end_ && moved(y) + way <= range_) return false;
-  make(t, y, time, 2 * way);
+  const double travel = 1.5 * time * rate_bound(y);
+  if (t + time <= end_ && moved(y) + travel <= range_) return false;
+  make(t, y, time, 2 * travel);
   return true;
 }
 

@@ -21,7 +21,7 @@ namespace {
 constexpr std::size_t columns_at_once = 32 << 20;  // bytes, of samples that are read together
 constexpr std::size_t most_samples = std::size_t{1} << 30;  // that a transform takes
 
-/// The part that is analysed, as `a` is told.
+/// The part that is analysed; notes it in `a`.
 Stretch analysed_stretch(const ResultContents& contents, const std::optional<Scene>& scene,
                          const AnalysisOptions& options, Analysis& a) {
   const Stretch stretch = choose_stretch(contents, scene, a.file, options.from, options.to);

@@ -13,7 +13,7 @@
 namespace ra2d {
 namespace {
 
-/// A column for each probe, told by its number from 1 and its place.
+/// A column for each probe, named by its number from 1 and its place.
 void name_probes(const Analysis& a, const char* quantity, const char* unit, std::string& text,
                  const char* last = "") {
   for (std::size_t p = 0; p < a.probe_position.size(); ++p)

@@ -29,7 +29,7 @@ struct ModePlace {
 
 struct HalfPower {
   double frequency = 0;  // Hz, of the top; NaN where there is none
-  double damping = 0;    // (f2 - f1) / (2 f); NaN where it cannot be told
+  double damping = 0;    // (f2 - f1) / (2 f); NaN where it cannot be found
   double error = 0;      // its standard error, were the force stationary Gaussian noise
   NoDamping why = NoDamping::found;
 };
@@ -45,7 +45,7 @@ HalfPower half_power(const ModeLines& lines, const ModePlace& place);
 /// frequency. `damping`: the expected one.
 ModePlace place_of_mode(std::span<const double> natural, std::size_t k, double damping);
 
-/// A damping with a larger relative standard error is not told.
+/// A damping with a larger relative standard error is not reported.
 inline constexpr double most_uncertain = 0.25;
 
 }  // namespace ra2d

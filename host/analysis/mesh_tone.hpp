@@ -11,7 +11,7 @@ namespace ra2d {
 struct MeshTone {
   double frequency = 0;      // Hz, speed / spacing; NaN where the scene is not known
   bool in_spectrum = false;  // below half the rate of the samples
-  double rise = 0;           // dB, above the spectrum around it; NaN where that cannot be told
+  double rise = 0;           // dB, above the spectrum around it; NaN where that cannot be found
   double by_chance = 0;  // dB, that it may rise without any tone (rise_by_chance); NaN with rise
 
   bool stands_out() const { return rise > by_chance; }

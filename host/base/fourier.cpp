@@ -19,14 +19,14 @@ std::mutex& planner() {
 }  // namespace
 
 struct FourierPlan {
-  enum class Way { forth, back };
+  enum class Direction { forward, backward };
 
-  FourierPlan(std::size_t length, Way way)
+  FourierPlan(std::size_t length, Direction direction)
       : numbers{fftw_alloc_real(length)}, lines{fftw_alloc_complex(length / 2 + 1)} {
     if (numbers == nullptr || lines == nullptr) throw std::bad_alloc{};
     const auto count = static_cast<int>(length);
     const std::lock_guard lock(planner());
-    plan = way == Way::forth
+    plan = direction == Direction::forward
                ? fftw_plan_dft_r2c_1d(count, numbers, lines, FFTW_ESTIMATE | FFTW_PRESERVE_INPUT)
                : fftw_plan_dft_c2r_1d(count, lines, numbers, FFTW_ESTIMATE);
   }
@@ -46,7 +46,7 @@ struct FourierPlan {
 
 Fourier::Fourier(std::size_t length)
     : length_{length},
-      plan_{std::make_unique<FourierPlan>(length, FourierPlan::Way::forth)},
+      plan_{std::make_unique<FourierPlan>(length, FourierPlan::Direction::forward)},
       input_{plan_->numbers} {}
 
 Fourier::~Fourier() = default;
@@ -58,7 +58,8 @@ std::span<const std::complex<double>> Fourier::spectrum() const {
 }
 
 BackFourier::BackFourier(std::size_t length)
-    : length_{length}, plan_{std::make_unique<FourierPlan>(length, FourierPlan::Way::back)} {}
+    : length_{length},
+      plan_{std::make_unique<FourierPlan>(length, FourierPlan::Direction::backward)} {}
 
 BackFourier::~BackFourier() = default;
 

@@ -19,7 +19,7 @@ struct CompareRequest {
   bool json = false;
 };
 
-/// Damage of a result or of a study's table is told as the other commands tell it.
+/// Reports damage of a result or of a study's table as the other commands do.
 void require_readable(const fs::path& side) {
   if (const fs::path table = study_table_of(side); !table.empty())
     read_study_table(table);

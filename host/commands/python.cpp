@@ -65,7 +65,7 @@ class Input {
 
 /// Whether the package has said how the command ended: not where a signal or a fault of Python's
 /// own ended it.
-bool is_told(int status) {
+bool is_reported(int status) {
   return status == exit_status::done || status == exit_status::wrong_request ||
          status == exit_status::failed || status == exit_status::wrong_file ||
          status == exit_status::out_of_time || status == exit_status::interrupted + SIGINT;
@@ -101,7 +101,7 @@ int ask_python(const nlohmann::ordered_json& request) {
     const ProgramRun run = run_program({python, package}, Output::kept,
                                        std::numeric_limits<double>::infinity(), input.descriptor());
     if (run.status < 0 || run.status == 127) continue;
-    if (is_told(run.status)) {
+    if (is_reported(run.status)) {
       print_text(run.out);
       return run.status;
     }

@@ -187,7 +187,7 @@ ZoomsRun run_zooms(const RunRequest& request, const Scene& scene, const ZoomRequ
   for (std::size_t i = 0; i < windows.size(); ++i) {
     options.output = zoom_name(output, i + 1);
     require_output(options.output, files_of(scene));
-    options.doubts = {};  // they have been told
+    options.doubts = {};  // they have been printed
     options.most_wall = std::max(1e-3, request.most_wall - seconds_since(begun));
     const Scene zoom_scene = zoomed(scene, windows[i], zoom.rate);
     const RunReport report = run(zoom_scene, options);

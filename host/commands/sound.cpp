@@ -78,7 +78,7 @@ void require_velocity(const Wanted& wanted) {
 }
 
 /// Writes the pressure at each microphone, one after the other, as numbers of eight bytes. Returns
-/// what Python is told of it.
+/// the description of it for Python.
 nlohmann::ordered_json write_pressure(const Wanted& wanted, PartialFile& file) {
   const ResultReader reader(wanted.result);
   const ResultContents& contents = reader.contents();

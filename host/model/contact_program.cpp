@@ -197,14 +197,14 @@ std::optional<RestingContact> solve(const ContactProgram& p) {
       u[k] = -p.faces.maxCoeff() / p.shapes(0, k);
       break;
     }
-  // The weak springs yield by a hundred times the way from there and the bend under the load.
+  // The weak springs deflect by a hundred times the distance from there and the bend under load.
   const double most = p.load.cwiseAbs().maxCoeff(), shape = p.shapes.cwiseAbs().maxCoeff();
   const double stiffness = std::isinf(softest(p)) ? 1.0 : softest(p);
-  const double way = (p.faces.maxCoeff() - p.faces.minCoeff()) / shape +
-                     (std::isinf(softest(p)) ? 0.0 : most / stiffness);
-  const double weak = most > 0 && way > 0 ? 1e-2 * most / way : stiffness;
-  // rigid and flat on flat: no way
-  const double least = way > 0 ? 0.0 : 16 * eps * shape * most / weak;
+  const double distance = (p.faces.maxCoeff() - p.faces.minCoeff()) / shape +
+                          (std::isinf(softest(p)) ? 0.0 : most / stiffness);
+  const double weak = most > 0 && distance > 0 ? 1e-2 * most / distance : stiffness;
+  // rigid and flat on flat: no distance
+  const double least = distance > 0 ? 0.0 : 16 * eps * shape * most / weak;
   ContactProgram held = p;
   for (Eigen::Index k = 0; k < modes; ++k)
     if (!(p.stiffness[k] > 0)) held.stiffness[k] = weak;

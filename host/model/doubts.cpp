@@ -23,7 +23,7 @@ void doubt_stiffness(const Scene& scene, Doubts& doubts) {
     return scene.resonator.surface.kind == is || scene.slider.surface.kind == is;
   };
   const double hertz = hertz_stiffness(scene), most = stiffest_half_space(scene);
-  if (!std::isfinite(hertz)) return;  // neither body yields
+  if (!std::isfinite(hertz)) return;  // neither body deforms
   const bool rough = kind(SurfaceKind::gaussian) || kind(SurfaceKind::file);
   if (!rough && !kind(SurfaceKind::peaks)) return;  // flat on flat: no contact is narrow
   const double ratio = std::pow(contact.stiffness / hertz, 2.0 / 3);  // of N/m, under one load

@@ -117,7 +117,7 @@ constexpr std::array<std::pair<double, double>, 4> gauss{
      {0.3399810435848563, 0.6521451548625461},
      {0.8611363115940526, 0.3478548451374538}}};
 
-/// Whether it is negative everywhere within half a unit of its origin, told by its coefficients.
+/// Whether it is negative everywhere within half a unit of its origin, by its coefficients.
 bool is_open(const Polynomial& o) {
   return o[0] + 0.5 * std::abs(o[1]) + 0.25 * std::abs(o[2]) + 0.125 * std::abs(o[3]) < 0;
 }
@@ -271,10 +271,10 @@ class SmoothPotential {
       for (const int n : touching) {
         double moved[4];
         displaced(n, length, moved);
-        const Polynomial way{change[4 * n], change[4 * n + 1], change[4 * n + 2],
-                             change[4 * n + 3]};
+        const Polynomial rate{change[4 * n], change[4 * n + 1], change[4 * n + 2],
+                              change[4 * n + 3]};
         Cells::visit_points(cells_.overlap(n, moved), [&](double x, double over, double weight) {
-          sum += spring * weight * over * value(way, x);
+          sum += spring * weight * over * value(rate, x);
         });
       }
       return sum;

@@ -41,7 +41,7 @@ struct RunOptions {
 /// interrupt, the wall time, a kill or a disk cut short goes on from its last checkpoint when it is
 /// run again, to the same bits as if nothing had happened. A result that has this run already
 /// stays. Any other that is finished, or that was interrupted, and any other file but an empty one
-/// is replaced by `force` alone; what failed is replaced, and that is told. All this is found
+/// is replaced by `force` alone; a failed run is replaced, and a message says so. All this is found
 /// before the first step. Throws RequestError, also for a step beyond the limits of stability that
 /// the scene does not force and for a checkpoint of another run, and FileError.
 RunReport run(const Scene& scene, const RunOptions& options);

@@ -10,7 +10,7 @@ namespace ra2d {
 inline constexpr double usual_poisson = 0.3;
 
 /// Hertz's contact modulus E* [Pa], 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2. A body without a
-/// Young's modulus (only a rigid one) does not yield. Infinite where neither yields.
+/// Young's modulus (only a rigid one) does not deform. Infinite where neither deforms.
 double contact_modulus(const Scene& scene);
 
 /// The kappa [Pa/m] of `contact.stiffness = "hertz"`: E*/(sqrt(2) w), w the width of the contact

@@ -30,7 +30,7 @@ class StudyCheckpoints {
 
   /// The checkpoint that a run goes on from; its files are then this process' own. None where there
   /// is none, or where another process runs it at this moment. A checkpoint that is damaged or of
-  /// another program is removed, and `tell` is told so of the run `name`.
+  /// another program is removed, and `tell` says so of the run `name`.
   std::optional<Checkpoint> last(RunFiles& files, const std::string& key, const Model& model,
                                  Outputs outputs, const std::string& name);
 

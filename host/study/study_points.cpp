@@ -25,7 +25,7 @@
 namespace ra2d {
 namespace {
 
-constexpr std::size_t most_told = 3;  // scenes that are wrong
+constexpr std::size_t most_listed = 3;  // scenes that are wrong
 
 /// Of run k: both surfaces' seeds + 1000 k, within the numbers that TOML knows.
 void shift_seeds(Scene& scene, std::int64_t k) {
@@ -117,8 +117,8 @@ class SharedProgress {
     const std::lock_guard lock(mutex_);
     known_ += points;
     const auto now = std::chrono::steady_clock::now();
-    if (now - told_ < std::chrono::milliseconds(200)) return;
-    told_ = now;
+    if (now - reported_at_ < std::chrono::milliseconds(200)) return;
+    reported_at_ = now;
     tell_(known_);
   }
 
@@ -126,7 +126,7 @@ class SharedProgress {
   const std::function<void(std::size_t)>& tell_;
   std::mutex mutex_;
   std::size_t known_ = 0;
-  std::chrono::steady_clock::time_point told_ = std::chrono::steady_clock::now();
+  std::chrono::steady_clock::time_point reported_at_ = std::chrono::steady_clock::now();
 };
 
 /// Combinations whose scenes are wrong, and why the first few are.
@@ -136,7 +136,7 @@ class WrongScenes {
     const std::lock_guard lock(mutex_);
     ++count_;
     why_.emplace(combination, why);
-    if (why_.size() > most_told) why_.erase(std::prev(why_.end()));
+    if (why_.size() > most_listed) why_.erase(std::prev(why_.end()));
   }
   void refuse(const StudyPoints& points) const {
     if (count_ == 0) return;
@@ -149,10 +149,10 @@ class WrongScenes {
           fmt::format("\n{}:\n{}", end == name.npos ? "every run" : "with " + name.substr(0, end),
                       points.in_words_of_the_study(why, point));
     }
-    throw RequestError(
-        fmt::format("{}: {} of {} scenes {} wrong{}{}", points.study().file.string(), count_,
-                    points.combinations(), count_ == 1 ? "is" : "are", text,
-                    count_ > most_told ? fmt::format("\nand {} more", count_ - most_told) : ""));
+    throw RequestError(fmt::format(
+        "{}: {} of {} scenes {} wrong{}{}", points.study().file.string(), count_,
+        points.combinations(), count_ == 1 ? "is" : "are", text,
+        count_ > most_listed ? fmt::format("\nand {} more", count_ - most_listed) : ""));
   }
 
  private:

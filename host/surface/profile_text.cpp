@@ -382,7 +382,7 @@ void require_metres(const std::filesystem::path& file, const Profile& profile, b
   const double length = profile.length();
   if (!x_has_unit && (length > longest_profile || profile.spacing > coarsest))
     throw RequestError(fmt::format(
-        "{}: x runs over {:.6g} in steps of {:.6g}, and no unit is told: metres they are not. Say "
+        "{}: x runs over {:.6g} in steps of {:.6g}, without a unit: too much for metres. Say "
         "with --x-unit what x is in (--x-unit m, if they are)",
         file.string(), length, profile.spacing));
   if (z_has_unit) return;
@@ -396,7 +396,7 @@ void require_metres(const std::filesystem::path& file, const Profile& profile, b
   const double slope = steps > 0 ? std::sqrt(squares / steps) / profile.spacing : 0;
   if (high - low > highest || slope > usual_faces::steepest)
     throw RequestError(fmt::format(
-        "{}: z spans {:.6g} with slopes of {:.3g}, and no unit is told: metres they are not. Say "
+        "{}: z spans {:.6g} with slopes of {:.3g}, without a unit: too much for metres. Say "
         "with --z-unit what z is in (--z-unit m, if they are)",
         file.string(), high - low, slope));
 }

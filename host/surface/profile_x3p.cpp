@@ -208,7 +208,7 @@ void require_checksum(const std::filesystem::path& file, const std::string& foun
                       std::string_view stored, const std::string& name) {
   if (!same_digits(found, stored))
     refuse_x3p(file,
-               fmt::format("the checksum of {} is {}, and {} is told: the file is damaged, or "
+               fmt::format("the checksum of {} is {}, but the file says {}: it is damaged, or "
                            "was changed after it was measured",
                            name, found, ra2d::quoted(stored)));
 }

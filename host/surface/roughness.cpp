@@ -111,7 +111,7 @@ const char* name_of(RoughnessStandard standard) {
 }
 
 double mean_spacing(std::span<const double> heights, double spacing,
-                    const ElementThresholds& thresholds, bool both_ways) {
+                    const ElementThresholds& thresholds, bool both_directions) {
   const std::vector<ProfileElement> parts = cut_at_mean_line(heights);
   const auto counts = [&](const ProfileElement& part) {
     const bool far =
@@ -120,7 +120,7 @@ double mean_spacing(std::span<const double> heights, double spacing,
   };
   Elements found = find_elements(parts.begin(), parts.end(), counts,
                                  [](const ProfileElement& p) { return p.begin; });
-  if (both_ways) {
+  if (both_directions) {
     const Elements back = find_elements(parts.rbegin(), parts.rend(), counts,
                                         [](const ProfileElement& p) { return p.end; });
     found = {found.length + back.length, found.count + back.count};

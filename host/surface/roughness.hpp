@@ -39,7 +39,7 @@ struct ElementThresholds {
 
 /// Mean width of the profile elements. Parts at the ends that are cut off do not count.
 double mean_spacing(std::span<const double> heights, double spacing,
-                    const ElementThresholds& thresholds, bool both_ways = true);
+                    const ElementThresholds& thresholds, bool both_directions = true);
 
 /// Root mean square of the slopes from six neighbours, at the points from `begin` to before `end`.
 /// At the three points at each end of all heights the seven outermost points serve.

@@ -7,7 +7,7 @@
 namespace ra2d {
 
 /// Threads that the caller may keep busy: as many as there are processors for this process, or as
-/// limit_host_threads said. Who is one of several that work side by side has its share of them.
+/// limit_host_threads said. One of several that work side by side has its share of them.
 int host_threads();
 
 /// Allows at most so many threads from now on; 0: as many as there are processors.

@@ -118,8 +118,7 @@ void remove_leftovers(const fs::path& folder, const std::string& host) {
     struct stat status;
     if (fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode) && lock(descriptor) == 0 &&
         has_name(descriptor, path) && unlink(path.c_str()) == 0 &&
-        status.st_size >
-            0) {  // an empty one may be somebody's who has just made it, and makes it again
+        status.st_size > 0) {  // an empty one may be new: its process makes it again
       ++removed;
       bytes += 512.0 * static_cast<double>(status.st_blocks);
     }
@@ -169,7 +168,7 @@ bool stands_at(int descriptor, const fs::path& path) {
   if (fstat(descriptor, &opened) != 0)
     throw write_failure("create", path, std::strerror(errno), errno);
   if (lstat(path.c_str(), &named) != 0) return false;
-  // Some file systems tell another number of its inode each time. Who removes it takes its last
+  // Some file systems give another inode number each time. A process that removes it takes its last
   // link away.
   return (opened.st_dev == named.st_dev && opened.st_ino == named.st_ino) || opened.st_nlink > 0;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the program may write to and what it reads from: nothing finished is lost unasked, no output
+// Files that the program may write to and read from: nothing finished is lost unasked, no output
 // is an input or somebody else's, and only regular files are opened.
 #include <fcntl.h>
 #include <fmt/format.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What tells one run from another.
+// The key that tells one run from another.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -215,7 +215,7 @@ TEST(AskedChild, MayComeToAnyEnd) {
               HasSubstr("gave no answer"));
 }
 
-// ---- who asks for the seal
+// ---- readers that ask for the seal
 // -----------------------------------------------------------------------
 
 class SealedResult : public testing::Test {

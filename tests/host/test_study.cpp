@@ -468,7 +468,7 @@ TEST(Ledger, EveryTruncationKeepsTheWholeRecordsBeforeIt) {
       EXPECT_EQ(found, whole) << size << " bytes and " << zeros << " zeros";
     }
   }
-  // the next who writes cuts it off, and goes on behind it
+  // the next writer cuts it off, and goes on behind it
   for (const std::size_t size : {std::size_t{3}, ends[0] + 1, ends[1] - 1, ends[2] - 17}) {
     std::ofstream(file, std::ios::binary) << bytes.substr(0, size);
     LedgerWriter(file).append(some_run(9));

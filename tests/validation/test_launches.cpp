@@ -272,7 +272,7 @@ TEST(Launches, ASceneThatDoesNotFitAloneStopsNoOther) {
   EXPECT_GE(done.load(), 1u);
 }
 
-// What they took is there again once they are gone.
+// Their memory is there again once they are gone.
 TEST(Launches, MemoryOfABatchIsGivenBack) {
   const Model model = make_model(rough_scene(Support::free));
   const ModalStart start = make_start(model);

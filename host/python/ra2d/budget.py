@@ -76,7 +76,7 @@ class Budget:
     study: Study
 
     def text(self) -> str:
-        """What `ra2d uncertainty` prints.
+        """The text that `ra2d uncertainty` prints.
 
         >>> import ra2d
         >>> budget = ra2d.uncertainty(ra2d.scene("dang2012").change(duration=0.05, tolerance=1e-6), seeds=3)

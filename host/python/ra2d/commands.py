@@ -90,7 +90,7 @@ def uncertainty(request: Request) -> str:
 
 
 def compare(request: Request) -> str:
-    """What differs between A and B, as text or JSON."""
+    """The differences between A and B, as text or JSON."""
     found = comparison.compare(_path(request["a"]), _path(request["b"]))
     return (found.to_json() if request["json"] else found.text()) + "\n"
 

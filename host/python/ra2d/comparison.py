@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What differs between two results, or two sets of them, and whether that is more than chance."""
+"""Differences between two results, or two sets of them, and whether they are more than chance."""
 from __future__ import annotations
 
 import dataclasses
@@ -61,7 +61,7 @@ _IN_STUDIES = (("level", "level", "dB re 1 nm/s"), ("rate of shocks", "shock_rat
 
 @dataclasses.dataclass(frozen=True)
 class Comparison:
-    """What differs between A and B.
+    """The differences between A and B.
 
     - `names`: what A and B are called
     - `scene`: a row for each key that differs: `a`, `b`, `unit`; None where a side does not have it
@@ -91,7 +91,7 @@ class Comparison:
     notes: list[str]
 
     def text(self) -> str:
-        """What `ra2d compare` prints.
+        """The text that `ra2d compare` prints.
 
         >>> import ra2d
         >>> print(ra2d.compare("cube.h5", "cube.h5").text().splitlines()[2])
@@ -575,7 +575,7 @@ def _cut_short(name: str, side: Any) -> list[str]:
 
 
 def compare(a: Source, b: Source) -> Comparison:
-    """What differs between A and B, in the scene and in the answers, and whether the answers differ by
+    """The differences between A and B in scene and answers, and whether the answers differ by
     more than chance.
 
     - `a`, `b`: results of `ra2d.run` (or their files); lists of them, of several seeds; studies (or

@@ -496,7 +496,7 @@ def facts(result: Result) -> str:
 
 
 def doubts(result: Result) -> str:
-    """What should not be overlooked."""
+    """Warnings that stand in the head of a picture."""
     found = []
     if not result.complete:
         found.append(f"The run was cut short after {quantity(stretch.whole_duration(result), 's')}: "

@@ -263,7 +263,7 @@ class Result:
 
     @property
     def slider_probes(self) -> xr.Dataset:
-        """The same of the slider's probes; `position` [m] counts from its left end.
+        """Displacement and velocity at the slider's probes; `position` [m] counts from its left end.
 
         >>> getfixture("result").slider_probes.sizes["position"]
         0

@@ -92,7 +92,7 @@ def _as_read(value: Any, read: Any) -> Any:
 
 
 class Scene:
-    """What is simulated: a file or a dict, and changes to it. A scene never changes; `change`
+    """A simulation: a file or a dict, and changes to it. A scene never changes; `change`
     makes another one.
 
     - `title`: its name in results and in names of files

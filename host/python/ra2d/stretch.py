@@ -114,7 +114,7 @@ def whole_duration(result: Result) -> float:
 
 
 def words(result: Result) -> str:
-    """What a head says of a stretch."""
+    """The words for a stretch in the head of a picture."""
     if not isinstance(result, Stretch):
         return ""
     return f", from {quantity(result.first, 's', 7) if result.first else '0'} to {quantity(result.last, 's', 7)}"
