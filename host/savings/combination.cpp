@@ -49,10 +49,10 @@ void combine_savings(SavingsSearch& search, double end) {
       names.push_back(trial->key);
     }
     const auto change = [all](Scene& s) { s = all; };
-    Trial trial = try_out(search,
-                          changed("together", fmt::format("time, {}", fmt::join(names, ", ")),
-                                  change, search.written),
-                          search.reference, search.next_end(end, 2));
+    Trial trial = try_out(
+        search,
+        changed("together", fmt::format("time, {}", fmt::join(names, ", ")), change, search.whole),
+        search.reference, search.next_end(end, 2));
     // a scheme that was chosen by its energy is open to chance here, too
     trial.taken = trial.verdict == Verdict::kept;
     const bool enough = trial.taken;
