@@ -16,7 +16,9 @@ namespace {
 /// another. Otherwise the fastest mode and the contacts set them.
 double strides_a_second(const Scene& scene, double highest, double nodes_in_contact) {
   const double radians = 2 * M_PI * highest;
-  if (scene.faces == Faces::smooth) return step_costs::smooth_steps_a_radian * radians;
+  if (scene.faces == Faces::smooth)  // a formula of order 8
+    return step_costs::smooth_steps_a_radian * radians *
+           std::pow(1e-6 / scene.time.tolerance.value_or(usual_tolerance), 1.0 / 9);
   const double a_crossing =
       nodes_in_contact > 1 ? step_costs::steps_a_wide_crossing : step_costs::steps_a_crossing;
   return a_crossing * scene.speed / scene.spacing + step_costs::steps_a_radian * radians;
@@ -51,11 +53,11 @@ ExpectedWork expected_work(const Scene& scene, double contact_width) {
     const int terms = series_order(scene.time.tolerance.value_or(usual_tolerance));
     work.strides = 1 + scene.duration * strides_a_second(scene, highest, touching);
     const double all_nodes = scene.time.nodes == Nodes::all ? 4 * step_costs::node * nodes : 0.0;
-    const double order = step_costs::usual_order * (smooth ? step_costs::smooth_over_nodes : 1.0) *
-                         (1 + step_costs::usual_more_share * (touching - 1));
+    const double step = (smooth ? step_costs::smooth_step : terms * step_costs::order) *
+                        (1 + step_costs::usual_more_share * (touching - 1));
     work.march =
         ns * (work.strides *
-                  (wide * terms * (order + forces * step_costs::travelling_force) + all_nodes) +
+                  (wide * (step + terms * forces * step_costs::travelling_force) + all_nodes) +
               scene.duration * scene.speed / scene.spacing * step_costs::leap);
     return work;
   }

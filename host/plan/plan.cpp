@@ -156,11 +156,13 @@ void plan_strides(const Model& model, double omega_c, Plan& plan) {
   const double alone = scene.resonator.moving_forces.empty()
                            ? crossings * flight
                            : (crossings + fastest / theta) * drive;
+  const bool smooth = model.has_smooth_faces();
+  const double step = smooth ? wide * step_costs::smooth_step : order * n;
   const auto pressed = [&](int nodes) {
     const double omega = omega_c * std::sqrt(nodes);  // their springs side by side
-    return (model.has_smooth_faces() ? step_costs::smooth_over_nodes : 1.0) *
-           (crossings + std::max(fastest, omega) / theta + 2 * omega / M_PI) *
-           (drive + (nodes - 1) * step_costs::more_share * order * n);
+    return ((smooth ? 0.0 : crossings) + std::max(fastest, omega) / theta + 2 * omega / M_PI) *
+           (step + travelling_forces_ns(model) * n + evaluation_ns +
+            (nodes - 1) * step_costs::more_share * step);
   };
   const auto wall = [&](double nanoseconds) {
     return 1e-9 * (nanoseconds * scene.duration +

@@ -19,16 +19,15 @@ inline constexpr double more_nodes = 1.7, node = 0.7;
 inline constexpr double cells = 500.0, cell = 120.0, new_cells = 2500.0, cells_newton_steps = 4;
 
 // Of the adaptive scheme: a flight; a step with forces, for each order of its series; a sample.
-// `usual_order` is the mean over runs of rough faces, with their flights.
-inline constexpr double leap = 600.0, order = 130.0, usual_order = 180.0, sample = 40.0;
-// The share of an order that each node more takes: where all of them touch; and on average over
-// runs of rough faces, for each node or cell that a contact is wide.
-inline constexpr double more_share = 0.25, usual_more_share = 0.05;
-// Between smooth faces a step with contact has sixteen stages: over one with nodes in contact.
-inline constexpr double smooth_over_nodes = 4.0;
+inline constexpr double leap = 600.0, order = 130.0, sample = 40.0;
+// Between smooth faces: a step with contact, of sixteen stages.
+inline constexpr double smooth_step = 12500.0;
+// The share of such a step that each node or cell more takes: where all of them touch; and on
+// average over runs of rough faces, for each that a contact is wide.
+inline constexpr double more_share = 0.25, usual_more_share = 0.14;
 // Steps of the adaptive scheme: for each node that a node passes, where contacts are narrower than
-// a spacing, and where they are wide; for each radian of the fastest mode, and between smooth
-// faces, where no node ends a step.
+// a spacing, and where they are wide; for each radian of the fastest mode. Between smooth faces no
+// node ends a step, and a radian takes so many steps at the tolerance of 1e-6.
 inline constexpr double steps_a_crossing = 1.2, steps_a_wide_crossing = 3.5, steps_a_radian = 0.45,
                         smooth_steps_a_radian = 1.0;
 

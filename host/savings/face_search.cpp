@@ -67,14 +67,16 @@ void widen(SavingsSearch& search, Faces faces, double end) {
   const bool smooth = faces == Faces::smooth;
   double wide = 1, too_wide = std::numeric_limits<double>::infinity();
   double least = smooth ? cost_with(search, faces, own) : quiet_nan;
+  double cost = 0;
   for (double factor = 2;
        factor < too_wide && factor < 1000 && (factor == 2 || search.left(end) > 0);) {
     if (smooth) {
-      const double cost = cost_with(search, faces, own * factor);
+      cost = cost_with(search, faces, own * factor);
       if (cost > alike_costs * least) return;
       least = cost;
     }
-    const Trial& trial = try_faces(search, faces, own * factor, search.next_end(end, 3), end);
+    const Trial& trial = try_faces(search, faces, own * factor, search.next_end(end, 3), end,
+                                   std::isfinite(cost) ? cost : 0.0);
     if (was_not_run(trial)) return;  // the others take as long
     const bool enough = trial.verdict == Verdict::kept;
     (enough ? wide : too_wide) = factor;
@@ -131,6 +133,13 @@ Scene with_faces_of_reference(const Scene& written) {
   return written;
 }
 
+void check_faces(SavingsSearch& search, double end) {
+  if (!chooses_faces(search)) return;
+  const Scene& written = search.out.written;
+  const double cost = cost_with(search, written.faces, written.spacing);
+  try_faces(search, written.faces, written.spacing, end, end, std::isfinite(cost) ? cost : 0.0);
+}
+
 void find_faces(SavingsSearch& search, double end) {
   if (!chooses_faces(search)) {
     if (says_faces(search.whole) && !is_flat(search.whole))
@@ -144,9 +153,7 @@ void find_faces(SavingsSearch& search, double end) {
       }
     return;
   }
-  const Verdict own = try_faces(search, search.out.written.faces, search.out.written.spacing,
-                                search.next_end(end, 3), end)
-                          .verdict;
+  const Verdict own = faces_as_written(search.out)->verdict;
   if (own == Verdict::kept) widen(search, Faces::linear, search.next_end(end, 2));
   widen(search, Faces::smooth, search.next_end(end, 2));
   if (own == Verdict::moved) refine_linear(search, cheapest_faces(search).first, end);

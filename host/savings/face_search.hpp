@@ -9,12 +9,15 @@ namespace ra2d {
 /// nothing of faces, one is rough, and splines follow them on this spacing. Otherwise its own.
 Scene with_faces_of_reference(const Scene& written);
 
-/// Tries faces and spacings until `end`, a share of the budget. Where the scene says which faces it
-/// has, only wider spacings are tried.
+/// Whether the faces as written hold, where the reference has others. Until `end`, a share of the
+/// budget.
+void check_faces(SavingsSearch& search, double end);
+
+/// Tries other faces and spacings until `end`, a share of the budget. Where the scene says which
+/// faces it has, only wider spacings are tried.
 void find_faces(SavingsSearch& search, double end);
 
-/// How the faces and the spacing as written stand beside the reference's; null where these are the
-/// same.
+/// The trial of the faces as written; null where they are the reference's.
 const Trial* faces_as_written(const Savings& savings);
 
 }  // namespace ra2d

@@ -123,6 +123,13 @@ std::string modes_of(const BodySpec& body) {
 
 std::string spacing_of(const Scene& scene) { return fmt::format("{:g} um", scene.spacing * 1e6); }
 
+/// How the cost compares with that of the scene as written.
+std::string cost_text(const Savings& s) {
+  const double cheaper = s.cost_written / s.cost_chosen;
+  return cheaper >= 1 ? fmt::format("{:.3g} times cheaper", cheaper)
+                      : fmt::format("{:.3g} times dearer", 1 / cheaper);
+}
+
 /// The scene with the reference's faces.
 std::string reference_text(const Savings& s) {
   return s.reference.faces == s.written.faces ? "the scene as written"
@@ -266,9 +273,8 @@ std::string describe(const Savings& s) {
     if (rest->by_balance)
       text += "           (by chance more than the accuracy; taken because its energy closes)\n";
   }
-  text += fmt::format(
-      "cost       {} of the processor a simulated second, {} as written: {:.3g} times cheaper\n",
-      seconds_text(s.cost_chosen), seconds_text(s.cost_written), s.cost_written / s.cost_chosen);
+  text += fmt::format("cost       {} of the processor a simulated second, {} as written: {}\n",
+                      seconds_text(s.cost_chosen), seconds_text(s.cost_written), cost_text(s));
   for (const std::string& note : s.notes) text += "note       " + note + '\n';
   for (const Trial& trial : s.trials)
     if (trial.checked && trial.verdict == Verdict::moved && trial.why.empty())
@@ -289,8 +295,7 @@ std::string planned_scene(const Savings& s) {
   if (const Trial* rest = resting_on(s))
     text += fmt::format("# Moved: {}, over {} runs.\n", movement_text(*rest, s.accuracy),
                         rest->moved[0].pairs);
-  text +=
-      fmt::format("# {:.3g} times cheaper than as written.\n\n", s.cost_written / s.cost_chosen);
+  text += fmt::format("# {} than as written.\n\n", cost_text(s));
 
   // where each choice comes from, before its line
   const auto note = [&](const std::string& section, const std::string& key) -> std::string {

@@ -216,6 +216,13 @@ TEST(Ensemble, KeepsToItsTime) {
   for (int i = 0; i < 4; ++i) EXPECT_EQ(hurried.answers()[i].v_rms, whole.answers()[i].v_rms);
 }
 
+/// A scene that names its faces.
+Scene saying_linear(Scene s) {
+  s.places = std::make_shared<const std::map<std::string, std::string>>(
+      std::map<std::string, std::string>{{"scene.faces", "s.toml:1"}});
+  return s;
+}
+
 /// The budget holds also where the machine becomes slower than the first measurements promised.
 TEST(Savings, KeepToTheBudgetUnderLoad) {
   SavingsOptions options;
@@ -230,7 +237,7 @@ TEST(Savings, KeepToTheBudgetUnderLoad) {
         while (!over) continue;
       });
   };
-  Scene s = rubbing();
+  Scene s = saying_linear(rubbing());
   s.duration = 0.1;
   s.speed = 0.04;
   const auto begun = std::chrono::steady_clock::now();
@@ -329,13 +336,6 @@ TEST(Savings, OfARubbingSceneHoldForIt) {
   }
 }
 
-/// A scene that names its faces.
-Scene saying_linear(Scene s) {
-  s.places = std::make_shared<const std::map<std::string, std::string>>(
-      std::map<std::string, std::string>{{"scene.faces", "s.toml:1"}});
-  return s;
-}
-
 /// A scene read with the words that find_savings gives.
 Scene with_words(const Savings& found) {
   const std::vector<std::string> words = set_words(found);
@@ -401,7 +401,7 @@ TEST(Savings, AreNeverDearerThanTheSceneAndHaveItsOwnTolerance) {
   s.time.tolerance = 3e-4;  // loose: all that is tighter is dearer
   SavingsOptions options;
   options.accuracy = 0.2;
-  options.budget = 3;
+  options.budget = 6;
   const Savings found = find_savings(s, options);
   SCOPED_TRACE(describe(found));
   EXPECT_LE(found.cost_chosen, found.cost_written);
@@ -414,8 +414,8 @@ TEST(Savings, AreNeverDearerThanTheSceneAndHaveItsOwnTolerance) {
       return trial.key == key && trial.checked == checked;
     });
   };
-  EXPECT_LT(place("scene.spacing", true), place("scene.faces", false));
-  EXPECT_LT(place("scene.faces", false), place("resonator.modes", false));
+  EXPECT_LT(place("scene.faces", false), place("scene.spacing", true));
+  EXPECT_LT(place("scene.spacing", true), place("resonator.modes", false));
   EXPECT_GT(place("scene.spacing", true)->moved[0].pairs, 0);
 }
 
