@@ -31,7 +31,7 @@ constexpr double smooth_level = 0.25, smooth_shocks = 1;
 constexpr int most_finer = 3, most_wider = 4;
 constexpr double most_nodes_looked_at = 4e6;
 /// Costs that differ by less are alike.
-constexpr double alike = 1.05;
+constexpr double alike = 1.1;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
@@ -125,8 +125,7 @@ double spline_error(const std::vector<double>& height) {
 }
 
 bool spline_follows(const std::vector<double>& height) {
-  constexpr double share = 0.01;
-  return spline_error(height) <= share;
+  return smooth_errors(spline_error(height)).most() <= face_accuracy;
 }
 
 FaceChoices choose_faces(const Model& model, const Asperities& asperities) {

@@ -34,14 +34,16 @@ struct FaceChoices {
 inline constexpr double face_accuracy = 0.02;
 
 /// Linear faces of the scene's spacing and finer ones, smooth faces of its spacing and wider ones,
-/// as far as they may hold. Of choices that cost about the same the most accurate one is best.
+/// as far as they may hold. Of choices that cost the same within a tenth the most accurate one is
+/// best.
 FaceChoices choose_faces(const Model& model, const Asperities& asperities);
 
 /// How far a spline through the nodes is off between them, about the most, over the root mean
 /// square height; 0 of a flat face.
 double spline_error(const std::vector<double>& height);
 
-/// Whether that is at most a hundredth. Beside corners, steps and spikes splines ring.
+/// Whether smooth faces of these heights hold `face_accuracy`. Beside corners, steps and spikes
+/// splines ring.
 bool spline_follows(const std::vector<double>& height);
 
 /// Linear faces of nodes so far apart, where a contact is `width` [m] wide (0: under multipliers)

@@ -203,11 +203,12 @@ void note_mesh(const Scene& scene, Plan& plan) {
   const double tone = scene.speed / scene.spacing;  // Hz
   const double highest = std::max(plan.resonator.highest, plan.slider.highest);
   if (!(tone > 0 && tone < highest)) return;
-  plan.notes.push_back(
-      fmt::format("the mesh makes a tone of its own at scene.speed / scene.spacing = {:.5g} Hz and "
-                  "its multiples, "
-                  "below the highest mode ({:.0f} Hz); beyond it with scene.spacing = {}",
-                  tone, highest, rounded_down(scene.speed / highest)));
+  plan.notes.push_back(fmt::format(
+      "the mesh makes a tone of its own at scene.speed / scene.spacing = {:.5g} Hz and "
+      "its multiples, "
+      "below the highest mode ({:.0f} Hz); beyond it with scene.spacing = {}, none with "
+      "scene.faces = \"smooth\"",
+      tone, highest, rounded_down(scene.speed / highest)));
 }
 
 /// Between nodes that are too far apart for a face, its spline rings.
@@ -338,7 +339,10 @@ std::string choices_text(const Scene& scene, const Plan& plan) {
   const auto percent = [](double error) {
     return std::isinf(error) ? std::string("not known")
            : error < 1e-4    ? std::string("under 0.01 %")
-                             : fmt::format("{:.{}f} %", 100 * error, error < 1e-2 ? 2 : 0);
+                             : fmt::format("{:.{}f} %", 100 * error,
+                                        error < 0.01  ? 2
+                                           : error < 0.1 ? 1
+                                                         : 0);
   };
   std::string text =
       scene.contact.law == ContactLaw::penalty

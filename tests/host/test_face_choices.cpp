@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "host/plan/expected_work.hpp"
 #include "host/plan/plan.hpp"
@@ -92,7 +93,7 @@ TEST(ChooseFaces, NamesTheCheapestThatHolds) {
   EXPECT_LE(found.best->errors.most(), face_accuracy);
   for (const FaceChoice& c : found.list)
     if (c.errors.most() <= face_accuracy) {
-      EXPECT_LE(found.best->seconds, 1.05 * c.seconds);
+      EXPECT_LE(found.best->seconds, 1.1 * c.seconds);
     }
   // its words make a scene that has the cheapest
   const std::string words = set_words(*found.best);
@@ -141,6 +142,8 @@ TEST(ChooseFaces, AreInTheTextAndInTheJson) {
   const std::string text = describe(model, plan);
   EXPECT_THAT(text, HasSubstr("> linear, 8 um"));
   EXPECT_THAT(text, HasSubstr("the cheapest that holds 2 %: " + set_words(*plan.faces.best)));
+  std::istringstream in(text.substr(text.find("\nfaces "), 1000));
+  for (std::string line; std::getline(in, line);) EXPECT_LE(line.size(), 100) << line;
   const auto json = nlohmann::json::parse(plan_json(model, plan))["faces"];
   EXPECT_EQ(json["set"], set_words(*plan.faces.best));
   EXPECT_EQ(json["choices"].size(), plan.faces.list.size());
