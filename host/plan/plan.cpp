@@ -217,12 +217,11 @@ void note_splines(const Model& model, Plan& plan) {
   for (const auto& [name, height] : {std::pair{"resonator", &model.resonator_height},
                                      std::pair{"slider", &model.slider_height}}) {
     if (spline_follows(*height)) continue;
-    const double miss = spline_miss(*height);
     plan.notes.push_back(fmt::format(
         "the {}'s face is not smooth on this spacing: a spline through every other node misses "
         "those between by up to {:.2g} m, so that through all of them may be off by some {:.2g} m "
         "between its nodes. A finer scene.spacing, or scene.faces = \"linear\"",
-        name, miss, miss / 16));
+        name, spline_miss(*height), spline_off(*height)));
   }
 }
 
@@ -352,10 +351,10 @@ std::string choices_text(const Scene& scene, const Plan& plan) {
                 plan.asperities.width * 1e6)
           : "faces      between linear ones shocks go with the spacing; off by about, at the "
             "most:\n";
-  text += fmt::format("           {:<18}{:<14}{:<14}{:<14}{}\n", "  faces", "level", "rate",
+  text += fmt::format("           {:<20}{:<14}{:<14}{:<14}{}\n", "  faces", "level", "rate",
                       "duration", "wall time");
   for (const FaceChoice& choice : plan.faces.list)
-    text += fmt::format("           {} {:<16}{:<14}{:<14}{:<14}{}\n", choice.is_own ? '>' : ' ',
+    text += fmt::format("           {} {:<18}{:<14}{:<14}{:<14}{}\n", choice.is_own ? '>' : ' ',
                         faces_text(choice.faces, choice.spacing), percent(choice.errors.level),
                         percent(choice.errors.rate), percent(choice.errors.duration),
                         seconds_text(choice.seconds));

@@ -13,6 +13,7 @@
 #include "host/plan/expected_work.hpp"
 #include "host/plan/plan.hpp"
 #include "host/scene_file/scene_file.hpp"
+#include "host/surface/spline.hpp"
 #include "tests/places.hpp"
 #include "tests/scenes.hpp"
 
@@ -54,6 +55,7 @@ TEST(FaceErrors, GrowWithTheSpacingAndAverageOutInLongShocks) {
   EXPECT_NEAR(coarse.level / fine.level, 4, 1e-9);
   EXPECT_NEAR(linear_errors(1e-6, 2e-5, 1e-5).rate, 0.1 * fine.rate, 1e-12);
   EXPECT_LE(linear_errors(1, 1e-6, 0).most(), 1);
+  EXPECT_LE(smooth_errors(10).most(), 1);
   EXPECT_TRUE(std::isinf(linear_errors(1e-6, 0, 0).most()));  // under multipliers
 }
 
@@ -79,6 +81,12 @@ TEST(SplineError, RingsBesideSteps) {
   for (std::size_t i = 100; i < step.size(); ++i) step[i] = 1;
   for (std::size_t i = 0; i < hill.size(); ++i) hill[i] = std::cos(0.1 * static_cast<double>(i));
   EXPECT_FALSE(spline_follows(step));
+  EXPECT_NEAR(spline_off(step), 0.5, 0.1);  // as far as between two nodes that stand apart by 1
+  // a corner: no fourth power
+  std::vector<double> corner(401);
+  for (std::size_t i = 0; i < corner.size(); ++i)
+    corner[i] = std::abs(static_cast<double>(i) - 201.0);
+  EXPECT_GT(spline_off(corner), 0.25 * spline_miss(corner));
   EXPECT_TRUE(spline_follows(hill));
 }
 
