@@ -34,8 +34,8 @@ void give_up_least(std::vector<Trial>& trials, std::vector<Trial*>& taken) {
   }
 }
 
-/// What the base costs with the largest of the savings, of all of them no more; 0 where that is not
-/// known.
+/// Cost of the base with the largest of the savings alone: all of them together cost no more. 0
+/// where it is not known.
 double expected_cost(const SavingsSearch& search, const std::vector<Trial*>& taken) {
   double most = 1;
   for (const Trial* trial : taken) most = std::fmax(most, trial->cheaper);
