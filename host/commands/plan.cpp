@@ -80,10 +80,12 @@ void add_plan(CLI::App& app, ChosenCommand& chosen) {
                          "asks what the scene could do without");
   add_scene(*plan, request->common, "scene file (TOML)")->required();
   CLI::Option* accuracy =
-      plan->add_option("--accuracy", request->accuracy,
-                       "finds by runs the cheapest scheme and step, the fewest modes and the "
-                       "coarsest spacing that keep level, rate of shocks and their median duration "
-                       "within this relative accuracy, and writes the scene with them")
+      plan->add_option(
+              "--accuracy", request->accuracy,
+              "finds by runs the cheapest scheme and step, the fewest modes and the "
+              "cheapest faces and spacing that keep level, rate of shocks and their median "
+              "duration within this relative accuracy, and writes the scene with them; "
+              "a scene.faces that the scene has is kept")
           ->type_name("A")
           ->check(number_from(std::nextafter(0.0, 1.0), std::nextafter(1.0, 0.0),
                               "between 0 and 1, like 0.01"));

@@ -187,8 +187,13 @@ Asperities asperities_of(const Model& m, const ModalStart& start) {
   if (scene.contact.law == ContactLaw::penalty) {
     // a bed of springs below a ridge is Hertz's law with the modulus kappa w sqrt(2)
     const double width = std::min(scene.resonator.width, scene.slider.width);
-    found.springs =
-        contact_of(found, scene.contact.stiffness * width * std::numbers::sqrt2, m.node_stiffness);
+    const double modulus = scene.contact.stiffness * width * std::numbers::sqrt2;
+    found.springs = contact_of(found, modulus, m.node_stiffness);
+    const AsperityContact bed = contact_of(found, modulus, 0);  // however narrow it is
+    // dF/dd = 2 E a with a^2 = R d, and a ridge that is pressed in by d is sqrt(8 R d) wide
+    const double a = bed.shock / (2 * modulus);
+    found.width = std::numbers::sqrt2 * 2 * a;
+    found.depth = a * a / found.radius;
   }
   return found;
 }

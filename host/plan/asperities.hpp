@@ -24,6 +24,9 @@ struct Asperities {
   double closing = 0;  // m/s, at which faces close: the speed times the slope of both
   double inertia = 0;  // kg, of both bodies against a force at one place, on average
   AsperityContact material, springs;
+  // m, of a contact on the scene's springs at the peak of a shock: along the faces, and how far it
+  // is pressed in; 0 where nothing moves, and under multipliers
+  double width = 0, depth = 0;
 };
 
 /// `start`: of the model. A radius is that of a parabola through the highest summit of both faces

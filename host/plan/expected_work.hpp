@@ -13,10 +13,11 @@ struct ExpectedWork {
   double seconds() const { return march + readiness; }
 };
 
-/// With a node in contact half of the time, as rough faces have it. The strides of `adaptive` are
-/// right within a factor of 3 (tests/host/test_plan.cpp counts them), the seconds within as much on
-/// the machine that they were measured on. Where hundreds of nodes lie on one another all the time
-/// a run takes longer: 'ra2d plan' says how long at the worst.
-ExpectedWork expected_work(const Scene& scene);
+/// With a contact half of the time, as rough faces have it: `contact_width` [m] wide, or one node
+/// where that is 0. The strides of `adaptive` are right within a factor of 3
+/// (tests/host/test_plan.cpp counts them), the seconds within as much on the machine that they were
+/// measured on. Where hundreds of nodes lie on one another all the time a run takes longer:
+/// 'ra2d plan' says how long at the worst.
+ExpectedWork expected_work(const Scene& scene, double contact_width = 0);
 
 }  // namespace ra2d

@@ -9,6 +9,7 @@
 
 #include "host/base/format.hpp"
 #include "host/model/bounds.hpp"
+#include "host/plan/step_costs.hpp"
 #include "host/scene/names.hpp"
 #include "host/scene/schemes.hpp"
 #include "host/surface/spline.hpp"
@@ -16,30 +17,6 @@
 namespace ra2d {
 namespace {
 
-/// Wall time of a step on one core of a server processor of 2023, in ns (bench/bench_schemes.cpp,
-/// bench_march.cpp): in free flight; in contact at a node, by the form of the step, the staged ones
-/// a stage, and each node more, a mode; and where every node is evaluated, a node and an
-/// evaluation.
-constexpr double flight_ns = 5.0, contact_ns = 45.0, stage_ns = 50.0, held_ns = 100.0,
-                 more_ns = 1.7, node_ns = 0.7;
-/// Between smooth faces, a stage in contact, and each cell more; the penalty force of the new time;
-/// and Newton's steps, where many cells touch.
-constexpr double cells_ns = 500.0, cell_ns = 120.0, new_cells_ns = 2500.0, cells_newton_steps = 4;
-/// Of the adaptive scheme (bench/bench_adaptive.cpp): a flight; a step with forces, for each order
-/// of its series, and what share of that each node more takes; a sample.
-constexpr double leap_ns = 600.0, order_ns = 130.0, more_share = 0.25, sample_ns = 40.0;
-/// Between smooth faces a step with contact has sixteen stages, of some cells each: over one with
-/// nodes in contact.
-constexpr double smooth_over_nodes = 4.0;
-/// Of forces that are found with the end of the step, at many nodes
-/// (kernels/contact/complementarity.hpp): each pressed one after the other, by the cube of how
-/// many; or, on springs, by Newton's method, some ten steps of a product over all modes and one of
-/// their squares for each node, and a factorisation.
-constexpr double pressed_ns = 0.7, newton_steps = 10, newton_node_ns = 100, newton_square_ns = 0.08,
-                 newton_cube_ns = 0.4;
-constexpr double pressed_at_most = 256;
-/// A force that travels, each time that it is evaluated (bench/bench_march.cpp).
-constexpr double travelling_ns = 20;
 /// Nodes at once that an adaptive run may meet: this many, or so many times those that touch at the
 /// start. Fixed steps may come to look at all of them, where bodies are thrown about or lie flat on
 /// one another.
@@ -50,7 +27,9 @@ int modes_of(const Model& model) {
 }
 
 /// The times above are of 21 modes; fewer are hardly quicker, more take longer in proportion.
-double width_of(const Model& model) { return std::max(1.0, modes_of(model) / 24.0); }
+double width_of(const Model& model) {
+  return std::max(1.0, modes_of(model) / step_costs::counted_modes);
+}
 
 BodyPlan plan_body(const Body& body, const BodySpec& spec, int nodes, const Scene& scene) {
   BodyPlan plan;
@@ -102,19 +81,21 @@ std::string body_text(const char* name, const Scene& scene, const BodySpec& spec
 double solving_ns(const Model& model, int nodes) {
   const double n = nodes, modes = modes_of(model);
   if (model.scene.contact.law == ContactLaw::multiplier)  // no more than there are modes push
-    return std::min(n, modes) *
-           (pressed_ns * std::pow(std::min(n, modes), 2) + n * more_ns * std::max(8.0, modes));
+    return std::min(n, modes) * (step_costs::pressed * std::pow(std::min(n, modes), 2) +
+                                 n * step_costs::more_nodes * std::max(8.0, modes));
   if (model.has_smooth_faces())  // each cell twice a step, and four products
-    return cells_newton_steps * (n * (2 * cell_ns + 4 * newton_square_ns * modes * modes) +
-                                 newton_cube_ns * modes * modes * modes);
-  if (n <= pressed_at_most) return pressed_ns * n * n * n;
-  return newton_steps * (n * (newton_node_ns + newton_square_ns * modes * modes) +
-                         newton_cube_ns * modes * modes * modes);
+    return step_costs::cells_newton_steps *
+           (n * (2 * step_costs::cell + 4 * step_costs::newton_square * modes * modes) +
+            step_costs::newton_cube * modes * modes * modes);
+  if (n <= step_costs::pressed_at_most) return step_costs::pressed * n * n * n;
+  return step_costs::newton_steps *
+         (n * (step_costs::newton_node + step_costs::newton_square * modes * modes) +
+          step_costs::newton_cube * modes * modes * modes);
 }
 
 /// Nanoseconds that the forces which travel take, each time that they are evaluated.
 double travelling_forces_ns(const Model& model) {
-  return width_of(model) * travelling_ns *
+  return width_of(model) * step_costs::travelling_force *
          static_cast<double>(model.scene.resonator.moving_forces.size());
 }
 
@@ -132,20 +113,21 @@ void plan_steps(const Model& model, const JoinedModes& place, Plan& plan) {
   const int stages = scheme_table(scene.time.scheme).stages;
   const int evaluations = held ? 2 : stages;  // held: without and with the contact's force
   const double evaluation_ns =
-      scene.time.nodes == Nodes::all ? evaluations * node_ns * model.nodes() : 0.0;
+      scene.time.nodes == Nodes::all ? evaluations * step_costs::node * model.nodes() : 0.0;
   const bool springs = scene.contact.law == ContactLaw::penalty;
-  const double one_ns = model.has_smooth_faces()              ? (!held     ? stages * cells_ns
-                                                                 : springs ? new_cells_ns
-                                                                           : cells_ns)
-                        : held                                ? held_ns
-                        : is_semi_implicit(scene.time.scheme) ? contact_ns
-                                                              : stages * stage_ns;
+  const double one_ns = model.has_smooth_faces()              ? (!held     ? stages * step_costs::cells
+                                                                 : springs ? step_costs::new_cells
+                                                                           : step_costs::cells)
+                        : held                                ? step_costs::held
+                        : is_semi_implicit(scene.time.scheme) ? step_costs::contact
+                                                              : stages * step_costs::stage;
   const double wide = width_of(model);
-  const double each_ns =
-      model.has_smooth_faces() ? wide * cell_ns : more_ns * std::max(8, modes_of(model));
+  const double each_ns = model.has_smooth_faces()
+                             ? wide * step_costs::cell
+                             : step_costs::more_nodes * std::max(8, modes_of(model));
   const double moved_ns = stages * travelling_forces_ns(model);
   const double solved_ns = held ? solving_ns(model, plan.many_nodes) : 0.0;
-  plan.seconds_free = seconds * (std::max(wide * flight_ns, evaluation_ns) + moved_ns);
+  plan.seconds_free = seconds * (std::max(wide * step_costs::flight, evaluation_ns) + moved_ns);
   plan.seconds_one = seconds * (wide * one_ns + evaluation_ns + moved_ns);
   plan.seconds_many = seconds * (wide * one_ns + (plan.many_nodes - 1) * evaluations * each_ns +
                                  evaluation_ns + moved_ns + solved_ns);
@@ -166,22 +148,25 @@ void plan_strides(const Model& model, double omega_c, Plan& plan) {
     for (const BodyMode& mode : body->modes) fastest = std::max(fastest, fastest_rate(mode));
   const double crossings = scene.speed / scene.spacing;  // a second
   // overlaps and their rates, at the end of a step and often at its beginning
-  const double evaluation_ns = scene.time.nodes == Nodes::all ? 4 * node_ns * model.nodes() : 0.0;
-  const double wide = width_of(model), order = wide * order_ns;
-  const double flight = wide * leap_ns + evaluation_ns,
+  const double evaluation_ns =
+      scene.time.nodes == Nodes::all ? 4 * step_costs::node * model.nodes() : 0.0;
+  const double wide = width_of(model), order = wide * step_costs::order;
+  const double flight = wide * step_costs::leap + evaluation_ns,
                drive = (order + travelling_forces_ns(model)) * n + evaluation_ns;
   const double alone = scene.resonator.moving_forces.empty()
                            ? crossings * flight
                            : (crossings + fastest / theta) * drive;
+  const bool smooth = model.has_smooth_faces();
+  const double step = smooth ? wide * step_costs::smooth_step : order * n;
   const auto pressed = [&](int nodes) {
     const double omega = omega_c * std::sqrt(nodes);  // their springs side by side
-    return (model.has_smooth_faces() ? smooth_over_nodes : 1.0) *
-           (crossings + std::max(fastest, omega) / theta + 2 * omega / M_PI) *
-           (drive + (nodes - 1) * more_share * order * n);
+    return ((smooth ? 0.0 : crossings) + std::max(fastest, omega) / theta + 2 * omega / M_PI) *
+           (step + travelling_forces_ns(model) * n + evaluation_ns +
+            (nodes - 1) * step_costs::more_share * step);
   };
   const auto wall = [&](double nanoseconds) {
-    return 1e-9 *
-           (nanoseconds * scene.duration + sample_ns * static_cast<double>(model.kept_samples()));
+    return 1e-9 * (nanoseconds * scene.duration +
+                   step_costs::sample * static_cast<double>(model.kept_samples()));
   };
   plan.seconds_free = wall(alone);
   plan.seconds_one = wall(std::max(alone, pressed(1)));
@@ -218,29 +203,25 @@ void note_mesh(const Scene& scene, Plan& plan) {
   const double tone = scene.speed / scene.spacing;  // Hz
   const double highest = std::max(plan.resonator.highest, plan.slider.highest);
   if (!(tone > 0 && tone < highest)) return;
-  plan.notes.push_back(
-      fmt::format("the mesh makes a tone of its own at scene.speed / scene.spacing = {:.5g} Hz and "
-                  "its multiples, "
-                  "below the highest mode ({:.0f} Hz); beyond it with scene.spacing = {}",
-                  tone, highest, rounded_down(scene.speed / highest)));
+  plan.notes.push_back(fmt::format(
+      "the mesh makes a tone of its own at scene.speed / scene.spacing = {:.5g} Hz and "
+      "its multiples, "
+      "below the highest mode ({:.0f} Hz); beyond it with scene.spacing = {}, none with "
+      "scene.faces = \"smooth\"",
+      tone, highest, rounded_down(scene.speed / highest)));
 }
 
 /// Between nodes that are too far apart for a face, its spline rings.
 void note_splines(const Model& model, Plan& plan) {
   if (!model.has_smooth_faces()) return;
-  constexpr double share = 1e-4;  // of the root mean square height
   for (const auto& [name, height] : {std::pair{"resonator", &model.resonator_height},
                                      std::pair{"slider", &model.slider_height}}) {
-    double square = 0;
-    for (const double h : *height) square += h * h;
-    const double rms = std::sqrt(square / static_cast<double>(height->size()));
-    const double off = spline_miss(*height) / 16;
-    if (off <= share * rms) continue;
+    if (spline_follows(*height)) continue;
     plan.notes.push_back(fmt::format(
         "the {}'s face is not smooth on this spacing: a spline through every other node misses "
         "those between by up to {:.2g} m, so that through all of them may be off by some {:.2g} m "
         "between its nodes. A finer scene.spacing, or scene.faces = \"linear\"",
-        name, 16 * off, off));
+        name, spline_miss(*height), spline_off(*height)));
   }
 }
 
@@ -349,6 +330,41 @@ std::string asperities_text(const Scene& scene, const Asperities& a) {
                     "           contact.stiffness = \"hertz\"{} {:.3g} Pa/m, makes it that of the "
                     "material\n",
                     scene.contact.is_hertz ? ", as here," : ",", a.hertz);
+}
+
+/// A line a choice: how far off it makes the answer, and what it costs.
+std::string choices_text(const Scene& scene, const Plan& plan) {
+  if (plan.faces.list.empty()) return {};
+  const auto percent = [](double error) {
+    return std::isinf(error) ? std::string("not known")
+           : error < 1e-4    ? std::string("under 0.01 %")
+                             : fmt::format("{:.{}f} %", 100 * error,
+                                        error < 0.01  ? 2
+                                           : error < 0.1 ? 1
+                                                         : 0);
+  };
+  std::string text =
+      scene.contact.law == ContactLaw::penalty
+          ? fmt::format(
+                "faces      a contact in a shock is some {:.2g} um wide; each choice is off "
+                "by about, at the most:\n",
+                plan.asperities.width * 1e6)
+          : "faces      between linear ones shocks go with the spacing; off by about, at the "
+            "most:\n";
+  text += fmt::format("           {:<20}{:<14}{:<14}{:<14}{}\n", "  faces", "level", "rate",
+                      "duration", "wall time");
+  for (const FaceChoice& choice : plan.faces.list)
+    text += fmt::format("           {} {:<18}{:<14}{:<14}{:<14}{}\n", choice.is_own ? '>' : ' ',
+                        faces_text(choice.faces, choice.spacing), percent(choice.errors.level),
+                        percent(choice.errors.rate), percent(choice.errors.duration),
+                        seconds_text(choice.seconds));
+  const std::optional<FaceChoice>& best = plan.faces.best;
+  const std::string within = fmt::format("{:g} %", 100 * face_accuracy);
+  return text + (!best ? fmt::format("           none of these is sure to hold {}\n", within)
+                 : best->is_own
+                     ? fmt::format("           the scene has the cheapest that holds {}\n", within)
+                     : fmt::format("           the cheapest that holds {}: {}\n", within,
+                                   set_words(*best)));
 }
 
 std::string cost_text(const Plan& plan) {
@@ -474,6 +490,7 @@ Plan make_plan(const Model& model, std::size_t memory, const ModalStart& start) 
   Plan plan;
   plan.touching = touching;
   plan.asperities = asperities_of(model, start);
+  plan.faces = choose_faces(model, plan.asperities);
   plan.many_nodes = is_adaptive(scene)
                         ? std::min(model.nodes(), std::max(usual_many, touching_factor * touching))
                         : model.nodes();
@@ -527,6 +544,7 @@ std::string describe(const Model& model, const Plan& plan) {
   else
     text += "contact    multiplier: each step ends without penetration; no spring\n";
   text += asperities_text(scene, plan.asperities);
+  text += choices_text(scene, plan);
   const bool adaptive = is_adaptive(scene);
   text += adaptive ? adaptive_text(scene) : steps_text(scene, plan) + stability_text(scene, plan);
   text += fmt::format("evaluated  {}\n",

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "host/plan/asperities.hpp"
+#include "host/plan/face_choices.hpp"
 #include "host/plan/stability.hpp"
 
 /// The model of a scene before it is run: modes, nodes, step, limits of stability, cost.
@@ -48,6 +49,7 @@ struct Plan {
   double seconds_free = 0, seconds_one = 0, seconds_many = 0;
   int many_nodes = 0, touching = 0;
   Asperities asperities;
+  FaceChoices faces;
   std::size_t memory = 0;          // bytes on the device, for tables and buffers
   double file = 0;                 // bytes, without the shocks
   std::vector<std::string> notes;  // what a user may not expect

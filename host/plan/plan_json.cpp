@@ -64,6 +64,34 @@ Json asperities_json(const Scene& scene, const Asperities& a) {
            scene.contact.law == ContactLaw::penalty ? contact_json(a.springs) : Json()}};
 }
 
+Json choice_json(const FaceChoice& choice) {
+  return {{"faces", face_choices.name(choice.faces)},
+          {"spacing", choice.spacing},
+          {"errors",
+           {{"v_rms", choice.errors.level},
+            {"shock_rate", choice.errors.rate},
+            {"shock_duration_median", choice.errors.duration}}},
+          {"seconds", choice.seconds},
+          {"is_chosen", choice.is_own}};
+}
+
+Json faces_json(const Scene& scene, const Plan& plan) {
+  if (plan.faces.list.empty()) return {};
+  const bool spring = scene.contact.law == ContactLaw::penalty;
+  Json json{{"contact_width", spring ? plan.asperities.width : quiet_nan},
+            {"contact_depth", spring ? plan.asperities.depth : quiet_nan},
+            {"accuracy", face_accuracy},
+            {"choices", Json::array()},
+            {"cheapest", Json()},
+            {"set", Json()}};
+  for (const FaceChoice& choice : plan.faces.list) json["choices"].push_back(choice_json(choice));
+  if (plan.faces.best) {
+    json["cheapest"] = choice_json(*plan.faces.best);
+    json["set"] = set_words(*plan.faces.best);
+  }
+  return json;
+}
+
 Json time_json(const Scene& scene, const Plan& plan) {
   const bool adaptive = is_adaptive(scene);
   Json json{{"scheme", schemes.name(scene.time.scheme)},
@@ -96,6 +124,7 @@ std::string plan_json(const Model& model, const Plan& plan) {
         {"node_stiffness", spring ? model.node_stiffness : quiet_nan},
         {"shock_duration", unless_zero(plan.contact_period)}}},
       {"asperities", asperities_json(scene, plan.asperities)},
+      {"faces", faces_json(scene, plan)},
       {"time", time_json(scene, plan)},
       {"ringing",
        {{"body", *slowest.body == '\0' ? Json() : Json(slowest.body)},

@@ -51,16 +51,19 @@ std::vector<double> tolerances_of(const Scene& scene) {
   return list;
 }
 
-/// All schemes and steps that cost less than the reference, by what they cost.
-std::vector<Numerics> cheaper_than_reference(const SavingsSearch& search) {
+/// All schemes and steps that cost less than the reference, by what they cost; those whose cost is
+/// known by `until`.
+std::vector<Numerics> cheaper_than_reference(const SavingsSearch& search, double until) {
   std::vector<Numerics> list;
-  const bool spring = search.written.contact.law == ContactLaw::penalty;
+  if (search.left(until) <= 0) return list;
+  const bool spring = search.whole.contact.law == ContactLaw::penalty;
   const double probe = 0.002 * search.options.budget;
   Scene reference = search.out.reference;
   reference.time.nodes = Nodes::candidates;
-  double most = std::max(measure_cost(search.for_runs(reference), probe), search.cost_written);
+  double most = std::max(measure_cost(search.for_runs(reference), probe), search.cost_whole);
   if (spring)
-    for (const double tolerance : tolerances_of(search.written)) {
+    for (const double tolerance : tolerances_of(search.whole)) {
+      if (search.left(until) <= 0) break;
       Numerics n{search.adaptive(tolerance)};
       n.cost = measure_cost(search.for_runs(search.marched(n.time)), probe);
       most = std::max(most, n.cost);
@@ -68,18 +71,19 @@ std::vector<Numerics> cheaper_than_reference(const SavingsSearch& search) {
     }
   const Model model = make_model(search.out.reference);
   const JoinedModes place = most_yielding(model);
-  for (const TimeSettings& choice : choices_under(search.written.contact.law)) {
+  for (const TimeSettings& choice : choices_under(search.whole.contact.law)) {
+    if (search.left(until) <= 0) break;
     // what an impact gives back is the scheme's under multipliers: two let it rest alike
-    if (!spring && choice.scheme != search.written.time.scheme &&
-        !(is_semi_implicit(choice.scheme) && is_semi_implicit(search.written.time.scheme)))
+    if (!spring && choice.scheme != search.whole.time.scheme &&
+        !(is_semi_implicit(choice.scheme) && is_semi_implicit(search.whole.time.scheme)))
       continue;
     // a shock in fewer than two steps is none
     double largest = std::min({step_limits(model, choice, place).holds(),
-                               1 / search.written.output.rate, search.out.duration});
+                               1 / search.whole.output.rate, search.out.duration});
     if (spring) largest = std::min(largest, M_PI / contact_frequency(model, place) / 2);
     if (!(largest > 0)) continue;
     double per_step = 0;
-    for (const double step : ladder(largest, spring ? 1e-11 : search.written.time.step)) {
+    for (const double step : ladder(largest, spring ? 1e-11 : search.whole.time.step)) {
       Numerics n{search.plain};
       n.time.scheme = choice.scheme;
       if (spring && choice.scheme == SchemeKind::backward_euler)
@@ -115,7 +119,7 @@ double shortening(const Trial& trial, double accuracy) {
 Trial attempt(SavingsSearch& search, const Numerics& n, double end) {
   const auto change = [time = n.time](Scene& s) { s.time = time; };
   Trial trial =
-      try_out(search, changed("time", text_of(search.marched(n.time)), change, search.written),
+      try_out(search, changed("time", text_of(search.marched(n.time)), change, search.whole),
               search.reference, end, n.cost);
   trial.by_balance = trial.verdict == Verdict::open && trial.first.pairs > 0 &&
                      trial.energy_closure <= search.options.accuracy &&
@@ -135,7 +139,7 @@ bool is_own(const SavingsSearch& search, const TimeSettings& time) {
 /// A saving is cheaper than the scene as written by more than timings scatter.
 bool saves(const SavingsSearch& search, const Numerics& n) {
   const double measured = search.last ? search.last->cost() : n.cost;
-  return (std::isnan(measured) ? n.cost : measured) < 0.98 * search.cost_written;
+  return (std::isnan(measured) ? n.cost : measured) < 0.98 * search.cost_whole;
 }
 
 }  // namespace
@@ -143,12 +147,12 @@ bool saves(const SavingsSearch& search, const Numerics& n) {
 void find_base(SavingsSearch& search, double end) {
   search.say("what the scene as written costs");
   const double probe = 0.004 * search.options.budget;
-  search.cost_written = measure_cost(search.for_runs(search.written), probe);
+  search.cost_whole = measure_cost(search.for_runs(search.whole), probe);
   search.base = search.reference;
-  const bool spring = search.written.contact.law == ContactLaw::penalty;
-  Numerics safe{is_adaptive(search.written) ? search.plain
-                : spring                    ? search.adaptive(usual_tolerance)
-                                            : search.plain};
+  const bool spring = search.whole.contact.law == ContactLaw::penalty;
+  Numerics safe{is_adaptive(search.whole) ? search.plain
+                : spring                  ? search.adaptive(usual_tolerance)
+                                          : search.plain};
   safe.cost = measure_cost(search.for_runs(search.marched(safe.time)), probe);
   Trial trial = attempt(search, safe, end);
   if (does(trial)) {
@@ -161,8 +165,8 @@ void find_base(SavingsSearch& search, double end) {
 
 void find_numerics(SavingsSearch& search, double until) {
   search.say("what the schemes cost");
-  const std::vector<Numerics> list = cheaper_than_reference(search);
-  double cheapest = search.cost_written;  // of what does
+  const std::vector<Numerics> list = cheaper_than_reference(search, until);
+  double cheapest = search.cost_whole;  // of what does
   for (const Trial& trial : search.out.trials)
     if (trial.key == "time" && trial.taken) cheapest = std::fmin(cheapest, search.base->cost());
 

@@ -34,6 +34,15 @@ void give_up_least(std::vector<Trial>& trials, std::vector<Trial*>& taken) {
   }
 }
 
+/// Cost of the base with the largest of the savings alone: all of them together cost no more. 0
+/// where it is not known.
+double expected_cost(const SavingsSearch& search, const std::vector<Trial*>& taken) {
+  double most = 1;
+  for (const Trial* trial : taken) most = std::fmax(most, trial->cheaper);
+  const double cost = search.base->cost() / most;
+  return std::isfinite(cost) ? cost : 0.0;
+}
+
 }  // namespace
 
 void combine_savings(SavingsSearch& search, double end) {
@@ -49,10 +58,10 @@ void combine_savings(SavingsSearch& search, double end) {
       names.push_back(trial->key);
     }
     const auto change = [all](Scene& s) { s = all; };
-    Trial trial = try_out(search,
-                          changed("together", fmt::format("time, {}", fmt::join(names, ", ")),
-                                  change, search.written),
-                          search.reference, search.next_end(end, 2));
+    Trial trial = try_out(
+        search,
+        changed("together", fmt::format("time, {}", fmt::join(names, ", ")), change, search.whole),
+        search.reference, search.next_end(end, 2), expected_cost(search, taken));
     // a scheme that was chosen by its energy is open to chance here, too
     trial.taken = trial.verdict == Verdict::kept;
     const bool enough = trial.taken;

@@ -12,10 +12,12 @@
 #include "host/scene/scene.hpp"
 
 /// Finds how little of a scene will do: the cheapest scheme and step, the fewest modes and the
-/// coarsest spacing that keep level, rate of shocks and their median duration within an accuracy.
+/// cheapest faces and spacing that keep level, rate of shocks and their median duration within an
+/// accuracy.
 ///
 /// The reference is the scene as written, marched by the adaptive scheme to a tolerance of 1e-10.
-/// Multipliers have no adaptive scheme: there it is the scene's own at a tenth of its step. One
+/// Multipliers have no adaptive scheme: there it is the scene's own at a tenth of its step. Its
+/// faces are smooth where the scene does not say which it has (host/savings/face_search.hpp). One
 /// thing is changed at a time and compared with the reference on the same surfaces. Then all
 /// changes that will do are made at once and compared again. A change is chosen
 /// - where all three quantities stay within the accuracy with 95 % confidence, or
@@ -68,6 +70,10 @@ Savings find_savings(const Scene& scene, const SavingsOptions& options);
 
 /// All trials and the result, for people.
 std::string describe(const Savings& savings);
+
+/// The changes as words of a command line: "--set", "scene.faces=smooth", ... They make the chosen
+/// scene of the written one.
+std::vector<std::string> set_words(const Savings& savings);
 
 /// All of it as one JSON object, a line. `output` is where the scene is written.
 std::string savings_json(const Savings& savings, const std::filesystem::path& output);

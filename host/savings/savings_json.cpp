@@ -61,6 +61,7 @@ std::string savings_json(const Savings& s, const std::filesystem::path& output) 
                   {"trials", trials_json(s.trials)},
                   {"combinations", trials_json(s.combinations)},
                   {"scene", echo(s.chosen)},
+                  {"set", set_words(s)},
                   {"output", output.string()},
                   {"cost_as_written", s.cost_written},
                   {"cost", s.cost_chosen},

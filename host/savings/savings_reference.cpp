@@ -23,11 +23,11 @@ constexpr double reference_share = 0.25;  // of the budget, for its first runs
 
 /// The scene as written with the finest numerics. Throws RequestError where it cannot be run.
 Scene reference_of(const SavingsSearch& search) {
-  Scene reference = search.written;
-  if (search.written.contact.law == ContactLaw::penalty) {
+  Scene reference = search.whole;
+  if (search.whole.contact.law == ContactLaw::penalty) {
     reference.time = search.adaptive(reference_tolerance);
   } else {
-    reference.time.step = search.written.time.step / 10;
+    reference.time.step = search.whole.time.step / 10;
     reference.time.force = false;
   }
   try {
@@ -36,19 +36,19 @@ Scene reference_of(const SavingsSearch& search) {
     // only of fixed steps, for a scene that was read
     const StepLimits limits = step_limits(make_model(reference), choice_of(reference));
     throw refusal(
-        search.written, "time.scheme",
+        search.whole, "time.scheme",
         fmt::format("the reference would be the scene's own scheme at a tenth of its step, and {}. "
                     "{}",
                     fault.what(), step_cure(reference, limits.holds())));
   }
   if (const std::string overlap = overlap_at_start(make_model(reference)); !overlap.empty())
-    throw refusal(search.written, "scene.gap", overlap);
+    throw refusal(search.whole, "scene.gap", overlap);
   return reference;
 }
 
 /// How long the runs are: the scene's own duration, or as much of it as the budget allows.
 void set_duration(SavingsSearch& search) {
-  const Scene& written = search.written;
+  const Scene& written = search.out.written;
   const Scene& reference = search.out.reference;
   double& duration = search.out.duration = written.duration;
   const double wall = reference_share * search.options.budget;
@@ -80,7 +80,7 @@ void set_reference(SavingsSearch& search) {
   search.say("the reference");
   set_duration(search);
   search.reference = std::make_shared<Ensemble>(search.for_runs(reference));
-  search.out.runs = varied(search.written).empty() ? 1 : first_pairs;
+  search.out.runs = varied(search.whole).empty() ? 1 : first_pairs;
   search.reference->extend(search.out.runs, search.left(runs_end));
   if (search.reference->runs() == 0)
     throw RequestError(

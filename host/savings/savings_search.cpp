@@ -8,13 +8,17 @@
 #include "host/base/errors.hpp"
 #include "host/base/format.hpp"
 #include "host/plan/plan.hpp"
+#include "host/savings/face_search.hpp"
 #include "host/scene/schemes.hpp"
 #include "host/scene_file/scene_file.hpp"
 
 namespace ra2d {
 
 SavingsSearch::SavingsSearch(const Scene& scene, const SavingsOptions& requested)
-    : written{scene}, options{requested}, plain{scene.time}, begun_{Clock::now()} {
+    : whole{with_faces_of_reference(scene)},
+      options{requested},
+      plain{scene.time},
+      begun_{Clock::now()} {
   out.accuracy = options.accuracy;
   out.written = out.chosen = scene;
   plain.force = false;
@@ -40,7 +44,7 @@ Scene SavingsSearch::for_runs(Scene scene) const {
 }
 
 Scene SavingsSearch::marched(const TimeSettings& time) const {
-  Scene scene = written;
+  Scene scene = whole;
   scene.time = time;
   return scene;
 }

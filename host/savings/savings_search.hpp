@@ -26,16 +26,16 @@ struct SavingsSearch {
   void say(const std::string& text) const;
   /// A scene as it is run here: as long as all of them, and without what only files need.
   Scene for_runs(Scene scene) const;
-  /// The scene as written with other numerics.
+  /// The whole scene with other numerics.
   Scene marched(const TimeSettings& time) const;
   TimeSettings adaptive(double tolerance) const;
 
-  const Scene written;
+  const Scene whole;  // the scene as written, with the reference's faces
   const SavingsOptions options;
-  TimeSettings plain;       // the scene's own, as far as the answer goes
-  double cost_written = 0;  // as of Ensemble, before any trial: what a saving must be below
-  Runs reference, base;     // base: with the numerics that were chosen
-  Runs last;                // of the last trial
+  TimeSettings plain;     // the scene's own, as far as the answer goes
+  double cost_whole = 0;  // as of Ensemble, before any trial: what a saving must be below
+  Runs reference, base;   // base: with the numerics that were chosen
+  Runs last;              // of the last trial
   Savings out;
 
  private:

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -9,6 +10,7 @@
 #include "host/base/format.hpp"
 #include "host/base/text.hpp"
 #include "host/plan/plan.hpp"
+#include "host/savings/face_search.hpp"
 #include "host/savings/savings.hpp"
 #include "host/scene/names.hpp"
 #include "host/scene/schemes.hpp"
@@ -121,6 +123,20 @@ std::string modes_of(const BodySpec& body) {
 
 std::string spacing_of(const Scene& scene) { return fmt::format("{:g} um", scene.spacing * 1e6); }
 
+/// How the cost compares with that of the scene as written.
+std::string cost_text(const Savings& s) {
+  const double cheaper = s.cost_written / s.cost_chosen;
+  return cheaper >= 1 ? fmt::format("{:.3g} times cheaper", cheaper)
+                      : fmt::format("{:.3g} times dearer", 1 / cheaper);
+}
+
+/// The scene with the reference's faces.
+std::string reference_text(const Savings& s) {
+  return s.reference.faces == s.written.faces ? "the scene as written"
+                                              : fmt::format("the scene as written with {} faces",
+                                                            face_choices.name(s.reference.faces));
+}
+
 /// The accuracy, the reference and its answer.
 std::string describe_reference(const Savings& s) {
   const int digits = digits_of(s.accuracy);
@@ -128,7 +144,7 @@ std::string describe_reference(const Savings& s) {
       "accuracy   level, rate of shocks and their median duration within {:g} % (level: {:.2g} "
       "dB)\n",
       100 * s.accuracy, decibels(s.accuracy));
-  text += fmt::format("reference  the scene as written, {}; its energy closes to {:.1e}\n",
+  text += fmt::format("reference  {}, {}; its energy closes to {:.1e}\n", reference_text(s),
                       choice_text(s.reference), s.energy_closure);
   text += s.runs > 1 ? fmt::format("runs       {} of {}, {}; compared in pairs of the same\n",
                                    s.runs, seconds_text(s.duration), varied(s.written))
@@ -153,6 +169,7 @@ std::string describe_trials(const Savings& s) {
   std::string text = table(s, "time", "scheme and step", false);
   text += table(s, "resonator.modes", "modes of the resonator", false);
   text += table(s, "slider.modes", "modes of the slider", false);
+  text += table(s, "scene.faces", "faces and spacing", false);
   text += table(s, "scene.spacing", "spacing", false);
   if (!s.combinations.empty()) {
     text += heading("together");
@@ -175,28 +192,95 @@ std::string describe_part(const Savings& s, const std::string& key, const std::s
                                                      : " for sure");
 }
 
+/// Which faces, where the scene leaves them open.
+std::string describe_faces(const Savings& s) {
+  if (s.reference.faces == s.written.faces) return {};
+  const std::string written = faces_text(s.written.faces, s.written.spacing);
+  if (s.chosen.faces != s.written.faces || s.chosen.spacing != s.written.spacing)
+    return fmt::format("           faces: {} instead of {}\n",
+                       faces_text(s.chosen.faces, s.chosen.spacing), written);
+  const Trial* own = faces_as_written(s);
+  return fmt::format("           faces: {} as written{}\n", written,
+                     own != nullptr && own->verdict == Verdict::kept    ? ""
+                     : own != nullptr && own->verdict == Verdict::moved ? ", which are too far off"
+                                                                        : ", which stays open");
+}
+
+/// The comment on chosen faces in a planned scene; empty where they are as written, or the scene
+/// says which it has.
+std::string faces_note(const Savings& s) {
+  const Trial* own = faces_as_written(s);
+  if (own == nullptr ||
+      (s.chosen.faces == s.written.faces && s.chosen.spacing == s.written.spacing))
+    return {};
+  std::string text = fmt::format("# was {}", faces_text(s.written.faces, s.written.spacing));
+  if (own->verdict == Verdict::moved)
+    text += fmt::format(", which moves {}", movement_text(*own, s.accuracy));
+  for (const Trial& trial : s.trials)
+    if (trial.taken && trial.key == own->key)
+      text += fmt::format("; alone it moves {}", movement_text(trial, s.accuracy));
+  return text;
+}
+
+/// The `modes` of a body as the key that the scene as written has.
+std::string modes_word(const char* name, const BodySpec& written, int modes) {
+  if (!written.max_frequency) return fmt::format("{}.modes={}", name, modes);
+  // half way to the first that is left out; below the first one, none is kept
+  const double next = elastic_frequency(written, modes);
+  const double last = modes > 0 ? elastic_frequency(written, modes - 1) : 0.0;
+  return fmt::format("{}.max_frequency={:.6g}", name, (last + next) / 2);
+}
+
 }  // namespace
+
+std::vector<std::string> set_words(const Savings& s) {
+  const Scene &from = s.written, &to = s.chosen;
+  std::vector<std::string> words;
+  const auto set = [&](const std::string& word) {
+    words.emplace_back("--set");
+    words.push_back(word);
+  };
+  if (from.time.scheme != to.time.scheme)
+    set(fmt::format("time.scheme={}", schemes.name(to.time.scheme)));
+  if (from.time.contact_force != to.time.contact_force)
+    set(fmt::format("time.contact_force={}", force_times.name(to.time.contact_force)));
+  if (!is_adaptive(to) && from.time.step != to.time.step)
+    set(fmt::format("time.step={}", to.time.step));
+  if (is_adaptive(to) &&
+      from.time.tolerance.value_or(usual_tolerance) != to.time.tolerance.value_or(usual_tolerance))
+    set(fmt::format("time.tolerance={}", to.time.tolerance.value_or(usual_tolerance)));
+  if (from.faces != to.faces) set(fmt::format("scene.faces={}", face_choices.name(to.faces)));
+  if (from.spacing != to.spacing) set(fmt::format("scene.spacing={}", to.spacing));
+  if (from.resonator.modes != to.resonator.modes)
+    set(modes_word("resonator", from.resonator, to.resonator.modes.value_or(0)));
+  if (from.slider.modes != to.slider.modes)
+    set(modes_word("slider", from.slider, to.slider.modes.value_or(0)));
+  return words;
+}
 
 std::string describe(const Savings& s) {
   std::string text = describe_reference(s) + describe_trials(s);
   text += "\nneeded     " + choice_text(s.chosen) + '\n';
   text += describe_part(s, "resonator.modes", modes_of(s.written.resonator));
   text += describe_part(s, "slider.modes", modes_of(s.written.slider));
-  text += describe_part(s, "scene.spacing", spacing_of(s.written));
+  text += s.reference.faces == s.written.faces
+              ? describe_part(s, "scene.spacing", spacing_of(s.written))
+              : describe_faces(s);
+  if (const std::vector<std::string> words = set_words(s); !words.empty())
+    text += fmt::format("set        {}\n", fmt::join(words, " "));
   if (const Trial* rest = resting_on(s)) {
     text += fmt::format("which      moves {}\n", movement_text(*rest, s.accuracy));
     if (rest->by_balance)
       text += "           (by chance more than the accuracy; taken because its energy closes)\n";
   }
-  text += fmt::format(
-      "cost       {} of the processor a simulated second, {} as written: {:.3g} times cheaper\n",
-      seconds_text(s.cost_chosen), seconds_text(s.cost_written), s.cost_written / s.cost_chosen);
+  text += fmt::format("cost       {} of the processor a simulated second, {} as written: {}\n",
+                      seconds_text(s.cost_chosen), seconds_text(s.cost_written), cost_text(s));
   for (const std::string& note : s.notes) text += "note       " + note + '\n';
   for (const Trial& trial : s.trials)
     if (trial.checked && trial.verdict == Verdict::moved && trial.why.empty())
-      text += fmt::format(
-          "note       the scene as written is itself further off than the accuracy: {}, {}\n",
-          trial.key == "as written" ? "its own" : trial.key, trial.what);
+      text += fmt::format("note       {} is itself further off than the accuracy: {}, {}\n",
+                          reference_text(s), trial.key == "as written" ? "its own" : trial.key,
+                          trial.what);
   text += fmt::format("took       {}\n", seconds_text(s.seconds));
   return text;
 }
@@ -206,13 +290,12 @@ std::string planned_scene(const Savings& s) {
   const std::string name = printable(s.written.file.filename().string());
   std::string text = fmt::format(
       "# {} with no more than level, rate of shocks and their median duration need to stay within\n"
-      "# {:g} % of the scene as written: 'ra2d plan --accuracy {:g}'.\n",
-      name, 100 * s.accuracy, s.accuracy);
+      "# {:g} % of {}: 'ra2d plan --accuracy {:g}'.\n",
+      name, 100 * s.accuracy, reference_text(s), s.accuracy);
   if (const Trial* rest = resting_on(s))
     text += fmt::format("# Moved: {}, over {} runs.\n", movement_text(*rest, s.accuracy),
                         rest->moved[0].pairs);
-  text +=
-      fmt::format("# {:.3g} times cheaper than as written.\n\n", s.cost_written / s.cost_chosen);
+  text += fmt::format("# {} than as written.\n\n", cost_text(s));
 
   // where each choice comes from, before its line
   const auto note = [&](const std::string& section, const std::string& key) -> std::string {
@@ -231,6 +314,8 @@ std::string planned_scene(const Savings& s) {
         return fmt::format("# was {}; {}", choice_text(s.written), text.substr(2));
     if (section == "[resonator]" && key == "modes") return from("resonator.modes");
     if (section == "[slider]" && key == "modes") return from("slider.modes");
+    if (section == "[scene]" && key == (scene.faces == s.written.faces ? "spacing" : "faces"))
+      if (const std::string text = faces_note(s); !text.empty()) return text;
     if (section == "[scene]" && key == "spacing") {
       const std::string text = from("scene.spacing");
       return text.empty() ? text : fmt::format("# was {:g}; {}", s.written.spacing, text.substr(2));

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 #include "host/plan/plan.hpp"
@@ -40,15 +39,15 @@ std::string spacing_text(double spacing) { return fmt::format("{:g} um", spacing
 void find_modes(SavingsSearch& search, BodySpec Scene::*body, double end) {
   const bool of_resonator = body == &Scene::resonator;
   const std::string key = of_resonator ? "resonator.modes" : "slider.modes";
-  const Model model = make_model(search.written);
+  const Model model = make_model(search.whole);
   const int kept = elastic_modes(of_resonator ? model.resonator : model.slider);
-  if ((search.written.*body).support == Support::rigid || kept == 0) return;
+  if ((search.whole.*body).support == Support::rigid || kept == 0) return;
   int least = kept, too_few = -1;
   std::optional<std::size_t> best;
   for (int tests = 1 + static_cast<int>(std::log2(kept + 1)); least - too_few > 1; --tests) {
     const int modes = (least + too_few) / 2;
     Trial trial = try_out(search,
-                          changed(key, modes_text(search.written.*body, modes),
+                          changed(key, modes_text(search.whole.*body, modes),
                                   with_modes(body, modes), search.base->scene()),
                           search.base, search.next_end(end, std::max(1, tests)), 0, end);
     const bool enough = trial.verdict == Verdict::kept;
@@ -61,61 +60,36 @@ void find_modes(SavingsSearch& search, BodySpec Scene::*body, double end) {
   if (best) search.out.trials[*best].taken = true;
 }
 
-void find_spacing(SavingsSearch& search, double end) {
-  std::optional<std::size_t> best;
-  const double chi = search.written.spacing;
-  double wide = 1, too_wide = std::numeric_limits<double>::infinity();
-  for (double factor = 2; factor < too_wide && factor < 1000;) {
-    const double spacing = chi * factor;
-    const auto change = [spacing](Scene& s) { s.spacing = spacing; };
-    Trial trial = try_out(
-        search, changed("scene.spacing", spacing_text(spacing), change, search.base->scene()),
-        search.base, search.next_end(end, 3), 0, end);
-    const bool enough = trial.verdict == Verdict::kept;
-    (enough ? wide : too_wide) = factor;
-    if (enough) best = search.out.trials.size();
-    const bool over = was_not_run(trial);  // the others take as long
-    search.out.trials.push_back(std::move(trial));
-    if (over) break;
-    // upwards by two, then once between
-    const bool between =
-        factor == 1.5 * wide || factor == 1.5 * std::exp2(std::floor(std::log2(factor)));
-    if (between) break;
-    factor = enough ? 2 * factor : 1.5 * wide;
-  }
-  if (best) search.out.trials[*best].taken = true;
-}
-
 void look_beyond(SavingsSearch& search, double until) {
   std::vector<Trial> list;
   const Scene& from = search.base->scene();
-  const double spacing = search.written.spacing / 2;
+  const double spacing = search.whole.spacing / 2;
   list.push_back(changed(
       "scene.spacing", spacing_text(spacing), [spacing](Scene& s) { s.spacing = spacing; }, from));
   const auto more = [&](const char* key, BodySpec Scene::*body, int modes) {
     list.push_back(
-        changed(key, modes_text(search.written.*body, modes), with_modes(body, modes), from));
+        changed(key, modes_text(search.whole.*body, modes), with_modes(body, modes), from));
   };
-  const Model model = make_model(search.written);
-  if (search.written.resonator.support != Support::rigid) {
+  const Model model = make_model(search.whole);
+  if (search.whole.resonator.support != Support::rigid) {
     const int kept = elastic_modes(model.resonator);
     int modes = kept + 1;
-    while (kept > 0 && elastic_frequency(search.written.resonator, modes) <=
-                           2 * elastic_frequency(search.written.resonator, kept - 1))
+    while (kept > 0 && elastic_frequency(search.whole.resonator, modes) <=
+                           2 * elastic_frequency(search.whole.resonator, kept - 1))
       ++modes;
     more("resonator.modes", &Scene::resonator, modes);
   }
-  if (search.written.slider.support != Support::rigid)
+  if (search.whole.slider.support != Support::rigid)
     more("slider.modes", &Scene::slider, elastic_modes(model.slider) + 2);
-  if (!is_adaptive(search.written))
+  if (!is_adaptive(search.whole))
     list.push_back(changed(
-        "as written", text_of(search.written), [](Scene&) {}, search.written));
+        "as written", text_of(search.whole), [](Scene&) {}, search.whole));
   for (std::size_t i = 0; i < list.size(); ++i) {
     const double end = search.next_end(until, static_cast<double>(list.size() - i));
     const bool own = list[i].key == "as written";
     // numerics are compared with the reference, models under the same numerics
     Trial trial = try_out(search, list[i], own ? search.reference : search.base, end,
-                          own ? search.cost_written
+                          own ? search.cost_whole
                           : list[i].key == "scene.spacing" && search.base->cost() > 0
                               ? 2 * search.base->cost()  // twice as many nodes pass nodes
                               : 0.0,

@@ -190,7 +190,8 @@ const Keys<Scene>& of_scene() {
        {"spacing", number(&Scene::spacing, positive, "m"), required<Scene>(),
         "distance between two nodes, on both bodies"},
        {"faces", choice(&Scene::faces, face_choices, Faces::linear), may_stand<Scene>(),
-        "straight from node to node, or [splines](schemes.md#smooth-faces)"},
+        "straight from node to node, or [splines](schemes.md#smooth-faces), along which contact is "
+        "integrated: it has no spacing of its own"},
        {"initial", choice(&Scene::initial, initial_states, Initial::rest),
         has_default<Scene>("`\"static\"` where there is an equilibrium, else `\"rest\"`"),
         "how the bodies stand at t = 0"}}};

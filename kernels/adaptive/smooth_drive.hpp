@@ -211,15 +211,16 @@ class SmoothDrive {
     double end = whole;
     const double onset = times.onset / motion_.time_step,
                  release = times.release / motion_.time_step;
+    const double least = 1e-3 * whole;  // what ends sooner is within the force's roundings, or so
     if (release < 0.02 * whole) {
-      end = 1.05 * release;
+      end = 1.05 * release + least;
     } else if (release < 0.4 * whole && pace == Pace::even) {
       end = 0.98 * release;
       pace = Pace::to_release;
     } else if (release < whole) {
       end = release < 0.7 * whole ? 0.5 * release : release - 0.35 * whole;
     }
-    const double until = onset < 0.3 * whole ? 1.005 * onset + 1e-3 * whole : 0.96 * onset;
+    const double until = onset < 0.3 * whole ? 1.005 * onset + least : 0.96 * onset;
     if (until < end) {
       end = until;
       if (pace == Pace::to_release) pace = Pace::even;

@@ -11,12 +11,15 @@
 #include <csignal>
 #include <fstream>
 #include <limits>
+#include <map>
+#include <memory>
 #include <thread>
 
 #include "host/base/errors.hpp"
 #include "host/ensemble/ensemble.hpp"
 #include "host/run/samples.hpp"
 #include "host/run/v_rms.hpp"
+#include "host/savings/face_search.hpp"
 #include "host/savings/savings.hpp"
 #include "host/scene/schemes.hpp"
 #include "host/scene_file/scene_file.hpp"
@@ -213,6 +216,13 @@ TEST(Ensemble, KeepsToItsTime) {
   for (int i = 0; i < 4; ++i) EXPECT_EQ(hurried.answers()[i].v_rms, whole.answers()[i].v_rms);
 }
 
+/// A scene that names its faces.
+Scene saying_linear(Scene s) {
+  s.places = std::make_shared<const std::map<std::string, std::string>>(
+      std::map<std::string, std::string>{{"scene.faces", "s.toml:1"}});
+  return s;
+}
+
 /// The budget holds also where the machine becomes slower than the first measurements promised.
 TEST(Savings, KeepToTheBudgetUnderLoad) {
   SavingsOptions options;
@@ -227,7 +237,7 @@ TEST(Savings, KeepToTheBudgetUnderLoad) {
         while (!over) continue;
       });
   };
-  Scene s = rubbing();
+  Scene s = saying_linear(rubbing());
   s.duration = 0.1;
   s.speed = 0.04;
   const auto begun = std::chrono::steady_clock::now();
@@ -326,13 +336,72 @@ TEST(Savings, OfARubbingSceneHoldForIt) {
   }
 }
 
+/// A scene read with the words that find_savings gives.
+Scene with_words(const Savings& found) {
+  const std::vector<std::string> words = set_words(found);
+  std::vector<std::string> overrides;
+  for (std::size_t i = 0; i < words.size(); i += 2) {
+    EXPECT_EQ(words[i], "--set");
+    overrides.push_back(words[i + 1]);
+  }
+  return parse_scene(echo(found.written), "s.toml", overrides);
+}
+
+TEST(Savings, CompareFacesWhereTheSceneSaysNothingOfThem) {
+  SavingsOptions options;
+  options.accuracy = 0.1;
+  options.budget = 6;
+  const Savings found = find_savings(rubbing(), options);
+  const std::string text = describe(found);
+  SCOPED_TRACE(text);
+  EXPECT_EQ(found.reference.faces, Faces::smooth);
+  EXPECT_THAT(text, AllOf(HasSubstr("the scene as written with smooth faces"),
+                          HasSubstr("\nfaces and spacing"), HasSubstr("linear, 40 um, as written"),
+                          HasSubstr("           faces: ")));
+  // linear faces stay only where they hold, or that stays open
+  const auto own = std::find_if(found.trials.begin(), found.trials.end(),
+                                [](const Trial& trial) { return trial.key == "scene.faces"; });
+  ASSERT_NE(own, found.trials.end());
+  EXPECT_EQ(own->scene.faces, Faces::linear);
+  const bool as_written =
+      found.chosen.faces == Faces::linear && found.chosen.spacing == found.written.spacing;
+  EXPECT_FALSE(as_written && own->verdict == Verdict::moved);
+  const Scene read = with_words(found);
+  EXPECT_EQ(read.faces, found.chosen.faces);
+  EXPECT_EQ(read.spacing, found.chosen.spacing);
+  EXPECT_EQ(read.time, found.chosen.time);
+  EXPECT_EQ(echo(parse_scene(planned_scene(found), "planned.toml")), echo(found.chosen));
+}
+
+TEST(Savings, KeepTheFacesThatTheSceneNames) {
+  SavingsOptions options;
+  options.accuracy = 0.2;
+  options.budget = 2;
+  const Savings found = find_savings(saying_linear(rubbing()), options);
+  const std::string text = describe(found);
+  SCOPED_TRACE(text);
+  EXPECT_EQ(found.reference.faces, Faces::linear);
+  EXPECT_EQ(found.chosen.faces, Faces::linear);
+  EXPECT_THAT(text, AllOf(HasSubstr("without scene.faces others are tried"),
+                          Not(HasSubstr("faces and spacing"))));
+}
+
+/// Splines ring on faces with corners: there the scene's own are the reference.
+TEST(Savings, CompareLinearFacesWhereSplinesRing) {
+  Scene s = rubbing();
+  EXPECT_EQ(with_faces_of_reference(s).faces, Faces::smooth);
+  s.slider.surface = peaks({{.at = 0.002, .height = 1e-5, .half_width = 6e-5}});
+  EXPECT_EQ(with_faces_of_reference(s).faces, Faces::linear);
+  EXPECT_EQ(with_faces_of_reference(crossing()).faces, Faces::linear);  // flat
+}
+
 TEST(Savings, AreNeverDearerThanTheSceneAndHaveItsOwnTolerance) {
   Scene s = rubbing();
   s.time.scheme = SchemeKind::adaptive;
   s.time.tolerance = 3e-4;  // loose: all that is tighter is dearer
   SavingsOptions options;
   options.accuracy = 0.2;
-  options.budget = 3;
+  options.budget = 6;
   const Savings found = find_savings(s, options);
   SCOPED_TRACE(describe(found));
   EXPECT_LE(found.cost_chosen, found.cost_written);
@@ -345,8 +414,8 @@ TEST(Savings, AreNeverDearerThanTheSceneAndHaveItsOwnTolerance) {
       return trial.key == key && trial.checked == checked;
     });
   };
-  EXPECT_LT(place("scene.spacing", true), place("scene.spacing", false));
-  EXPECT_LT(place("scene.spacing", false), place("resonator.modes", false));
+  EXPECT_LT(place("scene.faces", false), place("scene.spacing", true));
+  EXPECT_LT(place("scene.spacing", true), place("resonator.modes", false));
   EXPECT_GT(place("scene.spacing", true)->moved[0].pairs, 0);
 }
 

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/plan/asperities.hpp"
+
+/// Faces and spacings that a scene could have: how far off each makes the answer, and what it
+/// costs. Estimates; `plan --accuracy` measures them by runs.
+namespace ra2d {
+
+/// Each error is relative and about the most: of the level as a velocity, of the rate of shocks and
+/// of their median duration.
+struct FaceErrors {
+  double level = 0, rate = 0, duration = 0;
+  double most() const;
+};
+
+struct FaceChoice {
+  Faces faces = Faces::linear;
+  double spacing = 0;  // m
+  FaceErrors errors;
+  double seconds = 0;  // of one core, a whole run
+  bool is_own = false;
+};
+
+struct FaceChoices {
+  std::vector<FaceChoice> list;    // empty where nothing is known of the contacts
+  std::optional<FaceChoice> best;  // the cheapest that holds `face_accuracy`
+};
+
+/// The accuracy that the recommended choice holds.
+inline constexpr double face_accuracy = 0.02;
+
+/// Linear faces of the scene's spacing and finer ones, smooth faces of its spacing and wider ones,
+/// as far as they may hold. Of choices that cost the same within a tenth the most accurate one is
+/// best.
+FaceChoices choose_faces(const Model& model, const Asperities& asperities);
+
+/// How far a spline through the nodes is off between them [m], about the most: what one through
+/// every other node misses, over the factor by which such misses fall when the spacing is halved
+/// (16 where the face is smooth, 1 at a step).
+double spline_off(const std::vector<double>& height);
+
+/// That over the root mean square height; 0 of a flat face.
+double spline_error(const std::vector<double>& height);
+
+/// Whether smooth faces of these heights hold `face_accuracy`. Beside corners, steps and spikes
+/// splines ring.
+bool spline_follows(const std::vector<double>& height);
+
+/// Linear faces of nodes so far apart, where a contact is `width` [m] wide (0: under multipliers)
+/// and the slider moves on by `way` [m] while a shock lasts.
+FaceErrors linear_errors(double spacing, double width, double way);
+
+/// Smooth faces whose splines are off by `off` of the root mean square height.
+FaceErrors smooth_errors(double off);
+
+/// The words that make the choice: "--set scene.faces=smooth --set scene.spacing=3.2e-05".
+std::string set_words(const FaceChoice& choice);
+
+/// For tables, e.g. "smooth, 32 um".
+std::string faces_text(Faces faces, double spacing);
+
+}  // namespace ra2d

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+/// Costs of steps on one core of a server processor of 2023 (bench/bench_march.cpp,
+/// bench_schemes.cpp, bench_adaptive.cpp), in ns unless a name says otherwise. Every estimate of
+/// cost takes its constants from here. Times are of `counted_modes` modes or fewer; more take
+/// longer in proportion.
+namespace ra2d::step_costs {
+
+inline constexpr double counted_modes = 24;
+
+// Of a step of fixed length: in free flight; in contact at a node, by the form of the step, of
+// staged schemes a stage.
+inline constexpr double flight = 5.0, contact = 45.0, stage = 50.0, held = 100.0;
+// Each node more, a mode. Where every node is evaluated: a node and an evaluation.
+inline constexpr double more_nodes = 1.7, node = 0.7;
+// Between smooth faces: a stage in contact, and each cell more; with the penalty force of the new
+// time; Newton's steps where many cells touch.
+inline constexpr double cells = 500.0, cell = 120.0, new_cells = 2500.0, cells_newton_steps = 4;
+
+// Of the adaptive scheme: a flight; a step with forces, for each order of its series; a sample.
+inline constexpr double leap = 600.0, order = 130.0, sample = 40.0;
+// Between smooth faces: a step with contact, of sixteen stages.
+inline constexpr double smooth_step = 12500.0;
+// The share of such a step that each node or cell more takes: where all of them touch; and on
+// average over runs of rough faces, for each that a contact is wide.
+inline constexpr double more_share = 0.25, usual_more_share = 0.14;
+// Steps of the adaptive scheme: for each node that a node passes, where contacts are narrower than
+// a spacing, and where they are wide; for each radian of the fastest mode. Between smooth faces no
+// node ends a step, and a radian takes so many steps at the tolerance of 1e-6.
+inline constexpr double steps_a_crossing = 1.2, steps_a_wide_crossing = 3.5, steps_a_radian = 0.45,
+                        smooth_steps_a_radian = 1.0;
+
+// Of forces that are found with the end of the step, at many nodes
+// (kernels/contact/complementarity.hpp): each pressed one after the other, by the cube of how many;
+// or, on springs, by Newton's method, some ten steps of a product over all modes and one of their
+// squares for each node, and a factorisation.
+inline constexpr double pressed = 0.7, newton_steps = 10, newton_node = 100, newton_square = 0.08,
+                        newton_cube = 0.4;
+inline constexpr double pressed_at_most = 256;  // nodes
+
+// A force that travels, each time that it is evaluated.
+inline constexpr double travelling_force = 20;
+
+// Before the march: always; a node; a node and mode of the static start.
+inline constexpr double readiness = 2e6, surface_node = 60, balanced_node = 70;
+
+}  // namespace ra2d::step_costs
