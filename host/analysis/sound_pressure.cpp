@@ -22,11 +22,7 @@ std::string place_text(const Position& at) {
 }
 
 void require_place(const Position& at, const Distances& ways) {
-  if (!(std::abs(at[2]) >= nearest_microphone))
-    throw RequestError(fmt::format(
-        "a microphone at {}: z is the height over the resonator's plane, of which the baffle is a "
-        "part: expected {:g} m or more above it, or below it with z < 0",
-        place_text(at), nearest_microphone));
+  require_height(at);
   if (!(ways.least <= farthest_microphone))
     throw RequestError(fmt::format(
         "a microphone at {}: it is {:.4g} m away from the resonator. Expected {:g} m at the most: "
@@ -60,6 +56,14 @@ double mean_square_of(const std::vector<double>& values) {
 }
 
 }  // namespace
+
+void require_height(const Position& at) {
+  if (!(std::abs(at[2]) >= nearest_microphone))
+    throw RequestError(fmt::format(
+        "a microphone at {}: z is the height over the resonator's plane, of which the baffle is a "
+        "part: expected {:g} m or more above it, or below it with z < 0",
+        place_text(at), nearest_microphone));
+}
 
 void SoundRequest::require_sense() const {
   if ((celsius || pascal) && !asks())

@@ -27,18 +27,10 @@ constexpr std::size_t most_dimensions = 30;  // of the 32 that HDF5 knows; one i
 constexpr int snapshot_format = 1;
 
 /// Names that the table has for itself.
-const std::vector<std::string> taken = {"seed",
-                                        "v_rms",
-                                        "level",
-                                        "shock_rate",
-                                        "shock_duration_median",
-                                        "peak_force_median",
-                                        "contact_share",
-                                        "energy_closure",
-                                        "wall_seconds",
-                                        "status",
-                                        "message",
-                                        "file"};
+const std::vector<std::string> taken = {
+    "seed",         "v_rms",  "level",   "shock_rate", "shock_duration_median", "peak_force_median",
+    "lp",           "lpa",    "lw",      "lwa",        "contact_share",         "energy_closure",
+    "wall_seconds", "status", "message", "file"};
 
 bool is_name(const std::string& text) {
   return !text.empty() && text.size() <= longest_name &&
@@ -111,7 +103,7 @@ std::vector<std::int64_t> read_seeds(Reader& root) {
 }
 
 void read_keep(Reader& root, Study& study) {
-  constexpr const char* expected = "a list of \"level\", \"shocks\" and \"files\"";
+  constexpr const char* expected = "a list of \"level\", \"shocks\", \"sound\" and \"files\"";
   const auto value = root.value("keep", expected, Need::optional);
   if (!value) return;
   study.keep_level = study.keep_shocks = false;
@@ -121,6 +113,8 @@ void read_keep(Reader& root, Study& study) {
       study.keep_level = true;
     else if (one.text == "shocks")
       study.keep_shocks = true;
+    else if (one.text == "sound")
+      study.keep_sound = true;
     else if (one.text == "files")
       study.keep_files = true;
     else

@@ -21,6 +21,7 @@ namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 class Sounds : public testing::Test {
  protected:
@@ -131,10 +132,29 @@ TEST_F(Sounds, SaysWhatTheLibraryFinds) {
   EXPECT_EQ(said["power"]["lw"], found.power->lw);
   EXPECT_EQ(said["power"]["bands"]["efficiency"].size(), found.power->number.size());
   const test::Ended text = ra2d(with({"analyze", "a.h5", "--csv", "x"}));
-  EXPECT_THAT(text.out,
-              AllOf(HasSubstr(fmt::format("{:.2f} dB(A), {:.2f} dB re 20 uPa",
-                                          found.microphones[1].lp_a, found.microphones[1].lp)),
-                    HasSubstr("sound power"), HasSubstr("without that of the slider")));
+  EXPECT_THAT(
+      text.out,
+      AllOf(HasSubstr(fmt::format("{:.2f} dB(A), {:.2f} dB re 20 uPa", found.microphones[1].lp_a,
+                                  found.microphones[1].lp)),
+            HasSubstr("sound power"), HasSubstr("the slider's own sound; modes above 18.87 kHz"),
+            HasSubstr("silent until the sound arrives, at 1.46 ms or later")));
+  // the level in time: ten on the screen, and all parts in a table, whose mean is the level
+  EXPECT_THAT(text.out, HasSubstr("in time          dB re 20 uPa, over 0.01 s each from 0 s on"));
+  std::ifstream times(folder_.path() / "x-sound-level.csv");
+  std::string line;
+  std::getline(times, line);
+  EXPECT_EQ(line, "microphone,x_m,y_m,z_m,from_s,to_s,p_rms_Pa,lp_dB");
+  double squares = 0;
+  int parts = 0;
+  while (std::getline(times, line) && line.starts_with("1,")) {
+    std::vector<std::string> fields{""};
+    for (const char c : line) c == ',' ? fields.emplace_back() : fields.back() += c;
+    ASSERT_EQ(fields.size(), 8u);
+    squares += std::pow(std::stod(fields[6]), 2);
+    EXPECT_NEAR(std::stod(fields[7]), 20 * std::log10(std::stod(fields[6]) / 20e-6), 1e-9);
+    ++parts;
+  }
+  EXPECT_NEAR(10 * std::log10(squares / parts / 4e-10), found.microphones[0].lp, 0.1);
   std::ifstream csv(folder_.path() / "x-sound.csv");
   std::string header, first;
   std::getline(csv, header);
@@ -191,6 +211,18 @@ TEST_F(Sounds, SaysWhatTheRecordCannotCarry) {
       AllOf(HasSubstr("nothing above 9100 Hz"), HasSubstr("modes lie above half the rate")));
 }
 
+/// Where damping takes little, the air would take as much: the level is too high, and it is said.
+TEST_F(Sounds, WarnsWhereTheAirWouldDampTheMotion) {
+  run("a.h5");
+  run("b.h5", {"resonator.damping=1e-4"});
+  EXPECT_THAT(ra2d({"analyze", "a.h5", "--power"}).out, Not(HasSubstr("the air would damp")));
+  const std::string said = ra2d({"analyze", "b.h5", "--power"}).out;
+  EXPECT_THAT(said, HasSubstr("warning          the air would damp the motion"));
+  AnalysisOptions options;
+  options.sound.power = true;
+  EXPECT_GT(analyze(folder_.path() / "b.h5", options).power->share_of_damping, 1);
+}
+
 TEST_F(Sounds, RefusesWhatCannotBeHeard) {
   run("a.h5");
   run("none.h5", {"output.modes=none"});
@@ -220,6 +252,15 @@ TEST_F(Sounds, RefusesWhatCannotBeHeard) {
   EXPECT_THAT(ra2d(many).err, HasSubstr("take fewer at a time"));
   EXPECT_THAT(ra2d({"sound", "a.h5", "--at", "0,0,1", "--at", "1,0,1", "--at", "2,0,1"}).err,
               HasSubstr("one channel or two"));
+  // pictures and pages: refused before Python is asked
+  for (const auto& [words, why] : std::vector<std::pair<std::vector<std::string>, std::string>>{
+           {{"plot", "a.h5", "--at", "0,0,1", "--what", "force"},
+            "--what overview, bands or level"},
+           {{"plot", "a.h5", "none.h5", "--at", "0,0,1"}, "--at is of one result"},
+           {{"plot", "a.h5", "--at", "0,0,0"}, "expected 0.001 m or more"},
+           {{"report", "a.h5", "--at", "0,0,0"}, "expected 0.001 m or more"},
+           {{"report", "a.h5", "--temperature", "30"}, "name a microphone"}})
+    EXPECT_THAT(ra2d(words).err, HasSubstr(why)) << fmt::format("{}", fmt::join(words, " "));
   EXPECT_THAT(ra2d({"sound", "a.h5", "--at", "0,0,1", "--probe", "1"}).err, HasSubstr("excludes"));
 }
 
