@@ -174,7 +174,7 @@ std::vector<HeardSound> hear(const ResultReader& reader, const SoundingResonator
       throw RequestError(fmt::format(
           "{}: at {} there is nothing to hear from {:g} s to {:g} s: the sound takes {:.4g} s to "
           "{:.4g} s to come there, and the record's last {:.2g} s are needed to filter it. Take a "
-          "longer stretch, or a nearer microphone",
+          "longer stretch, a nearer microphone or a higher output.rate",
           file.string(), place_text(sound.position), stretch.from, stretch.to, arrives,
           sound.distances.largest / resonator.air.sound_speed,
           static_cast<double>(filter_reach) / contents.rate));

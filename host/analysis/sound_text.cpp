@@ -43,18 +43,18 @@ std::string band_rows(const Analysis& a, const std::vector<int>& numbers,
 std::string history_text(const LevelHistory& history) {
   const std::size_t parts = history.mean_square.size();
   if (parts < 2) return {};
-  const std::size_t together = (parts + most_times - 1) / most_times;
+  const std::size_t merged = (parts + most_times - 1) / most_times;
   std::string row;
-  for (std::size_t first = 0; first + together <= parts; first += together) {
+  for (std::size_t first = 0; first + merged <= parts; first += merged) {
     double sum = 0;
-    for (std::size_t i = first; i < first + together; ++i) sum += history.mean_square[i];
+    for (std::size_t i = first; i < first + merged; ++i) sum += history.mean_square[i];
     row += sum > 0 ? fmt::format("{:>7.1f}",
-                                 pressure_level(std::sqrt(sum / static_cast<double>(together))))
+                                 pressure_level(std::sqrt(sum / static_cast<double>(merged))))
                    : fmt::format("{:>7}", "silent");
   }
-  return sound_line("in time", fmt::format("dB re 20 uPa, over {:.3g} s each from {:.6g} s on",
-                                           static_cast<double>(together) * history.part_seconds,
-                                           history.from)) +
+  return sound_line("in time",
+                    fmt::format("dB re 20 uPa, over {:.3g} s each from {:.6g} s on",
+                                static_cast<double>(merged) * history.part_seconds, history.from)) +
          "  " + row + '\n';
 }
 

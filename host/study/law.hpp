@@ -36,7 +36,7 @@ struct StraightLine {
   bool bends() const;
 };
 
-/// What laws are fitted to: an amplitude, whose level is 20 log10(amplitude/reference).
+/// An amplitude that laws are fitted to. Its level is 20 log10(amplitude/reference).
 struct LawQuantity {
   const char *name, *symbol,
       *reference_text;                        // of the table's column; of the level: "Lv", "1 nm/s"

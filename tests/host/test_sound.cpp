@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <complex>
 #include <cstring>
 #include <fstream>
 #include <iterator>
@@ -12,6 +14,8 @@
 #include "host/analysis/analysis.hpp"
 #include "host/analysis/analysis_text.hpp"
 #include "host/analysis/bands.hpp"
+#include "host/base/fourier.hpp"
+#include "host/radiation/resistance.hpp"
 #include "tests/child.hpp"
 #include "tests/places.hpp"
 
@@ -72,6 +76,40 @@ TEST_F(Sounds, PowerIsWhatPassesAHemisphere) {
   const double stiff = 2 * M_PI * a.power->mode_frequency[0] * 7800 * 0.002;
   EXPECT_NEAR(a.power->mode_damping[0],
               a.power->mode_efficiency[0] * a.air.density * a.air.sound_speed / stiff, 1e-9);
+}
+
+/// The power takes resistances between frequencies by a polynomial. Against those of each line.
+TEST_F(Sounds, PowerIsTheSumOverAllLines) {
+  run("a.h5", {"output.rate=20e3", "resonator.max_frequency=3e3", "scene.duration=0.05"});
+  const std::filesystem::path file = folder_.path() / "a.h5";
+  AnalysisOptions options;
+  options.sound.power = true;
+  const double found = analyze(file, options).power->watts;
+  const ResultReader reader(file);
+  const SoundingResonator resonator =
+      sounding_resonator(reader, scene_of(reader.contents(), file), file, {});
+  const std::size_t samples = reader.contents().samples, modes = resonator.face.modes.size();
+  const double rate = reader.contents().rate;
+  Fourier fourier(quick_length(samples));
+  std::vector<std::vector<std::complex<double>>> lines;
+  for (const auto& velocity : velocity_record(reader).read(0, samples)) {
+    const auto input = fourier.input();
+    std::fill(std::copy(velocity.begin(), velocity.end(), input.begin()), input.end(), 0.0);
+    fourier.transform();
+    lines.emplace_back(fourier.spectrum().begin(), fourier.spectrum().end());
+  }
+  const RadiationResistance resistance(resonator.face, resonator.air, rate / 2);
+  double sum = 0;
+  for (std::size_t j = 1; j < fourier.lines(); ++j) {
+    const std::vector<double> half = resistance.lower_half(
+        std::min(rate / 2, static_cast<double>(j) * rate / static_cast<double>(fourier.length())));
+    for (std::size_t k = 0, at = 0; k < modes; ++k)
+      for (std::size_t l = 0; l <= k; ++l, ++at)
+        sum += (2 * j == fourier.length() ? 1 : 2) * (k == l ? 1 : 2) * half[at] *
+               std::real(lines[k][j] * std::conj(lines[l][j]));
+  }
+  sum /= static_cast<double>(samples) * static_cast<double>(fourier.length());
+  EXPECT_NEAR(found / sum, 1, 1e-5);
 }
 
 /// Bands add up to the level, and weigh as the norm says.

@@ -409,9 +409,9 @@ def _history_line(microphone: dict[str, Any], place: Callable[[Any], Any]) -> tu
     """Its level in time."""
     its = microphone["history"]
     square = np.array(its["mean_square"], dtype=float)
-    together = max(1, square.size // WINDOWS)
-    square = square[:square.size // together * together].reshape(-1, together).mean(axis=1)
-    middles = its["from"] + (np.arange(square.size) + 0.5) * together * its["part_seconds"]
+    merged = max(1, square.size // WINDOWS)
+    square = square[:square.size // merged * merged].reshape(-1, merged).mean(axis=1)
+    middles = its["from"] + (np.arange(square.size) + 0.5) * merged * its["part_seconds"]
     with np.errstate(divide="ignore"):
         levels = 10 * np.log10(square / 20e-6 ** 2)
     shown = levels > levels.max(initial=-math.inf) - 80  # the first sounds are still on their way
