@@ -305,7 +305,7 @@ TEST_F(Sounds, RefusesWhatCannotBeHeard) {
 /// A WAV of floats: its values times full scale are pascals.
 TEST_F(Sounds, OfTwoMicrophonesIsStereoInPascals) {
   RA2D_SKIP_WITHOUT_PYTHON();
-  run("a.h5", {"scene.duration=0.3"});
+  run("a.h5", {"scene.duration=0.3", "air.temperature=35"});
   const test::Ended made = ra2d({"sound", "a.h5", "--at", "0.15,0.1,0.5", "--at", "0.3,0,0.2",
                                  "--bits", "float", "--rate", "96000", "-o", "s.wav"});
   ASSERT_EQ(made.status, 0) << made.err;
@@ -326,6 +326,8 @@ TEST_F(Sounds, OfTwoMicrophonesIsStereoInPascals) {
   AnalysisOptions options;
   options.sound.microphones = {{0.15, 0.1, 0.5}, {0.3, 0, 0.2}};
   const Analysis a = analyze(folder_.path() / "a.h5", options);
+  EXPECT_NEAR(a.air.sound_speed, 351.9, 0.1);  // the scene's
+  EXPECT_EQ(about["sound_speed"], a.air.sound_speed);
   for (std::size_t channel = 0; channel < 2; ++channel) {
     double sum = 0;
     for (std::size_t n = channel; n < values.size(); n += 2)

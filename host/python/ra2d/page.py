@@ -321,17 +321,6 @@ def _law(law: Law) -> dict[str, Any]:
                           for name, e in law.exponents.items()]}
 
 
-def _sound_laws(study: Study) -> list[dict[str, Any]]:
-    """Those of the A-weighted pressure and power, where the study keeps its sound."""
-    laws = []
-    for of in ("lpa", "lwa"):
-        try:
-            laws.append(_law(study.law(of)))
-        except RequestError:  # without microphones there is none of the pressure
-            continue
-    return laws
-
-
 def _large(value: float, form: str) -> str:
     """A rate; no powers of ten where the whole number is as short."""
     return f"{value:.0f}" if 1000 <= value < 1e7 else f"{value:{form}}"
@@ -401,7 +390,7 @@ def study_text(study: Study, command: str = "") -> str:
     lead = f"{a['runs']} runs: {a['done']} done, {a['failed']} failed, {missing} missing. {_origin(a)}"
     heads, rows, count = _rows(study)
     return _page(f"Study: {study.folder.name}", command, sheet, results=[], comparison=[], means=[], study={
-        "lead": lead, "failures": _failures(study), "law": _law(law) if law else None, "why_no_law": why, "sound_laws": _sound_laws(study),
+        "lead": lead, "failures": _failures(study), "law": _law(law) if law else None, "why_no_law": why, "sound_laws": [_law(one) for one in study_plot.sound_laws(study)],
         "pictures": page_pictures.of_study(study, law, sheet), "heads": heads, "rows": rows, "count": count,
         "study": without_folders(str(a["study"])), "set": without_folders(str(a.get("set", ""))),
         "base": without_folders(str(a["base"]))})

@@ -110,6 +110,8 @@ def test_sound_is_a_column_with_a_law(folder):
     assert heard.means().loc[0.2, "lpa"] == pytest.approx(float(heard.lpa.mean("seed").sel(speed=0.2)))
     text = heard.report(folder / "heard.html").read_text()
     assert "pressure, dB(A)" in text and "A-weighted" in text
+    written = [text.get_text() for text in heard.plot().texts]
+    assert any(f"p_rms, A-weighted, ~ speed^{float(law['speed']):.3f}" in text for text in written), written
     with pytest.raises(ra2d.RequestError, match="expected 'v_rms', 'lp'"):
         heard.law("loudness")
 
