@@ -3,6 +3,7 @@
 import json
 import subprocess
 
+import matplotlib.text
 import numpy as np
 import pytest
 import xarray as xr
@@ -110,7 +111,7 @@ def test_sound_is_a_column_with_a_law(folder):
     assert heard.means().loc[0.2, "lpa"] == pytest.approx(float(heard.lpa.mean("seed").sel(speed=0.2)))
     text = heard.report(folder / "heard.html").read_text()
     assert "pressure, dB(A)" in text and "A-weighted" in text
-    written = [text.get_text() for text in heard.plot().texts]
+    written = [text.get_text() for text in heard.plot().findobj(matplotlib.text.Text)]
     assert any(f"p_rms, A-weighted, ~ speed^{float(law['speed']):.3f}" in text for text in written), written
     with pytest.raises(ra2d.RequestError, match="expected 'v_rms', 'lp'"):
         heard.law("loudness")
