@@ -27,10 +27,28 @@ constexpr std::size_t most_dimensions = 30;  // of the 32 that HDF5 knows; one i
 constexpr int snapshot_format = 1;
 
 /// Names that the table has for itself.
-const std::vector<std::string> taken = {
-    "seed",         "v_rms",  "level",   "shock_rate", "shock_duration_median", "peak_force_median",
-    "lp",           "lpa",    "lw",      "lwa",        "contact_share",         "energy_closure",
-    "wall_seconds", "status", "message", "file"};
+const std::vector<std::string> taken = {"seed",
+                                        "v_rms",
+                                        "level",
+                                        "shock_rate",
+                                        "shock_duration_median",
+                                        "peak_force_median",
+                                        "contact_share",
+                                        "energy_closure",
+                                        "wall_seconds",
+                                        "status",
+                                        "message",
+                                        "file"};
+
+/// And where it holds the runs' sound.
+const std::vector<std::string> taken_by_sound = {"lp", "lpa", "lw", "lwa"};
+
+bool is_taken(const std::string& name, const Study& study) {
+  const auto holds = [&](const std::vector<std::string>& names) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  };
+  return holds(taken) || (study.keep_sound && holds(taken_by_sound));
+}
 
 bool is_name(const std::string& text) {
   return !text.empty() && text.size() <= longest_name &&
@@ -257,7 +275,7 @@ void read_vary(Reader vary, Study& study, Users& users) {
       vary.fault(name, fmt::format("is no name of a dimension: expected letters, digits and _, at "
                                    "most {}, a letter first",
                                    longest_name));
-    else if (std::find(taken.begin(), taken.end(), name) != taken.end())
+    else if (is_taken(name, study))
       vary.fault(name, "is a name that the table has for itself: choose another");
     if (!in || !in->exists()) continue;
     StudyDimension dimension;

@@ -382,7 +382,9 @@ StudyAnswers read_table(hid_t file) {
   if (check(H5Lexists(file, "shock_rate", H5P_DEFAULT)) > 0)
     answers.shock_rate = column("shock_rate");
   for (const SoundColumn& level : sound_columns)
-    if (check(H5Lexists(file, level.name, H5P_DEFAULT)) > 0)
+    if (std::none_of(answers.axes.begin(), answers.axes.end(),
+                     [&](const StudyAxis& axis) { return axis.name == level.name; }) &&
+        check(H5Lexists(file, level.name, H5P_DEFAULT)) > 0)
       answers.*level.answer = column(level.name);
   require_plausible(answers);
   return answers;

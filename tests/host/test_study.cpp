@@ -141,6 +141,18 @@ j = { key = "slider.damping", values = [nan] }
   EXPECT_THAT(fault, HasSubstr("s.toml:17: vary.j.values: nan is not allowed"));
 }
 
+/// A name of the table's own columns; those of sound where it has them.
+TEST(StudyFile, NamesOfColumnsAreTaken) {
+  const std::string vary =
+      "base = \"b.toml\"\n{}\n[vary]\n{} = {{ key = \"scene.speed\", values = [1, 2] }}\n";
+  const auto study = [&](const std::string& keep, const std::string& name) {
+    return parse_study(fmt::format(fmt::runtime(vary), keep, name), "s.toml");
+  };
+  EXPECT_EQ(study("", "lp").dimensions.size(), 1u);
+  EXPECT_THROW(study("", "v_rms"), RequestError);
+  EXPECT_THROW(study("keep = [\"sound\"]", "lp"), RequestError);
+}
+
 TEST(StudyFile, AnEmptyBaseIsRefused) {
   EXPECT_THAT(refusal_of([] { parse_study("base = \"\"", ""); }),
               HasSubstr("base: is empty: expected the scene's file"));

@@ -201,7 +201,7 @@ def _table(path: pathlib.Path) -> xr.Dataset:
         raise FileError(f"{str(path)!r} is no table of a study, or is damaged")
     dims = tuple(str(attrs["dimensions"]).split())
     variables: dict[str, tuple[str, ...]] = {name: (name,) for name in dims}
-    variables |= {name: dims for name in _VARIABLES}
+    variables |= {name: dims for name in _VARIABLES if name not in dims}
     return file.read("/", variables).load().assign_attrs(attrs)
 
 
