@@ -36,6 +36,8 @@ std::string bands_csv(const Analysis& analysis);
 std::string shocks_csv(const Analysis& analysis);
 /// Third octaves of each microphone, and of the sound power.
 std::string sound_csv(const Analysis& analysis);
+/// The level at each microphone in time.
+std::string sound_history_csv(const Analysis& analysis);
 
 /// Level and rate of shocks of each result with its own interval, and of several their means with
 /// theirs.

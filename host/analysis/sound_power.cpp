@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "host/analysis/sound_power.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -8,6 +10,7 @@
 #include <numeric>
 
 #include "host/analysis/bands.hpp"
+#include "host/base/errors.hpp"
 #include "host/base/fourier.hpp"
 #include "host/base/quiet_nan.hpp"
 #include "host/radiation/resistance.hpp"
@@ -148,6 +151,36 @@ RadiatedPower radiated_power(const ResultReader& reader, const SoundingResonator
   }
   found.share_of_damping = 2 * found.watts / found.damping_power;
   found.inertia = inertia_of_air(resonator.face, resonator.air, resonator.mass_per_area);
+  return found;
+}
+
+SoundLevels sound_levels(const Scene& scene, const std::filesystem::path& file) {
+  SoundLevels found{quiet_nan, quiet_nan, quiet_nan, quiet_nan, {}};
+  try {
+    const SoundRequest request = SoundRequest{}.completed(scene);
+    const ResultReader reader(file);
+    const SoundingResonator resonator = sounding_resonator(reader, scene, file, request);
+    const Stretch stretch = choose_stretch(reader.contents(), scene, file, {}, {});
+    if (stretch.count < 2) throw RequestError("it has no samples to find a sound power of");
+    const RadiatedPower power = radiated_power(reader, resonator, stretch);
+    found.lw = power.lw;
+    found.lw_a = power.lw_a;
+    double square = 0, square_a = 0;  // relative to 20 uPa
+    for (const HeardSound& sound : hear(reader, resonator, stretch, file, request)) {
+      const MicrophoneLevels levels = levels_of(sound, reader.contents().rate, quiet_nan);
+      square += std::pow(10, levels.lp / 10);
+      square_a += std::pow(10, levels.lp_a / 10);
+    }
+    if (request.microphones.empty()) {
+      found.why_none = "no sound pressure: the scene names no microphones (output.microphones)";
+    } else {
+      const auto count = static_cast<double>(request.microphones.size());
+      found.lp = 10 * std::log10(square / count);
+      found.lp_a = 10 * std::log10(square_a / count);
+    }
+  } catch (const RequestError& fault) {
+    found.why_none = fmt::format("no sound: {}", fault.what());
+  }
   return found;
 }
 

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <filesystem>
+#include <string>
 #include <vector>
 
 #include "host/analysis/sound_pressure.hpp"
@@ -30,5 +32,14 @@ RadiatedPower radiated_power(const ResultReader& reader, const SoundingResonator
 
 /// The level of a sound power [dB re 1 pW].
 double power_level(double watts);
+
+/// The sound of a result in four numbers, for a table of many.
+struct SoundLevels {
+  double lp, lp_a;       // dB re 20 uPa, by the mean squared pressure over the scene's microphones
+  double lw, lw_a;       // dB re 1 pW, of the power to one side
+  std::string why_none;  // empty where all of them are there
+};
+/// `scene`: that of the result. What there is not is NaN.
+SoundLevels sound_levels(const Scene& scene, const std::filesystem::path& file);
 
 }  // namespace ra2d

@@ -22,11 +22,7 @@ std::string place_text(const Position& at) {
 }
 
 void require_place(const Position& at, const Distances& ways) {
-  if (!(std::abs(at[2]) >= nearest_microphone))
-    throw RequestError(fmt::format(
-        "a microphone at {}: z is the height over the resonator's plane, of which the baffle is a "
-        "part: expected {:g} m or more above it, or below it with z < 0",
-        place_text(at), nearest_microphone));
+  require_height(at);
   if (!(ways.least <= farthest_microphone))
     throw RequestError(fmt::format(
         "a microphone at {}: it is {:.4g} m away from the resonator. Expected {:g} m at the most: "
@@ -60,6 +56,14 @@ double mean_square_of(const std::vector<double>& values) {
 }
 
 }  // namespace
+
+void require_height(const Position& at) {
+  if (!(std::abs(at[2]) >= nearest_microphone))
+    throw RequestError(fmt::format(
+        "a microphone at {}: z is the height over the resonator's plane, of which the baffle is a "
+        "part: expected {:g} m or more above it, or below it with z < 0",
+        place_text(at), nearest_microphone));
+}
 
 void SoundRequest::require_sense() const {
   if ((celsius || pascal) && !asks())
@@ -170,7 +174,7 @@ std::vector<HeardSound> hear(const ResultReader& reader, const SoundingResonator
       throw RequestError(fmt::format(
           "{}: at {} there is nothing to hear from {:g} s to {:g} s: the sound takes {:.4g} s to "
           "{:.4g} s to come there, and the record's last {:.2g} s are needed to filter it. Take a "
-          "longer stretch, or a nearer microphone",
+          "longer stretch, a nearer microphone or a higher output.rate",
           file.string(), place_text(sound.position), stretch.from, stretch.to, arrives,
           sound.distances.largest / resonator.air.sound_speed,
           static_cast<double>(filter_reach) / contents.rate));

@@ -38,6 +38,9 @@ SoundingResonator sounding_resonator(const ResultReader& reader, const std::opti
                                      const std::filesystem::path& file,
                                      const SoundRequest& request);
 
+/// Throws RequestError for a microphone in the plane of the baffle, or nearly.
+void require_height(const Position& at);
+
 /// The samples of all modes' velocities.
 VelocityRecord velocity_record(const ResultReader& reader);
 

@@ -13,6 +13,7 @@ namespace {
 
 constexpr double audible = 20e3;  // Hz
 constexpr std::size_t sound_bands_a_line = 6;
+constexpr std::size_t most_times = 10;  // of the level in time
 
 std::string sound_line(const std::string& name, const std::string& value) {
   return fmt::format("  {:<17}{}\n", name, value);
@@ -38,16 +39,38 @@ std::string band_rows(const Analysis& a, const std::vector<int>& numbers,
   return text;
 }
 
+/// The level in up to ten equal stretches.
+std::string history_text(const LevelHistory& history) {
+  const std::size_t parts = history.mean_square.size();
+  if (parts < 2) return {};
+  const std::size_t merged = (parts + most_times - 1) / most_times;
+  std::string row;
+  for (std::size_t first = 0; first + merged <= parts; first += merged) {
+    double sum = 0;
+    for (std::size_t i = first; i < first + merged; ++i) sum += history.mean_square[i];
+    row += sum > 0 ? fmt::format("{:>7.1f}",
+                                 pressure_level(std::sqrt(sum / static_cast<double>(merged))))
+                   : fmt::format("{:>7}", "silent");
+  }
+  return sound_line("in time",
+                    fmt::format("dB re 20 uPa, over {:.3g} s each from {:.6g} s on",
+                                static_cast<double>(merged) * history.part_seconds, history.from)) +
+         "  " + row + '\n';
+}
+
 std::string microphone_text(const Analysis& a, std::size_t number) {
   const MicrophoneLevels& m = a.microphones[number];
   std::string text =
       sound_line(fmt::format("microphone {}", number + 1),
                  m.rms > 0 ? level_text(m) + interval_text(m.intervals) : level_text(m));
   text += sound_line(
-      "", fmt::format("{}peak {:.4g} Pa; {:.6g} s to {:.6g} s, the sound takes {:.3g} ms or more",
+      "", fmt::format("{}peak {:.4g} Pa; {:.6g} s to {:.6g} s, {}",
                       m.position[2] < 0 ? "below the plate; " : "", m.peak, m.from, m.to,
-                      1e3 * m.arrives));
-  return text + band_rows(a, m.number, m.level, "20 uPa");
+                      m.from < m.arrives
+                          ? fmt::format("silent until the sound arrives, at {:.3g} ms or later",
+                                        1e3 * m.arrives)
+                          : fmt::format("which began {:.3g} ms earlier or more", 1e3 * m.arrives)));
+  return text + history_text(m.history) + band_rows(a, m.number, m.level, "20 uPa");
 }
 
 std::string power_text(const Analysis& a) {
@@ -76,8 +99,12 @@ std::string describe_sound(const Analysis& a) {
   if (a.microphones.empty() && !a.power) return {};
   std::string text = sound_line(
       "sound", fmt::format("of the resonator in a rigid baffle, in air of {:.1f} m/s and {:.3f} "
-                           "kg/m^3; without that of the slider",
+                           "kg/m^3",
                            a.air.sound_speed, a.air.density));
+  text +=
+      sound_line("left out", fmt::format("the slider's own sound; modes above {:.4g} kHz, which "
+                                         "the run has not",
+                                         1e-3 * last_mode(a)));
   if (passed * a.rate / 2 < audible)
     text += sound_line("", fmt::format("nothing above {:.4g} Hz is in it: raise output.rate to "
                                        "{:g} for all that is heard",
@@ -109,6 +136,21 @@ std::string sound_csv(const Analysis& a) {
   if (a.power)
     add("power,,,", a.power->number, a.power->level, a.power->spread, a.power->level_a,
         a.power->band_efficiency);
+  return text;
+}
+
+std::string sound_history_csv(const Analysis& a) {
+  std::string text = "microphone,x_m,y_m,z_m,from_s,to_s,p_rms_Pa,lp_dB\n";
+  for (std::size_t i = 0; i < a.microphones.size(); ++i) {
+    const MicrophoneLevels& m = a.microphones[i];
+    for (std::size_t part = 0; part < m.history.mean_square.size(); ++part) {
+      const double from = m.history.from + static_cast<double>(part) * m.history.part_seconds;
+      const double rms = std::sqrt(m.history.mean_square[part]);
+      text += fmt::format("{},{},{},{},{},{},{},{}\n", i + 1, m.position[0], m.position[1],
+                          m.position[2], from, from + m.history.part_seconds, rms,
+                          rms > 0 ? fmt::format("{}", pressure_level(rms)) : std::string());
+    }
+  }
   return text;
 }
 

@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* figures = "figures.csv";
 constexpr const char* tables[] = {"spectrum.csv", "bands.csv", "shocks.csv"};
-constexpr const char* sound_table = "sound.csv";
+constexpr const char* sound_tables[] = {"sound.csv", "sound-level.csv"};
 constexpr const char* study_tables[] = {"means.csv", "law.csv"};
 
 struct AnalyzeRequest {
@@ -68,7 +68,8 @@ std::vector<std::string> choose_prefixes(const AnalyzeRequest& request) {
                       request.csv, prefixes.back(), tables[0]));
     for (const char* table : tables) require_derived_output(prefixes.back() + table, request.files);
     if (request.options.sound.asks())
-      require_derived_output(prefixes.back() + sound_table, request.files);
+      for (const char* table : sound_tables)
+        require_derived_output(prefixes.back() + table, request.files);
   }
   require_derived_output(figures_file(request), request.files);
   return prefixes;
@@ -79,7 +80,9 @@ void write_tables(const std::string& prefix, const Analysis& analysis) {
   write_text(prefix + tables[1], bands_csv(analysis));
   write_text(prefix + tables[2], shocks_csv(analysis));
   if (!analysis.microphones.empty() || analysis.power)
-    write_text(prefix + sound_table, sound_csv(analysis));
+    write_text(prefix + sound_tables[0], sound_csv(analysis));
+  if (!analysis.microphones.empty())
+    write_text(prefix + sound_tables[1], sound_history_csv(analysis));
 }
 
 /// The table of a study: a folder's, or the file itself.
@@ -90,14 +93,15 @@ fs::path table_of(const fs::path& file) {
 /// Whether there was a law to be written, too. An older law must not stay next to new means.
 bool write_study_tables(const std::string& prefix, const StudyAnswers& answers) {
   write_text(prefix + study_tables[0], means_csv(answers));
-  std::optional<StudyLaw> law;
-  try {
-    law = fit_law(answers);
-  } catch (const RequestError&) {  // the text and the JSON say why
-  }
-  write_text(prefix + study_tables[1],
-             law ? law_csv(*law) : std::string("quantity,value,low,high\n"));
-  return law.has_value();
+  std::vector<LawQuantity> wanted = sounds_of(answers);
+  wanted.insert(wanted.begin(), vibration);
+  std::vector<StudyLaw> laws;
+  for (const LawQuantity& of : wanted) try {
+      laws.push_back(fit_law(answers, of));
+    } catch (const RequestError&) {  // the text and the JSON say why
+    }
+  write_text(prefix + study_tables[1], law_csv(laws));
+  return !laws.empty();
 }
 
 int analyze_study(const AnalyzeRequest& request) {

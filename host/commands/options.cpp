@@ -7,6 +7,7 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <system_error>
 
 #include "host/analysis/sound_pressure.hpp"
@@ -206,6 +207,27 @@ CLI::Option* add_microphones(CLI::App& command, SoundRequest& request) {
       ->type_name("PA")
       ->check(number_from(1e4, 1e6, "from 10000 to 1000000"));
   return at;
+}
+
+void require_microphones(const SoundRequest& request) {
+  request.require_sense();
+  for (const Position& at : request.microphones) require_height(at);
+}
+
+void add_microphones_to(nlohmann::ordered_json& json, const SoundRequest& request) {
+  if (request.microphones.empty()) return;
+  json["at"] = request.microphones;
+  if (request.celsius) json["temperature"] = *request.celsius;
+  if (request.pascal) json["pressure"] = *request.pascal;
+}
+
+std::string sound_options(const SoundRequest& request) {
+  std::string words;
+  for (const Position& at : request.microphones)
+    words += fmt::format(" --at {},{},{}", at[0], at[1], at[2]);
+  if (request.celsius) words += fmt::format(" --temperature {}", *request.celsius);
+  if (request.pascal) words += fmt::format(" --pressure {}", *request.pascal);
+  return words;
 }
 
 void add_checkpoints(CLI::App& command, double& checkpoint, double& most_wall) {

@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <array>
 #include <filesystem>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -81,6 +82,12 @@ std::optional<std::array<double, 3>> to_position(const std::string& text);
 
 /// --at, --temperature, --pressure: microphones, and the air that they stand in.
 CLI::Option* add_microphones(CLI::App& command, SoundRequest& request);
+/// Throws RequestError where one of them cannot stand there, or an air is named for none.
+void require_microphones(const SoundRequest& request);
+/// Puts them into a request to Python.
+void add_microphones_to(nlohmann::ordered_json& json, const SoundRequest& request);
+/// As a command line has them, with a blank before each.
+std::string sound_options(const SoundRequest& request);
 
 /// --checkpoint, in minutes, and --max-wall, in seconds.
 void add_checkpoints(CLI::App& command, double& checkpoint, double& most_wall);

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/analysis/sound_pressure.hpp"
 #include "host/base/errors.hpp"
 #include "host/base/exit_status.hpp"
 #include "host/base/text.hpp"
@@ -33,6 +34,7 @@ using Json = nlohmann::ordered_json;
 const std::vector<std::string> result_views{
     "overview", "profiles", "force", "displacement", "spectrum",  "probe-spectra", "shocks",
     "level",    "energy",   "bands", "spectrogram",  "waterfall", "shock"};
+const std::vector<std::string> heard_views{"overview", "bands", "level"};  // that show pressure
 const std::vector<std::string> results_views{"overview", "spectrum", "bands", "level"};
 constexpr std::size_t most_results = 8;  // that a picture keeps apart
 
@@ -42,6 +44,7 @@ struct PlotRequest {
   std::string what = "overview";
   std::optional<double> from, to;           // s
   std::optional<unsigned long long> shock;  // its number
+  SoundRequest sound;
   ProfileOptions profile;
   std::string of_profiles;  // the first of their options that was given; empty: none
   bool quiet = false;
@@ -60,7 +63,7 @@ void require_view(const std::string& what, const std::vector<std::string>& views
 void refuse_result_options(const PlotRequest& request, const char* what) {
   for (const auto& [name, given] :
        {std::pair{"--from", request.from.has_value()}, std::pair{"--to", request.to.has_value()},
-        std::pair{"--shock", request.shock.has_value()}})
+        std::pair{"--shock", request.shock.has_value()}, std::pair{"--at", request.sound.asks()}})
     if (given) throw RequestError(fmt::format("{} is of results: {} has none", name, what));
 }
 
@@ -87,11 +90,20 @@ Json results_request(const PlotRequest& request) {
       say(fmt::format("a picture keeps {} results apart: the first {} of {} are drawn",
                       most_results, most_results, request.files.size()));
   }
+  require_microphones(request.sound);
+  if (request.sound.asks() &&
+      (request.files.size() > 1 ||
+       std::find(heard_views.begin(), heard_views.end(), request.what) == heard_views.end()))
+    throw RequestError(
+        fmt::format("--at is of one result and of --what {}: 'ra2d analyze' has "
+                    "the levels of several",
+                    any_of(heard_views, "")));
   for (const fs::path& file : request.files) read_stamp(file);
   Json json{{"subject", "results"}, {"what", request.what}, {"files", path_texts(request.files)}};
   if (request.from) json["start"] = *request.from;
   if (request.to) json["stop"] = *request.to;
   if (request.shock) json["shock"] = *request.shock;
+  add_microphones_to(json, request.sound);
   return json;
 }
 
@@ -184,6 +196,7 @@ void add_plot(CLI::App& app, ChosenCommand& chosen) {
                    "with --what shock: which one, counted from 0 in order of start [the strongest]")
       ->type_name("N")
       ->check(whole_number());
+  add_microphones(*plot, request.sound);
   const auto of_profiles = add_profile_options(*plot, request.profile);
   for (CLI::Option* option : of_profiles)
     option->group("Of a profile, as of 'ra2d surface measure'");

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "host/analysis/sound_pressure.hpp"
+#include "host/base/errors.hpp"
 #include "host/base/exit_status.hpp"
 #include "host/base/format.hpp"
 #include "host/base/text.hpp"
@@ -26,6 +28,7 @@ namespace fs = std::filesystem;
 struct PageRequest {
   std::vector<fs::path> files;
   fs::path output;
+  SoundRequest sound;
   bool quiet = false;
 };
 
@@ -54,7 +57,7 @@ int make_page(PageRequest& request) {
         (file.is_absolute() && file.has_filename() ? file.filename() : file).string());
   };
   for (const fs::path& file : request.files) command += ' ' + named(file);
-  command += " -o " + named(request.output);
+  command += " -o " + named(request.output) + sound_options(request.sound);
   nlohmann::ordered_json page_request{{"command", "report"},
                                       {"quiet", request.quiet},
                                       {"made", path_text(request.output)},
@@ -63,6 +66,10 @@ int make_page(PageRequest& request) {
   const fs::path table =
       request.files.size() == 1 ? study_table_of(request.files.front()) : fs::path();
   page_request["subject"] = table.empty() ? "results" : "study";
+  require_microphones(request.sound);
+  if (!table.empty() && request.sound.asks())
+    throw RequestError("--at is of results: a study keeps its sound with keep = [\"sound\"]");
+  add_microphones_to(page_request, request.sound);
   if (table.empty())
     for (const fs::path& file : request.files) read_stamp(file);
   else
@@ -95,6 +102,7 @@ void add_report(CLI::App& app, ChosenCommand& chosen) {
                    "the page [the first result's name with .html, in the current folder]")
       ->type_name("PAGE.html")
       ->check(path());
+  add_microphones(*report, request->sound);
   report->add_flag("--quiet", request->quiet, "print nothing but errors");
   report->callback([request, &chosen] { chosen.run = [request] { return make_page(*request); }; });
 }

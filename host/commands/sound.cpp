@@ -83,10 +83,10 @@ nlohmann::ordered_json write_pressure(const Wanted& wanted, PartialFile& file) {
   const ResultReader reader(wanted.result);
   const ResultContents& contents = reader.contents();
   const std::optional<Scene> scene = scene_of(contents, wanted.result);
-  const SoundingResonator resonator =
-      sounding_resonator(reader, scene, wanted.result, wanted.sound);
+  const SoundRequest request = scene ? wanted.sound.completed(*scene) : wanted.sound;
+  const SoundingResonator resonator = sounding_resonator(reader, scene, wanted.result, request);
   const Stretch stretch = choose_stretch(contents, scene, wanted.result, wanted.from, wanted.to);
-  std::vector<HeardSound> heard = hear(reader, resonator, stretch, wanted.result, wanted.sound);
+  std::vector<HeardSound> heard = hear(reader, resonator, stretch, wanted.result, request);
   // both channels play the same time
   std::size_t first = 0, beyond = std::numeric_limits<std::size_t>::max();
   for (const HeardSound& sound : heard) {

@@ -170,7 +170,7 @@ int preview_study(StudyRuns& runs, const StudyRequest& request, const StudyFolde
   if (listener.stage) listener.stage("");
   if (request.list) return print_list(runs);
   const StudyWork work = find_work(runs.census, runs.finished, shard, request.retry_failed,
-                                   lacks_its_result(runs.points.study(), folder, listener.tell));
+                                   lacks_what_is_kept(runs.points.study(), folder, listener.tell));
   if (!work.jobs.empty()) listener.doubts(study_doubts(runs.points));
   return print_jobs(runs, work, threads);
 }

@@ -38,13 +38,22 @@ std::vector<std::size_t> seeds_of(const StudyAnswers& answers,
   return seeds;
 }
 
+/// The amplitude of each run, NaN where there is none.
+std::vector<double> amplitudes(const StudyAnswers& answers, const LawQuantity& of) {
+  if (of.levels == nullptr) return answers.v_rms;
+  std::vector<double> found;
+  for (const double level : answers.*of.levels)
+    found.push_back(of.reference * std::pow(10.0, level / 20));
+  return found;
+}
+
 /// Whether any two runs that differ in their seeds alone have other answers: where no surface has a
 /// seed they are one run.
-bool seeds_differ(const StudyAnswers& answers) {
+bool seeds_differ(const StudyAnswers& answers, const std::vector<double>& amplitude) {
   const std::size_t seeds = answers.axes.back().size();
   double first = quiet_nan;
-  for (std::size_t i = 0; i < answers.v_rms.size(); ++i) {
-    const double value = answers.v_rms[i];
+  for (std::size_t i = 0; i < amplitude.size(); ++i) {
+    const double value = amplitude[i];
     if (i % seeds == 0) first = quiet_nan;
     if (!(value > 0 && std::isfinite(value))) continue;
     if (std::isnan(first)) first = value;
@@ -75,7 +84,7 @@ std::vector<std::size_t> place_of_run(const std::vector<StudyAxis>& axes, std::s
 
 double law_level(const StudyLaw& law, const std::vector<StudyAxis>& axes,
                  const std::vector<std::size_t>& place) {
-  double sum = level(law.factor);
+  double sum = law.constant;
   for (const Exponent& e : law.exponents)
     for (std::size_t a = 0; a < place.size(); ++a)
       if (axes[a].name == e.name) sum += 20 * e.value * std::log10(axes[a].numbers[place[a]]);
@@ -84,14 +93,15 @@ double law_level(const StudyLaw& law, const std::vector<StudyAxis>& axes,
 
 namespace {
 
-/// The equations log10(v_rms) = constant + sum of exponent * log10(value), a row for each run.
+/// The equations log10(amplitude) = constant + sum of exponent * log10(value), a row for each run.
 struct LawEquations {
   Eigen::MatrixXd x;  // the values less their means, for which far more digits are left
   Eigen::VectorXd y;
   Eigen::RowVectorXd centre;  // the means
 };
 
-LawEquations law_equations(const StudyAnswers& answers, const std::vector<std::size_t>& fitted,
+LawEquations law_equations(const StudyAnswers& answers, const std::vector<double>& amplitude,
+                           const std::vector<std::size_t>& fitted,
                            const std::vector<std::size_t>& runs) {
   const auto rows = static_cast<Eigen::Index>(runs.size()),
              terms = static_cast<Eigen::Index>(fitted.size()) + 1;
@@ -104,7 +114,7 @@ LawEquations law_equations(const StudyAnswers& answers, const std::vector<std::s
     for (std::size_t k = 0; k < fitted.size(); ++k)
       e.x(row, static_cast<Eigen::Index>(k) + 1) =
           std::log10(answers.axes[fitted[k]].numbers[place[fitted[k]]]);
-    e.y(row) = std::log10(answers.v_rms[run]);
+    e.y(row) = std::log10(amplitude[run]);
   }
   if (rows > 0) e.centre = e.x.rightCols(terms - 1).colwise().mean();
   e.x.rightCols(terms - 1).rowwise() -= e.centre;
@@ -124,18 +134,16 @@ std::vector<std::size_t> fitted_axes(const StudyAnswers& answers, StudyLaw& law)
   }
   if (fitted.empty())
     throw RequestError("no law: no dimension of this study is of two positive numbers or more");
-  if (answers.v_rms.empty())
-    throw RequestError("no law: the table holds no v_rms (keep = [\"level\"])");
   return fitted;
 }
 
 /// The intervals of the exponents.
-void set_intervals(StudyLaw& law, const StudyAnswers& answers, const std::vector<std::size_t>& runs,
-                   const LawEquations& equations, const Eigen::VectorXd& deviations,
-                   double variance) {
+void set_intervals(StudyLaw& law, const StudyAnswers& answers, const std::vector<double>& amplitude,
+                   const std::vector<std::size_t>& runs, const LawEquations& equations,
+                   const Eigen::VectorXd& deviations, double variance) {
   std::vector<std::size_t> clusters = seeds_of(answers, runs);
   law.seeds = 1 + *std::max_element(clusters.begin(), clusters.end());
-  if (!seeds_differ(answers)) law.seeds = 1;
+  if (!seeds_differ(answers, amplitude)) law.seeds = 1;
   if (law.seeds == 1) std::iota(clusters.begin(), clusters.end(), 0);
   const std::vector<CoefficientError> errors =
       law.seeds == 1 ? independent_errors(equations.x, variance)
@@ -152,29 +160,42 @@ void set_intervals(StudyLaw& law, const StudyAnswers& answers, const std::vector
 
 }  // namespace
 
-StudyLaw fit_law(const StudyAnswers& answers) {
-  StudyLaw law;
-  const std::vector<std::size_t> fitted = fitted_axes(answers, law);
-  std::vector<std::size_t> runs;
-  for (std::size_t i = 0; i < answers.v_rms.size(); ++i)
-    if (answers.v_rms[i] > 0 && std::isfinite(answers.v_rms[i])) runs.push_back(i);
-  law.runs = runs.size();
-  law.left_out = answers.v_rms.size() - runs.size();
+std::vector<LawQuantity> sounds_of(const StudyAnswers& answers) {
+  std::vector<LawQuantity> found;
+  for (const LawQuantity& sound : sounds)
+    if (!(answers.*sound.levels).empty()) found.push_back(sound);
+  return found;
+}
 
-  const LawEquations equations = law_equations(answers, fitted, runs);
+StudyLaw fit_law(const StudyAnswers& answers, const LawQuantity& of) {
+  StudyLaw law;
+  law.of = of;
+  const std::vector<std::size_t> fitted = fitted_axes(answers, law);
+  const std::vector<double> amplitude = amplitudes(answers, of);
+  if (amplitude.empty())
+    throw RequestError(fmt::format("no law: the table holds no {} (keep = [\"{}\"])", of.name,
+                                   of.levels == nullptr ? "level" : "sound"));
+  std::vector<std::size_t> runs;
+  for (std::size_t i = 0; i < amplitude.size(); ++i)
+    if (amplitude[i] > 0 && std::isfinite(amplitude[i])) runs.push_back(i);
+  law.runs = runs.size();
+  law.left_out = amplitude.size() - runs.size();
+
+  const LawEquations equations = law_equations(answers, amplitude, fitted, runs);
   const auto& [x, y, centre] = equations;
   const Eigen::Index rows = x.rows(), terms = x.cols();
   const LeastSquares decomposed(x);
   if (rows < terms || decomposed.rank() < terms)
     throw RequestError(fmt::format(
-        "no law yet: the {} runs with a v_rms do not vary all of the dimensions by themselves",
-        runs.size()));
+        "no law yet: the {} runs with {} {} do not vary all of the dimensions by themselves",
+        runs.size(), of.levels == nullptr ? "a" : "an", of.name));
   const Eigen::VectorXd solution = decomposed.solve(y);
   const Eigen::VectorXd deviations = y - x * solution;
   const double residual = deviations.squaredNorm();
   const double total = (y.array() - y.mean()).matrix().squaredNorm();
   law.explained = total > 0 ? 1 - residual / total : 1;
   law.factor = std::pow(10.0, solution(0) - centre.dot(solution.tail(terms - 1)));
+  law.constant = 20 * std::log10(law.factor / of.reference);
   for (std::size_t k = 0; k < fitted.size(); ++k)
     law.exponents[k].value = solution(static_cast<Eigen::Index>(k) + 1);
   law.deviation = quiet_nan;
@@ -182,25 +203,42 @@ StudyLaw fit_law(const StudyAnswers& answers) {
   const auto free = static_cast<double>(rows - terms);
   if (!(free > 0)) return law;
   law.deviation = 20 * std::sqrt(residual / free);
-  set_intervals(law, answers, runs, equations, deviations, residual / free);
-  if (law.seeds > 1) law.line = test_straight_line(answers, fitted);
+  set_intervals(law, answers, amplitude, runs, equations, deviations, residual / free);
+  if (law.seeds > 1) law.line = test_straight_line(answers, amplitude, fitted);
   return law;
 }
 
 std::vector<CombinationMean> combination_means(const StudyAnswers& answers) {
   std::vector<CombinationMean> means;
   const std::size_t seeds = answers.axes.back().size();
-  for (std::size_t first = 0; first < answers.v_rms.size(); first += seeds) {
+  const std::vector<LawQuantity> sounds_there = sounds_of(answers);
+  if (answers.v_rms.empty() && sounds_there.empty()) return means;
+  for (std::size_t first = 0; first < answers.status.size(); first += seeds) {
     std::vector<double> values, levels, rates;
     for (std::size_t i = first; i < first + seeds; ++i) {
-      values.push_back(answers.v_rms[i]);
-      levels.push_back(answers.v_rms[i] > 0 ? level(answers.v_rms[i]) : quiet_nan);
+      const double v_rms = answers.v_rms.empty() ? quiet_nan : answers.v_rms[i];
+      values.push_back(v_rms);
+      levels.push_back(v_rms > 0 ? level(v_rms) : quiet_nan);
       if (!answers.shock_rate.empty()) rates.push_back(answers.shock_rate[i]);
     }
     std::vector<std::size_t> place = place_of_run(answers.axes, first);
     place.pop_back();
-    means.push_back({std::move(place), mean_of_runs(values, Values::positive), mean_of_runs(levels),
-                     mean_of_runs(rates, Values::positive)});
+    means.push_back({std::move(place),
+                     0,
+                     mean_of_runs(values, Values::positive),
+                     mean_of_runs(levels),
+                     mean_of_runs(rates, Values::positive),
+                     {}});
+    means.back().runs = means.back().v_rms.count;
+    for (const LawQuantity& sound : sounds_there) {
+      levels.clear();
+      for (std::size_t i = first; i < first + seeds; ++i) {
+        const double its = (answers.*sound.levels)[i];
+        levels.push_back(std::isfinite(its) ? its : quiet_nan);
+      }
+      means.back().sound.push_back(mean_of_runs(levels));
+      means.back().runs = std::max(means.back().runs, means.back().sound.back().count);
+    }
   }
   return means;
 }

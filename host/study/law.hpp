@@ -8,7 +8,7 @@
 #include "host/analysis/several.hpp"
 #include "host/study/study_table.hpp"
 
-/// The law of a study's runs: v_rms as a product of powers of the varied numbers.
+/// The law of a study's runs: an amplitude as a product of powers of the varied numbers.
 namespace ra2d {
 
 /// An exponent, and where the true one lies in 95 of 100 studies (Student's t); NaN where there are
@@ -36,31 +36,54 @@ struct StraightLine {
   bool bends() const;
 };
 
+/// An amplitude that laws are fitted to. Its level is 20 log10(amplitude/reference).
+struct LawQuantity {
+  const char *name, *symbol,
+      *reference_text;                        // of the table's column; of the level: "Lv", "1 nm/s"
+  double reference;                           // SI units; of a power's amplitude W^(1/2)
+  std::vector<double> StudyAnswers::*levels;  // none: the amplitude is v_rms
+};
+inline constexpr LawQuantity vibration{"v_rms", "Lv", "1 nm/s", 1e-9, nullptr};
+/// Those of sound. Their exponents are those of a pressure, and of the square root of a power.
+inline constexpr LawQuantity sounds[] = {
+    {"lp", "Lp", "20 uPa", 20e-6, &StudyAnswers::lp},
+    {"lpa", "LpA", "20 uPa, A-weighted", 20e-6, &StudyAnswers::lp_a},
+    {"lw", "Lw", "1 pW", 1e-6, &StudyAnswers::lw},
+    {"lwa", "LwA", "1 pW, A-weighted", 1e-6, &StudyAnswers::lw_a},
+};
+/// Those of sound that the table has.
+std::vector<LawQuantity> sounds_of(const StudyAnswers& answers);
+
 /// v_rms = factor x_1^e_1 x_2^e_2 ..., so that
 ///   Lv = 20 e_1 log10 x_1 + 20 e_2 log10 x_2 + ... + constant,
-/// by least squares of log10 v_rms over all runs. Runs of one seed share their surfaces and deviate
-/// alike: the intervals are by clusters of seeds (clustered_errors). With one seed, or where seeds
-/// change nothing, each run's deviation is taken for chance of its own.
+/// by least squares of log10 v_rms over all runs; other amplitudes likewise. Runs of one seed share
+/// their surfaces and deviate alike: the intervals are by clusters of seeds (clustered_errors).
+/// With one seed, or where seeds change nothing, each run's deviation is taken for chance of its
+/// own.
 struct StudyLaw {
   std::vector<Exponent> exponents;  // of the dimensions that are positive numbers and vary
   std::vector<std::string> pooled;  // dimensions that are not: all of their values in one
-  double factor = 0;                // in SI units
+  double factor = 0;                // in the quantity's SI units
+  double constant = 0;              // dB, of its level
   double deviation = 0;             // dB, of the runs from the law
-  double explained = 0;             // R^2: the share of the variance of log10 v_rms
+  double explained = 0;             // R^2: the share of the variance of the logarithm
   std::size_t runs = 0;             // that it is fitted to
-  std::size_t left_out = 0;         // missing, failed, or of v_rms = 0
+  std::size_t left_out = 0;         // missing, failed, or of amplitude 0
   std::size_t seeds = 1;            // clusters that the intervals are of; 1: of runs
   StraightLine line;
+  LawQuantity of = vibration;
 };
 
 /// Throws RequestError where nothing can be fitted, and says why.
-StudyLaw fit_law(const StudyAnswers& answers);
+StudyLaw fit_law(const StudyAnswers& answers, const LawQuantity& of = vibration);
 
 /// Of one combination: means over its seeds.
 struct CombinationMean {
   std::vector<std::size_t> place;  // values of the dimensions, the seeds left out
+  std::size_t runs = 0;            // that have numbers
   MeanOfRuns v_rms, level;         // m/s, dB
   MeanOfRuns shock_rate;           // 1/s; of none where the table has no rates
+  std::vector<MeanOfRuns> sound;   // dB, of each of sounds_of()
 };
 std::vector<CombinationMean> combination_means(const StudyAnswers& answers);
 

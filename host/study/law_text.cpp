@@ -14,9 +14,10 @@
 namespace ra2d {
 namespace {
 
-std::optional<StudyLaw> law_if_any(const StudyAnswers& answers, std::string& why) {
+std::optional<StudyLaw> law_if_any(const StudyAnswers& answers, const LawQuantity& of,
+                                   std::string& why) {
   try {
-    return fit_law(answers);
+    return fit_law(answers, of);
   } catch (const RequestError& fault) {
     why = fault.what();
     return std::nullopt;
@@ -29,10 +30,11 @@ std::size_t count_of(const StudyAnswers& answers, RunStatus status) {
 }
 
 std::string law_text(const StudyLaw& law) {
-  std::string formula = "Lv =";
+  std::string formula = fmt::format("{} =", law.of.symbol);
   for (const Exponent& e : law.exponents)
     formula += fmt::format(" 20 x {:.3f} log10({}) +", e.value, e.name);
-  formula += fmt::format(" {:.2f} dB", level(law.factor));
+  formula += fmt::format(" {:.2f} dB", law.constant);
+  if (law.of.levels != nullptr) formula += fmt::format(" re {}", law.of.reference_text);
   std::string text = fmt::format("  {:<17}{}\n", "law", formula);
   for (const Exponent& e : law.exponents)
     text += std::isnan(e.low)
@@ -42,7 +44,9 @@ std::string law_text(const StudyLaw& law) {
   text += fmt::format("    {} runs, R^2 = {:.4f}", law.runs, law.explained);
   if (!std::isnan(law.deviation))
     text += fmt::format(", {:.2f} dB from the law to a run", law.deviation);
-  if (law.left_out > 0) text += fmt::format("; {} without a v_rms left out", law.left_out);
+  if (law.left_out > 0)
+    text += fmt::format("; {} without {} {} left out", law.left_out,
+                        law.of.levels == nullptr ? "a" : "an", law.of.name);
   text += '\n';
   text += law.seeds > 1 ? fmt::format(
                               "    intervals by the {} seeds: runs of one seed share their "
@@ -90,6 +94,25 @@ nlohmann::ordered_json json_line(const StraightLine& line) {
   return json;
 }
 
+nlohmann::ordered_json json_law(const StudyLaw& law) {
+  nlohmann::ordered_json exponents = nlohmann::ordered_json::object();
+  for (const Exponent& e : law.exponents)
+    exponents[e.name] = {{"value", json_number(e.value)},
+                         {"low", json_number(e.low)},
+                         {"high", json_number(e.high)}};
+  return {{"of", law.of.name},
+          {"exponents", std::move(exponents)},
+          {"factor", json_number(law.factor)},
+          {"constant_db", json_number(law.constant)},
+          {"deviation_db", json_number(law.deviation)},
+          {"r_squared", json_number(law.explained)},
+          {"runs", law.runs},
+          {"seeds", law.seeds},
+          {"straight_line", json_line(law.line)},
+          {"left_out", law.left_out},
+          {"pooled", law.pooled}};
+}
+
 /// Of shocks a second, in four digits or so.
 std::string rate_number(double rate) {
   return rate < 1e4 ? fmt::format("{:.4g}", rate) : fmt::format("{:.0f}", rate);
@@ -112,7 +135,7 @@ std::string means_text(const StudyAnswers& answers, std::size_t most_rows) {
     std::string row = "  ";
     for (std::size_t a = 0; a < mean.place.size(); ++a)
       row += fmt::format("{:<12} ", shortened(value_text(answers.axes[a], mean.place[a])));
-    row += fmt::format("{:>5}", mean.v_rms.count);
+    row += fmt::format("{:>5}", mean.runs);
     if (mean.v_rms.count > 0)
       row += fmt::format(
           " {:>13.3e} {:>10.2f}  {:<18}", mean.v_rms.mean, mean.level.mean,
@@ -126,6 +149,31 @@ std::string means_text(const StudyAnswers& answers, std::size_t most_rows) {
   }
   if (means.size() > most_rows)
     text += fmt::format("  and {} more: 'ra2d analyze' has them all\n", means.size() - most_rows);
+  return text;
+}
+
+/// A line for each combination: the levels of its sound with half of their 95 % intervals.
+std::string sound_text(const StudyAnswers& answers, std::size_t most_rows) {
+  const std::vector<LawQuantity> sound = sounds_of(answers);
+  if (sound.empty()) return {};
+  std::string head = "  ";
+  for (std::size_t a = 0; a + 1 < answers.axes.size(); ++a)
+    head += fmt::format("{:<12} ", answers.axes[a].name);
+  for (const LawQuantity& one : sound)
+    head += fmt::format("{:<17}", fmt::format("{} [dB]  95 %", one.symbol));
+  std::string text = head.substr(0, head.find_last_not_of(' ') + 1) + '\n';
+  const std::vector<CombinationMean> means = combination_means(answers);
+  for (std::size_t i = 0; i < std::min(means.size(), most_rows); ++i) {
+    std::string row = "  ";
+    for (std::size_t a = 0; a < means[i].place.size(); ++a)
+      row += fmt::format("{:<12} ", shortened(value_text(answers.axes[a], means[i].place[a])));
+    for (const MeanOfRuns& its : means[i].sound) {
+      std::string level = its.count > 0 ? fmt::format("{:.2f}", its.mean) : "none";
+      if (std::isfinite(its.high)) level += fmt::format(" +- {:.2f}", its.high - its.mean);
+      row += fmt::format("{:<17}", level);
+    }
+    text += row.substr(0, row.find_last_not_of(' ') + 1) + '\n';
+  }
   return text;
 }
 
@@ -143,9 +191,15 @@ std::string describe_study(const StudyAnswers& answers, const std::string& name,
       fmt::format("{}: {} runs, {} done, {} failed, {} missing\n", printable(name),
                   answers.status.size(), done, answers.status.size() - done - missing, missing);
   if (!answers.v_rms.empty()) text += means_text(answers, most_rows);
+  text += sound_text(answers, most_rows);
   std::string why;
-  const auto law = law_if_any(answers, why);
-  return text + (law ? law_text(*law) : fmt::format("  {}\n", why));
+  const auto law = law_if_any(answers, vibration, why);
+  text += law ? law_text(*law) : fmt::format("  {}\n", why);
+  for (const LawQuantity& sound : sounds_of(answers)) {
+    const auto its = law_if_any(answers, sound, why);
+    text += its ? law_text(*its) : fmt::format("  {}: {}\n", sound.symbol, why);
+  }
+  return text;
 }
 
 std::string study_json(const StudyAnswers& answers, const std::string& title) {
@@ -177,34 +231,26 @@ std::string study_json(const StudyAnswers& answers, const std::string& title) {
       else
         point[axis.name] = axis.texts[mean.place[a]];
     }
-    point["runs"] = mean.v_rms.count;
+    point["runs"] = mean.runs;
     point["v_rms"] = json_mean(mean.v_rms);
     point["lv"] = json_mean(mean.level);
     if (!answers.shock_rate.empty()) point["shock_rate"] = json_mean(mean.shock_rate);
+    for (std::size_t i = 0; i < mean.sound.size(); ++i)
+      point[sounds_of(answers)[i].name] = json_mean(mean.sound[i]);
     points.push_back(std::move(point));
   }
   json["points"] = std::move(points);
   std::string why;
-  if (const auto law = law_if_any(answers, why)) {
-    nlohmann::ordered_json exponents = nlohmann::ordered_json::object();
-    for (const Exponent& e : law->exponents)
-      exponents[e.name] = {{"value", json_number(e.value)},
-                           {"low", json_number(e.low)},
-                           {"high", json_number(e.high)}};
-    json["law"] = {{"of", "v_rms"},
-                   {"exponents", std::move(exponents)},
-                   {"factor", json_number(law->factor)},
-                   {"constant_db", json_number(level(law->factor))},
-                   {"deviation_db", json_number(law->deviation)},
-                   {"r_squared", json_number(law->explained)},
-                   {"runs", law->runs},
-                   {"seeds", law->seeds},
-                   {"straight_line", json_line(law->line)},
-                   {"left_out", law->left_out},
-                   {"pooled", law->pooled}};
+  if (const auto law = law_if_any(answers, vibration, why)) {
+    json["law"] = json_law(*law);
   } else {
     json["law"] = nullptr;
     json["why_no_law"] = why;
+  }
+  for (const LawQuantity& sound : sounds_of(answers)) {
+    const auto law = law_if_any(answers, sound, why);
+    json["sound_laws"][sound.name] =
+        law ? json_law(*law) : nlohmann::ordered_json{{"of", sound.name}, {"why_none", why}};
   }
   return json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + '\n';
 }

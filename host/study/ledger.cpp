@@ -100,6 +100,8 @@ std::string head_of(std::size_t body) {
 
 using FigureBits = std::array<std::uint64_t, RunFigures::count>;
 static_assert(sizeof(FigureBits) == sizeof(RunFigures));
+using SoundBits = std::array<std::uint64_t, SoundFigures::count>;
+static_assert(sizeof(SoundBits) == sizeof(SoundFigures));
 
 std::string body_of(const FinishedRun& run) {
   std::string body;
@@ -109,6 +111,8 @@ std::string body_of(const FinishedRun& run) {
   for (const std::uint64_t bits : std::bit_cast<FigureBits>(run.figures)) put(body, bits);
   put(body, run.point);
   put(body, run.message);
+  if (run.sound)  // records without it end here, as those of older programs
+    for (const std::uint64_t bits : std::bit_cast<SoundBits>(*run.sound)) put(body, bits);
   return body;
 }
 
@@ -124,6 +128,11 @@ bool read_body(std::string_view body, FinishedRun& run) {
   run.figures = std::bit_cast<RunFigures>(bits);
   run.point = in.text();
   run.message = in.text();
+  if (in.fine && !in.rest.empty()) {
+    SoundBits sound;
+    for (std::uint64_t& one : sound) one = in.take<std::uint64_t>();
+    run.sound = std::bit_cast<SoundFigures>(sound);
+  }
   run.status = static_cast<RunStatus>(status);
   return in.fine && in.rest.empty() &&
          (status == static_cast<std::uint32_t>(RunStatus::done) ||
@@ -319,7 +328,8 @@ void FinishedRuns::add(FinishedRun run, const fs::path& from) {
         "two runs of one scene have other numbers: {} (v_rms {} and {} m/s), the second in '{}'. "
         "One of them is not of this build, or damaged: move that ledger away",
         run.point, before.figures.v_rms, run.figures.v_rms, from.string()));
-  if (!was_done) before = std::move(run);
+  const bool has_more = was_done && is_done && !before.sound && run.sound;
+  if (!was_done || has_more) before = std::move(run);
 }
 
 void FinishedRuns::add(const StudyFolder& folder) {

@@ -7,6 +7,7 @@
 #include <functional>
 #include <limits>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -46,15 +47,24 @@ struct RunFigures {
 inline constexpr RunFigures no_figures{quiet_nan, quiet_nan, quiet_nan, quiet_nan,
                                        quiet_nan, quiet_nan, quiet_nan, quiet_nan};
 
+/// Levels of a run's sound (host/analysis/sound_power.hpp); NaN where there is none.
+struct SoundFigures {
+  double lp = quiet_nan, lp_a = quiet_nan;  // dB re 20 uPa
+  double lw = quiet_nan, lw_a = quiet_nan;  // dB re 1 pW
+  static constexpr std::size_t count = 4;
+};
+
 struct FinishedRun {
   Key128 scene, run;  // scene_key; run_key, 0 where the run was refused before that is known
   RunStatus status = RunStatus::done;
   RunFigures figures = no_figures;
-  std::string point;    // its name in the study that ran it
-  std::string message;  // why it failed
+  std::string point;                    // its name in the study that ran it
+  std::string message;                  // why it failed, or has no sound
+  std::optional<SoundFigures> sound{};  // none where the study did not ask for it
 };
 
-/// Whether two runs of one scene have come to the same, bit for bit, but for the time they took.
+/// Whether two runs of one scene have come to the same, bit for bit, but for the time they took
+/// and for their sound, which only one of them may have.
 bool agree(const FinishedRun& a, const FinishedRun& b);
 
 std::string ledger_head();
@@ -96,8 +106,8 @@ class LedgerWriter {
   bool synced_ = true;
 };
 
-/// The runs of all ledgers, by scene: one that is done rather than one that failed, else the
-/// latest.
+/// The runs of all ledgers, by scene: one that is done rather than one that failed, of these one
+/// that has its sound, else the latest.
 struct FinishedRuns {
   std::unordered_map<Key128, FinishedRun> runs;
 

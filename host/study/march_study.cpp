@@ -94,6 +94,7 @@ void run_jobs(const StudyRuns& runs, const StudyMarch& march, LedgerWriter& ledg
   StudyOptions options;
   options.progress = [&](const StudyProgress& now) { progress.take(now); };
   options.keep_results = runs.points.study().keep_files;
+  options.keep_sound = runs.points.study().keep_sound;
   options.folder = march.folder.path;
   options.checkpoints = &checkpoints;
   options.most_wall = march.most_wall;
@@ -124,7 +125,7 @@ MarchedStudy march_study(StudyRuns& runs, const StudyMarch& march, const StudyLi
     if (listener.stage) listener.stage(text);
   };
   require_study_folder(folder, march.shard, inputs_of(study, runs.census.profiles));
-  folder.make(study.keep_files);
+  folder.make(study.keep_files || study.keep_sound);
   LedgerWriter ledger(folder.ledger(march.shard));  // before reading: no other writes this part
   stage("reading what is finished ");
   runs.finished.add(folder);
@@ -136,7 +137,7 @@ MarchedStudy march_study(StudyRuns& runs, const StudyMarch& march, const StudyLi
 
   MarchedStudy marched;
   marched.work = find_work(runs.census, runs.finished, march.shard, march.retry_failed,
-                           lacks_its_result(study, folder, listener.tell));
+                           lacks_what_is_kept(study, folder, listener.tell));
   const StudyWork& work = marched.work;
   if (!work.jobs.empty() && listener.doubts) listener.doubts(study_doubts(runs.points));
   Progress progress(march, work, listener);

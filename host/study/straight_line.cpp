@@ -18,23 +18,25 @@ namespace {
 
 using Place = std::vector<std::size_t>;
 
-/// log10 v_rms, point by point and seed by seed, where every seed has every point.
+/// The logarithm of the amplitude, point by point and seed by seed, where every seed has every
+/// point.
 struct Grid {
   std::vector<Place> points;  // values of the fitted dimensions
   Eigen::MatrixXd y;          // (point, seed)
 };
 
-Grid complete_grid(const StudyAnswers& answers, const std::vector<std::size_t>& fitted) {
+Grid complete_grid(const StudyAnswers& answers, const std::vector<double>& amplitude,
+                   const std::vector<std::size_t>& fitted) {
   struct Sum {
     double sum = 0;
     std::size_t count = 0;
   };
   const std::size_t seeds = answers.axes.back().size();
   std::map<Place, std::vector<Sum>> points;
-  std::size_t combinations = answers.v_rms.size() / seeds;  // combinations that are averaged
+  std::size_t combinations = amplitude.size() / seeds;  // combinations that are averaged
   for (const std::size_t axis : fitted) combinations /= answers.axes[axis].size();
-  for (std::size_t run = 0; run < answers.v_rms.size(); ++run) {
-    const double value = answers.v_rms[run];
+  for (std::size_t run = 0; run < amplitude.size(); ++run) {
+    const double value = amplitude[run];
     const Place place = place_of_run(answers.axes, run);
     Place point;
     for (const std::size_t axis : fitted) point.push_back(place[axis]);
@@ -145,10 +147,10 @@ std::vector<LocalExponent> changes_of(const StudyAnswers& answers,
 
 bool StraightLine::bends() const { return why_not_tested.empty() && p < 1 - confidence_of_means; }
 
-StraightLine test_straight_line(const StudyAnswers& answers,
+StraightLine test_straight_line(const StudyAnswers& answers, const std::vector<double>& amplitude,
                                 const std::vector<std::size_t>& fitted) {
   StraightLine line;
-  const Grid grid = complete_grid(answers, fitted);
+  const Grid grid = complete_grid(answers, amplitude, fitted);
   const auto seeds = grid.y.cols();
   if (seeds < 2) {
     line.why_not_tested = fmt::format("it takes two seeds that have all points, there {}",

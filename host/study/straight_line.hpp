@@ -7,10 +7,10 @@
 
 namespace ra2d {
 
-/// Whether log10 v_rms is a straight line in the logarithms of the `fitted` dimensions. Values of
-/// the others are averaged first. Only seeds that have all points count: those of two thirds of the
-/// seeds or more (a point may fail at all of them).
-StraightLine test_straight_line(const StudyAnswers& answers,
+/// Whether the logarithm of each run's amplitude is a straight line in the logarithms of the
+/// `fitted` dimensions. Values of the others are averaged first. Only seeds that have all points
+/// count: those of two thirds of the seeds or more (a point may fail at all of them).
+StraightLine test_straight_line(const StudyAnswers& answers, const std::vector<double>& amplitude,
                                 const std::vector<std::size_t>& fitted);
 
 }  // namespace ra2d

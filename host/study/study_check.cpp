@@ -45,8 +45,15 @@ std::size_t check_table(const StudyFolder& folder, const StudyPoints& points,
     const bool is_missing = table.status[point] == static_cast<double>(RunStatus::missing);
     if (is_missing && run != nullptr) ++behind;
     if (is_missing) continue;
+    const bool has_sound = !table.lw.empty() && !table.lp.empty() && run != nullptr && run->sound;
+    if (has_sound && std::isnan(table.lw[point]) && !std::isnan(run->sound->lw)) {
+      ++behind;
+      continue;
+    }
     if (run == nullptr || table.status[point] != static_cast<double>(run->status) ||
-        (!table.v_rms.empty() && !same(run->figures.v_rms, table.v_rms[point])))
+        (!table.v_rms.empty() && !same(run->figures.v_rms, table.v_rms[point])) ||
+        (has_sound &&
+         !(same(run->sound->lw, table.lw[point]) && same(run->sound->lp, table.lp[point]))))
       faults.push_back(
           fmt::format("'{}' and the ledgers differ in the run {}", file, points.name(point)));
   }

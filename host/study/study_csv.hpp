@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <string>
+#include <vector>
 
 #include "host/study/law.hpp"
 
@@ -10,7 +11,7 @@ namespace ra2d {
 /// A line for each combination: its values, and the means over its seeds.
 std::string means_csv(const StudyAnswers& answers);
 
-/// A line for each number of the law.
-std::string law_csv(const StudyLaw& law);
+/// A line for each number of each law.
+std::string law_csv(const std::vector<StudyLaw>& laws);
 
 }  // namespace ra2d

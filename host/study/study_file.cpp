@@ -40,6 +40,16 @@ const std::vector<std::string> taken = {"seed",
                                         "message",
                                         "file"};
 
+/// And where it holds the runs' sound.
+const std::vector<std::string> taken_by_sound = {"lp", "lpa", "lw", "lwa"};
+
+bool is_taken(const std::string& name, const Study& study) {
+  const auto holds = [&](const std::vector<std::string>& names) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  };
+  return holds(taken) || (study.keep_sound && holds(taken_by_sound));
+}
+
 bool is_name(const std::string& text) {
   return !text.empty() && text.size() <= longest_name &&
          std::isdigit(static_cast<unsigned char>(text[0])) == 0 &&
@@ -111,7 +121,7 @@ std::vector<std::int64_t> read_seeds(Reader& root) {
 }
 
 void read_keep(Reader& root, Study& study) {
-  constexpr const char* expected = "a list of \"level\", \"shocks\" and \"files\"";
+  constexpr const char* expected = "a list of \"level\", \"shocks\", \"sound\" and \"files\"";
   const auto value = root.value("keep", expected, Need::optional);
   if (!value) return;
   study.keep_level = study.keep_shocks = false;
@@ -121,6 +131,8 @@ void read_keep(Reader& root, Study& study) {
       study.keep_level = true;
     else if (one.text == "shocks")
       study.keep_shocks = true;
+    else if (one.text == "sound")
+      study.keep_sound = true;
     else if (one.text == "files")
       study.keep_files = true;
     else
@@ -263,7 +275,7 @@ void read_vary(Reader vary, Study& study, Users& users) {
       vary.fault(name, fmt::format("is no name of a dimension: expected letters, digits and _, at "
                                    "most {}, a letter first",
                                    longest_name));
-    else if (std::find(taken.begin(), taken.end(), name) != taken.end())
+    else if (is_taken(name, study))
       vary.fault(name, "is a name that the table has for itself: choose another");
     if (!in || !in->exists()) continue;
     StudyDimension dimension;

@@ -33,7 +33,7 @@ struct Study {
   std::vector<std::string> set;     // "section.key=value" of [set]
   std::vector<std::string> given;   // and of --set
   std::vector<std::int64_t> seeds;  // run k takes both surfaces' seeds + 1000 k
-  bool keep_level = true, keep_shocks = true, keep_files = false;
+  bool keep_level = true, keep_shocks = true, keep_sound = false, keep_files = false;
   std::vector<StudyDimension> dimensions;  // in the order in which they stand
 };
 

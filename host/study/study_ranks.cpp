@@ -65,6 +65,7 @@ RankReport run_own_part(Ranks& ranks, const StudyFolder& folder, const Shard& sh
   options.checkpoints = &checkpoints;
   options.most_wall = choices.most_wall;
   options.keep_results = points.study().keep_files;
+  options.keep_sound = points.study().keep_sound;
   options.folder = folder.path;
   options.next_job = [&] { return ranks.next_number(); };
   options.progress = [&](const StudyProgress& now) {

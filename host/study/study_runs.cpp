@@ -34,12 +34,13 @@ std::vector<std::string> StudyRuns::foreign_runs() const {
   return names;
 }
 
-std::function<bool(const FinishedRun&)> lacks_its_result(
+std::function<bool(const FinishedRun&)> lacks_what_is_kept(
     const Study& study, const StudyFolder& folder,
     const std::function<void(const std::string&)>& tell) {
-  if (!study.keep_files) return {};
-  return [folder, tell](const FinishedRun& run) {
-    if (run.status == RunStatus::refused) return false;
+  if (!study.keep_files && !study.keep_sound) return {};
+  return [&study, folder, tell](const FinishedRun& run) {
+    if (study.keep_sound && run.status == RunStatus::done && !run.sound) return true;
+    if (!study.keep_files || run.status == RunStatus::refused) return false;
     const std::string key = key_text(run.run);
     const std::filesystem::path file = folder.path / StudyFolder::result(key);
     try {

@@ -28,9 +28,10 @@ struct StudyRuns {
   std::vector<std::string> foreign_runs() const;
 };
 
-/// Whether a run's own result, which the study keeps, is missing or is another run's. `tell` is
-/// given a sentence on each that is damaged. Empty where the study keeps no results.
-std::function<bool(const FinishedRun&)> lacks_its_result(
+/// Whether a finished run lacks what the study keeps beside its figures: its sound, or its own
+/// result, which is missing or another run's. `tell` is given a sentence on each that is damaged.
+/// Empty where the study keeps neither. `study` must outlive it.
+std::function<bool(const FinishedRun&)> lacks_what_is_kept(
     const Study& study, const StudyFolder& folder,
     const std::function<void(const std::string&)>& tell);
 

@@ -57,6 +57,22 @@ constexpr Column columns[] = {
      nullptr},
 };
 
+/// A level of the sound of every run, where the study keeps it.
+struct SoundColumn {
+  const char *name, *units, *long_name;
+  double SoundFigures::*figure;
+  std::vector<double> StudyAnswers::*answer;
+};
+
+constexpr SoundColumn sound_columns[] = {
+    {"lp", "dB", "sound pressure level re 20 uPa, over the scene's microphones", &SoundFigures::lp,
+     &StudyAnswers::lp},
+    {"lpa", "dB", "A-weighted sound pressure level re 20 uPa", &SoundFigures::lp_a,
+     &StudyAnswers::lp_a},
+    {"lw", "dB", "sound power level re 1 pW, to one side", &SoundFigures::lw, &StudyAnswers::lw},
+    {"lwa", "dB", "A-weighted sound power level re 1 pW", &SoundFigures::lw_a, &StudyAnswers::lw_a},
+};
+
 /// The unit of an axis. Throws for a key that no scene has: a study's folder may be forged.
 std::string units_of(const StudyDimension& dimension) {
   if (dimension.is_text || dimension.in_weights) return "1";
@@ -224,6 +240,13 @@ std::string table_bytes(const std::filesystem::path& file, const StudyPoints& po
       values[i] = (runs[i] != nullptr ? runs[i]->figures : no_figures).*column.figure;
     out.add(out.numbers(column.name, values, out.shape), column.units, column.long_name);
   }
+  for (const SoundColumn& column : sound_columns) {
+    if (!study.keep_sound) break;
+    for (std::size_t i = 0; i < count; ++i)
+      values[i] =
+          runs[i] != nullptr && runs[i]->sound ? (*runs[i]->sound).*column.figure : quiet_nan;
+    out.add(out.numbers(column.name, values, out.shape), column.units, column.long_name);
+  }
   out.add(out.integers("status", H5T_STD_I32LE, H5T_NATIVE_INT32, status, out.shape), "1",
           "0 done, 1 not run, 2 refused before its first step, 3 failed");
   out.add(out.words("message", messages, out.shape), "1", "why there are no numbers");
@@ -312,6 +335,9 @@ void require_plausible(const StudyAnswers& answers) {
     if (status != std::floor(status) || !(status >= static_cast<double>(RunStatus::done)) ||
         !(status <= static_cast<double>(RunStatus::failed)))
       throw TableFault{fmt::format("/status says {} of a run, which means nothing", status)};
+    for (const SoundColumn& level : sound_columns)
+      if (const auto& values = answers.*level.answer; !values.empty() && values[run] > 1000)
+        throw TableFault{fmt::format("/{} has {} dB, which is no sound", level.name, values[run])};
     if (answers.v_rms.empty()) continue;
     const double v_rms = answers.v_rms[run];
     const bool is_done = status == static_cast<double>(RunStatus::done);
@@ -355,6 +381,11 @@ StudyAnswers read_table(hid_t file) {
   if (check(H5Lexists(file, "v_rms", H5P_DEFAULT)) > 0) answers.v_rms = column("v_rms");
   if (check(H5Lexists(file, "shock_rate", H5P_DEFAULT)) > 0)
     answers.shock_rate = column("shock_rate");
+  for (const SoundColumn& level : sound_columns)
+    if (std::none_of(answers.axes.begin(), answers.axes.end(),
+                     [&](const StudyAxis& axis) { return axis.name == level.name; }) &&
+        check(H5Lexists(file, level.name, H5P_DEFAULT)) > 0)
+      answers.*level.answer = column(level.name);
   require_plausible(answers);
   return answers;
 }

@@ -32,6 +32,8 @@ struct StudyAnswers {
   std::vector<StudyAxis> axes;     // in the order of the table, the seeds last
   std::vector<double> v_rms;       // in C order; NaN where there is none
   std::vector<double> shock_rate;  // 1/s, in the same order; empty where the table has none
+  std::vector<double> lp, lp_a;    // dB re 20 uPa, likewise
+  std::vector<double> lw, lw_a;    // dB re 1 pW, likewise
   std::vector<double> status;      // RunStatus
   std::string study, base;         // their texts
   std::string given;               // --set, a line each

@@ -22,6 +22,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "host/analysis/sound_power.hpp"
 #include "host/base/clock.hpp"
 #include "host/base/errors.hpp"
 #include "host/device/backend.hpp"
@@ -66,16 +67,18 @@ void sort_by_cost(std::vector<std::size_t>& points, const PointCensus& census) {
 class PointRun : public SceneRun {
  public:
   PointRun(Model model, ModalStart start, std::size_t point_, Key128 key_, double setup_,
-           std::unique_ptr<RunFiles> files_)
+           std::unique_ptr<RunFiles> files_, bool keeps_result_)
       : SceneRun(std::move(model), std::move(start), {}, files_->sink()),
         files{std::move(files_)},
         point{point_},
         key{key_},
-        setup{setup_} {}
+        setup{setup_},
+        keeps_result{keeps_result_} {}
   const std::unique_ptr<RunFiles> files;
   const std::size_t point;
-  const Key128 key;    // run_key
-  const double setup;  // s
+  const Key128 key;         // run_key
+  const double setup;       // s
+  const bool keeps_result;  // else it goes once the ledger has the run
 };
 
 /// Means over the nodes of the modes' squares: equal resonators share them, for they take as long
@@ -278,21 +281,23 @@ class Worker {
                       "marched: lower max_frequency or modes",
                       modes, most_modes));
     const std::string key = key_text(refused.run);
-    auto files = std::make_unique<RunFiles>(options_.folder / StudyFolder::result(key), key);
+    const bool records = options_.keep_results || options_.keep_sound;
+    const std::filesystem::path result = options_.folder / StudyFolder::result(key);
+    const bool keeps_result = options_.keep_results || std::filesystem::exists(result);
+    auto files = std::make_unique<RunFiles>(result, key);
     std::optional<Checkpoint> before;
     if (options_.checkpoints != nullptr)
-      before = options_.checkpoints->last(*files, key, model,
-                                          options_.keep_results ? Outputs::kept : Outputs::not_kept,
-                                          points_.name(point));
+      before = options_.checkpoints->last(
+          *files, key, model, records ? Outputs::kept : Outputs::not_kept, points_.name(point));
     ModalStart start = make_start(model);
-    if (options_.keep_results) {
-      if (!before) require_disk_room(model, options_.folder / StudyFolder::result(key));
+    if (records) {
+      if (!before) require_disk_room(model, result);
       ResultHeader header = result_header(model, key);
       header.beyond_limit = beyond_limit;
       files->record(std::move(header), before);
     }
     auto run = std::make_unique<PointRun>(std::move(model), std::move(start), point, refused.run,
-                                          seconds_since(begin), std::move(files));
+                                          seconds_since(begin), std::move(files), keeps_result);
     if (before) run->go_on(std::move(before->state), std::move(before->accounts));
     const std::lock_guard lock(mutex_);
     SceneRun* const way = run.get();
@@ -323,11 +328,27 @@ class Worker {
                           .contact_share = report.contact_share,
                           .energy_closure = report.energy.closure(),
                           .wall_seconds = 0};
+      if (options_.keep_sound) add_sound(run, finished);
     }
     finished.figures.wall_seconds = report.wall_seconds;
     record(std::move(finished));
     if (run.files->is_claimed()) run.files->remove();  // after it
+    if (run.files->records() && !run.keeps_result) {
+      std::error_code none;  // at worst a file stays
+      std::filesystem::remove(result_of(run), none);
+    }
     let_go_of(run);
+  }
+
+  std::filesystem::path result_of(const PointRun& run) const {
+    return options_.folder / StudyFolder::result(key_text(run.key));
+  }
+
+  /// From the run's result, which is written even where it is not kept.
+  void add_sound(const PointRun& run, FinishedRun& finished) const {
+    const SoundLevels levels = sound_levels(run.model().scene, result_of(run));
+    finished.sound = {levels.lp, levels.lp_a, levels.lw, levels.lw_a};
+    finished.message = levels.why_none;
   }
 
   /// There is no memory for it where runs are marched, even alone.

@@ -42,6 +42,7 @@ struct StudyProgress {
 struct StudyOptions {
   std::function<void(const StudyProgress&)> progress;  // a few times a second
   bool keep_results = false;                           // each run's own, in the folder:
+  bool keep_sound = false;                             // the levels of its sound
   std::filesystem::path folder;                        // of the study
   std::function<void()> tick;  // a few times a second on a thread of its own, during the march
   /// Which of the jobs is next, from 0 on; beyond the last there are no more. Several processes

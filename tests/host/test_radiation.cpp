@@ -119,6 +119,30 @@ TEST(Transfer, OfAPistonOnItsAxisIsTheClosedForm) {
     }
 }
 
+/// A disk of narrow strips, each by the rectangle's quadrature, against the textbooks' closed form
+/// on the axis, |p| = 2 density c |v| |sin(k/2 (hypot(z, radius) - z))|. At 1 mm and 20 kHz the
+/// disk is 12 wavelengths wide; at z = 0.2 m it has zeros on the axis.
+TEST(Transfer, OfACircularPistonOnItsAxisIsTheTextbooks) {
+  constexpr double radius = 0.1, narrow = 1e-7;
+  for (const double z : {0.001, 0.05, 0.2, 3.0}) {
+    const Points turns = graded_points(0, M_PI / 2, 80, {0, z / radius});  // x = radius sin(turn)
+    for (const double frequency : {50.0, 1000.0, 20e3}) {
+      Complex h;
+      for (std::size_t i = 0; i < turns.size(); ++i) {
+        const double x = radius * std::sin(turns.at[i]), half = radius * std::cos(turns.at[i]);
+        const Radiator chord = piston(narrow, 2 * half);
+        h += 2 * turns.weight[i] * half / narrow *
+             transfer(chord, air, {narrow / 2 - x, half, z}, frequency).front();
+      }
+      const double k = 2 * M_PI * frequency / air.sound_speed;
+      const double closed = 2 * air.density * air.sound_speed / (2 * M_PI * frequency) *
+                            std::abs(std::sin(k / 2 * (std::hypot(z, radius) - z)));
+      const double largest = 2 * air.density * air.sound_speed / (2 * M_PI * frequency);
+      EXPECT_NEAR(std::abs(h) / largest, closed / largest, 1e-9) << z << " " << frequency;
+    }
+  }
+}
+
 TEST(Transfer, OfASmallFaceIsAPointSource) {
   const Radiator face = piston(1e-5, 1e-5);
   const Complex found = transfer(face, air, {1.0, 2.0, 2.0}, 1000).front();

@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <complex>
 #include <cstring>
 #include <fstream>
 #include <iterator>
@@ -12,6 +14,8 @@
 #include "host/analysis/analysis.hpp"
 #include "host/analysis/analysis_text.hpp"
 #include "host/analysis/bands.hpp"
+#include "host/base/fourier.hpp"
+#include "host/radiation/resistance.hpp"
 #include "tests/child.hpp"
 #include "tests/places.hpp"
 
@@ -21,6 +25,7 @@ namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 class Sounds : public testing::Test {
  protected:
@@ -71,6 +76,40 @@ TEST_F(Sounds, PowerIsWhatPassesAHemisphere) {
   const double stiff = 2 * M_PI * a.power->mode_frequency[0] * 7800 * 0.002;
   EXPECT_NEAR(a.power->mode_damping[0],
               a.power->mode_efficiency[0] * a.air.density * a.air.sound_speed / stiff, 1e-9);
+}
+
+/// The power takes resistances between frequencies by a polynomial. Against those of each line.
+TEST_F(Sounds, PowerIsTheSumOverAllLines) {
+  run("a.h5", {"output.rate=20e3", "resonator.max_frequency=3e3", "scene.duration=0.05"});
+  const std::filesystem::path file = folder_.path() / "a.h5";
+  AnalysisOptions options;
+  options.sound.power = true;
+  const double found = analyze(file, options).power->watts;
+  const ResultReader reader(file);
+  const SoundingResonator resonator =
+      sounding_resonator(reader, scene_of(reader.contents(), file), file, {});
+  const std::size_t samples = reader.contents().samples, modes = resonator.face.modes.size();
+  const double rate = reader.contents().rate;
+  Fourier fourier(quick_length(samples));
+  std::vector<std::vector<std::complex<double>>> lines;
+  for (const auto& velocity : velocity_record(reader).read(0, samples)) {
+    const auto input = fourier.input();
+    std::fill(std::copy(velocity.begin(), velocity.end(), input.begin()), input.end(), 0.0);
+    fourier.transform();
+    lines.emplace_back(fourier.spectrum().begin(), fourier.spectrum().end());
+  }
+  const RadiationResistance resistance(resonator.face, resonator.air, rate / 2);
+  double sum = 0;
+  for (std::size_t j = 1; j < fourier.lines(); ++j) {
+    const std::vector<double> half = resistance.lower_half(
+        std::min(rate / 2, static_cast<double>(j) * rate / static_cast<double>(fourier.length())));
+    for (std::size_t k = 0, at = 0; k < modes; ++k)
+      for (std::size_t l = 0; l <= k; ++l, ++at)
+        sum += (2 * j == fourier.length() ? 1 : 2) * (k == l ? 1 : 2) * half[at] *
+               std::real(lines[k][j] * std::conj(lines[l][j]));
+  }
+  sum /= static_cast<double>(samples) * static_cast<double>(fourier.length());
+  EXPECT_NEAR(found / sum, 1, 1e-5);
 }
 
 /// Bands add up to the level, and weigh as the norm says.
@@ -131,10 +170,29 @@ TEST_F(Sounds, SaysWhatTheLibraryFinds) {
   EXPECT_EQ(said["power"]["lw"], found.power->lw);
   EXPECT_EQ(said["power"]["bands"]["efficiency"].size(), found.power->number.size());
   const test::Ended text = ra2d(with({"analyze", "a.h5", "--csv", "x"}));
-  EXPECT_THAT(text.out,
-              AllOf(HasSubstr(fmt::format("{:.2f} dB(A), {:.2f} dB re 20 uPa",
-                                          found.microphones[1].lp_a, found.microphones[1].lp)),
-                    HasSubstr("sound power"), HasSubstr("without that of the slider")));
+  EXPECT_THAT(
+      text.out,
+      AllOf(HasSubstr(fmt::format("{:.2f} dB(A), {:.2f} dB re 20 uPa", found.microphones[1].lp_a,
+                                  found.microphones[1].lp)),
+            HasSubstr("sound power"), HasSubstr("the slider's own sound; modes above 18.87 kHz"),
+            HasSubstr("silent until the sound arrives, at 1.46 ms or later")));
+  // the level in time: ten on the screen, and all parts in a table, whose mean is the level
+  EXPECT_THAT(text.out, HasSubstr("in time          dB re 20 uPa, over 0.01 s each from 0 s on"));
+  std::ifstream times(folder_.path() / "x-sound-level.csv");
+  std::string line;
+  std::getline(times, line);
+  EXPECT_EQ(line, "microphone,x_m,y_m,z_m,from_s,to_s,p_rms_Pa,lp_dB");
+  double squares = 0;
+  int parts = 0;
+  while (std::getline(times, line) && line.starts_with("1,")) {
+    std::vector<std::string> fields{""};
+    for (const char c : line) c == ',' ? fields.emplace_back() : fields.back() += c;
+    ASSERT_EQ(fields.size(), 8u);
+    squares += std::pow(std::stod(fields[6]), 2);
+    EXPECT_NEAR(std::stod(fields[7]), 20 * std::log10(std::stod(fields[6]) / 20e-6), 1e-9);
+    ++parts;
+  }
+  EXPECT_NEAR(10 * std::log10(squares / parts / 4e-10), found.microphones[0].lp, 0.1);
   std::ifstream csv(folder_.path() / "x-sound.csv");
   std::string header, first;
   std::getline(csv, header);
@@ -191,6 +249,18 @@ TEST_F(Sounds, SaysWhatTheRecordCannotCarry) {
       AllOf(HasSubstr("nothing above 9100 Hz"), HasSubstr("modes lie above half the rate")));
 }
 
+/// Where damping takes little, the air would take as much: the level is too high, and it is said.
+TEST_F(Sounds, WarnsWhereTheAirWouldDampTheMotion) {
+  run("a.h5");
+  run("b.h5", {"resonator.damping=1e-4"});
+  EXPECT_THAT(ra2d({"analyze", "a.h5", "--power"}).out, Not(HasSubstr("the air would damp")));
+  const std::string said = ra2d({"analyze", "b.h5", "--power"}).out;
+  EXPECT_THAT(said, HasSubstr("warning          the air would damp the motion"));
+  AnalysisOptions options;
+  options.sound.power = true;
+  EXPECT_GT(analyze(folder_.path() / "b.h5", options).power->share_of_damping, 1);
+}
+
 TEST_F(Sounds, RefusesWhatCannotBeHeard) {
   run("a.h5");
   run("none.h5", {"output.modes=none"});
@@ -220,13 +290,22 @@ TEST_F(Sounds, RefusesWhatCannotBeHeard) {
   EXPECT_THAT(ra2d(many).err, HasSubstr("take fewer at a time"));
   EXPECT_THAT(ra2d({"sound", "a.h5", "--at", "0,0,1", "--at", "1,0,1", "--at", "2,0,1"}).err,
               HasSubstr("one channel or two"));
+  // pictures and pages: refused before Python is asked
+  for (const auto& [words, why] : std::vector<std::pair<std::vector<std::string>, std::string>>{
+           {{"plot", "a.h5", "--at", "0,0,1", "--what", "force"},
+            "--what overview, bands or level"},
+           {{"plot", "a.h5", "none.h5", "--at", "0,0,1"}, "--at is of one result"},
+           {{"plot", "a.h5", "--at", "0,0,0"}, "expected 0.001 m or more"},
+           {{"report", "a.h5", "--at", "0,0,0"}, "expected 0.001 m or more"},
+           {{"report", "a.h5", "--temperature", "30"}, "name a microphone"}})
+    EXPECT_THAT(ra2d(words).err, HasSubstr(why)) << fmt::format("{}", fmt::join(words, " "));
   EXPECT_THAT(ra2d({"sound", "a.h5", "--at", "0,0,1", "--probe", "1"}).err, HasSubstr("excludes"));
 }
 
 /// A WAV of floats: its values times full scale are pascals.
 TEST_F(Sounds, OfTwoMicrophonesIsStereoInPascals) {
   RA2D_SKIP_WITHOUT_PYTHON();
-  run("a.h5", {"scene.duration=0.3"});
+  run("a.h5", {"scene.duration=0.3", "air.temperature=35"});
   const test::Ended made = ra2d({"sound", "a.h5", "--at", "0.15,0.1,0.5", "--at", "0.3,0,0.2",
                                  "--bits", "float", "--rate", "96000", "-o", "s.wav"});
   ASSERT_EQ(made.status, 0) << made.err;
@@ -247,6 +326,8 @@ TEST_F(Sounds, OfTwoMicrophonesIsStereoInPascals) {
   AnalysisOptions options;
   options.sound.microphones = {{0.15, 0.1, 0.5}, {0.3, 0, 0.2}};
   const Analysis a = analyze(folder_.path() / "a.h5", options);
+  EXPECT_NEAR(a.air.sound_speed, 351.9, 0.1);  // the scene's
+  EXPECT_EQ(about["sound_speed"], a.air.sound_speed);
   for (std::size_t channel = 0; channel < 2; ++channel) {
     double sum = 0;
     for (std::size_t n = channel; n < values.size(); n += 2)

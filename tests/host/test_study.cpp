@@ -11,6 +11,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <random>
 #include <set>
 
@@ -138,6 +139,18 @@ j = { key = "slider.damping", values = [nan] }
   EXPECT_THAT(fault, HasSubstr("s.toml:15: vary.h.values: [1, 2, 3] has 3 values: expected 2"));
   EXPECT_THAT(fault, HasSubstr("vary.i.value: unknown key (did you mean `values`?)"));
   EXPECT_THAT(fault, HasSubstr("s.toml:17: vary.j.values: nan is not allowed"));
+}
+
+/// A name of the table's own columns; those of sound where it has them.
+TEST(StudyFile, NamesOfColumnsAreTaken) {
+  const std::string vary =
+      "base = \"b.toml\"\n{}\n[vary]\n{} = {{ key = \"scene.speed\", values = [1, 2] }}\n";
+  const auto study = [&](const std::string& keep, const std::string& name) {
+    return parse_study(fmt::format(fmt::runtime(vary), keep, name), "s.toml");
+  };
+  EXPECT_EQ(study("", "lp").dimensions.size(), 1u);
+  EXPECT_THROW(study("", "v_rms"), RequestError);
+  EXPECT_THROW(study("keep = [\"sound\"]", "lp"), RequestError);
 }
 
 TEST(StudyFile, AnEmptyBaseIsRefused) {
@@ -435,6 +448,26 @@ TEST(Ledger, WhatIsAppendedIsReadBack) {
   ASSERT_EQ(parsed.runs.size(), 6u);
   EXPECT_EQ(parsed.whole, fs::file_size(file));
   for (std::uint64_t i = 1; i <= 6; ++i) EXPECT_TRUE(same_run(parsed.runs[i - 1], some_run(i)));
+}
+
+/// A record without sound has the bytes of older programs; of two records of a run the one with
+/// its sound counts, in either order.
+TEST(Ledger, SoundIsAddedToARun) {
+  const test::Folder folder;
+  const FinishedRun silent = some_run(1);
+  FinishedRun heard = silent;
+  heard.sound = {60, 58.5, 70, quiet_nan};
+  EXPECT_EQ(record_of(heard).size(), record_of(silent).size() + 32);
+  for (const bool first : {true, false}) {
+    const std::string bytes =
+        ledger_head() + record_of(first ? heard : silent) + record_of(first ? silent : heard);
+    FinishedRuns finished;
+    for (FinishedRun& run : parse_ledger(bytes, "x.log").runs) finished.add(run, "x.log");
+    const FinishedRun* found = finished.find(silent.scene);
+    ASSERT_TRUE(found != nullptr && found->sound);
+    EXPECT_EQ(found->sound->lp_a, 58.5);
+    EXPECT_TRUE(std::isnan(found->sound->lw_a));
+  }
 }
 
 TEST(Ledger, EveryTruncationKeepsTheWholeRecordsBeforeIt) {
@@ -810,6 +843,28 @@ TEST(StudyLaw, OfAPowerLawHasItsExponents) {
   EXPECT_NEAR(law.exponents[0].high - law.exponents[0].low, 0, 1e-11);
   EXPECT_EQ(law.runs, 36u);
   EXPECT_EQ(law.left_out, 0u);
+}
+
+TEST(StudyLaw, OfSoundIsThatOfItsPressure) {
+  StudyAnswers answers = answers_of(two_axes, [](const std::vector<double>& x) { return x[0]; });
+  EXPECT_TRUE(sounds_of(answers).empty());
+  EXPECT_THROW(fit_law(answers, sounds[1]), RequestError);
+  for (std::size_t run = 0; run < answers.v_rms.size(); ++run) {
+    const auto place = place_of_run(answers.axes, run);
+    const double speed = two_axes[0].numbers[place[0]], rq = two_axes[1].numbers[place[1]];
+    answers.lp_a.push_back(20 * (0.7 * std::log10(speed) + 0.9 * std::log10(rq)) + 150);
+    answers.lw.push_back(-std::numeric_limits<double>::infinity());  // at rest
+  }
+  ASSERT_EQ(sounds_of(answers).size(), 2u);
+  const StudyLaw law = fit_law(answers, sounds_of(answers)[0]);
+  EXPECT_STREQ(law.of.name, "lpa");
+  EXPECT_NEAR(law.exponents[0].value, 0.7, 1e-12);
+  EXPECT_NEAR(law.exponents[1].value, 0.9, 1e-12);
+  EXPECT_NEAR(law.constant, 150, 1e-9);
+  EXPECT_NEAR(law_level(law, answers.axes, {1, 2}), answers.lp_a[3 * (3 * 1 + 2)], 1e-9);
+  EXPECT_THROW(fit_law(answers, sounds_of(answers)[1]), RequestError);
+  EXPECT_THAT(describe_study(answers, "x"), AllOf(HasSubstr("LpA = 20 x 0.700 log10(speed)"),
+                                                  HasSubstr("Lw: no law yet"), HasSubstr("none")));
 }
 
 TEST(StudyLaw, OfOneDimensionIsTheTextbooksLine) {

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
@@ -17,6 +18,7 @@
 #include <random>
 #include <thread>
 
+#include "host/analysis/analysis.hpp"
 #include "host/result/level.hpp"
 #include "host/study/law.hpp"
 #include "host/study/ledger.hpp"
@@ -426,6 +428,52 @@ TEST_F(StudyProgram, KeepsWhatItIsAskedToKeep) {
   // nor does a check miss the levels that are not in the table
   const test::Ended checked = test::run_program(folder_, {test::program(), "check", "out"});
   EXPECT_EQ(checked.status, 0) << checked.err;
+}
+
+/// Each run's sound is that of its result, which need not stay.
+TEST_F(StudyProgram, KeepsTheSoundWithoutTheFiles) {
+  const std::string set =
+      "[set]\n\"output.microphones\" = [{ x = 0.1, y = 0.05, z = 0.2 }, { x = 0, y = 0, z = -0.3 "
+      "}]\n";
+  write_study(2, set);
+  ASSERT_EQ(run({"study.toml", "-o", "out"}), 0) << err_;
+  EXPECT_TRUE(read_study_table(folder_ / "out/results.h5").lp_a.empty());
+  write_study(2, "keep = [\"level\", \"sound\"]\n" + set);  // the finished runs lack their sound
+  ASSERT_EQ(run({"study.toml", "-o", "out"}), 0) << err_;
+  EXPECT_THAT(out_, HasSubstr("8 runs finished in"));
+  EXPECT_TRUE(fs::is_empty(folder_ / "out/runs"));
+  EXPECT_EQ(run({"study.toml", "-o", "out"}), 0);
+  EXPECT_THAT(out_, HasSubstr("all 8 runs are finished already"));
+  const StudyAnswers answers = read_study_table(folder_ / "out/results.h5");
+  ASSERT_EQ(answers.lp_a.size(), 8u);
+  ASSERT_EQ(Child(folder_, {test::program(), "run", "base.toml", "--set", "scene.speed=0.2",
+                            "--set", "slider.load=0.5", "-o", "alone.h5"})
+                .wait(),
+            0);
+  AnalysisOptions options;
+  options.sound.power = true;
+  options.sound.microphones = {{0.1, 0.05, 0.2}, {0, 0, -0.3}};
+  const Analysis alone = analyze(folder_ / "alone.h5", options);
+  double square = 0;
+  for (const MicrophoneLevels& m : alone.microphones) square += std::pow(10, m.lp_a / 10) / 2;
+  EXPECT_NEAR(answers.lp_a[6], 10 * std::log10(square), 1e-9);
+  EXPECT_NEAR(answers.lw[6], alone.power->lw, 1e-9);
+  EXPECT_NEAR(answers.lw_a[6], alone.power->lw_a, 1e-9);
+  const test::Ended said =
+      test::run_program(folder_, {test::program(), "analyze", "out", "--json"});
+  const auto json = nlohmann::json::parse(said.out);
+  EXPECT_EQ(json["sound_laws"]["lpa"]["exponents"]["speed"]["value"],
+            fit_law(answers, sounds[1]).exponents[0].value);
+  EXPECT_TRUE(json["points"][3]["lw"]["mean"].is_number());
+  EXPECT_EQ(test::run_program(folder_, {test::program(), "check", "out"}).status, 0);
+
+  // without microphones there is the power alone, and it is said why
+  write_study(1, "keep = [\"sound\"]");
+  ASSERT_EQ(run({"study.toml", "-o", "power"}), 0) << err_;
+  const StudyAnswers power = read_study_table(folder_ / "power/results.h5");
+  EXPECT_TRUE(std::isnan(power.lp[0]) && std::isfinite(power.lw[0]));
+  EXPECT_THAT(test::run_program(folder_, {test::program(), "analyze", "power"}).out,
+              AllOf(HasSubstr("Lp: no law yet"), HasSubstr("Lw = ")));
 }
 
 TEST_F(StudyProgram, CheckFindsEveryDamageOfAFolder) {

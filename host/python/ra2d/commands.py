@@ -18,7 +18,7 @@ import numpy as np
 from . import budget, charts, compare_plot, comparison, page, plots, profile_plot, sound, study_plot, toml
 from .__main__ import library_missing
 from .errors import BY_STATUS, Error, FileError, Notice, RequestError
-from .results import load
+from .results import Result, load
 from .scenes import Scene
 from .studies import load_study
 from .style import DPI, Picture
@@ -31,6 +31,12 @@ def _path(text: str) -> pathlib.Path:
     return pathlib.Path(os.fsdecode(text.encode("latin-1")))
 
 
+def _result(file: pathlib.Path, request: Request) -> Result:
+    """A result, with the microphones of the request."""
+    air = {name: request.get(name) for name in ("temperature", "pressure")}
+    return load(file).with_microphones(request["at"], **air) if "at" in request else load(file)
+
+
 def _picture(request: Request) -> Picture:
     files = [_path(text) for text in request.get("files", [])]
     if request["subject"] == "chart":
@@ -41,7 +47,7 @@ def _picture(request: Request) -> Picture:
         return study_plot.picture(load_study(files[0]))
     stretch: dict[str, Any] = {name: request.get(name) for name in ("start", "stop")}
     if len(files) == 1:
-        return plots.result(load(files[0]), request["what"], shock=request.get("shock"), **stretch)
+        return plots.result(_result(files[0], request), request["what"], shock=request.get("shock"), **stretch)
     return compare_plot.plot([load(file) for file in files], request["what"], **stretch)
 
 
@@ -56,7 +62,7 @@ def report(request: Request) -> str:
     files = [_path(text) for text in request["files"]]
     command = os.fsdecode(request["line"].encode("latin-1"))
     made = page.study_text(load_study(files[0]), command) if request["subject"] == "study" else \
-        page.results_text([load(file) for file in files], command)
+        page.results_text([_result(file, request) for file in files], command)
     _write(_path(request["output"]), made.encode("utf-8", "replace"))
     return ""
 

@@ -283,9 +283,13 @@ def of_results(results: Sequence[Result], path: pathlib.Path, command: str = "")
 
 # ---- studies -------------------------------------------------------------------------------------------
 
+_AMPLITUDES = {"v_rms": Markup("v<sub>rms</sub>"), "lp": Markup("p<sub>rms</sub>"),
+               "lpa": Markup("p<sub>rms</sub>, A-weighted,"), "lw": Markup("\u221aW"), "lwa": Markup("\u221aW, A-weighted,")}
+
+
 def _law_note(law: Law) -> Markup:
     about = law.about
-    text = html("Least squares of log v<sub>rms</sub> over {} runs; R\u00b2 = {}", about["runs"],
+    text = html("Least squares of log {} over {} runs; R\u00b2 = {}", _AMPLITUDES[about["of"]], about["runs"],
                 f"{law.r_squared:.4f}")
     if math.isfinite(law.deviation):
         text += html(", {} dB from the law to a run", f"{law.deviation:.2f}")
@@ -311,7 +315,7 @@ def _sentence(text: str) -> str:
 def _law(law: Law) -> dict[str, Any]:
     powers = Markup("").join(html(" {}<sup>{}</sup>", name, f"{float(e):.3f}") for name, e in law.exponents.items())
     line = law.about["straight_line"]
-    return {"formula": html("v<sub>rms</sub> \u221d{}", powers), "note": _law_note(law),
+    return {"formula": html("{} \u221d{}", _AMPLITUDES[law.about["of"]], powers), "note": _law_note(law),
             "shape": [_sentence(line["says"]), *map(_change, line["changes"])], "bends": line["fits"] is False,
             "exponents": [(name, f"{float(e):.3f}", _between(e.low, e.high, ".3f"))
                           for name, e in law.exponents.items()]}
@@ -347,15 +351,18 @@ def _rows(study: Study) -> tuple[list[str], list[list[str]], int]:
     means = study.means().reset_index()
     shown = means.head(MOST_ROWS)
     heads, columns = _columns(study, shown)
+    kinds = [("level", ".2f", "Lv, dB"), ("shock_rate", ".4g", "shocks, 1/s")]
+    kinds += [(name, ".2f", head) for name, head in (("lpa", "pressure, dB(A)"), ("lwa", "power, dB(A) re 1 pW"))
+              if name in means and means[name].notna().any()]
     rows = []
     for i, row in enumerate(shown.to_dict("records")):
         rows.append([column[i] for column in columns] + [str(int(row["runs"]))])
-        for name, form in (("level", ".2f"), ("shock_rate", ".4g")):
+        for name, form, _ in kinds:
             there = math.isfinite(row[name])
             interval = _between(row[f"{name}_low"], row[f"{name}_high"], form)
             rows[-1] += [_large(row[name], form) if there else "\u2013",
                          interval if there and row["runs"] > 1 else "\u2013"]
-    return [*heads, "runs", "Lv, dB", "95 %", "shocks, 1/s", "95 %"], rows, len(means)
+    return [*heads, "runs", *(text for _, _, head in kinds for text in (head, "95 %"))], rows, len(means)
 
 
 def _failures(study: Study) -> list[str]:
@@ -383,7 +390,7 @@ def study_text(study: Study, command: str = "") -> str:
     lead = f"{a['runs']} runs: {a['done']} done, {a['failed']} failed, {missing} missing. {_origin(a)}"
     heads, rows, count = _rows(study)
     return _page(f"Study: {study.folder.name}", command, sheet, results=[], comparison=[], means=[], study={
-        "lead": lead, "failures": _failures(study), "law": _law(law) if law else None, "why_no_law": why,
+        "lead": lead, "failures": _failures(study), "law": _law(law) if law else None, "why_no_law": why, "sound_laws": [_law(one) for one in study_plot.sound_laws(study)],
         "pictures": page_pictures.of_study(study, law, sheet), "heads": heads, "rows": rows, "count": count,
         "study": without_folders(str(a["study"])), "set": without_folders(str(a.get("set", ""))),
         "base": without_folders(str(a["base"]))})

@@ -72,6 +72,15 @@ def _spectrum(result: Result) -> tuple[Picture, str, Markup]:
     return figure, "Velocity spectrum of the resonator", caption
 
 
+def _pressures(result: Result) -> Markup:
+    """The lines of microphones in a picture of the vibration, in words."""
+    heard = plots.heard_by(result)
+    if not heard:
+        return Markup("")
+    each = "; ".join(f"{LETTERS[MARKS[i]]} at {plots.microphone_words(one)}" for i, one in enumerate(heard))
+    return html(" Lines, axis on the right: sound pressure in dB re 20 \u00b5Pa, {}.", each)
+
+
 def _bands(result: Result) -> tuple[Picture, str, Markup]:
     bands = result.bands()
     names = bands.nominal.values.tolist()
@@ -86,7 +95,7 @@ def _bands(result: Result) -> tuple[Picture, str, Markup]:
     if bands.above_last_mode.any():
         caption += html(" Hollow: above the last mode that was kept, at {}: no information.",
                         quantity(bands.last_mode, "Hz", 4))
-    return figure, "Levels in third octaves", caption
+    return figure, "Levels in third octaves", caption + _pressures(result)
 
 
 def _level(result: Result) -> tuple[Picture, str, Markup]:
@@ -99,7 +108,7 @@ def _level(result: Result) -> tuple[Picture, str, Markup]:
         caption += html(" Dashed: {}, {} dB", f"from {quantity(begin, 's')} on" if begin else "the whole run",
                         f"{level:.1f}")
         caption += html("; shaded: its 95 % interval." if math.isfinite(level.low) else ".")
-    return figure, "Level over the time of the run", caption
+    return figure, "Level over the time of the run", caption + _pressures(result)
 
 
 def _histogram(result: Result, kind: tuple[str, str, str], heading: str) -> tuple[Picture, str, Markup]:

@@ -27,6 +27,7 @@ MOST_LINES = 6   # that a panel keeps apart
 MOST_DOTS = 2000
 PLACES = 120     # bins along the track
 WINDOWS = 100    # of the level in time
+_OF_PRESSURE = (RUST, BLACK, GREY)  # colours
 CLOSE = 400      # samples of a close-up
 
 
@@ -239,6 +240,7 @@ def _level(figure: Any, result: Result, _: bool) -> None:
     margin = max(1.0, 0.08 * (high - low))
     axes.set_ylim(low - 2.5 * margin, high + margin)
     axes.legend(loc="lower right", ncol=2)
+    _draw_pressures(axes, result, lambda microphone: _history_line(microphone, place), "upper right", 2)
     axes.set_ylabel(f"level [{DECIBEL}]")
     axes.set_title(f"{title}, over {quantity((result.duration - first) / len(levels), 's')} each")
 
@@ -368,22 +370,52 @@ def band_axis(axes: Any, names: list[str]) -> None:
     axes.set_xlabel("midband frequency [Hz]")
 
 
-def _draw_pressures(axes: Any, result: Result, names: list[str]) -> None:
-    """Third octaves at the scene's microphones, over those of the velocity, on an axis of their own."""
-    heard = result.analysis().get("microphones", [])
+def heard_by(result: Result) -> list[dict[str, Any]]:
+    """The microphones that a picture shows: the first few that hear something."""
+    heard = [one for one in result.analysis().get("microphones", []) if one["lpa"] is not None]
+    return heard[:len(_OF_PRESSURE)]
+
+
+def microphone_words(microphone: dict[str, Any]) -> str:
+    """Its place and its level."""
+    place = ", ".join(f"{x:g}" for x in microphone["position"])
+    return f"{place} m: {microphone['lpa']:.1f} dB(A)"
+
+
+def _draw_pressures(axes: Any, result: Result, line: Callable[[dict[str, Any]], tuple[Any, Any]],
+                    where: str = "lower right", size: float = 4) -> None:
+    """A line for each microphone over what shows the velocity, on an axis of its own."""
+    heard = heard_by(result)
     if not heard:
         return
     beside = axes.twinx()
-    colours = (RUST, BLACK, GREY)
-    for i, microphone in enumerate(heard[:len(colours)]):
-        its = microphone["bands"]
-        shown = [(names.index(name), level) for name, level in zip(its["nominal"], its["level"]) if name in names and level]
-        place = ", ".join(f"{x:g}" for x in microphone["position"])
-        beside.plot(*zip(*shown), color=colours[i], marker=style.MARKS[i], ms=4, lw=1,
-                    label=f"pressure at {place} m: {microphone['lpa']:.1f} dB(A)")
+    for i, microphone in enumerate(heard):
+        beside.plot(*line(microphone), color=_OF_PRESSURE[i], marker=style.MARKS[i], ms=size, lw=1, alpha=0.85,
+                    label=f"pressure at {microphone_words(microphone)}")
     beside.grid(False)
     beside.set_ylabel("sound pressure [dB re 20 \u00b5Pa]")
-    beside.legend(loc="lower right")
+    style.room_above(beside, 0.14 + 0.06 * len(heard))  # for the legends
+    beside.legend(loc=where)
+
+
+def _band_line(microphone: dict[str, Any], names: list[str]) -> tuple[Any, Any]:
+    its = microphone["bands"]
+    shown = [(names.index(name), level) for name, level in zip(its["nominal"], its["level"]) if name in names
+             and level is not None]
+    return [at for at, _ in shown], [level for _, level in shown]
+
+
+def _history_line(microphone: dict[str, Any], place: Callable[[Any], Any]) -> tuple[Any, Any]:
+    """Its level in time."""
+    its = microphone["history"]
+    square = np.array(its["mean_square"], dtype=float)
+    merged = max(1, square.size // WINDOWS)
+    square = square[:square.size // merged * merged].reshape(-1, merged).mean(axis=1)
+    middles = its["from"] + (np.arange(square.size) + 0.5) * merged * its["part_seconds"]
+    with np.errstate(divide="ignore"):
+        levels = 10 * np.log10(square / 20e-6 ** 2)
+    shown = levels > levels.max(initial=-math.inf) - 80  # the first sounds are still on their way
+    return place(middles[shown]), levels[shown]
 
 
 def _bands(figure: Any, result: Result, _: bool) -> None:
@@ -405,7 +437,8 @@ def _bands(figure: Any, result: Result, _: bool) -> None:
                                 f"{quantity(bands.last_mode, 'Hz')}: no information"], loc="upper right")
     band_axis(axes, bands.nominal.values.tolist())
     axes.set_ylim(bottom, finite.max() + 6)
-    _draw_pressures(axes, result, bands.nominal.values.tolist())
+    names = bands.nominal.values.tolist()
+    _draw_pressures(axes, result, lambda microphone: _band_line(microphone, names))
     axes.set_ylabel(f"level [{DECIBEL}]")
     axes.set_title(f"{title}; in all {result.level:.1f} dB; bars: one standard deviation over runs")
 
@@ -510,6 +543,8 @@ def _head(result: Result) -> list[tuple[str, float, str, str]]:
     words = f"{result.title}  \u2013  {result.path.name}{stretch.words(result)}"
     lines = [(literal(words), 13.0, "bold", BLACK),
              (facts(result), 9.5, "normal", BLACK)]
+    if heard := heard_by(result):
+        lines.append(("sound at " + "  \u00b7  ".join(map(microphone_words, heard)), 9.5, "normal", BLACK))
     return lines + ([(literal(doubts(result)), 9.5, "bold", RUST)] if doubts(result) else [])
 
 

@@ -2,6 +2,7 @@
 """Results of a run: read lazily from their HDF5 file; what is computed from it, the program computes."""
 from __future__ import annotations
 
+import copy
 import html
 import math
 import os
@@ -69,6 +70,11 @@ def _rows(values: list[list[float | None]], rows: int, columns: int) -> npt.NDAr
     return np.array(values, dtype=float).reshape(rows, columns)
 
 
+def _places(at: Sequence[Sequence[float]]) -> tuple[str, ...]:
+    """The program's options for microphones."""
+    return tuple(word for place in at for word in ("--at", ",".join(repr(float(x)) for x in place)))
+
+
 class Result:
     """A result of `ra2d run`: one HDF5 file. Opening reads nothing but its header; each property
     reads what it shows. A file that has been replaced since then is an error.
@@ -98,6 +104,7 @@ class Result:
         except (KeyError, TypeError, RequestError) as fault:
             raise FileError(f"{str(path)!r} is damaged: {fault}") from fault
         self._analyses: dict[tuple[str, ...], dict[str, Any]] = {}
+        self._hears: tuple[str, ...] = ()  # options of with_microphones()
 
     # ---- numbers ----------------------------------------------------------------------------------
 
@@ -120,12 +127,27 @@ class Result:
         """
         options = tuple(program.options({"--from": start, "--to": stop, "--resolution": resolution, "--segment": segment,
                                          "--a-weighting": bool(a_weighting), "--power": bool(power)}))
-        for place in at:
-            options += ("--at", ",".join(repr(float(x)) for x in place))
+        options += _places(at) if at else self._hears
         self._file.require_unchanged()
         if options not in self._analyses:
             self._analyses[options] = program.ask("analyze", self.path, *options)
         return self._analyses[options]
+
+    def with_microphones(self, at: Sequence[Sequence[float]], *, temperature: float | None = None,
+                         pressure: float | None = None) -> Result:
+        """This result with microphones at these places, each (x, y, z) [m], instead of its scene's: its
+        analysis, plots ("bands", "level") and page have the pressure there (docs/sound.md).
+        `temperature` [degrees Celsius] and `pressure` [Pa] are those of the air.
+
+        >>> heard = getfixture("result").with_microphones([(0.15, 0.1, 0.5)])
+        >>> len(heard.plot("bands").axes)
+        2
+        """
+        if not at:
+            raise RequestError("at: expected one microphone or more, each (x, y, z) in m")
+        hearing = copy.copy(self)
+        hearing._hears = _places(at) + tuple(program.options({"--temperature": temperature, "--pressure": pressure}))
+        return hearing
 
     @property
     def level(self) -> Estimate:

@@ -31,6 +31,7 @@ class Stretch(Result):
     def __init__(self, whole: Result, start: float | None, stop: float | None) -> None:
         super().__init__(whole.path)
         self._file = whole._file  # that very file
+        self._hears = whole._hears
         self.start, self.stop = _seconds("start", start), _seconds("stop", stop)
         self.end = end = whole.duration
         self.first = 0.0 if self.start is None else self.start          # s

@@ -23,15 +23,19 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _MARK = "# Written by ra2d.study, which replaces it.\n"
-_VARIABLES = ("level", "v_rms", "shock_rate", "shock_duration_median", "peak_force_median", "contact_share",
+_SOUNDS = ("lp", "lpa", "lw", "lwa")
+_VARIABLES = ("level", "v_rms", "shock_rate", "shock_duration_median", "peak_force_median", *_SOUNDS, "contact_share",
               "energy_closure", "wall_seconds", "status", "message", "file")
 _ENDS = ("", "_low", "_high")  # of a mean: itself and its interval
 _INTERVALS = {"level": ("lv", "dB re 1 nm/s"), "v_rms": ("v_rms", "m/s"), "shock_rate": ("shock_rate", "1/s")}
+_SOUND_INTERVALS = {"lp": ("lp", "dB re 20 uPa"), "lpa": ("lpa", "dB(A)"), "lw": ("lw", "dB re 1 pW"),
+                    "lwa": ("lwa", "dB(A) re 1 pW")}
 
 
 @dataclasses.dataclass(frozen=True)
 class Law:
-    """v_rms = factor * x1^e1 * x2^e2 * ..., fitted by the program to all runs of a study.
+    """v_rms = factor * x1^e1 * x2^e2 * ..., fitted by the program to all runs of a study. Of sound
+    the amplitude is the pressure, or the square root of the power (`about["of"]`).
 
     - `exponents`: by dimension, each with its 95 % interval by the seeds
     - `constant` [dB]: Lv = sum of 20 e log10 x, and this
@@ -52,12 +56,22 @@ class Law:
         return self.exponents[name]
 
     def level(self, **point: float) -> float:
-        """Level by the law [dB re 1 nm/s] at a value of each dimension, in SI units."""
+        """Level by the law [dB re 1 nm/s, or that of the sound] at a value of each dimension, in SI units."""
         return self.constant + sum(20 * e * math.log10(point[name]) for name, e in self.exponents.items())
+
+    @property
+    def amplitude(self) -> str:
+        """What the exponents are of.
+
+        >>> getfixture("study").law().amplitude
+        'v_rms'
+        """
+        return {"v_rms": "v_rms", "lp": "p_rms", "lpa": "p_rms, A-weighted,", "lw": "(sound power)^(1/2)",
+                "lwa": "(sound power, A-weighted)^(1/2)"}[self.about["of"]]
 
     def __repr__(self) -> str:
         powers = " ".join(f"{name}^{float(e):.3f}" for name, e in self.exponents.items())
-        lines = [f"v_rms ~ {powers}   (R² = {self.r_squared:.4f}, {self.about['runs']} runs)"]
+        lines = [f"{self.amplitude} ~ {powers}   (R² = {self.r_squared:.4f}, {self.about['runs']} runs)"]
         lines += [f"  {name}: {float(e):.3f}" + ("" if math.isnan(e.low) else f", 95 %: {e.low:.3f} to {e.high:.3f}")
                   for name, e in self.exponents.items()]
         return "\n".join([*lines, f"  {self.about['straight_line']['says']}"])
@@ -70,7 +84,7 @@ class Study(xr.Dataset):  # type: ignore[no-untyped-call]
     """The table of a study: an xarray Dataset with a dimension for each varied key, then `seed`.
     Variables: `level` [dB re 1 nm/s], `v_rms` [m/s], `shock_rate` [1/s], `shock_duration_median`
     [s], `peak_force_median` [N], `contact_share`, `energy_closure`, `wall_seconds` [s], `status`
-    (0 done), `message`. Runs that are missing or failed are NaN.
+    (0 done), `message`; with `keep_sound` `lp`, `lpa`, `lw`, `lwa` [dB]. Runs that are missing or failed are NaN.
 
     A dimension that has the name of a method, such as `load`, is `study["load"]`.
 
@@ -111,40 +125,47 @@ class Study(xr.Dataset):  # type: ignore[no-untyped-call]
         self._whole()
         return pathlib.Path(self._folder)
 
-    def law(self) -> Law:
-        """The power law of v_rms. RequestError says why where there is none.
+    def law(self, of: str = "v_rms") -> Law:
+        """The power law of v_rms; of "lp", "lpa", "lw" or "lwa" where the study keeps its sound.
+        RequestError says why where there is none.
 
         >>> sorted(getfixture("study").law().exponents)
         ['rq', 'speed']
         """
         answer = self._whole()
-        found = answer["law"]
-        if not found:
-            raise RequestError(f"this study has no law: {answer['why_no_law']}")
+        if of != "v_rms" and of not in _SOUNDS:
+            raise RequestError(f"of = {of!r}: expected 'v_rms', {', '.join(map(repr, _SOUNDS[:-1]))} or {_SOUNDS[-1]!r}")
+        found = answer["law"] if of == "v_rms" else answer.get("sound_laws", {}).get(of)
+        if found is None and of != "v_rms":
+            raise RequestError(f"this study has no law of {of}: the table holds no sound (keep_sound=True, or keep = "
+                               "[\"sound\"] in its file)")
+        if not found or "why_none" in found:
+            raise RequestError(f"this study has no law: {found['why_none'] if found else answer['why_no_law']}")
         note = "by the seeds" if found["seeds"] > 1 else "each run counts by itself: there is one seed"
         exponents = {name: Estimate.of(e["value"], e, "", note) for name, e in found["exponents"].items()}
         return Law(exponents, found["constant_db"], _number(found["deviation_db"]), _number(found["r_squared"]), found)
 
     def means(self) -> pd.DataFrame:
         """Means over the seeds, a row for each combination: `runs`, then `level` [dB re 1 nm/s],
-        `v_rms` [m/s] and `shock_rate` [1/s], each with `_low` and `_high` of its 95 % interval.
+        `v_rms` [m/s], `shock_rate` [1/s], and the levels of sound that the table has, each with
+        `_low` and `_high` of its 95 % interval.
 
         >>> int(getfixture("study").means().loc[(0.2, 8e-6), "runs"])
         2
         """
         answer = self._whole()
         names = [name for name in answer["dimensions"] if name != "seed"]
-        rows = []
+        rows, intervals = [], _INTERVALS | {name: its for name, its in _SOUND_INTERVALS.items() if name in self}
         for point in answer["points"]:
             row = {name: point[name] for name in names} | {"runs": point["runs"]}
-            for name, (key, _) in _INTERVALS.items():
+            for name, (key, _) in intervals.items():
                 found = point.get(key) or {}
                 row |= {name: _number(found.get("mean")), f"{name}_low": _number(found.get("low")),
                         f"{name}_high": _number(found.get("high"))}
             rows.append(row)
-        figures = [name + end for name in _INTERVALS for end in _ENDS]
+        figures = [name + end for name in intervals for end in _ENDS]
         table = pd.DataFrame(rows, columns=[*names, "runs", *figures]).astype(dict.fromkeys(figures, float))
-        table.attrs["units"] = {name: unit for name, (_, unit) in _INTERVALS.items()}
+        table.attrs["units"] = {name: unit for name, (_, unit) in intervals.items()}
         return table.set_index(names) if names else table
 
     def plot(self) -> Figure:  # type: ignore[override]
@@ -180,7 +201,7 @@ def _table(path: pathlib.Path) -> xr.Dataset:
         raise FileError(f"{str(path)!r} is no table of a study, or is damaged")
     dims = tuple(str(attrs["dimensions"]).split())
     variables: dict[str, tuple[str, ...]] = {name: (name,) for name in dims}
-    variables |= {name: dims for name in _VARIABLES}
+    variables |= {name: dims for name in _VARIABLES if name not in dims}
     return file.read("/", variables).load().assign_attrs(attrs)
 
 
@@ -215,9 +236,9 @@ def _dimensions(vary: Mapping[str | tuple[str, ...], Iterable[Any]]) -> dict[str
 
 
 def _study_text(base: pathlib.Path, what: Scene, dimensions: Mapping[str, tuple[list[str], list[Any]]],
-                seeds: int | Sequence[int], keep_files: bool) -> str:
+                seeds: int | Sequence[int], keep: Sequence[str]) -> str:
     lines = [f"base = {toml.value(str(base))}", f"seeds = {toml.value(seeds)}"]
-    lines += ['keep = ["level", "shocks", "files"]'] * keep_files
+    lines += [f"keep = {toml.value(['level', 'shocks', *keep])}"] * bool(keep)
     lines += ["", "[set]", *(f"{toml.key(name)} = {toml.value(value)}" for name, value in what.changes.items())]
     lines += ["", "[vary]", *(f"{name} = {toml.value({'keys': keys, 'values': values})}"
                               for name, (keys, values) in dimensions.items())]
@@ -233,7 +254,7 @@ def _write(path: pathlib.Path, text: str) -> None:
 
 def study(source: str | os.PathLike[str] | Mapping[str, Any] | Scene,
           vary: Mapping[str | tuple[str, ...], Iterable[Any]], seeds: int | Sequence[int] = 1, *,
-          folder: str | os.PathLike[str] | None = None, keep_files: bool = False, threads: int | None = None,
+          folder: str | os.PathLike[str] | None = None, keep_files: bool = False, keep_sound: bool = False, threads: int | None = None,
           retry_failed: bool = False, max_wall: float | str | None = None, show: bool = True) -> Study:
     """Runs every combination of what is varied, on all processors, and returns the table. The same
     call goes on where it was cut off; with more values only what is new is run.
@@ -244,7 +265,8 @@ def study(source: str | os.PathLike[str] | Mapping[str, Any] | Scene,
     - `seeds`: runs of each combination with other random surfaces, or a list of their numbers
     - `folder`: where it is kept; without it in the current folder under scene and dimensions. The
       study's file stands beside it, as FOLDER.toml
-    - `keep_files`: keep each run's result in FOLDER/runs; `retry_failed`: run those again
+    - `keep_files`: keep each run's result in FOLDER/runs; `keep_sound`: the levels of its pressure at
+      the scene's microphones and of its sound power; `retry_failed`: run those again
     - `max_wall` [s, or "H:M:S"]: wall time after which OutOfTime is raised
 
     Failed runs are told in a Notice, and are NaN.
@@ -264,7 +286,8 @@ def study(source: str | os.PathLike[str] | Mapping[str, Any] | Scene,
     place = pathlib.Path(folder or "-".join([what.title, *dimensions])).resolve()
     base = what.file(place.parent).resolve()
     file = place.with_name(place.name + ".toml")
-    _write(file, _study_text(base, what, dimensions, seeds, keep_files))
+    _write(file, _study_text(base, what, dimensions, seeds,
+                             ["sound"] * bool(keep_sound) + ["files"] * bool(keep_files)))
     options = program.options({"--threads": threads, "--retry-failed": bool(retry_failed), "--max-wall": max_wall})
     try:
         with progress.shown(show) as shown:

@@ -151,6 +151,24 @@ class _Panel:
         return shown
 
 
+def sound_laws(study: Study) -> list[Law]:
+    """Those of the A-weighted pressure and power, where the study keeps its sound."""
+    laws = []
+    for of in ("lpa", "lwa"):
+        try:
+            laws.append(study.law(of))
+        except RequestError:  # without microphones there is none of the pressure
+            continue
+    return laws
+
+
+def _law_words(law: Law) -> str:
+    parts = [f"{name}^{float(e):.3f}" + ("" if math.isnan(e.low) else f" ({e.low:.3f} to {e.high:.3f})")
+             for name, e in law.exponents.items()]
+    spread = "" if math.isnan(law.deviation) else f", {law.deviation:.2f} dB from the law to a run"
+    return f"{law.amplitude} ~ {'  '.join(parts)};  R\u00b2 = {law.r_squared:.4f}, {law.about['runs']} runs{spread}"
+
+
 def _head(study: Study, law: Law | None, why_no_law: str) -> list[tuple[str, float, str, str]]:
     a = study.attrs
     counts = f"{a['done']} of {a['runs']} runs done" + (f", {a['failed']} failed" if a["failed"] else "")
@@ -159,11 +177,7 @@ def _head(study: Study, law: Law | None, why_no_law: str) -> list[tuple[str, flo
               "lines: the law", 8.5, "normal", GREY)]
     if not law:
         return lines + [(literal(why_no_law), 9.0, "normal", BLACK)]
-    parts = [f"{name}^{float(e):.3f}" + ("" if math.isnan(e.low) else f" ({e.low:.3f} to {e.high:.3f})")
-             for name, e in law.exponents.items()]
-    spread = "" if math.isnan(law.deviation) else f", {law.deviation:.2f} dB from the law to a run"
-    text = f"v_rms ~ {'  '.join(parts)};  R\u00b2 = {law.r_squared:.4f}, {law.about['runs']} runs{spread}"
-    lines.append((literal(text), 9.0, "normal", BLACK))
+    lines += [(literal(_law_words(one)), 9.0, "normal", BLACK) for one in (law, *sound_laws(study))]
     if law.about["straight_line"]["fits"] is False:
         lines.append((literal(law.about["straight_line"]["says"]), 9.0, "normal", style.RUST))
     return lines

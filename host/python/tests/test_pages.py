@@ -535,3 +535,24 @@ def test_the_scenes_microphones_stand_beside_the_vibration(base, folder):
     drawn = figure.axes[1].get_lines()
     assert len(drawn) == 2 and "pressure" in figure.axes[1].get_ylabel()
     assert set(drawn[0].get_ydata()) <= set(found[0]["bands"]["level"]) and len(drawn[0].get_ydata()) > 10
+
+
+def test_microphones_can_be_named_for_a_picture_and_a_page(result, folder):
+    with pytest.raises(ra2d.RequestError, match="one microphone or more"):
+        result.with_microphones([])
+    heard = result.with_microphones([(0.15, 0.1, 0.5), (0, 0.1, 1)], temperature=30)
+    found = heard.analysis()["microphones"]
+    assert "microphones" not in result.analysis() and len(found) == 2
+    assert heard.analysis()["air"]["sound_speed"] == pytest.approx(349, abs=0.5)
+    figure = heard.plot("level", start=0.2, stop=0.6)
+    line, *_ = figure.axes[1].get_lines()
+    history = heard.analysis(start=0.2, stop=0.6)["microphones"][0]["history"]
+    levels = 10 * np.log10(np.array(history["mean_square"]).reshape(100, 2).mean(axis=1) / 20e-6 ** 2)
+    assert line.get_ydata() == pytest.approx(levels) and line.get_label().startswith("pressure at 0.15, 0.1, 0.5 m")
+    text = read(heard.report(folder / "at.html"))
+    assert f"{found[1]['lpa']:.1f} dB(A)" in text and text.count("Lines, axis on the right: sound pressure") == 2
+    pages = [folder / "line.html", folder / "level.png"]
+    for words in (["report", result.path, "-o", pages[0]], ["plot", result.path, "--what", "level", "-o", pages[1]]):
+        subprocess.run([ra2d.find(), *words, "--at", "0.15,0.1,0.5", "--temperature", "30", "--quiet"], check=True)
+    assert f"{found[0]['lpa']:.1f} dB(A)" in read(pages[0]) and "--at 0.15,0.1,0.5 --temperature 30" in read(pages[0])
+    assert pages[1].read_bytes()[:4] == b"\x89PNG"

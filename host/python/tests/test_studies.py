@@ -3,6 +3,7 @@
 import json
 import subprocess
 
+import matplotlib.text
 import numpy as np
 import pytest
 import xarray as xr
@@ -97,3 +98,26 @@ def test_wrong_requests(base, folder):
         ra2d.study(base, {"speed": [0.1]}, folder=folder / "mine", show=False)
     with pytest.raises(ra2d.RequestError, match="no folder of a study"):
         ra2d.load_study(folder)
+
+
+def test_sound_is_a_column_with_a_law(folder):
+    base = ra2d.scene("dang2012").change({"output.microphones": [{"x": 0.15, "y": 0.1, "z": 0.5}]}, duration=0.01,
+                                         tolerance=1e-6, rate=4e4)
+    heard = ra2d.study(base, vary={"speed": [0.1, 0.2, 0.4]}, seeds=2, folder=folder / "heard", keep_sound=True, show=False)
+    assert heard.lpa.shape == (3, 2) and heard.lw.units == "dB" and np.isfinite(heard.lwa).all()
+    told_of = told(heard)["sound_laws"]["lpa"]
+    law = heard.law("lpa")
+    assert law["speed"] == told_of["exponents"]["speed"]["value"] and law.amplitude in repr(law)
+    assert heard.means().loc[0.2, "lpa"] == pytest.approx(float(heard.lpa.mean("seed").sel(speed=0.2)))
+    text = heard.report(folder / "heard.html").read_text()
+    assert "pressure, dB(A)" in text and "A-weighted" in text
+    written = [text.get_text() for text in heard.plot().findobj(matplotlib.text.Text)]
+    assert any(f"p_rms, A-weighted, ~ speed^{float(law['speed']):.3f}" in text for text in written), written
+    with pytest.raises(ra2d.RequestError, match="expected 'v_rms', 'lp'"):
+        heard.law("loudness")
+
+
+def test_without_sound_there_is_no_law_of_it(study):
+    with pytest.raises(ra2d.RequestError, match="keep_sound=True"):
+        study.law("lpa")
+    assert "lpa" not in study.means()
