@@ -125,7 +125,7 @@ class SmoothDrive {
       else if (pace != Pace::even)
         course = Course::graded;
       // far from the tolerance the motion tells nothing
-      const bool tells = errors.of(course == Course::kinked ? Course::graded : course) <= 100.0;
+      const bool tells = errors.of(course == Course::kinked ? Course::graded : course) <= 10.0;
       double first = 3.0, released = 3.0;
       if (tells) {
         step_.find_motion();
@@ -144,7 +144,9 @@ class SmoothDrive {
           next = Kokkos::max(next, control_.series_scale);
         return keep(now, tick, place, ticks, onset, first, next, start);
       }
-      // where a contact begins or ends within the step, the next try is to end there
+      // where a contact begins or ends within the step, the next try is to end there: but not far
+      // sooner than the error control asks for, since a motion so far off may be wrong about it
+      const double factor = error < 1e30 ? Kokkos::max(0.2, errors.factor(course)) : 0.2;
       double share = 2.0;
       Pace then = pace == Pace::to_release ? Pace::even : pace;
       if (onset) share = pace_share(pace, first);
@@ -152,11 +154,14 @@ class SmoothDrive {
         share = pace_share(pace, released);
         if (pace != Pace::from_onset) then = Pace::to_release;
       }
+      if (share < 0.2 * factor) {
+        share = 0.2 * factor;
+        if (then == Pace::to_release) then = Pace::even;
+      }
       const double whole = static_cast<double>(ticks);
       std::int64_t shorter = static_cast<std::int64_t>(Kokkos::ceil(share * whole));
-      cut = share > 0.0 && share < 0.9999 && shorter < ticks;
+      cut = share < 0.9999 && shorter < ticks;
       if (!cut) {
-        const double factor = error < 1e30 ? Kokkos::max(0.2, errors.factor(course)) : 0.2;
         shorter = static_cast<std::int64_t>(factor * whole);
         if (pace == Pace::to_release) then = Pace::even;
       }
