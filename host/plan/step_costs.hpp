@@ -16,12 +16,12 @@ inline constexpr double flight = 5.0, contact = 45.0, stage = 50.0, held = 100.0
 inline constexpr double more_nodes = 1.7, node = 0.7;
 // Between smooth faces: a stage in contact, and each cell more; with the penalty force of the new
 // time; Newton's steps where many cells touch.
-inline constexpr double cells = 500.0, cell = 120.0, new_cells = 2500.0, cells_newton_steps = 4;
+inline constexpr double cells = 400.0, cell = 70.0, new_cells = 2500.0, cells_newton_steps = 4;
 
 // Of the adaptive scheme: a flight; a step with forces, for each order of its series; a sample.
 inline constexpr double leap = 600.0, order = 130.0, sample = 40.0;
 // Between smooth faces: a step with contact, of sixteen stages.
-inline constexpr double smooth_step = 12500.0;
+inline constexpr double smooth_step = 9000.0;
 // The share of such a step that each node or cell more takes: where all of them touch; and on
 // average over runs of rough faces, for each that a contact is wide.
 inline constexpr double more_share = 0.25, usual_more_share = 0.14;

@@ -200,7 +200,8 @@ def _without_nan(of: Any) -> Any:
 
 def _largest_step(plan: str) -> float:
     """The smallest of the limits that `ra2d plan` says of the scheme [s]; 0 where it says none."""
-    line = next((line for line in plan.splitlines() if line.lstrip().startswith("> ")), "")
+    _, _, stability = plan.partition("\nstability ")
+    line = next((line for line in stability.splitlines() if line.lstrip().startswith("> ")), "")
     limits = [float(number) * _SECONDS[unit] for number, unit in re.findall(r"([\d.e+-]+) (ns|us|ms|s)\b", line)]
     return min(limits, default=math.inf if "every step" in line else 0.0)
 
