@@ -21,7 +21,7 @@ inline constexpr double cells = 400.0, cell = 70.0, new_cells = 2500.0, cells_ne
 // Of the adaptive scheme: a flight; a step with forces, for each order of its series; a sample.
 inline constexpr double leap = 600.0, order = 130.0, sample = 40.0;
 // Between smooth faces: a step with contact, of sixteen stages.
-inline constexpr double smooth_step = 9000.0;
+inline constexpr double smooth_step = 7500.0;
 // The share of such a step that each node or cell more takes: where all of them touch; and on
 // average over runs of rough faces, for each that a contact is wide.
 inline constexpr double more_share = 0.25, usual_more_share = 0.14;
