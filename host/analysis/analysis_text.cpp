@@ -91,8 +91,8 @@ std::string spectrum_text(const Analysis& a) {
   if (a.aliased_modes > 0)
     text +=
         line("warning",
-             fmt::format("{} mode{} above half the rate of the samples: spectrum and bands have "
-                         "their power in wrong places (raise output.rate)",
+             fmt::format("{} mode{} above half the rate of the samples: spectrum, bands and sound "
+                         "have their power in wrong places (raise output.rate)",
                          a.aliased_modes, a.aliased_modes == 1 ? " lies" : "s lie"));
   if (std::isnan(a.mesh.frequency)) return text;
   return text + line("mesh tone", mesh_text(a.mesh));

@@ -60,6 +60,30 @@ class ResistanceBetween {
   std::vector<double> found_;
 };
 
+/// The line from a velocity's first sample to its last, which is taken off before it is
+/// transformed. Only acceleration radiates: a velocity that is cut off would add that of two blows,
+/// which a body that drifts or falls makes louder than all.
+struct EndLine {
+  double first = 0, slope = 0;  // m/s; a sample
+
+  explicit EndLine(const std::vector<double>& values)
+      : first{values.front()},
+        slope{(values.back() - first) / static_cast<double>(values.size() - 1)} {}
+  double at(std::size_t n) const { return first + slope * static_cast<double>(n); }
+};
+
+/// The lines of f(n), n from 0 to before `length`.
+template <class F>
+std::vector<std::complex<double>> lines_of(Fourier& fourier, std::size_t length, F f) {
+  const auto input = fourier.input();
+  std::fill(input.begin(), input.end(), 0.0);
+  for (std::size_t n = 0; n < length; ++n) input[n] = f(n);
+  fourier.transform();
+  std::vector<std::complex<double>> lines(fourier.lines());
+  for (std::size_t j = 0; j < lines.size(); ++j) lines[j] = fourier.line(j);
+  return lines;
+}
+
 }  // namespace
 
 double power_level(double watts) { return 10 * std::log10(watts / 1e-12); }
@@ -88,16 +112,19 @@ RadiatedPower radiated_power(const ResultReader& reader, const SoundingResonator
   const double apart = turn * resonator.air.sound_speed /
                        (2 * M_PI * std::hypot(resonator.face.length, resonator.face.width));
   const RadiationResistance resistance(resonator.face, resonator.air, highest + 4 * apart);
+  const auto ones = lines_of(fourier, length, [](std::size_t) { return 1.0; });
+  const auto ramp = lines_of(fourier, length, [](std::size_t n) { return static_cast<double>(n); });
   std::vector<double> power(lines), square(lines);
   for (std::size_t piece = 0; piece < pieces; ++piece) {
     ResistanceBetween between(resistance, apart);
     const auto velocity = record.read(stretch.first + piece * length, length);
     std::vector<std::complex<double>> spectrum(lines * modes.size());  // (line, mode)
+    std::vector<EndLine> ends;
     for (std::size_t k = 0; k < modes.size(); ++k) {
-      const auto input = fourier.input();
-      std::fill(std::copy(velocity[k].begin(), velocity[k].end(), input.begin()), input.end(), 0.0);
-      fourier.transform();
-      for (std::size_t j = 0; j < lines; ++j) spectrum[j * modes.size() + k] = fourier.line(j);
+      const EndLine& end = ends.emplace_back(velocity[k]);
+      const auto of_mode =
+          lines_of(fourier, length, [&](std::size_t n) { return velocity[k][n] - end.at(n); });
+      for (std::size_t j = 0; j < lines; ++j) spectrum[j * modes.size() + k] = of_mode[j];
       const double mean =
           std::inner_product(velocity[k].begin(), velocity[k].end(), velocity[k].begin(), 0.0) /
           static_cast<double>(length * pieces);
@@ -117,7 +144,10 @@ RadiatedPower radiated_power(const ResultReader& reader, const SoundingResonator
         re = 2 * re + row[k] * v[k].real();
         im = 2 * im + row[k] * v[k].imag();
         watts += re * v[k].real() + im * v[k].imag();
-        squares += std::norm(v[k]);
+        // <v^2> is that of the whole elastic motion
+        const bool bends = modes[k].omega > 0;
+        squares +=
+            std::norm(bends ? v[k] + ends[k].first * ones[j] + ends[k].slope * ramp[j] : v[k]);
       }
       const double own = 2 * j == fourier.length() ? scale / 2 : scale;
       power[j] += own * watts;

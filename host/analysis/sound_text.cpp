@@ -80,10 +80,13 @@ std::string power_text(const Analysis& a) {
       "sound power", fmt::format("{:.2f} dB(A), {:.2f} dB re 1 pW ({:.3e} W) to one side, as much "
                                  "to the other; efficiency {:.3g}",
                                  p.lw_a, p.lw, p.watts, p.efficiency));
-  text += sound_line(
-      "", fmt::format("both sides take {:.2g} of what the resonator's damping takes; the air "
-                      "would lower its modes by less than {:.1g} %",
-                      p.share_of_damping, 100 * p.inertia));
+  const std::string share =
+      p.damping_power > 0
+          ? fmt::format("{:.2g} times what the resonator's damping takes", p.share_of_damping)
+          : "energy, the resonator's damping none";
+  text += sound_line("", fmt::format("both sides take {}; the air would lower its modes by less "
+                                     "than {:.1g} %",
+                                     share, 100 * p.inertia));
   if (p.air_matters())
     text += sound_line("warning",
                        "the air would damp the motion, and takes nothing of it here: the level is "
