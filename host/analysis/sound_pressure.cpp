@@ -30,26 +30,6 @@ void require_place(const Position& at, const Distances& ways) {
         place_text(at), ways.least, farthest_microphone));
 }
 
-/// Refuses what would take hours or more memory than there is.
-void require_size(const SoundingResonator& resonator, const Stretch& stretch, double rate,
-                  const std::filesystem::path& file, std::size_t microphones) {
-  const double bytes =
-      PressureFilters::bytes(resonator.face, resonator.air, microphones, rate, stretch.count);
-  if (bytes > most_bytes)
-    throw RequestError(fmt::format(
-        "{}: {} microphone{} would take {:.1f} GB of memory, and {:g} GB is the most: take fewer "
-        "at a time, or a shorter stretch with --from and --to",
-        file.string(), microphones, microphones == 1 ? "" : "s", bytes * 1e-9, most_bytes * 1e-9));
-  const double turning = M_PI * rate / resonator.air.sound_speed;
-  const double points =
-      (1 + resonator.face.length * turning / 20) * (1 + resonator.face.width * turning / 20) * 256;
-  if (points > most_points)
-    throw RequestError(fmt::format(
-        "{}: at a rate of {:g} Hz the resonator is {:.0f} wavelengths long: its integral takes "
-        "{:.1g} points, and {:g} is the most. Sample with a lower output.rate",
-        file.string(), rate, resonator.face.length * turning / (2 * M_PI), points, most_points));
-}
-
 double mean_square_of(const std::vector<double>& values) {
   return std::inner_product(values.begin(), values.end(), values.begin(), 0.0) /
          static_cast<double>(values.size());
@@ -65,11 +45,28 @@ void require_height(const Position& at) {
         place_text(at), nearest_microphone));
 }
 
-void SoundRequest::require_sense() const {
+std::string too_many_microphones(const Radiator& face, const Air& air, std::size_t microphones,
+                                 double rate, std::size_t samples) {
+  const double bytes = PressureFilters::bytes(face, air, microphones, rate, samples);
+  if (bytes > most_bytes)
+    return fmt::format(
+        "{} microphone{} would take {:.1f} GB of memory, and {:g} GB is the most: take fewer at a "
+        "time, or a shorter stretch with --from and --to",
+        microphones, microphones == 1 ? "" : "s", bytes * 1e-9, most_bytes * 1e-9);
+  const double points = face_points(face, air, rate);
+  if (points > most_points)
+    return fmt::format(
+        "at a rate of {:g} Hz the resonator is {:.0f} wavelengths long: its integral takes {:.1g} "
+        "points, and {:g} is the most. Sample with a lower output.rate",
+        rate, face.length * rate / (2 * air.sound_speed), points, most_points);
+  return {};
+}
+
+void SoundRequest::require_sense(bool has_power) const {
   if ((celsius || pascal) && !asks())
-    throw RequestError(
-        "--temperature and --pressure are those of the air: name a microphone with --at x,y,z, or "
-        "ask for --power");
+    throw RequestError(fmt::format(
+        "--temperature and --pressure are those of the air: name a microphone with --at x,y,z{}",
+        has_power ? ", or ask for --power" : ""));
 }
 
 SoundRequest SoundRequest::completed(const Scene& scene) const {
@@ -157,7 +154,10 @@ std::vector<HeardSound> hear(const ResultReader& reader, const SoundingResonator
   const VelocityRecord record = velocity_record(reader);
   if (!(contents.rate > 0) || stretch.count == 0)
     throw RequestError(fmt::format("{}: it has no samples to hear", file.string()));
-  require_size(resonator, stretch, contents.rate, file, heard.size());
+  if (const std::string fault = too_many_microphones(resonator.face, resonator.air, heard.size(),
+                                                     contents.rate, stretch.count);
+      !fault.empty())
+    throw RequestError(fmt::format("{}: {}", file.string(), fault));
   const PressureFilters filters(resonator.face, resonator.air, request.microphones, contents.rate);
   std::vector<PressureFilters::Range> ranges;
   for (std::size_t i = 0; i < heard.size(); ++i) {

@@ -20,8 +20,9 @@ struct SoundRequest {
   std::optional<double> celsius, pascal;  // of the air; none: the usual ones
 
   bool asks() const { return power || !microphones.empty(); }
-  /// Throws RequestError where it names an air, and no sound.
-  void require_sense() const;
+  /// Throws RequestError where it names an air, and no sound. `has_power`: of a command that finds
+  /// the sound power, too.
+  void require_sense(bool has_power = false) const;
   /// With the scene's microphones, where it has none of its own, and its air.
   SoundRequest completed(const Scene& scene) const;
 };
@@ -40,6 +41,11 @@ SoundingResonator sounding_resonator(const ResultReader& reader, const std::opti
 
 /// Throws RequestError for a microphone in the plane of the baffle, or nearly.
 void require_height(const Position& at);
+
+/// Why so many microphones are too many for a record of so many samples: they would take hours, or
+/// more memory than there is. Empty where they are not.
+std::string too_many_microphones(const Radiator& face, const Air& air, std::size_t microphones,
+                                 double rate, std::size_t samples);
 
 /// The samples of all modes' velocities.
 VelocityRecord velocity_record(const ResultReader& reader);

@@ -128,7 +128,7 @@ int analyze_study(const AnalyzeRequest& request) {
 }
 
 int run_analysis(const AnalyzeRequest& request) {
-  request.options.sound.require_sense();
+  request.options.sound.require_sense(true);
   if (std::any_of(request.files.begin(), request.files.end(), [](const fs::path& file) {
         return fs::is_directory(file) || is_study_table(file);
       }))

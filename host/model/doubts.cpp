@@ -150,4 +150,21 @@ void doubt_faces(const Model& model, std::vector<std::string>& doubts) {
   doubt_gap(model, resonator, slider, doubts);
 }
 
+void doubt_sound(const Model& model, std::vector<std::string>& doubts) {
+  const OutputSettings& output = model.scene.output;
+  if (output.microphones.empty()) return;
+  int above = 0;
+  double highest = 0;  // Hz
+  for (const BodyMode& mode : model.resonator.modes) {
+    const double frequency = mode.omega / (2 * M_PI);
+    if (frequency > output.rate / 2) ++above;
+    highest = std::max(highest, frequency);
+  }
+  if (above > 0)
+    doubts.push_back(fmt::format(
+        "output.rate = {:g} Hz: {} mode{} of the resonator, up to {:.4g} Hz, above half of it: "
+        "microphones hear them at frequencies that are not theirs. Take more than {:.3g} Hz",
+        output.rate, above, above == 1 ? "" : "s", highest, 2.02 * highest));
+}
+
 }  // namespace ra2d

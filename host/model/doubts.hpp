@@ -17,4 +17,8 @@ std::vector<std::string> scene_doubts(const Scene& scene);
 /// them.
 void doubt_faces(const Model& model, std::vector<std::string>& doubts);
 
+/// Appends a doubt where microphones would hear modes at frequencies that are not theirs, since
+/// they ring above half the rate of the samples.
+void doubt_sound(const Model& model, std::vector<std::string>& doubts);
+
 }  // namespace ra2d

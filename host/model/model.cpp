@@ -149,6 +149,7 @@ Model make_model(const Scene& scene) {
   }
   check_roundings(m);
   doubt_faces(m, m.doubts);
+  doubt_sound(m, m.doubts);
   if (scene.contact.law == ContactLaw::penalty && scene.initial == Initial::rest)
     if (const double over = rest_overlap(m); over > 0)
       m.doubts.push_back(

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "host/analysis/sound_pressure.hpp"
 #include "host/base/format.hpp"
 #include "host/model/bounds.hpp"
 #include "host/plan/step_costs.hpp"
@@ -378,6 +379,36 @@ std::string cost_text(const Plan& plan) {
                             plan.touching == 1 ? "es" : "");
 }
 
+/// The sound at the scene's microphones; notes that there will be none.
+SoundPlan plan_sound(const Model& model, std::vector<std::string>& notes) {
+  const Scene& scene = model.scene;
+  SoundPlan plan;
+  plan.microphones = scene.output.microphones.size();
+  if (plan.microphones == 0) return plan;
+  const Radiator face = strip(model.resonator, scene.resonator.width);
+  const Air air = air_of(scene.air.celsius, scene.air.pascal);
+  const auto samples = static_cast<std::size_t>(model.kept_samples());
+  const double rate = scene.output.rate;
+  const auto of_modes = static_cast<double>(samples * face.modes.size());
+  const double one = step_costs::face_point * face_points(face, air, rate) +
+                     step_costs::heard * static_cast<double>(samples) +
+                     step_costs::heard_mode * of_modes;
+  plan.seconds =
+      1e-9 * (one * static_cast<double>(plan.microphones) + step_costs::read_mode * of_modes);
+  plan.memory = PressureFilters::bytes(face, air, plan.microphones, rate, samples);
+  if (const auto fault = too_many_microphones(face, air, plan.microphones, rate, samples);
+      !fault.empty())
+    notes.push_back("the report will have no sound: " + fault);
+  return plan;
+}
+
+std::string sound_text(const SoundPlan& plan) {
+  if (plan.microphones == 0) return {};
+  return fmt::format("sound      {} microphone{}: {} and {} when the run has ended, estimated\n",
+                     plan.microphones, plan.microphones == 1 ? "" : "s", seconds_text(plan.seconds),
+                     size_text(plan.memory));
+}
+
 }  // namespace
 
 std::string scheme_text(const Scene& scene, const TimeSettings& choice) {
@@ -523,6 +554,7 @@ Plan make_plan(const Model& model, std::size_t memory, const ModalStart& start) 
   if (!is_adaptive(scene)) note_step(model, plan);
   note_mesh(scene, plan);
   note_splines(model, plan);
+  plan.sound = plan_sound(model, plan.notes);
   if (const std::string overlap = overlap_at_start(model); !overlap.empty())
     plan.notes.push_back("'ra2d run' refuses this scene: " + overlap);
   return plan;
@@ -556,6 +588,7 @@ std::string describe(const Model& model, const Plan& plan) {
   text += cost_text(plan);
   text += fmt::format("memory     {}, whatever the duration; file {}, {} samples\n",
                       bytes_text(plan.memory), size_text(plan.file), plan.samples);
+  text += sound_text(plan.sound);
   for (const std::string& note : plan.notes) text += "note       " + note + "\n";
   return text;
 }

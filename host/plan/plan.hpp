@@ -33,6 +33,12 @@ struct SlowestMode {
   double decay = 0;       // s, in which it dies away by 60 dB; infinite without damping
 };
 
+/// What the sound at the scene's microphones takes when the run has ended, estimated.
+struct SoundPlan {
+  std::size_t microphones = 0;
+  double seconds = 0, memory = 0;  // of one core; bytes
+};
+
 struct Plan {
   BodyPlan resonator, slider;
   SlowestMode slowest;
@@ -50,8 +56,9 @@ struct Plan {
   int many_nodes = 0, touching = 0;
   Asperities asperities;
   FaceChoices faces;
-  std::size_t memory = 0;          // bytes on the device, for tables and buffers
-  double file = 0;                 // bytes, without the shocks
+  std::size_t memory = 0;  // bytes on the device, for tables and buffers
+  double file = 0;         // bytes, without the shocks
+  SoundPlan sound;
   std::vector<std::string> notes;  // what a user may not expect
 };
 

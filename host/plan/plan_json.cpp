@@ -105,6 +105,12 @@ Json time_json(const Scene& scene, const Plan& plan) {
   return json;
 }
 
+Json sound_json(const SoundPlan& plan) {
+  if (plan.microphones == 0) return {};
+  return {
+      {"microphones", plan.microphones}, {"seconds", plan.seconds}, {"memory_bytes", plan.memory}};
+}
+
 }  // namespace
 
 std::string plan_json(const Model& model, const Plan& plan) {
@@ -141,6 +147,7 @@ std::string plan_json(const Model& model, const Plan& plan) {
         {"touching_at_start", plan.touching}}},
       {"memory_bytes", plan.memory},
       {"file_bytes", plan.file},
+      {"sound", sound_json(plan.sound)},
       {"samples", plan.samples},
       {"rate", scene.output.rate},
       {"notes", plan.notes}};

@@ -45,4 +45,8 @@ inline constexpr double travelling_force = 20;
 // Before the march: always; a node; a node and mode of the static start.
 inline constexpr double readiness = 2e6, surface_node = 60, balanced_node = 70;
 
+// Sound at a microphone: a point of the face; a sample, and each mode of it. A sample and mode that
+// is read.
+inline constexpr double face_point = 230, heard = 70, heard_mode = 2.5, read_mode = 10;
+
 }  // namespace ra2d::step_costs

@@ -83,8 +83,9 @@ double PressureFilters::bytes(const Radiator& radiator, const Air& air, std::siz
   const double way = std::hypot(radiator.length, radiator.width);
   const auto lines = static_cast<double>(block_of(taps_of(way, air, rate)) / 2 + 1);
   const auto modes = static_cast<double>(radiator.modes.size());
-  return static_cast<double>(places) *
-         (lines * modes * sizeof(Complex) + static_cast<double>(samples) * sizeof(double));
+  const double pressures = static_cast<double>(samples) * sizeof(double);
+  return static_cast<double>(places) * (lines * modes * sizeof(Complex) + pressures) +
+         std::min(static_cast<double>(bytes_at_once), pressures * modes);
 }
 
 PressureFilters::Range PressureFilters::carried(std::size_t place,

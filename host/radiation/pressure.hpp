@@ -33,7 +33,8 @@ class PressureFilters {
   PressureFilters(const Radiator& radiator, const Air& air, const std::vector<Position>& places,
                   double rate, const Fineness& fineness = {});
 
-  /// Bytes that the filters of so many places and the pressures of so many samples take.
+  /// Bytes that the filters of so many places, the pressures of so many samples, and what is read
+  /// of the record at once take.
   static double bytes(const Radiator& radiator, const Air& air, std::size_t places, double rate,
                       std::size_t samples);
 

@@ -90,6 +90,16 @@ Distances distances(const Radiator& radiator, const Position& at) {
           std::hypot(far(at[0], radiator.length), far(at[1], radiator.width), at[2])};
 }
 
+double face_points(const Radiator& radiator, const Air& air, double rate) {
+  const Fineness usual;
+  const double wave_number = M_PI * rate / air.sound_speed;
+  const auto on_line = [&](double length, double turning) {  // the last panel begun counts
+    return usual.points * (1 + length * (wave_number + turning) / (2 * usual.phase));
+  };
+  return on_line(radiator.length, radiator.turning_along) *
+         on_line(radiator.width, radiator.turning_across);
+}
+
 std::vector<Complex> transfer(const Radiator& radiator, const Air& air, const Position& at,
                               double frequency, const Fineness& fineness) {
   const double wave_number = 2 * M_PI * frequency / air.sound_speed;

@@ -23,6 +23,10 @@ struct Distances {
 };
 Distances distances(const Radiator& radiator, const Position& at);
 
+/// How many points of the face the integral takes for a pressure up to half this rate [Hz], about:
+/// more for places that are near.
+double face_points(const Radiator& radiator, const Air& air, double rate);
+
 /// H_k at one frequency [Hz], of each mode [kg/m^3 m^2/m = Pa/(m/s^2) per unit of psi].
 std::vector<std::complex<double>> transfer(const Radiator& radiator, const Air& air,
                                            const Position& at, double frequency,

@@ -156,6 +156,17 @@ TEST(Doubts, NoneOfWhatIsBuiltAndRubbed) {
   }
 }
 
+TEST(Doubts, AMicrophoneThatHearsModesAtFalseFrequencies) {
+  const auto of = [](const std::string& rate) {
+    return make_model(read_scene(scene_file("drop"),
+                                 {"output.rate=" + rate, "resonator.max_frequency=20e3",
+                                  "output.microphones=[{ x = 0.15, y = 0.1, z = 0.5 }]"}))
+        .doubts;
+  };
+  EXPECT_THAT(of("100e3"), IsEmpty());
+  EXPECT_THAT(of("20e3"), Contains(HasSubstr("frequencies that are not theirs")));
+}
+
 TEST(Doubts, AStiffnessBeyondTheHalfSpace) {
   const auto of = [](const std::string& name, const std::string& value) {
     Texts found;

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
 
@@ -20,6 +21,8 @@ namespace ra2d::test {
 namespace {
 
 using testing::AllOf;
+using testing::Contains;
+using testing::Each;
 using testing::EndsWith;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -302,6 +305,32 @@ TEST(Plan, WarnsOfTheMeshsOwnToneBelowTheHighestMode) {
   EXPECT_THAT(text_of(s), Not(HasSubstr(warning)));
   s.speed = 0.99 * highest * s.spacing;
   EXPECT_THAT(text_of(s), AllOf(HasSubstr(warning), HasSubstr("scene.spacing = ")));
+}
+
+/// The sound at microphones stands in the plan, in proportion to them, and why there is none.
+TEST(Plan, CountsTheSoundAtMicrophones) {
+  const auto with_microphones = [](int count) {
+    Scene s = read_scene(scene_file("dang2012"));
+    s.output.microphones.assign(static_cast<std::size_t>(count), {.x = 0.15, .y = 0.1, .z = 0.5});
+    return s;
+  };
+  EXPECT_THAT(text_of(with_microphones(0)), Not(HasSubstr("\nsound ")));
+  EXPECT_THAT(text_of(with_microphones(1)), HasSubstr("\nsound      1 microphone: "));
+  const Model model = make_model(with_microphones(10));
+  const Plan ten = make_plan(model, 0), five = make_plan(make_model(with_microphones(5)), 0);
+  EXPECT_THAT(describe(model, ten), HasSubstr("\nsound      10 microphones: "));
+  const nlohmann::json said = nlohmann::json::parse(plan_json(model, ten))["sound"];
+  EXPECT_EQ(said["microphones"], 10);
+  EXPECT_EQ(said["seconds"], ten.sound.seconds);
+  // bench_sound and 'ra2d analyze' take 0.2 s for these ten; what is read is read once
+  EXPECT_NEAR(std::log10(ten.sound.seconds / 0.2), 0, 0.5);
+  EXPECT_NEAR(ten.sound.seconds / five.sound.seconds, 2, 0.2);
+  // at the least the samples of each pressure
+  EXPECT_GT(ten.sound.memory, 10 * 8 * 100'001);
+  EXPECT_LT(ten.sound.memory, 50e6);
+  EXPECT_THAT(ten.notes, Each(Not(HasSubstr("no sound"))));
+  EXPECT_THAT(make_plan(make_model(with_microphones(2000)), 0).notes,
+              Contains(AllOf(HasSubstr("the report will have no sound"), HasSubstr("2 GB"))));
 }
 
 TEST(Plan, IsReadableAtAHundredColumns) {
