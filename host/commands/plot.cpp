@@ -92,12 +92,13 @@ Json results_request(const PlotRequest& request) {
   }
   require_microphones(request.sound);
   if (request.sound.asks() &&
-      (request.files.size() > 1 ||
-       std::find(heard_views.begin(), heard_views.end(), request.what) == heard_views.end()))
+      std::find(heard_views.begin(), heard_views.end(), request.what) == heard_views.end())
+    throw RequestError(fmt::format("--at is of --what {}", any_of(heard_views, "")));
+  if (request.files.size() > 1 && request.sound.microphones.size() > 1)
     throw RequestError(
-        fmt::format("--at is of one result and of --what {}: 'ra2d analyze' has "
-                    "the levels of several",
-                    any_of(heard_views, "")));
+        fmt::format("{} microphones (--at): a picture of several results has one; 'ra2d analyze' "
+                    "takes more",
+                    request.sound.microphones.size()));
   for (const fs::path& file : request.files) read_stamp(file);
   Json json{{"subject", "results"}, {"what", request.what}, {"files", path_texts(request.files)}};
   if (request.from) json["start"] = *request.from;

@@ -48,7 +48,7 @@ def _picture(request: Request) -> Picture:
     stretch: dict[str, Any] = {name: request.get(name) for name in ("start", "stop")}
     if len(files) == 1:
         return plots.result(_result(files[0], request), request["what"], shock=request.get("shock"), **stretch)
-    return compare_plot.plot([load(file) for file in files], request["what"], **stretch)
+    return compare_plot.plot([_result(file, request) for file in files], request["what"], **stretch)
 
 
 def plot(request: Request) -> str:

@@ -240,7 +240,7 @@ def _level(figure: Any, result: Result, _: bool) -> None:
     margin = max(1.0, 0.08 * (high - low))
     axes.set_ylim(low - 2.5 * margin, high + margin)
     axes.legend(loc="lower right", ncol=2)
-    _draw_pressures(axes, result, lambda microphone: _history_line(microphone, place), "upper right", 2)
+    _draw_pressures(axes, result, lambda microphone: heard_in_time(microphone, place), "upper right", 2)
     axes.set_ylabel(f"level [{DECIBEL}]")
     axes.set_title(f"{title}, over {quantity((result.duration - first) / len(levels), 's')} each")
 
@@ -405,8 +405,8 @@ def _band_line(microphone: dict[str, Any], names: list[str]) -> tuple[Any, Any]:
     return [at for at, _ in shown], [level for _, level in shown]
 
 
-def _history_line(microphone: dict[str, Any], place: Callable[[Any], Any]) -> tuple[Any, Any]:
-    """Its level in time."""
+def heard_in_time(microphone: dict[str, Any], place: Callable[[Any], Any]) -> tuple[Any, Any]:
+    """Its level in time: places on an axis, levels [dB re 20 uPa]."""
     its = microphone["history"]
     square = np.array(its["mean_square"], dtype=float)
     merged = max(1, square.size // WINDOWS)

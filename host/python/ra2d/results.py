@@ -413,17 +413,25 @@ class Result:
 
     def listen(self, probe: int = 1, *, body: Body = "resonator", slow: float = 1, full_scale: float | None = None,
                normalize: bool = False, rate: int = 48000, start: float | None = None,
-               stop: float | None = None) -> Sound:
-        """The velocity of a probe (from 1) as sound, which a notebook plays. `slow`: times longer
-        and lower; `full_scale` [m/s]: what the value 1 stands for, or `normalize`: the peak; `rate`:
+               stop: float | None = None, at: Sequence[Sequence[float]] = ()) -> Sound:
+        """The velocity of a probe (from 1) as sound, which a notebook plays; with `at` the sound
+        pressure at one microphone, or two for stereo, each (x, y, z) [m]. `slow`: times longer and
+        lower; `full_scale` [m/s; Pa]: what the value 1 stands for, or `normalize`: the peak; `rate`:
         samples a second of the sound; `start`, `stop` [s] of the run.
 
         >>> sound = getfixture("result").listen(slow=2)
         >>> sound.rate, sound.samples.ndim
         (48000, 1)
+        >>> getfixture("result").listen(at=[(0.15, 0.1, 0.5)])
+        <ra2d.Sound of the microphone at 0.15, 0.1, 0.5 m, 1 s; full scale 0.5 Pa>
         """
-        from .sound import of_probe
+        from .sound import of_microphones, of_probe
 
+        if len(at):
+            if probe != 1 or body != "resonator":
+                raise RequestError("probe and body are of a velocity; with at the sound is a pressure: give one of them")
+            return of_microphones(self, _places(at), slow=slow, rate=rate, full_scale=full_scale, normalize=normalize,
+                                  start=start, stop=stop)
         return of_probe(self, probe, _one_of("body", body, BODIES), slow=slow, rate=rate, full_scale=full_scale,
                         normalize=normalize, start=start, stop=stop)
 

@@ -11,6 +11,9 @@ import json
 import math
 import os
 import pathlib
+import tempfile
+import warnings
+from collections.abc import Sequence
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -219,8 +222,8 @@ class Sound:
             lines.append(("peak", f"{peak:.4g} {self._unit()}, {20 * math.log10(peak / self._scale()):.1f} dB of full "
                                   "scale"))
         lines += [("file", name), ("beside it", f"{name}.json")]
-        if a["quantity"] != PRESSURE:
-            lines.append(("what it is", "a velocity, no sound pressure: --at X,Y,Z plays what a microphone hears"))
+        lines.append(("left out", a["left_out"]) if a["quantity"] == PRESSURE else
+                     ("what it is", "a velocity, no sound pressure: --at X,Y,Z plays what a microphone hears"))
         slower = f", {a['slow']:g} times slower" if a["slow"] != 1 else ""
         head = f"{a['quantity']} {self._of()}{self._place()}, from {a['from']:g} s to {a['to']:g} s{slower}\n"
         return head + "".join(f"  {what:<17}{text}\n" for what, text in lines)
@@ -370,12 +373,31 @@ def of_pressure(result: Result, pressures: Array, heard_at: dict[str, Any], *, s
     heard = np.stack([resample(row, source / slow, rate) for row in pressures], axis=-1)
     peak = float(np.abs(heard).max(initial=0))
     scale = _full_scale(peak, full_scale, normalize, "Pa")
-    about = {"body": "resonator", "quantity": PRESSURE, **heard_at, "full_scale_pa": scale, "peak_pa": peak,
-             "beyond_full_scale": int((np.abs(heard) > scale).sum()), "rate": int(rate), "samples": len(heard),
-             "slow": float(slow), **_origin(result)}
     modes = result.modes("resonator").frequency.values
+    left_out = f"the slider's own sound; modes above {quantity(modes.max(), 'Hz')}, which the run has not"
+    about = {"body": "resonator", "quantity": PRESSURE, **heard_at, "left_out": left_out, "full_scale_pa": scale,
+             "peak_pa": peak, "beyond_full_scale": int((np.abs(heard) > scale).sum()), "rate": int(rate),
+             "samples": len(heard), "slow": float(slow), **_origin(result)}
     doubts = _doubt_scale(about, "") + _doubt_rates(about, modes)
     return Sound((heard[:, 0] if len(pressures) == 1 else heard) / scale, int(rate), about, tuple(doubts))
+
+
+def of_microphones(result: Result, places: Sequence[str], *, slow: float = 1, rate: int = 48000,
+                   full_scale: float | None = None, normalize: bool = False, start: float | None = None,
+                   stop: float | None = None) -> Sound:
+    """The pressure at microphones as sound, by `ra2d sound` with these options for their places."""
+    from scipy.io import wavfile
+
+    with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        made = pathlib.Path(folder) / "heard.wav"
+        words = program.options({"--slow": slow, "--rate": rate, "--full-scale": full_scale, "--normalize": bool(normalize),
+                                 "--from": start, "--to": stop})
+        program.call("sound", result.path, *places, *words, "--bits", "float", "-o", made)
+        about = json.loads(made.with_name("heard.wav.json").read_text("utf-8"))
+        found, samples = wavfile.read(made)
+    del about["file"]
+    return Sound(samples.astype(float), int(found), about, tuple(str(one.message) for one in told))
 
 
 def of_probe(result: Result, probe: int = 1, body: str = "resonator", *, slow: float = 1, rate: int = 48000,

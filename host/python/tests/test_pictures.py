@@ -3,6 +3,7 @@
 import itertools
 import math
 import pathlib
+import subprocess
 import warnings
 
 import numpy as np
@@ -129,6 +130,37 @@ def test_sound_of_a_part(result):
     assert sound.about["position"] == 0.152 and len(sound.samples) == 4801
     with pytest.raises(ra2d.RequestError, match="probe"):
         result.listen(7)
+
+
+def test_the_sound_at_a_microphone(result):
+    sound = result.listen(at=[(0.15, 0.1, 0.5), (0, 0.1, 1)], rate=96000, start=0.1, stop=0.3)
+    found = result.analysis(at=[(0.15, 0.1, 0.5), (0, 0.1, 1)], start=0.1, stop=0.3)["microphones"]
+    assert sound.about["quantity"] == "sound pressure" and "file" not in sound.about and sound.rate == 96000
+    rms = np.sqrt((sound.samples ** 2).mean(axis=0)) * sound.about["full_scale_pa"]
+    assert rms == pytest.approx([one["p_rms"] for one in found], rel=0.01)  # resampled, nearly all of the band is left
+    assert sound.encoded("wav-24")[:4] == b"RIFF" and "slider's own sound" in sound.describe("x.wav")
+    low = result.listen(at=[(0.15, 0.1, 0.5)], rate=8000)
+    assert low.samples.ndim == 1 and any("modes are left out" in doubt for doubt in low.doubts)
+    for options, words in (({"at": [(0.15, 0.1, 0)]}, "0.001 m or more"), ({"at": [(0, 0, 1)], "probe": 2}, "give one of"),
+                           ({"at": [(0, 0, 1)] * 3}, "one channel or two"), ({"at": [(0, 1)]}, "three numbers")):
+        with pytest.raises(ra2d.RequestError, match=words):
+            result.listen(**options)
+
+
+def test_several_results_at_a_microphone(result, folder):
+    near, far = (result.with_microphones([(0.15, 0.1, z), (0, 0, 1)]) for z in (0.2, 2.0))
+    found = near.analysis()["microphones"][0]
+    figure = ra2d.plot([near, result, far])
+    spectrum, bands, heard_bands, level, heard_level = figure.axes
+    lines = [line for line in heard_bands.get_lines() if line.get_linestyle() != "None"]
+    assert [line.get_color() for line in lines] == [style.SERIES[0], style.SERIES[2]]
+    assert lines[0].get_ydata() == pytest.approx(np.array(found["bands"]["level"], dtype=float))
+    assert "no microphone" in heard_bands.texts[-1].get_text() and "sound pressure" in heard_level.get_ylabel()
+    assert len(ra2d.plot([near, far], "spectrum").axes) == 1 and len(ra2d.plot([result, result], "level").axes) == 1
+    made = folder / "two.png"
+    subprocess.run([ra2d.find(), "plot", result.path, result.path, "--at", "0.15,0.1,0.5", "--what", "bands", "-o", made,
+                    "--quiet"], check=True)
+    assert made.read_bytes()[:4] == b"\x89PNG"
 
 
 def test_several_results_lie_over_one_another(result, base, folder):
