@@ -33,7 +33,7 @@ struct SlowestMode {
   double decay = 0;       // s, in which it dies away by 60 dB; infinite without damping
 };
 
-/// What the sound at the scene's microphones takes when the run has ended, estimated.
+/// Estimated cost of the sound at the scene's microphones, when the run has ended.
 struct SoundPlan {
   std::size_t microphones = 0;
   double seconds = 0, memory = 0;  // of one core; bytes

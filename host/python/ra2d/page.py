@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 from markupsafe import Markup
 
-from . import files, page_pictures, page_svg, program, study_plot
+from . import files, page_pictures, page_svg, plots, program, study_plot
 from .errors import Notice, RequestError
 from .page_words import html, number, printable, requested, shortened, spread, without_folders
 from .results import BODIES
@@ -169,9 +169,33 @@ def _cuts(result: Result) -> tuple[list[Sound], str]:
     return cuts, ""
 
 
+def _heard(result: Result) -> list[Sound]:
+    """What the first microphone hears, where there is one."""
+    for microphone in plots.heard_by(result)[:1]:
+        begin, end = microphone["from"], microphone["to"]
+        try:
+            return [result.listen(at=[microphone["position"]], start=begin, stop=min(end, begin + LONGEST_CLIP))]
+        except RequestError:  # too few samples
+            break
+    return []
+
+
+def _about_heard(result: Result, sound: Sound, full_scale: float) -> Markup:
+    """The text above a sound pressure."""
+    about, microphone = sound.about, plots.heard_by(result)[0]
+    whole = microphone["to"] - microphone["from"]
+    text = html("Sound pressure at {} m: {} s to {} s of the run. Full scale is {} Pa.",
+                ", ".join(f"{x:g}" for x in microphone["position"]), number(about["from"]), number(about["to"]),
+                number(full_scale))
+    shortened_to = html(" Shortened: all of it would last {} s.", number(whole))
+    return text + (shortened_to if len(sound.samples) < 0.999 * whole * sound.rate else Markup(""))
+
+
 def _about(result: Result, sound: Sound, full_scale: float) -> Markup:
     """The text above a sound."""
     about, found = sound.about, result.analysis()
+    if "full_scale_pa" in about:
+        return _about_heard(result, sound, full_scale)
     slow, whole = about["slow"], (found["to"] - found["from"]) * about["slow"]
     text = html("<b>{}</b>, at {} m: {} s to {} s of the run. Full scale is {} m/s.",
                 f"{slow:g} times slower" if slow > 1 else "As it is", number(about["position"]), number(about["from"]),
@@ -181,16 +205,36 @@ def _about(result: Result, sound: Sound, full_scale: float) -> Markup:
     return text + (html(" What is heard at 1 kHz moves at {} kHz.", f"{slow:g}") if slow > 1 else Markup(""))
 
 
+def _lead(sounds: Sequence[Sound]) -> str:
+    """What the sounds are."""
+    pressures = sum("full_scale_pa" in sound.about for sound in sounds)
+    if not pressures:
+        return "The velocity of a place on the resonator; it is no sound pressure."
+    if pressures == len(sounds):
+        return "The sound pressure at a microphone."
+    return "First the sound pressure at a microphone, then the velocity of a place on the resonator, which is no pressure."
+
+
 def _clips(results: Sequence[Result]) -> list[dict[str, Any]]:
-    """The sounds of each result, all on one full scale, or why it has none."""
-    chosen = [_cuts(result) for result in results[:MOST_SOUNDS]]
+    """The sounds of each result, all pressures and all velocities on one full scale, or why it has
+    none. First what a microphone hears."""
+    chosen = []
+    for result in results[:MOST_SOUNDS]:
+        cuts, why = _cuts(result)
+        chosen.append((_heard(result) + cuts, why))
     chosen += [([], f"Of many results the first {MOST_SOUNDS} alone have their sounds here: ra2d sound makes them of "
                 "any.")] * (len(results) - len(chosen))
-    scale = max((sound.about["full_scale_m_per_s"] for cuts, _ in chosen for sound in cuts), default=1.0)
-    return [{"why_none": why, "clips": [
-        (_about(result, sound, scale), dataclasses.replace(
-            sound, samples=sound.samples * (sound.about["full_scale_m_per_s"] / scale)).source()) for sound in cuts]}
-        for result, (cuts, why) in zip(results, chosen)]
+    scales: dict[str, float] = {}
+    for sound in (sound for cuts, _ in chosen for sound in cuts):
+        scales[sound.about["quantity"]] = max(sound.full_scale(), scales.get(sound.about["quantity"], 0.0))
+
+    def clip(result: Result, sound: Sound) -> tuple[Markup, str]:
+        scale = scales[sound.about["quantity"]]
+        scaled = dataclasses.replace(sound, samples=sound.samples * (sound.full_scale() / scale))
+        return _about(result, sound, scale), scaled.source()
+
+    return [{"why_none": why, "lead": _lead(cuts), "clips": [clip(result, sound) for sound in cuts]}
+            for result, (cuts, why) in zip(results, chosen)]
 
 
 # ---- results -------------------------------------------------------------------------------------------

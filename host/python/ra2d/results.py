@@ -149,6 +149,11 @@ class Result:
         hearing._hears = _places(at) + tuple(program.options({"--temperature": temperature, "--pressure": pressure}))
         return hearing
 
+    def _air(self) -> tuple[str, ...]:
+        """The program's options for the air of with_microphones()."""
+        pairs = zip(self._hears[::2], self._hears[1::2])
+        return tuple(word for name, value in pairs if name != "--at" for word in (name, value))
+
     @property
     def level(self) -> Estimate:
         """Vibration level of the resonator [dB re 1 nm/s] with its 95 % interval: chance within
@@ -415,22 +420,23 @@ class Result:
                normalize: bool = False, rate: int = 48000, start: float | None = None,
                stop: float | None = None, at: Sequence[Sequence[float]] = ()) -> Sound:
         """The velocity of a probe (from 1) as sound, which a notebook plays; with `at` the sound
-        pressure at one microphone, or two for stereo, each (x, y, z) [m]. `slow`: times longer and
+        pressure at one microphone, or two for stereo, each (x, y, z) [m], in the air of
+        `with_microphones` or the scene. `slow`: times longer and
         lower; `full_scale` [m/s; Pa]: what the value 1 stands for, or `normalize`: the peak; `rate`:
         samples a second of the sound; `start`, `stop` [s] of the run.
 
         >>> sound = getfixture("result").listen(slow=2)
         >>> sound.rate, sound.samples.ndim
         (48000, 1)
-        >>> getfixture("result").listen(at=[(0.15, 0.1, 0.5)])
-        <ra2d.Sound of the microphone at 0.15, 0.1, 0.5 m, 1 s; full scale 0.5 Pa>
+        >>> getfixture("result").listen(at=[(0.15, 0.1, 0.5)]).about["quantity"]
+        'sound pressure'
         """
         from .sound import of_microphones, of_probe
 
         if len(at):
             if probe != 1 or body != "resonator":
                 raise RequestError("probe and body are of a velocity; with at the sound is a pressure: give one of them")
-            return of_microphones(self, _places(at), slow=slow, rate=rate, full_scale=full_scale, normalize=normalize,
+            return of_microphones(self, _places(at) + self._air(), slow=slow, rate=rate, full_scale=full_scale, normalize=normalize,
                                   start=start, stop=stop)
         return of_probe(self, probe, _one_of("body", body, BODIES), slow=slow, rate=rate, full_scale=full_scale,
                         normalize=normalize, start=start, stop=stop)

@@ -179,7 +179,12 @@ class Sound:
     def _unit(self) -> str:
         return _UNITS[self.about["quantity"]][0]
 
-    def _scale(self) -> float:
+    def full_scale(self) -> float:
+        """What the value 1 stands for [m/s; Pa].
+
+        >>> getfixture("result").listen().full_scale()
+        0.01
+        """
         return float(self.about[f"full_scale_{_UNITS[self.about['quantity']][1]}"])
 
     def _peak(self) -> float:
@@ -194,7 +199,7 @@ class Sound:
     def _comment(self) -> str:
         a = self.about
         slower = f"; {a['slow']:g} times slower" if a["slow"] != 1 else ""
-        return (f"{a['quantity']} {self._of()}{self._place()}, the value 1.0 is {self._scale():g} {self._unit()}; "
+        return (f"{a['quantity']} {self._of()}{self._place()}, the value 1.0 is {self.full_scale():g} {self._unit()}; "
                 f"{a['from']:g} s to {a['to']:g} s{slower}")
 
     def _of(self) -> str:
@@ -217,9 +222,9 @@ class Sound:
         a = self.about
         lines = [("length", f"{quantity(len(self.samples) / self.rate, 's')}, {len(self.samples)} samples at "
                             f"{self.rate} Hz"),
-                 ("full scale", f"1.0 in the file is {self._scale():g} {self._unit()}")]
+                 ("full scale", f"1.0 in the file is {self.full_scale():g} {self._unit()}")]
         if (peak := self._peak()) > 0:
-            lines.append(("peak", f"{peak:.4g} {self._unit()}, {20 * math.log10(peak / self._scale()):.1f} dB of full "
+            lines.append(("peak", f"{peak:.4g} {self._unit()}, {20 * math.log10(peak / self.full_scale()):.1f} dB of full "
                                   "scale"))
         lines += [("file", name), ("beside it", f"{name}.json")]
         lines.append(("left out", a["left_out"]) if a["quantity"] == PRESSURE else
@@ -231,7 +236,7 @@ class Sound:
     def __repr__(self) -> str:
         a = self.about
         place = f"at {self._place()}" if a["quantity"] == PRESSURE else f"of the {a['body']} at {a['position']:g} m"
-        return (f"<ra2d.Sound {place}, {len(self.samples) / self.rate:.3g} s; full scale {self._scale():g} "
+        return (f"<ra2d.Sound {place}, {len(self.samples) / self.rate:.3g} s; full scale {self.full_scale():g} "
                 f"{self._unit()}>")
 
     def _repr_html_(self) -> str:

@@ -550,6 +550,11 @@ def test_microphones_can_be_named_for_a_picture_and_a_page(result, folder):
     levels = 10 * np.log10(np.array(history["mean_square"]).reshape(100, 2).mean(axis=1) / 20e-6 ** 2)
     assert line.get_ydata() == pytest.approx(levels) and line.get_label().startswith("pressure at 0.15, 0.1, 0.5 m")
     text = read(heard.report(folder / "at.html"))
+    (clip, rate), *velocities = sounds(text)
+    assert len(velocities) == 2 and rate == 48_000 and "First the sound pressure at a microphone" in text
+    scale = float(re.search(r"Sound pressure at 0.15, 0.1, 0.5 m: .* Full scale is (\S+) Pa", text)[1])
+    assert scale * np.sqrt((clip ** 2).mean()) == pytest.approx(found[0]["p_rms"], rel=0.02)  # some above 22 kHz is left out
+    assert heard.listen(at=[(0, 0.1, 1)]).about["sound_speed"] == pytest.approx(349, abs=0.5)
     assert f"{found[1]['lpa']:.1f} dB(A)" in text and text.count("Lines, axis on the right: sound pressure") == 2
     pages = [folder / "line.html", folder / "level.png"]
     for words in (["report", result.path, "-o", pages[0]], ["plot", result.path, "--what", "level", "-o", pages[1]]):
