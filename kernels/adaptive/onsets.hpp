@@ -5,6 +5,7 @@
 #include "kernels/adaptive/pace.hpp"
 #include "kernels/candidate_groups.hpp"
 #include "kernels/contact/node_contact.hpp"
+#include "kernels/function.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/place.hpp"
 #include "kernels/tables.hpp"
@@ -25,7 +26,7 @@ struct PolynomialMotion {
   double most;     // the x that it is used to
 
   /// Displacements, and what they change by per x.
-  KOKKOS_FUNCTION void at(const Lanes& lanes, double x, Real* u, Real* rate) const {
+  RA2D_FUNCTION void at(const Lanes& lanes, double x, Real* u, Real* rate) const {
     const Real here(x);
     for (int p = 0; p < packs; ++p) {
       u[p] = load_row(lanes, order, p);
@@ -68,8 +69,8 @@ struct PolynomialMotion {
   /// The remainder of the modes at a fixed place is 1/384 of their fourth derivative. What the
   /// place moves by is little; of a function with a bounded second derivative alone, the cubic is
   /// off by less than a third of that bound: its own second derivative is 5/3 of it at the most.
-  KOKKOS_FUNCTION Bounds bounds(const Lanes& lanes, const MotionLimits& limits,
-                                double spacing) const {
+  RA2D_FUNCTION Bounds bounds(const Lanes& lanes, const MotionLimits& limits,
+                              double spacing) const {
     const Real at(most);
     const double first = most_way() * spacing, second = change_of_way() * spacing;
     Real travel(0.0), still(0.0), moving(0.0), fourth(0.0);
@@ -112,11 +113,10 @@ struct PolynomialMotion {
 /// convex function of time, so a chord between a time at which it is below the level and one at
 /// which it is not meets the level before it does.
 template <class Lanes, int packs>
-KOKKOS_FUNCTION double first_contact(const Lanes& lanes,
-                                     const NodeContact<Lanes, packs>& node_contact,
-                                     const PolynomialMotion<Lanes, packs>& motion,
-                                     const Place& start, int cell, double curvature, double level,
-                                     double noise) {
+RA2D_FUNCTION double first_contact(const Lanes& lanes,
+                                   const NodeContact<Lanes, packs>& node_contact,
+                                   const PolynomialMotion<Lanes, packs>& motion, const Place& start,
+                                   int cell, double curvature, double level, double noise) {
   using Real = typename Lanes::Real;
   const double beyond = 2.0 * motion.most + 1.0, way = motion.most_way();
   double x = 0.0;

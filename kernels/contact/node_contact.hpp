@@ -9,6 +9,7 @@
 #include "kernels/contact/moving_cell.hpp"
 #include "kernels/contact/penalty.hpp"
 #include "kernels/displacement.hpp"
+#include "kernels/function.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/place.hpp"
 #include "kernels/state.hpp"
@@ -110,10 +111,10 @@ class NodeContact {
   static constexpr int width = Lanes::width;
 
  public:
-  KOKKOS_FUNCTION NodeContact(const Lanes& lanes, const SliderMotion& motion,
-                              const FaceTables& faces, const SliderShapes& slider,
-                              const PatchTables& patches, const ContactTables& contact,
-                              Marks& marks, Caches& caches, ContactList& contact_list)
+  RA2D_FUNCTION NodeContact(const Lanes& lanes, const SliderMotion& motion, const FaceTables& faces,
+                            const SliderShapes& slider, const PatchTables& patches,
+                            const ContactTables& contact, Marks& marks, Caches& caches,
+                            ContactList& contact_list)
       : lanes_{lanes},
         motion_{motion},
         faces_{faces},
@@ -125,7 +126,7 @@ class NodeContact {
         contact_list_{contact_list} {}
 
   /// Expands the listed nodes that are not expanded for this window yet.
-  KOKKOS_FUNCTION void expand(const Place& place, const int* nodes, int count) const {
+  RA2D_FUNCTION void expand(const Place& place, const int* nodes, int count) const {
     const std::int64_t window = place.window(motion_);
     for (int e = 0; e < count; ++e) {
       const int node = nodes[e];
@@ -186,8 +187,8 @@ class NodeContact {
 
   /// Smooth faces: the overlap along an expanded cell at the displacements u, and its rate where
   /// these change by `rate` and the slider moves by `way` [chi].
-  KOKKOS_FUNCTION MovingCell moving_cell(int cell, const Place& place, const Real* u,
-                                         const Real* rate, double way) const {
+  RA2D_FUNCTION MovingCell moving_cell(int cell, const Place& place, const Real* u,
+                                       const Real* rate, double way) const {
     const double* c = cell_shapes(cell);
     const Real x(place.offset);
     Real part[4], rising[4], slope[3];
@@ -234,7 +235,7 @@ class NodeContact {
   }
 
   /// Smooth faces: sum_k x_k psi_k along an expanded cell.
-  KOKKOS_FUNCTION Cubic along(int cell, const Place& place, const Real* x) const {
+  RA2D_FUNCTION Cubic along(int cell, const Place& place, const Real* x) const {
     const double* c = cell_shapes(cell);
     const Real offset(place.offset);
     Real part[4];
@@ -256,8 +257,8 @@ class NodeContact {
   /// Smooth faces: adds the rate [N/s] of the modal contact force of an expanded cell while the
   /// displacements u change by v and the slider moves by `speed` [chi/s]. What the shapes change by
   /// at a fixed force is left out.
-  KOKKOS_FUNCTION void add_force_rate(int cell, const Place& place, const Real* u, const Real* v,
-                                      double speed, Real* rate) const {
+  RA2D_FUNCTION void add_force_rate(int cell, const Place& place, const Real* u, const Real* v,
+                                    double speed, Real* rate) const {
     const MovingCell moving = moving_cell(cell, place, u, v, speed);
     CellContact sum;
     for (int side = 0; side < 2; ++side)
@@ -347,8 +348,8 @@ class NodeContact {
   }
 
   /// Contact between smooth faces, in the listed cells.
-  KOKKOS_FUNCTION ContactTotals<Real> in_cells(const Place& place, const Real* u, const int* cells,
-                                               int count, Real* force) const {
+  RA2D_FUNCTION ContactTotals<Real> in_cells(const Place& place, const Real* u, const int* cells,
+                                             int count, Real* force) const {
     ContactTotals<Real> totals;
     Real slope_force[packs];  // sum of the integrals of o dphi/dx
     for (int p = 0; p < packs; ++p) slope_force[p] = Real(0.0);
