@@ -250,9 +250,9 @@ class AdaptiveMarch {
     const double scale =
         Kokkos::min(ticks * tables_.motion.time_step, tables_.adaptive.longest_scale);
     series_.expand(now_.u, now_.v, place, scale);
-    const double extent = series_.extent(tables_.adaptive.tolerance);
-    if (!(extent > 0.0)) return fail(Status::not_finite);
-    const double usable = extent * (scale / tables_.motion.time_step);  // ticks
+    const double length = series_.usable_length(tables_.adaptive.tolerance);
+    if (!(length > 0.0)) return fail(Status::not_finite);
+    const double usable = length * (scale / tables_.motion.time_step);  // ticks
     if (usable < static_cast<double>(ticks)) ticks = static_cast<std::int64_t>(usable);
     if (ticks < 1) return fail(Status::stalled);
     // a length at which the cubics may decide by themselves
@@ -270,7 +270,7 @@ class AdaptiveMarch {
     if (flagged > 0) {
       const double x = series_.x_at(ticks);
       const double first =
-          overlaps_.search(series_, place, flagged, x, overlaps_.tolerance(now_.u));
+          overlaps_.search(series_, place, flagged, x, overlaps_.overlap_rounding(now_.u));
       if (first <= x) return end_flight_in_contact(series_.ticks_to(first, ticks), flagged);
     }
     if (!end_flight(ticks, end, level)) return false;
@@ -333,7 +333,7 @@ class AdaptiveMarch {
     double end = series_.x_at(ticks);
 
     // contacts that end
-    const double tolerance = overlaps_.tolerance(now_.u) + series_.neglected();
+    const double tolerance = overlaps_.overlap_rounding(now_.u) + series_.neglected();
     const double release = contacts_.first_end(series_, end, tolerance);
     if (release <= end) {
       ticks = series_.ticks_to(release, ticks);
@@ -394,15 +394,15 @@ class AdaptiveMarch {
         if (valid < available) available = valid;
       }
       series_.expand(now_.u, now_.v, place, scale);
-      const double extent = series_.extent(tables_.adaptive.tolerance);
-      if (!(extent > 0.0)) return fail(Status::not_finite);
-      usable_time = extent * scale;
+      const double length = series_.usable_length(tables_.adaptive.tolerance);
+      if (!(length > 0.0)) return fail(Status::not_finite);
+      usable_time = length * scale;
       if (!(usable_time >= tables_.motion.time_step)) return fail(Status::stalled);
       // the last step was a poor guess for this one: once more in better units
       lanes_.sync();
-      if (extent < 0.25 && lanes_.leader()) state_.carried.control.series_scale = usable_time;
+      if (length < 0.25 && lanes_.leader()) state_.carried.control.series_scale = usable_time;
       lanes_.sync();
-      if (!(extent < 0.25)) return true;
+      if (!(length < 0.25)) return true;
     }
   }
 

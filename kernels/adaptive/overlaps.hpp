@@ -68,7 +68,7 @@ class Overlaps {
   /// of two lanes 256, of one 512. The longest chain, over 256 modes and the terms of a series, has
   /// 53 in packs of eight lanes, 83 of four, 146 of two and 273 of one. Not zero even where nothing
   /// is rounded: between flat faces that touch, of bodies at rest.
-  KOKKOS_FORCEINLINE_FUNCTION double tolerance(const Real* u) const {
+  KOKKOS_FORCEINLINE_FUNCTION double overlap_rounding(const Real* u) const {
     constexpr double roundings = width >= 4 ? 0x1p-46 : width == 2 ? 0x1p-45 : 0x1p-44;
     constexpr double least = 1e-100;
     return Kokkos::max(least, faces_.rounding + roundings * weighted_sum<Lanes, packs>(
@@ -206,15 +206,15 @@ class Overlaps {
                                          const ModalState<Lanes, packs>& end, std::int64_t ticks,
                                          const MotionBounds& bounds, int flagged) const {
     const double time = static_cast<double>(ticks) * motion_.time_step,
-                 way = static_cast<double>(ticks) * motion_.advance;
+                 slide_rate = static_cast<double>(ticks) * motion_.advance;
     Real rate0[packs], rate1[packs];
     for (int p = 0; p < packs; ++p) {
       rate0[p] = Real(time) * now.v[p];
       rate1[p] = Real(time) * end.v[p];
     }
-    return keep_close({place, now.u, rate0, way}, {end_place, end.u, rate1, way}, flagged,
-                      cubic_error(bounds, time) + overlap_error(bounds), way, 0.0,
-                      tolerance(now.u));
+    return keep_close({place, now.u, rate0, slide_rate}, {end_place, end.u, rate1, slide_rate},
+                      flagged, cubic_error(bounds, time) + overlap_error(bounds), slide_rate, 0.0,
+                      overlap_rounding(now.u));
   }
 
   /// Lists the cells in contact and those beside them. -1: more than `capacity`.
@@ -270,9 +270,9 @@ class Overlaps {
                               const PolynomialMotion<Lanes, packs>& motion,
                               const typename PolynomialMotion<Lanes, packs>::Bounds& bounds,
                               double ticks, const MotionBounds& motion_bounds) const {
-    const double way = motion.most_way();
-    const double of_face =
-        way * way * faces_.largest_face_curvature + motion.change_of_way() * faces_.steepest_rise;
+    const double slide_rate = motion.most_slide_rate();
+    const double of_face = slide_rate * slide_rate * faces_.largest_face_curvature +
+                           motion.change_of_slide_rate() * faces_.steepest_rise;
     const double level = -(bounds.remainder + of_face / 3.0 + overlap_error(motion_bounds) +
                            modes_sag(u, bounds.travel));
     const double third = ticks * motion_.time_step / 3.0;
@@ -305,26 +305,28 @@ class Overlaps {
   struct End {
     const Place& place;
     const Real *u, *rate;
-    double way;  // chi
+    double slide_rate;  // chi
   };
   /// Takes out of the listed cells those whose cubics rule out contact over a step: at each place
   /// of a cell the overlap is at most the largest Bernstein coefficient of the cubic through both
   /// ends, but for what that leaves out. `modes_left_out` [m], and of the faces a third of their
-  /// second derivative: from the slider's way, and its change. Returns the number of those left.
+  /// second derivative: from the rate at which the slider moves, and its change. Returns the number
+  /// of those left.
   RA2D_FUNCTION int keep_close(const End& start, const End& end, int flagged, double modes_left_out,
-                               double way, double change, double tolerance) const {
+                               double slide_rate, double change, double tolerance) const {
     node_contact_.expand(start.place, listed_nodes_, flagged);
     int kept = 0;
     for (int e = 0; e < flagged; ++e) {
       const int cell = listed_nodes_[e];
       const MovingCell before =
-          node_contact_.moving_cell(cell, start.place, start.u, start.rate, start.way);
-      const double free = 0.5 * tolerance - modes_left_out -
-                          (way * way * before.curvature + change * before.slope) / 3.0;
+          node_contact_.moving_cell(cell, start.place, start.u, start.rate, start.slide_rate);
+      const double free =
+          0.5 * tolerance - modes_left_out -
+          (slide_rate * slide_rate * before.curvature + change * before.slope) / 3.0;
       bool close = before.highest_after(0.0) >= free || before.highest_after(1.0 / 3.0) >= free;
       if (!close) {
         const MovingCell after =
-            node_contact_.moving_cell(cell, end.place, end.u, end.rate, end.way);
+            node_contact_.moving_cell(cell, end.place, end.u, end.rate, end.slide_rate);
         close = after.highest_after(0.0) >= free || after.highest_after(-1.0 / 3.0) >= free;
       }
       lanes_.sync();

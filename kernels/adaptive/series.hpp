@@ -128,7 +128,7 @@ class ModalSeries {
   /// terms stand for the error: what follows them is smaller by the ratio of neighbours, so the
   /// step is on the safe side. Errors and state are measured in the energy norm, sum m (V^2 +
   /// omega^2 U^2) and the springs'.
-  RA2D_FUNCTION double extent(double tolerance) const {
+  RA2D_FUNCTION double usable_length(double tolerance) const {
     const int order = adaptive_.order;
     Real state(0.0), acceleration(0.0), before(0.0), last(0.0);
     const double per = 1.0 / scale_;
@@ -150,8 +150,8 @@ class ModalSeries {
     const double start = lanes_.sum(acceleration);
     if (start > size) size = start;
     // terms of the shapes were left out for steps of up to two
-    const double longest = neglected_ > 0.0 ? 2.0 : longest_extent;
-    const auto extent_of = [&](double term, int j) {
+    const double longest = neglected_ > 0.0 ? 2.0 : longest_usable;
+    const auto usable_length_of = [&](double term, int j) {
       // squares throughout; a term of V goes with x^(j - 1)
       if (!(term > 1e-300 * size)) return longest;
       const double x =
@@ -159,12 +159,12 @@ class ModalSeries {
       return x < longest ? x : longest;
     };
     if (!(size < 1e300)) return -1.0;  // not a number
-    const double a = extent_of(lanes_.sum(before), order - 1),
-                 b = extent_of(lanes_.sum(last), order);
+    const double a = usable_length_of(lanes_.sum(before), order - 1),
+                 b = usable_length_of(lanes_.sum(last), order);
     return a < b ? a : b;
   }
   /// A step grows by no more than this: terms that happen to vanish say nothing about the next.
-  static constexpr double longest_extent = 4.0;
+  static constexpr double longest_usable = 4.0;
 
   RA2D_FUNCTION void state(double x, Real* u, Real* v) const {
     const int order = adaptive_.order;

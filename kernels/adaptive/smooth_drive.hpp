@@ -290,14 +290,14 @@ class SmoothDrive {
     find_runs(1.0, formula_stages - 1);
     flagged_ = leave_out_grown(flagged);
     if (flagged_ == 0) return 3.0;
-    const double tolerance = overlaps_.tolerance(now.u);
+    const double tolerance = overlaps_.overlap_rounding(now.u);
     Real rate0[packs], u1[packs], rate1[packs], u0[packs];
     motion.at(lanes_, 0.0, u0, rate0);
     motion.at(lanes_, 1.0, u1, rate1);
     const Place end_place = motion.place_at(place, 1.0);
-    flagged_ = overlaps_.keep_close({place, u0, rate0, motion.way(0.0)},
-                                    {end_place, u1, rate1, motion.way(1.0)}, flagged_, b.remainder,
-                                    motion.most_way(), motion.change_of_way(), tolerance);
+    flagged_ = overlaps_.keep_close(
+        {place, u0, rate0, motion.slide_rate(0.0)}, {end_place, u1, rate1, motion.slide_rate(1.0)},
+        flagged_, b.remainder, motion.most_slide_rate(), motion.change_of_slide_rate(), tolerance);
     if (flagged_ == 0) return 3.0;
     return overlaps_.search_cells(motion, b.curvature, place, flagged_, tolerance);
   }
@@ -331,7 +331,7 @@ class SmoothDrive {
     step_.works(weights, sliding, moving);
     int listed = flagged_;
     if (made > 0) {
-      listed = list_grazing(place, x, overlaps_.tolerance(now.u));
+      listed = list_grazing(place, x, overlaps_.overlap_rounding(now.u));
       const std::int64_t in_contact = add_shocks(place, tick, made, x, weights);
       recorder_.add_contact(sliding, moving, in_contact, set_.count);
     }
@@ -371,7 +371,7 @@ class SmoothDrive {
       if (x == 1.0 && stages_.force[at * formula_stages + last_stage] > 0.0) continue;
       double ignored;
       const double highest =
-          node_contact_.moving_cell(cell, there, u, rate, motion.way(x)).highest(ignored);
+          node_contact_.moving_cell(cell, there, u, rate, motion.slide_rate(x)).highest(ignored);
       lanes_.sync();
       if (!(highest > -tolerance) || listed == faces_.nodes) continue;
       if (lanes_.leader()) {
@@ -451,7 +451,8 @@ class SmoothDrive {
       const int cell = stages_.cells[e];
       if (cell < run.first - 1 || cell > run.last + 1) continue;
       highest = Kokkos::max(
-          highest, node_contact_.moving_cell(cell, there, u, rate, motion.way(x)).highest(ignored));
+          highest,
+          node_contact_.moving_cell(cell, there, u, rate, motion.slide_rate(x)).highest(ignored));
     }
     return highest;
   }
@@ -628,9 +629,9 @@ class SmoothDrive {
                      *centre = stages_.centre + e * formula_stages;
         for (int i = 0; i < formula_stages; ++i) {
           const double share = weights.of[i] * step_.ticks() * force[i];
-          const double way = motion_.advance * step_.ticks() * step_.share(i);
+          const double travelled = motion_.advance * step_.ticks() * step_.share(i);
           impulse += share;
-          moment = Kokkos::fma(share, centre[i] + way, moment);
+          moment = Kokkos::fma(share, centre[i] + travelled, moment);
         }
       }
       list_.nodes[count] = cell;

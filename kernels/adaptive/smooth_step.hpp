@@ -193,10 +193,10 @@ class SmoothStep {
   }
   KOKKOS_FORCEINLINE_FUNCTION Place place_at_share(double share) const {
     Place place = start_;
-    const double way = motion_.advance * ticks_ * share;
-    place.position += way;
-    place.theta += way;
-    place.offset += way;
+    const double travelled = motion_.advance * ticks_ * share;
+    place.position += travelled;
+    place.theta += travelled;
+    place.offset += travelled;
     return place;
   }
   RA2D_FUNCTION void state(double x, Real* u, Real* v) const {

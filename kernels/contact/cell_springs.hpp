@@ -93,14 +93,15 @@ class CellSprings {
         away = multiply_add(motion, Kokkos::abs(next[p]), away);
         falling = multiply_add(w[p] + pressing[p], step[p], falling);
       }
-      double way, pushed;
-      lanes_.sum(moved, away, way, pushed);
-      if (!(way < 1e300)) return Solution::solved;  // not a number: left to the check of the energy
+      double distance, pushed;
+      lanes_.sum(moved, away, distance, pushed);
+      if (!(distance < 1e300))
+        return Solution::solved;  // not a number: left to the check of the energy
       const double fall = lanes_.sum(falling);
       // the least force that moves a node as far
       pushed /= scene.most_compliance;
       if (pushed > most) most = pushed;
-      if (way <= contact_.tolerance + rounding_of(now, u)) {
+      if (distance <= contact_.tolerance + rounding_of(now, u)) {
         finish(place, d, next, u, v, list, totals);
         return Solution::solved;
       }

@@ -186,9 +186,9 @@ class NodeContact {
   }
 
   /// Smooth faces: the overlap along an expanded cell at the displacements u, and its rate where
-  /// these change by `rate` and the slider moves by `way` [chi].
+  /// these change by `rate` and the slider moves by `slide_rate` [chi].
   RA2D_FUNCTION MovingCell moving_cell(int cell, const Place& place, const Real* u,
-                                       const Real* rate, double way) const {
+                                       const Real* rate, double slide_rate) const {
     const double* c = cell_shapes(cell);
     const Real x(place.offset);
     Real part[4], rising[4], slope[3];
@@ -221,7 +221,8 @@ class NodeContact {
       moving.overlap[side] = faces.own + displacement + face;
       const double passing[4] = {d1 + face.c[1], 2.0 * (d2 + face.c[2]), 3.0 * (d3 + face.c[3]),
                                  0.0};
-      for (int j = 0; j < 4; ++j) moving.rate[side].c[j] = Kokkos::fma(way, passing[j], modes.c[j]);
+      for (int j = 0; j < 4; ++j)
+        moving.rate[side].c[j] = Kokkos::fma(slide_rate, passing[j], modes.c[j]);
       // a cubic's second derivative is largest at an end
       const double left = 2.0 * piece.c[2];
       moving.curvature = Kokkos::max(
