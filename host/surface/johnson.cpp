@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "host/surface/height_map.hpp"
+#include "host/surface/johnson.hpp"
 
 #include <fmt/format.h>
 
@@ -73,7 +73,7 @@ constexpr double most_kurtosis = 30, least_beyond = 1.4;  // kurtosis - skewness
 
 /// With normal heights g: unbounded sinh((g + gamma)/delta), bounded 1/(1 + exp(-(g +
 /// gamma)/delta)), lognormal exp(g/delta), skewed to the high side; `sign_` turns them round.
-double HeightMap::raw(double g) const {
+double JohnsonHeights::raw(double g) const {
   const double t = (g + gamma_) / delta_;
   switch (family_) {
     case Family::normal:
@@ -88,9 +88,11 @@ double HeightMap::raw(double g) const {
   return std::exp(t);
 }
 
-double HeightMap::operator()(double g) const { return sign_ * (raw(sign_ * g) - mean_) / spread_; }
+double JohnsonHeights::operator()(double g) const {
+  return sign_ * (raw(sign_ * g) - mean_) / spread_;
+}
 
-double HeightMap::at_mean_line() const {
+double JohnsonHeights::at_mean_line() const {
   switch (family_) {
     case Family::normal:
       return 0;
@@ -104,14 +106,14 @@ double HeightMap::at_mean_line() const {
   return sign_ * (delta_ * std::log(mean_) - gamma_);
 }
 
-void HeightMap::standardise() {
+void JohnsonHeights::standardise() {
   const HeightMoments shape = height_moments([&](double g) { return raw(g); });
   mean_ = shape.mean;
   spread_ = shape.spread;
 }
 
 /// Of a lognormal height: w = exp(1/delta^2), skewness^2 = (w - 1)(w + 2)^2.
-HeightMap::HeightMap(double skewness, double kurtosis) {
+JohnsonHeights::JohnsonHeights(double skewness, double kurtosis) {
   const double skew = std::abs(skewness);
   if (!(kurtosis - skew * skew >= least_beyond) || !(kurtosis <= most_kurtosis))
     throw RequestError(
@@ -159,7 +161,7 @@ HeightMap::HeightMap(double skewness, double kurtosis) {
 }
 
 /// a_n = E[z(g) He_n(g)]/n!: of correlated normal heights E[z z'] = sum n! a_n^2 rho^n (Mehler).
-void HeightMap::find_series() {
+void JohnsonHeights::find_series() {
   constexpr int most = 30;
   double left = 1;
   for (int n = 1; n <= most && left > 1e-12; ++n) {
@@ -181,7 +183,7 @@ void HeightMap::find_series() {
   }
 }
 
-double HeightMap::correlation(double normal) const {
+double JohnsonHeights::correlation(double normal) const {
   if (is_identity()) return normal;
   double sum = 0, all = 0;
   for (std::size_t n = series_.size(); n-- > 0;) {
@@ -191,7 +193,7 @@ double HeightMap::correlation(double normal) const {
   return sum / all;  // of equal heights: 1
 }
 
-double HeightMap::normal_correlation(double of_heights) const {
+double JohnsonHeights::normal_correlation(double of_heights) const {
   if (is_identity()) return of_heights;
   if (of_heights >= 1) return 1;
   if (of_heights <= correlation(-1)) return -1;

@@ -8,12 +8,12 @@ namespace ra2d {
 /// grows with its argument, from the system of N. L. Johnson (Biometrika 36, 1949), as Hu and
 /// Tonder used it for rough surfaces (Int. J. Mach. Tools Manufact. 32, 1992). Its values have mean
 /// 0 and variance 1.
-class HeightMap {
+class JohnsonHeights {
  public:
   /// Leaves normal heights as they are.
-  HeightMap() = default;
+  JohnsonHeights() = default;
   /// Throws RequestError for moments that no such heights have, or only ones of nearly two values.
-  HeightMap(double skewness, double kurtosis);
+  JohnsonHeights(double skewness, double kurtosis);
 
   bool is_identity() const { return family_ == Family::normal; }
   double operator()(double g) const;
