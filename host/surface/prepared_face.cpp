@@ -153,18 +153,30 @@ void check_proportion(const std::filesystem::path& file, const std::vector<doubl
 
 }  // namespace
 
+std::size_t RepeatedPlace::seam(std::size_t points) {
+  return std::max<std::size_t>(
+      1, static_cast<std::size_t>(seam_share * static_cast<double>(points - 1)));
+}
+
+RepeatedPlace::RepeatedPlace(std::size_t points, std::size_t place) {
+  const std::size_t last = points - 1, steps = seam(points);
+  point = place % (last + steps);
+  if (point <= last) return;
+  const std::size_t into = point - last;  // from 1 to steps - 1
+  const double turn = std::numbers::pi / 2 * static_cast<double>(into) / static_cast<double>(steps);
+  point = last - into;
+  other = steps - into;
+  share = std::cos(turn);
+  other_share = std::sin(turn);
+}
+
 RepeatedProfile::RepeatedProfile(const std::vector<double>& heights)
-    : heights_(heights),
-      seam_(std::max<std::size_t>(
-          1, static_cast<std::size_t>(seam_share * static_cast<double>(heights.size() - 1)))) {}
+    : heights_{heights}, seam_{RepeatedPlace::seam(heights.size())} {}
 
 double RepeatedProfile::at(std::size_t point) const {
-  const std::size_t last = heights_.size() - 1;
-  const std::size_t in_copy = point % (last + seam_);
-  if (in_copy <= last) return heights_[in_copy];
-  const std::size_t into = in_copy - last;  // from 1 to seam - 1
-  const double turn = std::numbers::pi / 2 * static_cast<double>(into) / static_cast<double>(seam_);
-  return std::cos(turn) * heights_[last - into] + std::sin(turn) * heights_[seam_ - into];
+  const RepeatedPlace place(heights_.size(), point);
+  if (place.other_share == 0) return heights_[place.point];
+  return place.share * heights_[place.point] + place.other_share * heights_[place.other];
 }
 
 bool needs_preparation(const SurfaceSpec& spec, const std::filesystem::path& file) {
