@@ -8,7 +8,7 @@
 
 #include "host/base/errors.hpp"
 #include "host/commands/print.hpp"
-#include "host/surface/map_file.hpp"
+#include "host/surface/map_output.hpp"
 #include "host/surface/map_roughness.hpp"
 #include "host/system/input_file.hpp"
 #include "host/system/output_file.hpp"

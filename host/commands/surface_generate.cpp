@@ -22,7 +22,7 @@
 #include "host/commands/print.hpp"
 #include "host/scene/names.hpp"
 #include "host/scene_file/scene_file.hpp"
-#include "host/surface/map_file.hpp"
+#include "host/surface/map_output.hpp"
 #include "host/surface/random_map.hpp"
 #include "host/surface/random_profile.hpp"
 #include "host/surface/surface.hpp"

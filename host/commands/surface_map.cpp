@@ -18,6 +18,7 @@
 #include "host/commands/options.hpp"
 #include "host/commands/print.hpp"
 #include "host/surface/map_file.hpp"
+#include "host/surface/map_output.hpp"
 #include "host/surface/random_map.hpp"
 #include "host/surface/surface.hpp"
 

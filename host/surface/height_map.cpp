@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "host/base/errors.hpp"
-#include "host/surface/prepared_face.hpp"
+#include "host/surface/repeated_place.hpp"
 #include "host/surface/sum.hpp"
 
 namespace ra2d {

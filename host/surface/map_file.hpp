@@ -48,13 +48,4 @@ struct MapPreparation {
 void prepare_map(HeightMap& map, const MapPreparation& how, const std::string& name,
                  std::vector<std::string>* doubts);
 
-/// Whether a file is written as .npy: by its ending.
-bool is_npy_name(const std::filesystem::path& file);
-
-/// Writes heights in metres, as .npy (float64 of shape (rows, x)) where the name ends so, else as
-/// text: a row of constant y in each line, the spacings in its header, behind `title`, with the
-/// digits that bring the doubles back. Throws FileError.
-void write_height_map(const std::filesystem::path& file, const HeightMap& map,
-                      const std::string& title);
-
 }  // namespace ra2d

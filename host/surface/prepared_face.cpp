@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 #include <span>
 #include <utility>
@@ -16,6 +15,7 @@
 #include "host/surface/measure.hpp"
 #include "host/surface/profile.hpp"
 #include "host/surface/profile_lines.hpp"
+#include "host/surface/repeated_place.hpp"
 #include "host/surface/sum.hpp"
 #include "host/surface/usual_faces.hpp"
 
@@ -23,7 +23,6 @@ namespace ra2d {
 namespace {
 
 constexpr double steps_to_cutoff = 5;  // of the profile, at the least
-constexpr double seam_share = 0.1;     // of the profile
 constexpr double most_copies = 100;    // along a beam
 constexpr double much_change = 0.1;    // of Rq, where a profile is repeated
 
@@ -152,23 +151,6 @@ void check_proportion(const std::filesystem::path& file, const std::vector<doubl
 }
 
 }  // namespace
-
-std::size_t RepeatedPlace::seam(std::size_t points) {
-  return std::max<std::size_t>(
-      1, static_cast<std::size_t>(seam_share * static_cast<double>(points - 1)));
-}
-
-RepeatedPlace::RepeatedPlace(std::size_t points, std::size_t place) {
-  const std::size_t last = points - 1, steps = seam(points);
-  point = place % (last + steps);
-  if (point <= last) return;
-  const std::size_t into = point - last;  // from 1 to steps - 1
-  const double turn = std::numbers::pi / 2 * static_cast<double>(into) / static_cast<double>(steps);
-  point = last - into;
-  other = steps - into;
-  share = std::cos(turn);
-  other_share = std::sin(turn);
-}
 
 RepeatedProfile::RepeatedProfile(const std::vector<double>& heights)
     : heights_{heights}, seam_{RepeatedPlace::seam(heights.size())} {}

@@ -22,17 +22,6 @@ std::vector<double> prepared_face(const SurfaceSpec& spec, const std::filesystem
                                   int nodes, double length, double spacing, double thickness,
                                   std::vector<std::string>* doubts);
 
-/// A point of a line of `points` that is repeated for ever: a point of the line, or, in the seam
-/// between two copies, two of them with their shares.
-struct RepeatedPlace {
-  std::size_t point, other = 0;
-  double share = 1, other_share = 0;
-
-  RepeatedPlace(std::size_t points, std::size_t place);
-  /// Steps from one copy to the next: a tenth of the line, at least one.
-  static std::size_t seam(std::size_t points);
-};
-
 /// A profile that goes on for ever. Behind each copy of it stands a seam, in which the copy goes on
 /// mirrored at its end and fades out while the next one, mirrored at its beginning, fades in: their
 /// weights are a cosine and a sine, so that neither a jump nor a change of the mean square is made.

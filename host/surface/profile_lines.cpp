@@ -39,7 +39,7 @@ void refuse(const std::filesystem::path& file, std::vector<LineFault> faults) {
 }
 
 ProfileLines::ProfileLines(const std::filesystem::path& file, std::size_t longest_line)
-    : stream_(file), buffer_(longest_line + 1, '\0') {}
+    : stream_(file), buffer_(std::min<std::size_t>(longest_line, stream_.size() + 1) + 1, '\0') {}
 
 bool ProfileLines::next() {
   if (stream_.eof() || too_long_) return false;

@@ -54,9 +54,9 @@ compile() {
   [[ $object -nt $1 && -z $(find host -name '*.hpp' -newer "$object") ]] ||
     "$clang" "${flags[@]}" $(shifts "$1") -c "$1" -o "$object"
 }
-sources=(host/base/{text,hash,units}.cpp host/system/{input_file,partial_file,output_file}.cpp host/device/saved_state.cpp host/store/sealed_file.cpp
+sources=(host/base/{text,hash,units}.cpp host/system/{input_file,machine_memory,partial_file,output_file}.cpp host/device/saved_state.cpp host/store/sealed_file.cpp
   host/run/checkpoint_bytes.cpp host/study/{ledger,study_file,study_folder,scene_key}.cpp
-  host/scene_file/{reader,key_facts,key_table}.cpp host/scene/{scene,schemes}.cpp host/surface/{areal,form,height_map,map_file,map_npy,map_text,md5,profile,profile_lines,profile_sdf,profile_text,profile_x3p,text_dialect,zip_archive}.cpp)
+  host/scene_file/{reader,key_facts,key_table}.cpp host/scene/{scene,schemes}.cpp host/surface/{areal,form,height_map,map_file,map_npy,map_text,md5,profile,profile_lines,profile_sdf,profile_text,profile_x3p,repeated_place,text_dialect,zip_archive}.cpp)
 side_by_side compile "${sources[@]}"
 rm -f "$build/readers.a"
 for source in "${sources[@]}"; do object_of "$source"; done | xargs ar rcs "$build/readers.a"  # each takes what it needs

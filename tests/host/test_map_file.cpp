@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "host/surface/map_file.hpp"
+#include "host/surface/map_output.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
