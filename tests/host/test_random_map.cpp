@@ -190,6 +190,29 @@ TEST(RandomMap, AutocorrelationIsTheGaussianOfBothDirections) {
   }
 }
 
+/// Two normal heights of correlation c have different signs with the probability arccos(c)/pi,
+/// which between near points is Rice's rsm. 100 elements in each of some 250 independent rows: were
+/// they all independent, the share of signs would be off by 1/sqrt(2 * 25 000) of itself, and
+/// crossings that repel each other are off by less. Five of that are allowed.
+TEST(RandomMap, CrossesItsMeanAsOftenAsItsRsmSays) {
+  const double rsm = 0x1p-12, rsm_y = 0x1p-10;
+  const RandomMap map{1, rsm, rsm_y, false, 8};
+  const HeightMap made = random_map(map, 100 * rsm, 100 * rsm_y, rsm / 16, rsm_y / 16);
+  double along = 0, across = 0;
+  for (std::size_t j = 0; j < made.ny; ++j)
+    for (std::size_t i = 0; i < made.nx; ++i) {
+      if (i > 0) along += (made.at(i, j) > 0) != (made.at(i - 1, j) > 0);
+      if (j > 0) across += (made.at(i, j) > 0) != (made.at(i, j - 1) > 0);
+    }
+  const double steps = static_cast<double>(made.nx - 1) * static_cast<double>(made.ny);
+  const double steps_y = static_cast<double>(made.nx) * static_cast<double>(made.ny - 1);
+  const double share = std::acos(std::exp(-std::pow(rsm_per_l / 16, 2))) / std::numbers::pi;
+  EXPECT_NEAR(share, 2.0 / 16, 0.03 / 16);  // two crossings to an element
+  const double bound = 5 / std::sqrt(2 * 25000.0) * share;
+  EXPECT_NEAR(along / steps, share, bound);
+  EXPECT_NEAR(across / steps_y, share, bound);
+}
+
 TEST(RandomMap, OfALongWaveAcrossIsConstantInY) {
   // h(y) - h(0) <= y * slope: 6 rq sqrt(2) width/l_y
   const RandomMap map = rough(9, 0x1p-12, 1e9);
