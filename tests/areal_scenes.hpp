@@ -19,7 +19,7 @@ ArealScene free_block();
 ArealScene sixty_modes();
 ArealScene one_bump();
 
-/// The same with y turned round.
+/// A scene with y turned round.
 ArealScene mirrored(ArealScene scene);
 /// A state of it, as of the scene that was turned round.
 ArealState mirrored(const ArealScene& scene, ArealState state);

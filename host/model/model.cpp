@@ -119,7 +119,7 @@ void check_roundings(const Model& m) {
           scene.contact.stiffness * share * m.slider.load_force / (rounding * m.node_stiffness)));
 }
 
-/// What areal scenes cannot have yet.
+/// Refuses what is not built for areal scenes.
 void refuse_unbuilt(const Scene& scene) {
   const auto refuse = [&](bool is_asked, const char* key, const char* what) {
     if (is_asked) throw refusal(scene, key, std::string("not built yet for areal scenes: ") + what);

@@ -269,7 +269,7 @@ Pattern random_pattern(std::mt19937& random, Kind kind) {
   return pattern;
 }
 
-/// The same on several rows, each with a node of padding.
+/// A random pattern on several rows, each with a node of padding.
 Pattern random_areal_pattern(std::mt19937& random, Kind kind) {
   const Pattern plain = random_pattern(random, kind);
   const int rows = std::uniform_int_distribution<int>(1, 6)(random);
