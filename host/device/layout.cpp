@@ -9,6 +9,7 @@
 #include "host/base/errors.hpp"
 #include "host/model/bounds.hpp"
 #include "host/scene/schemes.hpp"
+#include "host/system/machine_memory.hpp"
 
 namespace ra2d {
 
@@ -51,11 +52,11 @@ namespace {
 
 /// The march keeps every node that it has expanded.
 void check_expanded(const Model& model, const Extents& n) {
-  constexpr double most = 16e9;  // bytes
+  const auto most = static_cast<double>(machine_memory());
   const double bytes = static_cast<double>(n.nodes) * n.shape_rows() * n.lanes * sizeof(double);
   if (!model.is_areal || bytes <= most) return;
   throw refusal(model.scene, "scene.spacing",
-                fmt::format("{} nodes and {} modes take up to {:.0f} GB, expected at most {:.0f}: "
+                fmt::format("{} nodes and {} modes take up to {:.3g} GB, and there are {:.3g}: "
                             "coarsen spacing or spacing_y, or keep fewer modes "
                             "(resonator.max_frequency)",
                             model.nodes(), model.resonator.modes.size() + model.slider.modes.size(),

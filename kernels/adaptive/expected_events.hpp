@@ -36,10 +36,11 @@ class ExpectedEvents {
         speed_{motion.advance / motion.time_step} {}
 
   /// The first of each within `horizon` [s], in the listed cells. `force`: at the beginning, of
-  /// each listed cell, `stride` apart. Runs of cells are taken as one contact.
+  /// each listed cell, `stride` apart. Runs of cells are taken as one contact. `stays_open` becomes
+  /// 1 for each listed cell that is open and will be for a quarter longer, else 0.
   RA2D_FUNCTION Times operator()(const Real* u, const Real* v, const Real* acceleration,
                                  const int* cells, int count, const double* force, int stride,
-                                 double horizon) const {
+                                 double horizon, int* stays_open) const {
     Real third[packs];
     third_derivative(u, v, acceleration, cells, count, force, stride, third);
     Times times;
@@ -51,6 +52,10 @@ class ExpectedEvents {
         last = cells[e];
         const ForeseenCell path = foresee(cells[e], u, v, acceleration, third);
         const double now = path.highest_after(0.0), then = path.highest_after(horizon);
+        const bool open = force[e * stride] == 0.0 && now < 0.0 && then < 0.0 &&
+                          path.highest_after(0.5 * horizon) < 0.0 &&
+                          path.highest_after(1.25 * horizon) < 0.0;
+        if (lanes_.leader()) stays_open[e] = open ? 1 : 0;
         closed = closed || force[e * stride] > 0.0;
         ends = ends && then < 0.0;
         if (now > 0.0 && then < 0.0)

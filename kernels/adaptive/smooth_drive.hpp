@@ -204,16 +204,18 @@ class SmoothDrive {
     return weighted_sum<Lanes, packs>(lanes_, weight, x);
   }
 
-  /// Ends the step where a contact is expected to begin or end.
+  /// Ends the step where a contact is expected to begin or end, and leaves out the cells that are
+  /// expected to stay open. Should contact begin in one of these, search() finds it.
   RA2D_FUNCTION void plan(const Modes& now, const Place& place, std::int64_t& ticks, Pace& pace,
-                          bool& cut) const {
+                          bool& cut) {
     Real acceleration[packs];
     step_.acceleration(acceleration);
     const double whole = static_cast<double>(ticks);
     const auto times =
         ExpectedEvents<Lanes, packs>(lanes_, modes_, motion_, adaptive_, node_contact_, place)(
             now.u, now.v, acceleration, stages_.cells, cells_, stages_.force, formula_stages,
-            whole * motion_.time_step);
+            whole * motion_.time_step, listed_);
+    leave_out_open();
     double end = whole;
     const double onset = times.onset / motion_.time_step,
                  release = times.release / motion_.time_step;
@@ -235,6 +237,22 @@ class SmoothDrive {
     if (planned >= ticks) return;
     ticks = planned;
     cut = true;
+  }
+
+  /// Takes out of the step's cells those that are marked in `listed_`.
+  RA2D_FUNCTION void leave_out_open() {
+    lanes_.sync();
+    int kept = 0;
+    for (int e = 0; e < cells_; ++e) {
+      if (listed_[e] != 0) continue;
+      if (lanes_.leader()) stages_.cells[kept] = stages_.cells[e];
+      ++kept;
+    }
+    lanes_.sync();
+    if (kept == cells_) return;
+    cells_ = kept;
+    if (lanes_.leader()) stages_.cell_count = cells_;
+    step_.keep_start(cells_);
   }
 
   /// Lists the cells that the step evaluates, and finds the forces at its beginning.
