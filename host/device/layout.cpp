@@ -52,9 +52,10 @@ namespace {
 
 /// The march keeps every node that it has expanded.
 void check_expanded(const Model& model, const Extents& n) {
+  if (!model.is_areal) return;
   const auto most = static_cast<double>(machine_memory());
   const double bytes = static_cast<double>(n.nodes) * n.shape_rows() * n.lanes * sizeof(double);
-  if (!model.is_areal || bytes <= most) return;
+  if (bytes <= most) return;
   throw refusal(model.scene, "scene.spacing",
                 fmt::format("{} nodes and {} modes take up to {:.3g} GB, and there are {:.3g}: "
                             "coarsen spacing or spacing_y, or keep fewer modes "

@@ -11,6 +11,8 @@
 #include <vector>
 
 #include "host/base/errors.hpp"
+#include "host/device/layout.hpp"
+#include "host/system/machine_memory.hpp"
 #include "tests/areal_reference.hpp"
 #include "tests/areal_scenes.hpp"
 #include "tests/compare.hpp"
@@ -361,6 +363,27 @@ TEST(ArealModel, RefusesWhatDoesNotFit) {
   expect("scene.side", [](Scene&, HeightMaps& m) { m.side = -1e-3; });
   expect("scene.side", [](Scene&, HeightMaps& m) { m.side = 0.0376; });
   expect("block", [](Scene& s, HeightMaps&) { s.slider.support = Support::pinned; });
+}
+
+TEST(ArealModel, RefusesMoreExpandedNodesThanThereIsMemoryFor) {
+  ArealScene s = rigid_block();
+  s.block.length = 0.04, s.block.width = 0.03, s.side = 0, s.start = 0;
+  s.spacing = 1e-4, s.spacing_y = 1e-4;
+  s.block_heights.assign(300, std::vector<double>(401, 0.0));
+  s.plate_heights.assign(300, std::vector<double>(601, 0.0));
+  const Started fits = areal_march(s, scheme_of(SchemeKind::midpoint), 1e-8, 100);
+  const auto bytes = [&](int lanes) { return 300.0 * 408 * 4 * lanes * sizeof(double); };
+  const int width = 8;
+  const PatchSeries series = choose_series(fits.model, width);
+  const int too_many = width * static_cast<int>(machine_memory() / bytes(width) + 2);
+  EXPECT_NO_THROW(extents_of(fits.model, series, 40, width, Capacity()));
+  try {
+    extents_of(fits.model, series, too_many, width, Capacity());
+    FAIL() << "taken";
+  } catch (const RequestError& fault) {
+    EXPECT_NE(std::string(fault.what()).find("scene.spacing: 120300 nodes"), std::string::npos)
+        << fault.what();
+  }
 }
 
 }  // namespace
