@@ -495,13 +495,15 @@ TEST_P(RandomShocks, StretchesAreTheirSteps) {
   std::mt19937 random(15);
   int longer = 0, merged = 0;
   for (int trial = 0; trial < 1500; ++trial) {
-    const Pattern pattern = random_pattern(random, GetParam());
+    const Pattern pattern = trial % 2 == 0 ? random_pattern(random, GetParam())
+                                           : random_areal_pattern(random, GetParam());
     const auto same = [&](int a, int b) {
       for (int node = 0; node < pattern.nodes; ++node)
         if (pattern.touches(a, node) != pattern.touches(b, node)) return false;
       return true;
     };
     Tracker tracker(pattern.nodes);
+    tracker.s.work.runs.row = pattern.row;
     for (int first = 0, last = 0; first <= pattern.steps; first = last = last + 1) {
       // any part of such a stretch will do
       while (last < pattern.steps && same(first, last + 1) && random() % 8 != 0) ++last;
@@ -513,7 +515,7 @@ TEST_P(RandomShocks, StretchesAreTheirSteps) {
         double force = 0, moment = 0;
         for (int step = first; step <= last; ++step) {
           force += pattern.at(step, node);
-          moment += pattern.at(step, node) * (node + Pattern::position(step) - 100);
+          moment += pattern.at(step, node) * (pattern.along(node) + Pattern::position(step) - 100);
         }
         s.work.contact_list.nodes[count] = node;
         s.work.contact_list.forces[count++] = force;
