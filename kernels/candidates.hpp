@@ -192,7 +192,7 @@ class Candidates {
       const int group = all ? e : groups_[e];
       const Real overlap = sweep.overlap(group).overlap;
       if (!faces_.smooth) [[likely]]
-        list_nodes(group, lanes_.at_least(overlap, level), count);
+        list_nodes(group, sweep.nodes_left(group), lanes_.at_least(overlap, level), count);
       else
         list_cells(group, overlap, cell_sag(lanes_, faces_, place, group), level, count);
     }
@@ -219,10 +219,10 @@ class Candidates {
   KOKKOS_FORCEINLINE_FUNCTION double bound(const double* weight, const Real* x) const {
     return weighted_sum<Lanes, packs>(lanes_, weight, x);
   }
-  /// Lists the nodes of a group whose bits are set. The last group is padded with nodes that do
-  /// not exist. They lie low, but a motion that diverges, or is not a number, would reach them.
-  KOKKOS_FORCEINLINE_FUNCTION void list_nodes(int group, std::uint32_t bits, int& count) {
-    const int left = faces_.nodes - group * width;
+  /// Lists the nodes of a group whose bits are set. The last group of a row, with `left` nodes, is
+  /// padded with nodes that do not exist. They lie low, but a motion that diverges, or is not a
+  /// number, would reach them.
+  KOKKOS_FORCEINLINE_FUNCTION void list_nodes(int group, int left, std::uint32_t bits, int& count) {
     if (left < width) bits &= (1u << left) - 1u;
     for (; bits != 0; bits &= bits - 1)
       list(group * width + Kokkos::Experimental::countr_zero_builtin(bits), count);
@@ -296,7 +296,7 @@ class Candidates {
         most = most + sag;
         overlap = overlap + sag;
       } else {
-        list_nodes(group, lanes_.at_least(most, level), count);
+        list_nodes(group, sweep.nodes_left(group), lanes_.at_least(most, level), count);
       }
       pressed = pressed + Kokkos::max(most - Real(level), Real(0.0));
       // the root of open = i closing + i (i + 1) half_curve

@@ -30,6 +30,9 @@ std::string run_key(const Model& model) {
     hash.add(fmt::format("\n{} heights\n", height->size()));
     hash.add(height->data(), height->size());
   }
+  if (model.is_areal)
+    hash.add(fmt::format("\n{} rows, {} m apart, from {} m on\n", model.rows, model.spacing_y,
+                         model.side));
   return hash.text();
 }
 

@@ -40,20 +40,30 @@ KOKKOS_INLINE_FUNCTION void expand_node(const Lanes& lanes, const SliderMotion& 
                                         double* shape, double* face) {
   using Real = typename Lanes::Real;
   RA2D_CHECK(node >= 0 && node < faces.nodes);
-  const int at = place.base + node;
+  const RowTables& rows = faces.rows;
+  // in an areal scene: its row, and where it stands in that
+  const int j = rows.across == nullptr ? 0 : node / slider.row, i = node - j * slider.row;
+  const int at = place.base + i;
   Real c[4][packs];
   expand_modes<Lanes, packs>(lanes, patches, at / patches.nodes,
                              at + (place.part + 0.5) * motion.window_width, c);
   const std::int64_t row = slider.row;
   for (int k = 0; k < slider.modes; ++k)
     for (int p = 0; p < packs; ++p)
-      c[0][p] = multiply_add(slider.shape[k * row + node],
+      c[0][p] = multiply_add(slider.shape[k * row + i],
                              lanes.load(slider.unit + (k * packs + p) * Lanes::width), c[0][p]);
+  if (rows.across != nullptr) [[unlikely]]
+    for (int p = 0; p < packs; ++p) {
+      const Real share =
+          lanes.load(rows.across + (static_cast<std::int64_t>(j) * packs + p) * Lanes::width);
+      for (int m = 0; m < 4; ++m) c[m][p] = share * c[m][p];
+    }
   for (int m = 0; m < 4; ++m)
     for (int p = 0; p < packs; ++p) lanes.store(shape + (m * packs + p) * Lanes::width, c[m][p]);
   if (lanes.leader()) {
-    face[0] = faces.height1[node] + faces.height2[at];
-    face[1] = faces.height2[at + 1] - faces.height2[at];
+    const double* const h2 = faces.height2 + (place.base + node + j * rows.excess);
+    face[0] = faces.height1[node] + h2[0];
+    face[1] = h2[1] - h2[0];
   }
 }
 

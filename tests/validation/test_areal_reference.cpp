@@ -16,7 +16,7 @@
 #include "host/body/block.hpp"
 #include "host/body/plate.hpp"
 #include "tests/adaptive.hpp"
-#include "tests/dice.hpp"
+#include "tests/areal_scenes.hpp"
 #include "tests/scenes.hpp"
 
 /// The reference for areal scenes against theory, before anything is held to it.
@@ -25,67 +25,14 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 
-/// Waves of random directions, 6 to 25 nodes long.
-HeightMap rough_map(int rows, int nodes, double rms, std::uint64_t seed) {
-  constexpr int waves = 12;
-  Dice dice(seed);
-  HeightMap map(rows, std::vector<double>(nodes, 0.0));
-  for (int w = 0; w < waves; ++w) {
-    const double wave = 2 * pi / dice.uniform(6, 25), way = dice.uniform(0, 2 * pi),
-                 phase = dice.uniform(0, 2 * pi);
-    for (int j = 0; j < rows; ++j)
-      for (int i = 0; i < nodes; ++i)
-        map[j][i] += rms * std::sqrt(2.0 / waves) *
-                     std::cos(wave * (i * std::cos(way) + j * std::sin(way)) + phase);
-  }
-  return map;
-}
-
-/// A block of 30 x 10 nodes on a plate of 60 x 40 x 1 mm, off its middle.
-ArealScene small_scene(Support block, int modes = 40) {
-  ArealScene s;
-  s.plate = steel(0.06, 1e-3, 0.04, 0.02, modes);
-  s.plate.poisson = 0.3;
-  s.block = steel(5.8e-3, 5e-3, 2.5e-3, 0, 0);
-  s.block.support = block;
-  s.spacing = 2e-4, s.spacing_y = 2.5e-4;
-  s.start = 0.0101, s.side = 0.007;
-  s.speed = 2;
-  s.gap = 5.5e-6;
-  s.stiffness = 1e14;
-  s.plate_heights = rough_map(10, 301, 2e-6, 1);
-  s.block_heights = rough_map(10, 30, 2e-6, 2);
-  if (block == Support::free) s.block.load = 5;
-  return s;
-}
-
 struct Case {
   std::string name;
   ArealScene (*scene)();
 };
 void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
 
-ArealScene rigid_block() { return small_scene(Support::rigid); }
-ArealScene free_block() { return small_scene(Support::free); }
-ArealScene sixty_modes() {
-  ArealScene s = small_scene(Support::rigid, 60);
-  s.spacing_y = 1e-4;
-  s.block.width = 1e-3;
-  s.gap = 5e-6;
-  return s;
-}
-ArealScene one_bump() {
-  ArealScene s = small_scene(Support::rigid);
-  for (std::vector<double>& row : s.block_heights) row.assign(30, 0.0);
-  for (std::vector<double>& row : s.plate_heights) row.assign(301, 0.0);
-  s.gap = 9.5e-6;
-  s.plate_heights[3][64] = 1e-5;
-  s.plate_heights[4][64] = 1.1e-5;
-  s.plate_heights[4][65] = 9e-6;
-  return s;
-}
 ArealScene moving_force() {
-  ArealScene s = small_scene(Support::free);
+  ArealScene s = small_areal_scene(Support::free);
   s.forces = {{.force = 3, .speed = 30, .start = 0.035, .y = 0.012}};
   return s;
 }
@@ -111,23 +58,6 @@ class ArealReferences : public testing::TestWithParam<Case> {
 };
 INSTANTIATE_TEST_SUITE_P(Scenes, ArealReferences, testing::ValuesIn(cases),
                          [](const auto& info) { return info.param.name; });
-
-double energy(const Body& body, const std::vector<double>& u, const std::vector<double>& v,
-              const std::vector<double>& u1, const std::vector<double>& v1, double sign_u = -1) {
-  double sum = 0;
-  for (std::size_t k = 0; k < body.modes.size(); ++k)
-    sum += 0.5 * body.modes[k].mass *
-           (std::pow(v[k] + sign_u * v1[k], 2) +
-            std::pow(body.modes[k].omega * (u[k] + sign_u * u1[k]), 2));
-  return sum;
-}
-
-/// The distance of two states in the norm whose square is the energy, over that of the first.
-double state_distance(const ArealScene& s, const ArealState& a, const ArealState& b) {
-  const double apart = energy(make_plate(s.plate), a.plate_u, a.plate_v, b.plate_u, b.plate_v) +
-                       energy(make_block(s.block), a.block_u, a.block_v, b.block_u, b.block_v);
-  return std::sqrt(apart / a.energy());
-}
 
 TEST_P(ArealReferences, Converge) {
   const ArealScene s = GetParam().scene();
@@ -179,17 +109,8 @@ TEST_P(ArealReferences, EnergyCloses) {
 
 TEST_P(ArealReferences, MirrorImagesGiveMirrorImages) {
   const ArealScene s = GetParam().scene();
-  ArealScene mirrored = s;
-  mirrored.side = s.plate.width - s.block.width - s.side;
-  std::reverse(mirrored.plate_heights.begin(), mirrored.plate_heights.end());
-  std::reverse(mirrored.block_heights.begin(), mirrored.block_heights.end());
-  for (ArealForce& f : mirrored.forces) f.y = s.plate.width - f.y;
-  ArealReference a = usual(), b = areal_reference(mirrored, {duration});
-  const std::vector<PinnedPlateMode> modes = plate_modes(s.plate, 1000);
-  ArealState& state = b.states[0];
-  for (std::size_t k = 0; k < modes.size(); ++k)
-    if (modes[k].n % 2 == 0) state.plate_u[k] *= -1, state.plate_v[k] *= -1;
-  if (!state.block_u.empty()) state.block_u[2] *= -1, state.block_v[2] *= -1;
+  ArealReference a = usual(), b = areal_reference(mirrored(s), {duration});
+  const ArealState state = mirrored(s, b.states[0]);
   // b - l2 - y0 is rounded: some 1e-16 of a shape, which shocks amplify
   EXPECT_LT(state_distance(s, a.states.back(), state), 1e-11);
   ASSERT_EQ(a.shocks.size(), b.shocks.size());
@@ -265,16 +186,16 @@ TEST(ArealReference, RunsBackToWhereItCameFrom) {
   for (std::vector<double>* each : {&rest.plate_u, &rest.plate_v, &rest.block_u, &rest.block_v})
     std::fill(each->begin(), each->end(), 0.0);
   ArealState end = back.states[1];
-  const double apart =
-      energy(make_plate(s.plate), end.plate_u, end.plate_v, rest.plate_u, rest.plate_v) +
-      energy(make_block(s.block), end.block_u, end.block_v, rest.block_u, rest.block_v);
-  EXPECT_LT(std::sqrt(apart / there.energy()), 1e-12);
+  const double left =
+      apart(make_plate(s.plate), end.plate_u, end.plate_v, rest.plate_u, rest.plate_v) +
+      apart(make_block(s.block), end.block_u, end.block_v, rest.block_u, rest.block_v);
+  EXPECT_LT(std::sqrt(left / there.energy()), 1e-12);
 }
 
 TEST(ArealReference, PointForceCrossesThePlateAsInClosedForm) {
   // mu (U'' + omega^2 U) = F psi(v t, y), psi = A sin(W t): U = F A/mu (sin W t - W/omega
   // sin omega t)/(omega^2 - W^2)
-  ArealScene s = small_scene(Support::rigid);
+  ArealScene s = small_areal_scene(Support::rigid);
   s.plate.damping = 0;
   s.gap = 1;
   const double force = 2.5, speed = 40, y = 0.0123;
@@ -301,7 +222,7 @@ TEST(ArealReference, PointForceCrossesThePlateAsInClosedForm) {
 
 /// A rigid plate, flat, under a free block without a load that comes down at 0.1 m/s.
 ArealScene falling_block() {
-  ArealScene s = small_scene(Support::free);
+  ArealScene s = small_areal_scene(Support::free);
   s.plate.support = Support::rigid;
   s.plate.modes = 0;
   s.block.load = 0;
@@ -348,7 +269,7 @@ TEST(ArealReference, OneModeSwingsOnOneSpring) {
   ArealScene s = falling_block();
   s.block.support = Support::rigid;
   s.block_v.clear();
-  s.plate = small_scene(Support::rigid, 1).plate;
+  s.plate = small_areal_scene(Support::rigid, 1).plate;
   s.plate.damping = 0;
   s.speed = 0;
   s.stiffness = 1e12;
@@ -464,13 +385,13 @@ TEST(ArealReference, ShapesConstantInYGiveThePlaneScene) {
     const Recording plane = simulate(adaptive(scene, 1e-13));
     const ArealReference r = areal_reference(plane_scene(plane.model, 4), {scene.duration});
     const ArealState& state = r.states[0];
-    const double apart = energy(plane.model.resonator, state.plate_u, state.plate_v,
-                                plane.end.resonator_u, plane.end.resonator_v) +
-                         energy(plane.model.slider, state.block_u, state.block_v,
-                                plane.end.slider_u, plane.end.slider_v);
+    const double left = apart(plane.model.resonator, state.plate_u, state.plate_v,
+                              plane.end.resonator_u, plane.end.resonator_v) +
+                        apart(plane.model.slider, state.block_u, state.block_v, plane.end.slider_u,
+                              plane.end.slider_v);
     // a shock amplifies what came before it by up to some ten times; roundings of double precision
     const double bound = 1e-10;
-    EXPECT_LT(std::sqrt(apart / state.energy()), bound);
+    EXPECT_LT(std::sqrt(left / state.energy()), bound);
     ASSERT_EQ(plane.shocks.size(), r.shocks.size());
     ASSERT_GE(r.shocks.size(), 1);
     for (std::size_t i = 0; i < r.shocks.size(); ++i) {
