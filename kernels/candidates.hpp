@@ -191,10 +191,12 @@ class Candidates {
     for (int e = 0; e < groups; ++e) {
       const int group = all ? e : groups_[e];
       const Real overlap = sweep.overlap(group).overlap;
-      if (!faces_.smooth) [[likely]]
-        list_nodes(group, sweep.nodes_left(group), lanes_.at_least(overlap, level), count);
-      else
+      if (!faces_.smooth) [[likely]] {
+        if (const std::uint32_t bits = lanes_.at_least(overlap, level); bits != 0)
+          list_nodes(group, sweep.nodes_left(group), bits, count);
+      } else {
         list_cells(group, overlap, cell_sag(lanes_, faces_, place, group), level, count);
+      }
     }
     lanes_.sync();
     return count;
@@ -296,7 +298,8 @@ class Candidates {
         most = most + sag;
         overlap = overlap + sag;
       } else {
-        list_nodes(group, sweep.nodes_left(group), lanes_.at_least(most, level), count);
+        if (const std::uint32_t bits = lanes_.at_least(most, level); bits != 0)
+          list_nodes(group, sweep.nodes_left(group), bits, count);
       }
       pressed = pressed + Kokkos::max(most - Real(level), Real(0.0));
       // the root of open = i closing + i (i + 1) half_curve

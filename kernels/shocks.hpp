@@ -69,10 +69,9 @@ KOKKOS_INLINE_FUNCTION int merge_shocks(ShockTracking& shocks, RunBuffer& runs, 
   return keep == moved ? drop : keep;
 }
 
-/// Where a force acts on the slider, along x [chi].
-KOKKOS_FORCEINLINE_FUNCTION double centre(const RunBuffer& runs, const ContactList& list, int e) {
-  if (list.centres != nullptr) return list.centres[e];
-  return runs.row == 0 ? list.nodes[e] : list.nodes[e] % runs.row;
+/// Where a force acts on the slider, along x [chi]; of a plane scene.
+KOKKOS_FORCEINLINE_FUNCTION double centre(const ContactList& list, int e) {
+  return list.centres == nullptr ? list.nodes[e] : list.centres[e];
 }
 
 /// Merges `shock` (none: negative) with those of the runs of a list, `count` in ascending order,
@@ -148,8 +147,9 @@ KOKKOS_INLINE_FUNCTION void join_shocks(ShockTracking& shocks, RunBuffer& runs, 
 KOKKOS_INLINE_FUNCTION void track_shocks(ShockTracking& shocks, RunBuffer& runs, ShockBuffer& ended,
                                          const ContactList& list, int count, std::int64_t step,
                                          double position) {
-  join_shocks(shocks, runs, ended, list, count, step, step, position,
-              [&](int e) { return list.forces[e] * centre(runs, list, e); });
+  join_shocks(shocks, runs, ended, list, count, step, step, position, [&](int e) {
+    return list.forces[e] * (runs.row == 0 ? centre(list, e) : list.nodes[e] % runs.row);
+  });
   for (int i = 0; i < shocks.open_count; ++i)
     if (shocks.open[i].force > shocks.open[i].peak) shocks.open[i].peak = shocks.open[i].force;
 }
@@ -166,11 +166,11 @@ KOKKOS_FORCEINLINE_FUNCTION bool continue_shocks(ShockTracking& shocks, RunBuffe
   for (; e < count && run < shocks.run_count; ++run) {
     const int first = list.nodes[e];
     int last = first;
-    double force = list.forces[e], moment = force * centre(runs, list, e);
+    double force = list.forces[e], moment = force * centre(list, e);
     while (++e < count && list.nodes[e] == last + 1) {
       ++last;
       force += list.forces[e];
-      moment += list.forces[e] * centre(runs, list, e);
+      moment += list.forces[e] * centre(list, e);
     }
     const ContactRun& before = shocks.runs[run];
     if (first > before.last + 1 || last < before.first - 1) return false;
