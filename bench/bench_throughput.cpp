@@ -123,7 +123,8 @@ void time_throughput(benchmark::State& state, Paper paper, const Method& method,
 }
 
 void add_cases() {
-  const Method adaptive{{SchemeKind::adaptive}}, fixed{{SchemeKind::backward_euler}};
+  const Method adaptive = sized({{SchemeKind::adaptive}}, 1e-6);
+  const Method fixed{{SchemeKind::backward_euler}};
   struct Setting {
     const char* name;
     Method method;

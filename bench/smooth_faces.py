@@ -9,7 +9,8 @@
 PROGRAM is ra2d. Each case runs scenes/dang2012.toml over several seeds of both surfaces and appends its numbers to
 OUT.csv (smooth_faces_CASE.csv beside this script); runs whose row is there already are not run again, so it can be
 interrupted. `--summary` runs nothing and prints the means, with 95 % intervals over the seeds. With --jobs N, N runs at
-a time. All takes hours on one core; --seeds 3 --duration 0.2 minutes.
+a time. convergence takes some 20 minutes on one core; --seeds 3 --duration 0.2 one. --chart FILE also draws
+convergence: the error of the rate over the time of a run.
 
 convergence: level, rate of shocks, durations and peak forces over the spacing, and the processor time.
 tone: how far the line at speed/spacing stands above the spectrum around it. Each spectrum is averaged over the
@@ -226,10 +227,62 @@ def summarize_convergence(rows):
             logs = [math.log(float(found[s][name]) / float(limit[s][name])) for s in shared]
             if not logs:
                 return ""
-            ratio = math.exp(statistics.mean(logs))
-            return f"{100 * (ratio - 1):+.1f} ± {100 * ratio * half_width(logs):.1f}"
+            mean, half = statistics.mean(logs), half_width(logs)
+            return f"{100 * math.expm1(mean):+.1f} ± {100 * math.exp(mean) * half:.1f}"
         print(f"| {stiffness:.0e} | {faces} | {1e6 * spacing:g} | {len(found)} | {mean('level', digits=5)} | {mean('rate')} | {off('rate')} | "
               f"{mean('median_duration', 1e6, 3)} | {off('median_duration')} | {mean('median_peak', 1, 3)} | {off('median_peak')} | {mean('seconds', 1, 3)} |")
+
+
+FLOOR = 0.1  # %, the least difference that the chart can show
+
+
+def rate_error(found, limit):
+    """Of the rate of shocks, over pairs of the same seed [%]: its difference to the limit, and half its interval."""
+    shared = [seed for seed in found if seed in limit]
+    logs = [math.log(float(found[s]["rate"]) / float(limit[s]["rate"])) for s in shared]
+    return 100 * abs(math.expm1(statistics.mean(logs))), 100 * half_width(logs)
+
+
+def draw_convergence(rows, file):
+    """For each stiffness the rate's difference to the finest smooth faces over the seconds of a simulated second."""
+    import matplotlib
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+    from matplotlib import ticker
+
+    groups = {}
+    for row in rows:
+        groups.setdefault((float(row["stiffness"]), row["faces"], float(row["spacing"])), {})[row["seed"]] = row
+    stiffnesses = sorted({k for k, _, _ in groups})
+    figure, axes = plt.subplots(1, len(stiffnesses), figsize=(3.6 * len(stiffnesses), 3.4), sharey=True, squeeze=False,
+                                layout="constrained")
+    for ax, stiffness in zip(axes[0], stiffnesses):
+        limit = groups[stiffness, "smooth", min(s for k, f, s in groups if k == stiffness and f == "smooth")]
+        for faces, colour, marker in (("linear", "tab:orange", "s"), ("smooth", "tab:blue", "o")):
+            points = []
+            for (k, f, spacing), found in sorted(groups.items()):
+                if (k, f) != (stiffness, faces) or found is limit:
+                    continue
+                off, half = rate_error(found, limit)
+                cost = statistics.mean(float(r["seconds"]) / float(r["duration"]) for r in found.values())
+                points.append((cost, off, half, 1e6 * spacing))
+            for cost, off, half, spacing in points:
+                low = max(off - half, FLOOR)
+                ax.plot([cost, cost], [low, max(off + half, FLOOR)], color=colour, alpha=0.5, lw=1.5)
+                below = off < FLOOR
+                ax.plot(cost, max(off, FLOOR), marker="v" if below else marker, color=colour, ls="none",
+                        label=f"{faces} faces" if spacing == points[-1][3] else None)
+                ax.annotate(f"{spacing:g}", (cost, max(off, FLOOR)), xytext=(5, 4), textcoords="offset points", fontsize=8)
+        ax.axhline(2, color="0.6", lw=0.8, ls="--")
+        ax.set(xscale="log", yscale="log", title=f"{stiffness:.0e} Pa/m".replace("e+", "e"),
+               xlabel="processor time of a simulated second (s)")
+        ax.xaxis.set_major_locator(ticker.LogLocator(subs=(1, 2, 5)))
+        ax.xaxis.set_major_formatter(ticker.StrMethodFormatter("{x:g}"))
+        ax.xaxis.set_minor_formatter(ticker.NullFormatter())
+        ax.grid(alpha=0.3, which="both")
+    axes[0][0].set_ylabel("rate of shocks: difference\nto its limit (%)")
+    axes[0][0].legend(loc="lower left", fontsize=8, title="numbers: spacing (um)", title_fontsize=8)
+    figure.savefig(file, dpi=110)
 
 
 def level(lines):
@@ -289,6 +342,7 @@ def main():
     parser.add_argument("--fixed", type=float, metavar="STEP", help="smooth faces by `exact` with this step [s], not adaptive")
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--summary", action="store_true")
+    parser.add_argument("--chart", metavar="FILE", help="convergence: draws it, too")
     asked = parser.parse_args()
     asked.out = pathlib.Path(asked.out or pathlib.Path(__file__).parent / f"smooth_faces_{asked.case}.csv")
     asked.program = str(pathlib.Path(asked.program).resolve())
@@ -302,6 +356,8 @@ def main():
         sys.exit(f"no rows of {asked.duration:g} s in {asked.out}")
     if asked.case == "convergence":
         summarize_convergence(found)
+        if asked.chart:
+            draw_convergence(found, asked.chart)
     else:
         summarize_tone(found, ["faces", "spacing"] if asked.case == "tone" else ["resonator", "slider"])
 

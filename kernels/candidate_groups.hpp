@@ -5,6 +5,7 @@
 
 #include "kernels/check.hpp"
 #include "kernels/displacement.hpp"
+#include "kernels/function.hpp"
 #include "kernels/group_sweep.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/place.hpp"
@@ -119,11 +120,10 @@ class CandidateGroups {
 
  public:
   /// `amplitudes`: work space; `evaluated` counts the nodes whose gap was evaluated.
-  KOKKOS_FUNCTION CandidateGroups(const Lanes& lanes, const SliderMotion& motion,
-                                  const FaceTables& faces, const SliderShapes& slider,
-                                  const PatchTables& patches, const MotionLimits& bounds,
-                                  CandidateLists& lists, double* amplitudes,
-                                  std::int64_t& evaluated)
+  RA2D_FUNCTION CandidateGroups(const Lanes& lanes, const SliderMotion& motion,
+                                const FaceTables& faces, const SliderShapes& slider,
+                                const PatchTables& patches, const MotionLimits& bounds,
+                                CandidateLists& lists, double* amplitudes, std::int64_t& evaluated)
       : lanes_{lanes},
         motion_{motion},
         faces_{faces},
@@ -141,13 +141,13 @@ class CandidateGroups {
     return range_ - moved(lists_.reference_u, u);
   }
   /// Whether the list holds for all states within `travel` [m] of this one.
-  KOKKOS_FUNCTION bool holds(const Real* u, const Place& place, double travel) const {
+  RA2D_FUNCTION bool holds(const Real* u, const Place& place, double travel) const {
     return place.base == base_ && moved(lists_.reference_u, u) + travel <= range_;
   }
   /// Finds them anew about u, to hold for a travel of `range` [m]. `rounding` bounds the rounding
   /// of a displacement; `back` [chi] is how far back on the slider's path the list must hold.
-  KOKKOS_FUNCTION void find(const Real* u, const Place& place, double range, double rounding,
-                            double back) {
+  RA2D_FUNCTION void find(const Real* u, const Place& place, double range, double rounding,
+                          double back) {
     base_ = place.base;
     range_ = range < 1e300 ? range : 1e300;  // not a number, too: then all groups are listed
     for (int p = 0; p < packs; ++p) {
@@ -235,7 +235,7 @@ class CandidateGroups {
 
   /// The groups that come within `below` of contact somewhere on the next `width` spacings of the
   /// path.
-  KOKKOS_FUNCTION void find_coarse(const Real* u, const Place& place, double below, double slope) {
+  RA2D_FUNCTION void find_coarse(const Real* u, const Place& place, double below, double slope) {
     coarse_base_ = place.base;
     coarse_below_ = below;
     for (int p = 0; p < packs; ++p) lanes_.store(lists_.coarse_reference_u + p * width, u[p]);

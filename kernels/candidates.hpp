@@ -6,6 +6,7 @@
 #include "kernels/candidate_groups.hpp"
 #include "kernels/check.hpp"
 #include "kernels/displacement.hpp"
+#include "kernels/function.hpp"
 #include "kernels/group_sweep.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/limits.hpp"
@@ -81,12 +82,12 @@ class Candidates {
 
  public:
   /// Lists nodes in `listed_nodes`; `evaluated` counts gaps. `amplitudes`: work space.
-  KOKKOS_FUNCTION Candidates(const Lanes& lanes, const ModeTables& modes,
-                             const SliderMotion& motion, const FaceTables& faces,
-                             const SliderShapes& slider, const PatchTables& patches,
-                             const ContactTables& contact, const SchemeWeights& scheme,
-                             const MotionLimits& bounds, CandidateLists& lists, double* amplitudes,
-                             int* listed_nodes, std::int64_t& evaluated)
+  RA2D_FUNCTION Candidates(const Lanes& lanes, const ModeTables& modes, const SliderMotion& motion,
+                           const FaceTables& faces, const SliderShapes& slider,
+                           const PatchTables& patches, const ContactTables& contact,
+                           const SchemeWeights& scheme, const MotionLimits& bounds,
+                           CandidateLists& lists, double* amplitudes, int* listed_nodes,
+                           std::int64_t& evaluated)
       : lanes_{lanes},
         modes_{modes},
         motion_{motion},
@@ -103,8 +104,8 @@ class Candidates {
 
   /// Forecasts contact from the state at `step` on, no further than step `next`. `last_force` [N],
   /// of the latest contact, serves as a guess of the forces on listed nodes.
-  KOKKOS_FUNCTION ContactForecast forecast_contact(const Real* u, const Real* v, std::int64_t step,
-                                                   std::int64_t next, double last_force) {
+  RA2D_FUNCTION ContactForecast forecast_contact(const Real* u, const Real* v, std::int64_t step,
+                                                 std::int64_t next, double last_force) {
     const Place place(motion_, step);
     int longest = steps_to(1.0, place, bounds_.valid_steps);
     if (longest < 1) {  // a node passes another within this step
@@ -176,7 +177,7 @@ class Candidates {
 
   /// Lists in `listed_nodes` every node in contact at the present state, and perhaps a few that
   /// miss contact by a rounding. Evaluates all nodes or the candidate groups, as the scene says.
-  KOKKOS_FUNCTION int find_contacts(const Real* u, const Real* v, const Place& place) {
+  RA2D_FUNCTION int find_contacts(const Real* u, const Real* v, const Place& place) {
     const bool all = bounds_.searched == Nodes::all;
     if (!all && !groups_.holds(u, place, 0.0)) find_groups(u, v, place);
     double level = -(faces_.rounding + rounding(0) * bound(bounds_.largest_shape, u) +
@@ -190,10 +191,12 @@ class Candidates {
     for (int e = 0; e < groups; ++e) {
       const int group = all ? e : groups_[e];
       const Real overlap = sweep.overlap(group).overlap;
-      if (!faces_.smooth) [[likely]]
-        list_nodes(group, lanes_.at_least(overlap, level), count);
-      else
+      if (!faces_.smooth) [[likely]] {
+        if (const std::uint32_t bits = lanes_.at_least(overlap, level); bits != 0)
+          list_nodes(group, sweep.nodes_left(group), bits, count);
+      } else {
         list_cells(group, overlap, cell_sag(lanes_, faces_, place, group), level, count);
+      }
     }
     lanes_.sync();
     return count;
@@ -218,17 +221,18 @@ class Candidates {
   KOKKOS_FORCEINLINE_FUNCTION double bound(const double* weight, const Real* x) const {
     return weighted_sum<Lanes, packs>(lanes_, weight, x);
   }
-  /// Lists the nodes of a group whose bits are set. The last group is padded with nodes that do
-  /// not exist. They lie low, but a motion that diverges, or is not a number, would reach them.
-  KOKKOS_FORCEINLINE_FUNCTION void list_nodes(int group, std::uint32_t bits, int& count) {
-    const int left = faces_.nodes - group * width;
+  /// Lists the nodes of a group whose bits are set. The last group of a row, with `left` nodes, is
+  /// padded with nodes that do not exist. They lie low, but a motion that diverges, or is not a
+  /// number, would reach them.
+  KOKKOS_FORCEINLINE_FUNCTION void list_nodes(int group, int left, std::uint32_t bits, int& count) {
     if (left < width) bits &= (1u << left) - 1u;
-    for (; bits != 0; bits &= bits - 1) list(group * width + Kokkos::countr_zero(bits), count);
+    for (; bits != 0; bits &= bits - 1)
+      list(group * width + Kokkos::Experimental::countr_zero_builtin(bits), count);
   }
   /// Smooth faces: lists the cells of a group, and the one before it, whose overlap may reach
   /// `level`. `ends`: bounds on the overlaps at the nodes, `sag` as cell_sag.
-  KOKKOS_FUNCTION void list_cells(int group, const Real& ends, const Real& sag, double level,
-                                  int& count) {
+  RA2D_FUNCTION void list_cells(int group, const Real& ends, const Real& sag, double level,
+                                int& count) {
     constexpr std::uint32_t last = 1u << (width - 1);
     // the nodes at both ends of a cell stand in this group, but for the cells at its borders
     const std::uint32_t inside = lanes_.at_least(most_in_cells(lanes_, ends, sag), level);
@@ -238,7 +242,7 @@ class Candidates {
     std::uint32_t bits = (inside & (last - 1)) | (at_either & last);
     if (left < width) bits &= (1u << left) - 1u;
     for (; bits != 0; bits &= bits - 1) {
-      last_listed_ = first + Kokkos::countr_zero(bits);
+      last_listed_ = first + Kokkos::Experimental::countr_zero_builtin(bits);
       list(last_listed_, count);
     }
   }
@@ -294,7 +298,8 @@ class Candidates {
         most = most + sag;
         overlap = overlap + sag;
       } else {
-        list_nodes(group, lanes_.at_least(most, level), count);
+        if (const std::uint32_t bits = lanes_.at_least(most, level); bits != 0)
+          list_nodes(group, sweep.nodes_left(group), bits, count);
       }
       pressed = pressed + Kokkos::max(most - Real(level), Real(0.0));
       // the root of open = i closing + i (i + 1) half_curve
@@ -338,7 +343,7 @@ class Candidates {
     return forecast;
   }
 
-  KOKKOS_FUNCTION Bounds bounds(const Real* u, const Real* v, int steps) const {
+  RA2D_FUNCTION Bounds bounds(const Real* u, const Real* v, int steps) const {
     const double time = steps * motion_.time_step;
     Real energy[packs], acceleration[packs], rate[packs], displacement[packs], per_newton[packs];
     for (int p = 0; p < packs; ++p) {
@@ -365,7 +370,7 @@ class Candidates {
 
   /// Steps until the slider's nodes stand `edge` [chi] behind the resonator's, at the most
   /// `longest`; less than one when they get there within this step.
-  KOKKOS_FUNCTION int steps_to(double edge, const Place& place, int longest) const {
+  RA2D_FUNCTION int steps_to(double edge, const Place& place, int longest) const {
     if (motion_.advance == 0.0) return longest;
     // one step less than to the crossing, and less the roundings of the position
     const double steps = (edge - place.theta - position_rounding(place)) / motion_.advance - 1.0;
@@ -374,7 +379,7 @@ class Candidates {
 
   /// Finds the candidate groups. They hold for the travel that can be expected of the modes until a
   /// node passes another.
-  KOKKOS_FUNCTION void find_groups(const Real* u, const Real* v, const Place& place) {
+  RA2D_FUNCTION void find_groups(const Real* u, const Real* v, const Place& place) {
     const int left = steps_to(1.0, place, bounds_.valid_steps), steps = left < 1 ? 1 : left;
     const double time = steps * motion_.time_step;
     const Bounds b = bounds(u, v, steps);

@@ -5,6 +5,7 @@
 
 #include "kernels/check.hpp"
 #include "kernels/displacement.hpp"
+#include "kernels/function.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/place.hpp"
 #include "kernels/tables.hpp"
@@ -14,7 +15,7 @@ namespace ra2d {
 /// Overlaps at groups of nodes, one group after the other: -g_n (kernels/gap.hpp, equation 10) is
 /// the faces' h_1 - delta + h_2 (StaticOverlap), u_1 from the slider's modes, and u_2 from the
 /// cubic of the resonator's displacement on the patch where the group stands. Groups on one patch
-/// share the sums over the modes.
+/// of one row share the sums over the modes.
 template <class Lanes, int packs>
 class GroupSweep {
   using Real = typename Lanes::Real;
@@ -36,11 +37,23 @@ class GroupSweep {
         u_{u},
         v_{v},
         lane_eta_{Real(patches.inverse_radius) * lanes.index()} {
+    if (faces.rows.across != nullptr) [[unlikely]] {
+      stand_on_row(0);
+      return;
+    }
     for (int p = 0; p < packs; ++p) {
       lanes_.store(amplitudes + p * width, u[p]);
       if (v != nullptr) lanes_.store(amplitudes + (packs + p) * width, v[p]);
     }
     lanes_.sync();
+  }
+
+  /// Of a group whose overlap was asked for last: its nodes, without those that pad the row's end
+  /// (that of the only row of a plane scene, too). More than a group has: all of them.
+  KOKKOS_FORCEINLINE_FUNCTION int nodes_left(int group) const {
+    if (faces_.rows.across == nullptr) [[likely]]
+      return faces_.nodes - group * width;
+    return faces_.rows.nodes - (group - first_group_) * width;
   }
 
   struct Overlap {
@@ -49,9 +62,10 @@ class GroupSweep {
   };
   KOKKOS_FORCEINLINE_FUNCTION Overlap overlap(int group) {
     const Real eta = stand_on_patch(group, false);
-    const StaticOverlap<Lanes> faces(lanes_, faces_, place_, group);
+    const StaticOverlap<Lanes> faces(lanes_, faces_, place_, group, beyond_);
     return {
-        add_slider_displacement(lanes_, slider_, amplitudes_, group, faces.height) + cubic(q_, eta),
+        add_slider_displacement(lanes_, slider_, amplitudes_, group - first_group_, faces.height) +
+            cubic(q_, eta),
         faces.rise};
   }
 
@@ -62,12 +76,13 @@ class GroupSweep {
   };
   KOKKOS_FORCEINLINE_FUNCTION OverlapAndRates overlap_and_rates(int group) {
     const Real eta = stand_on_patch(group, true);
-    const StaticOverlap<Lanes> faces(lanes_, faces_, place_, group);
-    return {
-        add_slider_displacement(lanes_, slider_, amplitudes_, group, faces.height) + cubic(q_, eta),
-        add_slider_displacement(lanes_, slider_, amplitudes_ + packs * width, group,
-                                cubic(rate_q_, eta)),
-        faces.rise + Real(patches_.inverse_radius) * cubic_slope(q_, eta)};
+    const StaticOverlap<Lanes> faces(lanes_, faces_, place_, group, beyond_);
+    const int in_row = group - first_group_;
+    return {add_slider_displacement(lanes_, slider_, amplitudes_, in_row, faces.height) +
+                cubic(q_, eta),
+            add_slider_displacement(lanes_, slider_, amplitudes_ + packs * width, in_row,
+                                    cubic(rate_q_, eta)),
+            faces.rise + Real(patches_.inverse_radius) * cubic_slope(q_, eta)};
   }
 
  private:
@@ -76,24 +91,54 @@ class GroupSweep {
   const SliderShapes& slider_;
   const PatchTables& patches_;
   const Place& place_;
-  const double* amplitudes_;
+  double* amplitudes_;
   const Real *u_, *v_;
   Real lane_eta_;
   int patch_ = -1;
+  int first_group_ = 0, beyond_ = 0;  // of the row
   double q_[4], rate_q_[4];
 
   /// Finds the cubics of the group's patch, if it is not that of the group before; returns eta.
   KOKKOS_FORCEINLINE_FUNCTION Real stand_on_patch(int group, bool rates) {
-    const GroupPlace<Lanes> at(patches_, place_, group);
+    if (static_cast<unsigned>(group - first_group_) >= static_cast<unsigned>(faces_.rows.groups))
+        [[unlikely]]
+      stand_on_row(group / faces_.rows.groups);
+    const GroupPlace<Lanes> at(patches_, place_, group - first_group_);
     if (at.patch != patch_) {
       patch_ = at.patch;
       RA2D_CHECK(patch_ >= 0 && patch_ < patches_.count);
       const double* const rows =
           patches_.derivatives + static_cast<std::int64_t>(patch_) * 4 * packs * width;
-      series_coefficients<Lanes, packs>(lanes_, rows, u_, q_);
-      if (rates) series_coefficients<Lanes, packs>(lanes_, rows, v_, rate_q_);
+      if (faces_.rows.across == nullptr) [[likely]] {
+        series_coefficients<Lanes, packs>(lanes_, rows, u_, q_);
+        if (rates) series_coefficients<Lanes, packs>(lanes_, rows, v_, rate_q_);
+      } else {
+        on_row(rows, amplitudes_, q_);
+        if (rates) on_row(rows, amplitudes_ + packs * width, rate_q_);
+      }
     }
     return lane_eta_ + Real(at.eta);
+  }
+  RA2D_FUNCTION void on_row(const double* rows, const double* amplitudes, double* q) const {
+    Real x[packs];
+    for (int p = 0; p < packs; ++p) x[p] = lanes_.load(amplitudes + p * width);
+    series_coefficients<Lanes, packs>(lanes_, rows, x, q);
+  }
+
+  /// Areal scenes: goes on to a row, where every mode has the share `across` of its displacement.
+  RA2D_FUNCTION void stand_on_row(int row) {
+    first_group_ = row * faces_.rows.groups;
+    beyond_ = row * faces_.rows.excess;
+    patch_ = -1;
+    const double* const across =
+        faces_.rows.across + static_cast<std::int64_t>(row) * packs * width;
+    lanes_.sync();
+    for (int p = 0; p < packs; ++p) {
+      const Real share = lanes_.load(across + p * width);
+      lanes_.store(amplitudes_ + p * width, share * u_[p]);
+      if (v_ != nullptr) lanes_.store(amplitudes_ + (packs + p) * width, share * v_[p]);
+    }
+    lanes_.sync();
   }
 };
 

@@ -5,6 +5,7 @@
 
 #include "kernels/adaptive/adaptive_march.hpp"
 #include "kernels/fixed/fixed_march.hpp"
+#include "kernels/function.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/state.hpp"
 #include "kernels/tables.hpp"
@@ -14,7 +15,7 @@ namespace ra2d {
 
 /// Copies what the host wants to know of a scene to where it reads it.
 template <class Lanes, int packs>
-KOKKOS_FUNCTION void publish(const Lanes& lanes, const CarriedState& carried, CarriedCopies& now) {
+RA2D_FUNCTION void publish(const Lanes& lanes, const CarriedState& carried, CarriedCopies& now) {
   constexpr int width = Lanes::width;
   for (int p = 0; p < packs; ++p) {
     const int row = p * width;
@@ -30,8 +31,8 @@ KOKKOS_FUNCTION void publish(const Lanes& lanes, const CarriedState& carried, Ca
 
 /// Marches one scene to step `target`, its end, a full buffer, an interrupt or a failure.
 template <class Lanes, Form form, int packs>
-KOKKOS_FUNCTION void march_scene(const Lanes& lanes, const SceneTables& tables, SceneState& state,
-                                 std::int64_t target) {
+RA2D_FUNCTION void march_scene(const Lanes& lanes, const SceneTables& tables, SceneState& state,
+                               std::int64_t target) {
   if constexpr (form == Form::adaptive)
     AdaptiveMarch<Lanes, packs>(lanes, tables, state).run(target);
   else
@@ -52,7 +53,7 @@ struct March {
   const std::int64_t* targets;
   double* seconds;  // out: what each took
 
-  KOKKOS_FUNCTION void operator()(const Member& member) const {
+  RA2D_FUNCTION void operator()(const Member& member) const {
     const int scene = scenes[member.league_rank()];
     const Lanes lanes(member);
     const std::uint64_t begin = nanoseconds();
@@ -68,7 +69,7 @@ struct March {
 
  private:
   /// The GPU's clock.
-  KOKKOS_FUNCTION static std::uint64_t nanoseconds() {
+  RA2D_FUNCTION static std::uint64_t nanoseconds() {
     std::uint64_t now = 0;
 #if defined(__CUDA_ARCH__)
     asm volatile("mov.u64 %0, %globaltimer;" : "=l"(now)::"memory");

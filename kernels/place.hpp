@@ -43,6 +43,7 @@ struct Place {
 };
 
 /// The patch on which a group of slider nodes is evaluated, and eta of the group's first node.
+/// `group`: counted from the beginning of its row.
 template <class Lanes>
 struct GroupPlace {
   int patch;
@@ -64,9 +65,10 @@ struct StaticOverlap {
   using Real = typename Lanes::Real;
   Real height, rise;
 
+  /// `beyond`: by how many nodes the row of height2 begins later than that of height1.
   KOKKOS_FORCEINLINE_FUNCTION StaticOverlap(const Lanes& lanes, const FaceTables& faces,
-                                            const Place& place, int group) {
-    const double* h2 = faces.height2 + place.base + group * Lanes::width;
+                                            const Place& place, int group, int beyond = 0) {
+    const double* h2 = faces.height2 + place.base + beyond + group * Lanes::width;
     const Real left = lanes.load(h2);
     rise = lanes.load(h2 + 1) - left;
     const Real own = lanes.load(faces.height1 + group * Lanes::width);
@@ -87,7 +89,7 @@ struct StaticOverlap {
 };
 
 /// Adds u_1 (or its rate) at the nodes of a group to `value`; `amplitude` holds all modes'
-/// amplitudes one by one.
+/// amplitudes one by one. `group`: as of GroupPlace.
 template <class Lanes>
 KOKKOS_FORCEINLINE_FUNCTION typename Lanes::Real add_slider_displacement(
     const Lanes& lanes, const SliderShapes& slider, const double* amplitude, int group,

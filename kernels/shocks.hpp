@@ -8,7 +8,8 @@
 #include "kernels/tables.hpp"
 
 /// Shocks: connected pieces of contact in space and time. A slider node in contact belongs to the
-/// same shock as its neighbours, at this step and at the one before. These functions run on one
+/// same shock as its neighbours, at this step and at the one before: in a plane scene the node
+/// before and the node after it, in an areal one the eight around it. These functions run on one
 /// lane.
 namespace ra2d {
 
@@ -68,9 +69,21 @@ KOKKOS_INLINE_FUNCTION int merge_shocks(ShockTracking& shocks, RunBuffer& runs, 
   return keep == moved ? drop : keep;
 }
 
-/// Where a force acts on the slider [chi].
+/// Where a force acts on the slider, along x [chi]; of a plane scene.
 KOKKOS_FORCEINLINE_FUNCTION double centre(const ContactList& list, int e) {
   return list.centres == nullptr ? list.nodes[e] : list.centres[e];
+}
+
+/// Merges `shock` (none: negative) with those of the runs of a list, `count` in ascending order,
+/// that have nodes from `first` to `last`. `from`: the run to begin with; it moves on to the first
+/// of them, for later calls with higher nodes.
+KOKKOS_INLINE_FUNCTION int merge_met(ShockTracking& shocks, RunBuffer& runs, const ContactRun* list,
+                                     int count, int first, int last, int new_runs, int shock,
+                                     int& from) {
+  while (from < count && list[from].last < first) ++from;
+  for (int b = from; b < count && list[b].first <= last; ++b)
+    shock = shock < 0 ? list[b].shock : merge_shocks(shocks, runs, shock, list[b].shock, new_runs);
+  return shock;
 }
 
 /// Takes in the contact from step `first` to step `last`, with the same nodes in contact: `count`
@@ -95,18 +108,24 @@ KOKKOS_INLINE_FUNCTION void join_shocks(ShockTracking& shocks, RunBuffer& runs, 
   }
   // each continues a run that was next to it one step ago, or begins a shock
   if (shocks.runs_step != first - 1) shocks.run_count = 0;
-  int before = 0;
+  int before = 0, row_before = 0, row_after = 0, this_step = 0;
   for (int r = 0; r < made; ++r) {
     ContactRun& run = runs.next[r];
-    while (before < shocks.run_count && shocks.runs[before].last < run.first - 1) ++before;
-    int shock = -1;
-    for (int b = before; b < shocks.run_count && shocks.runs[b].first <= run.last + 1; ++b)
-      shock = shock < 0 ? shocks.runs[b].shock
-                        : merge_shocks(shocks, runs, shock, shocks.runs[b].shock, r);
+    const int left = run.first - 1, right = run.last + 1, row = runs.row;
+    int shock = merge_met(shocks, runs, shocks.runs, shocks.run_count, left, right, r, -1, before);
+    if (row != 0) [[unlikely]] {
+      // the rows beside it, one step ago; the row before it, at this step: those are done
+      shock = merge_met(shocks, runs, shocks.runs, shocks.run_count, left - row, right - row, r,
+                        shock, row_before);
+      shock = merge_met(shocks, runs, shocks.runs, shocks.run_count, left + row, right + row, r,
+                        shock, row_after);
+      shock = merge_met(shocks, runs, runs.next, r, left - row, right - row, r, shock, this_step);
+    }
     if (shock < 0) {
       RA2D_CHECK(shocks.open_count < 2 * runs.capacity);
       shock = shocks.open_count++;
-      shocks.open[shock] = {shocks.begun++, first, last, 0.0, 0.0, 0.0, 0.0, run.first + position};
+      const int along = row == 0 ? run.first : run.first % row;
+      shocks.open[shock] = {shocks.begun++, first, last, 0.0, 0.0, 0.0, 0.0, along + position};
     }
     run.shock = shock;
     OpenShock& open = shocks.open[shock];
@@ -128,19 +147,21 @@ KOKKOS_INLINE_FUNCTION void join_shocks(ShockTracking& shocks, RunBuffer& runs, 
 KOKKOS_INLINE_FUNCTION void track_shocks(ShockTracking& shocks, RunBuffer& runs, ShockBuffer& ended,
                                          const ContactList& list, int count, std::int64_t step,
                                          double position) {
-  join_shocks(shocks, runs, ended, list, count, step, step, position,
-              [&](int e) { return list.forces[e] * centre(list, e); });
+  join_shocks(shocks, runs, ended, list, count, step, step, position, [&](int e) {
+    return list.forces[e] * (runs.row == 0 ? centre(list, e) : list.nodes[e] % runs.row);
+  });
   for (int i = 0; i < shocks.open_count; ++i)
     if (shocks.open[i].force > shocks.open[i].peak) shocks.open[i].peak = shocks.open[i].force;
 }
 
 /// The usual case of track_shocks: every run of neighbouring nodes continues one run of the step
 /// before, as the only one, and every open shock is one run. False, with nothing changed, when it
-/// is not so.
+/// is not so, and in areal scenes, where contacts mostly reach over several rows.
 KOKKOS_FORCEINLINE_FUNCTION bool continue_shocks(ShockTracking& shocks, RunBuffer& runs,
                                                  const ContactList& list, int count,
                                                  std::int64_t step, double position) {
-  if (shocks.runs_step != step - 1 || shocks.open_count != shocks.run_count) return false;
+  if (shocks.runs_step != step - 1 || shocks.open_count != shocks.run_count || runs.row != 0)
+    return false;
   int run = 0, e = 0;
   for (; e < count && run < shocks.run_count; ++run) {
     const int first = list.nodes[e];

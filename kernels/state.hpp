@@ -40,7 +40,7 @@ struct NodeSums {
   double overlap, moment, work;
 };
 
-/// A run of neighbouring slider nodes in contact.
+/// A run of neighbouring slider nodes in contact, in areal scenes of one row.
 struct ContactRun {
   int first, last;  // nodes
   int shock;        // index of the open shock that it belongs to
@@ -198,6 +198,7 @@ struct ContactList {
 struct RunBuffer {
   ContactRun* next = nullptr;
   int capacity = 0;
+  int row = 0;  // areal scenes: from a node's number to that of its neighbour in the next row
 };
 
 /// Form::implicit: the nodes that carry force, in the order in which they came

@@ -18,6 +18,12 @@
 /// Nodes. Slider node n stands at resonator position pos(m) + n in units of chi, pos(m) = position
 /// + m advance at step m. The search for contact takes the nodes in groups, one node a lane.
 ///
+/// Rows. The nodes of an areal scene stand on rows of constant y (RowTables). Node i of row j has
+/// the number j L + i, L the length of a row with its padding, and stands at pos(m) + i. A row
+/// begins with a group of its own and ends with a padding node at the least, so nodes whose numbers
+/// are neighbours are neighbours along x. A node keeps its y: over a row the shapes of the modes
+/// are those along x times a number each. A plane scene has no such tables, and one row.
+///
 /// Patches. Under the slider the resonator's displacement is smooth: its shortest wavelength spans
 /// hundreds of nodes. On patches fixed to the resonator it is a power series in eta = (x -
 /// centre)/radius, |eta| <= 1, whose coefficients are sums over the modes:
@@ -128,8 +134,12 @@ inline constexpr int pace_numbers = stage_rows * formula_stages;
 struct Extents {
   int width = 0;                // lanes of a pack
   int lanes = 0;                // of all modes, padded to whole packs
-  int nodes = 0, groups = 0;    // of the slider
-  int heights = 0;              // the resonator's nodes, padded beyond its end
+  int nodes = 0, groups = 0;    // of the slider; of rows with what pads them, but for the last
+  int rows = 0;                 // of nodes, in areal scenes; 0: a plane scene
+  int row_nodes = 0;            // of a row, without what pads it
+  int row_groups = 0;           // of a row
+  int heights = 0;              // the resonator's nodes, padded beyond the end of each row
+  int row_heights = 0;          // of a row
   int patches = 0;              // of the resonator
   int slider_modes = 0;         //
   bool smooth = false;          // faces
@@ -142,6 +152,7 @@ struct Extents {
   int contacts = 0;             // nodes that can be in contact at once under Form::adaptive
 
   std::size_t padded_nodes() const { return static_cast<std::size_t>(groups) * width; }
+  std::size_t padded_row() const { return static_cast<std::size_t>(row_groups) * width; }
   /// Runs of neighbouring nodes: at the most every other node.
   int runs() const { return nodes / 2 + 2; }
   bool adaptive() const { return flight_levels > 0; }
@@ -168,14 +179,23 @@ struct SliderMotion {
   double window_width = 1;  // chi, 1/windows
 };
 
+/// The rows of an areal scene. Those of a plane scene are as they stand here: one without an end.
+struct RowTables {
+  int nodes = 0;                   // of a row, without what pads it
+  int groups = 0x7fffffff;         // of a row
+  int excess = 0;                  // nodes that a row of height2 has more than one of height1
+  const double* across = nullptr;  // (row, lane): psi(x, y)/psi(x) there; null: a plane scene
+};
+
 /// The rough faces [m] at the nodes.
 struct FaceTables {
   int nodes = 0, groups = 0;         // slider nodes; groups of one node a lane
   double rounding = 0;               // bound on the rounding of the rough faces' part of a gap
   double steepest_rise = 0;          // largest rise of the resonator's face over one spacing
   double highest_overlap = 0;        // that the faces alone can have anywhere
+  RowTables rows;                    // of the nodes
   const double* height1 = nullptr;   // (group, lane): h_1 - delta; far below for the padding
-  const double* height2 = nullptr;   // resonator node, padded beyond its end
+  const double* height2 = nullptr;   // (row, resonator node), padded beyond the end of a row
   const double* highest2 = nullptr;  // bound on the face from a node to the `width`-th after it
 
   bool smooth = false;                 // what follows is of smooth faces, else null and 0
@@ -194,7 +214,7 @@ struct SliderShapes {
   int modes = 0;
   int first_lane = 0;             // of the first of them; before it stand the resonator's modes
   int row = 0;                    // length of a row of `shape`: nodes, padded to whole groups
-  const double* shape = nullptr;  // (slider mode, group, lane): psi at the slider's nodes
+  const double* shape = nullptr;  // (slider mode, group, lane): psi at the nodes; of one row
   const double* unit = nullptr;   // (slider mode, lane): 1 at that mode's own lane
   // smooth faces: (slider mode, 4, group, lane), chi^j psi^(j)/j! in the middle of the cells
   const double* cell = nullptr;
@@ -346,7 +366,7 @@ void visit_shared_arrays(SceneTables& t, const Extents& n, Visit&& visit) {
   visit("cubic_slope_remainder", t.bounds.cubic_slope_remainder, lanes);
   visit("quartic", t.patches.quartic, lanes);
   visit("patch", t.patches.derivatives, n.patches * 4 * lanes);
-  visit("slider_shape", t.slider.shape, n.slider_modes * n.padded_nodes());
+  visit("slider_shape", t.slider.shape, n.slider_modes * n.padded_row());
   visit("unit", t.slider.unit, n.slider_modes * lanes);
   if (n.smooth) {
     visit("slider_cell", t.slider.cell, 4 * n.slider_modes * n.padded_nodes());
@@ -373,6 +393,7 @@ void visit_own_arrays(SceneTables& t, const Extents& n, Visit&& visit) {
   visit("height1", t.faces.height1, n.padded_nodes());
   visit("height2", t.faces.height2, heights);
   visit("highest2", t.faces.highest2, heights);
+  if (n.rows > 0) visit("across", t.faces.rows.across, static_cast<std::size_t>(n.rows) * n.lanes);
   if (n.smooth) {
     visit("curvature1", t.faces.curvature1, n.padded_nodes());
     visit("curvature2", t.faces.curvature2, heights);

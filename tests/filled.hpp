@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstddef>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "host/body/beam.hpp"
@@ -23,8 +24,9 @@ struct Filled {
   SceneTables t;
   std::vector<std::vector<double>> arrays;
 
-  explicit Filled(const Scene& scene)
-      : model{make_model(scene)},
+  explicit Filled(const Scene& scene) : Filled(make_model(scene)) {}
+  explicit Filled(Model made)
+      : model{std::move(made)},
         series{choose_series(model, width)},
         n{extents_of(model, series, packs * width, width, Capacity())} {
     visit_arrays(t, n, [&](const char*, auto*& array, std::size_t count) {

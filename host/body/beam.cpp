@@ -7,19 +7,13 @@
 #include <limits>
 #include <memory>
 #include <numbers>
-#include <string>
-
-#include "host/base/errors.hpp"
 
 namespace ra2d {
 namespace {
 
 using std::numbers::pi;
-constexpr double gravity = 9.80665;  // m/s^2, standard
 /// Covers the roundings of a sum that reaches the largest |psi|, so that the bound stays one.
 constexpr double margin = 1 + 8 * std::numeric_limits<double>::epsilon();
-constexpr int most_elastic =
-    100'000;  // elastic modes of a body: beyond it is a slip of the keyboard
 
 double mass_per_length(const BodySpec& spec) { return spec.density * spec.thickness * spec.width; }
 
@@ -180,7 +174,7 @@ Body make_beam(const BodySpec& spec) {
   const double length = spec.length, m = mass_per_length(spec);
   beam.length = length;
   beam.mass = m * length;
-  beam.load_force = spec.load_is_weight ? spec.load_weights * (beam.mass * gravity) : spec.load;
+  beam.load_force = load_force(spec, beam.mass);
   if (spec.support == Support::rigid) return beam;
 
   const auto add = [&](double omega, const BeamShape& shape) {
@@ -189,10 +183,8 @@ Body make_beam(const BodySpec& spec) {
   const bool is_free = spec.support == Support::free;
   if (is_free)
     for (const BeamShape& shape : rigid_modes(length)) add(0, shape);
-  const int count = elastic_mode_count(spec, most_elastic + 1);
-  if (count > most_elastic)
-    throw RequestError("max_frequency keeps more than " + std::to_string(most_elastic) +
-                       " elastic modes; lower it, or give modes");
+  const int count = elastic_mode_count(spec, most_elastic_modes + 1);
+  check_mode_count(count);
   // Modal load: W/L times the integral of psi. Every mode of a free beam but the translation is
   // orthogonal to a constant; a pinned mode integrates to sqrt(2/L) (1 - cos(beta L))/beta.
   beam.load.assign(beam.modes.size(), 0.0);

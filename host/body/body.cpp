@@ -2,15 +2,37 @@
 #include "host/body/body.hpp"
 
 #include <algorithm>
+#include <string>
 
+#include "host/base/errors.hpp"
 #include "host/body/beam.hpp"
 
 namespace ra2d {
+namespace {
+
+constexpr double gravity = 9.80665;  // m/s^2, standard
+
+}  // namespace
 
 // Every body of a scene is a beam so far. Another kind is chosen here.
 Body make_body(const BodySpec& spec) { return make_beam(spec); }
 int mode_count(const BodySpec& spec, int most) { return beam_mode_count(spec, most); }
 double elastic_frequency(const BodySpec& spec, int k) { return beam_frequency(spec, k); }
+
+void check_mode_count(int elastic_modes) {
+  if (elastic_modes > most_elastic_modes)
+    throw RequestError("max_frequency keeps more than " + std::to_string(most_elastic_modes) +
+                       " elastic modes; lower it, or give modes");
+}
+
+double load_force(const BodySpec& spec, double mass) {
+  return spec.load_is_weight ? spec.load_weights * (mass * gravity) : spec.load;
+}
+
+void ModeShape::evaluate_across(double, int derivatives, double* out) const {
+  std::fill_n(out, derivatives, 0.0);
+  out[0] = 1;
+}
 
 double ModeShape::mean_square(int nodes, double spacing) const {
   double square = 0;
@@ -32,6 +54,12 @@ double shape_at(const BodyMode& mode, double x) {
   double psi = 0;
   mode.shape->evaluate(x, 1, &psi);
   return psi;
+}
+
+double shape_at(const BodyMode& mode, double x, double y) {
+  double across = 0;
+  mode.shape->evaluate_across(y, 1, &across);
+  return shape_at(mode, x) * across;
 }
 
 }  // namespace ra2d

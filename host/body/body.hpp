@@ -7,9 +7,10 @@
 #include "kernels/schemes/mode_step.hpp"
 
 /// Bodies as the march and its proofs see them (docs/model.md): modes, mass and load. The shape of
-/// a mode is an interface, of which every kind of body has its own class; beams
-/// (host/body/beam.hpp) are the first kind. Nothing here is called in the time loop: the tables of
-/// a scene (kernels/tables.hpp) are filled from it once.
+/// a mode is an interface, of which every kind of body has its own class: beams
+/// (host/body/beam.hpp) in plane scenes, plates and blocks (host/body/plate.hpp, block.hpp) in
+/// areal ones. Nothing here is called in the time loop: the tables of a scene (kernels/tables.hpp)
+/// are filled from it once.
 namespace ra2d {
 
 /// Bound on the difference between a shape and its Taylor cubic about the centre of a stretch.
@@ -20,6 +21,12 @@ struct CubicRemainder {
 
 /// The shape psi of one mode along the line on which nodes pass it: x from 0 to the body's length
 /// [m]. The integral of psi^2 over the body is 1; psi in m^(-1/2).
+///
+/// In an areal scene a node keeps its y, and the shape is a product: psi(x, y) = psi(x) across(y),
+/// |across| <= 1. What is said of psi below is then of psi(x), the shape along the line of constant
+/// y where it is largest; its unit is 1/m. Of a beam across is 1 everywhere. A shape that is no
+/// such product (a measured mode) would need patches of its own for every row of nodes. That is not
+/// built.
 ///
 /// Bounds hold over the body. Those that take `beyond` or `radius` hold behind its far end, too:
 /// the patches of the march (kernels/displacement.hpp) may end there.
@@ -58,14 +65,22 @@ class ModeShape {
   /// read them where they multiply by the factor now (kernels/displacement.hpp). That is not built.
   virtual double fourth_factor(double unit) const = 0;
 
-  /// Mean of psi^2 over `nodes` nodes from x = 0 on, `spacing` [m] apart [1/m].
+  /// across and its first `derivatives` - 1 derivatives at y [m], from the body's edge:
+  /// out[j] = d^j across/dy^j.
+  virtual void evaluate_across(double y, int derivatives, double* out) const;
+  /// Rate of change across the body [1/m]: |d^j across/dy^j| <= across_rate()^j for j >= 1.
+  virtual double across_rate() const { return 0; }
+
+  /// Mean of psi^2 over `nodes` nodes from x = 0 on, `spacing` [m] apart [1/m]. Of an areal body:
+  /// over its area [1/m^2], whatever the nodes.
   virtual double mean_square(int nodes, double spacing) const;
 
   /// Appends the numbers that psi depends on. Shapes of one kind with equal numbers are equal.
   virtual void append_parameters(std::vector<double>& out) const = 0;
 };
 
-/// One mode: m (U'' + 2 zeta omega U' + omega^2 U) = F, omega 0 of a rigid mode, and its shape.
+/// One mode: m (U'' + 2 zeta omega U' + omega^2 U) = F, omega 0 of a rigid mode, and its shape. m
+/// is the mass of a metre of a beam, of a square metre of an areal body.
 struct BodyMode : Mode {
   std::shared_ptr<const ModeShape> shape;
 };
@@ -74,12 +89,21 @@ struct Body {
   double length = 0;            // m, of the line on which nodes pass
   double mass = 0;              // kg
   std::vector<BodyMode> modes;  // rigid modes first, then elastic ones by frequency
-  std::vector<double> load;     // N m^(-1/2), modal load of the body's evenly spread load W
+  std::vector<double> load;     // N m^(-1/2), modal load of the body's evenly spread load W; N/m
+                                // of an areal body
   double load_force = 0;        // N, W
 };
 
 /// The body that a scene describes. Throws RequestError where it keeps too many modes.
 Body make_body(const BodySpec& spec);
+
+/// The most elastic modes that a body may keep: more is a slip of the keyboard.
+inline constexpr int most_elastic_modes = 100'000;
+/// Throws RequestError where a body keeps more than that many.
+void check_mode_count(int elastic_modes);
+
+/// W [N] of a body of this mass [kg]: its load, or so many times its weight (9.80665 m/s^2).
+double load_force(const BodySpec& spec, double mass);
 
 /// Number of modes that a body keeps, its rigid ones among them. Of max_frequency up to `most`
 /// elastic ones are counted.
@@ -91,7 +115,8 @@ double elastic_frequency(const BodySpec& spec, int k);
 /// The largest wave number of a body's modes [1/m]; 0 without any.
 double highest_wave_number(const Body& body);
 
-/// psi(x) [m^(-1/2)].
+/// psi(x) [m^(-1/2)]; psi(x, y) [1/m] of an areal body.
 double shape_at(const BodyMode& mode, double x);
+double shape_at(const BodyMode& mode, double x, double y);
 
 }  // namespace ra2d

@@ -353,7 +353,7 @@ std::string modes_csv(const Model& model) {
     }
   if (model.scene.contact.law != ContactLaw::penalty) return text;
   const std::vector<std::complex<double>> coupled =
-      forwards(joined_eigenvalues(most_yielding(model), model.node_stiffness));
+      forwards(joined_eigenvalues(most_compliant(model), model.node_stiffness));
   for (std::size_t k = 0; k < coupled.size(); ++k) add("closed", "both", k, coupled[k]);
   return text;
 }

@@ -41,6 +41,7 @@ inline constexpr AddCommand commands[] = {
 void add_study_status(CLI::App& study, ChosenCommand& chosen);
 void add_study_merge(CLI::App& study, ChosenCommand& chosen);
 void add_surface_generate(CLI::App& surface, ChosenCommand& chosen);
+void add_surface_map(CLI::App& surface, ChosenCommand& chosen);
 void add_surface_measure(CLI::App& surface, ChosenCommand& chosen);
 
 }  // namespace ra2d

@@ -8,6 +8,8 @@
 #include <filesystem>
 #include <limits>
 #include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,10 +17,13 @@
 #include "host/base/exit_status.hpp"
 #include "host/base/text.hpp"
 #include "host/commands/commands.hpp"
+#include "host/commands/map_report.hpp"
 #include "host/commands/options.hpp"
 #include "host/commands/print.hpp"
 #include "host/scene/names.hpp"
 #include "host/scene_file/scene_file.hpp"
+#include "host/surface/map_output.hpp"
+#include "host/surface/random_map.hpp"
 #include "host/surface/random_profile.hpp"
 #include "host/surface/surface.hpp"
 #include "host/system/blocks.hpp"
@@ -37,8 +42,11 @@ struct GenerateRequest {
   double length = 0, spacing = 0;
   SurfaceSpec surface;
   std::string correlation = "gaussian", exact = "rq";
-  bool quiet = false;
+  std::optional<double> width, spacing_y, rsm_y;  // m, of a map
+  bool quiet = false, json = false;
 };
+
+constexpr const char* generate_title = "ra2d surface generate";
 
 void check_request(const GenerateRequest& request) {
   if (!(request.length / request.spacing <= most_nodes))
@@ -189,18 +197,74 @@ void print_profile(const GenerateRequest& request, const RandomProfile& profile,
   line("file", printable(request.output.string()));
 }
 
+/// Options of the other kind of surface that were given.
+void check_kind(const GenerateRequest& request) {
+  const auto refuse_with = [](const std::string& why) { throw RequestError(why); };
+  if (!request.width) {
+    for (const auto& [name, value] :
+         {std::pair{"--spacing-y", request.spacing_y}, std::pair{"--rsm-y", request.rsm_y}})
+      if (value) refuse_with(fmt::format("{} is of maps: give their --width, too", name));
+    if (request.json) refuse_with("--json is of maps: give their --width, too");
+    if (is_npy_name(request.output))
+      refuse_with("an .npy takes maps: give their --width, too, or name a text with -o");
+    return;
+  }
+  const SurfaceSpec& s = request.surface;
+  if (s.correlation != Correlation::gaussian)
+    refuse_with(fmt::format("--correlation {}: a map has the gaussian one", request.correlation));
+  for (const auto& [name, value] :
+       {std::pair{"--hurst", s.hurst}, std::pair{"--longest", s.longest},
+        std::pair{"--shortest", s.shortest}, std::pair{"--skewness", s.skewness},
+        std::pair{"--kurtosis", s.kurtosis}})
+    if (value) refuse_with(fmt::format("{} is of profiles: a map has none", name));
+  if (s.exact == Exactly::rq_and_rsm)
+    refuse_with("--exact rq+rsm is of profiles: expected rq or none for a map");
+}
+
+int generate_map(const GenerateRequest& request) {
+  require_map_output(request.output, generate_title, {});
+  const double rsm = resolve_random(request.surface, request.length).rsm;
+  const RandomMap wanted{request.surface.rq, rsm, request.rsm_y.value_or(rsm),
+                         request.surface.exact == Exactly::rq, request.surface.seed};
+  const double spacing_y = request.spacing_y.value_or(request.spacing);
+  std::vector<std::string> doubts;
+  const HeightMap map =
+      random_map(wanted, request.length, *request.width, request.spacing, spacing_y, &doubts);
+  write_height_map(
+      request.output, map,
+      fmt::format("{}: a map of {} m by {} m, rq = {}, rsm = {}, rsm_y = {}, exact = {}, seed = {}",
+                  generate_title, request.length, *request.width, wanted.rq, wanted.rsm,
+                  wanted.rsm_y, request.exact, wanted.seed));
+  say_doubts(doubts, request.quiet);
+  if (request.json) {
+    nlohmann::ordered_json json{{"file", request.output.string()}};
+    json.update(map_json(map, 0));
+    using Handler = nlohmann::ordered_json::error_handler_t;  // of names that are no UTF-8
+    print_text(json.dump(2, ' ', false, Handler::replace) + '\n');
+  } else if (!request.quiet) {
+    print("{}: heights in metres\n", printable(request.output.string()));
+    print_map(map, 0);
+    if (is_npy_name(request.output))
+      print("  {:<20}ra2d surface map {} --spacing {} --spacing-y {}\n", "to read it",
+            printable(request.output.string()), map.spacing, map.spacing_y);
+  }
+  return exit_status::done;
+}
+
 int generate(GenerateRequest& request) {
   request.surface.kind = SurfaceKind::gaussian;
   for (const auto& [word, value] : correlations.words)
     if (word == request.correlation) request.surface.correlation = value;
   for (const auto& [word, value] : exact_choices.words)
     if (word == request.exact) request.surface.exact = value;
+  check_kind(request);
   check_request(request);
+  if (request.width) return generate_map(request);
   require_derived_output(request.output, {});
   std::error_code none;
   if (std::filesystem::exists(request.output, none) &&
       std::filesystem::file_size(request.output, none) > 0 &&
-      InputFile(request.output).beginning(23) != "# ra2d surface generate")
+      InputFile(request.output).beginning(23) != std::string("# ") + generate_title)
     throw RequestError(fmt::format(
         "'{}' is there already, and 'ra2d surface generate' has not made it: it is left "
         "as it is. Name another file with -o, or remove it",
@@ -220,22 +284,39 @@ int generate(GenerateRequest& request) {
 void add_surface_generate(CLI::App& surface, ChosenCommand& chosen) {
   const auto request = std::make_shared<GenerateRequest>();
   CLI::App* command = surface.add_subcommand(
-      "generate", "makes a random rough profile: the one that a scene with the same words has");
+      "generate",
+      "makes a random rough profile, the one that a scene with the same words has; with --width "
+      "a height map");
   const auto length = [&](const char* name, auto& value, const char* words) {
     return command->add_option(name, value, words)->type_name("METRES")->check(positive_number());
   };
   command
-      ->add_option("-o,--output", request->output,
-                   "the profile: two columns of text, x and z in metres")
+      ->add_option(
+          "-o,--output", request->output,
+          "the profile: two columns of text, x and z in metres. A map: a row of constant y in "
+          "each line, or .npy of shape (rows, x)")
       ->type_name("FILE")
       ->required()
       ->check(path());
   length("--length", request->length, "how long it is")->required();
   length("--spacing", request->spacing, "from node to node")->required();
+  length("--width", request->width, "makes a map that is so wide");
+  length("--spacing-y", request->spacing_y, "of a map: from row to row [as --spacing]");
   SurfaceSpec& s = request->surface;
   length("--rq", s.rq, "root mean square height")->required();
   CLI::Option* rsm = length(
       "--rsm", s.rsm, "mean spacing of its elements: between upward crossings of the mean line");
+  const auto wave = [](const std::string& text) -> std::optional<double> {
+    if (text == "inf") return std::numeric_limits<double>::infinity();
+    const auto value = to_decimal(text);
+    return value && *value > 0 ? value : std::nullopt;
+  };
+  command
+      ->add_option_function<std::string>(
+          "--rsm-y", [request, wave](const std::string& text) { request->rsm_y = wave(text); },
+          "of a map: --rsm along y; inf makes every row the same [as --rsm]")
+      ->type_name("METRES")
+      ->check(understood("a length in metres, or inf", wave));
   length("--correlation-length", s.correlation_length, "where the correlation is 1/e")
       ->excludes(rsm);
   std::vector<std::string> words;
@@ -266,6 +347,7 @@ void add_surface_generate(CLI::App& surface, ChosenCommand& chosen) {
   command->add_option("--seed", s.seed, "a seed means one profile, at every spacing")
       ->transform(whole_number())
       ->capture_default_str();
+  command->add_flag("--json", request->json, "of a map: print JSON, in SI units");
   command->add_flag("--quiet", request->quiet, "print nothing but errors");
   command->callback([request, &chosen] { chosen.run = [request] { return generate(*request); }; });
 }

@@ -16,6 +16,7 @@
 #include "host/base/exit_status.hpp"
 #include "host/base/text.hpp"
 #include "host/commands/commands.hpp"
+#include "host/commands/map_report.hpp"
 #include "host/commands/options.hpp"
 #include "host/commands/print.hpp"
 #include "host/commands/profile_options.hpp"
@@ -29,15 +30,6 @@ struct MeasureRequest {
   ProfileOptions profile;
   bool json = false;
 };
-
-/// A length [m] for people.
-std::string length_text(double length) {
-  const double size = std::abs(length);
-  if (size >= 1) return fmt::format("{:.4g} m", length);
-  if (size >= 0.9995e-3) return fmt::format("{:.4g} mm", length * 1e3);
-  if (size >= 0.9995e-7 || size == 0) return fmt::format("{:.4g} um", length * 1e6);
-  return fmt::format("{:.4g} nm", length * 1e9);
-}
 
 enum class Kind { length, number, share };  // shares are printed in percent
 struct Named {

@@ -93,6 +93,7 @@ class Filler {
   void modes();
   void patches();
   void slider_shapes();
+  void across();
   void faces();
   void smooth_faces(const double* h2);
   void adaptive();
@@ -113,9 +114,14 @@ class Filler {
 void Filler::numbers() {
   tables_.slider.first_lane = static_cast<int>(model_.resonator.modes.size());
   tables_.slider.modes = static_cast<int>(model_.slider.modes.size());
-  tables_.slider.row = n_.groups * n_.width;
+  tables_.slider.row = static_cast<int>(n_.padded_row());
   tables_.faces.nodes = n_.nodes;
   tables_.faces.groups = n_.groups;
+  if (model_.is_areal) {
+    tables_.faces.rows.nodes = n_.row_nodes;
+    tables_.faces.rows.groups = n_.row_groups;
+    tables_.faces.rows.excess = n_.row_heights - tables_.slider.row;
+  }
   tables_.faces.smooth = n_.smooth;
   tables_.patches.count = n_.patches;
   tables_.flight.levels = n_.flight_levels;
@@ -285,8 +291,8 @@ void Filler::slider_shapes() {
   for (int k = 0; k < tables_.slider.modes; ++k) {
     unit[static_cast<std::size_t>(k) * n_.lanes + tables_.slider.first_lane + k] = 1.0;
     double* const shape =
-        host_(tables_.slider.shape) + static_cast<std::size_t>(k) * n_.padded_nodes();
-    for (int n = 0; n < n_.nodes; ++n)
+        host_(tables_.slider.shape) + static_cast<std::size_t>(k) * n_.padded_row();
+    for (int n = 0; n < n_.row_nodes; ++n)
       shape[n] = shape_at(model_.slider.modes[k], n * scene_.spacing);
     if (!n_.smooth) continue;
     double* const cell =
@@ -302,25 +308,49 @@ void Filler::slider_shapes() {
   }
 }
 
+/// psi(x, y)/psi(x) of the modes of both bodies on the rows of an areal scene.
+void Filler::across() {
+  if (!model_.is_areal) return;
+  for (int row = 0; row < n_.rows; ++row) {
+    double* const lanes =
+        host_(tables_.faces.rows.across) + static_cast<std::size_t>(row) * n_.lanes;
+    int lane = 0;
+    for (const BodyMode& mode : model_.resonator.modes)
+      mode.shape->evaluate_across(model_.side + model_.eta(row), 1, lanes + lane++);
+    for (const BodyMode& mode : model_.slider.modes)
+      mode.shape->evaluate_across(model_.eta(row), 1, lanes + lane++);
+  }
+}
+
 void Filler::faces() {
   double* const h1 = host_(tables_.faces.height1);
-  double scale = 0;
-  for (int n = 0; n < n_.groups * n_.width; ++n) {
-    const bool real = n < n_.nodes;
-    h1[n] = real ? model_.slider_height[n] - model_.delta : -1e30;
-    if (real) scale = std::max(scale, std::abs(h1[n]));
-  }
   double* const h2 = host_(tables_.faces.height2);
-  double scale2 = 0;
-  for (int n = 0; n < n_.heights; ++n) {
-    h2[n] = model_.resonator_height[std::min<std::size_t>(n, model_.resonator_height.size() - 1)];
-    scale2 = std::max(scale2, std::abs(h2[n]));
+  double* const highest2 = host_(tables_.faces.highest2);
+  double scale = 0, scale2 = 0;
+  for (int row = 0; row < model_.rows; ++row) {
+    const double* const own =
+        model_.slider_height.data() + static_cast<std::size_t>(row) * n_.row_nodes;
+    double* const row1 = h1 + row * n_.padded_row();
+    for (int n = 0; n < static_cast<int>(n_.padded_row()); ++n) {
+      const bool real = n < n_.row_nodes;
+      row1[n] = real ? own[n] - model_.delta : -1e30;
+      if (real) scale = std::max(scale, std::abs(row1[n]));
+    }
+    const int given = model_.row_heights();
+    const double* const face =
+        model_.resonator_height.data() + static_cast<std::size_t>(row) * given;
+    double* const row2 = h2 + static_cast<std::size_t>(row) * n_.row_heights;
+    for (int n = 0; n < n_.row_heights; ++n) {
+      row2[n] = face[std::min(n, given - 1)];
+      scale2 = std::max(scale2, std::abs(row2[n]));
+    }
+    fill_highest(row2, n_.row_heights, n_.width, highest2 + (row2 - h2));
+    tables_.faces.steepest_rise =
+        std::max(tables_.faces.steepest_rise, steepest_rise(row2, n_.row_heights));
   }
   scale += scale2;
-  fill_highest(h2, n_.heights, n_.width, host_(tables_.faces.highest2));
   tables_.faces.rounding = face_rounding(scale, n_.smooth);
   tables_.contact.tolerance = tables_.faces.rounding;
-  tables_.faces.steepest_rise = steepest_rise(h2, n_.heights);
   tables_.faces.highest_overlap =
       *std::max_element(h1, h1 + n_.nodes) + *std::max_element(h2, h2 + n_.heights);
   if (n_.smooth) smooth_faces(h2);
@@ -392,6 +422,7 @@ void fill(SceneTables& tables, const Model& model, const PatchSeries& series, co
   filler.modes();
   filler.patches();
   filler.slider_shapes();
+  filler.across();
   filler.faces();
   filler.moving_forces();
 }
@@ -418,6 +449,7 @@ void fill(SceneState& state, const Model& model, const ModalStart& start, const 
   state.carried.sampling.next = model.first_sample;
   state.out.samples.capacity = n.samples;
   state.work.runs.capacity = n.runs();
+  state.work.runs.row = model.is_areal ? static_cast<int>(n.padded_row()) : 0;
   state.out.ended_shocks.capacity = n.shocks;
   std::fill_n(host(state.marks.node_window), n.nodes, -1);
   state.work.active.capacity = n.active;
@@ -427,8 +459,11 @@ void fill(SceneState& state, const Model& model, const ModalStart& start, const 
     state.carried.latest_contact.force = start.contact_force;
     state.carried.latest_contact.energy = start.contact_energy;
     state.carried.latest_contact.nodes = static_cast<int>(start.loaded_nodes.size());
-    for (std::size_t e = 0; e < 2 && e < start.loaded_nodes.size(); ++e)
-      state.carried.latest_contact.pair[e] = start.loaded_nodes[e];
+    for (std::size_t e = 0; e < 2 && e < start.loaded_nodes.size(); ++e) {
+      const int node = start.loaded_nodes[e], row = node / n.row_nodes;
+      state.carried.latest_contact.pair[e] =
+          node + row * (static_cast<int>(n.padded_row()) - n.row_nodes);
+    }
   }
   if (n.adaptive()) {
     state.work.spans.capacity = n.contacts;

@@ -9,6 +9,7 @@
 #include "host/base/errors.hpp"
 #include "host/model/bounds.hpp"
 #include "host/scene/schemes.hpp"
+#include "host/system/machine_memory.hpp"
 
 namespace ra2d {
 
@@ -21,7 +22,7 @@ Form form_of(const Scene& scene) {
 
 PatchSeries choose_series(const Model& model, int width) {
   const double beta_chi = highest_wave_number(model.resonator) * model.scene.spacing;
-  const double widest = static_cast<double>(model.resonator_height.size());
+  const double widest = model.row_heights();
   // radius = (patch_nodes + width)/2 + 1 in chi
   const double nodes = beta_chi > 0 ? std::min(widest, 0.5 / beta_chi - width - 2) : widest;
   PatchSeries series;
@@ -47,18 +48,42 @@ int first_flight_level(const Model& model) {
   return std::clamp(std::ilogb(2e-4 / (rate * model.tick)), 0, 40);
 }
 
+namespace {
+
+/// The march keeps every node that it has expanded.
+void check_expanded(const Model& model, const Extents& n) {
+  if (!model.is_areal) return;
+  const auto most = static_cast<double>(machine_memory());
+  const double bytes = static_cast<double>(n.nodes) * n.shape_rows() * n.lanes * sizeof(double);
+  if (bytes <= most) return;
+  throw refusal(model.scene, "scene.spacing",
+                fmt::format("{} nodes and {} modes take up to {:.3g} GB, and there are {:.3g}: "
+                            "coarsen spacing or spacing_y, or keep fewer modes "
+                            "(resonator.max_frequency)",
+                            model.nodes(), model.resonator.modes.size() + model.slider.modes.size(),
+                            bytes / 1e9, most / 1e9));
+}
+
+}  // namespace
+
 Extents extents_of(const Model& model, const PatchSeries& series, int lanes, int width,
                    const Capacity& capacity) {
   const Scene& scene = model.scene;
   Extents n;
   n.width = width;
   n.lanes = lanes;
-  n.nodes = model.nodes();
-  n.groups = (n.nodes + width - 1) / width;
-  n.heights = static_cast<int>(model.resonator_height.size()) + n.groups * width + 2 * width;
-  n.patches = n.heights / series.patch_nodes + 1;
+  n.row_nodes = model.row_nodes();
+  // of areal scenes a row ends with a padding node at the least (kernels/tables.hpp, "Rows")
+  n.row_groups = (n.row_nodes + (model.is_areal ? 1 : 0) + width - 1) / width;
+  n.rows = model.is_areal ? model.rows : 0;
+  n.groups = model.rows * n.row_groups;
+  n.nodes = (model.rows - 1) * n.row_groups * width + n.row_nodes;
+  n.row_heights = model.row_heights() + n.row_groups * width + 2 * width;
+  n.heights = model.rows * n.row_heights;
+  n.patches = n.row_heights / series.patch_nodes + 1;
   n.slider_modes = static_cast<int>(model.slider.modes.size());
   n.smooth = model.has_smooth_faces();
+  check_expanded(model, n);
   const int stages = is_adaptive(scene) ? 1 : scheme_table(scene.time.scheme).stages;
   n.stage_rows = first_stage_row(stages);
   n.end_rows = end_rows(stages);

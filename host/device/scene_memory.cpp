@@ -1,36 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "host/device/scene_memory.hpp"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cstdint>
-#include <fstream>
 #include <string_view>
 
 #include "host/base/hash.hpp"
+#include "host/system/machine_memory.hpp"
 
 namespace ra2d {
-
-namespace {
-
-/// Memory that this process may use: in a container less than the machine has.
-std::int64_t memory_of_machine() {
-  std::int64_t most = std::int64_t{sysconf(_SC_PHYS_PAGES)} * sysconf(_SC_PAGESIZE);
-  for (const char* file :
-       {"/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"})
-    if (std::int64_t limit = 0; std::ifstream(file) >> limit && limit > 0)  // or the word "max"
-      most = std::min(most, limit);
-  return most;
-}
-
-}  // namespace
 
 BatchMemory::BatchMemory(Device* device_, std::size_t most)
     : device{device_},
       left{static_cast<std::int64_t>(most)},
       budget{most > 0 ? &left : nullptr},
-      left_on_host{memory_of_machine() / 8} {
+      left_on_host{machine_memory() / 8} {
   if (device == nullptr) {
     marched = std::make_unique<HostMemory>();
     handed = std::make_unique<HostMemory>();

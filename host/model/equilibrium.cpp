@@ -86,10 +86,13 @@ struct NodeShapes {
     const double chi = model.scene.spacing;
     shapes.resize(model.nodes(), modes);
     for (int n = 0; n < model.nodes(); ++n) {
+      const int along = n % model.row_nodes();
+      const double eta = model.eta(n / model.row_nodes());
       int column = 0;
       for (const BodyMode& mode : model.resonator.modes)
-        shapes(n, column++) = shape_at(mode, (model.position + n) * chi);
-      for (const BodyMode& mode : model.slider.modes) shapes(n, column++) = shape_at(mode, n * chi);
+        shapes(n, column++) = shape_at(mode, (model.position + along) * chi, model.side + eta);
+      for (const BodyMode& mode : model.slider.modes)
+        shapes(n, column++) = shape_at(mode, along * chi, eta);
     }
     rows = Eigen::MatrixXd::Zero((modes + pack - 1) / pack * pack, model.nodes());
     rows.topRows(modes) = shapes.transpose();
@@ -124,6 +127,8 @@ class ShapeCache {
   using Key = std::vector<double>;  // all that the shapes depend on
   static Key key_of(const Model& model) {
     Key key{model.scene.spacing, model.position, static_cast<double>(model.nodes())};
+    if (model.is_areal)
+      key.insert(key.end(), {static_cast<double>(model.rows), model.spacing_y, model.side});
     for (const Body* body : {&model.resonator, &model.slider}) {
       key.push_back(static_cast<double>(body->modes.size()));
       for (const BodyMode& mode : body->modes) mode.shape->append_parameters(key);

@@ -8,6 +8,8 @@
 #include <limits>
 
 #include "host/base/errors.hpp"
+#include "host/body/block.hpp"
+#include "host/body/plate.hpp"
 #include "host/model/doubts.hpp"
 #include "host/model/smooth_contact.hpp"
 #include "host/scene/schemes.hpp"
@@ -117,22 +119,72 @@ void check_roundings(const Model& m) {
           scene.contact.stiffness * share * m.slider.load_force / (rounding * m.node_stiffness)));
 }
 
-}  // namespace
+/// Refuses what is not built for areal scenes.
+void refuse_unbuilt(const Scene& scene) {
+  const auto refuse = [&](bool is_asked, const char* key, const char* what) {
+    if (is_asked) throw refusal(scene, key, std::string("not built yet for areal scenes: ") + what);
+  };
+  refuse(is_adaptive(scene), "time.scheme", "\"adaptive\"; choose a scheme of fixed steps");
+  refuse(scene.time.nodes != Nodes::all, "time.nodes", "\"candidates\"; use \"all\"");
+  refuse(scene.contact.law != ContactLaw::penalty, "contact.law",
+         "\"multiplier\"; use \"penalty\"");
+  refuse(scene.faces != Faces::linear, "scene.faces", "\"smooth\"; use \"linear\"");
+  refuse(!scene.resonator.moving_forces.empty(), "resonator.moving_force",
+         "moving forces; leave them out");
+  refuse(!scene.output.probes.empty(), "output.probes", "probes; leave them out");
+  refuse(!scene.output.slider_probes.empty(), "output.slider_probes", "probes; leave them out");
+  refuse(!scene.output.microphones.empty(), "output.microphones", "microphones; leave them out");
+}
 
-Model make_model(const Scene& scene) {
-  Model m;
-  m.scene = scene;
-  m.resonator = make_body(scene.resonator);
-  m.slider = make_body(scene.slider);
-  m.doubts = scene_doubts(scene);
-  m.resonator_height = surface_of("resonator", scene.resonator, scene, m.doubts);
-  m.slider_height = surface_of("slider", scene.slider, scene, m.doubts);
-  if (m.has_smooth_faces()) {
-    m.resonator_curvature = spline_curvatures(m.resonator_height);
-    m.slider_curvature = spline_curvatures(m.slider_height);
-  }
-  m.node_stiffness =
-      scene.contact.stiffness * scene.spacing * std::min(scene.resonator.width, scene.slider.width);
+/// Maps that are no whole rows, or not those of the bodies; a block that leaves the plate.
+void check_maps(const Scene& scene, const HeightMaps& maps) {
+  const auto refuse = [&](bool is_wrong, const char* key, const std::string& what) {
+    if (is_wrong) throw refusal(scene, key, what);
+  };
+  refuse(!(maps.spacing_y > 0) || !std::isfinite(maps.spacing_y), "scene.spacing_y",
+         fmt::format("{} m; expected a length above 0", maps.spacing_y));
+  const double rows = std::round(scene.slider.width / maps.spacing_y),
+               along = std::round(scene.slider.length / scene.spacing) + 1;
+  refuse(rows < 1, "scene.spacing_y",
+         fmt::format("{} m is more than twice the slider's width; the slider has no row of nodes",
+                     maps.spacing_y));
+  const auto whole = static_cast<std::size_t>(std::max(maps.rows, 1));
+  refuse(static_cast<double>(maps.rows) != rows ||
+             static_cast<double>(maps.slider.size()) != rows * along,
+         "slider.surface",
+         fmt::format("a map of {} heights in {} rows; expected {:.0f} rows of {:.0f}",
+                     maps.slider.size(), maps.rows, rows, along));
+  const double last =
+      std::ceil((scene.start + scene.speed * scene.duration) / scene.spacing - 1e-9) + along - 1;
+  const std::size_t length = maps.resonator.size() / whole;
+  refuse(maps.resonator.size() % whole != 0 || !(scene.start >= 0) ||
+             !(static_cast<double>(length) > last),
+         "resonator.surface",
+         fmt::format("a map of {} heights in {} rows; the slider reaches node {:.0f} of a row",
+                     maps.resonator.size(), maps.rows, last));
+  refuse(
+      !(maps.side >= 0) || !(maps.side + scene.slider.width <= scene.resonator.width * (1 + 1e-12)),
+      "scene.side",
+      fmt::format("{} m: the slider, {} m wide, leaves the resonator, {} m wide", maps.side,
+                  scene.slider.width, scene.resonator.width));
+  // numbers of nodes, with what pads the rows for any number of lanes
+  constexpr double lanes = 32, most = 0x1p31;
+  const double padded =
+      rows * (static_cast<double>(length) + along + 4 * lanes);  // as extents_of, and more
+  refuse(padded >= most, "scene.spacing",
+         fmt::format("maps of {:.3g} heights; expected at most {:.3g}: coarsen spacing or "
+                     "spacing_y, or shorten the resonator",
+                     padded, most));
+  for (const auto& [key, heights] :
+       {std::pair{"resonator.surface", &maps.resonator}, std::pair{"slider.surface", &maps.slider}})
+    refuse(
+        !std::all_of(heights->begin(), heights->end(), [](double h) { return std::isfinite(h); }),
+        key, "a height that is not a number");
+}
+
+/// All that follows from bodies, faces and the stiffness of a node.
+void make_ready(Model& m) {
+  const Scene& scene = m.scene;
   m.position = scene.start / scene.spacing;
   if (is_adaptive(scene))
     set_clock(m);
@@ -157,6 +209,43 @@ Model make_model(const Scene& scene) {
                       "springs will throw "
                       "the bodies apart. scene.gap = \"touching\"{} does without",
                       over, has_equilibrium(scene) ? " or scene.initial = \"static\"" : ""));
+}
+
+}  // namespace
+
+Model make_model(const Scene& scene) {
+  Model m;
+  m.scene = scene;
+  m.resonator = make_body(scene.resonator);
+  m.slider = make_body(scene.slider);
+  m.doubts = scene_doubts(scene);
+  m.resonator_height = surface_of("resonator", scene.resonator, scene, m.doubts);
+  m.slider_height = surface_of("slider", scene.slider, scene, m.doubts);
+  if (m.has_smooth_faces()) {
+    m.resonator_curvature = spline_curvatures(m.resonator_height);
+    m.slider_curvature = spline_curvatures(m.slider_height);
+  }
+  m.node_stiffness =
+      scene.contact.stiffness * scene.spacing * std::min(scene.resonator.width, scene.slider.width);
+  make_ready(m);
+  return m;
+}
+
+Model make_model(const Scene& scene, const HeightMaps& maps) {
+  refuse_unbuilt(scene);
+  check_maps(scene, maps);
+  Model m;
+  m.scene = scene;
+  m.resonator = make_plate(scene.resonator);
+  m.slider = make_block(scene.slider);
+  m.is_areal = true;
+  m.rows = maps.rows;
+  m.spacing_y = maps.spacing_y;
+  m.side = maps.side;
+  m.resonator_height = maps.resonator;
+  m.slider_height = maps.slider;
+  m.node_stiffness = scene.contact.stiffness * scene.spacing * maps.spacing_y;
+  make_ready(m);
   return m;
 }
 
@@ -181,18 +270,23 @@ std::vector<double> overlaps(const Model& m, const std::vector<double>& resonato
   const double theta = m.position - base;
   std::vector<double> overlap(m.slider_height.size());
   for (int n = 0; n < m.nodes(); ++n) {
-    const std::size_t left = std::min<std::size_t>(base + n, m.resonator_height.size() - 1);
-    const std::size_t right = std::min<std::size_t>(left + 1, m.resonator_height.size() - 1);
-    const FaceBetweenNodes<double> h2{m.resonator_height[left], m.resonator_height[right], theta};
+    const int row = n / m.row_nodes(), along = n % m.row_nodes();
+    const double* const face =
+        m.resonator_height.data() + static_cast<std::size_t>(row) * m.row_heights();
+    const int left = std::min(base + along, m.row_heights() - 1);
+    const int right = std::min(left + 1, m.row_heights() - 1);
+    const FaceBetweenNodes<double> h2{face[left], face[right], theta};
+    const double eta = m.eta(row);
     // of the faces; then the modes' displacements, one by one
     double sum = -gap(m.delta, m.slider_height[n], 0.0, h2, 0.0);
     for (std::size_t k = 0; k < resonator_u.size(); ++k) {
       if (resonator_u[k] == 0.0) continue;
-      sum += resonator_u[k] * shape_at(m.resonator.modes[k], (m.position + n) * chi);
+      sum +=
+          resonator_u[k] * shape_at(m.resonator.modes[k], (m.position + along) * chi, m.side + eta);
     }
     for (std::size_t k = 0; k < slider_u.size(); ++k) {
       if (slider_u[k] == 0.0) continue;
-      sum += slider_u[k] * shape_at(m.slider.modes[k], n * chi);
+      sum += slider_u[k] * shape_at(m.slider.modes[k], along * chi, eta);
     }
     overlap[n] = sum;
   }

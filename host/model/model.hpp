@@ -16,11 +16,11 @@ namespace ra2d {
 struct Model {
   Scene scene;
   Body resonator, slider;
-  std::vector<double> resonator_height, slider_height;  // m, at the nodes
+  std::vector<double> resonator_height, slider_height;  // m, at the nodes: (row, node along x)
   std::vector<double> resonator_curvature,
       slider_curvature;             // m, of smooth faces (spline_curvatures)
   double delta = 0;                 // m, imposed distance of the mean lines
-  double node_stiffness = 0;        // N/m, kappa chi w
+  double node_stiffness = 0;        // N/m, kappa chi w; areal: kappa chi chi_y
   double position = 0;              // of slider node 0 at t = 0, in chi
   double tick = 0;                  // s
   double advance = 0;               // per tick, in chi
@@ -31,13 +31,36 @@ struct Model {
   std::int64_t first_sample = 0;    // the first that is kept (output.window)
   std::vector<std::string> doubts;  // values that look wrong but may be intended
 
+  bool is_areal = false;  // a plate and a block; else beams, and one row
+  int rows = 1;
+  double spacing_y = 0;  // m, chi_y, of an areal scene
+  double side = 0;       // m, y0: where the slider's side stands on the resonator
+
   int nodes() const { return static_cast<int>(slider_height.size()); }
+  int row_nodes() const { return nodes() / rows; }
+  /// Nodes of the resonator in a row.
+  int row_heights() const { return static_cast<int>(resonator_height.size()) / rows; }
+  /// From the slider's side to a row [m]: rows stand in the middle of their strips.
+  double eta(int row) const { return (row + 0.5) * spacing_y; }
   bool has_smooth_faces() const { return scene.faces == Faces::smooth; }
   std::int64_t kept_samples() const { return samples - first_sample; }
 };
 
 /// Builds bodies and surfaces and places the slider. Throws RequestError where they do not fit.
 Model make_model(const Scene& scene);
+
+/// The faces of an areal scene, on rows of constant y.
+struct HeightMaps {
+  int rows = 0;
+  double spacing_y = 0;                   // m, chi_y
+  double side = 0;                        // m, y0
+  std::vector<double> resonator, slider;  // m, (row, node along x): under the slider's rows alone
+};
+
+/// As of a plane scene, of a plate and a block with these faces; the scene's own surfaces do not
+/// count. Throws RequestError where they do not fit, and for what is not built for areal scenes:
+/// adaptive steps, candidates, multipliers, smooth faces, moving forces, probes, microphones.
+Model make_model(const Scene& scene, const HeightMaps& maps);
 
 /// Tick at which level and shock statistics begin: the first at or after `output.from`.
 std::int64_t first_counted(const Model& model);

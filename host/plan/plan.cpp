@@ -449,7 +449,7 @@ std::string beyond_limit(const Model& model, const StepLimits& limits) {
   if (!(scene.time.step > limits.holds())) return {};
   const TimeSettings choice = choice_of(scene);
   const bool modes = limits.modes_bind();
-  const JoinedModes place = most_yielding(model);
+  const JoinedModes place = most_compliant(model);
   // its limit promises no more than can be said of all smaller steps
   if (choice.scheme == SchemeKind::exact && holds_in_contact(model, choice, place, scene.time.step))
     return {};
@@ -530,7 +530,7 @@ Plan make_plan(const Model& model, std::size_t memory, const ModalStart& start) 
   plan.slider = plan_body(model.slider, scene.slider, model.nodes(), scene);
   plan.slowest = slowest_mode(model);
   plan.delta = model.delta;
-  const JoinedModes place = most_yielding(model);
+  const JoinedModes place = most_compliant(model);
   const bool spring = scene.contact.law == ContactLaw::penalty;
   const double omega_c = spring ? contact_frequency(model, place) : 0.0;
   plan.contact_period = omega_c > 0 ? M_PI / omega_c : 0.0;

@@ -325,7 +325,7 @@ std::vector<std::complex<double>> joined_eigenvalues(const JoinedModes& joined, 
   return out;
 }
 
-JoinedModes most_yielding(const Model& model) {
+JoinedModes most_compliant(const Model& model) {
   JoinedModes joined;
   Mode drifting{};
   double drifting_square = 0;
@@ -354,7 +354,7 @@ double contact_frequency(const Model& model, const JoinedModes& place) {
 }
 
 StepLimits step_limits(const Model& model, const TimeSettings& choice) {
-  return step_limits(model, choice, most_yielding(model));
+  return step_limits(model, choice, most_compliant(model));
 }
 
 StepLimits step_limits(const Model& model, const TimeSettings& choice, const JoinedModes& place) {

@@ -48,7 +48,7 @@ double contact_limit(const TimeSettings& choice, const JoinedModes& joined, doub
 std::vector<std::complex<double>> joined_eigenvalues(const JoinedModes& joined, double stiffness);
 
 /// The modes of both bodies where they yield most to a contact force.
-JoinedModes most_yielding(const Model& model);
+JoinedModes most_compliant(const Model& model);
 
 /// Angular frequency [rad/s] of the contact spring of one node against the bodies' inertia there,
 /// omega_c^2 = kappa chi w sum psi^2/m.
@@ -69,7 +69,7 @@ struct StepLimits {
 
 /// Under multipliers there is no contact spring: contact_one and contact_many are infinite.
 StepLimits step_limits(const Model& model, const TimeSettings& choice);
-/// `place`: most_yielding(model), where it is known already.
+/// `place`: most_compliant(model), where it is known already.
 StepLimits step_limits(const Model& model, const TimeSettings& choice, const JoinedModes& place);
 
 /// Whether a step holds one node in contact, by the spectral radius of that very step (penalty).

@@ -8,22 +8,31 @@
 #include "host/base/hash.hpp"
 #include "host/base/text.hpp"
 #include "host/device/backend.hpp"
+#include "host/scene/schemes.hpp"
 #include "host/scene_file/scene_file.hpp"
 
 namespace ra2d {
+
+int numerics_version_of(const Scene& scene) {
+  // smooth faces under `adaptive`: cells that are expected to stay open are left out of a step
+  return scene.faces == Faces::smooth && is_adaptive(scene) ? 3 : numerics_version;
+}
 
 std::string run_key(const Model& model) {
   Scene scene = without_origins(model.scene);
   for (BodySpec* body : {&scene.resonator, &scene.slider})
     body->surface.path.clear();  // its heights tell more
   const std::string text =
-      fmt::format("numerics {}\n{}\n{}", numerics_version, arithmetic(), echo(scene));
+      fmt::format("numerics {}\n{}\n{}", numerics_version_of(scene), arithmetic(), echo(scene));
   Hash hash;
   hash.add(text);
   for (const std::vector<double>* height : {&model.resonator_height, &model.slider_height}) {
     hash.add(fmt::format("\n{} heights\n", height->size()));
     hash.add(height->data(), height->size());
   }
+  if (model.is_areal)
+    hash.add(fmt::format("\n{} rows, {} m apart, from {} m on\n", model.rows, model.spacing_y,
+                         model.side));
   return hash.text();
 }
 

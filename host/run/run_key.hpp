@@ -10,6 +10,9 @@ namespace ra2d {
 /// To be raised with every change of the bits of an answer on purpose (CONTRIBUTING.md).
 inline constexpr int numerics_version = 2;
 
+/// As that, but of the scenes alone whose bits changed.
+int numerics_version_of(const Scene& scene);
+
 /// XXH3-128, as 32 hexadecimal digits, of the scene with all its keys, of both bodies' heights, of
 /// the version of the numerics and of the build's arithmetic. Neither the scene's name nor the
 /// place of its files is in it, nor the number of threads.

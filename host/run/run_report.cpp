@@ -25,7 +25,7 @@ std::string describe_limit(const Model& model, int nodes) {
     return ". adaptive has no limit of stability: check the scene for values far from what they "
            "should be";
   const TimeSettings choice = choice_of(scene);
-  const JoinedModes place = most_yielding(model);
+  const JoinedModes place = most_compliant(model);
   StepLimits limits = step_limits(model, choice, place);
   if (scene.contact.law == ContactLaw::penalty)
     limits.contact_one = contact_limit(choice, place, nodes * model.node_stiffness);
@@ -85,7 +85,7 @@ std::string checked_limit(const Model& model) {
   const Scene& scene = model.scene;
   if (is_adaptive(scene)) return {};
   const TimeSettings choice = choice_of(scene);
-  const JoinedModes place = most_yielding(model);
+  const JoinedModes place = most_compliant(model);
   // the search for its limit takes many times as long as a look at the step that is asked for
   if (choice.scheme == SchemeKind::exact &&
       (scene.contact.law == ContactLaw::multiplier ||

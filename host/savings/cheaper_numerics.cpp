@@ -70,7 +70,7 @@ std::vector<Numerics> cheaper_than_reference(const SavingsSearch& search, double
       list.push_back(n);
     }
   const Model model = make_model(search.out.reference);
-  const JoinedModes place = most_yielding(model);
+  const JoinedModes place = most_compliant(model);
   for (const TimeSettings& choice : choices_under(search.whole.contact.law)) {
     if (search.left(until) <= 0) break;
     // what an impact gives back is the scheme's under multipliers: two let it rest alike

@@ -71,7 +71,7 @@ std::vector<std::filesystem::path> FileHashes::names() const {
 Key128 scene_key(const Scene& scene, FileHashes& files) {
   Scene bare = without_origins(scene);
   Hash hash;
-  hash.add(fmt::format("numerics {}\n{}\n", numerics_version, arithmetic()));
+  hash.add(fmt::format("numerics {}\n{}\n", numerics_version_of(scene), arithmetic()));
   for (BodySpec* body : {&bare.resonator, &bare.slider}) {
     const bool from_file = body->surface.kind == SurfaceKind::file;
     hash.add(from_file ? files.of(scene.file.parent_path() / body->surface.path) : "none");

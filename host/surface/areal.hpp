@@ -4,9 +4,12 @@
 #include <cstdint>
 #include <filesystem>
 
+#include "host/surface/height_map.hpp"
+#include "host/surface/map_file.hpp"
 #include "host/surface/profile.hpp"
 
-/// Grids of heights, of which a profile is one line: common to the readers of SDF and of X3P.
+/// Grids of heights, of which a profile is one line, and a map all: common to the readers of SDF
+/// and of X3P.
 namespace ra2d {
 
 constexpr std::uint64_t most_grid_points = 50'000'000;
@@ -28,6 +31,11 @@ struct GridLine {
 /// and for options that such a file has no use for: units, spacing, decimal marks.
 GridLine choose_line(const std::filesystem::path& file, const char* format, const Grid& grid,
                      const ProfileQuery& query);
+
+/// All points, as one line; `map` gets the sizes and the spacings. Throws RequestError where they
+/// are those of no map, and for options that such a file has no use for.
+GridLine whole_grid(const std::filesystem::path& file, const char* format, const Grid& grid,
+                    const MapQuery& query, HeightMap& map);
 
 /// Throws RequestError for a profile without heights.
 void require_heights(const std::filesystem::path& file, const Profile& profile);

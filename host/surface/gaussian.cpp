@@ -23,20 +23,47 @@ double signed_unit(std::uint64_t high, std::uint64_t low) {
   return static_cast<double>(bits >> 10) * 0x1p-53;
 }
 
+/// Two independent numbers from the counters (low, high, attempt, plane), by Marsaglia's polar
+/// method, which accepts 79 attempts in 100.
+struct NormalPair {
+  double first, second;
+};
+NormalPair normal_pair(std::uint64_t seed, std::uint32_t low, std::uint32_t high,
+                       std::uint32_t plane) {
+  const r123::Philox4x32::key_type key = {
+      {static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)}};
+  for (std::uint32_t attempt = 0;; ++attempt) {
+    const auto random = r123::Philox4x32{}({{low, high, attempt, plane}}, key);
+    const double u = signed_unit(random[0], random[1]), v = signed_unit(random[2], random[3]);
+    const double square = u * u + v * v;
+    if (!(square > 0 && square < 1)) continue;
+    const double factor = std::sqrt(-2 * portable::log(square) / square);
+    return {u * factor, v * factor};
+  }
+}
+
+/// Of the places (2 pair, j) and (2 pair + 1, j) of the plane.
+NormalPair places_pair(std::uint64_t seed, std::int64_t pair, std::int64_t j) {
+  return normal_pair(seed, static_cast<std::uint32_t>(pair), static_cast<std::uint32_t>(j), 1);
+}
+
 }  // namespace
 
 double white_noise(std::uint64_t seed, std::int64_t index) {
   const auto counter = static_cast<std::uint64_t>(index);  // negative indices wrap to the far end
-  const r123::Philox4x32::key_type key = {
-      {static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)}};
-  for (std::uint32_t attempt = 0;; ++attempt) {  // Marsaglia's polar method, accepts 79 in 100
-    const auto random =
-        r123::Philox4x32{}({{static_cast<std::uint32_t>(counter),
-                             static_cast<std::uint32_t>(counter >> 32), attempt, 0}},
-                           key);
-    const double u = signed_unit(random[0], random[1]), v = signed_unit(random[2], random[3]);
-    const double square = u * u + v * v;
-    if (square > 0 && square < 1) return u * std::sqrt(-2 * portable::log(square) / square);
+  return normal_pair(seed, static_cast<std::uint32_t>(counter),
+                     static_cast<std::uint32_t>(counter >> 32), 0)
+      .first;
+}
+
+void white_noise_row(std::uint64_t seed, std::int64_t first, std::int64_t j,
+                     std::span<double> row) {
+  std::size_t n = 0;
+  if (first % 2 != 0 && !row.empty()) row[n++] = places_pair(seed, first >> 1, j).second;
+  for (; n < row.size(); n += 2) {
+    const auto [even, odd] = places_pair(seed, (first + static_cast<std::int64_t>(n)) >> 1, j);
+    row[n] = even;
+    if (n + 1 < row.size()) row[n + 1] = odd;
   }
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace ra2d {
@@ -8,6 +9,11 @@ namespace ra2d {
 /// Standard normal number `index` of the stream `seed`; any of them, in any order, negative ones
 /// too.
 double white_noise(std::uint64_t seed, std::int64_t index);
+
+/// Standard normal numbers at the places (first, j), (first + 1, j), ... of the plane `seed`,
+/// places of 32 bits. A place has the same number in every row that reaches it. None of the
+/// stream's numbers is among them.
+void white_noise_row(std::uint64_t seed, std::int64_t first, std::int64_t j, std::span<double> row);
 
 /// The noise at the places -half_width ... places + half_width of Bells (host/surface/bells.hpp).
 std::vector<double> noise_about(std::uint64_t seed, int places);

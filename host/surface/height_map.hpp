@@ -1,38 +1,68 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
 #include <vector>
 
+#include "host/system/machine_memory.hpp"
+
+/// Faces of areal bodies: heights on a grid.
 namespace ra2d {
 
-/// Turns standard normal heights into heights of a given skewness and kurtosis: a function that
-/// grows with its argument, from the system of N. L. Johnson (Biometrika 36, 1949), as Hu and
-/// Tonder used it for rough surfaces (Int. J. Mach. Tools Manufact. 32, 1992). Its values have mean
-/// 0 and variance 1.
-class HeightMap {
- public:
-  /// Leaves normal heights as they are.
-  HeightMap() = default;
-  /// Throws RequestError for moments that no such heights have, or only ones of nearly two values.
-  HeightMap(double skewness, double kurtosis);
+/// Heights in rows of constant y: that of point i of row j is heights[j * nx + i]. x runs along the
+/// sliding direction.
+struct HeightMap {
+  std::size_t nx = 0, ny = 0;         // points of a row, and rows
+  double spacing = 0, spacing_y = 0;  // m, from point to point and from row to row
+  std::vector<double> heights;        // m, NaN where a point is missing
 
-  bool is_identity() const { return family_ == Family::normal; }
-  double operator()(double g) const;
-  /// The normal height that becomes 0, the mean line.
-  double at_mean_line() const;
-  /// The correlation of two heights whose normal heights have the correlation `normal`.
-  double correlation(double normal) const;
-  /// Inverse of correlation(): that of the normal heights. -1 where no normal heights have it.
-  double normal_correlation(double of_heights) const;
-
- private:
-  enum class Family { normal, unbounded, bounded, lognormal };
-  double raw(double g) const;
-  void standardise();
-  void find_series();
-
-  Family family_ = Family::normal;
-  double sign_ = 1, gamma_ = 0, delta_ = 1, mean_ = 0, spread_ = 1;
-  std::vector<double> series_;  // n! a_n^2 of He_n, n = 1, 2, ...: the correlation's powers
+  double at(std::size_t i, std::size_t j) const { return heights[j * nx + i]; }
+  std::size_t missing() const;
 };
+
+/// More points than that are no map: 800 MB of heights.
+constexpr double most_map_points = 1e8;
+
+/// Throws RequestError where a map of so many points is none (fewer than two in a row, one row,
+/// more than most_map_points) or takes more than 0.4 of the memory [bytes]. To be asked before
+/// memory is taken. `name` begins the message: a file, or an option.
+void require_map_size(const std::string& name, double nx, double ny,
+                      std::int64_t most_memory = machine_memory());
+
+/// Moves the heights to mean zero; returns what the mean was [m]. None of them may be missing.
+double subtract_map_mean(HeightMap& map);
+
+/// Fills missing points. A point gets the height of the straight line through its gap along x or
+/// along y, whichever is narrower, and at most `width` [m] wide: each missing point is a spacing.
+/// Lines begin and end at measured points. Throws RequestError, with the first such point, where
+/// neither gap is narrow enough or both reach the map's edge; with a width of 0 for any.
+void fill_map_gaps(HeightMap& map, double width, const std::string& name);
+
+/// The shape that a map loses: by least squares, a polynomial in x and y of a total degree. 0 is
+/// the mean, 1 a plane.
+struct MapForm {
+  static constexpr int none = -1, highest = 10;
+  int degree = none;
+};
+
+/// Of `none`, `mean`, `plane` or `poly:N`; nothing for anything else.
+std::optional<MapForm> understand_map_form(std::string_view text);
+
+/// Takes the form off. Exact to roundings for a polynomial of its degree. No point may be missing.
+void remove_map_form(HeightMap& map, MapForm form);
+
+/// How a map goes on beyond its edges.
+enum class MapExtension {
+  repeat,  // copies one after another, faded into one another as a repeated profile is
+  mirror   // each copy is the mirror image of the one before it: nothing jumps or fades
+};
+
+/// The map on `nx` by `ny` points of the same spacings, from its first point on. Less than it has
+/// is a part of it. Throws RequestError as require_map_size does. No point may be missing.
+HeightMap extended_map(const HeightMap& map, MapExtension how, std::size_t nx, std::size_t ny,
+                       const std::string& name);
 
 }  // namespace ra2d

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <algorithm>
 #include <bit>
 #include <cstddef>
 #include <cstring>
@@ -22,10 +23,22 @@ T little_endian(const char* bytes) {
   return value;
 }
 
+/// A number that a file stores with the highest byte first.
+template <class T>
+T big_endian(const char* bytes) {
+  char turned[sizeof(T)];
+  std::reverse_copy(bytes, bytes + sizeof(T), turned);
+  return little_endian<T>(turned);
+}
+
 /// As a double, whatever its type.
 template <class T>
 double little_endian_value(const char* bytes) {
   return static_cast<double>(little_endian<T>(bytes));
+}
+template <class T>
+double big_endian_value(const char* bytes) {
+  return static_cast<double>(big_endian<T>(bytes));
 }
 
 }  // namespace ra2d

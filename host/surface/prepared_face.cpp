@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 #include <span>
 #include <utility>
@@ -16,6 +15,7 @@
 #include "host/surface/measure.hpp"
 #include "host/surface/profile.hpp"
 #include "host/surface/profile_lines.hpp"
+#include "host/surface/repeated_place.hpp"
 #include "host/surface/sum.hpp"
 #include "host/surface/usual_faces.hpp"
 
@@ -23,7 +23,6 @@ namespace ra2d {
 namespace {
 
 constexpr double steps_to_cutoff = 5;  // of the profile, at the least
-constexpr double seam_share = 0.1;     // of the profile
 constexpr double most_copies = 100;    // along a beam
 constexpr double much_change = 0.1;    // of Rq, where a profile is repeated
 
@@ -154,17 +153,12 @@ void check_proportion(const std::filesystem::path& file, const std::vector<doubl
 }  // namespace
 
 RepeatedProfile::RepeatedProfile(const std::vector<double>& heights)
-    : heights_(heights),
-      seam_(std::max<std::size_t>(
-          1, static_cast<std::size_t>(seam_share * static_cast<double>(heights.size() - 1)))) {}
+    : heights_{heights}, seam_{RepeatedPlace::seam(heights.size())} {}
 
 double RepeatedProfile::at(std::size_t point) const {
-  const std::size_t last = heights_.size() - 1;
-  const std::size_t in_copy = point % (last + seam_);
-  if (in_copy <= last) return heights_[in_copy];
-  const std::size_t into = in_copy - last;  // from 1 to seam - 1
-  const double turn = std::numbers::pi / 2 * static_cast<double>(into) / static_cast<double>(seam_);
-  return std::cos(turn) * heights_[last - into] + std::sin(turn) * heights_[seam_ - into];
+  const RepeatedPlace place(heights_.size(), point);
+  if (place.other_share == 0) return heights_[place.point];
+  return place.share * heights_[place.point] + place.other_share * heights_[place.other];
 }
 
 bool needs_preparation(const SurfaceSpec& spec, const std::filesystem::path& file) {

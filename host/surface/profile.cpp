@@ -22,6 +22,8 @@ constexpr double whole = 1e-9;  // of a spacing: a width that is a whole number 
 std::string_view other_format(std::string_view bytes) {
   if (bytes.starts_with("\xff\xfe") || bytes.starts_with("\xfe\xff"))
     return "text in UTF-16: save it as UTF-8";
+  if (bytes.starts_with("\x93NUMPY"))
+    return "an array of NumPy, a height map: 'ra2d surface map' reads it";
   if (bytes.find('\0') != bytes.npos) return "binary, and in no format that is read";
   return {};
 }
@@ -55,6 +57,11 @@ ProfileFormat format_of(const std::filesystem::path& file) {
   return ProfileFormat::text;
 }
 
+void require_text(const std::filesystem::path& file) {
+  if (const auto format = other_format(beginning(file)); !format.empty())
+    throw RequestError(fmt::format("{}: the file is {}", file.string(), format));
+}
+
 Profile read_measured_profile(const std::filesystem::path& file, const ProfileQuery& query) {
   switch (format_of(file)) {
     case ProfileFormat::sdf:
@@ -64,8 +71,7 @@ Profile read_measured_profile(const std::filesystem::path& file, const ProfileQu
     case ProfileFormat::text:
       break;
   }
-  if (const auto format = other_format(beginning(file)); !format.empty())
-    throw RequestError(fmt::format("{}: the file is {}", file.string(), format));
+  require_text(file);
   if (query.row)
     throw RequestError(fmt::format("{}: --row {}: a text has columns and no rows: drop the option",
                                    file.string(), *query.row));

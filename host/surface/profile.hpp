@@ -44,6 +44,10 @@ enum class ProfileFormat { text, sdf, x3p };
 /// Format of a file by its content; text for anything else.
 ProfileFormat format_of(const std::filesystem::path& file);
 
+/// Throws RequestError, which names the format, for a file that format_of calls text and that is
+/// none.
+void require_text(const std::filesystem::path& file);
+
 /// Reads a file in the format that its content has. Throws RequestError, with file and line, for
 /// what cannot be understood and for units that are missing; FileError where it cannot be read.
 Profile read_measured_profile(const std::filesystem::path& file, const ProfileQuery& query);

@@ -38,8 +38,8 @@ void refuse(const std::filesystem::path& file, std::vector<LineFault> faults) {
   throw RequestError(message);
 }
 
-ProfileLines::ProfileLines(const std::filesystem::path& file)
-    : stream_(file), buffer_(longest + 1, '\0') {}
+ProfileLines::ProfileLines(const std::filesystem::path& file, std::size_t longest_line)
+    : stream_(file), buffer_(std::min<std::size_t>(longest_line, stream_.size() + 1) + 1, '\0') {}
 
 bool ProfileLines::next() {
   if (stream_.eof() || too_long_) return false;

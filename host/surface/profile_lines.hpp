@@ -36,9 +36,9 @@ class ProfileStream : public InputStream {
 /// The lines of a ProfileStream, one at a time.
 class ProfileLines {
  public:
-  static constexpr std::size_t longest = 1u << 16;  // bytes of a line
+  static constexpr std::size_t longest = 1u << 16;  // bytes of a line of a profile
 
-  explicit ProfileLines(const std::filesystem::path& file);
+  explicit ProfileLines(const std::filesystem::path& file, std::size_t longest_line = longest);
   /// Goes on to the next line. No line comes after one that is too long.
   bool next();
   /// Without its end and without a byte-order mark. Carriage returns stay: they are blanks.

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <string>
@@ -58,14 +59,16 @@ struct SdfHeader {
   throw RequestError(fmt::format("{}: SDF: {}", file.string(), why));
 }
 
-GridLine check(const std::filesystem::path& file, const SdfHeader& header,
-               const ProfileQuery& query) {
+/// Which of the points are read, from a header that was checked.
+using Choose = std::function<GridLine(const SdfHeader& header)>;
+
+void check(const std::filesystem::path& file, const SdfHeader& header, bool needs_x, bool needs_y) {
   const auto scale = [&](const char* name, double value, bool needed) {
     if (needed && !(value > 0 && std::isfinite(value)))
       refuse_sdf(file, fmt::format("{} = {}: expected a length in metres, > 0", name, value));
   };
-  scale("Xscale", header.x_scale, !query.column);
-  scale("Yscale", header.y_scale, query.column.has_value());
+  scale("Xscale", header.x_scale, needs_x);
+  scale("Yscale", header.y_scale, needs_y);
   scale("Zscale", header.z_scale, true);
   if (header.compression != 0)
     refuse_sdf(file, "the data are compressed, which is not read: save them uncompressed");
@@ -73,8 +76,10 @@ GridLine check(const std::filesystem::path& file, const SdfHeader& header,
     refuse_sdf(file, "the data have a checksum, which is not read: save them without");
   if (header.data_type >= types.size())
     refuse_sdf(file, fmt::format("DataType = {}: expected 0 to 7", header.data_type));
-  return choose_line(file, "SDF", {header.points, header.profiles, header.x_scale, header.y_scale},
-                     query);
+}
+
+Grid grid_of(const SdfHeader& header) {
+  return {header.points, header.profiles, header.x_scale, header.y_scale};
 }
 
 /// A height [m] of a stored number, NaN for the mark of a missing point.
@@ -108,14 +113,14 @@ SdfHeader binary_header(const char* bytes) {
 }
 
 Profile read_binary(const std::filesystem::path& file, ProfileStream& stream,
-                    const ProfileQuery& query) {
+                    const Choose& choose) {
   const std::uint64_t size = stream.size();
   std::array<char, header_bytes> bytes{};
   if (!stream.read(bytes.data(), bytes.size()))
     refuse_sdf(file, fmt::format("cut off in its header: {} bytes, which alone has {}", size,
                                  header_bytes));
   const SdfHeader header = binary_header(bytes.data());
-  const GridLine line = check(file, header, query);
+  const GridLine line = choose(header);
   const Type& type = header.type();
   const std::uint64_t needed = header_bytes + header.points * header.profiles * type.bytes;
   if (size < needed)
@@ -234,10 +239,9 @@ double stored_number(const std::filesystem::path& file, const std::string& word,
   return *value;
 }
 
-Profile read_text(const std::filesystem::path& file, std::istream& stream,
-                  const ProfileQuery& query) {
+Profile read_text(const std::filesystem::path& file, std::istream& stream, const Choose& choose) {
   const SdfHeader header = text_header(file, stream);
-  const GridLine line = check(file, header, query);
+  const GridLine line = choose(header);
   Profile profile;
   profile.spacing = line.spacing;
   const std::uint64_t all = header.points * header.profiles;
@@ -260,15 +264,8 @@ Profile read_text(const std::filesystem::path& file, std::istream& stream,
   return profile;
 }
 
-}  // namespace
-
-bool begins_as_sdf(std::string_view bytes) {
-  if (!bytes.starts_with('a') && !bytes.starts_with('b')) return false;
-  bytes.remove_prefix(1);
-  return bytes.starts_with("BCR-") || bytes.starts_with("ISO-") || bytes.starts_with("NIST-");
-}
-
-Profile read_profile_sdf(const std::filesystem::path& file, const ProfileQuery& query) {
+/// The points that are chosen, as a profile.
+Profile read_sdf(const std::filesystem::path& file, const Choose& choose) {
   ProfileStream stream(file);
   std::string version(version_bytes, '\0');
   stream.read(version.data(), static_cast<std::streamsize>(version_bytes));
@@ -278,10 +275,34 @@ Profile read_profile_sdf(const std::filesystem::path& file, const ProfileQuery& 
                                  ra2d::quoted(without_padding(version))));
   stream.clear();
   stream.seekg(0);
-  Profile profile =
-      version[0] == 'b' ? read_binary(file, stream, query) : read_text(file, stream, query);
+  return version[0] == 'b' ? read_binary(file, stream, choose) : read_text(file, stream, choose);
+}
+
+}  // namespace
+
+bool begins_as_sdf(std::string_view bytes) {
+  if (!bytes.starts_with('a') && !bytes.starts_with('b')) return false;
+  bytes.remove_prefix(1);
+  return bytes.starts_with("BCR-") || bytes.starts_with("ISO-") || bytes.starts_with("NIST-");
+}
+
+Profile read_profile_sdf(const std::filesystem::path& file, const ProfileQuery& query) {
+  Profile profile = read_sdf(file, [&](const SdfHeader& header) {
+    check(file, header, !query.column, query.column.has_value());
+    return choose_line(file, "SDF", grid_of(header), query);
+  });
   require_heights(file, profile);
   return profile;
+}
+
+HeightMap read_map_sdf(const std::filesystem::path& file, const MapQuery& query) {
+  HeightMap map;
+  Profile points = read_sdf(file, [&](const SdfHeader& header) {
+    check(file, header, true, true);
+    return whole_grid(file, "SDF", grid_of(header), query, map);
+  });
+  map.heights = std::move(points.heights);
+  return map;
 }
 
 }  // namespace ra2d

@@ -3,6 +3,8 @@
 #include <filesystem>
 #include <string_view>
 
+#include "host/surface/height_map.hpp"
+#include "host/surface/map_file.hpp"
 #include "host/surface/profile.hpp"
 
 namespace ra2d {
@@ -15,5 +17,8 @@ bool begins_as_sdf(std::string_view bytes);
 /// the profile and what is being read, whatever the header says. Throws RequestError, with the file
 /// and what is wrong; FileError where it cannot be read.
 Profile read_profile_sdf(const std::filesystem::path& file, const ProfileQuery& query);
+
+/// All points of such a file, row after row. Missing ones are NaN.
+HeightMap read_map_sdf(const std::filesystem::path& file, const MapQuery& query);
 
 }  // namespace ra2d

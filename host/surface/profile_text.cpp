@@ -13,65 +13,16 @@
 #include "host/base/quiet_nan.hpp"
 #include "host/base/text.hpp"
 #include "host/surface/profile_lines.hpp"
+#include "host/surface/text_dialect.hpp"
 #include "host/surface/usual_faces.hpp"
 
 namespace ra2d {
 namespace {
 
-constexpr std::string_view blanks = " \t\r\v\f";
 constexpr std::size_t most_header_lines = 1000, longest_header = 2000;  // bytes
 constexpr std::size_t most_recognized = 200;  // lines of numbers that tell how numbers are written
 // Beyond any profile in metres:
 constexpr double longest_profile = 10, coarsest = 1e-4, highest = 1e-3;  // m
-
-using Fields = std::vector<std::string_view>;
-
-bool is_missing(std::string_view word) {
-  if (word.empty() || word.size() > 3) return word.empty();
-  std::string lower(word);
-  for (char& c : lower)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return lower == "nan" || lower == "na" || lower == "n/a";
-}
-
-/// How a file writes its numbers.
-struct Dialect {
-  char separator = ' ';  // or ',' with or without blanks, ';', '\t'
-  bool decimal_comma = false;
-  std::size_t columns = 0;
-  bool closed = false;  // a separator at the end of every line
-
-  void split(std::string_view line, Fields& fields) const {
-    line = line.substr(0, line.find('#'));
-    fields.clear();
-    if (trimmed(line).empty()) return;
-    if (separator == ' ' && decimal_comma) {
-      while (!(line = trimmed(line)).empty()) {
-        const std::size_t end = std::min(line.find_first_of(blanks), line.size());
-        fields.push_back(line.substr(0, end));
-        line.remove_prefix(end);
-      }
-    } else if (separator == ' ' || separator == ',') {
-      split_words(line, fields);
-    } else {
-      for (bool more = true; more;) {
-        const std::size_t end = std::min(line.find(separator), line.size());
-        more = end < line.size();
-        fields.push_back(trimmed(line.substr(0, end)));
-        line.remove_prefix(more ? end + 1 : end);
-      }
-    }
-    if (closed && fields.size() > 1 && fields.back().empty()) fields.pop_back();
-  }
-
-  std::optional<double> number(std::string_view word, std::string& scratch) const {
-    if (!decimal_comma) return to_number(word);
-    if (word.find('.') != word.npos) return {};
-    scratch = word;
-    std::replace(scratch.begin(), scratch.end(), ',', '.');
-    return to_number(scratch);
-  }
-};
 
 /// Units of the columns, where the header gives them, and one that belongs to no column.
 struct TextHeader {
@@ -84,94 +35,6 @@ struct TextHeader {
   std::size_t lines = 0;  // before the first line of numbers
 };
 
-/// A line that has numbers or missing points only, whatever parts them.
-bool is_numbers(std::string_view line) {
-  line = line.substr(0, line.find('#'));
-  bool any = false;
-  while (!(line = trimmed(line)).empty()) {
-    const std::size_t end = std::min(line.find_first_of(" \t\r\v\f,;"), line.size());
-    const std::string_view word = line.substr(0, end);
-    const auto value = to_number(word);
-    any |= value && !is_missing(word);
-    if (!value && !is_missing(word)) return false;
-    line.remove_prefix(std::min(end + 1, line.size()));
-  }
-  return any;
-}
-
-/// Marks between and in the numbers of the first lines.
-struct Marks {
-  bool semicolon = false, tab = false, blank = false;      // between numbers
-  bool comma = false, comma_apart = false, point = false;  // apart: next to a blank or a comma
-  std::size_t commas = 0;                                  // most in a line
-
-  void see(std::string_view line) {
-    line = trimmed(line.substr(0, line.find('#')));
-    std::size_t in_line = 0;
-    for (std::size_t i = 0; i < line.size(); ++i) {
-      const char c = line[i];
-      semicolon |= c == ';';
-      point |= c == '.';
-      if (c == ',') {
-        ++in_line;
-        const auto apart = [&](std::size_t k) {
-          return k >= line.size() || line[k] == ',' || blanks.find(line[k]) != blanks.npos;
-        };
-        comma_apart |= apart(i + 1) || i == 0 || apart(i - 1);
-      } else if (blanks.find(c) != blanks.npos) {
-        (c == '\t' ? tab : blank) = true;
-      }
-    }
-    commas = std::max(commas, in_line);
-    comma |= in_line > 0;
-  }
-};
-
-/// How numbers are written, from the marks. Throws RequestError where they leave it open.
-Dialect understand_marks(const Marks& marks, const ProfileQuery& query, const std::string& where) {
-  const char blank = marks.tab ? '\t' : ' ';
-  const auto refuse_mark = [&](const char* why) {
-    throw RequestError(fmt::format(
-        "{}: {}. Say --decimal point, where commas part the columns, or --decimal comma", where,
-        why));
-  };
-  Dialect dialect;
-  if (marks.semicolon || query.decimal == DecimalMark::comma) {
-    dialect.separator = marks.semicolon ? ';' : blank;
-    dialect.decimal_comma = query.decimal == DecimalMark::comma ||
-                            (query.decimal == DecimalMark::of_the_file && marks.comma);
-    if (dialect.decimal_comma && marks.point && marks.comma)
-      throw RequestError(fmt::format(
-          "{}: numbers with points and with commas: write one of them, and no groups of thousands",
-          where));
-  } else if (!marks.comma) {
-    dialect.separator = blank;
-  } else if (query.decimal == DecimalMark::point || marks.comma_apart) {
-    dialect.separator = ',';
-  } else if (marks.tab || marks.blank) {  // commas inside numbers, blanks between them
-    if (marks.point) refuse_mark("points, commas and blanks between digits");
-    dialect = {blank, true};
-  } else if (marks.point || (marks.commas == 1 && !query.spacing)) {
-    dialect.separator = ',';  // a single column would have no x
-  } else {
-    refuse_mark("commas between digits may be decimal marks or part the columns");
-  }
-  return dialect;
-}
-
-/// The units in brackets of a line.
-std::vector<std::string_view> bracketed(std::string_view line) {
-  std::vector<std::string_view> found;
-  while (true) {
-    const std::size_t open = line.find_first_of("[(");
-    if (open == line.npos) return found;
-    const std::size_t close = line.find(line[open] == '[' ? ']' : ')', open);
-    if (close == line.npos) return found;
-    found.push_back(trimmed(line.substr(open + 1, close - open - 1)));
-    line.remove_prefix(close + 1);
-  }
-}
-
 /// "z [um]", "z_um", "z/um", "z um": the unit; nothing where the field has none.
 std::string_view unit_of(std::string_view field) {
   if (const auto units = bracketed(field); units.size() == 1) return units[0];
@@ -182,10 +45,10 @@ std::string_view unit_of(std::string_view field) {
 }
 
 /// The units that a line of the header gives to the columns; none where it gives no column its own.
-std::vector<std::string_view> units_of(std::string_view line, const Dialect& dialect) {
+std::vector<std::string_view> units_of(std::string_view line, const TextDialect& dialect) {
   std::vector<std::string_view> units = bracketed(line);
   if (units.size() == dialect.columns) return units;
-  Fields fields;
+  TextFields fields;
   dialect.split(line, fields);
   if (fields.size() != dialect.columns) return {};
   for (auto& field : fields)
@@ -198,7 +61,7 @@ std::vector<std::string_view> units_of(std::string_view line, const Dialect& dia
   return units;
 }
 
-void read_header_line(std::string_view line, std::size_t number, const Dialect& dialect,
+void read_header_line(std::string_view line, std::size_t number, const TextDialect& dialect,
                       const std::filesystem::path& file, TextHeader& header) {
   line.remove_prefix(std::min(line.find_first_not_of(" \t\r#%/*"), line.size()));
   line = trimmed(line);
@@ -225,10 +88,10 @@ std::string place(const std::filesystem::path& file, std::size_t line) {
 }
 
 /// A first pass over the beginning of the file.
-std::pair<Dialect, TextHeader> recognize(const std::filesystem::path& file,
-                                         const ProfileQuery& query) {
+std::pair<TextDialect, TextHeader> recognize(const std::filesystem::path& file,
+                                             const ProfileQuery& query) {
   ProfileLines lines(file);
-  Marks marks;
+  TextMarks marks;
   std::vector<std::pair<std::size_t, std::string>> before;
   std::string first;
   std::size_t first_line = 0, seen = 0;
@@ -251,14 +114,10 @@ std::pair<Dialect, TextHeader> recognize(const std::filesystem::path& file,
     throw RequestError(
         fmt::format("{}: no line of numbers, expected columns x and z", file.string()));
 
-  Dialect dialect = understand_marks(marks, query, place(file, first_line));
-  Fields fields;
-  dialect.split(first, fields);
-  if (fields.size() > 2 && fields.back().empty()) {
-    dialect.closed = true;
-    fields.pop_back();
-  }
-  dialect.columns = fields.size();
+  TextDialect dialect =
+      understand_marks(marks, query.decimal, !query.spacing, place(file, first_line));
+  TextFields fields;
+  dialect.see_columns(first, fields);
   TextHeader header;
   header.units.resize(dialect.columns);
   header.lines = first_line - 1;
@@ -272,7 +131,7 @@ struct Columns {
   std::size_t z;
 };
 
-Columns choose_columns(const std::filesystem::path& file, const Dialect& dialect,
+Columns choose_columns(const std::filesystem::path& file, const TextDialect& dialect,
                        const TextHeader& header, const ProfileQuery& query) {
   const std::size_t first = query.spacing ? 1 : 2;  // that heights may have
   const std::string where = place(file, header.lines + 1);
@@ -330,11 +189,11 @@ std::string fault_of(std::string_view word, const std::optional<double>& value, 
   return {};
 }
 
-ProfilePoints read_text_points(const std::filesystem::path& file, const Dialect& dialect,
+ProfilePoints read_text_points(const std::filesystem::path& file, const TextDialect& dialect,
                                const TextHeader& header, const Columns& columns) {
   ProfileLines lines(file);
   ProfilePoints profile;
-  Fields fields;
+  TextFields fields;
   std::string scratch;
   while (profile.faults.size() < most_faults && lines.next()) {
     if (lines.number() <= header.lines) continue;
@@ -353,7 +212,7 @@ ProfilePoints read_text_points(const std::filesystem::path& file, const Dialect&
       fault = fmt::format("{} columns, and {} in the lines before", fields.size(), dialect.columns);
     } else {
       const std::string_view z = fields[columns.z];
-      if (!is_missing(z)) {
+      if (!is_missing_word(z)) {
         const auto value = dialect.number(z, scratch);
         fault = fault_of(z, value, "z");
         if (fault.empty()) point.z = *value;

@@ -350,24 +350,38 @@ Element parse(const std::filesystem::path& file, std::string& text, pugi::xml_do
   return {file, root, root.name()};
 }
 
+/// An X3P of which the checksum of main.xml is right. Its elements point into it.
+struct OpenX3p {
+  ZipArchive archive;
+  std::string text;
+  pugi::xml_document document;
+  Element root;
+  Layout layout;
+
+  explicit OpenX3p(const std::filesystem::path& file)
+      : archive(file),
+        text(read_main(file, archive)),
+        root(parse(file, text, document)),
+        layout(read_layout(file, root)) {}
+  bool has_y() const { return root.need("Record1").need("Axes").child("CY").stands(); }
+  void read(const std::filesystem::path& file, const GridLine& line, Collector& points) const {
+    const Element record3 = root.need("Record3"), link = record3.child("DataLink");
+    if (link.stands())
+      read_heights_file(file, archive, link, layout, line, points);
+    else
+      read_list(file, record3.need("DataList"), layout, points);
+  }
+};
+
 }  // namespace
 
 Profile read_profile_x3p(const std::filesystem::path& file, const ProfileQuery& query) {
-  const ZipArchive archive(file);
-  std::string text = read_main(file, archive);
-  pugi::xml_document document;
-  const Element root = parse(file, text, document);
-  const Layout layout = read_layout(file, root);
-  const GridLine line = choose_line(file, "X3P", layout.grid, query);
-  Collector points(file, layout, line);
-  if (!points.along().absolute && line.along_y &&
-      !root.need("Record1").need("Axes").child("CY").stands())
+  const OpenX3p x3p(file);
+  const GridLine line = choose_line(file, "X3P", x3p.layout.grid, query);
+  Collector points(file, x3p.layout, line);
+  if (!points.along().absolute && line.along_y && !x3p.has_y())
     refuse_x3p(file, "main.xml has no CY, along which the column would run");
-  const Element record3 = root.need("Record3"), link = record3.child("DataLink");
-  if (link.stands())
-    read_heights_file(file, archive, link, layout, line, points);
-  else
-    read_list(file, record3.need("DataList"), layout, points);
+  x3p.read(file, line, points);
 
   Profile profile;
   profile.spacing =
@@ -379,6 +393,22 @@ Profile read_profile_x3p(const std::filesystem::path& file, const ProfileQuery& 
           fmt::format("{}: point {}", file.string(), line.first + i * line.stride + 1);
   require_heights(file, profile);
   return profile;
+}
+
+HeightMap read_map_x3p(const std::filesystem::path& file, const MapQuery& query) {
+  const OpenX3p x3p(file);
+  HeightMap map;
+  const GridLine line = whole_grid(file, "X3P", x3p.layout.grid, query, map);
+  if (!x3p.has_y()) refuse_x3p(file, "main.xml has no CY, along which rows would follow");
+  for (const std::size_t axis : {0, 1})
+    if (x3p.layout.axes[axis].absolute)
+      refuse_x3p(file, fmt::format("{} stands at every point, which is not read of a map: save it "
+                                   "with even increments",
+                                   axis == 0 ? "x" : "y"));
+  Collector points(file, x3p.layout, line);
+  x3p.read(file, line, points);
+  map.heights = std::move(points.heights);
+  return map;
 }
 
 }  // namespace ra2d

@@ -14,7 +14,7 @@
 #include "host/base/fourier.hpp"
 #include "host/surface/bells.hpp"
 #include "host/surface/gaussian.hpp"
-#include "host/surface/height_map.hpp"
+#include "host/surface/johnson.hpp"
 #include "host/surface/profile.hpp"
 
 namespace ra2d {
@@ -104,7 +104,7 @@ Waves waves_of(const RandomProfile& p, double length) {
 
 /// Waves of the normal heights that the map turns into heights with these waves. Variances below 0
 /// and waves shorter than the shortest are left out: no normal heights have them.
-Waves before_map(Waves waves, const HeightMap& map) {
+Waves before_map(Waves waves, const JohnsonHeights& map) {
   if (map.is_identity()) return waves;
   const auto places = static_cast<std::size_t>(waves.places);
   std::vector<Complex> half(places / 2 + 1);
@@ -121,7 +121,7 @@ Waves before_map(Waves waves, const HeightMap& map) {
 }
 
 /// Mean distance of upward crossings of the mean line (Rice 1945), in m.
-double crossing_distance(const Waves& normal, const HeightMap& map) {
+double crossing_distance(const Waves& normal, const JohnsonHeights& map) {
   double curvature = 0;
   for (std::size_t j = 1; j < normal.variance.size(); ++j) {
     const double k = normal.turn(j) / normal.place;
@@ -195,7 +195,7 @@ Process bells_of_noise(const RandomProfile& p, double length, std::uint64_t seed
 }
 
 /// Wave j is s_j (a cos + b sin), a and b standard normal.
-Process bells_of_waves(const Waves& of_heights, const HeightMap& map, double length,
+Process bells_of_waves(const Waves& of_heights, const JohnsonHeights& map, double length,
                        std::uint64_t seed) {
   const Waves waves = before_map(of_heights, map);
   std::vector<Complex> half(static_cast<std::size_t>(waves.places) / 2 + 1);
@@ -304,7 +304,7 @@ Window window_of(const std::function<void(std::vector<double>&)>& evaluate, doub
 
 // ---- what the keys of a scene mean
 
-HeightMap map_of(const SurfaceSpec& spec) {
+JohnsonHeights map_of(const SurfaceSpec& spec) {
   if (!spec.skewness && !spec.kurtosis) return {};
   return {spec.skewness.value_or(0), spec.kurtosis.value_or(3)};
 }
@@ -366,7 +366,7 @@ void check_wave_lengths(const RandomProfile& p) {
 /// Finds the lengths that a scene leaves open.
 class Resolver {
  public:
-  Resolver(const SurfaceSpec& spec, const HeightMap& map, double length)
+  Resolver(const SurfaceSpec& spec, const JohnsonHeights& map, double length)
       : spec_{spec}, map_{map}, length_{length}, rsm_{positive_length(spec.rsm, "rsm")} {}
 
   RandomProfile resolve() {
@@ -462,7 +462,7 @@ class Resolver {
   }
 
   const SurfaceSpec& spec_;
-  const HeightMap& map_;
+  const JohnsonHeights& map_;
   double length_, rsm_;  // m; rsm 0 where the scene gives none
   RandomProfile p_;
 };
@@ -470,13 +470,13 @@ class Resolver {
 }  // namespace
 
 RandomProfile resolve_random(const SurfaceSpec& spec, double length) {
-  const HeightMap map = map_of(spec);
+  const JohnsonHeights map = map_of(spec);
   return Resolver(spec, map, length).resolve();
 }
 
 std::vector<double> random_heights(const SurfaceSpec& spec, double length, int nodes,
                                    double spacing, std::vector<std::string>* doubts) {
-  const HeightMap map = map_of(spec);
+  const JohnsonHeights map = map_of(spec);
   const RandomProfile p = Resolver(spec, map, length).resolve();
   const bool bells_alone = spec.correlation == Correlation::gaussian && map.is_identity();
   const Waves waves = bells_alone ? Waves{} : waves_of(p, length);

@@ -13,6 +13,7 @@
 #include "kernels/adaptive/slider_path.hpp"
 #include "kernels/adaptive/smooth_drive.hpp"
 #include "kernels/contact/node_contact.hpp"
+#include "kernels/function.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/place.hpp"
 #include "kernels/shocks.hpp"
@@ -42,7 +43,7 @@ class AdaptiveMarch {
   static constexpr int width = Lanes::width;
 
  public:
-  KOKKOS_FUNCTION AdaptiveMarch(const Lanes& lanes, const SceneTables& tables, SceneState& state)
+  RA2D_FUNCTION AdaptiveMarch(const Lanes& lanes, const SceneTables& tables, SceneState& state)
       : lanes_{lanes},
         tables_{tables},
         state_{state},
@@ -142,20 +143,20 @@ class AdaptiveMarch {
   Modes now_;
   typename SmoothDrive<Lanes, packs>::Start smooth_start_;
 
-  KOKKOS_FUNCTION NodeContact<Lanes, packs> node_contact() const {
+  RA2D_FUNCTION NodeContact<Lanes, packs> node_contact() const {
     return {lanes_,         tables_.motion,  tables_.faces,
             tables_.slider, tables_.patches, tables_.contact,
             state_.marks,   state_.caches,   state_.work.contact_list};
   }
 
-  KOKKOS_FUNCTION bool fail(Status why) {
+  RA2D_FUNCTION bool fail(Status why) {
     if (lanes_.leader()) state_.carried.status = why;
     lanes_.sync();
     return false;
   }
 
   /// The tick that no step goes beyond.
-  KOKKOS_FUNCTION std::int64_t end() const {
+  RA2D_FUNCTION std::int64_t end() const {
     return tick_ < tables_.output.counted_from ? tables_.output.counted_from
                                                : tables_.output.total_steps;
   }
@@ -181,7 +182,7 @@ class AdaptiveMarch {
 
   /// Keeps the overlaps at the end of this step as those at the beginning of the next, unless a
   /// node has passed another.
-  KOKKOS_FUNCTION void keep_overlaps(const Place& place) {
+  RA2D_FUNCTION void keep_overlaps(const Place& place) {
     if (path_.at(tick_).base == place.base)
       overlaps_.end_becomes_start();
     else
@@ -203,7 +204,7 @@ class AdaptiveMarch {
     bool whole;  // it is the length planned: neither a node's passing nor the end cuts it
     bool clear;  // the bodies are so far apart that no node could come into contact
   };
-  KOKKOS_FUNCTION FlightPlan plan_flight(std::int64_t available) const {
+  RA2D_FUNCTION FlightPlan plan_flight(std::int64_t available) const {
     const std::int64_t length = std::int64_t{1} << state_.carried.control.flight_level;
     const std::int64_t whole = length - (tick_ & (length - 1));  // to a multiple of it
     if (whole <= available) return {whole, true, false};
@@ -217,7 +218,7 @@ class AdaptiveMarch {
     return {available, false, false};
   }
 
-  KOKKOS_FUNCTION bool fly(const Place& place, std::int64_t available) {
+  RA2D_FUNCTION bool fly(const Place& place, std::int64_t available) {
     const FlightPlan plan = plan_flight(available);
     const int longer = plan.whole && state_.carried.control.flight_level < longest_level
                            ? state_.carried.control.flight_level + 1
@@ -243,15 +244,15 @@ class AdaptiveMarch {
 
   /// A flight for which the cubics cannot rule out contact at the flagged nodes: the series of
   /// their overlaps are searched, over no longer than these hold.
-  KOKKOS_FUNCTION bool fly_and_search(const Place& place, Modes& end, std::int64_t aimed,
-                                      const MotionBounds& bounds, double rise, int flagged) {
+  RA2D_FUNCTION bool fly_and_search(const Place& place, Modes& end, std::int64_t aimed,
+                                    const MotionBounds& bounds, double rise, int flagged) {
     std::int64_t ticks = aimed;
     const double scale =
         Kokkos::min(ticks * tables_.motion.time_step, tables_.adaptive.longest_scale);
     series_.expand(now_.u, now_.v, place, scale);
-    const double extent = series_.extent(tables_.adaptive.tolerance);
-    if (!(extent > 0.0)) return fail(Status::not_finite);
-    const double usable = extent * (scale / tables_.motion.time_step);  // ticks
+    const double length = series_.usable_length(tables_.adaptive.tolerance);
+    if (!(length > 0.0)) return fail(Status::not_finite);
+    const double usable = length * (scale / tables_.motion.time_step);  // ticks
     if (usable < static_cast<double>(ticks)) ticks = static_cast<std::int64_t>(usable);
     if (ticks < 1) return fail(Status::stalled);
     // a length at which the cubics may decide by themselves
@@ -269,7 +270,7 @@ class AdaptiveMarch {
     if (flagged > 0) {
       const double x = series_.x_at(ticks);
       const double first =
-          overlaps_.search(series_, place, flagged, x, overlaps_.tolerance(now_.u));
+          overlaps_.search(series_, place, flagged, x, overlaps_.overlap_rounding(now_.u));
       if (first <= x) return end_flight_in_contact(series_.ticks_to(first, ticks), flagged);
     }
     if (!end_flight(ticks, end, level)) return false;
@@ -278,7 +279,7 @@ class AdaptiveMarch {
   }
 
   /// Ends a flight in contact at those of the flagged nodes whose contact begins by then.
-  KOKKOS_FUNCTION bool end_flight_in_contact(std::int64_t ticks, int flagged) {
+  RA2D_FUNCTION bool end_flight_in_contact(std::int64_t ticks, int flagged) {
     const double x = series_.x_at(ticks);
     if (!contacts_.can_take(flagged, x)) return fail(Status::crowded);
     if (!recorder_.fly_samples(tick_, now_, ticks)) return false;
@@ -301,7 +302,7 @@ class AdaptiveMarch {
   }
 
   /// Ends a flight without contact; the next one is planned for 2^level ticks.
-  KOKKOS_FUNCTION bool end_flight(std::int64_t ticks, const Modes& end, int level) {
+  RA2D_FUNCTION bool end_flight(std::int64_t ticks, const Modes& end, int level) {
     if (!recorder_.fly_samples(tick_, now_, ticks)) return false;
     now_ = end;
     recorder_.add_flight(tick_);
@@ -318,7 +319,7 @@ class AdaptiveMarch {
   }
   /// The l with 2^l <= ticks < 2^(l + 1).
   KOKKOS_FORCEINLINE_FUNCTION static int whole_level(std::int64_t ticks) {
-    return Kokkos::bit_width(static_cast<std::uint64_t>(ticks)) - 1;
+    return Kokkos::Experimental::bit_width_builtin(static_cast<std::uint64_t>(ticks)) - 1;
   }
 
   // ---- drive
@@ -332,7 +333,7 @@ class AdaptiveMarch {
     double end = series_.x_at(ticks);
 
     // contacts that end
-    const double tolerance = overlaps_.tolerance(now_.u) + series_.neglected();
+    const double tolerance = overlaps_.overlap_rounding(now_.u) + series_.neglected();
     const double release = contacts_.first_end(series_, end, tolerance);
     if (release <= end) {
       ticks = series_.ticks_to(release, ticks);
@@ -385,7 +386,7 @@ class AdaptiveMarch {
 
   /// Expands the motion, in units that suit it. `usable_time` becomes the time for which its series
   /// may be used [s]; `available` is cut to the ticks for which those of the moving forces hold.
-  KOKKOS_FUNCTION bool expand(const Place& place, std::int64_t& available, double& usable_time) {
+  RA2D_FUNCTION bool expand(const Place& place, std::int64_t& available, double& usable_time) {
     while (true) {
       const double scale = state_.carried.control.series_scale;
       if (tables_.forces.count > 0) {
@@ -393,20 +394,20 @@ class AdaptiveMarch {
         if (valid < available) available = valid;
       }
       series_.expand(now_.u, now_.v, place, scale);
-      const double extent = series_.extent(tables_.adaptive.tolerance);
-      if (!(extent > 0.0)) return fail(Status::not_finite);
-      usable_time = extent * scale;
+      const double length = series_.usable_length(tables_.adaptive.tolerance);
+      if (!(length > 0.0)) return fail(Status::not_finite);
+      usable_time = length * scale;
       if (!(usable_time >= tables_.motion.time_step)) return fail(Status::stalled);
       // the last step was a poor guess for this one: once more in better units
       lanes_.sync();
-      if (extent < 0.25 && lanes_.leader()) state_.carried.control.series_scale = usable_time;
+      if (length < 0.25 && lanes_.leader()) state_.carried.control.series_scale = usable_time;
       lanes_.sync();
-      if (!(extent < 0.25)) return true;
+      if (!(length < 0.25)) return true;
     }
   }
 
   /// A step in contact between smooth faces.
-  KOKKOS_FUNCTION bool drive_on_smooth_faces(const Place& place, std::int64_t available) {
+  RA2D_FUNCTION bool drive_on_smooth_faces(const Place& place, std::int64_t available) {
     using Drive = SmoothDrive<Lanes, packs>;
     Drive make_step(lanes_, tables_, state_, path_, node_contact(), moving_forces_, overlaps_,
                     contacts_, recorder_, now_, place);
@@ -429,8 +430,8 @@ class AdaptiveMarch {
 
   /// Finds the overlaps at the end of a step of so many ticks, and flags the nodes that could come
   /// into contact within it. Those at its beginning have been found.
-  KOKKOS_FUNCTION int evaluate_and_flag(const Place& place, const Modes& end, std::int64_t ticks,
-                                        const MotionBounds& bounds, double rise) {
+  RA2D_FUNCTION int evaluate_and_flag(const Place& place, const Modes& end, std::int64_t ticks,
+                                      const MotionBounds& bounds, double rise) {
     const Place end_place = path_.moved(place, tick_ + ticks);
     overlaps_.evaluate_end(end_place, end.u, end.v);
     const int flagged =
@@ -443,7 +444,7 @@ class AdaptiveMarch {
   }
 
   /// The sample that falls on the end of the scene. False when it is still to be written.
-  KOKKOS_FUNCTION bool last_sample() {
+  RA2D_FUNCTION bool last_sample() {
     if (recorder_.is_complete()) return true;
     if (!recorder_.can_take_sample()) return false;
     if (tables_.faces.smooth) [[unlikely]] {

@@ -10,6 +10,7 @@
 #include "kernels/adaptive/pace.hpp"
 #include "kernels/adaptive/series.hpp"
 #include "kernels/adaptive/smooth_step.hpp"
+#include "kernels/function.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/place.hpp"
 #include "kernels/shocks.hpp"
@@ -29,14 +30,13 @@ class AdaptiveRecorder {
   static constexpr int width = Lanes::width;
 
  public:
-  KOKKOS_FUNCTION AdaptiveRecorder(const Lanes& lanes, const ModeTables& modes,
-                                   const SliderMotion& motion, const ContactTables& contact,
-                                   const SeriesTables& adaptive, const RecordTables& output,
-                                   const Flight<Lanes, packs>& flight,
-                                   const MovingForceSeries<Lanes, packs>& moving_forces,
-                                   CarriedState& carried, ContactList& contact_list,
-                                   RunBuffer& runs, ContactSpans& spans, double* polynomial,
-                                   RecordBuffers& out)
+  RA2D_FUNCTION AdaptiveRecorder(const Lanes& lanes, const ModeTables& modes,
+                                 const SliderMotion& motion, const ContactTables& contact,
+                                 const SeriesTables& adaptive, const RecordTables& output,
+                                 const Flight<Lanes, packs>& flight,
+                                 const MovingForceSeries<Lanes, packs>& moving_forces,
+                                 CarriedState& carried, ContactList& contact_list, RunBuffer& runs,
+                                 ContactSpans& spans, double* polynomial, RecordBuffers& out)
       : lanes_{lanes},
         modes_{modes},
         motion_{motion},
@@ -59,7 +59,7 @@ class AdaptiveRecorder {
 
   /// The samples within the `ticks` after `tick`, of modes that fly from there. False when the
   /// buffer is full.
-  KOKKOS_FUNCTION bool fly_samples(std::int64_t tick, const Modes& now, std::int64_t ticks) const {
+  RA2D_FUNCTION bool fly_samples(std::int64_t tick, const Modes& now, std::int64_t ticks) const {
     if (is_complete() || sample_tick() >= tick + ticks) return true;
     // each from the one before, those too that the launch before has written: a flight in one
     // piece and in two has other roundings
@@ -79,8 +79,8 @@ class AdaptiveRecorder {
   }
 
   /// The samples of modes that follow their series, whose squares are expanded here.
-  KOKKOS_FUNCTION bool drive_samples(const Series& series, std::int64_t tick, const Modes& now,
-                                     std::int64_t ticks) const {
+  RA2D_FUNCTION bool drive_samples(const Series& series, std::int64_t tick, const Modes& now,
+                                   std::int64_t ticks) const {
     series.expand_squares();
     return samples(tick, now, ticks, [&](std::int64_t after, Modes& there) {
       const double x = series.x_at(after);
@@ -90,8 +90,8 @@ class AdaptiveRecorder {
     });
   }
   /// The samples within a step between smooth faces.
-  KOKKOS_FUNCTION bool contact_samples(const SmoothStep<Lanes, packs>& step, std::int64_t tick,
-                                       const Modes& now, std::int64_t ticks) const {
+  RA2D_FUNCTION bool contact_samples(const SmoothStep<Lanes, packs>& step, std::int64_t tick,
+                                     const Modes& now, std::int64_t ticks) const {
     return samples(tick, now, ticks, [&](std::int64_t after, Modes& there) {
       const double x = pace_x(step.pace(), static_cast<double>(after) / step.ticks());
       const auto weights = step.weights(x);
@@ -108,27 +108,26 @@ class AdaptiveRecorder {
     return samples_.count < samples_.capacity;
   }
   /// The sample that falls on the end of the scene, between smooth faces.
-  KOKKOS_FUNCTION void write_last_sample(const ContactTotals<Real>& totals,
-                                         const Modes& now) const {
+  RA2D_FUNCTION void write_last_sample(const ContactTotals<Real>& totals, const Modes& now) const {
     write_sample(now, contact_of(totals));
   }
   /// The sample that falls on the end of the scene. If any node is in contact, the series are those
   /// from there on.
-  KOKKOS_FUNCTION void write_last_sample(const Series& series, const Modes& now) const {
+  RA2D_FUNCTION void write_last_sample(const Series& series, const Modes& now) const {
     Contact contact;
     if (contacts_.count > 0) contact = contact_at(series, 0.0);
     write_sample(now, contact);
   }
 
   /// Takes in a flight that begins at `tick`.
-  KOKKOS_FUNCTION void add_flight(std::int64_t tick) const {
+  RA2D_FUNCTION void add_flight(std::int64_t tick) const {
     if (lanes_.leader() && shocks_.open_count > 0) end_shocks(shocks_, ended_, tick);
     lanes_.sync();
   }
   /// Takes in the `ticks` after `tick`, up to `end` in units of the series, with the nodes in
   /// contact and their hulls.
-  KOKKOS_FUNCTION void add_drive(const Series& series, const Place& place, std::int64_t tick,
-                                 std::int64_t ticks, double end) const {
+  RA2D_FUNCTION void add_drive(const Series& series, const Place& place, std::int64_t tick,
+                               std::int64_t ticks, double end) const {
     if (ticks == 0) return;
     sum_nodes(series, end);
     const double sliding = sliding_work(), moving = moving_forces_.work(series, end);
@@ -146,8 +145,8 @@ class AdaptiveRecorder {
   }
 
   /// Takes in the works of a step between smooth faces [J], and its time in contact.
-  KOKKOS_FUNCTION void add_contact(double sliding_work, double force_work,
-                                   std::int64_t ticks_in_contact, int cells) const {
+  RA2D_FUNCTION void add_contact(double sliding_work, double force_work,
+                                 std::int64_t ticks_in_contact, int cells) const {
     if (!lanes_.leader()) return;
     sums_.sliding_work += sliding_work;
     sums_.force_work += force_work;
@@ -156,7 +155,7 @@ class AdaptiveRecorder {
   }
 
   /// Sums are kept in two parts, so that many small terms are not added to one large number.
-  KOKKOS_FUNCTION void close_parts(Modes& now) const {
+  RA2D_FUNCTION void close_parts(Modes& now) const {
     for (int p = 0; p < packs; ++p) {
       lanes_.store(modal_.square + p * width,
                    lanes_.load(modal_.square + p * width) + now.square[p]);
@@ -196,7 +195,7 @@ class AdaptiveRecorder {
     double force = 0, energy = 0, sliding_work = 0, force_work = 0;
     int nodes = 0;
   };
-  KOKKOS_FUNCTION static Contact contact_of(const ContactTotals<Real>& totals) {
+  RA2D_FUNCTION static Contact contact_of(const ContactTotals<Real>& totals) {
     Contact contact;
     contact.force = totals.force;
     contact.energy = totals.energy;
@@ -219,7 +218,7 @@ class AdaptiveRecorder {
     return true;
   }
 
-  KOKKOS_FUNCTION Contact contact_at(const Series& series, double x) const {
+  RA2D_FUNCTION Contact contact_at(const Series& series, double x) const {
     Contact contact;
     for (int e = 0; e < contacts_.count; ++e) {
       const double over = polynomial(series.overlap(e), series.degree(), x);
@@ -233,7 +232,7 @@ class AdaptiveRecorder {
     return contact;
   }
 
-  KOKKOS_FUNCTION void write_sample(const Modes& at, const Contact& contact) const {
+  RA2D_FUNCTION void write_sample(const Modes& at, const Contact& contact) const {
     double* row = samples_.rows +
                   static_cast<std::int64_t>(samples_.count) * (2 * packs * width + sample::columns);
     Real loss(0.0);
@@ -262,7 +261,7 @@ class AdaptiveRecorder {
   // ---- sums over the nodes in contact
 
   /// Their integrals from the beginning of the step to x, by a Gauss rule.
-  KOKKOS_FUNCTION void sum_nodes(const Series& series, double x) const {
+  RA2D_FUNCTION void sum_nodes(const Series& series, double x) const {
     const int n = series.degree();
     for (int e = 0; e < contacts_.count; ++e) {
       const double *o = series.overlap(e), *c = series.sliding_rate(e);
@@ -293,7 +292,7 @@ class AdaptiveRecorder {
     lanes_.sync();
   }
   /// Work of the imposed motion, sum_n f_n V (dh_2/dx + du_2/dx) [J].
-  KOKKOS_FUNCTION double sliding_work() const {
+  RA2D_FUNCTION double sliding_work() const {
     double work = 0.0;
     for (int e = 0; e < contacts_.count; ++e) work += spans_.sums[e].work;
     return contact_.node_stiffness * work;
@@ -301,8 +300,8 @@ class AdaptiveRecorder {
 
   // ---- shocks; on the leader alone
 
-  KOKKOS_FUNCTION void add_shocks(const Series& series, const Place& place, std::int64_t tick,
-                                  std::int64_t ticks, double end) const {
+  RA2D_FUNCTION void add_shocks(const Series& series, const Place& place, std::int64_t tick,
+                                std::int64_t ticks, double end) const {
     const int count = contacts_.count;
     const double newton_ticks = contact_.node_stiffness * series.scale() / motion_.time_step;
     const double advance = motion_.advance * (series.scale() / motion_.time_step);  // chi per x
@@ -323,7 +322,7 @@ class AdaptiveRecorder {
 
   /// The largest sum of the forces that belong to open shock i, over the step [N]; 0 where it
   /// cannot be more than the peak so far.
-  KOKKOS_FUNCTION double highest_force(const Series& series, int i, double end) const {
+  RA2D_FUNCTION double highest_force(const Series& series, int i, double end) const {
     const int n = series.degree();
     const double* sum = nullptr;
     double falling = 0.0, rising = 0.0, most = 0.0;

@@ -5,6 +5,7 @@
 #include "kernels/adaptive/crossing.hpp"
 #include "kernels/adaptive/series.hpp"
 #include "kernels/check.hpp"
+#include "kernels/function.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/state.hpp"
 #include "kernels/tables.hpp"
@@ -19,9 +20,9 @@ class Contacts {
  public:
   /// `listed_nodes`: the nodes that Overlaps flags; `onsets`: where their contacts begin;
   /// `bernstein`: work space.
-  KOKKOS_FUNCTION Contacts(const Lanes& lanes, const SeriesTables& adaptive, ContactSet& contacts,
-                           ContactSpans& spans, const int* listed_nodes, const double* onsets,
-                           double* bernstein)
+  RA2D_FUNCTION Contacts(const Lanes& lanes, const SeriesTables& adaptive, ContactSet& contacts,
+                         ContactSpans& spans, const int* listed_nodes, const double* onsets,
+                         double* bernstein)
       : lanes_{lanes},
         adaptive_{adaptive},
         contacts_{contacts},
@@ -33,8 +34,8 @@ class Contacts {
   /// Where the first of these contacts ends, in units of the series; beyond `end` if none does. A
   /// contact ends where its overlap comes to -tolerance. Leaves the hulls of the overlaps up to
   /// `end`.
-  KOKKOS_FUNCTION double first_end(const ModalSeries<Lanes, packs>& series, double end,
-                                   double tolerance) const {
+  RA2D_FUNCTION double first_end(const ModalSeries<Lanes, packs>& series, double end,
+                                 double tolerance) const {
     double first = 2.0 * end + 1.0;
     for (int e = 0; e < contacts_.count; ++e) {
       const double* o = series.overlap(e);
@@ -53,7 +54,7 @@ class Contacts {
     return first;
   }
   /// Takes out the nodes whose contact has ended by x.
-  KOKKOS_FUNCTION void end(double x) const {
+  RA2D_FUNCTION void end(double x) const {
     lanes_.sync();
     if (lanes_.leader()) {
       int kept = 0;
@@ -66,13 +67,13 @@ class Contacts {
 
   /// Whether there is memory for the flagged nodes whose contact begins by x. To be called before
   /// anything of the step is kept, so that the step can be repeated with more memory.
-  KOKKOS_FUNCTION bool can_take(int flagged, double x) const {
+  RA2D_FUNCTION bool can_take(int flagged, double x) const {
     int count = contacts_.count;
     for (int e = 0; e < flagged; ++e) count += onsets_[e] <= x ? 1 : 0;
     return count <= spans_.capacity;
   }
   /// Takes in the flagged nodes whose contact begins by x, if they are not in contact already.
-  KOKKOS_FUNCTION void begin(int flagged, double x) const {
+  RA2D_FUNCTION void begin(int flagged, double x) const {
     lanes_.sync();
     if (lanes_.leader())
       for (int e = 0; e < flagged; ++e) {

@@ -4,6 +4,7 @@
 
 #include "kernels/contact/moving_cell.hpp"
 #include "kernels/contact/node_contact.hpp"
+#include "kernels/function.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/place.hpp"
 #include "kernels/state.hpp"
@@ -24,9 +25,9 @@ class ExpectedEvents {
     double onset = 1e300, release = 1e300;
   };
 
-  KOKKOS_FUNCTION ExpectedEvents(const Lanes& lanes, const ModeTables& modes,
-                                 const SliderMotion& motion, const SeriesTables& adaptive,
-                                 const NodeContact<Lanes, packs>& node_contact, const Place& place)
+  RA2D_FUNCTION ExpectedEvents(const Lanes& lanes, const ModeTables& modes,
+                               const SliderMotion& motion, const SeriesTables& adaptive,
+                               const NodeContact<Lanes, packs>& node_contact, const Place& place)
       : lanes_{lanes},
         modes_{modes},
         adaptive_{adaptive},
@@ -35,10 +36,11 @@ class ExpectedEvents {
         speed_{motion.advance / motion.time_step} {}
 
   /// The first of each within `horizon` [s], in the listed cells. `force`: at the beginning, of
-  /// each listed cell, `stride` apart. Runs of cells are taken as one contact.
-  KOKKOS_FUNCTION Times operator()(const Real* u, const Real* v, const Real* acceleration,
-                                   const int* cells, int count, const double* force, int stride,
-                                   double horizon) const {
+  /// each listed cell, `stride` apart. Runs of cells are taken as one contact. `stays_open` becomes
+  /// 1 for each listed cell that is open and will be for a quarter longer, else 0.
+  RA2D_FUNCTION Times operator()(const Real* u, const Real* v, const Real* acceleration,
+                                 const int* cells, int count, const double* force, int stride,
+                                 double horizon, int* stays_open) const {
     Real third[packs];
     third_derivative(u, v, acceleration, cells, count, force, stride, third);
     Times times;
@@ -50,6 +52,10 @@ class ExpectedEvents {
         last = cells[e];
         const ForeseenCell path = foresee(cells[e], u, v, acceleration, third);
         const double now = path.highest_after(0.0), then = path.highest_after(horizon);
+        const bool open = force[e * stride] == 0.0 && now < 0.0 && then < 0.0 &&
+                          path.highest_after(0.5 * horizon) < 0.0 &&
+                          path.highest_after(1.25 * horizon) < 0.0;
+        if (lanes_.leader()) stays_open[e] = open ? 1 : 0;
         closed = closed || force[e * stride] > 0.0;
         ends = ends && then < 0.0;
         if (now > 0.0 && then < 0.0)
@@ -70,8 +76,8 @@ class ExpectedEvents {
   Place place_;
   double speed_;  // chi/s
 
-  KOKKOS_FUNCTION ForeseenCell foresee(int cell, const Real* u, const Real* v,
-                                       const Real* acceleration, const Real* third) const {
+  RA2D_FUNCTION ForeseenCell foresee(int cell, const Real* u, const Real* v,
+                                     const Real* acceleration, const Real* third) const {
     ForeseenCell path;
     path.now = node_contact_.moving_cell(cell, place_, u, v, speed_);
     const Cubic of_second = node_contact_.along(cell, place_, acceleration),
@@ -87,9 +93,9 @@ class ExpectedEvents {
   }
 
   /// u''' = F'/m - 2 zeta omega u'' - omega^2 u'
-  KOKKOS_FUNCTION void third_derivative(const Real* u, const Real* v, const Real* acceleration,
-                                        const int* cells, int count, const double* force,
-                                        int stride, Real* third) const {
+  RA2D_FUNCTION void third_derivative(const Real* u, const Real* v, const Real* acceleration,
+                                      const int* cells, int count, const double* force, int stride,
+                                      Real* third) const {
     Real rate[packs];
     for (int p = 0; p < packs; ++p) rate[p] = Real(0.0);
     for (int e = 0; e < count; ++e)

@@ -5,6 +5,7 @@
 
 #include "kernels/adaptive/modal_state.hpp"
 #include "kernels/check.hpp"
+#include "kernels/function.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/tables.hpp"
 
@@ -24,9 +25,9 @@ class Flight {
   static constexpr int width = Lanes::width;
 
  public:
-  KOKKOS_FUNCTION Flight(const Lanes& lanes, const ModeTables& modes, const SliderMotion& motion,
-                         const MotionLimits& bounds, const SeriesTables& adaptive,
-                         const FlightTables& flight)
+  RA2D_FUNCTION Flight(const Lanes& lanes, const ModeTables& modes, const SliderMotion& motion,
+                       const MotionLimits& bounds, const SeriesTables& adaptive,
+                       const FlightTables& flight)
       : lanes_{lanes},
         modes_{modes},
         motion_{motion},
@@ -35,17 +36,17 @@ class Flight {
         flight_{flight} {}
 
   /// On by `ticks`; adds the integral of V^2 over them, in ticks, to `square`.
-  KOKKOS_FUNCTION void operator()(Real* u, Real* v, Real* square, std::int64_t ticks) const {
+  RA2D_FUNCTION void operator()(Real* u, Real* v, Real* square, std::int64_t ticks) const {
     const auto bits = static_cast<std::uint64_t>(ticks);
     const std::uint64_t low = bits & ((std::uint64_t{1} << flight_.first_level) - 1);
     if (low != 0) taylor_step(u, v, square, static_cast<double>(low));
     for (std::uint64_t rest = bits >> flight_.first_level; rest != 0; rest &= rest - 1)
-      advance_by_table(u, v, square, Kokkos::countr_zero(rest));
+      advance_by_table(u, v, square, Kokkos::Experimental::countr_zero_builtin(rest));
   }
 
   /// Bounds on the motion within `time` [s]. The energy norm E^2 = V^2 + omega^2 (U - U_s)^2 does
   /// not grow in free flight, and (omega U, V)' is at most omega (zeta + sqrt(1 + zeta^2)) E.
-  KOKKOS_FUNCTION MotionBounds bounds(const Real* u, const Real* v, double time) const {
+  RA2D_FUNCTION MotionBounds bounds(const Real* u, const Real* v, double time) const {
     Real travel(0.0), fourth_derivative(0.0), tail(0.0), size(0.0);
     for (int p = 0; p < packs; ++p) {
       const Real stretch =
@@ -93,7 +94,7 @@ class Flight {
     }
   }
 
-  KOKKOS_FUNCTION void taylor_step(Real* u, Real* v, Real* square, double ticks) const {
+  RA2D_FUNCTION void taylor_step(Real* u, Real* v, Real* square, double ticks) const {
     const double time = ticks * motion_.time_step;
     for (int p = 0; p < packs; ++p) {
       const Real decay = load_pack(lanes_, adaptive_.decay, p),

@@ -5,6 +5,7 @@
 
 #include "kernels/adaptive/series.hpp"
 #include "kernels/displacement.hpp"
+#include "kernels/function.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/state.hpp"
 #include "kernels/tables.hpp"
@@ -21,9 +22,9 @@ class MovingForceSeries {
 
  public:
   /// `terms`: (order, lane), SeriesBuffers::forces.
-  KOKKOS_FUNCTION MovingForceSeries(const Lanes& lanes, const SliderMotion& motion,
-                                    const PatchTables& patches, const MovingForces& forces,
-                                    const SeriesTables& adaptive, double* terms)
+  RA2D_FUNCTION MovingForceSeries(const Lanes& lanes, const SliderMotion& motion,
+                                  const PatchTables& patches, const MovingForces& forces,
+                                  const SeriesTables& adaptive, double* terms)
       : lanes_{lanes},
         motion_{motion},
         patches_{patches},
@@ -33,7 +34,7 @@ class MovingForceSeries {
 
   /// The series from a tick on, in units of `scale` [s]. Returns the ticks for which they hold:
   /// until a force enters or leaves the beam or a patch of it.
-  KOKKOS_FUNCTION std::int64_t expand(std::int64_t tick, double scale) const {
+  RA2D_FUNCTION std::int64_t expand(std::int64_t tick, double scale) const {
     const Real zero(0.0);
     for (int j = 0; j <= adaptive_.order; ++j)
       for (int p = 0; p < packs; ++p) lanes_.store(term(j, p), zero);
@@ -51,7 +52,7 @@ class MovingForceSeries {
   }
 
   /// Work of the moving forces from the beginning of the step to x [J].
-  KOKKOS_FUNCTION double work(const ModalSeries<Lanes, packs>& series, double x) const {
+  RA2D_FUNCTION double work(const ModalSeries<Lanes, packs>& series, double x) const {
     if (forces_.count == 0) return 0.0;
     Real sum(0.0);
     for (int g = 0; g < gauss_points; ++g) {
@@ -82,8 +83,8 @@ class MovingForceSeries {
 
   /// Ticks until a force at x [m] comes to an end of the beam, or of the patch that it is on;
   /// without end where it comes to none.
-  KOKKOS_FUNCTION double ticks_to_edge(const MovingForceTable& f, double x, bool on,
-                                       int patch) const {
+  RA2D_FUNCTION double ticks_to_edge(const MovingForceTable& f, double x, bool on,
+                                     int patch) const {
     const double width_of_patch = patches_.nodes * motion_.spacing;
     double edge = -1.0;  // that it comes to next
     if (on && f.advance > 0.0)
@@ -102,7 +103,7 @@ class MovingForceSeries {
   }
 
   /// Adds the series of a force at x [m], on that patch.
-  KOKKOS_FUNCTION void add(const MovingForceTable& f, double x, int patch, double scale) const {
+  RA2D_FUNCTION void add(const MovingForceTable& f, double x, int patch, double scale) const {
     const Real eta((x / motion_.spacing - (patch + 0.5) * patches_.nodes) *
                    patches_.inverse_radius);
     const double eta_per_x =

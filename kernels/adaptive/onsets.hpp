@@ -5,6 +5,7 @@
 #include "kernels/adaptive/pace.hpp"
 #include "kernels/candidate_groups.hpp"
 #include "kernels/contact/node_contact.hpp"
+#include "kernels/function.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/place.hpp"
 #include "kernels/tables.hpp"
@@ -25,7 +26,7 @@ struct PolynomialMotion {
   double most;     // the x that it is used to
 
   /// Displacements, and what they change by per x.
-  KOKKOS_FUNCTION void at(const Lanes& lanes, double x, Real* u, Real* rate) const {
+  RA2D_FUNCTION void at(const Lanes& lanes, double x, Real* u, Real* rate) const {
     const Real here(x);
     for (int p = 0; p < packs; ++p) {
       u[p] = load_row(lanes, order, p);
@@ -44,18 +45,20 @@ struct PolynomialMotion {
   }
   KOKKOS_FORCEINLINE_FUNCTION Place place_at(const Place& start, double x) const {
     Place place = start;
-    const double way = advance * pace_share(pace, x);
-    place.position += way;
-    place.theta += way;
-    place.offset += way;
+    const double travelled = advance * pace_share(pace, x);
+    place.position += travelled;
+    place.theta += travelled;
+    place.offset += travelled;
     return place;
   }
-  /// chi per x: the slider's way, and the most that it and its change are.
-  KOKKOS_FORCEINLINE_FUNCTION double way(double x) const { return advance * pace_rate(pace, x); }
-  KOKKOS_FORCEINLINE_FUNCTION double most_way() const {
+  /// chi per x: the rate at which the slider moves, and the most that it and its change are.
+  KOKKOS_FORCEINLINE_FUNCTION double slide_rate(double x) const {
+    return advance * pace_rate(pace, x);
+  }
+  KOKKOS_FORCEINLINE_FUNCTION double most_slide_rate() const {
     return pace == Pace::even ? advance : 2.0 * advance;
   }
-  KOKKOS_FORCEINLINE_FUNCTION double change_of_way() const {
+  KOKKOS_FORCEINLINE_FUNCTION double change_of_slide_rate() const {
     return pace == Pace::even ? 0.0 : 2.0 * advance;
   }
 
@@ -68,10 +71,10 @@ struct PolynomialMotion {
   /// The remainder of the modes at a fixed place is 1/384 of their fourth derivative. What the
   /// place moves by is little; of a function with a bounded second derivative alone, the cubic is
   /// off by less than a third of that bound: its own second derivative is 5/3 of it at the most.
-  KOKKOS_FUNCTION Bounds bounds(const Lanes& lanes, const MotionLimits& limits,
-                                double spacing) const {
+  RA2D_FUNCTION Bounds bounds(const Lanes& lanes, const MotionLimits& limits,
+                              double spacing) const {
     const Real at(most);
-    const double first = most_way() * spacing, second = change_of_way() * spacing;
+    const double first = most_slide_rate() * spacing, second = change_of_slide_rate() * spacing;
     Real travel(0.0), still(0.0), moving(0.0), fourth(0.0);
     for (int p = 0; p < packs; ++p) {
       Real d0(0.0), d1(0.0), d2(0.0), d4(0.0);  // of |c_j| x^j
@@ -112,24 +115,24 @@ struct PolynomialMotion {
 /// convex function of time, so a chord between a time at which it is below the level and one at
 /// which it is not meets the level before it does.
 template <class Lanes, int packs>
-KOKKOS_FUNCTION double first_contact(const Lanes& lanes,
-                                     const NodeContact<Lanes, packs>& node_contact,
-                                     const PolynomialMotion<Lanes, packs>& motion,
-                                     const Place& start, int cell, double curvature, double level,
-                                     double noise) {
+RA2D_FUNCTION double first_contact(const Lanes& lanes,
+                                   const NodeContact<Lanes, packs>& node_contact,
+                                   const PolynomialMotion<Lanes, packs>& motion, const Place& start,
+                                   int cell, double curvature, double level, double noise) {
   using Real = typename Lanes::Real;
-  const double beyond = 2.0 * motion.most + 1.0, way = motion.most_way();
+  const double beyond = 2.0 * motion.most + 1.0, slide_rate = motion.most_slide_rate();
   double x = 0.0;
   for (int i = 0; i < 200; ++i) {
     Real u[packs], rate[packs];
     motion.at(lanes, x, u, rate);
     const MovingCell moving =
-        node_contact.moving_cell(cell, motion.place_at(start, x), u, rate, motion.way(x));
+        node_contact.moving_cell(cell, motion.place_at(start, x), u, rate, motion.slide_rate(x));
     double rate_there;
     const double miss = level - moving.highest(rate_there);
     if (!(miss > noise)) return x;
-    const double bound = Kokkos::fma(way * way, moving.curvature,
-                                     Kokkos::fma(motion.change_of_way(), moving.slope, curvature));
+    const double bound =
+        Kokkos::fma(slide_rate * slide_rate, moving.curvature,
+                    Kokkos::fma(motion.change_of_slide_rate(), moving.slope, curvature));
     const auto excess = [&](double s) {
       return Kokkos::fma(0.5 * bound * s, s, moving.highest_after(s) - level);
     };

@@ -10,6 +10,7 @@
 #include "kernels/candidate_groups.hpp"
 #include "kernels/check.hpp"
 #include "kernels/contact/node_contact.hpp"
+#include "kernels/function.hpp"
 #include "kernels/group_sweep.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/place.hpp"
@@ -40,12 +41,12 @@ class Overlaps {
 
  public:
   /// Lists nodes in `listed_nodes`; `evaluated` counts gaps. `amplitudes`: work space.
-  KOKKOS_FUNCTION Overlaps(const Lanes& lanes, const SliderMotion& motion, const FaceTables& faces,
-                           const SliderShapes& slider, const PatchTables& patches,
-                           const MotionLimits& bounds, const SeriesTables& adaptive,
-                           const NodeContact<Lanes, packs>& node_contact,
-                           const ContactSet& contacts, CandidateLists& lists, double* amplitudes,
-                           int* listed_nodes, OnsetSearch& search, std::int64_t& evaluated)
+  RA2D_FUNCTION Overlaps(const Lanes& lanes, const SliderMotion& motion, const FaceTables& faces,
+                         const SliderShapes& slider, const PatchTables& patches,
+                         const MotionLimits& bounds, const SeriesTables& adaptive,
+                         const NodeContact<Lanes, packs>& node_contact, const ContactSet& contacts,
+                         CandidateLists& lists, double* amplitudes, int* listed_nodes,
+                         OnsetSearch& search, std::int64_t& evaluated)
       : lanes_{lanes},
         motion_{motion},
         faces_{faces},
@@ -67,7 +68,7 @@ class Overlaps {
   /// of two lanes 256, of one 512. The longest chain, over 256 modes and the terms of a series, has
   /// 53 in packs of eight lanes, 83 of four, 146 of two and 273 of one. Not zero even where nothing
   /// is rounded: between flat faces that touch, of bodies at rest.
-  KOKKOS_FORCEINLINE_FUNCTION double tolerance(const Real* u) const {
+  KOKKOS_FORCEINLINE_FUNCTION double overlap_rounding(const Real* u) const {
     constexpr double roundings = width >= 4 ? 0x1p-46 : width == 2 ? 0x1p-45 : 0x1p-44;
     constexpr double least = 1e-100;
     return Kokkos::max(least, faces_.rounding + roundings * weighted_sum<Lanes, packs>(
@@ -75,8 +76,8 @@ class Overlaps {
   }
 
   /// Bound on the rise of an overlap within a step from u on [m], and twice the error of its value.
-  KOKKOS_FUNCTION double longest_rise(const Real* u, const MotionBounds& bounds,
-                                      std::int64_t ticks) const {
+  RA2D_FUNCTION double longest_rise(const Real* u, const MotionBounds& bounds,
+                                    std::int64_t ticks) const {
     const double distance = static_cast<double>(ticks) * motion_.advance;
     double slope = faces_.steepest_rise;
     if (distance > 0.0)
@@ -85,8 +86,8 @@ class Overlaps {
   }
 
   /// Finds candidate groups that hold over the step, and likely over the `later` ticks after it.
-  KOKKOS_FUNCTION void find_groups(const Place& place, const ModalState<Lanes, packs>& now,
-                                   const MotionBounds& bounds, double rise, std::int64_t later) {
+  RA2D_FUNCTION void find_groups(const Place& place, const ModalState<Lanes, packs>& now,
+                                 const MotionBounds& bounds, double rise, std::int64_t later) {
     if (bounds_.searched == Nodes::all || candidates_.holds(now.u, place, rise)) return;
     // what the modes may do within the step, and can be expected to do after it
     const double time = static_cast<double>(later) * motion_.time_step;
@@ -98,22 +99,22 @@ class Overlaps {
   }
 
   /// Finds overlaps and rates at the beginning of the step, unless they are known.
-  KOKKOS_FUNCTION void evaluate_start(const Place& place, const ModalState<Lanes, packs>& now) {
+  RA2D_FUNCTION void evaluate_start(const Place& place, const ModalState<Lanes, packs>& now) {
     if (!start_is_known_ && groups() > 0) evaluate(place, now.u, now.v, start_);
     start_is_known_ = true;
   }
   /// Finds overlaps and rates at the end of the step.
-  KOKKOS_FUNCTION void evaluate_end(const Place& place, const Real* u, const Real* v) {
+  RA2D_FUNCTION void evaluate_end(const Place& place, const Real* u, const Real* v) {
     if (groups() > 0) evaluate(place, u, v, end_);
   }
   /// Takes the overlaps at the end of a step for the beginning of the next. Where a node has passed
   /// another, or a contact has begun, they must be found anew: discard_start().
-  KOKKOS_FUNCTION void end_becomes_start() {
+  RA2D_FUNCTION void end_becomes_start() {
     double* const swap = start_;
     start_ = end_;
     end_ = swap;
   }
-  KOKKOS_FUNCTION void discard_start() { start_is_known_ = false; }
+  RA2D_FUNCTION void discard_start() { start_is_known_ = false; }
 
   /// Whether the cubics of a step of `time` [s] are off by more than the overlaps that they go
   /// through: if not, those of a shorter step are no better.
@@ -126,8 +127,8 @@ class Overlaps {
   /// in contact) the cells.
   /// The length of the next step depends on these nodes, so they must be the same whichever groups
   /// are listed. Hence no node is flagged that a list of candidate groups may leave out.
-  KOKKOS_FUNCTION int flag(const Place& place, const Real* u, double time,
-                           const MotionBounds& bounds, double rise) const {
+  RA2D_FUNCTION int flag(const Place& place, const Real* u, double time, const MotionBounds& bounds,
+                         double rise) const {
     const int all = groups();
     if (all == 0) return 0;
     const double sag = faces_.smooth ? modes_sag(u, bounds.travel) : 0.0;
@@ -154,7 +155,7 @@ class Overlaps {
       const int left = faces_.nodes - group(e) * width;
       if (left < width) bits &= (1u << left) - 1u;
       for (; bits != 0; bits &= bits - 1) {
-        const int node = group(e) * width + Kokkos::countr_zero(bits);
+        const int node = group(e) * width + Kokkos::Experimental::countr_zero_builtin(bits);
         if (faces_.smooth) [[unlikely]] {
           list_cells(node, listed_nodes_, faces_.nodes, count, at);
           continue;
@@ -172,8 +173,8 @@ class Overlaps {
 
   /// Where the first contact at a flagged node begins, in units of the series; beyond `end` if none
   /// does. OnsetSearch::onsets gets the place of each.
-  KOKKOS_FUNCTION double search(const ModalSeries<Lanes, packs>& series, const Place& place,
-                                int flagged, double end, double tolerance) const {
+  RA2D_FUNCTION double search(const ModalSeries<Lanes, packs>& series, const Place& place,
+                              int flagged, double end, double tolerance) const {
     if (faces_.smooth) [[unlikely]] {
       const PolynomialMotion<Lanes, packs> motion = series.motion(end);
       return search_cells(motion, motion.bounds(lanes_, bounds_, motion_.spacing).curvature, place,
@@ -200,24 +201,24 @@ class Overlaps {
   // ---- smooth faces
 
   /// Of the cells flagged for a flight, those that its cubics leave.
-  KOKKOS_FUNCTION int keep_close_in_flight(const Place& place, const Place& end_place,
-                                           const ModalState<Lanes, packs>& now,
-                                           const ModalState<Lanes, packs>& end, std::int64_t ticks,
-                                           const MotionBounds& bounds, int flagged) const {
+  RA2D_FUNCTION int keep_close_in_flight(const Place& place, const Place& end_place,
+                                         const ModalState<Lanes, packs>& now,
+                                         const ModalState<Lanes, packs>& end, std::int64_t ticks,
+                                         const MotionBounds& bounds, int flagged) const {
     const double time = static_cast<double>(ticks) * motion_.time_step,
-                 way = static_cast<double>(ticks) * motion_.advance;
+                 slide_rate = static_cast<double>(ticks) * motion_.advance;
     Real rate0[packs], rate1[packs];
     for (int p = 0; p < packs; ++p) {
       rate0[p] = Real(time) * now.v[p];
       rate1[p] = Real(time) * end.v[p];
     }
-    return keep_close({place, now.u, rate0, way}, {end_place, end.u, rate1, way}, flagged,
-                      cubic_error(bounds, time) + overlap_error(bounds), way, 0.0,
-                      tolerance(now.u));
+    return keep_close({place, now.u, rate0, slide_rate}, {end_place, end.u, rate1, slide_rate},
+                      flagged, cubic_error(bounds, time) + overlap_error(bounds), slide_rate, 0.0,
+                      overlap_rounding(now.u));
   }
 
   /// Lists the cells in contact and those beside them. -1: more than `capacity`.
-  KOKKOS_FUNCTION int list_contacts(int* cells, int capacity) const {
+  RA2D_FUNCTION int list_contacts(int* cells, int capacity) const {
     int count = 0, last = 0;
     lanes_.sync();
     for (int e = 0; e < contacts_.count; ++e)
@@ -229,9 +230,9 @@ class Overlaps {
   /// Lists in `cells` those that are likely to be in contact within a step of `time` [s] from the
   /// beginning on, with the cells in contact and those beside them. What is missing is found by
   /// flag_over(). -1: more than `capacity`.
-  KOKKOS_FUNCTION int list_likely(const Place& place, const Real* u, const MotionBounds& expected,
-                                  double time, double acceleration, double rise, int* cells,
-                                  int capacity) const {
+  RA2D_FUNCTION int list_likely(const Place& place, const Real* u, const MotionBounds& expected,
+                                double time, double acceleration, double rise, int* cells,
+                                int capacity) const {
     const double sag = modes_sag(u, expected.travel);
     // as flag() does, none that a list of candidate groups may leave out
     const double level = -(0.1 * acceleration * time * time + sag),
@@ -252,7 +253,7 @@ class Overlaps {
       const int left = faces_.nodes - group(e) * width;
       if (left < width) bits &= (1u << left) - 1u;
       for (; bits != 0; bits &= bits - 1) {
-        const int node = group(e) * width + Kokkos::countr_zero(bits);
+        const int node = group(e) * width + Kokkos::Experimental::countr_zero_builtin(bits);
         take_contacts(node);
         list_cells(node, cells, capacity, count, last);
       }
@@ -265,13 +266,13 @@ class Overlaps {
   /// Lists the cells in which there could be contact within a step in which the modes follow
   /// `motion`, not counting runs of cells around those in contact. At both ends overlaps and rates
   /// are known; between them there is a bound on what the cubic through these leaves out.
-  KOKKOS_FUNCTION int flag_over(const Place& place, const Real* u,
-                                const PolynomialMotion<Lanes, packs>& motion,
-                                const typename PolynomialMotion<Lanes, packs>::Bounds& bounds,
-                                double ticks, const MotionBounds& motion_bounds) const {
-    const double way = motion.most_way();
-    const double of_face =
-        way * way * faces_.largest_face_curvature + motion.change_of_way() * faces_.steepest_rise;
+  RA2D_FUNCTION int flag_over(const Place& place, const Real* u,
+                              const PolynomialMotion<Lanes, packs>& motion,
+                              const typename PolynomialMotion<Lanes, packs>::Bounds& bounds,
+                              double ticks, const MotionBounds& motion_bounds) const {
+    const double slide_rate = motion.most_slide_rate();
+    const double of_face = slide_rate * slide_rate * faces_.largest_face_curvature +
+                           motion.change_of_slide_rate() * faces_.steepest_rise;
     const double level = -(bounds.remainder + of_face / 3.0 + overlap_error(motion_bounds) +
                            modes_sag(u, bounds.travel));
     const double third = ticks * motion_.time_step / 3.0;
@@ -292,8 +293,8 @@ class Overlaps {
       const int left = faces_.nodes - group(e) * width;
       if (left < width) bits &= (1u << left) - 1u;
       for (; bits != 0; bits &= bits - 1)
-        list_cells(group(e) * width + Kokkos::countr_zero(bits), listed_nodes_, faces_.nodes, count,
-                   last);
+        list_cells(group(e) * width + Kokkos::Experimental::countr_zero_builtin(bits),
+                   listed_nodes_, faces_.nodes, count, last);
     }
     lanes_.sync();
     return count;
@@ -304,27 +305,28 @@ class Overlaps {
   struct End {
     const Place& place;
     const Real *u, *rate;
-    double way;  // chi
+    double slide_rate;  // chi
   };
   /// Takes out of the listed cells those whose cubics rule out contact over a step: at each place
   /// of a cell the overlap is at most the largest Bernstein coefficient of the cubic through both
   /// ends, but for what that leaves out. `modes_left_out` [m], and of the faces a third of their
-  /// second derivative: from the slider's way, and its change. Returns the number of those left.
-  KOKKOS_FUNCTION int keep_close(const End& start, const End& end, int flagged,
-                                 double modes_left_out, double way, double change,
-                                 double tolerance) const {
+  /// second derivative: from the rate at which the slider moves, and its change. Returns the number
+  /// of those left.
+  RA2D_FUNCTION int keep_close(const End& start, const End& end, int flagged, double modes_left_out,
+                               double slide_rate, double change, double tolerance) const {
     node_contact_.expand(start.place, listed_nodes_, flagged);
     int kept = 0;
     for (int e = 0; e < flagged; ++e) {
       const int cell = listed_nodes_[e];
       const MovingCell before =
-          node_contact_.moving_cell(cell, start.place, start.u, start.rate, start.way);
-      const double free = 0.5 * tolerance - modes_left_out -
-                          (way * way * before.curvature + change * before.slope) / 3.0;
+          node_contact_.moving_cell(cell, start.place, start.u, start.rate, start.slide_rate);
+      const double free =
+          0.5 * tolerance - modes_left_out -
+          (slide_rate * slide_rate * before.curvature + change * before.slope) / 3.0;
       bool close = before.highest_after(0.0) >= free || before.highest_after(1.0 / 3.0) >= free;
       if (!close) {
         const MovingCell after =
-            node_contact_.moving_cell(cell, end.place, end.u, end.rate, end.way);
+            node_contact_.moving_cell(cell, end.place, end.u, end.rate, end.slide_rate);
         close = after.highest_after(0.0) >= free || after.highest_after(-1.0 / 3.0) >= free;
       }
       lanes_.sync();
@@ -338,9 +340,8 @@ class Overlaps {
   }
 
   /// As search(), along a motion from `place` on, in the listed cells.
-  KOKKOS_FUNCTION double search_cells(const PolynomialMotion<Lanes, packs>& motion,
-                                      double curvature, const Place& place, int flagged,
-                                      double tolerance) const {
+  RA2D_FUNCTION double search_cells(const PolynomialMotion<Lanes, packs>& motion, double curvature,
+                                    const Place& place, int flagged, double tolerance) const {
     node_contact_.expand(place, listed_nodes_, flagged);
     double first = 2.0 * motion.most + 1.0;
     for (int e = 0; e < flagged; ++e) {
@@ -411,7 +412,7 @@ class Overlaps {
   }
 
   /// Overlaps and their rates [m, m/s] of the candidate groups, by the cubics over their patches.
-  KOKKOS_FUNCTION void evaluate(const Place& place, const Real* u, const Real* v, double* to) {
+  RA2D_FUNCTION void evaluate(const Place& place, const Real* u, const Real* v, double* to) {
     GroupSweep<Lanes, packs> sweep(lanes_, faces_, slider_, patches_, place, amplitudes_, u, v);
     const double speed = motion_.advance / motion_.time_step;  // chi/s
     const int count = groups();

@@ -8,6 +8,7 @@
 #include "kernels/adaptive/onsets.hpp"
 #include "kernels/contact/node_contact.hpp"
 #include "kernels/displacement.hpp"
+#include "kernels/function.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/place.hpp"
 #include "kernels/state.hpp"
@@ -36,13 +37,12 @@ class ModalSeries {
 
  public:
   /// `shape_terms`: StepControl's. `hulls`: ContactSpans', read by bounds().
-  KOKKOS_FUNCTION ModalSeries(const Lanes& lanes, const ModeTables& modes,
-                              const SliderMotion& motion, const ContactTables& contact,
-                              const MotionLimits& bounds, const SeriesTables& adaptive,
-                              const MovingForces& forces,
-                              const NodeContact<Lanes, packs>& node_contact,
-                              const ContactSet& contacts, const int& shape_terms,
-                              SeriesBuffers& buffers, const Hull* hulls)
+  RA2D_FUNCTION ModalSeries(const Lanes& lanes, const ModeTables& modes, const SliderMotion& motion,
+                            const ContactTables& contact, const MotionLimits& bounds,
+                            const SeriesTables& adaptive, const MovingForces& forces,
+                            const NodeContact<Lanes, packs>& node_contact,
+                            const ContactSet& contacts, const int& shape_terms,
+                            SeriesBuffers& buffers, const Hull* hulls)
       : lanes_{lanes},
         modes_{modes},
         motion_{motion},
@@ -82,7 +82,7 @@ class ModalSeries {
   /// Of the shapes at a node as many terms are taken as the tolerance asks for: what the others add
   /// to an overlap over the step is `neglected`, a small part of the tolerance times the distance
   /// that the modes make in the same time.
-  KOKKOS_FUNCTION void expand(const Real* u, const Real* v, const Place& place, double scale) {
+  RA2D_FUNCTION void expand(const Real* u, const Real* v, const Place& place, double scale) {
     scale_ = scale;
     neglected_ = 0.0;
     const int contacts = contacts_.count;
@@ -128,7 +128,7 @@ class ModalSeries {
   /// terms stand for the error: what follows them is smaller by the ratio of neighbours, so the
   /// step is on the safe side. Errors and state are measured in the energy norm, sum m (V^2 +
   /// omega^2 U^2) and the springs'.
-  KOKKOS_FUNCTION double extent(double tolerance) const {
+  RA2D_FUNCTION double usable_length(double tolerance) const {
     const int order = adaptive_.order;
     Real state(0.0), acceleration(0.0), before(0.0), last(0.0);
     const double per = 1.0 / scale_;
@@ -150,8 +150,8 @@ class ModalSeries {
     const double start = lanes_.sum(acceleration);
     if (start > size) size = start;
     // terms of the shapes were left out for steps of up to two
-    const double longest = neglected_ > 0.0 ? 2.0 : longest_extent;
-    const auto extent_of = [&](double term, int j) {
+    const double longest = neglected_ > 0.0 ? 2.0 : longest_usable;
+    const auto usable_length_of = [&](double term, int j) {
       // squares throughout; a term of V goes with x^(j - 1)
       if (!(term > 1e-300 * size)) return longest;
       const double x =
@@ -159,14 +159,14 @@ class ModalSeries {
       return x < longest ? x : longest;
     };
     if (!(size < 1e300)) return -1.0;  // not a number
-    const double a = extent_of(lanes_.sum(before), order - 1),
-                 b = extent_of(lanes_.sum(last), order);
+    const double a = usable_length_of(lanes_.sum(before), order - 1),
+                 b = usable_length_of(lanes_.sum(last), order);
     return a < b ? a : b;
   }
   /// A step grows by no more than this: terms that happen to vanish say nothing about the next.
-  static constexpr double longest_extent = 4.0;
+  static constexpr double longest_usable = 4.0;
 
-  KOKKOS_FUNCTION void state(double x, Real* u, Real* v) const {
+  RA2D_FUNCTION void state(double x, Real* u, Real* v) const {
     const int order = adaptive_.order;
     const Real at(x), per(1.0 / scale_);
     for (int p = 0; p < packs; ++p) u[p] = v[p] = coefficient(order, p);
@@ -190,7 +190,7 @@ class ModalSeries {
   }
 
   /// Velocity alone.
-  KOKKOS_FUNCTION void velocity(double x, Real* v) const {
+  RA2D_FUNCTION void velocity(double x, Real* v) const {
     const Real at(x), per(1.0 / scale_);
     for (int p = 0; p < packs; ++p) {
       v[p] = Real(static_cast<double>(adaptive_.order)) * coefficient(adaptive_.order, p);
@@ -206,7 +206,7 @@ class ModalSeries {
   ///   zeta^2)),
   /// and the lower derivatives follow. (All in units of x.) Needs the hulls of the nodes in contact
   /// over a stretch that reaches at least as far.
-  KOKKOS_FUNCTION MotionBounds bounds(double x) const {
+  RA2D_FUNCTION MotionBounds bounds(double x) const {
     const Real at(x);
     Real force[packs];  // bound on |F''|
     for (int p = 0; p < packs; ++p) force[p] = Real(0.0);
@@ -268,7 +268,7 @@ class ModalSeries {
   }
 
   /// The series of the overlap of any expanded node, to `c`.
-  KOKKOS_FUNCTION void overlap_of(int node, const Place& place, double* c) const {
+  RA2D_FUNCTION void overlap_of(int node, const Place& place, double* c) const {
     const double advance = motion_.advance * (scale_ / motion_.time_step);
     double* shape = buffers_.one_shape;
     place_shape(node, place.offset, advance, shape);
@@ -295,7 +295,7 @@ class ModalSeries {
   }
 
   /// The series of the integral of V^2, in ticks: buffers_.squares, without its factor x.
-  KOKKOS_FUNCTION void expand_squares() const {
+  RA2D_FUNCTION void expand_squares() const {
     const double ticks =
         1.0 / (scale_ * motion_.time_step);  // of V^2 = (dU/dx)^2/scale^2, scale/tick
     for (int p = 0; p < packs; ++p) {
@@ -317,7 +317,7 @@ class ModalSeries {
       }
     }
   }
-  KOKKOS_FUNCTION void squares(double x, Real* square) const {
+  RA2D_FUNCTION void squares(double x, Real* square) const {
     const Real at(x);
     for (int p = 0; p < packs; ++p) {
       Real sum = load_pack(lanes_, buffers_.squares + (adaptive_.order - 1) * row, p);
@@ -351,7 +351,7 @@ class ModalSeries {
   }
 
   /// Terms of the shapes that will do for modes that get so far and move so much; sets `neglected`.
-  KOKKOS_FUNCTION int enough_terms(const Real* amplitude, const Real* travel) {
+  RA2D_FUNCTION int enough_terms(const Real* amplitude, const Real* travel) {
     // (2 b)^2/2 and (2 b)^3/6 of a mode, b its turning over a unit of x, for steps of up to two
     Real second(0.0), third(0.0), displacement(0.0);
     for (int p = 0; p < packs; ++p) {
@@ -431,7 +431,7 @@ class ModalSeries {
   }
 
   template <int terms>
-  KOKKOS_FUNCTION void expand_terms(const Real* u, const Real* v, const Place& place) {
+  RA2D_FUNCTION void expand_terms(const Real* u, const Real* v, const Place& place) {
     const double scale = scale_;
     const int order = adaptive_.order, contacts = contacts_.count;
     const double advance = motion_.advance * (scale / motion_.time_step);  // chi per x

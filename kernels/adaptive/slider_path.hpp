@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "kernels/candidate_groups.hpp"
+#include "kernels/function.hpp"
 #include "kernels/place.hpp"
 #include "kernels/tables.hpp"
 
@@ -14,9 +15,9 @@ namespace ra2d {
 /// overlap is a polynomial in time.
 class SliderPath {
  public:
-  KOKKOS_FUNCTION explicit SliderPath(const SliderMotion& motion) : motion_{motion} {}
+  RA2D_FUNCTION explicit SliderPath(const SliderMotion& motion) : motion_{motion} {}
 
-  KOKKOS_FUNCTION Place at(std::int64_t tick) const {
+  RA2D_FUNCTION Place at(std::int64_t tick) const {
     Place place(motion_, tick);
     place.theta = distance_at(tick, motion_.position - place.base);
     place.offset = place.theta - (place.part + 0.5) * motion_.window_width;
@@ -33,11 +34,11 @@ class SliderPath {
   }
 
   /// Ticks until all nodes have passed those of the resonator.
-  KOKKOS_FUNCTION std::int64_t ticks_to_next_node(const Place& place) const {
+  RA2D_FUNCTION std::int64_t ticks_to_next_node(const Place& place) const {
     return ticks_to(place, 1.0);
   }
   /// Ticks until the window ends.
-  KOKKOS_FUNCTION std::int64_t ticks_to_next_window(const Place& place) const {
+  RA2D_FUNCTION std::int64_t ticks_to_next_window(const Place& place) const {
     return ticks_to(place, (place.part + 1) * motion_.window_width);
   }
 
@@ -53,7 +54,7 @@ class SliderPath {
   }
 
   /// Ticks until all nodes are `edge` chi behind the resonator's.
-  KOKKOS_FUNCTION std::int64_t ticks_to(const Place& place, double edge) const {
+  RA2D_FUNCTION std::int64_t ticks_to(const Place& place, double edge) const {
     constexpr double forever = 4e18;
     if (motion_.advance == 0.0) return static_cast<std::int64_t>(forever);
     // a little farther, so that roundings of the position cannot keep it before the edge

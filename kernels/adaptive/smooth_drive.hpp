@@ -14,6 +14,7 @@
 #include "kernels/adaptive/slider_path.hpp"
 #include "kernels/adaptive/smooth_step.hpp"
 #include "kernels/candidate_groups.hpp"
+#include "kernels/function.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/place.hpp"
 #include "kernels/shocks.hpp"
@@ -38,13 +39,13 @@ class SmoothDrive {
   static constexpr int width = Lanes::width;
 
  public:
-  KOKKOS_FUNCTION SmoothDrive(const Lanes& lanes, const SceneTables& tables, SceneState& state,
-                              const SliderPath& path, const NodeContact<Lanes, packs>& node_contact,
-                              const MovingForceSeries<Lanes, packs>& moving_forces,
-                              Overlaps<Lanes, packs>& overlaps,
-                              const Contacts<Lanes, packs>& contacts,
-                              const AdaptiveRecorder<Lanes, packs>& recorder, const Modes& now,
-                              const Place& place)
+  RA2D_FUNCTION SmoothDrive(const Lanes& lanes, const SceneTables& tables, SceneState& state,
+                            const SliderPath& path, const NodeContact<Lanes, packs>& node_contact,
+                            const MovingForceSeries<Lanes, packs>& moving_forces,
+                            Overlaps<Lanes, packs>& overlaps,
+                            const Contacts<Lanes, packs>& contacts,
+                            const AdaptiveRecorder<Lanes, packs>& recorder, const Modes& now,
+                            const Place& place)
       : lanes_{lanes},
         modes_{tables.modes},
         motion_{tables.motion},
@@ -91,8 +92,8 @@ class SmoothDrive {
   enum class Outcome { made, full, crowded, not_finite, stalled };
 
   /// One step from `now` at `tick` on, of `available` ticks at the most.
-  KOKKOS_FUNCTION Outcome operator()(Modes& now, std::int64_t& tick, const Place& place,
-                                     std::int64_t available, Start& start) {
+  RA2D_FUNCTION Outcome operator()(Modes& now, std::int64_t& tick, const Place& place,
+                                   std::int64_t available, Start& start) {
     if (forces_.count > 0) {
       const std::int64_t valid = moving_forces_.expand(tick, control_.series_scale);
       if (valid < available) available = valid;
@@ -203,16 +204,18 @@ class SmoothDrive {
     return weighted_sum<Lanes, packs>(lanes_, weight, x);
   }
 
-  /// Ends the step where a contact is expected to begin or end.
-  KOKKOS_FUNCTION void plan(const Modes& now, const Place& place, std::int64_t& ticks, Pace& pace,
-                            bool& cut) const {
+  /// Ends the step where a contact is expected to begin or end, and leaves out the cells that are
+  /// expected to stay open. Should contact begin in one of these, search() finds it.
+  RA2D_FUNCTION void plan(const Modes& now, const Place& place, std::int64_t& ticks, Pace& pace,
+                          bool& cut) {
     Real acceleration[packs];
     step_.acceleration(acceleration);
     const double whole = static_cast<double>(ticks);
     const auto times =
         ExpectedEvents<Lanes, packs>(lanes_, modes_, motion_, adaptive_, node_contact_, place)(
             now.u, now.v, acceleration, stages_.cells, cells_, stages_.force, formula_stages,
-            whole * motion_.time_step);
+            whole * motion_.time_step, listed_);
+    leave_out_open();
     double end = whole;
     const double onset = times.onset / motion_.time_step,
                  release = times.release / motion_.time_step;
@@ -236,9 +239,25 @@ class SmoothDrive {
     cut = true;
   }
 
+  /// Takes out of the step's cells those that are marked in `listed_`.
+  RA2D_FUNCTION void leave_out_open() {
+    lanes_.sync();
+    int kept = 0;
+    for (int e = 0; e < cells_; ++e) {
+      if (listed_[e] != 0) continue;
+      if (lanes_.leader()) stages_.cells[kept] = stages_.cells[e];
+      ++kept;
+    }
+    lanes_.sync();
+    if (kept == cells_) return;
+    cells_ = kept;
+    if (lanes_.leader()) stages_.cell_count = cells_;
+    step_.keep_start(cells_);
+  }
+
   /// Lists the cells that the step evaluates, and finds the forces at its beginning.
-  KOKKOS_FUNCTION Outcome list_cells(const Modes& now, const Place& place, std::int64_t available,
-                                     std::int64_t ticks, Start& start) {
+  RA2D_FUNCTION Outcome list_cells(const Modes& now, const Place& place, std::int64_t available,
+                                   std::int64_t ticks, Start& start) {
     if (start.is_valid) {
       step_.take_start(stages_.cell_count, start.energy);
       start.is_valid = false;
@@ -273,8 +292,8 @@ class SmoothDrive {
 
   /// The x at which a contact first begins along the motion that the step has found; beyond 1 where
   /// none does.
-  KOKKOS_FUNCTION double search(const Modes& now, const Place& place, std::int64_t tick,
-                                std::int64_t ticks, std::int64_t available) {
+  RA2D_FUNCTION double search(const Modes& now, const Place& place, std::int64_t tick,
+                              std::int64_t ticks, std::int64_t available) {
     const Motion motion = step_.motion(1.0);
     const auto b = motion.bounds(lanes_, bounds_, motion_.spacing);
     const double size = bound(bounds_.largest_shape, now.u) + b.travel;
@@ -289,22 +308,21 @@ class SmoothDrive {
     find_runs(1.0, formula_stages - 1);
     flagged_ = leave_out_grown(flagged);
     if (flagged_ == 0) return 3.0;
-    const double tolerance = overlaps_.tolerance(now.u);
+    const double tolerance = overlaps_.overlap_rounding(now.u);
     Real rate0[packs], u1[packs], rate1[packs], u0[packs];
     motion.at(lanes_, 0.0, u0, rate0);
     motion.at(lanes_, 1.0, u1, rate1);
     const Place end_place = motion.place_at(place, 1.0);
-    flagged_ = overlaps_.keep_close({place, u0, rate0, motion.way(0.0)},
-                                    {end_place, u1, rate1, motion.way(1.0)}, flagged_, b.remainder,
-                                    motion.most_way(), motion.change_of_way(), tolerance);
+    flagged_ = overlaps_.keep_close(
+        {place, u0, rate0, motion.slide_rate(0.0)}, {end_place, u1, rate1, motion.slide_rate(1.0)},
+        flagged_, b.remainder, motion.most_slide_rate(), motion.change_of_slide_rate(), tolerance);
     if (flagged_ == 0) return 3.0;
     return overlaps_.search_cells(motion, b.curvature, place, flagged_, tolerance);
   }
 
   /// Keeps the step, or (onset) the part of it up to the x `first` where a contact begins.
-  KOKKOS_FUNCTION Outcome keep(Modes& now, std::int64_t& tick, const Place& place,
-                               std::int64_t ticks, bool onset, double first, double next,
-                               Start& start) {
+  RA2D_FUNCTION Outcome keep(Modes& now, std::int64_t& tick, const Place& place, std::int64_t ticks,
+                             bool onset, double first, double next, Start& start) {
     double x = 1.0;
     std::int64_t made = ticks;
     if (onset) {
@@ -331,7 +349,7 @@ class SmoothDrive {
     step_.works(weights, sliding, moving);
     int listed = flagged_;
     if (made > 0) {
-      listed = list_grazing(place, x, overlaps_.tolerance(now.u));
+      listed = list_grazing(place, x, overlaps_.overlap_rounding(now.u));
       const std::int64_t in_contact = add_shocks(place, tick, made, x, weights);
       recorder_.add_contact(sliding, moving, in_contact, set_.count);
     }
@@ -359,7 +377,7 @@ class SmoothDrive {
   /// Lists, after the flagged cells, those of the contact set that carry no force at x and are free
   /// by less than the tolerance. They stay in the set: a contact begins at +tolerance and ends at
   /// -tolerance, so that none begins twice at one place. Returns the number of cells listed.
-  KOKKOS_FUNCTION int list_grazing(const Place& place, double x, double tolerance) {
+  RA2D_FUNCTION int list_grazing(const Place& place, double x, double tolerance) {
     const Motion motion = step_.motion(1.0);
     Real u[packs], rate[packs];
     motion.at(lanes_, x, u, rate);
@@ -371,7 +389,7 @@ class SmoothDrive {
       if (x == 1.0 && stages_.force[at * formula_stages + last_stage] > 0.0) continue;
       double ignored;
       const double highest =
-          node_contact_.moving_cell(cell, there, u, rate, motion.way(x)).highest(ignored);
+          node_contact_.moving_cell(cell, there, u, rate, motion.slide_rate(x)).highest(ignored);
       lanes_.sync();
       if (!(highest > -tolerance) || listed == faces_.nodes) continue;
       if (lanes_.leader()) {
@@ -388,7 +406,7 @@ class SmoothDrive {
 
   /// Finds the runs of cells in contact at any stage up to `last`, and up to a share of the step's
   /// time.
-  KOKKOS_FUNCTION void find_runs(double share, int last) const {
+  RA2D_FUNCTION void find_runs(double share, int last) const {
     lanes_.sync();
     if (lanes_.leader()) {
       int count = 0;
@@ -416,7 +434,7 @@ class SmoothDrive {
   }
   /// Takes out of the flagged cells those in or beside contact that has been there from the
   /// beginning, if the step evaluates them. Returns the number of those left.
-  KOKKOS_FUNCTION int leave_out_grown(int flagged) const {
+  RA2D_FUNCTION int leave_out_grown(int flagged) const {
     lanes_.sync();
     if (lanes_.leader()) {
       int kept = 0, c = 0, r = 0, at = 0;
@@ -441,7 +459,7 @@ class SmoothDrive {
   }
 
   /// The largest overlap in a run of cells and beside it, at x [m].
-  KOKKOS_FUNCTION double highest_overlap(const Place& place, const CellRun& run, double x) const {
+  RA2D_FUNCTION double highest_overlap(const Place& place, const CellRun& run, double x) const {
     const Motion motion = step_.motion(1.0);
     Real u[packs], rate[packs];
     motion.at(lanes_, x, u, rate);
@@ -451,13 +469,14 @@ class SmoothDrive {
       const int cell = stages_.cells[e];
       if (cell < run.first - 1 || cell > run.last + 1) continue;
       highest = Kokkos::max(
-          highest, node_contact_.moving_cell(cell, there, u, rate, motion.way(x)).highest(ignored));
+          highest,
+          node_contact_.moving_cell(cell, there, u, rate, motion.slide_rate(x)).highest(ignored));
     }
     return highest;
   }
   /// The x up to `end` at which the contact of a run ends that is free at `end`: to `closeness`.
-  KOKKOS_FUNCTION double release(const Place& place, const CellRun& run, double end,
-                                 double closeness) const {
+  RA2D_FUNCTION double release(const Place& place, const CellRun& run, double end,
+                               double closeness) const {
     double low = 0.0, high = end;
     double of_low = highest_overlap(place, run, low), of_high = highest_overlap(place, run, high);
     if (!(of_low > 0.0) ||
@@ -489,7 +508,7 @@ class SmoothDrive {
     return high;
   }
   /// Where the first of the runs that were in contact at the beginning ends; beyond 1 if none does.
-  KOKKOS_FUNCTION double first_release(const Place& place) const {
+  RA2D_FUNCTION double first_release(const Place& place) const {
     double first = 3.0;
     for (int r = 0; r < stages_.run_count; ++r) {
       const CellRun run = stages_.runs[r];
@@ -499,13 +518,13 @@ class SmoothDrive {
   }
 
   /// Whether a run begins within the step.
-  KOKKOS_FUNCTION bool any_begins() const {
+  RA2D_FUNCTION bool any_begins() const {
     bool any = false;
     for (int r = 0; r < stages_.run_count; ++r) any = any || !stages_.runs[r].grown;
     return any;
   }
   /// Whether a run begins or ends within the step.
-  KOKKOS_FUNCTION bool any_begins_or_ends() const {
+  RA2D_FUNCTION bool any_begins_or_ends() const {
     bool any = any_begins();
     for (int r = 0; r < stages_.run_count; ++r) any = any || !stages_.runs[r].at_end;
     return any;
@@ -515,9 +534,9 @@ class SmoothDrive {
 
   /// Takes in the step up to x, of `ticks` ticks. Leaves the cells in contact at its end in the
   /// contact set. Returns the ticks with any contact.
-  KOKKOS_FUNCTION std::int64_t add_shocks(
-      const Place& place, std::int64_t tick, std::int64_t ticks, double x,
-      const typename SmoothStep<Lanes, packs>::Weights& weights) {
+  RA2D_FUNCTION std::int64_t add_shocks(const Place& place, std::int64_t tick, std::int64_t ticks,
+                                        double x,
+                                        const typename SmoothStep<Lanes, packs>::Weights& weights) {
     keep_contacts_at_end(x);
     const int runs = stages_.run_count;
     std::int64_t last_end = 0;
@@ -574,7 +593,7 @@ class SmoothDrive {
     }
     return set_.count > 0 ? ticks : last_end;
   }
-  KOKKOS_FUNCTION bool any_ends_after(std::int64_t from) const {
+  RA2D_FUNCTION bool any_ends_after(std::int64_t from) const {
     bool any = false;
     for (int r = 0; r < stages_.run_count; ++r)
       any =
@@ -583,7 +602,7 @@ class SmoothDrive {
   }
 
   /// Puts the cells in contact at x into the contact set, but for those in which it begins there.
-  KOKKOS_FUNCTION void keep_contacts_at_end(double x) const {
+  RA2D_FUNCTION void keep_contacts_at_end(double x) const {
     const bool whole = x == 1.0;
     int listed = 0;
     if (!whole) listed = step_.contact_at(x).nodes;
@@ -613,8 +632,8 @@ class SmoothDrive {
 
   /// Lists the cells of the runs that have not ended by `from` ticks; at 0 with what they carried
   /// over the step. On the leader.
-  KOKKOS_FUNCTION int list_runs(std::int64_t from,
-                                const typename SmoothStep<Lanes, packs>::Weights& weights) const {
+  RA2D_FUNCTION int list_runs(std::int64_t from,
+                              const typename SmoothStep<Lanes, packs>::Weights& weights) const {
     int count = 0, r = 0;
     for (int e = 0; e < cells_; ++e) {
       const int cell = stages_.cells[e];
@@ -628,9 +647,9 @@ class SmoothDrive {
                      *centre = stages_.centre + e * formula_stages;
         for (int i = 0; i < formula_stages; ++i) {
           const double share = weights.of[i] * step_.ticks() * force[i];
-          const double way = motion_.advance * step_.ticks() * step_.share(i);
+          const double travelled = motion_.advance * step_.ticks() * step_.share(i);
           impulse += share;
-          moment = Kokkos::fma(share, centre[i] + way, moment);
+          moment = Kokkos::fma(share, centre[i] + travelled, moment);
         }
       }
       list_.nodes[count] = cell;
@@ -641,7 +660,7 @@ class SmoothDrive {
     return count;
   }
   /// Lists the cells of the contact set, without forces. On the leader.
-  KOKKOS_FUNCTION int list_set() const {
+  RA2D_FUNCTION int list_set() const {
     for (int e = 0; e < set_.count; ++e) {
       list_.nodes[e] = set_.nodes[e];
       list_.forces[e] = list_.centres[e] = 0.0;
@@ -650,7 +669,7 @@ class SmoothDrive {
   }
 
   /// The largest force of each open shock up to x.
-  KOKKOS_FUNCTION void add_peaks(double x) const {
+  RA2D_FUNCTION void add_peaks(double x) const {
     const double share = pace_share(step_.pace(), x);
     for (int i = 0; i < shocks_.open_count; ++i) {
       // the stages show where to look
@@ -682,14 +701,14 @@ class SmoothDrive {
       lanes_.sync();
     }
   }
-  KOKKOS_FUNCTION bool belongs(int shock, int cell) const {
+  RA2D_FUNCTION bool belongs(int shock, int cell) const {
     for (int r = 0; r < shocks_.run_count; ++r)
       if (shocks_.runs[r].shock == shock && cell >= shocks_.runs[r].first &&
           cell <= shocks_.runs[r].last)
         return true;
     return false;
   }
-  KOKKOS_FUNCTION double force_of(int shock, double x) const {
+  RA2D_FUNCTION double force_of(int shock, double x) const {
     const int count = step_.contact_at(x).nodes;
     double force = 0.0;
     for (int e = 0; e < count; ++e)

@@ -8,6 +8,7 @@
 #include "kernels/adaptive/pace.hpp"
 #include "kernels/check.hpp"
 #include "kernels/contact/node_contact.hpp"
+#include "kernels/function.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/place.hpp"
 #include "kernels/state.hpp"
@@ -33,13 +34,12 @@ class SmoothStep {
 
  public:
   /// Steps from `now` at `place` on. The moving forces' series are in units of `force_scale` [s].
-  KOKKOS_FUNCTION SmoothStep(const Lanes& lanes, const ModeTables& modes,
-                             const SliderMotion& motion, const SeriesTables& adaptive,
-                             const MovingForces& forces, const StageTables& stages,
-                             const NodeContact<Lanes, packs>& node_contact,
-                             ContactList& contact_list, const double* force_series,
-                             double force_scale, const Modes& now, const Place& place,
-                             StageBuffers& buffers)
+  RA2D_FUNCTION SmoothStep(const Lanes& lanes, const ModeTables& modes, const SliderMotion& motion,
+                           const SeriesTables& adaptive, const MovingForces& forces,
+                           const StageTables& stages, const NodeContact<Lanes, packs>& node_contact,
+                           ContactList& contact_list, const double* force_series,
+                           double force_scale, const Modes& now, const Place& place,
+                           StageBuffers& buffers)
       : lanes_{lanes},
         modes_{modes},
         motion_{motion},
@@ -55,7 +55,7 @@ class SmoothStep {
         buffers_{buffers} {}
 
   /// Finds the forces at the beginning, in the listed cells (StageBuffers::cells).
-  KOKKOS_FUNCTION void evaluate_start(int cells) {
+  RA2D_FUNCTION void evaluate_start(int cells) {
     cells_ = cells;
     const ContactTotals<Real> totals = evaluate(0, start_, now_.u, now_.v, 0.0);
     energy_ = totals.energy;
@@ -64,7 +64,7 @@ class SmoothStep {
 
   /// Takes the forces at the end of the step before, in `cells` cells, for those at the beginning:
   /// it is the same state in the same window, so they have the same bits.
-  KOKKOS_FUNCTION void take_start(int cells, double energy) {
+  RA2D_FUNCTION void take_start(int cells, double energy) {
     for (int p = 0; p < packs; ++p) {
       const int from = last_stage * row + p * width, to = p * width;
       lanes_.store(buffers_.velocity + to, lanes_.load(buffers_.velocity + from));
@@ -92,18 +92,18 @@ class SmoothStep {
   }
   KOKKOS_FORCEINLINE_FUNCTION double energy_at_end() const { return energy_at_end_; }
   /// Accelerations of the modes at the beginning.
-  KOKKOS_FUNCTION void acceleration(Real* a) const {
+  RA2D_FUNCTION void acceleration(Real* a) const {
     for (int p = 0; p < packs; ++p) a[p] = lanes_.load(buffers_.acceleration + p * width);
   }
   /// Keeps the forces at the beginning, the latest found, for another list of cells.
-  KOKKOS_FUNCTION void keep_start(int cells) {
+  RA2D_FUNCTION void keep_start(int cells) {
     lanes_.sync();
     cells_ = cells;
     keep_forces(0, nodes_at_start_);
   }
 
   /// Makes a step of so many ticks. `end_place`: of its end, to the bit.
-  KOKKOS_FUNCTION void make(std::int64_t ticks, Pace pace, int cells, const Place& end_place) {
+  RA2D_FUNCTION void make(std::int64_t ticks, Pace pace, int cells, const Place& end_place) {
     ticks_ = static_cast<double>(ticks);
     time_ = ticks_ * motion_.time_step;
     pace_ = pace;
@@ -112,7 +112,7 @@ class SmoothStep {
     for (int i = 1; i <= last_stage; ++i) make_stage(i, end_place);
   }
   /// Finds the motion over the step.
-  KOKKOS_FUNCTION void find_motion() {
+  RA2D_FUNCTION void find_motion() {
     for (int i = last_stage + 1; i < formula_stages; ++i) make_stage(i, start_);
     for (int m = 0; m < motion_terms; ++m) {
       Real u[packs], v[packs];
@@ -138,7 +138,7 @@ class SmoothStep {
   enum class Course { smooth, graded, kinked };
   struct Errors {
     double fifth, third;  // over the tolerance
-    KOKKOS_FUNCTION double of(Course course) const {
+    RA2D_FUNCTION double of(Course course) const {
       if (!(fifth > 0.0)) return course == Course::kinked ? 0.1 * third : fifth;
       const double inferred = fifth * fifth / Kokkos::hypot(fifth, 0.1 * third);
       return course == Course::smooth   ? inferred
@@ -146,12 +146,12 @@ class SmoothStep {
                                         : Kokkos::hypot(fifth, 0.1 * third);
     }
     /// How the step's length is to change for an error of 1.
-    KOKKOS_FUNCTION double factor(Course course) const {
+    RA2D_FUNCTION double factor(Course course) const {
       const double order = course == Course::smooth ? 8.0 : course == Course::graded ? 7.0 : 3.0;
       return 0.9 * Kokkos::exp2(-Kokkos::log2(of(course)) / order);
     }
   };
-  KOKKOS_FUNCTION Errors errors() const {
+  RA2D_FUNCTION Errors errors() const {
     Real u5[packs], v5[packs], u3[packs], v3[packs];
     sum(stage_fifth_order_error, last_stage, u5, v5);
     sum(stage_third_order_error, last_stage, u3, v3);
@@ -193,13 +193,13 @@ class SmoothStep {
   }
   KOKKOS_FORCEINLINE_FUNCTION Place place_at_share(double share) const {
     Place place = start_;
-    const double way = motion_.advance * ticks_ * share;
-    place.position += way;
-    place.theta += way;
-    place.offset += way;
+    const double travelled = motion_.advance * ticks_ * share;
+    place.position += travelled;
+    place.theta += travelled;
+    place.offset += travelled;
     return place;
   }
-  KOKKOS_FUNCTION void state(double x, Real* u, Real* v) const {
+  RA2D_FUNCTION void state(double x, Real* u, Real* v) const {
     const Real at(x);
     for (int p = 0; p < packs; ++p) {
       u[p] = lanes_.load(buffers_.u + (motion_terms - 1) * row + p * width);
@@ -211,7 +211,7 @@ class SmoothStep {
     }
   }
   /// The contact at x, in the step's cells; lists those in contact (ContactList).
-  KOKKOS_FUNCTION ContactTotals<Real> contact_at(double x) const {
+  RA2D_FUNCTION ContactTotals<Real> contact_at(double x) const {
     Real u[packs], v[packs], force[packs];
     state(x, u, v);
     for (int p = 0; p < packs; ++p) force[p] = Real(0.0);
@@ -223,7 +223,7 @@ class SmoothStep {
   struct Weights {
     double of[formula_stages];
   };
-  KOKKOS_FUNCTION Weights weights(double x) const {
+  RA2D_FUNCTION Weights weights(double x) const {
     Weights w;
     for (int i = 0; i < formula_stages; ++i) {
       if (x == 1.0) {
@@ -238,7 +238,7 @@ class SmoothStep {
     return w;
   }
   /// Integral of V^2, in ticks.
-  KOKKOS_FUNCTION void squares(const Weights& w, Real* square) const {
+  RA2D_FUNCTION void squares(const Weights& w, Real* square) const {
     for (int p = 0; p < packs; ++p) square[p] = Real(0.0);
     for (int i = 0; i < formula_stages; ++i)
       for (int p = 0; p < packs; ++p) {
@@ -247,7 +247,7 @@ class SmoothStep {
       }
   }
   /// Works of the imposed motion and of the moving forces [J].
-  KOKKOS_FUNCTION void works(const Weights& w, double& sliding, double& moving) const {
+  RA2D_FUNCTION void works(const Weights& w, double& sliding, double& moving) const {
     sliding = moving = 0.0;
     for (int i = 0; i < formula_stages; ++i) {
       sliding = Kokkos::fma(w.of[i], buffers_.power[i], sliding);
@@ -258,7 +258,7 @@ class SmoothStep {
   }
 
  private:
-  KOKKOS_FUNCTION void make_stage(int i, const Place& end_place) {
+  RA2D_FUNCTION void make_stage(int i, const Place& end_place) {
     Real u[packs], v[packs];
     sum(stage_weights + i, i, u, v);
     for (int p = 0; p < packs; ++p) {
@@ -309,8 +309,8 @@ class SmoothStep {
   }
 
   /// Forces and accelerations at a state, kept as those of a stage.
-  KOKKOS_FUNCTION ContactTotals<Real> evaluate(int stage, const Place& place, const Real* u,
-                                               const Real* v, double share) {
+  RA2D_FUNCTION ContactTotals<Real> evaluate(int stage, const Place& place, const Real* u,
+                                             const Real* v, double share) {
     Real force[packs];
     for (int p = 0; p < packs; ++p) force[p] = load_pack(lanes_, modes_.load, p);
     double moving = 0.0;
@@ -335,7 +335,7 @@ class SmoothStep {
     return totals;
   }
   /// Keeps the forces of the `count` cells in contact (ContactList) as those of a stage.
-  KOKKOS_FUNCTION void keep_forces(int stage, int count) {
+  RA2D_FUNCTION void keep_forces(int stage, int count) {
     if (lanes_.leader())
       for (int e = 0, i = 0; e < cells_; ++e) {
         const bool in_contact = i < count && contact_list_.nodes[i] == buffers_.cells[e];
@@ -347,7 +347,7 @@ class SmoothStep {
   }
 
   /// Adds the modal forces of the moving forces at x of their series; returns their power [W].
-  KOKKOS_FUNCTION double add_moving_forces(double x, const Real* v, Real* force) const {
+  RA2D_FUNCTION double add_moving_forces(double x, const Real* v, Real* force) const {
     Real power(0.0);
     for (int p = 0; p < packs; ++p) {
       Real f = lanes_.load(force_series_ + adaptive_.order * row + p * width);

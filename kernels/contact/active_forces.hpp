@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "kernels/check.hpp"
+#include "kernels/function.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/place.hpp"
 #include "kernels/state.hpp"
@@ -44,8 +45,8 @@ class ActiveForces {
  public:
   using Point = typename Points::Point;
 
-  KOKKOS_FUNCTION ActiveForces(const Lanes& lanes, const ContactTables& contact, ActiveSet& active,
-                               const Points& points)
+  RA2D_FUNCTION ActiveForces(const Lanes& lanes, const ContactTables& contact, ActiveSet& active,
+                             const Points& points)
       : lanes_{lanes}, contact_{contact}, active_{active}, points_{points} {}
 
   /// More than any force or distance.
@@ -54,7 +55,7 @@ class ActiveForces {
   static constexpr double dependent = 1e-13;
 
   KOKKOS_FORCEINLINE_FUNCTION int count() const { return count_; }
-  KOKKOS_FUNCTION void clear() {
+  RA2D_FUNCTION void clear() {
     for (int j = 0; j < count_; ++j) points_.leave(j);
     lanes_.sync();
     count_ = 0;
@@ -63,7 +64,7 @@ class ActiveForces {
 
   /// Raises the force on a point until its overlap `over` is gone. Points that would have to pull
   /// leave the active set.
-  KOKKOS_FUNCTION Solution activate(const Place& place, const Point& point, double over) {
+  RA2D_FUNCTION Solution activate(const Place& place, const Point& point, double over) {
     Real weighted[packs], phi[packs];
     points_.shape(place, point, phi);
     for (int p = 0; p < packs; ++p) weighted[p] = receptance(p) * phi[p];
@@ -120,13 +121,13 @@ class ActiveForces {
   }
 
   /// Settles the forces where more than one was found, or some left.
-  KOKKOS_FUNCTION void settle_after_change(const Place& place, const Real* free) {
+  RA2D_FUNCTION void settle_after_change(const Place& place, const Real* free) {
     if (count_ > 1 || deactivated_) settle(place, free);
     deactivated_ = false;
   }
 
   /// Displacement at the end of the step under the present forces.
-  KOKKOS_FUNCTION void end_of(const Place& place, const Real* free, Real* u) const {
+  RA2D_FUNCTION void end_of(const Place& place, const Real* free, Real* u) const {
     Real force_on_modes[packs], phi[packs];
     for (int p = 0; p < packs; ++p) force_on_modes[p] = Real(0.0);
     for (int j = 0; j < count_; ++j) {
@@ -138,14 +139,14 @@ class ActiveForces {
     for (int p = 0; p < packs; ++p) u[p] = multiply_add(-receptance(p), force_on_modes[p], free[p]);
   }
 
-  KOKKOS_FUNCTION double total() const {
+  RA2D_FUNCTION double total() const {
     double sum = 0.0;
     for (int j = 0; j < count_; ++j) sum += active_.forces[j];
     return sum;
   }
 
   /// W_nm of two points, one of them weighted by the receptance.
-  KOKKOS_FUNCTION double compliance_of(const Real* weighted, const Real* phi) const {
+  RA2D_FUNCTION double compliance_of(const Real* weighted, const Real* phi) const {
     Real part = weighted[0] * phi[0];
     for (int p = 1; p < packs; ++p) part = multiply_add(weighted[p], phi[p], part);
     return lanes_.sum(part);
@@ -166,8 +167,8 @@ class ActiveForces {
   KOKKOS_FORCEINLINE_FUNCTION double& factor(int row, int column) const {
     return active_.factor[static_cast<std::int64_t>(row) * active_.capacity + column];
   }
-  KOKKOS_FUNCTION void solve_lower() const { ra2d::solve_lower(active_, count_); }
-  KOKKOS_FUNCTION void solve_upper() const { ra2d::solve_upper(active_, count_); }
+  RA2D_FUNCTION void solve_lower() const { ra2d::solve_lower(active_, count_); }
+  RA2D_FUNCTION void solve_upper() const { ra2d::solve_upper(active_, count_); }
 
   /// The active point whose force ends first while the forces fall by `solution` for each newton on
   /// another point, and that point's force then (`most`); -1 where none ends.
@@ -197,7 +198,7 @@ class ActiveForces {
   }
 
   /// Takes a point out, and factors what is left anew from there on.
-  KOKKOS_FUNCTION void deactivate(const Place& place, int out) {
+  RA2D_FUNCTION void deactivate(const Place& place, int out) {
     deactivated_ = true;
     lanes_.sync();
     points_.leave(out);
@@ -230,7 +231,7 @@ class ActiveForces {
   /// step. A point whose force that would turn negative leaves the active set. With its force
   /// merely cut off at zero, points that depend on it all but for roundings would keep the part
   /// that it was to take from them.
-  KOKKOS_FUNCTION void settle(const Place& place, const Real* free) {
+  RA2D_FUNCTION void settle(const Place& place, const Real* free) {
     for (int pass = 0; pass < 3;) {
       Real now[packs], phi[packs];
       end_of(place, free, now);

@@ -8,6 +8,7 @@
 #include "kernels/contact/cell_contact.hpp"
 #include "kernels/contact/expanded_cells.hpp"
 #include "kernels/contact/node_contact.hpp"
+#include "kernels/function.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/place.hpp"
 #include "kernels/shocks.hpp"
@@ -66,11 +67,11 @@ class CellComplementarity {
   class Places {
    public:
     using Point = CellPoint;
-    KOKKOS_FUNCTION Places(const Lanes& lanes, const ExpandedCells<Lanes, packs>& cells,
-                           ActiveSet& active)
+    RA2D_FUNCTION Places(const Lanes& lanes, const ExpandedCells<Lanes, packs>& cells,
+                         ActiveSet& active)
         : lanes_{lanes}, cells_{cells}, active_{active} {}
 
-    KOKKOS_FUNCTION void shape(const Place& place, const CellPoint& point, Real* phi) const {
+    RA2D_FUNCTION void shape(const Place& place, const CellPoint& point, Real* phi) const {
       Real along[4][packs];
       cells_.shapes(point.cell, place.offset, along);
       for (int p = 0; p < packs; ++p) phi[p] = ExpandedCells<Lanes, packs>::at(along, p, point.at);
@@ -84,7 +85,7 @@ class CellComplementarity {
       for (int p = 0; p < packs; ++p) part = multiply_add(phi[p], u[p], part);
       return cells_.face(active_.nodes[j], place.theta, active_.places[j]) + lanes_.sum(part);
     }
-    KOKKOS_FUNCTION void put(const Place& place, int j, const CellPoint& point) const {
+    RA2D_FUNCTION void put(const Place& place, int j, const CellPoint& point) const {
       Real phi[packs];
       shape(place, point, phi);
       for (int p = 0; p < packs; ++p) lanes_.store(row(j, p), phi[p]);
@@ -92,7 +93,7 @@ class CellComplementarity {
       active_.nodes[j] = point.cell;
       active_.places[j] = point.at;
     }
-    KOKKOS_FUNCTION void move(int from, int to) const {
+    RA2D_FUNCTION void move(int from, int to) const {
       for (int p = 0; p < packs; ++p) lanes_.store(row(to, p), lanes_.load(row(from, p)));
       if (!lanes_.leader()) return;
       active_.nodes[to] = active_.nodes[from];
@@ -111,11 +112,11 @@ class CellComplementarity {
   };
 
  public:
-  KOKKOS_FUNCTION CellComplementarity(const Lanes& lanes, const FaceTables& faces,
-                                      const ContactTables& contact, const MotionLimits& bounds,
-                                      const Caches& caches, ActiveSet& active,
-                                      ContactList& contact_list, const int* listed_cells,
-                                      const int* interrupted)
+  RA2D_FUNCTION CellComplementarity(const Lanes& lanes, const FaceTables& faces,
+                                    const ContactTables& contact, const MotionLimits& bounds,
+                                    const Caches& caches, ActiveSet& active,
+                                    ContactList& contact_list, const int* listed_cells,
+                                    const int* interrupted)
       : lanes_{lanes},
         faces_{faces},
         contact_{contact},
@@ -129,8 +130,8 @@ class CellComplementarity {
 
   /// As Complementarity: corrects the end (u, v) of a step to `place`, and records the contact.
   template <class List>
-  KOKKOS_FUNCTION Solution operator()(const Place& place, Real* u, Real* v, const List& list,
-                                      ContactTotals<Real>& totals, double& most) {
+  RA2D_FUNCTION Solution operator()(const Place& place, Real* u, Real* v, const List& list,
+                                    ContactTotals<Real>& totals, double& most) {
     Real now[packs];
     for (int p = 0; p < packs; ++p) now[p] = u[p];
     Solution result = Solution::solved;
@@ -172,8 +173,8 @@ class CellComplementarity {
   const int* interrupted_;
 
   /// The place that overlaps most, by more than `over`; cell -1 where none does.
-  KOKKOS_FUNCTION CellPoint most_overlapping(const Place& place, const Real* u, int cells,
-                                             double& over) const {
+  RA2D_FUNCTION CellPoint most_overlapping(const Place& place, const Real* u, int cells,
+                                           double& over) const {
     CellPoint worst{-1, 0.0};
     for (int e = 0; e < cells; ++e) {
       const int cell = listed_cells_[e];
@@ -192,7 +193,7 @@ class CellComplementarity {
   }
 
   /// Bound on the rounding of an overlap's sum over the modes, as in Complementarity.
-  KOKKOS_FUNCTION double rounding_of(const Real* u, const Real* free) const {
+  RA2D_FUNCTION double rounding_of(const Real* u, const Real* free) const {
     Real part(0.0);
     for (int p = 0; p < packs; ++p)
       part = multiply_add(lanes_.load(bounds_.largest_shape + p * Lanes::width),
@@ -201,7 +202,7 @@ class CellComplementarity {
   }
 
   /// The end of the step, and the record of the cells that carry force, in ascending order.
-  KOKKOS_FUNCTION void finish(const Place& place, Real* u, Real* v, ContactTotals<Real>& totals) {
+  RA2D_FUNCTION void finish(const Place& place, Real* u, Real* v, ContactTotals<Real>& totals) {
     Real force_on_modes[packs], slope_force[packs];
     for (int p = 0; p < packs; ++p) force_on_modes[p] = slope_force[p] = Real(0.0);
     for (int done = -1;;) {

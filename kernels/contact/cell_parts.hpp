@@ -4,6 +4,7 @@
 
 #include "kernels/check.hpp"
 #include "kernels/contact/cell_contact.hpp"
+#include "kernels/function.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/state.hpp"
 
@@ -25,7 +26,7 @@ class CellParts {
   enum Row : int { overlap = 0, face = 4, from = 8, to, cell_number, result, rows = result + 6 };
   static_assert(rows == cell_part_rows);
 
-  KOKKOS_FUNCTION CellParts(const Lanes& lanes, double* memory) : lanes_{lanes}, memory_{memory} {}
+  RA2D_FUNCTION CellParts(const Lanes& lanes, double* memory) : lanes_{lanes}, memory_{memory} {}
 
   KOKKOS_FORCEINLINE_FUNCTION int count() const { return count_; }
   KOKKOS_FORCEINLINE_FUNCTION bool has_room() const { return count_ + 2 <= capacity; }
@@ -56,7 +57,7 @@ class CellParts {
   }
 
   /// The integrals over all parts.
-  KOKKOS_FUNCTION void integrate() {
+  RA2D_FUNCTION void integrate() {
     lanes_.sync();
     if (lanes_.leader())  // beyond the last part: none
       for (int i = count_; i < (count_ + width - 1) / width * width; ++i) {
@@ -99,7 +100,7 @@ class CellParts {
     about[1] = multiply_add(multiply_add(Real(3.0) * c[3], x, Real(2.0) * c[2]), x, c[1]);
     about[0] = value(c, x);
   }
-  KOKKOS_FUNCTION void integrate_lanes(int first) {
+  RA2D_FUNCTION void integrate_lanes(int first) {
     Real o[4], p[4];
     for (int j = 0; j < 4; ++j) o[j] = row(overlap + j, first);
     const Real left = row(from, first), right = row(to, first);
@@ -185,9 +186,9 @@ class CellParts {
     lanes_.sync();
     if (lanes_.leader())
       for (std::uint32_t bits = others; bits != 0; bits &= bits - 1)
-        integrate_alone(first + Kokkos::countr_zero(bits));
+        integrate_alone(first + Kokkos::Experimental::countr_zero_builtin(bits));
   }
-  KOKKOS_FUNCTION void integrate_alone(int part) const {
+  RA2D_FUNCTION void integrate_alone(int part) const {
     Cubic o, f;
     for (int j = 0; j < 4; ++j) {
       o.c[j] = at(overlap + j, part);

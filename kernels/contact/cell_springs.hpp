@@ -8,6 +8,7 @@
 #include "kernels/contact/complementarity.hpp"
 #include "kernels/contact/expanded_cells.hpp"
 #include "kernels/contact/node_contact.hpp"
+#include "kernels/function.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/place.hpp"
 #include "kernels/shocks.hpp"
@@ -38,10 +39,10 @@ class CellSprings {
   static constexpr int width = Lanes::width, rows = packs * width;
 
  public:
-  KOKKOS_FUNCTION CellSprings(const Lanes& lanes, const ContactTables& contact,
-                              const MotionLimits& bounds,
-                              const NodeContact<Lanes, packs>& node_contact, const Caches& caches,
-                              ActiveSet& products, const int* listed_cells, const int* interrupted)
+  RA2D_FUNCTION CellSprings(const Lanes& lanes, const ContactTables& contact,
+                            const MotionLimits& bounds,
+                            const NodeContact<Lanes, packs>& node_contact, const Caches& caches,
+                            ActiveSet& products, const int* listed_cells, const int* interrupted)
       : lanes_{lanes},
         contact_{contact},
         bounds_{bounds},
@@ -54,16 +55,16 @@ class CellSprings {
   /// Corrects the end (u, v) of a step to `place`, and records the contact there. `guess`: where it
   /// may end, or null. The rest as in Complementarity.
   template <class List>
-  KOKKOS_FUNCTION Solution operator()(const Place& place, const Real* guess, Real* u, Real* v,
-                                      const List& list, ContactTotals<Real>& totals,
-                                      double& most) const {
+  RA2D_FUNCTION Solution operator()(const Place& place, const Real* guess, Real* u, Real* v,
+                                    const List& list, ContactTotals<Real>& totals,
+                                    double& most) const {
     constexpr int rounds = 200, halvings = 40;
     Real d[packs], w[packs], now[packs], pressing[packs], next[packs], step[packs];
     Scene scene;
     Real part(0.0);
     for (int p = 0; p < packs; ++p) {
       const Real b = lanes_.load(contact_.receptance + p * width), most_shape = largest_shape(p);
-      scene.modes += Kokkos::popcount(lanes_.at_least(b, 1e-300));
+      scene.modes += Kokkos::Experimental::popcount_builtin(lanes_.at_least(b, 1e-300));
       part = multiply_add(b * most_shape, most_shape, part);
       d[p] = Kokkos::sqrt(b);
       w[p] = Real(0.0);
@@ -92,14 +93,15 @@ class CellSprings {
         away = multiply_add(motion, Kokkos::abs(next[p]), away);
         falling = multiply_add(w[p] + pressing[p], step[p], falling);
       }
-      double way, pushed;
-      lanes_.sum(moved, away, way, pushed);
-      if (!(way < 1e300)) return Solution::solved;  // not a number: left to the check of the energy
+      double distance, pushed;
+      lanes_.sum(moved, away, distance, pushed);
+      if (!(distance < 1e300))
+        return Solution::solved;  // not a number: left to the check of the energy
       const double fall = lanes_.sum(falling);
       // the least force that moves a node as far
       pushed /= scene.most_compliance;
       if (pushed > most) most = pushed;
-      if (way <= contact_.tolerance + rounding_of(now, u)) {
+      if (distance <= contact_.tolerance + rounding_of(now, u)) {
         finish(place, d, next, u, v, list, totals);
         return Solution::solved;
       }
@@ -175,8 +177,8 @@ class CellSprings {
 
   /// Where the modes are at `now`: the slope of E but for w, D times what pushes the modes, and the
   /// products of the Hessian.
-  KOKKOS_FUNCTION Found evaluate(const Place& place, const Real* now, int cells, const Real* d,
-                                 const Scene& scene, Real* pressing) const {
+  RA2D_FUNCTION Found evaluate(const Place& place, const Real* now, int cells, const Real* d,
+                               const Scene& scene, Real* pressing) const {
     for (int p = 0; p < packs; ++p) pressing[p] = Real(0.0);
     Found found{};
     for (int e = 0; e < cells; ++e) {
@@ -206,8 +208,8 @@ class CellSprings {
 
   /// Adds the products of a cell with these moments; stores them while they are no more than the
   /// modes.
-  KOKKOS_FUNCTION void add_products(const Real (*phi)[packs], const Real* d,
-                                    const double* stiffness, int modes, Found& found) const {
+  RA2D_FUNCTION void add_products(const Real (*phi)[packs], const Real* d, const double* stiffness,
+                                  int modes, Found& found) const {
     double factor[4][4];
     for (int l = 0; l < 4; ++l)
       for (int i = l; i < 4; ++i) {
@@ -241,8 +243,8 @@ class CellSprings {
   /// The end of Newton's step: (1 + A^T A)^-1 = 1 - A^T (1 + A A^T)^-1 A, A the products' rows. It
   /// is found from the pressing alone: the roundings of w, which are those of a displacement, would
   /// be more than those of the forces.
-  KOKKOS_FUNCTION void solve_by_products(int count, const Real* w, const Real* pressing,
-                                         Real* next) const {
+  RA2D_FUNCTION void solve_by_products(int count, const Real* w, const Real* pressing,
+                                       Real* next) const {
     const auto row = [&](int i, int p) {
       return lanes_.load(products_.rows + i * rows + p * width);
     };
@@ -268,8 +270,8 @@ class CellSprings {
   }
 
   /// The end of Newton's step where there are many products.
-  KOKKOS_FUNCTION void solve_in_modes(const Place& place, const Real* now, int cells, const Real* d,
-                                      const Real* w, const Real* pressing, Real* next) const {
+  RA2D_FUNCTION void solve_in_modes(const Place& place, const Real* now, int cells, const Real* d,
+                                    const Real* w, const Real* pressing, Real* next) const {
     for (int i = 0; i < rows; ++i)
       for (int p = 0; p < packs; ++p) lanes_.store(&factor(i, p * width), Real(0.0));
     for (int e = 0; e < cells; ++e) {
@@ -312,7 +314,7 @@ class CellSprings {
   }
 
   /// Solves (1 + matrix) solution = solution by Cholesky's factor; the eigenvalues are 1 and more.
-  KOKKOS_FUNCTION void solve(int count) const {
+  RA2D_FUNCTION void solve(int count) const {
     lanes_.sync();
     if (lanes_.leader()) {
       double* const x = products_.solution;
@@ -338,7 +340,7 @@ class CellSprings {
   }
 
   /// Bound on the rounding of an overlap's sum over the modes, as in Complementarity.
-  KOKKOS_FUNCTION double rounding_of(const Real* u, const Real* free) const {
+  RA2D_FUNCTION double rounding_of(const Real* u, const Real* free) const {
     Real part(0.0);
     for (int p = 0; p < packs; ++p)
       part = multiply_add(largest_shape(p), Kokkos::abs(u[p]) + Kokkos::abs(free[p]), part);
@@ -347,8 +349,8 @@ class CellSprings {
 
   /// The end of the step, and the record of the contact there.
   template <class List>
-  KOKKOS_FUNCTION void finish(const Place& place, const Real* d, const Real* w, Real* u, Real* v,
-                              const List& list, ContactTotals<Real>& totals) const {
+  RA2D_FUNCTION void finish(const Place& place, const Real* d, const Real* w, Real* u, Real* v,
+                            const List& list, ContactTotals<Real>& totals) const {
     for (int p = 0; p < packs; ++p) {
       u[p] = multiply_add(d[p], w[p], u[p]);
       // the force over the step is -w/D

@@ -6,6 +6,7 @@
 #include "kernels/candidates.hpp"
 #include "kernels/contact/active_forces.hpp"
 #include "kernels/contact/node_contact.hpp"
+#include "kernels/function.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/place.hpp"
 #include "kernels/shocks.hpp"
@@ -71,8 +72,8 @@ class Complementarity {
   class Nodes {
    public:
     using Point = int;
-    KOKKOS_FUNCTION Nodes(const Lanes& lanes, const NodeContact<Lanes, packs>& node_contact,
-                          ActiveSet& active, int* active_index)
+    RA2D_FUNCTION Nodes(const Lanes& lanes, const NodeContact<Lanes, packs>& node_contact,
+                        ActiveSet& active, int* active_index)
         : lanes_{lanes},
           node_contact_{node_contact},
           active_{active},
@@ -111,12 +112,12 @@ class Complementarity {
 
  public:
   /// `listed_nodes`: see operator(). `interrupted`: SceneTables::interrupted.
-  KOKKOS_FUNCTION Complementarity(const Lanes& lanes, const FaceTables& faces,
-                                  const ContactTables& contact, const MotionLimits& bounds,
-                                  const NodeContact<Lanes, packs>& node_contact,
-                                  const LatestContact& latest, int* active_index, ActiveSet& active,
-                                  ContactList& contact_list, const int* listed_nodes,
-                                  const int* interrupted)
+  RA2D_FUNCTION Complementarity(const Lanes& lanes, const FaceTables& faces,
+                                const ContactTables& contact, const MotionLimits& bounds,
+                                const NodeContact<Lanes, packs>& node_contact,
+                                const LatestContact& latest, int* active_index, ActiveSet& active,
+                                ContactList& contact_list, const int* listed_nodes,
+                                const int* interrupted)
       : lanes_{lanes},
         faces_{faces},
         contact_{contact},
@@ -229,8 +230,8 @@ class Complementarity {
 
   /// The active set method, from no force on.
   template <class List>
-  KOKKOS_FUNCTION Solution seek(const Place& place, Real* u, Real* v, const List& list,
-                                ContactTotals<Real>& totals, double& most, bool anywhere) {
+  RA2D_FUNCTION Solution seek(const Place& place, Real* u, Real* v, const List& list,
+                              ContactTotals<Real>& totals, double& most, bool anywhere) {
     Real now[packs];
     for (int p = 0; p < packs; ++p) now[p] = u[p];
     Solution result = Solution::solved;
@@ -275,8 +276,8 @@ class Complementarity {
   /// more than the roundings of a gap or of the modes' sums: after the first, contacts may
   /// have begun or ended by as much.
   template <class List>
-  KOKKOS_FUNCTION Solution newton(const Place& place, Real* u, Real* v, const List& list,
-                                  ContactTotals<Real>& totals, double& most) {
+  RA2D_FUNCTION Solution newton(const Place& place, Real* u, Real* v, const List& list,
+                                ContactTotals<Real>& totals, double& most) {
     constexpr int rows = packs * Lanes::width, rounds = 200, halvings = 40;
     if (active_.capacity < (rows > many ? rows : many)) return Solution::crowded;
     Real d[packs], w[packs], now[packs], slope[packs], next[packs], at[packs], next_slope[packs];
@@ -328,8 +329,8 @@ class Complementarity {
   }
 
   /// E at w, where the modes are at `now`, and its slope. `most` learns of the forces there.
-  KOKKOS_FUNCTION double descend(const Place& place, const Real* now, int nodes, const Real* d,
-                                 const Real* w, Real* slope, double& most) const {
+  RA2D_FUNCTION double descend(const Place& place, const Real* now, int nodes, const Real* d,
+                               const Real* w, Real* slope, double& most) const {
     const double stiffness = 1.0 / contact_.compliance;
     Real phi[packs], square = w[0] * w[0];
     for (int p = 0; p < packs; ++p) slope[p] = Real(0.0);
@@ -351,8 +352,8 @@ class Complementarity {
 
   /// Newton's step from a slope: with the nodes that overlap at `now` it solves
   /// (I + D sum_n phi_n phi_n^T D / compliance) step = -slope.
-  KOKKOS_FUNCTION void solve_newton(const Place& place, const Real* now, int nodes, const Real* d,
-                                    const Real* slope, Real* step) {
+  RA2D_FUNCTION void solve_newton(const Place& place, const Real* now, int nodes, const Real* d,
+                                  const Real* slope, Real* step) {
     constexpr int width = Lanes::width, rows = packs * width;
     const double stiffness = 1.0 / contact_.compliance;
     lanes_.sync();
@@ -394,8 +395,8 @@ class Complementarity {
   }
 
   /// The nodes that carry force where the modes are at `now`.
-  KOKKOS_FUNCTION void list_contacts(const Place& place, const Real* now, int nodes,
-                                     ContactTotals<Real>& totals) {
+  RA2D_FUNCTION void list_contacts(const Place& place, const Real* now, int nodes,
+                                   ContactTotals<Real>& totals) {
     Real phi[packs];
     totals.nodes = 0;
     lanes_.sync();
@@ -422,7 +423,7 @@ class Complementarity {
 
   /// Bound on the rounding of an overlap's sum over the modes [m], and of the displacement `u`
   /// itself: of what the forces make of `free`, roundings of the larger of the two are left.
-  KOKKOS_FUNCTION double rounding_of(const Real* u, const Real* free) const {
+  RA2D_FUNCTION double rounding_of(const Real* u, const Real* free) const {
     Real part(0.0);
     for (int p = 0; p < packs; ++p)
       part = multiply_add(lanes_.load(bounds_.largest_shape + p * Lanes::width),
@@ -431,8 +432,8 @@ class Complementarity {
   }
 
   /// The node that overlaps most, by more than `over`, among those without force; or -1.
-  KOKKOS_FUNCTION int most_overlapping(const Place& place, const Real* u, int nodes,
-                                       double& over) const {
+  RA2D_FUNCTION int most_overlapping(const Place& place, const Real* u, int nodes,
+                                     double& over) const {
     int worst = -1;
     for (int e = 0; e < nodes; ++e) {
       const int node = listed_nodes_[e];
@@ -461,7 +462,7 @@ class Complementarity {
   }
 
   /// The end of the step, and the record of the nodes that carry force.
-  KOKKOS_FUNCTION void finish(const Place& place, Real* u, Real* v, ContactTotals<Real>& totals) {
+  RA2D_FUNCTION void finish(const Place& place, Real* u, Real* v, ContactTotals<Real>& totals) {
     lanes_.sync();
     if (lanes_.leader()) {
       int touched = 0;
@@ -482,7 +483,7 @@ class Complementarity {
   }
 
   /// The end of the step under the forces in the list of contacts.
-  KOKKOS_FUNCTION void end_step(const Place& place, Real* u, Real* v, ContactTotals<Real>& totals) {
+  RA2D_FUNCTION void end_step(const Place& place, Real* u, Real* v, ContactTotals<Real>& totals) {
     Real force_on_modes[packs], slope_force[packs], phi[packs], slope[packs];
     for (int p = 0; p < packs; ++p) force_on_modes[p] = slope_force[p] = Real(0.0);
     for (int e = 0; e < totals.nodes; ++e) {

@@ -5,6 +5,7 @@
 
 #include "kernels/contact/cell_contact.hpp"
 #include "kernels/contact/node_contact.hpp"
+#include "kernels/function.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/place.hpp"
 #include "kernels/state.hpp"
@@ -27,12 +28,12 @@ class ExpandedCells {
   static constexpr int width = Lanes::width;
 
  public:
-  KOKKOS_FUNCTION ExpandedCells(const Lanes& lanes, const Caches& caches)
+  RA2D_FUNCTION ExpandedCells(const Lanes& lanes, const Caches& caches)
       : lanes_{lanes}, caches_{caches} {}
 
   /// The resonator's share of the shapes along a cell, phi_j eta^j for j = 1, 2, 3: what changes as
   /// the slider moves.
-  KOKKOS_FUNCTION void path(int cell, double offset, Real (*phi)[packs]) const {
+  RA2D_FUNCTION void path(int cell, double offset, Real (*phi)[packs]) const {
     const Real x(offset);
     for (int p = 0; p < packs; ++p) {
       const Real c3 = row(cell, 3, p);
@@ -43,7 +44,7 @@ class ExpandedCells {
     }
   }
   /// Shapes of the modes of both bodies along a cell, sum_j phi_j eta^j.
-  KOKKOS_FUNCTION void shapes(int cell, double offset, Real (*phi)[packs]) const {
+  RA2D_FUNCTION void shapes(int cell, double offset, Real (*phi)[packs]) const {
     path(cell, offset, phi);
     const Real x(offset);
     for (int p = 0; p < packs; ++p) {
@@ -59,7 +60,7 @@ class ExpandedCells {
                         phi[0][p]);
   }
   /// u_1 + u_2 along a cell whose shapes are phi.
-  KOKKOS_FUNCTION Cubic displacement(const Real (*phi)[packs], const Real* u) const {
+  RA2D_FUNCTION Cubic displacement(const Real (*phi)[packs], const Real* u) const {
     Real part[4];
     for (int j = 0; j < 4; ++j) {
       part[j] = phi[j][0] * u[0];
@@ -71,16 +72,16 @@ class ExpandedCells {
     return sum;
   }
   /// The overlap in a cell that moved by `displacement`.
-  KOKKOS_FUNCTION CellOverlap overlap(int cell, double theta, const Cubic& displacement) const {
+  RA2D_FUNCTION CellOverlap overlap(int cell, double theta, const Cubic& displacement) const {
     const Cubic moving = cubic(cell, 0) + displacement;
     return {{moving + passing(cell, 0, theta), moving + passing(cell, 1, theta)}, 0.5 - theta};
   }
   /// The rough faces' part of the overlap at a place of a cell [m].
-  KOKKOS_FUNCTION double face(int cell, double theta, double eta) const {
+  RA2D_FUNCTION double face(int cell, double theta, double eta) const {
     return cubic(cell, 0)(eta) + passing(cell, eta > 0.5 - theta ? 1 : 0, theta)(eta);
   }
   /// Slope of the resonator's face there [m/chi].
-  KOKKOS_FUNCTION double rise(int cell, double theta, double eta) const {
+  RA2D_FUNCTION double rise(int cell, double theta, double eta) const {
     return passing(cell, eta > 0.5 - theta ? 1 : 0, theta).slope(eta);
   }
 

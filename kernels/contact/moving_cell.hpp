@@ -3,6 +3,7 @@
 #include <Kokkos_Core.hpp>
 
 #include "kernels/contact/cell_contact.hpp"
+#include "kernels/function.hpp"
 
 /// The overlap along a cell of the slider while it moves, as the search for contacts that begin
 /// sees it (kernels/adaptive/onsets.hpp).
@@ -41,14 +42,14 @@ struct MovingCell {
   double slope;      // m: bound on |h_2'| chi there
 
   /// The largest overlap, and its rate at that place.
-  KOKKOS_FUNCTION double highest(double& rate_there) const {
+  RA2D_FUNCTION double highest(double& rate_there) const {
     const Highest left = highest_on(overlap[0], -0.5, knot),
                   right = highest_on(overlap[1], knot, 0.5);
     rate_there = left.value > right.value ? rate[0](left.place) : rate[1](right.place);
     return Kokkos::max(left.value, right.value);
   }
   /// The largest overlap if each place went on at its rate for a time s.
-  KOKKOS_FUNCTION double highest_after(double s) const {
+  RA2D_FUNCTION double highest_after(double s) const {
     Cubic then[2];
     for (int side = 0; side < 2; ++side)
       for (int j = 0; j < 4; ++j)
@@ -63,7 +64,7 @@ struct ForeseenCell {
   Cubic second[2], third[2];
 
   /// The largest overlap after a time s.
-  KOKKOS_FUNCTION double highest_after(double s) const {
+  RA2D_FUNCTION double highest_after(double s) const {
     Highest highest{-1e300, 0.0};
     for (int side = 0; side < 2; ++side) {
       Cubic then;
@@ -80,7 +81,7 @@ struct ForeseenCell {
   }
   /// A time up to `end` at which the largest overlap changes its sign: to 1e-4 of `end`. Given
   /// what it is at 0 and at `end`, of two signs.
-  KOKKOS_FUNCTION double crossing(double end, double at_start, double at_end) const {
+  RA2D_FUNCTION double crossing(double end, double at_start, double at_end) const {
     const double close = 1e-4 * end;
     double low = 0.0, high = end;
     int side = 0;  // at which end the chord was kept the last time

@@ -9,6 +9,7 @@
 #include "kernels/contact/moving_cell.hpp"
 #include "kernels/contact/penalty.hpp"
 #include "kernels/displacement.hpp"
+#include "kernels/function.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/place.hpp"
 #include "kernels/state.hpp"
@@ -39,20 +40,30 @@ KOKKOS_INLINE_FUNCTION void expand_node(const Lanes& lanes, const SliderMotion& 
                                         double* shape, double* face) {
   using Real = typename Lanes::Real;
   RA2D_CHECK(node >= 0 && node < faces.nodes);
-  const int at = place.base + node;
+  const RowTables& rows = faces.rows;
+  // in an areal scene: its row, and where it stands in that
+  const int j = rows.across == nullptr ? 0 : node / slider.row, i = node - j * slider.row;
+  const int at = place.base + i;
   Real c[4][packs];
   expand_modes<Lanes, packs>(lanes, patches, at / patches.nodes,
                              at + (place.part + 0.5) * motion.window_width, c);
   const std::int64_t row = slider.row;
   for (int k = 0; k < slider.modes; ++k)
     for (int p = 0; p < packs; ++p)
-      c[0][p] = multiply_add(slider.shape[k * row + node],
+      c[0][p] = multiply_add(slider.shape[k * row + i],
                              lanes.load(slider.unit + (k * packs + p) * Lanes::width), c[0][p]);
+  if (rows.across != nullptr) [[unlikely]]
+    for (int p = 0; p < packs; ++p) {
+      const Real share =
+          lanes.load(rows.across + (static_cast<std::int64_t>(j) * packs + p) * Lanes::width);
+      for (int m = 0; m < 4; ++m) c[m][p] = share * c[m][p];
+    }
   for (int m = 0; m < 4; ++m)
     for (int p = 0; p < packs; ++p) lanes.store(shape + (m * packs + p) * Lanes::width, c[m][p]);
   if (lanes.leader()) {
-    face[0] = faces.height1[node] + faces.height2[at];
-    face[1] = faces.height2[at + 1] - faces.height2[at];
+    const double* const h2 = faces.height2 + (place.base + node + j * rows.excess);
+    face[0] = faces.height1[node] + h2[0];
+    face[1] = h2[1] - h2[0];
   }
 }
 
@@ -110,10 +121,10 @@ class NodeContact {
   static constexpr int width = Lanes::width;
 
  public:
-  KOKKOS_FUNCTION NodeContact(const Lanes& lanes, const SliderMotion& motion,
-                              const FaceTables& faces, const SliderShapes& slider,
-                              const PatchTables& patches, const ContactTables& contact,
-                              Marks& marks, Caches& caches, ContactList& contact_list)
+  RA2D_FUNCTION NodeContact(const Lanes& lanes, const SliderMotion& motion, const FaceTables& faces,
+                            const SliderShapes& slider, const PatchTables& patches,
+                            const ContactTables& contact, Marks& marks, Caches& caches,
+                            ContactList& contact_list)
       : lanes_{lanes},
         motion_{motion},
         faces_{faces},
@@ -125,7 +136,7 @@ class NodeContact {
         contact_list_{contact_list} {}
 
   /// Expands the listed nodes that are not expanded for this window yet.
-  KOKKOS_FUNCTION void expand(const Place& place, const int* nodes, int count) const {
+  RA2D_FUNCTION void expand(const Place& place, const int* nodes, int count) const {
     const std::int64_t window = place.window(motion_);
     for (int e = 0; e < count; ++e) {
       const int node = nodes[e];
@@ -185,9 +196,9 @@ class NodeContact {
   }
 
   /// Smooth faces: the overlap along an expanded cell at the displacements u, and its rate where
-  /// these change by `rate` and the slider moves by `way` [chi].
-  KOKKOS_FUNCTION MovingCell moving_cell(int cell, const Place& place, const Real* u,
-                                         const Real* rate, double way) const {
+  /// these change by `rate` and the slider moves by `slide_rate` [chi].
+  RA2D_FUNCTION MovingCell moving_cell(int cell, const Place& place, const Real* u,
+                                       const Real* rate, double slide_rate) const {
     const double* c = cell_shapes(cell);
     const Real x(place.offset);
     Real part[4], rising[4], slope[3];
@@ -220,7 +231,8 @@ class NodeContact {
       moving.overlap[side] = faces.own + displacement + face;
       const double passing[4] = {d1 + face.c[1], 2.0 * (d2 + face.c[2]), 3.0 * (d3 + face.c[3]),
                                  0.0};
-      for (int j = 0; j < 4; ++j) moving.rate[side].c[j] = Kokkos::fma(way, passing[j], modes.c[j]);
+      for (int j = 0; j < 4; ++j)
+        moving.rate[side].c[j] = Kokkos::fma(slide_rate, passing[j], modes.c[j]);
       // a cubic's second derivative is largest at an end
       const double left = 2.0 * piece.c[2];
       moving.curvature = Kokkos::max(
@@ -234,7 +246,7 @@ class NodeContact {
   }
 
   /// Smooth faces: sum_k x_k psi_k along an expanded cell.
-  KOKKOS_FUNCTION Cubic along(int cell, const Place& place, const Real* x) const {
+  RA2D_FUNCTION Cubic along(int cell, const Place& place, const Real* x) const {
     const double* c = cell_shapes(cell);
     const Real offset(place.offset);
     Real part[4];
@@ -256,8 +268,8 @@ class NodeContact {
   /// Smooth faces: adds the rate [N/s] of the modal contact force of an expanded cell while the
   /// displacements u change by v and the slider moves by `speed` [chi/s]. What the shapes change by
   /// at a fixed force is left out.
-  KOKKOS_FUNCTION void add_force_rate(int cell, const Place& place, const Real* u, const Real* v,
-                                      double speed, Real* rate) const {
+  RA2D_FUNCTION void add_force_rate(int cell, const Place& place, const Real* u, const Real* v,
+                                    double speed, Real* rate) const {
     const MovingCell moving = moving_cell(cell, place, u, v, speed);
     CellContact sum;
     for (int side = 0; side < 2; ++side)
@@ -347,8 +359,8 @@ class NodeContact {
   }
 
   /// Contact between smooth faces, in the listed cells.
-  KOKKOS_FUNCTION ContactTotals<Real> in_cells(const Place& place, const Real* u, const int* cells,
-                                               int count, Real* force) const {
+  RA2D_FUNCTION ContactTotals<Real> in_cells(const Place& place, const Real* u, const int* cells,
+                                             int count, Real* force) const {
     ContactTotals<Real> totals;
     Real slope_force[packs];  // sum of the integrals of o dphi/dx
     for (int p = 0; p < packs; ++p) slope_force[p] = Real(0.0);

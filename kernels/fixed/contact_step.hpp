@@ -11,6 +11,7 @@
 #include "kernels/fixed/fixed_recorder.hpp"
 #include "kernels/fixed/modes_step.hpp"
 #include "kernels/fixed/outer_forces.hpp"
+#include "kernels/function.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/place.hpp"
 #include "kernels/state.hpp"
@@ -65,13 +66,13 @@ class SearchedNodes {
                                             const NodeContact<Lanes, packs>& node_contact)
       : listed_nodes_{listed_nodes}, candidates_{candidates}, node_contact_{node_contact} {}
 
-  KOKKOS_FUNCTION int find(const Real* u, const Real* v, const Place& place) const {
+  RA2D_FUNCTION int find(const Real* u, const Real* v, const Place& place) const {
     const int count = candidates_.find_contacts(u, v, place);
     node_contact_.expand(place, listed_nodes_, count);
     return count;
   }
-  KOKKOS_FUNCTION void move(const SliderMotion& motion, Place& place, std::int64_t step,
-                            double share) const {
+  RA2D_FUNCTION void move(const SliderMotion& motion, Place& place, std::int64_t step,
+                          double share) const {
     place = Place(motion, step, share);
   }
   static constexpr bool may_end = false;
@@ -92,7 +93,7 @@ class ContactStep {
 
  public:
   /// `listed_nodes`: the nodes to evaluate, in WorkSpace.
-  KOKKOS_FUNCTION ContactStep(
+  RA2D_FUNCTION ContactStep(
       const Lanes& lanes, const SliderMotion& motion, const ContactTables& contact,
       const SchemeWeights& scheme, const OuterForces<Lanes, packs>& outer,
       const ModesStep<Lanes, form, packs>& integrate, const NodeContact<Lanes, packs>& node_contact,
@@ -204,8 +205,8 @@ class ContactStep {
 
   /// With contact forces that hold over the step and are found with its end.
   template <class NodesToEvaluate>
-  KOKKOS_FUNCTION bool implicit(Motion<Lanes, packs>& y, const Weights& w, Place& place,
-                                NodesToEvaluate& nodes, Recorder& recorder) {
+  RA2D_FUNCTION bool implicit(Motion<Lanes, packs>& y, const Weights& w, Place& place,
+                              NodesToEvaluate& nodes, Recorder& recorder) {
     Real u[packs], v[packs], outer[most_stages][packs];
     for (int p = 0; p < packs; ++p) {
       u[p] = y.u[p];
@@ -241,9 +242,9 @@ class ContactStep {
   }
   /// The contact forces of the step from y between smooth faces.
   template <class List>
-  KOKKOS_FUNCTION Solution press_cells(const Place& place, const Motion<Lanes, packs>& y, Real* u,
-                                       Real* v, const List& list, ContactTotals<Real>& totals,
-                                       double& most) {
+  RA2D_FUNCTION Solution press_cells(const Place& place, const Motion<Lanes, packs>& y, Real* u,
+                                     Real* v, const List& list, ContactTotals<Real>& totals,
+                                     double& most) {
     if (contact_.compliance == 0.0) return clear_(place, u, v, list, totals, most);
     // in lasting contact the motion goes on as it was, but for the square of the step
     Real guess[packs];
@@ -251,7 +252,7 @@ class ContactStep {
     return springs_(place, latest_contact_.step == y.step ? guess : nullptr, u, v, list, totals,
                     most);
   }
-  KOKKOS_FUNCTION bool fail(Solution found) {
+  RA2D_FUNCTION bool fail(Solution found) {
     if (found == Solution::interrupted) return false;  // the launch ends before this step
     if (lanes_.leader()) status_ = found == Solution::blocked ? Status::blocked : Status::crowded;
     lanes_.sync();

@@ -9,6 +9,7 @@
 #include "kernels/fixed/fixed_recorder.hpp"
 #include "kernels/fixed/modes_step.hpp"
 #include "kernels/fixed/outer_forces.hpp"
+#include "kernels/function.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/limits.hpp"
 #include "kernels/place.hpp"
@@ -35,7 +36,7 @@ class FixedMarch {
   static constexpr int width = Lanes::width;
 
  public:
-  KOKKOS_FUNCTION FixedMarch(const Lanes& lanes, const SceneTables& tables, SceneState& state)
+  RA2D_FUNCTION FixedMarch(const Lanes& lanes, const SceneTables& tables, SceneState& state)
       : lanes_{lanes},
         tables_{tables},
         state_{state},
@@ -140,7 +141,7 @@ class FixedMarch {
   KOKKOS_FORCEINLINE_FUNCTION bool can_record_shocks() const {
     return ra2d::can_record_shocks(state_.out.ended_shocks, state_.work.runs);
   }
-  KOKKOS_FUNCTION void save() {
+  RA2D_FUNCTION void save() {
     lanes_.sync();
     for (int p = 0; p < packs; ++p) {
       lanes_.store(state_.carried.modal.u + p * width, now_.u[p]);
@@ -152,7 +153,7 @@ class FixedMarch {
   }
 
   /// Once a scene: takes the velocity of t = 0 to where the scheme has it.
-  KOKKOS_FUNCTION void begin() {
+  RA2D_FUNCTION void begin() {
     if (state_.carried.modal.begun) return;
     // a body at rest under contact forces that are yet to be found is not accelerated
     const bool pushed_freely = form != Form::implicit || state_.carried.latest_contact.nodes == 0;
@@ -174,7 +175,7 @@ class FixedMarch {
 
   // ---- every node at every step
 
-  KOKKOS_FUNCTION void march_all(std::int64_t next) {
+  RA2D_FUNCTION void march_all(std::int64_t next) {
     const std::int64_t first = now_.step;
     march_with_search(static_cast<int>(next - first));
     if (lanes_.leader()) state_.carried.sums.evaluated += (now_.step - first) * tables_.faces.nodes;
@@ -182,7 +183,7 @@ class FixedMarch {
   }
 
   /// Steps that search for contact at every state.
-  KOKKOS_FUNCTION void march_with_search(int steps) {
+  RA2D_FUNCTION void march_with_search(int steps) {
     const auto w = integrate_.weights();
     Motion<Lanes, packs> y = now_;
     SearchedNodes<Lanes, packs> nodes(state_.work.listed_nodes, candidates_, node_contact_);
@@ -195,7 +196,7 @@ class FixedMarch {
 
   // ---- only nodes that can come into contact
 
-  KOKKOS_FUNCTION void march_candidates(std::int64_t next) {
+  RA2D_FUNCTION void march_candidates(std::int64_t next) {
     while (now_.step < next && can_record_shocks() && state_.carried.status == Status::running) {
       const ContactForecast plan =
           candidates_.forecast_contact(now_.u, now_.v, now_.step, next, recorder_.usual_force());
@@ -210,7 +211,7 @@ class FixedMarch {
   }
 
   /// Steps that provably have no contact.
-  KOKKOS_FUNCTION void fly(int steps) {
+  RA2D_FUNCTION void fly(int steps) {
     recorder_.take_flight(now_.step);
     if (tables_.forces.count == 0)
       fly_under_load(steps);
@@ -243,7 +244,7 @@ class FixedMarch {
       now_.square[p] = square[p];
     }
   }
-  KOKKOS_FUNCTION void fly_under_moving_forces(int steps) {
+  RA2D_FUNCTION void fly_under_moving_forces(int steps) {
     const auto w = integrate_.weights();
     for (int i = 0; i < steps; ++i) {
       if constexpr (form == Form::semi_implicit) {
@@ -265,7 +266,7 @@ class FixedMarch {
   }
 
   /// Steps that evaluate the listed nodes. False when the list did not cover even one.
-  KOKKOS_FUNCTION bool march_listed(const ContactForecast& plan) {
+  RA2D_FUNCTION bool march_listed(const ContactForecast& plan) {
     const auto w = integrate_.weights();
     Motion<Lanes, packs> y = now_;
     Place place(tables_.motion, y.step);

@@ -8,6 +8,7 @@
 #include "kernels/contact/node_contact.hpp"
 #include "kernels/fixed/modes_step.hpp"
 #include "kernels/fixed/outer_forces.hpp"
+#include "kernels/function.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/place.hpp"
 #include "kernels/shocks.hpp"
@@ -38,12 +39,14 @@ class FixedRecorder {
 
  public:
   /// `listed_nodes`: the nodes that Candidates list.
-  KOKKOS_FUNCTION FixedRecorder(
-      const Lanes& lanes, const ModeTables& modes, const SliderMotion& motion,
-      const ContactTables& contact, const SchemeWeights& scheme, const RecordTables& output,
-      const OuterForces<Lanes, packs>& outer, const ModesStep<Lanes, form, packs>& integrate,
-      const NodeContact<Lanes, packs>& node_contact, CarriedState& carried, const int* listed_nodes,
-      const ContactList& contact_list, RunBuffer& runs, RecordBuffers& out)
+  RA2D_FUNCTION FixedRecorder(const Lanes& lanes, const ModeTables& modes,
+                              const SliderMotion& motion, const ContactTables& contact,
+                              const SchemeWeights& scheme, const RecordTables& output,
+                              const OuterForces<Lanes, packs>& outer,
+                              const ModesStep<Lanes, form, packs>& integrate,
+                              const NodeContact<Lanes, packs>& node_contact, CarriedState& carried,
+                              const int* listed_nodes, const ContactList& contact_list,
+                              RunBuffer& runs, RecordBuffers& out)
       : lanes_{lanes},
         modes_{modes},
         motion_{motion},
@@ -67,7 +70,7 @@ class FixedRecorder {
         ended_{out.ended_shocks} {}
 
   /// The next step at which something is to be written, no later than `stop`.
-  KOKKOS_FUNCTION std::int64_t next_event(std::int64_t step, std::int64_t stop) const {
+  RA2D_FUNCTION std::int64_t next_event(std::int64_t step, std::int64_t stop) const {
     std::int64_t next = (step / longest_flight + 1) * longest_flight;
     if (stop < next) next = stop;
     if (sampling_.pending) return step + 1;
@@ -81,8 +84,7 @@ class FixedRecorder {
   }
 
   /// Writes what is due at this step. False when the buffer is full.
-  KOKKOS_FUNCTION bool take_sample(Motion<Lanes, packs>& now,
-                                   Candidates<Lanes, packs>& candidates) {
+  RA2D_FUNCTION bool take_sample(Motion<Lanes, packs>& now, Candidates<Lanes, packs>& candidates) {
     std::int64_t at;
     double share;
     if (sampling_.pending) {
@@ -117,13 +119,13 @@ class FixedRecorder {
   }
 
   /// Whether all that there is to write has been written.
-  KOKKOS_FUNCTION bool is_complete() const {
+  RA2D_FUNCTION bool is_complete() const {
     return !sampling_.pending && sampling_.next >= output_.samples;
   }
 
   /// Kinetic + elastic energy against what was put in. Ends the scene when it is not finite or has
   /// grown without work to pay for it.
-  KOKKOS_FUNCTION void check_energy(const Motion<Lanes, packs>& now) {
+  RA2D_FUNCTION void check_energy(const Motion<Lanes, packs>& now) {
     Real part(0.0), load_work(0.0);
     for (int p = 0; p < packs; ++p) {
       const Real stretch = load_pack(lanes_, modes_.omega, p) * now.u[p];
@@ -210,7 +212,7 @@ class FixedRecorder {
   double usual_force_ = 0.0;
 
   /// Sample j stands at step j steps_per_sample: between two steps it is interpolated linearly.
-  KOKKOS_FUNCTION void sample_place(std::int64_t sample, std::int64_t& step, double& share) const {
+  RA2D_FUNCTION void sample_place(std::int64_t sample, std::int64_t& step, double& share) const {
     const double place = static_cast<double>(sample) * output_.steps_per_sample;
     step = static_cast<std::int64_t>(place);
     share = place - static_cast<double>(step);
@@ -226,8 +228,8 @@ class FixedRecorder {
 
   /// The share `weight` of a sample that this step has in it: all of it, the first of two, which
   /// waits for the second, or the second.
-  KOKKOS_FUNCTION void write_sample(Motion<Lanes, packs>& now, Candidates<Lanes, packs>& candidates,
-                                    double weight, Part part) {
+  RA2D_FUNCTION void write_sample(Motion<Lanes, packs>& now, Candidates<Lanes, packs>& candidates,
+                                  double weight, Part part) {
     const bool add = part == Part::second;
     if (!add) close_parts(now);
     Real v[packs];
@@ -271,8 +273,8 @@ class FixedRecorder {
 
   /// The contact at the present state, and the velocity at its time: of a scheme whose velocity
   /// lags behind, the mean of this step's and the next's.
-  KOKKOS_FUNCTION SampledContact contact_at(const Motion<Lanes, packs>& now,
-                                            Candidates<Lanes, packs>& candidates, Real* v) {
+  RA2D_FUNCTION SampledContact contact_at(const Motion<Lanes, packs>& now,
+                                          Candidates<Lanes, packs>& candidates, Real* v) {
     for (int p = 0; p < packs; ++p) v[p] = now.v[p];
     if constexpr (form == Form::implicit) {
       // a force over a step has no value within it: where there is one, the velocity is left as it
@@ -304,7 +306,7 @@ class FixedRecorder {
 
   /// Adds each sum's small part (`..._part`) to the whole, so that 1e8 small terms are not added to
   /// one large number.
-  KOKKOS_FUNCTION void close_parts(Motion<Lanes, packs>& now) {
+  RA2D_FUNCTION void close_parts(Motion<Lanes, packs>& now) {
     for (int p = 0; p < packs; ++p) {
       lanes_.store(modal_.square + p * width, load_pack(lanes_, modal_.square, p) + now.square[p]);
       now.square[p] = Real(0.0);
@@ -321,7 +323,7 @@ class FixedRecorder {
   }
 
   /// Work of the imposed motion since the last sample: sum_n f_n V tau (dh_2/dx + du_2/dx).
-  KOKKOS_FUNCTION double sliding_part(const Motion<Lanes, packs>& now) const {
+  RA2D_FUNCTION double sliding_part(const Motion<Lanes, packs>& now) const {
     return motion_.advance * (sums_.face_work_part + lanes_.sum(now.deflection_work));
   }
 };

@@ -5,6 +5,7 @@
 
 #include "kernels/fixed/advance.hpp"
 #include "kernels/fixed/outer_forces.hpp"
+#include "kernels/function.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/state.hpp"
 #include "kernels/tables.hpp"
@@ -46,8 +47,8 @@ class ModesStep {
   static constexpr int width = Lanes::width;
 
  public:
-  KOKKOS_FUNCTION ModesStep(const Lanes& lanes, const SliderMotion& motion,
-                            const SchemeWeights& scheme, const OuterForces<Lanes, packs>& outer)
+  RA2D_FUNCTION ModesStep(const Lanes& lanes, const SliderMotion& motion,
+                          const SchemeWeights& scheme, const OuterForces<Lanes, packs>& outer)
       : lanes_{lanes}, motion_{motion}, scheme_{scheme}, outer_{outer} {}
 
   /// The weights of a free step; the others are read where they are needed.
@@ -90,7 +91,7 @@ class ModesStep {
       Real du = multiply_add(w.u_u[p], u[p], multiply_add(w.u_v[p], v[p], w.u_load[p]));
       Real v1 = multiply_add(w.v_u[p], u[p], multiply_add(w.v_v[p], v[p], w.v_load[p]));
       for (unsigned rest = acting; rest != 0; rest &= rest - 1) {
-        const int j = Kokkos::countr_zero(rest);
+        const int j = Kokkos::Experimental::countr_zero_builtin(rest);
         du = multiply_add(end(end_forces + 2 * j, p), force[j][p], du);
         v1 = multiply_add(end(end_forces + 2 * j + 1, p), force[j][p], v1);
       }
@@ -109,8 +110,10 @@ class ModesStep {
                              multiply_add(load_pack(lanes_, rows, packs + p), v[p],
                                           load_pack(lanes_, rows, 2 * packs + p)));
       for (unsigned rest = acting; rest != 0; rest &= rest - 1)
-        du = multiply_add(load_pack(lanes_, rows, (3 + Kokkos::countr_zero(rest)) * packs + p),
-                          force[Kokkos::countr_zero(rest)][p], du);
+        du = multiply_add(
+            load_pack(lanes_, rows,
+                      (3 + Kokkos::Experimental::countr_zero_builtin(rest)) * packs + p),
+            force[Kokkos::Experimental::countr_zero_builtin(rest)][p], du);
       at[p] = u[p] + du;
     }
   }

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "kernels/displacement.hpp"
+#include "kernels/function.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/tables.hpp"
 
@@ -15,9 +16,8 @@ class OuterForces {
   using Real = typename Lanes::Real;
 
  public:
-  KOKKOS_FUNCTION OuterForces(const Lanes& lanes, const ModeTables& modes,
-                              const SliderMotion& motion, const PatchTables& patches,
-                              const MovingForces& forces)
+  RA2D_FUNCTION OuterForces(const Lanes& lanes, const ModeTables& modes, const SliderMotion& motion,
+                            const PatchTables& patches, const MovingForces& forces)
       : lanes_{lanes}, modes_{modes}, motion_{motion}, patches_{patches}, forces_{forces} {}
 
   /// Pack p of the constant load.
@@ -33,7 +33,7 @@ class OuterForces {
     for (int p = 0; p < packs; ++p) force[p] = force[p] + moving[p];
   }
   /// The moving forces, a share of a step after `step`.
-  KOKKOS_FUNCTION void moving(std::int64_t step, double share, Real* moving) const {
+  RA2D_FUNCTION void moving(std::int64_t step, double share, Real* moving) const {
     for (int p = 0; p < packs; ++p) moving[p] = Real(0.0);
     for (int i = 0; i < forces_.count; ++i) {
       const MovingForceTable& f = forces_.list[i];

@@ -1,16 +1,16 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# usage: tests/fuzz/run.sh SECONDS [text|sdf|x3p|checkpoint|ledger|study ...]
-# Builds the fuzzers of the readers of profiles, checkpoints and studies with libFuzzer and the address and
+# usage: tests/fuzz/run.sh SECONDS [text|sdf|x3p|map|checkpoint|ledger|study ...]
+# Builds the fuzzers of the readers of profiles, maps, checkpoints and studies with libFuzzer and the address and
 # undefined-behaviour sanitizers, and runs each for so long. What ends one is left in build/fuzz. Status 1 if there is
 # any, 0 also where no clang is. RA2D_FUZZ_SEED (default: 1) is where libFuzzer's draws begin, 0 for a place of its own
 # each time: so the checks of one commit end in the same way twice, and whoever hunts can hunt elsewhere.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
-seconds=${1:?usage: run.sh SECONDS [text|sdf|x3p|checkpoint|ledger|study ...]}
+seconds=${1:?usage: run.sh SECONDS [text|sdf|x3p|map|checkpoint|ledger|study ...]}
 shift
 targets=("${@:-}")
-[[ $# -gt 0 ]] || targets=(text sdf x3p checkpoint ledger study)
+[[ $# -gt 0 ]] || targets=(text sdf x3p map checkpoint ledger study)
 build=$root/build/fuzz
 mkdir -p "$build"
 cd "$root"
@@ -54,9 +54,9 @@ compile() {
   [[ $object -nt $1 && -z $(find host -name '*.hpp' -newer "$object") ]] ||
     "$clang" "${flags[@]}" $(shifts "$1") -c "$1" -o "$object"
 }
-sources=(host/base/{text,hash,units}.cpp host/system/{input_file,partial_file,output_file}.cpp host/device/saved_state.cpp host/store/sealed_file.cpp
+sources=(host/base/{text,hash,units}.cpp host/system/{input_file,machine_memory,partial_file,output_file}.cpp host/device/saved_state.cpp host/store/sealed_file.cpp
   host/run/checkpoint_bytes.cpp host/study/{ledger,study_file,study_folder,scene_key}.cpp
-  host/scene_file/{reader,key_facts,key_table}.cpp host/scene/{scene,schemes}.cpp host/surface/{areal,form,md5,profile,profile_lines,profile_sdf,profile_text,profile_x3p,zip_archive}.cpp)
+  host/scene_file/{reader,key_facts,key_table}.cpp host/scene/{scene,schemes}.cpp host/surface/{areal,form,height_map,map_file,map_npy,map_text,md5,profile,profile_lines,profile_sdf,profile_text,profile_x3p,repeated_place,text_dialect,zip_archive}.cpp)
 side_by_side compile "${sources[@]}"
 rm -f "$build/readers.a"
 for source in "${sources[@]}"; do object_of "$source"; done | xargs ar rcs "$build/readers.a"  # each takes what it needs

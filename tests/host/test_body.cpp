@@ -9,6 +9,10 @@
 #include <limits>
 #include <vector>
 
+#include "host/body/beam.hpp"
+#include "host/body/block.hpp"
+#include "host/body/plate.hpp"
+#include "tests/dice.hpp"
 #include "tests/scenes.hpp"
 
 /// The promises of host/body/body.hpp, on which the march and its proofs rest, of every kind of
@@ -23,20 +27,33 @@ constexpr double roundings = 1 + 200 * eps;
 struct Kind {
   const char* name;
   Support support;
+  Body (*make)(const BodySpec&);
+  int rigid, elastic;                              // modes
+  double (*frequency)(const BodySpec&, int) = {};  // Hz, of an elastic mode
 };
-constexpr Kind kinds[] = {{"PinnedBeam", Support::pinned}, {"FreeBeam", Support::free}};
+constexpr Kind kinds[] = {{"PinnedBeam", Support::pinned, make_body, 0, 25, elastic_frequency},
+                          {"FreeBeam", Support::free, make_body, 2, 25, elastic_frequency},
+                          {"Plate", Support::pinned, make_plate, 0, 25, plate_frequency},
+                          {"Block", Support::free, make_block, 3, 0}};
 
 class Bodies : public testing::TestWithParam<Kind> {
  protected:
   static constexpr int derivatives = 6, places = 4000;
 
-  Bodies() : body_{make_body(spec())} {}
+  static constexpr double width = 0.2;  // m
+
+  Bodies() : body_{GetParam().make(spec())} {}
   BodySpec spec() const {
-    BodySpec spec = steel(0.3, 0.002, 0.2, 0.02, 25);
+    BodySpec spec = steel(0.3, 0.002, width, 0.02, GetParam().elastic);
     spec.support = GetParam().support;
     return spec;
   }
   double at(int place) const { return body_.length * place / places; }
+  /// A stretch on which no shape changes much [m].
+  double stretch() const {
+    const double wave = highest_wave_number(body_);
+    return wave > 0 ? 0.5 / wave : 0.05 * body_.length;
+  }
   static std::array<double, derivatives> derive(const BodyMode& mode, double x) {
     std::array<double, derivatives> d{};
     mode.shape->evaluate(x, derivatives, d.data());
@@ -49,15 +66,18 @@ INSTANTIATE_TEST_SUITE_P(Body, Bodies, testing::ValuesIn(kinds),
                          [](const auto& info) { return info.param.name; });
 
 TEST_P(Bodies, RigidModesComeFirstAndCountsAgree) {
-  ASSERT_EQ(body_.modes.size(), static_cast<std::size_t>(mode_count(spec(), 100)));
+  const auto rigid = static_cast<std::size_t>(GetParam().rigid);
+  ASSERT_EQ(body_.modes.size(), rigid + GetParam().elastic);
+  if (GetParam().make == make_body) {
+    ASSERT_EQ(body_.modes.size(), static_cast<std::size_t>(mode_count(spec(), 100)));
+  }
   ASSERT_EQ(body_.load.size(), body_.modes.size());
-  const auto rigid = static_cast<std::size_t>(mode_count(spec(), 100) - 25);
   for (std::size_t k = 0; k < body_.modes.size(); ++k) {
     const Mode& mode = body_.modes[k];
     EXPECT_GT(mode.mass, 0);
     EXPECT_EQ(mode.zeta, spec().damping);
     const double expected =
-        k < rigid ? 0 : 2 * M_PI * elastic_frequency(spec(), static_cast<int>(k - rigid));
+        k < rigid ? 0 : 2 * M_PI * GetParam().frequency(spec(), static_cast<int>(k - rigid));
     EXPECT_DOUBLE_EQ(mode.omega, expected) << "mode " << k;
   }
 }
@@ -97,7 +117,7 @@ TEST_P(Bodies, ShapesKeepTheirBounds) {
 }
 
 TEST_P(Bodies, ShapesKeepTheirBoundsBehindTheEnd) {
-  const double beyond = 0.5 / highest_wave_number(body_);
+  const double beyond = stretch();
   for (const BodyMode& mode : body_.modes)
     for (int i = 0; i <= 100; ++i) {
       const ModeShape& shape = *mode.shape;
@@ -112,7 +132,7 @@ TEST_P(Bodies, ShapesKeepTheirBoundsBehindTheEnd) {
 
 TEST_P(Bodies, FourDerivativesGiveTheSeries) {
   // what the kernels do on a patch: the value and three derivatives, continued by the factor
-  const double unit = 0.5 / highest_wave_number(body_);
+  const double unit = stretch();
   for (const BodyMode& mode : body_.modes)
     for (int place = 100; place < places - 100; place += 37) {
       const double factor = mode.shape->fourth_factor(unit);
@@ -135,11 +155,39 @@ TEST_P(Bodies, FourDerivativesGiveTheSeries) {
     }
 }
 
+TEST_P(Bodies, ShapesAcrossKeepTheirBounds) {
+  Dice dice(1);
+  for (const BodyMode& mode : body_.modes) {
+    const ModeShape& shape = *mode.shape;
+    const double rate = shape.across_rate(), h = rate > 0 ? 1e-2 / rate : 1e-3;
+    const auto across = [&](double y) {
+      std::array<double, derivatives> d{};
+      shape.evaluate_across(y, derivatives, d.data());
+      return d;
+    };
+    double most = std::max(std::abs(across(0)[0]), std::abs(across(width)[0]));
+    for (int place = 0; place < 400; ++place) {
+      const double x = dice.uniform(0, body_.length), y = dice.uniform(0, width);
+      const auto at = across(y), below = across(y - h), above = across(y + h);
+      EXPECT_EQ(shape_at(mode, x, y), shape_at(mode, x) * at[0]);
+      most = std::max(most, std::abs(at[0]));
+      for (int j = 1; j < derivatives; ++j) {
+        const double bound = std::pow(rate, j);
+        ASSERT_LE(std::abs(at[j]), bound * roundings);
+        // a central difference: off by h^2/6 times the derivative two further on, and roundings
+        ASSERT_NEAR(at[j], (above[j - 1] - below[j - 1]) / (2 * h), bound * (1e-4 / 6 + 1e4 * eps));
+      }
+    }
+    EXPECT_LE(most, roundings);
+    EXPECT_GE(most, 0.95);
+  }
+}
+
 TEST_P(Bodies, EqualParametersMeanEqualShapes) {
-  const Body same = make_body(spec());
+  const Body same = GetParam().make(spec());
   BodySpec longer = spec();
   longer.length *= 1.5;
-  const Body other = make_body(longer);
+  const Body other = GetParam().make(longer);
   const auto parameters = [](const BodyMode& mode) {
     std::vector<double> out;
     mode.shape->append_parameters(out);

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "host/base/errors.hpp"
+#include "host/surface/map_file.hpp"
 #include "host/surface/profile.hpp"
 #include "tests/child.hpp"
 
@@ -243,6 +244,59 @@ TEST_F(ProfileSdf, EverySpoiltByteIsReadOrRefused) {
         if (i < text.size()) spoilt += text.substr(i + 1);
         EXPECT_NO_THROW(fault(spoilt)) << i << ' ' << byte;
       }
+}
+
+// ---- whole maps
+
+TEST_F(ProfileSdf, AWholeMapRowAfterRow) {
+  Binary b;
+  b.points = 3;
+  b.profiles = 2;
+  for (const std::string& text : {b.with<std::int16_t>(5, {1, 2, 3, 4, -32768, 6}).text(),
+                                  ascii("1 2 3\r\n4 BAD 6\r\n*\r\n", "3", "2")}) {
+    std::ofstream(file, std::ios::binary) << text;
+    const HeightMap map = read_height_map(file, {});
+    EXPECT_EQ(map.nx, 3U);
+    EXPECT_EQ(map.ny, 2U);
+    EXPECT_EQ(map.spacing, 5e-7);
+    EXPECT_EQ(map.spacing_y, 2e-6);
+    ASSERT_EQ(map.heights.size(), 6U);
+    EXPECT_DOUBLE_EQ(map.at(2, 0), 3e-9);
+    EXPECT_DOUBLE_EQ(map.at(0, 1), 4e-9);
+    EXPECT_EQ(map.missing(), 1U);
+    EXPECT_TRUE(std::isnan(map.at(1, 1)));
+  }
+}
+
+TEST_F(ProfileSdf, WhatIsNoWholeMap) {
+  const auto map_fault = [&](const std::string& text, const MapQuery& query = {}) {
+    std::ofstream(file, std::ios::binary) << text;
+    try {
+      read_height_map(file, query);
+    } catch (const RequestError& error) {
+      return std::string(error.what());
+    }
+    return std::string("no error");
+  };
+  Binary b;
+  b.with<std::int16_t>(5, {1, 2, 3, 4});
+  EXPECT_THAT(map_fault(b.text()), HasSubstr("one row is a profile"));
+  b.points = b.profiles = 2;
+  EXPECT_EQ(map_fault(b.text()), "no error");
+  EXPECT_THAT(fault(b.text()), HasSubstr("'ra2d surface map'"));
+  b.points = b.profiles = 65535;
+  EXPECT_THAT(map_fault(b.text()), HasSubstr("expected at most 1e+08"));
+  b.points = b.profiles = 9000;
+  EXPECT_THAT(map_fault(b.text()), HasSubstr("cut off"));
+  b.points = b.profiles = 2;
+  b.y = 0;
+  EXPECT_THAT(map_fault(b.text()), HasSubstr("Yscale"));
+  EXPECT_THAT(map_fault(ascii("1 2 3 4", "1000000000000000", "1000000000000000")),
+              HasSubstr("expected at most 1e+08"));
+  EXPECT_THAT(map_fault(ascii("BAD BAD BAD BAD", "2", "2")), HasSubstr("every height is missing"));
+  MapQuery query;
+  query.spacing_y = 1e-6;
+  EXPECT_THAT(map_fault(ascii("1 2 3 4", "2", "2"), query), HasSubstr("tells its own"));
 }
 
 }  // namespace

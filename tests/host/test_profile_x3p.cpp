@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "host/base/errors.hpp"
+#include "host/surface/map_file.hpp"
 #include "host/surface/profile.hpp"
 #include "tests/child.hpp"
 
@@ -361,6 +362,50 @@ TEST_F(ProfileX3p, CutOffAndSpoiltArchives) {
     }
   }
   EXPECT_LT(read, whole.size() / 2);
+}
+
+// ---- whole maps
+
+TEST_F(ProfileX3p, AWholeMapRowAfterRow) {
+  const std::string data = bytes_of<std::int16_t>({11, 12, 13, 21, 22, 23});
+  const std::string main =
+      document(even_x + even_y + z_axis("I", in_nm),
+               matrix(3, 2) + link(data, "<ValidPointsLink>bindata/valid.bin</ValidPointsLink>"));
+  pack({{"main.xml", main},
+        {"md5checksum.hex", md5_of(main)},
+        {"bindata/data.bin", data},
+        {"bindata/valid.bin", "\x2f"}});  // all but the fifth
+  const HeightMap map = read_height_map(file, {});
+  EXPECT_EQ(map.nx, 3U);
+  EXPECT_EQ(map.ny, 2U);
+  EXPECT_EQ(map.spacing, 5e-7);
+  EXPECT_EQ(map.spacing_y, 2e-6);
+  ASSERT_EQ(map.heights.size(), 6U);
+  EXPECT_DOUBLE_EQ(map.at(2, 0), 13e-9);
+  EXPECT_DOUBLE_EQ(map.at(0, 1), 21e-9);
+  EXPECT_EQ(map.missing(), 1U);
+  EXPECT_TRUE(std::isnan(map.at(1, 1)));
+}
+
+TEST_F(ProfileX3p, WhatIsNoWholeMap) {
+  const std::string data = bytes_of<std::int16_t>({11, 12, 13, 21, 22, 23});
+  const auto map_fault = [&](const std::string& axes, const std::string& size) {
+    pack(document(axes + z_axis("I", in_nm), size + link(data)), data);
+    try {
+      read_height_map(file, {});
+    } catch (const RequestError& error) {
+      return std::string(error.what());
+    }
+    return std::string("no error");
+  };
+  EXPECT_EQ(map_fault(even_x + even_y, matrix(3, 2)), "no error");
+  EXPECT_THAT(map_fault(even_x + even_y, matrix(6, 1)), HasSubstr("one row is a profile"));
+  EXPECT_THAT(map_fault(even_x, matrix(3, 2)), HasSubstr("no CY"));
+  EXPECT_THAT(map_fault(even_x + even_y, matrix(31623, 31623)), HasSubstr("at most 1e+08"));
+  EXPECT_THAT(map_fault(even_x + even_y, matrix(9000, 9000)), HasSubstr("has 12 bytes"));
+  EXPECT_THAT(
+      map_fault("<CX><AxisType>A</AxisType><DataType>D</DataType></CX>" + even_y, matrix(3, 2)),
+      HasSubstr("x stands at every point"));
 }
 
 }  // namespace

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "host/base/errors.hpp"
-#include "host/surface/height_map.hpp"
+#include "host/surface/johnson.hpp"
 
 /// Random profiles against theory: over many seeds, and each by itself.
 namespace ra2d {
@@ -100,10 +100,10 @@ const std::vector<Wanted> wanted_moments{
     {0, 4},     {0, 2},     {-0.8, 4.2}, {0.5, 2.6}, {1, 3},  {1.5, 5.2}, {-2, 9.5},
     {0, 3.001}, {0.3, 2.4}, {-0.2, 3.6}, {2.5, 15},  {0, 12}, {1, 4.83},  {1, 4.8290}};
 
-TEST(HeightMap, HasTheMomentsThatAreAsked) {
+TEST(JohnsonHeights, HasTheMomentsThatAreAsked) {
   for (const Wanted& wanted : wanted_moments) {
     SCOPED_TRACE(testing::Message() << wanted.skewness << ", " << wanted.kurtosis);
-    const HeightMap map(wanted.skewness, wanted.kurtosis);
+    const JohnsonHeights map(wanted.skewness, wanted.kurtosis);
     const auto moment = [&](int power) {
       return integral(-13, 13, 20000,
                       [&](double g) { return normal_density(g) * std::pow(map(g), power); });
@@ -117,8 +117,8 @@ TEST(HeightMap, HasTheMomentsThatAreAsked) {
   }
 }
 
-TEST(HeightMap, OfNormalMomentsLeavesHeightsAsTheyAre) {
-  for (const HeightMap& map : {HeightMap(), HeightMap(0, 3)}) {
+TEST(JohnsonHeights, OfNormalMomentsLeavesHeightsAsTheyAre) {
+  for (const JohnsonHeights& map : {JohnsonHeights(), JohnsonHeights(0, 3)}) {
     EXPECT_TRUE(map.is_identity());
     EXPECT_EQ(map(1.25), 1.25);
     EXPECT_EQ(map.correlation(0.3), 0.3);
@@ -127,10 +127,10 @@ TEST(HeightMap, OfNormalMomentsLeavesHeightsAsTheyAre) {
   }
 }
 
-TEST(HeightMap, KnowsTheCorrelationOfItsHeights) {
+TEST(JohnsonHeights, KnowsTheCorrelationOfItsHeights) {
   // E[z(g) z(rho g + sqrt(1 - rho^2) g')] by integration over the two of them
   for (const Wanted& wanted : {Wanted{-0.8, 4.2}, Wanted{1, 3}, Wanted{0, 6}}) {
-    const HeightMap map(wanted.skewness, wanted.kurtosis);
+    const JohnsonHeights map(wanted.skewness, wanted.kurtosis);
     for (const double rho : {-0.9, -0.3, 0.2, 0.6, 0.95}) {
       const double by_integration = integral(-9, 9, 400, [&](double a) {
         return normal_density(a) * map(a) * integral(-9, 9, 400, [&](double b) {
@@ -145,10 +145,10 @@ TEST(HeightMap, KnowsTheCorrelationOfItsHeights) {
   }
 }
 
-TEST(HeightMap, RefusesMomentsThatNoSurfaceHas) {
+TEST(JohnsonHeights, RefusesMomentsThatNoSurfaceHas) {
   for (const Wanted& wanted : {Wanted{0, 1}, Wanted{1, 2.3}, Wanted{0, 100}, Wanted{3, 5},
                                Wanted{std::nan(""), 3}, Wanted{0, std::nan("")}})
-    EXPECT_THROW(HeightMap(wanted.skewness, wanted.kurtosis), RequestError)
+    EXPECT_THROW(JohnsonHeights(wanted.skewness, wanted.kurtosis), RequestError)
         << wanted.skewness << ", " << wanted.kurtosis;
 }
 
@@ -278,7 +278,7 @@ TEST(RandomProfile, HasTheHeightsThatAreAsked) {
   const SurfaceSpec spec = with_moments(gaussian_wave(4e-4), -0.8, 4.5);
   SurfaceSpec surface = spec;
   surface.exact = Exactly::nothing;
-  const HeightMap map(*spec.skewness, *spec.kurtosis);
+  const JohnsonHeights map(*spec.skewness, *spec.kurtosis);
   std::vector<double> all;
   for (int seed = 0; seed < 40; ++seed)
     for (const double h : heights(surface, 1000 + static_cast<std::uint64_t>(seed), 2.5e-3))

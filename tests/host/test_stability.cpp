@@ -252,7 +252,7 @@ Scene plate_and_slider() {
 
 TEST(MostYielding, JoinsTheModesWithoutWhatDrifts) {
   const Model model = make_model(plate_and_slider());
-  const JoinedModes joined = most_yielding(model);
+  const JoinedModes joined = most_compliant(model);
   ASSERT_EQ(joined.modes.size(), 6 + 2 + 1);
   ASSERT_EQ(joined.square.size(), 9);
   // a free beam yields most at its ends: translation 1/L, rotation 3/L, two elastic modes 4/L each
@@ -285,7 +285,7 @@ TEST(StepLimits, TakeTheStiffestModeAndTheSpring) {
   EXPECT_EQ(limits.holds(), limits.contact_one);
   EXPECT_FALSE(limits.modes_bind());
   EXPECT_EQ(limits.contact_many,
-            contact_limit(midpoint, most_yielding(model), 16 * model.node_stiffness));
+            contact_limit(midpoint, most_compliant(model), 16 * model.node_stiffness));
 
   // heavier damped modes may bind before faster ones: explicit Euler, 2 zeta/omega
   for (Mode& mode : model.resonator.modes) mode.zeta = 1e-4;

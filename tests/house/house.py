@@ -24,7 +24,7 @@ HOST = ["base", "system", "ranks", "scene", "surface", "body", "radiation", "sce
 # scene names of the kernels.
 IN_SCENES = ["kernels/nodes.hpp", "kernels/schemes/mode_step.hpp"]
 OF_FILES = ["result", "store", "analysis"]
-KERNELS = ["check", "limits", "nodes", "schemes", "tables", "state", "lanes", "displacement", "gap", "place",
+KERNELS = ["check", "function", "limits", "nodes", "schemes", "tables", "state", "lanes", "displacement", "gap", "place",
            "group_sweep", "candidate_groups", "candidates", "shocks", "contact", "fixed", "adaptive", "march"]
 
 INCLUDE = re.compile(r'^\s*#include "((?:host|kernels)/[^"]+)"', re.MULTILINE)

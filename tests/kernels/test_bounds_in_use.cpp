@@ -233,7 +233,7 @@ void measure_drive(const Marched& m, std::int64_t step, std::int64_t ticks, doub
   series.expand(u0.data(), v0.data(), place, scale);
   const double end = series.x_at(ticks), time = static_cast<double>(ticks) * m.t.motion.time_step;
   if (!(end > 1e-3)) return;
-  contacts.first_end(series, end, overlaps.tolerance(u0.data()));
+  contacts.first_end(series, end, overlaps.overlap_rounding(u0.data()));
   const MotionBounds bounds = series.bounds(end);
   std::map<int, std::array<double, overlap_terms>> expanded;
   const auto polynomial_of = [&](int node) -> const double* {

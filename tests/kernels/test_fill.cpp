@@ -11,6 +11,8 @@
 #include "host/model/bounds.hpp"
 #include "kernels/adaptive/flight.hpp"
 #include "kernels/contact/node_contact.hpp"
+#include "kernels/group_sweep.hpp"
+#include "tests/areal_scenes.hpp"
 #include "tests/dice.hpp"
 #include "tests/filled.hpp"
 #include "tests/kernels_of.hpp"
@@ -69,6 +71,68 @@ TEST(FilledTables, MakeANodesShapesToRoundings) {
                         roundings * eps * f.size(k))
                 << "mode " << k << ", spacing " << spacing << ", x " << x;
           }
+        }
+      }
+    }
+}
+
+TEST(FilledTables, OfRowsGiveTheOverlapsOfTheModel) {
+  // By groups, to what the cubics of the patches leave out, and at single nodes, to roundings: of
+  // each mode's shape as in MakeANodesShapesToRoundings, and of one more product.
+  Dice dice(4);
+  for (const Support support : {Support::rigid, Support::free})
+    for (int trial = 0; trial < 10; ++trial) {
+      test::ArealScene scene = test::small_areal_scene(support, trial % 2 == 0 ? 20 : 1);
+      scene.start = dice.uniform(0, 0.04);  // of one mode a patch holds a whole row, mostly
+      scene.side = dice.uniform(0, 0.03);
+      scene.block_heights = test::rough_map(10, 1 + 2 * width + trial % 3 * (width - 1), 1e-6, 7);
+      scene.block.length = (static_cast<double>(scene.block_heights[0].size()) - 1) * scene.spacing;
+      const Filled f(test::areal_march(scene, test::schemes[1], 1e-8, 1).model);
+      const int row = static_cast<int>(f.n.padded_row()), nodes = f.model.row_nodes();
+      ASSERT_GT(row, nodes) << "the last node of a row is no neighbour of the next row's first";
+      ASSERT_LE(row, nodes + width);
+      std::vector<double> resonator_u, slider_u;
+      std::array<double, packs * width> all{};
+      for (int k = 0; k < f.modes(); ++k)
+        resonator_u.push_back(all[k] = dice.uniform(-1, 1) * 1e-7);
+      for (std::size_t k = 0; k < f.model.slider.modes.size(); ++k)
+        slider_u.push_back(all[f.modes() + k] = dice.uniform(-1, 1) * 1e-8);
+      Real u[packs];
+      double size = 0, left_out = 0;
+      for (int p = 0; p < packs; ++p) u[p] = lanes.load(all.data() + p * width);
+      for (int k = 0; k < packs * width; ++k) {
+        size += f.t.bounds.largest_shape[k] * std::abs(all[k]);
+        left_out += f.t.bounds.cubic_remainder[k] * std::abs(all[k]);
+      }
+      const std::vector<double> expected = overlaps(f.model, resonator_u, slider_u);
+      const double roundings = 300 * eps * size + f.t.faces.rounding;
+      const Place place(f.t.motion, 0);
+      std::vector<double> amplitudes(2 * packs * width);
+      GroupSweep<HostLanes, packs> sweep(lanes, f.t.faces, f.t.slider, f.t.patches, place,
+                                         amplitudes.data(), u);
+      SceneState s;
+      std::vector<double> shape(4 * packs * width), face(2);
+      for (int group = 0; group < f.t.faces.groups; ++group) {
+        std::array<double, width> seen;
+        lanes.store(seen.data(), sweep.overlap(group).overlap);
+        for (int lane = 0; lane < width; ++lane) {
+          const int node = group * width + lane, j = node / row, i = node % row;
+          ASSERT_EQ(lane < sweep.nodes_left(group), i < nodes);
+          if (i >= nodes) {
+            EXPECT_LT(seen[lane], -1e29) << "padding";
+            continue;
+          }
+          ASSERT_NEAR(seen[lane], expected[j * nodes + i], left_out + roundings)
+              << "row " << j << ", node " << i;
+          expand_node<HostLanes, packs>(lanes, f.t.motion, f.t.faces, f.t.slider, f.t.patches,
+                                        place, node, shape.data(), face.data());
+          double sum = face[0] + place.theta * face[1];
+          for (int k = 0; k < packs * width; ++k) {
+            const auto c = [&](int m) { return shape[m * packs * width + k]; };
+            sum += all[k] *
+                   (c(0) + place.offset * (c(1) + place.offset * (c(2) + place.offset * c(3))));
+          }
+          ASSERT_NEAR(sum, expected[j * nodes + i], roundings);
         }
       }
     }

@@ -249,12 +249,12 @@ TEST(OverlapsProof, ToleranceIsMoreThanTheLongestChainOfRoundings) {
   Amplitudes u{};
   u[0] = 1;
   const auto overlaps = test::overlaps_of<K>(bodies.t, bodies.s);
-  const double touch = overlaps.tolerance(Packs(u).u);
+  const double touch = overlaps.overlap_rounding(Packs(u).u);
   EXPECT_GE(touch, lost + others);
   // a count of roundings, in packs of four 64 + 2 + 17 of 128
   EXPECT_EQ(touch / 0x1p-53, width >= 4 ? 128 : width == 2 ? 256 : 512);
   bodies.t.faces.rounding = 0.5;
-  EXPECT_EQ(overlaps.tolerance(Packs(u).u), 0.5 + touch) << "and those of the faces";
+  EXPECT_EQ(overlaps.overlap_rounding(Packs(u).u), 0.5 + touch) << "and those of the faces";
 }
 
 TEST(Overlaps, AContactThatBeginsDoesNotEndAtTheSameTick) {
@@ -263,7 +263,7 @@ TEST(Overlaps, AContactThatBeginsDoesNotEndAtTheSameTick) {
   BodiesByHand bodies({}, {up}, 1);
   const Amplitudes still{};
   const auto overlaps = test::overlaps_of<K>(bodies.t, bodies.s);
-  const double tolerance = overlaps.tolerance(Packs(still).u);
+  const double tolerance = overlaps.overlap_rounding(Packs(still).u);
   // the slider is pressed on: o = x^2/2
   const double pressed[] = {0.0, 0.0, 0.5};
   const auto crossing = [&](double sign) {

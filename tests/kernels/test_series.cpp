@@ -194,12 +194,12 @@ TEST(ModalSeries, OfFreeModesIsTheClosedFormWithinItsTolerance) {
     const double tolerance = std::pow(10.0, -3 - trial % 11);
     Bodies b(dice, tolerance, dice.one_in(2) ? 0.0 : 1e4, 0, 0);
     b.expand(dice.ratio(0.3, 3) / b.quickest);
-    const double extent = b.motion.extent(tolerance);
-    ASSERT_GT(extent, 0);
+    const double usable = b.motion.usable_length(tolerance);
+    ASSERT_GT(usable, 0);
     double size = b.norm(b.u, b.v);  // the load pulls, too: what the first two terms come to
     for (int k = 0; k < modes; ++k)
       size += std::sqrt(b.mass[k]) * std::abs(b.load[k] / b.mass[k]) / b.quickest;
-    for (const double x : {0.0, 0.3 * extent, extent, 2 * extent}) {
+    for (const double x : {0.0, 0.3 * usable, usable, 2 * usable}) {
       const Bodies::Lanes y = b.at(x);
       Amplitudes du, dv;
       for (int k = 0; k < modes; ++k) {
@@ -211,9 +211,9 @@ TEST(ModalSeries, OfFreeModesIsTheClosedFormWithinItsTolerance) {
       const double off = b.norm(du, dv);
       // terms of up to exp(turn x) before they cancel, each rounded a few times
       const double rounding = 16 * eps * std::exp(b.quickest * b.motion.scale() * x) * size;
-      if (x <= extent) {
+      if (x <= usable) {
         EXPECT_LE(off, tolerance * size + rounding) << "trial " << trial << " x " << x;
-      } else if (extent < 4) {  // it does not stop long before it has to
+      } else if (usable < 4) {  // it does not stop long before it has to
         EXPECT_GT(off + rounding, tolerance * size) << "trial " << trial;
       }
     }
@@ -228,15 +228,15 @@ TEST(ModalSeries, IsTheSameInOtherUnits) {
     const double scale = 1 / b.quickest;
     b.expand(scale);
     const std::vector<double> first = b.series;
-    const double extent = b.motion.extent(1e-8);
+    const double usable = b.motion.usable_length(1e-8);
     b.expand(4 * scale);
     for (int j = 0; j <= b.t.adaptive.order; ++j)
       for (int k = 0; k < modes; ++k)
         ASSERT_EQ(std::ldexp(first[j * modes + k], 2 * j), b.coefficient(j, k));
     // What the first terms come to over a unit counts for the size of all: 4^4 times in energy at
     // the most, and of that a step sees the root of twice the order.
-    if (extent < 4) {
-      EXPECT_NEAR(4 * b.motion.extent(1e-8) / extent, 1,
+    if (usable < 4) {
+      EXPECT_NEAR(4 * b.motion.usable_length(1e-8) / usable, 1,
                   std::pow(257, 0.5 / (b.t.adaptive.order - 1)) - 1);
     }
   }
@@ -371,7 +371,7 @@ TEST(ModalSeries, BoundsHold) {
     Bodies b(dice, 1e-13, dice.one_in(3) ? 0.0 : dice.ratio(1e2, 1e5), dice.ratio(1e5, 1e8),
              touching);
     b.expand(dice.ratio(0.1, 0.5) / b.quickest);
-    const double x = dice.ratio(0.01, 1) * std::min(1.0, b.motion.extent(1e-13));
+    const double x = dice.ratio(0.01, 1) * std::min(1.0, b.motion.usable_length(1e-13));
     for (int e = 0; e < touching; ++e) {
       Hull& h = b.hulls[e];
       h = {1e300, -1e300, 1e300, -1e300, 0};
@@ -450,7 +450,7 @@ TEST(ModalSeries, SumsTheSquareOfTheVelocity) {
     Bodies b(dice, tolerance, 1e4, 1e6, trial % 3);
     b.expand(0.5 / b.quickest);
     b.motion.expand_squares();
-    const double x = 0.5 * std::min(1.0, b.motion.extent(tolerance));
+    const double x = 0.5 * std::min(1.0, b.motion.usable_length(tolerance));
     Real packs[K];
     b.motion.squares(x, packs);
     Amplitudes sum;

@@ -43,6 +43,7 @@ using namespace ra2d;
 /// Forces are whole numbers and positions quarters, so every sum is exact in whatever order.
 struct Pattern {
   int nodes = 0, steps = 0;
+  int row = 0;  // areal: length of a row, its last node being padding; 0: one row
   std::vector<double> force;
 
   Pattern(int n, int s) : nodes{n}, steps{s}, force(static_cast<std::size_t>(n) * s, -1.0) {}
@@ -61,6 +62,12 @@ struct Pattern {
     return step >= 0 && step < steps && node >= 0 && node < nodes && at(step, node) >= 0;
   }
   static double position(int step) { return 100 + 0.25 * step; }
+  int along(int node) const { return row == 0 ? node : node % row; }
+  /// From a node to itself and its neighbours.
+  std::vector<int> asides() const {
+    if (row == 0) return {-1, 0, 1};
+    return {-row - 1, -row, -row + 1, -1, 0, 1, row - 1, row, row + 1};
+  }
 };
 
 /// A scene's state with the buffers of shocks alone, of the sizes that a scene has.
@@ -144,7 +151,8 @@ class Tracker {
 // ---- brute force ------------------------------------------------------------------------------
 
 /// Flood fill over (step, node) up to a step: neighbours stand next to each other at the same step,
-/// or no further than one node apart at the next. 0 where there is no contact.
+/// or no further than one node apart at the next, and in areal scenes one row. 0 where there is no
+/// contact.
 std::vector<int> flood(const Pattern& pattern, int until) {
   std::vector<int> label(pattern.force.size(), 0);
   int labels = 0;
@@ -164,7 +172,7 @@ std::vector<int> flood(const Pattern& pattern, int until) {
       visit(step, node);
       for (; !edge.empty(); edge.pop_front())
         for (int ahead = -1; ahead <= 1; ++ahead)
-          for (int aside = -1; aside <= 1; ++aside) {
+          for (const int aside : pattern.asides()) {
             const int there = edge.front().first + ahead, next = edge.front().second + aside;
             if (there <= until && pattern.touches(there, next)) visit(there, next);
           }
@@ -196,8 +204,10 @@ std::vector<ShockRow> expected_shocks(const Pattern& pattern) {
     // a run that continues nothing takes the next number, its shock keeps the first that it gets
     for (const auto& [first, last] : runs_at(pattern, step)) {
       bool continues = false;
-      for (int node = first - 1; node <= last + 1; ++node)
-        continues = continues || pattern.touches(step - 1, node);
+      for (int node = first; node <= last; ++node)
+        for (const int aside : pattern.asides())
+          continues = continues || pattern.touches(step - 1, node + aside) ||
+                      (aside < -1 && pattern.touches(step, node + aside));
       if (continues) continue;
       shocks.try_emplace(whole[place(step, first)], ShockRow{serial, step, step, 0, 0, 0, 0});
       ++serial;
@@ -212,7 +222,7 @@ std::vector<ShockRow> expected_shocks(const Pattern& pattern) {
         ShockRow& shock = shocks.at(whole[place(step, node)]);
         shock.last = step;
         shock.impulse += f;
-        shock.moment += f * (node + Pattern::position(step));
+        shock.moment += f * (pattern.along(node) + Pattern::position(step));
       }
     for (int node = 0; node < pattern.nodes; ++node)
       if (pattern.touches(step, node)) {
@@ -256,6 +266,20 @@ Pattern random_pattern(std::mt19937& random, Kind kind) {
       const bool touches = keeps ? pattern.touches(step - 1, node) : chance(density);
       if (touches) pattern.at(step, node) = std::uniform_int_distribution<int>(0, 7)(random);
     }
+  return pattern;
+}
+
+/// A random pattern on several rows, each with a node of padding.
+Pattern random_areal_pattern(std::mt19937& random, Kind kind) {
+  const Pattern plain = random_pattern(random, kind);
+  const int rows = std::uniform_int_distribution<int>(1, 6)(random);
+  const int row = std::max(2, plain.nodes / 2);
+  Pattern pattern(rows * row, plain.steps);
+  pattern.row = row;
+  for (int step = 0; step < plain.steps; ++step)
+    for (int node = 0; node < pattern.nodes; ++node)
+      if (node % row != row - 1 && plain.touches(step, (7 * node + node / row) % plain.nodes))
+        pattern.at(step, node) = plain.at(step, (7 * node + node / row) % plain.nodes);
   return pattern;
 }
 
@@ -471,13 +495,15 @@ TEST_P(RandomShocks, StretchesAreTheirSteps) {
   std::mt19937 random(15);
   int longer = 0, merged = 0;
   for (int trial = 0; trial < 1500; ++trial) {
-    const Pattern pattern = random_pattern(random, GetParam());
+    const Pattern pattern = trial % 2 == 0 ? random_pattern(random, GetParam())
+                                           : random_areal_pattern(random, GetParam());
     const auto same = [&](int a, int b) {
       for (int node = 0; node < pattern.nodes; ++node)
         if (pattern.touches(a, node) != pattern.touches(b, node)) return false;
       return true;
     };
     Tracker tracker(pattern.nodes);
+    tracker.s.work.runs.row = pattern.row;
     for (int first = 0, last = 0; first <= pattern.steps; first = last = last + 1) {
       // any part of such a stretch will do
       while (last < pattern.steps && same(first, last + 1) && random() % 8 != 0) ++last;
@@ -489,7 +515,7 @@ TEST_P(RandomShocks, StretchesAreTheirSteps) {
         double force = 0, moment = 0;
         for (int step = first; step <= last; ++step) {
           force += pattern.at(step, node);
-          moment += pattern.at(step, node) * (node + Pattern::position(step) - 100);
+          moment += pattern.at(step, node) * (pattern.along(node) + Pattern::position(step) - 100);
         }
         s.work.contact_list.nodes[count] = node;
         s.work.contact_list.forces[count++] = force;
@@ -538,6 +564,46 @@ TEST_P(RandomShocks, NothingIsLostThroughTheSmallestBuffer) {
     ASSERT_EQ(drained, expected_shocks(pattern)) << picture(pattern);
     EXPECT_LE(drains, static_cast<int>(drained.size()));
   }
+}
+
+TEST_P(RandomShocks, OnRowsAreThoseOfABruteForceSearch) {
+  std::mt19937 random(16);
+  int merged = 0, crossed = 0;
+  for (int trial = 0; trial < 3000; ++trial) {
+    const Pattern pattern = random_areal_pattern(random, GetParam());
+    Tracker tracker(pattern.nodes);
+    tracker.s.work.runs.row = pattern.row;
+    tracker.take_all(pattern, trial % 2 == 0);
+    const std::vector<ShockRow> expected = expected_shocks(pattern);
+    ASSERT_EQ(tracker.rows_by_serial(), expected) << pattern.row << '\n' << picture(pattern);
+    EXPECT_EQ(tracker.s.carried.shocks.open_count, 0);
+    merged += static_cast<int>(tracker.s.carried.shocks.begun) - static_cast<int>(expected.size());
+    Pattern one_row = pattern;
+    one_row.row = 0;
+    crossed += expected_shocks(one_row).size() != expected.size();
+  }
+  EXPECT_GT(merged, 300);
+  EXPECT_GT(crossed, 1000);
+}
+
+TEST(Shocks, OnRowsTheEightNeighboursAreOne) {
+  // rows of four nodes and one of padding, at two steps
+  const auto shocks = [](std::vector<std::string> steps) {
+    for (std::string& step : steps) std::erase(step, ' ');
+    Pattern pattern(steps);
+    pattern.row = 5;
+    Tracker tracker(pattern.nodes);
+    tracker.s.work.runs.row = 5;
+    tracker.take_all(pattern);
+    return tracker.rows().size();
+  };
+  EXPECT_EQ(shocks({"1.... .1... .1..."}), 1u);  // diagonal, then below
+  EXPECT_EQ(shocks({"...1. 1...."}), 2u);        // the end of a row and the next one's beginning
+  EXPECT_EQ(shocks({"1.1.. .1..."}), 1u);        // two that meet in the next row
+  EXPECT_EQ(shocks({"1.... ..... 1...."}), 2u);  // two rows apart
+  EXPECT_EQ(shocks({"1.... .....", "..... .1..."}), 1u);  // diagonal, a step later
+  EXPECT_EQ(shocks({"..... .1...", "1.... ....."}), 1u);
+  EXPECT_EQ(shocks({"..... ..1..", "1.... ....."}), 2u);
 }
 
 TEST(Shocks, AStepCanEndEveryOtherNodesShock) {

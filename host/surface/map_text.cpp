@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/surface/map_text.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "host/base/errors.hpp"
+#include "host/base/quiet_nan.hpp"
+#include "host/base/text.hpp"
+#include "host/surface/profile_lines.hpp"
+#include "host/surface/text_dialect.hpp"
+
+namespace ra2d {
+namespace {
+
+constexpr std::size_t longest_row = std::size_t{16} << 20;                   // bytes
+constexpr std::size_t most_lines_before = 1000, most_of_header_line = 2000;  // lines, bytes
+constexpr std::size_t rows_that_tell = 20;  // how numbers are written
+
+std::string line_place(const std::filesystem::path& file, std::size_t line) {
+  return fmt::format("{}:{}", file.string(), line);
+}
+
+/// Entries of the lines before the first row.
+struct MatrixHeader {
+  std::size_t lines = 0;
+  std::string unit;  // as the header has it
+  std::size_t unit_line = 0;
+  std::optional<double> spacing, spacing_y;  // m
+};
+
+/// The length behind "NAME = ", as write_height_map has it; nothing where there is none.
+std::optional<double> length_of(std::string_view line, std::string_view name) {
+  const std::size_t at = line.find(name);
+  if (at == line.npos) return {};
+  line.remove_prefix(at + name.size());
+  const std::size_t end = line.find(" m");
+  if (end == line.npos) return {};
+  const auto value = to_number(line.substr(0, end));
+  if (!value || !(*value > 0) || !std::isfinite(*value)) return {};
+  return value;
+}
+
+void read_matrix_header(const std::filesystem::path& file, std::string_view line,
+                        std::size_t number, MatrixHeader& header) {
+  if (const auto spacing = length_of(line, "spacing = ")) header.spacing = spacing;
+  if (const auto spacing = length_of(line, "spacing_y = ")) header.spacing_y = spacing;
+  for (const auto word : bracketed(line)) {
+    const auto unit = to_unit(word), before = to_unit(header.unit);
+    if (!unit) continue;
+    if (before && before->metres != unit->metres)
+      throw RequestError(fmt::format(
+          "{}: the header names {} here and {} in line {}: expected one unit, that of the heights",
+          line_place(file, number), unit->name, before->name, header.unit_line));
+    header.unit = word;
+    header.unit_line = number;
+  }
+}
+
+[[noreturn]] void refuse_long_row(const std::filesystem::path& file, std::size_t line) {
+  throw RequestError(fmt::format("{}: a line of more than {} bytes (is it another file?)",
+                                 line_place(file, line), longest_row));
+}
+
+/// A first pass over the beginning of the file.
+std::pair<TextDialect, MatrixHeader> recognize_matrix(const std::filesystem::path& file,
+                                                      DecimalMark decimal) {
+  ProfileLines lines(file, longest_row);
+  TextMarks marks;
+  MatrixHeader header;
+  std::string first;
+  std::size_t seen = 0;
+  while (seen < rows_that_tell && lines.next()) {
+    if (lines.too_long()) refuse_long_row(file, lines.number());
+    if (is_numbers(lines.text())) {
+      if (seen++ == 0) first = lines.text(), header.lines = lines.number() - 1;
+      marks.see(lines.text());
+    } else if (seen == 0) {
+      if (lines.number() > most_lines_before)
+        throw RequestError(fmt::format("{}: no line of numbers in the first {}", file.string(),
+                                       most_lines_before));
+      read_matrix_header(file, lines.text().substr(0, most_of_header_line), lines.number(), header);
+    }
+  }
+  if (seen == 0)
+    throw RequestError(fmt::format("{}: no line of numbers, expected a row of heights in each line",
+                                   file.string()));
+  TextDialect dialect = understand_marks(marks, decimal, false, line_place(file, header.lines + 1));
+  TextFields fields;
+  dialect.see_columns(first, fields);
+  return {dialect, std::move(header)};
+}
+
+/// Adds the heights of a row; its fault, empty where there is none.
+std::string add_row(const TextDialect& dialect, const TextFields& fields, std::string& scratch,
+                    std::vector<double>& numbers) {
+  if (fields.size() != dialect.columns)
+    return fmt::format("{} heights, and {} in the rows before", fields.size(), dialect.columns);
+  for (std::size_t i = 0; i < fields.size(); ++i) {
+    if (is_missing_word(fields[i])) {
+      numbers.push_back(quiet_nan);
+      continue;
+    }
+    const auto value = dialect.number(fields[i], scratch);
+    if (!value) return fmt::format("height {}: {} is not a number", i + 1, quoted(fields[i]));
+    if (!std::isfinite(*value))
+      return fmt::format("height {}: {} is not a finite number in double precision", i + 1,
+                         quoted(fields[i]));
+    numbers.push_back(*value);
+  }
+  return {};
+}
+
+}  // namespace
+
+BareMap read_map_text(const std::filesystem::path& file, DecimalMark decimal) {
+  const auto [dialect, header] = recognize_matrix(file, decimal);
+  BareMap map;
+  map.nx = dialect.columns;
+  map.spacing = header.spacing;
+  map.spacing_y = header.spacing_y;
+  map.unit = to_unit(header.unit);
+  if (map.nx < 2)
+    throw RequestError(fmt::format("{}: one number, expected a row of heights in each line",
+                                   line_place(file, header.lines + 1)));
+  ProfileLines lines(file, longest_row);
+  TextFields fields;
+  std::string scratch;
+  std::vector<LineFault> faults;
+  while (faults.size() < most_faults && lines.next()) {
+    if (lines.number() <= header.lines) continue;
+    if (lines.too_long()) refuse_long_row(file, lines.number());
+    dialect.split(lines.text(), fields);
+    if (fields.empty()) continue;
+    std::string fault = add_row(dialect, fields, scratch, map.numbers);
+    ++map.ny;
+    if (map.ny > 1)
+      require_map_size(file.string(), static_cast<double>(map.nx), static_cast<double>(map.ny));
+    if (fault.empty()) continue;
+    if (!lines.has_end()) fault += " (the line has no end: was the file cut off here?)";
+    faults.push_back({lines.number(), std::move(fault)});
+  }
+  if (!faults.empty()) refuse(file, std::move(faults));
+  require_map_size(file.string(), static_cast<double>(map.nx), static_cast<double>(map.ny));
+  return map;
+}
+
+}  // namespace ra2d

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tests/areal_scenes.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "host/body/block.hpp"
+#include "host/body/plate.hpp"
+#include "tests/dice.hpp"
+#include "tests/scenes.hpp"
+
+namespace ra2d::test {
+
+HeightMap rough_map(int rows, int nodes, double rms, std::uint64_t seed) {
+  constexpr int waves = 12;
+  Dice dice(seed);
+  HeightMap map(rows, std::vector<double>(nodes, 0.0));
+  for (int w = 0; w < waves; ++w) {
+    const double wave = 2 * std::numbers::pi / dice.uniform(6, 25),
+                 way = dice.uniform(0, 2 * std::numbers::pi),
+                 phase = dice.uniform(0, 2 * std::numbers::pi);
+    for (int j = 0; j < rows; ++j)
+      for (int i = 0; i < nodes; ++i)
+        map[j][i] += rms * std::sqrt(2.0 / waves) *
+                     std::cos(wave * (i * std::cos(way) + j * std::sin(way)) + phase);
+  }
+  return map;
+}
+
+ArealScene small_areal_scene(Support block, int modes) {
+  ArealScene s;
+  s.plate = steel(0.06, 1e-3, 0.04, 0.02, modes);
+  s.plate.poisson = 0.3;
+  s.block = steel(5.8e-3, 5e-3, 2.5e-3, 0, 0);
+  s.block.support = block;
+  s.spacing = 2e-4, s.spacing_y = 2.5e-4;
+  s.start = 0.0101, s.side = 0.007;
+  s.speed = 2;
+  s.gap = 5.5e-6;
+  s.stiffness = 1e14;
+  s.plate_heights = rough_map(10, 301, 2e-6, 1);
+  s.block_heights = rough_map(10, 30, 2e-6, 2);
+  if (block == Support::free) s.block.load = 5;
+  return s;
+}
+
+ArealScene rigid_block() { return small_areal_scene(Support::rigid); }
+ArealScene free_block() { return small_areal_scene(Support::free); }
+ArealScene sixty_modes() {
+  ArealScene s = small_areal_scene(Support::rigid, 60);
+  s.spacing_y = 1e-4;
+  s.block.width = 1e-3;
+  s.gap = 5e-6;
+  return s;
+}
+ArealScene one_bump() {
+  ArealScene s = small_areal_scene(Support::rigid);
+  for (std::vector<double>& row : s.block_heights) row.assign(30, 0.0);
+  for (std::vector<double>& row : s.plate_heights) row.assign(301, 0.0);
+  s.gap = 9.5e-6;
+  s.plate_heights[3][64] = 1e-5;
+  s.plate_heights[4][64] = 1.1e-5;
+  s.plate_heights[4][65] = 9e-6;
+  return s;
+}
+ArealScene mirrored(ArealScene scene) {
+  scene.side = scene.plate.width - scene.block.width - scene.side;
+  std::reverse(scene.plate_heights.begin(), scene.plate_heights.end());
+  std::reverse(scene.block_heights.begin(), scene.block_heights.end());
+  for (ArealForce& f : scene.forces) f.y = scene.plate.width - f.y;
+  return scene;
+}
+
+ArealState mirrored(const ArealScene& scene, ArealState state) {
+  const std::vector<PinnedPlateMode> modes = plate_modes(scene.plate, 1000);
+  for (std::size_t k = 0; k < modes.size(); ++k)
+    if (modes[k].n % 2 == 0) state.plate_u[k] *= -1, state.plate_v[k] *= -1;
+  if (!state.block_u.empty()) state.block_u[2] *= -1, state.block_v[2] *= -1;
+  return state;
+}
+
+double apart(const Body& body, const std::vector<double>& u, const std::vector<double>& v,
+             const std::vector<double>& u1, const std::vector<double>& v1) {
+  double sum = 0;
+  for (std::size_t k = 0; k < body.modes.size(); ++k)
+    sum += 0.5 * body.modes[k].mass *
+           (std::pow(v[k] - v1[k], 2) + std::pow(body.modes[k].omega * (u[k] - u1[k]), 2));
+  return sum;
+}
+
+double state_distance(const ArealScene& s, const ArealState& a, const ArealState& b) {
+  const double sum = apart(make_plate(s.plate), a.plate_u, a.plate_v, b.plate_u, b.plate_v) +
+                     apart(make_block(s.block), a.block_u, a.block_v, b.block_u, b.block_v);
+  return std::sqrt(sum / a.energy());
+}
+
+Started areal_march(const ArealScene& of, const Scheme& scheme, double step, std::int64_t steps,
+                    std::int64_t samples) {
+  Scene s;
+  s.resonator = of.plate;
+  s.slider = of.block;
+  s.spacing = of.spacing;
+  s.start = of.start;
+  s.speed = of.speed;
+  s.gap = of.gap;
+  s.contact.stiffness = of.stiffness;
+  s.time = scheme.time;
+  s.time.nodes = Nodes::all;
+  set_steps(s, step, steps, samples);
+  HeightMaps maps{.rows = static_cast<int>(of.block_heights.size()),
+                  .spacing_y = of.spacing_y,
+                  .side = of.side,
+                  .resonator = {},
+                  .slider = {}};
+  for (const auto& [rows, to] :
+       {std::pair{&of.plate_heights, &maps.resonator}, {&of.block_heights, &maps.slider}})
+    for (const std::vector<double>& row : *rows) to->insert(to->end(), row.begin(), row.end());
+  Started started{make_model(s, maps), {}};
+  started.start = make_start(started.model);
+  const auto take = [](std::vector<double>& to, const std::vector<double>& from) {
+    if (!from.empty()) to = from;
+  };
+  take(started.start.resonator_u, of.plate_u);
+  take(started.start.resonator_v, of.plate_v);
+  take(started.start.slider_u, of.block_u);
+  take(started.start.slider_v, of.block_v);
+  count_energy(started.model, started.start);
+  return started;
+}
+
+ArealState state_at(const Recording& r, std::size_t sample) {
+  const auto row = [&](const std::vector<double>& all, const Body& body) {
+    const auto first = all.begin() + static_cast<std::ptrdiff_t>(sample * body.modes.size());
+    return std::vector<double>(first, first + static_cast<std::ptrdiff_t>(body.modes.size()));
+  };
+  const SampleBlock& s = r.samples;
+  ArealState state;
+  state.time = s.time[sample];
+  state.plate_u = row(s.resonator_displacement, r.model.resonator);
+  state.plate_v = row(s.resonator_velocity, r.model.resonator);
+  state.block_u = row(s.slider_displacement, r.model.slider);
+  state.block_v = row(s.slider_velocity, r.model.slider);
+  state.force = s.force[sample];
+  state.contacts = static_cast<int>(std::lround(s.nodes[sample]));
+  state.kinetic = s.kinetic[sample];
+  state.elastic = s.elastic[sample];
+  state.contact = s.contact[sample];
+  return state;
+}
+
+}  // namespace ra2d::test

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <cstdint>
+
+#include "host/scene/scene.hpp"
+#include "tests/areal_reference.hpp"
+#include "tests/outcomes.hpp"
+
+/// Areal scenes of the tests, and how far two states of one are apart.
+namespace ra2d::test {
+
+/// Waves of random directions, 6 to 25 nodes long; `rms` in m.
+HeightMap rough_map(int rows, int nodes, double rms, std::uint64_t seed);
+
+/// A block of 30 x 10 nodes on a plate of 60 x 40 x 1 mm, off its middle.
+ArealScene small_areal_scene(Support block, int modes = 40);
+ArealScene rigid_block();
+ArealScene free_block();
+ArealScene sixty_modes();
+ArealScene one_bump();
+
+/// A scene with y turned round.
+ArealScene mirrored(ArealScene scene);
+/// A state of it, as of the scene that was turned round.
+ArealState mirrored(const ArealScene& scene, ArealState state);
+
+/// The energy of the difference of two motions of a body [J].
+double apart(const Body& body, const std::vector<double>& u, const std::vector<double>& v,
+             const std::vector<double>& u1, const std::vector<double>& v1);
+/// The distance of two states in the norm whose square is the energy, over that of the first.
+double state_distance(const ArealScene& scene, const ArealState& a, const ArealState& b);
+
+/// The scene made ready to march in fixed steps over all nodes, with so many samples besides the
+/// first.
+Started areal_march(const ArealScene& scene, const Scheme& scheme, double step, std::int64_t steps,
+                    std::int64_t samples = 1);
+
+/// Displacements and rates at a sample.
+ArealState state_at(const Recording& recording, std::size_t sample);
+
+}  // namespace ra2d::test

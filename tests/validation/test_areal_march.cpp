@@ -1,0 +1,390 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <ostream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/base/errors.hpp"
+#include "host/device/layout.hpp"
+#include "host/system/machine_memory.hpp"
+#include "tests/areal_reference.hpp"
+#include "tests/areal_scenes.hpp"
+#include "tests/compare.hpp"
+#include "tests/outcomes.hpp"
+#include "tests/scenes.hpp"
+#include "tests/schemes.hpp"
+#include "tests/simulate.hpp"
+
+/// The march over the rows of areal scenes, in fixed steps over all nodes.
+namespace ra2d::test {
+namespace {
+
+Recording simulate(const Started& started, const Launches& launches = {}) {
+  return simulate(std::vector{started.model}, std::vector{started.start}, launches)[0];
+}
+
+const Scheme& scheme_of(SchemeKind kind) {
+  return *std::find_if(schemes.begin(), schemes.end(),
+                       [&](const Scheme& s) { return s.time.scheme == kind; });
+}
+
+// ---- against the reference: nothing opens or closes
+
+struct Smooth {
+  Scheme scheme;
+  double step;  // s, the coarsest: errors are above roundings and small beside the motion
+};
+void PrintTo(const Smooth& c, std::ostream* out) { *out << c.scheme.name; }
+
+class ArealOrder : public testing::TestWithParam<Smooth> {};
+INSTANTIATE_TEST_SUITE_P(Schemes, ArealOrder,
+                         testing::Values(Smooth{schemes[0], 2.5e-8}, Smooth{schemes[1], 1e-6},
+                                         Smooth{schemes[2], 2.5e-8}, Smooth{schemes[3], 1e-6},
+                                         Smooth{schemes[4], 2e-6}, Smooth{schemes[5], 4e-6},
+                                         Smooth{schemes[6], 2.5e-8},
+                                         Smooth{schemes_and_implicit()[7], 2.5e-8}),
+                         [](const auto& info) { return info.param.scheme.name; });
+
+/// A block pressed into the plate with all its nodes, on soft springs, for less than a spacing.
+ArealScene pressed_block() {
+  ArealScene s = small_areal_scene(Support::free, 12);
+  s.start = 0.01;
+  s.speed = 1.5;
+  s.gap = -6e-6;
+  s.stiffness = 2e10;
+  return s;
+}
+
+TEST_P(ArealOrder, ErrorsFallAsTheSchemesWithoutEvents) {
+  const ArealScene s = pressed_block();
+  constexpr double duration = 1.2e-4;
+  const ArealReference reference = areal_reference(s, {duration});
+  ASSERT_EQ(reference.openings, 0);
+  ASSERT_EQ(reference.states[0].contacts, 300);
+  const auto [scheme, coarsest] = GetParam();
+  std::vector<double> errors;
+  for (int level = 0; level < 3; ++level) {
+    const double step = std::ldexp(coarsest, -level);
+    const Recording r = simulate(areal_march(s, scheme, step, std::lround(duration / step)));
+    ASSERT_EQ(r.end.status, Status::done);
+    EXPECT_EQ(state_at(r, 1).contacts, 300);
+    errors.push_back(state_distance(s, reference.states[0], state_at(r, 1)));
+  }
+  EXPECT_LT(errors[0], 0.1);
+  for (int level = 1; level < 3; ++level)
+    EXPECT_NEAR(std::log2(errors[level - 1] / errors[level]), scheme.table().order, 0.2)
+        << errors[level - 1] << " to " << errors[level];
+}
+
+// ---- against the reference: shocks
+
+struct Rough {
+  std::string name;
+  ArealScene (*scene)();
+};
+void PrintTo(const Rough& c, std::ostream* out) { *out << c.name; }
+
+constexpr double duration = 3e-4;
+
+class ArealMarch : public testing::TestWithParam<Rough> {
+ protected:
+  static const ArealReference& reference() {
+    static std::map<std::string, ArealReference> found;
+    ArealReference& of = found[GetParam().name];
+    if (of.states.empty()) {
+      std::vector<double> times;
+      for (int i = 0; i <= 10; ++i) times.push_back(duration * i / 10);
+      of = areal_reference(GetParam().scene(), times);
+    }
+    return of;
+  }
+  /// Errors at the first four samples, the largest: later chaos takes over.
+  static double error(const Recording& r) {
+    double most = 0;
+    for (std::size_t i = 1; i <= 4; ++i)
+      most =
+          std::max(most, state_distance(GetParam().scene(), reference().states[i], state_at(r, i)));
+    return most;
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Scenes, ArealMarch,
+                         testing::Values(Rough{"RigidBlock", rigid_block},
+                                         Rough{"FreeBlock", free_block},
+                                         Rough{"SixtyModes", sixty_modes},
+                                         Rough{"OneBump", one_bump}),
+                         [](const auto& info) { return info.param.name; });
+
+TEST_P(ArealMarch, ErrorsFallWithTheStep) {
+  // A contact that begins or ends within a step leaves an error of second order, whatever the
+  // scheme. How large it is depends on where in the step: over eightfold steps the fall may be a
+  // few times more or less.
+  for (const auto& [scheme, order] :
+       {std::pair{schemes_and_implicit()[7], 1},
+        std::pair{scheme_of(SchemeKind::backward_euler), 1},
+        std::pair{scheme_of(SchemeKind::midpoint), 2}, std::pair{scheme_of(SchemeKind::heun), 2},
+        std::pair{scheme_of(SchemeKind::rk4), 2}}) {
+    const double step = order == 1 ? 2e-8 : 1e-7;
+    double errors[2];
+    for (const int i : {0, 1}) {
+      const double tau = i == 0 ? step : step / 8;
+      const Recording r =
+          simulate(areal_march(GetParam().scene(), scheme, tau, std::lround(duration / tau), 10));
+      ASSERT_EQ(r.end.status, Status::done);
+      errors[i] = error(r);
+    }
+    EXPECT_LT(errors[1], order == 1 ? 2e-2 : 1e-4) << scheme.name;
+    EXPECT_GT(std::log2(errors[0] / errors[1]) / 3, order == 1 ? 0.6 : 1.2)
+        << scheme.name << ": " << errors[0] << " to " << errors[1];
+  }
+}
+
+TEST_P(ArealMarch, ShocksAreThoseOfTheReference) {
+  const double step = 2e-9;
+  const Recording r = simulate(areal_march(GetParam().scene(), scheme_of(SchemeKind::rk4), step,
+                                           std::lround(duration / step), 10));
+  ASSERT_EQ(r.end.status, Status::done);
+  std::vector<ArealShock> expected = reference().shocks;
+  struct Found {
+    double start, impulse, x;
+  };
+  std::vector<Found> found;
+  const auto take = [&](const auto& shock) {
+    found.push_back({static_cast<double>(shock.start) * step, shock.impulse * step,
+                     shock.moment / shock.impulse * GetParam().scene().spacing});
+  };
+  for (const ShockRow& shock : r.shocks) take(shock);
+  for (const OpenShock& shock : r.end.open_shocks) take(shock);
+  // a touch that lies between two steps is no shock of the march
+  std::erase_if(expected, [&](const ArealShock& s) { return s.end - s.start < 2 * step; });
+  ASSERT_EQ(found.size(), expected.size());
+  const auto by_impulse = [](const auto& a, const auto& b) { return a.impulse > b.impulse; };
+  std::sort(found.begin(), found.end(), by_impulse);
+  std::sort(expected.begin(), expected.end(), by_impulse);
+  double most = 0;
+  for (const ArealShock& shock : expected) most = std::max(most, shock.impulse);
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    EXPECT_NEAR(found[i].impulse, expected[i].impulse, 1e-3 * most);
+    if (expected[i].impulse < 0.05 * most) continue;  // two may be nearly equal
+    EXPECT_NEAR(found[i].start, expected[i].start, 1e-6);
+    EXPECT_NEAR(found[i].x, expected[i].x, 1e-3 * GetParam().scene().spacing);
+  }
+}
+
+TEST_P(ArealMarch, EnergyCloses) {
+  const Recording r =
+      simulate(areal_march(GetParam().scene(), scheme_of(SchemeKind::rk4), 2e-9, 150'000, 10));
+  double most = 0;
+  for (std::size_t i = 0; i < r.samples.time.size(); ++i)
+    most = std::max(most, r.samples.kinetic[i] + r.samples.elastic[i] + r.samples.contact[i]);
+  const ArealState& end = reference().states[10];
+  // sums over the steps: off by a step's share of what a spacing, 1e-4 s, puts in and takes out
+  EXPECT_NEAR(r.samples.sliding_work[10], end.sliding_work, 1e-3 * most);
+  EXPECT_NEAR(r.samples.damping_loss[10], end.damping_loss, 1e-4 * most);
+  EXPECT_NEAR(r.samples.contact[10], end.contact, 1e-4 * most);
+  EXPECT_NEAR(r.samples.force[10], end.force, 1e-3 * std::max(1.0, end.force));
+  EXPECT_EQ(r.samples.nodes[10], end.contacts);
+}
+
+// ---- the same bits
+
+TEST_P(ArealMarch, LaunchesAndPaddingChangeNoBit) {
+  for (const Scheme& scheme : schemes_and_implicit()) {
+    const Started started = areal_march(GetParam().scene(), scheme, 1e-8, 3000, 10);
+    const Recording whole = simulate(started);
+    if (scheme.table().order > 1) {
+      EXPECT_EQ(whole.end.status, Status::done) << scheme.name;
+    }
+    EXPECT_GT(whole.end.contact_steps, 0);
+    for (const std::int64_t steps : {997, 61})
+      EXPECT_TRUE(same(whole, simulate(started, {.steps = steps, .batch = {}}))) << scheme.name;
+    Launches padded;
+    padded.batch.least_packs = 32 / 4;
+    EXPECT_TRUE(same(whole, simulate(started, padded))) << scheme.name;
+  }
+}
+
+TEST_P(ArealMarch, SavedStatesGoOnToTheSameBits) {
+  const Started started =
+      areal_march(GetParam().scene(), scheme_of(SchemeKind::midpoint), 1e-8, 3000, 1);
+  Batch whole({started.model}, {started.start}), first({started.model}, {started.start}),
+      second({started.model}, {started.start});
+  whole.march(started.model.steps);
+  first.march(1234);
+  ASSERT_GT(first.snapshot(0).contact_steps, 0);
+  second.restore(0, first.save(0));
+  second.march(started.model.steps);
+  Outcome a, b;
+  a.end = whole.snapshot(0), b.end = second.snapshot(0);
+  EXPECT_TRUE(same(a, b));
+}
+
+// ---- exact limits
+
+TEST_P(ArealMarch, MirrorImagesGiveMirrorImages) {
+  const ArealScene s = GetParam().scene();
+  const Scheme& scheme = scheme_of(SchemeKind::midpoint);
+  const Recording a = simulate(areal_march(s, scheme, 1e-8, 10'000)),
+                  b = simulate(areal_march(mirrored(s), scheme, 1e-8, 10'000));
+  EXPECT_GT(a.end.contact_steps, 0);
+  ArealState one = state_at(a, 1);
+  // roundings of b - l2 - y0 and of the sums, which shocks amplify
+  EXPECT_LT(state_distance(s, one, mirrored(s, state_at(b, 1))), 1e-9);
+  EXPECT_EQ(a.shocks.size() + a.end.open_shocks.size(), b.shocks.size() + b.end.open_shocks.size());
+}
+
+/// A plane scene, and its areal twin: beams in place of plate and block, the same faces in every
+/// row.
+std::pair<Started, Started> plane_and_rows(Support support, int rows) {
+  Scene s = rough_scene(support);
+  s.time.scheme = SchemeKind::midpoint;
+  s.time.nodes = Nodes::all;
+  set_steps(s, 1e-8, 20'000, 4);
+  Started plane{make_model(s), {}};
+  plane.start = make_start(plane.model);
+  Started areal = plane;
+  Model& m = areal.model;
+  m.is_areal = true;
+  m.rows = rows;
+  m.spacing_y = s.slider.width / rows;
+  m.node_stiffness = s.contact.stiffness * s.spacing * m.spacing_y;
+  for (std::vector<double>* heights : {&m.resonator_height, &m.slider_height}) {
+    const std::vector<double> row = *heights;
+    for (int j = 1; j < rows; ++j) heights->insert(heights->end(), row.begin(), row.end());
+  }
+  return {plane, areal};
+}
+
+TEST(ArealLimits, MapsThatAreConstantInYGiveThePlaneScene) {
+  for (const Support support : {Support::rigid, Support::pinned, Support::free})
+    for (const int rows : {1, 2, 7}) {
+      const auto [plane, areal] = plane_and_rows(support, rows);
+      const Recording a = simulate(plane), b = simulate(areal);
+      ASSERT_EQ(b.end.status, Status::done);
+      EXPECT_GE(a.shocks.size(), 3);
+      ASSERT_EQ(a.samples.nodes.size(), b.samples.nodes.size());
+      // a row is a share of the strip: sums of other roundings, which shocks amplify
+      double most_u = 0, most_v = 0, most_force = 0;
+      for (const double u : a.samples.resonator_displacement)
+        most_u = std::max(most_u, std::abs(u));
+      for (const double v : a.samples.resonator_velocity) most_v = std::max(most_v, std::abs(v));
+      for (const double f : a.samples.force) most_force = std::max(most_force, f);
+      for (std::size_t i = 0; i < a.samples.resonator_displacement.size(); ++i) {
+        EXPECT_NEAR(a.samples.resonator_displacement[i], b.samples.resonator_displacement[i],
+                    1e-9 * most_u);
+        EXPECT_NEAR(a.samples.resonator_velocity[i], b.samples.resonator_velocity[i],
+                    1e-9 * most_v);
+      }
+      for (std::size_t i = 0; i < a.samples.force.size(); ++i) {
+        EXPECT_NEAR(a.samples.force[i], b.samples.force[i], 1e-7 * most_force);
+        EXPECT_EQ(rows * a.samples.nodes[i], b.samples.nodes[i]);
+      }
+      // each reaches over all rows
+      ASSERT_EQ(a.shocks.size(), b.shocks.size());
+      for (std::size_t i = 0; i < a.shocks.size(); ++i) {
+        EXPECT_EQ(a.shocks[i].start, b.shocks[i].start);
+        EXPECT_EQ(a.shocks[i].last, b.shocks[i].last);
+        EXPECT_NEAR(a.shocks[i].peak, b.shocks[i].peak, 1e-6 * a.shocks[i].peak);
+        EXPECT_NEAR(a.shocks[i].moment, b.shocks[i].moment, 1e-6 * a.shocks[i].moment);
+      }
+    }
+}
+
+TEST(ArealLimits, ABlockAtRestStaysAtRest) {
+  ArealScene s = free_block();
+  s.speed = 0;
+  Started started = areal_march(s, scheme_of(SchemeKind::midpoint), 1e-8, 5000, 5);
+  started.model.scene.initial = Initial::statics;
+  started.start = make_start(started.model);
+  EXPECT_NEAR(started.start.contact_force, s.block.load, 1e-9 * s.block.load);
+  EXPECT_GE(started.start.loaded_nodes.size(), 3);  // heave, pitch and roll
+  const Recording r = simulate(started);
+  ASSERT_EQ(r.end.status, Status::done);
+  for (const double f : r.samples.force) EXPECT_NEAR(f, s.block.load, 1e-6 * s.block.load);
+  EXPECT_EQ(r.samples.nodes.back(), static_cast<double>(started.start.loaded_nodes.size()));
+  double most = 0;
+  for (const double u : started.start.resonator_u) most = std::max(most, std::abs(u));
+  for (std::size_t k = 0; k < started.start.resonator_u.size(); ++k)
+    EXPECT_NEAR(r.end.resonator_u[k], started.start.resonator_u[k], 1e-6 * most);
+}
+
+// ---- what is refused
+
+TEST(ArealModel, RefusesWhatDoesNotFit) {
+  const ArealScene fits = rigid_block();
+  const Started started = areal_march(fits, scheme_of(SchemeKind::midpoint), 1e-8, 100);
+  const Scene scene = started.model.scene;
+  const HeightMaps maps{.rows = started.model.rows,
+                        .spacing_y = started.model.spacing_y,
+                        .side = started.model.side,
+                        .resonator = started.model.resonator_height,
+                        .slider = started.model.slider_height};
+  const auto refused = [&](const std::function<void(Scene&, HeightMaps&)>& change) {
+    Scene s = scene;
+    HeightMaps m = maps;
+    change(s, m);
+    try {
+      make_model(s, m);
+    } catch (const RequestError& fault) {
+      return std::string(fault.what());
+    }
+    return std::string("taken");
+  };
+  const auto expect = [&](const char* key, const std::function<void(Scene&, HeightMaps&)>& change) {
+    EXPECT_NE(refused(change).find(key), std::string::npos) << key << ": " << refused(change);
+  };
+  EXPECT_EQ(refused([](Scene&, HeightMaps&) {}), "taken");
+  expect("time.scheme", [](Scene& s, HeightMaps&) { s.time.scheme = SchemeKind::adaptive; });
+  expect("time.nodes", [](Scene& s, HeightMaps&) { s.time.nodes = Nodes::candidates; });
+  expect("contact.law", [](Scene& s, HeightMaps&) { s.contact.law = ContactLaw::multiplier; });
+  expect("scene.faces", [](Scene& s, HeightMaps&) { s.faces = Faces::smooth; });
+  expect("resonator.moving_force", [](Scene& s, HeightMaps&) {
+    s.resonator.moving_forces = {{1, 1, 0}};
+  });
+  expect("output.probes", [](Scene& s, HeightMaps&) { s.output.probes = {0.01}; });
+  expect("output.slider_probes", [](Scene& s, HeightMaps&) { s.output.slider_probes = {0.001}; });
+  expect("output.microphones", [](Scene& s, HeightMaps&) {
+    s.output.microphones = {{0.1, 0.1, 0.1}};
+  });
+  expect("scene.spacing_y", [](Scene&, HeightMaps& m) { m.spacing_y = 0; });
+  expect("scene.spacing_y", [](Scene&, HeightMaps& m) { m.spacing_y = 1; });
+  expect("slider.surface", [](Scene&, HeightMaps& m) { m.rows = 5; });
+  expect("slider.surface", [](Scene&, HeightMaps& m) { m.slider.pop_back(); });
+  expect("slider.surface", [](Scene&, HeightMaps& m) { m.slider[7] = std::nan(""); });
+  expect("resonator.surface", [](Scene&, HeightMaps& m) { m.resonator.pop_back(); });
+  expect("resonator.surface", [](Scene&, HeightMaps& m) { m.resonator.clear(); });
+  expect("resonator.surface", [](Scene&, HeightMaps& m) { m.resonator[7] = INFINITY; });
+  expect("resonator.surface", [](Scene& s, HeightMaps&) { s.start = 0.0545; });
+  expect("scene.side", [](Scene&, HeightMaps& m) { m.side = -1e-3; });
+  expect("scene.side", [](Scene&, HeightMaps& m) { m.side = 0.0376; });
+  expect("block", [](Scene& s, HeightMaps&) { s.slider.support = Support::pinned; });
+}
+
+TEST(ArealModel, RefusesMoreExpandedNodesThanThereIsMemoryFor) {
+  ArealScene s = rigid_block();
+  s.block.length = 0.04, s.block.width = 0.03, s.side = 0, s.start = 0;
+  s.spacing = 1e-4, s.spacing_y = 1e-4;
+  s.block_heights.assign(300, std::vector<double>(401, 0.0));
+  s.plate_heights.assign(300, std::vector<double>(601, 0.0));
+  const Started fits = areal_march(s, scheme_of(SchemeKind::midpoint), 1e-8, 100);
+  const auto bytes = [&](int lanes) { return 300.0 * 408 * 4 * lanes * sizeof(double); };
+  const int width = 8;
+  const PatchSeries series = choose_series(fits.model, width);
+  const int too_many = width * static_cast<int>(machine_memory() / bytes(width) + 2);
+  EXPECT_NO_THROW(extents_of(fits.model, series, 40, width, Capacity()));
+  try {
+    extents_of(fits.model, series, too_many, width, Capacity());
+    FAIL() << "taken";
+  } catch (const RequestError& fault) {
+    EXPECT_NE(std::string(fault.what()).find("scene.spacing: 120300 nodes"), std::string::npos)
+        << fault.what();
+  }
+}
+
+}  // namespace
+}  // namespace ra2d::test
