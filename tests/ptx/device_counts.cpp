@@ -3,6 +3,7 @@
 // as JSON. bench/device_counts.py compares it with what it was.
 #include <fmt/format.h>
 
+#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <exception>
@@ -29,10 +30,10 @@ struct Stretch {
 // both schemes sampled alike, adaptive with the same tolerance as in bench_throughput's scenes
 constexpr double rate = 1e4, tolerance = 1e-6;
 constexpr Stretch stretches[] = {
-    {"backward_euler_free", "dang2012.toml", SchemeKind::backward_euler, 2e-3, 3e-4},
-    {"backward_euler_pinned", "dang2012-pinned.toml", SchemeKind::backward_euler, 2e-3, 3e-4},
-    {"adaptive_free", "dang2012.toml", SchemeKind::adaptive, 2e-3, 1e-3},
-    {"adaptive_pinned", "dang2012-pinned.toml", SchemeKind::adaptive, 2e-3, 1e-3}};
+    {"adaptive_free", "dang2012.toml", SchemeKind::adaptive, 1e-2, 2e-2},
+    {"adaptive_pinned", "dang2012-pinned.toml", SchemeKind::adaptive, 1e-2, 4e-2},
+    {"backward_euler_free", "dang2012.toml", SchemeKind::backward_euler, 1e-2, 2e-3},
+    {"backward_euler_pinned", "dang2012-pinned.toml", SchemeKind::backward_euler, 1e-2, 1e-2}};
 
 nlohmann::ordered_json count(const Stretch& stretch, MarchPrograms& programs,
                              const std::filesystem::path& scenes) {
@@ -43,16 +44,17 @@ nlohmann::ordered_json count(const Stretch& stretch, MarchPrograms& programs,
   const Model model = make_model(scene);
   SceneOnLanes lanes(model, make_start(model), 1);
   CarriedState& carried = lanes.state().carried;
-  const auto begin = static_cast<std::int64_t>(stretch.settle / model.tick);
+  const auto begin = std::llround(stretch.settle / model.tick);
   while (carried.step < begin && carried.status == Status::running) {
     march_on_pack(lanes, begin);
     lanes.state().out.samples.count = lanes.state().out.ended_shocks.count = 0;
   }
-  const std::int64_t steps = carried.step, strides = carried.adaptive_steps;
+  const std::int64_t steps = carried.step, strides = carried.adaptive_steps,
+                     touching = carried.sums.contact_steps;
   const Program& program = programs.of(lanes.tables().scheme.form);
   PtxWarp warp = warp_for(program, lanes, PtxWarp::Order::together);
   warp.look_for_races(false);
-  march(warp, lanes, begin + static_cast<std::int64_t>(stretch.counted / model.tick));
+  march(warp, lanes, begin + std::llround(stretch.counted / model.tick));
   const double units = static_cast<double>(stretch.scheme == SchemeKind::adaptive
                                                ? carried.adaptive_steps - strides
                                                : carried.step - steps);
@@ -63,6 +65,7 @@ nlohmann::ordered_json count(const Stretch& stretch, MarchPrograms& programs,
     if (program.instructions()[k].kind == Instruction::Kind::load) loads += times;
   }
   return {{"counted", units},
+          {"in_contact", static_cast<double>(carried.sums.contact_steps - touching) / static_cast<double>(carried.step - steps)},
           {"ptx_instructions", all / units},
           {"loads", loads / units},
           {"sums", static_cast<double>(warp.reductions()) / units},

@@ -37,6 +37,7 @@ void PtxWarp::fault(const Instruction& instruction, const std::string& problem) 
 }
 
 bool PtxWarp::is_meeting(std::size_t index) const {
+  if (index == ignored_) return false;
   const Kind kind = program_.instructions()[index].kind;
   return kind == Kind::sync || kind == Kind::exchange || kind == Kind::ballot;
 }
@@ -141,8 +142,12 @@ void PtxWarp::run_group(std::uint32_t lanes, std::size_t limit) {
       case Kind::sync:
       case Kind::exchange:
       case Kind::ballot:
-        if (lanes != all) return leave();
+        if (at == ignored_) {
+          ++at;
+          break;
+        }
         leave();
+        if (lanes != all) return;
         meet();
         ++at;
         break;
@@ -173,7 +178,7 @@ void PtxWarp::meet() {
     exchange(i);
   else if (i.kind == Kind::ballot)
     ballot(i);
-  else if (at != ignored_)
+  else
     watched_.sync();
   for (std::size_t& of_lane : at_) ++of_lane;
 }

@@ -2,11 +2,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """PTX of the marches, one file a form, for the interpreter in tests/ptx.
 
-usage: make_ptx.py BUILD FOLDER [--jobs N]
+usage: make_ptx.py [--jobs N] BUILD FOLDER [FORM...]
 
 BUILD was configured for CUDA; nothing in it has to be built. The flags are those of its own marches, but optimised
-and with the source's lines: so what is wrong with the flags shows in the PTX. Writes FOLDER/FORM.ptx. Standard library
-only.
+and with the source's lines: so what is wrong with the flags shows in the PTX. Writes FOLDER/FORM.ptx; all forms, or those
+named. Standard library only.
 """
 import argparse
 import concurrent.futures
@@ -17,7 +17,7 @@ import shlex
 import subprocess
 import sys
 
-FORMS = ["adaptive", "implicit", "staged", "semi_implicit"]  # Form in kernels/tables.hpp; the longest first
+FORMS = ["implicit", "adaptive", "staged", "semi_implicit"]  # Form in kernels/tables.hpp; the longest first
 SOURCE = pathlib.Path(__file__).resolve().parent / "march.cu"
 
 
@@ -53,13 +53,14 @@ def main():
     parser = argparse.ArgumentParser(usage=__doc__.split("\n\n")[1].removeprefix("usage: "))
     parser.add_argument("build", type=pathlib.Path)
     parser.add_argument("folder", type=pathlib.Path)
+    parser.add_argument("forms", nargs="*", choices=[*FORMS, []], default=FORMS)
     parser.add_argument("--jobs", type=int, default=1)
     asked = parser.parse_args()
     build, folder = asked.build.resolve(), asked.folder.resolve()
     flags = flags_of(build)
     folder.mkdir(parents=True, exist_ok=True)
     with concurrent.futures.ThreadPoolExecutor(asked.jobs) as pool:
-        list(pool.map(lambda form: make(build, flags, form, folder / f"{form}.ptx"), FORMS))
+        list(pool.map(lambda form: make(build, flags, form, folder / f"{form}.ptx"), asked.forms))
 
 
 if __name__ == "__main__":

@@ -2,9 +2,8 @@
 #include "tests/ptx/march_program.hpp"
 
 namespace ra2d::test {
-namespace {
 
-const char* name_of(Form form) {
+const char* MarchPrograms::name(Form form) {
   switch (form) {
     case Form::semi_implicit:
       return "semi_implicit";
@@ -18,12 +17,10 @@ const char* name_of(Form form) {
   return "";
 }
 
-}  // namespace
-
 const Program& MarchPrograms::of(Form form) {
   const auto found = read_.find(form);
   if (found != read_.end()) return found->second;
-  return read_.emplace(form, Program::read(folder_ + "/" + name_of(form) + ".ptx")).first->second;
+  return read_.emplace(form, Program::read(folder_ + "/" + name(form) + ".ptx")).first->second;
 }
 
 PtxWarp warp_for(const Program& program, SceneOnLanes& scene, PtxWarp::Order order) {

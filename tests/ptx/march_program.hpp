@@ -17,6 +17,8 @@ class MarchPrograms {
   static constexpr std::array<Form, 4> forms = {Form::semi_implicit, Form::staged, Form::implicit,
                                                 Form::adaptive};
 
+  static const char* name(Form form);
+
   explicit MarchPrograms(std::string folder) : folder_{std::move(folder)} {}
   /// Read once.
   const Program& of(Form form);

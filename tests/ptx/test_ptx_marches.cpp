@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>
+#include <fstream>
 #include <iterator>
+#include <map>
 #include <random>
 #include <string>
 #include <vector>
@@ -27,24 +29,25 @@ constexpr PtxWarp::Order orders[] = {PtxWarp::Order::together, PtxWarp::Order::s
                                      PtxWarp::Order::together, PtxWarp::Order::descending,
                                      PtxWarp::Order::together, PtxWarp::Order::ascending};
 
-class PtxMarch : public testing::Test {
+class PtxMarch : public testing::TestWithParam<Form> {
  protected:
-  static MarchPrograms& programs() {
-    static MarchPrograms read(std::getenv("RA2D_TEST_PTX"));
-    return read;
+  static const Program& program() {
+    static MarchPrograms programs(std::getenv("RA2D_TEST_PTX"));
+    return programs.of(GetParam());
   }
   void SetUp() override {
     if (std::getenv("RA2D_TEST_PTX") == nullptr) GTEST_SKIP() << "RA2D_TEST_PTX names no PTX";
   }
 
-  static bool fits(const Model& model) {
-    return model.resonator.modes.size() + model.slider.modes.size() <= warp_width;
+  /// Whether a scene is of this form, and its modes are no more than there are lanes.
+  static bool fits(const Started& c) {
+    if (c.model.resonator.modes.size() + c.model.slider.modes.size() > warp_width) return false;
+    return SceneOnLanes(c.model, c.start, 1).tables().scheme.form == GetParam();
   }
   /// Marches a scene on a pack and on a warp, in two launches, and compares.
   static void expect_same(const Started& c, std::int64_t steps, Seen& seen) {
     SceneOnLanes pack(c.model, c.start, 1), lanes(c.model, c.start, 1);
-    const Program& program = programs().of(lanes.tables().scheme.form);
-    PtxWarp warp = warp_for(program, lanes, orders[seen.scenes % std::size(orders)]);
+    PtxWarp warp = warp_for(program(), lanes, orders[seen.scenes % std::size(orders)]);
     for (const std::int64_t target : {steps / 3, steps}) {
       march_on_pack(pack, target);
       march(warp, lanes, target);
@@ -53,42 +56,35 @@ class PtxMarch : public testing::Test {
     EXPECT_THAT(warp.races(), testing::IsEmpty());
     seen.count(pack.state().carried.sums.contact_steps, pack.state().carried.shocks.begun);
   }
-  /// Every kind of scene that `draw` makes of a seed, until there are so many that fit.
-  template <class Draw>
-  static void expect_all_same(int scenes, const Draw& draw, Seen& seen) {
-    const int already = seen.scenes;
-    for (std::uint64_t seed = 1; seen.scenes < already + scenes; ++seed) {
-      SCOPED_TRACE("seed " + std::to_string(seed));
-      const Started c = draw(seed);
-      if (fits(c.model)) expect_same(c, std::min(longest, c.model.steps), seen);
-    }
-  }
 };
 
-TEST_F(PtxMarch, AllSchemesUnderAllLawsHaveTheBitsOfAPack) {
+TEST_P(PtxMarch, RandomScenesHaveTheBitsOfAPack) {
   Seen seen;
-  for (const SchemeUnderLaw& scheme : schemes_under_laws()) {
-    SCOPED_TRACE(scheme.name());
-    expect_all_same(
-        1, [&](std::uint64_t seed) { return random_scene(seed + static_cast<std::uint64_t>(seen.scenes), scheme.variant()); }, seen);
-  }
-  EXPECT_GE(seen.touching, seen.scenes / 2);
-  EXPECT_GE(seen.with_shocks, 1);
-}
-
-TEST_F(PtxMarch, AdaptiveScenesHaveTheBitsOfAPack) {
-  Seen seen;
-  for (std::uint64_t seed = 1; seen.scenes < 6; ++seed) {
-    SCOPED_TRACE("seed " + std::to_string(seed));
-    const Started c = random_adaptive_scene(seed);
-    if (fits(c.model)) expect_same(c, c.model.steps / 50, seen);
+  if (GetParam() == Form::adaptive) {
+    for (std::uint64_t seed = 1; seen.scenes < 10; ++seed) {
+      SCOPED_TRACE("seed " + std::to_string(seed));
+      const Started c = random_adaptive_scene(seed);
+      if (fits(c)) expect_same(c, c.model.steps / 25, seen);
+    }
+  } else {
+    for (const SchemeUnderLaw& scheme : schemes_under_laws()) {
+      SCOPED_TRACE(scheme.name());
+      for (std::uint64_t seed = 1, found = 0; seed < 20 && found < 2; ++seed) {
+        SCOPED_TRACE("seed " + std::to_string(seed));
+        const Started c = random_scene(seed, scheme.variant());
+        if (!fits(c)) continue;
+        expect_same(c, longest, seen);
+        ++found;
+      }
+    }
   }
   EXPECT_GE(seen.touching, 2);
   EXPECT_GE(seen.with_shocks, 1);
 }
 
-TEST_F(PtxMarch, SmoothFacesHaveTheBitsOfAPack) {
+TEST_P(PtxMarch, SmoothFacesHaveTheBitsOfAPack) {
   const std::vector<Scheme> kinds = {
+      {{{SchemeKind::midpoint}}, "midpoint"},
       {{{SchemeKind::rk4}}, "rk4"},
       {{{SchemeKind::adaptive}}, "adaptive"},
       {{{SchemeKind::backward_euler, ForceTime::new_time}}, "new force"},
@@ -98,46 +94,92 @@ TEST_F(PtxMarch, SmoothFacesHaveTheBitsOfAPack) {
     SCOPED_TRACE(kind.name);
     const Variant variant{kind, 0, [](Scene& s) { s.faces = Faces::smooth; }};
     for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-      const Started c = random_scene(seed, variant);
-      if (!fits(c.model)) continue;
       SCOPED_TRACE("seed " + std::to_string(seed));
+      const Started c = random_scene(seed, variant);
+      if (!fits(c)) continue;
       const int touching = seen.touching;
-      expect_same(c, longest / 8, seen);
+      expect_same(c, longest / 5, seen);
       if (seen.touching > touching) break;
     }
   }
-  EXPECT_GE(seen.touching, static_cast<int>(kinds.size()));
+  EXPECT_GE(seen.touching, 1);
 }
 
-// A lane that nothing holds back reads what another has not written yet.
-TEST_F(PtxMarch, AMissingSyncIsNoticed) {
-  const char* const only = std::getenv("EXPLORE");
-  for (const SchemeKind kind : {SchemeKind::backward_euler, SchemeKind::rk4, SchemeKind::adaptive}) {
-    const Variant variant{{{{kind}}, ""}, 0, {}};
-    for (std::uint64_t seed = 1;; ++seed) {
-      const Started c = random_scene(seed, variant);
-      if (!fits(c.model)) continue;
-      SceneOnLanes whole(c.model, c.start, 1);
-      const Program& program = programs().of(whole.tables().scheme.form);
-      PtxWarp first = warp_for(program, whole, PtxWarp::Order::together);
-      march(first, whole, 100);
-      if (whole.state().carried.sums.contact_steps == 0) continue;
-      int run = 0, noticed = 0;
-      for (const std::size_t sync : program.syncs()) {
-        if (first.counts()[sync] == 0) continue;
-        ++run;
-        SceneOnLanes scene(c.model, c.start, 1);
-        PtxWarp warp = warp_for(program, scene, PtxWarp::Order::together);
-        warp.ignore(sync);
-        march(warp, scene, 100);
-        if (!warp.races().empty()) ++noticed;
-        else if (only) printf("unnoticed %s count %d\n", program.place(program.instructions()[sync]).c_str(), (int)first.counts()[sync]);
-      }
-      printf("%d of %d noticed of %d\n", noticed, run, (int)program.syncs().size());
-      break;
-    }
+/// A scene of this form that touches in its first steps.
+Started touching_scene(Form form, std::int64_t steps) {
+  const SchemeKind kind = form == Form::adaptive ? SchemeKind::adaptive
+                          : form == Form::staged ? SchemeKind::rk4
+                                                 : SchemeKind::backward_euler;
+  const ForceTime force =
+      form == Form::implicit ? ForceTime::new_time : ForceTime::old_time;
+  for (std::uint64_t seed = 1;; ++seed) {
+    Started c = random_scene(seed, {{{{kind, force}}, ""}, 0, {}});
+    if (c.model.resonator.modes.size() + c.model.slider.modes.size() > warp_width) continue;
+    SceneOnLanes scene(c.model, c.start, 1);
+    march_on_pack(scene, steps);
+    if (scene.state().carried.sums.contact_steps > 0) return c;
   }
 }
+
+// Not every sync that is run is needed in every scene: one stands wherever another path would need
+// it. But two thirds are, and no missing one changes a bit unnoticed.
+TEST_P(PtxMarch, MissingSyncsAreNoticed) {
+  constexpr std::int64_t steps = 300;
+  constexpr std::size_t chosen = 30;
+  const Started c = touching_scene(GetParam(), steps);
+  SceneOnLanes whole(c.model, c.start, 1);
+  PtxWarp with_all = warp_for(program(), whole, PtxWarp::Order::together);
+  march(with_all, whole, steps);
+  std::vector<std::size_t> syncs = program().syncs();
+  std::erase_if(syncs, [&](std::size_t sync) { return with_all.counts()[sync] == 0; });
+  std::mt19937 random{7};
+  std::shuffle(syncs.begin(), syncs.end(), random);
+  syncs.resize(std::min(syncs.size(), chosen));
+  std::size_t noticed = 0;
+  for (const std::size_t sync : syncs) {
+    SCOPED_TRACE(program().place(program().instructions()[sync]));
+    SceneOnLanes scene(c.model, c.start, 1);
+    PtxWarp warp = warp_for(program(), scene, PtxWarp::Order::shuffled);
+    warp.ignore(sync);
+    bool raced = false;
+    try {
+      march(warp, scene, steps);
+    } catch (const WarpFault&) {  // what it read too early led it astray
+      raced = true;
+    }
+    raced = raced || !warp.races().empty();
+    EXPECT_TRUE(raced || scene.differs_from(whole).empty());
+    noticed += raced;
+  }
+  RecordProperty("noticed", std::to_string(noticed));
+  EXPECT_GE(3 * noticed, syncs.size()) << noticed << " of " << syncs.size();
+  printf("%zu of %zu\n", noticed, syncs.size());
+}
+
+// Were the compiler free to fuse others, a GPU's bits would depend on its version.
+TEST_P(PtxMarch, FusesNoMultiplyAddThatIsNotWritten) {
+  std::map<std::string, std::vector<std::string>> texts;
+  const auto source_of = [&](const Instruction& i) -> std::string {
+    const std::string& file = program().source_file(i);
+    std::vector<std::string>& lines = texts[file];
+    if (lines.empty()) {
+      std::ifstream in(file);
+      for (std::string line; std::getline(in, line);) lines.push_back(line);
+    }
+    const auto line = static_cast<std::size_t>(i.source_line);
+    return line >= 1 && line <= lines.size() ? lines[line - 1] : "";
+  };
+  int written = 0;
+  for (const Instruction& i : program().instructions()) {
+    if (i.opcode.rfind("fma", 0) != 0) continue;
+    ++written;
+    ASSERT_THAT(source_of(i), testing::HasSubstr("fma")) << program().place(i);
+  }
+  EXPECT_GT(written, 100);
+}
+
+INSTANTIATE_TEST_SUITE_P(Forms, PtxMarch, testing::ValuesIn(MarchPrograms::forms),
+                         [](const auto& info) { return MarchPrograms::name(info.param); });
 
 }  // namespace
 }  // namespace ra2d::test
