@@ -29,11 +29,15 @@ SceneOnLanes::SceneOnLanes(const Model& model, const ModalStart& start, int leas
   // padding between members is compared, too
   std::memset(static_cast<void*>(&state_), 0, sizeof state_);
   new (&state_) SceneState();
+  named_ = {{"the tables", &tables_, sizeof tables_, false},
+            {"the state", &state_, sizeof state_, true}};
   const auto provide = [&](auto& part) {
-    visit_arrays(part, n_, [&](const char*, auto*& array, std::size_t count) {
+    visit_arrays(part, n_, [&](const char* name, auto*& array, std::size_t count) {
       using Value = std::remove_const_t<std::remove_reference_t<decltype(*array)>>;
       arrays_.emplace_back((count * sizeof(Value) + sizeof(double) - 1) / sizeof(double) + 1, 0.0);
       array = reinterpret_cast<Value*>(arrays_.back().data());
+      const bool writable = !std::is_same_v<std::remove_reference_t<decltype(part)>, SceneTables>;
+      named_.push_back({name, array, count * sizeof(Value), writable});
     });
   };
   provide(tables_);

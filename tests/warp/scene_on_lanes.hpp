@@ -21,6 +21,15 @@ class SceneOnLanes {
   const SceneTables& tables() const { return tables_; }
   SceneState& state() { return state_; }
 
+  /// An array, or a struct, that the march may touch.
+  struct Array {
+    const char* name;
+    const void* begin;
+    std::size_t bytes;
+    bool writable;
+  };
+  const std::vector<Array>& arrays() const { return named_; }
+
   /// The differences in bits between two marches of one scene: of their states, samples and shocks;
   /// empty: none.
   std::string differs_from(const SceneOnLanes& other) const;
@@ -31,6 +40,7 @@ class SceneOnLanes {
   SceneTables tables_;
   SceneState state_;
   std::vector<std::vector<double>> arrays_;
+  std::vector<Array> named_;
 };
 
 }  // namespace ra2d::test

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the marches of the paper's scenes take of a GPU, counted: device_counts PTX_FOLDER prints it
+// as JSON. bench/device_counts.py compares it with what it was.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "host/device/backend.hpp"
+#include "host/model/model.hpp"
+#include "host/scene_file/scene_file.hpp"
+#include "tests/ptx/march_program.hpp"
+#include "tests/ptx/pack_march.hpp"
+
+namespace ra2d::test {
+namespace {
+
+/// A stretch of a scene: so long from the start on a CPU, then counted.
+struct Stretch {
+  const char* name;
+  const char* scene;
+  SchemeKind scheme;
+  double settle, counted;  // s
+};
+// both schemes sampled alike, adaptive with the same tolerance as in bench_throughput's scenes
+constexpr double rate = 1e4, tolerance = 1e-6;
+constexpr Stretch stretches[] = {
+    {"adaptive_free", "dang2012.toml", SchemeKind::adaptive, 1e-2, 2e-2},
+    {"adaptive_pinned", "dang2012-pinned.toml", SchemeKind::adaptive, 1e-2, 4e-2},
+    {"backward_euler_free", "dang2012.toml", SchemeKind::backward_euler, 1e-2, 2e-3},
+    {"backward_euler_pinned", "dang2012-pinned.toml", SchemeKind::backward_euler, 1e-2, 1e-2}};
+
+nlohmann::ordered_json count(const Stretch& stretch, MarchPrograms& programs,
+                             const std::filesystem::path& scenes) {
+  Scene scene = read_scene(scenes / stretch.scene);
+  scene.time.scheme = stretch.scheme;
+  if (stretch.scheme == SchemeKind::adaptive) scene.time.tolerance = tolerance;
+  scene.output.rate = rate;
+  const Model model = make_model(scene);
+  SceneOnLanes lanes(model, make_start(model), 1);
+  CarriedState& carried = lanes.state().carried;
+  const auto begin = std::llround(stretch.settle / model.tick);
+  while (carried.step < begin && carried.status == Status::running) {
+    march_on_pack(lanes, begin);
+    lanes.state().out.samples.count = lanes.state().out.ended_shocks.count = 0;
+  }
+  const std::int64_t steps = carried.step, strides = carried.adaptive_steps,
+                     touching = carried.sums.contact_steps;
+  const Program& program = programs.of(lanes.tables().scheme.form);
+  PtxWarp warp = warp_for(program, lanes, PtxWarp::Order::together);
+  warp.look_for_races(false);
+  march(warp, lanes, begin + std::llround(stretch.counted / model.tick));
+  const double units = static_cast<double>(stretch.scheme == SchemeKind::adaptive
+                                               ? carried.adaptive_steps - strides
+                                               : carried.step - steps);
+  double all = 0, loads = 0;
+  for (std::size_t k = 0; k < warp.counts().size(); ++k) {
+    const auto times = static_cast<double>(warp.counts()[k]);
+    all += times;
+    if (program.instructions()[k].kind == Instruction::Kind::load) loads += times;
+  }
+  return {{"counted", units},
+          {"in_contact", static_cast<double>(carried.sums.contact_steps - touching) / static_cast<double>(carried.step - steps)},
+          {"ptx_instructions", all / units},
+          {"loads", loads / units},
+          {"sums", static_cast<double>(warp.reductions()) / units},
+          {"local_bytes", program.local_bytes()}};
+}
+
+}  // namespace
+}  // namespace ra2d::test
+
+int main(int argc, char** argv) try {
+  if (argc != 3) {
+    std::fputs("usage: device_counts PTX_FOLDER SCENES_FOLDER\n", stderr);
+    return 2;
+  }
+  const ra2d::Backend backend(1);
+  ra2d::test::MarchPrograms programs(argv[1]);
+  nlohmann::ordered_json counts;
+  for (const auto& stretch : ra2d::test::stretches)
+    counts[stretch.name] = ra2d::test::count(stretch, programs, argv[2]);
+  std::puts(counts.dump(2).c_str());
+  return 0;
+} catch (const std::exception& e) {
+  std::fprintf(stderr, "device_counts: %s\n", e.what());
+  return 1;
+}

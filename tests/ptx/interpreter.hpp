@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <random>
+#include <set>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tests/ptx/program.hpp"
+#include "tests/ptx/watched_memory.hpp"
+
+/// A warp of a GPU on a CPU: runs what nvcc makes of a march, instruction by instruction.
+///
+/// It watches what a GPU would do wrong in silence. An access outside the arrays that a test
+/// allows, one that is not aligned, and lanes that come to different meetings are faults. Two lanes
+/// that touch one place without a `bar.warp.sync` between, one of them writing, are a race. A
+/// shuffle orders no memory.
+namespace ra2d::test {
+
+/// A warp that cannot go on.
+struct WarpFault : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+class PtxWarp {
+ public:
+  /// In which order lanes go on from a meeting: side by side as on a GPU, or each by itself to the
+  /// next one.
+  enum class Order { together, ascending, descending, shuffled };
+
+  explicit PtxWarp(const Program& program, Order order = Order::together);
+
+  /// Memory that the lanes may touch, before they run.
+  void allow(std::string name, const void* begin, std::size_t bytes, bool writable);
+  /// Runs as if a sync, by its index, were not there.
+  void ignore(std::size_t sync) { ignored_ = sync; }
+  /// Looks for no races: twice as fast.
+  void look_for_races(bool look) { looks_for_races_ = look; }
+
+  /// Runs the kernel to its end. Throws WarpFault.
+  void run(const std::vector<std::uint64_t>& parameters);
+
+  /// The races of all runs, each pair of places once, as text.
+  std::vector<std::string> races() const;
+  /// How often each instruction was issued to lanes of the warp, in all runs. As a GPU counts where
+  /// they go together.
+  const std::vector<std::uint64_t>& counts() const { return counts_; }
+  /// Reductions over the lanes. Each ends with an exchange between neighbours, in two halves.
+  std::uint64_t reductions() const { return neighbour_exchanges_ / 2; }
+
+ private:
+  static constexpr std::uint32_t all = 0xFFFFFFFF;
+
+  void run_together();
+  void run_by_turns(bool shuffle);
+  void run_group(std::uint32_t lanes, std::size_t limit);
+  void meet();
+  void access(const Instruction& instruction, std::size_t index, std::uint32_t mask);
+  void exchange(const Instruction& instruction);
+  void ballot(const Instruction& instruction);
+  char* memory(const Instruction& instruction, std::size_t index, std::uint64_t address, int lane,
+               bool writes);
+  std::uint32_t guarded(const Instruction& instruction, std::uint32_t mask) const;
+  bool is_meeting(std::size_t index) const;
+  [[noreturn]] void fault(const Instruction& instruction, const std::string& problem) const;
+
+  const Program& program_;
+  Order order_;
+  std::vector<LaneBits> registers_;
+  std::vector<char> local_;  // of all lanes, one after the other
+  std::uint64_t local_begin_ = 0;
+  std::array<std::size_t, warp_width> at_{};  // next instruction of each lane
+  std::uint32_t alive_ = 0;
+  std::size_t ignored_ = static_cast<std::size_t>(-1);
+  bool looks_for_races_ = true;
+  WatchedMemory watched_;
+  std::vector<std::uint32_t> hints_;  // of each instruction: the array that it touched last
+  std::vector<WatchedMemory::Conflict> conflicts_;
+  std::set<std::pair<int, int>> races_;
+  std::vector<std::uint64_t> counts_;
+  std::uint64_t neighbour_exchanges_ = 0;
+};
+
+}  // namespace ra2d::test

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The march of one form on one warp, for the interpreter: tests/ptx/make_ptx.py makes PTX of it.
+#if defined(RA2D_PTX_PORTABLE_FUNCTIONS)
+#include "tests/ptx/portable_functions.hpp"
+#endif
+// before the kernels
+#include "kernels/march.hpp"
+
+extern "C" __global__ void march(const ra2d::SceneTables* tables, ra2d::SceneState* state,
+                                 std::int64_t target) {
+  using Lanes = ra2d::WarpLanes<int>;
+  ra2d::march_scene<Lanes, ra2d::Form::RA2D_PTX_FORM, 1>(Lanes(0), *tables, *state, target);
+}

@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "tests/adaptive.hpp"
+#include "tests/outcomes.hpp"
+#include "tests/ptx/march_program.hpp"
+#include "tests/ptx/pack_march.hpp"
+#include "tests/schemes.hpp"
+
+/// What nvcc makes of the marches, on the lanes of a warp: the bits of a pack of 32, no races, no
+/// access outside the scene's arrays, no meeting that some lanes miss. RA2D_TEST_PTX names the
+/// folder with the PTX (make_ptx.py).
+namespace ra2d::test {
+namespace {
+
+constexpr std::int64_t longest = 800;  // steps
+constexpr PtxWarp::Order orders[] = {PtxWarp::Order::together, PtxWarp::Order::shuffled,
+                                     PtxWarp::Order::together, PtxWarp::Order::descending,
+                                     PtxWarp::Order::together, PtxWarp::Order::ascending};
+
+class PtxMarch : public testing::TestWithParam<Form> {
+ protected:
+  static const Program& program() {
+    static MarchPrograms programs(std::getenv("RA2D_TEST_PTX"));
+    return programs.of(GetParam());
+  }
+  void SetUp() override {
+    if (std::getenv("RA2D_TEST_PTX") == nullptr) GTEST_SKIP() << "RA2D_TEST_PTX names no PTX";
+  }
+
+  /// Whether a scene is of this form, and its modes are no more than there are lanes.
+  static bool fits(const Started& c) {
+    if (c.model.resonator.modes.size() + c.model.slider.modes.size() > warp_width) return false;
+    return SceneOnLanes(c.model, c.start, 1).tables().scheme.form == GetParam();
+  }
+  /// Marches a scene on a pack and on a warp, in two launches, and compares.
+  static void expect_same(const Started& c, std::int64_t steps, Seen& seen) {
+    SceneOnLanes pack(c.model, c.start, 1), lanes(c.model, c.start, 1);
+    PtxWarp warp = warp_for(program(), lanes, orders[seen.scenes % std::size(orders)]);
+    for (const std::int64_t target : {steps / 3, steps}) {
+      march_on_pack(pack, target);
+      march(warp, lanes, target);
+    }
+    EXPECT_EQ(lanes.differs_from(pack), "");
+    EXPECT_THAT(warp.races(), testing::IsEmpty());
+    seen.count(pack.state().carried.sums.contact_steps, pack.state().carried.shocks.begun);
+  }
+};
+
+TEST_P(PtxMarch, RandomScenesHaveTheBitsOfAPack) {
+  Seen seen;
+  if (GetParam() == Form::adaptive) {
+    for (std::uint64_t seed = 1; seen.scenes < 10; ++seed) {
+      SCOPED_TRACE("seed " + std::to_string(seed));
+      const Started c = random_adaptive_scene(seed);
+      if (fits(c)) expect_same(c, c.model.steps / 25, seen);
+    }
+  } else {
+    for (const SchemeUnderLaw& scheme : schemes_under_laws()) {
+      SCOPED_TRACE(scheme.name());
+      for (std::uint64_t seed = 1, found = 0; seed < 20 && found < 2; ++seed) {
+        SCOPED_TRACE("seed " + std::to_string(seed));
+        const Started c = random_scene(seed, scheme.variant());
+        if (!fits(c)) continue;
+        expect_same(c, longest, seen);
+        ++found;
+      }
+    }
+  }
+  EXPECT_GE(seen.touching, 2);
+  EXPECT_GE(seen.with_shocks, 1);
+}
+
+TEST_P(PtxMarch, SmoothFacesHaveTheBitsOfAPack) {
+  const std::vector<Scheme> kinds = {
+      {{{SchemeKind::midpoint}}, "midpoint"},
+      {{{SchemeKind::rk4}}, "rk4"},
+      {{{SchemeKind::adaptive}}, "adaptive"},
+      {{{SchemeKind::backward_euler, ForceTime::new_time}}, "new force"},
+      {{{SchemeKind::backward_euler}, ContactLaw::multiplier}, "multipliers"}};
+  Seen seen;
+  for (const Scheme& kind : kinds) {
+    SCOPED_TRACE(kind.name);
+    const Variant variant{kind, 0, [](Scene& s) { s.faces = Faces::smooth; }};
+    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+      SCOPED_TRACE("seed " + std::to_string(seed));
+      const Started c = random_scene(seed, variant);
+      if (!fits(c)) continue;
+      const int touching = seen.touching;
+      expect_same(c, longest / 5, seen);
+      if (seen.touching > touching) break;
+    }
+  }
+  EXPECT_GE(seen.touching, 1);
+}
+
+/// A scene of this form that touches in its first steps.
+Started touching_scene(Form form, std::int64_t steps) {
+  const SchemeKind kind = form == Form::adaptive ? SchemeKind::adaptive
+                          : form == Form::staged ? SchemeKind::rk4
+                                                 : SchemeKind::backward_euler;
+  const ForceTime force =
+      form == Form::implicit ? ForceTime::new_time : ForceTime::old_time;
+  for (std::uint64_t seed = 1;; ++seed) {
+    Started c = random_scene(seed, {{{{kind, force}}, ""}, 0, {}});
+    if (c.model.resonator.modes.size() + c.model.slider.modes.size() > warp_width) continue;
+    SceneOnLanes scene(c.model, c.start, 1);
+    march_on_pack(scene, steps);
+    if (scene.state().carried.sums.contact_steps > 0) return c;
+  }
+}
+
+// Not every sync that is run is needed in every scene: one stands wherever another path would need
+// it. But two thirds are, and no missing one changes a bit unnoticed.
+TEST_P(PtxMarch, MissingSyncsAreNoticed) {
+  constexpr std::int64_t steps = 300;
+  constexpr std::size_t chosen = 30;
+  const Started c = touching_scene(GetParam(), steps);
+  SceneOnLanes whole(c.model, c.start, 1);
+  PtxWarp with_all = warp_for(program(), whole, PtxWarp::Order::together);
+  march(with_all, whole, steps);
+  std::vector<std::size_t> syncs = program().syncs();
+  std::erase_if(syncs, [&](std::size_t sync) { return with_all.counts()[sync] == 0; });
+  std::mt19937 random{7};
+  std::shuffle(syncs.begin(), syncs.end(), random);
+  syncs.resize(std::min(syncs.size(), chosen));
+  std::size_t noticed = 0;
+  for (const std::size_t sync : syncs) {
+    SCOPED_TRACE(program().place(program().instructions()[sync]));
+    SceneOnLanes scene(c.model, c.start, 1);
+    PtxWarp warp = warp_for(program(), scene, PtxWarp::Order::shuffled);
+    warp.ignore(sync);
+    bool raced = false;
+    try {
+      march(warp, scene, steps);
+    } catch (const WarpFault&) {  // what it read too early led it astray
+      raced = true;
+    }
+    raced = raced || !warp.races().empty();
+    EXPECT_TRUE(raced || scene.differs_from(whole).empty());
+    noticed += raced;
+  }
+  RecordProperty("noticed", std::to_string(noticed));
+  EXPECT_GE(3 * noticed, syncs.size()) << noticed << " of " << syncs.size();
+  printf("%zu of %zu\n", noticed, syncs.size());
+}
+
+// Were the compiler free to fuse others, a GPU's bits would depend on its version.
+TEST_P(PtxMarch, FusesNoMultiplyAddThatIsNotWritten) {
+  std::map<std::string, std::vector<std::string>> texts;
+  const auto source_of = [&](const Instruction& i) -> std::string {
+    const std::string& file = program().source_file(i);
+    std::vector<std::string>& lines = texts[file];
+    if (lines.empty()) {
+      std::ifstream in(file);
+      for (std::string line; std::getline(in, line);) lines.push_back(line);
+    }
+    const auto line = static_cast<std::size_t>(i.source_line);
+    return line >= 1 && line <= lines.size() ? lines[line - 1] : "";
+  };
+  int written = 0;
+  for (const Instruction& i : program().instructions()) {
+    if (i.opcode.rfind("fma", 0) != 0) continue;
+    ++written;
+    ASSERT_THAT(source_of(i), testing::HasSubstr("fma")) << program().place(i);
+  }
+  EXPECT_GT(written, 100);
+}
+
+INSTANTIATE_TEST_SUITE_P(Forms, PtxMarch, testing::ValuesIn(MarchPrograms::forms),
+                         [](const auto& info) { return MarchPrograms::name(info.param); });
+
+}  // namespace
+}  // namespace ra2d::test
