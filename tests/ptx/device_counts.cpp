@@ -53,11 +53,11 @@ nlohmann::ordered_json count(const Stretch& stretch, MarchPrograms& programs,
                      touching = carried.sums.contact_steps;
   const Program& program = programs.of(lanes.tables().scheme.form);
   PtxWarp warp = warp_for(program, lanes, PtxWarp::Order::together);
-  warp.look_for_races(false);
+  warp.check_races(false);
   march(warp, lanes, begin + std::llround(stretch.counted / model.tick));
-  const double units = static_cast<double>(stretch.scheme == SchemeKind::adaptive
-                                               ? carried.adaptive_steps - strides
-                                               : carried.step - steps);
+  const double units =
+      static_cast<double>(stretch.scheme == SchemeKind::adaptive ? carried.adaptive_steps - strides
+                                                                 : carried.step - steps);
   double all = 0, loads = 0;
   for (std::size_t k = 0; k < warp.counts().size(); ++k) {
     const auto times = static_cast<double>(warp.counts()[k]);
@@ -65,7 +65,8 @@ nlohmann::ordered_json count(const Stretch& stretch, MarchPrograms& programs,
     if (program.instructions()[k].kind == Instruction::Kind::load) loads += times;
   }
   return {{"counted", units},
-          {"in_contact", static_cast<double>(carried.sums.contact_steps - touching) / static_cast<double>(carried.step - steps)},
+          {"in_contact", static_cast<double>(carried.sums.contact_steps - touching) /
+                             static_cast<double>(carried.step - steps)},
           {"ptx_instructions", all / units},
           {"loads", loads / units},
           {"sums", static_cast<double>(warp.reductions()) / units},

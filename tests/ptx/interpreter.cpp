@@ -168,9 +168,10 @@ void PtxWarp::meet() {
       throw WarpFault(fmt::format("lane 0 is to meet the others at {}, lane {} at {}",
                                   program_.place(i), lane,
                                   program_.place(program_.instructions()[other])));
-    if (i.guard >= 0 || static_cast<std::uint32_t>(
-                            registers_[static_cast<std::size_t>(i.operand[3])]
-                                      [static_cast<std::size_t>(lane)]) != all)
+    if (i.guard >= 0 ||
+        static_cast<std::uint32_t>(
+            registers_[static_cast<std::size_t>(i.operand[3])][static_cast<std::size_t>(lane)]) !=
+            all)
       fault(i, "a meeting of some lanes alone");
   }
   ++counts_[at];
@@ -240,7 +241,7 @@ char* PtxWarp::memory(const Instruction& i, std::size_t index, std::uint64_t add
     return reinterpret_cast<char*>(address);
   const auto check = [&] {
     // an atomic access races with none
-    if (!looks_for_races_ || i.kind == Kind::compare_and_swap)
+    if (!checks_races_ || i.kind == Kind::compare_and_swap)
       return watched_.holds(address, i.bytes, writes, hints_[index]);
     const bool held = watched_.touch(address, i.bytes, writes, lane, static_cast<int>(index),
                                      hints_[index], conflicts_);
@@ -260,8 +261,7 @@ void PtxWarp::access(const Instruction& i, std::size_t index, std::uint32_t mask
   };
   for (; mask != 0; mask &= mask - 1) {
     const int lane = std::countr_zero(mask);
-    const std::uint64_t address =
-        reg(i.operand[0], lane) + static_cast<std::uint64_t>(i.offset);
+    const std::uint64_t address = reg(i.operand[0], lane) + static_cast<std::uint64_t>(i.offset);
     for (int k = 0; k < i.values; ++k) {
       const std::uint64_t place = address + static_cast<std::uint64_t>(k) * bytes;
       char* const at = memory(i, index, place, lane, i.kind != Kind::load);

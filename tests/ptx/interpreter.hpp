@@ -38,8 +38,8 @@ class PtxWarp {
   void allow(std::string name, const void* begin, std::size_t bytes, bool writable);
   /// Runs as if a sync, by its index, were not there.
   void ignore(std::size_t sync) { ignored_ = sync; }
-  /// Looks for no races: twice as fast.
-  void look_for_races(bool look) { looks_for_races_ = look; }
+  /// Whether races are sought: without, it is twice as fast.
+  void check_races(bool wanted) { checks_races_ = wanted; }
 
   /// Runs the kernel to its end. Throws WarpFault.
   void run(const std::vector<std::uint64_t>& parameters);
@@ -76,7 +76,7 @@ class PtxWarp {
   std::array<std::size_t, warp_width> at_{};  // next instruction of each lane
   std::uint32_t alive_ = 0;
   std::size_t ignored_ = static_cast<std::size_t>(-1);
-  bool looks_for_races_ = true;
+  bool checks_races_ = true;
   WatchedMemory watched_;
   std::vector<std::uint32_t> hints_;  // of each instruction: the array that it touched last
   std::vector<WatchedMemory::Conflict> conflicts_;

@@ -80,8 +80,8 @@ void unpack(LaneBits* registers, const Instruction& i, std::uint32_t mask) {
 }
 void pack(LaneBits* registers, const Instruction& i, std::uint32_t mask) {
   in_lanes(mask, [&](int lane) {
-    registers[i.result[0]][lane] = (registers[i.operand[0]][lane] & 0xFFFFFFFF) |
-                                   registers[i.operand[1]][lane] << 32;
+    registers[i.result[0]][lane] =
+        (registers[i.operand[0]][lane] & 0xFFFFFFFF) | registers[i.operand[1]][lane] << 32;
   });
 }
 
@@ -126,15 +126,14 @@ void add_moves(Table& table, const std::string& type) {
   table["selp." + type] = compute<[](T a, T b, bool first) { return first ? a : b; }>;
 }
 
-/// What does not ask for a sign.
+/// Operations on words of either sign.
 template <class T>
 void add_words(Table& table, const std::string& type) {
   using U = std::make_unsigned_t<T>;
   static_assert(sizeof(T) >= 2);
   table["add." + type] = compute<[](U a, U b) { return static_cast<U>(a + b); }>;
   table["sub." + type] = compute<[](U a, U b) { return static_cast<U>(a - b); }>;
-  table["mul.lo." + type] =
-      compute<[](U a, U b) { return static_cast<U>(std::uint64_t{a} * b); }>;
+  table["mul.lo." + type] = compute<[](U a, U b) { return static_cast<U>(std::uint64_t{a} * b); }>;
   table["mad.lo." + type] =
       compute<[](U a, U b, U c) { return static_cast<U>(std::uint64_t{a} * b + c); }>;
   table["neg." + type] = compute<[](U a) { return static_cast<U>(-std::uint64_t{a}); }>;
@@ -218,8 +217,7 @@ void add_doubles(Table& table) {
   table["sub.rn.f64"] = compute<[](double a, double b) { return a - b; }>;
   table["mul.rn.f64"] = compute<[](double a, double b) { return a * b; }>;
   table["div.rn.f64"] = compute<[](double a, double b) { return a / b; }>;
-  table["fma.rn.f64"] =
-      compute<[](double a, double b, double c) { return std::fma(a, b, c); }>;
+  table["fma.rn.f64"] = compute<[](double a, double b, double c) { return std::fma(a, b, c); }>;
   table["rcp.rn.f64"] = compute<[](double a) { return 1.0 / a; }>;
   table["sqrt.rn.f64"] = compute<[](double a) { return std::sqrt(a); }>;
   table["neg.f64"] = compute<[](double a) { return -a; }>;

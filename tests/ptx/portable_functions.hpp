@@ -4,9 +4,9 @@
 #include <Kokkos_SIMD.hpp>
 #include <cstdint>
 
-/// exp2, log2 and hypot of the adaptive march by operations that every machine rounds alike, so that
-/// a GPU and a CPU come to the same bits. To be included before any kernel: the kernels then call
-/// these.
+/// exp2, log2 and hypot of the adaptive march by operations that every machine rounds alike, so
+/// that a GPU and a CPU come to the same bits. To be included before any kernel: the kernels then
+/// call these.
 namespace Kokkos {
 
 /// 2^x, off by some roundings.

@@ -288,7 +288,8 @@ class Program::Parser {
     const auto [found, fresh] = registers_.try_emplace(text, 0);
     if (fresh) {
       const std::string kind = text.substr(0, 2);
-      const std::uint64_t value = kind == "0d" || kind == "0f" ? std::stoull(text.substr(2), nullptr, 16)
+      const std::uint64_t value = kind == "0d" || kind == "0f"
+                                      ? std::stoull(text.substr(2), nullptr, 16)
                                   : text[0] == '-' ? static_cast<std::uint64_t>(std::stoll(text))
                                                    : std::stoull(text, nullptr, 0);
       found->second = add_register(in_all_lanes(value));
@@ -341,7 +342,9 @@ const std::string& Program::source_file(const Instruction& instruction) const {
 std::string Program::place(const Instruction& instruction) const {
   const std::string& path = source_file(instruction);
   const std::string source =
-      path.empty() ? "" : fmt::format(" ({}:{})", path.substr(path.rfind('/') + 1), instruction.source_line);
+      path.empty()
+          ? ""
+          : fmt::format(" ({}:{})", path.substr(path.rfind('/') + 1), instruction.source_line);
   return fmt::format("line {}{}: {}", instruction.line, source,
                      lines_[static_cast<std::size_t>(instruction.line) - 1]);
 }

@@ -59,7 +59,7 @@ Outcome run(const std::string& body, Order order = Order::together,
   return outcome;
 }
 
-/// What a warp, or a parser, says against a kernel.
+/// The fault that a warp, or a parser, finds in a kernel; empty: none.
 std::string said_of(const std::string& body, Order order = Order::together) {
   try {
     run(body, order);
@@ -88,19 +88,32 @@ TEST(Interpreter, ComputesInEachLane) {
 // each result is known by hand
 TEST(Interpreter, KnowsWholeNumbers) {
   const std::vector<std::pair<std::string, double>> cases = {
-      {"add.s32 %r2, -2, 1", -1},        {"sub.s32 %r2, 3, 5", -2},
-      {"mul.lo.s32 %r2, -3, 5", -15},    {"mad.lo.s32 %r2, -3, 5, 1", -14},
-      {"div.s32 %r2, -7, 2", -3},        {"rem.s32 %r2, -7, 2", -1},
-      {"min.s32 %r2, -7, 2", -7},        {"max.u32 %r2, -7, 2", -7},
-      {"shr.s32 %r2, -8, 1", -4},        {"shr.u32 %r2, -1, 28", 15},
-      {"shr.s32 %r2, -8, 40", -1},       {"shr.u32 %r2, -8, 40", 0},
-      {"shl.b32 %r2, 3, 4", 48},         {"shl.b32 %r2, 3, 32", 0},
-      {"and.b32 %r2, 12, 10", 8},        {"or.b32 %r2, 12, 10", 14},
-      {"xor.b32 %r2, 12, 10", 6},        {"not.b32 %r2, 0", -1},
-      {"brev.b32 %r2, 1", -2147483648.0}, {"bfind.shiftamt.u32 %r2, 1", 31},
-      {"bfind.shiftamt.u32 %r2, 0", -1}, {"clz.b32 %r2, 255", 24},
-      {"popc.b32 %r2, 255", 8},          {"abs.s32 %r2, -5", 5},
-      {"neg.s32 %r2, 5", -5},            {"cvt.rzi.s32.f64 %r2, 0dC004000000000000", -2},
+      {"add.s32 %r2, -2, 1", -1},
+      {"sub.s32 %r2, 3, 5", -2},
+      {"mul.lo.s32 %r2, -3, 5", -15},
+      {"mad.lo.s32 %r2, -3, 5, 1", -14},
+      {"div.s32 %r2, -7, 2", -3},
+      {"rem.s32 %r2, -7, 2", -1},
+      {"min.s32 %r2, -7, 2", -7},
+      {"max.u32 %r2, -7, 2", -7},
+      {"shr.s32 %r2, -8, 1", -4},
+      {"shr.u32 %r2, -1, 28", 15},
+      {"shr.s32 %r2, -8, 40", -1},
+      {"shr.u32 %r2, -8, 40", 0},
+      {"shl.b32 %r2, 3, 4", 48},
+      {"shl.b32 %r2, 3, 32", 0},
+      {"and.b32 %r2, 12, 10", 8},
+      {"or.b32 %r2, 12, 10", 14},
+      {"xor.b32 %r2, 12, 10", 6},
+      {"not.b32 %r2, 0", -1},
+      {"brev.b32 %r2, 1", -2147483648.0},
+      {"bfind.shiftamt.u32 %r2, 1", 31},
+      {"bfind.shiftamt.u32 %r2, 0", -1},
+      {"clz.b32 %r2, 255", 24},
+      {"popc.b32 %r2, 255", 8},
+      {"abs.s32 %r2, -5", 5},
+      {"neg.s32 %r2, 5", -5},
+      {"cvt.rzi.s32.f64 %r2, 0dC004000000000000", -2},
       {"cvt.rmi.s32.f64 %r2, 0dC004000000000000", -3},
       {"cvt.rpi.s32.f64 %r2, 0dC004000000000000", -2},
       {"cvt.rni.s32.f64 %r2, 0dC004000000000000", -2},  // -2.5 to even
@@ -153,21 +166,21 @@ TEST(Interpreter, ExchangesBetweenLanesInAnyOrder) {
     const Outcome outcome = run(sum + "st.global.f64 [%rd2], %fd1;", order);
     EXPECT_THAT(outcome.values, testing::Each(31 * 32 / 2));
     EXPECT_EQ(outcome.reductions, 1);
-    const auto down = run(
-        "shfl.sync.down.b32 %r5|%p5, %r1, 1, 31, -1; cvt.rn.f64.s32 %fd1, %r5;"
-        " st.global.f64 [%rd2], %fd1;",
-        order);
+    const auto down =
+        run("shfl.sync.down.b32 %r5|%p5, %r1, 1, 31, -1; cvt.rn.f64.s32 %fd1, %r5;"
+            " st.global.f64 [%rd2], %fd1;",
+            order);
     for (int lane = 0; lane < warp_width; ++lane)
       EXPECT_EQ(down.values[lane], std::min(lane + 1, warp_width - 1));
-    const auto first = run(
-        "shfl.sync.idx.b32 %r5|%p5, %r1, 7, 31, -1; cvt.rn.f64.s32 %fd1, %r5;"
-        " st.global.f64 [%rd2], %fd1;",
-        order);
+    const auto first =
+        run("shfl.sync.idx.b32 %r5|%p5, %r1, 7, 31, -1; cvt.rn.f64.s32 %fd1, %r5;"
+            " st.global.f64 [%rd2], %fd1;",
+            order);
     EXPECT_THAT(first.values, testing::Each(7));
-    const auto word = run(
-        "setp.lt.s32 %p2, %r1, 5; vote.sync.ballot.b32 %r5, %p2, -1; cvt.rn.f64.u32 %fd1, %r5;"
-        " st.global.f64 [%rd2], %fd1;",
-        order);
+    const auto word =
+        run("setp.lt.s32 %p2, %r1, 5; vote.sync.ballot.b32 %r5, %p2, -1; cvt.rn.f64.u32 %fd1, %r5;"
+            " st.global.f64 [%rd2], %fd1;",
+            order);
     EXPECT_THAT(word.values, testing::Each(31));
   }
 }
@@ -274,8 +287,8 @@ $L__BB0_1:
 TEST(Interpreter, WhatItDoesNotKnowIsNamedWithItsLine) {
   for (const std::string text :
        {"sin.approx.f32 %f1, %f2;", "add.f16 %h1, %h2, %h3;", "call.uni f, ();",
-        "mov.u32 %r1, %ctaid.x;", "ld.shared.f64 %fd1, [%rd1];", "bra nowhere;",
-        "@%p1 ret;", "shfl.sync.up.b32 %r5|%p5, %r1, 1, 0, -1;", ".shared .b8 tile[64];"})
+        "mov.u32 %r1, %ctaid.x;", "ld.shared.f64 %fd1, [%rd1];", "bra nowhere;", "@%p1 ret;",
+        "shfl.sync.up.b32 %r5|%p5, %r1, 1, 0, -1;", ".shared .b8 tile[64];"})
     EXPECT_THAT(said_of(text), HasSubstr("PTX line ")) << text;
   EXPECT_THAT(said_of("sin.approx.f32 %f1, %f2;"),
               testing::StrEq("PTX line 10: this instruction is not known here: "

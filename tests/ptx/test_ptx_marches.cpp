@@ -18,8 +18,8 @@
 #include "tests/ptx/pack_march.hpp"
 #include "tests/schemes.hpp"
 
-/// What nvcc makes of the marches, on the lanes of a warp: the bits of a pack of 32, no races, no
-/// access outside the scene's arrays, no meeting that some lanes miss. RA2D_TEST_PTX names the
+/// The marches as nvcc compiles them, on the lanes of a warp: the bits of a pack of 32, no races,
+/// no access outside the scene's arrays, no meeting that some lanes miss. RA2D_TEST_PTX names the
 /// folder with the PTX (make_ptx.py).
 namespace ra2d::test {
 namespace {
@@ -110,8 +110,7 @@ Started touching_scene(Form form, std::int64_t steps) {
   const SchemeKind kind = form == Form::adaptive ? SchemeKind::adaptive
                           : form == Form::staged ? SchemeKind::rk4
                                                  : SchemeKind::backward_euler;
-  const ForceTime force =
-      form == Form::implicit ? ForceTime::new_time : ForceTime::old_time;
+  const ForceTime force = form == Form::implicit ? ForceTime::new_time : ForceTime::old_time;
   for (std::uint64_t seed = 1;; ++seed) {
     Started c = random_scene(seed, {{{{kind, force}}, ""}, 0, {}});
     if (c.model.resonator.modes.size() + c.model.slider.modes.size() > warp_width) continue;
