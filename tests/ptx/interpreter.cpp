@@ -245,7 +245,9 @@ char* PtxWarp::memory(const Instruction& i, std::size_t index, std::uint64_t add
       return watched_.holds(address, i.bytes, writes, hints_[index]);
     const bool held = watched_.touch(address, i.bytes, writes, lane, static_cast<int>(index),
                                      hints_[index], conflicts_);
-    for (const auto& conflict : conflicts_) races_.emplace(conflict.earlier, conflict.later);
+    // in the order of the program: some orders of the lanes show a pair both ways
+    for (const auto& conflict : conflicts_)
+      races_.insert(std::minmax(conflict.earlier, conflict.later));
     conflicts_.clear();
     return held;
   };
