@@ -113,6 +113,10 @@ KOKKOS_FORCEINLINE_FUNCTION double position_rounding(const Place& place) {
 /// evaluates those of its groups that the modes can have brought close since, and holds until a
 /// node passes another. Neither leaves out a node that could come into contact, so the lists set
 /// the cost, never the answer.
+///
+/// Areal scenes have millions of nodes, too many to look at one by one: there the coarse pass
+/// begins with tiles (TileTables). The highest points of both faces in a tile, and what the modes
+/// move its middle by and differ by across it, bound the overlaps of all its nodes.
 template <class Lanes, int packs>
 class CandidateGroups {
   using Real = typename Lanes::Real;
@@ -170,7 +174,13 @@ class CandidateGroups {
     double coarse_below = (1.0 + 0x1p-43) * moved(lists_.coarse_reference_u, u) + below + error;
     if (!(place.base >= coarse_base_ && place.base < coarse_base_ + width &&
           coarse_below <= coarse_below_)) {
-      find_coarse(u, place, 4.0 * below, slope);
+      coarse_base_ = place.base;
+      coarse_below_ = 4.0 * below;
+      for (int p = 0; p < packs; ++p) lanes_.store(lists_.coarse_reference_u + p * width, u[p]);
+      if (faces_.rows.across == nullptr) [[likely]]
+        find_coarse(u, place, slope);
+      else
+        find_coarse_on_rows(u, place);
       coarse_below = below + error;
     }
     if (!faces_.smooth) [[likely]]
@@ -233,12 +243,17 @@ class CandidateGroups {
     lanes_.sync();
   }
 
-  /// The groups that come within `below` of contact somewhere on the next `width` spacings of the
-  /// path.
-  RA2D_FUNCTION void find_coarse(const Real* u, const Place& place, double below, double slope) {
-    coarse_base_ = place.base;
-    coarse_below_ = below;
-    for (int p = 0; p < packs; ++p) lanes_.store(lists_.coarse_reference_u + p * width, u[p]);
+  /// sum_k U_k psi_k(x) of the resonator in the middle of a patch.
+  KOKKOS_FORCEINLINE_FUNCTION double at_centre(int patch, const Real* u) const {
+    Real sum = lanes_.load(rows(patch)) * u[0];
+    for (int p = 1; p < packs; ++p)
+      sum = multiply_add(lanes_.load(rows(patch) + p * width), u[p], sum);
+    return lanes_.sum(sum);
+  }
+
+  /// The groups that come within coarse_below_ of contact somewhere on the next `width` spacings of
+  /// the path.
+  RA2D_FUNCTION void find_coarse(const Real* u, const Place& place, double slope) {
     // bound on the rise of the deflected beam from a patch's centre to any place of a group on it
     const double rise =
         (motion_.spacing / patches_.inverse_radius + width * motion_.spacing) * slope;
@@ -248,10 +263,7 @@ class CandidateGroups {
       const GroupPlace<Lanes> at(patches_, place, group);
       if (at.patch != patch) {
         patch = at.patch;
-        Real centre = lanes_.load(rows(patch)) * u[0];
-        for (int p = 1; p < packs; ++p)
-          centre = multiply_add(lanes_.load(rows(patch) + p * width), u[p], centre);
-        highest = lanes_.sum(centre) + rise;
+        highest = at_centre(patch, u) + rise;
       }
       const Real face = lanes_.load(faces_.height1 + group * width) +
                         lanes_.load(faces_.highest2 + place.base + group * width);
@@ -260,17 +272,106 @@ class CandidateGroups {
         top = top + Kokkos::max(lanes_.load(faces_.sag1 + group * width) +
                                     lanes_.load(faces_.highest_sag2 + place.base + group * width),
                                 Real(0.0));
-      if (lanes_.at_least(top, -coarse_below_) == 0) continue;
-      const double most = lanes_.max(top);
-      if (lanes_.leader()) {
-        RA2D_CHECK(count < faces_.groups);
-        lists_.coarse_groups[count] = group;
-        lists_.coarse_highest[count] = most;
-      }
-      ++count;
+      list_coarse(group, top, count);
     }
     coarse_count_ = count;
     lanes_.sync();
+  }
+  /// Lists a group whose nodes have the overlap `top` at the most, if that is near contact.
+  KOKKOS_FORCEINLINE_FUNCTION void list_coarse(int group, const Real& top, int& count) {
+    if (lanes_.at_least(top, -coarse_below_) == 0) return;
+    const double most = lanes_.max(top);
+    if (lanes_.leader()) {
+      RA2D_CHECK(count < faces_.groups);
+      lists_.coarse_groups[count] = group;
+      lists_.coarse_highest[count] = most;
+    }
+    ++count;
+  }
+
+  // ---- areal scenes
+
+  RA2D_FUNCTION void find_coarse_on_rows(const Real* u, const Place& place) {
+    const double variation = weighted_sum<Lanes, packs>(lanes_, bounds_.tile_variation, u);
+    int count = 0;
+    for (int band = 0; band < faces_.tiles.bands; ++band) {
+      const double* const across =
+          faces_.tiles.across + static_cast<std::int64_t>(band) * packs * width;
+      Real x[packs];
+      lanes_.sync();
+      for (int p = 0; p < packs; ++p) {
+        x[p] = lanes_.load(across + p * width) * u[p];
+        lanes_.store(amplitudes_ + p * width, x[p]);
+      }
+      lanes_.sync();
+      const int found = find_tiles(band, x, place, variation);
+      if (found > 0) list_groups_of_tiles(band, found, place, count);
+    }
+    coarse_count_ = count;
+    lanes_.sync();
+  }
+  KOKKOS_FORCEINLINE_FUNCTION int patch_of_tile(int tile, const Place& place) const {
+    const int nodes = faces_.tiles.groups * width, middle = tile * nodes + nodes / 2,
+              last = faces_.rows.nodes - 1;
+    const int at = place.base + (middle < last ? middle : last);
+    return static_cast<int>((at + 0.5) * patches_.inverse_nodes);
+  }
+  /// Lists the tiles of a band that come near contact, in CandidateLists::tiles, and finds the
+  /// most that the modes move the nodes of each by. `x`: the modes' displacements there.
+  RA2D_FUNCTION int find_tiles(int band, const Real* x, const Place& place, double variation) {
+    const TileTables& tiles = faces_.tiles;
+    const int group = place.base / width;  // of the resonator
+    const double* const own = tiles.highest1 + static_cast<std::int64_t>(band) * tiles.row;
+    const double* const opposite =
+        tiles.highest2 +
+        (static_cast<std::int64_t>(band) * tiles.groups + group % tiles.groups) * tiles.strip +
+        group / tiles.groups;
+    int found = 0;
+    for (int tile = 0; tile < tiles.count;) {
+      const int patch = patch_of_tile(tile, place);
+      RA2D_CHECK(patch >= 0 && patch < patches_.count);
+      int end = tile + 1;
+      while (end < tiles.count && patch_of_tile(end, place) == patch) ++end;
+      const Real level(at_centre(patch, x) + variation);
+      lanes_.sync();
+      for (; tile < end; tile += width) {
+        Real displacement = level;
+        for (int k = 0; k < slider_.modes; ++k)
+          displacement = multiply_add(amplitudes_[slider_.first_lane + k],
+                                      lanes_.load(tiles.shape + k * tiles.row + tile), displacement);
+        lanes_.store(lists_.tile_displacement + tile, displacement);
+        const Real top = lanes_.load(own + tile) + lanes_.load(opposite + tile) + displacement;
+        std::uint32_t bits = lanes_.at_least(top, -coarse_below_);
+        if (end - tile < width) bits &= (1u << (end - tile)) - 1u;
+        for (; bits != 0; bits &= bits - 1, ++found)
+          if (lanes_.leader())
+            lists_.tiles[found] = tile + Kokkos::Experimental::countr_zero_builtin(bits);
+      }
+      tile = end;
+    }
+    lanes_.sync();
+    return found;
+  }
+  /// Lists the groups of `found` tiles that come near contact, row by row.
+  RA2D_FUNCTION void list_groups_of_tiles(int band, int found, const Place& place, int& count) {
+    const RowTables& rows = faces_.rows;
+    const int first = band * tile_rows, all = faces_.groups / rows.groups,
+              last = first + tile_rows < all ? first + tile_rows : all;
+    for (int row = first; row < last; ++row)
+      for (int e = 0; e < found; ++e) {
+        const int tile = lists_.tiles[e], begin = tile * faces_.tiles.groups;
+        const Real displacement(lists_.tile_displacement[tile]);
+        for (int g = begin; g < begin + faces_.tiles.groups && g < rows.groups; ++g) {
+          const int group = row * rows.groups + g;
+          const double* const h2 =
+              faces_.height2 + (place.base + row * rows.excess + group * width);
+          Real face = lanes_.load(h2);
+          for (int ahead = 1; ahead <= width; ++ahead)
+            face = Kokkos::max(face, lanes_.load(h2 + ahead));
+          list_coarse(group, lanes_.load(faces_.height1 + group * width) + face + displacement,
+                      count);
+        }
+      }
   }
 };
 

@@ -99,6 +99,7 @@ class Candidates {
         bounds_{bounds},
         amplitudes_{amplitudes},
         listed_nodes_{listed_nodes},
+        most_listed_{lists.most_listed},
         evaluated_{evaluated},
         groups_{lanes, motion, faces, slider, patches, bounds, lists, amplitudes, evaluated} {}
 
@@ -170,6 +171,9 @@ class Candidates {
     return forecast_of_list(b, listed_steps, short_of_window, count, margin, pressed);
   }
 
+  /// Whether so many nodes could be listed. In plane scenes all can.
+  KOKKOS_FORCEINLINE_FUNCTION bool has_room(int count) const { return count <= most_listed_; }
+
   /// Whether a step evaluates the contact at a state later than its beginning.
   KOKKOS_FORCEINLINE_FUNCTION bool evaluates_later_states() const {
     return scheme_.stages > 1 || scheme_.form == Form::implicit;
@@ -177,6 +181,7 @@ class Candidates {
 
   /// Lists in `listed_nodes` every node in contact at the present state, and perhaps a few that
   /// miss contact by a rounding. Evaluates all nodes or the candidate groups, as the scene says.
+  /// They may be more than there is room for (has_room).
   RA2D_FUNCTION int find_contacts(const Real* u, const Real* v, const Place& place) {
     const bool all = bounds_.searched == Nodes::all;
     if (!all && !groups_.holds(u, place, 0.0)) find_groups(u, v, place);
@@ -214,6 +219,7 @@ class Candidates {
   const MotionLimits& bounds_;
   double* amplitudes_;
   int* listed_nodes_;
+  int most_listed_;
   std::int64_t& evaluated_;
   CandidateGroups<Lanes, packs> groups_;
   int last_listed_ = -1;  // smooth faces: the latest cell
@@ -247,8 +253,7 @@ class Candidates {
     }
   }
   KOKKOS_FORCEINLINE_FUNCTION void list(int node, int& count) {
-    RA2D_CHECK(count < faces_.nodes);
-    if (lanes_.leader()) listed_nodes_[count] = node;
+    if (lanes_.leader() && count < most_listed_) listed_nodes_[count] = node;
     ++count;
   }
 

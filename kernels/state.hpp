@@ -162,11 +162,17 @@ struct CarriedState {
 
 /// Of each node.
 struct Marks {
-  std::int64_t* node_window = nullptr;  // for which it is expanded (Caches)
+  std::int64_t* node_window = nullptr;  // plane scenes: for which it is expanded (Caches)
   int* active_index = nullptr;          // Form::implicit: its index in the active set
+  // Areal scenes have places for few expanded nodes, which are those of one window. Node n stands
+  // at place s = node_slot[n] if s < slots_used and slot_node[s] = n.
+  int* node_slot = nullptr;
+  int* slot_node = nullptr;
+  int slots = 0, slots_used = 0;
+  std::int64_t slots_window = -1;
 };
 
-/// Expanded nodes or cells.
+/// Expanded nodes or cells. Areal scenes: at the places that Marks names.
 struct Caches {
   double* node_shape = nullptr;  // (node, 4, lane); (cell, 7, lane)
   double* node_face = nullptr;   // (node, 2); (cell, 12)
@@ -181,6 +187,9 @@ struct CandidateLists {
   int* coarse_groups = nullptr;          // of the coarse list, from which the other is drawn
   double* coarse_highest = nullptr;      // m, largest overlap of each on the path ahead
   double* coarse_reference_u = nullptr;  // modal displacements at which the coarse list was made
+  int* tiles = nullptr;                  // areal scenes: of a band, that come close
+  double* tile_displacement = nullptr;   // m, of each tile of a band: the most of its nodes
+  int most_listed = 0;                   // nodes that there is room for in WorkSpace::listed_nodes
 };
 
 /// Rows of ContactList::cell_parts, each of a lane's width and of 2 at the least.
@@ -337,15 +346,20 @@ void visit_arrays(CarriedState& s, const Extents& n, Visit&& visit) {
 template <class Visit>
 void visit_arrays(Marks& s, const Extents& n, Visit&& visit) {
   const auto nodes = static_cast<std::size_t>(n.nodes);
-  visit("node_window", s.node_window, nodes);
+  if (n.rows == 0) {
+    visit("node_window", s.node_window, nodes);
+  } else {
+    visit("node_slot", s.node_slot, nodes);
+    visit("slot_node", s.slot_node, n.slots());
+  }
   if (n.active > 0) visit("active_index", s.active_index, nodes);
 }
 
 template <class Visit>
 void visit_arrays(Caches& s, const Extents& n, Visit&& visit) {
-  const auto nodes = static_cast<std::size_t>(n.nodes);
-  visit("node_shape", s.node_shape, nodes * n.shape_rows() * n.lanes);
-  visit("node_face", s.node_face, nodes * n.face_numbers());
+  const std::size_t places = n.rows == 0 ? static_cast<std::size_t>(n.nodes) : n.slots();
+  visit("node_shape", s.node_shape, places * n.shape_rows() * n.lanes);
+  visit("node_face", s.node_face, places * n.face_numbers());
 }
 
 template <class Visit>
@@ -358,9 +372,15 @@ void visit_arrays(WorkSpace& s, const Extents& n, Visit&& visit) {
   visit("coarse_highest", s.candidates.coarse_highest, groups);
   visit("coarse_reference_u", s.candidates.coarse_reference_u, lanes);
   visit("amplitudes", s.amplitudes, 2 * lanes);
-  visit("listed_nodes", s.listed_nodes, nodes);
-  visit("contact_nodes", s.contact_list.nodes, nodes);
-  visit("contact_forces", s.contact_list.forces, nodes);
+  if (n.rows > 0) {
+    visit("tiles", s.candidates.tiles, static_cast<std::size_t>(n.padded_tiles()));
+    visit("tile_displacement", s.candidates.tile_displacement,
+          static_cast<std::size_t>(n.padded_tiles() + n.width));
+  }
+  const auto listed = static_cast<std::size_t>(n.listed);
+  visit("listed_nodes", s.listed_nodes, listed);
+  visit("contact_nodes", s.contact_list.nodes, listed);
+  visit("contact_forces", s.contact_list.forces, listed);
   if (n.smooth) {
     visit("contact_centres", s.contact_list.centres, nodes);
     visit("cell_parts", s.contact_list.cell_parts,

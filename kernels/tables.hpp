@@ -129,6 +129,12 @@ enum StageRow : int {
 };
 inline constexpr int pace_numbers = stage_rows * formula_stages;
 
+/// Nodes of a tile along a row, but for lanes that are more, and rows of one.
+inline constexpr int tile_nodes = 32, tile_rows = 8;
+
+/// Nodes of an areal scene that can be evaluated at once, whatever the memory.
+inline constexpr int most_areal_nodes = 1 << 16;
+
 /// Lengths from which those of all arrays of a scene follow: see visit_arrays below, and those of
 /// kernels/state.hpp.
 struct Extents {
@@ -148,13 +154,25 @@ struct Extents {
   int flight_levels = 0;        // 0: not adaptive
   int moving_forces = 0;        //
   int samples = 0, shocks = 0;  // rows that a launch can record
+  int listed = 0;               // nodes that can be evaluated at once: all, in plane scenes
   int active = 0;               // nodes that can carry force at once under Form::implicit
   int contacts = 0;             // nodes that can be in contact at once under Form::adaptive
 
   std::size_t padded_nodes() const { return static_cast<std::size_t>(groups) * width; }
   std::size_t padded_row() const { return static_cast<std::size_t>(row_groups) * width; }
   /// Runs of neighbouring nodes: at the most every other node.
-  int runs() const { return nodes / 2 + 2; }
+  int runs() const {
+    return (rows == 0 || nodes / 2 < most_areal_nodes ? nodes / 2 : most_areal_nodes) + 2;
+  }
+  /// Areal scenes: places for expanded nodes. A window may need more nodes than are listed at once.
+  std::size_t slots() const { return 2 * static_cast<std::size_t>(listed); }
+  /// Areal scenes: groups in a tile of nodes (TileTables), tiles in a row, the same so padded that
+  /// a pack may begin at each, bands of rows, and numbers in a strip.
+  int tile_groups() const { return tile_nodes > width ? tile_nodes / width : 1; }
+  int tiles() const { return (row_groups + tile_groups() - 1) / tile_groups(); }
+  int padded_tiles() const { return (tiles() + 2 * width - 2) / width * width; }
+  int bands() const { return (rows + tile_rows - 1) / tile_rows; }
+  int strip() const { return row_heights / (width * tile_groups()) + width + 2; }
   bool adaptive() const { return flight_levels > 0; }
   /// Rows of lanes, and numbers of the faces, of an expanded node or cell (Caches).
   std::size_t shape_rows() const { return smooth ? 7 : 4; }
@@ -187,6 +205,22 @@ struct RowTables {
   const double* across = nullptr;  // (row, lane): psi(x, y)/psi(x) there; null: a plane scene
 };
 
+/// The nodes of an areal scene in tiles: groups of some neighbouring rows, which make a band. They
+/// bound the overlaps of all nodes in a tile at once (kernels/candidate_groups.hpp).
+struct TileTables {
+  int groups = 1;                   // of a tile along a row
+  int count = 0;                    // of tiles along a row
+  int row = 0;                      // the same, padded
+  int bands = 0;                    //
+  int strip = 0;                    // length of a row of highest2
+  const double* highest1 = nullptr; // (band, tile): highest of height1
+  /// (band, i, j): highest of height2 that the nodes of a tile meet whose first one stands in the
+  /// resonator's group i + j groups, until they have gone `width` nodes further
+  const double* highest2 = nullptr;
+  const double* shape = nullptr;    // (slider mode, tile): psi in the middle of a tile
+  const double* across = nullptr;   // (band, lane): as RowTables::across, in the middle of a band
+};
+
 /// The rough faces [m] at the nodes.
 struct FaceTables {
   int nodes = 0, groups = 0;         // slider nodes; groups of one node a lane
@@ -194,9 +228,11 @@ struct FaceTables {
   double steepest_rise = 0;          // largest rise of the resonator's face over one spacing
   double highest_overlap = 0;        // that the faces alone can have anywhere
   RowTables rows;                    // of the nodes
+  TileTables tiles;                  // areal scenes
   const double* height1 = nullptr;   // (group, lane): h_1 - delta; far below for the padding
   const double* height2 = nullptr;   // (row, resonator node), padded beyond the end of a row
-  const double* highest2 = nullptr;  // bound on the face from a node to the `width`-th after it
+  // plane scenes: bound on the face from a node to the `width`-th after it
+  const double* highest2 = nullptr;
 
   bool smooth = false;                 // what follows is of smooth faces, else null and 0
   const double* curvature1 = nullptr;  // (group, lane): h_1'' chi^2 at the nodes
@@ -274,6 +310,9 @@ struct MotionLimits {
   const double* largest_slope = nullptr;            // max |psi'|, resonator only: its nodes move
   const double* largest_curvature = nullptr;        // max |psi''|, resonator only
   const double* cell_sag = nullptr;  // smooth faces: what psi within a cell exceeds its ends by
+  // areal scenes: what psi at the nodes of a tile differs by from psi in its middle or, of the
+  // resonator, from psi where the patch and the band there have theirs
+  const double* tile_variation = nullptr;
   const double* cubic_remainder = nullptr;        // what a cubic over a patch leaves out, over |U|
   const double* cubic_slope_remainder = nullptr;  // 1/m, of its slope
 };
@@ -364,6 +403,7 @@ void visit_shared_arrays(SceneTables& t, const Extents& n, Visit&& visit) {
   visit("largest_curvature", t.bounds.largest_curvature, lanes);
   visit("cubic_remainder", t.bounds.cubic_remainder, lanes);
   visit("cubic_slope_remainder", t.bounds.cubic_slope_remainder, lanes);
+  if (n.rows > 0) visit("tile_variation", t.bounds.tile_variation, lanes);
   visit("quartic", t.patches.quartic, lanes);
   visit("patch", t.patches.derivatives, n.patches * 4 * lanes);
   visit("slider_shape", t.slider.shape, n.slider_modes * n.padded_row());
@@ -392,8 +432,17 @@ void visit_own_arrays(SceneTables& t, const Extents& n, Visit&& visit) {
   const std::size_t heights = n.heights;
   visit("height1", t.faces.height1, n.padded_nodes());
   visit("height2", t.faces.height2, heights);
-  visit("highest2", t.faces.highest2, heights);
-  if (n.rows > 0) visit("across", t.faces.rows.across, static_cast<std::size_t>(n.rows) * n.lanes);
+  if (n.rows == 0) {
+    visit("highest2", t.faces.highest2, heights);
+  } else {
+    const std::size_t bands = n.bands();
+    visit("across", t.faces.rows.across, static_cast<std::size_t>(n.rows) * n.lanes);
+    visit("tile_highest1", t.faces.tiles.highest1, bands * n.padded_tiles());
+    visit("tile_highest2", t.faces.tiles.highest2, bands * n.tile_groups() * n.strip());
+    visit("tile_shape", t.faces.tiles.shape,
+          static_cast<std::size_t>(n.slider_modes) * n.padded_tiles());
+    visit("tile_across", t.faces.tiles.across, bands * n.lanes);
+  }
   if (n.smooth) {
     visit("curvature1", t.faces.curvature1, n.padded_nodes());
     visit("curvature2", t.faces.curvature2, heights);

@@ -64,6 +64,16 @@ ArealScene one_bump() {
   s.plate_heights[4][65] = 9e-6;
   return s;
 }
+ArealScene many_nodes() {
+  ArealScene s = small_areal_scene(Support::free, 30);
+  s.spacing = 5e-5, s.spacing_y = 1e-4;
+  s.block.length = 149 * s.spacing, s.block.width = 37 * s.spacing_y;
+  s.side = 0.003;
+  s.gap = 6.5e-6;
+  s.plate_heights = rough_map(37, 1201, 2e-6, 3);
+  s.block_heights = rough_map(37, 150, 2e-6, 4);
+  return s;
+}
 ArealScene mirrored(ArealScene scene) {
   scene.side = scene.plate.width - scene.block.width - scene.side;
   std::reverse(scene.plate_heights.begin(), scene.plate_heights.end());
@@ -96,7 +106,7 @@ double state_distance(const ArealScene& s, const ArealState& a, const ArealState
 }
 
 Started areal_march(const ArealScene& of, const Scheme& scheme, double step, std::int64_t steps,
-                    std::int64_t samples) {
+                    std::int64_t samples, Nodes nodes) {
   Scene s;
   s.resonator = of.plate;
   s.slider = of.block;
@@ -106,7 +116,7 @@ Started areal_march(const ArealScene& of, const Scheme& scheme, double step, std
   s.gap = of.gap;
   s.contact.stiffness = of.stiffness;
   s.time = scheme.time;
-  s.time.nodes = Nodes::all;
+  s.time.nodes = nodes;
   set_steps(s, step, steps, samples);
   HeightMaps maps{.rows = static_cast<int>(of.block_heights.size()),
                   .spacing_y = of.spacing_y,

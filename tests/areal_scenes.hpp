@@ -18,6 +18,8 @@ ArealScene rigid_block();
 ArealScene free_block();
 ArealScene sixty_modes();
 ArealScene one_bump();
+/// 150 x 37 nodes: many tiles.
+ArealScene many_nodes();
 
 /// A scene with y turned round.
 ArealScene mirrored(ArealScene scene);
@@ -30,10 +32,9 @@ double apart(const Body& body, const std::vector<double>& u, const std::vector<d
 /// The distance of two states in the norm whose square is the energy, over that of the first.
 double state_distance(const ArealScene& scene, const ArealState& a, const ArealState& b);
 
-/// The scene made ready to march in fixed steps over all nodes, with so many samples besides the
-/// first.
+/// The scene made ready to march in fixed steps, with so many samples besides the first.
 Started areal_march(const ArealScene& scene, const Scheme& scheme, double step, std::int64_t steps,
-                    std::int64_t samples = 1);
+                    std::int64_t samples = 1, Nodes nodes = Nodes::all);
 
 /// Displacements and rates at a sample.
 ArealState state_at(const Recording& recording, std::size_t sample);

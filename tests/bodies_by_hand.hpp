@@ -85,6 +85,7 @@ struct BodiesByHand {
     s.work.candidates.reference_u = reference_u_.data(),
     s.work.candidates.coarse_reference_u = coarse_reference_u_.data(),
     s.work.amplitudes = amplitudes_.data();
+    s.work.candidates.most_listed = nodes;
     s.work.listed_nodes = listed_nodes_.data(), s.carried.contacts.nodes = contacts_.data(),
     s.work.search.overlaps = overlaps_.data();
   }

@@ -144,8 +144,10 @@ struct BatchSlot {
   /// with twice as much. Where there is no memory for that, the scene has come to its end.
   void grow_if_crowded() {
     if (state.carried.status != Status::crowded) return;
+    const int listed = extents.rows > 0 ? extents.listed : 0;
+    if (listed == most_areal_nodes) return;
     try {
-      grow(2 * std::max(extents.active, extents.contacts));
+      grow(2 * std::max({extents.active, extents.contacts, listed}));
       state.carried.status = Status::running;
     } catch (const std::bad_alloc&) {
     }

@@ -95,6 +95,8 @@ class Filler {
   void slider_shapes();
   void across();
   void faces();
+  void tiles();
+  void tile_variation(const ModeOnLane& mode);
   void smooth_faces(const double* h2);
   void adaptive();
   void moving_forces();
@@ -121,6 +123,11 @@ void Filler::numbers() {
     tables_.faces.rows.nodes = n_.row_nodes;
     tables_.faces.rows.groups = n_.row_groups;
     tables_.faces.rows.excess = n_.row_heights - tables_.slider.row;
+    tables_.faces.tiles.groups = n_.tile_groups();
+    tables_.faces.tiles.count = n_.tiles();
+    tables_.faces.tiles.row = n_.padded_tiles();
+    tables_.faces.tiles.bands = n_.bands();
+    tables_.faces.tiles.strip = n_.strip();
   }
   tables_.faces.smooth = n_.smooth;
   tables_.patches.count = n_.patches;
@@ -181,6 +188,7 @@ void Filler::modes() {
       host_(tables_.modes.damping)[lane] =
           2.0 * oscillator.zeta * oscillator.omega * oscillator.mass * model_.tick;
       host_(tables_.bounds.largest_shape)[lane] = largest;
+      if (model_.is_areal) tile_variation(mode);
       if (is_adaptive(scene_))
         flight_of(mode);
       else
@@ -344,7 +352,7 @@ void Filler::faces() {
       row2[n] = face[std::min(n, given - 1)];
       scale2 = std::max(scale2, std::abs(row2[n]));
     }
-    fill_highest(row2, n_.row_heights, n_.width, highest2 + (row2 - h2));
+    if (!model_.is_areal) fill_highest(row2, n_.row_heights, n_.width, highest2);
     tables_.faces.steepest_rise =
         std::max(tables_.faces.steepest_rise, steepest_rise(row2, n_.row_heights));
   }
@@ -354,9 +362,69 @@ void Filler::faces() {
   tables_.faces.highest_overlap =
       *std::max_element(h1, h1 + n_.nodes) + *std::max_element(h2, h2 + n_.heights);
   if (n_.smooth) smooth_faces(h2);
+  if (model_.is_areal) tiles();
   scale += 1e-6 * scene_.spacing;
   tables_.bounds.least_range = 1e-4 * scale;
   tables_.bounds.least_margin = 1e-8 * scale;
+}
+
+/// Bounds on the faces and the modes in tiles of nodes.
+void Filler::tiles() {
+  const TileTables& t = tables_.faces.tiles;
+  const int tile = t.groups * n_.width;  // nodes
+  const double* const h1 = host_(tables_.faces.height1);
+  const double* const h2 = host_(tables_.faces.height2);
+  double* const highest1 = host_(t.highest1);
+  double* const highest2 = host_(t.highest2);
+  std::fill_n(highest1, static_cast<std::size_t>(t.bands) * t.row, -1e30);
+  std::vector<double> group(n_.row_heights / n_.width + 1);
+  for (int band = 0; band < t.bands; ++band) {
+    const int first = band * tile_rows, last = std::min(first + tile_rows, n_.rows);
+    double* const own = highest1 + static_cast<std::size_t>(band) * t.row;
+    std::fill(group.begin(), group.end(), -1e30);  // the highest of the resonator's
+    for (int row = first; row < last; ++row) {
+      const double* const row1 = h1 + row * n_.padded_row();
+      const double* const row2 = h2 + static_cast<std::size_t>(row) * n_.row_heights;
+      for (int i = 0; i < n_.row_nodes; ++i) own[i / tile] = std::max(own[i / tile], row1[i]);
+      for (int i = 0; i < n_.row_heights; ++i)
+        group[i / n_.width] = std::max(group[i / n_.width], row2[i]);
+    }
+    // all that a tile meets whose first node stands in group g, until it has gone a group further
+    double* const strips = highest2 + static_cast<std::size_t>(band) * t.groups * t.strip;
+    for (int g = 0; g < t.groups * t.strip; ++g) {
+      double most = -1e30;
+      for (int j = g; j < g + t.groups + 2 && j < static_cast<int>(group.size()); ++j)
+        most = std::max(most, group[j]);
+      strips[static_cast<std::size_t>(g % t.groups) * t.strip + g / t.groups] = most;
+    }
+    double* const lanes = host_(t.across) + static_cast<std::size_t>(band) * n_.lanes;
+    const double middle = 0.5 * (model_.eta(first) + model_.eta(last - 1));
+    int lane = 0;
+    for (const BodyMode& mode : model_.resonator.modes)
+      mode.shape->evaluate_across(model_.side + middle, 1, lanes + lane++);
+    for (const BodyMode& mode : model_.slider.modes)
+      mode.shape->evaluate_across(middle, 1, lanes + lane++);
+  }
+  for (int k = 0; k < tables_.slider.modes; ++k)
+    for (int i = 0; i < t.count; ++i)
+      host_(t.shape)[k * t.row + i] =
+          shape_at(model_.slider.modes[k],
+                   std::min(i * tile + tile / 2, n_.row_nodes - 1) * scene_.spacing);
+}
+
+/// By its slope along a tile times the way from its middle (of the resonator from the middle of a
+/// patch, and on the way that a list of candidate groups holds for), and its slope across it.
+void Filler::tile_variation(const ModeOnLane& mode) {
+  const TileTables& t = tables_.faces.tiles;
+  double nodes = 0.5 * t.groups * n_.width + 1;
+  if (mode.of_resonator) nodes += 0.5 * tables_.patches.nodes + n_.width + 2;
+  const double along = nodes * scene_.spacing,
+               across = 0.5 * (tile_rows - 1) * model_.spacing_y * mode.shape.across_rate();
+  // the middle of a patch, and what the slider would reach, may lie behind the body's end
+  const double beyond = mode.of_resonator ? 2 * radius_ + along : 0.0;
+  host_(tables_.bounds.tile_variation)[mode.lane] =
+      along * mode.shape.largest_slope(beyond) +
+      across * mode.largest * mode.shape.growth(beyond);
 }
 
 /// Splines instead of straight lines. `h2`: the resonator's heights, padded.
@@ -448,10 +516,16 @@ void fill(SceneState& state, const Model& model, const ModalStart& start, const 
   state.carried.energy.start = start.energy;
   state.carried.sampling.next = model.first_sample;
   state.out.samples.capacity = n.samples;
+  state.work.candidates.most_listed = n.listed;
   state.work.runs.capacity = n.runs();
   state.work.runs.row = model.is_areal ? static_cast<int>(n.padded_row()) : 0;
   state.out.ended_shocks.capacity = n.shocks;
-  std::fill_n(host(state.marks.node_window), n.nodes, -1);
+  if (model.is_areal) {
+    std::fill_n(host(state.marks.node_slot), n.nodes, 0);
+    state.marks.slots = static_cast<int>(n.slots());
+  } else {
+    std::fill_n(host(state.marks.node_window), n.nodes, -1);
+  }
   state.work.active.capacity = n.active;
   if (n.active > 0) {
     std::fill_n(host(state.marks.active_index), n.nodes, -1);

@@ -9,7 +9,6 @@
 #include "host/base/errors.hpp"
 #include "host/model/bounds.hpp"
 #include "host/scene/schemes.hpp"
-#include "host/system/machine_memory.hpp"
 
 namespace ra2d {
 
@@ -48,24 +47,6 @@ int first_flight_level(const Model& model) {
   return std::clamp(std::ilogb(2e-4 / (rate * model.tick)), 0, 40);
 }
 
-namespace {
-
-/// The march keeps every node that it has expanded.
-void check_expanded(const Model& model, const Extents& n) {
-  if (!model.is_areal) return;
-  const auto most = static_cast<double>(machine_memory());
-  const double bytes = static_cast<double>(n.nodes) * n.shape_rows() * n.lanes * sizeof(double);
-  if (bytes <= most) return;
-  throw refusal(model.scene, "scene.spacing",
-                fmt::format("{} nodes and {} modes take up to {:.3g} GB, and there are {:.3g}: "
-                            "coarsen spacing or spacing_y, or keep fewer modes "
-                            "(resonator.max_frequency)",
-                            model.nodes(), model.resonator.modes.size() + model.slider.modes.size(),
-                            bytes / 1e9, most / 1e9));
-}
-
-}  // namespace
-
 Extents extents_of(const Model& model, const PatchSeries& series, int lanes, int width,
                    const Capacity& capacity) {
   const Scene& scene = model.scene;
@@ -83,7 +64,7 @@ Extents extents_of(const Model& model, const PatchSeries& series, int lanes, int
   n.patches = n.row_heights / series.patch_nodes + 1;
   n.slider_modes = static_cast<int>(model.slider.modes.size());
   n.smooth = model.has_smooth_faces();
-  check_expanded(model, n);
+  n.listed = model.is_areal ? std::min({n.nodes, capacity.nodes, most_areal_nodes}) : n.nodes;
   const int stages = is_adaptive(scene) ? 1 : scheme_table(scene.time.scheme).stages;
   n.stage_rows = first_stage_row(stages);
   n.end_rows = end_rows(stages);

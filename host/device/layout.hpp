@@ -29,12 +29,13 @@ PatchSeries choose_series(const Model& model, int width);
 /// (fastest rate times time)^4/24 nothing is left there.
 int first_flight_level(const Model& model);
 
-/// Rows of samples and shocks that a launch can hand out, and nodes that can carry force at once:
-/// the march stops where it needs more, and goes on once there is more.
+/// Rows of samples and shocks that a launch can hand out, and nodes that can carry force (areal
+/// scenes: be evaluated) at once: the march stops where it needs more, and goes on once there is more.
 struct Capacity {
   int samples = 4096;  // no more than the run has
   int shocks = 8192;   // beside what one step can end
-  int nodes = 64;      // where forces are found together, and under the adaptive scheme
+  // where forces are found together, under the adaptive scheme, and in areal scenes
+  int nodes = 64;
 };
 /// Of one of thousands on a GPU, where a launch makes a short way of each: what they hand out
 /// stands in memory of the host that cannot be swapped.

@@ -139,7 +139,7 @@ class Complementarity {
     const int count = latest_contact_.nodes;
     if (count < 1 || count > 2) return false;
     const int first = latest_contact_.pair[0], second = count > 1 ? latest_contact_.pair[1] : first;
-    node_contact_.expand(place, latest_contact_.pair, count);
+    if (!node_contact_.expand(place, latest_contact_.pair, count)) return false;
     Real phi[packs], slope[packs], weighted[packs], other[packs], other_slope[packs];
     node_contact_.shapes(first, place.offset, phi, slope);
     for (int p = 0; p < packs; ++p) weighted[p] = receptance(p) * phi[p];
@@ -166,7 +166,8 @@ class Complementarity {
       now[p] = multiply_add(-receptance(p), force_on_modes[p], u[p]);
     }
     most = force + other_force;
-    if (!others_stay_open(place, now, first, second, list(now))) return false;
+    const int nodes = list(now);
+    if (nodes < 0 || !others_stay_open(place, now, first, second, nodes)) return false;
     totals.nodes = count;
     totals.force = most;
     totals.face_work = force * node_contact_.rise(first) + other_force * node_contact_.rise(second);
@@ -197,7 +198,8 @@ class Complementarity {
   static constexpr int many = 256;
   /// Finds the contact forces of a step: corrects its end (u, v), lists in the state's work space
   /// the nodes that carry force, in ascending order. `list(u)` expands the nodes to evaluate, lists
-  /// them in `listed_nodes` and returns their number: all that overlap at u must be among them.
+  /// them in `listed_nodes` and returns their number: all that overlap at u must be among them. A
+  /// negative number: there is no room for them, the answer is `crowded`.
   /// `most` becomes the largest total force [N] at any stage of the search, if it was less. `step`
   /// ends at `place`. `anywhere`: whether `list` is good for any u; if not, the answer with many
   /// nodes is `crowded`: repeat it with a list that is.
@@ -239,6 +241,10 @@ class Complementarity {
     double wide = 0.0;
     for (int round = 0;; ++round) {
       const int nodes = list(now);
+      if (nodes < 0) {
+        result = Solution::crowded;
+        break;
+      }
       double over = contact_.tolerance + wide;
       const int worst = most_overlapping(place, now, nodes, over);
       if (worst < 0) break;
@@ -288,6 +294,7 @@ class Complementarity {
     }
     bool rests = false;
     int nodes = list(now);
+    if (nodes < 0) return Solution::crowded;
     double energy = descend(place, now, nodes, d, w, slope, most);
     for (int round = 0; round < rounds; ++round) {
       if (is_interrupted(interrupted_)) return Solution::interrupted;
@@ -303,6 +310,7 @@ class Complementarity {
           at[p] = multiply_add(d[p], to[p], u[p]);
         }
         nodes = list(at);
+        if (nodes < 0) return Solution::crowded;
         const double there = descend(place, at, nodes, d, to, next_slope, most);
         // the second is what roundings do to sums of squares
         if (there <= energy + 1e-4 * share * fall + 1e-13 * energy || half + 1 == halvings) {

@@ -133,11 +133,15 @@ class NodeContact {
         contact_{contact},
         marks_{marks},
         caches_{caches},
-        contact_list_{contact_list} {}
+        contact_list_{contact_list},
+        node_slot_{marks.node_slot} {}
 
-  /// Expands the listed nodes that are not expanded for this window yet.
-  RA2D_FUNCTION void expand(const Place& place, const int* nodes, int count) const {
+  /// Expands the listed nodes that are not expanded for this window yet. False where areal scenes
+  /// have no place for them all.
+  RA2D_FUNCTION bool expand(const Place& place, const int* nodes, int count) const {
     const std::int64_t window = place.window(motion_);
+    if (node_slot_ != nullptr) [[unlikely]]
+      return expand_on_rows(place, window, nodes, count);
     for (int e = 0; e < count; ++e) {
       const int node = nodes[e];
       if (marks_.node_window[node] == window) continue;
@@ -152,6 +156,7 @@ class NodeContact {
       if (lanes_.leader()) marks_.node_window[node] = window;
       lanes_.sync();
     }
+    return true;
   }
   /// psi of both bodies at an expanded node, and its change over a spacing of the slider's path.
   KOKKOS_FORCEINLINE_FUNCTION void shapes(int node, double offset, Real* phi, Real* slope) const {
@@ -184,7 +189,7 @@ class NodeContact {
   }
   /// The rough faces' part of the overlap of an expanded node [m].
   KOKKOS_FORCEINLINE_FUNCTION double face(int node, double theta) const {
-    return Kokkos::fma(theta, rise(node), caches_.node_face[2 * node]);
+    return Kokkos::fma(theta, rise(node), caches_.node_face[2 * slot(node)]);
   }
   /// Cubics of all modes at an expanded node over the window: (derivative, lane).
   KOKKOS_FORCEINLINE_FUNCTION const double* expanded(int node) const {
@@ -192,7 +197,7 @@ class NodeContact {
   }
   /// Rise of the resonator's face to its next node [m].
   KOKKOS_FORCEINLINE_FUNCTION double rise(int node) const {
-    return caches_.node_face[2 * node + 1];
+    return caches_.node_face[2 * slot(node) + 1];
   }
 
   /// Smooth faces: the overlap along an expanded cell at the displacements u, and its rate where
@@ -289,12 +294,14 @@ class NodeContact {
   }
 
   /// Contact detection and contact force at a state: adds the modal contact force of the listed
-  /// nodes (in ascending order, expanded for this window) to `force`, and lists those in contact.
+  /// nodes (in ascending order, expanded for this window) to `force`. Lists those in contact, if it
+  /// is to be recorded.
   KOKKOS_FORCEINLINE_FUNCTION ContactTotals<Real> operator()(const Place& place, const Real* u,
                                                              const int* nodes, int count,
-                                                             Real* force) const {
+                                                             Real* force,
+                                                             bool recorded = true) const {
     if (faces_.smooth) [[unlikely]]
-      return in_cells(place, u, nodes, count, force);
+      return in_cells(place, u, nodes, count, force, recorded);
     const Penalty penalty{contact_.node_stiffness};
     ContactTotals<Real> totals;
     Real slope_force[packs];  // sum_n f_n dphi/dx
@@ -314,7 +321,7 @@ class NodeContact {
       totals.face_work = Kokkos::fma(f, rise(node), totals.face_work);
       totals.force += f;
       RA2D_CHECK(totals.nodes < faces_.nodes);
-      if (lanes_.leader()) {
+      if (recorded && lanes_.leader()) {
         contact_list_.nodes[totals.nodes] = node;
         contact_list_.forces[totals.nodes] = f;
       }
@@ -360,7 +367,7 @@ class NodeContact {
 
   /// Contact between smooth faces, in the listed cells.
   RA2D_FUNCTION ContactTotals<Real> in_cells(const Place& place, const Real* u, const int* cells,
-                                             int count, Real* force) const {
+                                             int count, Real* force, bool recorded) const {
     ContactTotals<Real> totals;
     Real slope_force[packs];  // sum of the integrals of o dphi/dx
     for (int p = 0; p < packs; ++p) slope_force[p] = Real(0.0);
@@ -378,7 +385,7 @@ class NodeContact {
         for (; part < parts.count() && parts.cell(part) == cell; ++part)
           contact = contact + parts.integrals(part);
         if (contact.moment[0] > 0.0)
-          add_cell(cell, place.offset, contact, force, slope_force, totals);
+          add_cell(cell, place.offset, contact, force, slope_force, totals, recorded);
       }
       lanes_.sync();
     }
@@ -391,7 +398,7 @@ class NodeContact {
   }
   KOKKOS_FORCEINLINE_FUNCTION void add_cell(int cell, double offset, const CellContact& contact,
                                             Real* force, Real* slope_force,
-                                            ContactTotals<Real>& totals) const {
+                                            ContactTotals<Real>& totals, bool recorded) const {
     const double spring = contact_.node_stiffness;  // of a whole cell
     const double* m = contact.moment;
     const double f0 = spring * m[0], f1 = spring * m[1], f2 = spring * m[2], f3 = spring * m[3];
@@ -412,7 +419,7 @@ class NodeContact {
     totals.energy = Kokkos::fma(0.5 * spring, contact.square, totals.energy);
     totals.force += f0;
     RA2D_CHECK(totals.nodes < faces_.nodes);
-    if (lanes_.leader()) {
+    if (recorded && lanes_.leader()) {
       contact_list_.nodes[totals.nodes] = cell;
       contact_list_.forces[totals.nodes] = f0;
       contact_list_.centres[totals.nodes] = cell + 0.5 + m[1] / m[0];
@@ -420,8 +427,44 @@ class NodeContact {
     ++totals.nodes;
   }
 
-  KOKKOS_FORCEINLINE_FUNCTION static std::int64_t node_offset(int node) {
-    return static_cast<std::int64_t>(node) * (4 * packs * width);
+  /// Where an expanded node stands in the caches.
+  KOKKOS_FORCEINLINE_FUNCTION int slot(int node) const {
+    return node_slot_ == nullptr ? node : node_slot_[node];
+  }
+  KOKKOS_FORCEINLINE_FUNCTION std::int64_t node_offset(int node) const {
+    return static_cast<std::int64_t>(slot(node)) * (4 * packs * width);
+  }
+  /// Areal scenes. All that is expanded is of one window.
+  RA2D_FUNCTION bool expand_on_rows(const Place& place, std::int64_t window, const int* nodes,
+                                    int count) const {
+    int used = marks_.slots_window == window ? marks_.slots_used : 0;
+    bool has_room = true;
+    for (int e = 0; e < count; ++e) {
+      const int node = nodes[e], known = node_slot_[node];
+      if (known < used && marks_.slot_node[known] == node) continue;
+      if (used == marks_.slots) {
+        has_room = false;
+        break;
+      }
+      lanes_.sync();
+      expand_node<Lanes, packs>(
+          lanes_, motion_, faces_, slider_, patches_, place, node,
+          caches_.node_shape + static_cast<std::int64_t>(used) * (4 * packs * width),
+          caches_.node_face + 2 * used);
+      if (lanes_.leader()) {
+        node_slot_[node] = used;
+        marks_.slot_node[used] = node;
+      }
+      ++used;
+      lanes_.sync();
+    }
+    lanes_.sync();
+    if (lanes_.leader()) {
+      marks_.slots_used = used;
+      marks_.slots_window = window;
+    }
+    lanes_.sync();
+    return has_room;
   }
 
   Lanes lanes_;
@@ -433,6 +476,7 @@ class NodeContact {
   Marks& marks_;
   Caches& caches_;
   ContactList& contact_list_;
+  int* node_slot_;  // Marks
 };
 
 }  // namespace ra2d

@@ -35,7 +35,7 @@ class ListedNodes {
                                         double share) const {
     place.move_to(motion, step, share);
   }
-  static constexpr bool may_end = true;
+  static constexpr bool may_end = true, may_lack_room = false;
   /// Form::implicit, once a step, which ended with `force` [N] and had no more than `most` [N]
   /// during the search for it: whether the list held at every state evaluated (ContactForecast).
   KOKKOS_FORCEINLINE_FUNCTION bool covers(double most, double force) {
@@ -66,16 +66,19 @@ class SearchedNodes {
                                             const NodeContact<Lanes, packs>& node_contact)
       : listed_nodes_{listed_nodes}, candidates_{candidates}, node_contact_{node_contact} {}
 
+  /// Negative where there is no room for them all.
   RA2D_FUNCTION int find(const Real* u, const Real* v, const Place& place) const {
     const int count = candidates_.find_contacts(u, v, place);
-    node_contact_.expand(place, listed_nodes_, count);
+    if (!candidates_.has_room(count) || !node_contact_.expand(place, listed_nodes_, count))
+        [[unlikely]]
+      return -1;
     return count;
   }
   RA2D_FUNCTION void move(const SliderMotion& motion, Place& place, std::int64_t step,
                           double share) const {
     place = Place(motion, step, share);
   }
-  static constexpr bool may_end = false;
+  static constexpr bool may_end = false, may_lack_room = true;
   KOKKOS_FORCEINLINE_FUNCTION bool covers(double, double) const { return true; }
 
  private:
@@ -121,18 +124,17 @@ class ContactStep {
   KOKKOS_FORCEINLINE_FUNCTION bool operator()(Motion<Lanes, packs>& y, const Weights& w,
                                               Place& place, NodesToEvaluate& nodes,
                                               Recorder& recorder) {
+    bool made;
     if constexpr (form == Form::semi_implicit) {
-      semi_implicit(y, w, place, nodes, recorder);
+      made = semi_implicit(y, w, place, nodes, recorder);
     } else if constexpr (form == Form::staged) {
-      if (scheme_.stages == 1)
-        staged<1>(y, w, place, nodes, recorder);
-      else
-        staged<most_stages>(y, w, place, nodes, recorder);
+      made = scheme_.stages == 1 ? staged<1>(y, w, place, nodes, recorder)
+                                 : staged<most_stages>(y, w, place, nodes, recorder);
     } else {
-      if (!implicit(y, w, place, nodes, recorder)) return false;
+      made = implicit(y, w, place, nodes, recorder);
     }
-    ++y.step;
-    return true;
+    if (made) ++y.step;
+    return made;
   }
 
  private:
@@ -154,26 +156,32 @@ class ContactStep {
 
   /// U1 = U0 + tau V1 with the contact force of the old time.
   template <class NodesToEvaluate>
-  KOKKOS_FORCEINLINE_FUNCTION void semi_implicit(Motion<Lanes, packs>& y, const Weights& w,
+  KOKKOS_FORCEINLINE_FUNCTION bool semi_implicit(Motion<Lanes, packs>& y, const Weights& w,
                                                  const Place& place, NodesToEvaluate& nodes,
                                                  Recorder& recorder) {
     Real force[packs], moving[packs];
     outer_(y.step, force, moving);
     const int count = nodes.find(y.u, y.v, place);
+    if (NodesToEvaluate::may_lack_room && count < 0) [[unlikely]]
+      return fail(Solution::crowded);
     const ContactTotals<Real> totals = node_contact_(place, y.u, listed_nodes_, count, force);
     recorder.take_contact(totals, place, y.step);
     y.deflection_work = y.deflection_work + totals.deflection_work;
     lanes_.sync();
     integrate_.advance(y.u, y.v, y.square, force, w);
     if (outer_.any_move()) recorder.take_force_work(outer_.work(moving, y.v));
+    return true;
   }
 
   /// With the contact force at each stage, `most` of them.
   template <int most, class NodesToEvaluate>
-  KOKKOS_FORCEINLINE_FUNCTION void staged(Motion<Lanes, packs>& y, const Weights& w, Place& place,
+  KOKKOS_FORCEINLINE_FUNCTION bool staged(Motion<Lanes, packs>& y, const Weights& w, Place& place,
                                           NodesToEvaluate& nodes, Recorder& recorder) {
     Real force[most][packs];
     unsigned acting = 0;
+    ContactTotals<Real> first;
+    double work = 0.0;
+    const Place start = place;
     const int stages = most == 1 ? 1 : scheme_.stages;
     for (int i = 0; i < stages; ++i) {
       Real at[packs];
@@ -185,22 +193,28 @@ class ContactStep {
       }
       if (outer_.any_move()) {
         outer_.moving(y.step, scheme_.place[i], force[i]);
-        if (i == 0) recorder.take_force_work(outer_.work(force[0], y.v));
+        if (i == 0) work = outer_.work(force[0], y.v);
         acting |= 1u << i;
       } else {
         for (int p = 0; p < packs; ++p) force[i][p] = Real(0.0);
       }
       const int count = nodes.find(at, y.v, place);
-      const ContactTotals<Real> totals = node_contact_(place, at, listed_nodes_, count, force[i]);
+      if (NodesToEvaluate::may_lack_room && count < 0) [[unlikely]]
+        return fail(Solution::crowded);
+      const ContactTotals<Real> totals =
+          node_contact_(place, at, listed_nodes_, count, force[i], i == 0);
       if (totals.nodes > 0) acting |= 1u << i;
-      if (i == 0) {  // the record is that of the state at the step
-        recorder.take_contact(totals, place, y.step);
-        y.deflection_work = y.deflection_work + totals.deflection_work;
-      }
+      if (i == 0) first = totals;
       lanes_.sync();
     }
+    // the record is that of the state at the step; nothing stops the step any more
+    recorder.take_contact(first, start, y.step);
+    if (outer_.any_move()) recorder.take_force_work(work);
+    y.deflection_work = y.deflection_work + first.deflection_work;
+    lanes_.sync();
     integrate_.advance(y.u, y.v, w, acting, force);
     y.add_squares();
+    return true;
   }
 
   /// With contact forces that hold over the step and are found with its end.

@@ -163,13 +163,22 @@ class FixedMarch {
       if constexpr (form != Form::implicit) {
         const Place place(tables_.motion, now_.step);
         const int count = candidates_.find_contacts(now_.u, now_.v, place);
-        node_contact_.expand(place, state_.work.listed_nodes, count);
+        if (!candidates_.has_room(count) ||
+            !node_contact_.expand(place, state_.work.listed_nodes, count)) [[unlikely]]
+          return lack_room();
         node_contact_(place, now_.u, state_.work.listed_nodes, count, force);
       }
       integrate_.lag(now_.u, now_.v, force);
     }
     lanes_.sync();
     if (lanes_.leader()) state_.carried.modal.begun = true;
+    lanes_.sync();
+  }
+
+  /// Ends the launch, until there is memory for more nodes.
+  RA2D_FUNCTION void lack_room() {
+    lanes_.sync();
+    if (lanes_.leader()) state_.carried.status = Status::crowded;
     lanes_.sync();
   }
 
@@ -202,7 +211,8 @@ class FixedMarch {
           candidates_.forecast_contact(now_.u, now_.v, now_.step, next, recorder_.usual_force());
       if (plan.kind == ContactForecast::flight)
         fly(plan.steps);
-      else if (plan.kind == ContactForecast::search || !march_listed(plan)) {
+      else if (plan.kind == ContactForecast::search ||
+               (!march_listed(plan) && state_.carried.status == Status::running)) {
         const std::int64_t before = now_.step;
         march_with_search(1);
         if (now_.step == before) break;  // it failed, or was interrupted
@@ -265,12 +275,17 @@ class FixedMarch {
     }
   }
 
-  /// Steps that evaluate the listed nodes. False when the list did not cover even one.
+  /// Steps that evaluate the listed nodes. False when the list did not cover even one, or there is
+  /// no room for it.
   RA2D_FUNCTION bool march_listed(const ContactForecast& plan) {
     const auto w = integrate_.weights();
     Motion<Lanes, packs> y = now_;
     Place place(tables_.motion, y.step);
-    node_contact_.expand(place, state_.work.listed_nodes, plan.count);
+    if (!candidates_.has_room(plan.count) ||
+        !node_contact_.expand(place, state_.work.listed_nodes, plan.count)) [[unlikely]] {
+      lack_room();
+      return false;
+    }
     ListedNodes nodes(plan);
     int done = 0;
     while (done < plan.steps && can_record_shocks()) {

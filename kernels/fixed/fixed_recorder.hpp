@@ -83,14 +83,15 @@ class FixedRecorder {
     return next > step ? next : step + 1;
   }
 
-  /// Writes what is due at this step. False when the buffer is full.
+  /// Writes what is due at this step. False when the buffer is full, or there is no room for the
+  /// nodes in contact.
   RA2D_FUNCTION bool take_sample(Motion<Lanes, packs>& now, Candidates<Lanes, packs>& candidates) {
     std::int64_t at;
     double share;
     if (sampling_.pending) {
       sample_place(sampling_.next, at, share);
       if (at + 1 != now.step) return true;
-      write_sample(now, candidates, share, Part::second);
+      if (!write_sample(now, candidates, share, Part::second)) return false;
       lanes_.sync();
       if (lanes_.leader()) {
         sampling_.pending = false;
@@ -103,7 +104,8 @@ class FixedRecorder {
     sample_place(sampling_.next, at, share);
     if (at != now.step) return true;
     if (samples_.count == samples_.capacity) return false;
-    write_sample(now, candidates, 1.0 - share, share > 0.0 ? Part::first : Part::whole);
+    if (!write_sample(now, candidates, 1.0 - share, share > 0.0 ? Part::first : Part::whole))
+      return false;
     check_energy(now);
     lanes_.sync();
     if (lanes_.leader()) {
@@ -227,13 +229,19 @@ class FixedRecorder {
   enum class Part { whole, first, second };
 
   /// The share `weight` of a sample that this step has in it: all of it, the first of two, which
-  /// waits for the second, or the second.
-  RA2D_FUNCTION void write_sample(Motion<Lanes, packs>& now, Candidates<Lanes, packs>& candidates,
+  /// waits for the second, or the second. False where there is no room for the nodes in contact.
+  RA2D_FUNCTION bool write_sample(Motion<Lanes, packs>& now, Candidates<Lanes, packs>& candidates,
                                   double weight, Part part) {
     const bool add = part == Part::second;
     if (!add) close_parts(now);
     Real v[packs];
     const SampledContact contact = contact_at(now, candidates, v);
+    if (contact.nodes < 0) [[unlikely]] {
+      lanes_.sync();
+      if (lanes_.leader()) status_ = Status::crowded;
+      lanes_.sync();
+      return false;
+    }
     constexpr int size = 2 * packs * width + sample::columns;
     RA2D_CHECK(samples_.count < samples_.capacity);
     double* const row = part == Part::first
@@ -254,7 +262,7 @@ class FixedRecorder {
     }
     const double damping_loss = lanes_.sum(loss);
     const double sliding_work = sums_.sliding_work + sliding_part(now);
-    if (!lanes_.leader()) return;
+    if (!lanes_.leader()) return true;
     // the number of nodes is not interpolated: it is that of the step before the sample
     const double nodes = add ? 0.0 : contact.nodes / weight;
     const double values[sample::columns] = {contact.force,  nodes,
@@ -264,11 +272,12 @@ class FixedRecorder {
     const double* const first = sampling_.pending_row + 2 * packs * width;
     for (int i = 0; i < sample::columns; ++i)
       column[i] = weight * values[i] + (add ? first[i] : 0.0);
+    return true;
   }
 
   struct SampledContact {
     double force, energy;
-    int nodes;
+    int nodes;  // negative: there is no room for them
   };
 
   /// The contact at the present state, and the velocity at its time: of a scheme whose velocity
@@ -292,7 +301,9 @@ class FixedRecorder {
       const int count = candidates.find_contacts(now.u, now.v, place);
       Real force[packs], moving[packs];
       outer_(now.step, force, moving);
-      node_contact_.expand(place, listed_nodes_, count);
+      if (!candidates.has_room(count) || !node_contact_.expand(place, listed_nodes_, count))
+          [[unlikely]]
+        return {0.0, 0.0, -1};
       const ContactTotals<Real> totals = node_contact_(place, now.u, listed_nodes_, count, force);
       double squares = 0.0;
       for (int e = 0; e < totals.nodes; ++e)

@@ -11,8 +11,6 @@
 #include <vector>
 
 #include "host/base/errors.hpp"
-#include "host/device/layout.hpp"
-#include "host/system/machine_memory.hpp"
 #include "tests/areal_reference.hpp"
 #include "tests/areal_scenes.hpp"
 #include "tests/compare.hpp"
@@ -21,7 +19,7 @@
 #include "tests/schemes.hpp"
 #include "tests/simulate.hpp"
 
-/// The march over the rows of areal scenes, in fixed steps over all nodes.
+/// The march over the rows of areal scenes, in fixed steps.
 namespace ra2d::test {
 namespace {
 
@@ -120,6 +118,38 @@ INSTANTIATE_TEST_SUITE_P(Scenes, ArealMarch,
                                          Rough{"OneBump", one_bump}),
                          [](const auto& info) { return info.param.name; });
 
+/// More nodes in contact than there is room for at first, in one window.
+TEST(ArealRoom, GrowsWithTheContactAndChangesNoBit) {
+  ArealScene s = pressed_block();
+  s.speed = 20;
+  for (const Scheme& scheme : schemes_and_implicit()) {
+    const Started all = areal_march(s, scheme, 1e-8, 600, 3),
+                  started = areal_march(s, scheme, 1e-8, 600, 3, Nodes::candidates);
+    Launches with_room;
+    with_room.batch.capacity.nodes = 1024;
+    const Recording expected = simulate(all, with_room);
+    ASSERT_EQ(expected.end.most_nodes, 300);
+    EXPECT_TRUE(same(expected, simulate(all))) << scheme.name;
+    EXPECT_TRUE(same(expected, simulate(started))) << scheme.name;
+    Launches one_place;
+    one_place.batch.capacity.nodes = 1;
+    EXPECT_TRUE(same(expected, simulate(started, one_place))) << scheme.name;
+  }
+}
+
+TEST(ArealTiles, CandidatesChangeNoBit) {
+  for (const int i : {2, 4, 7}) {
+    const Scheme& scheme = schemes_and_implicit()[i];
+    const ArealScene s = many_nodes();
+    const Recording all = simulate(areal_march(s, scheme, 2e-8, 10'000, 10)),
+                    candidates =
+                        simulate(areal_march(s, scheme, 2e-8, 10'000, 10, Nodes::candidates));
+    EXPECT_GT(all.end.shocks_begun, 10) << scheme.name;
+    EXPECT_TRUE(same(all, candidates)) << scheme.name;
+    EXPECT_LT(100 * candidates.end.evaluated, all.end.evaluated) << scheme.name;
+  }
+}
+
 TEST_P(ArealMarch, ErrorsFallWithTheStep) {
   // A contact that begins or ends within a step leaves an error of second order, whatever the
   // scheme. How large it is depends on where in the step: over eightfold steps the fall may be a
@@ -193,10 +223,15 @@ TEST_P(ArealMarch, EnergyCloses) {
 
 // ---- the same bits
 
-TEST_P(ArealMarch, LaunchesAndPaddingChangeNoBit) {
+TEST_P(ArealMarch, CandidatesLaunchesAndPaddingChangeNoBit) {
   for (const Scheme& scheme : schemes_and_implicit()) {
-    const Started started = areal_march(GetParam().scene(), scheme, 1e-8, 3000, 10);
-    const Recording whole = simulate(started);
+    const Started all = areal_march(GetParam().scene(), scheme, 1e-8, 3000, 10),
+                  started =
+                      areal_march(GetParam().scene(), scheme, 1e-8, 3000, 10, Nodes::candidates);
+    const Recording whole = simulate(all);
+    const Recording candidates = simulate(started);
+    EXPECT_TRUE(same(whole, candidates)) << scheme.name;
+    EXPECT_LT(10 * candidates.end.evaluated, whole.end.evaluated) << scheme.name;
     if (scheme.table().order > 1) {
       EXPECT_EQ(whole.end.status, Status::done) << scheme.name;
     }
@@ -205,13 +240,14 @@ TEST_P(ArealMarch, LaunchesAndPaddingChangeNoBit) {
       EXPECT_TRUE(same(whole, simulate(started, {.steps = steps, .batch = {}}))) << scheme.name;
     Launches padded;
     padded.batch.least_packs = 32 / 4;
-    EXPECT_TRUE(same(whole, simulate(started, padded))) << scheme.name;
+    EXPECT_TRUE(same(whole, simulate(all, padded))) << scheme.name;
   }
 }
 
 TEST_P(ArealMarch, SavedStatesGoOnToTheSameBits) {
   const Started started =
-      areal_march(GetParam().scene(), scheme_of(SchemeKind::midpoint), 1e-8, 3000, 1);
+      areal_march(GetParam().scene(), scheme_of(SchemeKind::midpoint), 1e-8, 3000, 1,
+                  Nodes::candidates);
   Batch whole({started.model}, {started.start}), first({started.model}, {started.start}),
       second({started.model}, {started.start});
   whole.march(started.model.steps);
@@ -363,27 +399,6 @@ TEST(ArealModel, RefusesWhatDoesNotFit) {
   expect("scene.side", [](Scene&, HeightMaps& m) { m.side = -1e-3; });
   expect("scene.side", [](Scene&, HeightMaps& m) { m.side = 0.0376; });
   expect("block", [](Scene& s, HeightMaps&) { s.slider.support = Support::pinned; });
-}
-
-TEST(ArealModel, RefusesMoreExpandedNodesThanThereIsMemoryFor) {
-  ArealScene s = rigid_block();
-  s.block.length = 0.04, s.block.width = 0.03, s.side = 0, s.start = 0;
-  s.spacing = 1e-4, s.spacing_y = 1e-4;
-  s.block_heights.assign(300, std::vector<double>(401, 0.0));
-  s.plate_heights.assign(300, std::vector<double>(601, 0.0));
-  const Started fits = areal_march(s, scheme_of(SchemeKind::midpoint), 1e-8, 100);
-  const auto bytes = [&](int lanes) { return 300.0 * 408 * 4 * lanes * sizeof(double); };
-  const int width = 8;
-  const PatchSeries series = choose_series(fits.model, width);
-  const int too_many = width * static_cast<int>(machine_memory() / bytes(width) + 2);
-  EXPECT_NO_THROW(extents_of(fits.model, series, 40, width, Capacity()));
-  try {
-    extents_of(fits.model, series, too_many, width, Capacity());
-    FAIL() << "taken";
-  } catch (const RequestError& fault) {
-    EXPECT_NE(std::string(fault.what()).find("scene.spacing: 120300 nodes"), std::string::npos)
-        << fault.what();
-  }
 }
 
 }  // namespace

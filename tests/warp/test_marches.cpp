@@ -10,6 +10,7 @@
 
 #include "host/device/batch.hpp"
 #include "tests/adaptive.hpp"
+#include "tests/areal_scenes.hpp"
 #include "tests/outcomes.hpp"
 #include "tests/schemes.hpp"
 #include "tests/warp/marches.hpp"
@@ -130,6 +131,17 @@ TEST_P(PackBesideHost, IsOffByRoundingsThatShocksEnlarge) {
 }
 INSTANTIATE_TEST_SUITE_P(Schemes, PackBesideHost, testing::ValuesIn(schemes_under_laws()),
                          [](const auto& info) { return info.param.name(); });
+
+TEST(MarchOnWarp, ArealScenesHaveTheBitsOfAPack) {
+  for (const Scheme& kind : schemes_and_implicit()) {
+    if (kind.table().stages > 4) continue;
+    SCOPED_TRACE(kind.name);
+    ArealScene s = kind.table().stages > 1 ? one_bump() : many_nodes();
+    Seen seen;
+    expect_same(areal_march(s, kind, 2e-8, longest, 2, Nodes::candidates), longest, seen);
+    EXPECT_GE(seen.touching, 1);
+  }
+}
 
 TEST(MarchOnWarp, AdaptiveScenesHaveTheBitsOfAPack) {
   Seen seen;
