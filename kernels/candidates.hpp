@@ -198,7 +198,7 @@ class Candidates {
       const Real overlap = sweep.overlap(group).overlap;
       if (!faces_.smooth) [[likely]] {
         if (const std::uint32_t bits = lanes_.at_least(overlap, level); bits != 0)
-          list_nodes(group, sweep.nodes_left(group), bits, count);
+          list_nodes(group, nodes_left(faces_, group, width), bits, count);
       } else {
         list_cells(group, overlap, cell_sag(lanes_, faces_, place, group), level, count);
       }
@@ -304,7 +304,7 @@ class Candidates {
         overlap = overlap + sag;
       } else {
         if (const std::uint32_t bits = lanes_.at_least(most, level); bits != 0)
-          list_nodes(group, sweep.nodes_left(group), bits, count);
+          list_nodes(group, nodes_left(faces_, group, width), bits, count);
       }
       pressed = pressed + Kokkos::max(most - Real(level), Real(0.0));
       // the root of open = i closing + i (i + 1) half_curve

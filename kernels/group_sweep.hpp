@@ -48,14 +48,6 @@ class GroupSweep {
     lanes_.sync();
   }
 
-  /// Of a group whose overlap was asked for last: its nodes, without those that pad the row's end
-  /// (that of the only row of a plane scene, too). More than a group has: all of them.
-  KOKKOS_FORCEINLINE_FUNCTION int nodes_left(int group) const {
-    if (faces_.rows.across == nullptr) [[likely]]
-      return faces_.nodes - group * width;
-    return faces_.rows.nodes - (group - first_group_) * width;
-  }
-
   struct Overlap {
     Real overlap;  // m
     Real rise;     // m, of the resonator's face to its next node

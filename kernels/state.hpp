@@ -412,7 +412,7 @@ void visit_arrays(WorkSpace& s, const Extents& n, Visit&& visit) {
     visit("hulls", s.spans.hulls, contacts);
     visit("sums", s.spans.sums, contacts);
     visit("ends", s.spans.ends, contacts);
-    visit("onsets", s.search.onsets, nodes);
+    visit("onsets", s.search.onsets, listed);
     visit("end_overlaps", s.search.overlaps, 4 * nodes);
     if (n.smooth) {
       visit("stage_velocity", s.stages.velocity, formula_stages * lanes);

@@ -105,8 +105,10 @@ double state_distance(const ArealScene& s, const ArealState& a, const ArealState
   return std::sqrt(sum / a.energy());
 }
 
-Started areal_march(const ArealScene& of, const Scheme& scheme, double step, std::int64_t steps,
-                    std::int64_t samples, Nodes nodes) {
+namespace {
+
+/// What a scene of the program has of it; steps and nodes are still to be chosen.
+Scene scene_of(const ArealScene& of) {
   Scene s;
   s.resonator = of.plate;
   s.slider = of.block;
@@ -115,9 +117,10 @@ Started areal_march(const ArealScene& of, const Scheme& scheme, double step, std
   s.speed = of.speed;
   s.gap = of.gap;
   s.contact.stiffness = of.stiffness;
-  s.time = scheme.time;
-  s.time.nodes = nodes;
-  set_steps(s, step, steps, samples);
+  return s;
+}
+
+Started start_of(const ArealScene& of, const Scene& s) {
   HeightMaps maps{.rows = static_cast<int>(of.block_heights.size()),
                   .spacing_y = of.spacing_y,
                   .side = of.side,
@@ -137,6 +140,28 @@ Started areal_march(const ArealScene& of, const Scheme& scheme, double step, std
   take(started.start.slider_v, of.block_v);
   count_energy(started.model, started.start);
   return started;
+}
+
+}  // namespace
+
+Started areal_march(const ArealScene& of, const Scheme& scheme, double step, std::int64_t steps,
+                    std::int64_t samples, Nodes nodes) {
+  Scene s = scene_of(of);
+  s.time = scheme.time;
+  s.time.nodes = nodes;
+  set_steps(s, step, steps, samples);
+  return start_of(of, s);
+}
+
+Started areal_march(const ArealScene& of, double tolerance, double duration, std::int64_t samples,
+                    Nodes nodes) {
+  Scene s = scene_of(of);
+  s.time.scheme = SchemeKind::adaptive;
+  s.time.tolerance = tolerance;
+  s.time.nodes = nodes;
+  s.duration = duration;
+  s.output.rate = static_cast<double>(samples) / duration;
+  return start_of(of, s);
 }
 
 ArealState state_at(const Recording& r, std::size_t sample) {

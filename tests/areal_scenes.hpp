@@ -36,6 +36,10 @@ double state_distance(const ArealScene& scene, const ArealState& a, const ArealS
 Started areal_march(const ArealScene& scene, const Scheme& scheme, double step, std::int64_t steps,
                     std::int64_t samples = 1, Nodes nodes = Nodes::all);
 
+/// The same under the adaptive scheme.
+Started areal_march(const ArealScene& scene, double tolerance, double duration,
+                    std::int64_t samples = 1, Nodes nodes = Nodes::candidates);
+
 /// Displacements and rates at a sample.
 ArealState state_at(const Recording& recording, std::size_t sample);
 

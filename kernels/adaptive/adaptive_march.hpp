@@ -236,6 +236,8 @@ class AdaptiveMarch {
     if (!(bounds.size < 1e300)) return fail(Status::not_finite);
     Modes end = flown(plan.ticks);
     const int flagged = evaluate_and_flag(place, end, plan.ticks, bounds, rise);
+    if (!overlaps_.has_room(flagged)) [[unlikely]]
+      return fail(Status::crowded);
     if (flagged > 0) return fly_and_search(place, end, plan.ticks, bounds, rise, flagged);
     if (!end_flight(plan.ticks, end, longer)) return false;
     keep_overlaps(place);
@@ -266,11 +268,15 @@ class AdaptiveMarch {
     if (ticks < aimed) {  // over a shorter flight the cubics are more accurate
       end = flown(ticks);
       flagged = evaluate_and_flag(place, end, ticks, bounds, rise);
+      if (!overlaps_.has_room(flagged)) [[unlikely]]
+        return fail(Status::crowded);
     }
     if (flagged > 0) {
       const double x = series_.x_at(ticks);
       const double first =
           overlaps_.search(series_, place, flagged, x, overlaps_.overlap_rounding(now_.u));
+      if (first < 0.0) [[unlikely]]
+        return fail(Status::crowded);
       if (first <= x) return end_flight_in_contact(series_.ticks_to(first, ticks), flagged);
     }
     if (!end_flight(ticks, end, level)) return false;
@@ -347,9 +353,13 @@ class AdaptiveMarch {
     Modes there;
     series_.state(end, there.u, there.v);
     const int flagged = evaluate_and_flag(place, there, ticks, bounds, rise);
+    if (!overlaps_.has_room(flagged)) [[unlikely]]
+      return fail(Status::crowded);
     bool onset = false;
     if (flagged > 0) {
       const double first = overlaps_.search(series_, place, flagged, end, tolerance);
+      if (first < 0.0) [[unlikely]]
+        return fail(Status::crowded);
       onset = first <= end;
       if (onset) {
         ticks = series_.ticks_to(first, ticks);
@@ -393,7 +403,8 @@ class AdaptiveMarch {
         const std::int64_t valid = moving_forces_.expand(tick_, scale);
         if (valid < available) available = valid;
       }
-      series_.expand(now_.u, now_.v, place, scale);
+      if (!series_.expand(now_.u, now_.v, place, scale)) [[unlikely]]
+        return fail(Status::crowded);
       const double length = series_.usable_length(tables_.adaptive.tolerance);
       if (!(length > 0.0)) return fail(Status::not_finite);
       usable_time = length * scale;
@@ -457,8 +468,10 @@ class AdaptiveMarch {
       recorder_.write_last_sample(contact(place, now_.u, set.nodes, set.count, force), now_);
       return true;
     }
-    if (state_.carried.contacts.count > 0)
-      series_.expand(now_.u, now_.v, path_.at(tick_), state_.carried.control.series_scale);
+    if (state_.carried.contacts.count > 0 &&
+        !series_.expand(now_.u, now_.v, path_.at(tick_), state_.carried.control.series_scale))
+        [[unlikely]]
+      return fail(Status::crowded);
     recorder_.write_last_sample(series_, now_);
     return true;
   }

@@ -311,13 +311,18 @@ class AdaptiveRecorder {
     }
     join_shocks(shocks_, runs_, ended_, contact_list_, count, tick, tick + ticks - 1,
                 place.base + place.theta, [&](int e) {
-                  return Kokkos::fma(contact_list_.forces[e], contact_list_.nodes[e],
+                  return Kokkos::fma(contact_list_.forces[e], along(contact_list_.nodes[e]),
                                      newton_ticks * advance * spans_.sums[e].moment);
                 });
     for (int i = 0; i < shocks_.open_count; ++i) {
       const double peak = highest_force(series, i, end);
       if (peak > shocks_.open[i].peak) shocks_.open[i].peak = peak;
     }
+  }
+
+  /// A node's number along x.
+  KOKKOS_FORCEINLINE_FUNCTION int along(int node) const {
+    return runs_.row == 0 ? node : node % runs_.row;
   }
 
   /// The largest sum of the forces that belong to open shock i, over the step [N]; 0 where it

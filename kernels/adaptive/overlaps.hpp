@@ -58,6 +58,7 @@ class Overlaps {
         contacts_{contacts},
         amplitudes_{amplitudes},
         listed_nodes_{listed_nodes},
+        most_listed_{lists.most_listed},
         search_{search},
         evaluated_{evaluated},
         candidates_{lanes, motion, faces, slider, patches, bounds, lists, amplitudes, evaluated},
@@ -116,6 +117,9 @@ class Overlaps {
   }
   RA2D_FUNCTION void discard_start() { start_is_known_ = false; }
 
+  /// Whether so many nodes could be flagged. In plane scenes all can.
+  KOKKOS_FORCEINLINE_FUNCTION bool has_room(int flagged) const { return flagged <= most_listed_; }
+
   /// Whether the cubics of a step of `time` [s] are off by more than the overlaps that they go
   /// through: if not, those of a shorter step are no better.
   KOKKOS_FORCEINLINE_FUNCTION bool shorter_is_better(double time,
@@ -124,7 +128,7 @@ class Overlaps {
   }
 
   /// Lists the nodes whose contact could begin within a step of `time` [s], or (smooth faces, none
-  /// in contact) the cells.
+  /// in contact) the cells. They may be more than there is room for (has_room).
   /// The length of the next step depends on these nodes, so they must be the same whichever groups
   /// are listed. Hence no node is flagged that a list of candidate groups may leave out.
   RA2D_FUNCTION int flag(const Place& place, const Real* u, double time, const MotionBounds& bounds,
@@ -152,7 +156,7 @@ class Overlaps {
       }
       std::uint32_t bits = lanes_.at_least(most, level);
       if (bits != 0) bits &= lanes_.at_least(b0, start);
-      const int left = faces_.nodes - group(e) * width;
+      const int left = nodes_left(faces_, group(e), width);
       if (left < width) bits &= (1u << left) - 1u;
       for (; bits != 0; bits &= bits - 1) {
         const int node = group(e) * width + Kokkos::Experimental::countr_zero_builtin(bits);
@@ -162,8 +166,7 @@ class Overlaps {
         }
         while (at < contacts_.count && contacts_.nodes[at] < node) ++at;
         if (at < contacts_.count && contacts_.nodes[at] == node) continue;
-        RA2D_CHECK(count < faces_.nodes);
-        if (lanes_.leader()) listed_nodes_[count] = node;
+        if (lanes_.leader() && count < most_listed_) listed_nodes_[count] = node;
         ++count;
       }
     }
@@ -173,6 +176,7 @@ class Overlaps {
 
   /// Where the first contact at a flagged node begins, in units of the series; beyond `end` if none
   /// does. OnsetSearch::onsets gets the place of each.
+  /// Negative where there is no room for the nodes.
   RA2D_FUNCTION double search(const ModalSeries<Lanes, packs>& series, const Place& place,
                               int flagged, double end, double tolerance) const {
     if (faces_.smooth) [[unlikely]] {
@@ -180,7 +184,8 @@ class Overlaps {
       return search_cells(motion, motion.bounds(lanes_, bounds_, motion_.spacing).curvature, place,
                           flagged, tolerance);
     }
-    node_contact_.expand(place, listed_nodes_, flagged);
+    if (!node_contact_.expand(place, listed_nodes_, flagged)) [[unlikely]]
+      return -1.0;
     double first = 2.0 * end + 1.0;
     for (int e = 0; e < flagged; ++e) {
       series.overlap_of(listed_nodes_[e], place, search_.polynomial);
@@ -367,6 +372,7 @@ class Overlaps {
   const ContactSet& contacts_;
   double* amplitudes_;
   int* listed_nodes_;
+  int most_listed_;
   OnsetSearch& search_;
   std::int64_t& evaluated_;
   CandidateGroups<Lanes, packs> candidates_;

@@ -82,13 +82,18 @@ class ModalSeries {
   /// Of the shapes at a node as many terms are taken as the tolerance asks for: what the others add
   /// to an overlap over the step is `neglected`, a small part of the tolerance times the distance
   /// that the modes make in the same time.
-  RA2D_FUNCTION void expand(const Real* u, const Real* v, const Place& place, double scale) {
+  /// False where areal scenes have no room for the nodes in contact.
+  RA2D_FUNCTION bool expand(const Real* u, const Real* v, const Place& place, double scale) {
     scale_ = scale;
     neglected_ = 0.0;
     const int contacts = contacts_.count;
-    if (contacts == 0) return expand_terms<1>(u, v, place);
+    if (contacts == 0) {
+      expand_terms<1>(u, v, place);
+      return true;
+    }
     const double advance = motion_.advance * (scale / motion_.time_step);  // chi per x
-    node_contact_.expand(place, contacts_.nodes, contacts);
+    if (!node_contact_.expand(place, contacts_.nodes, contacts)) [[unlikely]]
+      return false;
     for (int e = 0; e < contacts; ++e)
       place_shape(contacts_.nodes[e], place.offset, advance, buffers_.shapes + e * (4 * row));
     // The modes at the beginning of the step suggest the number of terms. What contact makes of
@@ -118,6 +123,7 @@ class ModalSeries {
       terms = wanted_terms_;
     }
     if (terms == 4) neglected_ = 0.0;
+    return true;
   }
   /// Terms of the shapes that would have done.
   KOKKOS_FORCEINLINE_FUNCTION int wanted_terms() const { return wanted_terms_; }
