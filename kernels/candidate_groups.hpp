@@ -235,6 +235,10 @@ class CandidateGroups {
       if constexpr (smooth) most = most + cell_sag(lanes_, faces_, place, group);
       if (lanes_.at_least(most, -below) == 0) continue;
       RA2D_CHECK(count < faces_.groups);
+      if (lists_.highest != nullptr) [[unlikely]] {
+        const double highest = lanes_.max(now.overlap);
+        if (lanes_.leader()) lists_.highest[count] = highest;
+      }
       if (lanes_.leader()) lists_.groups[count] = group;
       ++count;
     }

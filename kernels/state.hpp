@@ -190,6 +190,7 @@ struct CandidateLists {
   int* tiles = nullptr;                  // areal scenes: of a band, that come close
   double* tile_displacement = nullptr;   // m, of each tile of a band: the most of its nodes
   int most_listed = 0;                   // nodes that there is room for in WorkSpace::listed_nodes
+  double* highest = nullptr;             // m, Form::adaptive in areal scenes: overlap of each group
 };
 
 /// Rows of ContactList::cell_parts, each of a lane's width and of 2 at the least.
@@ -270,6 +271,9 @@ struct OnsetSearch {
   double* onsets = nullptr;      // where the contact of a listed node begins
   double* polynomial = nullptr;  // (order): of one node
   double* bernstein = nullptr;   // one series and two values more
+  // areal scenes, of candidate groups
+  int* selected = nullptr;            // those that can come into contact within the step
+  std::int64_t* evaluated = nullptr;  // at which step's beginning the overlaps are known
 };
 
 struct WorkSpace {
@@ -414,6 +418,11 @@ void visit_arrays(WorkSpace& s, const Extents& n, Visit&& visit) {
     visit("ends", s.spans.ends, contacts);
     visit("onsets", s.search.onsets, listed);
     visit("end_overlaps", s.search.overlaps, 4 * nodes);
+    if (n.rows > 0) {
+      visit("highest", s.candidates.highest, groups);
+      visit("selected", s.search.selected, groups);
+      visit("evaluated", s.search.evaluated, groups);
+    }
     if (n.smooth) {
       visit("stage_velocity", s.stages.velocity, formula_stages * lanes);
       visit("stage_acceleration", s.stages.acceleration, formula_stages * lanes);

@@ -225,13 +225,14 @@ class AdaptiveMarch {
                            : state_.carried.control.flight_level;
     if (plan.clear) {
       if (!end_flight(plan.ticks, flown(plan.ticks), longer)) return false;
-      overlaps_.discard_start();
+      overlaps_.forget_start();
       return true;
     }
     const MotionBounds bounds =
         flight_.bounds(now_.u, now_.v, plan.ticks * tables_.motion.time_step);
     const double rise = overlaps_.longest_rise(now_.u, bounds, plan.ticks);
     overlaps_.find_groups(place, now_, bounds, rise, available - plan.ticks);
+    overlaps_.select(bounds, rise);
     overlaps_.evaluate_start(place, now_);
     if (!(bounds.size < 1e300)) return fail(Status::not_finite);
     Modes end = flown(plan.ticks);
@@ -349,6 +350,7 @@ class AdaptiveMarch {
     const MotionBounds bounds = series_.bounds(end);
     const double rise = overlaps_.longest_rise(now_.u, bounds, ticks);
     overlaps_.find_groups(place, now_, bounds, rise, available - ticks);
+    overlaps_.select(bounds, rise);
     overlaps_.evaluate_start(place, now_);
     Modes there;
     series_.state(end, there.u, there.v);

@@ -30,6 +30,10 @@ namespace ra2d {
 ///   search       searches the series of a flagged node for the first place where the overlap
 ///                comes to zero (kernels/adaptive/crossing.hpp).
 ///
+/// Areal scenes have many candidate groups, of which few come near contact within a step. There
+/// evaluate finds those alone whose overlap, as it was when it was last found, and what it may have
+/// risen by since, could reach contact within the step (select). No other could be flagged.
+///
 /// A contact begins at +tolerance and ends at -tolerance (kernels/adaptive/contacts.hpp). The
 /// tolerance is more than an overlap's roundings, and never zero. So a contact that has just begun
 /// cannot end at the same tick, and the march makes headway: a step of no length begins or ends
@@ -60,10 +64,12 @@ class Overlaps {
         listed_nodes_{listed_nodes},
         most_listed_{lists.most_listed},
         search_{search},
+        lists_{lists},
         evaluated_{evaluated},
         candidates_{lanes, motion, faces, slider, patches, bounds, lists, amplitudes, evaluated},
         start_{search.overlaps},
-        end_{search.overlaps + 2 * faces.groups * width} {}
+        end_{search.overlaps + 2 * faces.groups * width},
+        is_selective_{faces.rows.across != nullptr && bounds.searched != Nodes::all} {}
 
   /// Bound on the roundings of an overlap at the displacements u [m]: 128 of half an ulp, in packs
   /// of two lanes 256, of one 512. The longest chain, over 256 modes and the terms of a series, has
@@ -97,11 +103,30 @@ class Overlaps {
     candidates_.find(now.u, place, 1.5 * rise + 0.5 * expected + bounds_.least_range,
                      bounds.rounding(), 0.0);
     start_is_known_ = false;
+    if (is_selective_) [[unlikely]]
+      begin_anew(false);
   }
 
+  /// Areal scenes: selects the groups whose overlaps are to be found for a step in which none rises
+  /// by more than `rise`.
+  RA2D_FUNCTION void select(const MotionBounds& bounds, double rise) {
+    if (!is_selective_) [[likely]]
+      return;
+    const double least = highest_start(bounds, rise) - risen_;
+    const int all = candidates_.count();
+    int count = 0;
+    for (int e = 0; e < all; ++e) {
+      if (lists_.highest[e] < least) continue;
+      if (lanes_.leader()) search_.selected[count] = e;
+      ++count;
+    }
+    selected_ = count;
+    rise_ = rise;
+    lanes_.sync();
+  }
   /// Finds overlaps and rates at the beginning of the step, unless they are known.
   RA2D_FUNCTION void evaluate_start(const Place& place, const ModalState<Lanes, packs>& now) {
-    if (!start_is_known_ && groups() > 0) evaluate(place, now.u, now.v, start_);
+    if ((!start_is_known_ || is_selective_) && groups() > 0) evaluate(place, now.u, now.v, start_);
     start_is_known_ = true;
   }
   /// Finds overlaps and rates at the end of the step.
@@ -114,8 +139,21 @@ class Overlaps {
     double* const swap = start_;
     start_ = end_;
     end_ = swap;
+    if (is_selective_) [[unlikely]]
+      rise_by_step(true);
   }
-  RA2D_FUNCTION void discard_start() { start_is_known_ = false; }
+  RA2D_FUNCTION void discard_start() {
+    start_is_known_ = false;
+    if (is_selective_) [[unlikely]]
+      rise_by_step(false);
+  }
+  /// As discard_start(), after a step for which no groups were selected.
+  RA2D_FUNCTION void forget_start() {
+    start_is_known_ = false;
+    if (!is_selective_) [[likely]]
+      return;
+    begin_anew(true);
+  }
 
   /// Whether so many nodes could be flagged. In plane scenes all can.
   KOKKOS_FORCEINLINE_FUNCTION bool has_room(int flagged) const { return flagged <= most_listed_; }
@@ -137,10 +175,11 @@ class Overlaps {
     if (all == 0) return 0;
     const double sag = faces_.smooth ? modes_sag(u, bounds.travel) : 0.0;
     const double level = -(cubic_error(bounds, time) + overlap_error(bounds) + sag);
-    const double start = -(rise - overlap_error(bounds) + sag);
+    const double start = highest_start(bounds, rise) - sag;
     const double third = time / 3.0;
     int count = 0, at = 0;
-    for (int e = 0; e < all; ++e) {
+    for (int i = 0; i < all; ++i) {
+      const int e = index(i);
       const double* first = start_ + 2 * e * width;
       const double* last = end_ + 2 * e * width;
       // the cubic lies between the smallest and the largest of its Bernstein coefficients
@@ -374,11 +413,17 @@ class Overlaps {
   int* listed_nodes_;
   int most_listed_;
   OnsetSearch& search_;
+  CandidateLists& lists_;
   std::int64_t& evaluated_;
   CandidateGroups<Lanes, packs> candidates_;
   // overlaps and their rates at the beginning and at the end of a step
   double *start_, *end_;
   bool start_is_known_ = false;  // `start_` is of the present state and candidate groups
+  // areal scenes: an overlap is at most CandidateLists::highest + risen_
+  bool is_selective_;
+  int selected_ = 0;
+  double risen_ = 0.0, rise_ = 0.0;  // m; rise_: of the step
+  std::int64_t steps_ = 0;
 
   /// Lists the cells beside a node; the nodes come in ascending order. `last`: one beyond the
   /// latest cell that is listed.
@@ -399,11 +444,50 @@ class Overlaps {
     return ra2d::modes_sag<Lanes, packs>(lanes_, faces_, bounds_, u, travel);
   }
 
+  /// Groups to evaluate, the i-th of which is number index(i) of the candidate groups.
   KOKKOS_FORCEINLINE_FUNCTION int groups() const {
+    if (is_selective_) [[unlikely]]
+      return selected_;
     return bounds_.searched == Nodes::all ? faces_.groups : candidates_.count();
+  }
+  KOKKOS_FORCEINLINE_FUNCTION int index(int i) const {
+    return is_selective_ ? search_.selected[i] : i;
   }
   KOKKOS_FORCEINLINE_FUNCTION int group(int e) const {
     return bounds_.searched == Nodes::all ? e : candidates_[e];
+  }
+
+  /// The overlap that a node must have at the beginning of a step to come into contact within it.
+  KOKKOS_FORCEINLINE_FUNCTION double highest_start(const MotionBounds& bounds, double rise) const {
+    return -(rise - overlap_error(bounds));
+  }
+  /// No overlap at the step's beginning is known in full, or (`anything`) at all.
+  RA2D_FUNCTION void begin_anew(bool anything) {
+    const int all = candidates_.count();
+    risen_ = 0.0;
+    lanes_.sync();
+    if (lanes_.leader())
+      for (int e = 0; e < all; ++e) {
+        search_.evaluated[e] = -1;
+        if (anything) lists_.highest[e] = 1e300;
+      }
+    lanes_.sync();
+  }
+  /// After a step: what its groups may have risen by. `end_is_known`: the overlaps at its end are
+  /// those at the beginning of the next.
+  RA2D_FUNCTION void rise_by_step(bool end_is_known) {
+    ++steps_;
+    risen_ += rise_ * (1.0 + 0x1p-40);
+    if (!end_is_known) return;
+    lanes_.sync();
+    for (int i = 0; i < selected_; ++i) {
+      const int e = search_.selected[i];
+      const double highest = lanes_.max(lanes_.load(start_ + 2 * e * width));
+      if (!lanes_.leader()) continue;
+      lists_.highest[e] = highest - risen_;
+      search_.evaluated[e] = steps_;
+    }
+    lanes_.sync();
   }
 
   /// Error of an evaluated overlap [m]. Of the roundings one is of the value, up to a third of one
@@ -422,12 +506,18 @@ class Overlaps {
     GroupSweep<Lanes, packs> sweep(lanes_, faces_, slider_, patches_, place, amplitudes_, u, v);
     const double speed = motion_.advance / motion_.time_step;  // chi/s
     const int count = groups();
-    for (int e = 0; e < count; ++e) {
+    int known = 0;
+    for (int i = 0; i < count; ++i) {
+      const int e = index(i);
+      if (is_selective_ && to == start_ && search_.evaluated[e] == steps_) [[unlikely]] {
+        ++known;
+        continue;
+      }
       const auto [overlap, modes, slope] = sweep.overlap_and_rates(group(e));
       lanes_.store(to + (2 * e) * width, overlap);
       lanes_.store(to + (2 * e + 1) * width, multiply_add(speed, slope, modes));
     }
-    if (lanes_.leader()) evaluated_ += static_cast<std::int64_t>(count) * width;
+    if (lanes_.leader()) evaluated_ += static_cast<std::int64_t>(count - known) * width;
     lanes_.sync();
   }
 };
