@@ -9,6 +9,7 @@
 #include <list>
 #include <memory>
 #include <mutex>
+#include <numeric>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -74,45 +75,48 @@ class OverlapsAlong {
 
 constexpr int pack = 8;  // modes that are summed up at a time
 
-/// The shapes of the modes of both bodies at the nodes, at t = 0.
+/// The shapes of the modes of both bodies at some nodes, in ascending order, at t = 0.
 struct NodeShapes {
   Eigen::MatrixXd shapes;  // (node, mode)
   Eigen::MatrixXd rows;    // (mode, padded to packs; node)
   Eigen::VectorXd sizes;   // of each node, the sum over the modes of |shape|
 
-  explicit NodeShapes(const Model& model) {
+  NodeShapes(const Model& model, const std::vector<int>& nodes) {
     const auto modes =
         static_cast<Eigen::Index>(model.resonator.modes.size() + model.slider.modes.size());
+    const auto count = static_cast<Eigen::Index>(nodes.size());
     const double chi = model.scene.spacing;
-    shapes.resize(model.nodes(), modes);
-    for (int n = 0; n < model.nodes(); ++n) {
+    shapes.resize(count, modes);
+    for (Eigen::Index i = 0; i < count; ++i) {
+      const int n = nodes[static_cast<std::size_t>(i)];
       const int along = n % model.row_nodes();
       const double eta = model.eta(n / model.row_nodes());
       int column = 0;
       for (const BodyMode& mode : model.resonator.modes)
-        shapes(n, column++) = shape_at(mode, (model.position + along) * chi, model.side + eta);
+        shapes(i, column++) = shape_at(mode, (model.position + along) * chi, model.side + eta);
       for (const BodyMode& mode : model.slider.modes)
-        shapes(n, column++) = shape_at(mode, along * chi, eta);
+        shapes(i, column++) = shape_at(mode, along * chi, eta);
     }
-    rows = Eigen::MatrixXd::Zero((modes + pack - 1) / pack * pack, model.nodes());
+    rows = Eigen::MatrixXd::Zero((modes + pack - 1) / pack * pack, count);
     rows.topRows(modes) = shapes.transpose();
-    sizes = Eigen::VectorXd::Zero(model.nodes());
+    sizes = Eigen::VectorXd::Zero(count);
     for (Eigen::Index k = 0; k < modes; ++k) sizes += shapes.col(k).cwiseAbs();
   }
 };
 
-/// Shapes of the last scenes. The runs of a study mostly have equal bodies, and shapes take a sine
+/// Shapes of the last plane scenes, at all nodes. The runs of a study mostly have equal bodies, and shapes take a sine
 /// for every node and mode.
 class ShapeCache {
  public:
-  std::shared_ptr<const NodeShapes> of(const Model& model) {
+  std::shared_ptr<const NodeShapes> of(const Model& model, const std::vector<int>& nodes) {
+    if (model.is_areal) return std::make_shared<const NodeShapes>(model, nodes);
     const Key key = key_of(model);
     {
       const std::lock_guard lock(mutex_);
       for (const auto& [cached, shapes] : cache_)
         if (cached == key) return shapes;
     }
-    const auto shapes = std::make_shared<const NodeShapes>(model);
+    const auto shapes = std::make_shared<const NodeShapes>(model, nodes);
     const std::lock_guard lock(mutex_);
     if (shapes->shapes.size() > most_values) return shapes;
     cache_.emplace_front(key, shapes);
@@ -127,8 +131,6 @@ class ShapeCache {
   using Key = std::vector<double>;  // all that the shapes depend on
   static Key key_of(const Model& model) {
     Key key{model.scene.spacing, model.position, static_cast<double>(model.nodes())};
-    if (model.is_areal)
-      key.insert(key.end(), {static_cast<double>(model.rows), model.spacing_y, model.side});
     for (const Body* body : {&model.resonator, &model.slider}) {
       key.push_back(static_cast<double>(body->modes.size()));
       for (const BodyMode& mode : body->modes) mode.shape->append_parameters(key);
@@ -139,16 +141,28 @@ class ShapeCache {
   std::list<std::pair<Key, std::shared_ptr<const NodeShapes>>> cache_;
 };
 
+/// All nodes of a scene.
+std::vector<int> all_nodes(const Model& model) {
+  std::vector<int> nodes(static_cast<std::size_t>(model.nodes()));
+  std::iota(nodes.begin(), nodes.end(), 0);
+  return nodes;
+}
+
+/// Of a scene with no other nodes than these. `faces`: overlaps of all its nodes without the modes
+/// [m].
 class Potential {
  public:
-  explicit Potential(const Model& model) : nodes_{shape_cache().of(model)} {
+  explicit Potential(const Model& model)
+      : Potential(model, all_nodes(model), overlaps(model, {}, {})) {}
+  Potential(const Model& model, const std::vector<int>& nodes, const std::vector<double>& faces)
+      : nodes_{shape_cache().of(model, nodes)}, faces_(static_cast<Eigen::Index>(nodes.size())) {
     for (const Body* body : {&model.resonator, &model.slider}) {
       for (const BodyMode& mode : body->modes)
         stiffness_.push_back(mode.mass * mode.omega * mode.omega);
       load_.insert(load_.end(), body->load.begin(), body->load.end());
     }
-    const std::vector<double> faces = overlaps(model, {}, {});
-    faces_ = Eigen::Map<const Eigen::VectorXd>(faces.data(), model.nodes());
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+      faces_[static_cast<Eigen::Index>(i)] = faces[static_cast<std::size_t>(nodes[i])];
   }
 
   /// The minimum as a quadratic programme. `compliance` of the springs in m/N.
@@ -313,10 +327,14 @@ RequestError no_equilibrium(const Scene& scene, const std::string& why) {
                                  : "Start from \"rest\", or lower contact.stiffness"));
 }
 
-Rest find_equilibrium(const Model& model) {
+/// `guess`: displacements near the answer; empty: none.
+Rest find_equilibrium(const Model& model, const Potential& potential,
+                      const Eigen::VectorXd& guess = {}) {
   const bool multipliers = model.scene.contact.law == ContactLaw::multiplier;
-  const Potential potential(model);
   std::optional<Eigen::VectorXd> settled;
+  if (!multipliers && guess.size() > 0)
+    if (Eigen::VectorXd u = guess; potential.minimise(u, model.node_stiffness, Shift::common))
+      settled = u;
   if (!multipliers)
     for (const Shift shift : {Shift::common, Shift::own})
       if (!settled) settled = settled_bodies(potential, model.node_stiffness, shift);
@@ -332,6 +350,104 @@ Rest find_equilibrium(const Model& model) {
   }
   if (!multipliers) rest.overlap = potential.overlap_by_modes(rest.u);
   return rest;
+}
+
+/// Overlaps of all nodes of an areal scene at the displacements u [m], to a few roundings of what
+/// overlaps() gives: a shape along x is found once for all rows.
+class RowOverlaps {
+ public:
+  RowOverlaps(const Model& model, const std::vector<double>& faces) : model_{model}, faces_{faces} {
+    const double chi = model.scene.spacing;
+    along_.resize(model.row_nodes(), modes());
+    across_.resize(modes(), model.rows);
+    Eigen::Index k = 0;
+    for (const Body* body : {&model.resonator, &model.slider}) {
+      const bool slides = body == &model.slider;
+      for (const BodyMode& mode : body->modes) {
+        for (int i = 0; i < model.row_nodes(); ++i)
+          along_(i, k) = shape_at(mode, (slides ? i : model.position + i) * chi);
+        for (int row = 0; row < model.rows; ++row)
+          mode.shape->evaluate_across((slides ? 0.0 : model.side) + model.eta(row), 1,
+                                      &across_(k, row));
+        ++k;
+      }
+    }
+  }
+  Eigen::VectorXd operator()(const Eigen::VectorXd& u) const {
+    Eigen::VectorXd over(model_.nodes());
+    const Eigen::Index length = model_.row_nodes();
+    for (int row = 0; row < model_.rows; ++row)
+      over.segment(row * length, length) =
+          Eigen::Map<const Eigen::VectorXd>(faces_.data() + row * length, length) +
+          along_ * across_.col(row).cwiseProduct(u);
+    return over;
+  }
+
+ private:
+  const Model& model_;
+  const std::vector<double>& faces_;
+  Eigen::MatrixXd along_;   // (node of a row, mode)
+  Eigen::MatrixXd across_;  // (mode, row)
+
+  Eigen::Index modes() const {
+    return static_cast<Eigen::Index>(model_.resonator.modes.size() + model_.slider.modes.size());
+  }
+};
+
+/// The node of the highest overlap in each of some 4000 tiles, in ascending order.
+std::vector<int> highest_of_tiles(const Model& model, const std::vector<double>& over) {
+  constexpr double most = 4096;
+  const int size =
+      std::max(1, static_cast<int>(std::sqrt(static_cast<double>(model.nodes()) / most)));
+  const int tiles = (model.row_nodes() + size - 1) / size,
+            bands = (model.rows + size - 1) / size;
+  std::vector<int> nodes(static_cast<std::size_t>(tiles) * bands, -1);
+  for (int n = 0; n < model.nodes(); ++n) {
+    int& highest = nodes[static_cast<std::size_t>(n / model.row_nodes() / size) * tiles +
+                         n % model.row_nodes() / size];
+    if (highest < 0 || over[n] > over[highest]) highest = n;
+  }
+  std::sort(nodes.begin(), nodes.end());
+  return nodes;
+}
+
+/// Of millions of nodes few carry force. The equilibrium with some of them is that with all, where
+/// no other overlaps; those that do are taken in.
+Rest find_areal_equilibrium(const Model& model) {
+  constexpr int rounds = 100;
+  constexpr std::size_t most_taken = 8192;  // at a time
+  const std::vector<double> faces = overlaps(model, {}, {});
+  const RowOverlaps all_at(model, faces);
+  std::vector<int> nodes = highest_of_tiles(model, faces);
+  Eigen::VectorXd guess;
+  for (int round = 0; round < rounds; ++round) {
+    const Rest some = find_equilibrium(model, Potential(model, nodes, faces), guess);
+    guess = some.u;
+    Rest rest{some.u, all_at(some.u), {}};
+    for (std::size_t i = 0; i < nodes.size(); ++i)  // each node once
+      if (some.overlap.size() > 0)
+        rest.overlap[nodes[i]] = some.overlap[static_cast<Eigen::Index>(i)];
+    std::vector<char> known(static_cast<std::size_t>(model.nodes()), 0);
+    for (const int n : nodes) known[static_cast<std::size_t>(n)] = 1;
+    std::vector<int> missing;
+    for (int n = 0; n < model.nodes(); ++n)
+      if (!known[static_cast<std::size_t>(n)] && rest.overlap[n] > 0) missing.push_back(n);
+    if (missing.empty()) {
+      if (some.forces.size() == 0) return rest;
+      rest.forces = Eigen::VectorXd::Zero(model.nodes());
+      for (std::size_t i = 0; i < nodes.size(); ++i)
+        rest.forces[nodes[i]] = some.forces[static_cast<Eigen::Index>(i)];
+      return rest;
+    }
+    if (missing.size() > most_taken) {
+      std::nth_element(missing.begin(), missing.begin() + most_taken, missing.end(),
+                       [&](int a, int b) { return rest.overlap[a] > rest.overlap[b]; });
+      missing.resize(most_taken);
+    }
+    nodes.insert(nodes.end(), missing.begin(), missing.end());
+    std::sort(nodes.begin(), nodes.end());
+  }
+  throw no_equilibrium(model.scene, "no static equilibrium was found");
 }
 
 double elastic_energy(const Body& body, const std::vector<double>& amplitude) {
@@ -386,7 +502,8 @@ ModalStart make_start(const Model& model) {
   if (model.has_smooth_faces()) {
     rest.u = smooth_start(model, start);
   } else if (model.scene.initial == Initial::statics && rest.u.size() > 0) {
-    rest = find_equilibrium(model);
+    rest = model.is_areal ? find_areal_equilibrium(model)
+                          : find_equilibrium(model, Potential(model));
   } else if (!multipliers) {
     const std::vector<double> faces = overlaps(model, {}, {});
     rest.overlap = Eigen::Map<const Eigen::VectorXd>(faces.data(), model.nodes());
