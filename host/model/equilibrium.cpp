@@ -74,31 +74,100 @@ class OverlapsAlong {
 
 constexpr int pack = 8;  // modes that are summed up at a time
 
-/// The shapes of the modes of both bodies at the nodes, at t = 0.
-struct NodeShapes {
-  Eigen::MatrixXd shapes;  // (node, mode)
-  Eigen::MatrixXd rows;    // (mode, padded to packs; node)
-  Eigen::VectorXd sizes;   // of each node, the sum over the modes of |shape|
-
-  explicit NodeShapes(const Model& model) {
-    const auto modes =
-        static_cast<Eigen::Index>(model.resonator.modes.size() + model.slider.modes.size());
+/// The shapes of the modes of both bodies at the nodes, at t = 0. Those of an areal scene are
+/// products of one along x and one across, and take no memory for each node.
+class NodeShapes {
+ public:
+  explicit NodeShapes(const Model& model)
+      : is_areal_{model.is_areal},
+        nodes_{model.nodes()},
+        modes_{
+            static_cast<Eigen::Index>(model.resonator.modes.size() + model.slider.modes.size())} {
     const double chi = model.scene.spacing;
-    shapes.resize(model.nodes(), modes);
-    for (int n = 0; n < model.nodes(); ++n) {
-      const int along = n % model.row_nodes();
-      const double eta = model.eta(n / model.row_nodes());
+    along_.resize(model.row_nodes(), modes_);
+    for (int n = 0; n < model.row_nodes(); ++n) {
       int column = 0;
       for (const BodyMode& mode : model.resonator.modes)
-        shapes(n, column++) = shape_at(mode, (model.position + along) * chi, model.side + eta);
-      for (const BodyMode& mode : model.slider.modes)
-        shapes(n, column++) = shape_at(mode, along * chi, eta);
+        along_(n, column++) = shape_at(mode, (model.position + n) * chi);
+      for (const BodyMode& mode : model.slider.modes) along_(n, column++) = shape_at(mode, n * chi);
     }
-    rows = Eigen::MatrixXd::Zero((modes + pack - 1) / pack * pack, model.nodes());
-    rows.topRows(modes) = shapes.transpose();
-    sizes = Eigen::VectorXd::Zero(model.nodes());
-    for (Eigen::Index k = 0; k < modes; ++k) sizes += shapes.col(k).cwiseAbs();
+    if (is_areal_) {
+      across_.resize(model.rows, modes_);
+      for (int row = 0; row < model.rows; ++row) {
+        int column = 0;
+        for (const BodyMode& mode : model.resonator.modes)
+          mode.shape->evaluate_across(model.side + model.eta(row), 1, &across_(row, column++));
+        for (const BodyMode& mode : model.slider.modes)
+          mode.shape->evaluate_across(model.eta(row), 1, &across_(row, column++));
+      }
+      return;
+    }
+    padded_ = Eigen::MatrixXd::Zero(padded_modes(), nodes_);
+    padded_.topRows(modes_) = along_.transpose();
+    sizes_ = Eigen::VectorXd::Zero(nodes_);
+    for (Eigen::Index k = 0; k < modes_; ++k) sizes_ += along_.col(k).cwiseAbs();
   }
+
+  Eigen::Index padded_modes() const { return (modes_ + pack - 1) / pack * pack; }
+  /// Numbers that it holds.
+  Eigen::Index size() const { return along_.size() + across_.size(); }
+  /// The displacements of all nodes.
+  Eigen::VectorXd times(const Eigen::VectorXd& u) const {
+    if (!is_areal_) return along_ * u;
+    Eigen::VectorXd sum(nodes_);
+    for (Eigen::Index row = 0; row < across_.rows(); ++row)
+      sum.segment(row * along_.rows(), along_.rows()) =
+          along_ * across_.row(row).transpose().cwiseProduct(u);
+    return sum;
+  }
+  /// Of one mode, as shape_at gives it.
+  void add_mode(Eigen::Index k, double u, Eigen::VectorXd& sum) const {
+    if (!is_areal_) {
+      sum += u * along_.col(k);
+      return;
+    }
+    for (Eigen::Index row = 0; row < across_.rows(); ++row)
+      sum.segment(row * along_.rows(), along_.rows()) += u * (along_.col(k) * across_(row, k));
+  }
+  double squared_norm(Eigen::Index k) const {
+    return along_.col(k).squaredNorm() * (is_areal_ ? across_.col(k).squaredNorm() : 1.0);
+  }
+  /// The shapes of all modes at a node, padded with zeros.
+  template <class Column>
+  void at_node(Eigen::Index n, Column column) const {
+    if (!is_areal_) {
+      column = padded_.col(n);
+      return;
+    }
+    column.setZero();
+    column.head(modes_) =
+        along_.row(n % along_.rows()).cwiseProduct(across_.row(n / along_.rows())).transpose();
+  }
+  /// The sum over the modes of |shape|; `column` is what at_node gives.
+  template <class Column>
+  double size_at(Eigen::Index n, const Column& column) const {
+    return is_areal_ ? column.cwiseAbs().sum() : sizes_[n];
+  }
+  /// (node, mode); none where they would take too much memory.
+  std::optional<Eigen::MatrixXd> all() const {
+    constexpr Eigen::Index most = 1 << 25;
+    if (!is_areal_) return along_;
+    if (nodes_ * modes_ > most) return std::nullopt;
+    Eigen::MatrixXd shapes(nodes_, modes_);
+    for (Eigen::Index row = 0; row < across_.rows(); ++row)
+      shapes.middleRows(row * along_.rows(), along_.rows()) =
+          along_ * across_.row(row).asDiagonal();
+    return shapes;
+  }
+
+ private:
+  bool is_areal_;
+  Eigen::Index nodes_, modes_;
+  Eigen::MatrixXd along_;   // (node of a row, mode)
+  Eigen::MatrixXd across_;  // (row, mode), areal
+  // of a plane scene:
+  Eigen::MatrixXd padded_;  // (mode, padded to packs; node)
+  Eigen::VectorXd sizes_;   // of each node, the sum over the modes of |shape|
 };
 
 /// Shapes of the last scenes. The runs of a study mostly have equal bodies, and shapes take a sine
@@ -114,7 +183,7 @@ class ShapeCache {
     }
     const auto shapes = std::make_shared<const NodeShapes>(model);
     const std::lock_guard lock(mutex_);
-    if (shapes->shapes.size() > most_values) return shapes;
+    if (shapes->size() > most_values) return shapes;
     cache_.emplace_front(key, shapes);
     if (cache_.size() > most) cache_.pop_back();
     return shapes;
@@ -151,22 +220,26 @@ class Potential {
     faces_ = Eigen::Map<const Eigen::VectorXd>(faces.data(), model.nodes());
   }
 
-  /// The minimum as a quadratic programme. `compliance` of the springs in m/N.
-  ContactProgram program(double compliance) const {
-    return {.stiffness = Eigen::Map<const Eigen::VectorXd>(stiffness_.data(), modes()),
-            .load = Eigen::Map<const Eigen::VectorXd>(load_.data(), modes()),
-            .shapes = nodes_->shapes,
-            .faces = faces_,
-            .compliance = compliance};
+  /// The minimum as a quadratic programme; none of so many nodes that it would take too much
+  /// memory. `compliance` of the springs in m/N.
+  std::optional<ContactProgram> program(double compliance) const {
+    std::optional<Eigen::MatrixXd> shapes = nodes_->all();
+    if (!shapes) return std::nullopt;
+    return ContactProgram{
+        .stiffness = Eigen::Map<const Eigen::VectorXd>(stiffness_.data(), modes()),
+        .load = Eigen::Map<const Eigen::VectorXd>(load_.data(), modes()),
+        .shapes = std::move(*shapes),
+        .faces = faces_,
+        .compliance = compliance};
   }
 
   int modes() const { return static_cast<int>(stiffness_.size()); }
-  Eigen::VectorXd overlap(const Eigen::VectorXd& u) const { return faces_ + nodes_->shapes * u; }
+  Eigen::VectorXd overlap(const Eigen::VectorXd& u) const { return faces_ + nodes_->times(u); }
   /// Overlaps summed mode by mode, as overlaps() (host/model/model.hpp) does.
   Eigen::VectorXd overlap_by_modes(const Eigen::VectorXd& u) const {
     Eigen::VectorXd sum = faces_;
     for (int k = 0; k < modes(); ++k)
-      if (u[k] != 0.0) sum += u[k] * nodes_->shapes.col(k);
+      if (u[k] != 0.0) nodes_->add_mode(k, u[k], sum);
     return sum;
   }
 
@@ -186,22 +259,22 @@ class Potential {
     // adds one node after the other, a block of nodes between two accesses to memory.
     Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(padded_modes(), modes());
     sum.topRows(modes()) = hessian;
-    Eigen::Matrix<double, Eigen::Dynamic, block> weighted(padded_modes(), int{block});
-    std::array<int, block> nodes;
+    Eigen::Matrix<double, Eigen::Dynamic, block> shapes(padded_modes(), int{block}),
+        weighted(padded_modes(), int{block});
     int count = 0;
     for (int n = 0; n < over.size(); ++n) {
       if (over[n] > 0) {
-        weighted.col(count) = spring * nodes_->rows.col(n);
-        force -= spring * over[n] * nodes_->rows.col(n).head(modes());
-        scale += spring * over[n] * nodes_->sizes[n];
-        nodes[count++] = n;
+        nodes_->at_node(n, shapes.col(count));
+        weighted.col(count) = spring * shapes.col(count);
+        force -= spring * over[n] * shapes.col(count).head(modes());
+        scale += spring * over[n] * nodes_->size_at(n, shapes.col(count));
+        ++count;
       }
       if (count < block && n + 1 < over.size()) continue;
       for (int k = 0; k < modes(); ++k)
         for (int i = k / pack * pack; i < padded_modes(); i += pack) {
           Eigen::Matrix<double, pack, 1> part = sum.col(k).segment<pack>(i);
-          for (int e = 0; e < count; ++e)
-            part += nodes_->rows(k, nodes[e]) * weighted.col(e).segment<pack>(i);
+          for (int e = 0; e < count; ++e) part += shapes(k, e) * weighted.col(e).segment<pack>(i);
           sum.col(k).segment<pack>(i) = part;
         }
       count = 0;
@@ -214,7 +287,7 @@ class Potential {
   /// convex. `over` are the overlaps at u.
   double best_length(const Eigen::VectorXd& u, const Eigen::VectorXd& over,
                      const Eigen::VectorXd& step, double spring) const {
-    const Eigen::VectorXd change = nodes_->shapes * step;
+    const Eigen::VectorXd change = nodes_->times(step);
     OverlapsAlong nodes(over, change);
     const auto slope = [&](double length) {
       double sum = 0;
@@ -262,8 +335,7 @@ class Potential {
       // mode that nothing holds yet takes a share of the springs of all nodes.
       const double most = hessian.diagonal().maxCoeff();
       for (int k = 0; k < modes(); ++k) {
-        const double own =
-            hessian(k, k) > 0 ? hessian(k, k) : spring * nodes_->shapes.col(k).squaredNorm();
+        const double own = hessian(k, k) > 0 ? hessian(k, k) : spring * nodes_->squared_norm(k);
         hessian(k, k) += 1e-14 * (shift == Shift::common && most > 0 ? most : own) + 1e-300;
       }
       const Eigen::VectorXd step = solve_symmetric(hessian, force);
@@ -279,7 +351,7 @@ class Potential {
     static ShapeCache cache;
     return cache;
   }
-  int padded_modes() const { return static_cast<int>(nodes_->rows.rows()); }
+  int padded_modes() const { return static_cast<int>(nodes_->padded_modes()); }
 
   std::shared_ptr<const NodeShapes> nodes_;
   std::vector<double> stiffness_, load_;
@@ -324,7 +396,8 @@ Rest find_equilibrium(const Model& model) {
   if (settled) {
     rest.u = *settled;
   } else {
-    const auto solved = solve(potential.program(multipliers ? 0.0 : 1 / model.node_stiffness));
+    const auto program = potential.program(multipliers ? 0.0 : 1 / model.node_stiffness);
+    const auto solved = program ? solve(*program) : std::nullopt;
     if (!solved || !solved->feasible)
       throw no_equilibrium(model.scene, solved ? no_rest : "no static equilibrium was found");
     rest.u = solved->u;

@@ -26,25 +26,6 @@ constexpr double steps_to_cutoff = 5;  // of the profile, at the least
 constexpr double most_copies = 100;    // along a beam
 constexpr double much_change = 0.1;    // of Rq, where a profile is repeated
 
-/// Renames options of a command, as the readers have them in their messages, to keys of a scene.
-std::string in_keys(std::string text) {
-  constexpr std::pair<std::string_view, std::string_view> words[] = {
-      {"--decimal point", "decimal = \"point\""},
-      {"--decimal comma", "decimal = \"comma\""},
-      {"--decimal", "decimal"},
-      {"--spacing", "spacing"},
-      {"--x-unit", "x_unit"},
-      {"--z-unit", "z_unit"},
-      {"--column", "column"},
-      {"--row", "row"},
-      {"--fill", "fill"},
-      {"drop the option", "drop the key"}};
-  for (const auto& [option, key] : words)
-    for (std::size_t at = text.find(option); at != text.npos; at = text.find(option, at))
-      text.replace(at, option.size(), key);
-  return text;
-}
-
 ProfileQuery query_of(const FilePreparation& how) {
   ProfileQuery query;
   if (how.x_unit) query.x_unit = to_unit(file_units.name(*how.x_unit));
@@ -151,6 +132,27 @@ void check_proportion(const std::filesystem::path& file, const std::vector<doubl
 }
 
 }  // namespace
+
+std::string in_keys(std::string text) {
+  constexpr std::pair<std::string_view, std::string_view> words[] = {
+      {"--decimal point", "decimal = \"point\""},
+      {"--decimal comma", "decimal = \"comma\""},
+      {"--decimal", "decimal"},
+      {"--spacing-y", "spacing_y"},
+      {"--spacing", "spacing"},
+      {"--x-unit", "x_unit"},
+      {"--z-unit m", "z_unit = \"m\""},
+      {"--z-unit", "z_unit"},
+      {"--column", "column"},
+      {"--row", "row"},
+      {"--fill", "fill"},
+      {"--form plane", "form = \"plane\""},
+      {"drop the option", "drop the key"}};
+  for (const auto& [option, key] : words)
+    for (std::size_t at = text.find(option); at != text.npos; at = text.find(option, at))
+      text.replace(at, option.size(), key);
+  return text;
+}
 
 RepeatedProfile::RepeatedProfile(const std::vector<double>& heights)
     : heights_{heights}, seam_{RepeatedPlace::seam(heights.size())} {}

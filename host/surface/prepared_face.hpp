@@ -10,6 +10,10 @@
 /// Faces from measured profiles of any format, prepared as the scene says.
 namespace ra2d {
 
+/// Renames options of a command, as the readers of files have them in their messages, to keys of a
+/// scene.
+std::string in_keys(std::string text);
+
 /// Whether a profile is more than two columns in metres that are taken as they stand.
 bool needs_preparation(const SurfaceSpec& spec, const std::filesystem::path& file);
 
