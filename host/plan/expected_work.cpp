@@ -68,8 +68,10 @@ ExpectedWork expected_work(const Scene& scene, double contact_width) {
   const bool held = holds_forces(scene);
   const int stages = scheme_table(scene.time.scheme).stages;
   const int evaluations = held ? 2 : stages;  // held: without and with the contact's force
-  const double all_nodes =
-      scene.time.nodes == Nodes::all ? evaluations * step_costs::node * nodes : 0.0;
+  const double node = scene.kind == SceneKind::areal
+                          ? step_costs::row_node + step_costs::row_node_mode * modes
+                          : step_costs::node;
+  const double all_nodes = scene.time.nodes == Nodes::all ? evaluations * node * nodes : 0.0;
   const bool new_force = held && scene.contact.law == ContactLaw::penalty;
   const double in_contact =
       smooth ? (new_force ? step_costs::new_cells : (held ? 1 : stages) * step_costs::cells)

@@ -118,8 +118,11 @@ void plan_steps(const Model& model, const JoinedModes& place, Plan& plan) {
   const bool held = holds_forces(scene);
   const int stages = scheme_table(scene.time.scheme).stages;
   const int evaluations = held ? 2 : stages;  // held: without and with the contact's force
+  const double node_ns = model.is_areal
+                             ? step_costs::row_node + step_costs::row_node_mode * modes_of(model)
+                             : step_costs::node;
   const double evaluation_ns =
-      scene.time.nodes == Nodes::all ? evaluations * step_costs::node * model.nodes() : 0.0;
+      scene.time.nodes == Nodes::all ? evaluations * node_ns * model.nodes() : 0.0;
   const bool springs = scene.contact.law == ContactLaw::penalty;
   const double one_ns = model.has_smooth_faces()              ? (!held     ? stages * step_costs::cells
                                                                  : springs ? step_costs::new_cells

@@ -192,6 +192,9 @@ inline constexpr double usual_tolerance = 1e-8;
 /// Makes a scene areal: sets the kinds of its bodies and the values that follow from other keys.
 void make_areal(Scene& scene);
 
+/// Throws RequestError where a scene is areal: `what` is not built for them.
+void require_plane(const Scene& scene, const std::string& what);
+
 /// Whether loads and contact can hold the scene's bodies in equilibrium: not a free resonator, nor
 /// a free slider that no load presses down.
 bool has_equilibrium(const Scene& scene);
