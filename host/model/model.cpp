@@ -63,6 +63,7 @@ HeightMaps maps_of(const Scene& scene, std::vector<std::string>& doubts) {
   MapNodes nodes;
   nodes.length = scene.resonator.length;
   nodes.width = scene.slider.width;
+  nodes.thickness = scene.resonator.thickness;
   nodes.spacing = scene.spacing;
   nodes.spacing_y = spacing_y;
   nodes.side = *scene.side;
@@ -77,6 +78,7 @@ HeightMaps maps_of(const Scene& scene, std::vector<std::string>& doubts) {
   };
   maps.resonator = face("resonator", scene.resonator);
   nodes.length = scene.slider.length;
+  nodes.thickness = scene.slider.thickness;
   nodes.side = 0;
   nodes.nx = static_cast<std::size_t>(nodes_along(scene));
   nodes.first = 0;

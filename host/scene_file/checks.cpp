@@ -8,6 +8,7 @@
 
 #include "host/base/text.hpp"
 #include "host/body/body.hpp"
+#include "host/body/plate.hpp"
 #include "host/scene/names.hpp"
 #include "host/scene/schemes.hpp"
 #include "host/surface/form.hpp"
@@ -213,7 +214,7 @@ void check_plane(const Scene& s, Document& document) {
     refuse(how.offset_x.has_value(), "offset_x", cure);
     refuse(how.offset_y.has_value(), "offset_y", cure);
     refuse(how.when_short == ShortProfile::mirror, "short",
-           "only maps are mirrored: expected \"repeat\" or \"refuse\" (or scene.kind = \"areal\")");
+           "only maps are mirrored: expected \"refuse\" or \"repeat\" (or scene.kind = \"areal\")");
     refuse(!how.form.empty() && !understand_form(how.form), "form",
            toml_string(how.form) + " is of maps: expected none, mean, line or poly:N");
   }
@@ -253,15 +254,11 @@ void check_map(const std::string& name, const SurfaceSpec& surface, Document& do
          toml_string(how.form) + " is of profiles: expected none, mean, plane or poly:N");
 }
 
-/// What an areal scene cannot have; false where its resonator has no frequencies.
+/// Finds what an areal scene cannot have. False where its resonator has no frequencies.
 bool check_areal(const Scene& s, Document& document) {
   check_rows(s, document);
   check_map("resonator", s.resonator.surface, document);
   check_map("slider", s.slider.surface, document);
-  if (s.contact.is_hertz)
-    document.fault("contact.stiffness",
-                   "\"hertz\" is that of ridges as wide as the slider: expected a number in Pa/m "
-                   "(steel on a spacing that resolves its contacts: about 1e16)");
   if (s.slider.support == Support::pinned)
     document.fault("slider.support", "a block cannot be pinned: expected \"free\" or \"rigid\"");
   if (s.slider.modes.value_or(0) > 0)
@@ -271,12 +268,19 @@ bool check_areal(const Scene& s, Document& document) {
                    "a plate with free edges has no modes in closed form: expected \"pinned\"");
     return false;
   }
-  if (s.resonator.support == Support::rigid || !(s.resonator.poisson.value_or(0) >= 0.5))
-    return true;
-  document.fault("resonator.poisson",
-                 fmt::format("{} makes a plate infinitely stiff: expected a number over -1 and "
-                             "below 0.5 (steel: 0.3)",
-                             *s.resonator.poisson));
+  if (s.resonator.support == Support::rigid || has_plate_modes(s.resonator)) return true;
+  const double nu = s.resonator.poisson.value_or(0);
+  if (nu >= 0.5)
+    document.fault("resonator.poisson",
+                   fmt::format("{} makes a plate infinitely stiff: expected a number over -1 and "
+                               "below 0.5 (steel: 0.3)",
+                               nu));
+  else if (s.resonator.length > 0 && s.resonator.width > 0 && nu > -1)
+    document.fault(
+        to_blame({length_of("resonator", s.resonator), width_of("resonator", s.resonator)}),
+        fmt::format("{} m of length and {} m of width make no plate: expected sides of which none "
+                    "is more than {:g} times the other",
+                    s.resonator.length, s.resonator.width, most_slender_plate));
   return false;
 }
 
@@ -516,6 +520,11 @@ void check_output(const Scene& s, Document& document) {
 /// The contact spring of a node: a number that can be worked with.
 void check_stiffness(const Scene& s, Document& document) {
   if (s.contact.law != ContactLaw::penalty) return;
+  if (s.contact.is_hertz && s.kind == SceneKind::areal)
+    return document.fault(
+        "contact.stiffness",
+        "\"hertz\" is that of ridges as wide as the slider: expected a number in Pa/m (steel, on a "
+        "spacing that resolves its contacts: about 1e16)");
   if (s.contact.is_hertz && std::isinf(s.contact.stiffness))
     return document.fault("contact.stiffness",
                           "\"hertz\", and neither body has a Young's modulus: expected a number in "

@@ -13,6 +13,7 @@
 #include "host/surface/prepared_face.hpp"
 #include "host/surface/random_map.hpp"
 #include "host/surface/random_profile.hpp"
+#include "host/surface/sum.hpp"
 
 namespace ra2d {
 namespace {
@@ -67,6 +68,16 @@ double nodes_to_map(const std::filesystem::path& file, const MapAxis& axis) {
                           "at least that much less",
                           axis.offset_key, (whole - axis.first) * axis.spacing));
   return whole;
+}
+
+/// Height and slope along x of rows of `nx` nodes.
+FaceExtent extent_of_rows(const std::vector<double>& heights, std::size_t nx, double spacing) {
+  const auto [low, high] = std::minmax_element(heights.begin(), heights.end());
+  const double rises = compensated_sum(heights.size(), [&](std::size_t i) {
+    return i % nx == 0 ? 0.0 : (heights[i] - heights[i - 1]) * (heights[i] - heights[i - 1]);
+  });
+  const std::size_t steps = heights.size() - heights.size() / nx;
+  return {*high - *low, std::sqrt(rises / static_cast<double>(steps)) / spacing};
 }
 
 /// The map with the points that the nodes need.
@@ -132,6 +143,8 @@ std::vector<double> measured_map(const SurfaceSpec& spec, const MapNodes& nodes,
       heights.push_back(map.at(static_cast<std::size_t>(point), row));
     }
   }
+  check_proportion(file, extent_of_rows(heights, nodes.nx, nodes.spacing),
+                   {"body", nodes.length, nodes.thickness}, doubts);
   return heights;
 }
 

@@ -16,6 +16,7 @@ struct MapNodes {
   double length = 0, width = 0;       // m, of the area over which a random map has its rq and mean
   double spacing = 0, spacing_y = 0;  // m
   double side = 0;                    // m, where on the body the first strip begins
+  double thickness = 0;               // m, of the body; 0: not known
   std::size_t nx = 0, rows = 0;
   std::size_t first = 0;  // the first node of a row that is ever touched
 };
