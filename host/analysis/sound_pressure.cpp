@@ -112,6 +112,9 @@ SoundingResonator sounding_resonator(const ResultReader& reader, const std::opti
         "shapes are not known: take the program that made it ({})",
         file.string(), contents.origin));
   const BodySpec& spec = scene->resonator;
+  if (scene->kind == SceneKind::areal)
+    throw RequestError(file.string() +
+                       ": the sound of areal scenes is not built yet: it is that of plane ones");
   SoundingResonator found{
       make_body(spec),
       {},

@@ -2,10 +2,13 @@
 #include "host/body/body.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <string>
 
 #include "host/base/errors.hpp"
 #include "host/body/beam.hpp"
+#include "host/body/block.hpp"
+#include "host/body/plate.hpp"
 
 namespace ra2d {
 namespace {
@@ -14,10 +17,46 @@ constexpr double gravity = 9.80665;  // m/s^2, standard
 
 }  // namespace
 
-// Every body of a scene is a beam so far. Another kind is chosen here.
-Body make_body(const BodySpec& spec) { return make_beam(spec); }
-int mode_count(const BodySpec& spec, int most) { return beam_mode_count(spec, most); }
-double elastic_frequency(const BodySpec& spec, int k) { return beam_frequency(spec, k); }
+Body make_body(const BodySpec& spec) {
+  switch (spec.kind) {
+    case BodyKind::plate:
+      return make_plate(spec);
+    case BodyKind::block:
+      return make_block(spec);
+    case BodyKind::beam:
+      break;
+  }
+  return make_beam(spec);
+}
+
+int rigid_mode_count(const BodySpec& spec) {
+  if (spec.support != Support::free) return 0;
+  return spec.kind == BodyKind::block ? 3 : 2;
+}
+
+int mode_count(const BodySpec& spec, int most) {
+  switch (spec.kind) {
+    case BodyKind::plate:
+      return static_cast<int>(plate_modes(spec, most).size());
+    case BodyKind::block:
+      return rigid_mode_count(spec);
+    case BodyKind::beam:
+      break;
+  }
+  return beam_mode_count(spec, most);
+}
+
+double elastic_frequency(const BodySpec& spec, int k) {
+  switch (spec.kind) {
+    case BodyKind::plate:
+      return plate_frequency(spec, k);
+    case BodyKind::block:
+      return std::numeric_limits<double>::infinity();
+    case BodyKind::beam:
+      break;
+  }
+  return beam_frequency(spec, k);
+}
 
 void check_mode_count(int elastic_modes) {
   if (elastic_modes > most_elastic_modes)

@@ -105,11 +105,15 @@ void check_mode_count(int elastic_modes);
 /// W [N] of a body of this mass [kg]: its load, or so many times its weight (9.80665 m/s^2).
 double load_force(const BodySpec& spec, double mass);
 
+/// Number of rigid modes of a body of this kind and support.
+int rigid_mode_count(const BodySpec& spec);
+
 /// Number of modes that a body keeps, its rigid ones among them. Of max_frequency up to `most`
 /// elastic ones are counted.
 int mode_count(const BodySpec& spec, int most);
 
-/// Frequency in Hz of elastic mode k = 0, 1, ... of a body, whether it is kept or not.
+/// Frequency in Hz of elastic mode k = 0, 1, ... of a body, whether it is kept or not. Infinite of
+/// a block.
 double elastic_frequency(const BodySpec& spec, int k);
 
 /// The largest wave number of a body's modes [1/m]; 0 without any.

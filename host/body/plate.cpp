@@ -33,6 +33,12 @@ double plate_wave_factor(const BodySpec& spec) {
 
 }  // namespace
 
+bool has_plate_modes(const BodySpec& spec) {
+  const double nu = spec.poisson.value_or(usual_poisson);
+  return nu > -1 && nu < 0.5 && spec.length <= most_slender_plate * spec.width &&
+         spec.width <= most_slender_plate * spec.length;
+}
+
 std::vector<PinnedPlateMode> plate_modes(const BodySpec& spec, int most) {
   if (spec.support == Support::rigid || !(spec.modes || spec.max_frequency)) return {};
   const double factor = plate_wave_factor(spec);

@@ -20,6 +20,13 @@ struct PinnedPlateMode {
 /// nu is `poisson` (none: 0.3). Throws RequestError unless -1 < nu < 0.5.
 std::vector<PinnedPlateMode> plate_modes(const BodySpec& spec, int most);
 
+/// One side of a plate over the other, at the most: of longer strips countless modes are equally
+/// high but for roundings.
+inline constexpr double most_slender_plate = 1e6;
+
+/// Whether plate_modes comes to an end: -1 < nu < 0.5, and the sides are in proportion.
+bool has_plate_modes(const BodySpec& spec);
+
 /// The plate that a scene describes: psi_mn = 2/sqrt(a b) sin(m pi x/a) sin(n pi y/b), modal mass
 /// mu [kg/m^2], and the modal loads of an evenly spread load. A rigid one has no modes. Throws
 /// RequestError for free edges, which have no closed form, and as plate_modes.

@@ -18,6 +18,7 @@ using Doubts = std::vector<std::string>;
 void doubt_stiffness(const Scene& scene, Doubts& doubts) {
   const ContactSettings& contact = scene.contact;
   if (contact.law != ContactLaw::penalty || contact.is_hertz) return;
+  if (scene.kind == SceneKind::areal) return;  // its asperities are no ridges
   constexpr double much_stiffer = 2, far_softer = 1e-3;
   const auto kind = [&](SurfaceKind is) {
     return scene.resonator.surface.kind == is || scene.slider.surface.kind == is;
@@ -72,17 +73,20 @@ struct Relief {
   double slope;                 // root mean square, between nodes
 };
 
-Relief relief_of(const std::vector<double>& heights, double spacing) {
+/// Of heights in rows of so many nodes.
+Relief relief_of(const std::vector<double>& heights, int row, double spacing) {
   Relief relief{heights.front(), heights.front(), 0, 0};
   for (std::size_t i = 0; i < heights.size(); ++i) {
     relief.highest = std::max(relief.highest, heights[i]);
     relief.lowest = std::min(relief.lowest, heights[i]);
     relief.rms += heights[i] * heights[i];
-    if (i > 0) relief.slope += (heights[i] - heights[i - 1]) * (heights[i] - heights[i - 1]);
+    if (i % static_cast<std::size_t>(row) > 0)
+      relief.slope += (heights[i] - heights[i - 1]) * (heights[i] - heights[i - 1]);
   }
   const auto count = static_cast<double>(heights.size());
   relief.rms = std::sqrt(relief.rms / count);
-  relief.slope = std::sqrt(relief.slope / std::max(count - 1, 1.0)) / spacing;
+  const double rises = count - std::round(count / row);
+  relief.slope = std::sqrt(relief.slope / std::max(rises, 1.0)) / spacing;
   return relief;
 }
 
@@ -141,8 +145,8 @@ std::vector<std::string> scene_doubts(const Scene& scene) {
 
 void doubt_faces(const Model& model, std::vector<std::string>& doubts) {
   const Scene& scene = model.scene;
-  const Relief resonator = relief_of(model.resonator_height, scene.spacing);
-  const Relief slider = relief_of(model.slider_height, scene.spacing);
+  const Relief resonator = relief_of(model.resonator_height, model.row_heights(), scene.spacing);
+  const Relief slider = relief_of(model.slider_height, model.row_nodes(), scene.spacing);
   if (scene.resonator.surface.kind == SurfaceKind::gaussian)
     doubt_roughness("resonator", scene.resonator, resonator, doubts);
   if (scene.slider.surface.kind == SurfaceKind::gaussian)

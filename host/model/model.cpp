@@ -8,11 +8,11 @@
 #include <limits>
 
 #include "host/base/errors.hpp"
-#include "host/body/block.hpp"
-#include "host/body/plate.hpp"
 #include "host/model/doubts.hpp"
 #include "host/model/smooth_contact.hpp"
 #include "host/scene/schemes.hpp"
+#include "host/surface/map_face.hpp"
+#include "host/surface/random_map.hpp"
 #include "host/surface/spline.hpp"
 #include "host/surface/surface.hpp"
 #include "kernels/gap.hpp"
@@ -21,13 +21,14 @@
 namespace ra2d {
 namespace {
 
-std::vector<double> surface_of(const std::string& body, const BodySpec& spec, const Scene& scene,
-                               std::vector<std::string>& doubts) {
+/// The heights that `make` makes, its faults and doubts under the key of the face.
+template <class Make>
+std::vector<double> face_of(const std::string& body, const BodySpec& spec, const Scene& scene,
+                            std::vector<std::string>& doubts, const Make& make) {
   const std::string key = body + ".surface";
   try {
     std::vector<std::string> odd;
-    std::vector<double> heights =
-        make_surface(spec.surface, spec.length, scene.spacing, scene.file, spec.thickness, &odd);
+    std::vector<double> heights = make(&odd);
     for (const std::string& what : odd)  // a measured face names its file
       doubts.push_back(spec.surface.kind == SurfaceKind::file ? what : key + ": " + what);
     return heights;
@@ -36,6 +37,53 @@ std::vector<double> surface_of(const std::string& body, const BodySpec& spec, co
   } catch (const FileError& fault) {
     throw FileError(place_of(scene, key) + ": " + key + ": " + fault.what());
   }
+}
+
+std::vector<double> surface_of(const std::string& body, const BodySpec& spec, const Scene& scene,
+                               std::vector<std::string>& doubts) {
+  return face_of(body, spec, scene, doubts, [&](std::vector<std::string>* odd) {
+    return make_surface(spec.surface, spec.length, scene.spacing, scene.file, spec.thickness, odd);
+  });
+}
+
+/// Nodes of the slider in a row of an areal scene.
+double nodes_along(const Scene& scene) {
+  return std::round(scene.slider.length / scene.spacing) + 1;
+}
+
+/// The last node of the resonator that the slider comes to.
+double last_node(const Scene& scene) {
+  return std::ceil((scene.start + scene.speed * scene.duration) / scene.spacing - 1e-9) +
+         nodes_along(scene) - 1;
+}
+
+/// The maps of an areal scene's own surfaces. On the resonator they end where the slider does.
+HeightMaps maps_of(const Scene& scene, std::vector<std::string>& doubts) {
+  const double spacing_y = *scene.spacing_y, rows = map_rows(scene.slider.width, spacing_y);
+  MapNodes nodes;
+  nodes.length = scene.resonator.length;
+  nodes.width = scene.slider.width;
+  nodes.thickness = scene.resonator.thickness;
+  nodes.spacing = scene.spacing;
+  nodes.spacing_y = spacing_y;
+  nodes.side = *scene.side;
+  nodes.rows = static_cast<std::size_t>(rows);
+  nodes.nx = static_cast<std::size_t>(last_node(scene)) + 1;
+  nodes.first = static_cast<std::size_t>(scene.start / scene.spacing);
+  HeightMaps maps{static_cast<int>(rows), spacing_y, *scene.side, {}, {}};
+  const auto face = [&](const char* name, const BodySpec& body) {
+    return face_of(name, body, scene, doubts, [&](std::vector<std::string>* odd) {
+      return map_face(body.surface, nodes, scene.file, odd);
+    });
+  };
+  maps.resonator = face("resonator", scene.resonator);
+  nodes.length = scene.slider.length;
+  nodes.thickness = scene.slider.thickness;
+  nodes.side = 0;
+  nodes.nx = static_cast<std::size_t>(nodes_along(scene));
+  nodes.first = 0;
+  maps.slider = face("slider", scene.slider);
+  return maps;
 }
 
 /// A step is a tick. Samples may fall between two.
@@ -141,8 +189,7 @@ void check_maps(const Scene& scene, const HeightMaps& maps) {
   };
   refuse(!(maps.spacing_y > 0) || !std::isfinite(maps.spacing_y), "scene.spacing_y",
          fmt::format("{} m; expected a length above 0", maps.spacing_y));
-  const double rows = std::round(scene.slider.width / maps.spacing_y),
-               along = std::round(scene.slider.length / scene.spacing) + 1;
+  const double rows = map_rows(scene.slider.width, maps.spacing_y), along = nodes_along(scene);
   refuse(rows < 1, "scene.spacing_y",
          fmt::format("{} m is more than twice the slider's width; the slider has no row of nodes",
                      maps.spacing_y));
@@ -152,8 +199,7 @@ void check_maps(const Scene& scene, const HeightMaps& maps) {
          "slider.surface",
          fmt::format("a map of {} heights in {} rows; expected {:.0f} rows of {:.0f}",
                      maps.slider.size(), maps.rows, rows, along));
-  const double last =
-      std::ceil((scene.start + scene.speed * scene.duration) / scene.spacing - 1e-9) + along - 1;
+  const double last = last_node(scene);
   const std::size_t length = maps.resonator.size() / whole;
   refuse(maps.resonator.size() % whole != 0 || !(scene.start >= 0) ||
              !(static_cast<double>(length) > last),
@@ -209,9 +255,37 @@ void make_ready(Model& m) {
                       over, has_equilibrium(scene) ? " or scene.initial = \"static\"" : ""));
 }
 
+/// `doubts`: of the maps.
+Model areal_model(Scene scene, HeightMaps maps, std::vector<std::string> doubts) {
+  check_maps(scene, maps);
+  scene.spacing_y = maps.spacing_y;
+  scene.side = maps.side;
+  make_areal(scene);
+  Model m;
+  m.scene = std::move(scene);
+  m.resonator = make_body(m.scene.resonator);
+  m.slider = make_body(m.scene.slider);
+  m.doubts = std::move(doubts);
+  m.is_areal = true;
+  m.rows = maps.rows;
+  m.spacing_y = maps.spacing_y;
+  m.side = maps.side;
+  m.resonator_height = std::move(maps.resonator);
+  m.slider_height = std::move(maps.slider);
+  m.node_stiffness = m.scene.contact.stiffness * m.scene.spacing * m.spacing_y;
+  make_ready(m);
+  return m;
+}
+
 }  // namespace
 
 Model make_model(const Scene& scene) {
+  if (scene.kind == SceneKind::areal) {
+    refuse_unbuilt(scene);
+    std::vector<std::string> doubts = scene_doubts(scene);
+    HeightMaps maps = maps_of(scene, doubts);
+    return areal_model(scene, std::move(maps), std::move(doubts));
+  }
   Model m;
   m.scene = scene;
   m.resonator = make_body(scene.resonator);
@@ -231,20 +305,7 @@ Model make_model(const Scene& scene) {
 
 Model make_model(const Scene& scene, const HeightMaps& maps) {
   refuse_unbuilt(scene);
-  check_maps(scene, maps);
-  Model m;
-  m.scene = scene;
-  m.resonator = make_plate(scene.resonator);
-  m.slider = make_block(scene.slider);
-  m.is_areal = true;
-  m.rows = maps.rows;
-  m.spacing_y = maps.spacing_y;
-  m.side = maps.side;
-  m.resonator_height = maps.resonator;
-  m.slider_height = maps.slider;
-  m.node_stiffness = scene.contact.stiffness * scene.spacing * maps.spacing_y;
-  make_ready(m);
-  return m;
+  return areal_model(scene, maps, {});
 }
 
 std::int64_t first_counted(const Model& model) {

@@ -46,7 +46,9 @@ struct Model {
   std::int64_t kept_samples() const { return samples - first_sample; }
 };
 
-/// Builds bodies and surfaces and places the slider. Throws RequestError where they do not fit.
+/// Builds bodies and surfaces and places the slider. Throws RequestError where they do not fit, and
+/// for what is not built for areal scenes: adaptive steps, candidates, multipliers, smooth faces,
+/// moving forces, probes, microphones.
 Model make_model(const Scene& scene);
 
 /// The faces of an areal scene, on rows of constant y.
@@ -58,8 +60,7 @@ struct HeightMaps {
 };
 
 /// As of a plane scene, of a plate and a block with these faces; the scene's own surfaces do not
-/// count. Throws RequestError where they do not fit, and for what is not built for areal scenes:
-/// adaptive steps, candidates, multipliers, smooth faces, moving forces, probes, microphones.
+/// count. Throws RequestError as for a scene.
 Model make_model(const Scene& scene, const HeightMaps& maps);
 
 /// Tick at which level and shock statistics begin: the first at or after `output.from`.

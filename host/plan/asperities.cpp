@@ -160,6 +160,7 @@ AsperityContact contact_of(const Asperities& scene, double modulus, double node)
 Asperities asperities_of(const Model& m, const ModalStart& start) {
   const Scene& scene = m.scene;
   Asperities found;
+  if (m.is_areal) return found;  // what follows is of ridges
   found.modulus = contact_modulus(scene);
   found.hertz = hertz_stiffness(scene);
   if (std::isinf(found.modulus)) return found;

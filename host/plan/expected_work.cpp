@@ -31,12 +31,15 @@ ExpectedWork expected_work(const Scene& scene, double contact_width) {
   constexpr double ns = 1e-9;
   const auto modes_of = [](const BodySpec& body) { return mode_count(body, most_counted); };
   const auto highest_of = [&](const BodySpec& body) {
-    const int elastic = modes_of(body) - (body.support == Support::free ? 2 : 0);
+    const int elastic = modes_of(body) - rigid_mode_count(body);
     return elastic > 0 ? elastic_frequency(body, elastic - 1) : 0.0;
   };
   const double modes = modes_of(scene.resonator) + modes_of(scene.slider);
   const double wide = std::max(1.0, modes / step_costs::counted_modes);
-  const double nodes = scene.slider.length / scene.spacing;
+  const double rows = scene.kind == SceneKind::areal
+                          ? scene.slider.width / scene.spacing_y.value_or(scene.spacing)
+                          : 1;
+  const double nodes = rows * scene.slider.length / scene.spacing;
   const auto forces = static_cast<double>(scene.resonator.moving_forces.size());
   const bool smooth = scene.faces == Faces::smooth;
   // nodes, or cells, that a contact is wide
@@ -45,7 +48,7 @@ ExpectedWork expected_work(const Scene& scene, double contact_width) {
   ExpectedWork work;
   work.readiness =
       ns * (step_costs::readiness +
-            step_costs::surface_node * (scene.resonator.length / scene.spacing + nodes));
+            step_costs::surface_node * (rows * scene.resonator.length / scene.spacing + nodes));
   if (scene.initial == Initial::statics)
     work.readiness += ns * step_costs::balanced_node * nodes * std::max(8.0, modes);
   if (is_adaptive(scene)) {
@@ -65,8 +68,10 @@ ExpectedWork expected_work(const Scene& scene, double contact_width) {
   const bool held = holds_forces(scene);
   const int stages = scheme_table(scene.time.scheme).stages;
   const int evaluations = held ? 2 : stages;  // held: without and with the contact's force
-  const double all_nodes =
-      scene.time.nodes == Nodes::all ? evaluations * step_costs::node * nodes : 0.0;
+  const double node = scene.kind == SceneKind::areal
+                          ? step_costs::row_node + step_costs::row_node_mode * modes
+                          : step_costs::node;
+  const double all_nodes = scene.time.nodes == Nodes::all ? evaluations * node * nodes : 0.0;
   const bool new_force = held && scene.contact.law == ContactLaw::penalty;
   const double in_contact =
       smooth ? (new_force ? step_costs::new_cells : (held ? 1 : stages) * step_costs::cells)

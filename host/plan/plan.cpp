@@ -62,9 +62,13 @@ std::string error_text(const Scene& scene, const StepError& error, double zeta) 
 
 std::string body_text(const char* name, const Scene& scene, const BodySpec& spec,
                       const BodyPlan& plan) {
+  const bool is_areal = scene.kind == SceneKind::areal;
   std::string text =
       fmt::format("{:<11}{}, {:g} ", name, supports.name(spec.support), spec.length * 1e3) +
-      (spec.thickness > 0 ? fmt::format("x {:g} mm", spec.thickness * 1e3) : "mm long");
+      (is_areal ? fmt::format("x {:g} ", spec.width * 1e3) : "") +
+      (spec.thickness > 0 ? fmt::format("x {:g} mm", spec.thickness * 1e3)
+       : is_areal         ? "mm"
+                          : "mm long");
   if (spec.support == Support::rigid) return text + ": follows its path, no mode\n";
   text += fmt::format(": {} modes", plan.rigid_modes + plan.elastic_modes);
   if (plan.rigid_modes > 0) text += fmt::format(", {} of them rigid", plan.rigid_modes);
@@ -74,6 +78,7 @@ std::string body_text(const char* name, const Scene& scene, const BodySpec& spec
   text += '\n';
   if (plan.elastic_modes > 0)
     text += fmt::format("           {}\n", error_text(scene, plan.error, spec.damping));
+  if (spec.kind == BodyKind::block) return text + "           a block does not bend\n";
   text += fmt::format("           the next mode would be at {:.0f} Hz\n", plan.next);
   return text;
 }
@@ -113,8 +118,11 @@ void plan_steps(const Model& model, const JoinedModes& place, Plan& plan) {
   const bool held = holds_forces(scene);
   const int stages = scheme_table(scene.time.scheme).stages;
   const int evaluations = held ? 2 : stages;  // held: without and with the contact's force
+  const double node_ns = model.is_areal
+                             ? step_costs::row_node + step_costs::row_node_mode * modes_of(model)
+                             : step_costs::node;
   const double evaluation_ns =
-      scene.time.nodes == Nodes::all ? evaluations * step_costs::node * model.nodes() : 0.0;
+      scene.time.nodes == Nodes::all ? evaluations * node_ns * model.nodes() : 0.0;
   const bool springs = scene.contact.law == ContactLaw::penalty;
   const double one_ns = model.has_smooth_faces()              ? (!held     ? stages * step_costs::cells
                                                                  : springs ? step_costs::new_cells
@@ -204,12 +212,12 @@ void note_mesh(const Scene& scene, Plan& plan) {
   const double tone = scene.speed / scene.spacing;  // Hz
   const double highest = std::max(plan.resonator.highest, plan.slider.highest);
   if (!(tone > 0 && tone < highest)) return;
-  plan.notes.push_back(fmt::format(
-      "the mesh makes a tone of its own at scene.speed / scene.spacing = {:.5g} Hz and "
-      "its multiples, "
-      "below the highest mode ({:.0f} Hz); beyond it with scene.spacing = {}, none with "
-      "scene.faces = \"smooth\"",
-      tone, highest, rounded_down(scene.speed / highest)));
+  plan.notes.push_back(
+      fmt::format("the mesh makes a tone of its own at scene.speed / scene.spacing = {:.5g} Hz and "
+                  "its multiples, "
+                  "below the highest mode ({:.0f} Hz); beyond it with scene.spacing = {}{}",
+                  tone, highest, rounded_down(scene.speed / highest),
+                  scene.kind == SceneKind::areal ? "" : ", none with scene.faces = \"smooth\""));
 }
 
 /// Between nodes that are too far apart for a face, its spline rings.
@@ -512,7 +520,9 @@ double result_bytes(const Model& model) {
       time_and_nodes + (scene.output.precision == Precision::real32 ? 4 : 8) * columns;
   const auto heights =
       static_cast<double>(model.resonator_height.size() + model.slider_height.size());
-  return row * static_cast<double>(model.kept_samples()) + 8 * 2 * heights + fixed_part;
+  const double places =
+      model.is_areal ? model.row_heights() + model.row_nodes() + 2.0 * model.rows : heights;
+  return row * static_cast<double>(model.kept_samples()) + 8 * (heights + places) + fixed_part;
 }
 
 Plan make_plan(const Model& model, std::size_t memory, const ModalStart& start) {
@@ -565,9 +575,17 @@ std::string describe(const Model& model, const Plan& plan) {
   std::string text;
   text += body_text("resonator", scene, scene.resonator, plan.resonator);
   text += body_text("slider", scene, scene.slider, plan.slider);
-  text += fmt::format(
-      "nodes      {} of the slider over {} of the resonator, {:g} um apart; delta = {:.6g} um\n",
-      plan.slider.nodes, plan.resonator.nodes, scene.spacing * 1e6, plan.delta * 1e6);
+  if (model.is_areal)
+    text += fmt::format(
+        "nodes      {} of the slider in {} rows of {}, over rows of {} of the resonator up to "
+        "where "
+        "it\n           comes; {:g} um apart along, {:g} um across; delta = {:.6g} um\n",
+        plan.slider.nodes, model.rows, model.row_nodes(), model.row_heights(), scene.spacing * 1e6,
+        model.spacing_y * 1e6, plan.delta * 1e6);
+  else
+    text += fmt::format(
+        "nodes      {} of the slider over {} of the resonator, {:g} um apart; delta = {:.6g} um\n",
+        plan.slider.nodes, plan.resonator.nodes, scene.spacing * 1e6, plan.delta * 1e6);
   if (scene.contact.law == ContactLaw::penalty)
     text += fmt::format(
         "contact    penalty, {:.3g} N/m a {}: a shock of one {} lasts {} or longer\n",

@@ -211,6 +211,44 @@ std::vector<double> largest_squares(const Body& body) {
   return best;
 }
 
+/// As largest_squares(), of a body `width` [m] wide.
+std::vector<double> largest_squares(const Body& body, double width) {
+  constexpr double to_half_wave = 20;  // places
+  const auto modes = static_cast<Eigen::Index>(body.modes.size());
+  double along = 0, across = 0;  // half waves
+  for (const BodyMode& mode : body.modes) {
+    along = std::max(along, mode.shape->wave_number() * body.length / M_PI);
+    across = std::max(across, mode.shape->across_rate() * width / M_PI);
+  }
+  const auto intervals = [](double waves) {
+    return static_cast<Eigen::Index>(std::ceil(to_half_wave * std::max(1.0, waves)));
+  };
+  Eigen::ArrayXXd of_x(modes, intervals(along) + 1), of_y(modes, intervals(across) + 1);
+  const auto place = [](double size, Eigen::Index i, const Eigen::ArrayXXd& of) {
+    return size * static_cast<double>(i) / static_cast<double>(of.cols() - 1);
+  };
+  for (Eigen::Index k = 0; k < modes; ++k) {
+    const BodyMode& mode = body.modes[static_cast<std::size_t>(k)];
+    for (Eigen::Index i = 0; i < of_x.cols(); ++i)
+      of_x(k, i) = std::pow(shape_at(mode, place(body.length, i, of_x)), 2);
+    for (Eigen::Index j = 0; j < of_y.cols(); ++j) {
+      double psi = 0;
+      mode.shape->evaluate_across(place(width, j, of_y), 1, &psi);
+      of_y(k, j) = psi * psi;
+    }
+  }
+  Eigen::ArrayXd best = Eigen::ArrayXd::Zero(modes);
+  double most = -1;
+  for (Eigen::Index j = 0; j < of_y.cols(); ++j)
+    for (Eigen::Index i = 0; i < of_x.cols(); ++i) {
+      const double sum = (of_x.col(i) * of_y.col(j)).sum();
+      if (!(sum > most)) continue;
+      most = sum;
+      best = of_x.col(i) * of_y.col(j);
+    }
+  return {best.begin(), best.end()};
+}
+
 }  // namespace
 
 double amplification(SchemeKind scheme, double zeta, double x) {
@@ -330,7 +368,10 @@ JoinedModes most_compliant(const Model& model) {
   Mode drifting{};
   double drifting_square = 0;
   for (const Body* body : {&model.resonator, &model.slider}) {
-    const std::vector<double> squares = largest_squares(*body);
+    const double width =
+        (body == &model.resonator ? model.scene.resonator : model.scene.slider).width;
+    const std::vector<double> squares =
+        model.is_areal ? largest_squares(*body, width) : largest_squares(*body);
     for (std::size_t k = 0; k < squares.size(); ++k) {
       const Mode& mode = body->modes[k];
       if (mode.omega > 0) {

@@ -14,6 +14,8 @@ inline constexpr double counted_modes = 24;
 inline constexpr double flight = 5.0, contact = 45.0, stage = 50.0, held = 100.0;
 // Each node more, a mode. Where every node is evaluated: a node and an evaluation.
 inline constexpr double more_nodes = 1.7, node = 0.7;
+// Where every node of an areal scene is evaluated: a node and an evaluation, and each mode of it.
+inline constexpr double row_node = 2.3, row_node_mode = 0.03;
 // Between smooth faces: a stage in contact, and each cell more; with the penalty force of the new
 // time; Newton's steps where many cells touch.
 inline constexpr double cells = 400.0, cell = 70.0, new_cells = 2500.0, cells_newton_steps = 4;

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <ctime>
 
+#include "host/body/plate.hpp"
 #include "host/device/backend.hpp"
 #include "host/run/v_rms.hpp"
 #include "host/scene_file/scene_file.hpp"
@@ -31,6 +32,19 @@ ModesHeader make_modes(const Body& body, std::size_t nodes, double spacing) {
   return header;
 }
 
+/// Shapes of an areal body are in closed form.
+ModesHeader areal_modes(const Body& body, const BodySpec& spec, double spacing) {
+  ModesHeader header;
+  for (const BodyMode& mode : body.modes) header.frequency.push_back(mode.omega / (2 * M_PI));
+  if (spec.kind == BodyKind::plate)
+    for (const PinnedPlateMode& mode : plate_modes(spec, static_cast<int>(body.modes.size()))) {
+      header.mode_x.push_back(mode.m);
+      header.mode_y.push_back(mode.n);
+    }
+  header.mean_square = mean_squares(body, 1, spacing);
+  return header;
+}
+
 }  // namespace
 
 ResultHeader result_header(const Model& model, const std::string& key) {
@@ -40,14 +54,23 @@ ResultHeader result_header(const Model& model, const std::string& key) {
   header.backend = backend_name();
   header.threads = backend_threads();
   header.started = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
-  header.resonator =
-      make_modes(model.resonator, model.resonator_height.size(), model.scene.spacing);
-  header.slider = make_modes(model.slider, model.slider_height.size(), model.scene.spacing);
+  const double spacing = model.scene.spacing;
+  if (model.is_areal) {
+    header.resonator = areal_modes(model.resonator, model.scene.resonator, spacing);
+    header.slider = areal_modes(model.slider, model.scene.slider, spacing);
+    header.is_areal = true;
+    header.rows = model.rows;
+    header.spacing_y = model.spacing_y;
+    header.side = model.side;
+  } else {
+    header.resonator = make_modes(model.resonator, model.resonator_height.size(), spacing);
+    header.slider = make_modes(model.slider, model.slider_height.size(), spacing);
+  }
   header.probe_position = model.scene.output.probes;
   header.slider_probe_position = model.scene.output.slider_probes;
   header.resonator_height = model.resonator_height;
   header.slider_height = model.slider_height;
-  header.spacing = model.scene.spacing;
+  header.spacing = spacing;
   header.modes = model.scene.output.modes;
   header.precision = model.scene.output.precision;
   header.compression = model.scene.output.compression;

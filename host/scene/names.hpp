@@ -20,6 +20,8 @@ struct Choices {
   }
 };
 
+inline const Choices<SceneKind> scene_kinds{
+    {{"plane", SceneKind::plane}, {"areal", SceneKind::areal}}};
 inline const Choices<Support> supports{
     {{"pinned", Support::pinned}, {"free", Support::free}, {"rigid", Support::rigid}}};
 inline const Choices<SurfaceKind> surface_kinds{{{"gaussian", SurfaceKind::gaussian},
@@ -37,8 +39,9 @@ inline const Choices<FileDecimal> file_decimals{
     {{"point", FileDecimal::point}, {"comma", FileDecimal::comma}}};
 inline const Choices<FaceFilter> face_filters{
     {{"gaussian", FaceFilter::gaussian}, {"none", FaceFilter::none}}};
-inline const Choices<ShortProfile> short_profiles{
-    {{"refuse", ShortProfile::refuse}, {"repeat", ShortProfile::repeat}}};
+inline const Choices<ShortProfile> short_profiles{{{"refuse", ShortProfile::refuse},
+                                                   {"repeat", ShortProfile::repeat},
+                                                   {"mirror", ShortProfile::mirror}}};
 inline const Choices<Faces> face_choices{{{"linear", Faces::linear}, {"smooth", Faces::smooth}}};
 inline const Choices<Initial> initial_states{
     {{"rest", Initial::rest}, {"static", Initial::statics}}};

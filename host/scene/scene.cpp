@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "host/base/errors.hpp"
+#include "host/scene/hertz.hpp"
 
 namespace ra2d {
 
@@ -20,6 +21,22 @@ std::string place_of(const Scene& scene, std::string key) {
 RequestError refusal(const Scene& scene, const std::string& key, const std::string& what) {
   return RequestError(
       fmt::format("{}: 1 fault\n{}: {}: {}", scene.file.string(), place_of(scene, key), key, what));
+}
+
+void make_areal(Scene& scene) {
+  scene.kind = SceneKind::areal;
+  scene.resonator.kind = BodyKind::plate;
+  scene.slider.kind = BodyKind::block;
+  scene.spacing_y = scene.spacing_y.value_or(scene.spacing);
+  scene.side = scene.side.value_or(0.5 * (scene.resonator.width - scene.slider.width));
+  if (scene.resonator.support != Support::rigid)
+    scene.resonator.poisson = scene.resonator.poisson.value_or(usual_poisson);
+}
+
+void require_plane(const Scene& scene, const std::string& what) {
+  if (scene.kind == SceneKind::areal)
+    throw refusal(scene, "scene.kind",
+                  what + " is not built yet for areal scenes: expected a plane one");
 }
 
 bool has_equilibrium(const Scene& scene) {
@@ -41,7 +58,8 @@ Scene without_origins(Scene scene) {
   scene.contact.is_hertz = false;
   scene.output.microphones.clear();
   scene.air = {};
-  for (BodySpec* body : {&scene.resonator, &scene.slider}) body->poisson.reset();
+  for (BodySpec* body : {&scene.resonator, &scene.slider})
+    if (body->kind != BodyKind::plate) body->poisson.reset();
   return scene;
 }
 

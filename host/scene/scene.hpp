@@ -14,6 +14,10 @@
 /// A scene: what the user asked for, complete and checked. All in SI units.
 namespace ra2d {
 
+/// Plane: beams, and every asperity is a ridge as wide as the slider. Areal: a plate and a block
+/// with height maps.
+enum class SceneKind { plane, areal };
+enum class BodyKind { beam, plate, block };
 enum class Support { pinned, free, rigid };
 enum class SurfaceKind { flat, peaks, file, gaussian };
 /// A face between its nodes: straight lines, or a cubic spline.
@@ -42,16 +46,18 @@ enum class FileUnit { m, mm, um, nm };
 /// The mark before the decimals of a file.
 enum class FileDecimal { point, comma };
 enum class FaceFilter { none, gaussian };
-/// How a profile is treated that is shorter than the beam.
-enum class ShortProfile { refuse, repeat };
+/// How a profile is treated that is shorter than the beam, and a map that is smaller than the body.
+enum class ShortProfile { refuse, repeat, mirror };
 
 /// How a measured profile is read and prepared, where its file does not say so.
 struct FilePreparation {
   std::optional<FileUnit> x_unit, z_unit;
-  std::optional<double> spacing;       // m, of a file that has no x
-  std::optional<FileDecimal> decimal;  // none: as the file has it
-  std::optional<int> row, column;      // from 1
-  std::string form, fill;              // "line", "linear:1e-5"; empty: none
+  std::optional<double> spacing;             // m, of a file that has no x
+  std::optional<double> spacing_y;           // m, of a map's file that has none; none: as spacing
+  std::optional<double> offset_x, offset_y;  // m, of a map: where it begins on the body
+  std::optional<FileDecimal> decimal;        // none: as the file has it
+  std::optional<int> row, column;            // from 1
+  std::string form, fill;                    // "line", "plane", "linear:1e-5"; empty: none
   FaceFilter filter = FaceFilter::none;
   std::optional<double> cutoff, cutoff_s;  // m
   ShortProfile when_short = ShortProfile::refuse;
@@ -65,8 +71,9 @@ struct SurfaceSpec {
   std::filesystem::path path;  // file: as written, relative to the scene's folder
   FilePreparation prepared;    // file
   // gaussian
-  double rq = 0;                             // m, root mean square height
-  std::optional<double> rsm;                 // m, mean spacing of the profile elements; or
+  double rq = 0;                // m, root mean square height
+  std::optional<double> rsm;    // m, mean spacing of the profile elements; or
+  std::optional<double> rsm_y;  // m, of a map: rsm along y; infinite: every row is alike
   std::optional<double> correlation_length;  // m, the distance at which the correlation is 1/e
   Correlation correlation = Correlation::gaussian;
   std::optional<double> hurst;               // self-affine: Hurst exponent
@@ -84,13 +91,14 @@ struct MovingForce {
 };
 
 struct BodySpec {
+  BodyKind kind = BodyKind::beam;  // follows from that of the scene
   Support support = Support::pinned;
   double length = 0;                    // m
   double thickness = 0;                 // m
   double width = 0;                     // m
   double young = 0;                     // Pa
   double density = 0;                   // kg/m^3
-  std::optional<double> poisson;        // of contact.stiffness = "hertz"; none: 0.3
+  std::optional<double> poisson;        // of plates and contact.stiffness = "hertz"; none: 0.3
   double damping = 0;                   // modal damping ratio zeta
   std::optional<double> max_frequency;  // Hz, keep the elastic modes up to here; or
   std::optional<int> modes;             // keep this many elastic modes
@@ -157,11 +165,15 @@ struct Scene {
   std::shared_ptr<const std::map<std::string, std::string>> places;
 
   std::string name;
+  SceneKind kind = SceneKind::plane;
   double duration = 0;        // s
   double speed = 0;           // m/s, V >= 0
   double start = 0;           // m, the slider's left end on the resonator at t = 0
   std::optional<double> gap;  // m, delta between the mean lines; none: "touching"
   double spacing = 0;         // m, chi
+  // of areal scenes; both are there when a scene has been read
+  std::optional<double> spacing_y;  // m, chi_y, between rows of nodes; none: as spacing
+  std::optional<double> side;       // m, y0, of the slider on the resonator; none: in its middle
   Faces faces = Faces::linear;
   Initial initial =
       Initial::rest;  // of a file without the key: statics, where there is an equilibrium
@@ -176,6 +188,12 @@ struct Scene {
 
 /// The tolerance of an adaptive scene without the key.
 inline constexpr double usual_tolerance = 1e-8;
+
+/// Makes a scene areal: sets the kinds of its bodies and the values that follow from other keys.
+void make_areal(Scene& scene);
+
+/// Throws RequestError where a scene is areal: `what` is not built for them.
+void require_plane(const Scene& scene, const std::string& what);
 
 /// Whether loads and contact can hold the scene's bodies in equilibrium: not a free resonator, nor
 /// a free slider that no load presses down.

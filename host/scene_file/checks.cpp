@@ -8,9 +8,13 @@
 
 #include "host/base/text.hpp"
 #include "host/body/body.hpp"
+#include "host/body/plate.hpp"
 #include "host/scene/names.hpp"
 #include "host/scene/schemes.hpp"
+#include "host/surface/form.hpp"
+#include "host/surface/height_map.hpp"
 #include "host/surface/measure.hpp"
+#include "host/surface/random_map.hpp"
 #include "kernels/limits.hpp"
 
 namespace ra2d {
@@ -159,6 +163,127 @@ void check_nodes(const Scene& s, const std::string& name, const BodySpec& body,
                                        most_nodes));
 }
 
+/// Nodes in rows, and where the slider stands across the resonator.
+void check_rows(const Scene& s, Document& document) {
+  const double width = s.slider.width, spacing_y = s.spacing_y.value_or(s.spacing);
+  if (width > s.resonator.width)
+    return document.fault("slider.width", fmt::format("{} m is wider than the resonator: expected "
+                                                      "at most resonator.width, {} m",
+                                                      width, s.resonator.width));
+  const double side = s.side.value_or(0), room = s.resonator.width - width;
+  if (side < 0 || side > room + rounding * s.resonator.width)
+    document.fault(
+        "scene.side",
+        fmt::format("{} m: the slider leaves the resonator's edge by {:.6g} m: expected "
+                    "a place from 0 to {} m, or no key: it stands in the middle then",
+                    side, side < 0 ? -side : side - room, room > 0 ? at_most(room) : "0"));
+  const double rows = map_rows(width, spacing_y);
+  const std::string key = spacing_y != s.spacing ? "scene.spacing_y" : "scene.spacing";
+  if (rows < 2)
+    return document.fault(key, fmt::format("{} m puts {:.0f} rows of nodes on a slider {} m wide: "
+                                           "expected at least 2 (one row: scene.kind = \"plane\")",
+                                           spacing_y, rows, width));
+  const double travelled = s.start + s.speed * s.duration;
+  for (const auto& [name, along] :
+       {std::pair{"slider", s.slider.length},
+        std::pair{"resonator", std::min(travelled + s.slider.length, s.resonator.length)}}) {
+    const double nodes = rows * (along / s.spacing + 1);
+    if (nodes > most_map_points)
+      return document.fault(
+          key, fmt::format("{:.0f} rows {} m apart, of nodes {} m apart, put {:.3g} nodes on the "
+                           "{}{}: expected at most {:g} (a larger spacing or spacing_y)",
+                           rows, spacing_y, s.spacing, nodes, name,
+                           name == std::string("slider") ? "" : ", as far as the slider comes",
+                           most_map_points));
+  }
+}
+
+/// Keys that a plane scene has no use for.
+void check_plane(const Scene& s, Document& document) {
+  const char* const cure = "is of areal scenes: expected scene.kind = \"areal\", or drop the key";
+  if (s.spacing_y) document.fault("scene.spacing_y", cure);
+  if (s.side) document.fault("scene.side", cure);
+  for (const auto& [name, body] :
+       {std::pair{"resonator", &s.resonator}, std::pair{"slider", &s.slider}}) {
+    const FilePreparation& how = body->surface.prepared;
+    const auto refuse = [&](bool is_given, const char* key, const std::string& what) {
+      if (is_given) document.fault(fmt::format("{}.surface.{}", name, key), what);
+    };
+    refuse(body->surface.rsm_y.has_value(), "rsm_y", cure);
+    refuse(how.spacing_y.has_value(), "spacing_y", cure);
+    refuse(how.offset_x.has_value(), "offset_x", cure);
+    refuse(how.offset_y.has_value(), "offset_y", cure);
+    refuse(how.when_short == ShortProfile::mirror, "short",
+           "only maps are mirrored: expected \"refuse\" or \"repeat\" (or scene.kind = \"areal\")");
+    refuse(!how.form.empty() && !understand_form(how.form), "form",
+           toml_string(how.form) + " is of maps: expected none, mean, line or poly:N");
+  }
+}
+
+/// Faces of an areal scene are maps.
+void check_map(const std::string& name, const SurfaceSpec& surface, Document& document) {
+  const auto refuse = [&](bool is_wrong, const char* key, const std::string& what) {
+    if (is_wrong) document.fault(fmt::format("{}.surface.{}", name, key), what);
+  };
+  refuse(
+      surface.kind == SurfaceKind::peaks, "kind",
+      "\"peaks\" are ridges, which areal scenes do not have: expected \"gaussian\", \"flat\", or "
+      "the heights as a map (\"file\")");
+  const std::string of_profiles = "is of profiles, a map has none: drop the key";
+  if (surface.kind == SurfaceKind::gaussian) {
+    refuse(surface.correlation != Correlation::gaussian, "correlation",
+           fmt::format("\"{}\" is of profiles: a map has the \"gaussian\" one: drop the key",
+                       correlations.name(surface.correlation)));
+    refuse(surface.hurst.has_value(), "hurst", of_profiles);
+    refuse(surface.longest.has_value(), "longest", of_profiles);
+    refuse(surface.shortest.has_value(), "shortest", of_profiles);
+    refuse(surface.skewness.has_value(), "skewness", of_profiles);
+    refuse(surface.kurtosis.has_value(), "kurtosis", of_profiles);
+    refuse(surface.exact == Exactly::rq_and_rsm, "exact",
+           "\"rq+rsm\" is of profiles: expected \"rq\" or \"none\"");
+  }
+  if (surface.kind != SurfaceKind::file) return;
+  const FilePreparation& how = surface.prepared;
+  refuse(how.x_unit.has_value(), "x_unit", of_profiles + " (spacings are in metres)");
+  refuse(how.row.has_value(), "row", of_profiles + " (all rows are taken)");
+  refuse(how.column.has_value(), "column", of_profiles + " (all columns are taken)");
+  refuse(how.cutoff_s.has_value(), "cutoff_s", of_profiles);
+  refuse(how.cutoff.has_value(), "cutoff", of_profiles);
+  refuse(how.filter != FaceFilter::none, "filter", of_profiles);
+  refuse(!how.form.empty() && !understand_map_form(how.form), "form",
+         toml_string(how.form) + " is of profiles: expected none, mean, plane or poly:N");
+}
+
+/// Finds what an areal scene cannot have. False where its resonator has no frequencies.
+bool check_areal(const Scene& s, Document& document) {
+  check_rows(s, document);
+  check_map("resonator", s.resonator.surface, document);
+  check_map("slider", s.slider.surface, document);
+  if (s.slider.support == Support::pinned)
+    document.fault("slider.support", "a block cannot be pinned: expected \"free\" or \"rigid\"");
+  if (s.slider.modes.value_or(0) > 0)
+    document.fault("slider.modes", "a block has no elastic modes: drop the key, or expected 0");
+  if (s.resonator.support == Support::free) {
+    document.fault("resonator.support",
+                   "a plate with free edges has no modes in closed form: expected \"pinned\"");
+    return false;
+  }
+  if (s.resonator.support == Support::rigid || has_plate_modes(s.resonator)) return true;
+  const double nu = s.resonator.poisson.value_or(0);
+  if (nu >= 0.5)
+    document.fault("resonator.poisson",
+                   fmt::format("{} makes a plate infinitely stiff: expected a number over -1 and "
+                               "below 0.5 (steel: 0.3)",
+                               nu));
+  else if (s.resonator.length > 0 && s.resonator.width > 0 && nu > -1)
+    document.fault(
+        to_blame({length_of("resonator", s.resonator), width_of("resonator", s.resonator)}),
+        fmt::format("{} m of length and {} m of width make no plate: expected sides of which none "
+                    "is more than {:g} times the other",
+                    s.resonator.length, s.resonator.width, most_slender_plate));
+  return false;
+}
+
 /// Where the slider stands, from the first moment to the last.
 void check_path(const Scene& s, Document& document) {
   constexpr double most_lengths = 100;
@@ -211,6 +336,7 @@ bool check_body(const std::string& name, const BodySpec& body, Document& documen
         fmt::format("{} kg/m^3, {} m thick and {} m wide, makes {:.3g} kg of each metre: expected "
                     "{:g} to {:g} kg/m (check all three)",
                     body.density, body.thickness, body.width, mass, least_mass, most_mass));
+  if (body.kind == BodyKind::block) return !heavy;
   const double frequency = elastic_frequency(body, 0);
   const bool odd = frequency < least_frequency || frequency > most_frequency;
   if (odd)
@@ -234,7 +360,7 @@ void check_modes(const Scene& s, Document& document) {
   const bool first = resonator >= slider;
   const BodySpec& body = first ? s.resonator : s.slider;
   const std::string name = first ? "resonator" : "slider";
-  const int rigid = body.support == Support::free ? 2 : 0;
+  const int rigid = rigid_mode_count(body);
   const int room = most - std::min(resonator, slider) - rigid;
   std::string cure = fmt::format("at most {} here", room);
   if (room < 1)
@@ -290,6 +416,15 @@ void check_surface(const Scene& s, const std::string& name, const BodySpec& body
   if (surface.kind == SurfaceKind::gaussian) {
     resolved("rsm", surface.rsm);
     resolved("correlation_length", surface.correlation_length);
+    const double spacing_y = s.spacing_y.value_or(s.spacing);
+    if (s.kind == SceneKind::areal)
+      if (const double wave = surface.rsm_y.value_or(surface.rsm.value_or(infinite));
+          wave < least_per_wave * spacing_y * (1 - rounding))
+        document.fault(
+            fmt::format("{}.surface.{}", name, surface.rsm_y ? "rsm_y" : "rsm"),
+            fmt::format("{} m is not resolved by the spacing of rows, {} m: expected at least {} "
+                        "of them (scene.spacing_y <= {} m)",
+                        wave, spacing_y, least_per_wave, at_most(wave / least_per_wave)));
     if (surface.rq > body.length)
       document.fault(fmt::format("{}.surface.rq", name),
                      fmt::format("{} m is higher than the body is long, {} m: expected a roughness "
@@ -385,6 +520,11 @@ void check_output(const Scene& s, Document& document) {
 /// The contact spring of a node: a number that can be worked with.
 void check_stiffness(const Scene& s, Document& document) {
   if (s.contact.law != ContactLaw::penalty) return;
+  if (s.contact.is_hertz && s.kind == SceneKind::areal)
+    return document.fault(
+        "contact.stiffness",
+        "\"hertz\" is that of ridges as wide as the slider: expected a number in Pa/m (steel, on a "
+        "spacing that resolves its contacts: about 1e16)");
   if (s.contact.is_hertz && std::isinf(s.contact.stiffness))
     return document.fault("contact.stiffness",
                           "\"hertz\", and neither body has a Young's modulus: expected a number in "
@@ -394,7 +534,9 @@ void check_stiffness(const Scene& s, Document& document) {
     return document.fault("contact.stiffness",
                           "\"hertz\" between two flat faces: there is no asperity that it would be "
                           "of: expected a number in Pa/m (or a face that is not flat)");
-  const double node = s.contact.stiffness * s.spacing * std::min(s.resonator.width, s.slider.width);
+  const double strip = s.kind == SceneKind::areal ? s.spacing_y.value_or(s.spacing)
+                                                  : std::min(s.resonator.width, s.slider.width);
+  const double node = s.contact.stiffness * s.spacing * strip;
   constexpr double stiffest = 1e20;
   if (node > stiffest)
     document.fault(
@@ -404,8 +546,7 @@ void check_stiffness(const Scene& s, Document& document) {
                   width_of("slider", s.slider)}),
         fmt::format("{} Pa/m makes the spring of a node {:.3g} N/m, {} m apart and {} m wide: "
                     "expected at most {:g} N/m (steel: about 1e15 Pa/m)",
-                    s.contact.stiffness, node, s.spacing,
-                    std::min(s.resonator.width, s.slider.width), stiffest));
+                    s.contact.stiffness, node, s.spacing, strip, stiffest));
 }
 
 void check_loads(const Scene& s, Document& document) {
@@ -466,10 +607,17 @@ void check(const Scene& scene, Document& document) {
   check_times(scene, document);
   check_path(scene, document);
   bool bodies = true;
+  if (scene.kind == SceneKind::areal)
+    bodies = check_areal(scene, document);
+  else
+    check_plane(scene, document);
   for (const auto& [name, body] :
        {std::pair{"resonator", &scene.resonator}, std::pair{"slider", &scene.slider}}) {
     check_nodes(scene, name, *body, document);
-    bodies = check_body(name, *body, document) && bodies;
+    // of a plate without frequencies the fault has been named
+    bodies = (body->kind == BodyKind::plate && !bodies)
+                 ? false
+                 : check_body(name, *body, document) && bodies;
     check_surface(scene, name, *body, document);
   }
   if (bodies) check_modes(scene, document);

@@ -7,6 +7,7 @@
 
 #include "host/scene/schemes.hpp"
 #include "host/surface/form.hpp"
+#include "host/surface/height_map.hpp"
 #include "host/surface/profile.hpp"
 
 namespace ra2d::keys {
@@ -25,6 +26,8 @@ constexpr std::size_t longest_path = 4096;  // bytes, of a file that the system 
 // ---- what keys depend on
 
 bool is_elastic(const BodySpec& body) { return body.support != Support::rigid; }
+/// Of a block: it moves, and does not bend.
+bool bends(const BodySpec& body) { return is_elastic(body) && body.kind != BodyKind::block; }
 bool has_spring(const ContactSettings& contact) { return contact.law == ContactLaw::penalty; }
 bool has_fixed_steps(const TimeSettings& time) { return !is_adaptive(time); }
 template <SurfaceKind kind>
@@ -38,11 +41,19 @@ std::string unless(bool is_used, const std::string& reason) { return is_used ? "
 std::string of_elastic_body(const BodySpec& body, const Scene&) {
   return unless(is_elastic(body), "the body is rigid");
 }
-std::string of_elastic_body_or_hertz(const BodySpec& body, const Scene& scene) {
-  return takes_hertz(scene.contact) ? "" : of_elastic_body(body, scene);
+std::string of_bent_body(const BodySpec& body, const Scene& scene) {
+  const std::string rigid = of_elastic_body(body, scene);
+  return rigid.empty() ? unless(bends(body), "a block does not bend") : rigid;
 }
-std::string of_hertz(const BodySpec&, const Scene& scene) {
+std::string of_bent_body_or_hertz(const BodySpec& body, const Scene& scene) {
+  return takes_hertz(scene.contact) ? "" : of_bent_body(body, scene);
+}
+std::string of_plate_or_hertz(const BodySpec& body, const Scene& scene) {
+  if (body.kind == BodyKind::plate) return of_elastic_body(body, scene);
   return unless(takes_hertz(scene.contact), "only contact.stiffness = \"hertz\" takes it");
+}
+std::string of_areal_scene(const Scene&, const Scene& scene) {
+  return unless(scene.kind == SceneKind::areal, "the scene is plane");
 }
 
 template <SurfaceKind kind>
@@ -82,6 +93,27 @@ std::string of_limited_steps(const TimeSettings& time, const Scene&) {
 }
 
 // ---- values that only one key has
+
+/// A length, or "inf".
+Value<SurfaceSpec> rsm_along_y() {
+  const std::string infinite_word = "inf";
+  Value<SurfaceSpec> value = number(&SurfaceSpec::rsm_y, positive, "m");
+  value.type += ", m, or `\"inf\"`";
+  value.read = [=](Reader& in, const std::string& key, Need need, SurfaceSpec& surface) {
+    const bool is_infinite = in.says(key, infinite_word);
+    surface.rsm_y = in.number(key, positive, "m", need, infinite_word);
+    if (is_infinite) surface.rsm_y = infinite;
+  };
+  value.toml = [=](const SurfaceSpec& surface, const Scene&) {
+    return *surface.rsm_y == infinite ? toml_string(infinite_word) : toml_number(*surface.rsm_y);
+  };
+  return value;
+}
+
+/// Of a profile, or of a map.
+bool is_form(const std::string& form) {
+  return understand_form(form).has_value() || understand_map_form(form).has_value();
+}
 
 /// The path of a profile. It is kept as it was written, and written as an absolute one.
 Value<SurfaceSpec> profile_path() {
@@ -152,7 +184,7 @@ Value<SurfaceSpec> prepared(const T& value) {
 // ---- what is wrong between the keys of one table
 
 void check_body_keys(Reader& in, const BodySpec& body, bool is_certain) {
-  if (is_elastic(body) && is_certain) in.one_of("max_frequency", "modes");
+  if (bends(body) && is_certain) in.one_of("max_frequency", "modes");
 }
 
 void check_surface_keys(Reader& in, const SurfaceSpec& surface, bool) {
@@ -178,6 +210,9 @@ const Keys<Scene>& of_scene() {
   static const Keys<Scene> keys{
       {{"name", text(&Scene::name, "text"), has_default<Scene>("the file's name"),
         "title of the report"},
+       {"kind", choice(&Scene::kind, scene_kinds, SceneKind::plane), may_stand<Scene>(),
+        "beams, and every asperity is a ridge as wide as the slider; or "
+        "[a plate, a block and height maps](#areal-scenes)"},
        {"duration", number(&Scene::duration, positive, "s"), required<Scene>(), "simulated time"},
        {"speed", number(&Scene::speed, not_negative, "m/s"), required<Scene>(),
         "sliding speed of the slider, imposed and constant"},
@@ -189,6 +224,16 @@ const Keys<Scene>& of_scene() {
         "distance without overlap at t = 0"},
        {"spacing", number(&Scene::spacing, positive, "m"), required<Scene>(),
         "distance between two nodes, on both bodies"},
+       {"spacing_y",
+        number(&Scene::spacing_y, positive, "m"),
+        may_stand<Scene>("`spacing`"),
+        "distance between two rows of nodes, on both bodies",
+        {"areal", of_areal_scene}},
+       {"side",
+        number(&Scene::side, any_number, "m"),
+        may_stand<Scene>("the slider in the middle"),
+        "where the slider's side stands on the resonator",
+        {"areal", of_areal_scene}},
        {"faces", choice(&Scene::faces, face_choices, Faces::linear), may_stand<Scene>(),
         "straight from node to node, or [splines](schemes.md#smooth-faces), along which contact is "
         "integrated: it has no spacing of its own"},
@@ -222,7 +267,13 @@ std::vector<Key<S>> file_keys() {
       {"z_unit", prepared(choice(&F::z_unit, file_units)), may_stand<S>("the file's own"),
        "unit of the heights in a text", file},
       {"spacing", prepared(number(&F::spacing, positive, "m")), may_stand<S>(),
-       "step from height to height, of a text that has no x", file},
+       "step from height to height, of a file that has none", file},
+      {"spacing_y", prepared(number(&F::spacing_y, positive, "m")), may_stand<S>("`spacing`"),
+       "of a map: step from row to row, of a file that has none", file},
+      {"offset_x", prepared(number(&F::offset_x, any_number, "m")), may_stand<S>("0"),
+       "of a map: where on the body it begins", file},
+      {"offset_y", prepared(number(&F::offset_y, any_number, "m")),
+       may_stand<S>("on the resonator `scene.side`, else 0"), "the same across", file},
       {"decimal", prepared(choice(&F::decimal, file_decimals)), may_stand<S>("what the file tells"),
        "where a text leaves open what a comma is", file},
       {"row", prepared(integer(&F::row, 1, most_profiles)), may_stand<S>(),
@@ -235,10 +286,11 @@ std::vector<Key<S>> file_keys() {
        may_stand<S>("missing points are refused"),
        "straight lines through gaps of up to WIDTH metres", file},
       {"form",
-       prepared(text(&F::form, "`\"none\"`, `\"mean\"`, `\"line\"`, `\"poly:N\"`",
-                     "none, mean, line or poly:N with N from 0 to 10",
-                     [](const std::string& form) { return understand_form(form).has_value(); })),
-       may_stand<S>("`\"none\"`"), "form that is taken off, by least squares", file},
+       prepared(text(&F::form,
+                     "`\"none\"`, `\"mean\"`, `\"line\"` (map: `\"plane\"`), `\"poly:N\"`",
+                     "none, mean, line (of a map: plane) or poly:N with N from 0 to 10", is_form)),
+       may_stand<S>("`\"none\"`"),
+       "form that is taken off, by least squares; of a map in x and y together", file},
       {"cutoff_s", prepared(number(&F::cutoff_s, positive, "m")), may_stand<S>("no such filter"),
        "cut-off of the Gaussian filter against short waves", file},
       {"filter", prepared(choice(&F::filter, face_filters, FaceFilter::none)), may_stand<S>(),
@@ -248,7 +300,10 @@ std::vector<Key<S>> file_keys() {
       {"cutoff", prepared(number(&F::cutoff, positive, "m")), may_stand<S>("2.5e-3"),
        "of `filter = \"gaussian\"`", file},
       {"short", prepared(choice(&F::when_short, short_profiles, ShortProfile::refuse)),
-       may_stand<S>(), "what is done with a profile that is shorter than the beam", file}};
+       may_stand<S>(),
+       "what is done with a profile that is shorter than the beam, or a map smaller than the body. "
+       "Only maps are mirrored",
+       file}};
 }
 
 std::vector<Key<S>> random_keys() {
@@ -260,6 +315,9 @@ std::vector<Key<S>> random_keys() {
            "root mean square height over the beam's length", gaussian},
           {"rsm", number(&S::rsm, positive, "m"), may_stand<S>("this or `correlation_length`"),
            "mean spacing of the profile elements, on average over many profiles", gaussian},
+          {"rsm_y", rsm_along_y(), may_stand<S>("`rsm`"),
+           "of a map: `rsm` along y. `\"inf\"`: every row is the profile that a plane scene has",
+           gaussian},
           {"correlation_length", number(&S::correlation_length, positive, "m"), may_stand<S>(),
            "distance at which the autocorrelation has fallen to 1/e", not_self_affine},
           {"correlation", choice(&S::correlation, correlations, Correlation::gaussian),
@@ -316,32 +374,34 @@ namespace {
 Keys<BodySpec> body_with(Key<BodySpec> own) {
   using B = BodySpec;
   const Use<B> elastic{"", of_elastic_body};
-  const Standing<B> of_material = required_if(is_elastic, "required, but for rigid bodies");
+  const Standing<B> of_mass = required_if(is_elastic, "required, but for rigid bodies");
+  const Standing<B> of_material = required_if(bends, "required, but for rigid bodies and blocks");
+  const Use<B> bent{"", of_bent_body};
   Keys<B> keys{
       {{"support", choice(&B::support, supports, Support::pinned), required<B>(), "see below"},
        {"length", number(&B::length, positive, "m"), required<B>(), "along the sliding direction"},
-       {"thickness", number(&B::thickness, positive, "m"), of_material,
-        "height of the cross section", elastic},
+       {"thickness", number(&B::thickness, positive, "m"), of_mass, "height of the cross section",
+        elastic},
        {"width", number(&B::width, positive, "m"), required<B>(),
         "across. The contact strip has the smaller of the two widths"},
        {"young",
         number(&B::young, positive, "Pa"),
         of_material,
         "Young's modulus",
-        {"", of_elastic_body_or_hertz}},
-       {"density", number(&B::density, positive, "kg/m^3"), of_material, "", elastic},
+        {"", of_bent_body_or_hertz}},
+       {"density", number(&B::density, positive, "kg/m^3"), of_mass, "", elastic},
        {"poisson",
         number(&B::poisson, poisson_ratio, no_unit),
         may_stand<B>("0.3"),
-        "Poisson's ratio. Only `contact.stiffness = \"hertz\"` takes it",
-        {"", of_hertz}},
+        "Poisson's ratio. Only plates and `contact.stiffness = \"hertz\"` take it",
+        {"", of_plate_or_hertz}},
        {"damping", number(&B::damping, ratio, no_unit), of_material, "damping ratio of each mode",
-        elastic},
+        bent},
        {"max_frequency", number(&B::max_frequency, positive, "Hz"),
-        may_stand<B>("this or `modes`, but for rigid bodies"),
-        "keep the elastic modes up to this frequency", elastic},
+        may_stand<B>("this or `modes`, but for rigid bodies and blocks"),
+        "keep the elastic modes up to this frequency", bent},
        {"modes", integer(&B::modes, 0, most_modes_of_a_body), may_stand<B>(),
-        "keep this many elastic modes. 0: the body moves, but does not bend", elastic},
+        "keep this many elastic modes. 0: the body moves, but does not bend", bent},
        {"surface",
         table(&B::surface, of_surface(), "{ kind = \"flat\" }"),
         may_stand<B>(),

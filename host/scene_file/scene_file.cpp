@@ -30,6 +30,7 @@ Reader read_section(Document& document, const std::string& name, const keys::Key
 
 /// The values that follow from those of other keys.
 void complete(Scene& scene, bool has_initial) {
+  if (scene.kind == SceneKind::areal) make_areal(scene);
   if (scene.contact.is_hertz) scene.contact.stiffness = hertz_stiffness(scene);
   if (keys::takes_hertz(scene.contact))
     for (BodySpec* body : {&scene.resonator, &scene.slider})
@@ -42,6 +43,10 @@ Scene read(Document& document, const std::filesystem::path& file) {
   Scene scene;
   scene.file = file;
   const Reader first = read_section(document, "scene", keys::of_scene(), scene);
+  if (scene.kind == SceneKind::areal) {  // which of their keys are required depends on it
+    scene.resonator.kind = BodyKind::plate;
+    scene.slider.kind = BodyKind::block;
+  }
   read_section(document, "resonator", keys::of_resonator(), scene.resonator);
   read_section(document, "slider", keys::of_slider(), scene.slider);
   read_section(document, "contact", keys::of_contact(), scene.contact);

@@ -8,7 +8,9 @@
 #include <limits>
 #include <utility>
 
+#include "host/base/quiet_nan.hpp"
 #include "host/body/body.hpp"
+#include "host/body/plate.hpp"
 #include "host/scene_file/key_facts.hpp"
 
 // The bounds are those of what is built and rubbed, from micromachines to bridges and from rubber
@@ -99,6 +101,12 @@ void doubt_section(const std::string& name, const BodySpec& body, bool is_slider
           too_small);
 }
 
+/// Of elastic mode 0 [Hz]; not a number of a plate that can be none.
+double first_frequency(const BodySpec& body) {
+  if (body.kind == BodyKind::plate && !has_plate_modes(body)) return quiet_nan;
+  return elastic_frequency(body, 0);
+}
+
 void doubt_body(const std::string& name, const BodySpec& body, bool is_slider, Doubts& doubts) {
   constexpr double most_damping = 0.5, most_kilohertz = 1000;
   doubt_section(name, body, is_slider, doubts);
@@ -113,18 +121,19 @@ void doubt_body(const std::string& name, const BodySpec& body, bool is_slider, D
                     name, body.damping, body.damping / 100));
   // of larger numbers it is the body that is odd
   if (body.max_frequency && *body.max_frequency < most_kilohertz && !is_slider &&
-      elastic_frequency(body, 0) > *body.max_frequency)
+      first_frequency(body) > *body.max_frequency)
     doubt(doubts, name + ".max_frequency", *body.max_frequency,
-          fmt::format("it keeps no mode, the first is at {:.4g} Hz", elastic_frequency(body, 0)),
+          fmt::format("it keeps no mode, the first is at {:.4g} Hz", first_frequency(body)),
           kilohertz);
 }
 
 /// The resonator's deflection under a force in its middle [m], by its first mode: 1.5 % more than
-/// that of the whole beam.
+/// that of the whole beam; of a plate up to a third less.
 double static_deflection(const BodySpec& body, double force) {
-  const double omega = 2 * M_PI * elastic_frequency(body, 0);
+  const double omega = 2 * M_PI * first_frequency(body);
   const double mass = body.density * body.thickness * body.width * body.length;
-  return 2 * std::abs(force) / (mass * omega * omega);
+  const double square = body.kind == BodyKind::plate ? 4 : 2;  // of the shape there, over its mean
+  return square * std::abs(force) / (mass * omega * omega);
 }
 
 void doubt_loads(const Scene& scene, Doubts& doubts) {

@@ -194,7 +194,9 @@ CheckedFile read_objects(const std::filesystem::path& path) {
 
 /// No more nodes touch than the slider has.
 void check_nodes(const ResultReader& reader, std::vector<std::string>& faults) {
-  const auto most = static_cast<double>(reader.rows("surface/slider/height"));
+  const std::size_t columns =
+      reader.contents().is_areal ? reader.rows("surface/slider/position") : 1;
+  const auto most = static_cast<double>(reader.rows("surface/slider/height") * columns);
   for (std::size_t first = 0; first < reader.contents().samples; first += rows_at_once) {
     const std::size_t count = std::min(rows_at_once, reader.contents().samples - first);
     for (const double nodes : reader.column("contact/nodes", first, count))

@@ -13,6 +13,13 @@ std::vector<double> node_positions(std::size_t nodes, double spacing) {
   return x;
 }
 
+/// Middles of strips.
+std::vector<double> row_positions(const ResultHeader& header, double side) {
+  std::vector<double> y(static_cast<std::size_t>(header.rows));
+  for (std::size_t j = 0; j < y.size(); ++j) y[j] = side + (double(j) + 0.5) * header.spacing_y;
+  return y;
+}
+
 std::vector<double> numbers(std::size_t count) { return node_positions(count, 1.0); }
 
 template <auto member>
@@ -42,27 +49,31 @@ const Entry all_entries[] = {
     {"resonator/mode", "1", "numbers of the resonator's modes, rigid ones first", "resonator/mode", "",
      [](const ResultHeader& h) { return numbers(h.resonator.frequency.size()); }, Numbers::whole},
     {"resonator/position", "m", "places on the resonator from its left end", "resonator/position", "",
-     [](const ResultHeader& h) { return h.resonator.position; }},
+     [](const ResultHeader& h) { return h.resonator.position; }, Numbers::real, nullptr, Of::plane},
+    {"resonator/mode_x", "1", "half waves of the resonator's modes along x", "resonator/mode", "",
+     [](const ResultHeader& h) { return h.resonator.mode_x; }, Numbers::whole, nullptr, Of::areal},
+    {"resonator/mode_y", "1", "half waves of the resonator's modes along y", "resonator/mode", "",
+     [](const ResultHeader& h) { return h.resonator.mode_y; }, Numbers::whole, nullptr, Of::areal},
     {"resonator/frequency", "Hz", "natural frequencies of the resonator", "resonator/mode", "",
      [](const ResultHeader& h) { return h.resonator.frequency; }},
     {"resonator/shape", "m-0.5", "mode shapes of the resonator", "resonator/mode", "resonator/position",
-     [](const ResultHeader& h) { return h.resonator.shape; }},
+     [](const ResultHeader& h) { return h.resonator.shape; }, Numbers::real, nullptr, Of::plane},
     {"resonator/mean_square", "m-1", "mean squares of the elastic mode shapes over all nodes", "resonator/mode", "",
-     [](const ResultHeader& h) { return h.resonator.mean_square.get(); }},
-    {"resonator/displacement", "m1.5", "modal displacements of the resonator", "time", "resonator/mode", &SampleBlock::resonator_displacement},
-    {"resonator/velocity", "m1.5 s-1", "modal velocities of the resonator", "time", "resonator/mode", &SampleBlock::resonator_velocity},
+     [](const ResultHeader& h) { return h.resonator.mean_square.get(); }, Numbers::real, nullptr, Of::all, "m-2"},
+    {"resonator/displacement", "m1.5", "modal displacements of the resonator", "time", "resonator/mode", &SampleBlock::resonator_displacement, Numbers::real, nullptr, Of::all, "m2"},
+    {"resonator/velocity", "m1.5 s-1", "modal velocities of the resonator", "time", "resonator/mode", &SampleBlock::resonator_velocity, Numbers::real, nullptr, Of::all, "m2 s-1"},
     {"slider/mode", "1", "numbers of the slider's modes, rigid ones first", "slider/mode", "",
      [](const ResultHeader& h) { return numbers(h.slider.frequency.size()); }, Numbers::whole},
     {"slider/position", "m", "places on the slider from its left end", "slider/position", "",
-     [](const ResultHeader& h) { return h.slider.position; }},
+     [](const ResultHeader& h) { return h.slider.position; }, Numbers::real, nullptr, Of::plane},
     {"slider/frequency", "Hz", "natural frequencies of the slider", "slider/mode", "",
      [](const ResultHeader& h) { return h.slider.frequency; }},
     {"slider/shape", "m-0.5", "mode shapes of the slider", "slider/mode", "slider/position",
-     [](const ResultHeader& h) { return h.slider.shape; }},
+     [](const ResultHeader& h) { return h.slider.shape; }, Numbers::real, nullptr, Of::plane},
     {"slider/mean_square", "m-1", "mean squares of the elastic mode shapes over all nodes", "slider/mode", "",
-     [](const ResultHeader& h) { return h.slider.mean_square.get(); }},
-    {"slider/displacement", "m1.5", "modal displacements of the slider", "time", "slider/mode", &SampleBlock::slider_displacement},
-    {"slider/velocity", "m1.5 s-1", "modal velocities of the slider", "time", "slider/mode", &SampleBlock::slider_velocity},
+     [](const ResultHeader& h) { return h.slider.mean_square.get(); }, Numbers::real, nullptr, Of::all, "m-2"},
+    {"slider/displacement", "m1.5", "modal displacements of the slider", "time", "slider/mode", &SampleBlock::slider_displacement, Numbers::real, nullptr, Of::all, "m2"},
+    {"slider/velocity", "m1.5 s-1", "modal velocities of the slider", "time", "slider/mode", &SampleBlock::slider_velocity, Numbers::real, nullptr, Of::all, "m2 s-1"},
     {"contact/force", "N", "total normal contact force", "time", "", &SampleBlock::force},
     {"contact/nodes", "1", "number of nodes in contact", "time", "", &SampleBlock::nodes, Numbers::whole},
     {"probes/position", "m", "positions of the probes on the resonator", "probes/position", "",
@@ -106,13 +117,21 @@ const Entry all_entries[] = {
     {"summary/step_seconds", "s", "wall time a step", "", "", &ResultSummary::step_seconds},
     {"summary/wall_seconds", "s", "wall time of the run, until this file was closed", "", "", &ResultSummary::wall_seconds},
     {"surface/slider/position", "m", "positions of the slider's nodes from its left end", "surface/slider/position", "",
-     [](const ResultHeader& h) { return node_positions(h.slider_height.size(), h.spacing); }},
+     [](const ResultHeader& h) { return node_positions(h.slider_height.size() / h.rows, h.spacing); }},
     {"surface/slider/height", "m", "heights of the slider's profile", "surface/slider/position", "",
-     [](const ResultHeader& h) { return h.slider_height; }},
+     [](const ResultHeader& h) { return h.slider_height; }, Numbers::real, nullptr, Of::plane},
+    {"surface/slider/y", "m", "rows of the slider's nodes from its side", "surface/slider/y", "",
+     [](const ResultHeader& h) { return row_positions(h, 0); }, Numbers::real, nullptr, Of::areal},
+    {"surface/slider/height", "m", "heights of the slider's map", "surface/slider/y", "surface/slider/position",
+     [](const ResultHeader& h) { return h.slider_height; }, Numbers::real, nullptr, Of::areal},
     {"surface/resonator/position", "m", "positions of the resonator's nodes from its left end", "surface/resonator/position", "",
-     [](const ResultHeader& h) { return node_positions(h.resonator_height.size(), h.spacing); }},
+     [](const ResultHeader& h) { return node_positions(h.resonator_height.size() / h.rows, h.spacing); }},
     {"surface/resonator/height", "m", "heights of the resonator's profile", "surface/resonator/position", "",
-     [](const ResultHeader& h) { return h.resonator_height; }},
+     [](const ResultHeader& h) { return h.resonator_height; }, Numbers::real, nullptr, Of::plane},
+    {"surface/resonator/y", "m", "rows of the resonator's nodes under the slider, from its side", "surface/resonator/y", "",
+     [](const ResultHeader& h) { return row_positions(h, h.side); }, Numbers::real, nullptr, Of::areal},
+    {"surface/resonator/height", "m", "heights of the resonator's map under the slider", "surface/resonator/y", "surface/resonator/position",
+     [](const ResultHeader& h) { return h.resonator_height; }, Numbers::real, nullptr, Of::areal},
 };
 // clang-format on
 
@@ -126,7 +145,7 @@ bool Entry::is_modal() const {
 }
 
 bool is_kept(const Entry& entry, const ResultHeader& header) {
-  return !(entry.is_modal() && header.modes == KeptModes::none);
+  return entry.is_of(header.is_areal) && !(entry.is_modal() && header.modes == KeptModes::none);
 }
 
 Stored stored_in(const Entry& entry, const ResultHeader& header) {
@@ -138,7 +157,7 @@ Stored stored_in(const Entry& entry, const ResultHeader& header) {
 
 std::size_t column_count(const Entry& entry, const ResultHeader& header) {
   for (const Entry& scale : all_entries)
-    if (scale.path == std::string_view{entry.columns})
+    if (scale.path == std::string_view{entry.columns} && scale.is_of(header.is_areal))
       return (*source_of<Fixed>(scale))(header).size();
   return 1;
 }

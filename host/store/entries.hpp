@@ -14,6 +14,9 @@ namespace ra2d {
 
 /// Raised when a sampled dataset comes, or when any changes its meaning or goes.
 inline constexpr std::int64_t file_format = 3;
+/// Of a file of an areal scene: as format 3, with maps for profiles, numbers of half waves for
+/// shapes, and the units of bodies that have an area.
+inline constexpr std::int64_t areal_format = 4;
 /// The oldest format that is read. In format 2 the scale of the shocks is their start, counts are
 /// stored as doubles, and groups have no description.
 inline constexpr std::int64_t oldest_format = 2;
@@ -30,6 +33,9 @@ using Final = double ResultSummary::*;  // at the end, scalar; NaN: left out
 /// How the numbers of a dataset stand in a file. In memory they are doubles.
 enum class Stored { real64, real32, integer64 };
 
+/// The scenes whose files have a dataset.
+enum class Of { all, plane, areal };
+
 /// Whether a dataset counts or measures.
 enum class Numbers { real, whole };
 
@@ -40,6 +46,12 @@ struct Entry {
   std::variant<Fixed, Sampled, PerShock, Final> source;
   Numbers numbers = Numbers::real;
   const char* old_path = nullptr;  // in files of format 2, which may lack it
+  Of of = Of::all;
+  const char* areal_units = nullptr;  // in files of areal scenes; null: the same
+
+  bool is_of(bool is_areal) const {
+    return of == Of::all || (of == Of::areal) == is_areal;
+  }
 
   bool has_columns() const { return *columns != '\0'; }
   bool is_sampled() const { return std::holds_alternative<Sampled>(source); }

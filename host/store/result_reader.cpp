@@ -87,6 +87,7 @@ bool require_shapes(hid_t file, std::int64_t format, double room) {
   std::map<std::string_view, hsize_t> length;  // of the scales
   const bool has_modes = !has(file, "resonator") || has(file, "resonator/velocity");
   for (const Entry& entry : entries()) {
+    if (!entry.is_of(format == areal_format)) continue;
     const char* const path = entry.path_in(format);
     const bool may_be_missing =
         source_of<Final>(entry) || (entry.is_modal() && !has_modes) || path == entry.old_path;
@@ -233,10 +234,11 @@ h5::File open(const std::filesystem::path& path, Bytes bytes) {
       check(H5Aexists(file, "format")) == 0)
     throw Fault{"it is no result of ra2d: expected a file that 'ra2d run' wrote"};
   if (const std::int64_t format = number_attribute(file, "format");
-      format < oldest_format || format > file_format)
+      format < oldest_format || format > areal_format)
     throw Fault{fmt::format(
-        "its format is {}, and this program reads {} to {}: {}", format, oldest_format, file_format,
-        format > file_format ? "a newer ra2d wrote it" : "run its scene again with this program")};
+        "its format is {}, and this program reads {} to {}: {}", format, oldest_format,
+        areal_format,
+        format > areal_format ? "a newer ra2d wrote it" : "run its scene again with this program")};
   return file;
 }
 
@@ -314,6 +316,7 @@ ResultReader::ResultReader(const std::filesystem::path& path, Bytes bytes)
       const bool has_modes = require_shapes(impl_->file, format, static_cast<double>(size));
       impl_->contents = contents_of(impl_->file, format);
       impl_->contents.has_modes = has_modes;
+      impl_->contents.is_areal = format == areal_format;
     } catch (...) {
       impl_->file = {};  // closed under the watch, too
       throw;

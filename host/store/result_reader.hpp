@@ -22,9 +22,10 @@ struct ResultContents {
   std::size_t samples = 0;    // T
   double rate = 0;            // Hz, of the samples; NaN of fewer than two
   double start = 0, end = 0;  // s, times of the first and of the last sample; NaN of none
-  bool has_modes = true;      // whether the modes' motion is in it (output.modes)
+  bool is_areal = false;
+  bool has_modes = true;  // whether the modes' motion is in it (output.modes)
   std::vector<double> resonator_frequency, slider_frequency;  // Hz, 0 of rigid modes
-  std::vector<double> mean_square;            // 1/m, of the resonator's elastic modes
+  std::vector<double> mean_square;            // 1/m, of the resonator's elastic modes; areal: 1/m^2
   std::vector<double> probe_position;         // m, on the resonator
   std::vector<double> slider_probe_position;  // m, on the slider
   std::vector<Shock> shocks;                  // in order of start

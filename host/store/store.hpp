@@ -17,10 +17,12 @@ namespace ra2d {
 
 /// A body's modes; it may have none.
 struct ModesHeader {
-  std::vector<double> frequency;  // Hz
-  std::vector<double> position;   // m, places along the body
-  std::vector<double> shape;      // (mode, position), m^-1/2
-  MeanSquares mean_square;        // 1/m, of the shape over all the nodes; 0 of a rigid mode
+  std::vector<double> frequency;       // Hz
+  std::vector<double> position;        // m, places along the body
+  std::vector<double> shape;           // (mode, position), m^-1/2
+  std::vector<double> mode_x, mode_y;  // of an areal scene instead: half waves along x and y
+  MeanSquares mean_square;  // 1/m, of the shape over all the nodes; 0 of a rigid mode. Areal:
+                            // 1/m^2, over the area
 };
 
 /// The place in a run where a file begins: its start, unless the file holds only a part of the run.
@@ -39,8 +41,11 @@ struct ResultHeader {
   std::string started;       // ISO 8601, UTC
   ModesHeader resonator, slider;
   std::vector<double> probe_position, slider_probe_position;  // m; either may be empty
-  std::vector<double> resonator_height, slider_height;        // m, the profiles used
+  std::vector<double> resonator_height, slider_height;        // m, the profiles used, row by row
   double spacing = 0;                                         // m, chi
+  bool is_areal = false;
+  int rows = 1;
+  double spacing_y = 0, side = 0;  // m, of an areal scene: chi_y, y0
   // of what is sampled
   KeptModes modes = KeptModes::all;
   Precision precision = Precision::real64;

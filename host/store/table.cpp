@@ -148,7 +148,7 @@ Table make_table(hid_t file, const Entry& entry, const ResultHeader& header, hsi
               h5::Dataset{check(H5Dcreate2(file, entry.path, file_type(stored), space, H5P_DEFAULT,
                                            creation, H5P_DEFAULT))},
               columns, stored, is_compressed};
-  table.give({"units", entry.units});
+  table.give({"units", header.is_areal && entry.areal_units ? entry.areal_units : entry.units});
   table.give({"long_name", entry.long_name});
 
   unsigned axis = 0;

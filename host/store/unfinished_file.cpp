@@ -61,7 +61,7 @@ void UnfinishedFile::describe(const ResultHeader& header) {
     reserve(header.scene.size() +
             2 * sizeof(double) * (header.resonator_height.size() + header.slider_height.size()));
     give({"creator", "ra2d"});
-    give({"format", file_format});
+    give({"format", header.is_areal ? areal_format : file_format});
     give({"version", version()});
     give({"commit", commit()});
     give({"scene", header.scene});

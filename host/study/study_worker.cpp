@@ -86,6 +86,7 @@ class PointRun : public SceneRun {
 class SharedMeanSquares {
  public:
   std::vector<double> of(const Model& model) {
+    if (model.is_areal) return mean_squares(model);  // in closed form
     const BodySpec& body = model.scene.resonator;
     const Key key{static_cast<double>(body.support), body.length, model.scene.spacing,
                   static_cast<double>(model.resonator_height.size()),

@@ -26,25 +26,6 @@ constexpr double steps_to_cutoff = 5;  // of the profile, at the least
 constexpr double most_copies = 100;    // along a beam
 constexpr double much_change = 0.1;    // of Rq, where a profile is repeated
 
-/// Renames options of a command, as the readers have them in their messages, to keys of a scene.
-std::string in_keys(std::string text) {
-  constexpr std::pair<std::string_view, std::string_view> words[] = {
-      {"--decimal point", "decimal = \"point\""},
-      {"--decimal comma", "decimal = \"comma\""},
-      {"--decimal", "decimal"},
-      {"--spacing", "spacing"},
-      {"--x-unit", "x_unit"},
-      {"--z-unit", "z_unit"},
-      {"--column", "column"},
-      {"--row", "row"},
-      {"--fill", "fill"},
-      {"drop the option", "drop the key"}};
-  for (const auto& [option, key] : words)
-    for (std::size_t at = text.find(option); at != text.npos; at = text.find(option, at))
-      text.replace(at, option.size(), key);
-  return text;
-}
-
 ProfileQuery query_of(const FilePreparation& how) {
   ProfileQuery query;
   if (how.x_unit) query.x_unit = to_unit(file_units.name(*how.x_unit));
@@ -123,34 +104,61 @@ FaceShape face_shape(std::span<const double> z, double spacing) {
   return {std::sqrt(squares / count), std::sqrt(rises / (count - 1)) / spacing};
 }
 
-void check_proportion(const std::filesystem::path& file, const std::vector<double>& z,
-                      double length, double spacing, double thickness,
-                      std::vector<std::string>* doubts) {
+void check_profile(const std::filesystem::path& file, const std::vector<double>& z, double length,
+                   double spacing, double thickness, std::vector<std::string>* doubts) {
   const auto [low, high] = std::minmax_element(z.begin(), z.end());
-  const double height = *high - *low, slope = face_shape(z, spacing).slope;
-  const double depth = thickness > 0 ? thickness : length;
-  const char* const what = thickness > 0 ? "thick" : "long";
-  if (height > depth * (thickness > 0 ? usual_faces::largest_share : 1))
-    refuse_face(file,
-                fmt::format("the heights span {:.6g} m on a beam {:.6g} m {}: say with z_unit "
-                            "what they are in, or take a form off",
-                            height, depth, what));
-  if (slope > usual_faces::steepest)
-    refuse_face(file, fmt::format("the slopes have a root mean square of {:.3g}, steeper than any "
-                                  "face: say with x_unit and z_unit what x and z are in",
-                                  slope));
-  if (doubts == nullptr) return;
-  if (height > usual_faces::large_share * depth)
-    doubts->push_back(fmt::format("{}: the heights span {:.3g} m on a beam {:.3g} m {}",
-                                  file.string(), height, depth, what));
-  else if (slope > usual_faces::steep)
-    doubts->push_back(
-        fmt::format("{}: the slopes have a root mean square of {:.2g}, and few faces "
-                    "are so steep",
-                    file.string(), slope));
+  check_proportion(file, {*high - *low, face_shape(z, spacing).slope}, {"beam", length, thickness},
+                   doubts);
 }
 
 }  // namespace
+
+void check_proportion(const std::filesystem::path& file, const FaceExtent& face,
+                      const CarryingBody& body, std::vector<std::string>* doubts) {
+  const double depth = body.thickness > 0 ? body.thickness : body.length;
+  const char* const what = body.thickness > 0 ? "thick" : "long";
+  if (face.height > depth * (body.thickness > 0 ? usual_faces::largest_share : 1))
+    refuse_face(file, fmt::format("the heights span {:.6g} m on a {} {:.6g} m {}: say with z_unit "
+                                  "what they are in, or take a form off",
+                                  face.height, body.name, depth, what));
+  if (face.slope > usual_faces::steepest)
+    refuse_face(file,
+                fmt::format("the slopes have a root mean square of {:.3g}, steeper than any "
+                            "face: say with {} in",
+                            face.slope,
+                            body.name == std::string("beam") ? "x_unit and z_unit what x and z are"
+                                                             : "z_unit what the heights are"));
+  if (doubts == nullptr) return;
+  if (face.height > usual_faces::large_share * depth)
+    doubts->push_back(fmt::format("{}: the heights span {:.3g} m on a {} {:.3g} m {}",
+                                  file.string(), face.height, body.name, depth, what));
+  else if (face.slope > usual_faces::steep)
+    doubts->push_back(
+        fmt::format("{}: the slopes have a root mean square of {:.2g}, and few faces "
+                    "are so steep",
+                    file.string(), face.slope));
+}
+
+std::string in_keys(std::string text) {
+  constexpr std::pair<std::string_view, std::string_view> words[] = {
+      {"--decimal point", "decimal = \"point\""},
+      {"--decimal comma", "decimal = \"comma\""},
+      {"--decimal", "decimal"},
+      {"--spacing-y", "spacing_y"},
+      {"--spacing", "spacing"},
+      {"--x-unit", "x_unit"},
+      {"--z-unit m", "z_unit = \"m\""},
+      {"--z-unit", "z_unit"},
+      {"--column", "column"},
+      {"--row", "row"},
+      {"--fill", "fill"},
+      {"--form plane", "form = \"plane\""},
+      {"drop the option", "drop the key"}};
+  for (const auto& [option, key] : words)
+    for (std::size_t at = text.find(option); at != text.npos; at = text.find(option, at))
+      text.replace(at, option.size(), key);
+  return text;
+}
 
 RepeatedProfile::RepeatedProfile(const std::vector<double>& heights)
     : heights_{heights}, seam_{RepeatedPlace::seam(heights.size())} {}
@@ -192,7 +200,7 @@ std::vector<double> prepared_face(const SurfaceSpec& spec, const std::filesystem
       is_short ? at_nodes(count, stride, static_cast<std::size_t>(-1) / 2,
                           [&](std::size_t i) { return repeated.at(i); })
                : at_nodes(count, stride, last, [&](std::size_t i) { return z[i]; });
-  check_proportion(file, heights, length, spacing, thickness, doubts);
+  check_profile(file, heights, length, spacing, thickness, doubts);
   const std::size_t own = std::min(count, static_cast<std::size_t>(there / spacing) + 1);
   if (doubts != nullptr && own > 1) {
     const auto intervals = static_cast<double>(own - 1) * stride;

@@ -10,6 +10,25 @@
 /// Faces from measured profiles of any format, prepared as the scene says.
 namespace ra2d {
 
+/// Renames options of a command, as the readers of files have them in their messages, to keys of a
+/// scene.
+std::string in_keys(std::string text);
+
+/// A measured face, and the body that carries it.
+struct FaceExtent {
+  double height = 0;  // m, from the lowest to the highest point
+  double slope = 0;   // root mean square
+};
+struct CarryingBody {
+  const char* name;              // "beam" or "body"
+  double length, thickness = 0;  // m; thickness 0: not known
+};
+
+/// Throws RequestError where a measured face is too high or too steep for its body, so that its
+/// units must be wrong; `doubts` takes a sentence where it is unusual.
+void check_proportion(const std::filesystem::path& file, const FaceExtent& face,
+                      const CarryingBody& body, std::vector<std::string>* doubts);
+
 /// Whether a profile is more than two columns in metres that are taken as they stand.
 bool needs_preparation(const SurfaceSpec& spec, const std::filesystem::path& file);
 

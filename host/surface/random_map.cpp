@@ -319,7 +319,8 @@ void repeat_profile(const RandomMap& map, double length, HeightMap& out) {
 double map_rows(double width, double spacing_y) { return std::round(width / spacing_y); }
 
 HeightMap random_map(const RandomMap& map, double length, double width, double spacing,
-                     double spacing_y, std::vector<std::string>* doubts) {
+                     double spacing_y, std::vector<std::string>* doubts,
+                     std::optional<std::size_t> nx) {
   const MapSide sides[] = {{"rsm", "spacing", "the length", map.rsm, spacing, length},
                            {"rsm_y", "spacing_y", "the width", map.rsm_y, spacing_y, width}};
   for (const MapSide& side : sides) check_side(side);
@@ -332,8 +333,9 @@ HeightMap random_map(const RandomMap& map, double length, double width, double s
         fmt::format("rsm = {:g} m is more than {:.3g} times the length: the map "
                     "would be bent, not rough; lower rsm",
                     map.rsm, longest_wave * rsm_of_length));
-  require_map_size("the random map", length / spacing + 1, map_rows(width, spacing_y));
-  HeightMap out{static_cast<std::size_t>(node_count(length, spacing)),
+  require_map_size("the random map", nx ? static_cast<double>(*nx) : length / spacing + 1,
+                   map_rows(width, spacing_y));
+  HeightMap out{nx ? *nx : static_cast<std::size_t>(node_count(length, spacing)),
                 static_cast<std::size_t>(map_rows(width, spacing_y)),
                 spacing,
                 spacing_y,

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,9 +29,11 @@ double map_rows(double width, double spacing_y);
 /// that the seed and the four lengths fix, its mean over the area 0: other grids see other points
 /// of the same one. The same bits on every platform, whatever the threads; a point's bits are those
 /// of its x and y, whatever the grid. `doubts` takes a sentence where points are too far apart to
-/// show the slope. Throws RequestError for waves of fewer than four points, for a map that is bent
+/// show the slope. `nx` points of a row are made, also behind the length, or as many as it has room
+/// for. Throws RequestError for waves of fewer than four points, for a map that is bent
 /// rather than rough, and as require_map_size does.
 HeightMap random_map(const RandomMap& map, double length, double width, double spacing,
-                     double spacing_y, std::vector<std::string>* doubts = nullptr);
+                     double spacing_y, std::vector<std::string>* doubts = nullptr,
+                     std::optional<std::size_t> nx = {});
 
 }  // namespace ra2d

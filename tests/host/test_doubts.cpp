@@ -116,7 +116,8 @@ TEST(Doubts, SayWhichUnitWasMeant) {
 }
 
 TEST(Doubts, OfTheRepositorysScenesThereIsNoneButTheStiffness) {
-  for (const std::string name : {"dang2012", "dang2012-pinned", "drop", "peaks", "moving-force"}) {
+  for (const std::string name :
+       {"dang2012", "dang2012-pinned", "drop", "peaks", "moving-force", "areal"}) {
     const Texts doubts = make_model(read_scene(scene_file(name))).doubts;
     for (const std::string& doubt : doubts) EXPECT_THAT(doubt, HasSubstr("contact.stiffness"));
     EXPECT_EQ(doubts.size(), name.starts_with("dang2012") ? 1u : 0u) << name;

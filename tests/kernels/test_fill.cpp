@@ -117,7 +117,7 @@ TEST(FilledTables, OfRowsGiveTheOverlapsOfTheModel) {
         lanes.store(seen.data(), sweep.overlap(group).overlap);
         for (int lane = 0; lane < width; ++lane) {
           const int node = group * width + lane, j = node / row, i = node % row;
-          ASSERT_EQ(lane < nodes_left(filled.t.faces, group, width), i < nodes);
+          ASSERT_EQ(lane < nodes_left(f.t.faces, group, width), i < nodes);
           if (i >= nodes) {
             EXPECT_LT(seen[lane], -1e29) << "padding";
             continue;

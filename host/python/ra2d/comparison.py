@@ -238,6 +238,8 @@ def _face(result: Result, body: Body) -> str:
     if surface.get("kind") != "file":
         return repr(sorted(surface.items()))
     face = result.profile(body).load()
+    if face.ndim > 1:  # a map
+        return result.height_hash(body)
     places = np.linspace(0, float(face.position[-1]), 1001)
     return repr(np.round(np.interp(places, face.position.values, face.values), 12).tolist())
 

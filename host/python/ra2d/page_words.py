@@ -114,7 +114,7 @@ def _length(key: str, value: Any) -> Markup:
 def _random_face(face: Mapping[str, Any]) -> Markup:
     text = html("random, {} correlation, Rq {}", face.get("correlation", "gaussian"), _length("rq", face["rq"]))
     text += Markup("").join(html(", {} {}", name, _length(key, face[key])) for key, name in (
-        ("rsm", "RSm"), ("correlation_length", "correlation length")) if key in face)
+        ("rsm", "RSm"), ("rsm_y", "RSm across"), ("correlation_length", "correlation length")) if key in face)
     text += Markup("").join(html(", {} {}", name, number(face[key])) for key, name in (
         ("hurst", "Hurst exponent"), ("skewness", "skewness"), ("kurtosis", "kurtosis")) if key in face)
     return text + html(", seed {}", face.get("seed", 1))
@@ -132,14 +132,18 @@ def _face(face: Mapping[str, Any]) -> Markup:
     return html("{}", kind)
 
 
-def _body(body: Mapping[str, Any]) -> Markup:
+def _body(body: Mapping[str, Any], kind: str = "beam") -> Markup:
     sizes = [html("{} {}", _length(key, body[key]), word)
              for key, word in (("length", "long"), ("thickness", "thick"), ("width", "wide")) if key in body]
-    text = html("{} beam, {}", body["support"], Markup(", ").join(sizes))
+    text = html("{} {}, {}", body["support"], kind, Markup(", ").join(sizes))
     if body["support"] == "rigid":
         return text
+    if kind == "block":
+        return text + html("; {}", with_unit("density", body["density"], 4))
     text += html("; {}, {}, damping ratio {}", with_unit("young", body["young"], 4, "G", 1e9),
                  with_unit("density", body["density"], 4), number(body["damping"]))
+    if kind == "plate":
+        text += html("; Poisson's ratio {}", number(body["poisson"]))
     if "max_frequency" in body:
         text += html("; modes up to {}", with_unit("max_frequency", body["max_frequency"], 3, "k", 1e3))
     if "modes" in body:
@@ -152,15 +156,19 @@ def requested(scene: Mapping[str, Any]) -> list[tuple[str, Markup]]:
     run, slider, resonator = scene["scene"], scene["slider"], scene["resonator"]
     contact, time, output = scene["contact"], scene["time"], scene["output"]
     load = slider.get("load", 0.0)
+    areal = run.get("kind") == "areal"
+    kinds = ("plate", "block") if areal else ("beam", "beam")
     rows = [
         ("sliding", html("{} at {}, from {} on", with_unit("duration", run["duration"], 4),
                          with_unit("speed", run["speed"]), _length("start", run["start"]))),
-        ("resonator", _body(resonator)), ("its face", _face(resonator.get("surface", {}))),
-        ("slider", _body(slider)), ("its face", _face(slider.get("surface", {}))),
+        ("resonator", _body(resonator, kinds[0])), ("its face", _face(resonator.get("surface", {}))),
+        ("slider", _body(slider, kinds[1])), ("its face", _face(slider.get("surface", {}))),
         ("load", html("its weight") if load == "weight" else with_unit("load", load)),
         ("contact", html("penalty, {}", with_unit("stiffness", contact["stiffness"]))
          if contact.get("law", "penalty") == "penalty" else html("Lagrange multipliers: no penetration")),
-        ("spacing", _length("spacing", run["spacing"])),
+        ("spacing", html("{} along, {} across; the slider's side at {}", _length("spacing", run["spacing"]),
+                         _length("spacing_y", run["spacing_y"]), _length("side", run["side"]))
+         if areal else _length("spacing", run["spacing"])),
         ("time scheme", html("{}, tolerance {}", time["scheme"], number(time["tolerance"]))
          if time["scheme"] == "adaptive" else html("{}, steps of {}", time["scheme"], with_unit("step", time["step"]))),
         ("samples", html("{}; counted from {} on", with_unit("rate", output["rate"], 4, "k", 1e3),

@@ -68,9 +68,12 @@ def _draw_faces(axes: Any, result: Result) -> None:
     title = "Faces at the start, where the slider passes (heights much enlarged)"
     if stretch.first_time(result):
         title = "Face of the resonator where the slider passes (heights much enlarged)"
+    gap = _gap(result, resonator, slider, start) if start is not None else 0.0
+    if result.is_areal:
+        resonator, slider = (face.isel(y=face.sizes["y"] // 2) for face in (resonator, slider))
+        title = f"Rows in the middle. {title}"
     drawn = [resonator.sel(position=slice(low, high)).values]
     if start is not None:
-        gap = _gap(result, resonator, slider, start)
         drawn.append(gap - slider.values)
         title += f"; mean lines {quantity(gap, 'm')} apart"
     unit, one = scale("m", *drawn)

@@ -28,13 +28,14 @@ if TYPE_CHECKING:
 Body = Literal["resonator", "slider"]
 BODIES: tuple[Body, ...] = ("resonator", "slider")
 MOTIONS = ("displacement", "velocity")
-FORMATS = (2, 3)  # of the file, that this package reads
+FORMATS = (2, 3, 4)  # of the file, that this package reads
+AREAL_FORMAT = 4     # of areal scenes: maps for profiles, numbers of half waves for shapes
 
 _SAMPLED: dict[str, tuple[str, ...]] = {"time": ("time",)}
 _PROBES = {**_SAMPLED, "position": ("position",), "displacement": ("time", "position"),
            "velocity": ("time", "position")}
 _MODES = {**_SAMPLED, "mode": ("mode",), "position": ("position",), "frequency": ("mode",),
-          "mean_square": ("mode",), "shape": ("mode", "position"), "displacement": ("time", "mode"),
+          "mean_square": ("mode",), "mode_x": ("mode",), "mode_y": ("mode",), "shape": ("mode", "position"), "displacement": ("time", "mode"),
           "velocity": ("time", "mode")}
 _SHOCKS = ("start", "duration", "peak_force", "impulse", "position")
 
@@ -298,6 +299,15 @@ class Result:
         return self._file.read("slider_probes", _PROBES)
 
     @property
+    def is_areal(self) -> bool:
+        """Whether its scene is areal: a plate, a block and height maps.
+
+        >>> getfixture("result").is_areal
+        False
+        """
+        return bool(self.attrs["format"] == AREAL_FORMAT)
+
+    @property
     def contact(self) -> xr.Dataset:
         """`force` [N], total normal force, and `nodes`, number in contact, over `time` [s].
 
@@ -321,7 +331,8 @@ class Result:
     def modes(self, body: Body = "resonator") -> xr.Dataset:
         """The modes of a body: `frequency` [Hz], `shape` (mode, position) [m^-1/2], and over
         (time, mode) the modal `displacement` [m^3/2] and `velocity` [m^3/2/s], which a run with
-        `output.modes = "none"` does not keep.
+        `output.modes = "none"` does not keep. Of an areal scene no shape, but the half waves
+        `mode_x` and `mode_y` of the resonator, and displacements in m^2.
 
         >>> getfixture("result").modes("slider").sizes["mode"]
         2
@@ -340,6 +351,9 @@ class Result:
         1001
         """
         modes = self.modes(body)
+        if self.is_areal:
+            raise RequestError(f"{str(self.path)!r} is of an areal scene, whose fields are not built yet: modes() has "
+                               "the numbers of half waves, mode_x and mode_y, and the motion of each mode")
         if _one_of("what", what, MOTIONS) not in modes:
             raise RequestError(f"{str(self.path)!r} has no motion of the modes, of which a field is made: its scene has "
                                "output.modes = \"none\"")
@@ -355,12 +369,12 @@ class Result:
 
     def profile(self, body: Body = "resonator") -> xr.DataArray:
         """Heights [m] of a face over `position` [m], as the run used them; positive towards the
-        other body.
+        other body. Of an areal scene a map over (y, position), of the resonator under the slider.
 
         >>> getfixture("result").profile("slider").sizes["position"]
         2501
         """
-        dims = {"position": ("position",), "height": ("position",)}
+        dims = {"position": ("position",), "y": ("y",), "height": ("y", "position") if self.is_areal else ("position",)}
         return self._file.read(f"surface/{_one_of('body', body, BODIES)}", dims)["height"]
 
     def height_hash(self, body: Body = "resonator") -> str:

@@ -18,11 +18,11 @@ from . import files, program, toml
 from .errors import Notice, RequestError
 
 _BODY = ("support length thickness width young density poisson damping max_frequency modes surface").split()
-_FACE = ("kind peaks path x_unit z_unit spacing decimal row column fill form cutoff_s filter cutoff short rq rsm "
-         "correlation_length correlation hurst longest shortest skewness kurtosis exact seed").split()
+_FACE = ("kind peaks path x_unit z_unit spacing spacing_y offset_x offset_y decimal row column fill form cutoff_s filter "
+         "cutoff short rq rsm rsm_y correlation_length correlation hurst longest shortest skewness kurtosis exact seed").split()
 # The keys of docs/scene.md, which the program makes from its own table. A test holds both together.
 KEYS: dict[str, list[str]] = {
-    "scene": "name duration speed start gap spacing faces initial".split(),
+    "scene": "name kind duration speed start gap spacing spacing_y side faces initial".split(),
     "resonator": [*_BODY, "moving_force"],
     "slider": [*_BODY, "load"],
     "contact": "law stiffness".split(),
@@ -36,7 +36,7 @@ KEYS: dict[str, list[str]] = {
 UNITS: dict[str, str] = {name: unit for unit, names in {
     "s": "duration step from window", "m/s": "speed", "Hz": "max_frequency rate", "Pa": "young pressure", "kg/m^3": "density",
     "Pa/m": "stiffness", "N": "load force",
-    "m": "start gap spacing length thickness width cutoff_s cutoff rq rsm correlation_length longest shortest probes "
+    "m": "start gap spacing spacing_y side offset_x offset_y rsm_y length thickness width cutoff_s cutoff rq rsm correlation_length longest shortest probes "
          "slider_probes"}.items() for name in names.split()}
 LONGEST_TITLE = 48  # characters of a name within the names of files
 

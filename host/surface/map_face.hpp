@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "host/scene/scene.hpp"
+
+/// The faces of areal scenes (docs/scene.md).
+namespace ra2d {
+
+/// The nodes of a body that need a height: `nx` of each row from the body's end on, and `rows`. Row
+/// j is the middle of a strip, at side + (j + 1/2) spacing_y.
+struct MapNodes {
+  double length = 0, width = 0;       // m, of the area over which a random map has its rq and mean
+  double spacing = 0, spacing_y = 0;  // m
+  double side = 0;                    // m, where on the body the first strip begins
+  double thickness = 0;               // m, of the body; 0: not known
+  std::size_t nx = 0, rows = 0;
+  std::size_t first = 0;  // the first node of a row that is ever touched
+};
+
+/// Heights [m] at the nodes, row after row, positive towards the opposite body. A random map begins
+/// at the first node and strip. A measured one is taken as it stands, node for node, less its mean;
+/// it begins where its offsets say, and in front of it, where nothing touches, it goes on level.
+/// `scene_file` anchors a relative path; `doubts` takes a sentence for each value that looks wrong
+/// but may be intended. Throws RequestError for a map that cannot be used: of other spacings, with
+/// gaps, too small, between the nodes, or of more points than memory holds; FileError where it
+/// cannot be read.
+std::vector<double> map_face(const SurfaceSpec& spec, const MapNodes& nodes,
+                             const std::filesystem::path& scene_file,
+                             std::vector<std::string>* doubts);
+
+}  // namespace ra2d

@@ -1,0 +1,637 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Areal scenes from their files: keys, faces, refusals, and what the commands make of them.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <hdf5.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "host/base/errors.hpp"
+#include "host/body/plate.hpp"
+#include "host/model/model.hpp"
+#include "host/plan/stability.hpp"
+#include "host/run/run_key.hpp"
+#include "host/scene_file/scene_file.hpp"
+#include "host/study/study_table.hpp"
+#include "host/surface/random_map.hpp"
+#include "tests/child.hpp"
+#include "tests/places.hpp"
+
+namespace ra2d {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Not;
+using Json = nlohmann::json;
+using Changes = std::vector<std::string>;
+
+/// A block of 11 x 6 nodes, 0.1 mm by 0.2 mm apart, on a plate.
+constexpr auto areal_text = R"([scene]
+kind = "areal"
+duration = 1e-3
+speed = 1.0
+start = 0.02
+spacing = 1e-4
+spacing_y = 2e-4
+initial = "rest"
+[resonator]
+support = "pinned"
+length = 0.06
+thickness = 0.001
+width = 0.04
+young = 210e9
+density = 7800
+damping = 0.02
+modes = 20
+[slider]
+support = "free"
+length = 1e-3
+thickness = 0.005
+width = 1.2e-3
+density = 7800
+load = 1.0
+[contact]
+stiffness = 1e14
+[time]
+scheme = "midpoint"
+step = 1e-6
+nodes = "all"
+[output]
+rate = 1e5
+)";
+
+constexpr auto gaussian_face =
+    "resonator.surface={kind=\"gaussian\",rq=2e-6,rsm=1e-3,rsm_y=2e-3,seed=5}";
+constexpr auto gaussian_block = "slider.surface={kind=\"gaussian\",rq=1e-6,rsm=8e-4,seed=6}";
+
+Scene areal(const Changes& changes = {}, const fs::path& file = "areal.toml") {
+  return parse_scene(areal_text, file, changes);
+}
+
+/// The message of a scene that is refused, when it is read or made ready; else "taken".
+std::string refusal_of(const Changes& changes, const fs::path& file = "areal.toml") {
+  try {
+    make_model(areal(changes, file));
+  } catch (const RequestError& fault) {
+    return fault.what();
+  }
+  return "taken";
+}
+
+TEST(ArealScene, HasDefaults) {
+  const Scene s = areal();
+  EXPECT_EQ(s.kind, SceneKind::areal);
+  EXPECT_EQ(s.resonator.kind, BodyKind::plate);
+  EXPECT_EQ(s.slider.kind, BodyKind::block);
+  EXPECT_EQ(s.spacing_y, 2e-4);
+  EXPECT_EQ(s.side, 0.5 * (0.04 - 1.2e-3));
+  EXPECT_EQ(s.resonator.poisson, 0.3);
+  const Model m = make_model(s);
+  EXPECT_TRUE(m.is_areal);
+  EXPECT_EQ(m.rows, 6);
+  EXPECT_EQ(m.row_nodes(), 11);
+  EXPECT_EQ(m.row_heights(), 200 + 10 + 11);  // up to where the slider comes
+  EXPECT_EQ(m.resonator.modes.size(), 20);
+  EXPECT_EQ(m.slider.modes.size(), 3);
+  EXPECT_EQ(m.node_stiffness, 1e14 * 1e-4 * 2e-4);
+  EXPECT_EQ(m.delta, 0);
+
+  const Scene plane = parse_scene(test::read_file(test::scene_file("peaks")), "peaks.toml");
+  EXPECT_EQ(plane.kind, SceneKind::plane);
+  EXPECT_FALSE(plane.spacing_y || plane.side);
+  EXPECT_THAT(echo(plane), Not(AllOf(HasSubstr("kind = \"plane\""), HasSubstr("side"))));
+  // a pinned plate's default spacing of rows is that of its nodes
+  EXPECT_EQ(areal({"scene.spacing_y=1e-4"}).spacing_y, 1e-4);
+  EXPECT_EQ(
+      *parse_scene(std::string(areal_text).erase(std::string(areal_text).find("spacing_y"), 17),
+                   "a.toml", {"scene.spacing=2e-4"})
+           .spacing_y,
+      2e-4);
+}
+
+TEST(ArealScene, ReadsBackToTheSameBits) {
+  for (const Changes& changes :
+       {Changes{gaussian_face, gaussian_block}, Changes{"scene.side=0.0031", "scene.gap=1e-6"},
+        Changes{"resonator.surface={kind=\"gaussian\",rq=2e-6,rsm=1e-3,rsm_y=\"inf\",seed=5}"},
+        Changes{"resonator.poisson=0.1", "slider.load=\"2 weight\"", "scene.initial=static",
+                "scene.gap=touching"}}) {
+    const Scene one = areal(changes), other = parse_scene(echo(one), "other.toml");
+    EXPECT_EQ(echo(one), echo(other));
+    const Model a = make_model(one), b = make_model(other);
+    EXPECT_EQ(run_key(a), run_key(b));
+    EXPECT_EQ(a.resonator_height, b.resonator_height);
+    EXPECT_EQ(a.slider_height, b.slider_height);
+    EXPECT_EQ(a.delta, b.delta);
+  }
+}
+
+TEST(ArealScene, EveryKeyThatMovesSomethingMakesAnotherRun) {
+  const auto key = [](const Changes& changes) {
+    Changes all{gaussian_face, gaussian_block};
+    all.insert(all.end(), changes.begin(), changes.end());
+    return run_key(make_model(areal(all)));
+  };
+  const std::string own = key({});
+  for (const char* change : {"scene.spacing_y=1e-4", "scene.side=0.01", "resonator.poisson=0.29",
+                             "resonator.surface.rsm_y=1.9e-3"})
+    EXPECT_NE(key({change}), own) << change;
+  for (const char* change : {"scene.kind=areal", "resonator.poisson=0.3", "scene.name=other"})
+    EXPECT_EQ(key({change}), own) << change;
+}
+
+/// rho h, D and the numbers of half waves of a plate: docs/model.md.
+TEST(ArealScene, PoissonStiffensThePlate) {
+  for (const double nu : {0.0, 0.3, -0.9, 0.49}) {
+    const Model m = make_model(areal({"resonator.poisson=" + std::to_string(nu)}));
+    const double stiffness = 210e9 * 1e-9 / (12 * (1 - nu * nu)), mu = 7800 * 0.001;
+    const double lowest =
+        std::sqrt(stiffness / mu) * M_PI * M_PI * (1 / (0.06 * 0.06) + 1 / (0.04 * 0.04));
+    EXPECT_NEAR(m.resonator.modes[0].omega, lowest, 1e-14 * lowest);
+  }
+}
+
+/// One mode has its largest square in the middle, 4/(a b); a block yields most at its corners, by
+/// 1 + 3 + 3 times 1/A.
+TEST(ArealScene, LimitsAreThoseOfThePlaceThatYieldsMost) {
+  const JoinedModes one = most_compliant(make_model(areal({"resonator.modes=1"})));
+  ASSERT_EQ(one.square.size(), 2);
+  EXPECT_NEAR(one.square[0], 4 / (0.06 * 0.04), 1e-12 / (0.06 * 0.04));
+  EXPECT_NEAR(one.square[1], 7 / (1e-3 * 1.2e-3), 1e-12 / (1e-3 * 1.2e-3));
+  // of more modes: no node of a grid of its own yields more, and none of the modes is over its most
+  const Model m = make_model(areal({"resonator.modes=12"}));
+  const JoinedModes many = most_compliant(m);
+  double most = 0, sum = 0;
+  for (int i = 0; i <= 300; ++i)
+    for (int j = 0; j <= 200; ++j) {
+      double here = 0;
+      for (const BodyMode& mode : m.resonator.modes)
+        here += std::pow(shape_at(mode, 0.06 * i / 300, 0.04 * j / 200), 2);
+      most = std::max(most, here);
+    }
+  for (int k = 0; k < 12; ++k) {
+    sum += many.square[static_cast<std::size_t>(k)];
+    EXPECT_LE(many.square[static_cast<std::size_t>(k)], 4 / (0.06 * 0.04) * (1 + 1e-14));
+  }
+  EXPECT_NEAR(sum, most, 0.01 * most);
+}
+
+// ---- faces
+
+double mean_of(const std::vector<double>& heights) {
+  double sum = 0;
+  for (const double h : heights) sum += h;
+  return sum / static_cast<double>(heights.size());
+}
+
+TEST(ArealFaces, RandomOnesAreTheMapsOfTheSeed) {
+  const Model m = make_model(areal({gaussian_face, gaussian_block}));
+  const HeightMap plate = random_map({2e-6, 1e-3, 2e-3, true, 5}, 0.06, 1.2e-3, 1e-4, 2e-4);
+  const HeightMap block = random_map({1e-6, 8e-4, 8e-4, true, 6}, 1e-3, 1.2e-3, 1e-4, 2e-4);
+  EXPECT_EQ(m.slider_height, block.heights);
+  for (int row = 0; row < m.rows; ++row)
+    for (int n = 0; n < m.row_heights(); ++n)
+      ASSERT_EQ(m.resonator_height[static_cast<std::size_t>(row * m.row_heights() + n)],
+                plate.at(static_cast<std::size_t>(n), static_cast<std::size_t>(row)));
+}
+
+TEST(ArealFaces, OtherSpacingsSeeOtherPointsOfTheSameMap) {
+  const auto at = [](const char* spacing, const char* spacing_y) {
+    return make_model(areal({gaussian_face, gaussian_block, std::string("scene.spacing=") + spacing,
+                             std::string("scene.spacing_y=") + spacing_y, "slider.length=1e-3"}));
+  };
+  // rows in the middle of three others
+  const Model coarse = at("1e-4", "2e-4"), fine = at("5e-5", "6.666666666666667e-5");
+  ASSERT_EQ(fine.rows, 3 * coarse.rows);
+  for (int row = 0; row < coarse.rows; ++row)
+    for (int n = 0; n < coarse.row_nodes(); ++n)
+      EXPECT_NEAR(
+          coarse.slider_height[static_cast<std::size_t>(row * coarse.row_nodes() + n)],
+          fine.slider_height[static_cast<std::size_t>((3 * row + 1) * fine.row_nodes() + 2 * n)],
+          1e-15);
+}
+
+TEST(ArealFaces, EqualRowsAreTheProfileOfThePlaneScene) {
+  const std::string face = "surface={kind=\"gaussian\",rq=2e-6,rsm=1e-3,rsm_y=\"inf\",seed=5}";
+  const Model m = make_model(areal({"resonator." + face, "slider." + face}));
+  std::string plane = areal_text;
+  for (const char* line : {"kind = \"areal\"\n", "spacing_y = 2e-4\n"})
+    plane.erase(plane.find(line), std::string(line).size());
+  const std::string profile = "surface={kind=\"gaussian\",rq=2e-6,rsm=1e-3,seed=5}";
+  const Model beam =
+      make_model(parse_scene(plane, "plane.toml",
+                             {"resonator." + profile, "slider." + profile, "slider.young=210e9",
+                              "slider.damping=0", "slider.modes=0"}));
+  for (int row = 0; row < m.rows; ++row) {
+    for (int n = 0; n < m.row_nodes(); ++n)
+      EXPECT_EQ(m.slider_height[static_cast<std::size_t>(row * m.row_nodes() + n)],
+                beam.slider_height[static_cast<std::size_t>(n)]);
+    for (int n = 0; n < m.row_heights(); ++n)
+      EXPECT_EQ(m.resonator_height[static_cast<std::size_t>(row * m.row_heights() + n)],
+                beam.resonator_height[static_cast<std::size_t>(n)]);
+  }
+}
+
+/// A text matrix: a row of constant y in each line, in metres.
+class MeasuredMaps : public testing::Test {
+ protected:
+  using Height = std::function<double(int i, int j)>;
+  void write(const std::string& name, int nx, int ny, const Height& height) const {
+    std::ofstream out(folder_.path() / name);
+    out.precision(17);
+    for (int j = 0; j < ny; ++j)
+      for (int i = 0; i < nx; ++i) out << height(i, j) << (i + 1 < nx ? ' ' : '\n');
+  }
+  Scene scene(const std::string& slider, const std::string& resonator = {}) const {
+    return areal(changes(slider, resonator), folder_.path() / "s.toml");
+  }
+  std::string refused(const std::string& slider, const std::string& resonator = {}) const {
+    return refusal_of(changes(slider, resonator), folder_.path() / "s.toml");
+  }
+  Changes changes(const std::string& slider, const std::string& resonator) const {
+    Changes all;
+    for (const auto& [body, words] : {std::pair{"slider", slider}, {"resonator", resonator}})
+      if (!words.empty())
+        all.push_back(std::string(body) + ".surface={kind=\"file\",spacing=1e-4,spacing_y=2e-4," +
+                      words + "}");
+    return all;
+  }
+  const test::Folder folder_;
+};
+
+/// No two of a few thousand points are alike.
+double odd_height(int i, int j) { return 1e-7 * std::sin(1.7 * i + 0.3 * i * j + 2.9 * j); }
+
+TEST_F(MeasuredMaps, StandAsTheyAreLessTheirMean) {
+  write("block.txt", 11, 6, odd_height);
+  const Model m = make_model(scene("path=\"block.txt\""));
+  double mean = 0;
+  for (int j = 0; j < 6; ++j)
+    for (int i = 0; i < 11; ++i) mean += odd_height(i, j) / 66;
+  for (int j = 0; j < 6; ++j)
+    for (int i = 0; i < 11; ++i)
+      EXPECT_NEAR(m.slider_height[static_cast<std::size_t>(11 * j + i)], odd_height(i, j) - mean,
+                  1e-21);
+  EXPECT_NEAR(mean_of(m.slider_height), 0, 1e-21);
+}
+
+TEST_F(MeasuredMaps, BeginWhereTheirOffsetsSay) {
+  write("plate.txt", 300, 20, odd_height);
+  const auto height = [](const Model& m, int n, int row) {
+    return m.resonator_height[static_cast<std::size_t>(row * m.row_heights() + n)];
+  };
+  const Model own = make_model(scene("", "path=\"plate.txt\""));
+  const double mean = odd_height(0, 0) - height(own, 0, 0);
+  for (const int n : {0, 17, 220})
+    for (const int row : {0, 5}) EXPECT_NEAR(height(own, n, row), odd_height(n, row) - mean, 1e-20);
+  // from x = 0 and the slider's side on, unless an offset says otherwise
+  Changes far = changes("", "path=\"plate.txt\",offset_x=-0.003,offset_y=0.0162");
+  far.emplace_back("scene.side=0.017");
+  const Model moved = make_model(areal(far, folder_.path() / "s.toml"));
+  for (const int n : {0, 17, 220})
+    for (const int row : {0, 5})
+      EXPECT_NEAR(height(moved, n, row), odd_height(n + 30, row + 4) - mean, 1e-20);
+  // where it begins in front of the slider alone, it is level before
+  const Model late = make_model(scene("", "path=\"plate.txt\",offset_x=0.0199"));
+  EXPECT_NEAR(height(late, 205, 2), odd_height(6, 2) - mean, 1e-20);
+  EXPECT_EQ(height(late, 3, 2), height(late, 199, 2));
+}
+
+TEST_F(MeasuredMaps, GoOnRepeatedOrMirrored) {
+  write("small.txt", 8, 4, odd_height);
+  const Model mirrored = make_model(scene("path=\"small.txt\",short=\"mirror\""));
+  const auto at = [](const Model& m, int i, int j) {
+    return m.slider_height[static_cast<std::size_t>(11 * j + i)];
+  };
+  EXPECT_EQ(at(mirrored, 8, 1), at(mirrored, 6, 1));
+  EXPECT_EQ(at(mirrored, 3, 5), at(mirrored, 3, 1));
+  EXPECT_EQ(at(mirrored, 10, 4), at(mirrored, 4, 2));
+  const Model repeated = make_model(scene("path=\"small.txt\",short=\"repeat\""));
+  EXPECT_EQ(at(repeated, 8, 1), at(repeated, 0, 1));  // a seam of one step
+  EXPECT_THAT(
+      refused("path=\"small.txt\""),
+      AllOf(HasSubstr("8 by 4 points"), HasSubstr("11 by 6"), HasSubstr("short = \"repeat\""),
+            HasSubstr("s.toml"), HasSubstr("slider.surface")));
+}
+
+TEST_F(MeasuredMaps, LoseTheirForm) {
+  write("bent.txt", 11, 6, [](int i, int j) { return odd_height(i, j) + 1e-6 * i + 2e-6 * j; });
+  write("level.txt", 11, 6, odd_height);
+  const auto heights = [&](const std::string& words) {
+    return make_model(scene(words)).slider_height;
+  };
+  const std::vector<double> a = heights("path=\"bent.txt\",form=\"plane\""),
+                            b = heights("path=\"level.txt\",form=\"plane\"");
+  for (std::size_t n = 0; n < a.size(); ++n) EXPECT_NEAR(a[n], b[n], 1e-19);
+  EXPECT_THAT(make_model(scene("path=\"bent.txt\"")).doubts,
+              testing::Contains(HasSubstr("most of the height is tilt: try form = \"plane\"")));
+}
+
+TEST_F(MeasuredMaps, AreRefusedWithTheCure) {
+  write("block.txt", 11, 6, odd_height);
+  write("row.txt", 11, 1, odd_height);
+  std::ofstream(folder_.path() / "ragged.txt") << "0 0 0\n0 0 0 0\n0 0 0\n";
+  std::ofstream(folder_.path() / "gap.txt") << "0 0 0\n0 nan 0\n0 0 0\n";
+  const auto expect = [&](const std::string& words, const std::vector<std::string>& says) {
+    const std::string all = refused(words), key = "slider.surface: ";
+    ASSERT_THAT(all, HasSubstr(key)) << words;
+    const std::string why = all.substr(all.rfind(key));
+    EXPECT_THAT(why, Not(HasSubstr("--"))) << words;  // words of the command
+    for (const std::string& part : says) EXPECT_THAT(why, HasSubstr(part)) << words;
+  };
+  EXPECT_EQ(refused("path=\"block.txt\""), "taken");
+  write("high.txt", 11, 6, [](int i, int j) { return 1e3 * odd_height(i, j); });
+  write("deep.txt", 11, 6, [](int i, int) { return i < 5 ? 0.0 : 3e-3; });
+  expect("path=\"row.txt\"", {"one row is a profile"});
+  expect("path=\"high.txt\",z_unit=\"m\"", {"slopes have a root mean square of", "z_unit"});
+  expect("path=\"deep.txt\",z_unit=\"m\"", {"the heights span 0.003 m on a body 0.005 m thick"});
+  expect("path=\"ragged.txt\"", {"ragged.txt"});
+  expect("path=\"gap.txt\"", {"row 2, point 2", "fill linear:WIDTH"});
+  expect("path=\"block.txt\",offset_x=5e-5", {"offset_x", "0.5 of a spacing"});
+  expect("path=\"block.txt\",offset_y=2e-4", {"offset_y", "0.0002 m behind the first node"});
+  EXPECT_THAT(
+      refusal_of({"slider.surface={kind=\"file\",path=\"block.txt\"}"}, folder_.path() / "s.toml"),
+      AllOf(HasSubstr("give that along x with spacing"), HasSubstr("spacing_y")));
+  EXPECT_THAT(
+      refusal_of({"slider.surface={kind=\"file\",path=\"block.txt\",spacing=9e-5,spacing_y=2e-4}"},
+                 folder_.path() / "s.toml"),
+      AllOf(HasSubstr("9e-05 m apart, and the nodes 0.0001 m"),
+            HasSubstr("expected scene.spacing = 9e-05")));
+  EXPECT_THAT(
+      refusal_of({"slider.surface={kind=\"file\",path=\"block.txt\",spacing=1e-4,spacing_y=1e-4}"},
+                 folder_.path() / "s.toml"),
+      HasSubstr("expected scene.spacing_y = 0.0001"));
+}
+
+// ---- what is refused
+
+struct ArealRefused {
+  std::string name;
+  Changes changes;
+  std::vector<std::string> says;
+};
+void PrintTo(const ArealRefused& refused, std::ostream* out) { *out << refused.name; }
+
+class ArealRefuses : public testing::TestWithParam<ArealRefused> {};
+
+TEST_P(ArealRefuses, WithTheCure) {
+  const std::string message = refusal_of(GetParam().changes);
+  EXPECT_THAT(message, testing::StartsWith("areal.toml: 1 fault\n"));
+  for (const std::string& part : GetParam().says) EXPECT_THAT(message, HasSubstr(part));
+}
+
+const std::vector<ArealRefused> areal_refused{
+    // not built
+    {"Adaptive", {"time.scheme=adaptive"}, {"time.scheme", "not built yet", "fixed steps"}},
+    {"Candidates", {"time.nodes=candidates"}, {"time.nodes", "use \"all\""}},
+    {"Multiplier",
+     {"contact.law=multiplier", "time.scheme=backward-euler"},
+     {"contact.law", "\"penalty\""}},
+    {"Smooth", {"scene.faces=smooth"}, {"scene.faces", "\"linear\""}},
+    {"MovingForce",
+     {"resonator.moving_force=[{force=1,speed=1,start=0}]"},
+     {"resonator.moving_force", "leave them out"}},
+    {"Probes", {"output.probes=[0.01]"}, {"output.probes", "leave them out"}},
+    {"SliderProbes", {"output.slider_probes=[1e-4]"}, {"output.slider_probes"}},
+    {"Microphones", {"output.microphones=[{x=0,y=0,z=1}]"}, {"output.microphones"}},
+    {"Hertz", {"contact.stiffness=hertz"}, {"contact.stiffness", "a number in Pa/m"}},
+    // bodies
+    {"PinnedBlock", {"slider.support=pinned"}, {"slider.support", "\"free\" or \"rigid\""}},
+    {"BendingBlock", {"slider.modes=2"}, {"slider.modes", "expected 0"}},
+    {"FreePlate",
+     {"resonator.support=free", "scene.initial=rest"},
+     {"resonator.support", "\"pinned\""}},
+    {"PoissonTooLarge", {"resonator.poisson=0.5"}, {"resonator.poisson", "below 0.5"}},
+    {"PoissonTooSmall", {"resonator.poisson=-1"}, {"resonator.poisson", "over -1"}},
+    {"Strip",
+     {"resonator.length=1e8", "resonator.width=1e-2", "resonator.thickness=1e-3"},
+     {"resonator.length: ", "make no plate"}},
+    // places
+    {"BesideThePlate",
+     {"scene.side=0.0389"},
+     {"areal.toml", "scene.side", "by 0.0001 m", "from 0 to 0.0388 m"}},
+    {"BeforeThePlate", {"scene.side=-1e-3"}, {"scene.side", "by 0.001 m"}},
+    {"BehindThePlate", {"scene.start=0.059"}, {"scene.start", "right end"}},
+    {"WideBlock", {"slider.width=0.05"}, {"slider.width", "wider than the resonator"}},
+    {"OneRow", {"scene.spacing_y=1e-3"}, {"scene.spacing_y", "1 rows", "at least 2"}},
+    {"NoRow", {"scene.spacing_y=1"}, {"scene.spacing_y", "at least 2"}},
+    {"ManyRows", {"scene.spacing_y=1e-10"}, {"scene.spacing_y", "expected at most 1e+08"}},
+    {"Negative", {"scene.spacing_y=-1e-4"}, {"scene.spacing_y", "a number > 0"}},
+    // faces
+    {"Peaks",
+     {"slider.surface={kind=\"peaks\",peaks=[{at=0,height=1e-6,half_width=1e-3}]}"},
+     {"slider.surface.kind", "ridges", "\"file\""}},
+    {"Correlation",
+     {"slider.surface={kind=\"gaussian\",rq=1e-6,rsm=1e-3,seed=1,correlation=\"exponential\"}"},
+     {"slider.surface.correlation", "drop the key"}},
+    {"Skewness",
+     {"slider.surface={kind=\"gaussian\",rq=1e-6,rsm=1e-3,seed=1,skewness=1}"},
+     {"slider.surface.skewness"}},
+    {"Kurtosis",
+     {"slider.surface={kind=\"gaussian\",rq=1e-6,rsm=1e-3,seed=1,kurtosis=4}"},
+     {"slider.surface.kurtosis"}},
+    {"ExactRsm",
+     {"slider.surface={kind=\"gaussian\",rq=1e-6,rsm=1e-3,seed=1,exact=\"rq+rsm\"}"},
+     {"slider.surface.exact", "\"rq\" or \"none\""}},
+    {"RsmAcross",
+     {"slider.surface={kind=\"gaussian\",rq=1e-6,rsm=1e-3,rsm_y=7e-4,seed=1}"},
+     {"slider.surface.rsm_y", "scene.spacing_y <= 0.000175 m"}},
+    {"RsmOfBoth",
+     {"slider.surface={kind=\"gaussian\",rq=1e-6,rsm=7e-4,seed=1}"},
+     {"slider.surface.rsm:", "spacing of rows"}},
+    {"RowOfAProfile",
+     {"slider.surface={kind=\"file\",path=\"a\",row=1}"},
+     {"slider.surface.row", "all rows"}},
+    {"ColumnOfAProfile",
+     {"slider.surface={kind=\"file\",path=\"a\",column=1}"},
+     {"slider.surface.column"}},
+    {"XUnit",
+     {"slider.surface={kind=\"file\",path=\"a\",x_unit=\"mm\"}"},
+     {"slider.surface.x_unit"}},
+    {"Filter",
+     {"slider.surface={kind=\"file\",path=\"a\",filter=\"gaussian\"}"},
+     {"slider.surface.filter"}},
+    {"CutoffS",
+     {"slider.surface={kind=\"file\",path=\"a\",cutoff_s=1e-5}"},
+     {"slider.surface.cutoff_s"}},
+    {"LineOfAProfile",
+     {"slider.surface={kind=\"file\",path=\"a\",form=\"line\"}"},
+     {"slider.surface.form", "plane"}},
+};
+INSTANTIATE_TEST_SUITE_P(Each, ArealRefuses, testing::ValuesIn(areal_refused),
+                         [](const auto& info) { return info.param.name; });
+
+/// Keys of areal scenes in a plane one.
+TEST(ArealScene, PlaneScenesRefuseItsKeys) {
+  const auto refused = [](const std::string& change) -> std::string {
+    try {
+      read_scene(test::scene_file("dang2012"), {change});
+    } catch (const RequestError& fault) {
+      return fault.what();
+    }
+    return "taken";
+  };
+  for (const std::string key : {"scene.spacing_y=1e-5", "scene.side=0.01",
+                                "slider.surface.rsm_y=1e-3", "slider.surface.rsm_y=inf"})
+    EXPECT_THAT(refused(key), AllOf(HasSubstr(key.substr(0, key.find('='))),
+                                    HasSubstr("expected scene.kind = \"areal\"")));
+  const std::string file = "slider.surface={kind=\"file\",path=\"a\",";
+  for (const std::string key : {"spacing_y=1e-5", "offset_x=0", "offset_y=0"})
+    EXPECT_THAT(refused(file + key + "}"), HasSubstr("expected scene.kind = \"areal\""));
+  EXPECT_THAT(refused(file + "short=\"mirror\"}"), HasSubstr("only maps are mirrored"));
+  EXPECT_THAT(refused(file + "form=\"plane\"}"),
+              HasSubstr("is of maps: expected none, mean, line"));
+  EXPECT_EQ(refused("scene.kind=plane"), "taken");
+}
+
+// ---- the program
+
+/// All numbers of a dataset.
+std::vector<double> numbers_in(const fs::path& path, const char* name) {
+  const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  const hid_t dataset = H5Dopen2(file, name, H5P_DEFAULT), space = H5Dget_space(dataset);
+  std::vector<double> data(static_cast<std::size_t>(H5Sget_simple_extent_npoints(space)));
+  EXPECT_GE(H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, data.data()), 0);
+  H5Sclose(space);
+  H5Dclose(dataset);
+  H5Fclose(file);
+  return data;
+}
+
+class ArealProgram : public testing::Test {
+ protected:
+  ArealProgram() { std::ofstream(folder_.path() / "s.toml") << areal_text; }
+  test::Ended run(std::vector<std::string> words) const {
+    words.insert(words.begin(), test::program());
+    return test::run_program(folder_.path(), words);
+  }
+  std::vector<std::string> rough(std::vector<std::string> words) const {
+    for (const char* change : {gaussian_face, gaussian_block, "scene.initial=static"})
+      words.insert(words.end(), {"--set", change});
+    return words;
+  }
+  const test::Folder folder_;
+};
+
+TEST_F(ArealProgram, PlansWhatItWouldModel) {
+  const test::Ended text = run(rough({"plan", "s.toml"}));
+  ASSERT_EQ(text.status, 0) << text.err;
+  EXPECT_THAT(text.out, AllOf(HasSubstr("pinned, 60 x 40 x 1 mm: 20 modes"),
+                              HasSubstr("free, 1 x 1.2 x 5 mm: 3 modes, 3 of them rigid"),
+                              HasSubstr("66 of the slider in 6 rows of 11, over rows of 221"),
+                              HasSubstr("every node at every step"),
+                              HasSubstr("100 um apart along, 200 um")));
+  // nothing that is of ridges
+  EXPECT_THAT(text.out, AllOf(Not(HasSubstr("asperity")), Not(HasSubstr("hertz")),
+                              Not(HasSubstr("smooth")), Not(HasSubstr("inf"))));
+  const test::Ended ended = run(rough({"plan", "s.toml", "--json"}));
+  ASSERT_EQ(ended.status, 0) << ended.err;
+  const Json plan = Json::parse(ended.out);
+  EXPECT_EQ(plan["kind"], "areal");
+  EXPECT_EQ(plan["rows"], 6);
+  EXPECT_EQ(plan["spacing_y"], 2e-4);
+  EXPECT_EQ(plan["side"], 0.5 * (0.04 - 1.2e-3));
+  EXPECT_EQ(plan["slider"]["nodes"], 66);
+  EXPECT_TRUE(plan["slider"]["next_frequency"].is_null());
+  EXPECT_TRUE(plan["asperities"].is_null());
+  EXPECT_TRUE(plan["faces"].is_null());
+  EXPECT_GE(plan["cost"]["touching_at_start"], 3);  // a free block stands on three
+}
+
+TEST_F(ArealProgram, RunsAndKeepsMapsAndModes) {
+  const test::Ended ran = run(rough({"run", "s.toml", "-o", "a.h5"}));
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  const test::Ended checked = run({"check", "a.h5"});
+  EXPECT_EQ(checked.status, 0) << checked.err;
+  const fs::path file = folder_.path() / "a.h5";
+  const Model m = make_model(areal({gaussian_face, gaussian_block, "scene.initial=static"}));
+  EXPECT_EQ(numbers_in(file, "/surface/slider/height"), m.slider_height);
+  EXPECT_EQ(numbers_in(file, "/surface/resonator/height"), m.resonator_height);
+  EXPECT_EQ(numbers_in(file, "/surface/slider/position").size(), 11);
+  const std::vector<double> y = numbers_in(file, "/surface/slider/y");
+  ASSERT_EQ(y.size(), 6);
+  EXPECT_DOUBLE_EQ(y[2], 2.5 * 2e-4);
+  EXPECT_DOUBLE_EQ(numbers_in(file, "/surface/resonator/y")[0], m.side + 1e-4);
+  const std::vector<PinnedPlateMode> modes = plate_modes(m.scene.resonator, 20);
+  const std::vector<double> mode_x = numbers_in(file, "/resonator/mode_x"),
+                            mode_y = numbers_in(file, "/resonator/mode_y"),
+                            frequency = numbers_in(file, "/resonator/frequency");
+  ASSERT_EQ(mode_x.size(), 20);
+  for (std::size_t k = 0; k < 20; ++k) {
+    EXPECT_EQ(mode_x[k], modes[k].m);
+    EXPECT_EQ(mode_y[k], modes[k].n);
+    EXPECT_EQ(frequency[k], modes[k].omega / (2 * M_PI));
+    EXPECT_GE(frequency[k], frequency[k > 0 ? k - 1 : 0] * (1 - 1e-15));
+  }
+  for (const double square : numbers_in(file, "/resonator/mean_square"))
+    EXPECT_NEAR(square, 1 / (0.06 * 0.04), 1e-12 / (0.06 * 0.04));
+}
+
+/// v_rms^2 is the mean over the plate's area: sum <V_k^2>/(a b).
+TEST_F(ArealProgram, TheLevelIsThatOfThePlatesArea) {
+  const test::Ended ran = run(rough({"run", "s.toml", "-o", "a.h5", "--json", "--set",
+                                     "output.rate=1e6", "--set", "time.scheme=rk4"}));
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  const std::vector<double> v = numbers_in(folder_.path() / "a.h5", "/resonator/velocity");
+  double sum = 0;  // a sample a step, the first one at t = 0
+  for (std::size_t i = 20; i < v.size(); ++i) sum += v[i] * v[i];
+  const double expected = std::sqrt(sum / 1000 / (0.06 * 0.04));
+  EXPECT_GT(expected, 0);
+  EXPECT_NEAR(double(Json::parse(ran.out)["v_rms"]), expected, 1e-12 * expected);
+}
+
+TEST_F(ArealProgram, AnalyzesAndRefusesWhatItHasNot) {
+  ASSERT_EQ(run(rough({"run", "s.toml", "-o", "a.h5"})).status, 0);
+  EXPECT_EQ(run({"analyze", "a.h5"}).status, 0);
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"analyze", "a.h5", "--power"},
+        {"analyze", "a.h5", "--at", "0.1,0.1,1"},
+        {"plan", "s.toml", "--accuracy", "0.1"},
+        {"uncertainty", "s.toml"},
+        {"chart", "stability", "s.toml"},
+        {"chart", "accuracy", "s.toml"}}) {
+    const test::Ended ended = run(words);
+    EXPECT_EQ(ended.status, 2) << words[0];
+    EXPECT_THAT(ended.err, AllOf(HasSubstr("areal"), HasSubstr("not built yet"))) << words[0];
+  }
+}
+
+TEST_F(ArealProgram, DrawsAndReports) {
+  RA2D_SKIP_WITHOUT_PYTHON();
+  ASSERT_EQ(run(rough({"run", "s.toml", "-o", "a.h5"})).status, 0);
+  const test::Ended plot = run({"plot", "a.h5", "-o", "a.png"});
+  EXPECT_EQ(plot.status, 0) << plot.err;
+  const test::Ended report = run({"report", "a.h5", "-o", "a.html"});
+  EXPECT_EQ(report.status, 0) << report.err;
+}
+
+TEST_F(ArealProgram, StudiesHaveTheNumbersOfRuns) {
+  std::ofstream(folder_.path() / "study.toml")
+      << "base = \"s.toml\"\n[set]\n\"scene.initial\" = \"static\"\n"
+         "[vary]\nwidth = { key = \"resonator.width\", values = [0.04, 0.05] }\n";
+  std::ofstream(folder_.path() / "s.toml") << echo(areal({gaussian_face, gaussian_block}));
+  const test::Ended studied = run({"study", "study.toml", "-o", "out"});
+  ASSERT_EQ(studied.status, 0) << studied.err;
+  std::vector<double> alone;
+  for (const char* width : {"0.04", "0.05"}) {
+    const test::Ended ran =
+        run({"run", "s.toml", "--json", "-o", std::string(width) + ".h5", "--set",
+             "scene.initial=static", "--set", std::string("resonator.width=") + width});
+    ASSERT_EQ(ran.status, 0) << ran.err;
+    alone.push_back(Json::parse(ran.out)["v_rms"]);
+  }
+  EXPECT_THAT(read_study_table(folder_.path() / "out/results.h5").v_rms,
+              testing::ElementsAreArray(alone));
+}
+
+}  // namespace
+}  // namespace ra2d
