@@ -49,9 +49,7 @@ struct Entry {
   Of of = Of::all;
   const char* areal_units = nullptr;  // in files of areal scenes; null: the same
 
-  bool is_of(bool is_areal) const {
-    return of == Of::all || (of == Of::areal) == is_areal;
-  }
+  bool is_of(bool is_areal) const { return of == Of::all || (of == Of::areal) == is_areal; }
 
   bool has_columns() const { return *columns != '\0'; }
   bool is_sampled() const { return std::holds_alternative<Sampled>(source); }

@@ -413,7 +413,7 @@ const std::vector<ArealRefused> areal_refused{
     {"PoissonTooLarge", {"resonator.poisson=0.5"}, {"resonator.poisson", "below 0.5"}},
     {"PoissonTooSmall", {"resonator.poisson=-1"}, {"resonator.poisson", "over -1"}},
     {"Strip",
-     {"resonator.length=1e8", "resonator.width=1e-2", "resonator.thickness=1e-3"},
+     {"resonator.length=4e3", "resonator.width=2e-3"},
      {"resonator.length: ", "make no plate"}},
     // places
     {"BesideThePlate",
