@@ -148,6 +148,7 @@ Started areal_march(const ArealScene& of, const Scheme& scheme, double step, std
                     std::int64_t samples, Nodes nodes) {
   Scene s = scene_of(of);
   s.time = scheme.time;
+  s.contact.law = scheme.law;
   s.time.nodes = nodes;
   set_steps(s, step, steps, samples);
   return start_of(of, s);

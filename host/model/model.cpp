@@ -172,8 +172,6 @@ void refuse_unbuilt(const Scene& scene) {
   const auto refuse = [&](bool is_asked, const char* key, const char* what) {
     if (is_asked) throw refusal(scene, key, std::string("not built yet for areal scenes: ") + what);
   };
-  refuse(scene.contact.law != ContactLaw::penalty, "contact.law",
-         "\"multiplier\"; use \"penalty\"");
   refuse(scene.faces != Faces::linear, "scene.faces", "\"smooth\"; use \"linear\"");
   refuse(!scene.resonator.moving_forces.empty(), "resonator.moving_force",
          "moving forces; leave them out");

@@ -391,11 +391,6 @@ TEST_P(ArealRefuses, WithTheCure) {
 
 const std::vector<ArealRefused> areal_refused{
     // not built
-    {"Adaptive", {"time.scheme=adaptive"}, {"time.scheme", "not built yet", "fixed steps"}},
-    {"Candidates", {"time.nodes=candidates"}, {"time.nodes", "use \"all\""}},
-    {"Multiplier",
-     {"contact.law=multiplier", "time.scheme=backward-euler"},
-     {"contact.law", "\"penalty\""}},
     {"Smooth", {"scene.faces=smooth"}, {"scene.faces", "\"linear\""}},
     {"MovingForce",
      {"resonator.moving_force=[{force=1,speed=1,start=0}]"},

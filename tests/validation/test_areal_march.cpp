@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <map>
 #include <ostream>
 #include <string>
@@ -326,8 +327,10 @@ TEST_P(ArealMarch, MirrorImagesGiveMirrorImages) {
 
 /// A plane scene, and its areal twin: beams in place of plate and block, the same faces in every
 /// row.
-std::pair<Started, Started> plane_and_rows(Support support, int rows) {
+std::pair<Started, Started> plane_and_rows(Support support, int rows, ContactLaw law) {
   Scene s = rough_scene(support);
+  s.contact.law = law;
+  if (law == ContactLaw::multiplier) s.gap.reset();  // touching at t = 0
   s.time.scheme = SchemeKind::midpoint;
   s.time.nodes = Nodes::all;
   set_steps(s, 1e-8, 20'000, 4);
@@ -349,7 +352,7 @@ std::pair<Started, Started> plane_and_rows(Support support, int rows) {
 TEST(ArealLimits, MapsThatAreConstantInYGiveThePlaneScene) {
   for (const Support support : {Support::rigid, Support::pinned, Support::free})
     for (const int rows : {1, 2, 7}) {
-      const auto [plane, areal] = plane_and_rows(support, rows);
+      const auto [plane, areal] = plane_and_rows(support, rows, ContactLaw::penalty);
       const Recording a = simulate(plane), b = simulate(areal);
       ASSERT_EQ(b.end.status, Status::done);
       EXPECT_GE(a.shocks.size(), 3);
@@ -379,6 +382,58 @@ TEST(ArealLimits, MapsThatAreConstantInYGiveThePlaneScene) {
         EXPECT_NEAR(a.shocks[i].moment, b.shocks[i].moment, 1e-6 * a.shocks[i].moment);
       }
     }
+}
+
+/// Which of the rows carries the force of a strip is left open, the motion is not.
+TEST(ArealLimits, MultipliersOnEqualRowsMoveAsInThePlane) {
+  for (const Support support : {Support::rigid, Support::pinned, Support::free})
+    for (const int rows : {1, 2, 7}) {
+      const auto [plane, areal] = plane_and_rows(support, rows, ContactLaw::multiplier);
+      const Recording a = simulate(plane), b = simulate(areal);
+      ASSERT_EQ(b.end.status, Status::done);
+      EXPECT_GE(a.shocks.size(), 3);
+      double most_u = 0;
+      for (const double u : a.samples.resonator_displacement)
+        most_u = std::max(most_u, std::abs(u));
+      ASSERT_EQ(a.samples.resonator_displacement.size(), b.samples.resonator_displacement.size());
+      for (std::size_t i = 0; i < a.samples.resonator_displacement.size(); ++i)
+        EXPECT_NEAR(a.samples.resonator_displacement[i], b.samples.resonator_displacement[i],
+                    1e-9 * most_u);
+      ASSERT_EQ(a.shocks.size(), b.shocks.size());
+    }
+}
+
+TEST_P(ArealMarch, MultipliersKeepTheFacesApart) {
+  for (const SchemeKind kind : {SchemeKind::backward_euler, SchemeKind::heun}) {
+    const Scheme scheme{{{kind}, ContactLaw::multiplier}, "of multipliers"};
+    ArealScene scene = GetParam().scene();  // touching at t = 0
+    scene.gap += rest_overlap(areal_march(scene, scheme, 1e-8, 1).model);
+    const Started all = areal_march(scene, scheme, 1e-8, 6000, 300),
+                  candidates = areal_march(scene, scheme, 1e-8, 6000, 300, Nodes::candidates);
+    const Recording r = simulate(all);
+    ASSERT_EQ(r.end.status, Status::done);
+    EXPECT_GT(r.end.contact_steps, 0);
+    EXPECT_TRUE(same(r, simulate(candidates)));
+    // samples fall on steps: where a force acts the faces just touch, elsewhere they are apart
+    const std::size_t modes2 = r.model.resonator.modes.size(), modes1 = r.model.slider.modes.size();
+    Model there = r.model;
+    for (std::size_t i = 0; i < r.samples.time.size(); ++i) {
+      there.position = r.model.position +
+                       static_cast<double>(i) * r.model.steps_per_sample * r.model.advance;
+      const auto row = [&](const std::vector<double>& of, std::size_t modes) {
+        const auto begin = of.begin() + static_cast<std::ptrdiff_t>(i * modes);
+        return std::vector<double>(begin, begin + static_cast<std::ptrdiff_t>(modes));
+      };
+      const std::vector<double> over = overlaps(there, row(r.samples.resonator_displacement, modes2),
+                                                row(r.samples.slider_displacement, modes1));
+      const double most = *std::max_element(over.begin(), over.end());
+      // roundings of heights of 1e-5 m
+      EXPECT_LT(most, 1e-5 * 512 * std::numeric_limits<double>::epsilon());
+      if (r.samples.force[i] > 0) {
+        EXPECT_GT(most, -1e-5 * 512 * std::numeric_limits<double>::epsilon());
+      }
+    }
+  }
 }
 
 TEST(ArealLimits, ABlockAtRestStaysAtRest) {
@@ -425,7 +480,6 @@ TEST(ArealModel, RefusesWhatDoesNotFit) {
     EXPECT_NE(refused(change).find(key), std::string::npos) << key << ": " << refused(change);
   };
   EXPECT_EQ(refused([](Scene&, HeightMaps&) {}), "taken");
-  expect("contact.law", [](Scene& s, HeightMaps&) { s.contact.law = ContactLaw::multiplier; });
   expect("scene.faces", [](Scene& s, HeightMaps&) { s.faces = Faces::smooth; });
   expect("resonator.moving_force", [](Scene& s, HeightMaps&) {
     s.resonator.moving_forces = {{1, 1, 0}};
