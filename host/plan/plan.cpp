@@ -604,8 +604,9 @@ std::string describe(const Model& model, const Plan& plan) {
                             "\"candidates\")");
   text += ringing_text(scene, plan.slowest);
   text += cost_text(plan);
-  text += fmt::format("memory     {}, whatever the duration; file {}, {} samples\n",
-                      bytes_text(plan.memory), size_text(plan.file), plan.samples);
+  text +=
+      fmt::format("memory     {}, whatever the duration; file {}, {} samples\n",
+                  size_text(static_cast<double>(plan.memory)), size_text(plan.file), plan.samples);
   text += sound_text(plan.sound);
   for (const std::string& note : plan.notes) text += "note       " + note + "\n";
   return text;

@@ -42,10 +42,16 @@ DATASETS = {  # group: {name: (units, axes)}
     "surface/slider": {"position": ("m", NODES), "height": ("m", NODES)},
     "surface/resonator": {"position": ("m", NODES), "height": ("m", NODES)},
 }
+AREAL_FORMAT = 4
+HALF_WAVES = {"mode_x": ("1", MODE), "mode_y": ("1", MODE)}
+AREAL_BODY = {"frequency": ("Hz", MODE), "mean_square": ("m-2", MODE), "displacement": ("m2", MODES), "velocity": ("m2 s-1", MODES), "time": ("s", TIME)}
+MAP = {"position": ("m", NODES), "y": ("m", ("y",)), "height": ("m", ("y", "position"))}
+AREAL_DATASETS = DATASETS | {"resonator": {"mode": ("1", MODE), **HALF_WAVES, **AREAL_BODY}, "slider": {"mode": ("1", MODE), **AREAL_BODY},
+                             "surface/slider": MAP, "surface/resonator": MAP}
 # left out where there is none: without shocks, or when the run ended before output.from
 NOT_ALWAYS = {"level/v_rms", "level/lv", "summary/v_rms", "summary/lv", "summary/shock_rate", "summary/contact_share"} | {
     f"summary/{name}" for name in SUMMARY if name.startswith(("shock_duration", "peak_force")) or name.endswith(("_low", "_high"))}
-COUNTS = {"shocks/shock", "contact/nodes", "resonator/mode", "slider/mode"}  # integers
+COUNTS = {"shocks/shock", "contact/nodes", "resonator/mode", "slider/mode", "resonator/mode_x", "resonator/mode_y"}  # integers
 ATTRIBUTES = {"creator": str, "format": np.integer, "version": str, "commit": str, "scene": str, "key": str, "backend": str, "threads": np.integer,
               "started": str, "wall_seconds": np.floating, "steps": np.integer, "complete": np.integer, "ended": str}
 
@@ -71,9 +77,9 @@ def same(a, b):
 
 
 def members_of(file):
-    """DATASETS without those that may be missing and are; h5py's own listing names a dataset of many links once."""
+    """The datasets without those that may be missing and are; h5py's own listing names a dataset of many links once."""
     here = {}
-    for group, members in DATASETS.items():
+    for group, members in (AREAL_DATASETS if file.attrs["format"] == AREAL_FORMAT else DATASETS).items():
         names = set(file[group or "/"]) - {name for name, item in file[group or "/"].items() if isinstance(item, h5py.Group)}
         here[group] = {name: what for name, what in members.items() if f"{group}/{name}" not in NOT_ALWAYS or name in names}
         expect(names == set(here[group]), "h5py lists", sorted(names), "in", group)

@@ -600,9 +600,13 @@ TEST_F(ArealProgram, AnalyzesAndRefusesWhatItHasNot) {
   }
 }
 
-TEST_F(ArealProgram, DrawsAndReports) {
+TEST_F(ArealProgram, LibrariesOpenItsResultAndItIsDrawn) {
   RA2D_SKIP_WITHOUT_PYTHON();
   ASSERT_EQ(run(rough({"run", "s.toml", "-o", "a.h5"})).status, 0);
+  const fs::path script = test::source_folder() / "tests/host/check_result.py";
+  const test::Ended opened =
+      test::run_program(folder_.path(), {test::python(), script.string(), "a.h5"});
+  EXPECT_EQ(opened.status, 0) << opened.out << opened.err;
   const test::Ended plot = run({"plot", "a.h5", "-o", "a.png"});
   EXPECT_EQ(plot.status, 0) << plot.err;
   const test::Ended report = run({"report", "a.h5", "-o", "a.html"});
