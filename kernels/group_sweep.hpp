@@ -105,16 +105,36 @@ class GroupSweep {
         series_coefficients<Lanes, packs>(lanes_, rows, u_, q_);
         if (rates) series_coefficients<Lanes, packs>(lanes_, rows, v_, rate_q_);
       } else {
-        on_row(rows, amplitudes_, q_);
-        if (rates) on_row(rows, amplitudes_ + packs * width, rate_q_);
+        if (rates)
+          on_row<true>(rows);
+        else
+          on_row<false>(rows);
       }
     }
     return lane_eta_ + Real(at.eta);
   }
-  RA2D_FUNCTION void on_row(const double* rows, const double* amplitudes, double* q) const {
-    Real x[packs];
-    for (int p = 0; p < packs; ++p) x[p] = lanes_.load(amplitudes + p * width);
-    series_coefficients<Lanes, packs>(lanes_, rows, x, q);
+  /// As series_coefficients, of the displacement and, if asked for, of its rate.
+  template <bool rates>
+  RA2D_FUNCTION void on_row(const double* rows) {
+    Real part[4], rate[4];
+    for (int j = 0; j < 4; ++j) part[j] = rate[j] = Real(0.0);
+    const int count = filled_packs<packs>(slider_.first_lane + slider_.modes, width);
+    for (int p = 0; p < count; ++p) {
+      const Real u = lanes_.load(amplitudes_ + p * width);
+      const Real v = rates ? lanes_.load(amplitudes_ + (packs + p) * width) : Real(0.0);
+      for (int j = 0; j < 4; ++j) {
+        const Real derivative = lanes_.load(rows + (j * packs + p) * width);
+        part[j] = multiply_add(derivative, u, part[j]);
+        if constexpr (rates) rate[j] = multiply_add(derivative, v, rate[j]);
+      }
+    }
+    add_up(part, q_);
+    if constexpr (rates) add_up(rate, rate_q_);
+  }
+  KOKKOS_FORCEINLINE_FUNCTION void add_up(const Real* part, double* q) const {
+    lanes_.sum(part[0], part[1], q[0], q[1]);
+    lanes_.sum(part[2], part[3], q[2], q[3]);
+    for (int j = 2; j < 4; ++j) q[j] *= inverse_factorial(j);
   }
 
   /// Areal scenes: goes on to a row, where every mode has the share `across` of its displacement.

@@ -182,6 +182,7 @@ struct Extents {
 
 /// The modes as oscillators, one lane each (padded with zeros, as are all rows of lanes).
 struct ModeTables {
+  int count = 0;                    // of both bodies
   const double* load = nullptr;     // N m^(-1/2), constant modal load
   const double* mass = nullptr;     // kg/m
   const double* omega = nullptr;    // rad/s
@@ -245,6 +246,15 @@ struct FaceTables {
   const double* highest_sag2 = nullptr;  // max of sag2 over a node and the `width` after it
   double sag_per_travel = 0;             // of the modes, over their travel
 };
+
+/// Packs with modes in them; of few packs all, for loops of a known length.
+template <int packs>
+KOKKOS_INLINE_FUNCTION int filled_packs(int modes, int width) {
+  if constexpr (packs <= 8)
+    return packs;
+  else
+    return (modes + width - 1) / width;
+}
 
 /// Nodes of a group and of those after it in its row, without what pads the row's end.
 KOKKOS_INLINE_FUNCTION int nodes_left(const FaceTables& faces, int group, int width) {

@@ -116,6 +116,7 @@ class Filler {
 void Filler::numbers() {
   tables_.slider.first_lane = static_cast<int>(model_.resonator.modes.size());
   tables_.slider.modes = static_cast<int>(model_.slider.modes.size());
+  tables_.modes.count = tables_.slider.first_lane + tables_.slider.modes;
   tables_.slider.row = static_cast<int>(n_.padded_row());
   tables_.faces.nodes = n_.nodes;
   tables_.faces.groups = n_.groups;

@@ -375,64 +375,74 @@ class ModalSeries {
     return of_second <= bearable ? 2 : of_third <= bearable ? 3 : 4;
   }
 
-  /// Terms of order j of overlap(e), which is returned, and of sliding_rate(e), from the modes'
-  /// terms c0 to c3 of the orders j to j - 3.
-  template <int terms>
-  KOKKOS_FORCEINLINE_FUNCTION double expand_overlap(int e, int j, const Place& place,
-                                                    double advance, const Real* c0, const Real* c1,
-                                                    const Real* c2, const Real* c3) {
-    const double* phi = buffers_.shapes + e * (4 * row);
-    Real product(0.0), second(0.0), third(0.0);
+  /// Contacts whose sums over many packs of modes are found side by side: one by itself waits for
+  /// each addition.
+  static constexpr int side_by_side = packs > 3 && width < 32 ? 4 : 1;
+
+  /// Terms of order j of the overlaps of `count` contacts from e on, and of their sliding rates,
+  /// from the modes' terms c0 to c3 of the orders j to j - 3. Adds their springs' force on the
+  /// modes, of order j.
+  template <int terms, int count>
+  KOKKOS_FORCEINLINE_FUNCTION void expand_contacts(int e, int j, const Place& place, double advance,
+                                                   const Real* c0, const Real* c1, const Real* c2,
+                                                   const Real* c3, Real* force) {
+    const double* const shapes = buffers_.shapes + e * (4 * row);
+    const auto phi = [&](int i, int term, int p) {
+      return load_pack(lanes_, shapes + i * (4 * row) + term * row, p);
+    };
+    const int filled = filled_packs<packs>(modes_.count, width);
+    Real product[count], second[count], third[count], rising[count];
+    for (int i = 0; i < count; ++i) product[i] = second[i] = third[i] = Real(0.0);
     // the latest order last: it is the one to wait for
-    for (int p = 0; p < packs; ++p) {
-      if constexpr (terms > 3) {
-        product = multiply_add(load_pack(lanes_, phi + 3 * row, p), c3[p], product);
-        third = multiply_add(load_pack(lanes_, phi + 3 * row, p), c2[p], third);
+    for (int p = 0; p < filled; ++p)
+      for (int i = 0; i < count; ++i) {
+        if constexpr (terms > 3) {
+          product[i] = multiply_add(phi(i, 3, p), c3[p], product[i]);
+          third[i] = multiply_add(phi(i, 3, p), c2[p], third[i]);
+        }
+        if constexpr (terms > 2) {
+          product[i] = multiply_add(phi(i, 2, p), c2[p], product[i]);
+          second[i] = multiply_add(phi(i, 2, p), c1[p], second[i]);
+        }
+        product[i] = multiply_add(phi(i, 1, p), c1[p], product[i]);
       }
-      if constexpr (terms > 2) {
-        product = multiply_add(load_pack(lanes_, phi + 2 * row, p), c2[p], product);
-        second = multiply_add(load_pack(lanes_, phi + 2 * row, p), c1[p], second);
+    for (int i = 0; i < count; ++i) {
+      rising[i] = Real(2.0) * second[i];
+      if constexpr (terms > 3) rising[i] = multiply_add(Real(3.0), third[i], rising[i]);
+    }
+    for (int p = 0; p < filled; ++p)
+      for (int i = 0; i < count; ++i) {
+        product[i] = multiply_add(phi(i, 0, p), c0[p], product[i]);
+        rising[i] = multiply_add(phi(i, 1, p), c0[p], rising[i]);
       }
-      product = multiply_add(load_pack(lanes_, phi + row, p), c1[p], product);
-    }
-    Real rising = Real(2.0) * second;
-    if constexpr (terms > 3) rising = multiply_add(Real(3.0), third, rising);
-    for (int p = 0; p < packs; ++p) {
-      product = multiply_add(load_pack(lanes_, phi, p), c0[p], product);
-      rising = multiply_add(load_pack(lanes_, phi + row, p), c0[p], rising);
-    }
-    double over, sliding;
-    lanes_.sum(product, rising, over, sliding);
-    const int node = contacts_.nodes[e];
-    if (j == 0) {
-      over += node_contact_.face(node, place.theta);
-      sliding += node_contact_.rise(node) * advance;
-    } else if (j == 1) {
-      over += node_contact_.rise(node) * advance;
-    }
-    if (lanes_.leader()) {
-      overlap(e)[j] = over;
-      sliding_rate(e)[j] = sliding;
+    double f[count][4];  // of the orders j to j - 3
+    for (int i = 0; i < count; ++i) {
+      double over, sliding;
+      lanes_.sum(product[i], rising[i], over, sliding);
+      const int node = contacts_.nodes[e + i];
+      if (j == 0) {
+        over += node_contact_.face(node, place.theta);
+        sliding += node_contact_.rise(node) * advance;
+      } else if (j == 1) {
+        over += node_contact_.rise(node) * advance;
+      }
+      double* const o = overlap(e + i);
+      if (lanes_.leader()) {
+        o[j] = over;
+        sliding_rate(e + i)[j] = sliding;
+      }
+      f[i][0] = -contact_.node_stiffness * over;
+      for (int before = 1; before < terms; ++before)
+        f[i][before] = j >= before ? -contact_.node_stiffness * o[j - before] : 0.0;
     }
     lanes_.sync();
-    return over;
-  }
-
-  /// Adds the spring's force at contact e, of order j, on the modes. `over`: the overlap's term.
-  template <int terms>
-  KOKKOS_FORCEINLINE_FUNCTION void add_node_force(int e, int j, double over, Real* force) const {
-    const double* phi = buffers_.shapes + e * (4 * row);
-    const double* o = overlap(e);
-    const auto before = [&](int i) { return j >= i ? -contact_.node_stiffness * o[j - i] : 0.0; };
-    const double f0 = -contact_.node_stiffness * over, f1 = before(1);
-    const double f2 = terms > 2 ? before(2) : 0.0, f3 = terms > 3 ? before(3) : 0.0;
-    for (int p = 0; p < packs; ++p) {
-      if constexpr (terms > 3)
-        force[p] = multiply_add(f3, load_pack(lanes_, phi + 3 * row, p), force[p]);
-      if constexpr (terms > 2)
-        force[p] = multiply_add(f2, load_pack(lanes_, phi + 2 * row, p), force[p]);
-      force[p] = multiply_add(f1, load_pack(lanes_, phi + row, p), force[p]);
-      force[p] = multiply_add(f0, load_pack(lanes_, phi, p), force[p]);
+    if (j + 2 > adaptive_.order) return;
+    for (int p = 0; p < filled; ++p) {
+      Real sum = force[p];
+      for (int i = 0; i < count; ++i)
+        for (int term = terms - 1; term >= 0; --term)
+          sum = multiply_add(f[i][term], phi(i, term, p), sum);
+      force[p] = sum;
     }
   }
 
@@ -463,9 +473,13 @@ class ModalSeries {
       if (forces_.count > 0 && j <= order)
         for (int p = 0; p < packs; ++p)
           force[p] = force[p] + load_pack(lanes_, buffers_.forces + j * row, p);
-      for (int e = 0; e < contacts; ++e) {
-        const double over = expand_overlap<terms>(e, j, place, advance, c0, c1, c2, c3);
-        if (j + 2 <= order) add_node_force<terms>(e, j, over, force);
+      if constexpr (terms > 1) {
+        int e = 0;
+        if constexpr (side_by_side > 1)
+          for (; e + side_by_side <= contacts; e += side_by_side)
+            expand_contacts<terms, side_by_side>(e, j, place, advance, c0, c1, c2, c3, force);
+        for (; e < contacts; ++e)
+          expand_contacts<terms, 1>(e, j, place, advance, c0, c1, c2, c3, force);
       }
       const Real share(1.0 / ((j + 1.0) * (j + 2.0))), rank(j + 1.0);
       for (int p = 0; p < packs; ++p) {
