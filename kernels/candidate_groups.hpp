@@ -341,8 +341,9 @@ class CandidateGroups {
       for (; tile < end; tile += width) {
         Real displacement = level;
         for (int k = 0; k < slider_.modes; ++k)
-          displacement = multiply_add(amplitudes_[slider_.first_lane + k],
-                                      lanes_.load(tiles.shape + k * tiles.row + tile), displacement);
+          displacement =
+              multiply_add(amplitudes_[slider_.first_lane + k],
+                           lanes_.load(tiles.shape + k * tiles.row + tile), displacement);
         lanes_.store(lists_.tile_displacement + tile, displacement);
         const Real top = lanes_.load(own + tile) + lanes_.load(opposite + tile) + displacement;
         std::uint32_t bits = lanes_.at_least(top, -coarse_below_);

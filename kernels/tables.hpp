@@ -210,29 +210,29 @@ struct RowTables {
 /// The nodes of an areal scene in tiles: groups of some neighbouring rows, which make a band. They
 /// bound the overlaps of all nodes in a tile at once (kernels/candidate_groups.hpp).
 struct TileTables {
-  int groups = 1;                   // of a tile along a row
-  int count = 0;                    // of tiles along a row
-  int row = 0;                      // the same, padded
-  int bands = 0;                    //
-  int strip = 0;                    // length of a row of highest2
-  const double* highest1 = nullptr; // (band, tile): highest of height1
+  int groups = 1;                    // of a tile along a row
+  int count = 0;                     // of tiles along a row
+  int row = 0;                       // the same, padded
+  int bands = 0;                     //
+  int strip = 0;                     // length of a row of highest2
+  const double* highest1 = nullptr;  // (band, tile): highest of height1
   /// (band, i, j): highest of height2 that the nodes of a tile meet whose first one stands in the
   /// resonator's group i + j groups, until they have gone `width` nodes further
   const double* highest2 = nullptr;
-  const double* shape = nullptr;    // (slider mode, tile): psi in the middle of a tile
-  const double* across = nullptr;   // (band, lane): as RowTables::across, in the middle of a band
+  const double* shape = nullptr;   // (slider mode, tile): psi in the middle of a tile
+  const double* across = nullptr;  // (band, lane): as RowTables::across, in the middle of a band
 };
 
 /// The rough faces [m] at the nodes.
 struct FaceTables {
-  int nodes = 0, groups = 0;         // slider nodes; groups of one node a lane
-  double rounding = 0;               // bound on the rounding of the rough faces' part of a gap
-  double steepest_rise = 0;          // largest rise of the resonator's face over one spacing
-  double highest_overlap = 0;        // that the faces alone can have anywhere
-  RowTables rows;                    // of the nodes
-  TileTables tiles;                  // areal scenes
-  const double* height1 = nullptr;   // (group, lane): h_1 - delta; far below for the padding
-  const double* height2 = nullptr;   // (row, resonator node), padded beyond the end of a row
+  int nodes = 0, groups = 0;        // slider nodes; groups of one node a lane
+  double rounding = 0;              // bound on the rounding of the rough faces' part of a gap
+  double steepest_rise = 0;         // largest rise of the resonator's face over one spacing
+  double highest_overlap = 0;       // that the faces alone can have anywhere
+  RowTables rows;                   // of the nodes
+  TileTables tiles;                 // areal scenes
+  const double* height1 = nullptr;  // (group, lane): h_1 - delta; far below for the padding
+  const double* height2 = nullptr;  // (row, resonator node), padded beyond the end of a row
   // plane scenes: bound on the face from a node to the `width`-th after it
   const double* highest2 = nullptr;
 

@@ -107,7 +107,7 @@ double state_distance(const ArealScene& s, const ArealState& a, const ArealState
 
 namespace {
 
-/// What a scene of the program has of it; steps and nodes are still to be chosen.
+/// As a scene of the program, whose steps and nodes are still to be chosen.
 Scene scene_of(const ArealScene& of) {
   Scene s;
   s.resonator = of.plate;

@@ -36,7 +36,7 @@ double state_distance(const ArealScene& scene, const ArealState& a, const ArealS
 Started areal_march(const ArealScene& scene, const Scheme& scheme, double step, std::int64_t steps,
                     std::int64_t samples = 1, Nodes nodes = Nodes::all);
 
-/// The same under the adaptive scheme.
+/// The scene made ready for the adaptive scheme.
 Started areal_march(const ArealScene& scene, double tolerance, double duration,
                     std::int64_t samples = 1, Nodes nodes = Nodes::candidates);
 

@@ -408,9 +408,8 @@ void Filler::tiles() {
   }
   for (int k = 0; k < tables_.slider.modes; ++k)
     for (int i = 0; i < t.count; ++i)
-      host_(t.shape)[k * t.row + i] =
-          shape_at(model_.slider.modes[k],
-                   std::min(i * tile + tile / 2, n_.row_nodes - 1) * scene_.spacing);
+      host_(t.shape)[k * t.row + i] = shape_at(
+          model_.slider.modes[k], std::min(i * tile + tile / 2, n_.row_nodes - 1) * scene_.spacing);
 }
 
 /// By its slope along a tile times the way from its middle (of the resonator from the middle of a
@@ -424,8 +423,7 @@ void Filler::tile_variation(const ModeOnLane& mode) {
   // the middle of a patch, and what the slider would reach, may lie behind the body's end
   const double beyond = mode.of_resonator ? 2 * radius_ + along : 0.0;
   host_(tables_.bounds.tile_variation)[mode.lane] =
-      along * mode.shape.largest_slope(beyond) +
-      across * mode.largest * mode.shape.growth(beyond);
+      along * mode.shape.largest_slope(beyond) + across * mode.largest * mode.shape.growth(beyond);
 }
 
 /// Splines instead of straight lines. `h2`: the resonator's heights, padded.

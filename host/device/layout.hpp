@@ -30,7 +30,8 @@ PatchSeries choose_series(const Model& model, int width);
 int first_flight_level(const Model& model);
 
 /// Rows of samples and shocks that a launch can hand out, and nodes that can carry force (areal
-/// scenes: be evaluated) at once: the march stops where it needs more, and goes on once there is more.
+/// scenes: be evaluated) at once: the march stops where it needs more, and goes on once there is
+/// more.
 struct Capacity {
   int samples = 4096;  // no more than the run has
   int shocks = 8192;   // beside what one step can end

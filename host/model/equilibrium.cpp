@@ -104,8 +104,8 @@ struct NodeShapes {
   }
 };
 
-/// Shapes of the last plane scenes, at all nodes. The runs of a study mostly have equal bodies, and shapes take a sine
-/// for every node and mode.
+/// Shapes of the last plane scenes, at all nodes. The runs of a study mostly have equal bodies, and
+/// shapes take a sine for every node and mode.
 class ShapeCache {
  public:
   std::shared_ptr<const NodeShapes> of(const Model& model, const std::vector<int>& nodes) {
@@ -399,8 +399,7 @@ std::vector<int> highest_of_tiles(const Model& model, const std::vector<double>&
   constexpr double most = 4096;
   const int size =
       std::max(1, static_cast<int>(std::sqrt(static_cast<double>(model.nodes()) / most)));
-  const int tiles = (model.row_nodes() + size - 1) / size,
-            bands = (model.rows + size - 1) / size;
+  const int tiles = (model.row_nodes() + size - 1) / size, bands = (model.rows + size - 1) / size;
   std::vector<int> nodes(static_cast<std::size_t>(tiles) * bands, -1);
   for (int n = 0; n < model.nodes(); ++n) {
     int& highest = nodes[static_cast<std::size_t>(n / model.row_nodes() / size) * tiles +
@@ -427,11 +426,11 @@ Rest find_areal_equilibrium(const Model& model) {
     for (std::size_t i = 0; i < nodes.size(); ++i)  // each node once
       if (some.overlap.size() > 0)
         rest.overlap[nodes[i]] = some.overlap[static_cast<Eigen::Index>(i)];
-    std::vector<char> known(static_cast<std::size_t>(model.nodes()), 0);
-    for (const int n : nodes) known[static_cast<std::size_t>(n)] = 1;
+    std::vector<char> is_in(static_cast<std::size_t>(model.nodes()), 0);
+    for (const int n : nodes) is_in[static_cast<std::size_t>(n)] = 1;
     std::vector<int> missing;
     for (int n = 0; n < model.nodes(); ++n)
-      if (!known[static_cast<std::size_t>(n)] && rest.overlap[n] > 0) missing.push_back(n);
+      if (!is_in[static_cast<std::size_t>(n)] && rest.overlap[n] > 0) missing.push_back(n);
     if (missing.empty()) {
       if (some.forces.size() == 0) return rest;
       rest.forces = Eigen::VectorXd::Zero(model.nodes());
@@ -502,8 +501,8 @@ ModalStart make_start(const Model& model) {
   if (model.has_smooth_faces()) {
     rest.u = smooth_start(model, start);
   } else if (model.scene.initial == Initial::statics && rest.u.size() > 0) {
-    rest = model.is_areal ? find_areal_equilibrium(model)
-                          : find_equilibrium(model, Potential(model));
+    rest =
+        model.is_areal ? find_areal_equilibrium(model) : find_equilibrium(model, Potential(model));
   } else if (!multipliers) {
     const std::vector<double> faces = overlaps(model, {}, {});
     rest.overlap = Eigen::Map<const Eigen::VectorXd>(faces.data(), model.nodes());

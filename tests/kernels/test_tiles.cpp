@@ -95,8 +95,7 @@ TEST(Tiles, ListEveryNodeThatCanTouch) {
       for (const double share : {0.0, 0.5, 0.999}) {
         std::vector<double> moved = random_motion(searched, dice, range);
         for (std::size_t k = 0; k < moved.size(); ++k) moved[k] += u[k];
-        const double position =
-            motion.position + share * (place.base + 1 - motion.position);
+        const double position = motion.position + share * (place.base + 1 - motion.position);
         const std::vector<double> over = searched.overlaps_at(moved, position);
         for (int node = 0; node < static_cast<int>(over.size()); ++node) {
           if (over[node] < 0) continue;

@@ -291,9 +291,8 @@ TEST_P(ArealMarch, CandidatesLaunchesAndPaddingChangeNoBit) {
 }
 
 TEST_P(ArealMarch, SavedStatesGoOnToTheSameBits) {
-  const Started started =
-      areal_march(GetParam().scene(), scheme_of(SchemeKind::midpoint), 1e-8, 3000, 1,
-                  Nodes::candidates);
+  const Started started = areal_march(GetParam().scene(), scheme_of(SchemeKind::midpoint), 1e-8,
+                                      3000, 1, Nodes::candidates);
   Batch whole({started.model}, {started.start}), first({started.model}, {started.start}),
       second({started.model}, {started.start});
   // a launch ends where there is no room for the nodes in contact
@@ -418,14 +417,15 @@ TEST_P(ArealMarch, MultipliersKeepTheFacesApart) {
     const std::size_t modes2 = r.model.resonator.modes.size(), modes1 = r.model.slider.modes.size();
     Model there = r.model;
     for (std::size_t i = 0; i < r.samples.time.size(); ++i) {
-      there.position = r.model.position +
-                       static_cast<double>(i) * r.model.steps_per_sample * r.model.advance;
+      there.position =
+          r.model.position + static_cast<double>(i) * r.model.steps_per_sample * r.model.advance;
       const auto row = [&](const std::vector<double>& of, std::size_t modes) {
         const auto begin = of.begin() + static_cast<std::ptrdiff_t>(i * modes);
         return std::vector<double>(begin, begin + static_cast<std::ptrdiff_t>(modes));
       };
-      const std::vector<double> over = overlaps(there, row(r.samples.resonator_displacement, modes2),
-                                                row(r.samples.slider_displacement, modes1));
+      const std::vector<double> over =
+          overlaps(there, row(r.samples.resonator_displacement, modes2),
+                   row(r.samples.slider_displacement, modes1));
       const double most = *std::max_element(over.begin(), over.end());
       // roundings of heights of 1e-5 m
       EXPECT_LT(most, 1e-5 * 512 * std::numeric_limits<double>::epsilon());
