@@ -2,7 +2,6 @@
 // Areal scenes from their files: keys, faces, refusals, and what the commands make of them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <hdf5.h>
 
 #include <algorithm>
 #include <cmath>
@@ -19,6 +18,7 @@
 #include "host/plan/stability.hpp"
 #include "host/run/run_key.hpp"
 #include "host/scene_file/scene_file.hpp"
+#include "host/store/hdf5.hpp"
 #include "host/study/study_table.hpp"
 #include "host/surface/random_map.hpp"
 #include "tests/child.hpp"
@@ -492,13 +492,13 @@ TEST(ArealScene, PlaneScenesRefuseItsKeys) {
 
 /// All numbers of a dataset.
 std::vector<double> numbers_in(const fs::path& path, const char* name) {
-  const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
-  const hid_t dataset = H5Dopen2(file, name, H5P_DEFAULT), space = H5Dget_space(dataset);
+  const auto library = h5::take_library();
+  const h5::Properties access = h5::file_access();
+  const h5::File file{h5::check(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access))};
+  const h5::Dataset dataset{h5::check(H5Dopen2(file, name, H5P_DEFAULT))};
+  const h5::Space space{h5::check(H5Dget_space(dataset))};
   std::vector<double> data(static_cast<std::size_t>(H5Sget_simple_extent_npoints(space)));
-  EXPECT_GE(H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, data.data()), 0);
-  H5Sclose(space);
-  H5Dclose(dataset);
-  H5Fclose(file);
+  h5::check(H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, data.data()));
   return data;
 }
 
