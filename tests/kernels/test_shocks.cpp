@@ -514,7 +514,7 @@ TEST_P(RandomShocks, SteadyOnesAgreeWithTracking) {
   for (int trial = 0; trial < 2000; ++trial) {
     const Pattern pattern = trial % 4 == 0 ? random_areal_pattern(random, GetParam())
                                            : random_pattern(random, GetParam());
-    const double looks = std::uniform_real_distribution<double>(0.0, 0.5)(random);
+    const double share = std::uniform_real_distribution<double>(0.0, 0.5)(random);
     Tracker one(pattern.nodes), other(pattern.nodes);
     one.s.work.runs.row = other.s.work.runs.row = pattern.row;
     for (int step = 0; step <= pattern.steps; ++step) {
@@ -525,7 +525,7 @@ TEST_P(RandomShocks, SteadyOnesAgreeWithTracking) {
       steady += touches && other.s.carried.shocks.runs_step != step;
       ASSERT_EQ(one.rows(), other.rows()) << "step " << step << '\n' << picture(pattern);
       ASSERT_EQ(one.s.carried.shocks.begun, other.s.carried.shocks.begun);
-      if (step < pattern.steps && !std::bernoulli_distribution(looks)(random)) continue;
+      if (step < pattern.steps && !std::bernoulli_distribution(share)(random)) continue;
       other.put_back();
       ASSERT_EQ(one.open_shocks(), other.open_shocks()) << "step " << step << '\n'
                                                         << picture(pattern);
