@@ -2,40 +2,66 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What a GPU would have to issue for a step of the paper's scenes, counted without one, and compared with what it was.
 
-usage: device_counts.py [--renew] PROGRAM PTX
+usage: device_counts.py [--quick | --renew] PROGRAM PTX
 
-PROGRAM is build/release/tests/device_counts. PTX is a folder that tests/ptx/make_ptx.py wrote. A count that is more
-than 3 % above that of bench/device_counts.json is an error. --renew writes the file anew: for a rise on purpose, and
-after a gain, so that it stays. Standard library only.
+PROGRAM is build/release/tests/device_counts. PTX is a folder that tests/ptx/make_ptx.py wrote: adaptive and
+semi_implicit. A count that is more than 3 % above that of bench/device_counts.json is an error. --quick leaves out what
+ptxas is needed for. --renew writes the file anew: for a rise on purpose, and after a gain, so that it stays.
 
-Of a step (backward_euler) or a stride (adaptive): `ptx_instructions` and `loads` that a warp issues, `sums`:
-reductions over its lanes. `local_bytes`: a lane's local memory. `counted`: steps or strides. `in_contact`: the share of
-the time steps with a contact.
+Of a step (backward_euler) or a stride (adaptive): `ptx_instructions`, `loads` and `machine_instructions` that a warp
+issues (machine_code.py; `machine_error` is its share of error), `sums`: reductions over its lanes. `local_bytes`: a
+lane's local memory that the source asks for. `registers` of a thread and `spilled_bytes`, as ptxas says, with all the
+registers that there are. `counted`: steps or strides. `in_contact`: the share of the time steps with a contact.
+ptxas and readelf must be on the path. Standard library only.
 """
 import argparse
 import json
 import pathlib
 import subprocess
 import sys
+import tempfile
+
+import machine_code
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 KEPT = ROOT / "bench/device_counts.json"
-GATED = ["ptx_instructions", "loads", "sums", "local_bytes"]
+QUICK = ["ptx_instructions", "loads", "sums", "local_bytes"]
+MACHINE = ["machine_instructions", "registers", "spilled_bytes"]
 MARGIN = 1.03
 
 
-def counts_of(program, ptx):
-    done = subprocess.run([program, ptx, ROOT / "scenes"], capture_output=True, text=True)
+def counts_of(program, ptx, folder):
+    """What the program counts; beside each stretch the times that each line of its PTX was run."""
+    done = subprocess.run([program, ptx, ROOT / "scenes", folder], capture_output=True, text=True)
     if done.returncode != 0:
         raise SystemExit(done.stderr or f"{program} ends with status {done.returncode}")
-    return {name: {key: float(f"{value:.6g}") for key, value in of.items()}
-            for name, of in json.loads(done.stdout).items()}
+    for name, of in json.loads(done.stdout).items():
+        lines = (folder / f"{name}.lines").read_text().splitlines()
+        yield name, of, {int(line): int(times) for line, times in (row.split() for row in lines)}
 
 
-def rises(now, kept):
+def count(program, ptx, quick):
+    counts, compiled = {}, {}
+    with tempfile.TemporaryDirectory() as folder:
+        folder = pathlib.Path(folder)
+        for name, of, times in counts_of(program, ptx, folder):
+            if not quick:
+                march = of["march"]
+                if march not in compiled:
+                    compiled[march] = machine_code.MachineCode(ptx / f"{march}.ptx", folder)
+                code = compiled[march]
+                issued, error = code.issued(times)
+                of |= {"machine_instructions": issued / of["counted"], "machine_error": error,
+                       "registers": code.registers, "spilled_bytes": code.spilled_bytes}
+            counts[name] = {key: value if isinstance(value, str) else float(f"{value:.6g}")
+                            for key, value in of.items()}
+    return counts
+
+
+def rises(now, kept, keys):
     """What is more than it may be, in words."""
     for name, of in kept.items():
-        for key in GATED:
+        for key in keys:
             if now[name][key] > MARGIN * of[key]:
                 yield f"{name}: {key} rose from {of[key]:g} to {now[name][key]:g}"
 
@@ -44,14 +70,16 @@ def main():
     parser = argparse.ArgumentParser(usage=__doc__.split("\n\n")[1].removeprefix("usage: "))
     parser.add_argument("program", type=pathlib.Path)
     parser.add_argument("ptx", type=pathlib.Path)
-    parser.add_argument("--renew", action="store_true")
+    how = parser.add_mutually_exclusive_group()
+    how.add_argument("--quick", action="store_true")
+    how.add_argument("--renew", action="store_true")
     asked = parser.parse_args()
-    now = counts_of(asked.program.resolve(), asked.ptx)
+    now = count(asked.program.resolve(), asked.ptx.resolve(), asked.quick)
     print(json.dumps(now, indent=2))
     if asked.renew:
         KEPT.write_text(json.dumps(now, indent=2) + "\n")
         return 0
-    faults = list(rises(now, json.loads(KEPT.read_text())))
+    faults = list(rises(now, json.loads(KEPT.read_text()), QUICK if asked.quick else QUICK + MACHINE))
     if faults:
         print("A GPU would have more to do:\n  " + "\n  ".join(faults) + "\nWhere this is on purpose, renew the counts "
               f"and commit them: bench/device_counts.py --renew {asked.program} {asked.ptx}", file=sys.stderr)

@@ -195,4 +195,101 @@ KOKKOS_FORCEINLINE_FUNCTION bool continue_shocks(ShockTracking& shocks, RunBuffe
   return true;
 }
 
+/// The most usual case of track_shocks, out of memory: the same few runs of neighbouring nodes
+/// touch step after step, a shock each. Not in areal scenes.
+class SteadyShocks {
+ public:
+  /// From now on the open shocks stand here and no longer in `shocks`, if it may be this case.
+  /// `step`: the latest one that these took in.
+  KOKKOS_FORCEINLINE_FUNCTION void take_over(const ShockTracking& shocks, const RunBuffer& runs,
+                                             std::int64_t step) {
+    if (runs.row != 0 || shocks.run_count > most || shocks.open_count != shocks.run_count) return;
+    next_ = step + 1;
+    count_ = shocks.run_count;
+    for (int r = 0; r < most; ++r) {
+      if (r >= count_) continue;
+      const ContactRun& run = shocks.runs[r];
+      const OpenShock& open = shocks.open[run.shock];
+      steady_[r] = {run.first, run.last,     run.shock,  open.force,
+                    open.peak, open.impulse, open.moment};
+    }
+  }
+  /// Takes in the contact of one step, as track_shocks does. False, with nothing changed, when it
+  /// is not this case.
+  KOKKOS_FORCEINLINE_FUNCTION bool take(const ContactList& list, int count, std::int64_t step,
+                                        double position) {
+    if (step != next_) return false;
+    int e = 0;
+    for (int r = 0; r < most; ++r) {
+      if (r >= count_) continue;
+      const int end = e + steady_[r].last - steady_[r].first;
+      if (end >= count || list.nodes[e] != steady_[r].first || list.nodes[end] != steady_[r].last)
+        return false;
+      e = end + 1;
+    }
+    if (e < count) return false;
+    ++next_;
+    e = 0;
+    for (int r = 0; r < most; ++r) {
+      if (r >= count_) continue;
+      Steady& now = steady_[r];
+      double force = list.forces[e], moment = force * place(list, e, now.first);
+      ++e;
+      for (int node = now.first; node < now.last; ++e) {
+        ++node;
+        force += list.forces[e];
+        moment += list.forces[e] * place(list, e, node);
+      }
+      now.force = force;
+      if (force > now.peak) now.peak = force;
+      now.impulse += force;
+      now.moment += moment + force * position;
+    }
+    return true;
+  }
+  /// Back to `shocks`, before anything else reads or changes them.
+  KOKKOS_FORCEINLINE_FUNCTION void put_back(ShockTracking& shocks) {
+    if (next_ < 0) return;
+    shocks.runs_step = next_ - 1;
+    for (int r = 0; r < most; ++r) {
+      if (r >= count_) continue;
+      OpenShock& open = shocks.open[steady_[r].shock];
+      open.last = next_ - 1;
+      open.force = steady_[r].force;
+      open.peak = steady_[r].peak;
+      open.impulse = steady_[r].impulse;
+      open.moment = steady_[r].moment;
+    }
+    next_ = -1;
+  }
+
+ private:
+  static constexpr int most = 2;  // a loop of so many rounds is unrolled: registers have no index
+  struct Steady {
+    int first, last, shock;               // see ContactRun
+    double force, peak, impulse, moment;  // see OpenShock
+  };
+  std::int64_t next_ = -1;  // the step that would continue it; negative: it is not this case
+  int count_ = 0;
+  Steady steady_[most]{};
+
+  /// centre(list, e), without reading the node.
+  KOKKOS_FORCEINLINE_FUNCTION static double place(const ContactList& list, int e, int node) {
+    return list.centres == nullptr ? node : list.centres[e];
+  }
+};
+
+/// track_shocks in the cheapest way that does.
+KOKKOS_FORCEINLINE_FUNCTION void take_contact(SteadyShocks& steady, ShockTracking& shocks,
+                                              RunBuffer& runs, ShockBuffer& ended,
+                                              const ContactList& list, int count, std::int64_t step,
+                                              double position) {
+  if (steady.take(list, count, step, position)) [[likely]]
+    return;
+  steady.put_back(shocks);
+  if (!continue_shocks(shocks, runs, list, count, step, position))
+    track_shocks(shocks, runs, ended, list, count, step, position);
+  steady.take_over(shocks, runs, step);
+}
+
 }  // namespace ra2d

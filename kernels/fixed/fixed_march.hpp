@@ -114,10 +114,12 @@ class FixedMarch {
           is_interrupted(tables_.interrupted))
         break;
       const std::int64_t next = recorder_.next_event(now_.step, stop);
+      recorder_.begin_stretch();
       if (tables_.bounds.searched == Nodes::all)
         march_all(next);
       else
         march_candidates(next);
+      recorder_.end_stretch();
     }
     const bool done = state_.carried.status == Status::running &&
                       now_.step == tables_.output.total_steps && recorder_.is_complete();

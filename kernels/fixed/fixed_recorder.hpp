@@ -155,32 +155,51 @@ class FixedRecorder {
     lanes_.sync();
   }
 
-  /// Adds the contact at a step to sums and shocks.
+  /// Before a stretch of steps, and after it: meanwhile what changes at each of them is not in
+  /// memory.
+  RA2D_FUNCTION void begin_stretch() {
+    stretch_ = {sums_.face_work_part, sums_.gross_face_work, sums_.contact_steps, sums_.most_nodes};
+  }
+  RA2D_FUNCTION void end_stretch() {
+    lanes_.sync();
+    if (lanes_.leader()) {
+      sums_.face_work_part = stretch_.face_work_part;
+      sums_.gross_face_work = stretch_.gross_face_work;
+      sums_.contact_steps = stretch_.contact_steps;
+      sums_.most_nodes = stretch_.most_nodes;
+      steady_.put_back(shocks_);
+    }
+    lanes_.sync();
+  }
+
+  /// Within a stretch: adds the contact at a step to sums and shocks.
   KOKKOS_FORCEINLINE_FUNCTION void take_contact(const ContactTotals<Real>& totals,
                                                 const Place& place, std::int64_t step) {
     if constexpr (form == Form::implicit)  // an impact's whole impulse may fall into one step
       usual_force_ += 0.125 * (totals.force - usual_force_);
     else if (totals.nodes > 0)
       usual_force_ = totals.force;
-    if (totals.nodes == 0 && shocks_.open_count > 0)
+    if (totals.nodes > 0) {
+      stretch_.face_work_part += totals.face_work;
+      stretch_.gross_face_work += Kokkos::abs(totals.face_work);
+      ++stretch_.contact_steps;
+      if (totals.nodes > stretch_.most_nodes) stretch_.most_nodes = totals.nodes;
+    } else if (shocks_.open_count > 0) {
       lanes_.sync();  // what ends is about to be written
+    }
     if (!lanes_.leader()) return;
     if (totals.nodes > 0) {
-      sums_.face_work_part += totals.face_work;
-      sums_.gross_face_work += Kokkos::abs(totals.face_work);
-      ++sums_.contact_steps;
-      if (totals.nodes > sums_.most_nodes) sums_.most_nodes = totals.nodes;
-      if (!continue_shocks(shocks_, runs_, contact_list_, totals.nodes, step, place.position))
-        track_shocks(shocks_, runs_, ended_, contact_list_, totals.nodes, step, place.position);
+      ra2d::take_contact(steady_, shocks_, runs_, ended_, contact_list_, totals.nodes, step,
+                         place.position);
     } else if (shocks_.open_count > 0) {
-      end_shocks(shocks_, ended_, step);
+      end_open_shocks(step);
     }
   }
   /// There is no contact from this step until the next take_contact.
   KOKKOS_FORCEINLINE_FUNCTION void take_flight(std::int64_t step) {
     // contact is recorded at the beginning of a step, or (Form::implicit) at its end
     if (lanes_.leader() && shocks_.open_count > 0)
-      end_shocks(shocks_, ended_, form == Form::implicit ? step + 1 : step);
+      end_open_shocks(form == Form::implicit ? step + 1 : step);
   }
   KOKKOS_FORCEINLINE_FUNCTION void take_force_work(double work) {
     if (lanes_.leader()) sums_.force_part += work;
@@ -207,11 +226,22 @@ class FixedRecorder {
   ShockTracking& shocks_;
   const LatestContact& latest_contact_;
   const int* listed_nodes_;
-  const ContactList& contact_list_;
+  ContactList contact_list_;  // a copy: it holds nothing but addresses
   RunBuffer& runs_;
   SampleBuffer& samples_;
   ShockBuffer& ended_;
   double usual_force_ = 0.0;
+  struct {
+    double face_work_part, gross_face_work;
+    std::int64_t contact_steps, most_nodes;
+  } stretch_{};          // of RunningSums
+  SteadyShocks steady_;  // of the leader
+
+  /// The leader alone.
+  RA2D_FUNCTION void end_open_shocks(std::int64_t step) {
+    steady_.put_back(shocks_);
+    end_shocks(shocks_, ended_, step);
+  }
 
   /// Sample j stands at step j steps_per_sample: between two steps it is interpolated linearly.
   RA2D_FUNCTION void sample_place(std::int64_t sample, std::int64_t& step, double& share) const {

@@ -91,14 +91,9 @@ class Tracker {
   }
   Tracker(const Tracker&) = delete;
 
-  /// One step as the march makes it. Whether continue_shocks was enough.
+  /// One step. Whether continue_shocks was enough.
   bool take(const Pattern& pattern, int step, bool may_continue) {
-    int count = 0;
-    for (int node = 0; node < pattern.nodes; ++node)
-      if (pattern.touches(step, node)) {
-        s.work.contact_list.nodes[count] = node;
-        s.work.contact_list.forces[count++] = pattern.at(step, node);
-      }
+    const int count = list(pattern, step);
     if (count == 0) {
       if (s.carried.shocks.open_count > 0) end_shocks(s.carried.shocks, s.out.ended_shocks, step);
       return false;
@@ -118,6 +113,18 @@ class Tracker {
                  step, Pattern::position(step));
     return false;
   }
+  /// One step as the march makes it.
+  void take_steadily(const Pattern& pattern, int step) {
+    const int count = list(pattern, step);
+    if (count > 0) {
+      take_contact(steady_, s.carried.shocks, s.work.runs, s.out.ended_shocks, s.work.contact_list,
+                   count, step, Pattern::position(step));
+    } else if (s.carried.shocks.open_count > 0) {
+      put_back();
+      end_shocks(s.carried.shocks, s.out.ended_shocks, step);
+    }
+  }
+  void put_back() { steady_.put_back(s.carried.shocks); }
   void take_all(const Pattern& pattern, bool may_continue = false) {
     for (int step = 0; step <= pattern.steps; ++step) take(pattern, step, may_continue);
   }
@@ -141,6 +148,18 @@ class Tracker {
   SceneState s;
 
  private:
+  /// The nodes in contact at a step. Their number.
+  int list(const Pattern& pattern, int step) {
+    int count = 0;
+    for (int node = 0; node < pattern.nodes; ++node)
+      if (pattern.touches(step, node)) {
+        s.work.contact_list.nodes[count] = node;
+        s.work.contact_list.forces[count++] = pattern.at(step, node);
+      }
+    return count;
+  }
+
+  SteadyShocks steady_;
   std::vector<ContactRun> runs_, new_runs_;
   std::vector<OpenShock> open_;
   std::vector<ShockRow> rows_;
@@ -487,6 +506,33 @@ TEST_P(RandomShocks, ContinuingAgreesWithTracking) {
   }
   EXPECT_GT(continued, contact / 50);  // both ways are tried
   EXPECT_LT(continued, contact);
+}
+
+TEST_P(RandomShocks, SteadyOnesAgreeWithTracking) {
+  std::mt19937 random(19);
+  int steady = 0, contact = 0;
+  for (int trial = 0; trial < 2000; ++trial) {
+    const Pattern pattern = trial % 4 == 0 ? random_areal_pattern(random, GetParam())
+                                           : random_pattern(random, GetParam());
+    const double share = std::uniform_real_distribution<double>(0.0, 0.5)(random);
+    Tracker one(pattern.nodes), other(pattern.nodes);
+    one.s.work.runs.row = other.s.work.runs.row = pattern.row;
+    for (int step = 0; step <= pattern.steps; ++step) {
+      one.take(pattern, step, false);
+      other.take_steadily(pattern, step);
+      const bool touches = !runs_at(pattern, step).empty();
+      contact += touches;
+      steady += touches && other.s.carried.shocks.runs_step != step;
+      ASSERT_EQ(one.rows(), other.rows()) << "step " << step << '\n' << picture(pattern);
+      ASSERT_EQ(one.s.carried.shocks.begun, other.s.carried.shocks.begun);
+      if (step < pattern.steps && !std::bernoulli_distribution(share)(random)) continue;
+      other.put_back();
+      ASSERT_EQ(one.open_shocks(), other.open_shocks()) << "step " << step << '\n'
+                                                        << picture(pattern);
+    }
+  }
+  EXPECT_GT(steady, contact / 50);  // both ways are tried
+  EXPECT_LT(steady, contact);
 }
 
 TEST_P(RandomShocks, StretchesAreTheirSteps) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the marches of the paper's scenes take of a GPU, counted: device_counts PTX_FOLDER prints it
-// as JSON. bench/device_counts.py compares it with what it was.
+// What the marches of the paper's scenes take of a GPU, counted: bench/device_counts.py compares it
+// with what it was. Prints JSON; with LINES_FOLDER how often each line of the PTX was issued, too,
+// as NAME.lines, "LINE TIMES" each.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -8,7 +9,9 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 #include <string>
 
 #include "host/device/backend.hpp"
@@ -36,7 +39,7 @@ constexpr Stretch stretches[] = {
     {"backward_euler_pinned", "dang2012-pinned.toml", SchemeKind::backward_euler, 1e-2, 1e-2}};
 
 nlohmann::ordered_json count(const Stretch& stretch, MarchPrograms& programs,
-                             const std::filesystem::path& scenes) {
+                             const std::filesystem::path& scenes, const char* lines_folder) {
   Scene scene = read_scene(scenes / stretch.scene);
   scene.time.scheme = stretch.scheme;
   if (stretch.scheme == SchemeKind::adaptive) scene.time.tolerance = tolerance;
@@ -58,13 +61,20 @@ nlohmann::ordered_json count(const Stretch& stretch, MarchPrograms& programs,
   const double units =
       static_cast<double>(stretch.scheme == SchemeKind::adaptive ? carried.adaptive_steps - strides
                                                                  : carried.step - steps);
+  std::ofstream lines;
+  if (lines_folder != nullptr)
+    lines.open(std::filesystem::path(lines_folder) / (std::string(stretch.name) + ".lines"));
   double all = 0, loads = 0;
   for (std::size_t k = 0; k < warp.counts().size(); ++k) {
     const auto times = static_cast<double>(warp.counts()[k]);
     all += times;
     if (program.instructions()[k].kind == Instruction::Kind::load) loads += times;
+    if (lines.is_open()) lines << program.instructions()[k].line << ' ' << warp.counts()[k] << '\n';
   }
-  return {{"counted", units},
+  if (lines_folder != nullptr && !lines.flush())
+    throw std::runtime_error(fmt::format("{} cannot be written to", lines_folder));
+  return {{"march", MarchPrograms::name(lanes.tables().scheme.form)},
+          {"counted", units},
           {"in_contact", static_cast<double>(carried.sums.contact_steps - touching) /
                              static_cast<double>(carried.step - steps)},
           {"ptx_instructions", all / units},
@@ -77,15 +87,16 @@ nlohmann::ordered_json count(const Stretch& stretch, MarchPrograms& programs,
 }  // namespace ra2d::test
 
 int main(int argc, char** argv) try {
-  if (argc != 3) {
-    std::fputs("usage: device_counts PTX_FOLDER SCENES_FOLDER\n", stderr);
+  if (argc != 3 && argc != 4) {
+    std::fputs("usage: device_counts PTX_FOLDER SCENES_FOLDER [LINES_FOLDER]\n", stderr);
     return 2;
   }
   const ra2d::Backend backend(1);
   ra2d::test::MarchPrograms programs(argv[1]);
   nlohmann::ordered_json counts;
   for (const auto& stretch : ra2d::test::stretches)
-    counts[stretch.name] = ra2d::test::count(stretch, programs, argv[2]);
+    counts[stretch.name] =
+        ra2d::test::count(stretch, programs, argv[2], argc == 4 ? argv[3] : nullptr);
   std::puts(counts.dump(2).c_str());
   return 0;
 } catch (const std::exception& e) {

@@ -120,8 +120,8 @@ Started touching_scene(Form form, std::int64_t steps) {
   }
 }
 
-// Not every sync that is run is needed in every scene: one stands wherever another path would need
-// it. But two thirds are, and no missing one changes a bit unnoticed.
+// Not every sync that is run is needed in a scene: some stand for paths that it does not take. But
+// a third at the least is, and none that is missing changes a bit unnoticed.
 TEST_P(PtxMarch, MissingSyncsAreNoticed) {
   constexpr std::int64_t steps = 300;
   constexpr std::size_t chosen = 30;
@@ -150,9 +150,7 @@ TEST_P(PtxMarch, MissingSyncsAreNoticed) {
     EXPECT_TRUE(raced || scene.differs_from(whole).empty());
     noticed += raced;
   }
-  RecordProperty("noticed", std::to_string(noticed));
   EXPECT_GE(3 * noticed, syncs.size()) << noticed << " of " << syncs.size();
-  printf("%zu of %zu\n", noticed, syncs.size());
 }
 
 // Were the compiler free to fuse others, a GPU's bits would depend on its version.
