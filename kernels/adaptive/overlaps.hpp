@@ -506,18 +506,18 @@ class Overlaps {
     GroupSweep<Lanes, packs> sweep(lanes_, faces_, slider_, patches_, place, amplitudes_, u, v);
     const double speed = motion_.advance / motion_.time_step;  // chi/s
     const int count = groups();
-    int known = 0;
+    int found = 0;
     for (int i = 0; i < count; ++i) {
       const int e = index(i);
       if (is_selective_ && to == start_ && search_.evaluated[e] == steps_) [[unlikely]] {
-        ++known;
+        ++found;
         continue;
       }
       const auto [overlap, modes, slope] = sweep.overlap_and_rates(group(e));
       lanes_.store(to + (2 * e) * width, overlap);
       lanes_.store(to + (2 * e + 1) * width, multiply_add(speed, slope, modes));
     }
-    if (lanes_.leader()) evaluated_ += static_cast<std::int64_t>(count - known) * width;
+    if (lanes_.leader()) evaluated_ += static_cast<std::int64_t>(count - found) * width;
     lanes_.sync();
   }
 };
