@@ -19,6 +19,7 @@
 #include "host/model/contact_program.hpp"
 #include "host/model/model.hpp"
 #include "host/model/smooth_contact.hpp"
+#include "kernels/tables.hpp"
 
 /// Static equilibrium under load and contact: the minimum of the convex potential
 ///   sum_k m omega_k^2 U_k^2 / 2 - load_k U_k  +  sum_n kappa chi w max(0, -g_n)^2 / 2,
@@ -414,7 +415,7 @@ std::vector<int> highest_of_tiles(const Model& model, const std::vector<double>&
 /// no other overlaps; those that do are taken in.
 Rest find_areal_equilibrium(const Model& model) {
   constexpr int rounds = 100;
-  constexpr std::size_t most_taken = 8192;  // at a time
+  constexpr std::size_t most_nodes = 2 * std::size_t{most_areal_nodes};
   const std::vector<double> faces = overlaps(model, {}, {});
   const RowOverlaps all_at(model, faces);
   std::vector<int> nodes = highest_of_tiles(model, faces);
@@ -438,8 +439,15 @@ Rest find_areal_equilibrium(const Model& model) {
         rest.forces[nodes[i]] = some.forces[static_cast<Eigen::Index>(i)];
       return rest;
     }
+    const std::size_t most_taken = nodes.size();  // at a time
+    if (nodes.size() + missing.size() > most_nodes)
+      throw refusal(model.scene, "scene.spacing",
+                    fmt::format("at rest {} nodes or more touch at once, and {} can be followed: "
+                                "coarsen spacing and spacing_y",
+                                missing.size(), int{most_areal_nodes}));
     if (missing.size() > most_taken) {
-      std::nth_element(missing.begin(), missing.begin() + most_taken, missing.end(),
+      std::nth_element(missing.begin(), missing.begin() + static_cast<std::ptrdiff_t>(most_taken),
+                       missing.end(),
                        [&](int a, int b) { return rest.overlap[a] > rest.overlap[b]; });
       missing.resize(most_taken);
     }
