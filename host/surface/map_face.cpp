@@ -82,7 +82,7 @@ FaceExtent extent_of_rows(const std::vector<double>& heights, std::size_t nx, do
 
 /// The map with the points that the nodes need.
 HeightMap wide_enough(HeightMap map, const SurfaceSpec& spec, const std::filesystem::path& file,
-                      double nx, double ny) {
+                      double nx, double ny, std::vector<std::string>* doubts) {
   if (nx <= static_cast<double>(map.nx) && ny <= static_cast<double>(map.ny)) return map;
   if (spec.prepared.when_short == ShortProfile::refuse)
     refuse_measured_map(
@@ -92,6 +92,10 @@ HeightMap wide_enough(HeightMap map, const SurfaceSpec& spec, const std::filesys
   nx = std::max(nx, static_cast<double>(map.nx));
   ny = std::max(ny, static_cast<double>(map.ny));
   require_map_size(file.string(), nx, ny);
+  if (doubts != nullptr)
+    doubts->push_back(fmt::format(
+        "{}: {} by {} points, fewer than are touched: {}", file.string(), map.nx, map.ny,
+        spec.prepared.when_short == ShortProfile::repeat ? "repeated" : "mirrored"));
   const MapExtension how = spec.prepared.when_short == ShortProfile::repeat ? MapExtension::repeat
                                                                             : MapExtension::mirror;
   return extended_map(map, how, static_cast<std::size_t>(nx), static_cast<std::size_t>(ny),
@@ -133,7 +137,7 @@ std::vector<double> measured_map(const SurfaceSpec& spec, const MapNodes& nodes,
                   static_cast<double>(nodes.rows - 1)};
   for (const MapAxis& axis : {x, y}) check_map_spacing(file, axis);
   const double right = nodes_to_map(file, x), up = nodes_to_map(file, y);
-  map = wide_enough(std::move(map), spec, file, x.last - right + 1, y.last - up + 1);
+  map = wide_enough(std::move(map), spec, file, x.last - right + 1, y.last - up + 1, doubts);
   std::vector<double> heights;
   heights.reserve(nodes.nx * nodes.rows);
   for (std::size_t j = 0; j < nodes.rows; ++j) {

@@ -317,6 +317,8 @@ TEST_F(MeasuredMaps, GoOnRepeatedOrMirrored) {
   EXPECT_EQ(at(mirrored, 10, 4), at(mirrored, 4, 2));
   const Model repeated = make_model(scene("path=\"small.txt\",short=\"repeat\""));
   EXPECT_EQ(at(repeated, 8, 1), at(repeated, 0, 1));  // a seam of one step
+  EXPECT_THAT(repeated.doubts,
+              testing::Contains(HasSubstr("8 by 4 points, fewer than are touched: repeated")));
   EXPECT_THAT(
       refused("path=\"small.txt\""),
       AllOf(HasSubstr("8 by 4 points"), HasSubstr("11 by 6"), HasSubstr("short = \"repeat\""),

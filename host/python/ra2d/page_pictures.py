@@ -125,7 +125,8 @@ def _histogram(result: Result, kind: tuple[str, str, str], heading: str) -> tupl
 
 def _faces(result: Result) -> tuple[Picture, str, Markup]:
     figure = _small(lambda body: plots.PANELS["profiles"][0](body, result, False), 1.2 * HEIGHT)
-    caption = html("<b>Faces</b>, heights much enlarged: the resonator's (blue), where the slider passes")
+    caption = html("<b>Faces</b>, {}heights much enlarged: the resonator's (blue), where the slider passes",
+                   "the row in the middle of each map, " if result.is_areal else "")
     if "start" in result.scene.content().get("scene", {}):  # not of other versions' scenes
         caption += html(", and above it the slider's at the start, face down (brown)")
     if count := len(result.shocks):
