@@ -28,6 +28,7 @@ KEPT = ROOT / "bench/device_counts.json"
 QUICK = ["ptx_instructions", "loads", "sums", "local_bytes"]
 MACHINE = ["machine_instructions", "registers", "spilled_bytes"]
 MARGIN = 1.03
+MOST_ERROR = 0.1
 
 
 def counts_of(program, ptx, folder):
@@ -51,6 +52,8 @@ def count(program, ptx, quick):
                     compiled[march] = machine_code.MachineCode(ptx / f"{march}.ptx", folder)
                 code = compiled[march]
                 issued, error = code.issued(times)
+                if error > MOST_ERROR:
+                    raise SystemExit(f"{name}: machine_code.py is off by {error:.0%}: it no longer fits what ptxas makes")
                 of |= {"machine_instructions": issued / of["counted"], "machine_error": error,
                        "registers": code.registers, "spilled_bytes": code.spilled_bytes}
             counts[name] = {key: value if isinstance(value, str) else float(f"{value:.6g}")

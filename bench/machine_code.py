@@ -5,7 +5,7 @@ ptxas says from which line of the PTX it made each instruction. It moves, joins 
 instructions are not issued as often as the line was run. But those of one basic block are all issued equally often:
 here as often as the median of what their lines say, a line's runs shared evenly among ptxas' copies of it. Where the
 number is known (exchanges between lanes, loads and stores each are one instruction in PTX and in machine code), the
-method can be checked against it: `MachineCode.error`.
+method is checked against it: `MachineCode.issued` says how far it is off.
 
 Left out is what runs in rare cases only: divisions and roots of numbers next to the limits of a double, and exchanges
 of a warp whose lanes have not met.
@@ -66,8 +66,7 @@ class MachineCode:
             raise SystemExit(f"ptxas refuses {ptx}:\n{done.stdout + done.stderr}")
         said = done.stdout + done.stderr
         self.registers = int(re.search(r"Used (\d+) registers", said)[1])
-        self.stack_bytes, self.spilled_bytes = (int(n) for n in re.search(
-            r"(\d+) bytes stack frame, (\d+) bytes spill stores", said).groups())
+        self.spilled_bytes = int(re.search(r"(\d+) bytes spill stores", said)[1])
         self.opcodes, self.ptx_block = {}, {}
         block = 0
         for number, line in enumerate(text.splitlines(), 1):
