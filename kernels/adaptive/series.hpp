@@ -415,7 +415,7 @@ class ModalSeries {
         product[i] = multiply_add(phi(i, 0, p), c0[p], product[i]);
         rising[i] = multiply_add(phi(i, 1, p), c0[p], rising[i]);
       }
-    double f[count][4];  // of the orders j to j - 3
+    double overs[count];
     for (int i = 0; i < count; ++i) {
       double over, sliding;
       lanes_.sum(product[i], rising[i], over, sliding);
@@ -426,17 +426,21 @@ class ModalSeries {
       } else if (j == 1) {
         over += node_contact_.rise(node) * advance;
       }
-      double* const o = overlap(e + i);
+      overs[i] = over;
       if (lanes_.leader()) {
-        o[j] = over;
+        overlap(e + i)[j] = over;
         sliding_rate(e + i)[j] = sliding;
       }
-      f[i][0] = -contact_.node_stiffness * over;
-      for (int before = 1; before < terms; ++before)
-        f[i][before] = j >= before ? -contact_.node_stiffness * o[j - before] : 0.0;
     }
     lanes_.sync();
     if (j + 2 > adaptive_.order) return;
+    double f[count][4];  // of the orders j to j - 3
+    for (int i = 0; i < count; ++i) {
+      const double* const o = overlap(e + i);
+      f[i][0] = -contact_.node_stiffness * overs[i];
+      for (int before = 1; before < terms; ++before)
+        f[i][before] = j >= before ? -contact_.node_stiffness * o[j - before] : 0.0;
+    }
     for (int p = 0; p < filled; ++p) {
       Real sum = force[p];
       for (int i = 0; i < count; ++i)

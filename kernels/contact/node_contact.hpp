@@ -160,15 +160,7 @@ class NodeContact {
   }
   /// psi of both bodies at an expanded node, and its change over a spacing of the slider's path.
   KOKKOS_FORCEINLINE_FUNCTION void shapes(int node, double offset, Real* phi, Real* slope) const {
-    const double* c = caches_.node_shape + node_offset(node);
-    const Real x(offset);
-    for (int p = 0; p < packs; ++p) {
-      const Real c3 = lanes_.load(c + width * (3 * packs + p));
-      const Real c2 = multiply_add(c3, x, lanes_.load(c + width * (2 * packs + p)));
-      const Real c1 = multiply_add(c2, x, lanes_.load(c + width * (packs + p)));
-      phi[p] = multiply_add(c1, x, lanes_.load(c + width * p));
-      slope[p] = multiply_add(multiply_add(c3, x, c2), x, c1);
-    }
+    shapes_at(slot(node), offset, phi, slope);
   }
   KOKKOS_FORCEINLINE_FUNCTION void shape(int node, double offset, Real* phi) const {
     const double* c = caches_.node_shape + node_offset(node);
@@ -183,22 +175,18 @@ class NodeContact {
   /// Overlap -g of an expanded node whose shapes are phi [m].
   KOKKOS_FORCEINLINE_FUNCTION double overlap(int node, double theta, const Real* phi,
                                              const Real* u) const {
-    Real product = phi[0] * u[0];
-    for (int p = 1; p < packs; ++p) product = multiply_add(phi[p], u[p], product);
-    return face(node, theta) + lanes_.sum(product);
+    return overlap_at(slot(node), theta, phi, u);
   }
   /// The rough faces' part of the overlap of an expanded node [m].
   KOKKOS_FORCEINLINE_FUNCTION double face(int node, double theta) const {
-    return Kokkos::fma(theta, rise(node), caches_.node_face[2 * slot(node)]);
+    return face_at(slot(node), theta);
   }
   /// Cubics of all modes at an expanded node over the window: (derivative, lane).
   KOKKOS_FORCEINLINE_FUNCTION const double* expanded(int node) const {
     return caches_.node_shape + node_offset(node);
   }
   /// Rise of the resonator's face to its next node [m].
-  KOKKOS_FORCEINLINE_FUNCTION double rise(int node) const {
-    return caches_.node_face[2 * slot(node) + 1];
-  }
+  KOKKOS_FORCEINLINE_FUNCTION double rise(int node) const { return rise_at(slot(node)); }
 
   /// Smooth faces: the overlap along an expanded cell at the displacements u, and its rate where
   /// these change by `rate` and the slider moves by `slide_rate` [chi].
@@ -308,9 +296,10 @@ class NodeContact {
     for (int p = 0; p < packs; ++p) slope_force[p] = Real(0.0);
     for (int e = 0; e < count; ++e) {
       const int node = nodes[e];
+      const int at = slot(node);
       Real phi[packs], slope[packs];
-      shapes(node, place.offset, phi, slope);
-      const double over = overlap(node, place.theta, phi, u);
+      shapes_at(at, place.offset, phi, slope);
+      const double over = overlap_at(at, place.theta, phi, u);
       if (!(over >= 0.0)) continue;
 
       const double f = penalty.force(over);
@@ -318,7 +307,7 @@ class NodeContact {
         force[p] = multiply_add(-f, phi[p], force[p]);
         slope_force[p] = multiply_add(f, slope[p], slope_force[p]);
       }
-      totals.face_work = Kokkos::fma(f, rise(node), totals.face_work);
+      totals.face_work = Kokkos::fma(f, rise_at(at), totals.face_work);
       totals.force += f;
       RA2D_CHECK(totals.nodes < faces_.nodes);
       if (recorded && lanes_.leader()) {
@@ -431,8 +420,35 @@ class NodeContact {
   KOKKOS_FORCEINLINE_FUNCTION int slot(int node) const {
     return node_slot_ == nullptr ? node : node_slot_[node];
   }
+  KOKKOS_FORCEINLINE_FUNCTION static std::int64_t offset_of(int slot) {
+    return static_cast<std::int64_t>(slot) * (4 * packs * width);
+  }
   KOKKOS_FORCEINLINE_FUNCTION std::int64_t node_offset(int node) const {
-    return static_cast<std::int64_t>(slot(node)) * (4 * packs * width);
+    return offset_of(slot(node));
+  }
+  KOKKOS_FORCEINLINE_FUNCTION void shapes_at(int slot, double offset, Real* phi,
+                                             Real* slope) const {
+    const double* c = caches_.node_shape + offset_of(slot);
+    const Real x(offset);
+    for (int p = 0; p < packs; ++p) {
+      const Real c3 = lanes_.load(c + width * (3 * packs + p));
+      const Real c2 = multiply_add(c3, x, lanes_.load(c + width * (2 * packs + p)));
+      const Real c1 = multiply_add(c2, x, lanes_.load(c + width * (packs + p)));
+      phi[p] = multiply_add(c1, x, lanes_.load(c + width * p));
+      slope[p] = multiply_add(multiply_add(c3, x, c2), x, c1);
+    }
+  }
+  KOKKOS_FORCEINLINE_FUNCTION double overlap_at(int slot, double theta, const Real* phi,
+                                                const Real* u) const {
+    Real product = phi[0] * u[0];
+    for (int p = 1; p < packs; ++p) product = multiply_add(phi[p], u[p], product);
+    return face_at(slot, theta) + lanes_.sum(product);
+  }
+  KOKKOS_FORCEINLINE_FUNCTION double face_at(int slot, double theta) const {
+    return Kokkos::fma(theta, rise_at(slot), caches_.node_face[2 * slot]);
+  }
+  KOKKOS_FORCEINLINE_FUNCTION double rise_at(int slot) const {
+    return caches_.node_face[2 * slot + 1];
   }
   /// Areal scenes. All that is expanded is of one window.
   RA2D_FUNCTION bool expand_on_rows(const Place& place, std::int64_t window, const int* nodes,
