@@ -11,7 +11,8 @@ BLOCK = {"length": 2e-3, "width": 1.5e-3}
 
 @pytest.fixture(scope="module")
 def areal(folder):
-    scene = ra2d.scene("areal").change({f"slider.{key}": value for key, value in BLOCK.items()}, duration=1e-3)
+    scene = ra2d.scene("areal").change({f"slider.{key}": value for key, value in BLOCK.items()},
+                                      duration=1e-3, spacing=50e-6)
     return ra2d.run(scene, output=folder / "areal.h5", show=False)
 
 
