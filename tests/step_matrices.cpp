@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tests/step_matrices.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <cmath>
+
+#include "host/base/decompositions.hpp"
 
 namespace ra2d::test {
 
@@ -67,22 +70,40 @@ Eigen::MatrixXd step_matrix(const Scheme& scheme, const Joined& j, double tau) {
 }
 
 double radius(const Scheme& scheme, const Joined& j, double tau) {
-  return step_matrix(scheme, j, tau).eigenvalues().cwiseAbs().maxCoeff();
+  return eigenvalues(step_matrix(scheme, j, tau)).cwiseAbs().maxCoeff();
 }
 
+Eigensystem::Eigensystem(const Eigen::MatrixXd& a) {
+  const Eigen::EigenSolver<Eigen::MatrixXd> solver(a);
+  values = solver.eigenvalues();
+  vectors = solver.eigenvectors();
+  inverse = vectors.inverse();
+}
+
+namespace {
+
+/// The largest singular value.
+double largest_stretch(const Eigen::MatrixXcd& a) {
+  const Eigen::Index n = a.cols();
+  const Eigen::MatrixXcd square = a.adjoint() * a;
+  Eigen::MatrixXd real(2 * n, 2 * n);  // each of its eigenvalues twice
+  real << square.real(), -square.imag(), square.imag(), square.real();
+  return std::sqrt(symmetric_eigen(real).values.maxCoeff());
+}
+
+}  // namespace
+
 Dominant::Dominant(const Eigen::MatrixXd& step) {
-  const Eigen::EigenSolver<Eigen::MatrixXd> solver(step);
-  const Eigen::VectorXd size = solver.eigenvalues().cwiseAbs();
+  const Eigensystem system(step);
+  const Eigen::VectorXd size = system.values.cwiseAbs();
   Eigen::Index most = 0;
   radius = size.maxCoeff(&most);
-  const Eigen::MatrixXcd right = solver.eigenvectors(), inverse = right.inverse();
-  left = inverse.row(most).transpose();
+  left = system.inverse.row(most).transpose();
   // at the phase at which it is largest
-  const Eigen::VectorXcd motion = right.col(most);
+  const Eigen::VectorXcd motion = system.vectors.col(most);
   const std::complex<double> square = (motion.transpose() * motion)(0);
   shape = (std::polar(1.0, -0.5 * std::arg(square)) * motion).real();
-  const Eigen::JacobiSVD<Eigen::MatrixXcd, Eigen::NoQRPreconditioner> svd(right);  // square
-  condition = svd.singularValues().maxCoeff() / svd.singularValues().minCoeff();
+  condition = largest_stretch(system.vectors) * largest_stretch(system.inverse);
 }
 
 double Dominant::amplitude(const Eigen::VectorXd& y) const {

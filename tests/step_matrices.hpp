@@ -30,6 +30,15 @@ Eigen::MatrixXd step_matrix(const Scheme& scheme, const Joined& j, double tau);
 /// Spectral radius of a step.
 double radius(const Scheme& scheme, const Joined& j, double tau);
 
+/// Eigenvalues of a matrix, its right eigenvectors in columns, and their inverse. It stands behind
+/// a function because it takes the compiler seconds.
+struct Eigensystem {
+  Eigen::VectorXcd values;
+  Eigen::MatrixXcd vectors, inverse;
+
+  explicit Eigensystem(const Eigen::MatrixXd& a);
+};
+
 /// The motion that a step multiplies most. The amplitude of that motion in any state, |left . y|,
 /// is multiplied by the radius at each step; no other motion adds to it.
 struct Dominant {

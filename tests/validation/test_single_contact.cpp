@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -9,10 +9,12 @@
 #include <string>
 #include <vector>
 
+#include "host/base/decompositions.hpp"
 #include "host/device/batch.hpp"
 #include "host/result/record.hpp"
 #include "host/run/samples.hpp"
 #include "tests/scenes.hpp"
+#include "tests/step_matrices.hpp"
 
 /// One node that hits a beam. The motion is linear while the gap is open and, about another
 /// equilibrium, while it is closed: pieces in closed form, joined where the gap changes sign.
@@ -148,27 +150,21 @@ struct Linear {
     spring.bottomLeftCorner(n, n) = -body.spring / body.mass * body.phi * body.phi.transpose();
     Vector constant_force = Vector::Zero(2 * n);  // of the closed gap: spring gap phi/mass
     constant_force.tail(n) = body.spring / body.mass * body.gap * body.phi;
-    rest = -(free + spring).fullPivLu().solve(constant_force);
+    rest = -LeastSquares(free + spring).solve(constant_force);
   }
 };
 
 /// exp(M t) by eigenvalues.
 class Exponential {
  public:
-  explicit Exponential(const Matrix& m) {
-    const Eigen::EigenSolver<Matrix> solver(m);
-    values_ = solver.eigenvalues();
-    vectors_ = solver.eigenvectors();
-    inverse_ = vectors_.inverse();
-  }
+  explicit Exponential(const Matrix& m) : system_{m} {}
   Vector operator()(const Vector& y, double time) const {
-    const Eigen::VectorXcd turned = (values_ * time).array().exp();
-    return (vectors_ * turned.cwiseProduct(inverse_ * y)).real();
+    const Eigen::VectorXcd turned = (system_.values * time).array().exp();
+    return (system_.vectors * turned.cwiseProduct(system_.inverse * y)).real();
   }
 
  private:
-  Eigen::VectorXcd values_;
-  Eigen::MatrixXcd vectors_, inverse_;
+  test::Eigensystem system_;
 };
 
 Flow flow_of(const Matrix& free, const Matrix& contact, const Vector& rest) {
@@ -290,7 +286,7 @@ INSTANTIATE_TEST_SUITE_P(Modes, SingleContact,
 /// The fastest of the modes while in contact [rad/s].
 double fastest(const Impactor& body) {
   const Linear l(body);
-  return std::sqrt((l.free + l.spring).eigenvalues().cwiseAbs2().maxCoeff());
+  return std::sqrt(eigenvalues(l.free + l.spring).cwiseAbs2().maxCoeff());
 }
 Path exact_path(const Prepared& ready) {
   const Impactor& body = ready.body;
