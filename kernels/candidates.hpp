@@ -118,7 +118,9 @@ class Candidates {
     const Bounds b = bounds(u, v, longest);
 
     // the candidate groups must hold for all states up to then
-    int listed_steps = steps_to((place.part + 1) * motion_.window_width, place, most_listed_steps);
+    const bool is_areal = faces_.rows.across != nullptr;
+    int listed_steps = steps_to((place.part + 1) * motion_.window_width, place,
+                                is_areal ? aimed_steps_ : most_listed_steps);
     if (longest < listed_steps) listed_steps = longest;
     const bool short_of_window = listed_steps < 1;
     if (short_of_window) listed_steps = 1;
@@ -129,8 +131,10 @@ class Candidates {
     const double listed_travel = b.speed * listed_time + margin;
     if (!groups_.holds(u, place, listed_travel)) find_groups(u, v, place);
     const double remaining = groups_.remaining_travel(u);
-    if (remaining < listed_travel)
+    if (remaining < listed_travel) {
+      aim_at(aimed_steps_ / 2);
       return {ContactForecast::search, 1, 0};  // too fast: step by step
+    }
 
     const double half_curve = 0.5 * b.curvature * tau * tau;
     // A node is not listed if it stays free along the line, with the margin and its own motion.
@@ -166,9 +170,14 @@ class Candidates {
       if (steps < 1 && evaluates_later_states()) return {ContactForecast::search, 1, 0};
       return {ContactForecast::flight, steps < 1 ? 1 : steps, 0};
     }
-    if (scheme_.form == Form::implicit && count > most_listed_nodes)
+    if (scheme_.form == Form::implicit && count > most_listed_nodes) {
+      aim_at(aimed_steps_ / 2);
       return {ContactForecast::search, 1, 0};
-    return forecast_of_list(b, listed_steps, short_of_window, count, margin, pressed);
+    }
+    const ContactForecast forecast =
+        forecast_of_list(b, listed_steps, short_of_window, count, margin, pressed);
+    aim_at(2 * forecast.steps);
+    return forecast;
   }
 
   /// Whether so many nodes could be listed. In plane scenes all can.
@@ -223,7 +232,14 @@ class Candidates {
   std::int64_t& evaluated_;
   CandidateGroups<Lanes, packs> groups_;
   int last_listed_ = -1;  // smooth faces: the latest cell
+  // Areal scenes: steps that the next list is for. A list for more holds nodes so far from contact
+  // that the bound on their forces ends it sooner.
+  int aimed_steps_ = most_listed_steps;
 
+  KOKKOS_FORCEINLINE_FUNCTION void aim_at(int steps) {
+    constexpr int least = 8;
+    aimed_steps_ = steps < least ? least : steps > most_listed_steps ? most_listed_steps : steps;
+  }
   KOKKOS_FORCEINLINE_FUNCTION double bound(const double* weight, const Real* x) const {
     return weighted_sum<Lanes, packs>(lanes_, weight, x);
   }
@@ -385,7 +401,12 @@ class Candidates {
   /// Finds the candidate groups. They hold for the travel that can be expected of the modes until a
   /// node passes another.
   RA2D_FUNCTION void find_groups(const Real* u, const Real* v, const Place& place) {
-    const int left = steps_to(1.0, place, bounds_.valid_steps), steps = left < 1 ? 1 : left;
+    // Areal scenes have more modes, of which the bounds are wide, and wider nodes: with a list for
+    // all that time most of the groups would be candidates.
+    constexpr int longest_on_rows = 4 * most_listed_steps;
+    int left = steps_to(1.0, place, bounds_.valid_steps);
+    if (faces_.rows.across != nullptr && left > longest_on_rows) left = longest_on_rows;
+    const int steps = left < 1 ? 1 : left;
     const double time = steps * motion_.time_step;
     const Bounds b = bounds(u, v, steps);
     // an earlier stage of this step may stand further back

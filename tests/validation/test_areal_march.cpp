@@ -176,7 +176,7 @@ TEST(ArealTiles, CandidatesChangeNoBit) {
                         simulate(areal_march(s, scheme, 2e-8, 10'000, 10, Nodes::candidates));
     EXPECT_GT(all.end.shocks_begun, 10) << scheme.name;
     EXPECT_TRUE(same(all, candidates)) << scheme.name;
-    EXPECT_LT(10 * candidates.end.evaluated, all.end.evaluated) << scheme.name;
+    EXPECT_LT(5 * candidates.end.evaluated, all.end.evaluated) << scheme.name;
   }
 }
 
