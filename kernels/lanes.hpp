@@ -233,6 +233,15 @@ inline HostLanes::Real if_positive(const HostLanes::Real& test, const HostLanes:
   return Kokkos::Experimental::condition(HostLanes::Real(0.0) < test, a, b);
 }
 
+/// Packs with modes in them; of few packs all, for loops of a known length.
+template <int packs>
+KOKKOS_INLINE_FUNCTION int filled_packs(int modes, int width) {
+  if constexpr (packs <= 8)
+    return packs;
+  else
+    return (modes + width - 1) / width;
+}
+
 /// Pack number `pack` of a row of lanes.
 template <class Lanes>
 KOKKOS_FORCEINLINE_FUNCTION typename Lanes::Real load_pack(const Lanes& lanes, const double* row,

@@ -42,6 +42,13 @@ struct Place {
   }
 };
 
+/// Nodes of a group and of those after it in its row, without what pads the row's end.
+KOKKOS_INLINE_FUNCTION int nodes_left(const FaceTables& faces, int group, int width) {
+  if (faces.rows.across == nullptr) [[likely]]
+    return faces.nodes - group * width;
+  return faces.rows.nodes - group % faces.rows.groups * width;
+}
+
 /// The patch on which a group of slider nodes is evaluated, and eta of the group's first node.
 /// `group`: counted from the beginning of its row.
 template <class Lanes>

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-#include <Kokkos_Core.hpp>
 #include <cstddef>
 #include <cstdint>
 
@@ -246,22 +245,6 @@ struct FaceTables {
   const double* highest_sag2 = nullptr;  // max of sag2 over a node and the `width` after it
   double sag_per_travel = 0;             // of the modes, over their travel
 };
-
-/// Packs with modes in them; of few packs all, for loops of a known length.
-template <int packs>
-KOKKOS_INLINE_FUNCTION int filled_packs(int modes, int width) {
-  if constexpr (packs <= 8)
-    return packs;
-  else
-    return (modes + width - 1) / width;
-}
-
-/// Nodes of a group and of those after it in its row, without what pads the row's end.
-KOKKOS_INLINE_FUNCTION int nodes_left(const FaceTables& faces, int group, int width) {
-  if (faces.rows.across == nullptr) [[likely]]
-    return faces.nodes - group * width;
-  return faces.rows.nodes - group % faces.rows.groups * width;
-}
 
 /// The slider's modes at its nodes.
 struct SliderShapes {
