@@ -68,23 +68,31 @@ TEST(Tiles, ListEveryNodeThatCanTouch) {
   Dice dice(7);
   int touching = 0;
   std::size_t listed = 0, all = 0;
-  for (int scene = 0; scene < 12; ++scene) {
+  for (int scene = 0; scene < 24; ++scene) {
     ArealScene of = many_nodes();
     of.plate_heights = rough_map(37, 1201, 2e-6, 10 + scene);
+    for (std::vector<double>& row : of.plate_heights)  // an asperity of one node here and there
+      for (double& h : row) h += dice.one_in(100) ? dice.uniform(3e-6, 5e-6) : 0.0;
     of.plate.modes = 12;
     of.side = dice.uniform(0, of.plate.width - of.block.width);
     Searched searched(areal_march(of, schemes[0], 1e-8, 100).model);
     CandidateGroups<HostLanes, packs> groups = candidate_groups_of<packs>(searched.t, searched.s);
     // with far bends what the modes differ by within a tile counts
-    std::vector<double> u = random_motion(searched, dice, std::pow(10, dice.uniform(-6.5, -3.5)));
+    const double far = std::pow(10, dice.uniform(-6.5, -3.5));
+    std::vector<double> u = random_motion(searched, dice, far);
+    if (scene % 2 == 1) {  // one mode comes nearer to the bound than many
+      u.assign(u.size(), 0.0);
+      const int k = static_cast<int>(dice.uniform(0, searched.modes()));
+      u[k] = far / searched.t.bounds.largest_shape[k];
+    }
     const std::vector<double> flat = searched.overlaps_at(u, 200);
     const double level = *std::max_element(flat.begin(), flat.end());
-    for (double& h : searched.model.slider_height) h -= level + 2e-7;
+    const double range = scene % 4 < 2 ? 1e-7 : std::pow(10, dice.uniform(-9.5, -7));
+    for (double& h : searched.model.slider_height) h -= level + 2 * range;
     fill(searched.t, searched.model, searched.series, searched.n, HostCopy());
     SliderMotion motion = searched.t.motion;
     for (int step = 0; step < 30; ++step) {
       motion.position = 200 + 0.61 * step;
-      const double range = 1e-7;
       Place place(motion, 0);
       groups.find(RealPacks(u).u, place, range, 1e-14, 0.0);
       std::set<int> nodes;
@@ -105,11 +113,11 @@ TEST(Tiles, ListEveryNodeThatCanTouch) {
               << "node " << along << " of row " << row << ", step " << step;
         }
       }
-      const std::vector<double> drift = random_motion(searched, dice, 5e-8);
+      const std::vector<double> drift = random_motion(searched, dice, 0.5 * range);
       for (std::size_t k = 0; k < u.size(); ++k) u[k] += drift[k];
     }
   }
-  EXPECT_GT(touching, 500);
+  EXPECT_GT(touching, 200);
   EXPECT_LT(listed, all / 4);
 }
 
