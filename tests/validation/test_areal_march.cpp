@@ -454,6 +454,24 @@ TEST(ArealLimits, ABlockAtRestStaysAtRest) {
     EXPECT_NEAR(r.end.resonator_u[k], started.start.resonator_u[k], 1e-6 * most);
 }
 
+/// Of many nodes the equilibrium is sought with some; in the end all that overlap carry the load.
+TEST(ArealLimits, TheStaticStartTakesInEveryNodeThatOverlaps) {
+  ArealScene s = small_areal_scene(Support::free, 12);
+  s.spacing = 2.5e-5, s.spacing_y = 5e-5;
+  s.block.length = 299 * s.spacing, s.block.width = 60 * s.spacing_y;
+  s.stiffness = 1e13;
+  s.plate_heights = rough_map(60, 2401, 2e-6, 5);
+  s.block_heights = rough_map(60, 300, 2e-6, 6);
+  Started started = areal_march(s, scheme_of(SchemeKind::midpoint), 1e-8, 1);
+  started.model.scene.initial = Initial::statics;
+  const ModalStart start = make_start(started.model);
+  EXPECT_NEAR(start.contact_force, s.block.load, 1e-9 * s.block.load);
+  const std::vector<double> over = overlaps(started.model, start.resonator_u, start.slider_u);
+  EXPECT_EQ(std::count_if(over.begin(), over.end(), [](double o) { return o >= 0; }),
+            static_cast<std::ptrdiff_t>(start.loaded_nodes.size()));
+  EXPECT_GT(start.loaded_nodes.size(), 50);
+}
+
 // ---- what is refused
 
 TEST(ArealModel, RefusesWhatDoesNotFit) {
