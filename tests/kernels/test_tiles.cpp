@@ -68,7 +68,7 @@ TEST(Tiles, ListEveryNodeThatCanTouch) {
   Dice dice(7);
   int touching = 0;
   std::size_t listed = 0, all = 0;
-  for (int scene = 0; scene < 24; ++scene) {
+  for (int scene = 0; scene < 12; ++scene) {
     ArealScene of = many_nodes();
     of.plate_heights = rough_map(37, 1201, 2e-6, 10 + scene);
     for (std::vector<double>& row : of.plate_heights)  // an asperity of one node here and there
