@@ -94,7 +94,8 @@ follow() {
 # cases of GoogleTest skipped themselves: ctest says so of whole tests alone.
 run_tests() {
   local log="$root/build/$1/Testing/Temporary/LastTest.log" status=0
-  ctest --preset "$1" --parallel "$(nproc)" "${@:2}" || status=$?
+  # one more at a time than there are processors: some wait for files and for other processes
+  ctest --preset "$1" --parallel $(($(nproc) + 1)) "${@:2}" || status=$?
   if [[ -e $log ]]; then
     echo "$(grep -c '^\[       OK \]' "$log") cases of GoogleTest passed. Skipped themselves:"
     sed -n 's/^\[  SKIPPED \] \([^ ]*\)$/  \1/p' "$log" | sort -u

@@ -5,20 +5,20 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <utility>
 #include <vector>
 
 #include "host/base/errors.hpp"
 #include "host/body/beam.hpp"
 #include "host/run/v_rms.hpp"
+#include "tests/numbers.hpp"
 
 namespace {
 
 using namespace ra2d;
 
-constexpr double eps = std::numeric_limits<double>::epsilon();
-constexpr double pi = std::numbers::pi;
+using test::eps;
+using test::pi;
 
 /// Body of the paper's resonator, 300 x 200 x 2 mm of steel.
 BodySpec plate(Support support) {

@@ -6,13 +6,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "host/body/beam.hpp"
 #include "host/body/block.hpp"
 #include "host/body/plate.hpp"
 #include "tests/dice.hpp"
+#include "tests/numbers.hpp"
 #include "tests/scenes.hpp"
 
 /// The promises of host/body/body.hpp, on which the march and its proofs rest, of every kind of
@@ -20,7 +20,6 @@
 namespace ra2d::test {
 namespace {
 
-constexpr double eps = std::numeric_limits<double>::epsilon();
 /// Roundings of the bounds and of psi: psi is good to an ulp of its phase, at most 100 here.
 constexpr double roundings = 1 + 200 * eps;
 

@@ -7,8 +7,6 @@
 #include <array>
 #include <cmath>
 #include <complex>
-#include <limits>
-#include <numbers>
 #include <vector>
 
 #include "host/base/decompositions.hpp"
@@ -16,6 +14,7 @@
 #include "host/device/layout.hpp"
 #include "tests/dice.hpp"
 #include "tests/free_motion.hpp"
+#include "tests/numbers.hpp"
 #include "tests/scenes.hpp"
 
 /// The bounds that the proofs rest on, each against what it bounds: never exceeded, and reached as
@@ -24,9 +23,7 @@
 namespace ra2d::test {
 namespace {
 
-constexpr double eps = std::numeric_limits<double>::epsilon();
 constexpr double own = 1 + 16 * eps;  // the bounds' own roundings
-constexpr double pi = std::numbers::pi;
 
 // ---- shapes
 

@@ -48,7 +48,7 @@ TEST(StateError, IsThatOfTheEnergy) {
   Model model;
   model.resonator.modes = {{{.omega = 10.0, .zeta = 0, .mass = 4.0}, nullptr}};
   model.slider.modes = {{{.omega = 0, .zeta = 0, .mass = 1.0}, nullptr}};  // without stiffness
-  const State reference{{0.3}, {4.0}, {7.0}, {0.0}};                       // 4 (16 + 9)
+  const ra2d::State reference{{0.3}, {4.0}, {7.0}, {0.0}};                 // 4 (16 + 9)
   EXPECT_EQ(state_error(model, reference, reference), 0.0);
   EXPECT_NEAR(state_error(model, {{0.3}, {4.5}, {7.0}, {0.0}}, reference), 0.1, 1e-15);
   EXPECT_NEAR(state_error(model, {{0.35}, {4.0}, {7.0}, {0.0}}, reference), 0.1, 1e-15);

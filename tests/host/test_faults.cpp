@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 using testing::AllOf;
 using testing::HasSubstr;
 
-struct Trial {
+struct FailingCall {
   std::string name;
   std::vector<std::string> words;  // of ra2d run
   int error;
@@ -34,13 +34,13 @@ struct Trial {
   int stride;  // of the calls that fail; 1 where there is time (test.sh --long)
 };
 
-void PrintTo(const Trial& trial, std::ostream* out) { *out << trial.name; }
+void PrintTo(const FailingCall& trial, std::ostream* out) { *out << trial.name; }
 
-class Faults : public testing::TestWithParam<Trial> {};
+class Faults : public testing::TestWithParam<FailingCall> {};
 
 TEST_P(Faults, EveryCallThatFailsIsReportedOrDoesNoHarm) {
   if (faulty_disk().empty()) GTEST_SKIP() << "no calls are made to fail under sanitizers";
-  const Trial& trial = GetParam();
+  const FailingCall& trial = GetParam();
   const Folder disk, aside;
   const fs::path folder = fs::canonical(disk.path()), out = folder / "out.h5",
                  told = aside.path() / "told";
@@ -92,16 +92,17 @@ TEST_P(Faults, EveryCallThatFailsIsReportedOrDoesNoHarm) {
   EXPECT_GT(reported, 10);
 }
 
-const std::vector<std::string> paper{scene_file("dang2012"), "--set", "scene.duration=1e-3",
-                                     "--set", "output.rate=4e6"};
+const std::vector<std::string> paper_run{scene_file("dang2012"), "--set", "scene.duration=1e-3",
+                                         "--set", "output.rate=4e6"};
 // the first of its shocks
-const std::vector<std::string> peaks{scene_file("peaks"),   "--set", "scene.start=0.10485", "--set",
-                                     "scene.duration=4e-4", "--set", "scene.spacing=1e-4"};
+const std::vector<std::string> peaks_run{
+    scene_file("peaks"),   "--set", "scene.start=0.10485", "--set",
+    "scene.duration=4e-4", "--set", "scene.spacing=1e-4"};
 INSTANTIATE_TEST_SUITE_P(Disk, Faults,
-                         testing::Values(Trial{"PaperOnce", paper, EIO, false, 4},
-                                         Trial{"PaperFromThenOn", paper, ENOSPC, true, 5},
-                                         Trial{"PeaksOnce", peaks, ENOSPC, false, 1},
-                                         Trial{"PeaksFromThenOn", peaks, EIO, true, 2}),
+                         testing::Values(FailingCall{"PaperOnce", paper_run, EIO, false, 4},
+                                         FailingCall{"PaperFromThenOn", paper_run, ENOSPC, true, 5},
+                                         FailingCall{"PeaksOnce", peaks_run, ENOSPC, false, 1},
+                                         FailingCall{"PeaksFromThenOn", peaks_run, EIO, true, 2}),
                          [](const auto& trial) { return trial.param.name; });
 
 }  // namespace

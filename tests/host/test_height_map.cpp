@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <numbers>
 #include <string>
 #include <utility>
@@ -16,6 +15,7 @@
 #include "host/base/errors.hpp"
 #include "host/surface/map_file.hpp"
 #include "host/surface/map_roughness.hpp"
+#include "tests/numbers.hpp"
 
 /// Filling, form removal, extension and roughness of maps.
 namespace ra2d {
@@ -24,8 +24,8 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-constexpr double eps = 0x1p-52;
+using test::eps;
+using test::nan;
 
 template <class Height>
 HeightMap map_of(std::size_t nx, std::size_t ny, const Height& height) {

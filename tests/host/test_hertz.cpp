@@ -10,12 +10,12 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
-#include <numbers>
 
 #include "host/plan/asperities.hpp"
 #include "host/plan/plan.hpp"
 #include "host/scene_file/scene_file.hpp"
 #include "tests/child.hpp"
+#include "tests/numbers.hpp"
 #include "tests/places.hpp"
 #include "tests/scenes.hpp"
 
@@ -24,8 +24,6 @@ namespace {
 
 using testing::HasSubstr;
 using testing::Not;
-
-constexpr double pi = std::numbers::pi;
 
 /// Displacement of a half-space at a distance r < 1 from the middle of the pressure sqrt(1 - r^2):
 /// the integral of p/(pi E* distance), in polar coordinates about the point. Along each ray the
@@ -91,24 +89,25 @@ TEST(Hertz, BedsOfTheSameWidthAreThoseOfJohnson) {
     }
 }
 
-Scene paper(const std::vector<std::string>& changes) {
+Scene paper_with(const std::vector<std::string>& changes) {
   return read_scene(scene_file("dang2012"), changes);
 }
 
 TEST(Hertz, TheWordIsANumberOfTheMaterials) {
   const double steel = 210e9 / (1 - 0.09) / 2;
-  EXPECT_DOUBLE_EQ(contact_modulus(paper({})), steel);
-  EXPECT_DOUBLE_EQ(paper({"contact.stiffness=hertz"}).contact.stiffness,
+  EXPECT_DOUBLE_EQ(contact_modulus(paper_with({})), steel);
+  EXPECT_DOUBLE_EQ(paper_with({"contact.stiffness=hertz"}).contact.stiffness,
                    steel / (std::sqrt(2.0) * 0.02));
   // the narrower body is the strip; the softer one yields
-  const Scene other = paper({"contact.stiffness=hertz", "slider.width=0.01", "slider.young=70e9",
-                             "slider.poisson=0.35", "resonator.poisson=0"});
+  const Scene other =
+      paper_with({"contact.stiffness=hertz", "slider.width=0.01", "slider.young=70e9",
+                  "slider.poisson=0.35", "resonator.poisson=0"});
   EXPECT_DOUBLE_EQ(other.contact.stiffness,
                    1 / (1 / 210e9 + (1 - 0.35 * 0.35) / 70e9) / (std::sqrt(2.0) * 0.01));
   // a rigid body without a modulus does not yield, one with a modulus does
   const auto rigid = [](const std::string& young) {
-    return paper({"contact.stiffness=hertz", "slider.support=rigid", "slider.young=" + young,
-                  "slider.load=0"})
+    return paper_with({"contact.stiffness=hertz", "slider.support=rigid", "slider.young=" + young,
+                       "slider.load=0"})
         .contact.stiffness;
   };
   EXPECT_DOUBLE_EQ(rigid("1e30"), 2 * steel / (std::sqrt(2.0) * 0.02));
@@ -146,7 +145,7 @@ Asperities asperities(const Scene& scene) {
 }
 
 TEST(Asperities, OfThePapersSceneAreSoft) {
-  const Asperities a = asperities(paper({}));
+  const Asperities a = asperities(paper_with({}));
   // two contacts carry the weight; shocks are harder, and stiffer
   EXPECT_EQ(a.contacts, 2);
   EXPECT_NEAR(a.load, 0.02 * 0.02 * 0.02 * 7800 * 9.80665 / 2, 1e-12);
@@ -165,14 +164,14 @@ TEST(Asperities, OfThePapersSceneAreSoft) {
 }
 
 TEST(Asperities, TheWordGivesTheSceneWhatTheMaterialHas) {
-  const Asperities a = asperities(paper({"contact.stiffness=hertz"}));
+  const Asperities a = asperities(paper_with({"contact.stiffness=hertz"}));
   EXPECT_NEAR(a.springs.stiffness, a.material.stiffness, 1e-12 * a.material.stiffness);
   EXPECT_NEAR(a.springs.duration, a.material.duration, 1e-12 * a.material.duration);
 }
 
 /// dF/dd, and the duration of an impact, against the motion itself.
 TEST(Asperities, AShockIsHertzsImpact) {
-  const Asperities a = asperities(paper({"contact.stiffness=hertz"}));
+  const Asperities a = asperities(paper_with({"contact.stiffness=hertz"}));
   const double law = 4.0 / 3 * a.modulus * std::sqrt(a.radius);
   const double step = a.material.duration / 1e5;
   double x = 0, v = a.closing, t = 0, most = 0;
@@ -228,7 +227,7 @@ TEST(Asperities, NoiseBetweenNodesIsNoSummit) {
 
 std::string refusal_of(const std::vector<std::string>& changes) {
   try {
-    paper(changes);
+    paper_with(changes);
   } catch (const RequestError& fault) {
     return fault.what();
   }
@@ -281,7 +280,7 @@ step = 1e-6
 
 TEST(Hertz, APlanShowsWhatTheMaterialsGive) {
   const auto plan = [](const std::vector<std::string>& changes) {
-    const Model model = make_model(paper(changes));
+    const Model model = make_model(paper_with(changes));
     return describe(model, make_plan(model, 0, make_start(model)));
   };
   const std::string text = plan({});

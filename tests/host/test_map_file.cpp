@@ -19,6 +19,7 @@
 #include "host/base/errors.hpp"
 #include "host/surface/map_npy.hpp"
 #include "tests/child.hpp"
+#include "tests/numbers.hpp"
 
 /// Maps in .npy and in text: what is read, and as what; what is refused, and why. Those in SDF and
 /// X3P are beside the profiles of these formats.
@@ -28,7 +29,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+using test::nan;
 
 /// Bytes of numbers, the lowest of each first, or the highest.
 template <class T>

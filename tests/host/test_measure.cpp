@@ -6,7 +6,6 @@
 
 #include <cmath>
 #include <fstream>
-#include <numbers>
 #include <string>
 #include <vector>
 
@@ -14,6 +13,7 @@
 #include "host/surface/measure.hpp"
 #include "host/surface/surface.hpp"
 #include "tests/child.hpp"
+#include "tests/numbers.hpp"
 #include "tests/places.hpp"
 
 namespace {
@@ -23,7 +23,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
-constexpr double pi = std::numbers::pi;
+using test::pi;
 
 /// Points 1 um apart; a sine of 1 um and wavelength 100 um.
 Profile sine(std::size_t count, double tilt = 0) {

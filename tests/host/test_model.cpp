@@ -13,12 +13,11 @@
 #include "host/result/record.hpp"
 #include "host/run/samples.hpp"
 #include "host/run/v_rms.hpp"
+#include "tests/numbers.hpp"
 #include "tests/scenes.hpp"
 
 namespace ra2d::test {
 namespace {
-
-constexpr double eps = 0x1p-52;
 
 Scene adaptive_scene(double duration, double rate) {
   Scene s = plate_scene(3, 0.004, 1e-3);

@@ -26,6 +26,7 @@
 #include "host/system/interruption.hpp"
 #include "tests/child.hpp"
 #include "tests/dice.hpp"
+#include "tests/numbers.hpp"
 #include "tests/places.hpp"
 #include "tests/scenes.hpp"
 #include "tests/simulate.hpp"
@@ -38,7 +39,6 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
 
 TEST(Movement, IsTheRatioOfTheMeans) {

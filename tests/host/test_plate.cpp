@@ -8,7 +8,6 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -16,15 +15,13 @@
 #include "host/body/areal_shape.hpp"
 #include "host/body/block.hpp"
 #include "tests/dice.hpp"
+#include "tests/numbers.hpp"
 #include "tests/scenes.hpp"
 
 /// Plates and blocks against theory. The promises of their shapes to the march are in
 /// test_body.cpp.
 namespace ra2d::test {
 namespace {
-
-constexpr double eps = std::numeric_limits<double>::epsilon();
-constexpr double pi = std::numbers::pi;
 
 BodySpec steel_plate(int modes) {
   BodySpec spec = steel(0.3, 0.002, 0.2, 0.02, modes);

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <numeric>
 #include <string>
@@ -20,6 +19,7 @@
 #include "host/surface/profile_series.hpp"
 #include "host/system/partial_file.hpp"
 #include "tests/child.hpp"
+#include "tests/numbers.hpp"
 #include "tests/places.hpp"
 #include "tests/warm_python.hpp"
 
@@ -32,8 +32,6 @@ using nlohmann::json;
 using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 // ---- long series -------------------------------------------------------------------------------
 

@@ -6,7 +6,6 @@
 
 #include <cmath>
 #include <fstream>
-#include <numbers>
 #include <string>
 #include <vector>
 
@@ -14,6 +13,7 @@
 #include "host/surface/prepared_face.hpp"
 #include "host/surface/surface.hpp"
 #include "tests/child.hpp"
+#include "tests/numbers.hpp"
 
 namespace {
 
@@ -21,7 +21,7 @@ using namespace ra2d;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-constexpr double pi = std::numbers::pi;
+using test::pi;
 
 struct PreparedFace : testing::Test {
   const ra2d::test::Folder folder;

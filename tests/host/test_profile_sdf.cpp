@@ -16,6 +16,7 @@
 #include "host/surface/map_file.hpp"
 #include "host/surface/profile.hpp"
 #include "tests/child.hpp"
+#include "tests/numbers.hpp"
 
 namespace {
 
@@ -23,7 +24,7 @@ using namespace ra2d;
 using testing::AllOf;
 using testing::HasSubstr;
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+using test::nan;
 
 /// The bytes of a number, the lowest first, whatever this machine does.
 template <class T>

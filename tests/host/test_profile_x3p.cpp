@@ -19,6 +19,7 @@
 #include "host/surface/map_file.hpp"
 #include "host/surface/profile.hpp"
 #include "tests/child.hpp"
+#include "tests/numbers.hpp"
 
 namespace {
 
@@ -26,7 +27,7 @@ using namespace ra2d;
 using testing::AllOf;
 using testing::HasSubstr;
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+using test::nan;
 
 std::string md5_of(const std::string& bytes) {
   unsigned char digest[EVP_MAX_MD_SIZE];

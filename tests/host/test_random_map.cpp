@@ -15,6 +15,7 @@
 #include "host/base/hash.hpp"
 #include "host/surface/gaussian.hpp"
 #include "host/surface/random_profile.hpp"
+#include "tests/numbers.hpp"
 
 /// Random maps against theory: over many seeds, and each by itself.
 namespace ra2d {
@@ -23,7 +24,7 @@ namespace {
 using testing::HasSubstr;
 
 constexpr double rsm_per_l = std::numbers::sqrt2 * std::numbers::pi;
-constexpr double eps = 0x1p-52;
+using test::eps;
 
 /// Dyadic lengths: places of points are exact, also on a finer grid.
 constexpr double step = 0x1p-17, step_y = 3 * 0x1p-17;  // m

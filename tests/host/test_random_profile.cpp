@@ -7,12 +7,12 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <numbers>
 #include <string>
 #include <vector>
 
 #include "host/base/errors.hpp"
 #include "host/surface/johnson.hpp"
+#include "tests/numbers.hpp"
 
 /// Random profiles against theory: over many seeds, and each by itself.
 namespace ra2d {
@@ -20,8 +20,8 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr double pi = std::numbers::pi;
-constexpr double length = 0.3, rq = 8e-6;
+using test::pi;
+constexpr double profile_length = 0.3, rq = 8e-6;
 
 SurfaceSpec random_surface() {
   SurfaceSpec s;
@@ -60,7 +60,8 @@ SurfaceSpec self_affine(double hurst, double longest, double shortest) {
 
 std::vector<double> heights(SurfaceSpec s, std::uint64_t seed, double spacing) {
   s.seed = seed;
-  return random_heights(s, length, static_cast<int>(std::lround(length / spacing)) + 1, spacing);
+  return random_heights(s, profile_length,
+                        static_cast<int>(std::lround(profile_length / spacing)) + 1, spacing);
 }
 
 double mean_of(const std::vector<double>& values, const std::function<double(double)>& term) {
@@ -232,7 +233,7 @@ TEST(RandomProfile, CrossesItsMeanLineAsOftenAsRiceSays) {
   by_longest.rsm = 7e-4;
   surfaces.push_back(by_longest);
   for (const SurfaceSpec& surface : surfaces) {
-    const RandomProfile profile = resolve_random(surface, length);
+    const RandomProfile profile = resolve_random(surface, profile_length);
     SCOPED_TRACE(testing::Message()
                  << static_cast<int>(surface.correlation) << ", rsm " << profile.rsm);
     if (surface.rsm) {
@@ -261,11 +262,11 @@ TEST(RandomProfile, OfLognormalHeightsHasItsSpacingInClosedForm) {
   // are left out. What no normal heights have, a variance below 0: where a/2 sqrt(1/2) exp(-k^2/8)
   // is above exp(-k^2/4), a = w - 1, in units of l beyond k = 5.7, 0.22 % of the curvature. And the
   // wave without end, sqrt(pi) l/period of the variance. Of the spacing it is half of either.
-  const double w = 1.05, l = 1e-4, left_out = 0.0022 + std::sqrt(pi) * l / length;
+  const double w = 1.05, l = 1e-4, left_out = 0.0022 + std::sqrt(pi) * l / profile_length;
   const double skewness = (w + 2) * std::sqrt(w - 1), kurtosis = ((w + 2) * w + 3) * w * w - 3;
   for (const int side : {-1, 1}) {
     const RandomProfile profile =
-        resolve_random(with_moments(gaussian_wave(l), side * skewness, kurtosis), length);
+        resolve_random(with_moments(gaussian_wave(l), side * skewness, kurtosis), profile_length);
     const double exact =
         2 * pi * l / std::sqrt(2 * (1 - 1 / w) / std::log(w)) * std::pow(w, 1.0 / 8);
     EXPECT_NEAR(profile.rsm, exact, 0.5 * left_out * exact);
@@ -372,8 +373,9 @@ TEST(RandomProfile, SaysHowMuchSlopeNodesLose) {
     for (const double spacing : {4e-5, 3.2e-5, 2e-5, 1e-5, 5e-6}) {
       std::vector<std::string> doubts;
       surface.seed = 3;
-      const int nodes = static_cast<int>(std::lround(length / spacing)) + 1;
-      const std::vector<double> h = random_heights(surface, length, nodes, spacing, &doubts);
+      const int nodes = static_cast<int>(std::lround(profile_length / spacing)) + 1;
+      const std::vector<double> h =
+          random_heights(surface, profile_length, nodes, spacing, &doubts);
       const double lost = 100 * (1 - slope(h, spacing) / fine);
       silent = doubts.empty();
       if (silent) {
@@ -407,7 +409,7 @@ TEST(RandomProfile, NamesTheSpacingThatWouldDo) {
 TEST(RandomProfile, RefusesWhatDoesNotFitTogether) {
   const auto refusal = [](SurfaceSpec s) -> std::string {
     try {
-      resolve_random(s, length);
+      resolve_random(s, profile_length);
     } catch (const RequestError& fault) {
       return fault.what();
     }

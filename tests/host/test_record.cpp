@@ -5,22 +5,19 @@
 
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <vector>
 
 #include "host/model/model.hpp"
 #include "host/result/energy.hpp"
 #include "host/run/samples.hpp"
 #include "host/run/simulation.hpp"
+#include "tests/numbers.hpp"
 #include "tests/scenes.hpp"
 #include "tests/simulate.hpp"
 
 /// Samples and shocks in SI units, from hand-made rows of the march.
 namespace ra2d::test {
 namespace {
-
-constexpr double pi = std::numbers::pi;
-constexpr double eps = std::numeric_limits<double>::epsilon();
 
 /// Two bodies with modes, pinned.
 Scene two_beams() {

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <random>
 #include <vector>
@@ -15,23 +14,24 @@
 #include "host/surface/form.hpp"
 #include "host/surface/profile_filter.hpp"
 #include "host/surface/roughness.hpp"
+#include "tests/numbers.hpp"
 
 namespace {
 
 using namespace ra2d;
 
-constexpr double eps = std::numeric_limits<double>::epsilon();
-constexpr double pi = std::numbers::pi;
+using test::eps;
+using test::pi;
 
 /// `periods` periods of a wave of amplitude 1, `points` points each, which lie half a step off.
 template <class Wave>
-std::vector<double> sample(std::size_t periods, std::size_t points, const Wave& wave) {
+std::vector<double> sampled(std::size_t periods, std::size_t points, const Wave& wave) {
   std::vector<double> heights;
   for (std::size_t i = 0; i < periods * points; ++i)
     heights.push_back(wave((static_cast<double>(i % points) + 0.5) / static_cast<double>(points)));
   return heights;
 }
-double sine(double x) { return std::sin(2 * pi * x); }
+double sine_wave(double x) { return std::sin(2 * pi * x); }
 double square(double x) { return x < 0.5 ? 1 : -1; }
 double triangle(double x) { return x < 0.5 ? 4 * x - 1 : 3 - 4 * x; }
 double sawtooth(double x) { return 2 * x - 1; }
@@ -54,7 +54,7 @@ std::vector<double> random_profile(std::size_t count, std::uint64_t seed) {
 // ---- closed forms: 25 periods in 5 sampling lengths, steps of 1/1000 period
 
 TEST(RoughnessOf, ASine) {
-  const auto z = sample(25, 1000, sine);
+  const auto z = sampled(25, 1000, sine_wave);
   const double step = 1e-3;
   const Roughness r = roughness(z, step, 5);
   // Powers of a sine are trigonometric polynomials, which the sum gets exactly; |sin| has a kink at
@@ -91,7 +91,7 @@ TEST(RoughnessOf, ASine) {
 }
 
 TEST(RoughnessOf, ASquareWave) {
-  const Roughness r = roughness(sample(25, 1000, square), 1e-3, 5);
+  const Roughness r = roughness(sampled(25, 1000, square), 1e-3, 5);
   for (const double one : {r.ra, r.rq, r.rp, r.rv, r.rku}) EXPECT_NEAR(one, 1, 4 * eps);
   EXPECT_NEAR(r.rz, 2, 8 * eps);
   EXPECT_EQ(r.rt, 2);
@@ -104,7 +104,7 @@ TEST(RoughnessOf, ASquareWave) {
 }
 
 TEST(RoughnessOf, ATriangleWave) {
-  const Roughness r = roughness(sample(25, 1000, triangle), 1e-3, 5);
+  const Roughness r = roughness(sampled(25, 1000, triangle), 1e-3, 5);
   // Uniform heights -1 + (2 k + 1)/500: <|z|> = 1/2, <z^2> = (1 - 1/500^2)/3.
   EXPECT_NEAR(r.ra, 0.5, 10 * eps);
   EXPECT_NEAR(r.rq, std::sqrt((1 - 4e-6) / 3), 10 * eps);
@@ -122,7 +122,7 @@ TEST(RoughnessOf, ATriangleWave) {
 }
 
 TEST(RoughnessOf, ASawtooth) {
-  const Roughness r = roughness(sample(25, 1000, sawtooth), 1e-3, 5);
+  const Roughness r = roughness(sampled(25, 1000, sawtooth), 1e-3, 5);
   EXPECT_NEAR(r.ra, 0.5, 10 * eps);
   EXPECT_NEAR(r.rq, std::sqrt((1 - 1e-6) / 3), 10 * eps);
   EXPECT_NEAR(r.rsk, 0, 30 * eps);
@@ -207,8 +207,8 @@ TEST(RoughnessByIso4287, CountsFromTheFiltersMeanLineInEachSamplingLength) {
 TEST(RoughnessByIso4287, TakesTheMeanOfSines) {
   // Ten periods of amplitude 1, then ten of 3: sums over whole periods are exact but for roundings.
   const std::size_t n = 1000;
-  std::vector<double> z = sample(10, n, sine);
-  for (const double height : sample(10, n, sine)) z.push_back(3 * height);
+  std::vector<double> z = sampled(10, n, sine_wave);
+  for (const double height : sampled(10, n, sine_wave)) z.push_back(3 * height);
   const Roughness r = roughness(z, 1e-3, 2, RoughnessStandard::iso4287);
   const Roughness whole = roughness(z, 1e-3, 2);
   EXPECT_NEAR(r.rq, 2 * std::sqrt(0.5), 40 * eps);
@@ -436,7 +436,8 @@ TEST_F(Invariance, BackToFront) {
 }
 
 TEST_F(Invariance, TwiceTheSamePeriods) {
-  std::vector<double> once = sample(20, 250, [](double x) { return sine(x) + 0.4 * sine(3 * x); });
+  std::vector<double> once =
+      sampled(20, 250, [](double x) { return sine_wave(x) + 0.4 * sine_wave(3 * x); });
   std::vector<double> twice = once;
   twice.insert(twice.end(), once.begin(), once.end());
   Roughness a = roughness(once, 1, 5), b = roughness(twice, 1, 10);

@@ -275,7 +275,7 @@ TEST_P(SceneRefuses, WithOneMessage) {
   for (const std::string& part : GetParam().says) EXPECT_THAT(message, HasSubstr(part));
 }
 
-std::string peaks(const std::string& list) {
+std::string peaks_of(const std::string& list) {
   return "surface = { kind = \"peaks\", peaks = [" + list + "] }";
 }
 
@@ -291,7 +291,7 @@ const std::string all_schemes =
 const Change adaptive{"step = 1e-6", "scheme = \"adaptive\""};
 const Change multiplier{"stiffness = 1e15", "law = \"multiplier\""};
 
-const std::vector<Refused> refused{
+const std::vector<Refused> refused_scenes{
     // not TOML
     {"Syntax", {{"speed = 0.5", "speed = = 0.5"}}, {"s.toml:3:", "not TOML"}},
     {"BadHeader", {{"[scene]", "[[[scene]]]"}}, {"s.toml:1:", "not TOML"}},
@@ -311,7 +311,7 @@ const std::vector<Refused> refused{
      {{"[scene]", "duration = 3\n[scene]"}},
      {"\ns.toml:1: duration: unknown key (did you mean `scene.duration`?)"}},
     {"KeyOfPeak",
-     {{gaussian, peaks("{ at = 0.1, height = 1e-6, halfwidth = 1, half_width = 1e-3 }")}},
+     {{gaussian, peaks_of("{ at = 0.1, height = 1e-6, halfwidth = 1, half_width = 1e-3 }")}},
      {"s.toml:15: resonator.surface.peaks[0].halfwidth: unknown key (did you mean `half_width`?)"}},
     {"QuotedKey", {{"step", "\"a\\nb\" = 3\nstep"}}, {"s.toml:28: time.\"a\\nb\": unknown key"}},
     {"Section",
@@ -351,7 +351,7 @@ const std::vector<Refused> refused{
      {{gaussian, "surface = { kind = \"peaks\" }"}},
      {"s.toml:15: resonator.surface.peaks: missing: expected an array of tables"}},
     {"MissingPeakHeight",
-     {{gaussian, peaks("{ at = 0.1, half_width = 1e-3 }")}},
+     {{gaussian, peaks_of("{ at = 0.1, half_width = 1e-3 }")}},
      {"s.toml:15: resonator.surface.peaks[0].height: missing"}},
     {"MissingForce",
      {{"", "[[resonator.moving_force]]\nspeed = 1\nstart = 0\n"}},
@@ -417,7 +417,7 @@ const std::vector<Refused> refused{
      {"s.toml:15: resonator.surface.seed: -2 is not allowed: expected an integer >= 0"}},
     {"ZeroRq", {{"rq = 8e-6", "rq = 0"}}, {"s.toml:15: resonator.surface.rq: 0 is not allowed"}},
     {"ZeroHalfWidth",
-     {{gaussian, peaks("{ at = 0.1, height = 1e-6, half_width = 0 }")}},
+     {{gaussian, peaks_of("{ at = 0.1, height = 1e-6, half_width = 0 }")}},
      {"s.toml:15: resonator.surface.peaks[0].half_width: 0 is not allowed"}},
     {"EmptyPath",
      {{gaussian, "surface = { kind = \"file\", path = \"\" }"}},
@@ -564,10 +564,10 @@ const std::vector<Refused> refused{
      {{"rsm = 1.5e-3", "correlation_length = 1e-4"}},
      {"s.toml:15: resonator.surface.correlation_length: 0.0001 m is not resolved"}},
     {"PeakOffTheBody",
-     {{gaussian, peaks("{ at = 0.4, height = 1e-6, half_width = 1e-3 }")}},
+     {{gaussian, peaks_of("{ at = 0.4, height = 1e-6, half_width = 1e-3 }")}},
      {"s.toml:15: resonator.surface.peaks[0].at: the peak at 0.4 m lies off the body"}},
     {"PeakBeyondAllProportion",
-     {{gaussian, peaks("{ at = 0.1, height = 1e-6, half_width = 1.7e29 }")}},
+     {{gaussian, peaks_of("{ at = 0.1, height = 1e-6, half_width = 1.7e29 }")}},
      {"s.toml:15: resonator.surface.peaks[0].half_width: 1.7e+29 m is out of all proportion"}},
     {"ProbeOff",
      {{"", "[output]\nprobes = [0.1, 0.31]\n"}},
@@ -687,7 +687,7 @@ const std::vector<Refused> refused{
      {"s.toml:15: resonator.surface.path: \"a\\u0000b\" cannot be the name of a file"}},
 };
 
-INSTANTIATE_TEST_SUITE_P(Each, SceneRefuses, testing::ValuesIn(refused),
+INSTANTIATE_TEST_SUITE_P(Each, SceneRefuses, testing::ValuesIn(refused_scenes),
                          [](const auto& info) { return info.param.name; });
 
 TEST(Scene, AdaptiveNeedsNoStep) {
@@ -823,8 +823,8 @@ TEST(Scene, EndsAreInside) {
 
 TEST(Scene, PeaksOffTheBodyMayReachIn) {
   const auto with_peak_at = [](const std::string& at) {
-    return refusal(
-        scene_text({{gaussian, peaks("{ at = " + at + ", height = 1e-6, half_width = 1e-3 }")}}));
+    return refusal(scene_text(
+        {{gaussian, peaks_of("{ at = " + at + ", height = 1e-6, half_width = 1e-3 }")}}));
   };
   EXPECT_EQ(with_peak_at("-9e-4"), "accepted");
   EXPECT_EQ(with_peak_at("0.3009"), "accepted");

@@ -3,16 +3,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <vector>
 
 #include "host/surface/spline.hpp"
+#include "tests/numbers.hpp"
 
 namespace ra2d {
 namespace {
 
-constexpr double eps = std::numeric_limits<double>::epsilon();
+using test::eps;
 
 template <class F>
 std::vector<double> sampled(int count, const F& f) {

@@ -6,17 +6,15 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <random>
 #include <vector>
 
+#include "tests/numbers.hpp"
 #include "tests/scenes.hpp"
 
 namespace ra2d::test {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double eps = std::numeric_limits<double>::epsilon();
 const std::vector<SchemeKind> all_schemes{
     SchemeKind::explicit_euler, SchemeKind::midpoint, SchemeKind::backward_euler,
     SchemeKind::heun,           SchemeKind::rk4,      SchemeKind::rk8,

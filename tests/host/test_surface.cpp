@@ -7,8 +7,6 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
-#include <limits>
-#include <numbers>
 #include <random>
 #include <string>
 #include <vector>
@@ -17,6 +15,7 @@
 #include "host/surface/gaussian.hpp"
 #include "host/surface/portable.hpp"
 #include "host/surface/surface.hpp"
+#include "tests/numbers.hpp"
 
 namespace {
 
@@ -25,8 +24,8 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
-constexpr double eps = std::numeric_limits<double>::epsilon();
-constexpr double pi = std::numbers::pi;
+using test::eps;
+using test::pi;
 
 SurfaceSpec gaussian(double rq, double correlation_length, std::uint64_t seed) {
   SurfaceSpec spec;

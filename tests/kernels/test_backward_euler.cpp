@@ -4,11 +4,11 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "kernels/fixed/advance.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/schemes/backward_euler.hpp"
+#include "tests/numbers.hpp"
 #include "tests/schemes.hpp"
 #include "tests/step_matrices.hpp"
 
@@ -16,8 +16,6 @@
 /// and contact.
 namespace ra2d::test {
 namespace {
-
-constexpr double eps = std::numeric_limits<double>::epsilon();
 
 struct State {
   double u, v;

@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include "kernels/contact/cell_complementarity.hpp"
 #include "kernels/contact/cell_contact.hpp"
 #include "kernels/contact/cell_parts.hpp"
 #include "kernels/contact/moving_cell.hpp"
 #include "tests/dice.hpp"
+#include "tests/numbers.hpp"
 
 /// Contact integrated over a cell, against closed forms and against sums over many small intervals.
 namespace {
@@ -18,7 +18,7 @@ namespace {
 using namespace ra2d;
 using test::Dice;
 
-constexpr double eps = std::numeric_limits<double>::epsilon();
+using test::eps;
 
 Cubic random_cubic(Dice& dice) {
   return {{dice.uniform(-1, 1), dice.uniform(-2, 2), dice.uniform(-4, 4), dice.uniform(-8, 8)}};

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <vector>
 
@@ -16,6 +15,7 @@
 #include "tests/dice.hpp"
 #include "tests/filled.hpp"
 #include "tests/kernels_of.hpp"
+#include "tests/numbers.hpp"
 #include "tests/scenes.hpp"
 
 /// The tables that the march reads, as the host fills them: that they are fine, long and wide
@@ -25,7 +25,7 @@ namespace {
 using namespace ra2d;
 using test::Dice, test::Filled, test::lanes, test::packs, test::width;
 
-constexpr double eps = std::numeric_limits<double>::epsilon();
+using test::eps;
 using Real = HostLanes::Real;
 
 Scene strip(Support support, int modes, double spacing) {

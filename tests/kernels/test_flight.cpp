@@ -6,7 +6,6 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -17,6 +16,7 @@
 #include "tests/dice.hpp"
 #include "tests/free_motion.hpp"
 #include "tests/kernels_of.hpp"
+#include "tests/numbers.hpp"
 
 /// Free flight of any length against the closed form in long double.
 namespace {
@@ -24,7 +24,7 @@ namespace {
 using namespace ra2d;
 using test::Dice, test::State, test::fly;
 
-constexpr double eps = std::numeric_limits<double>::epsilon();
+using test::eps;
 constexpr int width = HostLanes::width;
 constexpr int K = 2, modes = K * width;
 using Real = HostLanes::Real;

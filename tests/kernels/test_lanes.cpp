@@ -6,18 +6,18 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <random>
 
 #include "kernels/lanes.hpp"
+#include "tests/numbers.hpp"
 
 namespace {
 
 using namespace ra2d;
 
 constexpr int width = HostLanes::width;
-constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+using test::infinity;
+using test::nan;
 using Values = std::array<double, width>;
 
 struct NoTeam {};

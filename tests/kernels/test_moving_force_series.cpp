@@ -3,12 +3,12 @@
 
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <vector>
 
 #include "kernels/adaptive/moving_force_series.hpp"
 #include "tests/dice.hpp"
 #include "tests/filled.hpp"
+#include "tests/numbers.hpp"
 #include "tests/scenes.hpp"
 
 namespace {
@@ -16,7 +16,7 @@ namespace {
 using namespace ra2d;
 using test::Dice, test::Filled, test::lanes, test::packs, test::width;
 
-constexpr double eps = std::numeric_limits<double>::epsilon();
+using test::eps;
 
 TEST(MovingForceSeries, IsTheForceOnEachModeAsLongAsItSaysItIs) {
   // F psi(x), x where the force is at that time: through patches and series, until it leaves the

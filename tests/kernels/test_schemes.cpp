@@ -8,7 +8,6 @@
 #include <cmath>
 #include <complex>
 #include <functional>
-#include <limits>
 #include <vector>
 
 #include "kernels/schemes/backward_euler.hpp"
@@ -18,12 +17,11 @@
 #include "kernels/schemes/midpoint.hpp"
 #include "kernels/schemes/rk4.hpp"
 #include "kernels/schemes/rk8.hpp"
+#include "tests/numbers.hpp"
 
 /// The schemes against the claims in their headers.
 namespace ra2d::test {
 namespace {
-
-constexpr double eps = std::numeric_limits<double>::epsilon();
 
 /// A number with a bound on what becomes of it in double precision: every operation adds half an
 /// ulp.

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "host/device/stage_tables.hpp"
@@ -12,13 +11,12 @@
 #include "kernels/adaptive/pace.hpp"
 #include "kernels/contact/moving_cell.hpp"
 #include "tests/dice.hpp"
+#include "tests/numbers.hpp"
 
 /// The parts of adaptive steps between smooth faces: the weights of their stages, the highest
 /// place of a cell, and the highest value of a force.
 namespace ra2d::test {
 namespace {
-
-constexpr double eps = std::numeric_limits<double>::epsilon();
 
 /// The rows of one pace.
 struct Stages {

@@ -9,14 +9,13 @@
 #include <limits>
 #include <vector>
 
+#include "tests/numbers.hpp"
 #include "tests/schemes.hpp"
 
 /// The bounds on what steps can do, which the proof in kernels/candidates.hpp stands on, against
 /// steps.
 namespace ra2d::test {
 namespace {
-
-constexpr double eps = std::numeric_limits<double>::epsilon();
 
 class BoundsOf : public testing::TestWithParam<Scheme> {
  protected:

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string>
 #include <vector>
 
@@ -11,6 +10,7 @@
 #include "bench/peers/evaluated_nodes.hpp"
 #include "host/body/beam.hpp"
 #include "tests/dice.hpp"
+#include "tests/numbers.hpp"
 #include "tests/scenes.hpp"
 
 /// The peers' equations against direct evaluation of every sum, psi by psi.
@@ -19,7 +19,7 @@ namespace {
 using namespace ra2d;
 using namespace ra2d::peers;
 
-constexpr double eps = std::numeric_limits<double>::epsilon();
+using test::eps;
 
 struct Case {
   std::string name;

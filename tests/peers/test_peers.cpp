@@ -3,8 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <numbers>
 #include <string>
 #include <vector>
 
@@ -12,6 +10,7 @@
 #include "host/base/errors.hpp"
 #include "host/run/samples.hpp"
 #include "host/scene_file/scene_file.hpp"
+#include "tests/numbers.hpp"
 #include "tests/places.hpp"
 #include "tests/scenes.hpp"
 #include "tests/simulate.hpp"
@@ -25,7 +24,7 @@ using peers::march_peer;
 using peers::PeerOptions;
 using peers::PeerResult;
 
-constexpr double pi = std::numbers::pi;
+using test::pi;
 
 double norm(const std::vector<double>& a) {
   double sum = 0;

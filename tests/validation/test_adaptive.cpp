@@ -5,21 +5,19 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <numbers>
 #include <string>
 #include <vector>
 
 #include "tests/adaptive.hpp"
 #include "tests/effort.hpp"
+#include "tests/numbers.hpp"
 #include "tests/scenes.hpp"
 
 /// The adaptive scheme: its answer depends on neither launches, batches nor candidates; samples
 /// hold the contact law; it ends where it cannot go on. Its errors: test_adaptive_errors.cpp.
 namespace ra2d::test {
 namespace {
-
-constexpr double eps = std::numeric_limits<double>::epsilon();
 
 // ---- invariance -------------------------------------------------------------------------------
 

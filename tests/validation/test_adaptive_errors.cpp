@@ -5,22 +5,19 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <numbers>
 #include <string>
 #include <vector>
 
 #include "host/run/samples.hpp"
 #include "tests/adaptive.hpp"
 #include "tests/effort.hpp"
+#include "tests/numbers.hpp"
 #include "tests/scenes.hpp"
 
 /// Errors of the adaptive scheme: against closed forms, against itself at the smallest tolerance,
 /// and against small fixed steps.
 namespace ra2d::test {
 namespace {
-
-constexpr double eps = std::numeric_limits<double>::epsilon();
-constexpr double pi = std::numbers::pi;
 
 // ---- one impact in closed form ----------------------------------------------------------------
 

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <ostream>
 #include <stdexcept>
 #include <string>
@@ -17,13 +16,12 @@
 #include "host/body/plate.hpp"
 #include "tests/adaptive.hpp"
 #include "tests/areal_scenes.hpp"
+#include "tests/numbers.hpp"
 #include "tests/scenes.hpp"
 
 /// The reference for areal scenes against theory, before anything is held to it.
 namespace ra2d::test {
 namespace {
-
-constexpr double pi = std::numbers::pi;
 
 struct Case {
   std::string name;

@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
-#include <numbers>
 #include <random>
 #include <string>
 #include <vector>
@@ -13,6 +11,7 @@
 #include "host/device/batch.hpp"
 #include "host/result/record.hpp"
 #include "host/run/samples.hpp"
+#include "tests/numbers.hpp"
 #include "tests/scenes.hpp"
 
 /// Bodies that vibrate and touch nothing: every mode is a damped oscillator. Its motion, and the
@@ -21,8 +20,8 @@ namespace {
 
 using namespace ra2d;
 
-constexpr double eps = std::numeric_limits<double>::epsilon();
-constexpr double pi = std::numbers::pi;
+using test::eps;
+using test::pi;
 
 /// A steel strip 300 mm long and a short one a metre above it.
 Scene far_apart() {

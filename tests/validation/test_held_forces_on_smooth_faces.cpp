@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <string>
 #include <vector>
 
 #include "host/surface/spline.hpp"
 #include "tests/effort.hpp"
+#include "tests/numbers.hpp"
 #include "tests/outcomes.hpp"
 #include "tests/scenes.hpp"
 #include "tests/schemes.hpp"
@@ -21,7 +21,6 @@
 namespace ra2d::test {
 namespace {
 
-constexpr double eps = std::numeric_limits<double>::epsilon();
 const Scheme new_force{{{SchemeKind::backward_euler, ForceTime::new_time}}, "FullyImplicit"};
 const Scheme old_force{{{SchemeKind::backward_euler}}, "BackwardEuler"};
 

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <numbers>
 #include <string>
 #include <vector>
 
 #include "tests/effort.hpp"
+#include "tests/numbers.hpp"
 #include "tests/outcomes.hpp"
 #include "tests/scenes.hpp"
 #include "tests/schemes.hpp"
@@ -19,8 +19,6 @@
 /// that cannot touch still changes nothing.
 namespace ra2d::test {
 namespace {
-
-constexpr double pi = std::numbers::pi;
 
 class EveryScheme : public testing::TestWithParam<Scheme> {};
 INSTANTIATE_TEST_SUITE_P(Schemes, EveryScheme, testing::ValuesIn(schemes_and_implicit()),

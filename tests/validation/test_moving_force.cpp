@@ -3,11 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <numbers>
 #include <vector>
 
 #include "host/result/record.hpp"
+#include "tests/numbers.hpp"
 #include "tests/scenes.hpp"
 #include "tests/simulate.hpp"
 
@@ -19,8 +18,8 @@ namespace {
 
 using namespace ra2d;
 
-constexpr double eps = std::numeric_limits<double>::epsilon();
-constexpr double pi = std::numbers::pi;
+using test::eps;
+using test::pi;
 
 constexpr int modes = 5;
 constexpr double force = 10;  // N

@@ -6,12 +6,12 @@
 #include <cmath>
 #include <complex>
 #include <limits>
-#include <numbers>
 #include <vector>
 
 #include "host/scene_file/scene_file.hpp"
 #include "kernels/schemes/rk4.hpp"
 #include "kernels/schemes/rk8.hpp"
+#include "tests/numbers.hpp"
 #include "tests/places.hpp"
 #include "tests/schemes.hpp"
 #include "tests/simulate.hpp"
@@ -25,9 +25,6 @@
 /// not only its sign.
 namespace ra2d::test {
 namespace {
-
-constexpr double eps = std::numeric_limits<double>::epsilon();
-constexpr double pi = std::numbers::pi;
 
 const Scheme& scheme_of(SchemeKind kind) {
   return *std::find_if(schemes.begin(), schemes.end(),

@@ -5,11 +5,10 @@
 #include <array>
 #include <cmath>
 #include <complex>
-#include <limits>
-#include <numbers>
 #include <vector>
 
 #include "host/result/record.hpp"
+#include "tests/numbers.hpp"
 #include "tests/schemes.hpp"
 #include "tests/simulate.hpp"
 
@@ -17,8 +16,6 @@
 namespace ra2d::test {
 namespace {
 
-constexpr double eps = std::numeric_limits<double>::epsilon();
-constexpr double pi = std::numbers::pi;
 using Complex = std::complex<long double>;
 
 /// A mode that oscillates under p sin(drive t + phase): U = homogeneous + particular.

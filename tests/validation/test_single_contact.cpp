@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <numbers>
 #include <string>
 #include <vector>
 
@@ -13,6 +12,7 @@
 #include "host/device/batch.hpp"
 #include "host/result/record.hpp"
 #include "host/run/samples.hpp"
+#include "tests/numbers.hpp"
 #include "tests/scenes.hpp"
 #include "tests/step_matrices.hpp"
 
@@ -32,7 +32,7 @@ using namespace ra2d;
 using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
 
-constexpr double pi = std::numbers::pi;
+using test::pi;
 
 // ---- the scene --------------------------------------------------------------------------------
 

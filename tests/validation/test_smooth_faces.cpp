@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string>
 #include <vector>
 
@@ -12,6 +11,7 @@
 #include "host/surface/spline.hpp"
 #include "tests/effort.hpp"
 #include "tests/filled.hpp"
+#include "tests/numbers.hpp"
 #include "tests/outcomes.hpp"
 #include "tests/scenes.hpp"
 #include "tests/schemes.hpp"
@@ -21,8 +21,6 @@
 /// nodes stand.
 namespace ra2d::test {
 namespace {
-
-constexpr double eps = std::numeric_limits<double>::epsilon();
 
 Variant smooth(const Scheme& scheme, double turn = 0) {
   return {.scheme = scheme, .turn = turn, .adapt = [](Scene& s) { s.faces = Faces::smooth; }};
