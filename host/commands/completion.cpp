@@ -290,18 +290,8 @@ std::string valued_options(const CommandFacts& program) {
   return joined(names);
 }
 
-}  // namespace
-
-std::string bash_completion(const CommandFacts& program) {
-  Words keys;
-  std::string key_words, commands;
-  for (const SceneKey& key : scene_keys()) {
-    keys.push_back(key.path + '=');
-    if (!key.words.empty())
-      key_words += fmt::format("    {}) words={} ;;\n", key.path, shell_quoted(joined(key.words)));
-  }
-  visit_commands(program, [&](const CommandFacts& command) { commands += bash_command(command); });
-  std::string text = R"(# Completion of ra2d for bash. Made by the build of ra2d.
+/// The completion of bash: what stands between two @ is filled in.
+constexpr char bash_text[] = R"(# Completion of ra2d for bash. Made by the build of ra2d.
 
 # Of the command $1: its commands, options, argument; of its option $2: the kind of its value.
 _ra2d_facts() {
@@ -384,6 +374,19 @@ _ra2d() {
 }
 complete -o default -F _ra2d ra2d
 )";
+
+}  // namespace
+
+std::string bash_completion(const CommandFacts& program) {
+  Words keys;
+  std::string key_words, commands;
+  for (const SceneKey& key : scene_keys()) {
+    keys.push_back(key.path + '=');
+    if (!key.words.empty())
+      key_words += fmt::format("    {}) words={} ;;\n", key.path, shell_quoted(joined(key.words)));
+  }
+  visit_commands(program, [&](const CommandFacts& command) { commands += bash_command(command); });
+  std::string text = bash_text;
   const auto put = [&](const std::string& name, const std::string& by) {
     text.replace(text.find(name), name.size(), by);
   };

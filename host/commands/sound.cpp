@@ -169,6 +169,33 @@ int make_sound(Wanted& wanted, bool bits_given) {
   return status;
 }
 
+/// Where the sound comes from: a probe of either body, or microphones.
+void add_sources(CLI::App& sound, Wanted& options) {
+  CLI::Option* probe =
+      sound
+          .add_option("--probe", options.probe,
+                      "plays the velocity of a probe, which is no sound pressure: which of "
+                      "output.probes, from 1")
+          ->type_name("N")
+          ->transform(count())
+          ->capture_default_str();
+  CLI::Option* slider_probe = sound
+                                  .add_option_function<std::size_t>(
+                                      "--slider-probe",
+                                      [&options](std::size_t number) {
+                                        options.probe = number;
+                                        options.of_slider = true;
+                                      },
+                                      "instead of it: which of output.slider_probes, from 1")
+                                  ->type_name("N")
+                                  ->transform(count())
+                                  ->excludes(probe);
+  CLI::Option* at = add_microphones(sound, options.sound);
+  at->description(at->get_description() + ": two make a stereo sound");
+  at->excludes(probe);
+  at->excludes(slider_probe);
+}
+
 }  // namespace
 
 void add_sound(CLI::App& app, ChosenCommand& chosen) {
@@ -190,29 +217,7 @@ void add_sound(CLI::App& app, ChosenCommand& chosen) {
           ->type_name("N")
           ->check(CLI::IsMember({"16", "24", "32", "float"}))
           ->capture_default_str();
-  CLI::Option* probe =
-      sound
-          ->add_option("--probe", options.probe,
-                       "plays the velocity of a probe, which is no sound pressure: which of "
-                       "output.probes, from 1")
-          ->type_name("N")
-          ->transform(count())
-          ->capture_default_str();
-  sound
-      ->add_option_function<std::size_t>(
-          "--slider-probe",
-          [&options](std::size_t number) {
-            options.probe = number;
-            options.of_slider = true;
-          },
-          "instead of it: which of output.slider_probes, from 1")
-      ->type_name("N")
-      ->transform(count())
-      ->excludes(probe);
-  CLI::Option* at = add_microphones(*sound, options.sound);
-  at->description(at->get_description() + ": two make a stereo sound");
-  at->excludes(probe);
-  at->excludes(sound->get_option("--slider-probe"));
+  add_sources(*sound, options);
   sound->add_option("--slow", options.slow, "how many times longer it lasts, and lower it sounds")
       ->type_name("N")
       ->check(number_from(1, most_slow, "from 1 to 10000"))

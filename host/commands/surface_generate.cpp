@@ -279,6 +279,63 @@ int generate(GenerateRequest& request) {
   return exit_status::done;
 }
 
+template <class Value>
+CLI::Option* add_length(CLI::App& command, const char* name, Value& value, const char* words) {
+  return command.add_option(name, value, words)->type_name("METRES")->check(positive_number());
+}
+
+/// How rough the face is.
+void add_face(CLI::App& command, GenerateRequest& request) {
+  const auto length = [&](const char* name, auto& value, const char* words) {
+    return add_length(command, name, value, words);
+  };
+  SurfaceSpec& s = request.surface;
+  length("--rq", s.rq, "root mean square height")->required();
+  CLI::Option* rsm = length(
+      "--rsm", s.rsm, "mean spacing of its elements: between upward crossings of the mean line");
+  const auto wave = [](const std::string& text) -> std::optional<double> {
+    if (text == "inf") return std::numeric_limits<double>::infinity();
+    const auto value = to_decimal(text);
+    return value && *value > 0 ? value : std::nullopt;
+  };
+  command
+      .add_option_function<std::string>(
+          "--rsm-y", [&request, wave](const std::string& text) { request.rsm_y = wave(text); },
+          "of a map: --rsm along y; inf makes every row the same [as --rsm]")
+      ->type_name("METRES")
+      ->check(understood("a length in metres, or inf", wave));
+  length("--correlation-length", s.correlation_length, "where the correlation is 1/e")
+      ->excludes(rsm);
+  std::vector<std::string> words;
+  for (const auto& named : correlations.words) words.push_back(named.first);
+  command
+      .add_option("--correlation", request.correlation,
+                  "how the correlation of the heights falls with distance")
+      ->check(CLI::IsMember(words))
+      ->capture_default_str();
+  command.add_option("--hurst", s.hurst, "self-affine: Hurst exponent")
+      ->check(number_from(std::nextafter(0.0, 1.0), std::nextafter(1.0, 0.0), "between 0 and 1"));
+  length("--longest", s.longest, "self-affine: longest wave");
+  length("--shortest", s.shortest,
+         "self-affine and exponential: shortest wave [exponential: a fiftieth of the correlation "
+         "length]");
+  constexpr double most = 1e3;
+  command.add_option("--skewness", s.skewness, "of the heights [0]")
+      ->check(number_from(-most, most, "a number"));
+  command.add_option("--kurtosis", s.kurtosis, "of the heights; normal ones have 3 [3]")
+      ->check(number_from(1, most, "a number from 1 on"));
+  std::vector<std::string> exact;
+  for (const auto& named : exact_choices.words) exact.push_back(named.first);
+  command
+      .add_option("--exact", request.exact,
+                  "what holds exactly over this length; the rest holds in expectation")
+      ->check(CLI::IsMember(exact))
+      ->capture_default_str();
+  command.add_option("--seed", s.seed, "a seed means one profile, at every spacing")
+      ->transform(whole_number())
+      ->capture_default_str();
+}
+
 }  // namespace
 
 void add_surface_generate(CLI::App& surface, ChosenCommand& chosen) {
@@ -288,7 +345,7 @@ void add_surface_generate(CLI::App& surface, ChosenCommand& chosen) {
       "makes a random rough profile, the one that a scene with the same words has; with --width "
       "a height map");
   const auto length = [&](const char* name, auto& value, const char* words) {
-    return command->add_option(name, value, words)->type_name("METRES")->check(positive_number());
+    return add_length(*command, name, value, words);
   };
   command
       ->add_option(
@@ -302,51 +359,7 @@ void add_surface_generate(CLI::App& surface, ChosenCommand& chosen) {
   length("--spacing", request->spacing, "from node to node")->required();
   length("--width", request->width, "makes a map that is so wide");
   length("--spacing-y", request->spacing_y, "of a map: from row to row [as --spacing]");
-  SurfaceSpec& s = request->surface;
-  length("--rq", s.rq, "root mean square height")->required();
-  CLI::Option* rsm = length(
-      "--rsm", s.rsm, "mean spacing of its elements: between upward crossings of the mean line");
-  const auto wave = [](const std::string& text) -> std::optional<double> {
-    if (text == "inf") return std::numeric_limits<double>::infinity();
-    const auto value = to_decimal(text);
-    return value && *value > 0 ? value : std::nullopt;
-  };
-  command
-      ->add_option_function<std::string>(
-          "--rsm-y", [request, wave](const std::string& text) { request->rsm_y = wave(text); },
-          "of a map: --rsm along y; inf makes every row the same [as --rsm]")
-      ->type_name("METRES")
-      ->check(understood("a length in metres, or inf", wave));
-  length("--correlation-length", s.correlation_length, "where the correlation is 1/e")
-      ->excludes(rsm);
-  std::vector<std::string> words;
-  for (const auto& named : correlations.words) words.push_back(named.first);
-  command
-      ->add_option("--correlation", request->correlation,
-                   "how the correlation of the heights falls with distance")
-      ->check(CLI::IsMember(words))
-      ->capture_default_str();
-  command->add_option("--hurst", s.hurst, "self-affine: Hurst exponent")
-      ->check(number_from(std::nextafter(0.0, 1.0), std::nextafter(1.0, 0.0), "between 0 and 1"));
-  length("--longest", s.longest, "self-affine: longest wave");
-  length("--shortest", s.shortest,
-         "self-affine and exponential: shortest wave [exponential: a fiftieth of the correlation "
-         "length]");
-  constexpr double most = 1e3;
-  command->add_option("--skewness", s.skewness, "of the heights [0]")
-      ->check(number_from(-most, most, "a number"));
-  command->add_option("--kurtosis", s.kurtosis, "of the heights; normal ones have 3 [3]")
-      ->check(number_from(1, most, "a number from 1 on"));
-  std::vector<std::string> exact;
-  for (const auto& named : exact_choices.words) exact.push_back(named.first);
-  command
-      ->add_option("--exact", request->exact,
-                   "what holds exactly over this length; the rest holds in expectation")
-      ->check(CLI::IsMember(exact))
-      ->capture_default_str();
-  command->add_option("--seed", s.seed, "a seed means one profile, at every spacing")
-      ->transform(whole_number())
-      ->capture_default_str();
+  add_face(*command, *request);
   command->add_flag("--json", request->json, "of a map: print JSON, in SI units");
   command->add_flag("--quiet", request->quiet, "print nothing but errors");
   command->callback([request, &chosen] { chosen.run = [request] { return generate(*request); }; });

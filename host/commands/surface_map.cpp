@@ -83,27 +83,11 @@ int describe_map(const MapRequest& request) {
   return exit_status::done;
 }
 
-}  // namespace
-
-void add_surface_map(CLI::App& surface, ChosenCommand& chosen) {
-  const auto shared = std::make_shared<MapRequest>();
-  MapRequest& request = *shared;
-  CLI::App* map =
-      surface.add_subcommand("map",
-                             "size and roughness of a height map: X3P, SDF, .npy of shape (rows, "
-                             "x), or text with a row of "
-                             "constant y in each line; with -o the prepared map as a file");
-  map->add_option("FILE", request.file, "the map")->required()->check(path());
-  const auto length = [&](const char* name, std::optional<double>& value, const char* words) {
-    map->add_option(name, value, words)->type_name("M")->check(length_in_metres());
-  };
-  length("--spacing", request.query.spacing,
-         "from point to point along x in metres, of a file that has no spacing");
-  length("--spacing-y", request.query.spacing_y,
-         "from row to row in metres, of such a file [as --spacing]");
+/// How the file is read, and the map prepared.
+void add_preparation(CLI::App& map, MapRequest& request) {
   const auto word = [&](const char* name, const char* type, const char* words, const char* expected,
                         auto understand, auto take) {
-    map->add_option_function<std::string>(
+    map.add_option_function<std::string>(
            name, [=](const std::string& text) { take(*understand(text)); }, words)
         ->type_name(type)
         ->check(understood(expected, understand));
@@ -134,6 +118,27 @@ void add_surface_map(CLI::App& surface, ChosenCommand& chosen) {
       "none, mean, plane or poly:N with N from 0 to 10",
       [](const std::string& text) { return understand_map_form(text); },
       [&request](MapForm form) { request.preparation.form = form; });
+}
+
+}  // namespace
+
+void add_surface_map(CLI::App& surface, ChosenCommand& chosen) {
+  const auto shared = std::make_shared<MapRequest>();
+  MapRequest& request = *shared;
+  CLI::App* map =
+      surface.add_subcommand("map",
+                             "size and roughness of a height map: X3P, SDF, .npy of shape (rows, "
+                             "x), or text with a row of "
+                             "constant y in each line; with -o the prepared map as a file");
+  map->add_option("FILE", request.file, "the map")->required()->check(path());
+  const auto length = [&](const char* name, std::optional<double>& value, const char* words) {
+    map->add_option(name, value, words)->type_name("M")->check(length_in_metres());
+  };
+  length("--spacing", request.query.spacing,
+         "from point to point along x in metres, of a file that has no spacing");
+  length("--spacing-y", request.query.spacing_y,
+         "from row to row in metres, of such a file [as --spacing]");
+  add_preparation(*map, request);
   length("--length", request.length, "along x of the map that comes out [the file's]");
   length("--width", request.width, "along y of the map that comes out [the file's]");
   map->add_option("--extend", request.extension,

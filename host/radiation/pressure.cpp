@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <span>
 
 #include "host/base/fourier.hpp"
 
@@ -49,6 +50,23 @@ std::size_t taps_of(double way, const Air& air, double rate) {
 }
 
 std::size_t block_of(std::size_t taps) { return std::max(least_block, std::bit_ceil(4 * taps)); }
+
+/// Sum over the modes of spectrum times filter, each of `lines` complex numbers a mode.
+void add_up(const std::vector<double>& re, const std::vector<double>& im,
+            const std::vector<double>& filter_re, const std::vector<double>& filter_im,
+            std::size_t lines, std::span<Complex> sum) {
+  std::vector<double> sum_re(lines, 0.0), sum_im(lines, 0.0);
+  for (std::size_t at = 0; at < re.size(); at += lines) {
+    const double *a = &re[at], *b = &im[at], *c = &filter_re[at], *d = &filter_im[at];
+    for (std::size_t j = 0; j < lines; ++j) {
+      sum_re[j] += a[j] * c[j] - b[j] * d[j];
+      sum_im[j] += a[j] * d[j] + b[j] * c[j];
+    }
+  }
+  for (std::size_t j = 0; j < lines; ++j) sum[j] = Complex(sum_re[j], sum_im[j]);
+  sum[0] = sum[0].real();
+  sum[lines - 1] = sum[lines - 1].real();
+}
 
 }  // namespace
 
@@ -145,19 +163,7 @@ std::vector<std::vector<double>> PressureFilters::pressures(
       }
       for (std::size_t i = 0; i < filters_.size(); ++i) {
         const Filter& filter = filters_[i];
-        std::vector<double> sum_re(lines, 0.0), sum_im(lines, 0.0);
-        for (std::size_t k = 0; k < modes_; ++k) {
-          const double *a = &re[k * lines], *b = &im[k * lines];
-          const double *c = &filter.re[k * lines], *d = &filter.im[k * lines];
-          for (std::size_t j = 0; j < lines; ++j) {
-            sum_re[j] += a[j] * c[j] - b[j] * d[j];
-            sum_im[j] += a[j] * d[j] + b[j] * c[j];
-          }
-        }
-        const auto spectrum = back.input();
-        for (std::size_t j = 0; j < lines; ++j) spectrum[j] = Complex(sum_re[j], sum_im[j]);
-        spectrum[0] = spectrum[0].real();
-        spectrum[lines - 1] = spectrum[lines - 1].real();
+        add_up(re, im, filter.re, filter.im, lines, back.input());
         back.transform();
         for (std::size_t n = first; n < last; ++n) {
           const std::size_t sample = n + filter.lead;

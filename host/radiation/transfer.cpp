@@ -79,6 +79,48 @@ class SpreadingKernel {
   static constexpr double sharpness = 2.30 * width;
 };
 
+/// When sound from the face arrives: of each mode, in `slots` samples of the grid from `begin` on,
+/// each arrival spread over its neighbours by SpreadingKernel.
+std::vector<double> spread_arrivals(const Radiator& radiator, const Air& air, const Position& at,
+                                    const FacePoints& face, double grid_rate, double begin,
+                                    std::size_t slots) {
+  constexpr int wide = SpreadingKernel::width;
+  const std::size_t modes = radiator.modes.size();
+  std::vector<double> arrivals(modes * slots, 0.0);
+  std::vector<double> across(radiator.across.size() * slots, 0.0);
+  const double scale = sign_of(at) * air.density / (2 * M_PI);
+  for (std::size_t i = 0; i < face.rows(); ++i) {
+    const FacePoints::Row row = face.row(i);
+    std::size_t first = slots, beyond = 0;
+    for (std::size_t j = 0; j < row.y.size(); ++j) {
+      const double r = face.distance(row, j);
+      const double arrival = r / air.sound_speed * grid_rate - begin;
+      const auto slot = static_cast<std::size_t>(std::ceil(arrival - wide / 2.0));
+      double spread[wide];
+      for (int s = 0; s < wide; ++s)
+        spread[s] =
+            row.y.weight[j] / r * SpreadingKernel::at(static_cast<double>(slot) + s - arrival);
+      for (std::size_t a = 0; a < radiator.across.size(); ++a) {
+        const double shape = radiator.across[a](row.y.at[j]);
+        double* to = &across[a * slots + slot];
+        for (int s = 0; s < wide; ++s) to[s] += shape * spread[s];
+      }
+      first = std::min(first, slot);
+      beyond = std::max(beyond, slot + wide);
+    }
+    for (std::size_t k = 0; k < modes; ++k) {
+      const double shape = scale * row.x_weight * radiator.modes[k].along(face.x(i));
+      const double* from = &across[radiator.modes[k].across * slots];
+      double* to = &arrivals[k * slots];
+      for (std::size_t s = first; s < beyond; ++s) to[s] += shape * from[s];
+    }
+    for (std::size_t a = 0; a < radiator.across.size(); ++a)
+      std::fill(across.begin() + static_cast<std::ptrdiff_t>(a * slots + first),
+                across.begin() + static_cast<std::ptrdiff_t>(a * slots + beyond), 0.0);
+  }
+  return arrivals;
+}
+
 }  // namespace
 
 Distances distances(const Radiator& radiator, const Position& at) {
@@ -133,40 +175,9 @@ TransferLines transfer_lines(const Radiator& radiator, const Air& air, const Pos
   const auto slots = static_cast<std::size_t>(
       std::ceil(ways.largest / air.sound_speed * grid_rate - begin) + 2 * wide);
   const std::size_t modes = radiator.modes.size();
-  std::vector<double> arrivals(modes * slots, 0.0);  // of each mode
-  std::vector<double> across(radiator.across.size() * slots, 0.0);
-
   const FacePoints face(radiator, at, wave_number, fineness);
-  const double scale = sign_of(at) * air.density / (2 * M_PI);
-  for (std::size_t i = 0; i < face.rows(); ++i) {
-    const FacePoints::Row row = face.row(i);
-    std::size_t first = slots, beyond = 0;
-    for (std::size_t j = 0; j < row.y.size(); ++j) {
-      const double r = face.distance(row, j);
-      const double arrival = r / air.sound_speed * grid_rate - begin;
-      const auto slot = static_cast<std::size_t>(std::ceil(arrival - wide / 2.0));
-      double spread[wide];
-      for (int s = 0; s < wide; ++s)
-        spread[s] =
-            row.y.weight[j] / r * SpreadingKernel::at(static_cast<double>(slot) + s - arrival);
-      for (std::size_t a = 0; a < radiator.across.size(); ++a) {
-        const double shape = radiator.across[a](row.y.at[j]);
-        double* to = &across[a * slots + slot];
-        for (int s = 0; s < wide; ++s) to[s] += shape * spread[s];
-      }
-      first = std::min(first, slot);
-      beyond = std::max(beyond, slot + wide);
-    }
-    for (std::size_t k = 0; k < modes; ++k) {
-      const double shape = scale * row.x_weight * radiator.modes[k].along(face.x(i));
-      const double* from = &across[radiator.modes[k].across * slots];
-      double* to = &arrivals[k * slots];
-      for (std::size_t s = first; s < beyond; ++s) to[s] += shape * from[s];
-    }
-    for (std::size_t a = 0; a < radiator.across.size(); ++a)
-      std::fill(across.begin() + static_cast<std::ptrdiff_t>(a * slots + first),
-                across.begin() + static_cast<std::ptrdiff_t>(a * slots + beyond), 0.0);
-  }
+  const std::vector<double> arrivals =
+      spread_arrivals(radiator, air, at, face, grid_rate, begin, slots);
 
   // the kernel's transform taken off, and the grid's beginning, `wide` samples before the lead
   std::vector<Complex> correction(length / 2 + 1);

@@ -196,6 +196,46 @@ void write_axes(Writer& out, const Study& study) {
       "seed", "1", "run, 1000 times which is added to both surfaces' seeds", study.seeds.size());
 }
 
+/// The study and its base as texts, and how many of its runs are done.
+void write_attributes(hid_t file, const Study& study, std::size_t runs, std::int64_t done,
+                      std::int64_t failed) {
+  const auto give = [&](const h5::GivenAttribute& attribute) {
+    h5::set_attribute(file, attribute);
+  };
+  give({"creator", "ra2d"});
+  give({"study_format", std::int64_t{study_format}});
+  give({"version", version()});
+  give({"commit", commit()});
+  give({"study", study.text});
+  give({"base", study.base_text});
+  give({"set", fmt::format("{}", fmt::join(study.given, "\n"))});
+  std::string names;
+  for (const StudyDimension& dimension : study.dimensions) names += dimension.name + ' ';
+  give({"dimensions", names + "seed"});
+  give({"runs", static_cast<std::int64_t>(runs)});
+  give({"done", done});
+  give({"failed", failed});
+  give({"complete", std::int64_t{done + failed == static_cast<std::int64_t>(runs)}});
+}
+
+/// A variable for each figure of the runs: NaN where a run has none.
+void write_figures(Writer& out, const Study& study, const std::vector<const FinishedRun*>& runs) {
+  std::vector<double> values(runs.size());
+  for (const Column& column : columns) {
+    if (column.kept != nullptr && !(study.*column.kept)) continue;
+    for (std::size_t i = 0; i < runs.size(); ++i)
+      values[i] = (runs[i] != nullptr ? runs[i]->figures : no_figures).*column.figure;
+    out.add(out.numbers(column.name, values, out.shape), column.units, column.long_name);
+  }
+  if (!study.keep_sound) return;
+  for (const SoundColumn& column : sound_columns) {
+    for (std::size_t i = 0; i < runs.size(); ++i)
+      values[i] =
+          runs[i] != nullptr && runs[i]->sound ? (*runs[i]->sound).*column.figure : quiet_nan;
+    out.add(out.numbers(column.name, values, out.shape), column.units, column.long_name);
+  }
+}
+
 std::string table_bytes(const std::filesystem::path& file, const StudyPoints& points,
                         const PointCensus& census, const FinishedRuns& finished) {
   const Study& study = points.study();
@@ -213,40 +253,10 @@ std::string table_bytes(const std::filesystem::path& file, const StudyPoints& po
   }
 
   Image image(file.string());
-  const auto give = [&](const h5::GivenAttribute& attribute) {
-    h5::set_attribute(image.file(), attribute);
-  };
-  give({"creator", "ra2d"});
-  give({"study_format", std::int64_t{study_format}});
-  give({"version", version()});
-  give({"commit", commit()});
-  give({"study", study.text});
-  give({"base", study.base_text});
-  give({"set", fmt::format("{}", fmt::join(study.given, "\n"))});
-  std::string names;
-  for (const StudyDimension& dimension : study.dimensions) names += dimension.name + ' ';
-  give({"dimensions", names + "seed"});
-  give({"runs", static_cast<std::int64_t>(count)});
-  give({"done", done});
-  give({"failed", failed});
-  give({"complete", std::int64_t{done + failed == static_cast<std::int64_t>(count)}});
-
+  write_attributes(image.file(), study, count, done, failed);
   Writer out{image.file()};
   write_axes(out, study);
-  std::vector<double> values(count);
-  for (const Column& column : columns) {
-    if (column.kept != nullptr && !(study.*column.kept)) continue;
-    for (std::size_t i = 0; i < count; ++i)
-      values[i] = (runs[i] != nullptr ? runs[i]->figures : no_figures).*column.figure;
-    out.add(out.numbers(column.name, values, out.shape), column.units, column.long_name);
-  }
-  for (const SoundColumn& column : sound_columns) {
-    if (!study.keep_sound) break;
-    for (std::size_t i = 0; i < count; ++i)
-      values[i] =
-          runs[i] != nullptr && runs[i]->sound ? (*runs[i]->sound).*column.figure : quiet_nan;
-    out.add(out.numbers(column.name, values, out.shape), column.units, column.long_name);
-  }
+  write_figures(out, study, runs);
   out.add(out.integers("status", H5T_STD_I32LE, H5T_NATIVE_INT32, status, out.shape), "1",
           "0 done, 1 not run, 2 refused before its first step, 3 failed");
   out.add(out.words("message", messages, out.shape), "1", "why there are no numbers");
