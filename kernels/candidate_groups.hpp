@@ -324,7 +324,7 @@ class CandidateGroups {
   /// most that the modes move the nodes of each by. `x`: the modes' displacements there.
   RA2D_FUNCTION int find_tiles(int band, const Real* x, const Place& place, double variation) {
     const TileTables& tiles = faces_.tiles;
-    const int group = place.base / width;  // of the resonator
+    const int group = (place.base - faces_.rows.behind) / width;  // of the resonator
     const double* const own = tiles.highest1 + static_cast<std::int64_t>(band) * tiles.row;
     const double* const opposite =
         tiles.highest2 +
@@ -369,7 +369,7 @@ class CandidateGroups {
         for (int g = begin; g < begin + faces_.tiles.groups && g < rows.groups; ++g) {
           const int group = row * rows.groups + g;
           const double* const h2 =
-              faces_.height2 + (place.base + row * rows.excess + group * width);
+              faces_.height2 + (place.base - rows.behind + row * rows.excess + group * width);
           Real face = lanes_.load(h2);
           for (int ahead = 1; ahead <= width; ++ahead)
             face = Kokkos::max(face, lanes_.load(h2 + ahead));

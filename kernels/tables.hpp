@@ -144,8 +144,9 @@ struct Extents {
   int rows = 0;                 // of nodes, in areal scenes; 0: a plane scene
   int row_nodes = 0;            // of a row, without what pads it
   int row_groups = 0;           // of a row
-  int heights = 0;              // the resonator's nodes, padded beyond the end of each row
-  int row_heights = 0;          // of a row
+  int behind = 0;               // the resonator's nodes in a row that the slider never meets again
+  int heights = 0;              // the resonator's nodes in all rows, without those, and padded
+  int row_heights = 0;          // the same in a row
   int patches = 0;              // of the resonator
   int slider_modes = 0;         //
   bool smooth = false;          // faces
@@ -203,6 +204,7 @@ struct RowTables {
   int nodes = 0;                   // of a row, without what pads it
   int groups = 0x7fffffff;         // of a row
   int excess = 0;                  // nodes that a row of height2 has more than one of height1
+  int behind = 0;                  // the resonator's nodes in a row before the first of height2
   const double* across = nullptr;  // (row, lane): psi(x, y)/psi(x) there; null: a plane scene
 };
 

@@ -572,7 +572,7 @@ class Solver {
   /// Of both faces together, from the lowest to the highest [m].
   static Real heights(const Model& model) {
     Real sum = 0;
-    for (const std::vector<double>* face : {&model.resonator_height, &model.slider_height})
+    for (const SharedNumbers* face : {&model.resonator_height, &model.slider_height})
       sum += *std::max_element(face->begin(), face->end()) -
              *std::min_element(face->begin(), face->end());
     return sum;

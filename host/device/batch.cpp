@@ -68,6 +68,10 @@ struct BatchSlot {
   BatchSlot(const Model& model_, const ModalStart& start, int packs_, const Capacity& capacity_,
             BatchMemory& batch)
       : model{model_}, capacity{capacity_}, packs{packs_}, memory{batch} {
+    // to grow later takes all tables a second time: a share of a large map's nodes at once
+    constexpr int share = 2048, most = 2048;
+    if (model.is_areal)
+      capacity.nodes = std::max(capacity.nodes, std::min(model.nodes() / share, most));
     find_extents();
     memory.provide(state.out, extents);
     provide(start, false);

@@ -124,6 +124,7 @@ void Filler::numbers() {
     tables_.faces.rows.nodes = n_.row_nodes;
     tables_.faces.rows.groups = n_.row_groups;
     tables_.faces.rows.excess = n_.row_heights - tables_.slider.row;
+    tables_.faces.rows.behind = n_.behind;
     tables_.faces.tiles.groups = n_.tile_groups();
     tables_.faces.tiles.count = n_.tiles();
     tables_.faces.tiles.row = n_.padded_tiles();
@@ -335,7 +336,7 @@ void Filler::faces() {
   double* const h1 = host_(tables_.faces.height1);
   double* const h2 = host_(tables_.faces.height2);
   double* const highest2 = host_(tables_.faces.highest2);
-  double scale = 0, scale2 = 0;
+  double scale = 0, scale2 = 0, highest = -1e300;
   for (int row = 0; row < model_.rows; ++row) {
     const double* const own =
         model_.slider_height.data() + static_cast<std::size_t>(row) * n_.row_nodes;
@@ -349,19 +350,18 @@ void Filler::faces() {
     const double* const face =
         model_.resonator_height.data() + static_cast<std::size_t>(row) * given;
     double* const row2 = h2 + static_cast<std::size_t>(row) * n_.row_heights;
-    for (int n = 0; n < n_.row_heights; ++n) {
-      row2[n] = face[std::min(n, given - 1)];
-      scale2 = std::max(scale2, std::abs(row2[n]));
+    for (int n = 0; n < n_.row_heights; ++n) row2[n] = face[std::min(n_.behind + n, given - 1)];
+    for (int n = 0; n < given; ++n) {
+      scale2 = std::max(scale2, std::abs(face[n]));
+      highest = std::max(highest, face[n]);
     }
     if (!model_.is_areal) fill_highest(row2, n_.row_heights, n_.width, highest2);
-    tables_.faces.steepest_rise =
-        std::max(tables_.faces.steepest_rise, steepest_rise(row2, n_.row_heights));
+    tables_.faces.steepest_rise = std::max(tables_.faces.steepest_rise, steepest_rise(face, given));
   }
   scale += scale2;
   tables_.faces.rounding = face_rounding(scale, n_.smooth);
   tables_.contact.tolerance = tables_.faces.rounding;
-  tables_.faces.highest_overlap =
-      *std::max_element(h1, h1 + n_.nodes) + *std::max_element(h2, h2 + n_.heights);
+  tables_.faces.highest_overlap = *std::max_element(h1, h1 + n_.nodes) + highest;
   if (n_.smooth) smooth_faces(h2);
   if (model_.is_areal) tiles();
   scale += 1e-6 * scene_.spacing;

@@ -59,9 +59,13 @@ Extents extents_of(const Model& model, const PatchSeries& series, int lanes, int
   n.rows = model.is_areal ? model.rows : 0;
   n.groups = model.rows * n.row_groups;
   n.nodes = (model.rows - 1) * n.row_groups * width + n.row_nodes;
-  n.row_heights = model.row_heights() + n.row_groups * width + 2 * width;
+  // whole tiles, so that the tiles' bounds are those of the whole face
+  const int tile = n.tile_groups() * width;
+  n.behind = model.is_areal ? static_cast<int>(model.position) / tile * tile : 0;
+  const int padded = model.row_heights() + n.row_groups * width + 2 * width;
+  n.row_heights = padded - n.behind;
   n.heights = model.rows * n.row_heights;
-  n.patches = n.row_heights / series.patch_nodes + 1;
+  n.patches = padded / series.patch_nodes + 1;
   n.slider_modes = static_cast<int>(model.slider.modes.size());
   n.smooth = model.has_smooth_faces();
   n.listed = model.is_areal ? std::min({n.nodes, capacity.nodes, most_areal_nodes}) : n.nodes;

@@ -138,7 +138,7 @@ void cut_to_window(Model& m) {
 /// The largest of the lengths that an overlap is the difference of [m].
 double largest_height(const Model& m) {
   double size = std::abs(m.delta);
-  for (const std::vector<double>* face : {&m.resonator_height, &m.slider_height})
+  for (const SharedNumbers* face : {&m.resonator_height, &m.slider_height})
     for (const double h : *face) size = std::max(size, std::abs(h));
   return size;
 }

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "host/base/shared_numbers.hpp"
 #include "host/body/body.hpp"
 #include "host/scene/scene.hpp"
 
@@ -16,16 +17,15 @@ namespace ra2d {
 struct Model {
   Scene scene;
   Body resonator, slider;
-  std::vector<double> resonator_height, slider_height;  // m, at the nodes: (row, node along x)
-  std::vector<double> resonator_curvature,
-      slider_curvature;             // m, of smooth faces (spline_curvatures)
-  double delta = 0;                 // m, imposed distance of the mean lines
-  double node_stiffness = 0;        // N/m, kappa chi w; areal: kappa chi chi_y
-  double position = 0;              // of slider node 0 at t = 0, in chi
-  double tick = 0;                  // s
-  double advance = 0;               // per tick, in chi
-  std::int64_t steps = 0;           // ticks of the whole run
-  double steps_per_sample = 0;      // ticks; a power of two when adaptive
+  SharedNumbers resonator_height, slider_height;        // m, at the nodes: (row, node along x)
+  SharedNumbers resonator_curvature, slider_curvature;  // m, of smooth faces (spline_curvatures)
+  double delta = 0;                                     // m, imposed distance of the mean lines
+  double node_stiffness = 0;                            // N/m, kappa chi w; areal: kappa chi chi_y
+  double position = 0;                                  // of slider node 0 at t = 0, in chi
+  double tick = 0;                                      // s
+  double advance = 0;                                   // per tick, in chi
+  std::int64_t steps = 0;                               // ticks of the whole run
+  double steps_per_sample = 0;                          // ticks; a power of two when adaptive
   std::int64_t end = 0;             // tick that it ends at: `steps`, or the end of output.window
   std::int64_t samples = 0;         // until then, from t = 0 on
   std::int64_t first_sample = 0;    // the first that is kept (output.window)

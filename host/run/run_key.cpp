@@ -26,7 +26,7 @@ std::string run_key(const Model& model) {
       fmt::format("numerics {}\n{}\n{}", numerics_version_of(scene), arithmetic(), echo(scene));
   Hash hash;
   hash.add(text);
-  for (const std::vector<double>* height : {&model.resonator_height, &model.slider_height}) {
+  for (const SharedNumbers* height : {&model.resonator_height, &model.slider_height}) {
     hash.add(fmt::format("\n{} heights\n", height->size()));
     hash.add(height->data(), height->size());
   }

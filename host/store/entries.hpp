@@ -22,9 +22,9 @@ inline constexpr std::int64_t areal_format = 4;
 inline constexpr std::int64_t oldest_format = 2;
 
 // Where the numbers of a dataset come from, which also says when they are written.
-using Fixed = std::vector<double> (*)(const ResultHeader&);  // at the start, (rows, columns)
-using Sampled = std::vector<double> SampleBlock::*;          // block by block
-struct PerShock {                                            // one row a shock
+using Fixed = SharedNumbers (*)(const ResultHeader&);  // at the start, (rows, columns)
+using Sampled = std::vector<double> SampleBlock::*;    // block by block
+struct PerShock {                                      // one row a shock
   double (*get)(const Shock&);
   void (*set)(Shock&, double);
 };

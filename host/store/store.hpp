@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "host/base/quiet_nan.hpp"
+#include "host/base/shared_numbers.hpp"
 #include "host/result/mean_squares.hpp"
 #include "host/result/noise_figures.hpp"
 #include "host/result/record.hpp"
@@ -41,7 +42,7 @@ struct ResultHeader {
   std::string started;       // ISO 8601, UTC
   ModesHeader resonator, slider;
   std::vector<double> probe_position, slider_probe_position;  // m; either may be empty
-  std::vector<double> resonator_height, slider_height;        // m, the profiles used, row by row
+  SharedNumbers resonator_height, slider_height;              // m, the profiles used, row by row
   double spacing = 0;                                         // m, chi
   bool is_areal = false;
   int rows = 1;

@@ -89,7 +89,7 @@ void UnfinishedFile::make_datasets(const ResultHeader& header) {
     if (!is_kept(entry, header)) continue;
     const hsize_t columns = column_count(entry, header);
     if (const Fixed* fixed = source_of<Fixed>(entry)) {
-      const std::vector<double> data = (*fixed)(header);
+      const SharedNumbers data = (*fixed)(header);
       const hsize_t rows = data.size() / std::max<hsize_t>(columns, 1);
       Table table = make_table(file_, entry, header, rows, columns);
       table.add_to_hash(data.data(), data.size());

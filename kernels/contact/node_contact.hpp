@@ -61,7 +61,7 @@ KOKKOS_INLINE_FUNCTION void expand_node(const Lanes& lanes, const SliderMotion& 
   for (int m = 0; m < 4; ++m)
     for (int p = 0; p < packs; ++p) lanes.store(shape + (m * packs + p) * Lanes::width, c[m][p]);
   if (lanes.leader()) {
-    const double* const h2 = faces.height2 + (place.base + node + j * rows.excess);
+    const double* const h2 = faces.height2 + (place.base - rows.behind + node + j * rows.excess);
     face[0] = faces.height1[node] + h2[0];
     face[1] = h2[1] - h2[0];
   }

@@ -36,13 +36,14 @@ TEST(RunKey, IsOfTheSceneAndItsHeightsAlone) {
   EXPECT_TRUE(changed([](Model& m) { m.scene.output.rate *= 2; }));
   for (auto heights : {&Model::resonator_height, &Model::slider_height})
     EXPECT_TRUE(changed([&](Model& m) {
-      double& last = (m.*heights).back();
+      double& last = (m.*heights).edit().back();
       last = std::nextafter(last, std::numeric_limits<double>::infinity());
     }));
   // a height that goes from one body to the other
   EXPECT_TRUE(changed([](Model& m) {
-    m.slider_height.insert(m.slider_height.begin(), m.resonator_height.back());
-    m.resonator_height.pop_back();
+    std::vector<double>& own = m.slider_height.edit();
+    own.insert(own.begin(), m.resonator_height.back());
+    m.resonator_height.edit().pop_back();
   }));
 }
 

@@ -91,6 +91,9 @@ TEST(FilledTables, OfRowsGiveTheOverlapsOfTheModel) {
       const int row = static_cast<int>(f.n.padded_row()), nodes = f.model.row_nodes();
       ASSERT_GT(row, nodes) << "the last node of a row is no neighbour of the next row's first";
       ASSERT_LE(row, nodes + width);
+      ASSERT_LT(f.n.row_heights + static_cast<int>(f.model.position),
+                f.model.row_heights() + row + 2 * width + std::max(tile_nodes, width))
+          << "what lies behind the slider is left out";
       std::vector<double> resonator_u, slider_u;
       std::array<double, packs * width> all{};
       for (int k = 0; k < f.modes(); ++k)

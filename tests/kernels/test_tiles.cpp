@@ -88,7 +88,7 @@ TEST(Tiles, ListEveryNodeThatCanTouch) {
     const std::vector<double> flat = searched.overlaps_at(u, 200);
     const double level = *std::max_element(flat.begin(), flat.end());
     const double range = scene % 4 < 2 ? 1e-7 : std::pow(10, dice.uniform(-9.5, -7));
-    for (double& h : searched.model.slider_height) h -= level + 2 * range;
+    for (double& h : searched.model.slider_height.edit()) h -= level + 2 * range;
     fill(searched.t, searched.model, searched.series, searched.n, HostCopy());
     SliderMotion motion = searched.t.motion;
     for (int step = 0; step < 30; ++step) {

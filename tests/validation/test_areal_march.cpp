@@ -341,9 +341,10 @@ std::pair<Started, Started> plane_and_rows(Support support, int rows, ContactLaw
   m.rows = rows;
   m.spacing_y = s.slider.width / rows;
   m.node_stiffness = s.contact.stiffness * s.spacing * m.spacing_y;
-  for (std::vector<double>* heights : {&m.resonator_height, &m.slider_height}) {
+  for (SharedNumbers* heights : {&m.resonator_height, &m.slider_height}) {
     const std::vector<double> row = *heights;
-    for (int j = 1; j < rows; ++j) heights->insert(heights->end(), row.begin(), row.end());
+    std::vector<double>& all = heights->edit();
+    for (int j = 1; j < rows; ++j) all.insert(all.end(), row.begin(), row.end());
   }
   return {plane, areal};
 }

@@ -271,7 +271,7 @@ Started with_bump(const Scene& s, double share) {
   Model& m = c.model;
   for (int n = 0; n < m.nodes(); ++n) {
     const double x = (n - 250 - share) * s.spacing;
-    m.slider_height[n] = -x * x / (2 * bump_radius);
+    m.slider_height.edit()[n] = -x * x / (2 * bump_radius);
   }
   m.slider_curvature = spline_curvatures(m.slider_height);
   m.slider.modes.pop_back();

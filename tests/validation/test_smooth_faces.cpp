@@ -91,7 +91,7 @@ TEST(SmoothContact, OfAParabolaIsItsClosedFormWhereverItsSummitStands) {
       Model m = make_model(s);
       for (int n = 0; n < m.nodes(); ++n) {
         const double x = (n - 250 - share) * s.spacing;
-        m.slider_height[n] = depth - x * x / (2 * radius);
+        m.slider_height.edit()[n] = depth - x * x / (2 * radius);
       }
       m.slider_curvature = spline_curvatures(m.slider_height);
       const ModalStart start = make_start(m);
@@ -191,7 +191,7 @@ TEST(SmoothContact, CandidatesAreTheSameBitForBitAtAnySpacing) {
       Model m = make_model(s);
       if (spike) {
         const double top = *std::max_element(m.resonator_height.begin(), m.resonator_height.end());
-        m.resonator_height[m.resonator_height.size() / 2] = top + 1e-6;
+        m.resonator_height.edit()[m.resonator_height.size() / 2] = top + 1e-6;
         m.resonator_curvature = spline_curvatures(m.resonator_height);
       }
       const ModalStart start = make_start(m);
@@ -210,7 +210,7 @@ TEST(SmoothContactProof, TheSagOfACellIsReached) {
   s.gap = 0;
   Model m = make_model(s);
   // both faces parabolas of curvature -2: each stands 1/4 above its chord half way
-  for (int n = 0; n < m.nodes(); ++n) m.slider_height[n] = -1e-7 * std::pow(n - 50.5, 2);
+  for (int n = 0; n < m.nodes(); ++n) m.slider_height.edit()[n] = -1e-7 * std::pow(n - 50.5, 2);
   m.slider_curvature = spline_curvatures(m.slider_height);
   const PatchSeries series = choose_series(m, width);
   const Extents n = extents_of(m, series, packs * width, width, Capacity());
