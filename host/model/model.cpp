@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "host/base/errors.hpp"
+#include "host/model/areal_size.hpp"
 #include "host/model/doubts.hpp"
 #include "host/model/smooth_contact.hpp"
 #include "host/scene/schemes.hpp"
@@ -15,6 +16,7 @@
 #include "host/surface/random_map.hpp"
 #include "host/surface/spline.hpp"
 #include "host/surface/surface.hpp"
+#include "host/system/machine_memory.hpp"
 #include "kernels/gap.hpp"
 #include "kernels/tables.hpp"
 
@@ -46,19 +48,9 @@ std::vector<double> surface_of(const std::string& body, const BodySpec& spec, co
   });
 }
 
-/// Nodes of the slider in a row of an areal scene.
-double nodes_along(const Scene& scene) {
-  return std::round(scene.slider.length / scene.spacing) + 1;
-}
-
-/// The last node of the resonator that the slider comes to.
-double last_node(const Scene& scene) {
-  return std::ceil((scene.start + scene.speed * scene.duration) / scene.spacing - 1e-9) +
-         nodes_along(scene) - 1;
-}
-
 /// The maps of an areal scene's own surfaces. On the resonator they end where the slider does.
 HeightMaps maps_of(const Scene& scene, std::vector<std::string>& doubts) {
+  require_areal_memory(scene, static_cast<double>(available_memory()));
   const double spacing_y = *scene.spacing_y, rows = map_rows(scene.slider.width, spacing_y);
   MapNodes nodes;
   nodes.length = scene.resonator.length;

@@ -440,6 +440,10 @@ void Document::finish(const std::map<std::string, std::string>& hints) {
                                  fmt::join(at.needed, ", ")));
     parts_->find_unknown(at, hints);
   }
+  require_none();
+}
+
+void Document::require_none() {
   const std::size_t count = parts_->count;
   if (count == 0) return;
   parts_->keep_first();

@@ -135,6 +135,9 @@ class Document {
   /// that names the first of them. `hints`: for some unknown "section.key" the reason.
   void finish(const std::map<std::string, std::string>& hints);
 
+  /// Throws the faults found so far, if there are any.
+  void require_none();
+
   /// The place of each "section.key" and of each section: "FILE:LINE", or the override.
   std::map<std::string, std::string> places() const;
 

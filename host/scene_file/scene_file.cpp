@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
 #include <memory>
 
@@ -43,6 +44,11 @@ Scene read(Document& document, const std::filesystem::path& file) {
   Scene scene;
   scene.file = file;
   const Reader first = read_section(document, "scene", keys::of_scene(), scene);
+  const bool has_kind =
+      std::any_of(scene_kinds.words.begin(), scene_kinds.words.end(),
+                  [&](const auto& word) { return first.says("kind", word.first); });
+  // all other keys depend on it
+  if (first.has("kind") && !has_kind) document.require_none();
   if (scene.kind == SceneKind::areal) {  // which of their keys are required depends on it
     scene.resonator.kind = BodyKind::plate;
     scene.slider.kind = BodyKind::block;

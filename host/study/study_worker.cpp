@@ -36,6 +36,7 @@
 #include "host/run/simulation.hpp"
 #include "host/run/v_rms.hpp"
 #include "host/system/interruption.hpp"
+#include "host/system/machine_memory.hpp"
 #include "kernels/limits.hpp"
 
 namespace ra2d {
@@ -177,7 +178,8 @@ class Worker {
         open_more_files();
         march_on_a_gpu(jobs);
       } else  // each thread by itself: none waits for another before the end
-        side_by_side(std::min(jobs, backend_threads()), [&](int thread) { march(thread, 1, {}); });
+        side_by_side(std::min({jobs, backend_threads(), runs_in_memory()}),
+                     [&](int thread) { march(thread, 1, {}); });
       clerk.rethrow();
     }
     ledger_.sync();
@@ -187,6 +189,14 @@ class Worker {
   }
 
  private:
+  /// Runs of areal scenes that the memory holds side by side: at least one, which is refused by
+  /// itself where it is too large.
+  int runs_in_memory() const {
+    if (!(census_.most_memory > 0)) return std::numeric_limits<int>::max();
+    return static_cast<int>(
+        std::clamp(static_cast<double>(available_memory()) / census_.most_memory, 1.0, 1e6));
+  }
+
   /// Two crews: what one has recorded leaves, and its slots are filled, by all threads of the host,
   /// while the other's runs are marched.
   void march_on_a_gpu(int jobs) {

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "host/system/machine_memory.hpp"
 
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <fstream>
+#include <string>
 
 namespace ra2d {
 
@@ -14,6 +16,18 @@ std::int64_t machine_memory() {
        {"/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"})
     if (std::int64_t limit = 0; std::ifstream(file) >> limit && limit > 0)  // or the word "max"
       most = std::min(most, limit);
+  return most;
+}
+
+std::int64_t available_memory() {
+  std::int64_t most = machine_memory();
+  std::ifstream system("/proc/meminfo");
+  for (std::string word; system >> word;)
+    if (std::int64_t kibibytes = 0; word == "MemAvailable:" && system >> kibibytes)
+      most = std::min(most, 1024 * kibibytes);
+  rlimit limit{};
+  if (getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY)
+    most = std::min(most, static_cast<std::int64_t>(limit.rlim_cur));
   return most;
 }
 

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "host/model/areal_size.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "host/base/errors.hpp"
+#include "host/base/format.hpp"
+#include "host/surface/random_map.hpp"
+
+namespace ra2d {
+namespace {
+
+constexpr double program_memory = 100e6;  // bytes: the program, samples on their way to the file
+
+}  // namespace
+
+double nodes_along(const Scene& scene) {
+  return std::round(scene.slider.length / scene.spacing) + 1;
+}
+
+double last_node(const Scene& scene) {
+  return std::ceil((scene.start + scene.speed * scene.duration) / scene.spacing - 1e-9) +
+         nodes_along(scene) - 1;
+}
+
+double areal_memory(const Scene& scene) {
+  // of a node of the slider: lists of groups, its place among the expanded nodes
+  constexpr double lists = 12;  // bytes
+  const double rows = map_rows(scene.slider.width, scene.spacing_y.value_or(scene.spacing));
+  const double along = nodes_along(scene), reach = last_node(scene) + 1;
+  const double behind = std::floor(scene.start / scene.spacing);
+  const double maps = along + reach, tables = along + (reach - behind) + along;
+  return program_memory + rows * (sizeof(double) * (maps + tables) + lists * along);
+}
+
+void require_areal_memory(const Scene& scene, double available) {
+  const double needed = areal_memory(scene);
+  if (needed <= available) return;
+  std::string cure = "a smaller slider, or a shorter way";
+  if (available > 1.5 * program_memory) {
+    const double coarser =
+        scene.spacing * std::sqrt((needed - program_memory) / (available - program_memory));
+    cure = fmt::format("scene.spacing = {:.2g} or more, a smaller slider, or a shorter way",
+                       coarser * 1.05);
+  }
+  throw refusal(
+      scene, "scene.spacing",
+      fmt::format("{:g} m: the maps and their tables take {:.3g} GB of memory, and {:.3g} "
+                  "GB are free: expected {}",
+                  scene.spacing, needed * 1e-9, available * 1e-9, cure));
+}
+
+}  // namespace ra2d

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include "host/scene/scene.hpp"
+
+/// How large an areal scene is, from its keys alone.
+namespace ra2d {
+
+/// Nodes of the slider in a row of an areal scene.
+double nodes_along(const Scene& scene);
+
+/// The last node of the resonator that the slider comes to.
+double last_node(const Scene& scene);
+
+/// Memory that a run of an areal scene takes at its peak [bytes], about: maps, their tables, lists
+/// of nodes.
+double areal_memory(const Scene& scene);
+
+/// Throws RequestError where a run would take more than `available` bytes, with the spacing that
+/// would do.
+void require_areal_memory(const Scene& scene, double available);
+
+}  // namespace ra2d
