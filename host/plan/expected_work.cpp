@@ -3,11 +3,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "host/body/body.hpp"
+#include "host/model/areal_size.hpp"
 #include "host/model/model.hpp"
+#include "host/plan/point_contacts.hpp"
 #include "host/plan/step_costs.hpp"
 #include "host/scene/schemes.hpp"
+#include "host/surface/random_profile.hpp"
 
 namespace ra2d {
 namespace {
@@ -24,6 +28,25 @@ double strides_a_second(const Scene& scene, double highest, double nodes_in_cont
   return a_crossing * scene.speed / scene.spacing + step_costs::steps_a_radian * radians;
 }
 
+/// Nodes in contact between random maps that share the load in three places; three without a load.
+double touching_on_maps(const Scene& scene) {
+  constexpr double contacts = 3;
+  const BodySpec& slider = scene.slider;
+  double square = 0;  // 1/m^2, of the curvatures of both faces: 12 rq^2/l^4 along each axis
+  for (const BodySpec* body : {&scene.resonator, &slider})
+    if (body->surface.kind == SurfaceKind::gaussian)
+      square +=
+          12 * std::pow(body->surface.rq, 2) *
+          std::pow(M_PI * std::numbers::sqrt2 / resolve_random(body->surface, body->length).rsm, 4);
+  const double mass = slider.density * slider.length * slider.width * slider.thickness;
+  const double load = load_force(slider, mass);
+  if (!(square > 0) || !(load > 0) || scene.contact.law != ContactLaw::penalty) return contacts;
+  const double width =
+      width_on_springs(scene.contact.stiffness, 1 / std::sqrt(square), load / contacts);
+  const double area = scene.spacing * scene.spacing_y.value_or(scene.spacing);
+  return contacts * std::max(1.0, M_PI / 4 * width * width / area);
+}
+
 }  // namespace
 
 ExpectedWork expected_work(const Scene& scene, double contact_width) {
@@ -36,28 +59,34 @@ ExpectedWork expected_work(const Scene& scene, double contact_width) {
   };
   const double modes = modes_of(scene.resonator) + modes_of(scene.slider);
   const double wide = std::max(1.0, modes / step_costs::counted_modes);
-  const double rows = scene.kind == SceneKind::areal
-                          ? scene.slider.width / scene.spacing_y.value_or(scene.spacing)
-                          : 1;
+  const bool areal = scene.kind == SceneKind::areal;
+  const double rows = areal ? scene.slider.width / scene.spacing_y.value_or(scene.spacing) : 1;
   const double nodes = rows * scene.slider.length / scene.spacing;
   const auto forces = static_cast<double>(scene.resonator.moving_forces.size());
   const bool smooth = scene.faces == Faces::smooth;
   // nodes, or cells, that a contact is wide
-  const double touching = std::max(1.0, contact_width / scene.spacing + (smooth ? 1.0 : 0.0));
+  const double touching = areal
+                              ? step_costs::row_contacts * touching_on_maps(scene)
+                              : std::max(1.0, contact_width / scene.spacing + (smooth ? 1.0 : 0.0));
 
   ExpectedWork work;
   work.readiness =
       ns * (step_costs::readiness +
-            step_costs::surface_node * (rows * scene.resonator.length / scene.spacing + nodes));
-  if (scene.initial == Initial::statics)
+            step_costs::surface_node *
+                (areal ? rows * last_node(scene) : scene.resonator.length / scene.spacing) +
+            step_costs::surface_node * nodes);
+  if (scene.initial == Initial::statics && !areal)
     work.readiness += ns * step_costs::balanced_node * nodes * std::max(8.0, modes);
+  const double node =
+      areal ? step_costs::row_node + step_costs::row_node_mode * modes : step_costs::node;
   if (is_adaptive(scene)) {
     const double highest = std::max(highest_of(scene.resonator), highest_of(scene.slider));
     const int terms = series_order(scene.time.tolerance.value_or(usual_tolerance));
     work.strides = 1 + scene.duration * strides_a_second(scene, highest, touching);
-    const double all_nodes = scene.time.nodes == Nodes::all ? 4 * step_costs::node * nodes : 0.0;
+    const double all_nodes = scene.time.nodes == Nodes::all ? 4 * node * nodes : 0.0;
     const double step = (smooth ? step_costs::smooth_step : terms * step_costs::order) *
-                        (1 + step_costs::usual_more_share * (touching - 1));
+                        (areal ? step_costs::row_step + step_costs::row_share * touching
+                               : 1 + step_costs::usual_more_share * (touching - 1));
     work.march =
         ns * (work.strides *
                   (wide * (step + terms * forces * step_costs::travelling_force) + all_nodes) +
@@ -68,9 +97,6 @@ ExpectedWork expected_work(const Scene& scene, double contact_width) {
   const bool held = holds_forces(scene);
   const int stages = scheme_table(scene.time.scheme).stages;
   const int evaluations = held ? 2 : stages;  // held: without and with the contact's force
-  const double node = scene.kind == SceneKind::areal
-                          ? step_costs::row_node + step_costs::row_node_mode * modes
-                          : step_costs::node;
   const double all_nodes = scene.time.nodes == Nodes::all ? evaluations * node * nodes : 0.0;
   const bool new_force = held && scene.contact.law == ContactLaw::penalty;
   const double in_contact =

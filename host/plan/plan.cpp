@@ -9,6 +9,7 @@
 
 #include "host/analysis/sound_pressure.hpp"
 #include "host/base/format.hpp"
+#include "host/model/areal_size.hpp"
 #include "host/model/bounds.hpp"
 #include "host/plan/step_costs.hpp"
 #include "host/scene/names.hpp"
@@ -22,6 +23,14 @@ namespace {
 /// start. Fixed steps may come to look at all of them, where bodies are thrown about or lie flat on
 /// one another.
 constexpr int usual_many = 32, touching_factor = 4;
+
+/// Of areal scenes with a start in contact, as many as touch there: the more of them there are, the
+/// less do they vary.
+int many_nodes_of(const Model& model, int touching) {
+  if (model.is_areal && touching > 0) return touching;
+  if (!is_adaptive(model.scene)) return model.nodes();
+  return std::min(model.nodes(), std::max(usual_many, touching_factor * touching));
+}
 
 int modes_of(const Model& model) {
   return static_cast<int>(model.resonator.modes.size() + model.slider.modes.size());
@@ -105,6 +114,12 @@ double travelling_forces_ns(const Model& model) {
          static_cast<double>(model.scene.resonator.moving_forces.size());
 }
 
+/// Nanoseconds of the evaluation of a node where every node is.
+double node_ns_of(const Model& model) {
+  return model.is_areal ? step_costs::row_node + step_costs::row_node_mode * modes_of(model)
+                        : step_costs::node;
+}
+
 /// Of a scheme of fixed steps: what holds, how many there are, and what they cost.
 void plan_steps(const Model& model, const JoinedModes& place, Plan& plan) {
   const Scene& scene = model.scene;
@@ -118,11 +133,8 @@ void plan_steps(const Model& model, const JoinedModes& place, Plan& plan) {
   const bool held = holds_forces(scene);
   const int stages = scheme_table(scene.time.scheme).stages;
   const int evaluations = held ? 2 : stages;  // held: without and with the contact's force
-  const double node_ns = model.is_areal
-                             ? step_costs::row_node + step_costs::row_node_mode * modes_of(model)
-                             : step_costs::node;
   const double evaluation_ns =
-      scene.time.nodes == Nodes::all ? evaluations * node_ns * model.nodes() : 0.0;
+      scene.time.nodes == Nodes::all ? evaluations * node_ns_of(model) * model.nodes() : 0.0;
   const bool springs = scene.contact.law == ContactLaw::penalty;
   const double one_ns = model.has_smooth_faces()              ? (!held     ? stages * step_costs::cells
                                                                  : springs ? step_costs::new_cells
@@ -158,7 +170,7 @@ void plan_strides(const Model& model, double omega_c, Plan& plan) {
   const double crossings = scene.speed / scene.spacing;  // a second
   // overlaps and their rates, at the end of a step and often at its beginning
   const double evaluation_ns =
-      scene.time.nodes == Nodes::all ? 4 * step_costs::node * model.nodes() : 0.0;
+      scene.time.nodes == Nodes::all ? 4 * node_ns_of(model) * model.nodes() : 0.0;
   const double wide = width_of(model), order = wide * step_costs::order;
   const double flight = wide * step_costs::leap + evaluation_ns,
                drive = (order + travelling_forces_ns(model)) * n + evaluation_ns;
@@ -168,6 +180,11 @@ void plan_strides(const Model& model, double omega_c, Plan& plan) {
   const bool smooth = model.has_smooth_faces();
   const double step = smooth ? wide * step_costs::smooth_step : order * n;
   const auto pressed = [&](int nodes) {
+    if (model.is_areal) {
+      const double touching = nodes > 1 ? step_costs::row_contacts * nodes : 1;
+      return step_costs::row_steps * (fastest / theta + crossings * touching) *
+             (step * (step_costs::row_step + step_costs::row_share * touching) + evaluation_ns);
+    }
     const double omega = omega_c * std::sqrt(nodes);  // their springs side by side
     return ((smooth ? 0.0 : crossings) + std::max(fastest, omega) / theta + 2 * omega / M_PI) *
            (step + travelling_forces_ns(model) * n + evaluation_ns +
@@ -341,6 +358,22 @@ std::string asperities_text(const Scene& scene, const Asperities& a) {
                     scene.contact.is_hertz ? ", as here," : ",", a.hertz);
 }
 
+/// The contacts of an areal scene, by Hertz and on the scene's springs.
+std::string points_text(const Model& model, const Plan& plan) {
+  const PointContacts& p = plan.points;
+  if (p.radius == 0) return {};
+  const Scene& scene = model.scene;
+  return fmt::format(
+      "contacts   {} at the start, {:.2g} N each, on summits of {:.2g} mm radius (E* = {:.3g} "
+      "GPa); "
+      "by\n           Hertz {:.2g} N/m and {:.2g} um wide: contact.stiffness = {:.2g} makes it as "
+      "stiff\n           on contact.stiffness = {:.2g} Pa/m they are {:.2g} um wide, {:.2g} "
+      "spacings\n",
+      p.contacts, p.load, p.radius * 1e3, p.modulus * 1e-9, p.hertz.stiffness,
+      2e6 * p.hertz.half_width, p.hertz.kappa, scene.contact.stiffness, p.width * 1e6,
+      p.width / std::max(scene.spacing, model.spacing_y));
+}
+
 /// A line a choice: how far off it makes the answer, and what it costs.
 std::string choices_text(const Scene& scene, const Plan& plan) {
   if (plan.faces.list.empty()) return {};
@@ -376,12 +409,13 @@ std::string choices_text(const Scene& scene, const Plan& plan) {
                                    set_words(*best)));
 }
 
-std::string cost_text(const Plan& plan) {
+std::string cost_text(const Model& model, const Plan& plan) {
   std::string text =
       fmt::format("cost       {} without contact to {} with a node always in contact",
                   seconds_text(plan.seconds_free), seconds_text(plan.seconds_one));
   if (plan.many_nodes > 1)
-    text += fmt::format(",\n           at worst {} with {} at once",
+    text += fmt::format(",\n           {} {} with {} at once",
+                        model.is_areal && plan.many_nodes == plan.touching ? "about" : "at worst",
                         seconds_text(plan.seconds_many), plan.many_nodes);
   return text + fmt::format(" ({} touch{} at the start); of one core, estimated\n", plan.touching,
                             plan.touching == 1 ? "es" : "");
@@ -531,10 +565,9 @@ Plan make_plan(const Model& model, std::size_t memory, const ModalStart& start) 
   Plan plan;
   plan.touching = touching;
   plan.asperities = asperities_of(model, start);
+  plan.points = point_contacts_of(model, start);
   plan.faces = choose_faces(model, plan.asperities);
-  plan.many_nodes = is_adaptive(scene)
-                        ? std::min(model.nodes(), std::max(usual_many, touching_factor * touching))
-                        : model.nodes();
+  plan.many_nodes = many_nodes_of(model, touching);
   plan.resonator = plan_body(model.resonator, scene.resonator,
                              static_cast<int>(model.resonator_height.size()), scene);
   plan.slider = plan_body(model.slider, scene.slider, model.nodes(), scene);
@@ -551,6 +584,7 @@ Plan make_plan(const Model& model, std::size_t memory, const ModalStart& start) 
   else
     plan_steps(model, place, plan);
   plan.memory = memory;
+  if (model.is_areal) plan.memory = std::max(memory, static_cast<std::size_t>(areal_memory(scene)));
   plan.file = result_bytes(model);
 
   if (model.slider.modes.empty() && model.slider.load_force != 0.0)
@@ -593,7 +627,7 @@ std::string describe(const Model& model, const Plan& plan) {
         model.has_smooth_faces() ? "whole cell" : "node", seconds_text(plan.contact_period));
   else
     text += "contact    multiplier: each step ends without penetration; no spring\n";
-  text += asperities_text(scene, plan.asperities);
+  text += asperities_text(scene, plan.asperities) + points_text(model, plan);
   text += choices_text(scene, plan);
   const bool adaptive = is_adaptive(scene);
   text += adaptive ? adaptive_text(scene) : steps_text(scene, plan) + stability_text(scene, plan);
@@ -603,10 +637,11 @@ std::string describe(const Model& model, const Plan& plan) {
                           : "the nodes that can touch; the others are proven apart (time.nodes = "
                             "\"candidates\")");
   text += ringing_text(scene, plan.slowest);
-  text += cost_text(plan);
-  text +=
-      fmt::format("memory     {}, whatever the duration; file {}, {} samples\n",
-                  size_text(static_cast<double>(plan.memory)), size_text(plan.file), plan.samples);
+  text += cost_text(model, plan);
+  text += fmt::format("memory     {}{}; file {}, {} samples\n",
+                      size_text(static_cast<double>(plan.memory)),
+                      model.is_areal ? ", with both maps" : ", whatever the duration",
+                      size_text(plan.file), plan.samples);
   text += sound_text(plan.sound);
   for (const std::string& note : plan.notes) text += "note       " + note + "\n";
   return text;

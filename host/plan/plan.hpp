@@ -7,6 +7,7 @@
 
 #include "host/plan/asperities.hpp"
 #include "host/plan/face_choices.hpp"
+#include "host/plan/point_contacts.hpp"
 #include "host/plan/stability.hpp"
 
 /// The model of a scene before it is run: modes, nodes, step, limits of stability, cost.
@@ -55,9 +56,11 @@ struct Plan {
   double seconds_free = 0, seconds_one = 0, seconds_many = 0;
   int many_nodes = 0, touching = 0;
   Asperities asperities;
+  PointContacts points;  // of areal scenes
   FaceChoices faces;
-  std::size_t memory = 0;  // bytes on the device, for tables and buffers
-  double file = 0;         // bytes, without the shocks
+  // bytes on the device, for tables and buffers; of areal scenes on a CPU all that a run takes
+  std::size_t memory = 0;
+  double file = 0;  // bytes, without the shocks
   SoundPlan sound;
   std::vector<std::string> notes;  // what a user may not expect
 };

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
+
 #include "host/base/quiet_nan.hpp"
 #include "host/plan/plan.hpp"
 #include "host/scene/names.hpp"
@@ -62,6 +64,20 @@ Json asperities_json(const Scene& scene, const Asperities& a) {
           {"by_material", contact_json(a.material)},
           {"by_contact_stiffness",
            scene.contact.law == ContactLaw::penalty ? contact_json(a.springs) : Json()}};
+}
+
+Json points_json(const Scene& scene, const PointContacts& points) {
+  if (points.radius == 0) return {};
+  return {{"modulus", points.modulus},
+          {"radius", points.radius},
+          {"contacts", points.contacts},
+          {"load", points.load},
+          {"hertz_width", 2 * points.hertz.half_width},
+          {"hertz_contact_stiffness", points.hertz.stiffness},
+          {"hertz_stiffness", points.hertz.kappa},
+          {"width", points.width},
+          {"width_in_spacings",
+           points.width / std::max(scene.spacing, scene.spacing_y.value_or(scene.spacing))}};
 }
 
 Json choice_json(const FaceChoice& choice) {
@@ -134,6 +150,7 @@ std::string plan_json(const Model& model, const Plan& plan) {
         {"node_stiffness", spring ? model.node_stiffness : quiet_nan},
         {"shock_duration", unless_zero(plan.contact_period)}}},
       {"asperities", asperities_json(scene, plan.asperities)},
+      {"point_contacts", points_json(scene, plan.points)},
       {"faces", faces_json(scene, plan)},
       {"time", time_json(scene, plan)},
       {"ringing",

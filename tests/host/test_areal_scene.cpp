@@ -467,6 +467,15 @@ const std::vector<ArealRefused> areal_refused{
 INSTANTIATE_TEST_SUITE_P(Each, ArealRefuses, testing::ValuesIn(areal_refused),
                          [](const auto& info) { return info.param.name; });
 
+TEST(ArealScene, AMistypedKindIsTheOnlyFault) {
+  for (const char* kind : {"arial", "Areal", ""})
+    EXPECT_THAT(refusal_of({std::string("scene.kind=\"") + kind + '"'}),
+                AllOf(testing::StartsWith("areal.toml: 1 fault\n"), HasSubstr("scene.kind"),
+                      HasSubstr("\"plane\" or \"areal\"")))
+        << kind;
+  EXPECT_THAT(refusal_of({"scene.kind=3"}), testing::StartsWith("areal.toml: 1 fault\n"));
+}
+
 /// Keys of areal scenes in a plane one.
 TEST(ArealScene, PlaneScenesRefuseItsKeys) {
   const auto refused = [](const std::string& change) -> std::string {
@@ -541,6 +550,11 @@ TEST_F(ArealProgram, PlansWhatItWouldModel) {
   EXPECT_TRUE(plan["slider"]["next_frequency"].is_null());
   EXPECT_TRUE(plan["asperities"].is_null());
   EXPECT_TRUE(plan["faces"].is_null());
+  const Json& points = plan["point_contacts"];
+  EXPECT_NEAR(points["load"].get<double>() * points["contacts"].get<double>(), 1.0, 1e-12);
+  EXPECT_GT(points["hertz_stiffness"], 0);
+  EXPECT_NEAR(points["width_in_spacings"], points["width"].get<double>() / 2e-4, 1e-9);
+  EXPECT_GT(plan["memory_bytes"], 1e8);
   EXPECT_GE(plan["cost"]["touching_at_start"], 3);  // a free block stands on three
 }
 
@@ -593,7 +607,7 @@ TEST_F(ArealProgram, AnalyzesAndRefusesWhatItHasNot) {
        {std::vector<std::string>{"analyze", "a.h5", "--power"},
         {"analyze", "a.h5", "--at", "0.1,0.1,1"},
         {"plan", "s.toml", "--accuracy", "0.1"},
-        {"uncertainty", "s.toml"},
+        {"uncertainty", "s.toml", "--set", "slider.surface={kind=\"file\",path=\"s.toml\"}"},
         {"chart", "stability", "s.toml"},
         {"chart", "accuracy", "s.toml"}}) {
     const test::Ended ended = run(words);

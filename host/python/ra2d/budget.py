@@ -218,6 +218,23 @@ def _other_step(what: Scene, step: float) -> tuple[str, dict[str, Any]]:
     return "half", {"time.step": step / 2}
 
 
+def _with_modes(complete: Mapping[str, Any], bodies: list[str], times: float) -> dict[str, Any]:
+    """The keys of the bodies' numbers of modes, with so many times as many."""
+    modes: dict[str, Any] = {f"{body}.max_frequency": times * complete[body]["max_frequency"]
+                             for body in bodies if "max_frequency" in complete[body]}
+    return modes | {f"{body}.modes": math.ceil(times * complete[body]["modes"])
+                    for body in bodies if "modes" in complete[body]}
+
+
+def _is_taken(what: Scene, changed: Mapping[str, Any]) -> bool:
+    """Whether the program takes the scene with these values."""
+    try:
+        what.change(changed).plan()
+    except RequestError:
+        return False
+    return True
+
+
 def _cases(what: Scene, complete: Mapping[str, Any]) -> dict[str, tuple[str, dict[str, Any]]]:
     """Each source: what is done to it, and the keys with their other values."""
     time, contact = complete["time"], complete["contact"]
@@ -226,13 +243,14 @@ def _cases(what: Scene, complete: Mapping[str, Any]) -> dict[str, tuple[str, dic
         cases["tolerance"] = ("a tenth", {"time.tolerance": max(time.get("tolerance", 1e-8) / 10, 1e-13)})
     else:
         cases["step"] = _other_step(what, time["step"])
-    cases["spacing"] = ("half", {"scene.spacing": complete["scene"]["spacing"] / 2})
+    spacings = ("spacing", "spacing_y") if "spacing_y" in complete["scene"] else ("spacing",)
+    cases["spacing"] = ("half", {f"scene.{key}": complete["scene"][key] / 2 for key in spacings})
     bodies = [body for body in ("resonator", "slider") if complete[body]["support"] != "rigid"]
-    modes: dict[str, Any] = {f"{body}.max_frequency": 1.5 * complete[body]["max_frequency"]
-                             for body in bodies if "max_frequency" in complete[body]}
-    modes |= {f"{body}.modes": math.ceil(1.5 * complete[body]["modes"]) for body in bodies if "modes" in complete[body]}
+    modes = _with_modes(complete, bodies, 1.5)
     if modes:
         cases["modes"] = ("half as many more", modes)
+        if complete["scene"].get("kind") == "areal" and not _is_taken(what, modes):  # a plate has many
+            cases["modes"] = ("a third fewer", _with_modes(complete, bodies, 2 / 3))
     if contact["law"] == "penalty" and not isinstance(contact["stiffness"], str):
         cases["stiffness"] = ("twice", {"contact.stiffness": 2 * contact["stiffness"]})
     return cases

@@ -195,6 +195,9 @@ def of_scene(what: Scene, complete: Mapping[str, Any], count: int, folder: pathl
             by_body.append([Face(f"seed {face['seed'] + NEXT_SEED * k}", f"{body}.surface.seed",
                                  face["seed"] + NEXT_SEED * k) for k in range(count)])
         elif is_measured(face):
+            if complete["scene"].get("kind") == "areal":
+                raise RequestError(f"{body}.surface: other stretches of a measured map are not built yet for areal "
+                                   "scenes: expected random faces, or ra2d.study with other files or offset_x")
             measured = _measured(complete, body)
             heights = np.asarray(measured.face.heights(measured.length, measured.spacing).values)
             if np.ptp(heights) == 0:  # as flat as a face that is not measured

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Results of areal scenes: maps, numbers of half waves, and what is not there."""
+import re
+
 import numpy as np
 import pytest
 
@@ -53,3 +55,21 @@ def test_pictures_are_drawn(areal, what):
 def test_results_are_compared(areal, folder):
     other = ra2d.run(areal.scene.change(speed=0.2), output=folder / "faster.h5", show=False)
     assert ra2d.compare(areal, other).scene.index.tolist() == ["scene.speed"]
+
+
+def test_uncertainty_takes_other_seeds_and_halves_both_spacings(areal, folder):
+    scene = areal.scene.change(duration=0.002, spacing_y=1.5e-4)
+    budget = ra2d.uncertainty(scene, seeds=2, folder=folder / "budget", show=False)
+    assert budget.table.index.tolist() == ["chance", "tolerance", "spacing", "modes", "stiffness"]
+    assert budget.level.low < budget.level < budget.level.high
+    assert len(set(budget.realisations["slider"])) == 2
+    assert {"scene.spacing", "scene.spacing_y"} <= set(re.findall(r"scene\.\w+", budget.study.attrs["study"]))
+    assert "7.5e-05" in budget.study.attrs["study"]
+
+
+def test_uncertainty_of_measured_maps_is_refused_by_name(areal, folder):
+    np.save(folder / "map.npy", areal.profile("slider").values)
+    measured = areal.scene.change({"slider.surface": {"kind": "file", "path": str(folder / "map.npy"),
+                                                      "spacing": 50e-6, "spacing_y": 50e-6}})
+    with pytest.raises(ra2d.RequestError, match="slider.surface.*areal"):
+        ra2d.uncertainty(measured, seeds=2, folder=folder / "measured", show=False)
