@@ -41,6 +41,15 @@ GROUPS = {
 }
 
 
+# of areal scenes: amplitudes of modes go with the root of the area, forces of nodes with it
+AREAL_SAMPLED = ("time", "resonator/displacement", "resonator/velocity", "contact/force", "energy/kinetic")
+AREAL_GROUPS = {
+    **{name: GROUPS[name] for name in ("heights", "rates", "masses", "thicknesses")},
+    "lengths": ({**on_bodies(length=1, width=1, young=4), **surfaces(rsm=1), LOAD: 2,
+                 **{("scene", key): 1 for key in ("spacing", "spacing_y", "start", "side", "speed")}}, (0, 1, 1, 2, 2)),
+}
+
+
 def changed(scene, powers, factor):
     scene = copy.deepcopy(scene)
     for place, power in powers.items():
@@ -67,8 +76,22 @@ def papers(name, duration, scheme, setting):
     return scene
 
 
+def areal(support, scheme, setting, **time):
+    """A small block on the plate of scenes/areal.toml."""
+    scene = tomllib.loads((common.ROOT / "scenes" / "areal.toml").read_text())
+    scene["scene"].update(duration=2e-3, spacing=1e-4, spacing_y=1.5e-4, side=0.06)
+    scene["slider"].update(support=support, length=5e-3, width=3e-3)
+    if support == "rigid":
+        scene["scene"].update(gap=15e-6, initial="rest")
+    scene["slider"]["load"] = 0.5 if support == "free" else 0.0
+    scene["resonator"]["max_frequency"] = 8e3
+    scene["contact"]["stiffness"] = 1e14
+    scene["time"] = {"scheme": scheme, "tolerance" if scheme == "adaptive" else "step": setting, **time}
+    return scene
+
+
 def results(case, scene):
-    return case.run(scene, *SAMPLED, *OF_SHOCKS)
+    return case.run(scene, *(AREAL_SAMPLED if scene["scene"].get("kind") == "areal" else SAMPLED), *OF_SHOCKS)
 
 
 def apart(first, second, powers, factor):
@@ -107,8 +130,24 @@ def nudged(scene, part):
     return changed(scene, {("slider", "surface", "rq"): 1}, 1 + part)
 
 
+def compare_areal(case):
+    listed = [("free", "adaptive", 1e-9, {}), ("rigid", "backward-euler", 5e-7, {"contact_force": "new"}),
+              ("rigid", "adaptive", 1e-6, {}), ("free", "backward-euler", 5e-7, {}), ("free", "rk4", 2e-7, {"nodes": "all"})]
+    for support, scheme, setting, time in listed[:2] if case.short else listed:
+        base = areal(support, scheme, setting, **time)
+        first = results(case, base)
+        if not len(first[5]):
+            raise SystemExit(f"scaling: nothing touches in the areal scene, {support}: a longer run is needed")
+        groups = {group: twice_of(group) for group in AREAL_GROUPS if not rounds(scheme, group)}
+        same = [apart(first, results(case, changed(base, AREAL_GROUPS[group][0], factor)), AREAL_GROUPS[group][1], factor)[2]
+                for group, factor in groups.items()]
+        case.check(f"areal, {support}, `{scheme}`: groups whose bits differ though nothing rounds", same.count(False), 0.5,
+                   "a power of two rounds nothing")
+
+
 def compare(case):
     rows = []
+    compare_areal(case)
     for kind, (name, duration) in SCENES.items():
         for scheme, setting in (ADAPTIVE, EULER):
             base = papers(name, duration / 4 if case.short else duration, scheme, setting)

@@ -410,6 +410,27 @@ def drawn_scenes():
                                    resonator=below, surfaces=("gaussian", "gaussian"), pace="usual")
 
 
+def areal_scenes():
+    """A small block on the plate of scenes/areal.toml: by every scheme and law, with all nodes, held and free."""
+    small = ["scene.spacing=1e-4", "slider.length=5e-3", "slider.width=4e-3", "resonator.max_frequency=8e3",
+             "contact.stiffness=1e14", "output.rate=1e4"]
+    free = [*small, "slider.load=0.5"]
+    held = [*small, "slider.support=rigid", "slider.load=0", "scene.gap=15e-6", "scene.initial=rest"]
+    for scheme in ("midpoint", "backward-euler", "heun", "rk4", "rk8", "exact"):
+        yield "areal", 3e-3, f"time.scheme={scheme}", "time.step=2e-7", *free
+    for settings in (("time.scheme=explicit-euler", "time.step=1e-8"),
+                     ("time.scheme=backward-euler", "time.contact_force=new", "time.step=5e-7"),
+                     ("time.scheme=midpoint", "contact.law=multiplier", "time.step=2e-7"),
+                     ("time.scheme=backward-euler", "contact.law=multiplier", "time.step=5e-7"),
+                     (), ("time.tolerance=1e-9",), ("time.nodes=all",), ("scene.initial=rest",),
+                     ("time.scheme=rk4", "time.step=2e-7", "time.nodes=all"),
+                     ("scene.side=0.01", "scene.spacing_y=1.5e-4")):
+        yield "areal", 3e-3, *free, *settings
+    for settings in ((), ("time.nodes=all",), ("time.scheme=midpoint", "time.step=2e-7")):
+        yield "areal", 3e-3, *held, *settings
+    yield "areal", 5e-3, *free, "scene.spacing=2e-5"
+
+
 def scenes_of_the_program():
     """Those of scenes/, shortened, and as other schemes and laws take them."""
     flat = ["slider.surface.kind=flat", "resonator.surface.kind=flat"]
@@ -435,6 +456,7 @@ def scenes_of_the_program():
         ("dang2012", 2e-3, "time.scheme=adaptive", "slider.load=5", *flat, 2),
         ("moving-force", 0.005, 0),
         ("moving-force", 0.015, "time.scheme=adaptive", 0),
+        *areal_scenes(),
     ]
     for number, (name, duration, *settings) in enumerate(listed, 1):
         shocks = settings.pop() if settings and isinstance(settings[-1], int) else LEAST_SHOCKS
