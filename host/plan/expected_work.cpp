@@ -83,9 +83,10 @@ ExpectedWork expected_work(const Scene& scene, double contact_width) {
     const double highest = std::max(highest_of(scene.resonator), highest_of(scene.slider));
     const int terms = series_order(scene.time.tolerance.value_or(usual_tolerance));
     work.strides = 1 + scene.duration * strides_a_second(scene, highest, touching);
-    const double all_nodes = scene.time.nodes == Nodes::all ? 4 * node * nodes : 0.0;
+    const double all_nodes = (scene.time.nodes == Nodes::all ? 4 * node * nodes : 0.0) +
+                             (areal ? step_costs::row_groups : 0.0);
     const double step = (smooth ? step_costs::smooth_step : terms * step_costs::order) *
-                        (areal ? step_costs::row_step + step_costs::row_share * touching
+                        (areal ? 1 + step_costs::more_share * touching
                                : 1 + step_costs::usual_more_share * (touching - 1));
     work.march =
         ns * (work.strides *

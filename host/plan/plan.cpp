@@ -32,6 +32,11 @@ int many_nodes_of(const Model& model, int touching) {
   return std::min(model.nodes(), std::max(usual_many, touching_factor * touching));
 }
 
+/// Of so many nodes at the start of an areal scene those that touch on average.
+double usual_of(const Model& model, int nodes) {
+  return std::max(1.0, (model.is_areal ? step_costs::row_contacts : 1.0) * nodes);
+}
+
 int modes_of(const Model& model) {
   return static_cast<int>(model.resonator.modes.size() + model.slider.modes.size());
 }
@@ -136,22 +141,25 @@ void plan_steps(const Model& model, const JoinedModes& place, Plan& plan) {
   const double evaluation_ns =
       scene.time.nodes == Nodes::all ? evaluations * node_ns_of(model) * model.nodes() : 0.0;
   const bool springs = scene.contact.law == ContactLaw::penalty;
-  const double one_ns = model.has_smooth_faces()              ? (!held     ? stages * step_costs::cells
+  const double one_ns = model.is_areal                        ? stages * step_costs::row_stage
+                        : model.has_smooth_faces()            ? (!held     ? stages * step_costs::cells
                                                                  : springs ? step_costs::new_cells
                                                                            : step_costs::cells)
                         : held                                ? step_costs::held
                         : is_semi_implicit(scene.time.scheme) ? step_costs::contact
                                                               : stages * step_costs::stage;
   const double wide = width_of(model);
-  const double each_ns = model.has_smooth_faces()
-                             ? wide * step_costs::cell
-                             : step_costs::more_nodes * std::max(8, modes_of(model));
+  const double each_ns = model.has_smooth_faces() ? wide * step_costs::cell
+                                                  : (model.is_areal ? step_costs::row_more_nodes
+                                                                    : step_costs::more_nodes) *
+                                                        std::max(8, modes_of(model));
   const double moved_ns = stages * travelling_forces_ns(model);
   const double solved_ns = held ? solving_ns(model, plan.many_nodes) : 0.0;
   plan.seconds_free = seconds * (std::max(wide * step_costs::flight, evaluation_ns) + moved_ns);
   plan.seconds_one = seconds * (wide * one_ns + evaluation_ns + moved_ns);
-  plan.seconds_many = seconds * (wide * one_ns + (plan.many_nodes - 1) * evaluations * each_ns +
-                                 evaluation_ns + moved_ns + solved_ns);
+  plan.seconds_many =
+      seconds * (wide * one_ns + (usual_of(model, plan.many_nodes) - 1) * evaluations * each_ns +
+                 evaluation_ns + moved_ns + solved_ns);
 }
 
 /// Of the adaptive scheme: what can be said of its steps before it has made them. One ends where a
@@ -181,9 +189,12 @@ void plan_strides(const Model& model, double omega_c, Plan& plan) {
   const double step = smooth ? wide * step_costs::smooth_step : order * n;
   const auto pressed = [&](int nodes) {
     if (model.is_areal) {
-      const double touching = nodes > 1 ? step_costs::row_contacts * nodes : 1;
-      return step_costs::row_steps * (fastest / theta + crossings * touching) *
-             (step * (step_costs::row_step + step_costs::row_share * touching) + evaluation_ns);
+      const double touching = usual_of(model, nodes);
+      const double omega = omega_c * std::sqrt(touching);
+      return (step_costs::row_steps * (std::max(fastest, omega) / theta + 2 * omega / M_PI) +
+              step_costs::row_crossings * crossings * touching) *
+             (step_costs::row_groups + step * (1 + step_costs::more_share * touching) +
+              evaluation_ns);
     }
     const double omega = omega_c * std::sqrt(nodes);  // their springs side by side
     return ((smooth ? 0.0 : crossings) + std::max(fastest, omega) / theta + 2 * omega / M_PI) *

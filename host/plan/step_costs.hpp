@@ -22,10 +22,14 @@ inline constexpr double cells = 400.0, cell = 70.0, new_cells = 2500.0, cells_ne
 
 // Of the adaptive scheme: a flight; a step with forces, for each order of its series; a sample.
 inline constexpr double leap = 600.0, order = 130.0, sample = 40.0;
-// Of areal scenes, from runs of scenes/areal.toml at spacings of 64 to 8 um: a step over one of a
-// plane scene with as many modes, without nodes in contact and for each of them; steps over those
-// that plan_strides counts; nodes in contact on average, over those of the static start.
-inline constexpr double row_step = 2.0, row_share = 0.5, row_steps = 0.65, row_contacts = 0.7;
+// Of areal scenes, from runs of scenes/areal.toml at spacings of 64 to 8 um. Steps over those that
+// plan_strides counts: by the fastest motion and by nodes that touch or let go; for each node in
+// contact that passes another. What a step looks at beside the nodes in contact. Nodes in contact
+// on average, over those of the static start.
+inline constexpr double row_steps = 0.5, row_crossings = 0.65, row_groups = 25000,
+                        row_contacts = 0.7;
+// Of their fixed steps, a stage in contact; each node more, a mode.
+inline constexpr double row_stage = 270, row_more_nodes = 2.5;
 // Between smooth faces: a step with contact, of sixteen stages.
 inline constexpr double smooth_step = 7500.0;
 // The share of such a step that each node or cell more takes: where all of them touch; and on
