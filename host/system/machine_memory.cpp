@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <string>
 
@@ -25,9 +26,16 @@ std::int64_t available_memory() {
   for (std::string word; system >> word;)
     if (std::int64_t kibibytes = 0; word == "MemAvailable:" && system >> kibibytes)
       most = std::min(most, 1024 * kibibytes);
+  // that limit counts addresses, also those of memory that is never touched
+  constexpr double touched = 0.8;
   rlimit limit{};
-  if (getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY)
-    most = std::min(most, static_cast<std::int64_t>(limit.rlim_cur));
+  std::int64_t pages = 0;
+  if (getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY &&
+      std::ifstream("/proc/self/statm") >> pages) {
+    const auto taken = static_cast<double>(pages * sysconf(_SC_PAGESIZE));
+    const double left = touched * (static_cast<double>(limit.rlim_cur) - taken);
+    most = std::min(most, std::max<std::int64_t>(0, std::llround(left)));
+  }
   return most;
 }
 
